@@ -1,0 +1,127 @@
+//! What a run says along the way: warnings, progress, and whether to stop.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// A stage of a run, in the order a user sees them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[allow(missing_docs)]
+pub enum Stage {
+    Read,
+    Slice,
+    Guide,
+    Fill,
+    Support,
+    Order,
+    Write,
+}
+
+impl Stage {
+    /// Every stage, in order.
+    pub const ALL: [Self; 7] =
+        [Self::Read, Self::Slice, Self::Guide, Self::Fill, Self::Support, Self::Order, Self::Write];
+
+    /// The key of the stage in the JSON report's `stages_s`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Read => "read",
+            Self::Slice => "slice",
+            Self::Guide => "guide",
+            Self::Fill => "fill",
+            Self::Support => "support",
+            Self::Order => "order",
+            Self::Write => "write",
+        }
+    }
+}
+
+/// Where progress goes. Called from any thread, often; must be cheap.
+pub trait Progress: Send + Sync {
+    /// `stage` begins, with `total` steps (0 when unknown).
+    fn begin(&self, stage: Stage, total: usize);
+    /// `n` more steps of the current stage are done.
+    fn advance(&self, n: usize);
+}
+
+/// The run was interrupted by the user.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("interrupted; nothing was written")]
+pub struct Interrupted;
+
+/// Collects warnings from every thread, passes progress on, and carries the wish to stop.
+#[derive(Default)]
+pub struct Diagnostics {
+    warnings: Mutex<Vec<(usize, String)>>,
+    progress: Option<Box<dyn Progress>>,
+    stop: AtomicBool,
+}
+
+impl Diagnostics {
+    /// Reports progress to `progress`.
+    pub fn with_progress(progress: Box<dyn Progress>) -> Self {
+        Self { progress: Some(progress), ..Self::default() }
+    }
+
+    /// Adds a warning that concerns the whole run. The same text is kept once.
+    pub fn warn(&self, text: impl Into<String>) {
+        self.warn_at(0, text);
+    }
+
+    /// Adds a warning with a rank: warnings are listed by rank, then by text, so that the order in which
+    /// threads arrive never shows. Use 1 + the layer's index for what concerns a layer.
+    pub fn warn_at(&self, rank: usize, text: impl Into<String>) {
+        let row = (rank, text.into());
+        let mut rows = self.warnings.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if !rows.contains(&row) {
+            rows.push(row);
+        }
+    }
+
+    /// All warnings so far, in an order that does not depend on threads.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut rows = self.warnings.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
+        rows.sort();
+        rows.into_iter().map(|(_, text)| text).collect()
+    }
+
+    /// Begins a stage of `total` steps.
+    pub fn begin(&self, stage: Stage, total: usize) {
+        if let Some(p) = &self.progress {
+            p.begin(stage, total);
+        }
+    }
+
+    /// Counts `n` steps of the stage as done.
+    pub fn advance(&self, n: usize) {
+        if let Some(p) = &self.progress {
+            p.advance(n);
+        }
+    }
+
+    /// Asks the run to stop at the next check.
+    pub fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// Err once a stop was asked for. Long loops call this once a layer.
+    ///
+    /// # Errors
+    /// [`Interrupted`] after [`Diagnostics::stop`].
+    pub fn check(&self) -> Result<(), Interrupted> {
+        if self.stop.load(Ordering::Relaxed) { Err(Interrupted) } else { Ok(()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warnings_are_sorted_and_kept_once() {
+        let d = Diagnostics::default();
+        d.warn_at(7, "layer 6 is thin");
+        d.warn("unit guessed");
+        d.warn_at(7, "layer 6 is thin");
+        assert_eq!(d.warnings(), ["unit guessed", "layer 6 is thin"]);
+    }
+}

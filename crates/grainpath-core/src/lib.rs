@@ -1,0 +1,21 @@
+//! The vocabulary of grainpath: what passes between its rooms, and the geometry they share.
+//!
+//! Nothing here opens a file, knows a printer or a material, or starts a solver. Lengths are in mm, angles in
+//! radians (`_rad`) except where a name says `_deg`, stresses in MPa. Right-handed axes, Z up, the plate at Z = 0.
+
+pub mod diagnostics;
+pub mod field;
+pub mod layer;
+pub mod math;
+pub mod mesh;
+pub mod poly;
+pub mod toolpath;
+pub mod units;
+
+pub use diagnostics::Diagnostics;
+pub use field::{DirectionField, DirectionSample, UniformField};
+pub use glam::{DVec2, DVec3};
+pub use layer::{Layer, LayerStack};
+pub use mesh::TriMesh;
+pub use poly::{Bounds2, Contour, Polygon, Region};
+pub use toolpath::{BeadWidth, LayerPlan, Plan, PlannedPath, Role, SpeedClass, Toolpath, Travel};

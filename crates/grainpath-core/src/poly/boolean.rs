@@ -1,0 +1,119 @@
+//! Booleans of regions.
+
+use glam::DVec2;
+use i_overlay::core::fill_rule::FillRule as OverlayFill;
+use i_overlay::core::overlay::{IntOverlayOptions, Overlay, ShapeType};
+use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::i_float::int::point::IntPoint;
+
+use super::{Contour, GRID_MM, Polygon, Region};
+
+/// Which points lie inside a set of closed lines that may overlap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FillRule {
+    /// Those around which the lines wind an odd number of times.
+    EvenOdd,
+    /// Those around which they wind at all.
+    NonZero,
+    /// Those around which they wind counter-clockwise more often than clockwise.
+    Positive,
+}
+
+pub(super) type GridPoint = IntPoint<i64>;
+
+pub(super) fn to_grid(p: DVec2) -> GridPoint {
+    GridPoint::new((p.x / GRID_MM).round() as i64, (p.y / GRID_MM).round() as i64)
+}
+
+pub(super) fn from_grid(p: GridPoint) -> DVec2 {
+    DVec2::new(p.x as f64 * GRID_MM, p.y as f64 * GRID_MM)
+}
+
+fn run<'a>(
+    subject: impl IntoIterator<Item = &'a Contour>,
+    clip: impl IntoIterator<Item = &'a Contour>,
+    rule: OverlayRule,
+    fill: OverlayFill,
+    capacity: usize,
+) -> Region {
+    let options = IntOverlayOptions { min_output_area: 0, ..IntOverlayOptions::default() };
+    let mut overlay =
+        Overlay::<i64>::new_custom(capacity, options, i_overlay::core::solver::Solver::default());
+    for c in subject {
+        overlay.add_path_iter(c.iter().map(|&p| to_grid(p)), ShapeType::Subject);
+    }
+    for c in clip {
+        overlay.add_path_iter(c.iter().map(|&p| to_grid(p)), ShapeType::Clip);
+    }
+    let shapes = overlay.overlay(rule, fill);
+    let contour = |c: Vec<GridPoint>| c.into_iter().map(from_grid).collect::<Contour>();
+    let polygon = |shape: Vec<Vec<GridPoint>>| {
+        let mut contours = shape.into_iter().map(contour);
+        contours.next().map(|outer| Polygon { outer, holes: contours.collect() })
+    };
+    Region { polygons: shapes.into_iter().filter_map(polygon).collect() }
+}
+
+impl Region {
+    /// The region that closed lines, which may cross and overlap, enclose under `rule`.
+    pub fn from_contours<'a>(contours: impl IntoIterator<Item = &'a Contour>, rule: FillRule) -> Self {
+        let fill = match rule {
+            FillRule::EvenOdd => OverlayFill::EvenOdd,
+            FillRule::NonZero => OverlayFill::NonZero,
+            FillRule::Positive => OverlayFill::Positive,
+        };
+        run(contours, [], OverlayRule::Subject, fill, 0)
+    }
+
+    fn with(&self, other: &Self, rule: OverlayRule) -> Self {
+        let capacity = self.n_vertices() + other.n_vertices();
+        run(self.contours(), other.contours(), rule, OverlayFill::NonZero, capacity)
+    }
+
+    /// What is in either.
+    pub fn union(&self, other: &Self) -> Self {
+        if self.is_empty() {
+            return other.clone();
+        }
+        if other.is_empty() {
+            return self.clone();
+        }
+        self.with(other, OverlayRule::Union)
+    }
+
+    /// What is in both.
+    pub fn intersection(&self, other: &Self) -> Self {
+        match (self.bounds(), other.bounds()) {
+            (Some(a), Some(b)) if a.meets(b) => self.with(other, OverlayRule::Intersect),
+            _ => Self::default(),
+        }
+    }
+
+    /// What is in this and not in `other`.
+    pub fn difference(&self, other: &Self) -> Self {
+        match (self.bounds(), other.bounds()) {
+            (Some(a), Some(b)) if a.meets(b) => self.with(other, OverlayRule::Difference),
+            _ => self.clone(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(x: f64, y: f64, side: f64) -> Region {
+        Region::rectangle(DVec2::new(x, y), DVec2::new(x + side, y + side))
+    }
+
+    #[test]
+    fn areas_of_two_squares() {
+        let (a, b) = (square(0.0, 0.0, 2.0), square(1.0, 1.0, 2.0));
+        assert!((a.union(&b).area_mm2() - 7.0).abs() < 1e-9);
+        assert!((a.intersection(&b).area_mm2() - 1.0).abs() < 1e-9);
+        assert!((a.difference(&b).area_mm2() - 3.0).abs() < 1e-9);
+        let ring = square(0.0, 0.0, 4.0).difference(&square(1.0, 1.0, 1.0));
+        assert_eq!(ring.polygons[0].holes.len(), 1);
+        assert!(!ring.contains(DVec2::new(1.5, 1.5)) && ring.contains(DVec2::new(3.0, 3.0)));
+    }
+}

@@ -1,0 +1,197 @@
+//! Polygons with holes: booleans, offsets, clipping. The only place that names a clipping library.
+//!
+//! Coordinates are mm as `f64` in every signature. Inside, booleans and offsets run on integers of
+//! [`GRID_MM`], so a result is reproducible to the bit and its vertices lie on that grid.
+
+mod boolean;
+mod clip;
+mod offset;
+mod simplify;
+
+use glam::DVec2;
+
+pub use boolean::FillRule;
+pub use clip::{ClippedLine, LineClipper};
+pub use offset::Join;
+pub use simplify::{simplify_contour, simplify_line};
+
+use crate::math::cross;
+
+/// The grid that booleans and offsets round to, mm.
+pub const GRID_MM: f64 = 1e-4;
+
+/// A closed line without its first point repeated.
+pub type Contour = Vec<DVec2>;
+
+/// An axis-aligned box in the plane, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds2 {
+    /// Lowest corner.
+    pub min: DVec2,
+    /// Highest corner.
+    pub max: DVec2,
+}
+
+impl Bounds2 {
+    /// The box around these points; `None` when there are none.
+    pub fn of(points: impl IntoIterator<Item = DVec2>) -> Option<Self> {
+        let mut points = points.into_iter();
+        let first = points.next()?;
+        let (min, max) = points.fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p)));
+        Some(Self { min, max })
+    }
+
+    /// The smallest box around both.
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The box grown by `d_mm` on every side.
+    pub fn grown(self, d_mm: f64) -> Self {
+        Self { min: self.min - d_mm, max: self.max + d_mm }
+    }
+
+    /// Width and height, mm.
+    pub fn size(self) -> DVec2 {
+        self.max - self.min
+    }
+
+    /// The middle.
+    pub fn centre(self) -> DVec2 {
+        0.5 * (self.min + self.max)
+    }
+
+    /// Whether the boxes share a point.
+    pub fn meets(self, other: Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+}
+
+/// Signed area of a closed line in mm2: positive when it runs counter-clockwise.
+pub fn signed_area_mm2(contour: &[DVec2]) -> f64 {
+    let Some(&origin) = contour.first() else { return 0.0 };
+    // About the first vertex, so that a small contour far from the origin keeps its digits.
+    contour[1..].windows(2).map(|w| cross(w[0] - origin, w[1] - origin)).sum::<f64>() * 0.5
+}
+
+/// Length of a closed line, mm.
+pub fn perimeter_mm(contour: &[DVec2]) -> f64 {
+    edges(contour).map(|(a, b)| a.distance(b)).sum()
+}
+
+/// The edges of a closed line, the closing one last.
+pub fn edges(contour: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
+    let n = contour.len();
+    (0..n).map(move |i| (contour[i], contour[if i + 1 == n { 0 } else { i + 1 }]))
+}
+
+/// Whether `p` is inside the closed lines taken together, by even-odd crossing count; half-open, so that of two
+/// polygons that share an edge exactly one holds a point on it.
+pub fn even_odd_contains<'a>(contours: impl IntoIterator<Item = &'a Contour>, p: DVec2) -> bool {
+    crossings_are_odd(contours.into_iter().flat_map(|c| edges(c)), p)
+}
+
+fn crossings_are_odd(edges: impl Iterator<Item = (DVec2, DVec2)>, p: DVec2) -> bool {
+    let mut inside = false;
+    for (a, b) in edges {
+        if (a.y > p.y) != (b.y > p.y) {
+            let left = cross(b - a, p - a) > 0.0;
+            if left == (b.y > a.y) {
+                inside = !inside;
+            }
+        }
+    }
+    inside
+}
+
+/// One outline, counter-clockwise, and the holes in it, clockwise.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Polygon {
+    /// The outline.
+    pub outer: Contour,
+    /// Lie inside the outline; no two overlap.
+    pub holes: Vec<Contour>,
+}
+
+impl Polygon {
+    /// The outline, then the holes.
+    pub fn contours(&self) -> impl Iterator<Item = &Contour> {
+        std::iter::once(&self.outer).chain(&self.holes)
+    }
+
+    /// Area in mm2, holes taken off.
+    pub fn area_mm2(&self) -> f64 {
+        self.contours().map(|c| signed_area_mm2(c)).sum()
+    }
+
+    /// Length of all contours, mm.
+    pub fn perimeter_mm(&self) -> f64 {
+        self.contours().map(|c| perimeter_mm(c)).sum()
+    }
+
+    /// The box around the outline.
+    pub fn bounds(&self) -> Option<Bounds2> {
+        Bounds2::of(self.outer.iter().copied())
+    }
+
+    /// Whether `p` is inside; see [`even_odd_contains`] for points on an edge.
+    pub fn contains(&self, p: DVec2) -> bool {
+        even_odd_contains(self.contours(), p)
+    }
+}
+
+/// Polygons that do not overlap.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Region {
+    /// In no particular but a reproducible order.
+    pub polygons: Vec<Polygon>,
+}
+
+impl From<Polygon> for Region {
+    fn from(polygon: Polygon) -> Self {
+        Self { polygons: vec![polygon] }
+    }
+}
+
+impl Region {
+    /// An axis-aligned rectangle.
+    pub fn rectangle(min: DVec2, max: DVec2) -> Self {
+        let outer = vec![min, DVec2::new(max.x, min.y), max, DVec2::new(min.x, max.y)];
+        Polygon { outer, holes: Vec::new() }.into()
+    }
+
+    /// Whether there is nothing in it.
+    pub fn is_empty(&self) -> bool {
+        self.polygons.is_empty()
+    }
+
+    /// All contours: each polygon's outline followed by its holes.
+    pub fn contours(&self) -> impl Iterator<Item = &Contour> {
+        self.polygons.iter().flat_map(Polygon::contours)
+    }
+
+    /// Area in mm2, holes taken off.
+    pub fn area_mm2(&self) -> f64 {
+        self.polygons.iter().map(Polygon::area_mm2).sum()
+    }
+
+    /// Length of all contours, mm.
+    pub fn perimeter_mm(&self) -> f64 {
+        self.polygons.iter().map(Polygon::perimeter_mm).sum()
+    }
+
+    /// The box around it; `None` when empty.
+    pub fn bounds(&self) -> Option<Bounds2> {
+        Bounds2::of(self.polygons.iter().flat_map(|p| p.outer.iter().copied()))
+    }
+
+    /// Whether `p` is inside; see [`even_odd_contains`] for points on an edge.
+    pub fn contains(&self, p: DVec2) -> bool {
+        even_odd_contains(self.contours(), p)
+    }
+
+    /// Number of vertices in all contours.
+    pub fn n_vertices(&self) -> usize {
+        self.contours().map(Vec::len).sum()
+    }
+}

@@ -1,0 +1,71 @@
+//! Growing and shrinking regions.
+
+use clipper2_rust as c2;
+use glam::DVec2;
+
+use super::{Contour, FillRule, GRID_MM, Region};
+
+/// How an offset rounds corners it opens.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Join {
+    /// Arcs, as polylines within 0.005 mm.
+    Round,
+    /// Sharp corners, cut where the tip would lie further than this many offsets away.
+    Miter(f64),
+}
+
+/// Largest error of a polyline that stands for an arc, mm.
+const ARC_TOLERANCE_MM: f64 = 0.005;
+/// Vertices closer than this to the line without them are dropped from an offset: repeated offsets stay small.
+const SIMPLIFY_MM: f64 = 0.002;
+
+impl Region {
+    /// Everything within `delta_mm` of the region; for a negative one, what lies deeper than that inside.
+    pub fn offset(&self, delta_mm: f64, join: Join) -> Self {
+        if self.is_empty() || delta_mm == 0.0 {
+            return self.clone();
+        }
+        let to = |p: &DVec2| c2::Point64::new((p.x / GRID_MM).round() as i64, (p.y / GRID_MM).round() as i64);
+        let paths: Vec<Vec<c2::Point64>> = self.contours().map(|c| c.iter().map(to).collect()).collect();
+        let (join, limit) = match join {
+            Join::Round => (c2::JoinType::Round, 2.0),
+            Join::Miter(limit) => (c2::JoinType::Miter, limit),
+        };
+        let grown = c2::inflate_paths_64(
+            &paths,
+            delta_mm / GRID_MM,
+            join,
+            c2::EndType::Polygon,
+            limit,
+            ARC_TOLERANCE_MM / GRID_MM,
+        );
+        let from = |p: &c2::Point64| DVec2::new(p.x as f64 * GRID_MM, p.y as f64 * GRID_MM);
+        let contours: Vec<Contour> = grown.iter().map(|c| c.iter().map(from).collect()).collect();
+        Self::from_contours(&contours, FillRule::NonZero).simplified(SIMPLIFY_MM)
+    }
+
+    /// What a disc of radius `r_mm` that stays inside the region can reach: thin places fall away.
+    pub fn opened(&self, r_mm: f64) -> Self {
+        self.offset(-r_mm, Join::Round).offset(r_mm, Join::Round)
+    }
+
+    /// What a disc of radius `r_mm` that stays outside the region cannot reach: thin gaps close.
+    pub fn closed(&self, r_mm: f64) -> Self {
+        self.offset(r_mm, Join::Round).offset(-r_mm, Join::Round)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_square_shrinks_and_grows() {
+        let square = Region::rectangle(DVec2::ZERO, DVec2::splat(10.0));
+        assert!((square.offset(-1.0, Join::Miter(2.0)).area_mm2() - 64.0).abs() < 1e-6);
+        assert!((square.offset(1.0, Join::Miter(2.0)).area_mm2() - 144.0).abs() < 1e-6);
+        let round = square.offset(1.0, Join::Round).area_mm2();
+        assert!((round - (100.0 + 40.0 + std::f64::consts::PI)).abs() < 0.03, "{round}");
+        assert!(square.offset(-5.1, Join::Round).is_empty());
+    }
+}

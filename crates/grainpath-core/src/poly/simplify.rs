@@ -1,0 +1,79 @@
+//! Dropping vertices that do not matter.
+
+use glam::DVec2;
+
+use super::{Contour, Polygon, Region, signed_area_mm2};
+
+/// Squared distance of `p` from the segment `a`-`b`.
+fn distance2_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    let d = b - a;
+    let len2 = d.length_squared();
+    let t = if len2 > 0.0 { ((p - a).dot(d) / len2).clamp(0.0, 1.0) } else { 0.0 };
+    p.distance_squared(a + t * d)
+}
+
+/// Marks the vertices of `line[lo..=hi]` that Douglas-Peucker keeps, ends excluded.
+fn mark(line: &[DVec2], lo: usize, hi: usize, tolerance2: f64, keep: &mut [bool]) {
+    let mut stack = vec![(lo, hi)];
+    while let Some((lo, hi)) = stack.pop() {
+        let far = (lo + 1..hi)
+            .map(|i| (distance2_to_segment(line[i], line[lo], line[hi]), i))
+            .fold((tolerance2, usize::MAX), |best, d| if d.0 > best.0 { d } else { best });
+        if far.1 != usize::MAX {
+            keep[far.1] = true;
+            stack.push((lo, far.1));
+            stack.push((far.1, hi));
+        }
+    }
+}
+
+/// An open polyline with the vertices dropped that lie within `tolerance_mm` of what remains (Douglas-Peucker).
+/// The ends stay.
+pub fn simplify_line(line: &[DVec2], tolerance_mm: f64) -> Vec<DVec2> {
+    if line.len() < 3 {
+        return line.to_vec();
+    }
+    let mut keep = vec![false; line.len()];
+    (keep[0], keep[line.len() - 1]) = (true, true);
+    mark(line, 0, line.len() - 1, tolerance_mm * tolerance_mm, &mut keep);
+    line.iter().zip(keep).filter_map(|(&p, k)| k.then_some(p)).collect()
+}
+
+/// A closed line simplified likewise; empty when nothing with an area remains.
+pub fn simplify_contour(contour: &[DVec2], tolerance_mm: f64) -> Contour {
+    if contour.len() < 3 {
+        return Vec::new();
+    }
+    // The lexicographically lowest vertex and the one farthest from it are corners of the hull and stay.
+    let least = |a: DVec2, b: DVec2| (a.x, a.y) < (b.x, b.y);
+    let start = (1..contour.len()).fold(0, |s, i| if least(contour[i], contour[s]) { i } else { s });
+    let mut line: Vec<DVec2> = contour[start..].iter().chain(&contour[..=start]).copied().collect();
+    let last = line.len() - 1;
+    let far = (1..last).fold((0.0, 1), |best, i| {
+        let d = line[i].distance_squared(line[0]);
+        if d > best.0 { (d, i) } else { best }
+    });
+    let mut keep = vec![false; line.len()];
+    keep[0] = true;
+    keep[far.1] = true;
+    let tolerance2 = tolerance_mm * tolerance_mm;
+    mark(&line, 0, far.1, tolerance2, &mut keep);
+    mark(&line, far.1, last, tolerance2, &mut keep);
+    let mut kept = keep.into_iter();
+    line.retain(|_| kept.next() == Some(true));
+    if line.len() < 3 || signed_area_mm2(&line) == 0.0 { Vec::new() } else { line }
+}
+
+impl Region {
+    /// The region with the vertices dropped that lie within `tolerance_mm` of what remains. Contours are
+    /// simplified one by one, so two that come closer than the tolerance may touch.
+    pub fn simplified(&self, tolerance_mm: f64) -> Self {
+        let polygon = |p: &Polygon| {
+            let outer = simplify_contour(&p.outer, tolerance_mm);
+            let holes =
+                p.holes.iter().map(|h| simplify_contour(h, tolerance_mm)).filter(|h| !h.is_empty()).collect();
+            (!outer.is_empty()).then_some(Polygon { outer, holes })
+        };
+        Self { polygons: self.polygons.iter().filter_map(polygon).collect() }
+    }
+}

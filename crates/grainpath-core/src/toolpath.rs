@@ -1,0 +1,226 @@
+//! The third waist: paths of beads, in printing order, in part coordinates.
+
+use glam::{DVec2, DVec3};
+
+use crate::units::bead_area_mm2;
+
+/// What a bead is for. The names in G-code are those existing viewers colour by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Role {
+    /// The wall one sees.
+    OuterWall,
+    /// Any wall behind it.
+    InnerWall,
+    /// A single bead where two walls do not fit.
+    ThinWall,
+    /// A single bead of varying width between walls, or between walls and fill.
+    GapFill,
+    /// Dense fill not seen from outside, and the lowest layers.
+    SolidFill,
+    /// Dense fill seen from above.
+    TopSkin,
+    /// Fill of less than full density.
+    SparseFill,
+    /// Fill over air.
+    Bridge,
+    /// Loops around the part that start the flow.
+    Skirt,
+    /// Loops around the part that hold it down.
+    Brim,
+    /// Support.
+    Support,
+    /// The layers of the support that touch the part.
+    SupportInterface,
+}
+
+impl Role {
+    /// Every role.
+    pub const ALL: [Self; 12] = [
+        Self::OuterWall,
+        Self::InnerWall,
+        Self::ThinWall,
+        Self::GapFill,
+        Self::SolidFill,
+        Self::TopSkin,
+        Self::SparseFill,
+        Self::Bridge,
+        Self::Skirt,
+        Self::Brim,
+        Self::Support,
+        Self::SupportInterface,
+    ];
+
+    /// The name after `;TYPE:` in G-code, as PrusaSlicer writes it.
+    pub const fn gcode_name(self) -> &'static str {
+        match self {
+            Self::OuterWall => "External perimeter",
+            Self::InnerWall => "Perimeter",
+            Self::ThinWall => "Thin wall",
+            Self::GapFill => "Gap fill",
+            Self::SolidFill => "Solid infill",
+            Self::TopSkin => "Top solid infill",
+            Self::SparseFill => "Internal infill",
+            Self::Bridge => "Bridge infill",
+            Self::Skirt => "Skirt",
+            Self::Brim => "Brim",
+            Self::Support => "Support material",
+            Self::SupportInterface => "Support material interface",
+        }
+    }
+
+    /// Whether the bead is a wall of the part.
+    pub const fn is_wall(self) -> bool {
+        matches!(self, Self::OuterWall | Self::InnerWall | Self::ThinWall)
+    }
+
+    /// Whether the bead is part of what was asked for, not skirt, brim or support.
+    pub const fn is_part(self) -> bool {
+        !matches!(self, Self::Skirt | Self::Brim | Self::Support | Self::SupportInterface)
+    }
+}
+
+/// Which of the process's speeds a path is printed at, where its role does not decide alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum SpeedClass {
+    /// The speed of the path's role.
+    #[default]
+    Normal,
+    /// A wall around a small hole or island.
+    SmallWall,
+    /// A wall that hangs over air.
+    Overhang,
+    /// Over air, as bridges are printed.
+    Bridge,
+}
+
+/// Bead width along a path, mm.
+#[derive(Debug, Clone, PartialEq)]
+pub enum BeadWidth {
+    /// The same all along.
+    Constant(f64),
+    /// One per vertex; linear between vertices.
+    PerVertex(Vec<f64>),
+}
+
+/// A polyline along the middle of a bead.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Toolpath {
+    /// The centreline, mm, part coordinates. A closed path does not repeat its first point.
+    pub points: Vec<DVec2>,
+    /// Full width of the bead.
+    pub width: BeadWidth,
+    /// Material laid per bead, as a factor of the stadium's section (bridges may be thinner than they are wide).
+    pub flow: f64,
+    /// What the bead is for.
+    pub role: Role,
+    /// How fast it is printed.
+    pub speed: SpeedClass,
+    /// Whether the last point joins the first.
+    pub closed: bool,
+}
+
+impl Toolpath {
+    /// A path of one width at its role's normal speed.
+    pub fn new(points: Vec<DVec2>, width_mm: f64, role: Role, closed: bool) -> Self {
+        let width = BeadWidth::Constant(width_mm);
+        Self { points, width, flow: 1.0, role, speed: SpeedClass::Normal, closed }
+    }
+
+    /// Width at vertex `i`, mm. For a closed path `i` may be the number of points: the first again.
+    pub fn width_at(&self, i: usize) -> f64 {
+        match &self.width {
+            BeadWidth::Constant(w) => *w,
+            BeadWidth::PerVertex(w) => w[i % w.len()],
+        }
+    }
+
+    /// Number of straight segments.
+    pub fn n_segments(&self) -> usize {
+        if self.closed { self.points.len() } else { self.points.len().saturating_sub(1) }
+    }
+
+    /// Segment `i`: its two ends and the mean width along it.
+    pub fn segment(&self, i: usize) -> (DVec2, DVec2, f64) {
+        let j = (i + 1) % self.points.len();
+        (self.points[i], self.points[j], 0.5 * (self.width_at(i) + self.width_at(j)))
+    }
+
+    /// Length of the centreline, mm.
+    pub fn length_mm(&self) -> f64 {
+        (0..self.n_segments()).map(|i| self.segment(i)).map(|(a, b, _)| a.distance(b)).sum()
+    }
+
+    /// Volume laid in a layer of this height, mm3.
+    pub fn volume_mm3(&self, height_mm: f64) -> f64 {
+        let segments = (0..self.n_segments()).map(|i| self.segment(i));
+        segments.map(|(a, b, w)| a.distance(b) * bead_area_mm2(w, height_mm)).sum::<f64>() * self.flow
+    }
+
+    /// Where printing starts.
+    pub fn start(&self) -> DVec2 {
+        self.points[0]
+    }
+
+    /// Where printing ends: the start again for a closed path.
+    pub fn end(&self) -> DVec2 {
+        if self.closed { self.points[0] } else { self.points[self.points.len() - 1] }
+    }
+
+    /// The same path walked the other way. A closed path keeps its start.
+    pub fn reverse(&mut self) {
+        self.points.reverse();
+        if let BeadWidth::PerVertex(w) = &mut self.width {
+            w.reverse();
+        }
+        if self.closed {
+            self.rotate_to(self.points.len().saturating_sub(1));
+        }
+    }
+
+    /// Makes vertex `i` of a closed path its start.
+    pub fn rotate_to(&mut self, i: usize) {
+        self.points.rotate_left(i);
+        if let BeadWidth::PerVertex(w) = &mut self.width {
+            w.rotate_left(i);
+        }
+    }
+}
+
+/// How the nozzle gets to the start of a path without printing.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Travel {
+    /// Points passed on the way, without the path's start.
+    pub via: Vec<DVec2>,
+    /// Whether the filament is drawn back for it.
+    pub retract: bool,
+}
+
+/// A path and the way to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedPath {
+    /// From the end of the path before.
+    pub travel: Travel,
+    /// What is printed.
+    pub path: Toolpath,
+}
+
+/// The paths of one layer, in printing order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayerPlan {
+    /// Height of the nozzle above the plate, mm.
+    pub z_top_mm: f64,
+    /// Thickness of the layer, mm.
+    pub height_mm: f64,
+    /// In printing order.
+    pub paths: Vec<PlannedPath>,
+}
+
+/// A whole print.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Lowest first.
+    pub layers: Vec<LayerPlan>,
+    /// Where the part stands: plate coordinates = part coordinates + this. Applied once, when G-code is written;
+    /// the layers' heights are above the plate already, so z is for the header only.
+    pub plate_from_part_mm: DVec3,
+}

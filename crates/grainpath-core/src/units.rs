@@ -1,0 +1,93 @@
+//! Units of length that input files may be in, and the bead's cross-section.
+
+use std::f64::consts::PI;
+
+/// A unit of length found in a mesh file or asked for in a job.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum LengthUnit {
+    /// Micrometre.
+    Micron,
+    /// Millimetre, the unit of everything inside grainpath.
+    Millimetre,
+    /// Centimetre.
+    Centimetre,
+    /// Inch, 25.4 mm.
+    Inch,
+    /// Foot, 304.8 mm.
+    Foot,
+    /// Metre.
+    Metre,
+}
+
+impl LengthUnit {
+    /// How many millimetres one of this unit is.
+    pub const fn mm(self) -> f64 {
+        match self {
+            Self::Micron => 1e-3,
+            Self::Millimetre => 1.0,
+            Self::Centimetre => 10.0,
+            Self::Inch => 25.4,
+            Self::Foot => 304.8,
+            Self::Metre => 1000.0,
+        }
+    }
+
+    /// The name used in jobs, reports and warnings.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Micron => "micron",
+            Self::Millimetre => "mm",
+            Self::Centimetre => "cm",
+            Self::Inch => "inch",
+            Self::Foot => "foot",
+            Self::Metre => "m",
+        }
+    }
+
+    /// The unit with this name: those of [`LengthUnit::name`] and the spellings 3MF uses.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "micron" | "um" => Self::Micron,
+            "mm" | "millimeter" => Self::Millimetre,
+            "cm" | "centimeter" => Self::Centimetre,
+            "inch" | "in" => Self::Inch,
+            "foot" | "ft" => Self::Foot,
+            "m" | "meter" => Self::Metre,
+            _ => return None,
+        })
+    }
+}
+
+/// Cross-section of a bead in mm2: a stadium, `h (w - h (1 - pi/4))`.
+///
+/// `width_mm` is the full width, `height_mm` the layer height. Where the bead is narrower than it is high the
+/// formula would go wrong, so the section never falls below that of the ellipse inscribed in `w` x `h`.
+pub fn bead_area_mm2(width_mm: f64, height_mm: f64) -> f64 {
+    let stadium = height_mm * (width_mm - height_mm * (1.0 - PI / 4.0));
+    stadium.max(PI / 4.0 * width_mm * height_mm)
+}
+
+/// Spacing in mm at which parallel beads of this width fill a layer exactly: `w - h (1 - pi/4)`.
+pub fn bead_spacing_mm(width_mm: f64, height_mm: f64) -> f64 {
+    bead_area_mm2(width_mm, height_mm) / height_mm
+}
+
+/// Width in mm of the bead that fills a strip of this width exactly; the inverse of [`bead_spacing_mm`].
+pub fn bead_width_mm(spacing_mm: f64, height_mm: f64) -> f64 {
+    let stadium = spacing_mm + height_mm * (1.0 - PI / 4.0);
+    if stadium >= height_mm { stadium } else { spacing_mm * 4.0 / PI }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn width_and_spacing_are_inverse() {
+        for w in [0.05, 0.15, 0.2, 0.3, 0.45, 0.8] {
+            let back = bead_width_mm(bead_spacing_mm(w, 0.2), 0.2);
+            assert!((back - w).abs() < 1e-12, "{w} came back as {back}");
+        }
+        assert!((bead_area_mm2(0.42, 0.2) - 0.0754).abs() < 1e-4);
+    }
+}

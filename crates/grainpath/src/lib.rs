@@ -1,0 +1,1 @@
+//! The planner: from a job to a plan and its report.
