@@ -1,1 +1,4 @@
 //! The planner: from a job to a plan and its report.
+
+pub mod mask;
+pub mod skin;

@@ -1,0 +1,326 @@
+//! Regions as bits on a square grid: what is covered by what, over many layers, at the cost of a few instructions
+//! per 64 cells. Where a border matters to a bead's width it is taken from the polygons, not from here.
+
+use grainpath_core::poly::{edges, simplify_contour};
+use grainpath_core::{Bounds2, Contour, DVec2, Polygon, Region};
+
+/// Where the cells are. Two masks can be combined only on the same grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    origin: DVec2,
+    cell_mm: f64,
+    nx: usize,
+    ny: usize,
+    words: usize,
+}
+
+impl Grid {
+    /// A grid over `bounds` with an empty margin of 8 cells all round. Cells are `cell_mm` wide, or as much wider
+    /// as keeps their number below four million.
+    pub fn over(bounds: Bounds2, cell_mm: f64) -> Self {
+        let size = bounds.size();
+        let coarsest = (size.x * size.y / 4e6).sqrt().max(size.max_element() / 60_000.0);
+        let cell_mm = cell_mm.max(coarsest);
+        let margin = 8.0 * cell_mm;
+        let origin = bounds.min - margin;
+        let count = |mm: f64| ((mm + 2.0 * margin) / cell_mm).ceil() as usize;
+        let (nx, ny) = (count(size.x), count(size.y));
+        Self { origin, cell_mm, nx, ny, words: nx.div_ceil(64) }
+    }
+
+    /// Width of a cell, mm.
+    pub fn cell_mm(&self) -> f64 {
+        self.cell_mm
+    }
+
+    /// The part of the grid around `bounds`, whole words wide, with the word and the row it begins at.
+    fn window(&self, bounds: Bounds2) -> (Self, usize, usize) {
+        let (lo, hi) = ((bounds.min - self.origin) / self.cell_mm, (bounds.max - self.origin) / self.cell_mm);
+        let word = (lo.x.max(0.0) as usize / 64).min(self.words - 1);
+        let row = (lo.y.max(0.0) as usize).min(self.ny - 1);
+        let words = (hi.x.max(0.0) as usize / 64 + 1).clamp(word + 1, self.words) - word;
+        let ny = (hi.y.max(0.0) as usize + 1).clamp(row + 1, self.ny) - row;
+        let origin = self.origin + DVec2::new(64.0 * word as f64, row as f64) * self.cell_mm;
+        (Self { origin, nx: words * 64, ny, words, cell_mm: self.cell_mm }, word, row)
+    }
+}
+
+/// How much of a polygon a mask covers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coverage {
+    /// Next to nothing.
+    None,
+    /// Some.
+    Part,
+    /// Next to everything.
+    All,
+}
+
+/// A set of cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mask {
+    grid: Grid,
+    bits: Vec<u64>,
+}
+
+impl Mask {
+    /// No cell.
+    pub fn empty(grid: Grid) -> Self {
+        Self { grid, bits: vec![0; grid.words * grid.ny] }
+    }
+
+    /// The cells whose centres lie in the region.
+    pub fn of(grid: Grid, region: &Region) -> Self {
+        Self::of_contours(grid, region.contours())
+    }
+
+    /// The cells whose centres lie inside closed lines by even-odd count.
+    pub fn of_contours<'a>(grid: Grid, contours: impl IntoIterator<Item = &'a Contour>) -> Self {
+        let mut mask = Self::empty(grid);
+        for (a, b) in contours.into_iter().flat_map(|c| edges(c)) {
+            mask.toggle_right_of(a, b);
+        }
+        // Each set bit now means that the inside begins or ends at this cell: a running parity along the row.
+        for row in mask.bits.chunks_mut(grid.words) {
+            let mut carry = 0u64;
+            for word in row {
+                let mut w = *word;
+                for shift in [1, 2, 4, 8, 16, 32] {
+                    w ^= w << shift;
+                }
+                w ^= carry;
+                *word = w;
+                carry = if w >> 63 == 1 { u64::MAX } else { 0 };
+            }
+        }
+        mask
+    }
+
+    /// Flips, in every row that the edge crosses, the bit of the first cell right of the crossing.
+    fn toggle_right_of(&mut self, a: DVec2, b: DVec2) {
+        let g = self.grid;
+        // In cells, with centres at whole numbers.
+        let (a, b) = ((a - g.origin) / g.cell_mm - 0.5, (b - g.origin) / g.cell_mm - 0.5);
+        let (lo, hi) = if a.y < b.y { (a, b) } else { (b, a) };
+        let (first, end) = (lo.y.ceil().max(0.0) as usize, hi.y.ceil().clamp(0.0, g.ny as f64) as usize);
+        let slope = (hi.x - lo.x) / (hi.y - lo.y);
+        for row in first..end {
+            let x = lo.x + (row as f64 - lo.y) * slope;
+            let column = x.ceil().max(0.0) as usize;
+            if column < g.nx {
+                self.bits[row * g.words + column / 64] ^= 1 << (column % 64);
+            }
+        }
+    }
+
+    /// Whether no cell is set.
+    pub fn is_empty(&self) -> bool {
+        self.bits.iter().all(|&w| w == 0)
+    }
+
+    /// Number of cells set.
+    pub fn count(&self) -> usize {
+        self.bits.iter().map(|w| w.count_ones() as usize).sum()
+    }
+
+    /// Area of the cells set, mm2.
+    pub fn area_mm2(&self) -> f64 {
+        self.count() as f64 * self.grid.cell_mm * self.grid.cell_mm
+    }
+
+    /// How much of a polygon lies in the cells, give or take two of them; costs as much as the polygon is large.
+    pub fn coverage(&self, polygon: &Polygon) -> Coverage {
+        let Some(bounds) = polygon.bounds() else { return Coverage::None };
+        let (window, word, row) = self.grid.window(bounds);
+        let cells = Self::of_contours(window, polygon.contours());
+        let (mut all, mut hit) = (0, 0);
+        for (y, line) in cells.bits.chunks(window.words).enumerate() {
+            let start = (row + y) * self.grid.words + word;
+            for (c, m) in line.iter().zip(&self.bits[start..]) {
+                all += c.count_ones();
+                hit += (c & m).count_ones();
+            }
+        }
+        if hit <= 2 {
+            Coverage::None
+        } else if all - hit <= 2 {
+            Coverage::All
+        } else {
+            Coverage::Part
+        }
+    }
+
+    /// Whether the cell that holds `p` is set; false outside the grid.
+    pub fn contains(&self, p: DVec2) -> bool {
+        let c = (p - self.grid.origin) / self.grid.cell_mm;
+        c.x >= 0.0 && c.y >= 0.0 && self.get(c.x as usize, c.y as usize)
+    }
+
+    fn get(&self, x: usize, y: usize) -> bool {
+        x < self.grid.nx && y < self.grid.ny && self.bits[y * self.grid.words + x / 64] >> (x % 64) & 1 == 1
+    }
+
+    fn zip(mut self, other: &Self, f: impl Fn(u64, u64) -> u64) -> Self {
+        debug_assert_eq!(self.grid, other.grid);
+        for (a, &b) in self.bits.iter_mut().zip(&other.bits) {
+            *a = f(*a, b);
+        }
+        self
+    }
+
+    /// Cells in both.
+    pub fn and(self, other: &Self) -> Self {
+        self.zip(other, |a, b| a & b)
+    }
+
+    /// Cells in either.
+    pub fn or(self, other: &Self) -> Self {
+        self.zip(other, |a, b| a | b)
+    }
+
+    /// Cells in this and not in the other.
+    pub fn and_not(self, other: &Self) -> Self {
+        self.zip(other, |a, b| a & !b)
+    }
+
+    /// One step of growing: by the four neighbours, or by all eight.
+    fn grown_once(&self, eight: bool) -> Self {
+        let (n, words) = (self.grid.ny, self.grid.words);
+        let mut sideways = self.clone();
+        for (out, row) in sideways.bits.chunks_mut(words).zip(self.bits.chunks(words)) {
+            for i in 0..words {
+                let left = if i > 0 { row[i - 1] >> 63 } else { 0 };
+                let right = if i + 1 < words { row[i + 1] << 63 } else { 0 };
+                out[i] |= row[i] << 1 | left | row[i] >> 1 | right;
+            }
+        }
+        let mut out = sideways.clone();
+        let source = if eight { &sideways } else { self };
+        for y in 0..n {
+            for i in 0..words {
+                let below = if y > 0 { source.bits[(y - 1) * words + i] } else { 0 };
+                let above = if y + 1 < n { source.bits[(y + 1) * words + i] } else { 0 };
+                out.bits[y * words + i] |= below | above;
+            }
+        }
+        out
+    }
+
+    /// Grown by `n` cells all round (an octagon).
+    pub fn grown(&self, n: usize) -> Self {
+        (0..n).fold(self.clone(), |m, i| m.grown_once(i % 2 == 1))
+    }
+
+    /// Shrunk by `n` cells all round.
+    pub fn shrunk(&self, n: usize) -> Self {
+        let inverse = |m: &Self| Self { grid: m.grid, bits: m.bits.iter().map(|w| !w).collect() };
+        inverse(&inverse(self).grown(n))
+    }
+
+    /// Without what is thinner than about `2 n` cells.
+    pub fn opened(&self, n: usize) -> Self {
+        self.shrunk(n).grown(n)
+    }
+
+    /// The borders as closed lines: counter-clockwise around cells, clockwise around holes, the staircase smoothed
+    /// to within a cell. Cells that touch only at a corner are apart.
+    pub fn contours(&self) -> Vec<Contour> {
+        let mut seen = Self::empty(self.grid);
+        let mut out = Vec::new();
+        for y in 0..self.grid.ny {
+            for i in 0..self.grid.words {
+                let here = self.bits[y * self.grid.words + i];
+                let below = if y > 0 { self.bits[(y - 1) * self.grid.words + i] } else { 0 };
+                let mut starts = here & !below & !seen.bits[y * self.grid.words + i];
+                while starts != 0 {
+                    let x = i * 64 + starts.trailing_zeros() as usize;
+                    let line = self.trace(x, y, &mut seen);
+                    let smooth = simplify_contour(&line, 0.7 * self.grid.cell_mm);
+                    if !smooth.is_empty() {
+                        out.push(smooth);
+                    }
+                    starts = here & !below & !seen.bits[y * self.grid.words + i];
+                }
+            }
+        }
+        out
+    }
+
+    /// Walks the border with the cells on its left, from the lower edge of cell (x, y), marking lower edges seen.
+    fn trace(&self, x: usize, y: usize, seen: &mut Self) -> Contour {
+        let set = |x: i64, y: i64| x >= 0 && y >= 0 && self.get(x as usize, y as usize);
+        let start = (x as i64, y as i64);
+        let (mut at, mut d) = (start, (1i64, 0i64));
+        let mut line = Vec::new();
+        loop {
+            if d == (1, 0) {
+                let (cx, cy) = (at.0 as usize, at.1 as usize);
+                seen.bits[cy * self.grid.words + cx / 64] |= 1 << (cx % 64);
+            }
+            at = (at.0 + d.0, at.1 + d.1);
+            // The cells ahead, left and right of the direction of travel.
+            let cell = |side: (i64, i64)| {
+                let corner = (2 * at.0 + d.0 + side.0, 2 * at.1 + d.1 + side.1);
+                set((corner.0 - 1).div_euclid(2), (corner.1 - 1).div_euclid(2))
+            };
+            let left = (-d.1, d.0);
+            let turned = if !cell(left) {
+                left
+            } else if cell((d.1, -d.0)) {
+                (d.1, -d.0)
+            } else {
+                d
+            };
+            if turned != d {
+                line.push(self.grid.origin + DVec2::new(at.0 as f64, at.1 as f64) * self.grid.cell_mm);
+                d = turned;
+            }
+            if at == start && d == (1, 0) {
+                return line;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::poly::signed_area_mm2;
+
+    fn grid() -> Grid {
+        Grid::over(Bounds2 { min: DVec2::ZERO, max: DVec2::splat(30.0) }, 0.2)
+    }
+
+    fn square(lo: f64, hi: f64) -> Region {
+        Region::rectangle(DVec2::splat(lo), DVec2::splat(hi))
+    }
+
+    #[test]
+    fn area_of_a_ring_and_back() {
+        let ring = square(5.0, 25.0).difference(&square(10.0, 20.0));
+        let mask = Mask::of(grid(), &ring);
+        assert!((mask.area_mm2() - 300.0).abs() < 1.0, "{}", mask.area_mm2());
+        let lines = mask.contours();
+        assert_eq!(lines.len(), 2);
+        let area: f64 = lines.iter().map(|c| signed_area_mm2(c)).sum();
+        assert!((area - mask.area_mm2()).abs() < 1e-6);
+        assert!(mask.contains(DVec2::splat(7.0)) && !mask.contains(DVec2::splat(15.0)));
+    }
+
+    #[test]
+    fn growing_and_opening() {
+        let mask = Mask::of(grid(), &square(10.0, 20.0));
+        let grown = mask.grown(5).area_mm2();
+        assert!(grown > 142.0 && grown < 144.1, "{grown}");
+        assert_eq!(mask.grown(5).shrunk(5), mask);
+        let sliver = Mask::of(grid(), &Region::rectangle(DVec2::new(0.0, 5.0), DVec2::new(30.0, 5.5)));
+        assert!(!sliver.is_empty() && sliver.opened(2).is_empty());
+    }
+
+    #[test]
+    fn cells_that_touch_at_corners_stay_apart() {
+        let g = Grid::over(Bounds2 { min: DVec2::ZERO, max: DVec2::splat(4.0) }, 1.0);
+        let two = square(0.0, 1.0).union(&square(1.0, 2.0));
+        assert_eq!(Mask::of(g, &two).contours().len(), 2);
+    }
+}
