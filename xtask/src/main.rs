@@ -1,2 +1,100 @@
-//! The workshop.
-fn main() {}
+//! The workshop: what checks, measures and maintains grainpath.
+//!
+//! `cargo xtask test` is the whole of CI; `cargo xtask bench` holds our speed and quality against the peers'.
+
+mod arrows;
+mod bench;
+mod fuzz;
+mod licences;
+mod setup;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+const USAGE: &str = "usage: cargo xtask <command>
+  test             everything CI checks: format, lints, docs, licences, arrows, tests, examples, fuzzers
+  test --quick     the same without examples, fuzzers and what needs installing
+  bench slicing    time and memory beside PrusaSlicer and CuraEngine
+  bench quality    gap, spill, overlap and travel beside the same
+  fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
+  setup            installs what tests and benches need (Python packages, Chromium, the peers)";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = args.iter().map(String::as_str).collect();
+    let outcome = match words.as_slice() {
+        ["test"] => test(true),
+        ["test", "--quick"] => test(false),
+        ["bench", "slicing"] => bench::slicing(),
+        ["bench", "quality"] => bench::quality(),
+        ["fuzz"] => fuzz::run(20),
+        ["fuzz", seconds] => seconds.parse().map_err(|_| USAGE.to_owned()).and_then(fuzz::run),
+        ["setup"] => setup::tests().and_then(|()| setup::peers()),
+        _ => Err(USAGE.to_owned()),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("xtask: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// What went wrong, in a line.
+type Outcome = Result<(), String>;
+
+fn test(whole: bool) -> Outcome {
+    step("format");
+    cargo(&["fmt", "--all", "--check"])?;
+    step("arrows between crates");
+    arrows::check()?;
+    step("licences");
+    licences::check()?;
+    if whole {
+        step("setting up what tests need");
+        setup::tests()?;
+    }
+    step("lints");
+    cargo(&["clippy", "--workspace", "--all-targets", "--profile", "ci", "--", "-D", "warnings"])?;
+    step("documentation");
+    run(Command::new("cargo").args(["doc", "--workspace", "--no-deps", "--quiet"]).env("RUSTDOCFLAGS", "-D warnings"))?;
+    step("tests");
+    cargo(&["test", "--workspace", "--profile", "ci"])?;
+    if whole {
+        step("fuzz targets");
+        fuzz::run(8)?;
+    }
+    println!("\nxtask: all checks passed");
+    Ok(())
+}
+
+fn step(name: &str) {
+    println!("\n== {name}");
+}
+
+/// The repository's top folder.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the repository").to_owned()
+}
+
+fn cargo(args: &[&str]) -> Outcome {
+    run(Command::new("cargo").args(args))
+}
+
+/// Runs a command in the repository's top folder and fails when it does.
+fn run(command: &mut Command) -> Outcome {
+    command.current_dir(root());
+    let status = command.status().map_err(|e| format!("cannot start {command:?}: {e}"))?;
+    if status.success() { Ok(()) } else { Err(format!("{command:?} ended with {status}")) }
+}
+
+/// What a command prints, or why it failed.
+fn output(command: &mut Command) -> Result<String, String> {
+    let out = command.output().map_err(|e| format!("cannot start {command:?}: {e}"))?;
+    if out.status.success() {
+        Ok(String::from_utf8_lossy(&out.stdout).into_owned())
+    } else {
+        Err(format!("{command:?} ended with {}: {}", out.status, String::from_utf8_lossy(&out.stderr)))
+    }
+}
