@@ -21,7 +21,8 @@ const KEPT_TO: [(&str, &str); 3] =
 
 pub fn check() -> Result<(), String> {
     let packages = packages()?;
-    let page = fs::read_to_string(crate::root().join("ARCHITECTURE.md")).map_err(|e| format!("ARCHITECTURE.md: {e}"))?;
+    let page = fs::read_to_string(crate::root().join("ARCHITECTURE.md"))
+        .map_err(|e| format!("ARCHITECTURE.md: {e}"))?;
     for (name, dependencies) in &packages {
         let Some((_, allowed)) = ALLOWED.iter().find(|(n, _)| n == name) else {
             return Err(format!("crate {name} is not in the table of xtask/src/arrows.rs"));

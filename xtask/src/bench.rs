@@ -1,2 +1,178 @@
-pub fn slicing() -> Result<(), String> { Err("x".into()) }
-pub fn quality() -> Result<(), String> { Err("x".into()) }
+//! Ours beside the peers: the same parts and settings, one after the other in one run, told as ratios.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+
+/// What one program took for one part.
+#[derive(Clone, Copy)]
+struct Cost {
+    wall_s: f64,
+    peak_mib: f64,
+}
+
+/// Programs in the order they are printed.
+const PROGRAMS: [&str; 3] = ["grainpath", "prusa-slicer", "CuraEngine"];
+const RUNS: usize = 3;
+
+/// Wall time and peak memory at 0.2 mm, 2 walls, 20 % grid.
+pub fn slicing() -> Result<(), String> {
+    let bench = Bench::prepare()?;
+    println!("\n{RUNS} runs each, best wall time and highest peak. 0.2 mm layers, 2 walls, 20 % grid.\n");
+    println!("| part | program | wall s | peak MiB | our time / its | our memory / its | travel m |");
+    println!("|---|---|---|---|---|---|---|");
+    for part in ["benchy", "bunny", "armadillo", "skull", "plate_holes"] {
+        let mut ours = None;
+        for program in PROGRAMS {
+            let Some((cost, gcode)) = bench.cost(program, part, 0.2)? else { continue };
+            let ours = *ours.get_or_insert(cost);
+            let travel = bench.measure(&gcode, None)?["travel_mm"].as_f64().unwrap_or(f64::NAN) / 1e3;
+            println!(
+                "| {part} | {program} | {:.2} | {:.0} | {:.2} | {:.2} | {travel:.1} |",
+                cost.wall_s,
+                cost.peak_mib,
+                ours.wall_s / cost.wall_s,
+                ours.peak_mib / cost.peak_mib
+            );
+        }
+    }
+    Ok(())
+}
+
+/// Gap, spill and overlap at 100 % rectilinear, by the outside check.
+pub fn quality() -> Result<(), String> {
+    let bench = Bench::prepare()?;
+    println!("\n100 % rectilinear; shares of the part's area in %.\n");
+    println!("| part | program | gap | spill | overlap | volume / mesh | travel m |");
+    println!("|---|---|---|---|---|---|---|");
+    for part in ["plate_holes", "featuretype", "hinge", "screw"] {
+        for program in PROGRAMS {
+            let Some((_, gcode)) = bench.cost(program, part, 1.0)? else { continue };
+            let found = bench.measure(&gcode, Some(&bench.mesh(part)))?;
+            let against = &found["against_mesh"];
+            let percent = |key: &str| 100.0 * against[key].as_f64().unwrap_or(f64::NAN);
+            let number = |v: &Value| v.as_f64().unwrap_or(f64::NAN);
+            println!(
+                "| {part} | {program} | {:.2} | {:.2} | {:.2} | {:.4} | {:.1} |",
+                percent("gap"),
+                percent("spill"),
+                percent("overlap"),
+                number(&found["part_mm3"]) / number(&against["mesh_mm3"]),
+                number(&found["travel_mm"]) / 1e3
+            );
+        }
+    }
+    Ok(())
+}
+
+struct Bench {
+    folder: PathBuf,
+    shared: PathBuf,
+    /// CuraEngine's definition files, which come with the package of its front end.
+    definitions: Option<PathBuf>,
+}
+
+impl Bench {
+    fn prepare() -> Result<Self, String> {
+        let root = crate::root();
+        let shared = root.join("../shared");
+        if !shared.join("data").is_dir() {
+            return Err("skipped: no ../shared/data".into());
+        }
+        crate::setup::bench()?;
+        crate::setup::peers().unwrap_or_else(|e| eprintln!("xtask: going on without missing peers: {e}"));
+        crate::cargo(&["build", "--release", "-p", "grainpath-cli"])?;
+        let folder = root.join("target/bench");
+        crate::run(
+            Command::new("python3")
+                .arg("xtask/py/prepare_meshes.py")
+                .args([shared.join("data/meshes"), folder.join("meshes")]),
+        )?;
+        let definitions = crate::setup::cura_definitions(&folder);
+        Ok(Self { folder, shared, definitions })
+    }
+
+    fn mesh(&self, part: &str) -> PathBuf {
+        self.folder.join("meshes").join(part).with_extension("stl")
+    }
+
+    /// The command that slices a part, `None` when the program is not there.
+    fn command(&self, program: &str, part: &str, density: f64, out: &Path) -> Option<Vec<String>> {
+        let mesh = self.mesh(part).display().to_string();
+        let out = out.display().to_string();
+        let grid = density < 1.0;
+        let text = match program {
+            "grainpath" => format!(
+                "{}/target/release/grainpath slice {mesh} -o {out} --set printer.bed_mm=[400,400,400] \
+                 --set process.skirt_loops=0 --set fill.density={density} --set fill.pattern={}",
+                crate::root().display(),
+                if grid { "grid" } else { "rectilinear" }
+            ),
+            "prusa-slicer" => format!(
+                "prusa-slicer --export-gcode --bed-shape 0x0,400x0,400x400,0x400 --max-print-height 400 \
+                 --layer-height 0.2 --first-layer-height 0.2 --perimeters 2 --fill-density {}% --fill-pattern {} \
+                 --nozzle-diameter 0.4 --top-solid-layers 5 --bottom-solid-layers 4 --skirts 0 -o {out} {mesh}",
+                100.0 * density,
+                if grid { "grid" } else { "rectilinear" }
+            ),
+            _ => {
+                let definitions = self.definitions.as_ref()?.display().to_string();
+                format!(
+                    "CuraEngine slice -j {definitions}/fdmprinter.def.json -s machine_width=400 -s machine_depth=400 \
+                     -s machine_height=400 -s machine_center_is_zero=true -s layer_height=0.2 -s layer_height_0=0.2 \
+                     -s wall_line_count=2 -s line_width=0.45 -s wall_line_width_0=0.45 -s wall_line_width_x=0.45 \
+                     -s infill_line_width=0.45 -s skin_line_width=0.45 -s infill_pattern={} \
+                     -s infill_sparse_density={} -s infill_line_distance={} -s top_layers=5 -s bottom_layers=4 \
+                     -s adhesion_type=none -s machine_nozzle_size=0.4 -s support_enable=false \
+                     -s roofing_layer_count=0 -e0 -j {definitions}/fdmextruder.def.json \
+                     -s machine_nozzle_offset_x=0 -s machine_nozzle_offset_y=0 -s material_diameter=1.75 \
+                     -l {mesh} -o {out}",
+                    if grid { "grid" } else { "lines" },
+                    100.0 * density,
+                    if grid { 2.0 * 0.45 / density } else { 0.45 }
+                )
+            }
+        };
+        let there = program == "grainpath"
+            || crate::setup::quiet(Command::new("sh").args(["-c", &format!("command -v {program}")]));
+        there.then(|| text.split_whitespace().map(str::to_owned).collect())
+    }
+
+    /// Slices a part some times over; the best time and the highest peak, and the last G-code.
+    fn cost(&self, program: &str, part: &str, density: f64) -> Result<Option<(Cost, PathBuf)>, String> {
+        let out = self.folder.join(format!("{program}_{part}_{}.gcode", 100.0 * density));
+        let Some(words) = self.command(program, part, density, &out) else { return Ok(None) };
+        let mut best = Cost { wall_s: f64::INFINITY, peak_mib: 0.0 };
+        for _ in 0..if density < 1.0 { RUNS } else { 1 } {
+            let timing = self.folder.join("time.txt");
+            let status = Command::new("time")
+                .args(["-f", "%e %M", "-o"])
+                .arg(&timing)
+                .args(&words)
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .status()
+                .map_err(|e| format!("cannot start `time`: {e}"))?;
+            if !status.success() {
+                return Err(format!("{} ended with {status}", words.join(" ")));
+            }
+            let text = fs::read_to_string(&timing).map_err(|e| format!("{}: {e}", timing.display()))?;
+            let mut numbers = text.split_whitespace().filter_map(|w| w.parse::<f64>().ok());
+            let (wall_s, kib) = (numbers.next().unwrap_or(f64::NAN), numbers.next().unwrap_or(f64::NAN));
+            best = Cost { wall_s: best.wall_s.min(wall_s), peak_mib: best.peak_mib.max(kib / 1024.0) };
+        }
+        Ok(Some((best, out)))
+    }
+
+    /// What the outside check says of a G-code file.
+    fn measure(&self, gcode: &Path, mesh: Option<&Path>) -> Result<Value, String> {
+        let mut command = Command::new("python3");
+        command.arg(self.shared.join("check/gcode_check.py")).arg(gcode);
+        if let Some(mesh) = mesh {
+            command.arg("--mesh").arg(mesh);
+        }
+        serde_json::from_str(&crate::output(&mut command)?).map_err(|e| format!("gcode_check.py: {e}"))
+    }
+}

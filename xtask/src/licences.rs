@@ -52,10 +52,14 @@ mod tests {
 
     #[test]
     fn expressions() {
-        for yes in ["MIT", "MIT OR GPL-3.0", "MIT/Apache-2.0", "(MIT OR Apache-2.0) AND Unicode-3.0", "Zlib AND MIT"] {
+        for yes in
+            ["MIT", "MIT OR GPL-3.0", "MIT/Apache-2.0", "(MIT OR Apache-2.0) AND Unicode-3.0", "Zlib AND MIT"]
+        {
             assert!(allows(yes), "{yes}");
         }
-        for no in ["GPL-3.0", "MIT AND GPL-3.0", "(MIT OR Apache-2.0) AND LGPL-2.1", "", "AGPL-3.0 OR LGPL-3.0"] {
+        for no in
+            ["GPL-3.0", "MIT AND GPL-3.0", "(MIT OR Apache-2.0) AND LGPL-2.1", "", "AGPL-3.0 OR LGPL-3.0"]
+        {
             assert!(!allows(no), "{no}");
         }
     }

@@ -58,7 +58,9 @@ fn test(whole: bool) -> Outcome {
     step("lints");
     cargo(&["clippy", "--workspace", "--all-targets", "--profile", "ci", "--", "-D", "warnings"])?;
     step("documentation");
-    run(Command::new("cargo").args(["doc", "--workspace", "--no-deps", "--quiet"]).env("RUSTDOCFLAGS", "-D warnings"))?;
+    run(Command::new("cargo")
+        .args(["doc", "--workspace", "--no-deps", "--quiet"])
+        .env("RUSTDOCFLAGS", "-D warnings"))?;
     step("tests");
     cargo(&["test", "--workspace", "--profile", "ci"])?;
     if whole {

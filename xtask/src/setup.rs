@@ -1,5 +1,6 @@
 //! Installs what tests and benches need, by name, from the system's and Python's package registries.
 
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// What `gcode_check.py` imports.
@@ -8,6 +9,10 @@ const PYTHON: [&str; 6] = ["numpy", "scipy", "shapely>=2", "trimesh", "networkx"
 /// For `cargo xtask test`: Python packages for the outside check, Chromium for the report page.
 pub fn tests() -> Result<(), String> {
     apt(&[("python3", "python3"), ("pip3", "python3-pip"), ("chromium", "chromium")])?;
+    python()
+}
+
+fn python() -> Result<(), String> {
     if quiet(Command::new("python3").args(["-c", "import numpy, scipy, shapely, trimesh, networkx, rtree"])) {
         return Ok(());
     }
@@ -25,10 +30,27 @@ pub fn peers() -> Result<(), String> {
     apt(&[("prusa-slicer", "prusa-slicer"), ("CuraEngine", "cura-engine")])
 }
 
+/// For every bench: what prepares parts and measures.
+pub fn bench() -> Result<(), String> {
+    apt(&[("python3", "python3"), ("pip3", "python3-pip"), ("time", "time")])?;
+    python()
+}
+
+/// CuraEngine's definition files, unpacked from the package of its front end without installing that.
+pub fn cura_definitions(folder: &Path) -> Option<PathBuf> {
+    let definitions = folder.join("cura/usr/share/cura/resources/definitions");
+    if !definitions.join("fdmprinter.def.json").exists() {
+        let script = "apt-get download -qq cura && dpkg -x cura_*.deb cura";
+        crate::setup::quiet(Command::new("sh").args(["-c", script]).current_dir(folder));
+    }
+    definitions.join("fdmprinter.def.json").exists().then_some(definitions)
+}
+
 /// Installs the packages whose program is missing.
 fn apt(programs: &[(&str, &str)]) -> Result<(), String> {
     let there = |program: &str| quiet(Command::new("sh").args(["-c", &format!("command -v {program}")]));
-    let missing: Vec<&str> = programs.iter().filter(|(program, _)| !there(program)).map(|(_, p)| *p).collect();
+    let missing: Vec<&str> =
+        programs.iter().filter(|(program, _)| !there(program)).map(|(_, p)| *p).collect();
     if missing.is_empty() {
         return Ok(());
     }

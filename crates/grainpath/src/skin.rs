@@ -76,7 +76,8 @@ pub fn split_stack<T: Send>(
             let end = (first + CHUNK).min(layers.len());
             let lowest = first.saturating_sub(settings.bottom_layers.max(1));
             let highest = (end + settings.top_layers.max(1)).min(layers.len());
-            let masks: Vec<Mask> = layers[lowest..highest].iter().map(|l| Mask::of(grid, l.section)).collect();
+            let masks: Vec<Mask> =
+                layers[lowest..highest].iter().map(|l| Mask::of(grid, l.section)).collect();
             let window = Window { grid, masks, lowest, n_layers: layers.len() };
             (first..end)
                 .map(|i| {
@@ -178,7 +179,11 @@ fn cut(polygons: Vec<IslandPolygon>, cells: &Mask) -> (Vec<IslandPolygon>, Vec<I
 }
 
 /// What of the dense fill hangs over air, with a millimetre of hold on its sides, and the rest.
-fn bridges(dense: Vec<IslandPolygon>, cells: &Mask, cover: &Cover) -> (Vec<IslandPolygon>, Vec<IslandPolygon>) {
+fn bridges(
+    dense: Vec<IslandPolygon>,
+    cells: &Mask,
+    cover: &Cover,
+) -> (Vec<IslandPolygon>, Vec<IslandPolygon>) {
     let Some(below) = &cover.below else { return (Vec::new(), dense) };
     let air = cells.clone().and_not(below).opened(2);
     if air.area_mm2() < MIN_BRIDGE_MM2 || dense.is_empty() {
@@ -221,7 +226,8 @@ mod tests {
             sections.iter().zip(&fills).map(|(section, fill)| SkinInput { section, fill }).collect();
         let bounds = sections.iter().filter_map(Region::bounds).reduce(Bounds2::union).expect("not empty");
         let settings = SkinSettings { top_layers: 3, bottom_layers: 2, spacing_mm: 0.4, dense };
-        split_stack(&layers, bounds, &settings, &Diagnostics::default(), |_, split| split).expect("not stopped")
+        split_stack(&layers, bounds, &settings, &Diagnostics::default(), |_, split| split)
+            .expect("not stopped")
     }
 
     fn area(parts: &[IslandPolygon]) -> f64 {
