@@ -9,7 +9,7 @@ use glam::DVec2;
 
 /// Sine and cosine of an angle in radians.
 pub fn sin_cos(angle_rad: f64) -> (f64, f64) {
-    (libm::sin(angle_rad), libm::cos(angle_rad))
+    (sin(angle_rad), cos(angle_rad))
 }
 
 /// The unit vector at `angle_rad` from +X, counter-clockwise.

@@ -246,7 +246,7 @@ mod tests {
             let fill = if i < 10 { 28.0f64 * 28.0 } else { 13.0 * 13.0 };
             let sum = area(&s.top) + area(&s.solid) + area(&s.bridge) + area(&s.sparse);
             assert!((sum - fill).abs() < 1e-2, "layer {i}: {sum} of {fill}");
-            let closed = i < 2 || i >= 17;
+            let closed = !(2..17).contains(&i);
             let step = (7..10).contains(&i);
             assert_eq!(area(&s.sparse) == 0.0, closed, "layer {i}");
             assert_eq!(area(&s.sparse) < 0.5 * fill, closed || step, "layer {i}");

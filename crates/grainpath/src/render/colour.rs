@@ -1,0 +1,95 @@
+//! What colours mean.
+
+use grainpath_core::Role;
+
+use super::{Bead, LayerPicture};
+
+/// What the colour of a bead tells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ColourBy {
+    /// What it is for.
+    #[default]
+    Role,
+    /// Its width.
+    Width,
+    /// Its speed.
+    Speed,
+}
+
+impl ColourBy {
+    /// The choice with this name: `role`, `width` or `speed`.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Some(match name {
+            "role" => Self::Role,
+            "width" => Self::Width,
+            "speed" => Self::Speed,
+            _ => return None,
+        })
+    }
+}
+
+/// A colour, red green blue.
+pub type Rgb = [u8; 3];
+
+/// The colour of a role: warm for walls, cool for fill, as slicers' previews have it.
+pub fn of_role(role: Role) -> Rgb {
+    match role {
+        Role::OuterWall => [242, 120, 45],
+        Role::InnerWall => [250, 200, 70],
+        Role::ThinWall => [214, 60, 60],
+        Role::GapFill => [240, 240, 245],
+        Role::SolidFill => [150, 84, 204],
+        Role::TopSkin => [228, 64, 92],
+        Role::SparseFill => [178, 74, 60],
+        Role::Bridge => [80, 130, 225],
+        Role::Skirt | Role::Brim => [20, 120, 100],
+        Role::Support => [60, 180, 75],
+        Role::SupportInterface => [30, 130, 50],
+    }
+}
+
+/// Values to colours: from the lowest to the highest in the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale {
+    by: ColourBy,
+    /// The lowest value: mm or mm/s.
+    pub low: f64,
+    /// The highest.
+    pub high: f64,
+}
+
+impl Scale {
+    /// The scale of a layer.
+    pub fn of(picture: &LayerPicture, by: ColourBy) -> Self {
+        let value = |b: &Bead| if by == ColourBy::Width { b.width_mm } else { b.speed_mm_s };
+        let fold = |(lo, hi): (f64, f64), v: f64| (lo.min(v), hi.max(v));
+        let (low, high) = picture.beads.iter().map(value).fold((f64::INFINITY, f64::NEG_INFINITY), fold);
+        Self { by, low, high }
+    }
+
+    /// The bead's colour.
+    pub fn colour(&self, bead: &Bead) -> Rgb {
+        match self.by {
+            ColourBy::Role => of_role(bead.role),
+            ColourBy::Width => self.ramp(bead.width_mm),
+            ColourBy::Speed => self.ramp(bead.speed_mm_s),
+        }
+    }
+
+    /// Blue through green and yellow to red; the middle colour when all values are one.
+    pub fn ramp(&self, value: f64) -> Rgb {
+        const STOPS: [[f64; 3]; 5] = [
+            [60.0, 80.0, 200.0],
+            [50.0, 160.0, 200.0],
+            [90.0, 190.0, 90.0],
+            [240.0, 205.0, 70.0],
+            [215.0, 60.0, 50.0],
+        ];
+        let span = self.high - self.low;
+        let t = if span > 1e-9 { ((value - self.low) / span).clamp(0.0, 1.0) } else { 0.5 };
+        let x = t * (STOPS.len() - 1) as f64;
+        let i = (x as usize).min(STOPS.len() - 2);
+        let f = x - i as f64;
+        std::array::from_fn(|k| (STOPS[i][k] * (1.0 - f) + STOPS[i + 1][k] * f).round() as u8)
+    }
+}

@@ -1,0 +1,134 @@
+//! Pictures: a layer as it would be printed, and the whole part.
+//!
+//! Pictures are drawn from beads, wherever they come from (a plan or anybody's G-code), with their true widths.
+
+mod colour;
+mod raster;
+mod svg;
+mod thumbnail;
+
+use grainpath_core::{Bounds2, DVec2, Role};
+
+pub use colour::{ColourBy, Scale};
+pub use raster::layer_png;
+pub use svg::layer_svg;
+pub use thumbnail::thumbnail_png;
+
+/// A straight piece of bead.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bead {
+    /// Where it begins, mm.
+    pub a: DVec2,
+    /// Where it ends, mm.
+    pub b: DVec2,
+    /// Its full width, mm.
+    pub width_mm: f64,
+    /// What it is for.
+    pub role: Role,
+    /// Speed asked for, mm/s.
+    pub speed_mm_s: f64,
+}
+
+/// What is drawn of a layer.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LayerPicture {
+    /// Height of the nozzle, mm.
+    pub z_mm: f64,
+    /// Thickness of the layer, mm.
+    pub height_mm: f64,
+    /// In printing order.
+    pub beads: Vec<Bead>,
+    /// Straight moves without printing; drawn as thin lines.
+    pub travels: Vec<[DVec2; 2]>,
+}
+
+impl LayerPicture {
+    /// The box around everything printed.
+    pub fn bounds(&self) -> Option<Bounds2> {
+        let around = |b: &Bead| Bounds2 { min: b.a.min(b.b), max: b.a.max(b.b) }.grown(0.5 * b.width_mm);
+        self.beads.iter().map(around).reduce(Bounds2::union)
+    }
+}
+
+/// How pictures are drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PictureOptions {
+    /// What the colour tells.
+    pub colour_by: ColourBy,
+    /// Longest side of a PNG, pixels.
+    pub size_px: u32,
+    /// Whether travels are drawn.
+    pub travels: bool,
+    /// What is shown, mm; `None` for all that is printed.
+    pub window: Option<Bounds2>,
+}
+
+impl Default for PictureOptions {
+    fn default() -> Self {
+        Self { colour_by: ColourBy::Role, size_px: 1600, travels: true, window: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layer(z_mm: f64) -> LayerPicture {
+        let ring = [(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (0.0, 10.0), (0.0, 0.0)];
+        let bead = |w: &[(f64, f64)], role| Bead {
+            a: w[0].into(),
+            b: w[1].into(),
+            width_mm: 0.45,
+            role,
+            speed_mm_s: 50.0,
+        };
+        let mut beads: Vec<Bead> = ring.windows(2).map(|w| bead(w, Role::OuterWall)).collect();
+        beads.push(bead(&[(1.0, 5.0), (19.0, 5.0)], Role::TopSkin));
+        LayerPicture { z_mm, height_mm: 0.2, beads, travels: vec![[DVec2::ZERO, DVec2::new(1.0, 5.0)]] }
+    }
+
+    /// Decodes RGBA and gives the pixel at a share of width and height, from the upper left.
+    fn pixel(png: &[u8], fx: f64, fy: f64) -> [u8; 4] {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().expect("a PNG");
+        let mut data = vec![0; reader.output_buffer_size().expect("a size")];
+        let info = reader.next_frame(&mut data).expect("a frame");
+        let at = |f: f64, n: u32| ((f * f64::from(n)) as usize).min(n as usize - 1);
+        let i = 4 * (at(fy, info.height) * info.width as usize + at(fx, info.width));
+        [data[i], data[i + 1], data[i + 2], data[i + 3]]
+    }
+
+    #[test]
+    fn a_layer_shows_beads_where_they_are() {
+        let options = PictureOptions { travels: false, size_px: 400, ..PictureOptions::default() };
+        let png = layer_png(&layer(0.2), &options);
+        assert_eq!(pixel(&png, 0.5, 0.5)[..3], colour::of_role(Role::TopSkin));
+        assert_eq!(pixel(&png, 0.5, 0.25)[..3], [28, 30, 34]);
+        let svg = layer_svg(&layer(0.2), &options);
+        assert!(svg.contains(r#"stroke-width="0.450""#) && svg.matches("<polyline").count() == 2, "{svg}");
+    }
+
+    #[test]
+    fn widths_and_speeds_have_a_scale() {
+        let mut picture = layer(0.2);
+        picture.beads[0].width_mm = 0.6;
+        let scale = Scale::of(&picture, ColourBy::Width);
+        assert_eq!((scale.low, scale.high), (0.45, 0.6));
+        assert_ne!(scale.colour(&picture.beads[0]), scale.colour(&picture.beads[1]));
+    }
+
+    #[test]
+    fn a_thumbnail_shows_the_part_in_the_middle() {
+        let layers: Vec<LayerPicture> = (1..40).map(|i| layer(0.2 * f64::from(i))).collect();
+        let png = thumbnail_png(&layers, 200, 150);
+        assert_eq!(pixel(&png, 0.5, 0.5)[3], 255);
+        assert_eq!(pixel(&png, 0.01, 0.01)[3], 0);
+    }
+
+    #[test]
+    fn nothing_gives_an_empty_picture() {
+        let empty = LayerPicture::default();
+        assert!(!layer_png(&empty, &PictureOptions::default()).is_empty());
+        assert!(layer_svg(&empty, &PictureOptions::default()).contains("</svg>"));
+        assert!(!thumbnail_png(&[], 32, 32).is_empty());
+    }
+}

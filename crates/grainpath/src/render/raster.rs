@@ -1,0 +1,81 @@
+//! A layer as PNG.
+
+use grainpath_core::{Bounds2, DVec2};
+use tiny_skia::{Color, LineCap, LineJoin, Paint, PathBuilder, Pixmap, Stroke, Transform};
+
+use super::colour::Rgb;
+use super::{Bead, LayerPicture, PictureOptions, Scale};
+
+/// Draws a layer: every bead at its true width with a darker rim, so that one sees where beads touch, overlap or
+/// leave a gap. Y points up. An empty layer gives an empty picture.
+pub fn layer_png(picture: &LayerPicture, options: &PictureOptions) -> Vec<u8> {
+    let window = options.window.or(picture.bounds()).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
+    let size = window.grown(0.02 * window.size().max_element() + 0.2);
+    let scale = f64::from(options.size_px) / size.size().max_element().max(1e-9);
+    let pixels = |mm: f64| ((mm * scale).ceil() as u32).clamp(1, options.size_px.max(1));
+    let (w, h) = (pixels(size.size().x), pixels(size.size().y));
+    let mut canvas = Pixmap::new(w, h).expect("the size is between 1 and what was asked for");
+    canvas.fill(Color::from_rgba8(28, 30, 34, 255));
+    let at = |p: DVec2| (((p.x - size.min.x) * scale) as f32, ((size.max.y - p.y) * scale) as f32);
+    let colours = Scale::of(picture, options.colour_by);
+    let visible =
+        |b: &&Bead| Bounds2 { min: b.a.min(b.b), max: b.a.max(b.b) }.grown(0.5 * b.width_mm).meets(size);
+    let beads: Vec<&Bead> = picture.beads.iter().filter(visible).collect();
+    for run in runs(&beads) {
+        let base = colours.colour(run[0]);
+        let rim: Rgb = base.map(|c| (f64::from(c) * 0.55) as u8);
+        let width = (run[0].width_mm * scale) as f32;
+        draw(&mut canvas, run, &at, width, rim);
+        draw(&mut canvas, run, &at, (width - 2.0).max(width * 0.8), base);
+    }
+    if options.travels {
+        for &[a, b] in &picture.travels {
+            draw_line(&mut canvas, &[at(a), at(b)], 1.0, [110, 190, 255], 150);
+        }
+    }
+    png(w, h, canvas.data())
+}
+
+/// Consecutive beads that join and look the same.
+fn runs<'a, 'b>(beads: &'b [&'a Bead]) -> impl Iterator<Item = &'b [&'a Bead]> {
+    beads.chunk_by(|x, y| {
+        x.b.distance_squared(y.a) < 1e-6
+            && x.role == y.role
+            && (x.width_mm - y.width_mm).abs() < 5e-3
+            && x.speed_mm_s == y.speed_mm_s
+    })
+}
+
+fn draw(canvas: &mut Pixmap, run: &[&Bead], at: &impl Fn(DVec2) -> (f32, f32), width: f32, colour: Rgb) {
+    let points: Vec<(f32, f32)> = std::iter::once(at(run[0].a)).chain(run.iter().map(|b| at(b.b))).collect();
+    draw_line(canvas, &points, width, colour, 255);
+}
+
+fn draw_line(canvas: &mut Pixmap, points: &[(f32, f32)], width: f32, [r, g, b]: Rgb, alpha: u8) {
+    let mut builder = PathBuilder::new();
+    builder.move_to(points[0].0, points[0].1);
+    for p in &points[1..] {
+        builder.line_to(p.0, p.1);
+    }
+    let Some(path) = builder.finish() else { return };
+    let mut paint = Paint { anti_alias: true, ..Paint::default() };
+    paint.set_color_rgba8(r, g, b, alpha);
+    let stroke = Stroke {
+        width: width.max(0.5),
+        line_cap: LineCap::Round,
+        line_join: LineJoin::Round,
+        ..Stroke::default()
+    };
+    canvas.stroke_path(&path, &paint, &stroke, Transform::identity(), None);
+}
+
+/// Encodes opaque RGBA.
+pub(super) fn png(width: u32, height: u32, rgba: &[u8]) -> Vec<u8> {
+    let mut out = Vec::new();
+    let mut encoder = png::Encoder::new(&mut out, width, height);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    let written = encoder.write_header().and_then(|mut w| w.write_image_data(rgba));
+    written.expect("writing a PNG into memory cannot fail");
+    out
+}

@@ -1,0 +1,57 @@
+//! A layer as SVG, in millimetres.
+
+use std::fmt::Write;
+
+use grainpath_core::Bounds2;
+use grainpath_core::DVec2;
+
+use super::{LayerPicture, PictureOptions, Scale};
+
+/// Draws a layer as SVG whose user unit is the millimetre; beads are strokes of their true width, grouped by what
+/// they are for. Y points up in the part and is turned over in the picture.
+pub fn layer_svg(picture: &LayerPicture, options: &PictureOptions) -> String {
+    let window = options.window.or(picture.bounds()).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
+    let b = window.grown(0.02 * window.size().max_element() + 0.2);
+    let size = b.size();
+    let mut out = String::new();
+    let mut line =
+        |text: std::fmt::Arguments<'_>| writeln!(out, "{text}").expect("a String takes all that is written");
+    line(format_args!(
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="{:.3}mm" height="{:.3}mm" viewBox="{:.3} {:.3} {:.3} {:.3}" stroke-linecap="round" stroke-linejoin="round" fill="none">"#,
+        size.x, size.y, b.min.x, -b.max.y, size.x, size.y
+    ));
+    line(format_args!("<title>layer at {:.3} mm</title>", picture.z_mm));
+    line(format_args!(
+        r##"<rect x="{:.3}" y="{:.3}" width="{:.3}" height="{:.3}" fill="#1c1e22"/>"##,
+        b.min.x, -b.max.y, size.x, size.y
+    ));
+    let colours = Scale::of(picture, options.colour_by);
+    let alike = |x: &super::Bead, y: &super::Bead| {
+        x.b.distance_squared(y.a) < 1e-6
+            && x.role == y.role
+            && (x.width_mm - y.width_mm).abs() < 5e-3
+            && x.speed_mm_s == y.speed_mm_s
+    };
+    for run in picture.beads.chunk_by(alike) {
+        let [r, g, bl] = colours.colour(&run[0]);
+        let mut points = format!("{:.3},{:.3}", run[0].a.x, -run[0].a.y);
+        for bead in run {
+            write!(points, " {:.3},{:.3}", bead.b.x, -bead.b.y).expect("a String takes all that is written");
+        }
+        line(format_args!(
+            r##"<polyline class="{}" stroke="#{r:02x}{g:02x}{bl:02x}" stroke-width="{:.3}" points="{points}"/>"##,
+            run[0].role.gcode_name().replace(' ', "-").to_lowercase(),
+            run[0].width_mm
+        ));
+    }
+    if options.travels {
+        for [p, q] in &picture.travels {
+            line(format_args!(
+                r##"<path class="travel" stroke="#6ebeff" stroke-width="0.06" d="M{:.3} {:.3}L{:.3} {:.3}"/>"##,
+                p.x, -p.y, q.x, -q.y
+            ));
+        }
+    }
+    out.push_str("</svg>\n");
+    out
+}
