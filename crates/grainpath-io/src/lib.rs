@@ -1,1 +1,12 @@
-//! Placeholder of the room.
+//! Bytes to meshes and back. Nothing here opens a file; every reader takes what is in memory and survives any bytes.
+
+mod mesh;
+mod obj;
+mod off;
+mod ply;
+mod stl;
+mod text;
+mod threemf;
+
+pub use mesh::{Body, MeshError, MeshFile, MeshFormat, parse_mesh, sniff_mesh};
+pub use stl::write_stl;

@@ -1,6 +1,12 @@
 //! Triangle meshes as read from a file.
 
+mod topology;
+mod weld;
+
 use glam::DVec3;
+
+pub use topology::{EdgeUses, MeshHealth, Shells, diagnose};
+pub use weld::{VertexWelder, weld_within};
 
 /// Triangles over shared vertices, in mm once read. Nothing is promised about closedness or winding.
 #[derive(Debug, Clone, PartialEq, Default)]

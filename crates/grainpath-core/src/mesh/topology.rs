@@ -1,0 +1,175 @@
+//! What is wrong with a mesh: shells, open, non-manifold and badly wound edges, triangles without area.
+
+use glam::DVec3;
+
+use super::TriMesh;
+
+/// What a mesh is and what is wrong with it; edges are counted after merging equal vertices.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshHealth {
+    /// Number of triangles.
+    pub n_triangles: usize,
+    /// Number of different vertices in use.
+    pub n_vertices: usize,
+    /// Groups of triangles that hang together by edges of two faces; bodies that only touch are apart.
+    pub shells: usize,
+    /// Edges with one face.
+    pub open_edges: usize,
+    /// Edges with more than two faces.
+    pub nonmanifold_edges: usize,
+    /// Directed edges used more than once: neighbours wound against each other.
+    pub badly_wound_edges: usize,
+    /// Triangles of practically no area (under 1e-12 of the longest extent squared).
+    pub zero_area_facets: usize,
+    /// Signed volume in the cube of the file's unit; negative when the mesh is inside out.
+    pub volume: f64,
+    /// Lowest and highest corner, in the file's unit.
+    pub bounds: (DVec3, DVec3),
+}
+
+impl MeshHealth {
+    /// Whether every edge has exactly two opposite uses.
+    pub fn is_closed(&self) -> bool {
+        self.open_edges == 0 && self.nonmanifold_edges == 0 && self.badly_wound_edges == 0
+    }
+}
+
+/// One undirected edge and the uses triangles make of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Use {
+    low: u32,
+    high: u32,
+    /// Triangle index times two, plus one when the triangle runs from high to low.
+    triangle: u32,
+}
+
+/// The edges of a mesh with the triangles at each, sorted by edge.
+pub struct EdgeUses(Vec<Use>);
+
+impl EdgeUses {
+    /// Finds all edges; 12 bytes for each side of each triangle. Sides of no length are left out.
+    pub fn of(mesh: &TriMesh) -> Self {
+        let mut uses = Vec::with_capacity(3 * mesh.triangles.len());
+        for (t, &[a, b, c]) in mesh.triangles.iter().enumerate() {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                if from != to {
+                    let triangle = 2 * t as u32 + u32::from(from > to);
+                    uses.push(Use { low: from.min(to), high: from.max(to), triangle });
+                }
+            }
+        }
+        uses.sort_unstable();
+        Self(uses)
+    }
+
+    /// For each edge its uses as (triangle, runs from the higher to the lower vertex).
+    pub fn edges(&self) -> impl Iterator<Item = impl Iterator<Item = (usize, bool)> + '_> + '_ {
+        let split = |u: &Use| ((u.triangle / 2) as usize, u.triangle & 1 == 1);
+        self.0.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high)).map(move |e| e.iter().map(split))
+    }
+}
+
+/// Triangles grouped by what hangs together over edges of two faces.
+pub struct Shells(Vec<u32>);
+
+impl Shells {
+    /// Groups the triangles of a mesh.
+    pub fn of(mesh: &TriMesh, edges: &EdgeUses) -> Self {
+        let mut shells = Self((0..mesh.triangles.len() as u32).collect());
+        for mut edge in edges.edges() {
+            // Where more than two faces meet, bodies touch; which face goes on into which is anybody's guess.
+            let (Some((first, _)), Some((other, _)), None) = (edge.next(), edge.next(), edge.next()) else {
+                continue;
+            };
+            let (a, b) = (shells.root(first), shells.root(other));
+            let (low, high) = (a.min(b), a.max(b));
+            shells.0[high] = low as u32;
+        }
+        for t in 0..shells.0.len() {
+            shells.0[t] = shells.root(t) as u32;
+        }
+        shells
+    }
+
+    fn root(&mut self, mut t: usize) -> usize {
+        while self.0[t] as usize != t {
+            let above = self.0[self.0[t] as usize];
+            self.0[t] = above;
+            t = above as usize;
+        }
+        t
+    }
+
+    /// The shell of a triangle, named by its lowest triangle.
+    pub fn shell(&self, triangle: usize) -> usize {
+        self.0[triangle] as usize
+    }
+
+    /// Number of shells.
+    pub fn count(&self) -> usize {
+        self.0.iter().enumerate().filter(|&(i, &s)| i == s as usize).count()
+    }
+}
+
+/// Examines a mesh. `None` for one without triangles.
+pub fn diagnose(mesh: &TriMesh) -> Option<MeshHealth> {
+    let bounds = mesh.bounds()?;
+    let uses = EdgeUses::of(mesh);
+    let (mut open, mut nonmanifold, mut badly_wound) = (0, 0, 0);
+    for edge in uses.edges() {
+        let (mut up, mut down) = (0usize, 0usize);
+        for (_, runs_down) in edge {
+            if runs_down { down += 1 } else { up += 1 }
+        }
+        open += usize::from(up + down == 1);
+        nonmanifold += usize::from(up + down > 2);
+        badly_wound += usize::from(up > 1) + usize::from(down > 1);
+    }
+    let extent = (bounds.1 - bounds.0).max_element();
+    let v = |i: u32| mesh.vertices[i as usize];
+    let flat = |&&[a, b, c]: &&[u32; 3]| (v(b) - v(a)).cross(v(c) - v(a)).length() < 2e-12 * extent * extent;
+    let mut used = vec![false; mesh.vertices.len()];
+    for &i in mesh.triangles.iter().flatten() {
+        used[i as usize] = true;
+    }
+    Some(MeshHealth {
+        n_triangles: mesh.triangles.len(),
+        n_vertices: used.iter().filter(|&&u| u).count(),
+        shells: Shells::of(mesh, &uses).count(),
+        open_edges: open,
+        nonmanifold_edges: nonmanifold,
+        badly_wound_edges: badly_wound,
+        zero_area_facets: mesh.triangles.iter().filter(flat).count(),
+        volume: mesh.signed_volume(),
+        bounds,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tetrahedron(at: DVec3, first: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+        let vertices = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|p| p + at).to_vec();
+        let triangles = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]].map(|t| t.map(|i| i + first)).to_vec();
+        (vertices, triangles)
+    }
+
+    #[test]
+    fn two_closed_shells_and_what_damage_does() {
+        let (mut vertices, mut triangles) = tetrahedron(DVec3::ZERO, 0);
+        let (v, t) = tetrahedron(DVec3::splat(5.0), 4);
+        vertices.extend(v);
+        triangles.extend(t);
+        let mut mesh = TriMesh { vertices, triangles };
+        let health = diagnose(&mesh).expect("not empty");
+        assert!(health.is_closed() && health.shells == 2);
+        assert!((health.volume - 2.0 / 6.0).abs() < 1e-12);
+        mesh.triangles[0].swap(0, 1);
+        let flipped = diagnose(&mesh).expect("not empty");
+        assert_eq!((flipped.badly_wound_edges, flipped.open_edges), (3, 0));
+        mesh.triangles.remove(0);
+        assert_eq!(diagnose(&mesh).expect("not empty").open_edges, 3);
+        assert!(diagnose(&TriMesh::default()).is_none());
+    }
+}

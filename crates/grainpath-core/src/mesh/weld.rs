@@ -1,0 +1,142 @@
+//! Merging equal vertices while a file is read, and near ones where a mesh has open edges.
+
+use glam::DVec3;
+
+use super::TriMesh;
+
+/// Gives equal positions one index: exact to the bit, with -0 taken as 0.
+///
+/// An open-addressing table of indices into the vertices themselves: 4 bytes a slot, so that a soup of triangles
+/// never needs to be stored.
+#[derive(Debug, Clone)]
+pub struct VertexWelder {
+    vertices: Vec<DVec3>,
+    slots: Vec<u32>,
+}
+
+const EMPTY: u32 = u32::MAX;
+
+fn hash(p: DVec3) -> usize {
+    let mut h = 0xcbf2_9ce4_8422_2325u64;
+    for bits in [p.x.to_bits(), p.y.to_bits(), p.z.to_bits()] {
+        h = (h ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        h ^= h >> 29;
+    }
+    h as usize
+}
+
+impl VertexWelder {
+    /// A welder that expects about this many vertices.
+    pub fn with_capacity(n_vertices: usize) -> Self {
+        let slots = (2 * n_vertices.clamp(16, 1 << 28)).next_power_of_two();
+        Self { vertices: Vec::with_capacity(n_vertices), slots: vec![EMPTY; slots] }
+    }
+
+    /// The index of this position, which is new or one given before. `None` after 2^32 - 2 different positions.
+    pub fn index(&mut self, p: DVec3) -> Option<u32> {
+        let p = p + DVec3::ZERO; // -0 + 0 = 0
+        if self.vertices.len() * 4 > self.slots.len() * 3 {
+            self.grow();
+        }
+        let mask = self.slots.len() - 1;
+        let mut slot = hash(p) & mask;
+        loop {
+            let found = self.slots[slot];
+            if found == EMPTY {
+                let index = u32::try_from(self.vertices.len()).ok().filter(|&i| i != EMPTY)?;
+                self.slots[slot] = index;
+                self.vertices.push(p);
+                return Some(index);
+            }
+            if self.vertices[found as usize] == p {
+                return Some(found);
+            }
+            slot = (slot + 1) & mask;
+        }
+    }
+
+    fn grow(&mut self) {
+        let mut slots = vec![EMPTY; self.slots.len() * 2];
+        let mask = slots.len() - 1;
+        for (i, &p) in self.vertices.iter().enumerate() {
+            let mut slot = hash(p) & mask;
+            while slots[slot] != EMPTY {
+                slot = (slot + 1) & mask;
+            }
+            slots[slot] = i as u32;
+        }
+        self.slots = slots;
+    }
+
+    /// The different positions, in the order they first came.
+    pub fn into_vertices(mut self) -> Vec<DVec3> {
+        self.vertices.shrink_to_fit();
+        self.vertices
+    }
+}
+
+/// Merges vertices closer than `tolerance_mm` and drops the triangles that become points or lines. Each vertex moves
+/// to the lowest-numbered one within reach, so the result does not depend on anything but the mesh.
+pub fn weld_within(mesh: &TriMesh, tolerance_mm: f64) -> TriMesh {
+    let n = mesh.vertices.len();
+    let key = |p: DVec3| (p / tolerance_mm).floor();
+    let mut order: Vec<u32> = (0..n as u32).collect();
+    let cell = |i: u32| {
+        let k = key(mesh.vertices[i as usize]);
+        (k.x as i64, k.y as i64, k.z as i64)
+    };
+    order.sort_by_cached_key(|&i| (cell(i), i));
+    let keys: Vec<(i64, i64, i64)> = order.iter().map(|&i| cell(i)).collect();
+    let mut target: Vec<u32> = (0..n as u32).collect();
+    for i in 0..n as u32 {
+        let p = mesh.vertices[i as usize];
+        let (cx, cy, cz) = cell(i);
+        let mut best = i;
+        for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))) {
+            let start = keys.partition_point(|k| *k < (cx + dx, cy + dy, cz - 1));
+            for (k, &j) in keys[start..].iter().zip(&order[start..]) {
+                if *k > (cx + dx, cy + dy, cz + 1) {
+                    break;
+                }
+                let free = target[j as usize] == j;
+                if j < best && free && mesh.vertices[j as usize].distance(p) <= tolerance_mm {
+                    best = j;
+                }
+            }
+        }
+        target[i as usize] = best;
+    }
+    // A vertex may have gone to one that went on: only ever to a lower one that stayed, so one step is enough.
+    let mapped = mesh.triangles.iter().map(|t| t.map(|i| target[i as usize]));
+    let triangles = mapped.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+    TriMesh { vertices: mesh.vertices.clone(), triangles }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_positions_share_an_index() {
+        let mut welder = VertexWelder::with_capacity(1);
+        let points = (0..5000).map(|i| DVec3::new(f64::from(i % 100), f64::from(i / 100 % 7), -0.0));
+        let indices: Vec<u32> = points.map(|p| welder.index(p).expect("few")).collect();
+        assert_eq!(welder.index(DVec3::ZERO), Some(0));
+        assert_eq!(welder.into_vertices().len(), 700);
+        assert_eq!(indices[0], indices[700]);
+    }
+
+    #[test]
+    fn near_vertices_are_merged_and_slivers_dropped() {
+        let vertices = vec![
+            DVec3::ZERO,
+            DVec3::X,
+            DVec3::Y,
+            DVec3::X + 1e-4,
+            DVec3::Y - 1e-4,
+            DVec3::new(1.0, 1.0, 0.0),
+        ];
+        let mesh = TriMesh { vertices, triangles: vec![[0, 1, 2], [3, 5, 4], [1, 3, 2]] };
+        assert_eq!(weld_within(&mesh, 1e-3).triangles, [[0, 1, 2], [1, 5, 2]]);
+    }
+}

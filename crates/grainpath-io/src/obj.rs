@@ -1,0 +1,70 @@
+//! Wavefront OBJ: vertices and faces; materials, normals and texture coordinates are passed over.
+
+use grainpath_core::TriMesh;
+
+use crate::mesh::{Body, MAX_ELEMENTS, MeshError, MeshFile, MeshFormat, SoupBuilder, checked, triangulate};
+use crate::text::{Words, whole};
+
+pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
+    let mut words = Words::new(bytes, Some(b'#'));
+    // Vertices by the file's numbering -> merged ones.
+    let mut merged: Vec<u32> = Vec::new();
+    let mut soup = SoupBuilder::with_capacity(bytes.len() / 64);
+    let mut positions = Vec::new();
+    let mut face = Vec::new();
+    let mut triangles = Vec::new();
+    while let Some(word) = words.word() {
+        match word {
+            b"v" => {
+                if merged.len() as u64 >= MAX_ELEMENTS {
+                    return Err(MeshError::TooMany { what: "vertices", limit: MAX_ELEMENTS });
+                }
+                let p = checked(words.position()?, || words.place())?;
+                let index = soup.index(p)?;
+                if index as usize == positions.len() {
+                    positions.push(p);
+                }
+                merged.push(index);
+                words.next_line();
+            }
+            b"f" => {
+                face.clear();
+                while let Some(corner) = words.word_on_line() {
+                    face.push(vertex(corner, &merged, &words)?);
+                }
+                if face.len() < 3 || face.len() > 65535 {
+                    return Err(MeshError::BadFace { place: words.place(), n: face.len() as u64 });
+                }
+                triangulate(&face, |i| positions[i as usize], |t| triangles.push(t));
+                for t in triangles.drain(..) {
+                    soup.push(t)?;
+                }
+            }
+            _ => words.next_line(),
+        }
+    }
+    let body = soup.finish(None);
+    Ok(MeshFile { format: MeshFormat::Obj, bodies: vec![body], unit: None, warnings: Vec::new() })
+}
+
+/// The vertex of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`; negative numbers count from the last.
+fn vertex(corner: &[u8], merged: &[u32], words: &Words<'_>) -> Result<u32, MeshError> {
+    let number = corner.split(|&b| b == b'/').next().unwrap_or_default();
+    let index = whole(number).ok_or_else(|| words.wrong(corner, "a vertex number"))?;
+    let at = if index < 0 { merged.len() as i64 + index } else { index - 1 };
+    usize::try_from(at).ok().and_then(|i| merged.get(i)).copied().ok_or_else(|| MeshError::NoSuchVertex {
+        place: words.place(),
+        index,
+        n_vertices: merged.len(),
+    })
+}
+
+/// A body out of indexed faces as OFF and PLY have them, equal vertices merged.
+pub(crate) fn merge(mesh: TriMesh) -> Result<Body, MeshError> {
+    let mut soup = SoupBuilder::with_capacity(mesh.triangles.len());
+    let merged = mesh.vertices.iter().map(|&p| soup.index(p)).collect::<Result<Vec<u32>, MeshError>>()?;
+    for t in mesh.triangles {
+        soup.push(t.map(|i| merged[i as usize]))?;
+    }
+    Ok(soup.finish(None))
+}

@@ -1,0 +1,61 @@
+//! OFF and its relatives COFF and NOFF (colours and normals passed over).
+
+use grainpath_core::TriMesh;
+
+use crate::mesh::{MAX_ELEMENTS, MeshError, MeshFile, MeshFormat, checked, triangulate};
+use crate::text::{Words, whole};
+
+pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
+    let mut words = Words::new(bytes, Some(b'#'));
+    let header = words.word().ok_or(MeshError::Empty)?;
+    if header.get(header.len().saturating_sub(3)..).is_none_or(|h| !h.eq_ignore_ascii_case(b"OFF")) {
+        return Err(words.wrong(header, "`OFF`"));
+    }
+    let n_vertices = words.count("the number of vertices")?;
+    let n_faces = words.count("the number of faces")?;
+    words.count("the number of edges")?;
+    for (what, n) in [("vertices", n_vertices), ("faces", n_faces)] {
+        if n > MAX_ELEMENTS {
+            return Err(MeshError::TooMany { what, limit: MAX_ELEMENTS });
+        }
+    }
+    words.next_line();
+    // A count is a claim; room is made for what the file can hold.
+    let room = |n: u64| (n as usize).min(bytes.len() / 4);
+    let mut mesh = TriMesh {
+        vertices: Vec::with_capacity(room(n_vertices)),
+        triangles: Vec::with_capacity(room(n_faces)),
+    };
+    for _ in 0..n_vertices {
+        let p = words.position()?;
+        mesh.vertices.push(checked(p, || words.place())?);
+        words.next_line();
+    }
+    let mut face = Vec::new();
+    for _ in 0..n_faces {
+        let n = words.count("the number of corners")?;
+        if !(3..=65535).contains(&n) {
+            return Err(MeshError::BadFace { place: words.place(), n });
+        }
+        face.clear();
+        for _ in 0..n {
+            let word = words.word().ok_or_else(|| MeshError::UnexpectedEnd {
+                place: words.place(),
+                wanted: "a vertex number",
+            })?;
+            let index = whole(word).ok_or_else(|| words.wrong(word, "a vertex number"))?;
+            if index < 0 || index as u64 >= n_vertices {
+                return Err(MeshError::NoSuchVertex {
+                    place: words.place(),
+                    index,
+                    n_vertices: n_vertices as usize,
+                });
+            }
+            face.push(index as u32);
+        }
+        triangulate(&face, |i| mesh.vertices[i as usize], |t| mesh.triangles.push(t));
+        words.next_line();
+    }
+    let body = crate::obj::merge(mesh)?;
+    Ok(MeshFile { format: MeshFormat::Off, bodies: vec![body], unit: None, warnings: Vec::new() })
+}

@@ -1,0 +1,255 @@
+//! PLY: ASCII, binary little and big endian; any properties, elements in any order.
+
+use grainpath_core::TriMesh;
+
+use crate::mesh::{MAX_ELEMENTS, MeshError, MeshFile, MeshFormat, checked, triangulate};
+use crate::text::Words;
+
+#[derive(Clone, Copy, PartialEq)]
+enum Encoding {
+    Ascii,
+    Little,
+    Big,
+}
+
+/// A scalar type: size in bytes, whether it is a float, whether it has a sign.
+#[derive(Clone, Copy)]
+struct Scalar {
+    size: usize,
+    float: bool,
+    signed: bool,
+}
+
+struct Property {
+    name: String,
+    /// Type of the length, for a list.
+    list: Option<Scalar>,
+    scalar: Scalar,
+}
+
+struct Element {
+    name: String,
+    count: u64,
+    properties: Vec<Property>,
+}
+
+pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
+    let mut words = Words::new(bytes, None);
+    words.next_line();
+    let (encoding, elements) = header(&mut words)?;
+    let mut data = Data { encoding, words, bytes, at: 0, element: String::new(), row: 0 };
+    data.at = data.words.offset();
+    let mut mesh = TriMesh::default();
+    let mut faces: Vec<u32> = Vec::new();
+    let mut sizes: Vec<u32> = Vec::new();
+    for element in &elements {
+        data.element.clone_from(&element.name);
+        for row in 0..element.count {
+            data.row = row;
+            match element.name.as_str() {
+                "vertex" => {
+                    let mut p = [f64::NAN; 3];
+                    for property in &element.properties {
+                        let value = data.value(property)?;
+                        if let Some(axis) = ["x", "y", "z"].iter().position(|a| *a == property.name) {
+                            p[axis] = value;
+                        }
+                    }
+                    mesh.vertices.push(checked(p, || data.place())?);
+                }
+                "face" => {
+                    for property in &element.properties {
+                        if property.list.is_some() && property.name.starts_with("vertex_ind") {
+                            let before = faces.len();
+                            data.face(property, &mut faces)?;
+                            sizes.push((faces.len() - before) as u32);
+                        } else {
+                            data.value(property)?;
+                        }
+                    }
+                }
+                _ => {
+                    for property in &element.properties {
+                        data.value(property)?;
+                    }
+                }
+            }
+        }
+    }
+    let n_vertices = mesh.vertices.len();
+    if let Some(&bad) = faces.iter().find(|&&i| i as usize >= n_vertices) {
+        return Err(MeshError::NoSuchVertex {
+            place: "element face".into(),
+            index: i64::from(bad),
+            n_vertices,
+        });
+    }
+    let mut rest = faces.as_slice();
+    for n in sizes {
+        let (face, after) = rest.split_at(n as usize);
+        triangulate(face, |i| mesh.vertices[i as usize], |t| mesh.triangles.push(t));
+        rest = after;
+    }
+    let body = crate::obj::merge(mesh)?;
+    Ok(MeshFile { format: MeshFormat::Ply, bodies: vec![body], unit: None, warnings: Vec::new() })
+}
+
+fn header(words: &mut Words<'_>) -> Result<(Encoding, Vec<Element>), MeshError> {
+    let mut encoding = None;
+    let mut elements: Vec<Element> = Vec::new();
+    loop {
+        let keyword = words
+            .word()
+            .ok_or_else(|| MeshError::UnexpectedEnd { place: words.place(), wanted: "`end_header`" })?;
+        match keyword {
+            b"format" => {
+                let word = words.word_on_line().unwrap_or_default();
+                encoding = Some(match word {
+                    b"ascii" => Encoding::Ascii,
+                    b"binary_little_endian" => Encoding::Little,
+                    b"binary_big_endian" => Encoding::Big,
+                    _ => {
+                        return Err(
+                            words.wrong(word, "`ascii` or `binary_little_endian` or `binary_big_endian`")
+                        );
+                    }
+                });
+            }
+            b"element" => {
+                let name = String::from_utf8_lossy(words.word_on_line().unwrap_or_default()).into_owned();
+                let count = words.count("the number of elements")?;
+                if count > MAX_ELEMENTS {
+                    return Err(MeshError::TooMany { what: "elements", limit: MAX_ELEMENTS });
+                }
+                elements.push(Element { name, count, properties: Vec::new() });
+            }
+            b"property" => {
+                let mut word = words.word_on_line().unwrap_or_default();
+                let mut list = None;
+                if word == b"list" {
+                    let length = words.word_on_line().unwrap_or_default();
+                    list = Some(
+                        scalar(length)
+                            .filter(|s| !s.float)
+                            .ok_or_else(|| words.wrong(length, "a whole number type"))?,
+                    );
+                    word = words.word_on_line().unwrap_or_default();
+                }
+                let scalar = scalar(word).ok_or_else(|| words.wrong(word, "a PLY type"))?;
+                let name = String::from_utf8_lossy(words.word_on_line().unwrap_or_default()).into_owned();
+                let place = words.place();
+                let element = elements.last_mut().ok_or_else(|| MeshError::Invalid {
+                    place,
+                    problem: "a property before any element".into(),
+                })?;
+                element.properties.push(Property { name, list, scalar });
+            }
+            b"end_header" => break,
+            b"comment" | b"obj_info" => {}
+            _ => return Err(words.wrong(keyword, "`element`, `property`, `comment` or `end_header`")),
+        }
+        words.next_line();
+    }
+    words.next_line();
+    let encoding = encoding
+        .ok_or_else(|| MeshError::Invalid { place: "header".into(), problem: "no `format` line".into() })?;
+    // Rows without any property take no bytes: a count alone could keep the reader busy for ever.
+    if let Some(e) = elements.iter().find(|e| e.properties.is_empty() && e.count > 0) {
+        let problem = format!("element {} has {} rows and no properties", e.name, e.count);
+        return Err(MeshError::Invalid { place: "header".into(), problem });
+    }
+    Ok((encoding, elements))
+}
+
+fn scalar(name: &[u8]) -> Option<Scalar> {
+    let (size, float, signed) = match name {
+        b"char" | b"int8" => (1, false, true),
+        b"uchar" | b"uint8" => (1, false, false),
+        b"short" | b"int16" => (2, false, true),
+        b"ushort" | b"uint16" => (2, false, false),
+        b"int" | b"int32" => (4, false, true),
+        b"uint" | b"uint32" => (4, false, false),
+        b"float" | b"float32" => (4, true, true),
+        b"double" | b"float64" => (8, true, true),
+        _ => return None,
+    };
+    Some(Scalar { size, float, signed })
+}
+
+/// The values after the header, one after the other.
+struct Data<'a> {
+    encoding: Encoding,
+    words: Words<'a>,
+    bytes: &'a [u8],
+    at: usize,
+    element: String,
+    row: u64,
+}
+
+impl Data<'_> {
+    fn place(&self) -> String {
+        if self.encoding == Encoding::Ascii {
+            self.words.place()
+        } else {
+            format!("{} {}", self.element, self.row)
+        }
+    }
+
+    fn scalar(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
+        if self.encoding == Encoding::Ascii {
+            return self.words.number("a number");
+        }
+        let Some(raw) = self.bytes.get(self.at..self.at + scalar.size) else {
+            return Err(MeshError::UnexpectedEnd { place: self.place(), wanted: "a number" });
+        };
+        self.at += scalar.size;
+        let mut wide = [0u8; 8];
+        if self.encoding == Encoding::Little {
+            wide[..scalar.size].copy_from_slice(raw);
+        } else {
+            for (to, from) in wide.iter_mut().zip(raw.iter().rev()) {
+                *to = *from;
+            }
+        }
+        let bits = u64::from_le_bytes(wide);
+        Ok(match (scalar.float, scalar.size) {
+            (true, 4) => f64::from(f32::from_bits(bits as u32)),
+            (true, _) => f64::from_bits(bits),
+            (false, size) if scalar.signed => {
+                let unused = 64 - 8 * size as u32;
+                ((bits << unused) as i64 >> unused) as f64
+            }
+            _ => bits as f64,
+        })
+    }
+
+    /// A property's value; a list's is read and dropped.
+    fn value(&mut self, property: &Property) -> Result<f64, MeshError> {
+        let Some(length) = property.list else { return self.scalar(property.scalar) };
+        let n = self.scalar(length)?;
+        for _ in 0..n.max(0.0) as u64 {
+            self.scalar(property.scalar)?;
+        }
+        Ok(f64::NAN)
+    }
+
+    fn face(&mut self, property: &Property, out: &mut Vec<u32>) -> Result<(), MeshError> {
+        let length = property.list.unwrap_or(property.scalar);
+        let n = self.scalar(length)?;
+        if !(3.0..=65535.0).contains(&n) {
+            return Err(MeshError::BadFace { place: self.place(), n: n.max(0.0) as u64 });
+        }
+        for _ in 0..n as u64 {
+            let index = self.scalar(property.scalar)?;
+            if !(0.0..4e9).contains(&index) {
+                return Err(MeshError::NoSuchVertex {
+                    place: self.place(),
+                    index: index as i64,
+                    n_vertices: 0,
+                });
+            }
+            out.push(index as u32);
+        }
+        Ok(())
+    }
+}

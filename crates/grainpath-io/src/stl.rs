@@ -1,0 +1,169 @@
+//! STL, binary and ASCII.
+
+use std::io::{self, Write};
+
+use grainpath_core::{DVec3, TriMesh};
+
+use crate::mesh::{Body, MeshError, MeshFile, MeshFormat, SoupBuilder, checked};
+use crate::text::Words;
+
+const HEADER: usize = 84;
+const FACET: usize = 50;
+
+fn promised(bytes: &[u8]) -> Option<u64> {
+    let n: [u8; 4] = bytes.get(80..HEADER)?.try_into().ok()?;
+    Some(u64::from(u32::from_le_bytes(n)))
+}
+
+/// Whether the size is that of a binary STL with the number of facets its header states. Some programs pad the end.
+pub(crate) fn has_binary_size(bytes: &[u8]) -> bool {
+    promised(bytes).is_some_and(|n| {
+        let size = HEADER as u64 + FACET as u64 * n;
+        let spare = (bytes.len() as u64).checked_sub(size);
+        n > 0 && spare.is_some_and(|s| s == 0 || (s < 4096 && !bytes[..80].starts_with(b"solid")))
+    })
+}
+
+/// Whether the bytes look like a binary STL whose end is missing: not text, and a header that promises more.
+pub(crate) fn is_cut_short(bytes: &[u8], named_stl: bool) -> bool {
+    let n = promised(bytes).unwrap_or(0);
+    let size = HEADER as u64 + FACET as u64 * n;
+    named_stl && bytes.len() >= HEADER && (n == 0 || size > bytes.len() as u64)
+}
+
+pub(crate) fn read_binary(bytes: &[u8]) -> Result<MeshFile, MeshError> {
+    let promised = promised(bytes).ok_or(MeshError::Truncated { promised: 0, held: 0 })?;
+    if promised == 0 {
+        return Err(MeshError::NoTriangles { hints: String::new() });
+    }
+    let held = ((bytes.len() - HEADER) / FACET) as u64;
+    if held < promised {
+        return Err(MeshError::Truncated { promised, held });
+    }
+    let n = promised as usize;
+    let mut soup = SoupBuilder::with_capacity(n);
+    for (i, facet) in bytes[HEADER..].chunks_exact(FACET).take(n).enumerate() {
+        let float =
+            |k: usize| f64::from(f32::from_le_bytes([facet[k], facet[k + 1], facet[k + 2], facet[k + 3]]));
+        let mut corners = [0; 3];
+        for (c, corner) in corners.iter_mut().enumerate() {
+            let k = 12 + 12 * c;
+            let p = checked([float(k), float(k + 4), float(k + 8)], || format!("facet {i}"))?;
+            *corner = soup.index(p)?;
+        }
+        soup.push(corners)?;
+    }
+    let spare = bytes.len() - HEADER - n * FACET;
+    let warnings =
+        if spare > 0 { vec![format!("{spare} bytes after the last facet were left out")] } else { vec![] };
+    Ok(MeshFile { format: MeshFormat::StlBinary, bodies: vec![soup.finish(None)], unit: None, warnings })
+}
+
+pub(crate) fn read_ascii(bytes: &[u8]) -> Result<MeshFile, MeshError> {
+    let mut words = Words::new(bytes, None);
+    let mut bodies: Vec<Body> = Vec::new();
+    let mut solid: Option<(SoupBuilder, Option<String>)> = None;
+    let mut warnings = Vec::new();
+    let mut facet_ended = 0;
+    while let Some(word) = words.word() {
+        let is = |w: &str| word.eq_ignore_ascii_case(w.as_bytes());
+        if is("solid") {
+            bodies.extend(solid.take().map(|(s, name)| s.finish(name)));
+            let name = String::from_utf8_lossy(words.rest_of_line()).into_owned();
+            solid = Some((SoupBuilder::with_capacity(0), (!name.is_empty()).then_some(name)));
+        } else if is("facet") {
+            let (soup, _) = solid.get_or_insert_with(|| (SoupBuilder::with_capacity(0), None));
+            let corners = facet(&mut words)?;
+            let mut triangle = [0; 3];
+            for (index, p) in triangle.iter_mut().zip(corners) {
+                *index = soup.index(p)?;
+            }
+            soup.push(triangle)?;
+            facet_ended = words.line();
+        } else if facet_ended == words.line() && !is("endsolid") {
+            // Words behind `endfacet` on its line mean nothing; some programs leave notes there.
+        } else if is("endsolid") {
+            bodies.extend(solid.take().map(|(s, name)| s.finish(name)));
+            words.rest_of_line();
+        } else if solid.is_none() && !bodies.is_empty() {
+            warnings.push(format!("{}: text after the last solid was left out", words.place()));
+            break;
+        } else {
+            return Err(words.wrong(word, "`facet` or `endsolid`"));
+        }
+    }
+    if let Some((soup, name)) = solid {
+        warnings.push("`endsolid` is missing: the file may be cut short".into());
+        bodies.push(soup.finish(name));
+    }
+    Ok(MeshFile { format: MeshFormat::StlAscii, bodies, unit: None, warnings })
+}
+
+/// What follows the word `facet`.
+fn facet(words: &mut Words<'_>) -> Result<[DVec3; 3], MeshError> {
+    keyword(words, "normal", "`normal`")?;
+    // Normals are worked out anew, so whatever stands there is passed over: programs write nan, inf and worse.
+    let mut passed = 0;
+    while !words
+        .word()
+        .ok_or_else(|| MeshError::UnexpectedEnd { place: words.place(), wanted: "`outer loop`" })?
+        .eq_ignore_ascii_case(b"outer")
+    {
+        passed += 1;
+        if passed > 3 {
+            return Err(words.wrong(b"a normal of more than 3 numbers", "`outer loop`"));
+        }
+    }
+    keyword(words, "loop", "`outer loop`")?;
+    let mut corners = [DVec3::ZERO; 3];
+    for corner in &mut corners {
+        keyword(words, "vertex", "`vertex` (a facet has 3)")?;
+        let p = words.position()?;
+        *corner = checked(p, || words.place())?;
+    }
+    keyword(words, "endloop", "`endloop` (a facet has 3 vertices)")?;
+    let line = words.line();
+    loop {
+        let word = words
+            .word()
+            .ok_or_else(|| MeshError::UnexpectedEnd { place: words.place(), wanted: "`endfacet`" })?;
+        if word.eq_ignore_ascii_case(b"endfacet") {
+            return Ok(corners);
+        }
+        if words.line() != line {
+            return Err(words.wrong(word, "`endfacet`"));
+        }
+    }
+}
+
+fn keyword(words: &mut Words<'_>, word: &str, wanted: &'static str) -> Result<(), MeshError> {
+    match words.word() {
+        Some(found) if found.eq_ignore_ascii_case(word.as_bytes()) => Ok(()),
+        Some(found) => Err(words.wrong(found, wanted)),
+        None => Err(MeshError::UnexpectedEnd { place: words.place(), wanted }),
+    }
+}
+
+/// Writes a mesh as binary STL; coordinates as they are, rounded to `f32`.
+///
+/// # Errors
+/// Those of the writer; more than 2^32 - 1 triangles are refused as invalid input.
+pub fn write_stl(mesh: &TriMesh, out: &mut dyn Write) -> io::Result<()> {
+    let n =
+        u32::try_from(mesh.triangles.len()).map_err(|_| io::Error::other("too many triangles for STL"))?;
+    let mut header = [0u8; 80];
+    header[..9].copy_from_slice(b"grainpath");
+    out.write_all(&header)?;
+    out.write_all(&n.to_le_bytes())?;
+    for t in &mesh.triangles {
+        let [a, b, c] = t.map(|i| mesh.vertices[i as usize]);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        let mut facet = [0u8; FACET];
+        let numbers = [normal, a, b, c].into_iter().flat_map(|v| v.to_array());
+        for (bytes, number) in facet.chunks_exact_mut(4).zip(numbers) {
+            bytes.copy_from_slice(&(number as f32).to_le_bytes());
+        }
+        out.write_all(&facet)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,217 @@
+//! Words and numbers out of text, wherever it came from: any line ends, any white space.
+
+use crate::mesh::MeshError;
+
+/// The bytes from the first that is not white space; a byte order mark is white space.
+pub(crate) fn skip_space(bytes: &[u8]) -> &[u8] {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let start = bytes.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(bytes.len());
+    &bytes[start..]
+}
+
+/// Walks through text word by word and knows the line it is on. CR, LF and CRLF end lines.
+pub(crate) struct Words<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    line: usize,
+    /// Begins a comment that ends with the line.
+    comment: Option<u8>,
+}
+
+impl<'a> Words<'a> {
+    pub(crate) fn new(bytes: &'a [u8], comment: Option<u8>) -> Self {
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        Self { bytes, at: 0, line: 1, comment }
+    }
+
+    pub(crate) fn place(&self) -> String {
+        format!("line {}", self.line)
+    }
+
+    /// The line reading stands on, from 1.
+    pub(crate) fn line(&self) -> usize {
+        self.line
+    }
+
+    /// Where reading stands, in bytes.
+    pub(crate) fn offset(&self) -> usize {
+        self.at
+    }
+
+    /// Steps over white space and comments; within the line if asked. True when a word follows.
+    fn to_word(&mut self, same_line: bool) -> bool {
+        while let Some(&b) = self.bytes.get(self.at) {
+            match b {
+                b'\n' | b'\r' => {
+                    if same_line {
+                        return false;
+                    }
+                    self.end_line();
+                }
+                b if b.is_ascii_whitespace() => self.at += 1,
+                // OBJ writes a backslash where a line goes on.
+                b'\\' if matches!(self.bytes.get(self.at + 1), Some(b'\n' | b'\r')) => {
+                    self.at += 1;
+                    self.end_line();
+                }
+                b if Some(b) == self.comment => self.skip_to_line_end(),
+                _ => return true,
+            }
+        }
+        false
+    }
+
+    fn end_line(&mut self) {
+        let crlf = self.bytes[self.at] == b'\r' && self.bytes.get(self.at + 1) == Some(&b'\n');
+        self.at += 1 + usize::from(crlf);
+        self.line += 1;
+    }
+
+    fn skip_to_line_end(&mut self) {
+        let rest = &self.bytes[self.at..];
+        self.at += rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(rest.len());
+    }
+
+    /// Goes to the beginning of the next line.
+    pub(crate) fn next_line(&mut self) {
+        self.skip_to_line_end();
+        if self.at < self.bytes.len() {
+            self.end_line();
+        }
+    }
+
+    fn take(&mut self) -> &'a [u8] {
+        let rest = &self.bytes[self.at..];
+        let n = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+        self.at += n;
+        &rest[..n]
+    }
+
+    /// The next word, on whatever line.
+    pub(crate) fn word(&mut self) -> Option<&'a [u8]> {
+        self.to_word(false).then(|| self.take())
+    }
+
+    /// The next word on this line.
+    pub(crate) fn word_on_line(&mut self) -> Option<&'a [u8]> {
+        self.to_word(true).then(|| self.take())
+    }
+
+    /// The rest of this line without the white space around it.
+    pub(crate) fn rest_of_line(&mut self) -> &'a [u8] {
+        let start = self.at;
+        self.skip_to_line_end();
+        self.bytes[start..self.at].trim_ascii()
+    }
+
+    pub(crate) fn wrong(&self, found: &[u8], wanted: &'static str) -> MeshError {
+        let found: String = String::from_utf8_lossy(&found[..found.len().min(40)]).into_owned();
+        MeshError::Syntax { place: self.place(), found, wanted }
+    }
+
+    /// The next word as a number.
+    pub(crate) fn number(&mut self, wanted: &'static str) -> Result<f64, MeshError> {
+        let Some(word) = self.word() else {
+            return Err(MeshError::UnexpectedEnd { place: self.place(), wanted });
+        };
+        number(word).ok_or_else(|| self.wrong(word, wanted))
+    }
+
+    /// The next word as a count.
+    pub(crate) fn count(&mut self, wanted: &'static str) -> Result<u64, MeshError> {
+        let Some(word) = self.word() else {
+            return Err(MeshError::UnexpectedEnd { place: self.place(), wanted });
+        };
+        whole(word).and_then(|n| u64::try_from(n).ok()).ok_or_else(|| self.wrong(word, wanted))
+    }
+
+    /// Three numbers as a position.
+    pub(crate) fn position(&mut self) -> Result<[f64; 3], MeshError> {
+        Ok([self.number("a coordinate")?, self.number("a coordinate")?, self.number("a coordinate")?])
+    }
+}
+
+/// A decimal number. Up to 15 digits and a small power of ten are exact in one division or multiplication; all else
+/// takes the standard library's way, which rounds correctly as well.
+pub(crate) fn number(word: &[u8]) -> Option<f64> {
+    const POWERS: [f64; 23] = [
+        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
+        1e18, 1e19, 1e20, 1e21, 1e22,
+    ];
+    let (negative, digits) = match word {
+        [b'-', rest @ ..] => (true, rest),
+        [b'+', rest @ ..] => (false, rest),
+        _ => (false, word),
+    };
+    let (mut mantissa, mut n_digits, mut after_point, mut point) = (0u64, 0, 0i32, false);
+    let mut i = 0;
+    while let Some(&b) = digits.get(i) {
+        match b {
+            b'0'..=b'9' if n_digits < 18 => {
+                mantissa = mantissa * 10 + u64::from(b - b'0');
+                n_digits += usize::from(mantissa > 0);
+                after_point += i32::from(point);
+            }
+            b'.' if !point => point = true,
+            _ => break,
+        }
+        i += 1;
+    }
+    let mut exponent = -after_point;
+    if i < digits.len() && i > usize::from(point) && matches!(digits[i], b'e' | b'E') {
+        let power = whole(&digits[i + 1..])?;
+        exponent = exponent.saturating_add(i32::try_from(power).ok()?);
+        i = digits.len();
+    }
+    if i == digits.len() && i > usize::from(point) && mantissa < 1 << 53 && exponent.unsigned_abs() <= 22 {
+        let power = POWERS[exponent.unsigned_abs() as usize];
+        let value = if exponent < 0 { mantissa as f64 / power } else { mantissa as f64 * power };
+        return Some(if negative { -value } else { value });
+    }
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// A whole number with an optional sign.
+pub(crate) fn whole(word: &[u8]) -> Option<i64> {
+    std::str::from_utf8(word.strip_prefix(b"+").unwrap_or(word)).ok()?.parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn odd_numbers() {
+        for (text, value) in
+            [("1", 1.0), ("-0.5", -0.5), (".5", 0.5), ("5.", 5.0), ("1e3", 1e3), ("+2.5E-02", 0.025)]
+        {
+            assert_eq!(number(text.as_bytes()), Some(value), "{text}");
+        }
+        for text in ["", ".", "-", "1.2.3", "abc", "1e", "0x10", "1,5"] {
+            assert_eq!(number(text.as_bytes()), None, "{text}");
+        }
+        assert!(number(b"nan").is_some_and(f64::is_nan));
+    }
+
+    #[test]
+    fn lines_are_counted_with_any_ends() {
+        let mut words = Words::new(b"a\rb\r\nc # d\n\n e", Some(b'#'));
+        let mut seen = Vec::new();
+        while let Some(w) = words.word() {
+            seen.push((String::from_utf8_lossy(w).into_owned(), words.place()));
+        }
+        let expect =
+            [("a", 1), ("b", 2), ("c", 3), ("e", 5)].map(|(w, l)| (w.to_owned(), format!("line {l}")));
+        assert_eq!(seen, expect);
+    }
+
+    proptest! {
+        #[test]
+        fn numbers_round_as_the_standard_library_does(v in proptest::num::f64::NORMAL, digits in 0usize..20) {
+            for text in [format!("{v}"), format!("{v:e}"), format!("{:.digits$}", v % 1e9), format!("{v:.digits$e}")] {
+                prop_assert_eq!(number(text.as_bytes()), text.parse().ok(), "{}", text);
+            }
+        }
+    }
+}

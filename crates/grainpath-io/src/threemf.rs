@@ -1,0 +1,185 @@
+//! 3MF: a zip of XML parts. Read as a stream; the XML is never held whole.
+//!
+//! Transforms, nested components and several build items are resolved into bodies. Of the materials nothing is used,
+//! but broken references among them are reported, because they say that the file is damaged.
+
+mod package;
+mod part;
+
+use std::collections::BTreeMap;
+
+use grainpath_core::{DVec3, TriMesh};
+
+use crate::mesh::{Body, MAX_ELEMENTS, MeshError, MeshFile, MeshFormat};
+use package::Package;
+use part::{Component, Content, Part};
+
+/// Components nested deeper than this are damage or malice.
+const MAX_DEPTH: usize = 32;
+
+/// An affine map as 3MF writes it: rows of `(x y z 1)` times the matrix.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Transform([f64; 12]);
+
+impl Transform {
+    pub(crate) const IDENTITY: Self = Self([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+
+    pub(crate) fn parse(text: &[u8]) -> Option<Self> {
+        let mut m = [0.0; 12];
+        let mut words = text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
+        for value in &mut m {
+            *value = crate::text::number(words.next()?).filter(|v| v.is_finite())?;
+        }
+        words.next().is_none().then_some(Self(m))
+    }
+
+    fn apply(&self, p: DVec3) -> DVec3 {
+        let m = &self.0;
+        let row = |k: usize| DVec3::new(m[k], m[k + 1], m[k + 2]);
+        row(0) * p.x + row(3) * p.y + row(6) * p.z + row(9)
+    }
+
+    /// First `self`, then `after`.
+    fn then(&self, after: &Self) -> Self {
+        let linear = Self({
+            let mut m = after.0;
+            m[9..].fill(0.0);
+            m
+        });
+        let row = |k: usize| DVec3::new(self.0[k], self.0[k + 1], self.0[k + 2]);
+        let rows = [linear.apply(row(0)), linear.apply(row(3)), linear.apply(row(6)), after.apply(row(9))];
+        let mut m = [0.0; 12];
+        for (to, from) in m.chunks_exact_mut(3).zip(rows) {
+            to.copy_from_slice(&from.to_array());
+        }
+        Self(m)
+    }
+
+    fn mirrors(&self) -> bool {
+        let m = &self.0;
+        let row = |k: usize| DVec3::new(m[k], m[k + 1], m[k + 2]);
+        row(0).dot(row(3).cross(row(6))) < 0.0
+    }
+}
+
+pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
+    let mut package = Package::open(bytes)?;
+    let mut warnings = Vec::new();
+    let root_path = package.root_model(&mut warnings)?;
+    let mut parts: BTreeMap<String, Part> = BTreeMap::new();
+    let mut wanted = vec![root_path.clone()];
+    while let Some(path) = wanted.pop() {
+        if parts.contains_key(&path) {
+            continue;
+        }
+        if parts.len() > 1000 {
+            return Err(MeshError::TooMany { what: "model parts", limit: 1000 });
+        }
+        let part = Part::read(&mut package, &path)?;
+        wanted.extend(part.paths());
+        warnings.extend(part.warnings.iter().cloned());
+        parts.insert(path, part);
+    }
+    let root = &parts[&root_path];
+    let mut assembly = Assembly { parts: &parts, bodies: Vec::new(), n_triangles: 0 };
+    for item in &root.items {
+        let mut body = Body::default();
+        assembly.add(item, &root_path, Transform::IDENTITY, 0, &mut body)?;
+        assembly.bodies.push(body);
+    }
+    let bodies = assembly.bodies;
+    if root.items.is_empty() {
+        warnings.push("the build has no items; nothing is to be printed".into());
+    }
+    Ok(MeshFile { format: MeshFormat::ThreeMf, bodies, unit: Some(root.unit), warnings })
+}
+
+/// Resolves build items into bodies.
+struct Assembly<'a> {
+    parts: &'a BTreeMap<String, Part>,
+    bodies: Vec<Body>,
+    n_triangles: u64,
+}
+
+impl Assembly<'_> {
+    fn add(
+        &mut self,
+        use_of: &Component,
+        path: &str,
+        place: Transform,
+        depth: usize,
+        body: &mut Body,
+    ) -> Result<(), MeshError> {
+        let path = use_of.path.as_deref().unwrap_or(path);
+        let id = use_of.object;
+        if depth > MAX_DEPTH {
+            let problem =
+                format!("components of object {id} are nested deeper than {MAX_DEPTH}, or in a circle");
+            return Err(MeshError::Invalid { place: path.to_owned(), problem });
+        }
+        let object =
+            self.parts.get(path).and_then(|p| p.objects.get(&id)).ok_or_else(|| MeshError::Invalid {
+                place: path.to_owned(),
+                problem: format!("object {id} is used and does not exist"),
+            })?;
+        if !object.printed {
+            return Ok(());
+        }
+        let place = use_of.transform.then(&place);
+        if body.name.is_none() {
+            body.name.clone_from(&object.name);
+        }
+        match &object.content {
+            Content::Mesh(mesh) => {
+                self.n_triangles += mesh.triangles.len() as u64;
+                if self.n_triangles > MAX_ELEMENTS / 4 {
+                    return Err(MeshError::TooMany {
+                        what: "triangles in all copies",
+                        limit: MAX_ELEMENTS / 4,
+                    });
+                }
+                append(&mut body.mesh, mesh, &place, path)
+            }
+            Content::Components(components) => {
+                // Each level may multiply; the sum of all uses is bounded through the triangles, and empty ones here.
+                self.n_triangles += 1;
+                components.iter().try_for_each(|c| self.add(c, path, place, depth + 1, body))
+            }
+        }
+    }
+}
+
+/// Adds a placed copy of a mesh.
+fn append(to: &mut TriMesh, mesh: &TriMesh, place: &Transform, path: &str) -> Result<(), MeshError> {
+    let first = to.vertices.len() as u64;
+    if first + mesh.vertices.len() as u64 >= u64::from(u32::MAX) {
+        return Err(MeshError::TooMany { what: "vertices", limit: u64::from(u32::MAX) });
+    }
+    for &p in &mesh.vertices {
+        to.vertices.push(crate::mesh::checked(place.apply(p).to_array(), || {
+            format!("{path}, after its transform")
+        })?);
+    }
+    let mirrors = place.mirrors();
+    to.triangles.extend(mesh.triangles.iter().map(|t| {
+        let [a, b, c] = t.map(|i| i + first as u32);
+        if mirrors { [a, c, b] } else { [a, b, c] }
+    }));
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transforms_follow_one_another() {
+        let shift = Transform::parse(b"1 0 0 0 1 0 0 0 1 10 20 30").expect("12 numbers");
+        let turn = Transform::parse(b"0 1 0 -1 0 0 0 0 1 0 0 0").expect("12 numbers");
+        assert_eq!(shift.then(&turn).apply(DVec3::X), turn.apply(shift.apply(DVec3::X)));
+        assert_eq!(turn.apply(DVec3::X), DVec3::Y);
+        let mirror = Transform::parse(b"-1 0 0 0 1 0 0 0 1 0 0 0").expect("12 numbers");
+        assert!(mirror.mirrors() && !turn.mirrors());
+        assert_eq!(Transform::parse(b"1 2 3"), None);
+    }
+}
