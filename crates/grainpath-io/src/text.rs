@@ -39,7 +39,7 @@ impl<'a> Words<'a> {
     }
 
     /// Steps over white space and comments; within the line if asked. True when a word follows.
-    fn to_word(&mut self, same_line: bool) -> bool {
+    fn step_to_word(&mut self, same_line: bool) -> bool {
         while let Some(&b) = self.bytes.get(self.at) {
             match b {
                 b'\n' | b'\r' => {
@@ -89,12 +89,12 @@ impl<'a> Words<'a> {
 
     /// The next word, on whatever line.
     pub(crate) fn word(&mut self) -> Option<&'a [u8]> {
-        self.to_word(false).then(|| self.take())
+        self.step_to_word(false).then(|| self.take())
     }
 
     /// The next word on this line.
     pub(crate) fn word_on_line(&mut self) -> Option<&'a [u8]> {
-        self.to_word(true).then(|| self.take())
+        self.step_to_word(true).then(|| self.take())
     }
 
     /// The rest of this line without the white space around it.

@@ -1,5 +1,7 @@
 //! The planner: from a job to a plan and its report.
 
+pub mod fill;
 pub mod mask;
 pub mod render;
+pub mod shape;
 pub mod skin;

@@ -1,4 +1,4 @@
-//! Clipping open lines by a region.
+//! Clipping open lines by a region, and asking what a straight line meets.
 
 use glam::DVec2;
 
@@ -14,55 +14,242 @@ pub struct ClippedLine {
     pub at: Vec<f64>,
 }
 
+/// Where a straight line meets a region's border.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crossing {
+    /// Share of the line's length.
+    pub t: f64,
+    /// Which contour, as [`Region::contours`] counts them.
+    pub contour: usize,
+    /// Which edge of it: from vertex `edge` to the next.
+    pub edge: usize,
+}
+
 /// Clips many lines by one region. Every line keeps its identity, direction and order; lines may cross.
+///
+/// Edges are kept in a grid of about one cell an edge, so a line meets only edges near it.
+#[derive(Debug, Clone)]
 pub struct LineClipper {
-    edges: Vec<(DVec2, DVec2)>,
-    bounds: Option<Bounds2>,
+    edges: Vec<Edge>,
+    bounds: Bounds2,
+    cell_mm: f64,
+    nx: usize,
+    ny: usize,
+    starts: Vec<u32>,
+    members: Vec<u32>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Edge {
+    a: DVec2,
+    b: DVec2,
+    contour: u32,
+    index: u32,
 }
 
 impl LineClipper {
-    /// Prepares the region.
+    /// Prepares the region; about linear in its vertices.
     pub fn new(region: &Region) -> Self {
-        let edges = region.contours().flat_map(|c| super::edges(c)).collect();
-        Self { edges, bounds: region.bounds() }
+        let mut edges = Vec::with_capacity(region.n_vertices());
+        for (c, contour) in region.contours().enumerate() {
+            let all = super::edges(contour).enumerate();
+            edges.extend(all.map(|(i, (a, b))| Edge { a, b, contour: c as u32, index: i as u32 }));
+        }
+        let bounds = region.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+        let size = bounds.size().max(DVec2::splat(1e-6));
+        let cell_mm = (size.x * size.y / edges.len().max(1) as f64).sqrt().max(size.max_element() / 2000.0);
+        let count = |mm: f64| (mm / cell_mm) as usize + 1;
+        let (nx, ny) = (count(size.x), count(size.y));
+        let mut clipper =
+            Self { edges, bounds, cell_mm, nx, ny, starts: vec![0; nx * ny + 1], members: Vec::new() };
+        clipper.fill_grid();
+        clipper
+    }
+
+    fn fill_grid(&mut self) {
+        let mut starts = std::mem::take(&mut self.starts);
+        for e in &self.edges {
+            self.cells(e.a, e.b, |cell| starts[cell] += 1);
+        }
+        let mut total = 0;
+        for count in &mut starts {
+            total += std::mem::replace(count, total);
+        }
+        let mut next = starts.clone();
+        let mut members = vec![0; total as usize];
+        for (i, e) in self.edges.iter().enumerate() {
+            self.cells(e.a, e.b, |cell| {
+                members[next[cell] as usize] = i as u32;
+                next[cell] += 1;
+            });
+        }
+        (self.starts, self.members) = (starts, members);
+    }
+
+    /// The cells a segment passes, a hair generously; cells outside the grid are left out.
+    fn cells(&self, a: DVec2, b: DVec2, mut each: impl FnMut(usize)) {
+        let cell = |p: DVec2| (p - self.bounds.min) / self.cell_mm;
+        let (a, b) = (cell(a), cell(b));
+        let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
+        const HAIR: f64 = 1e-6;
+        let row_of = |y: f64| y.floor().clamp(-1.0, self.ny as f64) as i64;
+        let (first, last) = (row_of(low.y - HAIR).max(0), row_of(high.y + HAIR).min(self.ny as i64 - 1));
+        let slope = if high.y > low.y { (high.x - low.x) / (high.y - low.y) } else { 0.0 };
+        for row in first..=last {
+            let x_at = |y: f64| low.x + (y.clamp(low.y, high.y) - low.y) * slope;
+            let (x0, x1) = if high.y > low.y {
+                (x_at(row as f64 - HAIR), x_at(row as f64 + 1.0 + HAIR))
+            } else {
+                (low.x, high.x)
+            };
+            let column = |x: f64| x.floor().clamp(-1.0, self.nx as f64) as i64;
+            let c0 = column(x0.min(x1) - HAIR).max(0);
+            let c1 = column(x0.max(x1) + HAIR).min(self.nx as i64 - 1);
+            for c in c0..=c1 {
+                each(row as usize * self.nx + c as usize);
+            }
+        }
+    }
+
+    /// Everything the segment's border crossings tell, in order along it. By the half-open rule a line through a
+    /// vertex crosses the border once or not at all.
+    pub fn crossings(&self, a: DVec2, b: DVec2) -> Vec<Crossing> {
+        let mut near: Vec<u32> = Vec::new();
+        self.cells(a, b, |cell| {
+            near.extend(&self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize]);
+        });
+        near.sort_unstable();
+        near.dedup();
+        let mut out: Vec<Crossing> = near
+            .into_iter()
+            .filter_map(|i| {
+                let e = &self.edges[i as usize];
+                let t = crossing(a, b, e.a, e.b)?;
+                Some(Crossing { t, contour: e.contour as usize, edge: e.index as usize })
+            })
+            .collect();
+        out.sort_by(|x, y| x.t.total_cmp(&y.t));
+        out
+    }
+
+    /// Whether `p` is inside the region: crossings of a ray to the left, by even-odd count.
+    pub fn contains(&self, p: DVec2) -> bool {
+        if self.edges.is_empty() || !self.bounds.meets(Bounds2 { min: p, max: p }) {
+            return false;
+        }
+        let outside = DVec2::new(self.bounds.min.x - 1.0, p.y);
+        let row = ((p.y - self.bounds.min.y) / self.cell_mm) as usize;
+        let column = ((p.x - self.bounds.min.x) / self.cell_mm) as usize;
+        let (row, column) = (row.min(self.ny - 1), column.min(self.nx - 1));
+        let cells = self.starts[row * self.nx] as usize..self.starts[row * self.nx + column + 1] as usize;
+        let mut near: Vec<u32> = self.members[cells].to_vec();
+        near.sort_unstable();
+        near.dedup();
+        let near = near.into_iter().map(|i| (self.edges[i as usize].a, self.edges[i as usize].b));
+        debug_assert!(outside.x < p.x);
+        super::crossings_left_are_odd(near, p)
+    }
+
+    /// Whether the straight line from `a` to `b` meets no border and lies inside.
+    pub fn segment_inside(&self, a: DVec2, b: DVec2) -> bool {
+        self.contains(a) && self.contains(b) && self.crossings(a, b).is_empty()
     }
 
     /// The pieces of `line` inside the region, in order. A piece that runs exactly along an edge counts as inside
     /// on one side only (half-open rule).
     pub fn clip(&self, line: &[DVec2]) -> Vec<ClippedLine> {
-        let Some(bounds) = self.bounds else { return Vec::new() };
-        let _ = bounds;
         let mut out: Vec<ClippedLine> = Vec::new();
-        let mut current: Option<ClippedLine> = None;
+        let Some(&first) = line.first() else { return out };
+        let mut inside = self.contains(first);
+        let begin = |p: DVec2, at: f64| ClippedLine { points: vec![p], at: vec![at] };
+        let mut current = inside.then(|| begin(first, 0.0));
         for (i, w) in line.windows(2).enumerate() {
-            let (a, b) = (w[0], w[1]);
-            let mut cuts: Vec<f64> = Vec::new();
-            for &(p, q) in &self.edges {
-                let (sp, sq) = (cross(b - a, p - a) > 0.0, cross(b - a, q - a) > 0.0);
-                let (sa, sb) = (cross(q - p, a - p) > 0.0, cross(q - p, b - p) > 0.0);
-                if sp != sq && sa != sb {
-                    let (da, db) = (cross(q - p, a - p), cross(q - p, b - p));
-                    cuts.push((da / (da - db)).clamp(0.0, 1.0));
-                }
-            }
-            cuts.sort_by(f64::total_cmp);
-            let mut t0 = 0.0;
-            for t1 in cuts.into_iter().chain([1.0]) {
-                let (pa, pb) = (a.lerp(b, t0), a.lerp(b, t1));
-                let inside = super::crossings_are_odd(self.edges.iter().copied(), a.lerp(b, 0.5 * (t0 + t1)));
-                if inside && t1 > t0 {
-                    let piece = current
-                        .get_or_insert_with(|| ClippedLine { points: vec![pa], at: vec![i as f64 + t0] });
-                    piece.points.push(pb);
-                    piece.at.push(i as f64 + t1);
-                }
-                if !inside && let Some(piece) = current.take() {
+            for crossing in self.crossings(w[0], w[1]) {
+                let (p, at) = (w[0].lerp(w[1], crossing.t), i as f64 + crossing.t);
+                if let Some(mut piece) = current.take() {
+                    piece.points.push(p);
+                    piece.at.push(at);
                     out.push(piece);
+                } else {
+                    current = Some(begin(p, at));
                 }
-                t0 = t1;
+                inside = !inside;
+            }
+            if let Some(piece) = &mut current {
+                piece.points.push(w[1]);
+                piece.at.push((i + 1) as f64);
             }
         }
-        out.extend(current);
+        out.extend(current.filter(|p| p.points.len() > 1));
+        out.retain(|p| p.points.len() > 2 || p.points[0] != p.points[1]);
         out
+    }
+}
+
+/// Where along `a`-`b` it crosses `p`-`q`, with exact signs: a point on the line counts as on its right.
+fn crossing(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
+    let side = |u: DVec2, v: DVec2, w: DVec2| {
+        let c = |p: DVec2| robust::Coord { x: p.x, y: p.y };
+        robust::orient2d(c(u), c(v), c(w))
+    };
+    let (sp, sq) = (side(a, b, p), side(a, b, q));
+    if (sp > 0.0) == (sq > 0.0) {
+        return None;
+    }
+    let (sa, sb) = (side(p, q, a), side(p, q, b));
+    if (sa > 0.0) == (sb > 0.0) {
+        return None;
+    }
+    let d = cross(b - a, q - p);
+    Some(if d == 0.0 { 0.5 } else { (cross(p - a, q - p) / d).clamp(0.0, 1.0) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn ring() -> Region {
+        let outer = Region::rectangle(DVec2::ZERO, DVec2::splat(10.0));
+        outer.difference(&Region::rectangle(DVec2::splat(4.0), DVec2::splat(6.0)))
+    }
+
+    #[test]
+    fn a_line_through_a_ring_is_two_pieces() {
+        let clipper = LineClipper::new(&ring());
+        let pieces = clipper.clip(&[DVec2::new(-5.0, 5.0), DVec2::new(15.0, 5.0)]);
+        let lengths: Vec<f64> = pieces.iter().map(|p| p.points[0].distance(p.points[1])).collect();
+        assert_eq!(lengths.len(), 2);
+        assert!(lengths.iter().all(|l| (l - 4.0).abs() < 1e-9), "{lengths:?}");
+        assert!((pieces[0].at[0] - 0.25).abs() < 1e-12);
+        assert!(clipper.segment_inside(DVec2::new(1.0, 1.0), DVec2::new(9.0, 1.0)));
+        assert!(!clipper.segment_inside(DVec2::new(1.0, 5.0), DVec2::new(9.0, 5.0)));
+        assert!(LineClipper::new(&Region::default()).clip(&[DVec2::ZERO, DVec2::X]).is_empty());
+    }
+
+    proptest! {
+        #[test]
+        fn pieces_cover_exactly_what_is_inside(
+            radii in proptest::collection::vec(2.0f64..10.0, 5..60),
+            line in proptest::collection::vec((-11.0f64..11.0, -11.0f64..11.0), 2..12),
+        ) {
+            let n = radii.len() as f64;
+            let point = |(i, r): (usize, &f64)| crate::math::direction(i as f64 / n * std::f64::consts::TAU) * *r;
+            let star = Region::from(crate::Polygon { outer: radii.iter().enumerate().map(point).collect(), holes: vec![] });
+            let clipper = LineClipper::new(&star);
+            let line: Vec<DVec2> = line.into_iter().map(DVec2::from).collect();
+            let pieces = clipper.clip(&line);
+            for step in 0..200 {
+                let at = (line.len() - 1) as f64 * (f64::from(step) + 0.5) / 200.0;
+                let i = at as usize;
+                let p = line[i].lerp(line[i + 1], at - i as f64);
+                let covered = pieces.iter().any(|c| c.at[0] <= at && at <= c.at[c.at.len() - 1]);
+                // A sample within rounding of the border may fall on either side.
+                let near = super::super::edges(&star.polygons[0].outer)
+                    .any(|(a, b)| (p.distance(a) + p.distance(b) - a.distance(b)).abs() < 1e-9);
+                prop_assert!(covered == star.contains(p) || near, "{p} at {at}");
+                prop_assert!(clipper.contains(p) == star.contains(p) || near);
+            }
+        }
     }
 }

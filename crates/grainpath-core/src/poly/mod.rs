@@ -11,7 +11,7 @@ mod simplify;
 use glam::DVec2;
 
 pub use boolean::FillRule;
-pub use clip::{ClippedLine, LineClipper};
+pub use clip::{ClippedLine, Crossing, LineClipper};
 pub use offset::Join;
 pub use simplify::{simplify_contour, simplify_line};
 
@@ -88,20 +88,19 @@ pub fn edges(contour: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
 /// Whether `p` is inside the closed lines taken together, by even-odd crossing count; half-open, so that of two
 /// polygons that share an edge exactly one holds a point on it.
 pub fn even_odd_contains<'a>(contours: impl IntoIterator<Item = &'a Contour>, p: DVec2) -> bool {
-    crossings_are_odd(contours.into_iter().flat_map(|c| edges(c)), p)
+    crossings_left_are_odd(contours.into_iter().flat_map(|c| edges(c)), p)
 }
 
-fn crossings_are_odd(edges: impl Iterator<Item = (DVec2, DVec2)>, p: DVec2) -> bool {
-    let mut inside = false;
+/// Whether an odd number of edges passes left of `p`; any edges further left may be left out in pairs.
+fn crossings_left_are_odd(edges: impl Iterator<Item = (DVec2, DVec2)>, p: DVec2) -> bool {
+    let mut odd = false;
     for (a, b) in edges {
         if (a.y > p.y) != (b.y > p.y) {
-            let left = cross(b - a, p - a) > 0.0;
-            if left == (b.y > a.y) {
-                inside = !inside;
-            }
+            let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
+            odd ^= cross(high - low, p - low) < 0.0;
         }
     }
-    inside
+    odd
 }
 
 /// One outline, counter-clockwise, and the holes in it, clockwise.

@@ -1,0 +1,55 @@
+//! Which way a bridge is printed.
+
+use std::f64::consts::PI;
+
+use grainpath_core::math::{atan2, direction};
+use grainpath_core::poly::{LineClipper, edges};
+use grainpath_core::{DVec2, Polygon, Region};
+
+use super::hatch::{Hatch, Joints, Lines};
+
+/// The direction in which most of a bridge's lines are held at both ends by what lies below, and among those the one
+/// with the shortest free spans. `None` when nothing holds any line.
+///
+/// `below` is the section of the layer under the bridge.
+pub fn bridge_angle_rad(bridge: &Polygon, below: &Region, spacing_mm: f64) -> Option<f64> {
+    let hold = LineClipper::new(below);
+    let mut angles: Vec<f64> = (0..12).map(|k| f64::from(k) * PI / 12.0).collect();
+    // The directions of the longer edges: bridges between parallel walls run square to them, or along their ends.
+    let mut long: Vec<(f64, DVec2)> =
+        bridge.contours().flat_map(|c| edges(c)).map(|(a, b)| (a.distance(b), b - a)).collect();
+    long.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let turns = long.iter().take(4).flat_map(|(_, d)| [atan2(d.y, d.x), atan2(d.y, d.x) + 0.5 * PI]);
+    angles.extend(turns.map(|a| a.rem_euclid(PI)));
+    let mut best: Option<(f64, f64, f64)> = None;
+    for angle in angles {
+        let (held, span) = score(bridge, &hold, angle, spacing_mm);
+        let better = best.is_none_or(|(h, s, _)| held > h + 0.01 || (held > h - 0.01 && span < s * 0.98));
+        if held > 0.05 && better {
+            best = Some((held, span, angle));
+        }
+    }
+    best.map(|(_, _, angle)| angle)
+}
+
+/// Share of line length held at both ends, and the mean free span of a line, mm.
+fn score(bridge: &Polygon, hold: &LineClipper, angle_rad: f64, spacing_mm: f64) -> (f64, f64) {
+    let step_mm = 2.0 * spacing_mm;
+    let hatch = Hatch::new(bridge, Lines { angle_rad, first_mm: 0.37 * step_mm, step_mm });
+    let along = direction(angle_rad);
+    let (mut all, mut held, mut free, mut n) = (0.0, 0.0, 0.0, 0.0);
+    for line in hatch.paths(&Joints { longest_mm: 0.0, bulge_mm: 0.0 }) {
+        let (a, b) = (line[0], line[line.len() - 1]);
+        let length = a.distance(b);
+        let step = if (b - a).dot(along) > 0.0 { along } else { -along } * 0.3;
+        all += length;
+        if hold.contains(a + step) && hold.contains(b - step) {
+            held += length;
+        }
+        let over: f64 =
+            hold.clip(&[a, b]).iter().map(|p| p.points[0].distance(p.points[p.points.len() - 1])).sum();
+        free += length - over;
+        n += 1.0;
+    }
+    if all > 0.0 { (held / all, free / n) } else { (0.0, f64::INFINITY) }
+}

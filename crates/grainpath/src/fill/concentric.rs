@@ -1,0 +1,31 @@
+//! Loops that follow the room's border.
+
+use grainpath_core::poly::Join;
+use grainpath_core::{Polygon, Region, Toolpath};
+
+use super::{FillContext, Infill};
+
+/// Loops at equal distances from the border inwards.
+pub struct Concentric;
+
+impl Infill for Concentric {
+    fn fill(&self, context: &FillContext, room: &Polygon, out: &mut Vec<Toolpath>) {
+        let step = context.spacing_mm() / context.density;
+        let mut region = Region::from(room.clone());
+        // Below full density the first loop keeps its distance from the wall.
+        let mut inset = if context.density >= 0.999 { 0.0 } else { 0.5 * step };
+        loop {
+            region = region.offset(-inset, Join::Miter(3.0));
+            if region.is_empty() {
+                return;
+            }
+            for contour in region.contours() {
+                let path = Toolpath::new(contour.clone(), context.bead_width_mm, context.role, true);
+                if path.length_mm() > 2.0 * context.bead_width_mm {
+                    out.push(path);
+                }
+            }
+            inset = step;
+        }
+    }
+}

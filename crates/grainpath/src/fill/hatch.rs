@@ -1,0 +1,184 @@
+//! Parallel lines in a polygon, and the pieces of border that join their ends.
+
+use grainpath_core::math::{direction, rotated};
+use grainpath_core::{DVec2, Polygon};
+
+/// Lines at equal distances: line `i` lies at `first + i * step` along the normal of their direction.
+#[derive(Debug, Clone, Copy)]
+pub struct Lines {
+    pub angle_rad: f64,
+    pub first_mm: f64,
+    pub step_mm: f64,
+}
+
+/// Where a line meets the border.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    line: i32,
+    x: f64,
+    contour: u32,
+    /// Edge index plus share of the edge: the place along the contour.
+    at: f64,
+    /// The neighbouring ends along the contour, backwards and forwards.
+    along: [u32; 2],
+}
+
+/// All lines of a polygon, cut by it.
+pub struct Hatch {
+    axis: DVec2,
+    lines: Lines,
+    contours: Vec<Vec<DVec2>>,
+    /// Two by two the ends of each piece: 2k on the left, 2k + 1 on the right; pieces by line, then by x.
+    ends: Vec<End>,
+}
+
+/// Which joints between lines may be made.
+#[derive(Debug, Clone, Copy)]
+pub struct Joints {
+    /// The longest piece of border followed, mm.
+    pub longest_mm: f64,
+    /// A joint from a line back to itself may bulge this far towards the next, mm.
+    pub bulge_mm: f64,
+}
+
+impl Hatch {
+    /// Cuts the lines by the polygon: linear in edges and ends but for a sort.
+    pub fn new(polygon: &Polygon, lines: Lines) -> Self {
+        let axis = direction(lines.angle_rad);
+        let back = DVec2::new(axis.x, -axis.y);
+        let contours: Vec<Vec<DVec2>> =
+            polygon.contours().map(|c| c.iter().map(|&p| rotated(p, back)).collect()).collect();
+        let mut ends = Vec::new();
+        for (c, contour) in contours.iter().enumerate() {
+            for (e, (a, b)) in grainpath_core::poly::edges(contour).enumerate() {
+                let (row_a, row_b) =
+                    ((a.y - lines.first_mm) / lines.step_mm, (b.y - lines.first_mm) / lines.step_mm);
+                // Half-open: an end on a line counts for the edge that leaves it upwards.
+                let (low, high) = (row_a.min(row_b).ceil(), row_a.max(row_b).ceil());
+                let mut line = low;
+                while line < high {
+                    let y = lines.first_mm + line * lines.step_mm;
+                    let t = ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0);
+                    let x = a.x + t * (b.x - a.x);
+                    ends.push(End {
+                        line: line as i32,
+                        x,
+                        contour: c as u32,
+                        at: e as f64 + t,
+                        along: [0; 2],
+                    });
+                    line += 1.0;
+                }
+            }
+        }
+        ends.sort_by(|a, b| {
+            let by_line = a.line.cmp(&b.line).then(a.x.total_cmp(&b.x));
+            by_line.then(a.contour.cmp(&b.contour)).then(a.at.total_cmp(&b.at))
+        });
+        let mut hatch = Self { axis, lines, contours, ends };
+        hatch.link();
+        hatch
+    }
+
+    /// Finds for each end its neighbours along the contour.
+    fn link(&mut self) {
+        let mut order: Vec<u32> = (0..self.ends.len() as u32).collect();
+        order.sort_by(|&i, &j| {
+            let (a, b) = (&self.ends[i as usize], &self.ends[j as usize]);
+            a.contour.cmp(&b.contour).then(a.at.total_cmp(&b.at)).then(i.cmp(&j))
+        });
+        let mut start = 0;
+        while start < order.len() {
+            let contour = self.ends[order[start] as usize].contour;
+            let n = order[start..].partition_point(|&i| self.ends[i as usize].contour == contour);
+            for k in 0..n {
+                self.ends[order[start + k] as usize].along =
+                    [order[start + (k + n - 1) % n], order[start + (k + 1) % n]];
+            }
+            start += n;
+        }
+    }
+
+    /// Number of straight pieces.
+    fn n_pieces(&self) -> usize {
+        self.ends.len() / 2
+    }
+
+    fn place(&self, end: &End) -> DVec2 {
+        DVec2::new(end.x, self.lines.first_mm + f64::from(end.line) * self.lines.step_mm)
+    }
+
+    /// Paths that run along the lines back and forth, joined along the border where `joints` allow.
+    pub fn paths(&self, joints: &Joints) -> Vec<Vec<DVec2>> {
+        let mut used = vec![false; self.n_pieces()];
+        let mut out = Vec::new();
+        for first in 0..self.n_pieces() {
+            if used[first] {
+                continue;
+            }
+            let mut path = Vec::new();
+            // The first piece of all is walked rightwards; after a joint, away from where the path came.
+            let mut enter = 2 * first;
+            loop {
+                used[enter / 2] = true;
+                let leave = enter ^ 1;
+                path.push(self.place(&self.ends[enter]));
+                path.push(self.place(&self.ends[leave]));
+                match self.onward(leave, &used, joints, &mut path) {
+                    Some(next) => enter = next,
+                    None => break,
+                }
+            }
+            path.dedup_by(|a, b| a.distance_squared(*b) < 1e-12);
+            if path.len() > 1 {
+                out.push(path.into_iter().map(|p| rotated(p, self.axis)).collect());
+            }
+        }
+        out
+    }
+
+    /// From the end of a piece along the border to the end of one not used yet; adds the border's points.
+    fn onward(&self, leave: usize, used: &[bool], joints: &Joints, path: &mut Vec<DVec2>) -> Option<usize> {
+        let end = &self.ends[leave];
+        let candidates = [1usize, 0].map(|forwards| {
+            let next = end.along[forwards] as usize;
+            if next == leave || used[next / 2] {
+                return None;
+            }
+            let other = &self.ends[next];
+            if (other.line - end.line).abs() > 1 {
+                return None;
+            }
+            let between = self.between(end, other, forwards == 1);
+            let mut length = 0.0;
+            let (mut from, mut bulge) = (self.place(end), 0.0f64);
+            for &p in between.iter().chain(&[self.place(other)]) {
+                length += from.distance(p);
+                bulge = bulge.max((p.y - self.place(end).y).abs());
+                from = p;
+            }
+            let allowed = length <= joints.longest_mm && (other.line != end.line || bulge <= joints.bulge_mm);
+            // Upwards first: the sweep began at the bottom. Then the shorter way.
+            allowed.then_some((other.line <= end.line, length, next, between))
+        });
+        let best = candidates.into_iter().flatten().min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))?;
+        path.extend(best.3);
+        Some(best.2)
+    }
+
+    /// The border's vertices strictly between two neighbouring ends.
+    fn between(&self, from: &End, to: &End, forwards: bool) -> Vec<DVec2> {
+        let contour = &self.contours[from.contour as usize];
+        let n = contour.len();
+        let (a, b) = (from.at as usize, to.at as usize);
+        let mut out = Vec::new();
+        if forwards {
+            let steps = if a == b && to.at >= from.at { 0 } else { (b + n - a - 1) % n + 1 };
+            out.extend((1..=steps).map(|k| contour[(a + k) % n]));
+        } else {
+            let steps = if a == b && to.at <= from.at { 0 } else { (a + n - b - 1) % n + 1 };
+            out.extend((0..steps).map(|k| contour[(a + n - k) % n]));
+        }
+        out
+    }
+}

@@ -1,0 +1,51 @@
+//! Hexagons: waves of flats and ramps whose flats lie two by two beside each other.
+
+use grainpath_core::math::{direction, rotated};
+use grainpath_core::poly::LineClipper;
+use grainpath_core::{Bounds2, DVec2, Polygon, Region, Toolpath};
+
+use super::{FillContext, Infill};
+
+/// Regular hexagons, the same in every layer.
+pub struct Honeycomb;
+
+impl Infill for Honeycomb {
+    fn fill(&self, context: &FillContext, room: &Polygon, out: &mut Vec<Toolpath>) {
+        let s = context.spacing_mm();
+        // A wave is 4 sides long on 3 sides' width; waves are a rise and a spacing apart.
+        let side = (4.0 / (3.0 * context.density) - 1.0) * s * 2.0 / 3f64.sqrt();
+        if side < s {
+            return super::Rectilinear.fill(context, room, out);
+        }
+        let rise = side * 0.5 * 3f64.sqrt();
+        let pitch = rise + s;
+        let axis = direction(context.angle_rad);
+        let back = DVec2::new(axis.x, -axis.y);
+        let centre = rotated(context.part.centre(), back);
+        let local = Bounds2::of(room.outer.iter().map(|&p| rotated(p, back) - centre));
+        let Some(bounds) = local else { return };
+        let clipper = LineClipper::new(&Region::from(room.clone()));
+        let (low, high) =
+            ((bounds.min.y / pitch).floor() as i64 - 1, (bounds.max.y / pitch).ceil() as i64 + 1);
+        let (first, last) =
+            ((bounds.min.x / (3.0 * side)).floor() as i64 - 1, (bounds.max.x / (3.0 * side)).ceil() as i64);
+        for k in low..=high {
+            let y = k as f64 * pitch;
+            // Odd waves stand on their heads, so that flats meet flats.
+            let (up, down) = if k.rem_euclid(2) == 0 { (0.0, rise) } else { (rise, 0.0) };
+            let mut wave = Vec::new();
+            for period in first..=last {
+                let x = period as f64 * 3.0 * side;
+                for (dx, dy) in [(0.0, up), (side, up), (1.5 * side, down), (2.5 * side, down)] {
+                    wave.push(rotated(DVec2::new(x + dx, y + dy) + centre, axis));
+                }
+            }
+            if k.rem_euclid(2) == 1 {
+                wave.reverse();
+            }
+            for piece in clipper.clip(&wave) {
+                out.push(Toolpath::new(piece.points, context.bead_width_mm, context.role, false));
+            }
+        }
+    }
+}

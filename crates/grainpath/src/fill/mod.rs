@@ -1,0 +1,197 @@
+//! Fill: beads inside the walls.
+//!
+//! A pattern is told where centrelines may lie and lays paths there; it never looks at other layers. Density is
+//! volume of beads over volume of the place they fill.
+
+mod bridge;
+mod concentric;
+mod gyroid;
+mod hatch;
+mod honeycomb;
+mod rectilinear;
+
+use grainpath_core::{Bounds2, Polygon, Role, Toolpath};
+
+pub use bridge::bridge_angle_rad;
+pub use concentric::Concentric;
+pub use gyroid::Gyroid;
+pub use honeycomb::Honeycomb;
+pub use rectilinear::{Crossed, Rectilinear, Solid};
+
+/// What a pattern needs to know of the layer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FillContext {
+    /// Middle of the layer above the plate, mm.
+    pub z_mid_mm: f64,
+    /// Thickness of the layer, mm.
+    pub height_mm: f64,
+    /// Full width of a bead, mm.
+    pub bead_width_mm: f64,
+    /// Over 0, up to 1.
+    pub density: f64,
+    /// Direction of the lines from +X, radians.
+    pub angle_rad: f64,
+    /// The whole part in plan, so that lines of different islands and layers line up.
+    pub part: Bounds2,
+    /// What the paths are for.
+    pub role: Role,
+}
+
+impl FillContext {
+    /// Distance of neighbouring beads that touch, mm.
+    pub fn spacing_mm(&self) -> f64 {
+        grainpath_core::units::bead_spacing_mm(self.bead_width_mm, self.height_mm)
+    }
+}
+
+/// Fills one polygon of one layer with paths whose centrelines stay inside it.
+///
+/// Pure: same polygon and context, same paths. What needs other layers (bridges, skins) is decided before.
+pub trait Infill: Send + Sync {
+    /// Adds paths to `out`; none where nothing fits.
+    fn fill(&self, context: &FillContext, room: &Polygon, out: &mut Vec<Toolpath>);
+}
+
+/// The names of the patterns for the inside.
+pub const PATTERNS: [&str; 7] =
+    ["rectilinear", "grid", "triangles", "gyroid", "concentric", "honeycomb", "aligned"];
+
+/// The pattern with this name. `rectilinear` and `aligned` differ in the angles the caller gives.
+pub fn pattern(name: &str) -> Option<&'static dyn Infill> {
+    Some(match name {
+        "rectilinear" | "aligned" => &Rectilinear,
+        "grid" => &Crossed { directions: 2 },
+        "triangles" => &Crossed { directions: 3 },
+        "gyroid" => &Gyroid,
+        "concentric" => &Concentric,
+        "honeycomb" => &Honeycomb,
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::math::direction;
+    use grainpath_core::poly::Join;
+    use grainpath_core::{DVec2, Region};
+
+    fn outlines() -> Vec<(&'static str, Region)> {
+        let disc = |r: f64, n: usize| {
+            let outer = (0..n).map(|i| direction(i as f64 / n as f64 * std::f64::consts::TAU) * r).collect();
+            Region::from(Polygon { outer, holes: Vec::new() })
+        };
+        let square = Region::rectangle(DVec2::splat(-30.0), DVec2::splat(30.0));
+        let l = square.difference(&Region::rectangle(DVec2::ZERO, DVec2::splat(31.0)));
+        vec![
+            ("square", square.clone()),
+            ("disc", disc(30.0, 90)),
+            ("ring", disc(35.0, 120).difference(&disc(12.0, 60))),
+            ("l", l),
+            (
+                "triangle",
+                Region::from(Polygon { outer: disc(40.0, 3).polygons[0].outer.clone(), holes: Vec::new() }),
+            ),
+        ]
+    }
+
+    fn context(density: f64, angle_rad: f64, z_mid_mm: f64) -> FillContext {
+        let part = Bounds2 { min: DVec2::splat(-40.0), max: DVec2::splat(40.0) };
+        let role = Role::SparseFill;
+        FillContext { z_mid_mm, height_mm: 0.2, bead_width_mm: 0.45, density, angle_rad, part, role }
+    }
+
+    fn volume_share(infill: &dyn Infill, region: &Region, density: f64) -> f64 {
+        let layers = 40;
+        let mut sum = 0.0;
+        for layer in 0..layers {
+            let angle = if layer % 2 == 0 { 0.8 } else { 2.3 };
+            let context = context(density, angle, 0.2 * f64::from(layer));
+            let mut paths = Vec::new();
+            region.polygons.iter().for_each(|p| infill.fill(&context, p, &mut paths));
+            sum += paths.iter().map(|p| p.volume_mm3(0.2)).sum::<f64>();
+        }
+        sum / (region.area_mm2() * 0.2 * f64::from(layers))
+    }
+
+    #[test]
+    fn every_pattern_has_the_density_asked_for() {
+        let mut wrong = Vec::new();
+        for name in PATTERNS {
+            for (outline, region) in outlines() {
+                for density in [0.1, 0.2, 0.4] {
+                    let found = volume_share(pattern(name).expect("a known name"), &region, density);
+                    // What joins lines along the border comes on top, and counts for more the wider the spacing.
+                    if (found - density).abs() > 0.036_f64.max(0.12 * density) {
+                        wrong.push(format!("{name} on {outline} at {density}: {found:.3}"));
+                    }
+                }
+            }
+        }
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    }
+
+    #[test]
+    fn paths_stay_in_the_room_and_come_out_the_same() {
+        for name in PATTERNS {
+            for (outline, region) in outlines() {
+                let grown = region.offset(1e-3, Join::Miter(5.0));
+                let draw = || {
+                    let mut paths = Vec::new();
+                    let infill = pattern(name).expect("a known name");
+                    region.polygons.iter().for_each(|p| infill.fill(&context(0.25, 0.3, 1.1), p, &mut paths));
+                    paths
+                };
+                let paths = draw();
+                assert_eq!(paths, draw());
+                assert!(!paths.is_empty(), "{name} on {outline}");
+                for p in paths.iter().flat_map(|p| &p.points) {
+                    assert!(grown.contains(*p), "{name} on {outline}: {p} is outside");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn dense_lines_have_the_volume_of_the_room_and_half_a_spacing_around_it() {
+        for (outline, region) in outlines() {
+            for angle in [0.0, 0.3, 0.8, std::f64::consts::FRAC_PI_2] {
+                let context = context(1.0, angle, 0.1);
+                let mut paths = Vec::new();
+                region.polygons.iter().for_each(|p| Solid.fill(&context, p, &mut paths));
+                let volume: f64 = paths.iter().map(|p| p.volume_mm3(0.2)).sum();
+                let room = region.offset(0.5 * context.spacing_mm(), Join::Miter(3.0)).area_mm2() * 0.2;
+                assert!((volume / room - 1.0).abs() < 0.01, "{outline} at {angle}: {}", volume / room);
+                assert!(paths.len() <= 12, "{outline} at {angle}: {} paths", paths.len());
+            }
+        }
+    }
+
+    #[test]
+    fn crumbs_and_slivers_do_no_harm() {
+        let sliver = vec![DVec2::ZERO, DVec2::new(10.0, 0.0), DVec2::new(10.0, 1e-4)];
+        let crumb = vec![DVec2::ZERO, DVec2::new(0.01, 0.0), DVec2::new(0.0, 0.01)];
+        for outer in [sliver, crumb, vec![DVec2::ZERO; 3], vec![]] {
+            let polygon = Polygon { outer, holes: Vec::new() };
+            for name in PATTERNS {
+                for density in [0.1, 1.0] {
+                    pattern(name).expect("a known name").fill(
+                        &context(density, 0.2, 0.1),
+                        &polygon,
+                        &mut Vec::new(),
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_bridge_goes_the_short_way_between_its_holds() {
+        let bridge = &Region::rectangle(DVec2::ZERO, DVec2::new(10.0, 40.0)).polygons[0];
+        let left = Region::rectangle(DVec2::new(-5.0, 0.0), DVec2::new(0.5, 40.0));
+        let right = Region::rectangle(DVec2::new(9.5, 0.0), DVec2::new(15.0, 40.0));
+        let angle = bridge_angle_rad(bridge, &left.union(&right), 0.4).expect("held on both sides");
+        assert!(grainpath_core::math::sin(angle).abs() < 0.05, "{angle}");
+        assert_eq!(bridge_angle_rad(bridge, &Region::default(), 0.4), None);
+    }
+}

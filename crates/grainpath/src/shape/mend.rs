@@ -1,0 +1,200 @@
+//! Making of a damaged mesh what a person would take it for.
+
+use grainpath_core::mesh::{EdgeUses, MeshHealth, Shells, diagnose, weld_within};
+use grainpath_core::{DVec3, Diagnostics, TriMesh};
+
+use super::ShapeError;
+
+/// What is done about defects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Repair {
+    /// Mend them and say so.
+    #[default]
+    Auto,
+    /// Refuse the mesh.
+    Strict,
+}
+
+/// Joins bodies into one mesh that is wound outward as far as it can be. Near vertices are merged where edges are
+/// open, shells wound against themselves are turned face by face, shells inside out are turned whole unless they
+/// are cavities; what is still open is closed in the sections. Every change is counted in a warning.
+///
+/// # Errors
+/// [`ShapeError::Defects`] under [`Repair::Strict`]; [`ShapeError::NoVolume`] when most edges are open.
+pub fn mend(bodies: Vec<TriMesh>, repair: Repair, diagnostics: &Diagnostics) -> Result<TriMesh, ShapeError> {
+    let mut whole = TriMesh::default();
+    let mut found = Found::default();
+    for body in bodies {
+        let body = mend_body(body, repair, &mut found)?;
+        if whole.triangles.is_empty() {
+            whole = body;
+        } else {
+            let first = whole.vertices.len() as u32;
+            whole.vertices.extend(body.vertices);
+            whole.triangles.extend(body.triangles.into_iter().map(|t| t.map(|i| i + first)));
+        }
+    }
+    found.warn(diagnostics);
+    if whole.triangles.is_empty() { Err(ShapeError::Empty) } else { Ok(whole) }
+}
+
+/// What was found in all bodies.
+#[derive(Default)]
+struct Found {
+    welded: usize,
+    open: usize,
+    nonmanifold: usize,
+    turned_facets: usize,
+    turned_shells: usize,
+}
+
+impl Found {
+    fn warn(&self, diagnostics: &Diagnostics) {
+        let say = |n: usize, text: &str| {
+            if n > 0 {
+                diagnostics.warn(format!("mesh: {n} {text}"));
+            }
+        };
+        say(self.welded, "open edges closed by merging near vertices");
+        say(self.open, "open edges; the sections were closed where they are cut");
+        say(self.nonmanifold, "edges with more than two faces; sections were united by winding number");
+        say(self.turned_facets, "badly wound facets turned");
+        say(self.turned_shells, "inside-out shells turned");
+    }
+}
+
+fn mend_body(mut mesh: TriMesh, repair: Repair, found: &mut Found) -> Result<TriMesh, ShapeError> {
+    mesh.triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+    let Some(mut health) = diagnose(&mesh) else { return Ok(TriMesh::default()) };
+    if health.open_edges > 0 {
+        let open = health.open_edges;
+        let (low, high) = health.bounds;
+        let welded = weld_within(&mesh, 1e-6 * (high - low).max_element());
+        if let Some(better) = diagnose(&welded).filter(|h| h.open_edges < open) {
+            found.welded += open - better.open_edges;
+            (mesh, health) = (welded, better);
+        }
+    }
+    let n_edges = (3 * health.n_triangles + health.open_edges) / 2;
+    if 2 * health.open_edges > n_edges {
+        return Err(ShapeError::NoVolume { open_edges: health.open_edges, n_edges });
+    }
+    if repair == Repair::Strict && (!health.is_closed() || health.volume < 0.0) {
+        return Err(ShapeError::Defects { defects: defects(&health) });
+    }
+    found.open += health.open_edges;
+    found.nonmanifold += health.nonmanifold_edges;
+    let edges = EdgeUses::of(&mesh);
+    let shells = Shells::of(&mesh, &edges);
+    if health.badly_wound_edges > 0 {
+        found.turned_facets += wind_alike(&mut mesh, &edges);
+    }
+    found.turned_shells += turn_outward(&mut mesh, &shells);
+    Ok(mesh)
+}
+
+/// The defects of a mesh in words.
+pub(crate) fn defects(health: &MeshHealth) -> String {
+    let mut parts = Vec::new();
+    for (n, what) in [
+        (health.open_edges, "open edges"),
+        (health.nonmanifold_edges, "edges with more than two faces"),
+        (health.badly_wound_edges, "badly wound edges"),
+    ] {
+        if n > 0 {
+            parts.push(format!("{n} {what}"));
+        }
+    }
+    if health.volume < 0.0 {
+        parts.push("a negative volume (inside out)".into());
+    }
+    parts.join(", ")
+}
+
+/// Turns facets so that neighbours over edges of two faces agree, beginning at each shell's lowest facet. Returns how
+/// many were turned.
+fn wind_alike(mesh: &mut TriMesh, edges: &EdgeUses) -> usize {
+    // For each facet up to three neighbours, with whether the two are wound alike as they are now.
+    let mut neighbours = vec![[(u32::MAX, true); 3]; mesh.triangles.len()];
+    let mut add = |t: usize, other: usize, alike: bool| {
+        if let Some(slot) = neighbours[t].iter_mut().find(|s| s.0 == u32::MAX) {
+            *slot = (other as u32, alike);
+        }
+    };
+    for mut edge in edges.edges() {
+        let (Some((a, down_a)), Some((b, down_b)), None) = (edge.next(), edge.next(), edge.next()) else {
+            continue;
+        };
+        add(a, b, down_a != down_b);
+        add(b, a, down_a != down_b);
+    }
+    let mut turn: Vec<Option<bool>> = vec![None; mesh.triangles.len()];
+    let mut stack = Vec::new();
+    for seed in 0..mesh.triangles.len() {
+        if turn[seed].is_some() {
+            continue;
+        }
+        turn[seed] = Some(false);
+        stack.push(seed);
+        while let Some(t) = stack.pop() {
+            let turned = turn[t] == Some(true);
+            for &(other, alike) in neighbours[t].iter().filter(|n| n.0 != u32::MAX) {
+                if turn[other as usize].is_none() {
+                    turn[other as usize] = Some(turned == alike);
+                    stack.push(other as usize);
+                }
+            }
+        }
+    }
+    let mut n = 0;
+    for (triangle, turn) in mesh.triangles.iter_mut().zip(turn) {
+        if turn == Some(true) {
+            triangle.swap(1, 2);
+            n += 1;
+        }
+    }
+    n
+}
+
+/// Turns shells of negative volume that lie in no shell of positive volume. Returns how many.
+fn turn_outward(mesh: &mut TriMesh, shells: &Shells) -> usize {
+    struct Shell {
+        id: usize,
+        volume: f64,
+        low: DVec3,
+        high: DVec3,
+    }
+    let mut all: Vec<Shell> = Vec::new();
+    let mut slot = vec![u32::MAX; mesh.triangles.len()];
+    for (t, triangle) in mesh.triangles.iter().enumerate() {
+        let id = shells.shell(t);
+        if slot[id] == u32::MAX {
+            slot[id] = all.len() as u32;
+            all.push(Shell { id, volume: 0.0, low: DVec3::INFINITY, high: DVec3::NEG_INFINITY });
+        }
+        let [a, b, c] = triangle.map(|i| mesh.vertices[i as usize]);
+        let shell = &mut all[slot[id] as usize];
+        shell.volume += a.dot(b.cross(c)) / 6.0;
+        shell.low = shell.low.min(a).min(b).min(c);
+        shell.high = shell.high.max(a).max(b).max(c);
+    }
+    let hold = |outer: &Shell, inner: &Shell| {
+        outer.low.cmple(inner.low).all() && outer.high.cmpge(inner.high).all() && outer.volume > -inner.volume
+    };
+    let mut outer: Vec<usize> = (0..all.len()).filter(|&i| all[i].volume > 0.0).collect();
+    // Only the largest can hold others; a bound keeps thousands of specks from costing their square.
+    outer.sort_by(|&i, &j| all[j].volume.total_cmp(&all[i].volume).then(i.cmp(&j)));
+    outer.truncate(200);
+    let inverted = |s: &&Shell| s.volume < 0.0 && !outer.iter().any(|&o| hold(&all[o], s));
+    let turned: Vec<usize> = all.iter().filter(inverted).map(|s| s.id).collect();
+    if !turned.is_empty() {
+        let mut marked = vec![false; mesh.triangles.len()];
+        turned.iter().for_each(|&id| marked[id] = true);
+        for t in 0..mesh.triangles.len() {
+            if marked[shells.shell(t)] {
+                mesh.triangles[t].swap(1, 2);
+            }
+        }
+    }
+    turned.len()
+}

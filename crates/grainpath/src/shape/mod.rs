@@ -1,0 +1,102 @@
+//! Shapes: from meshes to the [`LayerStack`](grainpath_core::LayerStack) that everything after works on.
+
+mod heights;
+mod mend;
+mod place;
+mod section;
+
+use grainpath_core::diagnostics::{Interrupted, Stage};
+use grainpath_core::{Diagnostics, Layer, LayerStack, TriMesh};
+use rayon::prelude::*;
+
+pub use heights::{Adaptive, layer_heights};
+pub use mend::{Repair, mend};
+pub use place::{Placement, likely_unit, place};
+
+/// How a mesh is cut into layers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SliceSettings {
+    /// Thickness of every layer but the first, mm.
+    pub layer_height_mm: f64,
+    /// Thickness of the first layer, mm.
+    pub first_layer_height_mm: f64,
+    /// Layer heights that follow the slopes, if asked for.
+    pub adaptive: Option<Adaptive>,
+    /// Open chains of a section are joined over gaps up to this in any case, mm.
+    pub gap_closing_mm: f64,
+    /// Contours are simplified to within this, mm.
+    pub simplify_mm: f64,
+}
+
+/// Why a shape cannot be made into layers.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum ShapeError {
+    #[error("the mesh has no triangles")]
+    Empty,
+    #[error(
+        "the part is {height_mm} mm high, less than half the first layer ({first_layer_mm} mm); check its unit"
+    )]
+    TooFlat { height_mm: f64, first_layer_mm: f64 },
+    #[error(
+        "the part measures {size_mm:.0} mm; more than {limit_mm:.0} mm is taken for damage or a wrong unit"
+    )]
+    TooLarge { size_mm: f64, limit_mm: f64 },
+    #[error("no closed volume: {open_edges} of {n_edges} edges are open")]
+    NoVolume { open_edges: usize, n_edges: usize },
+    #[error("the mesh has {defects}; repair = \"strict\" refuses it, repair = \"auto\" mends it")]
+    Defects { defects: String },
+    #[error("{n} layers of {height_mm} mm; at most {limit} are made")]
+    TooManyLayers { n: usize, height_mm: f64, limit: usize },
+    #[error("no layer of the part has any area")]
+    NothingLeft,
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
+}
+
+/// Cuts placed and mended meshes into layers, each at the middle of its height. A vertex on the plane counts as
+/// above it, so every crossed edge gives exactly one point, the same for both its triangles.
+///
+/// Contours of all meshes are united by winding number: bodies that overlap or touch do not cancel, cavities stay.
+///
+/// # Errors
+/// [`ShapeError`]: too flat, too many layers, nothing left, interrupted.
+pub fn slice(
+    mesh: &TriMesh,
+    settings: &SliceSettings,
+    diagnostics: &Diagnostics,
+) -> Result<LayerStack, ShapeError> {
+    let (_, high) = mesh.bounds().ok_or(ShapeError::Empty)?;
+    let tops = layer_heights(mesh, high.z, settings)?;
+    diagnostics.begin(Stage::Slice, tops.len());
+    let bottoms = std::iter::once(0.0).chain(tops.iter().copied());
+    let planes: Vec<f64> = tops.iter().zip(bottoms).map(|(top, bottom)| 0.5 * (top + bottom)).collect();
+    let buckets = section::Buckets::new(mesh, &planes);
+    let cut = |i: usize| -> Result<(Layer, section::Mended), Interrupted> {
+        diagnostics.check()?;
+        let (region, mended) = section::section(mesh, buckets.triangles(i), planes[i], settings);
+        diagnostics.advance(1);
+        let height = tops[i] - if i > 0 { tops[i - 1] } else { 0.0 };
+        Ok((
+            Layer::new(tops[i], height, region).expect("layer heights are positive and start at the plate"),
+            mended,
+        ))
+    };
+    let cuts: Vec<Result<_, Interrupted>> =
+        (0..planes.len()).into_par_iter().with_min_len(4).map(cut).collect();
+    let mut layers = Vec::with_capacity(planes.len());
+    let mut mended = section::Mended::default();
+    for result in cuts {
+        let (layer, m) = result?;
+        mended.add(&m);
+        layers.push(layer);
+    }
+    mended.warn(diagnostics);
+    while layers.last().is_some_and(|l| l.region().is_empty()) {
+        layers.pop();
+    }
+    if layers.is_empty() {
+        return Err(ShapeError::NothingLeft);
+    }
+    Ok(LayerStack::new(layers).expect("layer heights rise"))
+}

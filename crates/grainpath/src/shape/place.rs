@@ -1,0 +1,85 @@
+//! Bringing a mesh into millimetres, turned and standing on the plate.
+
+use grainpath_core::math::{direction, rotated};
+use grainpath_core::units::LengthUnit;
+use grainpath_core::{DVec2, DVec3, TriMesh};
+
+use super::ShapeError;
+
+/// How a mesh is brought into part coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement {
+    /// The unit its coordinates are in.
+    pub unit: LengthUnit,
+    /// Further factor on all lengths.
+    pub scale: f64,
+    /// Turns about X, then Y, then Z, radians.
+    pub rotate_rad: [f64; 3],
+}
+
+/// Parts larger than this are taken for damage.
+const MAX_SIZE_MM: f64 = 10_000.0;
+
+/// Scales and turns a mesh and stands it on z = 0. X and Y stay where the file has them.
+///
+/// # Errors
+/// [`ShapeError::Empty`], or [`ShapeError::TooLarge`] beyond 10 m.
+pub fn place(mesh: &mut TriMesh, placement: &Placement) -> Result<(), ShapeError> {
+    let factor = placement.unit.mm() * placement.scale;
+    let turns = placement.rotate_rad.map(direction);
+    for p in &mut mesh.vertices {
+        let mut v = *p * factor;
+        if placement.rotate_rad[0] != 0.0 {
+            let q = rotated(DVec2::new(v.y, v.z), turns[0]);
+            v = DVec3::new(v.x, q.x, q.y);
+        }
+        if placement.rotate_rad[1] != 0.0 {
+            let q = rotated(DVec2::new(v.z, v.x), turns[1]);
+            v = DVec3::new(q.y, v.y, q.x);
+        }
+        if placement.rotate_rad[2] != 0.0 {
+            v = rotated(v.truncate(), turns[2]).extend(v.z);
+        }
+        *p = v;
+    }
+    let (low, high) = mesh.bounds().ok_or(ShapeError::Empty)?;
+    let size_mm = (high - low).max_element();
+    if size_mm > MAX_SIZE_MM {
+        return Err(ShapeError::TooLarge { size_mm, limit_mm: MAX_SIZE_MM });
+    }
+    for p in &mut mesh.vertices {
+        p.z -= low.z;
+    }
+    Ok(())
+}
+
+/// The unit a mesh is likely in, judged by its longest extent in the file's numbers: things people print are between
+/// a centimetre and a metre.
+pub fn likely_unit(longest: f64) -> LengthUnit {
+    if longest < 0.6 {
+        LengthUnit::Metre
+    } else if longest < 8.0 {
+        LengthUnit::Inch
+    } else {
+        LengthUnit::Millimetre
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turned_scaled_and_on_the_plate() {
+        let vertices = vec![DVec3::new(0.0, 0.0, 5.0), DVec3::new(1.0, 0.0, 5.0), DVec3::new(0.0, 0.0, 7.0)];
+        let mut mesh = TriMesh { vertices, triangles: vec![[0, 1, 2]] };
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let placement = Placement { unit: LengthUnit::Inch, scale: 2.0, rotate_rad: [0.0, quarter, 0.0] };
+        place(&mut mesh, &placement).expect("small enough");
+        let (low, high) = mesh.bounds().expect("a triangle");
+        assert!(low.z.abs() < 1e-12 && (high.z - 50.8).abs() < 1e-9, "{low} {high}");
+        assert!((high.x - low.x - 101.6).abs() < 1e-9);
+        mesh.vertices[1].x = 1e6;
+        assert!(matches!(place(&mut mesh, &placement), Err(ShapeError::TooLarge { .. })));
+    }
+}
