@@ -7,6 +7,7 @@ pub mod diagnostics;
 pub mod field;
 pub mod layer;
 pub mod math;
+pub mod medial;
 pub mod mesh;
 pub mod poly;
 pub mod toolpath;

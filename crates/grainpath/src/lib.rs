@@ -5,3 +5,4 @@ pub mod mask;
 pub mod render;
 pub mod shape;
 pub mod skin;
+pub mod walls;

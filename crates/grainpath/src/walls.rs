@@ -66,7 +66,8 @@ pub fn lay_walls(polygon: &Polygon, settings: &WallSettings) -> Walls {
     let w = settings.bead_width_mm;
     let region = Region::from(polygon.clone());
     let depth_mm = |k: usize| 0.5 * w + k as f64 * s;
-    let fill_depth = if settings.n_walls == 0 { 0.5 * w } else { depth_mm(settings.n_walls) - settings.fill_overlap * s };
+    let fill_depth =
+        if settings.n_walls == 0 { 0.5 * w } else { depth_mm(settings.n_walls) - settings.fill_overlap * s };
     let fill = region.offset(-fill_depth, MITER);
     if shrinks_smoothly(polygon, &fill, fill_depth) {
         let mut walls = Walls { fill, ..Walls::default() };
@@ -101,7 +102,8 @@ fn corner_sum(contour: &[grainpath_core::DVec2]) -> f64 {
         let scale = (u.length_squared() * v.length_squared()).sqrt();
         // tan(turn/2) = sin / (1 + cos)
         let denominator = scale + d;
-        sum += if denominator > 0.1 * scale { c / denominator } else { tan(0.5 * atan2(c, d).clamp(-2.2, 2.2)) };
+        sum +=
+            if denominator > 0.1 * scale { c / denominator } else { tan(0.5 * atan2(c, d).clamp(-2.2, 2.2)) };
     };
     for (a, b) in edges(contour) {
         let edge = b - a;
@@ -175,7 +177,8 @@ fn lay_singles(left: &Region, settings: &WallSettings, outer: bool, h: f64, out:
     }
     let s = bead_spacing_mm(settings.bead_width_mm, h);
     let max_mm = settings.bead_width_mm + s;
-    let min_mm = if outer { settings.min_bead_width_mm } else { bead_spacing_mm(settings.min_bead_width_mm, h) };
+    let min_mm =
+        if outer { settings.min_bead_width_mm } else { bead_spacing_mm(settings.min_bead_width_mm, h) };
     let role = if outer { Role::ThinWall } else { Role::GapFill };
     for axis in medial_axis(&left, min_mm, max_mm) {
         let width = |t: &f64| if outer { *t } else { bead_width_mm(*t, h) };

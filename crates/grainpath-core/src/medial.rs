@@ -1,0 +1,435 @@
+//! The middle of thin places: where a single bead runs, and how wide it must be there.
+//!
+//! The chordal axis: the region is triangulated, and the midpoints of the triangles' inner sides are joined. In a
+//! strip it is the medial axis itself; branches that only reach into corners are cut off. It needs no Voronoi
+//! diagram, and its cost is that of a triangulation of the border's samples.
+
+use glam::DVec2;
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+
+use crate::math::cross;
+use crate::poly::{LineClipper, edges, perimeter_mm};
+use crate::{Polygon, Region};
+
+/// A line along the middle of a thin place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MedialPath {
+    /// The line, mm.
+    pub points: Vec<DVec2>,
+    /// How thick the region is at each point, mm, between the limits asked for.
+    pub widths_mm: Vec<f64>,
+    /// Whether the last point joins the first.
+    pub closed: bool,
+}
+
+/// The medial paths of a region whose thickness is nowhere much over `max_width_mm`. Where it is thinner than
+/// `min_width_mm` there is no path. Polygons without a path, and those too broken to triangulate, give none.
+pub fn medial_axis(region: &Region, min_width_mm: f64, max_width_mm: f64) -> Vec<MedialPath> {
+    let mut out = Vec::new();
+    for polygon in &region.polygons {
+        let area = polygon.area_mm2();
+        let thickness = 2.0 * area / polygon.perimeter_mm();
+        // No place of a sliver this thin reaches the least width: its mean is far below.
+        if area < 1e-4 || thickness < 0.2 * min_width_mm {
+            continue;
+        }
+        if let Some(graph) = Graph::of(polygon, (0.6 * thickness).clamp(0.06, 0.4)) {
+            let clipper = LineClipper::new(&Region::from(polygon.clone()));
+            for path in graph.into_paths() {
+                finish(path, &clipper, min_width_mm, max_width_mm, &mut out);
+            }
+        }
+    }
+    out
+}
+
+/// A point of the axis: the middle of a chord from border to border.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    at: DVec2,
+    /// The chord; zero at the middle of a triangle where branches meet.
+    chord: DVec2,
+    /// Neighbours, `NONE` where there are fewer than three.
+    next: [u32; 3],
+}
+
+const NONE: u32 = u32::MAX;
+
+struct Graph {
+    nodes: Vec<Node>,
+}
+
+/// Border vertices with the border cut into steps.
+fn sampled(contour: &[DVec2], step_mm: f64, out: &mut Vec<Point2<f64>>, sides: &mut Vec<[usize; 2]>) {
+    let first = out.len();
+    for (a, b) in edges(contour) {
+        let n = (a.distance(b) / step_mm).ceil().clamp(1.0, 5000.0) as usize;
+        out.extend((0..n).map(|i| a.lerp(b, i as f64 / n as f64)).map(|p| Point2::new(p.x, p.y)));
+    }
+    let n = out.len() - first;
+    sides.extend((0..n).map(|i| [first + i, first + (i + 1) % n]));
+}
+
+/// Which faces lie inside: those reached from outside over an odd number of border edges. Told by edges alone,
+/// since a face between samples of one straight border is as flat as rounding makes it.
+fn inside_faces(cdt: &ConstrainedDelaunayTriangulation<Point2<f64>>) -> Vec<bool> {
+    let mut side: Vec<Option<bool>> = vec![None; cdt.num_all_faces()];
+    let outer = cdt.outer_face();
+    side[outer.fix().index()] = Some(false);
+    let mut stack = Vec::new();
+    for edge in cdt.convex_hull() {
+        // Hull edges face outward; their other side is the triangulation's rim.
+        let (face, crossed) = (edge.rev().face(), edge.is_constraint_edge());
+        if side[face.fix().index()].is_none() {
+            side[face.fix().index()] = Some(crossed);
+            stack.push(face.fix());
+        }
+    }
+    while let Some(fixed) = stack.pop() {
+        let here = side[fixed.index()] == Some(true);
+        let Some(face) = cdt.face(fixed).as_inner() else { continue };
+        for edge in face.adjacent_edges() {
+            let next = edge.rev().face().fix();
+            if side[next.index()].is_none() {
+                side[next.index()] = Some(here ^ edge.is_constraint_edge());
+                stack.push(next);
+            }
+        }
+    }
+    side.into_iter().map(|s| s == Some(true)).collect()
+}
+
+impl Graph {
+    fn of(polygon: &Polygon, step_mm: f64) -> Option<Self> {
+        let (mut points, mut sides) = (Vec::new(), Vec::new());
+        // A long border is sampled no finer than keeps its number of points in bounds.
+        let step_mm = step_mm.max(polygon.contours().map(|c| perimeter_mm(c)).sum::<f64>() / 100_000.0);
+        for contour in polygon.contours() {
+            sampled(contour, step_mm, &mut points, &mut sides);
+        }
+        let cdt =
+            ConstrainedDelaunayTriangulation::<Point2<f64>>::try_bulk_load_cdt(points, sides, |_| {}).ok()?;
+        let inside = inside_faces(&cdt);
+        let mut graph = Self { nodes: Vec::new() };
+        let mut node_of_edge = vec![NONE; cdt.num_undirected_edges()];
+        for face in cdt.inner_faces() {
+            let corners = face.positions().map(|p| DVec2::new(p.x, p.y));
+            let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+            if !inside[face.fix().index()] {
+                continue;
+            }
+            let inner: Vec<u32> = face
+                .adjacent_edges()
+                .iter()
+                .filter(|e| !e.is_constraint_edge())
+                .map(|e| {
+                    let slot = &mut node_of_edge[e.as_undirected().fix().index()];
+                    if *slot == NONE {
+                        *slot = graph.nodes.len() as u32;
+                        let [p, q] = e.positions().map(|p| DVec2::new(p.x, p.y));
+                        graph.nodes.push(Node { at: 0.5 * (p + q), chord: q - p, next: [NONE; 3] });
+                    }
+                    *slot
+                })
+                .collect();
+            match *inner {
+                [a, b] => graph.join(a, b),
+                [a, b, c] => {
+                    let middle = graph.nodes.len() as u32;
+                    graph.nodes.push(Node { at: centre, chord: DVec2::ZERO, next: [NONE; 3] });
+                    [a, b, c].into_iter().for_each(|n| graph.join(middle, n));
+                }
+                _ => {}
+            }
+        }
+        graph.prune();
+        Some(graph)
+    }
+
+    fn join(&mut self, a: u32, b: u32) {
+        for (n, other) in [(a, b), (b, a)] {
+            if let Some(slot) = self.nodes[n as usize].next.iter_mut().find(|s| **s == NONE) {
+                *slot = other;
+            }
+        }
+    }
+
+    fn degree(&self, n: u32) -> usize {
+        self.nodes[n as usize].next.iter().filter(|&&s| s != NONE).count()
+    }
+
+    /// The way from `n`, coming from `from`, up to and including the next end or fork.
+    fn branch(&self, from: u32, n: u32) -> Vec<u32> {
+        let (mut before, mut at, mut way) = (from, n, vec![n]);
+        while self.degree(at) == 2 && at != from {
+            let onward = self.nodes[at as usize].next.into_iter().find(|&s| s != NONE && s != before);
+            let Some(next) = onward else { break };
+            (before, at) = (at, next);
+            way.push(at);
+        }
+        way
+    }
+
+    fn cut(&mut self, a: u32, b: u32) {
+        for (n, other) in [(a, b), (b, a)] {
+            for slot in &mut self.nodes[n as usize].next {
+                if *slot == other {
+                    *slot = NONE;
+                }
+            }
+        }
+    }
+
+    /// Cuts branches that only reach into a corner: those not longer than the place is thick where they leave.
+    fn prune(&mut self) {
+        for _ in 0..2 {
+            let forks: Vec<u32> = (0..self.nodes.len() as u32).filter(|&n| self.degree(n) == 3).collect();
+            for fork in forks {
+                let neighbours = self.nodes[fork as usize].next.into_iter().filter(|&s| s != NONE);
+                let thick = neighbours.map(|s| self.nodes[s as usize].chord.length()).fold(0.0, f64::max);
+                let mut short: Vec<(f64, u32)> = Vec::new();
+                for first in self.nodes[fork as usize].next.into_iter().filter(|&s| s != NONE) {
+                    let way = self.branch(fork, first);
+                    let last = way[way.len() - 1];
+                    if self.degree(last) != 1 {
+                        continue;
+                    }
+                    let mut at = self.nodes[fork as usize].at;
+                    let mut length = 0.0;
+                    for &n in &way {
+                        length += at.distance(self.nodes[n as usize].at);
+                        at = self.nodes[n as usize].at;
+                    }
+                    if length < 0.9 * thick {
+                        short.push((length, first));
+                    }
+                }
+                short.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+                for (_, first) in short {
+                    if self.degree(fork) > 1 {
+                        self.cut(fork, first);
+                    }
+                }
+            }
+        }
+    }
+
+    /// All branches as lines of nodes; at a fork the two that go straightest on are one line.
+    fn into_paths(mut self) -> Vec<(Vec<Node>, bool)> {
+        self.split_forks();
+        let mut used = vec![false; self.nodes.len()];
+        let mut out = Vec::new();
+        let ends_first = (0..self.nodes.len() as u32).filter(|&n| self.degree(n) == 1);
+        let starts: Vec<u32> = ends_first.chain(0..self.nodes.len() as u32).collect();
+        for start in starts {
+            if used[start as usize] || self.degree(start) == 0 {
+                continue;
+            }
+            used[start as usize] = true;
+            let mut way = vec![start];
+            let mut at = start;
+            while let Some(next) =
+                self.nodes[at as usize].next.into_iter().find(|&s| s != NONE && !used[s as usize])
+            {
+                used[next as usize] = true;
+                way.push(next);
+                at = next;
+            }
+            let closed = way.len() > 3 && self.nodes[at as usize].next.contains(&start);
+            out.push((way.into_iter().map(|n| self.nodes[n as usize]).collect(), closed));
+        }
+        out
+    }
+
+    /// Takes the branch that turns most off each fork; it ends there in a node of its own.
+    fn split_forks(&mut self) {
+        for fork in 0..self.nodes.len() as u32 {
+            if self.degree(fork) != 3 {
+                continue;
+            }
+            let node = self.nodes[fork as usize];
+            let toward = node.next.map(|n| {
+                let way = self.branch(fork, n);
+                (self.nodes[way[way.len().min(4) - 1] as usize].at - node.at).normalize_or_zero()
+            });
+            let straight = |i: usize, j: usize| -toward[i].dot(toward[j]);
+            let pairs = [(straight(0, 1), 2), (straight(0, 2), 1), (straight(1, 2), 0)];
+            let odd = pairs.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |p| p.1);
+            self.cut(fork, node.next[odd]);
+        }
+    }
+}
+
+/// Gives a line of nodes its widths, reaches out to the region's ends, and cuts what is too thin.
+fn finish(
+    (nodes, closed): (Vec<Node>, bool),
+    clipper: &LineClipper,
+    min_mm: f64,
+    max_mm: f64,
+    out: &mut Vec<MedialPath>,
+) {
+    let nodes: Vec<Node> = nodes.into_iter().filter(|n| n.chord != DVec2::ZERO).collect();
+    let n = nodes.len();
+    if n < 2 {
+        return lone(&nodes, clipper, min_mm, max_mm, out);
+    }
+    let mut points: Vec<DVec2> = nodes.iter().map(|n| n.at).collect();
+    let around = |i: usize, d: isize| -> usize {
+        let j = i as isize + d;
+        if closed { j.rem_euclid(n as isize) as usize } else { j.clamp(0, n as isize - 1) as usize }
+    };
+    let tangent = |i: usize| (points[around(i, 2)] - points[around(i, -2)]).normalize_or_zero();
+    // A chord crosses the strip aslant; across the line it measures the thickness.
+    let raw: Vec<f64> = (0..n).map(|i| cross(tangent(i), nodes[i].chord).abs()).collect();
+    let mut widths: Vec<f64> =
+        (0..n).map(|i| 0.25 * (raw[around(i, -1)] + 2.0 * raw[i] + raw[around(i, 1)])).collect();
+    if !closed {
+        let (first, last) = (-tangent(0), tangent(n - 1));
+        let reach = |p: DVec2, d: DVec2, w: f64| {
+            let free = clipper.crossings(p, p + d * 3.0 * max_mm).first().map_or(0.0, |c| c.t * 3.0 * max_mm);
+            p + d * (free - 0.4 * w).max(0.0)
+        };
+        let (a, b) = (reach(points[0], first, widths[0]), reach(points[n - 1], last, widths[n - 1]));
+        points.insert(0, a);
+        widths.insert(0, widths[0]);
+        points.push(b);
+        widths.push(widths[n]);
+    }
+    for w in &mut widths {
+        *w = w.min(max_mm);
+    }
+    emit(&points, &widths, closed, min_mm, out);
+}
+
+/// A place so short that its axis is one chord: a bead along its longer direction.
+fn lone(nodes: &[Node], clipper: &LineClipper, min_mm: f64, max_mm: f64, out: &mut Vec<MedialPath>) {
+    let [node] = nodes else { return };
+    let along = DVec2::new(-node.chord.y, node.chord.x).normalize_or_zero();
+    let reach = 4.0 * max_mm;
+    let free =
+        |d: DVec2| clipper.crossings(node.at, node.at + d * reach).first().map_or(0.0, |c| c.t * reach);
+    let width = node.chord.length().min(max_mm);
+    let (a, b) = (free(along) - 0.4 * width, free(-along) - 0.4 * width);
+    if a + b > 0.05 {
+        emit(&[node.at + along * a.max(0.0), node.at - along * b.max(0.0)], &[width; 2], false, min_mm, out);
+    }
+}
+
+/// Cuts a path where it is too thin and thins out points that say nothing.
+fn emit(points: &[DVec2], widths: &[f64], closed: bool, min_mm: f64, out: &mut Vec<MedialPath>) {
+    let wide: Vec<bool> = widths.iter().map(|&w| w >= min_mm).collect();
+    if closed && wide.iter().all(|&w| w) {
+        out.push(thinned(points, widths, true));
+        return;
+    }
+    let mut i = 0;
+    while i < points.len() {
+        let end = (i..points.len()).find(|&j| !wide[j]).unwrap_or(points.len());
+        if end > i + 1 {
+            let path = thinned(&points[i..end], &widths[i..end], false);
+            let length: f64 = path.points.windows(2).map(|w| w[0].distance(w[1])).sum();
+            if length > 0.5 * min_mm {
+                out.push(path);
+            }
+        }
+        i = end + 1;
+    }
+}
+
+fn thinned(points: &[DVec2], widths: &[f64], closed: bool) -> MedialPath {
+    let (mut kept, mut kept_widths) = (vec![points[0]], vec![widths[0]]);
+    let n = points.len();
+    for i in 1..n {
+        let last = kept[kept.len() - 1];
+        let next = points[(i + 1) % n];
+        // A point is kept where the line bends by more than 5 um, the width changes, or half a millimetre has passed.
+        let off = cross(next - last, points[i] - last).abs() / next.distance(last).max(1e-9);
+        let width_off = (widths[i] - kept_widths[kept.len() - 1]).abs();
+        let far = last.distance(points[i]) > 0.5;
+        if i + 1 == n || off > 0.005 || width_off > 0.02 || far {
+            if last.distance_squared(points[i]) > 1e-8 {
+                kept.push(points[i]);
+                kept_widths.push(widths[i]);
+            }
+        }
+    }
+    MedialPath { points: kept, widths_mm: kept_widths, closed }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::direction;
+    use crate::poly::Join;
+
+    fn covered(paths: &[MedialPath]) -> f64 {
+        let segment = |p: &MedialPath, i: usize| {
+            let j = (i + 1) % p.points.len();
+            p.points[i].distance(p.points[j]) * 0.5 * (p.widths_mm[i] + p.widths_mm[j])
+        };
+        let segments = |p: &MedialPath| p.points.len() - usize::from(!p.closed);
+        paths.iter().map(|p| (0..segments(p)).map(|i| segment(p, i)).sum::<f64>()).sum()
+    }
+
+    #[test]
+    fn a_strip_has_one_line_of_its_width() {
+        for turn in [0.0, 0.3, 1.1] {
+            let by = direction(turn);
+            let corners = [(0.0, 0.0), (20.0, 0.0), (20.0, 0.5), (0.0, 0.5)];
+            let outer = corners.map(|(x, y)| crate::math::rotated(DVec2::new(x, y), by)).to_vec();
+            let paths = medial_axis(&Region::from(Polygon { outer, holes: vec![] }), 0.1, 1.0);
+            assert_eq!(paths.len(), 1, "{paths:?}");
+            assert!(paths[0].widths_mm.iter().all(|w| (w - 0.5).abs() < 0.03), "{:?}", paths[0].widths_mm);
+            assert!((covered(&paths) - 10.0).abs() < 0.4, "{}", covered(&paths));
+        }
+    }
+
+    #[test]
+    fn a_ring_has_a_closed_line() {
+        let disc =
+            |r: f64| (0..90).map(|i| direction(f64::from(i) / 90.0 * std::f64::consts::TAU) * r).collect();
+        let outer = Region::from(Polygon { outer: disc(10.0), holes: vec![] });
+        let ring = outer.difference(&Region::from(Polygon { outer: disc(9.4), holes: vec![] }));
+        let paths = medial_axis(&ring, 0.1, 1.0);
+        assert!(paths.len() == 1 && paths[0].closed, "{} paths", paths.len());
+        assert!((covered(&paths) / ring.area_mm2() - 1.0).abs() < 0.03, "{}", covered(&paths));
+    }
+
+    #[test]
+    fn a_wedge_ends_where_it_is_too_thin_and_a_cross_has_all_its_arms() {
+        let wedge = vec![DVec2::ZERO, DVec2::new(20.0, -0.5), DVec2::new(20.0, 0.5)];
+        let paths = medial_axis(&Region::from(Polygon { outer: wedge, holes: vec![] }), 0.2, 1.0);
+        assert_eq!(
+            paths.len(),
+            1,
+            "{:?}",
+            paths
+                .iter()
+                .map(|p| (p.points[0], p.points[p.points.len() - 1], p.widths_mm[0]))
+                .collect::<Vec<_>>()
+        );
+        let low = paths[0].points.iter().map(|p| p.x).fold(f64::INFINITY, f64::min);
+        assert!((low - 4.0).abs() < 0.7, "{low}");
+        let bar = Region::rectangle(DVec2::new(-10.0, -0.3), DVec2::new(10.0, 0.3));
+        let cross = bar.union(&Region::rectangle(DVec2::new(-0.3, -10.0), DVec2::new(0.3, 10.0)));
+        let paths = medial_axis(&cross, 0.1, 1.0);
+        assert!(
+            (covered(&paths) / cross.area_mm2() - 1.0).abs() < 0.06,
+            "{} {}",
+            paths.len(),
+            covered(&paths)
+        );
+    }
+
+    #[test]
+    fn a_comb_of_leftovers_is_survived() {
+        let outer =
+            (0..400).map(|i| direction(f64::from(i) * 0.0157) * (10.0 + 0.4 * f64::from(i % 7))).collect();
+        let star = Region::from(Polygon { outer, holes: vec![] });
+        let rest = star.difference(&star.offset(-0.4, Join::Miter(3.0)).offset(0.3, Join::Miter(3.0)));
+        for path in medial_axis(&rest, 0.15, 0.8) {
+            assert!(path.widths_mm.iter().all(|&w| (0.15..=0.8).contains(&w)));
+            assert_eq!(path.points.len(), path.widths_mm.len());
+        }
+    }
+}
