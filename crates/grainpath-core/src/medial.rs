@@ -180,7 +180,7 @@ impl Graph {
         }
     }
 
-    /// Cuts branches that only reach into a corner: those not longer than the place is thick where they leave.
+    /// Cuts branches that only reach into a corner: those shorter than the place is thick where they leave.
     fn prune(&mut self) {
         for _ in 0..2 {
             let forks: Vec<u32> = (0..self.nodes.len() as u32).filter(|&n| self.degree(n) == 3).collect();
@@ -207,7 +207,9 @@ impl Graph {
                 short.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                 for (_, first) in short {
                     if self.degree(fork) > 1 {
+                        let way = self.branch(fork, first);
                         self.cut(fork, first);
+                        way.into_iter().for_each(|n| self.nodes[n as usize].next = [NONE; 3]);
                     }
                 }
             }
