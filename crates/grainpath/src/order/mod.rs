@@ -1,0 +1,136 @@
+//! The order of printing: islands, walls, fill; where closed paths begin; how the nozzle gets from one to the next.
+//!
+//! Which path comes next depends on where the last one ended, so layers are ordered one after the other; the ways
+//! between paths, which cost more, are then found for all layers at once.
+
+mod comb;
+mod nearest;
+mod seam;
+mod sequence;
+
+use grainpath_core::diagnostics::{Interrupted, Stage};
+use grainpath_core::{Bounds2, DVec2, Diagnostics, LayerPlan, Polygon, Toolpath};
+use rayon::prelude::*;
+
+use crate::walls::Wall;
+pub use comb::CombSettings;
+pub use seam::Seam;
+
+/// Which wall of a contour is printed first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum WallOrder {
+    /// The innermost: the outer wall leans on what is there, and its start is hidden.
+    #[default]
+    InnerFirst,
+    /// The outermost: truer size.
+    OuterFirst,
+}
+
+/// How paths are put in order.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrderSettings {
+    /// Which wall comes first.
+    pub wall_order: WallOrder,
+    /// Where outer walls begin.
+    pub seam: Seam,
+    /// How travels are made.
+    pub comb: CombSettings,
+}
+
+/// One connected piece of a layer and what is printed in it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Island {
+    /// Its section.
+    pub outline: Polygon,
+    /// Walls from the outermost inwards.
+    pub walls: Vec<Wall>,
+    /// Single beads and fill: printed after the walls, in any order and direction.
+    pub fills: Vec<Toolpath>,
+}
+
+/// What is printed in a layer, in no order yet.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LayerPaths {
+    /// Height of the nozzle, mm.
+    pub z_top_mm: f64,
+    /// Thickness, mm.
+    pub height_mm: f64,
+    /// Skirt and brim: printed first, in this order.
+    pub adhesion: Vec<Toolpath>,
+    /// The part.
+    pub islands: Vec<Island>,
+}
+
+/// The paths of an island in printing order.
+struct Ordered {
+    outline: Option<Polygon>,
+    paths: Vec<Toolpath>,
+}
+
+/// Orders all layers.
+///
+/// # Errors
+/// [`Interrupted`] when a stop was asked for.
+pub fn order_stack(
+    layers: Vec<LayerPaths>,
+    settings: &OrderSettings,
+    diagnostics: &Diagnostics,
+) -> Result<Vec<LayerPlan>, Interrupted> {
+    diagnostics.begin(Stage::Order, layers.len());
+    let mut at = DVec2::ZERO;
+    let mut seams = seam::Seams::new(settings.seam);
+    let mut ordered = Vec::with_capacity(layers.len());
+    for (layer_idx, layer) in layers.into_iter().enumerate() {
+        diagnostics.check()?;
+        let start = at;
+        let (z_top_mm, height_mm) = (layer.z_top_mm, layer.height_mm);
+        seams.next_layer(layer_idx);
+        let islands = order_layer(layer, settings, &mut seams, &mut at);
+        ordered.push((z_top_mm, height_mm, start, islands));
+    }
+    let plan = |(z_top_mm, height_mm, start, islands): (f64, f64, DVec2, Vec<Ordered>)| {
+        diagnostics.check()?;
+        let mut from = start;
+        let mut paths = Vec::with_capacity(islands.iter().map(|i| i.paths.len()).sum());
+        for island in islands {
+            comb::plan_travels(island.outline.as_ref(), island.paths, &settings.comb, &mut from, &mut paths);
+        }
+        diagnostics.advance(1);
+        Ok(LayerPlan { z_top_mm, height_mm, paths })
+    };
+    let plans: Vec<Result<LayerPlan, Interrupted>> = ordered.into_par_iter().map(plan).collect();
+    plans.into_iter().collect()
+}
+
+fn order_layer(
+    layer: LayerPaths,
+    settings: &OrderSettings,
+    seams: &mut seam::Seams,
+    at: &mut DVec2,
+) -> Vec<Ordered> {
+    let mut out = Vec::with_capacity(layer.islands.len() + 1);
+    if !layer.adhesion.is_empty() {
+        let mut paths = layer.adhesion;
+        for path in &mut paths {
+            sequence::start_nearest(path, *at);
+            *at = path.end();
+        }
+        out.push(Ordered { outline: None, paths });
+    }
+    let mut islands: Vec<Option<Island>> = layer.islands.into_iter().map(Some).collect();
+    let places: Vec<[DVec2; 2]> = islands
+        .iter()
+        .map(|i| {
+            let bounds = i.as_ref().and_then(|i| i.outline.bounds());
+            [bounds.map_or(DVec2::ZERO, Bounds2::centre); 2]
+        })
+        .collect();
+    for (i, _) in sequence::tour(&places, *at) {
+        let Some(island) = islands[i].take() else { continue };
+        let mut paths = Vec::with_capacity(island.walls.len() + island.fills.len());
+        sequence::walls(island.walls, settings.wall_order, seams, at, &mut paths);
+        sequence::fills(island.fills, at, &mut paths);
+        out.push(Ordered { outline: Some(island.outline), paths });
+    }
+    out
+}

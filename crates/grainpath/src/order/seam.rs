@@ -1,0 +1,90 @@
+//! Where a closed outer wall begins.
+
+use grainpath_core::math::{atan2, cross};
+use grainpath_core::{DVec2, Toolpath};
+
+/// The rule for the start of outer walls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Seam {
+    /// The nearest point: least travel.
+    #[default]
+    Nearest,
+    /// Above the seam of the layer below, on a corner where there is one.
+    Aligned,
+    /// The point furthest back (highest y).
+    Rear,
+    /// Anywhere, by the layer's and the wall's number: the same on every run.
+    Random,
+}
+
+/// Finds seams layer by layer.
+pub struct Seams {
+    rule: Seam,
+    layer_idx: usize,
+    n_walls: usize,
+    /// Seams of the layer below, and of this one so far.
+    below: Vec<DVec2>,
+    here: Vec<DVec2>,
+}
+
+/// A seam follows the one below when it can stay this near, mm.
+const FOLLOW_MM: f64 = 3.0;
+
+impl Seams {
+    pub fn new(rule: Seam) -> Self {
+        Self { rule, layer_idx: 0, n_walls: 0, below: Vec::new(), here: Vec::new() }
+    }
+
+    pub fn next_layer(&mut self, layer_idx: usize) {
+        self.layer_idx = layer_idx;
+        self.n_walls = 0;
+        self.below = std::mem::take(&mut self.here);
+    }
+
+    /// Makes the seam's vertex the start of an outer wall.
+    pub fn place(&mut self, wall: &mut Toolpath, at: DVec2) {
+        self.n_walls += 1;
+        let points = &wall.points;
+        let best = |score: &dyn Fn(usize) -> f64| {
+            (0..points.len()).map(|i| (score(i), i)).min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |b| b.1)
+        };
+        let start = match self.rule {
+            Seam::Nearest => best(&|i| points[i].distance_squared(at)),
+            Seam::Rear => best(&|i| -points[i].y),
+            Seam::Random => {
+                (hash(self.layer_idx as u64, self.n_walls as u64) % points.len().max(1) as u64) as usize
+            }
+            Seam::Aligned => {
+                let near =
+                    |p: DVec2| self.below.iter().map(|b| b.distance_squared(p)).fold(f64::INFINITY, f64::min);
+                let follow = best(&|i| near(points[i]));
+                if near(points[follow]) < FOLLOW_MM * FOLLOW_MM {
+                    follow
+                } else {
+                    // Nothing below: the sharpest corner, of equal ones the one furthest back.
+                    best(&|i| -corner(points, i).abs() - 1e-3 * points[i].y)
+                }
+            }
+        };
+        wall.rotate_to(start);
+        if self.rule == Seam::Aligned {
+            self.here.push(wall.start());
+        }
+    }
+}
+
+/// The turn at a vertex, radians: positive to the left.
+fn corner(points: &[DVec2], i: usize) -> f64 {
+    let n = points.len();
+    let (u, v) = (points[i] - points[(i + n - 1) % n], points[(i + 1) % n] - points[i]);
+    atan2(cross(u, v), u.dot(v))
+}
+
+fn hash(a: u64, b: u64) -> u64 {
+    let mut h = a.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ b.wrapping_mul(0xc2b2_ae3d_27d4_eb4f);
+    for _ in 0..3 {
+        h ^= h >> 31;
+        h = h.wrapping_mul(0xd6e8_feb8_6659_fd93);
+    }
+    h ^ h >> 32
+}
