@@ -1,0 +1,253 @@
+//! How long moves take: trapezoids of speed with limits at the corners between them.
+
+use std::collections::VecDeque;
+
+/// How fast a corner may be taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Corner {
+    /// Jump in speed allowed for each axis x, y, z, e, mm/s (Marlin's classic jerk, RepRapFirmware's instantaneous
+    /// speed change).
+    Jerk([f64; 4]),
+    /// Junction deviation, mm (Marlin 2).
+    Deviation(f64),
+    /// Speed at a right angle, mm/s (Klipper).
+    SquareCorner(f64),
+}
+
+/// What the axes can do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Highest speed of x, y, z, e, mm/s.
+    pub max_speed_mm_s: [f64; 4],
+    /// Acceleration while printing, mm/s2.
+    pub acceleration_mm_s2: f64,
+    /// Acceleration of travels, mm/s2.
+    pub travel_acceleration_mm_s2: f64,
+    /// Acceleration of the filament alone, mm/s2.
+    pub retract_acceleration_mm_s2: f64,
+    /// At corners.
+    pub corner: Corner,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            max_speed_mm_s: [200.0, 200.0, 12.0, 60.0],
+            acceleration_mm_s2: 1000.0,
+            travel_acceleration_mm_s2: 1000.0,
+            retract_acceleration_mm_s2: 1500.0,
+            corner: Corner::Jerk([8.0, 8.0, 0.4, 1.5]),
+        }
+    }
+}
+
+/// A straight move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Move {
+    /// Distance in x, y, z and filament, mm.
+    pub delta_mm: [f64; 4],
+    /// Speed asked for, mm/s.
+    pub speed_mm_s: f64,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Block {
+    length: f64,
+    speed: f64,
+    acceleration: f64,
+    /// Highest speed at its beginning.
+    entry_limit: f64,
+    unit: [f64; 4],
+}
+
+/// Adds up the time of moves, looking ahead as firmware does.
+#[derive(Debug, Clone)]
+pub struct TimeEstimator {
+    limits: Limits,
+    queue: VecDeque<Block>,
+    /// Speed at which the first block of the queue is entered.
+    entry: f64,
+    done_s: f64,
+}
+
+/// Moves looked at together; when as many wait, the older half is settled.
+const LOOK_AHEAD: usize = 256;
+
+impl TimeEstimator {
+    /// Begins at rest.
+    pub fn new(limits: Limits) -> Self {
+        Self { limits, queue: VecDeque::with_capacity(LOOK_AHEAD), entry: 0.0, done_s: 0.0 }
+    }
+
+    /// Adds a move. One without length takes no time.
+    pub fn push(&mut self, m: &Move) {
+        let [x, y, z, e] = m.delta_mm;
+        let travel = (x * x + y * y + z * z).sqrt();
+        let length = if travel > 1e-9 { travel } else { e.abs() };
+        if !(length > 1e-9 && length.is_finite() && m.speed_mm_s > 0.0) {
+            return;
+        }
+        let unit = m.delta_mm.map(|d| d / length);
+        let mut speed = m.speed_mm_s;
+        for (u, max) in unit.iter().zip(self.limits.max_speed_mm_s) {
+            if u.abs() > 1e-9 {
+                speed = speed.min(max / u.abs());
+            }
+        }
+        let acceleration = if travel <= 1e-9 {
+            self.limits.retract_acceleration_mm_s2
+        } else if e > 0.0 {
+            self.limits.acceleration_mm_s2
+        } else {
+            self.limits.travel_acceleration_mm_s2
+        };
+        let entry_limit = match self.queue.back() {
+            Some(before) => self.corner_speed(before, &unit, speed, acceleration),
+            None => speed.min(self.rest_speed(&unit)),
+        };
+        self.queue.push_back(Block { length, speed, acceleration, entry_limit, unit });
+        if self.queue.len() >= LOOK_AHEAD {
+            self.settle(LOOK_AHEAD / 2);
+        }
+    }
+
+    /// A stop of this many seconds.
+    pub fn dwell(&mut self, seconds: f64) {
+        self.settle(usize::MAX);
+        self.done_s += seconds.max(0.0);
+    }
+
+    /// The speed a move may begin or end with from rest.
+    fn rest_speed(&self, unit: &[f64; 4]) -> f64 {
+        match self.limits.corner {
+            Corner::Jerk(jerk) => within(unit, &jerk, 0.5),
+            _ => 0.0,
+        }
+    }
+
+    fn corner_speed(&self, before: &Block, unit: &[f64; 4], speed: f64, acceleration: f64) -> f64 {
+        let top = before.speed.min(speed);
+        let turn = std::array::from_fn(|k| unit[k] - before.unit[k]);
+        match self.limits.corner {
+            Corner::Jerk(jerk) => top.min(within(&turn, &jerk, 1.0)),
+            Corner::Deviation(d) => top.min(deviation_speed(before, unit, acceleration, d)),
+            Corner::SquareCorner(v) => {
+                let d = v * v * (std::f64::consts::SQRT_2 - 1.0) / acceleration;
+                top.min(deviation_speed(before, unit, acceleration, d))
+            }
+        }
+    }
+
+    /// Plans the queue as far as it goes and adds up the time of its first `n` moves.
+    fn settle(&mut self, n: usize) {
+        // Backwards: each move must be slow enough at its start to come down to the next one's.
+        let mut entries = vec![0.0; self.queue.len() + 1];
+        if let Some(last) = self.queue.back() {
+            entries[self.queue.len()] = self.rest_speed(&last.unit).min(last.speed);
+        }
+        for (i, b) in self.queue.iter().enumerate().rev() {
+            let reachable = (entries[i + 1] * entries[i + 1] + 2.0 * b.acceleration * b.length).sqrt();
+            entries[i] = reachable.min(b.entry_limit);
+        }
+        entries[0] = if entries.len() > 1 { self.entry.min(entries[0]) } else { 0.0 };
+        for i in 0..n.min(self.queue.len()) {
+            let Some(b) = self.queue.pop_front() else { break };
+            let (v0, a) = (entries[i], b.acceleration);
+            let v1 = entries[i + 1].min((v0 * v0 + 2.0 * a * b.length).sqrt());
+            entries[i + 1] = v1;
+            // The top speed if there were no limit.
+            let peak = (0.5 * (v0 * v0 + v1 * v1) + a * b.length).sqrt();
+            let top = peak.min(b.speed).max(v0.max(v1));
+            let ramps = (top * top - v0 * v0 + top * top - v1 * v1) / (2.0 * a);
+            self.done_s += (2.0 * top - v0 - v1) / a + (b.length - ramps).max(0.0) / top;
+            self.entry = v1;
+        }
+        if self.queue.is_empty() {
+            self.entry = 0.0;
+        }
+    }
+
+    /// Time of all moves so far, s; the last one ends at rest.
+    pub fn seconds(&self) -> f64 {
+        let mut rest = self.clone();
+        rest.settle(usize::MAX);
+        rest.done_s
+    }
+}
+
+/// The speed at which no axis changes by more than its share of the jerk.
+fn within(change: &[f64; 4], jerk: &[f64; 4], share: f64) -> f64 {
+    let allowed = change.iter().zip(jerk).filter(|(c, _)| c.abs() > 1e-9).map(|(c, j)| share * j / c.abs());
+    allowed.fold(f64::INFINITY, f64::min)
+}
+
+/// The speed of a circle through the corner that stays within `d` of it.
+fn deviation_speed(before: &Block, unit: &[f64; 4], acceleration: f64, d: f64) -> f64 {
+    let cos = -(0..3).map(|k| before.unit[k] * unit[k]).sum::<f64>();
+    if cos < -0.999_999 {
+        return f64::INFINITY;
+    }
+    let sin_half = (0.5 * (1.0 - cos.min(0.999_999))).sqrt();
+    (acceleration * d * sin_half / (1.0 - sin_half)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn estimator(corner: Corner) -> TimeEstimator {
+        let limits = Limits { max_speed_mm_s: [500.0; 4], corner, ..Limits::default() };
+        TimeEstimator::new(limits)
+    }
+
+    fn x(mm: f64, speed_mm_s: f64) -> Move {
+        Move { delta_mm: [mm, 0.0, 0.0, 1.0], speed_mm_s }
+    }
+
+    #[test]
+    fn one_move_is_a_trapezoid_or_a_triangle() {
+        let mut long = estimator(Corner::Deviation(0.0));
+        long.push(&x(100.0, 50.0));
+        // 0.05 s up, 0.05 s down, 1.25 mm each; 97.5 mm at 50 mm/s.
+        assert!((long.seconds() - (0.1 + 97.5 / 50.0)).abs() < 1e-9, "{}", long.seconds());
+        let mut short = estimator(Corner::Deviation(0.0));
+        short.push(&x(1.0, 50.0));
+        assert!((short.seconds() - 2.0 * (1.0f64 / 1000.0).sqrt()).abs() < 1e-9, "{}", short.seconds());
+    }
+
+    #[test]
+    fn a_straight_line_in_pieces_takes_as_long_as_whole() {
+        for corner in [Corner::Deviation(0.02), Corner::Jerk([8.0; 4]), Corner::SquareCorner(5.0)] {
+            let (mut whole, mut pieces) = (estimator(corner), estimator(corner));
+            whole.push(&x(300.0, 80.0));
+            (0..600).for_each(|_| {
+                pieces.push(&Move { delta_mm: [0.5, 0.0, 0.0, 1.0 / 600.0], speed_mm_s: 80.0 })
+            });
+            assert!(
+                (whole.seconds() - pieces.seconds()).abs() < 0.02,
+                "{} {}",
+                whole.seconds(),
+                pieces.seconds()
+            );
+        }
+    }
+
+    #[test]
+    fn a_right_angle_is_taken_at_its_speed() {
+        let mut e = estimator(Corner::SquareCorner(5.0));
+        e.push(&Move { delta_mm: [50.0, 0.0, 0.0, 1.0], speed_mm_s: 50.0 });
+        e.push(&Move { delta_mm: [0.0, 50.0, 0.0, 1.0], speed_mm_s: 50.0 });
+        // Each: 50 mm/s up from 0 and down to 5, or the other way round.
+        let ramps = (2500.0 + 2500.0 - 25.0) / 2000.0;
+        let each = (100.0 - 5.0) / 1000.0 + (50.0 - ramps) / 50.0;
+        assert!((e.seconds() - 2.0 * each).abs() < 1e-6, "{} {}", e.seconds(), 2.0 * each);
+    }
+
+    #[test]
+    fn an_axis_that_is_slow_slows_the_move() {
+        let limits = Limits { max_speed_mm_s: [500.0, 500.0, 5.0, 500.0], ..Limits::default() };
+        let mut e = TimeEstimator::new(limits);
+        e.push(&Move { delta_mm: [0.0, 0.0, 10.0, 0.0], speed_mm_s: 100.0 });
+        assert!(e.seconds() > 2.0);
+    }
+}

@@ -1,0 +1,138 @@
+//! A plan as a machine program.
+
+mod arcs;
+mod number;
+mod program;
+mod template;
+
+use std::io;
+
+use grainpath_core::Plan;
+
+use crate::machine::{Cooling, Machine, Material, Retraction, Speeds};
+
+/// How a plan is written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WriteConfig {
+    /// The printer.
+    pub machine: Machine,
+    /// What is printed with.
+    pub material: Material,
+    /// How fast.
+    pub speeds: Speeds,
+    /// Fan and layer time.
+    pub cooling: Cooling,
+    /// For travels.
+    pub retraction: Retraction,
+    /// Arcs are written as G2 and G3 where they come this near to the path, mm.
+    pub arc_tolerance_mm: Option<f64>,
+    /// Lines for the header, without the semicolon.
+    pub header: Vec<String>,
+}
+
+/// A picture for the printer's screen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Thumbnail {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// The file.
+    pub png: Vec<u8>,
+}
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Written {
+    /// Length of all beads, mm.
+    pub printed_mm: f64,
+    /// Length of all travels in plan, mm.
+    pub travel_mm: f64,
+    /// Volume of all beads, mm3.
+    pub extruded_mm3: f64,
+    /// Length of filament for it, mm.
+    pub filament_mm: f64,
+    /// Its mass, g.
+    pub mass_g: f64,
+    /// Estimated time, s.
+    pub time_s: f64,
+    /// Times the filament is drawn back.
+    pub retractions: usize,
+    /// Number of paths.
+    pub toolpaths: usize,
+}
+
+/// Why a plan cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum GcodeError {
+    #[error("the print reaches {axis} = {at_mm:.2} mm; the bed allows {low_mm:.2} to {high_mm:.2} mm")]
+    OutsideBed { axis: char, at_mm: f64, low_mm: f64, high_mm: f64 },
+    #[error("{template}: unknown placeholder {{{name}}}; did you mean {{{nearest}}}?")]
+    UnknownPlaceholder { template: &'static str, name: String, nearest: &'static str },
+    #[error("layer at {z_mm:.3} mm: a path has a coordinate or width that is not a number")]
+    NotANumber { z_mm: f64 },
+    #[error("writing G-code: {0}")]
+    Io(#[from] io::Error),
+}
+
+/// Checks that every bead and travel stays on the bed, before anything is written.
+///
+/// # Errors
+/// [`GcodeError::OutsideBed`] with the axis that goes furthest out, [`GcodeError::NotANumber`].
+pub fn check_fits(plan: &Plan, machine: &Machine) -> Result<(), GcodeError> {
+    let shift = plan.plate_from_part_mm;
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for layer in &plan.layers {
+        for planned in &layer.paths {
+            let widths = (0..planned.path.points.len()).map(|i| planned.path.width_at(i));
+            let points = planned.path.points.iter().chain(&planned.travel.via);
+            if !points.clone().all(|p| p.is_finite()) || !widths.clone().all(|w| w.is_finite() && w > 0.0) {
+                return Err(GcodeError::NotANumber { z_mm: layer.z_top_mm });
+            }
+            let half = 0.5 * widths.fold(0.0, f64::max);
+            for p in points {
+                for (k, c) in [p.x + shift.x, p.y + shift.y].into_iter().enumerate() {
+                    low[k] = low[k].min(c - half);
+                    high[k] = high[k].max(c + half);
+                }
+            }
+        }
+    }
+    let (bed_low, bed_high) = machine.bed_bounds_mm();
+    let top = plan.layers.last().map_or(0.0, |l| l.z_top_mm);
+    let outside = |axis: char, at_mm: f64, low_mm: f64, high_mm: f64| {
+        Err(GcodeError::OutsideBed { axis, at_mm, low_mm, high_mm })
+    };
+    for (k, axis) in ['X', 'Y'].into_iter().enumerate() {
+        for at in [low[k], high[k]] {
+            if at.is_finite() && !(bed_low[k] - 1e-6..=bed_high[k] + 1e-6).contains(&at) {
+                return outside(axis, at, bed_low[k], bed_high[k]);
+            }
+        }
+    }
+    if top > machine.bed_mm[2] + 1e-6 {
+        return outside('Z', top, 0.0, machine.bed_mm[2]);
+    }
+    Ok(())
+}
+
+/// Writes a plan. Same plan and settings, same bytes.
+///
+/// # Errors
+/// [`GcodeError`]: off the bed, an unknown placeholder, numbers that are none, or the writer's own.
+pub fn write_gcode(
+    plan: &Plan,
+    config: &WriteConfig,
+    thumbnails: &[Thumbnail],
+    out: &mut dyn io::Write,
+) -> Result<Written, GcodeError> {
+    check_fits(plan, &config.machine)?;
+    let top = plan.layers.last().map_or(0.0, |l| l.z_top_mm);
+    let start = template::filled("start_gcode", &config.machine.start_gcode, config, plan.layers.len(), top)?;
+    let end = template::filled("end_gcode", &config.machine.end_gcode, config, plan.layers.len(), top)?;
+    program::Writer::new(config, plan, out).write(plan, thumbnails, &start, &end)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,66 @@
+//! Start and end programs with placeholders.
+
+use super::{GcodeError, WriteConfig};
+
+/// Fills `{placeholders}` in; braces around anything but a name are left alone.
+pub fn filled(
+    template: &'static str,
+    text: &str,
+    config: &WriteConfig,
+    n_layers: usize,
+    z_max_mm: f64,
+) -> Result<String, GcodeError> {
+    let (machine, material) = (&config.machine, &config.material);
+    let values: [(&'static str, String); 13] = [
+        ("nozzle_temp_c", material.nozzle_temp_c.to_string()),
+        ("first_layer_nozzle_temp_c", material.first_layer_nozzle_temp_c.to_string()),
+        ("bed_temp_c", material.bed_temp_c.to_string()),
+        ("first_layer_bed_temp_c", material.first_layer_bed_temp_c.to_string()),
+        ("bed_x_mm", machine.bed_mm[0].to_string()),
+        ("bed_y_mm", machine.bed_mm[1].to_string()),
+        ("bed_z_mm", machine.bed_mm[2].to_string()),
+        ("z_max_mm", format!("{z_max_mm:.3}")),
+        ("z_park_mm", format!("{:.3}", (z_max_mm + 10.0).min(machine.bed_mm[2]))),
+        ("nozzle_mm", machine.nozzle_mm.to_string()),
+        ("filament_mm", machine.filament_mm.to_string()),
+        ("layers", n_layers.to_string()),
+        ("material", material.name.clone()),
+    ];
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(open) = rest.find('{') {
+        out.push_str(&rest[..open]);
+        rest = &rest[open..];
+        let name = rest.find('}').map_or("", |close| &rest[1..close]);
+        let is_name = !name.is_empty() && name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
+        if !is_name {
+            out.push('{');
+            rest = &rest[1..];
+            continue;
+        }
+        let Some((_, value)) = values.iter().find(|(n, _)| *n == name) else {
+            let names = values.iter().map(|(n, _)| *n);
+            let nearest = names.min_by_key(|n| (distance(n, name), *n)).unwrap_or_default();
+            return Err(GcodeError::UnknownPlaceholder { template, name: name.to_owned(), nearest });
+        };
+        out.push_str(value);
+        rest = &rest[name.len() + 2..];
+    }
+    out.push_str(rest);
+    Ok(out)
+}
+
+/// Levenshtein distance.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
+        for (j, y) in b.iter().enumerate() {
+            let substitute = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = substitute.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
