@@ -1,1 +1,398 @@
+//! Running a machine program in mind: beads layer by layer, and what they add up to.
 
+use std::collections::BTreeMap;
+
+use grainpath_core::math::{atan2, sin_cos};
+use grainpath_core::units::bead_width_mm;
+use grainpath_core::{DVec2, Role};
+
+use crate::kinematics::{Limits, Move, TimeEstimator};
+use crate::read::{Line, Lines};
+
+/// A straight piece of bead; 32 bytes a move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bead {
+    /// Where it begins, mm, in the machine's coordinates.
+    pub a: [f32; 2],
+    /// Where it ends.
+    pub b: [f32; 2],
+    /// Volume laid, mm3.
+    pub volume_mm3: f32,
+    /// Speed asked for, mm/s.
+    pub speed_mm_s: f32,
+    /// What it is for; outer wall where the program does not say.
+    pub role: Role,
+    /// Whether a path begins with it.
+    pub starts: bool,
+}
+
+impl Bead {
+    /// Where it begins.
+    pub fn start(&self) -> DVec2 {
+        DVec2::new(f64::from(self.a[0]), f64::from(self.a[1]))
+    }
+
+    /// Where it ends.
+    pub fn end(&self) -> DVec2 {
+        DVec2::new(f64::from(self.b[0]), f64::from(self.b[1]))
+    }
+
+    /// Full width of the stadium in a layer of this height, mm.
+    pub fn width_mm(&self, height_mm: f64) -> f64 {
+        let length = self.start().distance(self.end()).max(1e-9);
+        bead_width_mm(f64::from(self.volume_mm3) / (length * height_mm), height_mm)
+    }
+}
+
+/// All that is printed at one height.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BeadLayer {
+    /// Height of the nozzle, mm.
+    pub z_mm: f64,
+    /// Distance to the layer below, mm.
+    pub height_mm: f64,
+    /// In printing order.
+    pub beads: Vec<Bead>,
+    /// Straight moves in plan without printing.
+    pub travels: Vec<[[f32; 2]; 2]>,
+    /// Number of paths.
+    pub paths: usize,
+}
+
+/// What a program does.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Program {
+    /// The program that wrote it, where a comment says so.
+    pub generator: Option<String>,
+    /// Layers by height.
+    pub layers: Vec<BeadLayer>,
+    /// Length of all beads, mm.
+    pub printed_mm: f64,
+    /// Length of all travels in plan, mm.
+    pub travel_mm: f64,
+    /// Volume of all beads, mm3.
+    pub extruded_mm3: f64,
+    /// Filament for it, mm.
+    pub filament_mm: f64,
+    /// Times the filament is drawn back.
+    pub retractions: usize,
+    /// Time by trapezoids, s.
+    pub time_s: f64,
+    /// Number of lines with a command.
+    pub commands: usize,
+    /// Arcs among them.
+    pub arcs: usize,
+    /// Highest nozzle and bed temperatures set, degC.
+    pub nozzle_temp_c: f64,
+    /// Highest bed temperature set, degC.
+    pub bed_temp_c: f64,
+    /// Sizes of the pictures embedded, pixels.
+    pub thumbnails: Vec<[u32; 2]>,
+    /// What could not be understood, the first few with their line.
+    pub warnings: Vec<String>,
+}
+
+/// Why a program cannot be run in mind.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum SimulateError {
+    #[error("the file is empty")]
+    Empty,
+    #[error("not G-code: no line of {lines} has a command")]
+    NoCommands { lines: usize },
+}
+
+/// Runs a program. `filament_mm` is the filament's diameter; `limits` are the printer's, for the time.
+///
+/// # Errors
+/// [`SimulateError`] when there is nothing to run. A program that prints nothing is no error; it has no layers.
+pub fn simulate(bytes: &[u8], filament_mm: f64, limits: &Limits) -> Result<Program, SimulateError> {
+    if bytes.is_empty() {
+        return Err(SimulateError::Empty);
+    }
+    let mut machine = Machine::new(filament_mm, *limits);
+    let mut lines = 0;
+    for line in Lines::new(bytes) {
+        lines += 1;
+        machine.line(&line);
+    }
+    if machine.program.commands == 0 {
+        return Err(SimulateError::NoCommands { lines });
+    }
+    Ok(machine.finish())
+}
+
+struct Machine {
+    at: [f64; 3],
+    e: f64,
+    feed: f64,
+    absolute: bool,
+    absolute_e: bool,
+    scale: f64,
+    role: Role,
+    filament_mm2: f64,
+    path_open: bool,
+    /// Layers by height in tenths of a micrometre.
+    layers: BTreeMap<i64, BeadLayer>,
+    travels: Vec<[[f32; 2]; 2]>,
+    time: TimeEstimator,
+    program: Program,
+    n_broken: usize,
+}
+
+impl Machine {
+    fn new(filament_mm: f64, limits: Limits) -> Self {
+        Self {
+            at: [0.0; 3],
+            e: 0.0,
+            feed: 25.0,
+            absolute: true,
+            absolute_e: true,
+            scale: 1.0,
+            role: Role::OuterWall,
+            filament_mm2: std::f64::consts::PI * filament_mm * filament_mm / 4.0,
+            path_open: false,
+            layers: BTreeMap::new(),
+            travels: Vec::new(),
+            time: TimeEstimator::new(limits),
+            program: Program::default(),
+            n_broken: 0,
+        }
+    }
+
+    fn line(&mut self, line: &Line<'_>) {
+        if !line.comment.is_empty() {
+            self.comment(line.comment);
+        }
+        if line.broken {
+            self.n_broken += 1;
+            if self.n_broken <= 5 {
+                let text = String::from_utf8_lossy(&line.text[..line.text.len().min(60)]).into_owned();
+                self.program.warnings.push(format!("line {}: cannot understand {text:?}", line.number));
+            }
+        }
+        let Some((letter, code)) = line.command else { return };
+        self.program.commands += 1;
+        match (letter, code) {
+            (b'G', 0 | 10 | 20 | 30) => self.motion(line, code / 10),
+            (b'G', 40) => {
+                let s = line.word(b'S').unwrap_or(0.0) + line.word(b'P').unwrap_or(0.0) * 1e-3;
+                self.time.dwell(s.min(3600.0));
+            }
+            (b'G', 200) => self.scale = 25.4,
+            (b'G', 210) => self.scale = 1.0,
+            (b'G', 280) => self.at = [0.0; 3],
+            (b'G', 900) => (self.absolute, self.absolute_e) = (true, true),
+            (b'G', 910) => (self.absolute, self.absolute_e) = (false, false),
+            (b'M', 820) => self.absolute_e = true,
+            (b'M', 830) => self.absolute_e = false,
+            (b'G', 920) => {
+                let all = line.words().is_empty();
+                for (k, axis) in [b'X', b'Y', b'Z'].into_iter().enumerate() {
+                    self.at[k] =
+                        line.word(axis).map_or(if all { 0.0 } else { self.at[k] }, |v| v * self.scale);
+                }
+                self.e = line.word(b'E').map_or(if all { 0.0 } else { self.e }, |v| v * self.scale);
+            }
+            (b'M', 1040 | 1090) => {
+                self.program.nozzle_temp_c = self.program.nozzle_temp_c.max(line.word(b'S').unwrap_or(0.0));
+            }
+            (b'M', 1400 | 1900) => {
+                self.program.bed_temp_c = self.program.bed_temp_c.max(line.word(b'S').unwrap_or(0.0));
+            }
+            _ => {}
+        }
+    }
+
+    fn comment(&mut self, comment: &[u8]) {
+        let Ok(text) = std::str::from_utf8(comment) else { return };
+        let after = |key: &str| {
+            let head = text.get(..key.len())?;
+            head.eq_ignore_ascii_case(key).then(|| text[key.len()..].trim())
+        };
+        if let Some(name) = after("TYPE:").or(after("FEATURE:")).or(after("feature ")) {
+            self.role = role_named(name);
+        } else if let Some(name) = simplify3d_role(text) {
+            self.role = name;
+        } else if self.program.generator.is_none() {
+            let said = after("generated by ").or(after("generated with ")).or(after("Generated with "));
+            let said = said.or_else(|| text.starts_with("G-Code generated by ").then(|| &text[20..]));
+            self.program.generator = said.map(|s| s.chars().take(80).collect());
+        }
+        if let Some(size) =
+            after("thumbnail begin ").or(after("thumbnail_QOI begin ")).or(after("thumbnail_JPG begin "))
+        {
+            let mut numbers = size.split([' ', 'x']).filter_map(|w| w.parse().ok());
+            if let (Some(w), Some(h)) = (numbers.next(), numbers.next()) {
+                self.program.thumbnails.push([w, h]);
+            }
+        }
+    }
+
+    fn motion(&mut self, line: &Line<'_>, code: u32) {
+        let from = self.at;
+        let mut to = from;
+        for (k, axis) in [b'X', b'Y', b'Z'].into_iter().enumerate() {
+            if let Some(v) = line.word(axis) {
+                to[k] = v * self.scale + if self.absolute { 0.0 } else { from[k] };
+            }
+        }
+        if let Some(f) = line.word(b'F').filter(|f| *f > 0.0) {
+            self.feed = f * self.scale / 60.0;
+        }
+        let mut de = 0.0;
+        if let Some(v) = line.word(b'E') {
+            let value = v * self.scale;
+            de = if self.absolute_e { value - self.e } else { value };
+            self.e = if self.absolute_e { value } else { self.e + value };
+        }
+        let mut points = vec![DVec2::new(to[0], to[1])];
+        let start = DVec2::new(from[0], from[1]);
+        if code >= 2 {
+            self.program.arcs += 1;
+            points = arc(start, points[0], line, self.scale, code == 2);
+        }
+        let mut length = 0.0;
+        let mut p = start;
+        for q in &points {
+            length += p.distance(*q);
+            p = *q;
+        }
+        self.advance(start, &points, length, to[2], to[2] - from[2], de);
+        self.at = to;
+    }
+
+    fn advance(&mut self, start: DVec2, points: &[DVec2], length: f64, z: f64, dz: f64, de: f64) {
+        let prints = de > 0.0 && length > 0.0;
+        let single = |p: DVec2| [p.x as f32, p.y as f32];
+        if length == 0.0 && dz == 0.0 {
+            self.program.retractions += usize::from(de < 0.0);
+        } else if !prints {
+            self.program.travel_mm += length;
+            self.path_open = false;
+        }
+        let mut p = start;
+        for &q in points {
+            let share = if length > 0.0 { p.distance(q) / length } else { 1.0 };
+            let delta_mm = [q.x - p.x, q.y - p.y, dz * share, de * share];
+            self.time.push(&Move { delta_mm, speed_mm_s: self.feed });
+            if prints && q != p {
+                let volume = de * share * self.filament_mm2;
+                self.program.extruded_mm3 += volume;
+                self.program.printed_mm += p.distance(q);
+                let layer = self.layers.entry((z * 1e4).round() as i64).or_default();
+                layer.paths += usize::from(!self.path_open);
+                layer.travels.append(&mut self.travels);
+                layer.beads.push(Bead {
+                    a: single(p),
+                    b: single(q),
+                    volume_mm3: volume as f32,
+                    speed_mm_s: self.feed as f32,
+                    role: self.role,
+                    starts: !self.path_open,
+                });
+                self.path_open = true;
+            } else if !prints && q != p {
+                self.travels.push([single(p), single(q)]);
+            }
+            p = q;
+        }
+    }
+
+    fn finish(mut self) -> Program {
+        let mut below = 0.0;
+        for (key, mut layer) in std::mem::take(&mut self.layers) {
+            layer.z_mm = key as f64 * 1e-4;
+            layer.height_mm = layer.z_mm - below;
+            below = layer.z_mm;
+            self.program.layers.push(layer);
+        }
+        if self.n_broken > 5 {
+            self.program.warnings.push(format!("{} lines cannot be understood", self.n_broken));
+        }
+        self.program.filament_mm = self.program.extruded_mm3 / self.filament_mm2;
+        self.program.time_s = self.time.seconds();
+        self.program
+    }
+}
+
+/// The points of an arc after its start, as the outside check divides it.
+fn arc(from: DVec2, to: DVec2, line: &Line<'_>, scale: f64, clockwise: bool) -> Vec<DVec2> {
+    let centre = match line.word(b'R') {
+        Some(r) => {
+            let (r, d) = (r * scale, to - from);
+            let length = d.length().max(1e-12);
+            let h = (r * r - 0.25 * length * length).max(0.0).sqrt();
+            let side = if clockwise == (r > 0.0) { -1.0 } else { 1.0 };
+            from + 0.5 * d + DVec2::new(-d.y, d.x) * (side * h / length)
+        }
+        None => from + DVec2::new(line.word(b'I').unwrap_or(0.0), line.word(b'J').unwrap_or(0.0)) * scale,
+    };
+    let (u, v) = (from - centre, to - centre);
+    let r = u.length();
+    let start = atan2(u.y, u.x);
+    let mut sweep = atan2(v.y, v.x) - start;
+    let turn = std::f64::consts::TAU;
+    if clockwise && sweep >= -1e-12 {
+        sweep -= turn;
+    }
+    if !clockwise && sweep <= 1e-12 {
+        sweep += turn;
+    }
+    let steps = ((sweep.abs() * r / 0.1) as usize).clamp(2, 20_000);
+    let point = |i: usize| {
+        let (s, c) = sin_cos(start + sweep * i as f64 / steps as f64);
+        centre + DVec2::new(c, s) * r
+    };
+    (1..steps).map(point).chain([to]).collect()
+}
+
+/// The role that PrusaSlicer and its kin, or Cura, call by this name.
+fn role_named(name: &str) -> Role {
+    if let Some(role) = Role::ALL.into_iter().find(|r| r.gcode_name() == name) {
+        return role;
+    }
+    let lower = name.to_ascii_lowercase();
+    let has = |word: &str| lower.contains(word);
+    if has("support") {
+        if has("interface") { Role::SupportInterface } else { Role::Support }
+    } else if has("skirt") || has("prime") || has("custom") || has("wipe") || has("raft") {
+        Role::Skirt
+    } else if has("brim") {
+        Role::Brim
+    } else if has("bridge") && !has("internal") {
+        Role::Bridge
+    } else if has("gap") {
+        Role::GapFill
+    } else if has("thin") {
+        Role::ThinWall
+    } else if has("outer") || has("external") || has("overhang") {
+        Role::OuterWall
+    } else if has("inner") || has("perimeter") || has("wall") {
+        Role::InnerWall
+    } else if has("top") {
+        Role::TopSkin
+    } else if has("solid") || has("skin") || has("bottom") {
+        Role::SolidFill
+    } else if has("fill") {
+        Role::SparseFill
+    } else {
+        Role::OuterWall
+    }
+}
+
+/// Simplify3D names features as plain comments.
+fn simplify3d_role(text: &str) -> Option<Role> {
+    Some(match text {
+        "outer perimeter" => Role::OuterWall,
+        "inner perimeter" => Role::InnerWall,
+        "infill" => Role::SparseFill,
+        "solid layer" | "internal single extrusion" | "external single extrusion" => Role::SolidFill,
+        "gap fill" => Role::GapFill,
+        "bridge" => Role::Bridge,
+        "skirt" | "ooze shield" | "prime pillar" => Role::Skirt,
+        "support" => Role::Support,
+        "dense support" => Role::SupportInterface,
+        _ => return None,
+    })
+}
