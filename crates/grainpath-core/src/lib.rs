@@ -10,6 +10,7 @@ pub mod math;
 pub mod medial;
 pub mod mesh;
 pub mod poly;
+pub mod spelling;
 pub mod toolpath;
 pub mod units;
 

@@ -348,11 +348,10 @@ fn thinned(points: &[DVec2], widths: &[f64], closed: bool) -> MedialPath {
         let off = cross(next - last, points[i] - last).abs() / next.distance(last).max(1e-9);
         let width_off = (widths[i] - kept_widths[kept.len() - 1]).abs();
         let far = last.distance(points[i]) > 0.5;
-        if i + 1 == n || off > 0.005 || width_off > 0.02 || far {
-            if last.distance_squared(points[i]) > 1e-8 {
-                kept.push(points[i]);
-                kept_widths.push(widths[i]);
-            }
+        let tells = i + 1 == n || off > 0.005 || width_off > 0.02 || far;
+        if tells && last.distance_squared(points[i]) > 1e-8 {
+            kept.push(points[i]);
+            kept_widths.push(widths[i]);
         }
     }
     MedialPath { points: kept, widths_mm: kept_widths, closed }

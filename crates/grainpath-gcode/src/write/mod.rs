@@ -69,7 +69,7 @@ pub enum GcodeError {
     #[error("the print reaches {axis} = {at_mm:.2} mm; the bed allows {low_mm:.2} to {high_mm:.2} mm")]
     OutsideBed { axis: char, at_mm: f64, low_mm: f64, high_mm: f64 },
     #[error("{template}: unknown placeholder {{{name}}}; did you mean {{{nearest}}}?")]
-    UnknownPlaceholder { template: &'static str, name: String, nearest: &'static str },
+    UnknownPlaceholder { template: &'static str, name: String, nearest: String },
     #[error("layer at {z_mm:.3} mm: a path has a coordinate or width that is not a number")]
     NotANumber { z_mm: f64 },
     #[error("writing G-code: {0}")]

@@ -39,28 +39,16 @@ pub fn filled(
             continue;
         }
         let Some((_, value)) = values.iter().find(|(n, _)| *n == name) else {
-            let names = values.iter().map(|(n, _)| *n);
-            let nearest = names.min_by_key(|n| (distance(n, name), *n)).unwrap_or_default();
-            return Err(GcodeError::UnknownPlaceholder { template, name: name.to_owned(), nearest });
+            let nearest = grainpath_core::spelling::nearest(name, values.iter().map(|(n, _)| *n));
+            return Err(GcodeError::UnknownPlaceholder {
+                template,
+                name: name.to_owned(),
+                nearest: nearest.to_owned(),
+            });
         };
         out.push_str(value);
         rest = &rest[name.len() + 2..];
     }
     out.push_str(rest);
     Ok(out)
-}
-
-/// Levenshtein distance.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
-        for (j, y) in b.iter().enumerate() {
-            let substitute = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = substitute.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
 }

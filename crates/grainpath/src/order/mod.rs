@@ -9,7 +9,7 @@ mod seam;
 mod sequence;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
-use grainpath_core::{Bounds2, DVec2, Diagnostics, LayerPlan, Polygon, Toolpath};
+use grainpath_core::{Bounds2, DVec2, Diagnostics, Layer, LayerPlan, LayerStack, Polygon, Toolpath};
 use rayon::prelude::*;
 
 use crate::walls::Wall;
@@ -37,11 +37,9 @@ pub struct OrderSettings {
     pub comb: CombSettings,
 }
 
-/// One connected piece of a layer and what is printed in it.
+/// What is printed in one connected piece of a layer.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Island {
-    /// Its section.
-    pub outline: Polygon,
     /// Walls from the outermost inwards.
     pub walls: Vec<Wall>,
     /// Single beads and fill: printed after the walls, in any order and direction.
@@ -51,27 +49,24 @@ pub struct Island {
 /// What is printed in a layer, in no order yet.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LayerPaths {
-    /// Height of the nozzle, mm.
-    pub z_top_mm: f64,
-    /// Thickness, mm.
-    pub height_mm: f64,
     /// Skirt and brim: printed first, in this order.
     pub adhesion: Vec<Toolpath>,
-    /// The part.
+    /// The part: one for each polygon of the layer's section.
     pub islands: Vec<Island>,
 }
 
-/// The paths of an island in printing order.
+/// The paths of an island in printing order, and which polygon of the section it is; none for adhesion.
 struct Ordered {
-    outline: Option<Polygon>,
+    island: Option<usize>,
     paths: Vec<Toolpath>,
 }
 
-/// Orders all layers.
+/// Orders all layers; `layers` has one entry for each layer of the stack.
 ///
 /// # Errors
 /// [`Interrupted`] when a stop was asked for.
 pub fn order_stack(
+    stack: &LayerStack,
     layers: Vec<LayerPaths>,
     settings: &OrderSettings,
     diagnostics: &Diagnostics,
@@ -80,23 +75,23 @@ pub fn order_stack(
     let mut at = DVec2::ZERO;
     let mut seams = seam::Seams::new(settings.seam);
     let mut ordered = Vec::with_capacity(layers.len());
-    for (layer_idx, layer) in layers.into_iter().enumerate() {
+    for (layer_idx, (paths, layer)) in layers.into_iter().zip(stack.layers()).enumerate() {
         diagnostics.check()?;
         let start = at;
-        let (z_top_mm, height_mm) = (layer.z_top_mm, layer.height_mm);
         seams.next_layer(layer_idx);
-        let islands = order_layer(layer, settings, &mut seams, &mut at);
-        ordered.push((z_top_mm, height_mm, start, islands));
+        let islands = order_layer(paths, &layer.region().polygons, settings, &mut seams, &mut at);
+        ordered.push((layer, start, islands));
     }
-    let plan = |(z_top_mm, height_mm, start, islands): (f64, f64, DVec2, Vec<Ordered>)| {
+    let plan = |(layer, start, islands): (&Layer, DVec2, Vec<Ordered>)| {
         diagnostics.check()?;
         let mut from = start;
         let mut paths = Vec::with_capacity(islands.iter().map(|i| i.paths.len()).sum());
-        for island in islands {
-            comb::plan_travels(island.outline.as_ref(), island.paths, &settings.comb, &mut from, &mut paths);
+        for ordered in islands {
+            let outline = ordered.island.map(|i| &layer.region().polygons[i]);
+            comb::plan_travels(outline, ordered.paths, &settings.comb, &mut from, &mut paths);
         }
         diagnostics.advance(1);
-        Ok(LayerPlan { z_top_mm, height_mm, paths })
+        Ok(LayerPlan { z_top_mm: layer.z_top_mm(), height_mm: layer.height_mm(), paths })
     };
     let plans: Vec<Result<LayerPlan, Interrupted>> = ordered.into_par_iter().map(plan).collect();
     plans.into_iter().collect()
@@ -104,6 +99,7 @@ pub fn order_stack(
 
 fn order_layer(
     layer: LayerPaths,
+    outlines: &[Polygon],
     settings: &OrderSettings,
     seams: &mut seam::Seams,
     at: &mut DVec2,
@@ -115,22 +111,17 @@ fn order_layer(
             sequence::start_nearest(path, *at);
             *at = path.end();
         }
-        out.push(Ordered { outline: None, paths });
+        out.push(Ordered { island: None, paths });
     }
     let mut islands: Vec<Option<Island>> = layer.islands.into_iter().map(Some).collect();
-    let places: Vec<[DVec2; 2]> = islands
-        .iter()
-        .map(|i| {
-            let bounds = i.as_ref().and_then(|i| i.outline.bounds());
-            [bounds.map_or(DVec2::ZERO, Bounds2::centre); 2]
-        })
-        .collect();
+    let middle = |p: &Polygon| p.bounds().map_or(DVec2::ZERO, Bounds2::centre);
+    let places: Vec<[DVec2; 2]> = outlines.iter().take(islands.len()).map(|p| [middle(p); 2]).collect();
     for (i, _) in sequence::tour(&places, *at) {
         let Some(island) = islands[i].take() else { continue };
         let mut paths = Vec::with_capacity(island.walls.len() + island.fills.len());
         sequence::walls(island.walls, settings.wall_order, seams, at, &mut paths);
         sequence::fills(island.fills, at, &mut paths);
-        out.push(Ordered { outline: Some(island.outline), paths });
+        out.push(Ordered { island: Some(i), paths });
     }
     out
 }

@@ -9,7 +9,7 @@ mod thumbnail;
 
 use grainpath_core::{Bounds2, DVec2, Role};
 
-pub use colour::{ColourBy, Scale};
+pub use colour::{ColourBy, Scale, of_role as role_colour};
 pub use raster::layer_png;
 pub use svg::layer_svg;
 pub use thumbnail::thumbnail_png;

@@ -20,14 +20,14 @@ pub struct Placement {
 /// Parts larger than this are taken for damage.
 const MAX_SIZE_MM: f64 = 10_000.0;
 
-/// Scales and turns a mesh and stands it on z = 0. X and Y stay where the file has them.
+/// Scales and turns bodies and stands them together on z = 0. X and Y stay where the file has them.
 ///
 /// # Errors
 /// [`ShapeError::Empty`], or [`ShapeError::TooLarge`] beyond 10 m.
-pub fn place(mesh: &mut TriMesh, placement: &Placement) -> Result<(), ShapeError> {
+pub fn place(bodies: &mut [TriMesh], placement: &Placement) -> Result<(), ShapeError> {
     let factor = placement.unit.mm() * placement.scale;
     let turns = placement.rotate_rad.map(direction);
-    for p in &mut mesh.vertices {
+    for p in bodies.iter_mut().flat_map(|b| &mut b.vertices) {
         let mut v = *p * factor;
         if placement.rotate_rad[0] != 0.0 {
             let q = rotated(DVec2::new(v.y, v.z), turns[0]);
@@ -42,14 +42,13 @@ pub fn place(mesh: &mut TriMesh, placement: &Placement) -> Result<(), ShapeError
         }
         *p = v;
     }
-    let (low, high) = mesh.bounds().ok_or(ShapeError::Empty)?;
+    let bounds = bodies.iter().filter_map(TriMesh::bounds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let (low, high) = bounds.ok_or(ShapeError::Empty)?;
     let size_mm = (high - low).max_element();
     if size_mm > MAX_SIZE_MM {
         return Err(ShapeError::TooLarge { size_mm, limit_mm: MAX_SIZE_MM });
     }
-    for p in &mut mesh.vertices {
-        p.z -= low.z;
-    }
+    bodies.iter_mut().flat_map(|b| &mut b.vertices).for_each(|p| p.z -= low.z);
     Ok(())
 }
 
@@ -72,14 +71,14 @@ mod tests {
     #[test]
     fn turned_scaled_and_on_the_plate() {
         let vertices = vec![DVec3::new(0.0, 0.0, 5.0), DVec3::new(1.0, 0.0, 5.0), DVec3::new(0.0, 0.0, 7.0)];
-        let mut mesh = TriMesh { vertices, triangles: vec![[0, 1, 2]] };
+        let mut bodies = [TriMesh { vertices, triangles: vec![[0, 1, 2]] }];
         let quarter = std::f64::consts::FRAC_PI_2;
         let placement = Placement { unit: LengthUnit::Inch, scale: 2.0, rotate_rad: [0.0, quarter, 0.0] };
-        place(&mut mesh, &placement).expect("small enough");
-        let (low, high) = mesh.bounds().expect("a triangle");
+        place(&mut bodies, &placement).expect("small enough");
+        let (low, high) = bodies[0].bounds().expect("a triangle");
         assert!(low.z.abs() < 1e-12 && (high.z - 50.8).abs() < 1e-9, "{low} {high}");
         assert!((high.x - low.x - 101.6).abs() < 1e-9);
-        mesh.vertices[1].x = 1e6;
-        assert!(matches!(place(&mut mesh, &placement), Err(ShapeError::TooLarge { .. })));
+        bodies[0].vertices[1].x = 1e6;
+        assert!(matches!(place(&mut bodies, &placement), Err(ShapeError::TooLarge { .. })));
     }
 }

@@ -1,0 +1,149 @@
+//! Arguments.
+
+use std::path::PathBuf;
+
+use clap::{Parser, Subcommand};
+
+/// Toolpaths for 3D printing that follow the load.
+#[derive(Debug, Parser)]
+#[command(version, about, disable_help_subcommand = true)]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a job file: slice, plan, write G-code, pictures and report
+    Run(Run),
+    /// Slice a mesh with default settings, without a job file
+    Slice(Slice),
+    /// Write a commented example job with its input
+    New(New),
+    /// Say what a mesh or a G-code file is, with its defects
+    Inspect(Inspect),
+    /// Draw a layer of a G-code file
+    Render(Render),
+    /// Print the JSON Schema of job files
+    Schema(Schema),
+    /// List the profiles that come with grainpath, or print one
+    Profiles(Profiles),
+}
+
+impl Command {
+    /// Whether the answer is wanted as JSON.
+    pub fn json(&self) -> bool {
+        match self {
+            Self::Run(a) => a.common.json,
+            Self::Slice(a) => a.common.json,
+            Self::Inspect(a) => a.json,
+            Self::Profiles(a) => a.json,
+            Self::New(_) | Self::Render(_) | Self::Schema(_) => false,
+        }
+    }
+}
+
+/// What runs have in common.
+#[derive(Debug, clap::Args)]
+pub struct Common {
+    /// Override a setting, stronger than the job file
+    #[arg(long = "set", value_name = "SECTION.KEY=VALUE")]
+    pub sets: Vec<String>,
+    /// Number of threads; the result does not depend on it
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Print the report as one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `grainpath run`
+#[derive(Debug, clap::Args)]
+pub struct Run {
+    /// Job file
+    pub job: PathBuf,
+    /// Write outputs here instead of beside the job file
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `grainpath slice`
+#[derive(Debug, clap::Args)]
+pub struct Slice {
+    /// Mesh: STL, OBJ, PLY, OFF or 3MF
+    pub model: PathBuf,
+    /// G-code file [default: the mesh's name with .gcode]
+    #[arg(short, long, value_name = "FILE.gcode")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `grainpath new`
+#[derive(Debug, clap::Args)]
+pub struct New {
+    /// Which example
+    pub preset: String,
+    /// Where to [default: the example's name]
+    pub dir: Option<PathBuf>,
+    /// Write over files that are there
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// `grainpath inspect`
+#[derive(Debug, clap::Args)]
+pub struct Inspect {
+    /// Mesh or G-code
+    pub file: PathBuf,
+    /// As one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `grainpath render`
+#[derive(Debug, clap::Args)]
+pub struct Render {
+    /// G-code of any slicer
+    pub gcode: PathBuf,
+    /// Layer, from 1 [default: the middle one]; the whole part without --layer when the output is named thumbnail.png
+    #[arg(long, value_name = "N")]
+    pub layer: Option<usize>,
+    /// PNG or SVG, by its ending [default: the G-code's name with .png]
+    #[arg(short, long, value_name = "FILE.png")]
+    pub output: Option<PathBuf>,
+    /// What the colour tells
+    #[arg(long, default_value = "role", value_parser = ["role", "width", "speed"])]
+    pub color: String,
+    /// The whole part, shaded, instead of a layer
+    #[arg(long)]
+    pub part: bool,
+    /// Longest side in pixels
+    #[arg(long, default_value_t = 1600, value_parser = clap::value_parser!(u32).range(16..=20000))]
+    pub size: u32,
+    /// Leave travels out
+    #[arg(long)]
+    pub no_travels: bool,
+}
+
+/// `grainpath schema`
+#[derive(Debug, clap::Args)]
+pub struct Schema {
+    /// The reference page docs/settings.md instead
+    #[arg(long)]
+    pub markdown: bool,
+}
+
+/// `grainpath profiles`
+#[derive(Debug, clap::Args)]
+pub struct Profiles {
+    /// Print this one
+    pub name: Option<String>,
+    /// As one JSON object
+    #[arg(long)]
+    pub json: bool,
+}

@@ -1,0 +1,175 @@
+//! The commands but `inspect`.
+
+use std::path::{Path, PathBuf};
+
+use grainpath::job::{PROFILES, Settings, json_schema, markdown, parse_job};
+use grainpath_core::Diagnostics;
+use grainpath_core::diagnostics::Stage;
+use grainpath_io::parse_mesh;
+
+use crate::args::{Common, New, Profiles, Render, Run, Schema, Slice};
+use crate::{Failure, files, outputs, progress};
+
+/// `grainpath run`
+pub fn run(args: &Run) -> Result<(), Failure> {
+    let text = files::read_text(&args.job)?;
+    let folder = args.job.parent().map(Path::to_owned).unwrap_or_default();
+    let name = args.job.display().to_string();
+    let settings = settings(&text, &name, &args.common.sets, &folder)?;
+    if settings.shape.mesh.is_empty() {
+        return Err(Failure::usage(format!("{name}: [shape] needs mesh = \"FILE\"")));
+    }
+    let mesh = folder.join(&settings.shape.mesh);
+    let out = args.out.clone().unwrap_or(folder);
+    execute(&settings, &mesh, &out, &args.common)
+}
+
+/// `grainpath slice`
+pub fn slice(args: &Slice) -> Result<(), Failure> {
+    let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
+    let output = args.output.clone().unwrap_or_else(|| args.model.with_extension("gcode"));
+    settings.output.gcode = output.display().to_string();
+    execute(&settings, &args.model, Path::new(""), &args.common)
+}
+
+fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Settings, Failure> {
+    let load = |path: &str| files::read_text(&folder.join(path)).map_err(|f| f.message);
+    parse_job(text, name, sets, &load).map_err(|e| Failure::usage(e.to_string()))
+}
+
+/// Plans and writes a job. `out` is what output paths are relative to.
+fn execute(settings: &Settings, mesh: &Path, out: &Path, common: &Common) -> Result<(), Failure> {
+    set_threads(common.threads)?;
+    let diagnostics = progress::diagnostics();
+    let paths = outputs::Paths::of(settings, mesh, out)?;
+    let (file, read_s) = read_mesh(mesh, &diagnostics)?;
+    let planned = grainpath::plan_job(settings, file, &mesh.display().to_string(), &diagnostics)?;
+    let report = outputs::write(settings, planned, &paths, read_s, common.json, &diagnostics)?;
+    // The progress line goes before anything is printed.
+    drop(diagnostics);
+    if common.json {
+        files::print(&format!("{}\n", report.to_json()));
+    } else {
+        files::print(&format!("{}\n", report.summary()));
+    }
+    Ok(())
+}
+
+fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
+    let Some(n) = threads else { return Ok(()) };
+    if n == 0 || n > 1024 {
+        return Err(Failure::usage(format!("--threads {n} should be from 1 to 1024")));
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build_global();
+    pool.map_err(|e| Failure::usage(format!("--threads {n}: {e}")))
+}
+
+fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io::MeshFile, f64), Failure> {
+    let start = std::time::Instant::now();
+    diagnostics.begin(Stage::Read, 0);
+    let bytes = files::read(path)?;
+    let shown = path.display().to_string();
+    let file =
+        parse_mesh(&bytes, Some(&shown)).map_err(|source| grainpath::Error::Mesh { path: shown, source })?;
+    Ok((file, start.elapsed().as_secs_f64()))
+}
+
+/// `grainpath new`
+pub fn new(args: &New) -> Result<(), Failure> {
+    let names = grainpath::examples::PRESETS;
+    let Some(example) = grainpath::examples::preset(&args.preset) else {
+        let near = grainpath_core::spelling::nearest(&args.preset, names);
+        return Err(Failure::usage(format!(
+            "no preset {:?}; did you mean {near:?}? There are {}",
+            args.preset,
+            names.join(", ")
+        )));
+    };
+    let folder = args.dir.clone().unwrap_or_else(|| PathBuf::from(&args.preset));
+    if let Some((name, _)) = example.iter().find(|(name, _)| folder.join(name).exists() && !args.force) {
+        let there = folder.join(name);
+        return Err(Failure::usage(format!("{} is there already; --force writes over it", there.display())));
+    }
+    for (name, content) in &example {
+        let path = folder.join(name);
+        files::write_atomically(&path, |w| {
+            w.write_all(content).map_err(|e| Failure::usage(format!("cannot write {}: {e}", path.display())))
+        })?;
+    }
+    files::print(&format!("grainpath run {}\n", folder.join(example[0].0).display()));
+    Ok(())
+}
+
+/// `grainpath render`
+pub fn render(args: &Render) -> Result<(), Failure> {
+    use grainpath::render::{ColourBy, PictureOptions, layer_png, layer_svg, thumbnail_png};
+    let program = crate::inspect::read_program(&args.gcode)?;
+    let n = program.layers.len();
+    if n == 0 {
+        return Err(Failure::input(format!("{}: nothing is printed in it", args.gcode.display())));
+    }
+    let output = args.output.clone().unwrap_or_else(|| args.gcode.with_extension("png"));
+    let bytes = if args.part {
+        let layers: Vec<_> = program.layers.iter().map(outputs::picture).collect();
+        thumbnail_png(&layers, args.size, args.size * 3 / 4)
+    } else {
+        let layer = args.layer.unwrap_or(n.div_ceil(2));
+        if layer == 0 || layer > n {
+            return Err(Failure::usage(format!("--layer {layer} should be from 1 to {n}")));
+        }
+        let picture = outputs::picture(&program.layers[layer - 1]);
+        let options = PictureOptions {
+            colour_by: ColourBy::from_name(&args.color).unwrap_or_default(),
+            size_px: args.size,
+            travels: !args.no_travels,
+            window: None,
+        };
+        match output.extension().and_then(|e| e.to_str()) {
+            Some("svg") => layer_svg(&picture, &options).into_bytes(),
+            Some("png") => layer_png(&picture, &options),
+            _ => {
+                return Err(Failure::usage(format!(
+                    "{}: a picture's name should end in .png or .svg",
+                    output.display()
+                )));
+            }
+        }
+    };
+    outputs::save(&output, &bytes)?;
+    files::print(&format!("{}\n", output.display()));
+    Ok(())
+}
+
+/// `grainpath schema`
+pub fn schema(args: &Schema) -> Result<(), Failure> {
+    if args.markdown {
+        files::print(&markdown());
+    } else {
+        files::print(&format!("{:#}\n", json_schema()));
+    }
+    Ok(())
+}
+
+/// `grainpath profiles`
+pub fn profiles(args: &Profiles) -> Result<(), Failure> {
+    if let Some(name) = &args.name {
+        let Some(p) = PROFILES.iter().find(|p| p.name == name) else {
+            let near = grainpath_core::spelling::nearest(name, PROFILES.iter().map(|p| p.name));
+            return Err(Failure::usage(format!("no profile {name:?}; did you mean {near:?}?")));
+        };
+        let json = serde_json::json!({ "kind": p.kind, "name": p.name, "toml": p.text });
+        files::print(&if args.json { format!("{json}\n") } else { p.text.to_owned() });
+        return Ok(());
+    }
+    if args.json {
+        let rows: Vec<_> = PROFILES
+            .iter()
+            .map(|p| serde_json::json!({ "kind": p.kind, "name": p.name, "about": p.about() }))
+            .collect();
+        files::print(&format!("{}\n", serde_json::json!({ "profiles": rows })));
+    } else {
+        let rows = PROFILES.iter().map(|p| format!("{:<9} {:<13} {}\n", p.kind, p.name, p.about()));
+        files::print(&rows.collect::<String>());
+    }
+    Ok(())
+}

@@ -1,0 +1,105 @@
+//! `grainpath inspect`: what a file is, with its defects.
+
+use std::path::Path;
+
+use grainpath_core::mesh::{MeshHealth, diagnose, weld_within};
+use grainpath_gcode::{Limits, Program, simulate};
+use grainpath_io::{MeshFile, parse_mesh, sniff_mesh};
+use serde_json::{Value, json};
+
+use crate::args::Inspect;
+use crate::{Failure, files};
+
+/// Diameter of the filament taken for G-code that does not say, mm.
+const FILAMENT_MM: f64 = 1.75;
+
+/// Runs the command.
+pub fn inspect(args: &Inspect) -> Result<(), Failure> {
+    let bytes = files::read(&args.file)?;
+    let name = args.file.display().to_string();
+    let lower = name.to_ascii_lowercase();
+    let named_gcode = [".gcode", ".g", ".gco", ".nc", ".bgcode"].iter().any(|e| lower.ends_with(e));
+    let value = if named_gcode || (sniff_mesh(&bytes, Some(&name)).is_none() && !bytes.is_empty()) {
+        let program = simulate(&bytes, FILAMENT_MM, &Limits::default());
+        gcode_json(&name, &program.map_err(|e| Failure::input(format!("{name}: {e}")))?)
+    } else {
+        let file = parse_mesh(&bytes, Some(&name));
+        let file = file.map_err(|source| grainpath::Error::Mesh { path: name.clone(), source })?;
+        mesh_json(&name, &file)
+    };
+    files::print(&if args.json { format!("{value}\n") } else { table(&value) });
+    Ok(())
+}
+
+/// Runs a G-code file in mind.
+pub fn read_program(path: &Path) -> Result<Program, Failure> {
+    let bytes = files::read(path)?;
+    simulate(&bytes, FILAMENT_MM, &Limits::default())
+        .map_err(|e| Failure::input(format!("{}: {e}", path.display())))
+}
+
+fn mesh_json(name: &str, file: &MeshFile) -> Value {
+    let all: Vec<MeshHealth> = file.bodies.iter().filter_map(|b| diagnose(&b.mesh)).collect();
+    let sum = |f: &dyn Fn(&MeshHealth) -> usize| all.iter().map(f).sum::<usize>();
+    let low = all.iter().map(|h| h.bounds.0).reduce(|a, b| a.min(b)).unwrap_or_default();
+    let high = all.iter().map(|h| h.bounds.1).reduce(|a, b| a.max(b)).unwrap_or_default();
+    let open = sum(&|h| h.open_edges);
+    // Open edges that close when vertices a millionth of the size apart are taken as one are only seams.
+    let tolerance = 1e-6 * (high - low).max_element();
+    let open_after = if open == 0 {
+        0
+    } else {
+        file.bodies
+            .iter()
+            .filter_map(|b| diagnose(&weld_within(&b.mesh, tolerance)))
+            .map(|h| h.open_edges)
+            .sum()
+    };
+    let likely = match file.unit {
+        Some(unit) => format!("{} (the file says so)", unit.name()),
+        None => format!("{} (by its size)", grainpath::shape::likely_unit((high - low).max_element()).name()),
+    };
+    json!({
+        "ok": true, "file": name, "kind": "mesh", "format": file.format.name(),
+        "bodies": file.bodies.len(), "triangles": sum(&|h| h.n_triangles), "vertices": sum(&|h| h.n_vertices),
+        "shells": sum(&|h| h.shells), "open_edges": open, "open_edges_after_merging": open_after,
+        "nonmanifold_edges": sum(&|h| h.nonmanifold_edges), "badly_wound_edges": sum(&|h| h.badly_wound_edges),
+        "zero_area_facets": sum(&|h| h.zero_area_facets), "closed": all.iter().all(MeshHealth::is_closed),
+        "volume": all.iter().map(|h| h.volume).sum::<f64>(),
+        "extents": (high - low).to_array(), "low": low.to_array(), "high": high.to_array(),
+        "likely_unit": likely, "warnings": file.warnings,
+    })
+}
+
+fn gcode_json(name: &str, p: &Program) -> Value {
+    let heights: Vec<f64> = p.layers.iter().map(|l| l.height_mm).collect();
+    let mut sorted = heights.clone();
+    sorted.sort_by(f64::total_cmp);
+    let round = |v: f64| (v * 1e3).round() * 1e-3;
+    json!({
+        "ok": true, "file": name, "kind": "gcode", "generator": p.generator,
+        "commands": p.commands, "arcs": p.arcs, "layers": p.layers.len(),
+        "z_max_mm": p.layers.last().map_or(0.0, |l| l.z_mm),
+        "layer_height_mm": sorted.get(sorted.len() / 2).copied().map(round),
+        "printed_mm": round(p.printed_mm), "travel_mm": round(p.travel_mm), "extruded_mm3": round(p.extruded_mm3),
+        "filament_mm": round(p.filament_mm), "retractions": p.retractions, "time_s": round(p.time_s),
+        "paths_per_layer_max": p.layers.iter().map(|l| l.paths).max(),
+        "nozzle_temp_c": p.nozzle_temp_c, "bed_temp_c": p.bed_temp_c,
+        "thumbnails": p.thumbnails, "warnings": p.warnings,
+    })
+}
+
+/// Keys and values, one a line.
+fn table(value: &Value) -> String {
+    let Some(rows) = value.as_object() else { return String::new() };
+    let shown = |v: &Value| match v {
+        Value::String(s) => s.clone(),
+        Value::Array(a) if a.iter().all(Value::is_string) => {
+            a.iter().filter_map(Value::as_str).map(|s| format!("\n  {s}")).collect()
+        }
+        other => other.to_string(),
+    };
+    let line = |(k, v): (&String, &Value)| format!("{:<26} {}\n", k.replace('_', " "), shown(v));
+    let skip = |v: &Value| v.is_null() || v.as_array().is_some_and(Vec::is_empty);
+    rows.iter().filter(|(k, v)| *k != "ok" && !skip(v)).map(line).collect()
+}

@@ -1,0 +1,201 @@
+//! What a run writes.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use grainpath::job::Settings;
+use grainpath::render::{Bead, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png};
+use grainpath::report::{Report, measure, peak_rss_mb};
+use grainpath::{Planned, html};
+use grainpath_core::diagnostics::Stage;
+use grainpath_core::{DVec2, Diagnostics};
+use grainpath_gcode::{BeadLayer, Program, Thumbnail, simulate, write_gcode};
+
+use crate::{Failure, files};
+
+/// Where things go.
+pub struct Paths {
+    gcode: PathBuf,
+    report: Option<PathBuf>,
+    preview: Option<PathBuf>,
+    plan: Option<PathBuf>,
+}
+
+impl Paths {
+    /// Output paths of a job, relative to `out`; none may be the input.
+    pub fn of(settings: &Settings, mesh: &Path, out: &Path) -> Result<Self, Failure> {
+        let o = &settings.output;
+        let given = |text: &String| (!text.is_empty()).then(|| out.join(text));
+        let gcode = given(&o.gcode).unwrap_or_else(|| {
+            let name =
+                mesh.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_else(|| "part".into());
+            out.join(format!("{name}.gcode"))
+        });
+        let paths =
+            Self { gcode, report: given(&o.report), preview: given(&o.preview), plan: given(&o.plan) };
+        let same = |p: &Path| matches!((p.canonicalize(), mesh.canonicalize()), (Ok(a), Ok(b)) if a == b);
+        for path in [Some(&paths.gcode), paths.report.as_ref(), paths.plan.as_ref()].into_iter().flatten() {
+            if same(path) {
+                return Err(Failure::usage(format!(
+                    "{} is the input; it is not written over",
+                    path.display()
+                )));
+            }
+        }
+        Ok(paths)
+    }
+}
+
+/// Writes everything a job asks for and gives the report.
+pub fn write(
+    settings: &Settings,
+    planned: Planned,
+    paths: &Paths,
+    read_s: f64,
+    measured: bool,
+    diagnostics: &Diagnostics,
+) -> Result<Report, Failure> {
+    let start = Instant::now();
+    diagnostics.begin(Stage::Write, planned.plan.layers.len());
+    let thumbnails = thumbnails(settings, &planned)?;
+    let wanted = measured || paths.report.is_some() || paths.preview.is_some();
+    let mut copy = Vec::new();
+    let written = files::write_atomically(&paths.gcode, |file| {
+        let mut tee = Tee { file, copy: wanted.then_some(&mut copy) };
+        let written = write_gcode(&planned.plan, &planned.config, &thumbnails, &mut tee);
+        let written = written.map_err(|e| Failure::from(grainpath::Error::from(e)))?;
+        diagnostics.check().map_err(|e| Failure::from(grainpath::Error::from(e)))?;
+        Ok(written)
+    })?;
+    let mut report = Report::new(&planned, &written);
+    let seconds = |s: f64| (s * 1e4).round() * 1e-4;
+    report.stages_s.insert(Stage::Read.name(), seconds(read_s));
+    for (stage, s) in &planned.stages_s {
+        report.stages_s.insert(stage.name(), seconds(*s));
+    }
+    report.stages_s.insert(Stage::Write.name(), seconds(start.elapsed().as_secs_f64()));
+    report.outputs.insert("gcode", paths.gcode.display().to_string());
+    if wanted {
+        let program = read_back(settings, &copy)?;
+        report.quality = Some(measure(&planned, &program));
+        drop(copy);
+        previews(settings, &program, paths, diagnostics, &mut report)?;
+    }
+    if let Some(path) = &paths.plan {
+        let text = grainpath::plan_json::plan_json(&planned.plan);
+        save(path, text.as_bytes())?;
+        report.outputs.insert("plan", path.display().to_string());
+    }
+    report.warnings = diagnostics.warnings();
+    report.peak_rss_mb = (peak_rss_mb() * 10.0).round() * 0.1;
+    Ok(report)
+}
+
+/// Writes to a file and, if asked for, keeps what was written.
+struct Tee<'a> {
+    file: &'a mut dyn Write,
+    copy: Option<&'a mut Vec<u8>>,
+}
+
+impl Write for Tee<'_> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.file.write_all(bytes)?;
+        if let Some(copy) = &mut self.copy {
+            copy.extend_from_slice(bytes);
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.file.flush()
+    }
+}
+
+fn read_back(settings: &Settings, gcode: &[u8]) -> Result<Program, Failure> {
+    let limits = grainpath::config::limits(settings);
+    simulate(gcode, settings.printer.filament_mm, &limits).map_err(|e| Failure::input(e.to_string()))
+}
+
+/// Pictures for the printer's screen, from what would be written.
+fn thumbnails(settings: &Settings, planned: &Planned) -> Result<Vec<Thumbnail>, Failure> {
+    if settings.printer.thumbnails_px.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut plain = Vec::new();
+    write_gcode(&planned.plan, &planned.config, &[], &mut plain)
+        .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
+    let program = read_back(settings, &plain)?;
+    let layers: Vec<LayerPicture> = program.layers.iter().map(picture).collect();
+    let draw = |&[w, h]: &[usize; 2]| {
+        let (width, height) = (w as u32, h as u32);
+        Thumbnail { width, height, png: thumbnail_png(&layers, width, height) }
+    };
+    Ok(settings.printer.thumbnails_px.iter().map(draw).collect())
+}
+
+/// A layer of a program as a picture wants it.
+pub fn picture(layer: &BeadLayer) -> LayerPicture {
+    let beads = layer.beads.iter().map(|b| Bead {
+        a: b.start(),
+        b: b.end(),
+        width_mm: b.width_mm(layer.height_mm),
+        role: b.role,
+        speed_mm_s: f64::from(b.speed_mm_s),
+    });
+    let point = |p: [f32; 2]| DVec2::new(f64::from(p[0]), f64::from(p[1]));
+    LayerPicture {
+        z_mm: layer.z_mm,
+        height_mm: layer.height_mm,
+        beads: beads.collect(),
+        travels: layer.travels.iter().map(|[a, b]| [point(*a), point(*b)]).collect(),
+    }
+}
+
+/// Layers worth a look: the first, quarters, and the last.
+fn shown(n: usize) -> Vec<usize> {
+    let mut layers: Vec<usize> =
+        [0, n / 4, n / 2, 3 * n / 4, n.saturating_sub(1)].into_iter().filter(|&i| i < n).collect();
+    layers.dedup();
+    layers
+}
+
+fn previews(
+    settings: &Settings,
+    program: &Program,
+    paths: &Paths,
+    diagnostics: &Diagnostics,
+    report: &mut Report,
+) -> Result<(), Failure> {
+    if paths.report.is_none() && paths.preview.is_none() {
+        return Ok(());
+    }
+    let all: Vec<LayerPicture> = program.layers.iter().map(picture).collect();
+    let mut pictures = vec![html::Picture { title: "The part".into(), png: thumbnail_png(&all, 800, 600) }];
+    let options = PictureOptions::default();
+    for i in shown(all.len()) {
+        let title = format!("Layer {} at {:.2} mm", i + 1, all[i].z_mm);
+        pictures.push(html::Picture { title, png: layer_png(&all[i], &options) });
+    }
+    if let Some(folder) = &paths.preview {
+        save(&folder.join("part.png"), &pictures[0].png)?;
+        for (i, p) in shown(all.len()).into_iter().zip(&pictures[1..]) {
+            save(&folder.join(format!("layer_{:04}.png", i + 1)), &p.png)?;
+            save(&folder.join(format!("layer_{:04}.svg", i + 1)), layer_svg(&all[i], &options).as_bytes())?;
+        }
+        report.outputs.insert("preview", folder.display().to_string());
+    }
+    if let Some(path) = &paths.report {
+        report.warnings = diagnostics.warnings();
+        report.outputs.insert("report", path.display().to_string());
+        save(path, html::report_html(report, &settings.rows(), &pictures).as_bytes())?;
+    }
+    Ok(())
+}
+
+/// Writes bytes as a file.
+pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    files::write_atomically(path, |w| {
+        w.write_all(bytes).map_err(|e| Failure::usage(format!("cannot write {}: {e}", path.display())))
+    })
+}

@@ -1,0 +1,51 @@
+//! A progress line on a terminal, nothing elsewhere; and Ctrl-C.
+
+use std::io::IsTerminal;
+use std::sync::Arc;
+
+use grainpath_core::Diagnostics;
+use grainpath_core::diagnostics::{Progress, Stage};
+use indicatif::{ProgressBar, ProgressStyle};
+
+struct Bar(ProgressBar);
+
+impl Progress for Bar {
+    fn begin(&self, stage: Stage, total: usize) {
+        self.0.set_position(0);
+        self.0.set_length(total as u64);
+        self.0.set_message(match stage {
+            Stage::Read => "reading",
+            Stage::Slice => "slicing",
+            Stage::Guide => "guide",
+            Stage::Fill => "walls and fill",
+            Stage::Support => "support",
+            Stage::Order => "ordering",
+            Stage::Write => "writing",
+        });
+    }
+
+    fn advance(&self, n: usize) {
+        self.0.inc(n as u64);
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
+
+/// Diagnostics that show progress when standard error is a terminal, and stop on Ctrl-C.
+pub fn diagnostics() -> Arc<Diagnostics> {
+    let diagnostics = Arc::new(if std::io::stderr().is_terminal() {
+        let style = ProgressStyle::with_template("{msg:<15} {wide_bar} {pos}/{len} layers");
+        let bar = ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Diagnostics::with_progress(Box::new(Bar(bar)))
+    } else {
+        Diagnostics::default()
+    });
+    let for_handler = Arc::clone(&diagnostics);
+    // A second handler cannot be set; a command runs once.
+    let _ = ctrlc::set_handler(move || for_handler.stop());
+    diagnostics
+}

@@ -1,0 +1,141 @@
+//! Settings as the stages want them: the one place that knows both.
+
+use grainpath_core::units::LengthUnit;
+use grainpath_gcode::{Cooling, Corner, Flavour, Limits, Machine, Material, Retraction, Speeds, WriteConfig};
+
+use crate::job::Settings;
+use crate::order::{CombSettings, OrderSettings, Seam, WallOrder};
+use crate::shape::{Adaptive, Placement, Repair, SliceSettings};
+
+pub(crate) fn placement(s: &Settings) -> Placement {
+    Placement {
+        unit: LengthUnit::from_name(&s.shape.unit).unwrap_or(LengthUnit::Millimetre),
+        scale: s.shape.scale,
+        rotate_rad: s.shape.rotate_deg.map(f64::to_radians),
+    }
+}
+
+pub(crate) fn repair(s: &Settings) -> Repair {
+    if s.shape.repair == "strict" { Repair::Strict } else { Repair::Auto }
+}
+
+pub(crate) fn slicing(s: &Settings) -> SliceSettings {
+    let p = &s.process;
+    SliceSettings {
+        layer_height_mm: p.layer_height_mm,
+        first_layer_height_mm: p.first_layer_height_mm,
+        adaptive: p.adaptive_layers.then_some(Adaptive {
+            min_height_mm: p.adaptive_min_mm,
+            max_height_mm: p.adaptive_max_mm,
+            max_cusp_mm: p.adaptive_cusp_mm,
+        }),
+        gap_closing_mm: s.shape.gap_closing_mm,
+        simplify_mm: p.simplify_mm,
+    }
+}
+
+pub(crate) fn order(s: &Settings) -> OrderSettings {
+    let p = &s.process;
+    OrderSettings {
+        wall_order: if p.wall_order == "outer-first" { WallOrder::OuterFirst } else { WallOrder::InnerFirst },
+        seam: match p.seam.as_str() {
+            "aligned" => Seam::Aligned,
+            "rear" => Seam::Rear,
+            "random" => Seam::Random,
+            _ => Seam::Nearest,
+        },
+        comb: CombSettings {
+            comb: p.comb,
+            retract_min_mm: p.retract_min_travel_mm,
+            max_detour: 2.0,
+            clearance_mm: p.bead_width_mm,
+        },
+    }
+}
+
+/// The printer's limits, for the time.
+pub fn limits(s: &Settings) -> Limits {
+    let p = &s.printer;
+    Limits {
+        max_speed_mm_s: p.max_speed_mm_s,
+        acceleration_mm_s2: p.acceleration_mm_s2,
+        travel_acceleration_mm_s2: p.travel_acceleration_mm_s2,
+        retract_acceleration_mm_s2: p.retract_acceleration_mm_s2,
+        corner: match (p.square_corner_mm_s, p.junction_deviation_mm) {
+            (Some(v), _) => Corner::SquareCorner(v),
+            (None, Some(d)) => Corner::Deviation(d),
+            (None, None) => Corner::Jerk(p.jerk_mm_s),
+        },
+    }
+}
+
+pub(crate) fn machine(s: &Settings) -> Machine {
+    let p = &s.printer;
+    Machine {
+        flavour: match p.flavour.as_str() {
+            "klipper" => Flavour::Klipper,
+            "rrf" => Flavour::RepRapFirmware,
+            _ => Flavour::Marlin,
+        },
+        nozzle_mm: p.nozzle_mm,
+        filament_mm: p.filament_mm,
+        bed_mm: p.bed_mm,
+        origin_at_centre: p.origin == "centre",
+        limits: limits(s),
+        relative_e: p.relative_e,
+        start_gcode: p.start_gcode.clone(),
+        end_gcode: p.end_gcode.clone(),
+    }
+}
+
+pub(crate) fn writing(s: &Settings) -> WriteConfig {
+    let (p, m, pr) = (&s.process, &s.material, &s.printer);
+    let header = [("material", &m.name), ("fill", &s.fill.pattern)];
+    WriteConfig {
+        machine: machine(s),
+        material: Material {
+            name: m.name.clone(),
+            density_g_cm3: m.density_g_cm3,
+            nozzle_temp_c: m.nozzle_temp_c,
+            first_layer_nozzle_temp_c: m.first_layer_nozzle_temp_c,
+            bed_temp_c: m.bed_temp_c,
+            first_layer_bed_temp_c: m.first_layer_bed_temp_c,
+            flow: m.flow,
+            pressure_advance: m.pressure_advance,
+            max_volumetric_mm3_s: m.max_volumetric_mm3_s,
+        },
+        speeds: Speeds {
+            outer_wall: p.outer_wall_speed_mm_s,
+            inner_wall: p.inner_wall_speed_mm_s,
+            small_wall: p.small_wall_speed_mm_s,
+            overhang: p.overhang_speed_mm_s,
+            gap_fill: p.gap_fill_speed_mm_s,
+            solid: p.solid_speed_mm_s,
+            top: p.top_speed_mm_s,
+            sparse: p.sparse_speed_mm_s,
+            bridge: p.bridge_speed_mm_s,
+            support: p.sparse_speed_mm_s,
+            adhesion: p.first_layer_speed_mm_s,
+            travel: p.travel_speed_mm_s,
+            travel_z: p.travel_z_speed_mm_s,
+            first_layer: p.first_layer_speed_mm_s,
+        },
+        cooling: Cooling {
+            fan_min: m.fan_min,
+            fan_max: m.fan_max,
+            fan_bridge: m.fan_bridge,
+            fan_off_layers: m.fan_off_layers,
+            min_layer_time_s: m.min_layer_time_s,
+            fan_below_layer_time_s: m.fan_below_layer_time_s,
+            min_speed_mm_s: m.min_speed_mm_s,
+        },
+        retraction: Retraction {
+            length_mm: pr.retract_mm,
+            speed_mm_s: pr.retract_speed_mm_s,
+            unretract_speed_mm_s: pr.unretract_speed_mm_s,
+            z_hop_mm: pr.z_hop_mm,
+        },
+        arc_tolerance_mm: p.arcs.then_some(p.arc_tolerance_mm),
+        header: header.iter().map(|(key, value)| format!("{key} = {value}")).collect(),
+    }
+}

@@ -1,0 +1,40 @@
+//! What can go wrong in a run, and the exit code that says what kind of thing it was.
+
+use grainpath_core::diagnostics::Interrupted;
+use grainpath_gcode::GcodeError;
+use grainpath_io::MeshError;
+
+use crate::job::JobError;
+use crate::shape::ShapeError;
+
+/// Why a run ended early.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum Error {
+    #[error(transparent)]
+    Job(#[from] JobError),
+    #[error("{path}: {source}")]
+    Mesh { path: String, source: MeshError },
+    #[error("{path}: {source}")]
+    Shape { path: String, source: ShapeError },
+    #[error(transparent)]
+    Gcode(#[from] GcodeError),
+    #[error(
+        "fill.mass_g = {asked_g}: with this pattern the part weighs {low_g:.2} g at no fill and {high_g:.2} g when dense"
+    )]
+    Mass { asked_g: f64, low_g: f64, high_g: f64 },
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
+}
+
+impl Error {
+    /// 2 usage or job file; 3 an input file; 4 the physics (does not fit the bed, no such mass); 130 interrupted.
+    pub fn exit_code(&self) -> i32 {
+        match self {
+            Self::Shape { source: ShapeError::Interrupted(_), .. } | Self::Interrupted(_) => 130,
+            Self::Job(_) | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
+            Self::Mesh { .. } | Self::Shape { .. } => 3,
+            Self::Gcode(_) | Self::Mass { .. } => 4,
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! A job file as settings, or one line that says what is wrong and where.
+
+use grainpath_core::spelling::nearest;
+use toml::{Table, Value};
+
+use super::profiles::{KINDS, profile};
+use super::settings::Settings;
+
+/// What is wrong with a job.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{place}: {problem}")]
+pub struct JobError {
+    /// File and line, or the argument.
+    pub place: String,
+    /// What is wrong and what would be right.
+    pub problem: String,
+}
+
+fn error(place: impl Into<String>, problem: impl Into<String>) -> JobError {
+    JobError { place: place.into(), problem: problem.into() }
+}
+
+/// Keys of other parts of grainpath that are not there yet: known, so that the message can say so.
+const LATER: [(&str, &str); 12] = [
+    ("shape", "outline"),
+    ("shape", "thickness_mm"),
+    ("shape", "ct"),
+    ("shape", "photo"),
+    ("guide", "follow"),
+    ("guide", "fixture"),
+    ("guide", "load"),
+    ("guide", "case"),
+    ("guide", "import"),
+    ("support", "critical_angle_deg"),
+    ("output", "stress"),
+    ("output", "support"),
+];
+
+/// Reads a job. `name` is what errors call the file; `sets` are `section.key=value` as given on the command line,
+/// stronger than the file; `load` reads a profile that is named by its path.
+///
+/// # Errors
+/// [`JobError`] with file and line: syntax, unknown keys (with the nearest known one), values out of range.
+pub fn parse_job(
+    text: &str,
+    name: &str,
+    sets: &[String],
+    load: &dyn Fn(&str) -> Result<String, String>,
+) -> Result<Settings, JobError> {
+    let job: Table = table(text, name)?;
+    let mut settings = Settings::default();
+    let set_pairs: Vec<(String, String, Value)> =
+        sets.iter().map(|s| split_set(s)).collect::<Result<_, _>>()?;
+    for (kind, default) in KINDS {
+        let by_set = set_pairs.iter().rev().find(|(s, k, _)| s == kind && k == "profile").map(|(.., v)| v);
+        let by_job = job.get(kind).and_then(|s| s.get("profile"));
+        let chosen = match by_set.or(by_job) {
+            None => default,
+            Some(Value::String(s)) => s.as_str(),
+            Some(v) => {
+                return Err(error(
+                    at(text, name, kind, "profile"),
+                    format!("profile should be a name in quotes, is {v}"),
+                ));
+            }
+        };
+        let place = if by_set.is_some() { "--set".to_owned() } else { at(text, name, kind, "profile") };
+        let (profile_text, profile_name) = profile_text(kind, chosen, load).map_err(|p| error(place, p))?;
+        let rows: Table = table(&profile_text, &profile_name)?;
+        for (key, value) in &rows {
+            apply(&mut settings, kind, key, value, || at(&profile_text, &profile_name, "", key))?;
+        }
+    }
+    for (section, rows) in &job {
+        if !Settings::SECTIONS.contains(&section.as_str()) {
+            let near = nearest(section, Settings::SECTIONS.iter().copied());
+            return Err(error(
+                at(text, name, section, ""),
+                format!("unknown section [{section}]; did you mean [{near}]?"),
+            ));
+        }
+        let Value::Table(rows) = rows else {
+            return Err(error(
+                at(text, name, "", section),
+                format!("{section} should be a section: [{section}]"),
+            ));
+        };
+        for (key, value) in rows.iter().filter(|(k, _)| !is_profile(section, k)) {
+            apply(&mut settings, section, key, value, || at(text, name, section, key))?;
+        }
+    }
+    for (section, key, value) in set_pairs.iter().filter(|(s, k, _)| !is_profile(s, k)) {
+        apply(&mut settings, section, key, value, || "--set".to_owned())?;
+    }
+    check_together(&settings, name)?;
+    Ok(settings)
+}
+
+fn is_profile(section: &str, key: &str) -> bool {
+    key == "profile" && KINDS.iter().any(|(k, _)| *k == section)
+}
+
+fn table(text: &str, name: &str) -> Result<Table, JobError> {
+    text.parse().map_err(|e: toml::de::Error| {
+        let line = e.span().map_or(1, |s| text[..s.start.min(text.len())].matches('\n').count() + 1);
+        error(format!("{name}:{line}"), e.message().replace('\n', "; "))
+    })
+}
+
+/// `section.key=value`; a value that is not TOML is taken as text.
+fn split_set(set: &str) -> Result<(String, String, Value), JobError> {
+    let wrong = || error("--set", format!("{set:?} should be section.key=value"));
+    let (path, value) = set.split_once('=').ok_or_else(wrong)?;
+    let (section, key) = path.trim().split_once('.').ok_or_else(wrong)?;
+    let parsed = format!("v = {value}").parse::<Table>().ok().and_then(|mut t| t.remove("v"));
+    Ok((section.into(), key.into(), parsed.unwrap_or_else(|| Value::String(value.trim().into()))))
+}
+
+fn profile_text(
+    kind: &str,
+    chosen: &str,
+    load: &dyn Fn(&str) -> Result<String, String>,
+) -> Result<(String, String), String> {
+    if let Some(p) = profile(kind, chosen) {
+        return Ok((p.text.to_owned(), format!("profile {chosen}")));
+    }
+    if chosen.ends_with(".toml") || chosen.contains('/') {
+        return Ok((load(chosen)?, chosen.to_owned()));
+    }
+    let names: Vec<&str> = super::PROFILES.iter().filter(|p| p.kind == kind).map(|p| p.name).collect();
+    let near = nearest(chosen, names.iter().copied());
+    Err(format!(
+        "no {kind} profile {chosen:?}; did you mean {near:?}? There are {}; a path ending in .toml works too",
+        names.join(", ")
+    ))
+}
+
+fn apply(
+    settings: &mut Settings,
+    section: &str,
+    key: &str,
+    value: &Value,
+    place: impl Fn() -> String,
+) -> Result<(), JobError> {
+    match settings.set(section, key, value) {
+        Some(Ok(())) => Ok(()),
+        Some(Err(problem)) => {
+            Err(error(place(), later(section, key, value).unwrap_or(format!("{section}.{key} {problem}"))))
+        }
+        None if LATER.contains(&(section, key)) => {
+            Err(error(place(), format!("{section}.{key} is not in this version of grainpath")))
+        }
+        None => {
+            let params = Settings::params();
+            let in_section: Vec<&str> =
+                params.iter().filter(|p| p.section == section).map(|p| p.key).collect();
+            if in_section.is_empty() {
+                let near = nearest(section, Settings::SECTIONS.iter().copied());
+                return Err(error(place(), format!("unknown section {section}; did you mean {near}?")));
+            }
+            let near = nearest(key, in_section);
+            Err(error(place(), format!("unknown key `{key}` in [{section}]; did you mean `{near}`?")))
+        }
+    }
+}
+
+/// Values that will be right once their part of grainpath is there.
+fn later(section: &str, key: &str, value: &Value) -> Option<String> {
+    let word = value.as_str().unwrap_or_default();
+    let known = match (section, key) {
+        ("guide", "kind") => ["stress", "grain"].contains(&word),
+        ("fill", "pattern") => {
+            ["stripes", "streamlines", "seed-lines", "stress-lines", "continuous"].contains(&word)
+        }
+        ("support", "style") => word == "tree",
+        _ => false,
+    };
+    known.then(|| format!("{section}.{key} = {value} is not in this version of grainpath"))
+}
+
+/// Checks that no single key can make.
+fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
+    let p = &s.process;
+    let wrong = |problem: String| Err(error(name, problem));
+    if p.bead_width_mm < p.layer_height_mm || p.bead_width_mm < p.first_layer_height_mm {
+        return wrong(format!(
+            "process.bead_width_mm ({}) should not be less than the layer height ({})",
+            p.bead_width_mm,
+            p.layer_height_mm.max(p.first_layer_height_mm)
+        ));
+    }
+    if p.min_bead_width_mm > p.bead_width_mm {
+        return wrong(format!(
+            "process.min_bead_width_mm ({}) should not be more than bead_width_mm ({})",
+            p.min_bead_width_mm, p.bead_width_mm
+        ));
+    }
+    if p.adaptive_layers && p.adaptive_min_mm > p.adaptive_max_mm {
+        return wrong("process.adaptive_min_mm should not be more than adaptive_max_mm".into());
+    }
+    if s.strength.enabled {
+        return wrong("strength.enabled = true is not in this version of grainpath".into());
+    }
+    if s.fill.angles_deg.is_empty() {
+        return wrong("fill.angles_deg should have at least one angle".into());
+    }
+    Ok(())
+}
+
+/// File and line of a key in its section, by looking for it; of the section where the key is nowhere plain.
+fn at(text: &str, name: &str, section: &str, key: &str) -> String {
+    let (mut current, mut section_line) = (String::new(), 1);
+    for (i, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if let Some(rest) = line.strip_prefix('[') {
+            current = rest.trim_start_matches('[').split(']').next().unwrap_or_default().trim().to_owned();
+            let first = current.split('.').next().unwrap_or_default();
+            if first == section && section_line == 1 {
+                section_line = i + 1;
+            }
+            if current == format!("{section}.{key}") {
+                return format!("{name}:{}", i + 1);
+            }
+        } else if current == section {
+            let word = line.split(['=', ' ', '\t', '.']).next().unwrap_or_default().trim_matches(['"', '\'']);
+            if !key.is_empty() && word == key {
+                return format!("{name}:{}", i + 1);
+            }
+        }
+    }
+    format!("{name}:{section_line}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str, sets: &[&str]) -> Result<Settings, String> {
+        let sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();
+        parse_job(text, "job.toml", &sets, &|p| Err(format!("cannot read {p}"))).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn every_profile_is_sound_and_the_file_and_set_are_stronger() {
+        for p in super::super::PROFILES {
+            let text = format!("[{}]\nprofile = \"{}\"\n", p.kind, p.name);
+            parse(&text, &[]).unwrap_or_else(|e| panic!("{}: {e}", p.name));
+        }
+        let s = parse(
+            "[process]\nlayer_height_mm = 0.15\nwalls = 4\n",
+            &["process.walls=5", "fill.pattern=gyroid"],
+        );
+        let s = s.expect("a good job");
+        assert_eq!(
+            (s.process.layer_height_mm, s.process.walls, s.fill.pattern.as_str()),
+            (0.15, 5, "gyroid")
+        );
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_line() {
+        for (text, expect) in [
+            (
+                "[process]\n\nlayer_heigth_mm = 0.2\n",
+                "job.toml:3: unknown key `layer_heigth_mm` in [process]; did you mean `layer_height_mm`?",
+            ),
+            (
+                "[process]\nbead_width_mm = -0.4\n",
+                "job.toml:2: process.bead_width_mm should be from 0.05 to 10, is -0.4",
+            ),
+            ("[proces]\nwalls = 2\n", "job.toml:1: unknown section [proces]; did you mean [process]?"),
+            (
+                "[process]\nwalls = \"two\"\n",
+                "job.toml:2: process.walls should be a whole number from 0, is \"two\"",
+            ),
+            (
+                "[fill]\npattern = \"grit\"\n",
+                "job.toml:2: fill.pattern should be one of rectilinear, grid, triangles, gyroid, concentric, honeycomb, aligned, is \"grit\"",
+            ),
+            (
+                "[shape]\nct = { path = \"scan\" }\n",
+                "job.toml:2: shape.ct is not in this version of grainpath",
+            ),
+            (
+                "[guide]\nkind = \"stress\"\n",
+                "job.toml:2: guide.kind = \"stress\" is not in this version of grainpath",
+            ),
+            (
+                "[printer]\nprofile = \"generic-0.5\"\n",
+                "job.toml:2: no printer profile \"generic-0.5\"; did you mean \"generic-0.4\"?",
+            ),
+            ("[printer]\nbed_mm = [1, 2]\n", "job.toml:2: printer.bed_mm should have 3 entries, has 2"),
+        ] {
+            let found = parse(text, &[]).expect_err(text);
+            assert!(found.starts_with(expect), "{found}\nshould begin with\n{expect}");
+        }
+        assert!(parse("[process\n", &[]).expect_err("syntax").starts_with("job.toml:1: "));
+        assert!(parse("", &["walls=2"]).expect_err("no section").contains("section.key=value"));
+        assert!(parse("", &["process.wals=2"]).expect_err("unknown").contains("did you mean `walls`"));
+        assert!(
+            parse("[material]\nprofile = \"my.toml\"\n", &[])
+                .expect_err("missing")
+                .contains("cannot read my.toml")
+        );
+    }
+}

@@ -1,0 +1,247 @@
+//! Every setting, once.
+
+use toml::Value;
+
+use super::value::{Check, Param, SettingValue, read};
+use Check::{Any, Range, Words};
+
+/// Declares sections: structs with defaults, their rows, and how one key is set.
+macro_rules! sections {
+    ($( $(#[$about:meta])* $section:ident $name:literal {
+        $( $key:ident : $type:ty = $default:expr, $unit:literal, $check:expr, $help:literal; )*
+    } )*) => {
+        $(
+            $(#[$about])*
+            #[derive(Debug, Clone, PartialEq)]
+            pub struct $section {
+                $( #[doc = $help] pub $key: $type, )*
+            }
+
+            impl Default for $section {
+                fn default() -> Self {
+                    Self { $( $key: $default, )* }
+                }
+            }
+
+            impl $section {
+                /// Sets one key; `None` when there is no such key.
+                pub(super) fn set(&mut self, key: &str, value: &Value) -> Option<Result<(), String>> {
+                    match key {
+                        $( stringify!($key) => Some(read::<$type>(value, $check).map(|v| self.$key = v)), )*
+                        _ => None,
+                    }
+                }
+
+                pub(super) fn params() -> Vec<Param> {
+                    let defaults = Self::default();
+                    vec![ $( Param {
+                        section: $name,
+                        key: stringify!($key),
+                        unit: $unit,
+                        kind: <$type as SettingValue>::KIND,
+                        default: defaults.$key.to_text(),
+                        check: $check,
+                        help: $help,
+                    }, )* ]
+                }
+
+                /// Keys and values as they are now, for reports.
+                pub fn rows(&self) -> Vec<(String, String)> {
+                    vec![ $( (format!("{}.{}", $name, stringify!($key)), self.$key.to_text()), )* ]
+                }
+            }
+        )*
+    };
+}
+
+const PATTERNS: &[&str] = &crate::fill::PATTERNS;
+
+sections! {
+    /// What is printed.
+    ShapeSection "shape" {
+        mesh: String = String::new(), "", Any, "Mesh to print: STL, OBJ, PLY, OFF or 3MF.";
+        unit: String = "auto".into(), "", Words(&["auto", "mm", "cm", "m", "inch", "micron", "foot"]), "Unit of the mesh; auto takes the file's own, else mm.";
+        scale: f64 = 1.0, "", Range(1e-6, 1e6), "Factor on all lengths.";
+        rotate_deg: [f64; 3] = [0.0; 3], "deg", Range(-3600.0, 3600.0), "Turns about X, then Y, then Z.";
+        position_mm: Option<[f64; 2]> = None, "mm", Range(-1e5, 1e5), "Where the middle of the part stands on the plate; left out, the middle of the bed.";
+        repair: String = "auto".into(), "", Words(&["auto", "strict"]), "auto mends defects and counts them, strict refuses.";
+        gap_closing_mm: f64 = 0.05, "mm", Range(0.0, 100.0), "Gaps in sections up to this are closed before anything else.";
+    }
+    /// The printer.
+    PrinterSection "printer" {
+        nozzle_mm: f64 = 0.4, "mm", Range(0.05, 5.0), "Diameter of the nozzle.";
+        bed_mm: [f64; 3] = [220.0, 220.0, 250.0], "mm", Range(1.0, 10000.0), "Room for a print in x, y and z.";
+        origin: String = "corner".into(), "", Words(&["corner", "centre"]), "Where x = y = 0 is on the bed.";
+        flavour: String = "marlin".into(), "", Words(&["marlin", "klipper", "rrf"]), "What the firmware understands.";
+        filament_mm: f64 = 1.75, "mm", Range(0.5, 5.0), "Diameter of the filament.";
+        max_speed_mm_s: [f64; 4] = [300.0, 300.0, 12.0, 60.0], "mm/s", Range(0.1, 5000.0), "Highest speed of x, y, z and filament.";
+        acceleration_mm_s2: f64 = 1500.0, "mm/s2", Range(1.0, 100000.0), "Acceleration while printing.";
+        travel_acceleration_mm_s2: f64 = 2000.0, "mm/s2", Range(1.0, 100000.0), "Acceleration of travels.";
+        retract_acceleration_mm_s2: f64 = 2000.0, "mm/s2", Range(1.0, 100000.0), "Acceleration of the filament alone.";
+        jerk_mm_s: [f64; 4] = [8.0, 8.0, 0.4, 4.0], "mm/s", Range(0.0, 100.0), "Jump in speed allowed at corners for x, y, z and filament.";
+        square_corner_mm_s: Option<f64> = None, "mm/s", Range(0.0, 100.0), "Klipper's speed at a right angle; where given it takes the place of jerk.";
+        junction_deviation_mm: Option<f64> = None, "mm", Range(0.0, 1.0), "Marlin's junction deviation; where given it takes the place of jerk.";
+        relative_e: bool = true, "", Any, "Whether E words are distances (M83) or positions (M82).";
+        retract_mm: f64 = 0.8, "mm", Range(0.0, 20.0), "Filament drawn back for a travel that leaves the part.";
+        retract_speed_mm_s: f64 = 35.0, "mm/s", Range(0.1, 500.0), "How fast it is drawn back.";
+        unretract_speed_mm_s: f64 = 35.0, "mm/s", Range(0.1, 500.0), "How fast it comes forward again.";
+        z_hop_mm: f64 = 0.0, "mm", Range(0.0, 10.0), "The nozzle is lifted by this for such a travel.";
+        thumbnails_px: Vec<[usize; 2]> = Vec::new(), "px", Range(8.0, 2000.0), "Sizes of pictures embedded in the G-code.";
+        start_gcode: String = "M140 S{first_layer_bed_temp_c}\nM104 S{first_layer_nozzle_temp_c}\nG28\nM190 S{first_layer_bed_temp_c}\nM109 S{first_layer_nozzle_temp_c}".into(), "", Any, "Program before the print; `{placeholders}` as in docs/gcode.md.";
+        end_gcode: String = "M104 S0\nM140 S0\nG1 Z{z_park_mm} F600\nG28 X\nM84".into(), "", Any, "Program after the print.";
+    }
+    /// The material.
+    MaterialSection "material" {
+        name: String = "PLA".into(), "", Any, "Its name.";
+        density_g_cm3: f64 = 1.24, "g/cm3", Range(0.1, 25.0), "Density.";
+        nozzle_temp_c: f64 = 205.0, "degC", Range(0.0, 600.0), "Nozzle.";
+        first_layer_nozzle_temp_c: f64 = 210.0, "degC", Range(0.0, 600.0), "Nozzle in the first layer.";
+        bed_temp_c: f64 = 55.0, "degC", Range(0.0, 300.0), "Bed.";
+        first_layer_bed_temp_c: f64 = 60.0, "degC", Range(0.0, 300.0), "Bed in the first layer.";
+        flow: f64 = 1.0, "", Range(0.1, 3.0), "Factor on all extrusion.";
+        pressure_advance: Option<f64> = None, "", Range(0.0, 10.0), "Linear or pressure advance, in the firmware's unit.";
+        max_volumetric_mm3_s: f64 = 15.0, "mm3/s", Range(0.1, 500.0), "The most that melts; faster paths are slowed down.";
+        fan_min: f64 = 0.6, "", Range(0.0, 1.0), "Fan in layers that take long.";
+        fan_max: f64 = 1.0, "", Range(0.0, 1.0), "Fan in short layers.";
+        fan_bridge: f64 = 1.0, "", Range(0.0, 1.0), "Fan over air.";
+        fan_off_layers: usize = 1, "", Range(0.0, 1e6), "Layers from the plate without fan.";
+        min_layer_time_s: f64 = 8.0, "s", Range(0.0, 1000.0), "Shorter layers are slowed down.";
+        fan_below_layer_time_s: f64 = 20.0, "s", Range(0.0, 1000.0), "Layers shorter than this get more than the least fan.";
+        min_speed_mm_s: f64 = 10.0, "mm/s", Range(0.1, 1000.0), "Slowing down ends here.";
+    }
+    /// How it is printed.
+    ProcessSection "process" {
+        layer_height_mm: f64 = 0.2, "mm", Range(0.01, 5.0), "Thickness of a layer.";
+        first_layer_height_mm: f64 = 0.2, "mm", Range(0.01, 5.0), "Thickness of the first layer.";
+        adaptive_layers: bool = false, "", Any, "Layer heights that follow the slopes of the part.";
+        adaptive_min_mm: f64 = 0.08, "mm", Range(0.01, 5.0), "The thinnest layer then.";
+        adaptive_max_mm: f64 = 0.28, "mm", Range(0.01, 5.0), "The thickest layer then.";
+        adaptive_cusp_mm: f64 = 0.1, "mm", Range(0.001, 1.0), "How far the stairs may stand off the slope.";
+        bead_width_mm: f64 = 0.45, "mm", Range(0.05, 10.0), "Full width of a bead.";
+        min_bead_width_mm: f64 = 0.2, "mm", Range(0.02, 5.0), "The narrowest single bead laid in thin places.";
+        walls: usize = 2, "", Range(0.0, 1000.0), "Number of walls.";
+        wall_order: String = "inner-first".into(), "", Words(&["inner-first", "outer-first"]), "Which wall of a contour comes first.";
+        seam: String = "nearest".into(), "", Words(&["nearest", "aligned", "rear", "random"]), "Where outer walls begin.";
+        thin_walls: bool = true, "", Any, "One bead of varying width where two walls do not fit.";
+        gap_fill: bool = true, "", Any, "One bead of varying width in gaps between walls, and between walls and fill.";
+        top_layers: usize = 5, "", Range(0.0, 10000.0), "Dense layers under top surfaces.";
+        bottom_layers: usize = 4, "", Range(0.0, 10000.0), "Dense layers over bottom surfaces.";
+        simplify_mm: f64 = 0.0125, "mm", Range(0.0, 1.0), "Contours are simplified to within this.";
+        outer_wall_speed_mm_s: f64 = 40.0, "mm/s", Range(0.1, 2000.0), "Speed of outer walls.";
+        inner_wall_speed_mm_s: f64 = 60.0, "mm/s", Range(0.1, 2000.0), "Speed of the walls behind them.";
+        small_wall_speed_mm_s: f64 = 25.0, "mm/s", Range(0.1, 2000.0), "Speed of walls around small holes and islands.";
+        overhang_speed_mm_s: f64 = 25.0, "mm/s", Range(0.1, 2000.0), "Speed of walls over air.";
+        gap_fill_speed_mm_s: f64 = 30.0, "mm/s", Range(0.1, 2000.0), "Speed of gap fill.";
+        solid_speed_mm_s: f64 = 60.0, "mm/s", Range(0.1, 2000.0), "Speed of dense fill.";
+        top_speed_mm_s: f64 = 40.0, "mm/s", Range(0.1, 2000.0), "Speed of top skins.";
+        sparse_speed_mm_s: f64 = 80.0, "mm/s", Range(0.1, 2000.0), "Speed of sparse fill.";
+        bridge_speed_mm_s: f64 = 30.0, "mm/s", Range(0.1, 2000.0), "Speed of bridges.";
+        bridge_flow: f64 = 1.0, "", Range(0.3, 2.0), "Factor on the extrusion of bridges.";
+        travel_speed_mm_s: f64 = 150.0, "mm/s", Range(0.1, 2000.0), "Speed of travels.";
+        travel_z_speed_mm_s: f64 = 10.0, "mm/s", Range(0.1, 500.0), "Speed of moves in z.";
+        first_layer_speed_mm_s: f64 = 25.0, "mm/s", Range(0.1, 2000.0), "Nothing in the first layer is faster.";
+        comb: bool = true, "", Any, "Keep travels inside the part where that is possible.";
+        retract_min_travel_mm: f64 = 1.5, "mm", Range(0.0, 1000.0), "Shorter travels never draw the filament back.";
+        skirt_loops: usize = 1, "", Range(0.0, 1000.0), "Loops around the part that start the flow.";
+        skirt_distance_mm: f64 = 3.0, "mm", Range(0.0, 1000.0), "Distance of the skirt from the part.";
+        skirt_layers: usize = 1, "", Range(1.0, 10000.0), "Layers with a skirt.";
+        brim_width_mm: f64 = 0.0, "mm", Range(0.0, 1000.0), "Loops around the first layer that hold it down.";
+        arcs: bool = false, "", Any, "Write arcs as G2 and G3.";
+        arc_tolerance_mm: f64 = 0.01, "mm", Range(0.001, 1.0), "How far an arc may lie off the path.";
+    }
+    /// What gives fill its direction.
+    GuideSection "guide" {
+        kind: String = "none".into(), "", Words(&["none", "angle"]), "none: the fill's angle list; angle: one direction for all fill, dense and sparse.";
+        angle_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "The direction for kind = \"angle\", from +X.";
+    }
+    /// What is laid inside the walls.
+    FillSection "fill" {
+        pattern: String = "grid".into(), "", Words(PATTERNS), "Pattern of the inside.";
+        density: f64 = 0.2, "", Range(0.0, 1.0), "Volume of beads over volume of the inside; 1 is dense.";
+        angles_deg: Vec<f64> = vec![45.0, -45.0], "deg", Range(-3600.0, 3600.0), "Directions of lines, layer by layer in turn; `aligned` and crossed patterns keep the first.";
+        mass_g: Option<f64> = None, "g", Range(1e-6, 1e6), "Find the density that gives the part this mass, to within 1 %.";
+        overlap: f64 = 0.1, "", Range(0.0, 0.5), "How far fill runs into the innermost wall, as a share of the bead's spacing.";
+    }
+    /// What holds up overhangs.
+    SupportSection "support" {
+        style: String = "none".into(), "", Words(&["none"]), "Supports are not in this version.";
+    }
+    /// The virtual strength test.
+    StrengthSection "strength" {
+        enabled: bool = false, "", Any, "The virtual strength test is not in this version.";
+    }
+    /// What is written, relative to the job file or to --out.
+    OutputSection "output" {
+        gcode: String = String::new(), "", Any, "The machine program; left out, the mesh's name with .gcode.";
+        report: String = String::new(), "", Any, "Report page (HTML); none when left out.";
+        preview: String = String::new(), "", Any, "Folder for pictures of layers (PNG and SVG) and of the part; none when left out.";
+        plan: String = String::new(), "", Any, "The plan as JSON: every path with its widths; none when left out.";
+    }
+}
+
+/// A checked job.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[allow(missing_docs)]
+pub struct Settings {
+    pub shape: ShapeSection,
+    pub printer: PrinterSection,
+    pub material: MaterialSection,
+    pub process: ProcessSection,
+    pub guide: GuideSection,
+    pub fill: FillSection,
+    pub support: SupportSection,
+    pub strength: StrengthSection,
+    pub output: OutputSection,
+}
+
+impl Settings {
+    /// Names of the sections, in the order they are shown.
+    pub const SECTIONS: [&'static str; 9] =
+        ["shape", "printer", "material", "process", "guide", "fill", "support", "strength", "output"];
+
+    /// Sets one key; `None` when there is no such section or key.
+    pub(super) fn set(&mut self, section: &str, key: &str, value: &Value) -> Option<Result<(), String>> {
+        match section {
+            "shape" => self.shape.set(key, value),
+            "printer" => self.printer.set(key, value),
+            "material" => self.material.set(key, value),
+            "process" => self.process.set(key, value),
+            "guide" => self.guide.set(key, value),
+            "fill" => self.fill.set(key, value),
+            "support" => self.support.set(key, value),
+            "strength" => self.strength.set(key, value),
+            "output" => self.output.set(key, value),
+            _ => None,
+        }
+    }
+
+    /// Every setting.
+    pub fn params() -> Vec<Param> {
+        let all = [
+            ShapeSection::params(),
+            PrinterSection::params(),
+            MaterialSection::params(),
+            ProcessSection::params(),
+            GuideSection::params(),
+            FillSection::params(),
+            SupportSection::params(),
+            StrengthSection::params(),
+            OutputSection::params(),
+        ];
+        all.into_iter().flatten().collect()
+    }
+
+    /// All keys and values as they are now.
+    pub fn rows(&self) -> Vec<(String, String)> {
+        let all = [
+            self.shape.rows(),
+            self.printer.rows(),
+            self.material.rows(),
+            self.process.rows(),
+            self.guide.rows(),
+            self.fill.rows(),
+            self.output.rows(),
+        ];
+        all.into_iter().flatten().collect()
+    }
+}

@@ -1,0 +1,47 @@
+//! A plan as JSON, for those who want to look at or change every path.
+
+use std::fmt::Write;
+
+use grainpath_core::{BeadWidth, Plan};
+
+/// Layers, paths, points and widths. Coordinates are the part's, mm, to the micrometre.
+pub fn plan_json(plan: &Plan) -> String {
+    let p = plan.plate_from_part_mm;
+    let mut out = format!("{{\"plate_from_part_mm\":[{},{},{}],\"layers\":[", p.x, p.y, p.z);
+    let micro = |v: f64| (v * 1e3).round() * 1e-3 + 0.0;
+    for (i, layer) in plan.layers.iter().enumerate() {
+        let comma = if i > 0 { ",\n" } else { "\n" };
+        let _ = write!(
+            out,
+            "{comma}{{\"z_top_mm\":{},\"height_mm\":{},\"paths\":[",
+            micro(layer.z_top_mm),
+            micro(layer.height_mm)
+        );
+        for (k, planned) in layer.paths.iter().enumerate() {
+            let path = &planned.path;
+            let comma = if k > 0 { "," } else { "" };
+            let _ = write!(
+                out,
+                "{comma}{{\"role\":\"{}\",\"closed\":{},\"flow\":{},\"width_mm\":",
+                path.role.gcode_name(),
+                path.closed,
+                path.flow
+            );
+            match &path.width {
+                BeadWidth::Constant(w) => {
+                    let _ = write!(out, "{}", micro(*w));
+                }
+                BeadWidth::PerVertex(w) => {
+                    let all: Vec<String> = w.iter().map(|w| micro(*w).to_string()).collect();
+                    let _ = write!(out, "[{}]", all.join(","));
+                }
+            }
+            let points: Vec<String> =
+                path.points.iter().map(|p| format!("[{},{}]", micro(p.x), micro(p.y))).collect();
+            let _ = write!(out, ",\"points\":[{}]}}", points.join(","));
+        }
+        out.push_str("]}");
+    }
+    out.push_str("]}\n");
+    out
+}

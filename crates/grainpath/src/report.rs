@@ -1,0 +1,155 @@
+//! Everything measured along the way: one structure for JSON, the report page and the terminal.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::Region;
+use grainpath_gcode::{Program, Quality, Written, quality};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::run::Planned;
+
+/// The report of a run; keys that do not apply are left out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct Report {
+    pub ok: bool,
+    pub version: &'static str,
+    pub layers: usize,
+    pub z_max_mm: f64,
+    pub toolpaths: usize,
+    pub printed_mm: f64,
+    pub travel_mm: f64,
+    pub extruded_mm3: f64,
+    pub filament_mm: f64,
+    pub mass_g: f64,
+    pub time_s: f64,
+    pub density: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub quality: Option<QualityReport>,
+    pub stages_s: BTreeMap<&'static str, f64>,
+    pub peak_rss_mb: f64,
+    pub warnings: Vec<String>,
+    pub outputs: BTreeMap<&'static str, String>,
+}
+
+/// How well the beads fill the part, by the definitions of `docs/quality.md`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct QualityReport {
+    pub gap: f64,
+    pub overlap: f64,
+    pub spill: f64,
+    pub paths_per_layer_max: usize,
+    pub bead_width_mm: [f64; 3],
+}
+
+impl From<Quality> for QualityReport {
+    fn from(q: Quality) -> Self {
+        let share = |v: f64| (v * 1e5).round() * 1e-5;
+        Self {
+            gap: share(q.gap),
+            overlap: share(q.overlap),
+            spill: share(q.spill),
+            paths_per_layer_max: q.paths_per_layer_max,
+            bead_width_mm: q.bead_width_mm.map(|w| (w * 1e4).round() * 1e-4),
+        }
+    }
+}
+
+impl Report {
+    /// The report of a planned and written job.
+    pub fn new(planned: &Planned, written: &Written) -> Self {
+        let round = |v: f64, digits: i32| {
+            let scale = 10f64.powi(digits);
+            (v * scale).round() / scale
+        };
+        Self {
+            ok: true,
+            version: env!("CARGO_PKG_VERSION"),
+            layers: planned.plan.layers.len(),
+            z_max_mm: round(planned.plan.layers.last().map_or(0.0, |l| l.z_top_mm), 4),
+            toolpaths: written.toolpaths,
+            printed_mm: round(written.printed_mm, 2),
+            travel_mm: round(written.travel_mm, 2),
+            extruded_mm3: round(written.extruded_mm3, 3),
+            filament_mm: round(written.filament_mm, 2),
+            mass_g: round(written.mass_g, 4),
+            time_s: round(written.time_s, 1),
+            density: round(planned.density, 5),
+            quality: None,
+            stages_s: BTreeMap::new(),
+            peak_rss_mb: round(peak_rss_mb(), 1),
+            warnings: Vec::new(),
+            outputs: BTreeMap::new(),
+        }
+    }
+
+    /// As JSON.
+    pub fn to_json(&self) -> Value {
+        serde_json::to_value(self).unwrap_or(Value::Null)
+    }
+
+    /// A few lines for a terminal.
+    pub fn summary(&self) -> String {
+        let mut lines = vec![format!(
+            "{} layers to {} mm, {:.2} g, {:.1} m of filament, about {}",
+            self.layers,
+            self.z_max_mm,
+            self.mass_g,
+            self.filament_mm * 1e-3,
+            hours(self.time_s)
+        )];
+        if let Some(q) = &self.quality {
+            let percent = |v: f64| format!("{:.2} %", 100.0 * v);
+            lines.push(format!(
+                "gap {}, overlap {}, spill {}",
+                percent(q.gap),
+                percent(q.overlap),
+                percent(q.spill)
+            ));
+        }
+        lines.extend(self.warnings.iter().map(|w| format!("warning: {w}")));
+        lines.extend(self.outputs.iter().map(|(what, path)| format!("{what}: {path}")));
+        lines.join("\n")
+    }
+}
+
+/// Hours and minutes, or minutes and seconds.
+pub(crate) fn hours(seconds: f64) -> String {
+    let s = seconds.round() as u64;
+    if s >= 3600 {
+        format!("{} h {} min", s / 3600, s / 60 % 60)
+    } else {
+        format!("{} min {} s", s / 60, s % 60)
+    }
+}
+
+/// Measures written G-code against the sections it was made from.
+pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
+    let shift = planned.plan.plate_from_part_mm.truncate();
+    let layers = planned.stack.layers();
+    let section = |z_mid: f64| {
+        let i = layers.partition_point(|l| l.z_top_mm() < z_mid);
+        let layer = layers.get(i)?;
+        let mut region: Region = layer.region().clone();
+        for p in region
+            .polygons
+            .iter_mut()
+            .flat_map(|p| std::iter::once(&mut p.outer).chain(&mut p.holes))
+            .flatten()
+        {
+            *p += shift;
+        }
+        Some(region)
+    };
+    quality(program, section, 12).into()
+}
+
+/// Highest memory the process has held, MiB; 0 where the system does not tell.
+pub fn peak_rss_mb() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+    let kib = line.and_then(|l| l.split_whitespace().next()).and_then(|n| n.parse::<f64>().ok());
+    kib.unwrap_or(0.0) / 1024.0
+}

@@ -1,0 +1,445 @@
+//! The main job: from a mesh and settings to a plan.
+//!
+//! A pipeline of stages, each taking values and giving new ones: place and mend, slice, walls, skins, fill, order.
+
+use std::sync::Mutex;
+use std::time::Instant;
+
+use grainpath_core::diagnostics::{Interrupted, Stage};
+use grainpath_core::units::LengthUnit;
+use grainpath_core::{
+    BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, Layer, LayerStack, Plan, Polygon, Role, SpeedClass,
+    Toolpath,
+};
+use grainpath_gcode::{WriteConfig, check_fits};
+use grainpath_io::MeshFile;
+use rayon::prelude::*;
+
+use crate::adhesion::{AdhesionSettings, brim, skirt};
+use crate::config;
+use crate::error::Error;
+use crate::fill::{FillContext, Infill, Solid, bridge_angle_rad, pattern};
+use crate::job::Settings;
+use crate::mask::Mask;
+use crate::order::{Island, LayerPaths, order_stack};
+use crate::shape;
+use crate::skin::{IslandPolygon, SkinInput, SkinSettings, SkinSplit, split_stack};
+use crate::walls::{WallSettings, lay_walls};
+
+/// A planned job.
+pub struct Planned {
+    /// What is printed.
+    pub plan: Plan,
+    /// The sections it was made from.
+    pub stack: LayerStack,
+    /// How it is written.
+    pub config: WriteConfig,
+    /// Seconds of each stage so far.
+    pub stages_s: Vec<(Stage, f64)>,
+    /// The density of the inside: the one asked for, or the one found for a mass.
+    pub density: f64,
+}
+
+/// Shorter closed walls are small, mm.
+const SMALL_WALL_MM: f64 = 30.0;
+/// Walls with more than this share of their length over air are overhangs.
+const OVERHANG_SHARE: f64 = 0.25;
+
+/// Plans a job. `path` is what errors call the mesh.
+///
+/// # Errors
+/// [`Error`] for a mesh that cannot be sliced, a part that does not fit the bed, a mass that cannot be met, and when
+/// a stop was asked for.
+pub fn plan_job(
+    settings: &Settings,
+    file: MeshFile,
+    path: &str,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let shape_error = |source| Error::Shape { path: path.to_owned(), source };
+    let stack = {
+        let bodies = place_bodies(settings, file, diagnostics).map_err(shape_error)?;
+        let mesh = shape::mend(bodies, config::repair(settings), diagnostics).map_err(shape_error)?;
+        shape::slice(&mesh, &config::slicing(settings), diagnostics).map_err(shape_error)?
+    };
+    clock.stop(Stage::Slice);
+    let job = Job { settings, stack: &stack, part: part_bounds(&stack) };
+    let plate_from_part_mm = job.plate_from_part();
+    job.check_bed(plate_from_part_mm)?;
+    diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
+    let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
+    let skins = job.skins(&mut walls, &fills, diagnostics)?;
+    drop(fills);
+    let density = job.density(&walls, &skins)?;
+    let layers = job.fill(walls, &skins, density, diagnostics)?;
+    drop(skins);
+    clock.stop(Stage::Fill);
+    let layers = order_stack(&stack, layers, &config::order(settings), diagnostics)?;
+    clock.stop(Stage::Order);
+    let plan = Plan { layers, plate_from_part_mm };
+    let config = config::writing(settings);
+    check_fits(&plan, &config.machine)?;
+    Ok(Planned { plan, stack, config, stages_s: clock.stages, density })
+}
+
+/// The islands of a layer with their walls, and where its fill may lie.
+type LayerWalls = (Vec<Island>, Vec<IslandPolygon>);
+
+struct Clock {
+    since: Instant,
+    stages: Vec<(Stage, f64)>,
+}
+
+impl Clock {
+    fn stop(&mut self, stage: Stage) {
+        let now = Instant::now();
+        self.stages.push((stage, now.duration_since(self.since).as_secs_f64()));
+        self.since = now;
+    }
+}
+
+/// The bodies of a file in millimetres on the plate.
+fn place_bodies(
+    settings: &Settings,
+    file: MeshFile,
+    diagnostics: &Diagnostics,
+) -> Result<Vec<grainpath_core::TriMesh>, shape::ShapeError> {
+    file.warnings.iter().for_each(|w| diagnostics.warn(format!("mesh: {w}")));
+    let mut bodies: Vec<grainpath_core::TriMesh> = file.bodies.into_iter().map(|b| b.mesh).collect();
+    let mut placement = config::placement(settings);
+    let bounds = bodies.iter().filter_map(grainpath_core::TriMesh::bounds);
+    let all = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(shape::ShapeError::Empty)?;
+    if settings.shape.unit == "auto" {
+        placement.unit = file.unit.unwrap_or(LengthUnit::Millimetre);
+        let longest = (all.1 - all.0).max_element() * settings.shape.scale;
+        let likely = shape::likely_unit(longest);
+        if file.unit.is_none() && likely != LengthUnit::Millimetre {
+            diagnostics.warn(format!(
+                "the mesh is {longest:.3} long and its unit is taken for mm; if it is in {}, set shape.unit = \"{}\"",
+                likely.name(),
+                likely.name()
+            ));
+        }
+    }
+    shape::place(&mut bodies, &placement)?;
+    Ok(bodies)
+}
+
+fn part_bounds(stack: &LayerStack) -> Bounds2 {
+    let all = stack.layers().iter().filter_map(|l| l.region().bounds());
+    all.reduce(Bounds2::union).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO })
+}
+
+struct Job<'a> {
+    settings: &'a Settings,
+    stack: &'a LayerStack,
+    part: Bounds2,
+}
+
+impl Job<'_> {
+    fn plate_from_part(&self) -> DVec3 {
+        let machine = config::machine(self.settings);
+        let (low, high) = machine.bed_bounds_mm();
+        let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
+        let target = self.settings.shape.position_mm.unwrap_or(middle);
+        let centre = self.part.centre();
+        // Whole micrometres, so that moving the part does not change how its numbers round.
+        let whole = |mm: f64| (mm * 1e3).round() * 1e-3;
+        DVec3::new(whole(target[0] - centre.x), whole(target[1] - centre.y), 0.0)
+    }
+
+    /// Refuses a part that cannot fit before any time is spent on it.
+    fn check_bed(&self, shift: DVec3) -> Result<(), Error> {
+        let machine = config::machine(self.settings);
+        let half = 1e-3;
+        let (low, high) = machine.bed_bounds_mm();
+        let reach = [
+            (self.part.min.x + shift.x, 0),
+            (self.part.max.x + shift.x, 0),
+            (self.part.min.y + shift.y, 1),
+            (self.part.max.y + shift.y, 1),
+        ];
+        for (at_mm, k) in reach {
+            if at_mm < low[k] - half || at_mm > high[k] + half {
+                let axis = ['X', 'Y'][k];
+                return Err(grainpath_gcode::GcodeError::OutsideBed {
+                    axis,
+                    at_mm,
+                    low_mm: low[k],
+                    high_mm: high[k],
+                }
+                .into());
+            }
+        }
+        let top = self.stack.layers().last().map_or(0.0, Layer::z_top_mm);
+        if top > machine.bed_mm[2] + half {
+            let high_mm = machine.bed_mm[2];
+            return Err(grainpath_gcode::GcodeError::OutsideBed {
+                axis: 'Z',
+                at_mm: top,
+                low_mm: 0.0,
+                high_mm,
+            }
+            .into());
+        }
+        Ok(())
+    }
+
+    fn wall_settings(&self, layer: &Layer) -> WallSettings {
+        let p = &self.settings.process;
+        WallSettings {
+            n_walls: p.walls,
+            bead_width_mm: p.bead_width_mm,
+            height_mm: layer.height_mm(),
+            thin_walls: p.thin_walls,
+            gap_fill: p.gap_fill,
+            min_bead_width_mm: p.min_bead_width_mm,
+            fill_overlap: self.settings.fill.overlap,
+        }
+    }
+
+    /// The walls of every layer, and where its fill may lie.
+    fn walls(&self, diagnostics: &Diagnostics) -> Result<Vec<LayerWalls>, Interrupted> {
+        let of_layer = |layer: &Layer| {
+            diagnostics.check()?;
+            let settings = self.wall_settings(layer);
+            let mut islands = Vec::with_capacity(layer.region().polygons.len());
+            let mut fill = Vec::new();
+            for (i, polygon) in layer.region().polygons.iter().enumerate() {
+                let walls = lay_walls(polygon, &settings);
+                fill.extend(walls.fill.polygons.into_iter().map(|p| (i, p)));
+                islands.push(Island { walls: walls.loops, fills: walls.singles });
+            }
+            for wall in islands.iter_mut().flat_map(|i: &mut Island| &mut i.walls) {
+                if wall.path.length_mm() < SMALL_WALL_MM {
+                    wall.path.speed = SpeedClass::SmallWall;
+                }
+            }
+            diagnostics.advance(1);
+            Ok((islands, fill))
+        };
+        let all: Vec<Result<_, Interrupted>> =
+            self.stack.layers().par_iter().with_min_len(2).map(of_layer).collect();
+        all.into_iter().collect()
+    }
+
+    /// Divides the fill of every layer, and marks walls over air.
+    fn skins(
+        &self,
+        walls: &mut [Vec<Island>],
+        fills: &[Vec<IslandPolygon>],
+        diagnostics: &Diagnostics,
+    ) -> Result<Vec<SkinSplit>, Interrupted> {
+        let input: Vec<SkinInput<'_>> = self
+            .stack
+            .layers()
+            .iter()
+            .zip(fills)
+            .map(|(layer, fill)| SkinInput { section: layer.region(), fill })
+            .collect();
+        let p = &self.settings.process;
+        let settings = SkinSettings {
+            top_layers: p.top_layers,
+            bottom_layers: p.bottom_layers,
+            spacing_mm: grainpath_core::units::bead_spacing_mm(p.bead_width_mm, p.layer_height_mm),
+            dense: self.settings.fill.density >= 0.999 && self.settings.fill.mass_g.is_none(),
+        };
+        let walls: Vec<Mutex<&mut Vec<Island>>> = walls.iter_mut().map(Mutex::new).collect();
+        split_stack(&input, self.part, &settings, diagnostics, |i, mut split| {
+            if let Some(below) = split.below.take() {
+                let mut islands = walls[i].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                islands
+                    .iter_mut()
+                    .flat_map(|i| &mut i.walls)
+                    .for_each(|w| mark_overhang(&mut w.path, &below));
+            }
+            split
+        })
+    }
+
+    /// Lays the fill of every layer.
+    fn fill(
+        &self,
+        walls: Vec<Vec<Island>>,
+        skins: &[SkinSplit],
+        density: f64,
+        diagnostics: &Diagnostics,
+    ) -> Result<Vec<LayerPaths>, Interrupted> {
+        let adhesion = self.adhesion();
+        let of_layer = |(i, mut islands): (usize, Vec<Island>)| {
+            diagnostics.check()?;
+            self.dense_fill(i, &skins[i], &mut |island, path| islands[island].fills.push(path));
+            self.sparse_fill(i, &skins[i], density, &mut |island, path| islands[island].fills.push(path));
+            diagnostics.advance(1);
+            let adhesion = adhesion.get(i).cloned().unwrap_or_default();
+            Ok(LayerPaths { adhesion, islands })
+        };
+        let all: Vec<Result<_, Interrupted>> =
+            walls.into_par_iter().enumerate().with_min_len(2).map(of_layer).collect();
+        all.into_iter().collect()
+    }
+
+    fn context(&self, layer_idx: usize, density: f64, role: Role) -> FillContext {
+        let layer = &self.stack.layers()[layer_idx];
+        FillContext {
+            z_mid_mm: layer.z_top_mm() - 0.5 * layer.height_mm(),
+            height_mm: layer.height_mm(),
+            bead_width_mm: self.settings.process.bead_width_mm,
+            density,
+            angle_rad: self.angle_rad(layer_idx, density),
+            part: self.part,
+            role,
+        }
+    }
+
+    /// The direction of a layer's lines. Crossed patterns and `aligned` keep the first angle of the list.
+    fn angle_rad(&self, layer_idx: usize, density: f64) -> f64 {
+        let s = self.settings;
+        let turns = density >= 0.999 || s.fill.pattern == "rectilinear";
+        let turns = turns && s.fill.pattern != "aligned";
+        let angles = &s.fill.angles_deg;
+        let deg = if s.guide.kind == "angle" {
+            s.guide.angle_deg
+        } else {
+            angles[if turns { layer_idx % angles.len() } else { 0 }]
+        };
+        deg.to_radians()
+    }
+
+    /// Skins, bridges, and the inside where it is dense.
+    fn dense_fill(&self, i: usize, split: &SkinSplit, add: &mut dyn FnMut(usize, Toolpath)) {
+        let mut paths = Vec::new();
+        for (polygons, role) in [(&split.solid, Role::SolidFill), (&split.top, Role::TopSkin)] {
+            let context = self.context(i, 1.0, role);
+            for (island, polygon) in polygons {
+                self.dense_pattern().fill(&context, polygon, &mut paths);
+                paths.drain(..).for_each(|p| add(*island, p));
+            }
+        }
+        for (island, polygon) in &split.bridge {
+            self.bridge(i, polygon, &mut paths);
+            paths.drain(..).for_each(|p| add(*island, p));
+        }
+    }
+
+    fn dense_pattern(&self) -> &'static dyn Infill {
+        if self.settings.fill.pattern == "concentric" && self.settings.fill.density >= 0.999 {
+            &crate::fill::Concentric
+        } else {
+            &Solid
+        }
+    }
+
+    fn bridge(&self, i: usize, polygon: &Polygon, out: &mut Vec<Toolpath>) {
+        let mut context = self.context(i, 1.0, Role::Bridge);
+        let below = self.stack.layers()[i - 1].region();
+        if let Some(angle) = bridge_angle_rad(polygon, below, context.spacing_mm()) {
+            context.angle_rad = angle;
+        }
+        let first = out.len();
+        Solid.fill(&context, polygon, out);
+        for path in &mut out[first..] {
+            path.flow = self.settings.process.bridge_flow;
+            path.speed = SpeedClass::Bridge;
+        }
+    }
+
+    fn sparse_fill(&self, i: usize, split: &SkinSplit, density: f64, add: &mut dyn FnMut(usize, Toolpath)) {
+        if density <= 0.0 {
+            return;
+        }
+        let Some(infill) = pattern(&self.settings.fill.pattern) else { return };
+        let role = if density >= 0.999 { Role::SolidFill } else { Role::SparseFill };
+        let context = self.context(i, density, role);
+        let mut paths = Vec::new();
+        for (island, polygon) in &split.sparse {
+            infill.fill(&context, polygon, &mut paths);
+            paths.drain(..).for_each(|p| add(*island, p));
+        }
+    }
+
+    /// Skirt and brim of the layers that have any.
+    fn adhesion(&self) -> Vec<Vec<Toolpath>> {
+        let p = &self.settings.process;
+        let Some(first) = self.stack.layers().first() else { return Vec::new() };
+        let settings = AdhesionSettings {
+            brim_width_mm: p.brim_width_mm,
+            skirt_loops: p.skirt_loops,
+            skirt_distance_mm: p.skirt_distance_mm,
+            bead_width_mm: p.bead_width_mm,
+            height_mm: first.height_mm(),
+        };
+        let skirts = if p.skirt_loops > 0 { skirt(first.region(), &settings) } else { Vec::new() };
+        let n = if p.skirt_loops > 0 { p.skirt_layers.min(self.stack.layers().len()) } else { 1 };
+        let mut all = vec![skirts; n];
+        if p.brim_width_mm > 0.0 {
+            all[0].extend(brim(first.region(), &settings));
+        }
+        all
+    }
+
+    /// The density asked for, or the one that gives the mass asked for.
+    fn density(&self, walls: &[Vec<Island>], skins: &[SkinSplit]) -> Result<f64, Error> {
+        let Some(asked_g) = self.settings.fill.mass_g else { return Ok(self.settings.fill.density) };
+        let m = &self.settings.material;
+        let grams = |mm3: f64| mm3 * 1e-3 * m.density_g_cm3 * m.flow;
+        let layers: Vec<usize> = (0..self.stack.layers().len()).collect();
+        let sum = |each: &(dyn Fn(usize) -> f64 + Sync)| -> f64 {
+            // Collected in order and added one after the other: the same sum for any number of threads.
+            layers.par_iter().map(|&i| each(i)).collect::<Vec<f64>>().into_iter().sum()
+        };
+        let height = |i: usize| self.stack.layers()[i].height_mm();
+        let fixed = grams(sum(&|i| {
+            let walls =
+                walls[i].iter().flat_map(|island| island.walls.iter().map(|w| &w.path).chain(&island.fills));
+            let mut volume: f64 = walls.map(|p| p.volume_mm3(height(i))).sum();
+            self.dense_fill(i, &skins[i], &mut |_, p| volume += p.volume_mm3(height(i)));
+            volume
+        }));
+        let mass = |density: f64| {
+            fixed
+                + grams(sum(&|i| {
+                    let mut volume = 0.0;
+                    self.sparse_fill(i, &skins[i], density, &mut |_, p| volume += p.volume_mm3(height(i)));
+                    volume
+                }))
+        };
+        let high_g = mass(1.0);
+        if asked_g < fixed * 0.99 || asked_g > high_g * 1.01 {
+            return Err(Error::Mass { asked_g, low_g: fixed, high_g });
+        }
+        // Mass rises with density, in small steps where a line comes or goes: halving finds it.
+        let (mut low, mut high) = (0.0, 1.0);
+        let mut best = (f64::INFINITY, 0.0);
+        for _ in 0..14 {
+            let middle = 0.5 * (low + high);
+            let off = mass(middle) - asked_g;
+            if off.abs() < best.0 {
+                best = (off.abs(), middle);
+            }
+            if off.abs() < 1e-3 * asked_g {
+                break;
+            }
+            if off < 0.0 { low = middle } else { high = middle }
+        }
+        Ok(best.1)
+    }
+}
+
+/// Marks a wall as overhanging when enough of it lies over air.
+fn mark_overhang(path: &mut Toolpath, below: &Mask) {
+    let (mut free, mut all) = (0.0, 0.0);
+    for i in 0..path.n_segments() {
+        let (a, b, _) = path.segment(i);
+        let length = a.distance(b);
+        all += length;
+        if !below.contains(0.5 * (a + b)) {
+            free += length;
+        }
+    }
+    if free > OVERHANG_SHARE * all {
+        path.speed = SpeedClass::Overhang;
+    }
+    debug_assert!(matches!(path.width, BeadWidth::Constant(_)));
+}
