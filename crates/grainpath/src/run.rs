@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
-use grainpath_core::units::LengthUnit;
+use grainpath_core::units::{LengthUnit, bead_spacing_mm};
 use grainpath_core::{
     BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, Layer, LayerStack, Plan, Polygon, Role, SpeedClass,
     Toolpath,
@@ -242,7 +242,7 @@ impl Job<'_> {
         let settings = SkinSettings {
             top_layers: p.top_layers,
             bottom_layers: p.bottom_layers,
-            spacing_mm: grainpath_core::units::bead_spacing_mm(p.bead_width_mm, p.layer_height_mm),
+            spacing_mm: bead_spacing_mm(p.bead_width_mm, p.layer_height_mm),
             dense: self.settings.fill.density >= 0.999 && self.settings.fill.mass_g.is_none(),
         };
         let walls: Vec<Mutex<&mut Vec<Island>>> = walls.iter_mut().map(Mutex::new).collect();
@@ -290,7 +290,16 @@ impl Job<'_> {
             angle_rad: self.angle_rad(layer_idx, density),
             part: self.part,
             role,
+            border_mm: self.border_mm(layer),
         }
+    }
+
+    /// How far what fill is to fill reaches beyond the room of its centrelines: to the strips of the walls, and a
+    /// little more for what the round edge of the outer wall leaves out, so that the layer has the part's volume.
+    fn border_mm(&self, layer: &Layer) -> f64 {
+        let w = self.settings.process.bead_width_mm;
+        let s = bead_spacing_mm(w, layer.height_mm());
+        (0.5 - self.settings.fill.overlap) * s + 0.5 * (w - s)
     }
 
     /// The direction of a layer's lines. Crossed patterns and `aligned` keep the first angle of the list.

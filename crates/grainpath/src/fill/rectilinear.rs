@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::bead_width_mm;
-use grainpath_core::{DVec2, Polygon, Toolpath};
+use grainpath_core::{Polygon, Toolpath};
 
 use super::hatch::{Hatch, Joints, Lines};
 use super::{FillContext, Infill};
@@ -83,9 +83,14 @@ impl Infill for Solid {
                 step_mm: (step_mm * (n - 1.0) - 2.0 * hair) / (n - 1.0),
             }
         };
-        let width = bead_width_mm(step_mm, context.height_mm);
         let joints = Joints { longest_mm: 4.0 * step_mm, bulge_mm: 0.5 * step_mm };
-        let mut add = |points: Vec<DVec2>| out.push(Toolpath::new(points, width, context.role, false));
-        Hatch::new(room, lines).paths(&joints).into_iter().for_each(&mut add);
+        let paths = Hatch::new(room, lines).paths(&joints);
+        // What is laid is what there is room for: where joints and line ends lie on each other the beads get a little
+        // thinner. They are wider than their spacing, so nothing opens between them.
+        let length: f64 = paths.iter().flat_map(|p| p.windows(2)).map(|w| w[0].distance(w[1])).sum();
+        let area = room.area_mm2() + context.border_mm * (room.perimeter_mm() + 4.0 * context.border_mm);
+        let strip_mm = (area / length.max(1e-9)).clamp(0.9 * step_mm, 1.05 * step_mm);
+        let width = bead_width_mm(strip_mm, context.height_mm);
+        out.extend(paths.into_iter().map(|points| Toolpath::new(points, width, context.role, false)));
     }
 }
