@@ -37,7 +37,7 @@ pub fn run(seconds: u64) -> Result<(), String> {
             "-malloc_limit_mb=512".into(),
             "-seed=1".into(),
             "-verbosity=0".into(),
-            "-print_final_stats=1".into(),
+            "-print_final_stats=0".into(),
             format!("-artifact_prefix={}/", artifacts.display()),
         ]);
         crate::run(&mut command).map_err(|e| format!("fuzz target {target} failed: {e}"))?;

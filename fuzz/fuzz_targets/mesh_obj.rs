@@ -1,0 +1,6 @@
+//! OBJ.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    let _ = grainpath_io::parse_mesh(bytes, Some("a.obj"));
+});
