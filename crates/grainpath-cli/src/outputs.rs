@@ -34,7 +34,9 @@ impl Paths {
         });
         let paths =
             Self { gcode, report: given(&o.report), preview: given(&o.preview), plan: given(&o.plan) };
-        let same = |p: &Path| matches!((p.canonicalize(), mesh.canonicalize()), (Ok(a), Ok(b)) if a == b);
+        let same = |p: &Path| {
+            mesh.is_file() && matches!((p.canonicalize(), mesh.canonicalize()), (Ok(a), Ok(b)) if a == b)
+        };
         for path in [Some(&paths.gcode), paths.report.as_ref(), paths.plan.as_ref()].into_iter().flatten() {
             if same(path) {
                 return Err(Failure::usage(format!(

@@ -86,14 +86,6 @@ impl<'a> Writer<'a> {
     ) -> Result<Written, GcodeError> {
         self.head(plan, thumbnails);
         self.line(start.trim_end());
-        self.line(if self.config.machine.relative_e {
-            "M83 ; extrusion is relative"
-        } else {
-            "M82 ; extrusion is absolute"
-        });
-        if !self.config.machine.relative_e {
-            self.line("G92 E0");
-        }
         self.set_up();
         for (i, layer) in plan.layers.iter().enumerate() {
             self.layer(i, layer)?;
@@ -144,11 +136,11 @@ impl<'a> Writer<'a> {
     fn set_up(&mut self) {
         self.line("G21 ; mm");
         self.line("G90 ; positions are absolute");
-        if !self.config.machine.relative_e {
-            self.line("M82");
+        self.line(if self.config.machine.relative_e {
+            "M83 ; extrusion is relative"
         } else {
-            self.line("M83");
-        }
+            "M82 ; extrusion is absolute\nG92 E0"
+        });
         if let Some(k) = self.config.material.pressure_advance {
             match self.config.machine.flavour {
                 Flavour::Marlin => self.line(&format!("M900 K{k}")),
@@ -324,7 +316,8 @@ impl<'a> Writer<'a> {
         if far {
             self.feed_and_accelerate(self.config.speeds.travel, limits.travel_acceleration_mm_s2);
             for p in planned.travel.via.iter().map(|p| *p + self.shift).chain([to]).collect::<Vec<_>>() {
-                let from = here(self).unwrap_or(p);
+                // The first travel comes from home.
+                let from = here(self).unwrap_or(DVec2::ZERO);
                 self.buffer.extend_from_slice(b"G1");
                 self.xyz([Some(p.x), Some(p.y), None]);
                 self.end_with_feed(self.config.speeds.travel);

@@ -101,7 +101,16 @@ mod tests {
         let part = Bounds2 { min: DVec2::splat(-40.0), max: DVec2::splat(40.0) };
         let role = Role::SparseFill;
         let border_mm = 0.5 * grainpath_core::units::bead_spacing_mm(0.45, 0.2);
-        FillContext { z_mid_mm, height_mm: 0.2, bead_width_mm: 0.45, density, angle_rad, part, role, border_mm }
+        FillContext {
+            z_mid_mm,
+            height_mm: 0.2,
+            bead_width_mm: 0.45,
+            density,
+            angle_rad,
+            part,
+            role,
+            border_mm,
+        }
     }
 
     fn volume_share(infill: &dyn Infill, region: &Region, density: f64) -> f64 {

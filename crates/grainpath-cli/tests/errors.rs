@@ -1,0 +1,182 @@
+//! Bad input: one line that says what and where, the right exit code, nothing left behind.
+
+mod support;
+
+use std::fs;
+use std::io::Write;
+use std::process::{Command, Stdio};
+
+use support::{box_stl, folder, grainpath, json};
+
+/// Runs, and checks code, message and that no output or temporary file is there.
+fn fails(name: &str, args: &[&str], code: i32, says: &str) {
+    let dir = folder(name);
+    fs::write(dir.join("box.stl"), box_stl([10.0, 10.0, 5.0])).expect("a file");
+    fs::write(dir.join("empty.stl"), "").expect("a file");
+    fs::write(dir.join("flat.stl"), box_stl([10.0, 10.0, 0.0])).expect("a file");
+    fs::write(dir.join("big.stl"), box_stl([500.0, 10.0, 5.0])).expect("a file");
+    fs::write(dir.join("tall.stl"), box_stl([10.0, 10.0, 300.0])).expect("a file");
+    fs::write(dir.join("nan.stl"), box_stl([10.0, 10.0, 5.0]).replacen("vertex 0", "vertex nan", 1))
+        .expect("a file");
+    fs::write(dir.join("huge.stl"), box_stl([10.0, 10.0, 5.0]).replacen("vertex 10", "vertex 1e38", 1))
+        .expect("a file");
+    let mut binary = vec![0u8; 80];
+    binary.extend(12u32.to_le_bytes());
+    binary.extend(vec![1u8; 50 * 7 + 20]);
+    fs::write(dir.join("cut.stl"), binary).expect("a file");
+    fs::write(dir.join("bomb.3mf"), bomb()).expect("a file");
+    fs::write(dir.join("typo.toml"), "[shape]\nmesh = \"box.stl\"\n[process]\nlayer_heigth_mm = 0.2\n")
+        .expect("a file");
+    fs::write(dir.join("negative.toml"), "[shape]\nmesh = \"box.stl\"\n\n[process]\nbead_width_mm = -0.4\n")
+        .expect("a file");
+    fs::write(dir.join("nomesh.toml"), "[fill]\ndensity = 0.2\n").expect("a file");
+    fs::write(dir.join("missing.toml"), "[shape]\nmesh = \"nowhere.stl\"\n").expect("a file");
+    let mut before: Vec<_> = list(&dir);
+    let out = grainpath(&dir, args);
+    let stderr = String::from_utf8_lossy(&out.stderr).into_owned();
+    assert_eq!(out.status.code(), Some(code), "{name}: {stderr}");
+    assert!(stderr.contains(says), "{name}: {stderr:?} should say {says:?}");
+    assert_eq!(stderr.lines().count(), 1, "{name}: one line: {stderr}");
+    assert!(!stderr.contains("panicked"), "{name}: {stderr}");
+    before.sort();
+    assert_eq!(list(&dir), before, "{name}: nothing may be left behind");
+}
+
+fn list(dir: &std::path::Path) -> Vec<String> {
+    let mut names: Vec<String> = fs::read_dir(dir)
+        .expect("the folder")
+        .map(|f| f.expect("a file").file_name().to_string_lossy().into())
+        .collect();
+    names.sort();
+    names
+}
+
+/// A 3MF whose model inflates to a thousand times its size.
+fn bomb() -> Vec<u8> {
+    let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default();
+    let rels = r#"<Relationships><Relationship Target="/m" Id="r" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
+    for (name, text) in
+        [("_rels/.rels", rels.to_owned()), ("m", format!("<model><resources>{}", " ".repeat(100 << 20)))]
+    {
+        zip.start_file(name, options).expect("memory");
+        zip.write_all(text.as_bytes()).expect("memory");
+    }
+    zip.finish().expect("memory").into_inner()
+}
+
+#[test]
+fn input_files() {
+    fails("empty", &["slice", "empty.stl"], 3, "empty.stl: the file is empty");
+    fails("truncated", &["slice", "cut.stl"], 3, "promises 12 facets, the file holds 7");
+    fails("nan", &["slice", "nan.stl"], 3, "is not a finite number");
+    fails("huge", &["slice", "huge.stl"], 3, "below 1e9");
+    fails("flat", &["slice", "flat.stl"], 3, "0 mm high");
+    fails("missing", &["slice", "nowhere.stl"], 3, "nowhere.stl: no such file");
+    fails("directory", &["slice", "."], 3, "is a folder");
+    fails("bomb", &["slice", "bomb.3mf"], 3, "zip bomb");
+    fails("missing mesh of a job", &["run", "missing.toml"], 3, "nowhere.stl");
+    fails("not a mesh", &["slice", "typo.toml"], 3, "not a mesh");
+    fails("inspect empty", &["inspect", "empty.stl"], 3, "the file is empty");
+    fails("strict", &["slice", "flat.stl", "--set", "shape.repair=strict"], 3, "flat.stl");
+}
+
+#[test]
+fn jobs_and_usage() {
+    fails(
+        "unknown key",
+        &["run", "typo.toml"],
+        2,
+        "typo.toml:4: unknown key `layer_heigth_mm` in [process]; did you mean `layer_height_mm`?",
+    );
+    fails(
+        "negative width",
+        &["run", "negative.toml"],
+        2,
+        "negative.toml:5: process.bead_width_mm should be from 0.05 to 10, is -0.4",
+    );
+    fails("no mesh", &["run", "nomesh.toml"], 2, "[shape] needs mesh");
+    fails("no job", &["run", "nowhere.toml"], 2, "nowhere.toml: no such file");
+    fails("bad set", &["slice", "box.stl", "--set", "walls=2"], 2, "section.key=value");
+    fails(
+        "profile",
+        &["slice", "box.stl", "--set", "printer.profile=generic-0.5"],
+        2,
+        "did you mean \"generic-0.4\"",
+    );
+    fails(
+        "unwritable",
+        &["slice", "box.stl", "-o", "/proc/nowhere/a.gcode"],
+        2,
+        "cannot write /proc/nowhere/a.gcode",
+    );
+    fails("over input", &["slice", "box.stl", "-o", "box.stl"], 2, "is the input");
+    fails("threads", &["slice", "box.stl", "--threads", "0"], 2, "--threads 0");
+    fails(
+        "placeholder",
+        &["slice", "box.stl", "--set", "printer.start_gcode=G1 {bed_temp}"],
+        2,
+        "did you mean {bed_temp_c}",
+    );
+    fails("preset", &["new", "plat"], 2, "did you mean \"plate\"");
+}
+
+#[test]
+fn what_cannot_be() {
+    fails(
+        "bed",
+        &["slice", "big.stl"],
+        4,
+        "the print reaches X = -140.00 mm; the bed allows 0.00 to 220.00 mm",
+    );
+    fails("tall", &["slice", "tall.stl"], 4, "Z = 300.00 mm");
+    fails("skirt", &["slice", "box.stl", "--set", "process.skirt_distance_mm=200"], 4, "the bed allows");
+    fails("mass", &["slice", "box.stl", "--set", "fill.mass_g=50"], 4, "when dense");
+}
+
+#[test]
+fn json_is_one_object_also_when_it_fails() {
+    let dir = folder("json fails");
+    fs::write(dir.join("empty.stl"), "").expect("a file");
+    let out = grainpath(&dir, &["slice", "empty.stl", "--json"]);
+    let said = json(&out);
+    assert_eq!((said["ok"].as_bool(), said["code"].as_i64()), (Some(false), Some(3)));
+    assert!(said["error"].as_str().is_some_and(|e| e.contains("empty")));
+}
+
+#[test]
+fn usage_errors_exit_2() {
+    let dir = folder("usage");
+    for args in [&["slice"][..], &["nonsense"], &["render", "a.gcode", "--color", "mauve"], &[]] {
+        assert_eq!(grainpath(&dir, args).status.code(), Some(2), "{args:?}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_nothing_half_written() {
+    let dir = folder("interrupt");
+    // Thousands of thin layers: seconds of work.
+    fs::write(dir.join("box.stl"), box_stl([200.0, 200.0, 240.0])).expect("a file");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_grainpath"))
+        .args([
+            "slice",
+            "box.stl",
+            "--set",
+            "process.layer_height_mm=0.02",
+            "--set",
+            "process.first_layer_height_mm=0.02",
+            "--set",
+            "fill.density=0.9",
+        ])
+        .current_dir(&dir)
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    std::thread::sleep(std::time::Duration::from_millis(400));
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(killed.success());
+    let status = child.wait().expect("the program ends");
+    assert_eq!(status.code(), Some(130));
+    assert_eq!(list(&dir), ["box.stl"]);
+}

@@ -1,0 +1,247 @@
+//! What comes out: the same bytes however it is run, and what the outside check measures.
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+use support::{folder, grainpath, json, shared};
+
+fn plate(dir: &Path) {
+    assert!(grainpath(dir, &["new", "plate", "plate"]).status.success());
+}
+
+fn gcode(dir: &Path, args: &[&str]) -> Vec<u8> {
+    let out = grainpath(dir, args);
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    fs::read(dir.join("out.gcode")).expect("G-code")
+}
+
+#[test]
+fn same_bytes_for_any_number_of_threads_and_on_every_run() {
+    let dir = folder("determinism");
+    plate(&dir);
+    let mut models = vec![dir.join("plate/plate.stl")];
+    if let Some(shared) = shared() {
+        let real = ["rotor_80mm.stl", "featuretype_open.3mf", "linked_knots_100mm.stl", "bad_wing.stl"];
+        models.extend(real.map(|f| shared.join("data/meshes").join(f)));
+    }
+    for model in models {
+        let model = model.display().to_string();
+        for pattern in ["grid", "gyroid"] {
+            let set = format!("fill.pattern={pattern}");
+            let bytes =
+                |n: &str| gcode(&dir, &["slice", &model, "-o", "out.gcode", "--set", &set, "--threads", n]);
+            let first = bytes("1");
+            for threads in ["2", "8", "3", "2"] {
+                assert!(bytes(threads) == first, "{model} with {threads} threads differs");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_main_job_writes_everything() {
+    let dir = folder("main job");
+    plate(&dir);
+    let out = grainpath(&dir, &["run", "plate/job.toml", "--json"]);
+    let report = json(&out);
+    assert_eq!(report["ok"], true);
+    assert_eq!(report["layers"], 60);
+    for file in
+        ["plate.gcode", "report.html", "preview/part.png", "preview/layer_0001.png", "preview/layer_0001.svg"]
+    {
+        assert!(dir.join("plate/out").join(file).is_file(), "{file}");
+    }
+    let again = grainpath(&dir, &["new", "plate", "plate"]);
+    assert_eq!(again.status.code(), Some(2), "what is there is not written over");
+    let seen = json(&grainpath(&dir, &["inspect", "plate/out/plate.gcode", "--json"]));
+    let near = |a: &Value, b: &Value, share: f64| {
+        let (a, b) = (a.as_f64().expect("a number"), b.as_f64().expect("a number"));
+        assert!((a / b - 1.0).abs() < share, "{a} {b}");
+    };
+    near(&seen["extruded_mm3"], &report["extruded_mm3"], 1e-4);
+    near(&seen["printed_mm"], &report["printed_mm"], 1e-3);
+    let elsewhere =
+        grainpath(&dir, &["run", "plate/job.toml", "--out", "other", "--set", "output.plan=plan.json"]);
+    assert!(elsewhere.status.success());
+    let plan = fs::read_to_string(dir.join("other/plan.json")).expect("the plan");
+    let plan: Value = serde_json::from_str(&plan).expect("JSON");
+    assert_eq!(plan["layers"].as_array().map(Vec::len), Some(60));
+    for args in [
+        &["render", "plate/out/plate.gcode", "-o", "a.png"][..],
+        &["render", "plate/out/plate.gcode", "--layer", "3", "-o", "a.svg", "--color", "width"],
+        &["render", "plate/out/plate.gcode", "--part"],
+    ] {
+        assert!(grainpath(&dir, args).status.success(), "{args:?}");
+    }
+}
+
+#[test]
+fn every_flavour_pattern_and_option_prints_the_part() {
+    let dir = folder("options");
+    plate(&dir);
+    let solid = 3.0e4; // mm3 of the plate, roughly
+    for sets in [
+        &["printer.profile=voron-2.4"][..],
+        &["printer.profile=duet-delta"],
+        &["printer.profile=prusa-mk3s"],
+        &["process.arcs=true"],
+        &["printer.relative_e=false"],
+        &["process.adaptive_layers=true"],
+        &["process.seam=random", "process.wall_order=outer-first"],
+        &["process.brim_width_mm=5"],
+        &["fill.pattern=honeycomb", "fill.density=0.4"],
+        &["fill.pattern=concentric", "fill.density=1"],
+        &["fill.pattern=triangles"],
+        &["guide.kind=angle", "guide.angle_deg=30", "fill.pattern=aligned"],
+        &["process.walls=0"],
+        &["fill.density=0", "process.top_layers=0", "process.bottom_layers=0"],
+    ] {
+        let mut args = vec!["slice", "plate/plate.stl", "-o", "out.gcode", "--json"];
+        sets.iter().for_each(|s| args.extend(["--set", s]));
+        let report = json(&grainpath(&dir, &args));
+        let volume = report["extruded_mm3"].as_f64().expect("a volume");
+        assert!(volume > 0.05 * solid && volume < 1.02 * solid, "{sets:?}: {volume}");
+        assert!(report["quality"]["spill"].as_f64().is_some_and(|s| s < 0.005), "{sets:?}: {report}");
+        let seen = json(&grainpath(&dir, &["inspect", "out.gcode", "--json"]));
+        let read = seen["extruded_mm3"].as_f64().expect("a volume");
+        assert!((read / volume - 1.0).abs() < 2e-3, "{sets:?}: written {volume}, read {read}");
+    }
+}
+
+#[test]
+fn a_mass_is_met_within_one_percent() {
+    let dir = folder("mass");
+    plate(&dir);
+    for pattern in ["grid", "triangles", "rectilinear", "gyroid", "honeycomb"] {
+        let set = format!("fill.pattern={pattern}");
+        let args = [
+            "slice",
+            "plate/plate.stl",
+            "-o",
+            "out.gcode",
+            "--json",
+            "--set",
+            &set,
+            "--set",
+            "fill.mass_g=16",
+            "--set",
+            "process.skirt_loops=0",
+        ];
+        let report = json(&grainpath(&dir, &args));
+        let mass = report["mass_g"].as_f64().expect("a mass");
+        assert!((mass / 16.0 - 1.0).abs() < 0.01, "{pattern}: {mass}");
+    }
+}
+
+#[test]
+fn every_real_mesh_slices_or_says_why_not() {
+    let Some(shared) = shared() else { return };
+    let dir = folder("real meshes");
+    let mut files: Vec<_> = fs::read_dir(shared.join("data/meshes"))
+        .expect("meshes")
+        .map(|f| f.expect("a file").path())
+        .collect();
+    files.sort();
+    for file in files.into_iter().filter(|f| f.is_file()) {
+        let name = file.file_name().expect("a name").to_string_lossy().into_owned();
+        // The largest takes its time and is the bench's.
+        if name.starts_with("skull") {
+            continue;
+        }
+        let path = file.display().to_string();
+        // Smaller than a layer as it is.
+        let scale = if name.starts_with("multibody") { "shape.scale=20" } else { "shape.scale=1" };
+        let out = grainpath(
+            &dir,
+            &[
+                "slice",
+                &path,
+                "-o",
+                "out.gcode",
+                "--set",
+                scale,
+                "--set",
+                "printer.bed_mm=[1000,1000,1000]",
+                "--set",
+                "process.layer_height_mm=0.4",
+                "--set",
+                "process.first_layer_height_mm=0.4",
+                "--set",
+                "process.bead_width_mm=0.5",
+            ],
+        );
+        let said = String::from_utf8_lossy(&out.stderr).into_owned();
+        let refused = ["must_fail", "triangle_soup", "huge_coordinates", "stanford_bunny"]
+            .iter()
+            .any(|n| name.starts_with(n));
+        let code = if refused { 3 } else { 0 };
+        assert_eq!(out.status.code(), Some(code), "{name}: {said}");
+    }
+}
+
+/// What `gcode_check.py` says; `None` where Python or a package is missing.
+fn outside(shared: &Path, gcode: &Path, mesh: &Path) -> Option<Value> {
+    let script = shared.join("check/gcode_check.py");
+    let out = Command::new("python3").arg(script).arg(gcode).arg("--mesh").arg(mesh).output().ok()?;
+    if !out.status.success() {
+        println!("skipped: gcode_check.py does not run: {}", String::from_utf8_lossy(&out.stderr));
+        return None;
+    }
+    serde_json::from_slice(&out.stdout).ok()
+}
+
+#[test]
+fn gaps_spill_and_overlap_are_small_and_as_the_outside_check_measures() {
+    let Some(shared) = shared() else { return };
+    let dir = folder("quality");
+    // Part, and the most allowed of gap, spill and overlap.
+    for (file, limits) in [
+        ("plate_holes.stl", [0.0005, 0.0005, 0.0014]),
+        ("hinge_ascii.stl", [0.0040, 0.0018, 0.0116]),
+        ("M3x10_screw.stl", [0.0160, 0.0005, 0.0005]),
+        ("sloping_hole.obj", [0.01, 0.005, 0.03]),
+    ] {
+        let mesh = shared.join("data/meshes").join(file);
+        let path = mesh.display().to_string();
+        let args = [
+            "slice",
+            &path,
+            "-o",
+            "out.gcode",
+            "--json",
+            "--set",
+            "printer.bed_mm=[400,400,400]",
+            "--set",
+            "fill.density=1",
+            "--set",
+            "fill.pattern=rectilinear",
+            "--set",
+            "process.skirt_loops=0",
+        ];
+        let report = json(&grainpath(&dir, &args));
+        let Some(check) = outside(&shared, &dir.join("out.gcode"), &mesh) else { return };
+        for (key, limit) in ["gap", "spill", "overlap"].into_iter().zip(limits) {
+            let theirs = check["against_mesh"][key].as_f64().expect("a share");
+            let ours = report["quality"][key].as_f64().expect("a share");
+            assert!(theirs <= limit, "{file}: {key} {theirs} over {limit}");
+            assert!((theirs - ours).abs() < 0.005, "{file}: {key} is {theirs} outside and {ours} here");
+        }
+        let near = |a: f64, b: f64, share: f64, what: &str| {
+            assert!((a / b - 1.0).abs() < share, "{file}: {what}: {a} {b}");
+        };
+        let of = |v: &Value| v.as_f64().expect("a number");
+        near(
+            of(&check["part_mm3"]),
+            of(&check["against_mesh"]["mesh_mm3"]),
+            0.015,
+            "volume against the mesh",
+        );
+        near(of(&report["extruded_mm3"]), of(&check["extruded_mm3"]), 1e-3, "volume");
+        near(of(&report["travel_mm"]), of(&check["travel_mm"]), 0.02, "travel");
+        assert_eq!(report["layers"], check["layers"]);
+    }
+}

@@ -1,0 +1,67 @@
+//! G-code of other programs is read as they meant it.
+
+use std::path::Path;
+
+use grainpath_core::Role;
+use grainpath_gcode::{Limits, Program, simulate};
+use proptest::prelude::*;
+
+fn read(file: &str) -> Option<Program> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/gcode").join(file);
+    let Ok(bytes) = std::fs::read(path) else {
+        println!("skipped: no ../shared/data");
+        return None;
+    };
+    Some(simulate(&bytes, 1.75, &Limits::default()).expect(file))
+}
+
+#[test]
+fn prints_of_other_slicers() {
+    for file in ["rrf_prusaslicer.gcode", "rrf_simplify3d.gcode"] {
+        let Some(p) = read(file) else { return };
+        assert!(
+            p.layers.len() > 10 && p.extruded_mm3 > 1000.0 && p.time_s > 60.0,
+            "{file}: {} layers",
+            p.layers.len()
+        );
+        assert!(p.generator.is_some() && p.warnings.is_empty(), "{file}: {:?}", p.warnings);
+        for role in [Role::OuterWall, Role::InnerWall] {
+            assert!(p.layers.iter().any(|l| l.beads.iter().any(|b| b.role == role)), "{file}: no {role:?}");
+        }
+        let middle = &p.layers[p.layers.len() / 2];
+        let outer = middle.beads.iter().find(|b| b.role == Role::OuterWall).expect("an outer wall");
+        let width = outer.width_mm(middle.height_mm);
+        assert!((0.25..1.0).contains(&width), "{file}: {width}");
+    }
+}
+
+#[test]
+fn programs_that_print_nothing_are_read_too() {
+    for (file, arcs) in [("rrf_config_2.g", 0), ("mach3_cnc.gcode", 0), ("rrf_circle_arcs.gcode", 1)] {
+        let Some(p) = read(file) else { return };
+        assert!(p.commands > 3 && p.arcs >= arcs, "{file}: {} commands, {} arcs", p.commands, p.arcs);
+    }
+    let Some(p) = read("rrf_thumbnail_qoi.gcode") else { return };
+    assert!(!p.thumbnails.is_empty());
+}
+
+#[test]
+fn inches_arcs_and_absolute_e() {
+    let text = b"G21\nG90\nM82\nG92 E0\nG1 Z0.2 F600\nG1 X10 Y0 F1200\nG1 X20 E1\nG3 X20 Y10 I0 J5 E2\nG20\nM83\nG1 X0 E0.1\n";
+    let p = simulate(text, 1.75, &Limits::default()).expect("a program");
+    let expect = 10.0 + 5.0 * std::f64::consts::PI + 20.0;
+    assert!((p.printed_mm - expect).abs() < 0.02, "{}", p.printed_mm);
+    assert!((p.filament_mm - (1.0 + 1.0 + 2.54)).abs() < 1e-9, "{}", p.filament_mm);
+    assert!(simulate(b"", 1.75, &Limits::default()).is_err());
+    assert!(simulate(b"hello\nworld\n", 1.75, &Limits::default()).is_err());
+}
+
+proptest! {
+    #[test]
+    fn any_program_is_survived(lines in proptest::collection::vec("[GMT][0-9]{1,3}( [XYZEFIJRSPNO][-+]?[0-9.e]{0,9}){0,5}", 0..60)) {
+        let text = lines.join("\n");
+        if let Ok(p) = simulate(text.as_bytes(), 1.75, &Limits::default()) {
+            prop_assert!(p.printed_mm.is_finite() && p.time_s.is_finite());
+        }
+    }
+}
