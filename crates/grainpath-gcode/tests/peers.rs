@@ -25,21 +25,28 @@ fn prints_of_other_slicers() {
             p.layers.len()
         );
         assert!(p.generator.is_some() && p.warnings.is_empty(), "{file}: {:?}", p.warnings);
-        for role in [Role::OuterWall, Role::InnerWall] {
+        // PrusaSlicer 2.1 calls all walls alike.
+        let outer = file.contains("simplify3d").then_some(Role::OuterWall);
+        for role in outer.into_iter().chain([Role::InnerWall, Role::SparseFill]) {
             assert!(p.layers.iter().any(|l| l.beads.iter().any(|b| b.role == role)), "{file}: no {role:?}");
         }
         let middle = &p.layers[p.layers.len() / 2];
-        let outer = middle.beads.iter().find(|b| b.role == Role::OuterWall).expect("an outer wall");
-        let width = outer.width_mm(middle.height_mm);
+        let bead = middle.beads.iter().find(|b| b.role.is_part()).expect("a bead of the part");
+        let width = bead.width_mm(middle.height_mm);
         assert!((0.25..1.0).contains(&width), "{file}: {width}");
     }
 }
 
 #[test]
 fn programs_that_print_nothing_are_read_too() {
-    for (file, arcs) in [("rrf_config_2.g", 0), ("mach3_cnc.gcode", 0), ("rrf_circle_arcs.gcode", 1)] {
+    for file in ["rrf_config_2.g", "mach3_cnc.gcode", "rrf_circle_arcs.gcode"] {
         let Some(p) = read(file) else { return };
-        assert!(p.commands > 3 && p.arcs >= arcs, "{file}: {} commands, {} arcs", p.commands, p.arcs);
+        assert!(
+            p.commands > 3 && p.layers.is_empty(),
+            "{file}: {} commands, {} layers",
+            p.commands,
+            p.layers.len()
+        );
     }
     let Some(p) = read("rrf_thumbnail_qoi.gcode") else { return };
     assert!(!p.thumbnails.is_empty());
