@@ -1,6 +1,6 @@
 //! Jobs: settings declared once, profiles, and the checks that make a job file trustworthy.
 //!
-//! Each setting is one row in [`settings`]; the job parser, `--set`, the JSON Schema and the reference page all come
+//! Each setting is one row in `settings.rs`; the job parser, `--set`, the JSON Schema and the reference page all come
 //! from those rows. After [`parse_job`] nobody checks a setting again.
 
 mod parse;

@@ -1,4 +1,4 @@
-//! Shapes: from meshes to the [`LayerStack`](grainpath_core::LayerStack) that everything after works on.
+//! Shapes: from meshes to the [`LayerStack`] that everything after works on.
 
 mod heights;
 mod mend;
