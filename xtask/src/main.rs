@@ -14,7 +14,8 @@ use std::process::{Command, ExitCode};
 const USAGE: &str = "usage: cargo xtask <command>
   test             everything CI checks: format, lints, docs, licences, arrows, tests, examples, fuzzers
   test --quick     the same without examples, fuzzers and what needs installing
-  bench slicing    time and memory beside PrusaSlicer and CuraEngine
+  bench slicing [PART...]  time and memory beside PrusaSlicer and CuraEngine
+                   (benchy bunny armadillo plate_holes skull; the skull takes the peers many minutes)
   bench quality    gap, spill, overlap and travel beside the same
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   setup            installs what tests and benches need (Python packages, Chromium, the peers)";
@@ -25,7 +26,7 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["test"] => test(true),
         ["test", "--quick"] => test(false),
-        ["bench", "slicing"] => bench::slicing(),
+        ["bench", "slicing", parts @ ..] => bench::slicing(parts),
         ["bench", "quality"] => bench::quality(),
         ["fuzz"] => fuzz::run(20),
         ["fuzz", seconds] => seconds.parse().map_err(|_| USAGE.to_owned()).and_then(fuzz::run),
