@@ -16,10 +16,10 @@ pub struct Grid {
 
 impl Grid {
     /// A grid over `bounds` with an empty margin of 8 cells all round. Cells are `cell_mm` wide, or as much wider
-    /// as keeps their number below four million.
+    /// as keeps their number below 600,000.
     pub fn over(bounds: Bounds2, cell_mm: f64) -> Self {
         let size = bounds.size();
-        let coarsest = (size.x * size.y / 4e6).sqrt().max(size.max_element() / 60_000.0);
+        let coarsest = (size.x * size.y / 6e5).sqrt().max(size.max_element() / 60_000.0);
         let cell_mm = cell_mm.max(coarsest);
         let margin = 8.0 * cell_mm;
         let origin = bounds.min - margin;

@@ -51,7 +51,7 @@ pub struct SkinInput<'a> {
 }
 
 /// Layers whose masks are made together; the masks of the layers around them are made once more.
-const CHUNK: usize = 24;
+const CHUNK: usize = 16;
 /// Bridges smaller than this are printed as any other fill, mm2.
 const MIN_BRIDGE_MM2: f64 = 1.5;
 /// A change of surface smaller than this is not worth a border in the fill, mm2.

@@ -23,19 +23,26 @@ const RADIUS_MM: std::ops::RangeInclusive<f64> = 0.3..=1000.0;
 const MAX_SWEEP: f64 = 5.5;
 
 /// The longest arc from point `start` within `tolerance_mm` of the points and of the chords between them.
+///
+/// Longer and longer runs are tried, each twice the one before, then halfway between the last that fits and the
+/// first that does not: n log n looks at n points instead of n squared.
 pub fn arc_from(points: &[DVec2], start: usize, tolerance_mm: f64) -> Option<Arc> {
-    let mut best = None;
-    let mut n = MIN_POINTS;
-    while start + n <= points.len() {
-        match fit(&points[start..start + n], tolerance_mm) {
-            Some((centre, counter_clockwise, length_mm)) => {
-                best = Some(Arc { end: start + n - 1, centre, counter_clockwise, length_mm });
-            }
-            None => break,
+    let points = &points[start..];
+    let try_run = |n: usize| {
+        let (centre, counter_clockwise, length_mm) = fit(points.get(..n)?, tolerance_mm)?;
+        Some(Arc { end: start + n - 1, centre, counter_clockwise, length_mm })
+    };
+    let mut fits = MIN_POINTS;
+    let mut best = try_run(fits)?;
+    let mut fails = points.len() + 1;
+    while fits + 1 < fails {
+        let n = (2 * fits).min(fits.midpoint(fails)).max(fits + 1);
+        match try_run(n) {
+            Some(arc) => (fits, best) = (n, arc),
+            None => fails = n,
         }
-        n += 1;
     }
-    best
+    Some(best)
 }
 
 fn fit(points: &[DVec2], tolerance: f64) -> Option<(DVec2, bool, f64)> {
@@ -51,7 +58,7 @@ fn fit(points: &[DVec2], tolerance: f64) -> Option<(DVec2, bool, f64)> {
         let (u, v) = (w[0] - centre, w[1] - centre);
         let turn = atan2(cross(u, v), u.dot(v)) * if left { 1.0 } else { -1.0 };
         // How far the arc bulges over the chord.
-        let bulge = r - 0.5 * (w[0] + w[1]).distance(centre);
+        let bulge = r - (0.5 * (w[0] + w[1])).distance(centre);
         if turn <= 0.0 || turn > 1.0 || bulge > tolerance {
             return None;
         }

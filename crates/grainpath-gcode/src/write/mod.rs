@@ -7,7 +7,7 @@ mod template;
 
 use std::io;
 
-use grainpath_core::Plan;
+use grainpath_core::{BeadWidth, Plan, PlannedPath};
 
 use crate::machine::{Cooling, Machine, Material, Retraction, Speeds};
 
@@ -70,7 +70,9 @@ pub enum GcodeError {
     OutsideBed { axis: char, at_mm: f64, low_mm: f64, high_mm: f64 },
     #[error("{template}: unknown placeholder {{{name}}}; did you mean {{{nearest}}}?")]
     UnknownPlaceholder { template: &'static str, name: String, nearest: String },
-    #[error("layer at {z_mm:.3} mm: a path has a coordinate or width that is not a number")]
+    #[error(
+        "layer at {z_mm:.3} mm: a coordinate, height, width or flow is not a number, or a height or width is not above 0"
+    )]
     NotANumber { z_mm: f64 },
     #[error("writing G-code: {0}")]
     Io(#[from] io::Error),
@@ -83,15 +85,19 @@ pub enum GcodeError {
 pub fn check_fits(plan: &Plan, machine: &Machine) -> Result<(), GcodeError> {
     let shift = plan.plate_from_part_mm;
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    let mut top = 0.0f64;
     for layer in &plan.layers {
+        if !(shift.is_finite()
+            && layer.z_top_mm.is_finite()
+            && layer.height_mm.is_finite()
+            && layer.height_mm > 0.0)
+        {
+            return Err(GcodeError::NotANumber { z_mm: layer.z_top_mm });
+        }
+        top = top.max(layer.z_top_mm);
         for planned in &layer.paths {
-            let widths = (0..planned.path.points.len()).map(|i| planned.path.width_at(i));
-            let points = planned.path.points.iter().chain(&planned.travel.via);
-            if !points.clone().all(|p| p.is_finite()) || !widths.clone().all(|w| w.is_finite() && w > 0.0) {
-                return Err(GcodeError::NotANumber { z_mm: layer.z_top_mm });
-            }
-            let half = 0.5 * widths.fold(0.0, f64::max);
-            for p in points {
+            let half = 0.5 * widest_sound(planned).ok_or(GcodeError::NotANumber { z_mm: layer.z_top_mm })?;
+            for p in planned.path.points.iter().chain(&planned.travel.via) {
                 for (k, c) in [p.x + shift.x, p.y + shift.y].into_iter().enumerate() {
                     low[k] = low[k].min(c - half);
                     high[k] = high[k].max(c + half);
@@ -100,21 +106,37 @@ pub fn check_fits(plan: &Plan, machine: &Machine) -> Result<(), GcodeError> {
         }
     }
     let (bed_low, bed_high) = machine.bed_bounds_mm();
-    let top = plan.layers.last().map_or(0.0, |l| l.z_top_mm);
-    let outside = |axis: char, at_mm: f64, low_mm: f64, high_mm: f64| {
-        Err(GcodeError::OutsideBed { axis, at_mm, low_mm, high_mm })
-    };
-    for (k, axis) in ['X', 'Y'].into_iter().enumerate() {
-        for at in [low[k], high[k]] {
-            if at.is_finite() && !(bed_low[k] - 1e-6..=bed_high[k] + 1e-6).contains(&at) {
-                return outside(axis, at, bed_low[k], bed_high[k]);
-            }
+    let reaches = [
+        ('X', low[0], bed_low[0], bed_high[0]),
+        ('X', high[0], bed_low[0], bed_high[0]),
+        ('Y', low[1], bed_low[1], bed_high[1]),
+        ('Y', high[1], bed_low[1], bed_high[1]),
+        ('Z', top, 0.0, machine.bed_mm[2]),
+    ];
+    let mut worst: Option<(f64, GcodeError)> = None;
+    for (axis, at_mm, low_mm, high_mm) in reaches {
+        let out = (at_mm - high_mm).max(low_mm - at_mm);
+        if at_mm.is_finite() && out > 1e-6 && worst.as_ref().is_none_or(|(most, _)| out > *most) {
+            worst = Some((out, GcodeError::OutsideBed { axis, at_mm, low_mm, high_mm }));
         }
     }
-    if top > machine.bed_mm[2] + 1e-6 {
-        return outside('Z', top, 0.0, machine.bed_mm[2]);
-    }
-    Ok(())
+    worst.map_or(Ok(()), |(_, error)| Err(error))
+}
+
+/// The greatest width of a path, mm; `None` where any number of it, or of the way to it, is none.
+fn widest_sound(planned: &PlannedPath) -> Option<f64> {
+    let path = &planned.path;
+    let points = path.points.iter().chain(&planned.travel.via);
+    let widths = match &path.width {
+        BeadWidth::Constant(w) => std::slice::from_ref(w),
+        BeadWidth::PerVertex(w) if w.len() == path.points.len() => w.as_slice(),
+        BeadWidth::PerVertex(_) => return None,
+    };
+    let sound = path.flow.is_finite()
+        && path.flow >= 0.0
+        && points.clone().all(|p| p.is_finite())
+        && widths.iter().all(|w| w.is_finite() && *w > 0.0);
+    sound.then(|| widths.iter().copied().fold(0.0, f64::max))
 }
 
 /// Writes a plan. Same plan and settings, same bytes.

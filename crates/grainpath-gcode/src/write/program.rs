@@ -49,6 +49,8 @@ struct Pace {
     /// Factor on printing speeds for the least layer time.
     slow_down: f64,
     fan: f64,
+    /// Whether the fan may run at all.
+    fan_allowed: bool,
 }
 
 impl<'a> Writer<'a> {
@@ -119,7 +121,8 @@ impl<'a> Writer<'a> {
         self.line(&format!("; plate_from_part = {:.3}, {:.3}, {:.3}", p.x, p.y, p.z));
         self.line(&format!("; layers = {}", plan.layers.len()));
         let header = &self.config.header;
-        header.iter().for_each(|text| self.line(&format!("; {text}")));
+        // A text of several lines stays a comment in all of them.
+        header.iter().flat_map(|text| text.lines()).for_each(|text| self.line(&format!("; {text}")));
         for t in thumbnails {
             let text = base64::engine::general_purpose::STANDARD.encode(&t.png);
             self.line(&format!(";\n; thumbnail begin {}x{} {}", t.width, t.height, text.len()));
@@ -136,11 +139,22 @@ impl<'a> Writer<'a> {
     fn set_up(&mut self) {
         self.line("G21 ; mm");
         self.line("G90 ; positions are absolute");
+        // After G90, which makes some firmware take E as positions too.
         self.line(if self.config.machine.relative_e {
             "M83 ; extrusion is relative"
         } else {
-            "M82 ; extrusion is absolute\nG92 E0"
+            "M82 ; extrusion is absolute"
         });
+        let l = self.config.machine.limits;
+        let (print, travel) = (l.acceleration_mm_s2, l.travel_acceleration_mm_s2);
+        match self.config.machine.flavour {
+            Flavour::Marlin => {
+                self.line(&format!("M204 P{print} R{} T{travel}", l.retract_acceleration_mm_s2));
+            }
+            Flavour::RepRapFirmware => self.line(&format!("M204 P{print} T{travel}")),
+            // Klipper has one acceleration for all moves; it is set where it changes.
+            Flavour::Klipper => {}
+        }
         if let Some(k) = self.config.material.pressure_advance {
             match self.config.machine.flavour {
                 Flavour::Marlin => self.line(&format!("M900 K{k}")),
@@ -187,8 +201,9 @@ impl<'a> Writer<'a> {
         let c = &self.config.cooling;
         let mut printing = 0.0;
         let mut moving = 0.0;
-        let mut at = layer.paths.first().map_or(DVec2::ZERO, |p| p.path.start());
-        for p in &layer.paths {
+        let printed = || layer.paths.iter().filter(|p| p.path.n_segments() > 0);
+        let mut at = printed().next().map_or(DVec2::ZERO, |p| p.path.start());
+        for p in printed() {
             let speed = self.speed(&p.path, layer.height_mm, first_layer);
             printing += p.path.length_mm() / speed;
             moving += at.distance(p.path.start()) / self.config.speeds.travel;
@@ -199,8 +214,9 @@ impl<'a> Writer<'a> {
         let time = printing / slow_down + moving;
         let span = (c.fan_below_layer_time_s - c.min_layer_time_s).max(1e-9);
         let share = ((c.fan_below_layer_time_s - time) / span).clamp(0.0, 1.0);
-        let fan = if i < c.fan_off_layers { 0.0 } else { c.fan_min + share * (c.fan_max - c.fan_min) };
-        Pace { first_layer, slow_down, fan }
+        let fan_allowed = i >= c.fan_off_layers;
+        let fan = if fan_allowed { c.fan_min + share * (c.fan_max - c.fan_min) } else { 0.0 };
+        Pace { first_layer, slow_down, fan, fan_allowed }
     }
 
     /// Speed of a path before any slowing down: its role's, and no more than melts.
@@ -251,8 +267,10 @@ impl<'a> Writer<'a> {
             if let Some(arc) = arc_from(&points, i, tolerance) {
                 // The volume is that of the chords: the arc stands for them.
                 let chords: f64 = points[i..=arc.end].windows(2).map(|w| w[0].distance(w[1])).sum();
-                self.feed_and_accelerate(speed, self.config.machine.limits.acceleration_mm_s2);
-                let (from, to) = (points[i] + self.shift, points[arc.end] + self.shift);
+                self.accelerate(self.config.machine.limits.acceleration_mm_s2);
+                let to = points[arc.end] + self.shift;
+                // The centre counts from where the machine is, which is rounded.
+                let from = self.here().unwrap_or(points[i] + self.shift);
                 self.buffer.extend_from_slice(if arc.counter_clockwise { b"G3" } else { b"G2" });
                 self.xyz([Some(to.x), Some(to.y), None]);
                 let centre = arc.centre + self.shift - from;
@@ -260,8 +278,11 @@ impl<'a> Writer<'a> {
                     self.buffer.extend_from_slice(&[b' ', letter]);
                     push_fixed(&mut self.buffer, (c * 1e3).round() as i64, 3);
                 }
-                self.e(chords * rate);
-                self.count(chords, chords * rate, speed, to - from);
+                self.e(chords * rate, speed);
+                for w in points[i..=arc.end].windows(2) {
+                    let length = w[0].distance(w[1]);
+                    self.count(length, length * rate, speed, w[1] - w[0]);
+                }
                 i = arc.end;
             } else {
                 self.extrude(points[i], points[i + 1], points[i].distance(points[i + 1]), rate, speed);
@@ -277,10 +298,13 @@ impl<'a> Writer<'a> {
             let text = format!(";TYPE:{}", path.role.gcode_name());
             self.line(&text);
         }
-        self.width(path.width_at(0));
+        self.width(path.segment(0).2);
         let over_air = path.role == Role::Bridge || path.speed == SpeedClass::Overhang;
-        let fan =
-            if over_air && pace.fan > 0.0 { self.config.cooling.fan_bridge.max(pace.fan) } else { pace.fan };
+        let fan = if over_air && pace.fan_allowed {
+            self.config.cooling.fan_bridge.max(pace.fan)
+        } else {
+            pace.fan
+        };
         let fan = (fan * 255.0).round() as i64;
         if fan != self.fan {
             self.fan = fan;
@@ -300,11 +324,7 @@ impl<'a> Writer<'a> {
     fn travel(&mut self, planned: &PlannedPath) {
         let to = planned.path.start() + self.shift;
         let z = self.z_mm;
-        let here = |w: &Self| match (w.at[0], w.at[1]) {
-            (Some(x), Some(y)) => Some(DVec2::new(x as f64 * 1e-3, y as f64 * 1e-3)),
-            _ => None,
-        };
-        let far = here(self).is_none_or(|p| p.distance(to) > 0.0011);
+        let far = self.here().is_none_or(|p| p.distance(to) > 0.0011);
         let rises = self.at[2] != Some(micro(z));
         if far && planned.travel.retract {
             self.retract();
@@ -314,10 +334,10 @@ impl<'a> Writer<'a> {
             self.move_z(z);
         }
         if far {
-            self.feed_and_accelerate(self.config.speeds.travel, limits.travel_acceleration_mm_s2);
+            self.accelerate(limits.travel_acceleration_mm_s2);
             for p in planned.travel.via.iter().map(|p| *p + self.shift).chain([to]).collect::<Vec<_>>() {
                 // The first travel comes from home.
-                let from = here(self).unwrap_or(DVec2::ZERO);
+                let from = self.here().unwrap_or(DVec2::ZERO);
                 self.buffer.extend_from_slice(b"G1");
                 self.xyz([Some(p.x), Some(p.y), None]);
                 self.end_with_feed(self.config.speeds.travel);
@@ -337,6 +357,12 @@ impl<'a> Writer<'a> {
             let r = self.config.retraction;
             self.filament(r.length_mm, r.unretract_speed_mm_s);
         }
+    }
+
+    /// Where the nozzle is in plan, once it has been sent anywhere.
+    fn here(&self) -> Option<DVec2> {
+        let (x, y) = (self.at[0]?, self.at[1]?);
+        Some(DVec2::new(x as f64 * 1e-3, y as f64 * 1e-3))
     }
 
     fn move_z(&mut self, z_mm: f64) {
@@ -380,30 +406,30 @@ impl<'a> Writer<'a> {
         // A move that rounds to nothing leaves its filament to the next.
         if self.at[0] == Some(micro(to.x)) && self.at[1] == Some(micro(to.y)) {
             self.e_exact_mm += filament;
+            self.count(length, filament, speed, b - a);
             return;
         }
-        self.feed_and_accelerate(speed, self.config.machine.limits.acceleration_mm_s2);
+        self.accelerate(self.config.machine.limits.acceleration_mm_s2);
         self.buffer.extend_from_slice(b"G1");
         self.xyz([Some(to.x), Some(to.y), None]);
-        self.e(filament);
+        self.e(filament, speed);
         self.count(length, filament, speed, b - a);
     }
 
     fn count(&mut self, length: f64, filament: f64, speed: f64, delta: DVec2) {
         self.written.printed_mm += length;
         self.written.extruded_mm3 += filament * self.filament_mm2;
-        // An arc is timed by its length along its chord's direction.
-        let delta = delta.normalize_or(DVec2::X) * length;
         self.time.push(&Move { delta_mm: [delta.x, delta.y, 0.0, filament], speed_mm_s: speed });
     }
 
-    fn e(&mut self, filament: f64) {
+    /// Ends a printing move with its filament and speed.
+    fn e(&mut self, filament: f64, speed: f64) {
         self.e_exact_mm += filament;
         let total = (self.e_exact_mm / E_STEP_MM).round() as i64;
         let steps = total - self.e_steps;
         self.e_steps = total;
         self.push_e(steps);
-        self.buffer.push(b'\n');
+        self.end_with_feed(speed);
     }
 
     fn push_e(&mut self, steps: i64) {
@@ -424,20 +450,11 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn feed_and_accelerate(&mut self, speed: f64, acceleration: f64) {
-        if acceleration != self.acceleration {
+    /// For firmware that does not tell printing from travelling.
+    fn accelerate(&mut self, acceleration: f64) {
+        if self.config.machine.flavour == Flavour::Klipper && acceleration != self.acceleration {
             self.acceleration = acceleration;
-            let text = match self.config.machine.flavour {
-                Flavour::Marlin => format!("M204 S{acceleration}"),
-                Flavour::Klipper => format!("SET_VELOCITY_LIMIT ACCEL={acceleration}"),
-                Flavour::RepRapFirmware => format!("M204 P{acceleration} T{acceleration}"),
-            };
-            self.line(&text);
-        }
-        let feed = (speed * 60.0).round() as i64;
-        if feed != self.feed {
-            self.feed = feed;
-            let text = format!("G1 F{feed}");
+            let text = format!("SET_VELOCITY_LIMIT ACCEL={acceleration}");
             self.line(&text);
         }
     }
@@ -482,7 +499,7 @@ fn trimmed(mm: f64) -> String {
 }
 
 /// As slicers write times: `1d 2h 3m 4s`, from the first unit that is not nothing.
-fn duration(seconds: f64) -> String {
+pub(super) fn duration(seconds: f64) -> String {
     let s = seconds.round().max(0.0) as u64;
     let (d, h, m) = (s / 86400, s / 3600 % 24, s / 60 % 60);
     let mut out = String::new();

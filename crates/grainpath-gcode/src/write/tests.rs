@@ -1,28 +1,39 @@
-use grainpath_core::{BeadWidth, DVec2, DVec3, LayerPlan, PlannedPath, Role, Toolpath, Travel};
+//! Whole programs for small plans, and what they add up to when they are read back.
 
+use std::f64::consts::{PI, TAU};
+
+use grainpath_core::math::{cross, sin_cos};
+use grainpath_core::{
+    BeadWidth, DVec2, DVec3, LayerPlan, Plan, PlannedPath, Role, SpeedClass, Toolpath, Travel,
+};
+use proptest::prelude::*;
+
+use super::arcs::arc_from;
 use super::*;
+use crate::kinematics::Limits;
 use crate::machine::Flavour;
-use crate::{Corner, Limits, simulate};
+use crate::simulate::{Program, simulate};
+
+const FILAMENT_MM2: f64 = PI * 1.75 * 1.75 / 4.0;
 
 fn config(flavour: Flavour) -> WriteConfig {
-    let limits = Limits { corner: Corner::Jerk([8.0, 8.0, 0.4, 4.0]), ..Limits::default() };
     WriteConfig {
         machine: Machine {
             flavour,
             nozzle_mm: 0.4,
             filament_mm: 1.75,
-            bed_mm: [200.0, 200.0, 200.0],
+            bed_mm: [200.0, 180.0, 150.0],
             origin_at_centre: false,
-            limits,
+            limits: Limits { travel_acceleration_mm_s2: 1500.0, ..Limits::default() },
             relative_e: true,
-            start_gcode: "G28\nM109 S{first_layer_nozzle_temp_c}".into(),
-            end_gcode: "M84".into(),
+            start_gcode: "M109 S{first_layer_nozzle_temp_c}\nG28\n".to_owned(),
+            end_gcode: "G1 Z{z_park_mm}\nM84\n".to_owned(),
         },
         material: Material {
-            name: "PLA".into(),
+            name: "PLA".to_owned(),
             density_g_cm3: 1.24,
             nozzle_temp_c: 205.0,
-            first_layer_nozzle_temp_c: 210.0,
+            first_layer_nozzle_temp_c: 215.0,
             bed_temp_c: 60.0,
             first_layer_bed_temp_c: 60.0,
             flow: 1.0,
@@ -30,29 +41,29 @@ fn config(flavour: Flavour) -> WriteConfig {
             max_volumetric_mm3_s: 100.0,
         },
         speeds: Speeds {
-            outer_wall: 40.0,
-            inner_wall: 60.0,
-            small_wall: 25.0,
-            overhang: 20.0,
-            gap_fill: 30.0,
-            solid: 60.0,
-            top: 40.0,
+            outer_wall: 30.0,
+            inner_wall: 45.0,
+            small_wall: 20.0,
+            overhang: 15.0,
+            gap_fill: 25.0,
+            solid: 50.0,
+            top: 35.0,
             sparse: 80.0,
-            bridge: 30.0,
-            support: 60.0,
-            adhesion: 25.0,
+            bridge: 25.0,
+            support: 40.0,
+            adhesion: 40.0,
             travel: 150.0,
             travel_z: 10.0,
-            first_layer: 25.0,
+            first_layer: 20.0,
         },
         cooling: Cooling {
-            fan_min: 0.5,
+            fan_min: 0.4,
             fan_max: 1.0,
-            fan_bridge: 1.0,
+            fan_bridge: 0.8,
             fan_off_layers: 1,
             min_layer_time_s: 0.0,
-            fan_below_layer_time_s: 1e-6,
-            min_speed_mm_s: 5.0,
+            fan_below_layer_time_s: 0.0,
+            min_speed_mm_s: 10.0,
         },
         retraction: Retraction {
             length_mm: 0.8,
@@ -61,25 +72,42 @@ fn config(flavour: Flavour) -> WriteConfig {
             z_hop_mm: 0.2,
         },
         arc_tolerance_mm: None,
-        header: Vec::new(),
+        header: vec!["settings = 1234".to_owned()],
     }
 }
 
-fn square(at: f64, retract: bool) -> PlannedPath {
-    let points = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)].map(|p| DVec2::from(p) + at).to_vec();
-    PlannedPath {
-        travel: Travel { via: Vec::new(), retract },
-        path: Toolpath::new(points, 0.45, Role::OuterWall, true),
+fn planned(path: Toolpath, retract: bool) -> PlannedPath {
+    PlannedPath { travel: Travel { via: Vec::new(), retract }, path }
+}
+
+fn plan(layers: Vec<Vec<PlannedPath>>) -> Plan {
+    let layer = |(i, paths)| LayerPlan { z_top_mm: 0.2 * (i as f64 + 1.0), height_mm: 0.2, paths };
+    Plan {
+        layers: layers.into_iter().enumerate().map(layer).collect(),
+        plate_from_part_mm: DVec3::new(100.0, 90.0, 0.0),
     }
 }
 
-fn plan() -> Plan {
-    let layer = |z: f64| LayerPlan {
-        z_top_mm: z,
-        height_mm: 0.2,
-        paths: vec![square(0.0, true), square(20.0, true)],
-    };
-    Plan { layers: vec![layer(0.2), layer(0.4)], plate_from_part_mm: DVec3::new(50.0, 50.0, 0.0) }
+fn square(half: f64) -> Vec<DVec2> {
+    [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| DVec2::new(x, y) * half).to_vec()
+}
+
+fn line(points: &[(f64, f64)], width: BeadWidth, role: Role) -> Toolpath {
+    let points = points.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
+    Toolpath { width, ..Toolpath::new(points, 0.45, role, false) }
+}
+
+/// A square loop, and above it a loop, a line that is reached with a retraction, and a bead of varying width.
+fn two_layers() -> Plan {
+    let varying = BeadWidth::PerVertex(vec![0.4, 0.5, 0.5]);
+    plan(vec![
+        vec![planned(Toolpath::new(square(5.0), 0.45, Role::OuterWall, true), true)],
+        vec![
+            planned(Toolpath::new(square(5.0), 0.45, Role::OuterWall, true), false),
+            planned(line(&[(-3.0, 0.0), (3.0, 0.0)], BeadWidth::Constant(0.5), Role::SolidFill), true),
+            planned(line(&[(3.0, 1.0), (0.0, 1.0), (-3.0, 1.0)], varying, Role::GapFill), false),
+        ],
+    ])
 }
 
 fn written(plan: &Plan, config: &WriteConfig) -> (String, Written) {
@@ -88,127 +116,507 @@ fn written(plan: &Plan, config: &WriteConfig) -> (String, Written) {
     (String::from_utf8(out).expect("text"), written)
 }
 
+fn read_back(text: &str, config: &WriteConfig) -> Program {
+    simulate(text.as_bytes(), config.machine.filament_mm, &config.machine.limits).expect("a program")
+}
+
+/// The lines from the first that is this one.
+fn from<'a>(text: &'a str, first: &str) -> Vec<&'a str> {
+    text.lines().skip_while(|l| *l != first).collect()
+}
+
 #[test]
-fn a_program_as_it_should_read() {
-    let (text, _) = written(&plan(), &config(Flavour::Marlin));
-    let expect = "\
+fn marlin_whole() {
+    let (text, _) = written(&two_layers(), &config(Flavour::Marlin));
+    // 0.45 x 0.2 mm: 0.081416 mm2, 0.033849 mm of filament a mm.
+    let expected = "\
+; generated by grainpath 0.1.0
+;
+; plate_from_part = 100.000, 90.000, 0.000
+; layers = 2
+; settings = 1234
+M109 S215
 G28
-M109 S210
 G21 ; mm
 G90 ; positions are absolute
 M83 ; extrusion is relative
+M204 P1000 R1500 T1500
 M900 K0.05
 ;LAYER_CHANGE
 ;Z:0.2
 ;HEIGHT:0.2
 G1 Z0.2 F600
-M204 S1000
-G1 F9000
-G1 X50 Y50
+G1 X95 Y85 F9000
 ;TYPE:External perimeter
 ;WIDTH:0.45
-G1 F1500
-G1 X60 E0.33849
-G1 Y60 E0.33849
-G1 X50 E0.33848
-G1 Y50 E0.33849
+G1 X105 E0.33849 F1200
+G1 Y95 E0.33849
+G1 X95 E0.33848
+G1 Y85 E0.33849
+;LAYER_CHANGE
+;Z:0.4
+;HEIGHT:0.2
+M104 S205
+G1 Z0.4 F600
+;TYPE:External perimeter
+;WIDTH:0.45
+M106 S102
+G1 X105 E0.33849 F1800
+G1 Y95 E0.33849
+G1 X95 E0.33849
+G1 Y85 E0.33848
+G1 E-0.8 F2400
+G1 Z0.6 F600
+G1 X97 Y90 F9000
+G1 Z0.4 F600
+G1 E0.8 F1800
+;TYPE:Solid infill
+;WIDTH:0.5
+G1 X103 E0.22804 F3000
+G1 Y91 F9000
+;TYPE:Gap fill
+;WIDTH:0.45
+G1 X100 E0.10155 F1500
+;WIDTH:0.5
+G1 X97 E0.11402
+G1 E-0.8 F2400
+G1 Z0.6 F600
+;TYPE:Custom
+M107
+G1 Z10.400
+M84
+; filament used [mm] = 3.15
+; filament used [cm3] = 0.01
+; filament used [g] = 0.01
+; estimated printing time (normal mode) = 5s
+";
+    assert_eq!(text, expected);
+}
+
+#[test]
+fn klipper_whole_layer() {
+    let mut plan = two_layers();
+    plan.layers.truncate(1);
+    let (text, _) = written(&plan, &config(Flavour::Klipper));
+    let expected = "\
+G21 ; mm
+G90 ; positions are absolute
+M83 ; extrusion is relative
+SET_PRESSURE_ADVANCE ADVANCE=0.05
+;LAYER_CHANGE
+;Z:0.2
+;HEIGHT:0.2
+G1 Z0.2 F600
+SET_VELOCITY_LIMIT ACCEL=1500
+G1 X95 Y85 F9000
+;TYPE:External perimeter
+;WIDTH:0.45
+SET_VELOCITY_LIMIT ACCEL=1000
+G1 X105 E0.33849 F1200
+G1 Y95 E0.33849
+G1 X95 E0.33848
+G1 Y85 E0.33849
 G1 E-0.8 F2400
 G1 Z0.4 F600
-G1 F9000
-G1 X70 Y70
+;TYPE:Custom";
+    assert_eq!(from(&text, "G21 ; mm")[..20].join("\n"), expected);
+}
+
+#[test]
+fn reprapfirmware_whole_layer_with_absolute_e() {
+    let mut plan = two_layers();
+    plan.layers.truncate(1);
+    let mut config = config(Flavour::RepRapFirmware);
+    config.machine.relative_e = false;
+    let (text, _) = written(&plan, &config);
+    let expected = "\
+G21 ; mm
+G90 ; positions are absolute
+M82 ; extrusion is absolute
+M204 P1000 T1500
+M572 D0 S0.05
+;LAYER_CHANGE
+;Z:0.2
+;HEIGHT:0.2
+G92 E0
 G1 Z0.2 F600
-G1 E0.8 F1800
-G1 F1500
-G1 X80 E0.33849
-";
-    let from = text.find("G28").expect("the start program");
-    assert!(text[from..].starts_with(expect), "{}", &text[from..from + expect.len().min(text.len() - from)]);
-    assert!(text.contains("\nM104 S205\n") && text.contains("\nM106 S128\n") && text.ends_with('\n'));
-    assert!(text.contains("; estimated printing time (normal mode) = "));
+G1 X95 Y85 F9000
+;TYPE:External perimeter
+;WIDTH:0.45
+G1 X105 E0.33849 F1200
+G1 Y95 E0.67698
+G1 X95 E1.01546
+G1 Y85 E1.35395
+G1 E0.55395 F2400
+G1 Z0.4 F600
+;TYPE:Custom";
+    assert_eq!(from(&text, "G21 ; mm")[..20].join("\n"), expected);
 }
 
 #[test]
-fn flavours_say_the_same_in_their_own_words() {
-    let (klipper, _) = written(&plan(), &config(Flavour::Klipper));
-    assert!(
-        klipper.contains("SET_PRESSURE_ADVANCE ADVANCE=0.05\n")
-            && klipper.contains("SET_VELOCITY_LIMIT ACCEL=1000\n")
-    );
-    let (rrf, _) = written(&plan(), &config(Flavour::RepRapFirmware));
-    assert!(rrf.contains("M572 D0 S0.05\n") && rrf.contains("M204 P1000 T1000\n"));
+fn absolute_and_relative_e_do_the_same() {
+    let mut config = config(Flavour::Marlin);
+    let relative = read_back(&written(&two_layers(), &config).0, &config);
+    config.machine.relative_e = false;
+    let (text, total) = written(&two_layers(), &config);
+    let absolute = read_back(&text, &config);
+    assert!((relative.filament_mm - absolute.filament_mm).abs() < 1e-9);
+    assert_eq!(relative.retractions, absolute.retractions);
+    assert_eq!(total.retractions, absolute.retractions);
+    assert_eq!(text.matches("G92 E0").count(), 2);
 }
 
 #[test]
-fn the_filament_is_that_of_the_volume_and_absolute_e_is_the_same() {
-    let mut plan = plan();
-    for layer in &mut plan.layers {
-        for p in &mut layer.paths {
-            p.path.width = BeadWidth::PerVertex(vec![0.3, 0.45, 0.61, 0.4]);
+fn every_retraction_is_paired_and_every_hop_comes_down() {
+    let mut layers = Vec::new();
+    for i in 0..3 {
+        let at = |k: f64| [(k, f64::from(i)), (k + 1.0, f64::from(i))];
+        let one =
+            |k: f64, retract| planned(line(&at(k), BeadWidth::Constant(0.45), Role::SparseFill), retract);
+        // The second begins where the first ends: no travel, so nothing is drawn back.
+        layers.push(vec![one(0.0, true), one(1.0, true), one(10.0, true), one(20.0, false)]);
+    }
+    let config = config(Flavour::Marlin);
+    let (text, total) = written(&plan(layers), &config);
+    let (mut back, mut z, mut pairs) = (false, 0.0, 0);
+    for l in crate::read::Lines::new(text.split(";TYPE:Custom").next().unwrap_or_default().as_bytes()) {
+        if l.command != Some((b'G', 10)) {
+            continue;
+        }
+        z = l.word(b'Z').unwrap_or(z);
+        let in_plan = l.word(b'X').is_some() || l.word(b'Y').is_some();
+        match l.word(b'E') {
+            Some(e) if in_plan => {
+                assert!(e > 0.0 && !back, "printing while drawn back: line {}", l.number);
+                let layer = (z / 0.2_f64).round() * 0.2;
+                assert!((z - layer).abs() < 1e-9);
+            }
+            Some(e) => {
+                assert!(back == (e > 0.0), "twice the same: line {}", l.number);
+                assert!((e.abs() - 0.8).abs() < 1e-9);
+                back = e < 0.0;
+                pairs += usize::from(back);
+            }
+            None => {}
         }
     }
-    let exact: f64 =
-        plan.layers.iter().flat_map(|l| l.paths.iter().map(|p| p.path.volume_mm3(l.height_mm))).sum();
-    let mut config = config(Flavour::Marlin);
-    let (relative, report) = written(&plan, &config);
-    assert!((report.extruded_mm3 - exact).abs() < 1e-9);
-    config.machine.relative_e = false;
-    let (absolute, _) = written(&plan, &config);
-    let limits = config.machine.limits;
-    let [a, b] = [&relative, &absolute].map(|t| simulate(t.as_bytes(), 1.75, &limits).expect("a program"));
-    assert!((a.extruded_mm3 / exact - 1.0).abs() < 1e-5, "{} {exact}", a.extruded_mm3);
-    assert!((a.extruded_mm3 - b.extruded_mm3).abs() < 1e-3, "{} {}", a.extruded_mm3, b.extruded_mm3);
-    // Two travels each layer but the first, and the end.
-    assert_eq!((a.retractions, b.retractions, report.retractions), (4, 4, 4));
-    assert!((a.time_s / report.time_s - 1.0).abs() < 0.02, "{} {}", a.time_s, report.time_s);
-}
-
-#[test]
-fn arcs_stand_for_the_points_and_keep_the_volume() {
-    let circle = (0..200)
-        .map(|i| grainpath_core::math::direction(f64::from(i) / 200.0 * std::f64::consts::TAU) * 15.0);
-    let path = Toolpath::new(circle.collect(), 0.45, Role::OuterWall, true);
-    let paths = vec![PlannedPath { travel: Travel::default(), path: path.clone() }];
-    let layers = vec![LayerPlan { z_top_mm: 0.2, height_mm: 0.2, paths }];
-    let plan = Plan { layers, plate_from_part_mm: DVec3::new(100.0, 100.0, 0.0) };
-    let mut config = config(Flavour::Marlin);
-    config.arc_tolerance_mm = Some(0.01);
-    let (text, _) = written(&plan, &config);
-    let n = text.lines().filter(|l| l.starts_with("G2 ") || l.starts_with("G3 ")).count();
-    assert!((1..=3).contains(&n), "{n} arcs for a circle");
-    let program = simulate(text.as_bytes(), 1.75, &config.machine.limits).expect("a program");
-    assert!((program.extruded_mm3 / path.volume_mm3(0.2) - 1.0).abs() < 1e-4);
-    for bead in &program.layers[0].beads {
-        let r = bead.end().distance(DVec2::splat(100.0));
-        assert!((r - 15.0).abs() < 0.012, "{r}");
-    }
-}
-
-#[test]
-fn short_layers_are_slowed_down() {
-    let (_, fast) = written(&plan(), &config(Flavour::Marlin));
-    let mut slow = config(Flavour::Marlin);
-    slow.cooling.min_layer_time_s = 10.0;
-    let (_, slow) = written(&plan(), &slow);
-    assert!(
-        fast.time_s < 12.0 && slow.time_s > 19.0 && slow.time_s < 23.0,
-        "{} {}",
-        fast.time_s,
-        slow.time_s
+    // One to the third path of each layer, two layer changes, one at the end.
+    assert_eq!((pairs, total.retractions), (6, 6));
+    let beads = read_back(&text, &config);
+    assert_eq!(
+        beads.layers.iter().map(|l| (l.z_mm * 1e3).round()).collect::<Vec<_>>(),
+        [200.0, 400.0, 600.0]
     );
 }
 
 #[test]
-fn what_cannot_be_written_is_said() {
+fn travels_go_by_their_points() {
+    let mut p = two_layers();
+    p.layers.truncate(1);
+    p.layers[0].paths[0].travel.via = vec![DVec2::new(-20.0, -20.0), DVec2::new(-10.0, -20.0)];
+    let (text, total) = written(&p, &config(Flavour::Marlin));
+    assert!(text.contains("G1 X80 Y70 F9000\nG1 X90\nG1 X95 Y85\n"), "{text}");
+    // The first of them is gone to from home.
+    let home = (80.0f64 * 80.0 + 70.0 * 70.0).sqrt();
+    assert!((total.travel_mm - (home + 10.0 + 250.0f64.sqrt())).abs() < 1e-9, "{}", total.travel_mm);
+}
+
+#[test]
+fn first_layer_melt_and_classes_limit_the_speed() {
+    let c = config(Flavour::Marlin);
+    assert_eq!(c.speeds.of(Role::SparseFill, SpeedClass::Normal, false), 80.0);
+    assert_eq!(c.speeds.of(Role::SparseFill, SpeedClass::Normal, true), 20.0);
+    assert_eq!(c.speeds.of(Role::OuterWall, SpeedClass::SmallWall, false), 20.0);
+    assert_eq!(c.speeds.of(Role::OuterWall, SpeedClass::Overhang, true), 15.0);
+    let mut slow = c;
+    slow.material.max_volumetric_mm3_s = 1.0;
+    let (text, _) = written(&two_layers(), &slow);
+    // 1 mm3/s through 0.0914 mm2 of the solid line: 10.94 mm/s.
+    assert!(text.contains("G1 X103 E0.22804 F656\n"), "{text}");
+}
+
+#[test]
+fn short_layers_slow_down_to_their_time_but_no_further_than_the_least_speed() {
+    let mut config = config(Flavour::Marlin);
+    config.cooling =
+        Cooling { min_layer_time_s: 4.0, fan_below_layer_time_s: 8.0, min_speed_mm_s: 5.0, ..config.cooling };
+    let loops = |half: f64| {
+        let path = || vec![planned(Toolpath::new(square(half), 0.45, Role::OuterWall, true), false)];
+        plan(vec![path(), path()])
+    };
+    let second_layer = |half: f64| {
+        let (text, _) = written(&loops(half), &config);
+        let layer = text.split(";Z:0.4").nth(1).expect("a second layer").to_owned();
+        let fan = layer.lines().find_map(|l| l.strip_prefix("M106 S")).map(str::to_owned);
+        (read_back(&text, &config).layers[1].beads[0].speed_mm_s, fan)
+    };
+    // 40 mm in 4 s is 10 mm/s, with all the fan.
+    assert_eq!(second_layer(5.0), (10.0, Some("255".to_owned())));
+    // 8 mm in 4 s would be 2 mm/s.
+    assert_eq!(second_layer(1.0), (5.0, Some("255".to_owned())));
+    // 180 mm at 30 mm/s are 6 s: no slower, and half way between the fans, 0.7.
+    assert_eq!(second_layer(22.5), (30.0, Some("179".to_owned())));
+    // 400 mm take long: the least fan.
+    assert_eq!(second_layer(50.0), (30.0, Some("102".to_owned())));
+}
+
+#[test]
+fn bridges_are_cooled_even_where_nothing_else_is() {
+    let mut config = config(Flavour::Marlin);
+    config.cooling = Cooling { fan_min: 0.0, fan_max: 0.0, fan_bridge: 0.8, ..config.cooling };
+    let layer = || {
+        let role =
+            |y: f64, role| planned(line(&[(0.0, y), (9.0, y)], BeadWidth::Constant(0.45), role), false);
+        vec![role(0.0, Role::SolidFill), role(1.0, Role::Bridge), role(2.0, Role::SolidFill)]
+    };
+    let (text, _) = written(&plan(vec![layer(), layer()]), &config);
+    let fans: Vec<_> = text.lines().filter(|l| l.starts_with("M10") && !l.starts_with("M109")).collect();
+    assert_eq!(fans, ["M104 S205", "M106 S204", "M107"]);
+}
+
+#[test]
+fn what_is_written_is_what_is_read() {
     let config = config(Flavour::Marlin);
-    let mut far = plan();
-    far.plate_from_part_mm.x = 175.0;
-    let error = check_fits(&far, &config.machine).expect_err("off the bed").to_string();
-    assert!(error.starts_with("the print reaches X = 205.2"), "{error}");
-    let mut broken = plan();
-    broken.layers[1].paths[0].path.points[2].y = f64::NAN;
-    assert!(matches!(check_fits(&broken, &config.machine), Err(GcodeError::NotANumber { .. })));
-    let mut typo = config;
-    typo.machine.end_gcode = "G1 Z{zmax_mm}".into();
-    let error = write_gcode(&plan(), &typo, &[], &mut Vec::new()).expect_err("a typo").to_string();
-    assert_eq!(error, "end_gcode: unknown placeholder {zmax_mm}; did you mean {z_max_mm}?");
+    let (text, total) = written(&two_layers(), &config);
+    let read = read_back(&text, &config);
+    assert!((total.extruded_mm3 - read.extruded_mm3).abs() < 1e-4 * FILAMENT_MM2);
+    assert!((total.printed_mm - read.printed_mm).abs() < 1e-9);
+    assert!((total.mass_g - read.extruded_mm3 * 1.24e-3).abs() < 1e-6);
+    assert_eq!(total.toolpaths, 4);
+    assert_eq!(read.layers.iter().map(|l| l.paths).sum::<usize>(), 4);
+    // The reader also runs the start and end programs.
+    assert!(
+        (total.time_s - read.time_s).abs() < 0.15 + 10.0 / 10.0 + 1.0,
+        "{} {}",
+        total.time_s,
+        read.time_s
+    );
+    let exact: f64 = two_layers().layers.iter().flat_map(|l| &l.paths).map(|p| p.path.volume_mm3(0.2)).sum();
+    assert!((total.extruded_mm3 - exact).abs() < 1e-12);
+}
+
+proptest! {
+    /// Rounding never adds up: whatever the steps, all filament written is within 1e-4 mm of the exact volume.
+    #[test]
+    fn no_filament_is_lost(
+        steps in proptest::collection::vec((-0.9..0.9f64, -0.9..0.9f64, 0.2..0.9f64), 2..300),
+        scale in prop_oneof![Just(1.0), Just(0.01), Just(0.0004)],
+        relative_e in any::<bool>(),
+        arcs in any::<bool>(),
+        flow in 0.8..1.2f64,
+    ) {
+        let mut at = DVec2::ZERO;
+        let points: Vec<_> = steps.iter().map(|s| { at += DVec2::new(s.0, s.1) * scale; at }).collect();
+        let mut path = Toolpath::new(points, 0.45, Role::GapFill, false);
+        path.width = BeadWidth::PerVertex(steps.iter().map(|s| s.2).collect());
+        let mut other = path.clone();
+        other.points.iter_mut().for_each(|p| p.x += 1.0);
+        other.width = BeadWidth::Constant(0.45);
+        let layer = || vec![planned(path.clone(), true), planned(other.clone(), true)];
+        let plan = Plan { plate_from_part_mm: DVec3::new(100.0, 90.0, 0.0), ..plan(vec![layer(), layer()]) };
+        let mut config = config(Flavour::Marlin);
+        config.machine.bed_mm = [1e4; 3];
+        config.machine.origin_at_centre = true;
+        config.machine.relative_e = relative_e;
+        config.material.flow = flow;
+        config.arc_tolerance_mm = arcs.then_some(0.01);
+        let (text, total) = written(&plan, &config);
+        prop_assert!(!text.contains("-0 ") && !text.contains("NaN"));
+        let exact = flow * plan.layers.iter().flat_map(|l| &l.paths).map(|p| p.path.volume_mm3(0.2)).sum::<f64>();
+        prop_assert!((total.extruded_mm3 - exact).abs() < 1e-9 * exact.max(1.0));
+        // What the machine pushes in all, retractions and all, less the last one.
+        let mut e = 0.0;
+        let mut sum = 0.0;
+        for l in crate::read::Lines::new(text.as_bytes()) {
+            match (l.command, l.word(b'E')) {
+                (Some((b'G', 920)), Some(v)) => e = v,
+                (Some((b'G', 10 | 20 | 30)), Some(v)) => {
+                    sum += if relative_e { v } else { v - e };
+                    e = v;
+                }
+                _ => {}
+            }
+        }
+        let retracted = if total.retractions > 0 { 0.8 } else { 0.0 };
+        // A last move too small to write may keep its filament back: less than a micrometre's.
+        prop_assert!((sum + retracted - exact / FILAMENT_MM2).abs() < 4e-4, "{} {}", sum + retracted, exact / FILAMENT_MM2);
+        if scale == 1.0 {
+            prop_assert!((sum + retracted - exact / FILAMENT_MM2).abs() < 1e-4);
+        }
+    }
+}
+
+fn circle(n: usize, r: f64) -> Vec<DVec2> {
+    (0..n).map(|i| sin_cos(TAU * i as f64 / n as f64)).map(|(s, c)| DVec2::new(c, s) * r).collect()
+}
+
+#[test]
+fn a_circle_is_a_few_arcs_with_all_of_its_volume() {
+    let mut config = config(Flavour::Marlin);
+    let path = Toolpath::new(circle(200, 20.0), 0.45, Role::OuterWall, true);
+    let mut clockwise = Toolpath::new(circle(200, 10.0), 0.45, Role::InnerWall, true);
+    clockwise.reverse();
+    let plan = plan(vec![vec![planned(path, false), planned(clockwise, false)]]);
+    let (straight, whole) = written(&plan, &config);
+    config.arc_tolerance_mm = Some(0.01);
+    let (text, total) = written(&plan, &config);
+    let n = |start: &str| text.lines().filter(|l| l.starts_with(start)).count();
+    assert!((1..=2).contains(&n("G2 ")) && (1..=2).contains(&n("G3 ")), "{text}");
+    assert!(text.len() * 5 < straight.len());
+    assert!((total.extruded_mm3 - whole.extruded_mm3).abs() < 1e-4);
+    let (read, segments) = (read_back(&text, &config), read_back(&straight, &config));
+    assert!((read.extruded_mm3 - segments.extruded_mm3).abs() < 1e-4);
+    assert!((total.time_s - whole.time_s).abs() < 1e-9);
+    assert!((read.time_s / segments.time_s - 1.0).abs() < 0.03, "{} {}", read.time_s, segments.time_s);
+    for (i, bead) in read.layers[0].beads.iter().enumerate() {
+        let r = bead.end().distance(DVec2::new(100.0, 90.0));
+        assert!((r - 20.0).abs().min((r - 10.0).abs()) < 0.012, "bead {i} at {r}");
+    }
+}
+
+#[test]
+fn corners_lines_and_coarse_polygons_are_no_arcs() {
+    assert_eq!(arc_from(&circle(12, 20.0), 0, 0.01), None);
+    let straight: Vec<_> = (0..50).map(|i| DVec2::new(f64::from(i), 0.0)).collect();
+    assert_eq!(arc_from(&straight, 0, 0.01), None);
+    // A rounded corner: the arc ends where the straight begins, and the turn back is another arc.
+    let quarter: Vec<_> = circle(200, 5.0).into_iter().take(51).collect();
+    let mut path = quarter.clone();
+    path.extend((1..40).map(|i| DVec2::new(-f64::from(i), 5.0)));
+    let arc = arc_from(&path, 0, 0.005).expect("an arc");
+    assert!((50..=51).contains(&arc.end), "{arc:?}");
+    assert!(arc.counter_clockwise && arc.centre.length() < 0.05);
+    assert!((arc.length_mm - 5.0 * PI / 2.0).abs() < 0.2);
+}
+
+proptest! {
+    /// Whatever is taken for an arc, the points lie on it and it turns one way.
+    #[test]
+    fn arcs_stay_by_their_points(
+        r in 0.5..80.0f64, n in 20usize..400, noise in 0.0..0.004f64, seed in 0usize..1000,
+        tolerance in 0.003..0.02f64, at in -300.0..300.0f64,
+    ) {
+        let wave = |i: usize| 1.0 + noise / r * sin_cos((i * seed) as f64).0;
+        let points: Vec<_> = circle(n, r).into_iter().enumerate().map(|(i, p)| DVec2::splat(at) + p * wave(i)).collect();
+        let mut i = 0;
+        while i < points.len() {
+            let Some(arc) = arc_from(&points, i, tolerance) else { i += 1; continue };
+            prop_assert!(arc.end >= i + 4 && arc.end < points.len());
+            let radius = arc.centre.distance(points[i]);
+            for w in points[i..=arc.end].windows(2) {
+                prop_assert!((w[1].distance(arc.centre) - radius).abs() <= tolerance + 1e-9);
+                prop_assert!(radius - (0.5 * (w[0] + w[1])).distance(arc.centre) <= tolerance + 1e-9);
+                prop_assert!((cross(w[0] - arc.centre, w[1] - arc.centre) > 0.0) == arc.counter_clockwise);
+            }
+            i = arc.end;
+        }
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_said_with_axis_and_place() {
+    let machine = config(Flavour::Marlin).machine;
+    assert!(check_fits(&two_layers(), &machine).is_ok());
+    let moved = |x: f64, y: f64| Plan { plate_from_part_mm: DVec3::new(x, y, 0.0), ..two_layers() };
+    let message = |p: &Plan, m: &Machine| check_fits(p, m).expect_err("does not fit").to_string();
+    assert_eq!(
+        message(&moved(197.0, 90.0), &machine),
+        "the print reaches X = 202.22 mm; the bed allows 0.00 to 200.00 mm"
+    );
+    // Of two axes, the one that is further out.
+    assert_eq!(
+        message(&moved(4.0, 1.0), &machine),
+        "the print reaches Y = -4.22 mm; the bed allows 0.00 to 180.00 mm"
+    );
+    let centred = Machine { origin_at_centre: true, ..machine.clone() };
+    assert!(check_fits(&moved(-90.0, 80.0), &centred).is_ok());
+    assert!(check_fits(&moved(-96.0, 80.0), &centred).is_err());
+    let low = Machine { bed_mm: [200.0, 180.0, 0.3], ..machine.clone() };
+    assert!(message(&two_layers(), &low).starts_with("the print reaches Z = 0.40 mm"));
+    let mut by_travel = two_layers();
+    by_travel.layers[1].paths[1].travel.via = vec![DVec2::new(0.0, -100.0)];
+    assert!(message(&by_travel, &machine).starts_with("the print reaches Y = -10."));
+    // Nothing is written then.
+    let mut out = Vec::new();
+    assert!(write_gcode(&by_travel, &config(Flavour::Marlin), &[], &mut out).is_err());
+    assert!(out.is_empty());
+}
+
+#[test]
+fn numbers_that_are_none_are_errors() {
+    type Damage = fn(&mut Plan);
+    let damages: [Damage; 11] = [
+        |p| p.layers[1].paths[0].path.points[2].x = f64::NAN,
+        |p| p.layers[1].paths[0].path.points[2].y = f64::INFINITY,
+        |p| p.layers[1].paths[0].path.width = BeadWidth::Constant(f64::NAN),
+        |p| p.layers[1].paths[0].path.width = BeadWidth::Constant(-0.4),
+        |p| p.layers[1].paths[2].path.width = BeadWidth::PerVertex(vec![0.4, f64::NAN, 0.4]),
+        |p| p.layers[1].paths[2].path.width = BeadWidth::PerVertex(Vec::new()),
+        |p| p.layers[1].paths[2].path.flow = f64::NAN,
+        |p| p.layers[1].paths[2].travel.via = vec![DVec2::NAN],
+        |p| p.layers[1].z_top_mm = f64::NAN,
+        |p| p.layers[1].height_mm = 0.0,
+        |p| p.plate_from_part_mm.x = f64::NAN,
+    ];
+    for (i, damage) in damages.into_iter().enumerate() {
+        let mut p = two_layers();
+        damage(&mut p);
+        let result = write_gcode(&p, &config(Flavour::Marlin), &[], &mut Vec::new());
+        assert!(matches!(result, Err(GcodeError::NotANumber { .. })), "damage {i}: {result:?}");
+    }
+}
+
+#[test]
+fn empty_layers_and_paths_are_passed_over() {
+    let empty = || planned(Toolpath::new(Vec::new(), 0.45, Role::SparseFill, false), true);
+    let point = planned(Toolpath::new(vec![DVec2::ZERO], 0.45, Role::SparseFill, false), true);
+    let (_, total) = written(&plan(vec![vec![empty()], Vec::new(), vec![point]]), &config(Flavour::Marlin));
+    assert_eq!((total.toolpaths, total.retractions), (0, 0));
+    assert_eq!(total.extruded_mm3, 0.0);
+    let (_, total) = written(&plan(Vec::new()), &config(Flavour::Marlin));
+    assert_eq!(total.printed_mm, 0.0);
+}
+
+#[test]
+fn unknown_placeholders_name_the_nearest() {
+    let mut config = config(Flavour::Klipper);
+    config.machine.start_gcode = "PRINT_START BED={bed_tmp_c}".to_owned();
+    let error = write_gcode(&two_layers(), &config, &[], &mut Vec::new()).expect_err("unknown");
+    assert_eq!(error.to_string(), "start_gcode: unknown placeholder {bed_tmp_c}; did you mean {bed_temp_c}?");
+    // Braces around anything but a name are the machine's own.
+    config.machine.start_gcode = "PRINT_START BED={bed_temp_c} { } {1+1} {".to_owned();
+    let (text, _) = written(&two_layers(), &config);
+    assert!(text.contains("PRINT_START BED=60 { } {1+1} {\n"));
+}
+
+#[test]
+fn headers_and_pictures_stay_comments() {
+    let mut config = config(Flavour::Marlin);
+    config.header = vec!["part = a\nG28 ; no command".to_owned()];
+    let picture = Thumbnail { width: 16, height: 16, png: (0..=255).collect() };
+    let mut out = Vec::new();
+    write_gcode(&two_layers(), &config, std::slice::from_ref(&picture), &mut out).expect("written");
+    let text = String::from_utf8(out).expect("text");
+    let head: Vec<_> = text.lines().take_while(|l| *l != "M109 S215").collect();
+    assert!(head.iter().all(|l| l.starts_with(';')), "{head:?}");
+    let begin = head.iter().position(|l| *l == "; thumbnail begin 16x16 344").expect("a picture");
+    let end = head.iter().position(|l| *l == "; thumbnail end").expect("its end");
+    let base64: String = head[begin + 1..end].iter().map(|l| &l[2..]).collect();
+    assert!(head[begin + 1..end].iter().all(|l| l.len() <= 80));
+    assert_eq!(base64.len(), 344);
+    assert!(base64.starts_with("AAECAwQFBgcICQ") && base64.ends_with("/P3+/w=="));
+    assert_eq!(read_back(&text, &config).thumbnails, [[16, 16]]);
+}
+
+#[test]
+fn times_as_people_read_them() {
+    for (s, text) in [
+        (0.4, "0s"),
+        (59.6, "1m 0s"),
+        (3723.0, "1h 2m 3s"),
+        (90_061.0, "1d 1h 1m 1s"),
+        (86_400.0, "1d 0h 0m 0s"),
+    ] {
+        assert_eq!(program::duration(s), text);
+    }
 }
