@@ -5,7 +5,7 @@
 //! little way under what covers them anyway, and polygons would cost ten booleans a layer.
 
 use grainpath_core::diagnostics::Interrupted;
-use grainpath_core::{Bounds2, Diagnostics, Polygon, Region};
+use grainpath_core::{Bounds2, Contour, Diagnostics, Polygon, Region};
 use rayon::prelude::*;
 
 use crate::mask::{Coverage, Grid, Mask};
@@ -165,10 +165,17 @@ fn cut(polygons: Vec<IslandPolygon>, cells: &Mask) -> (Vec<IslandPolygon>, Vec<I
             Coverage::All => inside.push((island, polygon)),
             Coverage::None => outside.push((island, polygon)),
             Coverage::Part => {
-                let zone = zone.get_or_insert_with(|| {
-                    let ring = |outer| Polygon { outer, holes: Vec::new() };
-                    Region { polygons: cells.contours().into_iter().map(ring).collect() }
+                let zone: &Vec<(Bounds2, Polygon)> = zone.get_or_insert_with(|| {
+                    let ring = |outer: Contour| {
+                        let bounds = Bounds2::of(outer.iter().copied())?;
+                        Some((bounds, Polygon { outer, holes: Vec::new() }))
+                    };
+                    cells.contours().into_iter().filter_map(ring).collect()
                 });
+                // Only what is near: a layer may have a thousand islands.
+                let Some(around) = polygon.bounds() else { continue };
+                let near = zone.iter().filter(|(b, _)| b.meets(around)).map(|(_, p)| p.clone());
+                let zone = &Region { polygons: near.collect() };
                 let whole = Region::from(polygon);
                 inside.extend(whole.intersection(zone).polygons.into_iter().map(|p| (island, p)));
                 outside.extend(whole.difference(zone).polygons.into_iter().map(|p| (island, p)));

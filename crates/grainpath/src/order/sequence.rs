@@ -9,9 +9,9 @@ use super::seam::Seams;
 use crate::walls::Wall;
 
 /// How far ahead 2-opt looks for an exchange.
-const WINDOW: usize = 40;
+const WINDOW: usize = 200;
 /// Passes of 2-opt at the most.
-const PASSES: usize = 4;
+const PASSES: usize = 8;
 
 /// Visits every owner once, entering at one of its ends and leaving at the other: nearest next, then improved by
 /// turning round stretches (2-opt). Gives owners and whether each is entered at its second end.
