@@ -56,7 +56,7 @@ fn arc(centre: DVec2, radius: f64, first_quarter: i32, n_quarters: i32, per_quar
 
 /// Adds a prism over an outline with holes, all given counter-clockwise.
 fn prism(outline: &[DVec2], holes: &[Vec<DVec2>], low: f64, high: f64, mesh: &mut TriMesh) {
-    let (ring, _) = bridged(outline, holes);
+    let ring = bridged(outline, holes);
     let first = mesh.vertices.len() as u32;
     let mut vertex = |p: DVec2, z: f64| {
         let p = p.extend(z);
@@ -88,7 +88,7 @@ fn prism(outline: &[DVec2], holes: &[Vec<DVec2>], low: f64, high: f64, mesh: &mu
 }
 
 /// An outline with its holes joined to it by cuts, so that it is one ring.
-fn bridged(outline: &[DVec2], holes: &[Vec<DVec2>]) -> (Vec<DVec2>, usize) {
+fn bridged(outline: &[DVec2], holes: &[Vec<DVec2>]) -> Vec<DVec2> {
     let mut ring = outline.to_vec();
     let right = |h: &Vec<DVec2>| {
         (0..h.len()).max_by(|&i, &j| h[i].x.total_cmp(&h[j].x).then(h[j].y.total_cmp(&h[i].y))).unwrap_or(0)
@@ -115,8 +115,7 @@ fn bridged(outline: &[DVec2], holes: &[Vec<DVec2>]) -> (Vec<DVec2>, usize) {
         let insert: Vec<DVec2> = around.chain([ring[to]]).collect();
         ring.splice(to + 1..to + 1, insert);
     }
-    let n = ring.len();
-    (ring, n)
+    ring
 }
 
 /// Cuts a ring, counter-clockwise and perhaps touching itself, into triangles.

@@ -137,7 +137,6 @@ impl LineClipper {
         if self.edges.is_empty() || !self.bounds.meets(Bounds2 { min: p, max: p }) {
             return false;
         }
-        let outside = DVec2::new(self.bounds.min.x - 1.0, p.y);
         let row = ((p.y - self.bounds.min.y) / self.cell_mm) as usize;
         let column = ((p.x - self.bounds.min.x) / self.cell_mm) as usize;
         let (row, column) = (row.min(self.ny - 1), column.min(self.nx - 1));
@@ -146,7 +145,6 @@ impl LineClipper {
         near.sort_unstable();
         near.dedup();
         let near = near.into_iter().map(|i| (self.edges[i as usize].a, self.edges[i as usize].b));
-        debug_assert!(outside.x < p.x);
         super::crossings_left_are_odd(near, p)
     }
 
@@ -160,7 +158,7 @@ impl LineClipper {
     pub fn clip(&self, line: &[DVec2]) -> Vec<ClippedLine> {
         let mut out: Vec<ClippedLine> = Vec::new();
         let Some(&first) = line.first() else { return out };
-        let mut inside = self.contains(first);
+        let inside = self.contains(first);
         let begin = |p: DVec2, at: f64| ClippedLine { points: vec![p], at: vec![at] };
         let mut current = inside.then(|| begin(first, 0.0));
         for (i, w) in line.windows(2).enumerate() {
@@ -173,7 +171,6 @@ impl LineClipper {
                 } else {
                     current = Some(begin(p, at));
                 }
-                inside = !inside;
             }
             if let Some(piece) = &mut current {
                 piece.points.push(w[1]);

@@ -29,6 +29,16 @@ pub struct Bead {
     pub speed_mm_s: f64,
 }
 
+impl Bead {
+    /// Whether `next` goes on where this ends and looks the same, so that both are one stroke.
+    fn goes_on_as(&self, next: &Self) -> bool {
+        self.b.distance_squared(next.a) < 1e-6
+            && self.role == next.role
+            && (self.width_mm - next.width_mm).abs() < 5e-3
+            && self.speed_mm_s == next.speed_mm_s
+    }
+}
+
 /// What is drawn of a layer.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LayerPicture {

@@ -21,7 +21,7 @@ pub fn layer_png(picture: &LayerPicture, options: &PictureOptions) -> Vec<u8> {
     let visible =
         |b: &&Bead| Bounds2 { min: b.a.min(b.b), max: b.a.max(b.b) }.grown(0.5 * b.width_mm).meets(size);
     let beads: Vec<&Bead> = picture.beads.iter().filter(visible).collect();
-    for run in runs(&beads) {
+    for run in beads.chunk_by(|x, y| x.goes_on_as(y)) {
         let base = colours.colour(run[0]);
         let rim: Rgb = base.map(|c| (f64::from(c) * 0.55) as u8);
         let width = (run[0].width_mm * scale) as f32;
@@ -34,16 +34,6 @@ pub fn layer_png(picture: &LayerPicture, options: &PictureOptions) -> Vec<u8> {
         }
     }
     png(w, h, canvas.data())
-}
-
-/// Consecutive beads that join and look the same.
-fn runs<'a, 'b>(beads: &'b [&'a Bead]) -> impl Iterator<Item = &'b [&'a Bead]> {
-    beads.chunk_by(|x, y| {
-        x.b.distance_squared(y.a) < 1e-6
-            && x.role == y.role
-            && (x.width_mm - y.width_mm).abs() < 5e-3
-            && x.speed_mm_s == y.speed_mm_s
-    })
 }
 
 fn draw(canvas: &mut Pixmap, run: &[&Bead], at: &impl Fn(DVec2) -> (f32, f32), width: f32, colour: Rgb) {

@@ -26,13 +26,7 @@ pub fn layer_svg(picture: &LayerPicture, options: &PictureOptions) -> String {
         b.min.x, -b.max.y, size.x, size.y
     ));
     let colours = Scale::of(picture, options.colour_by);
-    let alike = |x: &super::Bead, y: &super::Bead| {
-        x.b.distance_squared(y.a) < 1e-6
-            && x.role == y.role
-            && (x.width_mm - y.width_mm).abs() < 5e-3
-            && x.speed_mm_s == y.speed_mm_s
-    };
-    for run in picture.beads.chunk_by(alike) {
+    for run in picture.beads.chunk_by(super::Bead::goes_on_as) {
         let [r, g, bl] = colours.colour(&run[0]);
         let mut points = format!("{:.3},{:.3}", run[0].a.x, -run[0].a.y);
         for bead in run {
