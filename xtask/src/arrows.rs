@@ -6,18 +6,26 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Each crate of ours and those of ours it may name.
-const ALLOWED: [(&str, &[&str]); 6] = [
+const ALLOWED: [(&str, &[&str]); 7] = [
     ("grainpath-core", &[]),
     ("grainpath-io", &["grainpath-core"]),
     ("grainpath-gcode", &["grainpath-core"]),
-    ("grainpath", &["grainpath-core", "grainpath-io", "grainpath-gcode"]),
-    ("grainpath-cli", &["grainpath-core", "grainpath-io", "grainpath-gcode", "grainpath"]),
+    ("grainpath-fea", &["grainpath-core"]),
+    ("grainpath", &["grainpath-core", "grainpath-io", "grainpath-gcode", "grainpath-fea"]),
+    (
+        "grainpath-cli",
+        &["grainpath-core", "grainpath-io", "grainpath-gcode", "grainpath-fea", "grainpath"],
+    ),
     ("xtask", &[]),
 ];
 
 /// Crates that only one crate of ours may name.
-const KEPT_TO: [(&str, &str); 3] =
-    [("i_overlay", "grainpath-core"), ("clipper2-rust", "grainpath-core"), ("spade", "grainpath-core")];
+const KEPT_TO: [(&str, &str); 4] = [
+    ("i_overlay", "grainpath-core"),
+    ("clipper2-rust", "grainpath-core"),
+    ("spade", "grainpath-core"),
+    ("faer", "grainpath-fea"),
+];
 
 pub fn check() -> Result<(), String> {
     let packages = packages()?;
