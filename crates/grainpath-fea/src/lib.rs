@@ -6,4 +6,5 @@
 pub mod material;
 pub mod plane;
 pub mod principal;
+pub mod select;
 pub mod sparse;
