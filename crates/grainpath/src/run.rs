@@ -274,17 +274,55 @@ impl Job<'_> {
         diagnostics: &Diagnostics,
     ) -> Result<Vec<LayerPaths>, Interrupted> {
         let adhesion = self.adhesion();
-        let of_layer = |(i, mut islands): (usize, Vec<Island>)| {
+        let like = self.alike(skins);
+        let lay = |i: usize| {
             diagnostics.check()?;
-            self.dense_fill(i, &skins[i], &mut |island, path| islands[island].fills.push(path));
-            self.sparse_fill(i, &skins[i], density, &mut |island, path| islands[island].fills.push(path));
+            let mut paths = Vec::new();
+            if like[i] == i {
+                self.dense_fill(i, &skins[i], &mut |island, path| paths.push((island, path)));
+                self.sparse_fill(i, &skins[i], density, &mut |island, path| paths.push((island, path)));
+            }
             diagnostics.advance(1);
-            let adhesion = adhesion.get(i).cloned().unwrap_or_default();
-            Ok(LayerPaths { adhesion, islands })
+            Ok(paths)
         };
-        let all: Vec<Result<_, Interrupted>> =
-            walls.into_par_iter().enumerate().with_min_len(2).map(of_layer).collect();
-        all.into_iter().collect()
+        let laid: Vec<Result<Vec<(usize, Toolpath)>, Interrupted>> = (0..walls.len())
+            .into_par_iter()
+            .with_min_len(if self.guide.is_some() { 1 } else { 2 })
+            .map(lay)
+            .collect();
+        let mut laid = laid.into_iter().collect::<Result<Vec<_>, _>>()?;
+        // Copies first: the layers they are copied from come later or are taken whole.
+        for i in (0..laid.len()).rev().filter(|&i| like[i] != i) {
+            laid[i] = laid[like[i]].clone();
+        }
+        let whole = |(i, (mut islands, paths)): (usize, (Vec<Island>, Vec<(usize, Toolpath)>))| {
+            paths.into_iter().for_each(|(island, path)| islands[island].fills.push(path));
+            LayerPaths { adhesion: adhesion.get(i).cloned().unwrap_or_default(), islands }
+        };
+        Ok(walls.into_iter().zip(laid).enumerate().map(whole).collect())
+    }
+
+    /// For each layer the first one that has the same room and the same field, where the fill depends on nothing
+    /// else.
+    fn alike(&self, skins: &[SkinSplit]) -> Vec<usize> {
+        let layers = self.stack.layers();
+        let guided = crate::fill::GUIDED.contains(&self.settings.fill.pattern.as_str());
+        let mut like: Vec<usize> = (0..skins.len()).collect();
+        if !guided {
+            return like;
+        }
+        for i in 1..skins.len() {
+            let same = |&j: &usize| {
+                layers[i].height_mm() == layers[j].height_mm()
+                    && skins[i].bridge.is_empty()
+                    && skins[i] == skins[j]
+                    && self.guide.is_none_or(|g| g.same(i, j))
+            };
+            if let Some(j) = (i.saturating_sub(2)..i).rev().find(same) {
+                like[i] = like[j];
+            }
+        }
+        like
     }
 
     fn context(&self, layer_idx: usize, density: f64, role: Role) -> FillContext<'_> {
@@ -347,6 +385,7 @@ impl Job<'_> {
         match fill.pattern.as_str() {
             "concentric" if fill.density >= 0.999 => &crate::fill::Concentric,
             "stripes" | "streamlines" => &crate::fill::Stripes,
+            "seed-lines" => &crate::fill::SeedLines,
             _ => &Solid,
         }
     }

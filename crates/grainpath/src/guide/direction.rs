@@ -162,6 +162,23 @@ fn followed(tensor: [f64; 3], follow: Follow, near: Option<DVec2>) -> (DVec2, f6
     }
 }
 
+/// The axis that stress alone asks for at a point, as a vector in double angles, and how much it matters in MPa: the
+/// sum over all cases of |s1 - s2| along what is followed.
+pub fn asked(cases: &[CaseStress], follow: Follow, p: DVec3) -> (DVec2, f64) {
+    let sum = cases.iter().fold(DVec2::ZERO, |sum, case| {
+        let tensor = case.stress.at(p);
+        let [a, b] = plane_principal(tensor).values_mpa;
+        let greater = if follow == Follow::Compression || (follow != Follow::Tension && b.abs() > a.abs()) {
+            -1.0
+        } else {
+            1.0
+        };
+        let (s, c) = sin_cos(2.0 * plane_principal(tensor).axis_rad);
+        sum + case.weight * (a - b) * greater * DVec2::new(c, s)
+    });
+    (sum.normalize_or(DVec2::X), sum.length())
+}
+
 /// A size that most are below: peaks at corners and edges of loads do not count.
 fn typical(values: impl Iterator<Item = f64>) -> f64 {
     let mut all: Vec<f64> = values.collect();

@@ -106,6 +106,7 @@ pub struct StressSummary {
 /// Directions for every layer.
 pub struct Guide {
     layers: Vec<Arc<LayerField>>,
+    follow: Follow,
     /// What solving took and found.
     pub summary: StressSummary,
     /// The cases' stresses.
@@ -118,6 +119,14 @@ impl Guide {
     /// The field of a layer.
     pub fn layer(&self, i: usize) -> &dyn DirectionField {
         &*self.layers[i]
+    }
+
+    /// The axis that stress alone asks for at a point of a layer, before any smoothing: radians, and how much it
+    /// matters in MPa.
+    pub fn asked(&self, layer: usize, p: DVec3) -> (f64, f64) {
+        let (double, weight) = direction::asked(&self.cases, self.follow, p);
+        let double = if self.follow == Follow::Alternate && layer % 2 == 1 { -double } else { double };
+        (0.5 * grainpath_core::math::atan2(double.y, double.x), weight)
     }
 
     /// Whether two layers have one field.
@@ -167,7 +176,8 @@ pub fn build(
     let solved = plane::solve(settings, part, &cases)?;
     diagnostics.check()?;
     let layers = lay_directions(settings, part, &solved, diagnostics)?;
-    Ok(Some(Guide { layers, summary: solved.summary, cases: solved.cases, plane: solved.plane }))
+    let follow = Follow::from_name(&settings.guide.follow);
+    Ok(Some(Guide { layers, follow, summary: solved.summary, cases: solved.cases, plane: solved.plane }))
 }
 
 /// What a solver gives.
