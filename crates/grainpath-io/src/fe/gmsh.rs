@@ -90,7 +90,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
         sections: 0,
     };
     msh.walk()?;
-    Ok(msh.finish())
+    msh.finish(array_room(bytes.len()))
 }
 
 impl<'a> Msh<'a> {
@@ -248,8 +248,14 @@ impl<'a> Msh<'a> {
 
     fn add_node(&mut self, tag: i64, p: [f64; 3]) -> Result<(), FeError> {
         let p = position(p, || format!("node {tag}"))?;
+        // Gmsh repeats the mesh before each result it appends to a file.
+        match self.node_numbers.get(tag) {
+            Some(i) if self.file.nodes[i as usize] == p => return Ok(()),
+            Some(_) => return Err(invalid(format!("node {tag}"), "is there twice, at different places")),
+            None => {}
+        }
         if self.node_numbers.insert(tag).is_none() {
-            return Err(invalid(format!("node {tag}"), "is there twice"));
+            return Err(FeError::TooMany { what: "nodes", limit: u64::from(u32::MAX) });
         }
         self.file.nodes.push(p);
         Ok(())
@@ -301,15 +307,16 @@ impl<'a> Msh<'a> {
         for &g in groups {
             self.physical.entry((kind.dimension, g)).or_default().extend(&nodes[..kind.n_nodes]);
         }
-        let taken = if kind.order.is_empty() {
-            self.file.add(kind.kind, &nodes[..kind.n_nodes])
-        } else {
-            let mut ours = [0u32; 20];
-            for (to, &from) in ours.iter_mut().zip(kind.order) {
-                *to = nodes[from];
-            }
-            self.file.add(kind.kind, &ours[..kind.order.len()])
-        };
+        let mut ours = nodes;
+        for (to, &from) in ours.iter_mut().zip(kind.order) {
+            *to = nodes[from];
+        }
+        let ours = &ours[..if kind.order.is_empty() { kind.n_nodes } else { kind.order.len() }];
+        let known = self.element_numbers.get(tag).and_then(|i| self.file.elements.get(i as usize));
+        if known.is_some_and(|e| kind.kind == Ok(e.kind) && e.nodes() == &ours[..e.nodes().len()]) {
+            return Ok(());
+        }
+        let taken = self.file.add(kind.kind, ours);
         // Twice the same number: results on elements go to the first.
         if taken && self.element_numbers.insert(tag).is_none() {
             let free = -1 - self.file.elements.len() as i64 - (1 << 60);
@@ -478,7 +485,7 @@ impl<'a> Msh<'a> {
         Ok(())
     }
 
-    fn finish(mut self) -> FeFile {
+    fn finish(mut self, room: usize) -> Result<FeFile, FeError> {
         for ((dimension, tag), mut nodes) in std::mem::take(&mut self.physical) {
             nodes.sort_unstable();
             nodes.dedup();
@@ -486,6 +493,15 @@ impl<'a> Msh<'a> {
             let name = name.unwrap_or_else(|| format!("group {tag} of dimension {dimension}"));
             self.file.groups.push(Group { name, nodes });
         }
-        self.file
+        let (n_nodes, n_elements) = (self.file.nodes.len(), self.file.elements.len());
+        let components: usize = self.file.arrays.iter().map(|a| a.components).sum();
+        if components.saturating_mul(n_nodes.max(n_elements)) > room {
+            return Err(invalid("MSH", "the results are far larger than the file; refused as a bomb"));
+        }
+        for a in &mut self.file.arrays {
+            let n = if a.on == On::Nodes { n_nodes } else { n_elements };
+            a.values.resize(n * a.components, f64::NAN);
+        }
+        Ok(self.file)
     }
 }
