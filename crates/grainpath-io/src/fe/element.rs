@@ -287,6 +287,25 @@ impl ElementKind {
         points
     }
 
+    /// Weights of the nodes at natural coordinates: [`ElementKind::shape`] without derivatives.
+    pub fn weights(self, x: DVec3) -> [f64; MAX_NODES] {
+        let mut n = [0.0; MAX_NODES];
+        let l = [1.0 - x.x - x.y - x.z, x.x, x.y, x.z];
+        match self {
+            Self::Tet4 => n[..4].copy_from_slice(&l),
+            Self::Tet10 => {
+                for i in 0..4 {
+                    n[i] = l[i] * (2.0 * l[i] - 1.0);
+                }
+                for (k, [i, j]) in TET_EDGES.into_iter().enumerate() {
+                    n[4 + k] = 4.0 * l[i] * l[j];
+                }
+            }
+            _ => return self.shape(x).n,
+        }
+        n
+    }
+
     /// Shape functions at natural coordinates.
     pub fn shape(self, x: DVec3) -> Shape {
         let mut f = Shape::ZERO;
@@ -523,6 +542,7 @@ mod tests {
             for x in inside {
                 let f = kind.shape(x);
                 assert!((f.n.iter().sum::<f64>() - 1.0).abs() < 1e-14, "{kind:?}");
+                assert!(f.n.iter().zip(kind.weights(x)).all(|(a, b)| (a - b).abs() < 1e-15), "{kind:?}");
                 let h = 1e-6;
                 for (k, step) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().enumerate() {
                     if k == 2 && kind.dimension() == 2 {

@@ -30,37 +30,37 @@ pub struct StressField {
     elements: Grid,
     /// Free faces cut into triangles (free edges of plane meshes twice the same corner), and whose they are.
     rim: Vec<([u32; 3], u32)>,
-    rim_grid: Grid,
+    rim_tree: Tree,
     /// Nodes with a stress, for results without elements.
     points: Vec<u32>,
-    point_grid: Grid,
+    point_tree: Tree,
 }
 
 impl StressField {
     /// Prepares a result for being asked.
     pub fn new(result: FeResult) -> Self {
         let affine: Vec<_> = result.elements.iter().map(|e| affine(e, &result)).collect();
-        let boxes = |e: &Element| {
+        let boxes = |(e, affine): (&Element, &Option<_>)| {
             let (mut lo, mut hi) = box_of(e.nodes().iter().map(|&i| result.nodes[i as usize]));
-            if !e.kind.edges().is_empty() {
+            if !e.kind.edges().is_empty() && affine.is_none() {
                 // Curved sides may bulge beyond their nodes, by less than this.
                 let room = 0.1 * (hi - lo);
                 (lo, hi) = (lo - room, hi + room);
             }
             (lo, hi)
         };
-        let elements = Grid::new(&result.elements.iter().map(boxes).collect::<Vec<_>>(), 2.0);
+        let elements = Grid::new(&result.elements.iter().zip(&affine).map(boxes).collect::<Vec<_>>());
         let rim = rim(&result);
         let rim_boxes = rim.iter().map(|(t, _)| box_of(t.iter().map(|&i| result.nodes[i as usize])));
-        let rim_grid = Grid::new(&rim_boxes.collect::<Vec<_>>(), 1.0);
+        let rim_tree = Tree::new(&rim_boxes.collect::<Vec<_>>());
         let mut points = Vec::new();
         if result.elements.is_empty() {
             let known = |i: &u32| result.stress[*i as usize].iter().all(|v| v.is_finite());
             points = (0..result.nodes.len() as u32).filter(known).collect();
         }
         let at = points.iter().map(|&i| (result.nodes[i as usize], result.nodes[i as usize]));
-        let point_grid = Grid::new(&at.collect::<Vec<_>>(), 0.5);
-        Self { result, affine, elements, rim, rim_grid, points, point_grid }
+        let point_tree = Tree::new(&at.collect::<Vec<_>>());
+        Self { result, affine, elements, rim, rim_tree, points, point_tree }
     }
 
     /// The result that is asked.
@@ -73,16 +73,16 @@ impl StressField {
         let p = self.in_plane(p);
         let shell = !self.result.plane && self.result.elements.first()?.kind.dimension() == 2;
         if !shell {
-            for &e in self.elements.at(p) {
-                if let Some(natural) = self.natural(e, p) {
-                    let kind = self.result.elements[e as usize].kind;
-                    if kind.outside(natural) <= INSIDE {
-                        return Some(Location { element: e, natural, distance_mm: 0.0 });
-                    }
-                }
+            let inside = self.elements.at(p).iter().find_map(|&element| {
+                let natural = self.natural(element, p)?;
+                let kind = self.result.elements[element as usize].kind;
+                (kind.outside(natural) <= INSIDE).then_some(Location { element, natural, distance_mm: 0.0 })
+            });
+            if inside.is_some() {
+                return inside;
             }
         }
-        let (index, q) = self.rim_grid.nearest(p, |i| {
+        let (index, q) = self.rim_tree.nearest(p, |i| {
             let [a, b, c] = self.rim[i as usize].0.map(|n| self.result.nodes[n as usize]);
             nearest_on_triangle(p, a, b, c)
         })?;
@@ -104,9 +104,9 @@ impl StressField {
     /// Stress at a place in the mesh, MPa.
     pub fn stress_at(&self, at: &Location) -> [f64; 6] {
         let e = &self.result.elements[at.element as usize];
-        let shape = e.kind.shape(at.natural);
+        let weights = e.kind.weights(at.natural);
         let mut s = [0.0; 6];
-        for (&i, w) in e.nodes().iter().zip(shape.n) {
+        for (&i, w) in e.nodes().iter().zip(weights) {
             for (to, v) in s.iter_mut().zip(self.result.stress[i as usize]) {
                 *to += w * v;
             }
@@ -119,8 +119,7 @@ impl StressField {
         let u = self.result.displacement.as_ref()?;
         let at = self.locate(p)?;
         let e = &self.result.elements[at.element as usize];
-        let shape = e.kind.shape(at.natural);
-        Some(e.nodes().iter().zip(shape.n).map(|(&i, w)| w * u[i as usize]).sum())
+        Some(e.nodes().iter().zip(e.kind.weights(at.natural)).map(|(&i, w)| w * u[i as usize]).sum())
     }
 
     fn in_plane(&self, p: DVec3) -> DVec3 {
@@ -132,8 +131,7 @@ impl StressField {
 
     fn position(&self, element: u32, natural: DVec3) -> DVec3 {
         let e = &self.result.elements[element as usize];
-        let shape = e.kind.shape(natural);
-        e.nodes().iter().zip(shape.n).map(|(&i, w)| w * self.result.nodes[i as usize]).sum()
+        e.nodes().iter().zip(e.kind.weights(natural)).map(|(&i, w)| w * self.result.nodes[i as usize]).sum()
     }
 
     /// Natural coordinates of `p` in an element, also where it lies outside; `None` where the search fails.
@@ -187,7 +185,7 @@ impl StressField {
     /// Mean of the nearest points, weighted by the inverse square of their distance.
     fn between_points(&self, p: DVec3) -> [f64; 6] {
         let mut near: Vec<(f64, u32)> = Vec::with_capacity(NEIGHBOURS + 1);
-        self.point_grid.around(p, |i| {
+        self.point_tree.around(p, |i| {
             let d = p.distance_squared(self.result.nodes[self.points[i as usize] as usize]);
             let at = near.partition_point(|n| *n < (d, i));
             if near.get(at) != Some(&(d, i)) && at < NEIGHBOURS {
@@ -239,7 +237,8 @@ fn affine(e: &Element, result: &FeResult) -> Option<(DVec3, [DVec3; 3])> {
     }
     let p = |i: usize| result.nodes[e.nodes()[i] as usize];
     let (lo, hi) = box_of(e.corners().iter().map(|&i| result.nodes[i as usize]));
-    let tolerance = 1e-7 * (hi - lo).max_element();
+    // Files in single precision round middles by about a millionth of the part.
+    let tolerance = 1e-5 * (hi - lo).max_element();
     let n = e.kind.n_corners();
     let straight =
         e.kind.edges().iter().enumerate().all(|(k, &[i, j])| (0.5 * (p(i) + p(j)) - p(n + k)).length() <= tolerance);
@@ -311,12 +310,12 @@ fn nearest_on_triangle(p: DVec3, a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
     candidates[best]
 }
 
-/// Boxes sorted into the cells of a regular grid.
+/// Boxes sorted into the cells of a regular grid: quicker than a tree for what holds a point.
 #[derive(Debug, Clone)]
 struct Grid {
     lo: DVec3,
-    /// Side of a cell along each axis, mm.
-    cell: DVec3,
+    /// Cells to a mm along each axis.
+    scale: DVec3,
     dims: [usize; 3],
     /// Where each cell's items begin.
     starts: Vec<u32>,
@@ -324,71 +323,60 @@ struct Grid {
 }
 
 impl Grid {
-    /// A grid with about `cells_per_box` cells for every box.
-    fn new(boxes: &[(DVec3, DVec3)], cells_per_box: f64) -> Self {
-        let (lo, hi) = boxes.iter().fold(
-            (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)),
-            |(lo, hi), b| (lo.min(b.0), hi.max(b.1)),
-        );
-        let mut grid =
-            Self { lo, cell: DVec3::ONE, dims: [1; 3], starts: vec![0, 0], items: Vec::new() };
-        if boxes.is_empty() {
-            grid.lo = DVec3::ZERO;
-            return grid;
-        }
-        let size = hi - lo;
-        let mut wanted = (boxes.len() as f64 * cells_per_box).clamp(1.0, 5e7);
+    fn new(boxes: &[(DVec3, DVec3)]) -> Self {
+        let mut grid = Self {
+            lo: DVec3::ZERO,
+            scale: DVec3::ONE,
+            dims: [1; 3],
+            starts: vec![0, 0],
+            items: Vec::new(),
+        };
+        let Some((lo, hi)) = boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else { return grid };
+        grid.lo = lo;
+        let mut wanted = (4.0 * boxes.len() as f64).clamp(1.0, 5e7);
         loop {
-            grid.divide(size, wanted);
-            let total: usize = boxes.iter().map(|b| grid.range(b).iter().map(|r| r.1 - r.0 + 1).product::<usize>()).sum();
+            grid.divide(hi - lo, wanted);
+            let cells = |b: &(DVec3, DVec3)| grid.range(b).iter().map(|r| r.1 - r.0 + 1).product::<usize>();
             // Long thin boxes across many cells: fewer, larger cells.
-            if total <= 32 * boxes.len() + 64 || wanted <= 1.0 {
+            if boxes.iter().map(cells).sum::<usize>() <= 64 * boxes.len() || wanted <= 1.0 {
                 break;
             }
-            wanted /= 4.0;
+            wanted /= 2.0;
         }
         let n_cells = grid.dims.iter().product::<usize>();
-        let mut counts = vec![0u32; n_cells + 1];
+        let mut starts = vec![0u32; n_cells + 1];
         for b in boxes {
-            grid.each(b, |cell| counts[cell + 1] += 1);
+            grid.each(b, |cell| starts[cell + 1] += 1);
         }
         for i in 0..n_cells {
-            counts[i + 1] += counts[i];
+            starts[i + 1] += starts[i];
         }
-        let mut items = vec![0; counts[n_cells] as usize];
-        let mut next = counts.clone();
+        let mut items = vec![0; starts[n_cells] as usize];
+        let mut next = starts.clone();
         for (i, b) in boxes.iter().enumerate() {
             grid.each(b, |cell| {
                 items[next[cell] as usize] = i as u32;
                 next[cell] += 1;
             });
         }
-        grid.items = items;
-        grid.starts = counts;
-        grid
+        Self { starts, items, ..grid }
     }
 
     /// Cuts a box of this size into about `wanted` cells that are nearly cubes.
     fn divide(&mut self, size: DVec3, wanted: f64) {
         let flat = 1e-9 * size.max_element();
         let wide: Vec<f64> = size.to_array().into_iter().filter(|&s| s > flat).collect();
-        if wide.is_empty() {
-            (self.cell, self.dims) = (DVec3::ONE, [1; 3]);
-            return;
-        }
-        let product: f64 = wide.iter().product();
-        let side = math::pow(product / wanted, 1.0 / wide.len() as f64);
+        let side = math::pow(wide.iter().product::<f64>() / wanted, 1.0 / wide.len().max(1) as f64);
         for k in 0..3 {
-            let n = if size[k] > flat { (size[k] / side).ceil().clamp(1.0, 2e6) } else { 1.0 };
+            let n = if size[k] > flat { (size[k] / side).ceil().clamp(1.0, 1e6) } else { 1.0 };
             self.dims[k] = n as usize;
-            self.cell[k] = if size[k] > flat { size[k] / n } else { 1.0 };
+            self.scale[k] = if size[k] > flat { n / size[k] } else { 0.0 };
         }
     }
 
     /// The cell along an axis, clamped to the grid.
     fn index(&self, k: usize, x: f64) -> usize {
-        let i = ((x - self.lo[k]) / self.cell[k]).floor();
-        i.clamp(0.0, (self.dims[k] - 1) as f64) as usize
+        (((x - self.lo[k]) * self.scale[k]).max(0.0) as usize).min(self.dims[k] - 1)
     }
 
     fn range(&self, b: &(DVec3, DVec3)) -> [(usize, usize); 3] {
@@ -410,14 +398,67 @@ impl Grid {
         }
     }
 
-    /// What may hold `p`, ascending. Outside the grid: what is in the nearest cell.
+    /// What may hold `p`, ascending.
     fn at(&self, p: DVec3) -> &[u32] {
-        self.cell_items([0, 1, 2].map(|k| self.index(k, p[k])))
+        let c = self.number([0, 1, 2].map(|k| self.index(k, p[k])));
+        &self.items[self.starts[c] as usize..self.starts[c + 1] as usize]
+    }
+}
+
+/// Boxes in a binary tree: for what is nearest. Built and asked in the same order always.
+#[derive(Debug, Clone, Default)]
+struct Tree {
+    nodes: Vec<TreeNode>,
+    items: Vec<u32>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct TreeNode {
+    lo: DVec3,
+    hi: DVec3,
+    /// A leaf: where its items begin. Else the second child; the first one follows its parent.
+    link: u32,
+    /// How many items; 0 for no leaf.
+    n_items: u32,
+}
+
+impl TreeNode {
+    fn distance_squared(&self, p: DVec3) -> f64 {
+        p.distance_squared(p.clamp(self.lo, self.hi))
+    }
+}
+
+/// Boxes in a leaf.
+const LEAF: usize = 4;
+
+impl Tree {
+    fn new(boxes: &[(DVec3, DVec3)]) -> Self {
+        let mut tree = Self { nodes: Vec::new(), items: (0..boxes.len() as u32).collect() };
+        if !boxes.is_empty() {
+            tree.build(boxes, 0, boxes.len());
+        }
+        tree
     }
 
-    fn cell_items(&self, cell: [usize; 3]) -> &[u32] {
-        let c = self.number(cell);
-        &self.items[self.starts[c] as usize..self.starts[c + 1] as usize]
+    fn build(&mut self, boxes: &[(DVec3, DVec3)], start: usize, end: usize) {
+        let items = &mut self.items[start..end];
+        let of = items.iter().map(|&i| boxes[i as usize]);
+        let (lo, hi) = of.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default();
+        let node = self.nodes.len();
+        let n_items = items.len();
+        self.nodes.push(TreeNode { lo, hi, link: start as u32, n_items: n_items as u32 });
+        if n_items <= LEAF {
+            return;
+        }
+        let middle = |i: u32| boxes[i as usize].0 + boxes[i as usize].1;
+        let (low, high) = box_of(items.iter().map(|&i| middle(i)));
+        let axis = (high - low).max_position();
+        let half = n_items / 2;
+        items.select_nth_unstable_by(half, |&a, &b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(&b)));
+        self.build(boxes, start, start + half);
+        self.nodes[node].link = self.nodes.len() as u32;
+        self.nodes[node].n_items = 0;
+        self.build(boxes, start + half, end);
     }
 
     /// The item whose point nearest to `p`, which `f` gives, is nearest of all. The lowest index wins a tie.
@@ -434,36 +475,30 @@ impl Grid {
         best.map(|(_, i, q)| (i, q))
     }
 
-    /// Visits items in rings of cells around `p`, until no cell further out can be nearer than the squared distance
-    /// that `f` gives back. Items may come more than once.
+    /// Visits items, near ones first, until none left can be nearer than the squared distance that `f` gives back.
     fn around(&self, p: DVec3, mut f: impl FnMut(u32) -> f64) {
-        let centre = [0, 1, 2].map(|k| self.index(k, p[k]));
-        let step = (0..3).filter(|&k| self.dims[k] > 1).map(|k| self.cell[k]).fold(f64::INFINITY, f64::min);
-        let last = (0..3).map(|k| centre[k].max(self.dims[k] - 1 - centre[k])).max().unwrap_or(0);
         let mut limit = f64::INFINITY;
-        for r in 0..=last {
-            // From inside the middle cell it is at least this far to the ring.
-            let free = if r > 1 { (r - 1) as f64 * step } else { 0.0 };
-            if free * free > limit {
-                return;
+        let mut stack = [(0.0f64, 0u32); 64];
+        let mut depth = usize::from(!self.nodes.is_empty());
+        while depth > 0 {
+            depth -= 1;
+            let (distance, at) = stack[depth];
+            if distance > limit {
+                continue;
             }
-            let span = |k: usize| centre[k].saturating_sub(r)..=(centre[k] + r).min(self.dims[k] - 1);
-            for k in span(2) {
-                for j in span(1) {
-                    let edge = k.abs_diff(centre[2]) == r || j.abs_diff(centre[1]) == r;
-                    let ends = [centre[0].checked_sub(r), centre[0].checked_add(r).filter(|&i| i < self.dims[0])];
-                    let mut cell = |i: usize| {
-                        for &item in self.cell_items([i, j, k]) {
-                            limit = f(item);
-                        }
-                    };
-                    if edge {
-                        span(0).for_each(&mut cell);
-                    } else {
-                        ends.into_iter().flatten().for_each(&mut cell);
-                    }
+            let node = &self.nodes[at as usize];
+            if node.n_items > 0 {
+                for &i in &self.items[node.link as usize..(node.link + node.n_items) as usize] {
+                    limit = f(i);
                 }
+                continue;
             }
+            let of = |i: u32| (self.nodes[i as usize].distance_squared(p), i);
+            let (a, b) = (of(at + 1), of(node.link));
+            let (near, far) = if a.0 <= b.0 { (a, b) } else { (b, a) };
+            stack[depth] = far;
+            stack[depth + 1] = near;
+            depth += 2;
         }
     }
 }
