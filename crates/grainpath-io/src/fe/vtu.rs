@@ -272,6 +272,13 @@ impl<'a> Vtu<'a> {
             let n = (Raw { bytes: &header, big: style.big }).number(word).ok_or_else(|| {
                 if header.is_empty() { invalid(place, "no data") } else { cut() }
             })? as usize;
+            let held = match source {
+                Source::Raw(bytes) => bytes.len(),
+                Source::Base64(text) => text.len(),
+            };
+            if n > held {
+                return Err(cut());
+            }
             if n > limit {
                 return Err(bomb());
             }
