@@ -160,6 +160,8 @@ impl FeFile {
     pub fn result(&self, options: &FeOptions) -> Result<FeResult, FeError> {
         let choice = self.choose(options)?;
         let mut warnings = self.warnings.clone();
+        let lost = self.left_out.iter().filter(|(what, _)| what != "points" && what != "lines");
+        warnings.extend(lost.map(|(what, n)| format!("{n} elements are left out: {what}")));
         let mm = options.length_unit.unwrap_or(LengthUnit::Millimetre).mm();
         let mpa = options.stress_unit.unwrap_or(StressUnit::Megapascal).mpa();
         let nodes: Vec<DVec3> = self.nodes.iter().map(|p| *p * mm).collect();
