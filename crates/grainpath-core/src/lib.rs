@@ -18,7 +18,7 @@ pub mod units;
 pub use bvh::Bvh;
 pub use diagnostics::Diagnostics;
 pub use field::{DirectionField, DirectionSample, UniformField};
-pub use glam::{DVec2, DVec3};
+pub use glam::{DMat3, DVec2, DVec3, IVec3};
 pub use layer::{Layer, LayerStack};
 pub use mesh::TriMesh;
 pub use poly::{Bounds2, Contour, Polygon, Region};
