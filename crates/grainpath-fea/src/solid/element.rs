@@ -115,6 +115,18 @@ pub(super) fn stiffness<const N: usize>(sums: &[[DMat3; N]; N], law: &Law) -> [[
     k
 }
 
+/// The blocks on the diagonal alone.
+pub(super) fn diagonal(x: &[DVec3; 10], law: &Law) -> [DMat3; 10] {
+    let mut sums = [DMat3::ZERO; 10];
+    for (l, w) in &STIFFNESS_RULE {
+        let (g, det) = gradients(x, l);
+        for (s, g) in sums.iter_mut().zip(g) {
+            *s += outer(g * (w * det), g);
+        }
+    }
+    sums.map(|s| law.couple(&s))
+}
+
 /// Integrals of the products of gradients, `sums[a][b]` = sum of grad a times grad b transposed, for b <= a.
 pub(super) fn gradient_products(x: &[DVec3; 10]) -> [[DMat3; 10]; 10] {
     let mut sums = [[DMat3::ZERO; 10]; 10];
@@ -197,6 +209,14 @@ impl Law {
                 DMat3::from_cols_array(&[s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2]])
             }
         }
+    }
+
+    /// Stress of a strain with engineering shears.
+    pub(super) fn stress_of_strain(&self, e: &[f64; 6]) -> DMat3 {
+        let half = e.map(|v| 0.5 * v);
+        self.stress(&DMat3::from_cols_array(&[
+            e[0], half[3], half[5], half[3], e[1], half[4], half[5], half[4], e[2],
+        ]))
     }
 
     /// Block of the stiffness from the sum of products of gradients: K_ij = C_ikjl G_kl.

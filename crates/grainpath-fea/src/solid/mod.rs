@@ -1,19 +1,29 @@
 //! Three-dimensional elasticity: from a closed surface to quadratic tetrahedra, displacements and stresses.
 
+mod blocks;
 mod element;
 mod error;
 mod features;
 mod lattice;
+pub mod loads;
 mod mesh;
 mod mesher;
+mod model;
+mod multigrid;
+mod operator;
 mod shape;
 mod snap;
+mod solve;
 mod stuffing;
+mod supports;
 mod thickness;
 
 pub use element::Stiffness;
 pub use error::SolidError;
 pub use mesh::{Face, Piece, TetMesh};
 pub use mesher::{MeshSettings, Meshed, expected_dofs, mesh};
+pub use model::Model;
 pub use shape::{MeshQuality, TetQuality};
+pub use solve::{Solution, SolveInfo, SolveSettings, solve};
+pub use supports::Supports;
 pub use thickness::wall_thickness_mm;
