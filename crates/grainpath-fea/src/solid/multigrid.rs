@@ -208,6 +208,8 @@ impl<'a> Multigrid<'a> {
         for_each(&mut level.t, &level.r, |t, r| *t = *r - *t);
         if let Some(next) = below.first_mut() {
             level.transfer.restrict(&mut level.t, &mut next.r);
+            // A held corner must not follow the free nodes between it and others.
+            next.transfer.hold(&mut next.r);
             self.cycle(at + 1);
             let (upper, below) = self.levels.split_at_mut(at + 1);
             let level = &mut upper[at];
@@ -245,7 +247,7 @@ impl<'a> Level<'a> {
         let (x, r, d, t) = (zero(), zero(), zero(), zero());
         let mut level =
             Self { matrix, inverse_diagonal, top: 1.0, smooth, transfer, x, r, d, t, scratch };
-        level.top = 1.1 * level.largest_eigenvalue();
+        level.top = 1.2 * level.largest_eigenvalue();
         level
     }
 
@@ -260,7 +262,7 @@ impl<'a> Level<'a> {
         };
         let mut x: Vec<DVec3> = (0..n).map(|_| DVec3::new(next(), next(), next())).collect();
         let mut found = 1.0;
-        for _ in 0..10 {
+        for _ in 0..15 {
             let size = dot(&x, &x).sqrt();
             x.iter_mut().for_each(|v| *v /= size);
             self.matrix.apply(&x, &mut self.t, &mut self.scratch);
@@ -315,23 +317,29 @@ fn scaled(d: &mut [DVec3], r: &[DVec3], inverse: &[DMat3], keep: f64, take: f64)
     });
 }
 
-/// Corners keep their value, nodes between them get the mean.
+/// Corners keep their value; nodes between them get the linear field of an element at their place. On a straight side
+/// that is the mean of its ends; on a curved one the mean would bend rigid rotations.
 fn from_linear(mesh: &super::TetMesh, id: &[u32], n_coarse: usize, supports: &Supports) -> Transfer {
     let n = mesh.nodes.len();
-    let mut ends = vec![[u32::MAX; 2]; n];
-    for t in &mesh.tets {
-        for (e, &(i, j)) in super::shape::EDGES.iter().enumerate() {
-            ends[t[4 + e] as usize] = [id[t[i] as usize], id[t[j] as usize]];
-        }
+    let mut tet_of = vec![u32::MAX; n];
+    for (t, tet) in (0u32..).zip(&mesh.tets) {
+        tet[4..].iter().for_each(|&m| tet_of[m as usize] = t);
     }
     let mut transfer = Transfer { start: vec![0], n_coarse, ..Transfer::default() };
-    for (i, ends) in ends.into_iter().enumerate() {
+    for i in 0..n {
         if id[i] != u32::MAX {
             transfer.coarse.push(id[i]);
             transfer.weight.push(1.0);
-        } else if ends[0] != u32::MAX {
-            transfer.coarse.extend(ends);
-            transfer.weight.extend([0.5; 2]);
+        } else if tet_of[i] != u32::MAX {
+            let tet = &mesh.tets[tet_of[i] as usize];
+            let x = mesh.corners(tet_of[i] as usize);
+            let turn = DMat3::from_cols(x[1] - x[0], x[2] - x[0], x[3] - x[0]).inverse();
+            let l = turn * (mesh.nodes[i] - x[0]);
+            let weights = [1.0 - l.x - l.y - l.z, l.x, l.y, l.z];
+            for (&v, w) in tet.iter().zip(weights).filter(|(_, w)| w.abs() > 1e-9) {
+                transfer.coarse.push(id[v as usize]);
+                transfer.weight.push(w);
+            }
         }
         transfer.start.push(transfer.coarse.len() as u32);
     }
@@ -484,4 +492,60 @@ fn product(a: &[f64], b: &[f64]) -> f64 {
         }
     }
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solid::TetMesh;
+
+    #[test]
+    fn a_cube_of_linear_shape_converges_in_a_few_steps() {
+        let n = 8u32;
+        let id = |x: u32, y: u32, z: u32| (z * (n + 1) + y) * (n + 1) + x;
+        let mut vertices = Vec::new();
+        let mut tets = Vec::new();
+        for z in 0..=n {
+            for y in 0..=n {
+                for x in 0..=n {
+                    vertices.push(DVec3::new(f64::from(x), f64::from(y), f64::from(z)));
+                    if x < n && y < n && z < n {
+                        for p in [[1, 3], [3, 2], [2, 6], [6, 4], [4, 5], [5, 1]] {
+                            let v = |b: u32| id(x + (b & 1), y + (b >> 1 & 1), z + (b >> 2));
+                            tets.push([v(0), v(p[0]), v(p[1]), v(7)]);
+                        }
+                    }
+                }
+            }
+        }
+        let mesh = TetMesh::straight(&vertices, &tets);
+        let mut d = [[0.0; 6]; 6];
+        for i in 0..6 {
+            for j in 0..6 {
+                d[i][j] = match (i < 3 && j < 3, i == j) {
+                    (true, same) => 1.2 + if same { 1.6 } else { 0.0 },
+                    (false, same) => if same { 0.8 } else { 0.0 },
+                };
+            }
+        }
+        let model = Model::uniform(&mesh, d);
+        let mut supports = Supports::new(mesh.nodes.len());
+        for i in 0..mesh.nodes.len() as u32 {
+            if mesh.nodes[i as usize].x == 0.0 {
+                supports.fix(&mesh, i).expect("new");
+            }
+        }
+        let operator = Operator::new(&model, &supports).expect("positive");
+        let mut mg = Multigrid::new(&model, &supports, &operator).expect("positive");
+        println!("{:?}", mg.sizes());
+        let mut r = vec![DVec3::ZERO; mesh.nodes.len()];
+        for (i, p) in mesh.nodes.iter().enumerate() {
+            if p.x == 8.0 {
+                r[i] = DVec3::new(0.1, 0.0, 1.0);
+            }
+        }
+        let (supports, model) = (&supports, &model);
+        let s = crate::solid::solve(model, supports, &[r], &Default::default());
+        println!("{:?}", s.map(|s| s.0[0].iterations));
+    }
 }

@@ -233,3 +233,83 @@ fn curved_forces(x: &[DVec3; 10], law: &Law, u: &[DVec3; 10]) -> [DVec3; 10] {
     }
     f
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solid::TetMesh;
+    use crate::solid::blocks::{assemble, dot};
+
+    fn random(n: usize, mut state: u64) -> Vec<DVec3> {
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / f64::from(1u32 << 31) - 0.5
+        };
+        (0..n).map(|_| DVec3::new(next(), next(), next())).collect()
+    }
+
+    fn laws() -> [[[f64; 6]; 6]; 2] {
+        let mut isotropic = [[0.0; 6]; 6];
+        let mut general = [[0.0; 6]; 6];
+        for i in 0..6 {
+            for j in 0..6 {
+                isotropic[i][j] = match (i < 3 && j < 3, i == j) {
+                    (true, same) => 1.2 + if same { 1.6 } else { 0.0 },
+                    (false, same) => if same { 0.8 } else { 0.0 },
+                };
+                general[i][j] = 0.1 * ((i * j) as f64).sin_like() + if i == j { 3.0 } else { 0.0 };
+            }
+        }
+        [isotropic, general]
+    }
+
+    trait SinLike {
+        fn sin_like(self) -> f64;
+    }
+
+    impl SinLike for f64 {
+        fn sin_like(self) -> f64 {
+            grainpath_core::math::sin(self)
+        }
+    }
+
+    #[test]
+    fn agrees_with_the_assembled_matrix() {
+        let corners: Vec<DVec3> = random(5, 7).iter().map(|p| *p * 3.0).collect();
+        let mut mesh = TetMesh::straight(&corners, &[[0, 1, 2, 3], [1, 2, 3, 4]]);
+        for curved in [false, true] {
+            if curved {
+                let bent = mesh.tets[0][7] as usize;
+                mesh.nodes[bent] += DVec3::new(0.02, -0.01, 0.03);
+            }
+            for d in laws() {
+                let model = Model::uniform(&mesh, d);
+                let mut supports = Supports::new(mesh.nodes.len());
+                supports.fix(&mesh, 2).expect("new");
+                supports.prescribe(&mesh, 6, DVec3::new(1.0, 2.0, -0.5), 0.0).expect("new");
+                let operator = Operator::new(&model, &supports).expect("positive");
+                let law = Law::new(&d).expect("positive");
+                let full = assemble(mesh.nodes.len(), &mesh.tets, |t| {
+                    element::stiffness(&element::gradient_products(&mesh.places(t)), &law)
+                });
+                let u = random(mesh.nodes.len(), 3);
+                let (mut f, mut g) = (u.clone(), u.clone());
+                operator.forces(&u, &mut f, &mut operator.scratch());
+                full.apply(&u, &mut g);
+                let worst = f.iter().zip(&g).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+                let size = dot(&g, &g).sqrt();
+                assert!(worst < 1e-12 * size, "{worst} of {size}, curved: {curved}");
+                let diagonal = operator.inverse_diagonal();
+                for i in [0, 1, 3] {
+                    let k = full.row(i).find(|(j, _)| *j == i).expect("on the diagonal").1;
+                    assert!((*k * diagonal[i] - DMat3::IDENTITY).to_cols_array().iter().all(|v| v.abs() < 1e-9));
+                }
+                // Rigid motions cost nothing.
+                let (shift, turn) = (DVec3::new(1.0, -2.0, 0.5), DVec3::new(0.3, 0.2, -0.7));
+                let rigid: Vec<DVec3> = mesh.nodes.iter().map(|p| shift + turn.cross(*p)).collect();
+                operator.forces(&rigid, &mut f, &mut operator.scratch());
+                assert!(f.iter().all(|f| f.length() < 1e-11 * size), "{f:?}");
+            }
+        }
+    }
+}
