@@ -97,8 +97,8 @@ fn choose_size(surface: &TriMesh, wall_mm: f64, settings: &MeshSettings) -> Resu
         }
         wanted.max(coarse)
     });
-    // A little more than the wall still has a plane of lattice points in it.
-    if size_mm > 1.3 * wall_mm {
+    // However it lies, a wall of 0.71 sizes has a plane of lattice points in it.
+    if size_mm > 1.35 * wall_mm {
         return Err(SolidError::ThinWalls { thickness_mm: wall_mm, size_mm, dofs: dofs(wall_mm) });
     }
     Ok(size_mm)

@@ -121,7 +121,6 @@ fn iterate(
         add(&mut r, -alpha, &q);
         size = dot(&r, &r).sqrt();
         iterations += 1;
-        eprintln!("DBG {iterations} {:.3e} alpha {alpha:.3} beta {beta:.3}", size / goal * settings.tolerance);
         if !size.is_finite() {
             return Err(SolidError::NotPositive);
         }
