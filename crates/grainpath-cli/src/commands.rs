@@ -86,17 +86,17 @@ pub fn new(args: &New) -> Result<(), Failure> {
         )));
     };
     let folder = args.dir.clone().unwrap_or_else(|| PathBuf::from(&args.preset));
-    if let Some((name, _)) = example.iter().find(|(name, _)| folder.join(name).exists() && !args.force) {
-        let there = folder.join(name);
+    if let Some((name, _)) = example.iter().find(|(name, _)| folder.join(&**name).exists() && !args.force) {
+        let there = folder.join(&**name);
         return Err(Failure::usage(format!("{} is there already; --force writes over it", there.display())));
     }
     for (name, content) in &example {
-        let path = folder.join(name);
+        let path = folder.join(&**name);
         files::write_atomically(&path, |w| {
             w.write_all(content).map_err(|e| Failure::usage(format!("cannot write {}: {e}", path.display())))
         })?;
     }
-    files::print(&format!("grainpath run {}\n", folder.join(example[0].0).display()));
+    files::print(&format!("grainpath run {}\n", folder.join(&*example[0].0).display()));
     Ok(())
 }
 

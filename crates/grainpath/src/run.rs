@@ -8,8 +8,8 @@ use std::time::Instant;
 use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
 use grainpath_core::{
-    BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, Layer, LayerStack, Plan, Polygon, Role, SpeedClass,
-    Toolpath,
+    BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, DirectionField, Layer, LayerStack, Plan, Polygon, Role,
+    SpeedClass, Toolpath, UniformField,
 };
 use grainpath_gcode::{WriteConfig, check_fits};
 use grainpath_io::MeshFile;
@@ -19,6 +19,7 @@ use crate::adhesion::{AdhesionSettings, brim, skirt};
 use crate::config;
 use crate::error::Error;
 use crate::fill::{FillContext, Infill, Solid, bridge_angle_rad, pattern};
+use crate::guide::{self, Guide, GuidedPart};
 use crate::job::Settings;
 use crate::mask::Mask;
 use crate::order::{Island, LayerPaths, order_stack};
@@ -38,6 +39,8 @@ pub struct Planned {
     pub stages_s: Vec<(Stage, f64)>,
     /// The density of the inside: the one asked for, or the one found for a mass.
     pub density: f64,
+    /// Directions and the stress they come from, for jobs that have loads.
+    pub guide: Option<Guide>,
 }
 
 /// Shorter closed walls are small, mm.
@@ -58,15 +61,20 @@ pub fn plan_job(
 ) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
     let shape_error = |source| Error::Shape { path: path.to_owned(), source };
-    let stack = {
-        let bodies = place_bodies(settings, file, diagnostics).map_err(shape_error)?;
-        let mesh = shape::mend(bodies, config::repair(settings), diagnostics).map_err(shape_error)?;
-        shape::slice(&mesh, &config::slicing(settings), diagnostics).map_err(shape_error)?
-    };
+    let bodies = place_bodies(settings, file, diagnostics).map_err(shape_error)?;
+    let mesh = shape::mend(bodies, config::repair(settings), diagnostics).map_err(shape_error)?;
+    let stack = shape::slice(&mesh, &config::slicing(settings), diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
-    let job = Job { settings, stack: &stack, part: part_bounds(&stack) };
-    let plate_from_part_mm = job.plate_from_part();
-    job.check_bed(plate_from_part_mm)?;
+    let part = part_bounds(&stack);
+    let plate_from_part_mm = plate_from_part(settings, part);
+    check_bed(settings, &stack, part, plate_from_part_mm)?;
+    let guide = guide::build(settings, &GuidedPart { mesh: &mesh, stack: &stack }, diagnostics)?;
+    drop(mesh);
+    if guide.is_some() {
+        clock.stop(Stage::Guide);
+    }
+    let uniform = UniformField { axis_rad: settings.guide.angle_deg.to_radians() };
+    let job = Job { settings, stack: &stack, part, guide: guide.as_ref(), uniform };
     diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
     let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
     let skins = job.skins(&mut walls, &fills, diagnostics)?;
@@ -80,7 +88,7 @@ pub fn plan_job(
     let plan = Plan { layers, plate_from_part_mm };
     let config = config::writing(settings);
     check_fits(&plan, &config.machine)?;
-    Ok(Planned { plan, stack, config, stages_s: clock.stages, density })
+    Ok(Planned { plan, stack, config, stages_s: clock.stages, density, guide })
 }
 
 /// The islands of a layer with their walls, and where its fill may lie.
@@ -131,61 +139,60 @@ fn part_bounds(stack: &LayerStack) -> Bounds2 {
     all.reduce(Bounds2::union).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO })
 }
 
+fn plate_from_part(settings: &Settings, part: Bounds2) -> DVec3 {
+    let machine = config::machine(settings);
+    let (low, high) = machine.bed_bounds_mm();
+    let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
+    let target = settings.shape.position_mm.unwrap_or(middle);
+    let centre = part.centre();
+    // Whole micrometres, so that moving the part does not change how its numbers round.
+    let whole = |mm: f64| (mm * 1e3).round() * 1e-3;
+    DVec3::new(whole(target[0] - centre.x), whole(target[1] - centre.y), 0.0)
+}
+
+/// Refuses a part that cannot fit before any time is spent on it.
+fn check_bed(settings: &Settings, stack: &LayerStack, part: Bounds2, shift: DVec3) -> Result<(), Error> {
+    let machine = config::machine(settings);
+    let half = 1e-3;
+    let (low, high) = machine.bed_bounds_mm();
+    let reach = [
+        (part.min.x + shift.x, 0),
+        (part.max.x + shift.x, 0),
+        (part.min.y + shift.y, 1),
+        (part.max.y + shift.y, 1),
+    ];
+    for (at_mm, k) in reach {
+        if at_mm < low[k] - half || at_mm > high[k] + half {
+            let axis = ['X', 'Y'][k];
+            return Err(grainpath_gcode::GcodeError::OutsideBed {
+                axis,
+                at_mm,
+                low_mm: low[k],
+                high_mm: high[k],
+            }
+            .into());
+        }
+    }
+    let top = stack.layers().last().map_or(0.0, Layer::z_top_mm);
+    if top > machine.bed_mm[2] + half {
+        let high_mm = machine.bed_mm[2];
+        return Err(
+            grainpath_gcode::GcodeError::OutsideBed { axis: 'Z', at_mm: top, low_mm: 0.0, high_mm }.into()
+        );
+    }
+    Ok(())
+}
+
 struct Job<'a> {
     settings: &'a Settings,
     stack: &'a LayerStack,
     part: Bounds2,
+    guide: Option<&'a Guide>,
+    /// The field of `kind = "angle"`.
+    uniform: UniformField,
 }
 
 impl Job<'_> {
-    fn plate_from_part(&self) -> DVec3 {
-        let machine = config::machine(self.settings);
-        let (low, high) = machine.bed_bounds_mm();
-        let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
-        let target = self.settings.shape.position_mm.unwrap_or(middle);
-        let centre = self.part.centre();
-        // Whole micrometres, so that moving the part does not change how its numbers round.
-        let whole = |mm: f64| (mm * 1e3).round() * 1e-3;
-        DVec3::new(whole(target[0] - centre.x), whole(target[1] - centre.y), 0.0)
-    }
-
-    /// Refuses a part that cannot fit before any time is spent on it.
-    fn check_bed(&self, shift: DVec3) -> Result<(), Error> {
-        let machine = config::machine(self.settings);
-        let half = 1e-3;
-        let (low, high) = machine.bed_bounds_mm();
-        let reach = [
-            (self.part.min.x + shift.x, 0),
-            (self.part.max.x + shift.x, 0),
-            (self.part.min.y + shift.y, 1),
-            (self.part.max.y + shift.y, 1),
-        ];
-        for (at_mm, k) in reach {
-            if at_mm < low[k] - half || at_mm > high[k] + half {
-                let axis = ['X', 'Y'][k];
-                return Err(grainpath_gcode::GcodeError::OutsideBed {
-                    axis,
-                    at_mm,
-                    low_mm: low[k],
-                    high_mm: high[k],
-                }
-                .into());
-            }
-        }
-        let top = self.stack.layers().last().map_or(0.0, Layer::z_top_mm);
-        if top > machine.bed_mm[2] + half {
-            let high_mm = machine.bed_mm[2];
-            return Err(grainpath_gcode::GcodeError::OutsideBed {
-                axis: 'Z',
-                at_mm: top,
-                low_mm: 0.0,
-                high_mm,
-            }
-            .into());
-        }
-        Ok(())
-    }
-
     fn wall_settings(&self, layer: &Layer) -> WallSettings {
         let p = &self.settings.process;
         WallSettings {
@@ -280,7 +287,7 @@ impl Job<'_> {
         all.into_iter().collect()
     }
 
-    fn context(&self, layer_idx: usize, density: f64, role: Role) -> FillContext {
+    fn context(&self, layer_idx: usize, density: f64, role: Role) -> FillContext<'_> {
         let layer = &self.stack.layers()[layer_idx];
         FillContext {
             z_mid_mm: layer.z_top_mm() - 0.5 * layer.height_mm(),
@@ -291,6 +298,7 @@ impl Job<'_> {
             part: self.part,
             role,
             border_mm: self.border_mm(layer),
+            field: Some(self.guide.map_or(&self.uniform as &dyn DirectionField, |g| g.layer(layer_idx))),
         }
     }
 
@@ -332,11 +340,14 @@ impl Job<'_> {
         }
     }
 
+    /// Dense fill beside sparse one is plain; where all is dense it is the pattern asked for, and a part with a
+    /// guide follows it in its skins too.
     fn dense_pattern(&self) -> &'static dyn Infill {
-        if self.settings.fill.pattern == "concentric" && self.settings.fill.density >= 0.999 {
-            &crate::fill::Concentric
-        } else {
-            &Solid
+        let fill = &self.settings.fill;
+        match fill.pattern.as_str() {
+            "concentric" if fill.density >= 0.999 => &crate::fill::Concentric,
+            "stripes" | "streamlines" => &crate::fill::Stripes,
+            _ => &Solid,
         }
     }
 

@@ -3,9 +3,7 @@
 use grainpath_core::{DMat3, DVec3};
 
 use super::shape::EDGES;
-
-/// Stiffness in MPa, components xx, yy, zz, xy, yz, zx, engineering shears.
-pub type Stiffness = [[f64; 6]; 6];
+use crate::material::Stiffness;
 
 /// A point of a quadrature rule: barycentric coordinates and weight; weights add up to one sixth.
 pub(super) type Point = ([f64; 4], f64);

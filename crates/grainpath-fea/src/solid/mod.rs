@@ -18,7 +18,6 @@ mod stuffing;
 mod supports;
 mod thickness;
 
-pub use element::Stiffness;
 pub use error::SolidError;
 pub use mesh::{Face, Piece, TetMesh};
 pub use mesher::{MeshSettings, Meshed, expected_dofs, mesh};

@@ -1,7 +1,8 @@
 //! A mesh with its materials.
 
-use super::element::{Law, Stiffness};
+use super::element::Law;
 use super::{SolidError, TetMesh};
+use crate::material::Stiffness;
 
 /// Elements and what they are made of.
 #[derive(Debug, Clone)]
