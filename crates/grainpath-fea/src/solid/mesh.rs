@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::shape::{self, EDGES, MeshQuality, TetQuality};
 use super::snap::{boundary, incidence};
 use super::{element, mesher};
+use crate::select::Selection;
 
 /// A mesh of ten-node tetrahedra.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -89,6 +90,20 @@ impl TetMesh {
             Face { nodes: [f[0], f[1], f[2], mid[0], mid[1], mid[2]], tet: t, facet: 0 }
         };
         self.faces = boundary(&corners).into_iter().map(face).collect();
+    }
+
+    /// The faces whose middle a selection has.
+    pub fn faces_in(&self, selection: &Selection) -> Vec<usize> {
+        let middle = |f: &Face| f.nodes[3..].iter().map(|&m| self.nodes[m as usize]).sum::<DVec3>() / 3.0;
+        (0..self.faces.len()).filter(|&f| selection.contains(middle(&self.faces[f]))).collect()
+    }
+
+    /// The nodes of some faces, each once, rising.
+    pub fn nodes_of(&self, faces: &[usize]) -> Vec<u32> {
+        let mut nodes: Vec<u32> = faces.iter().flat_map(|&f| self.faces[f].nodes).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
     }
 
     /// Number of unknowns without any support.
