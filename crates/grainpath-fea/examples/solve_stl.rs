@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use grainpath_core::mesh::VertexWelder;
 use grainpath_core::{DVec3, TriMesh};
+use grainpath_fea::material::Orthotropic;
 use grainpath_fea::solid::{MeshSettings, Model, SolveSettings, Supports, loads, mesh, solve};
 
 fn read(path: &str, scale: f64) -> Option<TriMesh> {
@@ -14,7 +15,8 @@ fn read(path: &str, scale: f64) -> Option<TriMesh> {
     let mut triangles = Vec::new();
     for facet in bytes.get(84..)?.chunks_exact(50) {
         let number = |i: usize| f32::from_le_bytes(facet[i..i + 4].try_into().expect("four bytes"));
-        let corner = |i: usize| DVec3::from_array([0, 4, 8].map(|k| f64::from(number(12 + 12 * i + k)))) * scale;
+        let corner =
+            |i: usize| DVec3::from_array([0, 4, 8].map(|k| f64::from(number(12 + 12 * i + k)))) * scale;
         triangles.push([welder.index(corner(0))?, welder.index(corner(1))?, welder.index(corner(2))?]);
     }
     Some(TriMesh { vertices: welder.into_vertices(), triangles })
@@ -42,7 +44,7 @@ fn main() {
     };
     println!(
         "{} facets, size {size_mm} mm, walls {:.2} mm: {} elements, {} dofs, volume {:+.3} %, {} pieces, {} crumbs, \
-         {:.2} s",
+         walls lost {:.2} %, {:.2} s",
         surface.triangles.len(),
         meshed.wall_mm,
         meshed.mesh.tets.len(),
@@ -50,6 +52,7 @@ fn main() {
         100.0 * (meshed.volume_mm3 / meshed.surface_mm3 - 1.0),
         meshed.pieces.len(),
         meshed.n_crumbs,
+        100.0 * meshed.lost_share,
         start.elapsed().as_secs_f64()
     );
     println!("{:?}", meshed.quality);
@@ -57,19 +60,11 @@ fn main() {
     let start = Instant::now();
     let (lo, hi) = surface.bounds().expect("meshed");
     let mesh = &meshed.mesh;
-    let (e, nu) = (2000.0, 0.35);
-    let (mu, lambda) = (e / (2.0 + 2.0 * nu), e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)));
-    let stiffness = std::array::from_fn(|i| {
-        std::array::from_fn(|j| match (i < 3 && j < 3, i == j) {
-            (true, true) => lambda + 2.0 * mu,
-            (true, false) => lambda,
-            (false, true) => mu,
-            (false, false) => 0.0,
-        })
-    });
+    let stiffness = Orthotropic::isotropic(2000.0, 0.35).stiffness().expect("stable");
     let model = Model::uniform(mesh, stiffness);
     let at = |x: f64| {
-        let on = |f: &usize| mesh.faces[*f].nodes.iter().all(|&n| (mesh.nodes[n as usize].x - x).abs() < 1e-6);
+        let on =
+            |f: &usize| mesh.faces[*f].nodes.iter().all(|&n| (mesh.nodes[n as usize].x - x).abs() < 1e-6);
         (0..mesh.faces.len()).filter(on).collect::<Vec<usize>>()
     };
     let mut supports = Supports::new(mesh.nodes.len());
