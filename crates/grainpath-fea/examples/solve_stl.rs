@@ -60,7 +60,7 @@ fn main() {
     let start = Instant::now();
     let (lo, hi) = surface.bounds().expect("meshed");
     let mesh = &meshed.mesh;
-    let stiffness = Orthotropic::isotropic(2000.0, 0.35).stiffness().expect("stable");
+    let stiffness = Orthotropic::isotropic(210_000.0, 0.3).stiffness().expect("stable");
     let model = Model::uniform(mesh, stiffness);
     let at = |x: f64| {
         let on =
