@@ -5,6 +5,7 @@
 mod arrows;
 mod bench;
 mod bench_fea;
+mod bench_paths;
 mod fuzz;
 mod licences;
 mod setup;
@@ -19,6 +20,7 @@ const USAGE: &str = "usage: cargo xtask <command>
                    (benchy bunny armadillo plate_holes skull; the skull takes the peers many minutes)
   bench fea [300000|1000000]  meshing and solving a bracket beside gmsh and CalculiX
   bench quality    gap, spill, overlap and travel beside the same
+  bench paths      fill along the stress held against CalculiX's principal stresses
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   setup            installs what tests and benches need (Python packages, Chromium, the peers)";
 
@@ -29,6 +31,7 @@ fn main() -> ExitCode {
         ["test"] => test(true),
         ["test", "--quick"] => test(false),
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
+        ["bench", "paths"] => bench_paths::run(),
         ["bench", "fea", cases @ ..] => bench_fea::run(cases),
         ["bench", "quality"] => bench::quality(),
         ["fuzz"] => fuzz::run(20),
