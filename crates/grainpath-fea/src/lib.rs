@@ -7,4 +7,5 @@ pub mod material;
 pub mod plane;
 pub mod principal;
 pub mod select;
+pub mod solid;
 pub mod sparse;

@@ -5,8 +5,8 @@ use std::path::Path;
 use grainpath_core::DVec3;
 use grainpath_core::units::LengthUnit;
 use grainpath_io::fe::{
-    Element, Encoding, FeOptions, On, Order, StressField, StressUnit, VtuMesh, parse_fe, stress_point_data, von_mises,
-    write_vtu,
+    Element, Encoding, FeOptions, On, Order, StressField, StressUnit, VtuMesh, parse_fe, stress_point_data,
+    von_mises, write_vtu,
 };
 
 fn bytes(file: &str) -> Vec<u8> {
@@ -60,7 +60,11 @@ fn every_encoding_gives_the_same_field() {
         }
         if name.ends_with(".msh") {
             let names: Vec<_> = file.groups.iter().map(|g| g.name.as_str()).collect();
-            assert_eq!(names, ["part 1", "part 2", "part 3", "part 4", "part 5", "part 6", "part 7"], "{name}");
+            assert_eq!(
+                names,
+                ["part 1", "part 2", "part 3", "part 4", "part 5", "part 6", "part 7"],
+                "{name}"
+            );
         }
         let result = file.result(&FeOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
         for (p, s) in result.nodes.iter().zip(&result.stress) {
@@ -178,9 +182,16 @@ fn units_are_stated_and_doubted() {
         ..FeOptions::default()
     };
     let result = file.result(&stated).expect("metres and pascals");
-    assert_eq!((result.nodes[1], result.stress[0]), (DVec3::new(100.0, 0.0, 0.0), [100.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
+    assert_eq!(
+        (result.nodes[1], result.stress[0]),
+        (DVec3::new(100.0, 0.0, 0.0), [100.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    );
     assert!(result.warnings.is_empty(), "{:?}", result.warnings);
-    let psi = FeOptions { stress_unit: StressUnit::from_name("psi"), length_unit: LengthUnit::from_name("inch"), ..stated };
+    let psi = FeOptions {
+        stress_unit: StressUnit::from_name("psi"),
+        length_unit: LengthUnit::from_name("inch"),
+        ..stated
+    };
     let result = file.result(&psi).expect("inches");
     assert!((result.nodes[1].x - 2.54).abs() < 1e-12 && (result.stress[0][0] - 689_475.7).abs() < 0.1);
 }
@@ -209,14 +220,19 @@ fn order_of_components_is_taken_and_doubted() {
             for k in 0..4 {
                 n += 1;
                 elements += &format!("{n} 5 0");
-                for (a, b, c) in [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)] {
+                for (a, b, c) in
+                    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+                {
                     elements += &format!(" {}", at(i + a, j + b, k + c));
                 }
                 elements += "\n";
             }
         }
     }
-    text += &format!("$EndNodes\n$Elements\n{n}\n{elements}$EndElements\n$NodeData\n1\n\"S\"\n1\n0\n3\n0\n6\n{}\n", nodes.len());
+    text += &format!(
+        "$EndNodes\n$Elements\n{n}\n{elements}$EndElements\n$NodeData\n1\n\"S\"\n1\n0\n3\n0\n6\n{}\n",
+        nodes.len()
+    );
     for (i, p) in nodes.iter().enumerate() {
         // Prandtl's function (1 - y^2)(1 - z^2): no stress across the sides.
         let (xy, zx) = (-2.0 * p.z * (1.0 - p.y * p.y), 2.0 * p.y * (1.0 - p.z * p.z));

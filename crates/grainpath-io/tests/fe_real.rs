@@ -132,7 +132,9 @@ fn decks_keep_material_supports_and_loads() {
         let e = &file.elements[load.element as usize];
         for &corner in e.kind.faces()[load.face as usize] {
             let p = file.nodes[e.nodes()[corner] as usize];
-            assert!(((p.x / 3.25).powi(2) + (p.y / 2.75).powi(2) - 1.0).abs() < 1e-6 && load.pressure == -10.0);
+            assert!(
+                ((p.x / 3.25).powi(2) + (p.y / 2.75).powi(2) - 1.0).abs() < 1e-6 && load.pressure == -10.0
+            );
         }
     }
     let Some(file) = read("bracket.inp") else { return };
@@ -140,7 +142,11 @@ fn decks_keep_material_supports_and_loads() {
     let force: f64 = deck.steps[0].point_loads.iter().map(|l| l.value).sum();
     assert!((force + 500.0).abs() < 0.01 && deck.steps[0].point_loads.iter().all(|l| l.axis == 2), "{force}");
     let Some(file) = read("ccx_disk2.inp") else { return };
-    assert!(file.warnings.iter().any(|w| w.contains("*EQUATION") && w.contains("CENTRIF")), "{:?}", file.warnings);
+    assert!(
+        file.warnings.iter().any(|w| w.contains("*EQUATION") && w.contains("CENTRIF")),
+        "{:?}",
+        file.warnings
+    );
 }
 
 #[test]
@@ -175,15 +181,21 @@ fn sampling_is_fast_and_as_exact_as_the_nodes() {
         assert!(off < 1e-4 * (1.0 + von_mises(s)), "at {p}: {found:?} {s:?}");
     }
     // Rows of points, as layers ask for them; some are outside the part.
-    let (lo, hi) = field.result().nodes.iter().fold((field.result().nodes[0], field.result().nodes[0]), |b, &p| {
-        (b.0.min(p), b.1.max(p))
-    });
+    let (lo, hi) = field
+        .result()
+        .nodes
+        .iter()
+        .fold((field.result().nodes[0], field.result().nodes[0]), |b, &p| (b.0.min(p), b.1.max(p)));
     let n = 300_000;
     let start = Instant::now();
     let mut inside = 0;
     let mut sum = 0.0;
     for i in 0..n {
-        let t = DVec3::new(f64::from(i % 1000) / 1000.0, f64::from(i / 1000 % 100) / 100.0, f64::from(i / 100_000) / 3.0);
+        let t = DVec3::new(
+            f64::from(i % 1000) / 1000.0,
+            f64::from(i / 1000 % 100) / 100.0,
+            f64::from(i / 100_000) / 3.0,
+        );
         let p = lo + t * (hi - lo);
         let at = field.locate(p).expect("a mesh");
         inside += i32::from(at.distance_mm == 0.0);

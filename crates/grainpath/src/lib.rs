@@ -23,4 +23,4 @@ pub mod walls;
 
 pub use error::Error;
 pub use job::Settings;
-pub use run::{Planned, plan_job};
+pub use run::{Inputs, Planned, plan_job};

@@ -13,6 +13,7 @@ use grainpath_core::{
 };
 use grainpath_gcode::{WriteConfig, check_fits};
 use grainpath_io::MeshFile;
+use grainpath_io::fe::StressField;
 use rayon::prelude::*;
 
 use crate::adhesion::{AdhesionSettings, brim, skirt};
@@ -48,27 +49,35 @@ const SMALL_WALL_MM: f64 = 30.0;
 /// Walls with more than this share of their length over air are overhangs.
 const OVERHANG_SHARE: f64 = 0.25;
 
-/// Plans a job. `path` is what errors call the mesh.
+/// What a job is made from, read already.
+pub struct Inputs {
+    /// The shape.
+    pub mesh: MeshFile,
+    /// What errors call it.
+    pub path: String,
+    /// Stress solved elsewhere, for `guide.import`.
+    pub stress: Option<StressField>,
+}
+
+/// Plans a job.
 ///
 /// # Errors
 /// [`Error`] for a mesh that cannot be sliced, a part that does not fit the bed, a mass that cannot be met, and when
 /// a stop was asked for.
-pub fn plan_job(
-    settings: &Settings,
-    file: MeshFile,
-    path: &str,
-    diagnostics: &Diagnostics,
-) -> Result<Planned, Error> {
+pub fn plan_job(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
-    let shape_error = |source| Error::Shape { path: path.to_owned(), source };
-    let bodies = place_bodies(settings, file, diagnostics).map_err(shape_error)?;
+    let shape_error = |source| Error::Shape { path: inputs.path.clone(), source };
+    let (bodies, lowered_mm) = place_bodies(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
     let mesh = shape::mend(bodies, config::repair(settings), diagnostics).map_err(shape_error)?;
     let stack = shape::slice(&mesh, &config::slicing(settings), diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
     let part = part_bounds(&stack);
     let plate_from_part_mm = plate_from_part(settings, part);
     check_bed(settings, &stack, part, plate_from_part_mm)?;
-    let guide = guide::build(settings, &GuidedPart { mesh: &mesh, stack: &stack }, diagnostics)?;
+    let guide = {
+        let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
+        guide::build(settings, &guided, inputs.stress, diagnostics)?
+    };
     drop(mesh);
     if guide.is_some() {
         clock.stop(Stage::Guide);
@@ -107,12 +116,12 @@ impl Clock {
     }
 }
 
-/// The bodies of a file in millimetres on the plate.
+/// The bodies of a file in millimetres on the plate, and how far they were lowered to stand there.
 fn place_bodies(
     settings: &Settings,
     file: MeshFile,
     diagnostics: &Diagnostics,
-) -> Result<Vec<grainpath_core::TriMesh>, shape::ShapeError> {
+) -> Result<(Vec<grainpath_core::TriMesh>, f64), shape::ShapeError> {
     file.warnings.iter().for_each(|w| diagnostics.warn(format!("mesh: {w}")));
     let mut bodies: Vec<grainpath_core::TriMesh> = file.bodies.into_iter().map(|b| b.mesh).collect();
     let mut placement = config::placement(settings);
@@ -130,8 +139,8 @@ fn place_bodies(
             ));
         }
     }
-    shape::place(&mut bodies, &placement)?;
-    Ok(bodies)
+    let lowered_mm = shape::place(&mut bodies, &placement)?;
+    Ok((bodies, lowered_mm))
 }
 
 fn part_bounds(stack: &LayerStack) -> Bounds2 {

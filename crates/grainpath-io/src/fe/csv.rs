@@ -47,7 +47,10 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
         .ok_or_else(|| invalid("line 1", "a header such as x,y,z,sxx,syy,szz,sxy,syz,szx should be here"))?;
     let names = names(header.trim_ascii(), separator);
     let (Some(x), Some(y)) = (axis(&names, 0), axis(&names, 1)) else {
-        return Err(invalid("line 1", "the header should name columns x and y; it is the only place that says what is what"));
+        return Err(invalid(
+            "line 1",
+            "the header should name columns x and y; it is the only place that says what is what",
+        ));
     };
     let z = axis(&names, 2);
     let columns: Vec<usize> = (0..names.len()).filter(|&i| i != x && i != y && Some(i) != z).collect();

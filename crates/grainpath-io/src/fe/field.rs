@@ -228,10 +228,8 @@ fn inverse(columns: [DVec3; 3], kind: ElementKind) -> Option<[DVec3; 3]> {
 
 /// The inverse map of a simplex whose nodes on edges lie in their middles.
 fn affine(e: &Element, result: &FeResult) -> Option<(DVec3, [DVec3; 3])> {
-    let simplex = matches!(
-        e.kind,
-        ElementKind::Tri3 | ElementKind::Tri6 | ElementKind::Tet4 | ElementKind::Tet10
-    );
+    let simplex =
+        matches!(e.kind, ElementKind::Tri3 | ElementKind::Tri6 | ElementKind::Tet4 | ElementKind::Tet10);
     if !simplex {
         return None;
     }
@@ -240,8 +238,12 @@ fn affine(e: &Element, result: &FeResult) -> Option<(DVec3, [DVec3; 3])> {
     // Files in single precision round middles by about a millionth of the part.
     let tolerance = 1e-5 * (hi - lo).max_element();
     let n = e.kind.n_corners();
-    let straight =
-        e.kind.edges().iter().enumerate().all(|(k, &[i, j])| (0.5 * (p(i) + p(j)) - p(n + k)).length() <= tolerance);
+    let straight = e
+        .kind
+        .edges()
+        .iter()
+        .enumerate()
+        .all(|(k, &[i, j])| (0.5 * (p(i) + p(j)) - p(n + k)).length() <= tolerance);
     if !straight {
         return None;
     }
@@ -306,7 +308,13 @@ fn nearest_on_triangle(p: DVec3, a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
     };
     let candidates = [on(a, b), on(b, c), on(c, a)];
     let d = candidates.map(|q| q.distance_squared(p));
-    let best = if d[0] <= d[1] && d[0] <= d[2] { 0 } else if d[1] <= d[2] { 1 } else { 2 };
+    let best = if d[0] <= d[1] && d[0] <= d[2] {
+        0
+    } else if d[1] <= d[2] {
+        1
+    } else {
+        2
+    };
     candidates[best]
 }
 
@@ -324,14 +332,11 @@ struct Grid {
 
 impl Grid {
     fn new(boxes: &[(DVec3, DVec3)]) -> Self {
-        let mut grid = Self {
-            lo: DVec3::ZERO,
-            scale: DVec3::ONE,
-            dims: [1; 3],
-            starts: vec![0, 0],
-            items: Vec::new(),
+        let mut grid =
+            Self { lo: DVec3::ZERO, scale: DVec3::ONE, dims: [1; 3], starts: vec![0, 0], items: Vec::new() };
+        let Some((lo, hi)) = boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
+            return grid;
         };
-        let Some((lo, hi)) = boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else { return grid };
         grid.lo = lo;
         let mut wanted = (4.0 * boxes.len() as f64).clamp(1.0, 5e7);
         loop {
@@ -454,7 +459,9 @@ impl Tree {
         let (low, high) = box_of(items.iter().map(|&i| middle(i)));
         let axis = (high - low).max_position();
         let half = n_items / 2;
-        items.select_nth_unstable_by(half, |&a, &b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(&b)));
+        items.select_nth_unstable_by(half, |&a, &b| {
+            middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(&b))
+        });
         self.build(boxes, start, start + half);
         self.nodes[node].link = self.nodes.len() as u32;
         self.nodes[node].n_items = 0;

@@ -1,9 +1,7 @@
 //! CalculiX results (.frd), ASCII and binary: mesh, displacement, stress, whatever else is on nodes.
 
 use super::bytes::{Numbers, Raw, Scalar};
-use super::{
-    ElementKind, FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, array_room, invalid, position,
-};
+use super::{ElementKind, FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, array_room, invalid, position};
 use crate::text::{number, whole};
 
 /// Numbers in a record of a line.
@@ -231,8 +229,8 @@ impl<'a> Frd<'a> {
         let mut nodes = [0u32; 20];
         for (slot, &number) in nodes.iter_mut().zip(numbers) {
             let index = self.numbers.get(number);
-            *slot = index
-                .ok_or_else(|| FeError::NoSuchNode { element: element.to_string(), node: number })?;
+            *slot =
+                index.ok_or_else(|| FeError::NoSuchNode { element: element.to_string(), node: number })?;
         }
         let kind = match kind {
             1 => Ok(ElementKind::Hex8),

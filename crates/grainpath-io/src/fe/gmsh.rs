@@ -161,7 +161,9 @@ impl<'a> Msh<'a> {
     fn number(&mut self, scalar: Scalar, wanted: &'static str) -> Result<f64, FeError> {
         if self.binary {
             let raw = self.words.raw(scalar.bytes());
-            let raw = raw.ok_or_else(|| invalid(self.words.place(), format!("the file ends where {wanted} should be")))?;
+            let raw = raw.ok_or_else(|| {
+                invalid(self.words.place(), format!("the file ends where {wanted} should be"))
+            })?;
             return Ok(scalar.all(raw, self.big)[0]);
         }
         Ok(self.words.number(wanted)?)
@@ -328,7 +330,10 @@ impl<'a> Msh<'a> {
     fn kind(&self, number: i64) -> Result<Kind, FeError> {
         kind(number).ok_or_else(|| {
             let what = format!("{}: element type {number}", self.words.place());
-            FeError::Unsupported { what, reads: "triangles, quads, tets, pyramids, wedges and hexes to order 2" }
+            FeError::Unsupported {
+                what,
+                reads: "triangles, quads, tets, pyramids, wedges and hexes to order 2",
+            }
         })
     }
 
@@ -354,8 +359,7 @@ impl<'a> Msh<'a> {
                         self.kind(k)?
                     }
                 };
-                let n_tags =
-                    if self.binary { n_tags } else { self.count(Scalar::I32, "a count of tags")? };
+                let n_tags = if self.binary { n_tags } else { self.count(Scalar::I32, "a count of tags")? };
                 tags.clear();
                 for _ in 0..n_tags {
                     tags.push(self.tag(Scalar::I32, "a tag")?);
@@ -447,7 +451,8 @@ impl<'a> Msh<'a> {
                 }
             }
         }
-        let array = FeArray { name, on, components, component_names: Vec::new(), values, step: Some(step + 1) };
+        let array =
+            FeArray { name, on, components, component_names: Vec::new(), values, step: Some(step + 1) };
         self.file.arrays.push(array);
         Ok(())
     }

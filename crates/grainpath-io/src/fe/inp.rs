@@ -98,8 +98,9 @@ fn value(line: usize, field: &[u8]) -> Result<f64, FeError> {
 }
 
 fn integer(line: usize, field: &[u8]) -> Result<i64, FeError> {
-    whole(field)
-        .ok_or_else(|| invalid(place(line), format!("found {:?} where a whole number should be", shown(field))))
+    whole(field).ok_or_else(|| {
+        invalid(place(line), format!("found {:?} where a whole number should be", shown(field)))
+    })
 }
 
 /// Adds to a set and keeps it ascending, at no cost for blocks that follow each other.
@@ -172,8 +173,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
 
 fn keyword(text: &str, line: usize) -> Block<'static> {
     let mut parts = text.split(',');
-    let squeeze =
-        |s: &str| s.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
+    let squeeze = |s: &str| s.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
     let keyword = squeeze(parts.next().unwrap_or_default());
     let parameter = |p: &str| {
         let (name, value) = p.split_once('=').unwrap_or((p, ""));
@@ -209,7 +209,9 @@ impl Inp {
             }
             "SOLIDSECTION" | "SHELLSECTION" | "MEMBRANESECTION" => {
                 let thickness = match b.data.first() {
-                    Some((n, l)) => fields(l).next().filter(|f| !f.is_empty()).map(|f| value(*n, f)).transpose()?,
+                    Some((n, l)) => {
+                        fields(l).next().filter(|f| !f.is_empty()).map(|f| value(*n, f)).transpose()?
+                    }
                     None => None,
                 };
                 self.deck.sections.push(Section {
@@ -226,8 +228,15 @@ impl Inp {
                 self.in_step = true;
             }
             "ENDSTEP" => self.in_step = false,
-            "STATIC" | "FREQUENCY" | "BUCKLE" | "DYNAMIC" | "MODALDYNAMIC" | "STEADYSTATEDYNAMICS"
-            | "HEATTRANSFER" | "VISCO" | "COUPLEDTEMPERATURE-DISPLACEMENT" => {
+            "STATIC"
+            | "FREQUENCY"
+            | "BUCKLE"
+            | "DYNAMIC"
+            | "MODALDYNAMIC"
+            | "STEADYSTATEDYNAMICS"
+            | "HEATTRANSFER"
+            | "VISCO"
+            | "COUPLEDTEMPERATURE-DISPLACEMENT" => {
                 if let Some(step) = self.deck.steps.last_mut() {
                     step.procedure = b.keyword.clone();
                 }
@@ -327,8 +336,9 @@ impl Inp {
                 let mut read = |field: &[u8]| -> Result<(), FeError> {
                     let node = integer(n, field)?;
                     let index = self.nodes.get(node);
-                    nodes
-                        .push(index.ok_or_else(|| FeError::NoSuchNode { element: element.to_string(), node })?);
+                    nodes.push(
+                        index.ok_or_else(|| FeError::NoSuchNode { element: element.to_string(), node })?,
+                    );
                     Ok(())
                 };
                 for f in fields(line) {
@@ -337,7 +347,8 @@ impl Inp {
                 goes_on = line.ends_with(b",");
             }
             if nodes.len() < wanted {
-                let problem = format!("element {element} has {} nodes; {kind_name} has {wanted}", nodes.len());
+                let problem =
+                    format!("element {element} has {} nodes; {kind_name} has {wanted}", nodes.len());
                 return Err(invalid(place(n), problem));
             }
             if self.file.add(kind, &nodes) {
@@ -437,7 +448,10 @@ impl Inp {
         let known = label.first().is_some_and(|c| matches!(c.to_ascii_uppercase(), b'S' | b'P'));
         match n {
             Some(n) if known => Ok((n - 1) as u8),
-            _ => Err(invalid(place(line), format!("found {:?} where a face of a {} should be", shown(label), kind.name()))),
+            _ => Err(invalid(
+                place(line),
+                format!("found {:?} where a face of a {} should be", shown(label), kind.name()),
+            )),
         }
     }
 
@@ -476,11 +490,13 @@ impl Inp {
         }
         let elastic = match (kind.as_str(), all.as_slice()) {
             ("ISO" | "ISOTROPIC", [e, nu, ..]) => Some(Elastic::Isotropic { e: *e, nu: *nu }),
-            ("ENGINEERINGCONSTANTS", [e1, e2, e3, n12, n13, n23, g12, g13, g23, ..]) => Some(Elastic::Orthotropic {
-                e: [*e1, *e2, *e3],
-                nu: [*n12, *n13, *n23],
-                g: [*g12, *g13, *g23],
-            }),
+            ("ENGINEERINGCONSTANTS", [e1, e2, e3, n12, n13, n23, g12, g13, g23, ..]) => {
+                Some(Elastic::Orthotropic {
+                    e: [*e1, *e2, *e3],
+                    nu: [*n12, *n13, *n23],
+                    g: [*g12, *g13, *g23],
+                })
+            }
             _ => {
                 self.ignore(&format!("ELASTIC, TYPE={kind}"));
                 None
@@ -516,7 +532,9 @@ impl Inp {
                 }
             };
             self.take_room(nodes.len() * axes.len(), n)?;
-            fixed.extend(nodes.iter().flat_map(|&node| axes.iter().map(move |&axis| Fixed { node, axis, value: v })));
+            fixed.extend(
+                nodes.iter().flat_map(|&node| axes.iter().map(move |&axis| Fixed { node, axis, value: v })),
+            );
         }
         match self.deck.steps.last_mut() {
             Some(step) if self.in_step => step.fixed.extend(fixed),
@@ -611,9 +629,7 @@ impl Inp {
 
 /// The kind of an element by the name Abaqus gives it: family, number of nodes, variant.
 fn element_kind(name: &str) -> (Result<ElementKind, &'static str>, Behaviour) {
-    use ElementKind::{
-        Hex8, Hex20, Pyramid5, Quad4, Quad8, Quad9, Tet4, Tet10, Tri3, Tri6, Wedge6, Wedge15,
-    };
+    use ElementKind::{Hex8, Hex20, Pyramid5, Quad4, Quad8, Quad9, Tet4, Tet10, Tri3, Tri6, Wedge6, Wedge15};
     const FAMILIES: [(&str, Behaviour); 11] = [
         ("C3D", Behaviour::Solid),
         ("DC3D", Behaviour::Solid),

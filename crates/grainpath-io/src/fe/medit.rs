@@ -51,7 +51,10 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
                 let node = words.count("a vertex number")? as i64;
                 let known = node >= 1 && node as usize <= file.nodes.len();
                 if !known {
-                    return Err(FeError::NoSuchNode { element: format!("{} (line {})", i + 1, words.line()), node });
+                    return Err(FeError::NoSuchNode {
+                        element: format!("{} (line {})", i + 1, words.line()),
+                        node,
+                    });
                 }
                 *slot = (node - 1) as u32;
             }

@@ -230,9 +230,13 @@ impl FeFile {
 pub enum FeError {
     #[error("the file is empty")]
     Empty,
-    #[error("not a finite-element file: neither VTU, legacy VTK, Gmsh MSH, FRD, INP, Medit nor CSV with a header")]
+    #[error(
+        "not a finite-element file: neither VTU, legacy VTK, Gmsh MSH, FRD, INP, Medit nor CSV with a header"
+    )]
     Unknown,
-    #[error("a STEP file holds geometry, not a mesh or a result; export STL or 3MF, or mesh and solve it first")]
+    #[error(
+        "a STEP file holds geometry, not a mesh or a result; export STL or 3MF, or mesh and solve it first"
+    )]
     Geometry,
     #[error(transparent)]
     Text(#[from] MeshError),

@@ -196,7 +196,10 @@ impl FeFile {
             }
         }
         if top > 0 && elements.is_empty() {
-            return Err(invalid(format!("array {:?}", choice.label), "no element has finite values at all its nodes"));
+            return Err(invalid(
+                format!("array {:?}", choice.label),
+                "no element has finite values at all its nodes",
+            ));
         }
         if without > 0 {
             warnings.push(format!("{without} elements have no finite stress at some node and are left out"));
@@ -292,21 +295,24 @@ impl FeFile {
         let all: Vec<usize> = (0..self.arrays.len()).filter(|&i| self.of_step(i, options.step)).collect();
         let whole: Vec<usize> = all.iter().copied().filter(|&i| usable(&self.arrays[i])).collect();
         let pick = |test: &dyn Fn(&FeArray) -> bool| {
-            let on = |on: On| whole.iter().copied().find(|&i| self.arrays[i].on == on && test(&self.arrays[i]));
+            let on =
+                |on: On| whole.iter().copied().find(|&i| self.arrays[i].on == on && test(&self.arrays[i]));
             on(On::Nodes).or_else(|| on(On::Elements))
         };
         if let Some(name) = named {
-            if let Some(i) = pick(&|a| a.name == name).or_else(|| pick(&|a| a.name.eq_ignore_ascii_case(name))) {
+            if let Some(i) =
+                pick(&|a| a.name == name).or_else(|| pick(&|a| a.name.eq_ignore_ascii_case(name)))
+            {
                 return self.whole_array(i, options);
             }
-            return self.by_parts(&all, Some(name)).ok_or_else(|| FeError::NoSuchArray {
-                name: name.to_owned(),
-                arrays: self.listed(),
-            });
+            return self
+                .by_parts(&all, Some(name))
+                .ok_or_else(|| FeError::NoSuchArray { name: name.to_owned(), arrays: self.listed() });
         }
         let usual = ["s", "stress", "stresses", "sigma", "cauchy_stress", "cauchy stress", "stress tensor"];
         let exact = usual.iter().find_map(|u| pick(&|a| a.name.eq_ignore_ascii_case(u)));
-        let strain = |n: &str| n.contains("strain") || n.contains("error") || n == "e" || n == "le" || n == "pe";
+        let strain =
+            |n: &str| n.contains("strain") || n.contains("error") || n == "e" || n == "le" || n == "pe";
         let like = || {
             pick(&|a| {
                 let n = a.name.to_ascii_lowercase();
@@ -395,7 +401,9 @@ impl FeFile {
                 && a.values.len() == self.nodes.len() * a.components
                 && self.of_step(i, step)
         };
-        let found = |name: &str| (0..self.arrays.len()).find(|&i| is(i) && self.arrays[i].name.eq_ignore_ascii_case(name));
+        let found = |name: &str| {
+            (0..self.arrays.len()).find(|&i| is(i) && self.arrays[i].name.eq_ignore_ascii_case(name))
+        };
         usual.iter().find_map(|n| found(n)).map(|i| &self.arrays[i])
     }
 
@@ -415,7 +423,9 @@ impl FeFile {
             } else {
                 ""
             };
-            warnings.push(format!("the peak von Mises stress is {peak:.3e} MPa, more than any plastic bears{hint}"));
+            warnings.push(format!(
+                "the peak von Mises stress is {peak:.3e} MPa, more than any plastic bears{hint}"
+            ));
         }
         if peak == 0.0 {
             warnings.push("the stress is zero everywhere".into());

@@ -169,8 +169,7 @@ impl Vtk<'_> {
             }
             if a.on == On::Elements && kept.len() != n_cells {
                 let c = a.components;
-                a.values =
-                    kept.iter().flat_map(|&i| a.values[i * c..(i + 1) * c].iter().copied()).collect();
+                a.values = kept.iter().flat_map(|&i| a.values[i * c..(i + 1) * c].iter().copied()).collect();
             }
             true
         });
@@ -245,8 +244,10 @@ impl Vtk<'_> {
         let mut at = 0;
         for i in 0..n {
             let count = all.get(at).copied().unwrap_or(-1.0);
-            let nodes = all.get(at + 1..).and_then(|rest| rest.get(..count as usize)).filter(|_| count >= 0.0);
-            let nodes = nodes.ok_or_else(|| invalid(format!("cell {i}"), "the list of cells ends before it"))?;
+            let nodes =
+                all.get(at + 1..).and_then(|rest| rest.get(..count as usize)).filter(|_| count >= 0.0);
+            let nodes =
+                nodes.ok_or_else(|| invalid(format!("cell {i}"), "the list of cells ends before it"))?;
             self.connectivity.extend_from_slice(nodes);
             self.ends.push(self.connectivity.len() as f64);
             at += 1 + nodes.len();

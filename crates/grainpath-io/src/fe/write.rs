@@ -185,7 +185,11 @@ impl Body {
         numbers: &Numbers<'_>,
     ) -> io::Result<()> {
         let name = quick_xml::escape::escape(name);
-        write!(out, "<DataArray type=\"{}\" Name=\"{name}\" NumberOfComponents=\"{components}\"", numbers.kind())?;
+        write!(
+            out,
+            "<DataArray type=\"{}\" Name=\"{name}\" NumberOfComponents=\"{components}\"",
+            numbers.kind()
+        )?;
         for (i, c) in component_names.iter().enumerate() {
             write!(out, " ComponentName{i}=\"{}\"", quick_xml::escape::escape(c.as_str()))?;
         }

@@ -2,7 +2,9 @@
 
 mod degenerate;
 mod direction;
+mod import;
 mod lines;
+mod outputs;
 mod plane;
 
 use std::sync::Arc;
@@ -13,6 +15,7 @@ use grainpath_core::{DVec3, Diagnostics, DirectionField, LayerStack, TriMesh};
 use grainpath_fea::material::{Orthotropic, Unstable};
 use grainpath_fea::plane::{PlaneError, PlaneStress};
 use grainpath_fea::principal::PlaneTensor;
+use grainpath_io::fe::{Element, StressField};
 use rayon::prelude::*;
 
 use crate::job::Settings;
@@ -20,6 +23,7 @@ use crate::job::loads::{Case, Load, Place, Push};
 pub use degenerate::{Degenerate, Degenerates, degenerate_points};
 pub use direction::{DirectionSettings, Follow, LayerField};
 pub use lines::{LineSettings, Seeding, TracedLine, evenly_spaced, trace_line};
+pub use outputs::{Families, lines_svg, lines_vtp};
 
 /// Why a guide cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -36,6 +40,15 @@ pub enum GuideError {
     NoFacet { what: String, facet: usize, n: usize },
     #[error("analysis = \"plane\" does not fit: {0}; use \"solid\"")]
     NotPlane(&'static str),
+    #[error(
+        "the imported result lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm, not where the part is; check guide.import_length_unit",
+        low.x, low.y, low.z, high.x, high.y, high.z
+    )]
+    ImportElsewhere { low: DVec3, high: DVec3 },
+    #[error(
+        "guide.import takes results in the mesh's own coordinates: shape.rotate_deg should be 0 and shape.scale 1"
+    )]
+    ImportTurned,
     #[error("material: {0}")]
     Material(#[from] Unstable),
     #[error("the section cannot be meshed: {0}")]
@@ -111,8 +124,23 @@ pub struct Guide {
     pub summary: StressSummary,
     /// The cases' stresses.
     pub cases: Vec<CaseStress>,
-    /// Stress of the section, case by case, where the part was solved as a plate.
-    pub plane: Vec<Arc<PlaneStress>>,
+    /// What was solved for, case by case.
+    pub results: Vec<ResultMesh>,
+}
+
+/// Stress at the nodes of a mesh.
+#[derive(Debug, Clone)]
+pub struct ResultMesh {
+    /// The case.
+    pub name: String,
+    /// Positions, mm, part coordinates.
+    pub nodes: Vec<DVec3>,
+    /// Elements over them.
+    pub elements: Vec<Element>,
+    /// Stress, MPa, xx, yy, zz, xy, yz, zx.
+    pub stress: Vec<[f64; 6]>,
+    /// Displacement, mm.
+    pub displacement: Option<Vec<DVec3>>,
 }
 
 impl Guide {
@@ -127,6 +155,14 @@ impl Guide {
         let (double, weight) = direction::asked(&self.cases, self.follow, p);
         let double = if self.follow == Follow::Alternate && layer % 2 == 1 { -double } else { double };
         (0.5 * grainpath_core::math::atan2(double.y, double.x), weight)
+    }
+
+    /// The stress of the case that counts most.
+    pub fn main_case(&self) -> &dyn InPlaneStress {
+        let better = |a: &&CaseStress, b: &&CaseStress| a.weight.total_cmp(&b.weight);
+        // Of equal ones the first.
+        let main = self.cases.iter().rev().max_by(better);
+        &*main.expect("a guide has a case").stress
     }
 
     /// Whether two layers have one field.
@@ -151,6 +187,8 @@ pub struct GuidedPart<'a> {
     pub mesh: &'a TriMesh,
     /// Its layers.
     pub stack: &'a LayerStack,
+    /// How far it was lowered to stand on the plate, mm.
+    pub lowered_mm: f64,
 }
 
 /// Solves the loads of a job and lays the directions of every layer; `None` for jobs without stress.
@@ -160,11 +198,31 @@ pub struct GuidedPart<'a> {
 pub fn build(
     settings: &Settings,
     part: &GuidedPart<'_>,
+    imported: Option<StressField>,
     diagnostics: &Diagnostics,
 ) -> Result<Option<Guide>, GuideError> {
     if settings.guide.kind != "stress" {
         return Ok(None);
     }
+    diagnostics.begin(Stage::Guide, 0);
+    let solved = match imported {
+        Some(field) => {
+            if settings.shape.rotate_deg != [0.0; 3] || settings.shape.scale != 1.0 {
+                return Err(GuideError::ImportTurned);
+            }
+            field.result().warnings.iter().for_each(|w| diagnostics.warn(format!("guide.import: {w}")));
+            import::solved(Arc::new(field), part, part.lowered_mm)?
+        }
+        None => solve(settings, part)?,
+    };
+    diagnostics.check()?;
+    let layers = lay_directions(settings, part, &solved, diagnostics)?;
+    let follow = Follow::from_name(&settings.guide.follow);
+    let Solved { cases, results, summary, .. } = solved;
+    Ok(Some(Guide { layers, follow, summary, cases, results }))
+}
+
+fn solve(settings: &Settings, part: &GuidedPart<'_>) -> Result<Solved, GuideError> {
     let cases = cases(settings);
     if cases.is_empty() {
         return Err(GuideError::Missing("a [[guide.load]]"));
@@ -172,18 +230,13 @@ pub fn build(
     if settings.guide.fixture.is_empty() {
         return Err(GuideError::Missing("a [[guide.fixture]]"));
     }
-    diagnostics.begin(Stage::Guide, 0);
-    let solved = plane::solve(settings, part, &cases)?;
-    diagnostics.check()?;
-    let layers = lay_directions(settings, part, &solved, diagnostics)?;
-    let follow = Follow::from_name(&settings.guide.follow);
-    Ok(Some(Guide { layers, follow, summary: solved.summary, cases: solved.cases, plane: solved.plane }))
+    plane::solve(settings, part, &cases)
 }
 
 /// What a solver gives.
 struct Solved {
     cases: Vec<CaseStress>,
-    plane: Vec<Arc<PlaneStress>>,
+    results: Vec<ResultMesh>,
     summary: StressSummary,
     /// Whether the stress is the same at all heights.
     constant: bool,

@@ -10,9 +10,11 @@ use grainpath_fea::plane::{
 use grainpath_fea::select::Selection;
 
 use super::{
-    CaseStress, GuideError, GuidedPart, InPlaneStress, Solved, StressSummary, degenerate_points, in_plane,
-    material, resolved,
+    CaseStress, GuideError, GuidedPart, InPlaneStress, ResultMesh, Solved, StressSummary, degenerate_points,
+    in_plane, material, resolved,
 };
+use grainpath_io::fe::{Element, ElementKind};
+
 use crate::job::Settings;
 use crate::job::loads::{Case, Load, Push};
 
@@ -95,7 +97,9 @@ pub(super) fn solve(
         elements: mesh.elements.len(),
         ..StressSummary::default()
     };
-    let (mut stresses, mut plane) = (Vec::new(), Vec::new());
+    let (mut stresses, mut results) = (Vec::new(), Vec::new());
+    let triangle = |e: &[u32; 6]| Element::new(ElementKind::Tri6, e);
+    let elements: Vec<Element> = mesh.elements.iter().filter_map(triangle).collect();
     let mut load_number = 0;
     for case in cases {
         let mut forces = vec![DVec2::ZERO; mesh.nodes.len()];
@@ -112,11 +116,19 @@ pub(super) fn solve(
         summary.max_displacement_mm = summary.max_displacement_mm.max(moved);
         summary.max_von_mises_mpa = summary.max_von_mises_mpa.max(stress.max_von_mises_mpa());
         summary.error_estimate = summary.error_estimate.max(stress.error_estimate());
-        plane.push(Arc::clone(&stress));
+        if results.is_empty() {
+            summary.degenerate = degenerate_points(&stress);
+        }
+        results.push(ResultMesh {
+            name: case.name.clone(),
+            nodes: mesh.nodes.iter().map(|p| plate.at(*p)).collect(),
+            elements: elements.clone(),
+            stress: stress.nodal_mpa().iter().map(|[xx, yy, xy]| [*xx, *yy, 0.0, *xy, 0.0, 0.0]).collect(),
+            displacement: Some(solution.displacement_mm.iter().map(|u| u.extend(0.0)).collect()),
+        });
         stresses.push(CaseStress { name: case.name.clone(), weight: case.weight, stress: Box::new(stress) });
     }
-    summary.degenerate = degenerate_points(&plane[0]);
-    Ok(Solved { cases: stresses, plane, summary, constant: true })
+    Ok(Solved { cases: stresses, results, summary, constant: true })
 }
 
 /// About ten thousand triangles for a plain section.

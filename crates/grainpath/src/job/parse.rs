@@ -21,12 +21,11 @@ fn error(place: impl Into<String>, problem: impl Into<String>) -> JobError {
 }
 
 /// Keys of other parts of grainpath that are not there yet: known, so that the message can say so.
-const LATER: [(&str, &str); 7] = [
+const LATER: [(&str, &str); 6] = [
     ("shape", "outline"),
     ("shape", "thickness_mm"),
     ("shape", "ct"),
     ("shape", "photo"),
-    ("guide", "import"),
     ("support", "critical_angle_deg"),
     ("output", "support"),
 ];

@@ -168,6 +168,11 @@ sections! {
         fixture: Vec<Fixture> = Vec::new(), "", Any, "[[guide.fixture]]: on = { box_mm | plane | cylinder | sphere | facets }, fix = \"xyz\" or some of it or \"normal\", displacement_mm.";
         load: Vec<Load> = Vec::new(), "", Any, "[[guide.load]]: on = { ... } with force_n (spread over the area), pressure_mpa or moment_nmm; or acceleration_mm_s2 for the whole part.";
         case: Vec<Case> = Vec::new(), "", Any, "[[guide.case]]: name, weight and its own [[guide.case.load]]; loads outside cases are a case of their own.";
+        import: String = String::new(), "", Any, "Take the stress from this file instead of solving: VTU, VTK, MSH 2.2 or 4.1, FRD, CSV; in the mesh's coordinates.";
+        import_array: Option<String> = None, "", Any, "Name of the stress array in it; left out, the usual names.";
+        import_order: Option<String> = None, "", Words(&["vtk", "abaqus", "voigt"]), "Order of its components: vtk xx yy zz xy yz zx, abaqus xx yy zz xy xz yz, voigt xx yy zz yz xz xy; left out, by name, else vtk.";
+        import_stress_unit: Option<String> = None, "", Words(&["MPa", "Pa", "kPa", "GPa", "psi", "ksi"]), "Its unit; left out, MPa.";
+        import_length_unit: Option<String> = None, "", Words(&["mm", "cm", "m", "inch", "micron", "foot"]), "Unit of its positions; left out, mm.";
         memory_mb: usize = 4096, "MB", Range(16.0, 1e6), "The most the solver may take; it is told in advance.";
     }
     /// What is laid inside the walls.
