@@ -13,7 +13,10 @@ pub fn tests() -> Result<(), String> {
 }
 
 fn python() -> Result<(), String> {
-    if quiet(Command::new("python3").args(["-c", "import numpy, scipy, shapely, trimesh, networkx, rtree, meshio"])) {
+    if quiet(
+        Command::new("python3")
+            .args(["-c", "import numpy, scipy, shapely, trimesh, networkx, rtree, meshio"]),
+    ) {
         return Ok(());
     }
     println!("installing Python packages: {}", PYTHON.join(" "));

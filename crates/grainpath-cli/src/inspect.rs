@@ -77,7 +77,8 @@ fn mesh_json(name: &str, file: &MeshFile) -> Value {
 
 /// Whether a file is a finite-element mesh or result. A table is one only when named so: G-code may begin alike.
 fn is_fe(bytes: &[u8], name: &str) -> bool {
-    sniff_fe(bytes, Some(name)).is_some_and(|f| f != FeFormat::Csv || name.to_ascii_lowercase().ends_with(".csv"))
+    sniff_fe(bytes, Some(name))
+        .is_some_and(|f| f != FeFormat::Csv || name.to_ascii_lowercase().ends_with(".csv"))
 }
 
 fn fe_json(name: &str, file: &FeFile) -> Value {
@@ -92,10 +93,15 @@ fn fe_json(name: &str, file: &FeFile) -> Value {
     for a in &file.arrays {
         let on = if a.on == On::Nodes { "nodes" } else { "elements" };
         let step = a.step.map_or(String::new(), |s| format!(", step {s}"));
-        let parts = if a.component_names.is_empty() { String::new() } else { format!(": {}", a.component_names.join(" ")) };
+        let parts = if a.component_names.is_empty() {
+            String::new()
+        } else {
+            format!(": {}", a.component_names.join(" "))
+        };
         arrays.push(format!("{} ({} on {on}{step}{parts})", a.name, a.components));
     }
-    let groups: Vec<String> = file.groups.iter().map(|g| format!("{} ({} nodes)", g.name, g.nodes.len())).collect();
+    let groups: Vec<String> =
+        file.groups.iter().map(|g| format!("{} ({} nodes)", g.name, g.nodes.len())).collect();
     let mut value = json!({
         "ok": true, "file": name, "kind": "fe", "format": file.format.name(),
         "nodes": file.nodes.len(), "elements": elements, "left_out": left_out,
@@ -110,7 +116,8 @@ fn fe_json(name: &str, file: &FeFile) -> Value {
             value["stress"] = json!(result.stress_array);
             value["plane"] = json!(result.plane);
             value["max_von_mises"] = json!((peak * 1e6).round() * 1e-6);
-            value["likely_stress_unit"] = json!(if peak > 1e4 { "Pa (by its size)" } else { "MPa (by its size)" });
+            value["likely_stress_unit"] =
+                json!(if peak > 1e4 { "Pa (by its size)" } else { "MPa (by its size)" });
             if let Some(u) = &result.displacement {
                 let longest = u.iter().map(|u| u.length()).filter(|l| l.is_finite()).fold(0.0, f64::max);
                 value["max_displacement"] = json!(longest);
@@ -162,6 +169,8 @@ fn table(value: &Value) -> String {
         other => other.to_string(),
     };
     let line = |(k, v): (&String, &Value)| format!("{:<26} {}\n", k.replace('_', " "), shown(v));
-    let skip = |v: &Value| v.is_null() || v.as_array().is_some_and(Vec::is_empty) || v.as_object().is_some_and(|o| o.is_empty());
+    let skip = |v: &Value| {
+        v.is_null() || v.as_array().is_some_and(Vec::is_empty) || v.as_object().is_some_and(|o| o.is_empty())
+    };
     rows.iter().filter(|(k, v)| *k != "ok" && !skip(v)).map(line).collect()
 }

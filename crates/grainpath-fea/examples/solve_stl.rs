@@ -14,7 +14,8 @@ fn read(path: &str, scale: f64) -> Option<TriMesh> {
     let mut triangles = Vec::new();
     for facet in bytes.get(84..)?.chunks_exact(50) {
         let number = |i: usize| f32::from_le_bytes(facet[i..i + 4].try_into().expect("four bytes"));
-        let corner = |i: usize| DVec3::from_array([0, 4, 8].map(|k| f64::from(number(12 + 12 * i + k)))) * scale;
+        let corner =
+            |i: usize| DVec3::from_array([0, 4, 8].map(|k| f64::from(number(12 + 12 * i + k)))) * scale;
         triangles.push([welder.index(corner(0))?, welder.index(corner(1))?, welder.index(corner(2))?]);
     }
     Some(TriMesh { vertices: welder.into_vertices(), triangles })
@@ -69,7 +70,8 @@ fn main() {
     });
     let model = Model::uniform(mesh, stiffness);
     let at = |x: f64| {
-        let on = |f: &usize| mesh.faces[*f].nodes.iter().all(|&n| (mesh.nodes[n as usize].x - x).abs() < 1e-6);
+        let on =
+            |f: &usize| mesh.faces[*f].nodes.iter().all(|&n| (mesh.nodes[n as usize].x - x).abs() < 1e-6);
         (0..mesh.faces.len()).filter(on).collect::<Vec<usize>>()
     };
     let mut supports = Supports::new(mesh.nodes.len());

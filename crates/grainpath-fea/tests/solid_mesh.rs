@@ -29,7 +29,8 @@ fn a_box_however_turned_keeps_its_edges() {
         for size in [2.0, 1.0] {
             let surface = boxed(DVec3::new(20.0, 14.0, 9.0), turn);
             let start = Instant::now();
-            let found = mesh(&surface, &MeshSettings { size_mm: Some(size), most_dofs: 0 }).expect("a plain box");
+            let found =
+                mesh(&surface, &MeshSettings { size_mm: Some(size), most_dofs: 0 }).expect("a plain box");
             let off = found.volume_mm3 / 2520.0 - 1.0;
             let q = found.quality;
             println!(
@@ -41,7 +42,10 @@ fn a_box_however_turned_keeps_its_edges() {
                 q.dihedral_max_deg,
                 start.elapsed().as_secs_f64()
             );
-            assert!(off.abs() < 0.003 && q.dihedral_min_deg > 12.0 && q.dihedral_max_deg < 155.0, "{off} {q:?}");
+            assert!(
+                off.abs() < 0.003 && q.dihedral_min_deg > 12.0 && q.dihedral_max_deg < 155.0,
+                "{off} {q:?}"
+            );
             assert_eq!((found.pieces.len(), found.n_crumbs), (1, 0));
             sound(&found.mesh);
             // A corner of the mesh stands in each corner of the box, and each side is labelled as its two facets.
@@ -147,7 +151,8 @@ fn a_ball_is_curved_and_pieces_are_told_apart() {
         .faces
         .iter()
         .map(|f| {
-            let middle: DVec3 = f.nodes[3..].iter().map(|&i| found.mesh.nodes[i as usize]).sum::<DVec3>() / 3.0;
+            let middle: DVec3 =
+                f.nodes[3..].iter().map(|&i| found.mesh.nodes[i as usize]).sum::<DVec3>() / 3.0;
             let [a, b, c] = surface.triangles[f.facet as usize].map(|i| surface.vertices[i as usize]);
             middle.distance((a + b + c) / 3.0)
         })
@@ -180,7 +185,10 @@ fn a_ball_is_curved_and_pieces_are_told_apart() {
 fn what_cannot_be_meshed_is_told() {
     let plate = boxed(DVec3::new(60.0, 40.0, 1.0), 0.3);
     let coarse = mesh(&plate, &MeshSettings { size_mm: Some(3.0), most_dofs: 0 }).expect_err("too thin");
-    assert!(matches!(coarse, SolidError::ThinWalls { thickness_mm, .. } if (thickness_mm - 1.0).abs() < 1e-6), "{coarse}");
+    assert!(
+        matches!(coarse, SolidError::ThinWalls { thickness_mm, .. } if (thickness_mm - 1.0).abs() < 1e-6),
+        "{coarse}"
+    );
     let capped = mesh(&plate, &MeshSettings { size_mm: None, most_dofs: 20_000 });
     assert!(matches!(capped, Err(SolidError::ThinWalls { .. })));
     let found = mesh(&plate, &MeshSettings::default()).expect("fine enough");

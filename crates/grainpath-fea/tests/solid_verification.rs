@@ -73,9 +73,11 @@ fn patch_mesh() -> TetMesh {
 fn patch_test() {
     let mesh = patch_mesh();
     assert!((mesh.volume_mm3() - 1.0).abs() < 1e-12);
-    let field = |p: DVec3| 0.5e-3 * DVec3::new(2.0 * p.x + p.y + p.z, p.x + 2.0 * p.y + p.z, p.x + p.y + 2.0 * p.z);
+    let field =
+        |p: DVec3| 0.5e-3 * DVec3::new(2.0 * p.x + p.y + p.z, p.x + 2.0 * p.y + p.z, p.x + p.y + 2.0 * p.z);
     let strain = [1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3];
-    let card = Orthotropic { e_mpa: [3120.0, 2770.0, 2500.0], nu: [0.33, 0.3, 0.35], g_mpa: [1050.0, 900.0, 800.0] };
+    let card =
+        Orthotropic { e_mpa: [3120.0, 2770.0, 2500.0], nu: [0.33, 0.3, 0.35], g_mpa: [1050.0, 900.0, 800.0] };
     let turned = rotated(&card.stiffness().expect("stable"), DVec3::new(0.3, -0.7, 1.1));
     for (name, stiffness) in [("isotropic", isotropic(1e6, 0.25)), ("orthotropic", turned)] {
         let model = Model::uniform(&mesh, stiffness);
@@ -90,12 +92,17 @@ fn patch_test() {
         let solution = solved(&model, &supports, vec![DVec3::ZERO; mesh.nodes.len()]);
         let off = mesh.nodes.iter().zip(&solution.displacement).map(|(p, u)| u.distance(field(*p)));
         let off = off.fold(0.0, f64::max) / 2e-3;
-        let want: Vec<f64> = stiffness.iter().map(|row| row.iter().zip(strain).map(|(c, e)| c * e).sum()).collect();
+        let want: Vec<f64> =
+            stiffness.iter().map(|row| row.iter().zip(strain).map(|(c, e)| c * e).sum()).collect();
         let found = recover(&model, &solution.displacement, None).expect("positive");
         let size = want.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-        let stress_off = found.stress_mpa.iter().flat_map(|s| s.iter().zip(&want)).map(|(a, b)| (a - b).abs());
+        let stress_off =
+            found.stress_mpa.iter().flat_map(|s| s.iter().zip(&want)).map(|(a, b)| (a - b).abs());
         let stress_off = stress_off.fold(0.0, f64::max) / size;
-        println!("patch test, {name}: displacement {off:.1e}, stress {stress_off:.1e}, estimate {:.1e}", found.relative_error);
+        println!(
+            "patch test, {name}: displacement {off:.1e}, stress {stress_off:.1e}, estimate {:.1e}",
+            found.relative_error
+        );
         assert!(off < 1e-9 && stress_off < 1e-9 && found.relative_error < 1e-9);
         if name == "isotropic" {
             assert!((want[0] - 2000.0).abs() < 1e-9 && (want[3] - 400.0).abs() < 1e-9);
@@ -236,10 +243,12 @@ fn lame_cylinder(n: usize) -> Lame {
             }
         }
     }
-    let on_inside = |f: &usize| mesh.faces[*f].nodes.iter().all(|&i| {
-        let q = mesh.nodes[i as usize];
-        ((q.x * q.x + q.y * q.y).sqrt() - a).abs() < 1e-6
-    });
+    let on_inside = |f: &usize| {
+        mesh.faces[*f].nodes.iter().all(|&i| {
+            let q = mesh.nodes[i as usize];
+            ((q.x * q.x + q.y * q.y).sqrt() - a).abs() < 1e-6
+        })
+    };
     let inside: Vec<usize> = (0..mesh.faces.len()).filter(on_inside).collect();
     let mut load = vec![DVec3::ZERO; mesh.nodes.len()];
     loads::add_pressure(&mut load, &mesh, &inside, p);
@@ -250,10 +259,15 @@ fn lame_cylinder(n: usize) -> Lame {
     let k = p * a * a / (b * b - a * a);
     let exact = |r: f64| (1.0 + nu) / e * k * ((1.0 - 2.0 * nu) * r + b * b / r);
     assert!((exact(10.0) - 0.190_667).abs() < 1e-6);
-    let squares: f64 = mesh.nodes.iter().zip(&solution.displacement).map(|(q, u)| {
-        let r = (q.x * q.x + q.y * q.y).sqrt();
-        (u.x - exact(r) * q.x / r).powi(2) + (u.y - exact(r) * q.y / r).powi(2)
-    }).sum();
+    let squares: f64 = mesh
+        .nodes
+        .iter()
+        .zip(&solution.displacement)
+        .map(|(q, u)| {
+            let r = (q.x * q.x + q.y * q.y).sqrt();
+            (u.x - exact(r) * q.x / r).powi(2) + (u.y - exact(r) * q.y / r).powi(2)
+        })
+        .sum();
     let work: f64 = load.iter().zip(&solution.displacement).map(|(f, u)| f.dot(*u)).sum();
     let exact_work = p * exact(a) * std::f64::consts::FRAC_PI_2 * a * height;
     let at = nearest(&mesh, DVec3::new(a, 0.0, 0.0));
@@ -278,7 +292,9 @@ fn lame_cylinder_and_orders_of_convergence() {
     let order = |f: fn(&Lame) -> f64| math::ln(f(&runs[1]) / f(&runs[2])) / math::ln(2.0);
     let (u, energy) = (order(|r| r.displacement), order(|r| r.energy_norm));
     println!("order of the displacement {u:.2} (3), of the energy norm {energy:.2} (2)");
-    assert!((runs[2].hoop_mpa / 16.667 - 1.0).abs() < 0.01 && (runs[2].radial_mpa / -10.0 - 1.0).abs() < 0.01);
+    assert!(
+        (runs[2].hoop_mpa / 16.667 - 1.0).abs() < 0.01 && (runs[2].radial_mpa / -10.0 - 1.0).abs() < 0.01
+    );
     assert!((u - 3.0).abs() < 0.3 && (energy - 2.0).abs() < 0.3, "{u} {energy}");
     // The estimate tells the size of the error.
     assert!((0.5..2.0).contains(&(runs[2].found.relative_error / runs[2].energy_norm)));

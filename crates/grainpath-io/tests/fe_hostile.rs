@@ -16,7 +16,9 @@ fn fixtures() -> Vec<(String, Vec<u8>)> {
         .expect("the files of make.py")
         .map(|f| f.expect("a file").path())
         .filter(|p| p.extension().is_some_and(|e| e != "py"))
-        .map(|p| (p.file_name().expect("a name").to_string_lossy().into_owned(), std::fs::read(p).expect("a file")))
+        .map(|p| {
+            (p.file_name().expect("a name").to_string_lossy().into_owned(), std::fs::read(p).expect("a file"))
+        })
         .collect();
     all.push(("deck.inp".into(), DECK.as_bytes().to_vec()));
     all.push(("table.csv".into(), b"x,y,sxx,syy,sxy\n0,0,1,2,3\n1,0,1,2,3\n0,1,1,2,3\n".to_vec()));
@@ -40,15 +42,21 @@ fn damage_is_named() {
         (format!("{head}><Piece NumberOfPoints=\"-1\" NumberOfCells=\"0\"></Piece>"), "should be a count"),
         (format!("{head}><Piece NumberOfPoints=\"2\" NumberOfCells=\"0\"></Piece>"), "has no Points"),
         (
-            format!("{head}><Piece NumberOfPoints=\"1\" NumberOfCells=\"0\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">1 2</DataArray></Points></Piece>"),
+            format!(
+                "{head}><Piece NumberOfPoints=\"1\" NumberOfCells=\"0\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">1 2</DataArray></Points></Piece>"
+            ),
             "2 numbers where 3",
         ),
         (
-            format!("{head}><Piece NumberOfPoints=\"1\" NumberOfCells=\"0\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">1 2 x</DataArray></Points></Piece>"),
+            format!(
+                "{head}><Piece NumberOfPoints=\"1\" NumberOfCells=\"0\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">1 2 x</DataArray></Points></Piece>"
+            ),
             "found \"x\"",
         ),
         (
-            format!("{head}><Piece NumberOfPoints=\"1\" NumberOfCells=\"0\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"appended\" offset=\"99\"/></Points></Piece></UnstructuredGrid><AppendedData encoding=\"raw\">_abc</AppendedData>"),
+            format!(
+                "{head}><Piece NumberOfPoints=\"1\" NumberOfCells=\"0\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"appended\" offset=\"99\"/></Points></Piece></UnstructuredGrid><AppendedData encoding=\"raw\">_abc</AppendedData>"
+            ),
             "behind the end",
         ),
     ] {
@@ -59,8 +67,14 @@ fn damage_is_named() {
         ("$MeshFormat\n4 0 8\n$EndMeshFormat\n", "versions 2.2 and 4.1"),
         ("$NOD\n1\n", "versions 2.2 and 4.1"),
         ("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0 0 0\n1 1 0 0\n", "node 1: is there twice"),
-        ("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n1\n7 2 0 1 1 9\n", "element 7: node 9 does not exist"),
-        ("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n1\n7 99 0 1 1 9\n", "element type 99"),
+        (
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n1\n7 2 0 1 1 9\n",
+            "element 7: node 9 does not exist",
+        ),
+        (
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n1\n7 99 0 1 1 9\n",
+            "element type 99",
+        ),
         ("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 inf\n", "not a finite number"),
     ] {
         let told = error(text.as_bytes(), "a.msh");
@@ -144,8 +158,14 @@ fn bombs_are_refused() {
     let _ = parse_fe(text.as_bytes(), Some("a.inp"));
     // Counts that promise more than there is.
     for (text, name) in [
-        ("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 199999999 1 199999999\n2 1 0 199999999\n1\n", "a.msh"),
-        ("# vtk DataFile Version 3.0\na\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 199999999 double\n", "a.vtk"),
+        (
+            "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 199999999 1 199999999\n2 1 0 199999999\n1\n",
+            "a.msh",
+        ),
+        (
+            "# vtk DataFile Version 3.0\na\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 199999999 double\n",
+            "a.vtk",
+        ),
         ("MeshVersionFormatted 1\nVertices\n199999999\n", "a.mesh"),
     ] {
         error(text.as_bytes(), name);

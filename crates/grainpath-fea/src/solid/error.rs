@@ -9,7 +9,9 @@ pub enum SolidError {
     #[error("the mesh encloses nothing to compute on; a closed surface is needed")]
     NothingInside,
     /// More lattice points than are allowed.
-    #[error("elements this small need {points:.0} lattice points; {least_mm:.3} mm is the smallest size for this part")]
+    #[error(
+        "elements this small need {points:.0} lattice points; {least_mm:.3} mm is the smallest size for this part"
+    )]
     TooFine {
         /// Lattice points over the part's box.
         points: f64,
@@ -30,7 +32,9 @@ pub enum SolidError {
         dofs: f64,
     },
     /// More memory than allowed.
-    #[error("{what} would take {need_mib:.0} MiB of the {limit_mib:.0} MiB allowed; a coarser mesh needs less")]
+    #[error(
+        "{what} would take {need_mib:.0} MiB of the {limit_mib:.0} MiB allowed; a coarser mesh needs less"
+    )]
     Memory {
         /// The step that would take it.
         what: &'static str,

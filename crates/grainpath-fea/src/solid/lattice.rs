@@ -75,11 +75,8 @@ impl Lattice {
     }
 
     pub(super) fn index(&self, p: IVec3) -> usize {
-        let (q, m, start) = if p.x & 1 == 0 {
-            (p / 2, self.corners(), 0)
-        } else {
-            (p / 2, self.n, corner_count(self.n))
-        };
+        let (q, m, start) =
+            if p.x & 1 == 0 { (p / 2, self.corners(), 0) } else { (p / 2, self.n, corner_count(self.n)) };
         start + (q.z as usize * m.y as usize + q.y as usize) * m.x as usize + q.x as usize
     }
 
@@ -116,8 +113,7 @@ impl Lattice {
             .collect();
         for (b, signs) in (0..).zip(found) {
             for (i, pair) in (0..).zip(signs.chunks_exact(2)) {
-                let cell = of(b) * BLOCK
-                    + IVec3::new(i % BLOCK, i / BLOCK % BLOCK, i / (BLOCK * BLOCK));
+                let cell = of(b) * BLOCK + IVec3::new(i % BLOCK, i / BLOCK % BLOCK, i / (BLOCK * BLOCK));
                 for (p, &sign) in [cell * 2, cell * 2 + 1].into_iter().zip(pair) {
                     if self.has(p) {
                         let index = self.index(p);
@@ -233,9 +229,9 @@ impl Block<'_> {
 
     /// As the winding number says; where nothing lies between this point and the last, it is on the same side.
     fn inside(&mut self, p: DVec3) -> bool {
-        let same = self.last.filter(|&(q, _)| {
-            self.closed && self.bvh.first_hit(q, p - q, (-1e-9, 1.0 + 1e-9)).is_none()
-        });
+        let same = self
+            .last
+            .filter(|&(q, _)| self.closed && self.bvh.first_hit(q, p - q, (-1e-9, 1.0 + 1e-9)).is_none());
         let inside = same.map_or_else(|| self.bvh.contains(p), |(_, inside)| inside);
         self.last = Some((p, inside));
         inside

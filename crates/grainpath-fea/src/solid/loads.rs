@@ -27,7 +27,14 @@ const FACE_RULE: [([f64; 3], f64); 7] = {
 
 /// Shape functions and their slopes by the second and third barycentric coordinates.
 fn face_shapes([a, b, c]: [f64; 3]) -> ([f64; 6], [[f64; 2]; 6]) {
-    let n = [a * (2.0 * a - 1.0), b * (2.0 * b - 1.0), c * (2.0 * c - 1.0), 4.0 * a * b, 4.0 * b * c, 4.0 * c * a];
+    let n = [
+        a * (2.0 * a - 1.0),
+        b * (2.0 * b - 1.0),
+        c * (2.0 * c - 1.0),
+        4.0 * a * b,
+        4.0 * b * c,
+        4.0 * c * a,
+    ];
     let slopes = [
         [1.0 - 4.0 * a, 1.0 - 4.0 * a],
         [4.0 * b - 1.0, 0.0],

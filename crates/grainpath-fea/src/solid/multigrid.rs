@@ -245,8 +245,7 @@ impl<'a> Level<'a> {
             Matrix::Stored(_) => Vec::new(),
         };
         let (x, r, d, t) = (zero(), zero(), zero(), zero());
-        let mut level =
-            Self { matrix, inverse_diagonal, top: 1.0, smooth, transfer, x, r, d, t, scratch };
+        let mut level = Self { matrix, inverse_diagonal, top: 1.0, smooth, transfer, x, r, d, t, scratch };
         level.top = 1.2 * level.largest_eigenvalue();
         level
     }
@@ -524,7 +523,13 @@ mod tests {
             for j in 0..6 {
                 d[i][j] = match (i < 3 && j < 3, i == j) {
                     (true, same) => 1.2 + if same { 1.6 } else { 0.0 },
-                    (false, same) => if same { 0.8 } else { 0.0 },
+                    (false, same) => {
+                        if same {
+                            0.8
+                        } else {
+                            0.0
+                        }
+                    }
                 };
             }
         }
@@ -542,8 +547,13 @@ mod tests {
             }
         }
         let (supports, model) = (&supports, &model);
-        let (solutions, info) = crate::solid::solve(model, supports, &[r], &Default::default()).expect("held");
-        assert!(solutions[0].iterations < 40 && solutions[0].residual < 1e-8, "{:?}", solutions[0].iterations);
+        let (solutions, info) =
+            crate::solid::solve(model, supports, &[r], &Default::default()).expect("held");
+        assert!(
+            solutions[0].iterations < 40 && solutions[0].residual < 1e-8,
+            "{:?}",
+            solutions[0].iterations
+        );
         assert_eq!(info.levels, [4913, 729, 125]);
     }
 }

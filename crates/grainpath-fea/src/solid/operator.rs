@@ -129,15 +129,15 @@ impl<'a> Operator<'a> {
         let mut sum = vec![DMat3::ZERO; self.n_nodes()];
         for (c, tets) in mesh.tets.chunks(16 * GROUP).enumerate() {
             let first = c * 16 * GROUP;
-            let blocks: Vec<[DMat3; 10]> =
-                (first..first + tets.len()).into_par_iter().map(of).collect();
+            let blocks: Vec<[DMat3; 10]> = (first..first + tets.len()).into_par_iter().map(of).collect();
             for (tet, blocks) in tets.iter().zip(blocks) {
                 for (&i, b) in tet.iter().zip(blocks) {
                     sum[i as usize] += b;
                 }
             }
         }
-        let held = |i: usize, k: DMat3| self.supports.free(i).map_or(k, |p| *p * k * *p + (DMat3::IDENTITY - *p));
+        let held =
+            |i: usize, k: DMat3| self.supports.free(i).map_or(k, |p| *p * k * *p + (DMat3::IDENTITY - *p));
         sum.into_par_iter().enumerate().map(|(i, k)| inverse(held(i, k))).collect()
     }
 }
@@ -255,7 +255,13 @@ mod tests {
             for j in 0..6 {
                 isotropic[i][j] = match (i < 3 && j < 3, i == j) {
                     (true, same) => 1.2 + if same { 1.6 } else { 0.0 },
-                    (false, same) => if same { 0.8 } else { 0.0 },
+                    (false, same) => {
+                        if same {
+                            0.8
+                        } else {
+                            0.0
+                        }
+                    }
                 };
                 general[i][j] = 0.1 * ((i * j) as f64).sin_like() + if i == j { 3.0 } else { 0.0 };
             }
@@ -302,7 +308,9 @@ mod tests {
                 let diagonal = operator.inverse_diagonal();
                 for i in [0, 1, 3] {
                     let k = full.row(i).find(|(j, _)| *j == i).expect("on the diagonal").1;
-                    assert!((*k * diagonal[i] - DMat3::IDENTITY).to_cols_array().iter().all(|v| v.abs() < 1e-9));
+                    assert!(
+                        (*k * diagonal[i] - DMat3::IDENTITY).to_cols_array().iter().all(|v| v.abs() < 1e-9)
+                    );
                 }
                 // Rigid motions cost nothing.
                 let (shift, turn) = (DVec3::new(1.0, -2.0, 0.5), DVec3::new(0.3, 0.2, -0.7));

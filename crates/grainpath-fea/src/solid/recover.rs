@@ -44,9 +44,10 @@ pub fn recover(
             let (g, _) = element::gradients(&x, &l);
             let n = element::shapes(&l);
             let p: DVec3 = x.iter().zip(&n).map(|(p, n)| *p * *n).sum();
-            let grad = u.iter().zip(&g).fold(DMat3::ZERO, |m, (u, g)| {
-                m + DMat3::from_cols(*u * g.x, *u * g.y, *u * g.z)
-            });
+            let grad = u
+                .iter()
+                .zip(&g)
+                .fold(DMat3::ZERO, |m, (u, g)| m + DMat3::from_cols(*u * g.x, *u * g.y, *u * g.z));
             let mut strain = element::strain(&grad);
             if let Some(initial) = initial_strain {
                 for (s, e) in strain.iter_mut().zip(initial(p)) {
@@ -186,7 +187,13 @@ fn solve_spd(mut m: [[f64; 10]; 10], mut b: [[f64; 6]; 10], n: usize) -> [[f64; 
         for j in 0..=i {
             let rest = m[i][j] - (0..j).map(|k| m[i][k] * m[j][k]).sum::<f64>();
             m[i][j] = match (i == j, m[j][j] > 0.0) {
-                (true, _) => if rest > 1e-8 * whole { rest.sqrt() } else { 0.0 },
+                (true, _) => {
+                    if rest > 1e-8 * whole {
+                        rest.sqrt()
+                    } else {
+                        0.0
+                    }
+                }
                 (false, true) => rest / m[j][j],
                 (false, false) => 0.0,
             };

@@ -38,8 +38,7 @@ impl<'m> Sampler<'m> {
         let box_volume = (hi - lo).max(DVec3::splat(mean)).element_product();
         let width = (1.5 * mean).max((box_volume / MOST_CELLS).cbrt());
         let n = ((hi - lo) / width).as_ivec3() + 1;
-        let mut sampler =
-            Self { mesh, origin: lo, width, n, start: Vec::new(), tets: Vec::new() };
+        let mut sampler = Self { mesh, origin: lo, width, n, start: Vec::new(), tets: Vec::new() };
         let mut all: Vec<(u32, u32)> = Vec::new();
         for t in 0..mesh.tets.len() {
             let x = mesh.places(t);

@@ -74,8 +74,10 @@ pub fn solve(
         levels: multigrid.sizes(),
         mib: (operator.bytes() + multigrid.bytes()) as f64 / 1048576.0,
     };
-    let solutions =
-        loads.iter().map(|load| iterate(&operator, supports, &mut multigrid, load, settings)).collect::<Result<_, _>>()?;
+    let solutions = loads
+        .iter()
+        .map(|load| iterate(&operator, supports, &mut multigrid, load, settings))
+        .collect::<Result<_, _>>()?;
     Ok((solutions, info))
 }
 

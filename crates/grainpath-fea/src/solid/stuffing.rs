@@ -127,8 +127,7 @@ impl Points<'_> {
     fn point(&self, index: u64) -> IVec3 {
         let n = self.lattice.cells();
         let corners = (n + 1).as_u64vec3().element_product();
-        let (rest, m, odd) =
-            if index < corners { (index, n + 1, 0) } else { (index - corners, n, 1) };
+        let (rest, m, odd) = if index < corners { (index, n + 1, 0) } else { (index - corners, n, 1) };
         let (x, y) = (rest % m.x as u64, rest / m.x as u64 % m.y as u64);
         IVec3::new(x as i32, y as i32, (rest / (m.x as u64 * m.y as u64)) as i32) * 2 + odd
     }
@@ -164,12 +163,7 @@ fn around(
     }
 }
 
-fn cut_tet(
-    points: [IVec3; 4],
-    warp: &Warped<'_>,
-    keep: &impl Fn(DVec3) -> bool,
-    out: &mut Vec<[Corner; 4]>,
-) {
+fn cut_tet(points: [IVec3; 4], warp: &Warped<'_>, keep: &impl Fn(DVec3) -> bool, out: &mut Vec<[Corner; 4]>) {
     let signs = points.map(|p| warp.sign(p));
     let corner = |p: IVec3| warp.lattice.index(p) as Corner;
     let of = |s: i8| points.into_iter().zip(signs).filter(move |&(_, t)| t == s).map(|(p, _)| p);

@@ -94,10 +94,7 @@ impl Supports {
     }
 
     /// For each held node the node and the part of a field that is prescribed there.
-    pub(super) fn held_part<'a>(
-        &'a self,
-        field: &'a [DVec3],
-    ) -> impl Iterator<Item = (usize, DVec3)> + 'a {
+    pub(super) fn held_part<'a>(&'a self, field: &'a [DVec3]) -> impl Iterator<Item = (usize, DVec3)> + 'a {
         self.held.iter().map(|h| {
             let v = field[h.node as usize];
             (h.node as usize, v - h.free * v)
@@ -162,7 +159,8 @@ fn free_motions(rows: &[[f64; 6]]) -> Vec<[f64; 6]> {
     let mut pivots: Vec<usize> = Vec::new();
     for column in (0..6).rev() {
         let done = pivots.len();
-        let best = (done..rows.len()).max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()));
+        let best =
+            (done..rows.len()).max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()));
         let Some(best) = best.filter(|&b| rows[b][column].abs() > 1e-6) else { continue };
         rows.swap(done, best);
         let pivot = rows[done].map(|v| v / rows[done][column]);
@@ -193,7 +191,10 @@ fn motion_name(m: &[f64; 6]) -> String {
     let name = |d: DVec3| {
         let d = d.normalize();
         let axis = (0..3).find(|&a| d[a].abs() > 1.0 - 1e-6);
-        axis.map_or_else(|| format!("({:.2}, {:.2}, {:.2})", d.x, d.y, d.z), |a| ["x", "y", "z"][a].to_owned())
+        axis.map_or_else(
+            || format!("({:.2}, {:.2}, {:.2})", d.x, d.y, d.z),
+            |a| ["x", "y", "z"][a].to_owned(),
+        )
     };
     if turn.length() < 1e-6 {
         format!("move along {}", name(shift))
@@ -224,7 +225,11 @@ mod tests {
         for n in 0..3 {
             s.prescribe(&mesh, n, DVec3::Z, 0.0).expect("new");
         }
-        assert!(complaint(&s).ends_with("free to move along x, move along y, rotate about z"), "{}", complaint(&s));
+        assert!(
+            complaint(&s).ends_with("free to move along x, move along y, rotate about z"),
+            "{}",
+            complaint(&s)
+        );
         s.prescribe(&mesh, 0, DVec3::X, 0.0).expect("new");
         s.prescribe(&mesh, 0, DVec3::Y, 0.0).expect("new");
         assert!(complaint(&s).ends_with("free to rotate about z"), "{}", complaint(&s));
@@ -240,7 +245,10 @@ mod tests {
         s.prescribe(&mesh, 0, DVec3::X, 1.0).expect("new");
         s.prescribe(&mesh, 0, DVec3::new(1.0, 1.0, 0.0), 0.0).expect("another direction");
         s.prescribe(&mesh, 0, DVec3::Y, -1.0).expect("follows from both");
-        assert!(matches!(s.prescribe(&mesh, 0, DVec3::Y, 1.0), Err(SolidError::Contradiction { node: 0, .. })));
+        assert!(matches!(
+            s.prescribe(&mesh, 0, DVec3::Y, 1.0),
+            Err(SolidError::Contradiction { node: 0, .. })
+        ));
         assert_eq!(s.prescribed().0[0], DVec3::new(1.0, -1.0, 0.0));
     }
 }

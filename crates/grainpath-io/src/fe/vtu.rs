@@ -125,7 +125,9 @@ impl<'a> Vtu<'a> {
                 .map_err(|e| invalid(format!("VTU, byte {at}"), e.to_string()))?;
             match event {
                 Event::Eof => return Ok(()),
-                Event::DocType(_) => return Err(invalid("VTU", "a document type definition, which VTU has not")),
+                Event::DocType(_) => {
+                    return Err(invalid("VTU", "a document type definition, which VTU has not"));
+                }
                 Event::Start(e) => {
                     self.start(&e, &mut section)?;
                     if e.local_name().as_ref() == "DataArray" {
@@ -232,7 +234,8 @@ impl<'a> Vtu<'a> {
                 scalar.all(&decoded, self.style.big)
             }
             "appended" => {
-                let offset = head.offset.ok_or_else(|| invalid(place(), "appended, but without an offset"))?;
+                let offset =
+                    head.offset.ok_or_else(|| invalid(place(), "appended, but without an offset"))?;
                 let Some(appended) = &self.appended else {
                     return Err(invalid(place(), "appended, but the file has no AppendedData"));
                 };
@@ -245,7 +248,9 @@ impl<'a> Vtu<'a> {
                 let decoded = self.decode(&place(), scalar, source)?;
                 scalar.all(&decoded, self.style.big)
             }
-            other => return Err(invalid(place(), format!("format {other:?} is not ascii, binary or appended"))),
+            other => {
+                return Err(invalid(place(), format!("format {other:?} is not ascii, binary or appended")));
+            }
         };
         if self.piece.len() >= MAX_ARRAYS {
             return Err(FeError::TooMany { what: "arrays", limit: MAX_ARRAYS as u64 });
@@ -269,9 +274,10 @@ impl<'a> Vtu<'a> {
         };
         if !style.packed {
             let header = take(source, word.bytes());
-            let n = (Raw { bytes: &header, big: style.big }).number(word).ok_or_else(|| {
-                if header.is_empty() { invalid(place, "no data") } else { cut() }
-            })? as usize;
+            let n = (Raw { bytes: &header, big: style.big })
+                .number(word)
+                .ok_or_else(|| if header.is_empty() { invalid(place, "no data") } else { cut() })?
+                as usize;
             let held = match source {
                 Source::Raw(bytes) => bytes.len(),
                 Source::Base64(text) => text.len(),
@@ -302,14 +308,16 @@ impl<'a> Vtu<'a> {
             return Ok(Vec::new());
         }
         let (block, last) = (next()?, next()?);
-        let header_bytes = n_blocks.checked_add(3).and_then(|n| n.checked_mul(word.bytes())).ok_or_else(cut)?;
+        let header_bytes =
+            n_blocks.checked_add(3).and_then(|n| n.checked_mul(word.bytes())).ok_or_else(cut)?;
         let whole: Vec<u8>;
         let all: &[u8] = match source {
             Source::Raw(bytes) => bytes,
             Source::Base64(text) => {
                 // Sizes of the blocks first: what follows belongs to other arrays.
                 let header = base64(text, header_bytes);
-                let sizes = header.get(3 * word.bytes()..).map(|b| word.all(b, style.big)).unwrap_or_default();
+                let sizes =
+                    header.get(3 * word.bytes()..).map(|b| word.all(b, style.big)).unwrap_or_default();
                 let packed = sizes.iter().sum::<f64>() as usize;
                 whole = base64(text, header_bytes.saturating_add(packed));
                 &whole
@@ -338,7 +346,9 @@ impl<'a> Vtu<'a> {
         let first_node = self.file.nodes.len();
         let n = self.n_points as usize;
         let find = |section: Section, name: &str| {
-            piece.iter().find(|a| a.section == section && (name.is_empty() || a.name.eq_ignore_ascii_case(name)))
+            piece
+                .iter()
+                .find(|a| a.section == section && (name.is_empty() || a.name.eq_ignore_ascii_case(name)))
         };
         if n > 0 {
             let points = find(Section::Points, "").ok_or_else(|| invalid("Piece", "has no Points"))?;
@@ -359,7 +369,8 @@ impl<'a> Vtu<'a> {
             ));
         }
         let first_element = self.file.elements.len();
-        let kept = add_cells(&mut self.file, Cells { first_node, n_nodes: n, connectivity, ends: offsets, types })?;
+        let kept =
+            add_cells(&mut self.file, Cells { first_node, n_nodes: n, connectivity, ends: offsets, types })?;
         let n_elements = self.file.elements.len();
         for array in piece {
             let (on, n_tuples) = match array.section {
@@ -446,7 +457,9 @@ fn head_of(e: &BytesStart<'_>) -> Result<Head, FeError> {
         "Float32" => Some(Scalar::F32),
         "Float64" => Some(Scalar::F64),
         "String" => None,
-        other => return Err(invalid(format!("array {name:?}"), format!("type {other:?} is not one of VTK's"))),
+        other => {
+            return Err(invalid(format!("array {name:?}"), format!("type {other:?} is not one of VTK's")));
+        }
     };
     let text = attribute(e, "NumberOfComponents").unwrap_or_else(|| "1".into());
     let components = text.trim().parse::<usize>().ok().filter(|n| (1..=10_000).contains(n));
