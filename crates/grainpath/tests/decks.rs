@@ -5,7 +5,8 @@ use std::path::Path;
 use grainpath_core::{DVec2, DVec3};
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::plane::{Hold, PlaneMesh, PlaneProblem, PlaneSystem};
-use grainpath_io::fe::{Elastic, ElementKind, FeFile, FeOptions, parse_fe};
+use grainpath_fea::solid::{Model, SolveSettings, Supports, TetMesh, recover, solve};
+use grainpath_io::fe::{Elastic, ElementKind, FeFile, FeOptions, StressField, parse_fe, von_mises};
 
 fn read(file: &str) -> Option<FeFile> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fea").join(file);
@@ -121,4 +122,64 @@ fn plates_of_calculix_carry_a_uniform_stress() {
         assert!((peak - 100.0).abs() < 1e-3 && (s[0] + s[1] - 100.0).abs() < 1e-3 && s[2].abs() < 1e-3, "{p}: {s:?}");
     }
     assert!(u.iter().all(|u| u.is_finite()) && u.iter().any(|u| u.length() > 1e-5));
+}
+
+/// Displacements and stresses of a deck of ten-node tetrahedra at its nodes.
+fn solve_solid(file: &FeFile) -> (Vec<DVec3>, Vec<[f64; 6]>) {
+    let deck = file.deck.as_ref().expect("a deck");
+    let (material, _) = deck.section_of(0).expect("a section");
+    let Some(Elastic::Isotropic { e, nu }) = material.elastic else { panic!("{material:?}") };
+    let tet = |e: &grainpath_io::fe::Element| <[u32; 10]>::try_from(e.nodes()).expect("ten nodes");
+    let mut mesh =
+        TetMesh { nodes: file.nodes.clone(), tets: file.elements.iter().map(tet).collect(), faces: Vec::new() };
+    mesh.find_faces();
+    let mut supports = Supports::new(mesh.nodes.len());
+    for f in deck.fixed.iter().chain(&deck.steps[0].fixed).filter(|f| f.axis < 3) {
+        supports.prescribe(&mesh, f.node, DVec3::AXES[f.axis as usize], f.value).expect("supports that agree");
+    }
+    let model = Model::uniform(&mesh, Orthotropic::isotropic(e, nu).stiffness().expect("a stable material"));
+    let forces = file.nodal_forces(0).expect("a step");
+    let (solutions, info) = solve(&model, &supports, &[forces], &SolveSettings::default()).expect("a solution");
+    println!("{} unknowns, {} iterations, residual {:.1e}", info.n_free, solutions[0].iterations, solutions[0].residual);
+    let stress = recover(&model, &solutions[0].displacement, None).expect("a stress").stress_mpa;
+    (solutions[0].displacement.clone(), stress)
+}
+
+/// Largest difference of the displacements over the longest, median difference of von Mises stresses over their peak,
+/// and both peaks, at the nodes of the deck; the result may have others.
+fn compared(file: &FeFile, u: &[DVec3], s: &[[f64; 6]], theirs: &StressField) -> (f64, f64, f64, f64) {
+    let (mut longest, mut off, mut their_peak) = (0.0f64, 0.0f64, 0.0f64);
+    let mut differences = Vec::new();
+    for ((p, u), s) in file.nodes.iter().zip(u).zip(s) {
+        let (reference, stress) = (theirs.displacement(*p).expect("a displacement"), theirs.sample(*p));
+        longest = longest.max(reference.length());
+        off = off.max((*u - reference).length());
+        their_peak = their_peak.max(von_mises(&stress));
+        differences.push((von_mises(s) - von_mises(&stress)).abs());
+    }
+    differences.sort_by(f64::total_cmp);
+    let peak = s.iter().map(von_mises).fold(0.0, f64::max);
+    (off / longest, differences[differences.len() / 2] / their_peak, peak, their_peak)
+}
+
+#[test]
+fn solids_meet_calculix() {
+    for (deck, result) in [
+        ("bracket.inp", "bracket.vtu"),
+        ("plate_hole_freecad.inp", "plate_hole_linear.vtu"),
+        ("freecad_box_static.inp", "freecad_box_static.frd"),
+    ] {
+        let (Some(file), Some(theirs)) = (read(deck), read(result)) else { return };
+        let theirs = theirs.result(&FeOptions::default()).expect("a stress");
+        let theirs = StressField::new(theirs);
+        let (u, s) = solve_solid(&file);
+        let (off, stress_off, peak, their_peak) = compared(&file, &u, &s, &theirs);
+        println!(
+            "{deck}: displacements differ by {off:.1e} of the longest, von Mises by {stress_off:.1e} of the peak \
+             (median); peaks {peak:.1} and {their_peak:.1} MPa"
+        );
+        assert!(off < 1e-3, "{deck}: displacements differ by {off}");
+        assert!(stress_off < 0.02, "{deck}: stresses differ by {stress_off}");
+        assert!((peak / their_peak - 1.0).abs() < 0.15, "{deck}: {peak} {their_peak}");
+    }
 }
