@@ -26,7 +26,9 @@ fn triangles(file: &FeFile) -> PlaneMesh {
         assert_eq!(e.kind, ElementKind::Quad8);
         let mut add = |x: f64, y: f64| {
             let weights = e.kind.weights(DVec3::new(x, y, 0.0));
-            nodes.push(e.nodes().iter().zip(weights).map(|(&i, w)| w * file.nodes[i as usize].truncate()).sum());
+            nodes.push(
+                e.nodes().iter().zip(weights).map(|(&i, w)| w * file.nodes[i as usize].truncate()).sum(),
+            );
             nodes.len() as u32 - 1
         };
         let middle = add(0.0, 0.0);
@@ -74,7 +76,8 @@ fn solve_plane(file: &FeFile) -> (Vec<DVec2>, Vec<[f64; 3]>) {
         max_bytes: 1 << 30,
     };
     let system = PlaneSystem::new(&problem).expect("a well held plate");
-    let mut forces: Vec<DVec2> = file.nodal_forces(0).expect("a step").iter().map(|f: &DVec3| f.truncate()).collect();
+    let mut forces: Vec<DVec2> =
+        file.nodal_forces(0).expect("a step").iter().map(|f: &DVec3| f.truncate()).collect();
     forces.resize(mesh.nodes.len(), DVec2::ZERO);
     let solution = system.solve(&forces);
     let stress = system.stress(&solution);
@@ -92,7 +95,8 @@ fn le1_meets_calculix() {
     let theirs = result.displacement.as_ref().expect("DISP");
     let longest = theirs.iter().map(|u| u.length()).fold(0.0, f64::max);
     let off = u.iter().zip(theirs).map(|(a, b)| (*a - b.truncate()).length()).fold(0.0, f64::max);
-    let d = deck.nodes.iter().position(|p| (*p - DVec3::new(2.0, 0.0, 0.0)).length() < 1e-9).expect("point D");
+    let d =
+        deck.nodes.iter().position(|p| (*p - DVec3::new(2.0, 0.0, 0.0)).length() < 1e-9).expect("point D");
     let mut differences: Vec<f64> = s
         .iter()
         .zip(&result.stress)
@@ -108,7 +112,11 @@ fn le1_meets_calculix() {
         off / longest
     );
     assert!(off < 2e-3 * longest, "displacements differ by {off} of {longest}");
-    assert!((s[d][1] / 92.7 - 1.0).abs() < 0.02 && (s[d][1] / result.stress[d][1] - 1.0).abs() < 0.02, "{:?}", s[d]);
+    assert!(
+        (s[d][1] / 92.7 - 1.0).abs() < 0.02 && (s[d][1] / result.stress[d][1] - 1.0).abs() < 0.02,
+        "{:?}",
+        s[d]
+    );
     assert!(median < 0.5, "the median difference of the stresses is {median} MPa");
 }
 
@@ -119,7 +127,10 @@ fn plates_of_calculix_carry_a_uniform_stress() {
     let (u, s) = solve_plane(&deck);
     for (p, s) in deck.nodes.iter().zip(&s) {
         let peak = s[0].max(s[1]);
-        assert!((peak - 100.0).abs() < 1e-3 && (s[0] + s[1] - 100.0).abs() < 1e-3 && s[2].abs() < 1e-3, "{p}: {s:?}");
+        assert!(
+            (peak - 100.0).abs() < 1e-3 && (s[0] + s[1] - 100.0).abs() < 1e-3 && s[2].abs() < 1e-3,
+            "{p}: {s:?}"
+        );
     }
     assert!(u.iter().all(|u| u.is_finite()) && u.iter().any(|u| u.length() > 1e-5));
 }
@@ -130,17 +141,26 @@ fn solve_solid(file: &FeFile) -> (Vec<DVec3>, Vec<[f64; 6]>) {
     let (material, _) = deck.section_of(0).expect("a section");
     let Some(Elastic::Isotropic { e, nu }) = material.elastic else { panic!("{material:?}") };
     let tet = |e: &grainpath_io::fe::Element| <[u32; 10]>::try_from(e.nodes()).expect("ten nodes");
-    let mut mesh =
-        TetMesh { nodes: file.nodes.clone(), tets: file.elements.iter().map(tet).collect(), faces: Vec::new() };
+    let mut mesh = TetMesh {
+        nodes: file.nodes.clone(),
+        tets: file.elements.iter().map(tet).collect(),
+        faces: Vec::new(),
+    };
     mesh.find_faces();
     let mut supports = Supports::new(mesh.nodes.len());
     for f in deck.fixed.iter().chain(&deck.steps[0].fixed).filter(|f| f.axis < 3) {
-        supports.prescribe(&mesh, f.node, DVec3::AXES[f.axis as usize], f.value).expect("supports that agree");
+        supports
+            .prescribe(&mesh, f.node, DVec3::AXES[f.axis as usize], f.value)
+            .expect("supports that agree");
     }
     let model = Model::uniform(&mesh, Orthotropic::isotropic(e, nu).stiffness().expect("a stable material"));
     let forces = file.nodal_forces(0).expect("a step");
-    let (solutions, info) = solve(&model, &supports, &[forces], &SolveSettings::default()).expect("a solution");
-    println!("{} unknowns, {} iterations, residual {:.1e}", info.n_free, solutions[0].iterations, solutions[0].residual);
+    let (solutions, info) =
+        solve(&model, &supports, &[forces], &SolveSettings::default()).expect("a solution");
+    println!(
+        "{} unknowns, {} iterations, residual {:.1e}",
+        info.n_free, solutions[0].iterations, solutions[0].residual
+    );
     let stress = recover(&model, &solutions[0].displacement, None).expect("a stress").stress_mpa;
     (solutions[0].displacement.clone(), stress)
 }
@@ -178,7 +198,7 @@ fn solids_meet_calculix() {
             "{deck}: displacements differ by {off:.1e} of the longest, von Mises by {stress_off:.1e} of the peak \
              (median); peaks {peak:.1} and {their_peak:.1} MPa"
         );
-        assert!(off < 1e-3, "{deck}: displacements differ by {off}");
+        assert!(off < 1e-4, "{deck}: displacements differ by {off}");
         assert!(stress_off < 0.02, "{deck}: stresses differ by {stress_off}");
         assert!((peak / their_peak - 1.0).abs() < 0.15, "{deck}: {peak} {their_peak}");
     }

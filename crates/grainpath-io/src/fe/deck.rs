@@ -232,9 +232,10 @@ impl FeFile {
         let place = || format!("element {}", deck.element_numbers[element as usize]);
         match deck.behaviours[element as usize] {
             Behaviour::Solid => Ok(1.0),
-            Behaviour::Axisymmetric => {
-                Err(FeError::Unsupported { what: format!("{}: axisymmetric", place()), reads: "plane and solid elements" })
-            }
+            Behaviour::Axisymmetric => Err(FeError::Unsupported {
+                what: format!("{}: axisymmetric", place()),
+                reads: "plane and solid elements",
+            }),
             _ => match deck.section_of(element) {
                 Some((_, thickness)) => Ok(thickness.unwrap_or(1.0)),
                 None => Err(invalid(place(), "has no section")),
@@ -245,8 +246,9 @@ impl FeFile {
     /// 1 where the nodes run as they should, -1 where the other way round.
     fn winding(&self, e: &Element) -> f64 {
         let shape = e.kind.shape(e.kind.centre());
-        let column =
-            |k: usize| e.nodes().iter().zip(shape.d).map(|(&i, d)| self.nodes[i as usize] * d[k]).sum::<DVec3>();
+        let column = |k: usize| {
+            e.nodes().iter().zip(shape.d).map(|(&i, d)| self.nodes[i as usize] * d[k]).sum::<DVec3>()
+        };
         let normal = column(0).cross(column(1));
         let size = if e.kind.dimension() == 2 { normal.z } else { normal.dot(column(2)) };
         if size < 0.0 { -1.0 } else { 1.0 }
