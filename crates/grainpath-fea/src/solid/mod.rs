@@ -18,7 +18,9 @@ mod snap;
 mod solve;
 mod stuffing;
 mod supports;
+mod system;
 mod thickness;
+pub mod voxel;
 
 pub use error::SolidError;
 pub use mesh::{Face, Piece, TetMesh};

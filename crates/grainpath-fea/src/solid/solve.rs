@@ -6,6 +6,7 @@ use super::blocks::{add, dot};
 use super::multigrid::Multigrid;
 use super::operator::Operator;
 use super::supports::Supports;
+use super::system::System;
 use super::{Model, SolidError};
 
 /// How to solve.
@@ -76,7 +77,7 @@ pub fn solve(
     };
     let solutions = loads
         .iter()
-        .map(|load| iterate(&operator, supports, &mut multigrid, load, settings))
+        .map(|load| iterate(&operator, &mut multigrid, load, None, settings))
         .collect::<Result<_, _>>()?;
     Ok((solutions, info))
 }
@@ -86,13 +87,15 @@ fn expected_mib(model: &Model<'_>) -> f64 {
     1250.0 * model.mesh.nodes.len() as f64 / 1048576.0
 }
 
-fn iterate(
-    operator: &Operator<'_>,
-    supports: &Supports,
-    multigrid: &mut Multigrid<'_>,
+/// Conjugate gradients, from a displacement where one is given.
+pub(super) fn iterate(
+    operator: &dyn System,
+    multigrid: &mut Multigrid,
     load: &[DVec3],
+    from: Option<&[DVec3]>,
     settings: &SolveSettings,
 ) -> Result<Solution, SolidError> {
+    let supports = operator.supports();
     let n = operator.n_nodes();
     let zero = || vec![DVec3::ZERO; n];
     let mut scratch = operator.scratch();
@@ -105,10 +108,19 @@ fn iterate(
     }
     supports.project(&mut r);
     let goal = settings.tolerance * dot(&r, &r).sqrt();
+    if let Some(from) = from {
+        let mut step = from.to_vec();
+        add(&mut step, -1.0, &u);
+        supports.project(&mut step);
+        add(&mut u, 1.0, &step);
+        operator.forces(&step, &mut q, &mut scratch);
+        supports.project(&mut q);
+        add(&mut r, -1.0, &q);
+    }
     let (mut z, mut p, mut before) = (zero(), zero(), zero());
     let (mut size, mut rz, mut iterations) = (dot(&r, &r).sqrt(), 1.0, 0);
     while size > goal && iterations < settings.most_iterations {
-        multigrid.apply(&r, &mut z);
+        multigrid.apply(operator, &r, &mut z);
         // The preconditioner is symmetric but for rounding; taking the change of the residual keeps rounding out.
         add(&mut before, -1.0, &r);
         let beta = if iterations == 0 { 0.0 } else { -dot(&before, &z) / rz };
