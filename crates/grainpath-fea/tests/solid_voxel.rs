@@ -34,7 +34,8 @@ fn tight() -> SolveSettings {
 
 #[test]
 fn patch_test_of_turned_materials_and_scales() {
-    let card = Orthotropic { e_mpa: [3120.0, 2770.0, 2500.0], nu: [0.33, 0.3, 0.35], g_mpa: [1050.0, 900.0, 800.0] };
+    let card =
+        Orthotropic { e_mpa: [3120.0, 2770.0, 2500.0], nu: [0.33, 0.3, 0.35], g_mpa: [1050.0, 900.0, 800.0] };
     let turned = rotated(&card.stiffness().expect("stable"), DVec3::new(0.3, -0.7, 1.1));
     let n = [5, 4, 7];
     let mut part = block(n, DVec3::new(0.5, 0.4, 0.3));
@@ -56,7 +57,8 @@ fn patch_test_of_turned_materials_and_scales() {
     let load = vec![DVec3::ZERO; system.n_nodes()];
     let solution = system.solve(&load, None, &tight()).expect("converges");
     let places = system.places();
-    let off = places.iter().zip(&solution.displacement).map(|(p, u)| u.distance(field(*p))).fold(0.0, f64::max);
+    let off =
+        places.iter().zip(&solution.displacement).map(|(p, u)| u.distance(field(*p))).fold(0.0, f64::max);
     let (stress, strain) = system.stress(&solution.displacement, 3 * 20 + 2 * 5 + 2).expect("solid");
     let want = [2e-3, -1e-3, 1e-3, 1e-3, 1.5e-3, 1e-3];
     println!("voxel patch test: displacement {off:.1e}, {} iterations", solution.iterations);
@@ -121,9 +123,13 @@ fn voids_and_stiffness_that_fades_are_carried_and_solved_again() {
     system.change(&sheet);
     let second = system.solve(&load, Some(&first.displacement), &settings).expect("converges");
     let cold = system.solve(&load, None, &settings).expect("converges");
-    let gap = second.displacement.iter().zip(&cold.displacement).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+    let gap =
+        second.displacement.iter().zip(&cold.displacement).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
     let size = cold.displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
-    println!("voxels: {} iterations, after the change {} warm, {} cold", first.iterations, second.iterations, cold.iterations);
+    println!(
+        "voxels: {} iterations, after the change {} warm, {} cold",
+        first.iterations, second.iterations, cold.iterations
+    );
     assert!(gap < 1e-5 * size, "{gap} of {size}");
     assert!(size > 1.02 * first.displacement.iter().map(|u| u.length()).fold(0.0, f64::max));
     // Doing nothing costs nothing.

@@ -1,6 +1,7 @@
 //! Three-dimensional elasticity: from a closed surface to quadratic tetrahedra, displacements and stresses.
 
 mod blocks;
+mod direct;
 mod element;
 mod error;
 mod features;
@@ -29,5 +30,5 @@ pub use model::Model;
 pub use recover::{Recovered, Stress, recover};
 pub use sample::{Sampler, Spot};
 pub use shape::{MeshQuality, TetQuality};
-pub use solve::{Solution, SolveInfo, SolveSettings, solve};
+pub use solve::{Method, Solution, SolveInfo, SolveSettings, solve};
 pub use supports::Supports;

@@ -84,7 +84,6 @@ impl<'a> Operator<'a> {
             }
         }
     }
-
 }
 
 impl System for Operator<'_> {

@@ -3,11 +3,28 @@
 use grainpath_core::DVec3;
 
 use super::blocks::{add, dot};
+use super::direct::Direct;
 use super::multigrid::Multigrid;
 use super::operator::Operator;
 use super::supports::Supports;
 use super::system::System;
 use super::{Model, SolidError};
+
+/// Which solver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// A factorization for small parts with many loads, iteration otherwise.
+    #[default]
+    Auto,
+    /// Sparse Cholesky factorization: its memory grows with the 4/3rd power of the part.
+    Direct,
+    /// Conjugate gradients with multigrid.
+    Iterative,
+}
+
+/// A factorization pays up to so many unknowns, from so many loads on.
+const DIRECT_DOFS: usize = 60_000;
+const DIRECT_LOADS: usize = 6;
 
 /// How to solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,11 +35,13 @@ pub struct SolveSettings {
     pub most_iterations: usize,
     /// Memory that may be taken, MiB.
     pub most_mib: f64,
+    /// Which solver.
+    pub method: Method,
 }
 
 impl Default for SolveSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-8, most_iterations: 400, most_mib: 4096.0 }
+        Self { tolerance: 1e-8, most_iterations: 400, most_mib: 4096.0, method: Method::Auto }
     }
 }
 
@@ -68,9 +87,20 @@ pub fn solve(
         return Err(SolidError::Memory { what: "solving", need_mib, limit_mib: settings.most_mib });
     }
     let operator = Operator::new(model, supports)?;
+    let n_free = model.mesh.n_dofs() - supports.count();
+    let direct = match settings.method {
+        Method::Auto => n_free <= DIRECT_DOFS && loads.len() >= DIRECT_LOADS,
+        method => method == Method::Direct,
+    };
+    if direct {
+        let factored = Direct::new(model, supports, settings.most_mib)?;
+        let solutions = loads.iter().map(|load| factored.solve(&operator, load)).collect();
+        let mib = factored.bytes() as f64 / 1048576.0;
+        return Ok((solutions, SolveInfo { n_free, solver: "sparse Cholesky", levels: Vec::new(), mib }));
+    }
     let mut multigrid = Multigrid::new(model, supports, &operator)?;
     let info = SolveInfo {
-        n_free: model.mesh.n_dofs() - supports.count(),
+        n_free,
         solver: "conjugate gradients with p- and grid multigrid",
         levels: multigrid.sizes(),
         mib: (operator.bytes() + multigrid.bytes()) as f64 / 1048576.0,

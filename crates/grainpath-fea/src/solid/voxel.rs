@@ -4,13 +4,13 @@
 use grainpath_core::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
 
-use super::blocks::{Blocks, assemble};
+use super::blocks::assemble;
 use super::element::{self, Law};
 use super::multigrid::{Grid, Multigrid, Transfer};
 use super::operator::inverse;
 use super::solve::iterate;
 use super::system::System;
-use super::{Solution, SolidError, SolveSettings, Supports};
+use super::{SolidError, Solution, SolveSettings, Supports};
 use crate::material::Stiffness;
 
 /// The material of a cell without any.
@@ -145,7 +145,8 @@ impl VoxelSystem {
     ) -> Result<Solution, SolidError> {
         let patience = self.usual.map_or(settings.most_iterations, |n| 2 * n + 10);
         if self.stale {
-            let short = SolveSettings { most_iterations: patience.min(settings.most_iterations), ..*settings };
+            let short =
+                SolveSettings { most_iterations: patience.min(settings.most_iterations), ..*settings };
             match iterate(&self.cells, &mut self.multigrid, load, from, &short) {
                 Err(SolidError::NotConverged { .. } | SolidError::NotPositive) => {}
                 other => return other,
@@ -203,7 +204,9 @@ fn element_matrix(law: &Law, cell_mm: DVec3) -> [[DMat3; 8]; 8] {
 /// Weight of coarse corner `k` at corner `a` of child `c` of a coarse cell.
 fn weight(c: usize, a: usize, k: usize) -> f64 {
     let at = corner(c) + corner(a);
-    (0..3).map(|i| if corner(k)[i] == 1 { f64::from(at[i]) / 2.0 } else { 1.0 - f64::from(at[i]) / 2.0 }).product()
+    (0..3)
+        .map(|i| if corner(k)[i] == 1 { f64::from(at[i]) / 2.0 } else { 1.0 - f64::from(at[i]) / 2.0 })
+        .product()
 }
 
 impl Cells {
@@ -243,7 +246,11 @@ impl Cells {
         // Vectors of both levels, the stencils of the coarse one, and the tables.
         let need_mib = (700 * nodes.len() + 10 * n_cells) as f64 / 1048576.0;
         if need_mib > settings.most_mib {
-            return Err(SolidError::Memory { what: "solving on voxels", need_mib, limit_mib: settings.most_mib });
+            return Err(SolidError::Memory {
+                what: "solving on voxels",
+                need_mib,
+                limit_mib: settings.most_mib,
+            });
         }
         let supports = Supports::new(nodes.len());
         let mut cells = Self { part, supports, elements, stencils, node_of, nodes, uniform: Vec::new() };
@@ -348,7 +355,8 @@ impl Cells {
     fn multigrid(&self) -> Multigrid {
         let coarse_n = (self.part.size() + 1) / 2;
         let points = coarse_n + 1;
-        let index = |p: IVec3| (p.z as usize * points.y as usize + p.y as usize) * points.x as usize + p.x as usize;
+        let index =
+            |p: IVec3| (p.z as usize * points.y as usize + p.y as usize) * points.x as usize + p.x as usize;
         let mut id = vec![NONE; points.as_u64vec3().element_product() as usize];
         let mut first = Transfer { start: vec![0], ..Transfer::default() };
         let weights = |p: IVec3| {
@@ -382,7 +390,8 @@ impl Cells {
             first.start.push(first.coarse.len() as u32);
         }
         first.n_coarse = places.len();
-        first.held = (0..self.nodes.len()).filter_map(|i| self.supports.free(i).map(|p| (i as u32, *p))).collect();
+        first.held =
+            (0..self.nodes.len()).filter_map(|i| self.supports.free(i).map(|p| (i as u32, *p))).collect();
         let mut hexes: Vec<[u32; 8]> = Vec::new();
         let mut origins = Vec::new();
         for z in 0..coarse_n.z {
@@ -439,9 +448,12 @@ impl Cells {
 
 /// An element matrix seen from the corners of the coarse cell whose child `c` it is.
 fn gathered(c: usize, k: &[[DMat3; 8]; 8]) -> [[DMat3; 8]; 8] {
-    let half: [[DMat3; 8]; 8] =
-        std::array::from_fn(|a| std::array::from_fn(|q| (0..8).fold(DMat3::ZERO, |s, b| s + k[a][b] * weight(c, b, q))));
-    std::array::from_fn(|p| std::array::from_fn(|q| (0..8).fold(DMat3::ZERO, |s, a| s + half[a][q] * weight(c, a, p))))
+    let half: [[DMat3; 8]; 8] = std::array::from_fn(|a| {
+        std::array::from_fn(|q| (0..8).fold(DMat3::ZERO, |s, b| s + k[a][b] * weight(c, b, q)))
+    });
+    std::array::from_fn(|p| {
+        std::array::from_fn(|q| (0..8).fold(DMat3::ZERO, |s, a| s + half[a][q] * weight(c, a, p)))
+    })
 }
 
 fn stencil(k: &[[DMat3; 8]; 8]) -> [DMat3; 27] {
