@@ -33,6 +33,16 @@ impl Grid {
         self.cell_mm
     }
 
+    /// Number of cells in x and in y.
+    pub fn size(&self) -> [usize; 2] {
+        [self.nx, self.ny]
+    }
+
+    /// The lower left corner of the first cell.
+    pub fn origin(&self) -> DVec2 {
+        self.origin
+    }
+
     /// The part of the grid around `bounds`, whole words wide, with the word and the row it begins at.
     fn window(&self, bounds: Bounds2) -> (Self, usize, usize) {
         let (lo, hi) = ((bounds.min - self.origin) / self.cell_mm, (bounds.max - self.origin) / self.cell_mm);
@@ -156,7 +166,8 @@ impl Mask {
         c.x >= 0.0 && c.y >= 0.0 && self.get(c.x as usize, c.y as usize)
     }
 
-    fn get(&self, x: usize, y: usize) -> bool {
+    /// Whether cell (x, y) is set; false outside the grid.
+    pub fn get(&self, x: usize, y: usize) -> bool {
         x < self.grid.nx && y < self.grid.ny && self.bits[y * self.grid.words + x / 64] >> (x % 64) & 1 == 1
     }
 
