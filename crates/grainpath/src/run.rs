@@ -24,6 +24,8 @@ use crate::mask::Mask;
 use crate::order::{Island, LayerPaths, order_stack};
 use crate::shape;
 use crate::skin::{IslandPolygon, SkinInput, SkinSettings, SkinSplit, split_stack};
+use crate::support::beads::BeadSettings;
+use crate::support::{self, Support};
 use crate::walls::{WallSettings, lay_walls};
 
 /// A planned job.
@@ -36,6 +38,8 @@ pub struct Planned {
     pub config: WriteConfig,
     /// Seconds of each stage so far.
     pub stages_s: Vec<(Stage, f64)>,
+    /// The supports, where asked for.
+    pub support: Option<Support>,
     /// The density of the inside: the one asked for, or the one found for a mass.
     pub density: f64,
 }
@@ -58,15 +62,16 @@ pub fn plan_job(
 ) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
     let shape_error = |source| Error::Shape { path: path.to_owned(), source };
-    let stack = {
-        let bodies = place_bodies(settings, file, diagnostics).map_err(shape_error)?;
-        let mesh = shape::mend(bodies, config::repair(settings), diagnostics).map_err(shape_error)?;
-        shape::slice(&mesh, &config::slicing(settings), diagnostics).map_err(shape_error)?
-    };
+    let (mesh, stack) = mesh_and_layers(settings, file, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
-    let job = Job { settings, stack: &stack, part: part_bounds(&stack) };
+    let mut job = Job { settings, stack: &stack, part: part_bounds(&stack), support: None };
     let plate_from_part_mm = job.plate_from_part();
     job.check_bed(plate_from_part_mm)?;
+    if let Some(wanted) = config::support(settings, plate_from_part_mm.truncate()) {
+        job.support = Some(support::plan(&mesh, &stack, &wanted, diagnostics)?);
+        clock.stop(Stage::Support);
+    }
+    drop(mesh);
     diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
     let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
     let skins = job.skins(&mut walls, &fills, diagnostics)?;
@@ -77,10 +82,11 @@ pub fn plan_job(
     clock.stop(Stage::Fill);
     let layers = order_stack(&stack, layers, &config::order(settings), diagnostics)?;
     clock.stop(Stage::Order);
+    let support = job.support.take();
     let plan = Plan { layers, plate_from_part_mm };
     let config = config::writing(settings);
     check_fits(&plan, &config.machine)?;
-    Ok(Planned { plan, stack, config, stages_s: clock.stages, density })
+    Ok(Planned { plan, stack, config, stages_s: clock.stages, support, density })
 }
 
 /// The islands of a layer with their walls, and where its fill may lie.
@@ -97,6 +103,25 @@ impl Clock {
         self.stages.push((stage, now.duration_since(self.since).as_secs_f64()));
         self.since = now;
     }
+}
+
+/// The mended mesh where it is to be printed, and its layers.
+///
+/// # Errors
+/// As [`shape::mend`] and [`shape::slice`].
+pub fn mesh_and_layers(
+    settings: &Settings,
+    file: MeshFile,
+    diagnostics: &Diagnostics,
+) -> Result<(grainpath_core::TriMesh, LayerStack), shape::ShapeError> {
+    let mut bodies = place_bodies(settings, file, diagnostics)?;
+    if settings.support.style != "none" {
+        let lift = settings.support.lift_mm;
+        bodies.iter_mut().flat_map(|b| &mut b.vertices).for_each(|p| p.z += lift);
+    }
+    let mesh = shape::mend(bodies, config::repair(settings), diagnostics)?;
+    let stack = shape::slice(&mesh, &config::slicing(settings), diagnostics)?;
+    Ok((mesh, stack))
 }
 
 /// The bodies of a file in millimetres on the plate.
@@ -135,6 +160,7 @@ struct Job<'a> {
     settings: &'a Settings,
     stack: &'a LayerStack,
     part: Bounds2,
+    support: Option<Support>,
 }
 
 impl Job<'_> {
@@ -273,7 +299,7 @@ impl Job<'_> {
             self.sparse_fill(i, &skins[i], density, &mut |island, path| islands[island].fills.push(path));
             diagnostics.advance(1);
             let adhesion = adhesion.get(i).cloned().unwrap_or_default();
-            Ok(LayerPaths { adhesion, islands })
+            Ok(LayerPaths { adhesion, supports: self.supports(i), islands })
         };
         let all: Vec<Result<_, Interrupted>> =
             walls.into_par_iter().enumerate().with_min_len(2).map(of_layer).collect();
@@ -368,6 +394,20 @@ impl Job<'_> {
         }
     }
 
+    /// The beads of the support in a layer.
+    fn supports(&self, i: usize) -> Vec<Island> {
+        let Some(layer) = self.support.as_ref().map(|s| &s.cut.layers[i]) else { return Vec::new() };
+        let s = &self.settings.support;
+        let settings = BeadSettings {
+            bead_width_mm: self.settings.process.bead_width_mm,
+            min_bead_width_mm: self.settings.process.min_bead_width_mm,
+            walls: s.walls,
+            density: if s.style == "tree" { s.density } else { s.density.max(0.15) },
+        };
+        let context = self.context(i, 1.0, Role::Support);
+        support::beads::lay(layer, &context, i < s.dense_layers, &settings)
+    }
+
     /// Skirt and brim of the layers that have any.
     fn adhesion(&self) -> Vec<Vec<Toolpath>> {
         let p = &self.settings.process;
@@ -379,11 +419,15 @@ impl Job<'_> {
             bead_width_mm: p.bead_width_mm,
             height_mm: first.height_mm(),
         };
-        let skirts = if p.skirt_loops > 0 { skirt(first.region(), &settings) } else { Vec::new() };
+        let standing = match &self.support {
+            Some(s) => first.region().union(&s.cut.layers[0].region),
+            None => first.region().clone(),
+        };
+        let skirts = if p.skirt_loops > 0 { skirt(&standing, &settings) } else { Vec::new() };
         let n = if p.skirt_loops > 0 { p.skirt_layers.min(self.stack.layers().len()) } else { 1 };
         let mut all = vec![skirts; n];
         if p.brim_width_mm > 0.0 {
-            all[0].extend(brim(first.region(), &settings));
+            all[0].extend(brim(&standing, &settings));
         }
         all
     }

@@ -21,7 +21,7 @@ fn error(place: impl Into<String>, problem: impl Into<String>) -> JobError {
 }
 
 /// Keys of other parts of grainpath that are not there yet: known, so that the message can say so.
-const LATER: [(&str, &str); 12] = [
+const LATER: [(&str, &str); 10] = [
     ("shape", "outline"),
     ("shape", "thickness_mm"),
     ("shape", "ct"),
@@ -31,9 +31,7 @@ const LATER: [(&str, &str); 12] = [
     ("guide", "load"),
     ("guide", "case"),
     ("guide", "import"),
-    ("support", "critical_angle_deg"),
     ("output", "stress"),
-    ("output", "support"),
 ];
 
 /// Reads a job. `name` is what errors call the file; `sets` are `section.key=value` as given on the command line,

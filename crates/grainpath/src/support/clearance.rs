@@ -38,6 +38,7 @@ pub struct Clearance {
     ways: Vec<u8>,
     /// Sideways per slab at the branch angle, cells.
     slope: f64,
+    tan_angle: f64,
     keep_mm: f64,
 }
 
@@ -73,7 +74,7 @@ impl Clearance {
         let tops_mm: Vec<f64> = slabs.iter().filter_map(|s| s.last()).map(|l| l.z_top_mm()).collect();
         let slope = mean * per_slab as f64 * tan(angle_rad) / grid.cell_mm();
         let mut clearance =
-            Self { grid, nx, ny, tops_mm, distance, ways: Vec::new(), slope, keep_mm };
+            Self { grid, nx, ny, tops_mm, distance, ways: Vec::new(), slope, tan_angle: 0.999 * tan(angle_rad), keep_mm };
         clearance.find_ways(bed);
         clearance
     }
@@ -185,7 +186,6 @@ impl Clearance {
         let Some((mut x, mut y)) = self.cell(p.truncate()) else { return Vec::new() };
         let mut at = p.truncate();
         let mut way = vec![p];
-        let reach = self.slope * self.grid.cell_mm();
         for slab in (0..self.slab(p.z)).rev() {
             let ways = &self.ways[slab * n..(slab + 1) * n];
             // Straight down where that leads on, else to the neighbour that does and is nearest to where we are.
@@ -205,14 +205,14 @@ impl Clearance {
             if best.0 == f64::INFINITY {
                 return Vec::new();
             }
+            let z = 0.5 * (self.tops_mm[slab] + if slab > 0 { self.tops_mm[slab - 1] } else { 0.0 });
             if (best.1, best.2) != (x, y) {
                 let step = self.centre(best.1, best.2) - at;
-                at += step.clamp_length_max(reach);
+                at += step.clamp_length_max(self.tan_angle * (way[way.len() - 1].z - z));
             }
             if let Some((cx, cy)) = self.cell(at) {
                 (x, y) = if ways[cy * self.nx + cx] & TO_PLATE != 0 { (cx, cy) } else { (best.1, best.2) };
             }
-            let z = 0.5 * (self.tops_mm[slab] + if slab > 0 { self.tops_mm[slab - 1] } else { 0.0 });
             way.push(at.extend(z));
             if ways[y * self.nx + x] & STRAIGHT_DOWN != 0 {
                 break;

@@ -111,7 +111,7 @@ impl Default for SupportSettings {
             xy_gap_mm: 0.4,
             interface_layers: 0,
             interface_radius_mm: 1.2,
-            load_per_contact_n: 0.2,
+            load_per_contact_n: 1.0,
             stiffness_mpa: 2000.0,
             max_slenderness: 40.0,
             brace_slenderness: Some(25.0),
