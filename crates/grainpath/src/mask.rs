@@ -106,6 +106,21 @@ impl Mask {
         mask
     }
 
+    /// The same with every cell that a border passes through: nothing thin slips between the cells' centres.
+    pub fn touched(grid: Grid, region: &Region) -> Self {
+        let mut mask = Self::of(grid, region);
+        for (a, b) in region.contours().flat_map(|c| edges(c)) {
+            let n = (a.distance(b) / (0.5 * grid.cell_mm)).ceil().max(1.0);
+            for i in 0..n as usize {
+                let c = (a.lerp(b, i as f64 / n) - grid.origin) / grid.cell_mm;
+                if c.x >= 0.0 && c.y >= 0.0 && (c.x as usize) < grid.nx && (c.y as usize) < grid.ny {
+                    mask.bits[c.y as usize * grid.words + c.x as usize / 64] |= 1 << (c.x as usize % 64);
+                }
+            }
+        }
+        mask
+    }
+
     /// Flips, in every row that the edge crosses, the bit of the first cell right of the crossing.
     fn toggle_right_of(&mut self, a: DVec2, b: DVec2) {
         let g = self.grid;

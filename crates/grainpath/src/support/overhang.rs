@@ -390,16 +390,18 @@ pub fn inner_point(polygon: &Polygon) -> DVec2 {
 /// Every piece that begins in mid-air gets a contact at its beginning, long ones several.
 fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSettings) {
     let d = settings.spacing_mm();
+    let mut by_height: Vec<(f64, DVec2)> = out.contacts.iter().map(|c| (c.at.z, c.at.truncate())).collect();
+    by_height.sort_by(|a, b| a.0.total_cmp(&b.0));
     for piece in &out.mid_air {
         let layer = &stack.layers()[piece.layer_idx];
         let (z, h) = (layer.z_top_mm() - layer.height_mm(), layer.height_mm());
         let polygon = &piece.polygon;
         let reach = settings.contact_radius_mm;
-        let mut points: Vec<DVec2> = out
-            .contacts
+        let first = by_height.partition_point(|c| c.0 <= z - 1.5 * h);
+        let mut points: Vec<DVec2> = by_height[first..]
             .iter()
-            .filter(|c| (c.at.z - z).abs() < 1.5 * h)
-            .map(|c| c.at.truncate())
+            .take_while(|c| c.0 < z + 1.5 * h)
+            .map(|c| c.1)
             .filter(|&p| polygon.contains(p) || polygon.outer.iter().any(|v| v.distance(p) < reach))
             .collect();
         if points.is_empty() {
