@@ -20,6 +20,7 @@ pub struct Paths {
     report: Option<PathBuf>,
     preview: Option<PathBuf>,
     plan: Option<PathBuf>,
+    support: Option<PathBuf>,
 }
 
 impl Paths {
@@ -33,11 +34,18 @@ impl Paths {
             out.join(format!("{name}.gcode"))
         });
         let paths =
-            Self { gcode, report: given(&o.report), preview: given(&o.preview), plan: given(&o.plan) };
+            Self {
+            gcode,
+            report: given(&o.report),
+            preview: given(&o.preview),
+            plan: given(&o.plan),
+            support: given(&o.support),
+        };
         let same = |p: &Path| {
             mesh.is_file() && matches!((p.canonicalize(), mesh.canonicalize()), (Ok(a), Ok(b)) if a == b)
         };
-        for path in [Some(&paths.gcode), paths.report.as_ref(), paths.plan.as_ref()].into_iter().flatten() {
+        let files = [Some(&paths.gcode), paths.report.as_ref(), paths.plan.as_ref(), paths.support.as_ref()];
+        for path in files.into_iter().flatten() {
             if same(path) {
                 return Err(Failure::usage(format!(
                     "{} is the input; it is not written over",
@@ -82,12 +90,21 @@ pub fn write(
         let program = read_back(settings, &copy)?;
         report.quality = Some(measure(&planned, &program));
         drop(copy);
-        previews(settings, &program, paths, diagnostics, &mut report)?;
+        previews(settings, &program, &planned, paths, diagnostics, &mut report)?;
     }
     if let Some(path) = &paths.plan {
         let text = grainpath::plan_json::plan_json(&planned.plan);
         save(path, text.as_bytes())?;
         report.outputs.insert("plan", path.display().to_string());
+    }
+    if let (Some(path), Some(support)) = (&paths.support, &planned.support) {
+        let settings = grainpath::support::solid::SolidSettings::default();
+        let mesh = grainpath::support::solid::solid(&support.cut.layers, &planned.stack, &settings, diagnostics)
+            .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
+        if !mesh.triangles.is_empty() {
+            crate::support::write_mesh(path, &[&mesh])?;
+            report.outputs.insert("support", path.display().to_string());
+        }
     }
     report.warnings = diagnostics.warnings();
     report.peak_rss_mb = (peak_rss_mb() * 10.0).round() * 0.1;
@@ -165,6 +182,7 @@ fn shown(n: usize) -> Vec<usize> {
 fn previews(
     settings: &Settings,
     program: &Program,
+    planned: &Planned,
     paths: &Paths,
     diagnostics: &Diagnostics,
     report: &mut Report,
@@ -185,9 +203,14 @@ fn previews(
             save(&folder.join(format!("layer_{:04}.png", i + 1)), &p.png)?;
             save(&folder.join(format!("layer_{:04}.svg", i + 1)), layer_svg(&all[i], &options).as_bytes())?;
         }
+        for p in &planned.support_pictures {
+            save(&folder.join(format!("support_{}.png", p.name)), &p.png)?;
+        }
         report.outputs.insert("preview", folder.display().to_string());
     }
     if let Some(path) = &paths.report {
+        let steps = planned.support_pictures.iter();
+        pictures.extend(steps.map(|p| html::Picture { title: p.title.clone(), png: p.png.clone() }));
         report.warnings = diagnostics.warnings();
         report.outputs.insert("report", path.display().to_string());
         save(path, html::report_html(report, &settings.rows(), &pictures).as_bytes())?;

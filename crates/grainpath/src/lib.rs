@@ -17,6 +17,7 @@ pub mod report;
 pub mod run;
 pub mod shape;
 pub mod skin;
+pub mod specimen;
 pub mod support;
 pub mod walls;
 

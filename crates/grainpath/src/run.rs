@@ -40,6 +40,8 @@ pub struct Planned {
     pub stages_s: Vec<(Stage, f64)>,
     /// The supports, where asked for.
     pub support: Option<Support>,
+    /// Pictures of how they came about.
+    pub support_pictures: Vec<support::picture::StepPicture>,
     /// The density of the inside: the one asked for, or the one found for a mass.
     pub density: f64,
 }
@@ -71,6 +73,11 @@ pub fn plan_job(
         job.support = Some(support::plan(&mesh, &stack, &wanted, diagnostics)?);
         clock.stop(Stage::Support);
     }
+    let drawn = !settings.output.report.is_empty() || !settings.output.preview.is_empty();
+    let support_pictures = match &job.support {
+        Some(found) if drawn => support::picture::pictures(&mesh, found),
+        _ => Vec::new(),
+    };
     drop(mesh);
     diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
     let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
@@ -86,7 +93,7 @@ pub fn plan_job(
     let plan = Plan { layers, plate_from_part_mm };
     let config = config::writing(settings);
     check_fits(&plan, &config.machine)?;
-    Ok(Planned { plan, stack, config, stages_s: clock.stages, support, density })
+    Ok(Planned { plan, stack, config, stages_s: clock.stages, support, support_pictures, density })
 }
 
 /// The islands of a layer with their walls, and where its fill may lie.

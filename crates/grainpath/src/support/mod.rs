@@ -9,7 +9,6 @@ pub mod cut;
 pub mod overhang;
 pub mod picture;
 pub mod solid;
-pub mod specimen;
 pub mod tree;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
