@@ -80,7 +80,9 @@ pub fn support(parts: &[&str]) -> Result<(), String> {
     }
     let all = ["ball", "tray", "bone", "featuretype", "armadillo100", "skull"];
     let parts = if parts.is_empty() { &all[..] } else { parts };
-    println!("\nCritical angle 40 deg, 0.2 mm layers, 2 walls, 15 % grid; support alone, and the whole print.\n");
+    println!(
+        "\nCritical angle 40 deg, 0.2 mm layers, 2 walls, 15 % grid; support alone, and the whole print.\n"
+    );
     println!("| part | program | support g | whole g | print min | wall s | peak MiB |");
     println!("|---|---|---|---|---|---|---|");
     for &part in parts {
@@ -93,7 +95,8 @@ pub fn support(parts: &[&str]) -> Result<(), String> {
             let cost = bench.time(&words)?;
             let mut command = Command::new("python3");
             command.arg("xtask/py/support_mass.py").arg(&out).current_dir(crate::root());
-            let found: Value = serde_json::from_str(&crate::output(&mut command)?).map_err(|e| e.to_string())?;
+            let found: Value =
+                serde_json::from_str(&crate::output(&mut command)?).map_err(|e| e.to_string())?;
             let mut command = Command::new(&ours);
             let inspected = crate::output(command.args(["inspect", "--json"]).arg(&out))?;
             let inspected: Value = serde_json::from_str(&inspected).map_err(|e| e.to_string())?;
@@ -121,7 +124,8 @@ pub fn support(parts: &[&str]) -> Result<(), String> {
 }
 
 /// What makes supports, in the order printed.
-const SUPPORTERS: [&str; 5] = ["grainpath tree", "grainpath columns", "grainpath box", "prusa-slicer", "CuraEngine"];
+const SUPPORTERS: [&str; 5] =
+    ["grainpath tree", "grainpath columns", "grainpath box", "prusa-slicer", "CuraEngine"];
 
 struct Bench {
     folder: PathBuf,
@@ -209,7 +213,11 @@ impl Bench {
         let mut words = self.command(name, part, 0.15, out)?;
         words.retain(|w| w != "support_enable=false");
         // Cura reads settings of a mesh only before its name.
-        let at = words.iter().position(|w| w == "-e0").unwrap_or(if name == "grainpath" { words.len() } else { 1 });
+        let at = words.iter().position(|w| w == "-e0").unwrap_or(if name == "grainpath" {
+            words.len()
+        } else {
+            1
+        });
         let tidy = |w: Vec<String>| -> Vec<String> {
             let mut out: Vec<String> = Vec::new();
             for word in w {

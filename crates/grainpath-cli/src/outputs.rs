@@ -33,14 +33,16 @@ impl Paths {
                 mesh.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_else(|| "part".into());
             out.join(format!("{name}.gcode"))
         });
-        let paths =
-            Self {
+        let paths = Self {
             gcode,
             report: given(&o.report),
             preview: given(&o.preview),
             plan: given(&o.plan),
             support: given(&o.support),
         };
+        if let Some(path) = &paths.support {
+            crate::support::Format::of(path)?;
+        }
         let same = |p: &Path| {
             mesh.is_file() && matches!((p.canonicalize(), mesh.canonicalize()), (Ok(a), Ok(b)) if a == b)
         };
@@ -98,8 +100,8 @@ pub fn write(
         report.outputs.insert("plan", path.display().to_string());
     }
     if let (Some(path), Some(support)) = (&paths.support, &planned.support) {
-        let settings = grainpath::support::solid::SolidSettings::default();
-        let mesh = grainpath::support::solid::solid(&support.cut.layers, &planned.stack, &settings, diagnostics)
+        let (layers, method) = (&support.cut.layers, &settings.support.solid);
+        let mesh = grainpath::support::surface(layers, &planned.stack, method, diagnostics)
             .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
         if !mesh.triangles.is_empty() {
             crate::support::write_mesh(path, &[&mesh])?;

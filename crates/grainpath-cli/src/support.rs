@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use grainpath::report::{SupportReport, peak_rss_mb};
 use grainpath::specimen::SPECIMENS;
-use grainpath::support::{self, picture, solid};
+use grainpath::support::{self, picture};
 use grainpath::{Error, config};
 use grainpath_core::{DVec2, TriMesh};
 use serde_json::json;
@@ -40,7 +40,8 @@ pub fn support(args: &Support) -> Result<(), Failure> {
     stages.insert("support", start.elapsed().as_secs_f64());
     let start = Instant::now();
     let layers = &found.cut.layers;
-    let body = solid::solid(layers, &stack, &solid::SolidSettings::default(), &diagnostics).map_err(Error::from)?;
+    let body =
+        support::surface(layers, &stack, &settings.support.solid, &diagnostics).map_err(Error::from)?;
     let mut written = BTreeMap::new();
     if body.triangles.is_empty() && !args.with_model {
         diagnostics.warn("support: nothing to write");
@@ -85,14 +86,16 @@ fn default_output(model: &Path) -> PathBuf {
     model.with_file_name(format!("{name}_support.stl"))
 }
 
+/// What a mesh is written as.
 #[derive(Clone, Copy)]
-enum Format {
+pub enum Format {
     Stl,
     ThreeMf,
 }
 
 impl Format {
-    fn of(path: &Path) -> Result<Self, Failure> {
+    /// By the file's ending.
+    pub fn of(path: &Path) -> Result<Self, Failure> {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("stl") => Ok(Self::Stl),
             Some("3mf") => Ok(Self::ThreeMf),

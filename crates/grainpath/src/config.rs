@@ -51,6 +51,7 @@ pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> 
         min: DVec2::new(low[0], low[1]) - plate_from_part + room,
         max: DVec2::new(high[0], high[1]) - plate_from_part - room,
     };
+    let facets = |all: &[usize]| all.iter().filter_map(|&t| u32::try_from(t).ok()).collect();
     let boxes = |all: &[[[f64; 3]; 2]]| all.iter().map(|b| b.map(DVec3::from)).collect();
     Some(SupportSettings {
         style,
@@ -76,6 +77,8 @@ pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> 
         from_plate_only: u.from_plate_only,
         enforce: boxes(&u.enforce_mm),
         block: boxes(&u.block_mm),
+        enforce_facets: facets(&u.enforce_facets),
+        block_facets: facets(&u.block_facets),
         first_layer_mm: s.process.first_layer_height_mm,
         bed: Some(bed),
         ..SupportSettings::default()

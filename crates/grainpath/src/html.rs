@@ -118,7 +118,9 @@ fn numbers(r: &Report) -> Vec<(String, &'static str)> {
 /// Which colour is what.
 fn key() -> String {
     let mut out = String::from("<div class=\"key\">");
-    for role in grainpath_core::Role::ALL.into_iter().filter(|r| r.is_part() || *r == grainpath_core::Role::Support) {
+    for role in
+        grainpath_core::Role::ALL.into_iter().filter(|r| r.is_part() || *r == grainpath_core::Role::Support)
+    {
         let [r, g, b] = crate::render::role_colour(role);
         let _ = write!(
             out,

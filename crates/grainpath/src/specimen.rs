@@ -20,8 +20,16 @@ pub const SPECIMENS: [Specimen; 3] = [
         about: "branches that lean by 0 to 90 degrees, numbered: shows which angles print without support",
         mesh: critical_angle,
     },
-    Specimen { name: "hanging-ball", about: "a ball 50 mm above the plate, for supports", mesh: hanging_ball },
-    Specimen { name: "dental-tray", about: "a horseshoe tray that leans by 30 degrees, for supports", mesh: dental_tray },
+    Specimen {
+        name: "hanging-ball",
+        about: "a ball 50 mm above the plate, for supports",
+        mesh: hanging_ball,
+    },
+    Specimen {
+        name: "dental-tray",
+        about: "a horseshoe tray that leans by 30 degrees, for supports",
+        mesh: dental_tray,
+    },
 ];
 
 /// Branches of the piece: every 10 degrees, and every degree between the two bounds that are of interest.
@@ -98,7 +106,8 @@ fn cuboid(mesh: &mut TriMesh, low: DVec3, high: DVec3) {
 
 /// Which of seven strokes a digit has: top, upper left, upper right, middle, lower left, lower right, bottom.
 const DIGITS: [u8; 10] = [
-    0b1110111, 0b0010010, 0b1011101, 0b1011011, 0b0111010, 0b1101011, 0b1101111, 0b1010010, 0b1111111, 0b1111011,
+    0b1110111, 0b0010010, 0b1011101, 0b1011011, 0b0111010, 0b1101011, 0b1101111, 0b1010010, 0b1111111,
+    0b1111011,
 ];
 
 /// A number in raised strokes, its middle at `at`.
@@ -166,16 +175,8 @@ fn sphere(mesh: &mut TriMesh, centre: DVec3, radius: f64) {
 pub fn dental_tray() -> TriMesh {
     let mut mesh = TriMesh::default();
     // A channel, open above, swept along a parabola-like arch: outline of its section, counter-clockwise along it.
-    let section: [(f64, f64); 8] = [
-        (-6.0, 0.0),
-        (6.0, 0.0),
-        (6.0, 9.0),
-        (4.2, 9.0),
-        (4.2, 1.8),
-        (-4.2, 1.8),
-        (-4.2, 9.0),
-        (-6.0, 9.0),
-    ];
+    let section: [(f64, f64); 8] =
+        [(-6.0, 0.0), (6.0, 0.0), (6.0, 9.0), (4.2, 9.0), (4.2, 1.8), (-4.2, 1.8), (-4.2, 9.0), (-6.0, 9.0)];
     const STEPS: u32 = 64;
     let arch = |t: f64| DVec2::new(26.0 * t, 34.0 * (1.0 - t * t));
     let (s, c) = sin_cos(30f64.to_radians());
@@ -216,12 +217,10 @@ mod tests {
 
     #[test]
     fn pieces_are_closed_and_stand_on_the_plate() {
-        for (name, mesh) in
-            [("angle", critical_angle()), ("ball", hanging_ball()), ("tray", dental_tray())]
-        {
+        for (name, mesh) in [("angle", critical_angle()), ("ball", hanging_ball()), ("tray", dental_tray())] {
             let health = diagnose(&mesh).expect("a mesh");
             // Strokes and bars of the numbered piece overlap; they share no edge.
-        assert!(health.is_closed() && health.volume > 0.0, "{name}: {health:?}");
+            assert!(health.is_closed() && health.volume > 0.0, "{name}: {health:?}");
             assert!(health.bounds.0.z.abs() < 1e-9, "{name}");
         }
         let ball = hanging_ball().signed_volume() - 4.0 * 4.0 * 0.6;

@@ -189,6 +189,9 @@ sections! {
         lift_mm: f64 = 0.0, "mm", Range(0.0, 1000.0), "The part is lifted off the plate by this and stands on its supports.";
         enforce_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Boxes (lowest and highest corner, part on the plate) in which everything that looks down is held.";
         block_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Boxes in which nothing is held.";
+        enforce_facets: Vec<usize> = Vec::new(), "", Any, "Facets that are held whatever their angle, counted from 0 in the order of the file.";
+        block_facets: Vec<usize> = Vec::new(), "", Any, "Facets that are not held, likewise.";
+        solid: String = "distance".into(), "", Words(&["distance", "poisson"]), "How the support becomes one surface: by signed distance, or by Poisson reconstruction as in the paper (slower, blurs tips).";
         walls: usize = 1, "", Range(1.0, 100.0), "Beads around each branch.";
         density: f64 = 0.0, "", Range(0.0, 1.0), "Fill inside the branches; columns and box lay at least 0.15.";
         dense_layers: usize = 2, "", Range(0.0, 1000.0), "Dense layers from the plate, so that feet stick.";

@@ -115,14 +115,21 @@ fn order_layer(
         }
         out.push(Ordered { island: None, paths });
     }
-    let first = |i: &Island| i.walls.first().map(|w| &w.path).or(i.fills.first()).map_or(DVec2::ZERO, |p| p.start());
+    let first =
+        |i: &Island| i.walls.first().map(|w| &w.path).or(i.fills.first()).map_or(DVec2::ZERO, |p| p.start());
     let places: Vec<[DVec2; 2]> = layer.supports.iter().map(|i| [first(i); 2]).collect();
     let mut supports: Vec<Option<Island>> = layer.supports.into_iter().map(Some).collect();
     for (i, _) in sequence::tour(&places, *at) {
         let Some(island) = supports[i].take() else { continue };
         let mut paths = Vec::with_capacity(island.walls.len() + island.fills.len());
         // Where a branch's bead begins is nobody's business but the travel's.
-        sequence::walls(island.walls, settings.wall_order, &mut seam::Seams::new(Seam::Nearest), at, &mut paths);
+        sequence::walls(
+            island.walls,
+            settings.wall_order,
+            &mut seam::Seams::new(Seam::Nearest),
+            at,
+            &mut paths,
+        );
         sequence::fills(island.fills, at, &mut paths);
         out.push(Ordered { island: None, paths });
     }

@@ -47,10 +47,7 @@ pub fn layers(overhangs: &Overhangs, stack: &LayerStack, settings: &SupportSetti
         region = region.opened(0.2);
         SupportLayer { region, interface: Region::default() }
     };
-    let mut out = Layers {
-        layers: (0..areas.len()).into_par_iter().map(cut).collect(),
-        ..Layers::default()
-    };
+    let mut out = Layers { layers: (0..areas.len()).into_par_iter().map(cut).collect(), ..Layers::default() };
     out.floating = count_floating(&out.layers, stack, settings);
     out
 }

@@ -72,7 +72,8 @@ fn dab(p: &Polygon, role: Role, settings: &BeadSettings) -> Option<Toolpath> {
     let far = p.outer.iter().copied().max_by(|a, b| a.distance(middle).total_cmp(&b.distance(middle)))?;
     let along = (far - middle).normalize_or(DVec2::X);
     let reach = |d: DVec2| p.outer.iter().map(|q| (*q - middle).dot(d)).fold(0.0, f64::max);
-    let width = (2.0 * p.area_mm2() / p.perimeter_mm() * 2.0).clamp(settings.min_bead_width_mm, settings.bead_width_mm);
+    let width = (2.0 * p.area_mm2() / p.perimeter_mm() * 2.0)
+        .clamp(settings.min_bead_width_mm, settings.bead_width_mm);
     let (ahead, behind) = (reach(along) - 0.5 * width, reach(-along) - 0.5 * width);
     let points = vec![middle - along * behind.max(0.08), middle + along * ahead.max(0.08)];
     let mut path = Toolpath::new(points, width, role, false);

@@ -22,6 +22,10 @@ const SLAB_MM: f64 = 0.4;
 const TO_PLATE: u8 = 1;
 /// Straight down from here there is nothing but the plate.
 const STRAIGHT_DOWN: u8 = 2;
+/// The rest of the byte: half the debt.
+const DEBT_SHIFT: u8 = 2;
+/// The highest debt a way may have: how far it may stray from the cells' centres, in the same units.
+const MAX_DEBT: u16 = 40;
 /// A cell's width in the units debts are counted in.
 const CELL: u16 = 64;
 /// A cell that cannot be passed.
@@ -49,7 +53,8 @@ impl Clearance {
         let layers = stack.layers();
         let part = layers.iter().filter_map(|l| l.region().bounds()).reduce(Bounds2::union);
         let part = part.unwrap_or(bed).grown(margin_mm);
-        let bounds = Bounds2 { min: part.min.max(bed.min), max: part.max.min(bed.max).max(part.min.max(bed.min)) };
+        let bounds =
+            Bounds2 { min: part.min.max(bed.min), max: part.max.min(bed.max).max(part.min.max(bed.min)) };
         let height = layers.last().map_or(0.0, grainpath_core::Layer::z_top_mm);
         let size = bounds.size();
         let mean = height / layers.len().max(1) as f64;
@@ -73,8 +78,17 @@ impl Clearance {
         });
         let tops_mm: Vec<f64> = slabs.iter().filter_map(|s| s.last()).map(|l| l.z_top_mm()).collect();
         let slope = mean * per_slab as f64 * tan(angle_rad) / grid.cell_mm();
-        let mut clearance =
-            Self { grid, nx, ny, tops_mm, distance, ways: Vec::new(), slope, tan_angle: 0.999 * tan(angle_rad), keep_mm };
+        let mut clearance = Self {
+            grid,
+            nx,
+            ny,
+            tops_mm,
+            distance,
+            ways: Vec::new(),
+            slope,
+            tan_angle: 0.999 * tan(angle_rad),
+            keep_mm,
+        };
         clearance.find_ways(bed);
         clearance
     }
@@ -102,7 +116,8 @@ impl Clearance {
                     }
                     let mut debt = u16::MAX;
                     for (ox, oy, cost) in NEIGHBOURS {
-                        let (Some(px), Some(py)) = (x.checked_add_signed(ox), y.checked_add_signed(oy)) else {
+                        let (Some(px), Some(py)) = (x.checked_add_signed(ox), y.checked_add_signed(oy))
+                        else {
                             continue;
                         };
                         if px < nx && py < ny && below[py * nx + px] != BLOCKED {
@@ -110,9 +125,11 @@ impl Clearance {
                         }
                     }
                     let debt = debt.saturating_sub(credit);
-                    if debt <= CELL {
+                    if debt <= MAX_DEBT {
                         debts[x] = debt as u8;
-                        ways[x] = TO_PLATE | if straight[x] { STRAIGHT_DOWN } else { 0 };
+                        ways[x] = TO_PLATE
+                            | if straight[x] { STRAIGHT_DOWN } else { 0 }
+                            | (debt as u8 / 2) << DEBT_SHIFT;
                     } else {
                         straight[x] = false;
                     }
@@ -188,30 +205,34 @@ impl Clearance {
         let mut way = vec![p];
         for slab in (0..self.slab(p.z)).rev() {
             let ways = &self.ways[slab * n..(slab + 1) * n];
-            // Straight down where that leads on, else to the neighbour that does and is nearest to where we are.
-            let mut best = (f64::INFINITY, x, y);
+            let z = 0.5 * (self.tops_mm[slab] + if slab > 0 { self.tops_mm[slab - 1] } else { 0.0 });
+            let reach = self.tan_angle * (way[way.len() - 1].z - z);
+            // Where least is still owed once this step is done; of equal ones where we are, or nearest.
+            let mut best = (f64::INFINITY, f64::INFINITY, x, y);
             for (ox, oy, _) in NEIGHBOURS {
-                let (Some(px), Some(py)) = (x.checked_add_signed(ox), y.checked_add_signed(oy)) else { continue };
+                let (Some(px), Some(py)) = (x.checked_add_signed(ox), y.checked_add_signed(oy)) else {
+                    continue;
+                };
                 if px >= self.nx || py >= self.ny || ways[py * self.nx + px] & TO_PLATE == 0 {
                     continue;
                 }
-                let target = self.centre(px, py);
-                let bonus = if ways[py * self.nx + px] & STRAIGHT_DOWN != 0 { 0.3 } else { 0.0 };
-                let away = if (ox, oy) == (0, 0) { 0.0 } else { target.distance(at) / self.grid.cell_mm() };
-                if away - bonus < best.0 {
-                    best = (away - bonus, px, py);
+                let debt = f64::from(ways[py * self.nx + px] >> DEBT_SHIFT) * 2.0 / f64::from(CELL);
+                let away = self.centre(px, py).distance(at);
+                let owed = debt + (away - reach).max(0.0) / self.grid.cell_mm();
+                let motion = if (ox, oy) == (0, 0) { 0.0 } else { away };
+                if owed < best.0 - 0.02 || (owed < best.0 + 0.02 && motion < best.1) {
+                    best = (owed, motion, px, py);
                 }
             }
             if best.0 == f64::INFINITY {
                 return Vec::new();
             }
-            let z = 0.5 * (self.tops_mm[slab] + if slab > 0 { self.tops_mm[slab - 1] } else { 0.0 });
-            if (best.1, best.2) != (x, y) {
-                let step = self.centre(best.1, best.2) - at;
-                at += step.clamp_length_max(self.tan_angle * (way[way.len() - 1].z - z));
+            let target = self.centre(best.2, best.3);
+            if (best.2, best.3) != (x, y) || best.0 > 0.02 {
+                at += (target - at).clamp_length_max(reach);
             }
             if let Some((cx, cy)) = self.cell(at) {
-                (x, y) = if ways[cy * self.nx + cx] & TO_PLATE != 0 { (cx, cy) } else { (best.1, best.2) };
+                (x, y) = if ways[cy * self.nx + cx] & TO_PLATE != 0 { (cx, cy) } else { (best.2, best.3) };
             }
             way.push(at.extend(z));
             if ways[y * self.nx + x] & STRAIGHT_DOWN != 0 {
@@ -317,7 +338,8 @@ mod tests {
     use grainpath_core::{Layer, Region};
 
     fn stack(regions: Vec<Region>) -> LayerStack {
-        let layer = |(i, r): (usize, Region)| Layer::new(0.2 * (i + 1) as f64, 0.2, r).expect("a sound layer");
+        let layer =
+            |(i, r): (usize, Region)| Layer::new(0.2 * (i + 1) as f64, 0.2, r).expect("a sound layer");
         LayerStack::new(regions.into_iter().enumerate().map(layer).collect()).expect("heights rise")
     }
 
@@ -356,7 +378,7 @@ mod tests {
         for &p in &way {
             let lean = (p - at).truncate().length() / (at.z - p.z);
             assert!(lean < tan(angle) * 1.02, "{lean}");
-            assert!(c.is_clear(at, p, 0.6), "{at} to {p}");
+            assert!(c.is_clear(at, p, 0.4), "{at} to {p}");
             at = p;
         }
         assert!(c.is_straight(at) && at.truncate().abs().max_element() > 10.9, "{at}");

@@ -170,12 +170,8 @@ fn discs(
         for k in first..end {
             let z = heights.middles[k];
             let at = b.low.lerp(b.high, (z - b.low.z) / (b.high.z - b.low.z));
-            let disc = Disc {
-                at: at.truncate(),
-                radius_mm: b.radius_mm,
-                manner: Manner::Kept,
-                interface: false,
-            };
+            let disc =
+                Disc { at: at.truncate(), radius_mm: b.radius_mm, manner: Manner::Kept, interface: false };
             out[k].push(disc);
         }
     }
@@ -250,17 +246,16 @@ fn settle(out: &mut Layers, stack: &LayerStack, heights: &Heights, settings: &Su
         let below = &out.layers[k - 1].region;
         let index = Boxes::of(below);
         let on = |p: &Polygon| {
-            let on_support: Vec<u32> = index.meeting(p).filter(|&i| overlap(p, &below.polygons[i as usize])).collect();
+            let on_support: Vec<u32> =
+                index.meeting(p).filter(|&i| overlap(p, &below.polygons[i as usize])).collect();
             // Whether it also rests on the part matters only where no support is below.
             let on_part = on_support.is_empty() && rests_on_part(p, k, stack, heights, settings);
             (on_part, on_support)
         };
         region.polygons.iter().map(on).collect()
     };
-    let stands: Vec<Vec<(bool, Vec<u32>)>> = (0..out.layers.len())
-        .into_par_iter()
-        .map(|k| if k == 0 { Vec::new() } else { rests(k) })
-        .collect();
+    let stands: Vec<Vec<(bool, Vec<u32>)>> =
+        (0..out.layers.len()).into_par_iter().map(|k| if k == 0 { Vec::new() } else { rests(k) }).collect();
     let mut below: Vec<bool> = vec![true; out.layers.first().map_or(0, |l| l.region.polygons.len())];
     let mut drop: Vec<Vec<bool>> = vec![below.clone()];
     for (k, rows) in stands.iter().enumerate().skip(1) {
@@ -290,10 +285,17 @@ fn settle(out: &mut Layers, stack: &LayerStack, heights: &Heights, settings: &Su
 }
 
 /// Whether a piece of layer `k` lies on the part, across the removal gap.
-fn rests_on_part(p: &Polygon, k: usize, stack: &LayerStack, heights: &Heights, settings: &SupportSettings) -> bool {
+fn rests_on_part(
+    p: &Polygon,
+    k: usize,
+    stack: &LayerStack,
+    heights: &Heights,
+    settings: &SupportSettings,
+) -> bool {
     let bottom = heights.bottom(k);
     let near = (0..k).rev().take_while(|&j| heights.tops[j] > bottom - settings.z_gap_mm - 1e-6);
-    near.into_iter().any(|j| Region::from(p.clone()).intersection(stack.layers()[j].region()).area_mm2() > 1e-4)
+    near.into_iter()
+        .any(|j| Region::from(p.clone()).intersection(stack.layers()[j].region()).area_mm2() > 1e-4)
 }
 
 /// Pieces of support with nothing below: found afresh from the layers, as a judge would.
@@ -328,9 +330,8 @@ struct Boxes {
 
 impl Boxes {
     fn of(region: &Region) -> Self {
-        let boxed = |(i, p): (usize, &Polygon)| {
-            p.bounds().map(|b| ([b.min.x, b.max.x, b.min.y, b.max.y], i as u32))
-        };
+        let boxed =
+            |(i, p): (usize, &Polygon)| p.bounds().map(|b| ([b.min.x, b.max.x, b.min.y, b.max.y], i as u32));
         let mut rows: Vec<_> = region.polygons.iter().enumerate().filter_map(boxed).collect();
         rows.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]).then(a.1.cmp(&b.1)));
         let widest = rows.iter().map(|(b, _)| b[1] - b[0]).fold(0.0, f64::max);
@@ -342,10 +343,8 @@ impl Boxes {
         let (low, high) = b.map_or((0.0, -1.0), |b| (b.min.x - self.widest, b.max.x));
         let first = self.rows.partition_point(|r| r.0[0] < low);
         let rows = self.rows[first..].iter().take_while(move |r| r.0[0] <= high);
-        rows.filter(move |(r, _)| {
-            b.is_some_and(|b| r[1] >= b.min.x && r[2] <= b.max.y && r[3] >= b.min.y)
-        })
-        .map(|r| r.1)
+        rows.filter(move |(r, _)| b.is_some_and(|b| r[1] >= b.min.x && r[2] <= b.max.y && r[3] >= b.min.y))
+            .map(|r| r.1)
     }
 }
 
@@ -359,4 +358,3 @@ fn is_reached(c: &Contact, cut: &Layers, heights: &Heights, settings: &SupportSe
         cut.layers[k].region.polygons.iter().any(near)
     })
 }
-

@@ -1,6 +1,6 @@
 //! Supports that grow like trees: overhangs and contacts ([`overhang`]), the room around the part ([`clearance`]),
 //! branches that meet where their cones do ([`tree`]), their layers ([`cut`]), their beads ([`beads`]) and the
-//! same as one closed surface ([`solid`]).
+//! same as one closed surface ([`solid`], [`poisson`]).
 
 pub mod baseline;
 pub mod beads;
@@ -8,6 +8,7 @@ pub mod clearance;
 pub mod cut;
 pub mod overhang;
 pub mod picture;
+pub mod poisson;
 pub mod solid;
 pub mod tree;
 
@@ -86,6 +87,10 @@ pub struct SupportSettings {
     pub enforce: Vec<Box3>,
     /// Nothing in these is held.
     pub block: Vec<Box3>,
+    /// These facets are held, whatever their angle; indices into the mesh.
+    pub enforce_facets: Vec<u32>,
+    /// These facets are not held.
+    pub block_facets: Vec<u32>,
     /// Thickness of the first layer.
     pub first_layer_mm: f64,
     /// Where feet may stand, part coordinates; `None` for no limit.
@@ -119,6 +124,8 @@ impl Default for SupportSettings {
             from_plate_only: false,
             enforce: Vec::new(),
             block: Vec::new(),
+            enforce_facets: Vec::new(),
+            block_facets: Vec::new(),
             first_layer_mm: 0.2,
             bed: None,
         }
@@ -247,6 +254,24 @@ pub fn plan(
     let mut support = Support { overhangs, forest, cut, ..Support::default() };
     support.tell(stack, settings, diagnostics);
     Ok(support)
+}
+
+/// The surface of support layers, by the method named in `support.solid`.
+///
+/// # Errors
+/// [`Interrupted`] when a stop was asked for.
+pub fn surface(
+    layers: &[SupportLayer],
+    stack: &LayerStack,
+    method: &str,
+    diagnostics: &Diagnostics,
+) -> Result<TriMesh, Interrupted> {
+    let settings = solid::SolidSettings::default();
+    if method == "poisson" {
+        poisson::poisson(layers, stack, settings.cell_mm, diagnostics)
+    } else {
+        solid::solid(layers, stack, &settings, diagnostics)
+    }
 }
 
 impl Support {

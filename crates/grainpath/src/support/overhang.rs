@@ -78,11 +78,20 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
     let plate_mm = stack.layers().first().map_or(0.0, |l| l.z_top_mm()) + 1e-6;
     let normals: Vec<DVec3> = mesh.triangles.iter().map(|&t| normal(mesh, t)).collect();
     let steep = sin(settings.critical_angle_rad);
+    let mut listed: Vec<Option<bool>> = vec![None; mesh.triangles.len()];
+    for (facets, held) in [(&settings.enforce_facets, true), (&settings.block_facets, false)] {
+        for &t in facets {
+            if let Some(slot) = listed.get_mut(t as usize) {
+                *slot = Some(held);
+            }
+        }
+    }
     let hangs = |t: usize| {
         let middle = mesh.triangles[t].iter().map(|&i| mesh.vertices[i as usize]).sum::<DVec3>() / 3.0;
         let high = mesh.triangles[t].iter().map(|&i| mesh.vertices[i as usize].z).fold(0.0, f64::max);
         let beyond = -normals[t].z > steep || (-normals[t].z > 0.02 && settings.enforced(middle));
-        high > plate_mm && beyond && !settings.blocked(middle)
+        let wanted = listed[t].unwrap_or(beyond && !settings.blocked(middle));
+        high > plate_mm && wanted && normals[t].z < -0.02
     };
     let hanging: Vec<bool> = (0..mesh.triangles.len()).into_par_iter().map(hangs).collect();
     let edges = EdgeUses::of(mesh);
@@ -226,7 +235,10 @@ fn leaning_edges(
         // A keel folds outwards, and by more than the facets of a round surface do.
         let folds = normals[s].dot(normals[t]) < 0.9;
         let third = mesh.triangles[t].iter().map(|&i| mesh.vertices[i as usize]);
-        let outwards = third.map(|p| (p - a).dot(normals[s])).fold(0.0, |x: f64, y| if y.abs() > x.abs() { y } else { x }) < 0.0;
+        let outwards = third
+            .map(|p| (p - a).dot(normals[s]))
+            .fold(0.0, |x: f64, y| if y.abs() > x.abs() { y } else { x })
+            < 0.0;
         let high = a.z.max(b.z) > plate_mm;
         if !folds || !outwards || !high || along.z.abs() > upright * along.length() || along.length() < 1e-9 {
             continue;
@@ -384,7 +396,9 @@ pub fn inner_point(polygon: &Polygon) -> DVec2 {
     }
     xs.sort_by(f64::total_cmp);
     let widest = xs.chunks_exact(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
-    widest.map_or(polygon.outer.first().copied().unwrap_or(middle), |w| DVec2::new(0.5 * (w[0] + w[1]), middle.y))
+    widest.map_or(polygon.outer.first().copied().unwrap_or(middle), |w| {
+        DVec2::new(0.5 * (w[0] + w[1]), middle.y)
+    })
 }
 
 /// Every piece that begins in mid-air gets a contact at its beginning, long ones several.
@@ -473,7 +487,10 @@ impl Near {
         let (lo, hi) = (self.key(p - radius_mm), self.key(p + radius_mm));
         let columns = (lo.0..=hi.0).flat_map(move |x| (lo.1..=hi.1).map(move |y| (x, y)));
         let cells = columns.flat_map(move |(x, y)| self.cells.range((x, y, lo.2)..=(x, y, hi.2)));
-        cells.flat_map(|(_, c)| c).map(move |&(i, q)| (q.distance(p), i)).filter(move |&(d, _)| d <= radius_mm)
+        cells
+            .flat_map(|(_, c)| c)
+            .map(move |&(i, q)| (q.distance(p), i))
+            .filter(move |&(d, _)| d <= radius_mm)
     }
 
     /// Whether any point within the radius will do.

@@ -49,19 +49,20 @@ pub fn solid(
     let Some(bounds) = regions.iter().filter_map(|r| r.bounds()).reduce(Bounds2::union) else {
         return Ok(TriMesh::default());
     };
-    let surface: f64 =
-        regions.iter().zip(stack.layers()).map(|(r, l)| r.perimeter_mm() * l.height_mm() + 0.1 * r.area_mm2()).sum();
+    let surface: f64 = regions
+        .iter()
+        .zip(stack.layers())
+        .map(|(r, l)| r.perimeter_mm() * l.height_mm() + 0.1 * r.area_mm2())
+        .sum();
     let affordable = (surface * TRIANGLES_PER_FACE / settings.max_triangles.max(1) as f64).sqrt();
     let planes = planes(stack, layers, settings.cell_mm.max(affordable));
     let grid = PlaneGrid::over(bounds, settings.cell_mm.max(affordable));
-    let mut mesher = Mesher { grid, mesh: TriMesh::default(), on_edges: HashMap::new() };
+    let mut mesher = Mesher::new(grid);
     let mut below: Option<Plane> = None;
     for batch in planes.chunks(BATCH) {
         diagnostics.check()?;
-        let fields: Vec<Plane> = batch
-            .par_iter()
-            .map(|&(z, k)| grid.plane(z, k.map(|k| regions[k])))
-            .collect();
+        let fields: Vec<Plane> =
+            batch.par_iter().map(|&(z, k)| grid.plane(z, k.map(|k| regions[k]))).collect();
         for plane in fields {
             if let Some(low) = &below {
                 mesher.between(low, &plane);
@@ -91,7 +92,7 @@ fn planes(stack: &LayerStack, layers: &[SupportLayer], step_mm: f64) -> Vec<(f64
 
 /// The grid in plan.
 #[derive(Debug, Clone, Copy)]
-struct PlaneGrid {
+pub(super) struct PlaneGrid {
     origin: DVec2,
     cell_mm: f64,
     nx: usize,
@@ -99,14 +100,26 @@ struct PlaneGrid {
 }
 
 /// The field in one plane.
-struct Plane {
+pub(super) struct Plane {
     z: f64,
     values: Vec<f32>,
     /// Rows with anything inside, and where in them: first and last column.
     spans: Vec<Option<(u32, u32)>>,
 }
 
+impl Plane {
+    /// A plane of which every row counts.
+    pub(super) fn whole(z: f64, values: Vec<f32>, nx: usize) -> Self {
+        let spans = vec![Some((0, nx as u32 - 1)); values.len() / nx];
+        Self { z, values, spans }
+    }
+}
+
 impl PlaneGrid {
+    pub(super) fn new(origin: DVec2, cell_mm: f64, nx: usize, ny: usize) -> Self {
+        Self { origin, cell_mm, nx, ny }
+    }
+
     fn over(bounds: Bounds2, cell_mm: f64) -> Self {
         let origin = bounds.min - 5.0 * cell_mm;
         let size = (bounds.size() / cell_mm).ceil();
@@ -204,9 +217,10 @@ fn corner(c: usize) -> [usize; 3] {
     [c & 1, c >> 1 & 1, c >> 2 & 1]
 }
 
-struct Mesher {
+/// Makes the surface between one plane and the next.
+pub(super) struct Mesher {
     grid: PlaneGrid,
-    mesh: TriMesh,
+    pub(super) mesh: TriMesh,
     /// Vertices on grid edges between the two planes at hand, by lower grid point and direction; in the upper plane
     /// they are carried over.
     on_edges: HashMap<u64, u32>,
@@ -221,12 +235,17 @@ struct Corner {
 }
 
 impl Mesher {
+    pub(super) fn new(grid: PlaneGrid) -> Self {
+        Self { grid, mesh: TriMesh::default(), on_edges: HashMap::new() }
+    }
+
     /// Adds the surface between two planes.
-    fn between(&mut self, low: &Plane, high: &Plane) {
+    pub(super) fn between(&mut self, low: &Plane, high: &Plane) {
         let (nx, ny) = (self.grid.nx, self.grid.ny);
         for y in 0..ny - 1 {
             let spans = [low.spans[y], low.spans[y + 1], high.spans[y], high.spans[y + 1]];
-            let Some((x0, x1)) = spans.into_iter().flatten().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
+            let Some((x0, x1)) = spans.into_iter().flatten().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+            else {
                 continue;
             };
             for x in (x0 as usize).saturating_sub(1)..=(x1 as usize).min(nx - 2) {
@@ -323,12 +342,16 @@ mod tests {
             if k > 10 {
                 discs.push(disc(DVec2::new(0.0, 7.0 - 0.1 * z), 2.0));
             }
-            SupportLayer { region: Region::from_contours(&discs, FillRule::NonZero), ..SupportLayer::default() }
+            SupportLayer {
+                region: Region::from_contours(&discs, FillRule::NonZero),
+                ..SupportLayer::default()
+            }
         };
         let layers: Vec<SupportLayer> = (0..60).map(layer).collect();
         let empty = |k: usize| Layer::new(0.2 * (k + 1) as f64, 0.2, Region::default()).expect("sound");
         let stack = LayerStack::new((0..60).map(empty).collect()).expect("heights rise");
-        let mesh = solid(&layers, &stack, &SolidSettings::default(), &Diagnostics::default()).expect("not stopped");
+        let mesh =
+            solid(&layers, &stack, &SolidSettings::default(), &Diagnostics::default()).expect("not stopped");
         let health = diagnose(&mesh).expect("a surface");
         assert!(health.is_closed(), "{health:?}");
         assert_eq!(health.shells, 2);
@@ -343,7 +366,8 @@ mod tests {
         let layers = vec![SupportLayer::default(); 3];
         let empty = |k: usize| Layer::new(0.2 * (k + 1) as f64, 0.2, Region::default()).expect("sound");
         let stack = LayerStack::new((0..3).map(empty).collect()).expect("heights rise");
-        let mesh = solid(&layers, &stack, &SolidSettings::default(), &Diagnostics::default()).expect("not stopped");
+        let mesh =
+            solid(&layers, &stack, &SolidSettings::default(), &Diagnostics::default()).expect("not stopped");
         assert!(mesh.triangles.is_empty());
     }
 }

@@ -153,7 +153,8 @@ impl Plan {
     fn over(bounds: Bounds2, n: usize) -> Self {
         let bounds = bounds.grown(10.0);
         let size = bounds.size();
-        let cell_mm = (size.x * size.y / n.max(1) as f64).sqrt().clamp(2.0, 20.0).max(size.max_element() / 1000.0);
+        let cell_mm =
+            (size.x * size.y / n.max(1) as f64).sqrt().clamp(2.0, 20.0).max(size.max_element() / 1000.0);
         let (nx, ny) = ((size.x / cell_mm) as i64 + 1, (size.y / cell_mm) as i64 + 1);
         Self { origin: bounds.min, cell_mm, nx, ny, cells: vec![Vec::new(); (nx * ny) as usize] }
     }
@@ -293,7 +294,8 @@ impl Grower<'_> {
         let leaning = move |across: DVec2, slope: f64| (across * slope).extend(-1.0).normalize();
         let own = normal.truncate().length() / (-normal.z).max(1e-6);
         let along = leaning(flat, own.min(limit));
-        let around = (0..8).map(move |k| leaning(direction(f64::from(k) * std::f64::consts::FRAC_PI_4), limit));
+        let around =
+            (0..8).map(move |k| leaning(direction(f64::from(k) * std::f64::consts::FRAC_PI_4), limit));
         [along, -DVec3::Z, leaning(flat, limit)].into_iter().chain(around)
     }
 
@@ -403,7 +405,8 @@ impl Grower<'_> {
         let thin = self.s.branch_radius_mm;
         let clear = |a: &Node| {
             let keep = thin.max(0.5 * a.radius_mm) + self.s.xy_gap_mm;
-            a.at.distance(m.at) < 1e-9 || self.clearance.is_clear(a.at, m.at, keep.min(self.clearance.distance_mm(a.at)))
+            a.at.distance(m.at) < 1e-9
+                || self.clearance.is_clear(a.at, m.at, keep.min(self.clearance.distance_mm(a.at)))
         };
         (!plate || self.clearance.leads_to_plate(m.at)) && clear(p) && clear(q)
     }
@@ -531,4 +534,3 @@ impl SupportSettings {
         1.0
     }
 }
-
