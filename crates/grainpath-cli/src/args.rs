@@ -26,7 +26,7 @@ pub enum Command {
     Support(Support),
     /// Write a piece to print and read: the critical angle's calibration and others
     Specimen(Specimen),
-    /// Say what a mesh or a G-code file is, with its defects
+    /// Say what a mesh, a finite-element result or a G-code file is, with its defects
     Inspect(Inspect),
     /// Draw a layer of a G-code file
     Render(Render),
@@ -131,7 +131,7 @@ pub struct New {
 /// `grainpath inspect`
 #[derive(Debug, clap::Args)]
 pub struct Inspect {
-    /// Mesh or G-code
+    /// Mesh, finite-element result or G-code
     pub file: PathBuf,
     /// As one JSON object
     #[arg(long)]

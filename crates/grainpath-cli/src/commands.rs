@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use grainpath::job::{PROFILES, Settings, json_schema, markdown, parse_job};
 use grainpath_core::Diagnostics;
 use grainpath_core::diagnostics::Stage;
+use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::parse_mesh;
 
 use crate::args::{Common, New, Profiles, Render, Run, Schema, Slice};
@@ -20,8 +21,8 @@ pub fn run(args: &Run) -> Result<(), Failure> {
         return Err(Failure::usage(format!("{name}: [shape] needs mesh = \"FILE\"")));
     }
     let mesh = folder.join(&settings.shape.mesh);
-    let out = args.out.clone().unwrap_or(folder);
-    execute(&settings, &mesh, &out, &args.common)
+    let out = args.out.clone().unwrap_or_else(|| folder.clone());
+    execute(&settings, &mesh, &folder, &out, &args.common)
 }
 
 /// `grainpath slice`
@@ -29,7 +30,7 @@ pub fn slice(args: &Slice) -> Result<(), Failure> {
     let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
     let output = args.output.clone().unwrap_or_else(|| args.model.with_extension("gcode"));
     settings.output.gcode = output.display().to_string();
-    execute(&settings, &args.model, Path::new(""), &args.common)
+    execute(&settings, &args.model, Path::new(""), Path::new(""), &args.common)
 }
 
 /// A job's text and overrides as settings.
@@ -38,13 +39,21 @@ pub fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Resul
     parse_job(text, name, sets, &load).map_err(|e| Failure::usage(e.to_string()))
 }
 
-/// Plans and writes a job. `out` is what output paths are relative to.
-fn execute(settings: &Settings, mesh: &Path, out: &Path, common: &Common) -> Result<(), Failure> {
+/// Plans and writes a job. `base` is what input paths are relative to, `out` output paths.
+fn execute(
+    settings: &Settings,
+    mesh: &Path,
+    base: &Path,
+    out: &Path,
+    common: &Common,
+) -> Result<(), Failure> {
     set_threads(common.threads)?;
     let diagnostics = progress::diagnostics();
     let paths = outputs::Paths::of(settings, mesh, out)?;
     let (file, read_s) = read_mesh(mesh, &diagnostics)?;
-    let planned = grainpath::plan_job(settings, file, &mesh.display().to_string(), &diagnostics)?;
+    let stress = read_stress(settings, base)?;
+    let inputs = grainpath::Inputs { mesh: file, path: mesh.display().to_string(), stress };
+    let planned = grainpath::plan_job(settings, inputs, &diagnostics)?;
     let report = outputs::write(settings, planned, &paths, read_s, common.json, &diagnostics)?;
     // The progress line goes before anything is printed.
     drop(diagnostics);
@@ -77,6 +86,19 @@ pub fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io
     Ok((file, start.elapsed().as_secs_f64()))
 }
 
+/// The result named by `guide.import`.
+fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressField>, Failure> {
+    if settings.guide.import.is_empty() {
+        return Ok(None);
+    }
+    let path = base.join(&settings.guide.import);
+    let wrong = |e: FeError| Failure::input(format!("{}: {e}", path.display()));
+    let bytes = files::read(&path)?;
+    let file = parse_fe(&bytes, path.to_str()).map_err(wrong)?;
+    let result = file.result(&grainpath::config::import(settings)).map_err(wrong)?;
+    Ok(Some(StressField::new(result)))
+}
+
 /// `grainpath new`
 pub fn new(args: &New) -> Result<(), Failure> {
     let names = grainpath::examples::PRESETS;
@@ -89,17 +111,17 @@ pub fn new(args: &New) -> Result<(), Failure> {
         )));
     };
     let folder = args.dir.clone().unwrap_or_else(|| PathBuf::from(&args.preset));
-    if let Some((name, _)) = example.iter().find(|(name, _)| folder.join(name).exists() && !args.force) {
-        let there = folder.join(name);
+    if let Some((name, _)) = example.iter().find(|(name, _)| folder.join(&**name).exists() && !args.force) {
+        let there = folder.join(&**name);
         return Err(Failure::usage(format!("{} is there already; --force writes over it", there.display())));
     }
     for (name, content) in &example {
-        let path = folder.join(name);
+        let path = folder.join(&**name);
         files::write_atomically(&path, |w| {
             w.write_all(content).map_err(|e| Failure::usage(format!("cannot write {}: {e}", path.display())))
         })?;
     }
-    files::print(&format!("grainpath run {}\n", folder.join(example[0].0).display()));
+    files::print(&format!("grainpath run {}\n", folder.join(&*example[0].0).display()));
     Ok(())
 }
 

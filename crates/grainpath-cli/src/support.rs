@@ -29,7 +29,7 @@ pub fn support(args: &Support) -> Result<(), Failure> {
     let mut stages: BTreeMap<&str, f64> = BTreeMap::from([("read", read_s)]);
     let shown = args.model.display().to_string();
     let start = Instant::now();
-    let (mesh, stack) = grainpath::run::mesh_and_layers(&settings, file, &diagnostics)
+    let (mesh, stack, _) = grainpath::run::mesh_and_layers(&settings, file, &diagnostics)
         .map_err(|source| Error::Shape { path: shown, source })?;
     stages.insert("slice", start.elapsed().as_secs_f64());
     let start = Instant::now();

@@ -1,5 +1,6 @@
-//! Bytes to meshes and back. Nothing here opens a file; every reader takes what is in memory and survives any bytes.
+//! Bytes to meshes, finite-element results and back. Nothing here opens a file; every reader takes what is in memory and survives any bytes.
 
+pub mod fe;
 mod mesh;
 mod obj;
 mod off;

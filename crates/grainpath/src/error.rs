@@ -4,6 +4,7 @@ use grainpath_core::diagnostics::Interrupted;
 use grainpath_gcode::GcodeError;
 use grainpath_io::MeshError;
 
+use crate::guide::GuideError;
 use crate::job::JobError;
 use crate::shape::ShapeError;
 
@@ -17,6 +18,8 @@ pub enum Error {
     Mesh { path: String, source: MeshError },
     #[error("{path}: {source}")]
     Shape { path: String, source: ShapeError },
+    #[error("guide: {0}")]
+    Guide(#[from] GuideError),
     #[error(transparent)]
     Gcode(#[from] GcodeError),
     #[error(
@@ -32,9 +35,11 @@ impl Error {
     pub fn exit_code(&self) -> i32 {
         match self {
             Self::Shape { source: ShapeError::Interrupted(_), .. } | Self::Interrupted(_) => 130,
+            Self::Guide(GuideError::Interrupted(_)) => 130,
+            Self::Guide(e) if e.is_usage() => 2,
             Self::Job(_) | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
             Self::Mesh { .. } | Self::Shape { .. } => 3,
-            Self::Gcode(_) | Self::Mass { .. } => 4,
+            Self::Gcode(_) | Self::Mass { .. } | Self::Guide(_) => 4,
         }
     }
 }

@@ -6,7 +6,9 @@ pub mod adhesion;
 pub mod config;
 pub mod error;
 pub mod examples;
+mod field_mesh;
 pub mod fill;
+pub mod guide;
 pub mod html;
 pub mod job;
 pub mod mask;
@@ -23,4 +25,4 @@ pub mod walls;
 
 pub use error::Error;
 pub use job::Settings;
-pub use run::{Planned, plan_job};
+pub use run::{Inputs, Planned, plan_job};

@@ -8,17 +8,19 @@ use std::time::Instant;
 use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
 use grainpath_core::{
-    BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, Layer, LayerStack, Plan, Polygon, Role, SpeedClass,
-    Toolpath,
+    BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, DirectionField, Layer, LayerStack, Plan, Polygon, Role,
+    SpeedClass, Toolpath, UniformField,
 };
 use grainpath_gcode::{WriteConfig, check_fits};
 use grainpath_io::MeshFile;
+use grainpath_io::fe::StressField;
 use rayon::prelude::*;
 
 use crate::adhesion::{AdhesionSettings, brim, skirt};
 use crate::config;
 use crate::error::Error;
 use crate::fill::{FillContext, Infill, Solid, bridge_angle_rad, pattern};
+use crate::guide::{self, Guide, GuidedPart};
 use crate::job::Settings;
 use crate::mask::Mask;
 use crate::order::{Island, LayerPaths, order_stack};
@@ -44,6 +46,8 @@ pub struct Planned {
     pub support_pictures: Vec<support::picture::StepPicture>,
     /// The density of the inside: the one asked for, or the one found for a mass.
     pub density: f64,
+    /// Directions and the stress they come from, for jobs that have loads.
+    pub guide: Option<Guide>,
 }
 
 /// Shorter closed walls are small, mm.
@@ -51,34 +55,53 @@ const SMALL_WALL_MM: f64 = 30.0;
 /// Walls with more than this share of their length over air are overhangs.
 const OVERHANG_SHARE: f64 = 0.25;
 
-/// Plans a job. `path` is what errors call the mesh.
+/// What a job is made from, read already.
+pub struct Inputs {
+    /// The shape.
+    pub mesh: MeshFile,
+    /// What errors call it.
+    pub path: String,
+    /// Stress solved elsewhere, for `guide.import`.
+    pub stress: Option<StressField>,
+}
+
+/// Plans a job.
 ///
 /// # Errors
 /// [`Error`] for a mesh that cannot be sliced, a part that does not fit the bed, a mass that cannot be met, and when
 /// a stop was asked for.
-pub fn plan_job(
-    settings: &Settings,
-    file: MeshFile,
-    path: &str,
-    diagnostics: &Diagnostics,
-) -> Result<Planned, Error> {
+pub fn plan_job(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
-    let shape_error = |source| Error::Shape { path: path.to_owned(), source };
-    let (mesh, stack) = mesh_and_layers(settings, file, diagnostics).map_err(shape_error)?;
+    let shape_error = |source| Error::Shape { path: inputs.path.clone(), source };
+    let (mesh, stack, lowered_mm) =
+        mesh_and_layers(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
-    let mut job = Job { settings, stack: &stack, part: part_bounds(&stack), support: None };
-    let plate_from_part_mm = job.plate_from_part();
-    job.check_bed(plate_from_part_mm)?;
-    if let Some(wanted) = config::support(settings, plate_from_part_mm.truncate()) {
-        job.support = Some(support::plan(&mesh, &stack, &wanted, diagnostics)?);
-        clock.stop(Stage::Support);
+    let part = part_bounds(&stack);
+    let plate_from_part_mm = plate_from_part(settings, part);
+    check_bed(settings, &stack, part, plate_from_part_mm)?;
+    let guide = {
+        let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
+        guide::build(settings, &guided, inputs.stress, diagnostics)?
+    };
+    if guide.is_some() {
+        clock.stop(Stage::Guide);
     }
+    let support = match config::support(settings, plate_from_part_mm.truncate()) {
+        Some(wanted) => Some(support::plan(&mesh, &stack, &wanted, diagnostics)?),
+        None => None,
+    };
     let drawn = !settings.output.report.is_empty() || !settings.output.preview.is_empty();
-    let support_pictures = match &job.support {
+    let support_pictures = match &support {
         Some(found) if drawn => support::picture::pictures(&mesh, found),
         _ => Vec::new(),
     };
+    if support.is_some() {
+        clock.stop(Stage::Support);
+    }
     drop(mesh);
+    let uniform = UniformField { axis_rad: settings.guide.angle_deg.to_radians() };
+    let job =
+        Job { settings, stack: &stack, part, guide: guide.as_ref(), support: support.as_ref(), uniform };
     diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
     let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
     let skins = job.skins(&mut walls, &fills, diagnostics)?;
@@ -89,11 +112,10 @@ pub fn plan_job(
     clock.stop(Stage::Fill);
     let layers = order_stack(&stack, layers, &config::order(settings), diagnostics)?;
     clock.stop(Stage::Order);
-    let support = job.support.take();
     let plan = Plan { layers, plate_from_part_mm };
     let config = config::writing(settings);
     check_fits(&plan, &config.machine)?;
-    Ok(Planned { plan, stack, config, stages_s: clock.stages, support, support_pictures, density })
+    Ok(Planned { plan, stack, config, stages_s: clock.stages, support, support_pictures, density, guide })
 }
 
 /// The islands of a layer with their walls, and where its fill may lie.
@@ -112,7 +134,7 @@ impl Clock {
     }
 }
 
-/// The mended mesh where it is to be printed, and its layers.
+/// The mended mesh where it is to be printed, its layers, and how far it was lowered to stand there, mm.
 ///
 /// # Errors
 /// As [`shape::mend`] and [`shape::slice`].
@@ -120,23 +142,24 @@ pub fn mesh_and_layers(
     settings: &Settings,
     file: MeshFile,
     diagnostics: &Diagnostics,
-) -> Result<(grainpath_core::TriMesh, LayerStack), shape::ShapeError> {
-    let mut bodies = place_bodies(settings, file, diagnostics)?;
+) -> Result<(grainpath_core::TriMesh, LayerStack, f64), shape::ShapeError> {
+    let (mut bodies, mut lowered_mm) = place_bodies(settings, file, diagnostics)?;
     if settings.support.style != "none" {
         let lift = settings.support.lift_mm;
         bodies.iter_mut().flat_map(|b| &mut b.vertices).for_each(|p| p.z += lift);
+        lowered_mm -= lift;
     }
     let mesh = shape::mend(bodies, config::repair(settings), diagnostics)?;
     let stack = shape::slice(&mesh, &config::slicing(settings), diagnostics)?;
-    Ok((mesh, stack))
+    Ok((mesh, stack, lowered_mm))
 }
 
-/// The bodies of a file in millimetres on the plate.
+/// The bodies of a file in millimetres on the plate, and how far they were lowered to stand there.
 fn place_bodies(
     settings: &Settings,
     file: MeshFile,
     diagnostics: &Diagnostics,
-) -> Result<Vec<grainpath_core::TriMesh>, shape::ShapeError> {
+) -> Result<(Vec<grainpath_core::TriMesh>, f64), shape::ShapeError> {
     file.warnings.iter().for_each(|w| diagnostics.warn(format!("mesh: {w}")));
     let mut bodies: Vec<grainpath_core::TriMesh> = file.bodies.into_iter().map(|b| b.mesh).collect();
     let mut placement = config::placement(settings);
@@ -154,8 +177,8 @@ fn place_bodies(
             ));
         }
     }
-    shape::place(&mut bodies, &placement)?;
-    Ok(bodies)
+    let lowered_mm = shape::place(&mut bodies, &placement)?;
+    Ok((bodies, lowered_mm))
 }
 
 fn part_bounds(stack: &LayerStack) -> Bounds2 {
@@ -163,62 +186,61 @@ fn part_bounds(stack: &LayerStack) -> Bounds2 {
     all.reduce(Bounds2::union).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO })
 }
 
+fn plate_from_part(settings: &Settings, part: Bounds2) -> DVec3 {
+    let machine = config::machine(settings);
+    let (low, high) = machine.bed_bounds_mm();
+    let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
+    let target = settings.shape.position_mm.unwrap_or(middle);
+    let centre = part.centre();
+    // Whole micrometres, so that moving the part does not change how its numbers round.
+    let whole = |mm: f64| (mm * 1e3).round() * 1e-3;
+    DVec3::new(whole(target[0] - centre.x), whole(target[1] - centre.y), 0.0)
+}
+
+/// Refuses a part that cannot fit before any time is spent on it.
+fn check_bed(settings: &Settings, stack: &LayerStack, part: Bounds2, shift: DVec3) -> Result<(), Error> {
+    let machine = config::machine(settings);
+    let half = 1e-3;
+    let (low, high) = machine.bed_bounds_mm();
+    let reach = [
+        (part.min.x + shift.x, 0),
+        (part.max.x + shift.x, 0),
+        (part.min.y + shift.y, 1),
+        (part.max.y + shift.y, 1),
+    ];
+    for (at_mm, k) in reach {
+        if at_mm < low[k] - half || at_mm > high[k] + half {
+            let axis = ['X', 'Y'][k];
+            return Err(grainpath_gcode::GcodeError::OutsideBed {
+                axis,
+                at_mm,
+                low_mm: low[k],
+                high_mm: high[k],
+            }
+            .into());
+        }
+    }
+    let top = stack.layers().last().map_or(0.0, Layer::z_top_mm);
+    if top > machine.bed_mm[2] + half {
+        let high_mm = machine.bed_mm[2];
+        return Err(
+            grainpath_gcode::GcodeError::OutsideBed { axis: 'Z', at_mm: top, low_mm: 0.0, high_mm }.into()
+        );
+    }
+    Ok(())
+}
+
 struct Job<'a> {
     settings: &'a Settings,
     stack: &'a LayerStack,
     part: Bounds2,
-    support: Option<Support>,
+    support: Option<&'a Support>,
+    guide: Option<&'a Guide>,
+    /// The field of `kind = "angle"`.
+    uniform: UniformField,
 }
 
 impl Job<'_> {
-    fn plate_from_part(&self) -> DVec3 {
-        let machine = config::machine(self.settings);
-        let (low, high) = machine.bed_bounds_mm();
-        let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
-        let target = self.settings.shape.position_mm.unwrap_or(middle);
-        let centre = self.part.centre();
-        // Whole micrometres, so that moving the part does not change how its numbers round.
-        let whole = |mm: f64| (mm * 1e3).round() * 1e-3;
-        DVec3::new(whole(target[0] - centre.x), whole(target[1] - centre.y), 0.0)
-    }
-
-    /// Refuses a part that cannot fit before any time is spent on it.
-    fn check_bed(&self, shift: DVec3) -> Result<(), Error> {
-        let machine = config::machine(self.settings);
-        let half = 1e-3;
-        let (low, high) = machine.bed_bounds_mm();
-        let reach = [
-            (self.part.min.x + shift.x, 0),
-            (self.part.max.x + shift.x, 0),
-            (self.part.min.y + shift.y, 1),
-            (self.part.max.y + shift.y, 1),
-        ];
-        for (at_mm, k) in reach {
-            if at_mm < low[k] - half || at_mm > high[k] + half {
-                let axis = ['X', 'Y'][k];
-                return Err(grainpath_gcode::GcodeError::OutsideBed {
-                    axis,
-                    at_mm,
-                    low_mm: low[k],
-                    high_mm: high[k],
-                }
-                .into());
-            }
-        }
-        let top = self.stack.layers().last().map_or(0.0, Layer::z_top_mm);
-        if top > machine.bed_mm[2] + half {
-            let high_mm = machine.bed_mm[2];
-            return Err(grainpath_gcode::GcodeError::OutsideBed {
-                axis: 'Z',
-                at_mm: top,
-                low_mm: 0.0,
-                high_mm,
-            }
-            .into());
-        }
-        Ok(())
-    }
-
     fn wall_settings(&self, layer: &Layer) -> WallSettings {
         let p = &self.settings.process;
         WallSettings {
@@ -300,20 +322,61 @@ impl Job<'_> {
         diagnostics: &Diagnostics,
     ) -> Result<Vec<LayerPaths>, Interrupted> {
         let adhesion = self.adhesion();
-        let of_layer = |(i, mut islands): (usize, Vec<Island>)| {
+        let like = self.alike(skins);
+        let lay = |i: usize| {
             diagnostics.check()?;
-            self.dense_fill(i, &skins[i], &mut |island, path| islands[island].fills.push(path));
-            self.sparse_fill(i, &skins[i], density, &mut |island, path| islands[island].fills.push(path));
+            let mut paths = Vec::new();
+            if like[i] == i {
+                self.dense_fill(i, &skins[i], &mut |island, path| paths.push((island, path)));
+                self.sparse_fill(i, &skins[i], density, &mut |island, path| paths.push((island, path)));
+            }
             diagnostics.advance(1);
-            let adhesion = adhesion.get(i).cloned().unwrap_or_default();
-            Ok(LayerPaths { adhesion, supports: self.supports(i), islands })
+            Ok(paths)
         };
-        let all: Vec<Result<_, Interrupted>> =
-            walls.into_par_iter().enumerate().with_min_len(2).map(of_layer).collect();
-        all.into_iter().collect()
+        let laid: Vec<Result<Vec<(usize, Toolpath)>, Interrupted>> = (0..walls.len())
+            .into_par_iter()
+            .with_min_len(if self.guide.is_some() { 1 } else { 2 })
+            .map(lay)
+            .collect();
+        let mut laid = laid.into_iter().collect::<Result<Vec<_>, _>>()?;
+        // Copies first: the layers they are copied from come later or are taken whole.
+        for i in (0..laid.len()).rev().filter(|&i| like[i] != i) {
+            laid[i] = laid[like[i]].clone();
+        }
+        let mut supports: Vec<Vec<Island>> =
+            (0..laid.len()).into_par_iter().map(|i| self.supports(i)).collect();
+        let whole = |(i, (mut islands, paths)): (usize, (Vec<Island>, Vec<(usize, Toolpath)>))| {
+            paths.into_iter().for_each(|(island, path)| islands[island].fills.push(path));
+            let adhesion = adhesion.get(i).cloned().unwrap_or_default();
+            LayerPaths { adhesion, supports: std::mem::take(&mut supports[i]), islands }
+        };
+        Ok(walls.into_iter().zip(laid).enumerate().map(whole).collect())
     }
 
-    fn context(&self, layer_idx: usize, density: f64, role: Role) -> FillContext {
+    /// For each layer the first one that has the same room and the same field, where the fill depends on nothing
+    /// else.
+    fn alike(&self, skins: &[SkinSplit]) -> Vec<usize> {
+        let layers = self.stack.layers();
+        let guided = crate::fill::GUIDED.contains(&self.settings.fill.pattern.as_str());
+        let mut like: Vec<usize> = (0..skins.len()).collect();
+        if !guided {
+            return like;
+        }
+        for i in 1..skins.len() {
+            let same = |&j: &usize| {
+                layers[i].height_mm() == layers[j].height_mm()
+                    && skins[i].bridge.is_empty()
+                    && skins[i] == skins[j]
+                    && self.guide.is_none_or(|g| g.same(i, j))
+            };
+            if let Some(j) = (i.saturating_sub(2)..i).rev().find(same) {
+                like[i] = like[j];
+            }
+        }
+        like
+    }
+
+    fn context(&self, layer_idx: usize, density: f64, role: Role) -> FillContext<'_> {
         let layer = &self.stack.layers()[layer_idx];
         FillContext {
             z_mid_mm: layer.z_top_mm() - 0.5 * layer.height_mm(),
@@ -324,6 +387,7 @@ impl Job<'_> {
             part: self.part,
             role,
             border_mm: self.border_mm(layer),
+            field: Some(self.guide.map_or(&self.uniform as &dyn DirectionField, |g| g.layer(layer_idx))),
         }
     }
 
@@ -365,11 +429,15 @@ impl Job<'_> {
         }
     }
 
+    /// Dense fill beside sparse one is plain; where all is dense it is the pattern asked for, and a part with a
+    /// guide follows it in its skins too.
     fn dense_pattern(&self) -> &'static dyn Infill {
-        if self.settings.fill.pattern == "concentric" && self.settings.fill.density >= 0.999 {
-            &crate::fill::Concentric
-        } else {
-            &Solid
+        let fill = &self.settings.fill;
+        match fill.pattern.as_str() {
+            "concentric" if fill.density >= 0.999 => &crate::fill::Concentric,
+            "stripes" | "streamlines" => &crate::fill::Stripes,
+            "seed-lines" => &crate::fill::SeedLines,
+            _ => &Solid,
         }
     }
 
@@ -403,7 +471,7 @@ impl Job<'_> {
 
     /// The beads of the support in a layer.
     fn supports(&self, i: usize) -> Vec<Island> {
-        let Some(layer) = self.support.as_ref().map(|s| &s.cut.layers[i]) else { return Vec::new() };
+        let Some(layer) = self.support.map(|s| &s.cut.layers[i]) else { return Vec::new() };
         let s = &self.settings.support;
         let settings = BeadSettings {
             bead_width_mm: self.settings.process.bead_width_mm,
@@ -426,7 +494,7 @@ impl Job<'_> {
             bead_width_mm: p.bead_width_mm,
             height_mm: first.height_mm(),
         };
-        let standing = match &self.support {
+        let standing = match self.support {
             Some(s) => first.region().union(&s.cut.layers[0].region),
             None => first.region().clone(),
         };

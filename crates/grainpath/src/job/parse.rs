@@ -21,18 +21,8 @@ fn error(place: impl Into<String>, problem: impl Into<String>) -> JobError {
 }
 
 /// Keys of other parts of grainpath that are not there yet: known, so that the message can say so.
-const LATER: [(&str, &str); 10] = [
-    ("shape", "outline"),
-    ("shape", "thickness_mm"),
-    ("shape", "ct"),
-    ("shape", "photo"),
-    ("guide", "follow"),
-    ("guide", "fixture"),
-    ("guide", "load"),
-    ("guide", "case"),
-    ("guide", "import"),
-    ("output", "stress"),
-];
+const LATER: [(&str, &str); 4] =
+    [("shape", "outline"), ("shape", "thickness_mm"), ("shape", "ct"), ("shape", "photo")];
 
 /// Reads a job. `name` is what errors call the file; `sets` are `section.key=value` as given on the command line,
 /// stronger than the file; `load` reads a profile that is named by its path.
@@ -166,10 +156,8 @@ fn apply(
 fn later(section: &str, key: &str, value: &Value) -> Option<String> {
     let word = value.as_str().unwrap_or_default();
     let known = match (section, key) {
-        ("guide", "kind") => ["stress", "grain"].contains(&word),
-        ("fill", "pattern") => {
-            ["stripes", "streamlines", "seed-lines", "stress-lines", "continuous"].contains(&word)
-        }
+        ("guide", "kind") => word == "grain",
+        ("fill", "pattern") => word == "continuous",
         ("support", "style") => word == "tree",
         _ => false,
     };
@@ -198,6 +186,12 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
     }
     if s.strength.enabled {
         return wrong("strength.enabled = true is not in this version of grainpath".into());
+    }
+    if crate::fill::GUIDED.contains(&s.fill.pattern.as_str()) && s.guide.kind == "none" {
+        return wrong(format!(
+            "fill.pattern = {:?} needs a guide: [guide] kind = \"stress\" or \"angle\"",
+            s.fill.pattern
+        ));
     }
     if s.fill.angles_deg.is_empty() {
         return wrong("fill.angles_deg should have at least one angle".into());
@@ -273,15 +267,15 @@ mod tests {
             ),
             (
                 "[fill]\npattern = \"grit\"\n",
-                "job.toml:2: fill.pattern should be one of rectilinear, grid, triangles, gyroid, concentric, honeycomb, aligned, is \"grit\"",
+                "job.toml:2: fill.pattern should be one of rectilinear, grid, triangles, gyroid, concentric, honeycomb, aligned, stripes, streamlines, seed-lines, is \"grit\"",
             ),
             (
                 "[shape]\nct = { path = \"scan\" }\n",
                 "job.toml:2: shape.ct is not in this version of grainpath",
             ),
             (
-                "[guide]\nkind = \"stress\"\n",
-                "job.toml:2: guide.kind = \"stress\" is not in this version of grainpath",
+                "[guide]\nkind = \"grain\"\n",
+                "job.toml:2: guide.kind = \"grain\" is not in this version of grainpath",
             ),
             (
                 "[printer]\nprofile = \"generic-0.5\"\n",
