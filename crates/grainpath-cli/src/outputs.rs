@@ -21,6 +21,7 @@ pub struct Paths {
     report: Option<PathBuf>,
     preview: Option<PathBuf>,
     plan: Option<PathBuf>,
+    support: Option<PathBuf>,
     stress: Option<PathBuf>,
     lines: Option<PathBuf>,
 }
@@ -40,9 +41,13 @@ impl Paths {
             report: given(&o.report),
             preview: given(&o.preview),
             plan: given(&o.plan),
+            support: given(&o.support),
             stress: given(&o.stress),
             lines: given(&o.lines),
         };
+        if let Some(path) = &paths.support {
+            crate::support::Format::of(path)?;
+        }
         if let Some(path) = &paths.lines
             && !["svg", "vtp"].iter().any(|e| path.extension().is_some_and(|x| x == *e))
         {
@@ -55,6 +60,7 @@ impl Paths {
             Some(&paths.gcode),
             paths.report.as_ref(),
             paths.plan.as_ref(),
+            paths.support.as_ref(),
             paths.stress.as_ref(),
             paths.lines.as_ref(),
         ];
@@ -103,7 +109,11 @@ pub fn write(
         let program = read_back(settings, &copy)?;
         report.quality = Some(measure(&planned, &program));
         drop(copy);
-        let drawn = guide_pictures(&planned, paths);
+        let mut drawn = guide_pictures(&planned, paths);
+        drawn.extend(planned.support_pictures.iter().map(|p| {
+            let picture = html::Picture { title: p.title.clone(), png: p.png.clone() };
+            (format!("support_{}.png", p.name), picture)
+        }));
         previews(settings, &program, &drawn, paths, diagnostics, &mut report)?;
     }
     guide_files(&planned, paths, &mut report)?;
@@ -111,6 +121,15 @@ pub fn write(
         let text = grainpath::plan_json::plan_json(&planned.plan);
         save(path, text.as_bytes())?;
         report.outputs.insert("plan", path.display().to_string());
+    }
+    if let (Some(path), Some(support)) = (&paths.support, &planned.support) {
+        let (layers, method) = (&support.cut.layers, &settings.support.solid);
+        let mesh = grainpath::support::surface(layers, &planned.stack, method, diagnostics)
+            .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
+        if !mesh.triangles.is_empty() {
+            crate::support::write_mesh(path, &[&mesh])?;
+            report.outputs.insert("support", path.display().to_string());
+        }
     }
     report.warnings = diagnostics.warnings();
     report.peak_rss_mb = (peak_rss_mb() * 10.0).round() * 0.1;

@@ -11,3 +11,4 @@ mod threemf;
 
 pub use mesh::{Body, MeshError, MeshFile, MeshFormat, parse_mesh, sniff_mesh};
 pub use stl::write_stl;
+pub use threemf::write_3mf;
