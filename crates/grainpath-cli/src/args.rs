@@ -22,7 +22,7 @@ pub enum Command {
     Slice(Slice),
     /// Write a commented example job with its input
     New(New),
-    /// Say what a mesh or a G-code file is, with its defects
+    /// Say what a mesh, a G-code file or a CT scan is, with its defects
     Inspect(Inspect),
     /// Draw a layer of a G-code file
     Render(Render),
@@ -98,8 +98,17 @@ pub struct New {
 /// `grainpath inspect`
 #[derive(Debug, clap::Args)]
 pub struct Inspect {
-    /// Mesh or G-code
+    /// Mesh, G-code, or a scan: a folder of slices or a volume file
     pub file: PathBuf,
+    /// Write a contact sheet of a scan here
+    #[arg(long, value_name = "FILE.png")]
+    pub sheet: Option<PathBuf>,
+    /// Columns, rows and slices of raw data
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
+    pub size: Option<Vec<usize>>,
+    /// How raw data stores a voxel
+    #[arg(long, default_value = "u8", value_parser = grainpath_io::volume::SampleType::NAMES)]
+    pub sample: String,
     /// As one JSON object
     #[arg(long)]
     pub json: bool,

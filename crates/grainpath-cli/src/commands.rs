@@ -8,7 +8,7 @@ use grainpath_core::diagnostics::Stage;
 use grainpath_io::parse_mesh;
 
 use crate::args::{Common, New, Profiles, Render, Run, Schema, Slice};
-use crate::{Failure, files, outputs, progress};
+use crate::{Failure, files, outputs, progress, scan};
 
 /// `grainpath run`
 pub fn run(args: &Run) -> Result<(), Failure> {
@@ -16,12 +16,13 @@ pub fn run(args: &Run) -> Result<(), Failure> {
     let folder = args.job.parent().map(Path::to_owned).unwrap_or_default();
     let name = args.job.display().to_string();
     let settings = settings(&text, &name, &args.common.sets, &folder)?;
-    if settings.shape.mesh.is_empty() {
-        return Err(Failure::usage(format!("{name}: [shape] needs mesh = \"FILE\"")));
-    }
-    let mesh = folder.join(&settings.shape.mesh);
+    let given = [&settings.shape.mesh, &settings.ct.path].into_iter().find(|p| !p.is_empty());
+    let Some(given) = given else {
+        return Err(Failure::usage(format!("{name}: [shape] needs mesh = \"FILE\" or ct = \"SCAN\"")));
+    };
+    let shape = folder.join(given);
     let out = args.out.clone().unwrap_or(folder);
-    execute(&settings, &mesh, &out, &args.common)
+    execute(&settings, &shape, &out, &args.common)
 }
 
 /// `grainpath slice`
@@ -38,12 +39,19 @@ fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Se
 }
 
 /// Plans and writes a job. `out` is what output paths are relative to.
-fn execute(settings: &Settings, mesh: &Path, out: &Path, common: &Common) -> Result<(), Failure> {
+fn execute(settings: &Settings, shape: &Path, out: &Path, common: &Common) -> Result<(), Failure> {
     set_threads(common.threads)?;
     let diagnostics = progress::diagnostics();
-    let paths = outputs::Paths::of(settings, mesh, out)?;
-    let (file, read_s) = read_mesh(mesh, &diagnostics)?;
-    let planned = grainpath::plan_job(settings, file, &mesh.display().to_string(), &diagnostics)?;
+    let paths = outputs::Paths::of(settings, shape, out)?;
+    let (planned, read_s) = if settings.ct.path.is_empty() {
+        let (file, read_s) = read_mesh(shape, &diagnostics)?;
+        (grainpath::plan_job(settings, file, &shape.display().to_string(), &diagnostics)?, read_s)
+    } else {
+        let start = std::time::Instant::now();
+        let mut source = scan::open(shape, grainpath::config::raw_header(settings).as_ref())?;
+        let read_s = start.elapsed().as_secs_f64();
+        (grainpath::plan_scan(settings, &mut *source, &shape.display().to_string(), &diagnostics)?, read_s)
+    };
     let report = outputs::write(settings, planned, &paths, read_s, common.json, &diagnostics)?;
     // The progress line goes before anything is printed.
     drop(diagnostics);

@@ -8,13 +8,19 @@ use grainpath_io::{MeshFile, parse_mesh, sniff_mesh};
 use serde_json::{Value, json};
 
 use crate::args::Inspect;
-use crate::{Failure, files};
+use crate::{Failure, files, scan};
 
 /// Diameter of the filament taken for G-code that does not say, mm.
 const FILAMENT_MM: f64 = 1.75;
 
 /// Runs the command.
 pub fn inspect(args: &Inspect) -> Result<(), Failure> {
+    let raw = scan::raw_header(args)?;
+    if raw.is_some() || scan::is(&args.file)? {
+        let value = scan::inspect(args, raw.as_ref())?;
+        files::print(&if args.json { format!("{value}\n") } else { table(&value) });
+        return Ok(());
+    }
     let bytes = files::read(&args.file)?;
     let name = args.file.display().to_string();
     let lower = name.to_ascii_lowercase();

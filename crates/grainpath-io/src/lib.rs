@@ -8,6 +8,7 @@ mod ply;
 mod stl;
 mod text;
 mod threemf;
+pub mod volume;
 
 pub use image::{Image, ImageError, ImageFormat, Samples};
 pub use mesh::{Body, MeshError, MeshFile, MeshFormat, parse_mesh, sniff_mesh};

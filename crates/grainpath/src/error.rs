@@ -3,6 +3,7 @@
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_gcode::GcodeError;
 use grainpath_io::MeshError;
+use grainpath_io::volume::VolumeError;
 
 use crate::job::JobError;
 use crate::shape::ShapeError;
@@ -15,6 +16,8 @@ pub enum Error {
     Job(#[from] JobError),
     #[error("{path}: {source}")]
     Mesh { path: String, source: MeshError },
+    #[error(transparent)]
+    Volume(#[from] VolumeError),
     #[error("{path}: {source}")]
     Shape { path: String, source: ShapeError },
     #[error(transparent)]
@@ -33,7 +36,7 @@ impl Error {
         match self {
             Self::Shape { source: ShapeError::Interrupted(_), .. } | Self::Interrupted(_) => 130,
             Self::Job(_) | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
-            Self::Mesh { .. } | Self::Shape { .. } => 3,
+            Self::Mesh { .. } | Self::Volume(_) | Self::Shape { .. } => 3,
             Self::Gcode(_) | Self::Mass { .. } => 4,
         }
     }

@@ -26,6 +26,8 @@ pub struct Report {
     pub time_s: f64,
     pub density: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<crate::shape::ct::CtReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub quality: Option<QualityReport>,
     pub stages_s: BTreeMap<&'static str, f64>,
     pub peak_rss_mb: f64,
@@ -77,6 +79,7 @@ impl Report {
             mass_g: round(written.mass_g, 4),
             time_s: round(written.time_s, 1),
             density: round(planned.density, 5),
+            scan: planned.scan.clone(),
             quality: None,
             stages_s: BTreeMap::new(),
             peak_rss_mb: round(peak_rss_mb(), 1),

@@ -1,4 +1,4 @@
-//! The main job: from a mesh and settings to a plan.
+//! The main job: from a shape and settings to a plan.
 //!
 //! A pipeline of stages, each taking values and giving new ones: place and mend, slice, walls, skins, fill, order.
 
@@ -13,6 +13,7 @@ use grainpath_core::{
 };
 use grainpath_gcode::{WriteConfig, check_fits};
 use grainpath_io::MeshFile;
+use grainpath_io::volume::SliceSource;
 use rayon::prelude::*;
 
 use crate::adhesion::{AdhesionSettings, brim, skirt};
@@ -38,6 +39,8 @@ pub struct Planned {
     pub stages_s: Vec<(Stage, f64)>,
     /// The density of the inside: the one asked for, or the one found for a mass.
     pub density: f64,
+    /// What was found in a scan, where the shape is one.
+    pub scan: Option<shape::ct::CtReport>,
 }
 
 /// Shorter closed walls are small, mm.
@@ -64,6 +67,36 @@ pub fn plan_job(
         shape::slice(&mesh, &config::slicing(settings), diagnostics).map_err(shape_error)?
     };
     clock.stop(Stage::Slice);
+    plan_stack(settings, stack, None, clock, diagnostics)
+}
+
+/// Plans a job whose shape is a scan, of which a few slices are held at a time. `path` is what errors call it.
+///
+/// # Errors
+/// As [`plan_job`], and for files that cannot be read and scans that give no layers.
+pub fn plan_scan(
+    settings: &Settings,
+    source: &mut dyn SliceSource,
+    path: &str,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let scan = shape::ct::slice_scan(source, &config::scan(settings), diagnostics).map_err(|e| match e {
+        shape::ct::CtError::Volume(e) => Error::Volume(e),
+        shape::ct::CtError::Shape(source) => Error::Shape { path: path.to_owned(), source },
+    })?;
+    clock.stop(Stage::Slice);
+    plan_stack(settings, scan.stack, Some(scan.report), clock, diagnostics)
+}
+
+/// Plans layers, wherever they come from.
+fn plan_stack(
+    settings: &Settings,
+    stack: LayerStack,
+    scan: Option<shape::ct::CtReport>,
+    mut clock: Clock,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
     let job = Job { settings, stack: &stack, part: part_bounds(&stack) };
     let plate_from_part_mm = job.plate_from_part();
     job.check_bed(plate_from_part_mm)?;
@@ -80,7 +113,7 @@ pub fn plan_job(
     let plan = Plan { layers, plate_from_part_mm };
     let config = config::writing(settings);
     check_fits(&plan, &config.machine)?;
-    Ok(Planned { plan, stack, config, stages_s: clock.stages, density })
+    Ok(Planned { plan, stack, config, stages_s: clock.stages, density, scan })
 }
 
 /// The islands of a layer with their walls, and where its fill may lie.

@@ -1,5 +1,6 @@
-//! Shapes: from meshes to the [`LayerStack`] that everything after works on.
+//! Shapes: from meshes and CT scans to the [`LayerStack`] that everything after works on.
 
+pub mod ct;
 mod heights;
 mod mend;
 mod place;
@@ -48,6 +49,8 @@ pub enum ShapeError {
     Defects { defects: String },
     #[error("{n} layers of {height_mm} mm; at most {limit} are made")]
     TooManyLayers { n: usize, height_mm: f64, limit: usize },
+    #[error("{problem}")]
+    Scan { problem: String },
     #[error("no layer of the part has any area")]
     NothingLeft,
     #[error(transparent)]
