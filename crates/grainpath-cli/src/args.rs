@@ -90,6 +90,9 @@ pub struct New {
     pub preset: String,
     /// Where to [default: the example's name]
     pub dir: Option<PathBuf>,
+    /// Columns and rows of the scan that `ct` writes [default: 256]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(64..=1024))]
+    pub pixels: Option<u32>,
     /// Write over files that are there
     #[arg(long)]
     pub force: bool,

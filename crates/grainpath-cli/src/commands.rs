@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use grainpath::dimensions::Dimension;
 use grainpath::job::{PROFILES, Settings, json_schema, markdown, parse_job};
 use grainpath_core::Diagnostics;
 use grainpath_core::diagnostics::Stage;
@@ -21,8 +22,16 @@ pub fn run(args: &Run) -> Result<(), Failure> {
         return Err(Failure::usage(format!("{name}: [shape] needs mesh = \"FILE\" or ct = \"SCAN\"")));
     };
     let shape = folder.join(given);
+    let truth = match settings.ct.truth.as_str() {
+        "" => None,
+        path => {
+            let path = folder.join(path);
+            let read = grainpath::dimensions::parse(&files::read_text(&path)?, &path.display().to_string());
+            Some(read.map_err(grainpath::Error::from)?)
+        }
+    };
     let out = args.out.clone().unwrap_or(folder);
-    execute(&settings, &shape, &out, &args.common)
+    execute(&settings, &shape, &out, truth.as_deref(), &args.common)
 }
 
 /// `grainpath slice`
@@ -30,7 +39,7 @@ pub fn slice(args: &Slice) -> Result<(), Failure> {
     let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
     let output = args.output.clone().unwrap_or_else(|| args.model.with_extension("gcode"));
     settings.output.gcode = output.display().to_string();
-    execute(&settings, &args.model, Path::new(""), &args.common)
+    execute(&settings, &args.model, Path::new(""), None, &args.common)
 }
 
 fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Settings, Failure> {
@@ -39,7 +48,13 @@ fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Se
 }
 
 /// Plans and writes a job. `out` is what output paths are relative to.
-fn execute(settings: &Settings, shape: &Path, out: &Path, common: &Common) -> Result<(), Failure> {
+fn execute(
+    settings: &Settings,
+    shape: &Path,
+    out: &Path,
+    truth: Option<&[Dimension]>,
+    common: &Common,
+) -> Result<(), Failure> {
     set_threads(common.threads)?;
     let diagnostics = progress::diagnostics();
     let paths = outputs::Paths::of(settings, shape, out)?;
@@ -52,7 +67,7 @@ fn execute(settings: &Settings, shape: &Path, out: &Path, common: &Common) -> Re
         let read_s = start.elapsed().as_secs_f64();
         (grainpath::plan_scan(settings, &mut *source, &shape.display().to_string(), &diagnostics)?, read_s)
     };
-    let report = outputs::write(settings, planned, &paths, read_s, common.json, &diagnostics)?;
+    let report = outputs::write(settings, planned, &paths, read_s, common.json, truth, &diagnostics)?;
     // The progress line goes before anything is printed.
     drop(diagnostics);
     if common.json {
@@ -85,7 +100,12 @@ fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io::Me
 /// `grainpath new`
 pub fn new(args: &New) -> Result<(), Failure> {
     let names = grainpath::examples::PRESETS;
-    let Some(example) = grainpath::examples::preset(&args.preset) else {
+    let example = match (args.preset.as_str(), args.pixels) {
+        ("ct", Some(n)) => Some(grainpath::examples::ct(n as usize)),
+        (_, Some(_)) => return Err(Failure::usage("--pixels is for the preset ct")),
+        (name, None) => grainpath::examples::preset(name),
+    };
+    let Some(example) = example else {
         let near = grainpath_core::spelling::nearest(&args.preset, names);
         return Err(Failure::usage(format!(
             "no preset {:?}; did you mean {near:?}? There are {}",

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use grainpath::dimensions::Dimension;
 use grainpath::job::Settings;
 use grainpath::render::{Bead, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png};
 use grainpath::report::{Report, measure, peak_rss_mb};
@@ -20,6 +21,9 @@ pub struct Paths {
     report: Option<PathBuf>,
     preview: Option<PathBuf>,
     plan: Option<PathBuf>,
+    surface: Option<PathBuf>,
+    layers_cli: Option<PathBuf>,
+    layers_svg: Option<PathBuf>,
 }
 
 impl Paths {
@@ -32,12 +36,20 @@ impl Paths {
                 mesh.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_else(|| "part".into());
             out.join(format!("{name}.gcode"))
         });
-        let paths =
-            Self { gcode, report: given(&o.report), preview: given(&o.preview), plan: given(&o.plan) };
+        let paths = Self {
+            gcode,
+            report: given(&o.report),
+            preview: given(&o.preview),
+            plan: given(&o.plan),
+            surface: given(&o.surface),
+            layers_cli: given(&o.layers_cli),
+            layers_svg: given(&o.layers_svg),
+        };
         let same = |p: &Path| {
             mesh.is_file() && matches!((p.canonicalize(), mesh.canonicalize()), (Ok(a), Ok(b)) if a == b)
         };
-        for path in [Some(&paths.gcode), paths.report.as_ref(), paths.plan.as_ref()].into_iter().flatten() {
+        let others = [&paths.report, &paths.plan, &paths.surface, &paths.layers_cli, &paths.layers_svg];
+        for path in others.into_iter().flatten().chain([&paths.gcode]) {
             if same(path) {
                 return Err(Failure::usage(format!(
                     "{} is the input; it is not written over",
@@ -56,12 +68,13 @@ pub fn write(
     paths: &Paths,
     read_s: f64,
     measured: bool,
+    truth: Option<&[Dimension]>,
     diagnostics: &Diagnostics,
 ) -> Result<Report, Failure> {
     let start = Instant::now();
     diagnostics.begin(Stage::Write, planned.plan.layers.len());
     let thumbnails = thumbnails(settings, &planned)?;
-    let wanted = measured || paths.report.is_some() || paths.preview.is_some();
+    let wanted = measured || truth.is_some() || paths.report.is_some() || paths.preview.is_some();
     let mut copy = Vec::new();
     let written = files::write_atomically(&paths.gcode, |file| {
         let mut tee = Tee { file, copy: wanted.then_some(&mut copy) };
@@ -81,6 +94,8 @@ pub fn write(
     if wanted {
         let program = read_back(settings, &copy)?;
         report.quality = Some(measure(&planned, &program));
+        report.dimensions = truth
+            .map(|t| grainpath::dimensions::measure(t, &program, planned.plan.plate_from_part_mm.truncate()));
         drop(copy);
         previews(settings, &program, paths, diagnostics, &mut report)?;
     }
@@ -89,9 +104,39 @@ pub fn write(
         save(path, text.as_bytes())?;
         report.outputs.insert("plan", path.display().to_string());
     }
+    shapes(&planned, paths, settings.output.surface_cell_mm, diagnostics, &mut report)?;
     report.warnings = diagnostics.warnings();
     report.peak_rss_mb = (peak_rss_mb() * 10.0).round() * 0.1;
     Ok(report)
+}
+
+/// Writes what the job asks for of the sections themselves.
+fn shapes(
+    planned: &Planned,
+    paths: &Paths,
+    cell_mm: f64,
+    diagnostics: &Diagnostics,
+    report: &mut Report,
+) -> Result<(), Failure> {
+    type Write1 = fn(&grainpath_core::LayerStack, &mut dyn Write) -> std::io::Result<()>;
+    let formats: [(&str, &Option<PathBuf>, Write1); 2] = [
+        ("layers_cli", &paths.layers_cli, grainpath_io::write_cli),
+        ("layers_svg", &paths.layers_svg, grainpath_io::write_svg_layers),
+    ];
+    for (what, path, write) in formats {
+        let Some(path) = path else { continue };
+        let failed = |e: std::io::Error| Failure::usage(format!("cannot write {}: {e}", path.display()));
+        files::write_atomically(path, |w| write(&planned.stack, w).map_err(failed))?;
+        report.outputs.insert(what, path.display().to_string());
+    }
+    if let Some(path) = &paths.surface {
+        let mesh = grainpath::shape::surface(&planned.stack, cell_mm, diagnostics)
+            .map_err(|source| grainpath::Error::Shape { path: path.display().to_string(), source })?;
+        let failed = |e: std::io::Error| Failure::usage(format!("cannot write {}: {e}", path.display()));
+        files::write_atomically(path, |mut w| grainpath_io::write_stl(&mesh, &mut w).map_err(failed))?;
+        report.outputs.insert("surface", path.display().to_string());
+    }
+    Ok(())
 }
 
 /// Writes to a file and, if asked for, keeps what was written.

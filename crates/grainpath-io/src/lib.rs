@@ -1,6 +1,7 @@
 //! Bytes to meshes and images, and back. Nothing here opens a file; every reader takes what is in memory and survives any bytes.
 
 pub mod image;
+mod layers;
 mod mesh;
 mod obj;
 mod off;
@@ -11,5 +12,6 @@ mod threemf;
 pub mod volume;
 
 pub use image::{Image, ImageError, ImageFormat, Samples};
+pub use layers::{write_cli, write_svg_layers};
 pub use mesh::{Body, MeshError, MeshFile, MeshFormat, parse_mesh, sniff_mesh};
 pub use stl::write_stl;

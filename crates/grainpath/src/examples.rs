@@ -1,5 +1,7 @@
 //! Examples made by our own code.
 
+mod hub;
+
 use grainpath_core::math::direction;
 use grainpath_core::{DVec2, DVec3, TriMesh};
 
@@ -7,7 +9,7 @@ use grainpath_core::{DVec2, DVec3, TriMesh};
 pub type ExampleFile = (&'static str, Vec<u8>);
 
 /// Names that [`preset`] knows.
-pub const PRESETS: [&str; 1] = ["plate"];
+pub const PRESETS: [&str; 2] = ["plate", "ct"];
 
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
@@ -20,8 +22,22 @@ pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
                 ("plate.stl", stl),
             ])
         }
+        "ct" => Some(ct(256)),
         _ => None,
     }
+}
+
+/// The wheel hub scanned with `n` x `n` pixels a slice, its true dimensions, and the job.
+pub fn ct(n: usize) -> Vec<ExampleFile> {
+    let (size, mm) = hub::lattice(n);
+    let mut tif = Vec::with_capacity(size.iter().product::<usize>() * 2 + size[2] * 400);
+    grainpath_io::volume::write_tiff_stack(size, [mm; 3], |k| hub::slice(n, k), &mut tif)
+        .expect("memory takes all that is written");
+    vec![
+        ("job.toml", include_bytes!("../profiles/examples/ct.toml").to_vec()),
+        ("hub.tif", tif),
+        ("truth.toml", hub::truth().into_bytes()),
+    ]
 }
 
 /// A mounting plate, 80 x 50 x 6 mm, with rounded corners, four bolt holes, a slot, and a thin rib on top.

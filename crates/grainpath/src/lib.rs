@@ -4,6 +4,7 @@
 
 pub mod adhesion;
 pub mod config;
+pub mod dimensions;
 pub mod error;
 pub mod examples;
 pub mod fill;

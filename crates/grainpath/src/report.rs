@@ -28,6 +28,8 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scan: Option<crate::shape::ct::CtReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub dimensions: Option<crate::dimensions::Dimensions>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub quality: Option<QualityReport>,
     pub stages_s: BTreeMap<&'static str, f64>,
     pub peak_rss_mb: f64,
@@ -80,6 +82,7 @@ impl Report {
             time_s: round(written.time_s, 1),
             density: round(planned.density, 5),
             scan: planned.scan.clone(),
+            dimensions: None,
             quality: None,
             stages_s: BTreeMap::new(),
             peak_rss_mb: round(peak_rss_mb(), 1),
@@ -111,6 +114,9 @@ impl Report {
                 percent(q.overlap),
                 percent(q.spill)
             ));
+        }
+        if let Some(d) = &self.dimensions {
+            lines.push(format!("{} dimensions, mean error {:.3} %", d.each.len(), d.mean_error_percent));
         }
         lines.extend(self.warnings.iter().map(|w| format!("warning: {w}")));
         lines.extend(self.outputs.iter().map(|(what, path)| format!("{what}: {path}")));

@@ -35,13 +35,20 @@ struct Series {
     next: usize,
 }
 
-pub(super) fn open(files: &Files, names: &[String], others: usize) -> Result<impl SliceSource + use<>, VolumeError> {
+pub(super) fn open(
+    files: &Files,
+    names: &[String],
+    others: usize,
+) -> Result<impl SliceSource + use<>, VolumeError> {
     let mut slices: Vec<Slice> = names.iter().map(|n| read_header(files, n)).collect::<Result<_, _>>()?;
     let first = slices[0].clone();
     for s in &slices[1..] {
         let wrong = |problem: String| Err(error(&s.name, problem));
         if s.series != first.series {
-            return wrong(format!("belongs to another series than {}; keep one series in the folder", first.name));
+            return wrong(format!(
+                "belongs to another series than {}; keep one series in the folder",
+                first.name
+            ));
         }
         if s.size != first.size {
             let ([x, y], [u, v]) = (s.size, first.size);
@@ -96,7 +103,10 @@ fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeErro
     for s in slices.iter() {
         let p = s.orientation.unwrap_or_default();
         if (0..6).any(|k| (p[k] - o[k]).abs() > 1e-3) {
-            return Err(error(&s.name, format!("is turned against {}; slices must be parallel", slices[0].name)));
+            return Err(error(
+                &s.name,
+                format!("is turned against {}; slices must be parallel", slices[0].name),
+            ));
         }
     }
     let place = |s: &Slice| glam(&s.position.unwrap_or_default());
@@ -115,7 +125,9 @@ fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeErro
         let degrees = grainpath_core::math::atan2(drift.length(), heights[heights.len() - 1]).to_degrees();
         return Err(error(
             &last.name,
-            format!("the gantry was tilted: the stack leans by {degrees:.2} degrees; resample it upright first"),
+            format!(
+                "the gantry was tilted: the stack leans by {degrees:.2} degrees; resample it upright first"
+            ),
         ));
     }
     let mut sorted = gaps.clone();
@@ -127,14 +139,17 @@ fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeErro
             let missing = times.round() - 1.0;
             return Err(error(
                 &slices[i].name,
-                format!("{missing} slices are missing after it: the next is {gap:.3} mm higher, elsewhere {usual:.3}"),
+                format!(
+                    "{missing} slices are missing after it: the next is {gap:.3} mm higher, elsewhere {usual:.3}"
+                ),
             ));
         }
     }
     info.spacing_mm[2] = spacing(usual);
     if gaps.iter().any(|g| (g / usual - 1.0).abs() > 0.01) {
         let (low, high) = (sorted[0], sorted[sorted.len() - 1]);
-        info.warnings.push(format!("slices are unevenly spaced, {low:.3} to {high:.3} mm; their positions are kept"));
+        info.warnings
+            .push(format!("slices are unevenly spaced, {low:.3} to {high:.3} mm; their positions are kept"));
         info.z_mm = heights;
     }
     Ok(())
@@ -146,7 +161,11 @@ fn glam(v: &[f64]) -> grainpath_core::DVec3 {
 
 impl Series {
     fn slice(&self) -> (&Slice, u64) {
-        if self.slices.len() == 1 { (&self.slices[0], self.next as u64) } else { (&self.slices[self.next], 0) }
+        if self.slices.len() == 1 {
+            (&self.slices[0], self.next as u64)
+        } else {
+            (&self.slices[self.next], 0)
+        }
     }
 }
 
@@ -254,7 +273,8 @@ impl Parser<'_> {
             return Ok(Element { tag, length: self.u32()? });
         }
         let vr: [u8; 2] = self.bytes()?;
-        let long = [b"OB", b"OW", b"OF", b"OD", b"OL", b"SQ", b"UC", b"UR", b"UT", b"UN", b"OV", b"SV", b"UV"];
+        let long =
+            [b"OB", b"OW", b"OF", b"OD", b"OL", b"SQ", b"UC", b"UR", b"UT", b"UN", b"OV", b"SV", b"UV"];
         let length = if long.contains(&&vr) {
             self.u16()?;
             self.u32()?
@@ -355,9 +375,24 @@ fn read_header(files: &Files, name: &str) -> Result<Slice, VolumeError> {
             continue;
         }
         let wanted = [
-            0x0002_0010, 0x0018_0050, 0x0018_0088, 0x0020_000e, 0x0020_0013, 0x0020_0032, 0x0020_0037, 0x0028_0002,
-            0x0028_0004, 0x0028_0008, 0x0028_0010, 0x0028_0011, 0x0028_0030, 0x0028_0100, 0x0028_0101, 0x0028_0103,
-            0x0028_1052, 0x0028_1053,
+            0x0002_0010,
+            0x0018_0050,
+            0x0018_0088,
+            0x0020_000e,
+            0x0020_0013,
+            0x0020_0032,
+            0x0020_0037,
+            0x0028_0002,
+            0x0028_0004,
+            0x0028_0008,
+            0x0028_0010,
+            0x0028_0011,
+            0x0028_0030,
+            0x0028_0100,
+            0x0028_0101,
+            0x0028_0103,
+            0x0028_1052,
+            0x0028_1053,
         ];
         if !wanted.contains(&e.tag) {
             p.skip(e.length)?;
@@ -365,7 +400,8 @@ fn read_header(files: &Files, name: &str) -> Result<Slice, VolumeError> {
         }
         let value = p.value(e.length)?;
         let text = String::from_utf8_lossy(&value).trim_matches(['\0', ' ']).to_owned();
-        let numbers = || text.split('\\').filter_map(|w| w.trim().parse::<f64>().ok()).filter(|v| v.is_finite());
+        let numbers =
+            || text.split('\\').filter_map(|w| w.trim().parse::<f64>().ok()).filter(|v| v.is_finite());
         let number = || numbers().next();
         let list = |n: usize| Some(numbers().collect::<Vec<f64>>()).filter(|v| v.len() == n);
         let short = || {
@@ -397,7 +433,10 @@ fn read_header(files: &Files, name: &str) -> Result<Slice, VolumeError> {
         return Err(error(name, format!("{samples} values a pixel; slices of grey values have one")));
     }
     if s.signed && stored != 0 && stored != s.bits {
-        return Err(error(name, format!("signed pixels of {stored} bits in {}; that packing is not read", s.bits)));
+        return Err(error(
+            name,
+            format!("signed pixels of {stored} bits in {}; that packing is not read", s.bits),
+        ));
     }
     if s.rle && s.frames > 1 {
         return Err(error(name, "several RLE frames in one file; save a file a slice"));

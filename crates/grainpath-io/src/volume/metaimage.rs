@@ -17,7 +17,12 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
     let mut fields: Vec<(String, String)> = Vec::new();
     let mut at = 0;
     // The data file is named last; in an MHA its voxels follow that line.
-    while let Some(end) = head[at..].iter().position(|c| *c == b'\n').map(|n| at + n).or((at < head.len()).then_some(head.len())) {
+    while let Some(end) = head[at..]
+        .iter()
+        .position(|c| *c == b'\n')
+        .map(|n| at + n)
+        .or((at < head.len()).then_some(head.len()))
+    {
         let line = String::from_utf8_lossy(&head[at..end]).trim().to_owned();
         at = (end + 1).min(head.len());
         if let Some((key, value)) = line.split_once('=') {
@@ -29,7 +34,8 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
     }
     let get = |key: &str| fields.iter().find(|(k, _)| k == key).map(|(_, v)| v.as_str());
     let need = |key: &str| {
-        get(&key.to_ascii_lowercase()).ok_or_else(|| error(name, format!("the MetaImage header has no {key}")))
+        get(&key.to_ascii_lowercase())
+            .ok_or_else(|| error(name, format!("the MetaImage header has no {key}")))
     };
     let sizes: Vec<usize> = need("DimSize")?.split_whitespace().filter_map(|w| w.parse().ok()).collect();
     let &[nx, ny, nz] = sizes.as_slice() else {
@@ -48,7 +54,12 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
         "MET_INT" | "MET_LONG" => SampleType::I32,
         "MET_FLOAT" => SampleType::F32,
         "MET_DOUBLE" => SampleType::F64,
-        _ => return Err(error(name, format!("ElementType {stored:?} is not read; MET_UCHAR to MET_DOUBLE are"))),
+        _ => {
+            return Err(error(
+                name,
+                format!("ElementType {stored:?} is not read; MET_UCHAR to MET_DOUBLE are"),
+            ));
+        }
     };
     let mut info = VolumeInfo::new("MetaImage", [nx, ny, nz], sample);
     if let Some(text) = get("elementspacing").or(get("elementsize")) {
@@ -70,5 +81,9 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
         return Err(error(name, "HeaderSize = -1 is not read; the number of bytes is"));
     }
     let big_endian = yes("binarydatabyteordermsb") || yes("elementbyteordermsb");
-    RawSource::new(files, info, Layout { file, offset, inside: false, packing, big_endian, scale: (1.0, 0.0) })
+    RawSource::new(
+        files,
+        info,
+        Layout { file, offset, inside: false, packing, big_endian, scale: (1.0, 0.0) },
+    )
 }

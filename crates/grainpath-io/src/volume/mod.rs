@@ -12,10 +12,12 @@ mod raw;
 mod sample;
 mod series;
 mod tiff_pages;
+mod write;
 
 pub use files::{Files, ReadSeek, natural_order};
 pub use raw::RawHeader;
 pub use sample::SampleType;
+pub use write::write_tiff_stack;
 
 use grainpath_core::units::LengthUnit;
 
@@ -93,11 +95,17 @@ const MAX_SLICES: usize = 1 << 20;
 fn check_size(file: &str, size: [usize; 3]) -> Result<(), VolumeError> {
     let pixels = size[0].checked_mul(size[1]).unwrap_or(usize::MAX);
     if size.contains(&0) {
-        return Err(error(file, format!("the volume is {} x {} x {} voxels: empty", size[0], size[1], size[2])));
+        return Err(error(
+            file,
+            format!("the volume is {} x {} x {} voxels: empty", size[0], size[1], size[2]),
+        ));
     }
     if pixels > MAX_PIXELS || size[2] > MAX_SLICES {
         let what = format!("{} x {} x {} voxels", size[0], size[1], size[2]);
-        return Err(error(file, format!("{what}; at most {MAX_PIXELS} a slice and {MAX_SLICES} slices are read")));
+        return Err(error(
+            file,
+            format!("{what}; at most {MAX_PIXELS} a slice and {MAX_SLICES} slices are read"),
+        ));
     }
     Ok(())
 }

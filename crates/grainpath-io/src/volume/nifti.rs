@@ -46,7 +46,12 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
         8 => SampleType::I32,
         16 => SampleType::F32,
         64 => SampleType::F64,
-        _ => return Err(error(name, format!("data type {code} is not read; 8 to 32 bit integers, float and double are"))),
+        _ => {
+            return Err(error(
+                name,
+                format!("data type {code} is not read; 8 to 32 bit integers, float and double are"),
+            ));
+        }
     };
     let mut info = VolumeInfo::new("NIfTI", size, sample);
     let units = if second { h.i32(500) } else { i32::from(head[123]) } & 7;

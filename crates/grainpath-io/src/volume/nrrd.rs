@@ -31,19 +31,22 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
         }
     }
     let offset = reader.stream_position().map_err(|e| io_error(name, &e))?;
-    let get = |keys: &[&str]| fields.iter().find(|(k, _)| keys.contains(&k.as_str())).map(|(_, v)| v.as_str());
+    let get =
+        |keys: &[&str]| fields.iter().find(|(k, _)| keys.contains(&k.as_str())).map(|(_, v)| v.as_str());
     let need = |key: &str| get(&[key]).ok_or_else(|| error(name, format!("the NRRD header has no {key}")));
     let sizes: Vec<usize> = need("sizes")?.split_whitespace().filter_map(|w| w.parse().ok()).collect();
     let &[nx, ny, nz] = sizes.as_slice() else {
         return Err(error(name, format!("sizes has {} entries; a volume of grey values has 3", sizes.len())));
     };
     let stored = need("type")?;
-    let sample = sample(stored)
-        .ok_or_else(|| error(name, format!("type {stored:?} is not read; 8 to 32 bit integers, float and double are")))?;
+    let sample = sample(stored).ok_or_else(|| {
+        error(name, format!("type {stored:?} is not read; 8 to 32 bit integers, float and double are"))
+    })?;
     let mut info = VolumeInfo::new("NRRD", [nx, ny, nz], sample);
     if let Some(directions) = get(&["space directions"]) {
         let lengths = directions.split(')').map(|v| {
-            let numbers = v.trim().trim_start_matches('(').split(',').filter_map(|w| w.trim().parse::<f64>().ok());
+            let numbers =
+                v.trim().trim_start_matches('(').split(',').filter_map(|w| w.trim().parse::<f64>().ok());
             numbers.map(|c| c * c).sum::<f64>().sqrt()
         });
         lengths.take(3).enumerate().for_each(|(k, mm)| info.spacing_mm[k] = spacing(mm));
@@ -80,11 +83,8 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
         return Err(error(name, "byte skip within attached gzip data is not read"));
     }
     let big_endian = get(&["endian"]).is_some_and(|e| e.eq_ignore_ascii_case("big"));
-    let (offset, inside) = if packing == Packing::Gzip && skip > 0 {
-        (skip as u64, true)
-    } else {
-        (at + skip as u64, false)
-    };
+    let (offset, inside) =
+        if packing == Packing::Gzip && skip > 0 { (skip as u64, true) } else { (at + skip as u64, false) };
     RawSource::new(files, info, Layout { file, offset, inside, packing, big_endian, scale: (1.0, 0.0) })
 }
 

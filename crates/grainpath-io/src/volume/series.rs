@@ -7,16 +7,22 @@ use crate::image::{Image, Samples, decode_within};
 /// Opens a folder: DICOM where there is any, else images in natural order.
 pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
     let name_of = |path: &str| path.rsplit(['/', '\\']).next().unwrap_or(path).to_owned();
-    let visible = |n: &&String| !name_of(n).starts_with('.') && name_of(n) != "DICOMDIR" && !n.contains("__MACOSX");
+    let visible =
+        |n: &&String| !name_of(n).starts_with('.') && name_of(n) != "DICOMDIR" && !n.contains("__MACOSX");
     let names: Vec<String> = files.names().iter().filter(visible).cloned().collect();
-    let kind = |n: &String| name_of(n).rsplit_once('.').map(|(_, e)| e.to_ascii_lowercase()).unwrap_or_default();
+    let kind =
+        |n: &String| name_of(n).rsplit_once('.').map(|(_, e)| e.to_ascii_lowercase()).unwrap_or_default();
     let image = |n: &&String| ["png", "bmp", "jpg", "jpeg", "tif", "tiff"].contains(&kind(n).as_str());
     let images: Vec<String> = names.iter().filter(image).cloned().collect();
     let mut others = Vec::new();
     let mut dicoms = Vec::new();
     for name in names.iter().filter(|n| !image(n)) {
         let head = files.head(name, 132)?;
-        if head.get(128..132) == Some(b"DICM") { dicoms.push(name.clone()) } else { others.push(name.clone()) }
+        if head.get(128..132) == Some(b"DICM") {
+            dicoms.push(name.clone())
+        } else {
+            others.push(name.clone())
+        }
     }
     if !dicoms.is_empty() {
         return Ok(Box::new(super::dicom::open(&files, &dicoms, images.len() + others.len())?));
@@ -36,7 +42,11 @@ pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
     check_size(files.place(), size)?;
     let mut info = VolumeInfo::new(format, size, sample_of(&first.samples));
     if !others.is_empty() {
-        info.warnings.push(format!("{}: {} files that are no images are passed over", files.place(), others.len()));
+        info.warnings.push(format!(
+            "{}: {} files that are no images are passed over",
+            files.place(),
+            others.len()
+        ));
     }
     Ok(Box::new(Series { info, files, names: images, next: 0 }))
 }
@@ -64,7 +74,8 @@ impl SliceSource for Series {
         let image = read(&self.files, name)?;
         if [image.width, image.height] != self.info.size[..2] {
             let [x, y, _] = self.info.size;
-            let problem = format!("{} x {} pixels; {} has {x} x {y}", image.width, image.height, self.names[0]);
+            let problem =
+                format!("{} x {} pixels; {} has {x} x {y}", image.width, image.height, self.names[0]);
             return Err(error(name, problem));
         }
         take_grey(image, &self.info, name, out)?;
@@ -113,7 +124,9 @@ pub(super) fn take_grey(
 fn number(name: &str) -> Option<(&str, u64, &str)> {
     let stem_end = name.rfind('.').unwrap_or(name.len());
     let end = name[..stem_end].rfind(|c: char| c.is_ascii_digit())? + 1;
-    let begin = name[..end].rfind(|c: char| !c.is_ascii_digit()).map_or(0, |i| i + name[i..].chars().next().map_or(1, char::len_utf8));
+    let begin = name[..end]
+        .rfind(|c: char| !c.is_ascii_digit())
+        .map_or(0, |i| i + name[i..].chars().next().map_or(1, char::len_utf8));
     Some((&name[..begin], name[begin..end].parse().ok()?, &name[end..]))
 }
 
@@ -131,7 +144,8 @@ fn check_numbers(names: &[String]) -> Result<(), VolumeError> {
         Some(i) if steps[i] % step == 0 => {
             let problem = format!(
                 "slices are missing after it: the numbers go from {} to {}, elsewhere in steps of {step}",
-                numbers[i].1, numbers[i + 1].1
+                numbers[i].1,
+                numbers[i + 1].1
             );
             Err(error(&names[i], problem))
         }

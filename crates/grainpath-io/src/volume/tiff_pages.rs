@@ -25,7 +25,8 @@ pub(super) fn open(files: &Files, name: &str) -> Result<TiffSource, VolumeError>
     let (nx, ny) = (width as usize, height as usize);
     check_size(name, [nx, ny, 1])?;
     let mut decoder = start(files, name, [nx, ny])?;
-    let first = page::read_page(&mut decoder, super::MAX_PIXELS as u64).map_err(|e| error(name, e.to_string()))?;
+    let first =
+        page::read_page(&mut decoder, super::MAX_PIXELS as u64).map_err(|e| error(name, e.to_string()))?;
     let mut info = VolumeInfo::new("multipage TIFF", [nx, ny, 1], sample_of(&first.samples));
     spacing_of(&mut decoder, &mut info);
     let mut n = 1;
@@ -82,7 +83,8 @@ fn spacing_of(decoder: &mut Pages, info: &mut VolumeInfo) {
             }
         }
     }
-    info.spacing_mm[2] = said("spacing").and_then(|v| v.parse::<f64>().ok()).and_then(|s| spacing(s * unit_mm));
+    info.spacing_mm[2] =
+        said("spacing").and_then(|v| v.parse::<f64>().ok()).and_then(|s| spacing(s * unit_mm));
 }
 
 impl TiffSource {

@@ -87,7 +87,9 @@ pub fn parse_job(
         for (key, value) in rows.iter().filter(|(k, _)| !is_profile(section, k)) {
             if let ("shape", "ct", Value::Table(rows)) = (section.as_str(), key.as_str(), value) {
                 for (key, value) in rows {
-                    apply(&mut settings, "shape.ct", key, value, || at_inner(text, name, "shape", "ct", key))?;
+                    apply(&mut settings, "shape.ct", key, value, || {
+                        at_inner(text, name, "shape", "ct", key)
+                    })?;
                 }
                 continue;
             }
@@ -152,7 +154,8 @@ fn apply(
     place: impl Fn() -> String,
 ) -> Result<(), JobError> {
     // A scan with nothing but its path.
-    let (section, key) = if (section, key) == ("shape", "ct") { ("shape.ct", "path") } else { (section, key) };
+    let (section, key) =
+        if (section, key) == ("shape", "ct") { ("shape.ct", "path") } else { (section, key) };
     match settings.set(section, key, value) {
         Some(Ok(())) => Ok(()),
         Some(Err(problem)) => {

@@ -88,6 +88,7 @@ sections! {
         canny_low: f64 = 0.04, "", Range(0.0, 1.0), "Edges go on above this share of the step from air to material a pixel.";
         canny_high: f64 = 0.1, "", Range(0.0, 1.0), "Edges begin above this share.";
         canny_sigma_px: f64 = 1.0, "px", Range(0.0, 10.0), "Gaussian before Canny's gradients.";
+        truth: String = String::new(), "", Any, "File of true dimensions (TOML) that the report compares with what is printed; none when left out.";
         size_px: Option<[usize; 3]> = None, "", Range(1.0, 1e6), "Columns, rows and slices of raw data.";
         sample: String = "u8".into(), "", Words(&grainpath_io::volume::SampleType::NAMES), "How raw data stores a voxel.";
         byte_order: String = "little".into(), "", Words(&["little", "big"]), "Which byte of raw data comes first.";
@@ -201,6 +202,10 @@ sections! {
         gcode: String = String::new(), "", Any, "The machine program; left out, the mesh's name with .gcode.";
         report: String = String::new(), "", Any, "Report page (HTML); none when left out.";
         preview: String = String::new(), "", Any, "Folder for pictures of layers (PNG and SVG) and of the part; none when left out.";
+        surface: String = String::new(), "", Any, "The part's surface as STL, lofted from its layers, closed and manifold; none when left out.";
+        surface_cell_mm: f64 = 0.3, "mm", Range(0.01, 10.0), "Size of the cells that the surface is made of.";
+        layers_cli: String = String::new(), "", Any, "The part's sections as a Common Layer Interface file; none when left out.";
+        layers_svg: String = String::new(), "", Any, "The part's sections as SVG, a group a layer; none when left out.";
         plan: String = String::new(), "", Any, "The plan as JSON: every path with its widths; none when left out.";
     }
 }
@@ -223,8 +228,10 @@ pub struct Settings {
 
 impl Settings {
     /// Names of the sections, in the order they are shown.
-    pub const SECTIONS: [&'static str; 10] =
-        ["shape", "shape.ct", "printer", "material", "process", "guide", "fill", "support", "strength", "output"];
+    pub const SECTIONS: [&'static str; 10] = [
+        "shape", "shape.ct", "printer", "material", "process", "guide", "fill", "support", "strength",
+        "output",
+    ];
 
     /// Sets one key; `None` when there is no such section or key.
     pub(super) fn set(&mut self, section: &str, key: &str, value: &Value) -> Option<Result<(), String>> {

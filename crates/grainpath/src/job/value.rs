@@ -110,7 +110,11 @@ pub struct Pair(pub [f64; 2]);
 impl SettingValue for Pair {
     const KIND: &'static str = "number|array";
     fn from_toml(value: &Value) -> Result<Self, String> {
-        if value.is_array() { <[f64; 2]>::from_toml(value).map(Self) } else { f64::from_toml(value).map(|v| Self([v; 2])) }
+        if value.is_array() {
+            <[f64; 2]>::from_toml(value).map(Self)
+        } else {
+            f64::from_toml(value).map(|v| Self([v; 2]))
+        }
     }
     fn to_text(&self) -> String {
         if self.0[0] == self.0[1] { self.0[0].to_text() } else { self.0.to_text() }

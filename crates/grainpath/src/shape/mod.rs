@@ -5,6 +5,7 @@ mod heights;
 mod mend;
 mod place;
 mod section;
+mod surface;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::{Diagnostics, Layer, LayerStack, TriMesh};
@@ -13,6 +14,7 @@ use rayon::prelude::*;
 pub use heights::{Adaptive, layer_heights};
 pub use mend::{Repair, mend};
 pub use place::{Placement, likely_unit, place};
+pub use surface::surface;
 
 /// How a mesh is cut into layers.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -38,9 +38,8 @@ fn dense(contour: &Contour, step_mm: f64) -> Contour {
 
 /// The closest pair of points whose contours run the same way there.
 fn anchor(p: &[DVec2], q: &[DVec2], shift: DVec2) -> (usize, usize) {
-    let way = |c: &[DVec2], i: usize| {
-        (c[(i + 1) % c.len()] - c[(i + c.len() - 1) % c.len()]).normalize_or_zero()
-    };
+    let way =
+        |c: &[DVec2], i: usize| (c[(i + 1) % c.len()] - c[(i + c.len() - 1) % c.len()]).normalize_or_zero();
     let mut best = (f64::INFINITY, 0, 0);
     let stride = (p.len() / 64).max(1);
     for i in (0..p.len()).step_by(stride) {
@@ -65,7 +64,8 @@ pub fn dynamic(lower: &Contour, upper: &Contour, step_mm: f64, shift: DVec2) -> 
     let (p, q) = (dense(lower, step_mm), dense(upper, step_mm));
     let (i0, j0) = anchor(&p, &q, shift);
     let (n, m) = (p.len(), q.len());
-    let turned = |c: &[DVec2], k: usize| -> Vec<DVec2> { (0..=c.len()).map(|i| c[(i + k) % c.len()]).collect() };
+    let turned =
+        |c: &[DVec2], k: usize| -> Vec<DVec2> { (0..=c.len()).map(|i| c[(i + k) % c.len()]).collect() };
     let (p, q) = (turned(&p, i0), turned(&q, j0));
     let ways = |c: &[DVec2]| -> Vec<DVec2> {
         let n = c.len() - 1;
@@ -148,14 +148,31 @@ pub fn feature_points(contour: &[DVec2], settings: Features) -> Vec<(usize, f64)
 
 /// Pairs two contours as the paper does: feature points matched by place and signed curvature, the points of the
 /// fragments between them by their number, `[i n/m]`.
-pub fn by_features(lower: &Contour, upper: &Contour, step_mm: f64, features: Features, shift: DVec2) -> Pairing {
+pub fn by_features(
+    lower: &Contour,
+    upper: &Contour,
+    step_mm: f64,
+    features: Features,
+    shift: DVec2,
+) -> Pairing {
     // Feature points need edges longer than pixels.
     let coarse = |c: &Contour| {
         let simple = simplify_contour(c, 0.35 * step_mm);
         if simple.len() > 2 { simple } else { c.clone() }
     };
-    let (p, q) = (coarse(lower), coarse(upper));
-    let (fp, fq) = (feature_points(&p, features), feature_points(&q, features));
+    let (p, q) = (dense(lower, step_mm), dense(upper, step_mm));
+    // The coarse contour's points are some of the fine one's.
+    let found = |fine: &Contour| -> Vec<(usize, f64)> {
+        let rough = coarse(fine);
+        let place = |at: DVec2| fine.iter().position(|p| *p == at);
+        let mut all: Vec<(usize, f64)> = feature_points(&rough, features)
+            .into_iter()
+            .filter_map(|(i, k)| Some((place(rough[i])?, k)))
+            .collect();
+        all.sort_by_key(|f| f.0);
+        all
+    };
+    let (fp, fq) = (found(&p), found(&q));
     let mut marks = match_features(&p, &fp, &q, &fq, step_mm, shift);
     if marks.is_empty() {
         let (i, j) = anchor(&p, &q, shift);

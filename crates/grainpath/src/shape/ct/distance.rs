@@ -135,7 +135,8 @@ mod tests {
         let square = Region::rectangle(DVec2::ZERO, DVec2::splat(20.0));
         let hole = Region::rectangle(DVec2::splat(8.0), DVec2::new(13.0, 11.0));
         let region = square.difference(&hole);
-        let raster = Raster::over(Bounds2 { min: DVec2::splat(-4.0), max: DVec2::splat(24.0) }, DVec2::new(0.7, 0.9));
+        let raster =
+            Raster::over(Bounds2 { min: DVec2::splat(-4.0), max: DVec2::splat(24.0) }, DVec2::new(0.7, 0.9));
         let d = signed_distance(&region, &raster);
         let to_box = |p: DVec2, a: DVec2, b: DVec2| {
             let out = (a - p).max(p - b);

@@ -152,11 +152,21 @@ impl Builder<'_> {
         }
     }
 
-    fn branch(&self, parent: &Polygon, children: &[&Polygon], parent_above: bool, slab: &mut Slab) -> Option<()> {
+    fn branch(
+        &self,
+        parent: &Polygon,
+        children: &[&Polygon],
+        parent_above: bool,
+        slab: &mut Slab,
+    ) -> Option<()> {
         let pieces = split(parent, children, self.settings.feature_points())?;
         for (piece, child) in pieces.iter().zip(children) {
             let [piece] = piece.polygons.as_slice() else { return None };
-            if parent_above { self.entity(child, piece, slab)? } else { self.entity(piece, child, slab)? };
+            if parent_above {
+                self.entity(child, piece, slab)?
+            } else {
+                self.entity(piece, child, slab)?
+            };
         }
         Some(())
     }
@@ -168,7 +178,8 @@ impl Builder<'_> {
             return Some(());
         }
         let solid = |holes: &[Contour]| -> Vec<Polygon> {
-            let turned = |h: &Contour| Polygon { outer: h.iter().rev().copied().collect(), holes: Vec::new() };
+            let turned =
+                |h: &Contour| Polygon { outer: h.iter().rev().copied().collect(), holes: Vec::new() };
             holes.iter().map(turned).collect()
         };
         let (a, b) = (solid(&p.holes), solid(&q.holes));
@@ -214,8 +225,7 @@ impl Builder<'_> {
         };
         // A pairing that folds over itself halfway has failed: its signed area is not what it covers.
         let middle = pairing.at(0.5);
-        let covered: f64 =
-            Region::from_contours(std::iter::once(&middle), FillRule::NonZero).area_mm2();
+        let covered: f64 = Region::from_contours(std::iter::once(&middle), FillRule::NonZero).area_mm2();
         let signed = signed_area_mm2(&middle);
         let least = signed_area_mm2(p).min(signed_area_mm2(q));
         if signed < 0.5 * least || covered > 1.02 * signed + step * step {

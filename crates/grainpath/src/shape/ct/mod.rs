@@ -4,8 +4,8 @@ mod canny;
 mod correspond;
 mod distance;
 mod matching;
-mod smooth;
 mod sheet;
+mod smooth;
 mod split;
 mod threshold;
 mod trace;
@@ -137,6 +137,8 @@ pub struct CtReport {
     pub threshold: Vec<f64>,
     /// How the layers between slices were made.
     pub interpolation: &'static str,
+    /// Where the part begins above the lower face of the first voxel that is taken, mm.
+    pub bottom_mm: f64,
     /// Size of the part in x, y and z, mm.
     pub size_mm: [f64; 3],
     /// Islands of sections that were too small.
@@ -235,7 +237,8 @@ impl Lattice {
         let mut spacing_mm = [0.0; 3];
         for k in 0..3 {
             let Some(mm) = s.spacing_mm[k].or(info.spacing_mm[k]) else {
-                let (key, what) = if k == 2 { ("slice_mm", "distance of slices") } else { ("pixel_mm", "size of pixels") };
+                let (key, what) =
+                    if k == 2 { ("slice_mm", "distance of slices") } else { ("pixel_mm", "size of pixels") };
                 return Err(wrong(format!("the file states no {what}; set shape.ct.{key}")));
             };
             spacing_mm[k] = mm * s.scale;
@@ -461,7 +464,8 @@ impl Job<'_> {
         }
         diagnostics.begin(Stage::Slice, expected.ceil() as usize);
         // Enough for every thread, within a bound for huge slices.
-        let batch = (2 * rayon::current_num_threads()).clamp(2, 64).min(((256 << 20) / (4 * l.nx * l.ny)).max(1));
+        let batch =
+            (2 * rayon::current_num_threads()).clamp(2, 64).min(((256 << 20) / (4 * l.nx * l.ny)).max(1));
         let mut all = Collected { start_mm: self.survey.bottom_mm, ..Collected::default() };
         std::thread::scope(|scope| -> Result<(), CtError> {
             // The reader is ahead by a slice or two, and ends when nobody listens any more.
@@ -536,8 +540,7 @@ impl Job<'_> {
             Denoise::Edges => Smoothing::Edges(0.15 * self.survey.contrast),
         };
         smooth::smooth(&mut values, nx, ny, how);
-        let range =
-            values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+        let range = values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
         let mut lost = Lost::default();
         let mut region = None;
         if self.settings.tracing == Tracing::Canny {
@@ -562,7 +565,8 @@ impl Job<'_> {
         if region.is_none() && self.mode != Interpolation::Grey {
             let grid = Grid::of(&values, nx, ny);
             // Kept finer than the last simplification: pairing wants the points.
-            region = Some(self.without_specks(self.traced(&grid, 0.2 * self.settings.simplify_mm), &mut lost));
+            region =
+                Some(self.without_specks(self.traced(&grid, 0.2 * self.settings.simplify_mm), &mut lost));
         }
         Prepared { signed: values, region, inside, range, lost }
     }
@@ -601,7 +605,12 @@ impl Job<'_> {
     }
 
     /// Makes the layers whose middles lie in these slabs.
-    fn layers_of(&self, slabs: Vec<Between>, all: &mut Collected, diagnostics: &Diagnostics) -> Result<(), CtError> {
+    fn layers_of(
+        &self,
+        slabs: Vec<Between>,
+        all: &mut Collected,
+        diagnostics: &Diagnostics,
+    ) -> Result<(), CtError> {
         if all.start_mm.is_none() {
             all.start_mm = slabs.iter().find_map(|slab| self.start(slab));
         }
@@ -689,7 +698,8 @@ impl Job<'_> {
         let (nx, ny) = (self.lattice.nx, self.lattice.ny);
         if self.mode == Interpolation::Grey {
             let layer = |i: usize| {
-                let grid = Grid::mixed(&slab.lower.signed, &slab.upper.signed, share(i) as f32, nx, ny);
+                let (a, b) = (&slab.lower.signed, &slab.upper.signed);
+                let grid = Grid::mixed(a, b, share(i) as f32, nx, ny).with_flats(a, b);
                 let region = self.traced(&grid, s.simplify_mm);
                 (i, self.without_specks(region, &mut lost))
             };
@@ -793,13 +803,15 @@ impl Job<'_> {
             ));
         }
         if all.lost.open > 0 {
-            diagnostics.warn(format!("Canny: {} chains of edges stayed open and were left out", all.lost.open));
+            diagnostics
+                .warn(format!("Canny: {} chains of edges stayed open and were left out", all.lost.open));
         }
         let report = CtReport {
             voxels: [self.lattice.nx, self.lattice.ny, self.lattice.z_mm.len()],
             spacing_mm: self.lattice.spacing_mm,
             threshold: [self.survey.low, self.survey.high].into_iter().filter(|v| v.is_finite()).collect(),
             interpolation: self.mode.name(),
+            bottom_mm: ((all.start_mm.unwrap_or(0.0) + self.lattice.ends_mm[0]) * 1e4).round() * 1e-4,
             size_mm: [size.x, size.y, z_max].map(|v| (v * 1e4).round() * 1e-4),
             dropped_islands: all.lost.islands,
             filled_pores: all.lost.pores,

@@ -92,14 +92,18 @@ fn nearest_point(polygon: &Polygon, p: DVec2) -> DVec2 {
         a + d * if l > 0.0 { ((p - a).dot(d) / l).clamp(0.0, 1.0) } else { 0.0 }
     };
     let all = edges(&polygon.outer).map(on);
-    all.fold(polygon.outer[0], |best, q| {
-        if q.distance_squared(p) < best.distance_squared(p) { q } else { best }
-    })
+    all.fold(
+        polygon.outer[0],
+        |best, q| {
+            if q.distance_squared(p) < best.distance_squared(p) { q } else { best }
+        },
+    )
 }
 
 /// The closest points of two outlines: from every vertex of each to the other.
 fn closest(a: &Polygon, b: &Polygon) -> Option<(DVec2, DVec2)> {
-    let thin = |p: &Polygon| p.outer.iter().copied().step_by((p.outer.len() / 300).max(1)).collect::<Vec<_>>();
+    let thin =
+        |p: &Polygon| p.outer.iter().copied().step_by((p.outer.len() / 300).max(1)).collect::<Vec<_>>();
     let from_a = thin(a).into_iter().map(|p| (p, nearest_point(b, p)));
     let from_b = thin(b).into_iter().map(|p| (nearest_point(a, p), p));
     from_a.chain(from_b).min_by(|x, y| x.0.distance_squared(x.1).total_cmp(&y.0.distance_squared(y.1)))

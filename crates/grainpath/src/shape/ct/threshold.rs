@@ -122,7 +122,19 @@ impl Histogram {
             });
             self.value(if n > 0.0 { sum / n } else { best.1 as f64 })
         };
-        (peak(0, split.max(1)), peak(split.min(self.counts.len() - 1), self.counts.len()))
+        // Voxels that are partly air pull both means towards the split, and pile up where faces lie along the voxels:
+        // peaks are looked for from halfway to the means outwards.
+        let mean = |from: usize, to: usize| {
+            let (n, sum) = (from..to).fold((0.0, 0.0), |(n, s), i| {
+                let c = self.counts[i] as f64;
+                (n + c, s + c * i as f64)
+            });
+            if n > 0.0 { sum / n } else { split as f64 }
+        };
+        let last = self.counts.len();
+        let low_end = (0.5 * (split as f64 + mean(0, split))).ceil() as usize;
+        let high_start = (0.5 * (split as f64 + mean(split, last))) as usize;
+        (peak(0, low_end.clamp(1, last)), peak(high_start.min(last - 1), last))
     }
 }
 

@@ -33,6 +33,41 @@ impl Grid {
         Self { values, nx, ny }
     }
 
+    /// The grid with noise taken out where a face of the part lies in the plane: there the grey value changes
+    /// from slice to slice, and is near zero over an area instead of along a line. `a` and `b` are what was mixed.
+    pub fn with_flats(mut self, a: &[f32], b: &[f32]) -> Self {
+        const REACH: usize = 2;
+        let (w, nx) = (self.nx + 2, self.nx);
+        let flat = |k: usize| {
+            let v = self.values[(k / nx + 1) * w + k % nx + 1];
+            v.abs() < 0.12 * (a[k] - b[k]).abs()
+        };
+        let found: Vec<usize> = (0..a.len()).filter(|&k| flat(k)).collect();
+        // A few such pixels are chance.
+        if found.len() < 25 {
+            return self;
+        }
+        let mut settled: Vec<(usize, f32)> = Vec::new();
+        for &k in &found {
+            let (i, j) = (k % nx, k / nx);
+            let (mut n, mut sum) = (0, 0.0);
+            for y in j.saturating_sub(REACH)..=(j + REACH).min(self.ny - 1) {
+                for x in i.saturating_sub(REACH)..=(i + REACH).min(nx - 1) {
+                    if flat(y * nx + x) {
+                        n += 1;
+                        sum += self.values[(y + 1) * w + x + 1];
+                    }
+                }
+            }
+            if n > 10 {
+                settled.push((k, sum / n as f32));
+            }
+        }
+        level(&mut settled, nx, |k| 0.02 * (a[k] - b[k]).abs());
+        settled.into_iter().for_each(|(k, v)| self.values[(k / nx + 1) * w + k % nx + 1] = v);
+        self
+    }
+
     /// A grid of these values.
     pub fn of(values: &[f32], nx: usize, ny: usize) -> Self {
         Self::mixed(values, values, 0.0, nx, ny)
@@ -48,7 +83,8 @@ impl Grid {
             let (low, high) = (&self.values[j * w..(j + 1) * w], &self.values[(j + 1) * w..(j + 2) * w]);
             let mut code = usize::from(low[0] > 0.0) << 1 | usize::from(high[0] > 0.0) << 2;
             for i in 0..=self.nx {
-                code = (code >> 1 & 1) | (code >> 2 & 1) << 3
+                code = (code >> 1 & 1)
+                    | (code >> 2 & 1) << 3
                     | usize::from(low[i + 1] > 0.0) << 1
                     | usize::from(high[i + 1] > 0.0) << 2;
                 if code == 0 || code == 15 {
@@ -123,6 +159,47 @@ impl Grid {
     }
 }
 
+/// Gives every connected patch that is level, within `tolerance` from end to end, its mean: a face that lies in the
+/// plane to a hair is there as a whole or not at all. `patch` goes by pixel number.
+fn level(patch: &mut [(usize, f32)], nx: usize, tolerance: impl Fn(usize) -> f32) {
+    let mut free = vec![true; patch.len()];
+    for seed in 0..patch.len() {
+        if !std::mem::replace(&mut free[seed], false) {
+            continue;
+        }
+        let mut members = vec![seed];
+        let mut next = 0;
+        while next < members.len() {
+            let k = patch[members[next]].0;
+            next += 1;
+            let row = [k.checked_sub(1), Some(k + 1)].map(|m| m.filter(|m| m / nx == k / nx));
+            for m in row.into_iter().chain([k.checked_sub(nx), Some(k + nx)]).flatten() {
+                if let Ok(i) = patch.binary_search_by_key(&m, |p| p.0) {
+                    if std::mem::replace(&mut free[i], false) {
+                        members.push(i);
+                    }
+                }
+            }
+        }
+        if members.len() < 25 {
+            continue;
+        }
+        let mean = |part: &[usize]| part.iter().map(|&i| patch[i].1).sum::<f32>() / part.len() as f32;
+        // Halves by column and by row: a patch that leans differs between them.
+        let halves = |key: &dyn Fn(usize) -> usize| {
+            let mut sorted = members.clone();
+            sorted.sort_by_key(|&i| (key(patch[i].0), patch[i].0));
+            let (low, high) = sorted.split_at(sorted.len() / 2);
+            (mean(low) - mean(high)).abs()
+        };
+        let apart = halves(&|k| k % nx).max(halves(&|k| k / nx));
+        if apart < tolerance(patch[seed].0) {
+            let value = mean(&members);
+            members.into_iter().for_each(|i| patch[i].1 = value);
+        }
+    }
+}
+
 const NONE: u32 = u32::MAX;
 
 fn outside(inside: f32) -> f32 {
@@ -154,11 +231,26 @@ mod tests {
         assert_eq!(contours.len(), 1);
         assert!((signed_area_mm2(&contours[0]) - 12.0).abs() < 0.6);
         let hole = [1.0, 1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, 1.0];
-        let areas: Vec<f64> =
-            Grid::of(&hole, 3, 3).contours().iter().map(|c| signed_area_mm2(c)).collect();
+        let areas: Vec<f64> = Grid::of(&hole, 3, 3).contours().iter().map(|c| signed_area_mm2(c)).collect();
         assert!(areas.len() == 2 && areas[0] > 0.0 && areas[1] < 0.0, "{areas:?}");
         assert!(Grid::of(&[-1.0; 9], 3, 3).contours().is_empty());
-        // Exact zeros are outside and break nothing.
-        assert_eq!(Grid::of(&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0], 3, 3).contours().len(), 4);
+        // Exact zeros are outside and break nothing; what meets at corners hangs together if its mean is inside.
+        assert_eq!(Grid::of(&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0], 3, 3).contours().len(), 1);
+        assert_eq!(Grid::of(&[-2.0, 1.0, -2.0, 1.0, -2.0, 1.0, -2.0, 1.0, -2.0], 3, 3).contours().len(), 4);
+    }
+
+    #[test]
+    fn a_flat_face_in_the_plane_is_not_torn_by_noise() {
+        let n = 40;
+        let noise = |i: usize, s: usize| (((i * 7919 + s) * 104_729 >> 3) % 101) as f32 * 0.02 - 1.0;
+        // The face lies a twentieth of the way above the plane: everything is inside but for the noise.
+        let framed = |i: usize| (4..36).contains(&(i % n)) && (4..36).contains(&(i / n));
+        let below: Vec<f32> =
+            (0..n * n).map(|i| if framed(i) { 10.0 + noise(i, 1) } else { -10.0 }).collect();
+        let above: Vec<f32> = (0..n * n).map(|i| -10.0 + noise(i, 5)).collect();
+        let torn = Grid::mixed(&below, &above, 0.48, n, n);
+        assert!(torn.contours().len() > 1);
+        let whole = Grid::mixed(&below, &above, 0.48, n, n).with_flats(&below, &above);
+        assert_eq!(whole.contours().len(), 1);
     }
 }
