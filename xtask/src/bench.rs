@@ -8,9 +8,31 @@ use serde_json::Value;
 
 /// What one program took for one part.
 #[derive(Clone, Copy)]
-struct Cost {
-    wall_s: f64,
-    peak_mib: f64,
+pub struct Cost {
+    /// Wall time.
+    pub wall_s: f64,
+    /// Highest memory held.
+    pub peak_mib: f64,
+}
+
+/// Runs a program once and says what it took.
+pub fn timed(words: &[String], folder: &Path) -> Result<Cost, String> {
+    let timing = folder.join("time.txt");
+    let status = Command::new("time")
+        .args(["-f", "%e %M", "-o"])
+        .arg(&timing)
+        .args(words)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status()
+        .map_err(|e| format!("cannot start `time`: {e}"))?;
+    if !status.success() {
+        return Err(format!("{} ended with {status}", words.join(" ")));
+    }
+    let text = fs::read_to_string(&timing).map_err(|e| format!("{}: {e}", timing.display()))?;
+    let mut numbers = text.split_whitespace().filter_map(|w| w.parse::<f64>().ok());
+    let (wall_s, kib) = (numbers.next().unwrap_or(f64::NAN), numbers.next().unwrap_or(f64::NAN));
+    Ok(Cost { wall_s, peak_mib: kib / 1024.0 })
 }
 
 /// Programs in the order they are printed.
@@ -150,22 +172,8 @@ impl Bench {
         let Some(words) = self.command(program, part, density, &out) else { return Ok(None) };
         let mut best = Cost { wall_s: f64::INFINITY, peak_mib: 0.0 };
         for _ in 0..if density < 1.0 && part != "skull" { RUNS } else { 1 } {
-            let timing = self.folder.join("time.txt");
-            let status = Command::new("time")
-                .args(["-f", "%e %M", "-o"])
-                .arg(&timing)
-                .args(&words)
-                .stdout(Stdio::null())
-                .stderr(Stdio::null())
-                .status()
-                .map_err(|e| format!("cannot start `time`: {e}"))?;
-            if !status.success() {
-                return Err(format!("{} ended with {status}", words.join(" ")));
-            }
-            let text = fs::read_to_string(&timing).map_err(|e| format!("{}: {e}", timing.display()))?;
-            let mut numbers = text.split_whitespace().filter_map(|w| w.parse::<f64>().ok());
-            let (wall_s, kib) = (numbers.next().unwrap_or(f64::NAN), numbers.next().unwrap_or(f64::NAN));
-            best = Cost { wall_s: best.wall_s.min(wall_s), peak_mib: best.peak_mib.max(kib / 1024.0) };
+            let cost = timed(&words, &self.folder)?;
+            best = Cost { wall_s: best.wall_s.min(cost.wall_s), peak_mib: best.peak_mib.max(cost.peak_mib) };
         }
         Ok(Some((best, out)))
     }

@@ -4,6 +4,7 @@
 
 mod arrows;
 mod bench;
+mod bench_ct;
 mod fuzz;
 mod licences;
 mod setup;
@@ -16,6 +17,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   test --quick     the same without examples, fuzzers and what needs installing
   bench slicing [PART...]  time and memory beside PrusaSlicer and CuraEngine
                    (benchy bunny armadillo plate_holes skull; the skull takes the peers many minutes)
+  bench ct         scans to G-code beside marching cubes, STL and PrusaSlicer
   bench quality    gap, spill, overlap and travel beside the same
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   setup            installs what tests and benches need (Python packages, Chromium, the peers)";
@@ -27,6 +29,7 @@ fn main() -> ExitCode {
         ["test"] => test(true),
         ["test", "--quick"] => test(false),
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
+        ["bench", "ct"] => bench_ct::run(),
         ["bench", "quality"] => bench::quality(),
         ["fuzz"] => fuzz::run(20),
         ["fuzz", seconds] => seconds.parse().map_err(|_| USAGE.to_owned()).and_then(fuzz::run),

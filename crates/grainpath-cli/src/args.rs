@@ -106,6 +106,9 @@ pub struct Inspect {
     /// Write a contact sheet of a scan here
     #[arg(long, value_name = "FILE.png")]
     pub sheet: Option<PathBuf>,
+    /// True dimensions to compare a G-code file with, as shape.ct.truth
+    #[arg(long, value_name = "FILE.toml")]
+    pub truth: Option<PathBuf>,
     /// Columns, rows and slices of raw data
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
     pub size: Option<Vec<usize>>,

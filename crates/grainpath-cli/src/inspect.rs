@@ -27,7 +27,12 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     let named_gcode = [".gcode", ".g", ".gco", ".nc", ".bgcode"].iter().any(|e| lower.ends_with(e));
     let value = if named_gcode || (sniff_mesh(&bytes, Some(&name)).is_none() && !bytes.is_empty()) {
         let program = simulate(&bytes, FILAMENT_MM, &Limits::default());
-        gcode_json(&name, &program.map_err(|e| Failure::input(format!("{name}: {e}")))?)
+        let program = program.map_err(|e| Failure::input(format!("{name}: {e}")))?;
+        let mut value = gcode_json(&name, &program);
+        if let Some(path) = &args.truth {
+            value["dimensions"] = dimensions(path, &program)?;
+        }
+        value
     } else {
         let file = parse_mesh(&bytes, Some(&name));
         let file = file.map_err(|source| grainpath::Error::Mesh { path: name.clone(), source })?;
@@ -42,6 +47,15 @@ pub fn read_program(path: &Path) -> Result<Program, Failure> {
     let bytes = files::read(path)?;
     simulate(&bytes, FILAMENT_MM, &Limits::default())
         .map_err(|e| Failure::input(format!("{}: {e}", path.display())))
+}
+
+fn dimensions(path: &Path, program: &Program) -> Result<Value, Failure> {
+    let (text, name) = (files::read_text(path)?, path.display().to_string());
+    let wrong = |e: grainpath::job::JobError| Failure::from(grainpath::Error::from(e));
+    let truth = grainpath::dimensions::parse(&text, &name).map_err(wrong)?;
+    let shift = grainpath::dimensions::shift_of(&text, &name, program).map_err(wrong)?;
+    serde_json::to_value(grainpath::dimensions::measure(&truth, program, shift))
+        .map_err(|e| Failure::input(format!("{name}: {e}")))
 }
 
 fn mesh_json(name: &str, file: &MeshFile) -> Value {

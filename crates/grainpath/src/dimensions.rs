@@ -104,6 +104,26 @@ pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, JobError> {
         .collect()
 }
 
+/// Where the shape's origin stands on the plate in a program of any slicer: its outer walls' box has its middle where
+/// the file of true dimensions says that the part's is, `middle_mm`.
+///
+/// # Errors
+/// [`JobError`] where the file does not say, or the program has no outer walls.
+pub fn shift_of(text: &str, name: &str, program: &Program) -> Result<DVec2, JobError> {
+    let error = |problem: &str| JobError { place: name.to_owned(), problem: problem.to_owned() };
+    let table: Table = text.parse().map_err(|e: toml::de::Error| error(&e.message().replace('\n', "; ")))?;
+    let list = table.get("middle_mm").and_then(Value::as_array).cloned().unwrap_or_default();
+    let middle: Vec<f64> = list.iter().filter_map(Value::as_float).collect();
+    let &[x, y] = middle.as_slice() else {
+        return Err(error(
+            "middle_mm should be [x, y], the middle of the part's box, as numbers with a point",
+        ));
+    };
+    let ends = program.layers.iter().flat_map(|l| outer(l).flat_map(|b| [b.start(), b.end()]));
+    let bounds = grainpath_core::Bounds2::of(ends).ok_or_else(|| error("the program has no outer walls"))?;
+    Ok(bounds.centre() - DVec2::new(x, y))
+}
+
 /// Measures dimensions on the beads of a program; `shift` is where the shape's origin stands on the plate.
 pub fn measure(dimensions: &[Dimension], program: &Program, shift: DVec2) -> Dimensions {
     let at = |z: f64| program.layers.iter().find(|l| z < l.z_mm + 1e-6);
@@ -141,7 +161,8 @@ fn outer(layer: &BeadLayer) -> impl Iterator<Item = &Bead> {
 /// Diameter of the round wall about `centre` nearest to the true one: the mean over its length of the beads' edges,
 /// half a width outside (`side` 1) or inside (-1) of their middles.
 fn diameter(layer: &BeadLayer, centre: DVec2, true_mm: f64, side: f64) -> Option<f64> {
-    let reach = (0.15 * true_mm).min(1.5);
+    // Wider, and walls near by would be taken for this one.
+    let reach = (0.1 * true_mm).min(0.6);
     let (mut sum, mut length) = (0.0, 0.0);
     for b in outer(layer) {
         let (p, q) = (b.start(), b.end());

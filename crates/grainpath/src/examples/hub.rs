@@ -78,7 +78,9 @@ pub fn truth() -> String {
             centre[0], centre[1]
         )
     };
-    let mut out = String::from("# True dimensions of the hub; heights are above its lowest point.\n\n");
+    let mut out = format!(
+        "# True dimensions of the hub; heights are above its lowest point.\n\nmiddle_mm = [{c:?}, {c:?}]\n\n"
+    );
     out += &circle("rim, outside", "outside", [c, c], 2.0 * RIM_MM[1], 20.0);
     out += &circle("rim, inside", "bore", [c, c], 2.0 * RIM_MM[0], 22.0);
     out += &circle("hub, outside", "outside", [c, c], 2.0 * HUB_MM[1], 20.0);
