@@ -22,7 +22,7 @@ pub enum Command {
     Slice(Slice),
     /// Write a commented example job with its input
     New(New),
-    /// Say what a mesh, a G-code file or a CT scan is, with its defects
+    /// Say what a mesh, a CT scan, a finite-element result or a G-code file is, with its defects
     Inspect(Inspect),
     /// Draw a layer of a G-code file
     Render(Render),
@@ -101,7 +101,7 @@ pub struct New {
 /// `grainpath inspect`
 #[derive(Debug, clap::Args)]
 pub struct Inspect {
-    /// Mesh, G-code, or a scan: a folder of slices or a volume file
+    /// Mesh, finite-element result, G-code, or a scan: a folder of slices or a volume file
     pub file: PathBuf,
     /// Write a contact sheet of a scan here
     #[arg(long, value_name = "FILE.png")]

@@ -6,6 +6,7 @@ use grainpath::dimensions::Dimension;
 use grainpath::job::{PROFILES, Settings, json_schema, markdown, parse_job};
 use grainpath_core::Diagnostics;
 use grainpath_core::diagnostics::Stage;
+use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::parse_mesh;
 
 use crate::args::{Common, New, Profiles, Render, Run, Schema, Slice};
@@ -30,8 +31,8 @@ pub fn run(args: &Run) -> Result<(), Failure> {
             Some(read.map_err(grainpath::Error::from)?)
         }
     };
-    let out = args.out.clone().unwrap_or(folder);
-    execute(&settings, &shape, &out, truth.as_deref(), &args.common)
+    let out = args.out.clone().unwrap_or_else(|| folder.clone());
+    execute(&settings, &shape, &folder, &out, truth.as_deref(), &args.common)
 }
 
 /// `grainpath slice`
@@ -39,7 +40,7 @@ pub fn slice(args: &Slice) -> Result<(), Failure> {
     let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
     let output = args.output.clone().unwrap_or_else(|| args.model.with_extension("gcode"));
     settings.output.gcode = output.display().to_string();
-    execute(&settings, &args.model, Path::new(""), None, &args.common)
+    execute(&settings, &args.model, Path::new(""), Path::new(""), None, &args.common)
 }
 
 fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Settings, Failure> {
@@ -47,10 +48,11 @@ fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Se
     parse_job(text, name, sets, &load).map_err(|e| Failure::usage(e.to_string()))
 }
 
-/// Plans and writes a job. `out` is what output paths are relative to.
+/// Plans and writes a job. `base` is what input paths are relative to, `out` output paths.
 fn execute(
     settings: &Settings,
     shape: &Path,
+    base: &Path,
     out: &Path,
     truth: Option<&[Dimension]>,
     common: &Common,
@@ -58,14 +60,17 @@ fn execute(
     set_threads(common.threads)?;
     let diagnostics = progress::diagnostics();
     let paths = outputs::Paths::of(settings, shape, out)?;
+    let path = shape.display().to_string();
     let (planned, read_s) = if settings.ct.path.is_empty() {
-        let (file, read_s) = read_mesh(shape, &diagnostics)?;
-        (grainpath::plan_job(settings, file, &shape.display().to_string(), &diagnostics)?, read_s)
+        let (mesh, read_s) = read_mesh(shape, &diagnostics)?;
+        let inputs = grainpath::Inputs { mesh, path, stress: read_stress(settings, base)? };
+        (grainpath::plan_job(settings, inputs, &diagnostics)?, read_s)
     } else {
         let start = std::time::Instant::now();
         let mut source = scan::open(shape, grainpath::config::raw_header(settings).as_ref())?;
+        let stress = read_stress(settings, base)?;
         let read_s = start.elapsed().as_secs_f64();
-        (grainpath::plan_scan(settings, &mut *source, &shape.display().to_string(), &diagnostics)?, read_s)
+        (grainpath::plan_scan(settings, &mut *source, &path, stress, &diagnostics)?, read_s)
     };
     let report = outputs::write(settings, planned, &paths, read_s, common.json, truth, &diagnostics)?;
     // The progress line goes before anything is printed.
@@ -97,6 +102,19 @@ fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io::Me
     Ok((file, start.elapsed().as_secs_f64()))
 }
 
+/// The result named by `guide.import`.
+fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressField>, Failure> {
+    if settings.guide.import.is_empty() {
+        return Ok(None);
+    }
+    let path = base.join(&settings.guide.import);
+    let wrong = |e: FeError| Failure::input(format!("{}: {e}", path.display()));
+    let bytes = files::read(&path)?;
+    let file = parse_fe(&bytes, path.to_str()).map_err(wrong)?;
+    let result = file.result(&grainpath::config::import(settings)).map_err(wrong)?;
+    Ok(Some(StressField::new(result)))
+}
+
 /// `grainpath new`
 pub fn new(args: &New) -> Result<(), Failure> {
     let names = grainpath::examples::PRESETS;
@@ -114,17 +132,17 @@ pub fn new(args: &New) -> Result<(), Failure> {
         )));
     };
     let folder = args.dir.clone().unwrap_or_else(|| PathBuf::from(&args.preset));
-    if let Some((name, _)) = example.iter().find(|(name, _)| folder.join(name).exists() && !args.force) {
-        let there = folder.join(name);
+    if let Some((name, _)) = example.iter().find(|(name, _)| folder.join(&**name).exists() && !args.force) {
+        let there = folder.join(&**name);
         return Err(Failure::usage(format!("{} is there already; --force writes over it", there.display())));
     }
     for (name, content) in &example {
-        let path = folder.join(name);
+        let path = folder.join(&**name);
         files::write_atomically(&path, |w| {
             w.write_all(content).map_err(|e| Failure::usage(format!("cannot write {}: {e}", path.display())))
         })?;
     }
-    files::print(&format!("grainpath run {}\n", folder.join(example[0].0).display()));
+    files::print(&format!("grainpath run {}\n", folder.join(&*example[0].0).display()));
     Ok(())
 }
 

@@ -2,6 +2,7 @@
 
 use grainpath_core::units::LengthUnit;
 use grainpath_gcode::{Cooling, Corner, Flavour, Limits, Machine, Material, Retraction, Speeds, WriteConfig};
+use grainpath_io::fe::{FeOptions, Order, StressUnit};
 use grainpath_io::volume::{RawHeader, SampleType};
 
 use crate::job::Settings;
@@ -187,5 +188,17 @@ pub(crate) fn writing(s: &Settings) -> WriteConfig {
         },
         arc_tolerance_mm: p.arcs.then_some(p.arc_tolerance_mm),
         header: header.iter().map(|(key, value)| format!("{key} = {value}")).collect(),
+    }
+}
+
+/// How `guide.import` is to be understood.
+pub fn import(s: &Settings) -> FeOptions {
+    let g = &s.guide;
+    FeOptions {
+        length_unit: g.import_length_unit.as_deref().and_then(LengthUnit::from_name),
+        stress_unit: g.import_stress_unit.as_deref().and_then(StressUnit::from_name),
+        stress_array: g.import_array.clone(),
+        order: g.import_order.as_deref().and_then(Order::from_name),
+        step: None,
     }
 }

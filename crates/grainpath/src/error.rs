@@ -5,6 +5,7 @@ use grainpath_gcode::GcodeError;
 use grainpath_io::MeshError;
 use grainpath_io::volume::VolumeError;
 
+use crate::guide::GuideError;
 use crate::job::JobError;
 use crate::shape::ShapeError;
 
@@ -20,6 +21,8 @@ pub enum Error {
     Volume(#[from] VolumeError),
     #[error("{path}: {source}")]
     Shape { path: String, source: ShapeError },
+    #[error("guide: {0}")]
+    Guide(#[from] GuideError),
     #[error(transparent)]
     Gcode(#[from] GcodeError),
     #[error(
@@ -35,9 +38,11 @@ impl Error {
     pub fn exit_code(&self) -> i32 {
         match self {
             Self::Shape { source: ShapeError::Interrupted(_), .. } | Self::Interrupted(_) => 130,
+            Self::Guide(GuideError::Interrupted(_)) => 130,
+            Self::Guide(e) if e.is_usage() => 2,
             Self::Job(_) | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
             Self::Mesh { .. } | Self::Volume(_) | Self::Shape { .. } => 3,
-            Self::Gcode(_) | Self::Mass { .. } => 4,
+            Self::Gcode(_) | Self::Mass { .. } | Self::Guide(_) => 4,
         }
     }
 }

@@ -21,17 +21,11 @@ fn error(place: impl Into<String>, problem: impl Into<String>) -> JobError {
 }
 
 /// Keys of other parts of grainpath that are not there yet: known, so that the message can say so.
-const LATER: [(&str, &str); 11] = [
+const LATER: [(&str, &str); 5] = [
     ("shape", "outline"),
     ("shape", "thickness_mm"),
     ("shape", "photo"),
-    ("guide", "follow"),
-    ("guide", "fixture"),
-    ("guide", "load"),
-    ("guide", "case"),
-    ("guide", "import"),
     ("support", "critical_angle_deg"),
-    ("output", "stress"),
     ("output", "support"),
 ];
 
@@ -182,10 +176,8 @@ fn apply(
 fn later(section: &str, key: &str, value: &Value) -> Option<String> {
     let word = value.as_str().unwrap_or_default();
     let known = match (section, key) {
-        ("guide", "kind") => ["stress", "grain"].contains(&word),
-        ("fill", "pattern") => {
-            ["stripes", "streamlines", "seed-lines", "stress-lines", "continuous"].contains(&word)
-        }
+        ("guide", "kind") => word == "grain",
+        ("fill", "pattern") => word == "continuous",
         ("support", "style") => word == "tree",
         _ => false,
     };
@@ -225,6 +217,12 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
     }
     if s.strength.enabled {
         return wrong("strength.enabled = true is not in this version of grainpath".into());
+    }
+    if crate::fill::GUIDED.contains(&s.fill.pattern.as_str()) && s.guide.kind == "none" {
+        return wrong(format!(
+            "fill.pattern = {:?} needs a guide: [guide] kind = \"stress\" or \"angle\"",
+            s.fill.pattern
+        ));
     }
     if s.fill.angles_deg.is_empty() {
         return wrong("fill.angles_deg should have at least one angle".into());
@@ -310,7 +308,7 @@ mod tests {
             ),
             (
                 "[fill]\npattern = \"grit\"\n",
-                "job.toml:2: fill.pattern should be one of rectilinear, grid, triangles, gyroid, concentric, honeycomb, aligned, is \"grit\"",
+                "job.toml:2: fill.pattern should be one of rectilinear, grid, triangles, gyroid, concentric, honeycomb, aligned, stripes, streamlines, seed-lines, is \"grit\"",
             ),
             (
                 "[shape]\nct = { path = \"scan\", pixel = 0.1 }\n",
@@ -325,8 +323,8 @@ mod tests {
                 "job.toml: shape.mesh and shape.ct: exactly one shape is printed",
             ),
             (
-                "[guide]\nkind = \"stress\"\n",
-                "job.toml:2: guide.kind = \"stress\" is not in this version of grainpath",
+                "[guide]\nkind = \"grain\"\n",
+                "job.toml:2: guide.kind = \"grain\" is not in this version of grainpath",
             ),
             (
                 "[printer]\nprofile = \"generic-0.5\"\n",

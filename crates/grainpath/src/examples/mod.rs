@@ -1,27 +1,27 @@
 //! Examples made by our own code.
 
 mod hub;
+mod stress_lines;
+
+use std::borrow::Cow;
 
 use grainpath_core::math::direction;
 use grainpath_core::{DVec2, DVec3, TriMesh};
 
 /// A file of an example: its name and its content.
-pub type ExampleFile = (&'static str, Vec<u8>);
+pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
 
 /// Names that [`preset`] knows.
-pub const PRESETS: [&str; 2] = ["plate", "ct"];
+pub const PRESETS: [&str; 3] = ["plate", "stress-lines", "ct"];
 
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
     match name {
-        "plate" => {
-            let mut stl = Vec::new();
-            grainpath_io::write_stl(&plate(), &mut stl).expect("memory takes all that is written");
-            Some(vec![
-                ("job.toml", include_bytes!("../profiles/examples/plate.toml").to_vec()),
-                ("plate.stl", stl),
-            ])
-        }
+        "plate" => Some(vec![
+            ("job.toml".into(), include_bytes!("../../profiles/examples/plate.toml").to_vec()),
+            ("plate.stl".into(), stl(&plate())),
+        ]),
+        "stress-lines" => Some(stress_lines::files()),
         "ct" => Some(ct(256)),
         _ => None,
     }
@@ -34,10 +34,16 @@ pub fn ct(n: usize) -> Vec<ExampleFile> {
     grainpath_io::volume::write_tiff_stack(size, [mm; 3], |k| hub::slice(n, k), &mut tif)
         .expect("memory takes all that is written");
     vec![
-        ("job.toml", include_bytes!("../profiles/examples/ct.toml").to_vec()),
-        ("hub.tif", tif),
-        ("truth.toml", hub::truth().into_bytes()),
+        ("job.toml".into(), include_bytes!("../../profiles/examples/ct.toml").to_vec()),
+        ("hub.tif".into(), tif),
+        ("truth.toml".into(), hub::truth().into_bytes()),
     ]
+}
+
+fn stl(mesh: &TriMesh) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    grainpath_io::write_stl(mesh, &mut bytes).expect("memory takes all that is written");
+    bytes
 }
 
 /// A mounting plate, 80 x 50 x 6 mm, with rounded corners, four bolt holes, a slot, and a thin rib on top.
