@@ -154,7 +154,9 @@ fn shapes(
         let mesh = grainpath::shape::surface(&planned.stack, cell_mm, diagnostics)
             .map_err(|source| grainpath::Error::Shape { path: path.display().to_string(), source })?;
         let failed = |e: std::io::Error| Failure::usage(format!("cannot write {}: {e}", path.display()));
-        files::write_atomically(path, |mut w| grainpath_io::write_stl(&mesh, &mut w).map_err(failed))?;
+        let package = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("3mf"));
+        let write = if package { grainpath_io::write_3mf } else { grainpath_io::write_stl };
+        files::write_atomically(path, |w| write(&mesh, w).map_err(failed))?;
         report.outputs.insert("surface", path.display().to_string());
     }
     Ok(())

@@ -172,11 +172,11 @@ fn place_bodies(
     settings: &Settings,
     file: MeshFile,
     diagnostics: &Diagnostics,
-) -> Result<(Vec<grainpath_core::TriMesh>, f64), shape::ShapeError> {
+) -> Result<(Vec<TriMesh>, f64), shape::ShapeError> {
     file.warnings.iter().for_each(|w| diagnostics.warn(format!("mesh: {w}")));
-    let mut bodies: Vec<grainpath_core::TriMesh> = file.bodies.into_iter().map(|b| b.mesh).collect();
+    let mut bodies: Vec<TriMesh> = file.bodies.into_iter().map(|b| b.mesh).collect();
     let mut placement = config::placement(settings);
-    let bounds = bodies.iter().filter_map(grainpath_core::TriMesh::bounds);
+    let bounds = bodies.iter().filter_map(TriMesh::bounds);
     let all = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(shape::ShapeError::Empty)?;
     if settings.shape.unit == "auto" {
         placement.unit = file.unit.unwrap_or(LengthUnit::Millimetre);

@@ -225,7 +225,7 @@ sections! {
         preview: String = String::new(), "", Any, "Folder for pictures of layers (PNG and SVG) and of the part; none when left out.";
         stress: String = String::new(), "", Any, "Stress and principal directions as VTU; none when left out.";
         lines: String = String::new(), "", Any, "Evenly spaced principal stress lines of both families: .svg or .vtp; none when left out.";
-        surface: String = String::new(), "", Any, "The part's surface as STL, lofted from its layers, closed and manifold; none when left out.";
+        surface: String = String::new(), "", Any, "The part's surface as STL or 3MF, by its ending, lofted from its layers, closed and manifold; none when left out.";
         surface_cell_mm: f64 = 0.3, "mm", Range(0.01, 10.0), "Size of the cells that the surface is made of.";
         layers_cli: String = String::new(), "", Any, "The part's sections as a Common Layer Interface file; none when left out.";
         layers_svg: String = String::new(), "", Any, "The part's sections as SVG, a group a layer; none when left out.";

@@ -56,6 +56,8 @@ pub struct Slab {
     /// Contours that stay as they are from one share of the way to another.
     still: Vec<(Contour, f64, f64)>,
     blends: Vec<Blend>,
+    /// Gaps up to twice this between the pieces of what branches close, mm.
+    heal_mm: f64,
     /// What happened.
     pub events: Events,
 }
@@ -89,7 +91,8 @@ impl Slab {
         let mut contours: Vec<Contour> = self.moving.iter().map(|p| p.at(t)).collect();
         contours.extend(self.still.iter().filter(|s| s.1 <= t && t < s.2).map(|s| s.0.clone()));
         contours.extend(self.blends.iter().flat_map(|b| b.at(t)));
-        Region::from_contours(&contours, FillRule::Positive)
+        let region = Region::from_contours(&contours, FillRule::Positive);
+        if self.heal_mm > 0.0 { region.closed(self.heal_mm) } else { region }
     }
 
     /// Matches two slices. `change` tells at which share of the way the part of the plane inside a contour changes
@@ -117,6 +120,10 @@ impl Slab {
             slab.moving.append(&mut part.moving);
             slab.still.append(&mut part.still);
             slab.blends.append(&mut part.blends);
+        }
+        // Next to the slice that was cut, the pieces lie closer together than any scan could tell.
+        if slab.events.branches > 0 && !settings.features {
+            slab.heal_mm = 0.5 * settings.step_mm();
         }
         slab
     }
