@@ -49,7 +49,7 @@ fn the_hub_is_printed_in_its_true_sizes() {
     let paper =
         json(&grainpath(&dir, &[&["run", "hub/job.toml", "--json", "--out", "paper"], &paper[..]].concat()));
     assert!(
-        paper["dimensions"]["mean_error_percent"].as_f64().is_some_and(|e| e < 1.0),
+        paper["dimensions"]["mean_error_percent"].as_f64().is_some_and(|e| e < 1.5),
         "{}",
         paper["dimensions"]
     );
@@ -163,5 +163,5 @@ fn bad_scans_are_told_apart_by_name() {
     fs::write(dir.join("mixed/a1.png"), b"\x89PNG\r\n\x1a\nbroken").expect("a file");
     fails("broken", "path = \"mixed\"", 3, "a1.png");
     let huge = format!("path = \"step.raw\"\n{}", raw.replace("= 1\n", "= 1000\n"));
-    fails("bed", &huge, 4, "does not fit");
+    fails("bed", &huge, 4, "the bed allows");
 }
