@@ -294,7 +294,7 @@ impl Settings {
     pub fn rows(&self) -> Vec<(String, String)> {
         let all = [
             self.shape.rows(),
-            self.ct.rows(),
+            if self.ct.path.is_empty() { Vec::new() } else { self.ct.rows() },
             self.printer.rows(),
             self.material.rows(),
             self.process.rows(),
