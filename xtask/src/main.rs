@@ -5,6 +5,7 @@
 mod arrows;
 mod bench;
 mod bench_ct;
+mod bench_fea;
 mod fuzz;
 mod licences;
 mod setup;
@@ -18,6 +19,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench slicing [PART...]  time and memory beside PrusaSlicer and CuraEngine
                    (benchy bunny armadillo plate_holes skull; the skull takes the peers many minutes)
   bench ct         scans to G-code beside marching cubes, STL and PrusaSlicer
+  bench fea [300000|1000000]  meshing and solving a bracket beside gmsh and CalculiX
   bench quality    gap, spill, overlap and travel beside the same
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   setup            installs what tests and benches need (Python packages, Chromium, the peers)";
@@ -30,6 +32,7 @@ fn main() -> ExitCode {
         ["test", "--quick"] => test(false),
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
         ["bench", "ct"] => bench_ct::run(),
+        ["bench", "fea", cases @ ..] => bench_fea::run(cases),
         ["bench", "quality"] => bench::quality(),
         ["fuzz"] => fuzz::run(20),
         ["fuzz", seconds] => seconds.parse().map_err(|_| USAGE.to_owned()).and_then(fuzz::run),

@@ -33,6 +33,11 @@ pub fn peers() -> Result<(), String> {
     apt(&[("prusa-slicer", "prusa-slicer"), ("CuraEngine", "cura-engine")])
 }
 
+/// For `cargo xtask bench fea`: an independent mesher and solver.
+pub fn fea() -> Result<(), String> {
+    apt(&[("gmsh", "gmsh"), ("ccx", "calculix-ccx"), ("time", "time")])
+}
+
 /// For every bench: what prepares parts and measures.
 pub fn bench() -> Result<(), String> {
     apt(&[("python3", "python3"), ("pip3", "python3-pip"), ("time", "time")])?;

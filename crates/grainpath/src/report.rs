@@ -48,6 +48,8 @@ pub struct StressReport {
     pub dofs: usize,
     pub elements: usize,
     pub solver: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<String>,
     pub cases: usize,
     pub residual: f64,
     pub max_von_mises_mpa: f64,
@@ -66,6 +68,7 @@ impl From<&Guide> for StressReport {
             dofs: s.dofs,
             elements: s.elements,
             solver: s.solver.clone(),
+            mesh: s.mesh.clone(),
             cases: guide.cases.len(),
             residual: digits(s.residual),
             max_von_mises_mpa: digits(s.max_von_mises_mpa),

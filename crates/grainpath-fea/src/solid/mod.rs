@@ -29,4 +29,3 @@ pub use sample::{Sampler, Spot};
 pub use shape::{MeshQuality, TetQuality};
 pub use solve::{Solution, SolveInfo, SolveSettings, solve};
 pub use supports::Supports;
-pub use thickness::wall_thickness_mm;

@@ -6,6 +6,7 @@ mod import;
 mod lines;
 mod outputs;
 mod plane;
+mod solid;
 
 use std::sync::Arc;
 
@@ -15,6 +16,7 @@ use grainpath_core::{DVec3, Diagnostics, DirectionField, LayerStack, TriMesh};
 use grainpath_fea::material::{Orthotropic, Unstable};
 use grainpath_fea::plane::{PlaneError, PlaneStress};
 use grainpath_fea::principal::PlaneTensor;
+use grainpath_fea::solid::SolidError;
 use grainpath_io::fe::{Element, StressField};
 use rayon::prelude::*;
 
@@ -55,6 +57,8 @@ pub enum GuideError {
     Mesh(#[from] TriangulationError),
     #[error("{0}")]
     Plane(#[from] PlaneError),
+    #[error("{0}")]
+    Solid(#[from] SolidError),
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
 }
@@ -112,7 +116,9 @@ pub struct StressSummary {
     pub max_displacement_mm: f64,
     /// Estimated share of the stress that the mesh misses, the worst case's.
     pub error_estimate: f64,
-    /// Where the two principal stresses are equal, of the first case.
+    /// Shape and size of the elements, where they fill a volume.
+    pub mesh: Option<String>,
+    /// Where the two principal stresses are equal, of the first case of a plate.
     pub degenerate: Degenerates,
 }
 
@@ -213,7 +219,7 @@ pub fn build(
             field.result().warnings.iter().for_each(|w| diagnostics.warn(format!("guide.import: {w}")));
             import::solved(Arc::new(field), part, part.lowered_mm)?
         }
-        None => solve(settings, part)?,
+        None => solve(settings, part, diagnostics)?,
     };
     diagnostics.check()?;
     let layers = lay_directions(settings, part, &solved, diagnostics)?;
@@ -222,7 +228,11 @@ pub fn build(
     Ok(Some(Guide { layers, follow, summary, cases, results }))
 }
 
-fn solve(settings: &Settings, part: &GuidedPart<'_>) -> Result<Solved, GuideError> {
+fn solve(
+    settings: &Settings,
+    part: &GuidedPart<'_>,
+    diagnostics: &Diagnostics,
+) -> Result<Solved, GuideError> {
     let cases = cases(settings);
     if cases.is_empty() {
         return Err(GuideError::Missing("a [[guide.load]]"));
@@ -230,7 +240,17 @@ fn solve(settings: &Settings, part: &GuidedPart<'_>) -> Result<Solved, GuideErro
     if settings.guide.fixture.is_empty() {
         return Err(GuideError::Missing("a [[guide.fixture]]"));
     }
-    plane::solve(settings, part, &cases)
+    match settings.guide.analysis.as_str() {
+        "plane" => plane::solve(settings, part, &cases),
+        "solid" => solid::solve(settings, part, &cases, diagnostics),
+        _ => match plane::solve(settings, part, &cases) {
+            // What is pushed or held above or below the middle is no matter of a plate.
+            Err(GuideError::NotPlane(_) | GuideError::CatchesNothing { .. }) => {
+                solid::solve(settings, part, &cases, diagnostics)
+            }
+            other => other,
+        },
+    }
 }
 
 /// What a solver gives.
