@@ -8,9 +8,31 @@ use serde_json::Value;
 
 /// What one program took for one part.
 #[derive(Clone, Copy)]
-struct Cost {
-    wall_s: f64,
-    peak_mib: f64,
+pub struct Cost {
+    /// Wall time.
+    pub wall_s: f64,
+    /// Highest memory held.
+    pub peak_mib: f64,
+}
+
+/// Runs a program once and says what it took.
+pub fn timed(words: &[String], folder: &Path) -> Result<Cost, String> {
+    let timing = folder.join("time.txt");
+    let status = Command::new("time")
+        .args(["-f", "%e %M", "-o"])
+        .arg(&timing)
+        .args(words)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status()
+        .map_err(|e| format!("cannot start `time`: {e}"))?;
+    if !status.success() {
+        return Err(format!("{} ended with {status}", words.join(" ")));
+    }
+    let text = fs::read_to_string(&timing).map_err(|e| format!("{}: {e}", timing.display()))?;
+    let mut numbers = text.split_whitespace().filter_map(|w| w.parse::<f64>().ok());
+    let (wall_s, kib) = (numbers.next().unwrap_or(f64::NAN), numbers.next().unwrap_or(f64::NAN));
+    Ok(Cost { wall_s, peak_mib: kib / 1024.0 })
 }
 
 /// Programs in the order they are printed.
@@ -92,7 +114,7 @@ pub fn support(parts: &[&str]) -> Result<(), String> {
             }
             let out = bench.folder.join(format!("support_{}_{part}.gcode", program.replace(' ', "_")));
             let Some(words) = bench.support_command(program, part, &out) else { continue };
-            let cost = bench.time(&words)?;
+            let cost = timed(&words, &bench.folder)?;
             let mut command = Command::new("python3");
             command.arg("xtask/py/support_mass.py").arg(&out).current_dir(crate::root());
             let found: Value =
@@ -232,33 +254,13 @@ impl Bench {
         Some(tidy(words))
     }
 
-    /// Runs a command once.
-    fn time(&self, words: &[String]) -> Result<Cost, String> {
-        let timing = self.folder.join("time.txt");
-        let status = Command::new("time")
-            .args(["-f", "%e %M", "-o"])
-            .arg(&timing)
-            .args(words)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .status()
-            .map_err(|e| format!("cannot start `time`: {e}"))?;
-        if !status.success() {
-            return Err(format!("{} ended with {status}", words.join(" ")));
-        }
-        let text = fs::read_to_string(&timing).map_err(|e| format!("{}: {e}", timing.display()))?;
-        let mut numbers = text.split_whitespace().filter_map(|w| w.parse::<f64>().ok());
-        let (wall_s, kib) = (numbers.next().unwrap_or(f64::NAN), numbers.next().unwrap_or(f64::NAN));
-        Ok(Cost { wall_s, peak_mib: kib / 1024.0 })
-    }
-
     /// Slices a part some times over; the best time and the highest peak, and the last G-code.
     fn cost(&self, program: &str, part: &str, density: f64) -> Result<Option<(Cost, PathBuf)>, String> {
         let out = self.folder.join(format!("{program}_{part}_{}.gcode", 100.0 * density));
         let Some(words) = self.command(program, part, density, &out) else { return Ok(None) };
         let mut best = Cost { wall_s: f64::INFINITY, peak_mib: 0.0 };
         for _ in 0..if density < 1.0 && part != "skull" { RUNS } else { 1 } {
-            let cost = self.time(&words)?;
+            let cost = timed(&words, &self.folder)?;
             best = Cost { wall_s: best.wall_s.min(cost.wall_s), peak_mib: best.peak_mib.max(cost.peak_mib) };
         }
         Ok(Some((best, out)))

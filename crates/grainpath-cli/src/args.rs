@@ -26,7 +26,7 @@ pub enum Command {
     Support(Support),
     /// Write a piece to print and read: the critical angle's calibration and others
     Specimen(Specimen),
-    /// Say what a mesh, a finite-element result or a G-code file is, with its defects
+    /// Say what a mesh, a CT scan, a finite-element result or a G-code file is, with its defects
     Inspect(Inspect),
     /// Draw a layer of a G-code file
     Render(Render),
@@ -123,6 +123,9 @@ pub struct New {
     pub preset: String,
     /// Where to [default: the example's name]
     pub dir: Option<PathBuf>,
+    /// Columns and rows of the scan that `ct` writes [default: 256]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(64..=1024))]
+    pub pixels: Option<u32>,
     /// Write over files that are there
     #[arg(long)]
     pub force: bool,
@@ -131,8 +134,20 @@ pub struct New {
 /// `grainpath inspect`
 #[derive(Debug, clap::Args)]
 pub struct Inspect {
-    /// Mesh, finite-element result or G-code
+    /// Mesh, finite-element result, G-code, or a scan: a folder of slices or a volume file
     pub file: PathBuf,
+    /// Write a contact sheet of a scan here
+    #[arg(long, value_name = "FILE.png")]
+    pub sheet: Option<PathBuf>,
+    /// True dimensions to compare a G-code file with, as shape.ct.truth
+    #[arg(long, value_name = "FILE.toml")]
+    pub truth: Option<PathBuf>,
+    /// Columns, rows and slices of raw data
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
+    pub size: Option<Vec<usize>>,
+    /// How raw data stores a voxel
+    #[arg(long, default_value = "u8", value_parser = grainpath_io::volume::SampleType::NAMES)]
+    pub sample: String,
     /// As one JSON object
     #[arg(long)]
     pub json: bool,

@@ -6,6 +6,7 @@ mod files;
 mod inspect;
 mod outputs;
 mod progress;
+mod scan;
 mod support;
 
 use std::process::ExitCode;

@@ -4,9 +4,11 @@ use grainpath_core::units::LengthUnit;
 use grainpath_core::{Bounds2, DVec2, DVec3};
 use grainpath_gcode::{Cooling, Corner, Flavour, Limits, Machine, Material, Retraction, Speeds, WriteConfig};
 use grainpath_io::fe::{FeOptions, Order, StressUnit};
+use grainpath_io::volume::{RawHeader, SampleType};
 
 use crate::job::Settings;
 use crate::order::{CombSettings, OrderSettings, Seam, WallOrder};
+use crate::shape::ct::{CtSettings, Denoise, Interpolation, Threshold, Tracing};
 use crate::shape::{Adaptive, Placement, Repair, SliceSettings};
 use crate::support::{Style, SupportSettings};
 
@@ -83,6 +85,54 @@ pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> 
         first_layer_mm: s.process.first_layer_height_mm,
         bed: Some(bed),
         ..SupportSettings::default()
+    })
+}
+
+/// How a scan becomes layers.
+pub fn scan(s: &Settings) -> CtSettings {
+    let (c, p) = (&s.ct, &s.process);
+    let [x, y] = c.pixel_mm.map_or([None; 2], |p| p.0.map(Some));
+    CtSettings {
+        spacing_mm: [x, y, c.slice_mm],
+        scale: s.shape.scale,
+        window: c.window,
+        crop_px: c.crop_px,
+        flip: ["x", "y", "z"].map(|axis| c.flip.contains(axis)),
+        threshold: match c.threshold {
+            Threshold::Iso50(None) => Threshold::Iso50(c.materials),
+            other => other,
+        },
+        denoise: match c.smooth.as_str() {
+            "gaussian" => Denoise::Gaussian(c.smooth_px),
+            "median" => Denoise::Median,
+            "edges" => Denoise::Edges,
+            _ => Denoise::None,
+        },
+        tracing: if c.contours == "canny" { Tracing::Canny } else { Tracing::Iso },
+        canny: [c.canny_low, c.canny_high, c.canny_sigma_px],
+        interpolation: match c.interpolate.as_str() {
+            "grey" => Interpolation::Grey,
+            "matched" => Interpolation::Matched,
+            "distance" => Interpolation::Distance,
+            _ => Interpolation::Auto,
+        },
+        overlap: c.overlap,
+        min_island_mm2: c.min_island_mm2,
+        min_pore_mm2: c.min_pore_mm2,
+        layer_height_mm: p.layer_height_mm,
+        first_layer_height_mm: p.first_layer_height_mm,
+        simplify_mm: p.simplify_mm,
+    }
+}
+
+/// The header of a scan without one, where the job gives it.
+pub fn raw_header(s: &Settings) -> Option<RawHeader> {
+    let c = &s.ct;
+    Some(RawHeader {
+        size: c.size_px?,
+        sample: SampleType::from_name(&c.sample)?,
+        big_endian: c.byte_order == "big",
+        offset_bytes: c.offset_bytes as u64,
     })
 }
 

@@ -78,6 +78,20 @@ pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[P
         }
         put("</div>\n".into());
     }
+    if let Some(d) = &report.dimensions {
+        put(format!("<h2>Dimensions</h2>\n<p>Mean error {:.3} %.</p>\n<table>", d.mean_error_percent));
+        put("<tr><th></th><th>true mm</th><th>printed mm</th><th>error %</th></tr>".into());
+        let shown = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.3}"));
+        for m in &d.each {
+            let (printed, error) = (shown(m.printed_mm), shown(m.error_percent));
+            put(format!(
+                "<tr><th>{}</th><td>{:.3}</td><td>{printed}</td><td>{error}</td></tr>",
+                escaped(&m.name),
+                m.true_mm
+            ));
+        }
+        put("</table>\n".into());
+    }
     put("<h2>Time taken</h2>\n<table>".into());
     report.stages_s.iter().for_each(|(stage, s)| put(format!("<tr><th>{stage}</th><td>{s:.3} s</td></tr>")));
     put(format!("<tr><th>peak memory</th><td>{:.0} MiB</td></tr></table>\n", report.peak_rss_mb));

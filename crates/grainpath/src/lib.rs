@@ -4,6 +4,7 @@
 
 pub mod adhesion;
 pub mod config;
+pub mod dimensions;
 pub mod error;
 pub mod examples;
 mod field_mesh;
@@ -25,4 +26,4 @@ pub mod walls;
 
 pub use error::Error;
 pub use job::Settings;
-pub use run::{Inputs, Planned, plan_job};
+pub use run::{Inputs, Planned, plan_job, plan_scan};

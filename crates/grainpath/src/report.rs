@@ -29,6 +29,10 @@ pub struct Report {
     pub time_s: f64,
     pub density: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<crate::shape::ct::CtReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dimensions: Option<crate::dimensions::Dimensions>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub quality: Option<QualityReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub support: Option<SupportReport>,
@@ -188,6 +192,8 @@ impl Report {
             mass_g: round(written.mass_g, 4),
             time_s: round(written.time_s, 1),
             density: round(planned.density, 5),
+            scan: planned.scan.clone(),
+            dimensions: None,
             quality: None,
             support: planned.support.as_ref().map(|support| {
                 let of_layer = |l: &grainpath_core::LayerPlan| -> f64 {
@@ -248,6 +254,9 @@ impl Report {
             ));
         }
         lines.extend(self.support.iter().map(SupportReport::summary));
+        if let Some(d) = &self.dimensions {
+            lines.push(format!("{} dimensions, mean error {:.3} %", d.each.len(), d.mean_error_percent));
+        }
         lines.extend(self.warnings.iter().map(|w| format!("warning: {w}")));
         lines.extend(self.outputs.iter().map(|(what, path)| format!("{what}: {path}")));
         lines.join("\n")

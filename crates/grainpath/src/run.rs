@@ -1,4 +1,4 @@
-//! The main job: from a mesh and settings to a plan.
+//! The main job: from a shape and settings to a plan.
 //!
 //! A pipeline of stages, each taking values and giving new ones: place and mend, slice, walls, skins, fill, order.
 
@@ -9,11 +9,12 @@ use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
 use grainpath_core::{
     BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, DirectionField, Layer, LayerStack, Plan, Polygon, Role,
-    SpeedClass, Toolpath, UniformField,
+    SpeedClass, Toolpath, TriMesh, UniformField,
 };
 use grainpath_gcode::{WriteConfig, check_fits};
 use grainpath_io::MeshFile;
 use grainpath_io::fe::StressField;
+use grainpath_io::volume::SliceSource;
 use rayon::prelude::*;
 
 use crate::adhesion::{AdhesionSettings, brim, skirt};
@@ -48,6 +49,8 @@ pub struct Planned {
     pub density: f64,
     /// Directions and the stress they come from, for jobs that have loads.
     pub guide: Option<Guide>,
+    /// What was found in a scan, where the shape is one.
+    pub scan: Option<shape::ct::CtReport>,
 }
 
 /// Shorter closed walls are small, mm.
@@ -76,12 +79,60 @@ pub fn plan_job(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) 
     let (mesh, stack, lowered_mm) =
         mesh_and_layers(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
+    plan_stack(settings, Sliced { stack, mesh, lowered_mm, scan: None }, inputs.stress, clock, diagnostics)
+}
+
+/// Plans a job whose shape is a scan, of which a few slices are held at a time. `path` is what errors call it;
+/// `stress` was solved elsewhere, in the scan's own place with its lowest point on the plate.
+///
+/// # Errors
+/// As [`plan_job`], and for files that cannot be read and scans that give no layers.
+pub fn plan_scan(
+    settings: &Settings,
+    source: &mut dyn SliceSource,
+    path: &str,
+    stress: Option<StressField>,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let shape_error = |source| Error::Shape { path: path.to_owned(), source };
+    let scan = shape::ct::slice_scan(source, &config::scan(settings), diagnostics).map_err(|e| match e {
+        shape::ct::CtError::Volume(e) => Error::Volume(e),
+        shape::ct::CtError::Shape(source) => shape_error(source),
+    })?;
+    // Only solvers and supports ask for a surface.
+    let mesh = if settings.guide.kind == "stress" || settings.support.style != "none" {
+        shape::surface(&scan.stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
+    } else {
+        TriMesh::default()
+    };
+    clock.stop(Stage::Slice);
+    let sliced = Sliced { stack: scan.stack, mesh, lowered_mm: 0.0, scan: Some(scan.report) };
+    plan_stack(settings, sliced, stress, clock, diagnostics)
+}
+
+/// A shape as layers, wherever they come from.
+struct Sliced {
+    stack: LayerStack,
+    mesh: TriMesh,
+    lowered_mm: f64,
+    scan: Option<shape::ct::CtReport>,
+}
+
+fn plan_stack(
+    settings: &Settings,
+    sliced: Sliced,
+    stress: Option<StressField>,
+    mut clock: Clock,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let Sliced { stack, mesh, lowered_mm, scan } = sliced;
     let part = part_bounds(&stack);
     let plate_from_part_mm = plate_from_part(settings, part);
     check_bed(settings, &stack, part, plate_from_part_mm)?;
     let guide = {
         let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
-        guide::build(settings, &guided, inputs.stress, diagnostics)?
+        guide::build(settings, &guided, stress, diagnostics)?
     };
     if guide.is_some() {
         clock.stop(Stage::Guide);
@@ -115,7 +166,8 @@ pub fn plan_job(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) 
     let plan = Plan { layers, plate_from_part_mm };
     let config = config::writing(settings);
     check_fits(&plan, &config.machine)?;
-    Ok(Planned { plan, stack, config, stages_s: clock.stages, support, support_pictures, density, guide })
+    let stages_s = clock.stages;
+    Ok(Planned { plan, stack, config, stages_s, support, support_pictures, density, guide, scan })
 }
 
 /// The islands of a layer with their walls, and where its fill may lie.
@@ -142,7 +194,7 @@ pub fn mesh_and_layers(
     settings: &Settings,
     file: MeshFile,
     diagnostics: &Diagnostics,
-) -> Result<(grainpath_core::TriMesh, LayerStack, f64), shape::ShapeError> {
+) -> Result<(TriMesh, LayerStack, f64), shape::ShapeError> {
     let (mut bodies, mut lowered_mm) = place_bodies(settings, file, diagnostics)?;
     if settings.support.style != "none" {
         let lift = settings.support.lift_mm;
@@ -159,11 +211,11 @@ fn place_bodies(
     settings: &Settings,
     file: MeshFile,
     diagnostics: &Diagnostics,
-) -> Result<(Vec<grainpath_core::TriMesh>, f64), shape::ShapeError> {
+) -> Result<(Vec<TriMesh>, f64), shape::ShapeError> {
     file.warnings.iter().for_each(|w| diagnostics.warn(format!("mesh: {w}")));
-    let mut bodies: Vec<grainpath_core::TriMesh> = file.bodies.into_iter().map(|b| b.mesh).collect();
+    let mut bodies: Vec<TriMesh> = file.bodies.into_iter().map(|b| b.mesh).collect();
     let mut placement = config::placement(settings);
-    let bounds = bodies.iter().filter_map(grainpath_core::TriMesh::bounds);
+    let bounds = bodies.iter().filter_map(TriMesh::bounds);
     let all = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(shape::ShapeError::Empty)?;
     if settings.shape.unit == "auto" {
         placement.unit = file.unit.unwrap_or(LengthUnit::Millimetre);

@@ -3,7 +3,8 @@
 use toml::Value;
 
 use super::loads::{Case, Fixture, Load};
-use super::value::{Check, Param, SettingValue, read};
+use super::value::{Check, Pair, Param, SettingValue, read};
+use crate::shape::ct::Threshold;
 use Check::{Any, Range, Words};
 
 /// Declares sections: structs with defaults, their rows, and how one key is set.
@@ -67,6 +68,32 @@ sections! {
         position_mm: Option<[f64; 2]> = None, "mm", Range(-1e5, 1e5), "Where the middle of the part stands on the plate; left out, the middle of the bed.";
         repair: String = "auto".into(), "", Words(&["auto", "strict"]), "auto mends defects and counts them, strict refuses.";
         gap_closing_mm: f64 = 0.05, "mm", Range(0.0, 100.0), "Gaps in sections up to this are closed before anything else.";
+    }
+    /// A CT scan to print.
+    CtSection "shape.ct" {
+        path: String = String::new(), "", Any, "Scan to print: a folder or ZIP of PNG, TIFF, BMP, JPEG or DICOM slices, a multipage TIFF, NRRD, MHD, NIfTI, or raw data.";
+        pixel_mm: Option<Pair> = None, "mm", Range(1e-7, 1e4), "Size of a pixel, one number or [x, y]; left out, the file's.";
+        slice_mm: Option<f64> = None, "mm", Range(1e-7, 1e4), "Distance of slices; left out, the file's.";
+        window: Option<[usize; 2]> = None, "", Range(0.0, 1e6), "First and last slice that are taken, counted from 0.";
+        crop_px: Option<[usize; 4]> = None, "px", Range(0.0, 1e6), "First column, first row, last column, last row that are taken, counted from 0.";
+        flip: String = String::new(), "", Words(&["", "x", "y", "z", "xy", "xz", "yz", "xyz"]), "Axes to mirror.";
+        threshold: Threshold = Threshold::Otsu, "", Any, "Where the part begins: otsu, iso50 (halfway between two materials), a grey value, or [low, high].";
+        materials: Option<[f64; 2]> = None, "", Any, "Grey values of the two materials for iso50; left out, the commonest on either side of Otsu's threshold.";
+        smooth: String = "none".into(), "", Words(&["none", "gaussian", "median", "edges"]), "Noise taken out of slices; edges keeps edges sharp.";
+        smooth_px: f64 = 0.7, "px", Range(0.0, 20.0), "Standard deviation for smooth = \"gaussian\".";
+        min_island_mm2: f64 = 0.2, "mm2", Range(0.0, 1e6), "Smaller islands of a section are dropped and counted.";
+        min_pore_mm2: f64 = 0.1, "mm2", Range(0.0, 1e6), "Smaller holes of a section are filled and counted.";
+        interpolate: String = "auto".into(), "", Words(&["auto", "grey", "matched", "distance"]), "What lies between slices: grey values mixed, contours matched and moved, or signed distances mixed; auto is grey where slices lie as close as pixels, else matched.";
+        overlap: f64 = 0.2, "", Range(0.0, 1.0), "Share of an entity that its partner in the next slice must cover at least.";
+        contours: String = "iso".into(), "", Words(&["iso", "canny"]), "How contours are found: between pixels where the threshold is crossed, or Canny's edges with feature points as published.";
+        canny_low: f64 = 0.04, "", Range(0.0, 1.0), "Edges go on above this share of the step from air to material a pixel.";
+        canny_high: f64 = 0.1, "", Range(0.0, 1.0), "Edges begin above this share.";
+        canny_sigma_px: f64 = 1.0, "px", Range(0.0, 10.0), "Gaussian before Canny's gradients.";
+        truth: String = String::new(), "", Any, "File of true dimensions (TOML) that the report compares with what is printed; none when left out.";
+        size_px: Option<[usize; 3]> = None, "", Range(1.0, 1e6), "Columns, rows and slices of raw data.";
+        sample: String = "u8".into(), "", Words(&grainpath_io::volume::SampleType::NAMES), "How raw data stores a voxel.";
+        byte_order: String = "little".into(), "", Words(&["little", "big"]), "Which byte of raw data comes first.";
+        offset_bytes: usize = 0, "", Range(0.0, 1e12), "Bytes of raw data before the first voxel.";
     }
     /// The printer.
     PrinterSection "printer" {
@@ -232,6 +259,10 @@ sections! {
         support: String = String::new(), "", Any, "The support as one closed surface (STL); none when left out.";
         stress: String = String::new(), "", Any, "Stress and principal directions as VTU; none when left out.";
         lines: String = String::new(), "", Any, "Evenly spaced principal stress lines of both families: .svg or .vtp; none when left out.";
+        surface: String = String::new(), "", Any, "The part's surface as STL or 3MF, by its ending, lofted from its layers, closed and manifold; none when left out.";
+        surface_cell_mm: f64 = 0.3, "mm", Range(0.01, 10.0), "Size of the cells that the surface is made of.";
+        layers_cli: String = String::new(), "", Any, "The part's sections as a Common Layer Interface file; none when left out.";
+        layers_svg: String = String::new(), "", Any, "The part's sections as SVG, a group a layer; none when left out.";
         plan: String = String::new(), "", Any, "The plan as JSON: every path with its widths; none when left out.";
     }
 }
@@ -241,6 +272,7 @@ sections! {
 #[allow(missing_docs)]
 pub struct Settings {
     pub shape: ShapeSection,
+    pub ct: CtSection,
     pub printer: PrinterSection,
     pub material: MaterialSection,
     pub process: ProcessSection,
@@ -253,13 +285,16 @@ pub struct Settings {
 
 impl Settings {
     /// Names of the sections, in the order they are shown.
-    pub const SECTIONS: [&'static str; 9] =
-        ["shape", "printer", "material", "process", "guide", "fill", "support", "strength", "output"];
+    pub const SECTIONS: [&'static str; 10] = [
+        "shape", "shape.ct", "printer", "material", "process", "guide", "fill", "support", "strength",
+        "output",
+    ];
 
     /// Sets one key; `None` when there is no such section or key.
     pub(super) fn set(&mut self, section: &str, key: &str, value: &Value) -> Option<Result<(), String>> {
         match section {
             "shape" => self.shape.set(key, value),
+            "shape.ct" => self.ct.set(key, value),
             "printer" => self.printer.set(key, value),
             "material" => self.material.set(key, value),
             "process" => self.process.set(key, value),
@@ -276,6 +311,7 @@ impl Settings {
     pub fn params() -> Vec<Param> {
         let all = [
             ShapeSection::params(),
+            CtSection::params(),
             PrinterSection::params(),
             MaterialSection::params(),
             ProcessSection::params(),
@@ -292,6 +328,7 @@ impl Settings {
     pub fn rows(&self) -> Vec<(String, String)> {
         let all = [
             self.shape.rows(),
+            if self.ct.path.is_empty() { Vec::new() } else { self.ct.rows() },
             self.printer.rows(),
             self.material.rows(),
             self.process.rows(),
