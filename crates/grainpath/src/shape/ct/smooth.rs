@@ -14,7 +14,7 @@ pub enum Smoothing {
 }
 
 /// Smooths a slice in place.
-pub fn smooth(values: &mut Vec<f32>, nx: usize, ny: usize, how: Smoothing) {
+pub fn smooth(values: &mut [f32], nx: usize, ny: usize, how: Smoothing) {
     match how {
         Smoothing::None => {}
         Smoothing::Gaussian(sigma_px) => gaussian(values, nx, ny, sigma_px),
