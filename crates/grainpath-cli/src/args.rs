@@ -22,6 +22,10 @@ pub enum Command {
     Slice(Slice),
     /// Write a commented example job with its input
     New(New),
+    /// Grow supports for a mesh and write them as a mesh of their own
+    Support(Support),
+    /// Write a piece to print and read: the critical angle's calibration and others
+    Specimen(Specimen),
     /// Say what a mesh, a CT scan, a finite-element result or a G-code file is, with its defects
     Inspect(Inspect),
     /// Draw a layer of a G-code file
@@ -38,9 +42,10 @@ impl Command {
         match self {
             Self::Run(a) => a.common.json,
             Self::Slice(a) => a.common.json,
+            Self::Support(a) => a.common.json,
             Self::Inspect(a) => a.json,
             Self::Profiles(a) => a.json,
-            Self::New(_) | Self::Render(_) | Self::Schema(_) => false,
+            Self::New(_) | Self::Specimen(_) | Self::Render(_) | Self::Schema(_) => false,
         }
     }
 }
@@ -81,6 +86,34 @@ pub struct Slice {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub common: Common,
+}
+
+/// `grainpath support`
+#[derive(Debug, clap::Args)]
+pub struct Support {
+    /// Mesh: STL, OBJ, PLY, OFF or 3MF
+    pub model: PathBuf,
+    /// STL or 3MF, by its ending [default: the mesh's name with _support.stl]
+    #[arg(short, long, value_name = "FILE.stl")]
+    pub output: Option<PathBuf>,
+    /// Write the model into the same file
+    #[arg(long)]
+    pub with_model: bool,
+    /// Folder for pictures of the steps: overhangs, contacts, trees
+    #[arg(long, value_name = "DIR")]
+    pub preview: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `grainpath specimen`
+#[derive(Debug, clap::Args)]
+pub struct Specimen {
+    /// Which; left out, all are listed
+    pub name: Option<String>,
+    /// File to write [default: the specimen's name with .stl]
+    #[arg(short, long, value_name = "FILE.stl")]
+    pub output: Option<PathBuf>,
 }
 
 /// `grainpath new`

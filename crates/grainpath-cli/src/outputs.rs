@@ -22,6 +22,7 @@ pub struct Paths {
     report: Option<PathBuf>,
     preview: Option<PathBuf>,
     plan: Option<PathBuf>,
+    support: Option<PathBuf>,
     surface: Option<PathBuf>,
     layers_cli: Option<PathBuf>,
     layers_svg: Option<PathBuf>,
@@ -44,12 +45,16 @@ impl Paths {
             report: given(&o.report),
             preview: given(&o.preview),
             plan: given(&o.plan),
+            support: given(&o.support),
             surface: given(&o.surface),
             layers_cli: given(&o.layers_cli),
             layers_svg: given(&o.layers_svg),
             stress: given(&o.stress),
             lines: given(&o.lines),
         };
+        if let Some(path) = &paths.support {
+            crate::support::Format::of(path)?;
+        }
         if let Some(path) = &paths.lines
             && !["svg", "vtp"].iter().any(|e| path.extension().is_some_and(|x| x == *e))
         {
@@ -62,6 +67,7 @@ impl Paths {
             Some(&paths.gcode),
             paths.report.as_ref(),
             paths.plan.as_ref(),
+            paths.support.as_ref(),
             paths.stress.as_ref(),
             paths.lines.as_ref(),
             paths.surface.as_ref(),
@@ -116,7 +122,11 @@ pub fn write(
         report.dimensions = truth
             .map(|t| grainpath::dimensions::measure(t, &program, planned.plan.plate_from_part_mm.truncate()));
         drop(copy);
-        let drawn = guide_pictures(&planned, paths);
+        let mut drawn = guide_pictures(&planned, paths);
+        drawn.extend(planned.support_pictures.iter().map(|p| {
+            let picture = html::Picture { title: p.title.clone(), png: p.png.clone() };
+            (format!("support_{}.png", p.name), picture)
+        }));
         previews(settings, &program, &drawn, paths, diagnostics, &mut report)?;
     }
     guide_files(&planned, paths, &mut report)?;
@@ -124,6 +134,15 @@ pub fn write(
         let text = grainpath::plan_json::plan_json(&planned.plan);
         save(path, text.as_bytes())?;
         report.outputs.insert("plan", path.display().to_string());
+    }
+    if let (Some(path), Some(support)) = (&paths.support, &planned.support) {
+        let (layers, method) = (&support.cut.layers, &settings.support.solid);
+        let mesh = grainpath::support::surface(layers, &planned.stack, method, diagnostics)
+            .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
+        if !mesh.triangles.is_empty() {
+            crate::support::write_mesh(path, &[&mesh])?;
+            report.outputs.insert("support", path.display().to_string());
+        }
     }
     shapes(&planned, paths, settings.output.surface_cell_mm, diagnostics, &mut report)?;
     report.warnings = diagnostics.warnings();
@@ -153,10 +172,7 @@ fn shapes(
     if let Some(path) = &paths.surface {
         let mesh = grainpath::shape::surface(&planned.stack, cell_mm, diagnostics)
             .map_err(|source| grainpath::Error::Shape { path: path.display().to_string(), source })?;
-        let failed = |e: std::io::Error| Failure::usage(format!("cannot write {}: {e}", path.display()));
-        let package = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("3mf"));
-        let write = if package { grainpath_io::write_3mf } else { grainpath_io::write_stl };
-        files::write_atomically(path, |w| write(&mesh, w).map_err(failed))?;
+        crate::support::write_mesh(path, &[&mesh])?;
         report.outputs.insert("surface", path.display().to_string());
     }
     Ok(())

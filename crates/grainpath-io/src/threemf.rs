@@ -5,6 +5,9 @@
 
 mod package;
 mod part;
+mod write;
+
+pub use write::write_3mf;
 
 use std::collections::BTreeMap;
 
@@ -167,43 +170,6 @@ fn append(to: &mut TriMesh, mesh: &TriMesh, place: &Transform, path: &str) -> Re
         if mirrors { [a, c, b] } else { [a, b, c] }
     }));
     Ok(())
-}
-
-/// Writes a mesh in mm as a 3MF package with one object.
-///
-/// # Errors
-/// What `out` says.
-pub fn write_3mf(mesh: &grainpath_core::TriMesh, out: &mut dyn std::io::Write) -> std::io::Result<()> {
-    use std::io::Write;
-    let mut model = String::from(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"millimeter\" \
-         xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"><resources><object id=\"1\" type=\"model\">\
-         <mesh><vertices>\n",
-    );
-    for v in &mesh.vertices {
-        model += &format!("<vertex x=\"{}\" y=\"{}\" z=\"{}\"/>\n", v.x as f32, v.y as f32, v.z as f32);
-    }
-    model += "</vertices><triangles>\n";
-    for [a, b, c] in &mesh.triangles {
-        model += &format!("<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"/>\n");
-    }
-    model += "</triangles></mesh></object></resources><build><item objectid=\"1\"/></build></model>\n";
-    let types = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Types xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\">\
-                 <Default Extension=\"rels\" ContentType=\"application/vnd.openxmlformats-package.relationships+xml\"/>\
-                 <Default Extension=\"model\" ContentType=\"application/vnd.ms-package.3dmanufacturing-3dmodel+xml\"/></Types>";
-    let relations = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">\
-                     <Relationship Target=\"/3D/3dmodel.model\" Id=\"rel0\" \
-                     Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>";
-    let mut package = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
-    // The same bytes on every run: no time of writing.
-    let options = zip::write::SimpleFileOptions::default().last_modified_time(zip::DateTime::default());
-    for (name, text) in
-        [("[Content_Types].xml", types), ("_rels/.rels", relations), ("3D/3dmodel.model", model.as_str())]
-    {
-        package.start_file(name, options).map_err(std::io::Error::other)?;
-        package.write_all(text.as_bytes())?;
-    }
-    out.write_all(package.finish().map_err(std::io::Error::other)?.get_ref())
 }
 
 #[cfg(test)]

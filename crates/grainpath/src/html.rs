@@ -121,13 +121,20 @@ fn numbers(r: &Report) -> Vec<(String, &'static str)> {
         all.push((format!("{low:.2} / {middle:.2} / {high:.2} mm"), "bead width at 1, 50, 99 %"));
         all.push((q.paths_per_layer_max.to_string(), "most paths in a layer"));
     }
+    if let Some(u) = &r.support {
+        all.push((format!("{:.2} g", u.mass_g), "of it support"));
+        all.push((format!("{} at {}", u.trees, u.contacts), "trees, at contacts"));
+        all.push((u.unreached.len().to_string(), "overhangs not reached"));
+    }
     all
 }
 
 /// Which colour is what.
 fn key() -> String {
     let mut out = String::from("<div class=\"key\">");
-    for role in grainpath_core::Role::ALL.into_iter().filter(|r| r.is_part()) {
+    for role in
+        grainpath_core::Role::ALL.into_iter().filter(|r| r.is_part() || *r == grainpath_core::Role::Support)
+    {
         let [r, g, b] = crate::render::role_colour(role);
         let _ = write!(
             out,

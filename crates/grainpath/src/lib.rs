@@ -20,6 +20,8 @@ pub mod report;
 pub mod run;
 pub mod shape;
 pub mod skin;
+pub mod specimen;
+pub mod support;
 pub mod walls;
 
 pub use error::Error;

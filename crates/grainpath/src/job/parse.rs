@@ -21,13 +21,7 @@ fn error(place: impl Into<String>, problem: impl Into<String>) -> JobError {
 }
 
 /// Keys of other parts of grainpath that are not there yet: known, so that the message can say so.
-const LATER: [(&str, &str); 5] = [
-    ("shape", "outline"),
-    ("shape", "thickness_mm"),
-    ("shape", "photo"),
-    ("support", "critical_angle_deg"),
-    ("output", "support"),
-];
+const LATER: [(&str, &str); 3] = [("shape", "outline"), ("shape", "thickness_mm"), ("shape", "photo")];
 
 /// Reads a job. `name` is what errors call the file; `sets` are `section.key=value` as given on the command line,
 /// stronger than the file; `load` reads a profile that is named by its path.

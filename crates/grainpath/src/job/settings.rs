@@ -212,7 +212,40 @@ sections! {
     }
     /// What holds up overhangs.
     SupportSection "support" {
-        style: String = "none".into(), "", Words(&["none"]), "Supports are not in this version.";
+        style: String = "none".into(), "", Words(&["none", "tree", "columns", "box"]), "tree: branching supports; columns (straight walls below every overhang) and box (the box around them) are baselines to compare with.";
+        critical_angle_deg: f64 = 40.0, "deg", Range(0.0, 89.0), "Facets that lean more than this from the vertical are held up; read it off the print of `grainpath specimen critical-angle`.";
+        branch_angle_deg: Option<f64> = None, "deg", Range(5.0, 80.0), "Branches lean at most by this from the vertical; left out, the critical angle.";
+        max_unsupported_mm: f64 = 10.0, "mm", Range(0.5, 200.0), "The longest stretch that prints without anything below (L): contacts stand L/2 apart and none of an overhang is further than L/2 from one.";
+        min_overhang_mm: f64 = 0.8, "mm", Range(0.0, 100.0), "Overhangs smaller than this in plan are left alone; what begins in mid-air never is.";
+        contact_radius_mm: f64 = 0.3, "mm", Range(0.1, 10.0), "Radius of the end that touches the part: small ends break off cleanly.";
+        tip_length_mm: f64 = 1.5, "mm", Range(0.2, 50.0), "Length of the end piece, which leaves the part along its normal.";
+        branch_radius_mm: f64 = 0.6, "mm", Range(0.2, 20.0), "Radius of the thinnest branch; one closed bead needs about 1.3 bead widths across.";
+        base_radius_mm: f64 = 4.0, "mm", Range(0.2, 50.0), "Radius of a foot on the plate, and of the thickest trunk.";
+        base_height_mm: f64 = 1.0, "mm", Range(0.0, 100.0), "Height over which a trunk widens to its foot.";
+        z_gap_mm: f64 = 0.2, "mm", Range(0.0, 5.0), "Free height between support and part, rounded up to whole layers: the larger, the easier it comes off and the rougher the face.";
+        xy_gap_mm: f64 = 0.4, "mm", Range(0.0, 10.0), "Distance that branches keep from the part's walls.";
+        interface_layers: usize = 0, "", Range(0.0, 100.0), "Dense layers below each contact, as a pad: a smoother face, harder to remove.";
+        interface_radius_mm: f64 = 1.2, "mm", Range(0.1, 50.0), "Radius of such a pad.";
+        load_per_contact_n: f64 = 1.0, "N", Range(0.0, 1000.0), "What one contact presses on its branch, safety included; branches are as thick as Euler's load asks.";
+        stiffness_mpa: f64 = 2000.0, "MPa", Range(1.0, 1e6), "Young's modulus of a printed branch, for the same.";
+        max_slenderness: f64 = 40.0, "", Range(2.0, 1000.0), "Length over diameter that no branch exceeds.";
+        brace: bool = true, "", Any, "Tie slender trunks to a neighbour with struts.";
+        brace_slenderness: f64 = 25.0, "", Range(2.0, 1000.0), "Trunks of more than this length over diameter are tied, at this distance.";
+        max_reach_mm: f64 = 40.0, "mm", Range(1.0, 1000.0), "The furthest a branch goes sideways to meet another.";
+        margin_mm: f64 = 12.0, "mm", Range(1.0, 1000.0), "How far branches may go beyond the part in plan to get past it.";
+        from_plate_only: bool = false, "", Any, "Nothing stands on the part; overhangs that cannot be reached from the plate are listed instead.";
+        lift_mm: f64 = 0.0, "mm", Range(0.0, 1000.0), "The part is lifted off the plate by this and stands on its supports.";
+        enforce_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Boxes (lowest and highest corner, part on the plate) in which everything that looks down is held.";
+        block_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Boxes in which nothing is held.";
+        enforce_facets: Vec<usize> = Vec::new(), "", Any, "Facets that are held whatever their angle, counted from 0 in the order of the file.";
+        block_facets: Vec<usize> = Vec::new(), "", Any, "Facets that are not held, likewise.";
+        solid: String = "distance".into(), "", Words(&["distance", "poisson"]), "How the support becomes one surface: by signed distance, or by Poisson reconstruction as in the paper (slower, blurs tips).";
+        walls: usize = 1, "", Range(1.0, 100.0), "Beads around each branch.";
+        density: f64 = 0.0, "", Range(0.0, 1.0), "Fill inside the branches; columns and box lay at least 0.15.";
+        dense_layers: usize = 2, "", Range(0.0, 1000.0), "Dense layers from the plate, so that feet stick.";
+        speed_mm_s: f64 = 50.0, "mm/s", Range(0.1, 2000.0), "Speed of support.";
+        interface_speed_mm_s: f64 = 30.0, "mm/s", Range(0.1, 2000.0), "Speed of the dense layers below contacts.";
+        fan: f64 = 1.0, "", Range(0.0, 1.0), "Least fan while support is printed: thin branches need to set.";
     }
     /// The virtual strength test.
     StrengthSection "strength" {
@@ -223,6 +256,7 @@ sections! {
         gcode: String = String::new(), "", Any, "The machine program; left out, the mesh's name with .gcode.";
         report: String = String::new(), "", Any, "Report page (HTML); none when left out.";
         preview: String = String::new(), "", Any, "Folder for pictures of layers (PNG and SVG) and of the part; none when left out.";
+        support: String = String::new(), "", Any, "The support as one closed surface (STL); none when left out.";
         stress: String = String::new(), "", Any, "Stress and principal directions as VTU; none when left out.";
         lines: String = String::new(), "", Any, "Evenly spaced principal stress lines of both families: .svg or .vtp; none when left out.";
         surface: String = String::new(), "", Any, "The part's surface as STL or 3MF, by its ending, lofted from its layers, closed and manifold; none when left out.";
@@ -300,6 +334,7 @@ impl Settings {
             self.process.rows(),
             self.guide.rows(),
             self.fill.rows(),
+            self.support.rows(),
             self.output.rows(),
         ];
         all.into_iter().flatten().collect()

@@ -202,7 +202,7 @@ mod tests {
         let again = diagnose(&read.bodies[0].mesh).expect("triangles");
         assert!(again.open_edges == 0 && again.nonmanifold_edges == 0, "{again:?}");
         let mut package = Vec::new();
-        grainpath_io::write_3mf(&mesh, &mut package).expect("memory");
+        grainpath_io::write_3mf(&[&mesh], &mut package).expect("memory");
         let read = grainpath_io::parse_mesh(&package, Some("a.3mf")).expect("its own 3MF");
         let packed = diagnose(&read.bodies[0].mesh).expect("triangles");
         assert_eq!((packed.n_triangles, packed.open_edges), (health.n_triangles, 0));
