@@ -28,7 +28,9 @@ pub fn run(cases: &[&str]) -> Result<(), String> {
     let target = std::env::var("CARGO_TARGET_DIR").map_or_else(|_| root.join("target"), Into::into);
     let folder = root.join("target/bench/fea");
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    println!("\n| unknowns | program | dofs | wall s | peak MiB | largest displacement mm |\n|---|---|---|---|---|---|");
+    println!(
+        "\n| unknowns | program | dofs | wall s | peak MiB | largest displacement mm |\n|---|---|---|---|---|---|"
+    );
     for (name, gmsh_size, our_size) in CASES {
         if !cases.is_empty() && !cases.iter().any(|c| name.replace(' ', "") == **c) {
             continue;
@@ -123,13 +125,16 @@ fn deck(mesh: &Path, deck: &Path) -> Result<f64, String> {
     let (low, high) = (x().fold(f64::INFINITY, f64::min), x().fold(f64::NEG_INFINITY, f64::max));
     let at = |x: f64| nodes.iter().filter(move |n| (n.1.0 - x).abs() < 1e-6).map(|n| n.0);
     let mut out = String::from("*NODE\n");
-    let put = |out: &mut String, line: std::fmt::Arguments<'_>| writeln!(out, "{line}").map_err(|e| e.to_string());
+    let put =
+        |out: &mut String, line: std::fmt::Arguments<'_>| writeln!(out, "{line}").map_err(|e| e.to_string());
     for (id, (_, place)) in &nodes {
         put(&mut out, format_args!("{id},{place}"))?;
     }
     out.push_str("*ELEMENT,TYPE=C3D10,ELSET=ALL\n");
     out.push_str(&elements);
-    out.push_str("*MATERIAL,NAME=M\n*ELASTIC\n210000,0.3\n*SOLID SECTION,ELSET=ALL,MATERIAL=M\n*NSET,NSET=FIX\n");
+    out.push_str(
+        "*MATERIAL,NAME=M\n*ELASTIC\n210000,0.3\n*SOLID SECTION,ELSET=ALL,MATERIAL=M\n*NSET,NSET=FIX\n",
+    );
     for id in at(low) {
         put(&mut out, format_args!("{id},"))?;
     }
@@ -151,7 +156,8 @@ fn largest_displacement(frd: &Path) -> Result<f64, String> {
         if line.starts_with(" -4") {
             inside = line.contains("DISP");
         } else if inside && line.starts_with(" -1") {
-            let part = |i: usize| line.get(13 + 12 * i..25 + 12 * i).and_then(|w| w.trim().parse::<f64>().ok());
+            let part =
+                |i: usize| line.get(13 + 12 * i..25 + 12 * i).and_then(|w| w.trim().parse::<f64>().ok());
             let squares = (0..3).filter_map(part).map(|v| v * v).sum::<f64>();
             most = most.max(squares.sqrt());
         }

@@ -432,7 +432,7 @@ impl FeFile {
         }
         if let Some((lo, hi)) = box_of(&result.nodes) {
             let size = (hi - lo).max_element();
-            if options.length_unit.is_none() && (size > LIKELY_MAX_MM || size < LIKELY_MIN_MM) {
+            if options.length_unit.is_none() && !(LIKELY_MIN_MM..=LIKELY_MAX_MM).contains(&size) {
                 warnings.push(format!(
                     "the mesh is {size:.4} mm long; if it is not in mm, state length_unit = \"m\" or \"inch\""
                 ));
