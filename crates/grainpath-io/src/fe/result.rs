@@ -439,7 +439,9 @@ impl FeFile {
             }
         }
         self.check_von_mises(result, mpa, warnings);
-        if let (false, Some((order, stated, best))) = (choice.by_name, better_order(result, options.order)) {
+        if !choice.by_name
+            && let Some((order, stated, best)) = better_order(result, options.order)
+        {
             warnings.push(format!(
                 "the order of the components may be {}: with it the stress across free faces is {best:.3} of the \
                  whole, with {} it is {stated:.3}",
@@ -530,12 +532,18 @@ fn is_plane(nodes: &[DVec3], elements: &[Element]) -> bool {
 /// An order of the shears under which much less stress crosses the free surface, with the share of the stated order
 /// and of the better one. Most of a part's surface carries no load, so the right order leaves little across it.
 fn better_order(result: &FeResult, stated: Option<Order>) -> Option<(Order, f64, f64)> {
-    let faces = surface(&result.elements)?;
+    if result.elements.first()?.kind.dimension() != 3 {
+        return None;
+    }
     let stated = stated.unwrap_or(Order::Vtk);
     let all = [Order::Vtk, Order::Abaqus, Order::Voigt];
     let mut across = [0.0; 3];
     let mut total = 0.0;
-    for face in &faces {
+    for (e, face) in free_faces(&result.elements) {
+        let e = &result.elements[e as usize];
+        let corners = e.kind.faces()[face as usize];
+        let face: [u32; 4] = std::array::from_fn(|k| e.nodes()[corners[k.min(corners.len() - 1)]]);
+        let face = &face[..corners.len()];
         let p = |k: usize| result.nodes[face[k] as usize];
         let area = (p(1) - p(0)).cross(p(2) - p(0));
         let size = area.length();
@@ -568,22 +576,20 @@ fn better_order(result: &FeResult, stated: Option<Order>) -> Option<(Order, f64,
     (share(best) < 0.7 * share(stated) && share(stated) > 0.05).then(|| (best, share(stated), share(best)))
 }
 
-/// Corners of the faces that only one solid has; `None` where there are no solids.
-fn surface(elements: &[Element]) -> Option<Vec<Vec<u32>>> {
-    if elements.first()?.kind.dimension() != 3 {
-        return None;
-    }
-    let mut faces: Vec<([u32; 4], Vec<u32>)> = Vec::new();
-    for e in elements {
-        for face in e.kind.faces() {
-            let corners: Vec<u32> = face.iter().map(|&i| e.nodes()[i]).collect();
+/// Faces of solids (edges of surfaces) that only one element has: the element and which of its faces.
+pub(crate) fn free_faces(elements: &[Element]) -> Vec<(u32, u8)> {
+    let mut faces: Vec<([u32; 4], u32, u8)> = Vec::new();
+    for (i, e) in elements.iter().enumerate() {
+        for (f, face) in e.kind.faces().iter().enumerate() {
             let mut key = [u32::MAX; 4];
-            key[..corners.len()].copy_from_slice(&corners);
+            for (k, &c) in key.iter_mut().zip(*face) {
+                *k = e.nodes()[c];
+            }
             key.sort_unstable();
-            faces.push((key, corners));
+            faces.push((key, i as u32, f as u8));
         }
     }
     faces.sort_unstable();
     let single = faces.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() == 1);
-    Some(single.map(|c| c[0].1.clone()).collect())
+    single.map(|c| (c[0].1, c[0].2)).collect()
 }
