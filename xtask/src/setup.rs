@@ -44,6 +44,20 @@ pub fn bench() -> Result<(), String> {
     python()
 }
 
+/// For `cargo xtask bench ct`: marching cubes and a slicer.
+pub fn scans() -> Result<(), String> {
+    bench()?;
+    apt(&[("prusa-slicer", "prusa-slicer")])?;
+    if quiet(Command::new("python3").args(["-c", "import skimage"])) {
+        return Ok(());
+    }
+    let pip = |extra: &[&str]| {
+        let args = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+        crate::run(Command::new("python3").args(args).args(extra).arg("scikit-image"))
+    };
+    pip(&[]).or_else(|_| pip(&["--break-system-packages"]))
+}
+
 /// CuraEngine's definition files, unpacked from the package of its front end without installing that.
 pub fn cura_definitions(folder: &Path) -> Option<PathBuf> {
     let definitions = folder.join("cura/usr/share/cura/resources/definitions");
