@@ -138,6 +138,16 @@ impl FeResult {
     pub fn max_von_mises_mpa(&self) -> f64 {
         self.stress.iter().map(von_mises).filter(|v| v.is_finite()).fold(0.0, f64::max)
     }
+
+    /// Lowest and highest corner of the box around the elements, mm; around all nodes where there are no elements.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        let grown = |(lo, hi): (DVec3, DVec3), p: DVec3| (lo.min(p), hi.max(p));
+        let mut used = self.elements.iter().flat_map(|e| e.nodes()).map(|&i| self.nodes[i as usize]);
+        match used.next() {
+            Some(first) => Some(used.fold((first, first), grown)),
+            None => box_of(&self.nodes),
+        }
+    }
 }
 
 /// Where the six components come from: the array of each (by index) and the component in it.
@@ -419,7 +429,7 @@ impl FeFile {
         let peak = result.max_von_mises_mpa();
         if peak > LIKELY_MAX_MPA {
             let hint = if options.stress_unit.is_none() && peak * 1e-6 > 1e-4 {
-                "; is it in Pa? Then state stress_unit = \"Pa\""
+                "; is it in Pa? Then state import_stress_unit = \"Pa\""
             } else {
                 ""
             };
@@ -430,11 +440,11 @@ impl FeFile {
         if peak == 0.0 {
             warnings.push("the stress is zero everywhere".into());
         }
-        if let Some((lo, hi)) = box_of(&result.nodes) {
+        if let Some((lo, hi)) = result.bounds() {
             let size = (hi - lo).max_element();
             if options.length_unit.is_none() && !(LIKELY_MIN_MM..=LIKELY_MAX_MM).contains(&size) {
                 warnings.push(format!(
-                    "the mesh is {size:.4} mm long; if it is not in mm, state length_unit = \"m\" or \"inch\""
+                    "the mesh is {size:.4} mm long; if it is not in mm, state import_length_unit = \"m\" or \"inch\""
                 ));
             }
         }
