@@ -146,10 +146,9 @@ impl<'a> Vtu<'a> {
                         self.end_piece()?;
                     }
                 }
+                // What stands inside information keys is no data; data comes in one run before them.
                 Event::Text(t)
-                    if open.is_some() && section != Section::Other
-                    // What stands inside information keys is no data; data comes in one run before them.
-                    && skip_space(&text).is_empty() =>
+                    if open.is_some() && section != Section::Other && skip_space(&text).is_empty() =>
                 {
                     text.extend_from_slice(t.as_ref().as_bytes());
                 }
