@@ -12,10 +12,7 @@ const ALLOWED: [(&str, &[&str]); 7] = [
     ("grainpath-gcode", &["grainpath-core"]),
     ("grainpath-fea", &["grainpath-core"]),
     ("grainpath", &["grainpath-core", "grainpath-io", "grainpath-gcode", "grainpath-fea"]),
-    (
-        "grainpath-cli",
-        &["grainpath-core", "grainpath-io", "grainpath-gcode", "grainpath-fea", "grainpath"],
-    ),
+    ("grainpath-cli", &["grainpath-core", "grainpath-io", "grainpath-gcode", "grainpath-fea", "grainpath"]),
     ("xtask", &[]),
 ];
 

@@ -1,5 +1,6 @@
-//! Bytes to meshes and back. Nothing here opens a file; every reader takes what is in memory and survives any bytes.
+//! Bytes to meshes and images, and back. Nothing here opens a file; every reader takes what is in memory and survives any bytes.
 
+pub mod image;
 mod mesh;
 mod obj;
 mod off;
@@ -8,5 +9,6 @@ mod stl;
 mod text;
 mod threemf;
 
+pub use image::{Image, ImageError, ImageFormat, Samples};
 pub use mesh::{Body, MeshError, MeshFile, MeshFormat, parse_mesh, sniff_mesh};
 pub use stl::write_stl;
