@@ -7,6 +7,7 @@ pub mod config;
 pub mod error;
 pub mod examples;
 pub mod fill;
+pub mod grain;
 pub mod html;
 pub mod job;
 pub mod mask;

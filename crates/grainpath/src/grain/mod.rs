@@ -1,0 +1,6 @@
+//! The grain of a photograph: rectified, read as directions and as curves.
+
+pub mod board;
+pub mod raster;
+pub mod tensor;
+pub mod warp;
