@@ -144,7 +144,8 @@ pub fn rectify(photo: &Grey, corners: [DVec2; 4], size_mm: DVec2, px_mm: f64) ->
     let columns = (size_mm.x / px_mm).round().max(8.0) as usize;
     let px_mm = size_mm.x / columns as f64;
     let rows = (size_mm.y / px_mm).round().max(8.0) as usize;
-    let target = [(0.0, rows as f64), (columns as f64, rows as f64), (columns as f64, 0.0), (0.0, 0.0)];
+    let (right, top) = (columns as f64, size_mm.y / px_mm);
+    let target = [(0.0, top), (right, top), (right, 0.0), (0.0, 0.0)];
     let map = Homography::from_points(target.map(DVec2::from), corners).expect("checked corners are convex");
     let stretch = target.map(|c| map.stretch(DVec2::from(c), 0.5)).into_iter().fold(0.0, f64::max);
     // Pictures of half the size until a step is less than two pixels; what remains is averaged point by point.
