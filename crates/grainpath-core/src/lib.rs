@@ -12,6 +12,7 @@ pub mod mesh;
 pub mod poly;
 pub mod spelling;
 pub mod toolpath;
+pub mod triangulation;
 pub mod units;
 
 pub use diagnostics::Diagnostics;

@@ -280,7 +280,7 @@ impl Job<'_> {
         all.into_iter().collect()
     }
 
-    fn context(&self, layer_idx: usize, density: f64, role: Role) -> FillContext {
+    fn context(&self, layer_idx: usize, density: f64, role: Role) -> FillContext<'_> {
         let layer = &self.stack.layers()[layer_idx];
         FillContext {
             z_mid_mm: layer.z_top_mm() - 0.5 * layer.height_mm(),
@@ -291,6 +291,7 @@ impl Job<'_> {
             part: self.part,
             role,
             border_mm: self.border_mm(layer),
+            field: None,
         }
     }
 

@@ -9,7 +9,7 @@
 use grainpath_core::math::{atan2, cross, tan};
 use grainpath_core::medial::medial_axis;
 use grainpath_core::poly::{Join, edges};
-use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
+use grainpath_core::units::{self, bead_spacing_mm};
 use grainpath_core::{BeadWidth, Polygon, Region, Role, SpeedClass, Toolpath};
 
 /// What walls are made of.
@@ -167,21 +167,32 @@ fn push_loops(loops: &mut Vec<Wall>, centre: &Region, depth: usize, width_mm: f6
     }
 }
 
-/// One bead along the middle of each leftover. Where the leftover is the part itself (`outer`), the bead's full
-/// width is the part's thickness; between strips, the bead's strip is.
 fn lay_singles(left: &Region, settings: &WallSettings, outer: bool, h: f64, out: &mut Vec<Toolpath>) {
+    let role = if outer { Role::ThinWall } else { Role::GapFill };
+    single_beads(left, settings.bead_width_mm, settings.min_bead_width_mm, h, role, out);
+}
+
+/// One bead along the middle of each leftover that is thinner than two beads. Where the leftover is the part itself
+/// ([`Role::ThinWall`]), the bead's full width is the part's thickness; between strips, the bead's strip is.
+pub fn single_beads(
+    left: &Region,
+    bead_width_mm: f64,
+    min_bead_width_mm: f64,
+    height_mm: f64,
+    role: Role,
+    out: &mut Vec<Toolpath>,
+) {
+    let h = height_mm;
+    let outer = role == Role::ThinWall;
     let keep = |p: &&Polygon| p.area_mm2() > MIN_GAP_MM2;
     let left = Region { polygons: left.polygons.iter().filter(keep).cloned().collect() };
     if left.is_empty() {
         return;
     }
-    let s = bead_spacing_mm(settings.bead_width_mm, h);
-    let max_mm = settings.bead_width_mm + s;
-    let min_mm =
-        if outer { settings.min_bead_width_mm } else { bead_spacing_mm(settings.min_bead_width_mm, h) };
-    let role = if outer { Role::ThinWall } else { Role::GapFill };
+    let max_mm = bead_width_mm + bead_spacing_mm(bead_width_mm, h);
+    let min_mm = if outer { min_bead_width_mm } else { bead_spacing_mm(min_bead_width_mm, h) };
     for axis in medial_axis(&left, min_mm, max_mm) {
-        let width = |t: &f64| if outer { *t } else { bead_width_mm(*t, h) };
+        let width = |t: &f64| if outer { *t } else { units::bead_width_mm(*t, h) };
         let widths: Vec<f64> = axis.widths_mm.iter().map(width).collect();
         out.push(Toolpath {
             points: axis.points,

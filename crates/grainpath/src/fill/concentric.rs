@@ -9,7 +9,7 @@ use super::{FillContext, Infill};
 pub struct Concentric;
 
 impl Infill for Concentric {
-    fn fill(&self, context: &FillContext, room: &Polygon, out: &mut Vec<Toolpath>) {
+    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
         let step = context.spacing_mm() / context.density;
         let mut region = Region::from(room.clone());
         // Below full density the first loop keeps its distance from the wall.

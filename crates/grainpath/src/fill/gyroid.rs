@@ -16,7 +16,7 @@ pub struct Gyroid;
 const POINTS: usize = 24;
 
 impl Infill for Gyroid {
-    fn fill(&self, context: &FillContext, room: &Polygon, out: &mut Vec<Toolpath>) {
+    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
         let Some(bounds) = room.bounds() else { return };
         let unit_mm = context.spacing_mm() * length_density() / context.density;
         let clipper = LineClipper::new(&Region::from(room.clone()));

@@ -10,7 +10,7 @@ use super::{FillContext, Infill};
 pub struct Honeycomb;
 
 impl Infill for Honeycomb {
-    fn fill(&self, context: &FillContext, room: &Polygon, out: &mut Vec<Toolpath>) {
+    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
         let s = context.spacing_mm();
         // A wave is 4 sides long on 3 sides' width; waves are a rise and a spacing apart.
         let side = (4.0 / (3.0 * context.density) - 1.0) * s * 2.0 / 3f64.sqrt();

@@ -5,22 +5,24 @@
 
 mod bridge;
 mod concentric;
+mod field;
 mod gyroid;
 mod hatch;
 mod honeycomb;
 mod rectilinear;
 
-use grainpath_core::{Bounds2, Polygon, Role, Toolpath};
+use grainpath_core::{Bounds2, DirectionField, Polygon, Role, Toolpath};
 
 pub use bridge::bridge_angle_rad;
 pub use concentric::Concentric;
+pub use field::Stripes;
 pub use gyroid::Gyroid;
 pub use honeycomb::Honeycomb;
 pub use rectilinear::{Crossed, Rectilinear, Solid};
 
 /// What a pattern needs to know of the layer.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FillContext {
+#[derive(Clone, Copy)]
+pub struct FillContext<'a> {
     /// Middle of the layer above the plate, mm.
     pub z_mid_mm: f64,
     /// Thickness of the layer, mm.
@@ -37,9 +39,11 @@ pub struct FillContext {
     pub role: Role,
     /// How far what is to be filled reaches beyond the room, mm: to the edge of the strips around it.
     pub border_mm: f64,
+    /// What the beads follow, where the pattern follows anything.
+    pub field: Option<&'a dyn DirectionField>,
 }
 
-impl FillContext {
+impl FillContext<'_> {
     /// Distance of neighbouring beads that touch, mm.
     pub fn spacing_mm(&self) -> f64 {
         grainpath_core::units::bead_spacing_mm(self.bead_width_mm, self.height_mm)
@@ -51,7 +55,7 @@ impl FillContext {
 /// Pure: same polygon and context, same paths. What needs other layers (bridges, skins) is decided before.
 pub trait Infill: Send + Sync {
     /// Adds paths to `out`; none where nothing fits.
-    fn fill(&self, context: &FillContext, room: &Polygon, out: &mut Vec<Toolpath>);
+    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>);
 }
 
 /// The names of the patterns for the inside.
@@ -97,7 +101,7 @@ mod tests {
         ]
     }
 
-    fn context(density: f64, angle_rad: f64, z_mid_mm: f64) -> FillContext {
+    fn context(density: f64, angle_rad: f64, z_mid_mm: f64) -> FillContext<'static> {
         let part = Bounds2 { min: DVec2::splat(-40.0), max: DVec2::splat(40.0) };
         let role = Role::SparseFill;
         let border_mm = 0.5 * grainpath_core::units::bead_spacing_mm(0.45, 0.2);
@@ -110,6 +114,7 @@ mod tests {
             part,
             role,
             border_mm,
+            field: None,
         }
     }
 

@@ -23,7 +23,7 @@ pub struct Crossed {
 pub struct Solid;
 
 impl Infill for Rectilinear {
-    fn fill(&self, context: &FillContext, room: &Polygon, out: &mut Vec<Toolpath>) {
+    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
         if context.density >= 0.999 {
             return Solid.fill(context, room, out);
         }
@@ -32,7 +32,7 @@ impl Infill for Rectilinear {
 }
 
 impl Infill for Crossed {
-    fn fill(&self, context: &FillContext, room: &Polygon, out: &mut Vec<Toolpath>) {
+    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
         if context.density >= 0.999 {
             return Solid.fill(context, room, out);
         }
@@ -45,7 +45,7 @@ impl Infill for Crossed {
 }
 
 /// Lines whose place depends only on the part, not on the room.
-fn sparse(context: &FillContext, room: &Polygon, angle_rad: f64, step_mm: f64, out: &mut Vec<Toolpath>) {
+fn sparse(context: &FillContext<'_>, room: &Polygon, angle_rad: f64, step_mm: f64, out: &mut Vec<Toolpath>) {
     let centre = context.part.centre();
     let back = direction(-angle_rad);
     let first_mm = rotated(centre, back).y;
@@ -58,7 +58,7 @@ fn sparse(context: &FillContext, room: &Polygon, angle_rad: f64, step_mm: f64, o
 }
 
 impl Infill for Solid {
-    fn fill(&self, context: &FillContext, room: &Polygon, out: &mut Vec<Toolpath>) {
+    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
         let s = context.spacing_mm();
         let back = direction(-context.angle_rad);
         let rows = || room.outer.iter().map(|&p| rotated(p, back).y);

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use crate::walls::Wall;
 pub use comb::CombSettings;
+pub(crate) use nearest::NearestEnds;
 pub use seam::Seam;
 
 /// Which wall of a contour is printed first.

@@ -1,0 +1,147 @@
+//! Triangles of good shape that fill a region.
+
+use glam::DVec2;
+use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation as _};
+
+use crate::Region;
+use crate::poly::edges;
+
+/// Triangles over shared points, counter-clockwise.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Triangulation {
+    /// Corners, mm.
+    pub points: Vec<DVec2>,
+    /// Indices of points, `(n_triangles, 3)`.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// How fine a region is cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TriangleSize {
+    /// No side is much longer than this, mm.
+    pub longest_mm: f64,
+    /// Closed lines get at least this many sides, so that triangles are small around small holes.
+    pub sides_of_hole: usize,
+    /// No side of a contour is cut shorter than this, mm.
+    pub shortest_mm: f64,
+}
+
+/// Why a region cannot be cut into triangles.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum TriangulationError {
+    /// There is nothing to cut.
+    #[error("the region is empty")]
+    Empty,
+    /// Contours meet in a way that cannot be repaired.
+    #[error("the region's contours cross each other")]
+    Crossing,
+    /// Good triangles would be too many.
+    #[error("more than {0} triangles are needed; allow longer sides")]
+    TooMany(usize),
+}
+
+/// More points than this and the sides are too short for what was given.
+const MAX_POINTS: usize = 3_000_000;
+/// No angle is smaller, degrees, but where the region's own corners are.
+const LEAST_ANGLE_DEG: f64 = 25.0;
+
+impl Triangulation {
+    /// Cuts a region; `extra` are points to put corners at, which makes triangles small around them.
+    ///
+    /// # Errors
+    /// [`TriangulationError`] for an empty region, crossing contours, and sides too short for memory.
+    pub fn of(region: &Region, size: &TriangleSize, extra: &[DVec2]) -> Result<Self, TriangulationError> {
+        if region.is_empty() {
+            return Err(TriangulationError::Empty);
+        }
+        let estimate = region.area_mm2() / (0.4 * size.longest_mm * size.longest_mm);
+        if estimate > MAX_POINTS as f64 {
+            return Err(TriangulationError::TooMany(MAX_POINTS));
+        }
+        let mut cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
+        for contour in region.contours() {
+            let around: f64 = crate::poly::perimeter_mm(contour);
+            let step = (around / size.sides_of_hole as f64).clamp(size.shortest_mm, size.longest_mm);
+            let mut ring = Vec::new();
+            for (a, b) in edges(contour) {
+                let n = (a.distance(b) / step).ceil().clamp(1.0, 1e5) as usize;
+                ring.extend((0..n).map(|k| a.lerp(b, k as f64 / n as f64)));
+            }
+            let mut handles = Vec::with_capacity(ring.len());
+            for p in ring {
+                let handle = cdt.insert(Point2::new(p.x, p.y)).map_err(|_| TriangulationError::Crossing)?;
+                if handles.last() != Some(&handle) {
+                    handles.push(handle);
+                }
+            }
+            for k in 0..handles.len() {
+                let (a, b) = (handles[k], handles[(k + 1) % handles.len()]);
+                if a != b {
+                    if !cdt.can_add_constraint(a, b) {
+                        return Err(TriangulationError::Crossing);
+                    }
+                    cdt.add_constraint(a, b);
+                }
+            }
+        }
+        for p in extra {
+            cdt.insert(Point2::new(p.x, p.y)).map_err(|_| TriangulationError::Crossing)?;
+        }
+        let result = cdt.refine(
+            RefinementParameters::new()
+                .exclude_outer_faces(true)
+                .with_angle_limit(AngleLimit::from_deg(LEAST_ANGLE_DEG))
+                .with_max_allowed_area(0.433 * size.longest_mm * size.longest_mm)
+                .with_max_additional_vertices(MAX_POINTS),
+        );
+        if !result.refinement_complete {
+            return Err(TriangulationError::TooMany(MAX_POINTS));
+        }
+        let mut outside = vec![false; cdt.num_all_faces()];
+        result.excluded_faces.iter().for_each(|f| outside[f.index()] = true);
+        let points: Vec<DVec2> = cdt.vertices().map(|v| DVec2::new(v.position().x, v.position().y)).collect();
+        let kept = cdt.inner_faces().filter(|f| !outside[f.fix().index()]);
+        let triangles = kept.map(|f| f.vertices().map(|v| v.fix().index() as u32)).collect();
+        Ok(Self { points, triangles }.compacted())
+    }
+
+    /// Without points that no triangle uses.
+    fn compacted(self) -> Self {
+        let mut number = vec![u32::MAX; self.points.len()];
+        let mut points = Vec::new();
+        let mut triangles = self.triangles;
+        for corner in triangles.iter_mut().flatten() {
+            let slot = &mut number[*corner as usize];
+            if *slot == u32::MAX {
+                *slot = points.len() as u32;
+                points.push(self.points[*corner as usize]);
+            }
+            *corner = *slot;
+        }
+        Self { points, triangles }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{cross, direction};
+
+    #[test]
+    fn a_plate_with_a_hole_is_filled_with_good_triangles() {
+        let disc = |k: usize| direction(k as f64 / 64.0 * std::f64::consts::TAU) * 2.0;
+        let hole = Region::from(crate::Polygon { outer: (0..64).map(disc).collect(), holes: Vec::new() });
+        let plate = Region::rectangle(DVec2::splat(-10.0), DVec2::splat(10.0)).difference(&hole);
+        let size = TriangleSize { longest_mm: 1.0, sides_of_hole: 64, shortest_mm: 0.05 };
+        let mesh = Triangulation::of(&plate, &size, &[]).expect("a sound region");
+        let mut area = 0.0;
+        for &[a, b, c] in &mesh.triangles {
+            let [a, b, c] = [a, b, c].map(|i| mesh.points[i as usize]);
+            let double = cross(b - a, c - a);
+            let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+            assert!(double > 0.15 * longest * longest, "a sliver at {a}");
+            area += 0.5 * double;
+        }
+        assert!((area - plate.area_mm2()).abs() < 1e-6, "{area}");
+    }
+}

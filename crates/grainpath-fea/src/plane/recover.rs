@@ -1,0 +1,150 @@
+//! Stress at the nodes from stress inside the elements (superconvergent patch recovery).
+
+use grainpath_core::DVec2;
+use rayon::prelude::*;
+
+use super::PlaneProblem;
+use super::element::{self, POINTS};
+use crate::principal::PlaneTensor;
+
+/// Patches with fewer samples than this borrow the elements around them: a quadratic has six coefficients.
+const ENOUGH: usize = 12;
+
+/// Stress at every node: around each corner a quadratic is fitted to the stresses at the integration points, where
+/// they are most exact, and read at the corner and half way to its neighbours.
+pub fn recover(problem: &PlaneProblem<'_>, u: &[DVec2]) -> (Vec<PlaneTensor>, Vec<[PlaneTensor; 3]>) {
+    let mesh = problem.mesh;
+    let samples: Vec<[(DVec2, PlaneTensor); 3]> = mesh
+        .elements
+        .par_iter()
+        .map(|e| {
+            let p = e.map(|i| mesh.nodes[i as usize]);
+            let d = e.map(|i| u[i as usize]);
+            let c = (problem.stiffness)((p[0] + p[1] + p[2]) / 3.0);
+            POINTS.map(|(l, _)| {
+                let (n, _) = element::shape(&p, l);
+                let at = (0..6).map(|k| n[k] * p[k]).sum();
+                (at, element::stress(&p, &d, &c, l))
+            })
+        })
+        .collect();
+    let mut starts = vec![0u32; mesh.nodes.len() + 1];
+    let corners = || mesh.elements.iter().enumerate().flat_map(|(t, e)| e[..3].iter().map(move |&i| (t, i)));
+    corners().for_each(|(_, i)| starts[i as usize + 1] += 1);
+    (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
+    let mut next = starts.clone();
+    let mut around = vec![0u32; starts[mesh.nodes.len()] as usize];
+    for (t, i) in corners() {
+        around[next[i as usize] as usize] = t as u32;
+        next[i as usize] += 1;
+    }
+    let touching = |i: usize| &around[starts[i] as usize..starts[i + 1] as usize];
+    let fits: Vec<Option<Fit>> = (0..mesh.nodes.len())
+        .into_par_iter()
+        .map(|i| {
+            let mut patch = touching(i).to_vec();
+            if patch.is_empty() {
+                return None;
+            }
+            for _ in 0..3 {
+                if 3 * patch.len() >= ENOUGH {
+                    break;
+                }
+                let ring: Vec<u32> = patch
+                    .iter()
+                    .flat_map(|&t| mesh.elements[t as usize][..3].iter())
+                    .flat_map(|&k| touching(k as usize).iter().copied())
+                    .collect();
+                patch.extend(ring);
+                patch.sort_unstable();
+                patch.dedup();
+            }
+            Some(Fit::of(mesh.nodes[i], patch.iter().flat_map(|&t| samples[t as usize])))
+        })
+        .collect();
+    let mut sum = vec![([0.0; 3], 0.0); mesh.nodes.len()];
+    let mut add = |at: usize, value: PlaneTensor| {
+        (0..3).for_each(|k| sum[at].0[k] += value[k]);
+        sum[at].1 += 1.0;
+    };
+    for (i, fit) in fits.iter().enumerate() {
+        if let Some(fit) = fit {
+            add(i, fit.at(mesh.nodes[i]));
+        }
+    }
+    for e in &mesh.elements {
+        for k in 0..3 {
+            for end in [k, (k + 1) % 3] {
+                if let Some(fit) = &fits[e[end] as usize] {
+                    add(e[3 + k] as usize, fit.at(mesh.nodes[e[3 + k] as usize]));
+                }
+            }
+        }
+    }
+    let nodal = sum.into_iter().map(|(s, n): (PlaneTensor, f64)| s.map(|v| v / n.max(1.0))).collect();
+    (nodal, samples.into_iter().map(|s| s.map(|(_, stress)| stress)).collect())
+}
+
+/// A quadratic in x and y around a point, one for each component.
+struct Fit {
+    origin: DVec2,
+    scale: f64,
+    coefficients: [PlaneTensor; 6],
+}
+
+impl Fit {
+    fn of(origin: DVec2, samples: impl Iterator<Item = (DVec2, PlaneTensor)> + Clone) -> Self {
+        let scale = samples.clone().map(|(p, _)| p.distance(origin)).fold(1e-12, f64::max);
+        let mut normal = [[0.0; 6]; 6];
+        let mut rhs = [[0.0; 3]; 6];
+        for (p, value) in samples {
+            let row = terms((p - origin) / scale);
+            for i in 0..6 {
+                (0..6).for_each(|j| normal[i][j] += row[i] * row[j]);
+                (0..3).for_each(|j| rhs[i][j] += row[i] * value[j]);
+            }
+        }
+        Self { origin, scale, coefficients: solve(normal, rhs) }
+    }
+
+    fn at(&self, p: DVec2) -> PlaneTensor {
+        let row = terms((p - self.origin) / self.scale);
+        let mut out = [0.0; 3];
+        for (t, c) in row.iter().zip(&self.coefficients) {
+            (0..3).for_each(|k| out[k] += t * c[k]);
+        }
+        out
+    }
+}
+
+fn terms(p: DVec2) -> [f64; 6] {
+    [1.0, p.x, p.y, p.x * p.x, p.x * p.y, p.y * p.y]
+}
+
+/// Cholesky of six equations; directions the samples say nothing of stay zero.
+fn solve(mut a: [[f64; 6]; 6], mut b: [[f64; 3]; 6]) -> [PlaneTensor; 6] {
+    let trace: f64 = (0..6).map(|i| a[i][i]).sum();
+    let least = 1e-10 * trace.max(1e-300);
+    for k in 0..6 {
+        let pivot = a[k][k];
+        if pivot < least {
+            (0..6).for_each(|j| a[k][j] = 0.0);
+            (0..6).for_each(|i| a[i][k] = 0.0);
+            a[k][k] = 1.0;
+            b[k] = [0.0; 3];
+            continue;
+        }
+        for i in k + 1..6 {
+            let f = a[i][k] / pivot;
+            (0..6).for_each(|j| a[i][j] -= f * a[k][j]);
+            (0..3).for_each(|j| b[i][j] -= f * b[k][j]);
+        }
+    }
+    for k in (0..6).rev() {
+        for c in 0..3 {
+            let known: f64 = (k + 1..6).map(|j| a[k][j] * b[j][c]).sum();
+            b[k][c] = (b[k][c] - known) / a[k][k];
+        }
+    }
+    b
+}

@@ -1,0 +1,151 @@
+//! Sparse symmetric systems: the one place that names the solver library.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::perm::Perm;
+use faer::prelude::ReborrowMut;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side};
+
+/// Why a system has no solution here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum SparseError {
+    /// The factor would not fit.
+    #[error("the solver would need {needed_mb} MB, more than the {allowed_mb} MB allowed")]
+    Memory {
+        /// What the factor needs.
+        needed_mb: u64,
+        /// What was allowed.
+        allowed_mb: u64,
+    },
+    /// The matrix is not positive definite.
+    #[error("the stiffness is singular: some part can move freely or has no stiffness")]
+    Singular,
+}
+
+/// A symmetric matrix, its lower half by columns: `rows[starts[j]..starts[j + 1]]` rise from the diagonal `j`.
+#[derive(Debug, Clone, Default)]
+pub struct Symmetric {
+    /// `(n + 1)`
+    pub starts: Vec<usize>,
+    /// Row of each entry, at or below the diagonal.
+    pub rows: Vec<usize>,
+    /// Entries.
+    pub values: Vec<f64>,
+}
+
+impl Symmetric {
+    /// Number of rows.
+    pub fn n(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// `y = A x`.
+    pub fn times(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; self.n()];
+        for j in 0..self.n() {
+            for k in self.starts[j]..self.starts[j + 1] {
+                let (i, a) = (self.rows[k], self.values[k]);
+                y[i] += a * x[j];
+                if i != j {
+                    y[j] += a * x[i];
+                }
+            }
+        }
+        y
+    }
+}
+
+/// A factored matrix.
+pub struct Cholesky {
+    symbolic: SymbolicCholesky<usize>,
+    values: Vec<f64>,
+}
+
+impl Cholesky {
+    /// Factors a positive definite matrix; `order`, where given, says which row is eliminated when. The factor's
+    /// size is known, and refused above `max_bytes`, before it is taken.
+    ///
+    /// # Errors
+    /// [`SparseError`] when the factor would be too large or the matrix is not positive definite.
+    pub fn new(a: &Symmetric, order: Option<&[usize]>, max_bytes: u64) -> Result<Self, SparseError> {
+        let n = a.n();
+        let pattern = SymbolicSparseColMatRef::new_checked(n, n, &a.starts, None, &a.rows);
+        let custom = order.map(|forward| {
+            let mut inverse = vec![0; n];
+            forward.iter().enumerate().for_each(|(k, &i)| inverse[i] = k);
+            Perm::new_checked(forward.into(), inverse.into(), n)
+        });
+        let ordering =
+            custom.as_ref().map_or(SymmetricOrdering::Amd, |p| SymmetricOrdering::Custom(p.as_ref()));
+        let params = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold::AUTO,
+            ..Default::default()
+        };
+        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, ordering, params)
+            .map_err(|_| SparseError::Memory { needed_mb: u64::MAX, allowed_mb: max_bytes >> 20 })?;
+        let needed = symbolic.len_val() as u64 * 8;
+        if needed > max_bytes {
+            return Err(SparseError::Memory { needed_mb: needed >> 20, allowed_mb: max_bytes >> 20 });
+        }
+        let mut values = vec![0.0; symbolic.len_val()];
+        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        symbolic
+            .factorize_numeric_llt(
+                &mut values,
+                SparseColMatRef::new(pattern, &a.values),
+                Side::Lower,
+                LltRegularization::default(),
+                Par::Seq,
+                MemStack::new(&mut MemBuffer::new(scratch)),
+                Default::default(),
+            )
+            .map_err(|_| SparseError::Singular)?;
+        Ok(Self { symbolic, values })
+    }
+
+    /// Solves for one right side in place.
+    pub fn solve(&self, x: &mut [f64]) {
+        let n = x.len();
+        let mut x = MatMut::from_column_major_slice_mut(x, n, 1);
+        let scratch = self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        let factor = LltRef::new(&self.symbolic, &self.values);
+        factor.solve_in_place_with_conj(
+            Conj::No,
+            x.rb_mut(),
+            Par::Seq,
+            MemStack::new(&mut MemBuffer::new(scratch)),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chain_of_springs_is_solved_and_a_loose_one_refused() {
+        let n = 50;
+        let mut a = Symmetric { starts: vec![0], ..Symmetric::default() };
+        for j in 0..n {
+            a.rows.push(j);
+            a.values.push(2.0);
+            if j + 1 < n {
+                a.rows.push(j + 1);
+                a.values.push(-1.0);
+            }
+            a.starts.push(a.rows.len());
+        }
+        let want: Vec<f64> = (0..n).map(|i| ((i * 7) % 11) as f64 - 5.0).collect();
+        let mut x = a.times(&want);
+        Cholesky::new(&a, None, 1 << 30).expect("positive definite").solve(&mut x);
+        assert!(x.iter().zip(&want).all(|(x, w)| (x - w).abs() < 1e-10));
+        assert!(matches!(Cholesky::new(&a, None, 16), Err(SparseError::Memory { .. })));
+        a.values[0] = -1.0;
+        assert_eq!(Cholesky::new(&a, None, 1 << 30).err(), Some(SparseError::Singular));
+    }
+}

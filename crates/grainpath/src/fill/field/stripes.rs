@@ -1,0 +1,400 @@
+//! Dense fill along a field: beads at even distances whose width follows their spacing.
+
+use grainpath_core::math::direction;
+use grainpath_core::poly::{FillRule, Join, LineClipper, edges};
+use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
+use grainpath_core::{
+    BeadWidth, Bounds2, DVec2, DVec3, DirectionField, Polygon, Region, SpeedClass, Toolpath,
+};
+
+use super::levels::trace;
+use super::mesh::FieldMesh;
+use super::phase::{PhaseInput, drift, solve, turns};
+use super::widths::{Line, Neighbours, resampled, smooth};
+use crate::fill::{FillContext, Infill};
+use crate::order::NearestEnds;
+use crate::walls::single_beads;
+
+/// Beads along the field, evenly spaced over the whole room, with ends where the field forces them.
+pub struct Stripes;
+
+/// The narrowest and widest bead, as shares of the nominal one.
+const NARROWEST: f64 = 0.6;
+const WIDEST: f64 = 1.6;
+/// Shorter pieces are not worth their start, in beads.
+const SHORTEST: f64 = 2.0;
+/// Ends further apart than this are not joined, in beads.
+const LONGEST_JOINT: f64 = 2.0;
+/// Rounds of moving beads to the middle of their room.
+const CENTRINGS: usize = 3;
+
+impl Infill for Stripes {
+    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+        let Some(field) = context.field else { return };
+        let spacing = context.spacing_mm();
+        let room = Region::from(room.clone());
+        let border = room.offset(context.border_mm, Join::Miter(2.0));
+        let Some(mesh) = FieldMesh::over(&border, 1.1 * spacing) else { return };
+        let levels = {
+            let input = phase_input(&mesh, field, context, &border);
+            let turns = turns(&mesh, &input);
+            let phase = solve(&mesh, &input, &turns);
+            trace(&mesh, &turns, &phase)
+        };
+        let clipper = LineClipper::new(&room);
+        let mut lines = Vec::new();
+        for level in levels {
+            let mut points = resampled(&level.points, level.closed, 0.75 * spacing);
+            smooth(&mut points, level.closed, 3);
+            push_inside(&clipper, points, level.closed, spacing, &mut lines);
+        }
+        for _ in 0..CENTRINGS {
+            centre(&mut lines, &border, spacing);
+        }
+        lines = lines
+            .into_iter()
+            .flat_map(|l| {
+                let mut inside = Vec::new();
+                push_inside(&clipper, l.points, l.closed, spacing, &mut inside);
+                inside
+            })
+            .collect();
+        let lines = without_crowded(lines, &border, context);
+        lay(lines, &border, context, out);
+    }
+}
+
+fn phase_input(
+    mesh: &FieldMesh,
+    field: &dyn DirectionField,
+    context: &FillContext<'_>,
+    border: &Region,
+) -> PhaseInput {
+    let spacing = context.spacing_mm();
+    let sample = |p: &DVec2| direction(field.sample(DVec3::new(p.x, p.y, context.z_mid_mm)).axis_rad);
+    let axes: Vec<DVec2> = mesh.nodes.iter().map(sample).collect();
+    let frequency = drift(mesh, &axes).into_iter().map(|f| f / spacing).collect();
+    let near = NearBorder::new(border, 1.6 * spacing);
+    let wanted = mesh.nodes.iter().zip(&axes).map(|(&p, axis)| near.wanted(p, *axis, spacing)).collect();
+    PhaseInput { axes, frequency, wanted }
+}
+
+/// Where the field runs along the border, beads should too, half a bead away.
+struct NearBorder {
+    edges: Vec<(DVec2, DVec2)>,
+    bounds: Bounds2,
+    cell_mm: f64,
+    nx: usize,
+    ny: usize,
+    cells: Vec<Vec<u32>>,
+}
+
+impl NearBorder {
+    fn new(border: &Region, within_mm: f64) -> Self {
+        let edges: Vec<(DVec2, DVec2)> = border.contours().flat_map(|c| edges(c)).collect();
+        let ends = edges.iter().flat_map(|e| [e.0, e.1]);
+        let bounds = Bounds2::of(ends).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+        let bounds = bounds.grown(within_mm);
+        let cell_mm = within_mm.max(bounds.size().max_element() / 2000.0);
+        let count = |mm: f64| (mm / cell_mm) as usize + 1;
+        let (nx, ny) = (count(bounds.size().x), count(bounds.size().y));
+        let mut cells = vec![Vec::new(); nx * ny];
+        for (k, &(a, b)) in edges.iter().enumerate() {
+            // Sampled finely enough to touch every cell within reach.
+            let n = (a.distance(b) / (0.5 * cell_mm)).ceil().max(1.0) as usize;
+            let mut last = usize::MAX;
+            for s in 0..=n {
+                let p = (a + (b - a) * (s as f64 / n as f64) - bounds.min) / cell_mm;
+                let (i, j) = (p.x as usize, p.y as usize);
+                if j * nx + i == last {
+                    continue;
+                }
+                last = j * nx + i;
+                for jj in j.saturating_sub(1)..=(j + 1).min(ny - 1) {
+                    for ii in i.saturating_sub(1)..=(i + 1).min(nx - 1) {
+                        let cell: &mut Vec<u32> = &mut cells[jj * nx + ii];
+                        if cell.last() != Some(&(k as u32)) {
+                            cell.push(k as u32);
+                        }
+                    }
+                }
+            }
+        }
+        Self { edges, bounds, cell_mm, nx, ny, cells }
+    }
+
+    /// The phase that puts a bead at half a spacing from the border, and how much that is wanted at `p`.
+    fn wanted(&self, p: DVec2, axis: DVec2, spacing_mm: f64) -> (f64, f64) {
+        let q = (p - self.bounds.min) / self.cell_mm;
+        if q.x < 0.0 || q.y < 0.0 || q.x as usize >= self.nx || q.y as usize >= self.ny {
+            return (0.0, 0.0);
+        }
+        let mut best = (f64::INFINITY, DVec2::ZERO, DVec2::ZERO);
+        for &k in &self.cells[q.y as usize * self.nx + q.x as usize] {
+            let (a, b) = self.edges[k as usize];
+            let d = b - a;
+            let t = ((p - a).dot(d) / d.length_squared().max(1e-18)).clamp(0.0, 1.0);
+            let distance = p.distance(a + t * d);
+            if distance < best.0 {
+                best = (distance, a, d);
+            }
+        }
+        let (distance, a, d) = best;
+        if distance > 1.2 * spacing_mm {
+            return (0.0, 0.0);
+        }
+        // Outlines run counter-clockwise and holes clockwise: the inside is always on the left.
+        let along = d.normalize_or(DVec2::X);
+        let inwards = DVec2::new(-along.y, along.x);
+        let depth = if inwards.dot(p - a) < 0.0 { -distance } else { distance };
+        let parallel = along.dot(axis).abs();
+        let weight = ((parallel - 0.92) / 0.08).clamp(0.0, 1.0);
+        let normal = DVec2::new(-axis.y, axis.x);
+        let sign = if normal.dot(inwards) < 0.0 { -1.0 } else { 1.0 };
+        (sign * std::f64::consts::TAU * (depth / spacing_mm - 0.5), 0.5 * weight)
+    }
+}
+
+/// Adds what lies inside of a line, unless it is too short.
+fn push_inside(
+    clipper: &LineClipper,
+    points: Vec<DVec2>,
+    closed: bool,
+    spacing_mm: f64,
+    out: &mut Vec<Line>,
+) {
+    let mut line = points;
+    if closed {
+        line.extend(line.first().copied());
+    }
+    let mut pieces = clipper.clip(&line);
+    let whole = pieces.len() == 1
+        && pieces[0].points.len() == line.len()
+        && pieces[0].points[0] == line[0]
+        && pieces[0].points[line.len() - 1] == line[line.len() - 1];
+    if closed && whole {
+        line.pop();
+        if line.len() > 4 {
+            out.push(Line { points: line, closed: true });
+        }
+        return;
+    }
+    if closed && pieces.len() > 1 {
+        // The first and the last piece of a ring that was cut elsewhere are one.
+        let joins = pieces[0].points.first() == Some(&line[0])
+            && pieces[pieces.len() - 1].points.last() == Some(&line[0]);
+        if joins && let Some(mut last) = pieces.pop() {
+            last.points.pop();
+            last.points.append(&mut pieces[0].points);
+            pieces[0].points = last.points;
+        }
+    }
+    for piece in pieces {
+        let length: f64 = piece.points.windows(2).map(|w| w[0].distance(w[1])).sum();
+        if length > SHORTEST * spacing_mm {
+            let points = resampled(&piece.points, false, 0.75 * spacing_mm);
+            out.push(Line { points, closed: false });
+        }
+    }
+}
+
+/// Moves every bead towards the middle of its room.
+fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
+    let neighbours = Neighbours::new(lines, border, 1.5 * spacing_mm);
+    let moved: Vec<Vec<DVec2>> = lines
+        .iter()
+        .enumerate()
+        .map(|(l, line)| {
+            let shift = |v: usize| {
+                let r = neighbours.reach(lines, l, v, 1.8 * spacing_mm, 0.5 * spacing_mm);
+                0.5 * (r.left_mm - r.right_mm).clamp(-0.4 * spacing_mm, 0.4 * spacing_mm)
+            };
+            let mut shifts: Vec<f64> = (0..line.points.len()).map(shift).collect();
+            smooth(&mut shifts, line.closed, 4);
+            let to = |(v, &p): (usize, &DVec2)| {
+                let t = line.tangent(v);
+                p + shifts[v] * DVec2::new(-t.y, t.x)
+            };
+            let mut points: Vec<DVec2> = line.points.iter().enumerate().map(to).collect();
+            smooth(&mut points, line.closed, 1);
+            points
+        })
+        .collect();
+    lines.iter_mut().zip(moved).for_each(|(line, points)| line.points = points);
+}
+
+/// Widths of the strips of all lines.
+fn strips(lines: &[Line], border: &Region, spacing_mm: f64) -> Vec<Vec<f64>> {
+    let neighbours = Neighbours::new(lines, border, 1.5 * spacing_mm);
+    let of_line = |(l, line): (usize, &Line)| {
+        let strip = |v: usize| {
+            let r = neighbours.reach(lines, l, v, 1.8 * spacing_mm, 0.5 * spacing_mm);
+            r.left_mm + r.right_mm
+        };
+        let mut widths: Vec<f64> = (0..line.points.len()).map(strip).collect();
+        let n = widths.len();
+        if !line.closed && n > 3 {
+            // At its very end a line looks along the border, not across to its neighbour.
+            (widths[0], widths[n - 1]) = (widths[1], widths[n - 2]);
+        }
+        smooth(&mut widths, line.closed, 1);
+        widths
+    };
+    lines.iter().enumerate().map(of_line).collect()
+}
+
+/// Takes beads away where there is no room for them: their neighbours then widen.
+fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<'_>) -> Vec<Line> {
+    let spacing = context.spacing_mm();
+    let least = bead_spacing_mm(NARROWEST * context.bead_width_mm, context.height_mm);
+    for _ in 0..2 {
+        let widths = strips(&lines, border, spacing);
+        let mut kept = Vec::with_capacity(lines.len());
+        let mut removed = false;
+        // Every other crowded line at the most: when one goes, the next has room.
+        for (line, widths) in lines.into_iter().zip(widths) {
+            let crowded = |v: usize| widths[v] < 0.95 * least;
+            if !(0..widths.len()).any(crowded) {
+                kept.push(line);
+                continue;
+            }
+            removed = true;
+            let mut run: Vec<DVec2> = Vec::new();
+            let mut flush = |run: &mut Vec<DVec2>| {
+                let points = std::mem::take(run);
+                let length: f64 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
+                if length > SHORTEST * spacing {
+                    kept.push(Line { points, closed: false });
+                }
+            };
+            for (v, &p) in line.points.iter().enumerate() {
+                if crowded(v) { flush(&mut run) } else { run.push(p) }
+            }
+            flush(&mut run);
+        }
+        lines = kept;
+        if !removed {
+            break;
+        }
+    }
+    lines
+}
+
+/// Turns lines into beads as wide as their room, joined at their ends where the way is short, and puts single beads
+/// where a gap is left.
+fn lay(lines: Vec<Line>, border: &Region, context: &FillContext<'_>, out: &mut Vec<Toolpath>) {
+    let (nominal, h) = (context.bead_width_mm, context.height_mm);
+    let width = |strip: f64| bead_width_mm(strip, h).clamp(NARROWEST * nominal, WIDEST * nominal);
+    let strips = strips(&lines, border, context.spacing_mm());
+    let mut beads = Vec::with_capacity(lines.len());
+    for (line, strips) in lines.iter().zip(strips) {
+        let widths: Vec<f64> = strips.into_iter().map(width).collect();
+        let (points, widths) = simplified(&line.points, &widths, line.closed);
+        beads.push(Bead { points, widths, closed: line.closed });
+    }
+    let first = out.len();
+    out.extend(joined(beads, border, context.spacing_mm()).into_iter().map(|bead| Toolpath {
+        points: bead.points,
+        width: BeadWidth::PerVertex(bead.widths),
+        flow: 1.0,
+        role: context.role,
+        speed: SpeedClass::Normal,
+        closed: bead.closed,
+    }));
+    let left = border.difference(&covered(&out[first..], h));
+    let mut singles = Vec::new();
+    single_beads(&left, nominal, NARROWEST * nominal, h, context.role, &mut singles);
+    out.extend(singles.into_iter().filter(|p| p.length_mm() > nominal));
+}
+
+/// What the strips of beads fill.
+fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
+    let mut strips = Vec::new();
+    for bead in beads {
+        for i in 0..bead.n_segments() {
+            let (a, b, _) = bead.segment(i);
+            let half = |v: usize| 0.5 * bead_spacing_mm(bead.width_at(v), height_mm);
+            let along = (b - a).normalize_or(DVec2::X);
+            let across = DVec2::new(-along.y, along.x);
+            // A little longer than the segment, so that bends leave no wedge.
+            let (a, b) = (a - 0.5 * half(i) * along, b + 0.5 * half(i + 1) * along);
+            let (p, q) = (across * half(i), across * half(i + 1));
+            strips.push(vec![a - p, b - q, b + q, a + p]);
+        }
+    }
+    Region::from_contours(&strips, FillRule::NonZero)
+}
+
+/// A bead with its widths.
+struct Bead {
+    points: Vec<DVec2>,
+    widths: Vec<f64>,
+    closed: bool,
+}
+
+impl Bead {
+    fn reversed(mut self) -> Self {
+        self.points.reverse();
+        self.widths.reverse();
+        self
+    }
+}
+
+/// Joins open beads end to end along the border: from each end to the nearest free one, if it is not far and the
+/// way stays inside.
+fn joined(beads: Vec<Bead>, border: &Region, spacing_mm: f64) -> Vec<Bead> {
+    let inside = LineClipper::new(border);
+    let ends: Vec<[DVec2; 2]> = beads.iter().map(|b| [b.points[0], b.points[b.points.len() - 1]]).collect();
+    let mut used: Vec<bool> = beads.iter().map(|b| b.closed).collect();
+    let index = NearestEnds::new(&ends);
+    let mut beads: Vec<Option<Bead>> = beads.into_iter().map(Some).collect();
+    let mut out = Vec::new();
+    for first in 0..beads.len() {
+        let Some(mut bead) = beads[first].take_if(|_| !used[first]) else { continue };
+        used[first] = true;
+        // Onwards from its end, then from its start.
+        for _ in 0..2 {
+            loop {
+                let at = bead.points[bead.points.len() - 1];
+                let Some((next, second)) = index.nearest(at, &used) else { break };
+                let to = ends[next][usize::from(second)];
+                if at.distance(to) > LONGEST_JOINT * spacing_mm || !inside.segment_inside(at, to) {
+                    break;
+                }
+                used[next] = true;
+                let Some(other) = beads[next].take() else { break };
+                let other = if second { other.reversed() } else { other };
+                bead.points.extend(other.points);
+                bead.widths.extend(other.widths);
+            }
+            bead = bead.reversed();
+        }
+        out.push(bead);
+    }
+    out.extend(beads.into_iter().flatten());
+    out
+}
+
+/// Drops vertices that lie within 5 um of the line without them and whose width lies within 10 um.
+fn simplified(points: &[DVec2], widths: &[f64], closed: bool) -> (Vec<DVec2>, Vec<f64>) {
+    let n = points.len();
+    let mut keep = vec![false; n];
+    let half = if closed { n / 2 } else { 0 };
+    (keep[0], keep[n - 1], keep[half]) = (true, true, true);
+    let mut stack = if closed { vec![(0, half), (half, n - 1)] } else { vec![(0, n - 1)] };
+    while let Some((a, b)) = stack.pop() {
+        let (p, d) = (points[a], points[b] - points[a]);
+        let off = |i: usize| {
+            let t = ((points[i] - p).dot(d) / d.length_squared().max(1e-18)).clamp(0.0, 1.0);
+            let w = widths[a] + t * (widths[b] - widths[a]);
+            (points[i].distance(p + t * d) / 0.005).max((widths[i] - w).abs() / 0.01)
+        };
+        let worst = (a + 1..b).map(|i| (off(i), i)).fold((1.0, 0), |m, o| if o.0 > m.0 { o } else { m });
+        if worst.0 > 1.0 {
+            keep[worst.1] = true;
+            stack.extend([(a, worst.1), (worst.1, b)]);
+        }
+    }
+    let kept = || (0..n).filter(|&i| keep[i]);
+    (kept().map(|i| points[i]).collect(), kept().map(|i| widths[i]).collect())
+}

@@ -1,0 +1,232 @@
+//! How much room a bead has between its neighbours.
+
+use grainpath_core::math::cross;
+use grainpath_core::poly::edges;
+use grainpath_core::{Bounds2, DVec2, Region};
+
+/// A bead being laid: its centreline at about equal steps.
+#[derive(Debug, Clone)]
+pub struct Line {
+    pub points: Vec<DVec2>,
+    pub closed: bool,
+}
+
+impl Line {
+    /// Number of straight segments.
+    pub fn n_segments(&self) -> usize {
+        if self.closed { self.points.len() } else { self.points.len().saturating_sub(1) }
+    }
+
+    /// Both ends of segment `i`.
+    pub fn segment(&self, i: usize) -> (DVec2, DVec2) {
+        (self.points[i], self.points[(i + 1) % self.points.len()])
+    }
+
+    /// Unit vector along the line at vertex `i`.
+    pub fn tangent(&self, i: usize) -> DVec2 {
+        let n = self.points.len();
+        let before = if i > 0 {
+            i - 1
+        } else if self.closed {
+            n - 1
+        } else {
+            0
+        };
+        let after = if i + 1 < n {
+            i + 1
+        } else if self.closed {
+            0
+        } else {
+            n - 1
+        };
+        (self.points[after] - self.points[before]).normalize_or(DVec2::X)
+    }
+}
+
+/// Half the room of a bead at a point: how far it reaches to its left and right, mm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reach {
+    pub left_mm: f64,
+    pub right_mm: f64,
+}
+
+#[derive(Clone, Copy)]
+struct Piece {
+    a: DVec2,
+    b: DVec2,
+    /// Line and segment; `u32::MAX` for the border.
+    line: u32,
+    segment: u32,
+}
+
+const BORDER: u32 = u32::MAX;
+
+/// All beads of a room and its border, for asking what lies beside a bead.
+pub struct Neighbours {
+    pieces: Vec<Piece>,
+    origin: DVec2,
+    cell_mm: f64,
+    nx: usize,
+    ny: usize,
+    starts: Vec<u32>,
+    members: Vec<u32>,
+}
+
+impl Neighbours {
+    /// Beads as `lines`, and the edge of the place they are to fill.
+    pub fn new(lines: &[Line], border: &Region, cell_mm: f64) -> Self {
+        let mut pieces = Vec::new();
+        for (l, line) in lines.iter().enumerate() {
+            pieces.extend((0..line.n_segments()).map(|s| {
+                let (a, b) = line.segment(s);
+                Piece { a, b, line: l as u32, segment: s as u32 }
+            }));
+        }
+        for contour in border.contours() {
+            pieces.extend(edges(contour).map(|(a, b)| Piece { a, b, line: BORDER, segment: 0 }));
+        }
+        let ends = pieces.iter().flat_map(|p| [p.a, p.b]);
+        let bounds = Bounds2::of(ends).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+        let size = bounds.size();
+        let cell_mm = cell_mm.max(size.max_element() / 4000.0);
+        let count = |mm: f64| (mm / cell_mm) as usize + 1;
+        let (nx, ny) = (count(size.x), count(size.y));
+        let mut this = Self {
+            pieces,
+            origin: bounds.min,
+            cell_mm,
+            nx,
+            ny,
+            starts: vec![0; nx * ny + 1],
+            members: Vec::new(),
+        };
+        this.bin();
+        this
+    }
+
+    fn bin(&mut self) {
+        let mut starts = std::mem::take(&mut self.starts);
+        for p in &self.pieces {
+            self.cells(p.a, p.b, |cell| starts[cell + 1] += 1);
+        }
+        (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
+        let mut next = starts.clone();
+        let mut members = vec![0u32; starts[starts.len() - 1] as usize];
+        for (i, p) in self.pieces.iter().enumerate() {
+            self.cells(p.a, p.b, |cell| {
+                members[next[cell] as usize] = i as u32;
+                next[cell] += 1;
+            });
+        }
+        (self.starts, self.members) = (starts, members);
+    }
+
+    /// The cells a segment may pass.
+    fn cells(&self, a: DVec2, b: DVec2, mut each: impl FnMut(usize)) {
+        let index = |v: f64, n: usize| ((v / self.cell_mm).max(0.0) as usize).min(n - 1);
+        let (low, high) = (a.min(b) - self.origin, a.max(b) - self.origin);
+        let (i0, i1) = (index(low.x, self.nx), index(high.x, self.nx));
+        let (j0, j1) = (index(low.y, self.ny), index(high.y, self.ny));
+        let d = b - a;
+        let slack = 0.71 * self.cell_mm * d.length();
+        for j in j0..=j1 {
+            for i in i0..=i1 {
+                let centre = self.origin + self.cell_mm * (DVec2::new(i as f64, j as f64) + 0.5);
+                if i0 == i1 || j0 == j1 || cross(d, centre - a).abs() <= slack {
+                    each(j * self.nx + i);
+                }
+            }
+        }
+    }
+
+    /// Distance from `p` along the unit vector `way` to the next bead or border, and whether it is the border.
+    /// Segments of `line` within `near` of `segment` do not count.
+    pub fn ray(&self, p: DVec2, way: DVec2, far_mm: f64, own: (usize, usize, usize)) -> Option<(f64, bool)> {
+        let end = p + far_mm * way;
+        let mut best: Option<(f64, bool)> = None;
+        self.cells(p, end, |cell| {
+            for &m in &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
+                let piece = &self.pieces[m as usize];
+                if piece.line as usize == own.0 && (piece.segment as usize).abs_diff(own.1) <= own.2 {
+                    continue;
+                }
+                let d = piece.b - piece.a;
+                let det = cross(way, d);
+                if det == 0.0 {
+                    continue;
+                }
+                let to = piece.a - p;
+                let (t, u) = (cross(to, d) / det, cross(to, way) / det);
+                let hit = (-1e-9..=1.0 + 1e-9).contains(&u) && t > 0.0 && t <= far_mm;
+                if hit && best.is_none_or(|b| t < b.0) {
+                    best = Some((t, piece.line == BORDER));
+                }
+            }
+        });
+        best
+    }
+
+    /// The room of a bead at a vertex: to the border, or half way to the next bead. Where there is neither within
+    /// `far_mm`, `free_mm`.
+    pub fn reach(&self, lines: &[Line], line: usize, vertex: usize, far_mm: f64, free_mm: f64) -> Reach {
+        let l = &lines[line];
+        let t = l.tangent(vertex);
+        let left = DVec2::new(-t.y, t.x);
+        // A closed line's last segments touch its first vertex.
+        let n = l.n_segments();
+        let near = if l.closed && (vertex < 3 || vertex + 3 > n) { n } else { 3 };
+        let side = |way: DVec2| match self.ray(l.points[vertex], way, far_mm, (line, vertex, near)) {
+            Some((d, true)) => d,
+            Some((d, false)) => 0.5 * d,
+            None => free_mm,
+        };
+        Reach { left_mm: side(left), right_mm: side(-left) }
+    }
+}
+
+/// A line at steps of about `step_mm`.
+pub fn resampled(points: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
+    let mut line = points.to_vec();
+    if closed {
+        line.extend(points.first());
+    }
+    let length: f64 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
+    let n = ((length / step_mm).round() as usize).max(1);
+    let step = length / n as f64;
+    if line.len() < 2 || length <= 0.0 {
+        return points.to_vec();
+    }
+    let mut out = Vec::with_capacity(n + 1);
+    let (mut walked, mut next) = (0.0, 0.0);
+    for w in line.windows(2) {
+        let d = w[0].distance(w[1]);
+        while next < walked + d && out.len() < n {
+            let t = if d > 0.0 { (next - walked) / d } else { 0.0 };
+            out.push(w[0] + t * (w[1] - w[0]));
+            next += step;
+        }
+        walked += d;
+    }
+    if !closed {
+        out.push(line[line.len() - 1]);
+    }
+    out
+}
+
+/// Values smoothed along a line, `times` over; ends of open lines stay.
+pub fn smooth<T>(values: &mut [T], closed: bool, times: usize)
+where
+    T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
+{
+    let n = values.len();
+    if n < 3 {
+        return;
+    }
+    for _ in 0..times {
+        let old = values.to_vec();
+        let range = if closed { 0..n } else { 1..n - 1 };
+        for i in range {
+            values[i] = (old[(i + n - 1) % n] + old[(i + 1) % n]) * 0.25 + old[i] * 0.5;
+        }
+    }
+}
