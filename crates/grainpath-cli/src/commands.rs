@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use grainpath::grain::Photo;
 use grainpath::job::{PROFILES, Settings, json_schema, markdown, parse_job};
 use grainpath_core::Diagnostics;
 use grainpath_core::diagnostics::Stage;
+use grainpath_io::image::decode;
 use grainpath_io::parse_mesh;
 
 use crate::args::{Common, New, Profiles, Render, Run, Schema, Slice};
@@ -16,12 +18,15 @@ pub fn run(args: &Run) -> Result<(), Failure> {
     let folder = args.job.parent().map(Path::to_owned).unwrap_or_default();
     let name = args.job.display().to_string();
     let settings = settings(&text, &name, &args.common.sets, &folder)?;
-    if settings.shape.mesh.is_empty() {
-        return Err(Failure::usage(format!("{name}: [shape] needs mesh = \"FILE\"")));
-    }
-    let mesh = folder.join(&settings.shape.mesh);
-    let out = args.out.clone().unwrap_or(folder);
-    execute(&settings, &mesh, &out, &args.common)
+    let given = [Some(&settings.shape.mesh), settings.photo.files.first()];
+    let Some(given) = given.into_iter().flatten().find(|p| !p.is_empty()) else {
+        return Err(Failure::usage(format!(
+            "{name}: [shape] needs mesh = \"FILE\" or photo = {{ files = [\"FILE\"], ... }}"
+        )));
+    };
+    let shape = folder.join(given);
+    let out = args.out.clone().unwrap_or_else(|| folder.clone());
+    execute(&settings, &shape, &folder, &out, &args.common)
 }
 
 /// `grainpath slice`
@@ -29,7 +34,7 @@ pub fn slice(args: &Slice) -> Result<(), Failure> {
     let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
     let output = args.output.clone().unwrap_or_else(|| args.model.with_extension("gcode"));
     settings.output.gcode = output.display().to_string();
-    execute(&settings, &args.model, Path::new(""), &args.common)
+    execute(&settings, &args.model, Path::new(""), Path::new(""), &args.common)
 }
 
 fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Settings, Failure> {
@@ -37,13 +42,27 @@ fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Se
     parse_job(text, name, sets, &load).map_err(|e| Failure::usage(e.to_string()))
 }
 
-/// Plans and writes a job. `out` is what output paths are relative to.
-fn execute(settings: &Settings, mesh: &Path, out: &Path, common: &Common) -> Result<(), Failure> {
+/// Plans and writes a job. Photographs are in `folder`; `out` is what output paths are relative to.
+fn execute(
+    settings: &Settings,
+    shape: &Path,
+    folder: &Path,
+    out: &Path,
+    common: &Common,
+) -> Result<(), Failure> {
     set_threads(common.threads)?;
     let diagnostics = progress::diagnostics();
-    let paths = outputs::Paths::of(settings, mesh, out)?;
-    let (file, read_s) = read_mesh(mesh, &diagnostics)?;
-    let planned = grainpath::plan_job(settings, file, &mesh.display().to_string(), &diagnostics)?;
+    let paths = outputs::Paths::of(settings, shape, out)?;
+    let start = std::time::Instant::now();
+    let photos = read_photos(settings, folder, &diagnostics)?;
+    let photos_s = start.elapsed().as_secs_f64();
+    let (planned, read_s) = if settings.photo.files.is_empty() {
+        let (file, read_s) = read_mesh(shape, &diagnostics)?;
+        let name = shape.display().to_string();
+        (grainpath::plan_job(settings, file, &name, &photos, &diagnostics)?, read_s + photos_s)
+    } else {
+        (grainpath::plan_photo(settings, &photos, &diagnostics)?, photos_s)
+    };
     let report = outputs::write(settings, planned, &paths, read_s, common.json, &diagnostics)?;
     // The progress line goes before anything is printed.
     drop(diagnostics);
@@ -72,6 +91,24 @@ fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io::Me
     let file =
         parse_mesh(&bytes, Some(&shown)).map_err(|source| grainpath::Error::Mesh { path: shown, source })?;
     Ok((file, start.elapsed().as_secs_f64()))
+}
+
+/// The photographs whose grain the job follows; none when it follows none.
+fn read_photos(settings: &Settings, folder: &Path, diagnostics: &Diagnostics) -> Result<Vec<Photo>, Failure> {
+    if settings.guide.kind != "grain" {
+        return Ok(Vec::new());
+    }
+    diagnostics.begin(Stage::Read, 0);
+    let own = if settings.image.files.is_empty() { &settings.photo.files } else { &settings.image.files };
+    let read = |file: &String| {
+        let path = folder.join(file);
+        let bytes = files::read(&path)?;
+        let name = path.display().to_string();
+        let image =
+            decode(&bytes).map_err(|source| grainpath::Error::Image { path: name.clone(), source })?;
+        Ok(Photo::of(name, &image))
+    };
+    own.iter().map(read).collect()
 }
 
 /// `grainpath new`

@@ -52,7 +52,7 @@ impl Paths {
 /// Writes everything a job asks for and gives the report.
 pub fn write(
     settings: &Settings,
-    planned: Planned,
+    mut planned: Planned,
     paths: &Paths,
     read_s: f64,
     measured: bool,
@@ -82,7 +82,8 @@ pub fn write(
         let program = read_back(settings, &copy)?;
         report.quality = Some(measure(&planned, &program));
         drop(copy);
-        previews(settings, &program, paths, diagnostics, &mut report)?;
+        let steps = planned.grain.take().map(|g| g.pictures).unwrap_or_default();
+        previews(settings, &program, steps, paths, diagnostics, &mut report)?;
     }
     if let Some(path) = &paths.plan {
         let text = grainpath::plan_json::plan_json(&planned.plan);
@@ -165,6 +166,7 @@ fn shown(n: usize) -> Vec<usize> {
 fn previews(
     settings: &Settings,
     program: &Program,
+    steps: Vec<(String, html::Picture)>,
     paths: &Paths,
     diagnostics: &Diagnostics,
     report: &mut Report,
@@ -185,8 +187,12 @@ fn previews(
             save(&folder.join(format!("layer_{:04}.png", i + 1)), &p.png)?;
             save(&folder.join(format!("layer_{:04}.svg", i + 1)), layer_svg(&all[i], &options).as_bytes())?;
         }
+        for (name, picture) in &steps {
+            save(&folder.join(name), &picture.png)?;
+        }
         report.outputs.insert("preview", folder.display().to_string());
     }
+    pictures.extend(steps.into_iter().map(|(_, picture)| picture));
     if let Some(path) = &paths.report {
         report.warnings = diagnostics.warnings();
         report.outputs.insert("report", path.display().to_string());

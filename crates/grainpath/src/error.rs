@@ -2,8 +2,9 @@
 
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_gcode::GcodeError;
-use grainpath_io::MeshError;
+use grainpath_io::{ImageError, MeshError};
 
+use crate::grain::GrainError;
 use crate::job::JobError;
 use crate::shape::ShapeError;
 
@@ -17,6 +18,10 @@ pub enum Error {
     Mesh { path: String, source: MeshError },
     #[error("{path}: {source}")]
     Shape { path: String, source: ShapeError },
+    #[error("{path}: {source}")]
+    Image { path: String, source: ImageError },
+    #[error("{path}: {source}")]
+    Grain { path: String, source: GrainError },
     #[error(transparent)]
     Gcode(#[from] GcodeError),
     #[error(
@@ -32,8 +37,10 @@ impl Error {
     pub fn exit_code(&self) -> i32 {
         match self {
             Self::Shape { source: ShapeError::Interrupted(_), .. } | Self::Interrupted(_) => 130,
+            // Corners that are given come from the job.
+            Self::Grain { source: GrainError::Corners(_), .. } => 2,
             Self::Job(_) | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
-            Self::Mesh { .. } | Self::Shape { .. } => 3,
+            Self::Mesh { .. } | Self::Image { .. } | Self::Grain { .. } | Self::Shape { .. } => 3,
             Self::Gcode(_) | Self::Mass { .. } => 4,
         }
     }

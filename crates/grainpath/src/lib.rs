@@ -22,4 +22,4 @@ pub mod walls;
 
 pub use error::Error;
 pub use job::Settings;
-pub use run::{Planned, plan_job};
+pub use run::{Planned, plan_job, plan_photo};

@@ -7,6 +7,7 @@ use grainpath_gcode::{Program, Quality, Written, quality};
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::grain::PhotoReport;
 use crate::run::Planned;
 
 /// The report of a run; keys that do not apply are left out.
@@ -27,6 +28,8 @@ pub struct Report {
     pub density: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quality: Option<QualityReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grain: Option<Vec<PhotoReport>>,
     pub stages_s: BTreeMap<&'static str, f64>,
     pub peak_rss_mb: f64,
     pub warnings: Vec<String>,
@@ -78,6 +81,7 @@ impl Report {
             time_s: round(written.time_s, 1),
             density: round(planned.density, 5),
             quality: None,
+            grain: planned.grain.as_ref().map(|g| g.photos.clone()),
             stages_s: BTreeMap::new(),
             peak_rss_mb: round(peak_rss_mb(), 1),
             warnings: Vec::new(),

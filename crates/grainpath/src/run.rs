@@ -6,10 +6,11 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
+use grainpath_core::math::direction;
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
 use grainpath_core::{
-    BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, Layer, LayerStack, Plan, Polygon, Role, SpeedClass,
-    Toolpath,
+    BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, DirectionField, Layer, LayerStack, Plan, Polygon, Role,
+    SpeedClass, Toolpath,
 };
 use grainpath_gcode::{WriteConfig, check_fits};
 use grainpath_io::MeshFile;
@@ -18,7 +19,10 @@ use rayon::prelude::*;
 use crate::adhesion::{AdhesionSettings, brim, skirt};
 use crate::config;
 use crate::error::Error;
-use crate::fill::{FillContext, Infill, Solid, bridge_angle_rad, pattern};
+use crate::fill::{FillContext, Infill, Solid, Stripes, bridge_angle_rad, pattern};
+use crate::grain::guide::Mode;
+use crate::grain::lay::{Flow, lay_curves};
+use crate::grain::{GrainGuide, Photo, read_grain};
 use crate::job::Settings;
 use crate::mask::Mask;
 use crate::order::{Island, LayerPaths, order_stack};
@@ -38,6 +42,8 @@ pub struct Planned {
     pub stages_s: Vec<(Stage, f64)>,
     /// The density of the inside: the one asked for, or the one found for a mass.
     pub density: f64,
+    /// The grain it follows, where it does.
+    pub grain: Option<GrainGuide>,
 }
 
 /// Shorter closed walls are small, mm.
@@ -45,7 +51,7 @@ const SMALL_WALL_MM: f64 = 30.0;
 /// Walls with more than this share of their length over air are overhangs.
 const OVERHANG_SHARE: f64 = 0.25;
 
-/// Plans a job. `path` is what errors call the mesh.
+/// Plans a job whose shape is a mesh. `path` is what errors call it; `photos` are those its grain is taken from.
 ///
 /// # Errors
 /// [`Error`] for a mesh that cannot be sliced, a part that does not fit the bed, a mass that cannot be met, and when
@@ -54,6 +60,7 @@ pub fn plan_job(
     settings: &Settings,
     file: MeshFile,
     path: &str,
+    photos: &[Photo],
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
@@ -64,9 +71,65 @@ pub fn plan_job(
         shape::slice(&mesh, &config::slicing(settings), diagnostics).map_err(shape_error)?
     };
     clock.stop(Stage::Slice);
-    let job = Job { settings, stack: &stack, part: part_bounds(&stack) };
+    plan_stack(settings, stack, photos, clock, diagnostics)
+}
+
+/// Plans a job whose shape is the board of its photographs.
+///
+/// # Errors
+/// As [`plan_job`].
+pub fn plan_photo(
+    settings: &Settings,
+    photos: &[Photo],
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let board = config::photo_board(settings);
+    let stack = board.slice(&config::slicing(settings)).map_err(|source| Error::Shape {
+        path: photos.first().map_or_else(|| "shape.photo".into(), |p| p.name.clone()),
+        source,
+    })?;
+    clock.stop(Stage::Slice);
+    plan_stack(settings, stack, photos, clock, diagnostics)
+}
+
+/// The guide the job asks for.
+fn grain(
+    settings: &Settings,
+    stack: &LayerStack,
+    photos: &[Photo],
+    diagnostics: &Diagnostics,
+) -> Result<Option<GrainGuide>, Error> {
+    if settings.guide.kind != "grain" {
+        return Ok(None);
+    }
+    let layers = stack.layers();
+    let top = layers.last().map_or(0.0, Layer::z_top_mm);
+    let part = part_bounds(stack);
+    let grain = config::grain(settings, photos.len(), part, top);
+    let section = |z_mm: f64| {
+        let above = layers.partition_point(|l| l.z_top_mm() < z_mm).min(layers.len().saturating_sub(1));
+        layers.get(above).map(|l| l.region().clone()).unwrap_or_default()
+    };
+    let read = read_grain(photos, &grain, &section, diagnostics);
+    read.map(Some).map_err(|(k, source)| Error::Grain { path: photos[k].name.clone(), source })
+}
+
+/// Plans layers, wherever they come from.
+fn plan_stack(
+    settings: &Settings,
+    stack: LayerStack,
+    photos: &[Photo],
+    mut clock: Clock,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let part = part_bounds(&stack);
+    let job = Job { settings, stack: &stack, part, grain: None };
+    job.check_bed(job.plate_from_part())?;
+    let grain = grain(settings, &stack, photos, diagnostics)?;
+    clock.stop(Stage::Guide);
+    let job = Job { settings, stack: &stack, part, grain: grain.as_ref() };
     let plate_from_part_mm = job.plate_from_part();
-    job.check_bed(plate_from_part_mm)?;
     diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
     let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
     let skins = job.skins(&mut walls, &fills, diagnostics)?;
@@ -80,7 +143,7 @@ pub fn plan_job(
     let plan = Plan { layers, plate_from_part_mm };
     let config = config::writing(settings);
     check_fits(&plan, &config.machine)?;
-    Ok(Planned { plan, stack, config, stages_s: clock.stages, density })
+    Ok(Planned { plan, stack, config, stages_s: clock.stages, density, grain })
 }
 
 /// The islands of a layer with their walls, and where its fill may lie.
@@ -135,6 +198,7 @@ struct Job<'a> {
     settings: &'a Settings,
     stack: &'a LayerStack,
     part: Bounds2,
+    grain: Option<&'a GrainGuide>,
 }
 
 impl Job<'_> {
@@ -291,7 +355,7 @@ impl Job<'_> {
             part: self.part,
             role,
             border_mm: self.border_mm(layer),
-            field: None,
+            field: self.grain.map(|g| g as &dyn DirectionField),
         }
     }
 
@@ -320,10 +384,15 @@ impl Job<'_> {
     /// Skins, bridges, and the inside where it is dense.
     fn dense_fill(&self, i: usize, split: &SkinSplit, add: &mut dyn FnMut(usize, Toolpath)) {
         let mut paths = Vec::new();
+        // Skins over sparse fill stay straight lines: they close the part.
+        let grain = self.grain.filter(|_| self.settings.fill.density >= 0.999);
         for (polygons, role) in [(&split.solid, Role::SolidFill), (&split.top, Role::TopSkin)] {
             let context = self.context(i, 1.0, role);
             for (island, polygon) in polygons {
-                self.dense_pattern().fill(&context, polygon, &mut paths);
+                match grain {
+                    Some(grain) => along_grain(grain, &context, polygon, &mut paths),
+                    None => self.dense_pattern().fill(&context, polygon, &mut paths),
+                }
                 paths.drain(..).for_each(|p| add(*island, p));
             }
         }
@@ -364,7 +433,10 @@ impl Job<'_> {
         let context = self.context(i, density, role);
         let mut paths = Vec::new();
         for (island, polygon) in &split.sparse {
-            infill.fill(&context, polygon, &mut paths);
+            match self.grain {
+                Some(grain) => along_grain(grain, &context, polygon, &mut paths),
+                None => infill.fill(&context, polygon, &mut paths),
+            }
             paths.drain(..).for_each(|p| add(*island, p));
         }
     }
@@ -434,6 +506,19 @@ impl Job<'_> {
             if off < 0.0 { low = middle } else { high = middle }
         }
         Ok(best.1)
+    }
+}
+
+/// Fills a room with the grain.
+fn along_grain(grain: &GrainGuide, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+    let z_mm = context.z_mid_mm;
+    let axis = |p: DVec2| direction(grain.sample(p.extend(z_mm)).axis_rad);
+    let sparseness = |p: DVec2| grain.sparseness(p.extend(z_mm));
+    let flow = Flow { axis: &axis, sparseness: grain.has_darkness().then_some(&sparseness) };
+    match grain.mode {
+        Mode::Edges => lay_curves(context, room, &grain.curves(z_mm), &flow, out),
+        Mode::Field if context.density >= 0.999 => Stripes.fill(context, room, out),
+        Mode::Field => lay_curves(context, room, &[], &flow, out),
     }
 }
 

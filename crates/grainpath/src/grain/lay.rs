@@ -19,12 +19,20 @@ const STRIP: [f64; 2] = [0.6, 1.5];
 /// Lines off by less than this, mm, are taken as straight.
 const STRAIGHT_MM: f64 = 0.008;
 
-/// Fills a room with curves. `axis` gives the direction between the curves; only its axis counts, not its sign.
+/// What lines follow between the curves.
+pub struct Flow<'a> {
+    /// The direction; only its axis counts, not its sign.
+    pub axis: &'a dyn Fn(DVec2) -> DVec2,
+    /// How much farther apart than on average lines lie; matters only below full density.
+    pub sparseness: Option<&'a dyn Fn(DVec2) -> f64>,
+}
+
+/// Fills a room with curves: those given, in their order of importance, and lines along the flow between them.
 pub fn lay_curves(
     context: &FillContext<'_>,
     room: &Polygon,
     curves: &[Vec<DVec2>],
-    axis: &dyn Fn(DVec2) -> DVec2,
+    flow: &Flow<'_>,
     out: &mut Vec<Toolpath>,
 ) {
     let spacing_mm = context.spacing_mm() / context.density;
@@ -35,7 +43,7 @@ pub fn lay_curves(
     let region = Region::from(room.clone());
     let mut layer = Layout {
         clipper: LineClipper::new(&region),
-        axis,
+        flow,
         closest_mm: CLOSEST * spacing_mm,
         step_mm: STEP * CLOSEST * spacing_mm,
         lines: Vec::new(),
@@ -64,7 +72,7 @@ struct Line {
 
 struct Layout<'a> {
     clipper: LineClipper,
-    axis: &'a dyn Fn(DVec2) -> DVec2,
+    flow: &'a Flow<'a>,
     closest_mm: f64,
     step_mm: f64,
     lines: Vec<Line>,
@@ -72,6 +80,11 @@ struct Layout<'a> {
 }
 
 impl Layout<'_> {
+    /// The closest distance of lines at a point, mm.
+    fn closest_at(&self, p: DVec2) -> f64 {
+        self.closest_mm * self.flow.sparseness.map_or(1.0, |s| s(p).clamp(0.4, 2.5))
+    }
+
     /// Takes what fits of the curves, in their order.
     fn take(&mut self, curves: &[Vec<DVec2>], least_mm: f64) {
         for curve in curves {
@@ -80,7 +93,7 @@ impl Layout<'_> {
                 let mut run: Vec<DVec2> = Vec::new();
                 // A little closer than new lines may come: what was seen goes before what is added.
                 let free: Vec<bool> =
-                    points.iter().map(|&p| self.near.free(p, 0.95 * self.closest_mm, None)).collect();
+                    points.iter().map(|&p| self.near.free(p, 0.95 * self.closest_at(p), None)).collect();
                 for (&p, free) in points.iter().zip(free) {
                     if free && !self.meets_itself(&run, p) {
                         run.push(p);
@@ -126,7 +139,8 @@ impl Layout<'_> {
                 let tangent = (points[(k + 1).min(n - 1)] - points[k.saturating_sub(1)]).normalize_or_zero();
                 let p = points[k];
                 for side in [tangent.perp(), -tangent.perp()] {
-                    self.seed(p + spacing_mm * side, least_mm);
+                    let apart = self.closest_at(p) / CLOSEST;
+                    self.seed(p + apart * side, least_mm);
                 }
             }
             next += 1;
@@ -149,10 +163,10 @@ impl Layout<'_> {
 
     /// A new line through `p`, if there is room for one.
     fn seed(&mut self, p: DVec2, least_mm: f64) {
-        if !self.near.free(p, self.closest_mm, None) || !self.clipper.contains(p) {
+        if !self.near.free(p, self.closest_at(p), None) || !self.clipper.contains(p) {
             return;
         }
-        let start = (self.axis)(p).normalize_or_zero();
+        let start = (self.flow.axis)(p).normalize_or_zero();
         if start == DVec2::ZERO {
             return;
         }
@@ -175,7 +189,7 @@ impl Layout<'_> {
     fn follow(&self, p: DVec2, heading: DVec2, other_half: &[DVec2]) -> (Vec<DVec2>, bool) {
         let h = self.step_mm;
         let along = |at: DVec2, heading: DVec2| {
-            let a = (self.axis)(at);
+            let a = (self.flow.axis)(at);
             if a.dot(heading) < 0.0 { -a } else { a }
         };
         let lag = lag();
@@ -197,7 +211,7 @@ impl Layout<'_> {
                 }
                 break;
             }
-            if !self.near.free(next, self.closest_mm, None) {
+            if !self.near.free(next, self.closest_at(next), None) {
                 break;
             }
             let came_round = k > 2 * lag && next.distance(p) < 1.1 * h;
@@ -271,7 +285,7 @@ fn lag() -> usize {
 }
 
 /// Points of lines, by place.
-struct Near {
+pub(super) struct Near {
     bounds: Bounds2,
     cell_mm: f64,
     nx: usize,
@@ -286,6 +300,16 @@ impl Near {
         Self { bounds, cell_mm, nx, ny, cells: std::collections::BTreeMap::new() }
     }
 
+    /// The points of lines.
+    pub(super) fn of_lines(lines: &[Vec<DVec2>], cell_mm: f64) -> Self {
+        let bounds = Bounds2::of(lines.iter().flatten().copied());
+        let mut near = Self::new(bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO }), cell_mm);
+        for (id, line) in lines.iter().enumerate() {
+            line.iter().enumerate().for_each(|(k, &p)| near.insert(p, id as u32, k as i32));
+        }
+        near
+    }
+
     fn cell(&self, p: DVec2) -> (usize, usize) {
         let at = (p - self.bounds.min) / self.cell_mm + 1.0;
         let clamp = |v: f64, n: usize| v.clamp(0.0, n as f64 - 1.0) as usize;
@@ -298,7 +322,7 @@ impl Near {
     }
 
     /// Calls `see` with every point within `r_mm`.
-    fn each(&self, p: DVec2, r_mm: f64, mut see: impl FnMut(DVec2, u32, i32)) {
+    pub(super) fn each(&self, p: DVec2, r_mm: f64, mut see: impl FnMut(DVec2, u32, i32)) {
         let (i, j) = self.cell(p);
         let reach = (r_mm / self.cell_mm).ceil() as usize;
         for y in j.saturating_sub(reach)..=(j + reach).min(self.ny - 1) {
@@ -495,7 +519,7 @@ mod tests {
         for density in [1.0, 0.3] {
             let context = context(density);
             let mut paths = Vec::new();
-            lay_curves(&context, &room(), &seen(), &axis, &mut paths);
+            lay_curves(&context, &room(), &seen(), &Flow { axis: &axis, sparseness: None }, &mut paths);
             let spacing = context.spacing_mm() / density;
             let region = Region::from(room());
             let segments: Vec<(usize, DVec2, DVec2)> = paths
@@ -531,7 +555,10 @@ mod tests {
                     }
                 }
             }
-            assert!(widest < if density < 1.0 { 1.4 } else { 1.0 } * spacing, "density {density}: a place {widest:.2} mm from any line");
+            assert!(
+                widest < if density < 1.0 { 1.4 } else { 1.0 } * spacing,
+                "density {density}: a place {widest:.2} mm from any line"
+            );
             let volume: f64 = paths.iter().map(|p| p.volume_mm3(0.2)).sum();
             let share = volume / wanted_mm3(&context, &room());
             assert!((share - 1.0).abs() < 0.02, "density {density}: {share} of the volume");

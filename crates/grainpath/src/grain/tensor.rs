@@ -367,8 +367,8 @@ pub enum Tangent {
     Both,
 }
 
-/// The axes bent along the borders of a region.
-pub fn along_borders(grid: &AxisGrid, region: &Region, tangent: Tangent, reach_mm: f64) -> AxisGrid {
+/// The borders of a region that axes are to follow.
+pub fn border_lines(region: &Region, tangent: Tangent) -> Vec<Guideline<'_>> {
     let mut lines = Vec::new();
     for polygon in &region.polygons {
         let line = |points| Guideline { points, closed: true, weight: BORDER_WEIGHT };
@@ -379,7 +379,7 @@ pub fn along_borders(grid: &AxisGrid, region: &Region, tangent: Tangent, reach_m
             lines.extend(polygon.holes.iter().map(|h| line(h.as_slice())));
         }
     }
-    if lines.is_empty() { grid.clone() } else { along_lines(grid, &lines, 1.0, reach_mm) }
+    lines
 }
 
 /// The angle between two undirected axes, radians from 0 to a right angle.
@@ -440,7 +440,8 @@ mod tests {
                     .collect(),
             ],
         };
-        let bent = along_borders(&grid, &hole.into(), Tangent::Holes, 1.0);
+        let hole = Region::from(hole);
+        let bent = along_lines(&grid, &border_lines(&hole, Tangent::Holes), 1.0, 1.0);
         let left = bent.sample(DVec2::new(9.0, 8.0)).axis_rad();
         assert!(axis_difference_rad(left, 0.5 * PI).to_degrees() < 12.0, "{}", left.to_degrees());
         let far = bent.sample(DVec2::new(2.0, 14.0)).axis_rad();

@@ -21,7 +21,11 @@ pub fn json_schema() -> Value {
             keys.insert(p.key.into(), schema_of(p));
         }
         let table = json!({ "type": "object", "additionalProperties": false, "properties": keys });
-        sections.insert(section.into(), table);
+        match section.split_once('.') {
+            None => drop(sections.insert(section.into(), table)),
+            // A table within a table.
+            Some((outer, inner)) => sections[outer]["properties"][inner] = table,
+        }
     }
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",

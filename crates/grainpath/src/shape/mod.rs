@@ -2,6 +2,7 @@
 
 mod heights;
 mod mend;
+mod photo;
 mod place;
 mod section;
 
@@ -11,6 +12,7 @@ use rayon::prelude::*;
 
 pub use heights::{Adaptive, layer_heights};
 pub use mend::{Repair, mend};
+pub use photo::{Hole, PhotoBoard};
 pub use place::{Placement, likely_unit, place};
 
 /// How a mesh is cut into layers.
