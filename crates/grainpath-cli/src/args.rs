@@ -22,10 +22,12 @@ pub enum Command {
     Slice(Slice),
     /// Write a commented example job with its input
     New(New),
-    /// Say what a mesh or a G-code file is, with its defects
+    /// Say what a mesh, an image or a G-code file is, with its defects
     Inspect(Inspect),
     /// Draw a layer of a G-code file
     Render(Render),
+    /// Write a sheet of corner markers to photograph a board on, as SVG or PDF
+    Markers(Markers),
     /// Print the JSON Schema of job files
     Schema(Schema),
     /// List the profiles that come with grainpath, or print one
@@ -40,7 +42,7 @@ impl Command {
             Self::Slice(a) => a.common.json,
             Self::Inspect(a) => a.json,
             Self::Profiles(a) => a.json,
-            Self::New(_) | Self::Render(_) | Self::Schema(_) => false,
+            Self::New(_) | Self::Render(_) | Self::Markers(_) | Self::Schema(_) => false,
         }
     }
 }
@@ -98,7 +100,7 @@ pub struct New {
 /// `grainpath inspect`
 #[derive(Debug, clap::Args)]
 pub struct Inspect {
-    /// Mesh or G-code
+    /// Mesh, image or G-code
     pub file: PathBuf,
     /// As one JSON object
     #[arg(long)]
@@ -128,6 +130,18 @@ pub struct Render {
     /// Leave travels out
     #[arg(long)]
     pub no_travels: bool,
+}
+
+/// `grainpath markers`
+#[derive(Debug, clap::Args)]
+pub struct Markers {
+    /// Width of the rectangle between the markers, mm
+    pub width_mm: f64,
+    /// Its height, mm
+    pub height_mm: f64,
+    /// SVG or PDF, by its ending
+    #[arg(short, long, value_name = "FILE.svg", default_value = "markers.svg")]
+    pub output: PathBuf,
 }
 
 /// `grainpath schema`

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use grainpath::grain::Photo;
 use grainpath::job::{PROFILES, Settings, json_schema, markdown, parse_job};
-use grainpath_core::Diagnostics;
 use grainpath_core::diagnostics::Stage;
+use grainpath_core::{DVec2, Diagnostics};
 use grainpath_io::image::decode;
 use grainpath_io::parse_mesh;
 
-use crate::args::{Common, New, Profiles, Render, Run, Schema, Slice};
+use crate::args::{Common, Markers, New, Profiles, Render, Run, Schema, Slice};
 use crate::{Failure, files, outputs, progress};
 
 /// `grainpath run`
@@ -174,6 +174,29 @@ pub fn render(args: &Render) -> Result<(), Failure> {
     };
     outputs::save(&output, &bytes)?;
     files::print(&format!("{}\n", output.display()));
+    Ok(())
+}
+
+/// `grainpath markers`
+pub fn markers(args: &Markers) -> Result<(), Failure> {
+    use grainpath::grain::markers::{marker_sheet_pdf, marker_sheet_svg};
+    let size = DVec2::new(args.width_mm, args.height_mm);
+    if !(size.min_element() >= 20.0 && size.max_element() <= 2000.0) {
+        return Err(Failure::usage(format!(
+            "{} x {} mm: the rectangle between the markers should be 20 to 2000 mm wide and high",
+            size.x, size.y
+        )));
+    }
+    let bytes = match args.output.extension().and_then(|e| e.to_str()) {
+        Some("svg") => marker_sheet_svg(size).into_bytes(),
+        Some("pdf") => marker_sheet_pdf(size),
+        _ => {
+            let name = args.output.display();
+            return Err(Failure::usage(format!("{name}: a sheet's name should end in .svg or .pdf")));
+        }
+    };
+    outputs::save(&args.output, &bytes)?;
+    files::print(&format!("{}\n", args.output.display()));
     Ok(())
 }
 

@@ -49,6 +49,7 @@ fn main() -> ExitCode {
         Command::New(a) => commands::new(&a),
         Command::Inspect(a) => inspect::inspect(&a),
         Command::Render(a) => commands::render(&a),
+        Command::Markers(a) => commands::markers(&a),
         Command::Schema(a) => commands::schema(&a),
         Command::Profiles(a) => commands::profiles(&a),
     };

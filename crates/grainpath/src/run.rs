@@ -487,6 +487,18 @@ impl Job<'_> {
                     volume
                 }))
         };
+        // Mass is nearly proportional to density: two or three steps along the chord find most.
+        let mut density = 0.3;
+        for _ in 0..6 {
+            let found = mass(density);
+            if (found - asked_g).abs() < 1e-3 * asked_g {
+                return Ok(density);
+            }
+            density *= (asked_g - fixed) / (found - fixed).max(1e-9);
+            if !(0.01..0.95).contains(&density) {
+                break;
+            }
+        }
         let high_g = mass(1.0);
         if asked_g < fixed * 0.99 || asked_g > high_g * 1.01 {
             return Err(Error::Mass { asked_g, low_g: fixed, high_g });

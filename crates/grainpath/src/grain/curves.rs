@@ -1,9 +1,10 @@
 //! Edge points to curves.
 
 use grainpath_core::DVec2;
-use grainpath_core::math::cos;
+use grainpath_core::math::{atan2, cos};
 
 use super::canny::Edges;
+use super::tensor::{AxisGrid, axis_difference_rad};
 use super::warp::MetricImage;
 
 /// How edge points become curves.
@@ -42,11 +43,53 @@ pub fn edge_curves(edges: &Edges, image: &MetricImage, settings: &CurveSettings)
     }
     // What is shorter than a few pixels has no direction to go on in.
     curves.retain(|c| length_mm(c) > (0.25 * settings.min_length_mm).max(3.0 * image.px_mm));
-    let mut curves = bridged(curves, settings.bridge_mm);
+    let mut curves: Vec<Vec<DVec2>> =
+        bridged(curves, settings.bridge_mm).iter().map(|c| softened(c, image.px_mm)).collect();
     curves.retain(|c| length_mm(c) >= settings.min_length_mm);
     curves.sort_by(|a, b| length_mm(b).total_cmp(&length_mm(a)));
     curves
 }
+
+/// A curve with points every 1.5 pixels or 0.15 mm, and what is shorter than a few of them smoothed away.
+fn softened(curve: &[DVec2], px_mm: f64) -> Vec<DVec2> {
+    let even = super::lay::resampled(curve, (1.5 * px_mm).max(0.15));
+    (0..3).fold(even, |line, _| smoothed(&line))
+}
+
+/// Cuts curves where they leave the grain: where it is clear and its axis is more than `off_rad` from theirs. Pieces
+/// shorter than `min_length_mm` are dropped; the longest come first.
+pub fn along_grain(
+    curves: Vec<Vec<DVec2>>,
+    axes: &AxisGrid,
+    off_rad: f64,
+    min_length_mm: f64,
+) -> Vec<Vec<DVec2>> {
+    let mut out = Vec::new();
+    for curve in curves {
+        let n = curve.len();
+        let strays = |k: usize| {
+            let d = curve[(k + 3).min(n - 1)] - curve[k.saturating_sub(3)];
+            let s = axes.sample(curve[k]);
+            let off = axis_difference_rad(atan2(d.y, d.x), s.axis_rad());
+            s.coherence > CLEAR && off > off_rad
+        };
+        let mut piece = Vec::new();
+        for k in 0..n {
+            if strays(k) {
+                out.push(std::mem::take(&mut piece));
+            } else {
+                piece.push(curve[k]);
+            }
+        }
+        out.push(piece);
+    }
+    out.retain(|c| length_mm(c) >= min_length_mm);
+    out.sort_by(|a, b| length_mm(b).total_cmp(&length_mm(a)));
+    out
+}
+
+/// From this coherence on the grain's axis is clear.
+const CLEAR: f64 = 0.3;
 
 /// Length of an open line, mm.
 pub fn length_mm(line: &[DVec2]) -> f64 {
@@ -308,7 +351,6 @@ mod tests {
     use super::super::board::Board;
     use super::super::canny::{CannySettings, canny};
     use super::super::raster::Grey;
-    use super::super::tensor::axis_difference_rad;
     use super::super::warp::{MetricImage, rectify};
     use super::*;
 
@@ -337,7 +379,7 @@ mod tests {
                 let d = w[4] - w[0];
                 jump = jump.max(d.length());
                 if let Some(truth) = board.axis_rad(w[2], 0.6) {
-                    let angle = grainpath_core::math::atan2(d.y, d.x);
+                    let angle = atan2(d.y, d.x);
                     sum += axis_difference_rad(angle, truth).to_degrees() * d.length();
                     weight += d.length();
                 }

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::canny::{CannySettings, Edges, canny};
 use super::corners::find_corners;
-use super::curves::{CurveSettings, edge_curves, length_mm};
+use super::curves::{CurveSettings, along_grain, edge_curves, length_mm};
 use super::lay::Near;
 use super::raster::Grey;
 use super::tensor::{
@@ -167,6 +167,8 @@ pub struct GrainGuide {
 const LEAST_COHERENCE: f64 = 0.25;
 /// Less spread of brightness than this is no picture.
 const LEAST_SPREAD: f32 = 0.004;
+/// Curves that leave the grain by more than this are something else: cracks, nails, saw marks.
+const STRAY_RAD: f64 = 0.6;
 /// The rectified picture has at most this many pixels when its pixel size is not given.
 const MAX_PIXELS: f64 = 16e6;
 
@@ -279,6 +281,7 @@ fn read_photo(photo: &Photo, k: usize, s: &GrainSettings) -> Result<Read, GrainE
     let wanted = s.mode == Mode::Edges || s.pictures;
     let edges = wanted.then(|| canny(&denoised.grey, &s.canny));
     let curves = edges.as_ref().map(|e| edge_curves(e, &denoised, &s.curves)).unwrap_or_default();
+    let curves = along_grain(curves, &axes, STRAY_RAD, s.curves.min_length_mm);
     Ok(Read { corners, image, denoised, axes, edges, curves })
 }
 

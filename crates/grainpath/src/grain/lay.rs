@@ -10,10 +10,13 @@ use grainpath_core::{BeadWidth, Bounds2, DVec2, Polygon, Region, Toolpath};
 
 use crate::fill::FillContext;
 
-/// Two lines are never closer than this share of the spacing asked for, so never farther than twice it.
-const CLOSEST: f64 = 0.7;
+/// A new line begins only this share of the spacing asked for away from all others, so two are never farther apart
+/// than twice that.
+const CLOSEST: f64 = 0.75;
+/// It goes on until it is this share of that away from one: lines may run together a little before they end.
+const GO_ON: f64 = 0.72;
 /// Distance of neighbouring points of a line, as a share of the closest distance.
-const STEP: f64 = 0.35;
+const STEP: f64 = 0.33;
 /// Beads may be this much narrower and wider than nominal, as shares of the spacing.
 const STRIP: [f64; 2] = [0.6, 1.5];
 /// Lines off by less than this, mm, are taken as straight.
@@ -48,16 +51,16 @@ pub fn lay_curves(
         step_mm: STEP * CLOSEST * spacing_mm,
         lines: Vec::new(),
         near: Near::new(bounds, CLOSEST * spacing_mm),
+        border: BorderDistance::new(room, spacing_mm),
+        off_border_mm: if context.density >= 0.999 { 0.0 } else { 0.5 * spacing_mm },
     };
     let least_mm = if context.density >= 0.999 { 1.5 * spacing_mm } else { 2.0 * spacing_mm };
     layer.take(curves, 2.0 * spacing_mm);
     layer.beside_lines(spacing_mm, least_mm);
     layer.in_gaps(bounds, least_mm);
     if context.density >= 0.999 {
-        let widths: Vec<Vec<f64>> = {
-            let border = BorderDistance::new(room, spacing_mm);
-            (0..layer.lines.len()).map(|i| layer.strips(i, spacing_mm, context.border_mm, &border)).collect()
-        };
+        let strips = |i| layer.strips(i, spacing_mm, context.border_mm);
+        let widths: Vec<Vec<f64>> = (0..layer.lines.len()).map(strips).collect();
         dense_paths(context, room, layer.lines, widths, out);
     } else {
         sparse_paths(context, room, layer.lines, out);
@@ -68,6 +71,8 @@ pub fn lay_curves(
 struct Line {
     points: Vec<DVec2>,
     closed: bool,
+    /// What is added to the index of a point among the near ones to find it in the line.
+    first: i32,
 }
 
 struct Layout<'a> {
@@ -77,6 +82,9 @@ struct Layout<'a> {
     step_mm: f64,
     lines: Vec<Line>,
     near: Near,
+    border: BorderDistance,
+    /// New lines begin this far from the border: along it there is a wall already.
+    off_border_mm: f64,
 }
 
 impl Layout<'_> {
@@ -91,11 +99,18 @@ impl Layout<'_> {
             for piece in self.clipper.clip(curve) {
                 let points = resampled(&piece.points, self.step_mm);
                 let mut run: Vec<DVec2> = Vec::new();
-                // A little closer than new lines may come: what was seen goes before what is added.
-                let free: Vec<bool> =
-                    points.iter().map(|&p| self.near.free(p, 0.95 * self.closest_at(p), None)).collect();
+                let reach = |p: DVec2| {
+                    let closest = self.closest_at(p);
+                    if self.near.open(p, 0.95 * closest, |_, _| true) {
+                        2
+                    } else {
+                        u8::from(self.near.open(p, GO_ON * closest, |_, _| true))
+                    }
+                };
+                let free: Vec<u8> = points.iter().map(|&p| reach(p)).collect();
                 for (&p, free) in points.iter().zip(free) {
-                    if free && !self.meets_itself(&run, p) {
+                    let goes_on = free == 2 || (free == 1 && !run.is_empty());
+                    if goes_on && !self.meets_itself(&run, p) {
                         run.push(p);
                     } else {
                         self.keep(std::mem::take(&mut run), least_mm);
@@ -116,16 +131,19 @@ impl Layout<'_> {
 
     fn keep(&mut self, points: Vec<DVec2>, least_mm: f64) {
         if points.len() > 1 && super::curves::length_mm(&points) >= least_mm {
-            self.add(Line { points, closed: false });
+            let id = self.lines.len() as u32;
+            points.iter().enumerate().for_each(|(k, &p)| self.near.insert(p, id, k as i32));
+            // A curve that ends in the open goes on along the grain.
+            let n = points.len();
+            let (first, last) = (points[0], points[n - 1]);
+            let heading = (last - points[n.saturating_sub(4)]).normalize_or_zero();
+            let ahead = self.follow(last, heading, n as i32 - 1, 1).0;
+            let heading = (first - points[3.min(n - 1)]).normalize_or_zero();
+            let back = self.follow(first, heading, 0, -1).0;
+            let shift = back.len() as i32;
+            let points = back.into_iter().rev().chain(points).chain(ahead).collect();
+            self.lines.push(Line { points, closed: false, first: shift });
         }
-    }
-
-    fn add(&mut self, line: Line) {
-        let id = self.lines.len() as u32;
-        for (k, &p) in line.points.iter().enumerate() {
-            self.near.insert(p, id, k as i32);
-        }
-        self.lines.push(line);
     }
 
     /// New lines a spacing beside each line, beside those in turn, and so on.
@@ -163,40 +181,41 @@ impl Layout<'_> {
 
     /// A new line through `p`, if there is room for one.
     fn seed(&mut self, p: DVec2, least_mm: f64) {
-        if !self.near.free(p, self.closest_at(p), None) || !self.clipper.contains(p) {
+        if !self.clipper.contains(p) || !self.near.open(p, self.closest_at(p), |_, _| true) {
             return;
         }
         let start = (self.flow.axis)(p).normalize_or_zero();
-        if start == DVec2::ZERO {
+        if start == DVec2::ZERO || self.border.distance(p) < self.off_border_mm {
             return;
         }
-        let (ahead, closed) = self.follow(p, start, &[]);
-        let points = if closed {
-            std::iter::once(p).chain(ahead).collect()
-        } else {
-            let (mut back, _) = self.follow(p, -start, &ahead);
-            back.reverse();
-            back.push(p);
-            back.extend(ahead);
-            back
-        };
+        let id = self.lines.len() as u32;
+        self.near.insert(p, id, 0);
+        let (ahead, closed) = self.follow(p, start, 0, 1);
+        let back = if closed { Vec::new() } else { self.follow(p, -start, 0, -1).0 };
+        let first = back.len() as i32;
+        let points: Vec<DVec2> = back.into_iter().rev().chain([p]).chain(ahead).collect();
         if points.len() > 1 && super::curves::length_mm(&points) >= least_mm {
-            self.add(Line { points, closed });
+            self.lines.push(Line { points, closed, first });
+        } else {
+            points.iter().for_each(|&q| self.near.remove(q, id));
         }
     }
 
     /// Follows the axis from `p` until the room ends, another line or its own beginning is near, or it comes round.
-    fn follow(&self, p: DVec2, heading: DVec2, other_half: &[DVec2]) -> (Vec<DVec2>, bool) {
+    /// Points are numbered from `from` at `p`, by `count`: 1 ahead, -1 backwards.
+    fn follow(&mut self, p: DVec2, heading: DVec2, from: i32, count: i32) -> (Vec<DVec2>, bool) {
         let h = self.step_mm;
+        let flow = self.flow;
         let along = |at: DVec2, heading: DVec2| {
-            let a = (self.flow.axis)(at);
+            let a = (flow.axis)(at);
             if a.dot(heading) < 0.0 { -a } else { a }
         };
-        let lag = lag();
+        let id = self.lines.len() as u32;
+        let lag = lag() as i32;
+        let start = heading;
         let (mut at, mut heading) = (p, heading);
-        let mut own = Near::new(self.near.bounds, self.near.cell_mm);
         let mut out: Vec<DVec2> = Vec::new();
-        for k in 0..MAX_STEPS {
+        for k in 1..MAX_STEPS {
             let half = along(at, heading);
             let step = along(at + 0.5 * h * half, half);
             // Round a point without direction the axis may turn at once: a bead cannot.
@@ -204,29 +223,37 @@ impl Layout<'_> {
                 break;
             }
             let next = at + h * step;
+            let index = from + count * k as i32;
+            let own = |i: i32| (i - index).abs() > lag;
             if let Some(hit) = self.clipper.crossings(at, next).first() {
                 let edge = at.lerp(next, hit.t);
-                if edge.distance(at) > 0.05 * h && self.near.free(edge, 0.9 * self.closest_mm, None) {
+                let room = GO_ON * self.closest_mm;
+                if edge.distance(at) > 0.05 * h && self.near.open(edge, room, |line, i| line != id || own(i))
+                {
                     out.push(edge);
+                    self.near.insert(edge, id, index);
                 }
                 break;
             }
-            if !self.near.free(next, self.closest_at(next), None) {
+            // From a point on the border itself nothing is crossed on the way out.
+            let b = self.near.bounds;
+            let left = next.cmplt(b.min).any() || next.cmpgt(b.max).any();
+            if left || (k == 1 && !self.clipper.contains(next)) {
                 break;
             }
-            let came_round = k > 2 * lag && next.distance(p) < 1.1 * h;
-            if came_round && other_half.is_empty() {
+            if !self.near.open(next, GO_ON * self.closest_at(next), |line, _| line != id) {
+                break;
+            }
+            let came_round =
+                k as i32 > 2 * lag && next.distance(p) < 1.05 * self.closest_mm && step.dot(start) > 0.8;
+            if came_round && count > 0 && from == 0 {
                 return (out, true);
             }
-            let back = k as i32 - lag as i32;
-            if !own.free(next, 0.95 * self.closest_mm, Some(back))
-                || (k > lag
-                    && other_half.iter().chain([&p]).any(|q| q.distance(next) < 0.9 * self.closest_mm))
-            {
+            if !self.near.open(next, 0.95 * self.closest_mm, |line, i| line == id && own(i)) {
                 break;
             }
             out.push(next);
-            own.insert(next, 0, k as i32);
+            self.near.insert(next, id, index);
             (at, heading) = (next, step);
         }
         (out, false)
@@ -234,7 +261,7 @@ impl Layout<'_> {
 
     /// For each point of a line, the width of the strip that is its own, mm: half way to the next line on either side,
     /// or to the border of what is to be filled.
-    fn strips(&self, i: usize, spacing_mm: f64, border_mm: f64, border: &BorderDistance) -> Vec<f64> {
+    fn strips(&self, i: usize, spacing_mm: f64, border_mm: f64) -> Vec<f64> {
         let line = &self.lines[i];
         let n = line.points.len();
         let [least, most] = STRIP.map(|s| 0.5 * s * spacing_mm);
@@ -252,12 +279,15 @@ impl Layout<'_> {
                 }
             };
             let lag = lag() as i32;
-            self.near.each(p, 2.0 * most, |q, line, index| {
-                if line != i as u32 || (index - k as i32).abs() > lag {
+            self.near.each(p, 2.0 * most, |q, other, index| {
+                let apart = (index + line.first - k as i32).abs();
+                // The ends of a closed line are neighbours.
+                let apart = if line.closed { apart.min(n as i32 - apart) } else { apart };
+                if other != i as u32 || apart > lag {
                     look(q, 0.5);
                 }
             });
-            let edge = border.distance(p);
+            let edge = self.border.distance(p);
             if edge < most {
                 // The border has no side to look at: it is where no line is.
                 let side = usize::from(sides[1] > sides[0]);
@@ -277,7 +307,7 @@ impl Layout<'_> {
 }
 
 /// No line has more points.
-const MAX_STEPS: usize = 200_000;
+const MAX_STEPS: usize = 100_000;
 
 /// How many steps back a line is no neighbour to itself.
 fn lag() -> usize {
@@ -290,14 +320,16 @@ pub(super) struct Near {
     cell_mm: f64,
     nx: usize,
     ny: usize,
-    cells: std::collections::BTreeMap<usize, Vec<(DVec2, u32, i32)>>,
+    cells: Vec<Vec<(DVec2, u32, i32)>>,
 }
 
 impl Near {
     fn new(bounds: Bounds2, cell_mm: f64) -> Self {
-        let count = |mm: f64| (mm / cell_mm).min(1e6) as usize + 3;
+        // At most a few million cells, whatever the room.
+        let cell_mm = cell_mm.max(bounds.size().max_element() / 2000.0);
+        let count = |mm: f64| (mm / cell_mm) as usize + 3;
         let (nx, ny) = (count(bounds.size().x), count(bounds.size().y));
-        Self { bounds, cell_mm, nx, ny, cells: std::collections::BTreeMap::new() }
+        Self { bounds, cell_mm, nx, ny, cells: vec![Vec::new(); nx * ny] }
     }
 
     /// The points of lines.
@@ -318,7 +350,7 @@ impl Near {
 
     fn insert(&mut self, p: DVec2, line: u32, index: i32) {
         let (i, j) = self.cell(p);
-        self.cells.entry(j * self.nx + i).or_default().push((p, line, index));
+        self.cells[j * self.nx + i].push((p, line, index));
     }
 
     /// Calls `see` with every point within `r_mm`.
@@ -328,19 +360,35 @@ impl Near {
         for y in j.saturating_sub(reach)..=(j + reach).min(self.ny - 1) {
             let row = y * self.nx;
             let columns = row + i.saturating_sub(reach)..=row + (i + reach).min(self.nx - 1);
-            for (_, points) in self.cells.range(columns) {
-                for &(q, line, index) in points.iter().filter(|(q, ..)| q.distance_squared(p) < r_mm * r_mm) {
+            for &(q, line, index) in self.cells[columns].iter().flatten() {
+                if q.distance_squared(p) < r_mm * r_mm {
                     see(q, line, index);
                 }
             }
         }
     }
 
-    /// Whether no point is within `r_mm`; of a line's own, only those up to index `until` count.
-    fn free(&self, p: DVec2, r_mm: f64, until: Option<i32>) -> bool {
-        let mut free = true;
-        self.each(p, r_mm, |_, _, index| free &= until.is_some_and(|u| index > u));
-        free
+    /// Takes the last point at a place out again, if it is of this line.
+    fn remove(&mut self, p: DVec2, line: u32) {
+        let (i, j) = self.cell(p);
+        let cell = &mut self.cells[j * self.nx + i];
+        if cell.last().is_some_and(|(_, l, _)| *l == line) {
+            cell.pop();
+        }
+    }
+
+    /// Whether none of the points that matter is within `r_mm`. What matters is told by line and index.
+    fn open(&self, p: DVec2, r_mm: f64, matters: impl Fn(u32, i32) -> bool) -> bool {
+        let (i, j) = self.cell(p);
+        let reach = (r_mm / self.cell_mm).ceil() as usize;
+        (j.saturating_sub(reach)..=(j + reach).min(self.ny - 1)).all(|y| {
+            let row = y * self.nx;
+            let columns = row + i.saturating_sub(reach)..row + (i + reach).min(self.nx - 1) + 1;
+            self.cells[columns]
+                .iter()
+                .flatten()
+                .all(|&(q, line, index)| q.distance_squared(p) >= r_mm * r_mm || !matters(line, index))
+        })
     }
 }
 

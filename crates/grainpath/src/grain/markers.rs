@@ -45,6 +45,47 @@ pub fn marker_sheet_svg(size_mm: DVec2) -> String {
     out
 }
 
+/// The same sheet as PDF, one page of its size.
+pub fn marker_sheet_pdf(size_mm: DVec2) -> Vec<u8> {
+    const POINTS_PER_MM: f64 = 72.0 / 25.4;
+    let margin = MARKER_MM + 5.0;
+    let (w, h) = (size_mm.x + 2.0 * margin, size_mm.y + 2.0 * margin);
+    let mut drawing = format!("{POINTS_PER_MM:.6} 0 0 {POINTS_PER_MM:.6} 0 0 cm\n");
+    for (place, rings) in marker_squares(size_mm) {
+        for (k, black) in rings.into_iter().enumerate() {
+            let inset = MARKER_MM / 6.0 * k as f64;
+            let side = MARKER_MM - 2.0 * inset;
+            let (x, y) = (place.x + margin + inset, h - (place.y + margin + inset) - side);
+            let _ = writeln!(drawing, "{} g {x:.3} {y:.3} {side:.3} {side:.3} re f", i32::from(!black));
+        }
+    }
+    let _ = writeln!(drawing, "0.7 G 0.2 w [2 2] 0 d {margin} {margin} {} {} re S", size_mm.x, size_mm.y);
+    let objects = [
+        "<< /Type /Catalog /Pages 2 0 R >>".to_owned(),
+        "<< /Type /Pages /Kids [3 0 R] /Count 1 >>".to_owned(),
+        format!(
+            "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 {:.3} {:.3}] /Contents 4 0 R /Resources << >> >>",
+            w * POINTS_PER_MM,
+            h * POINTS_PER_MM
+        ),
+        format!("<< /Length {} >>\nstream\n{drawing}endstream", drawing.len()),
+    ];
+    let mut out = "%PDF-1.4\n".to_owned();
+    let mut places = Vec::new();
+    for (k, object) in objects.iter().enumerate() {
+        places.push(out.len());
+        let _ = write!(out, "{} 0 obj\n{object}\nendobj\n", k + 1);
+    }
+    let table = out.len();
+    let _ = write!(out, "xref\n0 {}\n0000000000 65535 f \n", objects.len() + 1);
+    for p in places {
+        let _ = writeln!(out, "{p:010} 00000 n ");
+    }
+    let _ =
+        write!(out, "trailer\n<< /Size {} /Root 1 0 R >>\nstartxref\n{table}\n%%EOF\n", objects.len() + 1);
+    out.into_bytes()
+}
+
 /// Upper left corners of the markers, mm from the rectangle's upper left corner (rows downwards), and the colours of
 /// their squares from outside in.
 fn marker_squares(size_mm: DVec2) -> [(DVec2, [bool; 3]); 4] {
