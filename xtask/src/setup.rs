@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What `gcode_check.py` imports.
-const PYTHON: [&str; 6] = ["numpy", "scipy", "shapely>=2", "trimesh", "networkx", "rtree"];
+/// What `gcode_check.py` imports, and what opens the VTU that is written.
+const PYTHON: [&str; 7] = ["numpy", "scipy", "shapely>=2", "trimesh", "networkx", "rtree", "meshio"];
 
 /// For `cargo xtask test`: Python packages for the outside check, Chromium for the report page.
 pub fn tests() -> Result<(), String> {
@@ -13,7 +13,10 @@ pub fn tests() -> Result<(), String> {
 }
 
 fn python() -> Result<(), String> {
-    if quiet(Command::new("python3").args(["-c", "import numpy, scipy, shapely, trimesh, networkx, rtree"])) {
+    if quiet(
+        Command::new("python3")
+            .args(["-c", "import numpy, scipy, shapely, trimesh, networkx, rtree, meshio"]),
+    ) {
         return Ok(());
     }
     println!("installing Python packages: {}", PYTHON.join(" "));

@@ -22,7 +22,7 @@ pub enum Command {
     Slice(Slice),
     /// Write a commented example job with its input
     New(New),
-    /// Say what a mesh, an image or a G-code file is, with its defects
+    /// Say what a mesh, an image, a finite-element result or a G-code file is, with its defects
     Inspect(Inspect),
     /// Draw a layer of a G-code file
     Render(Render),
@@ -100,7 +100,7 @@ pub struct New {
 /// `grainpath inspect`
 #[derive(Debug, clap::Args)]
 pub struct Inspect {
-    /// Mesh, image or G-code
+    /// Mesh, image, finite-element result or G-code
     pub file: PathBuf,
     /// As one JSON object
     #[arg(long)]

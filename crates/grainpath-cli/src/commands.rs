@@ -6,6 +6,7 @@ use grainpath::grain::Photo;
 use grainpath::job::{PROFILES, Settings, json_schema, markdown, parse_job};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::{DVec2, Diagnostics};
+use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode;
 use grainpath_io::parse_mesh;
 
@@ -42,11 +43,11 @@ fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Se
     parse_job(text, name, sets, &load).map_err(|e| Failure::usage(e.to_string()))
 }
 
-/// Plans and writes a job. Photographs are in `folder`; `out` is what output paths are relative to.
+/// Plans and writes a job. `base` is what input paths are relative to, `out` output paths.
 fn execute(
     settings: &Settings,
     shape: &Path,
-    folder: &Path,
+    base: &Path,
     out: &Path,
     common: &Common,
 ) -> Result<(), Failure> {
@@ -54,12 +55,13 @@ fn execute(
     let diagnostics = progress::diagnostics();
     let paths = outputs::Paths::of(settings, shape, out)?;
     let start = std::time::Instant::now();
-    let photos = read_photos(settings, folder, &diagnostics)?;
+    let photos = read_photos(settings, base, &diagnostics)?;
     let photos_s = start.elapsed().as_secs_f64();
     let (planned, read_s) = if settings.photo.files.is_empty() {
-        let (file, read_s) = read_mesh(shape, &diagnostics)?;
-        let name = shape.display().to_string();
-        (grainpath::plan_job(settings, file, &name, &photos, &diagnostics)?, read_s + photos_s)
+        let (mesh, read_s) = read_mesh(shape, &diagnostics)?;
+        let stress = read_stress(settings, base)?;
+        let inputs = grainpath::Inputs { mesh, path: shape.display().to_string(), stress, photos };
+        (grainpath::plan_job(settings, inputs, &diagnostics)?, read_s + photos_s)
     } else {
         (grainpath::plan_photo(settings, &photos, &diagnostics)?, photos_s)
     };
@@ -94,14 +96,14 @@ fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io::Me
 }
 
 /// The photographs whose grain the job follows; none when it follows none.
-fn read_photos(settings: &Settings, folder: &Path, diagnostics: &Diagnostics) -> Result<Vec<Photo>, Failure> {
+fn read_photos(settings: &Settings, base: &Path, diagnostics: &Diagnostics) -> Result<Vec<Photo>, Failure> {
     if settings.guide.kind != "grain" {
         return Ok(Vec::new());
     }
     diagnostics.begin(Stage::Read, 0);
     let own = if settings.image.files.is_empty() { &settings.photo.files } else { &settings.image.files };
     let read = |file: &String| {
-        let path = folder.join(file);
+        let path = base.join(file);
         let bytes = files::read(&path)?;
         let name = path.display().to_string();
         let image =
@@ -109,6 +111,19 @@ fn read_photos(settings: &Settings, folder: &Path, diagnostics: &Diagnostics) ->
         Ok(Photo::of(name, &image))
     };
     own.iter().map(read).collect()
+}
+
+/// The result named by `guide.import`.
+fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressField>, Failure> {
+    if settings.guide.import.is_empty() {
+        return Ok(None);
+    }
+    let path = base.join(&settings.guide.import);
+    let wrong = |e: FeError| Failure::input(format!("{}: {e}", path.display()));
+    let bytes = files::read(&path)?;
+    let file = parse_fe(&bytes, path.to_str()).map_err(wrong)?;
+    let result = file.result(&grainpath::config::import(settings)).map_err(wrong)?;
+    Ok(Some(StressField::new(result)))
 }
 
 /// `grainpath new`
@@ -123,17 +138,17 @@ pub fn new(args: &New) -> Result<(), Failure> {
         )));
     };
     let folder = args.dir.clone().unwrap_or_else(|| PathBuf::from(&args.preset));
-    if let Some((name, _)) = example.iter().find(|(name, _)| folder.join(name).exists() && !args.force) {
-        let there = folder.join(name);
+    if let Some((name, _)) = example.iter().find(|(name, _)| folder.join(&**name).exists() && !args.force) {
+        let there = folder.join(&**name);
         return Err(Failure::usage(format!("{} is there already; --force writes over it", there.display())));
     }
     for (name, content) in &example {
-        let path = folder.join(name);
+        let path = folder.join(&**name);
         files::write_atomically(&path, |w| {
             w.write_all(content).map_err(|e| Failure::usage(format!("cannot write {}: {e}", path.display())))
         })?;
     }
-    files::print(&format!("grainpath run {}\n", folder.join(example[0].0).display()));
+    files::print(&format!("grainpath run {}\n", folder.join(&*example[0].0).display()));
     Ok(())
 }
 

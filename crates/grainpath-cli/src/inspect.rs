@@ -5,6 +5,7 @@ use std::path::Path;
 use grainpath::grain::Photo;
 use grainpath_core::mesh::{MeshHealth, diagnose, weld_within};
 use grainpath_gcode::{Limits, Program, simulate};
+use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
 use grainpath_io::image::{decode, sniff_image};
 use grainpath_io::{Image, MeshFile, Samples, parse_mesh, sniff_mesh};
 use serde_json::{Value, json};
@@ -24,6 +25,9 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     let value = if sniff_image(&bytes).is_some() && !named_gcode {
         let image = decode(&bytes);
         image_json(&name, &image.map_err(|source| grainpath::Error::Image { path: name.clone(), source })?)
+    } else if !named_gcode && is_fe(&bytes, &name) {
+        let file = parse_fe(&bytes, Some(&name)).map_err(|e| Failure::input(format!("{name}: {e}")))?;
+        fe_json(&name, &file)
     } else if named_gcode || (sniff_mesh(&bytes, Some(&name)).is_none() && !bytes.is_empty()) {
         let program = simulate(&bytes, FILAMENT_MM, &Limits::default());
         gcode_json(&name, &program.map_err(|e| Failure::input(format!("{name}: {e}")))?)
@@ -93,6 +97,70 @@ fn image_json(name: &str, image: &Image) -> Value {
     })
 }
 
+/// Whether a file is a finite-element mesh or result. A table is one only when named so: G-code may begin alike.
+fn is_fe(bytes: &[u8], name: &str) -> bool {
+    sniff_fe(bytes, Some(name))
+        .is_some_and(|f| f != FeFormat::Csv || name.to_ascii_lowercase().ends_with(".csv"))
+}
+
+fn fe_json(name: &str, file: &FeFile) -> Value {
+    let (low, high) = file.bounds().unwrap_or_default();
+    let size = (high - low).max_element();
+    let counts = |rows: &mut dyn Iterator<Item = (String, usize)>| -> Value {
+        Value::Object(rows.map(|(k, n)| (k, json!(n))).collect())
+    };
+    let elements = counts(&mut file.kinds().into_iter().map(|(k, n)| (k.name().to_owned(), n)));
+    let left_out = counts(&mut file.left_out.iter().cloned());
+    let mut arrays: Vec<String> = Vec::new();
+    for a in &file.arrays {
+        let on = if a.on == On::Nodes { "nodes" } else { "elements" };
+        let step = a.step.map_or(String::new(), |s| format!(", step {s}"));
+        let parts = if a.component_names.is_empty() {
+            String::new()
+        } else {
+            format!(": {}", a.component_names.join(" "))
+        };
+        arrays.push(format!("{} ({} on {on}{step}{parts})", a.name, a.components));
+    }
+    let groups: Vec<String> =
+        file.groups.iter().map(|g| format!("{} ({} nodes)", g.name, g.nodes.len())).collect();
+    let mut value = json!({
+        "ok": true, "file": name, "kind": "fe", "format": file.format.name(),
+        "nodes": file.nodes.len(), "elements": elements, "left_out": left_out,
+        "extents": (high - low).to_array(), "low": low.to_array(), "high": high.to_array(),
+        "likely_unit": format!("{} (by its size)", grainpath::shape::likely_unit(size).name()),
+        "arrays": arrays, "groups": groups,
+    });
+    let mut warnings = file.warnings.clone();
+    match file.result(&FeOptions::default()) {
+        Ok(result) => {
+            let peak = result.max_von_mises_mpa();
+            value["stress"] = json!(result.stress_array);
+            value["plane"] = json!(result.plane);
+            value["max_von_mises"] = json!((peak * 1e6).round() * 1e-6);
+            value["likely_stress_unit"] =
+                json!(if peak > 1e4 { "Pa (by its size)" } else { "MPa (by its size)" });
+            if let Some(u) = &result.displacement {
+                let longest = u.iter().map(|u| u.length()).filter(|l| l.is_finite()).fold(0.0, f64::max);
+                value["max_displacement"] = json!(longest);
+            }
+            warnings = result.warnings;
+        }
+        Err(FeError::NoStress { .. }) => {}
+        Err(e) => warnings.push(e.to_string()),
+    }
+    if let Some(deck) = &file.deck {
+        let materials: Vec<String> = deck.materials.iter().map(|m| m.name.clone()).collect();
+        let sum = |f: &dyn Fn(&grainpath_io::fe::Step) -> usize| deck.steps.iter().map(f).sum::<usize>();
+        value["materials"] = json!(materials);
+        value["steps"] = json!(deck.steps.len());
+        value["fixed"] = json!(deck.fixed.len() + sum(&|s| s.fixed.len()));
+        value["loads"] = json!(sum(&|s| s.point_loads.len() + s.face_loads.len() + s.body_loads.len()));
+    }
+    value["warnings"] = json!(warnings);
+    value
+}
+
 fn gcode_json(name: &str, p: &Program) -> Value {
     let heights: Vec<f64> = p.layers.iter().map(|l| l.height_mm).collect();
     let mut sorted = heights.clone();
@@ -119,9 +187,12 @@ fn table(value: &Value) -> String {
         Value::Array(a) if a.iter().all(Value::is_string) => {
             a.iter().filter_map(Value::as_str).map(|s| format!("\n  {s}")).collect()
         }
+        Value::Object(o) => o.iter().map(|(k, v)| format!("{v} {k}")).collect::<Vec<_>>().join(", "),
         other => other.to_string(),
     };
     let line = |(k, v): (&String, &Value)| format!("{:<26} {}\n", k.replace('_', " "), shown(v));
-    let skip = |v: &Value| v.is_null() || v.as_array().is_some_and(Vec::is_empty);
+    let skip = |v: &Value| {
+        v.is_null() || v.as_array().is_some_and(Vec::is_empty) || v.as_object().is_some_and(|o| o.is_empty())
+    };
     rows.iter().filter(|(k, v)| *k != "ok" && !skip(v)).map(line).collect()
 }

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use grainpath::guide::{lines_svg, lines_vtp};
 use grainpath::job::Settings;
 use grainpath::render::{Bead, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png};
 use grainpath::report::{Report, measure, peak_rss_mb};
@@ -20,6 +21,8 @@ pub struct Paths {
     report: Option<PathBuf>,
     preview: Option<PathBuf>,
     plan: Option<PathBuf>,
+    stress: Option<PathBuf>,
+    lines: Option<PathBuf>,
 }
 
 impl Paths {
@@ -32,12 +35,30 @@ impl Paths {
                 mesh.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_else(|| "part".into());
             out.join(format!("{name}.gcode"))
         });
-        let paths =
-            Self { gcode, report: given(&o.report), preview: given(&o.preview), plan: given(&o.plan) };
+        let paths = Self {
+            gcode,
+            report: given(&o.report),
+            preview: given(&o.preview),
+            plan: given(&o.plan),
+            stress: given(&o.stress),
+            lines: given(&o.lines),
+        };
+        if let Some(path) = &paths.lines
+            && !["svg", "vtp"].iter().any(|e| path.extension().is_some_and(|x| x == *e))
+        {
+            return Err(Failure::usage(format!("output.lines = {:?} should end in .svg or .vtp", o.lines)));
+        }
         let same = |p: &Path| {
             mesh.is_file() && matches!((p.canonicalize(), mesh.canonicalize()), (Ok(a), Ok(b)) if a == b)
         };
-        for path in [Some(&paths.gcode), paths.report.as_ref(), paths.plan.as_ref()].into_iter().flatten() {
+        let all = [
+            Some(&paths.gcode),
+            paths.report.as_ref(),
+            paths.plan.as_ref(),
+            paths.stress.as_ref(),
+            paths.lines.as_ref(),
+        ];
+        for path in all.into_iter().flatten() {
             if same(path) {
                 return Err(Failure::usage(format!(
                     "{} is the input; it is not written over",
@@ -82,9 +103,11 @@ pub fn write(
         let program = read_back(settings, &copy)?;
         report.quality = Some(measure(&planned, &program));
         drop(copy);
-        let steps = planned.grain.take().map(|g| g.pictures).unwrap_or_default();
-        previews(settings, &program, steps, paths, diagnostics, &mut report)?;
+        let mut drawn = guide_pictures(&planned, paths);
+        drawn.extend(planned.grain.take().map(|g| g.pictures).unwrap_or_default());
+        previews(settings, &program, &drawn, paths, diagnostics, &mut report)?;
     }
+    guide_files(&planned, paths, &mut report)?;
     if let Some(path) = &paths.plan {
         let text = grainpath::plan_json::plan_json(&planned.plan);
         save(path, text.as_bytes())?;
@@ -166,7 +189,7 @@ fn shown(n: usize) -> Vec<usize> {
 fn previews(
     settings: &Settings,
     program: &Program,
-    steps: Vec<(String, html::Picture)>,
+    drawn: &[(String, html::Picture)],
     paths: &Paths,
     diagnostics: &Diagnostics,
     report: &mut Report,
@@ -187,16 +210,72 @@ fn previews(
             save(&folder.join(format!("layer_{:04}.png", i + 1)), &p.png)?;
             save(&folder.join(format!("layer_{:04}.svg", i + 1)), layer_svg(&all[i], &options).as_bytes())?;
         }
-        for (name, picture) in &steps {
+        for (name, picture) in drawn {
             save(&folder.join(name), &picture.png)?;
         }
         report.outputs.insert("preview", folder.display().to_string());
     }
-    pictures.extend(steps.into_iter().map(|(_, picture)| picture));
     if let Some(path) = &paths.report {
         report.warnings = diagnostics.warnings();
         report.outputs.insert("report", path.display().to_string());
+        pictures.extend(drawn.iter().map(|d| d.1.clone()));
         save(path, html::report_html(report, &settings.rows(), &pictures).as_bytes())?;
+    }
+    Ok(())
+}
+
+/// Pixels of the longer side of a picture of stress or directions.
+const GUIDE_PX: u32 = 1600;
+
+/// Pictures of stress, lines and directions, with their file names.
+fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, html::Picture)> {
+    let Some(guide) = planned.guide.as_ref().filter(|_| paths.report.is_some() || paths.preview.is_some())
+    else {
+        return Vec::new();
+    };
+    let layers = planned.stack.layers();
+    let z_mid = |i: usize| layers[i].z_top_mm() - 0.5 * layers[i].height_mm();
+    let mut drawn = Vec::new();
+    // Layers that share a field share their pictures.
+    let mut seen: Vec<usize> = Vec::new();
+    for i in shown(layers.len()) {
+        if seen.iter().any(|&j| guide.same(i, j)) {
+            continue;
+        }
+        seen.push(i);
+        let (region, z) = (layers[i].region(), z_mid(i));
+        let families = guide.lines(region, z);
+        let at = format!("layer {} at {:.2} mm", i + 1, layers[i].z_top_mm());
+        let mut add = |kind: &str, title: String, png: Vec<u8>| {
+            drawn.push((format!("{kind}_{:04}.png", i + 1), html::Picture { title, png }));
+        };
+        let png = guide.stress_png(region, z, &families, GUIDE_PX);
+        add(
+            "stress",
+            format!("Equivalent stress and principal lines (greater white, smaller dark), {at}"),
+            png,
+        );
+        add("field", format!("Directions that fill follows, {at}"), guide.field_png(i, region, z, GUIDE_PX));
+    }
+    drawn
+}
+
+/// Stress and lines for other programs.
+fn guide_files(planned: &Planned, paths: &Paths, report: &mut Report) -> Result<(), Failure> {
+    let Some(guide) = &planned.guide else { return Ok(()) };
+    if let Some(path) = &paths.stress {
+        let vtu = guide.vtu().map_err(|e| Failure::usage(format!("cannot write {}: {e}", path.display())))?;
+        save(path, &vtu)?;
+        report.outputs.insert("stress", path.display().to_string());
+    }
+    if let Some(path) = &paths.lines {
+        let middle = &planned.stack.layers()[planned.stack.layers().len() / 2];
+        let z = middle.z_top_mm() - 0.5 * middle.height_mm();
+        let families = guide.lines(middle.region(), z);
+        let vtp = path.extension().is_some_and(|e| e == "vtp");
+        let text = if vtp { lines_vtp(&families, z) } else { lines_svg(middle.region(), &families) };
+        save(path, text.as_bytes())?;
+        report.outputs.insert("lines", path.display().to_string());
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 //! Nothing here opens a file, knows a printer or a material, or starts a solver. Lengths are in mm, angles in
 //! radians (`_rad`) except where a name says `_deg`, stresses in MPa. Right-handed axes, Z up, the plate at Z = 0.
 
+pub mod bvh;
 pub mod diagnostics;
 pub mod field;
 pub mod layer;
@@ -15,9 +16,10 @@ pub mod toolpath;
 pub mod triangulation;
 pub mod units;
 
+pub use bvh::Bvh;
 pub use diagnostics::Diagnostics;
 pub use field::{DirectionField, DirectionSample, UniformField};
-pub use glam::{DVec2, DVec3};
+pub use glam::{DMat3, DVec2, DVec3, IVec3};
 pub use layer::{Layer, LayerStack};
 pub use mesh::TriMesh;
 pub use poly::{Bounds2, Contour, Polygon, Region};

@@ -86,6 +86,31 @@ pub fn rotated_plane(c: &[[f64; 3]; 3], angle_rad: f64) -> [[f64; 3]; 3] {
     out
 }
 
+/// A stiffness turned about z: `T C T'` with the transformation of engineering components.
+pub fn rotated_about_z(c: &Stiffness, angle_rad: f64) -> Stiffness {
+    let (s, k) = sin_cos(angle_rad);
+    // Stresses in x, y, z from those in the material's axes; order xx, yy, zz, xy, yz, zx.
+    let t = [
+        [k * k, s * s, 0.0, -2.0 * s * k, 0.0, 0.0],
+        [s * s, k * k, 0.0, 2.0 * s * k, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0, 0.0, 0.0],
+        [s * k, -s * k, 0.0, k * k - s * s, 0.0, 0.0],
+        [0.0, 0.0, 0.0, 0.0, k, s],
+        [0.0, 0.0, 0.0, 0.0, -s, k],
+    ];
+    let mut out = [[0.0; 6]; 6];
+    for i in 0..6 {
+        for j in 0..6 {
+            for a in 0..6 {
+                for b in 0..6 {
+                    out[i][j] += t[i][a] * c[a][b] * t[j][b];
+                }
+            }
+        }
+    }
+    out
+}
+
 fn determinant3(m: &[[f64; 3]; 3]) -> f64 {
     m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
         + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
@@ -134,6 +159,31 @@ mod tests {
             let want =
                 k.powi(4) / e1 + s.powi(4) / e2 + (1.0 / m.g_mpa[0] - 2.0 * m.nu[0] / e1) * (s * k).powi(2);
             assert!((c[0][0] - want).abs() < 1e-12, "{deg}: {} {want}", c[0][0]);
+        }
+    }
+
+    #[test]
+    fn a_quarter_turn_about_z_swaps_along_and_across() {
+        let m = Orthotropic {
+            e_mpa: [3376.0, 3125.0, 2900.0],
+            nu: [0.33, 0.3, 0.25],
+            g_mpa: [1092.0, 900.0, 800.0],
+        };
+        let c = m.stiffness().expect("stable");
+        let q = rotated_about_z(&c, std::f64::consts::FRAC_PI_2);
+        let swap = [1, 0, 2, 3, 5, 4];
+        for i in 0..6 {
+            for j in 0..6 {
+                assert!((q[i][j].abs() - c[swap[i]][swap[j]].abs()).abs() < 1e-9 * c[0][0], "{i} {j}");
+            }
+        }
+        // In the plane it is what plane stress says.
+        let condensed = |c: &Stiffness, i: usize, j: usize| c[i][j] - c[i][2] * c[2][j] / c[2][2];
+        let (turned, plane) = (rotated_about_z(&c, 0.4), m.plane_stress(0.4).expect("stable"));
+        for (i, a) in [0, 1, 3].into_iter().enumerate() {
+            for (j, b) in [0, 1, 3].into_iter().enumerate() {
+                assert!((condensed(&turned, a, b) - plane[i][j]).abs() < 1e-9 * c[0][0]);
+            }
         }
     }
 

@@ -1,5 +1,7 @@
-//! Bytes to meshes and images, and back. Nothing here opens a file; every reader takes what is in memory and survives any bytes.
+//! Bytes to meshes, images and finite-element results, and back. Nothing here opens a file; every reader takes what is
+//! in memory and survives any bytes.
 
+pub mod fe;
 pub mod image;
 mod mesh;
 mod obj;

@@ -104,6 +104,26 @@ impl<'a> Words<'a> {
         self.bytes[start..self.at].trim_ascii()
     }
 
+    /// The next word, without going past it.
+    pub(crate) fn peek(&mut self) -> Option<&'a [u8]> {
+        let (at, line) = (self.at, self.line);
+        let word = self.word();
+        (self.at, self.line) = (at, line);
+        word
+    }
+
+    /// The next `n` bytes as they are; `None` when there are fewer. Lines are not counted in them.
+    pub(crate) fn raw(&mut self, n: usize) -> Option<&'a [u8]> {
+        let raw = self.bytes.get(self.at..)?.get(..n)?;
+        self.at += n;
+        Some(raw)
+    }
+
+    /// True when nothing is left.
+    pub(crate) fn at_end(&self) -> bool {
+        self.at >= self.bytes.len()
+    }
+
     pub(crate) fn wrong(&self, found: &[u8], wanted: &'static str) -> MeshError {
         let found: String = String::from_utf8_lossy(&found[..found.len().min(40)]).into_owned();
         MeshError::Syntax { place: self.place(), found, wanted }

@@ -12,6 +12,7 @@ use grainpath_core::{DVec3, TriMesh};
 
 use crate::mesh::{Body, MAX_ELEMENTS, MeshError, MeshFile, MeshFormat};
 use package::Package;
+pub(crate) use package::attribute;
 use part::{Component, Content, Part};
 
 /// Components nested deeper than this are damage or malice.

@@ -4,6 +4,7 @@ use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{Bounds2, DVec2};
 use grainpath_gcode::{Cooling, Corner, Flavour, Limits, Machine, Material, Retraction, Speeds, WriteConfig};
+use grainpath_io::fe::{FeOptions, Order, StressUnit};
 
 use crate::grain::GrainSettings;
 use crate::grain::canny::CannySettings;
@@ -106,8 +107,8 @@ pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> Gr
             min_length_mm: g.min_curve_mm,
         },
         integration_mm: g.integration_mm,
-        smooth_mm: g.smooth_mm,
-        tangent: match g.tangent.as_str() {
+        smooth_mm: g.smoothing_mm,
+        tangent: match g.bend.as_str() {
             "none" => Tangent::None,
             "outline" => Tangent::Outline,
             "both" => Tangent::Both,
@@ -221,5 +222,17 @@ pub(crate) fn writing(s: &Settings) -> WriteConfig {
         },
         arc_tolerance_mm: p.arcs.then_some(p.arc_tolerance_mm),
         header: header.iter().map(|(key, value)| format!("{key} = {value}")).collect(),
+    }
+}
+
+/// How `guide.import` is to be understood.
+pub fn import(s: &Settings) -> FeOptions {
+    let g = &s.guide;
+    FeOptions {
+        length_unit: g.import_length_unit.as_deref().and_then(LengthUnit::from_name),
+        stress_unit: g.import_stress_unit.as_deref().and_then(StressUnit::from_name),
+        stress_array: g.import_array.clone(),
+        order: g.import_order.as_deref().and_then(Order::from_name),
+        step: None,
     }
 }

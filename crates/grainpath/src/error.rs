@@ -5,6 +5,7 @@ use grainpath_gcode::GcodeError;
 use grainpath_io::{ImageError, MeshError};
 
 use crate::grain::GrainError;
+use crate::guide::GuideError;
 use crate::job::JobError;
 use crate::shape::ShapeError;
 
@@ -22,6 +23,8 @@ pub enum Error {
     Image { path: String, source: ImageError },
     #[error("{path}: {source}")]
     Grain { path: String, source: GrainError },
+    #[error("guide: {0}")]
+    Guide(#[from] GuideError),
     #[error(transparent)]
     Gcode(#[from] GcodeError),
     #[error(
@@ -37,11 +40,13 @@ impl Error {
     pub fn exit_code(&self) -> i32 {
         match self {
             Self::Shape { source: ShapeError::Interrupted(_), .. } | Self::Interrupted(_) => 130,
+            Self::Guide(GuideError::Interrupted(_)) => 130,
+            Self::Guide(e) if e.is_usage() => 2,
             // Corners that are given come from the job.
             Self::Grain { source: GrainError::Corners(_), .. } => 2,
             Self::Job(_) | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
             Self::Mesh { .. } | Self::Image { .. } | Self::Grain { .. } | Self::Shape { .. } => 3,
-            Self::Gcode(_) | Self::Mass { .. } => 4,
+            Self::Gcode(_) | Self::Mass { .. } | Self::Guide(_) => 4,
         }
     }
 }

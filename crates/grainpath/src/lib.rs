@@ -6,8 +6,10 @@ pub mod adhesion;
 pub mod config;
 pub mod error;
 pub mod examples;
+mod field_mesh;
 pub mod fill;
 pub mod grain;
+pub mod guide;
 pub mod html;
 pub mod job;
 pub mod mask;
@@ -22,4 +24,4 @@ pub mod walls;
 
 pub use error::Error;
 pub use job::Settings;
-pub use run::{Planned, plan_job, plan_photo};
+pub use run::{Inputs, Planned, plan_job, plan_photo};

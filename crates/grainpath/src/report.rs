@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 
 use grainpath_core::Region;
+use grainpath_core::math::{atan2, cross, direction};
 use grainpath_gcode::{Program, Quality, Written, quality};
 use serde::Serialize;
 use serde_json::Value;
 
 use crate::grain::PhotoReport;
+use crate::guide::{Degenerate, Guide};
 use crate::run::Planned;
 
 /// The report of a run; keys that do not apply are left out.
@@ -29,11 +31,53 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quality: Option<QualityReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub stress: Option<StressReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub grain: Option<Vec<PhotoReport>>,
     pub stages_s: BTreeMap<&'static str, f64>,
     pub peak_rss_mb: f64,
     pub warnings: Vec<String>,
     pub outputs: BTreeMap<&'static str, String>,
+}
+
+/// What solving for the stress took and found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct StressReport {
+    pub dofs: usize,
+    pub elements: usize,
+    pub solver: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<String>,
+    pub cases: usize,
+    pub residual: f64,
+    pub max_von_mises_mpa: f64,
+    pub max_displacement_mm: f64,
+    pub error_estimate: f64,
+    pub wedges: usize,
+    pub trisectors: usize,
+    pub border_points: usize,
+}
+
+impl From<&Guide> for StressReport {
+    fn from(guide: &Guide) -> Self {
+        let s = &guide.summary;
+        let digits = |v: f64| format!("{v:.4e}").parse().unwrap_or(v);
+        Self {
+            dofs: s.dofs,
+            elements: s.elements,
+            solver: s.solver.clone(),
+            mesh: s.mesh.clone(),
+            cases: guide.cases.len(),
+            residual: digits(s.residual),
+            max_von_mises_mpa: digits(s.max_von_mises_mpa),
+            max_displacement_mm: digits(s.max_displacement_mm),
+            error_estimate: digits(s.error_estimate),
+            wedges: s.degenerate.count(Degenerate::Wedge),
+            trisectors: s.degenerate.count(Degenerate::Trisector),
+            border_points: s.degenerate.count(Degenerate::Border),
+        }
+    }
 }
 
 /// How well the beads fill the part, by the definitions of `docs/quality.md`.
@@ -43,6 +87,12 @@ pub struct QualityReport {
     pub gap: f64,
     pub overlap: f64,
     pub spill: f64,
+    /// Angle between fill and what the stress asks for, weighted by length and by how much it matters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment_mean_deg: Option<f64>,
+    /// 95 % of the weighted length lies closer than this.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment_p95_deg: Option<f64>,
     pub paths_per_layer_max: usize,
     pub bead_width_mm: [f64; 3],
 }
@@ -54,6 +104,8 @@ impl From<Quality> for QualityReport {
             gap: share(q.gap),
             overlap: share(q.overlap),
             spill: share(q.spill),
+            alignment_mean_deg: None,
+            alignment_p95_deg: None,
             paths_per_layer_max: q.paths_per_layer_max,
             bead_width_mm: q.bead_width_mm.map(|w| (w * 1e4).round() * 1e-4),
         }
@@ -82,6 +134,7 @@ impl Report {
             density: round(planned.density, 5),
             quality: None,
             grain: planned.grain.as_ref().map(|g| g.photos.clone()),
+            stress: planned.guide.as_ref().map(StressReport::from),
             stages_s: BTreeMap::new(),
             peak_rss_mb: round(peak_rss_mb(), 1),
             warnings: Vec::new(),
@@ -111,6 +164,20 @@ impl Report {
                 percent(q.gap),
                 percent(q.overlap),
                 percent(q.spill)
+            ));
+            if let (Some(mean), Some(p95)) = (q.alignment_mean_deg, q.alignment_p95_deg) {
+                lines.push(format!(
+                    "fill along the stress: {mean:.1} degrees off in the mean, {p95:.1} for 95 %"
+                ));
+            }
+        }
+        if let Some(s) = &self.stress {
+            lines.push(format!(
+                "stress: {} unknowns, at most {:.2} MPa (von Mises), {:.3} mm of displacement, about {:.1} % missed by the mesh",
+                s.dofs,
+                s.max_von_mises_mpa,
+                s.max_displacement_mm,
+                100.0 * s.error_estimate
             ));
         }
         lines.extend(self.warnings.iter().map(|w| format!("warning: {w}")));
@@ -147,7 +214,46 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
         }
         Some(region)
     };
-    quality(program, section, 12).into()
+    let mut report = QualityReport::from(quality(program, section, 12));
+    if let Some(guide) = &planned.guide {
+        let (mean, p95) = alignment(planned, guide, program);
+        let round = |deg: f64| (deg * 100.0).round() * 0.01;
+        (report.alignment_mean_deg, report.alignment_p95_deg) = (Some(round(mean)), Some(round(p95)));
+    }
+    report
+}
+
+/// Mean and 95th percentile of the angle in degrees between fill and the stress's own axis.
+fn alignment(planned: &Planned, guide: &Guide, program: &Program) -> (f64, f64) {
+    let shift = planned.plan.plate_from_part_mm.truncate();
+    let layers = planned.stack.layers();
+    // Equal steps of the angle hold the weights: exact to a hundredth of a degree, in little memory.
+    let mut bins = vec![0.0; 9001];
+    let mut sum = 0.0;
+    for layer in &program.layers {
+        let z_mid = layer.z_mm - 0.5 * layer.height_mm;
+        let i = layers.partition_point(|l| l.z_top_mm() < z_mid);
+        for bead in layer.beads.iter().filter(|b| b.role.is_part() && !b.role.is_wall()) {
+            let (a, b) = (bead.start() - shift, bead.end() - shift);
+            let length = a.distance(b);
+            if length <= 0.0 || i >= layers.len() {
+                continue;
+            }
+            let (axis, weight) = guide.asked(i, (0.5 * (a + b)).extend(z_mid));
+            let u = direction(axis);
+            let d = b - a;
+            let off = atan2(cross(u, d).abs(), u.dot(d).abs()).to_degrees();
+            bins[(off * 100.0) as usize] += weight * length;
+            sum += weight * length * off;
+        }
+    }
+    let all: f64 = bins.iter().sum();
+    let mut seen = 0.0;
+    let p95 = bins.iter().position(|w| {
+        seen += w;
+        seen >= 0.95 * all
+    });
+    (sum / all.max(f64::MIN_POSITIVE), p95.unwrap_or(0) as f64 * 0.01)
 }
 
 /// Highest memory the process has held, MiB; 0 where the system does not tell.

@@ -10,19 +10,21 @@ use grainpath_core::math::direction;
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
 use grainpath_core::{
     BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, DirectionField, Layer, LayerStack, Plan, Polygon, Role,
-    SpeedClass, Toolpath,
+    SpeedClass, Toolpath, UniformField,
 };
 use grainpath_gcode::{WriteConfig, check_fits};
 use grainpath_io::MeshFile;
+use grainpath_io::fe::StressField;
 use rayon::prelude::*;
 
 use crate::adhesion::{AdhesionSettings, brim, skirt};
 use crate::config;
 use crate::error::Error;
-use crate::fill::{FillContext, Infill, Solid, Stripes, bridge_angle_rad, pattern};
+use crate::fill::{FillContext, GUIDED, Infill, Solid, Stripes, bridge_angle_rad, pattern};
 use crate::grain::guide::Mode;
 use crate::grain::lay::{Flow, lay_curves};
 use crate::grain::{GrainGuide, Photo, read_grain};
+use crate::guide::{self, Guide, GuidedPart};
 use crate::job::Settings;
 use crate::mask::Mask;
 use crate::order::{Island, LayerPaths, order_stack};
@@ -44,6 +46,8 @@ pub struct Planned {
     pub density: f64,
     /// The grain it follows, where it does.
     pub grain: Option<GrainGuide>,
+    /// Directions and the stress they come from, for jobs that have loads.
+    pub guide: Option<Guide>,
 }
 
 /// Shorter closed walls are small, mm.
@@ -51,27 +55,38 @@ const SMALL_WALL_MM: f64 = 30.0;
 /// Walls with more than this share of their length over air are overhangs.
 const OVERHANG_SHARE: f64 = 0.25;
 
-/// Plans a job whose shape is a mesh. `path` is what errors call it; `photos` are those its grain is taken from.
+/// What a job is made from, read already.
+pub struct Inputs {
+    /// The shape.
+    pub mesh: MeshFile,
+    /// What errors call it.
+    pub path: String,
+    /// Stress solved elsewhere, for `guide.import`.
+    pub stress: Option<StressField>,
+    /// Photographs whose grain the part is filled with, for `guide.kind = "grain"`.
+    pub photos: Vec<Photo>,
+}
+
+/// Plans a job whose shape is a mesh.
 ///
 /// # Errors
 /// [`Error`] for a mesh that cannot be sliced, a part that does not fit the bed, a mass that cannot be met, and when
 /// a stop was asked for.
-pub fn plan_job(
-    settings: &Settings,
-    file: MeshFile,
-    path: &str,
-    photos: &[Photo],
-    diagnostics: &Diagnostics,
-) -> Result<Planned, Error> {
+pub fn plan_job(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
-    let shape_error = |source| Error::Shape { path: path.to_owned(), source };
-    let stack = {
-        let bodies = place_bodies(settings, file, diagnostics).map_err(shape_error)?;
-        let mesh = shape::mend(bodies, config::repair(settings), diagnostics).map_err(shape_error)?;
-        shape::slice(&mesh, &config::slicing(settings), diagnostics).map_err(shape_error)?
-    };
+    let shape_error = |source| Error::Shape { path: inputs.path.clone(), source };
+    let (bodies, lowered_mm) = place_bodies(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
+    let mesh = shape::mend(bodies, config::repair(settings), diagnostics).map_err(shape_error)?;
+    let stack = shape::slice(&mesh, &config::slicing(settings), diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
-    plan_stack(settings, stack, photos, clock, diagnostics)
+    let part = part_bounds(&stack);
+    check_bed(settings, &stack, part, plate_from_part(settings, part))?;
+    let guide = {
+        let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
+        guide::build(settings, &guided, inputs.stress, diagnostics)?
+    };
+    drop(mesh);
+    plan_stack(settings, stack, guide, &inputs.photos, clock, diagnostics)
 }
 
 /// Plans a job whose shape is the board of its photographs.
@@ -90,10 +105,12 @@ pub fn plan_photo(
         source,
     })?;
     clock.stop(Stage::Slice);
-    plan_stack(settings, stack, photos, clock, diagnostics)
+    let part = part_bounds(&stack);
+    check_bed(settings, &stack, part, plate_from_part(settings, part))?;
+    plan_stack(settings, stack, None, photos, clock, diagnostics)
 }
 
-/// The guide the job asks for.
+/// The grain the job asks for.
 fn grain(
     settings: &Settings,
     stack: &LayerStack,
@@ -119,17 +136,19 @@ fn grain(
 fn plan_stack(
     settings: &Settings,
     stack: LayerStack,
+    guide: Option<Guide>,
     photos: &[Photo],
     mut clock: Clock,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
     let part = part_bounds(&stack);
-    let job = Job { settings, stack: &stack, part, grain: None };
-    job.check_bed(job.plate_from_part())?;
+    let plate_from_part_mm = plate_from_part(settings, part);
     let grain = grain(settings, &stack, photos, diagnostics)?;
-    clock.stop(Stage::Guide);
-    let job = Job { settings, stack: &stack, part, grain: grain.as_ref() };
-    let plate_from_part_mm = job.plate_from_part();
+    if guide.is_some() || grain.is_some() {
+        clock.stop(Stage::Guide);
+    }
+    let uniform = UniformField { axis_rad: settings.guide.angle_deg.to_radians() };
+    let job = Job { settings, stack: &stack, part, guide: guide.as_ref(), grain: grain.as_ref(), uniform };
     diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
     let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
     let skins = job.skins(&mut walls, &fills, diagnostics)?;
@@ -143,7 +162,7 @@ fn plan_stack(
     let plan = Plan { layers, plate_from_part_mm };
     let config = config::writing(settings);
     check_fits(&plan, &config.machine)?;
-    Ok(Planned { plan, stack, config, stages_s: clock.stages, density, grain })
+    Ok(Planned { plan, stack, config, stages_s: clock.stages, density, guide, grain })
 }
 
 /// The islands of a layer with their walls, and where its fill may lie.
@@ -162,12 +181,12 @@ impl Clock {
     }
 }
 
-/// The bodies of a file in millimetres on the plate.
+/// The bodies of a file in millimetres on the plate, and how far they were lowered to stand there.
 fn place_bodies(
     settings: &Settings,
     file: MeshFile,
     diagnostics: &Diagnostics,
-) -> Result<Vec<grainpath_core::TriMesh>, shape::ShapeError> {
+) -> Result<(Vec<grainpath_core::TriMesh>, f64), shape::ShapeError> {
     file.warnings.iter().for_each(|w| diagnostics.warn(format!("mesh: {w}")));
     let mut bodies: Vec<grainpath_core::TriMesh> = file.bodies.into_iter().map(|b| b.mesh).collect();
     let mut placement = config::placement(settings);
@@ -185,8 +204,8 @@ fn place_bodies(
             ));
         }
     }
-    shape::place(&mut bodies, &placement)?;
-    Ok(bodies)
+    let lowered_mm = shape::place(&mut bodies, &placement)?;
+    Ok((bodies, lowered_mm))
 }
 
 fn part_bounds(stack: &LayerStack) -> Bounds2 {
@@ -194,62 +213,61 @@ fn part_bounds(stack: &LayerStack) -> Bounds2 {
     all.reduce(Bounds2::union).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO })
 }
 
+fn plate_from_part(settings: &Settings, part: Bounds2) -> DVec3 {
+    let machine = config::machine(settings);
+    let (low, high) = machine.bed_bounds_mm();
+    let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
+    let target = settings.shape.position_mm.unwrap_or(middle);
+    let centre = part.centre();
+    // Whole micrometres, so that moving the part does not change how its numbers round.
+    let whole = |mm: f64| (mm * 1e3).round() * 1e-3;
+    DVec3::new(whole(target[0] - centre.x), whole(target[1] - centre.y), 0.0)
+}
+
+/// Refuses a part that cannot fit before any time is spent on it.
+fn check_bed(settings: &Settings, stack: &LayerStack, part: Bounds2, shift: DVec3) -> Result<(), Error> {
+    let machine = config::machine(settings);
+    let half = 1e-3;
+    let (low, high) = machine.bed_bounds_mm();
+    let reach = [
+        (part.min.x + shift.x, 0),
+        (part.max.x + shift.x, 0),
+        (part.min.y + shift.y, 1),
+        (part.max.y + shift.y, 1),
+    ];
+    for (at_mm, k) in reach {
+        if at_mm < low[k] - half || at_mm > high[k] + half {
+            let axis = ['X', 'Y'][k];
+            return Err(grainpath_gcode::GcodeError::OutsideBed {
+                axis,
+                at_mm,
+                low_mm: low[k],
+                high_mm: high[k],
+            }
+            .into());
+        }
+    }
+    let top = stack.layers().last().map_or(0.0, Layer::z_top_mm);
+    if top > machine.bed_mm[2] + half {
+        let high_mm = machine.bed_mm[2];
+        return Err(
+            grainpath_gcode::GcodeError::OutsideBed { axis: 'Z', at_mm: top, low_mm: 0.0, high_mm }.into()
+        );
+    }
+    Ok(())
+}
+
 struct Job<'a> {
     settings: &'a Settings,
     stack: &'a LayerStack,
     part: Bounds2,
+    guide: Option<&'a Guide>,
     grain: Option<&'a GrainGuide>,
+    /// The field of `kind = "angle"`.
+    uniform: UniformField,
 }
 
 impl Job<'_> {
-    fn plate_from_part(&self) -> DVec3 {
-        let machine = config::machine(self.settings);
-        let (low, high) = machine.bed_bounds_mm();
-        let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
-        let target = self.settings.shape.position_mm.unwrap_or(middle);
-        let centre = self.part.centre();
-        // Whole micrometres, so that moving the part does not change how its numbers round.
-        let whole = |mm: f64| (mm * 1e3).round() * 1e-3;
-        DVec3::new(whole(target[0] - centre.x), whole(target[1] - centre.y), 0.0)
-    }
-
-    /// Refuses a part that cannot fit before any time is spent on it.
-    fn check_bed(&self, shift: DVec3) -> Result<(), Error> {
-        let machine = config::machine(self.settings);
-        let half = 1e-3;
-        let (low, high) = machine.bed_bounds_mm();
-        let reach = [
-            (self.part.min.x + shift.x, 0),
-            (self.part.max.x + shift.x, 0),
-            (self.part.min.y + shift.y, 1),
-            (self.part.max.y + shift.y, 1),
-        ];
-        for (at_mm, k) in reach {
-            if at_mm < low[k] - half || at_mm > high[k] + half {
-                let axis = ['X', 'Y'][k];
-                return Err(grainpath_gcode::GcodeError::OutsideBed {
-                    axis,
-                    at_mm,
-                    low_mm: low[k],
-                    high_mm: high[k],
-                }
-                .into());
-            }
-        }
-        let top = self.stack.layers().last().map_or(0.0, Layer::z_top_mm);
-        if top > machine.bed_mm[2] + half {
-            let high_mm = machine.bed_mm[2];
-            return Err(grainpath_gcode::GcodeError::OutsideBed {
-                axis: 'Z',
-                at_mm: top,
-                low_mm: 0.0,
-                high_mm,
-            }
-            .into());
-        }
-        Ok(())
-    }
-
     fn wall_settings(&self, layer: &Layer) -> WallSettings {
         let p = &self.settings.process;
         WallSettings {
@@ -331,17 +349,56 @@ impl Job<'_> {
         diagnostics: &Diagnostics,
     ) -> Result<Vec<LayerPaths>, Interrupted> {
         let adhesion = self.adhesion();
-        let of_layer = |(i, mut islands): (usize, Vec<Island>)| {
+        let like = self.alike(skins);
+        let lay = |i: usize| {
             diagnostics.check()?;
-            self.dense_fill(i, &skins[i], &mut |island, path| islands[island].fills.push(path));
-            self.sparse_fill(i, &skins[i], density, &mut |island, path| islands[island].fills.push(path));
+            let mut paths = Vec::new();
+            if like[i] == i {
+                self.dense_fill(i, &skins[i], &mut |island, path| paths.push((island, path)));
+                self.sparse_fill(i, &skins[i], density, &mut |island, path| paths.push((island, path)));
+            }
             diagnostics.advance(1);
-            let adhesion = adhesion.get(i).cloned().unwrap_or_default();
-            Ok(LayerPaths { adhesion, islands })
+            Ok(paths)
         };
-        let all: Vec<Result<_, Interrupted>> =
-            walls.into_par_iter().enumerate().with_min_len(2).map(of_layer).collect();
-        all.into_iter().collect()
+        let laid: Vec<Result<Vec<(usize, Toolpath)>, Interrupted>> = (0..walls.len())
+            .into_par_iter()
+            .with_min_len(if self.guide.is_some() { 1 } else { 2 })
+            .map(lay)
+            .collect();
+        let mut laid = laid.into_iter().collect::<Result<Vec<_>, _>>()?;
+        // Copies first: the layers they are copied from come later or are taken whole.
+        for i in (0..laid.len()).rev().filter(|&i| like[i] != i) {
+            laid[i] = laid[like[i]].clone();
+        }
+        let whole = |(i, (mut islands, paths)): (usize, (Vec<Island>, Vec<(usize, Toolpath)>))| {
+            paths.into_iter().for_each(|(island, path)| islands[island].fills.push(path));
+            LayerPaths { adhesion: adhesion.get(i).cloned().unwrap_or_default(), islands }
+        };
+        Ok(walls.into_iter().zip(laid).enumerate().map(whole).collect())
+    }
+
+    /// For each layer the first one that has the same room and the same field, where the fill depends on nothing
+    /// else.
+    fn alike(&self, skins: &[SkinSplit]) -> Vec<usize> {
+        let layers = self.stack.layers();
+        let guided = self.grain.is_some() || GUIDED.contains(&self.settings.fill.pattern.as_str());
+        let mut like: Vec<usize> = (0..skins.len()).collect();
+        if !guided {
+            return like;
+        }
+        for i in 1..skins.len() {
+            let same = |&j: &usize| {
+                layers[i].height_mm() == layers[j].height_mm()
+                    && skins[i].bridge.is_empty()
+                    && skins[i] == skins[j]
+                    && self.guide.is_none_or(|g| g.same(i, j))
+                    && self.grain.is_none_or(GrainGuide::is_upright)
+            };
+            if let Some(j) = (i.saturating_sub(2)..i).rev().find(same) {
+                like[i] = like[j];
+            }
+        }
+        like
     }
 
     fn context(&self, layer_idx: usize, density: f64, role: Role) -> FillContext<'_> {
@@ -355,7 +412,11 @@ impl Job<'_> {
             part: self.part,
             role,
             border_mm: self.border_mm(layer),
-            field: self.grain.map(|g| g as &dyn DirectionField),
+            field: Some(match (self.guide, self.grain) {
+                (Some(guide), _) => guide.layer(layer_idx),
+                (None, Some(grain)) => grain,
+                (None, None) => &self.uniform,
+            }),
         }
     }
 
@@ -390,7 +451,7 @@ impl Job<'_> {
             let context = self.context(i, 1.0, role);
             for (island, polygon) in polygons {
                 match grain {
-                    Some(grain) => along_grain(grain, &context, polygon, &mut paths),
+                    Some(grain) => self.along_grain(grain, &context, polygon, &mut paths),
                     None => self.dense_pattern().fill(&context, polygon, &mut paths),
                 }
                 paths.drain(..).for_each(|p| add(*island, p));
@@ -402,11 +463,15 @@ impl Job<'_> {
         }
     }
 
+    /// Dense fill beside sparse one is plain; where all is dense it is the pattern asked for, and a part with a
+    /// guide follows it in its skins too.
     fn dense_pattern(&self) -> &'static dyn Infill {
-        if self.settings.fill.pattern == "concentric" && self.settings.fill.density >= 0.999 {
-            &crate::fill::Concentric
-        } else {
-            &Solid
+        let fill = &self.settings.fill;
+        match fill.pattern.as_str() {
+            "concentric" if fill.density >= 0.999 => &crate::fill::Concentric,
+            "stripes" | "streamlines" => &Stripes,
+            "seed-lines" => &crate::fill::SeedLines,
+            _ => &Solid,
         }
     }
 
@@ -434,10 +499,32 @@ impl Job<'_> {
         let mut paths = Vec::new();
         for (island, polygon) in &split.sparse {
             match self.grain {
-                Some(grain) => along_grain(grain, &context, polygon, &mut paths),
+                Some(grain) => self.along_grain(grain, &context, polygon, &mut paths),
                 None => infill.fill(&context, polygon, &mut paths),
             }
             paths.drain(..).for_each(|p| add(*island, p));
+        }
+    }
+
+    /// Fills a room with the grain: the picture's edges, the guided pattern asked for, or else stripes where it is
+    /// dense and lines at even distances where it is not.
+    fn along_grain(
+        &self,
+        grain: &GrainGuide,
+        context: &FillContext<'_>,
+        room: &Polygon,
+        out: &mut Vec<Toolpath>,
+    ) {
+        let z_mm = context.z_mid_mm;
+        let axis = |p: DVec2| direction(grain.sample(p.extend(z_mm)).axis_rad);
+        let sparseness = |p: DVec2| grain.sparseness(p.extend(z_mm));
+        let flow = Flow { axis: &axis, sparseness: grain.has_darkness().then_some(&sparseness) };
+        let name = self.settings.fill.pattern.as_str();
+        match (grain.mode, pattern(name).filter(|_| GUIDED.contains(&name))) {
+            (Mode::Edges, _) => lay_curves(context, room, &grain.curves(z_mm), &flow, out),
+            (Mode::Field, Some(asked)) => asked.fill(context, room, out),
+            (Mode::Field, None) if context.density >= 0.999 => Stripes.fill(context, room, out),
+            (Mode::Field, None) => lay_curves(context, room, &[], &flow, out),
         }
     }
 
@@ -518,19 +605,6 @@ impl Job<'_> {
             if off < 0.0 { low = middle } else { high = middle }
         }
         Ok(best.1)
-    }
-}
-
-/// Fills a room with the grain.
-fn along_grain(grain: &GrainGuide, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-    let z_mm = context.z_mid_mm;
-    let axis = |p: DVec2| direction(grain.sample(p.extend(z_mm)).axis_rad);
-    let sparseness = |p: DVec2| grain.sparseness(p.extend(z_mm));
-    let flow = Flow { axis: &axis, sparseness: grain.has_darkness().then_some(&sparseness) };
-    match grain.mode {
-        Mode::Edges => lay_curves(context, room, &grain.curves(z_mm), &flow, out),
-        Mode::Field if context.density >= 0.999 => Stripes.fill(context, room, out),
-        Mode::Field => lay_curves(context, room, &[], &flow, out),
     }
 }
 

@@ -44,6 +44,19 @@ impl Region {
         Self::from_contours(&contours, FillRule::NonZero).simplified(SIMPLIFY_MM)
     }
 
+    /// Everything within `r_mm` of a line.
+    pub fn around_line(line: &[DVec2], closed: bool, r_mm: f64) -> Self {
+        let to = |p: &DVec2| c2::Point64::new((p.x / GRID_MM).round() as i64, (p.y / GRID_MM).round() as i64);
+        let path: Vec<c2::Point64> = line.iter().map(to).collect();
+        let end = if closed { c2::EndType::Joined } else { c2::EndType::Round };
+        let tolerance = ARC_TOLERANCE_MM / GRID_MM;
+        let grown =
+            c2::inflate_paths_64(&vec![path], r_mm / GRID_MM, c2::JoinType::Round, end, 2.0, tolerance);
+        let from = |p: &c2::Point64| DVec2::new(p.x as f64 * GRID_MM, p.y as f64 * GRID_MM);
+        let contours: Vec<Contour> = grown.iter().map(|c| c.iter().map(from).collect()).collect();
+        Self::from_contours(&contours, FillRule::NonZero).simplified(SIMPLIFY_MM)
+    }
+
     /// What a disc of radius `r_mm` that stays inside the region can reach: thin places fall away.
     pub fn opened(&self, r_mm: f64) -> Self {
         self.offset(-r_mm, Join::Round).offset(r_mm, Join::Round)

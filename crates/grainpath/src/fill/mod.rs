@@ -15,7 +15,7 @@ use grainpath_core::{Bounds2, DirectionField, Polygon, Role, Toolpath};
 
 pub use bridge::bridge_angle_rad;
 pub use concentric::Concentric;
-pub use field::Stripes;
+pub use field::{SeedLines, Streamlines, Stripes};
 pub use gyroid::Gyroid;
 pub use honeycomb::Honeycomb;
 pub use rectilinear::{Crossed, Rectilinear, Solid};
@@ -59,8 +59,21 @@ pub trait Infill: Send + Sync {
 }
 
 /// The names of the patterns for the inside.
-pub const PATTERNS: [&str; 7] =
-    ["rectilinear", "grid", "triangles", "gyroid", "concentric", "honeycomb", "aligned"];
+pub const PATTERNS: [&str; 10] = [
+    "rectilinear",
+    "grid",
+    "triangles",
+    "gyroid",
+    "concentric",
+    "honeycomb",
+    "aligned",
+    "stripes",
+    "streamlines",
+    "seed-lines",
+];
+
+/// Those of them that follow a direction field.
+pub const GUIDED: [&str; 3] = ["stripes", "streamlines", "seed-lines"];
 
 /// The pattern with this name. `rectilinear` and `aligned` differ in the angles the caller gives.
 pub fn pattern(name: &str) -> Option<&'static dyn Infill> {
@@ -71,6 +84,9 @@ pub fn pattern(name: &str) -> Option<&'static dyn Infill> {
         "gyroid" => &Gyroid,
         "concentric" => &Concentric,
         "honeycomb" => &Honeycomb,
+        "stripes" => &Stripes,
+        "streamlines" => &Streamlines,
+        "seed-lines" => &SeedLines,
         _ => return None,
     })
 }

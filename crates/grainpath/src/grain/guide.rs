@@ -350,6 +350,11 @@ impl GrainGuide {
         grainpath_core::math::pow(1.0 + self.darkness, 1.0 - 2.0 * dark)
     }
 
+    /// Whether the grain is the same at every height.
+    pub fn is_upright(&self) -> bool {
+        self.slices.len() == 1 && self.shift_mm_per_mm == DVec2::ZERO
+    }
+
     /// Whether lines follow the picture's darkness.
     pub fn has_darkness(&self) -> bool {
         self.darkness > 0.0

@@ -3,6 +3,7 @@
 //! Each setting is one row in `settings.rs`; the job parser, `--set`, the JSON Schema and the reference page all come
 //! from those rows. After [`parse_job`] nobody checks a setting again.
 
+pub mod loads;
 mod parse;
 mod profiles;
 mod schema;

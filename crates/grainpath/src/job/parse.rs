@@ -21,17 +21,11 @@ fn error(place: impl Into<String>, problem: impl Into<String>) -> JobError {
 }
 
 /// Keys of other parts of grainpath that are not there yet: known, so that the message can say so.
-const LATER: [(&str, &str); 11] = [
+const LATER: [(&str, &str); 5] = [
     ("shape", "outline"),
     ("shape", "thickness_mm"),
     ("shape", "ct"),
-    ("guide", "follow"),
-    ("guide", "fixture"),
-    ("guide", "load"),
-    ("guide", "case"),
-    ("guide", "import"),
     ("support", "critical_angle_deg"),
-    ("output", "stress"),
     ("output", "support"),
 ];
 
@@ -178,10 +172,7 @@ fn apply(
 fn later(section: &str, key: &str, value: &Value) -> Option<String> {
     let word = value.as_str().unwrap_or_default();
     let known = match (section, key) {
-        ("guide", "kind") => word == "stress",
-        ("fill", "pattern") => {
-            ["stripes", "streamlines", "seed-lines", "stress-lines", "continuous"].contains(&word)
-        }
+        ("fill", "pattern") => word == "continuous",
         ("support", "style") => word == "tree",
         _ => false,
     };
@@ -212,6 +203,12 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
     if s.strength.enabled {
         return wrong("strength.enabled = true is not in this version of grainpath".into());
     }
+    if crate::fill::GUIDED.contains(&s.fill.pattern.as_str()) && s.guide.kind == "none" {
+        return wrong(format!(
+            "fill.pattern = {:?} needs a guide: [guide] kind = \"stress\" or \"angle\"",
+            s.fill.pattern
+        ));
+    }
     if s.fill.angles_deg.is_empty() {
         return wrong("fill.angles_deg should have at least one angle".into());
     }
@@ -227,6 +224,9 @@ fn check_photos(s: &Settings, name: &str) -> Result<(), JobError> {
     }
     if photo && (s.photo.size_mm.contains(&0.0) || s.photo.thickness_mm == 0.0) {
         return wrong("shape.photo needs size_mm = [width, height] and thickness_mm".into());
+    }
+    if photo && s.guide.kind == "stress" {
+        return wrong("guide.kind = \"stress\" is for meshes, not for shape.photo".into());
     }
     if photo && s.process.adaptive_layers {
         return wrong("process.adaptive_layers = true is for meshes, not for shape.photo".into());
@@ -338,15 +338,15 @@ mod tests {
             ),
             (
                 "[fill]\npattern = \"grit\"\n",
-                "job.toml:2: fill.pattern should be one of rectilinear, grid, triangles, gyroid, concentric, honeycomb, aligned, is \"grit\"",
+                "job.toml:2: fill.pattern should be one of rectilinear, grid, triangles, gyroid, concentric, honeycomb, aligned, stripes, streamlines, seed-lines, is \"grit\"",
             ),
             (
                 "[shape]\nct = { path = \"scan\" }\n",
                 "job.toml:2: shape.ct is not in this version of grainpath",
             ),
             (
-                "[guide]\nkind = \"stress\"\n",
-                "job.toml:2: guide.kind = \"stress\" is not in this version of grainpath",
+                "[guide]\nkind = \"grain\"\n",
+                "job.toml: guide.kind = \"grain\" needs photographs: guide.image = { files = [\"FILE\"] }",
             ),
             (
                 "[printer]\nprofile = \"generic-0.5\"\n",

@@ -2,6 +2,7 @@
 
 use toml::Value;
 
+use super::loads::{Case, Fixture, Load};
 use super::value::{Check, Param, SettingValue, read};
 use Check::{Any, Range, Words};
 
@@ -120,6 +121,10 @@ sections! {
         min_layer_time_s: f64 = 8.0, "s", Range(0.0, 1000.0), "Shorter layers are slowed down.";
         fan_below_layer_time_s: f64 = 20.0, "s", Range(0.0, 1000.0), "Layers shorter than this get more than the least fan.";
         min_speed_mm_s: f64 = 10.0, "mm/s", Range(0.1, 1000.0), "Slowing down ends here.";
+        e_mpa: [f64; 3] = [2669.0, 2583.0, 2208.0], "MPa", Range(1e-3, 1e7), "Young's moduli of printed material: along the bead, across it in the layer, from layer to layer.";
+        nu: [f64; 3] = [0.43, 0.37, 0.37], "", Range(-1.0, 1.0), "Poisson's ratios 12, 23 and 13; 1 along the bead, 2 across it, 3 from layer to layer.";
+        g_mpa: [f64; 3] = [919.0, 844.0, 844.0], "MPa", Range(1e-3, 1e7), "Shear moduli 12, 23 and 13.";
+        elastic_source: String = "Li, Xu, Fang, Thin-Walled Structures 199:111800 (2024), PLA by FFF".into(), "", Any, "Where the elastic constants come from.";
     }
     /// How it is printed.
     ProcessSection "process" {
@@ -163,8 +168,24 @@ sections! {
     }
     /// What gives fill its direction.
     GuideSection "guide" {
-        kind: String = "none".into(), "", Words(&["none", "angle", "grain"]), "none: the fill's angle list; angle: one direction for all fill, dense and sparse; grain: the grain of photographs.";
+        kind: String = "none".into(), "", Words(&["none", "angle", "stress", "grain"]), "none: the fill's angle list; angle: one direction for all fill, dense and sparse; stress: the principal stresses under the loads given; grain: the grain of photographs.";
         angle_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "The direction for kind = \"angle\", from +X.";
+        follow: String = "max-abs".into(), "", Words(&["max-abs", "tension", "compression", "alternate"]), "Which principal stress beads follow: the one greater in amount, the greatest tension, the greatest compression, or both families by turns from layer to layer.";
+        analysis: String = "auto".into(), "", Words(&["auto", "plane", "solid"]), "plane: the section as a plate loaded in its plane; solid: the part in three dimensions; auto: plane for a part of constant section loaded in its plane.";
+        element_mm: Option<f64> = None, "mm", Range(0.01, 1000.0), "Longest side of an element; left out, fine enough for the part's size.";
+        elasticity: String = "isotropic".into(), "", Words(&["isotropic", "orthotropic"]), "isotropic: with the material's modulus along the bead; orthotropic: with its card, beads along elasticity_deg.";
+        elasticity_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Direction of the beads for elasticity = \"orthotropic\", from +X.";
+        smoothing_mm: f64 = 0.5, "mm", Range(0.001, 100.0), "Directions are evened out over this length where the stress cares most, over more where it cares less.";
+        tangent: bool = true, "", Any, "Draw directions along free borders, which are principal directions themselves.";
+        fixture: Vec<Fixture> = Vec::new(), "", Any, "[[guide.fixture]]: on = { box_mm | plane | cylinder | sphere | facets }, fix = \"xyz\" or some of it or \"normal\", displacement_mm.";
+        load: Vec<Load> = Vec::new(), "", Any, "[[guide.load]]: on = { ... } with force_n (spread over the area), pressure_mpa or moment_nmm; or acceleration_mm_s2 for the whole part.";
+        case: Vec<Case> = Vec::new(), "", Any, "[[guide.case]]: name, weight and its own [[guide.case.load]]; loads outside cases are a case of their own.";
+        import: String = String::new(), "", Any, "Take the stress from this file instead of solving: VTU, VTK, MSH 2.2 or 4.1, FRD, CSV; in the mesh's coordinates.";
+        import_array: Option<String> = None, "", Any, "Name of the stress array in it; left out, the usual names.";
+        import_order: Option<String> = None, "", Words(&["vtk", "abaqus", "voigt"]), "Order of its components: vtk xx yy zz xy yz zx, abaqus xx yy zz xy xz yz, voigt xx yy zz yz xz xy; left out, by name, else vtk.";
+        import_stress_unit: Option<String> = None, "", Words(&["MPa", "Pa", "kPa", "GPa", "psi", "ksi"]), "Its unit; left out, MPa.";
+        import_length_unit: Option<String> = None, "", Words(&["mm", "cm", "m", "inch", "micron", "foot"]), "Unit of its positions; left out, mm.";
+        memory_mb: usize = 4096, "MB", Range(16.0, 1e6), "The most the solver may take; it is told in advance.";
         mode: String = "field".into(), "", Words(&["field", "edges"]), "What follows the grain: lines along its directions, or the picture's edges themselves with more between them.";
         pixel_mm: Option<f64> = None, "mm", Range(1e-3, 10.0), "Pixel of the rectified picture; left out, the photograph's own.";
         blur_mm: Option<f64> = None, "mm", Range(0.0, 20.0), "Standard deviation of the Gaussian before edges are sought; left out, 0.12 and at least 1.3 pixels.";
@@ -175,8 +196,7 @@ sections! {
         bridge_mm: f64 = 1.5, "mm", Range(0.0, 100.0), "Ends of curves that face each other over gaps up to this are joined.";
         min_curve_mm: f64 = 3.0, "mm", Range(0.0, 1000.0), "Shorter curves are dropped.";
         integration_mm: f64 = 0.6, "mm", Range(0.01, 100.0), "Neighbourhood over which the direction is averaged.";
-        smooth_mm: f64 = 0.6, "mm", Range(0.0, 100.0), "Over about this length clear places give their direction to unclear ones.";
-        tangent: String = "holes".into(), "", Words(&["none", "outline", "holes", "both"]), "Borders of the part along which the grain is bent.";
+        bend: String = "holes".into(), "", Words(&["none", "outline", "holes", "both"]), "Borders of the part along which the grain is bent.";
         darkness: f64 = 0.0, "", Range(0.0, 1.0), "How much closer lines lie where the picture is dark, below full density: 1 is twice as close as on average.";
     }
     /// Photographs whose grain a part of another shape is filled with; left out, those of shape.photo.
@@ -213,6 +233,8 @@ sections! {
         gcode: String = String::new(), "", Any, "The machine program; left out, the mesh's name with .gcode.";
         report: String = String::new(), "", Any, "Report page (HTML); none when left out.";
         preview: String = String::new(), "", Any, "Folder for pictures of layers (PNG and SVG) and of the part; none when left out.";
+        stress: String = String::new(), "", Any, "Stress and principal directions as VTU; none when left out.";
+        lines: String = String::new(), "", Any, "Evenly spaced principal stress lines of both families: .svg or .vtp; none when left out.";
         plan: String = String::new(), "", Any, "The plan as JSON: every path with its widths; none when left out.";
     }
 }

@@ -76,20 +76,24 @@ impl Scale {
         }
     }
 
-    /// Blue through green and yellow to red; the middle colour when all values are one.
-    pub fn ramp(&self, value: f64) -> Rgb {
-        const STOPS: [[f64; 3]; 5] = [
-            [60.0, 80.0, 200.0],
-            [50.0, 160.0, 200.0],
-            [90.0, 190.0, 90.0],
-            [240.0, 205.0, 70.0],
-            [215.0, 60.0, 50.0],
-        ];
-        let span = self.high - self.low;
-        let t = if span > 1e-9 { ((value - self.low) / span).clamp(0.0, 1.0) } else { 0.5 };
-        let x = t * (STOPS.len() - 1) as f64;
-        let i = (x as usize).min(STOPS.len() - 2);
-        let f = x - i as f64;
-        std::array::from_fn(|k| (STOPS[i][k] * (1.0 - f) + STOPS[i + 1][k] * f).round() as u8)
+    fn ramp(&self, value: f64) -> Rgb {
+        ramp(value, self.low, self.high)
     }
+}
+
+/// Blue through green and yellow to red; the middle colour when there is no span.
+pub fn ramp(value: f64, low: f64, high: f64) -> Rgb {
+    const STOPS: [[f64; 3]; 5] = [
+        [60.0, 80.0, 200.0],
+        [50.0, 160.0, 200.0],
+        [90.0, 190.0, 90.0],
+        [240.0, 205.0, 70.0],
+        [215.0, 60.0, 50.0],
+    ];
+    let span = high - low;
+    let t = if span > 1e-9 { ((value - low) / span).clamp(0.0, 1.0) } else { 0.5 };
+    let x = t * (STOPS.len() - 1) as f64;
+    let i = (x as usize).min(STOPS.len() - 2);
+    let f = x - i as f64;
+    std::array::from_fn(|k| (STOPS[i][k] * (1.0 - f) + STOPS[i + 1][k] * f).round() as u8)
 }

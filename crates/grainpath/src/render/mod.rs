@@ -2,6 +2,7 @@
 //!
 //! Pictures are drawn from beads, wherever they come from (a plan or anybody's G-code), with their true widths.
 
+mod canvas;
 mod colour;
 mod raster;
 mod svg;
@@ -9,6 +10,7 @@ mod thumbnail;
 
 use grainpath_core::{Bounds2, DVec2, Role};
 
+pub use canvas::{Canvas, Ramp};
 pub use colour::{ColourBy, Scale, of_role as role_colour};
 pub use raster::layer_png;
 pub(crate) use raster::png as encode_png;

@@ -41,7 +41,7 @@ fn draw(canvas: &mut Pixmap, run: &[&Bead], at: &impl Fn(DVec2) -> (f32, f32), w
     draw_line(canvas, &points, width, colour, 255);
 }
 
-fn draw_line(canvas: &mut Pixmap, points: &[(f32, f32)], width: f32, [r, g, b]: Rgb, alpha: u8) {
+pub(super) fn draw_line(canvas: &mut Pixmap, points: &[(f32, f32)], width: f32, [r, g, b]: Rgb, alpha: u8) {
     let mut builder = PathBuilder::new();
     builder.move_to(points[0].0, points[0].1);
     for p in &points[1..] {

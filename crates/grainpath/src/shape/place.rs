@@ -20,11 +20,12 @@ pub struct Placement {
 /// Parts larger than this are taken for damage.
 const MAX_SIZE_MM: f64 = 10_000.0;
 
-/// Scales and turns bodies and stands them together on z = 0. X and Y stay where the file has them.
+/// Scales and turns bodies and stands them together on z = 0, which lowers them by what is returned, mm. X and Y stay
+/// where the file has them.
 ///
 /// # Errors
 /// [`ShapeError::Empty`], or [`ShapeError::TooLarge`] beyond 10 m.
-pub fn place(bodies: &mut [TriMesh], placement: &Placement) -> Result<(), ShapeError> {
+pub fn place(bodies: &mut [TriMesh], placement: &Placement) -> Result<f64, ShapeError> {
     let factor = placement.unit.mm() * placement.scale;
     let turns = placement.rotate_rad.map(direction);
     for p in bodies.iter_mut().flat_map(|b| &mut b.vertices) {
@@ -49,7 +50,7 @@ pub fn place(bodies: &mut [TriMesh], placement: &Placement) -> Result<(), ShapeE
         return Err(ShapeError::TooLarge { size_mm, limit_mm: MAX_SIZE_MM });
     }
     bodies.iter_mut().flat_map(|b| &mut b.vertices).for_each(|p| p.z -= low.z);
-    Ok(())
+    Ok(low.z)
 }
 
 /// The unit a mesh is likely in, judged by its longest extent in the file's numbers: things people print are between

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use grainpath_core::DVec2;
 
-use super::mesh::FieldMesh;
 use super::phase::Turn;
+use crate::field_mesh::FieldMesh;
 
 const NONE: u32 = u32::MAX;
 

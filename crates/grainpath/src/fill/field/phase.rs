@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross, sin_cos};
 
-use super::mesh::FieldMesh;
+use crate::field_mesh::{FieldMesh, conjugate_gradients};
 
 /// What the phase is made from, node by node.
 pub struct PhaseInput {
@@ -222,35 +222,4 @@ fn swept<'a>(n: usize, around: &impl Fn(usize) -> &'a [Seen], wanted: &[([f64; 2
         }
     }
     z
-}
-
-/// Solves a symmetric positive definite system to a residual of `tolerance` times the right side's length.
-pub fn conjugate_gradients(
-    mut x: Vec<f64>,
-    rhs: &[f64],
-    apply: impl Fn(&[f64], &mut [f64]),
-    tolerance: f64,
-    max_steps: usize,
-) -> Vec<f64> {
-    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-    let mut q = vec![0.0; x.len()];
-    apply(&x, &mut q);
-    let mut r: Vec<f64> = rhs.iter().zip(&q).map(|(b, q)| b - q).collect();
-    let mut p = r.clone();
-    let mut rr = dot(&r, &r);
-    let enough = tolerance * tolerance * dot(rhs, rhs);
-    for _ in 0..max_steps {
-        if rr <= enough {
-            break;
-        }
-        apply(&p, &mut q);
-        let alpha = rr / dot(&p, &q);
-        x.iter_mut().zip(&p).for_each(|(x, p)| *x += alpha * p);
-        r.iter_mut().zip(&q).for_each(|(r, q)| *r -= alpha * q);
-        let new = dot(&r, &r);
-        let beta = new / rr;
-        rr = new;
-        p.iter_mut().zip(&r).for_each(|(p, r)| *p = r + beta * *p);
-    }
-    x
 }

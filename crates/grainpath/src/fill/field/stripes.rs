@@ -8,9 +8,9 @@ use grainpath_core::{
 };
 
 use super::levels::trace;
-use super::mesh::FieldMesh;
 use super::phase::{PhaseInput, drift, solve, turns};
 use super::widths::{Line, Neighbours, resampled, smooth};
+use crate::field_mesh::FieldMesh;
 use crate::fill::{FillContext, Infill};
 use crate::order::NearestEnds;
 use crate::walls::single_beads;
@@ -64,6 +64,11 @@ impl Infill for Stripes {
     }
 }
 
+/// The field's axis at a point of the layer.
+pub fn axis_of(field: &dyn DirectionField, context: &FillContext<'_>, p: DVec2) -> DVec2 {
+    direction(field.sample(DVec3::new(p.x, p.y, context.z_mid_mm)).axis_rad)
+}
+
 fn phase_input(
     mesh: &FieldMesh,
     field: &dyn DirectionField,
@@ -71,8 +76,7 @@ fn phase_input(
     border: &Region,
 ) -> PhaseInput {
     let spacing = context.spacing_mm();
-    let sample = |p: &DVec2| direction(field.sample(DVec3::new(p.x, p.y, context.z_mid_mm)).axis_rad);
-    let axes: Vec<DVec2> = mesh.nodes.iter().map(sample).collect();
+    let axes: Vec<DVec2> = mesh.nodes.iter().map(|&p| axis_of(field, context, p)).collect();
     let frequency = drift(mesh, &axes).into_iter().map(|f| f / spacing).collect();
     let near = NearBorder::new(border, 1.6 * spacing);
     let wanted = mesh.nodes.iter().zip(&axes).map(|(&p, axis)| near.wanted(p, *axis, spacing)).collect();

@@ -1,84 +1,36 @@
 //! Examples made by our own code.
 
-use crate::grain::board::{Board, Knot, wood_rgb};
+mod stress_lines;
+mod woodgrain;
+
+use std::borrow::Cow;
+
 use grainpath_core::math::direction;
 use grainpath_core::{DVec2, DVec3, TriMesh};
 
 /// A file of an example: its name and its content.
-pub type ExampleFile = (&'static str, Vec<u8>);
+pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
 
 /// Names that [`preset`] knows.
-pub const PRESETS: [&str; 2] = ["plate", "woodgrain"];
+pub const PRESETS: [&str; 3] = ["plate", "stress-lines", "woodgrain"];
 
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
     match name {
-        "plate" => {
-            let mut stl = Vec::new();
-            grainpath_io::write_stl(&plate(), &mut stl).expect("memory takes all that is written");
-            Some(vec![
-                ("job.toml", include_bytes!("../profiles/examples/plate.toml").to_vec()),
-                ("plate.stl", stl),
-            ])
-        }
-        "woodgrain" => {
-            let mut files = vec![("job.toml", WOODGRAIN.as_bytes().to_vec())];
-            for (name, pattern) in
-                [("grid.toml", "grid"), ("triangles.toml", "triangles"), ("rectilinear.toml", "rectilinear")]
-            {
-                files.push((name, woodgrain_variant(pattern).into_bytes()));
-            }
-            files.push(("board.png", board_png()));
-            Some(files)
-        }
+        "plate" => Some(vec![
+            ("job.toml".into(), include_bytes!("../../profiles/examples/plate.toml").to_vec()),
+            ("plate.stl".into(), stl(&plate())),
+        ]),
+        "stress-lines" => Some(stress_lines::files()),
+        "woodgrain" => Some(woodgrain::files()),
         _ => None,
     }
 }
 
-const WOODGRAIN: &str = include_str!("../profiles/examples/woodgrain.toml");
-
-/// The woodgrain job with another fill in place of the grain.
-fn woodgrain_variant(pattern: &str) -> String {
-    let (head, rest) = WOODGRAIN.split_once("[shape.photo]").unwrap_or_default();
-    debug_assert!(!head.is_empty());
-    let mut out = format!(
-        "# The woodgrain example's part with a {pattern} fill of the same mass, to compare.\n\n[shape.photo]{rest}"
-    );
-    if let (Some(guide), Some(process)) = (out.find("[guide]"), out.find("[process]")) {
-        out.replace_range(guide..process, "");
-    }
-    let fill = format!("[fill]\npattern = \"{pattern}\"");
-    out.replace("[fill]", &fill)
-        .replace("woodgrain.gcode", &format!("{pattern}.gcode"))
-        .replace("out/report.html", &format!("out/{pattern}.html"))
-        .replace(
-            "out/preview\"       # every step from photograph to curves, and layers",
-            &format!("out/{pattern}\""),
-        )
-}
-
-/// The board of the woodgrain example.
-pub fn woodgrain_board() -> Board {
-    Board {
-        size_mm: DVec2::new(120.0, 30.0),
-        knots: vec![Knot { centre_mm: DVec2::new(58.0, 15.5), radius_mm: 4.0 }],
-        noise: 0.012,
-        ..Board::default()
-    }
-}
-
-/// Its photograph: in perspective, on a dark cloth.
-fn board_png() -> Vec<u8> {
-    let corners = [(52.0, 58.0), (842.0, 44.0), (868.0, 258.0), (34.0, 244.0)].map(DVec2::from);
-    let photo = woodgrain_board().photograph(900, 300, corners);
-    let rgb = wood_rgb(&photo);
-    let mut out = Vec::new();
-    let mut encoder = png::Encoder::new(&mut out, photo.width as u32, photo.height as u32);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    let written = encoder.write_header().and_then(|mut w| w.write_image_data(&rgb));
-    written.expect("memory takes all that is written");
-    out
+fn stl(mesh: &TriMesh) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    grainpath_io::write_stl(mesh, &mut bytes).expect("memory takes all that is written");
+    bytes
 }
 
 /// A mounting plate, 80 x 50 x 6 mm, with rounded corners, four bolt holes, a slot, and a thin rib on top.

@@ -1,0 +1,281 @@
+//! The ten-node tetrahedron.
+
+use grainpath_core::{DMat3, DVec3};
+
+use super::shape::EDGES;
+use crate::material::Stiffness;
+
+/// A point of a quadrature rule: barycentric coordinates and weight; weights add up to one sixth.
+pub(super) type Point = ([f64; 4], f64);
+
+/// Exact for polynomials of degree 2: enough for the stiffness of straight-sided elements.
+pub(super) const STIFFNESS_RULE: [Point; 4] = {
+    const A: f64 = 0.585_410_196_624_968_5;
+    const B: f64 = 0.138_196_601_125_010_5;
+    const W: f64 = 1.0 / 24.0;
+    [([A, B, B, B], W), ([B, A, B, B], W), ([B, B, A, B], W), ([B, B, B, A], W)]
+};
+
+/// Exact for polynomials of degree 5 (Keast 1986).
+pub(super) const FINE_RULE: [Point; 15] = {
+    const T: f64 = 1.0 / 3.0;
+    const E: f64 = 1.0 / 11.0;
+    const F: f64 = 8.0 / 11.0;
+    const A: f64 = 0.066_550_153_573_664_3;
+    const B: f64 = 0.433_449_846_426_335_7;
+    const W0: f64 = 0.030_283_678_097_089;
+    const W1: f64 = 0.006_026_785_714_286;
+    const W2: f64 = 0.011_645_249_086_029;
+    const W3: f64 = 0.010_949_141_561_386;
+    [
+        ([0.25; 4], W0),
+        ([0.0, T, T, T], W1),
+        ([T, 0.0, T, T], W1),
+        ([T, T, 0.0, T], W1),
+        ([T, T, T, 0.0], W1),
+        ([F, E, E, E], W2),
+        ([E, F, E, E], W2),
+        ([E, E, F, E], W2),
+        ([E, E, E, F], W2),
+        ([A, A, B, B], W3),
+        ([A, B, A, B], W3),
+        ([A, B, B, A], W3),
+        ([B, A, A, B], W3),
+        ([B, A, B, A], W3),
+        ([B, B, A, A], W3),
+    ]
+};
+
+/// Values of the ten shape functions.
+pub(super) fn shapes(l: &[f64; 4]) -> [f64; 10] {
+    std::array::from_fn(|a| match a {
+        0..4 => l[a] * (2.0 * l[a] - 1.0),
+        _ => {
+            let (i, j) = EDGES[a - 4];
+            4.0 * l[i] * l[j]
+        }
+    })
+}
+
+/// Derivatives of the ten shape functions by the last three barycentric coordinates.
+pub(super) fn shape_slopes(l: &[f64; 4]) -> [DVec3; 10] {
+    const BY: [DVec3; 4] = [DVec3::NEG_ONE, DVec3::X, DVec3::Y, DVec3::Z];
+    std::array::from_fn(|a| match a {
+        0..4 => BY[a] * (4.0 * l[a] - 1.0),
+        _ => {
+            let (i, j) = EDGES[a - 4];
+            4.0 * (l[i] * BY[j] + l[j] * BY[i])
+        }
+    })
+}
+
+fn jacobian(x: &[DVec3; 10], slopes: &[DVec3; 10]) -> DMat3 {
+    let mut j = DMat3::ZERO;
+    for (p, s) in x.iter().zip(slopes) {
+        j.x_axis += *p * s.x;
+        j.y_axis += *p * s.y;
+        j.z_axis += *p * s.z;
+    }
+    j
+}
+
+/// Gradients of the shape functions at a point, and the determinant of the map.
+pub(super) fn gradients(x: &[DVec3; 10], l: &[f64; 4]) -> ([DVec3; 10], f64) {
+    let slopes = shape_slopes(l);
+    let j = jacobian(x, &slopes);
+    let turn = j.inverse().transpose();
+    (slopes.map(|s| turn * s), j.determinant())
+}
+
+/// Volume with curved sides.
+pub(super) fn volume(x: &[DVec3; 10]) -> f64 {
+    STIFFNESS_RULE.iter().map(|(l, w)| w * jacobian(x, &shape_slopes(l)).determinant()).sum()
+}
+
+/// The smallest determinant of the map at the nodes and the points of the rule, over that of the straight element.
+pub(super) fn least_jacobian(x: &[DVec3; 10]) -> f64 {
+    let corner = |i: usize| std::array::from_fn(|k| f64::from(u8::from(k == i)));
+    let middle = |(i, j): (usize, usize)| std::array::from_fn(|k| if k == i || k == j { 0.5 } else { 0.0 });
+    let nodes = (0..4).map(corner).chain(EDGES.map(middle));
+    let all = nodes.chain(STIFFNESS_RULE.iter().map(|p| p.0));
+    let least = all.map(|l| jacobian(x, &shape_slopes(&l)).determinant()).fold(f64::INFINITY, f64::min);
+    least / (x[1] - x[0]).cross(x[2] - x[0]).dot(x[3] - x[0])
+}
+
+/// What the strain energy couples: `k[a][b]` is the 3 x 3 block of nodes a and b, for b <= a.
+pub(super) fn stiffness<const N: usize>(sums: &[[DMat3; N]; N], law: &Law) -> [[DMat3; N]; N] {
+    let mut k = [[DMat3::ZERO; N]; N];
+    for a in 0..N {
+        for b in 0..=a {
+            k[a][b] = law.couple(&sums[a][b]);
+        }
+    }
+    k
+}
+
+/// The blocks on the diagonal alone.
+pub(super) fn diagonal(x: &[DVec3; 10], law: &Law) -> [DMat3; 10] {
+    let mut sums = [DMat3::ZERO; 10];
+    for (l, w) in &STIFFNESS_RULE {
+        let (g, det) = gradients(x, l);
+        for (s, g) in sums.iter_mut().zip(g) {
+            *s += outer(g * (w * det), g);
+        }
+    }
+    sums.map(|s| law.couple(&s))
+}
+
+/// Integrals of the products of gradients, `sums[a][b]` = sum of grad a times grad b transposed, for b <= a.
+pub(super) fn gradient_products(x: &[DVec3; 10]) -> [[DMat3; 10]; 10] {
+    let mut sums = [[DMat3::ZERO; 10]; 10];
+    for (l, w) in &STIFFNESS_RULE {
+        let (g, det) = gradients(x, l);
+        for a in 0..10 {
+            let ga = g[a] * (w * det);
+            for b in 0..=a {
+                let s = &mut sums[a][b];
+                s.x_axis += ga * g[b].x;
+                s.y_axis += ga * g[b].y;
+                s.z_axis += ga * g[b].z;
+            }
+        }
+    }
+    sums
+}
+
+/// The same for the four-node element over the corners.
+pub(super) fn linear_gradient_products(x: &[DVec3; 4]) -> [[DMat3; 4]; 4] {
+    let j = DMat3::from_cols(x[1] - x[0], x[2] - x[0], x[3] - x[0]);
+    let turn = j.inverse().transpose();
+    let (a, b, c) = (turn.x_axis, turn.y_axis, turn.z_axis);
+    let g = [-(a + b + c), a, b, c];
+    let volume = j.determinant() / 6.0;
+    std::array::from_fn(|a| std::array::from_fn(|b| outer(g[a] * volume, g[b])))
+}
+
+fn outer(a: DVec3, b: DVec3) -> DMat3 {
+    DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
+
+/// A stiffness made ready for elements.
+#[derive(Debug, Clone)]
+pub(super) enum Law {
+    /// Lame's constants.
+    Isotropic { lambda: f64, mu: f64 },
+    /// All components, and them as a map of second-order tensors by columns: `c[3 l + j][3 k + i]` = C_ikjl.
+    General { d: Box<Stiffness>, c: Box<[[f64; 9]; 9]> },
+}
+
+/// Component of a pair of axes.
+const VOIGT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+
+impl Law {
+    /// `None` unless symmetric and positive definite.
+    pub(super) fn new(d: &Stiffness) -> Option<Self> {
+        let top = d.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * top;
+        let symmetric = (0..6).all(|i| (0..i).all(|j| near(d[i][j], d[j][i])));
+        if !top.is_finite() || !symmetric || !positive(d) {
+            return None;
+        }
+        let (lambda, mu) = (d[0][1], d[3][3]);
+        let isotropic = |i: usize, j: usize| match (i < 3, j < 3) {
+            (true, true) => lambda + if i == j { 2.0 * mu } else { 0.0 },
+            (false, false) if i == j => mu,
+            _ => 0.0,
+        };
+        if (0..6).all(|i| (0..6).all(|j| near(d[i][j], isotropic(i, j)))) {
+            return Some(Self::Isotropic { lambda, mu });
+        }
+        let entry = |row: usize, column: usize| {
+            let ((i, k), (j, l)) = ((column % 3, column / 3), (row % 3, row / 3));
+            d[VOIGT[i][k]][VOIGT[j][l]]
+        };
+        let c = std::array::from_fn(|row| std::array::from_fn(|column| entry(row, column)));
+        Some(Self::General { d: Box::new(*d), c: Box::new(c) })
+    }
+
+    /// Stress from the gradient of the displacement (columns: by x, y, z).
+    pub(super) fn stress(&self, grad: &DMat3) -> DMat3 {
+        match self {
+            Self::Isotropic { lambda, mu } => {
+                let trace = grad.x_axis.x + grad.y_axis.y + grad.z_axis.z;
+                (*grad + grad.transpose()) * *mu + DMat3::from_diagonal(DVec3::splat(lambda * trace))
+            }
+            Self::General { d, .. } => {
+                let s = multiply(d, &strain(grad));
+                DMat3::from_cols_array(&[s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2]])
+            }
+        }
+    }
+
+    /// Stress of a strain with engineering shears.
+    pub(super) fn stress_of_strain(&self, e: &[f64; 6]) -> DMat3 {
+        let half = e.map(|v| 0.5 * v);
+        self.stress(&DMat3::from_cols_array(&[
+            e[0], half[3], half[5], half[3], e[1], half[4], half[5], half[4], e[2],
+        ]))
+    }
+
+    /// Block of the stiffness from the sum of products of gradients: K_ij = C_ikjl G_kl.
+    fn couple(&self, g: &DMat3) -> DMat3 {
+        match self {
+            Self::Isotropic { lambda, mu } => {
+                let trace = g.x_axis.x + g.y_axis.y + g.z_axis.z;
+                *g * *lambda + g.transpose() * *mu + DMat3::from_diagonal(DVec3::splat(mu * trace))
+            }
+            Self::General { c, .. } => {
+                let g = g.to_cols_array();
+                let mut k = [0.0; 9];
+                for j in 0..3 {
+                    for l in 0..3 {
+                        let row = &c[3 * l + j];
+                        for m in 0..3 {
+                            let gkl = g[3 * l + m];
+                            for i in 0..3 {
+                                k[3 * j + i] += row[3 * m + i] * gkl;
+                            }
+                        }
+                    }
+                }
+                DMat3::from_cols_array(&k)
+            }
+        }
+    }
+}
+
+/// Engineering strain from the gradient of the displacement.
+pub(super) fn strain(g: &DMat3) -> [f64; 6] {
+    [
+        g.x_axis.x,
+        g.y_axis.y,
+        g.z_axis.z,
+        g.x_axis.y + g.y_axis.x,
+        g.y_axis.z + g.z_axis.y,
+        g.z_axis.x + g.x_axis.z,
+    ]
+}
+
+/// `d` times `e`.
+pub(super) fn multiply(d: &Stiffness, e: &[f64; 6]) -> [f64; 6] {
+    std::array::from_fn(|i| (0..6).map(|j| d[i][j] * e[j]).sum())
+}
+
+fn positive(d: &Stiffness) -> bool {
+    // Cholesky: every pivot is positive.
+    let mut l = [[0.0; 6]; 6];
+    for i in 0..6 {
+        for j in 0..=i {
+            let rest = d[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
+            if i == j {
+                if rest.is_nan() || rest <= 1e-12 * d[i][i].abs() {
+                    return false;
+                }
+                l[i][i] = rest.sqrt();
+            } else {
+                l[i][j] = rest / l[j][j];
+            }
+        }
+    }
+    true
+}

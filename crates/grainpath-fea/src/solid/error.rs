@@ -1,0 +1,83 @@
+//! What can go wrong with a solid.
+
+use thiserror::Error;
+
+/// Why a part could not be meshed or solved.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SolidError {
+    /// The lattice caught nothing of the part.
+    #[error("the mesh encloses nothing to compute on; a closed surface is needed")]
+    NothingInside,
+    /// More lattice points than are allowed.
+    #[error(
+        "elements this small need {points:.0} lattice points; {least_mm:.3} mm is the smallest size for this part"
+    )]
+    TooFine {
+        /// Lattice points over the part's box.
+        points: f64,
+        /// Smallest size that is accepted, mm.
+        least_mm: f64,
+    },
+    /// Walls thinner than an element.
+    #[error(
+        "walls of {thickness_mm:.2} mm are thinner than the elements of {size_mm:.2} mm; a size of {thickness_mm:.2} mm \
+         needs about {dofs:.0} unknowns"
+    )]
+    ThinWalls {
+        /// What all but two percent of the surface have at least, mm.
+        thickness_mm: f64,
+        /// Element size, mm.
+        size_mm: f64,
+        /// Unknowns that elements as small as the wall would need.
+        dofs: f64,
+    },
+    /// More memory than allowed.
+    #[error(
+        "{what} would take {need_mib:.0} MiB of the {limit_mib:.0} MiB allowed; a coarser mesh needs less"
+    )]
+    Memory {
+        /// The step that would take it.
+        what: &'static str,
+        /// Estimate, MiB.
+        need_mib: f64,
+        /// Limit, MiB.
+        limit_mib: f64,
+    },
+    /// Not held.
+    #[error("piece {piece} of {pieces} (around {around}) is not held: it is free to {free}")]
+    Free {
+        /// Which piece, from 1.
+        piece: usize,
+        /// Number of pieces.
+        pieces: usize,
+        /// Where it is, as text in mm.
+        around: String,
+        /// The motions left, as text.
+        free: String,
+    },
+    /// Constraints that contradict one another.
+    #[error("node {node} at {at} is prescribed two different displacements along one direction")]
+    Contradiction {
+        /// Node index.
+        node: usize,
+        /// Its place, as text in mm.
+        at: String,
+    },
+    /// A material that is not one.
+    #[error("the stiffness of material {material} is not symmetric and positive")]
+    Material {
+        /// Its index.
+        material: usize,
+    },
+    /// The factorization broke down.
+    #[error("the stiffness matrix is not positive definite; an element may be turned inside out")]
+    NotPositive,
+    /// The iteration ended short of its goal.
+    #[error("the solution did not converge: residual {residual:.1e} after {iterations} iterations")]
+    NotConverged {
+        /// Relative residual reached.
+        residual: f64,
+        /// Iterations made.
+        iterations: usize,
+    },
+}

@@ -1,0 +1,94 @@
+//! What is sharp on a surface: edges, corners, and the smooth patches between them.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::mesh::EdgeUses;
+use grainpath_core::{Bvh, DVec3, TriMesh};
+
+/// Facets that turn by more than this (40 degrees) meet in a sharp edge.
+const SHARP_COS: f64 = 0.766;
+
+/// The sharp edges of a mesh.
+pub(super) struct Features {
+    /// Smooth patch of each facet, named by one of its facets.
+    pub(super) patch: Vec<u32>,
+    /// The sharp edges with the patches on both sides.
+    pub(super) edges: Vec<([DVec3; 2], [u32; 2])>,
+    /// Points where sharp edges end, branch or turn, with the patches around.
+    pub(super) corners: Vec<(DVec3, Vec<u32>)>,
+    tree: Bvh,
+}
+
+impl Features {
+    pub(super) fn of(mesh: &TriMesh) -> Self {
+        let v = |i: u32| mesh.vertices[i as usize];
+        let normal = |t: usize| {
+            let [a, b, c] = mesh.triangles[t].map(v);
+            (b - a).cross(c - a).normalize_or_zero()
+        };
+        let mut patch: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+        let mut sharp = Vec::new();
+        for uses in EdgeUses::of(mesh).edges() {
+            let uses: Vec<(usize, bool)> = uses.collect();
+            let &[(s, s_down), (t, t_down)] = uses.as_slice() else { continue };
+            let turned = normal(s).dot(normal(t)) * if s_down == t_down { -1.0 } else { 1.0 };
+            if turned > SHARP_COS || normal(s) == DVec3::ZERO || normal(t) == DVec3::ZERO {
+                let (a, b) = (root(&mut patch, s as u32), root(&mut patch, t as u32));
+                patch[a.max(b) as usize] = a.min(b);
+            } else {
+                sharp.push((shared(mesh.triangles[s], mesh.triangles[t]), [s as u32, t as u32]));
+            }
+        }
+        for t in 0..patch.len() as u32 {
+            patch[t as usize] = root(&mut patch, t);
+        }
+        let mut at: BTreeMap<u32, Vec<(u32, [u32; 2])>> = BTreeMap::new();
+        let mut edges = Vec::new();
+        for (ends, facets) in sharp {
+            let Some([a, b]) = ends else { continue };
+            let sides = facets.map(|f| patch[f as usize]);
+            edges.push(([v(a), v(b)], sides));
+            at.entry(a).or_default().push((b, sides));
+            at.entry(b).or_default().push((a, sides));
+        }
+        let is_corner = |p: u32, ways: &[(u32, [u32; 2])]| match ways {
+            [(q, _), (r, _)] => {
+                (v(p) - v(*q)).normalize_or_zero().dot((v(*r) - v(p)).normalize_or_zero()) < SHARP_COS
+            }
+            _ => true,
+        };
+        let corners = at.iter().filter(|(p, ways)| is_corner(**p, ways)).map(|(&p, ways)| {
+            let mut patches: Vec<u32> = ways.iter().flat_map(|w| w.1).collect();
+            patches.sort_unstable();
+            patches.dedup();
+            (v(p), patches)
+        });
+        let corners = corners.collect();
+        let tree = segments(&edges);
+        Self { patch, edges, corners, tree }
+    }
+
+    /// The nearest point on a sharp edge within reach, and the edge.
+    pub(super) fn nearest(&self, p: DVec3, reach: f64) -> Option<(DVec3, usize)> {
+        self.tree.closest_point(p, reach).map(|c| (c.point, c.triangle as usize))
+    }
+}
+
+fn segments(edges: &[([DVec3; 2], [u32; 2])]) -> Bvh {
+    let vertices = edges.iter().flat_map(|e| e.0).collect();
+    let triangles = (0..edges.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]).collect();
+    Bvh::new(&TriMesh { vertices, triangles })
+}
+
+fn root(parent: &mut [u32], mut i: u32) -> u32 {
+    while parent[i as usize] != i {
+        parent[i as usize] = parent[parent[i as usize] as usize];
+        i = parent[i as usize];
+    }
+    i
+}
+
+fn shared(s: [u32; 3], t: [u32; 3]) -> Option<[u32; 2]> {
+    let both: Vec<u32> = s.into_iter().filter(|i| t.contains(i)).collect();
+    <[u32; 2]>::try_from(both).ok()
+}

@@ -1,0 +1,164 @@
+//! Loads as consistent nodal forces, N.
+
+use grainpath_core::{DMat3, DVec3};
+
+use super::element::{self, FINE_RULE, STIFFNESS_RULE};
+use super::model::Model;
+use super::{SolidError, TetMesh};
+
+/// Radon's seven points, exact for degree 5; weights add up to one half.
+const FACE_RULE: [([f64; 3], f64); 7] = {
+    const A: f64 = 0.101_286_507_323_456_3;
+    const B: f64 = 0.797_426_985_353_087_3;
+    const C: f64 = 0.470_142_064_105_115_1;
+    const D: f64 = 0.059_715_871_789_769_8;
+    const W: f64 = 0.062_969_590_272_413_6;
+    const V: f64 = 0.066_197_076_394_253_1;
+    [
+        ([1.0 / 3.0; 3], 0.1125),
+        ([B, A, A], W),
+        ([A, B, A], W),
+        ([A, A, B], W),
+        ([D, C, C], V),
+        ([C, D, C], V),
+        ([C, C, D], V),
+    ]
+};
+
+/// Shape functions and their slopes by the second and third barycentric coordinates.
+fn face_shapes([a, b, c]: [f64; 3]) -> ([f64; 6], [[f64; 2]; 6]) {
+    let n = [
+        a * (2.0 * a - 1.0),
+        b * (2.0 * b - 1.0),
+        c * (2.0 * c - 1.0),
+        4.0 * a * b,
+        4.0 * b * c,
+        4.0 * c * a,
+    ];
+    let slopes = [
+        [1.0 - 4.0 * a, 1.0 - 4.0 * a],
+        [4.0 * b - 1.0, 0.0],
+        [0.0, 4.0 * c - 1.0],
+        [4.0 * (a - b), -4.0 * b],
+        [4.0 * c, 4.0 * b],
+        [-4.0 * c, 4.0 * (a - c)],
+    ];
+    (n, slopes)
+}
+
+/// Calls `at(face nodes, shape values, position, outward area vector)` at every point of the rule on some faces.
+fn over_faces(mesh: &TetMesh, faces: &[usize], mut at: impl FnMut(&[u32; 6], &[f64; 6], DVec3, DVec3)) {
+    for &f in faces {
+        let nodes = &mesh.faces[f].nodes;
+        let x = nodes.map(|i| mesh.nodes[i as usize]);
+        for (l, w) in &FACE_RULE {
+            let (n, slopes) = face_shapes(*l);
+            let mut sides = [DVec3::ZERO; 2];
+            let mut p = DVec3::ZERO;
+            for (k, &q) in x.iter().enumerate() {
+                p += q * n[k];
+                sides[0] += q * slopes[k][0];
+                sides[1] += q * slopes[k][1];
+            }
+            at(nodes, &n, p, sides[0].cross(sides[1]) * *w);
+        }
+    }
+}
+
+/// Area of some faces of the boundary, mm2.
+pub fn area_mm2(mesh: &TetMesh, faces: &[usize]) -> f64 {
+    let mut area = 0.0;
+    over_faces(mesh, faces, |_, _, _, a| area += a.length());
+    area
+}
+
+/// Adds the forces of any traction: MPa at a point with its outward normal.
+pub fn add_traction(
+    forces: &mut [DVec3],
+    mesh: &TetMesh,
+    faces: &[usize],
+    traction_mpa: impl Fn(DVec3, DVec3) -> DVec3,
+) {
+    over_faces(mesh, faces, |nodes, n, p, area| {
+        let f = traction_mpa(p, area.normalize_or_zero()) * area.length();
+        for (&i, n) in nodes.iter().zip(n) {
+            forces[i as usize] += f * *n;
+        }
+    });
+}
+
+/// Adds a pressure in MPa, positive inwards.
+pub fn add_pressure(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], pressure_mpa: f64) {
+    add_traction(forces, mesh, faces, |_, normal| -normal * pressure_mpa);
+}
+
+/// Adds a total force in N, spread evenly over the area.
+pub fn add_force(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], force_n: DVec3) {
+    let area = area_mm2(mesh, faces);
+    if area > 0.0 {
+        add_traction(forces, mesh, faces, |_, _| force_n / area);
+    }
+}
+
+/// Adds a pure moment in N mm about the middle of the faces: tractions that grow with the distance from the axis.
+/// Nothing is added where the faces have no extent to take it.
+pub fn add_moment(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], moment_nmm: DVec3) {
+    let (mut area, mut middle) = (0.0, DVec3::ZERO);
+    over_faces(mesh, faces, |_, _, p, a| {
+        area += a.length();
+        middle += p * a.length();
+    });
+    middle /= area;
+    let mut inertia = DMat3::ZERO;
+    over_faces(mesh, faces, |_, _, p, a| {
+        let r = p - middle;
+        let square = DMat3::from_cols(r * r.x, r * r.y, r * r.z);
+        inertia += (DMat3::from_diagonal(DVec3::splat(r.length_squared())) - square) * a.length();
+    });
+    let turn = inertia.inverse() * moment_nmm;
+    if turn.is_finite() {
+        add_traction(forces, mesh, faces, |p, _| turn.cross(p - middle));
+    }
+}
+
+/// Adds a force per volume, N/mm3, at each point: gravity is density times acceleration, 1e-9 g/mm2 t/mm3.
+pub fn add_body_force(forces: &mut [DVec3], mesh: &TetMesh, force_n_mm3: impl Fn(DVec3) -> DVec3) {
+    for tet in &mesh.tets {
+        let x = tet.map(|i| mesh.nodes[i as usize]);
+        for (l, w) in &FINE_RULE {
+            let n = element::shapes(l);
+            let p: DVec3 = x.iter().zip(&n).map(|(p, n)| *p * *n).sum();
+            let (_, det) = element::gradients(&x, l);
+            let f = force_n_mm3(p) * (w * det);
+            for (&i, n) in tet.iter().zip(&n) {
+                forces[i as usize] += f * *n;
+            }
+        }
+    }
+}
+
+/// Adds the forces with which strains that no stress causes (heat, shrinkage) press on their surroundings. The strains
+/// are given at a point, order xx, yy, zz, xy, yz, zx, engineering shears.
+///
+/// # Errors
+/// A material without a positive stiffness.
+pub fn add_initial_strain(
+    forces: &mut [DVec3],
+    model: &Model<'_>,
+    strain: impl Fn(DVec3) -> [f64; 6],
+) -> Result<(), SolidError> {
+    let laws = model.laws()?;
+    for (t, tet) in model.mesh.tets.iter().enumerate() {
+        let x = model.mesh.places(t);
+        for (l, w) in &STIFFNESS_RULE {
+            let n = element::shapes(l);
+            let p: DVec3 = x.iter().zip(&n).map(|(p, n)| *p * *n).sum();
+            let (g, det) = element::gradients(&x, l);
+            let stress = laws[model.material(t)].stress_of_strain(&strain(p));
+            for (&i, g) in tet.iter().zip(&g) {
+                forces[i as usize] += stress * *g * (w * det);
+            }
+        }
+    }
+    Ok(())
+}

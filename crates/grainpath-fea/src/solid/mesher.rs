@@ -1,0 +1,192 @@
+//! From a surface to quadratic tetrahedra.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::{Bvh, DVec3, TriMesh};
+use rayon::prelude::*;
+
+use super::features::Features;
+use super::lattice::{Lattice, is_closed};
+use super::mesh::{Face, Piece, TetMesh};
+use super::shape::MeshQuality;
+use super::snap::{self, Bound};
+use super::stuffing::{self, Tets};
+use super::{SolidError, thickness};
+
+/// How fine to mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshSettings {
+    /// Edge of a lattice cell, mm; `None` to take it from the thinnest walls and the part's size.
+    pub size_mm: Option<f64>,
+    /// Unknowns that a size found by itself may lead to.
+    pub most_dofs: usize,
+}
+
+impl Default for MeshSettings {
+    fn default() -> Self {
+        Self { size_mm: None, most_dofs: 300_000 }
+    }
+}
+
+/// A mesh and what is to be known about it.
+#[derive(Debug, Clone)]
+pub struct Meshed {
+    /// The elements.
+    pub mesh: TetMesh,
+    /// Edge of a lattice cell, mm.
+    pub size_mm: f64,
+    /// The wall thickness that all but two percent of the surface have at least, mm.
+    pub wall_mm: f64,
+    /// Shape of the elements.
+    pub quality: MeshQuality,
+    /// Volume of the elements with their curved sides, mm3.
+    pub volume_mm3: f64,
+    /// Volume within the surface, mm3; counts twice where bodies overlap.
+    pub surface_mm3: f64,
+    /// What hangs together over faces.
+    pub pieces: Vec<Piece>,
+    /// Pieces of less than a thousandth of the volume that were left out.
+    pub n_crumbs: usize,
+}
+
+/// Unknowns to expect: inside a cell of the lattice has 16 nodes; the surface adds its own.
+pub fn expected_dofs(volume_mm3: f64, area_mm2: f64, size_mm: f64) -> f64 {
+    3.0 * (16.0 * volume_mm3 / size_mm.powi(3) + 8.0 * area_mm2 / size_mm.powi(2))
+}
+
+/// Meshes what a surface encloses.
+///
+/// # Errors
+/// Walls thinner than the elements, a lattice too fine for memory, or nothing enclosed.
+pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidError> {
+    let bvh = Bvh::new(surface);
+    let wall_mm = thickness::wall_thickness_mm(surface, &bvh);
+    let size_mm = choose_size(surface, wall_mm, settings)?;
+    let mut lattice = Lattice::over(surface, size_mm)?;
+    lattice.classify(&bvh, is_closed(surface));
+    let cuts = lattice.cuts(&bvh);
+    let mut tets = stuffing::stuff(&lattice, &cuts, |p| bvh.contains(p));
+    drop((lattice, cuts));
+    let n_crumbs = separate(&mut tets);
+    if tets.tets.is_empty() {
+        return Err(SolidError::NothingInside);
+    }
+    let features = Features::of(surface);
+    let bounds = snap::snap(&mut tets, &features, &bvh, size_mm);
+    let mesh = quadratic(&tets, &bounds, &features, &bvh);
+    let quality = mesh.quality();
+    let volume_mm3 = mesh.volume_mm3();
+    let pieces = mesh.pieces();
+    let surface_mm3 = surface.signed_volume().abs();
+    Ok(Meshed { mesh, size_mm, wall_mm, quality, volume_mm3, surface_mm3, pieces, n_crumbs })
+}
+
+fn choose_size(surface: &TriMesh, wall_mm: f64, settings: &MeshSettings) -> Result<f64, SolidError> {
+    let (lo, hi) = surface.bounds().ok_or(SolidError::NothingInside)?;
+    let v = |i: u32| surface.vertices[i as usize];
+    let area: f64 =
+        surface.triangles.iter().map(|t| (v(t[1]) - v(t[0])).cross(v(t[2]) - v(t[0])).length() / 2.0).sum();
+    let volume = surface.signed_volume().abs();
+    let dofs = |size: f64| expected_dofs(volume, area, size);
+    let size_mm = settings.size_mm.unwrap_or_else(|| {
+        let wanted = wall_mm.min((hi - lo).length() / 40.0);
+        let (mut fine, mut coarse) = (1e-6 * wanted, 1e6 * wanted);
+        for _ in 0..60 {
+            let middle = (fine * coarse).sqrt();
+            if dofs(middle) > settings.most_dofs as f64 { fine = middle } else { coarse = middle }
+        }
+        wanted.max(coarse)
+    });
+    // However it lies, a wall of 0.71 sizes has a plane of lattice points in it.
+    if size_mm > 1.35 * wall_mm {
+        return Err(SolidError::ThinWalls { thickness_mm: wall_mm, size_mm, dofs: dofs(wall_mm) });
+    }
+    Ok(size_mm)
+}
+
+/// Leaves crumbs out and gives pieces that touch in a corner or along an edge vertices of their own: such a hinge
+/// would have no stiffness. Returns how many crumbs there were.
+fn separate(mesh: &mut Tets) -> usize {
+    let piece = pieces_of(&mesh.tets);
+    let mut volume: BTreeMap<u32, f64> = BTreeMap::new();
+    for (t, &p) in mesh.tets.iter().zip(&piece) {
+        let v = super::shape::volume(&t.map(|i| mesh.vertices[i as usize]));
+        *volume.entry(p).or_default() += v;
+    }
+    if volume.len() < 2 {
+        return 0;
+    }
+    let least = 1e-3 * volume.values().sum::<f64>();
+    let kept: Vec<(&[u32; 4], u32)> =
+        mesh.tets.iter().zip(piece).filter(|(_, p)| volume[p] > least).collect();
+    let mut own: Vec<(u32, u32)> = kept.iter().flat_map(|(t, p)| t.map(|v| (v, *p))).collect();
+    own.sort_unstable();
+    own.dedup();
+    let id = |v: u32, p: u32| own.binary_search(&(v, p)).expect("listed above") as u32;
+    mesh.tets = kept.iter().map(|(t, p)| t.map(|v| id(v, *p))).collect();
+    mesh.vertices = own.iter().map(|&(v, _)| mesh.vertices[v as usize]).collect();
+    volume.values().filter(|&&v| v <= least).count()
+}
+
+/// For each tetrahedron the lowest one it hangs together with over faces.
+pub(super) fn pieces_of(tets: &[[u32; 4]]) -> Vec<u32> {
+    let mut parent: Vec<u32> = (0..tets.len() as u32).collect();
+    fn root(parent: &mut [u32], mut i: u32) -> u32 {
+        while parent[i as usize] != i {
+            parent[i as usize] = parent[parent[i as usize] as usize];
+            i = parent[i as usize];
+        }
+        i
+    }
+    let faces = snap::sorted_faces(tets);
+    for pair in faces.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() > 1) {
+        let (a, b) = (root(&mut parent, pair[0].1), root(&mut parent, pair[1].1));
+        parent[a.max(b) as usize] = a.min(b);
+    }
+    (0..tets.len() as u32).map(|t| root(&mut parent, t)).collect()
+}
+
+/// Mid-side nodes: halfway, and on the surface for sides that lie on it, where no element suffers.
+fn quadratic(tets: &Tets, bounds: &[Bound], features: &Features, bvh: &Bvh) -> TetMesh {
+    let mut mesh = TetMesh::straight(&tets.vertices, &tets.tets);
+    let mut sides: Vec<[u32; 3]> = mesh
+        .faces
+        .iter()
+        .flat_map(|f| {
+            let [a, b, c, ab, bc, ca] = f.nodes;
+            [[a, b, ab], [b, c, bc], [c, a, ca]].map(|[a, b, m]| [a.min(b), a.max(b), m])
+        })
+        .collect();
+    sides.sort_unstable();
+    sides.dedup();
+    let curved = |&[a, b, m]: &[u32; 3]| {
+        let shared = bounds[a as usize].patches().iter().filter(|p| bounds[b as usize].patches().contains(p));
+        let shared: Vec<u32> = shared.copied().collect();
+        let (p, q) = (mesh.nodes[a as usize], mesh.nodes[b as usize]);
+        let (middle, reach) = (0.5 * (p + q), 0.25 * p.distance(q));
+        let to = match shared.as_slice() {
+            [] => None,
+            [only] => bvh
+                .closest_point(middle, reach)
+                .filter(|c| features.patch[c.triangle as usize] == *only)
+                .map(|c| c.point),
+            several => features
+                .nearest(middle, reach)
+                .filter(|(_, e)| features.edges[*e].1.iter().all(|s| several.contains(s)))
+                .map(|n| n.0),
+        };
+        to.filter(|to| to.distance(middle) > 1e-9 * reach).map(|to| (m, to))
+    };
+    let moves: Vec<(u32, DVec3)> = sides.par_iter().filter_map(curved).collect();
+    mesh.curve(&moves);
+    let label = |f: &Face| {
+        let middle = f.nodes[3..].iter().map(|&m| mesh.nodes[m as usize]).sum::<DVec3>() / 3.0;
+        bvh.closest_point(middle, f64::INFINITY).map_or(0, |c| c.triangle)
+    };
+    let facets: Vec<u32> = mesh.faces.par_iter().map(label).collect();
+    for (face, facet) in mesh.faces.iter_mut().zip(facets) {
+        face.facet = facet;
+    }
+    mesh.sort_in_space();
+    mesh
+}

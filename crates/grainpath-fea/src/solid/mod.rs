@@ -1,0 +1,32 @@
+//! Three-dimensional elasticity: from a closed surface to quadratic tetrahedra, displacements and stresses.
+
+mod blocks;
+mod element;
+mod error;
+mod features;
+mod lattice;
+pub mod loads;
+mod mesh;
+mod mesher;
+mod model;
+mod multigrid;
+mod operator;
+mod recover;
+mod sample;
+mod shape;
+mod snap;
+mod solve;
+mod stuffing;
+mod supports;
+mod thickness;
+
+pub use error::SolidError;
+pub use mesh::{Face, Piece, TetMesh};
+pub use mesher::{MeshSettings, Meshed, expected_dofs, mesh};
+pub use model::Model;
+pub use recover::{Recovered, Stress, recover};
+pub use sample::{Sampler, Spot};
+pub use shape::{MeshQuality, TetQuality};
+pub use solve::{Solution, SolveInfo, SolveSettings, solve};
+pub use supports::Supports;
+pub use thickness::wall_thickness_mm;

@@ -1,0 +1,559 @@
+//! A preconditioner for quadratic tetrahedra: their linear elements, then grids of doubling width over the part, then
+//! a dense factorization of what is left.
+//!
+//! Grids interpolate trilinearly at the nodes, so that rigid motions and uniform strains stay exact on every level;
+//! their matrices are the Galerkin products. Smoothing is by Chebyshev polynomials of the block-diagonal scaling.
+
+use grainpath_core::{DMat3, DVec3, IVec3};
+use rayon::prelude::*;
+
+use super::blocks::{Blocks, add, assemble, dot};
+use super::element;
+use super::operator::{CHUNK, Operator};
+use super::supports::Supports;
+use super::{Model, SolidError};
+
+/// Applications of the matrix in one smoothing, on the quadratic level and on the others.
+const SMOOTH_FINE: usize = 3;
+const SMOOTH_COARSE: usize = 4;
+/// The smoother acts on eigenvalues down to the largest over this.
+const BAND: f64 = 25.0;
+/// Nodes at most of the level that is factorized.
+const DENSE_NODES: usize = 250;
+
+enum Matrix<'a> {
+    Quadratic(&'a Operator<'a>),
+    Stored(Blocks),
+}
+
+impl Matrix<'_> {
+    fn apply(&self, x: &[DVec3], y: &mut [DVec3], scratch: &mut [DVec3]) {
+        match self {
+            Self::Quadratic(operator) => operator.apply(x, y, scratch),
+            Self::Stored(blocks) => blocks.apply(x, y),
+        }
+    }
+}
+
+struct Level<'a> {
+    matrix: Matrix<'a>,
+    inverse_diagonal: Vec<DMat3>,
+    top: f64,
+    smooth: usize,
+    /// From the next coarser level to this one.
+    transfer: Transfer,
+    x: Vec<DVec3>,
+    r: Vec<DVec3>,
+    d: Vec<DVec3>,
+    t: Vec<DVec3>,
+    scratch: Vec<DVec3>,
+}
+
+/// Weights of the coarse nodes at each fine node.
+#[derive(Default)]
+struct Transfer {
+    start: Vec<u32>,
+    coarse: Vec<u32>,
+    weight: Vec<f64>,
+    n_coarse: usize,
+    /// What a held fine node may still do.
+    held: Vec<(u32, DMat3)>,
+}
+
+impl Transfer {
+    fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> {
+        let range = self.start[i] as usize..self.start[i + 1] as usize;
+        self.coarse[range.clone()].iter().map(|&c| c as usize).zip(self.weight[range].iter().copied())
+    }
+
+    fn n_fine(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    fn hold(&self, fine: &mut [DVec3]) {
+        for (i, free) in &self.held {
+            fine[*i as usize] = *free * fine[*i as usize];
+        }
+    }
+
+    /// Adds what a coarse correction is on the fine level; `t` is scratch.
+    fn prolong(&self, coarse: &[DVec3], fine: &mut [DVec3], t: &mut [DVec3]) {
+        t.par_chunks_mut(CHUNK).enumerate().for_each(|(c, chunk)| {
+            for (i, t) in (c * CHUNK..).zip(chunk) {
+                *t = self.row(i).map(|(j, w)| coarse[j] * w).sum();
+            }
+        });
+        self.hold(t);
+        add(fine, 1.0, t);
+    }
+
+    /// The transposed. `fine` is taken to be scratch afterwards.
+    fn restrict(&self, fine: &mut [DVec3], coarse: &mut [DVec3]) {
+        self.hold(fine);
+        coarse.fill(DVec3::ZERO);
+        for (i, f) in fine.iter().enumerate() {
+            for (j, w) in self.row(i) {
+                coarse[j] += *f * w;
+            }
+        }
+    }
+}
+
+/// The levels, finest first, and the factor of the coarsest.
+pub(super) struct Multigrid<'a> {
+    levels: Vec<Level<'a>>,
+    dense: Dense,
+    dense_x: Vec<f64>,
+}
+
+impl<'a> Multigrid<'a> {
+    pub(super) fn new(
+        model: &Model<'_>,
+        supports: &Supports,
+        operator: &'a Operator<'a>,
+    ) -> Result<Self, SolidError> {
+        let laws = model.laws()?;
+        let mesh = model.mesh;
+        // Corners alone, numbered in the order of all nodes.
+        let mut id = vec![u32::MAX; mesh.nodes.len()];
+        for t in &mesh.tets {
+            t[..4].iter().for_each(|&v| id[v as usize] = 0);
+        }
+        let corners: Vec<u32> = (0..id.len() as u32).filter(|&v| id[v as usize] == 0).collect();
+        for (i, &v) in (0u32..).zip(&corners) {
+            id[v as usize] = i;
+        }
+        let tets: Vec<[u32; 4]> =
+            mesh.tets.iter().map(|t| std::array::from_fn(|i| id[t[i] as usize])).collect();
+        let first = from_linear(mesh, &id, corners.len(), supports);
+        let free = |i: usize| supports.free(corners[i] as usize);
+        let matrix = assemble(corners.len(), &tets, |t| {
+            let products = element::linear_gradient_products(&mesh.corners(t));
+            let mut k = element::stiffness(&products, &laws[model.material(t)]);
+            for a in 0..4 {
+                for b in 0..=a {
+                    if let Some(p) = free(tets[t][a] as usize) {
+                        k[a][b] = *p * k[a][b];
+                    }
+                    if let Some(p) = free(tets[t][b] as usize) {
+                        k[a][b] *= *p;
+                    }
+                }
+            }
+            k
+        });
+        let places: Vec<DVec3> = corners.iter().map(|&v| mesh.nodes[v as usize]).collect();
+        let longest = tets.par_iter().map(|t| {
+            let x = t.map(|i| places[i as usize]);
+            super::shape::EDGES.iter().map(|&(i, j)| x[i].distance(x[j])).fold(0.0, f64::max)
+        });
+        let longest = longest.reduce(|| 0.0, f64::max);
+        let volume: f64 = (0..tets.len()).map(|t| super::shape::volume(&mesh.corners(t))).sum();
+        // Inside a body-centred lattice of width a there are two corners in a cell; the grid is twice as wide.
+        let width = longest.max(2.0 * (2.0 * volume / places.len() as f64).cbrt());
+        let mut levels =
+            vec![Level::new(Matrix::Quadratic(operator), operator.inverse_diagonal(), first, SMOOTH_FINE)];
+        let held: Vec<(u32, DMat3)> =
+            (0..corners.len()).filter_map(|i| free(i).map(|p| (i as u32, *p))).collect();
+        let grid = Grid { origin: places[0] - 0.37 * width, width };
+        let (mut transfer, mut cells) = grid.over(&places, held);
+        let mut matrix = matrix;
+        loop {
+            let coarse = galerkin(&matrix, &transfer, &cells);
+            let diagonal = matrix.inverse_diagonal();
+            levels.push(Level::new(Matrix::Stored(matrix), diagonal, transfer, SMOOTH_COARSE));
+            matrix = coarse;
+            if matrix.n() <= DENSE_NODES {
+                break;
+            }
+            let places: Vec<DVec3> = cells.iter().map(|c| c.as_dvec3()).collect();
+            // Not around the corner of the finer grid's first node: halves fall on nodes.
+            (transfer, cells) = Grid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
+        }
+        let dense = Dense::new(&matrix);
+        let dense_x = vec![0.0; 3 * matrix.n()];
+        Ok(Self { levels, dense, dense_x })
+    }
+
+    /// Bytes of all levels.
+    pub(super) fn bytes(&self) -> usize {
+        let stored = |l: &Level<'_>| match &l.matrix {
+            Matrix::Stored(b) => b.bytes(),
+            Matrix::Quadratic(_) => 0,
+        };
+        let level = |l: &Level<'_>| stored(l) + l.x.len() * (4 * 24 + 72 + 12 * 4);
+        self.levels.iter().map(level).sum::<usize>() + self.dense.factor.len() * 8
+    }
+
+    /// Nodes of each level.
+    pub(super) fn sizes(&self) -> Vec<usize> {
+        let mut sizes: Vec<usize> = self.levels.iter().map(|l| l.x.len()).collect();
+        sizes.push(self.dense.n / 3);
+        sizes
+    }
+
+    /// An approximate solution `z` for the forces `r`.
+    pub(super) fn apply(&mut self, r: &[DVec3], z: &mut [DVec3]) {
+        self.levels[0].r.copy_from_slice(r);
+        self.cycle(0);
+        z.copy_from_slice(&self.levels[0].x);
+    }
+
+    fn cycle(&mut self, at: usize) {
+        let (upper, below) = self.levels.split_at_mut(at + 1);
+        let level = &mut upper[at];
+        level.smooth_first();
+        // The residual goes to the scratch vector, for the right-hand side is needed again.
+        level.matrix.apply(&level.x, &mut level.t, &mut level.scratch);
+        for_each(&mut level.t, &level.r, |t, r| *t = *r - *t);
+        if let Some(next) = below.first_mut() {
+            level.transfer.restrict(&mut level.t, &mut next.r);
+            // A held corner must not follow the free nodes between it and others.
+            next.transfer.hold(&mut next.r);
+            self.cycle(at + 1);
+            let (upper, below) = self.levels.split_at_mut(at + 1);
+            let level = &mut upper[at];
+            level.transfer.prolong(&below[0].x, &mut level.x, &mut level.t);
+        } else {
+            let mut coarse = vec![DVec3::ZERO; self.dense.n / 3];
+            level.transfer.restrict(&mut level.t, &mut coarse);
+            for (x, c) in self.dense_x.chunks_exact_mut(3).zip(&coarse) {
+                x.copy_from_slice(&c.to_array());
+            }
+            self.dense.solve(&mut self.dense_x);
+            for (c, x) in coarse.iter_mut().zip(self.dense_x.chunks_exact(3)) {
+                *c = DVec3::new(x[0], x[1], x[2]);
+            }
+            level.transfer.prolong(&coarse, &mut level.x, &mut level.t);
+        }
+        self.levels[at].smooth();
+    }
+}
+
+fn for_each(a: &mut [DVec3], b: &[DVec3], f: impl Fn(&mut DVec3, &DVec3) + Sync) {
+    a.par_chunks_mut(CHUNK).zip(b.par_chunks(CHUNK)).for_each(|(a, b)| {
+        a.iter_mut().zip(b).for_each(|(a, b)| f(a, b));
+    });
+}
+
+impl<'a> Level<'a> {
+    fn new(matrix: Matrix<'a>, inverse_diagonal: Vec<DMat3>, transfer: Transfer, smooth: usize) -> Self {
+        let n = inverse_diagonal.len();
+        let zero = || vec![DVec3::ZERO; n];
+        let scratch = match &matrix {
+            Matrix::Quadratic(operator) => operator.scratch(),
+            Matrix::Stored(_) => Vec::new(),
+        };
+        let (x, r, d, t) = (zero(), zero(), zero(), zero());
+        let mut level = Self { matrix, inverse_diagonal, top: 1.0, smooth, transfer, x, r, d, t, scratch };
+        level.top = 1.2 * level.largest_eigenvalue();
+        level
+    }
+
+    /// Power iteration on the scaled matrix.
+    fn largest_eigenvalue(&mut self) -> f64 {
+        let n = self.x.len();
+        // Any start with all frequencies does; this one is the same everywhere.
+        let mut state = 0x9e37_79b9_7f4a_7c15u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / f64::from(1u32 << 31) - 0.5
+        };
+        let mut x: Vec<DVec3> = (0..n).map(|_| DVec3::new(next(), next(), next())).collect();
+        let mut found = 1.0;
+        for _ in 0..15 {
+            let size = dot(&x, &x).sqrt();
+            x.iter_mut().for_each(|v| *v /= size);
+            self.matrix.apply(&x, &mut self.t, &mut self.scratch);
+            for ((x, t), m) in x.iter_mut().zip(&self.t).zip(&self.inverse_diagonal) {
+                *x = *m * *t;
+            }
+            found = dot(&x, &x).sqrt();
+        }
+        found
+    }
+
+    fn smooth_first(&mut self) {
+        self.x.fill(DVec3::ZERO);
+        self.t.copy_from_slice(&self.r);
+        self.chebyshev();
+    }
+
+    fn smooth(&mut self) {
+        self.matrix.apply(&self.x, &mut self.t, &mut self.scratch);
+        for_each(&mut self.t, &self.r, |t, r| *t = *r - *t);
+        self.chebyshev();
+    }
+
+    /// Chebyshev iteration from `x` whose residual is in `t`.
+    fn chebyshev(&mut self) {
+        let (high, low) = (self.top, self.top / BAND);
+        let (middle, half) = (0.5 * (high + low), 0.5 * (high - low));
+        let sigma = middle / half;
+        let mut rho = 1.0 / sigma;
+        scaled(&mut self.d, &self.t, &self.inverse_diagonal, 0.0, 1.0 / middle);
+        for step in 0..self.smooth {
+            add(&mut self.x, 1.0, &self.d);
+            if step + 1 == self.smooth {
+                break;
+            }
+            self.matrix.apply(&self.x, &mut self.t, &mut self.scratch);
+            for_each(&mut self.t, &self.r, |t, r| *t = *r - *t);
+            let next = 1.0 / (2.0 * sigma - rho);
+            scaled(&mut self.d, &self.t, &self.inverse_diagonal, next * rho, 2.0 * next / half);
+            rho = next;
+        }
+    }
+}
+
+/// `d = keep * d + take * D^-1 r`.
+fn scaled(d: &mut [DVec3], r: &[DVec3], inverse: &[DMat3], keep: f64, take: f64) {
+    let chunks = d.par_chunks_mut(CHUNK).zip(r.par_chunks(CHUNK)).zip(inverse.par_chunks(CHUNK));
+    chunks.for_each(|((d, r), inverse)| {
+        for ((d, r), m) in d.iter_mut().zip(r).zip(inverse) {
+            *d = *d * keep + *m * *r * take;
+        }
+    });
+}
+
+/// Corners keep their value; nodes between them get the linear field of an element at their place. On a straight side
+/// that is the mean of its ends; on a curved one the mean would bend rigid rotations.
+fn from_linear(mesh: &super::TetMesh, id: &[u32], n_coarse: usize, supports: &Supports) -> Transfer {
+    let n = mesh.nodes.len();
+    let mut tet_of = vec![u32::MAX; n];
+    for (t, tet) in (0u32..).zip(&mesh.tets) {
+        tet[4..].iter().for_each(|&m| tet_of[m as usize] = t);
+    }
+    let mut transfer = Transfer { start: vec![0], n_coarse, ..Transfer::default() };
+    for i in 0..n {
+        if id[i] != u32::MAX {
+            transfer.coarse.push(id[i]);
+            transfer.weight.push(1.0);
+        } else if tet_of[i] != u32::MAX {
+            let tet = &mesh.tets[tet_of[i] as usize];
+            let x = mesh.corners(tet_of[i] as usize);
+            let turn = DMat3::from_cols(x[1] - x[0], x[2] - x[0], x[3] - x[0]).inverse();
+            let l = turn * (mesh.nodes[i] - x[0]);
+            let weights = [1.0 - l.x - l.y - l.z, l.x, l.y, l.z];
+            for (&v, w) in tet.iter().zip(weights).filter(|(_, w)| w.abs() > 1e-9) {
+                transfer.coarse.push(id[v as usize]);
+                transfer.weight.push(w);
+            }
+        }
+        transfer.start.push(transfer.coarse.len() as u32);
+    }
+    transfer.held = (0..n).filter_map(|i| supports.free(i).map(|p| (i as u32, *p))).collect();
+    transfer
+}
+
+struct Grid {
+    origin: DVec3,
+    width: f64,
+}
+
+impl Grid {
+    /// Trilinear weights of the grid's nodes at some places, and the nodes in use.
+    fn over(&self, places: &[DVec3], held: Vec<(u32, DMat3)>) -> (Transfer, Vec<IVec3>) {
+        let weights = |&p: &DVec3| {
+            let q = (p - self.origin) / self.width;
+            let cell = q.floor();
+            let (part, cell) = (q - cell, cell.as_ivec3());
+            (0..8i32).filter_map(move |i| {
+                let bits = IVec3::new(i & 1, i >> 1 & 1, i >> 2);
+                let side = |axis: usize| if bits[axis] == 1 { part[axis] } else { 1.0 - part[axis] };
+                let w = side(0) * side(1) * side(2);
+                (w > 1e-10).then_some((cell + bits, w))
+            })
+        };
+        let key = |c: IVec3| (c.z, c.y, c.x);
+        let mut used: Vec<(i32, i32, i32)> =
+            places.iter().flat_map(|p| weights(p).map(|(c, _)| key(c))).collect();
+        used.par_sort_unstable();
+        used.dedup();
+        let mut transfer = Transfer { start: vec![0], n_coarse: used.len(), held, ..Transfer::default() };
+        for p in places {
+            for (cell, w) in weights(p) {
+                transfer.coarse.push(used.binary_search(&key(cell)).expect("listed above") as u32);
+                transfer.weight.push(w);
+            }
+            transfer.start.push(transfer.coarse.len() as u32);
+        }
+        (transfer, used.into_iter().map(|(z, y, x)| IVec3::new(x, y, z)).collect())
+    }
+}
+
+/// Steps between coupled nodes of a grid reach this far along each axis, as no side is longer than the grid is wide.
+const REACH: i32 = 2;
+const STENCIL: usize = 125;
+
+/// The product of transposed transfer, matrix and transfer.
+fn galerkin(fine: &Blocks, transfer: &Transfer, cells: &[IVec3]) -> Blocks {
+    // For each coarse node the fine ones that it has weight at.
+    let mut start = vec![0u32; transfer.n_coarse + 1];
+    for &c in &transfer.coarse {
+        start[c as usize + 1] += 1;
+    }
+    for c in 0..transfer.n_coarse {
+        start[c + 1] += start[c];
+    }
+    let mut next = start.clone();
+    let mut support = vec![(0u32, 0.0f64); transfer.coarse.len()];
+    for i in 0..transfer.n_fine() {
+        for (c, w) in transfer.row(i) {
+            support[next[c] as usize] = (i as u32, w);
+            next[c] += 1;
+        }
+    }
+    let row = |c: usize| {
+        let mut sums = [DMat3::ZERO; STENCIL];
+        let mut used = [u32::MAX; STENCIL];
+        for &(i, wi) in &support[start[c] as usize..start[c + 1] as usize] {
+            for (j, a) in fine.row(i as usize) {
+                let a = *a * wi;
+                for (d, wj) in transfer.row(j) {
+                    let step = cells[d] - cells[c] + REACH;
+                    let slot = ((step.z * 5 + step.y) * 5 + step.x) as usize;
+                    sums[slot] += a * wj;
+                    used[slot] = d as u32;
+                }
+            }
+        }
+        let mut entries: Vec<(u32, DMat3)> =
+            used.into_iter().zip(sums).filter(|(d, _)| *d != u32::MAX).collect();
+        entries.sort_unstable_by_key(|e| e.0);
+        entries
+    };
+    Blocks::from_rows((0..transfer.n_coarse).into_par_iter().map(row).collect())
+}
+
+/// Cholesky factor of the coarsest matrix. Directions without stiffness (nodes whose weights depend on others, or with
+/// nothing free below them) are left out instead of failing.
+struct Dense {
+    n: usize,
+    /// Lower triangle by rows.
+    factor: Vec<f64>,
+}
+
+impl Dense {
+    fn new(matrix: &Blocks) -> Self {
+        let n = 3 * matrix.n();
+        let mut a = vec![0.0; n * n];
+        for i in 0..matrix.n() {
+            for (j, block) in matrix.row(i) {
+                for r in 0..3 {
+                    for c in 0..3 {
+                        a[(3 * i + r) * n + 3 * j + c] = block.col(c)[r];
+                    }
+                }
+            }
+        }
+        for i in 0..n {
+            let (above, own) = a.split_at_mut(i * n);
+            let own = &mut own[..n];
+            let whole = own[i];
+            for j in 0..i {
+                let other = &above[j * n..j * n + n];
+                let pivot = other[j];
+                let sum = own[j] - product(&own[..j], &other[..j]);
+                own[j] = if pivot > 0.0 { sum / pivot } else { 0.0 };
+            }
+            let rest = whole - product(&own[..i], &own[..i]);
+            own[i] = if rest > 1e-9 * whole { rest.sqrt() } else { 0.0 };
+        }
+        Self { n, factor: a }
+    }
+
+    fn solve(&self, x: &mut [f64]) {
+        let n = self.n;
+        for i in 0..n {
+            let row = &self.factor[i * n..i * n + i + 1];
+            let sum = x[i] - product(&row[..i], &x[..i]);
+            x[i] = if row[i] > 0.0 { sum / row[i] } else { 0.0 };
+        }
+        for i in (0..n).rev() {
+            let row = &self.factor[i * n..i * n + i + 1];
+            x[i] = if row[i] > 0.0 { x[i] / row[i] } else { 0.0 };
+            let value = x[i];
+            for (x, l) in x[..i].iter_mut().zip(row) {
+                *x -= l * value;
+            }
+        }
+    }
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a4.zip(b4) {
+        for k in 0..4 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solid::TetMesh;
+
+    #[test]
+    fn a_cube_of_linear_shape_converges_in_a_few_steps() {
+        let n = 8u32;
+        let id = |x: u32, y: u32, z: u32| (z * (n + 1) + y) * (n + 1) + x;
+        let mut vertices = Vec::new();
+        let mut tets = Vec::new();
+        for z in 0..=n {
+            for y in 0..=n {
+                for x in 0..=n {
+                    vertices.push(DVec3::new(f64::from(x), f64::from(y), f64::from(z)));
+                    if x < n && y < n && z < n {
+                        for p in [[1, 3], [3, 2], [2, 6], [6, 4], [4, 5], [5, 1]] {
+                            let v = |b: u32| id(x + (b & 1), y + (b >> 1 & 1), z + (b >> 2));
+                            tets.push([v(0), v(p[0]), v(p[1]), v(7)]);
+                        }
+                    }
+                }
+            }
+        }
+        let mesh = TetMesh::straight(&vertices, &tets);
+        let mut d = [[0.0; 6]; 6];
+        for i in 0..6 {
+            for j in 0..6 {
+                d[i][j] = match (i < 3 && j < 3, i == j) {
+                    (true, same) => 1.2 + if same { 1.6 } else { 0.0 },
+                    (false, same) => {
+                        if same {
+                            0.8
+                        } else {
+                            0.0
+                        }
+                    }
+                };
+            }
+        }
+        let model = Model::uniform(&mesh, d);
+        let mut supports = Supports::new(mesh.nodes.len());
+        for i in 0..mesh.nodes.len() as u32 {
+            if mesh.nodes[i as usize].x == 0.0 {
+                supports.fix(&mesh, i).expect("new");
+            }
+        }
+        let mut r = vec![DVec3::ZERO; mesh.nodes.len()];
+        for (i, p) in mesh.nodes.iter().enumerate() {
+            if p.x == 8.0 {
+                r[i] = DVec3::new(0.1, 0.0, 1.0);
+            }
+        }
+        let (supports, model) = (&supports, &model);
+        let (solutions, info) =
+            crate::solid::solve(model, supports, &[r], &Default::default()).expect("held");
+        assert!(
+            solutions[0].iterations < 40 && solutions[0].residual < 1e-8,
+            "{:?}",
+            solutions[0].iterations
+        );
+        assert_eq!(info.levels, [4913, 729, 125]);
+    }
+}

@@ -1,0 +1,145 @@
+//! Displacements for given loads and supports.
+
+use grainpath_core::DVec3;
+
+use super::blocks::{add, dot};
+use super::multigrid::Multigrid;
+use super::operator::Operator;
+use super::supports::Supports;
+use super::{Model, SolidError};
+
+/// How to solve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolveSettings {
+    /// Residual over the load at which the iteration ends.
+    pub tolerance: f64,
+    /// Iterations at most.
+    pub most_iterations: usize,
+    /// Memory that may be taken, MiB.
+    pub most_mib: f64,
+}
+
+impl Default for SolveSettings {
+    fn default() -> Self {
+        Self { tolerance: 1e-8, most_iterations: 400, most_mib: 4096.0 }
+    }
+}
+
+/// What a load does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    /// Displacement of each node, mm.
+    pub displacement: Vec<DVec3>,
+    /// What holds each node against the load, N; zero where nothing is prescribed.
+    pub reaction: Vec<DVec3>,
+    /// Residual over the load, of the displacement given.
+    pub residual: f64,
+    /// Iterations made; 0 for a direct solution.
+    pub iterations: usize,
+}
+
+/// How it was solved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolveInfo {
+    /// Unknowns: three for each node less what is prescribed.
+    pub n_free: usize,
+    /// Name of the method.
+    pub solver: &'static str,
+    /// Nodes of each level of the multigrid.
+    pub levels: Vec<usize>,
+    /// Memory of the operator and its preconditioner, MiB.
+    pub mib: f64,
+}
+
+/// Solves for several loads (forces on each node, N) with one preparation.
+///
+/// # Errors
+/// A piece that is not held, a material that is none, memory over the limit, or no convergence.
+pub fn solve(
+    model: &Model<'_>,
+    supports: &Supports,
+    loads: &[Vec<DVec3>],
+    settings: &SolveSettings,
+) -> Result<(Vec<Solution>, SolveInfo), SolidError> {
+    supports.check(model.mesh)?;
+    let need_mib = expected_mib(model);
+    if need_mib > settings.most_mib {
+        return Err(SolidError::Memory { what: "solving", need_mib, limit_mib: settings.most_mib });
+    }
+    let operator = Operator::new(model, supports)?;
+    let mut multigrid = Multigrid::new(model, supports, &operator)?;
+    let info = SolveInfo {
+        n_free: model.mesh.n_dofs() - supports.count(),
+        solver: "conjugate gradients with p- and grid multigrid",
+        levels: multigrid.sizes(),
+        mib: (operator.bytes() + multigrid.bytes()) as f64 / 1048576.0,
+    };
+    let solutions = loads
+        .iter()
+        .map(|load| iterate(&operator, supports, &mut multigrid, load, settings))
+        .collect::<Result<_, _>>()?;
+    Ok((solutions, info))
+}
+
+/// What solving will take, MiB: measured at 1250 bytes a node.
+fn expected_mib(model: &Model<'_>) -> f64 {
+    1250.0 * model.mesh.nodes.len() as f64 / 1048576.0
+}
+
+fn iterate(
+    operator: &Operator<'_>,
+    supports: &Supports,
+    multigrid: &mut Multigrid<'_>,
+    load: &[DVec3],
+    settings: &SolveSettings,
+) -> Result<Solution, SolidError> {
+    let n = operator.n_nodes();
+    let zero = || vec![DVec3::ZERO; n];
+    let mut scratch = operator.scratch();
+    let (mut u, moved) = supports.prescribed();
+    let mut r = load.to_vec();
+    let mut q = zero();
+    if moved {
+        operator.forces(&u, &mut q, &mut scratch);
+        add(&mut r, -1.0, &q);
+    }
+    supports.project(&mut r);
+    let goal = settings.tolerance * dot(&r, &r).sqrt();
+    let (mut z, mut p, mut before) = (zero(), zero(), zero());
+    let (mut size, mut rz, mut iterations) = (dot(&r, &r).sqrt(), 1.0, 0);
+    while size > goal && iterations < settings.most_iterations {
+        multigrid.apply(&r, &mut z);
+        // The preconditioner is symmetric but for rounding; taking the change of the residual keeps rounding out.
+        add(&mut before, -1.0, &r);
+        let beta = if iterations == 0 { 0.0 } else { -dot(&before, &z) / rz };
+        rz = dot(&r, &z);
+        for (p, z) in p.iter_mut().zip(&z) {
+            *p = *z + *p * beta;
+        }
+        operator.apply(&p, &mut q, &mut scratch);
+        let alpha = rz / dot(&p, &q);
+        before.copy_from_slice(&r);
+        add(&mut u, alpha, &p);
+        add(&mut r, -alpha, &q);
+        size = dot(&r, &r).sqrt();
+        iterations += 1;
+        if !size.is_finite() {
+            return Err(SolidError::NotPositive);
+        }
+    }
+    if size > goal {
+        let residual = settings.tolerance * size / goal;
+        return Err(SolidError::NotConverged { residual, iterations });
+    }
+    // The residual that is reported is that of the result, not the one that the iteration carried along.
+    operator.forces(&u, &mut q, &mut scratch);
+    let mut rest = q;
+    add(&mut rest, -1.0, load);
+    let mut reaction = zero();
+    for (i, held) in supports.held_part(&rest) {
+        reaction[i] = held;
+    }
+    supports.project(&mut rest);
+    let residual = if goal > 0.0 { settings.tolerance * dot(&rest, &rest).sqrt() / goal } else { 0.0 };
+    Ok(Solution { displacement: u, reaction, residual, iterations })
+}

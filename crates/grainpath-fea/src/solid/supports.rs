@@ -1,0 +1,254 @@
+//! What holds a part: prescribed displacements along any directions, and which motions they leave free.
+
+use grainpath_core::{DMat3, DVec3};
+
+use super::{SolidError, TetMesh};
+
+/// No support.
+const NONE: u32 = u32::MAX;
+
+/// Prescribed displacements. Directions at a node are kept orthonormal, so any number of planes and axes may meet.
+#[derive(Debug, Clone, Default)]
+pub struct Supports {
+    /// For each node its place in `held`, or none.
+    slot: Vec<u32>,
+    held: Vec<Held>,
+}
+
+#[derive(Debug, Clone)]
+struct Held {
+    node: u32,
+    directions: Vec<(DVec3, f64)>,
+    /// Takes the prescribed directions out of a vector.
+    free: DMat3,
+}
+
+impl Supports {
+    /// No support at any of this many nodes.
+    pub fn new(n_nodes: usize) -> Self {
+        Self { slot: vec![NONE; n_nodes], held: Vec::new() }
+    }
+
+    /// Prescribes the displacement of a node along a direction (of any length), mm. Leaves the other directions free:
+    /// along a normal, a roller or a plane of symmetry.
+    ///
+    /// # Errors
+    /// When that direction has another value already.
+    pub fn prescribe(
+        &mut self,
+        mesh: &TetMesh,
+        node: u32,
+        direction: DVec3,
+        value_mm: f64,
+    ) -> Result<(), SolidError> {
+        let i = node as usize;
+        if self.slot[i] == NONE {
+            self.slot[i] = self.held.len() as u32;
+            self.held.push(Held { node, directions: Vec::new(), free: DMat3::IDENTITY });
+        }
+        let held = &mut self.held[self.slot[i] as usize];
+        let direction = direction.normalize_or_zero();
+        let (mut rest, mut value) = (direction, value_mm);
+        for &(d, v) in &held.directions {
+            rest -= d * d.dot(direction);
+            value -= v * d.dot(direction);
+        }
+        if rest.length() < 1e-6 {
+            let known = held.directions.iter().map(|d| d.1.abs()).fold(value_mm.abs(), f64::max);
+            if value.abs() > 1e-6 * known {
+                let p = mesh.nodes[i];
+                let at = format!("({:.3}, {:.3}, {:.3})", p.x, p.y, p.z);
+                return Err(SolidError::Contradiction { node: i, at });
+            }
+            return Ok(());
+        }
+        value /= rest.length();
+        let unit = rest.normalize();
+        held.directions.push((unit, value));
+        held.free -= DMat3::from_cols(unit * unit.x, unit * unit.y, unit * unit.z);
+        if held.directions.len() == 3 {
+            held.free = DMat3::ZERO;
+        }
+        Ok(())
+    }
+
+    /// Holds a node in all directions.
+    ///
+    /// # Errors
+    /// When it is prescribed to move.
+    pub fn fix(&mut self, mesh: &TetMesh, node: u32) -> Result<(), SolidError> {
+        DVec3::AXES.iter().try_for_each(|&d| self.prescribe(mesh, node, d, 0.0))
+    }
+
+    /// What a node may still do; `None` for any displacement.
+    pub(super) fn free(&self, node: usize) -> Option<&DMat3> {
+        self.slot.get(node).filter(|&&s| s != NONE).map(|&s| &self.held[s as usize].free)
+    }
+
+    /// Takes what is prescribed out of a field.
+    pub(super) fn project(&self, field: &mut [DVec3]) {
+        for held in &self.held {
+            let v = &mut field[held.node as usize];
+            *v = held.free * *v;
+        }
+    }
+
+    /// For each held node the node and the part of a field that is prescribed there.
+    pub(super) fn held_part<'a>(&'a self, field: &'a [DVec3]) -> impl Iterator<Item = (usize, DVec3)> + 'a {
+        self.held.iter().map(|h| {
+            let v = field[h.node as usize];
+            (h.node as usize, v - h.free * v)
+        })
+    }
+
+    /// The displacement that has what is prescribed and nothing else, and whether it is other than zero.
+    pub(super) fn prescribed(&self) -> (Vec<DVec3>, bool) {
+        let mut u = vec![DVec3::ZERO; self.slot.len()];
+        for held in &self.held {
+            u[held.node as usize] = held.directions.iter().map(|&(d, v)| d * v).sum();
+        }
+        let any = self.held.iter().any(|h| h.directions.iter().any(|d| d.1 != 0.0));
+        (u, any)
+    }
+
+    /// Number of prescribed components.
+    pub fn count(&self) -> usize {
+        self.held.iter().map(|h| h.directions.len()).sum()
+    }
+
+    /// Refuses a part of which a piece can move as a rigid body, and says which piece and how.
+    ///
+    /// # Errors
+    /// [`SolidError::Free`] for the first such piece.
+    pub fn check(&self, mesh: &TetMesh) -> Result<(), SolidError> {
+        let pieces = mesh.pieces();
+        let of_tet = mesh.piece_of_tets();
+        let mut of_node = vec![NONE; mesh.nodes.len()];
+        for (tet, &first) in mesh.tets.iter().zip(&of_tet) {
+            for &n in tet {
+                of_node[n as usize] = first;
+            }
+        }
+        for (i, piece) in pieces.iter().enumerate() {
+            let middle = 0.5 * (piece.lo + piece.hi);
+            let radius = (0.5 * (piece.hi - piece.lo).length()).max(f64::MIN_POSITIVE);
+            let mut rows: Vec<[f64; 6]> = Vec::new();
+            for held in self.held.iter().filter(|h| of_node[h.node as usize] == piece.first) {
+                let arm = (mesh.nodes[held.node as usize] - middle) / radius;
+                for &(d, _) in &held.directions {
+                    let turn = arm.cross(d);
+                    rows.push([d.x, d.y, d.z, turn.x, turn.y, turn.z]);
+                }
+            }
+            let free = free_motions(&rows);
+            if !free.is_empty() {
+                let around = format!("({:.1}, {:.1}, {:.1})", middle.x, middle.y, middle.z);
+                let free = free.iter().map(motion_name).collect::<Vec<_>>().join(", ");
+                return Err(SolidError::Free { piece: i + 1, pieces: pieces.len(), around, free });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A basis of the rigid motions (translation, then rotation) that no row resists, each with as many zeros as can be.
+fn free_motions(rows: &[[f64; 6]]) -> Vec<[f64; 6]> {
+    // Row echelon form of the rows with full pivoting from rotations back to translations, so that a motion that can
+    // be told as a translation is.
+    let mut rows = rows.to_vec();
+    let mut pivots: Vec<usize> = Vec::new();
+    for column in (0..6).rev() {
+        let done = pivots.len();
+        let best =
+            (done..rows.len()).max_by(|&a, &b| rows[a][column].abs().total_cmp(&rows[b][column].abs()));
+        let Some(best) = best.filter(|&b| rows[b][column].abs() > 1e-6) else { continue };
+        rows.swap(done, best);
+        let pivot = rows[done].map(|v| v / rows[done][column]);
+        rows[done] = pivot;
+        for (i, row) in rows.iter_mut().enumerate() {
+            let factor = row[column];
+            if i != done && factor != 0.0 {
+                for (v, p) in row.iter_mut().zip(pivot) {
+                    *v -= factor * p;
+                }
+            }
+        }
+        pivots.push(column);
+    }
+    let motion = |free: usize| {
+        let mut m = [0.0; 6];
+        m[free] = 1.0;
+        for (row, &pivot) in rows.iter().zip(&pivots) {
+            m[pivot] = -row[free];
+        }
+        m
+    };
+    (0..6).filter(|c| !pivots.contains(c)).map(motion).collect()
+}
+
+fn motion_name(m: &[f64; 6]) -> String {
+    let (shift, turn) = (DVec3::new(m[0], m[1], m[2]), DVec3::new(m[3], m[4], m[5]));
+    let name = |d: DVec3| {
+        let d = d.normalize();
+        let axis = (0..3).find(|&a| d[a].abs() > 1.0 - 1e-6);
+        axis.map_or_else(
+            || format!("({:.2}, {:.2}, {:.2})", d.x, d.y, d.z),
+            |a| ["x", "y", "z"][a].to_owned(),
+        )
+    };
+    if turn.length() < 1e-6 {
+        format!("move along {}", name(shift))
+    } else {
+        format!("rotate about {}", name(turn))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one_tet() -> TetMesh {
+        TetMesh::straight(&[DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z], &[[0, 1, 2, 3]])
+    }
+
+    fn complaint(supports: &Supports) -> String {
+        supports.check(&one_tet()).expect_err("free").to_string()
+    }
+
+    #[test]
+    fn free_motions_are_named() {
+        let mesh = one_tet();
+        let mut s = Supports::new(mesh.nodes.len());
+        assert!(complaint(&s).ends_with(
+            "free to move along x, move along y, move along z, rotate about x, rotate about y, rotate about z"
+        ));
+        for n in 0..3 {
+            s.prescribe(&mesh, n, DVec3::Z, 0.0).expect("new");
+        }
+        assert!(
+            complaint(&s).ends_with("free to move along x, move along y, rotate about z"),
+            "{}",
+            complaint(&s)
+        );
+        s.prescribe(&mesh, 0, DVec3::X, 0.0).expect("new");
+        s.prescribe(&mesh, 0, DVec3::Y, 0.0).expect("new");
+        assert!(complaint(&s).ends_with("free to rotate about z"), "{}", complaint(&s));
+        s.prescribe(&mesh, 1, DVec3::new(1.0, 1.0, 0.0), 0.5).expect("new");
+        assert!(s.check(&mesh).is_ok());
+        assert_eq!(s.count(), 6);
+    }
+
+    #[test]
+    fn contradictions_are_refused_and_repeats_are_not() {
+        let mesh = one_tet();
+        let mut s = Supports::new(mesh.nodes.len());
+        s.prescribe(&mesh, 0, DVec3::X, 1.0).expect("new");
+        s.prescribe(&mesh, 0, DVec3::new(1.0, 1.0, 0.0), 0.0).expect("another direction");
+        s.prescribe(&mesh, 0, DVec3::Y, -1.0).expect("follows from both");
+        assert!(matches!(
+            s.prescribe(&mesh, 0, DVec3::Y, 1.0),
+            Err(SolidError::Contradiction { node: 0, .. })
+        ));
+        assert_eq!(s.prescribed().0[0], DVec3::new(1.0, -1.0, 0.0));
+    }
+}

@@ -1,0 +1,226 @@
+//! Meshing of real and made parts.
+
+mod support;
+
+use std::time::Instant;
+
+use grainpath_core::mesh::VertexWelder;
+use grainpath_core::{DVec3, TriMesh};
+use grainpath_fea::solid::{
+    MeshSettings, Model, SolidError, SolveSettings, Supports, TetMesh, loads, mesh, solve,
+};
+use support::isotropic;
+
+fn boxed(size: DVec3, turn: f64) -> TriMesh {
+    let (s, c) = grainpath_core::math::sin_cos(turn);
+    let corner = |i: u32| {
+        let p = DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * size;
+        let p = DVec3::new(c * p.x - s * p.y, s * p.x + c * p.y, p.z);
+        DVec3::new(p.x, c * p.y - s * p.z, s * p.y + c * p.z)
+    };
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
+    TriMesh { vertices: (0..8).map(corner).collect(), triangles }
+}
+
+#[test]
+fn a_box_however_turned_keeps_its_edges() {
+    for turn in [0.0, 0.3, 0.7] {
+        for size in [2.0, 1.0] {
+            let surface = boxed(DVec3::new(20.0, 14.0, 9.0), turn);
+            let start = Instant::now();
+            let found =
+                mesh(&surface, &MeshSettings { size_mm: Some(size), most_dofs: 0 }).expect("a plain box");
+            let off = found.volume_mm3 / 2520.0 - 1.0;
+            let q = found.quality;
+            println!(
+                "turn {turn} size {size}: {} tets, {} dofs, volume {:+.3} %, dihedral {:.1}..{:.1}, {:.2} s",
+                found.mesh.tets.len(),
+                found.mesh.n_dofs(),
+                100.0 * off,
+                q.dihedral_min_deg,
+                q.dihedral_max_deg,
+                start.elapsed().as_secs_f64()
+            );
+            assert!(
+                off.abs() < 0.003 && q.dihedral_min_deg > 12.0 && q.dihedral_max_deg < 155.0,
+                "{off} {q:?}"
+            );
+            assert_eq!((found.pieces.len(), found.n_crumbs), (1, 0));
+            sound(&found.mesh);
+            // A corner of the mesh stands in each corner of the box, and each side is labelled as its two facets.
+            for corner in &surface.vertices {
+                let near = found.mesh.nodes.iter().map(|p| p.distance(*corner)).fold(f64::INFINITY, f64::min);
+                assert!(near < 1e-9, "{near}");
+            }
+            let areas: Vec<f64> = (0..6)
+                .map(|side| {
+                    let own = |f: &usize| found.mesh.faces[*f].facet / 2 == side;
+                    let faces: Vec<usize> = (0..found.mesh.faces.len()).filter(own).collect();
+                    loads::area_mm2(&found.mesh, &faces)
+                })
+                .collect();
+            for (area, want) in areas.iter().zip([280.0, 280.0, 180.0, 180.0, 126.0, 126.0]) {
+                assert!((area / want - 1.0).abs() < 0.06, "{areas:?}");
+            }
+        }
+    }
+}
+
+/// What holds for any mesh: faces fit together, the boundary is closed and encloses the elements' volume.
+fn sound(mesh: &TetMesh) {
+    let mut faces: Vec<([u32; 3], bool)> = Vec::new();
+    for t in &mesh.tets {
+        for f in [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]] {
+            let f = f.map(|i: usize| t[i]);
+            let mut key = f;
+            key.sort_unstable();
+            let k = key.iter().position(|&v| v == f[0]).expect("a corner");
+            faces.push((key, f[1] == key[(k + 1) % 3]));
+        }
+    }
+    faces.sort_unstable();
+    let mut alone = 0;
+    for same in faces.chunk_by(|a, b| a.0 == b.0) {
+        assert!(same.len() < 3 && (same.len() == 1 || same[0].1 != same[1].1), "{same:?}");
+        alone += usize::from(same.len() == 1);
+    }
+    assert_eq!(alone, mesh.faces.len());
+    let mut sides: Vec<(u32, u32)> = Vec::new();
+    for f in &mesh.faces {
+        let n = f.nodes;
+        sides.extend([(n[0], n[1]), (n[1], n[2]), (n[2], n[0])]);
+    }
+    sides.sort_unstable();
+    for &(a, b) in &sides {
+        let count = |s: (u32, u32)| sides.partition_point(|&t| t <= s) - sides.partition_point(|&t| t < s);
+        assert_eq!(count((a, b)), count((b, a)));
+    }
+    // Divergence theorem over the curved faces.
+    let all: Vec<usize> = (0..mesh.faces.len()).collect();
+    let mut push = vec![DVec3::ZERO; mesh.nodes.len()];
+    loads::add_traction(&mut push, mesh, &all, |p, normal| DVec3::X * p.dot(normal) / 3.0);
+    let enclosed: f64 = push.iter().map(|f| f.x).sum();
+    assert!((enclosed / mesh.volume_mm3() - 1.0).abs() < 1e-6, "{enclosed}");
+}
+
+/// A ball from an octahedron divided so many times.
+fn ball(radius: f64, levels: usize, middle: DVec3) -> TriMesh {
+    let corners = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+    let mut faces: Vec<[DVec3; 3]> = Vec::new();
+    for i in 0..4 {
+        faces.push([corners[i], corners[(i + 1) % 4], corners[4]]);
+        faces.push([corners[(i + 1) % 4], corners[i], corners[5]]);
+    }
+    for _ in 0..levels {
+        faces = faces
+            .into_iter()
+            .flat_map(|[a, b, c]| {
+                let (d, e, f) = ((a + b).normalize(), (b + c).normalize(), (c + a).normalize());
+                [[a, d, f], [d, b, e], [f, e, c], [d, e, f]]
+            })
+            .collect();
+    }
+    let mut welder = VertexWelder::with_capacity(1000);
+    let mut index = |p: DVec3| welder.index(p * radius + middle).expect("few");
+    let triangles = faces.iter().map(|f| f.map(&mut index)).collect();
+    TriMesh { vertices: welder.into_vertices(), triangles }
+}
+
+fn joined(parts: &[TriMesh]) -> TriMesh {
+    let mut all = TriMesh::default();
+    for part in parts {
+        let n = all.vertices.len() as u32;
+        all.vertices.extend(&part.vertices);
+        all.triangles.extend(part.triangles.iter().map(|t| t.map(|i| i + n)));
+    }
+    all
+}
+
+#[test]
+fn a_ball_is_curved_and_pieces_are_told_apart() {
+    let surface = ball(10.0, 5, DVec3::ZERO);
+    let settings = MeshSettings { size_mm: Some(2.5), most_dofs: 0 };
+    let found = mesh(&surface, &settings).expect("a ball");
+    let off = found.volume_mm3 / found.surface_mm3 - 1.0;
+    println!("ball: volume {:+.4} %, {:?}", 100.0 * off, found.quality);
+    assert!(off.abs() < 5e-4, "{off}");
+    sound(&found.mesh);
+    let mean: f64 = found
+        .mesh
+        .faces
+        .iter()
+        .map(|f| {
+            let middle: DVec3 =
+                f.nodes[3..].iter().map(|&i| found.mesh.nodes[i as usize]).sum::<DVec3>() / 3.0;
+            let [a, b, c] = surface.triangles[f.facet as usize].map(|i| surface.vertices[i as usize]);
+            middle.distance((a + b + c) / 3.0)
+        })
+        .sum::<f64>();
+    assert!(mean / (found.mesh.faces.len() as f64) < 0.6, "faces are labelled with a facet near them");
+
+    let two = joined(&[ball(10.0, 4, DVec3::ZERO), ball(6.0, 4, DVec3::new(18.0, 0.0, 0.0))]);
+    let found = mesh(&two, &settings).expect("two balls");
+    assert_eq!(found.pieces.len(), 2);
+    assert!(found.pieces.iter().any(|p| p.lo.x > 11.0 && (p.volume_mm3 / 904.8 - 1.0).abs() < 0.03));
+    let model = Model::uniform(&found.mesh, isotropic(2000.0, 0.3));
+    let mut supports = Supports::new(found.mesh.nodes.len());
+    for (i, _) in found.mesh.nodes.iter().enumerate().filter(|(_, p)| p.x < -9.0) {
+        supports.fix(&found.mesh, i as u32).expect("all zero");
+    }
+    let load = vec![DVec3::ZERO; found.mesh.nodes.len()];
+    let error = solve(&model, &supports, &[load], &SolveSettings::default()).expect_err("one ball is loose");
+    let text = error.to_string();
+    assert!(text.contains("of 2 (around (18.0, ") && text.contains("move along x"), "{text}");
+
+    // Overlapping bodies are one.
+    let merged = joined(&[ball(10.0, 4, DVec3::ZERO), ball(6.0, 4, DVec3::new(10.0, 0.0, 0.0))]);
+    let found = mesh(&merged, &settings).expect("a snowman");
+    assert_eq!(found.pieces.len(), 1);
+    assert!(found.volume_mm3 < 0.97 * found.surface_mm3);
+    sound(&found.mesh);
+}
+
+#[test]
+fn what_cannot_be_meshed_is_told() {
+    let plate = boxed(DVec3::new(60.0, 40.0, 1.0), 0.3);
+    let coarse = mesh(&plate, &MeshSettings { size_mm: Some(3.0), most_dofs: 0 }).expect_err("too thin");
+    assert!(
+        matches!(coarse, SolidError::ThinWalls { thickness_mm, .. } if (thickness_mm - 1.0).abs() < 1e-6),
+        "{coarse}"
+    );
+    let capped = mesh(&plate, &MeshSettings { size_mm: None, most_dofs: 20_000 });
+    assert!(matches!(capped, Err(SolidError::ThinWalls { .. })));
+    let found = mesh(&plate, &MeshSettings::default()).expect("fine enough");
+    assert!((found.volume_mm3 / 2400.0 - 1.0).abs() < 0.01 && found.size_mm < 1.3, "{}", found.size_mm);
+    let tiny = mesh(&plate, &MeshSettings { size_mm: Some(1e-4), most_dofs: 0 });
+    assert!(matches!(tiny, Err(SolidError::TooFine { .. })));
+    assert_eq!(mesh(&TriMesh::default(), &MeshSettings::default()).err(), Some(SolidError::NothingInside));
+    let flat = TriMesh { vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y], triangles: vec![[0, 1, 2]] };
+    assert!(mesh(&flat, &MeshSettings { size_mm: Some(0.1), most_dofs: 0 }).is_err());
+}
+
+#[test]
+fn any_surface_is_survived() {
+    // Boxes with facets taken out, turned over or doubled still mesh or are refused, and never panic.
+    let whole = boxed(DVec3::new(10.0, 8.0, 6.0), 0.4);
+    for i in 0..12 {
+        let mut open = whole.clone();
+        open.triangles.remove(i);
+        let mut turned = whole.clone();
+        turned.triangles[i].swap(0, 1);
+        let mut doubled = whole.clone();
+        doubled.triangles.push(whole.triangles[i]);
+        for surface in [open, turned, doubled] {
+            if let Ok(found) = mesh(&surface, &MeshSettings { size_mm: Some(2.0), most_dofs: 0 }) {
+                assert!(found.volume_mm3 > 0.0);
+                assert!(found.quality.dihedral_min_deg > 1.0, "{:?}", found.quality);
+            }
+        }
+    }
+    let wild = TriMesh {
+        vertices: vec![DVec3::splat(1e300), DVec3::NAN, DVec3::NEG_X, DVec3::Y, DVec3::splat(-1e-300)],
+        triangles: vec![[0, 1, 2], [2, 3, 4], [0, 2, 3], [4, 4, 4]],
+    };
+    assert!(mesh(&wild, &MeshSettings::default()).is_err());
+}

@@ -1,0 +1,511 @@
+//! The stress at any point: which element it is in, and where in it.
+
+use grainpath_core::{DVec3, math};
+
+use super::{Element, ElementKind, FeResult};
+
+/// Natural coordinates may lie outside by this much and the point still counts as inside.
+const INSIDE: f64 = 1e-9;
+/// Points without a mesh: how many neighbours are averaged.
+const NEIGHBOURS: usize = 8;
+
+/// Where a point is in the mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Location {
+    /// Index into [`FeResult::elements`].
+    pub element: u32,
+    /// Natural coordinates in it.
+    pub natural: DVec3,
+    /// How far outside the mesh the point is, mm; 0 inside.
+    pub distance_mm: f64,
+}
+
+/// A result that can be asked anywhere. Asking is pure: the answer depends on the point alone, so any number of
+/// threads get the same bits.
+#[derive(Debug, Clone)]
+pub struct StressField {
+    result: FeResult,
+    /// Inverse maps of elements that are straight simplices: origin and rows of the inverse.
+    affine: Vec<Option<(DVec3, [DVec3; 3])>>,
+    elements: Grid,
+    /// Free faces cut into triangles (free edges of plane meshes twice the same corner), and whose they are.
+    rim: Vec<([u32; 3], u32)>,
+    rim_tree: Tree,
+    /// Nodes with a stress, for results without elements.
+    points: Vec<u32>,
+    point_tree: Tree,
+}
+
+impl StressField {
+    /// Prepares a result for being asked.
+    pub fn new(result: FeResult) -> Self {
+        let affine: Vec<_> = result.elements.iter().map(|e| affine(e, &result)).collect();
+        let boxes = |(e, affine): (&Element, &Option<_>)| {
+            let (mut lo, mut hi) = box_of(e.nodes().iter().map(|&i| result.nodes[i as usize]));
+            if !e.kind.edges().is_empty() && affine.is_none() {
+                // Curved sides may bulge beyond their nodes, by less than this.
+                let room = 0.1 * (hi - lo);
+                (lo, hi) = (lo - room, hi + room);
+            }
+            (lo, hi)
+        };
+        let elements = Grid::new(&result.elements.iter().zip(&affine).map(boxes).collect::<Vec<_>>());
+        let rim = rim(&result);
+        let rim_boxes = rim.iter().map(|(t, _)| box_of(t.iter().map(|&i| result.nodes[i as usize])));
+        let rim_tree = Tree::new(&rim_boxes.collect::<Vec<_>>());
+        let mut points = Vec::new();
+        if result.elements.is_empty() {
+            let known = |i: &u32| result.stress[*i as usize].iter().all(|v| v.is_finite());
+            points = (0..result.nodes.len() as u32).filter(known).collect();
+        }
+        let at = points.iter().map(|&i| (result.nodes[i as usize], result.nodes[i as usize]));
+        let point_tree = Tree::new(&at.collect::<Vec<_>>());
+        Self { result, affine, elements, rim, rim_tree, points, point_tree }
+    }
+
+    /// The result that is asked.
+    pub fn result(&self) -> &FeResult {
+        &self.result
+    }
+
+    /// The element that holds `p` (mm), or the nearest point of the mesh. `None` when there are no elements.
+    pub fn locate(&self, p: DVec3) -> Option<Location> {
+        let p = self.in_plane(p);
+        let shell = !self.result.plane && self.result.elements.first()?.kind.dimension() == 2;
+        if !shell {
+            let inside = self.elements.at(p).iter().find_map(|&element| {
+                let natural = self.natural(element, p)?;
+                let kind = self.result.elements[element as usize].kind;
+                (kind.outside(natural) <= INSIDE).then_some(Location { element, natural, distance_mm: 0.0 })
+            });
+            if inside.is_some() {
+                return inside;
+            }
+        }
+        let (index, q) = self.rim_tree.nearest(p, |i| {
+            let [a, b, c] = self.rim[i as usize].0.map(|n| self.result.nodes[n as usize]);
+            nearest_on_triangle(p, a, b, c)
+        })?;
+        let element = self.rim[index as usize].1;
+        let kind = self.result.elements[element as usize].kind;
+        let natural = kind.clamped(self.natural(element, q).unwrap_or(kind.centre()));
+        let distance_mm = p.distance(self.position(element, natural));
+        Some(Location { element, natural, distance_mm })
+    }
+
+    /// Stress at `p` (mm) in MPa, components xx, yy, zz, xy, yz, zx. Outside the mesh that of its nearest point.
+    pub fn sample(&self, p: DVec3) -> [f64; 6] {
+        match self.locate(p) {
+            Some(at) => self.stress_at(&at),
+            None => self.between_points(self.in_plane(p)),
+        }
+    }
+
+    /// Stress at a place in the mesh, MPa.
+    pub fn stress_at(&self, at: &Location) -> [f64; 6] {
+        let e = &self.result.elements[at.element as usize];
+        let weights = e.kind.weights(at.natural);
+        let mut s = [0.0; 6];
+        for (&i, w) in e.nodes().iter().zip(weights) {
+            for (to, v) in s.iter_mut().zip(self.result.stress[i as usize]) {
+                *to += w * v;
+            }
+        }
+        s
+    }
+
+    /// Displacement at `p` (mm) in mm; `None` where the result has none or no elements.
+    pub fn displacement(&self, p: DVec3) -> Option<DVec3> {
+        let u = self.result.displacement.as_ref()?;
+        let at = self.locate(p)?;
+        let e = &self.result.elements[at.element as usize];
+        Some(e.nodes().iter().zip(e.kind.weights(at.natural)).map(|(&i, w)| w * u[i as usize]).sum())
+    }
+
+    fn in_plane(&self, p: DVec3) -> DVec3 {
+        match self.result.nodes.first() {
+            Some(n) if self.result.plane => p.with_z(n.z),
+            _ => p,
+        }
+    }
+
+    fn position(&self, element: u32, natural: DVec3) -> DVec3 {
+        let e = &self.result.elements[element as usize];
+        e.nodes().iter().zip(e.kind.weights(natural)).map(|(&i, w)| w * self.result.nodes[i as usize]).sum()
+    }
+
+    /// Natural coordinates of `p` in an element, also where it lies outside; `None` where the search fails.
+    fn natural(&self, element: u32, p: DVec3) -> Option<DVec3> {
+        if let Some((origin, rows)) = &self.affine[element as usize] {
+            let d = p - *origin;
+            return Some(DVec3::new(rows[0].dot(d), rows[1].dot(d), rows[2].dot(d)));
+        }
+        let e = &self.result.elements[element as usize];
+        let mut x = e.kind.centre();
+        for _ in 0..25 {
+            let shape = e.kind.shape(x);
+            let mut q = DVec3::ZERO;
+            let mut columns = [DVec3::ZERO; 3];
+            for ((&i, w), d) in e.nodes().iter().zip(shape.n).zip(shape.d) {
+                let node = self.result.nodes[i as usize];
+                q += w * node;
+                for k in 0..3 {
+                    columns[k] += d[k] * node;
+                }
+            }
+            let rows = inverse(columns, e.kind)?;
+            let r = p - q;
+            let mut step = DVec3::new(rows[0].dot(r), rows[1].dot(r), rows[2].dot(r));
+            if e.kind.dimension() == 2 {
+                step.z = 0.0;
+            }
+            let longest = step.abs().max_element();
+            if !longest.is_finite() {
+                return None;
+            }
+            // Far from the element the map folds over: no step goes further than the element is wide.
+            if longest > 2.0 {
+                step *= 2.0 / longest;
+            }
+            x += step;
+            if longest < 1e-12 {
+                return Some(x);
+            }
+            if x.abs().max_element() > 10.0 {
+                return None;
+            }
+            // The apex of a pyramid has no inverse.
+            if e.kind == ElementKind::Pyramid5 {
+                x.z = x.z.min(1.0 - 1e-9);
+            }
+        }
+        Some(x)
+    }
+
+    /// Mean of the nearest points, weighted by the inverse square of their distance.
+    fn between_points(&self, p: DVec3) -> [f64; 6] {
+        let mut near: Vec<(f64, u32)> = Vec::with_capacity(NEIGHBOURS + 1);
+        self.point_tree.around(p, |i| {
+            let d = p.distance_squared(self.result.nodes[self.points[i as usize] as usize]);
+            let at = near.partition_point(|n| *n < (d, i));
+            if near.get(at) != Some(&(d, i)) && at < NEIGHBOURS {
+                near.insert(at, (d, i));
+                near.truncate(NEIGHBOURS);
+            }
+            if near.len() < NEIGHBOURS { f64::INFINITY } else { near[NEIGHBOURS - 1].0 }
+        });
+        let mut sum = [0.0; 6];
+        let mut total = 0.0;
+        let smallest = near.first().map_or(0.0, |n| n.0).max(1e-300);
+        for (d, i) in near {
+            // Relative to the nearest: no overflow on a point.
+            let w = smallest / d.max(smallest * 1e-12).max(1e-300);
+            let w = if d == 0.0 { 1e24 } else { w };
+            total += w;
+            for (to, v) in sum.iter_mut().zip(self.result.stress[self.points[i as usize] as usize]) {
+                *to += w * v;
+            }
+        }
+        sum.map(|v| if total > 0.0 { v / total } else { 0.0 })
+    }
+}
+
+fn box_of(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
+    let none = (DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY));
+    points.fold(none, |(lo, hi), p| (lo.min(p), hi.max(p)))
+}
+
+/// Rows of the inverse of the matrix with these columns. Surfaces get their normal as the third column.
+fn inverse(columns: [DVec3; 3], kind: ElementKind) -> Option<[DVec3; 3]> {
+    let [a, b, mut c] = columns;
+    if kind.dimension() == 2 {
+        c = a.cross(b).normalize_or_zero();
+    }
+    let det = a.dot(b.cross(c));
+    let rows = [b.cross(c) / det, c.cross(a) / det, a.cross(b) / det];
+    (det != 0.0 && rows.iter().all(|r| r.is_finite())).then_some(rows)
+}
+
+/// The inverse map of a simplex whose nodes on edges lie in their middles.
+fn affine(e: &Element, result: &FeResult) -> Option<(DVec3, [DVec3; 3])> {
+    let simplex =
+        matches!(e.kind, ElementKind::Tri3 | ElementKind::Tri6 | ElementKind::Tet4 | ElementKind::Tet10);
+    if !simplex {
+        return None;
+    }
+    let p = |i: usize| result.nodes[e.nodes()[i] as usize];
+    let (lo, hi) = box_of(e.corners().iter().map(|&i| result.nodes[i as usize]));
+    // Files in single precision round middles by about a millionth of the part.
+    let tolerance = 1e-5 * (hi - lo).max_element();
+    let n = e.kind.n_corners();
+    let straight = e
+        .kind
+        .edges()
+        .iter()
+        .enumerate()
+        .all(|(k, &[i, j])| (0.5 * (p(i) + p(j)) - p(n + k)).length() <= tolerance);
+    if !straight {
+        return None;
+    }
+    let third = if n == 4 { p(3) - p(0) } else { DVec3::ZERO };
+    inverse([p(1) - p(0), p(2) - p(0), third], e.kind).map(|rows| (p(0), rows))
+}
+
+/// Faces that only one element has, as triangles; of shells in space, every element itself.
+fn rim(result: &FeResult) -> Vec<([u32; 3], u32)> {
+    let mut out = Vec::new();
+    let mut fan = |corners: &[u32], e: u32| match *corners {
+        [a, b] => out.push(([a, b, b], e)),
+        [a, b, c] => out.push(([a, b, c], e)),
+        [a, b, c, d] => out.extend([([a, b, c], e), ([a, c, d], e)]),
+        _ => {}
+    };
+    let shells = !result.plane && result.elements.first().is_some_and(|e| e.kind.dimension() == 2);
+    if shells {
+        for (i, e) in result.elements.iter().enumerate() {
+            fan(e.corners(), i as u32);
+        }
+        return out;
+    }
+    let mut faces: Vec<([u32; 4], u32, u8)> = Vec::new();
+    for (i, e) in result.elements.iter().enumerate() {
+        for (f, face) in e.kind.faces().iter().enumerate() {
+            let mut key = [u32::MAX; 4];
+            for (k, &c) in key.iter_mut().zip(*face) {
+                *k = e.nodes()[c];
+            }
+            key.sort_unstable();
+            faces.push((key, i as u32, f as u8));
+        }
+    }
+    faces.sort_unstable();
+    for face in faces.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() == 1) {
+        let (_, e, f) = face[0];
+        let element = &result.elements[e as usize];
+        let corners: Vec<u32> =
+            element.kind.faces()[f as usize].iter().map(|&c| element.nodes()[c]).collect();
+        fan(&corners, e);
+    }
+    out
+}
+
+/// The point of a triangle nearest to `p`.
+fn nearest_on_triangle(p: DVec3, a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let n = ab.cross(ac);
+    let nn = n.length_squared();
+    if nn > 1e-28 * ab.length_squared() * ac.length_squared() && nn > 0.0 {
+        let v = ap.cross(ac).dot(n) / nn;
+        let w = ab.cross(ap).dot(n) / nn;
+        if v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
+            return a + v * ab + w * ac;
+        }
+    }
+    let on = |s: DVec3, e: DVec3| {
+        let d = e - s;
+        let len = d.length_squared();
+        if len > 0.0 { s + d * ((p - s).dot(d) / len).clamp(0.0, 1.0) } else { s }
+    };
+    let candidates = [on(a, b), on(b, c), on(c, a)];
+    let d = candidates.map(|q| q.distance_squared(p));
+    let best = if d[0] <= d[1] && d[0] <= d[2] {
+        0
+    } else if d[1] <= d[2] {
+        1
+    } else {
+        2
+    };
+    candidates[best]
+}
+
+/// Boxes sorted into the cells of a regular grid: quicker than a tree for what holds a point.
+#[derive(Debug, Clone)]
+struct Grid {
+    lo: DVec3,
+    /// Cells to a mm along each axis.
+    scale: DVec3,
+    dims: [usize; 3],
+    /// Where each cell's items begin.
+    starts: Vec<u32>,
+    items: Vec<u32>,
+}
+
+impl Grid {
+    fn new(boxes: &[(DVec3, DVec3)]) -> Self {
+        let mut grid =
+            Self { lo: DVec3::ZERO, scale: DVec3::ONE, dims: [1; 3], starts: vec![0, 0], items: Vec::new() };
+        let Some((lo, hi)) = boxes.iter().copied().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
+            return grid;
+        };
+        grid.lo = lo;
+        let mut wanted = (4.0 * boxes.len() as f64).clamp(1.0, 5e7);
+        loop {
+            grid.divide(hi - lo, wanted);
+            let cells = |b: &(DVec3, DVec3)| grid.range(b).iter().map(|r| r.1 - r.0 + 1).product::<usize>();
+            // Long thin boxes across many cells: fewer, larger cells.
+            if boxes.iter().map(cells).sum::<usize>() <= 64 * boxes.len() || wanted <= 1.0 {
+                break;
+            }
+            wanted /= 2.0;
+        }
+        let n_cells = grid.dims.iter().product::<usize>();
+        let mut starts = vec![0u32; n_cells + 1];
+        for b in boxes {
+            grid.each(b, |cell| starts[cell + 1] += 1);
+        }
+        for i in 0..n_cells {
+            starts[i + 1] += starts[i];
+        }
+        let mut items = vec![0; starts[n_cells] as usize];
+        let mut next = starts.clone();
+        for (i, b) in boxes.iter().enumerate() {
+            grid.each(b, |cell| {
+                items[next[cell] as usize] = i as u32;
+                next[cell] += 1;
+            });
+        }
+        Self { starts, items, ..grid }
+    }
+
+    /// Cuts a box of this size into about `wanted` cells that are nearly cubes.
+    fn divide(&mut self, size: DVec3, wanted: f64) {
+        let flat = 1e-9 * size.max_element();
+        let wide: Vec<f64> = size.to_array().into_iter().filter(|&s| s > flat).collect();
+        let side = math::pow(wide.iter().product::<f64>() / wanted, 1.0 / wide.len().max(1) as f64);
+        for k in 0..3 {
+            let n = if size[k] > flat { (size[k] / side).ceil().clamp(1.0, 1e6) } else { 1.0 };
+            self.dims[k] = n as usize;
+            self.scale[k] = if size[k] > flat { n / size[k] } else { 0.0 };
+        }
+    }
+
+    /// The cell along an axis, clamped to the grid.
+    fn index(&self, k: usize, x: f64) -> usize {
+        (((x - self.lo[k]) * self.scale[k]).max(0.0) as usize).min(self.dims[k] - 1)
+    }
+
+    fn range(&self, b: &(DVec3, DVec3)) -> [(usize, usize); 3] {
+        std::array::from_fn(|k| (self.index(k, b.0[k]), self.index(k, b.1[k])))
+    }
+
+    fn number(&self, [i, j, k]: [usize; 3]) -> usize {
+        (k * self.dims[1] + j) * self.dims[0] + i
+    }
+
+    fn each(&self, b: &(DVec3, DVec3), mut f: impl FnMut(usize)) {
+        let [x, y, z] = self.range(b);
+        for k in z.0..=z.1 {
+            for j in y.0..=y.1 {
+                for i in x.0..=x.1 {
+                    f(self.number([i, j, k]));
+                }
+            }
+        }
+    }
+
+    /// What may hold `p`, ascending.
+    fn at(&self, p: DVec3) -> &[u32] {
+        let c = self.number([0, 1, 2].map(|k| self.index(k, p[k])));
+        &self.items[self.starts[c] as usize..self.starts[c + 1] as usize]
+    }
+}
+
+/// Boxes in a binary tree: for what is nearest. Built and asked in the same order always.
+#[derive(Debug, Clone, Default)]
+struct Tree {
+    nodes: Vec<TreeNode>,
+    items: Vec<u32>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct TreeNode {
+    lo: DVec3,
+    hi: DVec3,
+    /// A leaf: where its items begin. Else the second child; the first one follows its parent.
+    link: u32,
+    /// How many items; 0 for no leaf.
+    n_items: u32,
+}
+
+impl TreeNode {
+    fn distance_squared(&self, p: DVec3) -> f64 {
+        p.distance_squared(p.clamp(self.lo, self.hi))
+    }
+}
+
+/// Boxes in a leaf.
+const LEAF: usize = 4;
+
+impl Tree {
+    fn new(boxes: &[(DVec3, DVec3)]) -> Self {
+        let mut tree = Self { nodes: Vec::new(), items: (0..boxes.len() as u32).collect() };
+        if !boxes.is_empty() {
+            tree.build(boxes, 0, boxes.len());
+        }
+        tree
+    }
+
+    fn build(&mut self, boxes: &[(DVec3, DVec3)], start: usize, end: usize) {
+        let items = &mut self.items[start..end];
+        let of = items.iter().map(|&i| boxes[i as usize]);
+        let (lo, hi) = of.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default();
+        let node = self.nodes.len();
+        let n_items = items.len();
+        self.nodes.push(TreeNode { lo, hi, link: start as u32, n_items: n_items as u32 });
+        if n_items <= LEAF {
+            return;
+        }
+        let middle = |i: u32| boxes[i as usize].0 + boxes[i as usize].1;
+        let (low, high) = box_of(items.iter().map(|&i| middle(i)));
+        let axis = (high - low).max_position();
+        let half = n_items / 2;
+        items.select_nth_unstable_by(half, |&a, &b| {
+            middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(&b))
+        });
+        self.build(boxes, start, start + half);
+        self.nodes[node].link = self.nodes.len() as u32;
+        self.nodes[node].n_items = 0;
+        self.build(boxes, start + half, end);
+    }
+
+    /// The item whose point nearest to `p`, which `f` gives, is nearest of all. The lowest index wins a tie.
+    fn nearest(&self, p: DVec3, f: impl Fn(u32) -> DVec3) -> Option<(u32, DVec3)> {
+        let mut best: Option<(f64, u32, DVec3)> = None;
+        self.around(p, |i| {
+            let q = f(i);
+            let d = q.distance_squared(p);
+            if best.is_none_or(|(bd, bi, _)| (d, i) < (bd, bi)) {
+                best = Some((d, i, q));
+            }
+            best.map_or(f64::INFINITY, |b| b.0)
+        });
+        best.map(|(_, i, q)| (i, q))
+    }
+
+    /// Visits items, near ones first, until none left can be nearer than the squared distance that `f` gives back.
+    fn around(&self, p: DVec3, mut f: impl FnMut(u32) -> f64) {
+        let mut limit = f64::INFINITY;
+        let mut stack = [(0.0f64, 0u32); 64];
+        let mut depth = usize::from(!self.nodes.is_empty());
+        while depth > 0 {
+            depth -= 1;
+            let (distance, at) = stack[depth];
+            if distance > limit {
+                continue;
+            }
+            let node = &self.nodes[at as usize];
+            if node.n_items > 0 {
+                for &i in &self.items[node.link as usize..(node.link + node.n_items) as usize] {
+                    limit = f(i);
+                }
+                continue;
+            }
+            let of = |i: u32| (self.nodes[i as usize].distance_squared(p), i);
+            let (a, b) = (of(at + 1), of(node.link));
+            let (near, far) = if a.0 <= b.0 { (a, b) } else { (b, a) };
+            stack[depth] = far;
+            stack[depth + 1] = near;
+            depth += 2;
+        }
+    }
+}

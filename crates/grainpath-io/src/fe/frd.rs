@@ -1,0 +1,318 @@
+//! CalculiX results (.frd), ASCII and binary: mesh, displacement, stress, whatever else is on nodes.
+
+use super::bytes::{Numbers, Raw, Scalar};
+use super::{ElementKind, FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, array_room, invalid, position};
+use crate::text::{number, whole};
+
+/// Numbers in a record of a line.
+const PER_LINE: usize = 6;
+
+struct Frd<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    line: usize,
+    file: FeFile,
+    numbers: Numbers,
+    array_room: usize,
+    step: usize,
+}
+
+pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
+    let mut frd = Frd {
+        bytes,
+        at: 0,
+        line: 0,
+        file: FeFile::empty(FeFormat::Frd),
+        numbers: Numbers::default(),
+        array_room: array_room(bytes.len()),
+        step: 1,
+    };
+    while let Some(line) = frd.next() {
+        let key = field(line, 0, 6).trim_ascii();
+        match key {
+            b"2C" => frd.nodes(line)?,
+            b"3C" => frd.elements(line)?,
+            b"100CL" | b"100C" => frd.results(line)?,
+            b"1P" if field(line, 6, 4) == b"STEP" => {
+                // `1PSTEP` with the number of the data set, the increment and the step.
+                let step = line.get(48..).map(<[u8]>::trim_ascii).and_then(whole);
+                frd.step = step.and_then(|s| usize::try_from(s).ok()).unwrap_or(1).max(1);
+            }
+            b"9999" => break,
+            _ => {}
+        }
+    }
+    frd.merge_steps();
+    Ok(frd.file)
+}
+
+/// A fixed column of a line, as much of it as there is.
+fn field(line: &[u8], from: usize, len: usize) -> &[u8] {
+    let end = (from + len).min(line.len());
+    line.get(from..end).unwrap_or_default()
+}
+
+impl<'a> Frd<'a> {
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let rest = self.bytes.get(self.at..).filter(|r| !r.is_empty())?;
+        let n = rest.iter().position(|&b| b == b'\n');
+        self.at += n.map_or(rest.len(), |n| n + 1);
+        self.line += 1;
+        let line = &rest[..n.unwrap_or(rest.len())];
+        Some(line.strip_suffix(b"\r").unwrap_or(line))
+    }
+
+    fn place(&self) -> String {
+        format!("line {}", self.line)
+    }
+
+    fn wrong(&self, found: &[u8], wanted: &str) -> FeError {
+        let shown = String::from_utf8_lossy(found.trim_ascii()).into_owned();
+        invalid(self.place(), format!("found {shown:?} where {wanted} should be"))
+    }
+
+    fn ends(&self) -> FeError {
+        invalid(self.place(), "the file ends in the middle of a block")
+    }
+
+    /// The number of records and the format of a block, from its first line.
+    fn block(&self, line: &[u8], count_at: usize) -> Result<(usize, Layout), FeError> {
+        let count = field(line, count_at, 12);
+        let n = whole(count.trim_ascii()).and_then(|n| u64::try_from(n).ok()).filter(|&n| n <= MAX_COUNT);
+        let n = n.ok_or_else(|| self.wrong(count, "a number of records"))?;
+        let layout = match field(line, 73, 2).trim_ascii() {
+            b"0" => Layout::Short,
+            b"1" | b"" => Layout::Long,
+            b"2" => Layout::Single,
+            b"3" => Layout::Double,
+            other => return Err(self.wrong(other, "a format from 0 to 3")),
+        };
+        Ok((n as usize, layout))
+    }
+
+    fn take(&mut self, n: usize) -> Result<&'a [u8], FeError> {
+        let raw = self.bytes.get(self.at..).and_then(|r| r.get(..n)).ok_or_else(|| self.ends())?;
+        self.at += n;
+        Ok(raw)
+    }
+
+    /// The node numbers and values of the records of a block, `n_values` each.
+    fn records(
+        &mut self,
+        n: usize,
+        layout: Layout,
+        n_values: usize,
+        mut each: impl FnMut(&mut Self, i64, &[f64]) -> Result<(), FeError>,
+    ) -> Result<(), FeError> {
+        let mut values = vec![0.0; n_values];
+        if let Layout::Single | Layout::Double = layout {
+            let scalar = if layout == Layout::Single { Scalar::F32 } else { Scalar::F64 };
+            for _ in 0..n {
+                let mut raw = Raw { bytes: self.take(4 + n_values * scalar.bytes())?, big: false };
+                let node = raw.number(Scalar::I32).unwrap_or_default() as i64;
+                for v in &mut values {
+                    *v = raw.number(scalar).unwrap_or_default();
+                }
+                each(self, node, &values)?;
+            }
+            return Ok(());
+        }
+        let width = if layout == Layout::Short { 5 } else { 10 };
+        // Counts in the header are not always right (CalculiX expands 2D elements); the block ends with -3.
+        let mut line = self.next().ok_or_else(|| self.ends())?;
+        loop {
+            match field(line, 0, 3) {
+                b" -3" => return Ok(()),
+                b" -1" => {}
+                other => return Err(self.wrong(other, "a record (-1) or the end of the block (-3)")),
+            }
+            let number_field = field(line, 3, width);
+            let node = whole(number_field.trim_ascii());
+            let node = node.ok_or_else(|| self.wrong(number_field, "a node's number"))?;
+            let mut column = 3 + width;
+            for (k, v) in values.iter_mut().enumerate() {
+                if k > 0 && k % PER_LINE == 0 {
+                    line = self.next().ok_or_else(|| self.ends())?;
+                    if field(line, 0, 3) != b" -2" {
+                        return Err(self.wrong(field(line, 0, 3), "the rest of a record (-2)"));
+                    }
+                    column = 3 + width;
+                }
+                let text = field(line, column, 12);
+                *v = number(text.trim_ascii()).ok_or_else(|| self.wrong(text, "a number"))?;
+                column += 12;
+            }
+            each(self, node, &values)?;
+            line = self.next().ok_or_else(|| self.ends())?;
+        }
+    }
+
+    fn nodes(&mut self, line: &[u8]) -> Result<(), FeError> {
+        let (n, layout) = self.block(line, 24)?;
+        self.records(n, layout, 3, |frd, node, p| {
+            let p = position([p[0], p[1], p[2]], || format!("node {node}"))?;
+            if frd.numbers.insert(node).is_none() {
+                return Err(invalid(format!("node {node}"), "is there twice"));
+            }
+            frd.file.nodes.push(p);
+            Ok(())
+        })
+    }
+
+    fn elements(&mut self, line: &[u8]) -> Result<(), FeError> {
+        let (n, layout) = self.block(line, 24)?;
+        if let Layout::Single | Layout::Double = layout {
+            for _ in 0..n {
+                let mut raw = Raw { bytes: self.take(16)?, big: false };
+                let element = raw.number(Scalar::I32).unwrap_or_default() as i64;
+                let kind = raw.number(Scalar::I32).unwrap_or_default() as i64;
+                let n_nodes = self.n_nodes(kind)?;
+                let nodes = Scalar::I32.all(self.take(4 * n_nodes)?, false);
+                let nodes: Vec<i64> = nodes.into_iter().map(|v| v as i64).collect();
+                self.element(element, kind, &nodes)?;
+            }
+            return Ok(());
+        }
+        let width = if layout == Layout::Short { 5 } else { 10 };
+        let mut line = self.next().ok_or_else(|| self.ends())?;
+        let mut nodes = Vec::new();
+        loop {
+            match field(line, 0, 3) {
+                b" -3" => return Ok(()),
+                b" -1" => {}
+                other => return Err(self.wrong(other, "an element (-1) or the end of the block (-3)")),
+            }
+            let at = |from: usize, len: usize| whole(field(line, from, len).trim_ascii());
+            let element = at(3, width).ok_or_else(|| self.wrong(line, "an element's number"))?;
+            let kind = at(3 + width, 5).ok_or_else(|| self.wrong(line, "an element's type"))?;
+            let n_nodes = self.n_nodes(kind)?;
+            nodes.clear();
+            while nodes.len() < n_nodes {
+                let rest = self.next().ok_or_else(|| self.ends())?;
+                if field(rest, 0, 3) != b" -2" {
+                    return Err(self.wrong(field(rest, 0, 3), "an element's nodes (-2)"));
+                }
+                let before = nodes.len();
+                for chunk in rest[3..].chunks(width) {
+                    if let (Some(node), true) = (whole(chunk.trim_ascii()), nodes.len() < n_nodes) {
+                        nodes.push(node);
+                    }
+                }
+                if nodes.len() == before {
+                    return Err(self.wrong(rest, "node numbers"));
+                }
+            }
+            self.element(element, kind, &nodes)?;
+            line = self.next().ok_or_else(|| self.ends())?;
+        }
+    }
+
+    fn n_nodes(&self, kind: i64) -> Result<usize, FeError> {
+        Ok(match kind {
+            1 => 8,
+            2 => 6,
+            3 => 4,
+            4 => 20,
+            5 => 15,
+            6 => 10,
+            7 => 3,
+            8 => 6,
+            9 => 4,
+            10 => 8,
+            11 => 2,
+            12 => 3,
+            _ => return Err(invalid(self.place(), format!("element type {kind}; types are 1 to 12"))),
+        })
+    }
+
+    fn element(&mut self, element: i64, kind: i64, numbers: &[i64]) -> Result<(), FeError> {
+        let mut nodes = [0u32; 20];
+        for (slot, &number) in nodes.iter_mut().zip(numbers) {
+            let index = self.numbers.get(number);
+            *slot =
+                index.ok_or_else(|| FeError::NoSuchNode { element: element.to_string(), node: number })?;
+        }
+        let kind = match kind {
+            1 => Ok(ElementKind::Hex8),
+            2 => Ok(ElementKind::Wedge6),
+            3 => Ok(ElementKind::Tet4),
+            4 => {
+                // FRD lists the upright edges before those of the upper face.
+                nodes[12..20].rotate_left(4);
+                Ok(ElementKind::Hex20)
+            }
+            5 => {
+                nodes[9..15].rotate_left(3);
+                Ok(ElementKind::Wedge15)
+            }
+            6 => Ok(ElementKind::Tet10),
+            7 => Ok(ElementKind::Tri3),
+            8 => Ok(ElementKind::Tri6),
+            9 => Ok(ElementKind::Quad4),
+            10 => Ok(ElementKind::Quad8),
+            _ => Err("beams"),
+        };
+        self.file.add(kind, &nodes[..numbers.len().min(20)]);
+        Ok(())
+    }
+
+    fn results(&mut self, line: &[u8]) -> Result<(), FeError> {
+        let (n, layout) = self.block(line, 24)?;
+        let head = self.next().ok_or_else(|| self.ends())?;
+        if field(head, 0, 3) != b" -4" {
+            return Err(self.wrong(head, "the name of a result (-4)"));
+        }
+        let name = String::from_utf8_lossy(field(head, 5, 8).trim_ascii()).into_owned();
+        let n_components = whole(field(head, 13, 5).trim_ascii()).filter(|c| (1..=200).contains(c));
+        let n_components = n_components.ok_or_else(|| self.wrong(head, "a number of components"))?;
+        let mut component_names = Vec::new();
+        for _ in 0..n_components {
+            let line = self.next().ok_or_else(|| self.ends())?;
+            if field(line, 0, 3) != b" -5" {
+                return Err(self.wrong(line, "a component (-5)"));
+            }
+            // The seventh column says that readers work the component out themselves, as the sum ALL.
+            if field(line, 33, 5).trim_ascii() != b"1" {
+                component_names.push(String::from_utf8_lossy(field(line, 5, 8).trim_ascii()).into_owned());
+            }
+        }
+        let components = component_names.len();
+        let room = self.file.nodes.len() * components;
+        self.array_room = self.array_room.checked_sub(room).ok_or_else(|| {
+            invalid(self.place(), "the results are far larger than the file; refused as a bomb")
+        })?;
+        let mut values = vec![f64::NAN; room];
+        self.records(n, layout, components, |frd, node, tuple| {
+            if let Some(i) = frd.numbers.get(node) {
+                let i = i as usize * components;
+                if let Some(slots) = values.get_mut(i..i + components) {
+                    slots.copy_from_slice(tuple);
+                }
+            }
+            Ok(())
+        })?;
+        let step = Some(self.step);
+        if components > 0 {
+            self.file.arrays.push(FeArray { name, on: On::Nodes, components, component_names, values, step });
+        }
+        Ok(())
+    }
+
+    /// With one step only, steps are no news.
+    fn merge_steps(&mut self) {
+        let several = self.file.arrays.iter().any(|a| a.step != Some(1));
+        if !several {
+            for a in &mut self.file.arrays {
+                a.step = None;
+            }
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Layout {
+    Short,
+    Long,
+    Single,
+    Double,
+}

@@ -1,0 +1,673 @@
+//! Abaqus and CalculiX decks (.inp): the mesh, sets, surfaces, linear elastic material, supports and loads.
+
+use super::bytes::Numbers;
+use super::deck::{BodyLoad, FaceLoad, Fixed, Material, PointLoad};
+use super::{
+    Behaviour, Deck, Elastic, ElementKind, FeError, FeFile, FeFormat, Group, Section, Step, array_room,
+    invalid, position,
+};
+use crate::text::{number, whole};
+
+/// Keywords that say nothing about the linear problem.
+const HARMLESS: [&str; 34] = [
+    "NODEFILE",
+    "ELFILE",
+    "NODEPRINT",
+    "ELPRINT",
+    "NODEOUTPUT",
+    "ELEMENTOUTPUT",
+    "CONTACTFILE",
+    "CONTACTPRINT",
+    "SECTIONPRINT",
+    "OUTPUT",
+    "CONTACTOUTPUT",
+    "ENERGYOUTPUT",
+    "PREPRINT",
+    "RESTART",
+    "ENDSTEP",
+    "ENDPART",
+    "ENDINSTANCE",
+    "ENDASSEMBLY",
+    "END",
+    "PART",
+    "ASSEMBLY",
+    "INSTANCE",
+    "TIMEPOINTS",
+    "CONTROLS",
+    "SOLVERCONTROLS",
+    "FILEFORMAT",
+    "MONITOR",
+    "PRINT",
+    "SYSTEM",
+    "DAMPING",
+    "CONDUCTIVITY",
+    "SPECIFICHEAT",
+    "PHYSICALCONSTANTS",
+    "USERMATERIAL",
+];
+
+/// A keyword, its parameters and its lines.
+struct Block<'a> {
+    keyword: String,
+    parameters: Vec<(String, String)>,
+    line: usize,
+    data: Vec<(usize, &'a [u8])>,
+}
+
+impl Block<'_> {
+    fn parameter(&self, name: &str) -> Option<&str> {
+        self.parameters.iter().find(|(n, _)| n == name).map(|(_, v)| v.as_str())
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.parameter(name).is_some()
+    }
+
+    /// A parameter that names something, in upper case.
+    fn name(&self, parameter: &str) -> Option<String> {
+        self.parameter(parameter).map(|v| v.trim_matches('"').to_ascii_uppercase()).filter(|v| !v.is_empty())
+    }
+}
+
+fn place(line: usize) -> String {
+    format!("line {line}")
+}
+
+fn shown(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(&bytes[..bytes.len().min(60)]).trim().to_owned()
+}
+
+/// Fields of a line, without those behind the last comma.
+fn fields(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let trimmed = line.trim_ascii();
+    let trimmed = trimmed.strip_suffix(b",").unwrap_or(trimmed);
+    trimmed.split(|&b| b == b',').map(<[u8]>::trim_ascii)
+}
+
+/// A number as Fortran or C writes it; an empty field is 0.
+fn value(line: usize, field: &[u8]) -> Result<f64, FeError> {
+    if field.is_empty() {
+        return Ok(0.0);
+    }
+    let fortran = || {
+        let text: Vec<u8> = field.iter().map(|b| if matches!(b, b'd' | b'D') { b'e' } else { *b }).collect();
+        number(&text)
+    };
+    let v = number(field).or_else(fortran).filter(|v| v.is_finite());
+    v.ok_or_else(|| invalid(place(line), format!("found {:?} where a number should be", shown(field))))
+}
+
+fn integer(line: usize, field: &[u8]) -> Result<i64, FeError> {
+    whole(field).ok_or_else(|| {
+        invalid(place(line), format!("found {:?} where a whole number should be", shown(field)))
+    })
+}
+
+/// Adds to a set and keeps it ascending, at no cost for blocks that follow each other.
+fn join(set: &mut Vec<u32>, more: Vec<u32>) {
+    let follows = more.is_sorted_by(|a, b| a < b) && set.last() < more.first();
+    set.extend(more);
+    if !follows {
+        set.sort_unstable();
+        set.dedup();
+    }
+}
+
+/// What is being read.
+struct Inp {
+    file: FeFile,
+    deck: Deck,
+    nodes: Numbers,
+    elements: Numbers,
+    /// Entries that sets and loads may still have.
+    room: usize,
+    /// Material that constants belong to.
+    material: Option<usize>,
+    in_step: bool,
+    parts: usize,
+}
+
+pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
+    let mut inp = Inp {
+        file: FeFile::empty(FeFormat::Inp),
+        deck: Deck::default(),
+        nodes: Numbers::default(),
+        elements: Numbers::default(),
+        room: array_room(bytes.len()),
+        material: None,
+        in_step: false,
+        parts: 0,
+    };
+    let mut lines = bytes.split(|&b| b == b'\n').enumerate().map(|(i, l)| (i + 1, l.trim_ascii()));
+    let mut block: Option<Block<'_>> = None;
+    while let Some((n, line)) = lines.next() {
+        if line.is_empty() || line.starts_with(b"**") {
+            continue;
+        }
+        if line[0] != b'*' {
+            if let Some(b) = &mut block {
+                b.data.push((n, line));
+            }
+            continue;
+        }
+        if let Some(b) = block.take() {
+            inp.block(&b)?;
+        }
+        let mut text = String::from_utf8_lossy(&line[1..]).into_owned();
+        // A keyword goes on behind a comma at the end of its line.
+        while text.trim_end().ends_with(',') {
+            match lines.next() {
+                Some((_, more)) if !more.is_empty() && more[0] != b'*' => {
+                    text += &String::from_utf8_lossy(more);
+                }
+                _ => break,
+            }
+        }
+        block = Some(keyword(&text, n));
+    }
+    if let Some(b) = block.take() {
+        inp.block(&b)?;
+    }
+    Ok(inp.finish())
+}
+
+fn keyword(text: &str, line: usize) -> Block<'static> {
+    let mut parts = text.split(',');
+    let squeeze = |s: &str| s.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
+    let keyword = squeeze(parts.next().unwrap_or_default());
+    let parameter = |p: &str| {
+        let (name, value) = p.split_once('=').unwrap_or((p, ""));
+        (squeeze(name), value.trim().to_owned())
+    };
+    let parameters = parts.map(parameter).filter(|(n, _)| !n.is_empty()).collect();
+    Block { keyword, parameters, line, data: Vec::new() }
+}
+
+impl Inp {
+    fn block(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        match b.keyword.as_str() {
+            "HEADING" => self.deck.heading = b.data.first().map(|(_, l)| shown(l)).unwrap_or_default(),
+            "NODE" => self.node_block(b)?,
+            "ELEMENT" => self.element_block(b)?,
+            "NSET" => self.set(b, true)?,
+            "ELSET" => self.set(b, false)?,
+            "SURFACE" => self.surface(b)?,
+            "MATERIAL" => {
+                let name = b.name("NAME").unwrap_or_default();
+                self.material = Some(self.deck.materials.len());
+                self.deck.materials.push(Material { name, elastic: None, density: None });
+            }
+            "ELASTIC" => self.elastic(b)?,
+            "DENSITY" => {
+                let rho = match b.data.first() {
+                    Some((n, l)) => fields(l).next().map(|f| value(*n, f)).transpose()?,
+                    None => None,
+                };
+                if let Some(m) = self.material.and_then(|i| self.deck.materials.get_mut(i)) {
+                    m.density = rho;
+                }
+            }
+            "SOLIDSECTION" | "SHELLSECTION" | "MEMBRANESECTION" => {
+                let thickness = match b.data.first() {
+                    Some((n, l)) => {
+                        fields(l).next().filter(|f| !f.is_empty()).map(|f| value(*n, f)).transpose()?
+                    }
+                    None => None,
+                };
+                self.deck.sections.push(Section {
+                    elements: b.name("ELSET").unwrap_or_default(),
+                    material: b.name("MATERIAL").unwrap_or_default(),
+                    thickness,
+                });
+                if b.has("ORIENTATION") {
+                    self.ignore("ORIENTATION");
+                }
+            }
+            "STEP" => {
+                self.deck.steps.push(Step { nlgeom: b.has("NLGEOM"), ..Step::default() });
+                self.in_step = true;
+            }
+            "ENDSTEP" => self.in_step = false,
+            "STATIC"
+            | "FREQUENCY"
+            | "BUCKLE"
+            | "DYNAMIC"
+            | "MODALDYNAMIC"
+            | "STEADYSTATEDYNAMICS"
+            | "HEATTRANSFER"
+            | "VISCO"
+            | "COUPLEDTEMPERATURE-DISPLACEMENT" => {
+                if let Some(step) = self.deck.steps.last_mut() {
+                    step.procedure = b.keyword.clone();
+                }
+            }
+            "BOUNDARY" => self.boundary(b)?,
+            "CLOAD" => self.cload(b)?,
+            "DLOAD" => self.dload(b)?,
+            "DSLOAD" => self.dsload(b)?,
+            "INCLUDE" => {
+                let what = format!("{}: *INCLUDE", place(b.line));
+                return Err(FeError::Unsupported { what, reads: "decks in one file" });
+            }
+            "PART" => {
+                self.parts += 1;
+                if self.parts > 1 {
+                    let what = format!("{}: a second *PART", place(b.line));
+                    return Err(FeError::Unsupported { what, reads: "decks of one part" });
+                }
+            }
+            "INSTANCE" if !b.data.is_empty() => self.ignore("INSTANCE (its place)"),
+            k if HARMLESS.contains(&k) => {}
+            other => self.ignore(other),
+        }
+        Ok(())
+    }
+
+    fn ignore(&mut self, keyword: &str) {
+        if !self.deck.ignored.iter().any(|k| k == keyword) && self.deck.ignored.len() < 100 {
+            self.deck.ignored.push(keyword.chars().take(60).collect());
+        }
+    }
+
+    /// Takes room for `n` entries of sets or loads.
+    fn take_room(&mut self, n: usize, line: usize) -> Result<(), FeError> {
+        self.room = self.room.checked_sub(n).ok_or_else(|| {
+            invalid(place(line), "sets and loads are far larger than the file; refused as a bomb")
+        })?;
+        Ok(())
+    }
+
+    fn node_block(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        let set = b.name("NSET");
+        let mut added = Vec::new();
+        for &(n, line) in &b.data {
+            let mut all = fields(line);
+            let node = integer(n, all.next().unwrap_or_default())?;
+            let mut p = [0.0; 3];
+            for (c, f) in p.iter_mut().zip(all) {
+                *c = value(n, f)?;
+            }
+            let p = position(p, || place(n))?;
+            let index = match self.nodes.insert(node) {
+                Some(index) => {
+                    self.file.nodes.push(p);
+                    self.deck.node_numbers.push(node);
+                    index
+                }
+                // A node given again is moved.
+                None => {
+                    let index = self.nodes.get(node).ok_or(FeError::NoNodes)?;
+                    self.file.nodes[index as usize] = p;
+                    index
+                }
+            };
+            added.push(index);
+        }
+        if let Some(name) = set {
+            join(self.deck.node_sets.entry(name).or_default(), added);
+        }
+        Ok(())
+    }
+
+    fn element_block(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        let kind_name = b.name("TYPE").unwrap_or_default();
+        let (kind, behaviour) = element_kind(&kind_name);
+        let set = b.name("ELSET");
+        let mut added = Vec::new();
+        let mut lines = b.data.iter();
+        let mut nodes = Vec::new();
+        while let Some(&(n, line)) = lines.next() {
+            let mut all = fields(line);
+            let element = integer(n, all.next().unwrap_or_default())?;
+            nodes.clear();
+            let mut read = |n: usize, field: &[u8]| -> Result<(), FeError> {
+                let node = integer(n, field)?;
+                let index = self.nodes.get(node);
+                nodes.push(index.ok_or_else(|| FeError::NoSuchNode { element: element.to_string(), node })?);
+                Ok(())
+            };
+            for f in all {
+                read(n, f)?;
+            }
+            let mut goes_on = line.ends_with(b",");
+            let wanted = kind.map(ElementKind::n_nodes).unwrap_or(0);
+            while nodes.len() < wanted || (wanted == 0 && goes_on) {
+                let Some(&(n, line)) = lines.next() else { break };
+                let mut read = |field: &[u8]| -> Result<(), FeError> {
+                    let node = integer(n, field)?;
+                    let index = self.nodes.get(node);
+                    nodes.push(
+                        index.ok_or_else(|| FeError::NoSuchNode { element: element.to_string(), node })?,
+                    );
+                    Ok(())
+                };
+                for f in fields(line) {
+                    read(f)?;
+                }
+                goes_on = line.ends_with(b",");
+            }
+            if nodes.len() < wanted {
+                let problem =
+                    format!("element {element} has {} nodes; {kind_name} has {wanted}", nodes.len());
+                return Err(invalid(place(n), problem));
+            }
+            if self.file.add(kind, &nodes) {
+                let Some(index) = self.elements.insert(element) else {
+                    return Err(invalid(place(n), format!("element {element} is there twice")));
+                };
+                self.deck.element_numbers.push(element);
+                self.deck.behaviours.push(behaviour);
+                added.push(index);
+            }
+        }
+        if let Some(name) = set {
+            join(self.deck.element_sets.entry(name).or_default(), added);
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, b: &Block<'_>, of_nodes: bool) -> Result<(), FeError> {
+        let parameter = if of_nodes { "NSET" } else { "ELSET" };
+        let Some(name) = b.name(parameter) else {
+            return Err(invalid(place(b.line), format!("*{parameter} needs {parameter}=NAME")));
+        };
+        let mut found = Vec::new();
+        for &(n, line) in &b.data {
+            let all: Vec<&[u8]> = fields(line).filter(|f| !f.is_empty()).collect();
+            if b.has("GENERATE") {
+                let low = integer(n, all.first().copied().unwrap_or_default())?;
+                let high = integer(n, all.get(1).copied().unwrap_or_default())?;
+                let step = all.get(2).map_or(Ok(1), |f| integer(n, f))?.max(1);
+                let (numbers, known) = if of_nodes {
+                    (&self.deck.node_numbers, &self.nodes)
+                } else {
+                    (&self.deck.element_numbers, &self.elements)
+                };
+                let before = found.len();
+                if high.saturating_sub(low) / step <= numbers.len() as i64 {
+                    let mut at = low;
+                    while at <= high {
+                        found.extend(known.get(at));
+                        at += step;
+                    }
+                } else {
+                    let inside = |&(_, v): &(usize, &i64)| (low..=high).contains(v) && (v - low) % step == 0;
+                    found.extend(numbers.iter().enumerate().filter(inside).map(|(i, _)| i as u32));
+                }
+                self.take_room(found.len() - before + 1, n)?;
+                continue;
+            }
+            for f in all {
+                match whole(f) {
+                    // Sets may name nodes of no element, and elements that were left out.
+                    Some(v) => found.extend(if of_nodes { self.nodes.get(v) } else { self.elements.get(v) }),
+                    None => {
+                        let sets = if of_nodes { &self.deck.node_sets } else { &self.deck.element_sets };
+                        let other = sets.get(&shown(f).to_ascii_uppercase());
+                        let other = other
+                            .ok_or_else(|| invalid(place(n), format!("no set {:?} before here", shown(f))))?;
+                        found.extend_from_slice(other);
+                        let taken = other.len();
+                        self.take_room(taken, n)?;
+                    }
+                }
+            }
+        }
+        let sets = if of_nodes { &mut self.deck.node_sets } else { &mut self.deck.element_sets };
+        join(sets.entry(name).or_default(), found);
+        Ok(())
+    }
+
+    fn surface(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        let name = b.name("NAME").unwrap_or_default();
+        if b.name("TYPE").is_some_and(|t| t == "NODE") {
+            let mut nodes = Vec::new();
+            for &(n, line) in &b.data {
+                nodes.extend(self.nodes_named(n, fields(line).next().unwrap_or_default())?);
+            }
+            join(self.deck.node_sets.entry(name).or_default(), nodes);
+            return Ok(());
+        }
+        let mut faces = Vec::new();
+        for &(n, line) in &b.data {
+            let mut all = fields(line);
+            let elements = self.elements_named(n, all.next().unwrap_or_default())?;
+            let Some(label) = all.next() else { continue };
+            for e in elements {
+                faces.push((e, self.face(n, e, label)?));
+            }
+        }
+        self.deck.surfaces.entry(name).or_default().extend(faces);
+        Ok(())
+    }
+
+    /// Index of the face that `S3` or `P3` names.
+    fn face(&self, line: usize, element: u32, label: &[u8]) -> Result<u8, FeError> {
+        let kind = self.file.elements[element as usize].kind;
+        let n = label.get(1..).and_then(whole).filter(|&n| n >= 1 && n as usize <= kind.faces().len());
+        let known = label.first().is_some_and(|c| matches!(c.to_ascii_uppercase(), b'S' | b'P'));
+        match n {
+            Some(n) if known => Ok((n - 1) as u8),
+            _ => Err(invalid(
+                place(line),
+                format!("found {:?} where a face of a {} should be", shown(label), kind.name()),
+            )),
+        }
+    }
+
+    fn nodes_named(&mut self, line: usize, field: &[u8]) -> Result<Vec<u32>, FeError> {
+        let found = match whole(field) {
+            Some(v) => vec![self.nodes.get(v).ok_or_else(|| invalid(place(line), format!("no node {v}")))?],
+            None => {
+                let set = self.deck.node_sets.get(&shown(field).to_ascii_uppercase());
+                set.ok_or_else(|| invalid(place(line), format!("no node set {:?}", shown(field))))?.clone()
+            }
+        };
+        self.take_room(found.len(), line)?;
+        Ok(found)
+    }
+
+    fn elements_named(&mut self, line: usize, field: &[u8]) -> Result<Vec<u32>, FeError> {
+        let found = match whole(field) {
+            // Elements that were left out carry no loads.
+            Some(v) => self.elements.get(v).into_iter().collect(),
+            None => {
+                let set = self.deck.element_sets.get(&shown(field).to_ascii_uppercase());
+                set.ok_or_else(|| invalid(place(line), format!("no element set {:?}", shown(field))))?.clone()
+            }
+        };
+        self.take_room(found.len(), line)?;
+        Ok(found)
+    }
+
+    fn elastic(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        let kind = b.name("TYPE").unwrap_or_else(|| "ISO".into()).replace(' ', "");
+        let mut all = Vec::new();
+        for &(n, line) in b.data.iter().take(2) {
+            for f in fields(line) {
+                all.push(value(n, f)?);
+            }
+        }
+        let elastic = match (kind.as_str(), all.as_slice()) {
+            ("ISO" | "ISOTROPIC", [e, nu, ..]) => Some(Elastic::Isotropic { e: *e, nu: *nu }),
+            ("ENGINEERINGCONSTANTS", [e1, e2, e3, n12, n13, n23, g12, g13, g23, ..]) => {
+                Some(Elastic::Orthotropic {
+                    e: [*e1, *e2, *e3],
+                    nu: [*n12, *n13, *n23],
+                    g: [*g12, *g13, *g23],
+                })
+            }
+            _ => {
+                self.ignore(&format!("ELASTIC, TYPE={kind}"));
+                None
+            }
+        };
+        if let Some(m) = self.material.and_then(|i| self.deck.materials.get_mut(i)) {
+            m.elastic = elastic;
+        }
+        Ok(())
+    }
+
+    fn boundary(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        let mut fixed = Vec::new();
+        for &(n, line) in &b.data {
+            let all: Vec<&[u8]> = fields(line).collect();
+            let nodes = self.nodes_named(n, all[0])?;
+            let word = all.get(1).copied().unwrap_or_default();
+            let (axes, v): (Vec<u8>, f64) = match word.to_ascii_uppercase().as_slice() {
+                b"ENCASTRE" => ((0..6).collect(), 0.0),
+                b"PINNED" => (vec![0, 1, 2], 0.0),
+                b"XSYMM" => (vec![0, 4, 5], 0.0),
+                b"YSYMM" => (vec![1, 3, 5], 0.0),
+                b"ZSYMM" => (vec![2, 3, 4], 0.0),
+                _ => {
+                    let first = integer(n, word)?;
+                    let last = match all.get(2) {
+                        Some(f) if !f.is_empty() => integer(n, f)?,
+                        _ => first,
+                    };
+                    let v = all.get(3).map_or(Ok(0.0), |f| value(n, f))?;
+                    // Temperatures and other fields have numbers of their own.
+                    (((first.max(1))..=last.min(6)).map(|d| (d - 1) as u8).collect(), v)
+                }
+            };
+            self.take_room(nodes.len() * axes.len(), n)?;
+            fixed.extend(
+                nodes.iter().flat_map(|&node| axes.iter().map(move |&axis| Fixed { node, axis, value: v })),
+            );
+        }
+        match self.deck.steps.last_mut() {
+            Some(step) if self.in_step => step.fixed.extend(fixed),
+            _ => self.deck.fixed.extend(fixed),
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, b: &Block<'_>) -> Result<&mut Step, FeError> {
+        let line = b.line;
+        let keyword = &b.keyword;
+        self.deck.steps.last_mut().ok_or_else(|| invalid(place(line), format!("*{keyword} before any *STEP")))
+    }
+
+    fn cload(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        let mut loads = Vec::new();
+        for &(n, line) in &b.data {
+            let all: Vec<&[u8]> = fields(line).collect();
+            let nodes = self.nodes_named(n, all[0])?;
+            let axis = integer(n, all.get(1).copied().unwrap_or_default())?;
+            if !(1..=6).contains(&axis) {
+                continue;
+            }
+            let value = value(n, all.get(2).copied().unwrap_or_default())?;
+            loads.extend(nodes.into_iter().map(|node| PointLoad { node, axis: (axis - 1) as u8, value }));
+        }
+        self.step(b)?.point_loads.extend(loads);
+        Ok(())
+    }
+
+    fn dload(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        let (mut faces, mut bodies) = (Vec::new(), Vec::new());
+        for &(n, line) in &b.data {
+            let all: Vec<&[u8]> = fields(line).collect();
+            let elements = self.elements_named(n, all[0])?;
+            let label = all.get(1).copied().unwrap_or_default().to_ascii_uppercase();
+            let number_at = |i: usize| value(n, all.get(i).copied().unwrap_or_default());
+            match label.as_slice() {
+                b"GRAV" => {
+                    let g = number_at(2)?;
+                    let direction = [number_at(3)?, number_at(4)?, number_at(5)?];
+                    let acceleration = direction.map(|c| c * g);
+                    bodies.extend(elements.into_iter().map(|element| BodyLoad { element, acceleration }));
+                }
+                [b'P', rest @ ..] if !rest.is_empty() && rest.iter().all(u8::is_ascii_digit) => {
+                    let pressure = number_at(2)?;
+                    for element in elements {
+                        let face = self.face(n, element, &label)?;
+                        faces.push(FaceLoad { element, face, pressure });
+                    }
+                }
+                other => self.ignore(&format!("DLOAD {}", shown(other))),
+            }
+        }
+        let step = self.step(b)?;
+        step.face_loads.extend(faces);
+        step.body_loads.extend(bodies);
+        Ok(())
+    }
+
+    fn dsload(&mut self, b: &Block<'_>) -> Result<(), FeError> {
+        let mut loads = Vec::new();
+        for &(n, line) in &b.data {
+            let all: Vec<&[u8]> = fields(line).collect();
+            let name = shown(all[0]).to_ascii_uppercase();
+            let Some(faces) = self.deck.surfaces.get(&name).cloned() else {
+                return Err(invalid(place(n), format!("no surface {name:?}")));
+            };
+            self.take_room(faces.len(), n)?;
+            if !all.get(1).is_some_and(|l| l.eq_ignore_ascii_case(b"P")) {
+                self.ignore("DSLOAD other than P");
+                continue;
+            }
+            let pressure = value(n, all.get(2).copied().unwrap_or_default())?;
+            loads.extend(faces.into_iter().map(|(element, face)| FaceLoad { element, face, pressure }));
+        }
+        self.step(b)?.face_loads.extend(loads);
+        Ok(())
+    }
+
+    fn finish(mut self) -> FeFile {
+        for (name, nodes) in &self.deck.node_sets {
+            self.file.groups.push(Group { name: name.clone(), nodes: nodes.clone() });
+        }
+        if !self.deck.ignored.is_empty() {
+            self.file.warnings.push(format!("not read: *{}", self.deck.ignored.join(", *")));
+        }
+        self.file.deck = Some(Box::new(self.deck));
+        self.file
+    }
+}
+
+/// The kind of an element by the name Abaqus gives it: family, number of nodes, variant.
+fn element_kind(name: &str) -> (Result<ElementKind, &'static str>, Behaviour) {
+    use ElementKind::{Hex8, Hex20, Pyramid5, Quad4, Quad8, Quad9, Tet4, Tet10, Tri3, Tri6, Wedge6, Wedge15};
+    const FAMILIES: [(&str, Behaviour); 11] = [
+        ("C3D", Behaviour::Solid),
+        ("DC3D", Behaviour::Solid),
+        ("AC3D", Behaviour::Solid),
+        ("CPS", Behaviour::PlaneStress),
+        ("CPE", Behaviour::PlaneStrain),
+        ("CAX", Behaviour::Axisymmetric),
+        ("M3D", Behaviour::Shell),
+        ("SC", Behaviour::Solid),
+        ("SFM3D", Behaviour::Shell),
+        ("STRI", Behaviour::Shell),
+        ("S", Behaviour::Shell),
+    ];
+    let family = FAMILIES.iter().find_map(|(f, b)| {
+        let rest = name.strip_prefix(f)?;
+        let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+        Some((*b, rest[..digits].parse::<usize>().ok()?))
+    });
+    let Some((behaviour, n)) = family else {
+        let beam = ["B2", "B3", "T2", "T3", "PIPE"].iter().any(|b| name.starts_with(b));
+        let what = if beam { "beams and trusses" } else { "of kinds grainpath does not read" };
+        return (Err(what), Behaviour::Solid);
+    };
+    let kind = match (behaviour, n) {
+        (Behaviour::Solid, 4) => Ok(Tet4),
+        (Behaviour::Solid, 5) => Ok(Pyramid5),
+        (Behaviour::Solid, 6) => Ok(Wedge6),
+        (Behaviour::Solid, 8) => Ok(Hex8),
+        (Behaviour::Solid, 10) => Ok(Tet10),
+        (Behaviour::Solid, 15) => Ok(Wedge15),
+        (Behaviour::Solid, 20 | 27) => Ok(Hex20),
+        (Behaviour::Solid, _) => Err("of kinds grainpath does not read"),
+        (_, 3) => Ok(Tri3),
+        (_, 4) => Ok(Quad4),
+        (_, 6) => Ok(Tri6),
+        (_, 8) => Ok(Quad8),
+        (_, 9) => Ok(Quad9),
+        _ => Err("of kinds grainpath does not read"),
+    };
+    (kind, behaviour)
+}

@@ -1,0 +1,589 @@
+//! A stress at every node, in mm and MPa: which array it is, its unit, the order of its components, all checked.
+
+use grainpath_core::DVec3;
+use grainpath_core::units::LengthUnit;
+
+use super::tensor::von_mises;
+use super::{Element, FeArray, FeError, FeFile, FeFormat, On, invalid};
+
+/// Peak stresses above this, in MPa, are no printed part's: the unit is wrong.
+const LIKELY_MAX_MPA: f64 = 5000.0;
+/// Parts larger than this, in mm, are no printed part's.
+const LIKELY_MAX_MM: f64 = 5000.0;
+/// Parts smaller than this, in mm, are likely in metres.
+const LIKELY_MIN_MM: f64 = 1.0;
+
+/// A unit of stress a file may be in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum StressUnit {
+    Megapascal,
+    Pascal,
+    Kilopascal,
+    Gigapascal,
+    /// Pound-force per square inch.
+    Psi,
+    /// Thousand psi.
+    Ksi,
+}
+
+impl StressUnit {
+    /// Names in the order of the variants.
+    pub const NAMES: [&str; 6] = ["MPa", "Pa", "kPa", "GPa", "psi", "ksi"];
+
+    /// How many MPa one of this unit is.
+    pub const fn mpa(self) -> f64 {
+        match self {
+            Self::Megapascal => 1.0,
+            Self::Pascal => 1e-6,
+            Self::Kilopascal => 1e-3,
+            Self::Gigapascal => 1e3,
+            Self::Psi => 6.894_757_293_168e-3,
+            Self::Ksi => 6.894_757_293_168,
+        }
+    }
+
+    /// The name used in jobs and reports.
+    pub const fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    /// The unit with this name, in any case; `N/mm2` is MPa.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Some(match name.to_ascii_lowercase().as_str() {
+            "mpa" | "n/mm2" | "n/mm^2" => Self::Megapascal,
+            "pa" | "n/m2" | "n/m^2" => Self::Pascal,
+            "kpa" => Self::Kilopascal,
+            "gpa" => Self::Gigapascal,
+            "psi" => Self::Psi,
+            "ksi" => Self::Ksi,
+            _ => return None,
+        })
+    }
+}
+
+/// Order of the six components of a stress. All begin with xx, yy, zz.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// xx, yy, zz, xy, yz, zx: VTK, CalculiX, Gmsh scripts, grainpath.
+    Vtk,
+    /// xx, yy, zz, xy, xz, yz: Abaqus.
+    Abaqus,
+    /// xx, yy, zz, yz, xz, xy: Voigt.
+    Voigt,
+}
+
+impl Order {
+    /// Names in the order of the variants.
+    pub const NAMES: [&str; 3] = ["vtk", "abaqus", "voigt"];
+
+    /// The name used in jobs and reports.
+    pub const fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    /// The order with this name, in any case.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [Self::Vtk, Self::Abaqus, Self::Voigt].into_iter().find(|o| o.name().eq_ignore_ascii_case(name))
+    }
+
+    /// Where xx, yy, zz, xy, yz, zx are.
+    const fn places(self) -> [usize; 6] {
+        match self {
+            Self::Vtk => [0, 1, 2, 3, 4, 5],
+            Self::Abaqus => [0, 1, 2, 3, 5, 4],
+            Self::Voigt => [0, 1, 2, 5, 3, 4],
+        }
+    }
+}
+
+/// How a file is to be understood. `None` everywhere: the file's own word, or the usual.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FeOptions {
+    /// Unit of positions and displacements; mm when not given.
+    pub length_unit: Option<LengthUnit>,
+    /// Unit of the stress; MPa when not given.
+    pub stress_unit: Option<StressUnit>,
+    /// Name of the array that is the stress, or what the names of its components begin with.
+    pub stress_array: Option<String>,
+    /// Order of its components; where the file names them they are taken by name.
+    pub order: Option<Order>,
+    /// Step of the analysis, from 1; the last when not given.
+    pub step: Option<usize>,
+}
+
+/// A result ready for use: positions in mm, stresses in MPa, components xx, yy, zz, xy, yz, zx.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FeResult {
+    /// What it was read from.
+    pub format: FeFormat,
+    /// Positions, mm.
+    pub nodes: Vec<DVec3>,
+    /// Elements of the highest dimension, each with a stress at all its nodes; empty for points without a mesh.
+    pub elements: Vec<Element>,
+    /// Stress at each node, MPa, tension positive. NaN at nodes of no element that have none.
+    pub stress: Vec<[f64; 6]>,
+    /// Displacement of each node, mm, where the file has one.
+    pub displacement: Option<Vec<DVec3>>,
+    /// Whether all lies in a plane of constant z: then z does not count where the stress is asked for.
+    pub plane: bool,
+    /// What the stress was taken from.
+    pub stress_array: String,
+    /// What is odd, for the user.
+    pub warnings: Vec<String>,
+}
+
+impl FeResult {
+    /// Highest von Mises stress at any node, MPa.
+    pub fn max_von_mises_mpa(&self) -> f64 {
+        self.stress.iter().map(von_mises).filter(|v| v.is_finite()).fold(0.0, f64::max)
+    }
+}
+
+/// Where the six components come from: the array of each (by index) and the component in it.
+struct Choice {
+    label: String,
+    on: On,
+    /// xx, yy, zz, xy, yz, zx; `None` for a component that is zero (plane stress).
+    from: [Option<(usize, usize)>; 6],
+    /// A second place for each shear, of tensors with nine components.
+    mirror: [Option<(usize, usize)>; 6],
+    /// Whether the order was told by the file.
+    by_name: bool,
+}
+
+impl FeFile {
+    /// The stress of the file.
+    ///
+    /// # Errors
+    /// [`FeError`] when there is no stress, no array of the name asked for, or too little of it to be used.
+    pub fn result(&self, options: &FeOptions) -> Result<FeResult, FeError> {
+        let choice = self.choose(options)?;
+        let mut warnings = self.warnings.clone();
+        let lost = self.left_out.iter().filter(|(what, _)| what != "points" && what != "lines");
+        warnings.extend(lost.map(|(what, n)| format!("{n} elements are left out: {what}")));
+        let mm = options.length_unit.unwrap_or(LengthUnit::Millimetre).mm();
+        let mpa = options.stress_unit.unwrap_or(StressUnit::Megapascal).mpa();
+        let nodes: Vec<DVec3> = self.nodes.iter().map(|p| *p * mm).collect();
+        let n_tuples = if choice.on == On::Nodes { self.nodes.len() } else { self.elements.len() };
+        let value = |slot: Option<(usize, usize)>, i: usize| {
+            slot.map_or(0.0, |(a, c)| {
+                let array = &self.arrays[a];
+                array.values.get(i * array.components + c).copied().unwrap_or(f64::NAN)
+            })
+        };
+        let tensor = |i: usize| -> [f64; 6] {
+            std::array::from_fn(|k| {
+                let v = value(choice.from[k], i);
+                let v = if choice.mirror[k].is_some() { 0.5 * (v + value(choice.mirror[k], i)) } else { v };
+                v * mpa
+            })
+        };
+        let mut stress: Vec<[f64; 6]> = (0..n_tuples).map(tensor).collect();
+        let top = self.elements.iter().map(|e| e.kind.dimension()).max().unwrap_or(0);
+        let mut elements: Vec<Element> = Vec::with_capacity(self.elements.len());
+        if choice.on == On::Elements {
+            stress = self.averaged(&nodes, &stress, top);
+        }
+        fill_middles(&self.elements, &mut stress);
+        let whole = |s: &[f64; 6]| s.iter().all(|v| v.is_finite());
+        let mut without = 0;
+        for e in self.elements.iter().filter(|e| e.kind.dimension() == top) {
+            if e.nodes().iter().all(|&i| whole(&stress[i as usize])) {
+                elements.push(*e);
+            } else {
+                without += 1;
+            }
+        }
+        if top > 0 && elements.is_empty() {
+            return Err(invalid(
+                format!("array {:?}", choice.label),
+                "no element has finite values at all its nodes",
+            ));
+        }
+        if without > 0 {
+            warnings.push(format!("{without} elements have no finite stress at some node and are left out"));
+        }
+        if top == 0 && !stress.iter().any(whole) {
+            return Err(invalid(format!("array {:?}", choice.label), "no point has finite values"));
+        }
+        let displacement = self.displacement(options.step).map(|a| {
+            let c = a.components;
+            let p = |i: usize| {
+                let t = &a.values[i * c..(i + 1) * c];
+                DVec3::new(t[0], t[1], t.get(2).copied().unwrap_or(0.0)) * mm
+            };
+            (0..nodes.len()).map(p).collect()
+        });
+        let mut result = FeResult {
+            format: self.format,
+            plane: is_plane(&nodes, &elements),
+            nodes,
+            elements,
+            stress,
+            displacement,
+            stress_array: choice.label.clone(),
+            warnings: Vec::new(),
+        };
+        self.check(&result, &choice, options, mpa, &mut warnings);
+        result.warnings = warnings;
+        Ok(result)
+    }
+
+    /// Stresses of elements averaged to the nodes by volume.
+    fn averaged(&self, nodes: &[DVec3], stress: &[[f64; 6]], top: usize) -> Vec<[f64; 6]> {
+        let mut sum = vec![[0.0; 6]; nodes.len()];
+        let mut weight = vec![0.0; nodes.len()];
+        for (e, s) in self.elements.iter().zip(stress) {
+            if e.kind.dimension() != top || !s.iter().all(|v| v.is_finite()) {
+                continue;
+            }
+            let w = e.size(nodes).max(f64::MIN_POSITIVE);
+            for &i in e.nodes() {
+                weight[i as usize] += w;
+                for (to, v) in sum[i as usize].iter_mut().zip(s) {
+                    *to += w * v;
+                }
+            }
+        }
+        // 0 / 0 is NaN: no stress there.
+        sum.iter().zip(weight).map(|(s, w)| s.map(|v| v / w)).collect()
+    }
+
+    /// Names of arrays for an error message.
+    fn listed(&self) -> String {
+        if self.arrays.is_empty() {
+            return ": it has no arrays".into();
+        }
+        let mut names: Vec<String> =
+            self.arrays.iter().map(|a| format!("{} ({})", a.name, a.components)).collect();
+        names.dedup();
+        let more = names.len().saturating_sub(12);
+        names.truncate(12);
+        let tail = if more > 0 { format!(" and {more} more") } else { String::new() };
+        format!("; its arrays (components) are {}{tail}", names.join(", "))
+    }
+
+    /// Whether an array is of the step asked for: the last of its name when none is.
+    fn of_step(&self, index: usize, step: Option<usize>) -> bool {
+        let a = &self.arrays[index];
+        match (step, a.step) {
+            (Some(wanted), Some(has)) => {
+                let later = self.arrays[index + 1..].iter();
+                wanted == has && !later.clone().any(|b| b.name == a.name && b.on == a.on && b.step == a.step)
+            }
+            _ => !self.arrays[index + 1..].iter().any(|b| b.name == a.name && b.on == a.on),
+        }
+    }
+
+    fn choose(&self, options: &FeOptions) -> Result<Choice, FeError> {
+        if let Some(step) = options.step
+            && !self.arrays.iter().any(|a| a.step == Some(step))
+        {
+            let last = self.arrays.iter().filter_map(|a| a.step).max().unwrap_or(1);
+            if step != 1 || last != 1 {
+                return Err(invalid(format!("step {step}"), format!("there are steps 1 to {last}")));
+            }
+        }
+        let named = options.stress_array.as_deref();
+        let usable = |a: &FeArray| match a.components {
+            6 | 9 => true,
+            // Plane tensors only when asked for by name: three numbers are mostly a vector.
+            3 | 4 => named.is_some(),
+            _ => false,
+        };
+        let all: Vec<usize> = (0..self.arrays.len()).filter(|&i| self.of_step(i, options.step)).collect();
+        let whole: Vec<usize> = all.iter().copied().filter(|&i| usable(&self.arrays[i])).collect();
+        let pick = |test: &dyn Fn(&FeArray) -> bool| {
+            let on =
+                |on: On| whole.iter().copied().find(|&i| self.arrays[i].on == on && test(&self.arrays[i]));
+            on(On::Nodes).or_else(|| on(On::Elements))
+        };
+        if let Some(name) = named {
+            if let Some(i) =
+                pick(&|a| a.name == name).or_else(|| pick(&|a| a.name.eq_ignore_ascii_case(name)))
+            {
+                return self.whole_array(i, options);
+            }
+            return self
+                .by_parts(&all, Some(name))
+                .ok_or_else(|| FeError::NoSuchArray { name: name.to_owned(), arrays: self.listed() });
+        }
+        let usual = ["s", "stress", "stresses", "sigma", "cauchy_stress", "cauchy stress", "stress tensor"];
+        let exact = usual.iter().find_map(|u| pick(&|a| a.name.eq_ignore_ascii_case(u)));
+        let strain =
+            |n: &str| n.contains("strain") || n.contains("error") || n == "e" || n == "le" || n == "pe";
+        let like = || {
+            pick(&|a| {
+                let n = a.name.to_ascii_lowercase();
+                (n.contains("stress") || n.contains("sigma")) && !strain(&n)
+            })
+        };
+        if let Some(i) = exact.or_else(like) {
+            return self.whole_array(i, options);
+        }
+        if let Some(choice) = self.by_parts(&all, None) {
+            return Ok(choice);
+        }
+        Err(FeError::NoStress { arrays: self.listed() })
+    }
+
+    /// Components of an array that holds the whole tensor.
+    fn whole_array(&self, index: usize, options: &FeOptions) -> Result<Choice, FeError> {
+        let a = &self.arrays[index];
+        let at = |c: usize| Some((index, c));
+        let mut from = [None; 6];
+        let mut mirror = [None; 6];
+        let mut by_name = false;
+        let named: Vec<Option<usize>> = a.component_names.iter().map(|n| component(n)).collect();
+        let place = |k: usize| named.iter().position(|c| *c == Some(k));
+        match a.components {
+            9 => {
+                from = [0, 4, 8, 1, 5, 6].map(at);
+                (mirror[3], mirror[4], mirror[5]) = (at(3), at(7), at(2));
+                by_name = true;
+            }
+            6 if options.order.is_none() && (0..6).all(|k| place(k).is_some()) => {
+                from = std::array::from_fn(|k| place(k).and_then(at));
+                by_name = true;
+            }
+            6 => from = options.order.unwrap_or(Order::Vtk).places().map(at),
+            // xx, yy, zz, xy and xx, yy, xy.
+            4 => (from[0], from[1], from[2], from[3]) = (at(0), at(1), at(2), at(3)),
+            _ => (from[0], from[1], from[3]) = (at(0), at(1), at(2)),
+        }
+        Ok(Choice { label: a.name.clone(), on: a.on, from, mirror, by_name })
+    }
+
+    /// Components in arrays of their own: `S11`, `sigma_xy`, `Stress XX Component`.
+    fn by_parts(&self, all: &[usize], prefix: Option<&str>) -> Option<Choice> {
+        let squeeze = |s: &str| -> String {
+            s.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_lowercase()
+        };
+        let wanted = prefix.map(squeeze);
+        for on in [On::Nodes, On::Elements] {
+            let mut found: Vec<(String, usize, usize)> = Vec::new();
+            for &i in all.iter().filter(|&&i| self.arrays[i].on == on && self.arrays[i].components == 1) {
+                let name = squeeze(unit_off(&self.arrays[i].name));
+                let name = name.strip_suffix("component").unwrap_or(&name);
+                let cut = name.len().checked_sub(2).filter(|&c| name.is_char_boundary(c));
+                let Some((stem, tail)) = cut.map(|c| name.split_at(c)) else { continue };
+                if let Some(k) = component(tail) {
+                    found.push((stem.to_owned(), k, i));
+                }
+            }
+            let stems: Vec<String> = match &wanted {
+                Some(w) => vec![w.clone()],
+                None => ["s", "stress", "sigma", "sig", "stresstensor", "t", ""].map(str::to_owned).to_vec(),
+            };
+            for stem in stems {
+                let mut from = [None; 6];
+                for (_, k, i) in found.iter().filter(|(s, ..)| *s == stem) {
+                    from[*k] = from[*k].or(Some((*i, 0)));
+                }
+                // A plane tensor has xx, yy and xy; the others are zero.
+                if from[0].is_some() && from[1].is_some() && from[3].is_some() {
+                    let label = from.iter().flatten().map(|&(i, _)| self.arrays[i].name.as_str());
+                    let label = label.collect::<Vec<_>>().join(", ");
+                    return Some(Choice { label, on, from, mirror: [None; 6], by_name: true });
+                }
+            }
+        }
+        None
+    }
+
+    fn displacement(&self, step: Option<usize>) -> Option<&FeArray> {
+        let usual = ["u", "disp", "displ", "displacement", "displacements"];
+        let is = |i: usize| {
+            let a = &self.arrays[i];
+            a.on == On::Nodes
+                && (2..=3).contains(&a.components)
+                && a.values.len() == self.nodes.len() * a.components
+                && self.of_step(i, step)
+        };
+        let found = |name: &str| {
+            (0..self.arrays.len()).find(|&i| is(i) && self.arrays[i].name.eq_ignore_ascii_case(name))
+        };
+        usual.iter().find_map(|n| found(n)).map(|i| &self.arrays[i])
+    }
+
+    /// Warns of units and orders that cannot be right.
+    fn check(
+        &self,
+        result: &FeResult,
+        choice: &Choice,
+        options: &FeOptions,
+        mpa: f64,
+        warnings: &mut Vec<String>,
+    ) {
+        let peak = result.max_von_mises_mpa();
+        if peak > LIKELY_MAX_MPA {
+            let hint = if options.stress_unit.is_none() && peak * 1e-6 > 1e-4 {
+                "; is it in Pa? Then state stress_unit = \"Pa\""
+            } else {
+                ""
+            };
+            warnings.push(format!(
+                "the peak von Mises stress is {peak:.3e} MPa, more than any plastic bears{hint}"
+            ));
+        }
+        if peak == 0.0 {
+            warnings.push("the stress is zero everywhere".into());
+        }
+        if let Some((lo, hi)) = box_of(&result.nodes) {
+            let size = (hi - lo).max_element();
+            if options.length_unit.is_none() && (size > LIKELY_MAX_MM || size < LIKELY_MIN_MM) {
+                warnings.push(format!(
+                    "the mesh is {size:.4} mm long; if it is not in mm, state length_unit = \"m\" or \"inch\""
+                ));
+            }
+        }
+        self.check_von_mises(result, mpa, warnings);
+        if let (false, Some((order, stated, best))) = (choice.by_name, better_order(result, options.order)) {
+            warnings.push(format!(
+                "the order of the components may be {}: with it the stress across free faces is {best:.3} of the \
+                 whole, with {} it is {stated:.3}",
+                order.name(),
+                options.order.unwrap_or(Order::Vtk).name()
+            ));
+        }
+    }
+
+    /// Compares with a von Mises stress that the file holds: components in the wrong place would show.
+    fn check_von_mises(&self, result: &FeResult, mpa: f64, warnings: &mut Vec<String>) {
+        let like = |a: &&FeArray| {
+            let name = a.name.to_ascii_lowercase();
+            a.on == On::Nodes
+                && a.components == 1
+                && name.contains("mises")
+                && !name.contains("strain")
+                && a.values.len() == result.stress.len()
+        };
+        let Some(array) = self.arrays.iter().rev().find(like) else { return };
+        let (mut off, mut total) = (0.0, 0.0);
+        for (s, v) in result.stress.iter().zip(&array.values) {
+            let (ours, theirs) = (von_mises(s), v * mpa);
+            if ours.is_finite() && theirs.is_finite() {
+                off += (ours - theirs).abs();
+                total += theirs.abs();
+            }
+        }
+        if off > 0.1 * total {
+            warnings.push(format!(
+                "the stress does not give the von Mises stress of array {:?} (off by {:.0} % on average): is the \
+                 array or the order of its components the right one?",
+                array.name,
+                100.0 * off / total.max(f64::MIN_POSITIVE)
+            ));
+        }
+    }
+}
+
+/// Name without a unit behind it: `S11 [MPa]`, `sxx_mpa`.
+fn unit_off(name: &str) -> &str {
+    let bare = name.split(['[', '(']).next().unwrap_or(name).trim_end();
+    match bare.rsplit_once(['_', ' ']) {
+        Some((stem, unit)) if StressUnit::from_name(unit).is_some() => stem,
+        _ => bare,
+    }
+}
+
+/// Which of xx, yy, zz, xy, yz, zx a name means by its end: `SXX`, `S11`, `xy`.
+fn component(name: &str) -> Option<usize> {
+    let lower = name.to_ascii_lowercase();
+    let at = lower.len().checked_sub(2)?;
+    Some(match lower.get(at..)? {
+        "xx" | "11" => 0,
+        "yy" | "22" => 1,
+        "zz" | "33" => 2,
+        "xy" | "yx" | "12" | "21" => 3,
+        "yz" | "zy" | "23" | "32" => 4,
+        "zx" | "xz" | "31" | "13" => 5,
+        _ => return None,
+    })
+}
+
+/// Where only corners have a stress, nodes on edges get the mean of their ends.
+fn fill_middles(elements: &[Element], stress: &mut [[f64; 6]]) {
+    for e in elements {
+        for (&node, &[i, j]) in e.nodes()[e.kind.n_corners()..].iter().zip(e.kind.edges()) {
+            if !stress[node as usize].iter().all(|v| v.is_nan()) {
+                continue;
+            }
+            let (a, b) = (stress[e.nodes()[i] as usize], stress[e.nodes()[j] as usize]);
+            stress[node as usize] = std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
+        }
+    }
+}
+
+fn box_of(nodes: &[DVec3]) -> Option<(DVec3, DVec3)> {
+    let first = *nodes.first()?;
+    Some(nodes.iter().fold((first, first), |(lo, hi), &p| (lo.min(p), hi.max(p))))
+}
+
+fn is_plane(nodes: &[DVec3], elements: &[Element]) -> bool {
+    let Some((lo, hi)) = box_of(nodes) else { return false };
+    let flat = hi.z - lo.z <= 1e-9 * (hi - lo).max_element();
+    flat && elements.first().is_none_or(|e| e.kind.dimension() == 2)
+}
+
+/// An order of the shears under which much less stress crosses the free surface, with the share of the stated order
+/// and of the better one. Most of a part's surface carries no load, so the right order leaves little across it.
+fn better_order(result: &FeResult, stated: Option<Order>) -> Option<(Order, f64, f64)> {
+    let faces = surface(&result.elements)?;
+    let stated = stated.unwrap_or(Order::Vtk);
+    let all = [Order::Vtk, Order::Abaqus, Order::Voigt];
+    let mut across = [0.0; 3];
+    let mut total = 0.0;
+    for face in &faces {
+        let p = |k: usize| result.nodes[face[k] as usize];
+        let area = (p(1) - p(0)).cross(p(2) - p(0));
+        let size = area.length();
+        if size == 0.0 {
+            continue;
+        }
+        let n = area / size;
+        // As the file has them: the stated order undone.
+        let places = stated.places();
+        let mut raw = [0.0; 6];
+        for &i in face {
+            for (k, v) in result.stress[i as usize].iter().enumerate() {
+                raw[places[k]] += v / face.len() as f64;
+            }
+        }
+        for (sum, order) in across.iter_mut().zip(all) {
+            let [xx, yy, zz, xy, yz, zx] = order.places().map(|k| raw[k]);
+            let t = DVec3::new(
+                xx * n.x + xy * n.y + zx * n.z,
+                xy * n.x + yy * n.y + yz * n.z,
+                zx * n.x + yz * n.y + zz * n.z,
+            );
+            *sum += size * t.length();
+        }
+        let norm = raw.iter().enumerate().map(|(k, v)| if k < 3 { v * v } else { 2.0 * v * v }).sum::<f64>();
+        total += size * norm.sqrt();
+    }
+    let share = |o: Order| across[o as usize] / total;
+    let best = all.into_iter().min_by(|a, b| share(*a).total_cmp(&share(*b)))?;
+    (share(best) < 0.7 * share(stated) && share(stated) > 0.05).then(|| (best, share(stated), share(best)))
+}
+
+/// Corners of the faces that only one solid has; `None` where there are no solids.
+fn surface(elements: &[Element]) -> Option<Vec<Vec<u32>>> {
+    if elements.first()?.kind.dimension() != 3 {
+        return None;
+    }
+    let mut faces: Vec<([u32; 4], Vec<u32>)> = Vec::new();
+    for e in elements {
+        for face in e.kind.faces() {
+            let corners: Vec<u32> = face.iter().map(|&i| e.nodes()[i]).collect();
+            let mut key = [u32::MAX; 4];
+            key[..corners.len()].copy_from_slice(&corners);
+            key.sort_unstable();
+            faces.push((key, corners));
+        }
+    }
+    faces.sort_unstable();
+    let single = faces.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() == 1);
+    Some(single.map(|c| c[0].1.clone()).collect())
+}

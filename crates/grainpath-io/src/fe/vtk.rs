@@ -1,0 +1,357 @@
+//! Legacy VTK: unstructured grids, ASCII and binary (big end first), cells as before and since version 5.
+
+use super::bytes::Scalar;
+use super::{ElementKind, FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
+use crate::text::{Words, number};
+
+/// Cells as VTK lists them; nodes count from `first_node` of the file.
+pub(crate) struct Cells<'a> {
+    pub(crate) first_node: usize,
+    pub(crate) n_nodes: usize,
+    pub(crate) connectivity: &'a [f64],
+    /// Where each cell's nodes end in `connectivity`.
+    pub(crate) ends: &'a [f64],
+    pub(crate) types: &'a [f64],
+}
+
+/// Adds cells as elements. Gives the indices of those taken.
+pub(crate) fn add_cells(file: &mut FeFile, cells: Cells<'_>) -> Result<Vec<usize>, FeError> {
+    let mut kept = Vec::with_capacity(cells.types.len());
+    let mut start = 0usize;
+    let mut nodes = Vec::new();
+    for (i, (&end, &kind)) in cells.ends.iter().zip(cells.types).enumerate() {
+        let element = || format!("{i} (from 0)");
+        let all = cells.connectivity.get(start..end as usize).filter(|_| end >= 0.0);
+        let all = all.ok_or_else(|| {
+            invalid(format!("cell {i}"), format!("its nodes {start} to {end} are not in the connectivity"))
+        })?;
+        start = end as usize;
+        nodes.clear();
+        for &n in all {
+            if !(n >= 0.0 && n < cells.n_nodes as f64) {
+                return Err(FeError::NoSuchNode { element: element(), node: n as i64 });
+            }
+            nodes.push((cells.first_node + n as usize) as u32);
+        }
+        let kind = kind_of(kind as u8, &mut nodes);
+        if file.add(kind, &nodes) {
+            kept.push(i);
+        }
+    }
+    Ok(kept)
+}
+
+/// The kind of a VTK cell, its nodes put into our order.
+fn kind_of(vtk: u8, nodes: &mut [u32]) -> Result<ElementKind, &'static str> {
+    Ok(match vtk {
+        5 => ElementKind::Tri3,
+        // Biquadratic triangles and quadratic-linear cells lose only nodes inside.
+        22 | 34 => ElementKind::Tri6,
+        8 => {
+            if let [_, _, c, d, ..] = nodes {
+                std::mem::swap(c, d);
+            }
+            ElementKind::Quad4
+        }
+        9 => ElementKind::Quad4,
+        23 => ElementKind::Quad8,
+        28 => ElementKind::Quad9,
+        10 => ElementKind::Tet4,
+        24 => ElementKind::Tet10,
+        11 => {
+            if let [_, _, c, d, _, _, g, h, ..] = nodes {
+                std::mem::swap(c, d);
+                std::mem::swap(g, h);
+            }
+            ElementKind::Hex8
+        }
+        12 => ElementKind::Hex8,
+        25 | 29 | 33 => ElementKind::Hex20,
+        13 => ElementKind::Wedge6,
+        26 | 32 => ElementKind::Wedge15,
+        14 | 27 | 37 => ElementKind::Pyramid5,
+        1 | 2 => return Err("points"),
+        3 | 4 | 21 | 35 | 68 | 75 => return Err("lines"),
+        6 => return Err("triangle strips"),
+        7 | 36 => return Err("polygons"),
+        41 | 42 => return Err("polyhedra"),
+        68..=81 => return Err("of higher order"),
+        _ => return Err("of kinds grainpath does not read"),
+    })
+}
+
+struct Vtk<'a> {
+    words: Words<'a>,
+    binary: bool,
+    file: FeFile,
+    connectivity: Vec<f64>,
+    ends: Vec<f64>,
+    types: Vec<f64>,
+    /// What data sections belong to, and how many tuples.
+    on: Option<(On, usize)>,
+}
+
+pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
+    let mut words = Words::new(bytes, None);
+    words.next_line();
+    words.next_line();
+    let style = words.word().unwrap_or_default();
+    let binary = style.eq_ignore_ascii_case(b"BINARY");
+    if !binary && !style.eq_ignore_ascii_case(b"ASCII") {
+        return Err(words.wrong(style, "ASCII or BINARY").into());
+    }
+    let mut vtk = Vtk {
+        words,
+        binary,
+        file: FeFile::empty(FeFormat::Vtk),
+        connectivity: Vec::new(),
+        ends: Vec::new(),
+        types: Vec::new(),
+        on: None,
+    };
+    vtk.walk()?;
+    vtk.finish()
+}
+
+impl Vtk<'_> {
+    fn walk(&mut self) -> Result<(), FeError> {
+        while let Some(word) = self.words.word() {
+            match word.to_ascii_uppercase().as_slice() {
+                b"DATASET" => {
+                    let kind = self.words.word().unwrap_or_default().to_ascii_uppercase();
+                    if kind != b"UNSTRUCTURED_GRID" {
+                        let what = format!("DATASET {}", String::from_utf8_lossy(&kind));
+                        return Err(FeError::Unsupported { what, reads: "UNSTRUCTURED_GRID" });
+                    }
+                }
+                b"POINTS" => {
+                    let n = self.count("the number of points")?;
+                    let scalar = self.scalar()?;
+                    let all = self.numbers(scalar, n * 3)?;
+                    for (i, p) in all.chunks_exact(3).enumerate() {
+                        self.file.nodes.push(position([p[0], p[1], p[2]], || format!("point {i}"))?);
+                    }
+                }
+                b"CELLS" => self.cells()?,
+                b"CELL_TYPES" => {
+                    let n = self.count("the number of cells")?;
+                    self.types = self.numbers(Scalar::I32, n)?;
+                }
+                b"POINT_DATA" => self.on = Some((On::Nodes, self.count("the number of points")?)),
+                b"CELL_DATA" => self.on = Some((On::Elements, self.count("the number of cells")?)),
+                b"METADATA" => self.metadata(),
+                other => self.data(other, word)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<FeFile, FeError> {
+        let n_cells = self.types.len();
+        if self.ends.len() != n_cells {
+            return Err(invalid("CELLS", format!("{} cells, but {n_cells} types", self.ends.len())));
+        }
+        let cells = Cells {
+            first_node: 0,
+            n_nodes: self.file.nodes.len(),
+            connectivity: &self.connectivity,
+            ends: &self.ends,
+            types: &self.types,
+        };
+        let kept = add_cells(&mut self.file, cells)?;
+        let n_nodes = self.file.nodes.len();
+        let mut warnings = Vec::new();
+        self.file.arrays.retain_mut(|a| {
+            let n = if a.on == On::Nodes { n_nodes } else { n_cells };
+            if a.values.len() != n * a.components {
+                warnings.push(format!("array {:?} does not fit its mesh; left out", a.name));
+                return false;
+            }
+            if a.on == On::Elements && kept.len() != n_cells {
+                let c = a.components;
+                a.values = kept.iter().flat_map(|&i| a.values[i * c..(i + 1) * c].iter().copied()).collect();
+            }
+            true
+        });
+        self.file.warnings.extend(warnings);
+        Ok(self.file)
+    }
+
+    fn count(&mut self, wanted: &'static str) -> Result<usize, FeError> {
+        let n = self.words.count(wanted)?;
+        if n > MAX_COUNT {
+            return Err(FeError::TooMany { what: wanted, limit: MAX_COUNT });
+        }
+        Ok(n as usize)
+    }
+
+    fn scalar(&mut self) -> Result<Scalar, FeError> {
+        let word = self.words.word().unwrap_or_default();
+        Ok(match word.to_ascii_lowercase().as_slice() {
+            b"float" => Scalar::F32,
+            b"double" => Scalar::F64,
+            b"int" => Scalar::I32,
+            b"unsigned_int" => Scalar::U32,
+            b"long" | b"vtkidtype" | b"vtktypeint64" => Scalar::I64,
+            b"unsigned_long" | b"vtktypeuint64" => Scalar::U64,
+            b"short" => Scalar::I16,
+            b"unsigned_short" => Scalar::U16,
+            b"char" | b"vtktypeint8" => Scalar::I8,
+            b"unsigned_char" | b"vtktypeuint8" => Scalar::U8,
+            b"vtktypeint32" => Scalar::I32,
+            _ => return Err(self.words.wrong(word, "a type of number").into()),
+        })
+    }
+
+    /// The next `n` numbers, as words or bytes.
+    fn numbers(&mut self, scalar: Scalar, n: usize) -> Result<Vec<f64>, FeError> {
+        if self.binary {
+            self.words.next_line();
+            let raw = n.checked_mul(scalar.bytes()).and_then(|n| self.words.raw(n));
+            let raw = raw.ok_or_else(|| {
+                invalid(self.words.place(), format!("{n} numbers should follow, the file ends before"))
+            })?;
+            return Ok(scalar.all(raw, true));
+        }
+        let mut all = Vec::new();
+        for _ in 0..n {
+            all.push(self.words.number("a number")?);
+        }
+        Ok(all)
+    }
+
+    fn cells(&mut self) -> Result<(), FeError> {
+        let n = self.count("the number of cells")?;
+        let size = self.count("the size of the list of cells")?;
+        self.ends.clear();
+        if self.word_after_is(b"OFFSETS") {
+            // Since version 5.1: n is the number of offsets, one more than cells.
+            self.words.word();
+            let scalar = self.scalar()?;
+            self.ends = self.numbers(scalar, n)?;
+            if !self.ends.is_empty() {
+                self.ends.remove(0);
+            }
+            let word = self.words.word().unwrap_or_default();
+            if !word.eq_ignore_ascii_case(b"CONNECTIVITY") {
+                return Err(self.words.wrong(word, "`CONNECTIVITY`").into());
+            }
+            let scalar = self.scalar()?;
+            self.connectivity = self.numbers(scalar, size)?;
+            return Ok(());
+        }
+        let all = self.numbers(Scalar::I32, size)?;
+        let mut at = 0;
+        for i in 0..n {
+            let count = all.get(at).copied().unwrap_or(-1.0);
+            let nodes =
+                all.get(at + 1..).and_then(|rest| rest.get(..count as usize)).filter(|_| count >= 0.0);
+            let nodes =
+                nodes.ok_or_else(|| invalid(format!("cell {i}"), "the list of cells ends before it"))?;
+            self.connectivity.extend_from_slice(nodes);
+            self.ends.push(self.connectivity.len() as f64);
+            at += 1 + nodes.len();
+        }
+        Ok(())
+    }
+
+    fn word_after_is(&mut self, wanted: &[u8]) -> bool {
+        self.words.peek().is_some_and(|w| w.eq_ignore_ascii_case(wanted))
+    }
+
+    /// Passes over what VTK 9 writes behind arrays: until an empty line.
+    fn metadata(&mut self) {
+        self.words.next_line();
+        while !self.words.at_end() && !self.words.rest_of_line().is_empty() {
+            self.words.next_line();
+        }
+    }
+
+    /// An attribute of points or cells.
+    fn data(&mut self, keyword: &[u8], word: &[u8]) -> Result<(), FeError> {
+        let Some((on, n)) = self.on else {
+            // A field before all data belongs to the whole.
+            return if keyword == b"FIELD" {
+                self.field(None)
+            } else {
+                Err(self.words.wrong(word, "a section of an unstructured grid").into())
+            };
+        };
+        let components = match keyword {
+            b"SCALARS" => 1,
+            b"VECTORS" | b"NORMALS" => 3,
+            b"TENSORS" => 9,
+            b"TENSORS6" => 6,
+            b"FIELD" => return self.field(Some((on, n))),
+            b"COLOR_SCALARS" => {
+                self.words.word();
+                let c = self.count("the number of colours")?;
+                self.numbers(Scalar::U8, n.saturating_mul(c))?;
+                return Ok(());
+            }
+            b"LOOKUP_TABLE" => {
+                self.words.word();
+                let n = self.count("the size of the table")?;
+                self.numbers(Scalar::U8, n.saturating_mul(4))?;
+                return Ok(());
+            }
+            b"GLOBAL_IDS" | b"PEDIGREE_IDS" => 1,
+            b"TEXTURE_COORDINATES" => 0,
+            _ => return Err(self.words.wrong(word, "a section of an unstructured grid").into()),
+        };
+        let name = self.name();
+        let components = if components == 0 { self.count("a dimension")? } else { components };
+        let scalar = self.scalar()?;
+        let mut components = components;
+        if keyword == b"SCALARS" {
+            if let Some(word) = self.words.word_on_line() {
+                components = number(word).filter(|c| (1.0..=4.0).contains(c)).unwrap_or(1.0) as usize;
+            }
+            if self.word_after_is(b"LOOKUP_TABLE") {
+                self.words.word();
+                self.words.word();
+            }
+        }
+        let values = self.numbers(scalar, n.saturating_mul(components))?;
+        self.push(name, on, components, values);
+        Ok(())
+    }
+
+    fn name(&mut self) -> String {
+        // Spaces in names are written as %20.
+        let word = self.words.word().unwrap_or_default();
+        String::from_utf8_lossy(word).replace("%20", " ")
+    }
+
+    fn push(&mut self, name: String, on: On, components: usize, values: Vec<f64>) {
+        let component_names = Vec::new();
+        self.file.arrays.push(FeArray { name, on, components, component_names, values, step: None });
+    }
+
+    fn field(&mut self, on: Option<(On, usize)>) -> Result<(), FeError> {
+        self.words.word();
+        let n_arrays = self.count("the number of arrays")?;
+        for _ in 0..n_arrays {
+            if self.word_after_is(b"METADATA") {
+                self.words.word();
+                self.metadata();
+            }
+            let name = self.name();
+            let components = self.count("the number of components")?;
+            let tuples = self.count("the number of tuples")?;
+            let string = self.word_after_is(b"string");
+            if string {
+                return Err(FeError::Unsupported { what: "a field of strings".into(), reads: "numbers" });
+            }
+            let scalar = self.scalar()?;
+            let values = self.numbers(scalar, components.saturating_mul(tuples))?;
+            if let Some((on, n)) = on
+                && n == tuples
+                && components > 0
+            {
+                self.push(name, on, components, values);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,264 @@
+//! Files made by the programs whose formats they are (`fe/make.py`) read as what was put in, in every encoding.
+
+use std::path::Path;
+
+use grainpath_core::DVec3;
+use grainpath_core::units::LengthUnit;
+use grainpath_io::fe::{
+    Element, Encoding, FeOptions, On, Order, StressField, StressUnit, VtuMesh, parse_fe, stress_point_data,
+    von_mises, write_vtu,
+};
+
+fn bytes(file: &str) -> Vec<u8> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fe").join(file);
+    std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// The field every file of `make.py` but the ccx ones holds.
+fn stress(p: DVec3) -> [f64; 6] {
+    std::array::from_fn(|k| {
+        let k = k as f64 + 1.0;
+        10.0 * k + k * p.x + 2.0 * p.y - 3.0 * p.z
+    })
+}
+
+fn near(a: &[f64; 6], b: &[f64; 6], tolerance: f64) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= tolerance)
+}
+
+const VOLUMES: [f64; 7] = [1.0, 1.0, 0.5, 0.5, 1.0 / 6.0, 1.0 / 6.0, 1.0 / 3.0];
+
+#[test]
+fn every_encoding_gives_the_same_field() {
+    let files = [
+        "ascii.vtu",
+        "base64.vtu",
+        "base64_zlib.vtu",
+        "raw_big.vtu",
+        "raw_zlib_blocks.vtu",
+        "appended_base64.vtu",
+        "appended_base64_zlib_big.vtu",
+        "v42_ascii.vtk",
+        "v42_binary.vtk",
+        "v51_binary.vtk",
+        "v22_ascii.msh",
+        "v22_binary.msh",
+        "v41_ascii.msh",
+        "v41_binary.msh",
+    ];
+    for name in files {
+        let file = parse_fe(&bytes(name), None).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_eq!(file.nodes.len(), 68, "{name}");
+        assert!(file.warnings.is_empty() && file.left_out.is_empty(), "{name}: {:?}", file.warnings);
+        assert_eq!(file.elements.len(), 7, "{name}");
+        // Gmsh sorts by kind; the elements stand 2 apart along x.
+        let which = |e: &Element| (file.nodes[e.nodes()[0] as usize].x / 2.0).floor() as usize;
+        for e in &file.elements {
+            // Middles of edges in the wrong place would bend the element.
+            let (v, expect) = (e.size(&file.nodes), VOLUMES[which(e)]);
+            assert!((v - expect).abs() < 1e-6, "{name}: {} has volume {v}", e.kind.name());
+        }
+        if name.ends_with(".msh") {
+            let names: Vec<_> = file.groups.iter().map(|g| g.name.as_str()).collect();
+            assert_eq!(
+                names,
+                ["part 1", "part 2", "part 3", "part 4", "part 5", "part 6", "part 7"],
+                "{name}"
+            );
+        }
+        let result = file.result(&FeOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        for (p, s) in result.nodes.iter().zip(&result.stress) {
+            assert!(near(s, &stress(*p), 2e-5), "{name}: at {p} {s:?} should be {:?}", stress(*p));
+        }
+        let of_cells = FeOptions { stress_array: Some("S_cell".into()), ..FeOptions::default() };
+        let cells = file.result(&of_cells).unwrap_or_else(|e| panic!("{name}: {e}"));
+        for e in &cells.elements {
+            let middle: DVec3 = e.nodes().iter().map(|&i| cells.nodes[i as usize]).sum::<DVec3>();
+            let middle = middle / e.nodes().len() as f64;
+            for &i in e.nodes() {
+                let s = cells.stress[i as usize];
+                assert!(near(&s, &stress(middle), 2e-5), "{name}: cell at {middle} {s:?}");
+            }
+        }
+        let field = StressField::new(result);
+        for i in 0..7u32 {
+            let p = DVec3::new(2.0 * f64::from(i) + 0.21, 0.33, 0.17);
+            let at = field.locate(p).expect("there are elements");
+            let found = which(&field.result().elements[at.element as usize]);
+            assert!(found == i as usize && at.distance_mm == 0.0, "{name}: {p} is in {at:?}");
+            assert!(near(&field.sample(p), &stress(p), 3e-5), "{name}: {p}");
+        }
+        if let Some(u) = field.displacement(DVec3::new(0.5, 0.5, 0.5)) {
+            assert!((u - DVec3::new(0.05, 0.1, 0.15)).length() < 1e-6, "{name}: {u}");
+        }
+    }
+}
+
+#[test]
+fn pieces_are_joined() {
+    let file = parse_fe(&bytes("pieces.vtu"), None).expect("two pieces");
+    assert_eq!((file.nodes.len(), file.elements.len()), (8 + 20 + 6 + 20 + 6 + 15, 6));
+    let result = file.result(&FeOptions::default()).expect("a stress");
+    assert!(result.nodes.iter().zip(&result.stress).all(|(p, s)| near(s, &stress(*p), 1e-9)));
+    assert_eq!(result.elements[3].nodes()[0], 34, "nodes of the second piece follow those of the first");
+}
+
+#[test]
+fn calculix_results_ascii_and_binary() {
+    // make.py prescribes u = G x, so the strain is the symmetric part of G everywhere.
+    let g = [[1e-3, 2e-4, -3e-4], [4e-4, -2e-3, 5e-4], [1e-4, 7e-4, 3e-3]];
+    let (e, nu): (f64, f64) = (2100.0, 0.3);
+    let (mu, lambda) = (e / (2.0 * (1.0 + nu)), e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)));
+    let trace = g[0][0] + g[1][1] + g[2][2];
+    let direct = |i: usize| lambda * trace + 2.0 * mu * g[i][i];
+    let shear = |i: usize, j: usize| mu * (g[i][j] + g[j][i]);
+    let expect = [direct(0), direct(1), direct(2), shear(0, 1), shear(1, 2), shear(2, 0)];
+    for name in ["patch_ascii.frd", "patch_binary.frd"] {
+        let file = parse_fe(&bytes(name), None).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let volumes: Vec<f64> = file.elements.iter().map(|e| e.size(&file.nodes)).collect();
+        for (v, expect) in volumes.iter().zip(VOLUMES) {
+            assert!((v - expect).abs() < 1e-6, "{name}: {volumes:?}");
+        }
+        assert_eq!(volumes.len(), 6, "{name}");
+        let result = file.result(&FeOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        for (p, s) in result.nodes.iter().zip(&result.stress) {
+            assert!(near(s, &expect, 4e-4), "{name}: at {p} {s:?} should be {expect:?}");
+        }
+        let u = result.displacement.expect("DISP");
+        for (p, u) in result.nodes.iter().zip(u) {
+            let exact = DVec3::from(g.map(|row| row[0] * p.x + row[1] * p.y + row[2] * p.z));
+            assert!((u - exact).length() < 1e-6, "{name}: {u} {exact}");
+        }
+    }
+}
+
+#[test]
+fn what_is_written_is_read_back() {
+    let file = parse_fe(&bytes("base64.vtu"), None).expect("a good file");
+    let result = file.result(&FeOptions::default()).expect("a stress");
+    for encoding in [Encoding::Ascii, Encoding::Raw, Encoding::Zlib] {
+        let mut out = Vec::new();
+        let data = stress_point_data(&result.stress, result.displacement.as_deref());
+        let mesh = VtuMesh { nodes: &result.nodes, elements: &result.elements };
+        write_vtu(mesh, &data, encoding, &mut out).expect("memory takes all");
+        let read = parse_fe(&out, None).unwrap_or_else(|e| panic!("{encoding:?}: {e}"));
+        assert_eq!(read.elements, file.elements, "{encoding:?}");
+        let again = read.result(&FeOptions::default()).expect("a stress");
+        assert_eq!((&again.nodes, &again.stress), (&result.nodes, &result.stress), "{encoding:?}");
+        assert_eq!(again.displacement, result.displacement, "{encoding:?}");
+        let array = |name: &str| {
+            let a = read.arrays.iter().find(|a| a.name == name);
+            a.unwrap_or_else(|| panic!("{encoding:?}: no {name}")).clone()
+        };
+        let mises = array("von_Mises");
+        assert!(mises.on == On::Nodes && (mises.values[3] - von_mises(&result.stress[3])).abs() < 1e-12);
+        // The principal vectors, squared and divided by their length, add up to the tensor.
+        let vectors = ["principal_max", "principal_mid", "principal_min"].map(array);
+        let s = result.stress[5];
+        let (mut xx, mut trace) = (0.0, 0.0);
+        for v in &vectors {
+            let v = DVec3::from_slice(&v.values[15..18]);
+            trace += v.length();
+            xx += v.x * v.x / v.length();
+        }
+        let hydrostatic = s[0] + s[1] + s[2];
+        assert!(trace >= hydrostatic.abs() - 1e-9 && xx >= s[0].abs() - 1e-9, "{trace} {xx} {s:?}");
+    }
+    let wrong = [grainpath_io::fe::PointData::scalars("a", [1.0])];
+    let mesh = VtuMesh { nodes: &result.nodes, elements: &result.elements };
+    assert!(write_vtu(mesh, &wrong, Encoding::Raw, &mut Vec::new()).is_err());
+}
+
+#[test]
+fn units_are_stated_and_doubted() {
+    let bar = "x,y,z,s_xx,s_yy,s_zz,s_xy,s_yz,s_zx\n0,0,0,1e8,0,0,0,0,0\n0.1,0,0,1e8,0,0,0,0,0\n0,0.02,0,1e8,0,0,0,0,0\n";
+    let file = parse_fe(bar.as_bytes(), Some("a.csv")).expect("a table");
+    let doubted = file.result(&FeOptions::default()).expect("taken as it is");
+    assert!(doubted.warnings.iter().any(|w| w.contains("stress_unit = \"Pa\"")), "{:?}", doubted.warnings);
+    assert!(doubted.warnings.iter().any(|w| w.contains("length_unit")), "{:?}", doubted.warnings);
+    let stated = FeOptions {
+        length_unit: Some(LengthUnit::Metre),
+        stress_unit: Some(StressUnit::Pascal),
+        ..FeOptions::default()
+    };
+    let result = file.result(&stated).expect("metres and pascals");
+    assert_eq!(
+        (result.nodes[1], result.stress[0]),
+        (DVec3::new(100.0, 0.0, 0.0), [100.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    );
+    assert!(result.warnings.is_empty(), "{:?}", result.warnings);
+    let psi = FeOptions {
+        stress_unit: StressUnit::from_name("psi"),
+        length_unit: LengthUnit::from_name("inch"),
+        ..stated
+    };
+    let result = file.result(&psi).expect("inches");
+    assert!((result.nodes[1].x - 2.54).abs() < 1e-12 && (result.stress[0][0] - 689_475.7).abs() < 0.1);
+}
+
+#[test]
+fn order_of_components_is_taken_and_doubted() {
+    // Torsion of a bar along x: only xy and zx, free sides. In Abaqus order zx comes before yz.
+    let mut nodes = Vec::new();
+    let mut text = String::from("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n");
+    for i in 0..11 {
+        for j in 0..5 {
+            for k in 0..5 {
+                nodes.push(DVec3::new(f64::from(i), 0.5 * f64::from(j) - 1.0, 0.5 * f64::from(k) - 1.0));
+            }
+        }
+    }
+    text += &format!("{}\n", nodes.len());
+    for (i, p) in nodes.iter().enumerate() {
+        text += &format!("{} {} {} {}\n", i + 1, p.x, p.y, p.z);
+    }
+    let at = |i: usize, j: usize, k: usize| (i * 5 + j) * 5 + k + 1;
+    let mut elements = String::new();
+    let mut n = 0;
+    for i in 0..10 {
+        for j in 0..4 {
+            for k in 0..4 {
+                n += 1;
+                elements += &format!("{n} 5 0");
+                for (a, b, c) in
+                    [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+                {
+                    elements += &format!(" {}", at(i + a, j + b, k + c));
+                }
+                elements += "\n";
+            }
+        }
+    }
+    text += &format!(
+        "$EndNodes\n$Elements\n{n}\n{elements}$EndElements\n$NodeData\n1\n\"S\"\n1\n0\n3\n0\n6\n{}\n",
+        nodes.len()
+    );
+    for (i, p) in nodes.iter().enumerate() {
+        // Prandtl's function (1 - y^2)(1 - z^2): no stress across the sides.
+        let (xy, zx) = (-2.0 * p.z * (1.0 - p.y * p.y), 2.0 * p.y * (1.0 - p.z * p.z));
+        text += &format!("{} 0 0 0 {xy} {zx} 0\n", i + 1);
+    }
+    text += "$EndNodeData\n";
+    let file = parse_fe(text.as_bytes(), None).expect("a torsion bar");
+    let plain = file.result(&FeOptions::default()).expect("a stress");
+    let told = plain.warnings.iter().any(|w| w.contains("may be abaqus"));
+    assert!(told, "{:?}", plain.warnings);
+    let abaqus = FeOptions { order: Order::from_name("Abaqus"), ..FeOptions::default() };
+    let right = file.result(&abaqus).expect("a stress");
+    assert!(right.warnings.is_empty(), "{:?}", right.warnings);
+    let s = StressField::new(right).sample(DVec3::new(5.0, 0.5, 0.0));
+    assert!((s[5] - 1.0).abs() < 1e-9 && s[4] == 0.0, "{s:?}");
+}
+
+#[test]
+fn a_stored_von_mises_shows_a_wrong_array() {
+    let file = "x;y;sxx;syy;sxy;von Mises\n0,0;0;10;0;0;10\n1,5;0;20;0;0;20\n0;1;30;0;0;30\n";
+    let good = parse_fe(file.as_bytes(), Some("a.csv")).expect("a table with decimal commas");
+    let result = good.result(&FeOptions::default()).expect("a plane stress");
+    assert!(result.plane && result.warnings.is_empty(), "{:?}", result.warnings);
+    assert_eq!(result.nodes[1].x, 1.5);
+    let wrong = file.replace(";20;0;0;20", ";90;0;0;20");
+    let result = parse_fe(wrong.as_bytes(), Some("a.csv")).expect("a table").result(&FeOptions::default());
+    let warnings = result.expect("a plane stress").warnings;
+    assert!(warnings.iter().any(|w| w.contains("von Mises")), "{warnings:?}");
+}

@@ -1,0 +1,187 @@
+//! Every real file of the shared data reads with the values its table tells, or says what is wrong.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use grainpath_core::DVec3;
+use grainpath_core::units::LengthUnit;
+use grainpath_io::fe::{
+    Behaviour, Elastic, ElementKind, FeError, FeFile, FeOptions, FeResult, StressField, parse_fe, von_mises,
+};
+
+fn folder() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fea");
+    if !folder.is_dir() {
+        println!("skipped: no ../shared/data");
+        return None;
+    }
+    Some(folder)
+}
+
+fn read(file: &str) -> Option<FeFile> {
+    let bytes = std::fs::read(folder()?.join(file)).expect("a file of the table");
+    Some(parse_fe(&bytes, Some(file)).unwrap_or_else(|e| panic!("{file}: {e}")))
+}
+
+fn result(file: &str, options: &FeOptions) -> Option<FeResult> {
+    let read = read(file)?;
+    let result = read.result(options).unwrap_or_else(|e| panic!("{file}: {e}"));
+    assert!(result.warnings.is_empty(), "{file}: {:?}", result.warnings);
+    Some(result)
+}
+
+#[test]
+fn every_file_reads_or_says_why() {
+    let Some(folder) = folder() else { return };
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(folder).expect("the folder").map(|f| f.expect("a file").path()).collect();
+    files.sort();
+    assert!(files.len() > 30, "{} files", files.len());
+    for path in files {
+        let name = path.file_name().expect("a name").to_string_lossy().into_owned();
+        let read = parse_fe(&std::fs::read(&path).expect("a file"), None);
+        match read {
+            Ok(file) if name == "ccx_uprofile.inp" => {
+                assert_eq!(file.left_out, [("beams and trusses".to_owned(), 5)]);
+            }
+            Ok(file) => assert!(!file.nodes.is_empty() && !file.elements.is_empty(), "{name}"),
+            Err(e) => assert!(name == "bracket.step" && e == FeError::Geometry, "{name}: {e}"),
+        }
+    }
+}
+
+#[test]
+fn meshes_are_as_the_table_says() {
+    use ElementKind::{Hex8, Hex20, Quad4, Quad8, Tet4, Tet10, Tri3, Tri6};
+    let table: [(&str, usize, &[(ElementKind, usize)]); 14] = [
+        ("nafems_le1.inp", 433, &[(Quad8, 128)]),
+        ("nafems_le1.frd", 433, &[(Quad8, 128)]),
+        ("nafems_le1_v22.msh", 433, &[(Quad8, 128)]),
+        ("nafems_le1_v41.msh", 433, &[(Quad8, 128)]),
+        ("bracket.vtu", 19126, &[(Tet10, 11076)]),
+        ("bracket.inp", 19126, &[(Tet10, 11076)]),
+        ("plate_hole_freecad.inp", 13234, &[(Tet10, 6524)]),
+        ("vtk_CylinderQuadratic.vtk", 2814, &[(Tet10, 1522)]),
+        ("vtk_can.vtu", 6724, &[(Hex8, 4800)]),
+        ("ccx_disk2.inp", 102, &[(Hex20, 8)]),
+        ("skfem_beams.msh", 289, &[(Tri3, 8), (Tet4, 851)]),
+        ("sfepy_abaqus_quad_tri.inp", 34, &[(Tri3, 8), (Quad4, 20)]),
+        ("skfem_quadratic_tri.msh", 262, &[(Tri6, 119)]),
+        ("sfepy_cross3d.mesh", 32, &[(Hex8, 7)]),
+    ];
+    for (name, n, kinds) in table {
+        let Some(file) = read(name) else { return };
+        assert_eq!((file.nodes.len(), file.kinds().as_slice()), (n, kinds), "{name}");
+        let sizes: Vec<f64> = file.elements.iter().map(|e| e.size(&file.nodes)).collect();
+        assert!(sizes.iter().all(|&v| v > 0.0), "{name}: an element without volume");
+    }
+    // One mesh in three formats: the same area, that of the quarter ring between two ellipses.
+    let area = std::f64::consts::PI / 4.0 * (3.25 * 2.75 - 2.0);
+    for name in ["nafems_le1.inp", "nafems_le1_v22.msh", "nafems_le1_v41.msh"] {
+        let Some(file) = read(name) else { return };
+        let sum: f64 = file.elements.iter().map(|e| e.size(&file.nodes)).sum();
+        assert!((sum / area - 1.0).abs() < 1e-4, "{name}: {sum} {area}");
+    }
+}
+
+#[test]
+fn le1_has_its_stress_at_point_d() {
+    let metres = FeOptions { length_unit: Some(LengthUnit::Metre), ..FeOptions::default() };
+    let Some(result) = result("nafems_le1.frd", &metres) else { return };
+    assert!(result.plane && result.displacement.is_some());
+    let field = StressField::new(result);
+    let s = field.sample(DVec3::new(2000.0, 0.0, 17.0));
+    assert!((s[1] - 93.2).abs() < 0.05, "SYY at D is {}", s[1]);
+    // Just outside the mesh it is the nearest point's.
+    let outside = field.sample(DVec3::new(1990.0, 0.0, 0.0));
+    assert!((outside[1] - s[1]).abs() < 0.5, "{} {}", outside[1], s[1]);
+}
+
+#[test]
+fn peaks_of_bracket_and_plate() {
+    let Some(bracket) = result("bracket.vtu", &FeOptions::default()) else { return };
+    assert!((bracket.max_von_mises_mpa() - 43.6).abs() < 0.1, "{}", bracket.max_von_mises_mpa());
+    let Some(plate) = result("plate_hole_linear.vtu", &FeOptions::default()) else { return };
+    let sxx = plate.stress.iter().map(|s| s[0]).fold(0.0, f64::max);
+    assert!((sxx - 578.0).abs() < 0.5, "{sxx}");
+    // At the hole's edge across the load, where Howland's solution for this width gives about the same.
+    let at = StressField::new(plate).sample(DVec3::new(0.0, 50.0, 5.0));
+    assert!((at[0] - 560.0).abs() < 25.0, "{at:?}");
+}
+
+#[test]
+fn freecad_result_and_beam() {
+    let Some(bar) = result("freecad_box_static.frd", &FeOptions::default()) else { return };
+    assert!(bar.max_von_mises_mpa() > 2000.0, "{}", bar.max_von_mises_mpa());
+    let Some(beam) = result("beamp_with_stress.frd", &FeOptions::default()) else { return };
+    // 9 N at the end of 8 mm, section 1 x 1 mm: the moment at half length gives 6 M / b h^2 = 216 MPa.
+    let s = StressField::new(beam).sample(DVec3::new(0.5, 0.0, 4.0));
+    assert!((s[2].abs() / 216.0 - 1.0).abs() < 0.02, "{s:?}");
+}
+
+#[test]
+fn decks_keep_material_supports_and_loads() {
+    let Some(file) = read("nafems_le1.inp") else { return };
+    let deck = file.deck.as_ref().expect("a deck");
+    let (material, thickness) = deck.section_of(5).expect("a section");
+    assert_eq!(material.elastic, Some(Elastic::Isotropic { e: 210_000.0, nu: 0.3 }));
+    assert_eq!((thickness, deck.behaviours[0]), (Some(0.1), Behaviour::PlaneStress));
+    assert_eq!((deck.fixed.len(), deck.steps.len(), deck.steps[0].face_loads.len()), (34, 1, 16));
+    // The pressure pulls on the outer ellipse.
+    for load in &deck.steps[0].face_loads {
+        let e = &file.elements[load.element as usize];
+        for &corner in e.kind.faces()[load.face as usize] {
+            let p = file.nodes[e.nodes()[corner] as usize];
+            assert!(
+                ((p.x / 3.25).powi(2) + (p.y / 2.75).powi(2) - 1.0).abs() < 1e-6 && load.pressure == -10.0
+            );
+        }
+    }
+    let Some(file) = read("bracket.inp") else { return };
+    let deck = file.deck.as_ref().expect("a deck");
+    let force: f64 = deck.steps[0].point_loads.iter().map(|l| l.value).sum();
+    assert!((force + 500.0).abs() < 0.01 && deck.steps[0].point_loads.iter().all(|l| l.axis == 2), "{force}");
+    let Some(file) = read("ccx_disk2.inp") else { return };
+    assert!(
+        file.warnings.iter().any(|w| w.contains("*EQUATION") && w.contains("CENTRIF")),
+        "{:?}",
+        file.warnings
+    );
+}
+
+#[test]
+fn sampling_is_fast_and_as_exact_as_the_nodes() {
+    let Some(result) = result("bracket.vtu", &FeOptions::default()) else { return };
+    let start = Instant::now();
+    let field = StressField::new(result);
+    let built = start.elapsed();
+    for (p, s) in field.result().nodes.iter().zip(&field.result().stress).step_by(37) {
+        let found = field.sample(*p);
+        let off = found.iter().zip(s).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-4 * (1.0 + von_mises(s)), "at {p}: {found:?} {s:?}");
+    }
+    // Rows of points, as layers ask for them; some are outside the part.
+    let (lo, hi) = field
+        .result()
+        .nodes
+        .iter()
+        .fold((field.result().nodes[0], field.result().nodes[0]), |b, &p| (b.0.min(p), b.1.max(p)));
+    let n = 300_000;
+    let start = Instant::now();
+    let mut inside = 0;
+    let mut sum = 0.0;
+    for i in 0..n {
+        let t = DVec3::new(
+            f64::from(i % 1000) / 1000.0,
+            f64::from(i / 1000 % 100) / 100.0,
+            f64::from(i / 100_000) / 3.0,
+        );
+        let p = lo + t * (hi - lo);
+        let at = field.locate(p).expect("a mesh");
+        inside += i32::from(at.distance_mm == 0.0);
+        sum += field.stress_at(&at)[0];
+    }
+    let spent = start.elapsed().as_secs_f64();
+    println!("built in {built:?}; {n} points, {inside} inside, {spent:.2} s ({sum:.1})");
+    assert!(inside > n / 20 && sum.is_finite() && spent < 10.0, "{inside} {spent}");
+}

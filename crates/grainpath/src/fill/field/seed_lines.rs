@@ -1,0 +1,105 @@
+//! Dense fill from seed lines and their offsets, after the principal stress line method as published.
+//!
+//! Some lines of the field are chosen that come nowhere nearer to each other than a bead. They part the room into
+//! regions; each is filled with offsets of the seed line at its lower left, a bead apart, until it is full. Bead
+//! width is constant, so where neighbours part gaps remain: [`Stripes`](super::Stripes) has none.
+
+use grainpath_core::poly::{LineClipper, simplify_line};
+use grainpath_core::{DVec2, Polygon, Region, Toolpath};
+
+use super::stripes::axis_of;
+use crate::fill::{FillContext, Infill};
+use crate::guide::{LineSettings, Seeding, TracedLine, evenly_spaced};
+
+/// Seed lines and offsets.
+pub struct SeedLines;
+
+/// Distance of seed lines where they are chosen, in beads.
+const SEED_SPACING: f64 = 8.0;
+/// Shorter pieces are left out, in beads.
+const SHORTEST: f64 = 2.0;
+/// Offsets of one seed line, at the most.
+const MAX_OFFSETS: usize = 2000;
+
+impl Infill for SeedLines {
+    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+        let (Some(field), Some(bounds)) = (context.field, room.bounds()) else { return };
+        let step = context.spacing_mm() / context.density;
+        let room = Region::from(room.clone());
+        let inside = LineClipper::new(&room);
+        let axis = |p: DVec2| inside.contains(p).then(|| axis_of(field, context, p));
+        let separation = |_: DVec2| SEED_SPACING * step;
+        let seeding = Seeding {
+            separation_mm: &separation,
+            end_share: 1.0 / SEED_SPACING,
+            shortest_mm: SHORTEST * step,
+            whole: true,
+        };
+        let settings = LineSettings {
+            tolerance_mm: 0.005,
+            step_mm: step,
+            longest_mm: 20.0 * bounds.size().element_sum(),
+        };
+        let seeds = evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &settings);
+        let path = |points: &[DVec2], closed: bool| {
+            let points = simplify_line(points, 0.005);
+            Toolpath::new(points, context.bead_width_mm, context.role, closed)
+        };
+        out.extend(seeds.iter().map(|l| path(&l.points, l.closed)));
+        for region in parted(&room, &seeds, step).polygons {
+            let region = Region::from(region);
+            for line in fill_region(&region, &seeds, step) {
+                out.push(path(&line.points, line.closed));
+            }
+        }
+    }
+}
+
+/// What is within `r_mm` of a line.
+fn around(line: &TracedLine, r_mm: f64) -> Region {
+    Region::around_line(&simplify_line(&line.points, 0.005), line.closed, r_mm)
+}
+
+/// Where offsets' centrelines may lie: the room less half a bead... of each seed line, and half of their own.
+fn parted(room: &Region, seeds: &[TracedLine], step: f64) -> Region {
+    let taken = seeds.iter().fold(Region::default(), |sum, l| sum.union(&around(l, 0.98 * step)));
+    room.difference(&taken)
+}
+
+/// Offsets in one region, from the seed line that borders it lowest and leftmost, until it is full.
+fn fill_region(region: &Region, seeds: &[TracedLine], step: f64) -> Vec<TracedLine> {
+    let touching = |l: &&TracedLine| !around(l, 1.02 * step).intersection(region).is_empty();
+    let place = |l: &TracedLine| {
+        let least = |a: DVec2, b: DVec2| if (a.y + a.x) <= (b.y + b.x) { a } else { b };
+        l.points.iter().copied().reduce(least).unwrap_or(DVec2::ZERO)
+    };
+    let first = seeds.iter().filter(touching).min_by(|a, b| {
+        let (a, b) = (place(a), place(b));
+        (a.y + a.x).total_cmp(&(b.y + b.x))
+    });
+    let clipper = LineClipper::new(region);
+    let mut out = Vec::new();
+    let Some(seed) = first else {
+        return out;
+    };
+    let mut rest = region.clone();
+    for k in 1..=MAX_OFFSETS {
+        let distance = k as f64 * step;
+        let band = around(seed, distance);
+        for contour in band.contours() {
+            let mut ring = contour.clone();
+            ring.extend(contour.first().copied());
+            for piece in clipper.clip(&ring) {
+                let length: f64 = piece.points.windows(2).map(|w| w[0].distance(w[1])).sum();
+                if length > SHORTEST * step {
+                    out.push(TracedLine { points: piece.points, closed: false });
+                }
+            }
+        }
+        rest = rest.difference(&around(seed, distance + 0.5 * step));
+        if rest.is_empty() {
+            break;
+        }
+    }
+    out
+}

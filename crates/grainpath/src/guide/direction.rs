@@ -1,0 +1,257 @@
+//! The directions of one layer.
+
+use grainpath_core::math::{atan2, sin_cos};
+use grainpath_core::poly::edges;
+use grainpath_core::{DVec2, DVec3, DirectionField, DirectionSample, Region};
+use grainpath_fea::principal::{along, plane_principal};
+
+use super::CaseStress;
+use crate::field_mesh::{FieldMesh, conjugate_gradients};
+
+/// Which principal stress is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Follow {
+    /// The one greater in amount.
+    MaxAbs,
+    /// The greater one.
+    Tension,
+    /// The smaller one.
+    Compression,
+    /// The one greater in amount and the other by turns.
+    Alternate,
+}
+
+impl Follow {
+    /// By its name in a job; `max-abs` for one that is not known.
+    pub fn from_name(name: &str) -> Self {
+        match name {
+            "tension" => Self::Tension,
+            "compression" => Self::Compression,
+            "alternate" => Self::Alternate,
+            _ => Self::MaxAbs,
+        }
+    }
+}
+
+/// How stress becomes direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DirectionSettings {
+    /// Which principal stress.
+    pub follow: Follow,
+    /// Whether this layer follows the other family.
+    pub across: bool,
+    /// Directions are evened out over this length where the stress cares most, mm.
+    pub smoothing_mm: f64,
+    /// Whether free borders draw directions along them.
+    pub tangent: bool,
+    /// Distance of the field's nodes, mm.
+    pub cell_mm: f64,
+}
+
+/// The directions of one layer, smooth where the stress does not care.
+///
+/// At the nodes the axis is kept as the vector `(cos 2a, sin 2a)`, which has no sign to choose.
+pub struct LayerField {
+    mesh: Option<FieldMesh>,
+    double: Vec<DVec2>,
+    strength: Vec<f64>,
+    principal_mpa: Vec<[f64; 2]>,
+}
+
+/// Below this relative difference of the two principal stresses' amounts, either may be followed.
+const EITHER: f64 = 0.25;
+/// How much a free border counts beside stress.
+const BORDER_WEIGHT: f64 = 0.2;
+
+impl LayerField {
+    /// The field of a section at height `z_mm` under all cases. `free` tells whether a point of the border is neither
+    /// held nor pushed.
+    pub fn new(
+        region: &Region,
+        z_mm: f64,
+        cases: &[CaseStress],
+        free: &dyn Fn(DVec3) -> bool,
+        settings: &DirectionSettings,
+    ) -> Self {
+        let Some(mesh) = FieldMesh::over(region, settings.cell_mm) else {
+            return Self { mesh: None, double: Vec::new(), strength: Vec::new(), principal_mpa: Vec::new() };
+        };
+        let stresses: Vec<Vec<[f64; 3]>> =
+            mesh.nodes.iter().map(|p| cases.iter().map(|c| c.stress.at(p.extend(z_mm))).collect()).collect();
+        let border = if settings.tangent { tangents(&mesh, region, z_mm, free) } else { Vec::new() };
+        // What each direction would lose: the sum over cases of |s1 - s2| sin2 of the angle off, which is one vector
+        // in double angles.
+        let wanted = |near: Option<&[DVec2]>| -> Vec<(DVec2, f64)> {
+            let node = |(i, tensors): (usize, &Vec<[f64; 3]>)| {
+                tensors.iter().zip(cases).fold((DVec2::ZERO, 0.0), |(sum, all), (tensor, case)| {
+                    let (axis, certain) = followed(*tensor, settings.follow, near.map(|n| n[i]));
+                    let p = plane_principal(*tensor);
+                    let loss = case.weight * (p.values_mpa[0] - p.values_mpa[1]);
+                    (sum + certain * loss * axis, all + loss)
+                })
+            };
+            stresses.iter().enumerate().map(node).collect()
+        };
+        let first = wanted(None);
+        let scale = typical(first.iter().map(|w| w.1));
+        let mut double = settle(&mesh, &first, scale, &border, settings);
+        if matches!(settings.follow, Follow::MaxAbs | Follow::Alternate) {
+            for _ in 0..2 {
+                double = settle(&mesh, &wanted(Some(&double)), scale, &border, settings);
+            }
+        }
+        let strength = first.iter().map(|w| (w.1 / scale).min(1.0)).collect();
+        if settings.across {
+            double.iter_mut().for_each(|q| *q = -*q);
+        }
+        // Of several cases the heaviest speaks for the stress along and across.
+        let main =
+            (0..cases.len()).max_by(|&a, &b| cases[a].weight.total_cmp(&cases[b].weight).then(b.cmp(&a)));
+        let principal_mpa = stresses
+            .iter()
+            .zip(&double)
+            .map(|(s, q)| {
+                let axis = 0.5 * atan2(q.y, q.x);
+                let across = axis + std::f64::consts::FRAC_PI_2;
+                main.map_or([0.0; 2], |m| [along(s[m], axis), along(s[m], across)])
+            })
+            .collect();
+        Self { mesh: Some(mesh), double, strength, principal_mpa }
+    }
+}
+
+impl DirectionField for LayerField {
+    fn sample(&self, p: DVec3) -> DirectionSample {
+        let Some(mesh) = &self.mesh else {
+            return DirectionSample { axis_rad: 0.0, strength: 0.0, principal_mpa: None };
+        };
+        let (nodes, shares) = mesh.around(p.truncate());
+        let mut q = DVec2::ZERO;
+        let (mut strength, mut principal) = (0.0, [0.0; 2]);
+        for (&i, share) in nodes.iter().zip(shares).filter(|(_, s)| *s > 0.0) {
+            let i = i as usize;
+            q += share * self.double[i];
+            strength += share * self.strength[i];
+            (0..2).for_each(|k| principal[k] += share * self.principal_mpa[i][k]);
+        }
+        let axis_rad = (0.5 * atan2(q.y, q.x)).rem_euclid(std::f64::consts::PI);
+        DirectionSample { axis_rad, strength, principal_mpa: Some(principal) }
+    }
+}
+
+/// The axis to follow in double angles, and how certain it is. Where both principal stresses are about as great, the
+/// one nearer to `near` is taken.
+fn followed(tensor: [f64; 3], follow: Follow, near: Option<DVec2>) -> (DVec2, f64) {
+    let p = plane_principal(tensor);
+    let [a, b] = p.values_mpa;
+    let (s, c) = sin_cos(2.0 * p.axis_rad);
+    let greater = DVec2::new(c, s);
+    match follow {
+        Follow::Tension => return (greater, 1.0),
+        Follow::Compression => return (-greater, 1.0),
+        Follow::MaxAbs | Follow::Alternate => {}
+    }
+    let apart = (a.abs() - b.abs()) / (a.abs() + b.abs()).max(f64::MIN_POSITIVE);
+    let axis = if apart >= 0.0 { greater } else { -greater };
+    if apart.abs() >= EITHER {
+        return (axis, 1.0);
+    }
+    match near {
+        Some(q) => (if greater.dot(q) >= 0.0 { greater } else { -greater }, 1.0),
+        None => (axis, (apart / EITHER).powi(2)),
+    }
+}
+
+/// The axis that stress alone asks for at a point, as a vector in double angles, and how much it matters in MPa: the
+/// sum over all cases of |s1 - s2| along what is followed.
+pub fn asked(cases: &[CaseStress], follow: Follow, p: DVec3) -> (DVec2, f64) {
+    let sum = cases.iter().fold(DVec2::ZERO, |sum, case| {
+        let tensor = case.stress.at(p);
+        let [a, b] = plane_principal(tensor).values_mpa;
+        let greater = if follow == Follow::Compression || (follow != Follow::Tension && b.abs() > a.abs()) {
+            -1.0
+        } else {
+            1.0
+        };
+        let (s, c) = sin_cos(2.0 * plane_principal(tensor).axis_rad);
+        sum + case.weight * (a - b) * greater * DVec2::new(c, s)
+    });
+    (sum.normalize_or(DVec2::X), sum.length())
+}
+
+/// A size that most are below: peaks at corners and edges of loads do not count.
+fn typical(values: impl Iterator<Item = f64>) -> f64 {
+    let mut all: Vec<f64> = values.collect();
+    let at = all.len() * 9 / 10;
+    if all.is_empty() {
+        return 1.0;
+    }
+    let (_, value, _) = all.select_nth_unstable_by(at, f64::total_cmp);
+    value.max(1e-9)
+}
+
+/// The smoothest field that keeps to what is wanted: `sum |q_i - q_j|^2 + (cell / smoothing)^2 sum w |q - wanted|^2`.
+fn settle(
+    mesh: &FieldMesh,
+    wanted: &[(DVec2, f64)],
+    scale: f64,
+    border: &[(u32, DVec2)],
+    settings: &DirectionSettings,
+) -> Vec<DVec2> {
+    let n = mesh.nodes.len();
+    let keep = (mesh.cell_mm / settings.smoothing_mm).powi(2);
+    let mut weight = vec![1e-7; n];
+    let mut pull = vec![DVec2::ZERO; n];
+    for (i, (q, all)) in wanted.iter().enumerate() {
+        let w = keep * (all / scale).min(1.0);
+        // A sum of cases that disagree, or one that is not certain, pulls less.
+        let length = q.length();
+        let certain = if *all > 0.0 { (length / all).min(1.0) } else { 0.0 };
+        weight[i] += w * certain;
+        pull[i] += w * certain * q.normalize_or_zero();
+    }
+    for &(i, tangent) in border {
+        weight[i as usize] += keep * BORDER_WEIGHT;
+        pull[i as usize] += keep * BORDER_WEIGHT * tangent;
+    }
+    let apply = |x: &[f64], y: &mut [f64]| {
+        y.iter_mut().zip(x).zip(&weight).for_each(|((y, x), w)| *y = w * x);
+        for e in mesh.edges.iter().filter(|e| !e.diagonal) {
+            let [a, b] = e.ends.map(|k| k as usize);
+            let d = x[a] - x[b];
+            y[a] += d;
+            y[b] -= d;
+        }
+    };
+    let solve = |part: fn(&DVec2) -> f64| {
+        let rhs: Vec<f64> = pull.iter().map(part).collect();
+        let start: Vec<f64> = pull.iter().zip(&weight).map(|(p, w)| part(p) / w.max(1e-3)).collect();
+        conjugate_gradients(start, &rhs, apply, 1e-5, 400)
+    };
+    let (x, y) = (solve(|p| p.x), solve(|p| p.y));
+    x.into_iter().zip(y).map(|(x, y)| DVec2::new(x, y).normalize_or(DVec2::X)).collect()
+}
+
+/// Nodes next to the free border, with its tangent in double angles.
+fn tangents(mesh: &FieldMesh, region: &Region, z_mm: f64, free: &dyn Fn(DVec3) -> bool) -> Vec<(u32, DVec2)> {
+    let mut sums: std::collections::BTreeMap<u32, DVec2> = std::collections::BTreeMap::new();
+    for contour in region.contours() {
+        for (a, b) in edges(contour) {
+            let d = b - a;
+            let Some(t) = d.try_normalize() else { continue };
+            let double = DVec2::new(t.x * t.x - t.y * t.y, 2.0 * t.x * t.y);
+            let steps = (d.length() / (0.5 * mesh.cell_mm)).ceil().max(1.0) as usize;
+            for k in 0..steps {
+                let p = a + d * ((k as f64 + 0.5) / steps as f64);
+                if !free(p.extend(z_mm)) {
+                    continue;
+                }
+                let (nodes, shares) = mesh.around(p);
+                for (&i, share) in nodes.iter().zip(shares).filter(|(_, s)| *s > 0.2) {
+                    *sums.entry(i).or_insert(DVec2::ZERO) += share * double * (d.length() / steps as f64);
+                }
+            }
+        }
+    }
+    sums.into_iter().filter_map(|(i, q)| Some((i, q.try_normalize()?))).collect()
+}

@@ -1,0 +1,72 @@
+//! Stress that another program solved for.
+
+use std::sync::Arc;
+
+use grainpath_core::DVec3;
+use grainpath_fea::principal::PlaneTensor;
+use grainpath_io::fe::StressField;
+
+use super::{CaseStress, GuideError, GuidedPart, InPlaneStress, ResultMesh, Solved, StressSummary};
+
+/// A result moved to where the part stands.
+struct Imported {
+    field: Arc<StressField>,
+    /// From part coordinates to the file's, mm.
+    shift: DVec3,
+}
+
+impl InPlaneStress for Imported {
+    fn at(&self, p: DVec3) -> PlaneTensor {
+        let [xx, yy, _, xy, ..] = self.field.sample(p + self.shift);
+        [xx, yy, xy]
+    }
+}
+
+/// Results may stand off the part by this share of its size before they are taken for another part's.
+const SAME_PLACE: f64 = 0.05;
+
+/// The stress of a file as the only case. The file's coordinates are those of the mesh, in mm; the part is lowered to
+/// the plate by `lowered_mm`, and the result with it.
+pub(super) fn solved(
+    field: Arc<StressField>,
+    part: &GuidedPart<'_>,
+    lowered_mm: f64,
+) -> Result<Solved, GuideError> {
+    let result = field.result();
+    let finite = result.nodes.iter().copied();
+    let bounds = finite
+        .fold(None, |b: Option<(DVec3, DVec3)>, p| Some(b.map_or((p, p), |(lo, hi)| (lo.min(p), hi.max(p)))));
+    let (low, high) = bounds.ok_or(GuideError::ImportElsewhere { low: DVec3::ZERO, high: DVec3::ZERO })?;
+    let shift = DVec3::new(0.0, 0.0, lowered_mm);
+    let (part_low, part_high) = part.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ZERO));
+    let size = (part_high - part_low).max_element();
+    let axes = if result.plane { 2 } else { 3 };
+    let off = |k: usize| {
+        (low[k] - (part_low + shift)[k]).abs().max((high[k] - (part_high + shift)[k]).abs())
+            > SAME_PLACE * size
+    };
+    if (0..axes).any(off) {
+        return Err(GuideError::ImportElsewhere { low, high });
+    }
+    let summary = StressSummary {
+        solver: format!("imported, {} {}", result.format.name(), result.stress_array),
+        elements: result.elements.len(),
+        max_von_mises_mpa: result.max_von_mises_mpa(),
+        ..StressSummary::default()
+    };
+    let results = vec![ResultMesh {
+        name: "imported".into(),
+        nodes: result.nodes.iter().map(|p| *p - shift).collect(),
+        elements: result.elements.clone(),
+        stress: result.stress.clone(),
+        displacement: result.displacement.clone(),
+    }];
+    let constant = result.plane;
+    let stress = Box::new(Imported { field, shift });
+    Ok(Solved {
+        cases: vec![CaseStress { name: "imported".into(), weight: 1.0, stress }],
+        results,
+        summary,
+        constant,
+    })
+}

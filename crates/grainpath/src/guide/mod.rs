@@ -1,0 +1,359 @@
+//! Guides: from loads to a direction at every point of every layer.
+
+mod degenerate;
+mod direction;
+mod import;
+mod lines;
+mod outputs;
+mod plane;
+mod solid;
+
+use std::sync::Arc;
+
+use grainpath_core::diagnostics::{Interrupted, Stage};
+use grainpath_core::triangulation::TriangulationError;
+use grainpath_core::{DVec3, Diagnostics, DirectionField, LayerStack, TriMesh};
+use grainpath_fea::material::{Orthotropic, Unstable};
+use grainpath_fea::plane::{PlaneError, PlaneStress};
+use grainpath_fea::principal::PlaneTensor;
+use grainpath_fea::solid::SolidError;
+use grainpath_io::fe::{Element, StressField};
+use rayon::prelude::*;
+
+use crate::job::Settings;
+use crate::job::loads::{Case, Load, Place, Push};
+pub use degenerate::{Degenerate, Degenerates, degenerate_points};
+pub use direction::{DirectionSettings, Follow, LayerField};
+pub use lines::{LineSettings, Seeding, TracedLine, evenly_spaced, trace_line};
+pub use outputs::{Families, lines_svg, lines_vtp};
+
+/// Why a guide cannot be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum GuideError {
+    #[error("[guide] kind = \"stress\" needs {0}")]
+    Missing(&'static str),
+    #[error(
+        "{what} ({shape}) catches nothing of the part, which lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm",
+        low.x, low.y, low.z, high.x, high.y, high.z
+    )]
+    CatchesNothing { what: String, shape: &'static str, low: DVec3, high: DVec3 },
+    #[error("{what} lists facet {facet}; the mesh has {n}")]
+    NoFacet { what: String, facet: usize, n: usize },
+    #[error("analysis = \"plane\" does not fit: {0}; use \"solid\"")]
+    NotPlane(&'static str),
+    #[error(
+        "the imported result lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm, not where the part is; check guide.import_length_unit",
+        low.x, low.y, low.z, high.x, high.y, high.z
+    )]
+    ImportElsewhere { low: DVec3, high: DVec3 },
+    #[error(
+        "guide.import takes results in the mesh's own coordinates: shape.rotate_deg should be 0 and shape.scale 1"
+    )]
+    ImportTurned,
+    #[error("material: {0}")]
+    Material(#[from] Unstable),
+    #[error("the section cannot be meshed: {0}")]
+    Mesh(#[from] TriangulationError),
+    #[error("{0}")]
+    Plane(#[from] PlaneError),
+    #[error("{0}")]
+    Solid(#[from] SolidError),
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
+}
+
+impl GuideError {
+    /// Whether the job asks for something that is not there, rather than for something that has no solution.
+    pub fn is_usage(&self) -> bool {
+        matches!(
+            self,
+            Self::Missing(_)
+                | Self::CatchesNothing { .. }
+                | Self::NoFacet { .. }
+                | Self::NotPlane(_)
+                | Self::Material(_)
+        )
+    }
+}
+
+/// In-plane stress xx, yy, xy in MPa at any point of the part.
+pub trait InPlaneStress: Send + Sync {
+    /// The stress at `p`; outside the part that of the nearest place.
+    fn at(&self, p: DVec3) -> PlaneTensor;
+}
+
+impl InPlaneStress for PlaneStress {
+    fn at(&self, p: DVec3) -> PlaneTensor {
+        self.at(p.truncate())
+    }
+}
+
+/// The stress of one load case.
+pub struct CaseStress {
+    /// What the case is called.
+    pub name: String,
+    /// How much it counts.
+    pub weight: f64,
+    /// Where it is asked.
+    pub stress: Box<dyn InPlaneStress>,
+}
+
+/// What solving took and found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct StressSummary {
+    /// Unknowns solved for.
+    pub dofs: usize,
+    /// How.
+    pub solver: String,
+    /// Elements.
+    pub elements: usize,
+    /// Length of the residual over that of the loads, the worst case's.
+    pub residual: f64,
+    /// The greatest equivalent stress of any case, MPa.
+    pub max_von_mises_mpa: f64,
+    /// The greatest displacement of any case, mm.
+    pub max_displacement_mm: f64,
+    /// Estimated share of the stress that the mesh misses, the worst case's.
+    pub error_estimate: f64,
+    /// Shape and size of the elements, where they fill a volume.
+    pub mesh: Option<String>,
+    /// Where the two principal stresses are equal, of the first case of a plate.
+    pub degenerate: Degenerates,
+}
+
+/// Directions for every layer.
+pub struct Guide {
+    layers: Vec<Arc<LayerField>>,
+    follow: Follow,
+    /// What solving took and found.
+    pub summary: StressSummary,
+    /// The cases' stresses.
+    pub cases: Vec<CaseStress>,
+    /// What was solved for, case by case.
+    pub results: Vec<ResultMesh>,
+}
+
+/// Stress at the nodes of a mesh.
+#[derive(Debug, Clone)]
+pub struct ResultMesh {
+    /// The case.
+    pub name: String,
+    /// Positions, mm, part coordinates.
+    pub nodes: Vec<DVec3>,
+    /// Elements over them.
+    pub elements: Vec<Element>,
+    /// Stress, MPa, xx, yy, zz, xy, yz, zx.
+    pub stress: Vec<[f64; 6]>,
+    /// Displacement, mm.
+    pub displacement: Option<Vec<DVec3>>,
+}
+
+impl Guide {
+    /// The field of a layer.
+    pub fn layer(&self, i: usize) -> &dyn DirectionField {
+        &*self.layers[i]
+    }
+
+    /// The axis that stress alone asks for at a point of a layer, before any smoothing: radians, and how much it
+    /// matters in MPa.
+    pub fn asked(&self, layer: usize, p: DVec3) -> (f64, f64) {
+        let (double, weight) = direction::asked(&self.cases, self.follow, p);
+        let double = if self.follow == Follow::Alternate && layer % 2 == 1 { -double } else { double };
+        (0.5 * grainpath_core::math::atan2(double.y, double.x), weight)
+    }
+
+    /// The stress of the case that counts most.
+    pub fn main_case(&self) -> &dyn InPlaneStress {
+        let better = |a: &&CaseStress, b: &&CaseStress| a.weight.total_cmp(&b.weight);
+        // Of equal ones the first.
+        let main = self.cases.iter().rev().max_by(better);
+        &*main.expect("a guide has a case").stress
+    }
+
+    /// Whether two layers have one field.
+    pub fn same(&self, i: usize, j: usize) -> bool {
+        Arc::ptr_eq(&self.layers[i], &self.layers[j])
+    }
+}
+
+/// The loads of a job as cases: those of `[[guide.case]]`, and those outside as one of their own.
+fn cases(settings: &Settings) -> Vec<Case> {
+    let g = &settings.guide;
+    let mut all = g.case.clone();
+    if !g.load.is_empty() {
+        all.insert(0, Case { name: "loads".into(), weight: 1.0, loads: g.load.clone() });
+    }
+    all
+}
+
+/// A part as the guide wants it.
+pub struct GuidedPart<'a> {
+    /// Placed and mended.
+    pub mesh: &'a TriMesh,
+    /// Its layers.
+    pub stack: &'a LayerStack,
+    /// How far it was lowered to stand on the plate, mm.
+    pub lowered_mm: f64,
+}
+
+/// Solves the loads of a job and lays the directions of every layer; `None` for jobs without stress.
+///
+/// # Errors
+/// [`GuideError`] for missing or misplaced fixtures and loads, for parts that move freely and for what is too large.
+pub fn build(
+    settings: &Settings,
+    part: &GuidedPart<'_>,
+    imported: Option<StressField>,
+    diagnostics: &Diagnostics,
+) -> Result<Option<Guide>, GuideError> {
+    if settings.guide.kind != "stress" {
+        return Ok(None);
+    }
+    diagnostics.begin(Stage::Guide, 0);
+    let solved = match imported {
+        Some(field) => {
+            if settings.shape.rotate_deg != [0.0; 3] || settings.shape.scale != 1.0 {
+                return Err(GuideError::ImportTurned);
+            }
+            field.result().warnings.iter().for_each(|w| diagnostics.warn(format!("guide.import: {w}")));
+            import::solved(Arc::new(field), part, part.lowered_mm)?
+        }
+        None => solve(settings, part, diagnostics)?,
+    };
+    diagnostics.check()?;
+    let layers = lay_directions(settings, part, &solved, diagnostics)?;
+    let follow = Follow::from_name(&settings.guide.follow);
+    let Solved { cases, results, summary, .. } = solved;
+    Ok(Some(Guide { layers, follow, summary, cases, results }))
+}
+
+fn solve(
+    settings: &Settings,
+    part: &GuidedPart<'_>,
+    diagnostics: &Diagnostics,
+) -> Result<Solved, GuideError> {
+    let cases = cases(settings);
+    if cases.is_empty() {
+        return Err(GuideError::Missing("a [[guide.load]]"));
+    }
+    if settings.guide.fixture.is_empty() {
+        return Err(GuideError::Missing("a [[guide.fixture]]"));
+    }
+    match settings.guide.analysis.as_str() {
+        "plane" => plane::solve(settings, part, &cases),
+        "solid" => solid::solve(settings, part, &cases, diagnostics),
+        _ => match plane::solve(settings, part, &cases) {
+            // What is pushed or held above or below the middle is no matter of a plate.
+            Err(GuideError::NotPlane(_) | GuideError::CatchesNothing { .. }) => {
+                solid::solve(settings, part, &cases, diagnostics)
+            }
+            other => other,
+        },
+    }
+}
+
+/// What a solver gives.
+struct Solved {
+    cases: Vec<CaseStress>,
+    results: Vec<ResultMesh>,
+    summary: StressSummary,
+    /// Whether the stress is the same at all heights.
+    constant: bool,
+}
+
+fn lay_directions(
+    settings: &Settings,
+    part: &GuidedPart<'_>,
+    solved: &Solved,
+    diagnostics: &Diagnostics,
+) -> Result<Vec<Arc<LayerField>>, GuideError> {
+    let layers = part.stack.layers();
+    let held = places(settings, part.mesh)?;
+    let free = |p: DVec3| !held.iter().any(|s| s.contains(p));
+    let follow = Follow::from_name(&settings.guide.follow);
+    let turns = follow == Follow::Alternate;
+    // A layer whose field is that of an earlier one is not made again.
+    let like: Vec<usize> = (0..layers.len())
+        .map(|i| {
+            let step = if turns { 2 } else { 1 };
+            let same = |k: usize| layers[k].region() == layers[i].region();
+            if solved.constant && i >= step && same(i - step) { i - step } else { i }
+        })
+        .collect();
+    diagnostics.begin(Stage::Guide, layers.len());
+    let made: Vec<Result<Option<Arc<LayerField>>, Interrupted>> = (0..layers.len())
+        .into_par_iter()
+        .map(|i| {
+            diagnostics.check()?;
+            diagnostics.advance(1);
+            if like[i] != i {
+                return Ok(None);
+            }
+            let layer = &layers[i];
+            let direction = DirectionSettings {
+                follow,
+                across: turns && i % 2 == 1,
+                smoothing_mm: settings.guide.smoothing_mm,
+                tangent: settings.guide.tangent,
+                cell_mm: settings.process.bead_width_mm,
+            };
+            let z = layer.z_top_mm() - 0.5 * layer.height_mm();
+            Ok(Some(Arc::new(LayerField::new(layer.region(), z, &solved.cases, &free, &direction))))
+        })
+        .collect();
+    let mut fields: Vec<Arc<LayerField>> = Vec::with_capacity(layers.len());
+    for (i, field) in made.into_iter().enumerate() {
+        let field = field?.unwrap_or_else(|| Arc::clone(&fields[like[i]]));
+        fields.push(field);
+    }
+    Ok(fields)
+}
+
+/// The shape a place stands for, facets looked up.
+fn resolved(
+    place: &Place,
+    mesh: &TriMesh,
+    what: &str,
+) -> Result<grainpath_fea::select::Selection, GuideError> {
+    match place {
+        Place::Shape(shape) => Ok(shape.clone()),
+        Place::Facets(ids) => {
+            let triangle = |&id: &usize| {
+                let corners = mesh.triangles.get(id).map(|t| t.map(|v| mesh.vertices[v as usize]));
+                let n = mesh.triangles.len();
+                corners.ok_or_else(|| GuideError::NoFacet { what: what.to_owned(), facet: id, n })
+            };
+            let triangles = ids.iter().map(triangle).collect::<Result<Vec<_>, _>>()?;
+            Ok(grainpath_fea::select::Selection::Triangles(triangles))
+        }
+    }
+}
+
+/// Every place that is held or pushed: the rest of the surface is free.
+fn places(settings: &Settings, mesh: &TriMesh) -> Result<Vec<grainpath_fea::select::Selection>, GuideError> {
+    let g = &settings.guide;
+    let loads = g.load.iter().chain(g.case.iter().flat_map(|c| &c.loads));
+    let all = g.fixture.iter().map(|f| &f.on).chain(loads.filter_map(|l: &Load| l.on.as_ref()));
+    all.map(|p| resolved(p, mesh, "a fixture or load")).collect()
+}
+
+/// The part's material for stress.
+fn material(settings: &Settings) -> Orthotropic {
+    let m = &settings.material;
+    if settings.guide.elasticity == "orthotropic" {
+        Orthotropic { e_mpa: m.e_mpa, nu: m.nu, g_mpa: m.g_mpa }
+    } else {
+        Orthotropic::isotropic(m.e_mpa[0], m.nu[0].clamp(-0.9, 0.49))
+    }
+}
+
+/// Whether a push has no part out of the layers' plane.
+fn in_plane(push: &Push) -> bool {
+    let flat = |v: &DVec3| v.z.abs() <= 1e-9 * v.length();
+    match push {
+        Push::Force(f) | Push::Acceleration(f) => flat(f),
+        Push::Pressure(_) => true,
+        Push::Moment(m) => m.truncate().length() <= 1e-9 * m.length(),
+    }
+}

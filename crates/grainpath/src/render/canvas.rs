@@ -1,0 +1,78 @@
+//! A picture in millimetres.
+
+use grainpath_core::{Bounds2, DVec2};
+use tiny_skia::{Color, Pixmap};
+
+use super::colour::{Rgb, ramp};
+use super::raster::{draw_line, png};
+
+/// Values to colours, blue through green and yellow to red.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ramp {
+    /// What is blue.
+    pub low: f64,
+    /// What is red.
+    pub high: f64,
+}
+
+impl Ramp {
+    /// The colour of a value.
+    pub fn colour(&self, value: f64) -> Rgb {
+        ramp(value, self.low, self.high)
+    }
+}
+
+/// A picture of a window of the plane, Y up.
+pub struct Canvas {
+    window: Bounds2,
+    scale: f64,
+    pixels: Pixmap,
+}
+
+impl Canvas {
+    /// A dark picture of `bounds` and a rim around it, its longer side `size_px`.
+    pub fn over(bounds: Bounds2, size_px: u32) -> Self {
+        let window = bounds.grown(0.02 * bounds.size().max_element() + 0.2);
+        let scale = f64::from(size_px) / window.size().max_element().max(1e-9);
+        let pixels = |mm: f64| ((mm * scale).ceil() as u32).clamp(1, size_px.max(1));
+        let (w, h) = (pixels(window.size().x), pixels(window.size().y));
+        let mut pixels = Pixmap::new(w, h).expect("the size is between 1 and what was asked for");
+        pixels.fill(Color::from_rgba8(28, 30, 34, 255));
+        Self { window, scale, pixels }
+    }
+
+    /// The middle of every pixel, row by row from the top, mm.
+    pub fn pixels(&self) -> impl Iterator<Item = DVec2> + use<> {
+        let (w, h) = (self.pixels.width(), self.pixels.height());
+        let (window, scale) = (self.window, self.scale);
+        let at = move |i: u32, j: u32| {
+            let off = DVec2::new(f64::from(i) + 0.5, -(f64::from(j) + 0.5)) / scale;
+            DVec2::new(window.min.x, window.max.y) + off
+        };
+        (0..h).flat_map(move |j| (0..w).map(move |i| at(i, j)))
+    }
+
+    /// Colours of all pixels in the order of [`Canvas::pixels`]; `None` leaves what is there.
+    pub fn paint(&mut self, colours: impl Iterator<Item = Option<Rgb>>) {
+        for (pixel, colour) in self.pixels.data_mut().chunks_exact_mut(4).zip(colours) {
+            if let Some(rgb) = colour {
+                pixel[..3].copy_from_slice(&rgb);
+            }
+        }
+    }
+
+    /// A line of `width_px`.
+    pub fn line(&mut self, points: &[DVec2], width_px: f32, colour: Rgb, alpha: u8) {
+        let (window, scale) = (self.window, self.scale);
+        let at = |p: &DVec2| (((p.x - window.min.x) * scale) as f32, ((window.max.y - p.y) * scale) as f32);
+        let points: Vec<(f32, f32)> = points.iter().map(at).collect();
+        if points.len() > 1 {
+            draw_line(&mut self.pixels, &points, width_px, colour, alpha);
+        }
+    }
+
+    /// As a file.
+    pub fn png(&self) -> Vec<u8> {
+        png(self.pixels.width(), self.pixels.height(), self.pixels.data())
+    }
+}
