@@ -576,15 +576,23 @@ impl Job<'_> {
         };
         // Mass is nearly proportional to density: two or three steps along the chord find most.
         let mut density = 0.3;
+        let mut nearest = (f64::INFINITY, density);
         for _ in 0..6 {
             let found = mass(density);
-            if (found - asked_g).abs() < 1e-3 * asked_g {
+            let off = (found - asked_g).abs();
+            if off < nearest.0 {
+                nearest = (off, density);
+            }
+            if off < 1e-3 * asked_g {
                 return Ok(density);
             }
             density *= (asked_g - fixed) / (found - fixed).max(1e-9);
             if !(0.01..0.95).contains(&density) {
                 break;
             }
+        }
+        if nearest.0 < 5e-3 * asked_g {
+            return Ok(nearest.1);
         }
         let high_g = mass(1.0);
         if asked_g < fixed * 0.99 || asked_g > high_g * 1.01 {

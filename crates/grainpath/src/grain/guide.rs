@@ -163,12 +163,14 @@ pub struct GrainGuide {
     pub pictures: Vec<(String, Picture)>,
 }
 
-/// Less coherence than this, on average, is hardly grain.
-const LEAST_COHERENCE: f64 = 0.25;
+/// Less coherence than this over a wide neighbourhood is hardly grain.
+const LEAST_COHERENCE: f64 = 0.2;
 /// Less spread of brightness than this is no picture.
 const LEAST_SPREAD: f32 = 0.004;
 /// Curves that leave the grain by more than this are something else: cracks, nails, saw marks.
 const STRAY_RAD: f64 = 0.6;
+/// Standard deviation of the Gaussian against noise where none is given, mm.
+const BLUR_MM: f64 = 0.12;
 /// The rectified picture has at most this many pixels when its pixel size is not given.
 const MAX_PIXELS: f64 = 16e6;
 
@@ -201,10 +203,10 @@ pub fn read_grain(
         let borders = guide.in_picture(&section(z_mm), guide.shift_at(z_mm, settings.heights_mm[0]));
         let axes = guided_axes(&read, &borders, settings);
         let coherence = read.axes.mean_coherence();
-        if coherence < LEAST_COHERENCE {
+        if read.axes.wide_coherence < LEAST_COHERENCE {
             diagnostics.warn(format!(
-                "{}: hardly any grain to see: its coherence is {coherence:.2} (0 none, 1 perfect; wood has 0.4 and more)",
-                photo.name
+                "{}: hardly any grain to see: its coherence is {:.2} (0 none, 1 perfect; wood has 0.3 and more)",
+                photo.name, read.axes.wide_coherence
             ));
         }
         guide.photos.push(PhotoReport {
@@ -264,7 +266,10 @@ fn read_photo(photo: &Photo, k: usize, s: &GrainSettings) -> Result<Read, GrainE
     check_corners(corners, w, h)?;
     let native = native_px_mm(corners, s.size_mm);
     let coarsest = (s.size_mm.x * s.size_mm.y / MAX_PIXELS).sqrt();
-    let image = rectify(&photo.grey, corners, s.size_mm, s.pixel_mm.unwrap_or(native.max(coarsest)));
+    // Finer than half of what is blurred away next shows nothing more.
+    let needed = 0.5 * s.blur_mm.unwrap_or(BLUR_MM).max(0.02);
+    let pixel_mm = s.pixel_mm.unwrap_or(native.max(coarsest).max(needed));
+    let image = rectify(&photo.grey, corners, s.size_mm, pixel_mm);
     let spread = image.grey.quantile(0.98) - image.grey.quantile(0.02);
     if spread < LEAST_SPREAD {
         return Err(GrainError::Blank { spread });
@@ -276,7 +281,7 @@ fn read_photo(photo: &Photo, k: usize, s: &GrainSettings) -> Result<Read, GrainE
     };
     let cleaned = MetricImage { grey: image.grey.median(s.median_px), ..image.clone() };
     let axes = grain_axes(&cleaned, &tensor);
-    let blur_px = s.blur_mm.map_or((0.12 / image.px_mm).max(1.3), |mm| mm / image.px_mm);
+    let blur_px = s.blur_mm.map_or((BLUR_MM / image.px_mm).max(1.3), |mm| mm / image.px_mm);
     let denoised = MetricImage { grey: cleaned.grey.blurred(blur_px), ..cleaned };
     let wanted = s.mode == Mode::Edges || s.pictures;
     let edges = wanted.then(|| canny(&denoised.grey, &s.canny));

@@ -461,7 +461,7 @@ fn dense_paths(
         (0..n).map(|k| mean(k) * length(k)).sum::<f64>()
     };
     let laid: f64 = lines.iter().zip(&strips).map(each).sum::<f64>() * height;
-    let factor = (wanted_mm3(context, room) / laid.max(1e-9)).clamp(0.9, 1.08);
+    let factor = (wanted_mm3(context, room) / laid.max(1e-9)).clamp(0.96, 1.08);
     for (line, strips) in lines.into_iter().zip(strips) {
         let widths: Vec<f64> = strips.iter().map(|s| bead_width_mm(factor * s, height)).collect();
         let kept = kept(&line.points, &widths);

@@ -39,6 +39,8 @@ pub struct AxisGrid {
     pub double: Vec<[f32; 2]>,
     /// How clear the axis is, 0 to 1: the coherence of the tensor.
     pub coherence: Vec<f32>,
+    /// The mean coherence over a neighbourhood three times as wide: noise has hardly any, wood nearly as much.
+    pub wide_coherence: f64,
     /// How much darker than its surroundings the picture is here, 0 to 1.
     pub darkness: Vec<f32>,
 }
@@ -139,6 +141,8 @@ pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
     let dark = layer(3);
     let mut energy: Vec<f32> = xx.data.iter().zip(&yy.data).map(|(a, b)| a + b).collect();
     let typical = quantile(&mut energy.clone(), 0.5).max(FAINT * FAINT);
+    let wide_coherence =
+        mean_coherence(&xx.blurred(3.0 * sigma), &xy.blurred(3.0 * sigma), &yy.blurred(3.0 * sigma));
     let mut grid = AxisGrid {
         min_mm: image.place(0.5 * cell as f64, 0.5 * cell as f64),
         step_mm: px * cell as f64,
@@ -146,6 +150,7 @@ pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
         ny,
         double: vec![[1.0, 0.0]; nx * ny],
         coherence: vec![0.0; nx * ny],
+        wide_coherence,
         darkness: dark.data,
     };
     let mut weight = vec![0.0; nx * ny];
@@ -154,7 +159,7 @@ pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
         let (c, s) = (yy.data[k] - xx.data[k], -2.0 * xy.data[k]);
         let length = (c * c + s * s).sqrt();
         let e = std::mem::replace(&mut energy[k], 0.0).max(1e-12);
-        grid.coherence[k] = (length / e * e / (e + FAINT * FAINT)).min(1.0);
+        grid.coherence[k] = (length / (e + FAINT * FAINT)).min(1.0);
         if length > 0.0 {
             grid.double[k] = [c / length, s / length];
         }
@@ -164,6 +169,15 @@ pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
     let evidence = Evidence { double: grid.double.clone(), weight };
     grid.double = smoothed(&grid, &evidence, settings.smooth_mm / grid.step_mm);
     grid
+}
+
+/// The mean over all nodes of the difference of a tensor's eigenvalues over their sum.
+fn mean_coherence(xx: &Grey, xy: &Grey, yy: &Grey) -> f64 {
+    let each = |k: usize| {
+        let (c, s) = (yy.data[k] - xx.data[k], 2.0 * xy.data[k]);
+        f64::from((c * c + s * s).sqrt() / (xx.data[k] + yy.data[k] + FAINT * FAINT))
+    };
+    (0..xx.data.len()).map(each).sum::<f64>() / xx.data.len().max(1) as f64
 }
 
 /// The picture with slow changes of brightness and contrast taken out: uneven light, stains.
