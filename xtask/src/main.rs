@@ -6,6 +6,7 @@ mod arrows;
 mod bench;
 mod fuzz;
 mod licences;
+mod photo;
 mod setup;
 
 use std::path::{Path, PathBuf};
@@ -17,6 +18,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench slicing [PART...]  time and memory beside PrusaSlicer and CuraEngine
                    (benchy bunny armadillo plate_holes skull; the skull takes the peers many minutes)
   bench quality    gap, spill, overlap and travel beside the same
+  bench photo      a photograph of 12 megapixels to curves, beside OpenCV
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   setup            installs what tests and benches need (Python packages, Chromium, the peers)";
 
@@ -28,6 +30,7 @@ fn main() -> ExitCode {
         ["test", "--quick"] => test(false),
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
         ["bench", "quality"] => bench::quality(),
+        ["bench", "photo"] => photo::bench(),
         ["fuzz"] => fuzz::run(20),
         ["fuzz", seconds] => seconds.parse().map_err(|_| USAGE.to_owned()).and_then(fuzz::run),
         ["setup"] => setup::tests().and_then(|()| setup::peers()),
