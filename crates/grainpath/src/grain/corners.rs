@@ -29,11 +29,7 @@ const SEARCH_PX: usize = 700;
 /// [`CornersNotFound`] when nothing stands out, when it touches the border, or when it is not four-sided.
 pub fn find_corners(photo: &Grey) -> Result<[DVec2; 4], CornersNotFound> {
     let wrong = |problem| CornersNotFound::Outline { problem };
-    let (mut small, mut level) = (photo.clone(), 1.0);
-    while small.width.max(small.height) > 2 * SEARCH_PX {
-        small = small.halved();
-        level *= 2.0;
-    }
+    let (small, level) = shrunk(photo);
     let small = small.median(2).blurred(1.0);
     let mask = foreground(&small).ok_or(wrong("nothing stands out from the ground"))?;
     let piece = largest_piece(&mask, small.width, small.height);
@@ -55,6 +51,16 @@ pub fn find_corners(photo: &Grey) -> Result<[DVec2; 4], CornersNotFound> {
     }
     let corners = rough.map(|p| p * level);
     Ok(sorted(refined(photo, corners, 4.0 * level)))
+}
+
+/// A picture of a size to search in, and how much smaller it is.
+pub(super) fn shrunk(photo: &Grey) -> (Grey, f64) {
+    let (mut small, mut level) = (photo.clone(), 1.0);
+    while small.width.max(small.height) > 2 * SEARCH_PX {
+        small = small.halved();
+        level *= 2.0;
+    }
+    (small, level)
 }
 
 /// What differs from the ground: brightness off by more than the border's own spread, by Otsu's split of the
@@ -196,7 +202,7 @@ fn meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<DVec2> {
 }
 
 /// Moves each side to where the brightness changes fastest across it, and gives where they meet then.
-fn refined(photo: &Grey, corners: [DVec2; 4], reach: f64) -> [DVec2; 4] {
+pub(super) fn refined(photo: &Grey, corners: [DVec2; 4], reach: f64) -> [DVec2; 4] {
     const SAMPLES: usize = 60;
     let side = |k: usize| -> (DVec2, DVec2) {
         let (a, b) = (corners[k], corners[(k + 1) % 4]);

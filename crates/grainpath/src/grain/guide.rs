@@ -556,19 +556,14 @@ mod tests {
         let error = read_grain(std::slice::from_ref(&black), &s, &none, &Diagnostics::default()).err();
         assert!(matches!(error, Some((0, GrainError::Blank { .. }))), "{error:?}");
         // Plain paper: noise and nothing else.
-        let rough = Board {
-            ring_mm: 1e6,
-            noise: 0.05,
-            uneven_light: 0.0,
-            knots: vec![],
-            size_mm: size,
-            ..Board::default()
+        let mixed = |i: usize| {
+            let mut h = i as u32;
+            for (shift, factor) in [(16, 0x7feb_352d_u32), (15, 0x846c_a68b)] {
+                h = (h ^ (h >> shift)).wrapping_mul(factor);
+            }
+            (h ^ (h >> 16)) as f32 / u32::MAX as f32
         };
-        let mut paper = rough.flat(0.2, 0.0);
-        for (i, v) in paper.data.iter_mut().enumerate() {
-            let h = (i as u32).wrapping_mul(2_654_435_761) ^ ((i as u32) >> 7).wrapping_mul(0x85eb_ca6b);
-            *v = 0.8 + 0.05 * ((h >> 8) as f32 / 16_777_216.0 - 0.5);
-        }
+        let paper = Grey::from_fn(300, 200, |x, y| 0.8 + 0.05 * (mixed(300 * y + x) - 0.5));
         let d = Diagnostics::default();
         let paper = Photo { name: "paper.png".into(), grey: paper };
         read_grain(&[paper], &s, &none, &d)

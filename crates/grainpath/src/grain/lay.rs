@@ -17,6 +17,8 @@ const CLOSEST: f64 = 0.75;
 const GO_ON: f64 = 0.72;
 /// Distance of neighbouring points of a line, as a share of the closest distance.
 const STEP: f64 = 0.33;
+/// However sparse the lines, they bend as finely as this.
+const LONGEST_STEP_MM: f64 = 0.25;
 /// Beads may be this much narrower and wider than nominal, as shares of the spacing.
 const STRIP: [f64; 2] = [0.6, 1.5];
 /// Lines off by less than this, mm, are taken as straight.
@@ -48,7 +50,7 @@ pub fn lay_curves(
         clipper: LineClipper::new(&region),
         flow,
         closest_mm: CLOSEST * spacing_mm,
-        step_mm: STEP * CLOSEST * spacing_mm,
+        step_mm: (STEP * CLOSEST * spacing_mm).min(LONGEST_STEP_MM),
         lines: Vec::new(),
         near: Near::new(bounds, CLOSEST * spacing_mm),
         border: BorderDistance::new(room, spacing_mm),
@@ -93,6 +95,11 @@ impl Layout<'_> {
         self.closest_mm * self.flow.sparseness.map_or(1.0, |s| s(p).clamp(0.4, 2.5))
     }
 
+    /// How many steps back a line is no neighbour to itself: a turn of the tightest loop that leaves room inside.
+    fn lag(&self) -> usize {
+        (1.6 * PI * self.closest_mm / self.step_mm).ceil() as usize
+    }
+
     /// Takes what fits of the curves, in their order.
     fn take(&mut self, curves: &[Vec<DVec2>], least_mm: f64) {
         for curve in curves {
@@ -123,7 +130,7 @@ impl Layout<'_> {
 
     /// Whether a line comes back to where it was, more than a few steps ago.
     fn meets_itself(&self, run: &[DVec2], p: DVec2) -> bool {
-        let lag = lag();
+        let lag = self.lag();
         // Rows are short: a curve of a photograph seldom has more than a few thousand points.
         run.len() > lag
             && run[..run.len() - lag].iter().step_by(2).any(|q| q.distance(p) < 0.9 * self.closest_mm)
@@ -211,7 +218,7 @@ impl Layout<'_> {
             if a.dot(heading) < 0.0 { -a } else { a }
         };
         let id = self.lines.len() as u32;
-        let lag = lag() as i32;
+        let lag = self.lag() as i32;
         let start = heading;
         let (mut at, mut heading) = (p, heading);
         let mut out: Vec<DVec2> = Vec::new();
@@ -278,7 +285,7 @@ impl Layout<'_> {
                     sides[side] = sides[side].min(share * across.abs());
                 }
             };
-            let lag = lag() as i32;
+            let lag = self.lag() as i32;
             self.near.each(p, 2.0 * most, |q, other, index| {
                 let apart = (index + line.first - k as i32).abs();
                 // The ends of a closed line are neighbours.
@@ -308,11 +315,6 @@ impl Layout<'_> {
 
 /// No line has more points.
 const MAX_STEPS: usize = 100_000;
-
-/// How many steps back a line is no neighbour to itself.
-fn lag() -> usize {
-    (1.6 * PI / STEP).ceil() as usize
-}
 
 /// Points of lines, by place.
 pub(super) struct Near {

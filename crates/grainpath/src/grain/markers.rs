@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use grainpath_core::DVec2;
 
-use super::corners::{CornersNotFound, four_sides, hull, pieces, sorted, square_to};
+use super::corners::{CornersNotFound, four_sides, hull, pieces, refined, shrunk, sorted, square_to};
 use super::raster::Grey;
 
 /// Side of a marker, mm. Its rings are a sixth of that.
@@ -103,16 +103,19 @@ fn marker_squares(size_mm: DVec2) -> [(DVec2, [bool; 3]); 4] {
 /// # Errors
 /// [`CornersNotFound::Markers`] unless exactly the four of a sheet are there.
 pub fn find_markers(photo: &Grey) -> Result<[DVec2; 4], CornersNotFound> {
-    let local = photo.blurred(photo.width.max(photo.height) as f64 / 40.0);
-    let dark: Vec<bool> = photo.data.iter().zip(&local.data).map(|(v, l)| *v < 0.75 * l).collect();
-    let (w, h) = (photo.width, photo.height);
+    let (small, level) = shrunk(photo);
+    let local = small.blurred(small.width.max(small.height) as f64 / 40.0);
+    let dark: Vec<bool> = small.data.iter().zip(&local.data).map(|(v, l)| *v < 0.75 * l).collect();
+    let (w, h) = (small.width, small.height);
     let least = (w * h) / 20_000;
     let mut found: Vec<([DVec2; 4], bool)> = Vec::new();
     for piece in pieces(&dark, w, h).into_iter().filter(|p| p.len() > least.max(60)) {
         let Some(corners) = four_sides(&hull(&piece, w)) else { continue };
         let corners = sorted(corners);
-        if let Some(first) = reads_as_marker(photo, corners) {
-            found.push((corners, first));
+        if let Some(first) = reads_as_marker(&small, corners) {
+            // The rim of a marker is a sixth of its side: a finer look must not reach the next ring.
+            let reach = (corners[0].distance(corners[1]) / 14.0).min(3.0);
+            found.push((sorted(refined(photo, corners.map(|c| c * level), reach * level)), first));
         }
     }
     let wrong = CornersNotFound::Markers { found: found.len() };
