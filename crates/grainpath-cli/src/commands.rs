@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use grainpath::dimensions::Dimension;
 use grainpath::grain::Photo;
 use grainpath::job::{PROFILES, Settings, json_schema, markdown, parse_job};
 use grainpath_core::diagnostics::Stage;
@@ -11,7 +12,7 @@ use grainpath_io::image::decode;
 use grainpath_io::parse_mesh;
 
 use crate::args::{Common, Markers, New, Profiles, Render, Run, Schema, Slice};
-use crate::{Failure, files, outputs, progress};
+use crate::{Failure, files, outputs, progress, scan};
 
 /// `grainpath run`
 pub fn run(args: &Run) -> Result<(), Failure> {
@@ -19,15 +20,23 @@ pub fn run(args: &Run) -> Result<(), Failure> {
     let folder = args.job.parent().map(Path::to_owned).unwrap_or_default();
     let name = args.job.display().to_string();
     let settings = settings(&text, &name, &args.common.sets, &folder)?;
-    let given = [Some(&settings.shape.mesh), settings.photo.files.first()];
+    let given = [Some(&settings.shape.mesh), Some(&settings.ct.path), settings.photo.files.first()];
     let Some(given) = given.into_iter().flatten().find(|p| !p.is_empty()) else {
         return Err(Failure::usage(format!(
-            "{name}: [shape] needs mesh = \"FILE\" or photo = {{ files = [\"FILE\"], ... }}"
+            "{name}: [shape] needs mesh = \"FILE\", ct = \"SCAN\" or photo = {{ files = [\"FILE\"], ... }}"
         )));
     };
     let shape = folder.join(given);
+    let truth = match settings.ct.truth.as_str() {
+        "" => None,
+        path => {
+            let path = folder.join(path);
+            let read = grainpath::dimensions::parse(&files::read_text(&path)?, &path.display().to_string());
+            Some(read.map_err(grainpath::Error::from)?)
+        }
+    };
     let out = args.out.clone().unwrap_or_else(|| folder.clone());
-    execute(&settings, &shape, &folder, &out, &args.common)
+    execute(&settings, &shape, &folder, &out, truth.as_deref(), &args.common)
 }
 
 /// `grainpath slice`
@@ -35,10 +44,11 @@ pub fn slice(args: &Slice) -> Result<(), Failure> {
     let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
     let output = args.output.clone().unwrap_or_else(|| args.model.with_extension("gcode"));
     settings.output.gcode = output.display().to_string();
-    execute(&settings, &args.model, Path::new(""), Path::new(""), &args.common)
+    execute(&settings, &args.model, Path::new(""), Path::new(""), None, &args.common)
 }
 
-fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Settings, Failure> {
+/// A job's text and overrides as settings.
+pub fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Settings, Failure> {
     let load = |path: &str| files::read_text(&folder.join(path)).map_err(|f| f.message);
     parse_job(text, name, sets, &load).map_err(|e| Failure::usage(e.to_string()))
 }
@@ -49,23 +59,29 @@ fn execute(
     shape: &Path,
     base: &Path,
     out: &Path,
+    truth: Option<&[Dimension]>,
     common: &Common,
 ) -> Result<(), Failure> {
     set_threads(common.threads)?;
     let diagnostics = progress::diagnostics();
     let paths = outputs::Paths::of(settings, shape, out)?;
+    let path = shape.display().to_string();
     let start = std::time::Instant::now();
     let photos = read_photos(settings, base, &diagnostics)?;
     let photos_s = start.elapsed().as_secs_f64();
-    let (planned, read_s) = if settings.photo.files.is_empty() {
+    let (planned, read_s) = if !settings.photo.files.is_empty() {
+        (grainpath::plan_photo(settings, &photos, &diagnostics)?, photos_s)
+    } else if settings.ct.path.is_empty() {
         let (mesh, read_s) = read_mesh(shape, &diagnostics)?;
-        let stress = read_stress(settings, base)?;
-        let inputs = grainpath::Inputs { mesh, path: shape.display().to_string(), stress, photos };
+        let inputs = grainpath::Inputs { mesh, path, stress: read_stress(settings, base)?, photos };
         (grainpath::plan_job(settings, inputs, &diagnostics)?, read_s + photos_s)
     } else {
-        (grainpath::plan_photo(settings, &photos, &diagnostics)?, photos_s)
+        let mut source = scan::open(shape, grainpath::config::raw_header(settings).as_ref())?;
+        let stress = read_stress(settings, base)?;
+        let read_s = start.elapsed().as_secs_f64();
+        (grainpath::plan_scan(settings, &mut *source, &path, stress, &photos, &diagnostics)?, read_s)
     };
-    let report = outputs::write(settings, planned, &paths, read_s, common.json, &diagnostics)?;
+    let report = outputs::write(settings, planned, &paths, read_s, common.json, truth, &diagnostics)?;
     // The progress line goes before anything is printed.
     drop(diagnostics);
     if common.json {
@@ -76,7 +92,8 @@ fn execute(
     Ok(())
 }
 
-fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
+/// Limits the threads, where asked for.
+pub fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
     let Some(n) = threads else { return Ok(()) };
     if n == 0 || n > 1024 {
         return Err(Failure::usage(format!("--threads {n} should be from 1 to 1024")));
@@ -85,7 +102,8 @@ fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
     pool.map_err(|e| Failure::usage(format!("--threads {n}: {e}")))
 }
 
-fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io::MeshFile, f64), Failure> {
+/// Reads a mesh; its bodies and the seconds it took.
+pub fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io::MeshFile, f64), Failure> {
     let start = std::time::Instant::now();
     diagnostics.begin(Stage::Read, 0);
     let bytes = files::read(path)?;
@@ -129,7 +147,12 @@ fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressField>, 
 /// `grainpath new`
 pub fn new(args: &New) -> Result<(), Failure> {
     let names = grainpath::examples::PRESETS;
-    let Some(example) = grainpath::examples::preset(&args.preset) else {
+    let example = match (args.preset.as_str(), args.pixels) {
+        ("ct", Some(n)) => Some(grainpath::examples::ct(n as usize)),
+        (_, Some(_)) => return Err(Failure::usage("--pixels is for the preset ct")),
+        (name, None) => grainpath::examples::preset(name),
+    };
+    let Some(example) = example else {
         let near = grainpath_core::spelling::nearest(&args.preset, names);
         return Err(Failure::usage(format!(
             "no preset {:?}; did you mean {near:?}? There are {}",

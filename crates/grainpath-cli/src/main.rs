@@ -6,6 +6,8 @@ mod files;
 mod inspect;
 mod outputs;
 mod progress;
+mod scan;
+mod support;
 
 use std::process::ExitCode;
 
@@ -47,6 +49,8 @@ fn main() -> ExitCode {
         Command::Run(a) => commands::run(&a),
         Command::Slice(a) => commands::slice(&a),
         Command::New(a) => commands::new(&a),
+        Command::Support(a) => support::support(&a),
+        Command::Specimen(a) => support::specimen(&a),
         Command::Inspect(a) => inspect::inspect(&a),
         Command::Render(a) => commands::render(&a),
         Command::Markers(a) => commands::markers(&a),

@@ -108,6 +108,11 @@ impl Cholesky {
         Ok(Self { symbolic, values })
     }
 
+    /// Memory of the factor.
+    pub fn bytes(&self) -> usize {
+        self.values.len() * size_of::<f64>()
+    }
+
     /// Solves for one right side in place.
     pub fn solve(&self, x: &mut [f64]) {
         let n = x.len();

@@ -2,6 +2,7 @@
 
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_gcode::GcodeError;
+use grainpath_io::volume::VolumeError;
 use grainpath_io::{ImageError, MeshError};
 
 use crate::grain::GrainError;
@@ -17,6 +18,8 @@ pub enum Error {
     Job(#[from] JobError),
     #[error("{path}: {source}")]
     Mesh { path: String, source: MeshError },
+    #[error(transparent)]
+    Volume(#[from] VolumeError),
     #[error("{path}: {source}")]
     Shape { path: String, source: ShapeError },
     #[error("{path}: {source}")]
@@ -45,7 +48,11 @@ impl Error {
             // Corners that are given come from the job.
             Self::Grain { source: GrainError::Corners(_), .. } => 2,
             Self::Job(_) | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
-            Self::Mesh { .. } | Self::Image { .. } | Self::Grain { .. } | Self::Shape { .. } => 3,
+            Self::Mesh { .. }
+            | Self::Volume(_)
+            | Self::Image { .. }
+            | Self::Grain { .. }
+            | Self::Shape { .. } => 3,
             Self::Gcode(_) | Self::Mass { .. } | Self::Guide(_) => 4,
         }
     }

@@ -4,6 +4,7 @@
 
 pub mod adhesion;
 pub mod config;
+pub mod dimensions;
 pub mod error;
 pub mod examples;
 mod field_mesh;
@@ -20,8 +21,10 @@ pub mod report;
 pub mod run;
 pub mod shape;
 pub mod skin;
+pub mod specimen;
+pub mod support;
 pub mod walls;
 
 pub use error::Error;
 pub use job::Settings;
-pub use run::{Inputs, Planned, plan_job, plan_photo};
+pub use run::{Inputs, Planned, plan_job, plan_photo, plan_scan};

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use grainpath_core::Region;
 use grainpath_core::math::{atan2, cross, direction};
+use grainpath_core::{DVec3, Region, Role};
 use grainpath_gcode::{Program, Quality, Written, quality};
 use serde::Serialize;
 use serde_json::Value;
@@ -11,6 +11,7 @@ use serde_json::Value;
 use crate::grain::PhotoReport;
 use crate::guide::{Degenerate, Guide};
 use crate::run::Planned;
+use crate::support::Support;
 
 /// The report of a run; keys that do not apply are left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -29,7 +30,13 @@ pub struct Report {
     pub time_s: f64,
     pub density: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<crate::shape::ct::CtReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dimensions: Option<crate::dimensions::Dimensions>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub quality: Option<QualityReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub support: Option<SupportReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stress: Option<StressReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -87,7 +94,7 @@ pub struct QualityReport {
     pub gap: f64,
     pub overlap: f64,
     pub spill: f64,
-    /// Angle between fill and what the stress asks for, weighted by length and by how much it matters.
+    /// Angle between fill and what the stress, or the grain, asks for, weighted by length and by how much it matters.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment_mean_deg: Option<f64>,
     /// 95 % of the weighted length lies closer than this.
@@ -95,6 +102,62 @@ pub struct QualityReport {
     pub alignment_p95_deg: Option<f64>,
     pub paths_per_layer_max: usize,
     pub bead_width_mm: [f64; 3],
+}
+
+/// What the supports are; see `docs/support.md`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct SupportReport {
+    pub volume_mm3: f64,
+    pub mass_g: f64,
+    pub contacts: usize,
+    pub trees: usize,
+    pub floating: usize,
+    pub regions: usize,
+    pub braces: usize,
+    /// Largest lean of a branch from the vertical.
+    pub steepest_deg: f64,
+    /// Largest distance of an overhang from its contact.
+    pub farthest_mm: f64,
+    /// Contacts too near the plate to need anything.
+    pub near_plate: usize,
+    /// Overhangs no branch could reach: x, y, z in mm and area in plan in mm2.
+    pub unreached: Vec<[f64; 4]>,
+}
+
+impl SupportReport {
+    /// Of planned supports; `volume_mm3` is that of their beads.
+    pub fn new(support: &Support, volume_mm3: f64, density_g_cm3: f64) -> Self {
+        let round = |v: f64| (v * 1e3).round() * 1e-3;
+        Self {
+            volume_mm3: round(volume_mm3),
+            mass_g: (volume_mm3 * 1e-3 * density_g_cm3 * 1e4).round() * 1e-4,
+            contacts: support.n_contacts(),
+            trees: support.forest.n_trees(),
+            floating: support.cut.floating,
+            regions: support.overhangs.regions,
+            braces: support.forest.braces.len(),
+            steepest_deg: round(support.forest.steepest_rad().to_degrees()),
+            farthest_mm: round(support.farthest_mm()),
+            near_plate: support.near_plate,
+            unreached: support
+                .unreached
+                .iter()
+                .map(|u| [u.at.x, u.at.y, u.at.z, u.area_mm2].map(round))
+                .collect(),
+        }
+    }
+
+    /// In a line.
+    pub fn summary(&self) -> String {
+        format!(
+            "support: {:.2} g in {} trees at {} contacts, {} overhangs not reached",
+            self.mass_g,
+            self.trees,
+            self.contacts,
+            self.unreached.len()
+        )
+    }
 }
 
 impl From<Quality> for QualityReport {
@@ -132,8 +195,22 @@ impl Report {
             mass_g: round(written.mass_g, 4),
             time_s: round(written.time_s, 1),
             density: round(planned.density, 5),
+            scan: planned.scan.clone(),
+            dimensions: None,
             quality: None,
             grain: planned.grain.as_ref().map(|g| g.photos.clone()),
+            support: planned.support.as_ref().map(|support| {
+                let of_layer = |l: &grainpath_core::LayerPlan| -> f64 {
+                    let paths = l.paths.iter().map(|p| &p.path);
+                    paths
+                        .filter(|p| matches!(p.role, Role::Support | Role::SupportInterface))
+                        .map(|p| p.volume_mm3(l.height_mm))
+                        .sum()
+                };
+                let volume = planned.plan.layers.iter().map(of_layer).sum::<f64>();
+                let material = &planned.config.material;
+                SupportReport::new(support, volume * material.flow, material.density_g_cm3)
+            }),
             stress: planned.guide.as_ref().map(StressReport::from),
             stages_s: BTreeMap::new(),
             peak_rss_mb: round(peak_rss_mb(), 1),
@@ -167,7 +244,8 @@ impl Report {
             ));
             if let (Some(mean), Some(p95)) = (q.alignment_mean_deg, q.alignment_p95_deg) {
                 lines.push(format!(
-                    "fill along the stress: {mean:.1} degrees off in the mean, {p95:.1} for 95 %"
+                    "fill along the {}: {mean:.1} degrees off in the mean, {p95:.1} for 95 %",
+                    if self.grain.is_some() { "grain" } else { "stress" }
                 ));
             }
         }
@@ -179,6 +257,10 @@ impl Report {
                 s.max_displacement_mm,
                 100.0 * s.error_estimate
             ));
+        }
+        lines.extend(self.support.iter().map(SupportReport::summary));
+        if let Some(d) = &self.dimensions {
+            lines.push(format!("{} dimensions, mean error {:.3} %", d.each.len(), d.mean_error_percent));
         }
         lines.extend(self.warnings.iter().map(|w| format!("warning: {w}")));
         lines.extend(self.outputs.iter().map(|(what, path)| format!("{what}: {path}")));
@@ -215,16 +297,26 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
         Some(region)
     };
     let mut report = QualityReport::from(quality(program, section, 12));
-    if let Some(guide) = &planned.guide {
-        let (mean, p95) = alignment(planned, guide, program);
+    let of_stress = planned.guide.as_ref().map(|g| move |i: usize, p: DVec3| g.asked(i, p));
+    let of_grain = planned.grain.as_ref().map(|g| move |_: usize, p: DVec3| g.asked(p));
+    let asked: Option<&Asked<'_>> = match (&of_stress, &of_grain) {
+        (Some(stress), _) => Some(stress),
+        (None, Some(grain)) => Some(grain),
+        (None, None) => None,
+    };
+    if let Some(asked) = asked {
+        let (mean, p95) = alignment(planned, asked, program);
         let round = |deg: f64| (deg * 100.0).round() * 0.01;
         (report.alignment_mean_deg, report.alignment_p95_deg) = (Some(round(mean)), Some(round(p95)));
     }
     report
 }
 
-/// Mean and 95th percentile of the angle in degrees between fill and the stress's own axis.
-fn alignment(planned: &Planned, guide: &Guide, program: &Program) -> (f64, f64) {
+/// The axis a guide asks for at a point of a layer, radians, and how much it matters.
+type Asked<'a> = dyn Fn(usize, DVec3) -> (f64, f64) + 'a;
+
+/// Mean and 95th percentile of the angle in degrees between fill and the guide's own axis.
+fn alignment(planned: &Planned, asked: &Asked<'_>, program: &Program) -> (f64, f64) {
     let shift = planned.plan.plate_from_part_mm.truncate();
     let layers = planned.stack.layers();
     // Equal steps of the angle hold the weights: exact to a hundredth of a degree, in little memory.
@@ -239,7 +331,7 @@ fn alignment(planned: &Planned, guide: &Guide, program: &Program) -> (f64, f64) 
             if length <= 0.0 || i >= layers.len() {
                 continue;
             }
-            let (axis, weight) = guide.asked(i, (0.5 * (a + b)).extend(z_mid));
+            let (axis, weight) = asked(i, (0.5 * (a + b)).extend(z_mid));
             let u = direction(axis);
             let d = b - a;
             let off = atan2(cross(u, d).abs(), u.dot(d).abs()).to_degrees();

@@ -401,6 +401,9 @@ impl<'a> Msh<'a> {
         let mut name = String::new();
         for i in 0..self.words.count("the number of texts")?.min(MAX_COUNT) {
             self.words.next_line();
+            if self.words.at_end() {
+                return Err(invalid(self.words.place(), "the file ends in the head of a result"));
+            }
             let text = self.words.rest_of_line();
             if i == 0 {
                 name = String::from_utf8_lossy(text).trim_matches('"').to_owned();

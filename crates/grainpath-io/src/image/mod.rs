@@ -3,7 +3,7 @@
 mod bmp;
 mod jpeg;
 mod png;
-mod tiff;
+pub(crate) mod tiff;
 
 /// A format images are read from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -17,7 +17,16 @@ pub fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
     let most = (u64::from(width) * u64::from(height)).saturating_mul(32);
     limits.decoding_buffer_size = usize::try_from(most).unwrap_or(usize::MAX);
     limits.intermediate_buffer_size = limits.decoding_buffer_size.max(1 << 20);
-    decoder = decoder.with_limits(limits);
+    read_page(&mut decoder.with_limits(limits), max_pixels)
+}
+
+/// The page a decoder stands at; its limits are the caller's.
+pub fn read_page<R: std::io::Read + std::io::Seek>(
+    decoder: &mut Decoder<R>,
+    max_pixels: u64,
+) -> Result<Image, ImageError> {
+    let (width, height) = decoder.dimensions().map_err(error)?;
+    check_size(FORMAT, width.into(), height.into(), max_pixels)?;
     let colour = decoder.colortype().map_err(error)?;
     let channels = match colour {
         ColorType::Gray(_) | ColorType::Palette(_) => 1,

@@ -1,5 +1,6 @@
 //! Examples made by our own code.
 
+mod hub;
 mod stress_lines;
 mod woodgrain;
 
@@ -12,7 +13,7 @@ use grainpath_core::{DVec2, DVec3, TriMesh};
 pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
 
 /// Names that [`preset`] knows.
-pub const PRESETS: [&str; 3] = ["plate", "stress-lines", "woodgrain"];
+pub const PRESETS: [&str; 4] = ["plate", "stress-lines", "ct", "woodgrain"];
 
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
@@ -23,8 +24,22 @@ pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
         ]),
         "stress-lines" => Some(stress_lines::files()),
         "woodgrain" => Some(woodgrain::files()),
+        "ct" => Some(ct(256)),
         _ => None,
     }
+}
+
+/// The wheel hub scanned with `n` x `n` pixels a slice, its true dimensions, and the job.
+pub fn ct(n: usize) -> Vec<ExampleFile> {
+    let (size, mm) = hub::lattice(n);
+    let mut tif = Vec::with_capacity(size.iter().product::<usize>() * 2 + size[2] * 400);
+    grainpath_io::volume::write_tiff_stack(size, [mm; 3], |k| hub::slice(n, k), &mut tif)
+        .expect("memory takes all that is written");
+    vec![
+        ("job.toml".into(), include_bytes!("../../profiles/examples/ct.toml").to_vec()),
+        ("hub.tif".into(), tif),
+        ("truth.toml".into(), hub::truth().into_bytes()),
+    ]
 }
 
 fn stl(mesh: &TriMesh) -> Vec<u8> {

@@ -355,6 +355,13 @@ impl GrainGuide {
         grainpath_core::math::pow(1.0 + self.darkness, 1.0 - 2.0 * dark)
     }
 
+    /// The axis the picture alone asks for at a point of the part, radians, and its coherence; nothing where that is
+    /// below 0.3.
+    pub fn asked(&self, p: DVec3) -> (f64, f64) {
+        let s = self.sample(p);
+        (s.axis_rad, if s.strength > 0.3 { s.strength } else { 0.0 })
+    }
+
     /// Whether the grain is the same at every height.
     pub fn is_upright(&self) -> bool {
         self.slices.len() == 1 && self.shift_mm_per_mm == DVec2::ZERO

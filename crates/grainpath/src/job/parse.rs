@@ -21,13 +21,7 @@ fn error(place: impl Into<String>, problem: impl Into<String>) -> JobError {
 }
 
 /// Keys of other parts of grainpath that are not there yet: known, so that the message can say so.
-const LATER: [(&str, &str); 5] = [
-    ("shape", "outline"),
-    ("shape", "thickness_mm"),
-    ("shape", "ct"),
-    ("support", "critical_angle_deg"),
-    ("output", "support"),
-];
+const LATER: [(&str, &str); 2] = [("shape", "outline"), ("shape", "thickness_mm")];
 
 /// Reads a job. `name` is what errors call the file; `sets` are `section.key=value` as given on the command line,
 /// stronger than the file; `load` reads a profile that is named by its path.
@@ -146,6 +140,9 @@ fn apply(
     value: &Value,
     place: impl Fn() -> String,
 ) -> Result<(), JobError> {
+    // A scan with nothing but its path.
+    let (section, key) =
+        if (section, key) == ("shape", "ct") { ("shape.ct", "path") } else { (section, key) };
     match settings.set(section, key, value) {
         Some(Ok(())) => Ok(()),
         Some(Err(problem)) => {
@@ -200,6 +197,17 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
         return wrong("process.adaptive_min_mm should not be more than adaptive_max_mm".into());
     }
     check_photos(s, name)?;
+    if !s.ct.path.is_empty() {
+        for (set, what) in [
+            (!s.shape.mesh.is_empty(), "shape.mesh and shape.ct: exactly one shape is printed"),
+            (p.adaptive_layers, "process.adaptive_layers = true is for meshes, not for shape.ct"),
+            (s.shape.rotate_deg != [0.0; 3], "shape.rotate_deg is for meshes, not for shape.ct"),
+        ] {
+            if set {
+                return wrong(what.into());
+            }
+        }
+    }
     if s.strength.enabled {
         return wrong("strength.enabled = true is not in this version of grainpath".into());
     }
@@ -219,14 +227,13 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
 fn check_photos(s: &Settings, name: &str) -> Result<(), JobError> {
     let wrong = |problem: String| Err(error(name, problem));
     let photo = !s.photo.files.is_empty();
-    if photo && !s.shape.mesh.is_empty() {
-        return wrong("shape.mesh and shape.photo: exactly one shape is printed".into());
+    for (other, path) in [("shape.mesh", &s.shape.mesh), ("shape.ct", &s.ct.path)] {
+        if photo && !path.is_empty() {
+            return wrong(format!("{other} and shape.photo: exactly one shape is printed"));
+        }
     }
     if photo && (s.photo.size_mm.contains(&0.0) || s.photo.thickness_mm == 0.0) {
         return wrong("shape.photo needs size_mm = [width, height] and thickness_mm".into());
-    }
-    if photo && s.guide.kind == "stress" {
-        return wrong("guide.kind = \"stress\" is for meshes, not for shape.photo".into());
     }
     if photo && s.process.adaptive_layers {
         return wrong("process.adaptive_layers = true is for meshes, not for shape.photo".into());
@@ -341,8 +348,16 @@ mod tests {
                 "job.toml:2: fill.pattern should be one of rectilinear, grid, triangles, gyroid, concentric, honeycomb, aligned, stripes, streamlines, seed-lines, is \"grit\"",
             ),
             (
-                "[shape]\nct = { path = \"scan\" }\n",
-                "job.toml:2: shape.ct is not in this version of grainpath",
+                "[shape]\nct = { path = \"scan\", pixel = 0.1 }\n",
+                "job.toml:2: unknown key `pixel` in [shape.ct]; did you mean `pixel_mm`?",
+            ),
+            (
+                "[shape.ct]\npath = \"scan\"\nthreshold = \"otzu\"\n",
+                "job.toml:3: shape.ct.threshold should be \"otsu\", \"iso50\", a grey value or [low, high], is \"otzu\"",
+            ),
+            (
+                "[shape]\nmesh = \"a.stl\"\nct = \"scan\"\n",
+                "job.toml: shape.mesh and shape.ct: exactly one shape is printed",
             ),
             (
                 "[guide]\nkind = \"grain\"\n",

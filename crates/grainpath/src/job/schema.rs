@@ -23,7 +23,10 @@ pub fn json_schema() -> Value {
         let table = json!({ "type": "object", "additionalProperties": false, "properties": keys });
         match section.split_once('.') {
             None => drop(sections.insert(section.into(), table)),
-            // A table within a table.
+            // A table within a table; for a scan its path alone may stand for it.
+            Some((outer, "ct")) => {
+                sections[outer]["properties"]["ct"] = json!({ "oneOf": [table, { "type": "string" }] });
+            }
             Some((outer, inner)) => sections[outer]["properties"][inner] = table,
         }
     }
@@ -36,11 +39,15 @@ pub fn json_schema() -> Value {
     })
 }
 
+fn kind(words: &str) -> Value {
+    if words.contains('|') { json!(words.split('|').collect::<Vec<_>>()) } else { json!(words) }
+}
+
 fn schema_of(p: &Param) -> Value {
     let unit = if p.unit.is_empty() { String::new() } else { format!(" Unit: {}.", p.unit) };
-    let mut row = json!({ "type": p.kind, "description": format!("{}{unit}", p.help) });
+    let mut row = json!({ "type": kind(p.kind), "description": format!("{}{unit}", p.help) });
     match p.check {
-        Check::Range(low, high) if p.kind != "array" => {
+        Check::Range(low, high) if !p.kind.contains("array") => {
             row["minimum"] = json!(low);
             row["maximum"] = json!(high);
         }

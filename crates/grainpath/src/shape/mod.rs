@@ -1,10 +1,12 @@
-//! Shapes: from meshes to the [`LayerStack`] that everything after works on.
+//! Shapes: from meshes and CT scans to the [`LayerStack`] that everything after works on.
 
+pub mod ct;
 mod heights;
 mod mend;
 mod photo;
 mod place;
 mod section;
+mod surface;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::{Diagnostics, Layer, LayerStack, TriMesh};
@@ -14,6 +16,7 @@ pub use heights::{Adaptive, layer_heights};
 pub use mend::{Repair, mend};
 pub use photo::{Hole, PhotoBoard};
 pub use place::{Placement, likely_unit, place};
+pub use surface::surface;
 
 /// How a mesh is cut into layers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,6 +53,8 @@ pub enum ShapeError {
     Defects { defects: String },
     #[error("{n} layers of {height_mm} mm; at most {limit} are made")]
     TooManyLayers { n: usize, height_mm: f64, limit: usize },
+    #[error("{problem}")]
+    Scan { problem: String },
     #[error("no layer of the part has any area")]
     NothingLeft,
     #[error(transparent)]
