@@ -8,7 +8,7 @@ use grainpath::job::{PROFILES, Settings, json_schema, markdown, parse_job};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::{DVec2, Diagnostics};
 use grainpath_io::fe::{FeError, StressField, parse_fe};
-use grainpath_io::image::decode;
+use grainpath_io::image::decode_luma;
 use grainpath_io::parse_mesh;
 
 use crate::args::{Common, Markers, New, Profiles, Render, Run, Schema, Slice};
@@ -125,7 +125,7 @@ fn read_photos(settings: &Settings, base: &Path, diagnostics: &Diagnostics) -> R
         let bytes = files::read(&path)?;
         let name = path.display().to_string();
         let image =
-            decode(&bytes).map_err(|source| grainpath::Error::Image { path: name.clone(), source })?;
+            decode_luma(&bytes).map_err(|source| grainpath::Error::Image { path: name.clone(), source })?;
         Ok(Photo::of(name, &image))
     };
     own.iter().map(read).collect()

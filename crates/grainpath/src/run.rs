@@ -697,7 +697,7 @@ impl Job<'_> {
             if off < nearest.0 {
                 nearest = (off, density);
             }
-            if off < 1e-3 * asked_g {
+            if off < 2.5e-3 * asked_g {
                 return Ok(density);
             }
             density *= (asked_g - fixed) / (found - fixed).max(1e-9);
