@@ -101,7 +101,7 @@ fn timed(command: &mut Command, folder: &Path) -> Result<(Cost, String), String>
 /// Writes a deck over gmsh's mesh: the face at least x held, 500 N down on the face at greatest x. Returns its dofs.
 fn deck(mesh: &Path, deck: &Path) -> Result<f64, String> {
     let text = fs::read_to_string(mesh).map_err(|e| format!("{}: {e}", mesh.display()))?;
-    let (mut nodes, mut elements) = (BTreeMap::new(), String::new());
+    let (mut nodes, mut elements, mut tets) = (BTreeMap::new(), String::new(), Vec::new());
     let mut used: Vec<u64> = Vec::new();
     let mut section = String::new();
     for line in text.lines() {
@@ -115,7 +115,9 @@ fn deck(mesh: &Path, deck: &Path) -> Result<f64, String> {
         } else if section.contains("C3D10") {
             elements.push_str(line);
             elements.push('\n');
-            used.extend(line.split(',').skip(1).filter_map(|w| w.trim().parse::<u64>().ok()));
+            let tet: Vec<u64> = line.split(',').skip(1).filter_map(|w| w.trim().parse().ok()).collect();
+            used.extend(&tet);
+            tets.push(tet);
         }
     }
     used.sort_unstable();
@@ -139,9 +141,29 @@ fn deck(mesh: &Path, deck: &Path) -> Result<f64, String> {
         put(&mut out, format_args!("{id},"))?;
     }
     out.push_str("*BOUNDARY\nFIX,1,3\n*STEP\n*STATIC,SOLVER=ITERATIVE CHOLESKY\n*CLOAD\n");
-    let n = at(high).count();
-    for id in at(high) {
-        put(&mut out, format_args!("{id},3,{}", -500.0 / n as f64))?;
+    // Even pressure on a straight triangle of second order: a third of its force on each node between corners.
+    let place = |id: u64| -> Option<[f64; 3]> {
+        let (_, text) = nodes.get(&id)?;
+        let p: Vec<f64> = text.split(',').filter_map(|w| w.parse().ok()).collect();
+        p.try_into().ok()
+    };
+    let (mut shares, mut total) = (BTreeMap::<u64, f64>::new(), 0.0);
+    for tet in tets.iter().filter(|t| t.len() == 10) {
+        for [a, b, c, ab, bc, ca] in
+            [[0, 1, 2, 4, 5, 6], [0, 3, 1, 7, 8, 4], [1, 3, 2, 8, 9, 5], [2, 3, 0, 9, 7, 6]]
+        {
+            let (Some(a), Some(b), Some(c)) = (place(tet[a]), place(tet[b]), place(tet[c])) else { continue };
+            if [a, b, c].iter().all(|p| (p[0] - high).abs() < 1e-6) {
+                let area = 0.5 * ((b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1])).abs();
+                total += area;
+                for m in [ab, bc, ca] {
+                    *shares.entry(tet[m]).or_default() += area / 3.0;
+                }
+            }
+        }
+    }
+    for (id, share) in shares {
+        put(&mut out, format_args!("{id},3,{}", -500.0 * share / total))?;
     }
     out.push_str("*NODE FILE\nU\n*EL FILE\nS\n*END STEP\n");
     fs::write(deck, out).map_err(|e| format!("{}: {e}", deck.display()))?;

@@ -53,7 +53,8 @@ fn every_file_reads_or_says_why() {
 #[test]
 fn meshes_are_as_the_table_says() {
     use ElementKind::{Hex8, Hex20, Quad4, Quad8, Tet4, Tet10, Tri3, Tri6};
-    let table: [(&str, usize, &[(ElementKind, usize)]); 14] = [
+    type Row<'a> = (&'a str, usize, &'a [(ElementKind, usize)]);
+    let table: [Row<'_>; 14] = [
         ("nafems_le1.inp", 433, &[(Quad8, 128)]),
         ("nafems_le1.frd", 433, &[(Quad8, 128)]),
         ("nafems_le1_v22.msh", 433, &[(Quad8, 128)]),

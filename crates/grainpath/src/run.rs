@@ -237,6 +237,9 @@ fn plan_stack(
     Ok(Planned { plan, stack, config, stages_s, support, support_pictures, density, grain, guide, scan })
 }
 
+/// Fill, and the island each path lies in.
+type IslandPaths = Vec<(usize, Toolpath)>;
+
 /// The islands of a layer with their walls, and where its fill may lie.
 type LayerWalls = (Vec<Island>, Vec<IslandPolygon>);
 
@@ -453,7 +456,7 @@ impl Job<'_> {
             diagnostics.advance(1);
             Ok(paths)
         };
-        let laid: Vec<Result<Vec<(usize, Toolpath)>, Interrupted>> = (0..walls.len())
+        let laid: Vec<Result<IslandPaths, Interrupted>> = (0..walls.len())
             .into_par_iter()
             .with_min_len(if self.guide.is_some() { 1 } else { 2 })
             .map(lay)
@@ -465,7 +468,7 @@ impl Job<'_> {
         }
         let mut supports: Vec<Vec<Island>> =
             (0..laid.len()).into_par_iter().map(|i| self.supports(i)).collect();
-        let whole = |(i, (mut islands, paths)): (usize, (Vec<Island>, Vec<(usize, Toolpath)>))| {
+        let whole = |(i, (mut islands, paths)): (usize, (Vec<Island>, IslandPaths))| {
             paths.into_iter().for_each(|(island, path)| islands[island].fills.push(path));
             let adhesion = adhesion.get(i).cloned().unwrap_or_default();
             LayerPaths { adhesion, supports: std::mem::take(&mut supports[i]), islands }

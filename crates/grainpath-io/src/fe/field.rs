@@ -2,6 +2,7 @@
 
 use grainpath_core::{DVec3, math};
 
+use super::result::free_faces;
 use super::{Element, ElementKind, FeResult};
 
 /// Natural coordinates may lie outside by this much and the point still counts as inside.
@@ -300,24 +301,10 @@ fn rim(result: &FeResult) -> Vec<([u32; 3], u32)> {
         }
         return out;
     }
-    let mut faces: Vec<([u32; 4], u32, u8)> = Vec::new();
-    for (i, e) in result.elements.iter().enumerate() {
-        for (f, face) in e.kind.faces().iter().enumerate() {
-            let mut key = [u32::MAX; 4];
-            for (k, &c) in key.iter_mut().zip(*face) {
-                *k = e.nodes()[c];
-            }
-            key.sort_unstable();
-            faces.push((key, i as u32, f as u8));
-        }
-    }
-    faces.sort_unstable();
-    for face in faces.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() == 1) {
-        let (_, e, f) = face[0];
+    for (e, face) in free_faces(&result.elements) {
         let element = &result.elements[e as usize];
-        let corners: Vec<u32> =
-            element.kind.faces()[f as usize].iter().map(|&c| element.nodes()[c]).collect();
-        fan(&corners, e);
+        let corners = element.kind.faces()[face as usize].iter().map(|&c| element.nodes()[c]);
+        fan(&corners.collect::<Vec<u32>>(), e);
     }
     out
 }

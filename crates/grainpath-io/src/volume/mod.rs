@@ -93,7 +93,7 @@ const MAX_PIXELS: usize = 1 << 26;
 const MAX_SLICES: usize = 1 << 20;
 
 fn check_size(file: &str, size: [usize; 3]) -> Result<(), VolumeError> {
-    let pixels = size[0].checked_mul(size[1]).unwrap_or(usize::MAX);
+    let pixels = size[0].saturating_mul(size[1]);
     if size.contains(&0) {
         return Err(error(
             file,

@@ -141,7 +141,7 @@ fn check_numbers(names: &[String]) -> Result<(), VolumeError> {
     let step = steps.iter().copied().min().unwrap_or(1).max(1);
     match steps.iter().position(|&s| s != step) {
         // Some numbering that says nothing: times, sizes.
-        Some(i) if steps[i] % step == 0 => {
+        Some(i) if steps[i].is_multiple_of(step) => {
             let problem = format!(
                 "slices are missing after it: the numbers go from {} to {}, elsewhere in steps of {step}",
                 numbers[i].1,

@@ -45,7 +45,9 @@ fn waves(p: DVec2) -> f64 {
     0.4 * sin_cos(p.x / 9.0).0 + 0.5 * sin_cos(p.y / 7.0).0
 }
 
-const FIELDS: [(&str, fn(DVec2) -> f64); 6] = [
+type NamedAngle = (&'static str, fn(DVec2) -> f64);
+
+const FIELDS: [NamedAngle; 6] = [
     ("straight", |_| 0.3),
     ("rings", rings),
     ("rays", rays),

@@ -14,7 +14,7 @@ pub enum Smoothing {
 }
 
 /// Smooths a slice in place.
-pub fn smooth(values: &mut Vec<f32>, nx: usize, ny: usize, how: Smoothing) {
+pub fn smooth(values: &mut [f32], nx: usize, ny: usize, how: Smoothing) {
     match how {
         Smoothing::None => {}
         Smoothing::Gaussian(sigma_px) => gaussian(values, nx, ny, sigma_px),
@@ -24,7 +24,7 @@ pub fn smooth(values: &mut Vec<f32>, nx: usize, ny: usize, how: Smoothing) {
 }
 
 /// Separable Gaussian; the border's values go on outside.
-pub fn gaussian(values: &mut Vec<f32>, nx: usize, ny: usize, sigma_px: f64) {
+pub fn gaussian(values: &mut [f32], nx: usize, ny: usize, sigma_px: f64) {
     if sigma_px < 0.05 {
         return;
     }
@@ -61,8 +61,8 @@ pub fn gaussian(values: &mut Vec<f32>, nx: usize, ny: usize, sigma_px: f64) {
     }
 }
 
-fn median(values: &mut Vec<f32>, nx: usize, ny: usize) {
-    let old = values.clone();
+fn median(values: &mut [f32], nx: usize, ny: usize) {
+    let old = values.to_vec();
     for j in 0..ny {
         for i in 0..nx {
             let mut near = [0.0f32; 9];
@@ -77,8 +77,8 @@ fn median(values: &mut Vec<f32>, nx: usize, ny: usize) {
     }
 }
 
-fn diffuse(values: &mut Vec<f32>, nx: usize, ny: usize, step: f32) {
-    let old = values.clone();
+fn diffuse(values: &mut [f32], nx: usize, ny: usize, step: f32) {
+    let old = values.to_vec();
     let scale = 1.0 / step.max(f32::MIN_POSITIVE);
     let flow = |d: f32| d / (1.0 + (d * scale) * (d * scale));
     for j in 0..ny {

@@ -1,5 +1,5 @@
 use grainpath_core::math::direction;
-use grainpath_io::volume::SampleType;
+use grainpath_io::volume::{SampleType, VolumeInfo};
 
 use super::*;
 

@@ -151,11 +151,11 @@ impl Grid {
     fn point(&self, edge: u32) -> DVec2 {
         let w = self.nx + 2;
         let p = (edge / 2) as usize;
-        let q = if edge % 2 == 0 { p + 1 } else { p + w };
+        let q = if edge.is_multiple_of(2) { p + 1 } else { p + w };
         let (a, b) = (f64::from(self.values[p]), f64::from(self.values[q]));
         let t = a / (a - b);
         let at = DVec2::new((p % w) as f64 - 0.5, (p / w) as f64 - 0.5);
-        if edge % 2 == 0 { at + DVec2::new(t, 0.0) } else { at + DVec2::new(0.0, t) }
+        if edge.is_multiple_of(2) { at + DVec2::new(t, 0.0) } else { at + DVec2::new(0.0, t) }
     }
 }
 
@@ -174,10 +174,10 @@ fn level(patch: &mut [(usize, f32)], nx: usize, tolerance: impl Fn(usize) -> f32
             next += 1;
             let row = [k.checked_sub(1), Some(k + 1)].map(|m| m.filter(|m| m / nx == k / nx));
             for m in row.into_iter().chain([k.checked_sub(nx), Some(k + nx)]).flatten() {
-                if let Ok(i) = patch.binary_search_by_key(&m, |p| p.0) {
-                    if std::mem::replace(&mut free[i], false) {
-                        members.push(i);
-                    }
+                if let Ok(i) = patch.binary_search_by_key(&m, |p| p.0)
+                    && std::mem::replace(&mut free[i], false)
+                {
+                    members.push(i);
                 }
             }
         }
@@ -242,7 +242,7 @@ mod tests {
     #[test]
     fn a_flat_face_in_the_plane_is_not_torn_by_noise() {
         let n = 40;
-        let noise = |i: usize, s: usize| (((i * 7919 + s) * 104_729 >> 3) % 101) as f32 * 0.02 - 1.0;
+        let noise = |i: usize, s: usize| ((((i * 7919 + s) * 104_729) >> 3) % 101) as f32 * 0.02 - 1.0;
         // The face lies a twentieth of the way above the plane: everything is inside but for the noise.
         let framed = |i: usize| (4..36).contains(&(i % n)) && (4..36).contains(&(i / n));
         let below: Vec<f32> =
