@@ -53,6 +53,7 @@ fn main() -> ExitCode {
         Command::Specimen(a) => support::specimen(&a),
         Command::Inspect(a) => inspect::inspect(&a),
         Command::Render(a) => commands::render(&a),
+        Command::Markers(a) => commands::markers(&a),
         Command::Schema(a) => commands::schema(&a),
         Command::Profiles(a) => commands::profiles(&a),
     };
