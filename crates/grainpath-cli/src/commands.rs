@@ -33,7 +33,8 @@ pub fn slice(args: &Slice) -> Result<(), Failure> {
     execute(&settings, &args.model, Path::new(""), Path::new(""), &args.common)
 }
 
-fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Settings, Failure> {
+/// A job's text and overrides as settings.
+pub fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Settings, Failure> {
     let load = |path: &str| files::read_text(&folder.join(path)).map_err(|f| f.message);
     parse_job(text, name, sets, &load).map_err(|e| Failure::usage(e.to_string()))
 }
@@ -64,7 +65,8 @@ fn execute(
     Ok(())
 }
 
-fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
+/// Limits the threads, where asked for.
+pub fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
     let Some(n) = threads else { return Ok(()) };
     if n == 0 || n > 1024 {
         return Err(Failure::usage(format!("--threads {n} should be from 1 to 1024")));
@@ -73,7 +75,8 @@ fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
     pool.map_err(|e| Failure::usage(format!("--threads {n}: {e}")))
 }
 
-fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io::MeshFile, f64), Failure> {
+/// Reads a mesh; its bodies and the seconds it took.
+pub fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io::MeshFile, f64), Failure> {
     let start = std::time::Instant::now();
     diagnostics.begin(Stage::Read, 0);
     let bytes = files::read(path)?;
@@ -84,7 +87,7 @@ fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io::Me
 }
 
 /// The result named by `guide.import`.
-fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressField>, Failure> {
+pub fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressField>, Failure> {
     if settings.guide.import.is_empty() {
         return Ok(None);
     }

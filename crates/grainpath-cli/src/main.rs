@@ -6,6 +6,7 @@ mod files;
 mod inspect;
 mod outputs;
 mod progress;
+mod strength;
 
 use std::process::ExitCode;
 
@@ -48,6 +49,8 @@ fn main() -> ExitCode {
         Command::Slice(a) => commands::slice(&a),
         Command::New(a) => commands::new(&a),
         Command::Inspect(a) => inspect::inspect(&a),
+        Command::Strength(a) => strength::strength(&a),
+        Command::Compare(a) => strength::compare(&a),
         Command::Render(a) => commands::render(&a),
         Command::Schema(a) => commands::schema(&a),
         Command::Profiles(a) => commands::profiles(&a),

@@ -7,6 +7,7 @@ use grainpath_io::MeshError;
 use crate::guide::GuideError;
 use crate::job::JobError;
 use crate::shape::ShapeError;
+use crate::strength::StrengthError;
 
 /// Why a run ended early.
 #[derive(Debug, thiserror::Error)]
@@ -20,6 +21,8 @@ pub enum Error {
     Shape { path: String, source: ShapeError },
     #[error("guide: {0}")]
     Guide(#[from] GuideError),
+    #[error("strength: {0}")]
+    Strength(#[from] StrengthError),
     #[error(transparent)]
     Gcode(#[from] GcodeError),
     #[error(
@@ -37,6 +40,7 @@ impl Error {
             Self::Shape { source: ShapeError::Interrupted(_), .. } | Self::Interrupted(_) => 130,
             Self::Guide(GuideError::Interrupted(_)) => 130,
             Self::Guide(e) if e.is_usage() => 2,
+            Self::Strength(e) => e.exit_code(),
             Self::Job(_) | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
             Self::Mesh { .. } | Self::Shape { .. } => 3,
             Self::Gcode(_) | Self::Mass { .. } | Self::Guide(_) => 4,

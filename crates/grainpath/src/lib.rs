@@ -19,6 +19,7 @@ pub mod report;
 pub mod run;
 pub mod shape;
 pub mod skin;
+pub mod strength;
 pub mod walls;
 
 pub use error::Error;

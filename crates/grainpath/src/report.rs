@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use crate::guide::{Degenerate, Guide};
 use crate::run::Planned;
+use crate::strength::StrengthReport;
 
 /// The report of a run; keys that do not apply are left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -31,6 +32,8 @@ pub struct Report {
     pub quality: Option<QualityReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stress: Option<StressReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strength: Option<StrengthReport>,
     pub stages_s: BTreeMap<&'static str, f64>,
     pub peak_rss_mb: f64,
     pub warnings: Vec<String>,
@@ -131,6 +134,7 @@ impl Report {
             density: round(planned.density, 5),
             quality: None,
             stress: planned.guide.as_ref().map(StressReport::from),
+            strength: None,
             stages_s: BTreeMap::new(),
             peak_rss_mb: round(peak_rss_mb(), 1),
             warnings: Vec::new(),
@@ -176,6 +180,7 @@ impl Report {
                 100.0 * s.error_estimate
             ));
         }
+        lines.extend(self.strength.as_ref().map(StrengthReport::summary));
         lines.extend(self.warnings.iter().map(|w| format!("warning: {w}")));
         lines.extend(self.outputs.iter().map(|(what, path)| format!("{what}: {path}")));
         lines.join("\n")

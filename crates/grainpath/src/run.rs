@@ -25,6 +25,7 @@ use crate::job::Settings;
 use crate::mask::Mask;
 use crate::order::{Island, LayerPaths, order_stack};
 use crate::shape;
+use crate::strength::TestSetup;
 use crate::skin::{IslandPolygon, SkinInput, SkinSettings, SkinSplit, split_stack};
 use crate::walls::{WallSettings, lay_walls};
 
@@ -42,6 +43,8 @@ pub struct Planned {
     pub density: f64,
     /// Directions and the stress they come from, for jobs that have loads.
     pub guide: Option<Guide>,
+    /// What a strength test needs to know of the part, for jobs that want one.
+    pub test: Option<TestSetup>,
 }
 
 /// Shorter closed walls are small, mm.
@@ -67,9 +70,8 @@ pub struct Inputs {
 pub fn plan_job(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
     let shape_error = |source| Error::Shape { path: inputs.path.clone(), source };
-    let (bodies, lowered_mm) = place_bodies(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
-    let mesh = shape::mend(bodies, config::repair(settings), diagnostics).map_err(shape_error)?;
-    let stack = shape::slice(&mesh, &config::slicing(settings), diagnostics).map_err(shape_error)?;
+    let (mesh, stack, lowered_mm) =
+        mesh_and_layers(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
     let part = part_bounds(&stack);
     let plate_from_part_mm = plate_from_part(settings, part);
@@ -78,6 +80,7 @@ pub fn plan_job(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) 
         let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
         guide::build(settings, &guided, inputs.stress, diagnostics)?
     };
+    let test = settings.strength.enabled.then(|| TestSetup::of(settings, &mesh, &stack)).transpose()?;
     drop(mesh);
     if guide.is_some() {
         clock.stop(Stage::Guide);
@@ -97,7 +100,22 @@ pub fn plan_job(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) 
     let plan = Plan { layers, plate_from_part_mm };
     let config = config::writing(settings);
     check_fits(&plan, &config.machine)?;
-    Ok(Planned { plan, stack, config, stages_s: clock.stages, density, guide })
+    Ok(Planned { plan, stack, config, stages_s: clock.stages, density, guide, test })
+}
+
+/// A file's bodies as one mesh on the plate, its layers, and how far it was lowered to stand there, mm.
+///
+/// # Errors
+/// As [`shape::mend`] and [`shape::slice`].
+pub fn mesh_and_layers(
+    settings: &Settings,
+    file: MeshFile,
+    diagnostics: &Diagnostics,
+) -> Result<(grainpath_core::TriMesh, LayerStack, f64), shape::ShapeError> {
+    let (bodies, lowered_mm) = place_bodies(settings, file, diagnostics)?;
+    let mesh = shape::mend(bodies, config::repair(settings), diagnostics)?;
+    let stack = shape::slice(&mesh, &config::slicing(settings), diagnostics)?;
+    Ok((mesh, stack, lowered_mm))
 }
 
 /// The islands of a layer with their walls, and where its fill may lie.
