@@ -89,10 +89,14 @@ impl Outcome {
 
 /// Steps of the load.
 const STEP: f64 = 0.03;
-/// The load has fallen enough when it is this share of the peak.
-const FALLEN: f64 = 0.75;
+/// The plate has given way when it is this many times as soft as at first.
+const SOFT: f64 = 2.5;
+/// The most solutions at one load: a plate that has not come to rest by then does not.
+const MOST_AT_A_LOAD: usize = 50;
 /// The most solutions in a test.
-const MOST_SOLUTIONS: usize = 160;
+const MOST_SOLUTIONS: usize = 400;
+/// Plies are drawn a little further than asked, so that a crack comes to rest in fewer solutions.
+const OVER: f64 = 1.4;
 
 /// What a ply has gone through.
 #[derive(Debug, Clone, Copy)]
@@ -179,7 +183,7 @@ impl PlateTest<'_> {
         let mut x = vec![0.0; forces.len()];
         let mut test = Progress::default();
         let mut index = Vec::new();
-        let mut level = 0.0;
+        let (mut level, mut at_load) = (0.0, 0);
         loop {
             system.solve(&forces, &mut x)?;
             let near: Vec<Vec<Near>> =
@@ -194,11 +198,13 @@ impl PlateTest<'_> {
                 let highest = |e: usize| near[e].iter().map(|p| p.index[0].max(p.index[1])).fold(0.0, f64::max);
                 index = (0..n).map(|e| (highest(e) * critical) as f32).collect();
             }
-            if test.fallen() || system.solved >= MOST_SOLUTIONS {
-                break;
-            }
+            at_load += 1;
             if critical > level {
                 level = critical * (1.0 + STEP);
+                at_load = 0;
+            }
+            if test.gave_way() || at_load > MOST_AT_A_LOAD || system.solved >= MOST_SOLUTIONS {
+                break;
             }
             let changed = self.draw(&near, &mut states, draws, level);
             let new: Vec<(usize, [[f64; 8]; 8])> = changed
@@ -241,7 +247,7 @@ impl PlateTest<'_> {
                             states[p].mode = near.mode;
                         }
                         // Steps that hardly move the stiffness only cost solutions.
-                        states[p].drawn[k] = asked.max(now * 1.02).min(draws[k]);
+                        states[p].drawn[k] = (now + OVER * (asked - now)).max(now * 1.02).min(draws[k]);
                         any = true;
                     }
                 }
@@ -304,7 +310,7 @@ impl PlateTest<'_> {
             index,
             dofs: system.dofs(),
             effort: [system.solved, system.factored],
-            ended: test.fallen(),
+            ended: system.solved < MOST_SOLUTIONS,
         }
     }
 
@@ -342,8 +348,8 @@ impl Progress {
         self.factors.iter().copied().fold(0.0, f64::max)
     }
 
-    fn fallen(&self) -> bool {
-        self.factors.last().is_some_and(|f| *f < FALLEN * self.best())
+    fn gave_way(&self) -> bool {
+        self.works.last().is_some_and(|w| *w > SOFT * self.works[0])
     }
 
     /// Displacement and load at each new height of the load, and on the way down after the peak.
@@ -353,7 +359,7 @@ impl Progress {
         let (mut highest, mut down) = (0.0, false);
         for (f, w) in self.factors.iter().zip(&self.works) {
             let point = [f * w / load_n, f * load_n];
-            let further = curve.last().is_some_and(|last: &[f64; 2]| point[0] >= last[0]);
+            let further = curve.last().is_some_and(|last: &[f64; 2]| point[0] >= last[0] && point[1] <= last[1]);
             if (!down && *f > highest) || (down && further) {
                 curve.push(point);
             }
