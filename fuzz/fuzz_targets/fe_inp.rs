@@ -5,6 +5,7 @@ use grainpath_io::fe::{FeOptions, StressField, parse_fe};
 
 fn survive(bytes: &[u8], name: &str) {
     let Ok(file) = parse_fe(bytes, Some(name)) else { return };
+    let _ = file.nodal_forces(0);
     let Ok(result) = file.result(&FeOptions::default()) else { return };
     let _ = StressField::new(result).sample(Default::default());
 }

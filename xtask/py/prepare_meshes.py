@@ -7,7 +7,7 @@ import sys
 
 import trimesh
 
-PARTS = [  # file, name, scale (None: longest side to 70 mm)
+PARTS = [  # file, name, scale (None: longest side to 70 mm; negative: height in mm)
     ("3DBenchy.3mf", "benchy", 1.0),
     ("stanford_bunny_open_base.obj", "bunny", None),
     ("armadillo.stl", "armadillo", 1.0),
@@ -16,6 +16,8 @@ PARTS = [  # file, name, scale (None: longest side to 70 mm)
     ("featuretype_inch.stl", "featuretype", 25.4),
     ("hinge_ascii.stl", "hinge", 1.0),
     ("M3x10_screw.stl", "screw", 1.0),
+    ("femur_400mm_ascii.stl", "bone", -130.0),
+    ("armadillo.stl", "armadillo100", -100.0),
 ]
 
 source, target = map(pathlib.Path, sys.argv[1:])
@@ -25,7 +27,9 @@ for file, name, scale in PARTS:
     if out.exists():
         continue
     mesh = trimesh.load(source / file, force="mesh")
-    mesh.apply_scale(scale if scale else 70 / max(mesh.extents))
+    if not scale:
+        scale = 70 / max(mesh.extents)
+    mesh.apply_scale(scale if scale > 0 else -scale / mesh.extents[2])
     low, high = mesh.bounds
     mesh.apply_translation([-(low[0] + high[0]) / 2, -(low[1] + high[1]) / 2, -low[2]])
     mesh.export(out)

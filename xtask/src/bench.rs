@@ -8,9 +8,31 @@ use serde_json::Value;
 
 /// What one program took for one part.
 #[derive(Clone, Copy)]
-struct Cost {
-    wall_s: f64,
-    peak_mib: f64,
+pub struct Cost {
+    /// Wall time.
+    pub wall_s: f64,
+    /// Highest memory held.
+    pub peak_mib: f64,
+}
+
+/// Runs a program once and says what it took.
+pub fn timed(words: &[String], folder: &Path) -> Result<Cost, String> {
+    let timing = folder.join("time.txt");
+    let status = Command::new("time")
+        .args(["-f", "%e %M", "-o"])
+        .arg(&timing)
+        .args(words)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status()
+        .map_err(|e| format!("cannot start `time`: {e}"))?;
+    if !status.success() {
+        return Err(format!("{} ended with {status}", words.join(" ")));
+    }
+    let text = fs::read_to_string(&timing).map_err(|e| format!("{}: {e}", timing.display()))?;
+    let mut numbers = text.split_whitespace().filter_map(|w| w.parse::<f64>().ok());
+    let (wall_s, kib) = (numbers.next().unwrap_or(f64::NAN), numbers.next().unwrap_or(f64::NAN));
+    Ok(Cost { wall_s, peak_mib: kib / 1024.0 })
 }
 
 /// Programs in the order they are printed.
@@ -70,6 +92,62 @@ pub fn quality() -> Result<(), String> {
     }
     Ok(())
 }
+
+/// Grams and hours of support on the parts of `docs/support.md`, beside our baselines and the peers; speed on the skull.
+pub fn support(parts: &[&str]) -> Result<(), String> {
+    let bench = Bench::prepare()?;
+    let ours = crate::root().join("target/release/grainpath");
+    for (specimen, name) in [("hanging-ball", "ball"), ("dental-tray", "tray")] {
+        crate::run(Command::new(&ours).args(["specimen", specimen, "-o"]).arg(bench.mesh(name)))?;
+    }
+    let all = ["ball", "tray", "bone", "featuretype", "armadillo100", "skull"];
+    let parts = if parts.is_empty() { &all[..] } else { parts };
+    println!(
+        "\nCritical angle 40 deg, 0.2 mm layers, 2 walls, 15 % grid; support alone, and the whole print.\n"
+    );
+    println!("| part | program | support g | whole g | print min | wall s | peak MiB |");
+    println!("|---|---|---|---|---|---|---|");
+    for &part in parts {
+        for program in SUPPORTERS {
+            if part == "skull" && program != "grainpath tree" {
+                continue;
+            }
+            let out = bench.folder.join(format!("support_{}_{part}.gcode", program.replace(' ', "_")));
+            let Some(words) = bench.support_command(program, part, &out) else { continue };
+            let cost = timed(&words, &bench.folder)?;
+            let mut command = Command::new("python3");
+            command.arg("xtask/py/support_mass.py").arg(&out).current_dir(crate::root());
+            let found: Value =
+                serde_json::from_str(&crate::output(&mut command)?).map_err(|e| e.to_string())?;
+            let mut command = Command::new(&ours);
+            let inspected = crate::output(command.args(["inspect", "--json"]).arg(&out))?;
+            let inspected: Value = serde_json::from_str(&inspected).map_err(|e| e.to_string())?;
+            let number = |v: &Value| v.as_f64().unwrap_or(f64::NAN);
+            println!(
+                "| {part} | {program} | {:.2} | {:.2} | {:.0} | {:.2} | {:.0} |",
+                number(&found["support_g"]),
+                number(&found["total_g"]),
+                number(&inspected["time_s"]) / 60.0,
+                cost.wall_s,
+                cost.peak_mib
+            );
+        }
+    }
+    println!("\nTime over the number of contacts (armadillo, L from 12 to 1.2 mm), `grainpath support`:\n");
+    println!("| L mm | contacts | support s |\n|---|---|---|");
+    for l in ["12", "6", "3", "1.8", "1.2"] {
+        let mut command = Command::new(&ours);
+        command.args(["support", "--json", "--set", &format!("support.max_unsupported_mm={l}"), "-o"]);
+        command.arg(bench.folder.join("scale.stl")).arg(bench.mesh("armadillo100"));
+        let found: Value = serde_json::from_str(&crate::output(&mut command)?).map_err(|e| e.to_string())?;
+        println!("| {l} | {} | {} |", found["support"]["contacts"], found["stages_s"]["support"]);
+    }
+    Ok(())
+}
+
+/// What makes supports, in the order printed.
+const SUPPORTERS: [&str; 5] =
+    ["grainpath tree", "grainpath columns", "grainpath box", "prusa-slicer", "CuraEngine"];
 
 struct Bench {
     folder: PathBuf,
@@ -144,28 +222,46 @@ impl Bench {
         there.then(|| text.split_whitespace().map(str::to_owned).collect())
     }
 
+    /// The command that slices a part with supports, `None` when the program is not there.
+    fn support_command(&self, program: &str, part: &str, out: &Path) -> Option<Vec<String>> {
+        let (name, style) = program.split_once(' ').unwrap_or((program, ""));
+        let more = match name {
+            "grainpath" => format!("--set support.style={style}"),
+            "prusa-slicer" => "--support-material --support-material-style snug --support-material-threshold 50".into(),
+            _ => "-s support_enable=true -s support_structure=tree -s support_type=everywhere -s support_angle=40 \
+                  -s support_line_width=0.45"
+                .to_owned(),
+        };
+        let mut words = self.command(name, part, 0.15, out)?;
+        words.retain(|w| w != "support_enable=false");
+        // Cura reads settings of a mesh only before its name.
+        let at = words.iter().position(|w| w == "-e0").unwrap_or(if name == "grainpath" {
+            words.len()
+        } else {
+            1
+        });
+        let tidy = |w: Vec<String>| -> Vec<String> {
+            let mut out: Vec<String> = Vec::new();
+            for word in w {
+                if out.last().is_some_and(|l| l == "-s") && word == "-s" {
+                    continue;
+                }
+                out.push(word);
+            }
+            out
+        };
+        words.splice(at..at, more.split_whitespace().map(str::to_owned));
+        Some(tidy(words))
+    }
+
     /// Slices a part some times over; the best time and the highest peak, and the last G-code.
     fn cost(&self, program: &str, part: &str, density: f64) -> Result<Option<(Cost, PathBuf)>, String> {
         let out = self.folder.join(format!("{program}_{part}_{}.gcode", 100.0 * density));
         let Some(words) = self.command(program, part, density, &out) else { return Ok(None) };
         let mut best = Cost { wall_s: f64::INFINITY, peak_mib: 0.0 };
         for _ in 0..if density < 1.0 && part != "skull" { RUNS } else { 1 } {
-            let timing = self.folder.join("time.txt");
-            let status = Command::new("time")
-                .args(["-f", "%e %M", "-o"])
-                .arg(&timing)
-                .args(&words)
-                .stdout(Stdio::null())
-                .stderr(Stdio::null())
-                .status()
-                .map_err(|e| format!("cannot start `time`: {e}"))?;
-            if !status.success() {
-                return Err(format!("{} ended with {status}", words.join(" ")));
-            }
-            let text = fs::read_to_string(&timing).map_err(|e| format!("{}: {e}", timing.display()))?;
-            let mut numbers = text.split_whitespace().filter_map(|w| w.parse::<f64>().ok());
-            let (wall_s, kib) = (numbers.next().unwrap_or(f64::NAN), numbers.next().unwrap_or(f64::NAN));
-            best = Cost { wall_s: best.wall_s.min(wall_s), peak_mib: best.peak_mib.max(kib / 1024.0) };
+            let cost = timed(&words, &self.folder)?;
+            best = Cost { wall_s: best.wall_s.min(cost.wall_s), peak_mib: best.peak_mib.max(cost.peak_mib) };
         }
         Ok(Some((best, out)))
     }

@@ -4,6 +4,9 @@
 
 mod arrows;
 mod bench;
+mod bench_ct;
+mod bench_fea;
+mod bench_paths;
 mod fuzz;
 mod licences;
 mod setup;
@@ -16,7 +19,12 @@ const USAGE: &str = "usage: cargo xtask <command>
   test --quick     the same without examples, fuzzers and what needs installing
   bench slicing [PART...]  time and memory beside PrusaSlicer and CuraEngine
                    (benchy bunny armadillo plate_holes skull; the skull takes the peers many minutes)
+  bench ct         scans to G-code beside marching cubes, STL and PrusaSlicer
+  bench fea [300000|1000000]  meshing and solving a bracket beside gmsh and CalculiX
+  bench support [PART...]  grams and time of supports beside our baselines and the peers
+                   (ball tray bone featuretype armadillo100 skull)
   bench quality    gap, spill, overlap and travel beside the same
+  bench paths      fill along the stress held against CalculiX's principal stresses
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   setup            installs what tests and benches need (Python packages, Chromium, the peers)";
 
@@ -27,6 +35,10 @@ fn main() -> ExitCode {
         ["test"] => test(true),
         ["test", "--quick"] => test(false),
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
+        ["bench", "paths"] => bench_paths::run(),
+        ["bench", "ct"] => bench_ct::run(),
+        ["bench", "fea", cases @ ..] => bench_fea::run(cases),
+        ["bench", "support", parts @ ..] => bench::support(parts),
         ["bench", "quality"] => bench::quality(),
         ["fuzz"] => fuzz::run(20),
         ["fuzz", seconds] => seconds.parse().map_err(|_| USAGE.to_owned()).and_then(fuzz::run),

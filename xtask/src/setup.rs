@@ -33,10 +33,29 @@ pub fn peers() -> Result<(), String> {
     apt(&[("prusa-slicer", "prusa-slicer"), ("CuraEngine", "cura-engine")])
 }
 
+/// For `cargo xtask bench fea`: an independent mesher and solver.
+pub fn fea() -> Result<(), String> {
+    apt(&[("gmsh", "gmsh"), ("ccx", "calculix-ccx"), ("time", "time")])
+}
+
 /// For every bench: what prepares parts and measures.
 pub fn bench() -> Result<(), String> {
     apt(&[("python3", "python3"), ("pip3", "python3-pip"), ("time", "time")])?;
     python()
+}
+
+/// For `cargo xtask bench ct`: marching cubes and a slicer.
+pub fn scans() -> Result<(), String> {
+    bench()?;
+    apt(&[("prusa-slicer", "prusa-slicer")])?;
+    if quiet(Command::new("python3").args(["-c", "import skimage"])) {
+        return Ok(());
+    }
+    let pip = |extra: &[&str]| {
+        let args = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+        crate::run(Command::new("python3").args(args).args(extra).arg("scikit-image"))
+    };
+    pip(&[]).or_else(|_| pip(&["--break-system-packages"]))
 }
 
 /// CuraEngine's definition files, unpacked from the package of its front end without installing that.

@@ -22,7 +22,11 @@ pub enum Command {
     Slice(Slice),
     /// Write a commented example job with its input
     New(New),
-    /// Say what a mesh, a finite-element result or a G-code file is, with its defects
+    /// Grow supports for a mesh and write them as a mesh of their own
+    Support(Support),
+    /// Write a piece to print and read: the critical angle's calibration and others
+    Specimen(Specimen),
+    /// Say what a mesh, a CT scan, a finite-element result or a G-code file is, with its defects
     Inspect(Inspect),
     /// Test how much a job's part, or a G-code file of it, carries until it breaks
     Strength(Strength),
@@ -42,11 +46,12 @@ impl Command {
         match self {
             Self::Run(a) => a.common.json,
             Self::Slice(a) => a.common.json,
+            Self::Support(a) => a.common.json,
             Self::Inspect(a) => a.json,
             Self::Profiles(a) => a.json,
             Self::Strength(a) => a.common.json,
             Self::Compare(a) => a.common.json,
-            Self::New(_) | Self::Render(_) | Self::Schema(_) => false,
+            Self::New(_) | Self::Specimen(_) | Self::Render(_) | Self::Schema(_) => false,
         }
     }
 }
@@ -89,6 +94,34 @@ pub struct Slice {
     pub common: Common,
 }
 
+/// `grainpath support`
+#[derive(Debug, clap::Args)]
+pub struct Support {
+    /// Mesh: STL, OBJ, PLY, OFF or 3MF
+    pub model: PathBuf,
+    /// STL or 3MF, by its ending [default: the mesh's name with _support.stl]
+    #[arg(short, long, value_name = "FILE.stl")]
+    pub output: Option<PathBuf>,
+    /// Write the model into the same file
+    #[arg(long)]
+    pub with_model: bool,
+    /// Folder for pictures of the steps: overhangs, contacts, trees
+    #[arg(long, value_name = "DIR")]
+    pub preview: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `grainpath specimen`
+#[derive(Debug, clap::Args)]
+pub struct Specimen {
+    /// Which; left out, all are listed
+    pub name: Option<String>,
+    /// File to write [default: the specimen's name with .stl]
+    #[arg(short, long, value_name = "FILE.stl")]
+    pub output: Option<PathBuf>,
+}
+
 /// `grainpath new`
 #[derive(Debug, clap::Args)]
 pub struct New {
@@ -96,6 +129,9 @@ pub struct New {
     pub preset: String,
     /// Where to [default: the example's name]
     pub dir: Option<PathBuf>,
+    /// Columns and rows of the scan that `ct` writes [default: 256]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(64..=1024))]
+    pub pixels: Option<u32>,
     /// Write over files that are there
     #[arg(long)]
     pub force: bool,
@@ -104,8 +140,20 @@ pub struct New {
 /// `grainpath inspect`
 #[derive(Debug, clap::Args)]
 pub struct Inspect {
-    /// Mesh, finite-element result or G-code
+    /// Mesh, finite-element result, G-code, or a scan: a folder of slices or a volume file
     pub file: PathBuf,
+    /// Write a contact sheet of a scan here
+    #[arg(long, value_name = "FILE.png")]
+    pub sheet: Option<PathBuf>,
+    /// True dimensions to compare a G-code file with, as shape.ct.truth
+    #[arg(long, value_name = "FILE.toml")]
+    pub truth: Option<PathBuf>,
+    /// Columns, rows and slices of raw data
+    #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
+    pub size: Option<Vec<usize>>,
+    /// How raw data stores a voxel
+    #[arg(long, default_value = "u8", value_parser = grainpath_io::volume::SampleType::NAMES)]
+    pub sample: String,
     /// As one JSON object
     #[arg(long)]
     pub json: bool,

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use grainpath::dimensions::Dimension;
 use grainpath::job::{PROFILES, Settings, json_schema, markdown, parse_job};
 use grainpath_core::Diagnostics;
 use grainpath_core::diagnostics::Stage;
@@ -9,7 +10,7 @@ use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::parse_mesh;
 
 use crate::args::{Common, New, Profiles, Render, Run, Schema, Slice};
-use crate::{Failure, files, outputs, progress};
+use crate::{Failure, files, outputs, progress, scan};
 
 /// `grainpath run`
 pub fn run(args: &Run) -> Result<(), Failure> {
@@ -17,12 +18,21 @@ pub fn run(args: &Run) -> Result<(), Failure> {
     let folder = args.job.parent().map(Path::to_owned).unwrap_or_default();
     let name = args.job.display().to_string();
     let settings = settings(&text, &name, &args.common.sets, &folder)?;
-    if settings.shape.mesh.is_empty() {
-        return Err(Failure::usage(format!("{name}: [shape] needs mesh = \"FILE\"")));
-    }
-    let mesh = folder.join(&settings.shape.mesh);
+    let given = [&settings.shape.mesh, &settings.ct.path].into_iter().find(|p| !p.is_empty());
+    let Some(given) = given else {
+        return Err(Failure::usage(format!("{name}: [shape] needs mesh = \"FILE\" or ct = \"SCAN\"")));
+    };
+    let shape = folder.join(given);
+    let truth = match settings.ct.truth.as_str() {
+        "" => None,
+        path => {
+            let path = folder.join(path);
+            let read = grainpath::dimensions::parse(&files::read_text(&path)?, &path.display().to_string());
+            Some(read.map_err(grainpath::Error::from)?)
+        }
+    };
     let out = args.out.clone().unwrap_or_else(|| folder.clone());
-    execute(&settings, &mesh, &folder, &out, &args.common)
+    execute(&settings, &shape, &folder, &out, truth.as_deref(), &args.common)
 }
 
 /// `grainpath slice`
@@ -30,7 +40,7 @@ pub fn slice(args: &Slice) -> Result<(), Failure> {
     let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
     let output = args.output.clone().unwrap_or_else(|| args.model.with_extension("gcode"));
     settings.output.gcode = output.display().to_string();
-    execute(&settings, &args.model, Path::new(""), Path::new(""), &args.common)
+    execute(&settings, &args.model, Path::new(""), Path::new(""), None, &args.common)
 }
 
 /// A job's text and overrides as settings.
@@ -42,19 +52,28 @@ pub fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Resul
 /// Plans and writes a job. `base` is what input paths are relative to, `out` output paths.
 fn execute(
     settings: &Settings,
-    mesh: &Path,
+    shape: &Path,
     base: &Path,
     out: &Path,
+    truth: Option<&[Dimension]>,
     common: &Common,
 ) -> Result<(), Failure> {
     set_threads(common.threads)?;
     let diagnostics = progress::diagnostics();
-    let paths = outputs::Paths::of(settings, mesh, out)?;
-    let (file, read_s) = read_mesh(mesh, &diagnostics)?;
-    let stress = read_stress(settings, base)?;
-    let inputs = grainpath::Inputs { mesh: file, path: mesh.display().to_string(), stress };
-    let planned = grainpath::plan_job(settings, inputs, &diagnostics)?;
-    let report = outputs::write(settings, planned, &paths, read_s, common.json, &diagnostics)?;
+    let paths = outputs::Paths::of(settings, shape, out)?;
+    let path = shape.display().to_string();
+    let (planned, read_s) = if settings.ct.path.is_empty() {
+        let (mesh, read_s) = read_mesh(shape, &diagnostics)?;
+        let inputs = grainpath::Inputs { mesh, path, stress: read_stress(settings, base)? };
+        (grainpath::plan_job(settings, inputs, &diagnostics)?, read_s)
+    } else {
+        let start = std::time::Instant::now();
+        let mut source = scan::open(shape, grainpath::config::raw_header(settings).as_ref())?;
+        let stress = read_stress(settings, base)?;
+        let read_s = start.elapsed().as_secs_f64();
+        (grainpath::plan_scan(settings, &mut *source, &path, stress, &diagnostics)?, read_s)
+    };
+    let report = outputs::write(settings, planned, &paths, read_s, common.json, truth, &diagnostics)?;
     // The progress line goes before anything is printed.
     drop(diagnostics);
     if common.json {
@@ -102,7 +121,12 @@ pub fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressFiel
 /// `grainpath new`
 pub fn new(args: &New) -> Result<(), Failure> {
     let names = grainpath::examples::PRESETS;
-    let Some(example) = grainpath::examples::preset(&args.preset) else {
+    let example = match (args.preset.as_str(), args.pixels) {
+        ("ct", Some(n)) => Some(grainpath::examples::ct(n as usize)),
+        (_, Some(_)) => return Err(Failure::usage("--pixels is for the preset ct")),
+        (name, None) => grainpath::examples::preset(name),
+    };
+    let Some(example) = example else {
         let near = grainpath_core::spelling::nearest(&args.preset, names);
         return Err(Failure::usage(format!(
             "no preset {:?}; did you mean {near:?}? There are {}",

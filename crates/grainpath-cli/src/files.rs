@@ -36,7 +36,7 @@ pub fn read_text(path: &Path) -> Result<String, Failure> {
 }
 
 /// The system's words without its numbers.
-fn plain(error: &std::io::Error) -> String {
+pub fn plain(error: &std::io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()
 }

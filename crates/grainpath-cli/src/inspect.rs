@@ -9,13 +9,19 @@ use grainpath_io::{MeshFile, parse_mesh, sniff_mesh};
 use serde_json::{Value, json};
 
 use crate::args::Inspect;
-use crate::{Failure, files};
+use crate::{Failure, files, scan};
 
 /// Diameter of the filament taken for G-code that does not say, mm.
 const FILAMENT_MM: f64 = 1.75;
 
 /// Runs the command.
 pub fn inspect(args: &Inspect) -> Result<(), Failure> {
+    let raw = scan::raw_header(args)?;
+    if raw.is_some() || scan::is(&args.file)? {
+        let value = scan::inspect(args, raw.as_ref())?;
+        files::print(&if args.json { format!("{value}\n") } else { table(&value) });
+        return Ok(());
+    }
     let bytes = files::read(&args.file)?;
     let name = args.file.display().to_string();
     let lower = name.to_ascii_lowercase();
@@ -25,7 +31,12 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
         fe_json(&name, &file)
     } else if named_gcode || (sniff_mesh(&bytes, Some(&name)).is_none() && !bytes.is_empty()) {
         let program = simulate(&bytes, FILAMENT_MM, &Limits::default());
-        gcode_json(&name, &program.map_err(|e| Failure::input(format!("{name}: {e}")))?)
+        let program = program.map_err(|e| Failure::input(format!("{name}: {e}")))?;
+        let mut value = gcode_json(&name, &program);
+        if let Some(path) = &args.truth {
+            value["dimensions"] = dimensions(path, &program)?;
+        }
+        value
     } else {
         let file = parse_mesh(&bytes, Some(&name));
         let file = file.map_err(|source| grainpath::Error::Mesh { path: name.clone(), source })?;
@@ -40,6 +51,15 @@ pub fn read_program(path: &Path) -> Result<Program, Failure> {
     let bytes = files::read(path)?;
     simulate(&bytes, FILAMENT_MM, &Limits::default())
         .map_err(|e| Failure::input(format!("{}: {e}", path.display())))
+}
+
+fn dimensions(path: &Path, program: &Program) -> Result<Value, Failure> {
+    let (text, name) = (files::read_text(path)?, path.display().to_string());
+    let wrong = |e: grainpath::job::JobError| Failure::from(grainpath::Error::from(e));
+    let truth = grainpath::dimensions::parse(&text, &name).map_err(wrong)?;
+    let shift = grainpath::dimensions::shift_of(&text, &name, program).map_err(wrong)?;
+    serde_json::to_value(grainpath::dimensions::measure(&truth, program, shift))
+        .map_err(|e| Failure::input(format!("{name}: {e}")))
 }
 
 fn mesh_json(name: &str, file: &MeshFile) -> Value {

@@ -6,7 +6,9 @@ mod files;
 mod inspect;
 mod outputs;
 mod progress;
+mod scan;
 mod strength;
+mod support;
 
 use std::process::ExitCode;
 
@@ -48,6 +50,8 @@ fn main() -> ExitCode {
         Command::Run(a) => commands::run(&a),
         Command::Slice(a) => commands::slice(&a),
         Command::New(a) => commands::new(&a),
+        Command::Support(a) => support::support(&a),
+        Command::Specimen(a) => support::specimen(&a),
         Command::Inspect(a) => inspect::inspect(&a),
         Command::Strength(a) => strength::strength(&a),
         Command::Compare(a) => strength::compare(&a),

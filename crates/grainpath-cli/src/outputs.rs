@@ -4,6 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use grainpath::dimensions::Dimension;
 use grainpath::guide::{lines_svg, lines_vtp};
 use grainpath::job::Settings;
 use grainpath::render::{Bead, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png};
@@ -21,6 +22,10 @@ pub struct Paths {
     report: Option<PathBuf>,
     preview: Option<PathBuf>,
     plan: Option<PathBuf>,
+    support: Option<PathBuf>,
+    surface: Option<PathBuf>,
+    layers_cli: Option<PathBuf>,
+    layers_svg: Option<PathBuf>,
     stress: Option<PathBuf>,
     lines: Option<PathBuf>,
 }
@@ -40,9 +45,16 @@ impl Paths {
             report: given(&o.report),
             preview: given(&o.preview),
             plan: given(&o.plan),
+            support: given(&o.support),
+            surface: given(&o.surface),
+            layers_cli: given(&o.layers_cli),
+            layers_svg: given(&o.layers_svg),
             stress: given(&o.stress),
             lines: given(&o.lines),
         };
+        if let Some(path) = &paths.support {
+            crate::support::Format::of(path)?;
+        }
         if let Some(path) = &paths.lines
             && !["svg", "vtp"].iter().any(|e| path.extension().is_some_and(|x| x == *e))
         {
@@ -55,8 +67,12 @@ impl Paths {
             Some(&paths.gcode),
             paths.report.as_ref(),
             paths.plan.as_ref(),
+            paths.support.as_ref(),
             paths.stress.as_ref(),
             paths.lines.as_ref(),
+            paths.surface.as_ref(),
+            paths.layers_cli.as_ref(),
+            paths.layers_svg.as_ref(),
         ];
         for path in all.into_iter().flatten() {
             if same(path) {
@@ -77,12 +93,14 @@ pub fn write(
     paths: &Paths,
     read_s: f64,
     measured: bool,
+    truth: Option<&[Dimension]>,
     diagnostics: &Diagnostics,
 ) -> Result<Report, Failure> {
     let start = Instant::now();
     diagnostics.begin(Stage::Write, planned.plan.layers.len());
     let thumbnails = thumbnails(settings, &planned)?;
-    let wanted = measured || paths.report.is_some() || paths.preview.is_some() || planned.test.is_some();
+    let tested = planned.test.is_some();
+    let wanted = measured || tested || truth.is_some() || paths.report.is_some() || paths.preview.is_some();
     let mut copy = Vec::new();
     let written = files::write_atomically(&paths.gcode, |file| {
         let mut tee = Tee { file, copy: wanted.then_some(&mut copy) };
@@ -102,9 +120,15 @@ pub fn write(
     if wanted {
         let program = read_back(settings, &copy)?;
         report.quality = Some(measure(&planned, &program));
+        report.dimensions = truth
+            .map(|t| grainpath::dimensions::measure(t, &program, planned.plan.plate_from_part_mm.truncate()));
         drop(copy);
         let mut drawn = guide_pictures(&planned, paths);
         drawn.extend(strength(settings, &planned, &program, &mut report, diagnostics)?);
+        drawn.extend(planned.support_pictures.iter().map(|p| {
+            let picture = html::Picture { title: p.title.clone(), png: p.png.clone() };
+            (format!("support_{}.png", p.name), picture)
+        }));
         previews(settings, &program, &drawn, paths, diagnostics, &mut report)?;
     }
     guide_files(&planned, paths, &mut report)?;
@@ -113,9 +137,47 @@ pub fn write(
         save(path, text.as_bytes())?;
         report.outputs.insert("plan", path.display().to_string());
     }
+    if let (Some(path), Some(support)) = (&paths.support, &planned.support) {
+        let (layers, method) = (&support.cut.layers, &settings.support.solid);
+        let mesh = grainpath::support::surface(layers, &planned.stack, method, diagnostics)
+            .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
+        if !mesh.triangles.is_empty() {
+            crate::support::write_mesh(path, &[&mesh])?;
+            report.outputs.insert("support", path.display().to_string());
+        }
+    }
+    shapes(&planned, paths, settings.output.surface_cell_mm, diagnostics, &mut report)?;
     report.warnings = diagnostics.warnings();
     report.peak_rss_mb = (peak_rss_mb() * 10.0).round() * 0.1;
     Ok(report)
+}
+
+/// Writes what the job asks for of the sections themselves.
+fn shapes(
+    planned: &Planned,
+    paths: &Paths,
+    cell_mm: f64,
+    diagnostics: &Diagnostics,
+    report: &mut Report,
+) -> Result<(), Failure> {
+    type Write1 = fn(&grainpath_core::LayerStack, &mut dyn Write) -> std::io::Result<()>;
+    let formats: [(&str, &Option<PathBuf>, Write1); 2] = [
+        ("layers_cli", &paths.layers_cli, grainpath_io::write_cli),
+        ("layers_svg", &paths.layers_svg, grainpath_io::write_svg_layers),
+    ];
+    for (what, path, write) in formats {
+        let Some(path) = path else { continue };
+        let failed = |e: std::io::Error| Failure::usage(format!("cannot write {}: {e}", path.display()));
+        files::write_atomically(path, |w| write(&planned.stack, w).map_err(failed))?;
+        report.outputs.insert(what, path.display().to_string());
+    }
+    if let Some(path) = &paths.surface {
+        let mesh = grainpath::shape::surface(&planned.stack, cell_mm, diagnostics)
+            .map_err(|source| grainpath::Error::Shape { path: path.display().to_string(), source })?;
+        crate::support::write_mesh(path, &[&mesh])?;
+        report.outputs.insert("surface", path.display().to_string());
+    }
+    Ok(())
 }
 
 /// Writes to a file and, if asked for, keeps what was written.

@@ -39,7 +39,7 @@ impl Drop for Bar {
 /// Diagnostics that show progress when standard error is a terminal, and stop on Ctrl-C.
 pub fn diagnostics() -> Arc<Diagnostics> {
     let diagnostics = Arc::new(if std::io::stderr().is_terminal() {
-        let style = ProgressStyle::with_template("{msg:<15} {wide_bar} {pos}/{len} layers");
+        let style = ProgressStyle::with_template("{msg:<15} {wide_bar} {pos}/{len} layers {eta}");
         let bar = ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         Diagnostics::with_progress(Box::new(Bar(bar)))
     } else {

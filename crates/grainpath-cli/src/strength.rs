@@ -99,7 +99,8 @@ fn one(input: &Path, job: Option<&Path>, common: &Common, mass_g: Option<f64>) -
         let bytes = files::read(input)?;
         let program = read(&settings, &bytes, input)?;
         let shape = |source| grainpath::Error::Shape { path: mesh.display().to_string(), source };
-        let (mesh, stack, _) = grainpath::run::mesh_and_layers(&settings, file, &diagnostics).map_err(shape)?;
+        let (mesh, stack, _) =
+            grainpath::run::mesh_and_layers(&settings, file, &diagnostics).map_err(shape)?;
         let setup = TestSetup::of(&settings, &mesh, &stack).map_err(failed)?;
         let wrong = |f: Failure| Failure { message: format!("{}: {}", input.display(), f.message), ..f };
         (test(&settings, &setup, &program, None, &diagnostics).map_err(|e| wrong(failed(e)))?, program)
@@ -139,7 +140,8 @@ pub fn compare(args: &Compare) -> Result<(), Failure> {
     }
     let rows: Vec<Value> = all.iter().map(|d| row(d, &all[0].tested.report)).collect();
     if args.common.json {
-        let value = json!({ "ok": true, "version": env!("CARGO_PKG_VERSION"), "rows": rows, "peak_rss_mb": peak() });
+        let value =
+            json!({ "ok": true, "version": env!("CARGO_PKG_VERSION"), "rows": rows, "peak_rss_mb": peak() });
         files::print(&format!("{value}\n"));
     } else {
         files::print(&table(&all, &rows));

@@ -2,7 +2,7 @@
 
 mod support;
 
-use support::{folder, grainpath, json, shared};
+use support::{box_stl, folder, grainpath, json, shared};
 
 const TABLE: &str = "x,y,sxx,syy,sxy\n0,0,1,2,3\n10,0,4,5,6\n0,10,7,8,9\n";
 
@@ -34,4 +34,65 @@ fn inspect_reads_real_results() {
     let step = inspect("bracket.step");
     assert_eq!(step.status.code(), Some(3));
     assert!(String::from_utf8_lossy(&step.stderr).contains("STEP"));
+}
+
+/// A Gmsh file of one quad, 40 x 20 mm in metres, pulled at 30 degrees from x by 50 MPa, written in Pa.
+fn pulled() -> String {
+    let (xx, yy, xy) = (0.75 * 50e6, 0.25 * 50e6, 0.433_012_7 * 50e6);
+    let mut text = String::from(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 0.04 0 0\n3 0.04 0.02 0\n4 0 0.02 0\n$EndNodes\n\
+         $Elements\n1\n1 3 0 1 2 3 4\n$EndElements\n$NodeData\n1\n\"Stress\"\n1\n0\n3\n0\n6\n4\n",
+    );
+    for i in 1..5 {
+        text += &format!("{i} {xx} {yy} 0 {xy} 0 0\n");
+    }
+    text + "$EndNodeData\n"
+}
+
+#[test]
+fn a_result_of_another_program_guides_fill() {
+    let dir = folder("fe-import");
+    std::fs::write(dir.join("plate.stl"), box_stl([40.0, 20.0, 0.6])).expect("a mesh");
+    std::fs::write(dir.join("r.msh"), pulled()).expect("a result");
+    let job = "[shape]\nmesh = \"plate.stl\"\n[guide]\nkind = \"stress\"\nimport = \"r.msh\"\nimport_length_unit = \"m\"\n\
+        import_stress_unit = \"Pa\"\ntangent = false\n[fill]\npattern = \"stripes\"\ndensity = 1.0\n[output]\ngcode = \"plate.gcode\"\n";
+    std::fs::write(dir.join("job.toml"), job).expect("a job");
+    let output = grainpath(&dir, &["run", "job.toml", "--json"]);
+    let seen = json(&output);
+    assert_eq!(seen["ok"].as_bool(), Some(true), "{seen}");
+    assert!((seen["stress"]["max_von_mises_mpa"].as_f64().expect("a stress") - 50.0).abs() < 0.01, "{seen}");
+    let program = std::fs::read_to_string(dir.join("plate.gcode")).expect("G-code");
+    // Length printed within 2 degrees of the pull, over all the length of fill.
+    let (mut along, mut all, mut at, mut fill) = (0.0, 0.0, (0.0f64, 0.0f64), false);
+    for line in program.lines() {
+        if let Some(kind) = line.strip_prefix(";TYPE:") {
+            fill = kind.to_ascii_lowercase().contains("infill");
+        }
+        let word = |c: char| {
+            let found = line.split_whitespace().find_map(|w| w.strip_prefix(c));
+            found.and_then(|w| w.parse::<f64>().ok())
+        };
+        if !(line.starts_with("G1") || line.starts_with("G0")) {
+            continue;
+        }
+        let to = (word('X').unwrap_or(at.0), word('Y').unwrap_or(at.1));
+        let (dx, dy) = (to.0 - at.0, to.1 - at.1);
+        at = to;
+        let length = (dx * dx + dy * dy).sqrt();
+        if fill && length > 0.0 && word('E').is_some_and(|e| e > 0.0) {
+            all += length;
+            // The sine of the angle between them.
+            let off = (dx * 0.5 - dy * 0.75f64.sqrt()).abs() / length;
+            along += if off < 0.035 { length } else { 0.0 };
+        }
+    }
+    assert!(all > 1000.0 && along > 0.9 * all, "{along} of {all} mm follow the stress");
+    // Left in mm and MPa, it is another part's.
+    std::fs::write(dir.join("job.toml"), job.replace("import_length_unit = \"m\"\n", "")).expect("a job");
+    let refused = grainpath(&dir, &["run", "job.toml"]);
+    assert!(matches!(refused.status.code(), Some(3 | 4)), "{refused:?}");
+    std::fs::write(dir.join("r.msh"), pulled().replace("\"Stress\"", "\"Strain\"")).expect("a result");
+    let refused = grainpath(&dir, &["run", "job.toml"]);
+    let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(refused.status.code() == Some(3) && told.contains("no stress in the file; its arrays"), "{told}");
 }

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use grainpath_core::mesh::VertexWelder;
 use grainpath_core::{DVec3, TriMesh};
+use grainpath_fea::material::Orthotropic;
 use grainpath_fea::solid::{MeshSettings, Model, SolveSettings, Supports, loads, mesh, solve};
 
 fn read(path: &str, scale: f64) -> Option<TriMesh> {
@@ -43,7 +44,7 @@ fn main() {
     };
     println!(
         "{} facets, size {size_mm} mm, walls {:.2} mm: {} elements, {} dofs, volume {:+.3} %, {} pieces, {} crumbs, \
-         {:.2} s",
+         walls lost {:.2} %, {:.2} s",
         surface.triangles.len(),
         meshed.wall_mm,
         meshed.mesh.tets.len(),
@@ -51,6 +52,7 @@ fn main() {
         100.0 * (meshed.volume_mm3 / meshed.surface_mm3 - 1.0),
         meshed.pieces.len(),
         meshed.n_crumbs,
+        100.0 * meshed.lost_share,
         start.elapsed().as_secs_f64()
     );
     println!("{:?}", meshed.quality);
@@ -58,16 +60,7 @@ fn main() {
     let start = Instant::now();
     let (lo, hi) = surface.bounds().expect("meshed");
     let mesh = &meshed.mesh;
-    let (e, nu) = (2000.0, 0.35);
-    let (mu, lambda) = (e / (2.0 + 2.0 * nu), e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)));
-    let stiffness = std::array::from_fn(|i| {
-        std::array::from_fn(|j| match (i < 3 && j < 3, i == j) {
-            (true, true) => lambda + 2.0 * mu,
-            (true, false) => lambda,
-            (false, true) => mu,
-            (false, false) => 0.0,
-        })
-    });
+    let stiffness = Orthotropic::isotropic(210_000.0, 0.3).stiffness().expect("stable");
     let model = Model::uniform(mesh, stiffness);
     let at = |x: f64| {
         let on =

@@ -119,6 +119,11 @@ impl Cholesky {
             .map_err(|_| SparseError::Singular)
     }
 
+    /// Memory of the factor.
+    pub fn bytes(&self) -> usize {
+        self.values.len() * size_of::<f64>()
+    }
+
     /// Solves for one right side in place.
     pub fn solve(&self, x: &mut [f64]) {
         let n = x.len();

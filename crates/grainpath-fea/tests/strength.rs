@@ -128,7 +128,10 @@ fn rasters_off_axis_follow_tsai_and_hill() {
         let (outcome, _) = pull(&[raster(size, deg), raster(size, deg)], 0.5, &pla());
         let mpa = outcome.peak_load_n / (10.0 * 2.0 * HEIGHT_MM);
         let want = pla().tsai_hill_mpa(deg.to_radians());
-        println!("{deg}: {mpa:.2} MPa, Tsai-Hill {want:.2}, Hankinson {:.2}", pla().hankinson_mpa(deg.to_radians()));
+        println!(
+            "{deg}: {mpa:.2} MPa, Tsai-Hill {want:.2}, Hankinson {:.2}",
+            pla().hankinson_mpa(deg.to_radians())
+        );
         assert!((mpa / want - 1.0).abs() < 0.03, "{deg}: {mpa} {want}");
         // Hankinson knows no shear strength and is the upper bound here.
         assert!(mpa < 1.01 * pla().hankinson_mpa(deg.to_radians()), "{deg}");
@@ -165,7 +168,9 @@ fn stiffness_is_that_of_laminate_theory() {
     };
     let size = DVec2::new(60.0, 10.0);
     for (card, name) in [(pla(), "PLA"), (carbon, "carbon")] {
-        for angles in [&[0.0][..], &[90.0], &[45.0, -45.0], &[30.0, -30.0], &[0.0, 90.0], &[0.0, 45.0, -45.0, 90.0]] {
+        for angles in
+            [&[0.0][..], &[90.0], &[45.0, -45.0], &[30.0, -30.0], &[0.0, 90.0], &[0.0, 45.0, -45.0, 90.0]]
+        {
             let sheets: Vec<BeadSheet> = angles.iter().map(|a| raster(size, *a)).collect();
             let (outcome, laminate) = pull(&sheets, 0.5, &card);
             // Load over displacement of a bar with free sides: E A / L.

@@ -62,6 +62,7 @@ pub struct Speeds {
     pub sparse: f64,
     pub bridge: f64,
     pub support: f64,
+    pub support_interface: f64,
     pub adhesion: f64,
     pub travel: f64,
     pub travel_z: f64,
@@ -82,7 +83,8 @@ impl Speeds {
             Role::SparseFill => self.sparse,
             Role::Bridge => self.bridge,
             Role::Skirt | Role::Brim => self.adhesion,
-            Role::Support | Role::SupportInterface => self.support,
+            Role::Support => self.support,
+            Role::SupportInterface => self.support_interface,
         };
         let speed = match class {
             SpeedClass::Normal => by_role,
@@ -103,6 +105,8 @@ pub struct Cooling {
     pub fan_max: f64,
     /// Fan over air.
     pub fan_bridge: f64,
+    /// Least fan while support is printed.
+    pub fan_support: f64,
     /// Layers from the plate without fan.
     pub fan_off_layers: usize,
     /// Layers faster than this are slowed down, s.

@@ -5,6 +5,9 @@
 
 mod package;
 mod part;
+mod write;
+
+pub use write::write_3mf;
 
 use std::collections::BTreeMap;
 

@@ -262,3 +262,81 @@ fn a_stored_von_mises_shows_a_wrong_array() {
     let warnings = result.expect("a plane stress").warnings;
     assert!(warnings.iter().any(|w| w.contains("von Mises")), "{warnings:?}");
 }
+
+#[test]
+fn values_at_corners_of_elements_are_averaged_by_size() {
+    // Two tetrahedra that share a face; the second is twice as large. Each has a constant stress of its own.
+    let mut text = String::from(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0 0 -2\n$EndNodes\n\
+         $Elements\n2\n7 4 0 1 2 3 4\n9 4 0 1 3 2 5\n$EndElements\n\
+         $ElementNodeData\n1\n\"stress\"\n1\n0.5\n3\n0\n6\n2\n",
+    );
+    for (element, value) in [(7, 3.0), (9, 6.0)] {
+        text += &format!("{element} 4{}\n", format!(" {value} 0 0 0 0 0").repeat(4));
+    }
+    text += "$EndElementNodeData\n";
+    let file = parse_fe(text.as_bytes(), None).expect("a good file");
+    let result = file.result(&FeOptions::default()).expect("a stress");
+    let xx: Vec<f64> = result.stress.iter().map(|s| s[0]).collect();
+    for (found, expect) in xx.iter().zip([5.0, 5.0, 5.0, 3.0, 6.0]) {
+        assert!((found - expect).abs() < 1e-12, "{xx:?}");
+    }
+}
+
+#[test]
+fn steps_may_be_chosen() {
+    let text = |value: &str, step: usize| {
+        format!(
+            "    1PSTEP                         {step}           1           {step}          \n  100CL  101 1.000000000           3                     0    1           1\n -4  STRESS      6    1\n{}{} -3\n",
+            ["SXX", "SYY", "SZZ", "SXY", "SYZ", "SZX"]
+                .map(|c| format!(" -5  {c}         1    4    1    1\n"))
+                .concat(),
+            (1..4).map(|n| format!(" -1{n:10}{value}{}\n", " 0.00000E+00".repeat(5))).collect::<String>()
+        )
+    };
+    let mesh = "    1C\n    2C                             3                                     1\n\
+        \x20-1         1 0.00000E+00 0.00000E+00 0.00000E+00\n -1         2 9.00000E+00 0.00000E+00 0.00000E+00\n\
+        \x20-1         3 0.00000E+00 9.00000E+00 0.00000E+00\n -3\n    3C                             1                                     1\n\
+        \x20-1         1    7    0    1\n -2         1         2         3\n -3\n";
+    let bytes = format!("{mesh}{}{} 9999\n", text(" 1.00000E+00", 1), text(" 2.00000E+01", 2));
+    let file = parse_fe(bytes.as_bytes(), Some("a.frd")).expect("two steps");
+    let xx = |step: Option<usize>| {
+        let options = FeOptions { step, ..FeOptions::default() };
+        file.result(&options).map(|r| r.stress[1][0]).map_err(|e| e.to_string())
+    };
+    assert_eq!((xx(None), xx(Some(1)), xx(Some(2))), (Ok(20.0), Ok(1.0), Ok(20.0)));
+    assert!(xx(Some(3)).is_err_and(|e| e.contains("there are steps 1 to 2")));
+}
+
+#[test]
+fn points_without_a_mesh_are_interpolated() {
+    let mut table =
+        String::from("X [mm],Y [mm],Stress xx component,Stress yy component,Stress xy component\n");
+    for i in 0..400 {
+        let (x, y) = (f64::from(i % 20), f64::from(i / 20));
+        table += &format!("{x},{y},{},{},{}\n", 10.0 + x, 20.0 - y, 5.0);
+    }
+    let file = parse_fe(table.as_bytes(), Some("a.csv")).expect("a table");
+    let field = StressField::new(file.result(&FeOptions::default()).expect("a stress"));
+    assert!(field.locate(DVec3::ZERO).is_none());
+    let at = field.sample(DVec3::new(7.0, 11.0, 99.0));
+    assert!(near(&at, &[17.0, 9.0, 0.0, 5.0, 0.0, 0.0], 1e-6), "on a point: {at:?}");
+    let between = field.sample(DVec3::new(7.5, 11.5, 0.0));
+    assert!(near(&between, &[17.5, 8.5, 0.0, 5.0, 0.0, 0.0], 0.2), "between points: {between:?}");
+    let far = field.sample(DVec3::new(1e6, 0.0, 0.0));
+    assert!((far[0] - 29.0).abs() < 1.5 && far.iter().all(|v| v.is_finite()), "far away: {far:?}");
+}
+
+#[test]
+fn corners_alone_are_enough() {
+    // Nodes on edges without a value get the mean of their ends.
+    let (nodes, rest) = ("1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0.5 0 0\n5 0.5 0.5 0\n6 0 0.5 0\n", "1 2 3 4 5 6");
+    let text = format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n{nodes}$EndNodes\n$Elements\n1\n1 9 0 {rest}\n$EndElements\n\
+         $NodeData\n1\n\"S\"\n0\n3\n0\n6\n3\n1 1 0 0 0 0 0\n2 3 0 0 0 0 0\n3 5 0 0 0 0 0\n$EndNodeData\n"
+    );
+    let result =
+        parse_fe(text.as_bytes(), None).expect("a triangle").result(&FeOptions::default()).expect("a stress");
+    let xx: Vec<f64> = result.stress.iter().map(|s| s[0]).collect();
+    assert_eq!(xx, [1.0, 3.0, 5.0, 2.0, 4.0, 3.0]);
+}

@@ -184,6 +184,7 @@ fn fixtures_are_good() {
 /// Reads and, where something was read, asks.
 fn survive(bytes: &[u8], name: &str) {
     let Ok(file) = parse_fe(bytes, Some(name)) else { return };
+    let _ = file.nodal_forces(0);
     let Ok(result) = file.result(&FeOptions::default()) else { return };
     let field = StressField::new(result);
     for p in [grainpath_core::DVec3::ZERO, grainpath_core::DVec3::new(1e9, -1e9, 0.5)] {

@@ -53,7 +53,8 @@ fn every_file_reads_or_says_why() {
 #[test]
 fn meshes_are_as_the_table_says() {
     use ElementKind::{Hex8, Hex20, Quad4, Quad8, Tet4, Tet10, Tri3, Tri6};
-    let table: [(&str, usize, &[(ElementKind, usize)]); 14] = [
+    type Row<'a> = (&'a str, usize, &'a [(ElementKind, usize)]);
+    let table: [Row<'_>; 14] = [
         ("nafems_le1.inp", 433, &[(Quad8, 128)]),
         ("nafems_le1.frd", 433, &[(Quad8, 128)]),
         ("nafems_le1_v22.msh", 433, &[(Quad8, 128)]),
@@ -150,12 +151,54 @@ fn decks_keep_material_supports_and_loads() {
 }
 
 #[test]
+fn loads_of_decks_add_up() {
+    // Pressure times area: 10 MPa pulling on the outer quarter ellipse, 0.1 m thick; 130 MPa on 200 x 10 mm.
+    let Some(le1) = read("nafems_le1.inp") else { return };
+    let forces = le1.nodal_forces(0).expect("a step");
+    let sum: DVec3 = forces.iter().copied().sum();
+    assert!((sum - DVec3::new(2.75, 3.25, 0.0)).length() < 1e-6, "{sum}");
+    let Some(plate) = read("plate_hole_freecad.inp") else { return };
+    let sum: DVec3 = plate.nodal_forces(0).expect("a step").iter().copied().sum();
+    assert!((sum - DVec3::new(130.0 * 2000.0, 0.0, 0.0)).length() < 1e-3, "{sum}");
+    let Some(bar) = read("ccx_planestress.inp") else { return };
+    let sum: DVec3 = bar.nodal_forces(0).expect("a step").iter().copied().sum();
+    assert!(sum.length() > 0.5 && sum.z == 0.0, "{sum}");
+    let told = bar.nodal_forces(3).expect_err("no such step").to_string();
+    assert!(told.contains("step 4"), "{told}");
+    let Some(bolt) = read("ccx_bolt.inp") else { return };
+    let told = bolt.nodal_forces(0).expect_err("axisymmetric").to_string();
+    assert!(told.contains("axisymmetric"), "{told}");
+}
+
+#[test]
+fn every_node_of_a_curved_mesh_is_in_it() {
+    let (Some(plate), Some(deck)) =
+        (result("plate_hole_linear.vtu", &FeOptions::default()), read("plate_hole_freecad.inp"))
+    else {
+        return;
+    };
+    let field = StressField::new(plate);
+    // The result's nodes are rounded to 6 digits; the deck's are not.
+    let outside: Vec<f64> = field
+        .result()
+        .nodes
+        .iter()
+        .chain(&deck.nodes)
+        .filter_map(|p| field.locate(*p))
+        .map(|l| l.distance_mm)
+        .filter(|&d| d > 0.0)
+        .collect();
+    assert!(outside.iter().all(|&d| d < 1e-3), "{outside:?}");
+}
+
+#[test]
 fn sampling_is_fast_and_as_exact_as_the_nodes() {
     let Some(result) = result("bracket.vtu", &FeOptions::default()) else { return };
     let start = Instant::now();
     let field = StressField::new(result);
     let built = start.elapsed();
-    for (p, s) in field.result().nodes.iter().zip(&field.result().stress).step_by(37) {
+    for (p, s) in field.result().nodes.iter().zip(&field.result().stress) {
+        assert_eq!(field.locate(*p).map(|l| l.distance_mm), Some(0.0), "the node at {p} is in the mesh");
         let found = field.sample(*p);
         let off = found.iter().zip(s).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(off < 1e-4 * (1.0 + von_mises(s)), "at {p}: {found:?} {s:?}");

@@ -1,12 +1,16 @@
 //! Settings as the stages want them: the one place that knows both.
 
 use grainpath_core::units::LengthUnit;
+use grainpath_core::{Bounds2, DVec2, DVec3};
 use grainpath_gcode::{Cooling, Corner, Flavour, Limits, Machine, Material, Retraction, Speeds, WriteConfig};
 use grainpath_io::fe::{FeOptions, Order, StressUnit};
+use grainpath_io::volume::{RawHeader, SampleType};
 
 use crate::job::Settings;
 use crate::order::{CombSettings, OrderSettings, Seam, WallOrder};
+use crate::shape::ct::{CtSettings, Denoise, Interpolation, Threshold, Tracing};
 use crate::shape::{Adaptive, Placement, Repair, SliceSettings};
+use crate::support::{Style, SupportSettings};
 
 pub(crate) fn placement(s: &Settings) -> Placement {
     Placement {
@@ -33,6 +37,103 @@ pub(crate) fn slicing(s: &Settings) -> SliceSettings {
         gap_closing_mm: s.shape.gap_closing_mm,
         simplify_mm: p.simplify_mm,
     }
+}
+
+/// How supports are made; `plate_from_part` is where the part stands on the plate, mm.
+pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> {
+    let u = &s.support;
+    let style = match u.style.as_str() {
+        "tree" => Style::Tree,
+        "columns" => Style::Columns,
+        "box" => Style::Box,
+        _ => return None,
+    };
+    let (low, high) = machine(s).bed_bounds_mm();
+    let room = u.base_radius_mm.min(0.25 * (high[0] - low[0]).min(high[1] - low[1]));
+    let bed = Bounds2 {
+        min: DVec2::new(low[0], low[1]) - plate_from_part + room,
+        max: DVec2::new(high[0], high[1]) - plate_from_part - room,
+    };
+    let facets = |all: &[usize]| all.iter().filter_map(|&t| u32::try_from(t).ok()).collect();
+    let boxes = |all: &[[[f64; 3]; 2]]| all.iter().map(|b| b.map(DVec3::from)).collect();
+    Some(SupportSettings {
+        style,
+        critical_angle_rad: u.critical_angle_deg.to_radians(),
+        branch_angle_rad: u.branch_angle_deg.unwrap_or(u.critical_angle_deg.clamp(5.0, 80.0)).to_radians(),
+        max_unsupported_mm: u.max_unsupported_mm,
+        min_overhang_mm: u.min_overhang_mm,
+        contact_radius_mm: u.contact_radius_mm,
+        tip_length_mm: u.tip_length_mm,
+        branch_radius_mm: u.branch_radius_mm,
+        base_radius_mm: u.base_radius_mm,
+        base_height_mm: u.base_height_mm,
+        z_gap_mm: u.z_gap_mm,
+        xy_gap_mm: u.xy_gap_mm,
+        interface_layers: u.interface_layers,
+        interface_radius_mm: u.interface_radius_mm,
+        load_per_contact_n: u.load_per_contact_n,
+        stiffness_mpa: u.stiffness_mpa,
+        max_slenderness: u.max_slenderness,
+        brace_slenderness: u.brace.then_some(u.brace_slenderness),
+        max_reach_mm: u.max_reach_mm,
+        margin_mm: u.margin_mm,
+        from_plate_only: u.from_plate_only,
+        enforce: boxes(&u.enforce_mm),
+        block: boxes(&u.block_mm),
+        enforce_facets: facets(&u.enforce_facets),
+        block_facets: facets(&u.block_facets),
+        first_layer_mm: s.process.first_layer_height_mm,
+        bed: Some(bed),
+        ..SupportSettings::default()
+    })
+}
+
+/// How a scan becomes layers.
+pub fn scan(s: &Settings) -> CtSettings {
+    let (c, p) = (&s.ct, &s.process);
+    let [x, y] = c.pixel_mm.map_or([None; 2], |p| p.0.map(Some));
+    CtSettings {
+        spacing_mm: [x, y, c.slice_mm],
+        scale: s.shape.scale,
+        window: c.window,
+        crop_px: c.crop_px,
+        flip: ["x", "y", "z"].map(|axis| c.flip.contains(axis)),
+        threshold: match c.threshold {
+            Threshold::Iso50(None) => Threshold::Iso50(c.materials),
+            other => other,
+        },
+        denoise: match c.smooth.as_str() {
+            "gaussian" => Denoise::Gaussian(c.smooth_px),
+            "median" => Denoise::Median,
+            "edges" => Denoise::Edges,
+            _ => Denoise::None,
+        },
+        tracing: if c.contours == "canny" { Tracing::Canny } else { Tracing::Iso },
+        canny: [c.canny_low, c.canny_high, c.canny_sigma_px],
+        interpolation: match c.interpolate.as_str() {
+            "grey" => Interpolation::Grey,
+            "matched" => Interpolation::Matched,
+            "distance" => Interpolation::Distance,
+            _ => Interpolation::Auto,
+        },
+        overlap: c.overlap,
+        min_island_mm2: c.min_island_mm2,
+        min_pore_mm2: c.min_pore_mm2,
+        layer_height_mm: p.layer_height_mm,
+        first_layer_height_mm: p.first_layer_height_mm,
+        simplify_mm: p.simplify_mm,
+    }
+}
+
+/// The header of a scan without one, where the job gives it.
+pub fn raw_header(s: &Settings) -> Option<RawHeader> {
+    let c = &s.ct;
+    Some(RawHeader {
+        size: c.size_px?,
+        sample: SampleType::from_name(&c.sample)?,
+        big_endian: c.byte_order == "big",
+        offset_bytes: c.offset_bytes as u64,
+    })
 }
 
 pub(crate) fn order(s: &Settings) -> OrderSettings {
@@ -115,7 +216,8 @@ pub(crate) fn writing(s: &Settings) -> WriteConfig {
             top: p.top_speed_mm_s,
             sparse: p.sparse_speed_mm_s,
             bridge: p.bridge_speed_mm_s,
-            support: p.sparse_speed_mm_s,
+            support: s.support.speed_mm_s,
+            support_interface: s.support.interface_speed_mm_s,
             adhesion: p.first_layer_speed_mm_s,
             travel: p.travel_speed_mm_s,
             travel_z: p.travel_z_speed_mm_s,
@@ -125,6 +227,7 @@ pub(crate) fn writing(s: &Settings) -> WriteConfig {
             fan_min: m.fan_min,
             fan_max: m.fan_max,
             fan_bridge: m.fan_bridge,
+            fan_support: s.support.fan,
             fan_off_layers: m.fan_off_layers,
             min_layer_time_s: m.min_layer_time_s,
             fan_below_layer_time_s: m.fan_below_layer_time_s,

@@ -3,6 +3,7 @@
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_gcode::GcodeError;
 use grainpath_io::MeshError;
+use grainpath_io::volume::VolumeError;
 
 use crate::guide::GuideError;
 use crate::job::JobError;
@@ -17,6 +18,8 @@ pub enum Error {
     Job(#[from] JobError),
     #[error("{path}: {source}")]
     Mesh { path: String, source: MeshError },
+    #[error(transparent)]
+    Volume(#[from] VolumeError),
     #[error("{path}: {source}")]
     Shape { path: String, source: ShapeError },
     #[error("guide: {0}")]
@@ -42,7 +45,7 @@ impl Error {
             Self::Guide(e) if e.is_usage() => 2,
             Self::Strength(e) => e.exit_code(),
             Self::Job(_) | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
-            Self::Mesh { .. } | Self::Shape { .. } => 3,
+            Self::Mesh { .. } | Self::Volume(_) | Self::Shape { .. } => 3,
             Self::Gcode(_) | Self::Mass { .. } | Self::Guide(_) => 4,
         }
     }

@@ -85,6 +85,20 @@ pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[P
         }
         put("</div>\n".into());
     }
+    if let Some(d) = &report.dimensions {
+        put(format!("<h2>Dimensions</h2>\n<p>Mean error {:.3} %.</p>\n<table>", d.mean_error_percent));
+        put("<tr><th></th><th>true mm</th><th>printed mm</th><th>error %</th></tr>".into());
+        let shown = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.3}"));
+        for m in &d.each {
+            let (printed, error) = (shown(m.printed_mm), shown(m.error_percent));
+            put(format!(
+                "<tr><th>{}</th><td>{:.3}</td><td>{printed}</td><td>{error}</td></tr>",
+                escaped(&m.name),
+                m.true_mm
+            ));
+        }
+        put("</table>\n".into());
+    }
     put("<h2>Time taken</h2>\n<table>".into());
     report.stages_s.iter().for_each(|(stage, s)| put(format!("<tr><th>{stage}</th><td>{s:.3} s</td></tr>")));
     put(format!("<tr><th>peak memory</th><td>{:.0} MiB</td></tr></table>\n", report.peak_rss_mb));
@@ -135,13 +149,20 @@ fn numbers(r: &Report) -> Vec<(String, &'static str)> {
         all.push((format!("{low:.2} / {middle:.2} / {high:.2} mm"), "bead width at 1, 50, 99 %"));
         all.push((q.paths_per_layer_max.to_string(), "most paths in a layer"));
     }
+    if let Some(u) = &r.support {
+        all.push((format!("{:.2} g", u.mass_g), "of it support"));
+        all.push((format!("{} at {}", u.trees, u.contacts), "trees, at contacts"));
+        all.push((u.unreached.len().to_string(), "overhangs not reached"));
+    }
     all
 }
 
 /// Which colour is what.
 fn key() -> String {
     let mut out = String::from("<div class=\"key\">");
-    for role in grainpath_core::Role::ALL.into_iter().filter(|r| r.is_part()) {
+    for role in
+        grainpath_core::Role::ALL.into_iter().filter(|r| r.is_part() || *r == grainpath_core::Role::Support)
+    {
         let [r, g, b] = crate::render::role_colour(role);
         let _ = write!(
             out,

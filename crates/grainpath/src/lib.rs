@@ -4,6 +4,7 @@
 
 pub mod adhesion;
 pub mod config;
+pub mod dimensions;
 pub mod error;
 pub mod examples;
 mod field_mesh;
@@ -19,9 +20,12 @@ pub mod report;
 pub mod run;
 pub mod shape;
 pub mod skin;
+pub mod specimen;
 pub mod strength;
+pub mod support;
+pub mod test_pieces;
 pub mod walls;
 
 pub use error::Error;
 pub use job::Settings;
-pub use run::{Inputs, Planned, plan_job};
+pub use run::{Inputs, Planned, plan_job, plan_scan};

@@ -33,6 +33,16 @@ impl Grid {
         self.cell_mm
     }
 
+    /// Number of cells in x and in y.
+    pub fn size(&self) -> [usize; 2] {
+        [self.nx, self.ny]
+    }
+
+    /// The lower left corner of the first cell.
+    pub fn origin(&self) -> DVec2 {
+        self.origin
+    }
+
     /// The part of the grid around `bounds`, whole words wide, with the word and the row it begins at.
     fn window(&self, bounds: Bounds2) -> (Self, usize, usize) {
         let (lo, hi) = ((bounds.min - self.origin) / self.cell_mm, (bounds.max - self.origin) / self.cell_mm);
@@ -91,6 +101,21 @@ impl Mask {
                 w ^= carry;
                 *word = w;
                 carry = if w >> 63 == 1 { u64::MAX } else { 0 };
+            }
+        }
+        mask
+    }
+
+    /// The same with every cell that a border passes through: nothing thin slips between the cells' centres.
+    pub fn touched(grid: Grid, region: &Region) -> Self {
+        let mut mask = Self::of(grid, region);
+        for (a, b) in region.contours().flat_map(|c| edges(c)) {
+            let n = (a.distance(b) / (0.5 * grid.cell_mm)).ceil().max(1.0);
+            for i in 0..n as usize {
+                let c = (a.lerp(b, i as f64 / n) - grid.origin) / grid.cell_mm;
+                if c.x >= 0.0 && c.y >= 0.0 && (c.x as usize) < grid.nx && (c.y as usize) < grid.ny {
+                    mask.bits[c.y as usize * grid.words + c.x as usize / 64] |= 1 << (c.x as usize % 64);
+                }
             }
         }
         mask
@@ -156,7 +181,8 @@ impl Mask {
         c.x >= 0.0 && c.y >= 0.0 && self.get(c.x as usize, c.y as usize)
     }
 
-    fn get(&self, x: usize, y: usize) -> bool {
+    /// Whether cell (x, y) is set; false outside the grid.
+    pub fn get(&self, x: usize, y: usize) -> bool {
         x < self.grid.nx && y < self.grid.ny && self.bits[y * self.grid.words + x / 64] >> (x % 64) & 1 == 1
     }
 

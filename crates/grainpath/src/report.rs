@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use grainpath_core::Region;
 use grainpath_core::math::{atan2, cross, direction};
+use grainpath_core::{Region, Role};
 use grainpath_gcode::{Program, Quality, Written, quality};
 use serde::Serialize;
 use serde_json::Value;
@@ -11,6 +11,7 @@ use serde_json::Value;
 use crate::guide::{Degenerate, Guide};
 use crate::run::Planned;
 use crate::strength::StrengthReport;
+use crate::support::Support;
 
 /// The report of a run; keys that do not apply are left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -29,7 +30,13 @@ pub struct Report {
     pub time_s: f64,
     pub density: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<crate::shape::ct::CtReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dimensions: Option<crate::dimensions::Dimensions>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub quality: Option<QualityReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub support: Option<SupportReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stress: Option<StressReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -97,6 +104,62 @@ pub struct QualityReport {
     pub bead_width_mm: [f64; 3],
 }
 
+/// What the supports are; see `docs/support.md`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct SupportReport {
+    pub volume_mm3: f64,
+    pub mass_g: f64,
+    pub contacts: usize,
+    pub trees: usize,
+    pub floating: usize,
+    pub regions: usize,
+    pub braces: usize,
+    /// Largest lean of a branch from the vertical.
+    pub steepest_deg: f64,
+    /// Largest distance of an overhang from its contact.
+    pub farthest_mm: f64,
+    /// Contacts too near the plate to need anything.
+    pub near_plate: usize,
+    /// Overhangs no branch could reach: x, y, z in mm and area in plan in mm2.
+    pub unreached: Vec<[f64; 4]>,
+}
+
+impl SupportReport {
+    /// Of planned supports; `volume_mm3` is that of their beads.
+    pub fn new(support: &Support, volume_mm3: f64, density_g_cm3: f64) -> Self {
+        let round = |v: f64| (v * 1e3).round() * 1e-3;
+        Self {
+            volume_mm3: round(volume_mm3),
+            mass_g: (volume_mm3 * 1e-3 * density_g_cm3 * 1e4).round() * 1e-4,
+            contacts: support.n_contacts(),
+            trees: support.forest.n_trees(),
+            floating: support.cut.floating,
+            regions: support.overhangs.regions,
+            braces: support.forest.braces.len(),
+            steepest_deg: round(support.forest.steepest_rad().to_degrees()),
+            farthest_mm: round(support.farthest_mm()),
+            near_plate: support.near_plate,
+            unreached: support
+                .unreached
+                .iter()
+                .map(|u| [u.at.x, u.at.y, u.at.z, u.area_mm2].map(round))
+                .collect(),
+        }
+    }
+
+    /// In a line.
+    pub fn summary(&self) -> String {
+        format!(
+            "support: {:.2} g in {} trees at {} contacts, {} overhangs not reached",
+            self.mass_g,
+            self.trees,
+            self.contacts,
+            self.unreached.len()
+        )
+    }
+}
+
 impl From<Quality> for QualityReport {
     fn from(q: Quality) -> Self {
         let share = |v: f64| (v * 1e5).round() * 1e-5;
@@ -132,7 +195,21 @@ impl Report {
             mass_g: round(written.mass_g, 4),
             time_s: round(written.time_s, 1),
             density: round(planned.density, 5),
+            scan: planned.scan.clone(),
+            dimensions: None,
             quality: None,
+            support: planned.support.as_ref().map(|support| {
+                let of_layer = |l: &grainpath_core::LayerPlan| -> f64 {
+                    let paths = l.paths.iter().map(|p| &p.path);
+                    paths
+                        .filter(|p| matches!(p.role, Role::Support | Role::SupportInterface))
+                        .map(|p| p.volume_mm3(l.height_mm))
+                        .sum()
+                };
+                let volume = planned.plan.layers.iter().map(of_layer).sum::<f64>();
+                let material = &planned.config.material;
+                SupportReport::new(support, volume * material.flow, material.density_g_cm3)
+            }),
             stress: planned.guide.as_ref().map(StressReport::from),
             strength: None,
             stages_s: BTreeMap::new(),
@@ -181,6 +258,10 @@ impl Report {
             ));
         }
         lines.extend(self.strength.as_ref().map(StrengthReport::summary));
+        lines.extend(self.support.iter().map(SupportReport::summary));
+        if let Some(d) = &self.dimensions {
+            lines.push(format!("{} dimensions, mean error {:.3} %", d.each.len(), d.mean_error_percent));
+        }
         lines.extend(self.warnings.iter().map(|w| format!("warning: {w}")));
         lines.extend(self.outputs.iter().map(|(what, path)| format!("{what}: {path}")));
         lines.join("\n")

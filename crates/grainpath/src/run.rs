@@ -1,4 +1,4 @@
-//! The main job: from a mesh and settings to a plan.
+//! The main job: from a shape and settings to a plan.
 //!
 //! A pipeline of stages, each taking values and giving new ones: place and mend, slice, walls, skins, fill, order.
 
@@ -9,11 +9,12 @@ use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
 use grainpath_core::{
     BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, DirectionField, Layer, LayerStack, Plan, Polygon, Role,
-    SpeedClass, Toolpath, UniformField,
+    SpeedClass, Toolpath, TriMesh, UniformField,
 };
 use grainpath_gcode::{WriteConfig, check_fits};
 use grainpath_io::MeshFile;
 use grainpath_io::fe::StressField;
+use grainpath_io::volume::SliceSource;
 use rayon::prelude::*;
 
 use crate::adhesion::{AdhesionSettings, brim, skirt};
@@ -25,8 +26,10 @@ use crate::job::Settings;
 use crate::mask::Mask;
 use crate::order::{Island, LayerPaths, order_stack};
 use crate::shape;
-use crate::strength::TestSetup;
 use crate::skin::{IslandPolygon, SkinInput, SkinSettings, SkinSplit, split_stack};
+use crate::strength::TestSetup;
+use crate::support::beads::BeadSettings;
+use crate::support::{self, Support};
 use crate::walls::{WallSettings, lay_walls};
 
 /// A planned job.
@@ -39,12 +42,18 @@ pub struct Planned {
     pub config: WriteConfig,
     /// Seconds of each stage so far.
     pub stages_s: Vec<(Stage, f64)>,
+    /// The supports, where asked for.
+    pub support: Option<Support>,
+    /// Pictures of how they came about.
+    pub support_pictures: Vec<support::picture::StepPicture>,
     /// The density of the inside: the one asked for, or the one found for a mass.
     pub density: f64,
     /// Directions and the stress they come from, for jobs that have loads.
     pub guide: Option<Guide>,
     /// What a strength test needs to know of the part, for jobs that want one.
     pub test: Option<TestSetup>,
+    /// What was found in a scan, where the shape is one.
+    pub scan: Option<shape::ct::CtReport>,
 }
 
 /// Shorter closed walls are small, mm.
@@ -73,20 +82,82 @@ pub fn plan_job(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) 
     let (mesh, stack, lowered_mm) =
         mesh_and_layers(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
+    plan_stack(settings, Sliced { stack, mesh, lowered_mm, scan: None }, inputs.stress, clock, diagnostics)
+}
+
+/// Plans a job whose shape is a scan, of which a few slices are held at a time. `path` is what errors call it;
+/// `stress` was solved elsewhere, in the scan's own place with its lowest point on the plate.
+///
+/// # Errors
+/// As [`plan_job`], and for files that cannot be read and scans that give no layers.
+pub fn plan_scan(
+    settings: &Settings,
+    source: &mut dyn SliceSource,
+    path: &str,
+    stress: Option<StressField>,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let shape_error = |source| Error::Shape { path: path.to_owned(), source };
+    let scan = shape::ct::slice_scan(source, &config::scan(settings), diagnostics).map_err(|e| match e {
+        shape::ct::CtError::Volume(e) => Error::Volume(e),
+        shape::ct::CtError::Shape(source) => shape_error(source),
+    })?;
+    // Only solvers and supports ask for a surface.
+    let mesh =
+        if settings.guide.kind == "stress" || settings.support.style != "none" || settings.strength.enabled {
+            shape::surface(&scan.stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
+        } else {
+            TriMesh::default()
+        };
+    clock.stop(Stage::Slice);
+    let sliced = Sliced { stack: scan.stack, mesh, lowered_mm: 0.0, scan: Some(scan.report) };
+    plan_stack(settings, sliced, stress, clock, diagnostics)
+}
+
+/// A shape as layers, wherever they come from.
+struct Sliced {
+    stack: LayerStack,
+    mesh: TriMesh,
+    lowered_mm: f64,
+    scan: Option<shape::ct::CtReport>,
+}
+
+fn plan_stack(
+    settings: &Settings,
+    sliced: Sliced,
+    stress: Option<StressField>,
+    mut clock: Clock,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let Sliced { stack, mesh, lowered_mm, scan } = sliced;
     let part = part_bounds(&stack);
     let plate_from_part_mm = plate_from_part(settings, part);
     check_bed(settings, &stack, part, plate_from_part_mm)?;
     let guide = {
         let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
-        guide::build(settings, &guided, inputs.stress, diagnostics)?
+        guide::build(settings, &guided, stress, diagnostics)?
     };
     let test = settings.strength.enabled.then(|| TestSetup::of(settings, &mesh, &stack)).transpose()?;
-    drop(mesh);
     if guide.is_some() {
         clock.stop(Stage::Guide);
     }
+    let support = match config::support(settings, plate_from_part_mm.truncate()) {
+        Some(wanted) => Some(support::plan(&mesh, &stack, &wanted, diagnostics)?),
+        None => None,
+    };
+    let drawn = !settings.output.report.is_empty() || !settings.output.preview.is_empty();
+    let support_pictures = match &support {
+        Some(found) if drawn => support::picture::pictures(&mesh, found),
+        _ => Vec::new(),
+    };
+    if support.is_some() {
+        clock.stop(Stage::Support);
+    }
+    drop(mesh);
     let uniform = UniformField { axis_rad: settings.guide.angle_deg.to_radians() };
-    let job = Job { settings, stack: &stack, part, guide: guide.as_ref(), uniform };
+    let job =
+        Job { settings, stack: &stack, part, guide: guide.as_ref(), support: support.as_ref(), uniform };
     diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
     let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
     let skins = job.skins(&mut walls, &fills, diagnostics)?;
@@ -100,23 +171,12 @@ pub fn plan_job(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) 
     let plan = Plan { layers, plate_from_part_mm };
     let config = config::writing(settings);
     check_fits(&plan, &config.machine)?;
-    Ok(Planned { plan, stack, config, stages_s: clock.stages, density, guide, test })
+    let stages_s = clock.stages;
+    Ok(Planned { plan, stack, config, stages_s, support, support_pictures, density, guide, test, scan })
 }
 
-/// A file's bodies as one mesh on the plate, its layers, and how far it was lowered to stand there, mm.
-///
-/// # Errors
-/// As [`shape::mend`] and [`shape::slice`].
-pub fn mesh_and_layers(
-    settings: &Settings,
-    file: MeshFile,
-    diagnostics: &Diagnostics,
-) -> Result<(grainpath_core::TriMesh, LayerStack, f64), shape::ShapeError> {
-    let (bodies, lowered_mm) = place_bodies(settings, file, diagnostics)?;
-    let mesh = shape::mend(bodies, config::repair(settings), diagnostics)?;
-    let stack = shape::slice(&mesh, &config::slicing(settings), diagnostics)?;
-    Ok((mesh, stack, lowered_mm))
-}
+/// Fill, and the island each path lies in.
+type IslandPaths = Vec<(usize, Toolpath)>;
 
 /// The islands of a layer with their walls, and where its fill may lie.
 type LayerWalls = (Vec<Island>, Vec<IslandPolygon>);
@@ -134,16 +194,36 @@ impl Clock {
     }
 }
 
+/// The mended mesh where it is to be printed, its layers, and how far it was lowered to stand there, mm.
+///
+/// # Errors
+/// As [`shape::mend`] and [`shape::slice`].
+pub fn mesh_and_layers(
+    settings: &Settings,
+    file: MeshFile,
+    diagnostics: &Diagnostics,
+) -> Result<(TriMesh, LayerStack, f64), shape::ShapeError> {
+    let (mut bodies, mut lowered_mm) = place_bodies(settings, file, diagnostics)?;
+    if settings.support.style != "none" {
+        let lift = settings.support.lift_mm;
+        bodies.iter_mut().flat_map(|b| &mut b.vertices).for_each(|p| p.z += lift);
+        lowered_mm -= lift;
+    }
+    let mesh = shape::mend(bodies, config::repair(settings), diagnostics)?;
+    let stack = shape::slice(&mesh, &config::slicing(settings), diagnostics)?;
+    Ok((mesh, stack, lowered_mm))
+}
+
 /// The bodies of a file in millimetres on the plate, and how far they were lowered to stand there.
 fn place_bodies(
     settings: &Settings,
     file: MeshFile,
     diagnostics: &Diagnostics,
-) -> Result<(Vec<grainpath_core::TriMesh>, f64), shape::ShapeError> {
+) -> Result<(Vec<TriMesh>, f64), shape::ShapeError> {
     file.warnings.iter().for_each(|w| diagnostics.warn(format!("mesh: {w}")));
-    let mut bodies: Vec<grainpath_core::TriMesh> = file.bodies.into_iter().map(|b| b.mesh).collect();
+    let mut bodies: Vec<TriMesh> = file.bodies.into_iter().map(|b| b.mesh).collect();
     let mut placement = config::placement(settings);
-    let bounds = bodies.iter().filter_map(grainpath_core::TriMesh::bounds);
+    let bounds = bodies.iter().filter_map(TriMesh::bounds);
     let all = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(shape::ShapeError::Empty)?;
     if settings.shape.unit == "auto" {
         placement.unit = file.unit.unwrap_or(LengthUnit::Millimetre);
@@ -214,6 +294,7 @@ struct Job<'a> {
     settings: &'a Settings,
     stack: &'a LayerStack,
     part: Bounds2,
+    support: Option<&'a Support>,
     guide: Option<&'a Guide>,
     /// The field of `kind = "angle"`.
     uniform: UniformField,
@@ -312,7 +393,7 @@ impl Job<'_> {
             diagnostics.advance(1);
             Ok(paths)
         };
-        let laid: Vec<Result<Vec<(usize, Toolpath)>, Interrupted>> = (0..walls.len())
+        let laid: Vec<Result<IslandPaths, Interrupted>> = (0..walls.len())
             .into_par_iter()
             .with_min_len(if self.guide.is_some() { 1 } else { 2 })
             .map(lay)
@@ -322,9 +403,12 @@ impl Job<'_> {
         for i in (0..laid.len()).rev().filter(|&i| like[i] != i) {
             laid[i] = laid[like[i]].clone();
         }
-        let whole = |(i, (mut islands, paths)): (usize, (Vec<Island>, Vec<(usize, Toolpath)>))| {
+        let mut supports: Vec<Vec<Island>> =
+            (0..laid.len()).into_par_iter().map(|i| self.supports(i)).collect();
+        let whole = |(i, (mut islands, paths)): (usize, (Vec<Island>, IslandPaths))| {
             paths.into_iter().for_each(|(island, path)| islands[island].fills.push(path));
-            LayerPaths { adhesion: adhesion.get(i).cloned().unwrap_or_default(), islands }
+            let adhesion = adhesion.get(i).cloned().unwrap_or_default();
+            LayerPaths { adhesion, supports: std::mem::take(&mut supports[i]), islands }
         };
         Ok(walls.into_iter().zip(laid).enumerate().map(whole).collect())
     }
@@ -445,6 +529,20 @@ impl Job<'_> {
         }
     }
 
+    /// The beads of the support in a layer.
+    fn supports(&self, i: usize) -> Vec<Island> {
+        let Some(layer) = self.support.map(|s| &s.cut.layers[i]) else { return Vec::new() };
+        let s = &self.settings.support;
+        let settings = BeadSettings {
+            bead_width_mm: self.settings.process.bead_width_mm,
+            min_bead_width_mm: self.settings.process.min_bead_width_mm,
+            walls: s.walls,
+            density: if s.style == "tree" { s.density } else { s.density.max(0.15) },
+        };
+        let context = self.context(i, 1.0, Role::Support);
+        support::beads::lay(layer, &context, i < s.dense_layers, &settings)
+    }
+
     /// Skirt and brim of the layers that have any.
     fn adhesion(&self) -> Vec<Vec<Toolpath>> {
         let p = &self.settings.process;
@@ -456,11 +554,15 @@ impl Job<'_> {
             bead_width_mm: p.bead_width_mm,
             height_mm: first.height_mm(),
         };
-        let skirts = if p.skirt_loops > 0 { skirt(first.region(), &settings) } else { Vec::new() };
+        let standing = match self.support {
+            Some(s) => first.region().union(&s.cut.layers[0].region),
+            None => first.region().clone(),
+        };
+        let skirts = if p.skirt_loops > 0 { skirt(&standing, &settings) } else { Vec::new() };
         let n = if p.skirt_loops > 0 { p.skirt_layers.min(self.stack.layers().len()) } else { 1 };
         let mut all = vec![skirts; n];
         if p.brim_width_mm > 0.0 {
-            all[0].extend(brim(first.region(), &settings));
+            all[0].extend(brim(&standing, &settings));
         }
         all
     }

@@ -58,7 +58,13 @@ pub const TEST_PIECES: [TestPiece; 8] = [
         about: "ISO 178 bending bar (GB/T 9341), 80 x 4 mm, printed on its side, 10 mm tall; span 64 mm",
         shape: || plain(80.0, 4.0, 10.0, None, 0.0),
         loading: Loading::Bending { span_mm: 64.0 },
-        sizes: &["l 80", "h 4 (across the layers' plane)", "b 10 (layers)", "span 64", "rollers R5, here as lines"],
+        sizes: &[
+            "l 80",
+            "h 4 (across the layers' plane)",
+            "b 10 (layers)",
+            "span 64",
+            "rollers R5, here as lines",
+        ],
     },
     TestPiece {
         name: "d638-i",
@@ -72,14 +78,28 @@ pub const TEST_PIECES: [TestPiece; 8] = [
         about: "ASTM D5766 open-hole tension, 200 x 36 x 2.5 mm, hole 6 mm",
         shape: || plain(200.0, 36.0, 2.5, Some(3.0), 0.0),
         loading: Loading::Tension { grip_mm: 50.0 },
-        sizes: &["length 200", "w 36", "d 6", "thickness 2.5", "grips 100 apart", "strength on the gross section"],
+        sizes: &[
+            "length 200",
+            "w 36",
+            "d 6",
+            "thickness 2.5",
+            "grips 100 apart",
+            "strength on the gross section",
+        ],
     },
     TestPiece {
         name: "s1-box",
         about: "box with an oblique hole as of a knot, 100 x 30 x 10 mm, hole 8 mm leaning by 20 degrees",
         shape: || plain(100.0, 30.0, 10.0, Some(4.0), 0.363_970_234_266_202_4),
         loading: Loading::Tension { grip_mm: 20.0 },
-        sizes: &["length 100", "width 30", "height 10", "hole 8 in every layer", "leans 20 deg along x", "grips 60 apart"],
+        sizes: &[
+            "length 100",
+            "width 30",
+            "height 10",
+            "hole 8 in every layer",
+            "leans 20 deg along x",
+            "grips 60 apart",
+        ],
     },
     TestPiece {
         name: "s2-tension",
@@ -109,9 +129,7 @@ fn waisted(length: f64, narrow: f64, b1: f64, b2: f64, radius: f64, thickness_mm
     let (from, to) = (0.5 * (length - narrow), 0.5 * (length + narrow));
     let half = std::f64::consts::FRAC_PI_2;
     let shoulder = |x: f64, y: f64, a: f64, b: f64| {
-        (0..=12).map(move |k| {
-            DVec2::new(x, y) + direction(a + (b - a) * f64::from(k) / 12.0) * radius
-        })
+        (0..=12).map(move |k| DVec2::new(x, y) + direction(a + (b - a) * f64::from(k) / 12.0) * radius)
     };
     let off = 0.5 * b1 + radius;
     let mut outline = vec![DVec2::new(0.0, -0.5 * b2)];
@@ -153,7 +171,11 @@ impl TestPiece {
         let flat = (self.shape)();
         let (low, high) = bounds(&flat.outline);
         let top = flat.thickness_mm;
-        let plane = if flat.lean == 0.0 { "" } else { "fidelity = \"plane\"           # layers differ: homogenised through the thickness\n" };
+        let plane = if flat.lean == 0.0 {
+            ""
+        } else {
+            "fidelity = \"plane\"           # layers differ: homogenised through the thickness\n"
+        };
         let loads = match self.loading {
             Loading::Tension { grip_mm } => format!(
                 "[[guide.fixture]]             # the left grip
@@ -164,7 +186,14 @@ fix = \"xyz\"
 on = {{ box_mm = [[{}, {}, 0], [{}, {}, {top}]] }}
 force_n = [500, 0, 0]
 ",
-                low.x, low.y, low.x + grip_mm, high.y, high.x - grip_mm, low.y, high.x, high.y
+                low.x,
+                low.y,
+                low.x + grip_mm,
+                high.y,
+                high.x - grip_mm,
+                low.y,
+                high.x,
+                high.y
             ),
             Loading::Bending { span_mm } => {
                 let middle = 0.5 * (low.x + high.x);
@@ -233,24 +262,45 @@ report = \"{file}.html\"
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w:.2}mm\" height=\"{h:.2}mm\" viewBox=\"0 0 {w:.3} {h:.3}\" font-family=\"sans-serif\" font-size=\"{:.2}\">\n",
             0.025 * w
         );
-        let _ = writeln!(out, "<title>{}</title>\n<rect width=\"{w:.3}\" height=\"{h:.3}\" fill=\"#fff\"/>", self.about);
+        let _ = writeln!(
+            out,
+            "<title>{}</title>\n<rect width=\"{w:.3}\" height=\"{h:.3}\" fill=\"#fff\"/>",
+            self.about
+        );
         let path = |ring: &[DVec2], shift: f64| {
-            let points: Vec<String> = ring.iter().map(|p| format!("{:.3} {:.3}", x(p.x + shift), y(p.y))).collect();
+            let points: Vec<String> =
+                ring.iter().map(|p| format!("{:.3} {:.3}", x(p.x + shift), y(p.y))).collect();
             format!("M{}Z", points.join("L"))
         };
         let mut d = path(&flat.outline, 0.0);
         flat.holes.iter().for_each(|r| d += &path(r, 0.5 * flat.lean * flat.thickness_mm));
-        let _ = writeln!(out, "<path d=\"{d}\" fill=\"#e9edf2\" fill-rule=\"evenodd\" stroke=\"#222\" stroke-width=\"0.35\"/>");
+        let _ = writeln!(
+            out,
+            "<path d=\"{d}\" fill=\"#e9edf2\" fill-rule=\"evenodd\" stroke=\"#222\" stroke-width=\"0.35\"/>"
+        );
         if flat.lean != 0.0 {
-            let hidden: String = flat.holes.iter().map(|r| path(r, -0.5 * flat.lean * flat.thickness_mm)).collect();
-            let _ = writeln!(out, "<path d=\"{hidden}\" fill=\"none\" stroke=\"#222\" stroke-width=\"0.2\" stroke-dasharray=\"1.5 1\"/>");
+            let hidden: String =
+                flat.holes.iter().map(|r| path(r, -0.5 * flat.lean * flat.thickness_mm)).collect();
+            let _ = writeln!(
+                out,
+                "<path d=\"{hidden}\" fill=\"none\" stroke=\"#222\" stroke-width=\"0.2\" stroke-dasharray=\"1.5 1\"/>"
+            );
         }
         let arrow = |from: DVec2, to: DVec2, colour: &str| {
             let u = (to - from).normalize_or(DVec2::X) * 2.4;
             let v = DVec2::new(-u.y, u.x) * 0.35;
             format!(
                 "<path d=\"M{:.2} {:.2}L{:.2} {:.2}M{:.2} {:.2}L{:.2} {:.2}L{:.2} {:.2}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"0.5\"/>\n",
-                from.x, from.y, to.x, to.y, to.x - u.x + v.x, to.y - u.y + v.y, to.x, to.y, to.x - u.x - v.x, to.y - u.y - v.y
+                from.x,
+                from.y,
+                to.x,
+                to.y,
+                to.x - u.x + v.x,
+                to.y - u.y + v.y,
+                to.x,
+                to.y,
+                to.x - u.x - v.x,
+                to.y - u.y - v.y
             )
         };
         match self.loading {
@@ -259,11 +309,17 @@ report = \"{file}.html\"
                     let _ = writeln!(
                         out,
                         "<rect x=\"{:.3}\" y=\"{:.3}\" width=\"{grip_mm:.3}\" height=\"{:.3}\" fill=\"{colour}\" opacity=\"0.25\"/>",
-                        x(from), y(high.y), size.y
+                        x(from),
+                        y(high.y),
+                        size.y
                     );
                 }
                 let middle = y(0.5 * (low.y + high.y));
-                out += &arrow(DVec2::new(x(high.x) + 1.0, middle), DVec2::new(x(high.x) + 0.7 * rim, middle), "#c33");
+                out += &arrow(
+                    DVec2::new(x(high.x) + 1.0, middle),
+                    DVec2::new(x(high.x) + 0.7 * rim, middle),
+                    "#c33",
+                );
             }
             Loading::Bending { span_mm } => {
                 let middle = 0.5 * (low.x + high.x);
@@ -271,22 +327,39 @@ report = \"{file}.html\"
                     let _ = writeln!(
                         out,
                         "<circle cx=\"{:.3}\" cy=\"{:.3}\" r=\"2.5\" fill=\"#2a6\" opacity=\"0.6\"/>",
-                        x(p), y(low.y) + 2.5
+                        x(p),
+                        y(low.y) + 2.5
                     );
                 }
-                out += &arrow(DVec2::new(x(middle), y(high.y) - 0.7 * rim), DVec2::new(x(middle), y(high.y) - 0.5), "#c33");
+                out += &arrow(
+                    DVec2::new(x(middle), y(high.y) - 0.7 * rim),
+                    DVec2::new(x(middle), y(high.y) - 0.5),
+                    "#c33",
+                );
             }
         }
         let base = y(low.y) + 0.55 * rim;
         let _ = writeln!(
             out,
             "<path d=\"M{0:.3} {1:.3}V{2:.3}M{3:.3} {1:.3}V{2:.3}M{0:.3} {4:.3}H{3:.3}\" stroke=\"#555\" stroke-width=\"0.2\" fill=\"none\"/>\n<text x=\"{5:.3}\" y=\"{6:.3}\" text-anchor=\"middle\">{7}</text>",
-            x(low.x), y(low.y) + 1.0, base + 1.0, x(high.x), base, x(0.5 * (low.x + high.x)), base - 1.0, size.x
+            x(low.x),
+            y(low.y) + 1.0,
+            base + 1.0,
+            x(high.x),
+            base,
+            x(0.5 * (low.x + high.x)),
+            base - 1.0,
+            size.x
         );
         let _ = writeln!(
             out,
             "<text x=\"{:.2}\" y=\"{:.3}\">{}: {} mm</text>\n<text x=\"{:.2}\" y=\"{:.3}\">green held, red pushed; along x</text>\n</svg>",
-            0.3 * rim, h - 0.6 * rim, self.name, self.sizes.join(", "), 0.3 * rim, h - 0.2 * rim
+            0.3 * rim,
+            h - 0.6 * rim,
+            self.name,
+            self.sizes.join(", "),
+            0.3 * rim,
+            h - 0.2 * rim
         );
         out
     }
@@ -309,12 +382,25 @@ mod tests {
             let health = diagnose(&mesh).expect("triangles");
             assert!(health.is_closed() && health.shells == 1, "{}: {health:?}", piece.name);
             let flat = (piece.shape)();
-            let area = |r: &[DVec2]| grainpath_core::poly::edges(r).map(|(a, b)| 0.5 * grainpath_core::math::cross(a, b)).sum::<f64>();
-            let want = flat.thickness_mm * (area(&flat.outline) - flat.holes.iter().map(|h| area(h)).sum::<f64>());
-            assert!((mesh.signed_volume() / want - 1.0).abs() < 1e-3, "{}: {} {want}", piece.name, mesh.signed_volume());
+            let area = |r: &[DVec2]| {
+                grainpath_core::poly::edges(r)
+                    .map(|(a, b)| 0.5 * grainpath_core::math::cross(a, b))
+                    .sum::<f64>()
+            };
+            let want =
+                flat.thickness_mm * (area(&flat.outline) - flat.holes.iter().map(|h| area(h)).sum::<f64>());
+            assert!(
+                (mesh.signed_volume() / want - 1.0).abs() < 1e-3,
+                "{}: {} {want}",
+                piece.name,
+                mesh.signed_volume()
+            );
         }
         // Shoulders meet the standard's distance between broad parts: 109.3 +- 3.2 for 1A, 108 +- 1.6 for 1B.
-        for (flat, l2) in [(waisted(170.0, 80.0, 10.0, 20.0, 24.0, 4.0), 109.3), (waisted(150.0, 60.0, 10.0, 20.0, 60.0, 4.0), 108.0)] {
+        for (flat, l2) in [
+            (waisted(170.0, 80.0, 10.0, 20.0, 24.0, 4.0), 109.3),
+            (waisted(150.0, 60.0, 10.0, 20.0, 60.0, 4.0), 108.0),
+        ] {
             let broad: Vec<f64> = flat.outline.iter().filter(|p| p.y.abs() > 9.999).map(|p| p.x).collect();
             let inner = broad.iter().copied().filter(|x| *x > 1.0 && *x < 75.0).fold(0.0, f64::max);
             let other = broad.iter().copied().filter(|x| *x > 75.0).fold(f64::INFINITY, f64::min);

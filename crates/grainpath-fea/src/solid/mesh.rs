@@ -165,7 +165,7 @@ impl TetMesh {
             }
             let piece = &mut pieces[slot[first as usize]];
             piece.n_tets += 1;
-            piece.volume_mm3 += shape::volume(&self.corners(t));
+            piece.volume_mm3 += element::volume(&self.places(t));
             for p in self.corners(t) {
                 piece.lo = piece.lo.min(p);
                 piece.hi = piece.hi.max(p);

@@ -5,13 +5,15 @@ use std::collections::BTreeMap;
 use grainpath_core::{Bvh, DVec3, TriMesh};
 use rayon::prelude::*;
 
+use super::SolidError;
 use super::features::Features;
 use super::lattice::{Lattice, is_closed};
 use super::mesh::{Face, Piece, TetMesh};
+use super::sample::Sampler;
 use super::shape::MeshQuality;
 use super::snap::{self, Bound};
 use super::stuffing::{self, Tets};
-use super::{SolidError, thickness};
+use super::thickness::{self, Walls};
 
 /// How fine to mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +39,8 @@ pub struct Meshed {
     pub size_mm: f64,
     /// The wall thickness that all but two percent of the surface have at least, mm.
     pub wall_mm: f64,
+    /// Share of the surface on walls that the elements were too large for and that are missing; worth a warning.
+    pub lost_share: f64,
     /// Shape of the elements.
     pub quality: MeshQuality,
     /// Volume of the elements with their curved sides, mm3.
@@ -60,7 +64,8 @@ pub fn expected_dofs(volume_mm3: f64, area_mm2: f64, size_mm: f64) -> f64 {
 /// Walls thinner than the elements, a lattice too fine for memory, or nothing enclosed.
 pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidError> {
     let bvh = Bvh::new(surface);
-    let wall_mm = thickness::wall_thickness_mm(surface, &bvh);
+    let walls = thickness::walls(surface, &bvh);
+    let wall_mm = walls.thickness_mm();
     let size_mm = choose_size(surface, wall_mm, settings)?;
     let mut lattice = Lattice::over(surface, size_mm)?;
     lattice.classify(&bvh, is_closed(surface));
@@ -74,19 +79,22 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
     let features = Features::of(surface);
     let bounds = snap::snap(&mut tets, &features, &bvh, size_mm);
     let mesh = quadratic(&tets, &bounds, &features, &bvh);
+    let lost_share = lost_walls(&mesh, &walls, size_mm, surface)?;
     let quality = mesh.quality();
     let volume_mm3 = mesh.volume_mm3();
     let pieces = mesh.pieces();
     let surface_mm3 = surface.signed_volume().abs();
-    Ok(Meshed { mesh, size_mm, wall_mm, quality, volume_mm3, surface_mm3, pieces, n_crumbs })
+    Ok(Meshed { mesh, size_mm, wall_mm, lost_share, quality, volume_mm3, surface_mm3, pieces, n_crumbs })
+}
+
+fn area_mm2(surface: &TriMesh) -> f64 {
+    let v = |i: u32| surface.vertices[i as usize];
+    surface.triangles.iter().map(|t| (v(t[1]) - v(t[0])).cross(v(t[2]) - v(t[0])).length() / 2.0).sum()
 }
 
 fn choose_size(surface: &TriMesh, wall_mm: f64, settings: &MeshSettings) -> Result<f64, SolidError> {
     let (lo, hi) = surface.bounds().ok_or(SolidError::NothingInside)?;
-    let v = |i: u32| surface.vertices[i as usize];
-    let area: f64 =
-        surface.triangles.iter().map(|t| (v(t[1]) - v(t[0])).cross(v(t[2]) - v(t[0])).length() / 2.0).sum();
-    let volume = surface.signed_volume().abs();
+    let (area, volume) = (area_mm2(surface), surface.signed_volume().abs());
     let dofs = |size: f64| expected_dofs(volume, area, size);
     let size_mm = settings.size_mm.unwrap_or_else(|| {
         let wanted = wall_mm.min((hi - lo).length() / 40.0);
@@ -97,11 +105,26 @@ fn choose_size(surface: &TriMesh, wall_mm: f64, settings: &MeshSettings) -> Resu
         }
         wanted.max(coarse)
     });
-    // However it lies, a wall of 0.71 sizes has a plane of lattice points in it.
-    if size_mm > 1.35 * wall_mm {
+    // Planes of lattice points are half a size apart along the axes, more in other directions: what walls between one
+    // half and whole sizes come to is looked at when the mesh is there.
+    if size_mm.is_nan() || size_mm > 2.0 * wall_mm {
         return Err(SolidError::ThinWalls { thickness_mm: wall_mm, size_mm, dofs: dofs(wall_mm) });
     }
     Ok(size_mm)
+}
+
+/// The share of the surface whose wall is not in the mesh; refused above three percent.
+fn lost_walls(mesh: &TetMesh, walls: &Walls, size_mm: f64, surface: &TriMesh) -> Result<f64, SolidError> {
+    let thin: Vec<DVec3> = walls.middles_under(1.5 * size_mm).collect();
+    let Some(sampler) = Sampler::new(mesh).filter(|_| !thin.is_empty()) else { return Ok(0.0) };
+    let inside = |p: &DVec3| sampler.at(*p).is_some_and(|spot| spot.depth > -0.05);
+    let lost = thin.par_iter().filter(|p| !inside(p)).count();
+    if walls.share(lost) > 0.03 {
+        let thickness_mm = walls.thickness_mm();
+        let dofs = expected_dofs(surface.signed_volume().abs(), area_mm2(surface), thickness_mm);
+        return Err(SolidError::ThinWalls { thickness_mm, size_mm, dofs });
+    }
+    Ok(walls.share(lost))
 }
 
 /// Leaves crumbs out and gives pieces that touch in a corner or along an edge vertices of their own: such a hinge

@@ -1,6 +1,7 @@
 //! Three-dimensional elasticity: from a closed surface to quadratic tetrahedra, displacements and stresses.
 
 mod blocks;
+mod direct;
 mod element;
 mod error;
 mod features;
@@ -18,7 +19,9 @@ mod snap;
 mod solve;
 mod stuffing;
 mod supports;
+mod system;
 mod thickness;
+pub mod voxel;
 
 pub use error::SolidError;
 pub use mesh::{Face, Piece, TetMesh};
@@ -27,6 +30,5 @@ pub use model::Model;
 pub use recover::{Recovered, Stress, recover};
 pub use sample::{Sampler, Spot};
 pub use shape::{MeshQuality, TetQuality};
-pub use solve::{Solution, SolveInfo, SolveSettings, solve};
+pub use solve::{Method, Solution, SolveInfo, SolveSettings, solve};
 pub use supports::Supports;
-pub use thickness::wall_thickness_mm;

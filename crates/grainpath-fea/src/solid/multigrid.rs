@@ -9,8 +9,9 @@ use rayon::prelude::*;
 
 use super::blocks::{Blocks, add, assemble, dot};
 use super::element;
-use super::operator::{CHUNK, Operator};
+use super::operator::CHUNK;
 use super::supports::Supports;
+use super::system::System;
 use super::{Model, SolidError};
 
 /// Applications of the matrix in one smoothing, on the quadratic level and on the others.
@@ -21,22 +22,23 @@ const BAND: f64 = 25.0;
 /// Nodes at most of the level that is factorized.
 const DENSE_NODES: usize = 250;
 
-enum Matrix<'a> {
-    Quadratic(&'a Operator<'a>),
+enum Matrix {
+    /// The one that is handed over with every call.
+    Finest,
     Stored(Blocks),
 }
 
-impl Matrix<'_> {
-    fn apply(&self, x: &[DVec3], y: &mut [DVec3], scratch: &mut [DVec3]) {
+impl Matrix {
+    fn apply(&self, finest: &dyn System, x: &[DVec3], y: &mut [DVec3], scratch: &mut [DVec3]) {
         match self {
-            Self::Quadratic(operator) => operator.apply(x, y, scratch),
+            Self::Finest => finest.apply(x, y, scratch),
             Self::Stored(blocks) => blocks.apply(x, y),
         }
     }
 }
 
-struct Level<'a> {
-    matrix: Matrix<'a>,
+struct Level {
+    matrix: Matrix,
     inverse_diagonal: Vec<DMat3>,
     top: f64,
     smooth: usize,
@@ -51,13 +53,13 @@ struct Level<'a> {
 
 /// Weights of the coarse nodes at each fine node.
 #[derive(Default)]
-struct Transfer {
-    start: Vec<u32>,
-    coarse: Vec<u32>,
-    weight: Vec<f64>,
-    n_coarse: usize,
+pub(super) struct Transfer {
+    pub(super) start: Vec<u32>,
+    pub(super) coarse: Vec<u32>,
+    pub(super) weight: Vec<f64>,
+    pub(super) n_coarse: usize,
     /// What a held fine node may still do.
-    held: Vec<(u32, DMat3)>,
+    pub(super) held: Vec<(u32, DMat3)>,
 }
 
 impl Transfer {
@@ -100,17 +102,18 @@ impl Transfer {
 }
 
 /// The levels, finest first, and the factor of the coarsest.
-pub(super) struct Multigrid<'a> {
-    levels: Vec<Level<'a>>,
+pub(super) struct Multigrid {
+    levels: Vec<Level>,
     dense: Dense,
     dense_x: Vec<f64>,
 }
 
-impl<'a> Multigrid<'a> {
+impl Multigrid {
+    /// For quadratic tetrahedra.
     pub(super) fn new(
         model: &Model<'_>,
         supports: &Supports,
-        operator: &'a Operator<'a>,
+        operator: &dyn System,
     ) -> Result<Self, SolidError> {
         let laws = model.laws()?;
         let mesh = model.mesh;
@@ -151,37 +154,42 @@ impl<'a> Multigrid<'a> {
         let volume: f64 = (0..tets.len()).map(|t| super::shape::volume(&mesh.corners(t))).sum();
         // Inside a body-centred lattice of width a there are two corners in a cell; the grid is twice as wide.
         let width = longest.max(2.0 * (2.0 * volume / places.len() as f64).cbrt());
-        let mut levels =
-            vec![Level::new(Matrix::Quadratic(operator), operator.inverse_diagonal(), first, SMOOTH_FINE)];
         let held: Vec<(u32, DMat3)> =
             (0..corners.len()).filter_map(|i| free(i).map(|p| (i as u32, *p))).collect();
         let grid = Grid { origin: places[0] - 0.37 * width, width };
-        let (mut transfer, mut cells) = grid.over(&places, held);
-        let mut matrix = matrix;
-        loop {
+        Ok(Self::below(operator, first, matrix, grid.over(&places, held)))
+    }
+
+    /// From a finest level, the transfer to it, the matrix below, and the grid below that.
+    pub(super) fn below(
+        finest: &dyn System,
+        first: Transfer,
+        mut matrix: Blocks,
+        (mut transfer, mut cells): (Transfer, Vec<IVec3>),
+    ) -> Self {
+        let diagonal = finest.inverse_diagonal();
+        let mut levels = vec![Level::new(finest, Matrix::Finest, diagonal, first, SMOOTH_FINE)];
+        while levels.len() < 2 || matrix.n() > DENSE_NODES {
             let coarse = galerkin(&matrix, &transfer, &cells);
             let diagonal = matrix.inverse_diagonal();
-            levels.push(Level::new(Matrix::Stored(matrix), diagonal, transfer, SMOOTH_COARSE));
+            levels.push(Level::new(finest, Matrix::Stored(matrix), diagonal, transfer, SMOOTH_COARSE));
             matrix = coarse;
-            if matrix.n() <= DENSE_NODES {
-                break;
-            }
             let places: Vec<DVec3> = cells.iter().map(|c| c.as_dvec3()).collect();
             // Not around the corner of the finer grid's first node: halves fall on nodes.
             (transfer, cells) = Grid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
         }
         let dense = Dense::new(&matrix);
         let dense_x = vec![0.0; 3 * matrix.n()];
-        Ok(Self { levels, dense, dense_x })
+        Self { levels, dense, dense_x }
     }
 
     /// Bytes of all levels.
     pub(super) fn bytes(&self) -> usize {
-        let stored = |l: &Level<'_>| match &l.matrix {
+        let stored = |l: &Level| match &l.matrix {
             Matrix::Stored(b) => b.bytes(),
-            Matrix::Quadratic(_) => 0,
+            Matrix::Finest => 0,
         };
-        let level = |l: &Level<'_>| stored(l) + l.x.len() * (4 * 24 + 72 + 12 * 4);
+        let level = |l: &Level| stored(l) + l.x.len() * (4 * 24 + 72 + 12 * 4);
         self.levels.iter().map(level).sum::<usize>() + self.dense.factor.len() * 8
     }
 
@@ -193,24 +201,24 @@ impl<'a> Multigrid<'a> {
     }
 
     /// An approximate solution `z` for the forces `r`.
-    pub(super) fn apply(&mut self, r: &[DVec3], z: &mut [DVec3]) {
+    pub(super) fn apply(&mut self, finest: &dyn System, r: &[DVec3], z: &mut [DVec3]) {
         self.levels[0].r.copy_from_slice(r);
-        self.cycle(0);
+        self.cycle(finest, 0);
         z.copy_from_slice(&self.levels[0].x);
     }
 
-    fn cycle(&mut self, at: usize) {
+    fn cycle(&mut self, finest: &dyn System, at: usize) {
         let (upper, below) = self.levels.split_at_mut(at + 1);
         let level = &mut upper[at];
-        level.smooth_first();
+        level.smooth_first(finest);
         // The residual goes to the scratch vector, for the right-hand side is needed again.
-        level.matrix.apply(&level.x, &mut level.t, &mut level.scratch);
+        level.matrix.apply(finest, &level.x, &mut level.t, &mut level.scratch);
         for_each(&mut level.t, &level.r, |t, r| *t = *r - *t);
         if let Some(next) = below.first_mut() {
             level.transfer.restrict(&mut level.t, &mut next.r);
             // A held corner must not follow the free nodes between it and others.
             next.transfer.hold(&mut next.r);
-            self.cycle(at + 1);
+            self.cycle(finest, at + 1);
             let (upper, below) = self.levels.split_at_mut(at + 1);
             let level = &mut upper[at];
             level.transfer.prolong(&below[0].x, &mut level.x, &mut level.t);
@@ -226,7 +234,7 @@ impl<'a> Multigrid<'a> {
             }
             level.transfer.prolong(&coarse, &mut level.x, &mut level.t);
         }
-        self.levels[at].smooth();
+        self.levels[at].smooth(finest);
     }
 }
 
@@ -236,22 +244,28 @@ fn for_each(a: &mut [DVec3], b: &[DVec3], f: impl Fn(&mut DVec3, &DVec3) + Sync)
     });
 }
 
-impl<'a> Level<'a> {
-    fn new(matrix: Matrix<'a>, inverse_diagonal: Vec<DMat3>, transfer: Transfer, smooth: usize) -> Self {
+impl Level {
+    fn new(
+        finest: &dyn System,
+        matrix: Matrix,
+        inverse_diagonal: Vec<DMat3>,
+        transfer: Transfer,
+        smooth: usize,
+    ) -> Self {
         let n = inverse_diagonal.len();
         let zero = || vec![DVec3::ZERO; n];
         let scratch = match &matrix {
-            Matrix::Quadratic(operator) => operator.scratch(),
+            Matrix::Finest => finest.scratch(),
             Matrix::Stored(_) => Vec::new(),
         };
         let (x, r, d, t) = (zero(), zero(), zero(), zero());
         let mut level = Self { matrix, inverse_diagonal, top: 1.0, smooth, transfer, x, r, d, t, scratch };
-        level.top = 1.2 * level.largest_eigenvalue();
+        level.top = 1.2 * level.largest_eigenvalue(finest);
         level
     }
 
     /// Power iteration on the scaled matrix.
-    fn largest_eigenvalue(&mut self) -> f64 {
+    fn largest_eigenvalue(&mut self, finest: &dyn System) -> f64 {
         let n = self.x.len();
         // Any start with all frequencies does; this one is the same everywhere.
         let mut state = 0x9e37_79b9_7f4a_7c15u64;
@@ -264,7 +278,7 @@ impl<'a> Level<'a> {
         for _ in 0..15 {
             let size = dot(&x, &x).sqrt();
             x.iter_mut().for_each(|v| *v /= size);
-            self.matrix.apply(&x, &mut self.t, &mut self.scratch);
+            self.matrix.apply(finest, &x, &mut self.t, &mut self.scratch);
             for ((x, t), m) in x.iter_mut().zip(&self.t).zip(&self.inverse_diagonal) {
                 *x = *m * *t;
             }
@@ -273,20 +287,20 @@ impl<'a> Level<'a> {
         found
     }
 
-    fn smooth_first(&mut self) {
+    fn smooth_first(&mut self, finest: &dyn System) {
         self.x.fill(DVec3::ZERO);
         self.t.copy_from_slice(&self.r);
-        self.chebyshev();
+        self.chebyshev(finest);
     }
 
-    fn smooth(&mut self) {
-        self.matrix.apply(&self.x, &mut self.t, &mut self.scratch);
+    fn smooth(&mut self, finest: &dyn System) {
+        self.matrix.apply(finest, &self.x, &mut self.t, &mut self.scratch);
         for_each(&mut self.t, &self.r, |t, r| *t = *r - *t);
-        self.chebyshev();
+        self.chebyshev(finest);
     }
 
     /// Chebyshev iteration from `x` whose residual is in `t`.
-    fn chebyshev(&mut self) {
+    fn chebyshev(&mut self, finest: &dyn System) {
         let (high, low) = (self.top, self.top / BAND);
         let (middle, half) = (0.5 * (high + low), 0.5 * (high - low));
         let sigma = middle / half;
@@ -297,7 +311,7 @@ impl<'a> Level<'a> {
             if step + 1 == self.smooth {
                 break;
             }
-            self.matrix.apply(&self.x, &mut self.t, &mut self.scratch);
+            self.matrix.apply(finest, &self.x, &mut self.t, &mut self.scratch);
             for_each(&mut self.t, &self.r, |t, r| *t = *r - *t);
             let next = 1.0 / (2.0 * sigma - rho);
             scaled(&mut self.d, &self.t, &self.inverse_diagonal, next * rho, 2.0 * next / half);
@@ -346,14 +360,14 @@ fn from_linear(mesh: &super::TetMesh, id: &[u32], n_coarse: usize, supports: &Su
     transfer
 }
 
-struct Grid {
-    origin: DVec3,
-    width: f64,
+pub(super) struct Grid {
+    pub(super) origin: DVec3,
+    pub(super) width: f64,
 }
 
 impl Grid {
     /// Trilinear weights of the grid's nodes at some places, and the nodes in use.
-    fn over(&self, places: &[DVec3], held: Vec<(u32, DMat3)>) -> (Transfer, Vec<IVec3>) {
+    pub(super) fn over(&self, places: &[DVec3], held: Vec<(u32, DMat3)>) -> (Transfer, Vec<IVec3>) {
         let weights = |&p: &DVec3| {
             let q = (p - self.origin) / self.width;
             let cell = q.floor();

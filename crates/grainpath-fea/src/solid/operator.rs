@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::element::{self, Law, STIFFNESS_RULE};
 use super::shape::EDGES;
 use super::supports::Supports;
+use super::system::System;
 use super::{Model, SolidError};
 
 const GROUP: usize = 1024;
@@ -60,48 +61,10 @@ impl<'a> Operator<'a> {
         Ok(Self { model, laws, supports, groups, start, places })
     }
 
-    pub(super) fn n_nodes(&self) -> usize {
-        self.model.mesh.nodes.len()
-    }
-
     /// Bytes that it and its scratch take.
     pub(super) fn bytes(&self) -> usize {
         let tets = self.model.mesh.tets.len() * size_of::<Tet>();
         tets + self.places.len() * (8 + size_of::<DVec3>()) + 4 * self.start.len()
-    }
-
-    /// The scratch that `apply` needs.
-    pub(super) fn scratch(&self) -> Vec<DVec3> {
-        vec![DVec3::ZERO; self.places.len()]
-    }
-
-    /// Forces of a displacement, as if nothing were held.
-    pub(super) fn forces(&self, u: &[DVec3], f: &mut [DVec3], scratch: &mut [DVec3]) {
-        let mut slices = Vec::with_capacity(self.groups.len());
-        let mut rest = &mut *scratch;
-        for group in &self.groups {
-            let (own, others) = rest.split_at_mut(group.nodes.len());
-            slices.push(own);
-            rest = others;
-        }
-        self.groups.par_iter().zip(slices).for_each(|(group, out)| self.group_forces(group, u, out));
-        let scratch = &*scratch;
-        f.par_chunks_mut(CHUNK).enumerate().for_each(|(c, chunk)| {
-            for (i, f) in (c * CHUNK..).zip(chunk) {
-                let range = self.start[i] as usize..self.start[i + 1] as usize;
-                *f = self.places[range].iter().map(|&p| scratch[p as usize]).sum();
-            }
-        });
-    }
-
-    /// The same with what is held taken out of rows and columns; there the operator is the identity.
-    pub(super) fn apply(&self, u: &[DVec3], f: &mut [DVec3], scratch: &mut [DVec3]) {
-        // `u` is free of what is held except in tests of the whole operator.
-        self.forces(u, f, scratch);
-        self.supports.project(f);
-        for (i, held) in self.supports.held_part(u) {
-            f[i] += held;
-        }
     }
 
     fn group_forces(&self, group: &Group, u: &[DVec3], out: &mut [DVec3]) {
@@ -121,9 +84,40 @@ impl<'a> Operator<'a> {
             }
         }
     }
+}
 
-    /// Inverses of the blocks on the diagonal.
-    pub(super) fn inverse_diagonal(&self) -> Vec<DMat3> {
+impl System for Operator<'_> {
+    fn n_nodes(&self) -> usize {
+        self.model.mesh.nodes.len()
+    }
+
+    fn supports(&self) -> &Supports {
+        self.supports
+    }
+
+    fn scratch(&self) -> Vec<DVec3> {
+        vec![DVec3::ZERO; self.places.len()]
+    }
+
+    fn forces(&self, u: &[DVec3], f: &mut [DVec3], scratch: &mut [DVec3]) {
+        let mut slices = Vec::with_capacity(self.groups.len());
+        let mut rest = &mut *scratch;
+        for group in &self.groups {
+            let (own, others) = rest.split_at_mut(group.nodes.len());
+            slices.push(own);
+            rest = others;
+        }
+        self.groups.par_iter().zip(slices).for_each(|(group, out)| self.group_forces(group, u, out));
+        let scratch = &*scratch;
+        f.par_chunks_mut(CHUNK).enumerate().for_each(|(c, chunk)| {
+            for (i, f) in (c * CHUNK..).zip(chunk) {
+                let range = self.start[i] as usize..self.start[i + 1] as usize;
+                *f = self.places[range].iter().map(|&p| scratch[p as usize]).sum();
+            }
+        });
+    }
+
+    fn inverse_diagonal(&self) -> Vec<DMat3> {
         let mesh = self.model.mesh;
         let of = |t: usize| element::diagonal(&mesh.places(t), &self.laws[self.model.material(t)]);
         let mut sum = vec![DMat3::ZERO; self.n_nodes()];

@@ -3,10 +3,28 @@
 use grainpath_core::DVec3;
 
 use super::blocks::{add, dot};
+use super::direct::Direct;
 use super::multigrid::Multigrid;
 use super::operator::Operator;
 use super::supports::Supports;
+use super::system::System;
 use super::{Model, SolidError};
+
+/// Which solver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// A factorization for small parts with many loads, iteration otherwise.
+    #[default]
+    Auto,
+    /// Sparse Cholesky factorization: its memory grows with the 4/3rd power of the part.
+    Direct,
+    /// Conjugate gradients with multigrid.
+    Iterative,
+}
+
+/// A factorization pays up to so many unknowns, from so many loads on.
+const DIRECT_DOFS: usize = 60_000;
+const DIRECT_LOADS: usize = 6;
 
 /// How to solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,11 +35,13 @@ pub struct SolveSettings {
     pub most_iterations: usize,
     /// Memory that may be taken, MiB.
     pub most_mib: f64,
+    /// Which solver.
+    pub method: Method,
 }
 
 impl Default for SolveSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-8, most_iterations: 400, most_mib: 4096.0 }
+        Self { tolerance: 1e-8, most_iterations: 400, most_mib: 4096.0, method: Method::Auto }
     }
 }
 
@@ -67,16 +87,27 @@ pub fn solve(
         return Err(SolidError::Memory { what: "solving", need_mib, limit_mib: settings.most_mib });
     }
     let operator = Operator::new(model, supports)?;
+    let n_free = model.mesh.n_dofs() - supports.count();
+    let direct = match settings.method {
+        Method::Auto => n_free <= DIRECT_DOFS && loads.len() >= DIRECT_LOADS,
+        method => method == Method::Direct,
+    };
+    if direct {
+        let factored = Direct::new(model, supports, settings.most_mib)?;
+        let solutions = loads.iter().map(|load| factored.solve(&operator, load)).collect();
+        let mib = factored.bytes() as f64 / 1048576.0;
+        return Ok((solutions, SolveInfo { n_free, solver: "sparse Cholesky", levels: Vec::new(), mib }));
+    }
     let mut multigrid = Multigrid::new(model, supports, &operator)?;
     let info = SolveInfo {
-        n_free: model.mesh.n_dofs() - supports.count(),
+        n_free,
         solver: "conjugate gradients with p- and grid multigrid",
         levels: multigrid.sizes(),
         mib: (operator.bytes() + multigrid.bytes()) as f64 / 1048576.0,
     };
     let solutions = loads
         .iter()
-        .map(|load| iterate(&operator, supports, &mut multigrid, load, settings))
+        .map(|load| iterate(&operator, &mut multigrid, load, None, settings))
         .collect::<Result<_, _>>()?;
     Ok((solutions, info))
 }
@@ -86,13 +117,15 @@ fn expected_mib(model: &Model<'_>) -> f64 {
     1250.0 * model.mesh.nodes.len() as f64 / 1048576.0
 }
 
-fn iterate(
-    operator: &Operator<'_>,
-    supports: &Supports,
-    multigrid: &mut Multigrid<'_>,
+/// Conjugate gradients, from a displacement where one is given.
+pub(super) fn iterate(
+    operator: &dyn System,
+    multigrid: &mut Multigrid,
     load: &[DVec3],
+    from: Option<&[DVec3]>,
     settings: &SolveSettings,
 ) -> Result<Solution, SolidError> {
+    let supports = operator.supports();
     let n = operator.n_nodes();
     let zero = || vec![DVec3::ZERO; n];
     let mut scratch = operator.scratch();
@@ -105,10 +138,19 @@ fn iterate(
     }
     supports.project(&mut r);
     let goal = settings.tolerance * dot(&r, &r).sqrt();
+    if let Some(from) = from {
+        let mut step = from.to_vec();
+        add(&mut step, -1.0, &u);
+        supports.project(&mut step);
+        add(&mut u, 1.0, &step);
+        operator.forces(&step, &mut q, &mut scratch);
+        supports.project(&mut q);
+        add(&mut r, -1.0, &q);
+    }
     let (mut z, mut p, mut before) = (zero(), zero(), zero());
     let (mut size, mut rz, mut iterations) = (dot(&r, &r).sqrt(), 1.0, 0);
     while size > goal && iterations < settings.most_iterations {
-        multigrid.apply(&r, &mut z);
+        multigrid.apply(operator, &r, &mut z);
         // The preconditioner is symmetric but for rounding; taking the change of the residual keeps rounding out.
         add(&mut before, -1.0, &r);
         let beta = if iterations == 0 { 0.0 } else { -dot(&before, &z) / rz };

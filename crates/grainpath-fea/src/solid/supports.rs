@@ -41,6 +41,17 @@ impl Supports {
         direction: DVec3,
         value_mm: f64,
     ) -> Result<(), SolidError> {
+        self.prescribe_at(node, mesh.nodes[node as usize], direction, value_mm)
+    }
+
+    /// The same for a node at a place.
+    pub(super) fn prescribe_at(
+        &mut self,
+        node: u32,
+        p: DVec3,
+        direction: DVec3,
+        value_mm: f64,
+    ) -> Result<(), SolidError> {
         let i = node as usize;
         if self.slot[i] == NONE {
             self.slot[i] = self.held.len() as u32;
@@ -56,7 +67,6 @@ impl Supports {
         if rest.length() < 1e-6 {
             let known = held.directions.iter().map(|d| d.1.abs()).fold(value_mm.abs(), f64::max);
             if value.abs() > 1e-6 * known {
-                let p = mesh.nodes[i];
                 let at = format!("({:.3}, {:.3}, {:.3})", p.x, p.y, p.z);
                 return Err(SolidError::Contradiction { node: i, at });
             }
@@ -121,7 +131,6 @@ impl Supports {
     /// # Errors
     /// [`SolidError::Free`] for the first such piece.
     pub fn check(&self, mesh: &TetMesh) -> Result<(), SolidError> {
-        let pieces = mesh.pieces();
         let of_tet = mesh.piece_of_tets();
         let mut of_node = vec![NONE; mesh.nodes.len()];
         for (tet, &first) in mesh.tets.iter().zip(&of_tet) {
@@ -129,12 +138,23 @@ impl Supports {
                 of_node[n as usize] = first;
             }
         }
-        for (i, piece) in pieces.iter().enumerate() {
-            let middle = 0.5 * (piece.lo + piece.hi);
-            let radius = (0.5 * (piece.hi - piece.lo).length()).max(f64::MIN_POSITIVE);
+        let pieces: Vec<_> = mesh.pieces().iter().map(|p| (p.first, p.lo, p.hi)).collect();
+        self.check_pieces(&mesh.nodes, &of_node, &pieces)
+    }
+
+    /// The same for nodes with the names of their pieces, and the pieces: name, lowest and highest corner.
+    pub(super) fn check_pieces(
+        &self,
+        nodes: &[DVec3],
+        of_node: &[u32],
+        pieces: &[(u32, DVec3, DVec3)],
+    ) -> Result<(), SolidError> {
+        for (i, &(name, lo, hi)) in pieces.iter().enumerate() {
+            let middle = 0.5 * (lo + hi);
+            let radius = (0.5 * (hi - lo).length()).max(f64::MIN_POSITIVE);
             let mut rows: Vec<[f64; 6]> = Vec::new();
-            for held in self.held.iter().filter(|h| of_node[h.node as usize] == piece.first) {
-                let arm = (mesh.nodes[held.node as usize] - middle) / radius;
+            for held in self.held.iter().filter(|h| of_node[h.node as usize] == name) {
+                let arm = (nodes[held.node as usize] - middle) / radius;
                 for &(d, _) in &held.directions {
                     let turn = arm.cross(d);
                     rows.push([d.x, d.y, d.z, turn.x, turn.y, turn.z]);

@@ -7,9 +7,33 @@ const SAMPLES: usize = 4000;
 /// Share of the surface that may be thinner than what is reported: tips of wedges, engraved marks.
 const QUANTILE: f64 = 0.02;
 
-/// The wall thickness that all but two percent of the surface have at least, mm; infinite for a surface without
-/// opposite sides. A wall is measured where the way in meets a facet that faces back.
-pub fn wall_thickness_mm(mesh: &TriMesh, bvh: &Bvh) -> f64 {
+/// Walls as found by rays: thickness, and the point in the middle, thinnest first.
+pub(super) struct Walls {
+    found: Vec<(f64, DVec3)>,
+    n_samples: usize,
+}
+
+impl Walls {
+    /// The thickness that all but two percent of the surface have at least, mm; infinite for a surface without
+    /// opposite sides.
+    pub(super) fn thickness_mm(&self) -> f64 {
+        let rank = (QUANTILE * self.n_samples as f64) as usize;
+        self.found.get(rank).map_or(f64::INFINITY, |w| w.0)
+    }
+
+    /// Middles of the walls under a thickness.
+    pub(super) fn middles_under(&self, thickness_mm: f64) -> impl Iterator<Item = DVec3> {
+        self.found.iter().take_while(move |w| w.0 < thickness_mm).map(|w| w.1)
+    }
+
+    /// Share of the surface that so many samples are.
+    pub(super) fn share(&self, n: usize) -> f64 {
+        n as f64 / self.n_samples.max(1) as f64
+    }
+}
+
+/// Measures walls where the way in meets a facet that faces back.
+pub(super) fn walls(mesh: &TriMesh, bvh: &Bvh) -> Walls {
     let corners = |t: &[u32; 3]| t.map(|i| mesh.vertices[i as usize]);
     let area_normal = |t: &[u32; 3]| {
         let [a, b, c] = corners(t);
@@ -17,7 +41,7 @@ pub fn wall_thickness_mm(mesh: &TriMesh, bvh: &Bvh) -> f64 {
     };
     let total: f64 = mesh.triangles.iter().map(|t| area_normal(t).length()).sum();
     let Some((lo, hi)) = mesh.bounds().filter(|_| total > 0.0 && total.is_finite()) else {
-        return f64::INFINITY;
+        return Walls { found: Vec::new(), n_samples: 0 };
     };
     let skin = 1e-7 * (hi - lo).length();
     // Facets hit by equal steps of area, each sampled inside by a low-discrepancy pair.
@@ -38,10 +62,10 @@ pub fn wall_thickness_mm(mesh: &TriMesh, bvh: &Bvh) -> f64 {
     let through = |&(p, normal): &(DVec3, DVec3)| {
         let hit = bvh.first_hit(p - normal * skin, -normal, (0.0, f64::INFINITY))?;
         let faces_back = area_normal(&mesh.triangles[hit.triangle as usize]).normalize_or_zero().dot(normal);
-        (hit.leaves && faces_back < -0.7).then_some(hit.t + skin)
+        let wall = (hit.t + skin, p - normal * (0.5 * hit.t));
+        (hit.leaves && faces_back < -0.7).then_some(wall)
     };
-    let mut found: Vec<f64> = picks.par_iter().filter_map(through).collect();
-    found.sort_unstable_by(f64::total_cmp);
-    let rank = (QUANTILE * picks.len() as f64) as usize;
-    found.get(rank).copied().unwrap_or(f64::INFINITY)
+    let mut found: Vec<(f64, DVec3)> = picks.par_iter().filter_map(through).collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Walls { found, n_samples: picks.len() }
 }

@@ -88,15 +88,15 @@ impl Outcome {
 }
 
 /// Steps of the load.
-const STEP: f64 = 0.03;
+const STEP: f64 = 0.04;
 /// The plate has given way when it is this many times as soft as at first.
 const SOFT: f64 = 2.5;
 /// The most solutions at one load: a plate that has not come to rest by then does not.
-const MOST_AT_A_LOAD: usize = 50;
+const MOST_AT_A_LOAD: usize = 25;
 /// The most solutions in a test.
 const MOST_SOLUTIONS: usize = 400;
 /// Plies are drawn a little further than asked, so that a crack comes to rest in fewer solutions.
-const OVER: f64 = 1.4;
+const OVER: f64 = 1.7;
 
 /// What a ply has gone through.
 #[derive(Debug, Clone, Copy)]
@@ -128,7 +128,12 @@ impl PlateTest<'_> {
         [0, 1].map(|k| lost(state.drawn[k], draws[k]))
     }
 
-    fn stiffness(&self, element: usize, states: &[State], draws: [f64; 2]) -> Result<[[f64; 8]; 8], Unstable> {
+    fn stiffness(
+        &self,
+        element: usize,
+        states: &[State],
+        draws: [f64; 2],
+    ) -> Result<[[f64; 8]; 8], Unstable> {
         let mut sum: PlaneStiffness = [[0.0; 3]; 3];
         for p in self.range(element) {
             let ply = &self.laminate.plies[p];
@@ -173,10 +178,8 @@ impl PlateTest<'_> {
         let draws = self.card.draws(self.cell_mm());
         let n = self.elements.cells.len();
         let mut states = vec![State { drawn: [1.0; 2], mode: Mode::Along }; self.laminate.plies.len()];
-        let first: Vec<[[f64; 8]; 8]> = (0..n)
-            .into_par_iter()
-            .map(|e| self.stiffness(e, &states, draws))
-            .collect::<Result<_, _>>()?;
+        let first: Vec<[[f64; 8]; 8]> =
+            (0..n).into_par_iter().map(|e| self.stiffness(e, &states, draws)).collect::<Result<_, _>>()?;
         let mut system = System::new(self.elements, &|e| first[e], self.holds, self.max_bytes)?;
         drop(first);
         let forces: Vec<f64> = self.forces_n.iter().flat_map(|f| [f.x, f.y]).collect();
@@ -195,7 +198,8 @@ impl PlateTest<'_> {
             let work: f64 = forces.iter().zip(&x).map(|(f, u)| f * u).sum();
             test.push(critical, work);
             if test.factors.len() == 1 {
-                let highest = |e: usize| near[e].iter().map(|p| p.index[0].max(p.index[1])).fold(0.0, f64::max);
+                let highest =
+                    |e: usize| near[e].iter().map(|p| p.index[0].max(p.index[1])).fold(0.0, f64::max);
                 index = (0..n).map(|e| (highest(e) * critical) as f32).collect();
             }
             at_load += 1;
@@ -247,7 +251,7 @@ impl PlateTest<'_> {
                             states[p].mode = near.mode;
                         }
                         // Steps that hardly move the stiffness only cost solutions.
-                        states[p].drawn[k] = (now + OVER * (asked - now)).max(now * 1.02).min(draws[k]);
+                        states[p].drawn[k] = (now + OVER * (asked - now)).max(now * 1.04).min(draws[k]);
                         any = true;
                     }
                 }
@@ -359,7 +363,8 @@ impl Progress {
         let (mut highest, mut down) = (0.0, false);
         for (f, w) in self.factors.iter().zip(&self.works) {
             let point = [f * w / load_n, f * load_n];
-            let further = curve.last().is_some_and(|last: &[f64; 2]| point[0] >= last[0] && point[1] <= last[1]);
+            let further =
+                curve.last().is_some_and(|last: &[f64; 2]| point[0] >= last[0] && point[1] <= last[1]);
             if (!down && *f > highest) || (down && further) {
                 curve.push(point);
             }

@@ -272,8 +272,7 @@ impl System {
                 scatter.extend((j..8).map(|i| place(dof(i), dof(j)) as u32));
             }
         }
-        let stiffness: Vec<[f64; 36]> =
-            (0..elements.corners.len()).map(|e| lower(&stiffness(e))).collect();
+        let stiffness: Vec<[f64; 36]> = (0..elements.corners.len()).map(|e| lower(&stiffness(e))).collect();
         let stiffest = stiffness.iter().map(|k| k[0].max(k[8])).fold(0.0, f64::max);
         let mut added: Vec<(usize, f64)> = (0..n).map(|i| (matrix.starts[i], LEAST * stiffest)).collect();
         for hold in holds {
@@ -285,8 +284,7 @@ impl System {
                 }
             }
         }
-        let order: Vec<usize> =
-            elements.dissection().into_iter().flat_map(|i| [2 * i, 2 * i + 1]).collect();
+        let order: Vec<usize> = elements.dissection().into_iter().flat_map(|i| [2 * i, 2 * i + 1]).collect();
         fill_matrix(&mut matrix, &scatter, &stiffness, &added);
         let factor = Cholesky::new(&matrix, Some(&order), max_bytes)?;
         Ok(Self { matrix, factor, scatter, stiffness, added, fresh: true, factored: 1, solved: 0 })
@@ -434,9 +432,8 @@ mod tests {
         let (whole, soft) = (square(&c), square(&c.map(|r| r.map(|v| 0.01 * v))));
         let all = 0..elements.places.len() as u32;
         let left = all.clone().filter(|i| elements.places[*i as usize][0] == 0);
-        let holds: Vec<GridHold> = left
-            .flat_map(|node| [DVec2::X, DVec2::Y].map(|along| GridHold { node, along }))
-            .collect();
+        let holds: Vec<GridHold> =
+            left.flat_map(|node| [DVec2::X, DVec2::Y].map(|along| GridHold { node, along })).collect();
         let mut f = vec![0.0; 2 * elements.places.len()];
         all.filter(|i| elements.places[*i as usize][0] == 30).for_each(|i| f[2 * i as usize] = 1.0);
         let broken = |e: usize| (elements.cells[e] / 30) < 5 && elements.cells[e] % 30 == 14;

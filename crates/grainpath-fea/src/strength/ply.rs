@@ -221,10 +221,8 @@ mod tests {
             // Stress over strength at strain `d` is d (1 - lost); its area is that of the triangle.
             let n = 4000;
             let step = most / f64::from(n);
-            let area: f64 = (0..n)
-                .map(|k| (f64::from(k) + 0.5) * step)
-                .map(|d| d * (1.0 - lost(d, most)) * step)
-                .sum();
+            let area: f64 =
+                (0..n).map(|k| (f64::from(k) + 0.5) * step).map(|d| d * (1.0 - lost(d, most)) * step).sum();
             assert!((area - 0.5 * most).abs() < 2e-3 * most, "{most}: {area}");
             assert!(lost(most, most) > 0.999 && lost(1.0, most) == 0.0);
         }

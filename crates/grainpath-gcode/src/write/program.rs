@@ -300,11 +300,16 @@ impl<'a> Writer<'a> {
         }
         self.width(path.segment(0).2);
         let over_air = path.role == Role::Bridge || path.speed == SpeedClass::Overhang;
-        let fan = if over_air && pace.fan_allowed {
-            self.config.cooling.fan_bridge.max(pace.fan)
+        let least = if !pace.fan_allowed {
+            0.0
+        } else if over_air {
+            self.config.cooling.fan_bridge
+        } else if matches!(path.role, Role::Support | Role::SupportInterface) {
+            self.config.cooling.fan_support
         } else {
-            pace.fan
+            0.0
         };
+        let fan = pace.fan.max(least);
         let fan = (fan * 255.0).round() as i64;
         if fan != self.fan {
             self.fan = fan;

@@ -2,10 +2,13 @@
 
 use grainpath_core::{DVec3, math};
 
+use super::result::free_faces;
 use super::{Element, ElementKind, FeResult};
 
 /// Natural coordinates may lie outside by this much and the point still counts as inside.
 const INSIDE: f64 = 1e-9;
+/// Elements whose sides are taken as straight, or that were rounded when written, leave gaps of less than this.
+const BETWEEN: f64 = 1e-3;
 /// Points without a mesh: how many neighbours are averaged.
 const NEIGHBOURS: usize = 8;
 
@@ -25,8 +28,7 @@ pub struct Location {
 #[derive(Debug, Clone)]
 pub struct StressField {
     result: FeResult,
-    /// Inverse maps of elements that are straight simplices: origin and rows of the inverse.
-    affine: Vec<Option<(DVec3, [DVec3; 3])>>,
+    maps: Vec<Map>,
     elements: Grid,
     /// Free faces cut into triangles (free edges of plane meshes twice the same corner), and whose they are.
     rim: Vec<([u32; 3], u32)>,
@@ -36,20 +38,33 @@ pub struct StressField {
     point_tree: Tree,
 }
 
+/// How natural coordinates in an element are found.
+#[derive(Debug, Clone, Copy)]
+enum Map {
+    /// A simplex with straight sides: its first corner and the rows of the inverse.
+    Straight(DVec3, [DVec3; 3]),
+    /// By steps; nothing outside this box is in the element.
+    Curved(DVec3, DVec3),
+}
+
 impl StressField {
     /// Prepares a result for being asked.
     pub fn new(result: FeResult) -> Self {
-        let affine: Vec<_> = result.elements.iter().map(|e| affine(e, &result)).collect();
-        let boxes = |(e, affine): (&Element, &Option<_>)| {
-            let (mut lo, mut hi) = box_of(e.nodes().iter().map(|&i| result.nodes[i as usize]));
-            if !e.kind.edges().is_empty() && affine.is_none() {
-                // Curved sides may bulge beyond their nodes, by less than this.
-                let room = 0.1 * (hi - lo);
-                (lo, hi) = (lo - room, hi + room);
-            }
-            (lo, hi)
+        let node_box = |e: &Element| box_of(e.nodes().iter().map(|&i| result.nodes[i as usize]));
+        let map = |e: &Element| {
+            straight(e, &result).unwrap_or_else(|| {
+                let (lo, hi) = node_box(e);
+                // Curved sides bulge beyond their nodes by less than this.
+                let room = DVec3::splat((0.1 * (hi - lo)).max_element());
+                Map::Curved(lo - room, hi + room)
+            })
         };
-        let elements = Grid::new(&result.elements.iter().zip(&affine).map(boxes).collect::<Vec<_>>());
+        let maps: Vec<Map> = result.elements.iter().map(map).collect();
+        let boxes = result.elements.iter().zip(&maps).map(|(e, map)| match *map {
+            Map::Straight(..) => node_box(e),
+            Map::Curved(lo, hi) => (lo, hi),
+        });
+        let elements = Grid::new(&boxes.collect::<Vec<_>>());
         let rim = rim(&result);
         let rim_boxes = rim.iter().map(|(t, _)| box_of(t.iter().map(|&i| result.nodes[i as usize])));
         let rim_tree = Tree::new(&rim_boxes.collect::<Vec<_>>());
@@ -60,7 +75,7 @@ impl StressField {
         }
         let at = points.iter().map(|&i| (result.nodes[i as usize], result.nodes[i as usize]));
         let point_tree = Tree::new(&at.collect::<Vec<_>>());
-        Self { result, affine, elements, rim, rim_tree, points, point_tree }
+        Self { result, maps, elements, rim, rim_tree, points, point_tree }
     }
 
     /// The result that is asked.
@@ -73,13 +88,28 @@ impl StressField {
         let p = self.in_plane(p);
         let shell = !self.result.plane && self.result.elements.first()?.kind.dimension() == 2;
         if !shell {
-            let inside = self.elements.at(p).iter().find_map(|&element| {
-                let natural = self.natural(element, p)?;
+            let mut best: Option<(f64, Location)> = None;
+            for &element in self.elements.at(p) {
+                if let Map::Curved(lo, hi) = self.maps[element as usize]
+                    && (p.cmplt(lo).any() || p.cmpgt(hi).any())
+                {
+                    continue;
+                }
+                let Some(natural) = self.natural(element, p) else { continue };
                 let kind = self.result.elements[element as usize].kind;
-                (kind.outside(natural) <= INSIDE).then_some(Location { element, natural, distance_mm: 0.0 })
-            });
-            if inside.is_some() {
-                return inside;
+                let outside = kind.outside(natural);
+                if outside <= INSIDE {
+                    return Some(Location { element, natural, distance_mm: 0.0 });
+                }
+                if outside <= BETWEEN && best.as_ref().is_none_or(|b| outside < b.0) {
+                    best = Some((
+                        outside,
+                        Location { element, natural: kind.clamped(natural), distance_mm: 0.0 },
+                    ));
+                }
+            }
+            if let Some((_, at)) = best {
+                return Some(at);
             }
         }
         let (index, q) = self.rim_tree.nearest(p, |i| {
@@ -88,9 +118,13 @@ impl StressField {
         })?;
         let element = self.rim[index as usize].1;
         let kind = self.result.elements[element as usize].kind;
-        let natural = kind.clamped(self.natural(element, q).unwrap_or(kind.centre()));
-        let distance_mm = p.distance(self.position(element, natural));
-        Some(Location { element, natural, distance_mm })
+        // The free face is flat here but may be curved there: the better of two ways down to it.
+        let place = |of: DVec3| {
+            let natural = kind.clamped(self.natural(element, of).unwrap_or(kind.centre()));
+            Location { element, natural, distance_mm: p.distance(self.position(element, natural)) }
+        };
+        let (a, b) = (place(q), place(p));
+        Some(if b.distance_mm < a.distance_mm { b } else { a })
     }
 
     /// Stress at `p` (mm) in MPa, components xx, yy, zz, xy, yz, zx. Outside the mesh that of its nearest point.
@@ -136,7 +170,7 @@ impl StressField {
 
     /// Natural coordinates of `p` in an element, also where it lies outside; `None` where the search fails.
     fn natural(&self, element: u32, p: DVec3) -> Option<DVec3> {
-        if let Some((origin, rows)) = &self.affine[element as usize] {
+        if let Map::Straight(origin, rows) = &self.maps[element as usize] {
             let d = p - *origin;
             return Some(DVec3::new(rows[0].dot(d), rows[1].dot(d), rows[2].dot(d)));
         }
@@ -227,7 +261,7 @@ fn inverse(columns: [DVec3; 3], kind: ElementKind) -> Option<[DVec3; 3]> {
 }
 
 /// The inverse map of a simplex whose nodes on edges lie in their middles.
-fn affine(e: &Element, result: &FeResult) -> Option<(DVec3, [DVec3; 3])> {
+fn straight(e: &Element, result: &FeResult) -> Option<Map> {
     let simplex =
         matches!(e.kind, ElementKind::Tri3 | ElementKind::Tri6 | ElementKind::Tet4 | ElementKind::Tet10);
     if !simplex {
@@ -238,17 +272,17 @@ fn affine(e: &Element, result: &FeResult) -> Option<(DVec3, [DVec3; 3])> {
     // Files in single precision round middles by about a millionth of the part.
     let tolerance = 1e-5 * (hi - lo).max_element();
     let n = e.kind.n_corners();
-    let straight = e
+    let even = e
         .kind
         .edges()
         .iter()
         .enumerate()
         .all(|(k, &[i, j])| (0.5 * (p(i) + p(j)) - p(n + k)).length() <= tolerance);
-    if !straight {
+    if !even {
         return None;
     }
     let third = if n == 4 { p(3) - p(0) } else { DVec3::ZERO };
-    inverse([p(1) - p(0), p(2) - p(0), third], e.kind).map(|rows| (p(0), rows))
+    inverse([p(1) - p(0), p(2) - p(0), third], e.kind).map(|rows| Map::Straight(p(0), rows))
 }
 
 /// Faces that only one element has, as triangles; of shells in space, every element itself.
@@ -267,24 +301,10 @@ fn rim(result: &FeResult) -> Vec<([u32; 3], u32)> {
         }
         return out;
     }
-    let mut faces: Vec<([u32; 4], u32, u8)> = Vec::new();
-    for (i, e) in result.elements.iter().enumerate() {
-        for (f, face) in e.kind.faces().iter().enumerate() {
-            let mut key = [u32::MAX; 4];
-            for (k, &c) in key.iter_mut().zip(*face) {
-                *k = e.nodes()[c];
-            }
-            key.sort_unstable();
-            faces.push((key, i as u32, f as u8));
-        }
-    }
-    faces.sort_unstable();
-    for face in faces.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() == 1) {
-        let (_, e, f) = face[0];
+    for (e, face) in free_faces(&result.elements) {
         let element = &result.elements[e as usize];
-        let corners: Vec<u32> =
-            element.kind.faces()[f as usize].iter().map(|&c| element.nodes()[c]).collect();
-        fan(&corners, e);
+        let corners = element.kind.faces()[face as usize].iter().map(|&c| element.nodes()[c]);
+        fan(&corners.collect::<Vec<u32>>(), e);
     }
     out
 }

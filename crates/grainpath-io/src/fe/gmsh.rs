@@ -190,7 +190,7 @@ impl<'a> Msh<'a> {
     }
 
     /// Before binary data: to the beginning of the next line.
-    fn to_data(&mut self) {
+    fn begin_data(&mut self) {
         if self.binary {
             self.words.next_line();
         }
@@ -212,7 +212,7 @@ impl<'a> Msh<'a> {
             self.skip(b"$Entities");
             return Ok(());
         }
-        self.to_data();
+        self.begin_data();
         let mut counts = [0; 4];
         for c in &mut counts {
             *c = self.count(Scalar::U64, "the number of entities")?;
@@ -265,7 +265,7 @@ impl<'a> Msh<'a> {
 
     fn nodes_2(&mut self) -> Result<(), FeError> {
         let n = self.words.count("the number of nodes")?;
-        self.to_data();
+        self.begin_data();
         for _ in 0..n {
             let tag = self.tag(Scalar::I32, "a node's number")?;
             self.node(tag)?;
@@ -274,7 +274,7 @@ impl<'a> Msh<'a> {
     }
 
     fn nodes_4(&mut self) -> Result<(), FeError> {
-        self.to_data();
+        self.begin_data();
         let blocks = self.count(Scalar::U64, "the number of blocks")?;
         for _ in 0..3 {
             self.tag(Scalar::U64, "a count of nodes")?;
@@ -339,7 +339,7 @@ impl<'a> Msh<'a> {
 
     fn elements_2(&mut self) -> Result<(), FeError> {
         let n = self.words.count("the number of elements")?;
-        self.to_data();
+        self.begin_data();
         let mut done = 0;
         let mut tags = Vec::new();
         while done < n {
@@ -374,7 +374,7 @@ impl<'a> Msh<'a> {
     }
 
     fn elements_4(&mut self) -> Result<(), FeError> {
-        self.to_data();
+        self.begin_data();
         let blocks = self.count(Scalar::U64, "the number of blocks")?;
         for _ in 0..3 {
             self.tag(Scalar::U64, "a count of elements")?;
@@ -401,6 +401,9 @@ impl<'a> Msh<'a> {
         let mut name = String::new();
         for i in 0..self.words.count("the number of texts")?.min(MAX_COUNT) {
             self.words.next_line();
+            if self.words.at_end() {
+                return Err(invalid(self.words.place(), "the file ends in the head of a result"));
+            }
             let text = self.words.rest_of_line();
             if i == 0 {
                 name = String::from_utf8_lossy(text).trim_matches('"').to_owned();
@@ -424,7 +427,7 @@ impl<'a> Msh<'a> {
             let problem = format!("{components} components for {n} tuples; 1 to 9 should be");
             return Err(invalid(self.words.place(), problem));
         }
-        self.to_data();
+        self.begin_data();
         let tuples = if on == On::Nodes { self.file.nodes.len() } else { self.file.elements.len() };
         let room = tuples * components;
         self.array_room = self.array_room.checked_sub(room).ok_or_else(|| {

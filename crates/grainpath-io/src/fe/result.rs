@@ -138,6 +138,16 @@ impl FeResult {
     pub fn max_von_mises_mpa(&self) -> f64 {
         self.stress.iter().map(von_mises).filter(|v| v.is_finite()).fold(0.0, f64::max)
     }
+
+    /// Lowest and highest corner of the box around the elements, mm; around all nodes where there are no elements.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        let grown = |(lo, hi): (DVec3, DVec3), p: DVec3| (lo.min(p), hi.max(p));
+        let mut used = self.elements.iter().flat_map(|e| e.nodes()).map(|&i| self.nodes[i as usize]);
+        match used.next() {
+            Some(first) => Some(used.fold((first, first), grown)),
+            None => box_of(&self.nodes),
+        }
+    }
 }
 
 /// Where the six components come from: the array of each (by index) and the component in it.
@@ -419,7 +429,7 @@ impl FeFile {
         let peak = result.max_von_mises_mpa();
         if peak > LIKELY_MAX_MPA {
             let hint = if options.stress_unit.is_none() && peak * 1e-6 > 1e-4 {
-                "; is it in Pa? Then state stress_unit = \"Pa\""
+                "; is it in Pa? Then state import_stress_unit = \"Pa\""
             } else {
                 ""
             };
@@ -430,16 +440,18 @@ impl FeFile {
         if peak == 0.0 {
             warnings.push("the stress is zero everywhere".into());
         }
-        if let Some((lo, hi)) = box_of(&result.nodes) {
+        if let Some((lo, hi)) = result.bounds() {
             let size = (hi - lo).max_element();
-            if options.length_unit.is_none() && (size > LIKELY_MAX_MM || size < LIKELY_MIN_MM) {
+            if options.length_unit.is_none() && !(LIKELY_MIN_MM..=LIKELY_MAX_MM).contains(&size) {
                 warnings.push(format!(
-                    "the mesh is {size:.4} mm long; if it is not in mm, state length_unit = \"m\" or \"inch\""
+                    "the mesh is {size:.4} mm long; if it is not in mm, state import_length_unit = \"m\" or \"inch\""
                 ));
             }
         }
         self.check_von_mises(result, mpa, warnings);
-        if let (false, Some((order, stated, best))) = (choice.by_name, better_order(result, options.order)) {
+        if !choice.by_name
+            && let Some((order, stated, best)) = better_order(result, options.order)
+        {
             warnings.push(format!(
                 "the order of the components may be {}: with it the stress across free faces is {best:.3} of the \
                  whole, with {} it is {stated:.3}",
@@ -530,12 +542,18 @@ fn is_plane(nodes: &[DVec3], elements: &[Element]) -> bool {
 /// An order of the shears under which much less stress crosses the free surface, with the share of the stated order
 /// and of the better one. Most of a part's surface carries no load, so the right order leaves little across it.
 fn better_order(result: &FeResult, stated: Option<Order>) -> Option<(Order, f64, f64)> {
-    let faces = surface(&result.elements)?;
+    if result.elements.first()?.kind.dimension() != 3 {
+        return None;
+    }
     let stated = stated.unwrap_or(Order::Vtk);
     let all = [Order::Vtk, Order::Abaqus, Order::Voigt];
     let mut across = [0.0; 3];
     let mut total = 0.0;
-    for face in &faces {
+    for (e, face) in free_faces(&result.elements) {
+        let e = &result.elements[e as usize];
+        let corners = e.kind.faces()[face as usize];
+        let face: [u32; 4] = std::array::from_fn(|k| e.nodes()[corners[k.min(corners.len() - 1)]]);
+        let face = &face[..corners.len()];
         let p = |k: usize| result.nodes[face[k] as usize];
         let area = (p(1) - p(0)).cross(p(2) - p(0));
         let size = area.length();
@@ -568,22 +586,20 @@ fn better_order(result: &FeResult, stated: Option<Order>) -> Option<(Order, f64,
     (share(best) < 0.7 * share(stated) && share(stated) > 0.05).then(|| (best, share(stated), share(best)))
 }
 
-/// Corners of the faces that only one solid has; `None` where there are no solids.
-fn surface(elements: &[Element]) -> Option<Vec<Vec<u32>>> {
-    if elements.first()?.kind.dimension() != 3 {
-        return None;
-    }
-    let mut faces: Vec<([u32; 4], Vec<u32>)> = Vec::new();
-    for e in elements {
-        for face in e.kind.faces() {
-            let corners: Vec<u32> = face.iter().map(|&i| e.nodes()[i]).collect();
+/// Faces of solids (edges of surfaces) that only one element has: the element and which of its faces.
+pub(crate) fn free_faces(elements: &[Element]) -> Vec<(u32, u8)> {
+    let mut faces: Vec<([u32; 4], u32, u8)> = Vec::new();
+    for (i, e) in elements.iter().enumerate() {
+        for (f, face) in e.kind.faces().iter().enumerate() {
             let mut key = [u32::MAX; 4];
-            key[..corners.len()].copy_from_slice(&corners);
+            for (k, &c) in key.iter_mut().zip(*face) {
+                *k = e.nodes()[c];
+            }
             key.sort_unstable();
-            faces.push((key, corners));
+            faces.push((key, i as u32, f as u8));
         }
     }
     faces.sort_unstable();
     let single = faces.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() == 1);
-    Some(single.map(|c| c[0].1.clone()).collect())
+    single.map(|c| (c[0].1, c[0].2)).collect()
 }

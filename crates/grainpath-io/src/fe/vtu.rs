@@ -146,11 +146,11 @@ impl<'a> Vtu<'a> {
                         self.end_piece()?;
                     }
                 }
-                Event::Text(t) if open.is_some() && section != Section::Other => {
-                    // What stands inside information keys is no data; data comes in one run before them.
-                    if skip_space(&text).is_empty() {
-                        text.extend_from_slice(t.as_ref().as_bytes());
-                    }
+                // What stands inside information keys is no data; data comes in one run before them.
+                Event::Text(t)
+                    if open.is_some() && section != Section::Other && skip_space(&text).is_empty() =>
+                {
+                    text.extend_from_slice(t.as_ref().as_bytes());
                 }
                 Event::End(e) => match e.local_name().as_ref() {
                     "DataArray" => {

@@ -1,5 +1,6 @@
 //! Examples made by our own code.
 
+mod hub;
 mod stress_lines;
 
 use std::borrow::Cow;
@@ -11,7 +12,7 @@ use grainpath_core::{DVec2, DVec3, TriMesh};
 pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
 
 /// Names that [`preset`] knows.
-pub const PRESETS: [&str; 2] = ["plate", "stress-lines"];
+pub const PRESETS: [&str; 3] = ["plate", "stress-lines", "ct"];
 
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
@@ -21,8 +22,22 @@ pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
             ("plate.stl".into(), stl(&plate())),
         ]),
         "stress-lines" => Some(stress_lines::files()),
+        "ct" => Some(ct(256)),
         _ => None,
     }
+}
+
+/// The wheel hub scanned with `n` x `n` pixels a slice, its true dimensions, and the job.
+pub fn ct(n: usize) -> Vec<ExampleFile> {
+    let (size, mm) = hub::lattice(n);
+    let mut tif = Vec::with_capacity(size.iter().product::<usize>() * 2 + size[2] * 400);
+    grainpath_io::volume::write_tiff_stack(size, [mm; 3], |k| hub::slice(n, k), &mut tif)
+        .expect("memory takes all that is written");
+    vec![
+        ("job.toml".into(), include_bytes!("../../profiles/examples/ct.toml").to_vec()),
+        ("hub.tif".into(), tif),
+        ("truth.toml".into(), hub::truth().into_bytes()),
+    ]
 }
 
 fn stl(mesh: &TriMesh) -> Vec<u8> {
@@ -51,7 +66,13 @@ pub fn plate() -> TriMesh {
 }
 
 /// Points of `n_quarters` quarters of a circle, counter-clockwise.
-fn arc(centre: DVec2, radius: f64, first_quarter: i32, n_quarters: i32, per_quarter: i32) -> Vec<DVec2> {
+pub(crate) fn arc(
+    centre: DVec2,
+    radius: f64,
+    first_quarter: i32,
+    n_quarters: i32,
+    per_quarter: i32,
+) -> Vec<DVec2> {
     let whole = i32::from(n_quarters < 4);
     (0..n_quarters * per_quarter + whole)
         .map(|i| {
@@ -62,7 +83,7 @@ fn arc(centre: DVec2, radius: f64, first_quarter: i32, n_quarters: i32, per_quar
 }
 
 /// Adds a prism over an outline with holes, all given counter-clockwise.
-fn prism(outline: &[DVec2], holes: &[Vec<DVec2>], low: f64, high: f64, mesh: &mut TriMesh) {
+pub(crate) fn prism(outline: &[DVec2], holes: &[Vec<DVec2>], low: f64, high: f64, mesh: &mut TriMesh) {
     let ring = bridged(outline, holes);
     let first = mesh.vertices.len() as u32;
     let mut vertex = |p: DVec2, z: f64| {

@@ -206,7 +206,7 @@ mod tests {
     fn the_parts_are_closed_and_have_their_volumes() {
         for (mesh, shells, volume) in [
             // 170 x 20 less the waist's relief, less the hole.
-            (tension_bar(), 1, 4.0 * (170.0 * 20.0 - 2.0 * (80.0 * 5.0 + 2.0 * 23.2) - 7.0)),
+            (tension_bar(), 1, 4.0 * (170.0 * 20.0 - 2.0 * (80.0 * 5.0 + 2.0 * 50.0) - 7.07)),
             (bending_bar(), 1, 20_000.0),
             (
                 bracket(),

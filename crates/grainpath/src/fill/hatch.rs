@@ -170,7 +170,9 @@ impl Hatch {
     fn between(&self, from: &End, to: &End, forwards: bool) -> Vec<DVec2> {
         let contour = &self.contours[from.contour as usize];
         let n = contour.len();
-        let (a, b) = (from.at as usize, to.at as usize);
+        // An end on the contour's last vertex is at the end of its last edge.
+        let edge = |end: &End| (end.at as usize).min(n - 1);
+        let (a, b) = (edge(from), edge(to));
         let mut out = Vec::new();
         if forwards {
             let steps = if a == b && to.at >= from.at { 0 } else { (b + n - a - 1) % n + 1 };

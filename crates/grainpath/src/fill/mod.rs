@@ -117,6 +117,8 @@ mod tests {
         ]
     }
 
+    static FIELD: grainpath_core::UniformField = grainpath_core::UniformField { axis_rad: 0.4 };
+
     fn context(density: f64, angle_rad: f64, z_mid_mm: f64) -> FillContext<'static> {
         let part = Bounds2 { min: DVec2::splat(-40.0), max: DVec2::splat(40.0) };
         let role = Role::SparseFill;
@@ -130,7 +132,7 @@ mod tests {
             part,
             role,
             border_mm,
-            field: None,
+            field: Some(&FIELD),
         }
     }
 

@@ -33,9 +33,7 @@ pub(super) fn solved(
     lowered_mm: f64,
 ) -> Result<Solved, GuideError> {
     let result = field.result();
-    let finite = result.nodes.iter().copied();
-    let bounds = finite
-        .fold(None, |b: Option<(DVec3, DVec3)>, p| Some(b.map_or((p, p), |(lo, hi)| (lo.min(p), hi.max(p)))));
+    let bounds = result.bounds();
     let (low, high) = bounds.ok_or(GuideError::ImportElsewhere { low: DVec3::ZERO, high: DVec3::ZERO })?;
     let shift = DVec3::new(0.0, 0.0, lowered_mm);
     let (part_low, part_high) = part.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ZERO));

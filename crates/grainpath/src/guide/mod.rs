@@ -24,9 +24,9 @@ use crate::job::Settings;
 use crate::job::loads::{Case, Load, Place, Push};
 pub use degenerate::{Degenerate, Degenerates, degenerate_points};
 pub use direction::{DirectionSettings, Follow, LayerField};
-pub(crate) use plane::constant_section;
 pub use lines::{LineSettings, Seeding, TracedLine, evenly_spaced, trace_line};
 pub use outputs::{Families, lines_svg, lines_vtp};
+pub(crate) use plane::constant_section;
 
 /// Why a guide cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

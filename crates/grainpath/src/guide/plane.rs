@@ -64,8 +64,8 @@ pub(super) fn solve(
     part: &GuidedPart<'_>,
     cases: &[Case],
 ) -> Result<Solved, GuideError> {
-    let section =
-        constant_section(part.stack).ok_or(GuideError::NotPlane("the section is not the same at all heights"))?;
+    let section = constant_section(part.stack)
+        .ok_or(GuideError::NotPlane("the section is not the same at all heights"))?;
     if !cases.iter().flat_map(|c| &c.loads).all(|l| in_plane(&l.push)) {
         return Err(GuideError::NotPlane("a load has a part out of the layers' plane"));
     }

@@ -21,14 +21,7 @@ fn error(place: impl Into<String>, problem: impl Into<String>) -> JobError {
 }
 
 /// Keys of other parts of grainpath that are not there yet: known, so that the message can say so.
-const LATER: [(&str, &str); 6] = [
-    ("shape", "outline"),
-    ("shape", "thickness_mm"),
-    ("shape", "ct"),
-    ("shape", "photo"),
-    ("support", "critical_angle_deg"),
-    ("output", "support"),
-];
+const LATER: [(&str, &str); 3] = [("shape", "outline"), ("shape", "thickness_mm"), ("shape", "photo")];
 
 /// Reads a job. `name` is what errors call the file; `sets` are `section.key=value` as given on the command line,
 /// stronger than the file; `load` reads a profile that is named by its path.
@@ -80,6 +73,14 @@ pub fn parse_job(
             ));
         };
         for (key, value) in rows.iter().filter(|(k, _)| !is_profile(section, k)) {
+            if let ("shape", "ct", Value::Table(rows)) = (section.as_str(), key.as_str(), value) {
+                for (key, value) in rows {
+                    apply(&mut settings, "shape.ct", key, value, || {
+                        at_inner(text, name, "shape", "ct", key)
+                    })?;
+                }
+                continue;
+            }
             apply(&mut settings, section, key, value, || at(text, name, section, key))?;
         }
     }
@@ -105,7 +106,11 @@ fn table(text: &str, name: &str) -> Result<Table, JobError> {
 fn split_set(set: &str) -> Result<(String, String, Value), JobError> {
     let wrong = || error("--set", format!("{set:?} should be section.key=value"));
     let (path, value) = set.split_once('=').ok_or_else(wrong)?;
-    let (section, key) = path.trim().split_once('.').ok_or_else(wrong)?;
+    let path = path.trim();
+    let (section, key) = match path.strip_prefix("shape.ct.") {
+        Some(key) => ("shape.ct", key),
+        None => path.split_once('.').ok_or_else(wrong)?,
+    };
     let parsed = format!("v = {value}").parse::<Table>().ok().and_then(|mut t| t.remove("v"));
     Ok((section.into(), key.into(), parsed.unwrap_or_else(|| Value::String(value.trim().into()))))
 }
@@ -136,6 +141,9 @@ fn apply(
     value: &Value,
     place: impl Fn() -> String,
 ) -> Result<(), JobError> {
+    // A scan with nothing but its path.
+    let (section, key) =
+        if (section, key) == ("shape", "ct") { ("shape.ct", "path") } else { (section, key) };
     match settings.set(section, key, value) {
         Some(Ok(())) => Ok(()),
         Some(Err(problem)) => {
@@ -207,6 +215,17 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
     {
         return wrong(format!("material.{key} should rise: low, nominal, high; is [{a}, {b}, {c}]"));
     }
+    if !s.ct.path.is_empty() {
+        for (set, what) in [
+            (!s.shape.mesh.is_empty(), "shape.mesh and shape.ct: exactly one shape is printed"),
+            (p.adaptive_layers, "process.adaptive_layers = true is for meshes, not for shape.ct"),
+            (s.shape.rotate_deg != [0.0; 3], "shape.rotate_deg is for meshes, not for shape.ct"),
+        ] {
+            if set {
+                return wrong(what.into());
+            }
+        }
+    }
     if crate::fill::GUIDED.contains(&s.fill.pattern.as_str()) && s.guide.kind == "none" {
         return wrong(format!(
             "fill.pattern = {:?} needs a guide: [guide] kind = \"stress\" or \"angle\"",
@@ -241,6 +260,16 @@ fn at(text: &str, name: &str, section: &str, key: &str) -> String {
         }
     }
     format!("{name}:{section_line}")
+}
+
+/// File and line of a key in a table within a section, or of the table where it stands on one line.
+fn at_inner(text: &str, name: &str, section: &str, table: &str, key: &str) -> String {
+    let header = format!("[{section}.{table}]");
+    if text.lines().any(|l| l.trim().starts_with(&header)) {
+        at(text, name, &format!("{section}.{table}"), key)
+    } else {
+        at(text, name, section, table)
+    }
 }
 
 #[cfg(test)]
@@ -290,8 +319,16 @@ mod tests {
                 "job.toml:2: fill.pattern should be one of rectilinear, grid, triangles, gyroid, concentric, honeycomb, aligned, stripes, streamlines, seed-lines, is \"grit\"",
             ),
             (
-                "[shape]\nct = { path = \"scan\" }\n",
-                "job.toml:2: shape.ct is not in this version of grainpath",
+                "[shape]\nct = { path = \"scan\", pixel = 0.1 }\n",
+                "job.toml:2: unknown key `pixel` in [shape.ct]; did you mean `pixel_mm`?",
+            ),
+            (
+                "[shape.ct]\npath = \"scan\"\nthreshold = \"otzu\"\n",
+                "job.toml:3: shape.ct.threshold should be \"otsu\", \"iso50\", a grey value or [low, high], is \"otzu\"",
+            ),
+            (
+                "[shape]\nmesh = \"a.stl\"\nct = \"scan\"\n",
+                "job.toml: shape.mesh and shape.ct: exactly one shape is printed",
             ),
             (
                 "[guide]\nkind = \"grain\"\n",

@@ -21,7 +21,13 @@ pub fn json_schema() -> Value {
             keys.insert(p.key.into(), schema_of(p));
         }
         let table = json!({ "type": "object", "additionalProperties": false, "properties": keys });
-        sections.insert(section.into(), table);
+        match section.split_once('.') {
+            None => drop(sections.insert(section.into(), table)),
+            // A table within a table; its path alone may stand for it.
+            Some((outer, inner)) => {
+                sections[outer]["properties"][inner] = json!({ "oneOf": [table, { "type": "string" }] });
+            }
+        }
     }
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -32,11 +38,15 @@ pub fn json_schema() -> Value {
     })
 }
 
+fn kind(words: &str) -> Value {
+    if words.contains('|') { json!(words.split('|').collect::<Vec<_>>()) } else { json!(words) }
+}
+
 fn schema_of(p: &Param) -> Value {
     let unit = if p.unit.is_empty() { String::new() } else { format!(" Unit: {}.", p.unit) };
-    let mut row = json!({ "type": p.kind, "description": format!("{}{unit}", p.help) });
+    let mut row = json!({ "type": kind(p.kind), "description": format!("{}{unit}", p.help) });
     match p.check {
-        Check::Range(low, high) if p.kind != "array" => {
+        Check::Range(low, high) if !p.kind.contains("array") => {
             row["minimum"] = json!(low);
             row["maximum"] = json!(high);
         }

@@ -3,7 +3,8 @@
 use toml::Value;
 
 use super::loads::{Case, Fixture, Load};
-use super::value::{Check, Param, SettingValue, read};
+use super::value::{Check, Pair, Param, SettingValue, read};
+use crate::shape::ct::Threshold;
 use Check::{Any, Range, Words};
 
 /// Declares sections: structs with defaults, their rows, and how one key is set.
@@ -67,6 +68,32 @@ sections! {
         position_mm: Option<[f64; 2]> = None, "mm", Range(-1e5, 1e5), "Where the middle of the part stands on the plate; left out, the middle of the bed.";
         repair: String = "auto".into(), "", Words(&["auto", "strict"]), "auto mends defects and counts them, strict refuses.";
         gap_closing_mm: f64 = 0.05, "mm", Range(0.0, 100.0), "Gaps in sections up to this are closed before anything else.";
+    }
+    /// A CT scan to print.
+    CtSection "shape.ct" {
+        path: String = String::new(), "", Any, "Scan to print: a folder or ZIP of PNG, TIFF, BMP, JPEG or DICOM slices, a multipage TIFF, NRRD, MHD, NIfTI, or raw data.";
+        pixel_mm: Option<Pair> = None, "mm", Range(1e-7, 1e4), "Size of a pixel, one number or [x, y]; left out, the file's.";
+        slice_mm: Option<f64> = None, "mm", Range(1e-7, 1e4), "Distance of slices; left out, the file's.";
+        window: Option<[usize; 2]> = None, "", Range(0.0, 1e6), "First and last slice that are taken, counted from 0.";
+        crop_px: Option<[usize; 4]> = None, "px", Range(0.0, 1e6), "First column, first row, last column, last row that are taken, counted from 0.";
+        flip: String = String::new(), "", Words(&["", "x", "y", "z", "xy", "xz", "yz", "xyz"]), "Axes to mirror.";
+        threshold: Threshold = Threshold::Otsu, "", Any, "Where the part begins: otsu, iso50 (halfway between two materials), a grey value, or [low, high].";
+        materials: Option<[f64; 2]> = None, "", Any, "Grey values of the two materials for iso50; left out, the commonest on either side of Otsu's threshold.";
+        smooth: String = "none".into(), "", Words(&["none", "gaussian", "median", "edges"]), "Noise taken out of slices; edges keeps edges sharp.";
+        smooth_px: f64 = 0.7, "px", Range(0.0, 20.0), "Standard deviation for smooth = \"gaussian\".";
+        min_island_mm2: f64 = 0.2, "mm2", Range(0.0, 1e6), "Smaller islands of a section are dropped and counted.";
+        min_pore_mm2: f64 = 0.1, "mm2", Range(0.0, 1e6), "Smaller holes of a section are filled and counted.";
+        interpolate: String = "auto".into(), "", Words(&["auto", "grey", "matched", "distance"]), "What lies between slices: grey values mixed, contours matched and moved, or signed distances mixed; auto is grey where slices lie as close as pixels, else matched.";
+        overlap: f64 = 0.2, "", Range(0.0, 1.0), "Share of an entity that its partner in the next slice must cover at least.";
+        contours: String = "iso".into(), "", Words(&["iso", "canny"]), "How contours are found: between pixels where the threshold is crossed, or Canny's edges with feature points as published.";
+        canny_low: f64 = 0.04, "", Range(0.0, 1.0), "Edges go on above this share of the step from air to material a pixel.";
+        canny_high: f64 = 0.1, "", Range(0.0, 1.0), "Edges begin above this share.";
+        canny_sigma_px: f64 = 1.0, "px", Range(0.0, 10.0), "Gaussian before Canny's gradients.";
+        truth: String = String::new(), "", Any, "File of true dimensions (TOML) that the report compares with what is printed; none when left out.";
+        size_px: Option<[usize; 3]> = None, "", Range(1.0, 1e6), "Columns, rows and slices of raw data.";
+        sample: String = "u8".into(), "", Words(&grainpath_io::volume::SampleType::NAMES), "How raw data stores a voxel.";
+        byte_order: String = "little".into(), "", Words(&["little", "big"]), "Which byte of raw data comes first.";
+        offset_bytes: usize = 0, "", Range(0.0, 1e12), "Bytes of raw data before the first voxel.";
     }
     /// The printer.
     PrinterSection "printer" {
@@ -196,7 +223,40 @@ sections! {
     }
     /// What holds up overhangs.
     SupportSection "support" {
-        style: String = "none".into(), "", Words(&["none"]), "Supports are not in this version.";
+        style: String = "none".into(), "", Words(&["none", "tree", "columns", "box"]), "tree: branching supports; columns (straight walls below every overhang) and box (the box around them) are baselines to compare with.";
+        critical_angle_deg: f64 = 40.0, "deg", Range(0.0, 89.0), "Facets that lean more than this from the vertical are held up; read it off the print of `grainpath specimen critical-angle`.";
+        branch_angle_deg: Option<f64> = None, "deg", Range(5.0, 80.0), "Branches lean at most by this from the vertical; left out, the critical angle.";
+        max_unsupported_mm: f64 = 10.0, "mm", Range(0.5, 200.0), "The longest stretch that prints without anything below (L): contacts stand L/2 apart and none of an overhang is further than L/2 from one.";
+        min_overhang_mm: f64 = 0.8, "mm", Range(0.0, 100.0), "Overhangs smaller than this in plan are left alone; what begins in mid-air never is.";
+        contact_radius_mm: f64 = 0.3, "mm", Range(0.1, 10.0), "Radius of the end that touches the part: small ends break off cleanly.";
+        tip_length_mm: f64 = 1.5, "mm", Range(0.2, 50.0), "Length of the end piece, which leaves the part along its normal.";
+        branch_radius_mm: f64 = 0.6, "mm", Range(0.2, 20.0), "Radius of the thinnest branch; one closed bead needs about 1.3 bead widths across.";
+        base_radius_mm: f64 = 4.0, "mm", Range(0.2, 50.0), "Radius of a foot on the plate, and of the thickest trunk.";
+        base_height_mm: f64 = 1.0, "mm", Range(0.0, 100.0), "Height over which a trunk widens to its foot.";
+        z_gap_mm: f64 = 0.2, "mm", Range(0.0, 5.0), "Free height between support and part, rounded up to whole layers: the larger, the easier it comes off and the rougher the face.";
+        xy_gap_mm: f64 = 0.4, "mm", Range(0.0, 10.0), "Distance that branches keep from the part's walls.";
+        interface_layers: usize = 0, "", Range(0.0, 100.0), "Dense layers below each contact, as a pad: a smoother face, harder to remove.";
+        interface_radius_mm: f64 = 1.2, "mm", Range(0.1, 50.0), "Radius of such a pad.";
+        load_per_contact_n: f64 = 1.0, "N", Range(0.0, 1000.0), "What one contact presses on its branch, safety included; branches are as thick as Euler's load asks.";
+        stiffness_mpa: f64 = 2000.0, "MPa", Range(1.0, 1e6), "Young's modulus of a printed branch, for the same.";
+        max_slenderness: f64 = 40.0, "", Range(2.0, 1000.0), "Length over diameter that no branch exceeds.";
+        brace: bool = true, "", Any, "Tie slender trunks to a neighbour with struts.";
+        brace_slenderness: f64 = 25.0, "", Range(2.0, 1000.0), "Trunks of more than this length over diameter are tied, at this distance.";
+        max_reach_mm: f64 = 40.0, "mm", Range(1.0, 1000.0), "The furthest a branch goes sideways to meet another.";
+        margin_mm: f64 = 12.0, "mm", Range(1.0, 1000.0), "How far branches may go beyond the part in plan to get past it.";
+        from_plate_only: bool = false, "", Any, "Nothing stands on the part; overhangs that cannot be reached from the plate are listed instead.";
+        lift_mm: f64 = 0.0, "mm", Range(0.0, 1000.0), "The part is lifted off the plate by this and stands on its supports.";
+        enforce_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Boxes (lowest and highest corner, part on the plate) in which everything that looks down is held.";
+        block_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Boxes in which nothing is held.";
+        enforce_facets: Vec<usize> = Vec::new(), "", Any, "Facets that are held whatever their angle, counted from 0 in the order of the file.";
+        block_facets: Vec<usize> = Vec::new(), "", Any, "Facets that are not held, likewise.";
+        solid: String = "distance".into(), "", Words(&["distance", "poisson"]), "How the support becomes one surface: by signed distance, or by Poisson reconstruction as in the paper (slower, blurs tips).";
+        walls: usize = 1, "", Range(1.0, 100.0), "Beads around each branch.";
+        density: f64 = 0.0, "", Range(0.0, 1.0), "Fill inside the branches; columns and box lay at least 0.15.";
+        dense_layers: usize = 2, "", Range(0.0, 1000.0), "Dense layers from the plate, so that feet stick.";
+        speed_mm_s: f64 = 50.0, "mm/s", Range(0.1, 2000.0), "Speed of support.";
+        interface_speed_mm_s: f64 = 30.0, "mm/s", Range(0.1, 2000.0), "Speed of the dense layers below contacts.";
+        fan: f64 = 1.0, "", Range(0.0, 1.0), "Least fan while support is printed: thin branches need to set.";
     }
     /// The virtual strength test.
     StrengthSection "strength" {
@@ -211,8 +271,13 @@ sections! {
         gcode: String = String::new(), "", Any, "The machine program; left out, the mesh's name with .gcode.";
         report: String = String::new(), "", Any, "Report page (HTML); none when left out.";
         preview: String = String::new(), "", Any, "Folder for pictures of layers (PNG and SVG) and of the part; none when left out.";
+        support: String = String::new(), "", Any, "The support as one closed surface (STL); none when left out.";
         stress: String = String::new(), "", Any, "Stress and principal directions as VTU; none when left out.";
         lines: String = String::new(), "", Any, "Evenly spaced principal stress lines of both families: .svg or .vtp; none when left out.";
+        surface: String = String::new(), "", Any, "The part's surface as STL or 3MF, by its ending, lofted from its layers, closed and manifold; none when left out.";
+        surface_cell_mm: f64 = 0.3, "mm", Range(0.01, 10.0), "Size of the cells that the surface is made of.";
+        layers_cli: String = String::new(), "", Any, "The part's sections as a Common Layer Interface file; none when left out.";
+        layers_svg: String = String::new(), "", Any, "The part's sections as SVG, a group a layer; none when left out.";
         plan: String = String::new(), "", Any, "The plan as JSON: every path with its widths; none when left out.";
     }
 }
@@ -222,6 +287,7 @@ sections! {
 #[allow(missing_docs)]
 pub struct Settings {
     pub shape: ShapeSection,
+    pub ct: CtSection,
     pub printer: PrinterSection,
     pub material: MaterialSection,
     pub process: ProcessSection,
@@ -234,13 +300,16 @@ pub struct Settings {
 
 impl Settings {
     /// Names of the sections, in the order they are shown.
-    pub const SECTIONS: [&'static str; 9] =
-        ["shape", "printer", "material", "process", "guide", "fill", "support", "strength", "output"];
+    pub const SECTIONS: [&'static str; 10] = [
+        "shape", "shape.ct", "printer", "material", "process", "guide", "fill", "support", "strength",
+        "output",
+    ];
 
     /// Sets one key; `None` when there is no such section or key.
     pub(super) fn set(&mut self, section: &str, key: &str, value: &Value) -> Option<Result<(), String>> {
         match section {
             "shape" => self.shape.set(key, value),
+            "shape.ct" => self.ct.set(key, value),
             "printer" => self.printer.set(key, value),
             "material" => self.material.set(key, value),
             "process" => self.process.set(key, value),
@@ -257,6 +326,7 @@ impl Settings {
     pub fn params() -> Vec<Param> {
         let all = [
             ShapeSection::params(),
+            CtSection::params(),
             PrinterSection::params(),
             MaterialSection::params(),
             ProcessSection::params(),
@@ -273,11 +343,13 @@ impl Settings {
     pub fn rows(&self) -> Vec<(String, String)> {
         let all = [
             self.shape.rows(),
+            if self.ct.path.is_empty() { Vec::new() } else { self.ct.rows() },
             self.printer.rows(),
             self.material.rows(),
             self.process.rows(),
             self.guide.rows(),
             self.fill.rows(),
+            self.support.rows(),
             self.strength.rows(),
             self.output.rows(),
         ];

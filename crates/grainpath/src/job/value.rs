@@ -2,6 +2,8 @@
 
 use toml::Value;
 
+use crate::shape::ct::Threshold;
+
 /// What a value must satisfy beside its type.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Check {
@@ -98,6 +100,51 @@ impl SettingValue for String {
     }
     fn text(&self) -> Option<&str> {
         Some(self)
+    }
+}
+
+/// A number for both axes, or one for each.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pair(pub [f64; 2]);
+
+impl SettingValue for Pair {
+    const KIND: &'static str = "number|array";
+    fn from_toml(value: &Value) -> Result<Self, String> {
+        if value.is_array() {
+            <[f64; 2]>::from_toml(value).map(Self)
+        } else {
+            f64::from_toml(value).map(|v| Self([v; 2]))
+        }
+    }
+    fn to_text(&self) -> String {
+        if self.0[0] == self.0[1] { self.0[0].to_text() } else { self.0.to_text() }
+    }
+    fn numbers(&self) -> Vec<f64> {
+        self.0.to_vec()
+    }
+}
+
+impl SettingValue for Threshold {
+    const KIND: &'static str = "string|number|array";
+    fn from_toml(value: &Value) -> Result<Self, String> {
+        match value {
+            Value::String(s) if s == "otsu" => Ok(Self::Otsu),
+            Value::String(s) if s == "iso50" => Ok(Self::Iso50(None)),
+            Value::Array(_) => {
+                let [low, high] = <[f64; 2]>::from_toml(value)?;
+                if low < high { Ok(Self::Range(low, high)) } else { Err(format!("should rise, is {value}")) }
+            }
+            Value::Integer(_) | Value::Float(_) => f64::from_toml(value).map(Self::Value),
+            _ => Err(format!("should be \"otsu\", \"iso50\", a grey value or [low, high], is {value}")),
+        }
+    }
+    fn to_text(&self) -> String {
+        match self {
+            Self::Otsu => "\"otsu\"".into(),
+            Self::Iso50(_) => "\"iso50\"".into(),
+            Self::Value(v) => v.to_text(),
+            Self::Range(a, b) => [*a, *b].to_text(),
+        }
     }
 }
 

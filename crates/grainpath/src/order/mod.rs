@@ -52,6 +52,8 @@ pub struct Island {
 pub struct LayerPaths {
     /// Skirt and brim: printed first, in this order.
     pub adhesion: Vec<Toolpath>,
+    /// Supports: printed next, so that the part has something to lie on.
+    pub supports: Vec<Island>,
     /// The part: one for each polygon of the layer's section.
     pub islands: Vec<Island>,
 }
@@ -112,6 +114,24 @@ fn order_layer(
             sequence::start_nearest(path, *at);
             *at = path.end();
         }
+        out.push(Ordered { island: None, paths });
+    }
+    let first =
+        |i: &Island| i.walls.first().map(|w| &w.path).or(i.fills.first()).map_or(DVec2::ZERO, |p| p.start());
+    let places: Vec<[DVec2; 2]> = layer.supports.iter().map(|i| [first(i); 2]).collect();
+    let mut supports: Vec<Option<Island>> = layer.supports.into_iter().map(Some).collect();
+    for (i, _) in sequence::tour(&places, *at) {
+        let Some(island) = supports[i].take() else { continue };
+        let mut paths = Vec::with_capacity(island.walls.len() + island.fills.len());
+        // Where a branch's bead begins is nobody's business but the travel's.
+        sequence::walls(
+            island.walls,
+            settings.wall_order,
+            &mut seam::Seams::new(Seam::Nearest),
+            at,
+            &mut paths,
+        );
+        sequence::fills(island.fills, at, &mut paths);
         out.push(Ordered { island: None, paths });
     }
     let mut islands: Vec<Option<Island>> = layer.islands.into_iter().map(Some).collect();

@@ -13,6 +13,7 @@ use grainpath_core::{Bounds2, DVec2, Role};
 pub use canvas::{Canvas, Ramp};
 pub use colour::{ColourBy, Scale, of_role as role_colour};
 pub use raster::layer_png;
+pub(crate) use raster::png as encode_png;
 pub use svg::layer_svg;
 pub use thumbnail::thumbnail_png;
 

@@ -60,7 +60,7 @@ pub(super) fn draw_line(canvas: &mut Pixmap, points: &[(f32, f32)], width: f32, 
 }
 
 /// Encodes opaque RGBA.
-pub(super) fn png(width: u32, height: u32, rgba: &[u8]) -> Vec<u8> {
+pub(crate) fn png(width: u32, height: u32, rgba: &[u8]) -> Vec<u8> {
     let mut out = Vec::new();
     let mut encoder = png::Encoder::new(&mut out, width, height);
     encoder.set_color(png::ColorType::Rgba);

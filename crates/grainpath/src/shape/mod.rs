@@ -1,9 +1,11 @@
-//! Shapes: from meshes to the [`LayerStack`] that everything after works on.
+//! Shapes: from meshes and CT scans to the [`LayerStack`] that everything after works on.
 
+pub mod ct;
 mod heights;
 mod mend;
 mod place;
 mod section;
+mod surface;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::{Diagnostics, Layer, LayerStack, TriMesh};
@@ -12,6 +14,7 @@ use rayon::prelude::*;
 pub use heights::{Adaptive, layer_heights};
 pub use mend::{Repair, mend};
 pub use place::{Placement, likely_unit, place};
+pub use surface::surface;
 
 /// How a mesh is cut into layers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +51,8 @@ pub enum ShapeError {
     Defects { defects: String },
     #[error("{n} layers of {height_mm} mm; at most {limit} are made")]
     TooManyLayers { n: usize, height_mm: f64, limit: usize },
+    #[error("{problem}")]
+    Scan { problem: String },
     #[error("no layer of the part has any area")]
     NothingLeft,
     #[error(transparent)]

@@ -31,7 +31,9 @@ pub use setup::TestSetup;
 pub enum StrengthError {
     #[error("needs {0}; fixtures and loads are those of [guide]")]
     Missing(&'static str),
-    #[error("the material has no strengths: set {0} as [low, nominal, high] in [material], or take another profile")]
+    #[error(
+        "the material has no strengths: set {0} as [low, nominal, high] in [material], or take another profile"
+    )]
     NoCard(String),
     #[error("only plates loaded in their plane are tested, and {0}")]
     NotPlate(&'static str),
@@ -236,7 +238,12 @@ pub fn test(
         job_load_n: digits(prepared.load_n),
         case: setup.case.clone(),
         mode: outcome.mode().name(),
-        modes: Mode::ALL.iter().zip(outcome.modes).filter(|m| m.1 > 5e-4).map(|(m, s)| (m.name(), digits(s))).collect(),
+        modes: Mode::ALL
+            .iter()
+            .zip(outcome.modes)
+            .filter(|m| m.1 > 5e-4)
+            .map(|(m, s)| (m.name(), digits(s)))
+            .collect(),
         weakest: weakest(setup, &outcome),
         corners: peaks,
         mass_g: digits(mass_g),
@@ -319,7 +326,8 @@ fn warn(
     }
     if !outcome.ended {
         diagnostics.warn(
-            "strength: the load was still rising when the test was stopped; the peak is a lower bound".to_owned(),
+            "strength: the load was still rising when the test was stopped; the peak is a lower bound"
+                .to_owned(),
         );
     }
 }
@@ -329,7 +337,8 @@ fn weakest(setup: &TestSetup, outcome: &Outcome) -> Weakest {
     let p = outcome.weakest;
     let mut near = (f64::INFINITY, "border", DVec2::ZERO);
     for polygon in &setup.section.polygons {
-        let contours = std::iter::once((&polygon.outer, "border")).chain(polygon.holes.iter().map(|h| (h, "hole")));
+        let contours =
+            std::iter::once((&polygon.outer, "border")).chain(polygon.holes.iter().map(|h| (h, "hole")));
         for (contour, kind) in contours {
             let middle = contour.iter().copied().sum::<DVec2>() / contour.len().max(1) as f64;
             for (a, b) in grainpath_core::poly::edges(contour) {
@@ -376,7 +385,8 @@ fn digits(v: f64) -> f64 {
 impl StrengthReport {
     /// A few lines for a terminal.
     pub fn summary(&self) -> String {
-        let mesh = self.mesh_change.map_or(String::new(), |c| format!(", {:.1} % moved by halving them", 100.0 * c));
+        let mesh =
+            self.mesh_change.map_or(String::new(), |c| format!(", {:.1} % moved by halving them", 100.0 * c));
         format!(
             "breaks at {:.0} N ({:.0} to {:.0} N over the card of the material), stiffness {:.0} N/mm, {:.0} N per gram\n\
              fails mostly {}; weakest at {}\n\

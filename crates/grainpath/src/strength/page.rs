@@ -41,7 +41,8 @@ pub fn index_png(tested: &Tested, size_px: u32) -> Vec<u8> {
 pub fn chart_svg(report: &StrengthReport) -> String {
     let (w, h, left, bottom) = (640.0, 400.0, 64.0, 44.0);
     let nice = |v: f64| {
-        let unit = 10f64.powi(grainpath_core::math::ln(v.max(1e-9) / 5.0).div_euclid(std::f64::consts::LN_10) as i32);
+        let unit = 10f64
+            .powi(grainpath_core::math::ln(v.max(1e-9) / 5.0).div_euclid(std::f64::consts::LN_10) as i32);
         let step = [1.0, 2.0, 5.0, 10.0].into_iter().find(|s| s * unit * 5.0 >= v).unwrap_or(10.0);
         step * unit
     };
@@ -71,13 +72,18 @@ pub fn chart_svg(report: &StrengthReport) -> String {
                 writeln!(
                     out,
                     "<path d=\"M{left} {0:.1}H{1}\" stroke=\"#dde\"/><text x=\"{2}\" y=\"{3:.1}\" text-anchor=\"end\">{text}</text>",
-                    y(v), w - 16.0, left - 6.0, y(v) + 4.0
+                    y(v),
+                    w - 16.0,
+                    left - 6.0,
+                    y(v) + 4.0
                 )
             } else {
                 writeln!(
                     out,
                     "<path d=\"M{0:.1} {1}V16\" stroke=\"#dde\"/><text x=\"{0:.1}\" y=\"{2}\" text-anchor=\"middle\">{text}</text>",
-                    x(v), h - bottom, h - bottom + 18.0
+                    x(v),
+                    h - bottom,
+                    h - bottom + 18.0
                 )
             };
             k += 1.0;

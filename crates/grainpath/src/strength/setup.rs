@@ -158,7 +158,8 @@ impl TestSetup {
             let part = self.high - self.low;
             return Err(StrengthError::WrongPart { printed: size.extend(tall), part });
         }
-        let shift = plate_from_part.unwrap_or(0.5 * (found.0 + found.1) - 0.5 * (self.low + self.high).truncate());
+        let shift =
+            plate_from_part.unwrap_or(0.5 * (found.0 + found.1) - 0.5 * (self.low + self.high).truncate());
         let near = |p: DVec2| (p - found.0).min(found.1 - p).min_element() > -2.0;
         let sheet = |(l, h): (&&BeadLayer, &f64)| BeadSheet {
             height_mm: *h,
@@ -296,10 +297,8 @@ impl TestSetup {
                 Push::Moment(m) => {
                     let centre = chosen.iter().map(|&i| nodes[i] * weight[i]).sum::<DVec2>() / sum;
                     let turned = |i: usize| DVec2::new(-(nodes[i] - centre).y, (nodes[i] - centre).x);
-                    let arm: f64 = chosen
-                        .iter()
-                        .map(|&i| weight[i] * cross(nodes[i] - centre, turned(i)))
-                        .sum();
+                    let arm: f64 =
+                        chosen.iter().map(|&i| weight[i] * cross(nodes[i] - centre, turned(i))).sum();
                     for &i in &chosen {
                         forces[i] += turned(i) * (weight[i] * m.z / f64::max(arm, 1e-30));
                     }
@@ -343,7 +342,6 @@ impl TestSetup {
             }
         }
     }
-
 }
 
 /// A part as cells, held and loaded.

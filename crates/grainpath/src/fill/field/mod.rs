@@ -14,3 +14,6 @@ mod widths;
 pub use seed_lines::SeedLines;
 pub use streamlines::Streamlines;
 pub use stripes::Stripes;
+
+#[cfg(test)]
+mod tests;

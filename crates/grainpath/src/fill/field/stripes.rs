@@ -1,6 +1,6 @@
 //! Dense fill along a field: beads at even distances whose width follows their spacing.
 
-use grainpath_core::math::direction;
+use grainpath_core::math::{cross, direction};
 use grainpath_core::poly::{FillRule, Join, LineClipper, edges};
 use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
 use grainpath_core::{
@@ -30,6 +30,9 @@ const CENTRINGS: usize = 3;
 
 impl Infill for Stripes {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+        if context.density < 0.999 {
+            return super::Streamlines.fill(context, room, out);
+        }
         let Some(field) = context.field else { return };
         let spacing = context.spacing_mm();
         let room = Region::from(room.clone());
@@ -297,7 +300,7 @@ fn lay(lines: Vec<Line>, border: &Region, context: &FillContext<'_>, out: &mut V
         beads.push(Bead { points, widths, closed: line.closed });
     }
     let first = out.len();
-    out.extend(joined(beads, border, context.spacing_mm()).into_iter().map(|bead| Toolpath {
+    out.extend(joined(beads, &lines, border, context).into_iter().map(|bead| Toolpath {
         points: bead.points,
         width: BeadWidth::PerVertex(bead.widths),
         flow: 1.0,
@@ -308,11 +311,26 @@ fn lay(lines: Vec<Line>, border: &Region, context: &FillContext<'_>, out: &mut V
     let left = border.difference(&covered(&out[first..], h));
     let mut singles = Vec::new();
     single_beads(&left, nominal, NARROWEST * nominal, h, context.role, &mut singles);
-    out.extend(singles.into_iter().filter(|p| p.length_mm() > nominal));
+    // Where branches of a gap meet, their beads may cross: the later one gives way.
+    let mut laid: Vec<[DVec2; 2]> = Vec::new();
+    for single in singles.into_iter().filter(|p| p.length_mm() > nominal) {
+        let segments: Vec<[DVec2; 2]> =
+            (0..single.n_segments()).map(|i| [single.segment(i).0, single.segment(i).1]).collect();
+        if !segments.iter().any(|s| laid.iter().any(|l| meets(*s, *l))) {
+            laid.extend(segments);
+            out.push(single);
+        }
+    }
+}
+
+/// Whether two segments cross.
+fn meets([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
+    let sides = |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e - o, p - o) * cross(e - o, q - o);
+    sides(a, b, c, d) < 0.0 && sides(c, d, a, b) < 0.0
 }
 
 /// What the strips of beads fill.
-fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
+pub(super) fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
     let mut strips = Vec::new();
     for bead in beads {
         for i in 0..bead.n_segments() {
@@ -337,6 +355,18 @@ struct Bead {
 }
 
 impl Bead {
+    /// Takes `by_mm` off the end, if the bead is a good deal longer.
+    fn shorten(&mut self, by_mm: f64) {
+        let n = self.points.len();
+        let (a, b) = (self.points[n - 2], self.points[n - 1]);
+        let length = a.distance(b);
+        if length > 1.5 * by_mm {
+            let t = 1.0 - by_mm / length;
+            self.points[n - 1] = a.lerp(b, t);
+            self.widths[n - 1] = self.widths[n - 2] + t * (self.widths[n - 1] - self.widths[n - 2]);
+        }
+    }
+
     fn reversed(mut self) -> Self {
         self.points.reverse();
         self.widths.reverse();
@@ -346,8 +376,12 @@ impl Bead {
 
 /// Joins open beads end to end along the border: from each end to the nearest free one, if it is not far and the
 /// way stays inside.
-fn joined(beads: Vec<Bead>, border: &Region, spacing_mm: f64) -> Vec<Bead> {
+fn joined(beads: Vec<Bead>, lines: &[Line], border: &Region, context: &FillContext<'_>) -> Vec<Bead> {
+    let spacing_mm = context.spacing_mm();
+    let retreat_mm = (0.5 * spacing_mm - context.border_mm).max(0.0);
     let inside = LineClipper::new(border);
+    let neighbours = Neighbours::new(lines, border, 1.5 * spacing_mm);
+    let mut joints: Vec<[DVec2; 2]> = Vec::new();
     let ends: Vec<[DVec2; 2]> = beads.iter().map(|b| [b.points[0], b.points[b.points.len() - 1]]).collect();
     let mut used: Vec<bool> = beads.iter().map(|b| b.closed).collect();
     let index = NearestEnds::new(&ends);
@@ -362,12 +396,22 @@ fn joined(beads: Vec<Bead>, border: &Region, spacing_mm: f64) -> Vec<Bead> {
                 let at = bead.points[bead.points.len() - 1];
                 let Some((next, second)) = index.nearest(at, &used) else { break };
                 let to = ends[next][usize::from(second)];
-                if at.distance(to) > LONGEST_JOINT * spacing_mm || !inside.segment_inside(at, to) {
+                let joint = [at, to];
+                if at.distance(to) > LONGEST_JOINT * spacing_mm
+                    || !inside.segment_inside(at, to)
+                    || neighbours.between(at, to)
+                    || joints.iter().any(|j| meets(*j, joint))
+                {
                     break;
                 }
+                joints.push(joint);
                 used[next] = true;
                 let Some(other) = beads[next].take() else { break };
-                let other = if second { other.reversed() } else { other };
+                let mut other = if second { other } else { other.reversed() };
+                // The joint then lies half a bead from the border, as a bead along it would.
+                bead.shorten(retreat_mm);
+                other.shorten(retreat_mm);
+                let other = other.reversed();
                 bead.points.extend(other.points);
                 bead.widths.extend(other.widths);
             }

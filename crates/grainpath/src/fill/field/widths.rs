@@ -166,6 +166,25 @@ impl Neighbours {
         best
     }
 
+    /// Whether a bead lies across the straight way from `a` to `b`, which are ends of beads.
+    pub fn between(&self, a: DVec2, b: DVec2) -> bool {
+        let way = b - a;
+        let mut blocked = false;
+        self.cells(a, b, |cell| {
+            for &m in &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
+                let piece = &self.pieces[m as usize];
+                let ends = [piece.a, piece.b];
+                if piece.line == BORDER || ends.contains(&a) || ends.contains(&b) {
+                    continue;
+                }
+                let d = piece.b - piece.a;
+                let sides = |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e, p - o) * cross(e, q - o);
+                blocked |= sides(a, way, piece.a, piece.b) <= 0.0 && sides(piece.a, d, a, b) <= 0.0;
+            }
+        });
+        blocked
+    }
+
     /// The room of a bead at a vertex: to the border, or half way to the next bead. Where there is neither within
     /// `far_mm`, `free_mm`.
     pub fn reach(&self, lines: &[Line], line: usize, vertex: usize, far_mm: f64, free_mm: f64) -> Reach {

@@ -1,0 +1,87 @@
+//! CT scans: files and folders opened, and what is in them shown.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use grainpath::shape::ct::{ContactSheet, Histogram};
+use grainpath_io::volume::{Files, RawHeader, ReadSeek, SampleType, SliceSource, open_volume};
+use serde_json::{Value, json};
+
+use crate::args::Inspect;
+use crate::{Failure, files, outputs};
+
+fn open_file(name: &str) -> io::Result<Box<dyn ReadSeek>> {
+    Ok(Box::new(fs::File::open(name)?))
+}
+
+/// Opens a scan: a folder's files are its slices.
+pub fn open(path: &Path, raw: Option<&RawHeader>) -> Result<Box<dyn SliceSource>, Failure> {
+    let shown = path.display().to_string();
+    let wrong = |e: io::Error| Failure::input(format!("{shown}: {}", files::plain(&e)));
+    let all = if fs::metadata(path).map_err(wrong)?.is_dir() {
+        let mut names = Vec::new();
+        for entry in fs::read_dir(path).map_err(wrong)? {
+            let entry = entry.map_err(wrong)?;
+            if entry.path().is_file() {
+                names.push(entry.path().display().to_string());
+            }
+        }
+        Files::folder(shown.clone(), names, open_file)
+    } else {
+        Files::single(shown.clone(), open_file)
+    };
+    open_volume(all, raw).map_err(|e| grainpath::Error::from(e).into())
+}
+
+/// Whether a path is a scan rather than a mesh or a program: a folder, or a file that begins like a volume.
+pub fn is(path: &Path) -> Result<bool, Failure> {
+    if path.is_dir() {
+        return Ok(true);
+    }
+    let name = path.display().to_string().to_ascii_lowercase();
+    let named = [".nrrd", ".nhdr", ".mhd", ".mha", ".nii", ".nii.gz", ".tif", ".tiff", ".dcm", ".zip"];
+    Ok(named.iter().any(|e| name.ends_with(e)))
+}
+
+/// The header given on the command line for a file without one.
+pub fn raw_header(args: &Inspect) -> Result<Option<RawHeader>, Failure> {
+    let Some(size) = &args.size else { return Ok(None) };
+    let &[x, y, z] = size.as_slice() else {
+        return Err(Failure::usage("--size should be columns,rows,slices"));
+    };
+    let sample = SampleType::from_name(&args.sample).unwrap_or(SampleType::U8);
+    Ok(Some(RawHeader { size: [x, y, z], sample, big_endian: false, offset_bytes: 0 }))
+}
+
+/// What a scan is: read once from end to end.
+pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
+    let mut source = open(&args.file, raw)?;
+    let info = source.info().clone();
+    let mut histogram = Histogram::default();
+    let mut sheet = args.sheet.is_some().then(|| ContactSheet::new(info.size));
+    let mut slice = Vec::new();
+    let mut k = 0;
+    while source.next_slice(&mut slice).map_err(grainpath::Error::from)? {
+        histogram.add(&slice);
+        if let Some(sheet) = &mut sheet {
+            sheet.add(k, &slice);
+        }
+        k += 1;
+    }
+    let (low, high) = histogram.range().unwrap_or((0.0, 0.0));
+    let (air, material) = histogram.materials();
+    if let (Some(sheet), Some(path)) = (sheet, &args.sheet) {
+        outputs::save(path, &sheet.png(low, high))?;
+    }
+    let round = |v: f64| (v * 1e4).round() * 1e-4;
+    let size_mm: Vec<Option<f64>> =
+        (0..3).map(|i| info.spacing_mm[i].map(|mm| round(mm * info.size[i] as f64))).collect();
+    Ok(json!({
+        "ok": true, "file": args.file.display().to_string(), "kind": "scan", "format": info.format,
+        "voxels": info.size, "sample": info.sample.name(), "spacing_mm": info.spacing_mm, "size_mm": size_mm,
+        "grey": [low, high], "otsu": round(histogram.otsu()), "materials": [round(air), round(material)],
+        "iso50": round(0.5 * (air + material)), "histogram": histogram.binned(32),
+        "sheet": args.sheet.as_ref().map(|p| p.display().to_string()), "warnings": info.warnings,
+    }))
+}

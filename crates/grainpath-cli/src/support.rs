@@ -1,0 +1,166 @@
+//! `grainpath support` and `grainpath specimen`.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use grainpath::report::{SupportReport, peak_rss_mb};
+use grainpath::specimen::SPECIMENS;
+use grainpath::support::{self, picture};
+use grainpath::test_pieces::{TEST_PIECES, TestPiece};
+use grainpath::{Error, config};
+use grainpath_core::{DVec2, TriMesh};
+use serde_json::json;
+
+use crate::args::{Specimen, Support};
+use crate::commands::{read_mesh, set_threads, settings};
+use crate::{Failure, files, outputs, progress};
+
+/// `grainpath support`
+pub fn support(args: &Support) -> Result<(), Failure> {
+    let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
+    if settings.support.style == "none" {
+        settings.support.style = "tree".into();
+    }
+    set_threads(args.common.threads)?;
+    let output = args.output.clone().unwrap_or_else(|| default_output(&args.model));
+    Format::of(&output)?;
+    let diagnostics = progress::diagnostics();
+    let (file, read_s) = read_mesh(&args.model, &diagnostics)?;
+    let mut stages: BTreeMap<&str, f64> = BTreeMap::from([("read", read_s)]);
+    let shown = args.model.display().to_string();
+    let start = Instant::now();
+    let (mesh, stack, _) = grainpath::run::mesh_and_layers(&settings, file, &diagnostics)
+        .map_err(|source| Error::Shape { path: shown, source })?;
+    stages.insert("slice", start.elapsed().as_secs_f64());
+    let start = Instant::now();
+    // The bed limits jobs, which know where the part stands on it.
+    let wanted = config::support(&settings, DVec2::ZERO).map(|w| support::SupportSettings { bed: None, ..w });
+    let wanted = wanted.ok_or_else(|| Failure::usage("support.style should be tree, columns or box"))?;
+    let found = support::plan(&mesh, &stack, &wanted, &diagnostics).map_err(Error::from)?;
+    stages.insert("support", start.elapsed().as_secs_f64());
+    let start = Instant::now();
+    let layers = &found.cut.layers;
+    let body =
+        support::surface(layers, &stack, &settings.support.solid, &diagnostics).map_err(Error::from)?;
+    let mut written = BTreeMap::new();
+    if body.triangles.is_empty() && !args.with_model {
+        diagnostics.warn("support: nothing to write");
+    } else {
+        let mut bodies = vec![&body];
+        if args.with_model {
+            bodies.push(&mesh);
+        }
+        write_mesh(&output, &bodies)?;
+        written.insert("support", output.display().to_string());
+    }
+    if let Some(folder) = &args.preview {
+        for p in picture::pictures(&mesh, &found) {
+            outputs::save(&folder.join(format!("{}.png", p.name)), &p.png)?;
+        }
+        written.insert("preview", folder.display().to_string());
+    }
+    stages.insert("write", start.elapsed().as_secs_f64());
+    let report = SupportReport::new(&found, found.volume_mm3(&stack), settings.material.density_g_cm3);
+    let warnings = diagnostics.warnings();
+    drop(diagnostics);
+    if args.common.json {
+        let seconds = |s: f64| (s * 1e4).round() * 1e-4;
+        let stages: BTreeMap<&str, f64> = stages.into_iter().map(|(k, s)| (k, seconds(s))).collect();
+        let value = json!({
+            "ok": true, "version": env!("CARGO_PKG_VERSION"), "layers": stack.layers().len(),
+            "support": report, "triangles": body.triangles.len(), "stages_s": stages,
+            "peak_rss_mb": (peak_rss_mb() * 10.0).round() * 0.1, "warnings": warnings, "outputs": written,
+        });
+        files::print(&format!("{value}\n"));
+    } else {
+        let mut lines = vec![report.summary()];
+        lines.extend(warnings.iter().map(|w| format!("warning: {w}")));
+        lines.extend(written.iter().map(|(what, path)| format!("{what}: {path}")));
+        files::print(&format!("{}\n", lines.join("\n")));
+    }
+    Ok(())
+}
+
+fn default_output(model: &Path) -> PathBuf {
+    let name = model.file_stem().map_or_else(|| "part".into(), |s| s.to_string_lossy().into_owned());
+    model.with_file_name(format!("{name}_support.stl"))
+}
+
+/// What a mesh is written as.
+#[derive(Clone, Copy)]
+pub enum Format {
+    Stl,
+    ThreeMf,
+}
+
+impl Format {
+    /// By the file's ending.
+    pub fn of(path: &Path) -> Result<Self, Failure> {
+        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("stl") => Ok(Self::Stl),
+            Some("3mf") => Ok(Self::ThreeMf),
+            _ => Err(Failure::usage(format!(
+                "{}: the name of a mesh to write should end in .stl or .3mf",
+                path.display()
+            ))),
+        }
+    }
+}
+
+/// Writes bodies as STL or 3MF, by the file's ending.
+pub fn write_mesh(path: &Path, bodies: &[&TriMesh]) -> Result<(), Failure> {
+    let format = Format::of(path)?;
+    let wrong = |e: std::io::Error| Failure::usage(format!("cannot write {}: {e}", path.display()));
+    files::write_atomically(path, |out| match format {
+        Format::Stl => grainpath_io::write_stl(&joined(bodies), out).map_err(wrong),
+        Format::ThreeMf => grainpath_io::write_3mf(bodies, out).map_err(wrong),
+    })
+}
+
+/// All bodies as one mesh.
+fn joined(bodies: &[&TriMesh]) -> TriMesh {
+    let mut all = TriMesh::default();
+    for body in bodies {
+        let first = all.vertices.len() as u32;
+        all.vertices.extend(&body.vertices);
+        all.triangles.extend(body.triangles.iter().map(|t| t.map(|i| i + first)));
+    }
+    all
+}
+
+/// `grainpath specimen`
+pub fn specimen(args: &Specimen) -> Result<(), Failure> {
+    let all =
+        || SPECIMENS.iter().map(|s| (s.name, s.about)).chain(TEST_PIECES.iter().map(|p| (p.name, p.about)));
+    let Some(name) = &args.name else {
+        files::print(&all().map(|(name, about)| format!("{name:<16} {about}\n")).collect::<String>());
+        return Ok(());
+    };
+    let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.stl")));
+    if let Some(piece) = TEST_PIECES.iter().find(|p| p.name == name) {
+        return test_piece(piece, &output);
+    }
+    let Some(specimen) = SPECIMENS.iter().find(|s| s.name == name) else {
+        let names: Vec<&str> = all().map(|s| s.0).collect();
+        let near = grainpath_core::spelling::nearest(name, names.iter().copied());
+        return Err(Failure::usage(format!(
+            "no specimen {name:?}; did you mean {near:?}? There are {}",
+            names.join(", ")
+        )));
+    };
+    write_mesh(&output, &[&(specimen.mesh)()])?;
+    files::print(&format!("{}\n", output.display()));
+    Ok(())
+}
+
+/// A test piece with a job that tests it and a drawing, beside the mesh.
+fn test_piece(piece: &TestPiece, output: &Path) -> Result<(), Failure> {
+    write_mesh(output, &[&piece.mesh()])?;
+    let file = output.file_stem().map_or_else(|| piece.name.into(), |s| s.to_string_lossy().into_owned());
+    let (job, drawing) = (output.with_extension("toml"), output.with_extension("svg"));
+    outputs::save(&job, piece.job(&file).as_bytes())?;
+    outputs::save(&drawing, piece.drawing().as_bytes())?;
+    files::print(&format!("{}\n{}\n{}\n", output.display(), drawing.display(), job.display()));
+    Ok(())
+}

@@ -1,0 +1,167 @@
+//! CT scans: the hub phantom's true sizes, real scans, exports, bad input.
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use support::{folder, grainpath, json, shared};
+
+fn job(dir: &Path, name: &str, ct: &str) {
+    let text = format!(
+        "[shape.ct]\n{ct}\n[process]\nskirt_loops = 0\n[printer]\nbed_mm = [400, 400, 400]\n\
+         [output]\ngcode = \"{name}.gcode\"\n"
+    );
+    fs::write(dir.join(format!("{name}.toml")), text).expect("a job");
+}
+
+fn run(dir: &Path, name: &str, more: &[&str]) -> Value {
+    let file = format!("{name}.toml");
+    let out = grainpath(dir, &[&["run", &file, "--json"], more].concat());
+    assert!(out.status.success(), "{name}: {}", String::from_utf8_lossy(&out.stderr));
+    json(&out)
+}
+
+#[test]
+fn the_hub_is_printed_in_its_true_sizes() {
+    let dir = folder("hub");
+    assert!(grainpath(&dir, &["new", "ct", "hub", "--pixels", "256"]).status.success());
+    let iso = json(&grainpath(&dir, &["run", "hub/job.toml", "--json"]));
+    let found = &iso["dimensions"];
+    let mean = found["mean_error_percent"].as_f64().expect("a mean");
+    assert!(mean < 0.25, "{found}");
+    assert!(found["each"].as_array().is_some_and(|e| e.iter().all(|d| d["printed_mm"].is_f64())), "{found}");
+    assert_eq!((iso["layers"].as_u64(), iso["scan"]["interpolation"].as_str()), (Some(160), Some("grey")));
+    // A picture of the part, and what it was scanned as.
+    assert!(dir.join("hub/out/preview/part.png").is_file());
+    let seen = json(&grainpath(&dir, &["inspect", "hub/hub.tif", "--sheet", "sheet.png", "--json"]));
+    assert_eq!(seen["voxels"], serde_json::json!([256, 256, 100]));
+    let iso50 = seen["iso50"].as_f64().expect("a threshold");
+    assert!((iso50 - 23000.0).abs() < 200.0, "{seen}");
+    assert!(dir.join("sheet.png").is_file());
+    let again =
+        json(&grainpath(&dir, &["inspect", "hub/out/hub.gcode", "--truth", "hub/truth.toml", "--json"]));
+    let again = again["dimensions"]["mean_error_percent"].as_f64().expect("a mean");
+    assert!((again - mean).abs() < 0.02, "{again} {mean}");
+    // As published, by Canny's edges and feature points.
+    let paper = ["--set", "shape.ct.contours=canny", "--set", "output.report=", "--set", "output.preview="];
+    let paper =
+        json(&grainpath(&dir, &[&["run", "hub/job.toml", "--json", "--out", "paper"], &paper[..]].concat()));
+    assert!(
+        paper["dimensions"]["mean_error_percent"].as_f64().is_some_and(|e| e < 1.5),
+        "{}",
+        paper["dimensions"]
+    );
+}
+
+#[test]
+fn exports_are_written_and_the_surface_is_closed() {
+    let dir = folder("scan exports");
+    assert!(grainpath(&dir, &["new", "ct", "hub", "--pixels", "64"]).status.success());
+    let sets = [
+        "output.surface=hub.stl",
+        "output.surface_cell_mm=0.8",
+        "output.layers_cli=hub.cli",
+        "output.layers_svg=hub.svg",
+    ];
+    let mut args = vec!["run", "hub/job.toml", "--json", "--out", "."];
+    sets.iter().for_each(|s| args.extend(["--set", s]));
+    let report = json(&grainpath(&dir, &args));
+    assert_eq!(report["ok"], true, "{report}");
+    let seen = json(&grainpath(&dir, &["inspect", "hub.stl", "--json"]));
+    assert_eq!(
+        (seen["closed"].as_bool(), seen["nonmanifold_edges"].as_u64()),
+        (Some(true), Some(0)),
+        "{seen}"
+    );
+    let cli = fs::read_to_string(dir.join("hub.cli")).expect("CLI");
+    assert!(cli.starts_with("$$HEADERSTART") && cli.contains("$$LAYERS/160\n"));
+    assert!(fs::read_to_string(dir.join("hub.svg")).expect("SVG").matches("<g ").count() == 160);
+}
+
+#[test]
+fn real_scans_run_and_give_the_same_bytes_for_any_number_of_threads() {
+    let Some(shared) = shared() else { return };
+    let data = shared.join("data/ct");
+    let dir = folder("real scans");
+    for (name, file, ct, size) in [
+        ("bolt", "bolt_70x123x66_u8.mhd", "pixel_mm = 0.4\nslice_mm = 0.4", [20.0, 40.0, 20.0]),
+        ("nut", "nut_68x41x59_u8.mhd", "pixel_mm = 0.4\nslice_mm = 0.4", [22.0, 12.0, 18.0]),
+        ("engine", "engine_256x256x128_u8.nii.gz", "pixel_mm = 0.3\nslice_mm = 0.3", [40.0, 60.0, 32.0]),
+        ("bone", "bone_128x128x128_u8.tif", "pixel_mm = 0.3\nslice_mm = 0.3", [38.0, 38.0, 38.0]),
+        ("shell", "shell_128x128x225_u8_png_stack", "pixel_mm = 0.2\nslice_mm = 0.2", [20.0, 20.0, 40.0]),
+        (
+            "cement",
+            "cement_128x128x128_u8_tiff_stack",
+            "pixel_mm = 0.15\nslice_mm = 0.15",
+            [19.0, 19.0, 19.0],
+        ),
+        (
+            "cranium",
+            "cranium_256x256x108_i16.nrrd",
+            "threshold = 250\ninterpolate = \"matched\"\nwindow = [60, 75]",
+            [150.0, 150.0, 22.0],
+        ),
+        ("dicom", "phantom_philips_dicom.zip", "window = [10, 13]", [150.0, 150.0, 19.0]),
+    ] {
+        let path = data.join(file).display().to_string();
+        job(&dir, name, &format!("path = {path:?}\n{ct}"));
+        let report = run(&dir, name, &["--threads", "2"]);
+        for k in 0..3 {
+            let found = report["scan"]["size_mm"][k].as_f64().expect("a size");
+            assert!((0.6..1.8).contains(&(found / size[k])), "{name}: {}", report["scan"]);
+        }
+        assert!(
+            report["quality"]["spill"].as_f64().is_some_and(|s| s < 0.02),
+            "{name}: {}",
+            report["quality"]
+        );
+        if ["nut", "dicom"].contains(&name) {
+            let two = fs::read(dir.join(format!("{name}.gcode"))).expect("G-code");
+            run(&dir, name, &["--threads", "1"]);
+            assert!(fs::read(dir.join(format!("{name}.gcode"))).expect("G-code") == two, "{name}");
+        }
+    }
+}
+
+#[test]
+fn bad_scans_are_told_apart_by_name() {
+    let dir = folder("bad scans");
+    let fails = |name: &str, ct: &str, code: i32, says: &str| {
+        job(&dir, name, ct);
+        let out = grainpath(&dir, &["run", &format!("{name}.toml")]);
+        let text = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert_eq!(out.status.code(), Some(code), "{name}: {text}");
+        assert!(text.contains(says) && text.lines().count() == 1, "{name}: {text:?} should say {says:?}");
+        assert!(!dir.join(format!("{name}.gcode")).exists());
+    };
+    fs::write(dir.join("flat.raw"), vec![7u8; 1000]).expect("a file");
+    fs::write(dir.join("step.raw"), (0..1000).map(|i| (i % 10 * 20) as u8).collect::<Vec<u8>>())
+        .expect("a file");
+    let raw = "size_px = [10, 10, 10]\npixel_mm = 1\nslice_mm = 1\n";
+    fails("gone", "path = \"nowhere.nrrd\"", 3, "nowhere.nrrd");
+    fails("spacing", "path = \"step.raw\"\nsize_px = [10, 10, 10]", 3, "set shape.ct.pixel_mm");
+    fails(
+        "short",
+        "path = \"step.raw\"\nsize_px = [10, 10, 11]\npixel_mm = 1\nslice_mm = 1",
+        3,
+        "step.raw: 10 x 10 x 11",
+    );
+    fails("grey", &format!("path = \"flat.raw\"\n{raw}"), 3, "every voxel has the grey value 7");
+    fails("nothing", &format!("path = \"step.raw\"\n{raw}threshold = 250"), 3, "leaves nothing");
+    fails("everything", &format!("path = \"step.raw\"\n{raw}threshold = -1"), 3, "leaves everything");
+    fails(
+        "word",
+        &format!("path = \"step.raw\"\n{raw}threshold = \"otzu\""),
+        2,
+        "word.toml:6: shape.ct.threshold should be",
+    );
+    fails("window", &format!("path = \"step.raw\"\n{raw}window = [4, 10]"), 3, "first and last of 10 slices");
+    fs::create_dir_all(dir.join("mixed")).expect("a folder");
+    fails("empty", "path = \"mixed\"", 3, "mixed: no images");
+    fs::write(dir.join("mixed/a1.png"), b"\x89PNG\r\n\x1a\nbroken").expect("a file");
+    fails("broken", "path = \"mixed\"", 3, "a1.png");
+    let huge = format!("path = \"step.raw\"\n{}", raw.replace("= 1\n", "= 1000\n"));
+    fails("bed", &huge, 4, "the bed allows");
+}

@@ -1,0 +1,158 @@
+//! Small systems with many loads: the stiffness is stored and factored once.
+
+use grainpath_core::{DMat3, DVec3};
+
+use super::blocks::{Blocks, add, assemble, dot};
+use super::operator::Operator;
+use super::supports::Supports;
+use super::system::System;
+use super::{Model, SolidError, Solution, element};
+use crate::sparse::{Cholesky, SparseError, Symmetric};
+
+/// Nodes that are ordered without cutting further.
+const LEAF: usize = 48;
+
+/// A factored stiffness.
+pub(super) struct Direct {
+    factor: Cholesky,
+}
+
+impl Direct {
+    pub(super) fn new(model: &Model<'_>, supports: &Supports, most_mib: f64) -> Result<Self, SolidError> {
+        let (mesh, laws) = (model.mesh, model.laws()?);
+        let blocks = assemble(mesh.nodes.len(), &mesh.tets, |t| {
+            let mut k =
+                element::stiffness(&element::gradient_products(&mesh.places(t)), &laws[model.material(t)]);
+            for (a, &i) in mesh.tets[t].iter().enumerate() {
+                for (b, &j) in mesh.tets[t].iter().enumerate().take(a + 1) {
+                    if let Some(p) = supports.free(i as usize) {
+                        k[a][b] = *p * k[a][b];
+                    }
+                    if let Some(p) = supports.free(j as usize) {
+                        k[a][b] *= *p;
+                    }
+                }
+            }
+            k
+        });
+        let order: Vec<usize> = dissected(&mesh.nodes, &blocks)
+            .into_iter()
+            .flat_map(|i| (0..3).map(move |axis| 3 * i as usize + axis))
+            .collect();
+        let matrix = lower_half(&blocks, supports);
+        drop(blocks);
+        let factor = Cholesky::new(&matrix, Some(&order), (most_mib * 1048576.0) as u64);
+        let factor = factor.map_err(|e| match e {
+            SparseError::Memory { needed_mb, allowed_mb } => SolidError::Memory {
+                what: "factoring the stiffness",
+                need_mib: needed_mb as f64,
+                limit_mib: allowed_mb as f64,
+            },
+            SparseError::Singular => SolidError::NotPositive,
+        })?;
+        Ok(Self { factor })
+    }
+
+    /// What the factor takes.
+    pub(super) fn bytes(&self) -> usize {
+        self.factor.bytes()
+    }
+
+    /// One load.
+    pub(super) fn solve(&self, operator: &Operator<'_>, load: &[DVec3]) -> Solution {
+        let supports = operator.supports();
+        let (mut u, _) = supports.prescribed();
+        let mut scratch = operator.scratch();
+        let mut rest = vec![DVec3::ZERO; load.len()];
+        let mut goal = 0.0;
+        // The second pass takes off what rounding left of the first.
+        for pass in 0..2 {
+            operator.forces(&u, &mut rest, &mut scratch);
+            for (r, f) in rest.iter_mut().zip(load) {
+                *r = *f - *r;
+            }
+            supports.project(&mut rest);
+            if pass == 0 {
+                goal = dot(&rest, &rest).sqrt();
+            }
+            let mut x: Vec<f64> = rest.iter().flat_map(|v| v.to_array()).collect();
+            self.factor.solve(&mut x);
+            let mut step: Vec<DVec3> = x.chunks_exact(3).map(DVec3::from_slice).collect();
+            supports.project(&mut step);
+            add(&mut u, 1.0, &step);
+        }
+        operator.forces(&u, &mut rest, &mut scratch);
+        add(&mut rest, -1.0, load);
+        let mut reaction = vec![DVec3::ZERO; load.len()];
+        for (i, held) in supports.held_part(&rest) {
+            reaction[i] = held;
+        }
+        supports.project(&mut rest);
+        let residual = if goal > 0.0 { dot(&rest, &rest).sqrt() / goal } else { 0.0 };
+        Solution { displacement: u, reaction, residual, iterations: 0 }
+    }
+}
+
+/// The lower half by columns, which for a symmetric matrix is the upper half by rows.
+fn lower_half(blocks: &Blocks, supports: &Supports) -> Symmetric {
+    let mut out = Symmetric { starts: vec![0], ..Symmetric::default() };
+    for i in 0..blocks.n() {
+        let held = supports.free(i).map_or(DMat3::ZERO, |p| DMat3::IDENTITY - *p);
+        for axis in 0..3 {
+            for (j, block) in blocks.row(i).filter(|(j, _)| *j >= i) {
+                let block = if j == i { *block + held } else { *block };
+                for other in (0..3).filter(|&o| j > i || o >= axis) {
+                    out.rows.push(3 * j + other);
+                    out.values.push(block.col(other)[axis]);
+                }
+            }
+            out.starts.push(out.rows.len());
+        }
+    }
+    out
+}
+
+/// Nested dissection by place: halves along the longest side, then what lies between them.
+fn dissected(places: &[DVec3], blocks: &Blocks) -> Vec<u32> {
+    let mut order = Vec::with_capacity(places.len());
+    let mut side = vec![0u32; places.len()];
+    let mut mark = 0;
+    dissect(
+        &mut (0..places.len() as u32).collect::<Vec<u32>>(),
+        places,
+        blocks,
+        &mut side,
+        &mut mark,
+        &mut order,
+    );
+    order
+}
+
+fn dissect(
+    nodes: &mut [u32],
+    places: &[DVec3],
+    blocks: &Blocks,
+    side: &mut [u32],
+    mark: &mut u32,
+    order: &mut Vec<u32>,
+) {
+    if nodes.len() <= LEAF {
+        order.extend_from_slice(nodes);
+        return;
+    }
+    let place = |i: u32| places[i as usize];
+    let first = place(nodes[0]);
+    let (lo, hi) = nodes.iter().fold((first, first), |(lo, hi), &i| (lo.min(place(i)), hi.max(place(i))));
+    let extent = hi - lo;
+    let axis = (0..3).fold(0, |best, a| if extent[a] > extent[best] { a } else { best });
+    let half = nodes.len() / 2;
+    nodes.select_nth_unstable_by(half, |&a, &b| place(a)[axis].total_cmp(&place(b)[axis]).then(a.cmp(&b)));
+    let (left, right) = nodes.split_at_mut(half);
+    *mark += 1;
+    left.iter().for_each(|&i| side[i as usize] = *mark);
+    let touches = |i: &u32| blocks.row(*i as usize).any(|(j, _)| side[j] == *mark);
+    let (separator, mut rest): (Vec<u32>, Vec<u32>) = right.iter().copied().partition(touches);
+    dissect(left, places, blocks, side, mark, order);
+    dissect(&mut rest, places, blocks, side, mark, order);
+    order.extend(separator);
+}

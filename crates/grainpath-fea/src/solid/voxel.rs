@@ -1,0 +1,502 @@
+//! Elasticity on a grid of equal box-shaped cells: eight-node elements applied without storing them, for parts too
+//! large or too intricate for tetrahedra, and for parts whose cells change stiffness from one solution to the next.
+
+use grainpath_core::{DMat3, DVec3, IVec3};
+use rayon::prelude::*;
+
+use super::blocks::assemble;
+use super::element::{self, Law};
+use super::multigrid::{Grid, Multigrid, Transfer};
+use super::operator::inverse;
+use super::solve::iterate;
+use super::system::System;
+use super::{SolidError, Solution, SolveSettings, Supports};
+use crate::material::Stiffness;
+
+/// The material of a cell without any.
+pub const VOID: u16 = u16::MAX;
+const NONE: u32 = u32::MAX;
+const CHUNK: usize = 1024;
+
+/// Cells of a part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VoxelPart {
+    /// Cells along x, y and z.
+    pub n: [usize; 3],
+    /// Lowest corner of the grid, mm.
+    pub origin: DVec3,
+    /// Edges of a cell, mm.
+    pub cell_mm: DVec3,
+    /// Stiffnesses in part coordinates, of any anisotropy.
+    pub palette: Vec<Stiffness>,
+    /// Index into the palette for each cell, x fastest, or [`VOID`].
+    pub material: Vec<u16>,
+    /// Factor on the stiffness for each cell, 0 to 1; a cell at 0 is void.
+    pub scale: Vec<f32>,
+}
+
+/// A part ready to be solved any number of times.
+pub struct VoxelSystem {
+    cells: Cells,
+    multigrid: Multigrid,
+    /// Iterations of the first solution since the preconditioner was made.
+    usual: Option<usize>,
+    stale: bool,
+}
+
+struct Cells {
+    part: VoxelPart,
+    supports: Supports,
+    /// Element matrices of the palette: `[corner][corner]` blocks.
+    elements: Vec<[[DMat3; 8]; 8]>,
+    /// What a node between eight equal cells feels from its 27 neighbours.
+    stencils: Vec<[DMat3; 27]>,
+    /// Number of a grid point among the nodes in use.
+    node_of: Vec<u32>,
+    /// Grid points of the nodes.
+    nodes: Vec<IVec3>,
+    /// The eight cells around each node when they are all alike: their material and scale.
+    uniform: Vec<(u16, f32)>,
+}
+
+fn corner(c: usize) -> IVec3 {
+    IVec3::new((c & 1) as i32, (c >> 1 & 1) as i32, (c >> 2) as i32)
+}
+
+impl VoxelPart {
+    fn size(&self) -> IVec3 {
+        IVec3::new(self.n[0] as i32, self.n[1] as i32, self.n[2] as i32)
+    }
+
+    fn cell(&self, c: IVec3) -> Option<usize> {
+        let inside = c.cmpge(IVec3::ZERO).all() && c.cmplt(self.size()).all();
+        inside.then(|| (c.z as usize * self.n[1] + c.y as usize) * self.n[0] + c.x as usize)
+    }
+
+    /// Material and scale of a cell with stiffness.
+    fn solid(&self, c: IVec3) -> Option<(u16, f32)> {
+        let i = self.cell(c)?;
+        (self.material[i] != VOID && self.scale[i] > 0.0).then(|| (self.material[i], self.scale[i]))
+    }
+
+    fn point_index(&self, p: IVec3) -> usize {
+        (p.z as usize * (self.n[1] + 1) + p.y as usize) * (self.n[0] + 1) + p.x as usize
+    }
+}
+
+impl VoxelSystem {
+    /// Prepares a part. `hold` names grid points (`0..=n` along each axis) with a direction and its displacement, mm.
+    ///
+    /// # Errors
+    /// Nothing solid, a bad palette, a contradiction, a piece that is not held, or more memory than allowed.
+    pub fn new(
+        part: VoxelPart,
+        hold: &[([usize; 3], DVec3, f64)],
+        settings: &SolveSettings,
+    ) -> Result<Self, SolidError> {
+        let cells = Cells::new(part, hold, settings)?;
+        let multigrid = cells.multigrid();
+        Ok(Self { cells, multigrid, usual: None, stale: false })
+    }
+
+    /// Number of nodes in use.
+    pub fn n_nodes(&self) -> usize {
+        self.cells.nodes.len()
+    }
+
+    /// The node at a grid point, `None` where nothing solid touches it.
+    pub fn node(&self, point: [usize; 3]) -> Option<usize> {
+        let inside = (0..3).all(|a| point[a] <= self.cells.part.n[a]);
+        let p = IVec3::new(point[0] as i32, point[1] as i32, point[2] as i32);
+        let node = inside.then(|| self.cells.node_of[self.cells.part.point_index(p)])?;
+        (node != NONE).then_some(node as usize)
+    }
+
+    /// Places of the nodes, mm.
+    pub fn places(&self) -> Vec<DVec3> {
+        self.cells.nodes.iter().map(|&p| self.cells.place(p)).collect()
+    }
+
+    /// Gives cells other materials and scales: (cell, material, scale). Cells that were void stay so, and a scale is
+    /// kept above a millionth, so that no node loses its hold.
+    pub fn change(&mut self, changes: &[(usize, u16, f32)]) {
+        for &(cell, material, scale) in changes {
+            let old = (self.cells.part.material[cell], self.cells.part.scale[cell]);
+            if old.0 == VOID || old.1 <= 0.0 || usize::from(material) >= self.cells.elements.len() {
+                continue;
+            }
+            self.cells.part.material[cell] = material;
+            self.cells.part.scale[cell] = scale.max(1e-6);
+        }
+        self.cells.find_uniform();
+        self.stale |= !changes.is_empty();
+    }
+
+    /// Solves for forces on the nodes, N, from the displacement of an earlier solution where one is given. The
+    /// preconditioner is made anew when cells have changed and it has become slow.
+    ///
+    /// # Errors
+    /// No convergence.
+    pub fn solve(
+        &mut self,
+        load: &[DVec3],
+        from: Option<&[DVec3]>,
+        settings: &SolveSettings,
+    ) -> Result<Solution, SolidError> {
+        let patience = self.usual.map_or(settings.most_iterations, |n| 2 * n + 10);
+        if self.stale {
+            let short =
+                SolveSettings { most_iterations: patience.min(settings.most_iterations), ..*settings };
+            match iterate(&self.cells, &mut self.multigrid, load, from, &short) {
+                Err(SolidError::NotConverged { .. } | SolidError::NotPositive) => {}
+                other => return other,
+            }
+            self.multigrid = self.cells.multigrid();
+            self.stale = false;
+            self.usual = None;
+        }
+        let solution = iterate(&self.cells, &mut self.multigrid, load, from, settings)?;
+        self.usual.get_or_insert(solution.iterations);
+        Ok(solution)
+    }
+
+    /// Stress and strain in the middle of a cell, MPa, order xx, yy, zz, xy, yz, zx; `None` for a void one.
+    pub fn stress(&self, displacement: &[DVec3], cell: usize) -> Option<([f64; 6], [f64; 6])> {
+        let part = &self.cells.part;
+        let (nx, ny) = (part.n[0], part.n[1]);
+        let c = IVec3::new((cell % nx) as i32, (cell / nx % ny) as i32, (cell / nx / ny) as i32);
+        let (material, scale) = part.solid(c)?;
+        let mut grad = DMat3::ZERO;
+        for k in 0..8 {
+            let u = displacement[self.cells.node_of[part.point_index(c + corner(k))] as usize];
+            let slope = (corner(k).as_dvec3() * 2.0 - 1.0) * 0.25 / part.cell_mm;
+            grad += DMat3::from_cols(u * slope.x, u * slope.y, u * slope.z);
+        }
+        let strain = element::strain(&grad);
+        let stress = element::multiply(&part.palette[usize::from(material)], &strain);
+        Some((stress.map(|s| s * f64::from(scale)), strain))
+    }
+}
+
+/// Stiffness of a box of eight nodes, by 2 x 2 x 2 points.
+fn element_matrix(law: &Law, cell_mm: DVec3) -> [[DMat3; 8]; 8] {
+    let g = 1.0 / 3.0f64.sqrt();
+    let mut sums = [[DMat3::ZERO; 8]; 8];
+    let weight = cell_mm.element_product() / 8.0;
+    for q in 0..8 {
+        let at = (corner(q).as_dvec3() * 2.0 - 1.0) * g;
+        let slope = |c: usize| {
+            let s = corner(c).as_dvec3() * 2.0 - 1.0;
+            let f = DVec3::ONE + s * at;
+            DVec3::new(s.x * f.y * f.z, s.y * f.x * f.z, s.z * f.x * f.y) * 0.25 / cell_mm
+        };
+        for a in 0..8 {
+            for b in 0..8 {
+                let (ga, gb) = (slope(a) * weight, slope(b));
+                sums[a][b] += DMat3::from_cols(ga * gb.x, ga * gb.y, ga * gb.z);
+            }
+        }
+    }
+    let half = element::stiffness(&sums, law);
+    std::array::from_fn(|a| std::array::from_fn(|b| if b <= a { half[a][b] } else { half[b][a].transpose() }))
+}
+
+/// Weight of coarse corner `k` at corner `a` of child `c` of a coarse cell.
+fn weight(c: usize, a: usize, k: usize) -> f64 {
+    let at = corner(c) + corner(a);
+    (0..3)
+        .map(|i| if corner(k)[i] == 1 { f64::from(at[i]) / 2.0 } else { 1.0 - f64::from(at[i]) / 2.0 })
+        .product()
+}
+
+impl Cells {
+    fn new(
+        part: VoxelPart,
+        hold: &[([usize; 3], DVec3, f64)],
+        settings: &SolveSettings,
+    ) -> Result<Self, SolidError> {
+        let n_cells = part.n.iter().product::<usize>();
+        if n_cells == 0 || part.material.len() != n_cells || part.scale.len() != n_cells {
+            return Err(SolidError::NothingInside);
+        }
+        let law = |(material, d)| Law::new(d).ok_or(SolidError::Material { material });
+        let laws: Vec<Law> = part.palette.iter().enumerate().map(law).collect::<Result<_, _>>()?;
+        if let Some(bad) = part.material.iter().find(|&&m| m != VOID && usize::from(m) >= laws.len()) {
+            return Err(SolidError::Material { material: usize::from(*bad) });
+        }
+        let elements: Vec<_> = laws.iter().map(|l| element_matrix(l, part.cell_mm)).collect();
+        let stencils = elements.iter().map(stencil).collect();
+        let points = part.size() + 1;
+        let mut node_of = vec![NONE; points.as_u64vec3().element_product() as usize];
+        let mut nodes = Vec::new();
+        for z in 0..points.z {
+            for y in 0..points.y {
+                for x in 0..points.x {
+                    let p = IVec3::new(x, y, z);
+                    if (0..8).any(|c| part.solid(p - corner(c)).is_some()) {
+                        node_of[part.point_index(p)] = nodes.len() as u32;
+                        nodes.push(p);
+                    }
+                }
+            }
+        }
+        if nodes.is_empty() {
+            return Err(SolidError::NothingInside);
+        }
+        // Vectors of both levels, the stencils of the coarse one, and the tables.
+        let need_mib = (700 * nodes.len() + 10 * n_cells) as f64 / 1048576.0;
+        if need_mib > settings.most_mib {
+            return Err(SolidError::Memory {
+                what: "solving on voxels",
+                need_mib,
+                limit_mib: settings.most_mib,
+            });
+        }
+        let supports = Supports::new(nodes.len());
+        let mut cells = Self { part, supports, elements, stencils, node_of, nodes, uniform: Vec::new() };
+        for &(p, direction, value) in hold {
+            let inside = (0..3).all(|a| p[a] <= cells.part.n[a]);
+            let p = IVec3::new(p[0] as i32, p[1] as i32, p[2] as i32);
+            let node = if inside { cells.node_of[cells.part.point_index(p)] } else { NONE };
+            if node != NONE {
+                let place = cells.place(p);
+                cells.supports.prescribe_at(node, place, direction, value)?;
+            }
+        }
+        cells.check()?;
+        cells.find_uniform();
+        Ok(cells)
+    }
+
+    fn place(&self, p: IVec3) -> DVec3 {
+        self.part.origin + self.part.cell_mm * p.as_dvec3()
+    }
+
+    /// Cells hang together over faces.
+    fn check(&self) -> Result<(), SolidError> {
+        let n = self.part.size();
+        let at = |i: usize| {
+            let (nx, ny) = (self.part.n[0], self.part.n[1]);
+            IVec3::new((i % nx) as i32, (i / nx % ny) as i32, (i / nx / ny) as i32)
+        };
+        let total = n.as_u64vec3().element_product() as usize;
+        let mut piece = vec![NONE; total];
+        let mut of_node = vec![NONE; self.nodes.len()];
+        let mut pieces = Vec::new();
+        for start in 0..total {
+            if piece[start] != NONE || self.part.solid(at(start)).is_none() {
+                continue;
+            }
+            let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            let mut todo = vec![start];
+            piece[start] = start as u32;
+            while let Some(i) = todo.pop() {
+                let c = at(i);
+                lo = lo.min(self.place(c));
+                hi = hi.max(self.place(c + 1));
+                for k in 0..8 {
+                    of_node[self.node_of[self.part.point_index(c + corner(k))] as usize] = start as u32;
+                }
+                for step in IVec3::AXES.iter().flat_map(|&e| [e, -e]) {
+                    if let Some(j) = self.part.cell(c + step)
+                        && piece[j] == NONE
+                        && self.part.solid(c + step).is_some()
+                    {
+                        piece[j] = start as u32;
+                        todo.push(j);
+                    }
+                }
+            }
+            pieces.push((start as u32, lo, hi));
+        }
+        let places: Vec<DVec3> = self.nodes.iter().map(|&p| self.place(p)).collect();
+        self.supports.check_pieces(&places, &of_node, &pieces)
+    }
+
+    fn find_uniform(&mut self) {
+        let part = &self.part;
+        let of = |&p: &IVec3| {
+            let first = part.solid(p).unwrap_or((VOID, 0.0));
+            let alike = (1..8).all(|c| part.solid(p - corner(c)) == Some(first));
+            if alike { first } else { (VOID, 0.0) }
+        };
+        self.uniform = self.nodes.par_iter().map(of).collect();
+    }
+
+    fn force(&self, i: usize, u: &[DVec3]) -> DVec3 {
+        let p = self.nodes[i];
+        let (nx, ny) = (self.part.n[0] as isize + 1, self.part.n[1] as isize + 1);
+        let centre = self.part.point_index(p) as isize;
+        let (material, scale) = self.uniform[i];
+        let mut sum = DVec3::ZERO;
+        if material != VOID {
+            let stencil = &self.stencils[usize::from(material)];
+            for (k, block) in stencil.iter().enumerate() {
+                let k = k as isize;
+                let step = ((k / 9 - 1) * ny + (k / 3 % 3 - 1)) * nx + k % 3 - 1;
+                sum += *block * u[self.node_of[(centre + step) as usize] as usize];
+            }
+            return sum * f64::from(scale);
+        }
+        for a in 0..8 {
+            let c = p - corner(a);
+            let Some((material, scale)) = self.part.solid(c) else { continue };
+            let row = &self.elements[usize::from(material)][a];
+            let mut own = DVec3::ZERO;
+            for (b, block) in row.iter().enumerate() {
+                own += *block * u[self.node_of[self.part.point_index(c + corner(b))] as usize];
+            }
+            sum += own * f64::from(scale);
+        }
+        sum
+    }
+
+    /// Cells of twice the width below, their matrix by Galerkin's product from element to element, and grids below.
+    fn multigrid(&self) -> Multigrid {
+        let coarse_n = (self.part.size() + 1) / 2;
+        let points = coarse_n + 1;
+        let index =
+            |p: IVec3| (p.z as usize * points.y as usize + p.y as usize) * points.x as usize + p.x as usize;
+        let mut id = vec![NONE; points.as_u64vec3().element_product() as usize];
+        let mut first = Transfer { start: vec![0], ..Transfer::default() };
+        let weights = |p: IVec3| {
+            let (low, odd) = (p / 2, p - p / 2 * 2);
+            let n = (0..8).filter(move |&k| (corner(k) - odd).cmple(IVec3::ZERO).all());
+            let w = 0.5f64.powi(odd.x + odd.y + odd.z);
+            n.map(move |k| (low + corner(k), w))
+        };
+        for &p in &self.nodes {
+            for (q, _) in weights(p) {
+                id[index(q)] = 0;
+            }
+        }
+        let mut places = Vec::new();
+        for z in 0..points.z {
+            for y in 0..points.y {
+                for x in 0..points.x {
+                    let p = IVec3::new(x, y, z);
+                    if id[index(p)] != NONE {
+                        id[index(p)] = places.len() as u32;
+                        places.push(p.as_dvec3());
+                    }
+                }
+            }
+        }
+        for &p in &self.nodes {
+            for (q, w) in weights(p) {
+                first.coarse.push(id[index(q)]);
+                first.weight.push(w);
+            }
+            first.start.push(first.coarse.len() as u32);
+        }
+        first.n_coarse = places.len();
+        first.held =
+            (0..self.nodes.len()).filter_map(|i| self.supports.free(i).map(|p| (i as u32, *p))).collect();
+        let mut hexes: Vec<[u32; 8]> = Vec::new();
+        let mut origins = Vec::new();
+        for z in 0..coarse_n.z {
+            for y in 0..coarse_n.y {
+                for x in 0..coarse_n.x {
+                    let c = IVec3::new(x, y, z);
+                    if (0..8).any(|k| self.part.solid(c * 2 + corner(k)).is_some()) {
+                        // The middle of the cell is a node of every child, so all eight corners are in use.
+                        hexes.push(std::array::from_fn(|k| id[index(c + corner(k))]));
+                        origins.push(c * 2);
+                    }
+                }
+            }
+        }
+        let children: Vec<Vec<[[DMat3; 8]; 8]>> =
+            self.elements.iter().map(|k| (0..8).map(|c| gathered(c, k)).collect()).collect();
+        let matrix = assemble(places.len(), &hexes, |h| {
+            let mut sum = [[DMat3::ZERO; 8]; 8];
+            for c in 0..8 {
+                let child = origins[h] + corner(c);
+                let Some((material, scale)) = self.part.solid(child) else { continue };
+                let held: [Option<&DMat3>; 8] = std::array::from_fn(|a| {
+                    self.supports.free(self.node_of[self.part.point_index(child + corner(a))] as usize)
+                });
+                let mut own = &children[usize::from(material)][c];
+                let with_held;
+                if held.iter().any(Option::is_some) {
+                    let mut k = self.elements[usize::from(material)];
+                    for a in 0..8 {
+                        for b in 0..8 {
+                            if let Some(p) = held[a] {
+                                k[a][b] = *p * k[a][b];
+                            }
+                            if let Some(p) = held[b] {
+                                k[a][b] *= *p;
+                            }
+                        }
+                    }
+                    with_held = gathered(c, &k);
+                    own = &with_held;
+                }
+                for a in 0..8 {
+                    for b in 0..=a {
+                        sum[a][b] += own[a][b] * f64::from(scale);
+                    }
+                }
+            }
+            sum
+        });
+        let grid = Grid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
+        Multigrid::below(self, first, matrix, grid)
+    }
+}
+
+/// An element matrix seen from the corners of the coarse cell whose child `c` it is.
+fn gathered(c: usize, k: &[[DMat3; 8]; 8]) -> [[DMat3; 8]; 8] {
+    let half: [[DMat3; 8]; 8] = std::array::from_fn(|a| {
+        std::array::from_fn(|q| (0..8).fold(DMat3::ZERO, |s, b| s + k[a][b] * weight(c, b, q)))
+    });
+    std::array::from_fn(|p| {
+        std::array::from_fn(|q| (0..8).fold(DMat3::ZERO, |s, a| s + half[a][q] * weight(c, a, p)))
+    })
+}
+
+fn stencil(k: &[[DMat3; 8]; 8]) -> [DMat3; 27] {
+    let mut out = [DMat3::ZERO; 27];
+    for a in 0..8 {
+        for b in 0..8 {
+            let d = corner(b) - corner(a) + 1;
+            out[((d.z * 3 + d.y) * 3 + d.x) as usize] += k[a][b];
+        }
+    }
+    out
+}
+
+impl System for Cells {
+    fn n_nodes(&self) -> usize {
+        self.nodes.len()
+    }
+
+    fn supports(&self) -> &Supports {
+        &self.supports
+    }
+
+    fn scratch(&self) -> Vec<DVec3> {
+        Vec::new()
+    }
+
+    fn forces(&self, u: &[DVec3], f: &mut [DVec3], _: &mut [DVec3]) {
+        f.par_chunks_mut(CHUNK).enumerate().for_each(|(c, chunk)| {
+            for (i, f) in (c * CHUNK..).zip(chunk) {
+                *f = self.force(i, u);
+            }
+        });
+    }
+
+    fn inverse_diagonal(&self) -> Vec<DMat3> {
+        let of = |i: usize| {
+            let p = self.nodes[i];
+            let k = (0..8).fold(DMat3::ZERO, |s, a| match self.part.solid(p - corner(a)) {
+                Some((m, scale)) => s + self.elements[usize::from(m)][a][a] * f64::from(scale),
+                None => s,
+            });
+            inverse(self.supports.free(i).map_or(k, |p| *p * k * *p + (DMat3::IDENTITY - *p)))
+        };
+        (0..self.nodes.len()).into_par_iter().map(of).collect()
+    }
+}

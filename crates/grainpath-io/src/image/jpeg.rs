@@ -1,0 +1,162 @@
+//! JPEG, baseline and progressive, turned upright as its EXIF data says.
+
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::errors::DecodeErrors;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
+
+use super::{Image, ImageError, ImageFormat, Samples, check_size, malformed};
+
+const FORMAT: ImageFormat = ImageFormat::Jpeg;
+/// More passes over an image than any program writes.
+const MAX_SCANS: usize = 128;
+
+pub fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
+    let options = DecoderOptions::default()
+        .set_max_width(65535)
+        .set_max_height(65535)
+        .set_strict_mode(false)
+        .jpeg_set_max_scans(MAX_SCANS)
+        .jpeg_set_out_colorspace(ColorSpace::RGB);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers().map_err(error)?;
+    let (width, height) = decoder.dimensions().ok_or_else(|| malformed(FORMAT, "no size"))?;
+    check_size(FORMAT, width as u64, height as u64, max_pixels)?;
+    if is_cut_short(bytes) {
+        return Err(ImageError::Truncated(FORMAT));
+    }
+    let grey = decoder.input_colorspace() == Some(ColorSpace::Luma);
+    if grey {
+        decoder.set_options(options.jpeg_set_out_colorspace(ColorSpace::Luma));
+    }
+    let samples = decoder.decode().map_err(error)?;
+    let channels = if grey { 1 } else { 3 };
+    if samples.len() != width * height * channels {
+        return Err(malformed(FORMAT, "it does not hold the pixels its header promises"));
+    }
+    let turned = decoder.exif().and_then(|exif| orientation(exif)).unwrap_or(1);
+    let (width, height, samples) = upright(width, height, channels, samples, turned);
+    Ok(Image { format: FORMAT, width, height, channels, samples: Samples::U8(samples) })
+}
+
+/// Whether the end marker is missing. The decoder fills what is not there with grey, and a grey strip would pass for
+/// wood without grain. Bytes after the marker do no harm: some cameras append a preview.
+fn is_cut_short(bytes: &[u8]) -> bool {
+    !bytes.windows(2).rev().any(|w| w == [0xff, 0xd9]) || ends_inside_scan(bytes)
+}
+
+/// Walks the markers: true when the last scan's data end with the file instead of with a marker.
+fn ends_inside_scan(bytes: &[u8]) -> bool {
+    let mut i = 2;
+    loop {
+        // To the next marker; 0xff00 and restarts belong to a scan's data.
+        loop {
+            match bytes.get(i..i + 2) {
+                None => return true,
+                Some(&[0xff, m]) if m != 0 && m != 0xff && !(0xd0..=0xd7).contains(&m) => break,
+                Some(_) => i += 1,
+            }
+        }
+        if bytes[i + 1] == 0xd9 {
+            return false;
+        }
+        let Some(&[high, low]) = bytes.get(i + 2..i + 4) else { return true };
+        i += 2 + usize::from(u16::from_be_bytes([high, low]));
+    }
+}
+
+fn error(e: DecodeErrors) -> ImageError {
+    match e {
+        DecodeErrors::ExhaustedData | DecodeErrors::IoErrors(_) => ImageError::Truncated(FORMAT),
+        DecodeErrors::Unsupported(what) => ImageError::Unsupported {
+            format: FORMAT,
+            what: format!("{what:?}"),
+            instead: "8-bit baseline or progressive JPEG, or PNG",
+        },
+        other => malformed(FORMAT, other.to_string()),
+    }
+}
+
+/// The orientation tag (0x0112) of the first directory of EXIF data; `None` when there is none or it is damaged.
+fn orientation(exif: &[u8]) -> Option<u16> {
+    let tiff = exif.strip_prefix(b"Exif\0\0").unwrap_or(exif);
+    let little = match tiff.get(..2)? {
+        b"II" => true,
+        b"MM" => false,
+        _ => return None,
+    };
+    let u16_at = |i: usize| {
+        let b = tiff.get(i..i.checked_add(2)?)?.try_into().ok()?;
+        Some(if little { u16::from_le_bytes(b) } else { u16::from_be_bytes(b) })
+    };
+    let u32_at = |i: usize| {
+        let b = tiff.get(i..i.checked_add(4)?)?.try_into().ok()?;
+        Some(if little { u32::from_le_bytes(b) } else { u32::from_be_bytes(b) })
+    };
+    let directory = u32_at(4)? as usize;
+    let n = usize::from(u16_at(directory)?);
+    let entry = (0..n).map(|k| directory + 2 + 12 * k).find(|&e| u16_at(e) == Some(0x0112))?;
+    u16_at(entry + 8).filter(|o| (1..=8).contains(o))
+}
+
+/// The image as it should be looked at. `turned` is the EXIF orientation, 1 to 8.
+fn upright(w: usize, h: usize, channels: usize, data: Vec<u8>, turned: u16) -> (usize, usize, Vec<u8>) {
+    if turned <= 1 {
+        return (w, h, data);
+    }
+    let swapped = turned >= 5;
+    let (nw, nh) = if swapped { (h, w) } else { (w, h) };
+    let mut out = Vec::with_capacity(data.len());
+    for y in 0..nh {
+        for x in 0..nw {
+            let (sx, sy) = match turned {
+                2 => (w - 1 - x, y),
+                3 => (w - 1 - x, h - 1 - y),
+                4 => (x, h - 1 - y),
+                5 => (y, x),
+                6 => (y, h - 1 - x),
+                7 => (w - 1 - y, h - 1 - x),
+                _ => (w - 1 - y, x),
+            };
+            let i = channels * (sy * w + sx);
+            out.extend_from_slice(&data[i..i + channels]);
+        }
+    }
+    (nw, nh, out)
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// EXIF data with nothing but an orientation.
+    pub fn exif(turned: u16) -> Vec<u8> {
+        let mut out = b"Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01".to_vec();
+        out.extend(turned.to_be_bytes());
+        out.extend([0; 6]);
+        out
+    }
+
+    #[test]
+    fn every_orientation_brings_the_corner_where_it_belongs() {
+        // 3 x 2, numbered; EXIF says where row 0 and column 0 of the file are in the scene.
+        let data = vec![0, 1, 2, 3, 4, 5];
+        for (turned, expect) in [
+            (1, (3, 2, [0, 1, 2, 3, 4, 5])),
+            (2, (3, 2, [2, 1, 0, 5, 4, 3])),
+            (3, (3, 2, [5, 4, 3, 2, 1, 0])),
+            (4, (3, 2, [3, 4, 5, 0, 1, 2])),
+            (5, (2, 3, [0, 3, 1, 4, 2, 5])),
+            (6, (2, 3, [3, 0, 4, 1, 5, 2])),
+            (7, (2, 3, [5, 2, 4, 1, 3, 0])),
+            (8, (2, 3, [2, 5, 1, 4, 0, 3])),
+        ] {
+            let found = upright(3, 2, 1, data.clone(), turned);
+            assert_eq!(found, (expect.0, expect.1, expect.2.to_vec()), "{turned}");
+            assert_eq!(orientation(&exif(turned)), Some(turned));
+        }
+        assert_eq!(orientation(&exif(9)), None);
+        assert_eq!(orientation(b"Exif\0\0MM\0*\xff\xff\xff\xff"), None);
+    }
+}

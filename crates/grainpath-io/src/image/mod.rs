@@ -1,0 +1,178 @@
+//! Photographs and slices: PNG, JPEG, TIFF and BMP to samples.
+
+mod bmp;
+mod jpeg;
+mod png;
+pub(crate) mod tiff;
+
+/// A format images are read from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum ImageFormat {
+    Png,
+    Jpeg,
+    Tiff,
+    Bmp,
+}
+
+impl ImageFormat {
+    /// The name shown to people.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Png => "PNG",
+            Self::Jpeg => "JPEG",
+            Self::Tiff => "TIFF",
+            Self::Bmp => "BMP",
+        }
+    }
+}
+
+/// The samples of an image as the file has them.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Samples {
+    /// 1 to 8 bits in the file; fewer than 8 are spread over 0 to 255.
+    U8(Vec<u8>),
+    /// 16 bits, unsigned.
+    U16(Vec<u16>),
+    /// Floats, and signed or 32-bit integers with their values.
+    F32(Vec<f32>),
+}
+
+impl Samples {
+    fn len(&self) -> usize {
+        match self {
+            Self::U8(v) => v.len(),
+            Self::U16(v) => v.len(),
+            Self::F32(v) => v.len(),
+        }
+    }
+
+    /// What white is: 255, 65535, or 1 for floats.
+    pub const fn full_scale(&self) -> f32 {
+        match self {
+            Self::U8(_) => 255.0,
+            Self::U16(_) => 65535.0,
+            Self::F32(_) => 1.0,
+        }
+    }
+}
+
+/// An image, upright, rows from the top, channels side by side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    /// What it was read as.
+    pub format: ImageFormat,
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// 1 grey, 2 grey and alpha, 3 red green blue, 4 with alpha.
+    pub channels: usize,
+    /// `(height, width, channels)`, row-major.
+    pub samples: Samples,
+}
+
+impl Image {
+    /// Brightness of each pixel in the samples' own unit ([`Samples::full_scale`] is white), row-major: the luma of
+    /// JPEG and television, 0.299 R + 0.587 G + 0.114 B. Alpha is left aside.
+    pub fn to_grey_f32(&self) -> Vec<f32> {
+        match &self.samples {
+            Samples::U8(v) => grey(v, self.channels, f32::from),
+            Samples::U16(v) => grey(v, self.channels, f32::from),
+            Samples::F32(v) => grey(v, self.channels, |s| s),
+        }
+    }
+}
+
+fn grey<T: Copy>(samples: &[T], channels: usize, value: impl Fn(T) -> f32) -> Vec<f32> {
+    match channels {
+        1 => samples.iter().map(|&s| value(s)).collect(),
+        2 => samples.chunks_exact(2).map(|p| value(p[0])).collect(),
+        n => {
+            let luma = |p: &[T]| 0.299 * value(p[0]) + 0.587 * value(p[1]) + 0.114 * value(p[2]);
+            samples.chunks_exact(n).map(luma).collect()
+        }
+    }
+}
+
+/// Why an image cannot be read.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum ImageError {
+    #[error("the file is empty")]
+    Empty,
+    #[error("not an image: neither PNG, JPEG, TIFF nor BMP")]
+    Unknown,
+    #[error("{width} x {height} pixels; grainpath reads images of at most {limit} pixels")]
+    TooLarge { width: u64, height: u64, limit: u64 },
+    #[error("{format}: the image ends before its last row", format = .0.name())]
+    Truncated(ImageFormat),
+    #[error("{format}: {problem}", format = .format.name())]
+    Malformed { format: ImageFormat, problem: String },
+    #[error("{format}: {what} is not read; save it as {instead}", format = .format.name())]
+    Unsupported { format: ImageFormat, what: String, instead: &'static str },
+}
+
+/// [`decode`] reads no image with more pixels.
+pub const MAX_PIXELS: u64 = 250_000_000;
+
+/// Reads an image of any of the formats, told from its first bytes. A TIFF gives its first page; the orientation that
+/// a camera wrote into a JPEG is applied. Memory is bounded by [`MAX_PIXELS`], checked before anything is decoded.
+///
+/// # Errors
+/// [`ImageError`]; an image that is cut short is an error, never half an image.
+pub fn decode(bytes: &[u8]) -> Result<Image, ImageError> {
+    decode_within(bytes, MAX_PIXELS)
+}
+
+/// [`decode`] with a limit of one's own on the pixels.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_within(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
+    if bytes.is_empty() {
+        return Err(ImageError::Empty);
+    }
+    let image = match sniff_image(bytes).ok_or(ImageError::Unknown)? {
+        ImageFormat::Png => png::read(bytes, max_pixels)?,
+        ImageFormat::Jpeg => jpeg::read(bytes, max_pixels)?,
+        ImageFormat::Tiff => tiff::read(bytes, max_pixels)?,
+        ImageFormat::Bmp => bmp::read(bytes, max_pixels)?,
+    };
+    debug_assert_eq!(image.samples.len(), image.width * image.height * image.channels);
+    Ok(image)
+}
+
+/// The format of these bytes, if they can be an image.
+pub fn sniff_image(bytes: &[u8]) -> Option<ImageFormat> {
+    let starts = |magic: &[u8]| bytes.starts_with(magic);
+    if starts(b"\x89PNG\r\n\x1a\n") {
+        Some(ImageFormat::Png)
+    } else if starts(b"\xff\xd8\xff") {
+        Some(ImageFormat::Jpeg)
+    } else if [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|m| starts(*m)) {
+        Some(ImageFormat::Tiff)
+    } else if starts(b"BM") && bytes.len() >= 26 {
+        Some(ImageFormat::Bmp)
+    } else {
+        None
+    }
+}
+
+/// Refuses what has no pixels or too many.
+fn check_size(format: ImageFormat, width: u64, height: u64, limit: u64) -> Result<(), ImageError> {
+    if width == 0 || height == 0 {
+        return Err(malformed(format, format!("an image of {width} x {height} pixels")));
+    }
+    match width.checked_mul(height) {
+        Some(n) if n <= limit => Ok(()),
+        _ => Err(ImageError::TooLarge { width, height, limit }),
+    }
+}
+
+fn malformed(format: ImageFormat, problem: impl Into<String>) -> ImageError {
+    ImageError::Malformed { format, problem: problem.into() }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,45 @@
+//! PNG: any depth and colour, interlaced or not.
+
+use png::{BitDepth, ColorType, Decoder, DecodingError, Limits, Transformations};
+
+use super::{Image, ImageError, ImageFormat, Samples, check_size, malformed};
+
+const FORMAT: ImageFormat = ImageFormat::Png;
+
+pub fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
+    let limits = Limits { bytes: 64 << 20 };
+    let mut decoder = Decoder::new_with_limits(std::io::Cursor::new(bytes), limits);
+    decoder.set_transformations(Transformations::EXPAND);
+    decoder.set_ignore_text_chunk(true);
+    let (width, height) = {
+        let info = decoder.read_header_info().map_err(error)?;
+        (info.width, info.height)
+    };
+    check_size(FORMAT, width.into(), height.into(), max_pixels)?;
+    let mut reader = decoder.read_info().map_err(error)?;
+    let size = reader.output_buffer_size().ok_or_else(|| malformed(FORMAT, "no size"))?;
+    let mut data = vec![0; size];
+    let info = reader.next_frame(&mut data).map_err(error)?;
+    data.truncate(info.buffer_size());
+    let channels = match info.color_type {
+        ColorType::Grayscale | ColorType::Indexed => 1,
+        ColorType::GrayscaleAlpha => 2,
+        ColorType::Rgb => 3,
+        ColorType::Rgba => 4,
+    };
+    let samples = match info.bit_depth {
+        BitDepth::Sixteen => {
+            Samples::U16(data.chunks_exact(2).map(|b| u16::from_be_bytes([b[0], b[1]])).collect())
+        }
+        _ => Samples::U8(data),
+    };
+    Ok(Image { format: FORMAT, width: width as usize, height: height as usize, channels, samples })
+}
+
+fn error(e: DecodingError) -> ImageError {
+    match e {
+        DecodingError::IoError(_) => ImageError::Truncated(FORMAT),
+        DecodingError::LimitsExceeded => malformed(FORMAT, "its chunks are larger than an image needs"),
+        other => malformed(FORMAT, other.to_string()),
+    }
+}

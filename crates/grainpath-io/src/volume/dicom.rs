@@ -1,0 +1,483 @@
+//! DICOM series: sorted by position, rescaled, checked. Uncompressed and RLE pixel data.
+
+use std::io::{BufRead, Read, Seek, SeekFrom};
+
+use super::files::MAX_FILE;
+use super::{Files, SampleType, SliceSource, VolumeError, VolumeInfo, check_size, error, io_error, spacing};
+
+/// What a slice file says of itself.
+#[derive(Debug, Clone, Default)]
+struct Slice {
+    name: String,
+    series: String,
+    size: [usize; 2],
+    bits: usize,
+    signed: bool,
+    big_endian: bool,
+    rle: bool,
+    slope: f64,
+    intercept: f64,
+    pixel_mm: Option<[f64; 2]>,
+    thickness_mm: Option<f64>,
+    position: Option<[f64; 3]>,
+    orientation: Option<[f64; 6]>,
+    instance: i64,
+    /// Where the pixels are in the file, and their length; frames follow one another.
+    data: (u64, u64),
+    frames: usize,
+    inverted: bool,
+}
+
+struct Series {
+    info: VolumeInfo,
+    files: Files,
+    slices: Vec<Slice>,
+    next: usize,
+}
+
+pub(super) fn open(
+    files: &Files,
+    names: &[String],
+    others: usize,
+) -> Result<impl SliceSource + use<>, VolumeError> {
+    let mut slices: Vec<Slice> = names.iter().map(|n| read_header(files, n)).collect::<Result<_, _>>()?;
+    let first = slices[0].clone();
+    for s in &slices[1..] {
+        let wrong = |problem: String| Err(error(&s.name, problem));
+        if s.series != first.series {
+            return wrong(format!(
+                "belongs to another series than {}; keep one series in the folder",
+                first.name
+            ));
+        }
+        if s.size != first.size {
+            let ([x, y], [u, v]) = (s.size, first.size);
+            return wrong(format!("{x} x {y} pixels; {} has {u} x {v}", first.name));
+        }
+        if (s.bits, s.signed) != (first.bits, first.signed) {
+            return wrong(format!("{} bits a pixel; {} has {}", s.bits, first.name, first.bits));
+        }
+        if s.frames > 1 {
+            return wrong("several frames in one file of a series; a file a slice is read".into());
+        }
+    }
+    let n = if slices.len() == 1 { first.frames } else { slices.len() };
+    let sample = match (first.bits, first.signed) {
+        (8, false) => SampleType::U8,
+        (8, true) => SampleType::I8,
+        (16, false) => SampleType::U16,
+        (16, true) => SampleType::I16,
+        (32, false) => SampleType::U32,
+        (32, true) => SampleType::I32,
+        (b, _) => return Err(error(&first.name, format!("{b} bits a pixel; 8, 16 and 32 are read"))),
+    };
+    let mut info = VolumeInfo::new("DICOM", [first.size[0], first.size[1], n], sample);
+    check_size(&first.name, info.size)?;
+    if others > 0 {
+        info.warnings.push(format!("{}: {others} files that are not DICOM are passed over", files.place()));
+    }
+    if let Some([dy, dx]) = first.pixel_mm {
+        info.spacing_mm = [spacing(dx), spacing(dy), None];
+    }
+    arrange(&mut slices, &mut info)?;
+    Ok(Series { info, files: files.clone(), slices, next: 0 })
+}
+
+/// Sorts by position along the normal, and finds the spacing; refuses tilt and gaps.
+fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeError> {
+    let placed = slices.len() > 1 && slices.iter().all(|s| s.position.is_some() && s.orientation.is_some());
+    if !placed {
+        if slices.len() > 1 {
+            info.warnings.push(format!("{}: no positions; sorted by instance number", slices[0].name));
+            slices.sort_by_key(|s| s.instance);
+        }
+        info.spacing_mm[2] = slices[0].thickness_mm.and_then(spacing);
+        return Ok(());
+    }
+    let o = slices[0].orientation.unwrap_or_default();
+    let (row, column) = (glam(&o[..3]), glam(&o[3..]));
+    let normal = row.cross(column).normalize_or_zero();
+    if normal == grainpath_core::DVec3::ZERO {
+        return Err(error(&slices[0].name, "its orientation is no pair of directions"));
+    }
+    for s in slices.iter() {
+        let p = s.orientation.unwrap_or_default();
+        if (0..6).any(|k| (p[k] - o[k]).abs() > 1e-3) {
+            return Err(error(
+                &s.name,
+                format!("is turned against {}; slices must be parallel", slices[0].name),
+            ));
+        }
+    }
+    let place = |s: &Slice| glam(&s.position.unwrap_or_default());
+    slices.sort_by(|a, b| normal.dot(place(a)).total_cmp(&normal.dot(place(b))));
+    let origin = place(&slices[0]);
+    let heights: Vec<f64> = slices.iter().map(|s| normal.dot(place(s) - origin)).collect();
+    let gaps: Vec<f64> = heights.windows(2).map(|w| w[1] - w[0]).collect();
+    if let Some(i) = gaps.iter().position(|g| *g < 1e-4) {
+        return Err(error(&slices[i + 1].name, format!("is at the same position as {}", slices[i].name)));
+    }
+    // Slices that drift sideways as they rise were taken with a tilted gantry: a box would come out sheared.
+    let pixel = slices[0].pixel_mm.map_or(1.0, |p| p[0].min(p[1]));
+    let last = &slices[slices.len() - 1];
+    let drift = (place(last) - origin) - normal * heights[heights.len() - 1];
+    if drift.length() > 0.5 * pixel {
+        let degrees = grainpath_core::math::atan2(drift.length(), heights[heights.len() - 1]).to_degrees();
+        return Err(error(
+            &last.name,
+            format!(
+                "the gantry was tilted: the stack leans by {degrees:.2} degrees; resample it upright first"
+            ),
+        ));
+    }
+    let mut sorted = gaps.clone();
+    sorted.sort_by(f64::total_cmp);
+    let usual = sorted[sorted.len() / 2];
+    for (i, gap) in gaps.iter().enumerate() {
+        let times = gap / usual;
+        if times > 1.5 && (times - times.round()).abs() < 0.02 {
+            let missing = times.round() - 1.0;
+            return Err(error(
+                &slices[i].name,
+                format!(
+                    "{missing} slices are missing after it: the next is {gap:.3} mm higher, elsewhere {usual:.3}"
+                ),
+            ));
+        }
+    }
+    info.spacing_mm[2] = spacing(usual);
+    if gaps.iter().any(|g| (g / usual - 1.0).abs() > 0.01) {
+        let (low, high) = (sorted[0], sorted[sorted.len() - 1]);
+        info.warnings
+            .push(format!("slices are unevenly spaced, {low:.3} to {high:.3} mm; their positions are kept"));
+        info.z_mm = heights;
+    }
+    Ok(())
+}
+
+fn glam(v: &[f64]) -> grainpath_core::DVec3 {
+    grainpath_core::DVec3::new(v[0], v[1], v[2])
+}
+
+impl Series {
+    fn slice(&self) -> (&Slice, u64) {
+        if self.slices.len() == 1 {
+            (&self.slices[0], self.next as u64)
+        } else {
+            (&self.slices[self.next], 0)
+        }
+    }
+}
+
+impl SliceSource for Series {
+    fn info(&self) -> &VolumeInfo {
+        &self.info
+    }
+
+    fn restart(&mut self) -> Result<(), VolumeError> {
+        self.next = 0;
+        Ok(())
+    }
+
+    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, VolumeError> {
+        out.clear();
+        if self.next == self.info.size[2] {
+            return Ok(false);
+        }
+        let (s, frame) = self.slice();
+        let n_pixels = s.size[0] * s.size[1];
+        let n_bytes = n_pixels * self.info.sample.bytes();
+        let mut reader = self.files.open(&s.name)?;
+        let at = s.data.0 + frame * n_bytes as u64;
+        reader.seek(SeekFrom::Start(at)).map_err(|e| io_error(&s.name, &e))?;
+        let mut bytes = Vec::new();
+        let limit = if s.rle { s.data.1.min(MAX_FILE) } else { n_bytes as u64 };
+        reader.take(limit).read_to_end(&mut bytes).map_err(|e| io_error(&s.name, &e))?;
+        if s.rle {
+            bytes = unpack_rle(&s.name, &bytes, n_pixels, self.info.sample.bytes())?;
+        }
+        if bytes.len() < n_bytes {
+            return Err(error(&s.name, format!("pixels are cut short: {} of {n_bytes} bytes", bytes.len())));
+        }
+        self.info.sample.decode(&bytes, s.big_endian && !s.rle, out);
+        let sign = if s.inverted { -1.0 } else { 1.0 };
+        let (slope, intercept) = ((s.slope * sign) as f32, (s.intercept * sign) as f32);
+        out.iter_mut().for_each(|v| *v = *v * slope + intercept);
+        self.next += 1;
+        Ok(true)
+    }
+
+    fn skip_slice(&mut self) -> Result<bool, VolumeError> {
+        let more = self.next < self.info.size[2];
+        self.next += usize::from(more);
+        Ok(more)
+    }
+}
+
+const EXPLICIT_LITTLE: &str = "1.2.840.10008.1.2.1";
+const IMPLICIT_LITTLE: &str = "1.2.840.10008.1.2";
+const EXPLICIT_BIG: &str = "1.2.840.10008.1.2.2";
+const RLE: &str = "1.2.840.10008.1.2.5";
+
+/// What refused transfer syntaxes are called.
+fn syntax_name(uid: &str) -> &'static str {
+    match uid {
+        "1.2.840.10008.1.2.1.99" => "deflated",
+        "1.2.840.10008.1.2.4.50" | "1.2.840.10008.1.2.4.51" => "JPEG",
+        "1.2.840.10008.1.2.4.57" | "1.2.840.10008.1.2.4.70" => "lossless JPEG",
+        "1.2.840.10008.1.2.4.80" | "1.2.840.10008.1.2.4.81" => "JPEG-LS",
+        "1.2.840.10008.1.2.4.90" | "1.2.840.10008.1.2.4.91" => "JPEG 2000",
+        _ => "an unknown encoding",
+    }
+}
+
+/// One element: its tag, where its value is and how long, `u32::MAX` for an unknown length.
+struct Element {
+    tag: u32,
+    length: u32,
+}
+
+struct Parser<'a> {
+    reader: std::io::BufReader<Box<dyn super::ReadSeek>>,
+    name: &'a str,
+    implicit: bool,
+    big_endian: bool,
+}
+
+impl Parser<'_> {
+    fn damaged(&self, what: &str) -> VolumeError {
+        error(self.name, format!("damaged DICOM: {what}"))
+    }
+
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], VolumeError> {
+        let mut b = [0; N];
+        self.reader.read_exact(&mut b).map_err(|_| self.damaged("it ends before the pixels"))?;
+        Ok(b)
+    }
+
+    fn u16(&mut self) -> Result<u16, VolumeError> {
+        let b = self.bytes()?;
+        Ok(if self.big_endian { u16::from_be_bytes(b) } else { u16::from_le_bytes(b) })
+    }
+
+    fn u32(&mut self) -> Result<u32, VolumeError> {
+        let b = self.bytes()?;
+        Ok(if self.big_endian { u32::from_be_bytes(b) } else { u32::from_le_bytes(b) })
+    }
+
+    fn element(&mut self) -> Result<Element, VolumeError> {
+        let (group, number) = (self.u16()?, self.u16()?);
+        let tag = u32::from(group) << 16 | u32::from(number);
+        // Items and delimiters have no value representation.
+        if self.implicit || group == 0xfffe {
+            return Ok(Element { tag, length: self.u32()? });
+        }
+        let vr: [u8; 2] = self.bytes()?;
+        let long =
+            [b"OB", b"OW", b"OF", b"OD", b"OL", b"SQ", b"UC", b"UR", b"UT", b"UN", b"OV", b"SV", b"UV"];
+        let length = if long.contains(&&vr) {
+            self.u16()?;
+            self.u32()?
+        } else {
+            u32::from(self.u16()?)
+        };
+        Ok(Element { tag, length })
+    }
+
+    fn value(&mut self, length: u32) -> Result<Vec<u8>, VolumeError> {
+        if length > 1 << 16 {
+            return Err(self.damaged("a header value of more than 64 kB"));
+        }
+        let mut bytes = Vec::new();
+        let read = (&mut self.reader).take(length.into()).read_to_end(&mut bytes);
+        read.map_err(|e| io_error(self.name, &e))?;
+        if bytes.len() < length as usize {
+            return Err(self.damaged("it ends in a value"));
+        }
+        Ok(bytes)
+    }
+
+    fn skip(&mut self, length: u32) -> Result<(), VolumeError> {
+        self.reader.seek_relative(length.into()).map_err(|e| io_error(self.name, &e))
+    }
+
+    /// Passes over a sequence of unknown length, with all that is nested in it.
+    fn skip_sequence(&mut self) -> Result<(), VolumeError> {
+        let mut depth = 1usize;
+        while depth > 0 {
+            let e = self.element()?;
+            match (e.tag, e.length) {
+                (0xfffe_e0dd | 0xfffe_e00d, _) => depth -= 1,
+                (_, u32::MAX) => depth += 1,
+                // What is inside an item of known length is passed over with it.
+                (_, n) => self.skip(n)?,
+            }
+            if depth > 64 {
+                return Err(self.damaged("sequences nested more than 64 deep"));
+            }
+        }
+        Ok(())
+    }
+
+    fn at_end(&mut self) -> bool {
+        self.reader.fill_buf().map_or(true, <[u8]>::is_empty)
+    }
+}
+
+fn read_header(files: &Files, name: &str) -> Result<Slice, VolumeError> {
+    let mut p = Parser { reader: files.open(name)?, name, implicit: false, big_endian: false };
+    p.skip(132)?;
+    let mut syntax = String::new();
+    let mut s = Slice { name: name.to_owned(), slope: 1.0, frames: 1, ..Slice::default() };
+    let (mut samples, mut stored) = (1, 0);
+    let mut meta = true;
+    loop {
+        if meta {
+            // The file's own group is explicit little endian whatever follows.
+            let b = p.reader.fill_buf().map_err(|e| io_error(name, &e))?;
+            if b.len() < 2 || b[..2] != [2, 0] {
+                meta = false;
+                (p.implicit, p.big_endian) = (syntax == IMPLICIT_LITTLE, syntax == EXPLICIT_BIG);
+                (s.big_endian, s.rle) = (p.big_endian, syntax == RLE);
+                if ![EXPLICIT_LITTLE, IMPLICIT_LITTLE, EXPLICIT_BIG, RLE].contains(&syntax.as_str()) {
+                    return Err(error(
+                        name,
+                        format!(
+                            "pixels are packed as {} ({syntax}); save the series uncompressed or with RLE",
+                            syntax_name(&syntax)
+                        ),
+                    ));
+                }
+            }
+        }
+        if p.at_end() {
+            return Err(error(name, "DICOM without pixels"));
+        }
+        let e = p.element()?;
+        if e.tag == 0x7fe0_0010 {
+            if s.rle {
+                // The offset table, then one fragment a frame.
+                let table = p.element()?;
+                p.skip(table.length)?;
+                let fragment = p.element()?;
+                if fragment.tag != 0xfffe_e000 {
+                    return Err(p.damaged("RLE pixels without a fragment"));
+                }
+                s.data.1 = fragment.length.into();
+            } else {
+                s.data.1 = e.length.into();
+            }
+            s.data.0 = p.reader.stream_position().map_err(|e| io_error(name, &e))?;
+            break;
+        }
+        if e.length == u32::MAX {
+            p.skip_sequence()?;
+            continue;
+        }
+        let wanted = [
+            0x0002_0010,
+            0x0018_0050,
+            0x0018_0088,
+            0x0020_000e,
+            0x0020_0013,
+            0x0020_0032,
+            0x0020_0037,
+            0x0028_0002,
+            0x0028_0004,
+            0x0028_0008,
+            0x0028_0010,
+            0x0028_0011,
+            0x0028_0030,
+            0x0028_0100,
+            0x0028_0101,
+            0x0028_0103,
+            0x0028_1052,
+            0x0028_1053,
+        ];
+        if !wanted.contains(&e.tag) {
+            p.skip(e.length)?;
+            continue;
+        }
+        let value = p.value(e.length)?;
+        let text = String::from_utf8_lossy(&value).trim_matches(['\0', ' ']).to_owned();
+        let numbers =
+            || text.split('\\').filter_map(|w| w.trim().parse::<f64>().ok()).filter(|v| v.is_finite());
+        let number = || numbers().next();
+        let list = |n: usize| Some(numbers().collect::<Vec<f64>>()).filter(|v| v.len() == n);
+        let short = || {
+            let b = [value.first().copied().unwrap_or(0), value.get(1).copied().unwrap_or(0)];
+            usize::from(if p.big_endian { u16::from_be_bytes(b) } else { u16::from_le_bytes(b) })
+        };
+        match e.tag {
+            0x0002_0010 => syntax = text,
+            0x0018_0050 => s.thickness_mm = s.thickness_mm.or(number()),
+            0x0018_0088 => s.thickness_mm = number().or(s.thickness_mm),
+            0x0020_000e => s.series = text,
+            0x0020_0013 => s.instance = number().map_or(0, |v| v as i64),
+            0x0020_0032 => s.position = list(3).and_then(|v| v.try_into().ok()),
+            0x0020_0037 => s.orientation = list(6).and_then(|v| v.try_into().ok()),
+            0x0028_0002 => samples = short(),
+            0x0028_0004 => s.inverted = text == "MONOCHROME1",
+            0x0028_0008 => s.frames = number().map_or(1, |v| (v as usize).clamp(1, super::MAX_SLICES)),
+            0x0028_0010 => s.size[1] = short(),
+            0x0028_0011 => s.size[0] = short(),
+            0x0028_0030 => s.pixel_mm = list(2).and_then(|v| v.try_into().ok()),
+            0x0028_0100 => s.bits = short(),
+            0x0028_0101 => stored = short(),
+            0x0028_0103 => s.signed = short() == 1,
+            0x0028_1052 => s.intercept = number().unwrap_or(0.0),
+            _ => s.slope = number().filter(|v| *v != 0.0).unwrap_or(1.0),
+        }
+    }
+    if samples != 1 {
+        return Err(error(name, format!("{samples} values a pixel; slices of grey values have one")));
+    }
+    if s.signed && stored != 0 && stored != s.bits {
+        return Err(error(
+            name,
+            format!("signed pixels of {stored} bits in {}; that packing is not read", s.bits),
+        ));
+    }
+    if s.rle && s.frames > 1 {
+        return Err(error(name, "several RLE frames in one file; save a file a slice"));
+    }
+    check_size(name, [s.size[0], s.size[1], 1])?;
+    Ok(s)
+}
+
+/// `PackBits` in planes, the most significant byte's plane first; gives little-endian values.
+fn unpack_rle(name: &str, bytes: &[u8], n_pixels: usize, width: usize) -> Result<Vec<u8>, VolumeError> {
+    let damaged = || error(name, "damaged RLE pixels");
+    let word = |i: usize| -> Option<usize> {
+        let b: [u8; 4] = bytes.get(4 * i..4 * i + 4)?.try_into().ok()?;
+        usize::try_from(u32::from_le_bytes(b)).ok()
+    };
+    let n_planes = word(0).ok_or_else(damaged)?;
+    if n_planes != width {
+        return Err(damaged());
+    }
+    let mut out = vec![0u8; n_pixels * width];
+    for plane in 0..n_planes {
+        let begin = word(1 + plane).ok_or_else(damaged)?;
+        let end = if plane + 1 < n_planes { word(2 + plane).ok_or_else(damaged)? } else { bytes.len() };
+        let mut packed = bytes.get(begin..end).ok_or_else(damaged)?;
+        let mut at = 0;
+        while at < n_pixels {
+            let (&head, rest) = packed.split_first().ok_or_else(damaged)?;
+            let n = usize::from(head);
+            let put = |at: usize, v: u8, out: &mut Vec<u8>| out[at * width + width - 1 - plane] = v;
+            if n < 128 {
+                let values = rest.get(..=n).ok_or_else(damaged)?;
+                values.iter().take(n_pixels - at).enumerate().for_each(|(k, v)| put(at + k, *v, &mut out));
+                (at, packed) = (at + n + 1, &rest[n + 1..]);
+            } else if n > 128 {
+                let (&v, rest) = rest.split_first().ok_or_else(damaged)?;
+                (0..(257 - n).min(n_pixels - at)).for_each(|k| put(at + k, v, &mut out));
+                (at, packed) = (at + 257 - n, rest);
+            } else {
+                packed = rest;
+            }
+        }
+    }
+    Ok(out)
+}

@@ -1,0 +1,146 @@
+//! The files of a volume, and how they are opened.
+
+use std::cmp::Ordering;
+use std::io::{self, BufReader, Cursor, Read, Seek};
+use std::sync::{Arc, Mutex};
+
+use super::{VolumeError, error, io_error};
+
+/// What a volume is read from.
+pub trait ReadSeek: Read + Seek + Send {}
+impl<T: Read + Seek + Send> ReadSeek for T {}
+
+type Open = dyn Fn(&str) -> io::Result<Box<dyn ReadSeek>> + Send + Sync;
+
+/// Names of files and the way to open them. A file may name others beside it.
+#[derive(Clone)]
+pub struct Files {
+    place: String,
+    names: Vec<String>,
+    folder: bool,
+    open: Arc<Open>,
+}
+
+impl Files {
+    /// One file, opened by `open`, which may be asked for others that the file names, relative to it.
+    pub fn single(
+        name: impl Into<String>,
+        open: impl Fn(&str) -> io::Result<Box<dyn ReadSeek>> + Send + Sync + 'static,
+    ) -> Self {
+        let name = name.into();
+        Self { place: name.clone(), names: vec![name], folder: false, open: Arc::new(open) }
+    }
+
+    /// A folder with these files, in any order; they come in natural order.
+    pub fn folder(
+        place: impl Into<String>,
+        mut names: Vec<String>,
+        open: impl Fn(&str) -> io::Result<Box<dyn ReadSeek>> + Send + Sync + 'static,
+    ) -> Self {
+        names.sort_by(|a, b| natural_order(a, b));
+        Self { place: place.into(), names, folder: true, open: Arc::new(open) }
+    }
+
+    /// What errors call the whole.
+    pub fn place(&self) -> &str {
+        &self.place
+    }
+
+    /// The files' names.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    pub(crate) fn is_folder(&self) -> bool {
+        self.folder
+    }
+
+    pub(crate) fn open(&self, name: &str) -> Result<BufReader<Box<dyn ReadSeek>>, VolumeError> {
+        let reader = (self.open)(name).map_err(|e| io_error(name, &e))?;
+        Ok(BufReader::with_capacity(1 << 16, reader))
+    }
+
+    /// The first bytes of a file, as many as there are.
+    pub(crate) fn head(&self, name: &str, n: u64) -> Result<Vec<u8>, VolumeError> {
+        let mut head = Vec::new();
+        self.open(name)?.take(n).read_to_end(&mut head).map_err(|e| io_error(name, &e))?;
+        Ok(head)
+    }
+
+    /// A whole file, which may not be larger than `limit` bytes.
+    pub(crate) fn whole(&self, name: &str, limit: u64) -> Result<Vec<u8>, VolumeError> {
+        let mut bytes = Vec::new();
+        self.open(name)?.take(limit + 1).read_to_end(&mut bytes).map_err(|e| io_error(name, &e))?;
+        if bytes.len() as u64 > limit {
+            return Err(error(name, format!("more than {limit} bytes; no slice is that large")));
+        }
+        Ok(bytes)
+    }
+
+    /// A file that `name` names, in the same folder.
+    pub(crate) fn sibling(&self, name: &str, other: &str) -> String {
+        match name.rsplit_once(['/', '\\']) {
+            Some((folder, _)) if !other.starts_with('/') => format!("{folder}/{other}"),
+            _ => other.to_owned(),
+        }
+    }
+}
+
+/// Entries of an archive are slices; larger ones are not taken.
+pub(super) const MAX_FILE: u64 = 1 << 30;
+
+/// The files in a ZIP archive.
+pub(super) fn zip_files(files: &Files, name: &str) -> Result<Files, VolumeError> {
+    let damaged = |e: zip::result::ZipError| error(name, format!("damaged ZIP archive: {e}"));
+    let archive = zip::ZipArchive::new(files.open(name)?).map_err(damaged)?;
+    let inside: Vec<String> = archive
+        .file_names()
+        .filter_map(|n| n.ok().map(std::borrow::Cow::into_owned))
+        .filter(|n| !n.ends_with('/'))
+        .collect();
+    let archive = Mutex::new(archive);
+    let prefix = format!("{name}/");
+    let shown: Vec<String> = inside.iter().map(|n| format!("{prefix}{n}")).collect();
+    let open = move |path: &str| -> io::Result<Box<dyn ReadSeek>> {
+        let entry = path.strip_prefix(&prefix).unwrap_or(path);
+        let mut archive = archive.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let file = archive.by_name(entry).map_err(io::Error::other)?;
+        let mut bytes = Vec::new();
+        // Grown as the data comes: the stated size proves nothing.
+        file.take(MAX_FILE).read_to_end(&mut bytes)?;
+        Ok(Box::new(Cursor::new(bytes)))
+    };
+    Ok(Files::folder(name, shown, open))
+}
+
+/// Orders names as people do: numbers in them by value.
+pub fn natural_order(a: &str, b: &str) -> Ordering {
+    let (mut x, mut y) = (a.as_bytes(), b.as_bytes());
+    loop {
+        match (x.first(), y.first()) {
+            (None, None) => return a.cmp(b),
+            (None, _) => return Ordering::Less,
+            (_, None) => return Ordering::Greater,
+            (Some(p), Some(q)) if p.is_ascii_digit() && q.is_ascii_digit() => {
+                let (m, n) = (digits(x), digits(y));
+                let (u, v) = (without_zeros(&x[..m]), without_zeros(&y[..n]));
+                match u.len().cmp(&v.len()).then(u.cmp(v)) {
+                    Ordering::Equal => (x, y) = (&x[m..], &y[n..]),
+                    other => return other,
+                }
+            }
+            (Some(p), Some(q)) => match p.cmp(q) {
+                Ordering::Equal => (x, y) = (&x[1..], &y[1..]),
+                other => return other,
+            },
+        }
+    }
+}
+
+fn digits(s: &[u8]) -> usize {
+    s.iter().take_while(|c| c.is_ascii_digit()).count()
+}
+
+fn without_zeros(s: &[u8]) -> &[u8] {
+    &s[s.iter().take_while(|c| **c == b'0').count()..]
+}

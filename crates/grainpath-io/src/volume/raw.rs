@@ -1,0 +1,201 @@
+//! Voxels one after another, perhaps compressed: what NRRD, MetaImage, NIfTI and raw files hold after their headers.
+
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+
+use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
+
+use super::sample::SampleType;
+use super::{Files, SliceSource, VolumeError, VolumeInfo, check_size, error, io_error};
+
+/// The header of a file that has none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RawHeader {
+    /// Columns, rows, slices.
+    pub size: [usize; 3],
+    /// How a voxel is stored.
+    pub sample: SampleType,
+    /// Most significant byte first.
+    pub big_endian: bool,
+    /// Bytes before the first voxel.
+    pub offset_bytes: u64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Packing {
+    None,
+    Gzip,
+    Zlib,
+}
+
+/// Where voxels are and how they are stored.
+#[derive(Debug, Clone)]
+pub(super) struct Layout {
+    /// The file with the voxels.
+    pub file: String,
+    /// Bytes before them, within the packed data if `packed_offset`.
+    pub offset: u64,
+    /// Whether the offset counts unpacked bytes.
+    pub inside: bool,
+    pub packing: Packing,
+    pub big_endian: bool,
+    /// Value = slope * stored + intercept.
+    pub scale: (f32, f32),
+}
+
+pub(super) struct RawSource {
+    info: VolumeInfo,
+    files: Files,
+    layout: Layout,
+    stream: Stream,
+    next: usize,
+    buffer: Vec<u8>,
+}
+
+enum Stream {
+    Plain(BufReader<Box<dyn super::ReadSeek>>),
+    Packed(Box<dyn BufRead + Send>),
+}
+
+impl Stream {
+    fn reader(&mut self) -> &mut dyn Read {
+        match self {
+            Self::Plain(r) => r,
+            Self::Packed(r) => r,
+        }
+    }
+}
+
+pub(super) fn open(files: &Files, name: &str, header: &RawHeader) -> Result<RawSource, VolumeError> {
+    let info = VolumeInfo::new("raw", header.size, header.sample);
+    let layout = Layout {
+        file: name.to_owned(),
+        offset: header.offset_bytes,
+        inside: false,
+        packing: Packing::None,
+        big_endian: header.big_endian,
+        scale: (1.0, 0.0),
+    };
+    RawSource::new(files, info, layout)
+}
+
+impl RawSource {
+    pub(super) fn new(files: &Files, info: VolumeInfo, layout: Layout) -> Result<Self, VolumeError> {
+        check_size(&layout.file, info.size)?;
+        let stream = start(files, &layout)?;
+        let mut source = Self { info, files: files.clone(), layout, stream, next: 0, buffer: Vec::new() };
+        source.check_length()?;
+        Ok(source)
+    }
+
+    /// A file that is too short is found before any work is done.
+    fn check_length(&mut self) -> Result<(), VolumeError> {
+        let needed = (self.slice_bytes() as u64).saturating_mul(self.info.size[2] as u64);
+        let (file, offset) = (&self.layout.file, self.layout.offset);
+        if let Stream::Plain(r) = &mut self.stream {
+            let end = r.seek(SeekFrom::End(0)).map_err(|e| io_error(file, &e))?;
+            r.seek(SeekFrom::Start(offset)).map_err(|e| io_error(file, &e))?;
+            if end < offset.saturating_add(needed) {
+                let [x, y, z] = self.info.size;
+                return Err(error(
+                    file,
+                    format!(
+                        "{x} x {y} x {z} voxels of {} need {needed} bytes after byte {offset}; the file has {end}",
+                        self.info.sample.name()
+                    ),
+                ));
+            }
+            if end > offset.saturating_add(needed) {
+                let more = end - offset - needed;
+                self.info.warnings.push(format!("{file}: {more} bytes after the last voxel are not read"));
+            }
+        }
+        Ok(())
+    }
+
+    fn slice_bytes(&self) -> usize {
+        self.info.size[0] * self.info.size[1] * self.info.sample.bytes()
+    }
+
+    fn cut_short(&self) -> VolumeError {
+        error(&self.layout.file, format!("the data ends in slice {} of {}", self.next + 1, self.info.size[2]))
+    }
+}
+
+fn start(files: &Files, layout: &Layout) -> Result<Stream, VolumeError> {
+    let file = &layout.file;
+    let mut reader = files.open(file)?;
+    if !layout.inside {
+        reader.seek(SeekFrom::Start(layout.offset)).map_err(|e| io_error(file, &e))?;
+    }
+    let mut stream = match layout.packing {
+        Packing::None => Stream::Plain(reader),
+        Packing::Gzip => Stream::Packed(Box::new(BufReader::new(MultiGzDecoder::new(reader)))),
+        Packing::Zlib => Stream::Packed(Box::new(BufReader::new(ZlibDecoder::new(reader)))),
+    };
+    if layout.inside {
+        let skipped = std::io::copy(&mut stream.reader().take(layout.offset), &mut std::io::sink());
+        skipped.map_err(|e| io_error(file, &e))?;
+    }
+    Ok(stream)
+}
+
+impl SliceSource for RawSource {
+    fn info(&self) -> &VolumeInfo {
+        &self.info
+    }
+
+    fn restart(&mut self) -> Result<(), VolumeError> {
+        self.stream = start(&self.files, &self.layout)?;
+        self.next = 0;
+        Ok(())
+    }
+
+    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, VolumeError> {
+        out.clear();
+        if self.next == self.info.size[2] {
+            return Ok(false);
+        }
+        // In pieces, so that a header cannot ask for more memory than there is data.
+        let mut left = self.slice_bytes();
+        while left > 0 {
+            let n = left.min(1 << 20);
+            self.buffer.resize(n, 0);
+            if let Err(e) = self.stream.reader().read_exact(&mut self.buffer) {
+                return Err(match e.kind() {
+                    std::io::ErrorKind::UnexpectedEof => self.cut_short(),
+                    _ => error(&self.layout.file, format!("damaged data in slice {}: {e}", self.next + 1)),
+                });
+            }
+            self.info.sample.decode(&self.buffer, self.layout.big_endian, out);
+            left -= n;
+        }
+        let (slope, intercept) = self.layout.scale;
+        if (slope, intercept) != (1.0, 0.0) {
+            out.iter_mut().for_each(|v| *v = *v * slope + intercept);
+        }
+        self.next += 1;
+        Ok(true)
+    }
+
+    fn skip_slice(&mut self) -> Result<bool, VolumeError> {
+        if self.next == self.info.size[2] {
+            return Ok(false);
+        }
+        let n = self.slice_bytes() as u64;
+        let file = &self.layout.file;
+        match &mut self.stream {
+            Stream::Plain(r) => {
+                r.seek_relative(n as i64).map_err(|e| io_error(file, &e))?;
+            }
+            Stream::Packed(r) => {
+                let passed = std::io::copy(&mut r.take(n), &mut std::io::sink());
+                let passed = passed.map_err(|e| io_error(file, &e))?;
+                if passed < n {
+                    return Err(self.cut_short());
+                }
+            }
+        }
+        self.next += 1;
+        Ok(true)
+    }
+}

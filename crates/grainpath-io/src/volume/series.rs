@@ -1,0 +1,154 @@
+//! Folders with a file a slice.
+
+use super::files::MAX_FILE;
+use super::{Files, SampleType, SliceSource, VolumeError, VolumeInfo, check_size, error};
+use crate::image::{Image, Samples, decode_within};
+
+/// Opens a folder: DICOM where there is any, else images in natural order.
+pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
+    let name_of = |path: &str| path.rsplit(['/', '\\']).next().unwrap_or(path).to_owned();
+    let visible =
+        |n: &&String| !name_of(n).starts_with('.') && name_of(n) != "DICOMDIR" && !n.contains("__MACOSX");
+    let names: Vec<String> = files.names().iter().filter(visible).cloned().collect();
+    let kind =
+        |n: &String| name_of(n).rsplit_once('.').map(|(_, e)| e.to_ascii_lowercase()).unwrap_or_default();
+    let image = |n: &&String| ["png", "bmp", "jpg", "jpeg", "tif", "tiff"].contains(&kind(n).as_str());
+    let images: Vec<String> = names.iter().filter(image).cloned().collect();
+    let mut others = Vec::new();
+    let mut dicoms = Vec::new();
+    for name in names.iter().filter(|n| !image(n)) {
+        let head = files.head(name, 132)?;
+        if head.get(128..132) == Some(b"DICM") {
+            dicoms.push(name.clone())
+        } else {
+            others.push(name.clone())
+        }
+    }
+    if !dicoms.is_empty() {
+        return Ok(Box::new(super::dicom::open(&files, &dicoms, images.len() + others.len())?));
+    }
+    if images.is_empty() {
+        return Err(error(files.place(), "no DICOM, PNG, TIFF, BMP or JPEG slices in it"));
+    }
+    check_numbers(&images)?;
+    let first = read(&files, &images[0])?;
+    let format = match first.format {
+        crate::image::ImageFormat::Png => "PNG series",
+        crate::image::ImageFormat::Jpeg => "JPEG series",
+        crate::image::ImageFormat::Tiff => "TIFF series",
+        crate::image::ImageFormat::Bmp => "BMP series",
+    };
+    let size = [first.width, first.height, images.len()];
+    check_size(files.place(), size)?;
+    let mut info = VolumeInfo::new(format, size, sample_of(&first.samples));
+    if !others.is_empty() {
+        info.warnings.push(format!(
+            "{}: {} files that are no images are passed over",
+            files.place(),
+            others.len()
+        ));
+    }
+    Ok(Box::new(Series { info, files, names: images, next: 0 }))
+}
+
+struct Series {
+    info: VolumeInfo,
+    files: Files,
+    names: Vec<String>,
+    next: usize,
+}
+
+impl SliceSource for Series {
+    fn info(&self) -> &VolumeInfo {
+        &self.info
+    }
+
+    fn restart(&mut self) -> Result<(), VolumeError> {
+        self.next = 0;
+        Ok(())
+    }
+
+    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, VolumeError> {
+        out.clear();
+        let Some(name) = self.names.get(self.next) else { return Ok(false) };
+        let image = read(&self.files, name)?;
+        if [image.width, image.height] != self.info.size[..2] {
+            let [x, y, _] = self.info.size;
+            let problem =
+                format!("{} x {} pixels; {} has {x} x {y}", image.width, image.height, self.names[0]);
+            return Err(error(name, problem));
+        }
+        take_grey(image, &self.info, name, out)?;
+        self.next += 1;
+        Ok(true)
+    }
+
+    fn skip_slice(&mut self) -> Result<bool, VolumeError> {
+        let more = self.next < self.names.len();
+        self.next += usize::from(more);
+        Ok(more)
+    }
+}
+
+fn read(files: &Files, name: &str) -> Result<Image, VolumeError> {
+    let bytes = files.whole(name, MAX_FILE)?;
+    decode_within(&bytes, super::MAX_PIXELS as u64).map_err(|e| error(name, e.to_string()))
+}
+
+pub(super) fn sample_of(samples: &Samples) -> SampleType {
+    match samples {
+        Samples::U8(_) => SampleType::U8,
+        Samples::U16(_) => SampleType::U16,
+        Samples::F32(_) => SampleType::F32,
+    }
+}
+
+/// The grey values of a slice whose depth must be that of the first.
+pub(super) fn take_grey(
+    image: Image,
+    info: &VolumeInfo,
+    place: &str,
+    out: &mut Vec<f32>,
+) -> Result<(), VolumeError> {
+    let found = sample_of(&image.samples);
+    if found != info.sample {
+        let problem = format!("{} grey values; the first slice has {}", found.name(), info.sample.name());
+        return Err(error(place, problem));
+    }
+    *out = image.to_grey_f32();
+    out.iter_mut().filter(|v| !v.is_finite()).for_each(|v| *v = 0.0);
+    Ok(())
+}
+
+/// The last number in a name and what is around it.
+fn number(name: &str) -> Option<(&str, u64, &str)> {
+    let stem_end = name.rfind('.').unwrap_or(name.len());
+    let end = name[..stem_end].rfind(|c: char| c.is_ascii_digit())? + 1;
+    let begin = name[..end]
+        .rfind(|c: char| !c.is_ascii_digit())
+        .map_or(0, |i| i + name[i..].chars().next().map_or(1, char::len_utf8));
+    Some((&name[..begin], name[begin..end].parse().ok()?, &name[end..]))
+}
+
+/// Finds a gap in the numbering, where the names are numbered at all.
+fn check_numbers(names: &[String]) -> Result<(), VolumeError> {
+    let numbers: Option<Vec<_>> = names.iter().map(|n| number(n)).collect();
+    let Some(numbers) = numbers.filter(|n| n.len() > 2) else { return Ok(()) };
+    if numbers.iter().any(|n| n.0 != numbers[0].0) {
+        return Ok(());
+    }
+    let steps: Vec<u64> = numbers.windows(2).map(|w| w[1].1.wrapping_sub(w[0].1)).collect();
+    let step = steps.iter().copied().min().unwrap_or(1).max(1);
+    match steps.iter().position(|&s| s != step) {
+        // Some numbering that says nothing: times, sizes.
+        Some(i) if steps[i].is_multiple_of(step) => {
+            let problem = format!(
+                "slices are missing after it: the numbers go from {} to {}, elsewhere in steps of {step}",
+                numbers[i].1,
+                numbers[i + 1].1
+            );
+            Err(error(&names[i], problem))
+        }
+        _ => Ok(()),
+    }
+}

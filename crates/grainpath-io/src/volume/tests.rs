@@ -1,0 +1,398 @@
+use std::collections::BTreeMap;
+use std::io::{Cursor, Write};
+
+use super::*;
+
+/// Files in memory.
+fn files(all: &[(&str, Vec<u8>)], folder: bool) -> Files {
+    let map: BTreeMap<String, Vec<u8>> = all.iter().map(|(n, b)| ((*n).to_owned(), b.clone())).collect();
+    let names: Vec<String> = map.keys().cloned().collect();
+    let open = move |name: &str| -> std::io::Result<Box<dyn ReadSeek>> {
+        let bytes = map.get(name).cloned().ok_or(std::io::ErrorKind::NotFound)?;
+        Ok(Box::new(Cursor::new(bytes)))
+    };
+    if folder { Files::folder("scan", names, open) } else { Files::single(all[0].0, open) }
+}
+
+fn single(all: &[(&str, Vec<u8>)]) -> Result<Box<dyn SliceSource>, VolumeError> {
+    open_volume(files(all, false), None)
+}
+
+fn folder(all: &[(&str, Vec<u8>)]) -> Result<Box<dyn SliceSource>, VolumeError> {
+    open_volume(files(all, true), None)
+}
+
+fn all(source: &mut dyn SliceSource) -> Result<Vec<Vec<f32>>, VolumeError> {
+    let (mut out, mut slice) = (Vec::new(), Vec::new());
+    while source.next_slice(&mut slice)? {
+        out.push(slice.clone());
+    }
+    Ok(out)
+}
+
+fn says(result: Result<Box<dyn SliceSource>, VolumeError>, file: &str, what: &str) {
+    let error = match result {
+        Err(e) => e,
+        Ok(mut source) => all(&mut *source).expect_err("should fail"),
+    };
+    assert!(error.file.contains(file) && error.problem.contains(what), "{error} should name {file}: {what}");
+}
+
+/// 3 x 2 x 4 voxels that tell where they are.
+fn voxels() -> Vec<i16> {
+    (0..24).map(|i| (i * 37 - 300) as i16).collect()
+}
+
+fn check(source: &mut dyn SliceSource) {
+    let expect: Vec<Vec<f32>> =
+        voxels().chunks(6).map(|c| c.iter().map(|&v| f32::from(v)).collect()).collect();
+    assert_eq!(source.info().size, [3, 2, 4]);
+    assert_eq!(all(source).expect("slices"), expect);
+    source.restart().expect("again");
+    assert!(source.skip_slice().expect("a slice"));
+    let mut slice = Vec::new();
+    assert!(source.next_slice(&mut slice).expect("a slice"));
+    assert_eq!(slice, expect[1]);
+}
+
+fn little() -> Vec<u8> {
+    voxels().iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+fn big() -> Vec<u8> {
+    voxels().iter().flat_map(|v| v.to_be_bytes()).collect()
+}
+
+fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut e = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    e.write_all(bytes).expect("memory");
+    e.finish().expect("memory")
+}
+
+fn zlib(bytes: &[u8]) -> Vec<u8> {
+    let mut e = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+    e.write_all(bytes).expect("memory");
+    e.finish().expect("memory")
+}
+
+#[test]
+fn nrrd_in_all_its_ways() {
+    let head = |extra: &str| {
+        format!("NRRD0004\n# comment: 1\ntype: short\ndimension: 3\nsizes: 3 2 4\n{extra}").into_bytes()
+    };
+    let spaced = "spacings: 0.1 0.2 0.5\nendian: little\nencoding: raw\n\n";
+    let mut source = single(&[("a.nrrd", [head(spaced), little()].concat())]).expect("raw");
+    assert_eq!(source.info().spacing_mm, [Some(0.1), Some(0.2), Some(0.5)]);
+    check(&mut *source);
+    let turned = "space directions: (0,0.3,0.4) (0.2,0,0) (0,0,2)\nendian: big\nencoding: gzip\n\n";
+    let mut source = single(&[("a.nrrd", [head(turned), gzip(&big())].concat())]).expect("gzip");
+    assert_eq!(source.info().spacing_mm, [Some(0.5), Some(0.2), Some(2.0)]);
+    check(&mut *source);
+    let detached = head("encoding: raw\nendian: little\nbyte skip: 3\ndata file: b.raw\n");
+    let mut source =
+        single(&[("d/a.nhdr", detached), ("d/b.raw", [vec![9; 3], little()].concat())]).expect("two");
+    check(&mut *source);
+    says(single(&[("a.nrrd", head("encoding: hex\n\n"))]), "a.nrrd", "encoding");
+    says(single(&[("a.nrrd", [head("encoding: raw\n\n"), vec![0; 47]].concat())]), "a.nrrd", "need 48 bytes");
+    says(
+        single(&[("a.nrrd", [head("encoding: gzip\n\n"), gzip(&[0; 40])].concat())]),
+        "a.nrrd",
+        "ends in slice 4",
+    );
+    says(single(&[("a.nrrd", b"NRRD0004\ntype: short\nsizes: 3 2\n\n".to_vec())]), "a.nrrd", "has 3");
+    says(single(&[("a.nhdr", head("encoding: raw\ndata file: gone.raw\n"))]), "gone.raw", "not found");
+}
+
+#[test]
+fn metaimage_beside_and_in_one() {
+    let head = |extra: &str| {
+        let start = "ObjectType = Image\nNDims = 3\nDimSize = 3 2 4\nElementType = MET_SHORT\n";
+        format!("{start}ElementSpacing = 0.5 0.5 1.5\n{extra}").into_bytes()
+    };
+    let mut source =
+        single(&[("d/a.mhd", head("ElementDataFile = a.raw\n")), ("d/a.raw", little())]).expect("raw");
+    assert_eq!(source.info().spacing_mm, [Some(0.5), Some(0.5), Some(1.5)]);
+    check(&mut *source);
+    let packed = head("CompressedData = True\nBinaryDataByteOrderMSB = True\nElementDataFile = a.zraw\n");
+    check(&mut *single(&[("a.mhd", packed), ("a.zraw", zlib(&big()))]).expect("zlib"));
+    let local = [head("ElementDataFile = LOCAL\n"), little()].concat();
+    check(&mut *single(&[("a.mha", local)]).expect("one file"));
+    says(single(&[("a.mhd", head("ElementDataFile = LIST\n"))]), "a.mhd", "several files");
+    says(single(&[("a.mhd", b"NDims = 3\nDimSize = 3 2 4\n".to_vec())]), "a.mhd", "no ElementType");
+}
+
+fn nifti() -> Vec<u8> {
+    let mut h = vec![0u8; 352];
+    h[..4].copy_from_slice(&348i32.to_le_bytes());
+    for (i, v) in [3i16, 3, 2, 4, 1, 1, 1, 1].iter().enumerate() {
+        h[40 + 2 * i..42 + 2 * i].copy_from_slice(&v.to_le_bytes());
+    }
+    h[70..72].copy_from_slice(&4i16.to_le_bytes());
+    for (i, v) in [1f32, 250.0, 500.0, 1000.0].iter().enumerate() {
+        h[76 + 4 * i..80 + 4 * i].copy_from_slice(&v.to_le_bytes());
+    }
+    h[108..112].copy_from_slice(&352f32.to_le_bytes());
+    h[112..116].copy_from_slice(&1f32.to_le_bytes());
+    h[123] = 3;
+    h[344..348].copy_from_slice(b"n+1\0");
+    [h, little()].concat()
+}
+
+#[test]
+fn nifti_plain_and_gzipped() {
+    let mut source = single(&[("a.nii", nifti())]).expect("plain");
+    assert_eq!(source.info().spacing_mm, [Some(0.25), Some(0.5), Some(1.0)]);
+    check(&mut *source);
+    check(&mut *single(&[("a.nii.gz", gzip(&nifti()))]).expect("gzip"));
+    let mut scaled = nifti();
+    scaled[112..116].copy_from_slice(&2f32.to_le_bytes());
+    scaled[116..120].copy_from_slice(&5f32.to_le_bytes());
+    let slices = all(&mut *single(&[("a.nii", scaled)]).expect("scaled")).expect("slices");
+    assert_eq!(slices[0][1], f32::from(voxels()[1]) * 2.0 + 5.0);
+    let mut wrong = nifti();
+    wrong[70] = 128;
+    says(single(&[("a.nii", wrong)]), "a.nii", "data type 128");
+    says(single(&[("a.nii.gz", gzip(b"hello"))]), "a.nii.gz", "not NIfTI");
+    says(single(&[("a.nii", nifti()[..380].to_vec())]), "a.nii", "need 48 bytes");
+}
+
+#[test]
+fn raw_data_with_a_header_given() {
+    let header = RawHeader { size: [3, 2, 4], sample: SampleType::I16, big_endian: true, offset_bytes: 5 };
+    let file = [vec![7; 5], big()].concat();
+    check(&mut *open_volume(files(&[("a.raw", file)], false), Some(&header)).expect("raw"));
+    let huge = RawHeader { size: [60_000, 60_000, 1], ..header };
+    let error = open_volume(files(&[("a.raw", vec![0; 9])], false), Some(&huge)).err().expect("too large");
+    assert!(error.problem.contains("at most"), "{error}");
+}
+
+#[test]
+fn a_written_stack_is_read_back_with_its_voxels() {
+    let mut bytes = Vec::new();
+    let slice = |k: usize| (0..20).map(|i| (i * 100 + k * 3000) as u16).collect::<Vec<u16>>();
+    write_tiff_stack([5, 4, 3], [0.4, 0.2, 1.25], slice, &mut bytes).expect("memory");
+    let mut source = single(&[("a.tif", bytes.clone())]).expect("a stack");
+    assert_eq!((source.info().size, source.info().sample), ([5, 4, 3], SampleType::U16));
+    let spacing = source.info().spacing_mm.map(|s| s.expect("stated"));
+    assert!((spacing[0] - 0.4).abs() < 1e-6 && (spacing[1] - 0.2).abs() < 1e-6 && spacing[2] == 1.25);
+    let slices = all(&mut *source).expect("slices");
+    assert_eq!(slices[2], slice(2).iter().map(|&v| f32::from(v)).collect::<Vec<f32>>());
+    source.restart().expect("again");
+    assert!(source.skip_slice().expect("one") && source.skip_slice().expect("two"));
+    let mut last = Vec::new();
+    source.next_slice(&mut last).expect("three");
+    assert_eq!(last, slices[2]);
+    assert!(!source.skip_slice().expect("none"));
+    says(single(&[("a.tif", bytes[..150].to_vec())]), "a.tif", "page");
+}
+
+fn bmp(width: usize, height: usize, value: u8) -> Vec<u8> {
+    let row = (width * 3).next_multiple_of(4);
+    let mut out = b"BM".to_vec();
+    out.extend((54 + row * height).to_le_bytes()[..4].iter());
+    out.extend([0; 4]);
+    out.extend(54u32.to_le_bytes());
+    out.extend(40u32.to_le_bytes());
+    out.extend((width as u32).to_le_bytes());
+    out.extend((height as u32).to_le_bytes());
+    out.extend(1u16.to_le_bytes());
+    out.extend(24u16.to_le_bytes());
+    out.extend([0; 24]);
+    out.extend(vec![value; row * height]);
+    out
+}
+
+fn tiff16(value: u16) -> Vec<u8> {
+    let mut out = Vec::new();
+    write_tiff_stack([4, 3, 1], [1.0; 3], |_| vec![value; 12], &mut out).expect("memory");
+    out
+}
+
+#[test]
+fn folders_are_sorted_as_people_count_and_held_together() {
+    let name = ["scan/s2.bmp", "scan/s10.bmp", "scan/s1.bmp", "scan/s3.bmp", "scan/s4.bmp"];
+    let more = ["scan/s5.bmp", "scan/s6.bmp", "scan/s7.bmp", "scan/s8.bmp", "scan/s9.bmp"];
+    let values = [2, 10, 1, 3, 4, 5, 6, 7, 8, 9];
+    let mut series: Vec<(&str, Vec<u8>)> =
+        name.iter().chain(&more).zip(values).map(|(n, v)| (*n, bmp(4, 3, v))).collect();
+    series.push(("scan/notes.txt", b"hello".to_vec()));
+    let mut source = folder(&series).expect("a series");
+    assert_eq!(source.info().size, [4, 3, 10]);
+    assert!(source.info().warnings[0].contains("1 files that are no images"));
+    let grey: Vec<f32> = all(&mut *source).expect("slices").iter().map(|s| s[0].round()).collect();
+    assert_eq!(grey, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0]);
+    says(folder(&[series[0].clone(), series[1].clone(), series[2].clone()]), "s2.bmp", "from 2 to 10");
+    says(
+        folder(&[("a1.bmp", bmp(4, 3, 1)), ("a2.bmp", bmp(4, 4, 1))]),
+        "a2.bmp",
+        "4 x 4 pixels; a1.bmp has 4 x 3",
+    );
+    says(folder(&[("a1.bmp", bmp(4, 3, 1)), ("a2.tif", tiff16(9))]), "a2.tif", "u16 grey values");
+    says(folder(&[("a1.bmp", bmp(4, 3, 1)), ("a2.bmp", b"BM".to_vec())]), "a2.bmp", "");
+    says(folder(&[("notes.txt", b"hello".to_vec())]), "scan", "no DICOM, PNG");
+    says(folder(&[]), "scan", "no images");
+    says(single(&[("a.xyz", b"hello".to_vec())]), "a.xyz", "not a volume");
+}
+
+/// A DICOM slice, explicit or implicit little endian.
+struct Dicom {
+    syntax: &'static str,
+    series: &'static str,
+    z: f64,
+    y: f64,
+    size: [u16; 2],
+    value: u16,
+}
+
+impl Default for Dicom {
+    fn default() -> Self {
+        Self { syntax: "1.2.840.10008.1.2.1", series: "1.2.3", z: 0.0, y: 0.0, size: [3, 2], value: 1100 }
+    }
+}
+
+impl Dicom {
+    fn bytes(&self) -> Vec<u8> {
+        let mut out = vec![0u8; 128];
+        out.extend(b"DICM");
+        let implicit = self.syntax == "1.2.840.10008.1.2";
+        let mut put = |tag: u32, vr: &[u8; 2], value: &[u8], implicit: bool| {
+            let mut value = value.to_vec();
+            if value.len() % 2 == 1 {
+                value.push(b' ');
+            }
+            out.extend(((tag >> 16) as u16).to_le_bytes());
+            out.extend((tag as u16).to_le_bytes());
+            if implicit {
+                out.extend((value.len() as u32).to_le_bytes());
+            } else if [b"OW", b"SQ"].contains(&vr) {
+                out.extend(vr);
+                out.extend([0; 2]);
+                out.extend((value.len() as u32).to_le_bytes());
+            } else {
+                out.extend(vr);
+                out.extend((value.len() as u16).to_le_bytes());
+            }
+            out.extend(value);
+        };
+        put(0x0002_0010, b"UI", self.syntax.as_bytes(), false);
+        let sequence = [&[0xfe, 0xff, 0x00, 0xe0, 4, 0, 0, 0][..], b"nest"].concat();
+        put(0x0008_1140, b"SQ", &sequence, implicit);
+        put(0x0020_000e, b"UI", self.series.as_bytes(), implicit);
+        let place = format!("-10\\{}\\{}", self.y, self.z);
+        put(0x0020_0032, b"DS", place.as_bytes(), implicit);
+        put(0x0020_0037, b"DS", b"1\\0\\0\\0\\1\\0", implicit);
+        for (tag, v) in [(0x0028_0002, 1u16), (0x0028_0010, self.size[1]), (0x0028_0011, self.size[0])] {
+            put(tag, b"US", &v.to_le_bytes(), implicit);
+        }
+        put(0x0028_0030, b"DS", b"0.7\\0.5", implicit);
+        for (tag, v) in [(0x0028_0100, 16u16), (0x0028_0101, 16), (0x0028_0103, 0)] {
+            put(tag, b"US", &v.to_le_bytes(), implicit);
+        }
+        put(0x0028_1052, b"DS", b"-1000", implicit);
+        put(0x0028_1053, b"DS", b"2", implicit);
+        let n = usize::from(self.size[0]) * usize::from(self.size[1]);
+        let pixels: Vec<u8> = (0..n).flat_map(|i| (self.value + i as u16).to_le_bytes()).collect();
+        if self.syntax == "1.2.840.10008.1.2.5" {
+            // Two planes: the high bytes as one run, the low ones as they are.
+            let high = pixels[1];
+            let mut packed = vec![2u32, 64, 66];
+            packed.resize(16, 0);
+            let mut fragment: Vec<u8> = packed.iter().flat_map(|v| v.to_le_bytes()).collect();
+            fragment.extend([(257 - n) as u8, high, (n - 1) as u8]);
+            fragment.extend(pixels.iter().step_by(2));
+            out.extend([0xe0, 0x7f, 0x10, 0x00, b'O', b'B', 0, 0, 0xff, 0xff, 0xff, 0xff]);
+            out.extend([0xfe, 0xff, 0x00, 0xe0, 0, 0, 0, 0, 0xfe, 0xff, 0x00, 0xe0]);
+            out.extend((fragment.len() as u32).to_le_bytes());
+            out.extend(fragment);
+        } else {
+            put(0x7fe0_0010, b"OW", &pixels, implicit);
+        }
+        out
+    }
+}
+
+#[test]
+fn dicom_series_go_by_position() {
+    let slice = |z: f64| Dicom { z, value: 1000 + (z * 10.0) as u16, ..Dicom::default() };
+    let series = |zs: &[f64]| -> Vec<(&'static str, Vec<u8>)> {
+        let names = ["c", "a", "d", "b", "e"];
+        names.iter().zip(zs).map(|(n, z)| (*n, slice(*z).bytes())).collect()
+    };
+    let mut source = folder(&series(&[5.0, 0.0, 7.5, 2.5])).expect("a series");
+    assert_eq!(source.info().spacing_mm, [Some(0.5), Some(0.7), Some(2.5)]);
+    let grey: Vec<f32> = all(&mut *source).expect("slices").iter().map(|s| s[1]).collect();
+    assert_eq!(grey, [1002.0, 1052.0, 1102.0, 1152.0], "slope 2, intercept -1000");
+    for syntax in ["1.2.840.10008.1.2", "1.2.840.10008.1.2.5"] {
+        let mut one = folder(&[("x", Dicom { syntax, ..Dicom::default() }.bytes())]).expect("one slice");
+        assert_eq!(
+            all(&mut *one).expect("it")[0],
+            [1200.0, 1202.0, 1204.0, 1206.0, 1208.0, 1210.0],
+            "{syntax}"
+        );
+    }
+    let uneven = folder(&series(&[0.0, 1.0, 2.2, 3.0])).expect("uneven");
+    assert_eq!(uneven.info().z_mm, [0.0, 1.0, 2.2, 3.0]);
+    let with = |extra: Dicom| {
+        let mut all = series(&[0.0, 1.0, 2.0]);
+        all.push(("x", extra.bytes()));
+        folder(&all)
+    };
+    says(folder(&series(&[0.0, 1.0, 2.0, 4.0, 5.0])), "d", "1 slices are missing");
+    says(with(Dicom { z: 3.0, series: "9", ..Dicom::default() }), "x", "another series");
+    says(with(Dicom { z: 3.0, size: [2, 2], ..Dicom::default() }), "x", "2 x 2 pixels");
+    says(with(Dicom { z: 1.0, ..Dicom::default() }), "", "same position");
+    says(with(Dicom { z: 3.0, y: 1.5, ..Dicom::default() }), "x", "tilted");
+    says(with(Dicom { syntax: "1.2.840.10008.1.2.4.90", ..Dicom::default() }), "x", "JPEG 2000");
+    let cut = Dicom::default().bytes();
+    says(folder(&[("x", cut[..cut.len() - 2].to_vec())]), "x", "cut short");
+    says(folder(&[("x", cut[..200].to_vec())]), "x", "");
+}
+
+#[test]
+fn a_zip_archive_is_the_folder_in_it() {
+    let mut zip = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for k in [2, 0, 1] {
+        zip.start_file(format!("s/{k}.bmp"), zip::write::SimpleFileOptions::default()).expect("memory");
+        zip.write_all(&bmp(4, 3, k * 10)).expect("memory");
+    }
+    let bytes = zip.finish().expect("memory").into_inner();
+    let mut source = single(&[("a.zip", bytes)]).expect("an archive");
+    let grey: Vec<f32> = all(&mut *source).expect("slices").iter().map(|s| s[0].round()).collect();
+    assert_eq!(grey, [0.0, 10.0, 20.0]);
+}
+
+#[test]
+fn any_bytes_are_survived() {
+    let seeds = [
+        nifti(),
+        Dicom::default().bytes(),
+        Dicom { syntax: "1.2.840.10008.1.2.5", ..Dicom::default() }.bytes(),
+        tiff16(7),
+        b"NRRD0004\ntype: short\nsizes: 3 2 4\nencoding: raw\n\n".to_vec(),
+        b"NDims = 3\nDimSize = 3 2 4\nElementType = MET_SHORT\nElementDataFile = LOCAL\n".to_vec(),
+    ];
+    let mut state = 1u64;
+    let mut random = |n: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % n
+    };
+    for seed in &seeds {
+        for _ in 0..300 {
+            let mut bytes = seed.clone();
+            for _ in 0..=random(4) {
+                let at = random(bytes.len());
+                bytes[at] = random(256) as u8;
+            }
+            bytes.truncate(bytes.len() - random(bytes.len() / 4 + 1));
+            if let Ok(mut source) = single(&[("a", bytes)]) {
+                let mut slice = Vec::new();
+                for _ in 0..8 {
+                    if !matches!(source.next_slice(&mut slice), Ok(true)) {
+                        break;
+                    }
+                    assert_eq!(slice.len(), source.info().size[0] * source.info().size[1]);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! Signed distance from a region's border on a grid: positive inside.
+
+use grainpath_core::poly::edges;
+use grainpath_core::{Bounds2, DVec2, Region};
+
+/// Where the pixels of a grid lie.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Raster {
+    /// The middle of the first pixel, mm.
+    pub origin: DVec2,
+    /// Distance of pixels, mm.
+    pub pixel_mm: DVec2,
+    /// Columns.
+    pub nx: usize,
+    /// Rows.
+    pub ny: usize,
+}
+
+/// Grids with more pixels are made coarser.
+const MAX_PIXELS: f64 = 4e6;
+
+impl Raster {
+    /// A grid over a box, grown by two pixels on every side.
+    pub fn over(bounds: Bounds2, pixel_mm: DVec2) -> Self {
+        let n = bounds.size() / pixel_mm;
+        let pixel_mm = pixel_mm * ((n.x + 4.0) * (n.y + 4.0) / MAX_PIXELS).sqrt().max(1.0);
+        let n = (bounds.size() / pixel_mm).ceil();
+        let (nx, ny) = (n.x as usize + 5, n.y as usize + 5);
+        Self { origin: bounds.min - 2.0 * pixel_mm, pixel_mm, nx, ny }
+    }
+
+    fn at(&self, i: usize, j: usize) -> DVec2 {
+        self.origin + DVec2::new(i as f64, j as f64) * self.pixel_mm
+    }
+
+    /// A contour in pixels (see [`super::trace::Grid::contours`]) as mm.
+    pub fn to_mm(&self, p: DVec2) -> DVec2 {
+        self.origin + (p - 0.5) * self.pixel_mm
+    }
+}
+
+/// Signed distance in mm at every pixel, row-major.
+///
+/// Each pixel hears from its neighbours which edge is nearest to them and measures itself to it; four sweeps carry an
+/// edge everywhere. Off by less than a hundredth of a pixel near the border, where it matters.
+pub fn signed_distance(region: &Region, raster: &Raster) -> Vec<f32> {
+    let (nx, ny) = (raster.nx, raster.ny);
+    let segments: Vec<(DVec2, DVec2)> = region.contours().flat_map(|c| edges(c)).collect();
+    let mut nearest = vec![u32::MAX; nx * ny];
+    let mut best = vec![f32::INFINITY; nx * ny];
+    let measure = |p: DVec2, s: u32| {
+        let (a, b) = segments[s as usize];
+        let d = b - a;
+        let l = d.length_squared();
+        let t = if l > 0.0 { ((p - a).dot(d) / l).clamp(0.0, 1.0) } else { 0.0 };
+        p.distance_squared(a + t * d) as f32
+    };
+    for (s, (a, b)) in segments.iter().enumerate() {
+        let cell = |p: DVec2| (p - raster.origin) / raster.pixel_mm;
+        let (low, high) = (cell(a.min(*b)) - 1.0, cell(a.max(*b)) + 2.0);
+        let index = |v: f64, n: usize| v.clamp(0.0, n as f64) as usize;
+        for j in index(low.y, ny)..index(high.y, ny) {
+            for i in index(low.x, nx)..index(high.x, nx) {
+                let d = measure(raster.at(i, j), s as u32);
+                if d < best[j * nx + i] {
+                    (best[j * nx + i], nearest[j * nx + i]) = (d, s as u32);
+                }
+            }
+        }
+    }
+    let mut hear = |i: usize, j: usize, from: [(isize, isize); 4]| {
+        let p = raster.at(i, j);
+        for (dx, dy) in from {
+            let (x, y) = (i.wrapping_add_signed(dx), j.wrapping_add_signed(dy));
+            if x < nx && y < ny {
+                let s = nearest[y * nx + x];
+                if s != u32::MAX && s != nearest[j * nx + i] {
+                    let d = measure(p, s);
+                    if d < best[j * nx + i] {
+                        (best[j * nx + i], nearest[j * nx + i]) = (d, s);
+                    }
+                }
+            }
+        }
+    };
+    for j in 0..ny {
+        for i in 0..nx {
+            hear(i, j, [(-1, 0), (-1, -1), (0, -1), (1, -1)]);
+        }
+        for i in (0..nx).rev() {
+            hear(i, j, [(1, 0), (1, -1), (0, -1), (-1, -1)]);
+        }
+    }
+    for j in (0..ny).rev() {
+        for i in (0..nx).rev() {
+            hear(i, j, [(1, 0), (1, 1), (0, 1), (-1, 1)]);
+        }
+        for i in 0..nx {
+            hear(i, j, [(-1, 0), (-1, 1), (0, 1), (1, 1)]);
+        }
+    }
+    let mut crossings: Vec<Vec<f64>> = vec![Vec::new(); ny];
+    for &(a, b) in &segments {
+        let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
+        let row = |y: f64| ((y - raster.origin.y) / raster.pixel_mm.y).ceil().clamp(0.0, ny as f64) as usize;
+        for j in row(low.y)..row(high.y) {
+            let y = raster.at(0, j).y;
+            crossings[j].push(low.x + (high.x - low.x) * (y - low.y) / (high.y - low.y));
+        }
+    }
+    for (j, row) in crossings.iter_mut().enumerate() {
+        row.sort_by(f64::total_cmp);
+        let mut passed = 0;
+        for i in 0..nx {
+            let x = raster.at(i, j).x;
+            while passed < row.len() && row[passed] <= x {
+                passed += 1;
+            }
+            let d = &mut best[j * nx + i];
+            *d = if d.is_finite() { d.sqrt() } else { f32::MAX.sqrt() };
+            if passed % 2 == 0 {
+                *d = -*d;
+            }
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_in_a_square_with_a_hole_are_exact() {
+        let square = Region::rectangle(DVec2::ZERO, DVec2::splat(20.0));
+        let hole = Region::rectangle(DVec2::splat(8.0), DVec2::new(13.0, 11.0));
+        let region = square.difference(&hole);
+        let raster =
+            Raster::over(Bounds2 { min: DVec2::splat(-4.0), max: DVec2::splat(24.0) }, DVec2::new(0.7, 0.9));
+        let d = signed_distance(&region, &raster);
+        let to_box = |p: DVec2, a: DVec2, b: DVec2| {
+            let out = (a - p).max(p - b);
+            if out.max_element() < 0.0 { -out.max_element() } else { -out.max(DVec2::ZERO).length() }
+        };
+        for j in 0..raster.ny {
+            for i in 0..raster.nx {
+                let p = raster.at(i, j);
+                let outer = to_box(p, DVec2::ZERO, DVec2::splat(20.0));
+                let inner = to_box(p, DVec2::splat(8.0), DVec2::new(13.0, 11.0));
+                let truth = outer.min(-inner);
+                let found = f64::from(d[j * raster.nx + i]);
+                assert!((found - truth).abs() < 1e-5, "{p}: {found} {truth}");
+            }
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! A contact sheet: slices of a scan side by side.
+
+/// At most so many slices are shown, in rows of this many.
+const COLUMNS: usize = 5;
+const SHOWN: usize = 20;
+/// Longest side of a slice on the sheet, px.
+const TILE_PX: usize = 240;
+
+/// Slices of a scan, made small as they come.
+#[derive(Debug, Clone)]
+pub struct ContactSheet {
+    size: [usize; 3],
+    shrink: usize,
+    tiles: Vec<Vec<f32>>,
+}
+
+impl ContactSheet {
+    /// For a scan of columns, rows, slices.
+    pub fn new(size: [usize; 3]) -> Self {
+        let shrink = size[0].max(size[1]).div_ceil(TILE_PX).max(1);
+        Self { size, shrink, tiles: Vec::new() }
+    }
+
+    fn tile(&self) -> (usize, usize) {
+        (self.size[0].div_ceil(self.shrink), self.size[1].div_ceil(self.shrink))
+    }
+
+    /// Offers slice `k`; evenly spread ones are kept.
+    pub fn add(&mut self, k: usize, values: &[f32]) {
+        let n = self.size[2];
+        let shown = SHOWN.min(n);
+        if self.tiles.len() >= shown || k != (2 * self.tiles.len() + 1) * n / (2 * shown) {
+            return;
+        }
+        let (w, h) = self.tile();
+        let (nx, ny) = (self.size[0], self.size[1]);
+        let mut tile = Vec::with_capacity(w * h);
+        for j in 0..h {
+            for i in 0..w {
+                let (x, y) = (i * self.shrink, j * self.shrink);
+                let (x1, y1) = ((x + self.shrink).min(nx), (y + self.shrink).min(ny));
+                let sum: f32 = (y..y1).flat_map(|y| &values[y * nx + x..y * nx + x1]).sum();
+                tile.push(sum / ((x1 - x) * (y1 - y)) as f32);
+            }
+        }
+        self.tiles.push(tile);
+    }
+
+    /// The sheet as PNG, `low` black and `high` white, the first slice at the top left.
+    pub fn png(&self, low: f32, high: f32) -> Vec<u8> {
+        let (w, h) = self.tile();
+        let columns = COLUMNS.min(self.tiles.len()).max(1);
+        let rows = self.tiles.len().div_ceil(columns).max(1);
+        let (width, height) = (columns * (w + 4) + 4, rows * (h + 4) + 4);
+        let mut pixels = vec![40u8; width * height];
+        let scale = 255.0 / (high - low).max(f32::MIN_POSITIVE);
+        for (k, tile) in self.tiles.iter().enumerate() {
+            let (x0, y0) = (4 + (k % columns) * (w + 4), 4 + (k / columns) * (h + 4));
+            for (j, row) in tile.chunks_exact(w).enumerate() {
+                let at = (y0 + j) * width + x0;
+                for (out, v) in pixels[at..at + w].iter_mut().zip(row) {
+                    *out = ((v - low) * scale) as u8;
+                }
+            }
+        }
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.set_depth(png::BitDepth::Eight);
+        let written = encoder.write_header().and_then(|mut w| w.write_image_data(&pixels));
+        written.expect("memory takes all that is written");
+        bytes
+    }
+}

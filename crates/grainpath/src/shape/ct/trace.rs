@@ -1,0 +1,256 @@
+//! Sub-pixel contours by marching squares.
+
+use grainpath_core::{Contour, DVec2};
+
+/// A picture whose zero line is the part's border: positive inside.
+#[derive(Debug, Clone)]
+pub struct Grid {
+    /// `(rows, columns)`, row-major, with a border of one pixel all around that is never inside.
+    values: Vec<f32>,
+    nx: usize,
+    ny: usize,
+}
+
+impl Grid {
+    /// A grid of `nx` x `ny` values, mixed of two: `(1 - t) a + t b`. A part that runs out of the picture ends half a
+    /// pixel outside.
+    pub fn mixed(a: &[f32], b: &[f32], t: f32, nx: usize, ny: usize) -> Self {
+        let w = nx + 2;
+        let mut values = vec![0.0; w * (ny + 2)];
+        for j in 0..ny {
+            let row = &mut values[(j + 1) * w..(j + 2) * w];
+            let (a, b) = (&a[j * nx..(j + 1) * nx], &b[j * nx..(j + 1) * nx]);
+            for ((v, &p), &q) in row[1..=nx].iter_mut().zip(a).zip(b) {
+                *v = p + t * (q - p);
+            }
+            row[0] = outside(row[1]);
+            row[nx + 1] = outside(row[nx]);
+        }
+        for i in 0..w {
+            values[i] = outside(values[w + i]);
+            values[(ny + 1) * w + i] = outside(values[ny * w + i]);
+        }
+        Self { values, nx, ny }
+    }
+
+    /// The grid with noise taken out where a face of the part lies in the plane: there the grey value changes
+    /// from slice to slice, and is near zero over an area instead of along a line. `a` and `b` are what was mixed.
+    pub fn with_flats(mut self, a: &[f32], b: &[f32]) -> Self {
+        const REACH: usize = 2;
+        let (w, nx) = (self.nx + 2, self.nx);
+        let flat = |k: usize| {
+            let v = self.values[(k / nx + 1) * w + k % nx + 1];
+            v.abs() < 0.12 * (a[k] - b[k]).abs()
+        };
+        let found: Vec<usize> = (0..a.len()).filter(|&k| flat(k)).collect();
+        // A few such pixels are chance.
+        if found.len() < 25 {
+            return self;
+        }
+        let mut settled: Vec<(usize, f32)> = Vec::new();
+        for &k in &found {
+            let (i, j) = (k % nx, k / nx);
+            let (mut n, mut sum) = (0, 0.0);
+            for y in j.saturating_sub(REACH)..=(j + REACH).min(self.ny - 1) {
+                for x in i.saturating_sub(REACH)..=(i + REACH).min(nx - 1) {
+                    if flat(y * nx + x) {
+                        n += 1;
+                        sum += self.values[(y + 1) * w + x + 1];
+                    }
+                }
+            }
+            if n > 10 {
+                settled.push((k, sum / n as f32));
+            }
+        }
+        level(&mut settled, nx, |k| 0.02 * (a[k] - b[k]).abs());
+        settled.into_iter().for_each(|(k, v)| self.values[(k / nx + 1) * w + k % nx + 1] = v);
+        self
+    }
+
+    /// A grid of these values.
+    pub fn of(values: &[f32], nx: usize, ny: usize) -> Self {
+        Self::mixed(values, values, 0.0, nx, ny)
+    }
+
+    /// The contours of what is inside, in pixels: the middle of the first pixel is (0.5, 0.5). What is inside lies to
+    /// the left. Where a saddle leaves it open, the mean of its four corners decides.
+    pub fn contours(&self) -> Vec<Contour> {
+        let w = self.nx + 2;
+        let mut next = vec![NONE; 2 * self.values.len()];
+        let mut starts = Vec::new();
+        for j in 0..=self.ny {
+            let (low, high) = (&self.values[j * w..(j + 1) * w], &self.values[(j + 1) * w..(j + 2) * w]);
+            let mut code = usize::from(low[0] > 0.0) << 1 | usize::from(high[0] > 0.0) << 2;
+            for i in 0..=self.nx {
+                code = (code >> 1 & 1)
+                    | (code >> 2 & 1) << 3
+                    | usize::from(low[i + 1] > 0.0) << 1
+                    | usize::from(high[i + 1] > 0.0) << 2;
+                if code == 0 || code == 15 {
+                    continue;
+                }
+                let p = (j * w + i) as u32;
+                // Edges by the pixel they begin at: even ones run along x, odd ones along y.
+                let (bottom, left) = (2 * p, 2 * p + 1);
+                let (top, right) = (2 * (p + w as u32), 2 * (p + 1) + 1);
+                let mut link = |from: u32, to: u32| {
+                    next[from as usize] = to;
+                    starts.push(from);
+                };
+                let joined = || low[i] + low[i + 1] + high[i] + high[i + 1] > 0.0;
+                match code {
+                    1 => link(bottom, left),
+                    2 => link(right, bottom),
+                    3 => link(right, left),
+                    4 => link(top, right),
+                    6 => link(top, bottom),
+                    7 => link(top, left),
+                    8 => link(left, top),
+                    9 => link(bottom, top),
+                    11 => link(right, top),
+                    12 => link(left, right),
+                    13 => link(bottom, right),
+                    14 => link(left, bottom),
+                    5 if joined() => {
+                        link(bottom, right);
+                        link(top, left);
+                    }
+                    5 => {
+                        link(bottom, left);
+                        link(top, right);
+                    }
+                    _ if joined() => {
+                        link(left, bottom);
+                        link(right, top);
+                    }
+                    _ => {
+                        link(right, bottom);
+                        link(left, top);
+                    }
+                }
+            }
+        }
+        let mut out = Vec::new();
+        for start in starts {
+            let mut at = start;
+            let mut contour = Vec::new();
+            while next[at as usize] != NONE {
+                contour.push(self.point(at));
+                at = std::mem::replace(&mut next[at as usize], NONE);
+            }
+            contour.dedup();
+            if contour.len() > 2 {
+                out.push(contour);
+            }
+        }
+        out
+    }
+
+    /// Where an edge crosses zero.
+    fn point(&self, edge: u32) -> DVec2 {
+        let w = self.nx + 2;
+        let p = (edge / 2) as usize;
+        let q = if edge.is_multiple_of(2) { p + 1 } else { p + w };
+        let (a, b) = (f64::from(self.values[p]), f64::from(self.values[q]));
+        let t = a / (a - b);
+        let at = DVec2::new((p % w) as f64 - 0.5, (p / w) as f64 - 0.5);
+        if edge.is_multiple_of(2) { at + DVec2::new(t, 0.0) } else { at + DVec2::new(0.0, t) }
+    }
+}
+
+/// Gives every connected patch that is level, within `tolerance` from end to end, its mean: a face that lies in the
+/// plane to a hair is there as a whole or not at all. `patch` goes by pixel number.
+fn level(patch: &mut [(usize, f32)], nx: usize, tolerance: impl Fn(usize) -> f32) {
+    let mut free = vec![true; patch.len()];
+    for seed in 0..patch.len() {
+        if !std::mem::replace(&mut free[seed], false) {
+            continue;
+        }
+        let mut members = vec![seed];
+        let mut next = 0;
+        while next < members.len() {
+            let k = patch[members[next]].0;
+            next += 1;
+            let row = [k.checked_sub(1), Some(k + 1)].map(|m| m.filter(|m| m / nx == k / nx));
+            for m in row.into_iter().chain([k.checked_sub(nx), Some(k + nx)]).flatten() {
+                if let Ok(i) = patch.binary_search_by_key(&m, |p| p.0)
+                    && std::mem::replace(&mut free[i], false)
+                {
+                    members.push(i);
+                }
+            }
+        }
+        if members.len() < 25 {
+            continue;
+        }
+        let mean = |part: &[usize]| part.iter().map(|&i| patch[i].1).sum::<f32>() / part.len() as f32;
+        // Halves by column and by row: a patch that leans differs between them.
+        let halves = |key: &dyn Fn(usize) -> usize| {
+            let mut sorted = members.clone();
+            sorted.sort_by_key(|&i| (key(patch[i].0), patch[i].0));
+            let (low, high) = sorted.split_at(sorted.len() / 2);
+            (mean(low) - mean(high)).abs()
+        };
+        let apart = halves(&|k| k % nx).max(halves(&|k| k / nx));
+        if apart < tolerance(patch[seed].0) {
+            let value = mean(&members);
+            members.into_iter().for_each(|i| patch[i].1 = value);
+        }
+    }
+}
+
+const NONE: u32 = u32::MAX;
+
+fn outside(inside: f32) -> f32 {
+    -inside.abs().max(f32::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::poly::signed_area_mm2;
+
+    #[test]
+    fn a_disc_has_its_area_to_a_thousandth() {
+        let (nx, ny, r) = (64, 50, 17.3);
+        let value = |i: usize| {
+            let p = DVec2::new((i % nx) as f64 + 0.5 - 30.2, (i / nx) as f64 + 0.5 - 24.9);
+            (r - p.length()) as f32
+        };
+        let values: Vec<f32> = (0..nx * ny).map(value).collect();
+        let contours = Grid::of(&values, nx, ny).contours();
+        assert_eq!(contours.len(), 1);
+        let area = signed_area_mm2(&contours[0]);
+        assert!((area / (std::f64::consts::PI * r * r) - 1.0).abs() < 1e-3, "{area}");
+    }
+
+    #[test]
+    fn what_fills_the_picture_ends_half_a_pixel_outside_its_middles() {
+        let contours = Grid::of(&[1.0; 12], 4, 3).contours();
+        assert_eq!(contours.len(), 1);
+        assert!((signed_area_mm2(&contours[0]) - 12.0).abs() < 0.6);
+        let hole = [1.0, 1.0, 1.0, 1.0, -1.0, 1.0, 1.0, 1.0, 1.0];
+        let areas: Vec<f64> = Grid::of(&hole, 3, 3).contours().iter().map(|c| signed_area_mm2(c)).collect();
+        assert!(areas.len() == 2 && areas[0] > 0.0 && areas[1] < 0.0, "{areas:?}");
+        assert!(Grid::of(&[-1.0; 9], 3, 3).contours().is_empty());
+        // Exact zeros are outside and break nothing; what meets at corners hangs together if its mean is inside.
+        assert_eq!(Grid::of(&[0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0], 3, 3).contours().len(), 1);
+        assert_eq!(Grid::of(&[-2.0, 1.0, -2.0, 1.0, -2.0, 1.0, -2.0, 1.0, -2.0], 3, 3).contours().len(), 4);
+    }
+
+    #[test]
+    fn a_flat_face_in_the_plane_is_not_torn_by_noise() {
+        let n = 40;
+        let noise = |i: usize, s: usize| ((((i * 7919 + s) * 104_729) >> 3) % 101) as f32 * 0.02 - 1.0;
+        // The face lies a twentieth of the way above the plane: everything is inside but for the noise.
+        let framed = |i: usize| (4..36).contains(&(i % n)) && (4..36).contains(&(i / n));
+        let below: Vec<f32> =
+            (0..n * n).map(|i| if framed(i) { 10.0 + noise(i, 1) } else { -10.0 }).collect();
+        let above: Vec<f32> = (0..n * n).map(|i| -10.0 + noise(i, 5)).collect();
+        let torn = Grid::mixed(&below, &above, 0.48, n, n);
+        assert!(torn.contours().len() > 1);
+        let whole = Grid::mixed(&below, &above, 0.48, n, n).with_flats(&below, &above);
+        assert_eq!(whole.contours().len(), 1);
+    }
+}

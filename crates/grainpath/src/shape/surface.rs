@@ -1,0 +1,210 @@
+//! The surface of a stack of layers: lofted from section to section, closed and manifold whatever branches or ends.
+
+use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, Region, TriMesh};
+use rayon::prelude::*;
+
+use super::ShapeError;
+use super::ct::{Raster, signed_distance};
+
+/// Surfaces with more triangles are not made.
+const MAX_TRIANGLES: usize = 60_000_000;
+/// Height over which the ends are closed, mm; put back onto the end planes.
+const END_MM: f64 = 1e-3;
+/// Values closer to zero than this share of a cell are moved off it: no two vertices coincide.
+const LEAST: f32 = 0.02;
+
+/// Lofts the sections of a stack: between their middles by signed distances on cells of about `cell_mm`, cut into six
+/// tetrahedra each, so that the result is closed and manifold by construction. The ends are flat.
+///
+/// # Errors
+/// [`ShapeError`]: nothing there, too many triangles, interrupted.
+pub fn surface(stack: &LayerStack, cell_mm: f64, diagnostics: &Diagnostics) -> Result<TriMesh, ShapeError> {
+    let layers = stack.layers();
+    let bounds = layers.iter().filter_map(|l| l.region().bounds()).reduce(Bounds2::union);
+    let (Some(bounds), Some(last)) = (bounds, layers.last()) else { return Err(ShapeError::NothingLeft) };
+    let top = last.z_top_mm();
+    let raster = Raster::over(bounds, glam(cell_mm));
+    let mut loft = Loft::new(raster, top);
+    let n = raster.nx * raster.ny;
+    // Not the mirrored values: slanted edges would be crossed straight above level ones, and vertices fall together.
+    let outside = |inside: &[f32]| inside.iter().map(|v| -v.abs() - 0.7).collect::<Vec<f32>>();
+    let mut before: Option<(Vec<f32>, f64)> = None;
+    for batch in layers.chunks(2 * rayon::current_num_threads()) {
+        diagnostics.check()?;
+        let fields: Vec<Vec<f32>> = batch.par_iter().map(|l| field(l.region(), &raster)).collect();
+        for (layer, field) in batch.iter().zip(fields) {
+            debug_assert_eq!(field.len(), n);
+            let z = layer.z_top_mm() - 0.5 * layer.height_mm();
+            match before.take() {
+                None => {
+                    loft.slab(&outside(&field), -END_MM, &field, 0.0)?;
+                    loft.slab(&field, 0.0, &field, z)?;
+                }
+                Some((lower, z_lower)) => loft.slab(&lower, z_lower, &field, z)?,
+            }
+            before = Some((field, z));
+        }
+    }
+    if let Some((lower, z)) = before {
+        loft.slab(&lower, z, &lower, top)?;
+        loft.slab(&lower, top, &outside(&lower), top + END_MM)?;
+    }
+    Ok(loft.mesh)
+}
+
+fn glam(cell_mm: f64) -> grainpath_core::DVec2 {
+    grainpath_core::DVec2::splat(cell_mm)
+}
+
+/// Signed distance in cells, nowhere near zero.
+fn field(region: &Region, raster: &Raster) -> Vec<f32> {
+    if region.is_empty() {
+        return vec![-1.0; raster.nx * raster.ny];
+    }
+    let scale = 1.0 / raster.pixel_mm.x as f32;
+    let mut values = signed_distance(region, raster);
+    for v in &mut values {
+        let d = *v * scale;
+        *v = if d.abs() < LEAST { LEAST.copysign(d) } else { d };
+    }
+    values
+}
+
+/// Edges of the six tetrahedra of a cell by their direction: 1 is x, 2 is y, 4 is z.
+const DIRECTIONS: usize = 8;
+const NONE: u32 = u32::MAX;
+
+struct Loft {
+    raster: Raster,
+    top: f64,
+    mesh: TriMesh,
+    /// Vertices on the edges that begin at a point of the lower plane, by direction.
+    lower: Vec<u32>,
+    /// Those within the upper plane.
+    upper: Vec<u32>,
+}
+
+impl Loft {
+    fn new(raster: Raster, top: f64) -> Self {
+        let n = raster.nx * raster.ny * DIRECTIONS;
+        Self { raster, top, mesh: TriMesh::default(), lower: vec![NONE; n], upper: vec![NONE; n] }
+    }
+
+    /// Adds the surface between two planes; slabs come from below.
+    fn slab(&mut self, low: &[f32], z_low: f64, high: &[f32], z_high: f64) -> Result<(), ShapeError> {
+        let (nx, ny) = (self.raster.nx, self.raster.ny);
+        std::mem::swap(&mut self.lower, &mut self.upper);
+        self.upper.fill(NONE);
+        for j in 0..ny - 1 {
+            for i in 0..nx - 1 {
+                let p = j * nx + i;
+                let corner = |c: usize| {
+                    let q = p + (c & 1) + (c >> 1 & 1) * nx;
+                    if c & 4 == 0 { low[q] } else { high[q] }
+                };
+                let inside = (0..8).filter(|&c| corner(c) > 0.0).count();
+                if inside == 0 || inside == 8 {
+                    continue;
+                }
+                let v: [f32; 8] = std::array::from_fn(corner);
+                // Kuhn's cut: every way from corner 0 to corner 7, one axis after another.
+                for [a, b] in [[1, 3], [1, 5], [2, 3], [2, 6], [4, 5], [4, 6]] {
+                    self.tetrahedron([0, a, b, 7], &v, [i, j], [z_low, z_high]);
+                }
+            }
+        }
+        if self.mesh.triangles.len() > MAX_TRIANGLES {
+            let problem = format!(
+                "a surface of more than {MAX_TRIANGLES} triangles; a larger output.surface_cell_mm makes fewer"
+            );
+            return Err(ShapeError::Scan { problem });
+        }
+        Ok(())
+    }
+
+    fn tetrahedron(&mut self, corners: [usize; 4], v: &[f32; 8], at: [usize; 2], z: [f64; 2]) {
+        let mut within: Vec<usize> = Vec::with_capacity(4);
+        let mut without: Vec<usize> = Vec::with_capacity(4);
+        for c in corners {
+            if v[c] > 0.0 { within.push(c) } else { without.push(c) }
+        }
+        let edges: Vec<[(usize, usize); 3]> = match (within.as_slice(), without.as_slice()) {
+            (&[a], &[p, q, r]) | (&[p, q, r], &[a]) => vec![[(a, p), (a, q), (a, r)]],
+            (&[a, b], &[p, q]) => vec![[(a, p), (a, q), (b, q)], [(a, p), (b, q), (b, p)]],
+            _ => return,
+        };
+        // Which way round does not depend on where on their edges the vertices lie: the middles tell.
+        let place = |c: usize| DVec3::new((c & 1) as f64, (c >> 1 & 1) as f64, (c >> 2) as f64);
+        let sum = |cs: &[usize]| cs.iter().map(|&c| place(c)).sum::<DVec3>() / cs.len() as f64;
+        let out = sum(&without) - sum(&within);
+        for edges in edges {
+            let [p, q, r] = edges.map(|(a, b)| place(a) + place(b));
+            let turned = (q - p).cross(r - p).dot(out) < 0.0;
+            let [a, b, c] = edges.map(|(a, b)| self.vertex(a.min(b), a.max(b), v, at, z));
+            self.mesh.triangles.push(if turned { [a, c, b] } else { [a, b, c] });
+        }
+    }
+
+    /// The vertex on the edge from corner `a` to corner `b` of a cell.
+    fn vertex(&mut self, a: usize, b: usize, v: &[f32; 8], at: [usize; 2], z: [f64; 2]) -> u32 {
+        let (nx, direction) = (self.raster.nx, a ^ b);
+        let point = (at[1] + (a >> 1 & 1)) * nx + at[0] + (a & 1);
+        let table = if a & 4 == 0 { &mut self.lower } else { &mut self.upper };
+        let slot = &mut table[point * DIRECTIONS + direction];
+        if *slot != NONE {
+            return *slot;
+        }
+        let t = f64::from(v[a] / (v[a] - v[b]));
+        let place = |c: usize| {
+            let p = self.raster.origin
+                + grainpath_core::DVec2::new((at[0] + (c & 1)) as f64, (at[1] + (c >> 1 & 1)) as f64)
+                    * self.raster.pixel_mm;
+            p.extend(z[c >> 2])
+        };
+        let p = place(a).lerp(place(b), t);
+        *slot = self.mesh.vertices.len() as u32;
+        self.mesh.vertices.push(DVec3::new(p.x, p.y, p.z.clamp(0.0, self.top)));
+        *slot
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::mesh::diagnose;
+    use grainpath_core::{DVec2, Layer};
+
+    #[test]
+    fn a_branching_part_with_a_hole_that_closes_has_a_closed_surface_of_its_volume() {
+        let rectangle = |x0: f64, x1: f64| Region::rectangle(DVec2::new(x0, 0.0), DVec2::new(x1, 8.0));
+        let whole = rectangle(0.0, 20.0);
+        let hollow = whole.difference(&Region::rectangle(DVec2::new(7.0, 2.0), DVec2::new(13.0, 6.0)));
+        let two = rectangle(0.0, 7.0).union(&rectangle(13.0, 20.0));
+        let sections = [&whole, &whole, &hollow, &hollow, &hollow, &two, &two, &two, &whole, &whole];
+        let layers = sections
+            .iter()
+            .enumerate()
+            .filter_map(|(i, r)| Layer::new(0.4 * (i + 1) as f64, 0.4, (*r).clone()))
+            .collect();
+        let stack = LayerStack::new(layers).expect("rising");
+        let mesh = surface(&stack, 0.3, &Diagnostics::default()).expect("a surface");
+        let health = diagnose(&mesh).expect("triangles");
+        assert!(health.open_edges == 0 && health.nonmanifold_edges == 0, "{health:?}");
+        assert_eq!(health.badly_wound_edges, 0, "{health:?}");
+        let ratio = mesh.signed_volume() / stack.volume_mm3();
+        assert!((ratio - 1.0).abs() < 0.03, "{ratio}");
+        let (low, high) = mesh.bounds().expect("vertices");
+        assert!(low.z == 0.0 && (high.z - 4.0).abs() < 1e-12);
+        // Written as STL and read again, where coordinates are short and vertices are merged by place.
+        let mut stl = Vec::new();
+        grainpath_io::write_stl(&mesh, &mut stl).expect("memory");
+        let read = grainpath_io::parse_mesh(&stl, Some("a.stl")).expect("its own STL");
+        let again = diagnose(&read.bodies[0].mesh).expect("triangles");
+        assert!(again.open_edges == 0 && again.nonmanifold_edges == 0, "{again:?}");
+        let mut package = Vec::new();
+        grainpath_io::write_3mf(&[&mesh], &mut package).expect("memory");
+        let read = grainpath_io::parse_mesh(&package, Some("a.3mf")).expect("its own 3MF");
+        let packed = diagnose(&read.bodies[0].mesh).expect("triangles");
+        assert_eq!((packed.n_triangles, packed.open_edges), (health.n_triangles, 0));
+    }
+}

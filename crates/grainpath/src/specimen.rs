@@ -1,0 +1,231 @@
+//! Pieces to print and read, made by our own code: one row each in [`SPECIMENS`].
+
+use grainpath_core::math::{direction, sin_cos};
+use grainpath_core::{DVec2, DVec3, TriMesh};
+
+/// A piece that `grainpath specimen` writes.
+pub struct Specimen {
+    /// What it is called.
+    pub name: &'static str,
+    /// What it is for, in a line.
+    pub about: &'static str,
+    /// Makes it, in mm, standing on z = 0.
+    pub mesh: fn() -> TriMesh,
+}
+
+/// Every specimen.
+pub const SPECIMENS: [Specimen; 3] = [
+    Specimen {
+        name: "critical-angle",
+        about: "branches that lean by 0 to 90 degrees, numbered: shows which angles print without support",
+        mesh: critical_angle,
+    },
+    Specimen {
+        name: "hanging-ball",
+        about: "a ball 50 mm above the plate, for supports",
+        mesh: hanging_ball,
+    },
+    Specimen {
+        name: "dental-tray",
+        about: "a horseshoe tray that leans by 30 degrees, for supports",
+        mesh: dental_tray,
+    },
+];
+
+/// Branches of the piece: every 10 degrees, and every degree between the two bounds that are of interest.
+const COARSE_DEG: [u32; 10] = [0, 10, 20, 30, 40, 50, 60, 70, 80, 90];
+const FINE_DEG: std::ops::RangeInclusive<u32> = 36..=64;
+/// Length and radius of a branch, mm.
+const LENGTH_MM: f64 = 15.0;
+const RADIUS_MM: f64 = 1.5;
+/// Distance of neighbouring branches, mm.
+const PITCH_MM: f64 = 9.0;
+/// Posts lift the branches so far, mm.
+const POST_MM: f64 = 6.0;
+
+/// The calibration piece for the critical angle: a plate with a row of branches that lean by 0 to 90 degrees from the
+/// vertical in steps of 10, and rows in steps of 1 between 36 and 64; each has its angle in raised digits before it.
+/// Stands on z = 0; several overlapping bodies, which slicing unites.
+pub fn critical_angle() -> TriMesh {
+    let mut mesh = TriMesh::default();
+    let fine: Vec<u32> = FINE_DEG.collect();
+    let mut rows: Vec<&[u32]> = vec![&COARSE_DEG];
+    rows.extend(fine.chunks(10));
+    let depth = LENGTH_MM + 14.0;
+    let size = DVec2::new(10.0 * PITCH_MM + 4.0, rows.len() as f64 * depth);
+    cuboid(&mut mesh, DVec3::ZERO, size.extend(1.2));
+    for (j, row) in rows.iter().enumerate() {
+        for (i, &angle) in row.iter().enumerate() {
+            let x = 2.0 + PITCH_MM * (i as f64 + 0.5);
+            let y = j as f64 * depth + 9.0;
+            let post = DVec3::new(x, y, 0.6);
+            let knee = DVec3::new(x, y, POST_MM);
+            let (s, c) = sin_cos(f64::from(angle).to_radians());
+            tube(&mut mesh, post, knee + DVec3::Z * 0.5);
+            tube(&mut mesh, knee, knee + DVec3::new(0.0, s, c) * LENGTH_MM);
+            number(&mut mesh, angle, DVec3::new(x, y - 6.5, 0.8));
+        }
+    }
+    mesh
+}
+
+/// A round bar with 24 sides from `a` to `b`.
+fn tube(mesh: &mut TriMesh, a: DVec3, b: DVec3) {
+    const SIDES: u32 = 24;
+    let along = (b - a).normalize_or(DVec3::Z);
+    let u = if along.x.abs() > 0.9 { DVec3::Y } else { DVec3::X };
+    let v = along.cross(u).normalize();
+    let u = v.cross(along);
+    let first = mesh.vertices.len() as u32;
+    for end in [a, b] {
+        for i in 0..SIDES {
+            let d = direction(f64::from(i) / f64::from(SIDES) * std::f64::consts::TAU) * RADIUS_MM;
+            mesh.vertices.push(end + u * d.x + v * d.y);
+        }
+    }
+    let (centre_a, centre_b) = (first + 2 * SIDES, first + 2 * SIDES + 1);
+    mesh.vertices.extend([a, b]);
+    for i in 0..SIDES {
+        let j = (i + 1) % SIDES;
+        let [p, q, r, s] = [first + i, first + j, first + SIDES + j, first + SIDES + i];
+        mesh.triangles.extend([[p, q, r], [p, r, s], [centre_a, q, p], [centre_b, s, r]]);
+    }
+}
+
+fn cuboid(mesh: &mut TriMesh, low: DVec3, high: DVec3) {
+    let first = mesh.vertices.len() as u32;
+    for i in 0..8 {
+        let pick = |k: usize| if i >> k & 1 == 1 { high[k] } else { low[k] };
+        mesh.vertices.push(DVec3::new(pick(0), pick(1), pick(2)));
+    }
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    for [a, b, c, d] in quads.map(|q: [u32; 4]| q.map(|i| i + first)) {
+        mesh.triangles.extend([[a, b, c], [a, c, d]]);
+    }
+}
+
+/// Which of seven strokes a digit has: top, upper left, upper right, middle, lower left, lower right, bottom.
+const DIGITS: [u8; 10] = [
+    0b1110111, 0b0010010, 0b1011101, 0b1011011, 0b0111010, 0b1101011, 0b1101111, 0b1010010, 0b1111111,
+    0b1111011,
+];
+
+/// A number in raised strokes, its middle at `at`.
+fn number(mesh: &mut TriMesh, value: u32, at: DVec3) {
+    let text = value.to_string();
+    let (w, h, t, rise) = (2.0, 4.0, 0.6, 1.0);
+    let step = w + 1.2;
+    let left = at.x - 0.5 * (text.len() as f64 * step - 1.2);
+    for (k, digit) in text.bytes().enumerate() {
+        let (x, y) = (left + k as f64 * step, at.y - 0.5 * h);
+        let half = 0.5 * h;
+        let strokes = [
+            (0.0, h, w, h),
+            (0.0, half, 0.0, h),
+            (w, half, w, h),
+            (0.0, half, w, half),
+            (0.0, 0.0, 0.0, half),
+            (w, 0.0, w, half),
+            (0.0, 0.0, w, 0.0),
+        ];
+        for (bit, (x0, y0, x1, y1)) in strokes.into_iter().enumerate() {
+            if DIGITS[usize::from(digit - b'0')] >> (6 - bit) & 1 == 1 {
+                let low = DVec3::new(x + x0 - 0.5 * t, y + y0 - 0.5 * t, at.z - 0.02 * bit as f64);
+                cuboid(mesh, low, DVec3::new(x + x1 + 0.5 * t, y + y1 + 0.5 * t, at.z + rise));
+            }
+        }
+    }
+}
+
+/// A ball of radius 10 mm whose lowest point hangs 50 mm above a small plate: the paper's first case.
+pub fn hanging_ball() -> TriMesh {
+    let mut mesh = TriMesh::default();
+    cuboid(&mut mesh, DVec3::new(-30.0, -2.0, 0.0), DVec3::new(-26.0, 2.0, 0.6));
+    sphere(&mut mesh, DVec3::new(0.0, 0.0, 60.0), 10.0);
+    mesh
+}
+
+fn sphere(mesh: &mut TriMesh, centre: DVec3, radius: f64) {
+    const RINGS: u32 = 32;
+    const SIDES: u32 = 64;
+    let first = mesh.vertices.len() as u32;
+    mesh.vertices.push(centre - DVec3::Z * radius);
+    for i in 1..RINGS {
+        let (s, c) = sin_cos(f64::from(i) / f64::from(RINGS) * std::f64::consts::PI);
+        for j in 0..SIDES {
+            let d = direction(f64::from(j) / f64::from(SIDES) * std::f64::consts::TAU) * (s * radius);
+            mesh.vertices.push(centre + d.extend(-c * radius));
+        }
+    }
+    mesh.vertices.push(centre + DVec3::Z * radius);
+    let at = |i: u32, j: u32| first + 1 + (i - 1) * SIDES + j % SIDES;
+    let top = first + 1 + (RINGS - 1) * SIDES;
+    for j in 0..SIDES {
+        mesh.triangles.push([first, at(1, j + 1), at(1, j)]);
+        mesh.triangles.push([top, at(RINGS - 1, j), at(RINGS - 1, j + 1)]);
+        for i in 1..RINGS - 1 {
+            mesh.triangles.push([at(i, j), at(i, j + 1), at(i + 1, j + 1)]);
+            mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i + 1, j)]);
+        }
+    }
+}
+
+/// A horseshoe tray as dentists print them, leaning by 30 degrees, its lowest point 4 mm above the plate beside a
+/// small plate: the paper's second case.
+pub fn dental_tray() -> TriMesh {
+    let mut mesh = TriMesh::default();
+    // A channel, open above, swept along a parabola-like arch: outline of its section, counter-clockwise along it.
+    let section: [(f64, f64); 8] =
+        [(-6.0, 0.0), (6.0, 0.0), (6.0, 9.0), (4.2, 9.0), (4.2, 1.8), (-4.2, 1.8), (-4.2, 9.0), (-6.0, 9.0)];
+    const STEPS: u32 = 64;
+    let arch = |t: f64| DVec2::new(26.0 * t, 34.0 * (1.0 - t * t));
+    let (s, c) = sin_cos(30f64.to_radians());
+    let lean = |p: DVec3| DVec3::new(p.x, p.y * c - p.z * s, p.y * s + p.z * c);
+    let n = section.len() as u32;
+    for i in 0..=STEPS {
+        let t = 2.0 * f64::from(i) / f64::from(STEPS) - 1.0;
+        let along = (arch(t + 1e-3) - arch(t - 1e-3)).normalize();
+        let across = DVec2::new(along.y, -along.x);
+        for (x, z) in section {
+            mesh.vertices.push(lean((arch(t) + across * x).extend(z)));
+        }
+    }
+    for i in 0..STEPS {
+        for k in 0..n {
+            let j = (k + 1) % n;
+            let [p, q, r, s] = [i * n + k, i * n + j, (i + 1) * n + j, (i + 1) * n + k];
+            mesh.triangles.extend([[p, r, q], [p, s, r]]);
+        }
+    }
+    // Both ends: the section is three rectangles.
+    for (base, flip) in [(0, false), (STEPS * n, true)] {
+        for [a, b, c] in [[0, 1, 4], [0, 4, 5], [1, 2, 3], [1, 3, 4], [0, 5, 6], [0, 6, 7]] {
+            let t = [a, b, c].map(|i| i + base);
+            mesh.triangles.push(if flip { [t[0], t[2], t[1]] } else { t });
+        }
+    }
+    let low = mesh.vertices.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+    mesh.vertices.iter_mut().for_each(|p| p.z += 4.0 - low);
+    cuboid(&mut mesh, DVec3::new(-40.0, -30.0, 0.0), DVec3::new(-36.0, -26.0, 0.6));
+    mesh
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::mesh::diagnose;
+
+    #[test]
+    fn pieces_are_closed_and_stand_on_the_plate() {
+        for (name, mesh) in [("angle", critical_angle()), ("ball", hanging_ball()), ("tray", dental_tray())] {
+            let health = diagnose(&mesh).expect("a mesh");
+            // Strokes and bars of the numbered piece overlap; they share no edge.
+            assert!(health.is_closed() && health.volume > 0.0, "{name}: {health:?}");
+            assert!(health.bounds.0.z.abs() < 1e-9, "{name}");
+        }
+        let ball = hanging_ball().signed_volume() - 4.0 * 4.0 * 0.6;
+        assert!((ball / (4.0 / 3.0 * std::f64::consts::PI * 1000.0) - 1.0).abs() < 0.01, "{ball}");
+        let (_, high) = critical_angle().bounds().expect("a mesh");
+        assert!((high.z - (POST_MM + LENGTH_MM)).abs() < 0.2, "{high}");
+    }
+}

@@ -1,0 +1,53 @@
+//! What trees are measured against: straight walls under every overhang, and a box around each.
+
+use grainpath_core::poly::{FillRule, Join};
+use grainpath_core::{Bounds2, Contour, DVec2, LayerStack, Region};
+use rayon::prelude::*;
+
+use super::cut::{Heights, Layers, SupportLayer, count_floating};
+use super::overhang::Overhangs;
+use super::{Style, SupportSettings};
+
+/// Layers of the baseline: all that lies below an overhang, or in the box around one, less the part and its gap.
+pub fn layers(overhangs: &Overhangs, stack: &LayerStack, settings: &SupportSettings) -> Layers {
+    let heights = Heights::of(stack);
+    let half = 0.5 * settings.sample_mm() + settings.contact_radius_mm;
+    let square = |p: DVec2, half: f64| Bounds2 { min: p - half, max: p + half };
+    // What each sample and each contact asks for, and up to which layer.
+    let spots = overhangs.samples.iter().map(|s| s.at).chain(overhangs.contacts.iter().map(|c| c.at));
+    let mut wanted: Vec<(usize, Bounds2)> =
+        spots.map(|p| (heights.end_below(p.z, settings.z_gap_mm), square(p.truncate(), half))).collect();
+    if settings.style == Style::Box {
+        let all = wanted.iter().map(|w| w.1).reduce(Bounds2::union);
+        let top = wanted.iter().map(|w| w.0).max();
+        wanted = top.zip(all).into_iter().collect();
+    }
+    wanted.sort_by_key(|w| std::cmp::Reverse(w.0));
+    let contour = |b: &Bounds2| -> Contour {
+        vec![b.min, DVec2::new(b.max.x, b.min.y), b.max, DVec2::new(b.min.x, b.max.y)]
+    };
+    // From the top down the wanted area only grows; one step after the other, since each adds to the last.
+    let mut area = Region::default();
+    let mut next = 0;
+    let mut areas = vec![Region::default(); stack.layers().len()];
+    for k in (0..stack.layers().len()).rev() {
+        let first = next;
+        while next < wanted.len() && wanted[next].0 > k {
+            next += 1;
+        }
+        if next > first {
+            let new: Vec<Contour> = wanted[first..next].iter().map(|w| contour(&w.1)).collect();
+            area = area.union(&Region::from_contours(&new, FillRule::NonZero)).simplified(0.05);
+        }
+        areas[k] = area.clone();
+    }
+    let cut = |k: usize| {
+        let part = stack.layers()[k].region();
+        let mut region = areas[k].difference(&part.offset(settings.xy_gap_mm, Join::Round));
+        region = region.opened(0.2);
+        SupportLayer { region, interface: Region::default() }
+    };
+    let mut out = Layers { layers: (0..areas.len()).into_par_iter().map(cut).collect(), ..Layers::default() };
+    out.floating = count_floating(&out.layers, stack, settings);
+    out
+}

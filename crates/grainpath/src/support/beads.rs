@@ -1,0 +1,82 @@
+//! Beads of the support: one wall around every branch, dense feet and pads.
+
+use grainpath_core::poly::Join;
+use grainpath_core::units::bead_spacing_mm;
+use grainpath_core::{DVec2, Polygon, Region, Role, SpeedClass, Toolpath};
+
+use super::cut::SupportLayer;
+use super::overhang::inner_point;
+use crate::fill::{Concentric, FillContext, Infill, Rectilinear};
+use crate::order::Island;
+use crate::walls::Wall;
+
+/// How support is laid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeadSettings {
+    /// Full width of a bead, mm.
+    pub bead_width_mm: f64,
+    /// The narrowest bead laid, mm.
+    pub min_bead_width_mm: f64,
+    /// Walls around every branch.
+    pub walls: usize,
+    /// Density inside the walls.
+    pub density: f64,
+}
+
+/// The beads of one layer, an island for each piece.
+pub fn lay(layer: &SupportLayer, context: &FillContext, dense: bool, settings: &BeadSettings) -> Vec<Island> {
+    let mut rest = layer.region.clone();
+    let mut islands = Vec::new();
+    if !layer.interface.is_empty() && !dense {
+        rest = rest.difference(&layer.interface);
+        let pads = layer.interface.polygons.iter();
+        islands.extend(pads.map(|p| island(p, context, true, Role::SupportInterface, settings)));
+    }
+    islands.extend(rest.polygons.iter().map(|p| island(p, context, dense, Role::Support, settings)));
+    islands.retain(|i| !i.walls.is_empty() || !i.fills.is_empty());
+    islands
+}
+
+fn island(p: &Polygon, context: &FillContext, dense: bool, role: Role, settings: &BeadSettings) -> Island {
+    let w = settings.bead_width_mm;
+    let s = bead_spacing_mm(w, context.height_mm);
+    let region = Region::from(p.clone());
+    let mut island = Island::default();
+    for depth in 0..settings.walls.max(1) {
+        let centre = region.offset(-(0.5 * w + depth as f64 * s), Join::Round);
+        for contour in centre.contours() {
+            let path = Toolpath::new(contour.clone(), w, role, true);
+            if path.length_mm() > 0.3 {
+                island.walls.push(Wall { path, depth });
+            }
+        }
+    }
+    if island.walls.is_empty() {
+        island.fills.extend(dab(p, role, settings));
+        return island;
+    }
+    let density = if dense { 1.0 } else { settings.density };
+    if density > 0.0 {
+        let inset = 0.5 * w + settings.walls.max(1) as f64 * s;
+        let room = region.offset(-inset, Join::Round);
+        let context = FillContext { density, role, bead_width_mm: w, ..*context };
+        let pattern: &dyn Infill = if dense { &Concentric } else { &Rectilinear };
+        room.polygons.iter().for_each(|r| pattern.fill(&context, r, &mut island.fills));
+    }
+    island
+}
+
+/// A short bead where no loop fits: along the longer side of the piece, as wide as the piece is.
+fn dab(p: &Polygon, role: Role, settings: &BeadSettings) -> Option<Toolpath> {
+    let middle = inner_point(p);
+    let far = p.outer.iter().copied().max_by(|a, b| a.distance(middle).total_cmp(&b.distance(middle)))?;
+    let along = (far - middle).normalize_or(DVec2::X);
+    let reach = |d: DVec2| p.outer.iter().map(|q| (*q - middle).dot(d)).fold(0.0, f64::max);
+    let width = (2.0 * p.area_mm2() / p.perimeter_mm() * 2.0)
+        .clamp(settings.min_bead_width_mm, settings.bead_width_mm);
+    let (ahead, behind) = (reach(along) - 0.5 * width, reach(-along) - 0.5 * width);
+    let points = vec![middle - along * behind.max(0.08), middle + along * ahead.max(0.08)];
+    let mut path = Toolpath::new(points, width, role, false);
+    path.speed = SpeedClass::SmallWall;
+    Some(path)
+}

@@ -1,0 +1,387 @@
+//! How far everything is from the part, slab by slab, and from where a branch can still reach the plate.
+//!
+//! Taken from the sections, not from the facets: whatever was mended there holds here too, so damaged meshes get the
+//! same answers as sound ones.
+
+use grainpath_core::math::tan;
+use grainpath_core::{Bounds2, DVec2, DVec3, LayerStack};
+use rayon::prelude::*;
+
+use crate::mask::{Grid, Mask};
+
+/// A step of stored distances, mm; the farthest stored is 255 of them.
+const STEP_MM: f64 = 0.05;
+/// Cells of all slabs together are kept below this: a byte for the distance and one for the ways down.
+const MAX_CELLS: f64 = 1.2e8;
+/// The finest cell, mm.
+const CELL_MM: f64 = 0.4;
+/// Slabs are about this thick, mm.
+const SLAB_MM: f64 = 0.4;
+
+/// From here a branch can get to the plate within its angle.
+const TO_PLATE: u8 = 1;
+/// Straight down from here there is nothing but the plate.
+const STRAIGHT_DOWN: u8 = 2;
+/// The rest of the byte: half the debt.
+const DEBT_SHIFT: u8 = 2;
+/// The highest debt a way may have: how far it may stray from the cells' centres, in the same units.
+const MAX_DEBT: u16 = 40;
+/// A cell's width in the units debts are counted in.
+const CELL: u16 = 64;
+/// A cell that cannot be passed.
+const BLOCKED: u8 = u8::MAX;
+
+/// Distances from the part and ways to the plate, on a grid over plan and height.
+pub struct Clearance {
+    grid: Grid,
+    nx: usize,
+    ny: usize,
+    /// Upper end of each slab above the plate, mm.
+    tops_mm: Vec<f64>,
+    distance: Vec<u8>,
+    ways: Vec<u8>,
+    /// Sideways per slab at the branch angle, cells.
+    slope: f64,
+    tan_angle: f64,
+    keep_mm: f64,
+}
+
+impl Clearance {
+    /// Measures the part. Branches keep `keep_mm` from it with their centres, lean at most by `angle_rad` from the
+    /// vertical and stand within `bed` (part coordinates); the grid reaches `margin_mm` beyond the part.
+    pub fn of(stack: &LayerStack, bed: Bounds2, margin_mm: f64, keep_mm: f64, angle_rad: f64) -> Self {
+        let layers = stack.layers();
+        let part = layers.iter().filter_map(|l| l.region().bounds()).reduce(Bounds2::union);
+        let part = part.unwrap_or(bed).grown(margin_mm);
+        let bounds =
+            Bounds2 { min: part.min.max(bed.min), max: part.max.min(bed.max).max(part.min.max(bed.min)) };
+        let height = layers.last().map_or(0.0, grainpath_core::Layer::z_top_mm);
+        let size = bounds.size();
+        let mean = height / layers.len().max(1) as f64;
+        let per_slab = (SLAB_MM / mean.max(1e-9)).round().max(1.0) as usize;
+        let n_slabs = layers.len().div_ceil(per_slab);
+        let cell_mm = CELL_MM.max((size.x * size.y * n_slabs as f64 / MAX_CELLS).sqrt());
+        let grid = Grid::over(bounds, cell_mm);
+        let [nx, ny] = grid.size();
+        let slabs: Vec<&[grainpath_core::Layer]> = layers.chunks(per_slab).collect();
+        let mut distance = vec![0u8; nx * ny * slabs.len()];
+        distance.par_chunks_mut(nx * ny).zip(&slabs).for_each(|(out, slab)| {
+            let mask = slab
+                .iter()
+                .filter(|l| !l.region().is_empty())
+                .map(|l| Mask::touched(grid, l.region()))
+                .reduce(|a, b| a.or(&b));
+            match mask {
+                Some(mask) => distances(&mask, nx, ny, grid.cell_mm(), out),
+                None => out.fill(u8::MAX),
+            }
+        });
+        let tops_mm: Vec<f64> = slabs.iter().filter_map(|s| s.last()).map(|l| l.z_top_mm()).collect();
+        let slope = mean * per_slab as f64 * tan(angle_rad) / grid.cell_mm();
+        let mut clearance = Self {
+            grid,
+            nx,
+            ny,
+            tops_mm,
+            distance,
+            ways: Vec::new(),
+            slope,
+            tan_angle: 0.999 * tan(angle_rad),
+            keep_mm,
+        };
+        clearance.find_ways(bed);
+        clearance
+    }
+
+    /// From the plate upwards: a cell leads down when one below it or beside that does. Grid steps are longer than a
+    /// branch leans in one slab, so each cell carries how far sideways its way still has to go: its debt.
+    fn find_ways(&mut self, bed: Bounds2) {
+        let (nx, ny) = (self.nx, self.ny);
+        let n = nx * ny;
+        let credit = ((self.slope * f64::from(CELL)) as u16).max(1);
+        let keep = (self.keep_mm / STEP_MM).ceil() as u8;
+        let free: Vec<bool> = (0..n).map(|i| bed_holds(bed, self.centre(i % nx, i / nx))).collect();
+        let mut below: Vec<u8> = free.iter().map(|&f| if f { 0 } else { BLOCKED }).collect();
+        let mut straight = free;
+        let mut ways = vec![0u8; self.distance.len()];
+        for (slab, out) in self.distance.chunks(n).zip(ways.chunks_mut(n)) {
+            let mut here = vec![BLOCKED; n];
+            let rows = here.par_chunks_mut(nx).zip(out.par_chunks_mut(nx)).zip(straight.par_chunks_mut(nx));
+            rows.enumerate().for_each(|(y, ((debts, ways), straight))| {
+                for x in 0..nx {
+                    let i = y * nx + x;
+                    if slab[i] < keep {
+                        straight[x] = false;
+                        continue;
+                    }
+                    let mut debt = u16::MAX;
+                    for (ox, oy, cost) in NEIGHBOURS {
+                        let (Some(px), Some(py)) = (x.checked_add_signed(ox), y.checked_add_signed(oy))
+                        else {
+                            continue;
+                        };
+                        if px < nx && py < ny && below[py * nx + px] != BLOCKED {
+                            debt = debt.min(u16::from(below[py * nx + px]) + cost);
+                        }
+                    }
+                    let debt = debt.saturating_sub(credit);
+                    if debt <= MAX_DEBT {
+                        debts[x] = debt as u8;
+                        ways[x] = TO_PLATE
+                            | if straight[x] { STRAIGHT_DOWN } else { 0 }
+                            | (debt as u8 / 2) << DEBT_SHIFT;
+                    } else {
+                        straight[x] = false;
+                    }
+                }
+            });
+            below = here;
+        }
+        self.ways = ways;
+    }
+
+    fn centre(&self, x: usize, y: usize) -> DVec2 {
+        self.grid.origin() + DVec2::new(x as f64 + 0.5, y as f64 + 0.5) * self.grid.cell_mm()
+    }
+
+    fn cell(&self, p: DVec2) -> Option<(usize, usize)> {
+        let c = (p - self.grid.origin()) / self.grid.cell_mm();
+        let inside = c.x >= 0.0 && c.y >= 0.0 && c.x < self.nx as f64 && c.y < self.ny as f64;
+        inside.then_some((c.x as usize, c.y as usize))
+    }
+
+    /// The slab that holds height `z`; the topmost for anything higher.
+    fn slab(&self, z_mm: f64) -> usize {
+        self.tops_mm.partition_point(|&t| t < z_mm).min(self.tops_mm.len().saturating_sub(1))
+    }
+
+    fn index(&self, p: DVec3) -> Option<usize> {
+        let (x, y) = self.cell(p.truncate())?;
+        (!self.tops_mm.is_empty()).then(|| (self.slab(p.z) * self.ny + y) * self.nx + x)
+    }
+
+    /// Horizontal distance from the part in the slab of `p`, mm, good to about half a cell and capped at 12.75; zero
+    /// outside the grid, where nothing may stand.
+    pub fn distance_mm(&self, p: DVec3) -> f64 {
+        self.index(p).map_or(0.0, |i| f64::from(self.distance[i]) * STEP_MM)
+    }
+
+    /// Whether a branch at `p` can get to the plate.
+    pub fn leads_to_plate(&self, p: DVec3) -> bool {
+        self.index(p).is_some_and(|i| self.ways[i] & TO_PLATE != 0)
+    }
+
+    /// Whether there is nothing but the plate straight below `p`.
+    pub fn is_straight(&self, p: DVec3) -> bool {
+        self.index(p).is_some_and(|i| self.ways[i] & STRAIGHT_DOWN != 0)
+    }
+
+    /// Whether the line keeps `keep_mm` from the part.
+    pub fn is_clear(&self, a: DVec3, b: DVec3, keep_mm: f64) -> bool {
+        let n = ((a.distance(b) / (0.5 * self.grid.cell_mm())).ceil() as usize).clamp(1, 100_000);
+        (0..=n).all(|i| self.distance_mm(a.lerp(b, i as f64 / n as f64)) >= keep_mm)
+    }
+
+    /// The height of the first thing met straight below `p`: the top of a slab that the part is in, or the plate.
+    pub fn floor_mm(&self, p: DVec3) -> f64 {
+        let Some((x, y)) = self.cell(p.truncate()) else { return 0.0 };
+        let n = self.nx * self.ny;
+        let mut slab = self.slab(p.z);
+        while slab > 0 {
+            slab -= 1;
+            if self.distance[slab * n + y * self.nx + x] == 0 {
+                return self.tops_mm[slab];
+            }
+        }
+        0.0
+    }
+
+    /// A way from `p` down until nothing but the plate is below, as the corners after `p`; empty when there is none.
+    /// Each leg stays within the branch angle and clear of the part.
+    pub fn way_down(&self, p: DVec3) -> Vec<DVec3> {
+        let n = self.nx * self.ny;
+        let Some((mut x, mut y)) = self.cell(p.truncate()) else { return Vec::new() };
+        let mut at = p.truncate();
+        let mut way = vec![p];
+        for slab in (0..self.slab(p.z)).rev() {
+            let ways = &self.ways[slab * n..(slab + 1) * n];
+            let z = 0.5 * (self.tops_mm[slab] + if slab > 0 { self.tops_mm[slab - 1] } else { 0.0 });
+            let reach = self.tan_angle * (way[way.len() - 1].z - z);
+            // Where least is still owed once this step is done; of equal ones where we are, or nearest.
+            let mut best = (f64::INFINITY, f64::INFINITY, x, y);
+            for (ox, oy, _) in NEIGHBOURS {
+                let (Some(px), Some(py)) = (x.checked_add_signed(ox), y.checked_add_signed(oy)) else {
+                    continue;
+                };
+                if px >= self.nx || py >= self.ny || ways[py * self.nx + px] & TO_PLATE == 0 {
+                    continue;
+                }
+                let debt = f64::from(ways[py * self.nx + px] >> DEBT_SHIFT) * 2.0 / f64::from(CELL);
+                let away = self.centre(px, py).distance(at);
+                let owed = debt + (away - reach).max(0.0) / self.grid.cell_mm();
+                let motion = if (ox, oy) == (0, 0) { 0.0 } else { away };
+                if owed < best.0 - 0.02 || (owed < best.0 + 0.02 && motion < best.1) {
+                    best = (owed, motion, px, py);
+                }
+            }
+            if best.0 == f64::INFINITY {
+                return Vec::new();
+            }
+            let target = self.centre(best.2, best.3);
+            if (best.2, best.3) != (x, y) || best.0 > 0.02 {
+                at += (target - at).clamp_length_max(reach);
+            }
+            if let Some((cx, cy)) = self.cell(at) {
+                (x, y) = if ways[cy * self.nx + cx] & TO_PLATE != 0 { (cx, cy) } else { (best.2, best.3) };
+            }
+            way.push(at.extend(z));
+            if ways[y * self.nx + x] & STRAIGHT_DOWN != 0 {
+                break;
+            }
+        }
+        self.pull_tight(&way)
+    }
+
+    /// Leaves out corners as long as the way stays clear.
+    fn pull_tight(&self, way: &[DVec3]) -> Vec<DVec3> {
+        let mut out = Vec::new();
+        let mut i = 0;
+        while i + 1 < way.len() {
+            let mut j = way.len() - 1;
+            while j > i + 1 && !self.is_clear(way[i], way[j], self.keep_mm) {
+                j = i + 1 + (j - i - 1) * 3 / 4;
+            }
+            out.push(way[j]);
+            i = j;
+        }
+        out
+    }
+}
+
+/// Steps to the cells around, and what they cost.
+const NEIGHBOURS: [(isize, isize, u16); 9] = [
+    (0, 0, 0),
+    (1, 0, CELL),
+    (-1, 0, CELL),
+    (0, 1, CELL),
+    (0, -1, CELL),
+    (1, 1, 91),
+    (1, -1, 91),
+    (-1, 1, 91),
+    (-1, -1, 91),
+];
+
+fn bed_holds(bed: Bounds2, p: DVec2) -> bool {
+    p.cmpge(bed.min).all() && p.cmple(bed.max).all()
+}
+
+/// Exact distance of each cell's centre from the nearest set cell's centre (lower envelope of parabolas, rows after
+/// columns), in steps.
+fn distances(mask: &Mask, nx: usize, ny: usize, cell_mm: f64, out: &mut [u8]) {
+    const FAR: f32 = 1e9;
+    let mut columns = vec![FAR; nx * ny];
+    for y in 0..ny {
+        for x in 0..nx {
+            if mask.get(x, y) {
+                columns[y * nx + x] = 0.0;
+            } else if y > 0 && columns[(y - 1) * nx + x] < FAR {
+                columns[y * nx + x] = columns[(y - 1) * nx + x] + 1.0;
+            }
+        }
+    }
+    for y in (0..ny.saturating_sub(1)).rev() {
+        for x in 0..nx {
+            let down = columns[(y + 1) * nx + x] + 1.0;
+            if down < columns[y * nx + x] {
+                columns[y * nx + x] = down;
+            }
+        }
+    }
+    let mut hull: Vec<(usize, f32)> = Vec::with_capacity(nx);
+    let scale = (cell_mm / STEP_MM) as f32;
+    for (row, out) in columns.chunks(nx).zip(out.chunks_mut(nx)) {
+        hull.clear();
+        let height = |x: usize| row[x] * row[x] + (x * x) as f32;
+        for x in (0..nx).filter(|&x| row[x] < FAR) {
+            loop {
+                let Some(&(last, from)) = hull.last() else {
+                    hull.push((x, f32::NEG_INFINITY));
+                    break;
+                };
+                let meet = (height(x) - height(last)) / (2.0 * (x - last) as f32);
+                if meet > from {
+                    hull.push((x, meet));
+                    break;
+                }
+                hull.pop();
+            }
+        }
+        let mut k = 0;
+        for (x, out) in out.iter_mut().enumerate() {
+            while k + 1 < hull.len() && hull[k + 1].1 <= x as f32 {
+                k += 1;
+            }
+            *out = match hull.get(k) {
+                Some(&(at, _)) => {
+                    let d = x.abs_diff(at) as f32;
+                    ((d * d + row[at] * row[at]).sqrt() * scale).min(255.0) as u8
+                }
+                None => u8::MAX,
+            };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::{Layer, Region};
+
+    fn stack(regions: Vec<Region>) -> LayerStack {
+        let layer =
+            |(i, r): (usize, Region)| Layer::new(0.2 * (i + 1) as f64, 0.2, r).expect("a sound layer");
+        LayerStack::new(regions.into_iter().enumerate().map(layer).collect()).expect("heights rise")
+    }
+
+    fn bed() -> Bounds2 {
+        Bounds2 { min: DVec2::splat(-100.0), max: DVec2::splat(100.0) }
+    }
+
+    #[test]
+    fn distances_are_those_of_the_sections() {
+        let square = Region::rectangle(DVec2::ZERO, DVec2::splat(10.0));
+        let c = Clearance::of(&stack(vec![square; 20]), bed(), 15.0, 1.0, 0.7);
+        for (p, want) in [((12.0, 5.0), 2.0), ((5.0, 5.0), 0.0), ((13.0, 14.0), 5.0), ((-6.0, 3.0), 6.0)] {
+            let found = c.distance_mm(DVec2::from(p).extend(2.0));
+            assert!((found - want).abs() < 0.45, "{p:?}: {found} instead of {want}");
+        }
+        assert!(c.is_straight(DVec3::new(12.0, 5.0, 3.0)) && !c.is_straight(DVec3::new(10.5, 5.0, 3.0)));
+    }
+
+    #[test]
+    fn ways_lead_round_what_is_below_and_never_lean_too_far() {
+        // A table 4 mm above the plate: from above its middle one cannot get down at 40 degrees, from its rim one can.
+        let table = Region::rectangle(DVec2::splat(-10.0), DVec2::splat(10.0));
+        let mut regions = vec![Region::default(); 20];
+        regions.push(table);
+        regions.extend(vec![Region::default(); 60]);
+        regions.push(Region::rectangle(DVec2::splat(-12.0), DVec2::splat(12.0)));
+        let angle = 40f64.to_radians();
+        let c = Clearance::of(&stack(regions), bed(), 20.0, 1.0, angle);
+        let high = 15.9;
+        assert!(!c.leads_to_plate(DVec3::new(0.0, 0.0, 8.0)));
+        let start = DVec3::new(3.0, 0.0, high);
+        assert!(c.leads_to_plate(start), "11.7 mm of height allow 9.8 sideways");
+        assert!(!c.leads_to_plate(DVec3::new(-0.4, 0.0, 9.0)));
+        let way = c.way_down(start);
+        let mut at = start;
+        for &p in &way {
+            let lean = (p - at).truncate().length() / (at.z - p.z);
+            assert!(lean < tan(angle) * 1.02, "{lean}");
+            assert!(c.is_clear(at, p, 0.4), "{at} to {p}");
+            at = p;
+        }
+        assert!(c.is_straight(at) && at.truncate().abs().max_element() > 10.9, "{at}");
+        assert!((c.floor_mm(DVec3::new(0.0, 0.0, 8.0)) - 4.4).abs() < 0.21);
+    }
+}

@@ -1,0 +1,360 @@
+//! The support as layers: unions of discs, less what is too near the part, less what would float.
+//!
+//! A branch is a skewed cone whose horizontal sections are discs, so its layers are exact. That nothing floats and
+//! nothing cuts the part is checked here, on the layers, not on the tree.
+
+use grainpath_core::math::{acos, direction, tan};
+use grainpath_core::poly::{FillRule, Join};
+use grainpath_core::{Contour, DVec2, LayerStack, Polygon, Region};
+use rayon::prelude::*;
+
+use super::SupportSettings;
+use super::clearance::Clearance;
+use super::overhang::Contact;
+use super::tree::{Forest, Kind};
+
+/// The support in one layer.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SupportLayer {
+    /// Where there is any.
+    pub region: Region,
+    /// The part of it that is laid densely because it touches the part.
+    pub interface: Region,
+}
+
+/// The support as layers, one for each of the part's.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Layers {
+    /// From the plate upwards.
+    pub layers: Vec<SupportLayer>,
+    /// Pieces that stood on nothing once cut to fit, and were taken away.
+    pub dropped: usize,
+    /// Pieces that still stand on nothing: always 0.
+    pub floating: usize,
+    /// Contacts whose branch did not survive.
+    pub lost: Vec<u32>,
+}
+
+/// How near the part a disc may come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Manner {
+    /// So far that nothing has to be cut.
+    Free,
+    /// Kept at the gap in plan.
+    Kept,
+    /// At a contact, or a post: only cut out of the part.
+    Touching,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Disc {
+    at: DVec2,
+    radius_mm: f64,
+    manner: Manner,
+    interface: bool,
+}
+
+/// A disc's polygon lies within this of the circle, mm.
+const CHORD_MM: f64 = 0.01;
+/// A tip keeps this from the wall beside it, mm.
+const TOUCH_MM: f64 = 0.05;
+/// Pieces smaller than this are not printed, mm2.
+const CRUMB_MM2: f64 = 0.02;
+
+/// Cuts trees into layers.
+pub fn cut(
+    forest: &Forest,
+    contacts: &[Contact],
+    stack: &LayerStack,
+    clearance: &Clearance,
+    settings: &SupportSettings,
+) -> Layers {
+    let heights = Heights::of(stack);
+    let discs = discs(forest, contacts, &heights, clearance, settings);
+    let cut_layer = |k: usize| layer(&discs[k], k, stack, &heights, settings);
+    let layers: Vec<SupportLayer> = (0..discs.len()).into_par_iter().map(cut_layer).collect();
+    let mut out = Layers { layers, ..Layers::default() };
+    settle(&mut out, stack, &heights, settings);
+    let tried = forest.nodes.iter().filter_map(|n| match n.kind {
+        Kind::Contact(i) => Some(i),
+        _ => None,
+    });
+    let tried: Vec<u32> = tried.collect();
+    let lost = |&i: &u32| !is_reached(&contacts[i as usize], &out, &heights, settings);
+    let mut lost: Vec<u32> = tried.into_par_iter().filter(lost).collect();
+    lost.sort_unstable();
+    out.lost = lost;
+    out
+}
+
+/// Where layers begin, end, and are cut.
+pub struct Heights {
+    tops: Vec<f64>,
+    middles: Vec<f64>,
+}
+
+impl Heights {
+    /// Of a stack.
+    pub fn of(stack: &LayerStack) -> Self {
+        let layers = stack.layers();
+        let tops = layers.iter().map(|l| l.z_top_mm()).collect();
+        let middles = layers.iter().map(|l| l.z_top_mm() - 0.5 * l.height_mm()).collect();
+        Self { tops, middles }
+    }
+
+    fn bottom(&self, k: usize) -> f64 {
+        if k > 0 { self.tops[k - 1] } else { 0.0 }
+    }
+
+    /// The number of support layers below a contact: those that end at least the gap below the layer that the part
+    /// begins in there.
+    pub fn end_below(&self, z_mm: f64, gap_mm: f64) -> usize {
+        let part = self.middles.partition_point(|&m| m < z_mm - 1e-9);
+        let limit = self.bottom(part.min(self.tops.len())) - gap_mm + 1e-6;
+        self.tops.partition_point(|&t| t <= limit)
+    }
+}
+
+/// The discs of every layer.
+fn discs(
+    forest: &Forest,
+    contacts: &[Contact],
+    heights: &Heights,
+    clearance: &Clearance,
+    settings: &SupportSettings,
+) -> Vec<Vec<Disc>> {
+    let mut out: Vec<Vec<Disc>> = vec![Vec::new(); heights.tops.len()];
+    let slope = tan(settings.branch_angle_rad);
+    for (upper, lower) in forest.branches() {
+        let tip = match upper.kind {
+            Kind::Contact(i) => Some(&contacts[i as usize]),
+            _ => None,
+        };
+        let first = heights.middles.partition_point(|&m| m < lower.at.z);
+        let end = match tip {
+            Some(c) => heights.end_below(c.at.z, settings.z_gap_mm),
+            None => heights.middles.partition_point(|&m| m < upper.at.z),
+        };
+        let n_interface = if tip.is_some() { settings.interface_layers } else { 0 };
+        for k in first..end {
+            let z = heights.middles[k];
+            let t = ((z - lower.at.z) / (upper.at.z - lower.at.z).max(1e-9)).clamp(0.0, 1.0);
+            let at = lower.at.lerp(upper.at, t);
+            let mut radius_mm = lower.radius_mm + t * (upper.radius_mm - lower.radius_mm);
+            if lower.kind == Kind::Foot && z < settings.base_height_mm {
+                let share = 1.0 - z / settings.base_height_mm;
+                radius_mm += share * (settings.base_radius_mm - radius_mm).max(0.0);
+            }
+            let interface = k + n_interface >= end;
+            if n_interface > 0 {
+                let below = (end.saturating_sub(n_interface)).min(end - 1);
+                let flare = settings.interface_radius_mm - (heights.tops[below] - z).max(0.0) * slope;
+                radius_mm = radius_mm.max(flare);
+            }
+            let manner = if tip.is_some() || upper.post {
+                Manner::Touching
+            } else {
+                let room = clearance.distance_mm(at.with_z(z)) - settings.xy_gap_mm;
+                // Thinner where the part is near, before anything is cut off.
+                radius_mm = radius_mm.min(room.max(settings.branch_radius_mm));
+                if room > radius_mm + 0.8 { Manner::Free } else { Manner::Kept }
+            };
+            out[k].push(Disc { at: at.truncate(), radius_mm, manner, interface });
+        }
+    }
+    for b in &forest.braces {
+        let (first, end) = (
+            heights.middles.partition_point(|&m| m < b.low.z),
+            heights.middles.partition_point(|&m| m < b.high.z),
+        );
+        for k in first..end {
+            let z = heights.middles[k];
+            let at = b.low.lerp(b.high, (z - b.low.z) / (b.high.z - b.low.z));
+            let disc =
+                Disc { at: at.truncate(), radius_mm: b.radius_mm, manner: Manner::Kept, interface: false };
+            out[k].push(disc);
+        }
+    }
+    out
+}
+
+fn circle(at: DVec2, radius_mm: f64) -> Contour {
+    let half = acos((1.0 - CHORD_MM / radius_mm.max(2.0 * CHORD_MM)).clamp(-1.0, 1.0));
+    let n = ((std::f64::consts::PI / half).ceil() as usize).clamp(10, 64);
+    (0..n).map(|i| at + direction(i as f64 / n as f64 * std::f64::consts::TAU) * radius_mm).collect()
+}
+
+fn union_of(discs: impl Iterator<Item = Disc>) -> Region {
+    let contours: Vec<Contour> = discs.map(|d| circle(d.at, d.radius_mm)).collect();
+    if contours.is_empty() { Region::default() } else { Region::from_contours(&contours, FillRule::NonZero) }
+}
+
+fn layer(
+    discs: &[Disc],
+    k: usize,
+    stack: &LayerStack,
+    heights: &Heights,
+    settings: &SupportSettings,
+) -> SupportLayer {
+    let of = |m: Manner| discs.iter().copied().filter(move |d| d.manner == m);
+    let part = stack.layers()[k].region();
+    let near = |m: Manner, gap: f64| {
+        let windows: Vec<Contour> = of(m).map(|d| window(d.at, d.radius_mm + 2.0 * gap + 0.1)).collect();
+        Region::from_contours(&windows, FillRule::NonZero)
+    };
+    let mut region = union_of(of(Manner::Free));
+    if of(Manner::Kept).next().is_some() {
+        let local = part.intersection(&near(Manner::Kept, settings.xy_gap_mm));
+        let kept = union_of(of(Manner::Kept)).difference(&local.offset(settings.xy_gap_mm, Join::Round));
+        region = region.union(&kept);
+    }
+    let mut interface = Region::default();
+    if of(Manner::Touching).next().is_some() {
+        let window = near(Manner::Touching, TOUCH_MM);
+        let mut local = part.intersection(&window).offset(TOUCH_MM, Join::Miter(2.0));
+        // What the part lays over this layer within the gap stays free as well, and so does what it rests on.
+        for other in within(heights, k, settings.z_gap_mm) {
+            local = local.union(&stack.layers()[other].region().intersection(&window));
+        }
+        region = region.union(&union_of(of(Manner::Touching)).difference(&local));
+        let pads = union_of(discs.iter().copied().filter(|d| d.interface));
+        interface = pads.difference(&local);
+    }
+    if let Some(bed) = settings.bed {
+        region = region.intersection(&Region::rectangle(bed.min, bed.max));
+    }
+    region.polygons.retain(|p| p.area_mm2() > CRUMB_MM2);
+    let interface = if interface.is_empty() { interface } else { interface.intersection(&region) };
+    SupportLayer { region, interface }
+}
+
+/// The layers above `k` that begin less than the gap above its end.
+fn within(heights: &Heights, k: usize, gap_mm: f64) -> impl Iterator<Item = usize> + '_ {
+    let top = heights.tops[k];
+    (k + 1..heights.tops.len()).take_while(move |&j| heights.bottom(j) < top + gap_mm - 1e-6)
+}
+
+fn window(at: DVec2, half_mm: f64) -> Contour {
+    let h = half_mm;
+    vec![at + DVec2::new(-h, -h), at + DVec2::new(h, -h), at + DVec2::new(h, h), at + DVec2::new(-h, h)]
+}
+
+/// Takes away, from the plate upwards, every piece that stands neither on the plate, nor on support, nor on the part.
+fn settle(out: &mut Layers, stack: &LayerStack, heights: &Heights, settings: &SupportSettings) {
+    let rests = |k: usize| -> Vec<(bool, Vec<u32>)> {
+        let region = &out.layers[k].region;
+        let below = &out.layers[k - 1].region;
+        let index = Boxes::of(below);
+        let on = |p: &Polygon| {
+            let on_support: Vec<u32> =
+                index.meeting(p).filter(|&i| overlap(p, &below.polygons[i as usize])).collect();
+            // Whether it also rests on the part matters only where no support is below.
+            let on_part = on_support.is_empty() && rests_on_part(p, k, stack, heights, settings);
+            (on_part, on_support)
+        };
+        region.polygons.iter().map(on).collect()
+    };
+    let stands: Vec<Vec<(bool, Vec<u32>)>> =
+        (0..out.layers.len()).into_par_iter().map(|k| if k == 0 { Vec::new() } else { rests(k) }).collect();
+    let mut below: Vec<bool> = vec![true; out.layers.first().map_or(0, |l| l.region.polygons.len())];
+    let mut drop: Vec<Vec<bool>> = vec![below.clone()];
+    for (k, rows) in stands.iter().enumerate().skip(1) {
+        let here: Vec<bool> = rows
+            .iter()
+            .enumerate()
+            .map(|(i, (on_part, on))| {
+                let held = on.iter().any(|&i| below[i as usize]);
+                // What stood on support that is gone may still rest on the part.
+                let piece = &out.layers[k].region.polygons[i];
+                *on_part || held || (!on.is_empty() && rests_on_part(piece, k, stack, heights, settings))
+            })
+            .collect();
+        below = here.clone();
+        drop.push(here);
+    }
+    for (layer, keep) in out.layers.iter_mut().zip(drop) {
+        if keep.iter().all(|&k| k) {
+            continue;
+        }
+        out.dropped += keep.iter().filter(|&&k| !k).count();
+        let mut kept = keep.into_iter();
+        layer.region.polygons.retain(|_| kept.next() == Some(true));
+        layer.interface = layer.interface.intersection(&layer.region);
+    }
+    out.floating = count_floating(&out.layers, stack, settings);
+}
+
+/// Whether a piece of layer `k` lies on the part, across the removal gap.
+fn rests_on_part(
+    p: &Polygon,
+    k: usize,
+    stack: &LayerStack,
+    heights: &Heights,
+    settings: &SupportSettings,
+) -> bool {
+    let bottom = heights.bottom(k);
+    let near = (0..k).rev().take_while(|&j| heights.tops[j] > bottom - settings.z_gap_mm - 1e-6);
+    near.into_iter()
+        .any(|j| Region::from(p.clone()).intersection(stack.layers()[j].region()).area_mm2() > 1e-4)
+}
+
+/// Pieces of support with nothing below: found afresh from the layers, as a judge would.
+pub fn count_floating(layers: &[SupportLayer], stack: &LayerStack, settings: &SupportSettings) -> usize {
+    let heights = Heights::of(stack);
+    let of_layer = |k: usize| {
+        let below = &layers[k - 1].region;
+        let index = Boxes::of(below);
+        let stands = |p: &&Polygon| {
+            index.meeting(p).any(|i| overlap(p, &below.polygons[i as usize]))
+                || rests_on_part(p, k, stack, &heights, settings)
+        };
+        layers[k].region.polygons.iter().filter(|p| !stands(p)).count()
+    };
+    (1..layers.len()).into_par_iter().map(of_layer).collect::<Vec<_>>().into_iter().sum()
+}
+
+/// Whether two polygons share an area.
+fn overlap(a: &Polygon, b: &Polygon) -> bool {
+    if a.outer.iter().any(|&p| b.contains(p)) || b.outer.iter().any(|&p| a.contains(p)) {
+        return true;
+    }
+    Region::from(a.clone()).intersection(&Region::from(b.clone())).area_mm2() > 1e-4
+}
+
+/// Polygons by their boxes.
+struct Boxes {
+    /// Low x, high x, low y, high y and index, by low x.
+    rows: Vec<([f64; 4], u32)>,
+    widest: f64,
+}
+
+impl Boxes {
+    fn of(region: &Region) -> Self {
+        let boxed =
+            |(i, p): (usize, &Polygon)| p.bounds().map(|b| ([b.min.x, b.max.x, b.min.y, b.max.y], i as u32));
+        let mut rows: Vec<_> = region.polygons.iter().enumerate().filter_map(boxed).collect();
+        rows.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]).then(a.1.cmp(&b.1)));
+        let widest = rows.iter().map(|(b, _)| b[1] - b[0]).fold(0.0, f64::max);
+        Self { rows, widest }
+    }
+
+    fn meeting(&self, p: &Polygon) -> impl Iterator<Item = u32> + '_ {
+        let b = p.bounds();
+        let (low, high) = b.map_or((0.0, -1.0), |b| (b.min.x - self.widest, b.max.x));
+        let first = self.rows.partition_point(|r| r.0[0] < low);
+        let rows = self.rows[first..].iter().take_while(move |r| r.0[0] <= high);
+        rows.filter(move |(r, _)| b.is_some_and(|b| r[1] >= b.min.x && r[2] <= b.max.y && r[3] >= b.min.y))
+            .map(|r| r.1)
+    }
+}
+
+/// Whether support ends where it should below a contact.
+fn is_reached(c: &Contact, cut: &Layers, heights: &Heights, settings: &SupportSettings) -> bool {
+    let end = heights.end_below(c.at.z, settings.z_gap_mm);
+    let p = c.at.truncate();
+    let reach = settings.contact_radius_mm;
+    (end.saturating_sub(2)..end).any(|k| {
+        let near = |q: &Polygon| q.contains(p) || q.outer.iter().any(|v| v.distance(p) <= reach);
+        cut.layers[k].region.polygons.iter().any(near)
+    })
+}

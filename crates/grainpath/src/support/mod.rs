@@ -1,0 +1,303 @@
+//! Supports that grow like trees: overhangs and contacts ([`overhang`]), the room around the part ([`clearance`]),
+//! branches that meet where their cones do ([`tree`]), their layers ([`cut`]), their beads ([`beads`]) and the
+//! same as one closed surface ([`solid`], [`poisson`]).
+
+pub mod baseline;
+pub mod beads;
+pub mod clearance;
+pub mod cut;
+pub mod overhang;
+pub mod picture;
+pub mod poisson;
+pub mod solid;
+pub mod tree;
+
+use grainpath_core::diagnostics::{Interrupted, Stage};
+use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, TriMesh};
+
+use clearance::Clearance;
+use cut::{Layers, SupportLayer};
+use overhang::{Contact, Overhangs};
+use tree::Forest;
+
+/// A box, lowest and highest corner, mm.
+pub type Box3 = [DVec3; 2];
+
+/// What is made under the overhangs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Style {
+    /// Branching trees.
+    #[default]
+    Tree,
+    /// Straight walls under the overhangs, as a baseline.
+    Columns,
+    /// The box around every overhang, down to the plate, as a baseline.
+    Box,
+}
+
+/// How supports are made; lengths in mm.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SupportSettings {
+    /// What is made.
+    pub style: Style,
+    /// Facets that lean more than this from the vertical need holding, radians.
+    pub critical_angle_rad: f64,
+    /// Branches lean at most by this from the vertical, radians.
+    pub branch_angle_rad: f64,
+    /// The longest stretch that prints without anything below (L): no overhang is further than half of it from a
+    /// contact.
+    pub max_unsupported_mm: f64,
+    /// A contact is dropped when others are within this share of L of all it holds.
+    pub thin_share: f64,
+    /// Groups of facets smaller than this in plan are left alone.
+    pub min_overhang_mm: f64,
+    /// Radius of the end at the part.
+    pub contact_radius_mm: f64,
+    /// Length of the end piece that leaves the part along its normal.
+    pub tip_length_mm: f64,
+    /// The thinnest branch.
+    pub branch_radius_mm: f64,
+    /// Radius of a foot, and the thickest branch.
+    pub base_radius_mm: f64,
+    /// Height over which a trunk widens to its foot.
+    pub base_height_mm: f64,
+    /// Free height between support and part.
+    pub z_gap_mm: f64,
+    /// Free distance in plan between branches and part.
+    pub xy_gap_mm: f64,
+    /// Dense layers below a contact.
+    pub interface_layers: usize,
+    /// Their radius.
+    pub interface_radius_mm: f64,
+    /// Load that one contact puts on its branch, safety included, N.
+    pub load_per_contact_n: f64,
+    /// Stiffness of the printed branch, MPa.
+    pub stiffness_mpa: f64,
+    /// Highest length over diameter.
+    pub max_slenderness: f64,
+    /// Trunks of more than this length over diameter are tied to a neighbour; `None` for no bracing.
+    pub brace_slenderness: Option<f64>,
+    /// The furthest a branch goes sideways to meet another.
+    pub max_reach_mm: f64,
+    /// How far branches may go beyond the part in plan.
+    pub margin_mm: f64,
+    /// Whether nothing may stand on the part.
+    pub from_plate_only: bool,
+    /// Everything that looks down in these is held.
+    pub enforce: Vec<Box3>,
+    /// Nothing in these is held.
+    pub block: Vec<Box3>,
+    /// These facets are held, whatever their angle; indices into the mesh.
+    pub enforce_facets: Vec<u32>,
+    /// These facets are not held.
+    pub block_facets: Vec<u32>,
+    /// Thickness of the first layer.
+    pub first_layer_mm: f64,
+    /// Where feet may stand, part coordinates; `None` for no limit.
+    pub bed: Option<Bounds2>,
+}
+
+impl Default for SupportSettings {
+    fn default() -> Self {
+        Self {
+            style: Style::Tree,
+            critical_angle_rad: 40f64.to_radians(),
+            branch_angle_rad: 40f64.to_radians(),
+            max_unsupported_mm: 10.0,
+            thin_share: 0.4,
+            min_overhang_mm: 0.8,
+            contact_radius_mm: 0.3,
+            tip_length_mm: 1.5,
+            branch_radius_mm: 0.6,
+            base_radius_mm: 4.0,
+            base_height_mm: 1.0,
+            z_gap_mm: 0.2,
+            xy_gap_mm: 0.4,
+            interface_layers: 0,
+            interface_radius_mm: 1.2,
+            load_per_contact_n: 1.0,
+            stiffness_mpa: 2000.0,
+            max_slenderness: 40.0,
+            brace_slenderness: Some(25.0),
+            max_reach_mm: 40.0,
+            margin_mm: 12.0,
+            from_plate_only: false,
+            enforce: Vec::new(),
+            block: Vec::new(),
+            enforce_facets: Vec::new(),
+            block_facets: Vec::new(),
+            first_layer_mm: 0.2,
+            bed: None,
+        }
+    }
+}
+
+impl SupportSettings {
+    /// Spacing of the grid contacts are placed on: half the longest unsupported length.
+    pub fn spacing_mm(&self) -> f64 {
+        0.5 * self.max_unsupported_mm
+    }
+
+    /// Spacing of the points that stand for an overhang.
+    pub fn sample_mm(&self) -> f64 {
+        (0.1 * self.max_unsupported_mm).clamp(0.2, 1.0)
+    }
+
+    fn enforced(&self, p: DVec3) -> bool {
+        self.enforce.iter().any(|b| holds(b, p))
+    }
+
+    fn blocked(&self, p: DVec3) -> bool {
+        self.block.iter().any(|b| holds(b, p)) && !self.enforced(p)
+    }
+}
+
+fn holds(b: &Box3, p: DVec3) -> bool {
+    p.cmpge(b[0]).all() && p.cmple(b[1]).all()
+}
+
+/// An overhang that no support reaches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unreached {
+    /// Where, on the part, mm.
+    pub at: DVec3,
+    /// Its area in plan, mm2.
+    pub area_mm2: f64,
+}
+
+/// The supports of a part.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Support {
+    /// What has to be held, and where.
+    pub overhangs: Overhangs,
+    /// The trees; none for the baselines.
+    pub forest: Forest,
+    /// The layers.
+    pub cut: Layers,
+    /// What could not be reached.
+    pub unreached: Vec<Unreached>,
+    /// Contacts so near the plate that there is no room for support below them.
+    pub near_plate: usize,
+}
+
+impl Support {
+    /// Volume of all layers, mm3, as if they were dense.
+    pub fn volume_mm3(&self, stack: &LayerStack) -> f64 {
+        let of = |(s, l): (&SupportLayer, &grainpath_core::Layer)| s.region.area_mm2() * l.height_mm();
+        self.cut.layers.iter().zip(stack.layers()).map(of).sum()
+    }
+
+    /// The largest distance of any overhang's sample from its nearest contact that is held, mm.
+    pub fn farthest_mm(&self) -> f64 {
+        let mut index = overhang::Near::new(5.0);
+        let key = |p: DVec3| p.to_array().map(f64::to_bits);
+        let lost: std::collections::BTreeSet<[u64; 3]> = self.unreached.iter().map(|u| key(u.at)).collect();
+        for (i, c) in self.overhangs.contacts.iter().enumerate() {
+            index.insert(i, c.at);
+        }
+        let mut farthest: f64 = 0.0;
+        for s in &self.overhangs.samples {
+            // Nearly all are near; only what is not asks for a wide search.
+            let near = [5.0, 20.0, 100.0].into_iter().find_map(|r| index.nearest(s.at, r));
+            if let Some(i) = near {
+                let c = self.overhangs.contacts[i].at;
+                if !lost.contains(&key(c)) {
+                    farthest = farthest.max(c.distance(s.at));
+                }
+            }
+        }
+        farthest
+    }
+
+    /// Number of contacts that are held.
+    pub fn n_contacts(&self) -> usize {
+        self.overhangs.contacts.len() - self.unreached.len() - self.near_plate
+    }
+}
+
+/// Finds overhangs and grows supports under them.
+///
+/// # Errors
+/// [`Interrupted`] when a stop was asked for.
+pub fn plan(
+    mesh: &TriMesh,
+    stack: &LayerStack,
+    settings: &SupportSettings,
+    diagnostics: &Diagnostics,
+) -> Result<Support, Interrupted> {
+    diagnostics.begin(Stage::Support, 4);
+    let overhangs = overhang::find(mesh, stack, settings);
+    diagnostics.check()?;
+    diagnostics.advance(1);
+    if overhangs.contacts.is_empty() {
+        diagnostics.warn("support: no overhang beyond the critical angle; none is made");
+        let layers = vec![SupportLayer::default(); stack.layers().len()];
+        return Ok(Support { overhangs, cut: Layers { layers, ..Layers::default() }, ..Support::default() });
+    }
+    if settings.style != Style::Tree {
+        let cut = baseline::layers(&overhangs, stack, settings);
+        return Ok(Support { overhangs, cut, ..Support::default() });
+    }
+    let bed = settings.bed.unwrap_or(Bounds2 {
+        min: grainpath_core::DVec2::splat(-1e5),
+        max: grainpath_core::DVec2::splat(1e5),
+    });
+    let keep = settings.branch_radius_mm + settings.xy_gap_mm;
+    let clearance = Clearance::of(stack, bed, settings.margin_mm, keep, settings.branch_angle_rad);
+    diagnostics.check()?;
+    diagnostics.advance(1);
+    let forest = tree::grow(&overhangs.contacts, &clearance, settings);
+    diagnostics.check()?;
+    diagnostics.advance(1);
+    let cut = cut::cut(&forest, &overhangs.contacts, stack, &clearance, settings);
+    diagnostics.advance(1);
+    let mut support = Support { overhangs, forest, cut, ..Support::default() };
+    support.tell(stack, settings, diagnostics);
+    Ok(support)
+}
+
+/// The surface of support layers, by the method named in `support.solid`.
+///
+/// # Errors
+/// [`Interrupted`] when a stop was asked for.
+pub fn surface(
+    layers: &[SupportLayer],
+    stack: &LayerStack,
+    method: &str,
+    diagnostics: &Diagnostics,
+) -> Result<TriMesh, Interrupted> {
+    let settings = solid::SolidSettings::default();
+    if method == "poisson" {
+        poisson::poisson(layers, stack, settings.cell_mm, diagnostics)
+    } else {
+        solid::solid(layers, stack, &settings, diagnostics)
+    }
+}
+
+impl Support {
+    /// Sorts out which contacts are not held, and says so.
+    fn tell(&mut self, stack: &LayerStack, settings: &SupportSettings, diagnostics: &Diagnostics) {
+        let heights = cut::Heights::of(stack);
+        let mut missing: Vec<u32> = self.forest.unreached.iter().chain(&self.cut.lost).copied().collect();
+        missing.sort_unstable();
+        for i in missing {
+            let c: &Contact = &self.overhangs.contacts[i as usize];
+            if heights.end_below(c.at.z, settings.z_gap_mm) == 0 {
+                self.near_plate += 1;
+            } else {
+                self.unreached.push(Unreached { at: c.at, area_mm2: c.area_mm2 });
+            }
+        }
+        for u in self.unreached.iter().take(20) {
+            let [x, y, z] = u.at.to_array();
+            diagnostics.warn(format!(
+                "support: no way to the overhang at ({x:.1}, {y:.1}, {z:.1}) mm, about {:.1} mm2",
+                u.area_mm2
+            ));
+        }
+        if self.unreached.len() > 20 {
+            let more = self.unreached.len() - 20;
+            diagnostics.warn(format!("support: no way to {more} more overhangs; the report lists all"));
+        }
+    }
+}

@@ -1,0 +1,505 @@
+//! What has to be held up, and where: facets beyond the critical angle, edges of slopes that need nothing themselves,
+//! and whatever begins in mid-air; then points of contact no further apart than the material allows.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::math::sin;
+use grainpath_core::mesh::EdgeUses;
+use grainpath_core::poly::LineClipper;
+use grainpath_core::{DVec2, DVec3, LayerStack, Polygon, Region, TriMesh};
+use rayon::prelude::*;
+
+use super::SupportSettings;
+
+/// A point of an overhang, on the part's surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// Where, mm.
+    pub at: DVec3,
+    /// The surface's outward normal there.
+    pub normal: DVec3,
+    /// Area of overhang it stands for, in plan, mm2.
+    pub area_mm2: f64,
+}
+
+/// Why a contact is where it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reason {
+    /// Facets beyond the critical angle.
+    Facets,
+    /// An edge that leans beyond it between facets that do not.
+    Edge,
+    /// The part begins here in mid-air.
+    Lowest,
+}
+
+/// A point the support is to touch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Where, on the part, mm.
+    pub at: DVec3,
+    /// The surface's outward normal there, unit length.
+    pub normal: DVec3,
+    /// Area of overhang it is to hold, in plan, mm2.
+    pub area_mm2: f64,
+    /// Why it is there.
+    pub reason: Reason,
+}
+
+/// A piece of a layer with nothing below it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MidAir {
+    /// Its layer.
+    pub layer_idx: usize,
+    /// Its outline there.
+    pub polygon: Polygon,
+}
+
+/// Everything found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Overhangs {
+    /// Facets beyond the critical angle, by index into the mended mesh.
+    pub facets: Vec<u32>,
+    /// Connected groups of them that are held.
+    pub regions: usize,
+    /// Groups left alone because they are smaller than a bead or two.
+    pub small: usize,
+    /// What is to be held.
+    pub samples: Vec<Sample>,
+    /// What begins in mid-air.
+    pub mid_air: Vec<MidAir>,
+    /// Where.
+    pub contacts: Vec<Contact>,
+}
+
+/// Finds overhangs and places contacts.
+pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> Overhangs {
+    let mut out = Overhangs::default();
+    let plate_mm = stack.layers().first().map_or(0.0, |l| l.z_top_mm()) + 1e-6;
+    let normals: Vec<DVec3> = mesh.triangles.iter().map(|&t| normal(mesh, t)).collect();
+    let steep = sin(settings.critical_angle_rad);
+    let mut listed: Vec<Option<bool>> = vec![None; mesh.triangles.len()];
+    for (facets, held) in [(&settings.enforce_facets, true), (&settings.block_facets, false)] {
+        for &t in facets {
+            if let Some(slot) = listed.get_mut(t as usize) {
+                *slot = Some(held);
+            }
+        }
+    }
+    let hangs = |t: usize| {
+        let middle = mesh.triangles[t].iter().map(|&i| mesh.vertices[i as usize]).sum::<DVec3>() / 3.0;
+        let high = mesh.triangles[t].iter().map(|&i| mesh.vertices[i as usize].z).fold(0.0, f64::max);
+        let beyond = -normals[t].z > steep || (-normals[t].z > 0.02 && settings.enforced(middle));
+        let wanted = listed[t].unwrap_or(beyond && !settings.blocked(middle));
+        high > plate_mm && wanted && normals[t].z < -0.02
+    };
+    let hanging: Vec<bool> = (0..mesh.triangles.len()).into_par_iter().map(hangs).collect();
+    let edges = EdgeUses::of(mesh);
+    let region = regions(mesh, &edges, &hanging);
+    out.facets = (0..mesh.triangles.len() as u32).filter(|&t| hanging[t as usize]).collect();
+    let pitch = settings.sample_mm();
+    let mut groups: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for &t in &out.facets {
+        groups.entry(region[t as usize]).or_default().push(t);
+    }
+    let groups: Vec<Vec<u32>> = groups.into_values().collect();
+    let sampled: Vec<Option<Vec<Sample>>> =
+        groups.par_iter().map(|g| sample_region(mesh, &normals, g, pitch, settings)).collect();
+    // Samples keep their group, so that the contacts of one never stand for another.
+    let mut samples: Vec<(u32, Reason, Sample)> = Vec::new();
+    for (i, group) in sampled.into_iter().enumerate() {
+        match group {
+            Some(group) => samples.extend(group.into_iter().map(|s| (i as u32, Reason::Facets, s))),
+            None => out.small += 1,
+        }
+    }
+    let edge_samples = leaning_edges(mesh, &edges, &normals, &hanging, plate_mm, pitch, settings);
+    samples.extend(edge_samples.into_iter().map(|s| (u32::MAX, Reason::Edge, s)));
+    let held = outside_only(&samples, stack);
+    let samples: Vec<_> = samples.into_iter().zip(held).filter_map(|(s, keep)| keep.then_some(s)).collect();
+    let mut kept: Vec<u32> = samples.iter().filter(|s| s.1 == Reason::Facets).map(|s| s.0).collect();
+    kept.dedup();
+    out.regions = kept.len();
+    out.contacts = place(&samples, settings);
+    out.samples = samples.into_iter().map(|s| s.2).collect();
+    out.mid_air = mid_air(stack, settings);
+    hold_mid_air(&mut out, stack, settings);
+    out
+}
+
+fn normal(mesh: &TriMesh, t: [u32; 3]) -> DVec3 {
+    let [a, b, c] = t.map(|i| mesh.vertices[i as usize]);
+    (b - a).cross(c - a).normalize_or_zero()
+}
+
+/// Region growing over shared edges: each hanging facet gets the lowest number of its group.
+fn regions(mesh: &TriMesh, edges: &EdgeUses, hanging: &[bool]) -> Vec<u32> {
+    let mut parent: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
+    fn root(parent: &mut [u32], mut t: u32) -> u32 {
+        while parent[t as usize] != t {
+            parent[t as usize] = parent[parent[t as usize] as usize];
+            t = parent[t as usize];
+        }
+        t
+    }
+    for edge in edges.edges() {
+        let mut first = None;
+        for (t, _) in edge.filter(|&(t, _)| hanging[t]) {
+            let r = root(&mut parent, t as u32);
+            if let Some(f) = first {
+                let f = root(&mut parent, f);
+                parent[r.max(f) as usize] = r.min(f);
+            }
+            first = Some(r);
+        }
+    }
+    (0..parent.len() as u32).map(|t| root(&mut parent, t)).collect()
+}
+
+/// Points of a region at every crossing of a grid in plan, at least one; `None` for a region smaller than what
+/// needs holding.
+fn sample_region(
+    mesh: &TriMesh,
+    normals: &[DVec3],
+    facets: &[u32],
+    pitch_mm: f64,
+    settings: &SupportSettings,
+) -> Option<Vec<Sample>> {
+    let corner = |i: u32| mesh.vertices[i as usize];
+    let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    let mut total = 0.0;
+    let mut samples = Vec::new();
+    let mut largest = (0.0, 0u32);
+    for &t in facets {
+        let [a, b, c] = mesh.triangles[t as usize].map(corner);
+        let n = normals[t as usize];
+        let (lo, hi) = (a.min(b).min(c).truncate(), a.max(b).max(c).truncate());
+        (low, high) = (low.min(lo), high.max(hi));
+        let area = 0.5 * (b - a).truncate().perp_dot((c - a).truncate()).abs();
+        total += area;
+        if area > largest.0 {
+            largest = (area, t);
+        }
+        let (i0, i1) = ((lo.x / pitch_mm).ceil() as i64, (hi.x / pitch_mm).floor() as i64);
+        let (j0, j1) = ((lo.y / pitch_mm).ceil() as i64, (hi.y / pitch_mm).floor() as i64);
+        for j in j0..=j1 {
+            for i in i0..=i1 {
+                let p = DVec2::new(i as f64, j as f64) * pitch_mm;
+                let inside = [(a, b), (b, c), (c, a)].into_iter().all(|(u, v)| {
+                    // Seen from above, a facet that looks down runs clockwise.
+                    (v - u).truncate().perp_dot(p - u.truncate()) <= 0.0
+                });
+                if inside && n.z < -1e-6 {
+                    let z = a.z - (n.x * (p.x - a.x) + n.y * (p.y - a.y)) / n.z;
+                    let z = z.clamp(a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
+                    samples.push(Sample { at: p.extend(z), normal: n, area_mm2: pitch_mm * pitch_mm });
+                }
+            }
+        }
+    }
+    if (high - low).max_element() < settings.min_overhang_mm {
+        return None;
+    }
+    if samples.is_empty() {
+        let t = mesh.triangles[largest.1 as usize];
+        let at = t.map(corner).into_iter().sum::<DVec3>() / 3.0;
+        samples.push(Sample { at, normal: normals[largest.1 as usize], area_mm2: total });
+    }
+    samples.retain(|s| !settings.blocked(s.at));
+    Some(samples)
+}
+
+/// Edges that lean beyond the critical angle between two facets that look down and do not: keels.
+fn leaning_edges(
+    mesh: &TriMesh,
+    edges: &EdgeUses,
+    normals: &[DVec3],
+    hanging: &[bool],
+    plate_mm: f64,
+    pitch_mm: f64,
+    settings: &SupportSettings,
+) -> Vec<Sample> {
+    let upright = grainpath_core::math::cos(settings.critical_angle_rad);
+    let mut out = Vec::new();
+    for edge in edges.edges() {
+        let uses: Vec<(usize, bool)> = edge.collect();
+        let [(s, down), (t, _)] = uses[..] else { continue };
+        if hanging[s] || hanging[t] || normals[s].z > -0.02 || normals[t].z > -0.02 {
+            continue;
+        }
+        let [mut a, mut b] = shared(mesh.triangles[s], mesh.triangles[t]).map(|i| mesh.vertices[i as usize]);
+        if down {
+            std::mem::swap(&mut a, &mut b);
+        }
+        let along = b - a;
+        // A keel folds outwards, and by more than the facets of a round surface do.
+        let folds = normals[s].dot(normals[t]) < 0.9;
+        let third = mesh.triangles[t].iter().map(|&i| mesh.vertices[i as usize]);
+        let outwards = third
+            .map(|p| (p - a).dot(normals[s]))
+            .fold(0.0, |x: f64, y| if y.abs() > x.abs() { y } else { x })
+            < 0.0;
+        let high = a.z.max(b.z) > plate_mm;
+        if !folds || !outwards || !high || along.z.abs() > upright * along.length() || along.length() < 1e-9 {
+            continue;
+        }
+        let n = ((along.length() / pitch_mm).ceil() as usize).min(100_000);
+        let look = (normals[s] + normals[t]).normalize_or(-DVec3::Z);
+        for i in 0..=n {
+            let at = a + along * (i as f64 / n as f64);
+            if at.z > plate_mm && !settings.blocked(at) {
+                out.push(Sample { at, normal: look, area_mm2: 0.0 });
+            }
+        }
+    }
+    out
+}
+
+fn shared(s: [u32; 3], t: [u32; 3]) -> [u32; 2] {
+    let mut both = s.into_iter().filter(|i| t.contains(i));
+    let first = both.next().unwrap_or(s[0]);
+    [first, both.next().unwrap_or(first)]
+}
+
+/// Which samples have the part just above them and air just below: the others lie inside another body, stand on one,
+/// or belong to facets wound the wrong way.
+fn outside_only(samples: &[(u32, Reason, Sample)], stack: &LayerStack) -> Vec<bool> {
+    let layers = stack.layers();
+    let middles: Vec<f64> = layers.iter().map(|l| l.z_top_mm() - 0.5 * l.height_mm()).collect();
+    let mut queries: Vec<(usize, usize, bool)> = Vec::with_capacity(2 * samples.len());
+    for (i, (_, _, s)) in samples.iter().enumerate() {
+        let above = middles.partition_point(|&m| m < s.at.z);
+        let margin = 0.25 * layers[above.min(layers.len() - 1)].height_mm();
+        let above = middles.partition_point(|&m| m < s.at.z + margin);
+        let below = middles.partition_point(|&m| m < s.at.z - margin);
+        if above < layers.len() {
+            queries.push((above, i, true));
+        }
+        if below > 0 {
+            queries.push((below - 1, i, false));
+        }
+    }
+    queries.sort_unstable();
+    let by_layer: Vec<&[(usize, usize, bool)]> = queries.chunk_by(|a, b| a.0 == b.0).collect();
+    let wrong: Vec<Vec<usize>> = by_layer
+        .par_iter()
+        .map(|queries| {
+            let clipper = LineClipper::new(layers[queries[0].0].region());
+            let out_of_place = |&&(_, i, wanted): &&(usize, usize, bool)| {
+                let s = &samples[i].2;
+                // A little inwards, since a sample may lie on a wall's edge.
+                let p = s.at.truncate() - if wanted { 1e-3 * s.normal.truncate() } else { DVec2::ZERO };
+                clipper.contains(p) != wanted
+            };
+            queries.iter().filter(out_of_place).map(|q| q.1).collect()
+        })
+        .collect();
+    let mut keep = vec![true; samples.len()];
+    wrong.into_iter().flatten().for_each(|i| keep[i] = false);
+    keep
+}
+
+/// Contacts: the sample nearest to the middle of each grid cell of each region; those whose samples others hold as
+/// well are dropped, and what is then still too far from any gets its own.
+fn place(samples: &[(u32, Reason, Sample)], settings: &SupportSettings) -> Vec<Contact> {
+    let d = settings.spacing_mm();
+    let mut cells: BTreeMap<(u32, i64, i64, i64), Vec<usize>> = BTreeMap::new();
+    let mut corners: BTreeMap<u32, DVec3> = BTreeMap::new();
+    for (g, _, s) in samples {
+        let low = corners.entry(*g).or_insert(s.at);
+        *low = low.min(s.at);
+    }
+    for (i, (g, _, s)) in samples.iter().enumerate() {
+        let c = ((s.at - corners[g]) / d).floor();
+        cells.entry((*g, c.x as i64, c.y as i64, c.z as i64 / 2)).or_default().push(i);
+    }
+    let chosen = cells.into_values().map(|members| {
+        let middle = members.iter().map(|&i| samples[i].2.at).sum::<DVec3>() / members.len() as f64;
+        let near = members.iter().map(|&i| (samples[i].2.at.distance_squared(middle), i));
+        let best = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map_or(0, |b| b.1);
+        (best, members)
+    });
+    // Small cells first: those at the rim of a region are the ones others can stand in for.
+    let mut chosen: Vec<(usize, Vec<usize>)> = chosen.collect();
+    chosen.sort_by_key(|(best, members)| (members.len(), *best));
+    let mut index = Near::new(d);
+    chosen.iter().for_each(|(best, _)| index.insert(*best, samples[*best].2.at));
+    let near_mm = settings.thin_share * settings.max_unsupported_mm;
+    let mut kept = Vec::new();
+    for (best, members) in chosen {
+        let others = |i: usize| {
+            let p = samples[i].2.at;
+            index.any(p, near_mm, |j| j != best && samples[j].0 == samples[i].0)
+        };
+        if members.len() < 40 && members.iter().all(|&i| others(i)) {
+            index.remove(best, samples[best].2.at);
+        } else {
+            kept.push(best);
+        }
+    }
+    let reach = 0.49 * settings.max_unsupported_mm;
+    for (i, (_, _, s)) in samples.iter().enumerate() {
+        if !index.any(s.at, reach, |_| true) {
+            index.insert(i, s.at);
+            kept.push(i);
+        }
+    }
+    kept.sort_unstable();
+    let contact = |i: usize| {
+        let (_, reason, s) = samples[i];
+        Contact { at: s.at, normal: s.normal, area_mm2: 0.0, reason }
+    };
+    let mut contacts: Vec<Contact> = kept.iter().map(|&i| contact(i)).collect();
+    let mut index = Near::new(d);
+    contacts.iter().enumerate().for_each(|(k, c)| index.insert(k, c.at));
+    for (_, _, s) in samples {
+        if let Some(k) = index.nearest(s.at, 0.5 * settings.max_unsupported_mm) {
+            contacts[k].area_mm2 += s.area_mm2;
+        }
+    }
+    contacts
+}
+
+/// Pieces of layers that begin in mid-air.
+fn mid_air(stack: &LayerStack, settings: &SupportSettings) -> Vec<MidAir> {
+    let layers = stack.layers();
+    let first = layers.iter().position(|l| !l.region().is_empty()).unwrap_or(0).max(1);
+    let of_layer = |k: usize| -> Vec<MidAir> {
+        let below = layers[k - 1].region();
+        let clipper = LineClipper::new(below);
+        let z = layers[k].z_top_mm() - layers[k].height_mm();
+        let floats = |p: &&Polygon| {
+            if p.outer.iter().any(|&v| clipper.contains(v)) || settings.blocked(inner_point(p).extend(z)) {
+                return false;
+            }
+            Region::from((*p).clone()).intersection(below).area_mm2() < 1e-4
+        };
+        let found = layers[k].region().polygons.iter().filter(floats);
+        found.map(|p| MidAir { layer_idx: k, polygon: p.clone() }).collect()
+    };
+    let all: Vec<Vec<MidAir>> = (first..layers.len()).into_par_iter().map(of_layer).collect();
+    all.into_iter().flatten().collect()
+}
+
+/// A point inside a polygon, near its middle.
+pub fn inner_point(polygon: &Polygon) -> DVec2 {
+    let middle = polygon.bounds().map_or(DVec2::ZERO, |b| b.centre());
+    if polygon.contains(middle) {
+        return middle;
+    }
+    // The middle of the widest piece of the horizontal line through the middle.
+    let mut xs: Vec<f64> = Vec::new();
+    for (a, b) in polygon.contours().flat_map(|c| grainpath_core::poly::edges(c)) {
+        if (a.y > middle.y) != (b.y > middle.y) {
+            xs.push(a.x + (middle.y - a.y) / (b.y - a.y) * (b.x - a.x));
+        }
+    }
+    xs.sort_by(f64::total_cmp);
+    let widest = xs.chunks_exact(2).max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+    widest.map_or(polygon.outer.first().copied().unwrap_or(middle), |w| {
+        DVec2::new(0.5 * (w[0] + w[1]), middle.y)
+    })
+}
+
+/// Every piece that begins in mid-air gets a contact at its beginning, long ones several.
+fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSettings) {
+    let d = settings.spacing_mm();
+    let mut by_height: Vec<(f64, DVec2)> = out.contacts.iter().map(|c| (c.at.z, c.at.truncate())).collect();
+    by_height.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for piece in &out.mid_air {
+        let layer = &stack.layers()[piece.layer_idx];
+        let (z, h) = (layer.z_top_mm() - layer.height_mm(), layer.height_mm());
+        let polygon = &piece.polygon;
+        let reach = settings.contact_radius_mm;
+        let first = by_height.partition_point(|c| c.0 <= z - 1.5 * h);
+        let mut points: Vec<DVec2> = by_height[first..]
+            .iter()
+            .take_while(|c| c.0 < z + 1.5 * h)
+            .map(|c| c.1)
+            .filter(|&p| polygon.contains(p) || polygon.outer.iter().any(|v| v.distance(p) < reach))
+            .collect();
+        if points.is_empty() {
+            let p = inner_point(polygon);
+            points.push(p);
+            out.contacts.push(mid_air_contact(p.extend(z), polygon.area_mm2()));
+        }
+        let Some(bounds) = polygon.bounds() else { continue };
+        if bounds.size().max_element() < 0.8 * d {
+            continue;
+        }
+        let n = (bounds.size() / (0.5 * d)).ceil();
+        for j in 0..=n.y as i64 {
+            for i in 0..=n.x as i64 {
+                let p = bounds.min + DVec2::new(i as f64, j as f64) * 0.5 * d;
+                let far = |points: &[DVec2]| points.iter().all(|q| q.distance(p) > 0.9 * d);
+                if far(&points) && polygon.contains(p) {
+                    points.push(p);
+                    out.contacts.push(mid_air_contact(p.extend(z), 0.0));
+                }
+            }
+        }
+        // The corners of a sliver lie on no grid.
+        for &p in &polygon.outer {
+            if points.iter().all(|q| q.distance(p) > 0.9 * d) {
+                points.push(p);
+                out.contacts.push(mid_air_contact(p.extend(z), 0.0));
+            }
+        }
+    }
+}
+
+fn mid_air_contact(at: DVec3, area_mm2: f64) -> Contact {
+    Contact { at, normal: -DVec3::Z, area_mm2, reason: Reason::Lowest }
+}
+
+/// Points by cells of a cube grid, for questions about what is near.
+pub struct Near {
+    cell_mm: f64,
+    cells: BTreeMap<(i64, i64, i64), Vec<(usize, DVec3)>>,
+}
+
+impl Near {
+    /// A grid for questions of about this radius.
+    pub fn new(cell_mm: f64) -> Self {
+        Self { cell_mm, cells: BTreeMap::new() }
+    }
+
+    fn key(&self, p: DVec3) -> (i64, i64, i64) {
+        let c = (p / self.cell_mm).floor();
+        (c.x as i64, c.y as i64, c.z as i64)
+    }
+
+    /// Adds a point under a name.
+    pub fn insert(&mut self, name: usize, p: DVec3) {
+        let key = self.key(p);
+        self.cells.entry(key).or_default().push((name, p));
+    }
+
+    /// Takes the point of this name away again.
+    pub fn remove(&mut self, name: usize, p: DVec3) {
+        let key = self.key(p);
+        if let Some(cell) = self.cells.get_mut(&key) {
+            cell.retain(|c| c.0 != name);
+        }
+    }
+
+    fn around(&self, p: DVec3, radius_mm: f64) -> impl Iterator<Item = (f64, usize)> + '_ {
+        let (lo, hi) = (self.key(p - radius_mm), self.key(p + radius_mm));
+        let columns = (lo.0..=hi.0).flat_map(move |x| (lo.1..=hi.1).map(move |y| (x, y)));
+        let cells = columns.flat_map(move |(x, y)| self.cells.range((x, y, lo.2)..=(x, y, hi.2)));
+        cells
+            .flat_map(|(_, c)| c)
+            .map(move |&(i, q)| (q.distance(p), i))
+            .filter(move |&(d, _)| d <= radius_mm)
+    }
+
+    /// Whether any point within the radius will do.
+    pub fn any(&self, p: DVec3, radius_mm: f64, will_do: impl Fn(usize) -> bool) -> bool {
+        self.around(p, radius_mm).any(|(_, i)| will_do(i))
+    }
+
+    /// The nearest point within the radius; of equally near ones the one with the lowest name.
+    pub fn nearest(&self, p: DVec3, radius_mm: f64) -> Option<usize> {
+        self.around(p, radius_mm).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|n| n.1)
+    }
+}

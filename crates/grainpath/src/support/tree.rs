@@ -1,0 +1,536 @@
+//! Trees: from the contacts down, two branches meet where their cones first do; what is left stands on the plate, or
+//! on the part where the plate cannot be reached.
+//!
+//! Every node leans at most by the branch angle from the one it stands on. The highest node is always next, so a node
+//! knows all that it will carry when its turn comes, and nothing is ever taken back.
+
+use std::collections::BinaryHeap;
+
+use grainpath_core::math::{direction, pow, sin, tan};
+use grainpath_core::{Bounds2, DVec2, DVec3};
+
+use super::SupportSettings;
+use super::clearance::Clearance;
+use super::overhang::Contact;
+
+/// What a node is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// The end at the part; the contact's index.
+    Contact(u32),
+    /// The lower end of the short piece that leaves the part along its normal.
+    Tip,
+    /// Two branches meet.
+    Join,
+    /// A branch goes round the part.
+    Bend,
+    /// On the plate.
+    Foot,
+    /// On the part.
+    Landing,
+}
+
+/// A point of a tree.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Node {
+    /// Where, mm.
+    pub at: DVec3,
+    /// Radius of the horizontal section there, mm.
+    pub radius_mm: f64,
+    /// Number of contacts it carries.
+    pub carries: u32,
+    /// Height of the highest of them, mm.
+    pub top_mm: f64,
+    /// What it stands on; none for feet and landings.
+    pub below: Option<u32>,
+    /// What it is.
+    pub kind: Kind,
+    /// Whether the branch from here down is a last resort: a post that keeps no distance but is cut to fit.
+    pub post: bool,
+}
+
+/// A strut between two trunks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Brace {
+    /// Its upper end.
+    pub high: DVec3,
+    /// Its lower end.
+    pub low: DVec3,
+    /// Its radius, mm.
+    pub radius_mm: f64,
+}
+
+/// All trees of a part.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Forest {
+    /// Every node; what one stands on has a higher index.
+    pub nodes: Vec<Node>,
+    /// Struts between trunks.
+    pub braces: Vec<Brace>,
+    /// Contacts that no branch could reach.
+    pub unreached: Vec<u32>,
+}
+
+impl Forest {
+    /// Number of trees: feet and landings.
+    pub fn n_trees(&self) -> usize {
+        self.nodes.iter().filter(|n| n.below.is_none() && n.carries > 0).count()
+    }
+
+    /// The pieces of branch: upper and lower node.
+    pub fn branches(&self) -> impl Iterator<Item = (&Node, &Node)> {
+        self.nodes.iter().filter_map(|n| n.below.map(|b| (n, &self.nodes[b as usize])))
+    }
+
+    /// The largest lean of any branch or brace from the vertical, radians.
+    pub fn steepest_rad(&self) -> f64 {
+        let lean = |a: DVec3, b: DVec3| {
+            grainpath_core::math::atan2((a - b).truncate().length(), (a.z - b.z).max(0.0))
+        };
+        let of_branches = self.branches().filter(|(a, b)| a.at != b.at).map(|(a, b)| lean(a.at, b.at));
+        of_branches.chain(self.braces.iter().map(|b| lean(b.high, b.low))).fold(0.0, f64::max)
+    }
+}
+
+/// The highest common point of two downward cones with apexes `p` and `q` and slope `tan_angle`: where two branches
+/// meet with the least length. Where one apex lies in the other's cone, that apex.
+pub fn cones_meet(p: DVec3, q: DVec3, tan_angle: f64) -> DVec3 {
+    let (high, low) = if p.z >= q.z { (p, q) } else { (q, p) };
+    let across = (low - high).truncate();
+    let d = across.length();
+    let drop = high.z - low.z;
+    if d <= drop * tan_angle {
+        return low;
+    }
+    let z = 0.5 * (high.z + low.z) - 0.5 * d / tan_angle;
+    let from_high = (high.z - z) * tan_angle;
+    (high.truncate() + across * (from_high / d)).extend(z)
+}
+
+/// Grows trees from the contacts to the plate.
+pub fn grow(contacts: &[Contact], clearance: &Clearance, settings: &SupportSettings) -> Forest {
+    let bounds = Bounds2::of(contacts.iter().map(|c| c.at.truncate()));
+    let Some(bounds) = bounds else { return Forest::default() };
+    let mut grower = Grower {
+        s: settings,
+        clearance,
+        slope: tan(settings.branch_angle_rad) * 0.999,
+        forest: Forest::default(),
+        queue: BinaryHeap::new(),
+        index: Plan::over(bounds, contacts.len()),
+        state: Vec::new(),
+    };
+    for (i, contact) in contacts.iter().enumerate() {
+        grower.begin(i as u32, contact);
+    }
+    grower.run();
+    grower.stand();
+    grower.brace();
+    grower.forest
+}
+
+/// What is to become of a node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum State {
+    /// Waiting for its turn; whether the plate can be reached from it.
+    Waiting { plate: bool },
+    /// Nothing below but the plate: a trunk that others may still join.
+    Trunk,
+    /// Stands on another.
+    Done,
+}
+
+/// Nodes in plan.
+struct Plan {
+    origin: DVec2,
+    cell_mm: f64,
+    nx: i64,
+    ny: i64,
+    cells: Vec<Vec<u32>>,
+}
+
+impl Plan {
+    fn over(bounds: Bounds2, n: usize) -> Self {
+        let bounds = bounds.grown(10.0);
+        let size = bounds.size();
+        let cell_mm =
+            (size.x * size.y / n.max(1) as f64).sqrt().clamp(2.0, 20.0).max(size.max_element() / 1000.0);
+        let (nx, ny) = ((size.x / cell_mm) as i64 + 1, (size.y / cell_mm) as i64 + 1);
+        Self { origin: bounds.min, cell_mm, nx, ny, cells: vec![Vec::new(); (nx * ny) as usize] }
+    }
+
+    fn cell(&self, p: DVec2) -> (i64, i64) {
+        let c = (p - self.origin) / self.cell_mm;
+        ((c.x.floor() as i64).clamp(0, self.nx - 1), (c.y.floor() as i64).clamp(0, self.ny - 1))
+    }
+
+    fn insert(&mut self, name: u32, p: DVec3) {
+        let (x, y) = self.cell(p.truncate());
+        self.cells[(y * self.nx + x) as usize].push(name);
+    }
+
+    fn remove(&mut self, name: u32, p: DVec3) {
+        let (x, y) = self.cell(p.truncate());
+        self.cells[(y * self.nx + x) as usize].retain(|&n| n != name);
+    }
+
+    /// The nodes in the cells at this many cells' distance.
+    fn ring(&self, p: DVec3, ring: i64) -> impl Iterator<Item = u32> + '_ {
+        let (cx, cy) = self.cell(p.truncate());
+        let rows = (cy - ring).max(0)..=(cy + ring).min(self.ny - 1);
+        rows.flat_map(move |y| {
+            let step = if y == cy - ring || y == cy + ring { 1 } else { (2 * ring).max(1) };
+            (cx - ring..=cx + ring).step_by(step as usize).map(move |x| (x, y))
+        })
+        .filter(|&(x, _)| (0..self.nx).contains(&x))
+        .flat_map(|(x, y)| self.cells[(y * self.nx + x) as usize].iter().copied())
+    }
+}
+
+#[derive(PartialEq)]
+struct Turn {
+    z: f64,
+    name: u32,
+}
+
+impl Eq for Turn {}
+
+impl Ord for Turn {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.z.total_cmp(&other.z).then(other.name.cmp(&self.name))
+    }
+}
+
+impl PartialOrd for Turn {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// A possible meeting.
+struct Meeting {
+    gain_mm: f64,
+    with: u32,
+    at: DVec3,
+}
+
+/// Candidates tried at most before a node goes on alone.
+const TRIES: usize = 24;
+/// What a foot costs, as a length of branch, mm.
+const FOOT_MM: f64 = 8.0;
+/// The shortest piece of trunk left below a joint, mm.
+const STUMP_MM: f64 = 1.0;
+
+struct Grower<'a> {
+    s: &'a SupportSettings,
+    clearance: &'a Clearance,
+    slope: f64,
+    forest: Forest,
+    queue: BinaryHeap<Turn>,
+    index: Plan,
+    state: Vec<State>,
+}
+
+impl Grower<'_> {
+    fn add(&mut self, at: DVec3, carries: u32, top_mm: f64, kind: Kind, state: State) -> u32 {
+        let radius_mm = match kind {
+            Kind::Contact(_) => self.s.contact_radius_mm,
+            _ => self.s.radius_mm(carries, top_mm - at.z),
+        };
+        self.forest.nodes.push(Node { at, radius_mm, carries, top_mm, below: None, kind, post: false });
+        self.state.push(state);
+        let name = self.forest.nodes.len() as u32 - 1;
+        if let State::Waiting { .. } = state {
+            self.queue.push(Turn { z: at.z, name });
+            self.index.insert(name, at);
+        }
+        name
+    }
+
+    fn node(&self, name: u32) -> &Node {
+        &self.forest.nodes[name as usize]
+    }
+
+    fn link(&mut self, upper: u32, lower: u32) {
+        let at = self.node(upper).at;
+        self.forest.nodes[upper as usize].below = Some(lower);
+        if self.state[upper as usize] != State::Done {
+            self.index.remove(upper, at);
+        }
+        self.state[upper as usize] = State::Done;
+    }
+
+    /// The piece at a contact, which leaves the part along its normal as far as that may lean.
+    fn begin(&mut self, i: u32, contact: &Contact) {
+        let top = contact.at - DVec3::Z * self.s.z_gap_mm;
+        if top.z < 0.5 * self.s.first_layer_mm {
+            self.forest.unreached.push(i);
+            return;
+        }
+        let keep = self.s.branch_radius_mm + self.s.xy_gap_mm;
+        let mut clear = None;
+        for t in [1.0, 0.6, 1.5, 2.0, 2.8, 4.0].map(|k| k * self.s.tip_length_mm) {
+            for way in self.tip_directions(contact.normal) {
+                let end = top + way * t;
+                if end.z < STUMP_MM.min(0.5 * top.z) || self.clearance.distance_mm(end) < keep {
+                    continue;
+                }
+                if self.clearance.leads_to_plate(end) {
+                    self.tip(i, top, end, true);
+                    return;
+                }
+                clear = clear.or(Some(end));
+            }
+        }
+        match clear {
+            Some(end) if !self.s.from_plate_only => self.tip(i, top, end, false),
+            _ => self.post(i, top),
+        }
+    }
+
+    fn tip_directions(&self, normal: DVec3) -> impl Iterator<Item = DVec3> + use<> {
+        let limit = self.slope;
+        let flat = normal.truncate().normalize_or_zero();
+        let leaning = move |across: DVec2, slope: f64| (across * slope).extend(-1.0).normalize();
+        let own = normal.truncate().length() / (-normal.z).max(1e-6);
+        let along = leaning(flat, own.min(limit));
+        let around =
+            (0..8).map(move |k| leaning(direction(f64::from(k) * std::f64::consts::FRAC_PI_4), limit));
+        [along, -DVec3::Z, leaning(flat, limit)].into_iter().chain(around)
+    }
+
+    fn tip(&mut self, i: u32, top: DVec3, end: DVec3, plate: bool) {
+        let contact = self.add(top, 1, top.z, Kind::Contact(i), State::Done);
+        let tip = self.add(end, 1, top.z, Kind::Tip, State::Waiting { plate });
+        self.forest.nodes[contact as usize].below = Some(tip);
+    }
+
+    /// No room for a branch: straight down onto whatever is there, cut to fit afterwards.
+    fn post(&mut self, i: u32, top: DVec3) {
+        let below = self.clearance.floor_mm(top - DVec3::Z * 0.8);
+        if self.s.from_plate_only && below > 0.0 || top.z - below < 1e-3 {
+            self.forest.unreached.push(i);
+            return;
+        }
+        let contact = self.add(top, 1, top.z, Kind::Contact(i), State::Done);
+        self.forest.nodes[contact as usize].post = true;
+        let kind = if below > 0.0 { Kind::Landing } else { Kind::Foot };
+        let foot = self.add(top.with_z((below - self.s.sink_mm()).max(0.0)), 1, top.z, kind, State::Done);
+        self.forest.nodes[foot as usize].radius_mm = self.s.branch_radius_mm;
+        self.forest.nodes[contact as usize].below = Some(foot);
+    }
+
+    fn run(&mut self) {
+        while let Some(turn) = self.queue.pop() {
+            let State::Waiting { plate } = self.state[turn.name as usize] else { continue };
+            if self.meet(turn.name, plate) {
+                continue;
+            }
+            if plate { self.go_on(turn.name) } else { self.land(turn.name) }
+        }
+    }
+
+    /// Joins a node with the partner that saves most, if any does.
+    fn meet(&mut self, name: u32, plate: bool) -> bool {
+        let mut meetings = self.meetings(name, plate);
+        meetings.sort_by(|a, b| b.gain_mm.total_cmp(&a.gain_mm).then(a.with.cmp(&b.with)));
+        for m in meetings.iter().take(TRIES) {
+            if self.can_meet(name, m, plate) {
+                self.join(name, m, plate);
+                return true;
+            }
+        }
+        false
+    }
+
+    fn floor(&self, p: DVec3, plate: bool) -> f64 {
+        if plate { 0.0 } else { self.clearance.floor_mm(p) }
+    }
+
+    fn meetings(&self, name: u32, plate: bool) -> Vec<Meeting> {
+        let p = self.node(name).at;
+        let alone = p.z - self.floor(p, plate);
+        // Length lost for each millimetre apart, for partners as high as this one: the best there can be.
+        let cost = 1.0 / sin(self.s.branch_angle_rad) - 0.5 / self.slope;
+        let mut out: Vec<Meeting> = Vec::new();
+        let mut best = f64::NEG_INFINITY;
+        for ring in 0..self.index.nx.max(self.index.ny) {
+            let nearest = (ring - 1).max(0) as f64 * self.index.cell_mm;
+            let bound = alone + FOOT_MM - cost * nearest;
+            if bound < 0.0 || nearest > self.s.max_reach_mm || (out.len() >= TRIES && bound < best) {
+                break;
+            }
+            for other in self.index.ring(p, ring) {
+                if other == name {
+                    continue;
+                }
+                let Some(m) = self.meeting(p, alone, other, plate) else { continue };
+                best = best.max(m.gain_mm);
+                out.push(m);
+            }
+        }
+        out
+    }
+
+    fn meeting(&self, p: DVec3, alone: f64, other: u32, plate: bool) -> Option<Meeting> {
+        let q = self.node(other).at;
+        let (at, gain_mm) = match self.state[other as usize] {
+            State::Done => return None,
+            State::Trunk => {
+                if !plate {
+                    return None;
+                }
+                let d = (p - q).truncate().length();
+                let at = q.with_z((p.z - d / self.slope).min(q.z));
+                (at, alone - p.distance(at) + FOOT_MM)
+            }
+            State::Waiting { plate: to_plate } => {
+                if to_plate != plate {
+                    return None;
+                }
+                let at = cones_meet(p, q, self.slope);
+                let other_alone = q.z - self.floor(q, plate);
+                let floor = self.floor(at, plate);
+                let together = p.distance(at) + q.distance(at) + (at.z - floor);
+                (at, alone + other_alone - together + FOOT_MM)
+            }
+        };
+        let low = self.floor(at, plate) + STUMP_MM.max(if plate { self.s.base_height_mm } else { 0.0 });
+        let near = (p - at).truncate().length() <= self.s.max_reach_mm;
+        (gain_mm > 0.0 && at.z > low && near).then_some(Meeting { gain_mm, with: other, at })
+    }
+
+    fn can_meet(&self, name: u32, m: &Meeting, plate: bool) -> bool {
+        let (p, q) = (self.node(name), self.node(m.with));
+        let thin = self.s.branch_radius_mm;
+        let clear = |a: &Node| {
+            let keep = thin.max(0.5 * a.radius_mm) + self.s.xy_gap_mm;
+            a.at.distance(m.at) < 1e-9
+                || self.clearance.is_clear(a.at, m.at, keep.min(self.clearance.distance_mm(a.at)))
+        };
+        (!plate || self.clearance.leads_to_plate(m.at)) && clear(p) && clear(q)
+    }
+
+    fn join(&mut self, name: u32, m: &Meeting, plate: bool) {
+        let (p, q) = (*self.node(name), *self.node(m.with));
+        let carries = p.carries + q.carries;
+        let top = p.top_mm.max(q.top_mm);
+        let was = self.state[m.with as usize];
+        if m.at.distance(q.at) < 1e-9 && !matches!(q.kind, Kind::Contact(_)) {
+            // Straight onto the other: it carries more now, and its turn is still to come.
+            let radius_mm = self.s.radius_mm(carries, top - q.at.z);
+            let node = &mut self.forest.nodes[m.with as usize];
+            (node.carries, node.top_mm, node.radius_mm) = (carries, top, radius_mm);
+            self.link(name, m.with);
+            return;
+        }
+        let state = if was == State::Trunk { State::Trunk } else { State::Waiting { plate } };
+        let joint = self.add(m.at, carries, top, Kind::Join, state);
+        if state == State::Trunk {
+            self.index.insert(joint, m.at);
+        }
+        self.link(name, joint);
+        self.link(m.with, joint);
+    }
+
+    /// Alone towards the plate: a trunk where that is straight below, else round what is in the way.
+    fn go_on(&mut self, name: u32) {
+        let node = *self.node(name);
+        if self.clearance.is_straight(node.at) {
+            self.state[name as usize] = State::Trunk;
+            return;
+        }
+        let way = self.clearance.way_down(node.at);
+        match way.first() {
+            Some(&next) if next.z < node.at.z - 1e-9 => {
+                let plate = self.clearance.leads_to_plate(next);
+                let bend = self.add(next, node.carries, node.top_mm, Kind::Bend, State::Waiting { plate });
+                self.link(name, bend);
+            }
+            _ => self.land(name),
+        }
+    }
+
+    /// Alone onto the part.
+    fn land(&mut self, name: u32) {
+        let node = *self.node(name);
+        let floor = self.clearance.floor_mm(node.at);
+        let kind = if floor > 0.0 { Kind::Landing } else { Kind::Foot };
+        let at = node.at.with_z((floor - self.s.sink_mm()).max(0.0));
+        let foot = self.add(at, node.carries, node.top_mm, kind, State::Done);
+        self.forest.nodes[name as usize].post = true;
+        self.link(name, foot);
+    }
+
+    /// Gives every trunk its foot.
+    fn stand(&mut self) {
+        for name in 0..self.forest.nodes.len() as u32 {
+            if self.state[name as usize] == State::Trunk {
+                let node = *self.node(name);
+                let foot = self.add(node.at.with_z(0.0), node.carries, node.top_mm, Kind::Foot, State::Done);
+                self.link(name, foot);
+            }
+        }
+    }
+
+    /// Ties trunks that are too slender to a neighbour.
+    fn brace(&mut self) {
+        let Some(slender) = self.s.brace_slenderness else { return };
+        let trunks: Vec<(DVec2, f64, f64)> = self
+            .forest
+            .branches()
+            .filter(|(a, b)| b.kind == Kind::Foot && (a.at - b.at).truncate().length() < 1e-9 && !a.post)
+            .map(|(a, b)| (a.at.truncate(), a.at.z, b.radius_mm))
+            .collect();
+        let radius = self.s.branch_radius_mm;
+        let mut braces = Vec::new();
+        for (i, &(p, top, r)) in trunks.iter().enumerate() {
+            if top < slender * 2.0 * r {
+                continue;
+            }
+            let mut near: Vec<(f64, usize)> = trunks
+                .iter()
+                .enumerate()
+                .filter(|&(j, t)| j != i && t.0.distance(p) > 2.0 * r)
+                .map(|(j, t)| (t.0.distance(p), j))
+                .filter(|&(d, j)| d < self.s.max_reach_mm && d / self.slope < 0.5 * top.min(trunks[j].1))
+                .collect();
+            near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            let step = slender * 2.0 * r;
+            for &(d, j) in near.iter().take(2) {
+                let mut z = top.min(trunks[j].1 + d / self.slope) - 1.0;
+                let mut n = 0;
+                while z - d / self.slope > self.s.base_height_mm {
+                    let (high, low) = (p.extend(z), trunks[j].0.extend(z - d / self.slope));
+                    if self.clearance.is_clear(high, low, radius + self.s.xy_gap_mm) {
+                        braces.push(Brace { high, low, radius_mm: radius });
+                        n += 1;
+                    }
+                    z -= step;
+                }
+                if n > 0 {
+                    break;
+                }
+            }
+        }
+        self.forest.braces = braces;
+    }
+}
+
+impl SupportSettings {
+    /// Radius of a branch that carries so many contacts, this far below the highest: Euler's load for a column of
+    /// that length, and never more slender than allowed.
+    pub fn radius_mm(&self, carries: u32, length_mm: f64) -> f64 {
+        let length = length_mm.max(0.0);
+        let load_n = f64::from(carries) * self.load_per_contact_n;
+        let pi3 = std::f64::consts::PI.powi(3);
+        let euler = pow(16.0 * load_n / (pi3 * self.stiffness_mpa), 0.25) * length.sqrt();
+        let slender = 0.5 * length / self.max_slenderness;
+        euler.max(slender).clamp(self.branch_radius_mm, self.base_radius_mm.max(self.branch_radius_mm))
+    }
+
+    /// How far a landing reaches into the part, where it is cut away again: more than a slab.
+    pub(super) fn sink_mm(&self) -> f64 {
+        1.0
+    }
+}

@@ -1,0 +1,265 @@
+//! Supports of every real mesh: nothing floats, nothing cuts the part, no branch leans too far, every overhang is
+//! near a contact or listed.
+
+use std::path::{Path, PathBuf};
+
+use grainpath::Settings;
+use grainpath::config;
+use grainpath::run::mesh_and_layers;
+use grainpath::shape::{SliceSettings, slice};
+use grainpath::support::cut::count_floating;
+use grainpath::support::tree::{Kind, cones_meet};
+use grainpath::support::{Style, Support, SupportSettings, plan};
+use grainpath_core::{DVec2, DVec3, Diagnostics, LayerStack, TriMesh};
+use rayon::prelude::*;
+
+fn meshes() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/meshes");
+    let Ok(entries) = std::fs::read_dir(&folder) else {
+        println!("skipped: no ../shared/data");
+        return Vec::new();
+    };
+    let mut paths: Vec<PathBuf> =
+        entries.filter_map(|e| e.ok().map(|e| e.path())).filter(|p| p.is_file()).collect();
+    paths.sort();
+    paths
+}
+
+fn settings() -> Settings {
+    let mut s = Settings::default();
+    s.support.style = "tree".into();
+    s.printer.bed_mm = [2000.0; 3];
+    s
+}
+
+fn supported(path: &Path, s: &Settings) -> Option<(Support, LayerStack, SupportSettings)> {
+    let name = path.file_name()?.to_string_lossy().into_owned();
+    let bytes = std::fs::read(path).ok()?;
+    let file = grainpath_io::parse_mesh(&bytes, Some(&name)).ok()?;
+    let mut s = s.clone();
+    let longest = file.bodies.iter().filter_map(|b| b.mesh.bounds()).map(|(l, h)| (h - l).max_element());
+    let longest = longest.fold(0.0, f64::max);
+    // Units are not told in most files; anything between a coin and a bucket will do.
+    s.shape.scale = if file.unit.is_some() {
+        1.0
+    } else if longest < 1.0 {
+        60.0 / longest
+    } else if longest < 9.0 {
+        25.4
+    } else {
+        1.0
+    };
+    if longest > 500.0 {
+        s.shape.scale = 100.0 / longest;
+    }
+    let quiet = Diagnostics::default();
+    let (mesh, stack, _) = mesh_and_layers(&s, file, &quiet).ok()?;
+    let wanted = config::support(&s, DVec2::ZERO).map(|w| SupportSettings { bed: None, ..w })?;
+    let support = plan(&mesh, &stack, &wanted, &quiet).ok()?;
+    Some((support, stack, wanted))
+}
+
+#[test]
+fn supports_of_every_real_mesh_stand_and_keep_off_the_part() {
+    let mut wrong = Vec::new();
+    let mut done = 0;
+    for path in meshes() {
+        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        if name.contains("skull") && std::env::var_os("GRAINPATH_SLOW").is_none() {
+            continue;
+        }
+        if std::env::var("GRAINPATH_MESH").is_ok_and(|part| !name.contains(&part)) {
+            continue;
+        }
+        let start = std::time::Instant::now();
+        let Some((support, stack, wanted)) = supported(&path, &settings()) else { continue };
+        done += 1;
+        let cut: Vec<f64> = (0..stack.layers().len())
+            .into_par_iter()
+            .map(|k| support.cut.layers[k].region.intersection(stack.layers()[k].region()).area_mm2())
+            .collect();
+        let cuts = cut.iter().filter(|&&a| a > 1e-3).count();
+        let floating = count_floating(&support.cut.layers, &stack, &wanted);
+        let steepest = support.forest.steepest_rad().to_degrees();
+        let farthest = support.farthest_mm();
+        let row = format!(
+            "{name}: {} contacts, {} trees, {} unreached, {} near the plate, {} dropped, floating {floating}, cuts {cuts}, \
+             steepest {steepest:.2}, farthest {farthest:.2} mm, {:.0} mm3, {:.2} s",
+            support.overhangs.contacts.len(),
+            support.forest.n_trees(),
+            support.unreached.len(),
+            support.near_plate,
+            support.cut.dropped,
+            support.volume_mm3(&stack),
+            start.elapsed().as_secs_f64(),
+        );
+        println!("{row}");
+        let limit = wanted.branch_angle_rad.to_degrees() + 0.01;
+        if floating > 0 || cuts > 0 || steepest > limit || farthest > 0.5 * wanted.max_unsupported_mm {
+            wrong.push(row);
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    let all = std::env::var_os("GRAINPATH_MESH").is_none();
+    assert!(done == 0 || done > 40 || !all, "only {done} meshes could be tried");
+}
+
+/// Boxes that overlap, as one mesh; slicing unites them.
+fn boxes(all: &[[[f64; 3]; 2]]) -> TriMesh {
+    let mut mesh = TriMesh::default();
+    for [low, high] in all {
+        let first = mesh.vertices.len() as u32;
+        let pick = |i: usize, k: usize| if i >> k & 1 == 1 { high[k] } else { low[k] };
+        mesh.vertices.extend((0..8).map(|i| DVec3::new(pick(i, 0), pick(i, 1), pick(i, 2))));
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        for [a, b, c, d] in quads.map(|q: [u32; 4]| q.map(|i| i + first)) {
+            mesh.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    mesh
+}
+
+fn planned(mesh: &TriMesh, change: impl Fn(&mut SupportSettings)) -> (Support, LayerStack, Vec<String>) {
+    let quiet = Diagnostics::default();
+    let slicing = SliceSettings {
+        layer_height_mm: 0.2,
+        first_layer_height_mm: 0.2,
+        adaptive: None,
+        gap_closing_mm: 0.05,
+        simplify_mm: 0.0125,
+    };
+    let stack = slice(mesh, &slicing, &quiet).expect("a sound mesh");
+    let mut settings = SupportSettings::default();
+    change(&mut settings);
+    let support = plan(mesh, &stack, &settings, &quiet).expect("not stopped");
+    assert_eq!(count_floating(&support.cut.layers, &stack, &settings), 0);
+    (support, stack, quiet.warnings())
+}
+
+/// A table: a leg and a top that overhangs it by 20 mm on all sides, 12 mm up, over a lower shelf on one side.
+fn table(shelf: bool) -> TriMesh {
+    let mut all = vec![[[-2.0, -2.0, 0.0], [2.0, 2.0, 12.5]], [[-22.0, -22.0, 12.0], [22.0, 22.0, 14.0]]];
+    if shelf {
+        all.push([[0.0, -60.0, 0.0], [60.0, 60.0, 3.0]]);
+    }
+    boxes(&all)
+}
+
+#[test]
+fn a_part_without_overhangs_gets_none_and_is_told_so() {
+    let (support, _, warnings) = planned(&boxes(&[[[0.0; 3], [20.0, 20.0, 10.0]]]), |_| ());
+    assert!(support.overhangs.contacts.is_empty() && support.cut.layers.iter().all(|l| l.region.is_empty()));
+    assert!(warnings[0].contains("no overhang"), "{warnings:?}");
+}
+
+#[test]
+fn the_same_trees_for_any_number_of_threads() {
+    let mesh = grainpath::specimen::hanging_ball();
+    let with = |n: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("a pool");
+        pool.install(|| planned(&mesh, |_| ()).0)
+    };
+    let one = with(1);
+    assert_eq!(one.forest.n_trees(), 1);
+    assert!(one.overhangs.contacts.len() > 5 && one.unreached.is_empty());
+    for n in [2, 8] {
+        assert!(with(n) == one, "{n} threads");
+    }
+}
+
+#[test]
+fn where_the_plate_cannot_be_reached_branches_stand_on_the_part_or_are_listed() {
+    let on_part =
+        |s: &Support| s.forest.nodes.iter().filter(|n| n.kind == Kind::Landing && n.carries > 0).count();
+    let (free, ..) = planned(&table(false), |_| ());
+    assert_eq!((on_part(&free), free.unreached.len()), (0, 0));
+    let (shelf, stack, _) = planned(&table(true), |_| ());
+    assert!(on_part(&shelf) > 0 && shelf.unreached.is_empty());
+    for (layer, part) in shelf.cut.layers.iter().zip(stack.layers()) {
+        assert!(layer.region.intersection(part.region()).area_mm2() < 1e-3);
+    }
+    let (plate, _, warnings) = planned(&table(true), |s| s.from_plate_only = true);
+    assert_eq!(on_part(&plate), 0);
+    assert!(!plate.unreached.is_empty() && warnings.iter().any(|w| w.contains("no way to the overhang")));
+    assert!(plate.unreached.iter().all(|u| u.at.x > -0.5 && (u.at.z - 12.0).abs() < 1e-9));
+}
+
+#[test]
+fn boxes_and_facets_enforce_and_block() {
+    let half = [DVec3::new(0.0, -30.0, 0.0), DVec3::new(30.0, 30.0, 30.0)];
+    let (blocked, ..) = planned(&table(false), |s| s.block = vec![half]);
+    assert!(!blocked.overhangs.contacts.is_empty());
+    assert!(blocked.overhangs.contacts.iter().all(|c| c.at.x < 0.01));
+    // A wall that leans by 30 degrees needs nothing unless it is asked for.
+    let mut wedge = boxes(&[[[0.0; 3], [10.0, 10.0, 20.0]]]);
+    wedge.vertices.iter_mut().for_each(|p| p.x += 0.577 * p.z);
+    let (none, ..) = planned(&wedge, |_| ());
+    assert!(none.overhangs.contacts.is_empty(), "{:?}", none.overhangs.contacts);
+    let all = [DVec3::splat(-100.0), DVec3::splat(100.0)];
+    let (asked, ..) = planned(&wedge, |s| s.enforce = vec![all]);
+    assert!(asked.overhangs.contacts.len() > 3);
+    let leaning: Vec<u32> = none_facing_down(&wedge);
+    let (listed, ..) = planned(&wedge, |s| s.enforce_facets = leaning.clone());
+    assert!(listed.overhangs.contacts.len() > 3);
+    let (both, ..) = planned(&wedge, |s| {
+        s.enforce = vec![all];
+        s.block_facets = leaning.clone();
+    });
+    assert!(both.overhangs.contacts.is_empty());
+}
+
+fn none_facing_down(mesh: &TriMesh) -> Vec<u32> {
+    let v = |i: u32| mesh.vertices[i as usize];
+    let down = |t: &[u32; 3]| (v(t[1]) - v(t[0])).cross(v(t[2]) - v(t[0])).normalize().z;
+    (0..mesh.triangles.len() as u32)
+        .filter(|&t| (-0.9..-0.1).contains(&down(&mesh.triangles[t as usize])))
+        .collect()
+}
+
+#[test]
+fn gaps_pads_and_tips_are_as_asked() {
+    let (support, stack, _) = planned(&table(false), |s| {
+        s.interface_layers = 2;
+        s.z_gap_mm = 0.3;
+    });
+    // The top begins in the layer that ends at 12.2; two layers of 0.2 are free below it.
+    let top = support.cut.layers.iter().rposition(|l| !l.region.is_empty()).expect("support");
+    assert!((stack.layers()[top].z_top_mm() - 11.6).abs() < 1e-9, "{}", stack.layers()[top].z_top_mm());
+    let pads = |k: usize| support.cut.layers[k].interface.area_mm2();
+    assert!(pads(top) > 50.0 && pads(top - 1) > 50.0 && pads(top - 2) == 0.0);
+    assert!(support.forest.steepest_rad().to_degrees() <= 40.0);
+}
+
+#[test]
+fn baselines_stand_below_every_overhang() {
+    for style in [Style::Columns, Style::Box] {
+        let (support, stack, _) = planned(&table(false), |s| s.style = style);
+        let trees = planned(&table(false), |_| ()).0.volume_mm3(&stack);
+        let area = support.cut.layers[10].region.area_mm2();
+        assert!(area > 1500.0 && support.volume_mm3(&stack) > 2.0 * trees, "{style:?}: {area}");
+    }
+}
+
+#[test]
+fn cones_meet_at_their_highest_common_point() {
+    // By search: the highest point that both cones reach.
+    let slope = grainpath_core::math::tan(40f64.to_radians());
+    for (p, q) in [
+        ((0.0, 0.0, 30.0), (8.0, 3.0, 26.0)),
+        ((1.0, 2.0, 20.0), (9.0, -3.0, 20.0)),
+        ((0.0, 0.0, 30.0), (1.0, 0.0, 5.0)),
+    ] {
+        let (p, q) = (DVec3::from(p), DVec3::from(q));
+        let m = cones_meet(p, q, slope);
+        assert_eq!(m, cones_meet(q, p, slope));
+        let reached = |m: DVec3, a: DVec3| (m - a).truncate().length() <= (a.z - m.z) * slope + 1e-9;
+        assert!(reached(m, p) && reached(m, q), "{m}");
+        let mut highest = f64::NEG_INFINITY;
+        for i in 0..=400 {
+            let at = p.truncate().lerp(q.truncate(), f64::from(i) / 400.0);
+            let z = |a: DVec3| a.z - (at - a.truncate()).length() / slope;
+            highest = highest.max(z(p).min(z(q)));
+        }
+        assert!((m.z - highest).abs() < 0.05, "{} and {highest}", m.z);
+    }
+}

@@ -1,0 +1,122 @@
+//! Scans to G-code: ours, straight and as published, beside marching cubes to STL to `PrusaSlicer`, in one run.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::bench::{Cost, timed};
+
+/// A scan, the size of its voxels, its threshold, and its true dimensions.
+struct Scan {
+    name: &'static str,
+    path: String,
+    voxel_mm: f64,
+    threshold: f64,
+    truth: Option<String>,
+}
+
+/// Wall time, peak memory and size error on the hub phantom (512 x 512 x 200) and the engine block.
+pub fn run() -> Result<(), String> {
+    crate::setup::scans()?;
+    crate::cargo(&["build", "--release", "-p", "grainpath-cli"])?;
+    let root = crate::root();
+    let folder = root.join("target/bench/ct");
+    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let program = root.join("target/release/grainpath").display().to_string();
+    let hub = folder.join("hub");
+    crate::run(Command::new(&program).args(["new", "ct", "--pixels", "512", "--force"]).arg(&hub))?;
+    let mut scans = vec![Scan {
+        name: "hub",
+        path: hub.join("hub.tif").display().to_string(),
+        voxel_mm: 0.2,
+        threshold: 23000.0,
+        truth: Some(hub.join("truth.toml").display().to_string()),
+    }];
+    let engine = root.join("../shared/data/ct/engine_256x256x128_u8.nii.gz");
+    if engine.is_file() {
+        let path = engine.display().to_string();
+        scans.push(Scan { name: "engine", path, voxel_mm: 0.4, threshold: 71.5, truth: None });
+    } else {
+        println!("skipped: no ../shared/data");
+    }
+    println!("\n0.2 mm layers, 2 walls, 20 % grid, one run each.\n");
+    println!("| scan | way | wall s | peak MiB | our time / its | our memory / its | mean size error % |");
+    println!("|---|---|---|---|---|---|---|");
+    for scan in &scans {
+        let ours = straight(&program, scan, &folder, "iso")?;
+        let paper = straight(&program, scan, &folder, "canny")?;
+        let stl = through_stl(&program, scan, &folder)?;
+        for (way, (cost, error)) in [("grainpath", &ours), ("grainpath, as published", &paper), ("STL", &stl)]
+        {
+            println!(
+                "| {} | {way} | {:.2} | {:.0} | {:.3} | {:.3} | {} |",
+                scan.name,
+                cost.wall_s,
+                cost.peak_mib,
+                ours.0.wall_s / cost.wall_s,
+                ours.0.peak_mib / cost.peak_mib,
+                error.map_or("-".into(), |e| format!("{e:.3}"))
+            );
+        }
+    }
+    Ok(())
+}
+
+type Outcome = (Cost, Option<f64>);
+
+fn straight(program: &str, scan: &Scan, folder: &Path, contours: &str) -> Result<Outcome, String> {
+    let job = folder.join(format!("{}_{contours}.toml", scan.name));
+    let gcode = format!("{}_{contours}.gcode", scan.name);
+    let text = format!(
+        "[shape.ct]\npath = {:?}\npixel_mm = {mm}\nslice_mm = {mm}\nthreshold = {}\ncontours = {contours:?}\n\
+         [printer]\nbed_mm = [400, 400, 400]\n[process]\nskirt_loops = 0\n[output]\ngcode = {gcode:?}\n",
+        scan.path,
+        if contours == "iso" { scan.threshold.to_string() } else { "\"iso50\"".to_owned() },
+        mm = scan.voxel_mm,
+    );
+    fs::write(&job, text).map_err(|e| format!("{}: {e}", job.display()))?;
+    let words = [program.to_owned(), "run".to_owned(), job.display().to_string()];
+    let cost = timed(&words, folder)?;
+    Ok((cost, error(program, scan, &folder.join(gcode))?))
+}
+
+/// Both steps: times add up, the larger memory counts.
+fn through_stl(program: &str, scan: &Scan, folder: &Path) -> Result<Outcome, String> {
+    let script = crate::root().join("xtask/py/ct_to_stl.py").display().to_string();
+    let stl = folder.join(format!("{}.stl", scan.name)).display().to_string();
+    let gcode = folder.join(format!("{}_stl.gcode", scan.name));
+    let numbers = [scan.threshold.to_string(), scan.voxel_mm.to_string()];
+    let mesh = timed(
+        &[
+            "python3".to_owned(),
+            script,
+            scan.path.clone(),
+            numbers[0].clone(),
+            numbers[1].clone(),
+            stl.clone(),
+        ],
+        folder,
+    )?;
+    let slicer = format!(
+        "prusa-slicer --export-gcode --bed-shape 0x0,400x0,400x400,0x400 --max-print-height 400 --layer-height 0.2 \
+         --first-layer-height 0.2 --perimeters 2 --fill-density 20% --fill-pattern grid --nozzle-diameter 0.4 \
+         --extrusion-width 0.45 --perimeter-extrusion-width 0.45 --external-perimeter-extrusion-width 0.45 \
+         --top-solid-layers 5 --bottom-solid-layers 4 --skirts 0 -o {} {stl}",
+        gcode.display()
+    );
+    let words: Vec<String> = slicer.split_whitespace().map(str::to_owned).collect();
+    let slice = timed(&words, folder)?;
+    let cost = Cost { wall_s: mesh.wall_s + slice.wall_s, peak_mib: mesh.peak_mib.max(slice.peak_mib) };
+    Ok((cost, error(program, scan, &gcode)?))
+}
+
+/// Mean size error of a G-code file's walls, %.
+fn error(program: &str, scan: &Scan, gcode: &Path) -> Result<Option<f64>, String> {
+    let Some(truth) = &scan.truth else { return Ok(None) };
+    let mut command = Command::new(program);
+    command.args(["inspect", "--json", "--truth", truth]).arg(gcode);
+    let found: Value = serde_json::from_str(&crate::output(&mut command)?).map_err(|e| e.to_string())?;
+    Ok(found["dimensions"]["mean_error_percent"].as_f64())
+}

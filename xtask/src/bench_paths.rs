@@ -1,0 +1,125 @@
+//! Paths held against principal stresses that another solver found.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+
+/// The machined bracket of the data, as its CalculiX result has it: held at least x, 500 N down at greatest x.
+const BRACKET: &str = "
+[process]
+walls = 1
+skirt_loops = 0
+[guide]
+kind = \"stress\"
+analysis = \"solid\"
+element_mm = 2.5
+[[guide.fixture]]
+on = { plane = { point_mm = [LOW, 0, 0], normal = [1, 0, 0] } }
+fix = \"xyz\"
+[[guide.load]]
+on = { plane = { point_mm = [HIGH, 0, 0], normal = [1, 0, 0] } }
+force_n = [0, 0, -500]
+[fill]
+density = 1.0
+";
+
+/// Runs the tensile bar and the bracket and prints how far their fill lies from CalculiX's principal stresses, with
+/// gap, overlap and spill as the outside check has them.
+pub fn run() -> Result<(), String> {
+    let root = crate::root();
+    let shared = root.join("../shared");
+    if !shared.join("data").is_dir() {
+        return Err("skipped: no ../shared/data".into());
+    }
+    crate::setup::bench()?;
+    crate::setup::fea()?;
+    crate::cargo(&["build", "--release", "-p", "grainpath-cli"])?;
+    let folder = root.join("target/bench/paths");
+    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let grainpath = root.join("target/release/grainpath");
+    crate::run(
+        Command::new(&grainpath).args(["new", "--force", "stress-lines"]).arg(&folder).stdout(Stdio::null()),
+    )?;
+
+    let field = folder.join("bar.npz");
+    python(&["bar".as_ref(), folder.as_path(), field.as_path()])?;
+    println!(
+        "\n| part | fill | seconds | mean deg | within 15 deg | gap % | overlap % | spill % | widths mm |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for job in ["tension", "tension-seed-lines", "tension-0", "tension-90"] {
+        let text = crate::output(
+            Command::new(&grainpath)
+                .args(["run", "--json", "--set", "process.skirt_loops=0"])
+                .arg(folder.join(job).with_extension("toml")),
+        )?;
+        row(
+            "tensile bar",
+            job,
+            &text,
+            &folder.join("out").join(job).with_extension("gcode"),
+            &folder.join("tension.stl"),
+            &field,
+        )?;
+    }
+
+    let field = folder.join("bracket.npz");
+    python(&["vtu".as_ref(), shared.join("data/fea/bracket.vtu").as_path(), field.as_path()])?;
+    let mesh = folder.join("bracket_mm.stl");
+    let script = "import sys, trimesh; m = trimesh.load(sys.argv[1]); m.apply_scale(25.4); m.export(sys.argv[2]); \
+                  print(m.bounds[0][0], m.bounds[1][0])";
+    let bounds = crate::output(
+        Command::new("python3")
+            .args(["-c", script])
+            .arg(shared.join("data/meshes/featuretype_inch.stl"))
+            .arg(&mesh),
+    )?;
+    let mut ends = bounds.split_whitespace();
+    let (low, high) = (ends.next().unwrap_or("0"), ends.next().unwrap_or("0"));
+    let job = BRACKET.replace("LOW", low).replace("HIGH", high);
+    for pattern in ["stripes", "seed-lines"] {
+        let path = folder.join(format!("bracket_{pattern}.toml"));
+        let text = format!(
+            "[shape]\nmesh = \"bracket_mm.stl\"\n[output]\ngcode = \"bracket_{pattern}.gcode\"\n{job}pattern = \"{pattern}\"\n"
+        );
+        fs::write(&path, text).map_err(|e| format!("{}: {e}", path.display()))?;
+        let text = crate::output(Command::new(&grainpath).args(["run", "--json"]).arg(&path))?;
+        row("bracket", pattern, &text, &path.with_extension("gcode"), &mesh, &field)?;
+    }
+    Ok(())
+}
+
+fn python(args: &[&Path]) -> Result<(), String> {
+    crate::run(Command::new("python3").arg(crate::root().join("xtask/py/principal_field.py")).args(args))
+}
+
+fn row(
+    part: &str,
+    fill: &str,
+    report: &str,
+    gcode: &Path,
+    mesh: &PathBuf,
+    field: &Path,
+) -> Result<(), String> {
+    let report: Value = serde_json::from_str(report).map_err(|e| format!("{fill}: {e}"))?;
+    let seconds: f64 = ["guide", "fill"].iter().filter_map(|s| report["stages_s"][s].as_f64()).sum();
+    let check = crate::root().join("../shared/check/gcode_check.py");
+    let mut command = Command::new("python3");
+    command.arg(check).arg(gcode).arg("--mesh").arg(mesh).arg("--field").arg(field).arg("--infill-only");
+    let found: Value =
+        serde_json::from_str(&crate::output(&mut command)?).map_err(|e| format!("gcode_check.py: {e}"))?;
+    let number = |v: &Value| v.as_f64().unwrap_or(f64::NAN);
+    let (angle, against) = (&found["alignment"], &found["against_mesh"]);
+    println!(
+        "| {part} | {fill} | {seconds:.1} | {:.2} | {:.3} | {:.2} | {:.2} | {:.2} | {} |",
+        number(&angle["mean_deg"]),
+        number(&angle["within_15_deg"]),
+        100.0 * number(&against["gap"]),
+        100.0 * number(&against["overlap"]),
+        100.0 * number(&against["spill"]),
+        report["quality"]["bead_width_mm"]
+    );
+    Ok(())
+}
