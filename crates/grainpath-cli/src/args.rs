@@ -26,10 +26,16 @@ pub enum Command {
     Support(Support),
     /// Write a piece to print and read: the critical angle's calibration and others
     Specimen(Specimen),
-    /// Say what a mesh, a CT scan, a finite-element result or a G-code file is, with its defects
+    /// Say what a mesh, an image, a CT scan, a finite-element result or a G-code file is, with its defects
     Inspect(Inspect),
+    /// Test how much a job's part, or a G-code file of it, carries until it breaks
+    Strength(Strength),
+    /// Test several jobs or G-code files of one part, side by side
+    Compare(Compare),
     /// Draw a layer of a G-code file
     Render(Render),
+    /// Write a sheet of corner markers to photograph a board on, as SVG or PDF
+    Markers(Markers),
     /// Print the JSON Schema of job files
     Schema(Schema),
     /// List the profiles that come with grainpath, or print one
@@ -45,7 +51,9 @@ impl Command {
             Self::Support(a) => a.common.json,
             Self::Inspect(a) => a.json,
             Self::Profiles(a) => a.json,
-            Self::New(_) | Self::Specimen(_) | Self::Render(_) | Self::Schema(_) => false,
+            Self::Strength(a) => a.common.json,
+            Self::Compare(a) => a.common.json,
+            Self::New(_) | Self::Specimen(_) | Self::Render(_) | Self::Markers(_) | Self::Schema(_) => false,
         }
     }
 }
@@ -134,7 +142,7 @@ pub struct New {
 /// `grainpath inspect`
 #[derive(Debug, clap::Args)]
 pub struct Inspect {
-    /// Mesh, finite-element result, G-code, or a scan: a folder of slices or a volume file
+    /// Mesh, image, finite-element result, G-code, or a scan: a folder of slices or a volume file
     pub file: PathBuf,
     /// Write a contact sheet of a scan here
     #[arg(long, value_name = "FILE.png")]
@@ -151,6 +159,40 @@ pub struct Inspect {
     /// As one JSON object
     #[arg(long)]
     pub json: bool,
+}
+
+/// `grainpath strength`
+#[derive(Debug, clap::Args)]
+pub struct Strength {
+    /// Job file, or G-code of any slicer
+    pub input: PathBuf,
+    /// The job whose part, loads and material belong to the G-code
+    #[arg(long, value_name = "JOB.toml")]
+    pub job: Option<PathBuf>,
+    /// Folder for pictures: damage.png, index.png, curve.svg
+    #[arg(long, value_name = "DIR")]
+    pub preview: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `grainpath compare`
+#[derive(Debug, clap::Args)]
+pub struct Compare {
+    /// Job files, or G-code files together with --job; ratios are to the first
+    #[arg(required = true, num_args = 1..)]
+    pub inputs: Vec<PathBuf>,
+    /// The job whose part, loads and material belong to G-code files
+    #[arg(long, value_name = "JOB.toml")]
+    pub job: Option<PathBuf>,
+    /// Give every job the mass of the first one by its fill density
+    #[arg(long)]
+    pub same_mass: bool,
+    /// Folder for a picture of the damage of each
+    #[arg(long, value_name = "DIR")]
+    pub preview: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 /// `grainpath render`
@@ -176,6 +218,18 @@ pub struct Render {
     /// Leave travels out
     #[arg(long)]
     pub no_travels: bool,
+}
+
+/// `grainpath markers`
+#[derive(Debug, clap::Args)]
+pub struct Markers {
+    /// Width of the rectangle between the markers, mm
+    pub width_mm: f64,
+    /// Its height, mm
+    pub height_mm: f64,
+    /// SVG or PDF, by its ending
+    #[arg(short, long, value_name = "FILE.svg", default_value = "markers.svg")]
+    pub output: PathBuf,
 }
 
 /// `grainpath schema`

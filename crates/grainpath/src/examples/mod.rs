@@ -2,6 +2,7 @@
 
 mod hub;
 mod stress_lines;
+mod woodgrain;
 
 use std::borrow::Cow;
 
@@ -12,7 +13,7 @@ use grainpath_core::{DVec2, DVec3, TriMesh};
 pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
 
 /// Names that [`preset`] knows.
-pub const PRESETS: [&str; 3] = ["plate", "stress-lines", "ct"];
+pub const PRESETS: [&str; 4] = ["plate", "stress-lines", "ct", "woodgrain"];
 
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
@@ -22,6 +23,7 @@ pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
             ("plate.stl".into(), stl(&plate())),
         ]),
         "stress-lines" => Some(stress_lines::files()),
+        "woodgrain" => Some(woodgrain::files()),
         "ct" => Some(ct(256)),
         _ => None,
     }
@@ -66,7 +68,13 @@ pub fn plate() -> TriMesh {
 }
 
 /// Points of `n_quarters` quarters of a circle, counter-clockwise.
-fn arc(centre: DVec2, radius: f64, first_quarter: i32, n_quarters: i32, per_quarter: i32) -> Vec<DVec2> {
+pub(crate) fn arc(
+    centre: DVec2,
+    radius: f64,
+    first_quarter: i32,
+    n_quarters: i32,
+    per_quarter: i32,
+) -> Vec<DVec2> {
     let whole = i32::from(n_quarters < 4);
     (0..n_quarters * per_quarter + whole)
         .map(|i| {
@@ -77,7 +85,7 @@ fn arc(centre: DVec2, radius: f64, first_quarter: i32, n_quarters: i32, per_quar
 }
 
 /// Adds a prism over an outline with holes, all given counter-clockwise.
-fn prism(outline: &[DVec2], holes: &[Vec<DVec2>], low: f64, high: f64, mesh: &mut TriMesh) {
+pub(crate) fn prism(outline: &[DVec2], holes: &[Vec<DVec2>], low: f64, high: f64, mesh: &mut TriMesh) {
     let ring = bridged(outline, holes);
     let first = mesh.vertices.len() as u32;
     let mut vertex = |p: DVec2, z: f64| {
