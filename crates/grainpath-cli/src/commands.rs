@@ -114,7 +114,11 @@ pub fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io
 }
 
 /// The photographs whose grain the job follows; none when it follows none.
-pub fn read_photos(settings: &Settings, base: &Path, diagnostics: &Diagnostics) -> Result<Vec<Photo>, Failure> {
+pub fn read_photos(
+    settings: &Settings,
+    base: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<Vec<Photo>, Failure> {
     if settings.guide.kind != "grain" {
         return Ok(Vec::new());
     }
