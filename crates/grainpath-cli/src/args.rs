@@ -28,6 +28,10 @@ pub enum Command {
     Specimen(Specimen),
     /// Say what a mesh, an image, a CT scan, a finite-element result or a G-code file is, with its defects
     Inspect(Inspect),
+    /// Test how much a job's part, or a G-code file of it, carries until it breaks
+    Strength(Strength),
+    /// Test several jobs or G-code files of one part, side by side
+    Compare(Compare),
     /// Draw a layer of a G-code file
     Render(Render),
     /// Write a sheet of corner markers to photograph a board on, as SVG or PDF
@@ -47,6 +51,8 @@ impl Command {
             Self::Support(a) => a.common.json,
             Self::Inspect(a) => a.json,
             Self::Profiles(a) => a.json,
+            Self::Strength(a) => a.common.json,
+            Self::Compare(a) => a.common.json,
             Self::New(_) | Self::Specimen(_) | Self::Render(_) | Self::Markers(_) | Self::Schema(_) => false,
         }
     }
@@ -153,6 +159,40 @@ pub struct Inspect {
     /// As one JSON object
     #[arg(long)]
     pub json: bool,
+}
+
+/// `grainpath strength`
+#[derive(Debug, clap::Args)]
+pub struct Strength {
+    /// Job file, or G-code of any slicer
+    pub input: PathBuf,
+    /// The job whose part, loads and material belong to the G-code
+    #[arg(long, value_name = "JOB.toml")]
+    pub job: Option<PathBuf>,
+    /// Folder for pictures: damage.png, index.png, curve.svg
+    #[arg(long, value_name = "DIR")]
+    pub preview: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `grainpath compare`
+#[derive(Debug, clap::Args)]
+pub struct Compare {
+    /// Job files, or G-code files together with --job; ratios are to the first
+    #[arg(required = true, num_args = 1..)]
+    pub inputs: Vec<PathBuf>,
+    /// The job whose part, loads and material belong to G-code files
+    #[arg(long, value_name = "JOB.toml")]
+    pub job: Option<PathBuf>,
+    /// Give every job the mass of the first one by its fill density
+    #[arg(long)]
+    pub same_mass: bool,
+    /// Folder for a picture of the damage of each
+    #[arg(long, value_name = "DIR")]
+    pub preview: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 /// `grainpath render`

@@ -114,7 +114,11 @@ pub fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io
 }
 
 /// The photographs whose grain the job follows; none when it follows none.
-fn read_photos(settings: &Settings, base: &Path, diagnostics: &Diagnostics) -> Result<Vec<Photo>, Failure> {
+pub fn read_photos(
+    settings: &Settings,
+    base: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<Vec<Photo>, Failure> {
     if settings.guide.kind != "grain" {
         return Ok(Vec::new());
     }
@@ -132,7 +136,7 @@ fn read_photos(settings: &Settings, base: &Path, diagnostics: &Diagnostics) -> R
 }
 
 /// The result named by `guide.import`.
-fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressField>, Failure> {
+pub fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressField>, Failure> {
     if settings.guide.import.is_empty() {
         return Ok(None);
     }

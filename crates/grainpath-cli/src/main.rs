@@ -7,6 +7,7 @@ mod inspect;
 mod outputs;
 mod progress;
 mod scan;
+mod strength;
 mod support;
 
 use std::process::ExitCode;
@@ -52,6 +53,8 @@ fn main() -> ExitCode {
         Command::Support(a) => support::support(&a),
         Command::Specimen(a) => support::specimen(&a),
         Command::Inspect(a) => inspect::inspect(&a),
+        Command::Strength(a) => strength::strength(&a),
+        Command::Compare(a) => strength::compare(&a),
         Command::Render(a) => commands::render(&a),
         Command::Markers(a) => commands::markers(&a),
         Command::Schema(a) => commands::schema(&a),

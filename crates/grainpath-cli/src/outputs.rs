@@ -99,7 +99,8 @@ pub fn write(
     let start = Instant::now();
     diagnostics.begin(Stage::Write, planned.plan.layers.len());
     let thumbnails = thumbnails(settings, &planned)?;
-    let wanted = measured || truth.is_some() || paths.report.is_some() || paths.preview.is_some();
+    let tested = planned.test.is_some();
+    let wanted = measured || tested || truth.is_some() || paths.report.is_some() || paths.preview.is_some();
     let mut copy = Vec::new();
     let written = files::write_atomically(&paths.gcode, |file| {
         let mut tee = Tee { file, copy: wanted.then_some(&mut copy) };
@@ -124,6 +125,7 @@ pub fn write(
         drop(copy);
         let mut drawn = guide_pictures(&planned, paths);
         drawn.extend(planned.grain.take().map(|g| g.pictures).unwrap_or_default());
+        drawn.extend(strength(settings, &planned, &program, &mut report, diagnostics)?);
         drawn.extend(planned.support_pictures.iter().map(|p| {
             let picture = html::Picture { title: p.title.clone(), png: p.png.clone() };
             (format!("support_{}.png", p.name), picture)
@@ -283,6 +285,42 @@ fn previews(
         save(path, html::report_html(report, &settings.rows(), &pictures).as_bytes())?;
     }
     Ok(())
+}
+
+/// Tests what was written, for jobs that want it; pictures of what broke, with their file names.
+fn strength(
+    settings: &Settings,
+    planned: &Planned,
+    program: &Program,
+    report: &mut Report,
+    diagnostics: &Diagnostics,
+) -> Result<Vec<(String, html::Picture)>, Failure> {
+    let Some(setup) = &planned.test else { return Ok(Vec::new()) };
+    let start = Instant::now();
+    let shift = planned.plan.plate_from_part_mm.truncate();
+    let tested = grainpath::strength::test(settings, setup, program, Some(shift), diagnostics)
+        .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
+    let seconds = (start.elapsed().as_secs_f64() * 1e4).round() * 1e-4;
+    report.stages_s.insert(Stage::Strength.name(), seconds);
+    let pictures = strength_pictures(&tested);
+    report.strength = Some(tested.report);
+    Ok(pictures)
+}
+
+/// What broke, and how near the rest was.
+pub fn strength_pictures(tested: &grainpath::strength::Tested) -> Vec<(String, html::Picture)> {
+    use grainpath::strength::{damage_png, index_png};
+    let picture = |title: &str, png| html::Picture { title: title.into(), png };
+    vec![
+        (
+            "damage.png".into(),
+            picture("Share of the material that broke, blue none, red all", damage_png(tested, GUIDE_PX)),
+        ),
+        (
+            "index.png".into(),
+            picture("How near to breaking when the first ply did, red 1", index_png(tested, GUIDE_PX)),
+        ),
+    ]
 }
 
 /// Pixels of the longer side of a picture of stress or directions.

@@ -21,6 +21,7 @@ impl Progress for Bar {
             Stage::Support => "support",
             Stage::Order => "ordering",
             Stage::Write => "writing",
+            Stage::Strength => "strength test",
         });
     }
 

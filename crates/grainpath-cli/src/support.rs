@@ -7,6 +7,7 @@ use std::time::Instant;
 use grainpath::report::{SupportReport, peak_rss_mb};
 use grainpath::specimen::SPECIMENS;
 use grainpath::support::{self, picture};
+use grainpath::test_pieces::{TEST_PIECES, TestPiece};
 use grainpath::{Error, config};
 use grainpath_core::{DVec2, TriMesh};
 use serde_json::json;
@@ -130,21 +131,36 @@ fn joined(bodies: &[&TriMesh]) -> TriMesh {
 
 /// `grainpath specimen`
 pub fn specimen(args: &Specimen) -> Result<(), Failure> {
+    let all =
+        || SPECIMENS.iter().map(|s| (s.name, s.about)).chain(TEST_PIECES.iter().map(|p| (p.name, p.about)));
     let Some(name) = &args.name else {
-        let rows = SPECIMENS.iter().map(|s| format!("{:<16} {}\n", s.name, s.about));
-        files::print(&rows.collect::<String>());
+        files::print(&all().map(|(name, about)| format!("{name:<16} {about}\n")).collect::<String>());
         return Ok(());
     };
+    let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.stl")));
+    if let Some(piece) = TEST_PIECES.iter().find(|p| p.name == name) {
+        return test_piece(piece, &output);
+    }
     let Some(specimen) = SPECIMENS.iter().find(|s| s.name == name) else {
-        let near = grainpath_core::spelling::nearest(name, SPECIMENS.iter().map(|s| s.name));
-        let all: Vec<&str> = SPECIMENS.iter().map(|s| s.name).collect();
+        let names: Vec<&str> = all().map(|s| s.0).collect();
+        let near = grainpath_core::spelling::nearest(name, names.iter().copied());
         return Err(Failure::usage(format!(
             "no specimen {name:?}; did you mean {near:?}? There are {}",
-            all.join(", ")
+            names.join(", ")
         )));
     };
-    let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.stl")));
     write_mesh(&output, &[&(specimen.mesh)()])?;
     files::print(&format!("{}\n", output.display()));
+    Ok(())
+}
+
+/// A test piece with a job that tests it and a drawing, beside the mesh.
+fn test_piece(piece: &TestPiece, output: &Path) -> Result<(), Failure> {
+    write_mesh(output, &[&piece.mesh()])?;
+    let file = output.file_stem().map_or_else(|| piece.name.into(), |s| s.to_string_lossy().into_owned());
+    let (job, drawing) = (output.with_extension("toml"), output.with_extension("svg"));
+    outputs::save(&job, piece.job(&file).as_bytes())?;
+    outputs::save(&drawing, piece.drawing().as_bytes())?;
+    files::print(&format!("{}\n{}\n{}\n", output.display(), drawing.display(), job.display()));
     Ok(())
 }

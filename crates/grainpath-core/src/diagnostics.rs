@@ -14,12 +14,21 @@ pub enum Stage {
     Support,
     Order,
     Write,
+    Strength,
 }
 
 impl Stage {
     /// Every stage, in order.
-    pub const ALL: [Self; 7] =
-        [Self::Read, Self::Slice, Self::Guide, Self::Fill, Self::Support, Self::Order, Self::Write];
+    pub const ALL: [Self; 8] = [
+        Self::Read,
+        Self::Slice,
+        Self::Guide,
+        Self::Fill,
+        Self::Support,
+        Self::Order,
+        Self::Write,
+        Self::Strength,
+    ];
 
     /// The key of the stage in the JSON report's `stages_s`.
     pub const fn name(self) -> &'static str {
@@ -31,6 +40,7 @@ impl Stage {
             Self::Support => "support",
             Self::Order => "order",
             Self::Write => "write",
+            Self::Strength => "strength",
         }
     }
 }

@@ -9,3 +9,4 @@ pub mod principal;
 pub mod select;
 pub mod solid;
 pub mod sparse;
+pub mod strength;

@@ -41,6 +41,13 @@ pub enum Selection {
     },
     /// On these triangles.
     Triangles(Vec<[DVec3; 3]>),
+    /// Near these triangles.
+    Near {
+        /// The triangles.
+        triangles: Vec<[DVec3; 3]>,
+        /// How far off still counts, mm.
+        within_mm: f64,
+    },
 }
 
 /// How far off a listed triangle a point may lie, mm.
@@ -62,7 +69,32 @@ impl Selection {
             }
             Self::Sphere { centre, radius_mm } => p.distance(*centre) <= *radius_mm + hair,
             Self::Triangles(all) => all.iter().any(|t| distance_to_triangle(p, t) <= ON_TRIANGLE_MM),
+            Self::Near { triangles, within_mm } => {
+                triangles.iter().any(|t| distance_to_triangle(p, t) <= *within_mm)
+            }
         }
+    }
+
+    /// The same with everything within `by_mm` of it.
+    #[must_use]
+    pub fn grown(&self, by_mm: f64) -> Self {
+        let mut wide = self.clone();
+        match &mut wide {
+            Self::Box { low, high } => (*low, *high) = (*low - by_mm, *high + by_mm),
+            Self::Plane { tolerance_mm, .. } => *tolerance_mm += by_mm,
+            Self::Cylinder { radius_mm, length_mm, .. } => {
+                *radius_mm += by_mm;
+                if let Some(length) = length_mm {
+                    *length += 2.0 * by_mm;
+                }
+            }
+            Self::Sphere { radius_mm, .. } => *radius_mm += by_mm,
+            Self::Near { within_mm, .. } => *within_mm += by_mm,
+            Self::Triangles(all) => {
+                wide = Self::Near { triangles: std::mem::take(all), within_mm: ON_TRIANGLE_MM + by_mm };
+            }
+        }
+        wide
     }
 
     /// What it is called in errors.
@@ -72,7 +104,7 @@ impl Selection {
             Self::Plane { .. } => "plane",
             Self::Cylinder { .. } => "cylinder",
             Self::Sphere { .. } => "sphere",
-            Self::Triangles(_) => "list of facets",
+            Self::Triangles(_) | Self::Near { .. } => "list of facets",
         }
     }
 }

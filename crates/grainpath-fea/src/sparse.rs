@@ -92,11 +92,22 @@ impl Cholesky {
         if needed > max_bytes {
             return Err(SparseError::Memory { needed_mb: needed >> 20, allowed_mb: max_bytes >> 20 });
         }
-        let mut values = vec![0.0; symbolic.len_val()];
-        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        symbolic
+        let values = vec![0.0; symbolic.len_val()];
+        let mut factor = Self { symbolic, values };
+        factor.refactor(a)?;
+        Ok(factor)
+    }
+
+    /// Factors a matrix with the same entries of other values.
+    ///
+    /// # Errors
+    /// [`SparseError::Singular`] when the matrix is not positive definite.
+    pub fn refactor(&mut self, a: &Symmetric) -> Result<(), SparseError> {
+        let pattern = SymbolicSparseColMatRef::new_checked(a.n(), a.n(), &a.starts, None, &a.rows);
+        let scratch = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        self.symbolic
             .factorize_numeric_llt(
-                &mut values,
+                &mut self.values,
                 SparseColMatRef::new(pattern, &a.values),
                 Side::Lower,
                 LltRegularization::default(),
@@ -104,8 +115,8 @@ impl Cholesky {
                 MemStack::new(&mut MemBuffer::new(scratch)),
                 Default::default(),
             )
-            .map_err(|_| SparseError::Singular)?;
-        Ok(Self { symbolic, values })
+            .map(|_| ())
+            .map_err(|_| SparseError::Singular)
     }
 
     /// Memory of the factor.

@@ -9,6 +9,7 @@ use crate::grain::GrainError;
 use crate::guide::GuideError;
 use crate::job::JobError;
 use crate::shape::ShapeError;
+use crate::strength::StrengthError;
 
 /// Why a run ended early.
 #[derive(Debug, thiserror::Error)]
@@ -28,6 +29,8 @@ pub enum Error {
     Grain { path: String, source: GrainError },
     #[error("guide: {0}")]
     Guide(#[from] GuideError),
+    #[error("strength: {0}")]
+    Strength(#[from] StrengthError),
     #[error(transparent)]
     Gcode(#[from] GcodeError),
     #[error(
@@ -47,6 +50,7 @@ impl Error {
             Self::Guide(e) if e.is_usage() => 2,
             // Corners that are given come from the job.
             Self::Grain { source: GrainError::Corners(_), .. } => 2,
+            Self::Strength(e) => e.exit_code(),
             Self::Job(_) | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
             Self::Mesh { .. }
             | Self::Volume(_)

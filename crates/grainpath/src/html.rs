@@ -71,6 +71,13 @@ pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[P
         report.warnings.iter().for_each(|w| put(format!("<li>{}</li>", escaped(w))));
         put("</ul>\n".into());
     }
+    if let Some(s) = &report.strength {
+        put("<h2>Strength</h2>\n<div class=\"layers\"><div><table>".into());
+        for (what, value) in strength_rows(s) {
+            put(format!("<tr><th>{}</th><td>{}</td></tr>", escaped(what), escaped(&value)));
+        }
+        put(format!("</table></div><figure>{}</figure></div>\n", crate::strength::chart_svg(s)));
+    }
     if pictures.len() > 1 {
         put(format!("<h2>Layers</h2>\n{}<div class=\"layers\">\n", key()));
         for p in &pictures[1..] {
@@ -101,6 +108,27 @@ pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[P
     }
     put(format!("</table>\n<p>grainpath {}</p>\n</body></html>\n", report.version));
     out
+}
+
+fn strength_rows(s: &crate::strength::StrengthReport) -> Vec<(&'static str, String)> {
+    let modes: Vec<String> = s.modes.iter().map(|(m, share)| format!("{m} {:.0} %", 100.0 * share)).collect();
+    let corners: Vec<String> = s.corners.iter().map(|(c, n)| format!("{c} {n:.0} N")).collect();
+    vec![
+        ("breaks at", format!("{:.0} N, {:.0} to {:.0} N over the card", s.peak_load_n, s.low_n, s.high_n)),
+        ("weakest", s.weakest.words.clone()),
+        ("first ply", format!("{:.0} N", s.first_n)),
+        ("stiffness", format!("{:.0} N/mm", s.stiffness_n_per_mm)),
+        ("load per gram", format!("{:.0} N/g", s.load_per_gram_n_g)),
+        ("modes, by energy", modes.join(", ")),
+        ("corners of the card", corners.join(", ")),
+        (
+            "cells",
+            s.mesh_change.map_or(format!("{} mm", s.cell_mm), |c| {
+                format!("{} mm; the answer moved by {:.1} % when they were halved", s.cell_mm, 100.0 * c)
+            }),
+        ),
+        ("card", format!("{}: {}", s.card_tier, s.card_source)),
+    ]
 }
 
 fn numbers(r: &Report) -> Vec<(String, &'static str)> {

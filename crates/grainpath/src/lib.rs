@@ -22,7 +22,9 @@ pub mod run;
 pub mod shape;
 pub mod skin;
 pub mod specimen;
+pub mod strength;
 pub mod support;
+pub mod test_pieces;
 pub mod walls;
 
 pub use error::Error;

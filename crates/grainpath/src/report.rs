@@ -11,6 +11,7 @@ use serde_json::Value;
 use crate::grain::PhotoReport;
 use crate::guide::{Degenerate, Guide};
 use crate::run::Planned;
+use crate::strength::StrengthReport;
 use crate::support::Support;
 
 /// The report of a run; keys that do not apply are left out.
@@ -41,6 +42,8 @@ pub struct Report {
     pub stress: Option<StressReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grain: Option<Vec<PhotoReport>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strength: Option<StrengthReport>,
     pub stages_s: BTreeMap<&'static str, f64>,
     pub peak_rss_mb: f64,
     pub warnings: Vec<String>,
@@ -212,6 +215,7 @@ impl Report {
                 SupportReport::new(support, volume * material.flow, material.density_g_cm3)
             }),
             stress: planned.guide.as_ref().map(StressReport::from),
+            strength: None,
             stages_s: BTreeMap::new(),
             peak_rss_mb: round(peak_rss_mb(), 1),
             warnings: Vec::new(),
@@ -258,6 +262,7 @@ impl Report {
                 100.0 * s.error_estimate
             ));
         }
+        lines.extend(self.strength.as_ref().map(StrengthReport::summary));
         lines.extend(self.support.iter().map(SupportReport::summary));
         if let Some(d) = &self.dimensions {
             lines.push(format!("{} dimensions, mean error {:.3} %", d.each.len(), d.mean_error_percent));

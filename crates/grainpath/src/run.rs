@@ -31,6 +31,7 @@ use crate::mask::Mask;
 use crate::order::{Island, LayerPaths, order_stack};
 use crate::shape;
 use crate::skin::{IslandPolygon, SkinInput, SkinSettings, SkinSplit, split_stack};
+use crate::strength::TestSetup;
 use crate::support::beads::BeadSettings;
 use crate::support::{self, Support};
 use crate::walls::{WallSettings, lay_walls};
@@ -55,6 +56,8 @@ pub struct Planned {
     pub grain: Option<GrainGuide>,
     /// Directions and the stress they come from, for jobs that have loads.
     pub guide: Option<Guide>,
+    /// What a strength test needs to know of the part, for jobs that want one.
+    pub test: Option<TestSetup>,
     /// What was found in a scan, where the shape is one.
     pub scan: Option<shape::ct::CtReport>,
 }
@@ -159,11 +162,12 @@ pub fn plan_scan(
         shape::ct::CtError::Shape(source) => shape_error(source),
     })?;
     // Only solvers and supports ask for a surface.
-    let mesh = if settings.guide.kind == "stress" || settings.support.style != "none" {
-        shape::surface(&scan.stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
-    } else {
-        TriMesh::default()
-    };
+    let mesh =
+        if settings.guide.kind == "stress" || settings.support.style != "none" || settings.strength.enabled {
+            shape::surface(&scan.stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
+        } else {
+            TriMesh::default()
+        };
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack: scan.stack, mesh, lowered_mm: 0.0, scan: Some(scan.report) };
     plan_stack(settings, sliced, stress, photos, clock, diagnostics)
@@ -194,6 +198,7 @@ fn plan_stack(
         guide::build(settings, &guided, stress, diagnostics)?
     };
     let grain = grain(settings, &stack, photos, diagnostics)?;
+    let test = settings.strength.enabled.then(|| TestSetup::of(settings, &mesh, &stack)).transpose()?;
     if guide.is_some() || grain.is_some() {
         clock.stop(Stage::Guide);
     }
@@ -234,7 +239,19 @@ fn plan_stack(
     let config = config::writing(settings);
     check_fits(&plan, &config.machine)?;
     let stages_s = clock.stages;
-    Ok(Planned { plan, stack, config, stages_s, support, support_pictures, density, grain, guide, scan })
+    Ok(Planned {
+        plan,
+        stack,
+        config,
+        stages_s,
+        support,
+        support_pictures,
+        density,
+        grain,
+        guide,
+        test,
+        scan,
+    })
 }
 
 /// Fill, and the island each path lies in.

@@ -281,7 +281,7 @@ fn check_held(problem: &PlaneProblem<'_>) -> Result<(), PlaneError> {
 }
 
 /// The first motion that a Gram matrix of holds leaves free, by elimination in the order x, y, turn.
-fn loose(gram: &mut [[f64; 3]; 3]) -> Option<&'static str> {
+pub(crate) fn loose(gram: &mut [[f64; 3]; 3]) -> Option<&'static str> {
     let scale = (gram[0][0] + gram[1][1] + gram[2][2]).max(1e-30);
     for k in 0..3 {
         if gram[k][k] < 1e-9 * scale {

@@ -68,7 +68,13 @@ pub fn plate() -> TriMesh {
 }
 
 /// Points of `n_quarters` quarters of a circle, counter-clockwise.
-fn arc(centre: DVec2, radius: f64, first_quarter: i32, n_quarters: i32, per_quarter: i32) -> Vec<DVec2> {
+pub(crate) fn arc(
+    centre: DVec2,
+    radius: f64,
+    first_quarter: i32,
+    n_quarters: i32,
+    per_quarter: i32,
+) -> Vec<DVec2> {
     let whole = i32::from(n_quarters < 4);
     (0..n_quarters * per_quarter + whole)
         .map(|i| {
@@ -79,7 +85,7 @@ fn arc(centre: DVec2, radius: f64, first_quarter: i32, n_quarters: i32, per_quar
 }
 
 /// Adds a prism over an outline with holes, all given counter-clockwise.
-fn prism(outline: &[DVec2], holes: &[Vec<DVec2>], low: f64, high: f64, mesh: &mut TriMesh) {
+pub(crate) fn prism(outline: &[DVec2], holes: &[Vec<DVec2>], low: f64, high: f64, mesh: &mut TriMesh) {
     let ring = bridged(outline, holes);
     let first = mesh.vertices.len() as u32;
     let mut vertex = |p: DVec2, z: f64| {

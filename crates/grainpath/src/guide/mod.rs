@@ -26,6 +26,7 @@ pub use degenerate::{Degenerate, Degenerates, degenerate_points};
 pub use direction::{DirectionSettings, Follow, LayerField};
 pub use lines::{LineSettings, Seeding, TracedLine, evenly_spaced, trace_line};
 pub use outputs::{Families, lines_svg, lines_vtp};
+pub(crate) use plane::constant_section;
 
 /// Why a guide cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -178,7 +179,7 @@ impl Guide {
 }
 
 /// The loads of a job as cases: those of `[[guide.case]]`, and those outside as one of their own.
-fn cases(settings: &Settings) -> Vec<Case> {
+pub(crate) fn cases(settings: &Settings) -> Vec<Case> {
     let g = &settings.guide;
     let mut all = g.case.clone();
     if !g.load.is_empty() {
@@ -311,7 +312,7 @@ fn lay_directions(
 }
 
 /// The shape a place stands for, facets looked up.
-fn resolved(
+pub(crate) fn resolved(
     place: &Place,
     mesh: &TriMesh,
     what: &str,
@@ -349,7 +350,7 @@ fn material(settings: &Settings) -> Orthotropic {
 }
 
 /// Whether a push has no part out of the layers' plane.
-fn in_plane(push: &Push) -> bool {
+pub(crate) fn in_plane(push: &Push) -> bool {
     let flat = |v: &DVec3| v.z.abs() <= 1e-9 * v.length();
     match push {
         Push::Force(f) | Push::Acceleration(f) => flat(f),

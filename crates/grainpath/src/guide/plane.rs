@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use grainpath_core::math::cross;
-use grainpath_core::{DVec2, DVec3, Region};
+use grainpath_core::{DVec2, DVec3, LayerStack, Region};
 use grainpath_fea::plane::{
     Hold, PlaneMesh, PlaneProblem, PlaneStress, PlaneSystem, body_force_n, mesh_region, traction_n,
 };
@@ -40,8 +40,8 @@ impl InPlaneStress for Arc<PlaneStress> {
 }
 
 /// The section that all layers have, if they do.
-pub(super) fn constant_section<'a>(part: &GuidedPart<'a>) -> Option<&'a Region> {
-    let layers = part.stack.layers();
+pub(crate) fn constant_section(stack: &LayerStack) -> Option<&Region> {
+    let layers = stack.layers();
     let middle = layers.get(layers.len() / 2)?.region();
     let area = middle.area_mm2();
     let mut last: Option<&Region> = None;
@@ -64,8 +64,8 @@ pub(super) fn solve(
     part: &GuidedPart<'_>,
     cases: &[Case],
 ) -> Result<Solved, GuideError> {
-    let section =
-        constant_section(part).ok_or(GuideError::NotPlane("the section is not the same at all heights"))?;
+    let section = constant_section(part.stack)
+        .ok_or(GuideError::NotPlane("the section is not the same at all heights"))?;
     if !cases.iter().flat_map(|c| &c.loads).all(|l| in_plane(&l.push)) {
         return Err(GuideError::NotPlane("a load has a part out of the layers' plane"));
     }

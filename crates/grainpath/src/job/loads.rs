@@ -177,7 +177,9 @@ fn place_text(place: &Place) -> String {
         Place::Shape(Selection::Sphere { centre, radius_mm }) => {
             format!("{{ sphere = {{ centre_mm = {}, radius_mm = {radius_mm} }} }}", v(centre))
         }
-        Place::Shape(Selection::Triangles(t)) => format!("{{ {} facets }}", t.len()),
+        Place::Shape(Selection::Triangles(t) | Selection::Near { triangles: t, .. }) => {
+            format!("{{ {} facets }}", t.len())
+        }
     }
 }
 

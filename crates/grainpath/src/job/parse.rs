@@ -197,19 +197,34 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
         return wrong("process.adaptive_min_mm should not be more than adaptive_max_mm".into());
     }
     check_photos(s, name)?;
+    let m = &s.material;
+    let bounds = [
+        ("xt_mpa", m.xt_mpa),
+        ("yt_mpa", m.yt_mpa),
+        ("zt_mpa", m.zt_mpa),
+        ("s12_mpa", m.s12_mpa),
+        ("s_il_mpa", m.s_il_mpa),
+        ("xc_mpa", m.xc_mpa),
+        ("yc_mpa", m.yc_mpa),
+        ("g_along_n_mm", m.g_along_n_mm),
+        ("g_across_n_mm", m.g_across_n_mm),
+    ];
+    if let Some((key, Some([a, b, c]))) =
+        bounds.iter().find(|(_, v)| v.is_some_and(|[low, mid, high]| low > mid || mid > high))
+    {
+        return wrong(format!("material.{key} should rise: low, nominal, high; is [{a}, {b}, {c}]"));
+    }
     if !s.ct.path.is_empty() {
         for (set, what) in [
             (!s.shape.mesh.is_empty(), "shape.mesh and shape.ct: exactly one shape is printed"),
             (p.adaptive_layers, "process.adaptive_layers = true is for meshes, not for shape.ct"),
             (s.shape.rotate_deg != [0.0; 3], "shape.rotate_deg is for meshes, not for shape.ct"),
+            (s.support.lift_mm > 0.0, "support.lift_mm is for meshes, not for shape.ct"),
         ] {
             if set {
                 return wrong(what.into());
             }
         }
-    }
-    if s.strength.enabled {
-        return wrong("strength.enabled = true is not in this version of grainpath".into());
     }
     if crate::fill::GUIDED.contains(&s.fill.pattern.as_str()) && s.guide.kind == "none" {
         return wrong(format!(

@@ -29,7 +29,7 @@ macro_rules! shipped {
 }
 
 /// All that come with the program.
-pub const PROFILES: [Profile; 14] = shipped![
+pub const PROFILES: [Profile; 15] = shipped![
     "printer" "generic-0.4",
     "printer" "generic-0.6",
     "printer" "prusa-mk3s",
@@ -39,6 +39,7 @@ pub const PROFILES: [Profile; 14] = shipped![
     "material" "petg",
     "material" "abs",
     "material" "pa-cf",
+    "material" "continuous-carbon",
     "process" "standard",
     "process" "fine",
     "process" "draft",

@@ -152,6 +152,17 @@ sections! {
         nu: [f64; 3] = [0.43, 0.37, 0.37], "", Range(-1.0, 1.0), "Poisson's ratios 12, 23 and 13; 1 along the bead, 2 across it, 3 from layer to layer.";
         g_mpa: [f64; 3] = [919.0, 844.0, 844.0], "MPa", Range(1e-3, 1e7), "Shear moduli 12, 23 and 13.";
         elastic_source: String = "Li, Xu, Fang, Thin-Walled Structures 199:111800 (2024), PLA by FFF".into(), "", Any, "Where the elastic constants come from.";
+        xt_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Tensile strength along the beads: low, nominal, high.";
+        yt_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Tensile strength across the beads in their layer: low, nominal, high.";
+        zt_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Tensile strength from layer to layer: low, nominal, high.";
+        s12_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Shear strength in the layer: low, nominal, high.";
+        s_il_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Shear strength between layers: low, nominal, high.";
+        xc_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Compressive strength along the beads: low, nominal, high.";
+        yc_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Compressive strength across the beads: low, nominal, high.";
+        g_along_n_mm: Option<[f64; 3]> = None, "N/mm", Range(1e-4, 1e4), "Energy to tear through beads, per area: low, nominal, high.";
+        g_across_n_mm: Option<[f64; 3]> = None, "N/mm", Range(1e-4, 1e4), "Energy to part beads from each other, per area: low, nominal, high.";
+        strength_source: String = String::new(), "", Any, "Where the strengths come from.";
+        strength_tier: String = "T0".into(), "", Words(&["T0", "T1", "T2"]), "How well they are known. T0: data sheets and literature; T1: coupons of one's own; T2: checked on a whole part.";
     }
     /// How it is printed.
     ProcessSection "process" {
@@ -286,7 +297,11 @@ sections! {
     }
     /// The virtual strength test.
     StrengthSection "strength" {
-        enabled: bool = false, "", Any, "The virtual strength test is not in this version.";
+        enabled: bool = false, "", Any, "Test every run: fixtures and loads are those of [guide], needed whatever guide.kind is.";
+        cell_mm: Option<f64> = None, "mm", Range(0.02, 50.0), "Side of a cell of the test; left out, half a bead, larger for large parts.";
+        check: bool = true, "", Any, "Test once more with cells of twice the size and say how much the answer moved.";
+        corners: bool = true, "", Any, "Test at the corners of the material's card too: low, nominal, high, and strong along but weak across and the reverse.";
+        fidelity: String = "auto".into(), "", Words(&["auto", "plane"]), "auto: refuse parts that are no plates; plane: take any part for a plate, its layers homogenised through the thickness.";
     }
     /// What is written, relative to the job file or to --out.
     OutputSection "output" {
@@ -390,6 +405,7 @@ impl Settings {
             if self.image.files.is_empty() { Vec::new() } else { self.image.rows() },
             self.fill.rows(),
             self.support.rows(),
+            self.strength.rows(),
             self.output.rows(),
         ];
         all.into_iter().flatten().collect()

@@ -1,0 +1,206 @@
+//! `grainpath strength` and `grainpath compare`: what carries how much.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use grainpath::job::Settings;
+use grainpath::strength::{StrengthReport, TestSetup, Tested, chart_svg, test};
+use grainpath_core::Diagnostics;
+use grainpath_gcode::{Program, simulate, write_gcode};
+use serde_json::{Value, json};
+
+use crate::args::{Common, Compare, Strength};
+use crate::commands::{read_mesh, read_photos, read_stress, set_threads, settings};
+use crate::{Failure, files, outputs, progress};
+
+/// A tested input.
+struct Done {
+    name: String,
+    tested: Tested,
+    layers: usize,
+    time_s: f64,
+    warnings: Vec<String>,
+}
+
+/// `grainpath strength`
+pub fn strength(args: &Strength) -> Result<(), Failure> {
+    set_threads(args.common.threads)?;
+    let done = one(&args.input, args.job.as_deref(), &args.common, None)?;
+    let mut written = Value::Null;
+    if let Some(folder) = &args.preview {
+        for (name, picture) in outputs::strength_pictures(&done.tested) {
+            outputs::save(&folder.join(name), &picture.png)?;
+        }
+        outputs::save(&folder.join("curve.svg"), chart_svg(&done.tested.report).as_bytes())?;
+        written = json!({ "preview": folder.display().to_string() });
+    }
+    if args.common.json {
+        let mut value = json!({
+            "ok": true, "version": env!("CARGO_PKG_VERSION"), "layers": done.layers,
+            "mass_g": done.tested.report.mass_g, "time_s": (done.time_s * 10.0).round() * 0.1,
+            "strength": done.tested.report, "peak_rss_mb": peak(), "warnings": done.warnings,
+        });
+        if !written.is_null() {
+            value["outputs"] = written;
+        }
+        files::print(&format!("{value}\n"));
+    } else {
+        let warnings: String = done.warnings.iter().map(|w| format!("\nwarning: {w}")).collect();
+        files::print(&format!("{}{warnings}\n", done.tested.report.summary()));
+    }
+    Ok(())
+}
+
+fn peak() -> f64 {
+    (grainpath::report::peak_rss_mb() * 10.0).round() * 0.1
+}
+
+fn is_job(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
+}
+
+/// Tests a job, or a program with the job it belongs to. `mass_g` is what a job's part is to weigh.
+fn one(input: &Path, job: Option<&Path>, common: &Common, mass_g: Option<f64>) -> Result<Done, Failure> {
+    let job = match (is_job(input), job) {
+        (true, _) => input,
+        (false, Some(job)) => job,
+        (false, None) => {
+            return Err(Failure::usage(format!(
+                "{}: G-code needs --job JOB.toml, whose part, loads and material it is tested with",
+                input.display()
+            )));
+        }
+    };
+    let text = files::read_text(job)?;
+    let folder = job.parent().map(Path::to_owned).unwrap_or_default();
+    let mut settings = settings(&text, &job.display().to_string(), &common.sets, &folder)?;
+    if settings.shape.mesh.is_empty() {
+        return Err(Failure::usage(format!("{}: [shape] needs mesh = \"FILE\"", job.display())));
+    }
+    settings.strength.enabled = true;
+    settings.fill.mass_g = mass_g.or(settings.fill.mass_g);
+    let mesh = folder.join(&settings.shape.mesh);
+    let diagnostics = progress::diagnostics();
+    let (file, _) = read_mesh(&mesh, &diagnostics)?;
+    let failed = |e: grainpath::strength::StrengthError| Failure::from(grainpath::Error::from(e));
+    let (tested, program) = if is_job(input) {
+        let stress = read_stress(&settings, &folder)?;
+        let photos = read_photos(&settings, &folder, &diagnostics)?;
+        let inputs = grainpath::Inputs { mesh: file, path: mesh.display().to_string(), stress, photos };
+        let planned = grainpath::plan_job(&settings, inputs, &diagnostics)?;
+        let mut bytes = Vec::new();
+        write_gcode(&planned.plan, &planned.config, &[], &mut bytes)
+            .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
+        let program = read(&settings, &bytes, input)?;
+        let shift = planned.plan.plate_from_part_mm.truncate();
+        let setup = planned.test.as_ref();
+        let setup = setup.ok_or_else(|| Failure::usage("strength.enabled should be true"))?;
+        (test(&settings, setup, &program, Some(shift), &diagnostics).map_err(failed)?, program)
+    } else {
+        let bytes = files::read(input)?;
+        let program = read(&settings, &bytes, input)?;
+        let shape = |source| grainpath::Error::Shape { path: mesh.display().to_string(), source };
+        let (mesh, stack, _) =
+            grainpath::run::mesh_and_layers(&settings, file, &diagnostics).map_err(shape)?;
+        let setup = TestSetup::of(&settings, &mesh, &stack).map_err(failed)?;
+        let wrong = |f: Failure| Failure { message: format!("{}: {}", input.display(), f.message), ..f };
+        (test(&settings, &setup, &program, None, &diagnostics).map_err(|e| wrong(failed(e)))?, program)
+    };
+    let warnings = warnings(&diagnostics, &program);
+    drop(diagnostics);
+    let name = input.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    Ok(Done { name, tested, layers: program.layers.len(), time_s: program.time_s, warnings })
+}
+
+fn read(settings: &Settings, bytes: &[u8], path: &Path) -> Result<Program, Failure> {
+    let limits = grainpath::config::limits(settings);
+    simulate(bytes, settings.printer.filament_mm, &limits)
+        .map_err(|e| Failure::input(format!("{}: {e}", path.display())))
+}
+
+fn warnings(diagnostics: &Diagnostics, program: &Program) -> Vec<String> {
+    let mut all = diagnostics.warnings();
+    all.extend(program.warnings.iter().map(|w| format!("G-code: {w}")));
+    all
+}
+
+/// `grainpath compare`
+pub fn compare(args: &Compare) -> Result<(), Failure> {
+    set_threads(args.common.threads)?;
+    let mut all: Vec<Done> = Vec::new();
+    for input in &args.inputs {
+        let mass_g = all.first().filter(|_| args.same_mass && is_job(input)).map(|d| d.tested.report.mass_g);
+        let done = one(input, args.job.as_deref(), &args.common, mass_g)?;
+        if let Some(folder) = &args.preview {
+            for (name, picture) in outputs::strength_pictures(&done.tested) {
+                let path: PathBuf = folder.join(format!("{}-{name}", done.name));
+                outputs::save(&path, &picture.png)?;
+            }
+        }
+        all.push(done);
+    }
+    let rows: Vec<Value> = all.iter().map(|d| row(d, &all[0].tested.report)).collect();
+    if args.common.json {
+        let value =
+            json!({ "ok": true, "version": env!("CARGO_PKG_VERSION"), "rows": rows, "peak_rss_mb": peak() });
+        files::print(&format!("{value}\n"));
+    } else {
+        files::print(&table(&all, &rows));
+    }
+    Ok(())
+}
+
+/// Peak loads over those of the first, corner by corner: nominal, lowest, highest.
+fn ratios(of: &StrengthReport, to: &StrengthReport) -> [f64; 3] {
+    let nominal = of.peak_load_n / to.peak_load_n;
+    let each = of.corners.iter().filter_map(|(k, v)| to.corners.get(k).map(|w| v / w));
+    each.fold([nominal; 3], |[n, low, high], r| [n, low.min(r), high.max(r)])
+}
+
+fn row(done: &Done, first: &StrengthReport) -> Value {
+    let r = &done.tested.report;
+    let [ratio, low, high] = ratios(r, first).map(|v| (v * 1e4).round() * 1e-4);
+    json!({
+        "name": done.name, "mass_g": r.mass_g, "time_s": (done.time_s * 10.0).round() * 0.1,
+        "peak_load_n": r.peak_load_n, "low_n": r.low_n, "high_n": r.high_n,
+        "stiffness_n_per_mm": r.stiffness_n_per_mm, "load_per_gram_n_g": r.load_per_gram_n_g,
+        "ratio": ratio, "ratio_low": low, "ratio_high": high,
+        "mode": r.mode, "weakest": r.weakest, "corners": r.corners, "mesh_change": r.mesh_change,
+        "warnings": done.warnings,
+    })
+}
+
+fn table(all: &[Done], rows: &[Value]) -> String {
+    let width = all.iter().map(|d| d.name.chars().count()).max().unwrap_or(4).max(4);
+    let mut out = format!(
+        "{:<width$}  {:>7}  {:>9}  {:>17}  {:>8}  {:>6}  {:>18}  fails mostly\n",
+        "", "g", "time", "peak N", "N/mm", "N/g", "ratio to the first"
+    );
+    for (d, row) in all.iter().zip(rows) {
+        let r = &d.tested.report;
+        let number = |key: &str| row[key].as_f64().unwrap_or(0.0);
+        let _ = writeln!(
+            out,
+            "{:<width$}  {:>7.2}  {:>9}  {:>5.0} ({:>4.0}-{:>4.0})  {:>8.0}  {:>6.1}  {:>5.3} ({:.3}-{:.3})  {}",
+            d.name,
+            r.mass_g,
+            format!("{:.0} min", d.time_s / 60.0),
+            r.peak_load_n,
+            r.low_n,
+            r.high_n,
+            r.stiffness_n_per_mm,
+            r.load_per_gram_n_g,
+            number("ratio"),
+            number("ratio_low"),
+            number("ratio_high"),
+            r.mode
+        );
+    }
+    for d in all {
+        let _ = writeln!(out, "{}: weakest at {}", d.name, d.tested.report.weakest.words);
+        d.warnings.iter().for_each(|w| {
+            let _ = writeln!(out, "{}: warning: {w}", d.name);
+        });
+    }
+    out
+}

@@ -1,0 +1,415 @@
+//! Beads as cells: how much material each cell of a grid holds, and which way it runs.
+
+use grainpath_core::DVec2;
+use grainpath_core::math::atan2;
+use rayon::prelude::*;
+
+/// A straight piece of bead.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeadPiece {
+    /// Where it begins, mm.
+    pub a: DVec2,
+    /// Where it ends, mm.
+    pub b: DVec2,
+    /// What it holds, mm3.
+    pub volume_mm3: f64,
+}
+
+/// The beads of one layer.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BeadSheet {
+    /// Thickness, mm.
+    pub height_mm: f64,
+    /// Its beads.
+    pub beads: Vec<BeadPiece>,
+}
+
+/// Square cells over a rectangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// Lowest corner, mm.
+    pub low: DVec2,
+    /// Side of a cell, mm.
+    pub cell_mm: f64,
+    /// Cells along x.
+    pub nx: usize,
+    /// Cells along y.
+    pub ny: usize,
+}
+
+impl Grid {
+    /// The middle of a cell, mm.
+    pub fn centre(&self, cell: usize) -> DVec2 {
+        let (i, j) = (cell % self.nx, cell / self.nx);
+        self.low + self.cell_mm * DVec2::new(i as f64 + 0.5, j as f64 + 0.5)
+    }
+}
+
+/// Directions are kept apart in this many fans, the first around x; a half turn has them all.
+const FANS: usize = 8;
+
+/// All layers of one direction in one cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ply {
+    /// Material over the area of the cell, mm.
+    pub thickness_mm: f64,
+    /// Mean direction of its beads, radians from x, without sign.
+    pub angle_rad: f64,
+    /// 1 where its beads run alike, 0 where they run all ways.
+    pub coherence: f64,
+}
+
+/// A stack of layers seen from above: in every cell the plies of each direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Laminate {
+    /// The cells.
+    pub grid: Grid,
+    /// `plies[starts[cell]..starts[cell + 1]]` are those of a cell.
+    pub starts: Vec<u32>,
+    /// Plies, cell by cell.
+    pub plies: Vec<Ply>,
+    /// Thickness of all layers, mm.
+    pub height_mm: f64,
+    /// Material in the cells, mm3.
+    pub volume_mm3: f64,
+    /// Material of the beads, mm3.
+    pub laid_mm3: f64,
+}
+
+/// Why beads cannot become cells.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum CellError {
+    /// There is nothing.
+    #[error("no bead of the part is in the program")]
+    Nothing,
+    /// Too fine.
+    #[error("{nx} x {ny} cells of {cell_mm} mm are more than {most}; take larger cells")]
+    TooMany {
+        /// Cells along x.
+        nx: f64,
+        /// Cells along y.
+        ny: f64,
+        /// Side of a cell, mm.
+        cell_mm: f64,
+        /// The most that are taken.
+        most: usize,
+    },
+}
+
+/// The most cells of a grid.
+pub const MOST_CELLS: usize = 1_500_000;
+
+impl Laminate {
+    /// Lays beads into cells of this size. Each bead is a strip as wide as its section over the layer's height, so
+    /// that the cells hold what was extruded; what a cell cannot hold flows to its neighbours.
+    ///
+    /// # Errors
+    /// [`CellError`] when there is no bead or there are too many cells.
+    pub fn of(sheets: &[BeadSheet], cell_mm: f64) -> Result<Self, CellError> {
+        let width = |s: &BeadSheet, b: &BeadPiece| b.volume_mm3 / (b.a.distance(b.b) * s.height_mm);
+        let usable = |s: &BeadSheet, b: &BeadPiece| {
+            b.a.is_finite() && b.b.is_finite() && b.a != b.b && b.volume_mm3 > 0.0 && s.height_mm > 0.0
+        };
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let mut laid_mm3 = 0.0;
+        for s in sheets {
+            for b in s.beads.iter().filter(|b| usable(s, b)) {
+                // Blobs, laid while hardly moving, are not wider than this.
+                let r = (0.5 * width(s, b)).min(5.0);
+                low = low.min(b.a.min(b.b) - r);
+                high = high.max(b.a.max(b.b) + r);
+                laid_mm3 += b.volume_mm3;
+            }
+        }
+        if !(low.is_finite() && high.is_finite()) {
+            return Err(CellError::Nothing);
+        }
+        // One empty cell all around; corners on whole cells from the middle, so that symmetric parts stay so.
+        let size = (high - low) / cell_mm;
+        let (nx, ny) = (size.x.ceil() + 2.0, size.y.ceil() + 2.0);
+        if nx * ny > MOST_CELLS as f64 {
+            return Err(CellError::TooMany { nx, ny, cell_mm, most: MOST_CELLS });
+        }
+        let low = 0.5 * (low + high) - 0.5 * cell_mm * DVec2::new(nx, ny);
+        let grid = Grid { low, cell_mm, nx: nx as usize, ny: ny as usize };
+        let layers: Vec<Vec<Share>> = sheets
+            .par_iter()
+            .map(|s| {
+                let strips = s.beads.iter().filter(|b| usable(s, b)).map(|b| (*b, width(s, b).min(10.0)));
+                layer(&grid, s.height_mm, strips)
+            })
+            .collect();
+        Ok(Self::stacked(grid, sheets, &layers, laid_mm3))
+    }
+
+    fn stacked(grid: Grid, sheets: &[BeadSheet], layers: &[Vec<Share>], laid_mm3: f64) -> Self {
+        let n = grid.nx * grid.ny;
+        let mut starts = vec![0u32; n + 1];
+        let mut fans = vec![[0f32; 3]; n * FANS];
+        for s in layers.iter().flatten() {
+            let fan = &mut fans[s.slot as usize];
+            (0..3).for_each(|k| fan[k] += s.sum[k]);
+        }
+        let mut plies = Vec::new();
+        let mut volume = 0.0;
+        for cell in 0..n {
+            for fan in &fans[cell * FANS..(cell + 1) * FANS] {
+                let [t, c, s] = fan.map(f64::from);
+                if t > 0.0 {
+                    volume += t;
+                    let angle_rad = 0.5 * atan2(s, c);
+                    let coherence = ((c * c + s * s).sqrt() / t).min(1.0);
+                    plies.push(Ply { thickness_mm: t, angle_rad, coherence });
+                }
+            }
+            starts[cell + 1] = plies.len() as u32;
+        }
+        let height_mm = sheets.iter().map(|s| s.height_mm).sum();
+        let volume_mm3 = volume * grid.cell_mm * grid.cell_mm;
+        Self { grid, starts, plies, height_mm, volume_mm3, laid_mm3 }
+    }
+
+    /// The plies of a cell.
+    pub fn of_cell(&self, cell: usize) -> &[Ply] {
+        &self.plies[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    }
+
+    /// Material over the area of a cell, mm.
+    pub fn thickness_mm(&self, cell: usize) -> f64 {
+        self.of_cell(cell).iter().map(|p| p.thickness_mm).sum()
+    }
+
+    /// Share of the laid volume that the cells miss or have too much.
+    pub fn volume_error(&self) -> f64 {
+        (self.volume_mm3 / self.laid_mm3 - 1.0).abs()
+    }
+}
+
+/// What a layer has in one fan of one cell: thickness, and thickness times cosine and sine of the double angle.
+struct Share {
+    slot: u32,
+    sum: [f32; 3],
+}
+
+fn layer(grid: &Grid, height_mm: f64, strips: impl Iterator<Item = (BeadPiece, f64)>) -> Vec<Share> {
+    let n = grid.nx * grid.ny;
+    let mut held = vec![0f32; n];
+    let mut fans = vec![[0f32; 3]; n * FANS];
+    for (bead, width) in strips {
+        let along = (bead.b - bead.a).normalize();
+        let double = DVec2::new(along.x * along.x - along.y * along.y, 2.0 * along.x * along.y);
+        let half_turns = 0.5 * atan2(double.y, double.x) / std::f64::consts::PI;
+        let fan = (half_turns * FANS as f64).round().rem_euclid(FANS as f64) as usize % FANS;
+        let side = 0.5 * width * DVec2::new(-along.y, along.x);
+        let to_cells = |p: DVec2| (p - grid.low) / grid.cell_mm;
+        let corners = [bead.a - side, bead.b - side, bead.b + side, bead.a + side].map(to_cells);
+        // Blobs are narrower than their volume says; what is missing is added in proportion.
+        let covered = bead.a.distance(bead.b) * width * height_mm;
+        let fill = bead.volume_mm3 / covered * height_mm;
+        covered_cells(&corners, grid, &mut |cell, area| {
+            let t = area * fill;
+            held[cell] += t as f32;
+            let f = &mut fans[cell * FANS + fan];
+            f[0] += t as f32;
+            f[1] += (t * double.x) as f32;
+            f[2] += (t * double.y) as f32;
+        });
+    }
+    spread(grid, height_mm as f32, &mut held, &mut fans);
+    let shares = fans.iter().enumerate().filter(|(_, f)| f[0] > 0.0);
+    shares.map(|(slot, f)| Share { slot: slot as u32, sum: *f }).collect()
+}
+
+/// Passes in which overfull cells give to their neighbours.
+const PASSES: usize = 12;
+
+/// Melt that finds its place taken flows on: to neighbours with room, in proportion to it.
+fn spread(grid: &Grid, full: f32, held: &mut [f32], fans: &mut [[f32; 3]]) {
+    let (nx, ny) = (grid.nx as isize, grid.ny as isize);
+    for _ in 0..PASSES {
+        let over: Vec<usize> = (0..held.len()).filter(|&c| held[c] > full * 1.0005).collect();
+        if over.is_empty() {
+            return;
+        }
+        for cell in over {
+            let (i, j) = ((cell as isize) % nx, (cell as isize) / nx);
+            let excess = held[cell] - full;
+            let mut near = [(0usize, 0f32); 8];
+            let mut n = 0;
+            for (di, dj) in [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)] {
+                let (a, b) = (i + di, j + dj);
+                // Only where there is some of the part: melt does not leave it.
+                if (0..nx).contains(&a) && (0..ny).contains(&b) && held[(b * nx + a) as usize] > 0.0 {
+                    let other = (b * nx + a) as usize;
+                    near[n] = (other, (full - held[other]).max(0.0));
+                    n += 1;
+                }
+            }
+            let room: f32 = near[..n].iter().map(|n| n.1).sum();
+            // Where nobody near has room it is handed on evenly, and finds some in a later pass.
+            let even = room <= 0.0;
+            let moved = if even { excess * 0.5 } else { excess.min(room) };
+            if n == 0 || moved <= 0.0 {
+                continue;
+            }
+            let share = moved / held[cell];
+            let own: [[f32; 3]; FANS] = std::array::from_fn(|k| fans[cell * FANS + k]);
+            for &(other, free) in &near[..n] {
+                let part = share * if even { 1.0 / n as f32 } else { free / room };
+                for (k, fan) in own.iter().enumerate() {
+                    (0..3).for_each(|q| fans[other * FANS + k][q] += fan[q] * part);
+                }
+                held[other] += held[cell] * part;
+            }
+            for k in 0..FANS {
+                (0..3).for_each(|q| fans[cell * FANS + k][q] *= 1.0 - share);
+            }
+            held[cell] *= 1.0 - share;
+        }
+    }
+}
+
+/// Calls `each` with every cell a convex quadrilateral covers, and the area covered in cells.
+fn covered_cells(corners: &[DVec2; 4], grid: &Grid, each: &mut dyn FnMut(usize, f64)) {
+    let (low, high) = (corners.iter().fold(DVec2::INFINITY, |m, p| m.min(*p)), {
+        corners.iter().fold(DVec2::NEG_INFINITY, |m, p| m.max(*p))
+    });
+    let whole = |v: f64, n: usize| (v.floor().max(0.0) as usize).min(n - 1);
+    for j in whole(low.y, grid.ny)..=whole(high.y, grid.ny) {
+        let row = Shape::from(corners).above(1, j as f64).below(1, j as f64 + 1.0);
+        if row.n < 3 {
+            continue;
+        }
+        let xs = row.points[..row.n].iter().map(|p| p.x);
+        let (from, to) = xs.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+        for i in whole(from, grid.nx)..=whole(to, grid.nx) {
+            let area = row.above(0, i as f64).below(0, i as f64 + 1.0).area();
+            if area > 0.0 {
+                each(j * grid.nx + i, area);
+            }
+        }
+    }
+}
+
+/// A convex shape of few corners.
+#[derive(Clone, Copy)]
+struct Shape {
+    points: [DVec2; 8],
+    n: usize,
+}
+
+impl Shape {
+    fn from(corners: &[DVec2; 4]) -> Self {
+        let mut points = [DVec2::ZERO; 8];
+        points[..4].copy_from_slice(corners);
+        Self { points, n: 4 }
+    }
+
+    fn above(&self, axis: usize, at: f64) -> Self {
+        self.cut(|p| p[axis] - at)
+    }
+
+    fn below(&self, axis: usize, at: f64) -> Self {
+        self.cut(|p| at - p[axis])
+    }
+
+    /// What lies where `off` is not negative. A convex shape gains one corner at most, and eight are enough for four
+    /// cuts of a quadrilateral.
+    fn cut(&self, off: impl Fn(DVec2) -> f64) -> Self {
+        let mut out = Self { points: [DVec2::ZERO; 8], n: 0 };
+        for k in 0..self.n {
+            let (p, q) = (self.points[k], self.points[(k + 1) % self.n]);
+            let (a, b) = (off(p), off(q));
+            if a >= 0.0 && out.n < 8 {
+                out.points[out.n] = p;
+                out.n += 1;
+            }
+            if (a < 0.0) != (b < 0.0) && out.n < 8 {
+                out.points[out.n] = p + (q - p) * (a / (a - b));
+                out.n += 1;
+            }
+        }
+        out
+    }
+
+    fn area(&self) -> f64 {
+        if self.n < 3 {
+            return 0.0;
+        }
+        let o = self.points[0];
+        let mut twice = 0.0;
+        for k in 1..self.n - 1 {
+            twice += grainpath_core::math::cross(self.points[k] - o, self.points[k + 1] - o);
+        }
+        0.5 * twice.abs()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bead(a: (f64, f64), b: (f64, f64), section: f64) -> BeadPiece {
+        let (a, b) = (DVec2::from(a), DVec2::from(b));
+        BeadPiece { a, b, volume_mm3: a.distance(b) * section }
+    }
+
+    #[test]
+    fn cells_hold_what_was_laid_whichever_way() {
+        let beads: Vec<BeadPiece> = (0..40)
+            .map(|k| {
+                let d = grainpath_core::math::direction(f64::from(k) * 0.37);
+                let p = DVec2::new(f64::from(k % 7) * 2.1, f64::from(k / 7) * 1.9);
+                bead(p.into(), (p + d * (0.3 + 0.25 * f64::from(k))).into(), 0.08)
+            })
+            .collect();
+        for cell in [0.1, 0.23, 0.5] {
+            let sheet = BeadSheet { height_mm: 0.2, beads: beads.clone() };
+            let laminate = Laminate::of(&[sheet.clone(), sheet], cell).expect("beads");
+            assert!(laminate.volume_error() < 1e-5, "{cell}: {}", laminate.volume_error());
+        }
+    }
+
+    #[test]
+    fn a_dense_raster_fills_its_cells_and_knows_its_direction() {
+        for deg in [0.0, 30.0, 45.0, 90.0, 135.0f64] {
+            let d = grainpath_core::math::direction(deg.to_radians());
+            let n = DVec2::new(-d.y, d.x);
+            let line = |k: i32| {
+                let p = n * (f64::from(k) * 0.4);
+                bead((p - d * 10.0).into(), (p + d * 10.0).into(), 0.08)
+            };
+            let sheet = BeadSheet { height_mm: 0.2, beads: (-20..=20).map(line).collect() };
+            let laminate = Laminate::of(&[sheet], 0.3).expect("beads");
+            let grid = laminate.grid;
+            let inner = (0..grid.nx * grid.ny).filter(|&c| grid.centre(c).length() < 6.0);
+            let mut seen = 0;
+            for cell in inner {
+                assert!((laminate.thickness_mm(cell) - 0.2).abs() < 1e-5, "{deg}");
+                let [ply] = laminate.of_cell(cell) else { panic!("one direction") };
+                let off = (ply.angle_rad - deg.to_radians()).rem_euclid(std::f64::consts::PI);
+                assert!(off.min(std::f64::consts::PI - off) < 1e-5 && ply.coherence > 0.9999);
+                seen += 1;
+            }
+            assert!(seen > 500);
+        }
+    }
+
+    #[test]
+    fn too_much_melt_flows_to_where_there_is_room() {
+        // Two beads too near to each other, and a third a little too far off: as much missing as is too much.
+        let beads = [0.0, 0.3, 0.8].map(|y| bead((0.0, y), (20.0, y), 0.08)).to_vec();
+        let laminate = Laminate::of(&[BeadSheet { height_mm: 0.2, beads }], 0.2).expect("beads");
+        assert!(laminate.volume_error() < 1e-5);
+        let worst = (0..laminate.grid.nx * laminate.grid.ny).map(|c| laminate.thickness_mm(c));
+        let worst = worst.fold(0.0, f64::max);
+        assert!(worst < 0.21, "hardly anything is overfull: {worst}");
+    }
+
+    #[test]
+    fn nothing_and_too_much_are_refused() {
+        assert_eq!(Laminate::of(&[], 0.2), Err(CellError::Nothing));
+        let far = BeadSheet { height_mm: 0.2, beads: vec![bead((0.0, 0.0), (1e7, 1e7), 0.1)] };
+        assert!(matches!(Laminate::of(&[far], 0.2), Err(CellError::TooMany { .. })));
+    }
+}

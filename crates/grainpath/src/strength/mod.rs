@@ -1,0 +1,407 @@
+//! The virtual strength test of a plan, or of anybody's G-code.
+//!
+//! Beads of a machine program become plies of a plate ([`grainpath_fea::strength`]); fixtures and loads are the
+//! job's. The answer is given with the interval that the material's card leaves, and with how far it depends on the
+//! size of the cells.
+
+mod page;
+mod setup;
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use grainpath_core::{DVec2, DVec3, Diagnostics};
+use grainpath_fea::material::Orthotropic;
+use grainpath_fea::strength::cells::{BeadSheet, CellError};
+use grainpath_fea::strength::ply::{Mode, StrengthCard};
+use grainpath_fea::strength::{Outcome, PlateTest, TestError};
+use grainpath_gcode::Program;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::guide::GuideError;
+use crate::job::Settings;
+pub use page::{chart_svg, damage_png, index_png};
+use setup::Prepared;
+pub use setup::TestSetup;
+
+/// Why a part cannot be tested.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum StrengthError {
+    #[error("needs {0}; fixtures and loads are those of [guide]")]
+    Missing(&'static str),
+    #[error(
+        "the material has no strengths: set {0} as [low, nominal, high] in [material], or take another profile"
+    )]
+    NoCard(String),
+    #[error("only plates loaded in their plane are tested, and {0}")]
+    NotPlate(&'static str),
+    #[error("{0} moves by a displacement; the test wants forces")]
+    Moved(String),
+    #[error("{what}: fix = \"normal\" needs a plane or a cylinder here, not a {shape}")]
+    NoNormal { what: String, shape: &'static str },
+    #[error(
+        "{what} ({shape}) catches nothing that is printed and held; the part lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm",
+        low.x, low.y, low.z, high.x, high.y, high.z
+    )]
+    CatchesNothing { what: String, shape: &'static str, low: DVec3, high: DVec3 },
+    #[error("nothing of a part is printed in the program")]
+    NothingPrinted,
+    #[error(
+        "the program prints {:.1} x {:.1} x {:.1} mm, the job's part is {:.1} x {:.1} x {:.1} mm: not the same part",
+        printed.x, printed.y, printed.z, part.x, part.y, part.z
+    )]
+    WrongPart { printed: DVec3, part: DVec3 },
+    #[error("what is printed around ({x:.2}, {y:.2}) mm is free to {how}; hold it with another fixture")]
+    Free { x: f64, y: f64, how: &'static str },
+    #[error("{0}")]
+    Cells(#[from] CellError),
+    #[error("{0}")]
+    Test(#[from] TestError),
+    #[error("{0}")]
+    Place(#[from] GuideError),
+}
+
+impl StrengthError {
+    /// 2 the job; 3 the program; 4 the physics.
+    pub fn exit_code(&self) -> i32 {
+        match self {
+            Self::NothingPrinted | Self::WrongPart { .. } | Self::Cells(CellError::Nothing) => 3,
+            Self::Free { .. } | Self::Test(_) => 4,
+            _ => 2,
+        }
+    }
+}
+
+/// A corner of a material's card: which of low, nominal and high is taken along the beads and for the rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Corner {
+    /// What it is called.
+    pub name: &'static str,
+    along: usize,
+    rest: usize,
+}
+
+/// Corners, the nominal one first.
+pub const CORNERS: [Corner; 5] = [
+    Corner { name: "nominal", along: 1, rest: 1 },
+    Corner { name: "low", along: 0, rest: 0 },
+    Corner { name: "high", along: 2, rest: 2 },
+    Corner { name: "strong along, weak across", along: 2, rest: 0 },
+    Corner { name: "weak along, strong across", along: 0, rest: 2 },
+];
+
+/// The material at a corner of its card.
+///
+/// # Errors
+/// [`StrengthError::NoCard`] naming every strength that is missing.
+pub fn card(settings: &Settings, corner: Corner) -> Result<StrengthCard, StrengthError> {
+    let m = &settings.material;
+    let given = [
+        ("xt_mpa", m.xt_mpa),
+        ("xc_mpa", m.xc_mpa),
+        ("g_along_n_mm", m.g_along_n_mm),
+        ("yt_mpa", m.yt_mpa),
+        ("s12_mpa", m.s12_mpa),
+        ("yc_mpa", m.yc_mpa),
+        ("g_across_n_mm", m.g_across_n_mm),
+    ];
+    let missing: Vec<&str> = given.iter().filter(|g| g.1.is_none()).map(|g| g.0).collect();
+    if !missing.is_empty() {
+        return Err(StrengthError::NoCard(missing.join(", ")));
+    }
+    let value = |k: usize| {
+        let at = if k < 3 { corner.along } else { corner.rest };
+        given[k].1.map_or(0.0, |bounds| bounds[at])
+    };
+    Ok(StrengthCard {
+        elastic: Orthotropic { e_mpa: m.e_mpa, nu: m.nu, g_mpa: m.g_mpa },
+        xt_mpa: value(0),
+        xc_mpa: value(1),
+        g_along_n_mm: value(2),
+        yt_mpa: value(3),
+        s12_mpa: value(4),
+        yc_mpa: value(5),
+        g_across_n_mm: value(6),
+    })
+}
+
+/// What a test found; the contract's keys first.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct StrengthReport {
+    pub peak_load_n: f64,
+    pub low_n: f64,
+    pub high_n: f64,
+    pub stiffness_n_per_mm: f64,
+    /// Load at which the first ply begins to break.
+    pub first_n: f64,
+    pub peak_displacement_mm: f64,
+    /// Load of the job that was scaled up to the peak.
+    pub job_load_n: f64,
+    pub case: String,
+    pub mode: &'static str,
+    /// Share of the energy spent by each mode.
+    pub modes: BTreeMap<&'static str, f64>,
+    pub weakest: Weakest,
+    /// Peak load at each corner of the material's card.
+    pub corners: BTreeMap<&'static str, f64>,
+    pub mass_g: f64,
+    pub load_per_gram_n_g: f64,
+    pub fidelity: &'static str,
+    pub cell_mm: f64,
+    /// Share by which the answer moved when cells were halved to this size.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_change: Option<f64>,
+    /// Share by which the cells' volume differs from what was extruded.
+    pub volume_error: f64,
+    pub dofs: usize,
+    pub solutions: usize,
+    pub seconds: f64,
+    pub card_source: String,
+    pub card_tier: String,
+    /// Displacement in mm and load in N.
+    pub curve: Vec<[f64; 2]>,
+}
+
+/// Where a part breaks.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct Weakest {
+    pub x_mm: f64,
+    pub y_mm: f64,
+    pub words: String,
+}
+
+/// A finished test.
+pub struct Tested {
+    /// What it found.
+    pub report: StrengthReport,
+    outcome: Outcome,
+    elements: grainpath_fea::strength::plate::Elements,
+}
+
+/// The most cells taken when a job does not say how large they are.
+const CELLS: f64 = 150_000.0;
+/// Answers that move by more than this when cells are halved are not final.
+const CONVERGED: f64 = 0.03;
+
+/// Tests a program. `plate_from_part` is where the part stands in it, where known.
+///
+/// # Errors
+/// [`StrengthError`] for cards without strengths, programs of another part, loads that catch nothing, and parts that
+/// are not held.
+pub fn test(
+    settings: &Settings,
+    setup: &TestSetup,
+    program: &Program,
+    plate_from_part: Option<DVec2>,
+    diagnostics: &Diagnostics,
+) -> Result<Tested, StrengthError> {
+    let start = Instant::now();
+    let nominal = card(settings, CORNERS[0])?;
+    diagnostics.begin(grainpath_core::diagnostics::Stage::Strength, 0);
+    let sheets = setup.sheets(program, plate_from_part)?;
+    let area = setup.section.area_mm2();
+    let own = 0.5 * settings.process.bead_width_mm;
+    let cell_mm = settings.strength.cell_mm.unwrap_or_else(|| own.max((area / CELLS).sqrt()));
+    let max_bytes = (settings.guide.memory_mb as u64) << 20;
+    let s = &settings.strength;
+    let corners = if s.corners { &CORNERS[..] } else { &CORNERS[..1] };
+    let coarse = s.check || s.corners;
+    let (fine, others) = rayon::join(
+        || {
+            let prepared = setup.prepared(&sheets, cell_mm)?;
+            run(&prepared, &nominal, max_bytes).map(|o| (o, prepared))
+        },
+        || at_corners(settings, setup, &sheets, if coarse { 2.0 * cell_mm } else { 0.0 }, corners, max_bytes),
+    );
+    let (outcome, prepared) = fine?;
+    let others = others?;
+    // The interval of the card is found with the larger cells and carried over as a ratio.
+    let ratio = |k: usize| if others.len() > k { others[k] / others[0] } else { 1.0 };
+    let peaks: BTreeMap<&'static str, f64> =
+        corners.iter().enumerate().map(|(k, c)| (c.name, digits(outcome.peak_load_n * ratio(k)))).collect();
+    let mesh_change = others.first().filter(|_| s.check).map(|o| (o / outcome.peak_load_n - 1.0).abs());
+    warn(setup, &outcome, &prepared, mesh_change, cell_mm, diagnostics);
+    let mass_g = part_mm3(program) * 1e-3 * settings.material.density_g_cm3;
+    let fold = |f: fn(f64, f64) -> f64, from: f64| peaks.values().copied().fold(from, f);
+    let at_peak = outcome.curve.iter().max_by(|a, b| a[1].total_cmp(&b[1])).map_or(0.0, |p| p[0]);
+    let report = StrengthReport {
+        peak_load_n: digits(outcome.peak_load_n),
+        low_n: fold(f64::min, f64::INFINITY),
+        high_n: fold(f64::max, 0.0),
+        stiffness_n_per_mm: digits(outcome.stiffness_n_per_mm),
+        first_n: digits(outcome.first_n),
+        peak_displacement_mm: digits(at_peak),
+        job_load_n: digits(prepared.load_n),
+        case: setup.case.clone(),
+        mode: outcome.mode().name(),
+        modes: Mode::ALL
+            .iter()
+            .zip(outcome.modes)
+            .filter(|m| m.1 > 5e-4)
+            .map(|(m, s)| (m.name(), digits(s)))
+            .collect(),
+        weakest: weakest(setup, &outcome),
+        corners: peaks,
+        mass_g: digits(mass_g),
+        load_per_gram_n_g: digits(outcome.peak_load_n / mass_g.max(1e-12)),
+        fidelity: "plane",
+        cell_mm: digits(cell_mm),
+        mesh_change: mesh_change.map(digits),
+        volume_error: digits(prepared.laminate.volume_error()),
+        dofs: outcome.dofs,
+        solutions: outcome.effort[0],
+        seconds: digits(start.elapsed().as_secs_f64()),
+        card_source: settings.material.strength_source.clone(),
+        card_tier: settings.material.strength_tier.clone(),
+        curve: outcome.curve.iter().map(|p| p.map(digits)).collect(),
+    };
+    Ok(Tested { report, outcome, elements: prepared.elements })
+}
+
+/// Volume of the part's beads, without skirt, brim and support, mm3.
+fn part_mm3(program: &Program) -> f64 {
+    let beads = program.layers.iter().flat_map(|l| &l.beads).filter(|b| b.role.is_part());
+    beads.map(|b| f64::from(b.volume_mm3)).sum()
+}
+
+fn run(prepared: &Prepared, card: &StrengthCard, max_bytes: u64) -> Result<Outcome, StrengthError> {
+    let test = PlateTest {
+        laminate: &prepared.laminate,
+        elements: &prepared.elements,
+        holds: &prepared.holds,
+        forces_n: &prepared.forces_n,
+        load_n: prepared.load_n,
+        spared: &prepared.spared,
+        card,
+        max_bytes,
+    };
+    Ok(test.run()?)
+}
+
+/// Peak loads at the corners of the card, nominal first; none for cells of no size.
+fn at_corners(
+    settings: &Settings,
+    setup: &TestSetup,
+    sheets: &[BeadSheet],
+    cell_mm: f64,
+    corners: &[Corner],
+    max_bytes: u64,
+) -> Result<Vec<f64>, StrengthError> {
+    if cell_mm <= 0.0 {
+        return Ok(Vec::new());
+    }
+    let prepared = setup.prepared(sheets, cell_mm)?;
+    let peak = |corner: &Corner| Ok(run(&prepared, &card(settings, *corner)?, max_bytes)?.peak_load_n);
+    let all: Vec<Result<f64, StrengthError>> = corners.par_iter().map(peak).collect();
+    all.into_iter().collect()
+}
+
+fn warn(
+    setup: &TestSetup,
+    outcome: &Outcome,
+    prepared: &Prepared,
+    mesh_change: Option<f64>,
+    cell_mm: f64,
+    diagnostics: &Diagnostics,
+) {
+    if let Some(text) = setup.warnings() {
+        diagnostics.warn(text);
+    }
+    if let Some(change) = mesh_change.filter(|c| *c > CONVERGED) {
+        diagnostics.warn(format!(
+            "strength: the peak load moved by {:.1} % when cells were halved to {cell_mm} mm; try strength.cell_mm = {:.3}",
+            100.0 * change,
+            0.5 * cell_mm
+        ));
+    }
+    if prepared.lost > 0.01 {
+        diagnostics.warn(format!(
+            "strength: {:.1} % of the material hangs together with nothing that is held and is left out",
+            100.0 * prepared.lost
+        ));
+    }
+    if !outcome.ended {
+        diagnostics.warn(
+            "strength: the load was still rising when the test was stopped; the peak is a lower bound"
+                .to_owned(),
+        );
+    }
+}
+
+/// Where a part breaks, in words.
+fn weakest(setup: &TestSetup, outcome: &Outcome) -> Weakest {
+    let p = outcome.weakest;
+    let mut near = (f64::INFINITY, "border", DVec2::ZERO);
+    for polygon in &setup.section.polygons {
+        let contours =
+            std::iter::once((&polygon.outer, "border")).chain(polygon.holes.iter().map(|h| (h, "hole")));
+        for (contour, kind) in contours {
+            let middle = contour.iter().copied().sum::<DVec2>() / contour.len().max(1) as f64;
+            for (a, b) in grainpath_core::poly::edges(contour) {
+                let d = b - a;
+                let t = ((p - a).dot(d) / d.length_squared().max(1e-300)).clamp(0.0, 1.0);
+                let distance = p.distance(a + t * d);
+                if distance < near.0 {
+                    near = (distance, kind, middle);
+                }
+            }
+        }
+    }
+    let (off, kind, middle) = near;
+    let whose = match kind {
+        "hole" => format!("the hole around ({:.1}, {:.1})", middle.x, middle.y),
+        _ => "the border".to_owned(),
+    };
+    let place = if off < 1.0 { format!("at {whose}") } else { format!("{off:.1} mm from {whose}") };
+    let size = setup.high - setup.low;
+    let along = |v: f64, low: f64, size: f64| 100.0 * (v - low) / size.max(1e-9);
+    let words = format!(
+        "x {:.1}, y {:.1} mm ({:.0} % of the length, {:.0} % of the width), {place}; it fails {}",
+        p.x,
+        p.y,
+        along(p.x, setup.low.x, size.x),
+        along(p.y, setup.low.y, size.y),
+        match outcome.mode() {
+            Mode::Along => "as beads tear",
+            Mode::Across => "as beads part from each other",
+            Mode::Shear => "as beads slide along each other",
+            Mode::Compression => "by crushing",
+            Mode::Layers => "as layers part",
+        }
+    );
+    let round = |v: f64| (v * 100.0).round() * 0.01;
+    Weakest { x_mm: round(p.x), y_mm: round(p.y), words }
+}
+
+/// Five digits: as many as anyone may believe.
+fn digits(v: f64) -> f64 {
+    format!("{v:.4e}").parse().unwrap_or(v)
+}
+
+impl StrengthReport {
+    /// A few lines for a terminal.
+    pub fn summary(&self) -> String {
+        let mesh =
+            self.mesh_change.map_or(String::new(), |c| format!(", {:.1} % moved by halving them", 100.0 * c));
+        format!(
+            "breaks at {:.0} N ({:.0} to {:.0} N over the card of the material), stiffness {:.0} N/mm, {:.0} N per gram\n\
+             fails mostly {}; weakest at {}\n\
+             plane test, cells of {} mm{mesh}; {} unknowns, {} solutions, {:.1} s",
+            self.peak_load_n,
+            self.low_n,
+            self.high_n,
+            self.stiffness_n_per_mm,
+            self.load_per_gram_n_g,
+            self.mode,
+            self.weakest.words,
+            self.cell_mm,
+            self.dofs,
+            self.solutions,
+            self.seconds,
+        )
+    }
+}

@@ -1,0 +1,112 @@
+//! Pictures of a test: what broke, how near the rest was, and the load over the displacement.
+
+use std::fmt::Write;
+
+use grainpath_core::{Bounds2, DVec2};
+
+use super::{StrengthReport, Tested};
+use crate::render::{Canvas, Ramp};
+
+fn map_png(tested: &Tested, values: &[f32], size_px: u32) -> Vec<u8> {
+    let grid = &tested.elements.grid;
+    let mut shown = vec![None; grid.nx * grid.ny];
+    for (cell, v) in tested.elements.cells.iter().zip(values) {
+        shown[*cell as usize] = Some(f64::from(*v));
+    }
+    let size = grid.cell_mm * DVec2::new(grid.nx as f64, grid.ny as f64);
+    let mut canvas = Canvas::over(Bounds2 { min: grid.low, max: grid.low + size }, size_px);
+    let ramp = Ramp { low: 0.0, high: 1.0 };
+    let colours = canvas.pixels().map(|p| {
+        let q = (p - grid.low) / grid.cell_mm;
+        let inside = q.x >= 0.0 && q.y >= 0.0 && q.x < grid.nx as f64 && q.y < grid.ny as f64;
+        let value = inside.then(|| shown[q.y as usize * grid.nx + q.x as usize]).flatten();
+        value.map(|v| ramp.colour(v))
+    });
+    let colours: Vec<_> = colours.collect();
+    canvas.paint(colours.into_iter());
+    canvas.png()
+}
+
+/// Share of the material that broke, blue none and red all.
+pub fn damage_png(tested: &Tested, size_px: u32) -> Vec<u8> {
+    map_png(tested, &tested.outcome.broken, size_px)
+}
+
+/// How near every place was to breaking when the first one did, red being 1.
+pub fn index_png(tested: &Tested, size_px: u32) -> Vec<u8> {
+    map_png(tested, &tested.outcome.index, size_px)
+}
+
+/// Load over displacement, with the interval of the peak.
+pub fn chart_svg(report: &StrengthReport) -> String {
+    let (w, h, left, bottom) = (640.0, 400.0, 64.0, 44.0);
+    let nice = |v: f64| {
+        let unit = 10f64
+            .powi(grainpath_core::math::ln(v.max(1e-9) / 5.0).div_euclid(std::f64::consts::LN_10) as i32);
+        let step = [1.0, 2.0, 5.0, 10.0].into_iter().find(|s| s * unit * 5.0 >= v).unwrap_or(10.0);
+        step * unit
+    };
+    let most = |k: usize| report.curve.iter().map(|p| p[k]).fold(1e-9, f64::max);
+    let (u_max, f_max) = (most(0) * 1.05, report.high_n.max(most(1)) * 1.08);
+    let x = |u: f64| left + (w - left - 16.0) * u / u_max;
+    let y = |f: f64| h - bottom - (h - bottom - 16.0) * f / f_max;
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" font-family=\"system-ui,sans-serif\" font-size=\"13\">\n\
+         <rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\n"
+    );
+    let band = (y(report.high_n), y(report.low_n));
+    let _ = writeln!(
+        out,
+        "<rect x=\"{left}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"#f3d9b8\"/>",
+        band.0,
+        w - left - 16.0,
+        (band.1 - band.0).max(0.0)
+    );
+    for (max, vertical) in [(u_max, false), (f_max, true)] {
+        let step = nice(max);
+        let mut k = 0.0;
+        while k * step <= max {
+            let v = k * step;
+            let text = format!("{}", (v * 1e6).round() * 1e-6);
+            let _ = if vertical {
+                writeln!(
+                    out,
+                    "<path d=\"M{left} {0:.1}H{1}\" stroke=\"#dde\"/><text x=\"{2}\" y=\"{3:.1}\" text-anchor=\"end\">{text}</text>",
+                    y(v),
+                    w - 16.0,
+                    left - 6.0,
+                    y(v) + 4.0
+                )
+            } else {
+                writeln!(
+                    out,
+                    "<path d=\"M{0:.1} {1}V16\" stroke=\"#dde\"/><text x=\"{0:.1}\" y=\"{2}\" text-anchor=\"middle\">{text}</text>",
+                    x(v),
+                    h - bottom,
+                    h - bottom + 18.0
+                )
+            };
+            k += 1.0;
+        }
+    }
+    let line: Vec<String> = report.curve.iter().map(|p| format!("{:.1},{:.1}", x(p[0]), y(p[1]))).collect();
+    let _ = writeln!(
+        out,
+        "<polyline points=\"{}\" fill=\"none\" stroke=\"#1f5fbf\" stroke-width=\"2.5\"/>\n\
+         <path d=\"M{left} {3:.1}H{4}\" stroke=\"#c33\" stroke-dasharray=\"5 4\"/>\n\
+         <text x=\"{4}\" y=\"{5:.1}\" text-anchor=\"end\" fill=\"#c33\">{6:.0} N ({7:.0} to {8:.0})</text>\n\
+         <text x=\"{1}\" y=\"{2}\" text-anchor=\"middle\">displacement, mm</text>\n\
+         <text x=\"14\" y=\"{9}\" transform=\"rotate(-90 14 {9})\" text-anchor=\"middle\">load, N</text>\n</svg>",
+        line.join(" "),
+        0.5 * (w + left),
+        h - 8.0,
+        y(report.peak_load_n),
+        w - 16.0,
+        y(report.peak_load_n) - 6.0,
+        report.peak_load_n,
+        report.low_n,
+        report.high_n,
+        0.5 * (h - bottom),
+    );
+    out
+}

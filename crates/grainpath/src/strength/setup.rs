@@ -1,0 +1,390 @@
+//! A job's fixtures and loads on the cells of a test.
+
+use grainpath_core::math::cross;
+use grainpath_core::{DVec2, DVec3, LayerStack, Region, TriMesh};
+use grainpath_fea::select::Selection;
+use grainpath_fea::strength::cells::{BeadPiece, BeadSheet, Grid, Laminate};
+use grainpath_fea::strength::plate::{Elements, GridHold, free_motion, pieces};
+use grainpath_gcode::{Bead, BeadLayer, Program};
+
+use super::StrengthError;
+use crate::guide::{cases, constant_section, in_plane, resolved};
+use crate::job::Settings;
+use crate::job::loads::Push;
+
+/// Cells with less of their height filled are left out.
+const LEAST_FILLED: f64 = 0.02;
+/// Around grips and rollers nothing breaks within this, mm: what happens there is the machine's doing.
+const SPARED_MM: f64 = 1.5;
+
+/// How something is held.
+struct HeldPlace {
+    on: Selection,
+    fixed: [bool; 3],
+    normal: bool,
+    what: String,
+}
+
+/// What pushes.
+struct Pushed {
+    on: Option<Selection>,
+    push: Push,
+    what: String,
+}
+
+/// What a test must know of a part beside its beads.
+pub struct TestSetup {
+    pub(super) low: DVec3,
+    pub(super) high: DVec3,
+    /// The section in the middle of the part's height.
+    pub(super) section: Region,
+    fixtures: Vec<HeldPlace>,
+    loads: Vec<Pushed>,
+    /// The load case that is tested.
+    pub case: String,
+    n_cases: usize,
+    density_t_mm3: f64,
+}
+
+impl TestSetup {
+    /// Reads fixtures and loads against a part; of several load cases the one that counts most is tested.
+    ///
+    /// # Errors
+    /// [`StrengthError`] where a fixture or load is missing or not in the layers' plane, or the part is no plate.
+    pub fn of(settings: &Settings, mesh: &TriMesh, stack: &LayerStack) -> Result<Self, StrengthError> {
+        let all = cases(settings);
+        let first = all.iter().rev().max_by(|a, b| a.weight.total_cmp(&b.weight));
+        let case = first.ok_or(StrengthError::Missing("a [[guide.load]]"))?;
+        if settings.guide.fixture.is_empty() {
+            return Err(StrengthError::Missing("a [[guide.fixture]]"));
+        }
+        if !case.loads.iter().all(|l| in_plane(&l.push)) {
+            return Err(StrengthError::NotPlate("a load has a part out of the layers' plane"));
+        }
+        let layers = stack.layers();
+        let section = match constant_section(stack) {
+            Some(section) => section.clone(),
+            None if settings.strength.fidelity == "plane" => {
+                layers.get(layers.len() / 2).map(|l| l.region().clone()).unwrap_or_default()
+            }
+            None => {
+                return Err(StrengthError::NotPlate(
+                    "the section is not the same at all heights (strength.fidelity = \"plane\" takes it for a plate all the same)",
+                ));
+            }
+        };
+        let mut fixtures = Vec::new();
+        for (k, f) in settings.guide.fixture.iter().enumerate() {
+            let what = format!("fixture {}", k + 1);
+            if f.displacement_mm != DVec3::ZERO {
+                return Err(StrengthError::Moved(what));
+            }
+            let on = resolved(&f.on, mesh, &what)?;
+            if f.normal && !matches!(on, Selection::Plane { .. } | Selection::Cylinder { .. }) {
+                return Err(StrengthError::NoNormal { what, shape: on.name() });
+            }
+            fixtures.push(HeldPlace { on, fixed: f.fixed, normal: f.normal, what });
+        }
+        let mut loads = Vec::new();
+        for (k, l) in case.loads.iter().enumerate() {
+            let what = format!("load {}", k + 1);
+            let on = l.on.as_ref().map(|on| resolved(on, mesh, &what)).transpose()?;
+            loads.push(Pushed { on, push: l.push, what });
+        }
+        let (low, high) = mesh.bounds().unwrap_or_default();
+        let (n_cases, case) = (all.len(), case.name.clone());
+        let density_t_mm3 = settings.material.density_g_cm3 * 1e-9;
+        Ok(Self { low, high, section, fixtures, loads, case, n_cases, density_t_mm3 })
+    }
+
+    /// What the user should know.
+    pub(super) fn warnings(&self) -> Option<String> {
+        (self.n_cases > 1).then(|| {
+            format!("strength: of {} load cases {:?}, which counts most, is tested", self.n_cases, self.case)
+        })
+    }
+
+    fn at(&self, p: DVec2) -> DVec3 {
+        p.extend(0.5 * (self.low.z + self.high.z))
+    }
+
+    fn nothing(&self, what: &str, on: &Selection) -> StrengthError {
+        StrengthError::CatchesNothing {
+            what: what.to_owned(),
+            shape: on.name(),
+            low: self.low,
+            high: self.high,
+        }
+    }
+
+    /// The beads of the part in its own coordinates. Where it stands on the plate is known for a program of our own,
+    /// and found by the middle of what is printed otherwise.
+    ///
+    /// # Errors
+    /// [`StrengthError`] when nothing is printed or it has another size than the part.
+    pub(super) fn sheets(
+        &self,
+        program: &Program,
+        plate_from_part: Option<DVec2>,
+    ) -> Result<Vec<BeadSheet>, StrengthError> {
+        let of_part = |l: &&BeadLayer| l.beads.iter().any(|b| b.role.is_part());
+        let layers: Vec<&BeadLayer> = program.layers.iter().filter(of_part).collect();
+        let mut below = 0.0;
+        let heights: Vec<f64> = layers
+            .iter()
+            .map(|l| {
+                let h = l.z_mm - below;
+                below = l.z_mm;
+                h
+            })
+            .collect();
+        let box_of = |l: &BeadLayer, h: f64| {
+            let mut bounds = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+            for b in l.beads.iter().filter(|b| b.role.is_part()) {
+                let r = 0.5 * strip_mm(b, h);
+                bounds.0 = bounds.0.min(b.start().min(b.end()) - r);
+                bounds.1 = bounds.1.max(b.start().max(b.end()) + r);
+            }
+            bounds
+        };
+        // Purge lines of other slicers lie in the first layer and have no role of their own.
+        let skipped = usize::from(layers.len() > 2);
+        let boxes = layers.iter().zip(&heights).skip(skipped).map(|(l, h)| box_of(l, *h));
+        let found = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(StrengthError::NothingPrinted)?;
+        let (size, part) = (found.1 - found.0, (self.high - self.low).truncate());
+        let tall = below;
+        let far = |a: f64, b: f64| (a - b).abs() > f64::max(1.5, 0.03 * b);
+        if far(size.x, part.x) || far(size.y, part.y) || far(tall, self.high.z - self.low.z) {
+            let part = self.high - self.low;
+            return Err(StrengthError::WrongPart { printed: size.extend(tall), part });
+        }
+        let shift =
+            plate_from_part.unwrap_or(0.5 * (found.0 + found.1) - 0.5 * (self.low + self.high).truncate());
+        let near = |p: DVec2| (p - found.0).min(found.1 - p).min_element() > -2.0;
+        let sheet = |(l, h): (&&BeadLayer, &f64)| BeadSheet {
+            height_mm: *h,
+            beads: (l.beads.iter())
+                .filter(|b| b.role.is_part() && near(b.start()) && near(b.end()))
+                .map(|b| BeadPiece {
+                    a: b.start() - shift,
+                    b: b.end() - shift,
+                    volume_mm3: f64::from(b.volume_mm3),
+                })
+                .collect(),
+        };
+        Ok(layers.iter().zip(&heights).map(sheet).collect())
+    }
+
+    /// Cells, holds and forces of a test.
+    ///
+    /// # Errors
+    /// [`StrengthError`] when a fixture or load catches nothing or a piece moves freely.
+    pub(super) fn prepared(&self, sheets: &[BeadSheet], cell_mm: f64) -> Result<Prepared, StrengthError> {
+        let laminate = Laminate::of(sheets, cell_mm)?;
+        let grid = laminate.grid;
+        let n = grid.nx * grid.ny;
+        let least = LEAST_FILLED * laminate.height_mm;
+        let mut taken: Vec<bool> = (0..n).map(|c| laminate.thickness_mm(c) > least).collect();
+        let (piece, n_pieces) = pieces(&grid, &taken);
+        // Only what hangs together with what is held can carry a load.
+        let reach = 0.75 * cell_mm;
+        let wide: Vec<Selection> = self.fixtures.iter().map(|f| f.on.grown(reach)).collect();
+        let mut holds_of = vec![Vec::new(); n_pieces];
+        let elements = Elements::of(&grid, &taken);
+        for (cell, corners) in elements.cells.iter().zip(&elements.corners) {
+            let Some(p) = piece[*cell as usize] else { continue };
+            for &node in corners {
+                let place = elements.node(node as usize);
+                let along = self.directions(&wide, place);
+                holds_of[p as usize].extend(along.map(|a| (place, a)));
+            }
+        }
+        for (fixture, wide) in self.fixtures.iter().zip(&wide) {
+            if !(0..elements.places.len()).any(|i| wide.contains(self.at(elements.node(i)))) {
+                return Err(self.nothing(&fixture.what, &fixture.on));
+            }
+        }
+        let mut lost = 0.0;
+        for cell in 0..n {
+            let Some(p) = piece[cell] else { continue };
+            if holds_of[p as usize].is_empty() {
+                taken[cell] = false;
+                lost += laminate.thickness_mm(cell) * cell_mm * cell_mm;
+            }
+        }
+        for holds in holds_of.iter().filter(|h| !h.is_empty()) {
+            if let Some(how) = free_motion(holds) {
+                let at = holds[0].0;
+                return Err(StrengthError::Free { x: at.x, y: at.y, how });
+            }
+        }
+        let elements = Elements::of(&grid, &taken);
+        let nodes: Vec<DVec2> = (0..elements.places.len()).map(|i| elements.node(i)).collect();
+        let mut marked = vec![false; nodes.len()];
+        let mut holds = Vec::new();
+        for (i, p) in nodes.iter().enumerate() {
+            for along in self.directions(&wide, *p) {
+                holds.push(GridHold { node: i as u32, along });
+                marked[i] = true;
+            }
+        }
+        let weight = weights(&laminate, &elements);
+        let (forces_n, load_n) = self.forces(&laminate, &elements, &nodes, &weight, reach, &mut marked)?;
+        let spared = spared(&grid, &elements, &nodes, &marked);
+        let lost = lost / laminate.laid_mm3;
+        Ok(Prepared { laminate, elements, holds, forces_n, load_n, spared, lost })
+    }
+
+    /// The directions in which a place is held.
+    fn directions(&self, wide: &[Selection], p: DVec2) -> impl Iterator<Item = DVec2> + use<> {
+        let mut all = [None; 6];
+        let mut n = 0;
+        let here = self.fixtures.iter().zip(wide).filter(|(_, w)| w.contains(self.at(p)));
+        for (f, _) in here {
+            let normal = match &f.on {
+                Selection::Plane { normal, .. } => normal.truncate(),
+                Selection::Cylinder { point, .. } => p - point.truncate(),
+                _ => DVec2::ZERO,
+            };
+            let own = if f.normal {
+                [normal.try_normalize(), None]
+            } else {
+                [f.fixed[0].then_some(DVec2::X), f.fixed[1].then_some(DVec2::Y)]
+            };
+            for along in own.into_iter().flatten() {
+                if n < all.len() && !all.contains(&Some(along)) {
+                    all[n] = Some(along);
+                    n += 1;
+                }
+            }
+        }
+        all.into_iter().flatten()
+    }
+
+    fn forces(
+        &self,
+        laminate: &Laminate,
+        elements: &Elements,
+        nodes: &[DVec2],
+        weight: &[f64],
+        reach: f64,
+        marked: &mut [bool],
+    ) -> Result<(Vec<DVec2>, f64), StrengthError> {
+        let mut forces = vec![DVec2::ZERO; nodes.len()];
+        let mut greatest: f64 = 0.0;
+        for load in &self.loads {
+            let Some(on) = &load.on else {
+                let Push::Acceleration(a) = load.push else { continue };
+                let all: f64 = weight.iter().sum();
+                let mass_t = laminate.volume_mm3 * self.density_t_mm3;
+                nodes.iter().enumerate().for_each(|(i, _)| {
+                    forces[i] += a.truncate() * (mass_t * weight[i] / f64::max(all, 1e-30));
+                });
+                continue;
+            };
+            let wide = on.grown(reach);
+            let chosen: Vec<usize> = (0..nodes.len()).filter(|&i| wide.contains(self.at(nodes[i]))).collect();
+            let sum: f64 = chosen.iter().map(|&i| weight[i]).sum();
+            if sum <= 0.0 {
+                return Err(self.nothing(&load.what, on));
+            }
+            chosen.iter().for_each(|&i| marked[i] = true);
+            match load.push {
+                Push::Force(f) => {
+                    greatest = greatest.max(f.truncate().length());
+                    chosen.iter().for_each(|&i| forces[i] += f.truncate() * (weight[i] / sum));
+                }
+                Push::Moment(m) => {
+                    let centre = chosen.iter().map(|&i| nodes[i] * weight[i]).sum::<DVec2>() / sum;
+                    let turned = |i: usize| DVec2::new(-(nodes[i] - centre).y, (nodes[i] - centre).x);
+                    let arm: f64 =
+                        chosen.iter().map(|&i| weight[i] * cross(nodes[i] - centre, turned(i))).sum();
+                    for &i in &chosen {
+                        forces[i] += turned(i) * (weight[i] * m.z / f64::max(arm, 1e-30));
+                    }
+                }
+                Push::Pressure(p) => {
+                    self.press(p, on, elements, nodes, &mut forces);
+                }
+                Push::Acceleration(_) => {}
+            }
+        }
+        let pulled: f64 = 0.5 * forces.iter().map(|f| f.length()).sum::<f64>();
+        let load_n = if greatest > 0.0 { greatest } else { pulled };
+        if load_n <= 0.0 {
+            return Err(StrengthError::Missing("a load that is not zero"));
+        }
+        Ok((forces, load_n))
+    }
+
+    /// Pressure on the border: each short piece of it pushes on the nearest node.
+    fn press(&self, mpa: f64, on: &Selection, elements: &Elements, nodes: &[DVec2], forces: &mut [DVec2]) {
+        let thickness = self.high.z - self.low.z;
+        let step = 0.25 * elements.grid.cell_mm;
+        for contour in self.section.contours() {
+            for (a, b) in grainpath_core::poly::edges(contour) {
+                let length = a.distance(b);
+                let n = (length / step).ceil().clamp(1.0, 1e6) as usize;
+                let normal = DVec2::new((b - a).y, -(b - a).x) / f64::max(length, 1e-30);
+                for k in 0..n {
+                    let p = a + (b - a) * ((k as f64 + 0.5) / n as f64);
+                    if on.contains(self.at(p)) {
+                        let near = |i: &usize, j: &usize| {
+                            nodes[*i].distance_squared(p).total_cmp(&nodes[*j].distance_squared(p))
+                        };
+                        let reach = 2.0 * elements.grid.cell_mm;
+                        let close = (0..nodes.len()).filter(|&i| nodes[i].distance(p) < reach);
+                        if let Some(i) = close.min_by(near) {
+                            forces[i] -= normal * (mpa * thickness * length / n as f64);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A part as cells, held and loaded.
+pub(super) struct Prepared {
+    pub laminate: Laminate,
+    pub elements: Elements,
+    pub holds: Vec<GridHold>,
+    pub forces_n: Vec<DVec2>,
+    pub load_n: f64,
+    pub spared: Vec<bool>,
+    /// Share of the material that hangs together with nothing held.
+    pub lost: f64,
+}
+
+/// Width of the strip a bead fills in its layer, mm.
+fn strip_mm(bead: &Bead, height_mm: f64) -> f64 {
+    let length = bead.start().distance(bead.end()).max(1e-9);
+    (f64::from(bead.volume_mm3) / (length * height_mm)).min(5.0)
+}
+
+/// Material around each node, as a share of its elements' thickness.
+fn weights(laminate: &Laminate, elements: &Elements) -> Vec<f64> {
+    let mut weight = vec![0.0; elements.places.len()];
+    for (cell, corners) in elements.cells.iter().zip(&elements.corners) {
+        let t = 0.25 * laminate.thickness_mm(*cell as usize);
+        corners.iter().for_each(|&i| weight[i as usize] += t);
+    }
+    weight
+}
+
+/// Elements near held or loaded nodes.
+fn spared(grid: &Grid, elements: &Elements, nodes: &[DVec2], marked: &[bool]) -> Vec<bool> {
+    let mut near = vec![false; grid.nx * grid.ny];
+    let radius = SPARED_MM + grid.cell_mm;
+    for (p, _) in nodes.iter().zip(marked).filter(|(_, m)| **m) {
+        let cell = |q: f64, n: usize| (q / grid.cell_mm).clamp(0.0, n as f64 - 1.0) as usize;
+        let (a, b) = (*p - grid.low - radius, *p - grid.low + radius);
+        for j in cell(a.y, grid.ny)..=cell(b.y, grid.ny) {
+            for i in cell(a.x, grid.nx)..=cell(b.x, grid.nx) {
+                let at = j * grid.nx + i;
+                near[at] |= grid.centre(at).distance(*p) <= radius;
+            }
+        }
+    }
+    elements.cells.iter().map(|c| near[*c as usize]).collect()
+}
