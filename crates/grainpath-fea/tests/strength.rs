@@ -243,7 +243,7 @@ fn stress_at_a_hole_is_lekhnitskiis() {
     system.solve(&forces, &mut x).expect("solved");
     let [e1, e2, _] = card.elastic.e_mpa;
     let (n12, g12) = (card.elastic.nu[0], card.elastic.g_mpa[0]);
-    let k = 1.0 + (2.0 * (q.sqrt() - n12) + e1 / g12).sqrt();
+    let k = 1.0 + (2.0 * ((e1 / e2).sqrt() - n12) + e1 / g12).sqrt();
     let stress = |y: f64| beside_the_hole(k, radius, y);
     let mut worst: f64 = 0.0;
     for (e, corners) in elements.corners.iter().enumerate() {
