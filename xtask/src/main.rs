@@ -9,6 +9,7 @@ mod bench_fea;
 mod bench_paths;
 mod fuzz;
 mod licences;
+mod photo;
 mod setup;
 
 use std::path::{Path, PathBuf};
@@ -24,6 +25,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench support [PART...]  grams and time of supports beside our baselines and the peers
                    (ball tray bone featuretype armadillo100 skull)
   bench quality    gap, spill, overlap and travel beside the same
+  bench photo      a photograph of 12 megapixels to curves, beside OpenCV
   bench paths      fill along the stress held against CalculiX's principal stresses
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   setup            installs what tests and benches need (Python packages, Chromium, the peers)";
@@ -40,6 +42,7 @@ fn main() -> ExitCode {
         ["bench", "fea", cases @ ..] => bench_fea::run(cases),
         ["bench", "support", parts @ ..] => bench::support(parts),
         ["bench", "quality"] => bench::quality(),
+        ["bench", "photo"] => photo::bench(),
         ["fuzz"] => fuzz::run(20),
         ["fuzz", seconds] => seconds.parse().map_err(|_| USAGE.to_owned()).and_then(fuzz::run),
         ["setup"] => setup::tests().and_then(|()| setup::peers()),

@@ -44,6 +44,19 @@ pub fn bench() -> Result<(), String> {
     python()
 }
 
+/// For `cargo xtask bench photo`.
+pub fn opencv() -> Result<(), String> {
+    apt(&[("python3", "python3"), ("pip3", "python3-pip")])?;
+    if quiet(Command::new("python3").args(["-c", "import cv2, numpy"])) {
+        return Ok(());
+    }
+    let pip = |extra: &[&str]| {
+        let args = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+        crate::run(Command::new("python3").args(args).args(extra).arg("opencv-python-headless"))
+    };
+    pip(&[]).or_else(|_| pip(&["--break-system-packages"]))
+}
+
 /// For `cargo xtask bench ct`: marching cubes and a slicer.
 pub fn scans() -> Result<(), String> {
     bench()?;

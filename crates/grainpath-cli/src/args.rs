@@ -26,7 +26,7 @@ pub enum Command {
     Support(Support),
     /// Write a piece to print and read: the critical angle's calibration and others
     Specimen(Specimen),
-    /// Say what a mesh, a CT scan, a finite-element result or a G-code file is, with its defects
+    /// Say what a mesh, an image, a CT scan, a finite-element result or a G-code file is, with its defects
     Inspect(Inspect),
     /// Test how much a job's part, or a G-code file of it, carries until it breaks
     Strength(Strength),
@@ -34,6 +34,8 @@ pub enum Command {
     Compare(Compare),
     /// Draw a layer of a G-code file
     Render(Render),
+    /// Write a sheet of corner markers to photograph a board on, as SVG or PDF
+    Markers(Markers),
     /// Print the JSON Schema of job files
     Schema(Schema),
     /// List the profiles that come with grainpath, or print one
@@ -51,7 +53,7 @@ impl Command {
             Self::Profiles(a) => a.json,
             Self::Strength(a) => a.common.json,
             Self::Compare(a) => a.common.json,
-            Self::New(_) | Self::Specimen(_) | Self::Render(_) | Self::Schema(_) => false,
+            Self::New(_) | Self::Specimen(_) | Self::Render(_) | Self::Markers(_) | Self::Schema(_) => false,
         }
     }
 }
@@ -140,7 +142,7 @@ pub struct New {
 /// `grainpath inspect`
 #[derive(Debug, clap::Args)]
 pub struct Inspect {
-    /// Mesh, finite-element result, G-code, or a scan: a folder of slices or a volume file
+    /// Mesh, image, finite-element result, G-code, or a scan: a folder of slices or a volume file
     pub file: PathBuf,
     /// Write a contact sheet of a scan here
     #[arg(long, value_name = "FILE.png")]
@@ -216,6 +218,18 @@ pub struct Render {
     /// Leave travels out
     #[arg(long)]
     pub no_travels: bool,
+}
+
+/// `grainpath markers`
+#[derive(Debug, clap::Args)]
+pub struct Markers {
+    /// Width of the rectangle between the markers, mm
+    pub width_mm: f64,
+    /// Its height, mm
+    pub height_mm: f64,
+    /// SVG or PDF, by its ending
+    #[arg(short, long, value_name = "FILE.svg", default_value = "markers.svg")]
+    pub output: PathBuf,
 }
 
 /// `grainpath schema`

@@ -3,13 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use grainpath::dimensions::Dimension;
+use grainpath::grain::Photo;
 use grainpath::job::{PROFILES, Settings, json_schema, markdown, parse_job};
-use grainpath_core::Diagnostics;
 use grainpath_core::diagnostics::Stage;
+use grainpath_core::{DVec2, Diagnostics};
 use grainpath_io::fe::{FeError, StressField, parse_fe};
+use grainpath_io::image::decode_luma;
 use grainpath_io::parse_mesh;
 
-use crate::args::{Common, New, Profiles, Render, Run, Schema, Slice};
+use crate::args::{Common, Markers, New, Profiles, Render, Run, Schema, Slice};
 use crate::{Failure, files, outputs, progress, scan};
 
 /// `grainpath run`
@@ -18,9 +20,11 @@ pub fn run(args: &Run) -> Result<(), Failure> {
     let folder = args.job.parent().map(Path::to_owned).unwrap_or_default();
     let name = args.job.display().to_string();
     let settings = settings(&text, &name, &args.common.sets, &folder)?;
-    let given = [&settings.shape.mesh, &settings.ct.path].into_iter().find(|p| !p.is_empty());
-    let Some(given) = given else {
-        return Err(Failure::usage(format!("{name}: [shape] needs mesh = \"FILE\" or ct = \"SCAN\"")));
+    let given = [Some(&settings.shape.mesh), Some(&settings.ct.path), settings.photo.files.first()];
+    let Some(given) = given.into_iter().flatten().find(|p| !p.is_empty()) else {
+        return Err(Failure::usage(format!(
+            "{name}: [shape] needs mesh = \"FILE\", ct = \"SCAN\" or photo = {{ files = [\"FILE\"], ... }}"
+        )));
     };
     let shape = folder.join(given);
     let truth = match settings.ct.truth.as_str() {
@@ -62,16 +66,20 @@ fn execute(
     let diagnostics = progress::diagnostics();
     let paths = outputs::Paths::of(settings, shape, out)?;
     let path = shape.display().to_string();
-    let (planned, read_s) = if settings.ct.path.is_empty() {
+    let start = std::time::Instant::now();
+    let photos = read_photos(settings, base, &diagnostics)?;
+    let photos_s = start.elapsed().as_secs_f64();
+    let (planned, read_s) = if !settings.photo.files.is_empty() {
+        (grainpath::plan_photo(settings, &photos, &diagnostics)?, photos_s)
+    } else if settings.ct.path.is_empty() {
         let (mesh, read_s) = read_mesh(shape, &diagnostics)?;
-        let inputs = grainpath::Inputs { mesh, path, stress: read_stress(settings, base)? };
-        (grainpath::plan_job(settings, inputs, &diagnostics)?, read_s)
+        let inputs = grainpath::Inputs { mesh, path, stress: read_stress(settings, base)?, photos };
+        (grainpath::plan_job(settings, inputs, &diagnostics)?, read_s + photos_s)
     } else {
-        let start = std::time::Instant::now();
         let mut source = scan::open(shape, grainpath::config::raw_header(settings).as_ref())?;
         let stress = read_stress(settings, base)?;
         let read_s = start.elapsed().as_secs_f64();
-        (grainpath::plan_scan(settings, &mut *source, &path, stress, &diagnostics)?, read_s)
+        (grainpath::plan_scan(settings, &mut *source, &path, stress, &photos, &diagnostics)?, read_s)
     };
     let report = outputs::write(settings, planned, &paths, read_s, common.json, truth, &diagnostics)?;
     // The progress line goes before anything is printed.
@@ -103,6 +111,28 @@ pub fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io
     let file =
         parse_mesh(&bytes, Some(&shown)).map_err(|source| grainpath::Error::Mesh { path: shown, source })?;
     Ok((file, start.elapsed().as_secs_f64()))
+}
+
+/// The photographs whose grain the job follows; none when it follows none.
+pub fn read_photos(
+    settings: &Settings,
+    base: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<Vec<Photo>, Failure> {
+    if settings.guide.kind != "grain" {
+        return Ok(Vec::new());
+    }
+    diagnostics.begin(Stage::Read, 0);
+    let own = if settings.image.files.is_empty() { &settings.photo.files } else { &settings.image.files };
+    let read = |file: &String| {
+        let path = base.join(file);
+        let bytes = files::read(&path)?;
+        let name = path.display().to_string();
+        let image =
+            decode_luma(&bytes).map_err(|source| grainpath::Error::Image { path: name.clone(), source })?;
+        Ok(Photo::of(name, &image))
+    };
+    own.iter().map(read).collect()
 }
 
 /// The result named by `guide.import`.
@@ -186,6 +216,29 @@ pub fn render(args: &Render) -> Result<(), Failure> {
     };
     outputs::save(&output, &bytes)?;
     files::print(&format!("{}\n", output.display()));
+    Ok(())
+}
+
+/// `grainpath markers`
+pub fn markers(args: &Markers) -> Result<(), Failure> {
+    use grainpath::grain::markers::{marker_sheet_pdf, marker_sheet_svg};
+    let size = DVec2::new(args.width_mm, args.height_mm);
+    if !(size.min_element() >= 20.0 && size.max_element() <= 2000.0) {
+        return Err(Failure::usage(format!(
+            "{} x {} mm: the rectangle between the markers should be 20 to 2000 mm wide and high",
+            size.x, size.y
+        )));
+    }
+    let bytes = match args.output.extension().and_then(|e| e.to_str()) {
+        Some("svg") => marker_sheet_svg(size).into_bytes(),
+        Some("pdf") => marker_sheet_pdf(size),
+        _ => {
+            let name = args.output.display();
+            return Err(Failure::usage(format!("{name}: a sheet's name should end in .svg or .pdf")));
+        }
+    };
+    outputs::save(&args.output, &bytes)?;
+    files::print(&format!("{}\n", args.output.display()));
     Ok(())
 }
 

@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
+use grainpath::grain::Photo;
 use grainpath_core::mesh::{MeshHealth, diagnose, weld_within};
 use grainpath_gcode::{Limits, Program, simulate};
 use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
-use grainpath_io::{MeshFile, parse_mesh, sniff_mesh};
+use grainpath_io::image::{decode, sniff_image};
+use grainpath_io::{Image, MeshFile, Samples, parse_mesh, sniff_mesh};
 use serde_json::{Value, json};
 
 use crate::args::Inspect;
@@ -26,7 +28,10 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     let name = args.file.display().to_string();
     let lower = name.to_ascii_lowercase();
     let named_gcode = [".gcode", ".g", ".gco", ".nc", ".bgcode"].iter().any(|e| lower.ends_with(e));
-    let value = if !named_gcode && is_fe(&bytes, &name) {
+    let value = if sniff_image(&bytes).is_some() && !named_gcode {
+        let image = decode(&bytes);
+        image_json(&name, &image.map_err(|source| grainpath::Error::Image { path: name.clone(), source })?)
+    } else if !named_gcode && is_fe(&bytes, &name) {
         let file = parse_fe(&bytes, Some(&name)).map_err(|e| Failure::input(format!("{name}: {e}")))?;
         fe_json(&name, &file)
     } else if named_gcode || (sniff_mesh(&bytes, Some(&name)).is_none() && !bytes.is_empty()) {
@@ -92,6 +97,23 @@ fn mesh_json(name: &str, file: &MeshFile) -> Value {
         "volume": all.iter().map(|h| h.volume).sum::<f64>(),
         "extents": (high - low).to_array(), "low": low.to_array(), "high": high.to_array(),
         "likely_unit": likely, "warnings": file.warnings,
+    })
+}
+
+fn image_json(name: &str, image: &Image) -> Value {
+    let photo = Photo::of(name.to_owned(), image);
+    let grey = &photo.grey;
+    let round = |v: f32| (f64::from(v) * 1e3).round() * 1e-3;
+    let sample = match image.samples {
+        Samples::U8(_) => "8 bit",
+        Samples::U16(_) => "16 bit",
+        Samples::F32(_) => "float or 32 bit",
+    };
+    json!({
+        "ok": true, "file": name, "kind": "image", "format": image.format.name(),
+        "width": image.width, "height": image.height, "channels": image.channels, "samples": sample,
+        "darkest": round(grey.quantile(0.01)), "median": round(grey.quantile(0.5)),
+        "brightest": round(grey.quantile(0.99)),
     })
 }
 

@@ -56,6 +56,7 @@ fn main() -> ExitCode {
         Command::Strength(a) => strength::strength(&a),
         Command::Compare(a) => strength::compare(&a),
         Command::Render(a) => commands::render(&a),
+        Command::Markers(a) => commands::markers(&a),
         Command::Schema(a) => commands::schema(&a),
         Command::Profiles(a) => commands::profiles(&a),
     };

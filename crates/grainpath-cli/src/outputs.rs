@@ -89,7 +89,7 @@ impl Paths {
 /// Writes everything a job asks for and gives the report.
 pub fn write(
     settings: &Settings,
-    planned: Planned,
+    mut planned: Planned,
     paths: &Paths,
     read_s: f64,
     measured: bool,
@@ -124,6 +124,7 @@ pub fn write(
             .map(|t| grainpath::dimensions::measure(t, &program, planned.plan.plate_from_part_mm.truncate()));
         drop(copy);
         let mut drawn = guide_pictures(&planned, paths);
+        drawn.extend(planned.grain.take().map(|g| g.pictures).unwrap_or_default());
         drawn.extend(strength(settings, &planned, &program, &mut report, diagnostics)?);
         drawn.extend(planned.support_pictures.iter().map(|p| {
             let picture = html::Picture { title: p.title.clone(), png: p.png.clone() };

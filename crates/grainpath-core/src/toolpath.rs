@@ -117,13 +117,15 @@ pub struct Toolpath {
     pub speed: SpeedClass,
     /// Whether the last point joins the first.
     pub closed: bool,
+    /// Fill of lower rank is printed first, island by island; 0 unless a pattern has an order of its own.
+    pub rank: u8,
 }
 
 impl Toolpath {
     /// A path of one width at its role's normal speed.
     pub fn new(points: Vec<DVec2>, width_mm: f64, role: Role, closed: bool) -> Self {
         let width = BeadWidth::Constant(width_mm);
-        Self { points, width, flow: 1.0, role, speed: SpeedClass::Normal, closed }
+        Self { points, width, flow: 1.0, role, speed: SpeedClass::Normal, closed, rank: 0 }
     }
 
     /// Width at vertex `i`, mm. For a closed path `i` may be the number of points: the first again.

@@ -77,6 +77,12 @@ fn main() {
     loads::add_force(&mut load, mesh, &at(hi.x), DVec3::new(0.0, 0.0, -500.0));
     match solve(&model, &supports, &[load], &SolveSettings::default()) {
         Ok((solutions, info)) => {
+            let reaction: DVec3 = solutions[0].reaction.iter().sum();
+            println!(
+                "held on {:.1} mm2, pulled on {:.1} mm2, reaction {reaction:.3} N",
+                loads::area_mm2(mesh, &at(lo.x)),
+                loads::area_mm2(mesh, &at(hi.x))
+            );
             let top = solutions[0].displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
             println!(
                 "{} unknowns, levels {:?}, {:.0} MiB, {} iterations, residual {:.1e}, largest displacement {top:.6} mm, \

@@ -1,15 +1,21 @@
 //! Settings as the stages want them: the one place that knows both.
 
+use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{Bounds2, DVec2, DVec3};
 use grainpath_gcode::{Cooling, Corner, Flavour, Limits, Machine, Material, Retraction, Speeds, WriteConfig};
 use grainpath_io::fe::{FeOptions, Order, StressUnit};
 use grainpath_io::volume::{RawHeader, SampleType};
 
+use crate::grain::GrainSettings;
+use crate::grain::canny::CannySettings;
+use crate::grain::curves::{CurveSettings, Join};
+use crate::grain::guide::{Corners, Mode};
+use crate::grain::tensor::Tangent;
 use crate::job::Settings;
 use crate::order::{CombSettings, OrderSettings, Seam, WallOrder};
 use crate::shape::ct::{CtSettings, Denoise, Interpolation, Threshold, Tracing};
-use crate::shape::{Adaptive, Placement, Repair, SliceSettings};
+use crate::shape::{Adaptive, Hole, PhotoBoard, Placement, Repair, SliceSettings};
 use crate::support::{Style, SupportSettings};
 
 pub(crate) fn placement(s: &Settings) -> Placement {
@@ -36,6 +42,83 @@ pub(crate) fn slicing(s: &Settings) -> SliceSettings {
         }),
         gap_closing_mm: s.shape.gap_closing_mm,
         simplify_mm: p.simplify_mm,
+    }
+}
+
+/// The board of `shape.photo`.
+pub(crate) fn photo_board(s: &Settings) -> PhotoBoard {
+    let p = &s.photo;
+    let hole = |&[x, y, radius_mm]: &[f64; 3]| Hole { centre_mm: DVec2::new(x, y), radius_mm };
+    PhotoBoard {
+        size_mm: p.size_mm.into(),
+        thickness_mm: p.thickness_mm,
+        holes: p.holes_mm.iter().filter(|h| h[2] > 0.0).map(hole).collect(),
+        shift_mm_per_mm: p.shift_mm_per_mm.into(),
+        shown_mm: p.heights_mm.first().copied().unwrap_or(0.0),
+    }
+}
+
+/// How the `n` photographs of a job are read for a part with these bounds and this height: those of `guide.image`
+/// where it names any, else the shape's own.
+pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> GrainSettings {
+    let (g, image, photo) = (&s.guide, &s.image, &s.photo);
+    let own = !image.files.is_empty();
+    let rotate_rad = if own { image.rotate_deg.to_radians() } else { 0.0 };
+    let size_mm = match (own, image.size_mm) {
+        (false, _) => DVec2::from(photo.size_mm),
+        (true, Some(size)) => DVec2::from(size) * image.scale,
+        (true, None) => part.size() * image.scale,
+    };
+    let middle = part.centre() - rotated(0.5 * size_mm, direction(rotate_rad));
+    let origin_mm = if own { image.origin_mm.map_or(middle, DVec2::from) } else { DVec2::ZERO };
+    let (words, given, heights, shift) = if own {
+        (&image.corners, &image.corners_px, &image.heights_mm, image.shift_mm_per_mm)
+    } else {
+        (&photo.corners, &photo.corners_px, &photo.heights_mm, photo.shift_mm_per_mm)
+    };
+    let corners = if !given.is_empty() {
+        Corners::Given(given.chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]].map(DVec2::from)).collect())
+    } else {
+        match words.as_str() {
+            "outline" => Corners::Outline,
+            "markers" => Corners::Markers,
+            _ => Corners::Image,
+        }
+    };
+    let heights_mm = match (heights.is_empty(), n) {
+        (false, _) => heights.clone(),
+        (true, 1) => vec![0.0],
+        (true, _) => (0..n).map(|k| height_mm * (k as f64 + 0.5) / n as f64).collect(),
+    };
+    GrainSettings {
+        corners,
+        size_mm,
+        origin_mm,
+        rotate_rad,
+        mirror: own && image.mirror,
+        heights_mm,
+        shift_mm_per_mm: shift.into(),
+        mode: if g.mode == "edges" { Mode::Edges } else { Mode::Field },
+        pixel_mm: g.pixel_mm,
+        blur_mm: g.blur_mm,
+        median_px: g.median_px,
+        canny: CannySettings { high: g.canny_high, low: g.canny_low },
+        curves: CurveSettings {
+            join: if g.join == "nearest" { Join::Nearest } else { Join::Trace },
+            max_turn_rad: 1.0,
+            bridge_mm: g.bridge_mm,
+            min_length_mm: g.min_curve_mm,
+        },
+        integration_mm: g.integration_mm,
+        smooth_mm: g.smoothing_mm,
+        tangent: match g.bend.as_str() {
+            "none" => Tangent::None,
+            "outline" => Tangent::Outline,
+            "both" => Tangent::Both,
+            _ => Tangent::Holes,
+        },
+        darkness: g.darkness,
+        pictures: !s.output.preview.is_empty() || !s.output.report.is_empty(),
     }
 }
 

@@ -2,9 +2,10 @@
 
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_gcode::GcodeError;
-use grainpath_io::MeshError;
 use grainpath_io::volume::VolumeError;
+use grainpath_io::{ImageError, MeshError};
 
+use crate::grain::GrainError;
 use crate::guide::GuideError;
 use crate::job::JobError;
 use crate::shape::ShapeError;
@@ -22,6 +23,10 @@ pub enum Error {
     Volume(#[from] VolumeError),
     #[error("{path}: {source}")]
     Shape { path: String, source: ShapeError },
+    #[error("{path}: {source}")]
+    Image { path: String, source: ImageError },
+    #[error("{path}: {source}")]
+    Grain { path: String, source: GrainError },
     #[error("guide: {0}")]
     Guide(#[from] GuideError),
     #[error("strength: {0}")]
@@ -43,9 +48,15 @@ impl Error {
             Self::Shape { source: ShapeError::Interrupted(_), .. } | Self::Interrupted(_) => 130,
             Self::Guide(GuideError::Interrupted(_)) => 130,
             Self::Guide(e) if e.is_usage() => 2,
+            // Corners that are given come from the job.
+            Self::Grain { source: GrainError::Corners(_), .. } => 2,
             Self::Strength(e) => e.exit_code(),
             Self::Job(_) | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
-            Self::Mesh { .. } | Self::Volume(_) | Self::Shape { .. } => 3,
+            Self::Mesh { .. }
+            | Self::Volume(_)
+            | Self::Image { .. }
+            | Self::Grain { .. }
+            | Self::Shape { .. } => 3,
             Self::Gcode(_) | Self::Mass { .. } | Self::Guide(_) => 4,
         }
     }

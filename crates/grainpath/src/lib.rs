@@ -9,6 +9,7 @@ pub mod error;
 pub mod examples;
 mod field_mesh;
 pub mod fill;
+pub mod grain;
 pub mod guide;
 pub mod html;
 pub mod job;
@@ -28,4 +29,4 @@ pub mod walls;
 
 pub use error::Error;
 pub use job::Settings;
-pub use run::{Inputs, Planned, plan_job, plan_scan};
+pub use run::{Inputs, Planned, plan_job, plan_photo, plan_scan};

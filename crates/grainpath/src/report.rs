@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use grainpath_core::math::{atan2, cross, direction};
-use grainpath_core::{Region, Role};
+use grainpath_core::{DVec3, Region, Role};
 use grainpath_gcode::{Program, Quality, Written, quality};
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::grain::PhotoReport;
 use crate::guide::{Degenerate, Guide};
 use crate::run::Planned;
 use crate::strength::StrengthReport;
@@ -39,6 +40,8 @@ pub struct Report {
     pub support: Option<SupportReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stress: Option<StressReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grain: Option<Vec<PhotoReport>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strength: Option<StrengthReport>,
     pub stages_s: BTreeMap<&'static str, f64>,
@@ -94,7 +97,7 @@ pub struct QualityReport {
     pub gap: f64,
     pub overlap: f64,
     pub spill: f64,
-    /// Angle between fill and what the stress asks for, weighted by length and by how much it matters.
+    /// Angle between fill and what the stress, or the grain, asks for, weighted by length and by how much it matters.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment_mean_deg: Option<f64>,
     /// 95 % of the weighted length lies closer than this.
@@ -198,6 +201,7 @@ impl Report {
             scan: planned.scan.clone(),
             dimensions: None,
             quality: None,
+            grain: planned.grain.as_ref().map(|g| g.photos.clone()),
             support: planned.support.as_ref().map(|support| {
                 let of_layer = |l: &grainpath_core::LayerPlan| -> f64 {
                     let paths = l.paths.iter().map(|p| &p.path);
@@ -244,7 +248,8 @@ impl Report {
             ));
             if let (Some(mean), Some(p95)) = (q.alignment_mean_deg, q.alignment_p95_deg) {
                 lines.push(format!(
-                    "fill along the stress: {mean:.1} degrees off in the mean, {p95:.1} for 95 %"
+                    "fill along the {}: {mean:.1} degrees off in the mean, {p95:.1} for 95 %",
+                    if self.grain.is_some() { "grain" } else { "stress" }
                 ));
             }
         }
@@ -297,16 +302,26 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
         Some(region)
     };
     let mut report = QualityReport::from(quality(program, section, 12));
-    if let Some(guide) = &planned.guide {
-        let (mean, p95) = alignment(planned, guide, program);
+    let of_stress = planned.guide.as_ref().map(|g| move |i: usize, p: DVec3| g.asked(i, p));
+    let of_grain = planned.grain.as_ref().map(|g| move |_: usize, p: DVec3| g.asked(p));
+    let asked: Option<&Asked<'_>> = match (&of_stress, &of_grain) {
+        (Some(stress), _) => Some(stress),
+        (None, Some(grain)) => Some(grain),
+        (None, None) => None,
+    };
+    if let Some(asked) = asked {
+        let (mean, p95) = alignment(planned, asked, program);
         let round = |deg: f64| (deg * 100.0).round() * 0.01;
         (report.alignment_mean_deg, report.alignment_p95_deg) = (Some(round(mean)), Some(round(p95)));
     }
     report
 }
 
-/// Mean and 95th percentile of the angle in degrees between fill and the stress's own axis.
-fn alignment(planned: &Planned, guide: &Guide, program: &Program) -> (f64, f64) {
+/// The axis a guide asks for at a point of a layer, radians, and how much it matters.
+type Asked<'a> = dyn Fn(usize, DVec3) -> (f64, f64) + 'a;
+
+/// Mean and 95th percentile of the angle in degrees between fill and the guide's own axis.
+fn alignment(planned: &Planned, asked: &Asked<'_>, program: &Program) -> (f64, f64) {
     let shift = planned.plan.plate_from_part_mm.truncate();
     let layers = planned.stack.layers();
     // Equal steps of the angle hold the weights: exact to a hundredth of a degree, in little memory.
@@ -321,7 +336,7 @@ fn alignment(planned: &Planned, guide: &Guide, program: &Program) -> (f64, f64) 
             if length <= 0.0 || i >= layers.len() {
                 continue;
             }
-            let (axis, weight) = guide.asked(i, (0.5 * (a + b)).extend(z_mid));
+            let (axis, weight) = asked(i, (0.5 * (a + b)).extend(z_mid));
             let u = direction(axis);
             let d = b - a;
             let off = atan2(cross(u, d).abs(), u.dot(d).abs()).to_degrees();

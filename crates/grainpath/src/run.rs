@@ -6,6 +6,7 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
+use grainpath_core::math::direction;
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
 use grainpath_core::{
     BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, DirectionField, Layer, LayerStack, Plan, Polygon, Role,
@@ -20,7 +21,10 @@ use rayon::prelude::*;
 use crate::adhesion::{AdhesionSettings, brim, skirt};
 use crate::config;
 use crate::error::Error;
-use crate::fill::{FillContext, Infill, Solid, bridge_angle_rad, pattern};
+use crate::fill::{FillContext, GUIDED, Infill, Solid, Stripes, bridge_angle_rad, pattern};
+use crate::grain::guide::Mode;
+use crate::grain::lay::{Flow, lay_curves};
+use crate::grain::{GrainGuide, Photo, read_grain};
 use crate::guide::{self, Guide, GuidedPart};
 use crate::job::Settings;
 use crate::mask::Mask;
@@ -48,6 +52,8 @@ pub struct Planned {
     pub support_pictures: Vec<support::picture::StepPicture>,
     /// The density of the inside: the one asked for, or the one found for a mass.
     pub density: f64,
+    /// The grain it follows, where it does.
+    pub grain: Option<GrainGuide>,
     /// Directions and the stress they come from, for jobs that have loads.
     pub guide: Option<Guide>,
     /// What a strength test needs to know of the part, for jobs that want one.
@@ -69,9 +75,11 @@ pub struct Inputs {
     pub path: String,
     /// Stress solved elsewhere, for `guide.import`.
     pub stress: Option<StressField>,
+    /// Photographs whose grain the part is filled with, for `guide.kind = "grain"`.
+    pub photos: Vec<Photo>,
 }
 
-/// Plans a job.
+/// Plans a job whose shape is a mesh.
 ///
 /// # Errors
 /// [`Error`] for a mesh that cannot be sliced, a part that does not fit the bed, a mass that cannot be met, and when
@@ -82,7 +90,56 @@ pub fn plan_job(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) 
     let (mesh, stack, lowered_mm) =
         mesh_and_layers(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
-    plan_stack(settings, Sliced { stack, mesh, lowered_mm, scan: None }, inputs.stress, clock, diagnostics)
+    let sliced = Sliced { stack, mesh, lowered_mm, scan: None };
+    plan_stack(settings, sliced, inputs.stress, &inputs.photos, clock, diagnostics)
+}
+
+/// Plans a job whose shape is the board of its photographs.
+///
+/// # Errors
+/// As [`plan_job`].
+pub fn plan_photo(
+    settings: &Settings,
+    photos: &[Photo],
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let board = config::photo_board(settings);
+    let shape_error = |source| Error::Shape {
+        path: photos.first().map_or_else(|| "shape.photo".into(), |p| p.name.clone()),
+        source,
+    };
+    let stack = board.slice(&config::slicing(settings)).map_err(shape_error)?;
+    let mesh = if settings.guide.kind == "stress" || settings.support.style != "none" {
+        shape::surface(&stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
+    } else {
+        TriMesh::default()
+    };
+    clock.stop(Stage::Slice);
+    let sliced = Sliced { stack, mesh, lowered_mm: 0.0, scan: None };
+    plan_stack(settings, sliced, None, photos, clock, diagnostics)
+}
+
+/// The grain the job asks for.
+fn grain(
+    settings: &Settings,
+    stack: &LayerStack,
+    photos: &[Photo],
+    diagnostics: &Diagnostics,
+) -> Result<Option<GrainGuide>, Error> {
+    if settings.guide.kind != "grain" {
+        return Ok(None);
+    }
+    let layers = stack.layers();
+    let top = layers.last().map_or(0.0, Layer::z_top_mm);
+    let part = part_bounds(stack);
+    let grain = config::grain(settings, photos.len(), part, top);
+    let section = |z_mm: f64| {
+        let above = layers.partition_point(|l| l.z_top_mm() < z_mm).min(layers.len().saturating_sub(1));
+        layers.get(above).map(|l| l.region().clone()).unwrap_or_default()
+    };
+    let read = read_grain(photos, &grain, &section, diagnostics);
+    read.map(Some).map_err(|(k, source)| Error::Grain { path: photos[k].name.clone(), source })
 }
 
 /// Plans a job whose shape is a scan, of which a few slices are held at a time. `path` is what errors call it;
@@ -95,6 +152,7 @@ pub fn plan_scan(
     source: &mut dyn SliceSource,
     path: &str,
     stress: Option<StressField>,
+    photos: &[Photo],
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
@@ -112,7 +170,7 @@ pub fn plan_scan(
         };
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack: scan.stack, mesh, lowered_mm: 0.0, scan: Some(scan.report) };
-    plan_stack(settings, sliced, stress, clock, diagnostics)
+    plan_stack(settings, sliced, stress, photos, clock, diagnostics)
 }
 
 /// A shape as layers, wherever they come from.
@@ -127,6 +185,7 @@ fn plan_stack(
     settings: &Settings,
     sliced: Sliced,
     stress: Option<StressField>,
+    photos: &[Photo],
     mut clock: Clock,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
@@ -138,8 +197,9 @@ fn plan_stack(
         let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
         guide::build(settings, &guided, stress, diagnostics)?
     };
+    let grain = grain(settings, &stack, photos, diagnostics)?;
     let test = settings.strength.enabled.then(|| TestSetup::of(settings, &mesh, &stack)).transpose()?;
-    if guide.is_some() {
+    if guide.is_some() || grain.is_some() {
         clock.stop(Stage::Guide);
     }
     let support = match config::support(settings, plate_from_part_mm.truncate()) {
@@ -156,8 +216,15 @@ fn plan_stack(
     }
     drop(mesh);
     let uniform = UniformField { axis_rad: settings.guide.angle_deg.to_radians() };
-    let job =
-        Job { settings, stack: &stack, part, guide: guide.as_ref(), support: support.as_ref(), uniform };
+    let job = Job {
+        settings,
+        stack: &stack,
+        part,
+        support: support.as_ref(),
+        guide: guide.as_ref(),
+        grain: grain.as_ref(),
+        uniform,
+    };
     diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
     let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
     let skins = job.skins(&mut walls, &fills, diagnostics)?;
@@ -172,7 +239,19 @@ fn plan_stack(
     let config = config::writing(settings);
     check_fits(&plan, &config.machine)?;
     let stages_s = clock.stages;
-    Ok(Planned { plan, stack, config, stages_s, support, support_pictures, density, guide, test, scan })
+    Ok(Planned {
+        plan,
+        stack,
+        config,
+        stages_s,
+        support,
+        support_pictures,
+        density,
+        grain,
+        guide,
+        test,
+        scan,
+    })
 }
 
 /// Fill, and the island each path lies in.
@@ -296,6 +375,7 @@ struct Job<'a> {
     part: Bounds2,
     support: Option<&'a Support>,
     guide: Option<&'a Guide>,
+    grain: Option<&'a GrainGuide>,
     /// The field of `kind = "angle"`.
     uniform: UniformField,
 }
@@ -417,7 +497,7 @@ impl Job<'_> {
     /// else.
     fn alike(&self, skins: &[SkinSplit]) -> Vec<usize> {
         let layers = self.stack.layers();
-        let guided = crate::fill::GUIDED.contains(&self.settings.fill.pattern.as_str());
+        let guided = self.grain.is_some() || GUIDED.contains(&self.settings.fill.pattern.as_str());
         let mut like: Vec<usize> = (0..skins.len()).collect();
         if !guided {
             return like;
@@ -428,6 +508,7 @@ impl Job<'_> {
                     && skins[i].bridge.is_empty()
                     && skins[i] == skins[j]
                     && self.guide.is_none_or(|g| g.same(i, j))
+                    && self.grain.is_none_or(GrainGuide::is_upright)
             };
             if let Some(j) = (i.saturating_sub(2)..i).rev().find(same) {
                 like[i] = like[j];
@@ -447,7 +528,11 @@ impl Job<'_> {
             part: self.part,
             role,
             border_mm: self.border_mm(layer),
-            field: Some(self.guide.map_or(&self.uniform as &dyn DirectionField, |g| g.layer(layer_idx))),
+            field: Some(match (self.guide, self.grain) {
+                (Some(guide), _) => guide.layer(layer_idx),
+                (None, Some(grain)) => grain,
+                (None, None) => &self.uniform,
+            }),
         }
     }
 
@@ -476,10 +561,15 @@ impl Job<'_> {
     /// Skins, bridges, and the inside where it is dense.
     fn dense_fill(&self, i: usize, split: &SkinSplit, add: &mut dyn FnMut(usize, Toolpath)) {
         let mut paths = Vec::new();
+        // Skins over sparse fill stay straight lines: they close the part.
+        let grain = self.grain.filter(|_| self.settings.fill.density >= 0.999);
         for (polygons, role) in [(&split.solid, Role::SolidFill), (&split.top, Role::TopSkin)] {
             let context = self.context(i, 1.0, role);
             for (island, polygon) in polygons {
-                self.dense_pattern().fill(&context, polygon, &mut paths);
+                match grain {
+                    Some(grain) => self.along_grain(grain, &context, polygon, &mut paths),
+                    None => self.dense_pattern().fill(&context, polygon, &mut paths),
+                }
                 paths.drain(..).for_each(|p| add(*island, p));
             }
         }
@@ -495,7 +585,7 @@ impl Job<'_> {
         let fill = &self.settings.fill;
         match fill.pattern.as_str() {
             "concentric" if fill.density >= 0.999 => &crate::fill::Concentric,
-            "stripes" | "streamlines" => &crate::fill::Stripes,
+            "stripes" | "streamlines" => &Stripes,
             "seed-lines" => &crate::fill::SeedLines,
             _ => &Solid,
         }
@@ -524,8 +614,33 @@ impl Job<'_> {
         let context = self.context(i, density, role);
         let mut paths = Vec::new();
         for (island, polygon) in &split.sparse {
-            infill.fill(&context, polygon, &mut paths);
+            match self.grain {
+                Some(grain) => self.along_grain(grain, &context, polygon, &mut paths),
+                None => infill.fill(&context, polygon, &mut paths),
+            }
             paths.drain(..).for_each(|p| add(*island, p));
+        }
+    }
+
+    /// Fills a room with the grain: the picture's edges, the guided pattern asked for, or else stripes where it is
+    /// dense and lines at even distances where it is not.
+    fn along_grain(
+        &self,
+        grain: &GrainGuide,
+        context: &FillContext<'_>,
+        room: &Polygon,
+        out: &mut Vec<Toolpath>,
+    ) {
+        let z_mm = context.z_mid_mm;
+        let axis = |p: DVec2| direction(grain.sample(p.extend(z_mm)).axis_rad);
+        let sparseness = |p: DVec2| grain.sparseness(p.extend(z_mm));
+        let flow = Flow { axis: &axis, sparseness: grain.has_darkness().then_some(&sparseness) };
+        let name = self.settings.fill.pattern.as_str();
+        match (grain.mode, pattern(name).filter(|_| GUIDED.contains(&name))) {
+            (Mode::Edges, _) => lay_curves(context, room, &grain.curves(z_mm), &flow, out),
+            (Mode::Field, Some(asked)) => asked.fill(context, room, out),
+            (Mode::Field, None) if context.density >= 0.999 => Stripes.fill(context, room, out),
+            (Mode::Field, None) => lay_curves(context, room, &[], &flow, out),
         }
     }
 
@@ -593,6 +708,26 @@ impl Job<'_> {
                     volume
                 }))
         };
+        // Mass is nearly proportional to density: two or three steps along the chord find most.
+        let mut density = 0.3;
+        let mut nearest = (f64::INFINITY, density);
+        for _ in 0..6 {
+            let found = mass(density);
+            let off = (found - asked_g).abs();
+            if off < nearest.0 {
+                nearest = (off, density);
+            }
+            if off < 2.5e-3 * asked_g {
+                return Ok(density);
+            }
+            density *= (asked_g - fixed) / (found - fixed).max(1e-9);
+            if !(0.01..0.95).contains(&density) {
+                break;
+            }
+        }
+        if nearest.0 < 5e-3 * asked_g {
+            return Ok(nearest.1);
+        }
         let high_g = mass(1.0);
         if asked_g < fixed * 0.99 || asked_g > high_g * 1.01 {
             return Err(Error::Mass { asked_g, low_g: fixed, high_g });

@@ -10,7 +10,7 @@ use grainpath_core::math::{atan2, cross, tan};
 use grainpath_core::medial::medial_axis;
 use grainpath_core::poly::{Join, edges};
 use grainpath_core::units::{self, bead_spacing_mm};
-use grainpath_core::{BeadWidth, Polygon, Region, Role, SpeedClass, Toolpath};
+use grainpath_core::{BeadWidth, Polygon, Region, Role, Toolpath};
 
 /// What walls are made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,6 +60,10 @@ const MIN_GAP_MM2: f64 = 0.01;
 /// Thin walls are found where the part is thinner than this share of two beads lets it be.
 const MIN_LOOP_MM: f64 = 0.3;
 
+/// The outermost wall stays this far inside, mm: half the last digit of the coordinates written, so that their rounding
+/// does not put it outside.
+const ROUNDING_MM: f64 = 5e-4;
+
 /// Lays the walls of one polygon.
 pub fn lay_walls(polygon: &Polygon, settings: &WallSettings) -> Walls {
     let s = bead_spacing_mm(settings.bead_width_mm, settings.height_mm);
@@ -72,7 +76,8 @@ pub fn lay_walls(polygon: &Polygon, settings: &WallSettings) -> Walls {
     if shrinks_smoothly(polygon, &fill, fill_depth) {
         let mut walls = Walls { fill, ..Walls::default() };
         for k in 0..settings.n_walls {
-            push_loops(&mut walls.loops, &region.offset(-depth_mm(k), MITER), k, w);
+            let guard = if k == 0 { ROUNDING_MM } else { 0.0 };
+            push_loops(&mut walls.loops, &region.offset(-depth_mm(k) - guard, MITER), k, w);
         }
         return walls;
     }
@@ -138,7 +143,11 @@ fn lay_crowded_walls(region: Region, settings: &WallSettings, s: f64) -> Walls {
             let left = rest.difference(&centre.offset(half, MITER));
             lay_singles(&left, settings, k == 0, h, &mut walls.singles);
         }
-        push_loops(&mut walls.loops, &centre, k, w);
+        if k == 0 {
+            push_loops(&mut walls.loops, &centre.offset(-ROUNDING_MM, MITER), k, w);
+        } else {
+            push_loops(&mut walls.loops, &centre, k, w);
+        }
         rest = centre.offset(-0.5 * s, MITER);
         if rest.is_empty() {
             return walls;
@@ -194,13 +203,7 @@ pub fn single_beads(
     for axis in medial_axis(&left, min_mm, max_mm) {
         let width = |t: &f64| if outer { *t } else { units::bead_width_mm(*t, h) };
         let widths: Vec<f64> = axis.widths_mm.iter().map(width).collect();
-        out.push(Toolpath {
-            points: axis.points,
-            width: BeadWidth::PerVertex(widths),
-            flow: 1.0,
-            role,
-            speed: SpeedClass::Normal,
-            closed: axis.closed,
-        });
+        let width = BeadWidth::PerVertex(widths);
+        out.push(Toolpath { width, ..Toolpath::new(axis.points, bead_width_mm, role, axis.closed) });
     }
 }

@@ -155,9 +155,13 @@ impl TetMesh {
 
     /// What hangs together over faces, the piece of the lowest element first.
     pub fn pieces(&self) -> Vec<Piece> {
+        self.pieces_from(&self.piece_of_tets())
+    }
+
+    pub(super) fn pieces_from(&self, piece_of_tets: &[u32]) -> Vec<Piece> {
         let mut pieces: Vec<Piece> = Vec::new();
         let mut slot = vec![usize::MAX; self.tets.len()];
-        for (t, first) in self.piece_of_tets().into_iter().enumerate() {
+        for (t, &first) in piece_of_tets.iter().enumerate() {
             if slot[first as usize] == usize::MAX {
                 slot[first as usize] = pieces.len();
                 let (lo, hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);

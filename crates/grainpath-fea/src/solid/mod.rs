@@ -1,5 +1,7 @@
 //! Three-dimensional elasticity: from a closed surface to quadratic tetrahedra, displacements and stresses.
 
+#![allow(clippy::needless_range_loop, reason = "rows and columns of small matrices are told by index")]
+
 mod blocks;
 mod direct;
 mod element;

@@ -138,7 +138,7 @@ impl Supports {
                 of_node[n as usize] = first;
             }
         }
-        let pieces: Vec<_> = mesh.pieces().iter().map(|p| (p.first, p.lo, p.hi)).collect();
+        let pieces: Vec<_> = mesh.pieces_from(&of_tet).iter().map(|p| (p.first, p.lo, p.hi)).collect();
         self.check_pieces(&mesh.nodes, &of_node, &pieces)
     }
 

@@ -6,13 +6,13 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use super::{Image, ImageError, ImageFormat, Samples, check_size, malformed};
+use super::{Colours, Image, ImageError, ImageFormat, Samples, check_size, malformed};
 
 const FORMAT: ImageFormat = ImageFormat::Jpeg;
 /// More passes over an image than any program writes.
 const MAX_SCANS: usize = 128;
 
-pub fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
+pub(super) fn read(bytes: &[u8], max_pixels: u64, colours: Colours) -> Result<Image, ImageError> {
     let options = DecoderOptions::default()
         .set_max_width(65535)
         .set_max_height(65535)
@@ -26,7 +26,11 @@ pub fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
     if is_cut_short(bytes) {
         return Err(ImageError::Truncated(FORMAT));
     }
-    let grey = decoder.input_colorspace() == Some(ColorSpace::Luma);
+    let grey = match decoder.input_colorspace() {
+        Some(ColorSpace::Luma) => true,
+        Some(ColorSpace::YCbCr) => colours == Colours::LumaWhereApart,
+        _ => false,
+    };
     if grey {
         decoder.set_options(options.jpeg_set_out_colorspace(ColorSpace::Luma));
     }

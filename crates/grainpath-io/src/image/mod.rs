@@ -130,12 +130,31 @@ pub fn decode(bytes: &[u8]) -> Result<Image, ImageError> {
 /// # Errors
 /// As [`decode`].
 pub fn decode_within(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
+    read(bytes, max_pixels, Colours::All)
+}
+
+/// [`decode`] for those who want brightness only: JPEGs keep it apart from colour and give it in half the time.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_luma(bytes: &[u8]) -> Result<Image, ImageError> {
+    read(bytes, MAX_PIXELS, Colours::LumaWhereApart)
+}
+
+/// What of the colours is wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Colours {
+    All,
+    LumaWhereApart,
+}
+
+fn read(bytes: &[u8], max_pixels: u64, colours: Colours) -> Result<Image, ImageError> {
     if bytes.is_empty() {
         return Err(ImageError::Empty);
     }
     let image = match sniff_image(bytes).ok_or(ImageError::Unknown)? {
         ImageFormat::Png => png::read(bytes, max_pixels)?,
-        ImageFormat::Jpeg => jpeg::read(bytes, max_pixels)?,
+        ImageFormat::Jpeg => jpeg::read(bytes, max_pixels, colours)?,
         ImageFormat::Tiff => tiff::read(bytes, max_pixels)?,
         ImageFormat::Bmp => bmp::read(bytes, max_pixels)?,
     };

@@ -101,6 +101,10 @@ fn real_photographs() {
             "{}",
             path.display()
         );
+        let luma = decode_luma(&bytes).expect("brightness").to_grey_f32();
+        let off =
+            grey.iter().zip(&luma).map(|(a, b)| f64::from((a - b).abs())).sum::<f64>() / grey.len() as f64;
+        assert!(off < 2.0, "{}: {off}", path.display());
         let has_exif = bytes.windows(6).any(|w| w == b"Exif\0\0");
         if image.format == ImageFormat::Jpeg && !has_exif {
             let mut turned = bytes[..2].to_vec();

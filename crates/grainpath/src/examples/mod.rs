@@ -2,6 +2,7 @@
 
 mod hub;
 mod stress_lines;
+mod woodgrain;
 
 use std::borrow::Cow;
 
@@ -12,7 +13,7 @@ use grainpath_core::{DVec2, DVec3, TriMesh};
 pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
 
 /// Names that [`preset`] knows.
-pub const PRESETS: [&str; 3] = ["plate", "stress-lines", "ct"];
+pub const PRESETS: [&str; 4] = ["plate", "stress-lines", "ct", "woodgrain"];
 
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
@@ -22,6 +23,7 @@ pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
             ("plate.stl".into(), stl(&plate())),
         ]),
         "stress-lines" => Some(stress_lines::files()),
+        "woodgrain" => Some(woodgrain::files()),
         "ct" => Some(ct(256)),
         _ => None,
     }

@@ -21,7 +21,7 @@ fn error(place: impl Into<String>, problem: impl Into<String>) -> JobError {
 }
 
 /// Keys of other parts of grainpath that are not there yet: known, so that the message can say so.
-const LATER: [(&str, &str); 3] = [("shape", "outline"), ("shape", "thickness_mm"), ("shape", "photo")];
+const LATER: [(&str, &str); 2] = [("shape", "outline"), ("shape", "thickness_mm")];
 
 /// Reads a job. `name` is what errors call the file; `sets` are `section.key=value` as given on the command line,
 /// stronger than the file; `load` reads a profile that is named by its path.
@@ -73,11 +73,10 @@ pub fn parse_job(
             ));
         };
         for (key, value) in rows.iter().filter(|(k, _)| !is_profile(section, k)) {
-            if let ("shape", "ct", Value::Table(rows)) = (section.as_str(), key.as_str(), value) {
+            let inner = format!("{section}.{key}");
+            if let (Value::Table(rows), true) = (value, Settings::SECTIONS.contains(&inner.as_str())) {
                 for (key, value) in rows {
-                    apply(&mut settings, "shape.ct", key, value, || {
-                        at_inner(text, name, "shape", "ct", key)
-                    })?;
+                    apply(&mut settings, &inner, key, value, || at_inner(text, name, &inner, key))?;
                 }
                 continue;
             }
@@ -107,9 +106,9 @@ fn split_set(set: &str) -> Result<(String, String, Value), JobError> {
     let wrong = || error("--set", format!("{set:?} should be section.key=value"));
     let (path, value) = set.split_once('=').ok_or_else(wrong)?;
     let path = path.trim();
-    let (section, key) = match path.strip_prefix("shape.ct.") {
-        Some(key) => ("shape.ct", key),
-        None => path.split_once('.').ok_or_else(wrong)?,
+    let (section, key) = match path.rsplit_once('.') {
+        Some((inner, key)) if Settings::SECTIONS.contains(&inner) => (inner, key),
+        _ => path.split_once('.').ok_or_else(wrong)?,
     };
     let parsed = format!("v = {value}").parse::<Table>().ok().and_then(|mut t| t.remove("v"));
     Ok((section.into(), key.into(), parsed.unwrap_or_else(|| Value::String(value.trim().into()))))
@@ -170,7 +169,6 @@ fn apply(
 fn later(section: &str, key: &str, value: &Value) -> Option<String> {
     let word = value.as_str().unwrap_or_default();
     let known = match (section, key) {
-        ("guide", "kind") => word == "grain",
         ("fill", "pattern") => word == "continuous",
         ("support", "style") => word == "tree",
         _ => false,
@@ -198,6 +196,7 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
     if p.adaptive_layers && p.adaptive_min_mm > p.adaptive_max_mm {
         return wrong("process.adaptive_min_mm should not be more than adaptive_max_mm".into());
     }
+    check_photos(s, name)?;
     let m = &s.material;
     let bounds = [
         ("xt_mpa", m.xt_mpa),
@@ -220,6 +219,7 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
             (!s.shape.mesh.is_empty(), "shape.mesh and shape.ct: exactly one shape is printed"),
             (p.adaptive_layers, "process.adaptive_layers = true is for meshes, not for shape.ct"),
             (s.shape.rotate_deg != [0.0; 3], "shape.rotate_deg is for meshes, not for shape.ct"),
+            (s.support.lift_mm > 0.0, "support.lift_mm is for meshes, not for shape.ct"),
         ] {
             if set {
                 return wrong(what.into());
@@ -234,6 +234,51 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
     }
     if s.fill.angles_deg.is_empty() {
         return wrong("fill.angles_deg should have at least one angle".into());
+    }
+    Ok(())
+}
+
+/// Photographs: what must be given together.
+fn check_photos(s: &Settings, name: &str) -> Result<(), JobError> {
+    let wrong = |problem: String| Err(error(name, problem));
+    let photo = !s.photo.files.is_empty();
+    for (other, path) in [("shape.mesh", &s.shape.mesh), ("shape.ct", &s.ct.path)] {
+        if photo && !path.is_empty() {
+            return wrong(format!("{other} and shape.photo: exactly one shape is printed"));
+        }
+    }
+    if photo && (s.photo.size_mm.contains(&0.0) || s.photo.thickness_mm == 0.0) {
+        return wrong("shape.photo needs size_mm = [width, height] and thickness_mm".into());
+    }
+    if photo && s.process.adaptive_layers {
+        return wrong("process.adaptive_layers = true is for meshes, not for shape.photo".into());
+    }
+    if s.guide.kind == "grain" && !photo && s.image.files.is_empty() {
+        return wrong(
+            "guide.kind = \"grain\" needs photographs: guide.image = { files = [\"FILE\"] }".into(),
+        );
+    }
+    for (section, files, corners, heights) in [
+        ("shape.photo", &s.photo.files, &s.photo.corners_px, &s.photo.heights_mm),
+        ("guide.image", &s.image.files, &s.image.corners_px, &s.image.heights_mm),
+    ] {
+        if ![0, 4, 4 * files.len()].contains(&corners.len()) {
+            return wrong(format!(
+                "{section}.corners_px should have 4 corners, or 4 for each of the {} files; it has {}",
+                files.len(),
+                corners.len()
+            ));
+        }
+        if !heights.is_empty() && heights.len() != files.len() {
+            return wrong(format!(
+                "{section}.heights_mm should have a height for each of the {} files; it has {}",
+                files.len(),
+                heights.len()
+            ));
+        }
+        if heights.windows(2).any(|w| w[0] >= w[1]) {
+            return wrong(format!("{section}.heights_mm should rise from file to file"));
+        }
     }
     Ok(())
 }
@@ -263,13 +308,12 @@ fn at(text: &str, name: &str, section: &str, key: &str) -> String {
 }
 
 /// File and line of a key in a table within a section, or of the table where it stands on one line.
-fn at_inner(text: &str, name: &str, section: &str, table: &str, key: &str) -> String {
-    let header = format!("[{section}.{table}]");
-    if text.lines().any(|l| l.trim().starts_with(&header)) {
-        at(text, name, &format!("{section}.{table}"), key)
-    } else {
-        at(text, name, section, table)
+fn at_inner(text: &str, name: &str, inner: &str, key: &str) -> String {
+    if text.lines().any(|l| l.trim().starts_with(&format!("[{inner}]"))) {
+        return at(text, name, inner, key);
     }
+    let (section, table) = inner.split_once('.').unwrap_or((inner, ""));
+    at(text, name, section, table)
 }
 
 #[cfg(test)]
@@ -332,11 +376,19 @@ mod tests {
             ),
             (
                 "[guide]\nkind = \"grain\"\n",
-                "job.toml:2: guide.kind = \"grain\" is not in this version of grainpath",
+                "job.toml: guide.kind = \"grain\" needs photographs: guide.image = { files = [\"FILE\"] }",
             ),
             (
                 "[printer]\nprofile = \"generic-0.5\"\n",
                 "job.toml:2: no printer profile \"generic-0.5\"; did you mean \"generic-0.4\"?",
+            ),
+            (
+                "[shape]\nphoto = { files = [\"a.png\"], sise_mm = [1, 2] }\n",
+                "job.toml:2: unknown key `sise_mm` in [shape.photo]; did you mean `size_mm`?",
+            ),
+            (
+                "[guide.image]\nfiles = [\"a.png\"]\ncorners_px = [[0, 0]]\n",
+                "job.toml: guide.image.corners_px should have 4 corners, or 4 for each of the 1 files; it has 1",
             ),
             ("[printer]\nbed_mm = [1, 2]\n", "job.toml:2: printer.bed_mm should have 3 entries, has 2"),
         ] {

@@ -23,10 +23,11 @@ pub fn json_schema() -> Value {
         let table = json!({ "type": "object", "additionalProperties": false, "properties": keys });
         match section.split_once('.') {
             None => drop(sections.insert(section.into(), table)),
-            // A table within a table; its path alone may stand for it.
-            Some((outer, inner)) => {
-                sections[outer]["properties"][inner] = json!({ "oneOf": [table, { "type": "string" }] });
+            // A table within a table; for a scan its path alone may stand for it.
+            Some((outer, "ct")) => {
+                sections[outer]["properties"]["ct"] = json!({ "oneOf": [table, { "type": "string" }] });
             }
+            Some((outer, inner)) => sections[outer]["properties"][inner] = table,
         }
     }
     json!({

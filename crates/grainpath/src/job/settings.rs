@@ -57,6 +57,7 @@ macro_rules! sections {
 }
 
 const PATTERNS: &[&str] = &crate::fill::PATTERNS;
+const CORNERS: &[&str] = &["image", "outline", "markers"];
 
 sections! {
     /// What is printed.
@@ -68,6 +69,17 @@ sections! {
         position_mm: Option<[f64; 2]> = None, "mm", Range(-1e5, 1e5), "Where the middle of the part stands on the plate; left out, the middle of the bed.";
         repair: String = "auto".into(), "", Words(&["auto", "strict"]), "auto mends defects and counts them, strict refuses.";
         gap_closing_mm: f64 = 0.05, "mm", Range(0.0, 100.0), "Gaps in sections up to this are closed before anything else.";
+    }
+    /// A photograph, or several, whose board is printed.
+    PhotoSection "shape.photo" {
+        files: Vec<String> = Vec::new(), "", Any, "Photographs (PNG, JPEG, TIFF, BMP), lowest layer first. One is enough.";
+        corners: String = "image".into(), "", Words(CORNERS), "Where the board is: the whole image, the board's outline on a plain ground, or the markers of a printed sheet.";
+        corners_px: Vec<[f64; 2]> = Vec::new(), "px", Range(-1e6, 1e6), "Corners of the board: upper left, upper right, lower right, lower left, from the image's upper left corner; four for all files or four for each. Stronger than corners.";
+        size_mm: [f64; 2] = [0.0; 2], "mm", Range(0.0, 1e4), "Width and height of the board between the corners.";
+        thickness_mm: f64 = 0.0, "mm", Range(0.0, 1e4), "Thickness of the board.";
+        heights_mm: Vec<f64> = Vec::new(), "mm", Range(0.0, 1e4), "The height each file shows, rising; left out, a single file shows the bottom and several are spread evenly over the thickness.";
+        shift_mm_per_mm: [f64; 2] = [0.0; 2], "", Range(-20.0, 20.0), "How far grain and holes move in x and y for a millimetre upwards: the knot's inclination.";
+        holes_mm: Vec<[f64; 3]> = Vec::new(), "mm", Range(-1e4, 1e4), "Round holes at the height of the first file: x, y and radius; inclined as the grain is.";
     }
     /// A CT scan to print.
     CtSection "shape.ct" {
@@ -194,7 +206,7 @@ sections! {
     }
     /// What gives fill its direction.
     GuideSection "guide" {
-        kind: String = "none".into(), "", Words(&["none", "angle", "stress"]), "none: the fill's angle list; angle: one direction for all fill, dense and sparse; stress: the principal stresses under the loads given.";
+        kind: String = "none".into(), "", Words(&["none", "angle", "stress", "grain"]), "none: the fill's angle list; angle: one direction for all fill, dense and sparse; stress: the principal stresses under the loads given; grain: the grain of photographs.";
         angle_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "The direction for kind = \"angle\", from +X.";
         follow: String = "max-abs".into(), "", Words(&["max-abs", "tension", "compression", "alternate"]), "Which principal stress beads follow: the one greater in amount, the greatest tension, the greatest compression, or both families by turns from layer to layer.";
         analysis: String = "auto".into(), "", Words(&["auto", "plane", "solid"]), "plane: the section as a plate loaded in its plane; solid: the part in three dimensions; auto: plane for a part of constant section loaded in its plane.";
@@ -212,6 +224,31 @@ sections! {
         import_stress_unit: Option<String> = None, "", Words(&["MPa", "Pa", "kPa", "GPa", "psi", "ksi"]), "Its unit; left out, MPa.";
         import_length_unit: Option<String> = None, "", Words(&["mm", "cm", "m", "inch", "micron", "foot"]), "Unit of its positions; left out, mm.";
         memory_mb: usize = 4096, "MB", Range(16.0, 1e6), "The most the solver may take; it is told in advance.";
+        mode: String = "field".into(), "", Words(&["field", "edges"]), "What follows the grain: lines along its directions, or the picture's edges themselves with more between them.";
+        pixel_mm: Option<f64> = None, "mm", Range(1e-3, 10.0), "Pixel of the rectified picture; left out, the photograph's own.";
+        blur_mm: Option<f64> = None, "mm", Range(0.0, 20.0), "Standard deviation of the Gaussian before edges are sought; left out, 0.12 and at least 1.3 pixels.";
+        median_px: usize = 1, "px", Range(0.0, 7.0), "Radius of the median that removes specks.";
+        canny_high: Option<f64> = None, "", Range(1e-3, 1.0), "Edges begin at this share of the steepest slopes; left out, by the picture.";
+        canny_low: Option<f64> = None, "", Range(1e-3, 1.0), "Edges go on down to this share; left out, 0.4 of the high one.";
+        join: String = "trace".into(), "", Words(&["trace", "nearest"]), "How edge points become curves: along the edges, or each to its nearest as published.";
+        bridge_mm: f64 = 1.5, "mm", Range(0.0, 100.0), "Ends of curves that face each other over gaps up to this are joined.";
+        min_curve_mm: f64 = 3.0, "mm", Range(0.0, 1000.0), "Shorter curves are dropped.";
+        integration_mm: f64 = 0.6, "mm", Range(0.01, 100.0), "Neighbourhood over which the direction is averaged.";
+        bend: String = "holes".into(), "", Words(&["none", "outline", "holes", "both"]), "Borders of the part along which the grain is bent.";
+        darkness: f64 = 0.0, "", Range(0.0, 1.0), "How much closer lines lie where the picture is dark, below full density: 1 is twice as close as on average.";
+    }
+    /// Photographs whose grain a part of another shape is filled with; left out, those of shape.photo.
+    ImageSection "guide.image" {
+        files: Vec<String> = Vec::new(), "", Any, "Photographs, lowest first.";
+        corners: String = "image".into(), "", Words(CORNERS), "Where the board is, as in shape.photo.";
+        corners_px: Vec<[f64; 2]> = Vec::new(), "px", Range(-1e6, 1e6), "Corners of the board, as in shape.photo.";
+        size_mm: Option<[f64; 2]> = None, "mm", Range(1e-3, 1e4), "Width and height of the picture on the part; left out, those of the part.";
+        origin_mm: Option<[f64; 2]> = None, "mm", Range(-1e5, 1e5), "Where the picture's lower left corner lies on the part; left out, its middle is on the part's.";
+        rotate_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Turned counter-clockwise.";
+        scale: f64 = 1.0, "", Range(1e-3, 1e3), "Factor on its size.";
+        mirror: bool = false, "", Any, "Left and right changed over.";
+        heights_mm: Vec<f64> = Vec::new(), "mm", Range(0.0, 1e4), "The height each file shows, as in shape.photo.";
+        shift_mm_per_mm: [f64; 2] = [0.0; 2], "", Range(-20.0, 20.0), "How far the grain moves for a millimetre upwards, as in shape.photo.";
     }
     /// What is laid inside the walls.
     FillSection "fill" {
@@ -287,11 +324,13 @@ sections! {
 #[allow(missing_docs)]
 pub struct Settings {
     pub shape: ShapeSection,
+    pub photo: PhotoSection,
     pub ct: CtSection,
     pub printer: PrinterSection,
     pub material: MaterialSection,
     pub process: ProcessSection,
     pub guide: GuideSection,
+    pub image: ImageSection,
     pub fill: FillSection,
     pub support: SupportSection,
     pub strength: StrengthSection,
@@ -300,8 +339,18 @@ pub struct Settings {
 
 impl Settings {
     /// Names of the sections, in the order they are shown.
-    pub const SECTIONS: [&'static str; 10] = [
-        "shape", "shape.ct", "printer", "material", "process", "guide", "fill", "support", "strength",
+    pub const SECTIONS: [&'static str; 12] = [
+        "shape",
+        "shape.photo",
+        "shape.ct",
+        "printer",
+        "material",
+        "process",
+        "guide",
+        "guide.image",
+        "fill",
+        "support",
+        "strength",
         "output",
     ];
 
@@ -309,11 +358,13 @@ impl Settings {
     pub(super) fn set(&mut self, section: &str, key: &str, value: &Value) -> Option<Result<(), String>> {
         match section {
             "shape" => self.shape.set(key, value),
+            "shape.photo" => self.photo.set(key, value),
             "shape.ct" => self.ct.set(key, value),
             "printer" => self.printer.set(key, value),
             "material" => self.material.set(key, value),
             "process" => self.process.set(key, value),
             "guide" => self.guide.set(key, value),
+            "guide.image" => self.image.set(key, value),
             "fill" => self.fill.set(key, value),
             "support" => self.support.set(key, value),
             "strength" => self.strength.set(key, value),
@@ -326,11 +377,13 @@ impl Settings {
     pub fn params() -> Vec<Param> {
         let all = [
             ShapeSection::params(),
+            PhotoSection::params(),
             CtSection::params(),
             PrinterSection::params(),
             MaterialSection::params(),
             ProcessSection::params(),
             GuideSection::params(),
+            ImageSection::params(),
             FillSection::params(),
             SupportSection::params(),
             StrengthSection::params(),
@@ -343,11 +396,13 @@ impl Settings {
     pub fn rows(&self) -> Vec<(String, String)> {
         let all = [
             self.shape.rows(),
+            if self.photo.files.is_empty() { Vec::new() } else { self.photo.rows() },
             if self.ct.path.is_empty() { Vec::new() } else { self.ct.rows() },
             self.printer.rows(),
             self.material.rows(),
             self.process.rows(),
             self.guide.rows(),
+            if self.image.files.is_empty() { Vec::new() } else { self.image.rows() },
             self.fill.rows(),
             self.support.rows(),
             self.strength.rows(),

@@ -10,11 +10,13 @@ use crate::walls::Wall;
 
 /// How far ahead 2-opt looks for an exchange.
 const WINDOW: usize = 200;
-/// Passes of 2-opt at the most.
+/// How far a stretch is moved.
+const REACH: usize = 100;
+/// Passes of 2-opt and Or-opt at the most.
 const PASSES: usize = 8;
 
 /// Visits every owner once, entering at one of its ends and leaving at the other: nearest next, then improved by
-/// turning round stretches (2-opt). Gives owners and whether each is entered at its second end.
+/// turning round stretches (2-opt) and moving them (Or-opt). Gives owners and whether each is entered at its second end.
 pub fn tour(ends: &[[DVec2; 2]], at: DVec2) -> Vec<(usize, bool)> {
     let mut taken = vec![false; ends.len()];
     let index = NearestEnds::new(ends);
@@ -25,35 +27,96 @@ pub fn tour(ends: &[[DVec2; 2]], at: DVec2) -> Vec<(usize, bool)> {
         order.push((i, second));
         from = ends[i][usize::from(!second)];
     }
-    let enter = |(i, second): (usize, bool)| ends[i][usize::from(second)];
-    let leave = |(i, second): (usize, bool)| ends[i][usize::from(!second)];
     for _ in 0..PASSES {
-        let mut improved = false;
-        for a in 0..order.len() {
-            let before = if a == 0 { at } else { leave(order[a - 1]) };
-            let first = before.distance(enter(order[a]));
-            if first < 1e-6 {
-                continue;
-            }
-            for b in a..(a + WINDOW).min(order.len()) {
-                let after = order.get(b + 1).map(|&n| enter(n));
-                let old = first + after.map_or(0.0, |n| leave(order[b]).distance(n));
-                let before = if a == 0 { at } else { leave(order[a - 1]) };
-                let new =
-                    before.distance(leave(order[b])) + after.map_or(0.0, |n| enter(order[a]).distance(n));
-                if new < old - 1e-6 {
-                    order[a..=b].reverse();
-                    order[a..=b].iter_mut().for_each(|o| o.1 = !o.1);
-                    improved = true;
-                    break;
-                }
-            }
-        }
-        if !improved {
+        let turned = turn_stretches(&mut order, ends, at);
+        let moved = move_stretches(&mut order, ends, at);
+        if !turned && !moved {
             break;
         }
     }
     order
+}
+
+/// Where an owner is entered, and where it is left.
+fn enter(ends: &[[DVec2; 2]], (i, second): (usize, bool)) -> DVec2 {
+    ends[i][usize::from(second)]
+}
+
+fn leave(ends: &[[DVec2; 2]], (i, second): (usize, bool)) -> DVec2 {
+    ends[i][usize::from(!second)]
+}
+
+/// Turns round stretches where that shortens the way (2-opt); whether it did.
+fn turn_stretches(order: &mut [(usize, bool)], ends: &[[DVec2; 2]], at: DVec2) -> bool {
+    let mut improved = false;
+    for a in 0..order.len() {
+        let before = if a == 0 { at } else { leave(ends, order[a - 1]) };
+        let first = before.distance(enter(ends, order[a]));
+        if first < 1e-6 {
+            continue;
+        }
+        for b in a..(a + WINDOW).min(order.len()) {
+            let after = order.get(b + 1).map(|&n| enter(ends, n));
+            let old = first + after.map_or(0.0, |n| leave(ends, order[b]).distance(n));
+            let new = before.distance(leave(ends, order[b]))
+                + after.map_or(0.0, |n| enter(ends, order[a]).distance(n));
+            if new < old - 1e-6 {
+                order[a..=b].reverse();
+                order[a..=b].iter_mut().for_each(|o| o.1 = !o.1);
+                improved = true;
+                break;
+            }
+        }
+    }
+    improved
+}
+
+/// Moves stretches of up to three elsewhere where that shortens the way (Or-opt); whether it did.
+fn move_stretches(order: &mut [(usize, bool)], ends: &[[DVec2; 2]], at: DVec2) -> bool {
+    let n = order.len();
+    let mut improved = false;
+    for length in 1..=3.min(n.saturating_sub(1)) {
+        for a in 0..=n - length {
+            let b = a + length;
+            let place = |k: usize| if k == 0 { at } else { leave(ends, order[k - 1]) };
+            let next = |k: usize| order.get(k).map(|&o| enter(ends, o));
+            let way = |from: DVec2, to: Option<DVec2>| to.map_or(0.0, |to| from.distance(to));
+            let (first, last) = (enter(ends, order[a]), leave(ends, order[b - 1]));
+            let saved = place(a).distance(first) + way(last, next(b)) - way(place(a), next(b));
+            if saved < 1e-6 {
+                continue;
+            }
+            // Between k - 1 and k, outside the stretch.
+            let mut best = (saved - 1e-6, usize::MAX, false);
+            for k in a.saturating_sub(REACH)..=(b + REACH).min(n) {
+                if (a..=b).contains(&k) {
+                    continue;
+                }
+                let gap = way(place(k), next(k));
+                for (turned, from, to) in [(false, first, last), (true, last, first)] {
+                    let cost = place(k).distance(from) + way(to, next(k)) - gap;
+                    if cost < best.0 {
+                        best = (cost, k, turned);
+                    }
+                }
+            }
+            let (_, k, turned) = best;
+            if k == usize::MAX {
+                continue;
+            }
+            if turned {
+                order[a..b].reverse();
+                order[a..b].iter_mut().for_each(|o| o.1 = !o.1);
+            }
+            if k < a {
+                order[k..b].rotate_right(length);
+            } else {
+                order[a..k].rotate_left(length);
+            }
+            improved = true;
+        }
+    }
+    improved
 }
 
 /// Makes the vertex nearest to `at` the start of a closed path; turns an open one whose end is nearer.
@@ -110,18 +173,20 @@ pub fn walls(walls: Vec<Wall>, order: WallOrder, seams: &mut Seams, at: &mut DVe
     }
 }
 
-/// Puts single beads and fill in order.
-pub fn fills(fills: Vec<Toolpath>, at: &mut DVec2, out: &mut Vec<Toolpath>) {
-    let ends: Vec<[DVec2; 2]> = fills.iter().map(|p| [p.start(), p.end()]).collect();
-    let mut fills: Vec<Option<Toolpath>> = fills.into_iter().map(Some).collect();
-    for (i, second) in tour(&ends, *at) {
-        let Some(mut path) = fills[i].take() else { continue };
-        if path.closed {
-            start_nearest(&mut path, *at);
-        } else if second {
-            path.reverse();
+/// Puts single beads and fill in order: by rank, and within a rank by short ways.
+pub fn fills(mut fills: Vec<Toolpath>, at: &mut DVec2, out: &mut Vec<Toolpath>) {
+    fills.sort_by_key(|p| p.rank);
+    for fills in fills.chunk_by_mut(|a, b| a.rank == b.rank) {
+        let ends: Vec<[DVec2; 2]> = fills.iter().map(|p| [p.start(), p.end()]).collect();
+        for (i, second) in tour(&ends, *at) {
+            let path = &mut fills[i];
+            if path.closed {
+                start_nearest(path, *at);
+            } else if second {
+                path.reverse();
+            }
+            *at = path.end();
+            out.push(path.clone());
         }
-        *at = path.end();
-        out.push(path);
     }
 }

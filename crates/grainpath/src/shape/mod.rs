@@ -3,6 +3,7 @@
 pub mod ct;
 mod heights;
 mod mend;
+mod photo;
 mod place;
 mod section;
 mod surface;
@@ -13,6 +14,7 @@ use rayon::prelude::*;
 
 pub use heights::{Adaptive, layer_heights};
 pub use mend::{Repair, mend};
+pub use photo::{Hole, PhotoBoard};
 pub use place::{Placement, likely_unit, place};
 pub use surface::surface;
 

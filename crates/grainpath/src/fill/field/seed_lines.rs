@@ -4,10 +4,11 @@
 //! regions; each is filled with offsets of the seed line at its lower left, a bead apart, until it is full. Bead
 //! width is constant, so where neighbours part gaps remain: [`Stripes`](super::Stripes) has none.
 
-use grainpath_core::poly::{LineClipper, simplify_line};
+use grainpath_core::poly::{Join, LineClipper, simplify_line};
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 
-use super::stripes::axis_of;
+use super::stripes::{Bead, axis_of, joined};
+use super::widths::Line;
 use crate::fill::{FillContext, Infill};
 use crate::guide::{LineSettings, Seeding, TracedLine, evenly_spaced};
 
@@ -41,17 +42,27 @@ impl Infill for SeedLines {
             longest_mm: 20.0 * bounds.size().element_sum(),
         };
         let seeds = evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &settings);
-        let path = |points: &[DVec2], closed: bool| {
-            let points = simplify_line(points, 0.005);
-            Toolpath::new(points, context.bead_width_mm, context.role, closed)
-        };
-        out.extend(seeds.iter().map(|l| path(&l.points, l.closed)));
-        for region in parted(&room, &seeds, step).polygons {
-            let region = Region::from(region);
-            for line in fill_region(&region, &seeds, step) {
-                out.push(path(&line.points, line.closed));
+        let border = room.offset(context.border_mm, Join::Miter(2.0));
+        // The seed lines come first, then what fills the regions between them; each joined at its ends.
+        let mut lay = |lines: Vec<TracedLine>, rank: u8| {
+            let bead = |l: &TracedLine| {
+                let points = simplify_line(&l.points, 0.005);
+                Bead { widths: vec![context.bead_width_mm; points.len()], points, closed: l.closed }
+            };
+            let beads = lines.iter().map(bead).collect();
+            let lines: Vec<Line> =
+                lines.into_iter().map(|l| Line { points: l.points, closed: l.closed }).collect();
+            for bead in joined(beads, &lines, &border, context) {
+                let path = Toolpath::new(bead.points, context.bead_width_mm, context.role, bead.closed);
+                out.push(Toolpath { rank, ..path });
             }
+        };
+        let mut offsets = Vec::new();
+        for region in parted(&room, &seeds, step).polygons {
+            offsets.extend(fill_region(&Region::from(region), &seeds, step));
         }
+        lay(seeds, 0);
+        lay(offsets, 1);
     }
 }
 
@@ -60,7 +71,7 @@ fn around(line: &TracedLine, r_mm: f64) -> Region {
     Region::around_line(&simplify_line(&line.points, 0.005), line.closed, r_mm)
 }
 
-/// Where offsets' centrelines may lie: the room less half a bead... of each seed line, and half of their own.
+/// Where offsets' centrelines may lie: the room less a bead around each seed line.
 fn parted(room: &Region, seeds: &[TracedLine], step: f64) -> Region {
     let taken = seeds.iter().fold(Region::default(), |sum, l| sum.union(&around(l, 0.98 * step)));
     room.difference(&taken)

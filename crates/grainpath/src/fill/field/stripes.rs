@@ -3,9 +3,7 @@
 use grainpath_core::math::{cross, direction};
 use grainpath_core::poly::{FillRule, Join, LineClipper, edges};
 use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
-use grainpath_core::{
-    BeadWidth, Bounds2, DVec2, DVec3, DirectionField, Polygon, Region, SpeedClass, Toolpath,
-};
+use grainpath_core::{BeadWidth, Bounds2, DVec2, DVec3, DirectionField, Polygon, Region, Toolpath};
 
 use super::levels::trace;
 use super::phase::{PhaseInput, drift, solve, turns};
@@ -301,12 +299,8 @@ fn lay(lines: Vec<Line>, border: &Region, context: &FillContext<'_>, out: &mut V
     }
     let first = out.len();
     out.extend(joined(beads, &lines, border, context).into_iter().map(|bead| Toolpath {
-        points: bead.points,
         width: BeadWidth::PerVertex(bead.widths),
-        flow: 1.0,
-        role: context.role,
-        speed: SpeedClass::Normal,
-        closed: bead.closed,
+        ..Toolpath::new(bead.points, nominal, context.role, bead.closed)
     }));
     let left = border.difference(&covered(&out[first..], h));
     let mut singles = Vec::new();
@@ -348,10 +342,10 @@ pub(super) fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
 }
 
 /// A bead with its widths.
-struct Bead {
-    points: Vec<DVec2>,
-    widths: Vec<f64>,
-    closed: bool,
+pub(super) struct Bead {
+    pub points: Vec<DVec2>,
+    pub widths: Vec<f64>,
+    pub closed: bool,
 }
 
 impl Bead {
@@ -376,7 +370,12 @@ impl Bead {
 
 /// Joins open beads end to end along the border: from each end to the nearest free one, if it is not far and the
 /// way stays inside.
-fn joined(beads: Vec<Bead>, lines: &[Line], border: &Region, context: &FillContext<'_>) -> Vec<Bead> {
+pub(super) fn joined(
+    beads: Vec<Bead>,
+    lines: &[Line],
+    border: &Region,
+    context: &FillContext<'_>,
+) -> Vec<Bead> {
     let spacing_mm = context.spacing_mm();
     let retreat_mm = (0.5 * spacing_mm - context.border_mm).max(0.0);
     let inside = LineClipper::new(border);

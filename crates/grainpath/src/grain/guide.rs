@@ -1,0 +1,584 @@
+//! From photographs to a guide: what every layer's grain is, as directions and as curves.
+
+use std::f64::consts::PI;
+
+use grainpath_core::math::{direction, rotated};
+use grainpath_core::{DVec2, DVec3, Diagnostics, DirectionField, DirectionSample, Region};
+use grainpath_io::image::{Image, Samples};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::canny::{CannySettings, Edges, canny};
+use super::corners::find_corners;
+use super::curves::{CurveSettings, along_grain, edge_curves, length_mm};
+use super::lay::Near;
+use super::raster::Grey;
+use super::tensor::{
+    AxisGrid, AxisSample, Guideline, Tangent, TensorSettings, along_lines, border_lines, grain_axes,
+};
+use super::warp::{CornerError, MetricImage, check_corners, native_px_mm, rectify};
+use super::{corners::CornersNotFound, pictures};
+use crate::html::Picture;
+
+/// A photograph as it was taken, in grey, rows from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Photo {
+    /// What errors and reports call it.
+    pub name: String,
+    /// 0 black to 1 white.
+    pub grey: Grey,
+}
+
+impl Photo {
+    /// The grey of an image; floats are stretched from their least to their largest value.
+    pub fn of(name: String, image: &Image) -> Self {
+        let mut data = image.to_grey_f32();
+        let (mut low, mut high) = (0.0, image.samples.full_scale());
+        if matches!(image.samples, Samples::F32(_)) {
+            let finite = || data.iter().copied().filter(|v| v.is_finite());
+            (low, high) =
+                (finite().fold(f32::INFINITY, f32::min), finite().fold(f32::NEG_INFINITY, f32::max));
+        }
+        let range = if high > low { high - low } else { 1.0 };
+        data.par_iter_mut().for_each(|v| *v = if v.is_finite() { (*v - low) / range } else { 0.0 });
+        Self { name, grey: Grey { width: image.width, height: image.height, data } }
+    }
+}
+
+/// Where the corners of the board are in a photograph.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Corners {
+    /// At these pixels: upper left, upper right, lower right, lower left; one set for all photographs or one for each.
+    Given(Vec<[DVec2; 4]>),
+    /// The photograph's own: it shows the board and nothing else.
+    Image,
+    /// The board's outline on a plain ground.
+    Outline,
+    /// The markers of a printed sheet.
+    Markers,
+}
+
+/// Which lines are laid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    /// Along the directions of the grain.
+    Field,
+    /// The edges of the picture themselves, and more between them.
+    Edges,
+}
+
+/// How photographs are read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GrainSettings {
+    /// Where the board is in them.
+    pub corners: Corners,
+    /// Width and height of what is between the corners, mm.
+    pub size_mm: DVec2,
+    /// Where the lower left corner lies on the part, mm.
+    pub origin_mm: DVec2,
+    /// Turned about that corner, counter-clockwise, radians.
+    pub rotate_rad: f64,
+    /// Left and right changed over, before turning.
+    pub mirror: bool,
+    /// The height each photograph shows, mm above the plate, rising.
+    pub heights_mm: Vec<f64>,
+    /// How far the grain moves sideways for a millimetre upwards: the knot's inclination.
+    pub shift_mm_per_mm: DVec2,
+    /// What is laid.
+    pub mode: Mode,
+    /// Side of a pixel of the rectified picture, mm; `None` takes the photograph's.
+    pub pixel_mm: Option<f64>,
+    /// Standard deviation of the Gaussian against noise, mm; `None` for 1.3 pixels, at least 0.12 mm.
+    pub blur_mm: Option<f64>,
+    /// Radius of the median against specks, pixels.
+    pub median_px: usize,
+    /// Thresholds of the edges.
+    pub canny: CannySettings,
+    /// How edges become curves.
+    pub curves: CurveSettings,
+    /// Neighbourhood over which the direction is averaged, mm.
+    pub integration_mm: f64,
+    /// Over about this length clear places give their direction to unclear ones, mm.
+    pub smooth_mm: f64,
+    /// Which borders the grain is bent along.
+    pub tangent: Tangent,
+    /// How much closer lines lie where the picture is dark: 0 not at all, 1 twice as close as on average.
+    pub darkness: f64,
+    /// Whether pictures of the steps are wanted.
+    pub pictures: bool,
+}
+
+/// What cannot be read from a photograph.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum GrainError {
+    #[error(transparent)]
+    Corners(#[from] CornerError),
+    #[error(transparent)]
+    NotFound(#[from] CornersNotFound),
+    #[error(
+        "nothing to see: the brightness between the corners varies by {spread:.4} of white; grain varies by 0.02 and more"
+    )]
+    Blank { spread: f32 },
+}
+
+/// What was found in a photograph.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct PhotoReport {
+    pub file: String,
+    pub z_mm: f64,
+    pub corners_px: [[f64; 2]; 4],
+    pub pixel_mm: f64,
+    /// Mean coherence of the structure tensor, 0 to 1.
+    pub coherence: f64,
+    /// Share of the board where it is over 0.3.
+    pub clear_share: f64,
+    pub curves: usize,
+    pub curves_mm: f64,
+}
+
+/// The grain at one height, in the picture's own millimetres.
+struct Slice {
+    z_mm: f64,
+    axes: AxisGrid,
+    curves: Vec<Vec<DVec2>>,
+    near: Near,
+}
+
+/// The grain of a part.
+pub struct GrainGuide {
+    slices: Vec<Slice>,
+    origin_mm: DVec2,
+    turn: DVec2,
+    rotate_rad: f64,
+    mirror_mm: Option<f64>,
+    shift_mm_per_mm: DVec2,
+    darkness: f64,
+    /// What is laid.
+    pub mode: Mode,
+    /// What was found in each photograph.
+    pub photos: Vec<PhotoReport>,
+    /// The steps, if they were asked for.
+    pub pictures: Vec<(String, Picture)>,
+}
+
+/// Less coherence than this over a wide neighbourhood is hardly grain.
+const LEAST_COHERENCE: f64 = 0.2;
+/// Less spread of brightness than this is no picture.
+const LEAST_SPREAD: f32 = 0.004;
+/// Curves that leave the grain by more than this are something else: cracks, nails, saw marks.
+const STRAY_RAD: f64 = 0.6;
+/// Standard deviation of the Gaussian against noise where none is given, mm.
+const BLUR_MM: f64 = 0.12;
+/// The rectified picture has at most this many pixels when its pixel size is not given.
+const MAX_PIXELS: f64 = 16e6;
+
+/// Reads photographs, which must be as many as there are heights, at least one. `section` gives the part's section at
+/// a height, for borders that bend the grain.
+///
+/// # Errors
+/// The photograph's index and [`GrainError`].
+pub fn read_grain(
+    photos: &[Photo],
+    settings: &GrainSettings,
+    section: &dyn Fn(f64) -> Region,
+    diagnostics: &Diagnostics,
+) -> Result<GrainGuide, (usize, GrainError)> {
+    debug_assert_eq!(photos.len(), settings.heights_mm.len());
+    let mut guide = GrainGuide {
+        slices: Vec::new(),
+        origin_mm: settings.origin_mm,
+        turn: direction(settings.rotate_rad),
+        rotate_rad: settings.rotate_rad,
+        mirror_mm: settings.mirror.then_some(settings.size_mm.x),
+        shift_mm_per_mm: settings.shift_mm_per_mm,
+        darkness: settings.darkness,
+        mode: settings.mode,
+        photos: Vec::new(),
+        pictures: Vec::new(),
+    };
+    for (k, (photo, &z_mm)) in photos.iter().zip(&settings.heights_mm).enumerate() {
+        let read = read_photo(photo, k, settings).map_err(|e| (k, e))?;
+        let borders = guide.in_picture(&section(z_mm), guide.shift_at(z_mm, settings.heights_mm[0]));
+        let axes = guided_axes(&read, &borders, settings);
+        let coherence = read.axes.mean_coherence();
+        if read.axes.wide_coherence < LEAST_COHERENCE {
+            diagnostics.warn(format!(
+                "{}: hardly any grain to see: its coherence is {:.2} (0 none, 1 perfect; wood has 0.3 and more)",
+                photo.name, read.axes.wide_coherence
+            ));
+        }
+        guide.photos.push(PhotoReport {
+            file: photo.name.clone(),
+            z_mm,
+            corners_px: read.corners.map(|c| [round(c.x, 2), round(c.y, 2)]),
+            pixel_mm: round(read.image.px_mm, 5),
+            coherence: round(coherence, 4),
+            clear_share: round(read.axes.clear_share(0.3), 4),
+            curves: read.curves.len(),
+            curves_mm: round(read.curves.iter().map(|c| length_mm(c)).sum(), 1),
+        });
+        if settings.pictures {
+            let prefix = if photos.len() > 1 { format!("photo{}_", k + 1) } else { String::new() };
+            let steps = pictures::steps(
+                &photo.grey,
+                read.corners,
+                &read.image,
+                &read.denoised,
+                read.edges.as_ref(),
+                &axes,
+                &read.curves,
+            );
+            guide.pictures.extend(steps.into_iter().map(|(name, p)| (format!("{prefix}{name}"), p)));
+        }
+        let near = Near::of_lines(&read.curves, 1.0);
+        guide.slices.push(Slice { z_mm, axes, curves: read.curves, near });
+    }
+    Ok(guide)
+}
+
+fn round(v: f64, digits: i32) -> f64 {
+    let scale = 10f64.powi(digits);
+    (v * scale).round() / scale
+}
+
+/// A photograph, step by step.
+struct Read {
+    corners: [DVec2; 4],
+    image: MetricImage,
+    denoised: MetricImage,
+    axes: AxisGrid,
+    edges: Option<Edges>,
+    curves: Vec<Vec<DVec2>>,
+}
+
+fn read_photo(photo: &Photo, k: usize, s: &GrainSettings) -> Result<Read, GrainError> {
+    let (w, h) = (photo.grey.width, photo.grey.height);
+    let corners = match &s.corners {
+        Corners::Given(all) => all[k.min(all.len() - 1)],
+        Corners::Image => {
+            [(0.0, 0.0), (w as f64, 0.0), (w as f64, h as f64), (0.0, h as f64)].map(DVec2::from)
+        }
+        Corners::Outline => find_corners(&photo.grey)?,
+        Corners::Markers => super::markers::find_markers(&photo.grey)?,
+    };
+    check_corners(corners, w, h)?;
+    let native = native_px_mm(corners, s.size_mm);
+    let coarsest = (s.size_mm.x * s.size_mm.y / MAX_PIXELS).sqrt();
+    // Finer than half of what is blurred away next shows nothing more.
+    let needed = 0.5 * s.blur_mm.unwrap_or(BLUR_MM).max(0.02);
+    let pixel_mm = s.pixel_mm.unwrap_or(native.max(coarsest).max(needed));
+    let image = rectify(&photo.grey, corners, s.size_mm, pixel_mm);
+    let spread = image.grey.quantile(0.98) - image.grey.quantile(0.02);
+    if spread < LEAST_SPREAD {
+        return Err(GrainError::Blank { spread });
+    }
+    let tensor = TensorSettings {
+        gradient_mm: 0.15,
+        integration_mm: s.integration_mm.max(2.0 * image.px_mm),
+        smooth_mm: s.smooth_mm,
+    };
+    let cleaned = MetricImage { grey: image.grey.median(s.median_px), ..image.clone() };
+    let axes = grain_axes(&cleaned, &tensor);
+    let blur_px = s.blur_mm.map_or((BLUR_MM / image.px_mm).max(1.3), |mm| mm / image.px_mm);
+    let denoised = MetricImage { grey: cleaned.grey.blurred(blur_px), ..cleaned };
+    let wanted = s.mode == Mode::Edges || s.pictures;
+    let edges = wanted.then(|| canny(&denoised.grey, &s.canny));
+    let curves = edges.as_ref().map(|e| edge_curves(e, &denoised, &s.curves)).unwrap_or_default();
+    let curves = along_grain(curves, &axes, STRAY_RAD, s.curves.min_length_mm);
+    Ok(Read { corners, image, denoised, axes, edges, curves })
+}
+
+/// The axes, bent along what was asked for: the curves themselves when those are laid, and borders.
+fn guided_axes(read: &Read, borders: &Region, s: &GrainSettings) -> AxisGrid {
+    let mut lines = border_lines(borders, s.tangent);
+    if s.mode == Mode::Edges {
+        lines.extend(read.curves.iter().map(|c| Guideline { points: c, closed: false, weight: 1.0 }));
+    }
+    if lines.is_empty() {
+        return read.axes.clone();
+    }
+    along_lines(&read.axes, &lines, if s.mode == Mode::Edges { 0.2 } else { 1.0 }, s.smooth_mm.max(0.3))
+}
+
+impl GrainGuide {
+    fn shift_at(&self, z_mm: f64, from_mm: f64) -> DVec2 {
+        (z_mm - from_mm) * self.shift_mm_per_mm
+    }
+
+    /// A point of the part, grain shifted back, in the picture.
+    fn to_picture(&self, p: DVec2) -> DVec2 {
+        let back = DVec2::new(self.turn.x, -self.turn.y);
+        let p = rotated(p - self.origin_mm, back);
+        self.mirror_mm.map_or(p, |w| DVec2::new(w - p.x, p.y))
+    }
+
+    fn to_part(&self, p: DVec2) -> DVec2 {
+        let p = self.mirror_mm.map_or(p, |w| DVec2::new(w - p.x, p.y));
+        rotated(p, self.turn) + self.origin_mm
+    }
+
+    fn in_picture(&self, region: &Region, shift: DVec2) -> Region {
+        let mut out = region.clone();
+        for polygon in &mut out.polygons {
+            let contours = std::iter::once(&mut polygon.outer).chain(&mut polygon.holes);
+            contours.flatten().for_each(|p| *p = self.to_picture(*p - shift));
+        }
+        out
+    }
+
+    /// The slices below and above a height, and how far it is between them.
+    fn around(&self, z_mm: f64) -> (&Slice, &Slice, f64) {
+        let above = self.slices.partition_point(|s| s.z_mm <= z_mm);
+        let last = self.slices.len() - 1;
+        let (low, high) = (&self.slices[above.saturating_sub(1)], &self.slices[above.min(last)]);
+        let rise = high.z_mm - low.z_mm;
+        let t = if rise > 1e-9 { ((z_mm - low.z_mm) / rise).clamp(0.0, 1.0) } else { 0.0 };
+        (low, high, t)
+    }
+
+    fn sample_picture(&self, p: DVec3) -> AxisSample {
+        let shift = self.shift_at(p.z, self.slices[0].z_mm);
+        let q = self.to_picture(p.truncate() - shift);
+        let (low, high, t) = self.around(p.z);
+        let below = low.axes.sample(q);
+        if t == 0.0 { below } else { below.towards(high.axes.sample(q), t) }
+    }
+
+    /// How much farther apart than on average lines lie at a point, for lines that follow the picture's darkness.
+    pub fn sparseness(&self, p: DVec3) -> f64 {
+        if self.darkness <= 0.0 {
+            return 1.0;
+        }
+        let dark = self.sample_picture(p).darkness;
+        grainpath_core::math::pow(1.0 + self.darkness, 1.0 - 2.0 * dark)
+    }
+
+    /// The axis the picture alone asks for at a point of the part, radians, and its coherence; nothing where that is
+    /// below 0.3.
+    pub fn asked(&self, p: DVec3) -> (f64, f64) {
+        let s = self.sample(p);
+        (s.axis_rad, if s.strength > 0.3 { s.strength } else { 0.0 })
+    }
+
+    /// Whether the grain is the same at every height.
+    pub fn is_upright(&self) -> bool {
+        self.slices.len() == 1 && self.shift_mm_per_mm == DVec2::ZERO
+    }
+
+    /// Whether lines follow the picture's darkness.
+    pub fn has_darkness(&self) -> bool {
+        self.darkness > 0.0
+    }
+
+    /// The curves of a height, on the part, longest first: those of a photograph, or between two photographs the lower
+    /// one's moved towards the upper one's.
+    pub fn curves(&self, z_mm: f64) -> Vec<Vec<DVec2>> {
+        let shift = self.shift_at(z_mm, self.slices[0].z_mm);
+        let (low, high, t) = self.around(z_mm);
+        let mut curves =
+            if t == 0.0 || std::ptr::eq(low, high) { low.curves.clone() } else { between(low, high, t) };
+        curves.iter_mut().flatten().for_each(|p| *p = self.to_part(*p) + shift);
+        curves
+    }
+
+    /// Mean coherence over all photographs.
+    pub fn coherence(&self) -> f64 {
+        self.photos.iter().map(|p| p.coherence).sum::<f64>() / self.photos.len().max(1) as f64
+    }
+}
+
+impl DirectionField for GrainGuide {
+    fn sample(&self, p: DVec3) -> DirectionSample {
+        let s = self.sample_picture(p);
+        let own = s.axis_rad();
+        let axis = if self.mirror_mm.is_some() { -own } else { own } + self.rotate_rad;
+        DirectionSample { axis_rad: axis.rem_euclid(PI), strength: s.coherence, principal_mpa: None }
+    }
+}
+
+/// Curves of neighbouring photographs farther apart than this are not the same growth line, mm.
+const SAME_MM: f64 = 3.0;
+
+/// Curves between two heights: each of the nearer photograph's that has a partner in the other is moved part of the
+/// way to it; the others stay where they are.
+fn between(low: &Slice, high: &Slice, t: f64) -> Vec<Vec<DVec2>> {
+    let (from, to, share) = if t < 0.5 { (low, high, t) } else { (high, low, 1.0 - t) };
+    from.curves.iter().map(|curve| moved(curve, to, share)).collect()
+}
+
+fn moved(curve: &[DVec2], to: &Slice, share: f64) -> Vec<DVec2> {
+    let nearest = |p: DVec2| {
+        let mut best = (SAME_MM * SAME_MM, None);
+        to.near.each(p, SAME_MM, |q, line, _| {
+            let d = q.distance_squared(p);
+            if d < best.0 {
+                best = (d, Some((line, q - p)));
+            }
+        });
+        best.1
+    };
+    let found: Vec<Option<(u32, DVec2)>> = curve.iter().map(|&p| nearest(p)).collect();
+    // The partner is the line that most points are nearest to.
+    let mut lines: Vec<u32> = found.iter().flatten().map(|(line, _)| *line).collect();
+    lines.sort_unstable();
+    let runs = lines.chunk_by(|a, b| a == b).map(|run| (run.len(), run[0]));
+    let Some((n, partner)) = runs.fold(
+        None,
+        |best: Option<(usize, u32)>, run| {
+            if best.is_none_or(|b| run.0 > b.0) { Some(run) } else { best }
+        },
+    ) else {
+        return curve.to_vec();
+    };
+    if 5 * n < 3 * curve.len() {
+        return curve.to_vec();
+    }
+    // Steps to the partner, evened out along the curve so that it bends and does not break.
+    let steps: Vec<Option<DVec2>> =
+        found.iter().map(|f| f.filter(|(l, _)| *l == partner).map(|(_, d)| d)).collect();
+    let reach = 20;
+    curve
+        .iter()
+        .enumerate()
+        .map(|(k, &p)| {
+            let window = &steps[k.saturating_sub(reach)..(k + reach + 1).min(steps.len())];
+            let known: Vec<DVec2> = window.iter().copied().flatten().collect();
+            let step = if known.is_empty() {
+                DVec2::ZERO
+            } else {
+                known.iter().copied().sum::<DVec2>() / known.len() as f64
+            };
+            p + share * step
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::board::{Board, Knot};
+    use super::super::curves::Join;
+    use super::super::tensor::axis_difference_rad;
+    use super::*;
+
+    pub(crate) fn settings(size_mm: DVec2, mode: Mode) -> GrainSettings {
+        GrainSettings {
+            corners: Corners::Image,
+            size_mm,
+            origin_mm: DVec2::ZERO,
+            rotate_rad: 0.0,
+            mirror: false,
+            heights_mm: vec![0.0],
+            shift_mm_per_mm: DVec2::ZERO,
+            mode,
+            pixel_mm: None,
+            blur_mm: None,
+            median_px: 1,
+            canny: CannySettings::default(),
+            curves: CurveSettings {
+                join: Join::Trace,
+                max_turn_rad: 1.0,
+                bridge_mm: 1.5,
+                min_length_mm: 3.0,
+            },
+            integration_mm: 0.6,
+            smooth_mm: 0.6,
+            tangent: Tangent::None,
+            darkness: 0.0,
+            pictures: false,
+        }
+    }
+
+    fn photo(board: &Board) -> Photo {
+        Photo { name: "board".into(), grey: board.flat(0.12, 0.5) }
+    }
+
+    fn guide(photos: &[Photo], s: &GrainSettings) -> GrainGuide {
+        read_grain(photos, s, &|_| Region::default(), &Diagnostics::default()).expect("a guide")
+    }
+
+    #[test]
+    fn placed_turned_and_mirrored_the_grain_keeps_its_truth() {
+        let board = Board::default();
+        for (rotate_rad, mirror) in [(0.0, false), (0.7, false), (2.0, true)] {
+            let s = GrainSettings {
+                origin_mm: DVec2::new(12.0, -7.0),
+                rotate_rad,
+                mirror,
+                shift_mm_per_mm: DVec2::new(0.3, -0.2),
+                ..settings(board.size_mm, Mode::Field)
+            };
+            let g = guide(&[photo(&board)], &s);
+            let (mut worst, z) = (0.0f64, 5.0);
+            for i in 1..20 {
+                let q = DVec2::new(5.0 * f64::from(i), 24.0);
+                let Some(truth) = board.axis_rad(q, 1.0) else { continue };
+                let p = g.to_part(q) + z * s.shift_mm_per_mm;
+                let truth = if mirror { -truth } else { truth } + rotate_rad;
+                worst = worst.max(axis_difference_rad(g.sample(p.extend(z)).axis_rad, truth).to_degrees());
+                assert!(g.to_picture(g.to_part(q)).distance(q) < 1e-9);
+            }
+            assert!(worst < 5.0, "turned {rotate_rad}, mirrored {mirror}: {worst} deg");
+        }
+    }
+
+    #[test]
+    fn between_two_photographs_grain_and_curves_are_between_them() {
+        let lower = Board {
+            knots: vec![Knot { centre_mm: DVec2::new(45.0, 15.0), radius_mm: 4.0 }],
+            ..Board::default()
+        };
+        let upper = Board {
+            knots: vec![Knot { centre_mm: DVec2::new(47.0, 15.0), radius_mm: 4.0 }],
+            ..Board::default()
+        };
+        let middle = Board {
+            knots: vec![Knot { centre_mm: DVec2::new(46.0, 15.0), radius_mm: 4.0 }],
+            ..Board::default()
+        };
+        let s = GrainSettings { heights_mm: vec![0.0, 4.0], ..settings(lower.size_mm, Mode::Edges) };
+        let g = guide(&[photo(&lower), photo(&upper)], &s);
+        let (mut sum, mut length) = (0.0, 0.0);
+        for w in g.curves(2.0).iter().flat_map(|c| c.windows(9)).step_by(9) {
+            let d = w[8] - w[0];
+            if let Some(truth) = middle.axis_rad(w[4], 1.0) {
+                sum += axis_difference_rad(grainpath_core::math::atan2(d.y, d.x), truth).to_degrees()
+                    * d.length();
+                length += d.length();
+            }
+        }
+        assert!(length > 1000.0 && sum / length < 4.0, "{} deg over {length} mm", sum / length);
+        assert_eq!(g.curves(-1.0), g.curves(0.0));
+        let (a, b) = (DVec3::new(30.0, 20.0, 1.0), DVec3::new(30.0, 20.0, 2.0));
+        assert!(axis_difference_rad(g.sample(a).axis_rad, g.sample(b).axis_rad) < 0.2);
+    }
+
+    #[test]
+    fn no_photograph_of_wood_is_told() {
+        let size = DVec2::new(60.0, 40.0);
+        let s = settings(size, Mode::Field);
+        let black = Photo { name: "black".into(), grey: Grey::filled(300, 200, 0.0) };
+        let none = |_: f64| Region::default();
+        let error = read_grain(std::slice::from_ref(&black), &s, &none, &Diagnostics::default()).err();
+        assert!(matches!(error, Some((0, GrainError::Blank { .. }))), "{error:?}");
+        // Plain paper: noise and nothing else.
+        let mixed = |i: usize| {
+            let mut h = i as u32;
+            for (shift, factor) in [(16, 0x7feb_352d_u32), (15, 0x846c_a68b)] {
+                h = (h ^ (h >> shift)).wrapping_mul(factor);
+            }
+            (h ^ (h >> 16)) as f32 / u32::MAX as f32
+        };
+        let paper = Grey::from_fn(300, 200, |x, y| 0.8 + 0.05 * (mixed(300 * y + x) - 0.5));
+        let d = Diagnostics::default();
+        let paper = Photo { name: "paper.png".into(), grey: paper };
+        read_grain(&[paper], &s, &none, &d)
+            .expect("paper can be followed, though there is nothing to follow");
+        assert!(d.warnings().iter().any(|w| w.contains("coherence")), "{:?}", d.warnings());
+        let crossed = [(0.0, 0.0), (300.0, 200.0), (300.0, 0.0), (0.0, 200.0)].map(DVec2::from);
+        let s = GrainSettings { corners: Corners::Given(vec![crossed]), ..s };
+        let error = read_grain(&[black], &s, &none, &d).err();
+        assert_eq!(error, Some((0, GrainError::Corners(CornerError::Crossed))));
+    }
+}

@@ -1,0 +1,15 @@
+//! The grain of photographs: rectified, read as directions and as curves, laid as beads.
+
+pub mod board;
+pub mod canny;
+pub mod corners;
+pub mod curves;
+pub mod guide;
+pub mod lay;
+pub mod markers;
+mod pictures;
+pub mod raster;
+pub mod tensor;
+pub mod warp;
+
+pub use guide::{GrainError, GrainGuide, GrainSettings, Photo, PhotoReport, read_grain};

@@ -1,0 +1,120 @@
+//! The steps from photograph to curves, as pictures.
+
+use grainpath_core::DVec2;
+use grainpath_core::math::direction;
+use tiny_skia::{LineCap, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Stroke, Transform};
+
+use super::canny::Edges;
+use super::raster::Grey;
+use super::tensor::AxisGrid;
+use super::warp::MetricImage;
+use crate::html::Picture;
+use crate::render::encode_png;
+
+/// Pictures are no larger than this.
+const LONGEST_PX: f64 = 1600.0;
+
+/// Names and pictures of the steps, in their order.
+pub fn steps(
+    photo: &Grey,
+    corners: [DVec2; 4],
+    image: &MetricImage,
+    denoised: &MetricImage,
+    edges: Option<&Edges>,
+    axes: &AxisGrid,
+    curves: &[Vec<DVec2>],
+) -> Vec<(String, Picture)> {
+    let mut out = Vec::new();
+    let mut put = |name: &str, title: &str, canvas: Canvas| {
+        let png = encode_png(canvas.pixels.width(), canvas.pixels.height(), canvas.pixels.data());
+        out.push((format!("grain_{name}.png"), Picture { title: title.into(), png }));
+    };
+    let mut canvas = Canvas::of(photo, 1.0, false);
+    let ring: Vec<DVec2> = corners.iter().chain([&corners[0]]).copied().collect();
+    canvas.line(&ring, 3.0, [255, 60, 40]);
+    put("1_photograph", "The photograph and the corners", canvas);
+    put("2_rectified", "Rectified", Canvas::of(&image.grey, 1.0, true));
+    put("3_denoised", "Denoised", Canvas::of(&denoised.grey, 1.0, true));
+    if let Some(edges) = edges {
+        let mask = Grey {
+            width: edges.width,
+            height: edges.height,
+            data: edges.mask.iter().map(|&m| if m { 1.0 } else { 0.0 }).collect(),
+        };
+        put("4_edges", "Edges", Canvas::of(&mask, 1.0, true));
+    }
+    let to_px = |p: DVec2| {
+        let q = image.pixel(p);
+        DVec2::new(q.x, image.grey.height as f64 - q.y)
+    };
+    let mut canvas = Canvas::of(&image.grey, 0.55, true);
+    // A stroke every dozen pixels of the picture.
+    let every_mm = 14.0 / canvas.scale * image.px_mm;
+    let size = image.size_mm();
+    for j in 0..(size.y / every_mm) as usize {
+        for i in 0..(size.x / every_mm) as usize {
+            let p = every_mm * DVec2::new(i as f64 + 0.5, j as f64 + 0.5);
+            let s = axes.sample(p);
+            let half = direction(s.axis_rad()) * 0.42 * every_mm;
+            let c = (s.coherence * 255.0) as u8;
+            canvas.line(&[to_px(p - half), to_px(p + half)], 1.6, [255, c, 255 - c]);
+        }
+    }
+    put("5_field", "Directions: yellow clear, violet unclear", canvas);
+    if !curves.is_empty() {
+        let mut canvas = Canvas::of(&image.grey, 0.5, true);
+        for (k, curve) in curves.iter().enumerate() {
+            let line: Vec<DVec2> = curve.iter().map(|&p| to_px(p)).collect();
+            let hue = [[255, 200, 60], [90, 220, 255], [140, 255, 120], [255, 130, 180]][k % 4];
+            canvas.line(&line, 1.3, hue);
+        }
+        put("6_curves", "Curves along the edges", canvas);
+    }
+    out
+}
+
+struct Canvas {
+    pixels: Pixmap,
+    /// Pixels here for one of the picture.
+    scale: f64,
+}
+
+impl Canvas {
+    /// A grey picture, shrunk to fit; `upwards` for one whose rows begin at the bottom.
+    fn of(grey: &Grey, brightness: f32, upwards: bool) -> Self {
+        let longest = grey.width.max(grey.height).max(1) as f64;
+        // Small pictures are blown up, so that lines on them can be told apart.
+        let scale = (LONGEST_PX / longest).min(6.0);
+        let size = |n: usize| ((n as f64 * scale).round() as u32).max(1);
+        let (w, h) = (size(grey.width), size(grey.height));
+        let mut pixels = Pixmap::new(w, h).expect("a size from 1 to 1600 pixels");
+        let mut small = grey.clone();
+        let mut level = 1.0;
+        while scale * level < 0.6 {
+            small = small.halved();
+            level *= 2.0;
+        }
+        for (k, pixel) in pixels.pixels_mut().iter_mut().enumerate() {
+            let (x, row) = (k as u32 % w, k as u32 / w);
+            let y = if upwards { h - 1 - row } else { row };
+            let at = |v: u32| (f64::from(v) + 0.5) / (scale * level);
+            let v = (small.sample(at(x), at(y)) * brightness * 255.0).clamp(0.0, 255.0) as u8;
+            *pixel = PremultipliedColorU8::from_rgba(v, v, v, 255).expect("opaque");
+        }
+        Self { pixels, scale }
+    }
+
+    /// A line in the picture's pixels, rows from the top.
+    fn line(&mut self, points: &[DVec2], width: f32, [r, g, b]: [u8; 3]) {
+        let mut builder = PathBuilder::new();
+        for (k, p) in points.iter().enumerate() {
+            let (x, y) = ((p.x * self.scale) as f32, (p.y * self.scale) as f32);
+            if k == 0 { builder.move_to(x, y) } else { builder.line_to(x, y) }
+        }
+        let Some(path) = builder.finish() else { return };
+        let mut paint = Paint { anti_alias: true, ..Paint::default() };
+        paint.set_color_rgba8(r, g, b, 255);
+        let stroke = Stroke { width, line_cap: LineCap::Round, ..Stroke::default() };
+        self.pixels.stroke_path(&path, &paint, &stroke, Transform::identity(), None);
+    }
+}

@@ -1,0 +1,181 @@
+//! A grey picture and the filters that remove its noise.
+
+use grainpath_core::math::exp;
+use rayon::prelude::*;
+
+/// A grey picture, row-major. Which way rows run is the user's: photographs begin at the top, rectified pictures at
+/// the bottom, so that y grows with the row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grey {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// `(height, width)`; 0 black to 1 white.
+    pub data: Vec<f32>,
+}
+
+impl Grey {
+    /// A picture of one brightness.
+    pub fn filled(width: usize, height: usize, value: f32) -> Self {
+        Self { width, height, data: vec![value; width * height] }
+    }
+
+    /// A picture of `value(column, row)`.
+    pub fn from_fn(width: usize, height: usize, value: impl Fn(usize, usize) -> f32 + Sync) -> Self {
+        let mut out = Self::filled(width, height, 0.0);
+        out.data.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, row)| {
+            row.iter_mut().enumerate().for_each(|(x, v)| *v = value(x, y));
+        });
+        out
+    }
+
+    /// The pixel in column `x` and row `y`.
+    pub fn at(&self, x: usize, y: usize) -> f32 {
+        self.data[y * self.width + x]
+    }
+
+    /// Brightness at a point in pixels, linear between the centres of pixels; (0.5, 0.5) is the centre of the first.
+    /// Outside, the nearest pixel's.
+    pub fn sample(&self, x: f64, y: f64) -> f32 {
+        let place = |v: f64, n: usize| {
+            let v = (v - 0.5).clamp(0.0, n as f64 - 1.0);
+            let i = (v as usize).min(n.saturating_sub(2));
+            (i, (v - i as f64) as f32)
+        };
+        let ((i, u), (j, v)) = (place(x, self.width), place(y, self.height));
+        let right = usize::from(self.width > 1);
+        let up = if self.height > 1 { self.width } else { 0 };
+        let k = j * self.width + i;
+        let low = self.data[k] + u * (self.data[k + right] - self.data[k]);
+        let high = self.data[k + up] + u * (self.data[k + up + right] - self.data[k + up]);
+        low + v * (high - low)
+    }
+
+    /// Half the size, each pixel the mean of four.
+    pub fn halved(&self) -> Self {
+        let (w, h) = (self.width.div_ceil(2), self.height.div_ceil(2));
+        Self::from_fn(w, h, |x, y| {
+            let (x1, y1) = ((2 * x + 1).min(self.width - 1), (2 * y + 1).min(self.height - 1));
+            0.25 * (self.at(2 * x, 2 * y) + self.at(x1, 2 * y) + self.at(2 * x, y1) + self.at(x1, y1))
+        })
+    }
+
+    /// Smoothed by a Gaussian of this standard deviation in pixels; the border repeats.
+    pub fn blurred(&self, sigma_px: f64) -> Self {
+        if sigma_px < 0.05 || self.data.is_empty() {
+            return self.clone();
+        }
+        let taps = gaussian_taps(sigma_px);
+        let r = taps.len() - 1;
+        let (w, h) = (self.width, self.height);
+        let mut across = Self::filled(w, h, 0.0);
+        across.data.par_chunks_mut(w).zip(self.data.par_chunks(w)).for_each_init(
+            || vec![0.0f32; w + 2 * r],
+            |padded, (out, row)| {
+                padded[..r].fill(row[0]);
+                padded[r..r + w].copy_from_slice(row);
+                padded[r + w..].fill(row[w - 1]);
+                scaled(out, &padded[r..r + w], taps[0]);
+                for (k, &t) in taps.iter().enumerate().skip(1) {
+                    add_pair(out, &padded[r - k..r - k + w], &padded[r + k..r + k + w], t);
+                }
+            },
+        );
+        let mut out = Self::filled(w, h, 0.0);
+        out.data.par_chunks_mut(w).enumerate().for_each(|(y, out)| {
+            let row = |k: usize| &across.data[k * w..(k + 1) * w];
+            scaled(out, row(y), taps[0]);
+            for (k, &t) in taps.iter().enumerate().skip(1) {
+                add_pair(out, row(y.saturating_sub(k)), row((y + k).min(h - 1)), t);
+            }
+        });
+        out
+    }
+
+    /// The median of the square of `2 radius + 1` pixels around each; the border repeats. Takes specks out and
+    /// leaves edges where they are.
+    pub fn median(&self, radius: usize) -> Self {
+        if radius == 0 || self.data.is_empty() {
+            return self.clone();
+        }
+        let r = radius.min(7) as isize;
+        let place = |v: usize, d: isize, n: usize| (v as isize + d).clamp(0, n as isize - 1) as usize;
+        Self::from_fn(self.width, self.height, |x, y| {
+            let mut window = [0.0f32; 225];
+            let mut n = 0;
+            for dy in -r..=r {
+                let row = place(y, dy, self.height) * self.width;
+                for dx in -r..=r {
+                    window[n] = self.data[row + place(x, dx, self.width)];
+                    n += 1;
+                }
+            }
+            *window[..n].select_nth_unstable_by(n / 2, f32::total_cmp).1
+        })
+    }
+
+    /// The brightness below which this share of the pixels lies.
+    pub fn quantile(&self, share: f64) -> f32 {
+        quantile(&mut self.data.clone(), share)
+    }
+}
+
+/// The value below which this share of the values lies; 0 of none. Reorders them.
+pub fn quantile(values: &mut [f32], share: f64) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let k = (share.clamp(0.0, 1.0) * (values.len() - 1) as f64).round() as usize;
+    *values.select_nth_unstable_by(k, f32::total_cmp).1
+}
+
+fn scaled(out: &mut [f32], row: &[f32], t: f32) {
+    out.iter_mut().zip(row).for_each(|(o, v)| *o = t * v);
+}
+
+fn add_pair(out: &mut [f32], a: &[f32], b: &[f32], t: f32) {
+    out.iter_mut().zip(a).zip(b).for_each(|((o, a), b)| *o += t * (a + b));
+}
+
+/// Weights of a Gaussian from its middle outwards, summing to one over both sides.
+fn gaussian_taps(sigma_px: f64) -> Vec<f32> {
+    let r = (3.0 * sigma_px).ceil().max(1.0) as usize;
+    let weight = |k: usize| exp(-0.5 * (k as f64 / sigma_px) * (k as f64 / sigma_px));
+    let sum: f64 = (0..=r).map(|k| if k == 0 { 1.0 } else { 2.0 * weight(k) }).sum();
+    (0..=r).map(|k| (weight(k) / sum) as f32).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blurring_keeps_the_sum_and_has_its_width() {
+        let mut dot = Grey::filled(61, 41, 0.0);
+        dot.data[20 * 61 + 30] = 1.0;
+        let soft = dot.blurred(2.5);
+        let sum: f32 = soft.data.iter().sum();
+        assert!((sum - 1.0).abs() < 1e-5);
+        let second: f64 = (0..61)
+            .map(|x| (x as f64 - 30.0).powi(2) * f64::from(soft.data[x..].iter().step_by(61).sum::<f32>()))
+            .sum();
+        assert!((second.sqrt() - 2.5).abs() < 0.06, "{}", second.sqrt());
+    }
+
+    #[test]
+    fn a_median_removes_a_speck_and_keeps_an_edge() {
+        let mut edge = Grey::from_fn(20, 20, |x, _| if x < 10 { 0.0 } else { 1.0 });
+        let clean = edge.clone();
+        edge.data[5 * 20 + 4] = 1.0;
+        assert_eq!(edge.median(1), clean);
+    }
+
+    #[test]
+    fn sampling_is_linear_between_centres() {
+        let ramp = Grey::from_fn(8, 4, |x, y| x as f32 + 10.0 * y as f32);
+        assert!((ramp.sample(3.25, 2.0) - (2.75 + 15.0)).abs() < 1e-5);
+        assert_eq!(ramp.sample(-5.0, -5.0), 0.0);
+        assert_eq!(ramp.sample(50.0, 50.0), 37.0);
+    }
+}

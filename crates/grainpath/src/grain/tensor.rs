@@ -1,0 +1,464 @@
+//! The direction of the grain: structure tensor, coherence, smoothing.
+//!
+//! The gradient of a picture of grain points across the grain. Its outer product with itself, averaged over a
+//! neighbourhood, has no sign and so does not cancel over a line with two flanks; its weak axis is the grain. All
+//! averages are of the doubled angle, for which an axis and its opposite are the same.
+
+use std::f64::consts::PI;
+
+use grainpath_core::math::{atan2, sin_cos};
+use grainpath_core::{DVec2, Region};
+use rayon::prelude::*;
+
+use super::raster::{Grey, quantile};
+use super::warp::MetricImage;
+
+/// How a direction is read out of a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TensorSettings {
+    /// Standard deviation of the Gaussian before gradients are taken, mm.
+    pub gradient_mm: f64,
+    /// Standard deviation of the neighbourhood over which they are averaged, mm.
+    pub integration_mm: f64,
+    /// Over about this length clear places give their direction to unclear ones, mm.
+    pub smooth_mm: f64,
+}
+
+/// An axis at every node of a square grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AxisGrid {
+    /// Place of the first node, mm.
+    pub min_mm: DVec2,
+    /// Distance of neighbouring nodes, mm.
+    pub step_mm: f64,
+    /// Nodes in a row.
+    pub nx: usize,
+    /// Rows.
+    pub ny: usize,
+    /// Cosine and sine of twice the angle, unit length.
+    pub double: Vec<[f32; 2]>,
+    /// How clear the axis is, 0 to 1: the coherence of the tensor.
+    pub coherence: Vec<f32>,
+    /// The mean coherence over a neighbourhood three times as wide: noise has hardly any, wood nearly as much.
+    pub wide_coherence: f64,
+    /// How much darker than its surroundings the picture is here, 0 to 1.
+    pub darkness: Vec<f32>,
+}
+
+/// What [`AxisGrid::sample`] finds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisSample {
+    /// Cosine and sine of twice the angle, not scaled: shorter where neighbours disagree.
+    pub double: [f64; 2],
+    /// 0 to 1.
+    pub coherence: f64,
+    /// 0 to 1.
+    pub darkness: f64,
+}
+
+impl AxisSample {
+    /// The angle from +X, radians in `[0, pi)`.
+    pub fn axis_rad(&self) -> f64 {
+        (0.5 * atan2(self.double[1], self.double[0])).rem_euclid(PI)
+    }
+
+    /// Between this one and another, `t` of the way.
+    pub fn towards(self, other: Self, t: f64) -> Self {
+        let mix = |a: f64, b: f64| a + t * (b - a);
+        Self {
+            double: [mix(self.double[0], other.double[0]), mix(self.double[1], other.double[1])],
+            coherence: mix(self.coherence, other.coherence),
+            darkness: mix(self.darkness, other.darkness),
+        }
+    }
+}
+
+impl AxisGrid {
+    /// The place of a node, mm.
+    pub fn place(&self, i: usize, j: usize) -> DVec2 {
+        self.min_mm + self.step_mm * DVec2::new(i as f64, j as f64)
+    }
+
+    /// The axis at a point, linear between nodes; outside, the nearest.
+    pub fn sample(&self, p: DVec2) -> AxisSample {
+        let at = (p - self.min_mm) / self.step_mm;
+        let place = |v: f64, n: usize| {
+            let v = if v.is_nan() { 0.0 } else { v.clamp(0.0, n as f64 - 1.0) };
+            let i = (v as usize).min(n.saturating_sub(2));
+            (i, v - i as f64)
+        };
+        let ((i, u), (j, v)) = (place(at.x, self.nx), place(at.y, self.ny));
+        let (right, up) = (usize::from(self.nx > 1), if self.ny > 1 { self.nx } else { 0 });
+        let node = |k: usize| AxisSample {
+            double: self.double[k].map(f64::from),
+            coherence: self.coherence[k].into(),
+            darkness: self.darkness[k].into(),
+        };
+        let k = j * self.nx + i;
+        let low = node(k).towards(node(k + right), u);
+        let high = node(k + up).towards(node(k + up + right), u);
+        low.towards(high, v)
+    }
+
+    /// Share of the nodes where the coherence is at least this.
+    pub fn clear_share(&self, coherence: f32) -> f64 {
+        let clear = self.coherence.iter().filter(|c| **c >= coherence).count();
+        clear as f64 / self.coherence.len().max(1) as f64
+    }
+
+    /// The mean coherence.
+    pub fn mean_coherence(&self) -> f64 {
+        self.coherence.iter().map(|c| f64::from(*c)).sum::<f64>() / self.coherence.len().max(1) as f64
+    }
+}
+
+/// What smoothing starts from: doubled angles and how much each is to be trusted.
+struct Evidence {
+    double: Vec<[f32; 2]>,
+    weight: Vec<f32>,
+}
+
+/// Pixels that differ less than this from their surroundings show nothing, as a share of white.
+const FAINT: f32 = 2e-3;
+
+/// The grain of a picture, one node about every third of the integration scale.
+pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
+    let px = image.px_mm;
+    let sigma_px = (settings.gradient_mm / px).max(0.7);
+    let smooth = image.grey.blurred(sigma_px);
+    let flat = flattened(&smooth, 3.0 * settings.integration_mm / px);
+    let cell = ((settings.integration_mm / px / 2.5).floor() as usize).max(1);
+    let (nx, ny) = ((flat.width / cell).max(1), (flat.height / cell).max(1));
+    let sums: Vec<[f32; 4]> = (0..nx * ny)
+        .into_par_iter()
+        .with_min_len(256)
+        .map(|k| cell_tensor(&flat, cell * (k % nx), cell * (k / nx), cell))
+        .collect();
+    let sigma = settings.integration_mm / px / cell as f64;
+    let layer =
+        |c: usize| Grey { width: nx, height: ny, data: sums.iter().map(|s| s[c]).collect() }.blurred(sigma);
+    let [xx, xy, yy] = [layer(0), layer(1), layer(2)];
+    let dark = layer(3);
+    let mut energy: Vec<f32> = xx.data.iter().zip(&yy.data).map(|(a, b)| a + b).collect();
+    let typical = quantile(&mut energy.clone(), 0.5).max(FAINT * FAINT);
+    let wide_coherence =
+        mean_coherence(&xx.blurred(3.0 * sigma), &xy.blurred(3.0 * sigma), &yy.blurred(3.0 * sigma));
+    let mut grid = AxisGrid {
+        min_mm: image.place(0.5 * cell as f64, 0.5 * cell as f64),
+        step_mm: px * cell as f64,
+        nx,
+        ny,
+        double: vec![[1.0, 0.0]; nx * ny],
+        coherence: vec![0.0; nx * ny],
+        wide_coherence,
+        darkness: dark.data,
+    };
+    let mut weight = vec![0.0; nx * ny];
+    for k in 0..nx * ny {
+        // The gradient's axis doubled, turned by half a turn: the grain's.
+        let (c, s) = (yy.data[k] - xx.data[k], -2.0 * xy.data[k]);
+        let length = (c * c + s * s).sqrt();
+        let e = std::mem::replace(&mut energy[k], 0.0).max(1e-12);
+        grid.coherence[k] = (length / (e + FAINT * FAINT)).min(1.0);
+        if length > 0.0 {
+            grid.double[k] = [c / length, s / length];
+        }
+        weight[k] = grid.coherence[k] * grid.coherence[k] * e / (e + 0.25 * typical);
+    }
+    spread_darkness(&mut grid.darkness);
+    let evidence = Evidence { double: grid.double.clone(), weight };
+    grid.double = smoothed(&grid, &evidence, settings.smooth_mm / grid.step_mm);
+    grid
+}
+
+/// The mean over all nodes of the difference of a tensor's eigenvalues over their sum.
+fn mean_coherence(xx: &Grey, xy: &Grey, yy: &Grey) -> f64 {
+    let each = |k: usize| {
+        let (c, s) = (yy.data[k] - xx.data[k], 2.0 * xy.data[k]);
+        f64::from((c * c + s * s).sqrt() / (xx.data[k] + yy.data[k] + FAINT * FAINT))
+    };
+    (0..xx.data.len()).map(each).sum::<f64>() / xx.data.len().max(1) as f64
+}
+
+/// The picture with slow changes of brightness and contrast taken out: uneven light, stains.
+fn flattened(grey: &Grey, sigma_px: f64) -> Grey {
+    // A slow average needs no fine picture.
+    let mut small = grey.clone();
+    let (mut level, mut n_halvings) = (1.0, 0);
+    while sigma_px / level > 6.0 && small.width > 16 && small.height > 16 {
+        small = small.halved();
+        level *= 2.0;
+        n_halvings += 1;
+    }
+    let mean = small.blurred(sigma_px / level);
+    let off =
+        |x: usize, y: usize| grey.at(x, y) - mean.sample((x as f64 + 0.5) / level, (y as f64 + 0.5) / level);
+    let difference = Grey::from_fn(grey.width, grey.height, off);
+    let mut squares =
+        Grey::from_fn(grey.width, grey.height, |x, y| difference.at(x, y) * difference.at(x, y));
+    for _ in 0..n_halvings {
+        squares = squares.halved();
+    }
+    let spread = squares.blurred(2.0 * sigma_px / level);
+    Grey::from_fn(grey.width, grey.height, |x, y| {
+        let s = spread.sample((x as f64 + 0.5) / level, (y as f64 + 0.5) / level).max(0.0).sqrt();
+        // Contrast is evened out, but noise in a blank place is not blown up.
+        difference.at(x, y) / (s + 0.01) * 0.1
+    })
+}
+
+/// Gradients of a square of pixels: sums of products, and the brightness.
+fn cell_tensor(flat: &Grey, x0: usize, y0: usize, cell: usize) -> [f32; 4] {
+    let (w, h) = (flat.width, flat.height);
+    let mut sum = [0.0f32; 4];
+    for y in y0..y0 + cell {
+        let rows = [y.saturating_sub(1), y, (y + 1).min(h - 1)].map(|r| &flat.data[r * w..(r + 1) * w]);
+        for x in x0..x0 + cell {
+            let (l, r) = (x.saturating_sub(1), (x + 1).min(w - 1));
+            // Scharr's weights: the direction is right to a tenth of a degree.
+            let gx = 3.0 * (rows[0][r] - rows[0][l])
+                + 10.0 * (rows[1][r] - rows[1][l])
+                + 3.0 * (rows[2][r] - rows[2][l]);
+            let gy = 3.0 * (rows[2][l] - rows[0][l])
+                + 10.0 * (rows[2][x] - rows[0][x])
+                + 3.0 * (rows[2][r] - rows[0][r]);
+            let (gx, gy) = (gx / 32.0, gy / 32.0);
+            sum = [sum[0] + gx * gx, sum[1] + gx * gy, sum[2] + gy * gy, sum[3] + rows[1][x]];
+        }
+    }
+    sum.map(|s| s / (cell * cell) as f32)
+}
+
+/// From flattened brightness to 0 (light) to 1 (dark), between the brightest and the darkest twentieth.
+fn spread_darkness(values: &mut [f32]) {
+    let mut copy = values.to_vec();
+    let (low, high) = (quantile(&mut copy, 0.05), quantile(&mut copy, 0.95));
+    let range = (high - low).max(1e-6);
+    values.iter_mut().for_each(|v| *v = ((high - *v) / range).clamp(0.0, 1.0));
+}
+
+/// The axes that differ least from the evidence and from each other: one linear system for the doubled angles,
+/// solved by conjugate gradients in a fixed order. `reach` is the length, in nodes, over which evidence of weight 1
+/// holds against its neighbours.
+fn smoothed(grid: &AxisGrid, evidence: &Evidence, reach: f64) -> Vec<[f32; 2]> {
+    let (nx, ny) = (grid.nx, grid.ny);
+    let stiff = (reach * reach).max(1e-3) as f32;
+    let weight: Vec<f32> = evidence.weight.iter().map(|w| w + 1e-4).collect();
+    let neighbours = |k: usize| {
+        let (i, j) = (k % nx, k / nx);
+        [
+            (i > 0).then(|| k - 1),
+            (i + 1 < nx).then(|| k + 1),
+            (j > 0).then(|| k - nx),
+            (j + 1 < ny).then(|| k + nx),
+        ]
+    };
+    let apply = |v: &[[f32; 2]]| -> Vec<[f32; 2]> {
+        let row = |k: usize| {
+            let mut out = v[k].map(|c| weight[k] * c);
+            for n in neighbours(k).into_iter().flatten() {
+                out = [out[0] + stiff * (v[k][0] - v[n][0]), out[1] + stiff * (v[k][1] - v[n][1])];
+            }
+            out
+        };
+        (0..nx * ny).into_par_iter().with_min_len(4096).map(row).collect()
+    };
+    let diagonal: Vec<f32> = (0..nx * ny)
+        .map(|k| weight[k] + stiff * neighbours(k).into_iter().flatten().count() as f32)
+        .collect();
+    let dot = |a: &[[f32; 2]], b: &[[f32; 2]]| -> f64 {
+        a.iter().zip(b).map(|(a, b)| f64::from(a[0] * b[0] + a[1] * b[1])).sum()
+    };
+    let mut x = evidence.double.clone();
+    let right: Vec<[f32; 2]> =
+        evidence.double.iter().zip(&weight).map(|(d, w)| [w * d[0], w * d[1]]).collect();
+    let mut residual: Vec<[f32; 2]> =
+        right.iter().zip(apply(&x)).map(|(b, a)| [b[0] - a[0], b[1] - a[1]]).collect();
+    let scaled = |r: &[[f32; 2]]| -> Vec<[f32; 2]> {
+        r.iter().zip(&diagonal).map(|(r, d)| [r[0] / d, r[1] / d]).collect()
+    };
+    let mut z = scaled(&residual);
+    let mut direction = z.clone();
+    let mut rz = dot(&residual, &z);
+    let stop = 1e-6 * dot(&right, &scaled(&right));
+    for _ in 0..200 {
+        if rz <= stop {
+            break;
+        }
+        let image = apply(&direction);
+        let alpha = (rz / dot(&direction, &image).max(1e-30)) as f32;
+        for k in 0..x.len() {
+            for c in 0..2 {
+                x[k][c] += alpha * direction[k][c];
+                residual[k][c] -= alpha * image[k][c];
+            }
+        }
+        z = scaled(&residual);
+        let next = dot(&residual, &z);
+        let beta = (next / rz) as f32;
+        rz = next;
+        for (d, z) in direction.iter_mut().zip(&z) {
+            *d = [z[0] + beta * d[0], z[1] + beta * d[1]];
+        }
+    }
+    x.into_iter()
+        .map(|[c, s]| {
+            let length = (c * c + s * s).sqrt();
+            if length > 1e-9 { [c / length, s / length] } else { [1.0, 0.0] }
+        })
+        .collect()
+}
+
+/// A line that axes are to follow, and how strongly.
+pub struct Guideline<'a> {
+    /// The line, mm.
+    pub points: &'a [DVec2],
+    /// Whether its end joins its start.
+    pub closed: bool,
+    /// Weight beside evidence of weight up to 1.
+    pub weight: f32,
+}
+
+/// The axes of `grid` bent to follow lines near them. `keep` is the weight of what was there.
+pub fn along_lines(grid: &AxisGrid, lines: &[Guideline<'_>], keep: f32, reach_mm: f64) -> AxisGrid {
+    let mut sums = vec![[0.0f32; 3]; grid.nx * grid.ny];
+    for line in lines {
+        let n = line.points.len();
+        let segments = if line.closed { n } else { n.saturating_sub(1) };
+        for k in 0..segments {
+            let (a, b) = (line.points[k], line.points[(k + 1) % n]);
+            add_segment(grid, a, b, line.weight, &mut sums);
+        }
+    }
+    let mut evidence = Evidence { double: grid.double.clone(), weight: Vec::with_capacity(sums.len()) };
+    for (k, [c, s, w]) in sums.into_iter().enumerate() {
+        let own = keep * grid.coherence[k] * grid.coherence[k];
+        let total = own + w;
+        if total > 0.0 {
+            let old = evidence.double[k];
+            let mixed = [(own * old[0] + c) / total, (own * old[1] + s) / total];
+            evidence.double[k] = mixed;
+        }
+        evidence.weight.push(total);
+    }
+    let mut out = grid.clone();
+    out.double = smoothed(grid, &evidence, reach_mm / grid.step_mm);
+    out
+}
+
+fn add_segment(grid: &AxisGrid, a: DVec2, b: DVec2, weight: f32, sums: &mut [[f32; 3]]) {
+    let d = b - a;
+    let length = d.length();
+    if length < 1e-9 {
+        return;
+    }
+    let double = [(d.x * d.x - d.y * d.y) / (length * length), 2.0 * d.x * d.y / (length * length)];
+    let n = (2.0 * length / grid.step_mm).ceil().clamp(1.0, 1e5) as usize;
+    for k in 0..n {
+        let p = (a + d * ((k as f64 + 0.5) / n as f64) - grid.min_mm) / grid.step_mm;
+        let (i, j) = (p.x.round(), p.y.round());
+        if i >= 0.0 && j >= 0.0 && (i as usize) < grid.nx && (j as usize) < grid.ny {
+            let s = &mut sums[j as usize * grid.nx + i as usize];
+            let w = weight * (length / (n as f64 * grid.step_mm)) as f32;
+            *s = [s[0] + w * double[0] as f32, s[1] + w * double[1] as f32, s[2] + w];
+        }
+    }
+}
+
+/// Borders are followed whatever the picture shows there.
+const BORDER_WEIGHT: f32 = 200.0;
+
+/// Which borders of the part the grain is bent along.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tangent {
+    /// None: the picture alone decides.
+    None,
+    /// The outline.
+    Outline,
+    /// The holes.
+    Holes,
+    /// Both.
+    Both,
+}
+
+/// The borders of a region that axes are to follow.
+pub fn border_lines(region: &Region, tangent: Tangent) -> Vec<Guideline<'_>> {
+    let mut lines = Vec::new();
+    for polygon in &region.polygons {
+        let line = |points| Guideline { points, closed: true, weight: BORDER_WEIGHT };
+        if matches!(tangent, Tangent::Outline | Tangent::Both) {
+            lines.push(line(polygon.outer.as_slice()));
+        }
+        if matches!(tangent, Tangent::Holes | Tangent::Both) {
+            lines.extend(polygon.holes.iter().map(|h| line(h.as_slice())));
+        }
+    }
+    lines
+}
+
+/// The angle between two undirected axes, radians from 0 to a right angle.
+pub fn axis_difference_rad(a: f64, b: f64) -> f64 {
+    let (s, c) = sin_cos(2.0 * (a - b));
+    0.5 * atan2(s, c).abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::math::direction;
+
+    fn stripes(angle_rad: f64) -> MetricImage {
+        let across = direction(angle_rad + 0.5 * PI);
+        let grey = Grey::from_fn(240, 160, |x, y| {
+            let d = DVec2::new(x as f64, y as f64).dot(across);
+            0.5 + 0.3 * sin_cos(d * 0.9).0 as f32
+        });
+        MetricImage { grey, min_mm: DVec2::ZERO, px_mm: 0.1 }
+    }
+
+    #[test]
+    fn stripes_have_their_angle_to_half_a_degree() {
+        let settings = TensorSettings { gradient_mm: 0.12, integration_mm: 0.6, smooth_mm: 0.5 };
+        for deg in [0.0f64, 7.0, 30.0, 45.0, 88.0, 120.0, 179.0] {
+            let grid = grain_axes(&stripes(deg.to_radians()), &settings);
+            let (mut worst, mut least) = (0.0f64, 1.0f64);
+            for p in [(3.0, 3.0), (12.0, 8.0), (20.0, 13.0)].map(DVec2::from) {
+                let s = grid.sample(p);
+                worst = worst.max(axis_difference_rad(s.axis_rad(), deg.to_radians()));
+                least = least.min(s.coherence);
+            }
+            assert!(worst.to_degrees() < 0.5, "{deg}: {}", worst.to_degrees());
+            assert!(least > 0.9, "{deg}: coherence {least}");
+        }
+    }
+
+    #[test]
+    fn a_blank_picture_has_no_direction() {
+        let settings = TensorSettings { gradient_mm: 0.12, integration_mm: 0.6, smooth_mm: 0.5 };
+        for value in [0.0, 0.5, 1.0] {
+            let image = MetricImage { grey: Grey::filled(200, 100, value), min_mm: DVec2::ZERO, px_mm: 0.1 };
+            assert!(grain_axes(&image, &settings).mean_coherence() < 0.01);
+        }
+    }
+
+    #[test]
+    fn borders_bend_the_axes() {
+        let settings = TensorSettings { gradient_mm: 0.12, integration_mm: 0.6, smooth_mm: 0.5 };
+        let grid = grain_axes(&stripes(0.0), &settings);
+        let hole = grainpath_core::Polygon {
+            outer: Region::rectangle(DVec2::ZERO, DVec2::new(24.0, 16.0)).polygons[0].outer.clone(),
+            holes: vec![
+                (0..48)
+                    .rev()
+                    .map(|i| DVec2::new(12.0, 8.0) + 3.0 * direction(f64::from(i) * PI / 24.0))
+                    .collect(),
+            ],
+        };
+        let hole = Region::from(hole);
+        let bent = along_lines(&grid, &border_lines(&hole, Tangent::Holes), 1.0, 1.0);
+        let left = bent.sample(DVec2::new(9.0, 8.0)).axis_rad();
+        assert!(axis_difference_rad(left, 0.5 * PI).to_degrees() < 12.0, "{}", left.to_degrees());
+        let far = bent.sample(DVec2::new(2.0, 14.0)).axis_rad();
+        assert!(axis_difference_rad(far, 0.0).to_degrees() < 3.0, "{}", far.to_degrees());
+    }
+}

@@ -1,0 +1,100 @@
+//! The board of a photograph: a rectangle as thick as it is, with holes that are inclined as its knot is.
+
+use grainpath_core::math::direction;
+use grainpath_core::{DVec2, Layer, LayerStack, Polygon, Region, TriMesh};
+
+use super::heights::layer_heights;
+use super::{ShapeError, SliceSettings};
+
+/// A round hole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hole {
+    /// Its middle at the height where the shift is nothing, mm.
+    pub centre_mm: DVec2,
+    /// Its radius, the same at every height, mm.
+    pub radius_mm: f64,
+}
+
+/// A board.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PhotoBoard {
+    /// Width and height of the rectangle; its lower left corner is at zero, mm.
+    pub size_mm: DVec2,
+    /// Thickness, mm.
+    pub thickness_mm: f64,
+    /// Holes through it.
+    pub holes: Vec<Hole>,
+    /// How far holes move for a millimetre upwards.
+    pub shift_mm_per_mm: DVec2,
+    /// Height at which they are where they are given, mm.
+    pub shown_mm: f64,
+}
+
+impl PhotoBoard {
+    /// The section at a height.
+    pub fn section(&self, z_mm: f64) -> Region {
+        let board = Region::rectangle(DVec2::ZERO, self.size_mm);
+        let shift = (z_mm - self.shown_mm) * self.shift_mm_per_mm;
+        self.holes.iter().fold(board, |rest, hole| {
+            // Edges within 0.005 mm of the circle.
+            let n = (4.0 * (hole.radius_mm / 0.005).sqrt()).clamp(24.0, 720.0) as usize;
+            let point = |k: usize| {
+                let turn = k as f64 / n as f64 * std::f64::consts::TAU;
+                hole.centre_mm + shift + hole.radius_mm * direction(turn)
+            };
+            rest.difference(&Polygon { outer: (0..n).map(point).collect(), holes: Vec::new() }.into())
+        })
+    }
+
+    /// The layers of the board.
+    ///
+    /// # Errors
+    /// [`ShapeError`]: too flat, too many layers, nothing left.
+    pub fn slice(&self, settings: &SliceSettings) -> Result<LayerStack, ShapeError> {
+        let tops = layer_heights(&TriMesh::default(), self.thickness_mm, settings)?;
+        let mut layers = Vec::with_capacity(tops.len());
+        let mut bottom = 0.0;
+        for top in tops {
+            let region = self.section(0.5 * (bottom + top));
+            layers.push(Layer::new(top, top - bottom, region).expect("layer heights are positive"));
+            bottom = top;
+        }
+        if layers.iter().all(|l| l.region().is_empty()) {
+            return Err(ShapeError::NothingLeft);
+        }
+        Ok(LayerStack::new(layers).expect("layer heights rise"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_inclined_hole_moves_from_layer_to_layer() {
+        let board = PhotoBoard {
+            size_mm: DVec2::new(100.0, 30.0),
+            thickness_mm: 4.0,
+            holes: vec![Hole { centre_mm: DVec2::new(50.0, 15.0), radius_mm: 4.0 }],
+            shift_mm_per_mm: DVec2::new(0.5, 0.0),
+            shown_mm: 0.0,
+        };
+        let settings = SliceSettings {
+            layer_height_mm: 0.2,
+            first_layer_height_mm: 0.2,
+            adaptive: None,
+            gap_closing_mm: 0.0,
+            simplify_mm: 0.0,
+        };
+        let stack = board.slice(&settings).expect("layers");
+        assert_eq!(stack.layers().len(), 20);
+        let area = 3000.0 - std::f64::consts::PI * 16.0;
+        for layer in stack.layers() {
+            let hole = &layer.region().polygons[0].holes[0];
+            let middle = hole.iter().copied().sum::<DVec2>() / hole.len() as f64;
+            let z = layer.z_top_mm() - 0.1;
+            assert!((middle.x - 50.0 - 0.5 * z).abs() < 1e-3, "{middle} at {z}");
+            assert!((layer.region().area_mm2() / area - 1.0).abs() < 1e-4);
+        }
+    }
+}
