@@ -297,7 +297,7 @@ sections! {
     }
     /// The virtual strength test.
     StrengthSection "strength" {
-        enabled: bool = false, "", Any, "Test every run: fixtures and loads are those of `[guide]`, needed whatever guide.kind is.";
+        enabled: bool = false, "", Any, "Test every run: fixtures and loads are the tables guide.fixture and guide.load, whatever guide.kind is.";
         cell_mm: Option<f64> = None, "mm", Range(0.02, 50.0), "Side of a cell of the test; left out, half a bead, larger for large parts.";
         check: bool = true, "", Any, "Test once more with cells of twice the size and say how much the answer moved.";
         corners: bool = true, "", Any, "Test at the corners of the material's card too: low, nominal, high, and strong along but weak across and the reverse.";

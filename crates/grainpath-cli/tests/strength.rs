@@ -1,0 +1,139 @@
+//! The virtual strength test from the command line.
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use support::{box_stl, folder, grainpath, json};
+
+const JOB: &str = "
+[shape]
+mesh = \"bar.stl\"
+
+[process]
+walls = 1
+
+[fill]
+pattern = \"aligned\"
+density = 1.0
+angles_deg = [0]
+
+[[guide.fixture]]
+on = { box_mm = [[0, 0, 0], [6, 8, 1]] }
+fix = \"xyz\"
+
+[[guide.load]]
+on = { box_mm = [[34, 0, 0], [40, 8, 1]] }
+force_n = [100, 0, 0]
+
+[strength]
+cell_mm = 0.4
+";
+
+fn bar(dir: &Path) {
+    fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 1.0])).expect("written");
+    fs::write(dir.join("along.toml"), JOB).expect("written");
+    fs::write(dir.join("across.toml"), JOB.replace("angles_deg = [0]", "angles_deg = [90]"))
+        .expect("written");
+}
+
+fn number(v: &Value, key: &str) -> f64 {
+    v[key].as_f64().unwrap_or_else(|| panic!("{key} in {v}"))
+}
+
+#[test]
+fn a_bar_breaks_where_its_card_says_and_slower_across() {
+    let dir = folder("strength bar");
+    bar(&dir);
+    let out = grainpath(&dir, &["strength", "along.toml", "--json", "--preview", "pictures"]);
+    let along = json(&out);
+    assert!(out.status.success(), "{along}");
+    let s = &along["strength"];
+    // A plain bar: strength times section, less what the round border leaves out.
+    let (peak, want) = (number(s, "peak_load_n"), 52.0 * 8.0);
+    assert!((peak / want - 1.0).abs() < 0.06, "{peak} {want}");
+    assert!(number(s, "low_n") < peak && peak < number(s, "high_n"));
+    assert!(number(s, "volume_error") < 1e-3 && number(s, "stiffness_n_per_mm") > 0.0);
+    assert_eq!(s["mode"], "along the beads");
+    for file in ["damage.png", "index.png", "curve.svg"] {
+        assert!(dir.join("pictures").join(file).is_file(), "{file}");
+    }
+    let table = json(&grainpath(&dir, &["compare", "along.toml", "across.toml", "--json"]));
+    let rows = table["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 2);
+    assert_eq!(number(&rows[0], "ratio"), 1.0);
+    let (low, ratio, high) =
+        (number(&rows[1], "ratio_low"), number(&rows[1], "ratio"), number(&rows[1], "ratio_high"));
+    // One wall runs along the bar, so that the ratio is above that of the card, 37 to 52.
+    assert!(ratio > 0.6 && ratio < 0.95 && low <= ratio && ratio <= high, "{low} {ratio} {high}");
+}
+
+#[test]
+fn g_code_is_tested_as_its_job_is_and_runs_can_test_themselves() {
+    let dir = folder("strength gcode");
+    bar(&dir);
+    let set = ["--set", "strength.corners=false", "--set", "strength.check=false"];
+    let args = |first: &[&'static str]| -> Vec<&'static str> { first.iter().chain(&set).copied().collect() };
+    let run = grainpath(&dir, &args(&["run", "along.toml", "--json", "--set", "strength.enabled=true"]));
+    let run = json(&run);
+    let own = number(&run["strength"], "peak_load_n");
+    let of = |extra: &[&'static str]| {
+        let mut all = args(&["strength", "bar.gcode", "--job", "along.toml", "--json"]);
+        all.extend(extra);
+        number(&json(&grainpath(&dir, &all))["strength"], "peak_load_n")
+    };
+    let read = of(&["--threads", "1"]);
+    assert!((read / own - 1.0).abs() < 0.01, "{own} {read}");
+    assert_eq!(read.to_bits(), of(&["--threads", "2"]).to_bits(), "the same for any number of threads");
+}
+
+#[test]
+fn what_cannot_be_tested_is_said_in_a_line() {
+    let dir = folder("strength errors");
+    bar(&dir);
+    fs::write(dir.join("other.stl"), box_stl([20.0, 20.0, 2.0])).expect("written");
+    assert!(grainpath(&dir, &["slice", "other.stl"]).status.success());
+    fs::write(dir.join("empty.gcode"), "G28\nG1 X10 Y10 F3000\nM84\n").expect("written");
+    fs::write(dir.join("bare.toml"), "density_g_cm3 = 1.1\n").expect("written");
+    let off = JOB.replace("[[34, 0, 0], [40, 8, 1]]", "[[134, 0, 0], [140, 8, 1]]");
+    fs::write(dir.join("off.toml"), off).expect("written");
+    let up = JOB.replace("force_n = [100, 0, 0]", "force_n = [0, 0, 100]");
+    fs::write(dir.join("up.toml"), up).expect("written");
+    let loose = JOB.replace("fix = \"xyz\"", "fix = \"y\"");
+    fs::write(dir.join("loose.toml"), loose).expect("written");
+    let quick = ["--set", "strength.corners=false", "--set", "strength.check=false"];
+    for (args, code, part) in [
+        (&["strength", "other.gcode", "--job", "along.toml"][..], 3, "not the same part"),
+        (&["strength", "empty.gcode", "--job", "along.toml"], 3, "nothing of a part is printed"),
+        (&["strength", "other.gcode"], 2, "needs --job"),
+        (&["strength", "along.toml", "--set", "material.profile=bare.toml"], 2, "no strengths: set xt_mpa"),
+        (&["strength", "off.toml"], 2, "load 1 (box) catches nothing"),
+        (&["strength", "up.toml"], 2, "layers' plane"),
+        (&["strength", "loose.toml"], 4, "free to move along x"),
+        (&["strength", "along.toml", "--set", "material.xt_mpa=[50, 40, 60]"], 2, "should rise"),
+    ] {
+        let all: Vec<&str> = args.iter().chain(&quick).copied().collect();
+        let out = grainpath(&dir, &all);
+        let text = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert_eq!(out.status.code(), Some(code), "{args:?}: {text}");
+        assert!(text.contains(part) && text.trim_end().lines().count() == 1, "{args:?}: {text}");
+    }
+}
+
+#[test]
+fn test_pieces_come_with_a_drawing_and_a_job() {
+    let dir = folder("test pieces");
+    let list = grainpath(&dir, &["specimen"]);
+    let names = String::from_utf8_lossy(&list.stdout).into_owned();
+    assert!(names.contains("iso527-1a") && names.contains("critical-angle"));
+    for name in ["iso527-1a", "iso527-1b", "iso178", "d638-i", "d5766", "s1-box", "s2-tension", "s2-bending"]
+    {
+        let out = grainpath(&dir, &["specimen", name]);
+        assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+        for end in ["stl", "svg", "toml"] {
+            assert!(dir.join(format!("{name}.{end}")).is_file(), "{name}.{end}");
+        }
+    }
+}
