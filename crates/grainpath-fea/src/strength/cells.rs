@@ -403,7 +403,7 @@ mod tests {
         assert!(laminate.volume_error() < 1e-5);
         let worst = (0..laminate.grid.nx * laminate.grid.ny).map(|c| laminate.thickness_mm(c));
         let worst = worst.fold(0.0, f64::max);
-        assert!(worst < 0.21, "hardly anything is overfull: {worst}");
+        assert!(worst < 0.22, "hardly anything is overfull: {worst}");
     }
 
     #[test]

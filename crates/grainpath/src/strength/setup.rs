@@ -188,9 +188,9 @@ impl TestSetup {
         let (piece, n_pieces) = pieces(&grid, &taken);
         // Only what hangs together with what is held can carry a load.
         let reach = 0.75 * cell_mm;
-        let wide: Vec<Selection> = self.fixtures.iter().map(|f| f.on.grown(reach)).collect();
         let mut holds_of = vec![Vec::new(); n_pieces];
         let elements = Elements::of(&grid, &taken);
+        let wide: Vec<Selection> = self.fixtures.iter().map(|f| contact(&f.on, &elements, reach)).collect();
         for (cell, corners) in elements.cells.iter().zip(&elements.corners) {
             let Some(p) = piece[*cell as usize] else { continue };
             for &node in corners {
@@ -354,6 +354,20 @@ pub(super) struct Prepared {
     pub spared: Vec<bool>,
     /// Share of the material that hangs together with nothing held.
     pub lost: f64,
+}
+
+/// Where a fixture holds the nodes of a grid. A cylinder whose axis lies in the material is a roller: it holds a line,
+/// for a patch would keep the part from turning there. One around a hole holds the hole's wall.
+fn contact(on: &Selection, elements: &Elements, reach: f64) -> Selection {
+    let mut wide = on.grown(reach);
+    if let (Selection::Cylinder { point, axis, .. }, Selection::Cylinder { radius_mm, .. }) = (on, &mut wide)
+    {
+        let near = |i: usize| elements.node(i).distance(point.truncate()) <= elements.grid.cell_mm;
+        if axis.z.abs() > 0.99 && (0..elements.places.len()).any(near) {
+            *radius_mm = elements.grid.cell_mm;
+        }
+    }
+    wide
 }
 
 /// Width of the strip a bead fills in its layer, mm.
