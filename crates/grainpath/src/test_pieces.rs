@@ -260,7 +260,7 @@ report = \"{file}.html\"
         let y = |p: f64| high.y - p + rim;
         let mut out = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w:.2}mm\" height=\"{h:.2}mm\" viewBox=\"0 0 {w:.3} {h:.3}\" font-family=\"sans-serif\" font-size=\"{:.2}\">\n",
-            0.025 * w
+            0.018 * w
         );
         let _ = writeln!(
             out,
