@@ -65,6 +65,8 @@ pub fn run() -> Result<(), String> {
         )?;
     }
 
+    speed(&grainpath, &folder)?;
+
     let field = folder.join("bracket.npz");
     python(&["vtu".as_ref(), shared.join("data/fea/bracket.vtu").as_path(), field.as_path()])?;
     let mesh = folder.join("bracket_mm.stl");
@@ -88,6 +90,45 @@ pub fn run() -> Result<(), String> {
         let text = crate::output(Command::new(&grainpath).args(["run", "--json"]).arg(&path))?;
         row("bracket", pattern, &text, &path.with_extension("gcode"), &mesh, &field)?;
     }
+    Ok(())
+}
+
+/// Seconds of one core for a plate of 100 x 100 mm: stress, field and dense fill of one layer and of ten alike,
+/// beside rectilinear fill; and a solve of 200 000 unknowns.
+fn speed(grainpath: &Path, folder: &Path) -> Result<(), String> {
+    let script = "import sys, trimesh; m = trimesh.creation.box((100, 100, float(sys.argv[2]))); m.export(sys.argv[1])";
+    println!("\n| job, one core | layers | unknowns | guide s | fill s |\n|---|---|---|---|---|");
+    for (layers, pattern, element) in [
+        (1, "stripes", "2"),
+        (10, "stripes", "2"),
+        (1, "aligned", "2"),
+        (10, "aligned", "2"),
+        (1, "aligned", "0.78"),
+    ] {
+        let mesh = folder.join("plate100.stl");
+        let height = format!("{}", 0.2 * f64::from(layers));
+        crate::run(
+            Command::new("python3").args(["-c", script]).arg(&mesh).arg(&height).stdout(Stdio::null()),
+        )?;
+        let job = folder.join("plate100.toml");
+        let text = format!(
+            "[shape]\nmesh = \"plate100.stl\"\n[fill]\npattern = \"{pattern}\"\ndensity = 1.0\n[guide]\nkind = \"stress\"\n\
+             element_mm = {element}\n[[guide.fixture]]\non = {{ box_mm = [[-51, -51, 0], [-20, -49, 9]] }}\nfix = \"xyz\"\n\
+             [[guide.load]]\non = {{ plane = {{ point_mm = [50, 0, 0], normal = [1, 0, 0] }} }}\nforce_n = [100, -300, 0]\n"
+        );
+        fs::write(&job, text).map_err(|e| format!("{}: {e}", job.display()))?;
+        let text =
+            crate::output(Command::new(grainpath).args(["run", "--json", "--threads", "1"]).arg(&job))?;
+        let report: Value = serde_json::from_str(&text).map_err(|e| format!("plate: {e}"))?;
+        println!(
+            "| plate 100 x 100, {pattern} | {layers} | {} | {} | {} |",
+            report["stress"]["dofs"], report["stages_s"]["guide"], report["stages_s"]["fill"]
+        );
+    }
+    println!(
+        "\n| part | fill | seconds | mean deg | within 15 deg | gap % | overlap % | spill % | widths mm |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
     Ok(())
 }
 

@@ -60,9 +60,9 @@ const MIN_GAP_MM2: f64 = 0.01;
 /// Thin walls are found where the part is thinner than this share of two beads lets it be.
 const MIN_LOOP_MM: f64 = 0.3;
 
-/// The outermost wall stays this far inside, mm: half the last digit of the coordinates written, so that their rounding
+/// The outermost wall stays this far inside, mm: about half the last digit of the coordinates written, so that rounding
 /// does not put it outside.
-const ROUNDING_MM: f64 = 5e-4;
+const ROUNDING_MM: f64 = 3e-4;
 
 /// Lays the walls of one polygon.
 pub fn lay_walls(polygon: &Polygon, settings: &WallSettings) -> Walls {

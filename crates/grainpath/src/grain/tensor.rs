@@ -139,7 +139,7 @@ pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
         |c: usize| Grey { width: nx, height: ny, data: sums.iter().map(|s| s[c]).collect() }.blurred(sigma);
     let [xx, xy, yy] = [layer(0), layer(1), layer(2)];
     let dark = layer(3);
-    let mut energy: Vec<f32> = xx.data.iter().zip(&yy.data).map(|(a, b)| a + b).collect();
+    let energy: Vec<f32> = xx.data.iter().zip(&yy.data).map(|(a, b)| a + b).collect();
     let typical = quantile(&mut energy.clone(), 0.5).max(FAINT * FAINT);
     let wide_coherence =
         mean_coherence(&xx.blurred(3.0 * sigma), &xy.blurred(3.0 * sigma), &yy.blurred(3.0 * sigma));
@@ -153,17 +153,16 @@ pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
         wide_coherence,
         darkness: dark.data,
     };
-    let mut weight = vec![0.0; nx * ny];
-    for k in 0..nx * ny {
+    let mut weight = Vec::with_capacity(nx * ny);
+    for (k, e) in energy.into_iter().enumerate() {
         // The gradient's axis doubled, turned by half a turn: the grain's.
         let (c, s) = (yy.data[k] - xx.data[k], -2.0 * xy.data[k]);
-        let length = (c * c + s * s).sqrt();
-        let e = std::mem::replace(&mut energy[k], 0.0).max(1e-12);
+        let (length, e) = ((c * c + s * s).sqrt(), e.max(1e-12));
         grid.coherence[k] = (length / (e + FAINT * FAINT)).min(1.0);
         if length > 0.0 {
             grid.double[k] = [c / length, s / length];
         }
-        weight[k] = grid.coherence[k] * grid.coherence[k] * e / (e + 0.25 * typical);
+        weight.push(grid.coherence[k] * grid.coherence[k] * e / (e + 0.25 * typical));
     }
     spread_darkness(&mut grid.darkness);
     let evidence = Evidence { double: grid.double.clone(), weight };
@@ -287,11 +286,11 @@ fn smoothed(grid: &AxisGrid, evidence: &Evidence, reach: f64) -> Vec<[f32; 2]> {
         }
         let image = apply(&direction);
         let alpha = (rz / dot(&direction, &image).max(1e-30)) as f32;
-        for k in 0..x.len() {
-            for c in 0..2 {
-                x[k][c] += alpha * direction[k][c];
-                residual[k][c] -= alpha * image[k][c];
-            }
+        for (x, d) in x.iter_mut().zip(&direction) {
+            *x = [x[0] + alpha * d[0], x[1] + alpha * d[1]];
+        }
+        for (r, i) in residual.iter_mut().zip(&image) {
+            *r = [r[0] - alpha * i[0], r[1] - alpha * i[1]];
         }
         z = scaled(&residual);
         let next = dot(&residual, &z);

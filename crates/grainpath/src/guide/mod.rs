@@ -358,3 +358,6 @@ pub(crate) fn in_plane(push: &Push) -> bool {
         Push::Moment(m) => m.truncate().length() <= 1e-9 * m.length(),
     }
 }
+
+#[cfg(test)]
+mod tests;

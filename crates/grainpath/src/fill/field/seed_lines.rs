@@ -43,26 +43,25 @@ impl Infill for SeedLines {
         };
         let seeds = evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &settings);
         let border = room.offset(context.border_mm, Join::Miter(2.0));
-        // The seed lines come first, then what fills the regions between them; each joined at its ends.
-        let mut lay = |lines: Vec<TracedLine>, rank: u8| {
-            let bead = |l: &TracedLine| {
-                let points = simplify_line(&l.points, 0.005);
-                Bead { widths: vec![context.bead_width_mm; points.len()], points, closed: l.closed }
-            };
-            let beads = lines.iter().map(bead).collect();
-            let lines: Vec<Line> =
-                lines.into_iter().map(|l| Line { points: l.points, closed: l.closed }).collect();
-            for bead in joined(beads, &lines, &border, context) {
-                let path = Toolpath::new(bead.points, context.bead_width_mm, context.role, bead.closed);
-                out.push(Toolpath { rank, ..path });
-            }
-        };
         let mut offsets = Vec::new();
         for region in parted(&room, &seeds, step).polygons {
             offsets.extend(fill_region(&Region::from(region), &seeds, step));
         }
-        lay(seeds, 0);
-        lay(offsets, 1);
+        let bead = |l: &TracedLine| {
+            let points = simplify_line(&l.points, 0.005);
+            Bead { widths: vec![context.bead_width_mm; points.len()], points, closed: l.closed }
+        };
+        let line = |l: &TracedLine| Line { points: l.points.clone(), closed: l.closed };
+        // The seed lines come first, then what fills the regions between them; each joined at its ends, across nothing.
+        let mut others: Vec<Line> = seeds.iter().chain(&offsets).map(line).collect();
+        for (rank, lines) in [(0, &seeds), (1, &offsets)] {
+            let paths = joined(lines.iter().map(bead).collect(), &others, &border, context);
+            others.extend(paths.iter().map(|b| Line { points: b.points.clone(), closed: b.closed }));
+            out.extend(paths.into_iter().map(|bead| {
+                let path = Toolpath::new(bead.points, context.bead_width_mm, context.role, bead.closed);
+                Toolpath { rank, ..path }
+            }));
+        }
     }
 }
 

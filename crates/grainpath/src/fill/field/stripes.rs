@@ -349,16 +349,22 @@ pub(super) struct Bead {
 }
 
 impl Bead {
-    /// Takes `by_mm` off the end, if the bead is a good deal longer.
+    /// How much of its last segment, or its first, remains with `by_mm` taken off; all of one that is hardly longer.
+    fn rest(&self, first: bool, by_mm: f64) -> (DVec2, f64) {
+        let n = self.points.len();
+        let (a, b) =
+            if first { (self.points[1], self.points[0]) } else { (self.points[n - 2], self.points[n - 1]) };
+        let length = a.distance(b);
+        let t = if length > 1.5 * by_mm { 1.0 - by_mm / length } else { 1.0 };
+        (a.lerp(b, t), t)
+    }
+
+    /// Takes `by_mm` off the end.
     fn shorten(&mut self, by_mm: f64) {
         let n = self.points.len();
-        let (a, b) = (self.points[n - 2], self.points[n - 1]);
-        let length = a.distance(b);
-        if length > 1.5 * by_mm {
-            let t = 1.0 - by_mm / length;
-            self.points[n - 1] = a.lerp(b, t);
-            self.widths[n - 1] = self.widths[n - 2] + t * (self.widths[n - 1] - self.widths[n - 2]);
-        }
+        let (end, t) = self.rest(false, by_mm);
+        self.points[n - 1] = end;
+        self.widths[n - 1] = self.widths[n - 2] + t * (self.widths[n - 1] - self.widths[n - 2]);
     }
 
     fn reversed(mut self) -> Self {
@@ -395,10 +401,12 @@ pub(super) fn joined(
                 let at = bead.points[bead.points.len() - 1];
                 let Some((next, second)) = index.nearest(at, &used) else { break };
                 let to = ends[next][usize::from(second)];
-                let joint = [at, to];
+                let other = beads[next].as_ref().map(|b| b.rest(!second, retreat_mm).0);
+                let joint = [bead.rest(false, retreat_mm).0, other.unwrap_or(to)];
                 if at.distance(to) > LONGEST_JOINT * spacing_mm
                     || !inside.segment_inside(at, to)
-                    || neighbours.between(at, to)
+                    || neighbours.between(at, to, [at, to])
+                    || neighbours.between(joint[0], joint[1], [at, to])
                     || joints.iter().any(|j| meets(*j, joint))
                 {
                     break;

@@ -166,15 +166,15 @@ impl Neighbours {
         best
     }
 
-    /// Whether a bead lies across the straight way from `a` to `b`, which are ends of beads.
-    pub fn between(&self, a: DVec2, b: DVec2) -> bool {
+    /// Whether a bead lies across the straight way from `a` to `b`; segments that end at one of `own` do not count.
+    pub fn between(&self, a: DVec2, b: DVec2, own: [DVec2; 2]) -> bool {
         let way = b - a;
         let mut blocked = false;
         self.cells(a, b, |cell| {
             for &m in &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
                 let piece = &self.pieces[m as usize];
                 let ends = [piece.a, piece.b];
-                if piece.line == BORDER || ends.contains(&a) || ends.contains(&b) {
+                if piece.line == BORDER || own.iter().any(|p| ends.contains(p)) {
                     continue;
                 }
                 let d = piece.b - piece.a;

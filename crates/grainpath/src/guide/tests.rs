@@ -1,0 +1,117 @@
+//! Plates whose principal lines are known.
+
+use std::f64::consts::{PI, TAU};
+
+use grainpath_core::math::{atan2, direction};
+use grainpath_core::{DVec2, Polygon, Region};
+use grainpath_fea::material::Orthotropic;
+use grainpath_fea::plane::{
+    Hold, PlaneMesh, PlaneProblem, PlaneStress, PlaneSystem, mesh_region, traction_n,
+};
+use grainpath_fea::principal::plane_principal;
+
+use super::{Degenerate, LineSettings, degenerate_points, trace_line};
+
+fn circle(radius: f64, n: usize) -> Region {
+    let outer = (0..n).map(|i| direction(i as f64 / n as f64 * TAU) * radius).collect();
+    Polygon { outer, holes: Vec::new() }.into()
+}
+
+fn sides(mesh: &PlaneMesh, on: impl Fn(DVec2) -> bool) -> Vec<[u32; 3]> {
+    mesh.border.iter().copied().filter(|s| s.iter().all(|&i| on(mesh.nodes[i as usize]))).collect()
+}
+
+/// Holds the three rigid motions at two nodes and solves for forces in balance.
+fn balanced(mesh: &PlaneMesh, forces: &[DVec2]) -> PlaneStress {
+    let nearest = |p: DVec2| {
+        let all = (0..mesh.nodes.len()).map(|i| (mesh.nodes[i].distance(p), i as u32));
+        all.min_by(|a, b| a.0.total_cmp(&b.0)).expect("nodes").1
+    };
+    let low = mesh.nodes.iter().copied().reduce(DVec2::min).expect("nodes");
+    let high = mesh.nodes.iter().copied().reduce(DVec2::max).expect("nodes");
+    let (a, b) = (nearest(DVec2::new(low.x, 0.0)), nearest(DVec2::new(high.x, 0.0)));
+    let hold = |node, along| Hold { node, along, displacement_mm: 0.0 };
+    let holds = [hold(a, DVec2::X), hold(a, DVec2::Y), hold(b, DVec2::Y)];
+    solved(mesh, &holds, forces)
+}
+
+fn solved(mesh: &PlaneMesh, holds: &[Hold], forces: &[DVec2]) -> PlaneStress {
+    let c = Orthotropic::isotropic(1000.0, 0.3).plane_stress(0.0).expect("stable");
+    let stiffness = move |_: DVec2| c;
+    let problem = PlaneProblem { mesh, thickness_mm: 1.0, stiffness: &stiffness, holds, max_bytes: 1 << 30 };
+    let system = PlaneSystem::new(&problem).expect("held");
+    system.stress(&system.solve(forces))
+}
+
+#[test]
+fn the_edge_of_a_hole_in_tension_has_four_degenerate_points() {
+    let plate = Region::rectangle(DVec2::splat(-40.0), DVec2::splat(40.0)).difference(&circle(3.0, 120));
+    let mesh = mesh_region(&plate, 3.0, 0.02).expect("a sound plate");
+    let ends = sides(&mesh, |p| (p.x.abs() - 40.0).abs() < 1e-9);
+    let forces = traction_n(&mesh, &ends, 1.0, &|_, n| 10.0 * n);
+    let found = degenerate_points(&balanced(&mesh, &forces));
+    let mut angles: Vec<f64> = found
+        .points
+        .iter()
+        .filter(|(kind, p)| *kind == Degenerate::Border && p.length() < 3.1)
+        .map(|(_, p)| atan2(p.y, p.x).to_degrees())
+        .collect();
+    angles.sort_by(f64::total_cmp);
+    println!("hoop stress changes sign at {angles:.1?} degrees from the load");
+    assert_eq!(angles.len(), 4, "{angles:?}");
+    for (got, want) in angles.iter().zip([-150.0, -30.0, 30.0, 150.0]) {
+        assert!((got - want).abs() < 2.0, "{got} {want}");
+    }
+}
+
+#[test]
+fn principal_lines_of_a_ring_under_pressure_are_closed_circles_and_rays() {
+    let ring = circle(20.0, 240).difference(&circle(10.0, 160));
+    let mesh = mesh_region(&ring, 0.8, 0.02).expect("a sound ring");
+    let inner = sides(&mesh, |p| p.length() < 10.01);
+    let forces = traction_n(&mesh, &inner, 1.0, &|_, n| -10.0 * n);
+    let stress = balanced(&mesh, &forces);
+    let settings = LineSettings { tolerance_mm: 1e-6, step_mm: 0.4, longest_mm: 200.0 };
+    let seed = direction(0.3) * 14.0;
+    for (turn, circle) in [(0.0, true), (PI / 2.0, false)] {
+        let axis = |p: DVec2| {
+            let inside = (10.05..19.95).contains(&p.length());
+            inside.then(|| direction(plane_principal(stress.at(p)).axis_rad + turn))
+        };
+        let line = trace_line(seed, &axis, &|_, _| false, &settings);
+        assert_eq!(line.closed, circle, "{} points", line.points.len());
+        if circle {
+            let off = line.points.iter().map(|p| (p.length() - 14.0).abs()).fold(0.0, f64::max);
+            println!("the circle of 14 mm closes within {off:.1e} mm");
+            assert!(off < 1e-3 * 14.0, "{off}");
+        } else {
+            let ends = [line.points[0], line.points[line.points.len() - 1]].map(|p| p.length());
+            assert!(ends.iter().any(|r| *r < 10.2) && ends.iter().any(|r| *r > 19.8), "{ends:?}");
+            let bend = line.points.iter().map(|p| (atan2(p.y, p.x) - 0.3).abs()).fold(0.0, f64::max);
+            assert!(bend < 2e-3, "{bend}");
+        }
+    }
+}
+
+#[test]
+fn principal_lines_of_a_cantilever_cross_its_axis_at_45_degrees() {
+    let beam = Region::rectangle(DVec2::new(0.0, -6.0), DVec2::new(48.0, 6.0));
+    let mesh = mesh_region(&beam, 0.8, 0.02).expect("a sound beam");
+    let root = (0..mesh.nodes.len() as u32).filter(|&i| mesh.nodes[i as usize].x < 1e-9);
+    let holds: Vec<Hold> = root
+        .flat_map(|node| [DVec2::X, DVec2::Y].map(|along| Hold { node, along, displacement_mm: 0.0 }))
+        .collect();
+    let tip = sides(&mesh, |p| p.x > 48.0 - 1e-9);
+    let forces = traction_n(&mesh, &tip, 1.0, &|p, _| DVec2::new(0.0, p.y * p.y / 36.0 - 1.0));
+    let stress = solved(&mesh, &holds, &forces);
+    for x in [16.0, 24.0, 32.0] {
+        let axis = plane_principal(stress.at(DVec2::new(x, 0.0))).axis_rad.to_degrees();
+        println!("at x = {x}: {axis:.2} degrees");
+        assert!((axis.rem_euclid(90.0) - 45.0).abs() < 0.5, "{axis}");
+    }
+    // At the upper and lower edges the lines run along and across them.
+    for y in [-6.0, 6.0] {
+        let axis = plane_principal(stress.at(DVec2::new(24.0, y))).axis_rad.to_degrees();
+        assert!((axis + 45.0).rem_euclid(90.0) - 45.0 < 0.5, "{axis}");
+    }
+}
