@@ -504,7 +504,7 @@ impl Job<'_> {
         }
         for i in 1..skins.len() {
             let same = |&j: &usize| {
-                layers[i].height_mm() == layers[j].height_mm()
+                (layers[i].height_mm() - layers[j].height_mm()).abs() < 1e-9
                     && skins[i].bridge.is_empty()
                     && skins[i] == skins[j]
                     && self.guide.is_none_or(|g| g.same(i, j))
