@@ -20,7 +20,8 @@ const USAGE: &str = "usage: cargo xtask <command>
   test --quick     the same without examples, fuzzers and what needs installing
   bench slicing [PART...]  time and memory beside PrusaSlicer and CuraEngine
                    (benchy bunny armadillo plate_holes skull; the skull takes the peers many minutes)
-  bench ct         scans to G-code beside marching cubes, STL and PrusaSlicer
+  bench ct [SCAN...]  scans to G-code beside marching cubes, STL and PrusaSlicer (hub engine),
+                   and a stack of 2048 x 2048 x 2000 voxels (large)
   bench fea [300000|1000000]  meshing and solving a bracket beside gmsh and CalculiX
   bench support [PART...]  grams and time of supports beside our baselines and the peers
                    (ball tray bone featuretype armadillo100 skull)
@@ -38,7 +39,7 @@ fn main() -> ExitCode {
         ["test", "--quick"] => test(false),
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
         ["bench", "paths"] => bench_paths::run(),
-        ["bench", "ct"] => bench_ct::run(),
+        ["bench", "ct", scans @ ..] => bench_ct::run(scans),
         ["bench", "fea", cases @ ..] => bench_fea::run(cases),
         ["bench", "support", parts @ ..] => bench::support(parts),
         ["bench", "quality"] => bench::quality(),
@@ -94,6 +95,11 @@ fn step(name: &str) {
 /// The repository's top folder.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the repository").to_owned()
+}
+
+/// Where cargo builds.
+fn target() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), Into::into)
 }
 
 fn cargo(args: &[&str]) -> Outcome {

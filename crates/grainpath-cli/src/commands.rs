@@ -10,6 +10,7 @@ use grainpath_core::{DVec2, Diagnostics};
 use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
 use grainpath_io::parse_mesh;
+use grainpath_io::volume::SliceSource;
 
 use crate::args::{Common, Markers, New, Profiles, Render, Run, Schema, Slice};
 use crate::{Failure, files, outputs, progress, scan};
@@ -73,13 +74,16 @@ fn execute(
         (grainpath::plan_photo(settings, &photos, &diagnostics)?, photos_s)
     } else if settings.ct.path.is_empty() {
         let (mesh, read_s) = read_mesh(shape, &diagnostics)?;
-        let inputs = grainpath::Inputs { mesh, path, stress: read_stress(settings, base)?, photos };
+        let (stress, texture) = (read_stress(settings, base)?, read_texture(settings, base)?);
+        let inputs = grainpath::Inputs { mesh, path, stress, photos, texture };
         (grainpath::plan_job(settings, inputs, &diagnostics)?, read_s + photos_s)
     } else {
         let mut source = scan::open(shape, grainpath::config::raw_header(settings).as_ref())?;
-        let stress = read_stress(settings, base)?;
+        let (stress, texture) = (read_stress(settings, base)?, read_texture(settings, base)?);
         let read_s = start.elapsed().as_secs_f64();
-        (grainpath::plan_scan(settings, &mut *source, &path, stress, &photos, &diagnostics)?, read_s)
+        let planned =
+            grainpath::plan_scan(settings, &mut *source, &path, stress, &photos, texture, &diagnostics)?;
+        (planned, read_s)
     };
     let report = outputs::write(settings, planned, &paths, read_s, common.json, truth, &diagnostics)?;
     // The progress line goes before anything is printed.
@@ -133,6 +137,15 @@ pub fn read_photos(
         Ok(Photo::of(name, &image))
     };
     own.iter().map(read).collect()
+}
+
+/// The scan named by `guide.volume`, where its texture is followed.
+pub fn read_texture(settings: &Settings, base: &Path) -> Result<Option<Box<dyn SliceSource>>, Failure> {
+    let path = &settings.volume.path;
+    if settings.guide.kind != "grain" || path.is_empty() {
+        return Ok(None);
+    }
+    scan::open(&base.join(path), None).map(Some)
 }
 
 /// The result named by `guide.import`.

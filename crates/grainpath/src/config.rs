@@ -7,14 +7,14 @@ use grainpath_gcode::{Cooling, Corner, Flavour, Limits, Machine, Material, Retra
 use grainpath_io::fe::{FeOptions, Order, StressUnit};
 use grainpath_io::volume::{RawHeader, SampleType};
 
-use crate::grain::GrainSettings;
 use crate::grain::canny::CannySettings;
 use crate::grain::curves::{CurveSettings, Join};
 use crate::grain::guide::{Corners, Mode};
 use crate::grain::tensor::Tangent;
+use crate::grain::{GrainSettings, TextureSettings};
 use crate::job::Settings;
 use crate::order::{CombSettings, OrderSettings, Seam, WallOrder};
-use crate::shape::ct::{CtSettings, Denoise, Interpolation, Threshold, Tracing};
+use crate::shape::ct::{CtReport, CtSettings, Denoise, Interpolation, Threshold, Tracing};
 use crate::shape::{Adaptive, Hole, PhotoBoard, Placement, Repair, SliceSettings};
 use crate::support::{Style, SupportSettings};
 
@@ -119,6 +119,44 @@ pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> Gr
         },
         darkness: g.darkness,
         pictures: !s.output.preview.is_empty() || !s.output.report.is_empty(),
+    }
+}
+
+/// How a scan's texture is read for a part with these bounds and this height: that of `guide.volume` where it names
+/// one, else the shape's own, of which `own` was found.
+pub(crate) fn texture(
+    s: &Settings,
+    own: Option<&CtReport>,
+    part: Bounds2,
+    height_mm: f64,
+) -> TextureSettings {
+    let (g, v) = (&s.guide, &s.volume);
+    let other = !v.path.is_empty();
+    let mut scan = scan(s);
+    if other {
+        let [x, y] = v.pixel_mm.map_or([None; 2], |p| p.0.map(Some));
+        scan = CtSettings {
+            spacing_mm: [x, y, v.slice_mm],
+            scale: v.scale,
+            window: v.window,
+            crop_px: v.crop_px,
+            flip: ["x", "y", "z"].map(|axis| v.flip.contains(axis)),
+            ..scan
+        };
+    }
+    TextureSettings {
+        scan,
+        name: if other { v.path.clone() } else { s.ct.path.clone() },
+        origin_mm: match own {
+            Some(own) if !other => Some(DVec3::new(0.0, 0.0, -own.bottom_mm)),
+            _ => v.origin_mm.map(DVec3::from),
+        },
+        rotate_rad: if other { v.rotate_deg.to_radians() } else { 0.0 },
+        integration_mm: g.integration_mm,
+        smooth_mm: g.smoothing_mm,
+        darkness: g.darkness,
+        pictures: !s.output.preview.is_empty() || !s.output.report.is_empty(),
+        part: (part, height_mm),
     }
 }
 

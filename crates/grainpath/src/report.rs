@@ -8,7 +8,7 @@ use grainpath_gcode::{Program, Quality, Written, quality};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::grain::PhotoReport;
+use crate::grain::{PhotoReport, TextureReport};
 use crate::guide::{Degenerate, Guide};
 use crate::run::Planned;
 use crate::strength::StrengthReport;
@@ -42,6 +42,8 @@ pub struct Report {
     pub stress: Option<StressReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grain: Option<Vec<PhotoReport>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub texture: Option<TextureReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strength: Option<StrengthReport>,
     pub stages_s: BTreeMap<&'static str, f64>,
@@ -201,7 +203,8 @@ impl Report {
             scan: planned.scan.clone(),
             dimensions: None,
             quality: None,
-            grain: planned.grain.as_ref().map(|g| g.photos.clone()),
+            grain: planned.grain.as_ref().filter(|g| g.texture.is_none()).map(|g| g.photos.clone()),
+            texture: planned.grain.as_ref().and_then(|g| g.texture.clone()),
             support: planned.support.as_ref().map(|support| {
                 let of_layer = |l: &grainpath_core::LayerPlan| -> f64 {
                     let paths = l.paths.iter().map(|p| &p.path);
@@ -249,9 +252,15 @@ impl Report {
             if let (Some(mean), Some(p95)) = (q.alignment_mean_deg, q.alignment_p95_deg) {
                 lines.push(format!(
                     "fill along the {}: {mean:.1} degrees off in the mean, {p95:.1} for 95 %",
-                    if self.grain.is_some() { "grain" } else { "stress" }
+                    if self.grain.is_some() || self.texture.is_some() { "grain" } else { "stress" }
                 ));
             }
+        }
+        if let Some(t) = &self.texture {
+            lines.push(format!(
+                "texture of {}: coherence {:.2} in the layers, clear in {:.0} %, leaning {:.0} degrees out of them in the mean",
+                t.file, t.coherence, 100.0 * t.clear_share, t.lean_deg
+            ));
         }
         if let Some(s) = &self.stress {
             lines.push(format!(

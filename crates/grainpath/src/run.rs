@@ -24,7 +24,7 @@ use crate::error::Error;
 use crate::fill::{FillContext, GUIDED, Infill, Solid, Stripes, bridge_angle_rad, pattern};
 use crate::grain::guide::Mode;
 use crate::grain::lay::{Flow, lay_curves};
-use crate::grain::{GrainGuide, Photo, read_grain};
+use crate::grain::{GrainGuide, Photo, read_grain, read_scan};
 use crate::guide::{self, Guide, GuidedPart};
 use crate::job::Settings;
 use crate::mask::Mask;
@@ -77,6 +77,8 @@ pub struct Inputs {
     pub stress: Option<StressField>,
     /// Photographs whose grain the part is filled with, for `guide.kind = "grain"`.
     pub photos: Vec<Photo>,
+    /// The scan whose texture it is filled along, for `guide.volume`.
+    pub texture: Option<Box<dyn SliceSource>>,
 }
 
 /// Plans a job whose shape is a mesh.
@@ -84,14 +86,25 @@ pub struct Inputs {
 /// # Errors
 /// [`Error`] for a mesh that cannot be sliced, a part that does not fit the bed, a mass that cannot be met, and when
 /// a stop was asked for.
-pub fn plan_job(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) -> Result<Planned, Error> {
+pub fn plan_job(
+    settings: &Settings,
+    mut inputs: Inputs,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
     let shape_error = |source| Error::Shape { path: inputs.path.clone(), source };
     let (mesh, stack, lowered_mm) =
         mesh_and_layers(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack, mesh, lowered_mm, scan: None };
-    plan_stack(settings, sliced, inputs.stress, &inputs.photos, clock, diagnostics)
+    let grain = GrainSource {
+        photos: &inputs.photos,
+        scan: match &mut inputs.texture {
+            Some(s) => Some(&mut **s),
+            None => None,
+        },
+    };
+    plan_stack(settings, sliced, inputs.stress, grain, clock, diagnostics)
 }
 
 /// Plans a job whose shape is the board of its photographs.
@@ -117,14 +130,21 @@ pub fn plan_photo(
     };
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack, mesh, lowered_mm: 0.0, scan: None };
-    plan_stack(settings, sliced, None, photos, clock, diagnostics)
+    plan_stack(settings, sliced, None, GrainSource { photos, scan: None }, clock, diagnostics)
 }
 
-/// The grain the job asks for.
+/// What the grain of a part is read from, where it follows any: photographs, else a scan.
+struct GrainSource<'a> {
+    photos: &'a [Photo],
+    scan: Option<&'a mut dyn SliceSource>,
+}
+
+/// The grain the job asks for; `own` is what was found in the scan that is the shape.
 fn grain(
     settings: &Settings,
     stack: &LayerStack,
-    photos: &[Photo],
+    own: Option<&shape::ct::CtReport>,
+    source: GrainSource<'_>,
     diagnostics: &Diagnostics,
 ) -> Result<Option<GrainGuide>, Error> {
     if settings.guide.kind != "grain" {
@@ -133,6 +153,12 @@ fn grain(
     let layers = stack.layers();
     let top = layers.last().map_or(0.0, Layer::z_top_mm);
     let part = part_bounds(stack);
+    let GrainSource { photos, scan } = source;
+    if let (true, Some(scan)) = (photos.is_empty(), scan) {
+        let wanted = config::texture(settings, own, part, top);
+        let read = read_scan(scan, &wanted, diagnostics);
+        return read.map(Some).map_err(|e| scan_error(e, &wanted.name));
+    }
     let grain = config::grain(settings, photos.len(), part, top);
     let section = |z_mm: f64| {
         let above = layers.partition_point(|l| l.z_top_mm() < z_mm).min(layers.len().saturating_sub(1));
@@ -142,8 +168,16 @@ fn grain(
     read.map(Some).map_err(|(k, source)| Error::Grain { path: photos[k].name.clone(), source })
 }
 
+fn scan_error(e: shape::ct::CtError, path: &str) -> Error {
+    match e {
+        shape::ct::CtError::Volume(e) => Error::Volume(e),
+        shape::ct::CtError::Shape(source) => Error::Shape { path: path.to_owned(), source },
+    }
+}
+
 /// Plans a job whose shape is a scan, of which a few slices are held at a time. `path` is what errors call it;
-/// `stress` was solved elsewhere, in the scan's own place with its lowest point on the plate.
+/// `stress` was solved elsewhere, in the scan's own place with its lowest point on the plate; `texture` is the scan of
+/// `guide.volume`.
 ///
 /// # Errors
 /// As [`plan_job`], and for files that cannot be read and scans that give no layers.
@@ -153,14 +187,13 @@ pub fn plan_scan(
     path: &str,
     stress: Option<StressField>,
     photos: &[Photo],
+    mut texture: Option<Box<dyn SliceSource>>,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
     let shape_error = |source| Error::Shape { path: path.to_owned(), source };
-    let scan = shape::ct::slice_scan(source, &config::scan(settings), diagnostics).map_err(|e| match e {
-        shape::ct::CtError::Volume(e) => Error::Volume(e),
-        shape::ct::CtError::Shape(source) => shape_error(source),
-    })?;
+    let scan = shape::ct::slice_scan(source, &config::scan(settings), diagnostics)
+        .map_err(|e| scan_error(e, path))?;
     // Only solvers and supports ask for a surface.
     let mesh =
         if settings.guide.kind == "stress" || settings.support.style != "none" || settings.strength.enabled {
@@ -170,7 +203,12 @@ pub fn plan_scan(
         };
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack: scan.stack, mesh, lowered_mm: 0.0, scan: Some(scan.report) };
-    plan_stack(settings, sliced, stress, photos, clock, diagnostics)
+    let texture: &mut dyn SliceSource = match &mut texture {
+        Some(other) => &mut **other,
+        None => source,
+    };
+    let grain = GrainSource { photos, scan: Some(texture) };
+    plan_stack(settings, sliced, stress, grain, clock, diagnostics)
 }
 
 /// A shape as layers, wherever they come from.
@@ -185,7 +223,7 @@ fn plan_stack(
     settings: &Settings,
     sliced: Sliced,
     stress: Option<StressField>,
-    photos: &[Photo],
+    grain_source: GrainSource<'_>,
     mut clock: Clock,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
@@ -197,7 +235,7 @@ fn plan_stack(
         let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
         guide::build(settings, &guided, stress, diagnostics)?
     };
-    let grain = grain(settings, &stack, photos, diagnostics)?;
+    let grain = grain(settings, &stack, scan.as_ref(), grain_source, diagnostics)?;
     let test = settings.strength.enabled.then(|| TestSetup::of(settings, &mesh, &stack)).transpose()?;
     if guide.is_some() || grain.is_some() {
         clock.stop(Stage::Guide);

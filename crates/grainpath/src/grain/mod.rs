@@ -1,4 +1,4 @@
-//! The grain of photographs: rectified, read as directions and as curves, laid as beads.
+//! The grain of photographs and of scans: read as directions and as curves, laid as beads.
 
 pub mod board;
 pub mod canny;
@@ -10,6 +10,8 @@ pub mod markers;
 mod pictures;
 pub mod raster;
 pub mod tensor;
+pub mod texture;
 pub mod warp;
 
-pub use guide::{GrainError, GrainGuide, GrainSettings, Photo, PhotoReport, read_grain};
+pub use guide::{GrainError, GrainGuide, GrainSettings, Photo, PhotoReport, read_grain, read_scan};
+pub use texture::{TextureReport, TextureSettings};

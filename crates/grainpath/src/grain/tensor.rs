@@ -113,13 +113,13 @@ impl AxisGrid {
 }
 
 /// What smoothing starts from: doubled angles and how much each is to be trusted.
-struct Evidence {
-    double: Vec<[f32; 2]>,
-    weight: Vec<f32>,
+pub(super) struct Evidence {
+    pub(super) double: Vec<[f32; 2]>,
+    pub(super) weight: Vec<f32>,
 }
 
 /// Pixels that differ less than this from their surroundings show nothing, as a share of white.
-const FAINT: f32 = 2e-3;
+pub(super) const FAINT: f32 = 2e-3;
 
 /// The grain of a picture, one node about every third of the integration scale.
 pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
@@ -166,7 +166,8 @@ pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
     }
     spread_darkness(&mut grid.darkness);
     let evidence = Evidence { double: grid.double.clone(), weight };
-    grid.double = smoothed(&grid, &evidence, settings.smooth_mm / grid.step_mm);
+    let reach = settings.smooth_mm / grid.step_mm;
+    grid.double = smoothed([nx, ny, 1], &evidence, [reach, reach, 0.0]);
     grid
 }
 
@@ -229,7 +230,7 @@ fn cell_tensor(flat: &Grey, x0: usize, y0: usize, cell: usize) -> [f32; 4] {
 }
 
 /// From flattened brightness to 0 (light) to 1 (dark), between the brightest and the darkest twentieth.
-fn spread_darkness(values: &mut [f32]) {
+pub(super) fn spread_darkness(values: &mut [f32]) {
     let mut copy = values.to_vec();
     let (low, high) = (quantile(&mut copy, 0.05), quantile(&mut copy, 0.95));
     let range = (high - low).max(1e-6);
@@ -237,33 +238,36 @@ fn spread_darkness(values: &mut [f32]) {
 }
 
 /// The axes that differ least from the evidence and from each other: one linear system for the doubled angles,
-/// solved by conjugate gradients in a fixed order. `reach` is the length, in nodes, over which evidence of weight 1
-/// holds against its neighbours.
-fn smoothed(grid: &AxisGrid, evidence: &Evidence, reach: f64) -> Vec<[f32; 2]> {
-    let (nx, ny) = (grid.nx, grid.ny);
-    let stiff = (reach * reach).max(1e-3) as f32;
+/// solved by conjugate gradients in a fixed order. `reach` is the length, in nodes of `n` in x, y and z, over which
+/// evidence of weight 1 holds against its neighbours.
+pub(super) fn smoothed(n: [usize; 3], evidence: &Evidence, reach: [f64; 3]) -> Vec<[f32; 2]> {
+    let [nx, ny, nz] = n;
+    let all = nx * ny * nz;
+    let stiff = reach.map(|r| (r * r).max(1e-3) as f32);
     let weight: Vec<f32> = evidence.weight.iter().map(|w| w + 1e-4).collect();
     let neighbours = |k: usize| {
-        let (i, j) = (k % nx, k / nx);
+        let (i, j, l) = (k % nx, k / nx % ny, k / (nx * ny));
         [
-            (i > 0).then(|| k - 1),
-            (i + 1 < nx).then(|| k + 1),
-            (j > 0).then(|| k - nx),
-            (j + 1 < ny).then(|| k + nx),
+            (i > 0).then(|| (k - 1, stiff[0])),
+            (i + 1 < nx).then(|| (k + 1, stiff[0])),
+            (j > 0).then(|| (k - nx, stiff[1])),
+            (j + 1 < ny).then(|| (k + nx, stiff[1])),
+            (l > 0).then(|| (k - nx * ny, stiff[2])),
+            (l + 1 < nz).then(|| (k + nx * ny, stiff[2])),
         ]
     };
     let apply = |v: &[[f32; 2]]| -> Vec<[f32; 2]> {
         let row = |k: usize| {
             let mut out = v[k].map(|c| weight[k] * c);
-            for n in neighbours(k).into_iter().flatten() {
+            for (n, stiff) in neighbours(k).into_iter().flatten() {
                 out = [out[0] + stiff * (v[k][0] - v[n][0]), out[1] + stiff * (v[k][1] - v[n][1])];
             }
             out
         };
-        (0..nx * ny).into_par_iter().with_min_len(4096).map(row).collect()
+        (0..all).into_par_iter().with_min_len(4096).map(row).collect()
     };
-    let diagonal: Vec<f32> = (0..nx * ny)
-        .map(|k| weight[k] + stiff * neighbours(k).into_iter().flatten().count() as f32)
+    let diagonal: Vec<f32> = (0..all)
+        .map(|k| weight[k] + neighbours(k).into_iter().flatten().map(|(_, stiff)| stiff).sum::<f32>())
         .collect();
     let dot = |a: &[[f32; 2]], b: &[[f32; 2]]| -> f64 {
         a.iter().zip(b).map(|(a, b)| f64::from(a[0] * b[0] + a[1] * b[1])).sum()
@@ -341,7 +345,8 @@ pub fn along_lines(grid: &AxisGrid, lines: &[Guideline<'_>], keep: f32, reach_mm
         evidence.weight.push(total);
     }
     let mut out = grid.clone();
-    out.double = smoothed(grid, &evidence, reach_mm / grid.step_mm);
+    let reach = reach_mm / grid.step_mm;
+    out.double = smoothed([grid.nx, grid.ny, 1], &evidence, [reach, reach, 0.0]);
     out
 }
 

@@ -1,7 +1,8 @@
 //! Rectification: a photograph in perspective to a picture in millimetres.
 
-use grainpath_core::DVec2;
 use grainpath_core::math::cross;
+use grainpath_core::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::raster::Grey;
 
@@ -55,6 +56,13 @@ impl Homography {
         let h = &self.0;
         let w = h[6] * p.x + h[7] * p.y + h[8];
         DVec2::new(h[0] * p.x + h[1] * p.y + h[2], h[3] * p.x + h[4] * p.y + h[5]) / w
+    }
+
+    /// The homogeneous image, scaled, of the point (0, y), and how it changes with x.
+    fn along_row(&self, y: f64, scale: f64) -> [DVec3; 2] {
+        let h = &self.0;
+        let at = |k: usize| DVec3::new(scale * h[k], scale * h[k + 3], h[k + 6]);
+        [at(1) * y + at(2), at(0)]
     }
 
     /// The larger stretch at a point: units there for one here.
@@ -157,16 +165,22 @@ pub fn rectify(photo: &Grey, corners: [DVec2; 4], size_mm: DVec2, px_mm: f64) ->
     }
     let source = smaller.as_ref().unwrap_or(photo);
     let n = if stretch / level > 1.15 { 2 } else { 1 };
-    let grey = Grey::from_fn(columns, rows, |x, y| {
-        let mut sum = 0.0;
+    let mut grey = Grey::filled(columns, rows, 0.0);
+    let share = 1.0 / n as f64;
+    grey.data.par_chunks_mut(columns).enumerate().for_each(|(y, row)| {
         for j in 0..n {
-            for i in 0..n {
-                let at = |k: usize, v: usize| v as f64 + (k as f64 + 0.5) / n as f64;
-                let p = map.map(DVec2::new(at(i, x), at(j, y))) / level;
-                sum += source.sample(p.x, p.y);
+            // Along a row numerators and denominator of the map are straight lines.
+            let [at, step] = map.along_row(y as f64 + (j as f64 + 0.5) * share, 1.0 / level);
+            for (x, out) in row.iter_mut().enumerate() {
+                for i in 0..n {
+                    let q = at + step * (x as f64 + (i as f64 + 0.5) * share);
+                    let w = 1.0 / q.z;
+                    *out += source.sample(q.x * w, q.y * w);
+                }
             }
         }
-        sum / (n * n) as f32
+        let share = 1.0 / (n * n) as f32;
+        row.iter_mut().for_each(|v| *v *= share);
     });
     MetricImage { grey, min_mm: DVec2::ZERO, px_mm }
 }

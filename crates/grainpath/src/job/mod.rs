@@ -15,6 +15,6 @@ pub use profiles::{PROFILES, Profile, profile};
 pub use schema::{json_schema, markdown};
 pub use settings::{
     FillSection, GuideSection, ImageSection, MaterialSection, OutputSection, PhotoSection, PrinterSection,
-    ProcessSection, Settings, ShapeSection, StrengthSection, SupportSection,
+    ProcessSection, Settings, ShapeSection, StrengthSection, SupportSection, VolumeSection,
 };
 pub use value::{Check, Param};

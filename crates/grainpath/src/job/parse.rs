@@ -253,10 +253,24 @@ fn check_photos(s: &Settings, name: &str) -> Result<(), JobError> {
     if photo && s.process.adaptive_layers {
         return wrong("process.adaptive_layers = true is for meshes, not for shape.photo".into());
     }
-    if s.guide.kind == "grain" && !photo && s.image.files.is_empty() {
-        return wrong(
-            "guide.kind = \"grain\" needs photographs: guide.image = { files = [\"FILE\"] }".into(),
-        );
+    let (image, volume) = (!s.image.files.is_empty(), !s.volume.path.is_empty());
+    if image && volume {
+        return wrong("guide.image and guide.volume: exactly one gives the grain".into());
+    }
+    if s.guide.kind == "grain" && !photo && !image {
+        if !volume && s.ct.path.is_empty() {
+            return wrong(
+                "guide.kind = \"grain\" needs photographs or a scan: guide.image = { files = [\"FILE\"] } or guide.volume = { path = \"SCAN\" }".into(),
+            );
+        }
+        if s.guide.mode == "edges" {
+            return wrong(
+                "guide.mode = \"edges\" is for photographs; a scan's texture gives directions".into(),
+            );
+        }
+    }
+    if photo && volume {
+        return wrong("guide.volume is for meshes and scans; shape.photo has its own grain".into());
     }
     for (section, files, corners, heights) in [
         ("shape.photo", &s.photo.files, &s.photo.corners_px, &s.photo.heights_mm),
@@ -376,7 +390,15 @@ mod tests {
             ),
             (
                 "[guide]\nkind = \"grain\"\n",
-                "job.toml: guide.kind = \"grain\" needs photographs: guide.image = { files = [\"FILE\"] }",
+                "job.toml: guide.kind = \"grain\" needs photographs or a scan: guide.image = { files = [\"FILE\"] } or guide.volume = { path = \"SCAN\" }",
+            ),
+            (
+                "[shape]\nct = \"scan\"\n[guide]\nkind = \"grain\"\nmode = \"edges\"\n",
+                "job.toml: guide.mode = \"edges\" is for photographs; a scan's texture gives directions",
+            ),
+            (
+                "[guide]\nkind = \"grain\"\nimage = { files = [\"a.png\"] }\nvolume = { path = \"scan\" }\n",
+                "job.toml: guide.image and guide.volume: exactly one gives the grain",
             ),
             (
                 "[printer]\nprofile = \"generic-0.5\"\n",

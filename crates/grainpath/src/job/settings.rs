@@ -206,7 +206,7 @@ sections! {
     }
     /// What gives fill its direction.
     GuideSection "guide" {
-        kind: String = "none".into(), "", Words(&["none", "angle", "stress", "grain"]), "none: the fill's angle list; angle: one direction for all fill, dense and sparse; stress: the principal stresses under the loads given; grain: the grain of photographs.";
+        kind: String = "none".into(), "", Words(&["none", "angle", "stress", "grain"]), "none: the fill's angle list; angle: one direction for all fill, dense and sparse; stress: the principal stresses under the loads given; grain: the grain of photographs, or the texture of a scan.";
         angle_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "The direction for kind = \"angle\", from +X.";
         follow: String = "max-abs".into(), "", Words(&["max-abs", "tension", "compression", "alternate"]), "Which principal stress beads follow: the one greater in amount, the greatest tension, the greatest compression, or both families by turns from layer to layer.";
         analysis: String = "auto".into(), "", Words(&["auto", "plane", "solid"]), "plane: the section as a plate loaded in its plane; solid: the part in three dimensions; auto: plane for a part of constant section loaded in its plane.";
@@ -235,7 +235,7 @@ sections! {
         min_curve_mm: f64 = 3.0, "mm", Range(0.0, 1000.0), "Shorter curves are dropped.";
         integration_mm: f64 = 0.6, "mm", Range(0.01, 100.0), "Neighbourhood over which the direction is averaged.";
         bend: String = "holes".into(), "", Words(&["none", "outline", "holes", "both"]), "Borders of the part along which the grain is bent.";
-        darkness: f64 = 0.0, "", Range(0.0, 1.0), "How much closer lines lie where the picture is dark, below full density: 1 is twice as close as on average.";
+        darkness: f64 = 0.0, "", Range(0.0, 1.0), "How much closer lines lie where the picture is dark, or the scan dense, below full density: 1 is twice as close as on average.";
     }
     /// Photographs whose grain a part of another shape is filled with; left out, those of shape.photo.
     ImageSection "guide.image" {
@@ -249,6 +249,18 @@ sections! {
         mirror: bool = false, "", Any, "Left and right changed over.";
         heights_mm: Vec<f64> = Vec::new(), "mm", Range(0.0, 1e4), "The height each file shows, as in shape.photo.";
         shift_mm_per_mm: [f64; 2] = [0.0; 2], "", Range(-20.0, 20.0), "How far the grain moves for a millimetre upwards, as in shape.photo.";
+    }
+    /// A scan whose texture a part of another shape is filled along; left out, that of shape.ct.
+    VolumeSection "guide.volume" {
+        path: String = String::new(), "", Any, "The scan, as in shape.ct.";
+        pixel_mm: Option<Pair> = None, "mm", Range(1e-7, 1e4), "Size of a pixel, one number or [x, y]; left out, the file's.";
+        slice_mm: Option<f64> = None, "mm", Range(1e-7, 1e4), "Distance of slices; left out, the file's.";
+        window: Option<[usize; 2]> = None, "", Range(0.0, 1e6), "First and last slice that are taken, counted from 0.";
+        crop_px: Option<[usize; 4]> = None, "px", Range(0.0, 1e6), "First column, first row, last column, last row that are taken, counted from 0.";
+        flip: String = String::new(), "", Words(&["", "x", "y", "z", "xy", "xz", "yz", "xyz"]), "Axes to mirror.";
+        scale: f64 = 1.0, "", Range(1e-6, 1e6), "Factor on its size.";
+        origin_mm: Option<[f64; 3]> = None, "mm", Range(-1e5, 1e5), "Where the lower left corner of its lowest slice lies on the part; left out, its middle is over the part's and its bottom on the plate.";
+        rotate_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Turned about that corner, counter-clockwise.";
     }
     /// What is laid inside the walls.
     FillSection "fill" {
@@ -331,6 +343,7 @@ pub struct Settings {
     pub process: ProcessSection,
     pub guide: GuideSection,
     pub image: ImageSection,
+    pub volume: VolumeSection,
     pub fill: FillSection,
     pub support: SupportSection,
     pub strength: StrengthSection,
@@ -339,7 +352,7 @@ pub struct Settings {
 
 impl Settings {
     /// Names of the sections, in the order they are shown.
-    pub const SECTIONS: [&'static str; 12] = [
+    pub const SECTIONS: [&'static str; 13] = [
         "shape",
         "shape.photo",
         "shape.ct",
@@ -348,6 +361,7 @@ impl Settings {
         "process",
         "guide",
         "guide.image",
+        "guide.volume",
         "fill",
         "support",
         "strength",
@@ -365,6 +379,7 @@ impl Settings {
             "process" => self.process.set(key, value),
             "guide" => self.guide.set(key, value),
             "guide.image" => self.image.set(key, value),
+            "guide.volume" => self.volume.set(key, value),
             "fill" => self.fill.set(key, value),
             "support" => self.support.set(key, value),
             "strength" => self.strength.set(key, value),
@@ -384,6 +399,7 @@ impl Settings {
             ProcessSection::params(),
             GuideSection::params(),
             ImageSection::params(),
+            VolumeSection::params(),
             FillSection::params(),
             SupportSection::params(),
             StrengthSection::params(),
@@ -403,6 +419,7 @@ impl Settings {
             self.process.rows(),
             self.guide.rows(),
             if self.image.files.is_empty() { Vec::new() } else { self.image.rows() },
+            if self.volume.path.is_empty() { Vec::new() } else { self.volume.rows() },
             self.fill.rows(),
             self.support.rows(),
             self.strength.rows(),
