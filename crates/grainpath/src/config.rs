@@ -136,6 +136,7 @@ pub(crate) fn texture(
     if other {
         let [x, y] = v.pixel_mm.map_or([None; 2], |p| p.0.map(Some));
         scan = CtSettings {
+            section: "guide.volume",
             spacing_mm: [x, y, v.slice_mm],
             scale: v.scale,
             window: v.window,
@@ -214,6 +215,7 @@ pub fn scan(s: &Settings) -> CtSettings {
     let (c, p) = (&s.ct, &s.process);
     let [x, y] = c.pixel_mm.map_or([None; 2], |p| p.0.map(Some));
     CtSettings {
+        section: "shape.ct",
         spacing_mm: [x, y, c.slice_mm],
         scale: s.shape.scale,
         window: c.window,

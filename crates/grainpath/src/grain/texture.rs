@@ -123,7 +123,7 @@ const MAX_NODES: usize = 2_000_000;
 /// Standard deviation of the Gaussian before gradients are taken, pixels.
 const GRADIENT_PX: f64 = 1.0;
 /// Less coherence than this over a wide neighbourhood is hardly a texture.
-const LEAST_COHERENCE: f64 = 0.15;
+const LEAST_COHERENCE: f64 = 0.2;
 
 /// Reads the texture of a scan, a few slices at a time.
 ///
@@ -163,7 +163,7 @@ pub fn read_texture(
     };
     if wide < LEAST_COHERENCE {
         diagnostics.warn(format!(
-            "{}: hardly any direction in the layers' plane: its coherence is {wide:.2} (0 none, 1 perfect; bone and fibres have 0.2 and more)",
+            "{}: hardly any direction in the layers' plane: its coherence is {wide:.2} (0 none, 1 perfect; bone and fibres have 0.3 and more)",
             s.name
         ));
     }
@@ -623,8 +623,8 @@ mod tests {
     fn blobs_and_upright_fibres_give_nothing_to_follow_and_say_so() {
         let blob = |p: DVec3| {
             let cell = (p / 0.7).floor();
-            let mut h =
-                (cell.x as i64 * 73_856_093 ^ cell.y as i64 * 19_349_663 ^ cell.z as i64 * 83_492_791) as u64;
+            let [i, j, k] = cell.to_array().map(|v| v as i64);
+            let mut h = (i * 73_856_093 + j * 19_349_663 + k * 83_492_791) as u64;
             h = (h ^ h >> 31).wrapping_mul(0x9e37_79b9_7f4a_7c15);
             let jitter = |k: u32| ((h >> (16 * k) & 255) as f64 / 255.0 - 0.5) * 0.3;
             let c = (cell + 0.5 + DVec3::new(jitter(1), jitter(2), jitter(3))) * 0.7;

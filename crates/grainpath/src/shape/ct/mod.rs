@@ -94,6 +94,8 @@ impl Interpolation {
 /// How a scan becomes layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CtSettings {
+    /// The section of the job these come from, for messages.
+    pub section: &'static str,
     /// Distance of voxels in x, y, z where it is not the file's, mm.
     pub spacing_mm: [Option<f64>; 3],
     /// Factor on all lengths.
