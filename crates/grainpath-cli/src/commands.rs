@@ -152,7 +152,7 @@ pub fn read_photos(
         let name = path.display().to_string();
         let image =
             decode_luma(&bytes).map_err(|source| grainpath::Error::Image { path: name.clone(), source })?;
-        Ok(Photo::of(name, &image))
+        Ok(Photo::of(name, image))
     };
     own.iter().map(read).collect()
 }

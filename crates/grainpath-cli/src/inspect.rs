@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use grainpath::grain::Photo;
+use grainpath::grain::warp::Shrinking;
 use grainpath_core::mesh::{MeshHealth, diagnose, weld_within};
 use grainpath_gcode::{Limits, Program, simulate};
 use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
@@ -101,8 +102,8 @@ fn mesh_json(name: &str, file: &MeshFile) -> Value {
 }
 
 fn image_json(name: &str, image: &Image) -> Value {
-    let photo = Photo::of(name.to_owned(), image);
-    let grey = &photo.grey;
+    let photo = Photo::of(name.to_owned(), image.clone());
+    let grey = photo.whole();
     let round = |v: f32| (f64::from(v) * 1e3).round() * 1e-3;
     let sample = match image.samples {
         Samples::U8(_) => "8 bit",

@@ -95,7 +95,7 @@ pub fn plan_job(
     let shape_error = |source| Error::Shape { path: inputs.path.clone(), source };
     let sliced = mesh_and_layers(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
-    let scan = match &mut inputs.texture {
+    let scan: Option<&mut dyn SliceSource> = match &mut inputs.texture {
         Some(other) => Some(&mut **other),
         None => None,
     };

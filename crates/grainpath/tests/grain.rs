@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use grainpath::grain::Photo;
+use grainpath::grain::warp::Shrinking;
 use grainpath::job::parse_job;
 use grainpath_core::math::{atan2, cos, sin};
 use grainpath_core::{DVec2, DVec3, Diagnostics, Role, TriMesh};
@@ -19,7 +20,7 @@ fn photo(name: &str) -> Option<Photo> {
         println!("skipped: no ../shared/data");
         return None;
     };
-    Some(Photo::of(name.to_owned(), &decode(&bytes).expect(name)))
+    Some(Photo::of(name.to_owned(), decode(&bytes).expect(name)))
 }
 
 /// Angle from +X (rows downwards) and coherence at every pixel, rows from the top.
@@ -27,14 +28,14 @@ fn independent(photo: &Photo) -> Option<Vec<f32>> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let source = folder.join(format!("{}.in", photo.name));
     let target = folder.join(format!("{}.out", photo.name));
-    let raw: Vec<u8> = photo.grey.data.iter().flat_map(|v| v.to_le_bytes()).collect();
+    let raw: Vec<u8> = photo.whole().data.iter().flat_map(|v| v.to_le_bytes()).collect();
     std::fs::write(&source, raw).expect("a file for the test");
-    let px_mm = WIDTH_MM / photo.grey.width as f64;
+    let px_mm = WIDTH_MM / photo.size()[0] as f64;
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/structure_tensor.py");
     let done = Command::new("python3")
         .arg(script)
         .args([&source, &target])
-        .args([photo.grey.width.to_string(), photo.grey.height.to_string()])
+        .args(photo.size().map(|n| n.to_string()))
         .args([(0.15 / px_mm).max(1.0).to_string(), (0.6 / px_mm).max(2.0).to_string()])
         .output();
     if !done.as_ref().is_ok_and(|o| o.status.success()) {
@@ -59,7 +60,7 @@ fn paths_agree_with_an_independent_structure_tensor() {
     ] {
         let Some(photo) = photo(name) else { return };
         let Some(truth) = independent(&photo) else { return };
-        let (w, h) = (photo.grey.width, photo.grey.height);
+        let [w, h] = photo.size();
         let job = format!(
             "[shape.photo]\nfiles = [\"{name}\"]\nsize_mm = [{WIDTH_MM}, {}]\nthickness_mm = 0.2\n\
              [guide]\nkind = \"grain\"\n[fill]\ndensity = 1.0\n[process]\nwalls = 1\n",

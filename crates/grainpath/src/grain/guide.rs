@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::{DVec2, DVec3, Diagnostics, DirectionField, DirectionSample, Region};
-use grainpath_io::image::{Image, Samples};
 use grainpath_io::volume::SliceSource;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -13,40 +12,15 @@ use super::canny::{CannySettings, Edges, canny};
 use super::corners::find_corners;
 use super::curves::{CurveSettings, along_grain, edge_curves, length_mm};
 use super::lay::Near;
-use super::raster::Grey;
+use super::photo::Photo;
 use super::tensor::{
     AxisGrid, AxisSample, Guideline, Tangent, TensorSettings, along_lines, border_lines, grain_axes,
 };
 use super::texture::{AxisVolume, TextureReport, TextureSettings, read_texture};
-use super::warp::{CornerError, MetricImage, check_corners, native_px_mm, rectify};
+use super::warp::{CornerError, MetricImage, Shrinking, check_corners, native_px_mm, rectify};
 use super::{corners::CornersNotFound, pictures};
 use crate::html::Picture;
 use crate::shape::ct::{CtError, Slices};
-
-/// A photograph as it was taken, in grey, rows from the top.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Photo {
-    /// What errors and reports call it.
-    pub name: String,
-    /// 0 black to 1 white.
-    pub grey: Grey,
-}
-
-impl Photo {
-    /// The grey of an image; floats are stretched from their least to their largest value.
-    pub fn of(name: String, image: &Image) -> Self {
-        let mut data = image.to_grey_f32();
-        let (mut low, mut high) = (0.0, image.samples.full_scale());
-        if matches!(image.samples, Samples::F32(_)) {
-            let finite = || data.iter().copied().filter(|v| v.is_finite());
-            (low, high) =
-                (finite().fold(f32::INFINITY, f32::min), finite().fold(f32::NEG_INFINITY, f32::max));
-        }
-        let range = if high > low { high - low } else { 1.0 };
-        data.par_iter_mut().for_each(|v| *v = if v.is_finite() { (*v - low) / range } else { 0.0 });
-        Self { name, grey: Grey { width: image.width, height: image.height, data } }
-    }
-}
 
 /// Where the corners of the board are in a photograph.
 #[derive(Debug, Clone, PartialEq)]
@@ -237,7 +211,7 @@ pub fn read_grain(
         if settings.pictures {
             let prefix = if photos.len() > 1 { format!("photo{}_", k + 1) } else { String::new() };
             let steps = pictures::steps(
-                &photo.grey,
+                &photo.whole(),
                 read.corners,
                 &read.image,
                 &read.denoised,
@@ -319,14 +293,14 @@ struct Read {
 }
 
 fn read_photo(photo: &Photo, k: usize, s: &GrainSettings) -> Result<Read, GrainError> {
-    let (w, h) = (photo.grey.width, photo.grey.height);
+    let [w, h] = photo.size();
     let corners = match &s.corners {
         Corners::Given(all) => all[k.min(all.len() - 1)],
         Corners::Image => {
             [(0.0, 0.0), (w as f64, 0.0), (w as f64, h as f64), (0.0, h as f64)].map(DVec2::from)
         }
-        Corners::Outline => find_corners(&photo.grey)?,
-        Corners::Markers => super::markers::find_markers(&photo.grey)?,
+        Corners::Outline => find_corners(&photo.whole())?,
+        Corners::Markers => super::markers::find_markers(&photo.whole())?,
     };
     check_corners(corners, w, h)?;
     let native = native_px_mm(corners, s.size_mm);
@@ -334,7 +308,7 @@ fn read_photo(photo: &Photo, k: usize, s: &GrainSettings) -> Result<Read, GrainE
     // Finer than half of what is blurred away next shows nothing more.
     let needed = 0.5 * s.blur_mm.unwrap_or(BLUR_MM).max(0.02);
     let pixel_mm = s.pixel_mm.unwrap_or(native.max(coarsest).max(needed));
-    let image = rectify(&photo.grey, corners, s.size_mm, pixel_mm);
+    let image = rectify(photo, corners, s.size_mm, pixel_mm);
     let spread = image.grey.spread(0.02, 0.98);
     if spread < LEAST_SPREAD {
         return Err(GrainError::Blank { spread });
@@ -527,6 +501,7 @@ fn moved(curve: &[DVec2], to: &Slice, share: f64) -> Vec<DVec2> {
 mod tests {
     use super::super::board::{Board, Knot};
     use super::super::curves::Join;
+    use super::super::raster::Grey;
     use super::super::tensor::axis_difference_rad;
     use super::*;
 
@@ -559,7 +534,7 @@ mod tests {
     }
 
     fn photo(board: &Board) -> Photo {
-        Photo { name: "board".into(), grey: board.flat(0.12, 0.5) }
+        Photo::new("board".into(), board.flat(0.12, 0.5))
     }
 
     fn guide(photos: &[Photo], s: &GrainSettings) -> GrainGuide {
@@ -626,7 +601,7 @@ mod tests {
     fn no_photograph_of_wood_is_told() {
         let size = DVec2::new(60.0, 40.0);
         let s = settings(size, Mode::Field);
-        let black = Photo { name: "black".into(), grey: Grey::filled(300, 200, 0.0) };
+        let black = Photo::new("black".into(), Grey::filled(300, 200, 0.0));
         let none = |_: f64| Region::default();
         let error = read_grain(std::slice::from_ref(&black), &s, &none, &Diagnostics::default()).err();
         assert!(matches!(error, Some((0, GrainError::Blank { .. }))), "{error:?}");
@@ -640,7 +615,7 @@ mod tests {
         };
         let paper = Grey::from_fn(300, 200, |x, y| 0.8 + 0.05 * (mixed(300 * y + x) - 0.5));
         let d = Diagnostics::default();
-        let paper = Photo { name: "paper.png".into(), grey: paper };
+        let paper = Photo::new("paper.png".into(), paper);
         read_grain(&[paper], &s, &none, &d)
             .expect("paper can be followed, though there is nothing to follow");
         assert!(d.warnings().iter().any(|w| w.contains("coherence")), "{:?}", d.warnings());

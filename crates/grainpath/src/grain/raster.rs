@@ -54,19 +54,7 @@ impl Grey {
 
     /// Half the size, each pixel the mean of four.
     pub fn halved(&self) -> Self {
-        let (w, h) = (self.width.div_ceil(2), self.height.div_ceil(2));
-        let mut out = Self::filled(w, h, 0.0);
-        out.data.par_chunks_mut(w.max(1)).enumerate().for_each(|(y, out)| {
-            let row = |y: usize| &self.data[y * self.width..(y + 1) * self.width];
-            let (a, b) = (row(2 * y), row((2 * y + 1).min(self.height - 1)));
-            for ((out, a), b) in out.iter_mut().zip(a.chunks_exact(2)).zip(b.chunks_exact(2)) {
-                *out = 0.25 * (a[0] + a[1] + b[0] + b[1]);
-            }
-            if self.width % 2 == 1 {
-                out[w - 1] = 0.5 * (a[self.width - 1] + b[self.width - 1]);
-            }
-        });
-        out
+        half(&self.data, [self.width, self.height], 0.25)
     }
 
     /// Smoothed by a Gaussian of this standard deviation in pixels; the border repeats.
@@ -179,6 +167,23 @@ pub fn quantile(values: &mut [f32], share: f64) -> f32 {
     }
     let k = (share.clamp(0.0, 1.0) * (values.len() - 1) as f64).round() as usize;
     *values.select_nth_unstable_by(k, f32::total_cmp).1
+}
+
+/// A picture of half the size: sums of four pixels, the border repeated, times `share`.
+pub(super) fn half<T: Copy + Sync + Into<f32>>(data: &[T], [width, height]: [usize; 2], share: f32) -> Grey {
+    let (w, h) = (width.div_ceil(2), height.div_ceil(2));
+    let mut out = Grey::filled(w, h, 0.0);
+    out.data.par_chunks_mut(w.max(1)).enumerate().for_each(|(y, out)| {
+        let row = |y: usize| &data[y * width..(y + 1) * width];
+        let (a, b) = (row(2 * y), row((2 * y + 1).min(height - 1)));
+        for ((out, a), b) in out.iter_mut().zip(a.chunks_exact(2)).zip(b.chunks_exact(2)) {
+            *out = share * (a[0].into() + a[1].into() + b[0].into() + b[1].into());
+        }
+        if width % 2 == 1 {
+            out[w - 1] = 2.0 * share * (a[width - 1].into() + b[width - 1].into());
+        }
+    });
+    out
 }
 
 // Unlike `f32::min` these are one instruction: no pixel is NaN.

@@ -1,5 +1,7 @@
 //! Rectification: a photograph in perspective to a picture in millimetres.
 
+use std::borrow::Cow;
+
 use grainpath_core::math::cross;
 use grainpath_core::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -144,11 +146,35 @@ pub fn native_px_mm(corners: [DVec2; 4], size_mm: DVec2) -> f64 {
     (size_mm.x * size_mm.y / area_px.max(1.0)).sqrt()
 }
 
+/// A photograph that can be had smaller.
+pub trait Shrinking {
+    /// Pixels in a row, and rows.
+    fn size(&self) -> [usize; 2];
+    /// As it is.
+    fn whole(&self) -> Cow<'_, Grey>;
+    /// With its sides halved once.
+    fn halved(&self) -> Grey;
+}
+
+impl Shrinking for Grey {
+    fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    fn whole(&self) -> Cow<'_, Grey> {
+        Cow::Borrowed(self)
+    }
+
+    fn halved(&self) -> Grey {
+        self.halved()
+    }
+}
+
 /// The photograph (rows downwards) between four corners as a picture of `size_mm`, lower left corner at zero, pixels
 /// of about `px_mm` (made to fit the width). Where it shrinks, what falls together is averaged.
 ///
 /// The corners must have passed [`check_corners`].
-pub fn rectify(photo: &Grey, corners: [DVec2; 4], size_mm: DVec2, px_mm: f64) -> MetricImage {
+pub fn rectify(photo: &impl Shrinking, corners: [DVec2; 4], size_mm: DVec2, px_mm: f64) -> MetricImage {
     let columns = (size_mm.x / px_mm).round().max(8.0) as usize;
     let px_mm = size_mm.x / columns as f64;
     let rows = (size_mm.y / px_mm).round().max(8.0) as usize;
@@ -159,11 +185,12 @@ pub fn rectify(photo: &Grey, corners: [DVec2; 4], size_mm: DVec2, px_mm: f64) ->
     // Pictures of half the size until a step is less than two pixels; what remains is averaged point by point.
     let mut level = 1.0;
     let mut smaller: Option<Grey> = None;
-    while stretch / level >= 2.0 && photo.width as f64 / level > 2.0 && photo.height as f64 / level > 2.0 {
-        smaller = Some(smaller.as_ref().unwrap_or(photo).halved());
+    let [width, height] = photo.size();
+    while stretch / level >= 2.0 && width as f64 / level > 2.0 && height as f64 / level > 2.0 {
+        smaller = Some(smaller.map_or_else(|| photo.halved(), |s| s.halved()));
         level *= 2.0;
     }
-    let source = smaller.as_ref().unwrap_or(photo);
+    let source = smaller.map_or_else(|| photo.whole(), Cow::Owned);
     let n = if stretch / level > 1.15 { 2 } else { 1 };
     let mut grey = Grey::filled(columns, rows, 0.0);
     let share = 1.0 / n as f64;
