@@ -5,7 +5,6 @@ use std::f64::consts::PI;
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::{DVec2, DVec3, Diagnostics, DirectionField, DirectionSample, Region};
 use grainpath_io::volume::SliceSource;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use super::canny::{CannySettings, Edges, canny};
