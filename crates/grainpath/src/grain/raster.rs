@@ -57,6 +57,29 @@ impl Grey {
         half(&self.data, [self.width, self.height], 0.25)
     }
 
+    /// Row `y` of this picture enlarged by `factor` to `width` pixels: what [`Grey::sample`] finds at their centres.
+    pub(super) fn enlarged_row(&self, y: usize, factor: f64, width: usize, out: &mut Vec<f32>) {
+        let place = |v: usize, n: usize| {
+            let v = ((v as f64 + 0.5) / factor - 0.5).clamp(0.0, n as f64 - 1.0);
+            let i = (v as usize).min(n.saturating_sub(2));
+            (i, (v - i as f64) as f32)
+        };
+        let (j, t) = place(y, self.height);
+        let row = |j: usize| &self.data[j * self.width..(j + 1) * self.width];
+        let (low, high) = (row(j), row((j + 1).min(self.height - 1)));
+        out.clear();
+        if self.width == 1 {
+            out.resize(width, low[0] + t * (high[0] - low[0]));
+            return;
+        }
+        out.extend((0..width).map(|x| {
+            let (i, u) = place(x, self.width);
+            let a = low[i] + u * (low[i + 1] - low[i]);
+            let b = high[i] + u * (high[i + 1] - high[i]);
+            a + t * (b - a)
+        }));
+    }
+
     /// Smoothed by a Gaussian of this standard deviation in pixels; the border repeats.
     pub fn blurred(&self, sigma_px: f64) -> Self {
         if sigma_px < 0.05 || self.data.is_empty() {
