@@ -434,9 +434,10 @@ impl Node {
         let tensor: [f64; 6] = std::array::from_fn(|c| f64::from(each[c][k]));
         let floor = f64::from(floor) + 1e-30;
         let e = eigenvalues(tensor);
-        // How well the weakest axis is told from the middle one, and that from the strongest.
-        let line = (e[1] - e[2]) / (e[1] + e[2].max(0.0) + floor);
-        let plate = (1.0 - line) * (e[0] - e[1]) / (e[0] + e[1] + floor);
+        // A fibre from where the middle value is halfway between the others; plates that bend have some of it too.
+        let fibrous = (2.0 * (e[1] - e[2]) / (e[0] - e[2] + floor)).min(1.0);
+        let line = fibrous * (e[1] - e[2]) / (e[1] + e[2].max(0.0) + floor);
+        let plate = (1.0 - fibrous) * (e[0] - e[1]) / (e[0] + e[1].max(0.0) + floor);
         let (v, n) = (eigenvector(tensor, e[2]), eigenvector(tensor, e[0]));
         let c = line * (v.x * v.x - v.y * v.y) + plate * (n.y * n.y - n.x * n.x);
         let s = 2.0 * (line * v.x * v.y - plate * n.x * n.y);
@@ -612,10 +613,10 @@ mod tests {
 
     #[test]
     fn what_turns_with_height_is_followed_and_mirrored_with_the_scan() {
-        // Plates that turn by a right angle from bottom to top.
+        // Plates that turn by a right angle from bottom to top, about the upright through (3, 3).
         let plates = |p: DVec3| {
             let across = direction(0.25 * PI * p.z / 3.0 + 0.5 * PI);
-            100.0 + 50.0 * sin_cos(2.0 * PI * p.truncate().dot(across) / 0.9).0
+            100.0 + 50.0 * sin_cos(2.0 * PI * (p.truncate() - 3.0).dot(across) / 0.9).0
         };
         let wanted = |z: f64| 0.25 * PI * z / 3.0;
         let (upright, _) = read([60, 60, 60], [0.1; 3], "", plates);
