@@ -16,7 +16,7 @@ pub mod volume;
 
 pub use image::{Image, ImageError, ImageFormat, Samples};
 pub use layers::{write_cli, write_svg_layers};
-pub use mesh::{Body, MeshError, MeshFile, MeshFormat, parse_mesh, sniff_mesh};
+pub use mesh::{Body, Marks, MeshError, MeshFile, MeshFormat, parse_mesh, sniff_mesh};
 pub use outline::{Outline, OutlineOptions, parse_outline, sniff_outline};
 pub use stl::write_stl;
 pub use threemf::write_3mf;

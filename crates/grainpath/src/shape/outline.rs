@@ -18,7 +18,7 @@ pub fn extruded(outline: Outline, thickness_mm: f64) -> Result<MeshFile, ShapeEr
     prism(&outline.region, 0.0, thickness_mm, &mut mesh)?;
     Ok(MeshFile {
         format: MeshFormat::Outline,
-        bodies: vec![Body { name: None, mesh }],
+        bodies: vec![Body { mesh, ..Body::default() }],
         unit: Some(LengthUnit::Millimetre),
         warnings: outline.warnings,
     })
