@@ -48,7 +48,7 @@ pub fn bench() -> Result<(), String> {
     fs::write(folder.join("job.toml"), job).map_err(|e| format!("{}: {e}", folder.display()))?;
     let mut best: Option<[f64; 3]> = None;
     for _ in 0..5 {
-        let mut command = Command::new(crate::target().join("release/grainpath"));
+        let mut command = Command::new(crate::built("grainpath"));
         let report = crate::output(command.arg("run").arg(folder.join("job.toml")).arg("--json"))?;
         let report: Value = serde_json::from_str(&report).map_err(|e| format!("grainpath: {e}"))?;
         let stages = report["stages_s"].as_object().ok_or("a report without stages")?;
