@@ -3,13 +3,15 @@
 use std::collections::BTreeMap;
 
 use grainpath_core::math::{atan2, cross, direction};
-use grainpath_core::{DVec3, Region, Role};
+use grainpath_core::{DVec2, DVec3, Region, Role};
 use grainpath_gcode::{Program, Quality, Written, quality};
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::fibre::FibreReport;
 use crate::grain::PhotoReport;
 use crate::guide::{Degenerate, Guide};
+use crate::job::Settings;
 use crate::run::Planned;
 use crate::strength::StrengthReport;
 use crate::support::Support;
@@ -44,6 +46,8 @@ pub struct Report {
     pub grain: Option<Vec<PhotoReport>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strength: Option<StrengthReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fibre: Option<FibreReport>,
     pub stages_s: BTreeMap<&'static str, f64>,
     pub peak_rss_mb: f64,
     pub warnings: Vec<String>,
@@ -216,6 +220,7 @@ impl Report {
             }),
             stress: planned.guide.as_ref().map(StressReport::from),
             strength: None,
+            fibre: None,
             stages_s: BTreeMap::new(),
             peak_rss_mb: round(peak_rss_mb(), 1),
             warnings: Vec::new(),
@@ -262,6 +267,7 @@ impl Report {
                 100.0 * s.error_estimate
             ));
         }
+        lines.extend(self.fibre.as_ref().map(FibreReport::summary));
         lines.extend(self.strength.as_ref().map(StrengthReport::summary));
         lines.extend(self.support.iter().map(SupportReport::summary));
         if let Some(d) = &self.dimensions {
@@ -302,15 +308,8 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
         Some(region)
     };
     let mut report = QualityReport::from(quality(program, section, 12));
-    let of_stress = planned.guide.as_ref().map(|g| move |i: usize, p: DVec3| g.asked(i, p));
-    let of_grain = planned.grain.as_ref().map(|g| move |_: usize, p: DVec3| g.asked(p));
-    let asked: Option<&Asked<'_>> = match (&of_stress, &of_grain) {
-        (Some(stress), _) => Some(stress),
-        (None, Some(grain)) => Some(grain),
-        (None, None) => None,
-    };
-    if let Some(asked) = asked {
-        let (mean, p95) = alignment(planned, asked, program);
+    if let Some(asked) = asked(planned) {
+        let (mean, p95) = alignment(planned, &*asked, program);
         let round = |deg: f64| (deg * 100.0).round() * 0.01;
         (report.alignment_mean_deg, report.alignment_p95_deg) = (Some(round(mean)), Some(round(p95)));
     }
@@ -319,6 +318,35 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
 
 /// The axis a guide asks for at a point of a layer, radians, and how much it matters.
 type Asked<'a> = dyn Fn(usize, DVec3) -> (f64, f64) + 'a;
+
+/// What the job's guide asks for, where it has one.
+fn asked(planned: &Planned) -> Option<Box<Asked<'_>>> {
+    match (&planned.guide, &planned.grain) {
+        (Some(stress), _) => Some(Box::new(|i, p| stress.asked(i, p))),
+        (None, Some(grain)) => Some(Box::new(|_, p| grain.asked(p))),
+        (None, None) => None,
+    }
+}
+
+/// Measures the fibre of written G-code; `None` for jobs that lay none.
+pub fn measure_fibre(settings: &Settings, planned: &Planned, program: &Program) -> Option<FibreReport> {
+    let tool = planned.config.fibre.as_ref()?;
+    let layers = planned.stack.layers();
+    let asked = asked(planned);
+    let at = asked.as_ref().map(|asked| {
+        move |p: DVec2, z_mid: f64| {
+            let i = layers.partition_point(|l| l.z_top_mm() < z_mid).min(layers.len().saturating_sub(1));
+            asked(i, p.extend(z_mid))
+        }
+    });
+    let at: Option<&crate::fibre::AskedAt<'_>> = match &at {
+        Some(at) => Some(at),
+        None => None,
+    };
+    let shift = planned.plan.plate_from_part_mm.truncate();
+    let radius_mm = settings.fibre.min_radius_mm;
+    Some(crate::fibre::measure(program, shift, radius_mm, tool.material.density_g_cm3, at))
+}
 
 /// Mean and 95th percentile of the angle in degrees between fill and the guide's own axis.
 fn alignment(planned: &Planned, asked: &Asked<'_>, program: &Program) -> (f64, f64) {

@@ -21,6 +21,7 @@ use rayon::prelude::*;
 use crate::adhesion::{AdhesionSettings, brim, skirt};
 use crate::config;
 use crate::error::Error;
+use crate::fibre::{FibreSettings, Tally};
 use crate::fill::{FillContext, GUIDED, Infill, Solid, Stripes, bridge_angle_rad, pattern};
 use crate::grain::guide::Mode;
 use crate::grain::lay::{Flow, lay_curves};
@@ -193,6 +194,8 @@ fn plan_stack(
     let part = part_bounds(&stack);
     let plate_from_part_mm = plate_from_part(settings, part);
     check_bed(settings, &stack, part, plate_from_part_mm)?;
+    let fibre = config::fibre(settings);
+    fibre.iter().try_for_each(|f| f.check(&stack, part))?;
     let guide = {
         let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
         guide::build(settings, &guided, stress, diagnostics)?
@@ -223,6 +226,7 @@ fn plan_stack(
         support: support.as_ref(),
         guide: guide.as_ref(),
         grain: grain.as_ref(),
+        fibre: fibre.as_ref(),
         uniform,
     };
     diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
@@ -369,6 +373,14 @@ fn check_bed(settings: &Settings, stack: &LayerStack, part: Bounds2, shift: DVec
     Ok(())
 }
 
+/// How a room is to be filled.
+struct Wanted<'a> {
+    density: f64,
+    role: Role,
+    pattern: Option<&'static dyn Infill>,
+    grain: Option<&'a GrainGuide>,
+}
+
 struct Job<'a> {
     settings: &'a Settings,
     stack: &'a LayerStack,
@@ -376,6 +388,8 @@ struct Job<'a> {
     support: Option<&'a Support>,
     guide: Option<&'a Guide>,
     grain: Option<&'a GrainGuide>,
+    /// How fibre is laid, where any is.
+    fibre: Option<&'a FibreSettings>,
     /// The field of `kind = "angle"`.
     uniform: UniformField,
 }
@@ -460,28 +474,36 @@ impl Job<'_> {
         skins: &[SkinSplit],
         density: f64,
         diagnostics: &Diagnostics,
-    ) -> Result<Vec<LayerPaths>, Interrupted> {
+    ) -> Result<Vec<LayerPaths>, Error> {
         let adhesion = self.adhesion();
         let like = self.alike(skins);
         let lay = |i: usize| {
             diagnostics.check()?;
             let mut paths = Vec::new();
+            let mut tally = Tally::default();
             if like[i] == i {
-                self.dense_fill(i, &skins[i], &mut |island, path| paths.push((island, path)));
-                self.sparse_fill(i, &skins[i], density, &mut |island, path| paths.push((island, path)));
+                let mut add = |island, path| paths.push((island, path));
+                tally = self.dense_fill(i, &skins[i], &mut add);
+                tally = tally.and(self.sparse_fill(i, &skins[i], density, &mut add));
             }
             diagnostics.advance(1);
-            Ok(paths)
+            Ok((paths, tally))
         };
-        let laid: Vec<Result<IslandPaths, Interrupted>> = (0..walls.len())
+        let laid: Vec<Result<(IslandPaths, Tally), Interrupted>> = (0..walls.len())
             .into_par_iter()
             .with_min_len(if self.guide.is_some() { 1 } else { 2 })
             .map(lay)
             .collect();
-        let mut laid = laid.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let (mut laid, tallies): (Vec<_>, Vec<_>) =
+            laid.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         // Copies first: the layers they are copied from come later or are taken whole.
         for i in (0..laid.len()).rev().filter(|&i| like[i] != i) {
             laid[i] = laid[like[i]].clone();
+        }
+        if let Some(fibre) = self.fibre {
+            let all = like.iter().map(|&i| tallies[i]).fold(Tally::default(), Tally::and);
+            let any = laid.iter().flatten().any(|(_, p)| p.role == Role::Fibre);
+            fibre.came_to(&all, any, diagnostics)?;
         }
         let mut supports: Vec<Vec<Island>> =
             (0..laid.len()).into_par_iter().map(|i| self.supports(i)).collect();
@@ -509,6 +531,7 @@ impl Job<'_> {
                     && skins[i] == skins[j]
                     && self.guide.is_none_or(|g| g.same(i, j))
                     && self.grain.is_none_or(GrainGuide::is_upright)
+                    && self.fibre.is_none_or(|f| f.same((i, self.z_mid_mm(i)), (j, self.z_mid_mm(j))))
             };
             if let Some(j) = (i.saturating_sub(2)..i).rev().find(same) {
                 like[i] = like[j];
@@ -517,10 +540,15 @@ impl Job<'_> {
         like
     }
 
+    fn z_mid_mm(&self, layer_idx: usize) -> f64 {
+        let layer = &self.stack.layers()[layer_idx];
+        layer.z_top_mm() - 0.5 * layer.height_mm()
+    }
+
     fn context(&self, layer_idx: usize, density: f64, role: Role) -> FillContext<'_> {
         let layer = &self.stack.layers()[layer_idx];
         FillContext {
-            z_mid_mm: layer.z_top_mm() - 0.5 * layer.height_mm(),
+            z_mid_mm: self.z_mid_mm(layer_idx),
             height_mm: layer.height_mm(),
             bead_width_mm: self.settings.process.bead_width_mm,
             density,
@@ -559,17 +587,19 @@ impl Job<'_> {
     }
 
     /// Skins, bridges, and the inside where it is dense.
-    fn dense_fill(&self, i: usize, split: &SkinSplit, add: &mut dyn FnMut(usize, Toolpath)) {
+    fn dense_fill(&self, i: usize, split: &SkinSplit, add: &mut dyn FnMut(usize, Toolpath)) -> Tally {
         let mut paths = Vec::new();
-        // Skins over sparse fill stay straight lines: they close the part.
-        let grain = self.grain.filter(|_| self.settings.fill.density >= 0.999);
+        let mut tally = Tally::default();
+        let fill = &self.settings.fill;
+        let all_dense = fill.density >= 0.999;
+        // Skins over sparse fill stay straight lines without fibre: they close the part.
+        let grain = self.grain.filter(|_| all_dense);
+        let fibre = self.fibre.filter(|_| all_dense);
         for (polygons, role) in [(&split.solid, Role::SolidFill), (&split.top, Role::TopSkin)] {
-            let context = self.context(i, 1.0, role);
+            let asked =
+                Wanted { density: 1.0, role, pattern: Some(self.dense_pattern(&fill.pattern)), grain };
             for (island, polygon) in polygons {
-                match grain {
-                    Some(grain) => self.along_grain(grain, &context, polygon, &mut paths),
-                    None => self.dense_pattern().fill(&context, polygon, &mut paths),
-                }
+                tally = tally.and(self.room(i, polygon, &asked, fibre, &mut paths));
                 paths.drain(..).for_each(|p| add(*island, p));
             }
         }
@@ -577,17 +607,74 @@ impl Job<'_> {
             self.bridge(i, polygon, &mut paths);
             paths.drain(..).for_each(|p| add(*island, p));
         }
+        tally
     }
 
     /// Dense fill beside sparse one is plain; where all is dense it is the pattern asked for, and a part with a
     /// guide follows it in its skins too.
-    fn dense_pattern(&self) -> &'static dyn Infill {
-        let fill = &self.settings.fill;
-        match fill.pattern.as_str() {
-            "concentric" if fill.density >= 0.999 => &crate::fill::Concentric,
+    fn dense_pattern(&self, name: &str) -> &'static dyn Infill {
+        match name {
+            "concentric" if self.settings.fill.density >= 0.999 => &crate::fill::Concentric,
             "stripes" | "streamlines" => &Stripes,
             "seed-lines" => &crate::fill::SeedLines,
             _ => &Solid,
+        }
+    }
+
+    /// Fills a room, with fibre where that is asked for and the matrix around it.
+    fn room(
+        &self,
+        i: usize,
+        room: &Polygon,
+        asked: &Wanted<'_>,
+        fibre: Option<&FibreSettings>,
+        out: &mut Vec<Toolpath>,
+    ) -> Tally {
+        let mut context = self.context(i, asked.density, asked.role);
+        let Some(fibre) = fibre else {
+            self.fill_room(&context, room, asked, out);
+            return Tally::default();
+        };
+        let z_mm = self.z_mid_mm(i);
+        let matrix_mm = self.settings.process.bead_width_mm;
+        let (with, without) = fibre.split((i, z_mm), context.height_mm, room, matrix_mm);
+        let mut tally = Tally::default();
+        let f = &self.settings.fibre;
+        let density = f.matrix_density;
+        if density > 0.0 {
+            let dense = density >= 0.999;
+            let role = if dense { asked.role } else { Role::SparseFill };
+            let name = f.matrix_pattern.as_str();
+            let matrix = if dense { Some(self.dense_pattern(name)) } else { pattern(name) };
+            let matrix = Wanted { density, role, pattern: matrix, grain: None };
+            let context = self.context(i, density, role);
+            without.iter().for_each(|p| self.fill_room(&context, p, &matrix, out));
+        }
+        context.bead_width_mm = fibre.bead_width_mm;
+        context.border_mm += 0.5 * (fibre.bead_width_mm - matrix_mm);
+        let load = |p: DVec2| match (self.guide, self.grain) {
+            (Some(guide), _) => guide.asked(i, p.extend(z_mm)).1,
+            _ => 0.0,
+        };
+        for room in &with {
+            let mut paths = Vec::new();
+            self.fill_room(&context, room, asked, &mut paths);
+            tally = tally.and(fibre.lay(paths, room, &load, self.settings.process.chain, out));
+        }
+        tally
+    }
+
+    fn fill_room(
+        &self,
+        context: &FillContext<'_>,
+        room: &Polygon,
+        asked: &Wanted<'_>,
+        out: &mut Vec<Toolpath>,
+    ) {
+        match (asked.grain, asked.pattern) {
+            (Some(grain), _) => self.along_grain(grain, context, room, out),
+            (None, Some(pattern)) => pattern.fill(context, room, out),
+            (None, None) => {}
         }
     }
 
@@ -605,21 +692,26 @@ impl Job<'_> {
         }
     }
 
-    fn sparse_fill(&self, i: usize, split: &SkinSplit, density: f64, add: &mut dyn FnMut(usize, Toolpath)) {
+    fn sparse_fill(
+        &self,
+        i: usize,
+        split: &SkinSplit,
+        density: f64,
+        add: &mut dyn FnMut(usize, Toolpath),
+    ) -> Tally {
+        let mut tally = Tally::default();
         if density <= 0.0 {
-            return;
+            return tally;
         }
-        let Some(infill) = pattern(&self.settings.fill.pattern) else { return };
         let role = if density >= 0.999 { Role::SolidFill } else { Role::SparseFill };
-        let context = self.context(i, density, role);
+        let asked =
+            Wanted { density, role, pattern: pattern(&self.settings.fill.pattern), grain: self.grain };
         let mut paths = Vec::new();
         for (island, polygon) in &split.sparse {
-            match self.grain {
-                Some(grain) => self.along_grain(grain, &context, polygon, &mut paths),
-                None => infill.fill(&context, polygon, &mut paths),
-            }
+            tally = tally.and(self.room(i, polygon, &asked, self.fibre, &mut paths));
             paths.drain(..).for_each(|p| add(*island, p));
         }
+        tally
     }
 
     /// Fills a room with the grain: the picture's edges, the guided pattern asked for, or else stripes where it is
@@ -685,28 +777,31 @@ impl Job<'_> {
     /// The density asked for, or the one that gives the mass asked for.
     fn density(&self, walls: &[Vec<Island>], skins: &[SkinSplit]) -> Result<f64, Error> {
         let Some(asked_g) = self.settings.fill.mass_g else { return Ok(self.settings.fill.density) };
-        let m = &self.settings.material;
-        let grams = |mm3: f64| mm3 * 1e-3 * m.density_g_cm3 * m.flow;
+        let grams = |path: &Toolpath, height_mm: f64| {
+            let s = self.settings;
+            let m = if path.role == Role::Fibre { &s.fibre_material } else { &s.material };
+            path.volume_mm3(height_mm) * 1e-3 * m.density_g_cm3 * m.flow
+        };
         let layers: Vec<usize> = (0..self.stack.layers().len()).collect();
         let sum = |each: &(dyn Fn(usize) -> f64 + Sync)| -> f64 {
             // Collected in order and added one after the other: the same sum for any number of threads.
             layers.par_iter().map(|&i| each(i)).collect::<Vec<f64>>().into_iter().sum()
         };
         let height = |i: usize| self.stack.layers()[i].height_mm();
-        let fixed = grams(sum(&|i| {
+        let fixed = sum(&|i| {
             let walls =
                 walls[i].iter().flat_map(|island| island.walls.iter().map(|w| &w.path).chain(&island.fills));
-            let mut volume: f64 = walls.map(|p| p.volume_mm3(height(i))).sum();
-            self.dense_fill(i, &skins[i], &mut |_, p| volume += p.volume_mm3(height(i)));
-            volume
-        }));
+            let mut mass: f64 = walls.map(|p| grams(p, height(i))).sum();
+            self.dense_fill(i, &skins[i], &mut |_, p| mass += grams(&p, height(i)));
+            mass
+        });
         let mass = |density: f64| {
             fixed
-                + grams(sum(&|i| {
-                    let mut volume = 0.0;
-                    self.sparse_fill(i, &skins[i], density, &mut |_, p| volume += p.volume_mm3(height(i)));
-                    volume
-                }))
+                + sum(&|i| {
+                    let mut mass = 0.0;
+                    self.sparse_fill(i, &skins[i], density, &mut |_, p| mass += grams(&p, height(i)));
+                    mass
+                })
         };
         // Mass is nearly proportional to density: two or three steps along the chord find most.
         let mut density = 0.3;
