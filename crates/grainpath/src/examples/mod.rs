@@ -1,5 +1,6 @@
 //! Examples made by our own code.
 
+mod continuous;
 mod hub;
 mod stress_lines;
 mod woodgrain;
@@ -13,7 +14,7 @@ use grainpath_core::{DVec2, DVec3, TriMesh};
 pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
 
 /// Names that [`preset`] knows.
-pub const PRESETS: [&str; 4] = ["plate", "stress-lines", "ct", "woodgrain"];
+pub const PRESETS: [&str; 5] = ["plate", "stress-lines", "ct", "woodgrain", "continuous"];
 
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
@@ -24,6 +25,7 @@ pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
         ]),
         "stress-lines" => Some(stress_lines::files()),
         "woodgrain" => Some(woodgrain::files()),
+        "continuous" => Some(continuous::files()),
         "ct" => Some(ct(256)),
         _ => None,
     }
