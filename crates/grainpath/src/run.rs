@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use crate::adhesion::{AdhesionSettings, brim, skirt};
 use crate::config;
 use crate::error::Error;
-use crate::fill::{FillContext, GUIDED, Infill, Solid, Stripes, bridge_angle_rad, pattern};
+use crate::fill::{Continuous, FillContext, GUIDED, Infill, Solid, Stripes, bridge_angle_rad, pattern};
 use crate::grain::guide::Mode;
 use crate::grain::lay::{Flow, lay_curves};
 use crate::grain::{GrainGuide, Photo, read_grain};
@@ -224,6 +224,7 @@ fn plan_stack(
         guide: guide.as_ref(),
         grain: grain.as_ref(),
         uniform,
+        continuous: config::continuous(settings),
     };
     diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
     let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
@@ -378,6 +379,7 @@ struct Job<'a> {
     grain: Option<&'a GrainGuide>,
     /// The field of `kind = "angle"`.
     uniform: UniformField,
+    continuous: Continuous,
 }
 
 impl Job<'_> {
@@ -441,7 +443,12 @@ impl Job<'_> {
             dense: self.settings.fill.density >= 0.999 && self.settings.fill.mass_g.is_none(),
         };
         let walls: Vec<Mutex<&mut Vec<Island>>> = walls.iter_mut().map(Mutex::new).collect();
+        // One path knows no skins: where all is dense it takes the whole room.
+        let whole = self.settings.fill.pattern == "continuous" && settings.dense;
         split_stack(&input, self.part, &settings, diagnostics, |i, mut split| {
+            if whole {
+                split = SkinSplit { solid: fills[i].clone(), below: split.below, ..SkinSplit::default() };
+            }
             if let Some(below) = split.below.take() {
                 let mut islands = walls[i].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 islands
@@ -541,6 +548,9 @@ impl Job<'_> {
     fn border_mm(&self, layer: &Layer) -> f64 {
         let w = self.settings.process.bead_width_mm;
         let s = bead_spacing_mm(w, layer.height_mm());
+        if self.settings.process.walls == 0 {
+            return 0.5 * w;
+        }
         (0.5 - self.settings.fill.overlap) * s + 0.5 * (w - s)
     }
 
@@ -581,13 +591,22 @@ impl Job<'_> {
 
     /// Dense fill beside sparse one is plain; where all is dense it is the pattern asked for, and a part with a
     /// guide follows it in its skins too.
-    fn dense_pattern(&self) -> &'static dyn Infill {
+    fn dense_pattern(&self) -> &dyn Infill {
         let fill = &self.settings.fill;
         match fill.pattern.as_str() {
+            "continuous" => &self.continuous,
             "concentric" if fill.density >= 0.999 => &crate::fill::Concentric,
             "stripes" | "streamlines" => &Stripes,
             "seed-lines" => &crate::fill::SeedLines,
             _ => &Solid,
+        }
+    }
+
+    /// The pattern of the inside.
+    fn pattern(&self) -> Option<&dyn Infill> {
+        match self.settings.fill.pattern.as_str() {
+            "continuous" => Some(&self.continuous),
+            name => pattern(name).map(|p| p as &dyn Infill),
         }
     }
 
@@ -609,7 +628,7 @@ impl Job<'_> {
         if density <= 0.0 {
             return;
         }
-        let Some(infill) = pattern(&self.settings.fill.pattern) else { return };
+        let Some(infill) = self.pattern() else { return };
         let role = if density >= 0.999 { Role::SolidFill } else { Role::SparseFill };
         let context = self.context(i, density, role);
         let mut paths = Vec::new();
@@ -636,7 +655,7 @@ impl Job<'_> {
         let sparseness = |p: DVec2| grain.sparseness(p.extend(z_mm));
         let flow = Flow { axis: &axis, sparseness: grain.has_darkness().then_some(&sparseness) };
         let name = self.settings.fill.pattern.as_str();
-        match (grain.mode, pattern(name).filter(|_| GUIDED.contains(&name))) {
+        match (grain.mode, self.pattern().filter(|_| GUIDED.contains(&name))) {
             (Mode::Edges, _) => lay_curves(context, room, &grain.curves(z_mm), &flow, out),
             (Mode::Field, Some(asked)) => asked.fill(context, room, out),
             (Mode::Field, None) if context.density >= 0.999 => Stripes.fill(context, room, out),
