@@ -66,7 +66,8 @@ fn every_flavour_feeds_anchors_and_cuts_and_is_read_back() {
         assert_eq!(fibre["layers"].as_array().map(Vec::len), Some(5));
         let seen = json(&grainpath(&dir, &["inspect", "out.gcode", "--json"]));
         assert_eq!(seen["fibre"]["cuts"], fibre["cuts"], "{sets:?}");
-        let near = |a: &Value, b: &Value| assert!((number(a) / number(b) - 1.0).abs() < 2e-3, "{sets:?}: {a} {b}");
+        let near =
+            |a: &Value, b: &Value| assert!((number(a) / number(b) - 1.0).abs() < 2e-3, "{sets:?}: {a} {b}");
         near(&seen["fibre"]["length_mm"], &fibre["length_mm"]);
         near(&seen["extruded_mm3"], &report["extruded_mm3"]);
         near(&seen["printed_mm"], &report["printed_mm"]);
@@ -143,7 +144,9 @@ fn sharp_turns_are_rounded_reported_or_cut() {
     assert!(number(&cut["fibre"]["cuts"]) > 100.0);
     let (rings, _) = run(&dir, &["fibre.turns=report"]);
     let (rounded, _) = run(&dir, &[]);
-    assert!(number(&rings["fibre"]["min_radius_mm"]) < 0.2 && number(&rounded["fibre"]["min_radius_mm"]) > 1.95);
+    assert!(
+        number(&rings["fibre"]["min_radius_mm"]) < 0.2 && number(&rounded["fibre"]["min_radius_mm"]) > 1.95
+    );
 }
 
 #[test]

@@ -10,6 +10,7 @@ use grainpath_io::fe::{FeOptions, Order, StressUnit};
 use grainpath_io::volume::{RawHeader, SampleType};
 
 use crate::fibre::{FibreSettings, Start, Turns};
+use crate::fill::{Continuous, TreeKind};
 use crate::grain::GrainSettings;
 use crate::grain::canny::CannySettings;
 use crate::grain::curves::{CurveSettings, Join};
@@ -220,6 +221,22 @@ pub fn raw_header(s: &Settings) -> Option<RawHeader> {
         big_endian: c.byte_order == "big",
         offset_bytes: c.offset_bytes as u64,
     })
+}
+
+/// One path through each room.
+pub(crate) fn continuous(s: &Settings) -> Continuous {
+    let isotropic = s.guide.kind == "none";
+    Continuous {
+        // Without a field no direction is better than another: cells as long as wide, joined as it comes.
+        tree: if isotropic || s.fill.tree == "undirected" {
+            TreeKind::Undirected
+        } else {
+            TreeKind::Directed
+        },
+        aspect: if isotropic { 1.0 } else { s.fill.cell_aspect },
+        // Fibre has one width.
+        variable: s.fill.widths == "variable" && !s.fibre.enabled,
+    }
 }
 
 pub(crate) fn order(s: &Settings) -> OrderSettings {

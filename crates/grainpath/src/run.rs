@@ -22,7 +22,7 @@ use crate::adhesion::{AdhesionSettings, brim, skirt};
 use crate::config;
 use crate::error::Error;
 use crate::fibre::{FibreSettings, Tally};
-use crate::fill::{FillContext, GUIDED, Infill, Solid, Stripes, bridge_angle_rad, pattern};
+use crate::fill::{Continuous, FillContext, GUIDED, Infill, Solid, Stripes, bridge_angle_rad, pattern};
 use crate::grain::guide::Mode;
 use crate::grain::lay::{Flow, lay_curves};
 use crate::grain::{GrainGuide, Photo, read_grain};
@@ -228,6 +228,7 @@ fn plan_stack(
         grain: grain.as_ref(),
         fibre: fibre.as_ref(),
         uniform,
+        continuous: config::continuous(settings),
     };
     diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
     let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
@@ -377,7 +378,7 @@ fn check_bed(settings: &Settings, stack: &LayerStack, part: Bounds2, shift: DVec
 struct Wanted<'a> {
     density: f64,
     role: Role,
-    pattern: Option<&'static dyn Infill>,
+    pattern: Option<&'a dyn Infill>,
     grain: Option<&'a GrainGuide>,
 }
 
@@ -392,6 +393,7 @@ struct Job<'a> {
     fibre: Option<&'a FibreSettings>,
     /// The field of `kind = "angle"`.
     uniform: UniformField,
+    continuous: Continuous,
 }
 
 impl Job<'_> {
@@ -455,7 +457,12 @@ impl Job<'_> {
             dense: self.settings.fill.density >= 0.999 && self.settings.fill.mass_g.is_none(),
         };
         let walls: Vec<Mutex<&mut Vec<Island>>> = walls.iter_mut().map(Mutex::new).collect();
+        // One path knows no skins: where all is dense it takes the whole room.
+        let whole = self.settings.fill.pattern == "continuous" && settings.dense;
         split_stack(&input, self.part, &settings, diagnostics, |i, mut split| {
+            if whole {
+                split = SkinSplit { solid: fills[i].clone(), below: split.below, ..SkinSplit::default() };
+            }
             if let Some(below) = split.below.take() {
                 let mut islands = walls[i].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 islands
@@ -569,6 +576,9 @@ impl Job<'_> {
     fn border_mm(&self, layer: &Layer) -> f64 {
         let w = self.settings.process.bead_width_mm;
         let s = bead_spacing_mm(w, layer.height_mm());
+        if self.settings.process.walls == 0 {
+            return 0.5 * w;
+        }
         (0.5 - self.settings.fill.overlap) * s + 0.5 * (w - s)
     }
 
@@ -612,8 +622,9 @@ impl Job<'_> {
 
     /// Dense fill beside sparse one is plain; where all is dense it is the pattern asked for, and a part with a
     /// guide follows it in its skins too.
-    fn dense_pattern(&self, name: &str) -> &'static dyn Infill {
+    fn dense_pattern(&self, name: &str) -> &dyn Infill {
         match name {
+            "continuous" => &self.continuous,
             "concentric" if self.settings.fill.density >= 0.999 => &crate::fill::Concentric,
             "stripes" | "streamlines" => &Stripes,
             "seed-lines" => &crate::fill::SeedLines,
@@ -645,7 +656,7 @@ impl Job<'_> {
             let dense = density >= 0.999;
             let role = if dense { asked.role } else { Role::SparseFill };
             let name = f.matrix_pattern.as_str();
-            let matrix = if dense { Some(self.dense_pattern(name)) } else { pattern(name) };
+            let matrix = if dense { Some(self.dense_pattern(name)) } else { self.pattern(name) };
             let matrix = Wanted { density, role, pattern: matrix, grain: None };
             let context = self.context(i, density, role);
             without.iter().for_each(|p| self.fill_room(&context, p, &matrix, out));
@@ -678,6 +689,14 @@ impl Job<'_> {
         }
     }
 
+    /// A pattern for the inside.
+    fn pattern(&self, name: &str) -> Option<&dyn Infill> {
+        match name {
+            "continuous" => Some(&self.continuous),
+            name => pattern(name).map(|p| p as &dyn Infill),
+        }
+    }
+
     fn bridge(&self, i: usize, polygon: &Polygon, out: &mut Vec<Toolpath>) {
         let mut context = self.context(i, 1.0, Role::Bridge);
         let below = self.stack.layers()[i - 1].region();
@@ -705,7 +724,7 @@ impl Job<'_> {
         }
         let role = if density >= 0.999 { Role::SolidFill } else { Role::SparseFill };
         let asked =
-            Wanted { density, role, pattern: pattern(&self.settings.fill.pattern), grain: self.grain };
+            Wanted { density, role, pattern: self.pattern(&self.settings.fill.pattern), grain: self.grain };
         let mut paths = Vec::new();
         for (island, polygon) in &split.sparse {
             tally = tally.and(self.room(i, polygon, &asked, self.fibre, &mut paths));
@@ -728,7 +747,7 @@ impl Job<'_> {
         let sparseness = |p: DVec2| grain.sparseness(p.extend(z_mm));
         let flow = Flow { axis: &axis, sparseness: grain.has_darkness().then_some(&sparseness) };
         let name = self.settings.fill.pattern.as_str();
-        match (grain.mode, pattern(name).filter(|_| GUIDED.contains(&name))) {
+        match (grain.mode, self.pattern().filter(|_| GUIDED.contains(&name))) {
             (Mode::Edges, _) => lay_curves(context, room, &grain.curves(z_mm), &flow, out),
             (Mode::Field, Some(asked)) => asked.fill(context, room, out),
             (Mode::Field, None) if context.density >= 0.999 => Stripes.fill(context, room, out),

@@ -16,8 +16,11 @@ const CORNER_MM: f64 = 0.05;
 const SHY: f64 = 0.98;
 /// Arcs turn by no more than this, radians: where a path turns back there is no room to round it.
 const MOST_RAD: f64 = 2.6;
-/// Arcs are written in chords that lie so near to them, mm.
-const CHORD_MM: f64 = 4e-3;
+/// Arcs are written in chords that lie so near to them, mm: longer ones than of other curves, so that rounding their
+/// ends to micrometres does not bend them.
+const CHORD_MM: f64 = 1e-2;
+/// Arcs are a little wider than asked for, by what their chords and rounding take away.
+const WIDER: f64 = 1.03;
 
 /// A turn of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -146,7 +149,7 @@ fn arc_around(line: &[DVec2], i: usize, out: &[DVec2], floor: usize, least_mm: f
             let d = last - first;
             let (alpha, beta) = (cross(d, v) / sine, cross(u, d) / sine);
             let half = tan(0.5 * turn.abs());
-            let reach = (least_mm * half).max(alpha).max(beta);
+            let reach = (WIDER * least_mm * half).max(alpha).max(beta);
             grow_back = reach - alpha > before.distance(first);
             grow_on = reach - beta > last.distance(after);
             if !grow_back && !grow_on {

@@ -247,7 +247,9 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
             }
         }
     }
-    if crate::fill::GUIDED.contains(&s.fill.pattern.as_str()) && s.guide.kind == "none" {
+    let needs_guide =
+        crate::fill::GUIDED.contains(&s.fill.pattern.as_str()) && s.fill.pattern != "continuous";
+    if needs_guide && s.guide.kind == "none" {
         return wrong(format!(
             "fill.pattern = {:?} needs a guide: [guide] kind = \"stress\" or \"angle\"",
             s.fill.pattern

@@ -264,6 +264,9 @@ sections! {
         density: f64 = 0.2, "", Range(0.0, 1.0), "Volume of beads over volume of the inside; 1 is dense.";
         angles_deg: Vec<f64> = vec![45.0, -45.0], "deg", Range(-3600.0, 3600.0), "Directions of lines, layer by layer in turn; `aligned` and crossed patterns keep the first.";
         mass_g: Option<f64> = None, "g", Range(1e-6, 1e6), "Find the density that gives the part this mass, to within 1 %.";
+        widths: String = "variable".into(), "", Words(&["variable", "constant"]), "Bead width of `continuous`: following the room between neighbours, or the same everywhere (fibre).";
+        cell_aspect: f64 = 2.5, "", Range(1.0, 100.0), "Length of a cell of `continuous` along the field, in its widths of two beads.";
+        tree: String = "directed".into(), "", Words(&["directed", "undirected"]), "How `continuous` joins its cells: by how little beads turn out of the field, or without looking at it, to compare with.";
         overlap: f64 = 0.22, "", Range(0.0, 0.5), "How far fill runs into the innermost wall, as a share of the bead's spacing.";
     }
     /// What holds up overhangs.

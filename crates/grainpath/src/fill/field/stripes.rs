@@ -80,12 +80,13 @@ fn phase_input(
     let axes: Vec<DVec2> = mesh.nodes.iter().map(|&p| axis_of(field, context, p)).collect();
     let frequency = drift(mesh, &axes).into_iter().map(|f| f / spacing).collect();
     let near = NearBorder::new(border, 1.6 * spacing);
-    let wanted = mesh.nodes.iter().zip(&axes).map(|(&p, axis)| near.wanted(p, *axis, spacing)).collect();
+    let wanted =
+        mesh.nodes.iter().zip(&axes).map(|(&p, axis)| near.wanted(p, *axis, spacing, -0.5)).collect();
     PhaseInput { axes, frequency, wanted }
 }
 
 /// Where the field runs along the border, beads should too, half a bead away.
-struct NearBorder {
+pub struct NearBorder {
     edges: Vec<(DVec2, DVec2)>,
     bounds: Bounds2,
     cell_mm: f64,
@@ -95,7 +96,7 @@ struct NearBorder {
 }
 
 impl NearBorder {
-    fn new(border: &Region, within_mm: f64) -> Self {
+    pub fn new(border: &Region, within_mm: f64) -> Self {
         let edges: Vec<(DVec2, DVec2)> = border.contours().flat_map(|c| edges(c)).collect();
         let ends = edges.iter().flat_map(|e| [e.0, e.1]);
         let bounds = Bounds2::of(ends).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
@@ -128,8 +129,9 @@ impl NearBorder {
         Self { edges, bounds, cell_mm, nx, ny, cells }
     }
 
-    /// The phase that puts a bead at half a spacing from the border, and how much that is wanted at `p`.
-    fn wanted(&self, p: DVec2, axis: DVec2, spacing_mm: f64) -> (f64, f64) {
+    /// The phase at `p` that makes it `at_border` turns on the border and grow by one turn a spacing inwards, and how
+    /// much that is wanted.
+    pub fn wanted(&self, p: DVec2, axis: DVec2, spacing_mm: f64, at_border: f64) -> (f64, f64) {
         let q = (p - self.bounds.min) / self.cell_mm;
         if q.x < 0.0 || q.y < 0.0 || q.x as usize >= self.nx || q.y as usize >= self.ny {
             return (0.0, 0.0);
@@ -156,7 +158,7 @@ impl NearBorder {
         let weight = ((parallel - 0.92) / 0.08).clamp(0.0, 1.0);
         let normal = DVec2::new(-axis.y, axis.x);
         let sign = if normal.dot(inwards) < 0.0 { -1.0 } else { 1.0 };
-        (sign * std::f64::consts::TAU * (depth / spacing_mm - 0.5), 0.5 * weight)
+        (sign * std::f64::consts::TAU * (depth / spacing_mm + at_border), 0.5 * weight)
     }
 }
 
@@ -431,7 +433,7 @@ pub(super) fn joined(
 }
 
 /// Drops vertices that lie within 5 um of the line without them and whose width lies within 10 um.
-fn simplified(points: &[DVec2], widths: &[f64], closed: bool) -> (Vec<DVec2>, Vec<f64>) {
+pub fn simplified(points: &[DVec2], widths: &[f64], closed: bool) -> (Vec<DVec2>, Vec<f64>) {
     let n = points.len();
     let mut keep = vec![false; n];
     let half = if closed { n / 2 } else { 0 };

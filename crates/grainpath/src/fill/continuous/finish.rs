@@ -1,0 +1,212 @@
+//! From a ring of stretches to beads: moved to the middle of their room, smoothed where they do not turn, as wide as
+//! the room there is.
+
+use grainpath_core::math::cross;
+use grainpath_core::poly::LineClipper;
+use grainpath_core::units::bead_width_mm;
+use grainpath_core::{BeadWidth, DVec2, Polygon, Region, Toolpath};
+
+use super::super::field::stripes::simplified;
+use super::super::field::widths::{Line, Neighbours};
+use crate::fill::FillContext;
+
+/// The narrowest and widest bead, as shares of the nominal one.
+const NARROWEST: f64 = 0.6;
+const WIDEST: f64 = 1.6;
+/// Rounds of moving beads to the middle of their room.
+const ROUNDS: usize = 4;
+/// A turn of more than this is a corner and stays one: the cosine.
+const CORNER: f64 = 0.64;
+/// Nothing further than this is a neighbour, in beads.
+const FAR: f64 = 2.2;
+/// Of two points closer than this one goes, in beads.
+const CLOSEST: f64 = 0.08;
+
+/// Room beside a segment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Room {
+    /// Nothing runs along here.
+    Open,
+    /// Half way to the next bead, mm.
+    Bead(f64),
+    /// To the border, mm.
+    Border(f64),
+}
+
+impl Room {
+    fn mm(self) -> Option<f64> {
+        match self {
+            Self::Open => None,
+            Self::Bead(mm) | Self::Border(mm) => Some(mm),
+        }
+    }
+}
+
+/// Room to the left and right of a segment's middle.
+type Sides = [Room; 2];
+
+/// Lays rings that do not cross as beads. `room` holds their centrelines, `border` what they are to fill.
+pub fn lay(
+    rings: Vec<Vec<DVec2>>,
+    room: &Polygon,
+    border: &Region,
+    variable: bool,
+    context: &FillContext<'_>,
+) -> Vec<Toolpath> {
+    let spacing = context.spacing_mm() / context.density;
+    let mut lines: Vec<Line> = rings
+        .into_iter()
+        .map(|points| Line { points: without_near(&points, CLOSEST * spacing), closed: true })
+        .filter(|l| l.points.len() > 2)
+        .collect();
+    let inside = LineClipper::new(&Region::from(room.clone()));
+    for _ in 0..ROUNDS {
+        let sides = rooms(&lines, border, spacing);
+        let mut moved: Vec<Line> =
+            lines.iter().zip(&sides).map(|(line, sides)| centred(line, sides, &inside, spacing)).collect();
+        undo_crossings(&lines, &mut moved, spacing);
+        lines = moved;
+    }
+    let nominal = context.bead_width_mm;
+    if !variable || context.density < 0.999 {
+        let path = |l: Line| {
+            let widths = vec![nominal; l.points.len()];
+            let points = simplified(&l.points, &widths, true).0;
+            Toolpath::new(points, nominal, context.role, true)
+        };
+        return lines.into_iter().map(path).collect();
+    }
+    let sides = rooms(&lines, border, spacing);
+    let path = |(line, sides): (Line, Vec<Sides>)| {
+        let n = line.points.len();
+        let of_segment: Vec<f64> = sides.iter().map(|s| width(s, spacing, context)).collect();
+        let width = |v: usize| 0.5 * (of_segment[v] + of_segment[(v + n - 1) % n]);
+        let widths: Vec<f64> = (0..n).map(width).collect();
+        let (points, widths) = simplified(&line.points, &widths, true);
+        Toolpath { width: BeadWidth::PerVertex(widths), ..Toolpath::new(points, nominal, context.role, true) }
+    };
+    lines.into_iter().zip(sides).map(path).collect()
+}
+
+/// How wide a bead is in its room.
+fn width(sides: &Sides, spacing_mm: f64, context: &FillContext<'_>) -> f64 {
+    let nominal = context.bead_width_mm;
+    let strip: f64 = sides.iter().map(|r| r.mm().unwrap_or(0.5 * spacing_mm)).sum();
+    let mut width = bead_width_mm(strip, context.height_mm);
+    for side in sides {
+        // Over the border it may not reach; there a bead of the nominal width just touches.
+        if let Room::Border(mm) = *side {
+            width = width.min(2.0 * mm.max(context.border_mm));
+        }
+    }
+    width.clamp(NARROWEST * nominal, WIDEST * nominal)
+}
+
+/// The room beside every segment: half way to the next bead along it, or to the border.
+fn rooms(lines: &[Line], border: &Region, spacing_mm: f64) -> Vec<Vec<Sides>> {
+    let neighbours = Neighbours::new(lines, border, 1.5 * spacing_mm);
+    let of_line = |(l, line): (usize, &Line)| {
+        let n = line.n_segments();
+        let side = |s: usize, left: bool| {
+            let (a, b) = line.segment(s);
+            let way = (b - a).normalize_or(DVec2::X);
+            let look = if left { DVec2::new(-way.y, way.x) } else { DVec2::new(way.y, -way.x) };
+            let near = |o: usize| o.abs_diff(s) <= 1 || o.abs_diff(s) >= n - 1;
+            let hit = neighbours.hit(0.5 * (a + b), look, FAR * spacing_mm, |k, o| k == l && near(o));
+            let Some(hit) = hit else { return Room::Open };
+            let Some(other) = hit.line else { return Room::Border(hit.distance_mm) };
+            let (p, q) = lines[other].segment(hit.segment);
+            let along = (q - p).normalize_or(DVec2::X).dot(way).abs() > 0.6;
+            if along { Room::Bead(0.5 * hit.distance_mm) } else { Room::Open }
+        };
+        (0..n).map(|s| [side(s, true), side(s, false)]).collect()
+    };
+    lines.iter().enumerate().map(of_line).collect()
+}
+
+/// A line moved towards the middle of its room, and smoothed between its corners.
+fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) -> Line {
+    let n = line.points.len();
+    let most = 0.25 * spacing_mm;
+    // Shift of each segment across its way; a side without a neighbour does not pull.
+    let shift = |s: &Sides| match s.map(Room::mm) {
+        [Some(left), Some(right)] => 0.5 * (left - right).clamp(-most, most),
+        _ => 0.0,
+    };
+    let shifts: Vec<f64> = sides.iter().map(shift).collect();
+    let way = |s: usize| {
+        let (a, b) = line.segment(s);
+        (b - a).normalize_or(DVec2::X)
+    };
+    let is_corner: Vec<bool> = (0..n).map(|v| way((v + n - 1) % n).dot(way(v)) < CORNER).collect();
+    let moved: Vec<DVec2> = (0..n)
+        .map(|v| {
+            let (before, after) = ((v + n - 1) % n, v);
+            let [u, w] = [way(before), way(after)];
+            let [p, q] = [(before, u), (after, w)].map(|(s, t)| shifts[s] * DVec2::new(-t.y, t.x));
+            line.points[v] + if is_corner[v] { 0.5 * (p + q) } else { 0.25 * (p + q) }
+        })
+        .collect();
+    let smooth = |v: usize| {
+        let (a, p, b) = (moved[(v + n - 1) % n], moved[v], moved[(v + 1) % n]);
+        if is_corner[v] {
+            return p;
+        }
+        // Towards the middle of its neighbours, across the line only, so that steps stay even.
+        let across = (b - a).perp().normalize_or_zero();
+        p + 0.35 * (a.midpoint(b) - p).dot(across) * across
+    };
+    let points = (0..n)
+        .map(|v| {
+            let p = smooth(v);
+            if p.distance(line.points[v]) > 1e-9 && inside.segment_inside(line.points[v], p) {
+                p
+            } else {
+                line.points[v]
+            }
+        })
+        .collect();
+    Line { points, closed: true }
+}
+
+/// Takes moves back where lines cross because of them.
+fn undo_crossings(before: &[Line], after: &mut [Line], spacing_mm: f64) {
+    for round in 0..6 {
+        let pairs = Neighbours::new(after, &Region::default(), 1.5 * spacing_mm).crossings();
+        if pairs.is_empty() {
+            return;
+        }
+        for (l, s) in pairs.into_iter().flatten() {
+            let n = after[l].points.len();
+            let reach = 1 + (1 << round).min(n / 2);
+            for k in 0..=2 * reach {
+                let v = (s + n + k - reach % n) % n;
+                after[l].points[v] = before[l].points[v];
+            }
+        }
+    }
+    if !Neighbours::new(after, &Region::default(), 1.5 * spacing_mm).crossings().is_empty() {
+        after.iter_mut().zip(before).for_each(|(a, b)| a.points.clone_from(&b.points));
+    }
+}
+
+/// A closed line without points that lie on each other.
+fn without_near(points: &[DVec2], near_mm: f64) -> Vec<DVec2> {
+    let mut out: Vec<DVec2> = Vec::with_capacity(points.len());
+    for &p in points {
+        if out.last().is_none_or(|l| l.distance(p) > near_mm) {
+            out.push(p);
+        }
+    }
+    while out.len() > 3 && out[0].distance(out[out.len() - 1]) <= near_mm {
+        out.pop();
+    }
+    // A point on the way back along itself makes a spike of no width.
+    let n = out.len();
+    let spike = |v: usize| {
+        let (a, b) = (out[v] - out[(v + n - 1) % n], out[(v + 1) % n] - out[v]);
+        a.dot(b) < 0.0 && cross(a, b).abs() < 1e-6 * a.length() * b.length()
+    };
+    let keep: Vec<bool> = (0..n).map(|v| !spike(v)).collect();
+    out.iter().zip(keep).filter_map(|(&p, k)| k.then_some(p)).collect()
+}
