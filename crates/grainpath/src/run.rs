@@ -747,7 +747,7 @@ impl Job<'_> {
         let sparseness = |p: DVec2| grain.sparseness(p.extend(z_mm));
         let flow = Flow { axis: &axis, sparseness: grain.has_darkness().then_some(&sparseness) };
         let name = self.settings.fill.pattern.as_str();
-        match (grain.mode, self.pattern().filter(|_| GUIDED.contains(&name))) {
+        match (grain.mode, self.pattern(name).filter(|_| GUIDED.contains(&name))) {
             (Mode::Edges, _) => lay_curves(context, room, &grain.curves(z_mm), &flow, out),
             (Mode::Field, Some(asked)) => asked.fill(context, room, out),
             (Mode::Field, None) if context.density >= 0.999 => Stripes.fill(context, room, out),
