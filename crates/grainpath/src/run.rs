@@ -2,6 +2,7 @@
 //!
 //! A pipeline of stages, each taking values and giving new ones: place and mend, slice, walls, skins, fill, order.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 use std::time::Instant;
 
@@ -21,7 +22,7 @@ use rayon::prelude::*;
 use crate::adhesion::{AdhesionSettings, brim, skirt};
 use crate::config;
 use crate::error::Error;
-use crate::fill::{Continuous, FillContext, GUIDED, Infill, Solid, Stripes, bridge_angle_rad, pattern};
+use crate::fill::{Continuous, FillContext, GUIDED, Infill, Note, Solid, Stripes, bridge_angle_rad, pattern};
 use crate::grain::guide::Mode;
 use crate::grain::lay::{Flow, lay_curves};
 use crate::grain::{GrainGuide, Photo, read_grain};
@@ -225,6 +226,7 @@ fn plan_stack(
         grain: grain.as_ref(),
         uniform,
         continuous: config::continuous(settings),
+        notes: Mutex::default(),
     };
     diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
     let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
@@ -232,6 +234,7 @@ fn plan_stack(
     drop(fills);
     let density = job.density(&walls, &skins)?;
     let layers = job.fill(walls, &skins, density, diagnostics)?;
+    job.tell_notes(diagnostics);
     drop(skins);
     clock.stop(Stage::Fill);
     let layers = order_stack(&stack, layers, &config::order(settings), diagnostics)?;
@@ -380,6 +383,8 @@ struct Job<'a> {
     /// The field of `kind = "angle"`.
     uniform: UniformField,
     continuous: Continuous,
+    /// What kept islands from being one path, by layer and role.
+    notes: Mutex<BTreeMap<(usize, Role), Vec<Note>>>,
 }
 
 impl Job<'_> {
@@ -575,6 +580,10 @@ impl Job<'_> {
         let grain = self.grain.filter(|_| self.settings.fill.density >= 0.999);
         for (polygons, role) in [(&split.solid, Role::SolidFill), (&split.top, Role::TopSkin)] {
             let context = self.context(i, 1.0, role);
+            if self.is_continuous() {
+                self.one_path_each(i, &context, polygons, add);
+                continue;
+            }
             for (island, polygon) in polygons {
                 match grain {
                     Some(grain) => self.along_grain(grain, &context, polygon, &mut paths),
@@ -599,6 +608,55 @@ impl Job<'_> {
             "stripes" | "streamlines" => &Stripes,
             "seed-lines" => &crate::fill::SeedLines,
             _ => &Solid,
+        }
+    }
+
+    /// Whether all fill of an island is to be one path.
+    fn is_continuous(&self) -> bool {
+        self.settings.fill.pattern == "continuous" && self.grain.is_none_or(|g| g.mode == Mode::Field)
+    }
+
+    /// Lays rooms, island by island, each island as one path where that can be.
+    fn one_path_each(
+        &self,
+        i: usize,
+        context: &FillContext<'_>,
+        rooms: &[IslandPolygon],
+        add: &mut dyn FnMut(usize, Toolpath),
+    ) {
+        let (mut paths, mut notes) = (Vec::new(), Vec::new());
+        for rooms in rooms.chunk_by(|a, b| a.0 == b.0) {
+            let polygons: Vec<&Polygon> = rooms.iter().map(|r| &r.1).collect();
+            self.continuous.lay_island(context, &polygons, &mut paths, &mut notes);
+            paths.drain(..).for_each(|p| add(rooms[0].0, p));
+        }
+        if !notes.is_empty() {
+            let mut all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            all.insert((i, context.role), notes);
+        }
+    }
+
+    /// Warns of each kind of trouble once, at its first place, and says in how many layers more it is.
+    fn tell_notes(&self, diagnostics: &Diagnostics) {
+        let all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut told = Vec::new();
+        for (&(layer_idx, _), note) in all.iter().flat_map(|(key, notes)| notes.iter().map(move |n| (key, n)))
+        {
+            let kind = std::mem::discriminant(&note.what);
+            if told.contains(&kind) {
+                continue;
+            }
+            told.push(kind);
+            let same = |notes: &[Note]| notes.iter().any(|n| std::mem::discriminant(&n.what) == kind);
+            let layers: BTreeSet<usize> =
+                all.iter().filter(|(_, notes)| same(notes)).map(|(key, _)| key.0).collect();
+            let more = match layers.len() - 1 {
+                0 => String::new(),
+                n => format!(" (and the like in {n} more)"),
+            };
+            let z_mm = self.stack.layers()[layer_idx].z_top_mm();
+            diagnostics
+                .warn_at(1 + layer_idx, format!("layer {} at {z_mm:.2} mm{more}: {note}", layer_idx + 1));
         }
     }
 
@@ -631,6 +689,9 @@ impl Job<'_> {
         let Some(infill) = self.pattern() else { return };
         let role = if density >= 0.999 { Role::SolidFill } else { Role::SparseFill };
         let context = self.context(i, density, role);
+        if self.is_continuous() {
+            return self.one_path_each(i, &context, &split.sparse, add);
+        }
         let mut paths = Vec::new();
         for (island, polygon) in &split.sparse {
             match self.grain {
