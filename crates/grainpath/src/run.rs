@@ -2,6 +2,7 @@
 //!
 //! A pipeline of stages, each taking values and giving new ones: place and mend, slice, walls, skins, fill, order.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 use std::time::Instant;
 
@@ -22,7 +23,7 @@ use crate::adhesion::{AdhesionSettings, brim, skirt};
 use crate::config;
 use crate::error::Error;
 use crate::fibre::{FibreSettings, Tally};
-use crate::fill::{Continuous, FillContext, GUIDED, Infill, Solid, Stripes, bridge_angle_rad, pattern};
+use crate::fill::{Continuous, FillContext, GUIDED, Infill, Note, Solid, Stripes, bridge_angle_rad, pattern};
 use crate::grain::guide::Mode;
 use crate::grain::lay::{Flow, lay_curves};
 use crate::grain::{GrainGuide, Photo, read_grain};
@@ -229,6 +230,7 @@ fn plan_stack(
         fibre: fibre.as_ref(),
         uniform,
         continuous: config::continuous(settings),
+        notes: Mutex::default(),
     };
     diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
     let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
@@ -236,6 +238,7 @@ fn plan_stack(
     drop(fills);
     let density = job.density(&walls, &skins)?;
     let layers = job.fill(walls, &skins, density, diagnostics)?;
+    job.tell_notes(diagnostics);
     drop(skins);
     clock.stop(Stage::Fill);
     let layers = order_stack(&stack, layers, &config::order(settings), diagnostics)?;
@@ -394,6 +397,8 @@ struct Job<'a> {
     /// The field of `kind = "angle"`.
     uniform: UniformField,
     continuous: Continuous,
+    /// What kept islands from being one path, by layer and role.
+    notes: Mutex<BTreeMap<(usize, Role), Vec<Note>>>,
 }
 
 impl Job<'_> {
@@ -484,6 +489,8 @@ impl Job<'_> {
     ) -> Result<Vec<LayerPaths>, Error> {
         let adhesion = self.adhesion();
         let like = self.alike(skins);
+        // What was noted while a density was sought is of no matter.
+        self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clear();
         let lay = |i: usize| {
             diagnostics.check()?;
             let mut paths = Vec::new();
@@ -608,9 +615,9 @@ impl Job<'_> {
         for (polygons, role) in [(&split.solid, Role::SolidFill), (&split.top, Role::TopSkin)] {
             let asked =
                 Wanted { density: 1.0, role, pattern: Some(self.dense_pattern(&fill.pattern)), grain };
-            for (island, polygon) in polygons {
-                tally = tally.and(self.room(i, polygon, &asked, fibre, &mut paths));
-                paths.drain(..).for_each(|p| add(*island, p));
+            for rooms in polygons.chunk_by(|a, b| a.0 == b.0) {
+                tally = tally.and(self.rooms(i, rooms, &asked, fibre, &mut paths));
+                paths.drain(..).for_each(|p| add(rooms[0].0, p));
             }
         }
         for (island, polygon) in &split.bridge {
@@ -632,24 +639,58 @@ impl Job<'_> {
         }
     }
 
-    /// Fills a room, with fibre where that is asked for and the matrix around it.
-    fn room(
+    /// Whether all fill of an island is to be one path.
+    fn is_continuous(&self) -> bool {
+        self.settings.fill.pattern == "continuous" && self.grain.is_none_or(|g| g.mode == Mode::Field)
+    }
+
+    /// Warns of each kind of trouble once, at its first place, and says in how many layers more it is.
+    fn tell_notes(&self, diagnostics: &Diagnostics) {
+        let all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut told = Vec::new();
+        for (&(layer_idx, _), note) in all.iter().flat_map(|(key, notes)| notes.iter().map(move |n| (key, n)))
+        {
+            let kind = std::mem::discriminant(&note.what);
+            if told.contains(&kind) {
+                continue;
+            }
+            told.push(kind);
+            let same = |notes: &[Note]| notes.iter().any(|n| std::mem::discriminant(&n.what) == kind);
+            let layers: BTreeSet<usize> =
+                all.iter().filter(|(_, notes)| same(notes)).map(|(key, _)| key.0).collect();
+            let more = match layers.len() - 1 {
+                0 => String::new(),
+                n => format!(" (and the like in {n} more)"),
+            };
+            let z_mm = self.stack.layers()[layer_idx].z_top_mm();
+            diagnostics
+                .warn_at(1 + layer_idx, format!("layer {} at {z_mm:.2} mm{more}: {note}", layer_idx + 1));
+        }
+    }
+
+    /// Fills the rooms of an island, with fibre where that is asked for and the matrix around it.
+    fn rooms(
         &self,
         i: usize,
-        room: &Polygon,
+        rooms: &[IslandPolygon],
         asked: &Wanted<'_>,
         fibre: Option<&FibreSettings>,
         out: &mut Vec<Toolpath>,
     ) -> Tally {
         let mut context = self.context(i, asked.density, asked.role);
         let Some(fibre) = fibre else {
-            self.fill_room(&context, room, asked, out);
+            let rooms: Vec<&Polygon> = rooms.iter().map(|r| &r.1).collect();
+            self.fill_rooms(i, &context, &rooms, asked, out);
             return Tally::default();
         };
         let z_mm = self.z_mid_mm(i);
         let matrix_mm = self.settings.process.bead_width_mm;
-        let (with, without) = fibre.split((i, z_mm), context.height_mm, room, matrix_mm);
-        let mut tally = Tally::default();
+        let (mut with, mut without) = (Vec::new(), Vec::new());
+        for (_, room) in rooms {
+            let (a, b) = fibre.split((i, z_mm), context.height_mm, room, matrix_mm);
+            with.extend(a);
+            without.extend(b);
+        }
         let f = &self.settings.fibre;
         let density = f.matrix_density;
         if density > 0.0 {
@@ -657,35 +698,43 @@ impl Job<'_> {
             let role = if dense { asked.role } else { Role::SparseFill };
             let name = f.matrix_pattern.as_str();
             let matrix = if dense { Some(self.dense_pattern(name)) } else { self.pattern(name) };
-            let matrix = Wanted { density, role, pattern: matrix, grain: None };
-            let context = self.context(i, density, role);
-            without.iter().for_each(|p| self.fill_room(&context, p, &matrix, out));
+            if let Some(matrix) = matrix {
+                let context = self.context(i, density, role);
+                without.iter().for_each(|room| matrix.fill(&context, room, out));
+            }
         }
         context.bead_width_mm = fibre.bead_width_mm;
         context.border_mm += 0.5 * (fibre.bead_width_mm - matrix_mm);
-        let load = |p: DVec2| match (self.guide, self.grain) {
-            (Some(guide), _) => guide.asked(i, p.extend(z_mm)).1,
-            _ => 0.0,
-        };
-        for room in &with {
-            let mut paths = Vec::new();
-            self.fill_room(&context, room, asked, &mut paths);
-            tally = tally.and(fibre.lay(paths, room, &load, self.settings.process.chain, out));
-        }
-        tally
+        let load = |p: DVec2| self.guide.map_or(0.0, |guide| guide.asked(i, p.extend(z_mm)).1);
+        let mut paths = Vec::new();
+        self.fill_rooms(i, &context, &with.iter().collect::<Vec<_>>(), asked, &mut paths);
+        fibre.lay(paths, &Region { polygons: with }, &load, self.settings.process.chain, out)
     }
 
-    fn fill_room(
+    /// Fills the rooms of an island; as one path where that is asked for and can be.
+    fn fill_rooms(
         &self,
+        i: usize,
         context: &FillContext<'_>,
-        room: &Polygon,
+        rooms: &[&Polygon],
         asked: &Wanted<'_>,
         out: &mut Vec<Toolpath>,
     ) {
-        match (asked.grain, asked.pattern) {
-            (Some(grain), _) => self.along_grain(grain, context, room, out),
-            (None, Some(pattern)) => pattern.fill(context, room, out),
-            (None, None) => {}
+        if self.is_continuous() {
+            let mut notes = Vec::new();
+            self.continuous.lay_island(context, rooms, out, &mut notes);
+            if !notes.is_empty() {
+                let mut all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                all.entry((i, context.role)).or_default().extend(notes);
+            }
+            return;
+        }
+        for room in rooms {
+            match (asked.grain, asked.pattern) {
+                (Some(grain), _) => self.along_grain(grain, context, room, out),
+                (None, Some(pattern)) => pattern.fill(context, room, out),
+                (None, None) => {}
+            }
         }
     }
 
@@ -723,12 +772,12 @@ impl Job<'_> {
             return tally;
         }
         let role = if density >= 0.999 { Role::SolidFill } else { Role::SparseFill };
-        let asked =
-            Wanted { density, role, pattern: self.pattern(&self.settings.fill.pattern), grain: self.grain };
+        let pattern = self.pattern(&self.settings.fill.pattern);
+        let asked = Wanted { density, role, pattern, grain: self.grain };
         let mut paths = Vec::new();
-        for (island, polygon) in &split.sparse {
-            tally = tally.and(self.room(i, polygon, &asked, self.fibre, &mut paths));
-            paths.drain(..).for_each(|p| add(*island, p));
+        for rooms in split.sparse.chunk_by(|a, b| a.0 == b.0) {
+            tally = tally.and(self.rooms(i, rooms, &asked, self.fibre, &mut paths));
+            paths.drain(..).for_each(|p| add(rooms[0].0, p));
         }
         tally
     }

@@ -212,18 +212,18 @@ impl FibreSettings {
         (fits(&with), without.polygons)
     }
 
-    /// Makes fibre of the paths that fill laid in a room; `load` is how much a place carries. With `keep_closed`
+    /// Makes fibre of the paths that fill laid in these rooms; `load` is how much a place carries. With `keep_closed`
     /// closed paths stay so and begin wherever their order wants.
     pub fn lay(
         &self,
         paths: Vec<Toolpath>,
-        room: &Polygon,
+        rooms: &Region,
         load: &dyn Fn(DVec2) -> f64,
         keep_closed: bool,
         out: &mut Vec<Toolpath>,
     ) -> Tally {
         let mut tally = Tally::default();
-        let grown = Region::from(room.clone()).offset(2e-3, Join::Miter(3.0));
+        let grown = rooms.offset(2e-3, Join::Miter(3.0));
         let clipper = LineClipper::new(&grown);
         let inside = |a: DVec2, b: DVec2| clipper.segment_inside(a, b);
         for mut path in paths {

@@ -72,7 +72,7 @@ fn where_there_is_no_room_the_corner_stays() {
 #[test]
 fn a_square_loop_turns_by_the_radius_and_begins_on_a_side() {
     let square = [(0.0, 0.0), (40.0, 0.0), (40.0, 30.0), (0.0, 30.0)].map(DVec2::from);
-    let room = Polygon { outer: square.to_vec(), holes: Vec::new() };
+    let room = Region::from(Polygon { outer: square.to_vec(), holes: Vec::new() });
     let path = Toolpath::new(square.to_vec(), 0.45, Role::SolidFill, true);
     let mut out = Vec::new();
     let tally = settings().lay(vec![path.clone()], &room, &|_| 0.0, false, &mut out);
@@ -103,7 +103,7 @@ fn fibre_is_cut_where_it_cannot_turn() {
             if k % 2 == 0 { [a, b] } else { [b, a] }
         })
         .collect();
-    let room = Polygon { outer: vec![], holes: Vec::new() };
+    let room = Region::default();
     let path = Toolpath::new(zigzag, 0.6, Role::SolidFill, false);
     let mut out = Vec::new();
     FibreSettings { turns: Turns::Cut, ..settings() }.lay(vec![path], &room, &|_| 0.0, false, &mut out);

@@ -16,7 +16,7 @@ use grainpath_core::{Bounds2, DirectionField, Polygon, Role, Toolpath};
 
 pub use bridge::bridge_angle_rad;
 pub use concentric::Concentric;
-pub use continuous::{Continuous, TreeKind};
+pub use continuous::{Continuous, Note, Problem, TreeKind};
 pub use field::{SeedLines, Streamlines, Stripes};
 pub use gyroid::Gyroid;
 pub use honeycomb::Honeycomb;

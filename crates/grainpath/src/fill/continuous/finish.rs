@@ -17,8 +17,11 @@ const WIDEST: f64 = 1.6;
 const ROUNDS: usize = 4;
 /// A turn of more than this is a corner and stays one: the cosine.
 const CORNER: f64 = 0.64;
-/// Nothing further than this is a neighbour, in beads.
+/// Most neighbours are nearer than this, in beads, and nothing further than that is one.
+const NEAR: f64 = 1.2;
 const FAR: f64 = 2.2;
+/// Sides that differ by more than this are evened out, in beads.
+const UNEVEN: f64 = 0.05;
 /// Of two points closer than this one goes, in beads.
 const CLOSEST: f64 = 0.08;
 
@@ -60,8 +63,12 @@ pub fn lay(
         .filter(|l| l.points.len() > 2)
         .collect();
     let inside = LineClipper::new(&Region::from(room.clone()));
-    for _ in 0..ROUNDS {
-        let sides = rooms(&lines, border, spacing);
+    let mut sides = rooms(&lines, border, spacing, None);
+    for round in 0..ROUNDS {
+        if round > 0 {
+            let uneven = uneven(&sides, spacing);
+            sides = rooms(&lines, border, spacing, Some((sides, uneven)));
+        }
         let mut moved: Vec<Line> =
             lines.iter().zip(&sides).map(|(line, sides)| centred(line, sides, &inside, spacing)).collect();
         undo_crossings(&lines, &mut moved, spacing);
@@ -76,7 +83,7 @@ pub fn lay(
         };
         return lines.into_iter().map(path).collect();
     }
-    let sides = rooms(&lines, border, spacing);
+    let sides = rooms(&lines, border, spacing, None);
     let path = |(line, sides): (Line, Vec<Sides>)| {
         let n = line.points.len();
         let of_segment: Vec<f64> = sides.iter().map(|s| width(s, spacing, context)).collect();
@@ -102,8 +109,30 @@ fn width(sides: &Sides, spacing_mm: f64, context: &FillContext<'_>) -> f64 {
     width.clamp(NARROWEST * nominal, WIDEST * nominal)
 }
 
-/// The room beside every segment: half way to the next bead along it, or to the border.
-fn rooms(lines: &[Line], border: &Region, spacing_mm: f64) -> Vec<Vec<Sides>> {
+/// Segments whose sides differ, and those around them.
+fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
+    let of_line = |sides: &Vec<Sides>| {
+        let n = sides.len();
+        let mut out = vec![false; n];
+        for (k, s) in sides.iter().enumerate() {
+            let [Some(left), Some(right)] = s.map(Room::mm) else { continue };
+            if (left - right).abs() > UNEVEN * spacing_mm {
+                (0..7.min(n)).for_each(|j| out[(k + n + j - 3.min(n)) % n] = true);
+            }
+        }
+        out
+    };
+    sides.iter().map(of_line).collect()
+}
+
+/// The room beside every segment: half way to the next bead along it, or to the border. With `known`, only that of
+/// the segments marked is sought anew.
+fn rooms(
+    lines: &[Line],
+    border: &Region,
+    spacing_mm: f64,
+    known: Option<(Vec<Vec<Sides>>, Vec<Vec<bool>>)>,
+) -> Vec<Vec<Sides>> {
     let neighbours = Neighbours::new(lines, border, 1.5 * spacing_mm);
     let of_line = |(l, line): (usize, &Line)| {
         let n = line.n_segments();
@@ -112,14 +141,19 @@ fn rooms(lines: &[Line], border: &Region, spacing_mm: f64) -> Vec<Vec<Sides>> {
             let way = (b - a).normalize_or(DVec2::X);
             let look = if left { DVec2::new(-way.y, way.x) } else { DVec2::new(way.y, -way.x) };
             let near = |o: usize| o.abs_diff(s) <= 1 || o.abs_diff(s) >= n - 1;
-            let hit = neighbours.hit(0.5 * (a + b), look, FAR * spacing_mm, |k, o| k == l && near(o));
-            let Some(hit) = hit else { return Room::Open };
+            let look =
+                |far: f64| neighbours.hit(0.5 * (a + b), look, far * spacing_mm, |k, o| k == l && near(o));
+            let Some(hit) = look(NEAR).or_else(|| look(FAR)) else { return Room::Open };
             let Some(other) = hit.line else { return Room::Border(hit.distance_mm) };
             let (p, q) = lines[other].segment(hit.segment);
             let along = (q - p).normalize_or(DVec2::X).dot(way).abs() > 0.6;
             if along { Room::Bead(0.5 * hit.distance_mm) } else { Room::Open }
         };
-        (0..n).map(|s| [side(s, true), side(s, false)]).collect()
+        let sought = |s: usize| match &known {
+            Some((sides, marked)) if !marked[l][s] => sides[l][s],
+            _ => [side(s, true), side(s, false)],
+        };
+        (0..n).map(sought).collect()
     };
     lines.iter().enumerate().map(of_line).collect()
 }

@@ -7,7 +7,7 @@
 use std::f64::consts::{PI, TAU};
 
 use grainpath_core::math::{cos, cross};
-use grainpath_core::poly::LineClipper;
+use grainpath_core::poly::{FillRule, Join, LineClipper};
 use grainpath_core::{DVec2, Polygon, Region};
 
 use super::super::field::phase::{PhaseInput, Turn, drift, solve, turns};
@@ -18,10 +18,16 @@ use crate::fill::FillContext;
 
 const NONE: u32 = u32::MAX;
 
-/// Squares of the grid that the phase is found on, in beads.
-const MESH_BEADS: f64 = 1.8;
+/// Squares of the grid that the phase is found on, in beads: fine for a room of few of them, coarser for a large one.
+const MESH_BEADS: [f64; 2] = [1.8, 4.0];
+/// More nodes than this make the grid coarser.
+const MANY_NODES: f64 = 20_000.0;
+/// Places of a room narrower than this are strips by themselves, in beads.
+const THIN_BEADS: f64 = 1.5;
 /// Steps of the outlines, in beads.
-pub const STEP_BEADS: f64 = 0.75;
+const STEP_BEADS: f64 = 1.0;
+/// Steps of diffusion of the phase: widths in squares of the grid, and how often.
+const STEPS: [(f64, usize); 3] = [(60.0, 4), (25.0, 4), (8.0, 3)];
 
 /// The outlines of all strips of a room at this distance of beads: closed, the strip on their left, inside the room.
 /// Together with the room's own contour where a strip ends there.
@@ -29,7 +35,9 @@ pub fn outlines(context: &FillContext<'_>, room: &Polygon, spacing_mm: f64) -> V
     let region = Region::from(room.clone());
     let whole = || vec![room.outer.clone()];
     let Some(field) = context.field else { return whole() };
-    let Some(mesh) = FieldMesh::over(&region, MESH_BEADS * spacing_mm) else { return Vec::new() };
+    let cell_mm = (room.area_mm2() / MANY_NODES).sqrt();
+    let cell_mm = cell_mm.clamp(MESH_BEADS[0] * spacing_mm, MESH_BEADS[1] * spacing_mm);
+    let Some(mesh) = FieldMesh::over(&region, cell_mm) else { return Vec::new() };
     let axes: Vec<DVec2> = mesh.nodes.iter().map(|&p| axis_of(field, context, p)).collect();
     let frequency = drift(&mesh, &axes).into_iter().map(|f| f / (2.0 * spacing_mm)).collect();
     let near = NearBorder::new(&region, 3.2 * spacing_mm);
@@ -41,13 +49,30 @@ pub fn outlines(context: &FillContext<'_>, room: &Polygon, spacing_mm: f64) -> V
         .collect();
     let input = PhaseInput { axes, frequency, wanted };
     let turns = turns(&mesh, &input);
-    let phase = solve(&mesh, &input, &turns);
+    let phase = solve(&mesh, &input, &turns, &STEPS);
     let mut lines = sign_changes(&mesh, &turns, &phase);
     for line in &mut lines {
         line.points = resampled(&line.points, line.closed, STEP_BEADS * spacing_mm);
         smooth(&mut line.points, line.closed, 3);
     }
-    cut_by(&region, &lines).unwrap_or_else(whole)
+    let loops = cut_by(&region, &lines).unwrap_or_else(whole);
+    with_thin(&region, loops, spacing_mm).into_iter().filter(|l| l.len() > 2).collect()
+}
+
+/// Places too thin for strips beside each other are strips themselves, whatever the field says: a bead there and
+/// one back along their sides.
+fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Vec<DVec2>> {
+    let thick = region.opened(0.5 * THIN_BEADS * spacing_mm);
+    let mut thin = region.difference(&thick);
+    thin.polygons.retain(|p| p.area_mm2() > spacing_mm * spacing_mm);
+    if thin.is_empty() {
+        return loops;
+    }
+    let strips = Region::from_contours(&loops, FillRule::Positive);
+    let thin = thin.offset(0.1 * spacing_mm, Join::Miter(2.0)).intersection(region);
+    let mut all = strips.union(&thin);
+    all.polygons.retain(|p| p.area_mm2() > 0.1 * spacing_mm * spacing_mm);
+    all.contours().cloned().collect()
 }
 
 /// Where the cosine changes sign: strips are on its left. Open lines end outside the region.

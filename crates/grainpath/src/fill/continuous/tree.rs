@@ -108,14 +108,16 @@ pub fn join(
     exchanges
 }
 
-/// Where rings that are still apart may be joined, sought more closely and further; as many as it takes.
+/// Where rings that are still apart may be joined, sought more closely and further; as many as it takes. What faces
+/// the longest ring sees it: it need not look for itself.
 pub fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
     let n = rings.lines.len();
+    let longest = (0..n).fold(0, |m, r| if rings.length_mm(r) > rings.length_mm(m) { r } else { m });
     let mut sets = Sets((0..n as u32).collect());
     let mut taken = Taken::new(rings, 0.25 * spacing_mm);
     let mut exchanges = Vec::new();
     for range in [[0.5, 1.6], [0.35, 2.3], [0.2, 3.2]] {
-        for ring in 0..n {
+        for ring in (0..n).filter(|&r| r != longest) {
             let length = rings.length_mm(ring);
             let steps = (length / (0.4 * spacing_mm)).ceil().max(1.0);
             for k in 0..steps as usize {

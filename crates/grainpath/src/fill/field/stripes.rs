@@ -6,7 +6,7 @@ use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
 use grainpath_core::{BeadWidth, Bounds2, DVec2, DVec3, DirectionField, Polygon, Region, Toolpath};
 
 use super::levels::trace;
-use super::phase::{PhaseInput, drift, solve, turns};
+use super::phase::{PhaseInput, STEPS, drift, solve, turns};
 use super::widths::{Line, Neighbours, resampled, smooth};
 use crate::field_mesh::FieldMesh;
 use crate::fill::{FillContext, Infill};
@@ -39,7 +39,7 @@ impl Infill for Stripes {
         let levels = {
             let input = phase_input(&mesh, field, context, &border);
             let turns = turns(&mesh, &input);
-            let phase = solve(&mesh, &input, &turns);
+            let phase = solve(&mesh, &input, &turns, &STEPS);
             trace(&mesh, &turns, &phase)
         };
         let clipper = LineClipper::new(&room);
