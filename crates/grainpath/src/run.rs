@@ -10,8 +10,8 @@ use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::math::direction;
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
 use grainpath_core::{
-    BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, DirectionField, Layer, LayerStack, Plan, Polygon, Role,
-    SpeedClass, Toolpath, TriMesh, UniformField,
+    BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, DirectionField, Layer, LayerStack, Plan, Polygon, Region,
+    Role, SpeedClass, Toolpath, TriMesh, UniformField,
 };
 use grainpath_gcode::{WriteConfig, check_fits};
 use grainpath_io::MeshFile;
