@@ -2,7 +2,7 @@
 //! the room there is.
 
 use grainpath_core::math::cross;
-use grainpath_core::poly::LineClipper;
+use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::units::bead_width_mm;
 use grainpath_core::{BeadWidth, DVec2, Polygon, Region, Toolpath};
 
@@ -14,7 +14,7 @@ use crate::fill::FillContext;
 const NARROWEST: f64 = 0.6;
 const WIDEST: f64 = 1.6;
 /// Rounds of moving beads to the middle of their room.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 3;
 /// A turn of more than this is a corner and stays one: the cosine.
 const CORNER: f64 = 0.64;
 /// Most neighbours are nearer than this, in beads, and nothing further than that is one.
@@ -22,8 +22,10 @@ const NEAR: f64 = 1.2;
 const FAR: f64 = 2.2;
 /// Sides that differ by more than this are evened out, in beads.
 const UNEVEN: f64 = 0.05;
+/// How far out of its room a line may lie and still count as in it, mm.
+const ON_EDGE_MM: f64 = 0.002;
 /// Of two points closer than this one goes, in beads.
-const CLOSEST: f64 = 0.08;
+const CLOSEST: f64 = 0.015;
 
 /// Room beside a segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,17 +65,19 @@ pub fn lay(
         .filter(|l| l.points.len() > 2)
         .collect();
     let inside = LineClipper::new(&Region::from(room.clone()));
+    let laid = lines.clone();
     let mut sides = rooms(&lines, border, spacing, None);
     for round in 0..ROUNDS {
         if round > 0 {
             let uneven = uneven(&sides, spacing);
             sides = rooms(&lines, border, spacing, Some((sides, uneven)));
         }
-        let mut moved: Vec<Line> =
+        lines =
             lines.iter().zip(&sides).map(|(line, sides)| centred(line, sides, &inside, spacing)).collect();
-        undo_crossings(&lines, &mut moved, spacing);
-        lines = moved;
     }
+    // What lies on the room's edge is not to count as out.
+    let grown = LineClipper::new(&Region::from(room.clone()).offset(ON_EDGE_MM, Join::Miter(2.0)));
+    undo_trouble(&laid, &mut lines, &grown, spacing);
     let nominal = context.bead_width_mm;
     if !variable || context.density < 0.999 {
         let path = |l: Line| {
@@ -203,25 +207,31 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
     Line { points, closed: true }
 }
 
-/// Takes moves back where lines cross because of them.
-fn undo_crossings(before: &[Line], after: &mut [Line], spacing_mm: f64) {
-    for round in 0..6 {
+/// Takes moves back where lines cross, or leave the room, because of them.
+fn undo_trouble(before: &[Line], after: &mut [Line], room: &LineClipper, spacing_mm: f64) {
+    for round in 0..8 {
         let pairs = Neighbours::new(after, &Region::default(), 1.5 * spacing_mm).crossings();
-        if pairs.is_empty() {
+        let mut trouble: Vec<(usize, usize)> = pairs.into_iter().flatten().collect();
+        for (l, line) in after.iter().enumerate() {
+            let leaves = |s: &usize| {
+                let (a, b) = line.segment(*s);
+                !room.crossings(a, b).is_empty()
+            };
+            trouble.extend((0..line.n_segments()).filter(leaves).map(|s| (l, s)));
+        }
+        if trouble.is_empty() {
             return;
         }
-        for (l, s) in pairs.into_iter().flatten() {
+        for (l, s) in trouble {
             let n = after[l].points.len();
-            let reach = 1 + (1 << round).min(n / 2);
-            for k in 0..=2 * reach {
-                let v = (s + n + k - reach % n) % n;
+            let reach = (1 << round).min(n / 2);
+            for k in 0..2 * reach {
+                let v = (s + n + 1 + k - reach) % n;
                 after[l].points[v] = before[l].points[v];
             }
         }
     }
-    if !Neighbours::new(after, &Region::default(), 1.5 * spacing_mm).crossings().is_empty() {
-        after.iter_mut().zip(before).for_each(|(a, b)| a.points.clone_from(&b.points));
-    }
+    after.iter_mut().zip(before).for_each(|(a, b)| a.points.clone_from(&b.points));
 }
 
 /// A closed line without points that lie on each other.
