@@ -14,12 +14,15 @@ use crate::fill::FillContext;
 const NARROWEST: f64 = 0.6;
 const WIDEST: f64 = 1.6;
 /// Rounds of moving beads to the middle of their room.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 5;
 /// A turn of more than this is a corner and stays one: the cosine.
 const CORNER: f64 = 0.64;
 /// Most neighbours are nearer than this, in beads, and nothing further than that is one.
 const NEAR: f64 = 1.2;
-const FAR: f64 = 2.2;
+const FAR: f64 = 2.6;
+/// Further than this from the next bead there is a gap, if it is as wide as it is deep, in beads.
+const GAP: f64 = 1.3;
+const GAP_WIDTH: f64 = 1.5;
 /// Sides that differ by more than this are evened out, in beads.
 const UNEVEN: f64 = 0.05;
 /// How far out of its room a line may lie and still count as in it, mm.
@@ -119,7 +122,7 @@ fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
         let n = sides.len();
         let mut out = vec![false; n];
         for (k, s) in sides.iter().enumerate() {
-            let [Some(left), Some(right)] = s.map(Room::mm) else { continue };
+            let [left, right] = s.map(|r| r.mm().unwrap_or(0.5 * spacing_mm));
             if (left - right).abs() > UNEVEN * spacing_mm {
                 (0..7.min(n)).for_each(|j| out[(k + n + j - 3.min(n)) % n] = true);
             }
@@ -166,10 +169,13 @@ fn rooms(
 fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) -> Line {
     let n = line.points.len();
     let most = 0.25 * spacing_mm;
-    // Shift of each segment across its way; a side without a neighbour does not pull.
+    // Shift of each segment across its way. A side without a neighbour pushes nothing away: there a bead only follows
+    // a gap on its other side.
     let shift = |s: &Sides| match s.map(Room::mm) {
         [Some(left), Some(right)] => 0.5 * (left - right).clamp(-most, most),
-        _ => 0.0,
+        [Some(left), None] => (left - 0.5 * spacing_mm).clamp(0.0, most),
+        [None, Some(right)] => (0.5 * spacing_mm - right).clamp(-most, 0.0),
+        [None, None] => 0.0,
     };
     let shifts: Vec<f64> = sides.iter().map(shift).collect();
     let way = |s: usize| {

@@ -96,3 +96,6 @@ impl Continuous {
         rings.exchanged(&tree::join_rest(&rings, spacing))
     }
 }
+
+#[cfg(test)]
+mod tests;
