@@ -148,10 +148,20 @@ fn rooms(
             let way = (b - a).normalize_or(DVec2::X);
             let look = if left { DVec2::new(-way.y, way.x) } else { DVec2::new(way.y, -way.x) };
             let near = |o: usize| o.abs_diff(s) <= 1 || o.abs_diff(s) >= n - 1;
-            let look =
-                |far: f64| neighbours.hit(0.5 * (a + b), look, far * spacing_mm, |k, o| k == l && near(o));
-            let Some(hit) = look(NEAR).or_else(|| look(FAR)) else { return Room::Open };
+            let middle = 0.5 * (a + b);
+            let sees = |far: f64| neighbours.hit(middle, look, far * spacing_mm, |k, o| k == l && near(o));
+            let Some(hit) = sees(NEAR).or_else(|| sees(FAR)) else { return Room::Open };
             let Some(other) = hit.line else { return Room::Border(hit.distance_mm) };
+            if hit.distance_mm > GAP * spacing_mm {
+                // Along the way between two beads one sees far too, but nothing is missing there.
+                let inside = middle + 0.5 * hit.distance_mm * look;
+                let far = GAP_WIDTH * spacing_mm;
+                let free = |way: DVec2| {
+                    neighbours.hit(inside, way, far, |_, _| false).map_or(far, |h| h.distance_mm)
+                };
+                let is_gap = free(way) + free(-way) > far;
+                return if is_gap { Room::Bead(0.5 * hit.distance_mm) } else { Room::Open };
+            }
             let (p, q) = lines[other].segment(hit.segment);
             let along = (q - p).normalize_or(DVec2::X).dot(way).abs() > 0.6;
             if along { Room::Bead(0.5 * hit.distance_mm) } else { Room::Open }

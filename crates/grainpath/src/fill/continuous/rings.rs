@@ -28,6 +28,25 @@ pub struct Facing {
     pub corners: [DVec2; 4],
 }
 
+impl Facing {
+    /// The two ways from ring to ring.
+    fn ways(&self) -> [[DVec2; 2]; 2] {
+        let [a0, a1, b0, b1] = self.corners;
+        [[a0, b1], [b0, a1]]
+    }
+
+    /// Whether a way of the one crosses a way of the other.
+    pub fn crosses(&self, other: &Self) -> bool {
+        self.ways().iter().any(|w| other.ways().iter().any(|o| meet(*w, *o)))
+    }
+}
+
+/// Whether two segments touch.
+fn meet([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
+    let sides = |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e - o, p - o) * cross(e - o, q - o);
+    sides(a, b, c, d) <= 0.0 && sides(c, d, a, b) <= 0.0
+}
+
 /// On which side of a ring to look: the strip is on its left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
@@ -191,10 +210,7 @@ impl Rings {
                     let (one, facing) = (three(ring, at_mm), three(other, facing_mm));
                     let [a0, a1] = [one[0], one[2]].map(|v| self.point(ring, v).0);
                     let [b0, b1] = [facing[0], facing[2]].map(|v| self.point(other, v).0);
-                    let sides =
-                        |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e - o, p - o) * cross(e - o, q - o);
-                    let cross_each_other = sides(a0, b1, b0, a1) <= 0.0 && sides(b0, a1, a0, b1) <= 0.0;
-                    if !cross_each_other && self.is_free(a0, b1) && self.is_free(b0, a1) {
+                    if !meet([a0, b1], [b0, a1]) && self.is_free(a0, b1) && self.is_free(b0, a1) {
                         out.push(Facing {
                             one,
                             one_ring: ring,

@@ -168,7 +168,8 @@ fn polygon() -> impl Strategy<Value = Region> {
     let holes = proptest::collection::vec((0.0f64..TAU, 0.0f64..0.9, 0.4f64..2.5, 5usize..30), 0..6);
     (radii, holes, 6.0f64..16.0).prop_map(|(radii, holes, size)| {
         let n = radii.len() as f64;
-        let outer = radii.iter().enumerate().map(|(i, r)| direction(i as f64 / n * TAU) * *r * size).collect();
+        let outer =
+            radii.iter().enumerate().map(|(i, r)| direction(i as f64 / n * TAU) * *r * size).collect();
         let whole = Region::from(Polygon { outer, holes: Vec::new() });
         holes.into_iter().fold(whole, |part, (turn, out, radius, sides)| {
             part.difference(&disc(direction(turn) * out * size, radius, sides))

@@ -208,7 +208,8 @@ pub fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
     let look = |found: Vec<Facing>, sets: &mut Sets, taken: &mut Taken, exchanges: &mut Vec<Facing>| {
         for f in found {
             let [a, b] = [f.one_ring, f.other_ring].map(|r| sets.root(r as u32));
-            if a != b && taken.fits(&f, 0.6 * spacing_mm) {
+            let free = || taken.fits(&f, 0.6 * spacing_mm) && !exchanges.iter().any(|e| e.crosses(&f));
+            if a != b && free() {
                 taken.take_both(&f, 0.6 * spacing_mm);
                 sets.join(a, b);
                 exchanges.push(f);
