@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use grainpath::job::Settings;
+use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath::strength::{StrengthReport, TestSetup, Tested, chart_svg, test};
 use grainpath_core::Diagnostics;
 use grainpath_gcode::{Program, simulate, write_gcode};
@@ -100,8 +101,7 @@ fn one(input: &Path, job: Option<&Path>, common: &Common, mass_g: Option<f64>) -
         let bytes = files::read(input)?;
         let program = read(&settings, &bytes, input)?;
         let shape = |source| grainpath::Error::Shape { path: mesh.display().to_string(), source };
-        let (mesh, stack, _) =
-            grainpath::run::mesh_and_layers(&settings, file, &diagnostics).map_err(shape)?;
+        let Sliced { mesh, stack, .. } = mesh_and_layers(&settings, file, &diagnostics).map_err(shape)?;
         let setup = TestSetup::of(&settings, &mesh, &stack).map_err(failed)?;
         let wrong = |f: Failure| Failure { message: format!("{}: {}", input.display(), f.message), ..f };
         (test(&settings, &setup, &program, None, &diagnostics).map_err(|e| wrong(failed(e)))?, program)

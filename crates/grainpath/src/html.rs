@@ -123,7 +123,13 @@ fn fibre_table(f: &crate::fibre::FibreReport) -> String {
         let along = l.within_15_deg.map_or("-".to_owned(), |s| format!("{:.1} %", 100.0 * s));
         out += &format!(
             "<tr><td>{}</td><td>{}</td><td>{:.1}</td><td>{}</td><td>{:.1}</td><td>{}</td><td>{radius}</td><td>{}</td><td>{along}</td></tr>",
-            l.layer, l.z_mm, l.length_mm, l.paths, l.shortest_mm, l.cuts, l.sharp_turns
+            l.layer,
+            l.z_mm,
+            l.length_mm,
+            l.paths,
+            l.shortest_mm,
+            l.cuts,
+            l.sharp_turns.len()
         );
     }
     out + "</table>\n"

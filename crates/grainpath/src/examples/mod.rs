@@ -3,6 +3,7 @@
 mod continuous;
 mod hub;
 mod stress_lines;
+mod tree_support;
 mod woodgrain;
 
 use std::borrow::Cow;
@@ -14,7 +15,7 @@ use grainpath_core::{DVec2, DVec3, TriMesh};
 pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
 
 /// Names that [`preset`] knows.
-pub const PRESETS: [&str; 5] = ["plate", "stress-lines", "ct", "woodgrain", "continuous"];
+pub const PRESETS: [&str; 6] = ["plate", "stress-lines", "ct", "woodgrain", "tree-support", "continuous"];
 
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
@@ -26,6 +27,7 @@ pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
         "stress-lines" => Some(stress_lines::files()),
         "woodgrain" => Some(woodgrain::files()),
         "continuous" => Some(continuous::files()),
+        "tree-support" => Some(tree_support::files()),
         "ct" => Some(ct(256)),
         _ => None,
     }

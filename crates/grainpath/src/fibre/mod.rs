@@ -12,7 +12,7 @@ use grainpath_core::{
     BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Polygon, Region, Role, Toolpath,
 };
 
-pub use report::{AskedAt, FibreLayer, FibreReport, measure};
+pub use report::{FibreLayer, FibreReport, measure};
 pub use turns::{Turn, rounded, sharp_turns};
 
 /// What is done about turns below the least radius.

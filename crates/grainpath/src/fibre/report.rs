@@ -1,11 +1,11 @@
 //! What fibre a program lays, layer by layer, measured on the program itself.
 
-use grainpath_core::math::{atan2, cross, direction};
 use grainpath_core::{DVec2, Role};
 use grainpath_gcode::{Bead, BeadLayer, Program};
 use serde::Serialize;
 
 use super::turns::turns;
+use crate::report::DirectionError;
 
 /// The fibre of one layer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -28,8 +28,8 @@ pub struct FibreLayer {
     /// Where that is, in part coordinates, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sharpest_mm: Option<[f64; 2]>,
-    /// Turns below the radius asked for.
-    pub sharp_turns: usize,
+    /// Turns below the radius asked for: x, y in part coordinates and the radius, mm.
+    pub sharp_turns: Vec<[f64; 3]>,
     /// Share of the length within 15 degrees of what the guide asks for, weighted by how much it matters.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub within_15_deg: Option<f64>,
@@ -60,16 +60,13 @@ pub struct FibreReport {
     pub layers: Vec<FibreLayer>,
 }
 
-/// Guide's axis at a point of a layer at a height (part coordinates), radians, and how much it matters.
-pub type AskedAt<'a> = dyn Fn(DVec2, f64) -> (f64, f64) + 'a;
-
 /// Measures the fibre of a program. `shift` is where the part stands on the plate.
 pub fn measure(
     program: &Program,
     shift: DVec2,
     asked_radius_mm: f64,
     density_g_cm3: f64,
-    asked: Option<&AskedAt<'_>>,
+    off: Option<&DirectionError<'_>>,
 ) -> FibreReport {
     let mut report = FibreReport {
         length_mm: 0.0,
@@ -91,12 +88,14 @@ pub fn measure(
         let length = |p: &Vec<DVec2>| p.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
         let lengths: Vec<f64> = paths.iter().map(length).collect();
         let mut sharpest: Option<(f64, DVec2)> = None;
-        let mut sharp_turns = 0;
+        let mut sharp_turns = Vec::new();
         for path in &paths {
             let closed = path.len() > 3 && path[0].distance(path[path.len() - 1]) < 2e-3;
             let points = if closed { &path[..path.len() - 1] } else { &path[..] };
             for t in turns(points, closed) {
-                sharp_turns += usize::from(t.radius_mm < 0.98 * asked_radius_mm);
+                if t.radius_mm < 0.98 * asked_radius_mm {
+                    sharp_turns.push([round(t.at.x, 2), round(t.at.y, 2), round(t.radius_mm, 3)]);
+                }
                 if t.radius_mm.is_finite() && sharpest.is_none_or(|(r, _)| t.radius_mm < r) {
                     sharpest = Some((t.radius_mm, t.at));
                 }
@@ -104,13 +103,12 @@ pub fn measure(
         }
         let z_mid = layer.z_mm - 0.5 * layer.height_mm;
         let (mut near, mut all) = (0.0, 0.0);
-        if let Some(asked) = asked {
+        if let Some(off) = off {
             for w in paths.iter().flat_map(|p| p.windows(2)) {
-                let (axis, weight) = asked(0.5 * (w[0] + w[1]), z_mid);
-                let (u, d) = (direction(axis), w[1] - w[0]);
-                let off = atan2(cross(u, d).abs(), u.dot(d).abs()).to_degrees();
-                all += weight * d.length();
-                near += if off <= 15.0 { weight * d.length() } else { 0.0 };
+                let Some((deg, weight)) = off(z_mid, [w[0], w[1]]) else { continue };
+                let length = weight * w[0].distance(w[1]);
+                all += length;
+                near += if deg <= 15.0 { length } else { 0.0 };
             }
         }
         within += near;
@@ -118,7 +116,7 @@ pub fn measure(
         let volume: f64 = fibre(layer).map(|b| f64::from(b.volume_mm3)).sum();
         report.length_mm += lengths.iter().sum::<f64>();
         report.mass_g += volume * 1e-3 * density_g_cm3;
-        report.sharp_turns += sharp_turns;
+        report.sharp_turns += sharp_turns.len();
         let radius = sharpest.map(|s| round(s.0, 3));
         report.min_radius_mm = match (report.min_radius_mm, radius) {
             (Some(a), Some(b)) => Some(a.min(b)),
@@ -184,7 +182,7 @@ impl FibreReport {
 
     /// What the user should know of turns.
     pub fn warning(&self) -> Option<String> {
-        let sharpest = self.layers.iter().filter(|l| l.sharp_turns > 0);
+        let sharpest = self.layers.iter().filter(|l| !l.sharp_turns.is_empty());
         let worst = sharpest
             .min_by(|a, b| a.min_radius_mm.unwrap_or(0.0).total_cmp(&b.min_radius_mm.unwrap_or(0.0)))?;
         let [x, y] = worst.sharpest_mm?;

@@ -9,6 +9,9 @@ const ACROSS: [f64; 2] = [0.55, 1.5];
 /// The same for neighbours over an edge along the field.
 const BESIDE: [f64; 2] = [0.5, 1.7];
 
+/// Places beside strips are looked at this far apart, in beads.
+pub const PLACE_BEADS: f64 = 1.5;
+
 /// Two cells and the edge between them.
 #[derive(Debug, Clone, Copy)]
 pub struct Edge {
@@ -62,10 +65,10 @@ impl Taken {
         free
     }
 
-    pub fn take(&mut self, ring: usize, from_mm: f64, to_mm: f64) {
+    fn set(&mut self, (ring, from_mm, to_mm): (usize, f64, f64), taken: bool) {
         let mut all = Vec::new();
         self.each(ring, from_mm, to_mm, |k| all.push(k));
-        all.into_iter().for_each(|k| self.marks[k] = true);
+        all.into_iter().for_each(|k| self.marks[k] = taken);
     }
 
     /// Both stretches of an exchange, with `margin_mm` around them.
@@ -81,7 +84,12 @@ impl Taken {
     }
 
     pub fn take_both(&mut self, f: &Facing, half_mm: f64) {
-        Self::stretches(f, half_mm).iter().for_each(|&(r, a, b)| self.take(r, a, b));
+        Self::stretches(f, half_mm).into_iter().for_each(|s| self.set(s, true));
+    }
+
+    /// Only for stretches that were taken as they are: none other overlaps them.
+    pub fn release_both(&mut self, f: &Facing, half_mm: f64) {
+        Self::stretches(f, half_mm).into_iter().for_each(|s| self.set(s, false));
     }
 }
 
@@ -127,7 +135,7 @@ pub fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) ->
     }
     for ring in 0..rings.lines.len() {
         let length = rings.length_mm(ring);
-        let n = (length / (1.5 * spacing_mm)).floor().max(1.0);
+        let n = (length / (PLACE_BEADS * spacing_mm)).floor().max(1.0);
         for k in 0..n as usize {
             let at_mm = length * (k as f64 + 0.5) / n;
             let Some((other, _)) = rings.facing(ring, at_mm, Side::Right, BESIDE) else { continue };

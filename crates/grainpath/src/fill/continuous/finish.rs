@@ -2,7 +2,7 @@
 //! the room there is.
 
 use grainpath_core::math::cross;
-use grainpath_core::poly::LineClipper;
+use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::units::bead_width_mm;
 use grainpath_core::{BeadWidth, DVec2, Polygon, Region, Toolpath};
 
@@ -14,16 +14,21 @@ use crate::fill::FillContext;
 const NARROWEST: f64 = 0.6;
 const WIDEST: f64 = 1.6;
 /// Rounds of moving beads to the middle of their room.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 5;
 /// A turn of more than this is a corner and stays one: the cosine.
 const CORNER: f64 = 0.64;
 /// Most neighbours are nearer than this, in beads, and nothing further than that is one.
 const NEAR: f64 = 1.2;
-const FAR: f64 = 2.2;
+const FAR: f64 = 2.6;
+/// Further than this from the next bead there is a gap, if it is as wide as it is deep, in beads.
+const GAP: f64 = 1.3;
+const GAP_WIDTH: f64 = 1.5;
 /// Sides that differ by more than this are evened out, in beads.
 const UNEVEN: f64 = 0.05;
+/// How far out of its room a line may lie and still count as in it, mm.
+const ON_EDGE_MM: f64 = 0.002;
 /// Of two points closer than this one goes, in beads.
-const CLOSEST: f64 = 0.08;
+const CLOSEST: f64 = 0.015;
 
 /// Room beside a segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,17 +68,19 @@ pub fn lay(
         .filter(|l| l.points.len() > 2)
         .collect();
     let inside = LineClipper::new(&Region::from(room.clone()));
+    let laid = lines.clone();
     let mut sides = rooms(&lines, border, spacing, None);
     for round in 0..ROUNDS {
         if round > 0 {
             let uneven = uneven(&sides, spacing);
             sides = rooms(&lines, border, spacing, Some((sides, uneven)));
         }
-        let mut moved: Vec<Line> =
+        lines =
             lines.iter().zip(&sides).map(|(line, sides)| centred(line, sides, &inside, spacing)).collect();
-        undo_crossings(&lines, &mut moved, spacing);
-        lines = moved;
     }
+    // What lies on the room's edge is not to count as out.
+    let grown = LineClipper::new(&Region::from(room.clone()).offset(ON_EDGE_MM, Join::Miter(2.0)));
+    undo_trouble(&laid, &mut lines, &grown, spacing);
     let nominal = context.bead_width_mm;
     if !variable || context.density < 0.999 {
         let path = |l: Line| {
@@ -115,7 +122,7 @@ fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
         let n = sides.len();
         let mut out = vec![false; n];
         for (k, s) in sides.iter().enumerate() {
-            let [Some(left), Some(right)] = s.map(Room::mm) else { continue };
+            let [left, right] = s.map(|r| r.mm().unwrap_or(0.5 * spacing_mm));
             if (left - right).abs() > UNEVEN * spacing_mm {
                 (0..7.min(n)).for_each(|j| out[(k + n + j - 3.min(n)) % n] = true);
             }
@@ -141,10 +148,20 @@ fn rooms(
             let way = (b - a).normalize_or(DVec2::X);
             let look = if left { DVec2::new(-way.y, way.x) } else { DVec2::new(way.y, -way.x) };
             let near = |o: usize| o.abs_diff(s) <= 1 || o.abs_diff(s) >= n - 1;
-            let look =
-                |far: f64| neighbours.hit(0.5 * (a + b), look, far * spacing_mm, |k, o| k == l && near(o));
-            let Some(hit) = look(NEAR).or_else(|| look(FAR)) else { return Room::Open };
+            let middle = 0.5 * (a + b);
+            let sees = |far: f64| neighbours.hit(middle, look, far * spacing_mm, |k, o| k == l && near(o));
+            let Some(hit) = sees(NEAR).or_else(|| sees(FAR)) else { return Room::Open };
             let Some(other) = hit.line else { return Room::Border(hit.distance_mm) };
+            if hit.distance_mm > GAP * spacing_mm {
+                // Along the way between two beads one sees far too, but nothing is missing there.
+                let inside = middle + 0.5 * hit.distance_mm * look;
+                let far = GAP_WIDTH * spacing_mm;
+                let free = |way: DVec2| {
+                    neighbours.hit(inside, way, far, |_, _| false).map_or(far, |h| h.distance_mm)
+                };
+                let is_gap = free(way) + free(-way) > far;
+                return if is_gap { Room::Bead(0.5 * hit.distance_mm) } else { Room::Open };
+            }
             let (p, q) = lines[other].segment(hit.segment);
             let along = (q - p).normalize_or(DVec2::X).dot(way).abs() > 0.6;
             if along { Room::Bead(0.5 * hit.distance_mm) } else { Room::Open }
@@ -162,10 +179,13 @@ fn rooms(
 fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) -> Line {
     let n = line.points.len();
     let most = 0.25 * spacing_mm;
-    // Shift of each segment across its way; a side without a neighbour does not pull.
+    // Shift of each segment across its way. A side without a neighbour pushes nothing away: there a bead only follows
+    // a gap on its other side.
     let shift = |s: &Sides| match s.map(Room::mm) {
         [Some(left), Some(right)] => 0.5 * (left - right).clamp(-most, most),
-        _ => 0.0,
+        [Some(left), None] => (left - 0.5 * spacing_mm).clamp(0.0, most),
+        [None, Some(right)] => (0.5 * spacing_mm - right).clamp(-most, 0.0),
+        [None, None] => 0.0,
     };
     let shifts: Vec<f64> = sides.iter().map(shift).collect();
     let way = |s: usize| {
@@ -203,25 +223,31 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
     Line { points, closed: true }
 }
 
-/// Takes moves back where lines cross because of them.
-fn undo_crossings(before: &[Line], after: &mut [Line], spacing_mm: f64) {
-    for round in 0..6 {
+/// Takes moves back where lines cross, or leave the room, because of them.
+fn undo_trouble(before: &[Line], after: &mut [Line], room: &LineClipper, spacing_mm: f64) {
+    for round in 0..8 {
         let pairs = Neighbours::new(after, &Region::default(), 1.5 * spacing_mm).crossings();
-        if pairs.is_empty() {
+        let mut trouble: Vec<(usize, usize)> = pairs.into_iter().flatten().collect();
+        for (l, line) in after.iter().enumerate() {
+            let leaves = |s: &usize| {
+                let (a, b) = line.segment(*s);
+                !room.crossings(a, b).is_empty()
+            };
+            trouble.extend((0..line.n_segments()).filter(leaves).map(|s| (l, s)));
+        }
+        if trouble.is_empty() {
             return;
         }
-        for (l, s) in pairs.into_iter().flatten() {
+        for (l, s) in trouble {
             let n = after[l].points.len();
-            let reach = 1 + (1 << round).min(n / 2);
-            for k in 0..=2 * reach {
-                let v = (s + n + k - reach % n) % n;
+            let reach = (1 << round).min(n / 2);
+            for k in 0..2 * reach {
+                let v = (s + n + 1 + k - reach) % n;
                 after[l].points[v] = before[l].points[v];
             }
         }
     }
-    if !Neighbours::new(after, &Region::default(), 1.5 * spacing_mm).crossings().is_empty() {
-        after.iter_mut().zip(before).for_each(|(a, b)| a.points.clone_from(&b.points));
-    }
+    after.iter_mut().zip(before).for_each(|(a, b)| a.points.clone_from(&b.points));
 }
 
 /// A closed line without points that lie on each other.

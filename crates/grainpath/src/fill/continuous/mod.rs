@@ -84,7 +84,7 @@ impl Continuous {
             }
             None => (DVec2::X, 1.0),
         };
-        let rings = Rings::new(strips::outlines(context, room, spacing), spacing);
+        let rings = Rings::new(strips::outlines(context, room, spacing), room, spacing);
         let mut taken = Taken::new(&rings, 0.25 * spacing);
         let cells = cells::cut(&rings, 2.0 * self.aspect * spacing, spacing, &mut taken);
         let exchanges = tree::join(&rings, &cells, self.tree, spacing, &axis, &mut taken);
@@ -92,7 +92,10 @@ impl Continuous {
         if joined.len() < 2 {
             return joined;
         }
-        let rings = Rings::new(joined, spacing);
+        let rings = Rings::new(joined, room, spacing);
         rings.exchanged(&tree::join_rest(&rings, spacing))
     }
 }
+
+#[cfg(test)]
+mod tests;

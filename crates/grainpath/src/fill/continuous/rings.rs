@@ -1,6 +1,8 @@
 //! Closed lines with positions along them, and places where two of them face each other.
 
-use grainpath_core::{DVec2, Region};
+use grainpath_core::math::{cross, direction, rotated};
+use grainpath_core::poly::LineClipper;
+use grainpath_core::{DVec2, Polygon, Region};
 
 use super::super::field::widths::{Line, Neighbours};
 
@@ -26,6 +28,25 @@ pub struct Facing {
     pub corners: [DVec2; 4],
 }
 
+impl Facing {
+    /// The two ways from ring to ring.
+    fn ways(&self) -> [[DVec2; 2]; 2] {
+        let [a0, a1, b0, b1] = self.corners;
+        [[a0, b1], [b0, a1]]
+    }
+
+    /// Whether a way of the one crosses a way of the other.
+    pub fn crosses(&self, other: &Self) -> bool {
+        self.ways().iter().any(|w| other.ways().iter().any(|o| meet(*w, *o)))
+    }
+}
+
+/// Whether two segments touch.
+fn meet([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
+    let sides = |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e - o, p - o) * cross(e - o, q - o);
+    sides(a, b, c, d) <= 0.0 && sides(c, d, a, b) <= 0.0
+}
+
 /// On which side of a ring to look: the strip is on its left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
@@ -39,11 +60,12 @@ pub struct Rings {
     /// Length up to each point, and all of it at last.
     arcs: Vec<Vec<f64>>,
     neighbours: Neighbours,
+    room: LineClipper,
     spacing_mm: f64,
 }
 
 impl Rings {
-    pub fn new(outlines: Vec<Vec<DVec2>>, spacing_mm: f64) -> Self {
+    pub fn new(outlines: Vec<Vec<DVec2>>, room: &Polygon, spacing_mm: f64) -> Self {
         let lines: Vec<Line> = outlines.into_iter().map(|points| Line { points, closed: true }).collect();
         let arc = |line: &Line| {
             let mut sum = 0.0;
@@ -57,7 +79,8 @@ impl Rings {
         };
         let arcs = lines.iter().map(arc).collect();
         let neighbours = Neighbours::new(&lines, &Region::default(), 1.5 * spacing_mm);
-        Self { lines, arcs, neighbours, spacing_mm }
+        let room = LineClipper::new(&Region::from(room.clone()));
+        Self { lines, arcs, neighbours, room, spacing_mm }
     }
 
     pub fn length_mm(&self, ring: usize) -> f64 {
@@ -147,6 +170,11 @@ impl Rings {
                 return None;
             }
         }
+        // A hole may lie between, where no ring runs around it. The ends may lie on the room's edge.
+        let free = |a: DVec2, b: DVec2| self.room.segment_inside(a.lerp(b, 0.02), b.lerp(a, 0.02));
+        if !free(a0, b1) || !free(a1, b0) {
+            return None;
+        }
         let w = |x: f64| self.wrapped(ring, x);
         Some(Facing {
             one: [w(at_mm - half), w(at_mm), w(at_mm + half)],
@@ -155,6 +183,54 @@ impl Rings {
             other_ring: middle.ring,
             corners: [a0, a1, b0, b1],
         })
+    }
+
+    /// Short stretches around a place and around what is seen from it at any angle on another ring, where the two ways
+    /// between their ends are free. For rings that nowhere run along each other.
+    pub fn slanted(&self, ring: usize, at_mm: f64, far: f64) -> Vec<Facing> {
+        let (p, way, segment) = self.point(ring, at_mm);
+        let mut out = Vec::new();
+        for turn in [0.0, 0.5, -0.5, 1.0, -1.0] {
+            for side in [1.0, -1.0] {
+                let look = rotated(side * way.perp(), direction(turn));
+                let skips = |r: usize, s: usize| r == ring && s == segment;
+                let hit = self.neighbours.hit(p, look, far * self.spacing_mm, skips);
+                let Some((hit, other)) = hit.and_then(|h| Some((h, h.line?))) else { continue };
+                if other == ring {
+                    continue;
+                }
+                let start = self.lines[other].segment(hit.segment).0;
+                let facing_mm = self.arcs[other][hit.segment] + start.distance(p + hit.distance_mm * look);
+                for half in [0.4, 0.2, 0.08].map(|h| h * self.spacing_mm) {
+                    if self.length_mm(ring) < 6.0 * half || self.length_mm(other) < 6.0 * half {
+                        continue;
+                    }
+                    let three =
+                        |ring: usize, at: f64| [at - half, at, at + half].map(|v| self.wrapped(ring, v));
+                    let (one, facing) = (three(ring, at_mm), three(other, facing_mm));
+                    let [a0, a1] = [one[0], one[2]].map(|v| self.point(ring, v).0);
+                    let [b0, b1] = [facing[0], facing[2]].map(|v| self.point(other, v).0);
+                    if !meet([a0, b1], [b0, a1]) && self.is_free(a0, b1) && self.is_free(b0, a1) {
+                        out.push(Facing {
+                            one,
+                            one_ring: ring,
+                            other: facing,
+                            other_ring: other,
+                            corners: [a0, a1, b0, b1],
+                        });
+                        break;
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// Whether the straight way between two points of rings meets no ring and stays in the room.
+    fn is_free(&self, a: DVec2, b: DVec2) -> bool {
+        let (p, q) = (a.lerp(b, 0.02), b.lerp(a, 0.02));
+        let way = (q - p).normalize_or_zero();
+        self.room.segment_inside(p, q) && self.neighbours.hit(p, way, p.distance(q), |_, _| false).is_none()
     }
 
     /// Exchanges all these stretches, and gives the rings that come of it.

@@ -64,7 +64,14 @@ pub fn outlines(context: &FillContext<'_>, room: &Polygon, spacing_mm: f64) -> V
 fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Vec<DVec2>> {
     let thick = region.opened(0.5 * THIN_BEADS * spacing_mm);
     let mut thin = region.difference(&thick);
-    thin.polygons.retain(|p| p.area_mm2() > spacing_mm * spacing_mm);
+    // Corners are thin too; of small places only those count that lie between thick ones.
+    thin.polygons.retain(|p| {
+        let is_neck = || {
+            let grown = Region::from(p.clone()).offset(0.1 * spacing_mm, Join::Miter(2.0));
+            grown.intersection(&thick).polygons.len() > 1
+        };
+        p.area_mm2() > spacing_mm * spacing_mm || is_neck()
+    });
     if thin.is_empty() {
         return loops;
     }

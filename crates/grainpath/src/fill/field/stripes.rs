@@ -326,7 +326,7 @@ fn meets([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
 }
 
 /// What the strips of beads fill.
-pub(super) fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
+pub fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
     let mut strips = Vec::new();
     for bead in beads {
         for i in 0..bead.n_segments() {
