@@ -170,7 +170,7 @@ impl FibreSettings {
             None if self.layers.is_empty() => 0,
             None => return false,
         };
-        (i - first) % self.every.max(1) == 0
+        (i - first).is_multiple_of(self.every.max(1))
     }
 
     /// The boxes that a height lies in.
@@ -294,7 +294,8 @@ impl FibreSettings {
         };
         match self.start {
             Start::Nearest => return,
-            Start::Straight => begin_straight(path),
+            // Where it was opened to look at its turns.
+            Start::Straight => {}
             Start::Calm => path.rotate_to(least(load)),
             Start::Rear => path.rotate_to(least(&|p| -p.y)),
         }

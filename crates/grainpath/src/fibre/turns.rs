@@ -10,6 +10,8 @@ use grainpath_core::{Bounds2, DVec2};
 
 /// Coordinates in G-code are rounded; vertices that lie so near to a straight line do not turn it, mm.
 const ROUNDING_MM: f64 = 5e-3;
+/// Vertices that lie so near to the line past them do not turn it at all, mm.
+const STRAIGHT_MM: f64 = 1.5e-3;
 /// A corner counts as the arc that stays within this of it, mm.
 const CORNER_MM: f64 = 0.05;
 /// Arcs of chords measure a little less than their circle.
@@ -62,7 +64,7 @@ pub fn turns(points: &[DVec2], closed: bool) -> Vec<Turn> {
     if closed && !line.is_empty() {
         line.push(line[0]);
     }
-    let kept = simplify_line(&line, ROUNDING_MM);
+    let kept = without_straight(simplify_line(&line, ROUNDING_MM));
     if kept.len() < 3 {
         return Vec::new();
     }
@@ -78,6 +80,27 @@ pub fn turns(points: &[DVec2], closed: bool) -> Vec<Turn> {
         };
         out.push(Turn { vertex, at: kept[k], radius_mm: radius_mm(before, kept[k], kept[k + 1]) });
         vertex += 1;
+    }
+    out
+}
+
+/// A line without the vertices between which it goes straight, as where a move was divided: they would take from the
+/// length that a turn has.
+fn without_straight(line: Vec<DVec2>) -> Vec<DVec2> {
+    let mut out: Vec<DVec2> = Vec::with_capacity(line.len());
+    for (k, &p) in line.iter().enumerate() {
+        let straight = match (out.last(), line.get(k + 1)) {
+            (Some(&before), Some(&after)) => {
+                let way = (after - before).normalize_or_zero();
+                cross(way, p - before).abs() < STRAIGHT_MM
+                    && way.dot(p - before) > 0.0
+                    && way.dot(after - p) > 0.0
+            }
+            _ => false,
+        };
+        if !straight {
+            out.push(p);
+        }
     }
     out
 }

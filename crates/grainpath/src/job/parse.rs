@@ -455,7 +455,7 @@ mod tests {
             ),
             (
                 "[fill]\npattern = \"grit\"\n",
-                "job.toml:2: fill.pattern should be one of rectilinear, grid, triangles, gyroid, concentric, honeycomb, aligned, stripes, streamlines, seed-lines, is \"grit\"",
+                "job.toml:2: fill.pattern should be one of rectilinear, grid, triangles, gyroid, concentric, honeycomb, aligned, stripes, streamlines, seed-lines, continuous, is \"grit\"",
             ),
             (
                 "[shape]\nct = { path = \"scan\", pixel = 0.1 }\n",
