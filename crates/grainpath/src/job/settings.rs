@@ -387,7 +387,7 @@ pub struct Settings {
 
 impl Settings {
     /// Names of the sections, in the order they are shown.
-    pub const SECTIONS: [&'static str; 13] = [
+    pub const SECTIONS: [&'static str; 14] = [
         "shape",
         "shape.photo",
         "shape.ct",
