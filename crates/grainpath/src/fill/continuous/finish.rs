@@ -14,7 +14,7 @@ use crate::fill::FillContext;
 const NARROWEST: f64 = 0.6;
 const WIDEST: f64 = 1.6;
 /// Rounds of moving beads to the middle of their room.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 4;
 /// A turn of more than this is a corner and stays one: the cosine.
 const CORNER: f64 = 0.64;
 /// Most neighbours are nearer than this, in beads, and nothing further than that is one.
@@ -24,7 +24,7 @@ const FAR: f64 = 2.6;
 const GAP: f64 = 1.3;
 const GAP_WIDTH: f64 = 1.5;
 /// Sides that differ by more than this are evened out, in beads.
-const UNEVEN: f64 = 0.05;
+const UNEVEN: f64 = 0.08;
 /// How far out of its room a line may lie and still count as in it, mm.
 const ON_EDGE_MM: f64 = 0.002;
 /// Of two points closer than this one goes, in beads.
@@ -90,7 +90,9 @@ pub fn lay(
         };
         return lines.into_iter().map(path).collect();
     }
-    let sides = rooms(&lines, border, spacing, None);
+    // What was even lies as it lay.
+    let uneven = uneven(&sides, spacing);
+    let sides = rooms(&lines, border, spacing, Some((sides, uneven)));
     let path = |(line, sides): (Line, Vec<Sides>)| {
         let n = line.points.len();
         let of_segment: Vec<f64> = sides.iter().map(|s| width(s, spacing, context)).collect();
@@ -116,6 +118,9 @@ fn width(sides: &Sides, spacing_mm: f64, context: &FillContext<'_>) -> f64 {
     width.clamp(NARROWEST * nominal, WIDEST * nominal)
 }
 
+/// Rooms as they were, and which of them are to be looked at again, by line and segment.
+type Known = (Vec<Vec<Sides>>, Vec<Vec<bool>>);
+
 /// Segments whose sides differ, and those around them.
 fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
     let of_line = |sides: &Vec<Sides>| {
@@ -134,12 +139,7 @@ fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
 
 /// The room beside every segment: half way to the next bead along it, or to the border. With `known`, only that of
 /// the segments marked is sought anew.
-fn rooms(
-    lines: &[Line],
-    border: &Region,
-    spacing_mm: f64,
-    known: Option<(Vec<Vec<Sides>>, Vec<Vec<bool>>)>,
-) -> Vec<Vec<Sides>> {
+fn rooms(lines: &[Line], border: &Region, spacing_mm: f64, known: Option<Known>) -> Vec<Vec<Sides>> {
     let neighbours = Neighbours::new(lines, border, 1.5 * spacing_mm);
     let of_line = |(l, line): (usize, &Line)| {
         let n = line.n_segments();
@@ -213,11 +213,10 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
     let points = (0..n)
         .map(|v| {
             let p = smooth(v);
-            if p.distance(line.points[v]) > 1e-9 && inside.segment_inside(line.points[v], p) {
-                p
-            } else {
-                line.points[v]
-            }
+            // Between other beads there is nothing to leave.
+            let enclosed =
+                [v, (v + n - 1) % n].iter().all(|&s| sides[s].iter().all(|r| matches!(r, Room::Bead(_))));
+            if enclosed || inside.segment_inside(line.points[v], p) { p } else { line.points[v] }
         })
         .collect();
     Line { points, closed: true }
