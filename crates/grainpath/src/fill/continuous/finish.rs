@@ -2,7 +2,7 @@
 //! the room there is.
 
 use grainpath_core::math::cross;
-use grainpath_core::poly::{Join, LineClipper};
+use grainpath_core::poly::{Join, LineClipper, perimeter_mm};
 use grainpath_core::units::bead_width_mm;
 use grainpath_core::{BeadWidth, DVec2, Polygon, Region, Toolpath};
 
@@ -27,6 +27,8 @@ const GAP_WIDTH: f64 = 1.5;
 const UNEVEN: f64 = 0.08;
 /// How far out of its room a line may lie and still count as in it, mm.
 const ON_EDGE_MM: f64 = 0.002;
+/// A line may lose a loop over itself up to this long, in beads.
+const SMALL_LOOP: f64 = 5.0;
 /// Of two points closer than this one goes, in beads.
 const CLOSEST: f64 = 0.015;
 
@@ -53,12 +55,14 @@ impl Room {
 /// Room to the left and right of a segment's middle.
 type Sides = [Room; 2];
 
-/// Lays rings that do not cross as beads. `room` holds their centrelines, `border` what they are to fill.
+/// Lays rings that do not cross as beads. `room` holds their centrelines, `border` what they are to fill; `thinned`
+/// leaves out points that lie on the line without them.
 pub fn lay(
     rings: Vec<Vec<DVec2>>,
     room: &Polygon,
     border: &Region,
     variable: bool,
+    thinned: bool,
     context: &FillContext<'_>,
 ) -> Vec<Toolpath> {
     let spacing = context.spacing_mm() / context.density;
@@ -81,11 +85,14 @@ pub fn lay(
     // What lies on the room's edge is not to count as out.
     let grown = LineClipper::new(&Region::from(room.clone()).offset(ON_EDGE_MM, Join::Miter(2.0)));
     undo_trouble(&laid, &mut lines, &grown, spacing);
+    if cut_small_loops(&mut lines, spacing) {
+        sides = rooms(&lines, border, spacing, None);
+    }
     let nominal = context.bead_width_mm;
     if !variable || context.density < 0.999 {
         let path = |l: Line| {
             let widths = vec![nominal; l.points.len()];
-            let points = simplified(&l.points, &widths, true).0;
+            let points = if thinned { simplified(&l.points, &widths, true).0 } else { l.points };
             Toolpath::new(points, nominal, context.role, true)
         };
         return lines.into_iter().map(path).collect();
@@ -98,7 +105,8 @@ pub fn lay(
         let of_segment: Vec<f64> = sides.iter().map(|s| width(s, spacing, context)).collect();
         let width = |v: usize| 0.5 * (of_segment[v] + of_segment[(v + n - 1) % n]);
         let widths: Vec<f64> = (0..n).map(width).collect();
-        let (points, widths) = simplified(&line.points, &widths, true);
+        let (points, widths) =
+            if thinned { simplified(&line.points, &widths, true) } else { (line.points, widths) };
         Toolpath { width: BeadWidth::PerVertex(widths), ..Toolpath::new(points, nominal, context.role, true) }
     };
     lines.into_iter().zip(sides).map(path).collect()
@@ -247,6 +255,40 @@ fn undo_trouble(before: &[Line], after: &mut [Line], room: &LineClipper, spacing
         }
     }
     after.iter_mut().zip(before).for_each(|(a, b)| a.points.clone_from(&b.points));
+}
+
+/// Takes out short loops that a line makes over itself, and spikes; whether there were any.
+fn cut_small_loops(lines: &mut [Line], spacing_mm: f64) -> bool {
+    let mut changed = false;
+    for _ in 0..8 {
+        let pairs = Neighbours::new(lines, &Region::default(), 1.5 * spacing_mm).crossings();
+        let mut done: Vec<usize> = Vec::new();
+        for [(l, i), (m, j)] in pairs {
+            // Numbers of segments change with the first loop taken out.
+            if l != m || done.contains(&l) {
+                continue;
+            }
+            done.push(l);
+            let line = &lines[l];
+            let ((a, b), (c, d)) = (line.segment(i), line.segment(j));
+            let det = cross(b - a, d - c);
+            let t = if det == 0.0 { 1.0 } else { (cross(c - a, d - c) / det).clamp(0.0, 1.0) };
+            let at = a.lerp(b, t);
+            let inner = || line.points[i + 1..=j].iter().copied().chain([at]);
+            let outer = || line.points[j + 1..].iter().chain(&line.points[..=i]).copied().chain([at]);
+            let length = |points: Vec<DVec2>| perimeter_mm(&points);
+            let (inside, outside) = (length(inner().collect()), length(outer().collect()));
+            if inside.min(outside) < SMALL_LOOP * spacing_mm {
+                let kept = if inside < outside { outer().collect() } else { inner().collect() };
+                lines[l].points = kept;
+                changed = true;
+            }
+        }
+        if done.is_empty() {
+            break;
+        }
+    }
+    changed
 }
 
 /// A closed line without points that lie on each other.

@@ -113,7 +113,7 @@ fn every_part_is_one_path_along_the_field() {
             assert_eq!(paths.len(), 1, "{name}, {kind}: {notes:?}");
             assert!(notes.is_empty() && paths[0].closed, "{name}, {kind}: {notes:?}");
             // Two beads with round edges fill two strips of the thin ring's width of two beads.
-            assert!(open < if name == "thin ring" { 0.1 } else { 0.035 }, "{name}, {kind}: gap {open}");
+            assert!(open < if name == "thin ring" { 0.1 } else { 0.045 }, "{name}, {kind}: gap {open}");
             // Where the part is a few beads wide, turning back is a good part of the way.
             if name == "open hole" {
                 let undirected = Continuous { tree: TreeKind::Undirected, ..Continuous::DEFAULT };
