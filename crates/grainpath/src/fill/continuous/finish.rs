@@ -23,6 +23,8 @@ const FAR: f64 = 2.6;
 /// Further than this from the next bead there is a gap, if it is as wide as it is deep, in beads.
 const GAP: f64 = 1.3;
 const GAP_WIDTH: f64 = 1.5;
+/// Nearer than this nothing lies between a bead and what was its neighbour a step before, in beads.
+const CLOSE: f64 = 1.1;
 /// Sides that differ by more than this are evened out, in beads.
 const UNEVEN: f64 = 0.08;
 /// How far out of its room a line may lie and still count as in it, mm.
@@ -84,8 +86,8 @@ pub fn lay(
     }
     // What lies on the room's edge is not to count as out.
     let grown = LineClipper::new(&Region::from(room.clone()).offset(ON_EDGE_MM, Join::Miter(2.0)));
-    undo_trouble(&laid, &mut lines, &grown, spacing);
-    if cut_small_loops(&mut lines, spacing) {
+    let sound = undo_trouble(&laid, &mut lines, &grown, spacing);
+    if !sound && cut_small_loops(&mut lines, spacing) {
         sides = rooms(&lines, border, spacing, None);
     }
     let nominal = context.bead_width_mm;
@@ -151,15 +153,30 @@ fn rooms(lines: &[Line], border: &Region, spacing_mm: f64, known: Option<Known>)
     let neighbours = Neighbours::new(lines, border, 1.5 * spacing_mm);
     let of_line = |(l, line): (usize, &Line)| {
         let n = line.n_segments();
-        let side = |s: usize, left: bool| {
+        let side = |s: usize, left: bool, last: &mut Option<(usize, usize)>| {
             let (a, b) = line.segment(s);
             let way = (b - a).normalize_or(DVec2::X);
             let look = if left { DVec2::new(-way.y, way.x) } else { DVec2::new(way.y, -way.x) };
             let near = |o: usize| o.abs_diff(s) <= 1 || o.abs_diff(s) >= n - 1;
             let middle = 0.5 * (a + b);
+            if let Some((other, before)) = *last {
+                let m = lines[other].n_segments();
+                for o in [before, before + m - 1, before + 1, before + m - 2].map(|o| o % m) {
+                    if other == l && near(o) {
+                        continue;
+                    }
+                    let (p, q) = lines[other].segment(o);
+                    if let Some(d) = beside(middle, look, p, q).filter(|d| *d < CLOSE * spacing_mm) {
+                        *last = Some((other, o));
+                        return Room::Bead(0.5 * d);
+                    }
+                }
+            }
+            *last = None;
             let sees = |far: f64| neighbours.hit(middle, look, far * spacing_mm, |k, o| k == l && near(o));
             let Some(hit) = sees(NEAR).or_else(|| sees(FAR)) else { return Room::Open };
             let Some(other) = hit.line else { return Room::Border(hit.distance_mm) };
+            *last = Some((other, hit.segment));
             if hit.distance_mm > GAP * spacing_mm {
                 // Along the way between two beads one sees far too, but nothing is missing there.
                 let inside = middle + 0.5 * hit.distance_mm * look;
@@ -174,13 +191,27 @@ fn rooms(lines: &[Line], border: &Region, spacing_mm: f64, known: Option<Known>)
             let along = (q - p).normalize_or(DVec2::X).dot(way).abs() > 0.6;
             if along { Room::Bead(0.5 * hit.distance_mm) } else { Room::Open }
         };
+        // Along a bead its neighbour mostly goes on as it did.
+        let mut last = [None; 2];
         let sought = |s: usize| match &known {
             Some((sides, marked)) if !marked[l][s] => sides[l][s],
-            _ => [side(s, true), side(s, false)],
+            _ => [side(s, true, &mut last[0]), side(s, false, &mut last[1])],
         };
         (0..n).map(sought).collect()
     };
     lines.iter().enumerate().map(of_line).collect()
+}
+
+/// How far the segment from `p` to `q` is from `at` in the direction `look`, where it runs across it.
+fn beside(at: DVec2, look: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
+    let d = q - p;
+    let det = cross(look, d);
+    if det.abs() < 0.6 * d.length() {
+        return None;
+    }
+    let to = p - at;
+    let (t, u) = (cross(to, d) / det, cross(to, look) / det);
+    ((0.0..=1.0).contains(&u) && t > 0.0).then_some(t)
 }
 
 /// A line moved towards the middle of its room, and smoothed between its corners.
@@ -230,8 +261,8 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
     Line { points, closed: true }
 }
 
-/// Takes moves back where lines cross, or leave the room, because of them.
-fn undo_trouble(before: &[Line], after: &mut [Line], room: &LineClipper, spacing_mm: f64) {
+/// Takes moves back where lines cross, or leave the room, because of them; whether that was enough.
+fn undo_trouble(before: &[Line], after: &mut [Line], room: &LineClipper, spacing_mm: f64) -> bool {
     for round in 0..8 {
         let pairs = Neighbours::new(after, &Region::default(), 1.5 * spacing_mm).crossings();
         let mut trouble: Vec<(usize, usize)> = pairs.into_iter().flatten().collect();
@@ -243,7 +274,7 @@ fn undo_trouble(before: &[Line], after: &mut [Line], room: &LineClipper, spacing
             trouble.extend((0..line.n_segments()).filter(leaves).map(|s| (l, s)));
         }
         if trouble.is_empty() {
-            return;
+            return true;
         }
         for (l, s) in trouble {
             let n = after[l].points.len();
@@ -255,6 +286,7 @@ fn undo_trouble(before: &[Line], after: &mut [Line], room: &LineClipper, spacing
         }
     }
     after.iter_mut().zip(before).for_each(|(a, b)| a.points.clone_from(&b.points));
+    false
 }
 
 /// Takes out short loops that a line makes over itself, and spikes; whether there were any.
