@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use serde_json::Value;
 
@@ -17,22 +17,33 @@ pub struct Cost {
 
 /// Runs a program once and says what it took.
 pub fn timed(words: &[String], folder: &Path) -> Result<Cost, String> {
+    timed_output(Command::new(&words[0]).args(&words[1..]), folder).map(|(cost, _)| cost)
+}
+
+/// Runs a command once; what it took and what it printed.
+pub fn timed_output(command: &mut Command, folder: &Path) -> Result<(Cost, String), String> {
     let timing = folder.join("time.txt");
-    let status = Command::new("time")
-        .args(["-f", "%e %M", "-o"])
-        .arg(&timing)
-        .args(words)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .status()
-        .map_err(|e| format!("cannot start `time`: {e}"))?;
-    if !status.success() {
-        return Err(format!("{} ended with {status}", words.join(" ")));
+    let mut time = Command::new("time");
+    time.args(["-f", "%e %M", "-o"]).arg(&timing).arg(command.get_program()).args(command.get_args());
+    for (key, value) in command.get_envs() {
+        if let Some(value) = value {
+            time.env(key, value);
+        }
     }
-    let text = fs::read_to_string(&timing).map_err(|e| format!("{}: {e}", timing.display()))?;
-    let mut numbers = text.split_whitespace().filter_map(|w| w.parse::<f64>().ok());
+    if let Some(at) = command.get_current_dir() {
+        time.current_dir(at);
+    }
+    let out = time.output().map_err(|e| format!("cannot start `time`: {e}"))?;
+    let text = String::from_utf8_lossy(&out.stdout).into_owned();
+    if !out.status.success() {
+        let said = format!("{text}\n{}", String::from_utf8_lossy(&out.stderr));
+        let last = said.lines().rev().take(3).collect::<Vec<_>>().join(" | ");
+        return Err(format!("{command:?} ended with {}: {last}", out.status));
+    }
+    let found = fs::read_to_string(&timing).map_err(|e| format!("{}: {e}", timing.display()))?;
+    let mut numbers = found.split_whitespace().filter_map(|w| w.parse::<f64>().ok());
     let (wall_s, kib) = (numbers.next().unwrap_or(f64::NAN), numbers.next().unwrap_or(f64::NAN));
-    Ok(Cost { wall_s, peak_mib: kib / 1024.0 })
+    Ok((Cost { wall_s, peak_mib: kib / 1024.0 }, text))
 }
 
 /// Programs in the order they are printed.
@@ -96,7 +107,7 @@ pub fn quality() -> Result<(), String> {
 /// Grams and hours of support on the parts of `docs/support.md`, beside our baselines and the peers; speed on the skull.
 pub fn support(parts: &[&str]) -> Result<(), String> {
     let bench = Bench::prepare()?;
-    let ours = crate::root().join("target/release/grainpath");
+    let ours = crate::built("grainpath");
     for (specimen, name) in [("hanging-ball", "ball"), ("dental-tray", "tray")] {
         crate::run(Command::new(&ours).args(["specimen", specimen, "-o"]).arg(bench.mesh(name)))?;
     }
@@ -187,9 +198,9 @@ impl Bench {
         let grid = density < 1.0;
         let text = match program {
             "grainpath" => format!(
-                "{}/target/release/grainpath slice {mesh} -o {out} --set printer.bed_mm=[400,400,400] \
+                "{} slice {mesh} -o {out} --set printer.bed_mm=[400,400,400] \
                  --set process.skirt_loops=0 --set fill.density={density} --set fill.pattern={}",
-                crate::root().display(),
+                crate::built("grainpath").display(),
                 if grid { "grid" } else { "rectilinear" }
             ),
             "prusa-slicer" => format!(

@@ -24,7 +24,7 @@ pub fn run() -> Result<(), String> {
     let root = crate::root();
     let folder = root.join("target/bench/ct");
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let program = root.join("target/release/grainpath").display().to_string();
+    let program = crate::built("grainpath").display().to_string();
     let hub = folder.join("hub");
     crate::run(Command::new(&program).args(["new", "ct", "--pixels", "512", "--force"]).arg(&hub))?;
     let mut scans = vec![Scan {

@@ -4,13 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
-/// Wall time and peak memory of one command.
-struct Cost {
-    wall_s: f64,
-    peak_mib: f64,
-}
+use crate::bench::{Cost, timed_output};
 
 /// The bracket with its end faces held and pulled, at about so many unknowns: gmsh's largest element and our size.
 const CASES: [(&str, &str, &str); 2] = [("300 000", "2.55", "3.42"), ("1 000 000", "1.55", "2.2")];
@@ -25,7 +21,6 @@ pub fn run(cases: &[&str]) -> Result<(), String> {
     }
     crate::setup::fea()?;
     crate::cargo(&["build", "--release", "-p", "grainpath-fea", "--example", "solve_stl"])?;
-    let target = std::env::var("CARGO_TARGET_DIR").map_or_else(|_| root.join("target"), Into::into);
     let folder = root.join("target/bench/fea");
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     println!(
@@ -35,9 +30,9 @@ pub fn run(cases: &[&str]) -> Result<(), String> {
         if !cases.is_empty() && !cases.iter().any(|c| name.replace(' ', "") == **c) {
             continue;
         }
-        let mut ours = Command::new(target.join("release/examples/solve_stl"));
+        let mut ours = Command::new(crate::built("examples/solve_stl"));
         ours.arg(data.join("meshes/featuretype_inch.stl")).args(["25.4", our_size]);
-        let (cost, text) = timed(&mut ours, &folder)?;
+        let (cost, text) = timed_output(&mut ours, &folder)?;
         let (dofs, moved) = (after(&text, " elements, "), after(&text, "largest displacement "));
         row(name, "grainpath, mesh and solve", dofs, &cost, moved);
 
@@ -47,12 +42,12 @@ pub fn run(cases: &[&str]) -> Result<(), String> {
             .args(["-3", "-order", "2", "-setnumber", "Mesh.SecondOrderLinear", "1", "-nt", "2"])
             .args(["-setnumber", "Mesh.SaveAll", "1", "-clmax", gmsh_size, "-format", "inp", "-o"])
             .arg(&mesh);
-        let (meshing, _) = timed(&mut gmsh, &folder)?;
+        let (meshing, _) = timed_output(&mut gmsh, &folder)?;
         let dofs = deck(&mesh, &folder.join("deck.inp"))?;
         row(name, "gmsh", dofs, &meshing, f64::NAN);
         let mut ccx = Command::new("ccx");
         ccx.arg("deck").current_dir(&folder).env("OMP_NUM_THREADS", "2");
-        let (solving, _) = timed(&mut ccx, &folder)?;
+        let (solving, _) = timed_output(&mut ccx, &folder)?;
         row(name, "CalculiX", dofs, &solving, largest_displacement(&folder.join("deck.frd"))?);
         let peer = meshing.wall_s + solving.wall_s;
         println!(
@@ -72,30 +67,6 @@ fn after(text: &str, mark: &str) -> f64 {
     let rest = text.split(mark).nth(1).unwrap_or_default();
     let number: String = rest.chars().take_while(|c| c.is_ascii_digit() || *c == '.').collect();
     number.parse().unwrap_or(f64::NAN)
-}
-
-fn timed(command: &mut Command, folder: &Path) -> Result<(Cost, String), String> {
-    let timing = folder.join("time.txt");
-    let mut time = Command::new("time");
-    time.args(["-f", "%e %M", "-o"]).arg(&timing).arg(command.get_program()).args(command.get_args());
-    for (key, value) in command.get_envs() {
-        if let Some(value) = value {
-            time.env(key, value);
-        }
-    }
-    if let Some(at) = command.get_current_dir() {
-        time.current_dir(at);
-    }
-    let out = time.stderr(Stdio::inherit()).output().map_err(|e| format!("cannot start `time`: {e}"))?;
-    let text = String::from_utf8_lossy(&out.stdout).into_owned();
-    if !out.status.success() {
-        let last = text.lines().rev().take(3).collect::<Vec<_>>().join(" | ");
-        return Err(format!("{command:?} ended with {}: {last}", out.status));
-    }
-    let found = fs::read_to_string(&timing).map_err(|e| format!("{}: {e}", timing.display()))?;
-    let mut numbers = found.split_whitespace().filter_map(|w| w.parse::<f64>().ok());
-    let (wall_s, kib) = (numbers.next().unwrap_or(f64::NAN), numbers.next().unwrap_or(f64::NAN));
-    Ok((Cost { wall_s, peak_mib: kib / 1024.0 }, text))
 }
 
 /// Writes a deck over gmsh's mesh: the face at least x held, 500 N down on the face at greatest x. Returns its dofs.

@@ -41,7 +41,7 @@ pub fn run() -> Result<(), String> {
     crate::cargo(&["build", "--release", "-p", "grainpath-cli"])?;
     let folder = root.join("target/bench/paths");
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let grainpath = root.join("target/release/grainpath");
+    let grainpath = crate::built("grainpath");
     crate::run(
         Command::new(&grainpath).args(["new", "--force", "stress-lines"]).arg(&folder).stdout(Stdio::null()),
     )?;

@@ -99,6 +99,12 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the repository").to_owned()
 }
 
+/// A program of the release profile, wherever cargo builds.
+fn built(name: &str) -> PathBuf {
+    let target = std::env::var("CARGO_TARGET_DIR").map_or_else(|_| root().join("target"), PathBuf::from);
+    target.join("release").join(name)
+}
+
 fn cargo(args: &[&str]) -> Outcome {
     run(Command::new("cargo").args(args))
 }

@@ -46,10 +46,9 @@ pub fn bench() -> Result<(), String> {
                size_mm = [120, 30]\nthickness_mm = 4\n[guide]\nkind = \"grain\"\nmode = \"edges\"\n\
                [fill]\ndensity = 0.4\n[output]\ngcode = \"out.gcode\"\n";
     fs::write(folder.join("job.toml"), job).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), Into::into);
     let mut best: Option<[f64; 3]> = None;
     for _ in 0..5 {
-        let mut command = Command::new(target.join("release/grainpath"));
+        let mut command = Command::new(crate::built("grainpath"));
         let report = crate::output(command.arg("run").arg(folder.join("job.toml")).arg("--json"))?;
         let report: Value = serde_json::from_str(&report).map_err(|e| format!("grainpath: {e}"))?;
         let stages = report["stages_s"].as_object().ok_or("a report without stages")?;

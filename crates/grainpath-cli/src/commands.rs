@@ -12,7 +12,7 @@ use grainpath_core::{Bounds2, DVec2, Diagnostics};
 use grainpath_gcode::Program;
 use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
-use grainpath_io::parse_mesh;
+use grainpath_io::{parse_mesh, parse_outline};
 
 use crate::args::{Common, Markers, New, Profiles, Render, Run, Schema, Slice};
 use crate::{Failure, files, outputs, progress, scan};
@@ -37,6 +37,12 @@ pub fn slice(args: &Slice) -> Result<(), Failure> {
     let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
     let output = args.output.clone().unwrap_or_else(|| args.model.with_extension("gcode"));
     settings.output.gcode = output.display().to_string();
+    if args.model.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg")) {
+        settings.shape.outline = args.model.display().to_string();
+        if settings.shape.thickness_mm == 0.0 {
+            return Err(Failure::usage("an outline needs --set shape.thickness_mm=N"));
+        }
+    }
     execute(&settings, &args.model, Path::new(""), Path::new(""), None, &args.common)
 }
 
@@ -52,10 +58,12 @@ fn read_job(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf, PathBuf),
     let folder = job.parent().map(Path::to_owned).unwrap_or_default();
     let name = job.display().to_string();
     let settings = settings(&text, &name, sets, &folder)?;
-    let given = [Some(&settings.shape.mesh), Some(&settings.ct.path), settings.photo.files.first()];
-    let Some(given) = given.into_iter().flatten().find(|p| !p.is_empty()) else {
+    let shape = &settings.shape;
+    let given =
+        [&shape.mesh, &shape.outline, &settings.ct.path].into_iter().chain(settings.photo.files.first());
+    let Some(given) = given.into_iter().find(|p| !p.is_empty()) else {
         return Err(Failure::usage(format!(
-            "{name}: [shape] needs mesh = \"FILE\", ct = \"SCAN\" or photo = {{ files = [\"FILE\"], ... }}"
+            "{name}: [shape] needs mesh = \"FILE\", outline = \"FILE\", ct = \"SCAN\" or photo = {{ files = [\"FILE\"], ... }}"
         )));
     };
     let shape = folder.join(given);
@@ -101,7 +109,7 @@ fn plan(
         return Ok((grainpath::plan_photo(settings, &photos, diagnostics)?, photos_s));
     }
     if settings.ct.path.is_empty() {
-        let (mesh, read_s) = read_mesh(shape, diagnostics)?;
+        let (mesh, read_s) = read_body(settings, shape, diagnostics)?;
         let inputs = grainpath::Inputs { mesh, path, stress: read_stress(settings, base)?, photos };
         return Ok((grainpath::plan_job(settings, inputs, diagnostics)?, read_s + photos_s));
     }
@@ -121,14 +129,24 @@ pub fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
     pool.map_err(|e| Failure::usage(format!("--threads {n}: {e}")))
 }
 
-/// Reads a mesh; its bodies and the seconds it took.
-pub fn read_mesh(path: &Path, diagnostics: &Diagnostics) -> Result<(grainpath_io::MeshFile, f64), Failure> {
+/// Reads a mesh, or the body of an outline where the job has one; its bodies and the seconds it took.
+pub fn read_body(
+    settings: &Settings,
+    path: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<(grainpath_io::MeshFile, f64), Failure> {
     let start = std::time::Instant::now();
     diagnostics.begin(Stage::Read, 0);
     let bytes = files::read(path)?;
     let shown = path.display().to_string();
-    let file =
-        parse_mesh(&bytes, Some(&shown)).map_err(|source| grainpath::Error::Mesh { path: shown, source })?;
+    let file = if settings.shape.outline.is_empty() {
+        parse_mesh(&bytes, Some(&shown)).map_err(|source| grainpath::Error::Mesh { path: shown, source })?
+    } else {
+        let outline = parse_outline(&bytes, &grainpath::config::outline(settings))
+            .map_err(|source| grainpath::Error::Mesh { path: shown.clone(), source })?;
+        grainpath::shape::extruded(outline, grainpath::config::outline_thickness_mm(settings))
+            .map_err(|source| grainpath::Error::Shape { path: shown, source })?
+    };
     Ok((file, start.elapsed().as_secs_f64()))
 }
 

@@ -7,7 +7,9 @@ use grainpath_core::mesh::{MeshHealth, diagnose, weld_within};
 use grainpath_gcode::{Limits, Program, simulate};
 use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
 use grainpath_io::image::{decode, sniff_image};
-use grainpath_io::{Image, MeshFile, Samples, parse_mesh, sniff_mesh};
+use grainpath_io::{
+    Image, MeshFile, OutlineOptions, Samples, parse_mesh, parse_outline, sniff_mesh, sniff_outline,
+};
 use serde_json::{Value, json};
 
 use crate::args::Inspect;
@@ -28,7 +30,9 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     let name = args.file.display().to_string();
     let lower = name.to_ascii_lowercase();
     let named_gcode = [".gcode", ".g", ".gco", ".nc", ".bgcode"].iter().any(|e| lower.ends_with(e));
-    let value = if sniff_image(&bytes).is_some() && !named_gcode {
+    let value = if sniff_outline(&bytes) && !named_gcode {
+        outline_json(&name, &bytes)?
+    } else if sniff_image(&bytes).is_some() && !named_gcode {
         let image = decode(&bytes);
         image_json(&name, &image.map_err(|source| grainpath::Error::Image { path: name.clone(), source })?)
     } else if !named_gcode && is_fe(&bytes, &name) {
@@ -98,6 +102,21 @@ fn mesh_json(name: &str, file: &MeshFile) -> Value {
         "extents": (high - low).to_array(), "low": low.to_array(), "high": high.to_array(),
         "likely_unit": likely, "warnings": file.warnings,
     })
+}
+
+fn outline_json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
+    let options = OutlineOptions { unit: None, tolerance_mm: 0.005, even_odd: false };
+    let outline = parse_outline(bytes, &options);
+    let outline = outline.map_err(|source| grainpath::Error::Mesh { path: name.to_owned(), source })?;
+    let bounds = outline.region.bounds();
+    let round = |v: f64| (v * 1e4).round() * 1e-4;
+    Ok(json!({
+        "ok": true, "file": name, "kind": "outline", "pieces": outline.region.polygons.len(),
+        "holes": outline.region.polygons.iter().map(|p| p.holes.len()).sum::<usize>(),
+        "vertices": outline.region.n_vertices(), "area_mm2": round(outline.region.area_mm2()),
+        "low_mm": bounds.map(|b| b.min.to_array().map(round)), "high_mm": bounds.map(|b| b.max.to_array().map(round)),
+        "warnings": outline.warnings,
+    }))
 }
 
 fn image_json(name: &str, image: &Image) -> Value {

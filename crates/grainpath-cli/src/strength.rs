@@ -11,7 +11,7 @@ use grainpath_gcode::{Program, simulate, write_gcode};
 use serde_json::{Value, json};
 
 use crate::args::{Common, Compare, Strength};
-use crate::commands::{read_mesh, read_photos, read_stress, set_threads, settings};
+use crate::commands::{read_body, read_photos, read_stress, set_threads, settings};
 use crate::{Failure, files, outputs, progress};
 
 /// A tested input.
@@ -75,14 +75,17 @@ fn one(input: &Path, job: Option<&Path>, common: &Common, mass_g: Option<f64>) -
     let text = files::read_text(job)?;
     let folder = job.parent().map(Path::to_owned).unwrap_or_default();
     let mut settings = settings(&text, &job.display().to_string(), &common.sets, &folder)?;
-    if settings.shape.mesh.is_empty() {
-        return Err(Failure::usage(format!("{}: [shape] needs mesh = \"FILE\"", job.display())));
-    }
+    let given = [&settings.shape.mesh, &settings.shape.outline].into_iter().find(|p| !p.is_empty());
+    let Some(mesh) = given.map(|p| folder.join(p)) else {
+        return Err(Failure::usage(format!(
+            "{}: [shape] needs mesh = \"FILE\" or outline = \"FILE\"",
+            job.display()
+        )));
+    };
     settings.strength.enabled = true;
     settings.fill.mass_g = mass_g.or(settings.fill.mass_g);
-    let mesh = folder.join(&settings.shape.mesh);
     let diagnostics = progress::diagnostics();
-    let (file, _) = read_mesh(&mesh, &diagnostics)?;
+    let (file, _) = read_body(&settings, &mesh, &diagnostics)?;
     let failed = |e: grainpath::strength::StrengthError| Failure::from(grainpath::Error::from(e));
     let (tested, program) = if is_job(input) {
         let stress = read_stress(&settings, &folder)?;

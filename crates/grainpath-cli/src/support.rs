@@ -14,7 +14,7 @@ use grainpath_core::{DVec2, TriMesh};
 use serde_json::json;
 
 use crate::args::{Specimen, Support};
-use crate::commands::{read_mesh, set_threads, settings};
+use crate::commands::{read_body, set_threads, settings};
 use crate::{Failure, files, outputs, progress};
 
 /// `grainpath support`
@@ -27,7 +27,7 @@ pub fn support(args: &Support) -> Result<(), Failure> {
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.model));
     Format::of(&output)?;
     let diagnostics = progress::diagnostics();
-    let (file, read_s) = read_mesh(&args.model, &diagnostics)?;
+    let (file, read_s) = read_body(&settings, &args.model, &diagnostics)?;
     let mut stages: BTreeMap<&str, f64> = BTreeMap::from([("read", read_s)]);
     let shown = args.model.display().to_string();
     let start = Instant::now();

@@ -245,3 +245,49 @@ fn gaps_spill_and_overlap_are_small_and_as_the_outside_check_measures() {
         assert_eq!(report["layers"], check["layers"]);
     }
 }
+
+/// A plate drawn as SVG, with a hole, and a job that pulls it.
+fn drawn(dir: &Path) {
+    let svg = "<svg xmlns='http://www.w3.org/2000/svg' width='40mm' height='16mm' viewBox='0 0 80 32'>\
+               <rect width='80' height='32' rx='4'/><circle cx='30' cy='16' r='6' fill='none' stroke='black'/></svg>";
+    let job = "[shape]\noutline = \"plate.svg\"\nthickness_mm = 0.6\n[fill]\npattern = \"stripes\"\ndensity = 1.0\n\
+               [guide]\nkind = \"stress\"\n[[guide.fixture]]\non = { box_mm = [[-1, -1, 0], [1, 17, 1]] }\nfix = \"xyz\"\n\
+               [[guide.load]]\non = { box_mm = [[39, -1, 0], [41, 17, 1]] }\nforce_n = [100, 0, 0]\n\
+               [output]\ngcode = \"plate.gcode\"\nlayers_svg = \"layers.svg\"\n";
+    fs::write(dir.join("plate.svg"), svg).expect("a drawing");
+    fs::write(dir.join("job.toml"), job).expect("a job");
+}
+
+#[test]
+fn a_drawing_is_printed_along_its_load() {
+    let dir = folder("outline");
+    drawn(&dir);
+    let report = json(&grainpath(&dir, &["run", "job.toml", "--json"]));
+    assert_eq!(report["layers"], 3);
+    let quality = |key: &str| report["quality"][key].as_f64().expect("measured");
+    assert!(quality("gap") < 0.02 && quality("overlap") < 0.04 && quality("spill") < 0.005, "{report}");
+    assert!(quality("alignment_mean_deg") < 4.0, "{report}");
+    let area = |name: &str| {
+        json(&grainpath(&dir, &["inspect", name, "--json"]))["area_mm2"].as_f64().expect("an area")
+    };
+    let expect = 40.0 * 16.0 - (4.0 - std::f64::consts::PI) * 4.0 - std::f64::consts::PI * 9.0;
+    assert!((area("plate.svg") - expect).abs() < 0.05, "{}", area("plate.svg"));
+    // All three sections lie on each other in the drawing of the layers.
+    assert!((area("layers.svg") - expect).abs() < 0.4, "{}", area("layers.svg"));
+    // Twice as large in the plane, as thick as asked for.
+    let args = ["slice", "plate.svg", "--set", "shape.thickness_mm=0.4", "--set", "shape.scale=2", "--json"];
+    let report = json(&grainpath(&dir, &args));
+    assert_eq!(report["layers"], 2);
+    for (set, code, expect) in [
+        ("shape.thickness_mm=0", 2, "needs shape.thickness_mm"),
+        ("shape.mesh=a.stl", 2, "exactly one shape"),
+        ("shape.outline=none.svg", 3, "no such file"),
+        ("shape.outline=job.toml", 3, "is not SVG"),
+    ] {
+        let out = grainpath(&dir, &["run", "job.toml", "--set", set, "--out", "wrong"]);
+        let text = String::from_utf8_lossy(&out.stderr);
+        assert_eq!(out.status.code(), Some(code), "{text}");
+        assert!(text.contains(expect) && text.lines().count() == 1, "{text}");
+        assert!(!dir.join("wrong").exists(), "{set} left something behind");
+    }
+}

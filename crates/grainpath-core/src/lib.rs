@@ -3,6 +3,7 @@
 //! Nothing here opens a file, knows a printer or a material, or starts a solver. Lengths are in mm, angles in
 //! radians (`_rad`) except where a name says `_deg`, stresses in MPa. Right-handed axes, Z up, the plate at Z = 0.
 
+pub mod buckets;
 pub mod bvh;
 pub mod diagnostics;
 pub mod field;
@@ -12,6 +13,7 @@ pub mod medial;
 pub mod mesh;
 pub mod poly;
 pub mod spelling;
+pub mod tensor;
 pub mod toolpath;
 pub mod triangulation;
 pub mod units;

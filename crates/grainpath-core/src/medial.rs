@@ -9,6 +9,7 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 
 use crate::math::cross;
 use crate::poly::{LineClipper, edges, perimeter_mm};
+use crate::triangulation::inside_faces;
 use crate::{Polygon, Region};
 
 /// A line along the middle of a thin place.
@@ -68,35 +69,6 @@ fn sampled(contour: &[DVec2], step_mm: f64, out: &mut Vec<Point2<f64>>, sides: &
     }
     let n = out.len() - first;
     sides.extend((0..n).map(|i| [first + i, first + (i + 1) % n]));
-}
-
-/// Which faces lie inside: those reached from outside over an odd number of border edges. Told by edges alone,
-/// since a face between samples of one straight border is as flat as rounding makes it.
-fn inside_faces(cdt: &ConstrainedDelaunayTriangulation<Point2<f64>>) -> Vec<bool> {
-    let mut side: Vec<Option<bool>> = vec![None; cdt.num_all_faces()];
-    let outer = cdt.outer_face();
-    side[outer.fix().index()] = Some(false);
-    let mut stack = Vec::new();
-    for edge in cdt.convex_hull() {
-        // Hull edges face outward; their other side is the triangulation's rim.
-        let (face, crossed) = (edge.rev().face(), edge.is_constraint_edge());
-        if side[face.fix().index()].is_none() {
-            side[face.fix().index()] = Some(crossed);
-            stack.push(face.fix());
-        }
-    }
-    while let Some(fixed) = stack.pop() {
-        let here = side[fixed.index()] == Some(true);
-        let Some(face) = cdt.face(fixed).as_inner() else { continue };
-        for edge in face.adjacent_edges() {
-            let next = edge.rev().face().fix();
-            if side[next.index()].is_none() {
-                side[next.index()] = Some(here ^ edge.is_constraint_edge());
-                stack.push(next);
-            }
-        }
-    }
-    side.into_iter().map(|s| s == Some(true)).collect()
 }
 
 impl Graph {

@@ -67,22 +67,7 @@ impl Triangulation {
                 let n = (a.distance(b) / step).ceil().clamp(1.0, 1e5) as usize;
                 ring.extend((0..n).map(|k| a.lerp(b, k as f64 / n as f64)));
             }
-            let mut handles = Vec::with_capacity(ring.len());
-            for p in ring {
-                let handle = cdt.insert(Point2::new(p.x, p.y)).map_err(|_| TriangulationError::Crossing)?;
-                if handles.last() != Some(&handle) {
-                    handles.push(handle);
-                }
-            }
-            for k in 0..handles.len() {
-                let (a, b) = (handles[k], handles[(k + 1) % handles.len()]);
-                if a != b {
-                    if !cdt.can_add_constraint(a, b) {
-                        return Err(TriangulationError::Crossing);
-                    }
-                    cdt.add_constraint(a, b);
-                }
-            }
+            constrain(&mut cdt, ring)?;
         }
         for p in extra {
             cdt.insert(Point2::new(p.x, p.y)).map_err(|_| TriangulationError::Crossing)?;
@@ -105,6 +90,25 @@ impl Triangulation {
         Ok(Self { points, triangles }.compacted())
     }
 
+    /// Cuts a region into triangles over the corners of its contours alone, whatever their shape.
+    ///
+    /// # Errors
+    /// [`TriangulationError`] for an empty region and crossing contours.
+    pub fn plain(region: &Region) -> Result<Self, TriangulationError> {
+        let mut cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
+        for contour in region.contours() {
+            constrain(&mut cdt, contour.iter().copied())?;
+        }
+        let inside = inside_faces(&cdt);
+        let points: Vec<DVec2> = cdt.vertices().map(|v| DVec2::new(v.position().x, v.position().y)).collect();
+        let kept = cdt.inner_faces().filter(|f| inside[f.fix().index()]);
+        let triangles: Vec<[u32; 3]> = kept.map(|f| f.vertices().map(|v| v.fix().index() as u32)).collect();
+        if triangles.is_empty() {
+            return Err(TriangulationError::Empty);
+        }
+        Ok(Self { points, triangles }.compacted())
+    }
+
     /// Without points that no triangle uses.
     fn compacted(self) -> Self {
         let mut number = vec![u32::MAX; self.points.len()];
@@ -120,6 +124,58 @@ impl Triangulation {
         }
         Self { points, triangles }
     }
+}
+
+type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>>;
+
+/// Adds a closed line whose sides no triangle may cross.
+fn constrain(cdt: &mut Cdt, ring: impl IntoIterator<Item = DVec2>) -> Result<(), TriangulationError> {
+    let mut handles = Vec::new();
+    for p in ring {
+        let handle = cdt.insert(Point2::new(p.x, p.y)).map_err(|_| TriangulationError::Crossing)?;
+        if handles.last() != Some(&handle) {
+            handles.push(handle);
+        }
+    }
+    for k in 0..handles.len() {
+        let (a, b) = (handles[k], handles[(k + 1) % handles.len()]);
+        if a != b {
+            if !cdt.can_add_constraint(a, b) {
+                return Err(TriangulationError::Crossing);
+            }
+            cdt.add_constraint(a, b);
+        }
+    }
+    Ok(())
+}
+
+/// Which faces lie inside: those reached from outside over an odd number of border edges. Told by edges alone,
+/// since a face between samples of one straight border is as flat as rounding makes it.
+pub(crate) fn inside_faces(cdt: &Cdt) -> Vec<bool> {
+    let mut side: Vec<Option<bool>> = vec![None; cdt.num_all_faces()];
+    let outer = cdt.outer_face();
+    side[outer.fix().index()] = Some(false);
+    let mut stack = Vec::new();
+    for edge in cdt.convex_hull() {
+        // Hull edges face outward; their other side is the triangulation's rim.
+        let (face, crossed) = (edge.rev().face(), edge.is_constraint_edge());
+        if side[face.fix().index()].is_none() {
+            side[face.fix().index()] = Some(crossed);
+            stack.push(face.fix());
+        }
+    }
+    while let Some(fixed) = stack.pop() {
+        let here = side[fixed.index()] == Some(true);
+        let Some(face) = cdt.face(fixed).as_inner() else { continue };
+        for edge in face.adjacent_edges() {
+            let next = edge.rev().face().fix();
+            if side[next.index()].is_none() {
+                side[next.index()] = Some(here ^ edge.is_constraint_edge());
+                stack.push(next);
+            }
+        }
+    }
+    side.into_iter().map(|s| s == Some(true)).collect()
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use std::time::Instant;
 use grainpath_core::mesh::VertexWelder;
 use grainpath_core::{DVec3, TriMesh};
 use grainpath_fea::material::Orthotropic;
+use grainpath_fea::select::Selection;
 use grainpath_fea::solid::{MeshSettings, Model, SolveSettings, Supports, loads, mesh, solve};
 
 fn read(path: &str, scale: f64) -> Option<TriMesh> {
@@ -63,9 +64,8 @@ fn main() {
     let stiffness = Orthotropic::isotropic(210_000.0, 0.3).stiffness().expect("stable");
     let model = Model::uniform(mesh, stiffness);
     let at = |x: f64| {
-        let on =
-            |f: &usize| mesh.faces[*f].nodes.iter().all(|&n| (mesh.nodes[n as usize].x - x).abs() < 1e-6);
-        (0..mesh.faces.len()).filter(on).collect::<Vec<usize>>()
+        let point = DVec3::new(x, 0.0, 0.0);
+        mesh.faces_in(&Selection::Plane { point, normal: DVec3::X, tolerance_mm: 1e-3 })
     };
     let mut supports = Supports::new(mesh.nodes.len());
     for face in at(lo.x) {

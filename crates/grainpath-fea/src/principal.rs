@@ -1,4 +1,4 @@
-//! Principal stresses and their axes.
+//! Principal stresses in the plane and their axes.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, direction};
@@ -29,12 +29,6 @@ pub fn von_mises_plane([xx, yy, xy]: PlaneTensor) -> f64 {
     (xx * xx - xx * yy + yy * yy + 3.0 * xy * xy).max(0.0).sqrt()
 }
 
-/// Equivalent stress after von Mises, MPa; order xx, yy, zz, xy, yz, zx.
-pub fn von_mises([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> f64 {
-    let differences = (xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2);
-    (0.5 * differences + 3.0 * (xy * xy + yz * yz + zx * zx)).sqrt()
-}
-
 /// Normal stress along a direction in the plane.
 pub fn along([xx, yy, xy]: PlaneTensor, axis_rad: f64) -> f64 {
     let DVec2 { x, y } = direction(axis_rad);
@@ -56,6 +50,5 @@ mod tests {
             assert!((along(tensor, across) - p.values_mpa[1]).abs() < 1e-12);
         }
         assert!((von_mises_plane([100.0, 0.0, 0.0]) - 100.0).abs() < 1e-12);
-        assert!((von_mises([0.0, 0.0, 0.0, 10.0, 0.0, 0.0]) - 300.0f64.sqrt()).abs() < 1e-12);
     }
 }

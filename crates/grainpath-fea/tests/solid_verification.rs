@@ -7,7 +7,6 @@ use std::path::Path;
 
 use grainpath_core::{DVec3, math};
 use grainpath_fea::material::{Orthotropic, Stiffness};
-use grainpath_fea::principal::von_mises;
 use grainpath_fea::solid::{
     Method, Model, Recovered, SolidError, Solution, SolveSettings, Supports, TetMesh, loads, recover, solve,
 };
@@ -399,7 +398,7 @@ fn calculix_bracket() {
     let solution = solved(&model, &supports, deck.forces);
     let found = recover(&model, &solution.displacement, None).expect("positive");
     let most = solution.displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
-    let peak = found.stress_mpa.iter().map(|s| von_mises(*s)).fold(0.0, f64::max);
+    let peak = found.stress_mpa.iter().map(|s| grainpath_core::tensor::von_mises(s)).fold(0.0, f64::max);
     println!("bracket: {most:.6} mm (CalculiX 0.028610), peak {peak:.2} MPa (43.6 averaged)");
     // The same elements give the same displacement. Its peak is in a sharp inner corner of two or three elements, where
     // the stress has no limit: what is recovered there and what is averaged need not agree closely.

@@ -14,6 +14,8 @@ pub enum MeshFormat {
     Ply,
     Off,
     ThreeMf,
+    /// Made from a drawing of its section.
+    Outline,
 }
 
 impl MeshFormat {
@@ -26,6 +28,7 @@ impl MeshFormat {
             Self::Ply => "PLY",
             Self::Off => "OFF",
             Self::ThreeMf => "3MF",
+            Self::Outline => "outline",
         }
     }
 }
@@ -127,6 +130,7 @@ pub fn parse_mesh(bytes: &[u8], name: Option<&str>) -> Result<MeshFile, MeshErro
         MeshFormat::Ply => crate::ply::read(bytes)?,
         MeshFormat::Off => crate::off::read(bytes)?,
         MeshFormat::ThreeMf => crate::threemf::read(bytes)?,
+        MeshFormat::Outline => return Err(MeshError::Unknown),
     };
     file.bodies.retain(|b| !b.mesh.triangles.is_empty());
     if file.bodies.is_empty() {

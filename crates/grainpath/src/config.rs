@@ -4,6 +4,7 @@ use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{Bounds2, DVec2, DVec3};
 use grainpath_gcode::{Cooling, Corner, Flavour, Limits, Machine, Material, Retraction, Speeds, WriteConfig};
+use grainpath_io::OutlineOptions;
 use grainpath_io::fe::{FeOptions, Order, StressUnit};
 use grainpath_io::volume::{RawHeader, SampleType};
 
@@ -19,9 +20,27 @@ use crate::shape::ct::{CtSettings, Denoise, Interpolation, Threshold, Tracing};
 use crate::shape::{Adaptive, Hole, PhotoBoard, Placement, Repair, SliceSettings};
 use crate::support::{Style, SupportSettings};
 
+/// How the drawing of `shape.outline` is read; its unit is seen to there.
+pub fn outline(s: &Settings) -> OutlineOptions {
+    OutlineOptions {
+        unit: LengthUnit::from_name(&s.shape.unit),
+        tolerance_mm: OUTLINE_TOLERANCE_MM / s.shape.scale,
+        even_odd: s.shape.outline_rule == "even-odd",
+    }
+}
+
+/// The height its body gets, so that it is as thick as asked for when all is scaled.
+pub fn outline_thickness_mm(s: &Settings) -> f64 {
+    s.shape.thickness_mm / s.shape.scale
+}
+
+/// Curves of drawings are cut into pieces this close to them, mm: half of what contours of sections are simplified by.
+const OUTLINE_TOLERANCE_MM: f64 = 0.005;
+
 pub(crate) fn placement(s: &Settings) -> Placement {
+    let unit = LengthUnit::from_name(&s.shape.unit).filter(|_| s.shape.outline.is_empty());
     Placement {
-        unit: LengthUnit::from_name(&s.shape.unit).unwrap_or(LengthUnit::Millimetre),
+        unit: unit.unwrap_or(LengthUnit::Millimetre),
         scale: s.shape.scale,
         rotate_rad: s.shape.rotate_deg.map(f64::to_radians),
     }

@@ -20,7 +20,12 @@ impl Grid {
     pub fn over(bounds: Bounds2, cell_mm: f64) -> Self {
         let size = bounds.size();
         let coarsest = (size.x * size.y / 6e5).sqrt().max(size.max_element() / 60_000.0);
-        let cell_mm = cell_mm.max(coarsest);
+        Self::exactly(bounds, cell_mm.max(coarsest))
+    }
+
+    /// The same with cells of just this width: an eighth of a byte each.
+    pub fn exactly(bounds: Bounds2, cell_mm: f64) -> Self {
+        let size = bounds.size();
         let margin = 8.0 * cell_mm;
         let origin = bounds.min - margin;
         let count = |mm: f64| ((mm + 2.0 * margin) / cell_mm).ceil() as usize;
@@ -41,6 +46,47 @@ impl Grid {
     /// The lower left corner of the first cell.
     pub fn origin(&self) -> DVec2 {
         self.origin
+    }
+
+    /// For each row of centres that a convex shape grown by `slack` cells covers any of: the row, the first and the
+    /// last of them.
+    fn convex_rows(&self, corners: &[DVec2], slack: f64, mut each: impl FnMut(usize, usize, usize)) {
+        // In cells, with centres at whole numbers.
+        let place = |p: DVec2| (p - self.origin) / self.cell_mm - 0.5;
+        let low = corners.iter().map(|p| place(*p).y).fold(f64::INFINITY, f64::min) - slack;
+        let high = corners.iter().map(|p| place(*p).y).fold(f64::NEG_INFINITY, f64::max) + slack;
+        for row in low.ceil().max(0.0) as usize..=high.floor().clamp(-1.0, self.ny as f64 - 1.0) as usize {
+            let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
+            for (a, b) in edges(corners) {
+                let (a, b) = (place(a), place(b));
+                let (a, b) = if a.y < b.y { (a, b) } else { (b, a) };
+                if (a.y - slack..=b.y + slack).contains(&(row as f64)) {
+                    let at = |y: f64| {
+                        let t = if b.y > a.y { ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0) } else { 0.0 };
+                        a.x + t * (b.x - a.x)
+                    };
+                    for y in [row as f64 - slack, row as f64 + slack] {
+                        from = from.min(at(y));
+                        to = to.max(at(y));
+                    }
+                    if a.y == b.y {
+                        to = to.max(b.x);
+                        from = from.min(b.x);
+                    }
+                }
+            }
+            let (from, to) = ((from - slack).ceil().max(0.0), (to + slack).floor().min(self.nx as f64 - 1.0));
+            if from <= to {
+                each(row, from as usize, to as usize);
+            }
+        }
+    }
+
+    /// The bits of a word that lie in a run of cells.
+    fn run(word: usize, from: usize, to: usize) -> u64 {
+        let first = if word == from / 64 { from % 64 } else { 0 };
+        let last = if word == to / 64 { to % 64 } else { 63 };
+        (u64::MAX << first) & (u64::MAX >> (63 - last))
     }
 
     /// The part of the grid around `bounds`, whole words wide, with the word and the row it begins at.
@@ -119,6 +165,26 @@ impl Mask {
             }
         }
         mask
+    }
+
+    /// Adds the cells whose centres lie in a convex shape.
+    pub fn add_convex(&mut self, corners: &[DVec2]) {
+        let (grid, bits) = (self.grid, &mut self.bits);
+        grid.convex_rows(corners, 0.0, |row, from, to| {
+            for word in from / 64..=to / 64 {
+                bits[row * grid.words + word] |= Grid::run(word, from, to);
+            }
+        });
+    }
+
+    /// Whether a cell is set whose centre lies in a convex shape or within a cell of it.
+    pub fn meets_convex(&self, corners: &[DVec2]) -> bool {
+        let mut any = false;
+        self.grid.convex_rows(corners, 1.0, |row, from, to| {
+            any |= (from / 64..=to / 64)
+                .any(|word| self.bits[row * self.grid.words + word] & Grid::run(word, from, to) != 0);
+        });
+        any
     }
 
     /// Flips, in every row that the edge crosses, the bit of the first cell right of the crossing.
@@ -209,27 +275,45 @@ impl Mask {
         self.zip(other, |a, b| a & !b)
     }
 
-    /// One step of growing: by the four neighbours, or by all eight.
-    fn grown_once(&self, eight: bool) -> Self {
-        let (n, words) = (self.grid.ny, self.grid.words);
-        let mut sideways = self.clone();
-        for (out, row) in sideways.bits.chunks_mut(words).zip(self.bits.chunks(words)) {
+    /// The cells left and right of cells, with those themselves if asked.
+    fn sideways(&self, own: bool) -> Self {
+        let mut out = Self::empty(self.grid);
+        let words = self.grid.words;
+        for (out, row) in out.bits.chunks_mut(words).zip(self.bits.chunks(words)) {
             for i in 0..words {
                 let left = if i > 0 { row[i - 1] >> 63 } else { 0 };
                 let right = if i + 1 < words { row[i + 1] << 63 } else { 0 };
-                out[i] |= row[i] << 1 | left | row[i] >> 1 | right;
+                out[i] = row[i] << 1 | left | row[i] >> 1 | right | if own { row[i] } else { 0 };
             }
         }
-        let mut out = sideways.clone();
-        let source = if eight { &sideways } else { self };
+        out
+    }
+
+    /// Adds the cells above and below those of `source`.
+    fn add_above_and_below(&mut self, source: &Self) {
+        let (n, words) = (self.grid.ny, self.grid.words);
         for y in 0..n {
             for i in 0..words {
                 let below = if y > 0 { source.bits[(y - 1) * words + i] } else { 0 };
                 let above = if y + 1 < n { source.bits[(y + 1) * words + i] } else { 0 };
-                out.bits[y * words + i] |= below | above;
+                self.bits[y * words + i] |= below | above;
             }
         }
+    }
+
+    /// One step of growing: by the four neighbours, or by all eight.
+    fn grown_once(&self, eight: bool) -> Self {
+        let sideways = self.sideways(true);
+        let mut out = sideways.clone();
+        out.add_above_and_below(if eight { &sideways } else { self });
         out
+    }
+
+    /// Without cells that touch no other along a side.
+    pub fn without_lone(&self) -> Self {
+        let mut neighbours = self.sideways(false);
+        neighbours.add_above_and_below(self);
+        neighbours.and(self)
     }
 
     /// Grown by `n` cells all round (an octagon).
@@ -341,6 +425,36 @@ mod tests {
         assert_eq!(mask.grown(5).shrunk(5), mask);
         let sliver = Mask::of(grid(), &Region::rectangle(DVec2::new(0.0, 5.0), DVec2::new(30.0, 5.5)));
         assert!(!sliver.is_empty() && sliver.opened(2).is_empty());
+        // One cell, and two side by side across a word.
+        let cells = |x: usize, n: usize| {
+            let low = grid().origin() + 0.2 * DVec2::new(x as f64, 30.0);
+            Region::rectangle(low, low + 0.2 * DVec2::new(n as f64, 1.0))
+        };
+        let both = Mask::of(grid(), &cells(20, 1).union(&cells(63, 2)));
+        assert_eq!((both.count(), both.without_lone()), (3, Mask::of(grid(), &cells(63, 2))));
+    }
+
+    #[test]
+    fn convex_shapes_cover_the_cells_that_their_regions_do() {
+        let g = grid();
+        let mut all = Mask::empty(g);
+        for k in 0..40 {
+            let turn = f64::from(k);
+            let (c, along) = (DVec2::new(10.0 + 0.2 * turn, 15.0), grainpath_core::math::direction(turn));
+            let (length, half) = (0.2 + 0.2 * turn, 0.17);
+            let across = half * DVec2::new(-along.y, along.x);
+            let corners =
+                vec![c - across, c + length * along - across, c + length * along + across, c + across];
+            let mut one = Mask::empty(g);
+            one.add_convex(&corners);
+            let region: Region = Polygon { outer: corners.clone(), holes: Vec::new() }.into();
+            assert_eq!(one, Mask::of(g, &region), "{k}");
+            assert!(one.is_empty() || one.meets_convex(&corners));
+            let aside: Vec<DVec2> = corners.iter().map(|p| *p + 20.0 * across).collect();
+            assert!(!one.meets_convex(&aside), "{k}");
+            all = all.or(&one);
+        }
+        assert!(all.count() > 500);
     }
 
     #[test]

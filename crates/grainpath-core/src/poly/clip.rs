@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::{Bounds2, Region};
+use crate::buckets::{Buckets, Cells};
 use crate::math::cross;
 
 /// A piece of a clipped polyline.
@@ -32,11 +33,7 @@ pub struct Crossing {
 pub struct LineClipper {
     edges: Vec<Edge>,
     bounds: Bounds2,
-    cell_mm: f64,
-    nx: usize,
-    ny: usize,
-    starts: Vec<u32>,
-    members: Vec<u32>,
+    buckets: Buckets,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -57,67 +54,17 @@ impl LineClipper {
         }
         let bounds = region.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let size = bounds.size().max(DVec2::splat(1e-6));
-        let cell_mm = (size.x * size.y / edges.len().max(1) as f64).sqrt().max(size.max_element() / 2000.0);
-        let count = |mm: f64| (mm / cell_mm) as usize + 1;
-        let (nx, ny) = (count(size.x), count(size.y));
-        let mut clipper =
-            Self { edges, bounds, cell_mm, nx, ny, starts: vec![0; nx * ny + 1], members: Vec::new() };
-        clipper.fill_grid();
-        clipper
-    }
-
-    fn fill_grid(&mut self) {
-        let mut starts = std::mem::take(&mut self.starts);
-        for e in &self.edges {
-            self.cells(e.a, e.b, |cell| starts[cell] += 1);
-        }
-        let mut total = 0;
-        for count in &mut starts {
-            total += std::mem::replace(count, total);
-        }
-        let mut next = starts.clone();
-        let mut members = vec![0; total as usize];
-        for (i, e) in self.edges.iter().enumerate() {
-            self.cells(e.a, e.b, |cell| {
-                members[next[cell] as usize] = i as u32;
-                next[cell] += 1;
-            });
-        }
-        (self.starts, self.members) = (starts, members);
-    }
-
-    /// The cells a segment passes, a hair generously; cells outside the grid are left out.
-    fn cells(&self, a: DVec2, b: DVec2, mut each: impl FnMut(usize)) {
-        let cell = |p: DVec2| (p - self.bounds.min) / self.cell_mm;
-        let (a, b) = (cell(a), cell(b));
-        let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
-        const HAIR: f64 = 1e-6;
-        let row_of = |y: f64| y.floor().clamp(-1.0, self.ny as f64) as i64;
-        let (first, last) = (row_of(low.y - HAIR).max(0), row_of(high.y + HAIR).min(self.ny as i64 - 1));
-        let slope = if high.y > low.y { (high.x - low.x) / (high.y - low.y) } else { 0.0 };
-        for row in first..=last {
-            let x_at = |y: f64| low.x + (y.clamp(low.y, high.y) - low.y) * slope;
-            let (x0, x1) = if high.y > low.y {
-                (x_at(row as f64 - HAIR), x_at(row as f64 + 1.0 + HAIR))
-            } else {
-                (low.x, high.x)
-            };
-            let column = |x: f64| x.floor().clamp(-1.0, self.nx as f64) as i64;
-            let c0 = column(x0.min(x1) - HAIR).max(0);
-            let c1 = column(x0.max(x1) + HAIR).min(self.nx as i64 - 1);
-            for c in c0..=c1 {
-                each(row as usize * self.nx + c as usize);
-            }
-        }
+        let cell_mm = (size.x * size.y / edges.len().max(1) as f64).sqrt();
+        let cells = Cells::over(Bounds2 { min: bounds.min, max: bounds.min + size }, cell_mm, 2000);
+        let buckets = Buckets::new(cells, edges.len(), |i, add| cells.passed(edges[i].a, edges[i].b, add));
+        Self { edges, bounds, buckets }
     }
 
     /// Everything the segment's border crossings tell, in order along it. By the half-open rule a line through a
     /// vertex crosses the border once or not at all.
     pub fn crossings(&self, a: DVec2, b: DVec2) -> Vec<Crossing> {
         let mut near: Vec<u32> = Vec::new();
-        self.cells(a, b, |cell| {
-            near.extend(&self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize]);
-        });
+        self.buckets.cells.passed(a, b, |cell| near.extend(self.buckets.of(cell)));
         near.sort_unstable();
         near.dedup();
         let mut out: Vec<Crossing> = near
@@ -137,11 +84,9 @@ impl LineClipper {
         if self.edges.is_empty() || !self.bounds.meets(Bounds2 { min: p, max: p }) {
             return false;
         }
-        let row = ((p.y - self.bounds.min.y) / self.cell_mm) as usize;
-        let column = ((p.x - self.bounds.min.x) / self.cell_mm) as usize;
-        let (row, column) = (row.min(self.ny - 1), column.min(self.nx - 1));
-        let cells = self.starts[row * self.nx] as usize..self.starts[row * self.nx + column + 1] as usize;
-        let mut near: Vec<u32> = self.members[cells].to_vec();
+        let cells = &self.buckets.cells;
+        let [column, row] = cells.at(p);
+        let mut near = self.buckets.of_run(cells.index([0, row]), cells.index([column, row])).to_vec();
         near.sort_unstable();
         near.dedup();
         let near = near.into_iter().map(|i| (self.edges[i as usize].a, self.edges[i as usize].b));

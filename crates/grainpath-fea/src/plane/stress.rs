@@ -1,5 +1,6 @@
 //! Stress over a plate.
 
+use grainpath_core::buckets::{Buckets, Cells};
 use grainpath_core::math::cross;
 use grainpath_core::{Bounds2, DVec2};
 
@@ -15,12 +16,7 @@ pub struct PlaneStress {
     nodal: Vec<PlaneTensor>,
     /// Estimated share of the energy norm that the mesh misses (Zienkiewicz and Zhu).
     error: f64,
-    origin: DVec2,
-    cell_mm: f64,
-    nx: usize,
-    ny: usize,
-    starts: Vec<u32>,
-    members: Vec<u32>,
+    buckets: Buckets,
 }
 
 impl PlaneStress {
@@ -49,47 +45,14 @@ impl PlaneStress {
         let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
         let size = bounds.size().max(DVec2::splat(1e-9));
         let cell_mm = (size.x * size.y / mesh.elements.len().max(1) as f64).sqrt();
-        let cell_mm = cell_mm.max(size.max_element() / 3000.0);
-        let count = |mm: f64| (mm / cell_mm) as usize + 1;
-        let (nx, ny) = (count(size.x), count(size.y));
-        let mut this = Self {
-            mesh,
-            nodal,
-            error,
-            origin: bounds.min,
-            cell_mm,
-            nx,
-            ny,
-            starts: vec![0; nx * ny + 1],
-            members: Vec::new(),
-        };
-        let mut starts = std::mem::take(&mut this.starts);
-        let all: Vec<[usize; 4]> = this.mesh.elements.iter().map(|e| this.cells(e)).collect();
-        let each = |[i0, i1, j0, j1]: [usize; 4]| (j0..=j1).flat_map(move |j| (i0..=i1).map(move |i| (i, j)));
-        all.iter().for_each(|r| each(*r).for_each(|(i, j)| starts[j * nx + i + 1] += 1));
-        (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
-        let mut next = starts.clone();
-        let mut members = vec![0; starts[nx * ny] as usize];
-        for (t, r) in all.iter().enumerate() {
-            for (i, j) in each(*r) {
-                members[next[j * nx + i] as usize] = t as u32;
-                next[j * nx + i] += 1;
-            }
-        }
-        (this.starts, this.members) = (starts, members);
-        this
-    }
-
-    fn cells(&self, e: &[u32; 6]) -> [usize; 4] {
-        let p = [e[0], e[1], e[2]].map(|i| self.mesh.nodes[i as usize]);
-        let (low, high) = (p[0].min(p[1]).min(p[2]), p[0].max(p[1]).max(p[2]));
-        let ([i0, j0], [i1, j1]) = (self.cell(low), self.cell(high));
-        [i0, i1, j0, j1]
-    }
-
-    fn cell(&self, p: DVec2) -> [usize; 2] {
-        let q = (p - self.origin) / self.cell_mm;
-        [(q.x.max(0.0) as usize).min(self.nx - 1), (q.y.max(0.0) as usize).min(self.ny - 1)]
+        let cells = Cells::over(Bounds2 { min: bounds.min, max: bounds.min + size }, cell_mm, 3000);
+        let buckets = Buckets::new(cells, mesh.elements.len(), |t, add| {
+            let e = &mesh.elements[t];
+            let p = [e[0], e[1], e[2]].map(|i| mesh.nodes[i as usize]);
+            let (low, high) = (p[0].min(p[1]).min(p[2]), p[0].max(p[1]).max(p[2]));
+            cells.block(cells.at(low), cells.at(high)).for_each(|at| add(cells.index(at)));
+        });
+        Self { mesh, nodal, error, buckets }
     }
 
     /// The mesh.
@@ -120,31 +83,26 @@ impl PlaneStress {
 
     /// The element at a point and the area coordinates in it; the nearest place where it is in none.
     pub fn locate(&self, p: DVec2) -> Option<(usize, [f64; 3])> {
-        let [ci, cj] = self.cell(p);
+        let cells = &self.buckets.cells;
+        let own = cells.at(p);
         let mut best: Option<(f64, usize, [f64; 3])> = None;
-        for ring in 0..self.nx.max(self.ny) {
-            let reach = ring.saturating_sub(1) as f64 * self.cell_mm;
+        for ring in 0..cells.nx.max(cells.ny) {
+            let reach = ring.saturating_sub(1) as f64 * cells.cell_mm;
             if best.is_some_and(|b| ring > 0 && b.0 <= reach * reach) {
                 break;
             }
-            let rows = cj.saturating_sub(ring)..=(cj + ring).min(self.ny - 1);
-            for j in rows {
-                for i in ci.saturating_sub(ring)..=(ci + ring).min(self.nx - 1) {
-                    if i.abs_diff(ci).max(j.abs_diff(cj)) != ring {
-                        continue;
+            let away = |at: &[usize; 2]| at[0].abs_diff(own[0]).max(at[1].abs_diff(own[1])) == ring;
+            for at in cells.around(own, ring).filter(away) {
+                for &t in self.buckets.of(cells.index(at)) {
+                    let e = self.mesh.elements[t as usize];
+                    let c = [e[0], e[1], e[2]].map(|i| self.mesh.nodes[i as usize]);
+                    let l = nearest_in(c, p);
+                    let off = p.distance_squared(l[0] * c[0] + l[1] * c[1] + l[2] * c[2]);
+                    if best.is_none_or(|b| off < b.0) {
+                        best = Some((off, t as usize, l));
                     }
-                    let cell = j * self.nx + i;
-                    for &t in &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
-                        let e = self.mesh.elements[t as usize];
-                        let c = [e[0], e[1], e[2]].map(|i| self.mesh.nodes[i as usize]);
-                        let l = nearest_in(c, p);
-                        let off = p.distance_squared(l[0] * c[0] + l[1] * c[1] + l[2] * c[2]);
-                        if best.is_none_or(|b| off < b.0) {
-                            best = Some((off, t as usize, l));
-                        }
-                        if off == 0.0 {
-                            return best.map(|b| (b.1, b.2));
-                        }
+                    if off == 0.0 {
+                        return best.map(|b| (b.1, b.2));
                     }
                 }
             }

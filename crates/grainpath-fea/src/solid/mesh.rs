@@ -20,7 +20,7 @@ pub struct TetMesh {
 }
 
 /// One face of the boundary.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Face {
     /// Three corners, counter-clockwise seen from outside, then the nodes between 01, 12, 20.
     pub nodes: [u32; 6],
@@ -28,6 +28,9 @@ pub struct Face {
     pub tet: u32,
     /// The facet of the meshed surface that it lies on; 0 where the mesh did not come from a surface.
     pub facet: u32,
+    /// The point of that surface nearest to its middle. Where a sharp edge is rounded off the face stands on a slant;
+    /// this says which of the sides it stands for.
+    pub foot: Option<DVec3>,
 }
 
 /// Elements that hang together over faces.
@@ -87,15 +90,17 @@ impl TetMesh {
                 tet[4 + EDGES.iter().position(is).expect("a side of the element")]
             };
             let mid = [between(f[0], f[1]), between(f[1], f[2]), between(f[2], f[0])];
-            Face { nodes: [f[0], f[1], f[2], mid[0], mid[1], mid[2]], tet: t, facet: 0 }
+            Face { nodes: [f[0], f[1], f[2], mid[0], mid[1], mid[2]], tet: t, facet: 0, foot: None }
         };
         self.faces = boundary(&corners).into_iter().map(face).collect();
     }
 
-    /// The faces whose middle a selection has.
+    /// The faces whose foot on the surface a selection has; their middle, where the mesh did not come from a surface.
     pub fn faces_in(&self, selection: &Selection) -> Vec<usize> {
         let middle = |f: &Face| f.nodes[3..].iter().map(|&m| self.nodes[m as usize]).sum::<DVec3>() / 3.0;
-        (0..self.faces.len()).filter(|&f| selection.contains(middle(&self.faces[f]))).collect()
+        (0..self.faces.len())
+            .filter(|&f| selection.contains(self.faces[f].foot.unwrap_or_else(|| middle(&self.faces[f]))))
+            .collect()
     }
 
     /// The nodes of some faces, each once, rising.

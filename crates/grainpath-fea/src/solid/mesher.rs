@@ -204,11 +204,11 @@ fn quadratic(tets: &Tets, bounds: &[Bound], features: &Features, bvh: &Bvh) -> T
     mesh.curve(&moves);
     let label = |f: &Face| {
         let middle = f.nodes[3..].iter().map(|&m| mesh.nodes[m as usize]).sum::<DVec3>() / 3.0;
-        bvh.closest_point(middle, f64::INFINITY).map_or(0, |c| c.triangle)
+        bvh.closest_point(middle, f64::INFINITY)
     };
-    let facets: Vec<u32> = mesh.faces.par_iter().map(label).collect();
-    for (face, facet) in mesh.faces.iter_mut().zip(facets) {
-        face.facet = facet;
+    let feet: Vec<_> = mesh.faces.par_iter().map(label).collect();
+    for (face, foot) in mesh.faces.iter_mut().zip(feet) {
+        (face.facet, face.foot) = (foot.map_or(0, |c| c.triangle), foot.map(|c| c.point));
     }
     mesh.sort_in_space();
     mesh

@@ -14,7 +14,6 @@ mod gmsh;
 mod inp;
 mod medit;
 mod result;
-mod tensor;
 mod vtk;
 mod vtu;
 mod write;
@@ -27,8 +26,8 @@ use crate::text::skip_space;
 pub use deck::{Behaviour, BodyLoad, Deck, Elastic, FaceLoad, Fixed, Material, PointLoad, Section, Step};
 pub use element::{ElementKind, MAX_NODES, Shape};
 pub use field::{Location, StressField};
+pub use grainpath_core::tensor::{Principal, principal, von_mises};
 pub use result::{FeOptions, FeResult, Order, StressUnit};
-pub use tensor::{Principal, principal, von_mises};
 pub use write::{Encoding, PointData, VtuMesh, stress_point_data, write_vtu};
 
 /// A format finite-element files are read from.

@@ -3,8 +3,8 @@
 use grainpath_core::DVec3;
 use grainpath_core::units::LengthUnit;
 
-use super::tensor::von_mises;
 use super::{Element, FeArray, FeError, FeFile, FeFormat, On, invalid};
+use grainpath_core::tensor::von_mises;
 
 /// Peak stresses above this, in MPa, are no printed part's: the unit is wrong.
 const LIKELY_MAX_MPA: f64 = 5000.0;

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use grainpath_core::DVec3;
 
 use super::Element;
-use super::tensor::{principal, von_mises};
+use grainpath_core::tensor::{principal, von_mises};
 
 /// Bytes of a block that is packed by itself, as VTK does.
 const BLOCK: usize = 1 << 15;

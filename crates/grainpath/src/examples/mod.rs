@@ -8,7 +8,7 @@ mod woodgrain;
 use std::borrow::Cow;
 
 use grainpath_core::math::direction;
-use grainpath_core::{DVec2, DVec3, TriMesh};
+use grainpath_core::{DVec2, Polygon, TriMesh};
 
 /// A file of an example: its name and its content.
 pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
@@ -88,96 +88,9 @@ pub(crate) fn arc(
 
 /// Adds a prism over an outline with holes, all given counter-clockwise.
 pub(crate) fn prism(outline: &[DVec2], holes: &[Vec<DVec2>], low: f64, high: f64, mesh: &mut TriMesh) {
-    let ring = bridged(outline, holes);
-    let first = mesh.vertices.len() as u32;
-    let mut vertex = |p: DVec2, z: f64| {
-        let p = p.extend(z);
-        let known = mesh.vertices[first as usize..].iter().position(|q| *q == p);
-        known.map_or_else(
-            || {
-                mesh.vertices.push(p);
-                mesh.vertices.len() as u32 - 1
-            },
-            |i| first + i as u32,
-        )
-    };
-    let mut triangles = Vec::new();
-    for [a, b, c] in ears(&ring) {
-        let top = [a, b, c].map(|p| vertex(p, high));
-        let bottom = [a, c, b].map(|p| vertex(p, low));
-        triangles.extend([top, bottom]);
-    }
-    let mut side = |a: DVec2, b: DVec2| {
-        let [p, q, r, s] = [(a, low), (b, low), (b, high), (a, high)].map(|(p, z)| vertex(p, z));
-        triangles.extend([[p, q, r], [p, r, s]]);
-    };
-    grainpath_core::poly::edges(outline).for_each(|(a, b)| side(a, b));
-    for hole in holes {
-        grainpath_core::poly::edges(hole).for_each(|(a, b)| side(b, a));
-    }
-    mesh.triangles.extend(triangles);
-    debug_assert!(mesh.vertices.iter().all(|v: &DVec3| v.is_finite()));
-}
-
-/// An outline with its holes joined to it by cuts, so that it is one ring.
-fn bridged(outline: &[DVec2], holes: &[Vec<DVec2>]) -> Vec<DVec2> {
-    let mut ring = outline.to_vec();
-    let right = |h: &Vec<DVec2>| {
-        (0..h.len()).max_by(|&i, &j| h[i].x.total_cmp(&h[j].x).then(h[j].y.total_cmp(&h[i].y))).unwrap_or(0)
-    };
-    let mut order: Vec<&Vec<DVec2>> = holes.iter().collect();
-    order.sort_by(|a, b| b[right(b)].x.total_cmp(&a[right(a)].x));
-    for hole in order {
-        let start = right(hole);
-        let from = hole[start];
-        // The nearest ring vertex to the right that can be seen without crossing the ring.
-        let mut candidates: Vec<usize> = (0..ring.len()).collect();
-        candidates
-            .sort_by(|&i, &j| ring[i].distance_squared(from).total_cmp(&ring[j].distance_squared(from)));
-        let crosses = |to: DVec2| {
-            grainpath_core::poly::edges(&ring).any(|(a, b)| {
-                let side = |p: DVec2, q: DVec2, r: DVec2| grainpath_core::math::cross(q - p, r - p);
-                side(from, to, a) * side(from, to, b) < 0.0 && side(a, b, from) * side(a, b, to) < 0.0
-            })
-        };
-        let seen = |i: &usize| ring[*i].x >= from.x && !crosses(ring[*i]);
-        let to = candidates.into_iter().find(seen).unwrap_or(0);
-        // Clockwise around the hole and back along the cut.
-        let around = (0..=hole.len()).map(|k| hole[(start + hole.len() - k % hole.len()) % hole.len()]);
-        let insert: Vec<DVec2> = around.chain([ring[to]]).collect();
-        ring.splice(to + 1..to + 1, insert);
-    }
-    ring
-}
-
-/// Cuts a ring, counter-clockwise and perhaps touching itself, into triangles.
-fn ears(ring: &[DVec2]) -> Vec<[DVec2; 3]> {
-    let turn = |a: DVec2, b: DVec2, c: DVec2| grainpath_core::math::cross(b - a, c - a);
-    let mut rest = ring.to_vec();
-    let mut out = Vec::new();
-    while rest.len() > 3 {
-        let n = rest.len();
-        let ear = (0..n).find(|&i| {
-            let (a, b, c) = (rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]);
-            let inside = |&p: &DVec2| {
-                p != a
-                    && p != b
-                    && p != c
-                    && turn(a, b, p) >= 0.0
-                    && turn(b, c, p) >= 0.0
-                    && turn(c, a, p) >= 0.0
-            };
-            turn(a, b, c) > 1e-12 && !rest.iter().any(inside)
-        });
-        let i = ear.unwrap_or(0);
-        let corner = [rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]];
-        if turn(corner[0], corner[1], corner[2]) > 1e-12 {
-            out.push(corner);
-        }
-        rest.remove(i);
-    }
-    out.push([rest[0], rest[1], rest[2]]);
-    out
+    let clockwise = |hole: &Vec<DVec2>| hole.iter().rev().copied().collect();
+    let polygon = Polygon { outer: outline.to_vec(), holes: holes.iter().map(clockwise).collect() };
+    crate::shape::prism(&polygon.into(), low, high, mesh).expect("our own outlines do not cross");
 }
 
 #[cfg(test)]

@@ -124,6 +124,9 @@ fn stiffness(settings: &Settings) -> Result<Stiffness, GuideError> {
     })
 }
 
+/// Cosine of the angle that an element's face on a smooth side of the part stays within.
+const NOT_SLANTED: f64 = 0.94;
+
 fn nothing(what: &str, on: &Selection, (low, high): (DVec3, DVec3)) -> GuideError {
     GuideError::CatchesNothing { what: what.to_owned(), shape: on.name(), low, high }
 }
@@ -148,6 +151,13 @@ fn supports(
             for &f in &faces {
                 let [a, b, c] = [0, 1, 2].map(|i| tets.nodes[tets.faces[f].nodes[i] as usize]);
                 let normal = (b - a).cross(c - a);
+                // What stands on a slant over a rounded edge would hold the part askew.
+                let [p, q, r] =
+                    part.mesh.triangles[tets.faces[f].facet as usize].map(|i| part.mesh.vertices[i as usize]);
+                let facet = (q - p).cross(r - p).normalize_or_zero();
+                if normal.normalize_or_zero().dot(facet).abs() < NOT_SLANTED {
+                    continue;
+                }
                 tets.faces[f].nodes.iter().for_each(|n| *normals.entry(*n).or_insert(DVec3::ZERO) += normal);
             }
             for (node, normal) in normals {

@@ -20,9 +20,6 @@ fn error(place: impl Into<String>, problem: impl Into<String>) -> JobError {
     JobError { place: place.into(), problem: problem.into() }
 }
 
-/// Keys of other parts of grainpath that are not there yet: known, so that the message can say so.
-const LATER: [(&str, &str); 2] = [("shape", "outline"), ("shape", "thickness_mm")];
-
 /// Reads a job. `name` is what errors call the file; `sets` are `section.key=value` as given on the command line,
 /// stronger than the file; `load` reads a profile that is named by its path.
 ///
@@ -148,9 +145,6 @@ fn apply(
         Some(Err(problem)) => {
             Err(error(place(), later(section, key, value).unwrap_or(format!("{section}.{key} {problem}"))))
         }
-        None if LATER.contains(&(section, key)) => {
-            Err(error(place(), format!("{section}.{key} is not in this version of grainpath")))
-        }
         None => {
             let params = Settings::params();
             let in_section: Vec<&str> =
@@ -196,6 +190,7 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
     if p.adaptive_layers && p.adaptive_min_mm > p.adaptive_max_mm {
         return wrong("process.adaptive_min_mm should not be more than adaptive_max_mm".into());
     }
+    check_outline(s, name)?;
     check_photos(s, name)?;
     let m = &s.material;
     let bounds = [
@@ -238,6 +233,23 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
         return wrong("fill.angles_deg should have at least one angle".into());
     }
     Ok(())
+}
+
+/// Drawings: what must be given together.
+fn check_outline(s: &Settings, name: &str) -> Result<(), JobError> {
+    let shape = &s.shape;
+    let others = [
+        ("shape.mesh", !shape.mesh.is_empty()),
+        ("shape.ct", !s.ct.path.is_empty()),
+        ("shape.photo", !s.photo.files.is_empty()),
+    ];
+    let problem = match others.iter().find(|o| o.1) {
+        _ if shape.outline.is_empty() => return Ok(()),
+        Some((other, _)) => format!("{other} and shape.outline: exactly one shape is printed"),
+        None if shape.thickness_mm == 0.0 => "shape.outline needs shape.thickness_mm".into(),
+        None => return Ok(()),
+    };
+    Err(error(name, problem))
 }
 
 /// Photographs: what must be given together.

@@ -63,8 +63,11 @@ sections! {
     /// What is printed.
     ShapeSection "shape" {
         mesh: String = String::new(), "", Any, "Mesh to print: STL, OBJ, PLY, OFF or 3MF.";
-        unit: String = "auto".into(), "", Words(&["auto", "mm", "cm", "m", "inch", "micron", "foot"]), "Unit of the mesh; auto takes the file's own, else mm.";
-        scale: f64 = 1.0, "", Range(1e-6, 1e6), "Factor on all lengths.";
+        outline: String = String::new(), "", Any, "Drawing of a flat part to print instead (SVG).";
+        thickness_mm: f64 = 0.0, "mm", Range(0.0, 1e4), "How thick the part of an outline is.";
+        outline_rule: String = "file".into(), "", Words(&["file", "even-odd"]), "What is material in a drawing: filled shapes, and between closed lines without fill; or between all closed lines, each other one inwards a hole.";
+        unit: String = "auto".into(), "", Words(&["auto", "mm", "cm", "m", "inch", "micron", "foot"]), "Unit of the mesh or drawing; auto takes the file's own, else mm.";
+        scale: f64 = 1.0, "", Range(1e-6, 1e6), "Factor on all lengths of the file.";
         rotate_deg: [f64; 3] = [0.0; 3], "deg", Range(-3600.0, 3600.0), "Turns about X, then Y, then Z.";
         position_mm: Option<[f64; 2]> = None, "mm", Range(-1e5, 1e5), "Where the middle of the part stands on the plate; left out, the middle of the bed.";
         repair: String = "auto".into(), "", Words(&["auto", "strict"]), "auto mends defects and counts them, strict refuses.";

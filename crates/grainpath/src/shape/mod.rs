@@ -3,17 +3,21 @@
 pub mod ct;
 mod heights;
 mod mend;
+mod outline;
 mod photo;
 mod place;
 mod section;
 mod surface;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
+use grainpath_core::triangulation::TriangulationError;
 use grainpath_core::{Diagnostics, Layer, LayerStack, TriMesh};
 use rayon::prelude::*;
 
 pub use heights::{Adaptive, layer_heights};
 pub use mend::{Repair, mend};
+pub use outline::extruded;
+pub(crate) use outline::prism;
 pub use photo::{Hole, PhotoBoard};
 pub use place::{Placement, likely_unit, place};
 pub use surface::surface;
@@ -55,6 +59,8 @@ pub enum ShapeError {
     TooManyLayers { n: usize, height_mm: f64, limit: usize },
     #[error("{problem}")]
     Scan { problem: String },
+    #[error("the outline cannot be made a body: {0}")]
+    Outline(#[from] TriangulationError),
     #[error("no layer of the part has any area")]
     NothingLeft,
     #[error(transparent)]

@@ -8,7 +8,7 @@ use grainpath_core::poly::{Join, LineClipper, simplify_line};
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 
 use super::stripes::{Bead, axis_of, joined};
-use super::widths::Line;
+use super::widths::{Line, Neighbours};
 use crate::fill::{FillContext, Infill};
 use crate::guide::{LineSettings, Seeding, TracedLine, evenly_spaced};
 
@@ -55,7 +55,8 @@ impl Infill for SeedLines {
         // The seed lines come first, then what fills the regions between them; each joined at its ends, across nothing.
         let mut others: Vec<Line> = seeds.iter().chain(&offsets).map(line).collect();
         for (rank, lines) in [(0, &seeds), (1, &offsets)] {
-            let paths = joined(lines.iter().map(bead).collect(), &others, &border, context);
+            let neighbours = Neighbours::new(&others, &border, 1.5 * context.spacing_mm());
+            let paths = joined(lines.iter().map(bead).collect(), &neighbours, &border, context);
             others.extend(paths.iter().map(|b| Line { points: b.points.clone(), closed: b.closed }));
             out.extend(paths.into_iter().map(|bead| {
                 let path = Toolpath::new(bead.points, context.bead_width_mm, context.role, bead.closed);

@@ -1,15 +1,17 @@
 //! Dense fill along a field: beads at even distances whose width follows their spacing.
 
+use grainpath_core::buckets::{Buckets, Cells};
 use grainpath_core::math::{cross, direction};
 use grainpath_core::poly::{FillRule, Join, LineClipper, edges};
 use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
-use grainpath_core::{BeadWidth, Bounds2, DVec2, DVec3, DirectionField, Polygon, Region, Toolpath};
+use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DVec3, DirectionField, Polygon, Region, Toolpath};
 
 use super::levels::trace;
 use super::phase::{PhaseInput, STEPS, drift, solve, turns};
 use super::widths::{Line, Neighbours, resampled, smooth};
 use crate::field_mesh::FieldMesh;
 use crate::fill::{FillContext, Infill};
+use crate::mask::{Grid, Mask};
 use crate::order::NearestEnds;
 use crate::walls::single_beads;
 
@@ -25,6 +27,11 @@ const SHORTEST: f64 = 2.0;
 const LONGEST_JOINT: f64 = 2.0;
 /// Rounds of moving beads to the middle of their room.
 const CENTRINGS: usize = 3;
+/// Rounds of taking crowded beads away.
+const THINNINGS: usize = 2;
+/// Side of the cells that gaps are looked for with, as a share of the spacing: no gap wide enough for the narrowest
+/// bead slips between their centres.
+const GAP_CELL: f64 = 0.33;
 
 impl Infill for Stripes {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
@@ -60,8 +67,7 @@ impl Infill for Stripes {
                 inside
             })
             .collect();
-        let lines = without_crowded(lines, &border, context);
-        lay(lines, &border, context, out);
+        lay(without_crowded(lines, &border, context), &border, context, out);
     }
 }
 
@@ -88,68 +94,39 @@ fn phase_input(
 /// Where the field runs along the border, beads should too, half a bead away.
 pub struct NearBorder {
     edges: Vec<(DVec2, DVec2)>,
-    bounds: Bounds2,
-    cell_mm: f64,
-    nx: usize,
-    ny: usize,
-    cells: Vec<Vec<u32>>,
+    buckets: Buckets,
 }
 
 impl NearBorder {
-    pub fn new(border: &Region, within_mm: f64) -> Self {
+    /// For places within a cell of the border.
+    pub fn new(border: &Region, cell_mm: f64) -> Self {
         let edges: Vec<(DVec2, DVec2)> = border.contours().flat_map(|c| edges(c)).collect();
-        let ends = edges.iter().flat_map(|e| [e.0, e.1]);
-        let bounds = Bounds2::of(ends).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
-        let bounds = bounds.grown(within_mm);
-        let cell_mm = within_mm.max(bounds.size().max_element() / 2000.0);
-        let count = |mm: f64| (mm / cell_mm) as usize + 1;
-        let (nx, ny) = (count(bounds.size().x), count(bounds.size().y));
-        let mut cells = vec![Vec::new(); nx * ny];
-        for (k, &(a, b)) in edges.iter().enumerate() {
-            // Sampled finely enough to touch every cell within reach.
-            let n = (a.distance(b) / (0.5 * cell_mm)).ceil().max(1.0) as usize;
-            let mut last = usize::MAX;
-            for s in 0..=n {
-                let p = (a + (b - a) * (s as f64 / n as f64) - bounds.min) / cell_mm;
-                let (i, j) = (p.x as usize, p.y as usize);
-                if j * nx + i == last {
-                    continue;
-                }
-                last = j * nx + i;
-                for jj in j.saturating_sub(1)..=(j + 1).min(ny - 1) {
-                    for ii in i.saturating_sub(1)..=(i + 1).min(nx - 1) {
-                        let cell: &mut Vec<u32> = &mut cells[jj * nx + ii];
-                        if cell.last() != Some(&(k as u32)) {
-                            cell.push(k as u32);
-                        }
-                    }
-                }
-            }
-        }
-        Self { edges, bounds, cell_mm, nx, ny, cells }
+        let bounds = border.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+        let cells = Cells::over(bounds, cell_mm, 2000);
+        let buckets = Buckets::new(cells, edges.len(), |k, add| cells.passed(edges[k].0, edges[k].1, add));
+        Self { edges, buckets }
     }
 
     /// The phase at `p` that makes it `at_border` turns on the border and grow by one turn a spacing inwards, and how
     /// much that is wanted.
     pub fn wanted(&self, p: DVec2, axis: DVec2, spacing_mm: f64, at_border: f64) -> (f64, f64) {
-        let q = (p - self.bounds.min) / self.cell_mm;
-        if q.x < 0.0 || q.y < 0.0 || q.x as usize >= self.nx || q.y as usize >= self.ny {
-            return (0.0, 0.0);
-        }
-        let mut best = (f64::INFINITY, DVec2::ZERO, DVec2::ZERO);
-        for &k in &self.cells[q.y as usize * self.nx + q.x as usize] {
+        let cells = &self.buckets.cells;
+        let mut best = (f64::INFINITY, u32::MAX);
+        for &k in cells.around(cells.at(p), 1).flat_map(|at| self.buckets.of(cells.index(at))) {
             let (a, b) = self.edges[k as usize];
             let d = b - a;
             let t = ((p - a).dot(d) / d.length_squared().max(1e-18)).clamp(0.0, 1.0);
             let distance = p.distance(a + t * d);
-            if distance < best.0 {
-                best = (distance, a, d);
+            if distance < best.0 || (distance == best.0 && k < best.1) {
+                best = (distance, k);
             }
         }
-        let (distance, a, d) = best;
+        let (distance, nearest) = best;
         if distance > 1.2 * spacing_mm {
             return (0.0, 0.0);
         }
+        let (a, b) = self.edges[nearest as usize];
+        let d = b - a;
         // Outlines run counter-clockwise and holes clockwise: the inside is always on the left.
         let along = d.normalize_or(DVec2::X);
         let inwards = DVec2::new(-along.y, along.x);
@@ -231,8 +208,7 @@ fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
 }
 
 /// Widths of the strips of all lines.
-fn strips(lines: &[Line], border: &Region, spacing_mm: f64) -> Vec<Vec<f64>> {
-    let neighbours = Neighbours::new(lines, border, 1.5 * spacing_mm);
+fn strips(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64) -> Vec<Vec<f64>> {
     let of_line = |(l, line): (usize, &Line)| {
         let strip = |v: usize| {
             let r = neighbours.reach(lines, l, v, 1.8 * spacing_mm, 0.5 * spacing_mm);
@@ -250,22 +226,34 @@ fn strips(lines: &[Line], border: &Region, spacing_mm: f64) -> Vec<Vec<f64>> {
     lines.iter().enumerate().map(of_line).collect()
 }
 
+/// Lines with their room.
+struct Roomed {
+    lines: Vec<Line>,
+    neighbours: Neighbours,
+    /// Widths of the strips at the lines' points.
+    strips: Vec<Vec<f64>>,
+}
+
 /// Takes beads away where there is no room for them: their neighbours then widen.
-fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<'_>) -> Vec<Line> {
+fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<'_>) -> Roomed {
     let spacing = context.spacing_mm();
     let least = bead_spacing_mm(NARROWEST * context.bead_width_mm, context.height_mm);
-    for _ in 0..2 {
-        let widths = strips(&lines, border, spacing);
+    let crowded = |width: &f64| *width < 0.95 * least;
+    let mut round = 0;
+    loop {
+        let neighbours = Neighbours::new(&lines, border, 1.5 * spacing);
+        let strips = strips(&lines, &neighbours, spacing);
+        if round == THINNINGS || !strips.iter().flatten().any(crowded) {
+            return Roomed { lines, neighbours, strips };
+        }
+        round += 1;
         let mut kept = Vec::with_capacity(lines.len());
-        let mut removed = false;
         // Every other crowded line at the most: when one goes, the next has room.
-        for (line, widths) in lines.into_iter().zip(widths) {
-            let crowded = |v: usize| widths[v] < 0.95 * least;
-            if !(0..widths.len()).any(crowded) {
+        for (line, widths) in lines.into_iter().zip(strips) {
+            if !widths.iter().any(crowded) {
                 kept.push(line);
                 continue;
             }
-            removed = true;
             let mut run: Vec<DVec2> = Vec::new();
             let mut flush = |run: &mut Vec<DVec2>| {
                 let points = std::mem::take(run);
@@ -274,25 +262,21 @@ fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<
                     kept.push(Line { points, closed: false });
                 }
             };
-            for (v, &p) in line.points.iter().enumerate() {
-                if crowded(v) { flush(&mut run) } else { run.push(p) }
+            for (width, &p) in widths.iter().zip(&line.points) {
+                if crowded(width) { flush(&mut run) } else { run.push(p) }
             }
             flush(&mut run);
         }
         lines = kept;
-        if !removed {
-            break;
-        }
     }
-    lines
 }
 
 /// Turns lines into beads as wide as their room, joined at their ends where the way is short, and puts single beads
 /// where a gap is left.
-fn lay(lines: Vec<Line>, border: &Region, context: &FillContext<'_>, out: &mut Vec<Toolpath>) {
+fn lay(roomed: Roomed, border: &Region, context: &FillContext<'_>, out: &mut Vec<Toolpath>) {
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
     let width = |strip: f64| bead_width_mm(strip, h).clamp(NARROWEST * nominal, WIDEST * nominal);
-    let strips = strips(&lines, border, context.spacing_mm());
+    let Roomed { lines, neighbours, strips } = roomed;
     let mut beads = Vec::with_capacity(lines.len());
     for (line, strips) in lines.iter().zip(strips) {
         let widths: Vec<f64> = strips.into_iter().map(width).collect();
@@ -300,11 +284,11 @@ fn lay(lines: Vec<Line>, border: &Region, context: &FillContext<'_>, out: &mut V
         beads.push(Bead { points, widths, closed: line.closed });
     }
     let first = out.len();
-    out.extend(joined(beads, &lines, border, context).into_iter().map(|bead| Toolpath {
+    out.extend(joined(beads, &neighbours, border, context).into_iter().map(|bead| Toolpath {
         width: BeadWidth::PerVertex(bead.widths),
         ..Toolpath::new(bead.points, nominal, context.role, bead.closed)
     }));
-    let left = border.difference(&covered(&out[first..], h));
+    let left = gaps(border, &out[first..], h, GAP_CELL * context.spacing_mm());
     let mut singles = Vec::new();
     single_beads(&left, nominal, NARROWEST * nominal, h, context.role, &mut singles);
     // Where branches of a gap meet, their beads may cross: the later one gives way.
@@ -325,22 +309,47 @@ fn meets([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
     sides(a, b, c, d) < 0.0 && sides(c, d, a, b) < 0.0
 }
 
-/// What the strips of beads fill.
-pub fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
-    let mut strips = Vec::new();
-    for bead in beads {
-        for i in 0..bead.n_segments() {
-            let (a, b, _) = bead.segment(i);
-            let half = |v: usize| 0.5 * bead_spacing_mm(bead.width_at(v), height_mm);
-            let along = (b - a).normalize_or(DVec2::X);
-            let across = DVec2::new(-along.y, along.x);
-            // A little longer than the segment, so that bends leave no wedge.
-            let (a, b) = (a - 0.5 * half(i) * along, b + 0.5 * half(i + 1) * along);
-            let (p, q) = (across * half(i), across * half(i + 1));
-            strips.push(vec![a - p, b - q, b + q, a + p]);
-        }
+/// What of a room the strips of beads leave open, where that is wider than about a cell and a half.
+///
+/// Looked for cell by cell and cut out exactly only where cells are open: a union of all strips costs more than all
+/// the rest of the fill.
+fn gaps(room: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64) -> Region {
+    let Some(bounds) = room.bounds() else { return Region::default() };
+    let grid = Grid::exactly(bounds, cell_mm);
+    let mut filled = Mask::empty(grid);
+    let strips: Vec<Contour> = beads.iter().flat_map(|b| strips_of(b, height_mm)).collect();
+    strips.iter().for_each(|s| filled.add_convex(s));
+    // A bead's gap is more than one cell long; what is not is left between strips that do not quite touch.
+    let open = Mask::of(grid, room).and_not(&filled).without_lone();
+    if open.is_empty() {
+        return Region::default();
     }
+    // Far enough around that what narrows down to nothing is whole.
+    let near = open.grown(4);
+    let window = Region::from_contours(&near.contours(), FillRule::NonZero).intersection(room);
+    let there = strips.iter().filter(|s| near.meets_convex(s));
+    window.difference(&Region::from_contours(there, FillRule::NonZero))
+}
+
+/// What the strips of beads fill.
+#[cfg(test)]
+pub fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
+    let strips: Vec<Contour> = beads.iter().flat_map(|b| strips_of(b, height_mm)).collect();
     Region::from_contours(&strips, FillRule::NonZero)
+}
+
+/// The strip of every segment of a bead: four corners, counter-clockwise.
+fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = Contour> + '_ {
+    let half = move |v: usize| 0.5 * bead_spacing_mm(bead.width_at(v), height_mm);
+    (0..bead.n_segments()).map(move |i| {
+        let (a, b, _) = bead.segment(i);
+        let along = (b - a).normalize_or(DVec2::X);
+        let across = DVec2::new(-along.y, along.x);
+        // A little longer than the segment, so that bends leave no wedge.
+        let (a, b) = (a - 0.5 * half(i) * along, b + 0.5 * half(i + 1) * along);
+        let (p, q) = (across * half(i), across * half(i + 1));
+        vec![a - p, b - q, b + q, a + p]
+    })
 }
 
 /// A bead with its widths.
@@ -380,14 +389,13 @@ impl Bead {
 /// way stays inside.
 pub(super) fn joined(
     beads: Vec<Bead>,
-    lines: &[Line],
+    neighbours: &Neighbours,
     border: &Region,
     context: &FillContext<'_>,
 ) -> Vec<Bead> {
     let spacing_mm = context.spacing_mm();
     let retreat_mm = (0.5 * spacing_mm - context.border_mm).max(0.0);
     let inside = LineClipper::new(border);
-    let neighbours = Neighbours::new(lines, border, 1.5 * spacing_mm);
     let mut joints: Vec<[DVec2; 2]> = Vec::new();
     let ends: Vec<[DVec2; 2]> = beads.iter().map(|b| [b.points[0], b.points[b.points.len() - 1]]).collect();
     let mut used: Vec<bool> = beads.iter().map(|b| b.closed).collect();

@@ -1,5 +1,6 @@
 //! How much room a bead has between its neighbours.
 
+use grainpath_core::buckets::{Buckets, Cells};
 use grainpath_core::math::cross;
 use grainpath_core::poly::edges;
 use grainpath_core::{Bounds2, DVec2, Region};
@@ -73,12 +74,7 @@ const BORDER: u32 = u32::MAX;
 /// All beads of a room and its border, for asking what lies beside a bead.
 pub struct Neighbours {
     pieces: Vec<Piece>,
-    origin: DVec2,
-    cell_mm: f64,
-    nx: usize,
-    ny: usize,
-    starts: Vec<u32>,
-    members: Vec<u32>,
+    buckets: Buckets,
 }
 
 impl Neighbours {
@@ -96,56 +92,9 @@ impl Neighbours {
         }
         let ends = pieces.iter().flat_map(|p| [p.a, p.b]);
         let bounds = Bounds2::of(ends).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
-        let size = bounds.size();
-        let cell_mm = cell_mm.max(size.max_element() / 4000.0);
-        let count = |mm: f64| (mm / cell_mm) as usize + 1;
-        let (nx, ny) = (count(size.x), count(size.y));
-        let mut this = Self {
-            pieces,
-            origin: bounds.min,
-            cell_mm,
-            nx,
-            ny,
-            starts: vec![0; nx * ny + 1],
-            members: Vec::new(),
-        };
-        this.bin();
-        this
-    }
-
-    fn bin(&mut self) {
-        let mut starts = std::mem::take(&mut self.starts);
-        for p in &self.pieces {
-            self.cells(p.a, p.b, |cell| starts[cell + 1] += 1);
-        }
-        (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
-        let mut next = starts.clone();
-        let mut members = vec![0u32; starts[starts.len() - 1] as usize];
-        for (i, p) in self.pieces.iter().enumerate() {
-            self.cells(p.a, p.b, |cell| {
-                members[next[cell] as usize] = i as u32;
-                next[cell] += 1;
-            });
-        }
-        (self.starts, self.members) = (starts, members);
-    }
-
-    /// The cells a segment may pass.
-    fn cells(&self, a: DVec2, b: DVec2, mut each: impl FnMut(usize)) {
-        let index = |v: f64, n: usize| ((v / self.cell_mm).max(0.0) as usize).min(n - 1);
-        let (low, high) = (a.min(b) - self.origin, a.max(b) - self.origin);
-        let (i0, i1) = (index(low.x, self.nx), index(high.x, self.nx));
-        let (j0, j1) = (index(low.y, self.ny), index(high.y, self.ny));
-        let d = b - a;
-        let slack = 0.71 * self.cell_mm * d.length();
-        for j in j0..=j1 {
-            for i in i0..=i1 {
-                let centre = self.origin + self.cell_mm * (DVec2::new(i as f64, j as f64) + 0.5);
-                if i0 == i1 || j0 == j1 || cross(d, centre - a).abs() <= slack {
-                    each(j * self.nx + i);
-                }
-            }
-        }
+        let cells = Cells::over(bounds, cell_mm, 4000);
+        let buckets = Buckets::new(cells, pieces.len(), |i, add| cells.passed(pieces[i].a, pieces[i].b, add));
+        Self { pieces, buckets }
     }
 
     /// Distance from `p` along the unit vector `way` to the next bead or border, and whether it is the border.
@@ -165,8 +114,8 @@ impl Neighbours {
     ) -> Option<Hit> {
         let end = p + far_mm * way;
         let mut best: Option<(f64, u32)> = None;
-        self.cells(p, end, |cell| {
-            for &m in &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
+        self.buckets.cells.passed(p, end, |cell| {
+            for &m in self.buckets.of(cell) {
                 let piece = &self.pieces[m as usize];
                 let d = piece.b - piece.a;
                 let det = cross(way, d);
@@ -198,8 +147,8 @@ impl Neighbours {
     pub fn between(&self, a: DVec2, b: DVec2, own: [DVec2; 2]) -> bool {
         let way = b - a;
         let mut blocked = false;
-        self.cells(a, b, |cell| {
-            for &m in &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
+        self.buckets.cells.passed(a, b, |cell| {
+            for &m in self.buckets.of(cell) {
                 let piece = &self.pieces[m as usize];
                 let ends = [piece.a, piece.b];
                 if piece.line == BORDER || own.iter().any(|p| ends.contains(p)) {
@@ -213,30 +162,26 @@ impl Neighbours {
         blocked
     }
 
-    /// Pairs of segments, as line and segment, that cross or touch without following each other on a closed line.
+    /// Pairs of segments, as line and segment, that cross or touch without following each other on a line.
     pub fn crossings(&self) -> Vec<[(usize, usize); 2]> {
         let mut out = Vec::new();
-        for w in self.starts.windows(2) {
-            let members = &self.members[w[0] as usize..w[1] as usize];
+        let cells = &self.buckets.cells;
+        for cell in 0..cells.nx * cells.ny {
+            let members = self.buckets.of(cell);
             for (k, &i) in members.iter().enumerate() {
                 let p = &self.pieces[i as usize];
                 for &j in &members[k + 1..] {
                     let q = &self.pieces[j as usize];
                     let apart =
                         p.a.max(p.b).cmplt(q.a.min(q.b)).any() || q.a.max(q.b).cmplt(p.a.min(p.b)).any();
-                    if apart || p.line == BORDER || q.line == BORDER {
-                        continue;
-                    }
-                    if p.line == q.line && (p.a == q.b || p.b == q.a) {
+                    let follows = p.line == q.line && (p.a == q.b || p.b == q.a);
+                    if apart || follows || p.line == BORDER || q.line == BORDER {
                         continue;
                     }
                     let sides =
                         |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e - o, p - o) * cross(e - o, q - o);
                     if sides(p.a, p.b, q.a, q.b) <= 0.0 && sides(q.a, q.b, p.a, p.b) <= 0.0 {
-                        out.push([
-                            (p.line as usize, p.segment as usize),
-                            (q.line as usize, q.segment as usize),
-                        ]);
+                        out.push([p, q].map(|s| (s.line as usize, s.segment as usize)));
                     }
                 }
             }

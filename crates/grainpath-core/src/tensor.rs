@@ -1,6 +1,6 @@
 //! One stress tensor: von Mises, principal values and axes. Components xx, yy, zz, xy, yz, zx.
 
-use grainpath_core::DVec3;
+use glam::DVec3;
 
 /// Principal stresses in descending order with their axes: unit vectors without a sign.
 #[derive(Debug, Clone, Copy, PartialEq)]

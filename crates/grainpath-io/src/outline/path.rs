@@ -1,0 +1,280 @@
+//! SVG path data and other lists of numbers, curves cut into straight pieces.
+
+use grainpath_core::DVec2;
+use grainpath_core::math::{acos, atan2, direction, sin_cos};
+
+use super::Line;
+use crate::mesh::MeshError;
+
+/// Walks through numbers parted by space and commas, or by nothing where that is plain.
+pub(super) struct Numbers<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Numbers<'a> {
+    pub(super) fn new(text: &'a str) -> Self {
+        Self { bytes: text.as_bytes(), at: 0 }
+    }
+
+    fn peek(&mut self) -> Option<u8> {
+        while self.bytes.get(self.at).is_some_and(|b| b.is_ascii_whitespace() || *b == b',') {
+            self.at += 1;
+        }
+        self.bytes.get(self.at).copied()
+    }
+
+    fn wrong(&self, wanted: &'static str) -> MeshError {
+        let place = format!("character {}", self.at + 1);
+        let rest = &self.bytes[self.at.min(self.bytes.len())..];
+        match rest.first() {
+            None => MeshError::UnexpectedEnd { place, wanted },
+            Some(_) => {
+                let end = rest.iter().position(|b| b.is_ascii_whitespace()).unwrap_or(rest.len()).min(20);
+                let found = String::from_utf8_lossy(&rest[..end.max(1)]).into_owned();
+                MeshError::Syntax { place, found, wanted }
+            }
+        }
+    }
+
+    /// Whether anything is left.
+    pub(super) fn is_done(&mut self) -> bool {
+        self.peek().is_none()
+    }
+
+    pub(super) fn number(&mut self) -> Result<f64, MeshError> {
+        self.peek();
+        let start = self.at;
+        let (mut i, mut dot, mut digits) = (start, false, false);
+        let byte = |i: usize| self.bytes.get(i).copied().unwrap_or(0);
+        if matches!(byte(i), b'+' | b'-') {
+            i += 1;
+        }
+        loop {
+            match byte(i) {
+                b'0'..=b'9' => digits = true,
+                b'.' if !dot => dot = true,
+                _ => break,
+            }
+            i += 1;
+        }
+        if digits && matches!(byte(i), b'e' | b'E') {
+            let sign = usize::from(matches!(byte(i + 1), b'+' | b'-'));
+            if byte(i + 1 + sign).is_ascii_digit() {
+                i += 1 + sign;
+                while byte(i).is_ascii_digit() {
+                    i += 1;
+                }
+            }
+        }
+        let text = std::str::from_utf8(&self.bytes[start..i]).unwrap_or_default();
+        let value = text.parse::<f64>().ok().filter(|v| digits && v.is_finite());
+        let value = value.ok_or_else(|| self.wrong("a number"))?;
+        self.at = i;
+        Ok(value)
+    }
+
+    pub(super) fn point(&mut self) -> Result<DVec2, MeshError> {
+        Ok(DVec2::new(self.number()?, self.number()?))
+    }
+
+    fn flag(&mut self) -> Result<bool, MeshError> {
+        let flag = match self.peek() {
+            Some(b'0') => false,
+            Some(b'1') => true,
+            _ => return Err(self.wrong("0 or 1")),
+        };
+        self.at += 1;
+        Ok(flag)
+    }
+}
+
+/// The lines of path data; curves lie within `tolerance` of their pieces, in the path's own units.
+pub(super) fn lines(data: &str, tolerance: f64) -> Result<Vec<Line>, MeshError> {
+    let mut words = Numbers::new(data);
+    let mut pen =
+        Pen { lines: Vec::new(), at: DVec2::ZERO, start: DVec2::ZERO, control: None, tolerance, n_points: 0 };
+    let mut command = 0u8;
+    while let Some(next) = words.peek() {
+        if next.is_ascii_alphabetic() {
+            command = next;
+            words.at += 1;
+        } else if command.eq_ignore_ascii_case(&b'z') {
+            return Err(words.wrong("a command"));
+        }
+        if pen.lines.is_empty() && !command.eq_ignore_ascii_case(&b'm') {
+            let place = format!("character {}", words.at);
+            return Err(super::invalid(place, "path data should begin with M"));
+        }
+        pen.draw(command, &mut words)?;
+        if pen.n_points > super::MAX_POINTS {
+            return Err(MeshError::TooMany { what: "points", limit: super::MAX_POINTS as u64 });
+        }
+        // Further pairs after a move are lines.
+        command = match command {
+            b'M' => b'L',
+            b'm' => b'l',
+            c => c,
+        };
+    }
+    Ok(pen.lines)
+}
+
+struct Pen {
+    lines: Vec<Line>,
+    at: DVec2,
+    /// Where the line began.
+    start: DVec2,
+    /// The last control point, and whether the curve was cubic, for those that go on smoothly.
+    control: Option<(DVec2, bool)>,
+    tolerance: f64,
+    n_points: usize,
+}
+
+impl Pen {
+    fn draw(&mut self, command: u8, words: &mut Numbers<'_>) -> Result<(), MeshError> {
+        let base = if command.is_ascii_lowercase() { self.at } else { DVec2::ZERO };
+        let (from, control) = (self.at, self.control.take());
+        let mirrored = |cubic: bool| match control {
+            Some((c, kind)) if kind == cubic => 2.0 * from - c,
+            _ => from,
+        };
+        match command.to_ascii_lowercase() {
+            b'm' => {
+                self.at = base + words.point()?;
+                self.start = self.at;
+                self.lines.push(Line { points: vec![self.at], closed: false });
+            }
+            b'z' => {
+                if let Some(line) = self.lines.last_mut() {
+                    line.closed = true;
+                }
+                self.at = self.start;
+            }
+            b'l' => self.line_to(base + words.point()?),
+            b'h' => {
+                let x = base.x + words.number()?;
+                self.line_to(DVec2::new(x, from.y));
+            }
+            b'v' => {
+                let y = base.y + words.number()?;
+                self.line_to(DVec2::new(from.x, y));
+            }
+            b'c' => {
+                let (a, b, to) = (words.point()?, words.point()?, words.point()?);
+                self.cubic(base + a, base + b, base + to);
+                self.control = Some((base + b, true));
+            }
+            b's' => {
+                let (b, to) = (words.point()?, words.point()?);
+                self.cubic(mirrored(true), base + b, base + to);
+                self.control = Some((base + b, true));
+            }
+            b'q' => {
+                let (c, to) = (words.point()?, words.point()?);
+                self.quadratic(base + c, base + to);
+            }
+            b't' => {
+                let to = words.point()?;
+                self.quadratic(mirrored(false), base + to);
+            }
+            b'a' => {
+                let (radii, turn) = (words.point()?, words.number()?);
+                let (large, sweep) = (words.flag()?, words.flag()?);
+                let to = base + words.point()?;
+                self.arc(radii, turn.to_radians(), large, sweep, to);
+            }
+            _ => {
+                words.at -= 1;
+                return Err(words.wrong("a command"));
+            }
+        }
+        Ok(())
+    }
+
+    fn line_to(&mut self, to: DVec2) {
+        // After Z a line begins anew where the last one began.
+        if self.lines.last().is_none_or(|l| l.closed) {
+            self.lines.push(Line { points: vec![self.at], closed: false });
+        }
+        if let Some(line) = self.lines.last_mut() {
+            line.points.push(to);
+        }
+        self.n_points += 1;
+        self.at = to;
+    }
+
+    fn quadratic(&mut self, control: DVec2, to: DVec2) {
+        let from = self.at;
+        self.cubic(from + 2.0 / 3.0 * (control - from), to + 2.0 / 3.0 * (control - to), to);
+        self.control = Some((control, false));
+    }
+
+    fn cubic(&mut self, a: DVec2, b: DVec2, to: DVec2) {
+        let from = self.at;
+        // A chord over 1/n of the curve is off by at most 1/8 of the second derivative over n squared.
+        let bend = (from - 2.0 * a + b).length().max((a - 2.0 * b + to).length());
+        let n = (0.75 * bend / self.tolerance).sqrt().ceil().clamp(1.0, 1000.0) as usize;
+        for k in 1..n {
+            let t = k as f64 / n as f64;
+            let s = 1.0 - t;
+            self.line_to(s * s * s * from + 3.0 * s * s * t * a + 3.0 * s * t * t * b + t * t * t * to);
+        }
+        self.line_to(to);
+    }
+
+    /// An arc as SVG gives it, by its ends: implementation notes F.6 of SVG 1.1.
+    fn arc(&mut self, radii: DVec2, turn: f64, large: bool, sweep: bool, to: DVec2) {
+        let from = self.at;
+        let mut radii = radii.abs();
+        if from == to {
+            return;
+        }
+        if !(radii.min_element() > 0.0) {
+            return self.line_to(to);
+        }
+        let (sin, cos) = sin_cos(turn);
+        let into = |p: DVec2| DVec2::new(cos * p.x + sin * p.y, cos * p.y - sin * p.x);
+        let half = into(0.5 * (from - to));
+        let excess = (half / radii).length_squared();
+        if excess > 1.0 {
+            radii *= excess.sqrt();
+        }
+        // On the unit circle.
+        let h = half / radii;
+        let away = (1.0 / h.length_squared() - 1.0).max(0.0).sqrt() * if large == sweep { -1.0 } else { 1.0 };
+        let middle = away * DVec2::new(h.y, -h.x);
+        let (first, last) = (h - middle, -h - middle);
+        let begin = atan2(first.y, first.x);
+        let mut angle = atan2(last.y, last.x) - begin;
+        if sweep && angle < 0.0 {
+            angle += std::f64::consts::TAU;
+        } else if !sweep && angle > 0.0 {
+            angle -= std::f64::consts::TAU;
+        }
+        let n = pieces(radii.max_element(), angle.abs(), self.tolerance);
+        let centre = 0.5 * (from + to) + out(middle * radii, sin, cos);
+        for k in 1..n {
+            let p = direction(begin + angle * k as f64 / n as f64) * radii;
+            self.line_to(centre + out(p, sin, cos));
+        }
+        self.line_to(to);
+    }
+}
+
+fn out(p: DVec2, sin: f64, cos: f64) -> DVec2 {
+    DVec2::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y)
+}
+
+/// Into how many pieces an arc is cut so that they lie within `tolerance` of it.
+fn pieces(radius: f64, angle: f64, tolerance: f64) -> usize {
+    let step = 2.0 * acos((1.0 - tolerance / radius).clamp(0.0, 1.0));
+    (angle / step.max(1e-3)).ceil().clamp(1.0, 10_000.0) as usize
+}
+
+/// A whole ellipse.
+pub(super) fn ellipse(centre: DVec2, radii: DVec2, tolerance: f64) -> Line {
+    let n = pieces(radii.max_element(), std::f64::consts::TAU, tolerance).max(8);
+    let point = |k: usize| centre + direction(std::f64::consts::TAU * k as f64 / n as f64) * radii;
+    Line { points: (0..n).map(point).collect(), closed: true }
+}
