@@ -2,7 +2,7 @@
 //! the room there is.
 
 use grainpath_core::math::cross;
-use grainpath_core::poly::{Join, LineClipper};
+use grainpath_core::poly::{Join, LineClipper, perimeter_mm};
 use grainpath_core::units::bead_width_mm;
 use grainpath_core::{BeadWidth, DVec2, Polygon, Region, Toolpath};
 
@@ -14,7 +14,7 @@ use crate::fill::FillContext;
 const NARROWEST: f64 = 0.6;
 const WIDEST: f64 = 1.6;
 /// Rounds of moving beads to the middle of their room.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 4;
 /// A turn of more than this is a corner and stays one: the cosine.
 const CORNER: f64 = 0.64;
 /// Most neighbours are nearer than this, in beads, and nothing further than that is one.
@@ -23,10 +23,14 @@ const FAR: f64 = 2.6;
 /// Further than this from the next bead there is a gap, if it is as wide as it is deep, in beads.
 const GAP: f64 = 1.3;
 const GAP_WIDTH: f64 = 1.5;
+/// Nearer than this nothing lies between a bead and what was its neighbour a step before, in beads.
+const CLOSE: f64 = 1.1;
 /// Sides that differ by more than this are evened out, in beads.
-const UNEVEN: f64 = 0.05;
+const UNEVEN: f64 = 0.08;
 /// How far out of its room a line may lie and still count as in it, mm.
 const ON_EDGE_MM: f64 = 0.002;
+/// A line may lose a loop over itself up to this long, in beads.
+const SMALL_LOOP: f64 = 5.0;
 /// Of two points closer than this one goes, in beads.
 const CLOSEST: f64 = 0.015;
 
@@ -53,12 +57,14 @@ impl Room {
 /// Room to the left and right of a segment's middle.
 type Sides = [Room; 2];
 
-/// Lays rings that do not cross as beads. `room` holds their centrelines, `border` what they are to fill.
+/// Lays rings that do not cross as beads. `room` holds their centrelines, `border` what they are to fill; `thinned`
+/// leaves out points that lie on the line without them.
 pub fn lay(
     rings: Vec<Vec<DVec2>>,
     room: &Polygon,
     border: &Region,
     variable: bool,
+    thinned: bool,
     context: &FillContext<'_>,
 ) -> Vec<Toolpath> {
     let spacing = context.spacing_mm() / context.density;
@@ -80,23 +86,29 @@ pub fn lay(
     }
     // What lies on the room's edge is not to count as out.
     let grown = LineClipper::new(&Region::from(room.clone()).offset(ON_EDGE_MM, Join::Miter(2.0)));
-    undo_trouble(&laid, &mut lines, &grown, spacing);
+    let sound = undo_trouble(&laid, &mut lines, &grown, spacing);
+    if !sound && cut_small_loops(&mut lines, spacing) {
+        sides = rooms(&lines, border, spacing, None);
+    }
     let nominal = context.bead_width_mm;
     if !variable || context.density < 0.999 {
         let path = |l: Line| {
             let widths = vec![nominal; l.points.len()];
-            let points = simplified(&l.points, &widths, true).0;
+            let points = if thinned { simplified(&l.points, &widths, true).0 } else { l.points };
             Toolpath::new(points, nominal, context.role, true)
         };
         return lines.into_iter().map(path).collect();
     }
-    let sides = rooms(&lines, border, spacing, None);
+    // What was even lies as it lay.
+    let uneven = uneven(&sides, spacing);
+    let sides = rooms(&lines, border, spacing, Some((sides, uneven)));
     let path = |(line, sides): (Line, Vec<Sides>)| {
         let n = line.points.len();
         let of_segment: Vec<f64> = sides.iter().map(|s| width(s, spacing, context)).collect();
         let width = |v: usize| 0.5 * (of_segment[v] + of_segment[(v + n - 1) % n]);
         let widths: Vec<f64> = (0..n).map(width).collect();
-        let (points, widths) = simplified(&line.points, &widths, true);
+        let (points, widths) =
+            if thinned { simplified(&line.points, &widths, true) } else { (line.points, widths) };
         Toolpath { width: BeadWidth::PerVertex(widths), ..Toolpath::new(points, nominal, context.role, true) }
     };
     lines.into_iter().zip(sides).map(path).collect()
@@ -116,6 +128,9 @@ fn width(sides: &Sides, spacing_mm: f64, context: &FillContext<'_>) -> f64 {
     width.clamp(NARROWEST * nominal, WIDEST * nominal)
 }
 
+/// Rooms as they were, and which of them are to be looked at again, by line and segment.
+type Known = (Vec<Vec<Sides>>, Vec<Vec<bool>>);
+
 /// Segments whose sides differ, and those around them.
 fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
     let of_line = |sides: &Vec<Sides>| {
@@ -134,24 +149,34 @@ fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
 
 /// The room beside every segment: half way to the next bead along it, or to the border. With `known`, only that of
 /// the segments marked is sought anew.
-fn rooms(
-    lines: &[Line],
-    border: &Region,
-    spacing_mm: f64,
-    known: Option<(Vec<Vec<Sides>>, Vec<Vec<bool>>)>,
-) -> Vec<Vec<Sides>> {
+fn rooms(lines: &[Line], border: &Region, spacing_mm: f64, known: Option<Known>) -> Vec<Vec<Sides>> {
     let neighbours = Neighbours::new(lines, border, 1.5 * spacing_mm);
     let of_line = |(l, line): (usize, &Line)| {
         let n = line.n_segments();
-        let side = |s: usize, left: bool| {
+        let side = |s: usize, left: bool, last: &mut Option<(usize, usize)>| {
             let (a, b) = line.segment(s);
             let way = (b - a).normalize_or(DVec2::X);
             let look = if left { DVec2::new(-way.y, way.x) } else { DVec2::new(way.y, -way.x) };
             let near = |o: usize| o.abs_diff(s) <= 1 || o.abs_diff(s) >= n - 1;
             let middle = 0.5 * (a + b);
+            if let Some((other, before)) = *last {
+                let m = lines[other].n_segments();
+                for o in [before, before + m - 1, before + 1, before + m - 2].map(|o| o % m) {
+                    if other == l && near(o) {
+                        continue;
+                    }
+                    let (p, q) = lines[other].segment(o);
+                    if let Some(d) = beside(middle, look, p, q).filter(|d| *d < CLOSE * spacing_mm) {
+                        *last = Some((other, o));
+                        return Room::Bead(0.5 * d);
+                    }
+                }
+            }
+            *last = None;
             let sees = |far: f64| neighbours.hit(middle, look, far * spacing_mm, |k, o| k == l && near(o));
             let Some(hit) = sees(NEAR).or_else(|| sees(FAR)) else { return Room::Open };
             let Some(other) = hit.line else { return Room::Border(hit.distance_mm) };
+            *last = Some((other, hit.segment));
             if hit.distance_mm > GAP * spacing_mm {
                 // Along the way between two beads one sees far too, but nothing is missing there.
                 let inside = middle + 0.5 * hit.distance_mm * look;
@@ -166,13 +191,27 @@ fn rooms(
             let along = (q - p).normalize_or(DVec2::X).dot(way).abs() > 0.6;
             if along { Room::Bead(0.5 * hit.distance_mm) } else { Room::Open }
         };
+        // Along a bead its neighbour mostly goes on as it did.
+        let mut last = [None; 2];
         let sought = |s: usize| match &known {
             Some((sides, marked)) if !marked[l][s] => sides[l][s],
-            _ => [side(s, true), side(s, false)],
+            _ => [side(s, true, &mut last[0]), side(s, false, &mut last[1])],
         };
         (0..n).map(sought).collect()
     };
     lines.iter().enumerate().map(of_line).collect()
+}
+
+/// How far the segment from `p` to `q` is from `at` in the direction `look`, where it runs across it.
+fn beside(at: DVec2, look: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
+    let d = q - p;
+    let det = cross(look, d);
+    if det.abs() < 0.6 * d.length() {
+        return None;
+    }
+    let to = p - at;
+    let (t, u) = (cross(to, d) / det, cross(to, look) / det);
+    ((0.0..=1.0).contains(&u) && t > 0.0).then_some(t)
 }
 
 /// A line moved towards the middle of its room, and smoothed between its corners.
@@ -213,18 +252,17 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
     let points = (0..n)
         .map(|v| {
             let p = smooth(v);
-            if p.distance(line.points[v]) > 1e-9 && inside.segment_inside(line.points[v], p) {
-                p
-            } else {
-                line.points[v]
-            }
+            // Between other beads there is nothing to leave.
+            let enclosed =
+                [v, (v + n - 1) % n].iter().all(|&s| sides[s].iter().all(|r| matches!(r, Room::Bead(_))));
+            if enclosed || inside.segment_inside(line.points[v], p) { p } else { line.points[v] }
         })
         .collect();
     Line { points, closed: true }
 }
 
-/// Takes moves back where lines cross, or leave the room, because of them.
-fn undo_trouble(before: &[Line], after: &mut [Line], room: &LineClipper, spacing_mm: f64) {
+/// Takes moves back where lines cross, or leave the room, because of them; whether that was enough.
+fn undo_trouble(before: &[Line], after: &mut [Line], room: &LineClipper, spacing_mm: f64) -> bool {
     for round in 0..8 {
         let pairs = Neighbours::new(after, &Region::default(), 1.5 * spacing_mm).crossings();
         let mut trouble: Vec<(usize, usize)> = pairs.into_iter().flatten().collect();
@@ -236,7 +274,7 @@ fn undo_trouble(before: &[Line], after: &mut [Line], room: &LineClipper, spacing
             trouble.extend((0..line.n_segments()).filter(leaves).map(|s| (l, s)));
         }
         if trouble.is_empty() {
-            return;
+            return true;
         }
         for (l, s) in trouble {
             let n = after[l].points.len();
@@ -248,6 +286,41 @@ fn undo_trouble(before: &[Line], after: &mut [Line], room: &LineClipper, spacing
         }
     }
     after.iter_mut().zip(before).for_each(|(a, b)| a.points.clone_from(&b.points));
+    false
+}
+
+/// Takes out short loops that a line makes over itself, and spikes; whether there were any.
+fn cut_small_loops(lines: &mut [Line], spacing_mm: f64) -> bool {
+    let mut changed = false;
+    for _ in 0..8 {
+        let pairs = Neighbours::new(lines, &Region::default(), 1.5 * spacing_mm).crossings();
+        let mut done: Vec<usize> = Vec::new();
+        for [(l, i), (m, j)] in pairs {
+            // Numbers of segments change with the first loop taken out.
+            if l != m || done.contains(&l) {
+                continue;
+            }
+            done.push(l);
+            let line = &lines[l];
+            let ((a, b), (c, d)) = (line.segment(i), line.segment(j));
+            let det = cross(b - a, d - c);
+            let t = if det == 0.0 { 1.0 } else { (cross(c - a, d - c) / det).clamp(0.0, 1.0) };
+            let at = a.lerp(b, t);
+            let inner = || line.points[i + 1..=j].iter().copied().chain([at]);
+            let outer = || line.points[j + 1..].iter().chain(&line.points[..=i]).copied().chain([at]);
+            let length = |points: Vec<DVec2>| perimeter_mm(&points);
+            let (inside, outside) = (length(inner().collect()), length(outer().collect()));
+            if inside.min(outside) < SMALL_LOOP * spacing_mm {
+                let kept = if inside < outside { outer().collect() } else { inner().collect() };
+                lines[l].points = kept;
+                changed = true;
+            }
+        }
+        if done.is_empty() {
+            break;
+        }
+    }
+    changed
 }
 
 /// A closed line without points that lie on each other.

@@ -44,7 +44,7 @@ const LEAST_STRENGTH: f64 = 0.02;
 
 impl Infill for Continuous {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        self.lay(context, room, out, &mut Vec::new());
+        self.lay_island(context, &[room], out, &mut Vec::new());
     }
 }
 
@@ -57,7 +57,12 @@ impl Continuous {
         out: &mut Vec<Toolpath>,
         notes: &mut Vec<Note>,
     ) {
-        verify::necks(rooms, context.bead_width_mm, notes);
+        // Below full density the outermost bead keeps its distance from the wall.
+        let keep_mm =
+            if context.density < 0.999 { 0.5 * context.spacing_mm() / context.density } else { 0.0 };
+        let whole = Region { polygons: rooms.iter().map(|&r| r.clone()).collect() };
+        let rooms = whole.offset(-keep_mm, Join::Miter(3.0)).polygons;
+        verify::necks(&rooms, context.bead_width_mm, notes);
         rooms.iter().for_each(|room| self.lay(context, room, out, notes));
     }
 
@@ -70,8 +75,18 @@ impl Continuous {
         let kept = rings.iter().skip(1).take_while(|p| perimeter_mm(p) > SHORTEST * spacing).count();
         rings.truncate(1 + kept);
         let border = Region::from(room.clone()).offset(context.border_mm, Join::Miter(3.0));
-        let paths = finish::lay(rings, room, &border, self.variable, context);
-        verify::check(&paths, room, spacing, notes);
+        let lay = |thinned: bool| {
+            let rings = rings.clone();
+            let paths = finish::lay(rings, room, &border, self.variable, thinned, context);
+            let found = verify::check(&paths, room, spacing);
+            (paths, found)
+        };
+        let (mut paths, mut found) = lay(true);
+        if found.iter().any(|n| n.what == Problem::Crossing) {
+            // Where beads all but touch, leaving out points is too much.
+            (paths, found) = lay(false);
+        }
+        notes.extend(found);
         out.extend(paths);
     }
 

@@ -57,7 +57,8 @@ impl fmt::Display for Note {
 const SLACK_MM: f64 = 0.01;
 
 /// Looks at the paths of a room: what lies apart from the first one, crossings, and what lies outside.
-pub fn check(paths: &[Toolpath], room: &Polygon, spacing_mm: f64, notes: &mut Vec<Note>) {
+pub fn check(paths: &[Toolpath], room: &Polygon, spacing_mm: f64) -> Vec<Note> {
+    let mut notes = Vec::new();
     for path in paths.iter().skip(1) {
         notes.push(Note { at_mm: path.start(), what: Problem::Apart { length_mm: path.length_mm() } });
     }
@@ -76,10 +77,11 @@ pub fn check(paths: &[Toolpath], room: &Polygon, spacing_mm: f64, notes: &mut Ve
         if out { l.points.first().copied() } else { crossing().map(|s| s.0) }
     };
     notes.extend(lines.iter().filter_map(leaves).map(|at_mm| Note { at_mm, what: Problem::Outside }));
+    notes
 }
 
 /// The necks that part the rooms of one island: each room's nearest way to those before it.
-pub fn necks(rooms: &[&Polygon], bead_width_mm: f64, notes: &mut Vec<Note>) {
+pub fn necks(rooms: &[Polygon], bead_width_mm: f64, notes: &mut Vec<Note>) {
     let nearest = |k: usize| {
         let mut best = (f64::INFINITY, DVec2::ZERO);
         for p in rooms[k].contours().flatten() {

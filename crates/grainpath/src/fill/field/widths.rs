@@ -162,10 +162,10 @@ impl Neighbours {
         blocked
     }
 
-    /// Pairs of segments, as line and segment, that cross or touch without following each other on a closed line.
+    /// Pairs of segments, as line and segment, that cross or touch without following each other on a line.
     pub fn crossings(&self) -> Vec<[(usize, usize); 2]> {
         let mut out = Vec::new();
-        let cells = self.buckets.cells;
+        let cells = &self.buckets.cells;
         for cell in 0..cells.nx * cells.ny {
             let members = self.buckets.of(cell);
             for (k, &i) in members.iter().enumerate() {
@@ -174,19 +174,14 @@ impl Neighbours {
                     let q = &self.pieces[j as usize];
                     let apart =
                         p.a.max(p.b).cmplt(q.a.min(q.b)).any() || q.a.max(q.b).cmplt(p.a.min(p.b)).any();
-                    if apart || p.line == BORDER || q.line == BORDER {
-                        continue;
-                    }
-                    if p.line == q.line && (p.a == q.b || p.b == q.a) {
+                    let follows = p.line == q.line && (p.a == q.b || p.b == q.a);
+                    if apart || follows || p.line == BORDER || q.line == BORDER {
                         continue;
                     }
                     let sides =
                         |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e - o, p - o) * cross(e - o, q - o);
                     if sides(p.a, p.b, q.a, q.b) <= 0.0 && sides(q.a, q.b, p.a, p.b) <= 0.0 {
-                        out.push([
-                            (p.line as usize, p.segment as usize),
-                            (q.line as usize, q.segment as usize),
-                        ]);
+                        out.push([p, q].map(|s| (s.line as usize, s.segment as usize)));
                     }
                 }
             }
