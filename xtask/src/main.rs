@@ -4,6 +4,7 @@
 
 mod arrows;
 mod bench;
+mod bench_continuous;
 mod bench_ct;
 mod bench_fea;
 mod bench_paths;
@@ -27,6 +28,7 @@ const USAGE: &str = "usage: cargo xtask <command>
                    (ball tray bone featuretype armadillo100 skull)
   bench quality    gap, spill, overlap and travel beside the same
   bench photo      a photograph of 12 megapixels to curves, beside OpenCV
+  bench continuous one path a layer: angle, gap, and time up to a million cells
   bench paths      fill along the stress held against CalculiX's principal stresses
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   setup            installs what tests and benches need (Python packages, Chromium, the peers)";
@@ -38,6 +40,7 @@ fn main() -> ExitCode {
         ["test"] => test(true),
         ["test", "--quick"] => test(false),
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
+        ["bench", "continuous"] => bench_continuous::run(),
         ["bench", "paths"] => bench_paths::run(),
         ["bench", "ct", scans @ ..] => bench_ct::run(scans),
         ["bench", "fea", cases @ ..] => bench_fea::run(cases),

@@ -215,7 +215,20 @@ fn gcode_json(name: &str, p: &Program) -> Value {
         "filament_mm": round(p.filament_mm), "retractions": p.retractions, "time_s": round(p.time_s),
         "paths_per_layer_max": p.layers.iter().map(|l| l.paths).max(),
         "nozzle_temp_c": p.nozzle_temp_c, "bed_temp_c": p.bed_temp_c,
-        "thumbnails": p.thumbnails, "warnings": p.warnings,
+        "fibre": fibre_json(p), "thumbnails": p.thumbnails, "warnings": p.warnings,
+    })
+}
+
+/// The fibre of a program, where it lays any.
+fn fibre_json(p: &Program) -> Value {
+    let fibre = grainpath::fibre::measure(p, grainpath_core::DVec2::ZERO, 0.0, 0.0, None);
+    if fibre.layers.is_empty() {
+        return Value::Null;
+    }
+    json!({
+        "length_mm": fibre.length_mm, "pieces": fibre.pieces, "cuts": fibre.cuts,
+        "layers": fibre.layers.len(), "min_radius_mm": fibre.min_radius_mm,
+        "shortest_mm": fibre.layers.iter().map(|l| l.shortest_mm).fold(f64::INFINITY, f64::min),
     })
 }
 

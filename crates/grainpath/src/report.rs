@@ -8,8 +8,10 @@ use grainpath_gcode::{Program, Quality, Written, quality};
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::fibre::FibreReport;
 use crate::grain::{PhotoReport, TextureReport};
 use crate::guide::{Degenerate, Guide};
+use crate::job::Settings;
 use crate::run::Planned;
 use crate::strength::StrengthReport;
 use crate::support::Support;
@@ -46,6 +48,8 @@ pub struct Report {
     pub texture: Option<TextureReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strength: Option<StrengthReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fibre: Option<FibreReport>,
     pub stages_s: BTreeMap<&'static str, f64>,
     pub peak_rss_mb: f64,
     pub warnings: Vec<String>,
@@ -219,6 +223,7 @@ impl Report {
             }),
             stress: planned.guide.as_ref().map(StressReport::from),
             strength: None,
+            fibre: None,
             stages_s: BTreeMap::new(),
             peak_rss_mb: round(peak_rss_mb(), 1),
             warnings: Vec::new(),
@@ -271,6 +276,7 @@ impl Report {
                 100.0 * s.error_estimate
             ));
         }
+        lines.extend(self.fibre.as_ref().map(FibreReport::summary));
         lines.extend(self.strength.as_ref().map(StrengthReport::summary));
         lines.extend(self.support.iter().map(SupportReport::summary));
         if let Some(d) = &self.dimensions {
@@ -342,6 +348,15 @@ pub fn direction_error(planned: &Planned) -> Option<Box<DirectionError<'_>>> {
         let u = direction(axis);
         Some((atan2(cross(u, d).abs(), u.dot(d).abs()).to_degrees(), weight))
     }))
+}
+
+/// Measures the fibre of written G-code; `None` for jobs that lay none.
+pub fn measure_fibre(settings: &Settings, planned: &Planned, program: &Program) -> Option<FibreReport> {
+    let tool = planned.config.fibre.as_ref()?;
+    let shift = planned.plan.plate_from_part_mm.truncate();
+    let off = direction_error(planned);
+    let (radius_mm, density) = (settings.fibre.min_radius_mm, tool.material.density_g_cm3);
+    Some(crate::fibre::measure(program, shift, radius_mm, density, off.as_deref()))
 }
 
 /// Mean and 95th percentile of the angle in degrees between fill and the guide's own axis.
