@@ -174,7 +174,14 @@ fn arc_around(line: &[DVec2], i: usize, out: &[DVec2], floor: usize, least_mm: f
             let half = tan(0.5 * turn.abs());
             let reach = (WIDER * least_mm * half).max(alpha).max(beta);
             grow_back = reach - alpha > before.distance(first);
-            grow_on = reach - beta > last.distance(after);
+            // The next corner, if it is sharp and turns the same way, needs its own share of the line between.
+            let share = line.get(hi + 2).map_or(0.0, |&p| {
+                let next = angle(last, after, p);
+                let alike = next.signum() == turn.signum() && next.abs() < MOST_RAD;
+                let sharp = radius_mm(last, after, p) < SHY * least_mm;
+                if alike && sharp { least_mm * tan(0.5 * next.abs()) } else { 0.0 }
+            });
+            grow_on = reach - beta + share > last.distance(after);
             if !grow_back && !grow_on {
                 let meet = first + alpha * u;
                 let points = arc(meet - reach * u, u, turn, reach / half);
