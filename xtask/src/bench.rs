@@ -11,6 +11,8 @@ use serde_json::Value;
 pub struct Cost {
     /// Wall time.
     pub wall_s: f64,
+    /// Processor time.
+    pub cpu_s: f64,
     /// Highest memory held.
     pub peak_mib: f64,
 }
@@ -24,7 +26,7 @@ pub fn timed(words: &[String], folder: &Path) -> Result<Cost, String> {
 pub fn timed_output(command: &mut Command, folder: &Path) -> Result<(Cost, String), String> {
     let timing = folder.join("time.txt");
     let mut time = Command::new("time");
-    time.args(["-f", "%e %M", "-o"]).arg(&timing).arg(command.get_program()).args(command.get_args());
+    time.args(["-f", "%e %U %S %M", "-o"]).arg(&timing).arg(command.get_program()).args(command.get_args());
     for (key, value) in command.get_envs() {
         if let Some(value) = value {
             time.env(key, value);
@@ -42,8 +44,9 @@ pub fn timed_output(command: &mut Command, folder: &Path) -> Result<(Cost, Strin
     }
     let found = fs::read_to_string(&timing).map_err(|e| format!("{}: {e}", timing.display()))?;
     let mut numbers = found.split_whitespace().filter_map(|w| w.parse::<f64>().ok());
-    let (wall_s, kib) = (numbers.next().unwrap_or(f64::NAN), numbers.next().unwrap_or(f64::NAN));
-    Ok((Cost { wall_s, peak_mib: kib / 1024.0 }, text))
+    let mut next = || numbers.next().unwrap_or(f64::NAN);
+    let (wall_s, user_s, system_s, kib) = (next(), next(), next(), next());
+    Ok((Cost { wall_s, cpu_s: user_s + system_s, peak_mib: kib / 1024.0 }, text))
 }
 
 /// Programs in the order they are printed.
@@ -269,10 +272,14 @@ impl Bench {
     fn cost(&self, program: &str, part: &str, density: f64) -> Result<Option<(Cost, PathBuf)>, String> {
         let out = self.folder.join(format!("{program}_{part}_{}.gcode", 100.0 * density));
         let Some(words) = self.command(program, part, density, &out) else { return Ok(None) };
-        let mut best = Cost { wall_s: f64::INFINITY, peak_mib: 0.0 };
+        let mut best = Cost { wall_s: f64::INFINITY, cpu_s: f64::INFINITY, peak_mib: 0.0 };
         for _ in 0..if density < 1.0 && part != "skull" { RUNS } else { 1 } {
             let cost = timed(&words, &self.folder)?;
-            best = Cost { wall_s: best.wall_s.min(cost.wall_s), peak_mib: best.peak_mib.max(cost.peak_mib) };
+            best = Cost {
+                wall_s: best.wall_s.min(cost.wall_s),
+                cpu_s: best.cpu_s.min(cost.cpu_s),
+                peak_mib: best.peak_mib.max(cost.peak_mib),
+            };
         }
         Ok(Some((best, out)))
     }

@@ -25,6 +25,9 @@ force_n = [0, 0, -500]
 density = 1.0
 ";
 
+/// What [`row`] prints.
+pub const HEADER: &str = "\n| part | fill | seconds | mean deg | within 15 deg | gap % | overlap % | spill % | widths mm |\n|---|---|---|---|---|---|---|---|---|";
+
 /// Runs the tensile bar and the bracket and prints how far their fill lies from CalculiX's principal stresses, with
 /// gap, overlap and spill as the outside check has them.
 pub fn run() -> Result<(), String> {
@@ -43,12 +46,8 @@ pub fn run() -> Result<(), String> {
         Command::new(&grainpath).args(["new", "--force", "stress-lines"]).arg(&folder).stdout(Stdio::null()),
     )?;
 
-    let field = folder.join("bar.npz");
-    python(&["bar".as_ref(), folder.as_path(), field.as_path()])?;
-    println!(
-        "\n| part | fill | seconds | mean deg | within 15 deg | gap % | overlap % | spill % | widths mm |"
-    );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    let field = field_of_bar(&folder)?;
+    println!("{HEADER}");
     for job in ["tension", "tension-seed-lines", "tension-0", "tension-90"] {
         let text = crate::output(
             Command::new(&grainpath)
@@ -125,18 +124,23 @@ fn speed(grainpath: &Path, folder: &Path) -> Result<(), String> {
             report["stress"]["dofs"], report["stages_s"]["guide"], report["stages_s"]["fill"]
         );
     }
-    println!(
-        "\n| part | fill | seconds | mean deg | within 15 deg | gap % | overlap % | spill % | widths mm |"
-    );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!("{HEADER}");
     Ok(())
+}
+
+/// The principal stresses of the tensile bar by gmsh and CalculiX.
+pub fn field_of_bar(folder: &Path) -> Result<PathBuf, String> {
+    let field = folder.join("bar.npz");
+    python(&["bar".as_ref(), folder, field.as_path()])?;
+    Ok(field)
 }
 
 fn python(args: &[&Path]) -> Result<(), String> {
     crate::run(Command::new("python3").arg(crate::root().join("xtask/py/principal_field.py")).args(args))
 }
 
-fn row(
+/// Seconds, angles and shares of one plan as the outside check has them.
+pub fn row(
     part: &str,
     fill: &str,
     report: &str,

@@ -12,6 +12,7 @@ use grainpath_core::{Bounds2, DVec2, Diagnostics};
 use grainpath_gcode::Program;
 use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
+use grainpath_io::volume::SliceSource;
 use grainpath_io::{parse_mesh, parse_outline};
 
 use crate::args::{Common, Markers, New, Profiles, Render, Run, Schema, Slice};
@@ -110,13 +111,15 @@ fn plan(
     }
     if settings.ct.path.is_empty() {
         let (mesh, read_s) = read_body(settings, shape, diagnostics)?;
-        let inputs = grainpath::Inputs { mesh, path, stress: read_stress(settings, base)?, photos };
+        let (stress, texture) = (read_stress(settings, base)?, read_texture(settings, base)?);
+        let inputs = grainpath::Inputs { mesh, path, stress, photos, texture };
         return Ok((grainpath::plan_job(settings, inputs, diagnostics)?, read_s + photos_s));
     }
     let mut source = scan::open(shape, grainpath::config::raw_header(settings).as_ref())?;
-    let stress = read_stress(settings, base)?;
+    let (stress, texture) = (read_stress(settings, base)?, read_texture(settings, base)?);
     let read_s = start.elapsed().as_secs_f64();
-    Ok((grainpath::plan_scan(settings, &mut *source, &path, stress, &photos, diagnostics)?, read_s))
+    let planned = grainpath::plan_scan(settings, &mut *source, &path, stress, &photos, texture, diagnostics)?;
+    Ok((planned, read_s))
 }
 
 /// Limits the threads, where asked for.
@@ -167,9 +170,18 @@ pub fn read_photos(
         let name = path.display().to_string();
         let image =
             decode_luma(&bytes).map_err(|source| grainpath::Error::Image { path: name.clone(), source })?;
-        Ok(Photo::of(name, &image))
+        Ok(Photo::of(name, image))
     };
     own.iter().map(read).collect()
+}
+
+/// The scan named by `guide.volume`, where its texture is followed.
+pub fn read_texture(settings: &Settings, base: &Path) -> Result<Option<Box<dyn SliceSource>>, Failure> {
+    let path = &settings.volume.path;
+    if settings.guide.kind != "grain" || path.is_empty() {
+        return Ok(None);
+    }
+    scan::open(&base.join(path), None).map(Some)
 }
 
 /// The result named by `guide.import`.

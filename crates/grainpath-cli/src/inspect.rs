@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use grainpath::grain::Photo;
+use grainpath::grain::warp::Shrinking;
 use grainpath_core::mesh::{MeshHealth, diagnose, weld_within};
 use grainpath_gcode::{Limits, Program, simulate};
 use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
@@ -120,8 +121,8 @@ fn outline_json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
 }
 
 fn image_json(name: &str, image: &Image) -> Value {
-    let photo = Photo::of(name.to_owned(), image);
-    let grey = &photo.grey;
+    let photo = Photo::of(name.to_owned(), image.clone());
+    let grey = photo.whole();
     let round = |v: f32| (f64::from(v) * 1e3).round() * 1e-3;
     let sample = match image.samples {
         Samples::U8(_) => "8 bit",
@@ -214,7 +215,20 @@ fn gcode_json(name: &str, p: &Program) -> Value {
         "filament_mm": round(p.filament_mm), "retractions": p.retractions, "time_s": round(p.time_s),
         "paths_per_layer_max": p.layers.iter().map(|l| l.paths).max(),
         "nozzle_temp_c": p.nozzle_temp_c, "bed_temp_c": p.bed_temp_c,
-        "thumbnails": p.thumbnails, "warnings": p.warnings,
+        "fibre": fibre_json(p), "thumbnails": p.thumbnails, "warnings": p.warnings,
+    })
+}
+
+/// The fibre of a program, where it lays any.
+fn fibre_json(p: &Program) -> Value {
+    let fibre = grainpath::fibre::measure(p, grainpath_core::DVec2::ZERO, 0.0, 0.0, None);
+    if fibre.layers.is_empty() {
+        return Value::Null;
+    }
+    json!({
+        "length_mm": fibre.length_mm, "pieces": fibre.pieces, "cuts": fibre.cuts,
+        "layers": fibre.layers.len(), "min_radius_mm": fibre.min_radius_mm,
+        "shortest_mm": fibre.layers.iter().map(|l| l.shortest_mm).fold(f64::INFINITY, f64::min),
     })
 }
 

@@ -8,7 +8,7 @@ use grainpath::dimensions::Dimension;
 use grainpath::guide::{lines_svg, lines_vtp};
 use grainpath::job::Settings;
 use grainpath::render::{Bead, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png};
-use grainpath::report::{Report, measure, peak_rss_mb};
+use grainpath::report::{Report, measure, measure_fibre, peak_rss_mb};
 use grainpath::{Planned, html};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::{DVec2, Diagnostics};
@@ -100,7 +100,9 @@ pub fn write(
     diagnostics.begin(Stage::Write, planned.plan.layers.len());
     let thumbnails = thumbnails(settings, &planned)?;
     let tested = planned.test.is_some();
-    let wanted = measured || tested || truth.is_some() || paths.report.is_some() || paths.preview.is_some();
+    let fibre = planned.config.fibre.is_some();
+    let wanted =
+        measured || fibre || tested || truth.is_some() || paths.report.is_some() || paths.preview.is_some();
     let mut copy = Vec::new();
     let written = files::write_atomically(&paths.gcode, |file| {
         let mut tee = Tee { file, copy: wanted.then_some(&mut copy) };
@@ -120,6 +122,8 @@ pub fn write(
     if wanted {
         let program = read_back(settings, &copy)?;
         report.quality = Some(measure(&planned, &program));
+        report.fibre = measure_fibre(settings, &planned, &program);
+        report.fibre.iter().filter_map(|f| f.warning()).for_each(|w| diagnostics.warn(w));
         report.dimensions = truth
             .map(|t| grainpath::dimensions::measure(t, &program, planned.plan.plate_from_part_mm.truncate()));
         drop(copy);
@@ -239,6 +243,7 @@ pub fn picture(layer: &BeadLayer) -> LayerPicture {
         height_mm: layer.height_mm,
         beads: beads.collect(),
         travels: layer.travels.iter().map(|[a, b]| [point(*a), point(*b)]).collect(),
+        cuts: layer.cuts.iter().map(|p| point(*p)).collect(),
     }
 }
 

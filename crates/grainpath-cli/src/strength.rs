@@ -11,7 +11,7 @@ use grainpath_gcode::{Program, simulate, write_gcode};
 use serde_json::{Value, json};
 
 use crate::args::{Common, Compare, Strength};
-use crate::commands::{read_body, read_photos, read_stress, set_threads, settings};
+use crate::commands::{read_body, read_photos, read_stress, read_texture, set_threads, settings};
 use crate::{Failure, files, outputs, progress};
 
 /// A tested input.
@@ -90,7 +90,9 @@ fn one(input: &Path, job: Option<&Path>, common: &Common, mass_g: Option<f64>) -
     let (tested, program) = if is_job(input) {
         let stress = read_stress(&settings, &folder)?;
         let photos = read_photos(&settings, &folder, &diagnostics)?;
-        let inputs = grainpath::Inputs { mesh: file, path: mesh.display().to_string(), stress, photos };
+        let texture = read_texture(&settings, &folder)?;
+        let inputs =
+            grainpath::Inputs { mesh: file, path: mesh.display().to_string(), stress, photos, texture };
         let planned = grainpath::plan_job(&settings, inputs, &diagnostics)?;
         let mut bytes = Vec::new();
         write_gcode(&planned.plan, &planned.config, &[], &mut bytes)

@@ -21,6 +21,8 @@ pub enum Role {
     TopSkin,
     /// Fill of less than full density.
     SparseFill,
+    /// Continuous fibre.
+    Fibre,
     /// Fill over air.
     Bridge,
     /// Loops around the part that start the flow.
@@ -35,7 +37,7 @@ pub enum Role {
 
 impl Role {
     /// Every role.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::OuterWall,
         Self::InnerWall,
         Self::ThinWall,
@@ -43,6 +45,7 @@ impl Role {
         Self::SolidFill,
         Self::TopSkin,
         Self::SparseFill,
+        Self::Fibre,
         Self::Bridge,
         Self::Skirt,
         Self::Brim,
@@ -60,6 +63,7 @@ impl Role {
             Self::SolidFill => "Solid infill",
             Self::TopSkin => "Top solid infill",
             Self::SparseFill => "Internal infill",
+            Self::Fibre => "Fibre infill",
             Self::Bridge => "Bridge infill",
             Self::Skirt => "Skirt",
             Self::Brim => "Brim",

@@ -51,7 +51,7 @@ fn raster(size: DVec2, deg: f64) -> BeadSheet {
         }
         if to - from > 1e-6 {
             let volume_mm3 = (to - from) * BEAD_MM * HEIGHT_MM;
-            beads.push(BeadPiece { a: p + d * from, b: p + d * to, volume_mm3 });
+            beads.push(BeadPiece { a: p + d * from, b: p + d * to, volume_mm3, material: 0 });
         }
     }
     BeadSheet { height_mm: HEIGHT_MM, beads }
@@ -100,7 +100,7 @@ fn pull_laminate(laminate: &Laminate, card: &StrengthCard, within: &dyn Fn(DVec2
         forces_n: &forces,
         load_n: 100.0,
         spared: &spared,
-        card,
+        cards: std::slice::from_ref(card),
         max_bytes: 1 << 30,
     };
     test.run().expect("an answer")
@@ -213,7 +213,7 @@ fn plate_with_hole(size: DVec2, radius: f64, cell_mm: f64) -> Laminate {
         });
         let thickness_mm = inside.count() as f64 / f64::from(n * n);
         if thickness_mm > 0.0 {
-            plies.push(Ply { thickness_mm, angle_rad: 0.0, coherence: 1.0 });
+            plies.push(Ply { thickness_mm, angle_rad: 0.0, coherence: 1.0, material: 0 });
         }
         starts.push(plies.len() as u32);
     }

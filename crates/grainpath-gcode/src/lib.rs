@@ -8,7 +8,7 @@ mod simulate;
 mod write;
 
 pub use kinematics::{Corner, Limits, Move, TimeEstimator};
-pub use machine::{Cooling, Flavour, Machine, Material, Retraction, Speeds};
+pub use machine::{Cooling, FibreTool, Flavour, Machine, Material, Retraction, Speeds};
 pub use quality::{Quality, quality};
 pub use read::{Line, Lines};
 pub use simulate::{Bead, BeadLayer, Program, SimulateError, simulate};

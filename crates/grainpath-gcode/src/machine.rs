@@ -61,6 +61,7 @@ pub struct Speeds {
     pub top: f64,
     pub sparse: f64,
     pub bridge: f64,
+    pub fibre: f64,
     pub support: f64,
     pub support_interface: f64,
     pub adhesion: f64,
@@ -81,6 +82,7 @@ impl Speeds {
             Role::SolidFill => self.solid,
             Role::TopSkin => self.top,
             Role::SparseFill => self.sparse,
+            Role::Fibre => self.fibre,
             Role::Bridge => self.bridge,
             Role::Skirt | Role::Brim => self.adhesion,
             Role::Support => self.support,
@@ -151,4 +153,28 @@ pub struct Material {
     pub pressure_advance: Option<f64>,
     /// The most that melts, mm3/s.
     pub max_volumetric_mm3_s: f64,
+}
+
+/// A tool that lays continuous fibre, and what it lays.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FibreTool {
+    /// The tool's number where fibre has a nozzle of its own; the other is 0. `None` where fibre joins the matrix in
+    /// one nozzle.
+    pub tool: Option<usize>,
+    /// Program that changes to `{tool}`.
+    pub tool_change_gcode: String,
+    /// Program that brings the fibre from the cutter to the nozzle, where a path begins.
+    pub feed_gcode: String,
+    /// Program that cuts.
+    pub cut_gcode: String,
+    /// Length of fibre between cutter and nozzle, mm: it is cut so much before a path's end.
+    pub cutter_mm: f64,
+    /// The first of a path sticks to what is below while this much is laid, mm.
+    pub anchor_mm: f64,
+    /// Speed for that, mm/s.
+    pub anchor_speed_mm_s: f64,
+    /// Diameter of what the tool is fed with, mm.
+    pub filament_mm: f64,
+    /// What is laid.
+    pub material: Material,
 }

@@ -3,19 +3,23 @@
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{Bounds2, DVec2, DVec3};
-use grainpath_gcode::{Cooling, Corner, Flavour, Limits, Machine, Material, Retraction, Speeds, WriteConfig};
+use grainpath_gcode::{
+    Cooling, Corner, FibreTool, Flavour, Limits, Machine, Material, Retraction, Speeds, WriteConfig,
+};
 use grainpath_io::OutlineOptions;
 use grainpath_io::fe::{FeOptions, Order, StressUnit};
 use grainpath_io::volume::{RawHeader, SampleType};
 
-use crate::grain::GrainSettings;
+use crate::fibre::{FibreSettings, Start, Turns};
+use crate::fill::{Continuous, TreeKind};
 use crate::grain::canny::CannySettings;
 use crate::grain::curves::{CurveSettings, Join};
 use crate::grain::guide::{Corners, Mode};
 use crate::grain::tensor::Tangent;
-use crate::job::Settings;
+use crate::grain::{GrainSettings, TextureSettings};
+use crate::job::{MaterialSection, Settings};
 use crate::order::{CombSettings, OrderSettings, Seam, WallOrder};
-use crate::shape::ct::{CtSettings, Denoise, Interpolation, Threshold, Tracing};
+use crate::shape::ct::{CtReport, CtSettings, Denoise, Interpolation, Threshold, Tracing};
 use crate::shape::{Adaptive, Hole, PhotoBoard, Placement, Repair, SliceSettings};
 use crate::support::{Style, SupportSettings};
 
@@ -141,6 +145,45 @@ pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> Gr
     }
 }
 
+/// How a scan's texture is read for a part with these bounds and this height: that of `guide.volume` where it names
+/// one, else the shape's own, of which `own` was found.
+pub(crate) fn texture(
+    s: &Settings,
+    own: Option<&CtReport>,
+    part: Bounds2,
+    height_mm: f64,
+) -> TextureSettings {
+    let (g, v) = (&s.guide, &s.volume);
+    let other = !v.path.is_empty();
+    let mut scan = scan(s);
+    if other {
+        let [x, y] = v.pixel_mm.map_or([None; 2], |p| p.0.map(Some));
+        scan = CtSettings {
+            section: "guide.volume",
+            spacing_mm: [x, y, v.slice_mm],
+            scale: v.scale,
+            window: v.window,
+            crop_px: v.crop_px,
+            flip: ["x", "y", "z"].map(|axis| v.flip.contains(axis)),
+            ..scan
+        };
+    }
+    TextureSettings {
+        scan,
+        name: if other { v.path.clone() } else { s.ct.path.clone() },
+        origin_mm: match own {
+            Some(own) if !other => Some(DVec3::new(0.0, 0.0, -own.bottom_mm)),
+            _ => v.origin_mm.map(DVec3::from),
+        },
+        rotate_rad: if other { v.rotate_deg.to_radians() } else { 0.0 },
+        integration_mm: g.integration_mm,
+        smooth_mm: g.smoothing_mm,
+        darkness: g.darkness,
+        pictures: !s.output.preview.is_empty() || !s.output.report.is_empty(),
+        part: (part, height_mm),
+    }
+}
+
 /// How supports are made; `plate_from_part` is where the part stands on the plate, mm.
 pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> {
     let u = &s.support;
@@ -195,6 +238,7 @@ pub fn scan(s: &Settings) -> CtSettings {
     let (c, p) = (&s.ct, &s.process);
     let [x, y] = c.pixel_mm.map_or([None; 2], |p| p.0.map(Some));
     CtSettings {
+        section: "shape.ct",
         spacing_mm: [x, y, c.slice_mm],
         scale: s.shape.scale,
         window: c.window,
@@ -238,6 +282,22 @@ pub fn raw_header(s: &Settings) -> Option<RawHeader> {
     })
 }
 
+/// One path through each room.
+pub(crate) fn continuous(s: &Settings) -> Continuous {
+    let isotropic = s.guide.kind == "none";
+    Continuous {
+        // Without a field no direction is better than another: cells as long as wide, joined as it comes.
+        tree: if isotropic || s.fill.tree == "undirected" {
+            TreeKind::Undirected
+        } else {
+            TreeKind::Directed
+        },
+        aspect: if isotropic { 1.0 } else { s.fill.cell_aspect },
+        // Fibre has one width.
+        variable: s.fill.widths == "variable" && !s.fibre.enabled,
+    }
+}
+
 pub(crate) fn order(s: &Settings) -> OrderSettings {
     let p = &s.process;
     OrderSettings {
@@ -254,6 +314,8 @@ pub(crate) fn order(s: &Settings) -> OrderSettings {
             max_detour: 2.0,
             clearance_mm: p.bead_width_mm,
         },
+        fibre_last: s.fibre.enabled && s.printer.fibre_tool == "separate",
+        chain_mm: p.chain.then_some(2.0 * p.bead_width_mm),
     }
 }
 
@@ -292,22 +354,51 @@ pub(crate) fn machine(s: &Settings) -> Machine {
     }
 }
 
+fn material(m: &MaterialSection) -> Material {
+    Material {
+        name: m.name.clone(),
+        density_g_cm3: m.density_g_cm3,
+        nozzle_temp_c: m.nozzle_temp_c,
+        first_layer_nozzle_temp_c: m.first_layer_nozzle_temp_c,
+        bed_temp_c: m.bed_temp_c,
+        first_layer_bed_temp_c: m.first_layer_bed_temp_c,
+        flow: m.flow,
+        pressure_advance: m.pressure_advance,
+        max_volumetric_mm3_s: m.max_volumetric_mm3_s,
+    }
+}
+
+/// How fibre is laid, for jobs that lay any.
+pub(crate) fn fibre(s: &Settings) -> Option<FibreSettings> {
+    let f = &s.fibre;
+    f.enabled.then(|| FibreSettings {
+        layers: f.layers.clone(),
+        every: f.every,
+        boxes: f.boxes_mm.iter().map(|b| b.map(DVec3::from)).collect(),
+        bead_width_mm: f.bead_width_mm.unwrap_or(s.process.bead_width_mm),
+        min_radius_mm: f.min_radius_mm,
+        turns: match f.turns.as_str() {
+            "report" => Turns::Report,
+            "cut" => Turns::Cut,
+            _ => Turns::Round,
+        },
+        // What is cut must be anchored before it is.
+        min_length_mm: f.min_length_mm.max(s.printer.fibre_cutter_mm + f.anchor_mm),
+        start: match f.start.as_str() {
+            "nearest" => Start::Nearest,
+            "calm" => Start::Calm,
+            "rear" => Start::Rear,
+            _ => Start::Straight,
+        },
+    })
+}
+
 pub(crate) fn writing(s: &Settings) -> WriteConfig {
     let (p, m, pr) = (&s.process, &s.material, &s.printer);
     let header = [("material", &m.name), ("fill", &s.fill.pattern)];
     WriteConfig {
         machine: machine(s),
-        material: Material {
-            name: m.name.clone(),
-            density_g_cm3: m.density_g_cm3,
-            nozzle_temp_c: m.nozzle_temp_c,
-            first_layer_nozzle_temp_c: m.first_layer_nozzle_temp_c,
-            bed_temp_c: m.bed_temp_c,
-            first_layer_bed_temp_c: m.first_layer_bed_temp_c,
-            flow: m.flow,
-            pressure_advance: m.pressure_advance,
-            max_volumetric_mm3_s: m.max_volumetric_mm3_s,
-        },
+        material: material(m),
         speeds: Speeds {
             outer_wall: p.outer_wall_speed_mm_s,
             inner_wall: p.inner_wall_speed_mm_s,
@@ -318,6 +409,7 @@ pub(crate) fn writing(s: &Settings) -> WriteConfig {
             top: p.top_speed_mm_s,
             sparse: p.sparse_speed_mm_s,
             bridge: p.bridge_speed_mm_s,
+            fibre: s.fibre.speed_mm_s,
             support: s.support.speed_mm_s,
             support_interface: s.support.interface_speed_mm_s,
             adhesion: p.first_layer_speed_mm_s,
@@ -341,6 +433,17 @@ pub(crate) fn writing(s: &Settings) -> WriteConfig {
             unretract_speed_mm_s: pr.unretract_speed_mm_s,
             z_hop_mm: pr.z_hop_mm,
         },
+        fibre: s.fibre.enabled.then(|| FibreTool {
+            tool: (pr.fibre_tool == "separate").then_some(pr.fibre_tool_number),
+            tool_change_gcode: pr.tool_change_gcode.clone(),
+            feed_gcode: pr.fibre_feed_gcode.clone(),
+            cut_gcode: pr.fibre_cut_gcode.clone(),
+            cutter_mm: pr.fibre_cutter_mm,
+            anchor_mm: s.fibre.anchor_mm,
+            anchor_speed_mm_s: s.fibre.anchor_speed_mm_s,
+            filament_mm: pr.fibre_filament_mm.unwrap_or(pr.filament_mm),
+            material: material(&s.fibre_material),
+        }),
         arc_tolerance_mm: p.arcs.then_some(p.arc_tolerance_mm),
         header: header.iter().map(|(key, value)| format!("{key} = {value}")).collect(),
     }

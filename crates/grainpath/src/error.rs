@@ -5,6 +5,7 @@ use grainpath_gcode::GcodeError;
 use grainpath_io::volume::VolumeError;
 use grainpath_io::{ImageError, MeshError};
 
+use crate::fibre::FibreError;
 use crate::grain::GrainError;
 use crate::guide::GuideError;
 use crate::job::JobError;
@@ -29,6 +30,8 @@ pub enum Error {
     Grain { path: String, source: GrainError },
     #[error("guide: {0}")]
     Guide(#[from] GuideError),
+    #[error(transparent)]
+    Fibre(#[from] FibreError),
     #[error("strength: {0}")]
     Strength(#[from] StrengthError),
     #[error(transparent)]
@@ -51,7 +54,9 @@ impl Error {
             // Corners that are given come from the job.
             Self::Grain { source: GrainError::Corners(_), .. } => 2,
             Self::Strength(e) => e.exit_code(),
-            Self::Job(_) | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
+            Self::Job(_)
+            | Self::Fibre(_)
+            | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
             Self::Mesh { .. }
             | Self::Volume(_)
             | Self::Image { .. }

@@ -78,6 +78,9 @@ pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[P
         }
         put(format!("</table></div><figure>{}</figure></div>\n", crate::strength::chart_svg(s)));
     }
+    if let Some(f) = &report.fibre {
+        put(format!("<h2>Fibre</h2>\n<p>{}</p>\n{}", escaped(&f.summary()), fibre_table(f)));
+    }
     if pictures.len() > 1 {
         put(format!("<h2>Layers</h2>\n{}<div class=\"layers\">\n", key()));
         for p in &pictures[1..] {
@@ -108,6 +111,28 @@ pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[P
     }
     put(format!("</table>\n<p>grainpath {}</p>\n</body></html>\n", report.version));
     out
+}
+
+fn fibre_table(f: &crate::fibre::FibreReport) -> String {
+    let mut out = String::from(
+        "<table><tr><th>layer</th><th>z mm</th><th>length mm</th><th>paths</th><th>shortest mm</th><th>cuts</th>\
+         <th>smallest radius mm</th><th>sharper turns</th><th>within 15 degrees</th></tr>",
+    );
+    for l in &f.layers {
+        let radius = l.min_radius_mm.map_or("-".to_owned(), |r| format!("{r:.2}"));
+        let along = l.within_15_deg.map_or("-".to_owned(), |s| format!("{:.1} %", 100.0 * s));
+        out += &format!(
+            "<tr><td>{}</td><td>{}</td><td>{:.1}</td><td>{}</td><td>{:.1}</td><td>{}</td><td>{radius}</td><td>{}</td><td>{along}</td></tr>",
+            l.layer,
+            l.z_mm,
+            l.length_mm,
+            l.paths,
+            l.shortest_mm,
+            l.cuts,
+            l.sharp_turns.len()
+        );
+    }
+    out + "</table>\n"
 }
 
 fn strength_rows(s: &crate::strength::StrengthReport) -> Vec<(&'static str, String)> {

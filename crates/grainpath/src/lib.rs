@@ -7,6 +7,7 @@ pub mod config;
 pub mod dimensions;
 pub mod error;
 pub mod examples;
+pub mod fibre;
 mod field_mesh;
 pub mod fill;
 pub mod grain;

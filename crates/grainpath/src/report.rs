@@ -8,8 +8,10 @@ use grainpath_gcode::{Program, Quality, Written, quality};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::grain::PhotoReport;
+use crate::fibre::FibreReport;
+use crate::grain::{PhotoReport, TextureReport};
 use crate::guide::{Degenerate, Guide};
+use crate::job::Settings;
 use crate::run::Planned;
 use crate::strength::StrengthReport;
 use crate::support::Support;
@@ -43,7 +45,11 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grain: Option<Vec<PhotoReport>>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub texture: Option<TextureReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub strength: Option<StrengthReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fibre: Option<FibreReport>,
     pub stages_s: BTreeMap<&'static str, f64>,
     pub peak_rss_mb: f64,
     pub warnings: Vec<String>,
@@ -201,7 +207,8 @@ impl Report {
             scan: planned.scan.clone(),
             dimensions: None,
             quality: None,
-            grain: planned.grain.as_ref().map(|g| g.photos.clone()),
+            grain: planned.grain.as_ref().filter(|g| g.texture.is_none()).map(|g| g.photos.clone()),
+            texture: planned.grain.as_ref().and_then(|g| g.texture.clone()),
             support: planned.support.as_ref().map(|support| {
                 let of_layer = |l: &grainpath_core::LayerPlan| -> f64 {
                     let paths = l.paths.iter().map(|p| &p.path);
@@ -216,6 +223,7 @@ impl Report {
             }),
             stress: planned.guide.as_ref().map(StressReport::from),
             strength: None,
+            fibre: None,
             stages_s: BTreeMap::new(),
             peak_rss_mb: round(peak_rss_mb(), 1),
             warnings: Vec::new(),
@@ -249,9 +257,15 @@ impl Report {
             if let (Some(mean), Some(p95)) = (q.alignment_mean_deg, q.alignment_p95_deg) {
                 lines.push(format!(
                     "fill along the {}: {mean:.1} degrees off in the mean, {p95:.1} for 95 %",
-                    if self.grain.is_some() { "grain" } else { "stress" }
+                    if self.grain.is_some() || self.texture.is_some() { "grain" } else { "stress" }
                 ));
             }
+        }
+        if let Some(t) = &self.texture {
+            lines.push(format!(
+                "texture of {}: coherence {:.2} in the layers, clear in {:.0} %, leaning {:.0} degrees out of them in the mean",
+                t.file, t.coherence, 100.0 * t.clear_share, t.lean_deg
+            ));
         }
         if let Some(s) = &self.stress {
             lines.push(format!(
@@ -262,6 +276,7 @@ impl Report {
                 100.0 * s.error_estimate
             ));
         }
+        lines.extend(self.fibre.as_ref().map(FibreReport::summary));
         lines.extend(self.strength.as_ref().map(StrengthReport::summary));
         lines.extend(self.support.iter().map(SupportReport::summary));
         if let Some(d) = &self.dimensions {
@@ -333,6 +348,15 @@ pub fn direction_error(planned: &Planned) -> Option<Box<DirectionError<'_>>> {
         let u = direction(axis);
         Some((atan2(cross(u, d).abs(), u.dot(d).abs()).to_degrees(), weight))
     }))
+}
+
+/// Measures the fibre of written G-code; `None` for jobs that lay none.
+pub fn measure_fibre(settings: &Settings, planned: &Planned, program: &Program) -> Option<FibreReport> {
+    let tool = planned.config.fibre.as_ref()?;
+    let shift = planned.plan.plate_from_part_mm.truncate();
+    let off = direction_error(planned);
+    let (radius_mm, density) = (settings.fibre.min_radius_mm, tool.material.density_g_cm3);
+    Some(crate::fibre::measure(program, shift, radius_mm, density, off.as_deref()))
 }
 
 /// Mean and 95th percentile of the angle in degrees between fill and the guide's own axis.

@@ -2,6 +2,7 @@
 //!
 //! A pipeline of stages, each taking values and giving new ones: place and mend, slice, walls, skins, fill, order.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 use std::time::Instant;
 
@@ -9,8 +10,8 @@ use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::math::direction;
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
 use grainpath_core::{
-    BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, DirectionField, Layer, LayerStack, Plan, Polygon, Role,
-    SpeedClass, Toolpath, TriMesh, UniformField,
+    BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, DirectionField, Layer, LayerStack, Plan, Polygon, Region,
+    Role, SpeedClass, Toolpath, TriMesh, UniformField,
 };
 use grainpath_gcode::{WriteConfig, check_fits};
 use grainpath_io::fe::StressField;
@@ -21,10 +22,11 @@ use rayon::prelude::*;
 use crate::adhesion::{AdhesionSettings, brim, skirt};
 use crate::config;
 use crate::error::Error;
-use crate::fill::{FillContext, GUIDED, Infill, Solid, Stripes, bridge_angle_rad, pattern};
+use crate::fibre::{FibreSettings, Tally};
+use crate::fill::{Continuous, FillContext, GUIDED, Infill, Note, Solid, Stripes, bridge_angle_rad, pattern};
 use crate::grain::guide::Mode;
 use crate::grain::lay::{Flow, lay_curves};
-use crate::grain::{GrainGuide, Photo, read_grain};
+use crate::grain::{GrainGuide, Photo, read_grain, read_scan};
 use crate::guide::{self, Guide, GuidedPart};
 use crate::job::Settings;
 use crate::mask::Mask;
@@ -77,6 +79,8 @@ pub struct Inputs {
     pub stress: Option<StressField>,
     /// Photographs whose grain the part is filled with, for `guide.kind = "grain"`.
     pub photos: Vec<Photo>,
+    /// The scan whose texture it is filled along, for `guide.volume`.
+    pub texture: Option<Box<dyn SliceSource>>,
 }
 
 /// Plans a job whose shape is a mesh.
@@ -84,12 +88,21 @@ pub struct Inputs {
 /// # Errors
 /// [`Error`] for a mesh that cannot be sliced, a part that does not fit the bed, a mass that cannot be met, and when
 /// a stop was asked for.
-pub fn plan_job(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) -> Result<Planned, Error> {
+pub fn plan_job(
+    settings: &Settings,
+    mut inputs: Inputs,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
     let shape_error = |source| Error::Shape { path: inputs.path.clone(), source };
     let sliced = mesh_and_layers(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
-    plan_stack(settings, sliced, inputs.stress, &inputs.photos, clock, diagnostics)
+    let scan: Option<&mut dyn SliceSource> = match &mut inputs.texture {
+        Some(other) => Some(&mut **other),
+        None => None,
+    };
+    let grain = GrainSource { photos: &inputs.photos, scan };
+    plan_stack(settings, sliced, inputs.stress, grain, clock, diagnostics)
 }
 
 /// Plans a job whose shape is the board of its photographs.
@@ -115,14 +128,21 @@ pub fn plan_photo(
     };
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack, mesh, ..Sliced::default() };
-    plan_stack(settings, sliced, None, photos, clock, diagnostics)
+    plan_stack(settings, sliced, None, GrainSource { photos, scan: None }, clock, diagnostics)
 }
 
-/// The grain the job asks for.
+/// What the grain of a part is read from, where it follows any: photographs, else a scan.
+struct GrainSource<'a> {
+    photos: &'a [Photo],
+    scan: Option<&'a mut dyn SliceSource>,
+}
+
+/// The grain the job asks for; `own` is what was found in the scan that is the shape.
 fn grain(
     settings: &Settings,
     stack: &LayerStack,
-    photos: &[Photo],
+    own: Option<&shape::ct::CtReport>,
+    source: GrainSource<'_>,
     diagnostics: &Diagnostics,
 ) -> Result<Option<GrainGuide>, Error> {
     if settings.guide.kind != "grain" {
@@ -131,6 +151,12 @@ fn grain(
     let layers = stack.layers();
     let top = layers.last().map_or(0.0, Layer::z_top_mm);
     let part = part_bounds(stack);
+    let GrainSource { photos, scan } = source;
+    if let (true, Some(scan)) = (photos.is_empty(), scan) {
+        let wanted = config::texture(settings, own, part, top);
+        let read = read_scan(scan, &wanted, diagnostics);
+        return read.map(Some).map_err(|e| scan_error(e, &wanted.name));
+    }
     let grain = config::grain(settings, photos.len(), part, top);
     let section = |z_mm: f64| {
         let above = layers.partition_point(|l| l.z_top_mm() < z_mm).min(layers.len().saturating_sub(1));
@@ -140,8 +166,16 @@ fn grain(
     read.map(Some).map_err(|(k, source)| Error::Grain { path: photos[k].name.clone(), source })
 }
 
+fn scan_error(e: shape::ct::CtError, path: &str) -> Error {
+    match e {
+        shape::ct::CtError::Volume(e) => Error::Volume(e),
+        shape::ct::CtError::Shape(source) => Error::Shape { path: path.to_owned(), source },
+    }
+}
+
 /// Plans a job whose shape is a scan, of which a few slices are held at a time. `path` is what errors call it;
-/// `stress` was solved elsewhere, in the scan's own place with its lowest point on the plate.
+/// `stress` was solved elsewhere, in the scan's own place with its lowest point on the plate; `texture` is the scan of
+/// `guide.volume`.
 ///
 /// # Errors
 /// As [`plan_job`], and for files that cannot be read and scans that give no layers.
@@ -151,14 +185,13 @@ pub fn plan_scan(
     path: &str,
     stress: Option<StressField>,
     photos: &[Photo],
+    mut texture: Option<Box<dyn SliceSource>>,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
     let shape_error = |source| Error::Shape { path: path.to_owned(), source };
-    let scan = shape::ct::slice_scan(source, &config::scan(settings), diagnostics).map_err(|e| match e {
-        shape::ct::CtError::Volume(e) => Error::Volume(e),
-        shape::ct::CtError::Shape(source) => shape_error(source),
-    })?;
+    let scan = shape::ct::slice_scan(source, &config::scan(settings), diagnostics)
+        .map_err(|e| scan_error(e, path))?;
     // Only solvers and supports ask for a surface.
     let mesh =
         if settings.guide.kind == "stress" || settings.support.style != "none" || settings.strength.enabled {
@@ -168,7 +201,12 @@ pub fn plan_scan(
         };
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack: scan.stack, mesh, scan: Some(scan.report), ..Sliced::default() };
-    plan_stack(settings, sliced, stress, photos, clock, diagnostics)
+    let texture: &mut dyn SliceSource = match &mut texture {
+        Some(other) => &mut **other,
+        None => source,
+    };
+    let grain = GrainSource { photos, scan: Some(texture) };
+    plan_stack(settings, sliced, stress, grain, clock, diagnostics)
 }
 
 /// A shape as layers, wherever they come from.
@@ -190,7 +228,7 @@ fn plan_stack(
     settings: &Settings,
     sliced: Sliced,
     stress: Option<StressField>,
-    photos: &[Photo],
+    grain_source: GrainSource<'_>,
     mut clock: Clock,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
@@ -198,11 +236,13 @@ fn plan_stack(
     let part = part_bounds(&stack);
     let plate_from_part_mm = plate_from_part(settings, part);
     check_bed(settings, &stack, part, plate_from_part_mm)?;
+    let fibre = config::fibre(settings);
+    fibre.iter().try_for_each(|f| f.check(&stack, part))?;
     let guide = {
         let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
         guide::build(settings, &guided, stress, diagnostics)?
     };
-    let grain = grain(settings, &stack, photos, diagnostics)?;
+    let grain = grain(settings, &stack, scan.as_ref(), grain_source, diagnostics)?;
     let test = settings.strength.enabled.then(|| TestSetup::of(settings, &mesh, &stack)).transpose()?;
     if guide.is_some() || grain.is_some() {
         clock.stop(Stage::Guide);
@@ -231,7 +271,10 @@ fn plan_stack(
         support: support.as_ref(),
         guide: guide.as_ref(),
         grain: grain.as_ref(),
+        fibre: fibre.as_ref(),
         uniform,
+        continuous: config::continuous(settings),
+        notes: Mutex::default(),
     };
     diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
     let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
@@ -239,6 +282,7 @@ fn plan_stack(
     drop(fills);
     let density = job.density(&walls, &skins)?;
     let layers = job.fill(walls, &skins, density, diagnostics)?;
+    job.tell_notes(diagnostics);
     drop(skins);
     clock.stop(Stage::Fill);
     let layers = order_stack(&stack, layers, &config::order(settings), diagnostics)?;
@@ -392,6 +436,14 @@ fn check_bed(settings: &Settings, stack: &LayerStack, part: Bounds2, shift: DVec
     Ok(())
 }
 
+/// How a room is to be filled.
+struct Wanted<'a> {
+    density: f64,
+    role: Role,
+    pattern: Option<&'a dyn Infill>,
+    grain: Option<&'a GrainGuide>,
+}
+
 struct Job<'a> {
     settings: &'a Settings,
     stack: &'a LayerStack,
@@ -399,8 +451,13 @@ struct Job<'a> {
     support: Option<&'a Support>,
     guide: Option<&'a Guide>,
     grain: Option<&'a GrainGuide>,
+    /// How fibre is laid, where any is.
+    fibre: Option<&'a FibreSettings>,
     /// The field of `kind = "angle"`.
     uniform: UniformField,
+    continuous: Continuous,
+    /// What kept islands from being one path, by layer and role.
+    notes: Mutex<BTreeMap<(usize, Role), Vec<Note>>>,
 }
 
 impl Job<'_> {
@@ -464,7 +521,12 @@ impl Job<'_> {
             dense: self.settings.fill.density >= 0.999 && self.settings.fill.mass_g.is_none(),
         };
         let walls: Vec<Mutex<&mut Vec<Island>>> = walls.iter_mut().map(Mutex::new).collect();
+        // One path knows no skins: where all is dense it takes the whole room.
+        let whole = self.settings.fill.pattern == "continuous" && settings.dense;
         split_stack(&input, self.part, &settings, diagnostics, |i, mut split| {
+            if whole {
+                split = SkinSplit { solid: fills[i].clone(), below: split.below, ..SkinSplit::default() };
+            }
             if let Some(below) = split.below.take() {
                 let mut islands = walls[i].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 islands
@@ -483,28 +545,38 @@ impl Job<'_> {
         skins: &[SkinSplit],
         density: f64,
         diagnostics: &Diagnostics,
-    ) -> Result<Vec<LayerPaths>, Interrupted> {
+    ) -> Result<Vec<LayerPaths>, Error> {
         let adhesion = self.adhesion();
         let like = self.alike(skins);
+        // What was noted while a density was sought is of no matter.
+        self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clear();
         let lay = |i: usize| {
             diagnostics.check()?;
             let mut paths = Vec::new();
+            let mut tally = Tally::default();
             if like[i] == i {
-                self.dense_fill(i, &skins[i], &mut |island, path| paths.push((island, path)));
-                self.sparse_fill(i, &skins[i], density, &mut |island, path| paths.push((island, path)));
+                let mut add = |island, path| paths.push((island, path));
+                tally = self.dense_fill(i, &skins[i], &mut add);
+                tally = tally.and(self.sparse_fill(i, &skins[i], density, &mut add));
             }
             diagnostics.advance(1);
-            Ok(paths)
+            Ok((paths, tally))
         };
-        let laid: Vec<Result<IslandPaths, Interrupted>> = (0..walls.len())
+        let laid: Vec<Result<(IslandPaths, Tally), Interrupted>> = (0..walls.len())
             .into_par_iter()
             .with_min_len(if self.guide.is_some() { 1 } else { 2 })
             .map(lay)
             .collect();
-        let mut laid = laid.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let (mut laid, tallies): (Vec<_>, Vec<_>) =
+            laid.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
         // Copies first: the layers they are copied from come later or are taken whole.
         for i in (0..laid.len()).rev().filter(|&i| like[i] != i) {
             laid[i] = laid[like[i]].clone();
+        }
+        if let Some(fibre) = self.fibre {
+            let all = like.iter().map(|&i| tallies[i]).fold(Tally::default(), Tally::and);
+            let any = laid.iter().flatten().any(|(_, p)| p.role == Role::Fibre);
+            fibre.came_to(&all, any, diagnostics)?;
         }
         let mut supports: Vec<Vec<Island>> =
             (0..laid.len()).into_par_iter().map(|i| self.supports(i)).collect();
@@ -532,6 +604,7 @@ impl Job<'_> {
                     && skins[i] == skins[j]
                     && self.guide.is_none_or(|g| g.same(i, j))
                     && self.grain.is_none_or(GrainGuide::is_upright)
+                    && self.fibre.is_none_or(|f| f.same((i, self.z_mid_mm(i)), (j, self.z_mid_mm(j))))
             };
             if let Some(j) = (i.saturating_sub(2)..i).rev().find(same) {
                 like[i] = like[j];
@@ -540,10 +613,15 @@ impl Job<'_> {
         like
     }
 
+    fn z_mid_mm(&self, layer_idx: usize) -> f64 {
+        let layer = &self.stack.layers()[layer_idx];
+        layer.z_top_mm() - 0.5 * layer.height_mm()
+    }
+
     fn context(&self, layer_idx: usize, density: f64, role: Role) -> FillContext<'_> {
         let layer = &self.stack.layers()[layer_idx];
         FillContext {
-            z_mid_mm: layer.z_top_mm() - 0.5 * layer.height_mm(),
+            z_mid_mm: self.z_mid_mm(layer_idx),
             height_mm: layer.height_mm(),
             bead_width_mm: self.settings.process.bead_width_mm,
             density,
@@ -564,6 +642,9 @@ impl Job<'_> {
     fn border_mm(&self, layer: &Layer) -> f64 {
         let w = self.settings.process.bead_width_mm;
         let s = bead_spacing_mm(w, layer.height_mm());
+        if self.settings.process.walls == 0 {
+            return 0.5 * w;
+        }
         (0.5 - self.settings.fill.overlap) * s + 0.5 * (w - s)
     }
 
@@ -582,35 +663,145 @@ impl Job<'_> {
     }
 
     /// Skins, bridges, and the inside where it is dense.
-    fn dense_fill(&self, i: usize, split: &SkinSplit, add: &mut dyn FnMut(usize, Toolpath)) {
+    fn dense_fill(&self, i: usize, split: &SkinSplit, add: &mut dyn FnMut(usize, Toolpath)) -> Tally {
         let mut paths = Vec::new();
-        // Skins over sparse fill stay straight lines: they close the part.
-        let grain = self.grain.filter(|_| self.settings.fill.density >= 0.999);
+        let mut tally = Tally::default();
+        let fill = &self.settings.fill;
+        let all_dense = fill.density >= 0.999;
+        // Skins over sparse fill stay straight lines without fibre: they close the part.
+        let grain = self.grain.filter(|_| all_dense);
+        let fibre = self.fibre.filter(|_| all_dense);
         for (polygons, role) in [(&split.solid, Role::SolidFill), (&split.top, Role::TopSkin)] {
-            let context = self.context(i, 1.0, role);
-            for (island, polygon) in polygons {
-                match grain {
-                    Some(grain) => self.along_grain(grain, &context, polygon, &mut paths),
-                    None => self.dense_pattern().fill(&context, polygon, &mut paths),
-                }
-                paths.drain(..).for_each(|p| add(*island, p));
+            let asked =
+                Wanted { density: 1.0, role, pattern: Some(self.dense_pattern(&fill.pattern)), grain };
+            for rooms in polygons.chunk_by(|a, b| a.0 == b.0) {
+                tally = tally.and(self.rooms(i, rooms, &asked, fibre, &mut paths));
+                paths.drain(..).for_each(|p| add(rooms[0].0, p));
             }
         }
         for (island, polygon) in &split.bridge {
             self.bridge(i, polygon, &mut paths);
             paths.drain(..).for_each(|p| add(*island, p));
         }
+        tally
     }
 
     /// Dense fill beside sparse one is plain; where all is dense it is the pattern asked for, and a part with a
     /// guide follows it in its skins too.
-    fn dense_pattern(&self) -> &'static dyn Infill {
-        let fill = &self.settings.fill;
-        match fill.pattern.as_str() {
-            "concentric" if fill.density >= 0.999 => &crate::fill::Concentric,
+    fn dense_pattern(&self, name: &str) -> &dyn Infill {
+        match name {
+            "continuous" => &self.continuous,
+            "concentric" if self.settings.fill.density >= 0.999 => &crate::fill::Concentric,
             "stripes" | "streamlines" => &Stripes,
             "seed-lines" => &crate::fill::SeedLines,
             _ => &Solid,
+        }
+    }
+
+    /// Whether all fill of an island is to be one path.
+    fn is_continuous(&self) -> bool {
+        self.settings.fill.pattern == "continuous" && self.grain.is_none_or(|g| g.mode == Mode::Field)
+    }
+
+    /// Warns of each kind of trouble once, at its first place, and says in how many layers more it is.
+    fn tell_notes(&self, diagnostics: &Diagnostics) {
+        let all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut told = Vec::new();
+        for (&(layer_idx, _), note) in all.iter().flat_map(|(key, notes)| notes.iter().map(move |n| (key, n)))
+        {
+            let kind = std::mem::discriminant(&note.what);
+            if told.contains(&kind) {
+                continue;
+            }
+            told.push(kind);
+            let same = |notes: &[Note]| notes.iter().any(|n| std::mem::discriminant(&n.what) == kind);
+            let layers: BTreeSet<usize> =
+                all.iter().filter(|(_, notes)| same(notes)).map(|(key, _)| key.0).collect();
+            let more = match layers.len() - 1 {
+                0 => String::new(),
+                n => format!(" (and the like in {n} more)"),
+            };
+            let z_mm = self.stack.layers()[layer_idx].z_top_mm();
+            diagnostics
+                .warn_at(1 + layer_idx, format!("layer {} at {z_mm:.2} mm{more}: {note}", layer_idx + 1));
+        }
+    }
+
+    /// Fills the rooms of an island, with fibre where that is asked for and the matrix around it.
+    fn rooms(
+        &self,
+        i: usize,
+        rooms: &[IslandPolygon],
+        asked: &Wanted<'_>,
+        fibre: Option<&FibreSettings>,
+        out: &mut Vec<Toolpath>,
+    ) -> Tally {
+        let mut context = self.context(i, asked.density, asked.role);
+        let Some(fibre) = fibre else {
+            let rooms: Vec<&Polygon> = rooms.iter().map(|r| &r.1).collect();
+            self.fill_rooms(i, &context, &rooms, asked, out);
+            return Tally::default();
+        };
+        let z_mm = self.z_mid_mm(i);
+        let matrix_mm = self.settings.process.bead_width_mm;
+        let (mut with, mut without) = (Vec::new(), Vec::new());
+        for (_, room) in rooms {
+            let (a, b) = fibre.split((i, z_mm), context.height_mm, room, matrix_mm);
+            with.extend(a);
+            without.extend(b);
+        }
+        let f = &self.settings.fibre;
+        let density = f.matrix_density;
+        if density > 0.0 {
+            let dense = density >= 0.999;
+            let role = if dense { asked.role } else { Role::SparseFill };
+            let name = f.matrix_pattern.as_str();
+            let matrix = if dense { Some(self.dense_pattern(name)) } else { self.pattern(name) };
+            if let Some(matrix) = matrix {
+                let context = self.context(i, density, role);
+                without.iter().for_each(|room| matrix.fill(&context, room, out));
+            }
+        }
+        context.bead_width_mm = fibre.bead_width_mm;
+        context.border_mm += 0.5 * (fibre.bead_width_mm - matrix_mm);
+        let load = |p: DVec2| self.guide.map_or(0.0, |guide| guide.asked(i, p.extend(z_mm)).1);
+        let mut paths = Vec::new();
+        self.fill_rooms(i, &context, &with.iter().collect::<Vec<_>>(), asked, &mut paths);
+        fibre.lay(paths, &Region { polygons: with }, &load, self.settings.process.chain, out)
+    }
+
+    /// Fills the rooms of an island; as one path where that is asked for and can be.
+    fn fill_rooms(
+        &self,
+        i: usize,
+        context: &FillContext<'_>,
+        rooms: &[&Polygon],
+        asked: &Wanted<'_>,
+        out: &mut Vec<Toolpath>,
+    ) {
+        if self.is_continuous() {
+            let mut notes = Vec::new();
+            self.continuous.lay_island(context, rooms, out, &mut notes);
+            if !notes.is_empty() {
+                let mut all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                all.entry((i, context.role)).or_default().extend(notes);
+            }
+            return;
+        }
+        for room in rooms {
+            match (asked.grain, asked.pattern) {
+                (Some(grain), _) => self.along_grain(grain, context, room, out),
+                (None, Some(pattern)) => pattern.fill(context, room, out),
+                (None, None) => {}
+            }
+        }
+    }
+
+    /// A pattern for the inside.
+    fn pattern(&self, name: &str) -> Option<&dyn Infill> {
+        match name {
+            "continuous" => Some(&self.continuous),
+            name => pattern(name).map(|p| p as &dyn Infill),
         }
     }
 
@@ -628,21 +819,26 @@ impl Job<'_> {
         }
     }
 
-    fn sparse_fill(&self, i: usize, split: &SkinSplit, density: f64, add: &mut dyn FnMut(usize, Toolpath)) {
+    fn sparse_fill(
+        &self,
+        i: usize,
+        split: &SkinSplit,
+        density: f64,
+        add: &mut dyn FnMut(usize, Toolpath),
+    ) -> Tally {
+        let mut tally = Tally::default();
         if density <= 0.0 {
-            return;
+            return tally;
         }
-        let Some(infill) = pattern(&self.settings.fill.pattern) else { return };
         let role = if density >= 0.999 { Role::SolidFill } else { Role::SparseFill };
-        let context = self.context(i, density, role);
+        let pattern = self.pattern(&self.settings.fill.pattern);
+        let asked = Wanted { density, role, pattern, grain: self.grain };
         let mut paths = Vec::new();
-        for (island, polygon) in &split.sparse {
-            match self.grain {
-                Some(grain) => self.along_grain(grain, &context, polygon, &mut paths),
-                None => infill.fill(&context, polygon, &mut paths),
-            }
-            paths.drain(..).for_each(|p| add(*island, p));
+        for rooms in split.sparse.chunk_by(|a, b| a.0 == b.0) {
+            tally = tally.and(self.rooms(i, rooms, &asked, self.fibre, &mut paths));
+            paths.drain(..).for_each(|p| add(rooms[0].0, p));
         }
+        tally
     }
 
     /// Fills a room with the grain: the picture's edges, the guided pattern asked for, or else stripes where it is
@@ -659,7 +855,7 @@ impl Job<'_> {
         let sparseness = |p: DVec2| grain.sparseness(p.extend(z_mm));
         let flow = Flow { axis: &axis, sparseness: grain.has_darkness().then_some(&sparseness) };
         let name = self.settings.fill.pattern.as_str();
-        match (grain.mode, pattern(name).filter(|_| GUIDED.contains(&name))) {
+        match (grain.mode, self.pattern(name).filter(|_| GUIDED.contains(&name))) {
             (Mode::Edges, _) => lay_curves(context, room, &grain.curves(z_mm), &flow, out),
             (Mode::Field, Some(asked)) => asked.fill(context, room, out),
             (Mode::Field, None) if context.density >= 0.999 => Stripes.fill(context, room, out),
@@ -708,28 +904,31 @@ impl Job<'_> {
     /// The density asked for, or the one that gives the mass asked for.
     fn density(&self, walls: &[Vec<Island>], skins: &[SkinSplit]) -> Result<f64, Error> {
         let Some(asked_g) = self.settings.fill.mass_g else { return Ok(self.settings.fill.density) };
-        let m = &self.settings.material;
-        let grams = |mm3: f64| mm3 * 1e-3 * m.density_g_cm3 * m.flow;
+        let grams = |path: &Toolpath, height_mm: f64| {
+            let s = self.settings;
+            let m = if path.role == Role::Fibre { &s.fibre_material } else { &s.material };
+            path.volume_mm3(height_mm) * 1e-3 * m.density_g_cm3 * m.flow
+        };
         let layers: Vec<usize> = (0..self.stack.layers().len()).collect();
         let sum = |each: &(dyn Fn(usize) -> f64 + Sync)| -> f64 {
             // Collected in order and added one after the other: the same sum for any number of threads.
             layers.par_iter().map(|&i| each(i)).collect::<Vec<f64>>().into_iter().sum()
         };
         let height = |i: usize| self.stack.layers()[i].height_mm();
-        let fixed = grams(sum(&|i| {
+        let fixed = sum(&|i| {
             let walls =
                 walls[i].iter().flat_map(|island| island.walls.iter().map(|w| &w.path).chain(&island.fills));
-            let mut volume: f64 = walls.map(|p| p.volume_mm3(height(i))).sum();
-            self.dense_fill(i, &skins[i], &mut |_, p| volume += p.volume_mm3(height(i)));
-            volume
-        }));
+            let mut mass: f64 = walls.map(|p| grams(p, height(i))).sum();
+            self.dense_fill(i, &skins[i], &mut |_, p| mass += grams(&p, height(i)));
+            mass
+        });
         let mass = |density: f64| {
             fixed
-                + grams(sum(&|i| {
-                    let mut volume = 0.0;
-                    self.sparse_fill(i, &skins[i], density, &mut |_, p| volume += p.volume_mm3(height(i)));
-                    volume
-                }))
+                + sum(&|i| {
+                    let mut mass = 0.0;
+                    self.sparse_fill(i, &skins[i], density, &mut |_, p| mass += grams(&p, height(i)));
+                    mass
+                })
         };
         // Mass is nearly proportional to density: two or three steps along the chord find most.
         let mut density = 0.3;

@@ -1,13 +1,15 @@
-//! Paths along the grain of real photographs, against an independent structure tensor in numpy.
+//! Paths along the grain of real photographs and scans, against independent structure tensors in numpy.
 
 use std::path::Path;
 use std::process::Command;
 
 use grainpath::grain::Photo;
+use grainpath::grain::warp::Shrinking;
 use grainpath::job::parse_job;
 use grainpath_core::math::{atan2, cos, sin};
-use grainpath_core::{DVec2, Diagnostics, Role};
+use grainpath_core::{DVec2, DVec3, Diagnostics, Role, TriMesh};
 use grainpath_io::image::decode;
+use grainpath_io::volume::{Files, open_volume};
 
 /// Width of the board, mm.
 const WIDTH_MM: f64 = 40.0;
@@ -18,7 +20,7 @@ fn photo(name: &str) -> Option<Photo> {
         println!("skipped: no ../shared/data");
         return None;
     };
-    Some(Photo::of(name.to_owned(), &decode(&bytes).expect(name)))
+    Some(Photo::of(name.to_owned(), decode(&bytes).expect(name)))
 }
 
 /// Angle from +X (rows downwards) and coherence at every pixel, rows from the top.
@@ -26,14 +28,14 @@ fn independent(photo: &Photo) -> Option<Vec<f32>> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let source = folder.join(format!("{}.in", photo.name));
     let target = folder.join(format!("{}.out", photo.name));
-    let raw: Vec<u8> = photo.grey.data.iter().flat_map(|v| v.to_le_bytes()).collect();
+    let raw: Vec<u8> = photo.whole().data.iter().flat_map(|v| v.to_le_bytes()).collect();
     std::fs::write(&source, raw).expect("a file for the test");
-    let px_mm = WIDTH_MM / photo.grey.width as f64;
+    let px_mm = WIDTH_MM / photo.size()[0] as f64;
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/structure_tensor.py");
     let done = Command::new("python3")
         .arg(script)
         .args([&source, &target])
-        .args([photo.grey.width.to_string(), photo.grey.height.to_string()])
+        .args(photo.size().map(|n| n.to_string()))
         .args([(0.15 / px_mm).max(1.0).to_string(), (0.6 / px_mm).max(2.0).to_string()])
         .output();
     if !done.as_ref().is_ok_and(|o| o.status.success()) {
@@ -58,7 +60,7 @@ fn paths_agree_with_an_independent_structure_tensor() {
     ] {
         let Some(photo) = photo(name) else { return };
         let Some(truth) = independent(&photo) else { return };
-        let (w, h) = (photo.grey.width, photo.grey.height);
+        let [w, h] = photo.size();
         let job = format!(
             "[shape.photo]\nfiles = [\"{name}\"]\nsize_mm = [{WIDTH_MM}, {}]\nthickness_mm = 0.2\n\
              [guide]\nkind = \"grain\"\n[fill]\ndensity = 1.0\n[process]\nwalls = 1\n",
@@ -92,4 +94,105 @@ fn paths_agree_with_an_independent_structure_tensor() {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn paths_along_a_scans_texture_agree_with_an_independent_tensor() {
+    const VOXEL_MM: f64 = 0.25;
+    let mut wrong = Vec::new();
+    for name in ["bone_128x128x128_u8.tif", "weave_150x150x150_u8.tif"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/ct").join(name);
+        if !path.is_file() {
+            println!("skipped: no ../shared/data");
+            return;
+        }
+        let shown = path.display().to_string();
+        let open = || {
+            let files = Files::single(shown.clone(), |name| Ok(Box::new(std::fs::File::open(name)?)));
+            open_volume(files, None).expect(name)
+        };
+        let mut source = open();
+        let [nx, ny, nz] = source.info().size;
+        let (mut slice, mut raw) = (Vec::new(), Vec::new());
+        while source.next_slice(&mut slice).expect(name) {
+            raw.extend(slice.iter().flat_map(|v| v.to_le_bytes()));
+        }
+        let middle = nz / 2;
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+        let (from, to) = (folder.join(format!("{name}.in")), folder.join(format!("{name}.out")));
+        std::fs::write(&from, raw).expect("a file for the test");
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/structure_tensor_3d.py");
+        let numbers = [nx, ny, nz].map(|n| n.to_string());
+        let done = Command::new("python3")
+            .arg(script)
+            .args([&from, &to])
+            .args(numbers)
+            .args([(0.6 / VOXEL_MM).to_string(), middle.to_string()])
+            .output();
+        if !done.as_ref().is_ok_and(|o| o.status.success()) {
+            println!("skipped: no python3 with numpy and scipy");
+            return;
+        }
+        let bytes = std::fs::read(&to).expect("what the script wrote");
+        let truth: Vec<f32> =
+            bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+        // One layer at the height of the middle slice, filled along the scan: as wide as it, less a margin.
+        let (w, h) = (nx as f64 * VOXEL_MM, ny as f64 * VOXEL_MM);
+        let job = format!(
+            "[shape]\nmesh = \"a.stl\"\n[guide]\nkind = \"grain\"\nsmoothing_mm = 0.3\n[guide.volume]\npath = \"a\"\n\
+             pixel_mm = {VOXEL_MM}\nslice_mm = {VOXEL_MM}\norigin_mm = [0, 0, {}]\n[fill]\ndensity = 1.0\n[process]\nwalls = 1\n",
+            0.1 - (middle as f64 + 0.5) * VOXEL_MM
+        );
+        let settings = parse_job(&job, "job.toml", &[], &|_| Err(String::new())).expect("a good job");
+        let block = block(DVec3::new(1.0, 1.0, 0.0), DVec3::new(w - 1.0, h - 1.0, 0.2));
+        let body = grainpath_io::Body { mesh: block, ..Default::default() };
+        let mesh = grainpath_io::MeshFile {
+            format: grainpath_io::MeshFormat::StlBinary,
+            bodies: vec![body],
+            unit: None,
+            warnings: Vec::new(),
+        };
+        let inputs = grainpath::Inputs {
+            mesh,
+            path: "a.stl".into(),
+            stress: None,
+            photos: Vec::new(),
+            texture: Some(open()),
+        };
+        let planned = grainpath::plan_job(&settings, inputs, &Diagnostics::default()).expect(name);
+        let (mut sum, mut length) = (0.0, 0.0);
+        let paths = planned.plan.layers[0].paths.iter().map(|p| &p.path);
+        for path in paths.filter(|p| matches!(p.role, Role::SolidFill | Role::TopSkin)) {
+            for (a, b, _) in (0..path.n_segments()).map(|k| path.segment(k)) {
+                let n = (a.distance(b) / 0.1).ceil().max(1.0);
+                for k in 0..n as usize {
+                    let p: DVec2 = a.lerp(b, (k as f64 + 0.5) / n) / VOXEL_MM;
+                    let i = (p.y as usize).min(ny - 1) * nx + (p.x as usize).min(nx - 1);
+                    if truth[nx * ny + i] > 0.3 {
+                        let off = 2.0 * (atan2(b.y - a.y, b.x - a.x) - f64::from(truth[i]));
+                        sum += 0.5 * atan2(sin(off), cos(off)).abs().to_degrees() * a.distance(b) / n;
+                        length += a.distance(b) / n;
+                    }
+                }
+            }
+        }
+        let row = format!("{name}: {:.2} degrees over {length:.0} mm", sum / length);
+        println!("{row}");
+        if sum / length > 8.0 || length < 400.0 {
+            wrong.push(row);
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+fn block(low: DVec3, high: DVec3) -> TriMesh {
+    let corner = |k: usize| {
+        let pick = |bit: usize, a: f64, b: f64| if k >> bit & 1 == 1 { b } else { a };
+        DVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z))
+    };
+    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    TriMesh {
+        vertices: (0..8).map(corner).collect(),
+        triangles: sides.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect(),
+    }
 }

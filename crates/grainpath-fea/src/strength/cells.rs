@@ -13,6 +13,8 @@ pub struct BeadPiece {
     pub b: DVec2,
     /// What it holds, mm3.
     pub volume_mm3: f64,
+    /// What it is made of: number of its card.
+    pub material: u8,
 }
 
 /// The beads of one layer.
@@ -45,7 +47,7 @@ impl Grid {
     }
 }
 
-/// Directions are kept apart in this many fans, the first around x; a half turn has them all.
+/// Directions are kept apart in this many fans for each material, the first around x; a half turn has them all.
 const FANS: usize = 8;
 
 /// All layers of one direction in one cell.
@@ -57,6 +59,8 @@ pub struct Ply {
     pub angle_rad: f64,
     /// 1 where its beads run alike, 0 where they run all ways.
     pub coherence: f64,
+    /// What it is made of: number of its card.
+    pub material: u8,
 }
 
 /// A stack of layers seen from above: in every cell the plies of each direction.
@@ -132,20 +136,28 @@ impl Laminate {
         }
         let low = 0.5 * (low + high) - 0.5 * cell_mm * DVec2::new(nx, ny);
         let grid = Grid { low, cell_mm, nx: nx as usize, ny: ny as usize };
+        let all = sheets.iter().flat_map(|s| &s.beads);
+        let n_fans = FANS * (1 + usize::from(all.map(|b| b.material).max().unwrap_or(0)));
         let layers: Vec<Vec<Share>> = sheets
             .par_iter()
             .map(|s| {
                 let strips = s.beads.iter().filter(|b| usable(s, b)).map(|b| (*b, width(s, b).min(10.0)));
-                layer(&grid, s.height_mm, strips)
+                layer(&grid, n_fans, s.height_mm, strips)
             })
             .collect();
-        Ok(Self::stacked(grid, sheets, &layers, laid_mm3))
+        Ok(Self::stacked(grid, n_fans, sheets, &layers, laid_mm3))
     }
 
-    fn stacked(grid: Grid, sheets: &[BeadSheet], layers: &[Vec<Share>], laid_mm3: f64) -> Self {
+    fn stacked(
+        grid: Grid,
+        n_fans: usize,
+        sheets: &[BeadSheet],
+        layers: &[Vec<Share>],
+        laid_mm3: f64,
+    ) -> Self {
         let n = grid.nx * grid.ny;
         let mut starts = vec![0u32; n + 1];
-        let mut fans = vec![[0f32; 3]; n * FANS];
+        let mut fans = vec![[0f32; 3]; n * n_fans];
         for s in layers.iter().flatten() {
             let fan = &mut fans[s.slot as usize];
             (0..3).for_each(|k| fan[k] += s.sum[k]);
@@ -153,13 +165,14 @@ impl Laminate {
         let mut plies = Vec::new();
         let mut volume = 0.0;
         for cell in 0..n {
-            for fan in &fans[cell * FANS..(cell + 1) * FANS] {
+            for (k, fan) in fans[cell * n_fans..(cell + 1) * n_fans].iter().enumerate() {
                 let [t, c, s] = fan.map(f64::from);
                 if t > 0.0 {
                     volume += t;
                     let angle_rad = 0.5 * atan2(s, c);
                     let coherence = ((c * c + s * s).sqrt() / t).min(1.0);
-                    plies.push(Ply { thickness_mm: t, angle_rad, coherence });
+                    let material = (k / FANS) as u8;
+                    plies.push(Ply { thickness_mm: t, angle_rad, coherence, material });
                 }
             }
             starts[cell + 1] = plies.len() as u32;
@@ -191,15 +204,21 @@ struct Share {
     sum: [f32; 3],
 }
 
-fn layer(grid: &Grid, height_mm: f64, strips: impl Iterator<Item = (BeadPiece, f64)>) -> Vec<Share> {
+fn layer(
+    grid: &Grid,
+    n_fans: usize,
+    height_mm: f64,
+    strips: impl Iterator<Item = (BeadPiece, f64)>,
+) -> Vec<Share> {
     let n = grid.nx * grid.ny;
     let mut held = vec![0f32; n];
-    let mut fans = vec![[0f32; 3]; n * FANS];
+    let mut fans = vec![[0f32; 3]; n * n_fans];
     for (bead, width) in strips {
         let along = (bead.b - bead.a).normalize();
         let double = DVec2::new(along.x * along.x - along.y * along.y, 2.0 * along.x * along.y);
         let half_turns = 0.5 * atan2(double.y, double.x) / std::f64::consts::PI;
-        let fan = (half_turns * FANS as f64).round().rem_euclid(FANS as f64) as usize % FANS;
+        let fan = (half_turns * FANS as f64).round().rem_euclid(FANS as f64) as usize % FANS
+            + FANS * usize::from(bead.material);
         let side = 0.5 * width * DVec2::new(-along.y, along.x);
         let to_cells = |p: DVec2| (p - grid.low) / grid.cell_mm;
         let corners = [bead.a - side, bead.b - side, bead.b + side, bead.a + side].map(to_cells);
@@ -209,13 +228,13 @@ fn layer(grid: &Grid, height_mm: f64, strips: impl Iterator<Item = (BeadPiece, f
         covered_cells(&corners, grid, &mut |cell, area| {
             let t = area * fill;
             held[cell] += t as f32;
-            let f = &mut fans[cell * FANS + fan];
+            let f = &mut fans[cell * n_fans + fan];
             f[0] += t as f32;
             f[1] += (t * double.x) as f32;
             f[2] += (t * double.y) as f32;
         });
     }
-    spread(grid, height_mm as f32, &mut held, &mut fans);
+    spread(grid, n_fans, height_mm as f32, &mut held, &mut fans);
     let shares = fans.iter().enumerate().filter(|(_, f)| f[0] > 0.0);
     shares.map(|(slot, f)| Share { slot: slot as u32, sum: *f }).collect()
 }
@@ -224,7 +243,7 @@ fn layer(grid: &Grid, height_mm: f64, strips: impl Iterator<Item = (BeadPiece, f
 const PASSES: usize = 12;
 
 /// Melt that finds its place taken flows on: to neighbours with room, in proportion to it.
-fn spread(grid: &Grid, full: f32, held: &mut [f32], fans: &mut [[f32; 3]]) {
+fn spread(grid: &Grid, n_fans: usize, full: f32, held: &mut [f32], fans: &mut [[f32; 3]]) {
     let (nx, ny) = (grid.nx as isize, grid.ny as isize);
     for _ in 0..PASSES {
         let over: Vec<usize> = (0..held.len()).filter(|&c| held[c] > full * 1.0005).collect();
@@ -253,16 +272,16 @@ fn spread(grid: &Grid, full: f32, held: &mut [f32], fans: &mut [[f32; 3]]) {
                 continue;
             }
             let share = moved / held[cell];
-            let own: [[f32; 3]; FANS] = std::array::from_fn(|k| fans[cell * FANS + k]);
+            let own = fans[cell * n_fans..(cell + 1) * n_fans].to_vec();
             for &(other, free) in &near[..n] {
                 let part = share * if even { 1.0 / n as f32 } else { free / room };
                 for (k, fan) in own.iter().enumerate() {
-                    (0..3).for_each(|q| fans[other * FANS + k][q] += fan[q] * part);
+                    (0..3).for_each(|q| fans[other * n_fans + k][q] += fan[q] * part);
                 }
                 held[other] += held[cell] * part;
             }
-            for k in 0..FANS {
-                (0..3).for_each(|q| fans[cell * FANS + k][q] *= 1.0 - share);
+            for k in 0..n_fans {
+                (0..3).for_each(|q| fans[cell * n_fans + k][q] *= 1.0 - share);
             }
             held[cell] *= 1.0 - share;
         }
@@ -351,7 +370,7 @@ mod tests {
 
     fn bead(a: (f64, f64), b: (f64, f64), section: f64) -> BeadPiece {
         let (a, b) = (DVec2::from(a), DVec2::from(b));
-        BeadPiece { a, b, volume_mm3: a.distance(b) * section }
+        BeadPiece { a, b, volume_mm3: a.distance(b) * section, material: 0 }
     }
 
     #[test]

@@ -32,8 +32,8 @@ pub struct PlateTest<'a> {
     pub load_n: f64,
     /// Elements that do not break: those in grips and under rollers.
     pub spared: &'a [bool],
-    /// The material.
-    pub card: &'a StrengthCard,
+    /// The materials, as the plies number them.
+    pub cards: &'a [StrengthCard],
     /// The most the solver may take.
     pub max_bytes: u64,
 }
@@ -124,6 +124,16 @@ impl PlateTest<'_> {
         self.laminate.starts[cell] as usize..self.laminate.starts[cell + 1] as usize
     }
 
+    fn card(&self, ply: usize) -> &StrengthCard {
+        &self.cards[usize::from(self.laminate.plies[ply].material)]
+    }
+
+    /// How far each ply is drawn until it carries nothing.
+    fn draws(&self) -> Vec<[f64; 2]> {
+        let of: Vec<[f64; 2]> = self.cards.iter().map(|c| c.draws(self.cell_mm())).collect();
+        self.laminate.plies.iter().map(|p| of[usize::from(p.material)]).collect()
+    }
+
     fn losses(&self, state: &State, draws: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| lost(state.drawn[k], draws[k]))
     }
@@ -132,19 +142,19 @@ impl PlateTest<'_> {
         &self,
         element: usize,
         states: &[State],
-        draws: [f64; 2],
+        draws: &[[f64; 2]],
     ) -> Result<[[f64; 8]; 8], Unstable> {
         let mut sum: PlaneStiffness = [[0.0; 3]; 3];
         for p in self.range(element) {
             let ply = &self.laminate.plies[p];
-            let c = broken(&self.card.elastic, self.losses(&states[p], draws))?;
+            let c = broken(&self.card(p).elastic, self.losses(&states[p], draws[p]))?;
             let c = turned(&c, ply.angle_rad);
             (0..9).for_each(|k| sum[k / 3][k % 3] += ply.thickness_mm * c[k / 3][k % 3]);
         }
         Ok(square(&sum))
     }
 
-    fn near(&self, element: usize, x: &[f64], states: &[State], draws: [f64; 2]) -> Vec<Near> {
+    fn near(&self, element: usize, x: &[f64], states: &[State], draws: &[[f64; 2]]) -> Vec<Near> {
         let u = self.elements.corners[element].map(|i| DVec2::new(x[2 * i as usize], x[2 * i as usize + 1]));
         let strain = middle_strain(&u, self.cell_mm());
         let each = |p: usize| {
@@ -156,14 +166,14 @@ impl PlateTest<'_> {
                 s * s * xx + c * c * yy - s * c * xy,
                 2.0 * s * c * (yy - xx) + (c * c - s * s) * xy,
             ];
-            let losses = self.losses(&states[p], draws);
-            let stiffness = broken(&self.card.elastic, losses).unwrap_or_default();
+            let losses = self.losses(&states[p], draws[p]);
+            let stiffness = broken(&self.card(p).elastic, losses).unwrap_or_default();
             // Per area that still carries: the strength is that of whole material.
             let left = [1.0 - losses[0], 1.0 - losses[1].max(losses[0]), 1.0 - losses[1].max(losses[0])];
             let stress: [f64; 3] = std::array::from_fn(|i| {
                 stiffness[i].iter().zip(own).map(|(c, e)| c * e).sum::<f64>() / left[i]
             });
-            let (index, mode) = self.card.indices(stress);
+            let (index, mode) = self.card(p).indices(stress);
             Near { index, mode }
         };
         self.range(element).map(each).collect()
@@ -174,8 +184,9 @@ impl PlateTest<'_> {
     /// # Errors
     /// [`TestError`] when it moves freely, is too large for the memory allowed, or nothing is strained.
     pub fn run(&self) -> Result<Outcome, TestError> {
-        broken(&self.card.elastic, [0.0; 2])?;
-        let draws = self.card.draws(self.cell_mm());
+        self.cards.iter().try_for_each(|c| broken(&c.elastic, [0.0; 2]).map(|_| ()))?;
+        let draws = self.draws();
+        let draws = draws.as_slice();
         let n = self.elements.cells.len();
         let mut states = vec![State { drawn: [1.0; 2], mode: Mode::Along }; self.laminate.plies.len()];
         let first: Vec<[[f64; 8]; 8]> =
@@ -221,13 +232,13 @@ impl PlateTest<'_> {
     }
 
     /// The load factor at which the next ply breaks further.
-    fn critical(&self, near: &[Vec<Near>], states: &[State], draws: [f64; 2]) -> f64 {
+    fn critical(&self, near: &[Vec<Near>], states: &[State], draws: &[[f64; 2]]) -> f64 {
         let of = |e: usize| {
             let mut least = f64::INFINITY;
             for (p, near) in self.range(e).zip(&near[e]) {
                 for k in 0..2 {
                     let s = states[p].drawn[k];
-                    if s < draws[k] && near.index[k] > 0.0 {
+                    if s < draws[p][k] && near.index[k] > 0.0 {
                         least = least.min(s / near.index[k]);
                     }
                 }
@@ -238,7 +249,7 @@ impl PlateTest<'_> {
     }
 
     /// Draws every ply that stands less than this load; which elements that changed.
-    fn draw(&self, near: &[Vec<Near>], states: &mut [State], draws: [f64; 2], level: f64) -> Vec<usize> {
+    fn draw(&self, near: &[Vec<Near>], states: &mut [State], draws: &[[f64; 2]], level: f64) -> Vec<usize> {
         let mut changed = Vec::new();
         for e in (0..near.len()).filter(|&e| !self.spared[e]) {
             let mut any = false;
@@ -246,12 +257,12 @@ impl PlateTest<'_> {
                 for k in 0..2 {
                     let now = states[p].drawn[k];
                     let asked = level * near.index[k];
-                    if asked > now && now < draws[k] {
+                    if asked > now && now < draws[p][k] {
                         if now == 1.0 {
                             states[p].mode = near.mode;
                         }
                         // Steps that hardly move the stiffness only cost solutions.
-                        states[p].drawn[k] = (now + OVER * (asked - now)).max(now * 1.04).min(draws[k]);
+                        states[p].drawn[k] = (now + OVER * (asked - now)).max(now * 1.04).min(draws[p][k]);
                         any = true;
                     }
                 }
@@ -267,11 +278,10 @@ impl PlateTest<'_> {
         &self,
         test: &Progress,
         states: &[State],
-        draws: [f64; 2],
+        draws: &[[f64; 2]],
         index: Vec<f32>,
         system: &System,
     ) -> Outcome {
-        let energies = [self.card.g_along_n_mm, self.card.g_across_n_mm];
         let mut modes = [0.0; 5];
         let mut broken = Vec::with_capacity(self.elements.cells.len());
         let mut most = (0.0, 0);
@@ -279,11 +289,13 @@ impl PlateTest<'_> {
             let (mut energy, mut gone, mut all) = (0.0, 0.0, 0.0);
             for p in self.range(e) {
                 let t = self.laminate.plies[p].thickness_mm;
-                let losses = self.losses(&states[p], draws);
+                let card = self.card(p);
+                let energies = [card.g_along_n_mm, card.g_across_n_mm];
+                let losses = self.losses(&states[p], draws[p]);
                 all += t;
                 gone += t * losses[0].max(losses[1]);
                 for k in 0..2 {
-                    let spent = t * energies[k] * spent(states[p].drawn[k], draws[k]);
+                    let spent = t * energies[k] * spent(states[p].drawn[k], draws[p][k]);
                     // Through the beads is along or crushing; between them all but along.
                     let mode = match (k, states[p].mode) {
                         (0, Mode::Compression) => Mode::Compression,

@@ -1,6 +1,7 @@
 //! A plan as a machine program.
 
 mod arcs;
+mod fibre;
 mod number;
 mod program;
 mod template;
@@ -9,7 +10,7 @@ use std::io;
 
 use grainpath_core::{BeadWidth, Plan, PlannedPath};
 
-use crate::machine::{Cooling, Machine, Material, Retraction, Speeds};
+use crate::machine::{Cooling, FibreTool, Machine, Material, Retraction, Speeds};
 
 /// How a plan is written.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +25,8 @@ pub struct WriteConfig {
     pub cooling: Cooling,
     /// For travels.
     pub retraction: Retraction,
+    /// What lays paths of fibre; without it they are printed as any other.
+    pub fibre: Option<FibreTool>,
     /// Arcs are written as G2 and G3 where they come this near to the path, mm.
     pub arc_tolerance_mm: Option<f64>,
     /// Lines for the header, without the semicolon.
@@ -60,6 +63,12 @@ pub struct Written {
     pub retractions: usize,
     /// Number of paths.
     pub toolpaths: usize,
+    /// Length of fibre laid, mm.
+    pub fibre_mm: f64,
+    /// Pieces of fibre.
+    pub fibre_runs: usize,
+    /// Times it is cut.
+    pub cuts: usize,
 }
 
 /// Why a plan cannot be written.
@@ -151,8 +160,10 @@ pub fn write_gcode(
 ) -> Result<Written, GcodeError> {
     check_fits(plan, &config.machine)?;
     let top = plan.layers.last().map_or(0.0, |l| l.z_top_mm);
-    let start = template::filled("start_gcode", &config.machine.start_gcode, config, plan.layers.len(), top)?;
-    let end = template::filled("end_gcode", &config.machine.end_gcode, config, plan.layers.len(), top)?;
+    let values = template::values(config, plan.layers.len(), top);
+    let start = values.filled("start_gcode", &config.machine.start_gcode)?;
+    let end = values.filled("end_gcode", &config.machine.end_gcode)?;
+    fibre::check(config, plan.layers.len(), top)?;
     program::Writer::new(config, plan, out).write(plan, thumbnails, &start, &end)
 }
 

@@ -8,10 +8,11 @@ use grainpath_core::units::bead_area_mm2;
 use grainpath_core::{DVec2, LayerPlan, Plan, PlannedPath, Role, SpeedClass, Toolpath};
 
 use super::arcs::arc_from;
+use super::fibre::{self, InRun};
 use super::number::push_fixed;
 use super::{GcodeError, Thumbnail, WriteConfig, Written};
 use crate::kinematics::{Limits, Move, TimeEstimator};
-use crate::machine::Flavour;
+use crate::machine::{Flavour, Material};
 
 /// Filament is counted in whole steps of this, so that rounding never adds up.
 const E_STEP_MM: f64 = 1e-5;
@@ -19,28 +20,36 @@ const E_STEP_MM: f64 = 1e-5;
 const CHUNK: usize = 1 << 16;
 
 pub struct Writer<'a> {
-    config: &'a WriteConfig,
+    pub(super) config: &'a WriteConfig,
     out: &'a mut dyn io::Write,
     buffer: Vec<u8>,
     shift: DVec2,
-    filament_mm2: f64,
-    /// Where the nozzle is, in thousandths of a mm; none before the first move.
-    at: [Option<i64>; 3],
+    /// Section of what the tool in use is fed with, and what that is.
+    pub(super) filament_mm2: f64,
+    pub(super) material: &'a Material,
+    /// Whether the fibre's own tool is in use.
+    pub(super) fibre_tool: bool,
+    pub(super) n_layers: usize,
+    pub(super) top_mm: f64,
+    /// Where the nozzle is, in thousandths of a mm; none before the first move and after a change of tools.
+    pub(super) at: [Option<i64>; 3],
+    /// Where it was last.
+    stood: DVec2,
     /// Filament laid so far, exactly, and in steps written.
     e_exact_mm: f64,
-    e_steps: i64,
+    pub(super) e_steps: i64,
     /// Position of E since the last reset, for absolute E.
-    e_reset: i64,
-    feed: i64,
+    pub(super) e_reset: i64,
+    pub(super) feed: i64,
     role: Option<Role>,
     width_mm: f64,
     fan: i64,
-    acceleration: f64,
+    pub(super) acceleration: f64,
     retracted: bool,
     hopped: bool,
     z_mm: f64,
     time: TimeEstimator,
-    written: Written,
+    pub(super) written: Written,
 }
 
 /// A layer's own speeds.
@@ -62,7 +71,12 @@ impl<'a> Writer<'a> {
             buffer: Vec::with_capacity(CHUNK + 4096),
             shift: plan.plate_from_part_mm.truncate(),
             filament_mm2: std::f64::consts::PI * r * r,
+            material: &config.material,
+            fibre_tool: false,
+            n_layers: plan.layers.len(),
+            top_mm: plan.layers.last().map_or(0.0, |l| l.z_top_mm),
             at: [None; 3],
+            stood: DVec2::ZERO,
             e_exact_mm: 0.0,
             e_steps: 0,
             e_reset: 0,
@@ -89,9 +103,11 @@ impl<'a> Writer<'a> {
         self.head(plan, thumbnails);
         self.line(start.trim_end());
         self.set_up();
+        let runs = if self.config.fibre.is_some() { fibre::runs(plan) } else { Vec::new() };
         for (i, layer) in plan.layers.iter().enumerate() {
-            self.layer(i, layer)?;
+            self.layer(i, layer, runs.get(i).map_or(&[], Vec::as_slice))?;
         }
+        self.take_tool(false);
         self.retract();
         self.line(";TYPE:Custom");
         if self.fan != 0 {
@@ -103,7 +119,7 @@ impl<'a> Writer<'a> {
         Ok(self.written)
     }
 
-    fn line(&mut self, text: &str) {
+    pub(super) fn line(&mut self, text: &str) {
         self.buffer.extend_from_slice(text.as_bytes());
         self.buffer.push(b'\n');
     }
@@ -121,6 +137,9 @@ impl<'a> Writer<'a> {
         self.line(&format!("; plate_from_part = {:.3}, {:.3}, {:.3}", p.x, p.y, p.z));
         self.line(&format!("; layers = {}", plan.layers.len()));
         let header = &self.config.header;
+        if let Some(fibre) = &self.config.fibre {
+            self.line(&format!("; fibre_filament_mm = {}", fibre.filament_mm));
+        }
         // A text of several lines stays a comment in all of them.
         header.iter().flat_map(|text| text.lines()).for_each(|text| self.line(&format!("; {text}")));
         for t in thumbnails {
@@ -164,7 +183,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    fn layer(&mut self, i: usize, layer: &LayerPlan) -> Result<(), GcodeError> {
+    fn layer(&mut self, i: usize, layer: &LayerPlan, runs: &[InRun]) -> Result<(), GcodeError> {
         self.z_mm = layer.z_top_mm;
         let mut head = String::from(";LAYER_CHANGE\n");
         let _ = write!(head, ";Z:{}\n;HEIGHT:{}", trimmed(layer.z_top_mm), trimmed(layer.height_mm));
@@ -186,8 +205,8 @@ impl<'a> Writer<'a> {
         self.role = None;
         self.width_mm = 0.0;
         let pace = self.pace(i, layer);
-        for planned in &layer.paths {
-            self.path(planned, layer.height_mm, &pace);
+        for (k, planned) in layer.paths.iter().enumerate() {
+            self.path(planned, runs.get(k).copied().unwrap_or_default(), layer.height_mm, &pace);
             if self.buffer.len() > CHUNK {
                 self.flush()?;
             }
@@ -226,21 +245,29 @@ impl<'a> Writer<'a> {
             grainpath_core::BeadWidth::Constant(w) => *w,
             grainpath_core::BeadWidth::PerVertex(w) => w.iter().copied().fold(0.0, f64::max),
         };
-        let section = bead_area_mm2(widest, height_mm) * path.flow * self.config.material.flow;
-        speed.min(self.config.material.max_volumetric_mm3_s / section.max(1e-9))
+        let material = match &self.config.fibre {
+            Some(fibre) if path.role == Role::Fibre => &fibre.material,
+            _ => &self.config.material,
+        };
+        let section = bead_area_mm2(widest, height_mm) * path.flow * material.flow;
+        speed.min(material.max_volumetric_mm3_s / section.max(1e-9))
     }
 
-    fn path(&mut self, planned: &PlannedPath, height_mm: f64, pace: &Pace) {
+    fn path(&mut self, planned: &PlannedPath, run: InRun, height_mm: f64, pace: &Pace) {
         let path = &planned.path;
         if path.n_segments() == 0 {
             return;
         }
+        self.take_tool(path.role == Role::Fibre);
         self.travel(planned);
         self.announce(path, pace);
         let full = self.speed(path, height_mm, pace.first_layer);
         let slow = (full * pace.slow_down).max(self.config.cooling.min_speed_mm_s.min(full));
         self.written.toolpaths += 1;
-        let per_mm = path.flow * self.config.material.flow / self.filament_mm2;
+        if path.role == Role::Fibre && self.config.fibre.is_some() {
+            return self.lay_fibre(planned, run, height_mm, slow);
+        }
+        let per_mm = path.flow * self.material.flow / self.filament_mm2;
         let constant = matches!(path.width, grainpath_core::BeadWidth::Constant(_));
         if let (Some(tolerance), true) = (self.config.arc_tolerance_mm, constant) {
             return self.arcs(path, height_mm, per_mm, slow, tolerance);
@@ -329,6 +356,7 @@ impl<'a> Writer<'a> {
     fn travel(&mut self, planned: &PlannedPath) {
         let to = planned.path.start() + self.shift;
         let z = self.z_mm;
+        // After a change of tools the whole place is said.
         let far = self.here().is_none_or(|p| p.distance(to) > 0.0011);
         let rises = self.at[2] != Some(micro(z));
         if far && planned.travel.retract {
@@ -342,7 +370,7 @@ impl<'a> Writer<'a> {
             self.accelerate(limits.travel_acceleration_mm_s2);
             for p in planned.travel.via.iter().map(|p| *p + self.shift).chain([to]).collect::<Vec<_>>() {
                 // The first travel comes from home.
-                let from = self.here().unwrap_or(DVec2::ZERO);
+                let from = self.here().unwrap_or(self.stood);
                 self.buffer.extend_from_slice(b"G1");
                 self.xyz([Some(p.x), Some(p.y), None]);
                 self.end_with_feed(self.config.speeds.travel);
@@ -357,7 +385,8 @@ impl<'a> Writer<'a> {
             self.hopped = false;
             self.move_z(z);
         }
-        if self.retracted {
+        // The nozzle beside the fibre's stays drawn back.
+        if self.retracted && !self.fibre_tool {
             self.retracted = false;
             let r = self.config.retraction;
             self.filament(r.length_mm, r.unretract_speed_mm_s);
@@ -379,9 +408,10 @@ impl<'a> Writer<'a> {
             .push(&Move { delta_mm: [0.0, 0.0, z_mm - from, 0.0], speed_mm_s: self.config.speeds.travel_z });
     }
 
-    fn retract(&mut self) {
+    pub(super) fn retract(&mut self) {
         let r = self.config.retraction;
-        if self.retracted || r.length_mm <= 0.0 || self.e_steps == 0 {
+        // Fibre is cut, not drawn back.
+        if self.retracted || self.fibre_tool || r.length_mm <= 0.0 || self.e_steps == 0 {
             return;
         }
         self.retracted = true;
@@ -405,7 +435,7 @@ impl<'a> Writer<'a> {
         self.time.push(&Move { delta_mm: [0.0, 0.0, 0.0, mm], speed_mm_s });
     }
 
-    fn extrude(&mut self, a: DVec2, b: DVec2, length: f64, filament_per_mm: f64, speed: f64) {
+    pub(super) fn extrude(&mut self, a: DVec2, b: DVec2, length: f64, filament_per_mm: f64, speed: f64) {
         let to = b + self.shift;
         let filament = length * filament_per_mm;
         // A move that rounds to nothing leaves its filament to the next.
@@ -423,7 +453,10 @@ impl<'a> Writer<'a> {
 
     fn count(&mut self, length: f64, filament: f64, speed: f64, delta: DVec2) {
         self.written.printed_mm += length;
-        self.written.extruded_mm3 += filament * self.filament_mm2;
+        let volume = filament * self.filament_mm2;
+        self.written.extruded_mm3 += volume;
+        self.written.filament_mm += filament;
+        self.written.mass_g += volume * 1e-3 * self.material.density_g_cm3;
         self.time.push(&Move { delta_mm: [delta.x, delta.y, 0.0, filament], speed_mm_s: speed });
     }
 
@@ -449,6 +482,9 @@ impl<'a> Writer<'a> {
             let Some(mm) = to[k].map(micro) else { continue };
             if self.at[k] != Some(mm) {
                 self.at[k] = Some(mm);
+                if k < 2 {
+                    self.stood[k] = mm as f64 * 1e-3;
+                }
                 self.buffer.extend_from_slice(&[b' ', letter]);
                 push_fixed(&mut self.buffer, mm, 3);
             }
@@ -477,8 +513,6 @@ impl<'a> Writer<'a> {
 
     fn foot(&mut self) {
         let w = &mut self.written;
-        w.filament_mm = w.extruded_mm3 / self.filament_mm2;
-        w.mass_g = w.extruded_mm3 * 1e-3 * self.config.material.density_g_cm3;
         w.time_s = self.time.seconds();
         let text = format!(
             "; filament used [mm] = {:.2}\n; filament used [cm3] = {:.2}\n; filament used [g] = {:.2}\n\
@@ -492,7 +526,7 @@ impl<'a> Writer<'a> {
     }
 }
 
-fn micro(mm: f64) -> i64 {
+pub(super) fn micro(mm: f64) -> i64 {
     (mm * 1e3).round() as i64
 }
 

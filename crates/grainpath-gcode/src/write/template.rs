@@ -1,17 +1,14 @@
-//! Start and end programs with placeholders.
+//! Programs with placeholders.
 
 use super::{GcodeError, WriteConfig};
 
-/// Fills `{placeholders}` in; braces around anything but a name are left alone.
-pub fn filled(
-    template: &'static str,
-    text: &str,
-    config: &WriteConfig,
-    n_layers: usize,
-    z_max_mm: f64,
-) -> Result<String, GcodeError> {
+/// Placeholders and what stands for them.
+pub struct Values(Vec<(&'static str, String)>);
+
+/// What every program may hold.
+pub fn values(config: &WriteConfig, n_layers: usize, z_max_mm: f64) -> Values {
     let (machine, material) = (&config.machine, &config.material);
-    let values: [(&'static str, String); 13] = [
+    Values(vec![
         ("nozzle_temp_c", material.nozzle_temp_c.to_string()),
         ("first_layer_nozzle_temp_c", material.first_layer_nozzle_temp_c.to_string()),
         ("bed_temp_c", material.bed_temp_c.to_string()),
@@ -25,30 +22,41 @@ pub fn filled(
         ("filament_mm", machine.filament_mm.to_string()),
         ("layers", n_layers.to_string()),
         ("material", material.name.clone()),
-    ];
-    let mut out = String::with_capacity(text.len());
-    let mut rest = text;
-    while let Some(open) = rest.find('{') {
-        out.push_str(&rest[..open]);
-        rest = &rest[open..];
-        let name = rest.find('}').map_or("", |close| &rest[1..close]);
-        let is_name = !name.is_empty() && name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
-        if !is_name {
-            out.push('{');
-            rest = &rest[1..];
-            continue;
-        }
-        let Some((_, value)) = values.iter().find(|(n, _)| *n == name) else {
-            let nearest = grainpath_core::spelling::nearest(name, values.iter().map(|(n, _)| *n));
-            return Err(GcodeError::UnknownPlaceholder {
-                template,
-                name: name.to_owned(),
-                nearest: nearest.to_owned(),
-            });
-        };
-        out.push_str(value);
-        rest = &rest[name.len() + 2..];
+    ])
+}
+
+impl Values {
+    /// Adds placeholders.
+    pub fn extend(&mut self, more: impl IntoIterator<Item = (&'static str, String)>) {
+        self.0.extend(more);
     }
-    out.push_str(rest);
-    Ok(out)
+
+    /// Fills `{placeholders}` in; braces around anything but a name are left alone.
+    pub fn filled(&self, template: &'static str, text: &str) -> Result<String, GcodeError> {
+        let mut out = String::with_capacity(text.len());
+        let mut rest = text;
+        while let Some(open) = rest.find('{') {
+            out.push_str(&rest[..open]);
+            rest = &rest[open..];
+            let name = rest.find('}').map_or("", |close| &rest[1..close]);
+            let is_name = !name.is_empty() && name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
+            if !is_name {
+                out.push('{');
+                rest = &rest[1..];
+                continue;
+            }
+            let Some((_, value)) = self.0.iter().find(|(n, _)| *n == name) else {
+                let nearest = grainpath_core::spelling::nearest(name, self.0.iter().map(|(n, _)| *n));
+                return Err(GcodeError::UnknownPlaceholder {
+                    template,
+                    name: name.to_owned(),
+                    nearest: nearest.to_owned(),
+                });
+            };
+            out.push_str(value);
+            rest = &rest[name.len() + 2..];
+        }
+        out.push_str(rest);
+        Ok(out)
+    }
 }

@@ -50,6 +50,7 @@ fn config(flavour: Flavour) -> WriteConfig {
             top: 35.0,
             sparse: 80.0,
             bridge: 25.0,
+            fibre: 10.0,
             support: 40.0,
             support_interface: 40.0,
             adhesion: 40.0,
@@ -73,6 +74,7 @@ fn config(flavour: Flavour) -> WriteConfig {
             unretract_speed_mm_s: 30.0,
             z_hop_mm: 0.2,
         },
+        fibre: None,
         arc_tolerance_mm: None,
         header: vec!["settings = 1234".to_owned()],
     }

@@ -1,5 +1,6 @@
 //! Examples made by our own code.
 
+mod continuous;
 mod hub;
 mod stress_lines;
 mod tree_support;
@@ -14,7 +15,7 @@ use grainpath_core::{DVec2, Polygon, TriMesh};
 pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
 
 /// Names that [`preset`] knows.
-pub const PRESETS: [&str; 5] = ["plate", "stress-lines", "ct", "woodgrain", "tree-support"];
+pub const PRESETS: [&str; 6] = ["plate", "stress-lines", "ct", "woodgrain", "tree-support", "continuous"];
 
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
@@ -25,6 +26,7 @@ pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
         ]),
         "stress-lines" => Some(stress_lines::files()),
         "woodgrain" => Some(woodgrain::files()),
+        "continuous" => Some(continuous::files()),
         "tree-support" => Some(tree_support::files()),
         "ct" => Some(ct(256)),
         _ => None,

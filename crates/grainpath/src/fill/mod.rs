@@ -5,6 +5,7 @@
 
 mod bridge;
 mod concentric;
+mod continuous;
 mod field;
 mod gyroid;
 mod hatch;
@@ -15,6 +16,7 @@ use grainpath_core::{Bounds2, DirectionField, Polygon, Role, Toolpath};
 
 pub use bridge::bridge_angle_rad;
 pub use concentric::Concentric;
+pub use continuous::{Continuous, Note, Problem, TreeKind};
 pub use field::{SeedLines, Streamlines, Stripes};
 pub use gyroid::Gyroid;
 pub use honeycomb::Honeycomb;
@@ -59,7 +61,7 @@ pub trait Infill: Send + Sync {
 }
 
 /// The names of the patterns for the inside.
-pub const PATTERNS: [&str; 10] = [
+pub const PATTERNS: [&str; 11] = [
     "rectilinear",
     "grid",
     "triangles",
@@ -70,10 +72,11 @@ pub const PATTERNS: [&str; 10] = [
     "stripes",
     "streamlines",
     "seed-lines",
+    "continuous",
 ];
 
 /// Those of them that follow a direction field.
-pub const GUIDED: [&str; 3] = ["stripes", "streamlines", "seed-lines"];
+pub const GUIDED: [&str; 4] = ["stripes", "streamlines", "seed-lines", "continuous"];
 
 /// The pattern with this name. `rectilinear` and `aligned` differ in the angles the caller gives.
 pub fn pattern(name: &str) -> Option<&'static dyn Infill> {
@@ -87,6 +90,7 @@ pub fn pattern(name: &str) -> Option<&'static dyn Infill> {
         "stripes" => &Stripes,
         "streamlines" => &Streamlines,
         "seed-lines" => &SeedLines,
+        "continuous" => &Continuous::DEFAULT,
         _ => return None,
     })
 }

@@ -33,15 +33,34 @@ pub struct Edges {
 /// Finds edges in a picture that has been smoothed already. A blank picture has none.
 pub fn canny(smooth: &Grey, settings: &CannySettings) -> Edges {
     let (w, h) = (smooth.width, smooth.height);
-    let slopes = Grey::from_fn(w, h, |x, y| {
-        let [gx, gy] = gradient(smooth, x, y);
-        (gx * gx + gy * gy).sqrt()
-    });
+    let (gradients, slopes) = gradients(smooth);
     // Every pixel that is no crest gets zero.
-    let crests = Grey::from_fn(w, h, |x, y| crest(smooth, &slopes, x, y));
+    let crests = Grey::from_fn(w, h, |x, y| crest(gradients[y * w + x], &slopes, x, y));
     let thresholds = thresholds(&crests, settings);
     let mask = hysteresis(&crests, thresholds);
     Edges { width: w, height: h, mask, thresholds, slopes, smooth: smooth.clone() }
+}
+
+/// [`gradient`] at every pixel, and its length.
+fn gradients(smooth: &Grey) -> (Vec<[f32; 2]>, Grey) {
+    let (w, h) = (smooth.width, smooth.height);
+    let mut all = vec![[0.0f32; 2]; w * h];
+    let mut slopes = Grey::filled(w, h, 0.0);
+    all.par_chunks_mut(w).zip(slopes.data.par_chunks_mut(w)).enumerate().for_each(|(y, (out, slopes))| {
+        let row = |y: usize| &smooth.data[y * w..(y + 1) * w];
+        let (a, b, c) = (row(y.saturating_sub(1)), row(y), row((y + 1).min(h - 1)));
+        let inner = a.windows(3).zip(b.windows(3)).zip(c.windows(3));
+        for (out, ((a, b), c)) in out[1.min(w)..].iter_mut().zip(inner) {
+            let gx = (a[2] - a[0]) + 2.0 * (b[2] - b[0]) + (c[2] - c[0]);
+            let gy = (c[0] - a[0]) + 2.0 * (c[1] - a[1]) + (c[2] - a[2]);
+            *out = [gx / 8.0, gy / 8.0];
+        }
+        for x in [0, w - 1] {
+            out[x] = gradient(smooth, x, y);
+        }
+        slopes.iter_mut().zip(&*out).for_each(|(s, [x, y])| *s = (x * x + y * y).sqrt());
+    });
+    (all, slopes)
 }
 
 /// Sobel's gradient, brightness per pixel; the border repeats.
@@ -56,13 +75,12 @@ fn gradient(grey: &Grey, x: usize, y: usize) -> [f32; 2] {
 }
 
 /// The slope at a pixel, or zero where it is steeper next to it, up or down the slope.
-fn crest(smooth: &Grey, slopes: &Grey, x: usize, y: usize) -> f32 {
+fn crest([gx, gy]: [f32; 2], slopes: &Grey, x: usize, y: usize) -> f32 {
     let (w, h) = (slopes.width, slopes.height);
     let here = slopes.at(x, y);
     if here < 1e-5 || x == 0 || y == 0 || x + 1 >= w || y + 1 >= h {
         return 0.0;
     }
-    let [gx, gy] = gradient(smooth, x, y);
     let k = y * w + x;
     let s = &slopes.data;
     // The slopes one step along the gradient, between two of the eight neighbours.

@@ -1,10 +1,10 @@
 //! Edge points to curves.
 
 use grainpath_core::DVec2;
-use grainpath_core::math::{atan2, cos};
+use grainpath_core::math::cos;
 
 use super::canny::Edges;
-use super::tensor::{AxisGrid, axis_difference_rad};
+use super::tensor::AxisGrid;
 use super::warp::MetricImage;
 
 /// How edge points become curves.
@@ -46,7 +46,7 @@ pub fn edge_curves(edges: &Edges, image: &MetricImage, settings: &CurveSettings)
     let mut curves: Vec<Vec<DVec2>> =
         bridged(curves, settings.bridge_mm).iter().map(|c| softened(c, image.px_mm)).collect();
     curves.retain(|c| length_mm(c) >= settings.min_length_mm);
-    curves.sort_by(|a, b| length_mm(b).total_cmp(&length_mm(a)));
+    longest_first(&mut curves);
     curves
 }
 
@@ -65,13 +65,16 @@ pub fn along_grain(
     min_length_mm: f64,
 ) -> Vec<Vec<DVec2>> {
     let mut out = Vec::new();
+    let near = cos(2.0 * off_rad);
     for curve in curves {
         let n = curve.len();
         let strays = |k: usize| {
             let d = curve[(k + 3).min(n - 1)] - curve[k.saturating_sub(3)];
             let s = axes.sample(curve[k]);
-            let off = axis_difference_rad(atan2(d.y, d.x), s.axis_rad());
-            s.coherence > CLEAR && off > off_rad
+            // Of doubled angles the cosine is enough.
+            let [x, y] = s.double;
+            let along = x * (d.x * d.x - d.y * d.y) + y * 2.0 * d.x * d.y;
+            s.coherence > CLEAR && along < near * (x * x + y * y).sqrt() * d.length_squared()
         };
         let mut piece = Vec::new();
         for k in 0..n {
@@ -84,8 +87,14 @@ pub fn along_grain(
         out.push(piece);
     }
     out.retain(|c| length_mm(c) >= min_length_mm);
-    out.sort_by(|a, b| length_mm(b).total_cmp(&length_mm(a)));
+    longest_first(&mut out);
     out
+}
+
+fn longest_first(curves: &mut Vec<Vec<DVec2>>) {
+    let mut lengths: Vec<(f64, Vec<DVec2>)> = curves.drain(..).map(|c| (length_mm(&c), c)).collect();
+    lengths.sort_by(|a, b| b.0.total_cmp(&a.0));
+    curves.extend(lengths.into_iter().map(|(_, c)| c));
 }
 
 /// From this coherence on the grain's axis is clear.
@@ -351,8 +360,10 @@ mod tests {
     use super::super::board::Board;
     use super::super::canny::{CannySettings, canny};
     use super::super::raster::Grey;
+    use super::super::tensor::axis_difference_rad;
     use super::super::warp::{MetricImage, rectify};
     use super::*;
+    use grainpath_core::math::atan2;
 
     const SETTINGS: CurveSettings =
         CurveSettings { join: Join::Trace, max_turn_rad: 1.0, bridge_mm: 1.0, min_length_mm: 3.0 };

@@ -1,49 +1,25 @@
-//! From photographs to a guide: what every layer's grain is, as directions and as curves.
+//! From photographs or a scan to a guide: what every layer's grain is, as directions and as curves.
 
 use std::f64::consts::PI;
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::{DVec2, DVec3, Diagnostics, DirectionField, DirectionSample, Region};
-use grainpath_io::image::{Image, Samples};
-use rayon::prelude::*;
+use grainpath_io::volume::SliceSource;
 use serde::Serialize;
 
 use super::canny::{CannySettings, Edges, canny};
 use super::corners::find_corners;
 use super::curves::{CurveSettings, along_grain, edge_curves, length_mm};
 use super::lay::Near;
-use super::raster::Grey;
+use super::photo::Photo;
 use super::tensor::{
     AxisGrid, AxisSample, Guideline, Tangent, TensorSettings, along_lines, border_lines, grain_axes,
 };
-use super::warp::{CornerError, MetricImage, check_corners, native_px_mm, rectify};
+use super::texture::{AxisVolume, TextureReport, TextureSettings, read_texture};
+use super::warp::{CornerError, MetricImage, Shrinking, check_corners, native_px_mm, rectify};
 use super::{corners::CornersNotFound, pictures};
 use crate::html::Picture;
-
-/// A photograph as it was taken, in grey, rows from the top.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Photo {
-    /// What errors and reports call it.
-    pub name: String,
-    /// 0 black to 1 white.
-    pub grey: Grey,
-}
-
-impl Photo {
-    /// The grey of an image; floats are stretched from their least to their largest value.
-    pub fn of(name: String, image: &Image) -> Self {
-        let mut data = image.to_grey_f32();
-        let (mut low, mut high) = (0.0, image.samples.full_scale());
-        if matches!(image.samples, Samples::F32(_)) {
-            let finite = || data.iter().copied().filter(|v| v.is_finite());
-            (low, high) =
-                (finite().fold(f32::INFINITY, f32::min), finite().fold(f32::NEG_INFINITY, f32::max));
-        }
-        let range = if high > low { high - low } else { 1.0 };
-        data.par_iter_mut().for_each(|v| *v = if v.is_finite() { (*v - low) / range } else { 0.0 });
-        Self { name, grey: Grey { width: image.width, height: image.height, data } }
-    }
-}
+use crate::shape::ct::{CtError, Slices};
 
 /// Where the corners of the board are in a photograph.
 #[derive(Debug, Clone, PartialEq)]
@@ -146,9 +122,17 @@ struct Slice {
     near: Near,
 }
 
+/// What directions are read out of.
+enum Seen {
+    /// Photographs, lowest first; at least one once they are read.
+    Photos(Vec<Slice>),
+    /// A scan, and how much higher its lowest voxel lies than the part's bottom, mm.
+    Texture(AxisVolume, f64),
+}
+
 /// The grain of a part.
 pub struct GrainGuide {
-    slices: Vec<Slice>,
+    seen: Seen,
     origin_mm: DVec2,
     turn: DVec2,
     rotate_rad: f64,
@@ -159,6 +143,8 @@ pub struct GrainGuide {
     pub mode: Mode,
     /// What was found in each photograph.
     pub photos: Vec<PhotoReport>,
+    /// What was found in a scan.
+    pub texture: Option<TextureReport>,
     /// The steps, if they were asked for.
     pub pictures: Vec<(String, Picture)>,
 }
@@ -187,7 +173,7 @@ pub fn read_grain(
 ) -> Result<GrainGuide, (usize, GrainError)> {
     debug_assert_eq!(photos.len(), settings.heights_mm.len());
     let mut guide = GrainGuide {
-        slices: Vec::new(),
+        seen: Seen::Photos(Vec::new()),
         origin_mm: settings.origin_mm,
         turn: direction(settings.rotate_rad),
         rotate_rad: settings.rotate_rad,
@@ -196,8 +182,10 @@ pub fn read_grain(
         darkness: settings.darkness,
         mode: settings.mode,
         photos: Vec::new(),
+        texture: None,
         pictures: Vec::new(),
     };
+    let mut slices = Vec::new();
     for (k, (photo, &z_mm)) in photos.iter().zip(&settings.heights_mm).enumerate() {
         let read = read_photo(photo, k, settings).map_err(|e| (k, e))?;
         let borders = guide.in_picture(&section(z_mm), guide.shift_at(z_mm, settings.heights_mm[0]));
@@ -222,7 +210,7 @@ pub fn read_grain(
         if settings.pictures {
             let prefix = if photos.len() > 1 { format!("photo{}_", k + 1) } else { String::new() };
             let steps = pictures::steps(
-                &photo.grey,
+                &photo.whole(),
                 read.corners,
                 &read.image,
                 &read.denoised,
@@ -232,8 +220,58 @@ pub fn read_grain(
             );
             guide.pictures.extend(steps.into_iter().map(|(name, p)| (format!("{prefix}{name}"), p)));
         }
-        let near = Near::of_lines(&read.curves, 1.0);
-        guide.slices.push(Slice { z_mm, axes, curves: read.curves, near });
+        // Only looked at on the way to another photograph.
+        let near = Near::of_lines(if photos.len() > 1 { &read.curves } else { &[] }, 1.0);
+        slices.push(Slice { z_mm, axes, curves: read.curves, near });
+    }
+    guide.seen = Seen::Photos(slices);
+    Ok(guide)
+}
+
+/// Reads the grain of a part out of a scan's texture.
+///
+/// # Errors
+/// As [`read_texture`], and [`CtError`] for a window or crop outside the scan.
+pub fn read_scan(
+    source: &mut dyn SliceSource,
+    settings: &TextureSettings,
+    diagnostics: &Diagnostics,
+) -> Result<GrainGuide, CtError> {
+    let mut slices = Slices::new(source, &settings.scan)?;
+    let (n, spacing) = (slices.size(), slices.spacing_mm());
+    let size = DVec2::new(spacing[0] * n[0] as f64, spacing[1] * n[1] as f64);
+    let top = slices.heights_mm().into_iter().fold(0.0, f64::max) + 0.5 * spacing[2];
+    let texture = read_texture(&mut slices, settings, diagnostics)?;
+    let turn = direction(settings.rotate_rad);
+    let (part, height) = settings.part;
+    let middle = part.centre() - rotated(0.5 * size, turn);
+    let origin = settings.origin_mm.unwrap_or(middle.extend(0.0));
+    let guide = GrainGuide {
+        seen: Seen::Texture(texture.axes, origin.z),
+        origin_mm: origin.truncate(),
+        turn,
+        rotate_rad: settings.rotate_rad,
+        mirror_mm: None,
+        shift_mm_per_mm: DVec2::ZERO,
+        darkness: settings.darkness,
+        mode: Mode::Field,
+        photos: Vec::new(),
+        texture: Some(texture.report),
+        pictures: texture.pictures,
+    };
+    let corners =
+        [part.min, part.max, DVec2::new(part.min.x, part.max.y), DVec2::new(part.max.x, part.min.y)];
+    let outside = corners.map(|c| {
+        let p = guide.to_picture(c);
+        (-p).max(p - size).max_element()
+    });
+    let upright = (origin.z).max(height - origin.z - top);
+    let beyond = outside.into_iter().fold(upright, f64::max);
+    if beyond > spacing[0].max(spacing[2]) {
+        diagnostics.warn(format!(
+            "{}: the part reaches {beyond:.2} mm beyond the scan, where the nearest directions are taken",
+            settings.name
+        ));
     }
     Ok(guide)
 }
@@ -254,14 +292,14 @@ struct Read {
 }
 
 fn read_photo(photo: &Photo, k: usize, s: &GrainSettings) -> Result<Read, GrainError> {
-    let (w, h) = (photo.grey.width, photo.grey.height);
+    let [w, h] = photo.size();
     let corners = match &s.corners {
         Corners::Given(all) => all[k.min(all.len() - 1)],
         Corners::Image => {
             [(0.0, 0.0), (w as f64, 0.0), (w as f64, h as f64), (0.0, h as f64)].map(DVec2::from)
         }
-        Corners::Outline => find_corners(&photo.grey)?,
-        Corners::Markers => super::markers::find_markers(&photo.grey)?,
+        Corners::Outline => find_corners(&photo.whole())?,
+        Corners::Markers => super::markers::find_markers(&photo.whole())?,
     };
     check_corners(corners, w, h)?;
     let native = native_px_mm(corners, s.size_mm);
@@ -269,8 +307,8 @@ fn read_photo(photo: &Photo, k: usize, s: &GrainSettings) -> Result<Read, GrainE
     // Finer than half of what is blurred away next shows nothing more.
     let needed = 0.5 * s.blur_mm.unwrap_or(BLUR_MM).max(0.02);
     let pixel_mm = s.pixel_mm.unwrap_or(native.max(coarsest).max(needed));
-    let image = rectify(&photo.grey, corners, s.size_mm, pixel_mm);
-    let spread = image.grey.quantile(0.98) - image.grey.quantile(0.02);
+    let image = rectify(photo, corners, s.size_mm, pixel_mm);
+    let spread = image.grey.spread(0.02, 0.98);
     if spread < LEAST_SPREAD {
         return Err(GrainError::Blank { spread });
     }
@@ -328,22 +366,19 @@ impl GrainGuide {
         out
     }
 
-    /// The slices below and above a height, and how far it is between them.
-    fn around(&self, z_mm: f64) -> (&Slice, &Slice, f64) {
-        let above = self.slices.partition_point(|s| s.z_mm <= z_mm);
-        let last = self.slices.len() - 1;
-        let (low, high) = (&self.slices[above.saturating_sub(1)], &self.slices[above.min(last)]);
-        let rise = high.z_mm - low.z_mm;
-        let t = if rise > 1e-9 { ((z_mm - low.z_mm) / rise).clamp(0.0, 1.0) } else { 0.0 };
-        (low, high, t)
-    }
-
-    fn sample_picture(&self, p: DVec3) -> AxisSample {
-        let shift = self.shift_at(p.z, self.slices[0].z_mm);
-        let q = self.to_picture(p.truncate() - shift);
-        let (low, high, t) = self.around(p.z);
-        let below = low.axes.sample(q);
-        if t == 0.0 { below } else { below.towards(high.axes.sample(q), t) }
+    fn sample_seen(&self, p: DVec3) -> AxisSample {
+        match &self.seen {
+            Seen::Texture(axes, bottom_mm) => {
+                axes.sample(self.to_picture(p.truncate()).extend(p.z - bottom_mm))
+            }
+            Seen::Photos(slices) => {
+                let shift = self.shift_at(p.z, slices[0].z_mm);
+                let q = self.to_picture(p.truncate() - shift);
+                let (low, high, t) = around(slices, p.z);
+                let below = low.axes.sample(q);
+                if t == 0.0 { below } else { below.towards(high.axes.sample(q), t) }
+            }
+        }
     }
 
     /// How much farther apart than on average lines lie at a point, for lines that follow the picture's darkness.
@@ -351,7 +386,7 @@ impl GrainGuide {
         if self.darkness <= 0.0 {
             return 1.0;
         }
-        let dark = self.sample_picture(p).darkness;
+        let dark = self.sample_seen(p).darkness;
         grainpath_core::math::pow(1.0 + self.darkness, 1.0 - 2.0 * dark)
     }
 
@@ -364,7 +399,7 @@ impl GrainGuide {
 
     /// Whether the grain is the same at every height.
     pub fn is_upright(&self) -> bool {
-        self.slices.len() == 1 && self.shift_mm_per_mm == DVec2::ZERO
+        matches!(&self.seen, Seen::Photos(s) if s.len() == 1) && self.shift_mm_per_mm == DVec2::ZERO
     }
 
     /// Whether lines follow the picture's darkness.
@@ -373,25 +408,31 @@ impl GrainGuide {
     }
 
     /// The curves of a height, on the part, longest first: those of a photograph, or between two photographs the lower
-    /// one's moved towards the upper one's.
+    /// one's moved towards the upper one's. A scan has none.
     pub fn curves(&self, z_mm: f64) -> Vec<Vec<DVec2>> {
-        let shift = self.shift_at(z_mm, self.slices[0].z_mm);
-        let (low, high, t) = self.around(z_mm);
+        let Seen::Photos(slices) = &self.seen else { return Vec::new() };
+        let shift = self.shift_at(z_mm, slices[0].z_mm);
+        let (low, high, t) = around(slices, z_mm);
         let mut curves =
             if t == 0.0 || std::ptr::eq(low, high) { low.curves.clone() } else { between(low, high, t) };
         curves.iter_mut().flatten().for_each(|p| *p = self.to_part(*p) + shift);
         curves
     }
+}
 
-    /// Mean coherence over all photographs.
-    pub fn coherence(&self) -> f64 {
-        self.photos.iter().map(|p| p.coherence).sum::<f64>() / self.photos.len().max(1) as f64
-    }
+/// The slices below and above a height, and how far it is between them.
+fn around(slices: &[Slice], z_mm: f64) -> (&Slice, &Slice, f64) {
+    let above = slices.partition_point(|s| s.z_mm <= z_mm);
+    let last = slices.len() - 1;
+    let (low, high) = (&slices[above.saturating_sub(1)], &slices[above.min(last)]);
+    let rise = high.z_mm - low.z_mm;
+    let t = if rise > 1e-9 { ((z_mm - low.z_mm) / rise).clamp(0.0, 1.0) } else { 0.0 };
+    (low, high, t)
 }
 
 impl DirectionField for GrainGuide {
     fn sample(&self, p: DVec3) -> DirectionSample {
-        let s = self.sample_picture(p);
+        let s = self.sample_seen(p);
         let own = s.axis_rad();
         let axis = if self.mirror_mm.is_some() { -own } else { own } + self.rotate_rad;
         DirectionSample { axis_rad: axis.rem_euclid(PI), strength: s.coherence, principal_mpa: None }
@@ -459,6 +500,7 @@ fn moved(curve: &[DVec2], to: &Slice, share: f64) -> Vec<DVec2> {
 mod tests {
     use super::super::board::{Board, Knot};
     use super::super::curves::Join;
+    use super::super::raster::Grey;
     use super::super::tensor::axis_difference_rad;
     use super::*;
 
@@ -491,7 +533,7 @@ mod tests {
     }
 
     fn photo(board: &Board) -> Photo {
-        Photo { name: "board".into(), grey: board.flat(0.12, 0.5) }
+        Photo::new("board".into(), board.flat(0.12, 0.5))
     }
 
     fn guide(photos: &[Photo], s: &GrainSettings) -> GrainGuide {
@@ -558,7 +600,7 @@ mod tests {
     fn no_photograph_of_wood_is_told() {
         let size = DVec2::new(60.0, 40.0);
         let s = settings(size, Mode::Field);
-        let black = Photo { name: "black".into(), grey: Grey::filled(300, 200, 0.0) };
+        let black = Photo::new("black".into(), Grey::filled(300, 200, 0.0));
         let none = |_: f64| Region::default();
         let error = read_grain(std::slice::from_ref(&black), &s, &none, &Diagnostics::default()).err();
         assert!(matches!(error, Some((0, GrainError::Blank { .. }))), "{error:?}");
@@ -572,7 +614,7 @@ mod tests {
         };
         let paper = Grey::from_fn(300, 200, |x, y| 0.8 + 0.05 * (mixed(300 * y + x) - 0.5));
         let d = Diagnostics::default();
-        let paper = Photo { name: "paper.png".into(), grey: paper };
+        let paper = Photo::new("paper.png".into(), paper);
         read_grain(&[paper], &s, &none, &d)
             .expect("paper can be followed, though there is nothing to follow");
         assert!(d.warnings().iter().any(|w| w.contains("coherence")), "{:?}", d.warnings());

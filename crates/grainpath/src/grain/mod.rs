@@ -1,4 +1,4 @@
-//! The grain of photographs: rectified, read as directions and as curves, laid as beads.
+//! The grain of photographs and of scans: read as directions and as curves, laid as beads.
 
 pub mod board;
 pub mod canny;
@@ -7,9 +7,13 @@ pub mod curves;
 pub mod guide;
 pub mod lay;
 pub mod markers;
+pub mod photo;
 mod pictures;
 pub mod raster;
 pub mod tensor;
+pub mod texture;
 pub mod warp;
 
-pub use guide::{GrainError, GrainGuide, GrainSettings, Photo, PhotoReport, read_grain};
+pub use guide::{GrainError, GrainGuide, GrainSettings, PhotoReport, read_grain, read_scan};
+pub use photo::Photo;
+pub use texture::{TextureReport, TextureSettings};

@@ -1,4 +1,4 @@
-//! The steps from photograph to curves, as pictures.
+//! The steps from photograph or scan to curves, as pictures.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::direction;
@@ -6,7 +6,7 @@ use tiny_skia::{LineCap, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Strok
 
 use super::canny::Edges;
 use super::raster::Grey;
-use super::tensor::AxisGrid;
+use super::tensor::{AxisGrid, AxisSample};
 use super::warp::MetricImage;
 use crate::html::Picture;
 use crate::render::encode_png;
@@ -47,19 +47,7 @@ pub fn steps(
         let q = image.pixel(p);
         DVec2::new(q.x, image.grey.height as f64 - q.y)
     };
-    let mut canvas = Canvas::of(&image.grey, 0.55, true);
-    // A stroke every dozen pixels of the picture.
-    let every_mm = 14.0 / canvas.scale * image.px_mm;
-    let size = image.size_mm();
-    for j in 0..(size.y / every_mm) as usize {
-        for i in 0..(size.x / every_mm) as usize {
-            let p = every_mm * DVec2::new(i as f64 + 0.5, j as f64 + 0.5);
-            let s = axes.sample(p);
-            let half = direction(s.axis_rad()) * 0.42 * every_mm;
-            let c = (s.coherence * 255.0) as u8;
-            canvas.line(&[to_px(p - half), to_px(p + half)], 1.6, [255, c, 255 - c]);
-        }
-    }
+    let canvas = with_strokes(&image.grey, &|p| axes.sample(image.place(p.x, p.y)));
     put("5_field", "Directions: yellow clear, violet unclear", canvas);
     if !curves.is_empty() {
         let mut canvas = Canvas::of(&image.grey, 0.5, true);
@@ -71,6 +59,33 @@ pub fn steps(
         put("6_curves", "Curves along the edges", canvas);
     }
     out
+}
+
+/// A slice of a scan, rows from the bottom, and the axes over it. `axis` takes pixels.
+pub fn texture(slice: &Grey, title: &str, axis: &dyn Fn(DVec2) -> AxisSample) -> Picture {
+    let (low, high) = (slice.quantile(0.005), slice.quantile(0.995));
+    let range = (high - low).max(f32::MIN_POSITIVE);
+    let data = slice.data.iter().map(|v| ((v - low) / range).clamp(0.0, 1.0)).collect();
+    let canvas = with_strokes(&Grey { data, ..*slice }, axis);
+    let png = encode_png(canvas.pixels.width(), canvas.pixels.height(), canvas.pixels.data());
+    Picture { title: title.into(), png }
+}
+
+/// A darkened picture, rows from the bottom, with a stroke along the axis every dozen pixels. `axis` takes pixels.
+fn with_strokes(grey: &Grey, axis: &dyn Fn(DVec2) -> AxisSample) -> Canvas {
+    let mut canvas = Canvas::of(grey, 0.55, true);
+    let every = 14.0 / canvas.scale;
+    let turned = |p: DVec2| DVec2::new(p.x, grey.height as f64 - p.y);
+    for j in 0..(grey.height as f64 / every) as usize {
+        for i in 0..(grey.width as f64 / every) as usize {
+            let p = every * DVec2::new(i as f64 + 0.5, j as f64 + 0.5);
+            let s = axis(p);
+            let half = direction(s.axis_rad()) * 0.42 * every;
+            let c = (s.coherence * 255.0) as u8;
+            canvas.line(&[turned(p - half), turned(p + half)], 1.6, [255, c, 255 - c]);
+        }
+    }
+    canvas
 }
 
 struct Canvas {

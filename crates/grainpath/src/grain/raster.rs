@@ -54,11 +54,30 @@ impl Grey {
 
     /// Half the size, each pixel the mean of four.
     pub fn halved(&self) -> Self {
-        let (w, h) = (self.width.div_ceil(2), self.height.div_ceil(2));
-        Self::from_fn(w, h, |x, y| {
-            let (x1, y1) = ((2 * x + 1).min(self.width - 1), (2 * y + 1).min(self.height - 1));
-            0.25 * (self.at(2 * x, 2 * y) + self.at(x1, 2 * y) + self.at(2 * x, y1) + self.at(x1, y1))
-        })
+        half(&self.data, [self.width, self.height], 0.25)
+    }
+
+    /// Row `y` of this picture enlarged by `factor` to `width` pixels: what [`Grey::sample`] finds at their centres.
+    pub(super) fn enlarged_row(&self, y: usize, factor: f64, width: usize, out: &mut Vec<f32>) {
+        let place = |v: usize, n: usize| {
+            let v = ((v as f64 + 0.5) / factor - 0.5).clamp(0.0, n as f64 - 1.0);
+            let i = (v as usize).min(n.saturating_sub(2));
+            (i, (v - i as f64) as f32)
+        };
+        let (j, t) = place(y, self.height);
+        let row = |j: usize| &self.data[j * self.width..(j + 1) * self.width];
+        let (low, high) = (row(j), row((j + 1).min(self.height - 1)));
+        out.clear();
+        if self.width == 1 {
+            out.resize(width, low[0] + t * (high[0] - low[0]));
+            return;
+        }
+        out.extend((0..width).map(|x| {
+            let (i, u) = place(x, self.width);
+            let a = low[i] + u * (low[i + 1] - low[i]);
+            let b = high[i] + u * (high[i + 1] - high[i]);
+            a + t * (b - a)
+        }));
     }
 
     /// Smoothed by a Gaussian of this standard deviation in pixels; the border repeats.
@@ -99,6 +118,9 @@ impl Grey {
         if radius == 0 || self.data.is_empty() {
             return self.clone();
         }
+        if radius == 1 {
+            return self.median_of_nine();
+        }
         let r = radius.min(7) as isize;
         let place = |v: usize, d: isize, n: usize| (v as isize + d).clamp(0, n as isize - 1) as usize;
         Self::from_fn(self.width, self.height, |x, y| {
@@ -113,6 +135,46 @@ impl Grey {
             }
             *window[..n].select_nth_unstable_by(n / 2, f32::total_cmp).1
         })
+    }
+
+    /// Columns of three are sorted once for all windows they are in: the median of nine is the middle one of the
+    /// largest low, the middle middle and the smallest high of three columns.
+    fn median_of_nine(&self) -> Self {
+        let (w, h) = (self.width, self.height);
+        let mut out = Self::filled(w, h, 0.0);
+        out.data.par_chunks_mut(w).enumerate().for_each_init(
+            || [(); 3].map(|()| vec![0.0f32; w + 2]),
+            |[low, middle, high], (y, out)| {
+                let row = |y: usize| &self.data[y * w..(y + 1) * w];
+                let (a, b, c) = (row(y.saturating_sub(1)), row(y), row((y + 1).min(h - 1)));
+                for x in 0..w {
+                    let (p, q) = (lesser(a[x], b[x]), greater(a[x], b[x]));
+                    let (r, top) = (lesser(q, c[x]), greater(q, c[x]));
+                    (low[x + 1], middle[x + 1], high[x + 1]) = (lesser(p, r), greater(p, r), top);
+                }
+                for sorted in [&mut *low, &mut *middle, &mut *high] {
+                    (sorted[0], sorted[w + 1]) = (sorted[1], sorted[w]);
+                }
+                for x in 0..w {
+                    let l = greater(greater(low[x], low[x + 1]), low[x + 2]);
+                    let m = middle_of(middle[x], middle[x + 1], middle[x + 2]);
+                    let h = lesser(lesser(high[x], high[x + 1]), high[x + 2]);
+                    out[x] = middle_of(l, m, h);
+                }
+            },
+        );
+        out
+    }
+
+    /// About how far apart these shares of the pixels lie in brightness, from some ten thousand of them.
+    pub fn spread(&self, low: f64, high: f64) -> f32 {
+        // A stride that shares no factor with the width sees every column.
+        let mut stride = (self.data.len() / 16_384).max(1);
+        while stride > 1 && self.width.is_multiple_of(stride) {
+            stride += 1;
+        }
+        let mut some: Vec<f32> = self.data.iter().copied().step_by(stride).collect();
+        quantile(&mut some, high) - quantile(&mut some, low)
     }
 
     /// The brightness below which this share of the pixels lies.
@@ -130,6 +192,36 @@ pub fn quantile(values: &mut [f32], share: f64) -> f32 {
     *values.select_nth_unstable_by(k, f32::total_cmp).1
 }
 
+/// A picture of half the size: sums of four pixels, the border repeated, times `share`.
+pub(super) fn half<T: Copy + Sync + Into<f32>>(data: &[T], [width, height]: [usize; 2], share: f32) -> Grey {
+    let (w, h) = (width.div_ceil(2), height.div_ceil(2));
+    let mut out = Grey::filled(w, h, 0.0);
+    out.data.par_chunks_mut(w.max(1)).enumerate().for_each(|(y, out)| {
+        let row = |y: usize| &data[y * width..(y + 1) * width];
+        let (a, b) = (row(2 * y), row((2 * y + 1).min(height - 1)));
+        for ((out, a), b) in out.iter_mut().zip(a.chunks_exact(2)).zip(b.chunks_exact(2)) {
+            *out = share * (a[0].into() + a[1].into() + b[0].into() + b[1].into());
+        }
+        if width % 2 == 1 {
+            out[w - 1] = 2.0 * share * (a[width - 1].into() + b[width - 1].into());
+        }
+    });
+    out
+}
+
+// Unlike `f32::min` these are one instruction: no pixel is NaN.
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+fn greater(a: f32, b: f32) -> f32 {
+    if a < b { b } else { a }
+}
+
+fn middle_of(a: f32, b: f32, c: f32) -> f32 {
+    greater(lesser(a, b), lesser(greater(a, b), c))
+}
+
 fn scaled(out: &mut [f32], row: &[f32], t: f32) {
     out.iter_mut().zip(row).for_each(|(o, v)| *o = t * v);
 }
@@ -139,7 +231,7 @@ fn add_pair(out: &mut [f32], a: &[f32], b: &[f32], t: f32) {
 }
 
 /// Weights of a Gaussian from its middle outwards, summing to one over both sides.
-fn gaussian_taps(sigma_px: f64) -> Vec<f32> {
+pub(super) fn gaussian_taps(sigma_px: f64) -> Vec<f32> {
     let r = (3.0 * sigma_px).ceil().max(1.0) as usize;
     let weight = |k: usize| exp(-0.5 * (k as f64 / sigma_px) * (k as f64 / sigma_px));
     let sum: f64 = (0..=r).map(|k| if k == 0 { 1.0 } else { 2.0 * weight(k) }).sum();
@@ -169,6 +261,20 @@ mod tests {
         let clean = edge.clone();
         edge.data[5 * 20 + 4] = 1.0;
         assert_eq!(edge.median(1), clean);
+        let mixed = |x: usize, y: usize| ((x * 7919 + y * 104_729) % 257) as f32;
+        for (w, h) in [(1, 1), (2, 3), (31, 17)] {
+            let noise = Grey::from_fn(w, h, mixed);
+            let at = |x: isize, y: isize| {
+                noise.at(x.clamp(0, w as isize - 1) as usize, y.clamp(0, h as isize - 1) as usize)
+            };
+            let slow = Grey::from_fn(w, h, |x, y| {
+                let mut near: Vec<f32> =
+                    (0..9).map(|k| at(x as isize + k % 3 - 1, y as isize + k / 3 - 1)).collect();
+                near.sort_by(f32::total_cmp);
+                near[4]
+            });
+            assert_eq!(noise.median(1), slow);
+        }
     }
 
     #[test]

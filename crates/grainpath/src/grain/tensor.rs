@@ -113,13 +113,13 @@ impl AxisGrid {
 }
 
 /// What smoothing starts from: doubled angles and how much each is to be trusted.
-struct Evidence {
-    double: Vec<[f32; 2]>,
-    weight: Vec<f32>,
+pub(super) struct Evidence {
+    pub(super) double: Vec<[f32; 2]>,
+    pub(super) weight: Vec<f32>,
 }
 
 /// Pixels that differ less than this from their surroundings show nothing, as a share of white.
-const FAINT: f32 = 2e-3;
+pub(super) const FAINT: f32 = 2e-3;
 
 /// The grain of a picture, one node about every third of the integration scale.
 pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
@@ -166,7 +166,8 @@ pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
     }
     spread_darkness(&mut grid.darkness);
     let evidence = Evidence { double: grid.double.clone(), weight };
-    grid.double = smoothed(&grid, &evidence, settings.smooth_mm / grid.step_mm);
+    let reach = settings.smooth_mm / grid.step_mm;
+    grid.double = smoothed([nx, ny, 1], &evidence, [reach, reach, 0.0]);
     grid
 }
 
@@ -190,20 +191,25 @@ fn flattened(grey: &Grey, sigma_px: f64) -> Grey {
         n_halvings += 1;
     }
     let mean = small.blurred(sigma_px / level);
-    let off =
-        |x: usize, y: usize| grey.at(x, y) - mean.sample((x as f64 + 0.5) / level, (y as f64 + 0.5) / level);
-    let difference = Grey::from_fn(grey.width, grey.height, off);
-    let mut squares =
-        Grey::from_fn(grey.width, grey.height, |x, y| difference.at(x, y) * difference.at(x, y));
+    let (w, h) = (grey.width, grey.height);
+    let mut difference = Grey::filled(w, h, 0.0);
+    difference.data.par_chunks_mut(w).enumerate().for_each_init(Vec::new, |slow, (y, out)| {
+        mean.enlarged_row(y, level, w, slow);
+        let row = &grey.data[y * w..(y + 1) * w];
+        out.iter_mut().zip(row).zip(&*slow).for_each(|((o, v), m)| *o = v - m);
+    });
+    let mut squares = Grey::filled(w, h, 0.0);
+    squares.data.par_iter_mut().zip(&difference.data).for_each(|(s, d)| *s = d * d);
     for _ in 0..n_halvings {
         squares = squares.halved();
     }
     let spread = squares.blurred(2.0 * sigma_px / level);
-    Grey::from_fn(grey.width, grey.height, |x, y| {
-        let s = spread.sample((x as f64 + 0.5) / level, (y as f64 + 0.5) / level).max(0.0).sqrt();
+    difference.data.par_chunks_mut(w).enumerate().for_each_init(Vec::new, |slow, (y, out)| {
+        spread.enlarged_row(y, level, w, slow);
         // Contrast is evened out, but noise in a blank place is not blown up.
-        difference.at(x, y) / (s + 0.01) * 0.1
-    })
+        out.iter_mut().zip(&*slow).for_each(|(o, s)| *o = *o / (s.max(0.0).sqrt() + 0.01) * 0.1);
+    });
+    difference
 }
 
 /// Gradients of a square of pixels: sums of products, and the brightness.
@@ -229,7 +235,7 @@ fn cell_tensor(flat: &Grey, x0: usize, y0: usize, cell: usize) -> [f32; 4] {
 }
 
 /// From flattened brightness to 0 (light) to 1 (dark), between the brightest and the darkest twentieth.
-fn spread_darkness(values: &mut [f32]) {
+pub(super) fn spread_darkness(values: &mut [f32]) {
     let mut copy = values.to_vec();
     let (low, high) = (quantile(&mut copy, 0.05), quantile(&mut copy, 0.95));
     let range = (high - low).max(1e-6);
@@ -237,34 +243,53 @@ fn spread_darkness(values: &mut [f32]) {
 }
 
 /// The axes that differ least from the evidence and from each other: one linear system for the doubled angles,
-/// solved by conjugate gradients in a fixed order. `reach` is the length, in nodes, over which evidence of weight 1
-/// holds against its neighbours.
-fn smoothed(grid: &AxisGrid, evidence: &Evidence, reach: f64) -> Vec<[f32; 2]> {
-    let (nx, ny) = (grid.nx, grid.ny);
-    let stiff = (reach * reach).max(1e-3) as f32;
+/// solved by conjugate gradients in a fixed order. `reach` is the length, in nodes of `n` in x, y and z, over which
+/// evidence of weight 1 holds against its neighbours.
+pub(super) fn smoothed(n: [usize; 3], evidence: &Evidence, reach: [f64; 3]) -> Vec<[f32; 2]> {
+    let [nx, ny, nz] = n;
+    let all = nx * ny * nz;
+    let stiff = reach.map(|r| (r * r).max(1e-3) as f32);
     let weight: Vec<f32> = evidence.weight.iter().map(|w| w + 1e-4).collect();
-    let neighbours = |k: usize| {
-        let (i, j) = (k % nx, k / nx);
+    // Row by row: neighbours in y and z are whole rows, which are added one after the other.
+    let rows_beside = |row: usize| {
+        let (j, l) = (row % ny, row / ny);
         [
-            (i > 0).then(|| k - 1),
-            (i + 1 < nx).then(|| k + 1),
-            (j > 0).then(|| k - nx),
-            (j + 1 < ny).then(|| k + nx),
+            (j > 0).then(|| (row - 1, stiff[1])),
+            (j + 1 < ny).then(|| (row + 1, stiff[1])),
+            (l > 0).then(|| (row - ny, stiff[2])),
+            (l + 1 < nz).then(|| (row + ny, stiff[2])),
         ]
     };
     let apply = |v: &[[f32; 2]]| -> Vec<[f32; 2]> {
-        let row = |k: usize| {
-            let mut out = v[k].map(|c| weight[k] * c);
-            for n in neighbours(k).into_iter().flatten() {
-                out = [out[0] + stiff * (v[k][0] - v[n][0]), out[1] + stiff * (v[k][1] - v[n][1])];
-            }
-            out
+        let mut out = vec![[0.0f32; 2]; all];
+        let pull = |o: &mut [f32; 2], v: &[f32; 2], n: &[f32; 2], stiff: f32| {
+            *o = [o[0] + stiff * (v[0] - n[0]), o[1] + stiff * (v[1] - n[1])];
         };
-        (0..nx * ny).into_par_iter().with_min_len(4096).map(row).collect()
+        out.par_chunks_mut(nx).enumerate().with_min_len(4096usize.div_ceil(nx)).for_each(|(row, out)| {
+            let of = |row: usize| &v[row * nx..(row + 1) * nx];
+            let own = of(row);
+            for ((o, v), w) in out.iter_mut().zip(own).zip(&weight[row * nx..]) {
+                *o = v.map(|c| w * c);
+            }
+            for x in 1..nx {
+                pull(&mut out[x], &own[x], &own[x - 1], stiff[0]);
+                pull(&mut out[x - 1], &own[x - 1], &own[x], stiff[0]);
+            }
+            for (beside, stiff) in rows_beside(row).into_iter().flatten() {
+                for ((o, v), n) in out.iter_mut().zip(own).zip(of(beside)) {
+                    pull(o, v, n, stiff);
+                }
+            }
+        });
+        out
     };
-    let diagonal: Vec<f32> = (0..nx * ny)
-        .map(|k| weight[k] + stiff * neighbours(k).into_iter().flatten().count() as f32)
-        .collect();
+    let mut diagonal = weight.clone();
+    for (row, out) in diagonal.chunks_mut(nx).enumerate() {
+        let beside: f32 = rows_beside(row).into_iter().flatten().map(|(_, stiff)| stiff).sum();
+        for (x, d) in out.iter_mut().enumerate() {
+            *d += beside + stiff[0] * (f32::from(x > 0) + f32::from(x + 1 < nx));
+        }
+    }
     let dot = |a: &[[f32; 2]], b: &[[f32; 2]]| -> f64 {
         a.iter().zip(b).map(|(a, b)| f64::from(a[0] * b[0] + a[1] * b[1])).sum()
     };
@@ -341,7 +366,8 @@ pub fn along_lines(grid: &AxisGrid, lines: &[Guideline<'_>], keep: f32, reach_mm
         evidence.weight.push(total);
     }
     let mut out = grid.clone();
-    out.double = smoothed(grid, &evidence, reach_mm / grid.step_mm);
+    let reach = reach_mm / grid.step_mm;
+    out.double = smoothed([grid.nx, grid.ny, 1], &evidence, [reach, reach, 0.0]);
     out
 }
 

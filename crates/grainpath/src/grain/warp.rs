@@ -1,7 +1,10 @@
 //! Rectification: a photograph in perspective to a picture in millimetres.
 
-use grainpath_core::DVec2;
+use std::borrow::Cow;
+
 use grainpath_core::math::cross;
+use grainpath_core::{DVec2, DVec3};
+use rayon::prelude::*;
 
 use super::raster::Grey;
 
@@ -55,6 +58,13 @@ impl Homography {
         let h = &self.0;
         let w = h[6] * p.x + h[7] * p.y + h[8];
         DVec2::new(h[0] * p.x + h[1] * p.y + h[2], h[3] * p.x + h[4] * p.y + h[5]) / w
+    }
+
+    /// The homogeneous image, scaled, of the point (0, y), and how it changes with x.
+    fn along_row(&self, y: f64, scale: f64) -> [DVec3; 2] {
+        let h = &self.0;
+        let at = |k: usize| DVec3::new(scale * h[k], scale * h[k + 3], h[k + 6]);
+        [at(1) * y + at(2), at(0)]
     }
 
     /// The larger stretch at a point: units there for one here.
@@ -136,11 +146,35 @@ pub fn native_px_mm(corners: [DVec2; 4], size_mm: DVec2) -> f64 {
     (size_mm.x * size_mm.y / area_px.max(1.0)).sqrt()
 }
 
+/// A photograph that can be had smaller.
+pub trait Shrinking {
+    /// Pixels in a row, and rows.
+    fn size(&self) -> [usize; 2];
+    /// As it is.
+    fn whole(&self) -> Cow<'_, Grey>;
+    /// With its sides halved once.
+    fn halved(&self) -> Grey;
+}
+
+impl Shrinking for Grey {
+    fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    fn whole(&self) -> Cow<'_, Grey> {
+        Cow::Borrowed(self)
+    }
+
+    fn halved(&self) -> Grey {
+        self.halved()
+    }
+}
+
 /// The photograph (rows downwards) between four corners as a picture of `size_mm`, lower left corner at zero, pixels
 /// of about `px_mm` (made to fit the width). Where it shrinks, what falls together is averaged.
 ///
 /// The corners must have passed [`check_corners`].
-pub fn rectify(photo: &Grey, corners: [DVec2; 4], size_mm: DVec2, px_mm: f64) -> MetricImage {
+pub fn rectify(photo: &impl Shrinking, corners: [DVec2; 4], size_mm: DVec2, px_mm: f64) -> MetricImage {
     let columns = (size_mm.x / px_mm).round().max(8.0) as usize;
     let px_mm = size_mm.x / columns as f64;
     let rows = (size_mm.y / px_mm).round().max(8.0) as usize;
@@ -151,22 +185,29 @@ pub fn rectify(photo: &Grey, corners: [DVec2; 4], size_mm: DVec2, px_mm: f64) ->
     // Pictures of half the size until a step is less than two pixels; what remains is averaged point by point.
     let mut level = 1.0;
     let mut smaller: Option<Grey> = None;
-    while stretch / level >= 2.0 && photo.width as f64 / level > 2.0 && photo.height as f64 / level > 2.0 {
-        smaller = Some(smaller.as_ref().unwrap_or(photo).halved());
+    let [width, height] = photo.size();
+    while stretch / level >= 2.0 && width as f64 / level > 2.0 && height as f64 / level > 2.0 {
+        smaller = Some(smaller.map_or_else(|| photo.halved(), |s| s.halved()));
         level *= 2.0;
     }
-    let source = smaller.as_ref().unwrap_or(photo);
+    let source = smaller.map_or_else(|| photo.whole(), Cow::Owned);
     let n = if stretch / level > 1.15 { 2 } else { 1 };
-    let grey = Grey::from_fn(columns, rows, |x, y| {
-        let mut sum = 0.0;
+    let mut grey = Grey::filled(columns, rows, 0.0);
+    let share = 1.0 / n as f64;
+    grey.data.par_chunks_mut(columns).enumerate().for_each(|(y, row)| {
         for j in 0..n {
-            for i in 0..n {
-                let at = |k: usize, v: usize| v as f64 + (k as f64 + 0.5) / n as f64;
-                let p = map.map(DVec2::new(at(i, x), at(j, y))) / level;
-                sum += source.sample(p.x, p.y);
+            // Along a row numerators and denominator of the map are straight lines.
+            let [at, step] = map.along_row(y as f64 + (j as f64 + 0.5) * share, 1.0 / level);
+            for (x, out) in row.iter_mut().enumerate() {
+                for i in 0..n {
+                    let q = at + step * (x as f64 + (i as f64 + 0.5) * share);
+                    let w = 1.0 / q.z;
+                    *out += source.sample(q.x * w, q.y * w);
+                }
             }
         }
-        sum / (n * n) as f32
+        let share = 1.0 / (n * n) as f32;
+        row.iter_mut().for_each(|v| *v *= share);
     });
     MetricImage { grey, min_mm: DVec2::ZERO, px_mm }
 }

@@ -14,7 +14,7 @@ pub use parse::{JobError, parse_job};
 pub use profiles::{PROFILES, Profile, profile};
 pub use schema::{json_schema, markdown};
 pub use settings::{
-    FillSection, GuideSection, ImageSection, MaterialSection, OutputSection, PhotoSection, PrinterSection,
-    ProcessSection, Settings, ShapeSection, StrengthSection, SupportSection,
+    FibreSection, FillSection, GuideSection, ImageSection, MaterialSection, OutputSection, PhotoSection,
+    PrinterSection, ProcessSection, Settings, ShapeSection, StrengthSection, SupportSection, VolumeSection,
 };
 pub use value::{Check, Param};

@@ -4,7 +4,7 @@ use grainpath_core::spelling::nearest;
 use toml::{Table, Value};
 
 use super::profiles::{KINDS, profile};
-use super::settings::Settings;
+use super::settings::{MaterialSection, Settings};
 
 /// What is wrong with a job.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -83,8 +83,28 @@ pub fn parse_job(
     for (section, key, value) in set_pairs.iter().filter(|(s, k, _)| !is_profile(s, k)) {
         apply(&mut settings, section, key, value, || "--set".to_owned())?;
     }
+    if settings.fibre.enabled {
+        settings.fibre_material = fibre_material(&settings, text, name, load)?;
+    }
     check_together(&settings, name)?;
     Ok(settings)
+}
+
+/// The material that `fibre.material` names.
+fn fibre_material(
+    settings: &Settings,
+    text: &str,
+    name: &str,
+    load: &dyn Fn(&str) -> Result<String, String>,
+) -> Result<MaterialSection, JobError> {
+    let chosen = &settings.fibre.material;
+    let (text, name) = profile_text("material", chosen, load)
+        .map_err(|p| error(at(text, name, "fibre", "material"), format!("fibre.material: {p}")))?;
+    let mut own = Settings::default();
+    for (key, value) in &table(&text, &name)? {
+        apply(&mut own, "material", key, value, || at(&text, &name, "", key))?;
+    }
+    Ok(own.material)
 }
 
 fn is_profile(section: &str, key: &str) -> bool {
@@ -192,6 +212,7 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
     }
     check_outline(s, name)?;
     check_photos(s, name)?;
+    check_fibre(s, name)?;
     let m = &s.material;
     let bounds = [
         ("xt_mpa", m.xt_mpa),
@@ -221,7 +242,9 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
             }
         }
     }
-    if crate::fill::GUIDED.contains(&s.fill.pattern.as_str()) && s.guide.kind == "none" {
+    let needs_guide =
+        crate::fill::GUIDED.contains(&s.fill.pattern.as_str()) && s.fill.pattern != "continuous";
+    if needs_guide && s.guide.kind == "none" {
         return wrong(format!(
             "fill.pattern = {:?} needs a guide: [guide] kind = \"stress\" or \"angle\"",
             s.fill.pattern
@@ -250,6 +273,52 @@ fn check_outline(s: &Settings, name: &str) -> Result<(), JobError> {
     Err(error(name, problem))
 }
 
+/// Continuous fibre: a tool for it, and settings that go together.
+fn check_fibre(s: &Settings, name: &str) -> Result<(), JobError> {
+    let (f, p) = (&s.fibre, &s.printer);
+    let wrong = |problem: String| Err(error(name, problem));
+    if !f.enabled {
+        return Ok(());
+    }
+    if p.fibre_tool == "none" {
+        return wrong(
+            "fibre.enabled = true needs a printer with a fibre tool: printer.fibre_tool = \"coextruded\" or \"separate\", or a profile such as fibre-coextruded"
+                .into(),
+        );
+    }
+    if p.fibre_cut_gcode.trim().is_empty() {
+        return wrong(
+            "fibre.enabled = true needs printer.fibre_cut_gcode, the program that cuts the fibre".into(),
+        );
+    }
+    if p.fibre_tool == "separate" && p.fibre_tool_number == 0 {
+        return wrong("printer.fibre_tool_number should not be 0, which is the matrix's".into());
+    }
+    if p.fibre_tool == "separate" && p.tool_change_gcode.trim().is_empty() {
+        return wrong("printer.fibre_tool = \"separate\" needs printer.tool_change_gcode".into());
+    }
+    if let Some([a, b]) = f.layers.iter().find(|[a, b]| a > b) {
+        return wrong(format!("fibre.layers should be [first, last] from 1, is [{a}, {b}]"));
+    }
+    if let Some(b) = f.boxes_mm.iter().find(|[low, high]| (0..3).any(|k| low[k] >= high[k])) {
+        return wrong(format!("fibre.boxes_mm should be [lowest corner, highest corner], has {b:?}"));
+    }
+    let width = f.bead_width_mm.unwrap_or(s.process.bead_width_mm);
+    if width < s.process.layer_height_mm || width < s.process.first_layer_height_mm {
+        return wrong(format!("fibre.bead_width_mm ({width}) should not be less than the layer height"));
+    }
+    if f.start == "calm" && s.guide.kind != "stress" {
+        return wrong("fibre.start = \"calm\" needs [guide] kind = \"stress\"".into());
+    }
+    if s.fill.density == 0.0 {
+        return wrong("fibre.enabled = true needs fill.density above 0".into());
+    }
+    if crate::fill::GUIDED.contains(&f.matrix_pattern.as_str()) && s.guide.kind == "none" {
+        return wrong(format!("fibre.matrix_pattern = {:?} needs a guide", f.matrix_pattern));
+    }
+    Ok(())
+}
+
 /// Photographs: what must be given together.
 fn check_photos(s: &Settings, name: &str) -> Result<(), JobError> {
     let wrong = |problem: String| Err(error(name, problem));
@@ -265,10 +334,24 @@ fn check_photos(s: &Settings, name: &str) -> Result<(), JobError> {
     if photo && s.process.adaptive_layers {
         return wrong("process.adaptive_layers = true is for meshes, not for shape.photo".into());
     }
-    if s.guide.kind == "grain" && !photo && s.image.files.is_empty() {
-        return wrong(
-            "guide.kind = \"grain\" needs photographs: guide.image = { files = [\"FILE\"] }".into(),
-        );
+    let (image, volume) = (!s.image.files.is_empty(), !s.volume.path.is_empty());
+    if image && volume {
+        return wrong("guide.image and guide.volume: exactly one gives the grain".into());
+    }
+    if s.guide.kind == "grain" && !photo && !image {
+        if !volume && s.ct.path.is_empty() {
+            return wrong(
+                "guide.kind = \"grain\" needs photographs or a scan: guide.image = { files = [\"FILE\"] } or guide.volume = { path = \"SCAN\" }".into(),
+            );
+        }
+        if s.guide.mode == "edges" {
+            return wrong(
+                "guide.mode = \"edges\" is for photographs; a scan's texture gives directions".into(),
+            );
+        }
+    }
+    if photo && volume {
+        return wrong("guide.volume is for meshes and scans; shape.photo has its own grain".into());
     }
     for (section, files, corners, heights) in [
         ("shape.photo", &s.photo.files, &s.photo.corners_px, &s.photo.heights_mm),
@@ -372,7 +455,7 @@ mod tests {
             ),
             (
                 "[fill]\npattern = \"grit\"\n",
-                "job.toml:2: fill.pattern should be one of rectilinear, grid, triangles, gyroid, concentric, honeycomb, aligned, stripes, streamlines, seed-lines, is \"grit\"",
+                "job.toml:2: fill.pattern should be one of rectilinear, grid, triangles, gyroid, concentric, honeycomb, aligned, stripes, streamlines, seed-lines, continuous, is \"grit\"",
             ),
             (
                 "[shape]\nct = { path = \"scan\", pixel = 0.1 }\n",
@@ -388,7 +471,15 @@ mod tests {
             ),
             (
                 "[guide]\nkind = \"grain\"\n",
-                "job.toml: guide.kind = \"grain\" needs photographs: guide.image = { files = [\"FILE\"] }",
+                "job.toml: guide.kind = \"grain\" needs photographs or a scan: guide.image = { files = [\"FILE\"] } or guide.volume = { path = \"SCAN\" }",
+            ),
+            (
+                "[shape]\nct = \"scan\"\n[guide]\nkind = \"grain\"\nmode = \"edges\"\n",
+                "job.toml: guide.mode = \"edges\" is for photographs; a scan's texture gives directions",
+            ),
+            (
+                "[guide]\nkind = \"grain\"\nimage = { files = [\"a.png\"] }\nvolume = { path = \"scan\" }\n",
+                "job.toml: guide.image and guide.volume: exactly one gives the grain",
             ),
             (
                 "[printer]\nprofile = \"generic-0.5\"\n",

@@ -29,12 +29,14 @@ macro_rules! shipped {
 }
 
 /// All that come with the program.
-pub const PROFILES: [Profile; 15] = shipped![
+pub const PROFILES: [Profile; 17] = shipped![
     "printer" "generic-0.4",
     "printer" "generic-0.6",
     "printer" "prusa-mk3s",
     "printer" "voron-2.4",
     "printer" "duet-delta",
+    "printer" "fibre-coextruded",
+    "printer" "fibre-separate",
     "material" "pla",
     "material" "petg",
     "material" "abs",

@@ -129,6 +129,13 @@ sections! {
         retract_speed_mm_s: f64 = 35.0, "mm/s", Range(0.1, 500.0), "How fast it is drawn back.";
         unretract_speed_mm_s: f64 = 35.0, "mm/s", Range(0.1, 500.0), "How fast it comes forward again.";
         z_hop_mm: f64 = 0.0, "mm", Range(0.0, 10.0), "The nozzle is lifted by this for such a travel.";
+        fibre_tool: String = "none".into(), "", Words(&["none", "coextruded", "separate"]), "Whether it lays continuous fibre: with the matrix from one nozzle, or from a nozzle of its own.";
+        fibre_tool_number: usize = 1, "", Range(0.0, 99.0), "Number of that tool for fibre_tool = \"separate\"; the matrix's is 0.";
+        fibre_cutter_mm: f64 = 40.0, "mm", Range(0.0, 1000.0), "Length of fibre between cutter and nozzle: it is cut so long before a path ends.";
+        fibre_filament_mm: Option<f64> = None, "mm", Range(0.05, 5.0), "Diameter of what the fibre's tool is fed with; left out, filament_mm.";
+        fibre_feed_gcode: String = String::new(), "", Any, "Program that brings fibre from the cutter to the nozzle where a path begins; `{placeholders}` as in docs/gcode.md.";
+        fibre_cut_gcode: String = String::new(), "", Any, "Program that cuts the fibre.";
+        tool_change_gcode: String = "T{tool}".into(), "", Any, "Program that changes to `{tool}`, for fibre_tool = \"separate\".";
         thumbnails_px: Vec<[usize; 2]> = Vec::new(), "px", Range(8.0, 2000.0), "Sizes of pictures embedded in the G-code.";
         start_gcode: String = "M140 S{first_layer_bed_temp_c}\nM104 S{first_layer_nozzle_temp_c}\nG28\nM190 S{first_layer_bed_temp_c}\nM109 S{first_layer_nozzle_temp_c}".into(), "", Any, "Program before the print; `{placeholders}` as in docs/gcode.md.";
         end_gcode: String = "M104 S0\nM140 S0\nG1 Z{z_park_mm} F600\nG28 X\nM84".into(), "", Any, "Program after the print.";
@@ -198,6 +205,7 @@ sections! {
         travel_speed_mm_s: f64 = 150.0, "mm/s", Range(0.1, 2000.0), "Speed of travels.";
         travel_z_speed_mm_s: f64 = 10.0, "mm/s", Range(0.1, 500.0), "Speed of moves in z.";
         first_layer_speed_mm_s: f64 = 25.0, "mm/s", Range(0.1, 2000.0), "Nothing in the first layer is faster.";
+        chain: bool = false, "", Any, "Lay walls and fill of an island as one path where they touch, and begin each layer where the one below ended.";
         comb: bool = true, "", Any, "Keep travels inside the part where that is possible.";
         retract_min_travel_mm: f64 = 1.5, "mm", Range(0.0, 1000.0), "Shorter travels never draw the filament back.";
         skirt_loops: usize = 1, "", Range(0.0, 1000.0), "Loops around the part that start the flow.";
@@ -209,7 +217,7 @@ sections! {
     }
     /// What gives fill its direction.
     GuideSection "guide" {
-        kind: String = "none".into(), "", Words(&["none", "angle", "stress", "grain"]), "none: the fill's angle list; angle: one direction for all fill, dense and sparse; stress: the principal stresses under the loads given; grain: the grain of photographs.";
+        kind: String = "none".into(), "", Words(&["none", "angle", "stress", "grain"]), "none: the fill's angle list; angle: one direction for all fill, dense and sparse; stress: the principal stresses under the loads given; grain: the grain of photographs, or the texture of a scan.";
         angle_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "The direction for kind = \"angle\", from +X.";
         follow: String = "max-abs".into(), "", Words(&["max-abs", "tension", "compression", "alternate"]), "Which principal stress beads follow: the one greater in amount, the greatest tension, the greatest compression, or both families by turns from layer to layer.";
         analysis: String = "auto".into(), "", Words(&["auto", "plane", "solid"]), "plane: the section as a plate loaded in its plane; solid: the part in three dimensions; auto: plane for a part of constant section loaded in its plane.";
@@ -238,7 +246,7 @@ sections! {
         min_curve_mm: f64 = 3.0, "mm", Range(0.0, 1000.0), "Shorter curves are dropped.";
         integration_mm: f64 = 0.6, "mm", Range(0.01, 100.0), "Neighbourhood over which the direction is averaged.";
         bend: String = "holes".into(), "", Words(&["none", "outline", "holes", "both"]), "Borders of the part along which the grain is bent.";
-        darkness: f64 = 0.0, "", Range(0.0, 1.0), "How much closer lines lie where the picture is dark, below full density: 1 is twice as close as on average.";
+        darkness: f64 = 0.0, "", Range(0.0, 1.0), "How much closer lines lie where the picture is dark, or the scan dense, below full density: 1 is twice as close as on average.";
     }
     /// Photographs whose grain a part of another shape is filled with; left out, those of shape.photo.
     ImageSection "guide.image" {
@@ -253,12 +261,27 @@ sections! {
         heights_mm: Vec<f64> = Vec::new(), "mm", Range(0.0, 1e4), "The height each file shows, as in shape.photo.";
         shift_mm_per_mm: [f64; 2] = [0.0; 2], "", Range(-20.0, 20.0), "How far the grain moves for a millimetre upwards, as in shape.photo.";
     }
+    /// A scan whose texture a part of another shape is filled along; left out, that of shape.ct.
+    VolumeSection "guide.volume" {
+        path: String = String::new(), "", Any, "The scan, as in shape.ct.";
+        pixel_mm: Option<Pair> = None, "mm", Range(1e-7, 1e4), "Size of a pixel, one number or [x, y]; left out, the file's.";
+        slice_mm: Option<f64> = None, "mm", Range(1e-7, 1e4), "Distance of slices; left out, the file's.";
+        window: Option<[usize; 2]> = None, "", Range(0.0, 1e6), "First and last slice that are taken, counted from 0.";
+        crop_px: Option<[usize; 4]> = None, "px", Range(0.0, 1e6), "First column, first row, last column, last row that are taken, counted from 0.";
+        flip: String = String::new(), "", Words(&["", "x", "y", "z", "xy", "xz", "yz", "xyz"]), "Axes to mirror.";
+        scale: f64 = 1.0, "", Range(1e-6, 1e6), "Factor on its size.";
+        origin_mm: Option<[f64; 3]> = None, "mm", Range(-1e5, 1e5), "Where the lower left corner of its lowest slice lies on the part; left out, its middle is over the part's and its bottom on the plate.";
+        rotate_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Turned about that corner, counter-clockwise.";
+    }
     /// What is laid inside the walls.
     FillSection "fill" {
         pattern: String = "grid".into(), "", Words(PATTERNS), "Pattern of the inside.";
         density: f64 = 0.2, "", Range(0.0, 1.0), "Volume of beads over volume of the inside; 1 is dense.";
         angles_deg: Vec<f64> = vec![45.0, -45.0], "deg", Range(-3600.0, 3600.0), "Directions of lines, layer by layer in turn; `aligned` and crossed patterns keep the first.";
         mass_g: Option<f64> = None, "g", Range(1e-6, 1e6), "Find the density that gives the part this mass, to within 1 %.";
+        widths: String = "variable".into(), "", Words(&["variable", "constant"]), "Bead width of `continuous`: following the room between neighbours, or the same everywhere (fibre).";
+        cell_aspect: f64 = 2.5, "", Range(1.0, 100.0), "Length of a cell of `continuous` along the field, in its widths of two beads.";
+        tree: String = "directed".into(), "", Words(&["directed", "undirected"]), "How `continuous` joins its cells: by how little beads turn out of the field, or without looking at it, to compare with.";
         overlap: f64 = 0.22, "", Range(0.0, 0.5), "How far fill runs into the innermost wall, as a share of the bead's spacing.";
     }
     /// What holds up overhangs.
@@ -298,6 +321,24 @@ sections! {
         interface_speed_mm_s: f64 = 30.0, "mm/s", Range(0.1, 2000.0), "Speed of the dense layers below contacts.";
         fan: f64 = 1.0, "", Range(0.0, 1.0), "Least fan while support is printed: thin branches need to set.";
     }
+    /// Continuous fibre in the fill; the rest of the part is matrix.
+    FibreSection "fibre" {
+        enabled: bool = false, "", Any, "Lay fill.pattern with continuous fibre, by the printer's fibre tool.";
+        material: String = "continuous-carbon".into(), "", Any, "What it is: a material profile, or a path ending in .toml; [material] is the matrix.";
+        layers: Vec<[usize; 2]> = Vec::new(), "", Range(1.0, 1e6), "First and last layer with fibre, counted from 1, or several such pairs; left out, all.";
+        every: usize = 1, "", Range(1.0, 1e6), "Of these every second, third ... layer.";
+        boxes_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Boxes (lowest and highest corner, part on the plate) in which fill is fibre; left out, everywhere.";
+        matrix_pattern: String = "rectilinear".into(), "", Words(PATTERNS), "Pattern of fill without fibre.";
+        matrix_density: f64 = 1.0, "", Range(0.0, 1.0), "Its density.";
+        bead_width_mm: Option<f64> = None, "mm", Range(0.05, 10.0), "Width of a bead with fibre, the same all along; left out, process.bead_width_mm.";
+        min_radius_mm: f64 = 2.0, "mm", Range(0.0, 1000.0), "Least radius a path with fibre may turn by.";
+        turns: String = "round".into(), "", Words(&["round", "report", "cut"]), "Sharper turns: rounded where there is room and reported where not; only reported; or rounded, and the fibre cut where there is no room.";
+        min_length_mm: f64 = 50.0, "mm", Range(0.0, 1e5), "Shorter paths are laid without fibre.";
+        anchor_mm: f64 = 5.0, "mm", Range(0.0, 1000.0), "Length at a path's beginning that is laid slowly, so that it holds.";
+        anchor_speed_mm_s: f64 = 3.0, "mm/s", Range(0.1, 500.0), "Speed for that.";
+        speed_mm_s: f64 = 10.0, "mm/s", Range(0.1, 500.0), "Speed of fibre.";
+        start: String = "straight".into(), "", Words(&["nearest", "straight", "calm", "rear"]), "Where closed paths begin and end: nearest to the path before, in the middle of the longest straight piece, where the stress is least, or furthest back.";
+    }
     /// The virtual strength test.
     StrengthSection "strength" {
         enabled: bool = false, "", Any, "Test every run: fixtures and loads are the tables guide.fixture and guide.load, whatever guide.kind is.";
@@ -334,7 +375,11 @@ pub struct Settings {
     pub process: ProcessSection,
     pub guide: GuideSection,
     pub image: ImageSection,
+    pub volume: VolumeSection,
     pub fill: FillSection,
+    pub fibre: FibreSection,
+    /// The profile that `fibre.material` names.
+    pub fibre_material: MaterialSection,
     pub support: SupportSection,
     pub strength: StrengthSection,
     pub output: OutputSection,
@@ -342,7 +387,7 @@ pub struct Settings {
 
 impl Settings {
     /// Names of the sections, in the order they are shown.
-    pub const SECTIONS: [&'static str; 12] = [
+    pub const SECTIONS: [&'static str; 14] = [
         "shape",
         "shape.photo",
         "shape.ct",
@@ -351,7 +396,9 @@ impl Settings {
         "process",
         "guide",
         "guide.image",
+        "guide.volume",
         "fill",
+        "fibre",
         "support",
         "strength",
         "output",
@@ -368,7 +415,9 @@ impl Settings {
             "process" => self.process.set(key, value),
             "guide" => self.guide.set(key, value),
             "guide.image" => self.image.set(key, value),
+            "guide.volume" => self.volume.set(key, value),
             "fill" => self.fill.set(key, value),
+            "fibre" => self.fibre.set(key, value),
             "support" => self.support.set(key, value),
             "strength" => self.strength.set(key, value),
             "output" => self.output.set(key, value),
@@ -387,7 +436,9 @@ impl Settings {
             ProcessSection::params(),
             GuideSection::params(),
             ImageSection::params(),
+            VolumeSection::params(),
             FillSection::params(),
+            FibreSection::params(),
             SupportSection::params(),
             StrengthSection::params(),
             OutputSection::params(),
@@ -406,7 +457,9 @@ impl Settings {
             self.process.rows(),
             self.guide.rows(),
             if self.image.files.is_empty() { Vec::new() } else { self.image.rows() },
+            if self.volume.path.is_empty() { Vec::new() } else { self.volume.rows() },
             self.fill.rows(),
+            if self.fibre.enabled { self.fibre.rows() } else { Vec::new() },
             self.support.rows(),
             self.strength.rows(),
             self.output.rows(),

@@ -3,13 +3,14 @@
 //! Which path comes next depends on where the last one ended, so layers are ordered one after the other; the ways
 //! between paths, which cost more, are meanwhile found for the layers already ordered.
 
+mod chain;
 mod comb;
 mod nearest;
 mod seam;
 mod sequence;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
-use grainpath_core::{Bounds2, DVec2, Diagnostics, Layer, LayerPlan, LayerStack, Polygon, Toolpath};
+use grainpath_core::{Bounds2, DVec2, Diagnostics, Layer, LayerPlan, LayerStack, Polygon, Role, Toolpath};
 use rayon::prelude::*;
 
 use crate::walls::Wall;
@@ -36,6 +37,10 @@ pub struct OrderSettings {
     pub seam: Seam,
     /// How travels are made.
     pub comb: CombSettings,
+    /// Whether fibre comes after everything else of a layer, so that tools are changed once.
+    pub fibre_last: bool,
+    /// An island is laid as one path where its paths lie no further apart than this, mm.
+    pub chain_mm: Option<f64>,
 }
 
 /// What is printed in one connected piece of a layer.
@@ -138,13 +143,39 @@ fn order_layer(
     let mut islands: Vec<Option<Island>> = layer.islands.into_iter().map(Some).collect();
     let middle = |p: &Polygon| p.bounds().map_or(DVec2::ZERO, Bounds2::centre);
     let places: Vec<[DVec2; 2]> = outlines.iter().take(islands.len()).map(|p| [middle(p); 2]).collect();
+    let mut fibre: Vec<Vec<Toolpath>> = vec![Vec::new(); islands.len()];
     let tour = sequence::tour(&places, *at, None);
     for (stop, &(i, _)) in tour.iter().enumerate() {
-        let Some(island) = islands[i].take() else { continue };
+        let Some(mut island) = islands[i].take() else { continue };
         let next = tour.get(stop + 1).map(|&(i, _)| places[i][0]);
         let mut paths = Vec::with_capacity(island.walls.len() + island.fills.len());
-        sequence::walls(island.walls, settings.wall_order, seams, at, &mut paths);
-        sequence::fills(island.fills, at, next, &mut paths);
+        if settings.fibre_last {
+            let (last, first) = island.fills.into_iter().partition(|p| p.role == Role::Fibre);
+            (fibre[i], island.fills) = (last, first);
+        }
+        match settings.chain_mm {
+            Some(reach_mm) => {
+                let walls = island.walls.into_iter().map(|w| w.path);
+                // Fibre is not cut open to take in what is none.
+                let all = walls.chain(island.fills);
+                let (last, first): (Vec<_>, Vec<_>) = all.partition(|p| p.role == Role::Fibre);
+                chain::chained(first, reach_mm, at, &mut paths);
+                chain::chained(last, reach_mm, at, &mut paths);
+            }
+            None => {
+                sequence::walls(island.walls, settings.wall_order, seams, at, &mut paths);
+                sequence::fills(island.fills, at, next, &mut paths);
+            }
+        }
+        out.push(Ordered { island: Some(i), paths });
+    }
+    for (i, _) in sequence::tour(&places, *at, None) {
+        let mut paths = Vec::new();
+        match settings.chain_mm {
+            _ if fibre[i].is_empty() => continue,
+            Some(reach_mm) => chain::chained(std::mem::take(&mut fibre[i]), reach_mm, at, &mut paths),
+            None => sequence::fills(std::mem::take(&mut fibre[i]), at, None, &mut paths),
+        }
         out.push(Ordered { island: Some(i), paths });
     }
     out

@@ -47,6 +47,7 @@ pub fn of_role(role: Role) -> Rgb {
         Role::SolidFill => [150, 84, 204],
         Role::TopSkin => [228, 64, 92],
         Role::SparseFill => [178, 74, 60],
+        Role::Fibre => [70, 200, 190],
         Role::Bridge => [80, 130, 225],
         Role::Skirt | Role::Brim => [20, 120, 100],
         Role::Support => [60, 180, 75],

@@ -57,6 +57,17 @@ pub struct LayerPicture {
     pub beads: Vec<Bead>,
     /// Straight moves without printing; drawn as thin lines.
     pub travels: Vec<[DVec2; 2]>,
+    /// Where fibre is cut; drawn as crosses.
+    pub cuts: Vec<DVec2>,
+}
+
+/// Half the size of the cross that marks a cut, mm.
+const CUT_MM: f64 = 0.8;
+
+/// The two strokes of a cross.
+fn cross_at(p: DVec2) -> [[DVec2; 2]; 2] {
+    let (u, v) = (DVec2::new(CUT_MM, CUT_MM), DVec2::new(CUT_MM, -CUT_MM));
+    [[p - u, p + u], [p - v, p + v]]
 }
 
 impl LayerPicture {
@@ -102,7 +113,13 @@ mod tests {
         };
         let mut beads: Vec<Bead> = ring.windows(2).map(|w| bead(w, Role::OuterWall)).collect();
         beads.push(bead(&[(1.0, 5.0), (19.0, 5.0)], Role::TopSkin));
-        LayerPicture { z_mm, height_mm: 0.2, beads, travels: vec![[DVec2::ZERO, DVec2::new(1.0, 5.0)]] }
+        LayerPicture {
+            z_mm,
+            height_mm: 0.2,
+            beads,
+            travels: vec![[DVec2::ZERO, DVec2::new(1.0, 5.0)]],
+            cuts: Vec::new(),
+        }
     }
 
     /// Decodes RGBA and gives the pixel at a share of width and height, from the upper left.

@@ -33,6 +33,9 @@ pub fn layer_png(picture: &LayerPicture, options: &PictureOptions) -> Vec<u8> {
             draw_line(&mut canvas, &[at(a), at(b)], 1.0, [110, 190, 255], 150);
         }
     }
+    for [a, b] in picture.cuts.iter().flat_map(|&p| super::cross_at(p)) {
+        draw_line(&mut canvas, &[at(a), at(b)], (0.25 * scale) as f32, [255, 70, 70], 255);
+    }
     png(w, h, canvas.data())
 }
 

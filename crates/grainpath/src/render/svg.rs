@@ -46,6 +46,12 @@ pub fn layer_svg(picture: &LayerPicture, options: &PictureOptions) -> String {
             ));
         }
     }
+    for [p, q] in picture.cuts.iter().flat_map(|&p| super::cross_at(p)) {
+        line(format_args!(
+            r##"<path class="cut" stroke="#ff4646" stroke-width="0.25" d="M{:.3} {:.3}L{:.3} {:.3}"/>"##,
+            p.x, -p.y, q.x, -q.y
+        ));
+    }
     out.push_str("</svg>\n");
     out
 }

@@ -10,17 +10,17 @@ mod setup;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use grainpath_core::{DVec2, DVec3, Diagnostics};
+use grainpath_core::{DVec2, DVec3, Diagnostics, Role};
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::strength::cells::{BeadSheet, CellError};
 use grainpath_fea::strength::ply::{Mode, StrengthCard};
 use grainpath_fea::strength::{Outcome, PlateTest, TestError};
-use grainpath_gcode::Program;
+use grainpath_gcode::{Bead, Program};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::guide::GuideError;
-use crate::job::Settings;
+use crate::job::{MaterialSection, Settings};
 pub use page::{chart_svg, damage_png, index_png};
 use setup::Prepared;
 pub use setup::TestSetup;
@@ -92,12 +92,16 @@ pub const CORNERS: [Corner; 5] = [
     Corner { name: "weak along, strong across", along: 0, rest: 2 },
 ];
 
-/// The material at a corner of its card.
+/// The materials at a corner of their cards: what the part is printed with, and its fibre where it has any.
 ///
 /// # Errors
 /// [`StrengthError::NoCard`] naming every strength that is missing.
-pub fn card(settings: &Settings, corner: Corner) -> Result<StrengthCard, StrengthError> {
-    let m = &settings.material;
+pub fn cards(settings: &Settings, corner: Corner) -> Result<Vec<StrengthCard>, StrengthError> {
+    let fibre = settings.fibre.enabled.then_some(&settings.fibre_material);
+    std::iter::once(&settings.material).chain(fibre).map(|m| card(m, corner)).collect()
+}
+
+fn card(m: &MaterialSection, corner: Corner) -> Result<StrengthCard, StrengthError> {
     let given = [
         ("xt_mpa", m.xt_mpa),
         ("xc_mpa", m.xc_mpa),
@@ -200,7 +204,7 @@ pub fn test(
     diagnostics: &Diagnostics,
 ) -> Result<Tested, StrengthError> {
     let start = Instant::now();
-    let nominal = card(settings, CORNERS[0])?;
+    let nominal = cards(settings, CORNERS[0])?;
     diagnostics.begin(grainpath_core::diagnostics::Stage::Strength, 0);
     let sheets = setup.sheets(program, plate_from_part)?;
     let area = setup.section.area_mm2();
@@ -225,7 +229,7 @@ pub fn test(
         corners.iter().enumerate().map(|(k, c)| (c.name, digits(outcome.peak_load_n * ratio(k)))).collect();
     let mesh_change = others.first().filter(|_| s.check).map(|o| (o / outcome.peak_load_n - 1.0).abs());
     warn(setup, &outcome, &prepared, mesh_change, cell_mm, diagnostics);
-    let mass_g = part_mm3(program) * 1e-3 * settings.material.density_g_cm3;
+    let mass_g = part_g(program, settings);
     let fold = |f: fn(f64, f64) -> f64, from: f64| peaks.values().copied().fold(from, f);
     let at_peak = outcome.curve.iter().max_by(|a, b| a[1].total_cmp(&b[1])).map_or(0.0, |p| p[0]);
     let report = StrengthReport {
@@ -255,20 +259,31 @@ pub fn test(
         dofs: outcome.dofs,
         solutions: outcome.effort[0],
         seconds: digits(start.elapsed().as_secs_f64()),
-        card_source: settings.material.strength_source.clone(),
+        card_source: if settings.fibre.enabled {
+            format!(
+                "fibre: {}; matrix: {}",
+                settings.fibre_material.strength_source, settings.material.strength_source
+            )
+        } else {
+            settings.material.strength_source.clone()
+        },
         card_tier: settings.material.strength_tier.clone(),
         curve: outcome.curve.iter().map(|p| p.map(digits)).collect(),
     };
     Ok(Tested { report, outcome, elements: prepared.elements })
 }
 
-/// Volume of the part's beads, without skirt, brim and support, mm3.
-fn part_mm3(program: &Program) -> f64 {
+/// Mass of the part's beads, without skirt, brim and support, g.
+fn part_g(program: &Program, settings: &Settings) -> f64 {
     let beads = program.layers.iter().flat_map(|l| &l.beads).filter(|b| b.role.is_part());
-    beads.map(|b| f64::from(b.volume_mm3)).sum()
+    let density = |b: &Bead| match b.role {
+        Role::Fibre if settings.fibre.enabled => settings.fibre_material.density_g_cm3,
+        _ => settings.material.density_g_cm3,
+    };
+    beads.map(|b| f64::from(b.volume_mm3) * 1e-3 * density(b)).sum()
 }
 
-fn run(prepared: &Prepared, card: &StrengthCard, max_bytes: u64) -> Result<Outcome, StrengthError> {
+fn run(prepared: &Prepared, cards: &[StrengthCard], max_bytes: u64) -> Result<Outcome, StrengthError> {
     let test = PlateTest {
         laminate: &prepared.laminate,
         elements: &prepared.elements,
@@ -276,7 +291,7 @@ fn run(prepared: &Prepared, card: &StrengthCard, max_bytes: u64) -> Result<Outco
         forces_n: &prepared.forces_n,
         load_n: prepared.load_n,
         spared: &prepared.spared,
-        card,
+        cards,
         max_bytes,
     };
     Ok(test.run()?)
@@ -295,7 +310,7 @@ fn at_corners(
         return Ok(Vec::new());
     }
     let prepared = setup.prepared(sheets, cell_mm)?;
-    let peak = |corner: &Corner| Ok(run(&prepared, &card(settings, *corner)?, max_bytes)?.peak_load_n);
+    let peak = |corner: &Corner| Ok(run(&prepared, &cards(settings, *corner)?, max_bytes)?.peak_load_n);
     let all: Vec<Result<f64, StrengthError>> = corners.par_iter().map(peak).collect();
     all.into_iter().collect()
 }

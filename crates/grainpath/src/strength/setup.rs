@@ -1,7 +1,7 @@
 //! A job's fixtures and loads on the cells of a test.
 
 use grainpath_core::math::cross;
-use grainpath_core::{DVec2, DVec3, LayerStack, Region, TriMesh};
+use grainpath_core::{DVec2, DVec3, LayerStack, Region, Role, TriMesh};
 use grainpath_fea::select::Selection;
 use grainpath_fea::strength::cells::{BeadPiece, BeadSheet, Grid, Laminate};
 use grainpath_fea::strength::plate::{Elements, GridHold, free_motion, pieces};
@@ -44,6 +44,8 @@ pub struct TestSetup {
     pub case: String,
     n_cases: usize,
     density_t_mm3: f64,
+    /// Whether fibre has a card of its own.
+    fibre: bool,
 }
 
 impl TestSetup {
@@ -94,7 +96,17 @@ impl TestSetup {
         let (low, high) = mesh.bounds().unwrap_or_default();
         let (n_cases, case) = (all.len(), case.name.clone());
         let density_t_mm3 = settings.material.density_g_cm3 * 1e-9;
-        Ok(Self { low, high, section, fixtures, loads, case, n_cases, density_t_mm3 })
+        Ok(Self {
+            low,
+            high,
+            section,
+            fixtures,
+            loads,
+            case,
+            n_cases,
+            density_t_mm3,
+            fibre: settings.fibre.enabled,
+        })
     }
 
     /// What the user should know.
@@ -169,6 +181,7 @@ impl TestSetup {
                     a: b.start() - shift,
                     b: b.end() - shift,
                     volume_mm3: f64::from(b.volume_mm3),
+                    material: u8::from(self.fibre && b.role == Role::Fibre),
                 })
                 .collect(),
         };

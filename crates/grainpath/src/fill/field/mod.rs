@@ -5,11 +5,11 @@
 //! then measured between its neighbours ([`widths`]).
 
 mod levels;
-mod phase;
+pub(super) mod phase;
 mod seed_lines;
 mod streamlines;
-mod stripes;
-mod widths;
+pub(super) mod stripes;
+pub(super) mod widths;
 
 pub use seed_lines::SeedLines;
 pub use streamlines::Streamlines;

@@ -34,7 +34,7 @@ pub struct Turn {
 }
 
 /// Steps of diffusion, widest first, in squares of the grid.
-const STEPS: [(f64, usize); 3] = [(60.0, 6), (25.0, 6), (8.0, 6)];
+pub const STEPS: [(f64, usize); 3] = [(60.0, 6), (25.0, 6), (8.0, 6)];
 /// The spacing may drift from the nominal one by this factor before beads end or begin.
 const MAX_DRIFT: f64 = 1.22;
 /// Spacing drifts back to the nominal one over about this length, mm.
@@ -126,8 +126,8 @@ impl Seen {
     }
 }
 
-/// The phase at every node, radians.
-pub fn solve(mesh: &FieldMesh, input: &PhaseInput, turns: &[Turn]) -> Vec<f64> {
+/// The phase at every node, radians, after these steps of diffusion: width in squares of the grid, and how often.
+pub fn solve(mesh: &FieldMesh, input: &PhaseInput, turns: &[Turn], steps: &[(f64, usize)]) -> Vec<f64> {
     let n = mesh.nodes.len();
     let mut starts = vec![0u32; n + 1];
     let axis_edges = || mesh.edges.iter().zip(turns).filter(|(e, _)| !e.diagonal);
@@ -158,7 +158,7 @@ pub fn solve(mesh: &FieldMesh, input: &PhaseInput, turns: &[Turn]) -> Vec<f64> {
         })
         .collect();
     let mut z = swept(n, &around, &wanted);
-    for (width, times) in STEPS {
+    for &(width, times) in steps {
         let apply = |x: &[f64], y: &mut [f64]| {
             let x: &[[f64; 2]] = as_pairs(x);
             for i in 0..n {

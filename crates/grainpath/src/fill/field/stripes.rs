@@ -7,7 +7,7 @@ use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
 use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DVec3, DirectionField, Polygon, Region, Toolpath};
 
 use super::levels::trace;
-use super::phase::{PhaseInput, drift, solve, turns};
+use super::phase::{PhaseInput, STEPS, drift, solve, turns};
 use super::widths::{Line, Neighbours, resampled, smooth};
 use crate::field_mesh::FieldMesh;
 use crate::fill::{FillContext, Infill};
@@ -46,7 +46,7 @@ impl Infill for Stripes {
         let levels = {
             let input = phase_input(&mesh, field, context, &border);
             let turns = turns(&mesh, &input);
-            let phase = solve(&mesh, &input, &turns);
+            let phase = solve(&mesh, &input, &turns, &STEPS);
             trace(&mesh, &turns, &phase)
         };
         let clipper = LineClipper::new(&room);
@@ -86,19 +86,20 @@ fn phase_input(
     let axes: Vec<DVec2> = mesh.nodes.iter().map(|&p| axis_of(field, context, p)).collect();
     let frequency = drift(mesh, &axes).into_iter().map(|f| f / spacing).collect();
     let near = NearBorder::new(border, 1.6 * spacing);
-    let wanted = mesh.nodes.iter().zip(&axes).map(|(&p, axis)| near.wanted(p, *axis, spacing)).collect();
+    let wanted =
+        mesh.nodes.iter().zip(&axes).map(|(&p, axis)| near.wanted(p, *axis, spacing, -0.5)).collect();
     PhaseInput { axes, frequency, wanted }
 }
 
 /// Where the field runs along the border, beads should too, half a bead away.
-struct NearBorder {
+pub struct NearBorder {
     edges: Vec<(DVec2, DVec2)>,
     buckets: Buckets,
 }
 
 impl NearBorder {
     /// For places within a cell of the border.
-    fn new(border: &Region, cell_mm: f64) -> Self {
+    pub fn new(border: &Region, cell_mm: f64) -> Self {
         let edges: Vec<(DVec2, DVec2)> = border.contours().flat_map(|c| edges(c)).collect();
         let bounds = border.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let cells = Cells::over(bounds, cell_mm, 2000);
@@ -106,8 +107,9 @@ impl NearBorder {
         Self { edges, buckets }
     }
 
-    /// The phase that puts a bead at half a spacing from the border, and how much that is wanted at `p`.
-    fn wanted(&self, p: DVec2, axis: DVec2, spacing_mm: f64) -> (f64, f64) {
+    /// The phase at `p` that makes it `at_border` turns on the border and grow by one turn a spacing inwards, and how
+    /// much that is wanted.
+    pub fn wanted(&self, p: DVec2, axis: DVec2, spacing_mm: f64, at_border: f64) -> (f64, f64) {
         let cells = &self.buckets.cells;
         let mut best = (f64::INFINITY, u32::MAX);
         for &k in cells.around(cells.at(p), 1).flat_map(|at| self.buckets.of(cells.index(at))) {
@@ -133,7 +135,7 @@ impl NearBorder {
         let weight = ((parallel - 0.92) / 0.08).clamp(0.0, 1.0);
         let normal = DVec2::new(-axis.y, axis.x);
         let sign = if normal.dot(inwards) < 0.0 { -1.0 } else { 1.0 };
-        (sign * std::f64::consts::TAU * (depth / spacing_mm - 0.5), 0.5 * weight)
+        (sign * std::f64::consts::TAU * (depth / spacing_mm + at_border), 0.5 * weight)
     }
 }
 
@@ -331,7 +333,7 @@ fn gaps(room: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64) -> Regi
 
 /// What the strips of beads fill.
 #[cfg(test)]
-pub(super) fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
+pub fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
     let strips: Vec<Contour> = beads.iter().flat_map(|b| strips_of(b, height_mm)).collect();
     Region::from_contours(&strips, FillRule::NonZero)
 }
@@ -439,7 +441,7 @@ pub(super) fn joined(
 }
 
 /// Drops vertices that lie within 5 um of the line without them and whose width lies within 10 um.
-fn simplified(points: &[DVec2], widths: &[f64], closed: bool) -> (Vec<DVec2>, Vec<f64>) {
+pub fn simplified(points: &[DVec2], widths: &[f64], closed: bool) -> (Vec<DVec2>, Vec<f64>) {
     let n = points.len();
     let mut keep = vec![false; n];
     let half = if closed { n / 2 } else { 0 };

@@ -51,6 +51,15 @@ pub struct Reach {
     pub right_mm: f64,
 }
 
+/// What a ray meets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    pub distance_mm: f64,
+    /// `None` for the border.
+    pub line: Option<usize>,
+    pub segment: usize,
+}
+
 #[derive(Clone, Copy)]
 struct Piece {
     a: DVec2,
@@ -91,14 +100,23 @@ impl Neighbours {
     /// Distance from `p` along the unit vector `way` to the next bead or border, and whether it is the border.
     /// Segments of `line` within `near` of `segment` do not count.
     pub fn ray(&self, p: DVec2, way: DVec2, far_mm: f64, own: (usize, usize, usize)) -> Option<(f64, bool)> {
+        let skips = |line: usize, segment: usize| line == own.0 && segment.abs_diff(own.1) <= own.2;
+        self.hit(p, way, far_mm, skips).map(|h| (h.distance_mm, h.line.is_none()))
+    }
+
+    /// What the ray from `p` along the unit vector `way` meets first, segments that `skips` names left out.
+    pub fn hit(
+        &self,
+        p: DVec2,
+        way: DVec2,
+        far_mm: f64,
+        skips: impl Fn(usize, usize) -> bool,
+    ) -> Option<Hit> {
         let end = p + far_mm * way;
-        let mut best: Option<(f64, bool)> = None;
+        let mut best: Option<(f64, u32)> = None;
         self.buckets.cells.passed(p, end, |cell| {
             for &m in self.buckets.of(cell) {
                 let piece = &self.pieces[m as usize];
-                if piece.line as usize == own.0 && (piece.segment as usize).abs_diff(own.1) <= own.2 {
-                    continue;
-                }
                 let d = piece.b - piece.a;
                 let det = cross(way, d);
                 if det == 0.0 {
@@ -107,12 +125,22 @@ impl Neighbours {
                 let to = piece.a - p;
                 let (t, u) = (cross(to, d) / det, cross(to, way) / det);
                 let hit = (-1e-9..=1.0 + 1e-9).contains(&u) && t > 0.0 && t <= far_mm;
-                if hit && best.is_none_or(|b| t < b.0) {
-                    best = Some((t, piece.line == BORDER));
+                if hit
+                    && best.is_none_or(|b| t < b.0)
+                    && (piece.line == BORDER || !skips(piece.line as usize, piece.segment as usize))
+                {
+                    best = Some((t, m));
                 }
             }
         });
-        best
+        best.map(|(distance_mm, m)| {
+            let piece = &self.pieces[m as usize];
+            Hit {
+                distance_mm,
+                line: (piece.line != BORDER).then_some(piece.line as usize),
+                segment: piece.segment as usize,
+            }
+        })
     }
 
     /// Whether a bead lies across the straight way from `a` to `b`; segments that end at one of `own` do not count.
@@ -132,6 +160,35 @@ impl Neighbours {
             }
         });
         blocked
+    }
+
+    /// Pairs of segments, as line and segment, that cross or touch without following each other on a line.
+    pub fn crossings(&self) -> Vec<[(usize, usize); 2]> {
+        let mut out = Vec::new();
+        let cells = &self.buckets.cells;
+        for cell in 0..cells.nx * cells.ny {
+            let members = self.buckets.of(cell);
+            for (k, &i) in members.iter().enumerate() {
+                let p = &self.pieces[i as usize];
+                for &j in &members[k + 1..] {
+                    let q = &self.pieces[j as usize];
+                    let apart =
+                        p.a.max(p.b).cmplt(q.a.min(q.b)).any() || q.a.max(q.b).cmplt(p.a.min(p.b)).any();
+                    let follows = p.line == q.line && (p.a == q.b || p.b == q.a);
+                    if apart || follows || p.line == BORDER || q.line == BORDER {
+                        continue;
+                    }
+                    let sides =
+                        |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e - o, p - o) * cross(e - o, q - o);
+                    if sides(p.a, p.b, q.a, q.b) <= 0.0 && sides(q.a, q.b, p.a, p.b) <= 0.0 {
+                        out.push([p, q].map(|s| (s.line as usize, s.segment as usize)));
+                    }
+                }
+            }
+        }
+        out.sort_unstable();
+        out.dedup();
+        out
     }
 
     /// The room of a bead at a vertex: to the border, or half way to the next bead. Where there is neither within

@@ -94,6 +94,8 @@ impl Interpolation {
 /// How a scan becomes layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CtSettings {
+    /// The section of the job these come from, for messages.
+    pub section: &'static str,
     /// Distance of voxels in x, y, z where it is not the file's, mm.
     pub spacing_mm: [Option<f64>; 3],
     /// Factor on all lengths.
@@ -196,6 +198,55 @@ pub fn slice_scan(
     let survey = Survey::of(source, &lattice, settings, diagnostics)?;
     let job = Job { settings, lattice: &lattice, survey: &survey, mode: lattice.mode(settings) };
     job.run(source, diagnostics)
+}
+
+/// The slices of a scan one after another, cropped and mirrored as a job asks.
+pub struct Slices<'a> {
+    source: &'a mut dyn SliceSource,
+    lattice: Lattice,
+}
+
+impl<'a> Slices<'a> {
+    /// From the first slice that is taken.
+    ///
+    /// # Errors
+    /// [`CtError`]: no voxel size, a window or crop outside the scan, files that can no longer be read.
+    pub fn new(source: &'a mut dyn SliceSource, settings: &CtSettings) -> Result<Self, CtError> {
+        let lattice = Lattice::new(&source.info().clone(), settings)?;
+        source.restart()?;
+        for _ in 0..lattice.first {
+            source.skip_slice()?;
+        }
+        Ok(Self { source, lattice })
+    }
+
+    /// Columns, rows and slices.
+    pub fn size(&self) -> [usize; 3] {
+        [self.lattice.nx, self.lattice.ny, self.lattice.z_mm.len()]
+    }
+
+    /// Distance of voxels, mm.
+    pub fn spacing_mm(&self) -> [f64; 3] {
+        self.lattice.spacing_mm
+    }
+
+    /// Heights of the slices' middles above the lowest voxel's lower face in the order they come, which is falling
+    /// where z is mirrored; mm.
+    pub fn heights_mm(&self) -> Vec<f64> {
+        self.lattice.z_mm.iter().map(|z| z + self.lattice.ends_mm[0]).collect()
+    }
+
+    /// The next slice, row by row.
+    ///
+    /// # Errors
+    /// [`CtError`] for files that cannot be read, and after the last slice.
+    pub fn next_slice(&mut self) -> Result<Vec<f32>, CtError> {
+        let mut slice = Vec::new();
+        if !self.source.next_slice(&mut slice)? {
+            return Err(wrong("the scan ends early".into()));
+        }
+        Ok(self.lattice.cropped(slice))
+    }
 }
 
 /// A slice ready for tracing.
@@ -375,7 +426,7 @@ impl Job<'_> {
         let least = 0.01 * self.lattice.spacing_mm[0] * self.lattice.spacing_mm[1];
         let contours: Vec<Contour> = contours
             .filter(|c| signed_area_mm2(c).abs() > least)
-            .map(|c| simplify_contour(&c, simplify_mm))
+            .map(|c| trace::simplified_in_place(&c, simplify_mm))
             .filter(|c| c.len() > 2)
             .collect();
         Region::from_contours(&contours, FillRule::NonZero)

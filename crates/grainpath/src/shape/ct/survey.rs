@@ -36,13 +36,15 @@ impl Lattice {
         let [x0, y0, x1, y1] = crop;
         if x0 > x1 || y0 > y1 || x1 >= x || y1 >= y {
             return Err(wrong(format!(
-                "shape.ct.crop_px = {crop:?}: should be first column, first row, last column, last row of {x} x {y} pixels"
+                "{}.crop_px = {crop:?}: should be first column, first row, last column, last row of {x} x {y} pixels",
+                s.section
             )));
         }
         let [first, last] = s.window.unwrap_or([0, n - 1]);
         if first > last || last >= n {
             return Err(wrong(format!(
-                "shape.ct.window = [{first}, {last}]: should be the first and last of {n} slices, counted from 0"
+                "{}.window = [{first}, {last}]: should be the first and last of {n} slices, counted from 0",
+                s.section
             )));
         }
         let mut spacing_mm = [0.0; 3];
@@ -50,7 +52,7 @@ impl Lattice {
             let Some(mm) = s.spacing_mm[k].or(info.spacing_mm[k]) else {
                 let (key, what) =
                     if k == 2 { ("slice_mm", "distance of slices") } else { ("pixel_mm", "size of pixels") };
-                return Err(wrong(format!("the file states no {what}; set shape.ct.{key}")));
+                return Err(wrong(format!("the file states no {what}; set {}.{key}", s.section)));
             };
             spacing_mm[k] = mm * s.scale;
         }

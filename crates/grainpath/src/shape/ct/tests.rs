@@ -74,6 +74,7 @@ impl SliceSource for Phantom {
 
 fn settings() -> CtSettings {
     CtSettings {
+        section: "shape.ct",
         spacing_mm: [None; 3],
         scale: 1.0,
         window: None,

@@ -1,5 +1,7 @@
 //! Sub-pixel contours by marching squares.
 
+use grainpath_core::math::cross;
+use grainpath_core::poly::simplify_contour;
 use grainpath_core::{Contour, DVec2};
 
 /// A picture whose zero line is the part's border: positive inside.
@@ -204,6 +206,42 @@ const NONE: u32 = u32::MAX;
 
 fn outside(inside: f32) -> f32 {
     -inside.abs().max(f32::MIN_POSITIVE)
+}
+
+/// A contour simplified so that it keeps its size: leaving vertices out cuts every bow on its inner side, by two thirds
+/// of the tolerance in the mean, so what is left is moved out by the area that was cut off beside it.
+pub(super) fn simplified_in_place(contour: &[DVec2], tolerance_mm: f64) -> Contour {
+    let kept = simplify_contour(contour, tolerance_mm);
+    let n = kept.len();
+    if n < 3 || n == contour.len() {
+        return kept;
+    }
+    // Both run the same way round, and the vertices kept are the contour's own.
+    let Some(start) = contour.iter().position(|p| *p == kept[0]) else { return kept };
+    let mut at = start;
+    let mut cut = Vec::with_capacity(n);
+    for k in 0..n {
+        let (a, b) = (kept[k], kept[(k + 1) % n]);
+        let mut area = 0.0;
+        loop {
+            let next = (at + 1) % contour.len();
+            area += 0.5 * cross(contour[at] - a, contour[next] - a);
+            at = next;
+            if contour[at] == b || at == start {
+                break;
+            }
+        }
+        cut.push((area, a.distance(b)));
+    }
+    let moved = |k: usize| {
+        let (before, after) = (kept[(k + n - 1) % n], kept[(k + 1) % n]);
+        let ((a, la), (b, lb)) = (cut[(k + n - 1) % n], cut[k]);
+        // Positive areas lie to the right of a side that runs forwards: outside of what is filled.
+        let out = (kept[k] - before).normalize_or_zero() + (after - kept[k]).normalize_or_zero();
+        let step = ((a + b) / (la + lb)).clamp(-tolerance_mm, tolerance_mm);
+        kept[k] + step * DVec2::new(out.y, -out.x).normalize_or_zero()
+    };
+    (0..n).map(moved).collect()
 }
 
 #[cfg(test)]

@@ -1,0 +1,354 @@
+//! Continuous fibre: which fill is laid with it, where it would turn too sharply, and what came of it.
+//!
+//! A pattern lays paths; what is long enough becomes fibre of one width, with its turns rounded to the least radius
+//! where there is room. The rest stays matrix.
+
+mod report;
+mod turns;
+
+use grainpath_core::poly::{Join, LineClipper};
+use grainpath_core::units::bead_spacing_mm;
+use grainpath_core::{
+    BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Polygon, Region, Role, Toolpath,
+};
+
+pub use report::{FibreLayer, FibreReport, measure};
+pub use turns::{Turn, rounded, sharp_turns};
+
+/// What is done about turns below the least radius.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Turns {
+    /// Round them where there is room.
+    #[default]
+    Round,
+    /// Leave them.
+    Report,
+    /// Round them, and cut the fibre where there is no room.
+    Cut,
+}
+
+/// Where closed paths begin and end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Start {
+    /// Where the path before ended.
+    Nearest,
+    /// In the middle of the longest straight piece.
+    #[default]
+    Straight,
+    /// Where least is asked of the material.
+    Calm,
+    /// Furthest back.
+    Rear,
+}
+
+/// How fibre is laid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FibreSettings {
+    /// First and last layer with fibre, from 1; none for all.
+    pub layers: Vec<[usize; 2]>,
+    /// Every how many of these.
+    pub every: usize,
+    /// Where fill is fibre, in part coordinates on the plate, mm; none for everywhere.
+    pub boxes: Vec<[DVec3; 2]>,
+    /// Width of a bead with fibre, mm.
+    pub bead_width_mm: f64,
+    /// Least radius of a turn, mm.
+    pub min_radius_mm: f64,
+    /// What is done about sharper ones.
+    pub turns: Turns,
+    /// Shorter paths are matrix, mm.
+    pub min_length_mm: f64,
+    /// Where closed paths begin.
+    pub start: Start,
+}
+
+/// Why no fibre can be laid as asked.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum FibreError {
+    #[error(
+        "fibre.min_radius_mm = {radius_mm}: a turn of that radius is {:.1} mm wide and the part {size_mm:.1} mm",
+        2.0 * radius_mm
+    )]
+    Radius { radius_mm: f64, size_mm: f64 },
+    #[error("fibre.layers = [{first}, {last}]: the part has {n_layers} layers")]
+    Layers { first: usize, last: usize, n_layers: usize },
+    #[error(
+        "fibre.boxes_mm: box {number} misses the part, which lies from ({:.2}, {:.2}, 0) to ({:.2}, {:.2}, {top_mm:.2}) mm",
+        part.min.x, part.min.y, part.max.x, part.max.y
+    )]
+    Box { number: usize, part: Bounds2, top_mm: f64 },
+    #[error(
+        "no fibre was laid: the longest path is {longest_mm:.1} mm and {needed_mm:.1} mm are needed (fibre.min_length_mm, or printer.fibre_cutter_mm and fibre.anchor_mm)"
+    )]
+    TooShort { longest_mm: f64, needed_mm: f64 },
+    #[error("no fibre was laid: the layers chosen have no fill")]
+    NoFill,
+}
+
+/// What became of paths that were to be fibre.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Tally {
+    /// Paths laid without fibre because they are short.
+    pub short: usize,
+    /// Their length, mm.
+    pub short_mm: f64,
+    /// The longest path, mm, whether it became fibre or not.
+    pub longest_mm: f64,
+    /// Turns that were rounded.
+    pub rounded: usize,
+}
+
+impl Tally {
+    /// Both together.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            short: self.short + other.short,
+            short_mm: self.short_mm + other.short_mm,
+            longest_mm: self.longest_mm.max(other.longest_mm),
+            rounded: self.rounded + other.rounded,
+        }
+    }
+}
+
+impl FibreSettings {
+    /// Refuses what cannot be met by this part.
+    ///
+    /// # Errors
+    /// [`FibreError`] for radii, layers and boxes that do not go with it.
+    pub fn check(&self, stack: &LayerStack, part: Bounds2) -> Result<(), FibreError> {
+        let size_mm = part.size().max_element();
+        if 2.0 * self.min_radius_mm > size_mm {
+            return Err(FibreError::Radius { radius_mm: self.min_radius_mm, size_mm });
+        }
+        let n_layers = stack.layers().len();
+        if let Some(&[first, last]) = self.layers.iter().find(|l| l[1] > n_layers) {
+            return Err(FibreError::Layers { first, last, n_layers });
+        }
+        let top_mm = stack.layers().last().map_or(0.0, |l| l.z_top_mm());
+        let misses = |[low, high]: &[DVec3; 2]| {
+            low.z >= top_mm
+                || high.z <= 0.0
+                || !part.meets(Bounds2 { min: low.truncate(), max: high.truncate() })
+        };
+        match self.boxes.iter().position(misses) {
+            Some(k) => Err(FibreError::Box { number: k + 1, part, top_mm }),
+            None => Ok(()),
+        }
+    }
+
+    /// Says what became of the paths.
+    ///
+    /// # Errors
+    /// [`FibreError`] when none of them became fibre.
+    pub(crate) fn came_to(
+        &self,
+        all: &Tally,
+        any: bool,
+        diagnostics: &Diagnostics,
+    ) -> Result<(), FibreError> {
+        if !any {
+            return Err(if all.longest_mm > 0.0 {
+                FibreError::TooShort { longest_mm: all.longest_mm, needed_mm: self.min_length_mm }
+            } else {
+                FibreError::NoFill
+            });
+        }
+        if all.short > 0 {
+            diagnostics.warn(format!(
+                "fibre: {} paths shorter than {} mm, {:.0} mm in all, are laid without fibre",
+                all.short, self.min_length_mm, all.short_mm
+            ));
+        }
+        Ok(())
+    }
+
+    /// Whether a layer, counted from 0, has fibre.
+    pub fn in_layer(&self, i: usize) -> bool {
+        let first = match self.layers.iter().find(|l| (l[0]..=l[1]).contains(&(i + 1))) {
+            Some(l) => l[0] - 1,
+            None if self.layers.is_empty() => 0,
+            None => return false,
+        };
+        (i - first).is_multiple_of(self.every.max(1))
+    }
+
+    /// The boxes that a height lies in.
+    fn boxes_at(&self, z_mm: f64) -> impl Iterator<Item = usize> + '_ {
+        (0..self.boxes.len()).filter(move |&k| (self.boxes[k][0].z..self.boxes[k][1].z).contains(&z_mm))
+    }
+
+    /// Whether fibre lies in the same places in two layers with the same room.
+    pub fn same(&self, a: (usize, f64), b: (usize, f64)) -> bool {
+        self.in_layer(a.0) == self.in_layer(b.0) && self.boxes_at(a.1).eq(self.boxes_at(b.1))
+    }
+
+    /// The parts of a room for centrelines of fibre, and of matrix beads of `matrix_mm`.
+    pub fn split(
+        &self,
+        layer: (usize, f64),
+        height_mm: f64,
+        room: &Polygon,
+        matrix_mm: f64,
+    ) -> (Vec<Polygon>, Vec<Polygon>) {
+        if !self.in_layer(layer.0) {
+            return (Vec::new(), vec![room.clone()]);
+        }
+        let room = Region::from(room.clone());
+        // The room is where beads of the matrix fit.
+        let fits = |r: &Region| r.offset(0.5 * (matrix_mm - self.bead_width_mm), Join::Miter(3.0)).polygons;
+        if self.boxes.is_empty() {
+            return (fits(&room), Vec::new());
+        }
+        let rectangle = |k: usize| {
+            let [low, high] = self.boxes[k];
+            Region::rectangle(low.truncate(), high.truncate())
+        };
+        let chosen = self.boxes_at(layer.1).map(rectangle).fold(Region::default(), |a, b| a.union(&b));
+        // Both keep half a bead from where they meet.
+        let half = |w: f64| 0.5 * bead_spacing_mm(w, height_mm);
+        let with = chosen.offset(-half(matrix_mm), Join::Miter(3.0)).intersection(&room);
+        let without = room.difference(&chosen.offset(half(matrix_mm), Join::Miter(3.0)));
+        (fits(&with), without.polygons)
+    }
+
+    /// Makes fibre of the paths that fill laid in these rooms; `load` is how much a place carries. With `keep_closed`
+    /// closed paths stay so and begin wherever their order wants.
+    pub fn lay(
+        &self,
+        paths: Vec<Toolpath>,
+        rooms: &Region,
+        load: &dyn Fn(DVec2) -> f64,
+        keep_closed: bool,
+        out: &mut Vec<Toolpath>,
+    ) -> Tally {
+        let mut tally = Tally::default();
+        let grown = rooms.offset(2e-3, Join::Miter(3.0));
+        let clipper = LineClipper::new(&grown);
+        let inside = |a: DVec2, b: DVec2| clipper.segment_inside(a, b);
+        for mut path in paths {
+            path.width = BeadWidth::Constant(self.bead_width_mm);
+            let length = path.length_mm();
+            tally.longest_mm = tally.longest_mm.max(length);
+            if length < self.min_length_mm || path.points.len() < 2 {
+                tally.short += 1;
+                tally.short_mm += length;
+                out.push(path);
+                continue;
+            }
+            for mut piece in self.turned(path, &inside, &mut tally) {
+                let length = piece.length_mm();
+                if length < self.min_length_mm {
+                    tally.short += 1;
+                    tally.short_mm += length;
+                } else {
+                    piece.role = Role::Fibre;
+                    self.begin(&mut piece, load, keep_closed);
+                }
+                out.push(piece);
+            }
+        }
+        tally
+    }
+
+    /// A path with its sharp turns dealt with, in one piece or several.
+    fn turned(
+        &self,
+        mut path: Toolpath,
+        inside: &dyn Fn(DVec2, DVec2) -> bool,
+        tally: &mut Tally,
+    ) -> Vec<Toolpath> {
+        if path.closed {
+            // Seen as open from the middle of its longest piece, which no turn reaches.
+            begin_straight(&mut path);
+            let first = path.points[0];
+            path.points.push(first);
+        }
+        let was_closed = std::mem::take(&mut path.closed);
+        if self.turns != Turns::Report && self.min_radius_mm > 0.0 {
+            let (points, n_rounded) = rounded(&path.points, self.min_radius_mm, inside);
+            tally.rounded += n_rounded;
+            path.points = points;
+        }
+        if self.turns == Turns::Cut {
+            let sharp = sharp_turns(&path.points, false, self.min_radius_mm);
+            if !sharp.is_empty() {
+                return cut(&path, &sharp, self.bead_width_mm);
+            }
+        }
+        if was_closed {
+            path.points.pop();
+            path.closed = true;
+        }
+        vec![path]
+    }
+
+    /// Lets a closed path begin where the settings say.
+    fn begin(&self, path: &mut Toolpath, load: &dyn Fn(DVec2) -> f64, keep_closed: bool) {
+        if !path.closed || keep_closed {
+            return;
+        }
+        let least = |score: &dyn Fn(DVec2) -> f64| {
+            let scored = path.points.iter().map(|p| score(*p)).enumerate();
+            scored.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |s| s.0)
+        };
+        match self.start {
+            Start::Nearest => return,
+            // Where it was opened to look at its turns.
+            Start::Straight => {}
+            Start::Calm => path.rotate_to(least(load)),
+            Start::Rear => path.rotate_to(least(&|p| -p.y)),
+        }
+        // Open with both ends in one place, so that its order leaves the beginning alone.
+        path.points.push(path.points[0]);
+        path.closed = false;
+    }
+}
+
+/// Makes the middle of the longest straight piece the beginning of a closed path of one width.
+fn begin_straight(path: &mut Toolpath) {
+    let length = |i: usize| {
+        let (a, b, _) = path.segment(i);
+        a.distance_squared(b)
+    };
+    let longest = (0..path.n_segments()).max_by(|&i, &j| length(i).total_cmp(&length(j)).then(j.cmp(&i)));
+    let Some(i) = longest else { return };
+    let (a, b, _) = path.segment(i);
+    path.points.insert(i + 1, 0.5 * (a + b));
+    path.rotate_to(i + 1);
+}
+
+/// A path cut at its sharp turns. Crumbs between two of them are left out. Each piece begins half a bead after the cut
+/// before it, so that both are not taken for one.
+fn cut(path: &Toolpath, sharp: &[Turn], width_mm: f64) -> Vec<Toolpath> {
+    let mut pieces = Vec::new();
+    let mut from = 0;
+    for to in sharp.iter().map(|t| t.vertex).chain([path.points.len() - 1]) {
+        let mut piece = Toolpath { points: path.points[from..=to].to_vec(), ..path.clone() };
+        piece.closed = false;
+        if from > 0 {
+            shorten_start(&mut piece.points, 0.5 * width_mm);
+        }
+        if to > from && piece.length_mm() > width_mm {
+            pieces.push(piece);
+        }
+        from = to;
+    }
+    pieces
+}
+
+/// Takes a length off the beginning of a line that is longer.
+fn shorten_start(points: &mut Vec<DVec2>, mut by_mm: f64) {
+    while points.len() > 1 {
+        let l = points[0].distance(points[1]);
+        if l > by_mm {
+            points[0] = points[0].lerp(points[1], by_mm / l);
+            return;
+        }
+        by_mm -= l;
+        points.remove(0);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,150 @@
+use super::*;
+use grainpath_core::Layer;
+use grainpath_core::math::direction;
+
+fn settings() -> FibreSettings {
+    FibreSettings {
+        layers: Vec::new(),
+        every: 1,
+        boxes: Vec::new(),
+        bead_width_mm: 0.6,
+        min_radius_mm: 3.0,
+        turns: Turns::Round,
+        min_length_mm: 20.0,
+        start: Start::Straight,
+    }
+}
+
+fn anywhere(_: DVec2, _: DVec2) -> bool {
+    true
+}
+
+fn smallest(points: &[DVec2], closed: bool) -> f64 {
+    turns::turns(points, closed).iter().map(|t| t.radius_mm).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn circles_have_their_radius_and_corners_next_to_none() {
+    for n in [40, 90, 700] {
+        let circle: Vec<DVec2> =
+            (0..n).map(|k| direction(f64::from(k) / f64::from(n) * std::f64::consts::TAU) * 8.0).collect();
+        let r = smallest(&circle, true);
+        assert!((r / 8.0 - 1.0).abs() < 0.06, "{n}: {r}");
+        // As G-code has them.
+        let written: Vec<DVec2> = circle.iter().map(|p| (p * 1e3).round() * 1e-3).collect();
+        let r = smallest(&written, true);
+        assert!((r / 8.0 - 1.0).abs() < 0.1, "{n}: {r}");
+    }
+    let corner = [(0.0, 0.0), (20.0, 0.0), (20.0, 20.0)].map(DVec2::from);
+    assert!(smallest(&corner, false) < 0.2);
+    assert_eq!(sharp_turns(&corner, false, 1.0).len(), 1);
+    assert_eq!(smallest(&[DVec2::ZERO, DVec2::X, 2.0 * DVec2::X], false), f64::INFINITY);
+}
+
+#[test]
+fn corners_become_arcs_of_the_radius() {
+    for deg in [30.0f64, 45.0, 90.0, 120.0, 140.0] {
+        let turn = deg.to_radians();
+        let line = [DVec2::new(-30.0, 0.0), DVec2::ZERO, direction(turn) * 30.0];
+        let (round, n) = rounded(&line, 3.0, &anywhere);
+        assert_eq!(n, 1, "{deg}");
+        assert!(smallest(&round, false) >= 0.98 * 3.0, "{deg}: {}", smallest(&round, false));
+        assert_eq!((round[0], round[round.len() - 1]), (line[0], line[2]));
+    }
+    // A chamfer: two corners become one arc.
+    let line = [(-30.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, 30.0)].map(DVec2::from);
+    let (round, n) = rounded(&line, 3.0, &anywhere);
+    assert_eq!(n, 1);
+    assert!(smallest(&round, false) >= 0.98 * 3.0);
+}
+
+#[test]
+fn where_there_is_no_room_the_corner_stays() {
+    let back = [(0.0, 0.0), (30.0, 0.0), (30.0, 0.6), (0.0, 0.6)].map(DVec2::from);
+    let (same, n) = rounded(&back, 3.0, &anywhere);
+    assert_eq!((same.as_slice(), n), (&back[..], 0));
+    let corner = [(0.0, 0.0), (30.0, 0.0), (30.0, 30.0)].map(DVec2::from);
+    assert_eq!(rounded(&corner, 3.0, &|_, _| false).1, 0);
+    let short = [(0.0, 0.0), (30.0, 0.0), (30.0, 1.0)].map(DVec2::from);
+    assert_eq!(rounded(&short, 3.0, &anywhere).1, 0);
+}
+
+#[test]
+fn a_square_loop_turns_by_the_radius_and_begins_on_a_side() {
+    let square = [(0.0, 0.0), (40.0, 0.0), (40.0, 30.0), (0.0, 30.0)].map(DVec2::from);
+    let room = Region::from(Polygon { outer: square.to_vec(), holes: Vec::new() });
+    let path = Toolpath::new(square.to_vec(), 0.45, Role::SolidFill, true);
+    let mut out = Vec::new();
+    let tally = settings().lay(vec![path.clone()], &room, &|_| 0.0, false, &mut out);
+    assert_eq!((tally.rounded, tally.short, out.len()), (4, 0, 1));
+    assert_eq!((out[0].role, out[0].width.clone()), (Role::Fibre, BeadWidth::Constant(0.6)));
+    assert_eq!(out[0].start(), out[0].end());
+    assert_eq!(out[0].start(), DVec2::new(20.0, 0.0));
+    let points = &out[0].points[..out[0].points.len() - 1];
+    assert!(smallest(points, true) >= 0.98 * 3.0, "{}", smallest(points, true));
+    // Too short for what is asked: it stays matrix.
+    let mut out = Vec::new();
+    let tally = FibreSettings { min_length_mm: 200.0, ..settings() }.lay(
+        vec![path],
+        &room,
+        &|_| 0.0,
+        false,
+        &mut out,
+    );
+    assert_eq!((tally.short, out[0].role), (1, Role::SolidFill));
+}
+
+#[test]
+fn fibre_is_cut_where_it_cannot_turn() {
+    let zigzag: Vec<DVec2> = (0..10)
+        .flat_map(|k| {
+            let y = 0.6 * f64::from(k);
+            let (a, b) = (DVec2::new(0.0, y), DVec2::new(40.0, y));
+            if k % 2 == 0 { [a, b] } else { [b, a] }
+        })
+        .collect();
+    let room = Region::default();
+    let path = Toolpath::new(zigzag, 0.6, Role::SolidFill, false);
+    let mut out = Vec::new();
+    FibreSettings { turns: Turns::Cut, ..settings() }.lay(vec![path], &room, &|_| 0.0, false, &mut out);
+    assert_eq!(out.iter().filter(|p| p.role == Role::Fibre).count(), 10);
+    for p in out.iter().filter(|p| p.role == Role::Fibre) {
+        assert_eq!(smallest(&p.points, false), f64::INFINITY);
+    }
+}
+
+#[test]
+fn layers_and_boxes_choose() {
+    let f = FibreSettings { layers: vec![[3, 8], [12, 12]], every: 2, ..settings() };
+    let chosen: Vec<usize> = (0..15).filter(|&i| f.in_layer(i)).map(|i| i + 1).collect();
+    assert_eq!(chosen, [3, 5, 7, 12]);
+    let f = FibreSettings { boxes: vec![[DVec3::ZERO, DVec3::new(20.0, 50.0, 1.0)]], ..settings() };
+    let room = &Region::rectangle(DVec2::new(-10.0, 1.0), DVec2::new(40.0, 21.0)).polygons[0];
+    let (with, without) = f.split((0, 0.5), 0.2, room, 0.6);
+    let area = |all: &[Polygon]| all.iter().map(Polygon::area_mm2).sum::<f64>();
+    let s = bead_spacing_mm(0.6, 0.2);
+    assert!((area(&with) - 20.0 * (20.0 - s)).abs() < 0.01, "{}", area(&with));
+    assert!((area(&without) - 20.0 * (30.0 - s)).abs() < 0.01, "{}", area(&without));
+    let (with, without) = f.split((0, 1.5), 0.2, room, 0.6);
+    assert!(with.is_empty() && (area(&without) - 1000.0).abs() < 1e-6);
+    assert!(f.same((0, 0.1), (4, 0.9)) && !f.same((0, 0.1), (9, 1.1)));
+}
+
+#[test]
+fn what_does_not_go_with_the_part_is_said() {
+    let region = Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 10.0));
+    let layers = (1..=5).filter_map(|k| Layer::new(0.2 * f64::from(k), 0.2, region.clone())).collect();
+    let Some(stack) = LayerStack::new(layers) else { panic!("a stack") };
+    let part = Bounds2 { min: DVec2::ZERO, max: DVec2::new(40.0, 10.0) };
+    let said = |f: FibreSettings| f.check(&stack, part).expect_err("wrong").to_string();
+    assert!(settings().check(&stack, part).is_ok());
+    assert!(
+        said(FibreSettings { min_radius_mm: 21.0, ..settings() })
+            .contains("42.0 mm wide and the part 40.0 mm")
+    );
+    assert!(
+        said(FibreSettings { layers: vec![[2, 6]], ..settings() }).contains("[2, 6]: the part has 5 layers")
+    );
+    let far = vec![[DVec3::new(50.0, 0.0, 0.0), DVec3::new(60.0, 5.0, 1.0)]];
+    assert!(said(FibreSettings { boxes: far, ..settings() }).contains("box 1 misses the part"));
+}

@@ -1,0 +1,216 @@
+//! Cells: strips cut across at even lengths, and which cells share an edge.
+
+use grainpath_core::DVec2;
+
+use super::rings::{Facing, Rings, Side};
+
+/// How far beads may face each other for a cut across a strip, in beads.
+const ACROSS: [f64; 2] = [0.55, 1.5];
+/// The same for neighbours over an edge along the field.
+const BESIDE: [f64; 2] = [0.5, 1.7];
+
+/// Places beside strips are looked at this far apart, in beads.
+pub const PLACE_BEADS: f64 = 1.5;
+
+/// Two cells and the edge between them.
+#[derive(Debug, Clone, Copy)]
+pub struct Edge {
+    pub cells: [u32; 2],
+    /// Cut across a strip: its number among the cuts. `None` beside strips.
+    pub cut: Option<u32>,
+    /// A place beside a strip: ring and length along it, mm.
+    pub ring: u32,
+    pub at_mm: f64,
+    /// Middles of the two beads that face each other here.
+    pub ends: [DVec2; 2],
+}
+
+/// The cells of a room.
+pub struct Cells {
+    pub n: usize,
+    /// Where strips are cut across. Left as they are the strip stays whole; exchanged, it ends in two caps.
+    pub cuts: Vec<Facing>,
+    pub edges: Vec<Edge>,
+}
+
+/// Which lengths of the rings are spoken for.
+pub struct Taken {
+    step_mm: f64,
+    starts: Vec<usize>,
+    marks: Vec<bool>,
+}
+
+impl Taken {
+    pub fn new(rings: &Rings, step_mm: f64) -> Self {
+        let mut starts = vec![0];
+        for r in 0..rings.lines.len() {
+            starts.push(starts[r] + (rings.length_mm(r) / step_mm) as usize + 1);
+        }
+        let marks = vec![false; starts[starts.len() - 1]];
+        Self { step_mm, starts, marks }
+    }
+
+    fn each(&self, ring: usize, from_mm: f64, to_mm: f64, mut each: impl FnMut(usize)) {
+        let n = self.starts[ring + 1] - self.starts[ring];
+        let index = |mm: f64| (mm / self.step_mm).floor() as i64;
+        let (i, j) = (index(from_mm), index(to_mm));
+        for k in i..=j.min(i + n as i64 - 1) {
+            each(self.starts[ring] + k.rem_euclid(n as i64) as usize);
+        }
+    }
+
+    pub fn is_free(&self, ring: usize, from_mm: f64, to_mm: f64) -> bool {
+        let mut free = true;
+        self.each(ring, from_mm, to_mm, |k| free &= !self.marks[k]);
+        free
+    }
+
+    fn set(&mut self, (ring, from_mm, to_mm): (usize, f64, f64), taken: bool) {
+        let mut all = Vec::new();
+        self.each(ring, from_mm, to_mm, |k| all.push(k));
+        all.into_iter().for_each(|k| self.marks[k] = taken);
+    }
+
+    /// Both stretches of an exchange, with `margin_mm` around them.
+    fn stretches(f: &Facing, half_mm: f64) -> [(usize, f64, f64); 2] {
+        [
+            (f.one_ring, f.one[1] - half_mm, f.one[1] + half_mm),
+            (f.other_ring, f.other[1] - half_mm, f.other[1] + half_mm),
+        ]
+    }
+
+    pub fn fits(&self, f: &Facing, half_mm: f64) -> bool {
+        Self::stretches(f, half_mm).iter().all(|&(r, a, b)| self.is_free(r, a, b))
+    }
+
+    pub fn take_both(&mut self, f: &Facing, half_mm: f64) {
+        Self::stretches(f, half_mm).into_iter().for_each(|s| self.set(s, true));
+    }
+
+    /// Only for stretches that were taken as they are: none other overlaps them.
+    pub fn release_both(&mut self, f: &Facing, half_mm: f64) {
+        Self::stretches(f, half_mm).into_iter().for_each(|s| self.set(s, false));
+    }
+}
+
+/// Cuts strips into cells of about `length_mm`; `taken` then holds the stretches at the cuts.
+pub fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) -> Cells {
+    let step = 0.25 * spacing_mm;
+    let mut near = Taken::new(rings, step);
+    let mut cuts: Vec<Facing> = Vec::new();
+    for ring in 0..rings.lines.len() {
+        let length = rings.length_mm(ring);
+        let mut at = 0.5 * length_mm;
+        while at < length - 0.5 * spacing_mm {
+            if !near.is_free(ring, at, at) {
+                at += 0.5 * spacing_mm;
+                continue;
+            }
+            let found = rings.stretches(ring, at, Side::Left, ACROSS);
+            if let Some(f) = found.filter(|f| near.fits(f, 0.0) && taken.fits(f, 0.6 * spacing_mm)) {
+                near.take_both(&f, 0.8 * length_mm);
+                taken.take_both(&f, 0.6 * spacing_mm);
+                cuts.push(f);
+                at += 0.8 * length_mm;
+            }
+            at += 0.5 * spacing_mm;
+        }
+    }
+    let ends = Ends::new(rings, &cuts);
+    let (cell_of, n) = ends.cells();
+    let mut edges = Vec::new();
+    for (k, f) in cuts.iter().enumerate() {
+        let [a, b] = [2 * k, 2 * k + 1].map(|c| cell_of[c]);
+        // Each cut parts what comes before its first stretch from what comes after it.
+        if a != b {
+            let (p, q) = (rings.point(f.one_ring, f.one[0]).0, rings.point(f.one_ring, f.one[2]).0);
+            edges.push(Edge {
+                cells: [a, b],
+                cut: Some(k as u32),
+                ring: f.one_ring as u32,
+                at_mm: f.one[1],
+                ends: [p, q],
+            });
+        }
+    }
+    for ring in 0..rings.lines.len() {
+        let length = rings.length_mm(ring);
+        let n = (length / (PLACE_BEADS * spacing_mm)).floor().max(1.0);
+        for k in 0..n as usize {
+            let at_mm = length * (k as f64 + 0.5) / n;
+            let Some((other, _)) = rings.facing(ring, at_mm, Side::Right, BESIDE) else { continue };
+            let a = cell_of[ends.after(ring, at_mm)];
+            let b = cell_of[ends.after(other.ring, other.at_mm)];
+            if a != b {
+                let (p, q) = (rings.point(ring, at_mm).0, rings.point(other.ring, other.at_mm).0);
+                edges.push(Edge { cells: [a, b], cut: None, ring: ring as u32, at_mm, ends: [p, q] });
+            }
+        }
+    }
+    Cells { n, cuts, edges }
+}
+
+/// The exchange at an edge beside strips.
+pub fn beside(rings: &Rings, edge: &Edge) -> Option<Facing> {
+    rings.stretches(edge.ring as usize, edge.at_mm, Side::Right, BESIDE)
+}
+
+/// The ends of cuts on each ring, in order.
+struct Ends<'a> {
+    rings: &'a Rings,
+    /// `(place, which end of which cut)`, ring by ring.
+    all: Vec<Vec<(f64, u32)>>,
+    n_cuts: usize,
+}
+
+impl<'a> Ends<'a> {
+    fn new(rings: &'a Rings, cuts: &[Facing]) -> Self {
+        let mut all = vec![Vec::new(); rings.lines.len()];
+        for (k, f) in cuts.iter().enumerate() {
+            all[f.one_ring].push((f.one[1], 2 * k as u32));
+            all[f.other_ring].push((f.other[1], 2 * k as u32 + 1));
+        }
+        all.iter_mut().for_each(|a| a.sort_by(|a, b| a.0.total_cmp(&b.0)));
+        Self { rings, all, n_cuts: cuts.len() }
+    }
+
+    /// The stretch of ring that a place lies in: named by the end it follows, or the ring where it has none.
+    fn after(&self, ring: usize, at_mm: f64) -> usize {
+        let ends = &self.all[ring];
+        let k = ends.partition_point(|e| e.0 <= at_mm);
+        match ends.get(k.wrapping_sub(1)).or(ends.last()) {
+            Some(e) => e.1 as usize,
+            None => 2 * self.n_cuts + ring,
+        }
+    }
+
+    /// The cell of each stretch of ring, and how many cells there are: with all cuts exchanged each ring is one.
+    fn cells(&self) -> (Vec<u32>, usize) {
+        let mut next = vec![0u32; 2 * self.n_cuts];
+        for ends in &self.all {
+            for (i, e) in ends.iter().enumerate() {
+                next[e.1 as usize] = ends[(i + 1) % ends.len()].1;
+            }
+        }
+        let mut cell_of = vec![u32::MAX; 2 * self.n_cuts + self.rings.lines.len()];
+        let mut n = 0;
+        for first in 0..2 * self.n_cuts {
+            let mut at = first;
+            if cell_of[at] != u32::MAX {
+                continue;
+            }
+            while cell_of[at] == u32::MAX {
+                cell_of[at] = n;
+                at = next[at] as usize ^ 1;
+            }
+            n += 1;
+        }
+        for (ring, ends) in self.all.iter().enumerate() {
+            if ends.is_empty() {
+                cell_of[2 * self.n_cuts + ring] = n;
+                n += 1;
+            }
+        }
+        (cell_of, n as usize)
+    }
+}

@@ -1,0 +1,116 @@
+//! One path through a whole room, along the field where it can.
+//!
+//! The room is cut into strips two beads wide along the field ([`strips`]), these into cells ([`cells`]); a tree joins
+//! cells that share an edge ([`tree`]). Around each cell runs a closed loop half a bead inside; where the tree passes
+//! an edge the loops of both sides become one ([`rings`]). A loop around all the tree's cells is one path.
+
+mod cells;
+mod finish;
+mod rings;
+mod strips;
+mod tree;
+mod verify;
+
+use grainpath_core::poly::{Join, perimeter_mm};
+use grainpath_core::{DVec2, Polygon, Region, Toolpath};
+
+use super::field::stripes::axis_of;
+use super::{FillContext, Infill};
+use cells::Taken;
+use rings::Rings;
+pub use tree::TreeKind;
+pub use verify::{Note, Problem};
+
+/// One closed path, along the field wherever it can.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Continuous {
+    /// How cells are joined.
+    pub tree: TreeKind,
+    /// Length of a cell, in its widths.
+    pub aspect: f64,
+    /// Whether beads widen and narrow to fill what room there is.
+    pub variable: bool,
+}
+
+impl Continuous {
+    /// Along the field, with beads of varying width.
+    pub const DEFAULT: Self = Self { tree: TreeKind::Directed, aspect: 2.5, variable: true };
+}
+
+/// Rings shorter than this are dropped, in beads.
+const SHORTEST: f64 = 6.0;
+/// Where the field says that no direction matters, this much of it counts still.
+const LEAST_STRENGTH: f64 = 0.02;
+
+impl Infill for Continuous {
+    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+        self.lay_island(context, &[room], out, &mut Vec::new());
+    }
+}
+
+impl Continuous {
+    /// Lays the rooms of one island, and notes what kept them from being one path.
+    pub fn lay_island(
+        &self,
+        context: &FillContext<'_>,
+        rooms: &[&Polygon],
+        out: &mut Vec<Toolpath>,
+        notes: &mut Vec<Note>,
+    ) {
+        // Below full density the outermost bead keeps its distance from the wall.
+        let keep_mm =
+            if context.density < 0.999 { 0.5 * context.spacing_mm() / context.density } else { 0.0 };
+        let whole = Region { polygons: rooms.iter().map(|&r| r.clone()).collect() };
+        let rooms = whole.offset(-keep_mm, Join::Miter(3.0)).polygons;
+        verify::necks(&rooms, context.bead_width_mm, notes);
+        rooms.iter().for_each(|room| self.lay(context, room, out, notes));
+    }
+
+    /// Lays one room.
+    fn lay(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>, notes: &mut Vec<Note>) {
+        let spacing = context.spacing_mm() / context.density;
+        let mut rings = self.joined(context, room, spacing);
+        // The path first; what could not be joined to it and is more than a crumb after it.
+        rings.sort_by(|a, b| perimeter_mm(b).total_cmp(&perimeter_mm(a)));
+        let kept = rings.iter().skip(1).take_while(|p| perimeter_mm(p) > SHORTEST * spacing).count();
+        rings.truncate(1 + kept);
+        let border = Region::from(room.clone()).offset(context.border_mm, Join::Miter(3.0));
+        let lay = |thinned: bool| {
+            let rings = rings.clone();
+            let paths = finish::lay(rings, room, &border, self.variable, thinned, context);
+            let found = verify::check(&paths, room, spacing);
+            (paths, found)
+        };
+        let (mut paths, mut found) = lay(true);
+        if found.iter().any(|n| n.what == Problem::Crossing) {
+            // Where beads all but touch, leaving out points is too much.
+            (paths, found) = lay(false);
+        }
+        notes.extend(found);
+        out.extend(paths);
+    }
+
+    /// The loops of all cells of a room, joined: one ring, where that can be.
+    fn joined(&self, context: &FillContext<'_>, room: &Polygon, spacing: f64) -> Vec<Vec<DVec2>> {
+        let axis = |p: DVec2| match context.field {
+            Some(field) => {
+                let strength = field.sample(p.extend(context.z_mid_mm)).strength;
+                (axis_of(field, context, p), strength.max(LEAST_STRENGTH))
+            }
+            None => (DVec2::X, 1.0),
+        };
+        let rings = Rings::new(strips::outlines(context, room, spacing), room, spacing);
+        let mut taken = Taken::new(&rings, 0.25 * spacing);
+        let cells = cells::cut(&rings, 2.0 * self.aspect * spacing, spacing, &mut taken);
+        let exchanges = tree::join(&rings, &cells, self.tree, spacing, &axis, &mut taken);
+        let joined = rings.exchanged(&exchanges);
+        if joined.len() < 2 {
+            return joined;
+        }
+        let rings = Rings::new(joined, room, spacing);
+        rings.exchanged(&tree::join_rest(&rings, spacing))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,292 @@
+//! Closed lines with positions along them, and places where two of them face each other.
+
+use grainpath_core::math::{cross, direction, rotated};
+use grainpath_core::poly::LineClipper;
+use grainpath_core::{DVec2, Polygon, Region};
+
+use super::super::field::widths::{Line, Neighbours};
+
+/// A place on a ring.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    pub ring: usize,
+    /// From its first point, mm.
+    pub at_mm: f64,
+}
+
+/// Two stretches, a bead long, that face each other a bead apart and run against each other. Exchanging them for the
+/// two ways between their ends makes one ring of two, or two of one, with no line crossed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Facing {
+    /// Start, middle and end of the one, mm along its ring.
+    pub one: [f64; 3],
+    pub one_ring: usize,
+    /// Start, middle and end of the other: its start faces the end of the first.
+    pub other: [f64; 3],
+    pub other_ring: usize,
+    /// Ends of the one, then of the other.
+    pub corners: [DVec2; 4],
+}
+
+impl Facing {
+    /// The two ways from ring to ring.
+    fn ways(&self) -> [[DVec2; 2]; 2] {
+        let [a0, a1, b0, b1] = self.corners;
+        [[a0, b1], [b0, a1]]
+    }
+
+    /// Whether a way of the one crosses a way of the other.
+    pub fn crosses(&self, other: &Self) -> bool {
+        self.ways().iter().any(|w| other.ways().iter().any(|o| meet(*w, *o)))
+    }
+}
+
+/// Whether two segments touch.
+fn meet([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
+    let sides = |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e - o, p - o) * cross(e - o, q - o);
+    sides(a, b, c, d) <= 0.0 && sides(c, d, a, b) <= 0.0
+}
+
+/// On which side of a ring to look: the strip is on its left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    Left,
+    Right,
+}
+
+/// Closed lines that do not cross.
+pub struct Rings {
+    pub lines: Vec<Line>,
+    /// Length up to each point, and all of it at last.
+    arcs: Vec<Vec<f64>>,
+    neighbours: Neighbours,
+    room: LineClipper,
+    spacing_mm: f64,
+}
+
+impl Rings {
+    pub fn new(outlines: Vec<Vec<DVec2>>, room: &Polygon, spacing_mm: f64) -> Self {
+        let lines: Vec<Line> = outlines.into_iter().map(|points| Line { points, closed: true }).collect();
+        let arc = |line: &Line| {
+            let mut sum = 0.0;
+            let mut all = vec![0.0];
+            all.extend((0..line.n_segments()).map(|i| {
+                let (a, b) = line.segment(i);
+                sum += a.distance(b);
+                sum
+            }));
+            all
+        };
+        let arcs = lines.iter().map(arc).collect();
+        let neighbours = Neighbours::new(&lines, &Region::default(), 1.5 * spacing_mm);
+        let room = LineClipper::new(&Region::from(room.clone()));
+        Self { lines, arcs, neighbours, room, spacing_mm }
+    }
+
+    pub fn length_mm(&self, ring: usize) -> f64 {
+        self.arcs[ring].last().copied().unwrap_or(0.0)
+    }
+
+    /// The segment on which a place lies.
+    fn segment(&self, ring: usize, at_mm: f64) -> usize {
+        let arc = &self.arcs[ring];
+        arc.partition_point(|&a| a <= at_mm).saturating_sub(1).min(arc.len() - 2)
+    }
+
+    /// A place brought into the ring's length.
+    pub fn wrapped(&self, ring: usize, at_mm: f64) -> f64 {
+        at_mm.rem_euclid(self.length_mm(ring).max(1e-12))
+    }
+
+    /// The point there, and the direction of the ring.
+    pub fn point(&self, ring: usize, at_mm: f64) -> (DVec2, DVec2, usize) {
+        let at_mm = self.wrapped(ring, at_mm);
+        let s = self.segment(ring, at_mm);
+        let (a, b) = self.lines[ring].segment(s);
+        let way = (b - a).normalize_or(DVec2::X);
+        (a + (at_mm - self.arcs[ring][s]) * way, way, s)
+    }
+
+    /// The place that faces this one at about a bead's distance, and how far it is.
+    pub fn facing(&self, ring: usize, at_mm: f64, side: Side, range: [f64; 2]) -> Option<(Place, f64)> {
+        let (p, way, segment) = self.point(ring, at_mm);
+        self.facing_along(ring, p, way, segment, side, range)
+    }
+
+    fn facing_along(
+        &self,
+        ring: usize,
+        p: DVec2,
+        way: DVec2,
+        segment: usize,
+        side: Side,
+        range: [f64; 2],
+    ) -> Option<(Place, f64)> {
+        let left = DVec2::new(-way.y, way.x);
+        let look = if side == Side::Left { left } else { -left };
+        let skips = |r: usize, s: usize| r == ring && s == segment;
+        let hit = self.neighbours.hit(p, look, range[1] * self.spacing_mm, skips)?;
+        let other = hit.line?;
+        let (a, b) = self.lines[other].segment(hit.segment);
+        let against = (b - a).normalize_or(DVec2::X).dot(way) < -0.7;
+        if !against || hit.distance_mm < range[0] * self.spacing_mm {
+            return None;
+        }
+        let at_mm = self.arcs[other][hit.segment] + a.distance(p + hit.distance_mm * look);
+        Some((Place { ring: other, at_mm }, hit.distance_mm))
+    }
+
+    /// The stretches around a place and what faces it, where both are straight enough.
+    pub fn stretches(&self, ring: usize, at_mm: f64, side: Side, range: [f64; 2]) -> Option<Facing> {
+        let half = 0.5 * self.spacing_mm;
+        let (p, way, segment) = self.point(ring, at_mm);
+        let (middle, _) = self.facing_along(ring, p, way, segment, side, range)?;
+        let mut ends = [(Place { ring, at_mm }, DVec2::ZERO, DVec2::ZERO); 2];
+        for (end, by) in ends.iter_mut().zip([-half, half]) {
+            let (q, along, segment) = self.point(ring, at_mm + by);
+            if along.dot(way) < 0.8 {
+                return None;
+            }
+            // Looking across the middle's way keeps both looks parallel.
+            let (place, d) = self.facing_along(ring, q, way, segment, side, range)?;
+            let left = DVec2::new(-way.y, way.x);
+            *end = (place, q, q + d * if side == Side::Left { left } else { -left });
+        }
+        let length = self.length_mm(middle.ring);
+        let ahead = |from: f64, to: f64| (to - from).rem_euclid(length);
+        let [(before, a0, b1), (after, a1, b0)] = ends;
+        if before.ring != middle.ring || after.ring != middle.ring {
+            return None;
+        }
+        let (d0, d1) = (ahead(after.at_mm, middle.at_mm), ahead(middle.at_mm, before.at_mm));
+        let fits = |d: f64| d > 0.3 * half && d < 1.8 * half;
+        if !fits(d0) || !fits(d1) {
+            return None;
+        }
+        if middle.ring == ring {
+            // On one ring the two stretches must not overlap.
+            let off = ahead(at_mm, middle.at_mm);
+            if off.min(length - off) < 2.2 * half {
+                return None;
+            }
+        }
+        // A hole may lie between, where no ring runs around it. The ends may lie on the room's edge.
+        let free = |a: DVec2, b: DVec2| self.room.segment_inside(a.lerp(b, 0.02), b.lerp(a, 0.02));
+        if !free(a0, b1) || !free(a1, b0) {
+            return None;
+        }
+        let w = |x: f64| self.wrapped(ring, x);
+        Some(Facing {
+            one: [w(at_mm - half), w(at_mm), w(at_mm + half)],
+            one_ring: ring,
+            other: [after.at_mm, middle.at_mm, before.at_mm],
+            other_ring: middle.ring,
+            corners: [a0, a1, b0, b1],
+        })
+    }
+
+    /// Short stretches around a place and around what is seen from it at any angle on another ring, where the two ways
+    /// between their ends are free. For rings that nowhere run along each other.
+    pub fn slanted(&self, ring: usize, at_mm: f64, far: f64) -> Vec<Facing> {
+        let (p, way, segment) = self.point(ring, at_mm);
+        let mut out = Vec::new();
+        for turn in [0.0, 0.5, -0.5, 1.0, -1.0] {
+            for side in [1.0, -1.0] {
+                let look = rotated(side * way.perp(), direction(turn));
+                let skips = |r: usize, s: usize| r == ring && s == segment;
+                let hit = self.neighbours.hit(p, look, far * self.spacing_mm, skips);
+                let Some((hit, other)) = hit.and_then(|h| Some((h, h.line?))) else { continue };
+                if other == ring {
+                    continue;
+                }
+                let start = self.lines[other].segment(hit.segment).0;
+                let facing_mm = self.arcs[other][hit.segment] + start.distance(p + hit.distance_mm * look);
+                for half in [0.4, 0.2, 0.08].map(|h| h * self.spacing_mm) {
+                    if self.length_mm(ring) < 6.0 * half || self.length_mm(other) < 6.0 * half {
+                        continue;
+                    }
+                    let three =
+                        |ring: usize, at: f64| [at - half, at, at + half].map(|v| self.wrapped(ring, v));
+                    let (one, facing) = (three(ring, at_mm), three(other, facing_mm));
+                    let [a0, a1] = [one[0], one[2]].map(|v| self.point(ring, v).0);
+                    let [b0, b1] = [facing[0], facing[2]].map(|v| self.point(other, v).0);
+                    if !meet([a0, b1], [b0, a1]) && self.is_free(a0, b1) && self.is_free(b0, a1) {
+                        out.push(Facing {
+                            one,
+                            one_ring: ring,
+                            other: facing,
+                            other_ring: other,
+                            corners: [a0, a1, b0, b1],
+                        });
+                        break;
+                    }
+                }
+            }
+        }
+        out
+    }
+
+    /// Whether the straight way between two points of rings meets no ring and stays in the room.
+    fn is_free(&self, a: DVec2, b: DVec2) -> bool {
+        let (p, q) = (a.lerp(b, 0.02), b.lerp(a, 0.02));
+        let way = (q - p).normalize_or_zero();
+        self.room.segment_inside(p, q) && self.neighbours.hit(p, way, p.distance(q), |_, _| false).is_none()
+    }
+
+    /// Exchanges all these stretches, and gives the rings that come of it.
+    pub fn exchanged(&self, swaps: &[Facing]) -> Vec<Vec<DVec2>> {
+        // Where each ring is left, and where the way goes on: (ring, from, point there, swap end to go to).
+        let mut cuts: Vec<Vec<(f64, f64, usize)>> = vec![Vec::new(); self.lines.len()];
+        for (k, s) in swaps.iter().enumerate() {
+            cuts[s.one_ring].push((s.one[0], s.one[2], 2 * k));
+            cuts[s.other_ring].push((s.other[0], s.other[2], 2 * k + 1));
+        }
+        cuts.iter_mut().for_each(|c| c.sort_by(|a, b| a.0.total_cmp(&b.0)));
+        // The stretch kept after cut `c`: from its end to the start of the next cut on the ring.
+        let mut kept: Vec<(usize, usize)> = vec![(0, 0); 2 * swaps.len()];
+        for (ring, cuts) in cuts.iter().enumerate() {
+            for (i, c) in cuts.iter().enumerate() {
+                kept[c.2] = (ring, i);
+            }
+        }
+        let corner = |cut: usize, end: usize| swaps[cut / 2].corners[2 * (cut % 2) + end];
+        let mut out = Vec::new();
+        for (ring, cuts) in cuts.iter().enumerate() {
+            if cuts.is_empty() {
+                out.push(self.lines[ring].points.clone());
+            }
+        }
+        let mut used = vec![false; 2 * swaps.len()];
+        for first in 0..used.len() {
+            let mut ring = Vec::new();
+            let mut cut = first;
+            while !used[cut] {
+                used[cut] = true;
+                let (r, i) = kept[cut];
+                let (_, from, _) = cuts[r][i];
+                let (to, _, next) = cuts[r][(i + 1) % cuts[r].len()];
+                ring.push(corner(cut, 1));
+                self.between(r, from, to, &mut ring);
+                ring.push(corner(next, 0));
+                // From the start of one stretch the way goes to the end of its partner, and on from there.
+                cut = next ^ 1;
+            }
+            if !ring.is_empty() {
+                out.push(ring);
+            }
+        }
+        out
+    }
+
+    /// The ring's own points between two places, in its direction.
+    fn between(&self, ring: usize, from_mm: f64, to_mm: f64, out: &mut Vec<DVec2>) {
+        let arc = &self.arcs[ring];
+        let points = &self.lines[ring].points;
+        let n = points.len();
+        let first = arc.partition_point(|&a| a <= from_mm);
+        let end = arc.partition_point(|&a| a < to_mm);
+        let wraps = to_mm <= from_mm;
+        let range = if wraps { first..end + n } else { first..end };
+        out.extend(range.map(|i| points[i % n]));
+    }
+}

@@ -1,0 +1,330 @@
+//! Strips two beads wide along the field, as closed outlines half a bead inside their edges.
+//!
+//! A phase turns once per two beads across the field. Where its cosine is negative is the inside of a strip's
+//! outline: the two beads of a strip lie where the cosine changes sign, the way between neighbouring strips where it
+//! is positive. The cosine does not care which way the axis points, so outlines close around every singular point.
+
+use std::f64::consts::{PI, TAU};
+
+use grainpath_core::math::{cos, cross};
+use grainpath_core::poly::{FillRule, Join, LineClipper};
+use grainpath_core::{DVec2, Polygon, Region};
+
+use super::super::field::phase::{PhaseInput, Turn, drift, solve, turns};
+use super::super::field::stripes::{NearBorder, axis_of};
+use super::super::field::widths::{resampled, smooth};
+use crate::field_mesh::FieldMesh;
+use crate::fill::FillContext;
+
+const NONE: u32 = u32::MAX;
+
+/// Squares of the grid that the phase is found on, in beads: fine for a room of few of them, coarser for a large one.
+const MESH_BEADS: [f64; 2] = [1.8, 4.0];
+/// More nodes than this make the grid coarser.
+const MANY_NODES: f64 = 20_000.0;
+/// Places of a room narrower than this are strips by themselves, in beads.
+const THIN_BEADS: f64 = 1.5;
+/// Steps of the outlines, in beads.
+const STEP_BEADS: f64 = 1.0;
+/// Steps of diffusion of the phase: widths in squares of the grid, and how often.
+const STEPS: [(f64, usize); 3] = [(60.0, 4), (25.0, 4), (8.0, 3)];
+
+/// The outlines of all strips of a room at this distance of beads: closed, the strip on their left, inside the room.
+/// Together with the room's own contour where a strip ends there.
+pub fn outlines(context: &FillContext<'_>, room: &Polygon, spacing_mm: f64) -> Vec<Vec<DVec2>> {
+    let region = Region::from(room.clone());
+    let whole = || vec![room.outer.clone()];
+    let Some(field) = context.field else { return whole() };
+    let cell_mm = (room.area_mm2() / MANY_NODES).sqrt();
+    let cell_mm = cell_mm.clamp(MESH_BEADS[0] * spacing_mm, MESH_BEADS[1] * spacing_mm);
+    let Some(mesh) = FieldMesh::over(&region, cell_mm) else { return Vec::new() };
+    let axes: Vec<DVec2> = mesh.nodes.iter().map(|&p| axis_of(field, context, p)).collect();
+    let frequency = drift(&mesh, &axes).into_iter().map(|f| f / (2.0 * spacing_mm)).collect();
+    let near = NearBorder::new(&region, 3.2 * spacing_mm);
+    let wanted = mesh
+        .nodes
+        .iter()
+        .zip(&axes)
+        .map(|(&p, axis)| near.wanted(p, *axis, 2.0 * spacing_mm, 0.25))
+        .collect();
+    let input = PhaseInput { axes, frequency, wanted };
+    let turns = turns(&mesh, &input);
+    let phase = solve(&mesh, &input, &turns, &STEPS);
+    let mut lines = sign_changes(&mesh, &turns, &phase);
+    for line in &mut lines {
+        line.points = resampled(&line.points, line.closed, STEP_BEADS * spacing_mm);
+        smooth(&mut line.points, line.closed, 3);
+    }
+    let loops = cut_by(&region, &lines).unwrap_or_else(whole);
+    with_thin(&region, loops, spacing_mm).into_iter().filter(|l| l.len() > 2).collect()
+}
+
+/// Places too thin for strips beside each other are strips themselves, whatever the field says: a bead there and
+/// one back along their sides.
+fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Vec<DVec2>> {
+    let thick = region.opened(0.5 * THIN_BEADS * spacing_mm);
+    let mut thin = region.difference(&thick);
+    // Corners are thin too; of small places only those count that lie between thick ones.
+    thin.polygons.retain(|p| {
+        let is_neck = || {
+            let grown = Region::from(p.clone()).offset(0.1 * spacing_mm, Join::Miter(2.0));
+            grown.intersection(&thick).polygons.len() > 1
+        };
+        p.area_mm2() > spacing_mm * spacing_mm || is_neck()
+    });
+    if thin.is_empty() {
+        return loops;
+    }
+    let strips = Region::from_contours(&loops, FillRule::Positive);
+    let thin = thin.offset(0.1 * spacing_mm, Join::Miter(2.0)).intersection(region);
+    let mut all = strips.union(&thin);
+    all.polygons.retain(|p| p.area_mm2() > 0.1 * spacing_mm * spacing_mm);
+    all.contours().cloned().collect()
+}
+
+/// Where the cosine changes sign: strips are on its left. Open lines end outside the region.
+struct Line {
+    points: Vec<DVec2>,
+    closed: bool,
+}
+
+fn sign_changes(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Line> {
+    let mut starts = Vec::with_capacity(mesh.edges.len() + 1);
+    let (mut points, mut edge_of) = (Vec::new(), Vec::new());
+    starts.push(0u32);
+    // A hair off, so that no node lies on a line.
+    let at = |i: usize| phase[i] + 1e-6 * (1.0 + (i % 97) as f64 / 97.0);
+    for (e, (edge, turn)) in mesh.edges.iter().zip(turns).enumerate() {
+        let [a, b] = edge.ends.map(|k| k as usize);
+        let first = at(a);
+        let second = if turn.mirrored { -at(b) } else { at(b) };
+        let off = second - first - turn.grown_rad;
+        let grown = turn.grown_rad + off - TAU * (off / TAU).round();
+        let (low, high) = (first.min(first + grown), first.max(first + grown));
+        let mut levels: Vec<f64> = Vec::new();
+        let mut k = (low / PI - 0.5).floor() + 1.0;
+        while (k + 0.5) * PI <= high && levels.len() < 64 {
+            levels.push(((k + 0.5) * PI - first) / grown);
+            k += 1.0;
+        }
+        if grown < 0.0 {
+            levels.reverse();
+        }
+        let (p, q) = (mesh.nodes[a], mesh.nodes[b]);
+        points.extend(levels.into_iter().map(|t| p + t.clamp(0.0, 1.0) * (q - p)));
+        edge_of.resize(points.len(), e as u32);
+        starts.push(points.len() as u32);
+    }
+    let joined = joints(mesh, &starts, points.len());
+    let is_strip = |node: u32| cos(at(node as usize)) < 0.0;
+    let mut used = vec![false; points.len()];
+    let mut out = Vec::new();
+    let mut follow = |first: usize, closed: bool| {
+        let mut line: Vec<u32> = Vec::new();
+        let (mut from, mut at) = (NONE, first as u32);
+        while at != NONE && !used[at as usize] {
+            used[at as usize] = true;
+            line.push(at);
+            let [a, b] = joined[at as usize];
+            (from, at) = (at, if a == from && from != NONE { b } else { a });
+        }
+        // Two points on different sides of one triangle tell on which side the strip is.
+        let Some(w) = line.windows(2).find(|w| edge_of[w[0] as usize] != edge_of[w[1] as usize]) else {
+            return;
+        };
+        let e = edge_of[w[0] as usize];
+        let end = mesh.edges[e as usize].ends[0];
+        let odd = (w[0] - starts[e as usize]) % 2 == 1;
+        let [p, q] = [points[w[0] as usize], points[w[1] as usize]];
+        let left = cross(q - p, mesh.nodes[end as usize] - p) > 0.0;
+        let mut points: Vec<DVec2> = line.iter().map(|&k| points[k as usize]).collect();
+        if left != (is_strip(end) ^ odd) {
+            points.reverse();
+        }
+        out.push(Line { points, closed });
+    };
+    for (i, j) in joined.iter().enumerate() {
+        if j[1] == NONE {
+            follow(i, false);
+        }
+    }
+    for i in 0..joined.len() {
+        follow(i, true);
+    }
+    out
+}
+
+/// Which points follow each other. The cosine changes sign an even number of times around a triangle, so that none
+/// is left alone: where the phase misses a turn, neighbours on one side are joined and a strip, or a way, ends.
+fn joints(mesh: &FieldMesh, starts: &[u32], n: usize) -> Vec<[u32; 2]> {
+    let mut joined = vec![[NONE; 2]; n];
+    let mut join = |a: u32, b: u32| {
+        for (from, to) in [(a, b), (b, a)] {
+            let slot = &mut joined[from as usize];
+            slot[usize::from(slot[0] != NONE)] = to;
+        }
+    };
+    for t in &mesh.triangles {
+        let count = t.edges.map(|e| starts[e as usize + 1] - starts[e as usize]);
+        let most = (0..3).fold(0, |m, k| if count[k] > count[m] { k } else { m });
+        let others = count[(most + 1) % 3] + count[(most + 2) % 3];
+        // The `p`-th point of a side, counted from a corner.
+        let from = |side: usize, corner: usize, p: u32| {
+            let e = t.edges[side] as usize;
+            let forward = mesh.edges[e].ends[0] == t.corners[corner];
+            starts[e] + if forward { p } else { count[side] - 1 - p }
+        };
+        for corner in 0..3 {
+            let sides = [(corner + 1) % 3, (corner + 2) % 3];
+            let around = if count[most] > others {
+                if corner == most { 0 } else { count[3 - corner - most] }
+            } else {
+                (count[sides[0]] + count[sides[1]] - count[corner]) / 2
+            };
+            for p in 0..around {
+                join(from(sides[0], corner, p), from(sides[1], corner, p));
+            }
+        }
+        if count[most] > others {
+            let corner = (most + 1) % 3;
+            let first = count[3 - corner - most];
+            for k in 0..(count[most] - others) / 2 {
+                join(from(most, corner, first + 2 * k), from(most, corner, first + 2 * k + 1));
+            }
+        }
+    }
+    joined
+}
+
+/// Where a piece of a line meets the region's border.
+struct Meeting {
+    contour: usize,
+    edge: usize,
+    /// Along the edge, mm.
+    along_mm: f64,
+    at: DVec2,
+    piece: usize,
+    leaves: bool,
+}
+
+/// What lies left of the lines and inside the region, as closed lines; `None` where rounding has made that unclear.
+fn cut_by(region: &Region, lines: &[Line]) -> Option<Vec<Vec<DVec2>>> {
+    let clipper = LineClipper::new(region);
+    let contours: Vec<&Vec<DVec2>> = region.contours().collect();
+    let mut pieces: Vec<Vec<DVec2>> = Vec::new();
+    let mut meetings: Vec<Meeting> = Vec::new();
+    let mut loops = Vec::new();
+    for line in lines {
+        let n = line.points.len();
+        let first_piece = pieces.len();
+        let starts_inside = clipper.contains(line.points[0]);
+        let mut current = starts_inside.then(|| vec![line.points[0]]);
+        let mut crossed = false;
+        for i in 0..if line.closed { n } else { n - 1 } {
+            let (a, b) = (line.points[i], line.points[(i + 1) % n]);
+            for c in clipper.crossings(a, b) {
+                crossed = true;
+                let at = a.lerp(b, c.t);
+                let contour = contours[c.contour];
+                let along_mm = at.distance(contour[c.edge]);
+                let leaves = current.is_some();
+                let piece = pieces.len();
+                meetings.push(Meeting { contour: c.contour, edge: c.edge, along_mm, at, piece, leaves });
+                match current.take() {
+                    Some(mut points) => {
+                        points.push(at);
+                        pieces.push(points);
+                    }
+                    None => current = Some(vec![at]),
+                }
+            }
+            if let Some(points) = &mut current {
+                points.push(b);
+            }
+        }
+        let Some(mut rest) = current else { continue };
+        if !crossed {
+            if line.closed {
+                rest.pop();
+                loops.push(rest);
+            }
+            continue;
+        }
+        if !(line.closed && starts_inside) {
+            return None;
+        }
+        // The last piece goes on with the first.
+        let head = &mut pieces[first_piece];
+        rest.pop();
+        rest.append(head);
+        *head = rest;
+        let last = pieces.len();
+        meetings.iter_mut().rev().take(1).filter(|m| m.piece == last).for_each(|m| m.piece = first_piece);
+    }
+    let key = |m: &Meeting| (m.contour, m.edge);
+    meetings.sort_by(|a, b| key(a).cmp(&key(b)).then(a.along_mm.total_cmp(&b.along_mm)));
+    // After each piece: the way along the contour to the next one.
+    let mut next: Vec<Option<(usize, Vec<DVec2>)>> = pieces.iter().map(|_| None).collect();
+    for group in meetings.chunk_by(|a, b| a.contour == b.contour) {
+        let contour = contours[group[0].contour];
+        for (k, m) in group.iter().enumerate().filter(|(_, m)| m.leaves) {
+            let to = &group[(k + 1) % group.len()];
+            if to.leaves {
+                return None;
+            }
+            let n = contour.len();
+            let mut way = Vec::new();
+            let wraps = to.edge < m.edge || (to.edge == m.edge && to.along_mm < m.along_mm);
+            let steps = to.edge + if wraps { n } else { 0 } - m.edge;
+            way.extend((1..=steps).map(|s| contour[(m.edge + s) % n]));
+            if m.at == to.at && steps == 0 {
+                way.clear();
+            }
+            next[m.piece] = Some((to.piece, way));
+        }
+    }
+    let mut used = vec![false; pieces.len()];
+    for first in 0..pieces.len() {
+        if used[first] {
+            continue;
+        }
+        let mut ring: Vec<DVec2> = Vec::new();
+        let mut at = first;
+        while !used[at] {
+            used[at] = true;
+            ring.append(&mut pieces[at]);
+            let (to, way) = next[at].take()?;
+            ring.extend(way);
+            at = to;
+        }
+        if at != first {
+            return None;
+        }
+        loops.push(ring);
+    }
+    let touched: Vec<usize> = meetings.iter().map(|m| m.contour).collect();
+    for (c, contour) in contours.iter().enumerate() {
+        if touched.binary_search(&c).is_err() && in_strip(contour[0], lines) {
+            loops.push((*contour).clone());
+        }
+    }
+    Some(loops)
+}
+
+/// Whether a point lies left of the nearest line; where there are none all is one strip.
+fn in_strip(p: DVec2, lines: &[Line]) -> bool {
+    let mut best = (f64::INFINITY, true);
+    for line in lines {
+        let n = line.points.len();
+        for i in 0..if line.closed { n } else { n - 1 } {
+            let (a, b) = (line.points[i], line.points[(i + 1) % n]);
+            let d = b - a;
+            let t = ((p - a).dot(d) / d.length_squared().max(1e-18)).clamp(0.0, 1.0);
+            let off = p.distance_squared(a + t * d);
+            if off < best.0 {
+                best = (off, cross(d, p - a) > 0.0);
+            }
+        }
+    }
+    best.1
+}

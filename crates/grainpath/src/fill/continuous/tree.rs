@@ -1,0 +1,238 @@
+//! The tree that joins cells: which edges are passed, and which strips are cut.
+
+use grainpath_core::DVec2;
+use grainpath_core::math::{atan2, cross};
+
+use super::cells::{Cells, Edge, PLACE_BEADS, Taken, beside};
+use super::rings::{Facing, Rings, Side};
+
+/// How edges are weighed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TreeKind {
+    /// By how far beads are turned out of the field's direction where they pass.
+    #[default]
+    Directed,
+    /// By nothing: a tree like any other on these cells.
+    Undirected,
+}
+
+/// The axis of the field at a point, and how much it matters there.
+pub type Axis<'a> = &'a dyn Fn(DVec2) -> (DVec2, f64);
+
+/// Angle between an undirected axis and a way, radians, times the way's length.
+fn turned(axis: DVec2, way: DVec2) -> f64 {
+    atan2(cross(axis, way).abs(), axis.dot(way).abs()) * way.length()
+}
+
+/// What an exchange adds to the path's angle to the field, times length.
+pub fn cost(f: &Facing, axis: Axis<'_>) -> f64 {
+    let [a0, a1, b0, b1] = f.corners;
+    let (u, weight) = axis(0.25 * (a0 + a1 + b0 + b1));
+    weight * (turned(u, b1 - a0) + turned(u, a1 - b0) - turned(u, a1 - a0) - turned(u, b1 - b0))
+}
+
+/// The same, guessed from the middles of both beads at an edge.
+fn guess(e: &Edge, spacing_mm: f64, axis: Axis<'_>) -> f64 {
+    let way = e.ends[1] - e.ends[0];
+    let (u, weight) = axis(0.5 * (e.ends[0] + e.ends[1]));
+    let along = way.perp().normalize_or(DVec2::X) * spacing_mm;
+    2.0 * weight * (turned(u, way) - turned(u, along))
+}
+
+/// Numbers in [0, 1) that look like chance and are always the same.
+fn shuffled(i: usize) -> f64 {
+    let mut x = (i as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+struct Sets(Vec<u32>);
+
+impl Sets {
+    fn root(&mut self, mut i: u32) -> u32 {
+        while self.0[i as usize] != i {
+            self.0[i as usize] = self.0[self.0[i as usize] as usize];
+            i = self.0[i as usize];
+        }
+        i
+    }
+
+    fn join(&mut self, a: u32, b: u32) -> bool {
+        let (a, b) = (self.root(a), self.root(b));
+        self.0[a.max(b) as usize] = a.min(b);
+        a != b
+    }
+}
+
+/// Joins all cells as a tree of least weight, after the two rules of the published method: along the field where
+/// that can be, and not across an edge that is the shortest of both its cells. The second does not hold for edges
+/// across a strip: cells here are long, and their short edges are the very ones that the field passes through. Nor
+/// where nothing else joins two cells.
+pub fn join(
+    rings: &Rings,
+    cells: &Cells,
+    kind: TreeKind,
+    spacing_mm: f64,
+    axis: Axis<'_>,
+    taken: &mut Taken,
+) -> Vec<Facing> {
+    let short = shortest_of_both(cells, spacing_mm);
+    let weight = |(i, e): (usize, &Edge)| match (kind, e.cut) {
+        (TreeKind::Undirected, _) => shuffled(i),
+        (TreeKind::Directed, Some(k)) => -cost(&cells.cuts[k as usize], axis),
+        (TreeKind::Directed, None) => guess(e, spacing_mm, axis),
+    };
+    let weights: Vec<f64> = cells.edges.iter().enumerate().map(weight).collect();
+    let key = |i: u32| (short[i as usize], weights[i as usize]);
+    let mut order: Vec<u32> = (0..cells.edges.len() as u32).collect();
+    order.sort_by(|&a, &b| {
+        let ((p, v), (q, w)) = (key(a), key(b));
+        p.cmp(&q).then(v.total_cmp(&w)).then(a.cmp(&b))
+    });
+    let mut sets = Sets((0..cells.n as u32).collect());
+    // Strips: cells that hang together along the field.
+    let mut strips = Sets((0..cells.n as u32).collect());
+    let mut exchanges = Vec::new();
+    let mut beside_of: Vec<(usize, u32)> = Vec::new();
+    for &i in &order {
+        let e = &cells.edges[i as usize];
+        let [a, b] = e.cells;
+        match e.cut {
+            Some(k) => {
+                if sets.join(a, b) {
+                    strips.join(a, b);
+                } else {
+                    exchanges.push(cells.cuts[k as usize]);
+                }
+            }
+            None => {
+                if sets.root(a) == sets.root(b) {
+                    continue;
+                }
+                let Some(f) = beside(rings, e).filter(|f| taken.fits(f, 0.6 * spacing_mm)) else { continue };
+                taken.take_both(&f, 0.6 * spacing_mm);
+                sets.join(a, b);
+                beside_of.push((exchanges.len(), i));
+                exchanges.push(f);
+            }
+        }
+    }
+    if kind == TreeKind::Directed {
+        let between = |strips: &mut Sets, i: u32| {
+            let [a, b] = cells.edges[i as usize].cells.map(|c| strips.root(c));
+            (a.min(b), a.max(b))
+        };
+        let mut others: Vec<((u32, u32), u32)> = order
+            .iter()
+            .filter(|&&i| cells.edges[i as usize].cut.is_none() && !short[i as usize])
+            .map(|&i| (between(&mut strips, i), i))
+            .collect();
+        // Stable: the cheapest guesses of a pair of strips stay first.
+        others.sort_by_key(|o| o.0);
+        for (k, i) in beside_of {
+            let pair = between(&mut strips, i);
+            let first = others.partition_point(|o| o.0 < pair);
+            let same = others[first..].iter().take_while(|o| o.0 == pair).take(TRIED);
+            flip(rings, cells, same.map(|o| o.1), &mut exchanges[k], spacing_mm, axis, taken);
+        }
+    }
+    exchanges
+}
+
+/// As many other places are tried for a passage between two strips.
+const TRIED: usize = 12;
+
+/// Moves the passage between two strips to another place along them if beads turn less there. The two are joined
+/// once as before, so it stays one ring.
+fn flip(
+    rings: &Rings,
+    cells: &Cells,
+    others: impl Iterator<Item = u32>,
+    passage: &mut Facing,
+    spacing_mm: f64,
+    axis: Axis<'_>,
+    taken: &mut Taken,
+) {
+    let mut best = (cost(passage, axis) - 1e-6, None);
+    for i in others {
+        let Some(f) = beside(rings, &cells.edges[i as usize]) else { continue };
+        let c = cost(&f, axis);
+        if c < best.0 && taken.fits(&f, 0.6 * spacing_mm) {
+            best = (c, Some(f));
+        }
+    }
+    if let Some(f) = best.1 {
+        taken.release_both(passage, 0.6 * spacing_mm);
+        taken.take_both(&f, 0.6 * spacing_mm);
+        *passage = f;
+    }
+}
+
+/// For each edge beside strips, whether it is the shortest of both its cells.
+fn shortest_of_both(cells: &Cells, spacing_mm: f64) -> Vec<bool> {
+    let pair = |e: &Edge| (e.cells[0].min(e.cells[1]), e.cells[0].max(e.cells[1]));
+    let mut by_pair: Vec<u32> = (0..cells.edges.len() as u32).collect();
+    by_pair.sort_by_key(|&i| (pair(&cells.edges[i as usize]), i));
+    // Edges beside strips are known by the places found along them, from both sides.
+    let length = |group: &[u32]| {
+        let across = group.iter().any(|&i| cells.edges[i as usize].cut.is_some());
+        if across { 2.0 * spacing_mm } else { 0.5 * PLACE_BEADS * spacing_mm * group.len() as f64 }
+    };
+    let mut least = vec![f64::INFINITY; cells.n];
+    let same = |a: &u32, b: &u32| pair(&cells.edges[*a as usize]) == pair(&cells.edges[*b as usize]);
+    for group in by_pair.chunk_by(same) {
+        for c in cells.edges[group[0] as usize].cells {
+            least[c as usize] = least[c as usize].min(length(group));
+        }
+    }
+    let mut out = vec![false; cells.edges.len()];
+    for group in by_pair.chunk_by(same) {
+        let l = length(group);
+        let of_both = cells.edges[group[0] as usize].cells.iter().all(|&c| l <= least[c as usize]);
+        for &i in group {
+            out[i as usize] = of_both && cells.edges[i as usize].cut.is_none();
+        }
+    }
+    out
+}
+
+/// Where rings that are still apart may be joined, sought more closely and further; as many as it takes. What faces
+/// the longest ring sees it: it need not look for itself.
+pub fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
+    let n = rings.lines.len();
+    let longest = (0..n).fold(0, |m, r| if rings.length_mm(r) > rings.length_mm(m) { r } else { m });
+    let mut sets = Sets((0..n as u32).collect());
+    let mut taken = Taken::new(rings, 0.25 * spacing_mm);
+    let mut exchanges = Vec::new();
+    let look = |found: Vec<Facing>, sets: &mut Sets, taken: &mut Taken, exchanges: &mut Vec<Facing>| {
+        for f in found {
+            let [a, b] = [f.one_ring, f.other_ring].map(|r| sets.root(r as u32));
+            let free = || taken.fits(&f, 0.6 * spacing_mm) && !exchanges.iter().any(|e| e.crosses(&f));
+            if a != b && free() {
+                taken.take_both(&f, 0.6 * spacing_mm);
+                sets.join(a, b);
+                exchanges.push(f);
+            }
+        }
+    };
+    for range in [Some([0.5, 1.6]), Some([0.35, 2.3]), Some([0.2, 3.2]), None] {
+        for ring in (0..n).filter(|&r| r != longest) {
+            let length = rings.length_mm(ring);
+            let steps = (length / (0.4 * spacing_mm)).ceil().max(1.0);
+            for k in 0..steps as usize {
+                let at_mm = length * (k as f64 + 0.5) / steps;
+                let found = match range {
+                    Some(range) => [Side::Right, Side::Left]
+                        .into_iter()
+                        .filter_map(|side| rings.stretches(ring, at_mm, side, range))
+                        .collect(),
+                    None if sets.root(ring as u32) == sets.root(longest as u32) => break,
+                    None => rings.slanted(ring, at_mm, 2.5),
+                };
+                look(found, &mut sets, &mut taken, &mut exchanges);
+            }
+        }
+    }
+    exchanges
+}

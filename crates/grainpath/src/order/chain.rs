@@ -1,0 +1,348 @@
+//! One path for all that is printed of an island: loops are taken into their neighbours where they touch.
+//!
+//! Two loops side by side become one where a piece of each, as long as they are apart, is exchanged for the two ways
+//! across: as much is laid as before, and nothing twice. What lies too far away begins a chain of its own.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::{BeadWidth, DVec2, Toolpath};
+
+/// Paths that follow each other without a way between.
+struct Chain {
+    pieces: Vec<Toolpath>,
+    closed: bool,
+}
+
+/// A place on a path: which, how far along it, and where that is.
+#[derive(Clone, Copy)]
+struct Place {
+    piece: usize,
+    along_mm: f64,
+    at: DVec2,
+}
+
+/// Puts paths in order as chains, each beginning as near as may be to where the one before ended; `reach_mm` is how
+/// far apart neighbours are at the most. `at` is where the nozzle stands, and then where it ends.
+pub fn chained(paths: Vec<Toolpath>, reach_mm: f64, at: &mut DVec2, out: &mut Vec<Toolpath>) {
+    let mut rest: Vec<Toolpath> = paths.into_iter().filter(|p| p.n_segments() > 0).collect();
+    let mut chains = Vec::new();
+    while !rest.is_empty() {
+        // The longest path takes in its neighbours, and theirs.
+        let length = |p: &Toolpath| p.length_mm();
+        let longest = (0..rest.len())
+            .max_by(|&i, &j| length(&rest[i]).total_cmp(&length(&rest[j])).then(j.cmp(&i)))
+            .unwrap_or(0);
+        let root = rest.remove(longest);
+        let mut chain = Chain { closed: root.closed, pieces: vec![opened(root)] };
+        chain.take_in(&mut rest, reach_mm);
+        chains.push(Some(chain));
+    }
+    for _ in 0..chains.len() {
+        let near = |c: &Option<Chain>| c.as_ref().map_or(f64::INFINITY, |c| c.nearest(*at).1);
+        let next = (0..chains.len())
+            .min_by(|&i, &j| near(&chains[i]).total_cmp(&near(&chains[j])))
+            .and_then(|i| chains[i].take());
+        let Some(mut chain) = next else { return };
+        chain.begin_near(*at);
+        // A short way is printed, as part of the chain.
+        let start = chain.pieces[0].start();
+        if let Some(last) = out.last_mut()
+            && last.role == chain.pieces[0].role
+            && (1e-6..reach_mm).contains(&at.distance(start))
+            && last.end() == *at
+        {
+            push(last, start);
+        }
+        *at = chain.pieces.last().map_or(*at, Toolpath::end);
+        out.append(&mut chain.pieces);
+    }
+}
+
+fn push(path: &mut Toolpath, p: DVec2) {
+    path.points.push(p);
+    if let BeadWidth::PerVertex(w) = &mut path.width
+        && let Some(&last) = w.last()
+    {
+        w.push(last);
+    }
+}
+
+/// A closed path as an open one that ends where it begins.
+fn opened(mut path: Toolpath) -> Toolpath {
+    if path.closed {
+        path.closed = false;
+        let first = path.points[0];
+        path.points.push(first);
+        if let BeadWidth::PerVertex(w) = &mut path.width {
+            w.push(w[0]);
+        }
+    }
+    path
+}
+
+/// The part of an open path between two lengths along it.
+fn part(path: &Toolpath, from_mm: f64, to_mm: f64) -> Toolpath {
+    let (mut points, mut widths) = (Vec::new(), Vec::new());
+    let mut done = 0.0;
+    for i in 0..path.n_segments() {
+        let (a, b, _) = path.segment(i);
+        let l = a.distance(b);
+        let (low, high) = ((from_mm - done).max(0.0), (to_mm - done).min(l));
+        if low <= high && l > 0.0 {
+            for t in [low / l, high / l] {
+                let p = a.lerp(b, t);
+                if points.last().is_none_or(|q: &DVec2| q.distance_squared(p) > 1e-18) {
+                    points.push(p);
+                    widths.push(path.width_at(i) * (1.0 - t) + path.width_at(i + 1) * t);
+                }
+            }
+        }
+        done += l;
+    }
+    let width = match &path.width {
+        BeadWidth::Constant(w) => BeadWidth::Constant(*w),
+        BeadWidth::PerVertex(_) => BeadWidth::PerVertex(widths),
+    };
+    Toolpath { points, width, ..path.clone() }
+}
+
+/// Places along an open path, no further apart than a step.
+fn places(path: &Toolpath, piece: usize, step_mm: f64) -> Vec<Place> {
+    let mut out = Vec::new();
+    let mut done = 0.0;
+    for i in 0..path.n_segments() {
+        let (a, b, _) = path.segment(i);
+        let l = a.distance(b);
+        let n = (l / step_mm).ceil().max(1.0);
+        for k in 0..n as usize {
+            let t = k as f64 / n;
+            out.push(Place { piece, along_mm: done + t * l, at: a.lerp(b, t) });
+        }
+        done += l;
+    }
+    if let Some(&at) = path.points.last() {
+        out.push(Place { piece, along_mm: done, at });
+    }
+    out
+}
+
+impl Chain {
+    /// Takes in closed paths that lie within reach, the nearest first, until none does.
+    fn take_in(&mut self, rest: &mut Vec<Toolpath>, reach_mm: f64) {
+        loop {
+            let cells = self.cells(reach_mm);
+            let found = (0..rest.len()).filter_map(|i| Some((i, self.join(&cells, &rest[i], reach_mm)?)));
+            let nearest = found.min_by(|a, b| a.1.0.total_cmp(&b.1.0).then(a.0.cmp(&b.0)));
+            let Some((i, (gap_mm, here, there_mm))) = nearest else { return };
+            self.graft(here, opened(rest.remove(i)), there_mm, gap_mm);
+        }
+    }
+
+    /// Places of the chain by cells as wide as the reach.
+    fn cells(&self, reach_mm: f64) -> BTreeMap<(i64, i64), Vec<Place>> {
+        let mut cells: BTreeMap<(i64, i64), Vec<Place>> = BTreeMap::new();
+        for (k, piece) in self.pieces.iter().enumerate() {
+            for place in places(piece, k, 0.25 * reach_mm) {
+                cells.entry(cell(place.at, reach_mm)).or_default().push(place);
+            }
+        }
+        cells
+    }
+
+    /// Where a loop comes nearest to the chain, with room on both for what is exchanged: how near, the place on the
+    /// chain, and how far along the loop.
+    fn join(
+        &self,
+        cells: &BTreeMap<(i64, i64), Vec<Place>>,
+        path: &Toolpath,
+        reach_mm: f64,
+    ) -> Option<(f64, Place, f64)> {
+        if !path.closed {
+            return None;
+        }
+        let open = opened(path.clone());
+        let length = open.length_mm();
+        let lengths: Vec<f64> = self.pieces.iter().map(Toolpath::length_mm).collect();
+        let mut best: Option<(f64, Place, f64)> = None;
+        for there in places(&open, 0, 0.25 * reach_mm) {
+            let (i, j) = cell(there.at, reach_mm);
+            for key in (-1..=1).flat_map(|x| (-1..=1).map(move |y| (i + x, j + y))) {
+                for here in cells.get(&key).into_iter().flatten() {
+                    let d = here.at.distance(there.at);
+                    let room = |along: f64, all: f64| along > d && along + d < all;
+                    if d <= reach_mm
+                        && d > 1e-6
+                        && best.as_ref().is_none_or(|b| d < b.0 - 1e-9)
+                        && room(here.along_mm, lengths[here.piece])
+                        && room(there.along_mm, length)
+                    {
+                        best = Some((d, *here, there.along_mm));
+                    }
+                }
+            }
+        }
+        best
+    }
+
+    /// Takes a loop into the chain.
+    fn graft(&mut self, here: Place, path: Toolpath, there_mm: f64, gap_mm: f64) {
+        let piece = self.pieces.remove(here.piece);
+        let (whole, around) = (piece.length_mm(), path.length_mm());
+        let before = part(&piece, 0.0, here.along_mm - 0.5 * gap_mm);
+        let after = part(&piece, here.along_mm + 0.5 * gap_mm, whole);
+        // All of the loop but what is exchanged.
+        let mut taken = part(&path, there_mm + 0.5 * gap_mm, around);
+        let rest = part(&path, 0.0, there_mm - 0.5 * gap_mm);
+        taken.points.extend(rest.points.iter().skip(1));
+        if let (BeadWidth::PerVertex(w), BeadWidth::PerVertex(v)) = (&mut taken.width, &rest.width) {
+            w.extend(v.iter().skip(1));
+        }
+        let (from, to) = (before.end(), after.start());
+        let straight = from.distance(taken.start()) + to.distance(taken.end());
+        if from.distance(taken.end()) + to.distance(taken.start()) < straight {
+            taken.reverse();
+        }
+        taken.points.insert(0, from);
+        taken.points.push(to);
+        if let BeadWidth::PerVertex(w) = &mut taken.width {
+            let (first, last) = (w[0], w[w.len() - 1]);
+            w.insert(0, first);
+            w.push(last);
+        }
+        self.pieces.splice(here.piece..here.piece, [before, taken, after]);
+    }
+
+    /// The place nearest to a point, and how near; of an open chain one of its ends.
+    fn nearest(&self, at: DVec2) -> (Place, f64) {
+        let last = self.pieces.len() - 1;
+        let ends = [
+            Place { piece: 0, along_mm: 0.0, at: self.pieces[0].start() },
+            Place { piece: last, along_mm: f64::INFINITY, at: self.pieces[last].end() },
+        ];
+        let mut best = if ends[1].at.distance(at) < ends[0].at.distance(at) { ends[1] } else { ends[0] };
+        if !self.closed {
+            return (best, best.at.distance(at));
+        }
+        for (k, piece) in self.pieces.iter().enumerate() {
+            let mut done = 0.0;
+            for i in 0..piece.n_segments() {
+                let (a, b, _) = piece.segment(i);
+                let l = a.distance(b);
+                let t = if l > 0.0 { ((at - a).dot(b - a) / (l * l)).clamp(0.0, 1.0) } else { 0.0 };
+                let p = a.lerp(b, t);
+                if p.distance(at) < best.at.distance(at) - 1e-9 {
+                    best = Place { piece: k, along_mm: done + t * l, at: p };
+                }
+                done += l;
+            }
+        }
+        (best, best.at.distance(at))
+    }
+
+    /// Lets the chain begin as near to a point as it comes.
+    fn begin_near(&mut self, at: DVec2) {
+        let (place, _) = self.nearest(at);
+        if place.piece > 0 && place.along_mm.is_infinite() {
+            self.turn_round();
+            return;
+        }
+        if !self.closed {
+            if place.along_mm > 0.0 {
+                self.turn_round();
+            }
+            return;
+        }
+        let piece = &self.pieces[place.piece];
+        let whole = piece.length_mm();
+        let (first, second) = if place.along_mm < 1e-6 {
+            (None, Some(piece.clone()))
+        } else if place.along_mm > whole - 1e-6 {
+            (Some(piece.clone()), None)
+        } else {
+            (Some(part(piece, 0.0, place.along_mm)), Some(part(piece, place.along_mm, whole)))
+        };
+        let after = self.pieces.split_off(place.piece + 1);
+        self.pieces.pop();
+        let before = std::mem::take(&mut self.pieces);
+        self.pieces = second.into_iter().chain(after).chain(before).chain(first).collect();
+    }
+
+    fn turn_round(&mut self) {
+        self.pieces.reverse();
+        self.pieces.iter_mut().for_each(Toolpath::reverse);
+    }
+}
+
+fn cell(p: DVec2, size_mm: f64) -> (i64, i64) {
+    ((p.x / size_mm).floor() as i64, (p.y / size_mm).floor() as i64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::Role;
+    use grainpath_core::math::direction;
+
+    fn ring(r: f64, role: Role) -> Toolpath {
+        let point = |k: i32| direction(f64::from(k) / 90.0 * std::f64::consts::TAU) * r;
+        Toolpath::new((0..90).map(point).collect(), 0.4, role, true)
+    }
+
+    fn check(out: &[Toolpath]) -> usize {
+        out.windows(2).filter(|w| w[0].end().distance(w[1].start()) > 1e-9).count()
+    }
+
+    #[test]
+    fn rings_become_one_chain_that_lays_as_much_and_ends_where_it_begins() {
+        let rings: Vec<Toolpath> = (0..6)
+            .map(|k| ring(10.0 - 0.4 * f64::from(k), if k == 0 { Role::OuterWall } else { Role::SolidFill }))
+            .collect();
+        let length: f64 = rings.iter().map(Toolpath::length_mm).sum();
+        let mut at = DVec2::new(30.0, 1.0);
+        let mut out = Vec::new();
+        chained(rings.clone(), 0.8, &mut at, &mut out);
+        assert_eq!(check(&out), 0);
+        assert!(out[0].start().distance(out[out.len() - 1].end()) < 1e-9, "closed");
+        assert_eq!(at, out[out.len() - 1].end());
+        let found: f64 = out.iter().map(Toolpath::length_mm).sum();
+        assert!((found / length - 1.0).abs() < 0.01, "{found} {length}");
+        assert!(
+            out.iter().any(|p| p.role == Role::OuterWall) && out.iter().any(|p| p.role == Role::SolidFill)
+        );
+        // The next layer begins where this one ended.
+        let before = at;
+        let mut next = Vec::new();
+        chained(rings, 0.8, &mut at, &mut next);
+        assert!(next[0].start().distance(before) < 1e-6 && check(&next) == 0);
+    }
+
+    #[test]
+    fn what_is_out_of_reach_is_a_chain_of_its_own() {
+        let far =
+            Toolpath::new(vec![DVec2::new(20.0, 0.0), DVec2::new(30.0, 0.0)], 0.4, Role::GapFill, false);
+        let mut out = Vec::new();
+        let mut at = DVec2::new(31.0, 0.0);
+        chained(vec![ring(5.0, Role::SolidFill), far], 0.8, &mut at, &mut out);
+        assert_eq!(check(&out), 1);
+        assert_eq!(out[0].start(), DVec2::new(30.0, 0.0));
+    }
+
+    #[test]
+    fn an_open_path_is_walked_back_in_the_next_layer() {
+        let line = || Toolpath {
+            width: BeadWidth::PerVertex(vec![0.4, 0.5, 0.4]),
+            ..Toolpath::new(
+                vec![DVec2::ZERO, DVec2::new(5.0, 0.0), DVec2::new(9.0, 3.0)],
+                0.4,
+                Role::SolidFill,
+                false,
+            )
+        };
+        let mut at = DVec2::ZERO;
+        let (mut a, mut b) = (Vec::new(), Vec::new());
+        chained(vec![line(), ring(60.0, Role::OuterWall)], 0.8, &mut at, &mut a);
+        at = DVec2::new(9.0, 3.0);
+        chained(vec![line()], 0.8, &mut at, &mut b);
+        assert_eq!((b[0].start(), b[0].end()), (DVec2::new(9.0, 3.0), DVec2::ZERO));
+    }
+}

@@ -1,0 +1,81 @@
+//! One path a layer: how near to the stress, how much it leaves open, and how its time grows with its cells.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+
+use crate::bench_paths::{HEADER, field_of_bar, row};
+
+/// Cells of the plates that are timed.
+const CELLS: [f64; 4] = [1e3, 1e4, 1e5, 1e6];
+const BEAD_MM: f64 = 0.45;
+const HEIGHT_MM: f64 = 0.2;
+
+/// The tensile bar with beads of varying and of one width, and joined without looking at the field; then the fill of
+/// one layer of plates from a thousand to a million cells, on one core.
+pub fn run() -> Result<(), String> {
+    crate::setup::bench()?;
+    crate::setup::fea()?;
+    crate::cargo(&["build", "--release", "-p", "grainpath-cli"])?;
+    let root = crate::root();
+    let folder = root.join("target/bench/continuous");
+    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let grainpath = root.join("target/release/grainpath");
+    crate::run(
+        Command::new(&grainpath).args(["new", "--force", "stress-lines"]).arg(&folder).stdout(Stdio::null()),
+    )?;
+    let field = field_of_bar(&folder)?;
+    println!("{HEADER}");
+    for (name, more) in [
+        ("variable", ["fill.widths=variable", "fill.tree=directed"]),
+        ("constant", ["fill.widths=constant", "fill.tree=directed"]),
+        ("undirected", ["fill.widths=variable", "fill.tree=undirected"]),
+    ] {
+        let out = folder.join(name);
+        let mut command = Command::new(&grainpath);
+        command.args(["run", "--json", "--set", "process.skirt_loops=0", "--set", "process.walls=0"]);
+        command.args(["--set", "fill.pattern=continuous", "--set", more[0], "--set", more[1], "--out"]);
+        let text = crate::output(command.arg(&out).arg(folder.join("tension.toml")))?;
+        let gcode = out.join("out/tension.gcode");
+        row("tensile bar", name, &text, &gcode, &folder.join("tension.stl"), &field)?;
+    }
+    println!(
+        "\n| cells of 2 x 5 beads | plate mm | fill s | s for 100 000 cells | peak MB |\n|---|---|---|---|---|"
+    );
+    CELLS.iter().try_for_each(|&cells| plate(&grainpath, &folder, cells))
+}
+
+/// A square plate of one layer, held at one corner and pulled at its right side.
+fn plate(grainpath: &Path, folder: &Path, cells: f64) -> Result<(), String> {
+    let spacing = BEAD_MM - HEIGHT_MM * (1.0 - std::f64::consts::FRAC_PI_4);
+    let side = (10.0 * spacing * spacing * cells).sqrt();
+    let mesh = folder.join("square.stl");
+    let script =
+        "import sys, trimesh; a = float(sys.argv[2]); trimesh.creation.box((a, a, 0.2)).export(sys.argv[1])";
+    crate::run(
+        Command::new("python3").args(["-c", script]).arg(&mesh).arg(format!("{side}")).stdout(Stdio::null()),
+    )?;
+    let (half, tenth, bed) = (0.5 * side, 0.1 * side, side + 20.0);
+    let job = folder.join("square.toml");
+    let text = format!(
+        "[shape]\nmesh = \"square.stl\"\n[printer]\nbed_mm = [{bed}, {bed}, 100]\n[process]\nwalls = 0\nskirt_loops = 0\n\
+         [fill]\npattern = \"continuous\"\ndensity = 1.0\n[guide]\nkind = \"stress\"\nelement_mm = {}\n[[guide.fixture]]\n\
+         on = {{ box_mm = [[-{bed}, -{bed}, 0], [{}, {}, 9]] }}\nfix = \"xyz\"\n[[guide.load]]\n\
+         on = {{ plane = {{ point_mm = [{half}, 0, 0], normal = [1, 0, 0] }} }}\nforce_n = [100, -300, 0]\n",
+        side / 60.0,
+        tenth - half,
+        tenth - half
+    );
+    fs::write(&job, text).map_err(|e| format!("{}: {e}", job.display()))?;
+    let text = crate::output(Command::new(grainpath).args(["run", "--json", "--threads", "1"]).arg(&job))?;
+    let report: Value = serde_json::from_str(&text).map_err(|e| format!("plate: {e}"))?;
+    let seconds = report["stages_s"]["fill"].as_f64().unwrap_or(f64::NAN);
+    println!(
+        "| {cells} | {side:.0} | {seconds:.2} | {:.2} | {} |",
+        seconds * 1e5 / cells,
+        report["peak_rss_mb"]
+    );
+    Ok(())
+}
