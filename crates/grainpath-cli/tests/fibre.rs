@@ -107,7 +107,7 @@ fn left_after_cuts(gcode: &str) -> Vec<f64> {
         }
         let word = |c: char| line.split(' ').find_map(|w| w.strip_prefix(c)?.parse::<f64>().ok());
         let to = [word('X').unwrap_or(at[0]), word('Y').unwrap_or(at[1])];
-        let moved = (to[0] - at[0]).hypot(to[1] - at[1]);
+        let moved = grainpath_core::DVec2::from(to).distance(at.into());
         at = to;
         if moved > 0.0 && word('E').is_none() {
             counting = false;

@@ -398,7 +398,7 @@ fn calculix_bracket() {
     let solution = solved(&model, &supports, deck.forces);
     let found = recover(&model, &solution.displacement, None).expect("positive");
     let most = solution.displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
-    let peak = found.stress_mpa.iter().map(|s| grainpath_core::tensor::von_mises(s)).fold(0.0, f64::max);
+    let peak = found.stress_mpa.iter().map(grainpath_core::tensor::von_mises).fold(0.0, f64::max);
     println!("bracket: {most:.6} mm (CalculiX 0.028610), peak {peak:.2} MPa (43.6 averaged)");
     // The same elements give the same displacement. Its peak is in a sharp inner corner of two or three elements, where
     // the stress has no limit: what is recovered there and what is averaged need not agree closely.

@@ -101,7 +101,7 @@ impl Drawing {
             if self.n_points > MAX_POINTS {
                 return Err(MeshError::TooMany { what: "points", limit: MAX_POINTS as u64 });
             }
-            if let Some(p) = points.iter().find(|p| !(p.abs().max_element() <= MAX_MM)) {
+            if let Some(p) = points.iter().find(|p| !p.abs().cmple(DVec2::splat(MAX_MM)).all()) {
                 return Err(invalid("", format!("the point ({}, {}) mm lies beyond {MAX_MM} mm", p.x, p.y)));
             }
             let meets = points.len() > 2 && points[0].distance(points[points.len() - 1]) < SAME_MM;

@@ -230,7 +230,7 @@ impl Pen {
         if from == to {
             return;
         }
-        if !(radii.min_element() > 0.0) {
+        if !radii.cmpgt(DVec2::ZERO).all() {
             return self.line_to(to);
         }
         let (sin, cos) = sin_cos(turn);

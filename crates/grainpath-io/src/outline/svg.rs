@@ -83,8 +83,8 @@ pub(super) fn read(text: &str, options: &OutlineOptions) -> Result<Drawing, Mesh
                 in_style = false;
                 svg.stack.pop();
             }
-            Event::Text(t) if in_style => svg.sheet(&t.to_string()),
-            Event::CData(t) if in_style => svg.sheet(&t.to_string()),
+            Event::Text(t) if in_style => svg.sheet(t),
+            Event::CData(t) if in_style => svg.sheet(t),
             Event::Eof if !svg.stack.is_empty() => {
                 return Err(invalid(format!("byte {at}"), "the drawing ends in the middle"));
             }
@@ -164,7 +164,7 @@ impl Svg<'_> {
             Some(text) => {
                 let mut words = Numbers::new(&text);
                 let (low, size) = (words.point()?, words.point()?);
-                if !(size.min_element() > 0.0) {
+                if !size.cmpgt(DVec2::ZERO).all() {
                     return Err(invalid("", format!("viewBox = {text:?} has no area")));
                 }
                 Some((low, size))
@@ -299,7 +299,7 @@ impl State {
 
 fn rectangle(low: DVec2, size: DVec2, radii: DVec2, tolerance: f64) -> Line {
     let high = low + size;
-    if !(radii.min_element() > 0.0) {
+    if !radii.cmpgt(DVec2::ZERO).all() {
         return Line {
             points: vec![low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)],
             closed: true,

@@ -318,19 +318,36 @@ fn begin_straight(path: &mut Toolpath) {
     path.rotate_to(i + 1);
 }
 
-/// A path cut at its sharp turns. Crumbs between two of them are left out.
+/// A path cut at its sharp turns. Crumbs between two of them are left out. Each piece begins half a bead after the cut
+/// before it, so that both are not taken for one.
 fn cut(path: &Toolpath, sharp: &[Turn], width_mm: f64) -> Vec<Toolpath> {
     let mut pieces = Vec::new();
     let mut from = 0;
     for to in sharp.iter().map(|t| t.vertex).chain([path.points.len() - 1]) {
         let mut piece = Toolpath { points: path.points[from..=to].to_vec(), ..path.clone() };
         piece.closed = false;
+        if from > 0 {
+            shorten_start(&mut piece.points, 0.5 * width_mm);
+        }
         if to > from && piece.length_mm() > width_mm {
             pieces.push(piece);
         }
         from = to;
     }
     pieces
+}
+
+/// Takes a length off the beginning of a line that is longer.
+fn shorten_start(points: &mut Vec<DVec2>, mut by_mm: f64) {
+    while points.len() > 1 {
+        let l = points[0].distance(points[1]);
+        if l > by_mm {
+            points[0] = points[0].lerp(points[1], by_mm / l);
+            return;
+        }
+        by_mm -= l;
+        points.remove(0);
+    }
 }
 
 #[cfg(test)]
