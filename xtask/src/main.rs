@@ -7,6 +7,7 @@ mod bench;
 mod bench_ct;
 mod bench_fea;
 mod bench_paths;
+mod bench_strength;
 mod fuzz;
 mod licences;
 mod photo;
@@ -27,6 +28,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench quality    gap, spill, overlap and travel beside the same
   bench photo      a photograph of 12 megapixels to curves, beside OpenCV
   bench paths      fill along the stress held against CalculiX's principal stresses
+  bench strength   the virtual strength test of a bar and of a bracket
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   setup            installs what tests and benches need (Python packages, Chromium, the peers)";
 
@@ -38,6 +40,7 @@ fn main() -> ExitCode {
         ["test", "--quick"] => test(false),
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
         ["bench", "paths"] => bench_paths::run(),
+        ["bench", "strength"] => bench_strength::run(),
         ["bench", "ct"] => bench_ct::run(),
         ["bench", "fea", cases @ ..] => bench_fea::run(cases),
         ["bench", "support", parts @ ..] => bench::support(parts),

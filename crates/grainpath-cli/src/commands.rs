@@ -20,13 +20,7 @@ pub fn run(args: &Run) -> Result<(), Failure> {
     let folder = args.job.parent().map(Path::to_owned).unwrap_or_default();
     let name = args.job.display().to_string();
     let settings = settings(&text, &name, &args.common.sets, &folder)?;
-    let given = [Some(&settings.shape.mesh), Some(&settings.ct.path), settings.photo.files.first()];
-    let Some(given) = given.into_iter().flatten().find(|p| !p.is_empty()) else {
-        return Err(Failure::usage(format!(
-            "{name}: [shape] needs mesh = \"FILE\", ct = \"SCAN\" or photo = {{ files = [\"FILE\"], ... }}"
-        )));
-    };
-    let shape = folder.join(given);
+    let shape = shape_of(&settings, &name, &folder)?;
     let truth = match settings.ct.truth.as_str() {
         "" => None,
         path => {
@@ -53,6 +47,42 @@ pub fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Resul
     parse_job(text, name, sets, &load).map_err(|e| Failure::usage(e.to_string()))
 }
 
+/// The file that a job's shape comes from.
+pub fn shape_of(settings: &Settings, name: &str, folder: &Path) -> Result<PathBuf, Failure> {
+    let given = [Some(&settings.shape.mesh), Some(&settings.ct.path), settings.photo.files.first()];
+    let given = given.into_iter().flatten().find(|p| !p.is_empty());
+    given.map(|g| folder.join(g)).ok_or_else(|| {
+        Failure::usage(format!(
+            "{name}: [shape] needs mesh = \"FILE\", ct = \"SCAN\" or photo = {{ files = [\"FILE\"], ... }}"
+        ))
+    })
+}
+
+/// Plans a job, whatever its shape is; and the seconds that reading took. `base` is what input paths are relative to.
+pub fn planned(
+    settings: &Settings,
+    shape: &Path,
+    base: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<(grainpath::Planned, f64), Failure> {
+    let path = shape.display().to_string();
+    let start = std::time::Instant::now();
+    let photos = read_photos(settings, base, diagnostics)?;
+    let photos_s = start.elapsed().as_secs_f64();
+    if !settings.photo.files.is_empty() {
+        return Ok((grainpath::plan_photo(settings, &photos, diagnostics)?, photos_s));
+    }
+    if settings.ct.path.is_empty() {
+        let (mesh, read_s) = read_mesh(shape, diagnostics)?;
+        let inputs = grainpath::Inputs { mesh, path, stress: read_stress(settings, base)?, photos };
+        return Ok((grainpath::plan_job(settings, inputs, diagnostics)?, read_s + photos_s));
+    }
+    let mut source = scan::open(shape, grainpath::config::raw_header(settings).as_ref())?;
+    let stress = read_stress(settings, base)?;
+    let read_s = start.elapsed().as_secs_f64();
+    Ok((grainpath::plan_scan(settings, &mut *source, &path, stress, &photos, diagnostics)?, read_s))
+}
+
 /// Plans and writes a job. `base` is what input paths are relative to, `out` output paths.
 fn execute(
     settings: &Settings,
@@ -65,22 +95,7 @@ fn execute(
     set_threads(common.threads)?;
     let diagnostics = progress::diagnostics();
     let paths = outputs::Paths::of(settings, shape, out)?;
-    let path = shape.display().to_string();
-    let start = std::time::Instant::now();
-    let photos = read_photos(settings, base, &diagnostics)?;
-    let photos_s = start.elapsed().as_secs_f64();
-    let (planned, read_s) = if !settings.photo.files.is_empty() {
-        (grainpath::plan_photo(settings, &photos, &diagnostics)?, photos_s)
-    } else if settings.ct.path.is_empty() {
-        let (mesh, read_s) = read_mesh(shape, &diagnostics)?;
-        let inputs = grainpath::Inputs { mesh, path, stress: read_stress(settings, base)?, photos };
-        (grainpath::plan_job(settings, inputs, &diagnostics)?, read_s + photos_s)
-    } else {
-        let mut source = scan::open(shape, grainpath::config::raw_header(settings).as_ref())?;
-        let stress = read_stress(settings, base)?;
-        let read_s = start.elapsed().as_secs_f64();
-        (grainpath::plan_scan(settings, &mut *source, &path, stress, &photos, &diagnostics)?, read_s)
-    };
+    let (planned, read_s) = planned(settings, shape, base, &diagnostics)?;
     let report = outputs::write(settings, planned, &paths, read_s, common.json, truth, &diagnostics)?;
     // The progress line goes before anything is printed.
     drop(diagnostics);

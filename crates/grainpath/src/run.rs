@@ -110,7 +110,7 @@ pub fn plan_photo(
         source,
     };
     let stack = board.slice(&config::slicing(settings)).map_err(shape_error)?;
-    let mesh = if settings.guide.kind == "stress" || settings.support.style != "none" {
+    let mesh = if wants_surface(settings) {
         shape::surface(&stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
     } else {
         TriMesh::default()
@@ -118,6 +118,11 @@ pub fn plan_photo(
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack, mesh, lowered_mm: 0.0, scan: None };
     plan_stack(settings, sliced, None, photos, clock, diagnostics)
+}
+
+/// Only solvers and supports ask for a surface.
+fn wants_surface(settings: &Settings) -> bool {
+    settings.guide.kind == "stress" || settings.support.style != "none" || settings.strength.enabled
 }
 
 /// The grain the job asks for.
@@ -161,13 +166,11 @@ pub fn plan_scan(
         shape::ct::CtError::Volume(e) => Error::Volume(e),
         shape::ct::CtError::Shape(source) => shape_error(source),
     })?;
-    // Only solvers and supports ask for a surface.
-    let mesh =
-        if settings.guide.kind == "stress" || settings.support.style != "none" || settings.strength.enabled {
-            shape::surface(&scan.stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
-        } else {
-            TriMesh::default()
-        };
+    let mesh = if wants_surface(settings) {
+        shape::surface(&scan.stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
+    } else {
+        TriMesh::default()
+    };
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack: scan.stack, mesh, lowered_mm: 0.0, scan: Some(scan.report) };
     plan_stack(settings, sliced, stress, photos, clock, diagnostics)
