@@ -39,7 +39,7 @@ pub struct SolidTest<'a> {
 /// How solids are drawn: a solution is dear.
 const PACE: Pace = Pace { step: 0.08, finest: 0.021, most_at_a_load: 12, most_solutions: 60 };
 /// Error of a solution, as its residual over the load.
-const TOLERANCE: f64 = 1e-4;
+const TOLERANCE: f64 = 1e-5;
 /// Directions that stiffness tells apart in half a turn. Failure knows them exactly.
 const TURNS: f64 = 32.0;
 /// Shares of a second ply, and bonds, that stiffness tells apart.
