@@ -206,9 +206,12 @@ pub struct Render {
     /// PNG or SVG, by its ending [default: the G-code's name with .png]
     #[arg(short, long, value_name = "FILE.png")]
     pub output: Option<PathBuf>,
-    /// What the colour tells
-    #[arg(long, default_value = "role", value_parser = ["role", "width", "speed"])]
+    /// What the colour tells; `direction` is the angle to the direction that --job asks for
+    #[arg(long, default_value = "role", value_parser = ["role", "width", "speed", "direction"])]
     pub color: String,
+    /// Job file whose guide beads are compared with
+    #[arg(long, value_name = "JOB.toml", required_if_eq("color", "direction"))]
+    pub job: Option<PathBuf>,
     /// The whole part, shaded, instead of a layer
     #[arg(long)]
     pub part: bool,

@@ -2,11 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use grainpath::Planned;
 use grainpath::dimensions::Dimension;
 use grainpath::grain::Photo;
 use grainpath::job::{PROFILES, Settings, json_schema, markdown, parse_job};
+use grainpath::render::LayerPicture;
 use grainpath_core::diagnostics::Stage;
-use grainpath_core::{DVec2, Diagnostics};
+use grainpath_core::{Bounds2, DVec2, Diagnostics};
+use grainpath_gcode::Program;
 use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
 use grainpath_io::parse_mesh;
@@ -16,11 +19,7 @@ use crate::{Failure, files, outputs, progress, scan};
 
 /// `grainpath run`
 pub fn run(args: &Run) -> Result<(), Failure> {
-    let text = files::read_text(&args.job)?;
-    let folder = args.job.parent().map(Path::to_owned).unwrap_or_default();
-    let name = args.job.display().to_string();
-    let settings = settings(&text, &name, &args.common.sets, &folder)?;
-    let shape = shape_of(&settings, &name, &folder)?;
+    let (settings, shape, folder) = read_job(&args.job, &args.common.sets)?;
     let truth = match settings.ct.truth.as_str() {
         "" => None,
         path => {
@@ -47,24 +46,53 @@ pub fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Resul
     parse_job(text, name, sets, &load).map_err(|e| Failure::usage(e.to_string()))
 }
 
-/// The file that a job's shape comes from.
-pub fn shape_of(settings: &Settings, name: &str, folder: &Path) -> Result<PathBuf, Failure> {
+/// A job's settings, the file of its shape, and the folder its paths are relative to.
+pub fn read_job(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf, PathBuf), Failure> {
+    let text = files::read_text(job)?;
+    let folder = job.parent().map(Path::to_owned).unwrap_or_default();
+    let name = job.display().to_string();
+    let settings = settings(&text, &name, sets, &folder)?;
     let given = [Some(&settings.shape.mesh), Some(&settings.ct.path), settings.photo.files.first()];
-    let given = given.into_iter().flatten().find(|p| !p.is_empty());
-    given.map(|g| folder.join(g)).ok_or_else(|| {
-        Failure::usage(format!(
+    let Some(given) = given.into_iter().flatten().find(|p| !p.is_empty()) else {
+        return Err(Failure::usage(format!(
             "{name}: [shape] needs mesh = \"FILE\", ct = \"SCAN\" or photo = {{ files = [\"FILE\"], ... }}"
-        ))
-    })
+        )));
+    };
+    let shape = folder.join(given);
+    Ok((settings, shape, folder))
 }
 
-/// Plans a job, whatever its shape is; and the seconds that reading took. `base` is what input paths are relative to.
-pub fn planned(
+/// Plans and writes a job. `base` is what input paths are relative to, `out` output paths.
+fn execute(
+    settings: &Settings,
+    shape: &Path,
+    base: &Path,
+    out: &Path,
+    truth: Option<&[Dimension]>,
+    common: &Common,
+) -> Result<(), Failure> {
+    set_threads(common.threads)?;
+    let diagnostics = progress::diagnostics();
+    let paths = outputs::Paths::of(settings, shape, out)?;
+    let (planned, read_s) = plan(settings, shape, base, &diagnostics)?;
+    let report = outputs::write(settings, planned, &paths, read_s, common.json, truth, &diagnostics)?;
+    // The progress line goes before anything is printed.
+    drop(diagnostics);
+    if common.json {
+        files::print(&format!("{}\n", report.to_json()));
+    } else {
+        files::print(&format!("{}\n", report.summary()));
+    }
+    Ok(())
+}
+
+/// Reads a job's inputs and plans it; with the seconds that reading took.
+pub fn plan(
     settings: &Settings,
     shape: &Path,
     base: &Path,
     diagnostics: &Diagnostics,
-) -> Result<(grainpath::Planned, f64), Failure> {
+) -> Result<(Planned, f64), Failure> {
     let path = shape.display().to_string();
     let start = std::time::Instant::now();
     let photos = read_photos(settings, base, diagnostics)?;
@@ -81,30 +109,6 @@ pub fn planned(
     let stress = read_stress(settings, base)?;
     let read_s = start.elapsed().as_secs_f64();
     Ok((grainpath::plan_scan(settings, &mut *source, &path, stress, &photos, diagnostics)?, read_s))
-}
-
-/// Plans and writes a job. `base` is what input paths are relative to, `out` output paths.
-fn execute(
-    settings: &Settings,
-    shape: &Path,
-    base: &Path,
-    out: &Path,
-    truth: Option<&[Dimension]>,
-    common: &Common,
-) -> Result<(), Failure> {
-    set_threads(common.threads)?;
-    let diagnostics = progress::diagnostics();
-    let paths = outputs::Paths::of(settings, shape, out)?;
-    let (planned, read_s) = planned(settings, shape, base, &diagnostics)?;
-    let report = outputs::write(settings, planned, &paths, read_s, common.json, truth, &diagnostics)?;
-    // The progress line goes before anything is printed.
-    drop(diagnostics);
-    if common.json {
-        files::print(&format!("{}\n", report.to_json()));
-    } else {
-        files::print(&format!("{}\n", report.summary()));
-    }
-    Ok(())
 }
 
 /// Limits the threads, where asked for.
@@ -211,7 +215,10 @@ pub fn render(args: &Render) -> Result<(), Failure> {
         if layer == 0 || layer > n {
             return Err(Failure::usage(format!("--layer {layer} should be from 1 to {n}")));
         }
-        let picture = outputs::picture(&program.layers[layer - 1]);
+        let mut picture = outputs::picture(&program.layers[layer - 1]);
+        if let Some(job) = &args.job {
+            tell_directions(&mut picture, &program, job)?;
+        }
         let options = PictureOptions {
             colour_by: ColourBy::from_name(&args.color).unwrap_or_default(),
             size_px: args.size,
@@ -231,6 +238,30 @@ pub fn render(args: &Render) -> Result<(), Failure> {
     };
     outputs::save(&output, &bytes)?;
     files::print(&format!("{}\n", output.display()));
+    Ok(())
+}
+
+/// Tells fill how far it is off the direction that a job asks for. The program may be any slicer's: the middle of what it
+/// prints is taken for the part's.
+fn tell_directions(picture: &mut LayerPicture, program: &Program, job: &Path) -> Result<(), Failure> {
+    let (settings, shape, folder) = read_job(job, &[])?;
+    let diagnostics = progress::diagnostics();
+    let (planned, _) = plan(&settings, &shape, &folder, &diagnostics)?;
+    let Some(off) = grainpath::report::direction_error(&planned) else {
+        return Err(Failure::usage(format!(
+            "{}: the job has no guide that asks for directions",
+            job.display()
+        )));
+    };
+    let printed = program.layers.iter().flat_map(|l| &l.beads).filter(|b| b.role.is_part());
+    let printed = Bounds2::of(printed.flat_map(|b| [b.start(), b.end()]));
+    let part = planned.stack.layers().iter().filter_map(|l| l.region().bounds()).reduce(Bounds2::union);
+    let (Some(printed), Some(part)) = (printed, part) else { return Ok(()) };
+    let shift = printed.centre() - part.centre();
+    let z_mid = picture.z_mm - 0.5 * picture.height_mm;
+    for bead in picture.beads.iter_mut().filter(|b| b.role.is_fill()) {
+        bead.off_deg = off(z_mid, [bead.a - shift, bead.b - shift]).map(|found| found.0);
+    }
     Ok(())
 }
 

@@ -231,6 +231,7 @@ pub fn picture(layer: &BeadLayer) -> LayerPicture {
         width_mm: b.width_mm(layer.height_mm),
         role: b.role,
         speed_mm_s: f64::from(b.speed_mm_s),
+        off_deg: None,
     });
     let point = |p: [f32; 2]| DVec2::new(f64::from(p[0]), f64::from(p[1]));
     LayerPicture {

@@ -4,13 +4,14 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use grainpath::job::Settings;
+use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath::strength::{StrengthReport, TestSetup, Tested, chart_svg, test};
 use grainpath_core::Diagnostics;
 use grainpath_gcode::{Program, simulate, write_gcode};
 use serde_json::{Value, json};
 
 use crate::args::{Common, Compare, Strength};
-use crate::commands::{planned, read_mesh, set_threads, settings, shape_of};
+use crate::commands::{plan, read_job, read_mesh, set_threads};
 use crate::{Failure, files, outputs, progress};
 
 /// A tested input.
@@ -71,10 +72,7 @@ fn one(input: &Path, job: Option<&Path>, common: &Common, mass_g: Option<f64>) -
             )));
         }
     };
-    let text = files::read_text(job)?;
-    let folder = job.parent().map(Path::to_owned).unwrap_or_default();
-    let mut settings = settings(&text, &job.display().to_string(), &common.sets, &folder)?;
-    let shape = shape_of(&settings, &job.display().to_string(), &folder)?;
+    let (mut settings, shape, folder) = read_job(job, &common.sets)?;
     settings.strength.enabled = true;
     settings.fill.mass_g = mass_g.or(settings.fill.mass_g);
     let diagnostics = progress::diagnostics();
@@ -83,13 +81,12 @@ fn one(input: &Path, job: Option<&Path>, common: &Common, mass_g: Option<f64>) -
     let (tested, program) = if let (Some(program), false) = (&theirs, settings.shape.mesh.is_empty()) {
         let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
         let (file, _) = read_mesh(&shape, &diagnostics)?;
-        let (mesh, stack, _) =
-            grainpath::run::mesh_and_layers(&settings, file, &diagnostics).map_err(source)?;
+        let Sliced { mesh, stack, .. } = mesh_and_layers(&settings, file, &diagnostics).map_err(source)?;
         let setup = TestSetup::of(&settings, &mesh, &stack).map_err(failed)?;
         let tested = test(&settings, &setup, program, None, &diagnostics);
         (tested.map_err(|e| named(input, failed(e)))?, theirs)
     } else {
-        let (planned, _) = planned(&settings, &shape, &folder, &diagnostics)?;
+        let (planned, _) = plan(&settings, &shape, &folder, &diagnostics)?;
         let setup = planned.test.as_ref();
         let setup = setup.ok_or_else(|| Failure::usage("strength.enabled should be true"))?;
         if let Some(program) = &theirs {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use grainpath::report::{SupportReport, peak_rss_mb};
+use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath::specimen::SPECIMENS;
 use grainpath::support::{self, picture};
 use grainpath::test_pieces::{TEST_PIECES, TestPiece};
@@ -30,12 +31,13 @@ pub fn support(args: &Support) -> Result<(), Failure> {
     let mut stages: BTreeMap<&str, f64> = BTreeMap::from([("read", read_s)]);
     let shown = args.model.display().to_string();
     let start = Instant::now();
-    let (mesh, stack, _) = grainpath::run::mesh_and_layers(&settings, file, &diagnostics)
+    let Sliced { mesh, stack, marks, .. } = mesh_and_layers(&settings, file, &diagnostics)
         .map_err(|source| Error::Shape { path: shown, source })?;
     stages.insert("slice", start.elapsed().as_secs_f64());
     let start = Instant::now();
     // The bed limits jobs, which know where the part stands on it.
-    let wanted = config::support(&settings, DVec2::ZERO).map(|w| support::SupportSettings { bed: None, ..w });
+    let wanted =
+        config::support(&settings, DVec2::ZERO).map(|w| support::SupportSettings { bed: None, marks, ..w });
     let wanted = wanted.ok_or_else(|| Failure::usage("support.style should be tree, columns or box"))?;
     let found = support::plan(&mesh, &stack, &wanted, &diagnostics).map_err(Error::from)?;
     stages.insert("support", start.elapsed().as_secs_f64());

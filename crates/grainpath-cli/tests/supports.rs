@@ -88,3 +88,19 @@ fn what_needs_none_gets_none_and_mistakes_are_told_in_a_line() {
     let list = grainpath(&at, &["specimen"]);
     assert!(String::from_utf8_lossy(&list.stdout).contains("critical-angle"));
 }
+
+#[test]
+fn trees_of_the_example_weigh_less_than_its_baselines() {
+    let at = folder("support_example");
+    assert!(grainpath(&at, &["new", "tree-support", "."]).status.success());
+    let mass_g = |job: &str| {
+        let report = json(&grainpath(&at, &["run", job, "--json"]));
+        assert_eq!(report["support"]["floating"], 0, "{report}");
+        report["support"]["mass_g"].as_f64().expect("a mass")
+    };
+    for piece in ["ball", "tray"] {
+        let [trees, columns, boxes] =
+            ["", "-columns", "-box"].map(|how| mass_g(&format!("{piece}{how}.toml")));
+        assert!(trees < 0.6 * columns && columns < boxes, "{piece}: {trees} {columns} {boxes} g");
+    }
+}

@@ -77,6 +77,11 @@ impl Role {
     pub const fn is_part(self) -> bool {
         !matches!(self, Self::Skirt | Self::Brim | Self::Support | Self::SupportInterface)
     }
+
+    /// Whether the bead is of the part and no wall.
+    pub const fn is_fill(self) -> bool {
+        self.is_part() && !self.is_wall()
+    }
 }
 
 /// Which of the process's speeds a path is printed at, where its role does not decide alone.

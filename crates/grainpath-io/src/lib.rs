@@ -15,6 +15,6 @@ pub mod volume;
 
 pub use image::{Image, ImageError, ImageFormat, Samples};
 pub use layers::{write_cli, write_svg_layers};
-pub use mesh::{Body, MeshError, MeshFile, MeshFormat, parse_mesh, sniff_mesh};
+pub use mesh::{Body, Marks, MeshError, MeshFile, MeshFormat, parse_mesh, sniff_mesh};
 pub use stl::write_stl;
 pub use threemf::write_3mf;

@@ -37,6 +37,24 @@ pub struct Body {
     pub name: Option<String>,
     /// In the file's unit, equal vertices merged.
     pub mesh: TriMesh,
+    /// What is painted on it, in the same place; only 3MF has such marks.
+    pub marks: Marks,
+}
+
+/// Where supports are wanted and where not, painted on the surface: loose triangles that lie on it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Marks {
+    /// Held, whatever the angle.
+    pub enforce: TriMesh,
+    /// Not held.
+    pub block: TriMesh,
+}
+
+impl Marks {
+    /// Both, for what is done to each alike.
+    pub fn each_mut(&mut self) -> [&mut TriMesh; 2] {
+        [&mut self.enforce, &mut self.block]
+    }
 }
 
 /// What was read.
@@ -179,7 +197,8 @@ impl SoupBuilder {
     }
 
     pub(crate) fn finish(self, name: Option<String>) -> Body {
-        Body { name, mesh: TriMesh { vertices: self.welder.into_vertices(), triangles: self.triangles } }
+        let mesh = TriMesh { vertices: self.welder.into_vertices(), triangles: self.triangles };
+        Body { name, mesh, marks: Marks::default() }
     }
 }
 

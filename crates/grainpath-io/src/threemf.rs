@@ -4,6 +4,7 @@
 //! but broken references among them are reported, because they say that the file is damaged.
 
 mod package;
+mod paint;
 mod part;
 mod write;
 
@@ -134,13 +135,17 @@ impl Assembly<'_> {
             body.name.clone_from(&object.name);
         }
         match &object.content {
-            Content::Mesh(mesh) => {
-                self.n_triangles += mesh.triangles.len() as u64;
+            Content::Mesh(mesh, marks) => {
+                let all = [mesh, &marks.enforce, &marks.block];
+                self.n_triangles += all.iter().map(|m| m.triangles.len() as u64).sum::<u64>();
                 if self.n_triangles > MAX_ELEMENTS / 4 {
                     return Err(MeshError::TooMany {
                         what: "triangles in all copies",
                         limit: MAX_ELEMENTS / 4,
                     });
+                }
+                for (to, from) in body.marks.each_mut().into_iter().zip([&marks.enforce, &marks.block]) {
+                    append(to, from, &place, path)?;
                 }
                 append(&mut body.mesh, mesh, &place, path)
             }

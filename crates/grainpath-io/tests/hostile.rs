@@ -114,6 +114,25 @@ fn components_units_and_transforms_of_3mf() {
 }
 
 #[test]
+fn painted_supports_of_3mf_go_where_their_facets_go() {
+    let painted = TETRAHEDRON.replacen("<triangle ", r#"<triangle slic3rpe:custom_supports="4" "#, 1);
+    let both = painted.replacen(r#"v1="1" "#, r#"v1="1" paint_supports="00083" "#, 1);
+    let wrong = both.replacen(r#"v1="0" v2="1" v3="3""#, r#"v1="0" v2="1" v3="3" paint_supports="3""#, 1);
+    let model = format!(
+        r#"<model><resources>{wrong}</resources><build><item objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 10"/></build></model>"#
+    );
+    let read = parse_mesh(&zipped(&model), None).expect("a good 3MF");
+    let marks = &read.bodies[0].marks;
+    assert_eq!(
+        marks.enforce.vertices,
+        [[0.0, 0.0, 10.0], [0.0, 1.0, 10.0], [1.0, 0.0, 10.0]].map(DVec3::from)
+    );
+    assert_eq!((marks.enforce.triangles.len(), marks.block.triangles.len()), (1, 1));
+    assert!(marks.block.vertices.contains(&DVec3::new(0.5, 0.5, 10.0)), "{:?}", marks.block.vertices);
+    assert!(read.warnings.iter().any(|w| w.contains("painted supports")), "{:?}", read.warnings);
+}
+
+#[test]
 fn bombs_are_refused() {
     let circle = r#"<model><resources><object id="1"><components><component objectid="1"/></components></object></resources><build><item objectid="1"/></build></model>"#;
     assert!(error(&zipped(circle), "a.3mf").contains("in a circle"));

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use grainpath_core::math::{atan2, cross, direction};
-use grainpath_core::{DVec3, Region, Role};
+use grainpath_core::{DVec2, Region, Role};
 use grainpath_gcode::{Program, Quality, Written, quality};
 use serde::Serialize;
 use serde_json::Value;
@@ -302,44 +302,50 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
         Some(region)
     };
     let mut report = QualityReport::from(quality(program, section, 12));
-    let of_stress = planned.guide.as_ref().map(|g| move |i: usize, p: DVec3| g.asked(i, p));
-    let of_grain = planned.grain.as_ref().map(|g| move |_: usize, p: DVec3| g.asked(p));
-    let asked: Option<&Asked<'_>> = match (&of_stress, &of_grain) {
-        (Some(stress), _) => Some(stress),
-        (None, Some(grain)) => Some(grain),
-        (None, None) => None,
-    };
-    if let Some(asked) = asked {
-        let (mean, p95) = alignment(planned, asked, program);
+    if let Some(off) = direction_error(planned) {
+        let (mean, p95) = alignment(&*off, program, shift);
         let round = |deg: f64| (deg * 100.0).round() * 0.01;
         (report.alignment_mean_deg, report.alignment_p95_deg) = (Some(round(mean)), Some(round(p95)));
     }
     report
 }
 
-/// The axis a guide asks for at a point of a layer, radians, and how much it matters.
-type Asked<'a> = dyn Fn(usize, DVec3) -> (f64, f64) + 'a;
+/// Of the height of a layer's middle, mm, and the ends of a straight piece of bead, in part coordinates: the angle
+/// between it and the axis the guide asks for there, degrees from 0 to 90, and how much that matters, 0 to 1. `None`
+/// outside the part and for points.
+pub type DirectionError<'a> = dyn Fn(f64, [DVec2; 2]) -> Option<(f64, f64)> + 'a;
+
+/// How far beads are off what the guide of a plan asks for; `None` without a guide.
+pub fn direction_error(planned: &Planned) -> Option<Box<DirectionError<'_>>> {
+    let layers = planned.stack.layers();
+    let (stress, grain) = (planned.guide.as_ref(), planned.grain.as_ref());
+    if stress.is_none() && grain.is_none() {
+        return None;
+    }
+    Some(Box::new(move |z_mid_mm: f64, [a, b]: [DVec2; 2]| {
+        let i = layers.partition_point(|l| l.z_top_mm() < z_mid_mm);
+        let d = b - a;
+        if d == DVec2::ZERO || i >= layers.len() {
+            return None;
+        }
+        let at = (0.5 * (a + b)).extend(z_mid_mm);
+        let (axis, weight) = stress.map(|g| g.asked(i, at)).or_else(|| grain.map(|g| g.asked(at)))?;
+        let u = direction(axis);
+        Some((atan2(cross(u, d).abs(), u.dot(d).abs()).to_degrees(), weight))
+    }))
+}
 
 /// Mean and 95th percentile of the angle in degrees between fill and the guide's own axis.
-fn alignment(planned: &Planned, asked: &Asked<'_>, program: &Program) -> (f64, f64) {
-    let shift = planned.plan.plate_from_part_mm.truncate();
-    let layers = planned.stack.layers();
+fn alignment(off: &DirectionError<'_>, program: &Program, plate_from_part_mm: DVec2) -> (f64, f64) {
     // Equal steps of the angle hold the weights: exact to a hundredth of a degree, in little memory.
     let mut bins = vec![0.0; 9001];
     let mut sum = 0.0;
     for layer in &program.layers {
         let z_mid = layer.z_mm - 0.5 * layer.height_mm;
-        let i = layers.partition_point(|l| l.z_top_mm() < z_mid);
-        for bead in layer.beads.iter().filter(|b| b.role.is_part() && !b.role.is_wall()) {
-            let (a, b) = (bead.start() - shift, bead.end() - shift);
+        for bead in layer.beads.iter().filter(|b| b.role.is_fill()) {
+            let (a, b) = (bead.start() - plate_from_part_mm, bead.end() - plate_from_part_mm);
+            let Some((off, weight)) = off(z_mid, [a, b]) else { continue };
             let length = a.distance(b);
-            if length <= 0.0 || i >= layers.len() {
-                continue;
-            }
-            let (axis, weight) = asked(i, (0.5 * (a + b)).extend(z_mid));
-            let u = direction(axis);
-            let d = b - a;
-            let off = atan2(cross(u, d).abs(), u.dot(d).abs()).to_degrees();
             bins[(off * 100.0) as usize] += weight * length;
             sum += weight * length * off;
         }

@@ -13,9 +13,9 @@ use grainpath_core::{
     SpeedClass, Toolpath, TriMesh, UniformField,
 };
 use grainpath_gcode::{WriteConfig, check_fits};
-use grainpath_io::MeshFile;
 use grainpath_io::fe::StressField;
 use grainpath_io::volume::SliceSource;
+use grainpath_io::{Marks, MeshFile};
 use rayon::prelude::*;
 
 use crate::adhesion::{AdhesionSettings, brim, skirt};
@@ -33,7 +33,7 @@ use crate::shape;
 use crate::skin::{IslandPolygon, SkinInput, SkinSettings, SkinSplit, split_stack};
 use crate::strength::TestSetup;
 use crate::support::beads::BeadSettings;
-use crate::support::{self, Support};
+use crate::support::{self, Support, SupportSettings};
 use crate::walls::{WallSettings, lay_walls};
 
 /// A planned job.
@@ -87,10 +87,8 @@ pub struct Inputs {
 pub fn plan_job(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
     let shape_error = |source| Error::Shape { path: inputs.path.clone(), source };
-    let (mesh, stack, lowered_mm) =
-        mesh_and_layers(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
+    let sliced = mesh_and_layers(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
-    let sliced = Sliced { stack, mesh, lowered_mm, scan: None };
     plan_stack(settings, sliced, inputs.stress, &inputs.photos, clock, diagnostics)
 }
 
@@ -116,7 +114,7 @@ pub fn plan_photo(
         TriMesh::default()
     };
     clock.stop(Stage::Slice);
-    let sliced = Sliced { stack, mesh, lowered_mm: 0.0, scan: None };
+    let sliced = Sliced { stack, mesh, ..Sliced::default() };
     plan_stack(settings, sliced, None, photos, clock, diagnostics)
 }
 
@@ -172,15 +170,22 @@ pub fn plan_scan(
         TriMesh::default()
     };
     clock.stop(Stage::Slice);
-    let sliced = Sliced { stack: scan.stack, mesh, lowered_mm: 0.0, scan: Some(scan.report) };
+    let sliced = Sliced { stack: scan.stack, mesh, scan: Some(scan.report), ..Sliced::default() };
     plan_stack(settings, sliced, stress, photos, clock, diagnostics)
 }
 
 /// A shape as layers, wherever they come from.
-struct Sliced {
-    stack: LayerStack,
-    mesh: TriMesh,
-    lowered_mm: f64,
+/// A shape in layers, on the plate.
+#[derive(Debug, Default)]
+pub struct Sliced {
+    /// Its sections.
+    pub stack: LayerStack,
+    /// Its surface; empty where nothing asked for one.
+    pub mesh: TriMesh,
+    /// How far it was lowered to stand on the plate, mm.
+    pub lowered_mm: f64,
+    /// What is painted on its surface.
+    pub marks: Marks,
     scan: Option<shape::ct::CtReport>,
 }
 
@@ -192,7 +197,7 @@ fn plan_stack(
     mut clock: Clock,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
-    let Sliced { stack, mesh, lowered_mm, scan } = sliced;
+    let Sliced { stack, mesh, lowered_mm, marks, scan } = sliced;
     let part = part_bounds(&stack);
     let plate_from_part_mm = plate_from_part(settings, part);
     check_bed(settings, &stack, part, plate_from_part_mm)?;
@@ -206,7 +211,10 @@ fn plan_stack(
         clock.stop(Stage::Guide);
     }
     let support = match config::support(settings, plate_from_part_mm.truncate()) {
-        Some(wanted) => Some(support::plan(&mesh, &stack, &wanted, diagnostics)?),
+        Some(wanted) => {
+            let wanted = SupportSettings { marks, ..wanted };
+            Some(support::plan(&mesh, &stack, &wanted, diagnostics)?)
+        }
         None => None,
     };
     let drawn = !settings.output.report.is_empty() || !settings.output.preview.is_empty();
@@ -276,7 +284,7 @@ impl Clock {
     }
 }
 
-/// The mended mesh where it is to be printed, its layers, and how far it was lowered to stand there, mm.
+/// A mesh where it is to be printed, mended, and its layers.
 ///
 /// # Errors
 /// As [`shape::mend`] and [`shape::slice`].
@@ -284,26 +292,41 @@ pub fn mesh_and_layers(
     settings: &Settings,
     file: MeshFile,
     diagnostics: &Diagnostics,
-) -> Result<(TriMesh, LayerStack, f64), shape::ShapeError> {
+) -> Result<Sliced, shape::ShapeError> {
     let (mut bodies, mut lowered_mm) = place_bodies(settings, file, diagnostics)?;
+    let block = bodies.pop().unwrap_or_default();
+    let enforce = bodies.pop().unwrap_or_default();
+    let mut marks = Marks { enforce, block };
     if settings.support.style != "none" {
         let lift = settings.support.lift_mm;
-        bodies.iter_mut().flat_map(|b| &mut b.vertices).for_each(|p| p.z += lift);
+        let all = bodies.iter_mut().chain(marks.each_mut());
+        all.flat_map(|b| &mut b.vertices).for_each(|p| p.z += lift);
         lowered_mm -= lift;
     }
     let mesh = shape::mend(bodies, config::repair(settings), diagnostics)?;
     let stack = shape::slice(&mesh, &config::slicing(settings), diagnostics)?;
-    Ok((mesh, stack, lowered_mm))
+    Ok(Sliced { stack, mesh, lowered_mm, marks, scan: None })
 }
 
-/// The bodies of a file in millimetres on the plate, and how far they were lowered to stand there.
+/// The bodies of a file in millimetres on the plate, last what is painted on them, held and left free; and how far they
+/// were lowered to stand there.
 fn place_bodies(
     settings: &Settings,
     file: MeshFile,
     diagnostics: &Diagnostics,
 ) -> Result<(Vec<TriMesh>, f64), shape::ShapeError> {
     file.warnings.iter().for_each(|w| diagnostics.warn(format!("mesh: {w}")));
-    let mut bodies: Vec<TriMesh> = file.bodies.into_iter().map(|b| b.mesh).collect();
+    let mut marks = Marks::default();
+    let mut bodies = Vec::with_capacity(file.bodies.len() + 2);
+    for mut body in file.bodies {
+        for (all, more) in marks.each_mut().into_iter().zip(body.marks.each_mut()) {
+            let first = all.vertices.len() as u32;
+            all.vertices.append(&mut more.vertices);
+            all.triangles.extend(more.triangles.iter().map(|t| t.map(|i| i + first)));
+        }
+        bodies.push(body.mesh);
+    }
+    bodies.extend([marks.enforce, marks.block]);
     let mut placement = config::placement(settings);
     let bounds = bodies.iter().filter_map(TriMesh::bounds);
     let all = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(shape::ShapeError::Empty)?;

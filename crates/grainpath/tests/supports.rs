@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use grainpath::Settings;
 use grainpath::config;
-use grainpath::run::mesh_and_layers;
+use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath::shape::{SliceSettings, slice};
 use grainpath::support::cut::count_floating;
 use grainpath::support::tree::{Kind, cones_meet};
 use grainpath::support::{Style, Support, SupportSettings, plan};
 use grainpath_core::{DVec2, DVec3, Diagnostics, LayerStack, TriMesh};
+use grainpath_io::Marks;
 use rayon::prelude::*;
 
 fn meshes() -> Vec<PathBuf> {
@@ -53,7 +54,7 @@ fn supported(path: &Path, s: &Settings) -> Option<(Support, LayerStack, SupportS
         s.shape.scale = 100.0 / longest;
     }
     let quiet = Diagnostics::default();
-    let (mesh, stack, _) = mesh_and_layers(&s, file, &quiet).ok()?;
+    let Sliced { mesh, stack, .. } = mesh_and_layers(&s, file, &quiet).ok()?;
     let wanted = config::support(&s, DVec2::ZERO).map(|w| SupportSettings { bed: None, ..w })?;
     let support = plan(&mesh, &stack, &wanted, &quiet).ok()?;
     Some((support, stack, wanted))
@@ -206,6 +207,37 @@ fn boxes_and_facets_enforce_and_block() {
         s.block_facets = leaning.clone();
     });
     assert!(both.overhangs.contacts.is_empty());
+}
+
+#[test]
+fn what_is_painted_overrides_angles_and_boxes() {
+    let patch = |at: [f64; 2], size: f64| {
+        let [x, y] = at;
+        let corners = [[x, y], [x, y + size], [x + size, y]];
+        let vertices = corners.map(|[x, y]| DVec3::new(x, y, 12.0)).to_vec();
+        TriMesh { vertices, triangles: vec![[0, 1, 2]] }
+    };
+    let everywhere = [DVec3::splat(-100.0), DVec3::splat(100.0)];
+    // Held only where painted, though boxes forbid all of it.
+    let held = |marks: Marks| {
+        let (support, ..) = planned(&table(false), |s| {
+            s.block = vec![everywhere];
+            s.marks = marks.clone();
+        });
+        support.overhangs
+    };
+    let found = held(Marks { enforce: patch([5.0, 5.0], 12.0), ..Marks::default() });
+    assert!(found.contacts.len() > 2);
+    let inside = |p: DVec3| p.x > 4.99 && p.y > 4.99 && p.x + p.y < 22.01;
+    assert!(found.samples.iter().all(|s| inside(s.at)), "{:?}", found.samples);
+    // A speck smaller than the grid of samples is not overlooked.
+    let speck = held(Marks { enforce: patch([10.3, 10.3], 0.2), ..Marks::default() });
+    assert_eq!(speck.contacts.len(), 1);
+    assert!(speck.contacts[0].at.distance(DVec3::new(10.4, 10.4, 12.0)) < 0.2);
+    // Left free where painted, held elsewhere.
+    let (support, ..) = planned(&table(false), |s| s.marks.block = patch([5.0, 5.0], 12.0));
+    let samples = &support.overhangs.samples;
+    assert!(samples.len() > 100 && samples.iter().all(|s| s.at.x + s.at.y > 21.99 || !inside(s.at)));
 }
 
 fn none_facing_down(mesh: &TriMesh) -> Vec<u32> {

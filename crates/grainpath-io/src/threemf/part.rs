@@ -6,9 +6,9 @@ use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, TriMesh};
 use quick_xml::events::{BytesStart, Event};
 
-use super::Transform;
 use super::package::{Package, attribute, events, invalid};
-use crate::mesh::{MeshError, SoupBuilder, checked};
+use super::{Transform, paint};
+use crate::mesh::{Marks, MeshError, SoupBuilder, checked};
 use crate::text::{number, whole};
 
 /// Names of metadata that need no prefix.
@@ -34,7 +34,7 @@ pub(crate) struct Component {
 
 #[derive(Debug)]
 pub(crate) enum Content {
-    Mesh(TriMesh),
+    Mesh(TriMesh, Marks),
     Components(Vec<Component>),
 }
 
@@ -64,7 +64,7 @@ impl Part {
     pub(crate) fn paths(&self) -> Vec<String> {
         let of_objects = self.objects.values().flat_map(|o| match &o.content {
             Content::Components(c) => c.as_slice(),
-            Content::Mesh(_) => &[],
+            Content::Mesh(..) => &[],
         });
         of_objects.chain(&self.items).filter_map(|c| c.path.clone()).collect()
     }
@@ -93,6 +93,8 @@ struct Current {
     has_pid: bool,
     vertices: Vec<u32>,
     soup: SoupBuilder,
+    /// Triangles with what is painted on them, not yet understood.
+    painted: Vec<([u32; 3], Vec<u8>)>,
     components: Vec<Component>,
 }
 
@@ -203,6 +205,7 @@ impl Builder {
             has_pid,
             vertices: Vec::new(),
             soup: SoupBuilder::with_capacity(0),
+            painted: Vec::new(),
             components: Vec::new(),
         });
         Ok(())
@@ -211,8 +214,15 @@ impl Builder {
     fn end_object(&mut self) {
         let Some(current) = self.current.take() else { return };
         let body = current.soup.finish(None);
+        let mut marks = Marks::default();
+        for (triangle, digits) in &current.painted {
+            let corners = triangle.map(|i| body.mesh.vertices[i as usize]);
+            if paint::decode(digits, corners, &mut marks).is_none() {
+                self.warn("a triangle whose painted supports cannot be read");
+            }
+        }
         let content = if current.components.is_empty() {
-            Content::Mesh(body.mesh)
+            Content::Mesh(body.mesh, marks)
         } else {
             Content::Components(current.components)
         };
@@ -236,6 +246,7 @@ impl Builder {
     fn triangle(&mut self, e: &BytesStart<'_>) -> Result<(), MeshError> {
         let Some(current) = &mut self.current else { return Ok(()) };
         let mut corners = [-1i64; 3];
+        let mut digits = Vec::new();
         let (mut has_pid, mut has_p1) = (current.has_pid, false);
         for a in e.attributes().with_checks(false).filter_map(Result::ok) {
             match a.key.as_ref().as_bytes() {
@@ -244,6 +255,9 @@ impl Builder {
                 }
                 b"pid" => has_pid = true,
                 b"p1" => has_p1 = true,
+                _ if paint::ATTRIBUTES.contains(&a.key.as_ref()) => {
+                    digits = a.value.as_bytes().trim_ascii().to_vec();
+                }
                 _ => {}
             }
         }
@@ -258,6 +272,9 @@ impl Builder {
             })?;
         }
         current.soup.push(triangle)?;
+        if !digits.is_empty() {
+            current.painted.push((triangle, digits));
+        }
         if has_p1 && !has_pid {
             self.warn("a triangle has a p1 and neither it nor its object has a pid");
         }

@@ -2,6 +2,7 @@
 
 mod hub;
 mod stress_lines;
+mod tree_support;
 mod woodgrain;
 
 use std::borrow::Cow;
@@ -13,7 +14,7 @@ use grainpath_core::{DVec2, DVec3, TriMesh};
 pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
 
 /// Names that [`preset`] knows.
-pub const PRESETS: [&str; 4] = ["plate", "stress-lines", "ct", "woodgrain"];
+pub const PRESETS: [&str; 5] = ["plate", "stress-lines", "ct", "woodgrain", "tree-support"];
 
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
@@ -24,6 +25,7 @@ pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
         ]),
         "stress-lines" => Some(stress_lines::files()),
         "woodgrain" => Some(woodgrain::files()),
+        "tree-support" => Some(tree_support::files()),
         "ct" => Some(ct(256)),
         _ => None,
     }

@@ -5,34 +5,16 @@ use std::fmt::Write;
 use grainpath_core::{DVec2, DVec3, TriMesh};
 
 use super::{ExampleFile, arc, prism, stl};
+use crate::test_pieces::{TEST_PIECES, TestPiece};
 
-/// GB/T 1040 (ISO 527) type 1A bar: 170 x 20 x 4 mm, waist 10 mm, with a central hole of 3 mm.
-pub fn tension_bar() -> TriMesh {
-    // Waist from 45 to 125; shoulders of radius 24 rise 5 mm over 14.66 mm.
-    let run = (24.0f64 * 24.0 - 19.0 * 19.0).sqrt();
-    let shoulder = |centre: DVec2, from: f64, to: f64| {
-        (0..=12).map(move |k| {
-            let turn = from + (to - from) * f64::from(k) / 12.0;
-            centre + grainpath_core::math::direction(turn) * 24.0
-        })
-    };
-    let turn = grainpath_core::math::asin(run / 24.0);
-    let (down, up) = (-std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2);
-    let mut outline = vec![DVec2::new(0.0, -10.0)];
-    outline.extend(shoulder(DVec2::new(45.0, -29.0), up + turn, up));
-    outline.extend(shoulder(DVec2::new(125.0, -29.0), up, up - turn));
-    outline.extend([DVec2::new(170.0, -10.0), DVec2::new(170.0, 10.0)]);
-    outline.extend(shoulder(DVec2::new(125.0, 29.0), down + turn, down));
-    outline.extend(shoulder(DVec2::new(45.0, 29.0), down, down - turn));
-    outline.push(DVec2::new(0.0, 10.0));
-    let hole = arc(DVec2::new(85.0, 0.0), 1.5, 0, 4, 16);
-    let mut mesh = TriMesh::default();
-    prism(&outline, &[hole], 0.0, 4.0, &mut mesh);
-    mesh
+/// GB/T 1040 (ISO 527) type 1A bar with a central hole of 3 mm: the test piece `s2-tension`.
+fn tension_bar() -> TriMesh {
+    let piece = TEST_PIECES.iter().find(|p| p.name == "s2-tension");
+    piece.map(TestPiece::mesh).unwrap_or_default()
 }
 
 /// Bending bar after GB/T 9341 (ISO 178) for a span of 160 mm: 200 x 10 x 10 mm, printed on its side.
-pub fn bending_bar() -> TriMesh {
+fn bending_bar() -> TriMesh {
     let outline = [(0.0, 0.0), (200.0, 0.0), (200.0, 10.0), (0.0, 10.0)].map(DVec2::from);
     let mut mesh = TriMesh::default();
     prism(&outline, &[], 0.0, 10.0, &mut mesh);
@@ -40,7 +22,7 @@ pub fn bending_bar() -> TriMesh {
 }
 
 /// A shelf bracket: a wall plate, a shelf with a bolt hole, and a rib between them.
-pub fn bracket() -> TriMesh {
+fn bracket() -> TriMesh {
     let mut mesh = TriMesh::default();
     let shelf = [(0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)].map(DVec2::from);
     prism(&shelf, &[arc(DVec2::new(42.0, 20.0), 5.0, 0, 4, 12)], 0.0, 8.0, &mut mesh);

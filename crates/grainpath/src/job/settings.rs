@@ -181,7 +181,7 @@ sections! {
         gap_fill: bool = true, "", Any, "One bead of varying width in gaps between walls, and between walls and fill.";
         top_layers: usize = 5, "", Range(0.0, 10000.0), "Dense layers under top surfaces.";
         bottom_layers: usize = 4, "", Range(0.0, 10000.0), "Dense layers over bottom surfaces.";
-        simplify_mm: f64 = 0.0125, "mm", Range(0.0, 1.0), "Contours are simplified to within this.";
+        simplify_mm: f64 = 0.0125, "mm", Range(0.0, 1.0), "Contours are simplified to within this, and small ones to within a thousandth of their extent.";
         outer_wall_speed_mm_s: f64 = 40.0, "mm/s", Range(0.1, 2000.0), "Speed of outer walls.";
         inner_wall_speed_mm_s: f64 = 60.0, "mm/s", Range(0.1, 2000.0), "Speed of the walls behind them.";
         small_wall_speed_mm_s: f64 = 25.0, "mm/s", Range(0.1, 2000.0), "Speed of walls around small holes and islands.";

@@ -1,7 +1,7 @@
 //! The order of printing: islands, walls, fill; where closed paths begin; how the nozzle gets from one to the next.
 //!
 //! Which path comes next depends on where the last one ended, so layers are ordered one after the other; the ways
-//! between paths, which cost more, are then found for all layers at once.
+//! between paths, which cost more, are meanwhile found for the layers already ordered.
 
 mod comb;
 mod nearest;
@@ -77,15 +77,13 @@ pub fn order_stack(
     diagnostics.begin(Stage::Order, layers.len());
     let mut at = DVec2::ZERO;
     let mut seams = seam::Seams::new(settings.seam);
-    let mut ordered = Vec::with_capacity(layers.len());
-    for (layer_idx, (paths, layer)) in layers.into_iter().zip(stack.layers()).enumerate() {
-        diagnostics.check()?;
+    let ordered = layers.into_iter().zip(stack.layers()).enumerate().map(|(layer_idx, (paths, layer))| {
         let start = at;
         seams.next_layer(layer_idx);
         let islands = order_layer(paths, &layer.region().polygons, settings, &mut seams, &mut at);
-        ordered.push((layer, start, islands));
-    }
-    let plan = |(layer, start, islands): (&Layer, DVec2, Vec<Ordered>)| {
+        (layer_idx, layer, start, islands)
+    });
+    let plan = |(layer_idx, layer, start, islands): (usize, &Layer, DVec2, Vec<Ordered>)| {
         diagnostics.check()?;
         let mut from = start;
         let mut paths = Vec::with_capacity(islands.iter().map(|i| i.paths.len()).sum());
@@ -94,10 +92,13 @@ pub fn order_stack(
             comb::plan_travels(outline, ordered.paths, &settings.comb, &mut from, &mut paths);
         }
         diagnostics.advance(1);
-        Ok(LayerPlan { z_top_mm: layer.z_top_mm(), height_mm: layer.height_mm(), paths })
+        Ok((layer_idx, LayerPlan { z_top_mm: layer.z_top_mm(), height_mm: layer.height_mm(), paths }))
     };
-    let plans: Vec<Result<LayerPlan, Interrupted>> = ordered.into_par_iter().map(plan).collect();
-    plans.into_iter().collect()
+    // The bridge asks for one layer at a time, in order, while others are planned.
+    let mut plans: Vec<(usize, LayerPlan)> =
+        ordered.par_bridge().map(plan).collect::<Result<_, Interrupted>>()?;
+    plans.sort_unstable_by_key(|p| p.0);
+    Ok(plans.into_iter().map(|p| p.1).collect())
 }
 
 fn order_layer(
@@ -120,7 +121,7 @@ fn order_layer(
         |i: &Island| i.walls.first().map(|w| &w.path).or(i.fills.first()).map_or(DVec2::ZERO, |p| p.start());
     let places: Vec<[DVec2; 2]> = layer.supports.iter().map(|i| [first(i); 2]).collect();
     let mut supports: Vec<Option<Island>> = layer.supports.into_iter().map(Some).collect();
-    for (i, _) in sequence::tour(&places, *at) {
+    for (i, _) in sequence::tour(&places, *at, None) {
         let Some(island) = supports[i].take() else { continue };
         let mut paths = Vec::with_capacity(island.walls.len() + island.fills.len());
         // Where a branch's bead begins is nobody's business but the travel's.
@@ -131,17 +132,19 @@ fn order_layer(
             at,
             &mut paths,
         );
-        sequence::fills(island.fills, at, &mut paths);
+        sequence::fills(island.fills, at, None, &mut paths);
         out.push(Ordered { island: None, paths });
     }
     let mut islands: Vec<Option<Island>> = layer.islands.into_iter().map(Some).collect();
     let middle = |p: &Polygon| p.bounds().map_or(DVec2::ZERO, Bounds2::centre);
     let places: Vec<[DVec2; 2]> = outlines.iter().take(islands.len()).map(|p| [middle(p); 2]).collect();
-    for (i, _) in sequence::tour(&places, *at) {
+    let tour = sequence::tour(&places, *at, None);
+    for (stop, &(i, _)) in tour.iter().enumerate() {
         let Some(island) = islands[i].take() else { continue };
+        let next = tour.get(stop + 1).map(|&(i, _)| places[i][0]);
         let mut paths = Vec::with_capacity(island.walls.len() + island.fills.len());
         sequence::walls(island.walls, settings.wall_order, seams, at, &mut paths);
-        sequence::fills(island.fills, at, &mut paths);
+        sequence::fills(island.fills, at, next, &mut paths);
         out.push(Ordered { island: Some(i), paths });
     }
     out

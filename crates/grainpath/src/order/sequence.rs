@@ -8,115 +8,217 @@ use super::nearest::NearestEnds;
 use super::seam::Seams;
 use crate::walls::Wall;
 
-/// How far ahead 2-opt looks for an exchange.
-const WINDOW: usize = 200;
-/// How far a stretch is moved.
+/// How far 2-opt looks for an exchange, and how far a stretch is moved.
 const REACH: usize = 100;
 /// Passes of 2-opt and Or-opt at the most.
 const PASSES: usize = 8;
+/// Tours up to this long are shaken, once for every stop.
+const MAX_SHAKEN: usize = 64;
 
 /// Visits every owner once, entering at one of its ends and leaving at the other: nearest next, then improved by
-/// turning round stretches (2-opt) and moving them (Or-opt). Gives owners and whether each is entered at its second end.
-pub fn tour(ends: &[[DVec2; 2]], at: DVec2) -> Vec<(usize, bool)> {
+/// turning round stretches (2-opt) and moving them (Or-opt), and for short tours by exchanging neighbouring stretches
+/// and improving again (iterated local search, Lourenco, Martin, Stuetzle 2003). `to` is where the way goes on, if that
+/// is known. Gives owners and whether each is entered at its second end.
+pub fn tour(ends: &[[DVec2; 2]], at: DVec2, to: Option<DVec2>) -> Vec<(usize, bool)> {
     let mut taken = vec![false; ends.len()];
     let index = NearestEnds::new(ends);
-    let mut order: Vec<(usize, bool)> = Vec::with_capacity(ends.len());
+    let mut order = Vec::with_capacity(ends.len());
     let mut from = at;
     while let Some((i, second)) = index.nearest(from, &taken) {
         taken[i] = true;
         order.push((i, second));
         from = ends[i][usize::from(!second)];
     }
-    for _ in 0..PASSES {
-        let turned = turn_stretches(&mut order, ends, at);
-        let moved = move_stretches(&mut order, ends, at);
-        if !turned && !moved {
-            break;
-        }
+    let mut tour = Tour { ends, at, to, order, look: vec![true; ends.len()] };
+    tour.improve();
+    if (4..=MAX_SHAKEN).contains(&ends.len()) {
+        tour.shake();
     }
-    order
+    tour.order
 }
 
-/// Where an owner is entered, and where it is left.
-fn enter(ends: &[[DVec2; 2]], (i, second): (usize, bool)) -> DVec2 {
-    ends[i][usize::from(second)]
+/// A tour under improvement. Its gap `k` lies before stop `k`; the last one leads to `to`.
+struct Tour<'a> {
+    ends: &'a [[DVec2; 2]],
+    at: DVec2,
+    to: Option<DVec2>,
+    order: Vec<(usize, bool)>,
+    /// The owners beside which something changed since no improvement was found there.
+    look: Vec<bool>,
 }
 
-fn leave(ends: &[[DVec2; 2]], (i, second): (usize, bool)) -> DVec2 {
-    ends[i][usize::from(!second)]
-}
+impl Tour<'_> {
+    fn enter(&self, stop: usize) -> DVec2 {
+        let (i, second) = self.order[stop];
+        self.ends[i][usize::from(second)]
+    }
 
-/// Turns round stretches where that shortens the way (2-opt); whether it did.
-fn turn_stretches(order: &mut [(usize, bool)], ends: &[[DVec2; 2]], at: DVec2) -> bool {
-    let mut improved = false;
-    for a in 0..order.len() {
-        let before = if a == 0 { at } else { leave(ends, order[a - 1]) };
-        let first = before.distance(enter(ends, order[a]));
-        if first < 1e-6 {
-            continue;
-        }
-        for b in a..(a + WINDOW).min(order.len()) {
-            let after = order.get(b + 1).map(|&n| enter(ends, n));
-            let old = first + after.map_or(0.0, |n| leave(ends, order[b]).distance(n));
-            let new = before.distance(leave(ends, order[b]))
-                + after.map_or(0.0, |n| enter(ends, order[a]).distance(n));
-            if new < old - 1e-6 {
-                order[a..=b].reverse();
-                order[a..=b].iter_mut().for_each(|o| o.1 = !o.1);
-                improved = true;
+    fn leave(&self, stop: usize) -> DVec2 {
+        let (i, second) = self.order[stop];
+        self.ends[i][usize::from(!second)]
+    }
+
+    /// Where gap `k` begins.
+    fn before(&self, k: usize) -> DVec2 {
+        if k == 0 { self.at } else { self.leave(k - 1) }
+    }
+
+    /// Where gap `k` ends; nowhere after the last stop when nothing is known of what follows.
+    fn after(&self, k: usize) -> Option<DVec2> {
+        if k < self.order.len() { Some(self.enter(k)) } else { self.to }
+    }
+
+    fn length_mm(&self) -> f64 {
+        (0..=self.order.len()).map(|k| way_mm(self.before(k), self.after(k))).sum()
+    }
+
+    fn improve(&mut self) {
+        for _ in 0..PASSES {
+            let turned = self.turn_stretches();
+            let moved = self.move_stretches();
+            if !turned && !moved {
                 break;
             }
         }
     }
-    improved
-}
 
-/// Moves stretches of up to three elsewhere where that shortens the way (Or-opt); whether it did.
-fn move_stretches(order: &mut [(usize, bool)], ends: &[[DVec2; 2]], at: DVec2) -> bool {
-    let n = order.len();
-    let mut improved = false;
-    for length in 1..=3.min(n.saturating_sub(1)) {
-        for a in 0..=n - length {
-            let b = a + length;
-            let place = |k: usize| if k == 0 { at } else { leave(ends, order[k - 1]) };
-            let next = |k: usize| order.get(k).map(|&o| enter(ends, o));
-            let way = |from: DVec2, to: Option<DVec2>| to.map_or(0.0, |to| from.distance(to));
-            let (first, last) = (enter(ends, order[a]), leave(ends, order[b - 1]));
-            let saved = place(a).distance(first) + way(last, next(b)) - way(place(a), next(b));
-            if saved < 1e-6 {
-                continue;
+    fn looks(&self, stop: usize) -> bool {
+        self.order.get(stop).is_some_and(|o| self.look[o.0])
+    }
+
+    /// Asks for another look at both sides of gap `k`.
+    fn changed(&mut self, k: usize) {
+        for stop in [k.checked_sub(1), Some(k)].into_iter().flatten() {
+            if let Some(o) = self.order.get(stop) {
+                self.look[o.0] = true;
             }
-            // Between k - 1 and k, outside the stretch.
-            let mut best = (saved - 1e-6, usize::MAX, false);
-            for k in a.saturating_sub(REACH)..=(b + REACH).min(n) {
-                if (a..=b).contains(&k) {
-                    continue;
-                }
-                let gap = way(place(k), next(k));
-                for (turned, from, to) in [(false, first, last), (true, last, first)] {
-                    let cost = place(k).distance(from) + way(to, next(k)) - gap;
-                    if cost < best.0 {
-                        best = (cost, k, turned);
-                    }
-                }
-            }
-            let (_, k, turned) = best;
-            if k == usize::MAX {
-                continue;
-            }
-            if turned {
-                order[a..b].reverse();
-                order[a..b].iter_mut().for_each(|o| o.1 = !o.1);
-            }
-            if k < a {
-                order[k..b].rotate_right(length);
-            } else {
-                order[a..k].rotate_left(length);
-            }
-            improved = true;
         }
     }
-    improved
+
+    fn turn(&mut self, a: usize, b: usize) {
+        self.order[a..b].reverse();
+        self.order[a..b].iter_mut().for_each(|o| o.1 = !o.1);
+    }
+
+    /// Turns round stretches where that shortens the way (2-opt); whether it did.
+    fn turn_stretches(&mut self) -> bool {
+        let n = self.order.len();
+        let mut improved = false;
+        for k in 0..=n {
+            if !(self.looks(k) || k > 0 && self.looks(k - 1)) {
+                continue;
+            }
+            let way = way_mm(self.before(k), self.after(k));
+            if way < 1e-6 {
+                continue;
+            }
+            for other in k.saturating_sub(REACH)..=(k + REACH).min(n) {
+                if other == k {
+                    continue;
+                }
+                let (a, b) = (k.min(other), k.max(other));
+                let old = way + way_mm(self.before(other), self.after(other));
+                let new =
+                    way_mm(self.before(a), Some(self.leave(b - 1))) + way_mm(self.enter(a), self.after(b));
+                if new < old - 1e-6 {
+                    self.turn(a, b);
+                    self.changed(a);
+                    self.changed(b);
+                    improved = true;
+                    break;
+                }
+            }
+        }
+        improved
+    }
+
+    /// Moves stretches of up to three elsewhere where that shortens the way (Or-opt); whether it did. What was looked at
+    /// in vain is not looked at again until something changes beside it.
+    fn move_stretches(&mut self) -> bool {
+        let n = self.order.len();
+        let looked = self.look.clone();
+        self.look.fill(false);
+        let mut improved = false;
+        for length in 1..=3.min(n.saturating_sub(1)) {
+            for a in 0..=n - length {
+                let b = a + length;
+                if !self.order[a..b].iter().any(|o| looked[o.0] || self.look[o.0]) {
+                    continue;
+                }
+                let (first, last) = (self.enter(a), self.leave(b - 1));
+                let saved = self.before(a).distance(first) + way_mm(last, self.after(b))
+                    - way_mm(self.before(a), self.after(b));
+                if saved < 1e-6 {
+                    continue;
+                }
+                let mut best = (saved - 1e-6, usize::MAX, false);
+                for k in a.saturating_sub(REACH)..=(b + REACH).min(n) {
+                    if (a..=b).contains(&k) {
+                        continue;
+                    }
+                    let (before, after) = (self.before(k), self.after(k));
+                    let gap = way_mm(before, after);
+                    for (turned, from, to) in [(false, first, last), (true, last, first)] {
+                        let cost = before.distance(from) + way_mm(to, after) - gap;
+                        if cost < best.0 {
+                            best = (cost, k, turned);
+                        }
+                    }
+                }
+                let (_, k, turned) = best;
+                if k == usize::MAX {
+                    continue;
+                }
+                if turned {
+                    self.turn(a, b);
+                }
+                let seams = if k < a {
+                    self.order[k..b].rotate_right(length);
+                    [k, k + length, b]
+                } else {
+                    self.order[a..k].rotate_left(length);
+                    [a, k - length, k]
+                };
+                seams.into_iter().for_each(|seam| self.changed(seam));
+                improved = true;
+            }
+        }
+        improved
+    }
+
+    /// Exchanges two neighbouring stretches, improves, and keeps what became shorter; the places come from a fixed
+    /// sequence.
+    fn shake(&mut self) {
+        let n = self.order.len();
+        let mut state = n as u64;
+        let mut below = |m: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((state >> 33) % m as u64) as usize
+        };
+        let mut best = (self.length_mm(), self.order.clone());
+        for _ in 0..n {
+            let mut cuts = [0; 3].map(|_| below(n + 1));
+            cuts.sort_unstable();
+            let [a, b, c] = cuts;
+            if a == b || b == c {
+                continue;
+            }
+            self.order[a..c].rotate_left(b - a);
+            self.look.fill(false);
+            [a, a + c - b, c].into_iter().for_each(|seam| self.changed(seam));
+            self.improve();
+            let length = self.length_mm();
+            if length < best.0 - 1e-6 {
+                best = (length, self.order.clone());
+            } else {
+                self.order.copy_from_slice(&best.1);
+            }
+        }
+    }
+}
+
+fn way_mm(from: DVec2, to: Option<DVec2>) -> f64 {
+    to.map_or(0.0, |to| from.distance(to))
 }
 
 /// Makes the vertex nearest to `at` the start of a closed path; turns an open one whose end is nearer.
@@ -155,7 +257,7 @@ pub fn walls(walls: Vec<Wall>, order: WallOrder, seams: &mut Seams, at: &mut DVe
     }
     let places: Vec<[DVec2; 2]> = rings.iter().map(|r| [r.walls[0].path.start(); 2]).collect();
     let mut rings: Vec<Option<Ring>> = rings.into_iter().map(Some).collect();
-    for (i, _) in tour(&places, *at) {
+    for (i, _) in tour(&places, *at, None) {
         let Some(mut ring) = rings[i].take() else { continue };
         ring.walls.sort_by_key(|w| w.depth);
         if order == WallOrder::InnerFirst {
@@ -173,20 +275,82 @@ pub fn walls(walls: Vec<Wall>, order: WallOrder, seams: &mut Seams, at: &mut DVe
     }
 }
 
-/// Puts single beads and fill in order: by rank, and within a rank by short ways.
-pub fn fills(mut fills: Vec<Toolpath>, at: &mut DVec2, out: &mut Vec<Toolpath>) {
+/// Puts single beads and fill in order: by rank, and within a rank by short ways. `to` is where the way goes on.
+pub fn fills(mut fills: Vec<Toolpath>, at: &mut DVec2, to: Option<DVec2>, out: &mut Vec<Toolpath>) {
     fills.sort_by_key(|p| p.rank);
-    for fills in fills.chunk_by_mut(|a, b| a.rank == b.rank) {
+    while let Some(rank) = fills.first().map(|p| p.rank) {
+        let later = fills.split_off(fills.partition_point(|p| p.rank == rank));
         let ends: Vec<[DVec2; 2]> = fills.iter().map(|p| [p.start(), p.end()]).collect();
-        for (i, second) in tour(&ends, *at) {
-            let path = &mut fills[i];
+        let mut stops: Vec<Option<Toolpath>> = fills.into_iter().map(Some).collect();
+        for (i, second) in tour(&ends, *at, to.filter(|_| later.is_empty())) {
+            let Some(mut path) = stops[i].take() else { continue };
             if path.closed {
-                start_nearest(path, *at);
+                start_nearest(&mut path, *at);
             } else if second {
                 path.reverse();
             }
             *at = path.end();
-            out.push(path.clone());
+            out.push(path);
         }
+        fills = later;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn length_mm(ends: &[[DVec2; 2]], order: &[(usize, bool)], at: DVec2) -> f64 {
+        let mut from = at;
+        let mut sum = 0.0;
+        for &(i, second) in order {
+            sum += from.distance(ends[i][usize::from(second)]);
+            from = ends[i][usize::from(!second)];
+        }
+        sum
+    }
+
+    /// The shortest of all orders and directions.
+    fn shortest_mm(ends: &[[DVec2; 2]], left: &mut Vec<usize>, from: DVec2) -> f64 {
+        let mut best = if left.is_empty() { 0.0 } else { f64::INFINITY };
+        for k in 0..left.len() {
+            let i = left.swap_remove(k);
+            for second in [false, true] {
+                let way = from.distance(ends[i][usize::from(second)]);
+                best = best.min(way + shortest_mm(ends, left, ends[i][usize::from(!second)]));
+            }
+            left.push(i);
+            let last = left.len() - 1;
+            left.swap(k, last);
+        }
+        best
+    }
+
+    #[test]
+    fn tours_visit_each_once_and_are_near_the_shortest() {
+        let mut state = 1_u64;
+        let mut coordinate = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f64 * 1e-5
+        };
+        let (mut sum, mut least) = (0.0, 0.0);
+        for n in (1..7).cycle().take(300) {
+            let ends: Vec<[DVec2; 2]> =
+                (0..n).map(|_| [(); 2].map(|()| DVec2::new(coordinate(), coordinate()))).collect();
+            let order = tour(&ends, DVec2::ZERO, None);
+            let mut visited: Vec<usize> = order.iter().map(|o| o.0).collect();
+            visited.sort_unstable();
+            assert_eq!(visited, (0..n).collect::<Vec<_>>());
+            sum += length_mm(&ends, &order, DVec2::ZERO);
+            least += shortest_mm(&ends, &mut visited, DVec2::ZERO);
+        }
+        assert!(sum < 1.01 * least, "{sum} mm where {least} mm would do");
+    }
+
+    #[test]
+    fn a_tour_ends_where_the_way_goes_on() {
+        let ends: Vec<[DVec2; 2]> = (0..9).map(|k| [DVec2::new(f64::from(k) - 4.0, 1.0); 2]).collect();
+        let last = |to| ends[tour(&ends, DVec2::ZERO, Some(DVec2::new(to, 1.0)))[8].0][0].x;
+        assert_eq!((last(-50.0), last(50.0)), (-4.0, 4.0));
     }
 }

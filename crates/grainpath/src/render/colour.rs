@@ -14,15 +14,18 @@ pub enum ColourBy {
     Width,
     /// Its speed.
     Speed,
+    /// How far it is off the direction asked for: blue along it, red from 45 degrees on.
+    Direction,
 }
 
 impl ColourBy {
-    /// The choice with this name: `role`, `width` or `speed`.
+    /// The choice with this name: `role`, `width`, `speed` or `direction`.
     pub fn from_name(name: &str) -> Option<Self> {
         Some(match name {
             "role" => Self::Role,
             "width" => Self::Width,
             "speed" => Self::Speed,
+            "direction" => Self::Direction,
             _ => return None,
         })
     }
@@ -30,6 +33,9 @@ impl ColourBy {
 
 /// A colour, red green blue.
 pub type Rgb = [u8; 3];
+
+/// What was asked for no direction.
+pub const UNASKED: Rgb = [88, 92, 100];
 
 /// The colour of a role: warm for walls, cool for fill, as slicers' previews have it.
 pub fn of_role(role: Role) -> Rgb {
@@ -52,7 +58,7 @@ pub fn of_role(role: Role) -> Rgb {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
     by: ColourBy,
-    /// The lowest value: mm or mm/s.
+    /// The lowest value: mm, mm/s or degrees.
     pub low: f64,
     /// The highest.
     pub high: f64,
@@ -61,6 +67,9 @@ pub struct Scale {
 impl Scale {
     /// The scale of a layer.
     pub fn of(picture: &LayerPicture, by: ColourBy) -> Self {
+        if by == ColourBy::Direction {
+            return Self { by, low: 0.0, high: 45.0 };
+        }
         let value = |b: &Bead| if by == ColourBy::Width { b.width_mm } else { b.speed_mm_s };
         let fold = |(lo, hi): (f64, f64), v: f64| (lo.min(v), hi.max(v));
         let (low, high) = picture.beads.iter().map(value).fold((f64::INFINITY, f64::NEG_INFINITY), fold);
@@ -73,6 +82,7 @@ impl Scale {
             ColourBy::Role => of_role(bead.role),
             ColourBy::Width => self.ramp(bead.width_mm),
             ColourBy::Speed => self.ramp(bead.speed_mm_s),
+            ColourBy::Direction => bead.off_deg.map_or(UNASKED, |off| self.ramp(off)),
         }
     }
 

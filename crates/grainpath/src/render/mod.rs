@@ -30,6 +30,8 @@ pub struct Bead {
     pub role: Role,
     /// Speed asked for, mm/s.
     pub speed_mm_s: f64,
+    /// Angle to the direction asked for, degrees from 0 to 90; `None` where none is asked.
+    pub off_deg: Option<f64>,
 }
 
 impl Bead {
@@ -39,6 +41,8 @@ impl Bead {
             && self.role == next.role
             && (self.width_mm - next.width_mm).abs() < 5e-3
             && self.speed_mm_s == next.speed_mm_s
+            && (self.off_deg == next.off_deg
+                || self.off_deg.zip(next.off_deg).is_some_and(|(a, b)| (a - b).abs() < 1.0))
     }
 }
 
@@ -94,6 +98,7 @@ mod tests {
             width_mm: 0.45,
             role,
             speed_mm_s: 50.0,
+            off_deg: (role == Role::TopSkin).then_some(30.0),
         };
         let mut beads: Vec<Bead> = ring.windows(2).map(|w| bead(w, Role::OuterWall)).collect();
         beads.push(bead(&[(1.0, 5.0), (19.0, 5.0)], Role::TopSkin));
@@ -127,6 +132,15 @@ mod tests {
         let scale = Scale::of(&picture, ColourBy::Width);
         assert_eq!((scale.low, scale.high), (0.45, 0.6));
         assert_ne!(scale.colour(&picture.beads[0]), scale.colour(&picture.beads[1]));
+    }
+
+    #[test]
+    fn only_what_was_asked_for_a_direction_shows_its_error() {
+        let scale = Scale::of(&layer(0.2), ColourBy::Direction);
+        let [wall, .., fill] = &layer(0.2).beads[..] else { panic!("no beads") };
+        assert_eq!((scale.low, scale.high), (0.0, 45.0));
+        assert_eq!(scale.colour(wall), colour::UNASKED);
+        assert_eq!(scale.colour(fill), colour::ramp(30.0, 0.0, 45.0));
     }
 
     #[test]

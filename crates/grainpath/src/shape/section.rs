@@ -1,6 +1,6 @@
 //! One section of a mesh: segments, chains, contours, a region.
 
-use grainpath_core::poly::{FillRule, simplify_contour};
+use grainpath_core::poly::{Bounds2, FillRule, simplify_contour};
 use grainpath_core::{Contour, DVec2, Diagnostics, Region, TriMesh};
 
 use super::SliceSettings;
@@ -95,13 +95,22 @@ pub fn section(mesh: &TriMesh, triangles: &[u32], z: f64, settings: &SliceSettin
     let (mut closed, open) = chain(&segments);
     let mended = join(open, settings.gap_closing_mm, &mut closed);
     let contours: Vec<Contour> =
-        closed.iter().map(|c| simplify_contour(c, settings.simplify_mm)).filter(|c| c.len() > 2).collect();
+        closed.iter().map(|c| simplified(c, settings.simplify_mm)).filter(|c| c.len() > 2).collect();
     if contours.is_empty() {
         return (Region::default(), mended);
     }
     let mut region = Region::from_contours(&contours, FillRule::NonZero);
     region.polygons.retain(|p| p.area_mm2() > 1e-3);
     (region, mended)
+}
+
+/// Small holes and screws keep their form: a contour is not simplified by more than this share of its extent, since
+/// what is cut from a round outline is always on the same side.
+const MAX_SIMPLIFY_SHARE: f64 = 1e-3;
+
+fn simplified(contour: &[DVec2], tolerance_mm: f64) -> Contour {
+    let extent_mm = Bounds2::of(contour.iter().copied()).map_or(0.0, |b| (b.max - b.min).max_element());
+    simplify_contour(contour, tolerance_mm.min(MAX_SIMPLIFY_SHARE * extent_mm))
 }
 
 fn segment(mesh: &TriMesh, triangle: [u32; 3], z: f64) -> Option<Segment> {

@@ -14,6 +14,7 @@ pub mod tree;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, TriMesh};
+use grainpath_io::Marks;
 
 use clearance::Clearance;
 use cut::{Layers, SupportLayer};
@@ -91,6 +92,8 @@ pub struct SupportSettings {
     pub enforce_facets: Vec<u32>,
     /// These facets are not held.
     pub block_facets: Vec<u32>,
+    /// What is painted on the part, likewise.
+    pub marks: Marks,
     /// Thickness of the first layer.
     pub first_layer_mm: f64,
     /// Where feet may stand, part coordinates; `None` for no limit.
@@ -126,6 +129,7 @@ impl Default for SupportSettings {
             block: Vec::new(),
             enforce_facets: Vec::new(),
             block_facets: Vec::new(),
+            marks: Marks::default(),
             first_layer_mm: 0.2,
             bed: None,
         }

@@ -1,12 +1,14 @@
 //! What has to be held up, and where: facets beyond the critical angle, edges of slopes that need nothing themselves,
 //! and whatever begins in mid-air; then points of contact no further apart than the material allows.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
+use grainpath_core::bvh::Bvh;
 use grainpath_core::math::sin;
 use grainpath_core::mesh::EdgeUses;
 use grainpath_core::poly::LineClipper;
 use grainpath_core::{DVec2, DVec3, LayerStack, Polygon, Region, TriMesh};
+use grainpath_io::Marks;
 use rayon::prelude::*;
 
 use super::SupportSettings;
@@ -86,14 +88,22 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
             }
         }
     }
-    let hangs = |t: usize| {
-        let middle = mesh.triangles[t].iter().map(|&i| mesh.vertices[i as usize]).sum::<DVec3>() / 3.0;
-        let high = mesh.triangles[t].iter().map(|&i| mesh.vertices[i as usize].z).fold(0.0, f64::max);
+    let painted = Painted::new(mesh, &settings.marks);
+    let beyond = |t: usize| -> bool {
+        let middle = middle(mesh, t as u32);
         let beyond = -normals[t].z > steep || (-normals[t].z > 0.02 && settings.enforced(middle));
-        let wanted = listed[t].unwrap_or(beyond && !settings.blocked(middle));
+        listed[t].unwrap_or(beyond && !settings.blocked(middle))
+    };
+    let hangs = |t: usize| {
+        let high = mesh.triangles[t].iter().map(|&i| mesh.vertices[i as usize].z).fold(0.0, f64::max);
+        let wanted = beyond(t) || painted.on.contains_key(&(t as u32));
         high > plate_mm && wanted && normals[t].z < -0.02
     };
     let hanging: Vec<bool> = (0..mesh.triangles.len()).into_par_iter().map(hangs).collect();
+    // What is painted overrides what the facet is, point by point.
+    let held_at = |t: u32, p: DVec3| {
+        Painted::covers(&painted.enforce, p) || (beyond(t as usize) && !Painted::covers(&painted.block, p))
+    };
     let edges = EdgeUses::of(mesh);
     let region = regions(mesh, &edges, &hanging);
     out.facets = (0..mesh.triangles.len() as u32).filter(|&t| hanging[t as usize]).collect();
@@ -103,8 +113,10 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
         groups.entry(region[t as usize]).or_default().push(t);
     }
     let groups: Vec<Vec<u32>> = groups.into_values().collect();
-    let sampled: Vec<Option<Vec<Sample>>> =
-        groups.par_iter().map(|g| sample_region(mesh, &normals, g, pitch, settings)).collect();
+    let sampled: Vec<Option<Vec<Sample>>> = groups
+        .par_iter()
+        .map(|g| sample_region(mesh, &normals, g, pitch, settings, &held_at, &painted))
+        .collect();
     // Samples keep their group, so that the contacts of one never stand for another.
     let mut samples: Vec<(u32, Reason, Sample)> = Vec::new();
     for (i, group) in sampled.into_iter().enumerate() {
@@ -130,6 +142,59 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
 fn normal(mesh: &TriMesh, t: [u32; 3]) -> DVec3 {
     let [a, b, c] = t.map(|i| mesh.vertices[i as usize]);
     (b - a).cross(c - a).normalize_or_zero()
+}
+
+/// What is painted on the part.
+struct Painted<'a> {
+    marks: &'a Marks,
+    enforce: Bvh,
+    block: Bvh,
+    /// The marks for holding on each facet.
+    on: BTreeMap<u32, Vec<u32>>,
+}
+
+impl<'a> Painted<'a> {
+    /// Marks lie this near the surface, mm: transforms and welding move them a little.
+    const NEAR_MM: f64 = 2e-3;
+
+    fn new(mesh: &TriMesh, marks: &'a Marks) -> Self {
+        let mut on: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        if !marks.enforce.triangles.is_empty() {
+            let surface = Bvh::new(mesh);
+            for mark in 0..marks.enforce.triangles.len() as u32 {
+                let under = surface.closest_point(middle(&marks.enforce, mark), Self::NEAR_MM);
+                if let Some(under) = under {
+                    on.entry(under.triangle).or_default().push(mark);
+                }
+            }
+        }
+        Self { marks, enforce: Bvh::new(&marks.enforce), block: Bvh::new(&marks.block), on }
+    }
+
+    fn covers(marks: &Bvh, p: DVec3) -> bool {
+        marks.closest_point(p, Self::NEAR_MM).is_some()
+    }
+
+    /// Marks between the points of the grid are held at their middles, one to a cell.
+    fn add_missed(&self, facets: &[u32], normals: &[DVec3], pitch_mm: f64, samples: &mut Vec<Sample>) {
+        if self.on.is_empty() {
+            return;
+        }
+        let cell = |p: DVec3| (p / pitch_mm).round().to_array().map(|v| v as i64);
+        let mut seen: BTreeSet<[i64; 3]> = samples.iter().map(|s| cell(s.at)).collect();
+        for t in facets {
+            for &mark in self.on.get(t).into_iter().flatten() {
+                let at = middle(&self.marks.enforce, mark);
+                if seen.insert(cell(at)) {
+                    samples.push(Sample { at, normal: normals[*t as usize], area_mm2: pitch_mm * pitch_mm });
+                }
+            }
+        }
+    }
+}
+
+fn middle(mesh: &TriMesh, triangle: u32) -> DVec3 {
+    mesh.triangles[triangle as usize].iter().map(|&i| mesh.vertices[i as usize]).sum::<DVec3>() / 3.0
 }
 
 /// Region growing over shared edges: each hanging facet gets the lowest number of its group.
@@ -164,6 +229,8 @@ fn sample_region(
     facets: &[u32],
     pitch_mm: f64,
     settings: &SupportSettings,
+    held_at: &(impl Fn(u32, DVec3) -> bool + Sync),
+    painted: &Painted<'_>,
 ) -> Option<Vec<Sample>> {
     let corner = |i: u32| mesh.vertices[i as usize];
     let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
@@ -192,20 +259,27 @@ fn sample_region(
                 if inside && n.z < -1e-6 {
                     let z = a.z - (n.x * (p.x - a.x) + n.y * (p.y - a.y)) / n.z;
                     let z = z.clamp(a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
-                    samples.push(Sample { at: p.extend(z), normal: n, area_mm2: pitch_mm * pitch_mm });
+                    let at = p.extend(z);
+                    if held_at(t, at) {
+                        samples.push(Sample { at, normal: n, area_mm2: pitch_mm * pitch_mm });
+                    }
                 }
             }
         }
     }
-    if (high - low).max_element() < settings.min_overhang_mm {
-        return None;
-    }
+    painted.add_missed(facets, normals, pitch_mm, &mut samples);
     if samples.is_empty() {
         let t = mesh.triangles[largest.1 as usize];
         let at = t.map(corner).into_iter().sum::<DVec3>() / 3.0;
-        samples.push(Sample { at, normal: normals[largest.1 as usize], area_mm2: total });
+        if held_at(largest.1, at) {
+            samples.push(Sample { at, normal: normals[largest.1 as usize], area_mm2: total });
+        }
     }
-    samples.retain(|s| !settings.blocked(s.at));
+    let small = (high - low).max_element() < settings.min_overhang_mm;
+    if small && !samples.iter().any(|s| Painted::covers(&painted.enforce, s.at)) {
+        return None;
+    }
+    samples.retain(|s| !settings.blocked(s.at) || Painted::covers(&painted.enforce, s.at));
     Some(samples)
 }
 

@@ -1,0 +1,81 @@
+//! Marks that slicers let people paint on facets, as their project files keep them: an attribute of the triangle, a row of
+//! hexadecimal digits read from its end. A digit's two low bits say how many sides of the triangle are halved; with none,
+//! the two high bits are the mark (1 held, 2 left free), else the side the halving begins at. Parts follow last first.
+
+use grainpath_core::DVec3;
+
+use crate::mesh::Marks;
+
+/// Names of the attribute, with and without prefix, among the slicers that write it.
+pub(super) const ATTRIBUTES: [&str; 3] = ["slic3rpe:custom_supports", "paint_supports", "custom_supports"];
+
+/// Adds what is painted on a triangle to the marks; `None` when the digits do not say it whole.
+pub(super) fn decode(digits: &[u8], corners: [DVec3; 3], marks: &mut Marks) -> Option<()> {
+    let mut digits = digits.iter().rev().map(|&d| char::from(d).to_digit(16));
+    let mut left = vec![corners];
+    while let Some(triangle) = left.pop() {
+        let digit = digits.next()??;
+        let (halved, high) = (digit & 3, digit >> 2);
+        if halved == 0 {
+            let mark = if high == 3 { digits.next()?? + 3 } else { high };
+            let to = match mark {
+                1 => &mut marks.enforce,
+                2 => &mut marks.block,
+                _ => continue,
+            };
+            let first = to.vertices.len() as u32;
+            to.vertices.extend(triangle);
+            to.triangles.push([first, first + 1, first + 2]);
+            continue;
+        }
+        let [a, b, c] = [0, 1, 2].map(|k| triangle[(high as usize + k) % 3]);
+        let [ab, bc, ca] = [a.midpoint(b), b.midpoint(c), c.midpoint(a)];
+        match halved {
+            1 => left.extend([[a, b, bc], [bc, c, a]]),
+            2 => left.extend([[a, ab, ca], [ab, b, ca], [b, c, ca]]),
+            _ => left.extend([[a, ab, ca], [ab, b, bc], [bc, c, ca], [ab, bc, ca]]),
+        }
+    }
+    digits.next().is_none().then_some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CORNERS: [DVec3; 3] = [DVec3::ZERO, DVec3::new(8.0, 0.0, 0.0), DVec3::new(0.0, 8.0, 0.0)];
+
+    fn painted(digits: &str) -> Option<(f64, f64)> {
+        let mut marks = Marks::default();
+        decode(digits.as_bytes(), CORNERS, &mut marks)?;
+        let area = |m: &grainpath_core::TriMesh| {
+            let of = |t: &[u32; 3]| {
+                let [a, b, c] = t.map(|i| m.vertices[i as usize]);
+                0.5 * (b - a).cross(c - a).length()
+            };
+            m.triangles.iter().map(of).sum()
+        };
+        Some((area(&marks.enforce), area(&marks.block)))
+    }
+
+    #[test]
+    fn marks_cover_what_was_painted() {
+        assert_eq!(painted("4"), Some((32.0, 0.0)));
+        assert_eq!(painted("8"), Some((0.0, 32.0)));
+        assert_eq!(painted("0"), Some((0.0, 0.0)));
+        // Four quarters: the middle is read first.
+        assert_eq!(painted("00043"), Some((8.0, 0.0)));
+        assert_eq!(painted("84443"), Some((24.0, 8.0)));
+        // One side halved twice over: a half, and half of the other half.
+        assert_eq!(painted("80411"), Some((8.0, 16.0)));
+        // A third kind of mark takes two digits.
+        assert_eq!(painted("0C"), Some((0.0, 0.0)));
+    }
+
+    #[test]
+    fn what_is_cut_short_or_too_long_is_refused() {
+        for digits in ["", "3", "443", "44", "G", "C", "4444443"] {
+            assert_eq!(painted(digits), None, "{digits}");
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! The first two cases of the critical-angle paper on pieces of our own, each with trees and with the baselines.
+
+use super::{ExampleFile, stl};
+use crate::specimen::{dental_tray, hanging_ball};
+
+/// The files; the first is the job to try first.
+pub(super) fn files() -> Vec<ExampleFile> {
+    let mut files: Vec<ExampleFile> = Vec::new();
+    let pieces = [
+        ("ball", "A ball that hangs 50 mm above the plate", hanging_ball()),
+        ("tray", "A horseshoe tray that leans by 30 degrees", dental_tray()),
+    ];
+    for (name, what, mesh) in pieces {
+        let styles = [
+            ("tree", "", "on branching trees"),
+            ("columns", "-columns", "on straight walls, to compare"),
+            ("box", "-box", "on the box around every overhang, to compare"),
+        ];
+        for (style, suffix, how) in styles {
+            files.push((
+                format!("{name}{suffix}.toml").into(),
+                job(name, &format!("{what}, {how}."), style).into_bytes(),
+            ));
+        }
+        files.push((format!("{name}.stl").into(), stl(&mesh)));
+    }
+    files
+}
+
+fn job(name: &str, what: &str, style: &str) -> String {
+    let file = if style == "tree" { name.to_owned() } else { format!("{name}-{style}") };
+    let mut text = format!(
+        "# {what}
+#
+#   grainpath run {file}.toml
+#   grainpath run {file}.toml --set support.critical_angle_deg=50
+#
+# The report draws what overhangs, the contacts and the branches; support.mass_g there is the support's own.
+
+[shape]
+mesh = \"{name}.stl\"
+
+[printer]
+profile = \"generic-0.4\"
+
+[material]
+profile = \"pla\"
+
+[fill]
+density = 0.15
+
+[support]
+style = \"{style}\"
+critical_angle_deg = 40       # what leans further from the vertical is held; `grainpath specimen critical-angle` finds yours
+max_unsupported_mm = 10       # the longest stretch that prints over air
+"
+    );
+    if style == "tree" {
+        text += "branch_angle_deg = 40         # branches lean no further\n";
+    }
+    text += &format!(
+        "
+[output]
+gcode = \"out/{file}.gcode\"
+report = \"out/{file}.html\"
+preview = \"out/{file}\"
+"
+    );
+    if style == "tree" {
+        text += &format!("support = \"out/{file}-support.stl\"\n");
+    }
+    text
+}
