@@ -66,8 +66,8 @@ impl Grid {
         if !(low.is_finite() && high.is_finite()) {
             return Err(CellError::Nothing);
         }
-        // Corners on whole cells from the middle, so that symmetric parts stay so.
-        let size = (high - low) / cell_mm;
+        // Corners on whole cells from the middle, so that symmetric parts stay so; rounding makes no cell of its own.
+        let size = (high - low) / cell_mm - 1e-6;
         let (nx, ny) = (size.x.ceil() + 2.0, size.y.ceil() + 2.0);
         if nx * ny > MOST_CELLS as f64 {
             return Err(CellError::TooMany { nx, ny, cell_mm, most: MOST_CELLS });

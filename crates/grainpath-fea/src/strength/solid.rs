@@ -44,8 +44,8 @@ const TOLERANCE: f64 = 1e-5;
 const TURNS: f64 = 32.0;
 /// Shares of a second ply, and bonds, that stiffness tells apart.
 const SHARES: f64 = 8.0;
-/// Stiffness is lost in steps of an eighth of an octave, down to a thousandth.
-const LOSSES: u64 = 80;
+/// Stiffness is lost in steps of a sixteenth of an octave, down to a thousandth.
+const LOSSES: u64 = 160;
 /// The most stiffnesses that are told apart.
 const MOST_STIFFNESSES: usize = 30_000;
 
@@ -111,12 +111,12 @@ struct Library {
 /// The step that has lost at least this much, but for rounding.
 fn step_of(loss: f64) -> u64 {
     let octaves = -grainpath_core::math::ln((1.0 - loss).max(1e-9)) / std::f64::consts::LN_2;
-    ((8.0 * octaves - 1e-6).ceil().max(0.0) as u64).min(LOSSES)
+    ((16.0 * octaves - 1e-6).ceil().max(0.0) as u64).min(LOSSES)
 }
 
 fn loss_of(step: u64) -> f64 {
-    const ROOT: f64 = 0.917_004_043_204_671_2;
-    1.0 - 0.5f64.powi((step / 8) as i32) * ROOT.powi((step % 8) as i32)
+    const ROOT: f64 = 0.957_603_280_698_573_6;
+    1.0 - 0.5f64.powi((step / 16) as i32) * ROOT.powi((step % 16) as i32)
 }
 
 impl Library {
@@ -135,7 +135,7 @@ impl Library {
         }
         for (k, l) in lost.iter().enumerate() {
             for step in l {
-                key = key << 7 | if k == 1 && share == 0 { 0 } else { *step };
+                key = key << 8 | if k == 1 && share == 0 { 0 } else { *step };
             }
         }
         if let Some(known) = self.known.get(&key) {
