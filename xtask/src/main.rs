@@ -8,6 +8,7 @@ mod bench_continuous;
 mod bench_ct;
 mod bench_fea;
 mod bench_paths;
+mod bench_strength;
 mod fuzz;
 mod licences;
 mod photo;
@@ -30,6 +31,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench photo      a photograph of 12 megapixels to curves, beside OpenCV
   bench continuous one path a layer: angle, gap, and time up to a million cells
   bench paths      fill along the stress held against CalculiX's principal stresses
+  bench strength   the virtual strength test of a bar and of a bracket
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   setup            installs what tests and benches need (Python packages, Chromium, the peers)";
 
@@ -42,6 +44,7 @@ fn main() -> ExitCode {
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
         ["bench", "continuous"] => bench_continuous::run(),
         ["bench", "paths"] => bench_paths::run(),
+        ["bench", "strength"] => bench_strength::run(),
         ["bench", "ct", scans @ ..] => bench_ct::run(scans),
         ["bench", "fea", cases @ ..] => bench_fea::run(cases),
         ["bench", "support", parts @ ..] => bench::support(parts),

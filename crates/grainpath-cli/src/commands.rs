@@ -54,7 +54,7 @@ pub fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Resul
 }
 
 /// A job's settings, the file of its shape, and the folder its paths are relative to.
-fn read_job(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf, PathBuf), Failure> {
+pub fn read_job(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf, PathBuf), Failure> {
     let text = files::read_text(job)?;
     let folder = job.parent().map(Path::to_owned).unwrap_or_default();
     let name = job.display().to_string();
@@ -96,7 +96,7 @@ fn execute(
 }
 
 /// Reads a job's inputs and plans it; with the seconds that reading took.
-fn plan(
+pub fn plan(
     settings: &Settings,
     shape: &Path,
     base: &Path,

@@ -11,7 +11,7 @@ use grainpath_gcode::{Program, simulate, write_gcode};
 use serde_json::{Value, json};
 
 use crate::args::{Common, Compare, Strength};
-use crate::commands::{read_body, read_photos, read_stress, read_texture, set_threads, settings};
+use crate::commands::{plan, read_body, read_job, set_threads};
 use crate::{Failure, files, outputs, progress};
 
 /// A tested input.
@@ -72,49 +72,45 @@ fn one(input: &Path, job: Option<&Path>, common: &Common, mass_g: Option<f64>) -
             )));
         }
     };
-    let text = files::read_text(job)?;
-    let folder = job.parent().map(Path::to_owned).unwrap_or_default();
-    let mut settings = settings(&text, &job.display().to_string(), &common.sets, &folder)?;
-    let given = [&settings.shape.mesh, &settings.shape.outline].into_iter().find(|p| !p.is_empty());
-    let Some(mesh) = given.map(|p| folder.join(p)) else {
-        return Err(Failure::usage(format!(
-            "{}: [shape] needs mesh = \"FILE\" or outline = \"FILE\"",
-            job.display()
-        )));
-    };
+    let (mut settings, shape, folder) = read_job(job, &common.sets)?;
     settings.strength.enabled = true;
     settings.fill.mass_g = mass_g.or(settings.fill.mass_g);
     let diagnostics = progress::diagnostics();
-    let (file, _) = read_body(&settings, &mesh, &diagnostics)?;
     let failed = |e: grainpath::strength::StrengthError| Failure::from(grainpath::Error::from(e));
-    let (tested, program) = if is_job(input) {
-        let stress = read_stress(&settings, &folder)?;
-        let photos = read_photos(&settings, &folder, &diagnostics)?;
-        let texture = read_texture(&settings, &folder)?;
-        let inputs =
-            grainpath::Inputs { mesh: file, path: mesh.display().to_string(), stress, photos, texture };
-        let planned = grainpath::plan_job(&settings, inputs, &diagnostics)?;
-        let mut bytes = Vec::new();
-        write_gcode(&planned.plan, &planned.config, &[], &mut bytes)
-            .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
-        let program = read(&settings, &bytes, input)?;
-        let shift = planned.plan.plate_from_part_mm.truncate();
+    let theirs = if is_job(input) { None } else { Some(read(&settings, &files::read(input)?, input)?) };
+    let solid = !settings.shape.mesh.is_empty() || !settings.shape.outline.is_empty();
+    let (tested, program) = if let (Some(program), true) = (&theirs, solid) {
+        let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
+        let (file, _) = read_body(&settings, &shape, &diagnostics)?;
+        let Sliced { mesh, stack, .. } = mesh_and_layers(&settings, file, &diagnostics).map_err(source)?;
+        let setup = TestSetup::of(&settings, &mesh, &stack).map_err(failed)?;
+        let tested = test(&settings, &setup, program, None, &diagnostics);
+        (tested.map_err(|e| named(input, failed(e)))?, theirs)
+    } else {
+        let (planned, _) = plan(&settings, &shape, &folder, &diagnostics)?;
         let setup = planned.test.as_ref();
         let setup = setup.ok_or_else(|| Failure::usage("strength.enabled should be true"))?;
-        (test(&settings, setup, &program, Some(shift), &diagnostics).map_err(failed)?, program)
-    } else {
-        let bytes = files::read(input)?;
-        let program = read(&settings, &bytes, input)?;
-        let shape = |source| grainpath::Error::Shape { path: mesh.display().to_string(), source };
-        let Sliced { mesh, stack, .. } = mesh_and_layers(&settings, file, &diagnostics).map_err(shape)?;
-        let setup = TestSetup::of(&settings, &mesh, &stack).map_err(failed)?;
-        let wrong = |f: Failure| Failure { message: format!("{}: {}", input.display(), f.message), ..f };
-        (test(&settings, &setup, &program, None, &diagnostics).map_err(|e| wrong(failed(e)))?, program)
+        if let Some(program) = &theirs {
+            let tested = test(&settings, setup, program, None, &diagnostics);
+            (tested.map_err(|e| named(input, failed(e)))?, theirs)
+        } else {
+            let mut bytes = Vec::new();
+            write_gcode(&planned.plan, &planned.config, &[], &mut bytes)
+                .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
+            let program = read(&settings, &bytes, input)?;
+            let shift = planned.plan.plate_from_part_mm.truncate();
+            (test(&settings, setup, &program, Some(shift), &diagnostics).map_err(failed)?, Some(program))
+        }
     };
+    let program = program.unwrap_or_default();
     let warnings = warnings(&diagnostics, &program);
     drop(diagnostics);
     let name = input.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     Ok(Done { name, tested, layers: program.layers.len(), time_s: program.time_s, warnings })
+}
+
+fn named(input: &Path, f: Failure) -> Failure {
+    Failure { message: format!("{}: {}", input.display(), f.message), ..f }
 }
 
 fn read(settings: &Settings, bytes: &[u8], path: &Path) -> Result<Program, Failure> {

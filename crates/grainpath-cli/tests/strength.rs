@@ -90,6 +90,38 @@ fn g_code_is_tested_as_its_job_is_and_runs_can_test_themselves() {
 }
 
 #[test]
+fn solids_break_between_their_layers_and_plates_as_solids_as_plates_do() {
+    let dir = folder("strength solid");
+    bar(&dir);
+    // A post pulled along z: layers part, at the strength of the card from layer to layer.
+    fs::write(dir.join("post.stl"), box_stl([6.0, 6.0, 20.0])).expect("written");
+    let post = JOB
+        .replace("bar.stl", "post.stl")
+        .replace("[[0, 0, 0], [6, 8, 1]]", "[[0, 0, 0], [6, 6, 4]]")
+        .replace("[[34, 0, 0], [40, 8, 1]]", "[[0, 0, 16], [6, 6, 20]]")
+        .replace("[100, 0, 0]", "[0, 0, 100]");
+    fs::write(dir.join("post.toml"), post).expect("written");
+    let quick = ["--set", "strength.corners=false", "--set", "strength.check=false", "--json"];
+    let test = |args: &[&'static str]| {
+        let all: Vec<&str> = args.iter().chain(&quick).copied().collect();
+        json(&grainpath(&dir, &all))["strength"].clone()
+    };
+    let up = test(&["strength", "post.toml", "--preview", "pictures"]);
+    let (peak, want) = (number(&up, "peak_load_n"), 40.0 * 36.0);
+    assert!((peak / want - 1.0).abs() < 0.08, "{up}");
+    assert!(up["mode"] == "between layers" && up["fidelity"] == "voxels", "{up}");
+    assert!(number(&up, "volume_error") < 1e-3);
+    let z = number(&up["weakest"], "z_mm");
+    assert!(z > 4.0 && z < 16.0, "{up}");
+    assert!(dir.join("pictures").join("damage.png").is_file());
+    // The plate as a solid: the same answer within what cells of the border leave.
+    let plane = number(&test(&["strength", "along.toml"]), "peak_load_n");
+    let solid = test(&["strength", "along.toml", "--set", "strength.fidelity=\"voxels\""]);
+    assert!((number(&solid, "peak_load_n") / plane - 1.0).abs() < 0.05, "{plane} {solid}");
+    assert_eq!(solid["mode"], "along the beads");
+}
+
+#[test]
 fn what_cannot_be_tested_is_said_in_a_line() {
     let dir = folder("strength errors");
     bar(&dir);
@@ -110,7 +142,7 @@ fn what_cannot_be_tested_is_said_in_a_line() {
         (&["strength", "other.gcode"], 2, "needs --job"),
         (&["strength", "along.toml", "--set", "material.profile=bare.toml"], 2, "no strengths: set xt_mpa"),
         (&["strength", "off.toml"], 2, "load 1 (box) catches nothing"),
-        (&["strength", "up.toml"], 2, "layers' plane"),
+        (&["strength", "up.toml", "--set", "strength.fidelity=\"plane\""], 2, "layers' plane"),
         (&["strength", "loose.toml"], 4, "free to move along x"),
         (&["strength", "along.toml", "--set", "material.xt_mpa=[50, 40, 60]"], 2, "should rise"),
     ] {

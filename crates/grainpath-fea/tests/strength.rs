@@ -1,11 +1,13 @@
 //! The strength test against closed forms: strengths off axis, laminate stiffness, holes, and its own mesh.
 
-use grainpath_core::DVec2;
 use grainpath_core::math::direction;
+use grainpath_core::{DVec2, DVec3};
 use grainpath_fea::material::Orthotropic;
+use grainpath_fea::strength::bricks::Bricks;
 use grainpath_fea::strength::cells::{BeadPiece, BeadSheet, Grid, Laminate, Ply};
 use grainpath_fea::strength::plate::{Elements, GridHold, System, middle_strain, square};
 use grainpath_fea::strength::ply::{Mode, StrengthCard};
+use grainpath_fea::strength::solid::SolidTest;
 use grainpath_fea::strength::{Outcome, PlateTest};
 
 /// PLA, a raster as strong as data sheets say along its beads.
@@ -21,6 +23,8 @@ fn pla() -> StrengthCard {
         s12_mpa: 18.0,
         xc_mpa: 70.0,
         yc_mpa: 70.0,
+        zt_mpa: 40.0,
+        s_il_mpa: 18.0,
         g_along_n_mm: 4.0,
         g_across_n_mm: 1.3,
     }
@@ -146,7 +150,7 @@ fn rasters_off_axis_follow_tsai_and_hill() {
             "{deg}: {mpa:.2} MPa, Tsai-Hill {want:.2}, Hankinson {:.2}",
             pla().hankinson_mpa(deg.to_radians())
         );
-        assert!((mpa / want - 1.0).abs() < 0.03, "{deg}: {mpa} {want}");
+        assert!((mpa / want - 1.0).abs() < 0.04, "{deg}: {mpa} {want}");
         // Hankinson knows no shear strength and is the upper bound here.
         assert!(mpa < 1.01 * pla().hankinson_mpa(deg.to_radians()), "{deg}");
         if deg <= 45.0 {
@@ -292,4 +296,95 @@ fn a_notched_bar_answers_alike_on_finer_cells_and_the_same_twice() {
     assert_eq!(coarse, load(0.5));
     let high = fine.curve.iter().map(|p| p[1]).fold(0.0, f64::max);
     assert!((high / fine.peak_load_n - 1.0).abs() < 1e-9 && fine.curve.len() > 3);
+}
+
+/// Pulls a box made of bricks along an axis, its ends spared; one end may shrink.
+fn pull_bricks(sheets: &[BeadSheet], cell_mm: f64, axis: usize, card: &StrengthCard) -> (Outcome, Bricks) {
+    let bricks = Bricks::of(sheets, cell_mm, 0.0).expect("beads");
+    assert!(bricks.volume_error() < 1e-3, "{}", bricks.volume_error());
+    let taken: Vec<bool> = bricks.filled.iter().map(|f| *f > 0.05).collect();
+    let [nx, ny, _] = bricks.n;
+    let place = |c: usize| [c % nx, c / nx % ny, c / nx / ny];
+    let of = |k: usize| (0..taken.len()).filter(|c| taken[*c]).map(place).map(move |p| p[k]);
+    let (low, high) = (of(axis).min().expect("cells"), of(axis).max().expect("cells"));
+    let (mut holds, mut forces) = (Vec::new(), Vec::new());
+    let direction = DVec3::AXES[axis];
+    let others = [(axis + 1) % 3, (axis + 2) % 3];
+    let middle = others.map(|k| of(k).sum::<usize>() / of(k).count());
+    let mut sum = 0.0;
+    for c in (0..taken.len()).filter(|c| taken[*c]) {
+        for k in 0..8 {
+            let p: [usize; 3] = std::array::from_fn(|i| place(c)[i] + (k >> i & 1));
+            if place(c)[axis] == low && k >> axis & 1 == 0 {
+                holds.push((p, direction));
+                if p[others[0]] == middle[0] && p[others[1]] == middle[1] {
+                    others.iter().for_each(|i| holds.push((p, DVec3::AXES[*i])));
+                }
+                // A second place, so that it does not turn about the axis.
+                if p[others[0]] == middle[0] + 1 && p[others[1]] == middle[1] {
+                    holds.push((p, DVec3::AXES[others[1]]));
+                }
+            }
+            if place(c)[axis] == high && k >> axis & 1 == 1 {
+                forces.push((p, direction * f64::from(bricks.filled[c])));
+                sum += f64::from(bricks.filled[c]);
+            }
+        }
+    }
+    forces.iter_mut().for_each(|f| f.1 *= 100.0 / sum);
+    let ends = ((high - low) / 6).max(2);
+    let spared: Vec<bool> =
+        (0..taken.len()).map(|c| place(c)[axis] < low + ends || place(c)[axis] + ends > high).collect();
+    let test = SolidTest {
+        bricks: &bricks,
+        taken: &taken,
+        holds: &holds,
+        forces_n: &forces,
+        load_n: 100.0,
+        spared: &spared,
+        card,
+        most_mib: 1024.0,
+    };
+    (test.run().expect("an answer"), bricks)
+}
+
+#[test]
+fn a_solid_bar_breaks_at_its_strength_times_its_section() {
+    let card = pla();
+    let (outcome, _) = pull_bricks(&vec![raster(DVec2::new(20.0, 4.0), 0.0); 20], 0.4, 0, &card);
+    let want = card.xt_mpa * 4.0 * 4.0;
+    println!("{:.1} N, wanted {want:.1}", outcome.peak_load_n);
+    assert!((outcome.peak_load_n / want - 1.0).abs() < 0.02, "{} {want}", outcome.peak_load_n);
+    assert_eq!(outcome.mode(), Mode::Along);
+}
+
+#[test]
+fn layers_that_touch_on_half_their_width_part_at_half_the_load() {
+    // Beads 0.4 wide and 0.8 apart; every other layer lies 0.2 aside of the one below, so that half of each touches.
+    let card = pla();
+    let layer = |k: usize| {
+        let beads = (0..10).map(|i| {
+            let y = 0.8 * f64::from(i) + if k % 2 == 0 { 0.2 } else { 0.4 };
+            BeadPiece {
+                a: DVec2::new(0.0, y),
+                b: DVec2::new(4.0, y),
+                material: 0,
+                volume_mm3: 4.0 * BEAD_MM * HEIGHT_MM,
+            }
+        });
+        BeadSheet { height_mm: HEIGHT_MM, beads: beads.collect() }
+    };
+    let sheets: Vec<BeadSheet> = (0..60).map(layer).collect();
+    let (outcome, bricks) = pull_bricks(&sheets, 0.4, 2, &card);
+    let bonded: Vec<f64> = (0..bricks.filled.len())
+        .filter(|c| bricks.filled[*c] > 0.4)
+        .map(|c| f64::from(bricks.bond[c]))
+        .collect();
+    let mean = bonded.iter().sum::<f64>() / bonded.len() as f64;
+    assert!((mean - 0.5).abs() < 0.05, "{mean}");
+    // What touches carries: ten beads of half their width.
+    let want = card.zt_mpa * 10.0 * 0.5 * BEAD_MM * 4.0;
+    println!("half touching: {:.1} N, wanted {want:.1}", outcome.peak_load_n);
+    assert!((outcome.peak_load_n / want - 1.0).abs() < 0.15, "{} {want}", outcome.peak_load_n);
+    assert_eq!(outcome.mode(), Mode::Layers);
 }

@@ -148,8 +148,12 @@ fn strength_rows(s: &crate::strength::StrengthReport) -> Vec<(&'static str, Stri
         ("corners of the card", corners.join(", ")),
         (
             "cells",
-            s.mesh_change.map_or(format!("{} mm", s.cell_mm), |c| {
-                format!("{} mm; the answer moved by {:.1} % when they were halved", s.cell_mm, 100.0 * c)
+            s.mesh_change.map_or(format!("{}, {} mm", s.fidelity, s.cell_mm), |c| {
+                let moved = 100.0 * c;
+                format!(
+                    "{}, {} mm; the answer moved by {moved:.1} % when they were halved",
+                    s.fidelity, s.cell_mm
+                )
             }),
         ),
         ("card", format!("{}: {}", s.card_tier, s.card_source)),

@@ -121,7 +121,7 @@ pub fn plan_photo(
         source,
     };
     let stack = board.slice(&config::slicing(settings)).map_err(shape_error)?;
-    let mesh = if settings.guide.kind == "stress" || settings.support.style != "none" {
+    let mesh = if wants_surface(settings) {
         shape::surface(&stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
     } else {
         TriMesh::default()
@@ -129,6 +129,11 @@ pub fn plan_photo(
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack, mesh, ..Sliced::default() };
     plan_stack(settings, sliced, None, GrainSource { photos, scan: None }, clock, diagnostics)
+}
+
+/// Only solvers and supports ask for a surface.
+fn wants_surface(settings: &Settings) -> bool {
+    settings.guide.kind == "stress" || settings.support.style != "none" || settings.strength.enabled
 }
 
 /// What the grain of a part is read from, where it follows any: photographs, else a scan.
@@ -192,13 +197,11 @@ pub fn plan_scan(
     let shape_error = |source| Error::Shape { path: path.to_owned(), source };
     let scan = shape::ct::slice_scan(source, &config::scan(settings), diagnostics)
         .map_err(|e| scan_error(e, path))?;
-    // Only solvers and supports ask for a surface.
-    let mesh =
-        if settings.guide.kind == "stress" || settings.support.style != "none" || settings.strength.enabled {
-            shape::surface(&scan.stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
-        } else {
-            TriMesh::default()
-        };
+    let mesh = if wants_surface(settings) {
+        shape::surface(&scan.stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
+    } else {
+        TriMesh::default()
+    };
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack: scan.stack, mesh, scan: Some(scan.report), ..Sliced::default() };
     let texture: &mut dyn SliceSource = match &mut texture {

@@ -42,6 +42,7 @@ pub struct VoxelSystem {
     /// Iterations of the first solution since the preconditioner was made.
     usual: Option<usize>,
     stale: bool,
+    prepared: usize,
 }
 
 struct Cells {
@@ -96,7 +97,29 @@ impl VoxelSystem {
     ) -> Result<Self, SolidError> {
         let cells = Cells::new(part, hold, settings)?;
         let multigrid = cells.multigrid();
-        Ok(Self { cells, multigrid, usual: None, stale: false })
+        Ok(Self { cells, multigrid, usual: None, stale: false, prepared: 1 })
+    }
+
+    /// How often the preconditioner was made.
+    pub fn prepared(&self) -> usize {
+        self.prepared
+    }
+
+    /// Adds a stiffness to the palette, for cells to change to.
+    ///
+    /// # Errors
+    /// It is not that of a material, or there are too many.
+    pub fn add(&mut self, stiffness: &Stiffness) -> Result<u16, SolidError> {
+        let material = self.cells.elements.len();
+        if material >= usize::from(VOID) {
+            return Err(SolidError::Material { material });
+        }
+        let law = Law::new(stiffness).ok_or(SolidError::Material { material })?;
+        let element = element_matrix(&law, self.cells.part.cell_mm);
+        self.cells.stencils.push(stencil(&element));
+        self.cells.elements.push(element);
+        self.cells.part.palette.push(*stiffness);
+        Ok(material as u16)
     }
 
     /// Number of nodes in use.
@@ -152,6 +175,7 @@ impl VoxelSystem {
                 other => return other,
             }
             self.multigrid = self.cells.multigrid();
+            self.prepared += 1;
             self.stale = false;
             self.usual = None;
         }
@@ -160,21 +184,27 @@ impl VoxelSystem {
         Ok(solution)
     }
 
-    /// Stress and strain in the middle of a cell, MPa, order xx, yy, zz, xy, yz, zx; `None` for a void one.
-    pub fn stress(&self, displacement: &[DVec3], cell: usize) -> Option<([f64; 6], [f64; 6])> {
+    /// Strain in the middle of a cell, order xx, yy, zz, xy, yz, zx; `None` for a void one.
+    pub fn strain(&self, displacement: &[DVec3], cell: usize) -> Option<[f64; 6]> {
         let part = &self.cells.part;
         let (nx, ny) = (part.n[0], part.n[1]);
         let c = IVec3::new((cell % nx) as i32, (cell / nx % ny) as i32, (cell / nx / ny) as i32);
-        let (material, scale) = part.solid(c)?;
+        part.solid(c)?;
         let mut grad = DMat3::ZERO;
         for k in 0..8 {
             let u = displacement[self.cells.node_of[part.point_index(c + corner(k))] as usize];
             let slope = (corner(k).as_dvec3() * 2.0 - 1.0) * 0.25 / part.cell_mm;
             grad += DMat3::from_cols(u * slope.x, u * slope.y, u * slope.z);
         }
-        let strain = element::strain(&grad);
-        let stress = element::multiply(&part.palette[usize::from(material)], &strain);
-        Some((stress.map(|s| s * f64::from(scale)), strain))
+        Some(element::strain(&grad))
+    }
+
+    /// Stress and strain in the middle of a cell, MPa, order xx, yy, zz, xy, yz, zx; `None` for a void one.
+    pub fn stress(&self, displacement: &[DVec3], cell: usize) -> Option<([f64; 6], [f64; 6])> {
+        let strain = self.strain(displacement, cell)?;
+        let part = &self.cells.part;
+        let stress = element::multiply(&part.palette[usize::from(part.material[cell])], &strain);
+        Some((stress.map(|s| s * f64::from(part.scale[cell])), strain))
     }
 }
 
@@ -406,8 +436,13 @@ impl Cells {
                 }
             }
         }
-        let children: Vec<Vec<[[DMat3; 8]; 8]>> =
-            self.elements.iter().map(|k| (0..8).map(|c| gathered(c, k)).collect()).collect();
+        // Only of stiffnesses in use: broken cells leave many behind.
+        let mut used = vec![false; self.elements.len()];
+        let in_use = self.part.material.iter().filter(|m| **m != VOID);
+        in_use.for_each(|m| used[usize::from(*m)] = true);
+        let children: Vec<Vec<[[DMat3; 8]; 8]>> = (self.elements.par_iter().zip(&used))
+            .map(|(k, used)| (0..8).filter(|_| *used).map(|c| gathered(c, k)).collect())
+            .collect();
         let matrix = assemble(places.len(), &hexes, |h| {
             let mut sum = [[DMat3::ZERO; 8]; 8];
             for c in 0..8 {

@@ -39,7 +39,45 @@ pub struct Grid {
     pub ny: usize,
 }
 
+/// Width of the strip that a bead is taken for, mm.
+fn width(s: &BeadSheet, b: &BeadPiece) -> f64 {
+    b.volume_mm3 / (b.a.distance(b.b) * s.height_mm)
+}
+
+fn usable(s: &BeadSheet, b: &BeadPiece) -> bool {
+    b.a.is_finite() && b.b.is_finite() && b.a != b.b && b.volume_mm3 > 0.0 && s.height_mm > 0.0
+}
+
 impl Grid {
+    /// A grid over some beads with one empty cell all around, and what the beads hold, mm3.
+    ///
+    /// # Errors
+    /// [`CellError`] when there is no bead or there are too many cells.
+    pub fn over(sheets: &[BeadSheet], cell_mm: f64) -> Result<(Self, f64), CellError> {
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let mut laid_mm3 = 0.0;
+        for s in sheets {
+            for b in s.beads.iter().filter(|b| usable(s, b)) {
+                // Blobs, laid while hardly moving, are not wider than this.
+                let r = (0.5 * width(s, b)).min(5.0);
+                low = low.min(b.a.min(b.b) - r);
+                high = high.max(b.a.max(b.b) + r);
+                laid_mm3 += b.volume_mm3;
+            }
+        }
+        if !(low.is_finite() && high.is_finite()) {
+            return Err(CellError::Nothing);
+        }
+        // Corners on whole cells from the middle, so that symmetric parts stay so; rounding makes no cell of its own.
+        let size = (high - low) / cell_mm - 1e-6;
+        let (nx, ny) = (size.x.ceil() + 2.0, size.y.ceil() + 2.0);
+        if nx * ny > MOST_CELLS as f64 {
+            return Err(CellError::TooMany { nx, ny, cell_mm, most: MOST_CELLS });
+        }
+        let low = 0.5 * (low + high) - 0.5 * cell_mm * DVec2::new(nx, ny);
+        Ok((Self { low, cell_mm, nx: nx as usize, ny: ny as usize }, laid_mm3))
+    }
+
     /// The middle of a cell, mm.
     pub fn centre(&self, cell: usize) -> DVec2 {
         let (i, j) = (cell % self.nx, cell / self.nx);
@@ -48,7 +86,7 @@ impl Grid {
 }
 
 /// Directions are kept apart in this many fans for each material, the first around x; a half turn has them all.
-const FANS: usize = 8;
+pub(super) const FANS: usize = 8;
 
 /// All layers of one direction in one cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,41 +148,10 @@ impl Laminate {
     /// # Errors
     /// [`CellError`] when there is no bead or there are too many cells.
     pub fn of(sheets: &[BeadSheet], cell_mm: f64) -> Result<Self, CellError> {
-        let width = |s: &BeadSheet, b: &BeadPiece| b.volume_mm3 / (b.a.distance(b.b) * s.height_mm);
-        let usable = |s: &BeadSheet, b: &BeadPiece| {
-            b.a.is_finite() && b.b.is_finite() && b.a != b.b && b.volume_mm3 > 0.0 && s.height_mm > 0.0
-        };
-        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        let mut laid_mm3 = 0.0;
-        for s in sheets {
-            for b in s.beads.iter().filter(|b| usable(s, b)) {
-                // Blobs, laid while hardly moving, are not wider than this.
-                let r = (0.5 * width(s, b)).min(5.0);
-                low = low.min(b.a.min(b.b) - r);
-                high = high.max(b.a.max(b.b) + r);
-                laid_mm3 += b.volume_mm3;
-            }
-        }
-        if !(low.is_finite() && high.is_finite()) {
-            return Err(CellError::Nothing);
-        }
-        // One empty cell all around; corners on whole cells from the middle, so that symmetric parts stay so.
-        let size = (high - low) / cell_mm;
-        let (nx, ny) = (size.x.ceil() + 2.0, size.y.ceil() + 2.0);
-        if nx * ny > MOST_CELLS as f64 {
-            return Err(CellError::TooMany { nx, ny, cell_mm, most: MOST_CELLS });
-        }
-        let low = 0.5 * (low + high) - 0.5 * cell_mm * DVec2::new(nx, ny);
-        let grid = Grid { low, cell_mm, nx: nx as usize, ny: ny as usize };
+        let (grid, laid_mm3) = Grid::over(sheets, cell_mm)?;
         let all = sheets.iter().flat_map(|s| &s.beads);
         let n_fans = FANS * (1 + usize::from(all.map(|b| b.material).max().unwrap_or(0)));
-        let layers: Vec<Vec<Share>> = sheets
-            .par_iter()
-            .map(|s| {
-                let strips = s.beads.iter().filter(|b| usable(s, b)).map(|b| (*b, width(s, b).min(10.0)));
-                layer(&grid, n_fans, s.height_mm, strips)
-            })
-            .collect();
+        let layers: Vec<Vec<Share>> = sheets.par_iter().map(|s| layer(&grid, n_fans, s)).collect();
         Ok(Self::stacked(grid, n_fans, sheets, &layers, laid_mm3))
     }
 
@@ -199,17 +206,14 @@ impl Laminate {
 }
 
 /// What a layer has in one fan of one cell: thickness, and thickness times cosine and sine of the double angle.
-struct Share {
-    slot: u32,
-    sum: [f32; 3],
+pub(super) struct Share {
+    pub slot: u32,
+    pub sum: [f32; 3],
 }
 
-fn layer(
-    grid: &Grid,
-    n_fans: usize,
-    height_mm: f64,
-    strips: impl Iterator<Item = (BeadPiece, f64)>,
-) -> Vec<Share> {
+pub(super) fn layer(grid: &Grid, n_fans: usize, sheet: &BeadSheet) -> Vec<Share> {
+    let height_mm = sheet.height_mm;
+    let strips = sheet.beads.iter().filter(|b| usable(sheet, b)).map(|b| (*b, width(sheet, b).min(10.0)));
     let n = grid.nx * grid.ny;
     let mut held = vec![0f32; n];
     let mut fans = vec![[0f32; 3]; n * n_fans];

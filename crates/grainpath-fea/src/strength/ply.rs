@@ -2,7 +2,7 @@
 
 use grainpath_core::math::sin_cos;
 
-use crate::material::{Orthotropic, Unstable, rotated_plane};
+use crate::material::{Orthotropic, Stiffness, Unstable, rotated_plane};
 use crate::plane::PlaneStiffness;
 
 /// What printed material stands, in its own axes: 1 along the beads, 2 across them in the layer.
@@ -20,9 +20,13 @@ pub struct StrengthCard {
     pub xc_mpa: f64,
     /// Compression across them, MPa, positive.
     pub yc_mpa: f64,
+    /// Tension from layer to layer, MPa.
+    pub zt_mpa: f64,
+    /// Shear between layers, MPa.
+    pub s_il_mpa: f64,
     /// Energy to tear through beads, N/mm.
     pub g_along_n_mm: f64,
-    /// Energy to tear beads from each other, N/mm.
+    /// Energy to tear beads from each other, beside or above, N/mm.
     pub g_across_n_mm: f64,
 }
 
@@ -73,27 +77,59 @@ impl StrengthCard {
         (if through { [all, between.min(all)] } else { [along, all] }, mode)
     }
 
-    /// Whether every number can be used.
-    pub fn is_sound(&self) -> bool {
-        let all = [self.xt_mpa, self.yt_mpa, self.s12_mpa, self.xc_mpa, self.yc_mpa];
-        let energies = [self.g_along_n_mm, self.g_across_n_mm];
-        all.iter().chain(&energies).all(|v| v.is_finite() && *v > 0.0)
+    /// Whether sliding along the beads is a greater part of what parts them than opening.
+    pub fn slides(&self, [_, s2, s12]: [f64; 3]) -> bool {
+        let y = if s2 >= 0.0 { self.yt_mpa } else { self.yc_mpa };
+        s12.abs() / self.s12_mpa > s2.abs() / y
     }
 
-    /// Strain to which a broken band one cell wide can be drawn before it carries nothing, over the strain at which
-    /// it began to break; for tearing through beads and between them. Cells that are too large to hold the energy
-    /// break at once.
-    pub fn draws(&self, cell_mm: f64) -> [f64; 2] {
-        let [e1, e2, _] = self.elastic.e_mpa;
-        let draw = |e: f64, g: f64, s: f64| (2.0 * e * g / (cell_mm * s * s)).max(1.02);
-        [draw(e1, self.g_along_n_mm, self.xt_mpa), draw(e2, self.g_across_n_mm, self.yt_mpa)]
+    /// How near a layer is to parting from the one below under stresses 33, 23, 13 (MPa), pressure doing nothing, and
+    /// whether by sliding.
+    pub fn layers(&self, [s33, s23, s13]: [f64; 3]) -> (f64, bool) {
+        let opens = s33.max(0.0) / self.zt_mpa;
+        let slides = (s23 * s23 + s13 * s13).sqrt() / self.s_il_mpa;
+        ((opens * opens + slides * slides).sqrt(), slides > opens)
+    }
+
+    /// Whether every number can be used.
+    pub fn is_sound(&self) -> bool {
+        let plane = [self.xt_mpa, self.yt_mpa, self.s12_mpa, self.xc_mpa, self.yc_mpa];
+        let rest = [self.zt_mpa, self.s_il_mpa, self.g_along_n_mm, self.g_across_n_mm];
+        plane.iter().chain(&rest).all(|v| v.is_finite() && *v > 0.0)
+    }
+
+    /// How far a broken band one cell wide can be drawn before it carries nothing, in a cell of this width and height.
+    /// Cells that are too large to hold the energy break at once.
+    pub fn draws(&self, cell_mm: f64, height_mm: f64) -> Draws {
+        let [e1, e2, e3] = self.elastic.e_mpa;
+        let [g12, _, g13] = self.elastic.g_mpa;
+        let (g1, g2) = (self.g_along_n_mm, self.g_across_n_mm);
+        let draw = |e: f64, g: f64, s: f64, width: f64| (2.0 * e * g / (width * s * s)).max(1.02);
+        let opened = [
+            draw(e1, g1, self.xt_mpa, cell_mm),
+            draw(e2, g2, self.yt_mpa, cell_mm),
+            draw(e3, g2, self.zt_mpa, height_mm),
+        ];
+        let slid = [opened[0], draw(g12, g2, self.s12_mpa, cell_mm), draw(g13, g2, self.s_il_mpa, height_mm)];
+        Draws { opened, slid }
     }
 }
 
+/// Strain at which a broken band carries nothing, over the strain at which it began to break: for tearing through
+/// beads, between them, and between layers. Opening and sliding spend the same energy per area.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Draws {
+    /// Where they are pulled apart.
+    pub opened: [f64; 3],
+    /// Where they slide.
+    pub slid: [f64; 3],
+}
+
 /// How a ply fails.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum Mode {
     /// Beads tear.
+    #[default]
     Along,
     /// Beads part from their neighbours.
     Across,
@@ -159,6 +195,30 @@ pub fn broken(elastic: &Orthotropic, lost: [f64; 2]) -> Result<PlaneStiffness, U
     Ok([[s[2] / det, -s[1] / det, 0.0], [-s[1] / det, s[0] / det, 0.0], [0.0, 0.0, g]])
 }
 
+/// Shares left of stresses 11, 22, 33, 12, 23, 13 with these shares lost along the beads, between them and between
+/// layers, and this share of a layer lying on the one below.
+pub fn left(lost: [f64; 3], bond: f64) -> [f64; 6] {
+    let (along, across, up) = (1.0 - lost[0], 1.0 - lost[1].max(lost[0]), (1.0 - lost[2]) * bond);
+    [along, across, up, across, across.min(up), up]
+}
+
+/// The same as [`broken`] in space: stress from strain, order 11, 22, 33, 12, 23, 13, of a layer that also parts from
+/// the one below. `bond` is the share of it that lies on that.
+///
+/// # Errors
+/// [`Unstable`] when the elastic constants are not those of a stable material.
+pub fn broken_solid(elastic: &Orthotropic, lost: [f64; 3], bond: f64) -> Result<Stiffness, Unstable> {
+    let l = left(lost, bond);
+    let (e, nu, g) = (elastic.e_mpa, elastic.nu, elastic.g_mpa);
+    // Only what resists directly becomes softer: the compliances between axes stay, and with them stability.
+    let softer = Orthotropic {
+        e_mpa: [e[0] * l[0], e[1] * l[1], e[2] * l[2]],
+        nu: [nu[0] * l[0], nu[1] * l[1], nu[2] * l[0]],
+        g_mpa: [g[0] * l[3], g[1] * l[4], g[2] * l[5]],
+    };
+    softer.stiffness()
+}
+
 /// A ply stiffness seen from x and y.
 pub fn turned(c: &PlaneStiffness, angle_rad: f64) -> PlaneStiffness {
     rotated_plane(c, angle_rad)
@@ -180,6 +240,8 @@ mod tests {
             s12_mpa: 18.0,
             xc_mpa: 70.0,
             yc_mpa: 70.0,
+            zt_mpa: 40.0,
+            s_il_mpa: 18.0,
             g_along_n_mm: 4.0,
             g_across_n_mm: 1.3,
         }

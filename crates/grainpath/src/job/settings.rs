@@ -342,10 +342,10 @@ sections! {
     /// The virtual strength test.
     StrengthSection "strength" {
         enabled: bool = false, "", Any, "Test every run: fixtures and loads are the tables guide.fixture and guide.load, whatever guide.kind is.";
-        cell_mm: Option<f64> = None, "mm", Range(0.02, 50.0), "Side of a cell of the test; left out, half a bead, larger for large parts.";
+        cell_mm: Option<f64> = None, "mm", Range(0.02, 50.0), "Side of a cell of the test; left out, half a bead for plates and a bead for solids, larger for large parts.";
         check: bool = true, "", Any, "Test once more with cells of twice the size and say how much the answer moved.";
         corners: bool = true, "", Any, "Test at the corners of the material's card too: low, nominal, high, and strong along but weak across and the reverse.";
-        fidelity: String = "auto".into(), "", Words(&["auto", "plane"]), "auto: refuse parts that are no plates; plane: take any part for a plate, its layers homogenised through the thickness.";
+        fidelity: String = "auto".into(), "", Words(&["auto", "plane", "voxels"]), "plane: a plate, its layers homogenised through the thickness; voxels: a solid of box-shaped cells, whose layers can part; auto: plane for parts of one section under loads in its plane, voxels for all others.";
     }
     /// What is written, relative to the job file or to --out.
     OutputSection "output" {

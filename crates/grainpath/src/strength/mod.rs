@@ -1,11 +1,12 @@
 //! The virtual strength test of a plan, or of anybody's G-code.
 //!
-//! Beads of a machine program become plies of a plate ([`grainpath_fea::strength`]); fixtures and loads are the
-//! job's. The answer is given with the interval that the material's card leaves, and with how far it depends on the
+//! Beads of a machine program become plies of a plate or bricks of a solid ([`grainpath_fea::strength`]); fixtures
+//! and loads are the job's. The answer is given with the interval that the material's card leaves, and with how far it depends on the
 //! size of the cells.
 
 mod page;
 mod setup;
+mod solid;
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -22,8 +23,9 @@ use serde::Serialize;
 use crate::guide::GuideError;
 use crate::job::{MaterialSection, Settings};
 pub use page::{chart_svg, damage_png, index_png};
-use setup::Prepared;
 pub use setup::TestSetup;
+use setup::{Fidelity, Prepared};
+use solid::PreparedSolid;
 
 /// Why a part cannot be tested.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -35,8 +37,14 @@ pub enum StrengthError {
         "the material has no strengths: set {0} as [low, nominal, high] in [material], or take another profile"
     )]
     NoCard(String),
-    #[error("only plates loaded in their plane are tested, and {0}")]
-    NotPlate(&'static str),
+    #[error(
+        "strength.fidelity = \"plane\" wants loads in the layers' plane, and a load has a part out of it"
+    )]
+    NotFlat,
+    #[error(
+        "a part with fibre is tested as a plate: loads in the layers' plane, strength.fidelity = \"plane\""
+    )]
+    FibreInSpace,
     #[error("{0} moves by a displacement; the test wants forces")]
     Moved(String),
     #[error("{what}: fix = \"normal\" needs a plane or a cylinder here, not a {shape}")]
@@ -110,6 +118,8 @@ fn card(m: &MaterialSection, corner: Corner) -> Result<StrengthCard, StrengthErr
         ("s12_mpa", m.s12_mpa),
         ("yc_mpa", m.yc_mpa),
         ("g_across_n_mm", m.g_across_n_mm),
+        ("zt_mpa", m.zt_mpa),
+        ("s_il_mpa", m.s_il_mpa),
     ];
     let missing: Vec<&str> = given.iter().filter(|g| g.1.is_none()).map(|g| g.0).collect();
     if !missing.is_empty() {
@@ -128,6 +138,8 @@ fn card(m: &MaterialSection, corner: Corner) -> Result<StrengthCard, StrengthErr
         s12_mpa: value(4),
         yc_mpa: value(5),
         g_across_n_mm: value(6),
+        zt_mpa: value(7),
+        s_il_mpa: value(8),
     })
 }
 
@@ -175,6 +187,9 @@ pub struct StrengthReport {
 pub struct Weakest {
     pub x_mm: f64,
     pub y_mm: f64,
+    /// Left out for plates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z_mm: Option<f64>,
     pub words: String,
 }
 
@@ -183,11 +198,79 @@ pub struct Tested {
     /// What it found.
     pub report: StrengthReport,
     outcome: Outcome,
-    elements: grainpath_fea::strength::plate::Elements,
+    map: Map,
 }
 
-/// The most cells taken when a job does not say how large they are.
+/// Where the elements of a test lie.
+enum Map {
+    Plane(grainpath_fea::strength::plate::Elements),
+    /// Cells along each axis, their edges in mm, the lowest corner, and the cell of each element.
+    Voxels {
+        n: [usize; 3],
+        cell_mm: DVec3,
+        low: DVec3,
+        cells: Vec<u32>,
+    },
+}
+
+/// A part held and loaded.
+enum Body {
+    Plane(Prepared),
+    Voxels(PreparedSolid),
+}
+
+impl Body {
+    fn of(setup: &TestSetup, sheets: &[BeadSheet], cell_mm: f64) -> Result<Self, StrengthError> {
+        Ok(match setup.fidelity {
+            Fidelity::Plane => Self::Plane(setup.prepared(sheets, cell_mm)?),
+            Fidelity::Voxels => Self::Voxels(setup.prepared_solid(sheets, cell_mm)?),
+        })
+    }
+
+    fn run(&self, cards: &[StrengthCard], max_bytes: u64) -> Result<Outcome, StrengthError> {
+        Ok(match self {
+            Self::Plane(p) => run(p, cards, max_bytes)?,
+            Self::Voxels(p) => p.run(&cards[0], max_bytes)?,
+        })
+    }
+
+    fn load_n(&self) -> f64 {
+        match self {
+            Self::Plane(p) => p.load_n,
+            Self::Voxels(p) => p.load_n,
+        }
+    }
+
+    fn lost(&self) -> f64 {
+        match self {
+            Self::Plane(p) => p.lost,
+            Self::Voxels(p) => p.lost,
+        }
+    }
+
+    fn volume_error(&self) -> f64 {
+        match self {
+            Self::Plane(p) => p.laminate.volume_error(),
+            Self::Voxels(p) => p.bricks.volume_error(),
+        }
+    }
+
+    fn map(self) -> Map {
+        match self {
+            Self::Plane(p) => Map::Plane(p.elements),
+            Self::Voxels(p) => Map::Voxels {
+                n: p.bricks.n,
+                cell_mm: p.bricks.cell_mm,
+                low: p.bricks.origin,
+                cells: (0..p.taken.len()).filter(|c| p.taken[*c]).map(|c| c as u32).collect(),
+            },
+        }
+    }
+}
+
+/// The most cells taken when a job does not say how large they are: of a plate, and of a solid.
 const CELLS: f64 = 150_000.0;
+const CELLS_SOLID: f64 = 500_000.0;
 /// Answers that move by more than this when cells are halved are not final.
 const CONVERGED: f64 = 0.03;
 
@@ -207,17 +290,20 @@ pub fn test(
     let nominal = cards(settings, CORNERS[0])?;
     diagnostics.begin(grainpath_core::diagnostics::Stage::Strength, 0);
     let sheets = setup.sheets(program, plate_from_part)?;
-    let area = setup.section.area_mm2();
-    let own = 0.5 * settings.process.bead_width_mm;
-    let cell_mm = settings.strength.cell_mm.unwrap_or_else(|| own.max((area / CELLS).sqrt()));
+    let bead = settings.process.bead_width_mm;
+    let own = match setup.fidelity {
+        Fidelity::Plane => (0.5 * bead).max((setup.section.area_mm2() / CELLS).sqrt()),
+        Fidelity::Voxels => bead.max((setup.volume_mm3 / CELLS_SOLID).cbrt()),
+    };
+    let cell_mm = settings.strength.cell_mm.unwrap_or(own);
     let max_bytes = (settings.guide.memory_mb as u64) << 20;
     let s = &settings.strength;
     let corners = if s.corners { &CORNERS[..] } else { &CORNERS[..1] };
     let coarse = s.check || s.corners;
     let (fine, others) = rayon::join(
         || {
-            let prepared = setup.prepared(&sheets, cell_mm)?;
-            run(&prepared, &nominal, max_bytes).map(|o| (o, prepared))
+            let prepared = Body::of(setup, &sheets, cell_mm)?;
+            prepared.run(&nominal, max_bytes).map(|o| (o, prepared))
         },
         || at_corners(settings, setup, &sheets, if coarse { 2.0 * cell_mm } else { 0.0 }, corners, max_bytes),
     );
@@ -239,7 +325,7 @@ pub fn test(
         stiffness_n_per_mm: digits(outcome.stiffness_n_per_mm),
         first_n: digits(outcome.first_n),
         peak_displacement_mm: digits(at_peak),
-        job_load_n: digits(prepared.load_n),
+        job_load_n: digits(prepared.load_n()),
         case: setup.case.clone(),
         mode: outcome.mode().name(),
         modes: Mode::ALL
@@ -252,10 +338,10 @@ pub fn test(
         corners: peaks,
         mass_g: digits(mass_g),
         load_per_gram_n_g: digits(outcome.peak_load_n / mass_g.max(1e-12)),
-        fidelity: "plane",
+        fidelity: setup.fidelity.name(),
         cell_mm: digits(cell_mm),
         mesh_change: mesh_change.map(digits),
-        volume_error: digits(prepared.laminate.volume_error()),
+        volume_error: digits(prepared.volume_error()),
         dofs: outcome.dofs,
         solutions: outcome.effort[0],
         seconds: digits(start.elapsed().as_secs_f64()),
@@ -270,7 +356,7 @@ pub fn test(
         card_tier: settings.material.strength_tier.clone(),
         curve: outcome.curve.iter().map(|p| p.map(digits)).collect(),
     };
-    Ok(Tested { report, outcome, elements: prepared.elements })
+    Ok(Tested { report, outcome, map: prepared.map() })
 }
 
 /// Mass of the part's beads, without skirt, brim and support, g.
@@ -283,7 +369,7 @@ fn part_g(program: &Program, settings: &Settings) -> f64 {
     beads.map(|b| f64::from(b.volume_mm3) * 1e-3 * density(b)).sum()
 }
 
-fn run(prepared: &Prepared, cards: &[StrengthCard], max_bytes: u64) -> Result<Outcome, StrengthError> {
+fn run(prepared: &Prepared, cards: &[StrengthCard], max_bytes: u64) -> Result<Outcome, TestError> {
     let test = PlateTest {
         laminate: &prepared.laminate,
         elements: &prepared.elements,
@@ -294,7 +380,7 @@ fn run(prepared: &Prepared, cards: &[StrengthCard], max_bytes: u64) -> Result<Ou
         cards,
         max_bytes,
     };
-    Ok(test.run()?)
+    test.run()
 }
 
 /// Peak loads at the corners of the card, nominal first; none for cells of no size.
@@ -309,8 +395,8 @@ fn at_corners(
     if cell_mm <= 0.0 {
         return Ok(Vec::new());
     }
-    let prepared = setup.prepared(sheets, cell_mm)?;
-    let peak = |corner: &Corner| Ok(run(&prepared, &cards(settings, *corner)?, max_bytes)?.peak_load_n);
+    let prepared = Body::of(setup, sheets, cell_mm)?;
+    let peak = |corner: &Corner| Ok(prepared.run(&cards(settings, *corner)?, max_bytes)?.peak_load_n);
     let all: Vec<Result<f64, StrengthError>> = corners.par_iter().map(peak).collect();
     all.into_iter().collect()
 }
@@ -318,7 +404,7 @@ fn at_corners(
 fn warn(
     setup: &TestSetup,
     outcome: &Outcome,
-    prepared: &Prepared,
+    prepared: &Body,
     mesh_change: Option<f64>,
     cell_mm: f64,
     diagnostics: &Diagnostics,
@@ -333,10 +419,10 @@ fn warn(
             0.5 * cell_mm
         ));
     }
-    if prepared.lost > 0.01 {
+    if prepared.lost() > 0.01 {
         diagnostics.warn(format!(
             "strength: {:.1} % of the material hangs together with nothing that is held and is left out",
-            100.0 * prepared.lost
+            100.0 * prepared.lost()
         ));
     }
     if !outcome.ended {
@@ -350,6 +436,44 @@ fn warn(
 /// Where a part breaks, in words.
 fn weakest(setup: &TestSetup, outcome: &Outcome) -> Weakest {
     let p = outcome.weakest;
+    let size = setup.high - setup.low;
+    let share = |k: usize| 100.0 * (p[k] - setup.low[k]) / size[k].max(1e-9);
+    let how = match outcome.mode() {
+        Mode::Along => "as beads tear",
+        Mode::Across => "as beads part from each other",
+        Mode::Shear => "as beads slide along each other",
+        Mode::Compression => "by crushing",
+        Mode::Layers => "as layers part",
+    };
+    let round = |v: f64| (v * 100.0).round() * 0.01;
+    let (x_mm, y_mm) = (round(p.x), round(p.y));
+    if setup.fidelity == Fidelity::Voxels {
+        let layer = (0.01 * share(2) * setup.n_layers as f64).ceil().clamp(1.0, setup.n_layers as f64);
+        let words = format!(
+            "x {:.1}, y {:.1}, z {:.1} mm ({:.0} % of the length, {:.0} % of the width, layer {layer:.0} of {}); it \
+             fails {how}",
+            p.x,
+            p.y,
+            p.z,
+            share(0),
+            share(1),
+            setup.n_layers,
+        );
+        return Weakest { x_mm, y_mm, z_mm: Some(round(p.z)), words };
+    }
+    let words = format!(
+        "x {:.1}, y {:.1} mm ({:.0} % of the length, {:.0} % of the width), {}; it fails {how}",
+        p.x,
+        p.y,
+        share(0),
+        share(1),
+        beside(setup, p.truncate()),
+    );
+    Weakest { x_mm, y_mm, z_mm: None, words }
+}
+
+/// What a place of a plate lies beside.
+fn beside(setup: &TestSetup, p: DVec2) -> String {
     let mut near = (f64::INFINITY, "border", DVec2::ZERO);
     for polygon in &setup.section.polygons {
         let contours =
@@ -371,25 +495,7 @@ fn weakest(setup: &TestSetup, outcome: &Outcome) -> Weakest {
         "hole" => format!("the hole around ({:.1}, {:.1})", middle.x, middle.y),
         _ => "the border".to_owned(),
     };
-    let place = if off < 1.0 { format!("at {whose}") } else { format!("{off:.1} mm from {whose}") };
-    let size = setup.high - setup.low;
-    let along = |v: f64, low: f64, size: f64| 100.0 * (v - low) / size.max(1e-9);
-    let words = format!(
-        "x {:.1}, y {:.1} mm ({:.0} % of the length, {:.0} % of the width), {place}; it fails {}",
-        p.x,
-        p.y,
-        along(p.x, setup.low.x, size.x),
-        along(p.y, setup.low.y, size.y),
-        match outcome.mode() {
-            Mode::Along => "as beads tear",
-            Mode::Across => "as beads part from each other",
-            Mode::Shear => "as beads slide along each other",
-            Mode::Compression => "by crushing",
-            Mode::Layers => "as layers part",
-        }
-    );
-    let round = |v: f64| (v * 100.0).round() * 0.01;
-    Weakest { x_mm: round(p.x), y_mm: round(p.y), words }
+    if off < 1.0 { format!("at {whose}") } else { format!("{off:.1} mm from {whose}") }
 }
 
 /// Five digits: as many as anyone may believe.
@@ -405,7 +511,7 @@ impl StrengthReport {
         format!(
             "breaks at {:.0} N ({:.0} to {:.0} N over the card of the material), stiffness {:.0} N/mm, {:.0} N per gram\n\
              fails mostly {}; weakest at {}\n\
-             plane test, cells of {} mm{mesh}; {} unknowns, {} solutions, {:.1} s",
+             {} test, cells of {} mm{mesh}; {} unknowns, {} solutions, {:.1} s",
             self.peak_load_n,
             self.low_n,
             self.high_n,
@@ -413,6 +519,7 @@ impl StrengthReport {
             self.load_per_gram_n_g,
             self.mode,
             self.weakest.words,
+            self.fidelity,
             self.cell_mm,
             self.dofs,
             self.solutions,

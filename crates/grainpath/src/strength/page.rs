@@ -2,29 +2,60 @@
 
 use std::fmt::Write;
 
-use grainpath_core::{Bounds2, DVec2};
+use grainpath_core::{Bounds2, DVec2, DVec3};
 
-use super::{StrengthReport, Tested};
+use super::{Map, StrengthReport, Tested};
 use crate::render::{Canvas, Ramp};
 
+/// Values of elements over a picture of a plate, or over the layers of a solid.
 fn map_png(tested: &Tested, values: &[f32], size_px: u32) -> Vec<u8> {
-    let grid = &tested.elements.grid;
-    let mut shown = vec![None; grid.nx * grid.ny];
-    for (cell, v) in tested.elements.cells.iter().zip(values) {
-        shown[*cell as usize] = Some(f64::from(*v));
+    let (n, cell, low, cells) = match &tested.map {
+        Map::Plane(e) => {
+            let cell = DVec3::splat(e.grid.cell_mm);
+            ([e.grid.nx, e.grid.ny, 1], cell, e.grid.low, &e.cells)
+        }
+        Map::Voxels { n, cell_mm, low, cells } => (*n, *cell_mm, low.truncate(), cells),
+    };
+    let mut shown = vec![None; n.iter().product()];
+    for (cell, v) in cells.iter().zip(values) {
+        shown[*cell as usize] = Some(*v);
     }
-    let size = grid.cell_mm * DVec2::new(grid.nx as f64, grid.ny as f64);
-    let mut canvas = Canvas::over(Bounds2 { min: grid.low, max: grid.low + size }, size_px);
+    let tiles = tiles(n, &shown);
+    let size = cell.truncate() * DVec2::new(n[0] as f64, n[1] as f64);
+    // As wide as it is high, near enough.
+    let columns = (tiles.len() as f64 * size.y / size.x).sqrt().round().clamp(1.0, tiles.len() as f64);
+    let rows = (tiles.len() as f64 / columns).ceil();
+    let all = size * DVec2::new(columns, rows);
+    let mut canvas = Canvas::over(Bounds2 { min: low, max: low + all }, size_px);
     let ramp = Ramp { low: 0.0, high: 1.0 };
     let colours = canvas.pixels().map(|p| {
-        let q = (p - grid.low) / grid.cell_mm;
-        let inside = q.x >= 0.0 && q.y >= 0.0 && q.x < grid.nx as f64 && q.y < grid.ny as f64;
-        let value = inside.then(|| shown[q.y as usize * grid.nx + q.x as usize]).flatten();
-        value.map(|v| ramp.colour(v))
+        let at = (p - low) / size;
+        let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < columns && at.y < rows;
+        let tile = inside.then(|| tiles.get((at.y.floor() * columns + at.x.floor()) as usize)).flatten()?;
+        let q = (at - at.floor()) * DVec2::new(n[0] as f64, n[1] as f64);
+        shown[(tile * n[1] + q.y as usize) * n[0] + q.x as usize].map(|v| ramp.colour(f64::from(v)))
     });
     let colours: Vec<_> = colours.collect();
     canvas.paint(colours.into_iter());
     canvas.png()
+}
+
+/// The most heights of a solid in a picture.
+const TILES: usize = 12;
+
+/// Heights that are shown: evenly from the bottom to the top, the nearest to the greatest value moved to it.
+fn tiles(n: [usize; 3], shown: &[Option<f32>]) -> Vec<usize> {
+    let area = n[0] * n[1];
+    let greatest =
+        |z: usize| shown[z * area..(z + 1) * area].iter().flatten().fold(0.0, |m: f32, v| m.max(*v));
+    let count = n[2].min(TILES);
+    let mut all: Vec<usize> = (0..count).map(|k| (2 * k + 1) * n[2] / (2 * count)).collect();
+    let worst =
+        (0..n[2]).fold((0.0, 0), |best, z| if greatest(z) > best.0 { (greatest(z), z) } else { best });
+    if let Some(near) = all.iter_mut().min_by_key(|z| z.abs_diff(worst.1)) {
+        *near = worst.1;
+    }
+    all
 }
 
 /// Share of the material that broke, blue none and red all.

@@ -15,21 +15,39 @@ use crate::job::loads::Push;
 /// Cells with less of their height filled are left out.
 const LEAST_FILLED: f64 = 0.02;
 /// Around grips and rollers nothing breaks within this, mm: what happens there is the machine's doing.
-const SPARED_MM: f64 = 1.5;
+pub(super) const SPARED_MM: f64 = 1.5;
 
 /// How something is held.
-struct HeldPlace {
-    on: Selection,
-    fixed: [bool; 3],
-    normal: bool,
-    what: String,
+pub(super) struct HeldPlace {
+    pub on: Selection,
+    pub fixed: [bool; 3],
+    pub normal: bool,
+    pub what: String,
 }
 
 /// What pushes.
-struct Pushed {
-    on: Option<Selection>,
-    push: Push,
-    what: String,
+pub(super) struct Pushed {
+    pub on: Option<Selection>,
+    pub push: Push,
+    pub what: String,
+}
+
+/// What a part is taken for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Fidelity {
+    /// A plate: layers homogenised through the thickness.
+    Plane,
+    /// A solid of box-shaped cells.
+    Voxels,
+}
+
+impl Fidelity {
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Plane => "plane",
+            Self::Voxels => "voxels",
+        }
+    }
 }
 
 /// What a test must know of a part beside its beads.
@@ -38,12 +56,18 @@ pub struct TestSetup {
     pub(super) high: DVec3,
     /// The section in the middle of the part's height.
     pub(super) section: Region,
-    fixtures: Vec<HeldPlace>,
-    loads: Vec<Pushed>,
+    /// Volume of the part, mm3, and number of its layers.
+    pub(super) volume_mm3: f64,
+    pub(super) n_layers: usize,
+    pub(super) fidelity: Fidelity,
+    /// The surface, for solids under pressure.
+    pub(super) mesh: TriMesh,
+    pub(super) fixtures: Vec<HeldPlace>,
+    pub(super) loads: Vec<Pushed>,
     /// The load case that is tested.
     pub case: String,
     n_cases: usize,
-    density_t_mm3: f64,
+    pub(super) density_t_mm3: f64,
     /// Whether fibre has a card of its own.
     fibre: bool,
 }
@@ -52,7 +76,7 @@ impl TestSetup {
     /// Reads fixtures and loads against a part; of several load cases the one that counts most is tested.
     ///
     /// # Errors
-    /// [`StrengthError`] where a fixture or load is missing or not in the layers' plane, or the part is no plate.
+    /// [`StrengthError`] where a fixture or load is missing, or not in the layers' plane for a test in it.
     pub fn of(settings: &Settings, mesh: &TriMesh, stack: &LayerStack) -> Result<Self, StrengthError> {
         let all = cases(settings);
         let first = all.iter().rev().max_by(|a, b| a.weight.total_cmp(&b.weight));
@@ -60,21 +84,21 @@ impl TestSetup {
         if settings.guide.fixture.is_empty() {
             return Err(StrengthError::Missing("a [[guide.fixture]]"));
         }
-        if !case.loads.iter().all(|l| in_plane(&l.push)) {
-            return Err(StrengthError::NotPlate("a load has a part out of the layers' plane"));
-        }
+        let flat = case.loads.iter().all(|l| in_plane(&l.push));
         let layers = stack.layers();
-        let section = match constant_section(stack) {
-            Some(section) => section.clone(),
-            None if settings.strength.fidelity == "plane" => {
-                layers.get(layers.len() / 2).map(|l| l.region().clone()).unwrap_or_default()
-            }
-            None => {
-                return Err(StrengthError::NotPlate(
-                    "the section is not the same at all heights (strength.fidelity = \"plane\" takes it for a plate all the same)",
-                ));
-            }
+        let same = constant_section(stack);
+        let fidelity = match settings.strength.fidelity.as_str() {
+            "plane" if !flat => return Err(StrengthError::NotFlat),
+            "plane" => Fidelity::Plane,
+            "voxels" => Fidelity::Voxels,
+            _ if flat && (same.is_some() || settings.fibre.enabled) => Fidelity::Plane,
+            _ => Fidelity::Voxels,
         };
+        if fidelity == Fidelity::Voxels && settings.fibre.enabled {
+            return Err(StrengthError::FibreInSpace);
+        }
+        let middle = || layers.get(layers.len() / 2).map(|l| l.region());
+        let section = same.or_else(middle).cloned().unwrap_or_default();
         let mut fixtures = Vec::new();
         for (k, f) in settings.guide.fixture.iter().enumerate() {
             let what = format!("fixture {}", k + 1);
@@ -96,10 +120,18 @@ impl TestSetup {
         let (low, high) = mesh.bounds().unwrap_or_default();
         let (n_cases, case) = (all.len(), case.name.clone());
         let density_t_mm3 = settings.material.density_g_cm3 * 1e-9;
+        let pressed = loads.iter().any(|l| matches!(l.push, Push::Pressure(_)));
+        let mesh = if pressed { mesh.clone() } else { TriMesh::default() };
+        let volume_mm3 = layers.iter().map(|l| l.region().area_mm2() * l.height_mm()).sum();
+        let n_layers = layers.len();
         Ok(Self {
             low,
             high,
             section,
+            volume_mm3,
+            n_layers,
+            fidelity,
+            mesh,
             fixtures,
             loads,
             case,
@@ -120,7 +152,7 @@ impl TestSetup {
         p.extend(0.5 * (self.low.z + self.high.z))
     }
 
-    fn nothing(&self, what: &str, on: &Selection) -> StrengthError {
+    pub(super) fn nothing(&self, what: &str, on: &Selection) -> StrengthError {
         StrengthError::CatchesNothing {
             what: what.to_owned(),
             shape: on.name(),

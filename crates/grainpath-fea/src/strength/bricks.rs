@@ -1,0 +1,234 @@
+//! Beads as box-shaped cells of a whole part: how full each is, which ways its beads run, and how much of it lies on
+//! the layer below.
+
+use grainpath_core::DVec3;
+use grainpath_core::math::atan2;
+use rayon::prelude::*;
+
+use super::cells::{BeadSheet, CellError, FANS, Grid, layer};
+
+/// Beads of one direction in a brick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BrickPly {
+    /// Share of the brick's material.
+    pub share: f64,
+    /// Mean direction, radians from x, without sign.
+    pub angle_rad: f64,
+}
+
+/// A part as box-shaped cells, x fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bricks {
+    /// Cells along x, y and z.
+    pub n: [usize; 3],
+    /// Lowest corner of the grid, mm.
+    pub origin: DVec3,
+    /// Edges of a cell, mm; a whole number of layers high.
+    pub cell_mm: DVec3,
+    /// How full each cell is, 0 to 1.
+    pub filled: Vec<f32>,
+    /// Share of each cell's layers that lies on the layer below, 0 to 1; 1 on the plate.
+    pub bond: Vec<f32>,
+    /// `plies[starts[cell]..starts[cell + 1]]` are those of a cell: none, one or two.
+    pub starts: Vec<u32>,
+    /// Plies, cell by cell, the greater first.
+    pub plies: Vec<BrickPly>,
+    /// Material in the cells, mm3.
+    pub volume_mm3: f64,
+    /// Material of the beads, mm3.
+    pub laid_mm3: f64,
+}
+
+/// The most cells of a part, empty ones included.
+pub const MOST_BRICKS: usize = 24_000_000;
+/// A second direction with less than this share of a brick is left to the first.
+const LEAST_SHARE: f64 = 0.12;
+
+impl Bricks {
+    /// Lays beads into cells of this width, as high as the number of layers that comes nearest to it. What stands on
+    /// the plate begins at `floor_mm`.
+    ///
+    /// # Errors
+    /// [`CellError`] when there is no bead or there are too many cells.
+    pub fn of(sheets: &[BeadSheet], cell_mm: f64, floor_mm: f64) -> Result<Self, CellError> {
+        let (grid, laid_mm3) = Grid::over(sheets, cell_mm)?;
+        let tall: f64 = sheets.iter().map(|s| s.height_mm).sum();
+        let mut heights: Vec<f64> = sheets.iter().map(|s| s.height_mm).collect();
+        heights.sort_unstable_by(f64::total_cmp);
+        let usual = heights[heights.len() / 2];
+        let per = (cell_mm / usual).round().max(1.0);
+        let nz = (tall / (per * usual)).round().max(1.0) as usize;
+        let n = [grid.nx, grid.ny, nz];
+        let all = grid.nx as f64 * grid.ny as f64 * nz as f64;
+        if all > MOST_BRICKS as f64 {
+            let (nx, ny) = (grid.nx as f64, grid.ny as f64 * nz as f64);
+            return Err(CellError::TooMany { nx, ny, cell_mm, most: MOST_BRICKS });
+        }
+        let high = tall / nz as f64;
+        // Quarters of cells know better what lies on what.
+        let fine = Grid { cell_mm: 0.5 * cell_mm, nx: 2 * grid.nx, ny: 2 * grid.ny, ..grid };
+        let mut bricks = Self {
+            n,
+            origin: grid.low.extend(floor_mm),
+            cell_mm: DVec3::new(cell_mm, cell_mm, high),
+            filled: Vec::with_capacity(all as usize),
+            bond: Vec::with_capacity(all as usize),
+            starts: vec![0],
+            plies: Vec::new(),
+            volume_mm3: 0.0,
+            laid_mm3,
+        };
+        let mut slab = Slab::new(&grid);
+        let mut below = vec![0f32; fine.nx * fine.ny];
+        let (mut z, mut at) = (0.0, 0);
+        // A few layers at a time: together, but not all in memory.
+        for some in sheets.chunks(32) {
+            let laid: Vec<_> = some.par_iter().map(|s| layer(&fine, FANS, s)).collect();
+            for (sheet, shares) in some.iter().zip(&laid) {
+                let (from, to) = (z, z + sheet.height_mm);
+                z = to;
+                let mut own = vec![0f32; below.len()];
+                for share in shares {
+                    own[share.slot as usize / FANS] += share.sum[0] / sheet.height_mm as f32;
+                }
+                let ground = from < 1e-6;
+                while at < nz {
+                    let (low, top) = (at as f64 * high, (at + 1) as f64 * high);
+                    let part = (to.min(top) - from.max(low)).max(0.0);
+                    if part > 1e-9 {
+                        // The layer's own foot belongs to the brick in which it begins.
+                        let foot = (from >= low - 1e-9 && !ground).then_some(&below);
+                        slab.add(shares, part / sheet.height_mm, &own, foot, &fine);
+                    }
+                    if to < top - 1e-9 {
+                        break;
+                    }
+                    bricks.push(&mut slab);
+                    at += 1;
+                }
+                below = own;
+            }
+        }
+        while at < nz {
+            bricks.push(&mut slab);
+            at += 1;
+        }
+        Ok(bricks)
+    }
+
+    fn push(&mut self, slab: &mut Slab) {
+        let area = self.cell_mm.x * self.cell_mm.y;
+        for (fans, bond) in slab.fans.chunks_exact(FANS).zip(&slab.bond) {
+            let thickness: f64 = fans.iter().map(|f| f64::from(f[0])).sum();
+            self.volume_mm3 += thickness * area;
+            self.filled.push((thickness / self.cell_mm.z).min(1.0) as f32);
+            self.bond.push(if bond[1] > 0.0 { (bond[0] / bond[1]).min(1.0) } else { 1.0 });
+            self.plies.extend(plies(fans).into_iter().flatten());
+            self.starts.push(self.plies.len() as u32);
+        }
+        slab.clear();
+    }
+
+    /// The plies of a cell.
+    pub fn of_cell(&self, cell: usize) -> &[BrickPly] {
+        &self.plies[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    }
+
+    /// The middle of a cell, mm.
+    pub fn centre(&self, cell: usize) -> DVec3 {
+        let [nx, ny, _] = self.n;
+        let at = DVec3::new((cell % nx) as f64, (cell / nx % ny) as f64, (cell / nx / ny) as f64);
+        self.origin + self.cell_mm * (at + 0.5)
+    }
+
+    /// Share of the laid volume that the cells miss or have too much.
+    pub fn volume_error(&self) -> f64 {
+        (self.volume_mm3 / self.laid_mm3 - 1.0).abs()
+    }
+}
+
+/// One height of bricks as it fills.
+struct Slab {
+    nx: usize,
+    fans: Vec<[f32; 3]>,
+    /// What lies on the layer below, and what could.
+    bond: Vec<[f32; 2]>,
+}
+
+impl Slab {
+    fn new(grid: &Grid) -> Self {
+        let n = grid.nx * grid.ny;
+        Self { nx: grid.nx, fans: vec![[0.0; 3]; n * FANS], bond: vec![[0.0; 2]; n] }
+    }
+
+    fn clear(&mut self) {
+        self.fans.fill([0.0; 3]);
+        self.bond.fill([0.0; 2]);
+    }
+
+    /// Adds a part of a layer, and what it lies on where its foot is in here.
+    fn add(
+        &mut self,
+        shares: &[super::cells::Share],
+        part: f64,
+        own: &[f32],
+        below: Option<&Vec<f32>>,
+        fine: &Grid,
+    ) {
+        let (part, nx) = (part as f32, self.nx);
+        let of = |i: usize| coarse(i, fine.nx, nx);
+        for share in shares {
+            let (cell, fan) = (of(share.slot as usize / FANS), share.slot as usize % FANS);
+            let sum = &mut self.fans[cell * FANS + fan];
+            // The finer cells have a quarter of the area.
+            (0..3).for_each(|k| sum[k] += 0.25 * part * share.sum[k]);
+        }
+        let Some(below) = below else { return };
+        for (i, own) in own.iter().enumerate().filter(|(_, own)| **own > 0.0) {
+            let bond = &mut self.bond[of(i)];
+            bond[0] += own.min(below[i]);
+            bond[1] += own;
+        }
+    }
+}
+
+/// The cell that a quarter belongs to.
+fn coarse(i: usize, fine_nx: usize, nx: usize) -> usize {
+    i / fine_nx / 2 * nx + i % fine_nx / 2
+}
+
+/// The two greatest directions of a brick; the rest is shared out between them.
+fn plies(fans: &[[f32; 3]]) -> [Option<BrickPly>; 2] {
+    let total: f64 = fans.iter().map(|f| f64::from(f[0])).sum();
+    if total <= 0.0 {
+        return [None; 2];
+    }
+    // Neighbouring fans are one direction where beads turn: they are taken together with the greater.
+    let n = fans.len();
+    let wide = |k: usize| fans[k][0];
+    let first = (0..n).fold(0, |best, k| if wide(k) > wide(best) { k } else { best });
+    let near = |k: usize| (k + n - first) % n;
+    let of_first = |k: usize| matches!(near(k), 0 | 1) || near(k) == n - 1;
+    let angle = |each: &dyn Fn(usize) -> bool| {
+        let (mut c, mut s, mut t) = (0.0, 0.0, 0.0);
+        for k in (0..n).filter(|k| each(*k)) {
+            t += f64::from(fans[k][0]);
+            c += f64::from(fans[k][1]);
+            s += f64::from(fans[k][2]);
+        }
+        (t, 0.5 * atan2(s, c))
+    };
+    let (t1, a1) = angle(&of_first);
+    let second = (0..n).filter(|k| !of_first(*k));
+    let second = second.fold(None, |best: Option<usize>, k| match best {
+        Some(b) if wide(k) <= wide(b) => best,
+        _ => (wide(k) > 0.0).then_some(k),
+    });
+    let (t2, a2) = second.map_or((0.0, 0.0), |k| angle(&|j| j == k));
+    let share = t2 / (t1 + t2);
+    if share < LEAST_SHARE {
+        return [Some(BrickPly { share: 1.0, angle_rad: a1 }), None];
+    }
+    let two = [BrickPly { share: 1.0 - share, angle_rad: a1 }, BrickPly { share, angle_rad: a2 }].map(Some);
+    if share > 0.5 { [two[1], two[0]] } else { two }
+}
