@@ -324,7 +324,7 @@ sections! {
     /// Continuous fibre in the fill; the rest of the part is matrix.
     FibreSection "fibre" {
         enabled: bool = false, "", Any, "Lay fill.pattern with continuous fibre, by the printer's fibre tool.";
-        material: String = "continuous-carbon".into(), "", Any, "What it is: a material profile, or a path ending in .toml; [material] is the matrix.";
+        material: String = "continuous-carbon".into(), "", Any, "What it is: a material profile, or a path ending in .toml; section material is the matrix.";
         layers: Vec<[usize; 2]> = Vec::new(), "", Range(1.0, 1e6), "First and last layer with fibre, counted from 1, or several such pairs; left out, all.";
         every: usize = 1, "", Range(1.0, 1e6), "Of these every second, third ... layer.";
         boxes_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Boxes (lowest and highest corner, part on the plate) in which fill is fibre; left out, everywhere.";
