@@ -364,7 +364,7 @@ fn layers_that_touch_on_half_their_width_part_at_half_the_load() {
     let card = pla();
     let layer = |k: usize| {
         let beads = (0..10).map(|i| {
-            let y = 0.8 * f64::from(i) + if k % 2 == 0 { 0.2 } else { 0.4 };
+            let y = 0.8 * f64::from(i) + if k.is_multiple_of(2) { 0.2 } else { 0.4 };
             BeadPiece {
                 a: DVec2::new(0.0, y),
                 b: DVec2::new(4.0, y),

@@ -16,12 +16,15 @@ use crate::job::loads::Push;
 /// Cells filled less are left out: they would only make the answer slow.
 const LEAST_FILLED: f32 = 0.06;
 
+/// Forces at points of the grid, N.
+type Forces = Vec<([usize; 3], DVec3)>;
+
 /// A part as bricks, held and loaded.
 pub(super) struct PreparedSolid {
     pub bricks: Bricks,
     pub taken: Vec<bool>,
     holds: Vec<SolidHold>,
-    forces_n: Vec<([usize; 3], DVec3)>,
+    forces_n: Forces,
     pub load_n: f64,
     spared: Vec<bool>,
     /// Share of the material that hangs together with nothing held.
@@ -191,7 +194,7 @@ impl TestSetup {
         points: &Points<'_>,
         reach: f64,
         marked: &mut [bool],
-    ) -> Result<(Vec<([usize; 3], DVec3)>, f64), StrengthError> {
+    ) -> Result<(Forces, f64), StrengthError> {
         let mut forces = vec![DVec3::ZERO; points.weight.len()];
         let mut greatest: f64 = 0.0;
         let weight = |i: usize| f64::from(points.weight[i]);
@@ -278,12 +281,11 @@ fn press(
                 // A triangle upright, and one upside down beside it but for the last.
                 for (third, is_one) in [(1.0 / 3.0, true), (2.0 / 3.0, i + j + 1 < n)] {
                     let p = a + (u * (i as f64 + third) + v * (j as f64 + third)) / n as f64;
-                    if is_one && on.contains(p) {
-                        if let Some(i) = points.nearest(p) {
-                            forces[i] -= piece * mpa;
-                            marked[i] = true;
-                            any = true;
-                        }
+                    let at = if is_one && on.contains(p) { points.nearest(p) } else { None };
+                    if let Some(i) = at {
+                        forces[i] -= piece * mpa;
+                        marked[i] = true;
+                        any = true;
                     }
                 }
             }
