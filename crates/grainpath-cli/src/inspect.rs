@@ -110,7 +110,7 @@ fn outline_json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
     let outline = parse_outline(bytes, &options);
     let outline = outline.map_err(|source| grainpath::Error::Mesh { path: name.to_owned(), source })?;
     let bounds = outline.region.bounds();
-    let round = |v: f64| (v * 1e4).round() * 1e-4;
+    let round = |v: f64| (v * 1e4).round() / 1e4;
     Ok(json!({
         "ok": true, "file": name, "kind": "outline", "pieces": outline.region.polygons.len(),
         "holes": outline.region.polygons.iter().map(|p| p.holes.len()).sum::<usize>(),
@@ -123,7 +123,7 @@ fn outline_json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
 fn image_json(name: &str, image: &Image) -> Value {
     let photo = Photo::of(name.to_owned(), image.clone());
     let grey = photo.whole();
-    let round = |v: f32| (f64::from(v) * 1e3).round() * 1e-3;
+    let round = |v: f32| (f64::from(v) * 1e3).round() / 1e3;
     let sample = match image.samples {
         Samples::U8(_) => "8 bit",
         Samples::U16(_) => "16 bit",
@@ -177,7 +177,7 @@ fn fe_json(name: &str, file: &FeFile) -> Value {
             let peak = result.max_von_mises_mpa();
             value["stress"] = json!(result.stress_array);
             value["plane"] = json!(result.plane);
-            value["max_von_mises"] = json!((peak * 1e6).round() * 1e-6);
+            value["max_von_mises"] = json!((peak * 1e6).round() / 1e6);
             value["likely_stress_unit"] =
                 json!(if peak > 1e4 { "Pa (by its size)" } else { "MPa (by its size)" });
             if let Some(u) = &result.displacement {
@@ -205,7 +205,7 @@ fn gcode_json(name: &str, p: &Program) -> Value {
     let heights: Vec<f64> = p.layers.iter().map(|l| l.height_mm).collect();
     let mut sorted = heights.clone();
     sorted.sort_by(f64::total_cmp);
-    let round = |v: f64| (v * 1e3).round() * 1e-3;
+    let round = |v: f64| (v * 1e3).round() / 1e3;
     json!({
         "ok": true, "file": name, "kind": "gcode", "generator": p.generator,
         "commands": p.commands, "arcs": p.arcs, "layers": p.layers.len(),

@@ -112,7 +112,7 @@ pub fn write(
         Ok(written)
     })?;
     let mut report = Report::new(&planned, &written);
-    let seconds = |s: f64| (s * 1e4).round() * 1e-4;
+    let seconds = |s: f64| (s * 1e4).round() / 1e4;
     report.stages_s.insert(Stage::Read.name(), seconds(read_s));
     for (stage, s) in &planned.stages_s {
         report.stages_s.insert(stage.name(), seconds(*s));
@@ -153,7 +153,7 @@ pub fn write(
     }
     shapes(&planned, paths, settings.output.surface_cell_mm, diagnostics, &mut report)?;
     report.warnings = diagnostics.warnings();
-    report.peak_rss_mb = (peak_rss_mb() * 10.0).round() * 0.1;
+    report.peak_rss_mb = (peak_rss_mb() * 10.0).round() / 10.0;
     Ok(report)
 }
 
@@ -306,7 +306,7 @@ fn strength(
     let shift = planned.plan.plate_from_part_mm.truncate();
     let tested = grainpath::strength::test(settings, setup, program, Some(shift), diagnostics)
         .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
-    let seconds = (start.elapsed().as_secs_f64() * 1e4).round() * 1e-4;
+    let seconds = (start.elapsed().as_secs_f64() * 1e4).round() / 1e4;
     report.stages_s.insert(Stage::Strength.name(), seconds);
     let pictures = strength_pictures(&tested);
     report.strength = Some(tested.report);

@@ -74,7 +74,7 @@ pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure
     if let (Some(sheet), Some(path)) = (sheet, &args.sheet) {
         outputs::save(path, &sheet.png(low, high))?;
     }
-    let round = |v: f64| (v * 1e4).round() * 1e-4;
+    let round = |v: f64| (v * 1e4).round() / 1e4;
     let size_mm: Vec<Option<f64>> =
         (0..3).map(|i| info.spacing_mm[i].map(|mm| round(mm * info.size[i] as f64))).collect();
     Ok(json!({

@@ -38,7 +38,7 @@ pub fn strength(args: &Strength) -> Result<(), Failure> {
     if args.common.json {
         let mut value = json!({
             "ok": true, "version": env!("CARGO_PKG_VERSION"), "layers": done.layers,
-            "mass_g": done.tested.report.mass_g, "time_s": (done.time_s * 10.0).round() * 0.1,
+            "mass_g": done.tested.report.mass_g, "time_s": (done.time_s * 10.0).round() / 10.0,
             "strength": done.tested.report, "peak_rss_mb": peak(), "warnings": done.warnings,
         });
         if !written.is_null() {
@@ -53,7 +53,7 @@ pub fn strength(args: &Strength) -> Result<(), Failure> {
 }
 
 fn peak() -> f64 {
-    (grainpath::report::peak_rss_mb() * 10.0).round() * 0.1
+    (grainpath::report::peak_rss_mb() * 10.0).round() / 10.0
 }
 
 fn is_job(path: &Path) -> bool {
@@ -160,9 +160,9 @@ fn ratios(of: &StrengthReport, to: &StrengthReport) -> [f64; 3] {
 
 fn row(done: &Done, first: &StrengthReport) -> Value {
     let r = &done.tested.report;
-    let [ratio, low, high] = ratios(r, first).map(|v| (v * 1e4).round() * 1e-4);
+    let [ratio, low, high] = ratios(r, first).map(|v| (v * 1e4).round() / 1e4);
     json!({
-        "name": done.name, "mass_g": r.mass_g, "time_s": (done.time_s * 10.0).round() * 0.1,
+        "name": done.name, "mass_g": r.mass_g, "time_s": (done.time_s * 10.0).round() / 10.0,
         "peak_load_n": r.peak_load_n, "low_n": r.low_n, "high_n": r.high_n,
         "stiffness_n_per_mm": r.stiffness_n_per_mm, "load_per_gram_n_g": r.load_per_gram_n_g,
         "ratio": ratio, "ratio_low": low, "ratio_high": high,

@@ -67,12 +67,12 @@ pub fn support(args: &Support) -> Result<(), Failure> {
     let warnings = diagnostics.warnings();
     drop(diagnostics);
     if args.common.json {
-        let seconds = |s: f64| (s * 1e4).round() * 1e-4;
+        let seconds = |s: f64| (s * 1e4).round() / 1e4;
         let stages: BTreeMap<&str, f64> = stages.into_iter().map(|(k, s)| (k, seconds(s))).collect();
         let value = json!({
             "ok": true, "version": env!("CARGO_PKG_VERSION"), "layers": stack.layers().len(),
             "support": report, "triangles": body.triangles.len(), "stages_s": stages,
-            "peak_rss_mb": (peak_rss_mb() * 10.0).round() * 0.1, "warnings": warnings, "outputs": written,
+            "peak_rss_mb": (peak_rss_mb() * 10.0).round() / 10.0, "warnings": warnings, "outputs": written,
         });
         files::print(&format!("{value}\n"));
     } else {

@@ -137,10 +137,10 @@ pub struct SupportReport {
 impl SupportReport {
     /// Of planned supports; `volume_mm3` is that of their beads.
     pub fn new(support: &Support, volume_mm3: f64, density_g_cm3: f64) -> Self {
-        let round = |v: f64| (v * 1e3).round() * 1e-3;
+        let round = |v: f64| (v * 1e3).round() / 1e3;
         Self {
             volume_mm3: round(volume_mm3),
-            mass_g: (volume_mm3 * 1e-3 * density_g_cm3 * 1e4).round() * 1e-4,
+            mass_g: (volume_mm3 * 1e-3 * density_g_cm3 * 1e4).round() / 1e4,
             contacts: support.n_contacts(),
             trees: support.forest.n_trees(),
             floating: support.cut.floating,
@@ -171,7 +171,7 @@ impl SupportReport {
 
 impl From<Quality> for QualityReport {
     fn from(q: Quality) -> Self {
-        let share = |v: f64| (v * 1e5).round() * 1e-5;
+        let share = |v: f64| (v * 1e5).round() / 1e5;
         Self {
             gap: share(q.gap),
             overlap: share(q.overlap),
@@ -179,7 +179,7 @@ impl From<Quality> for QualityReport {
             alignment_mean_deg: None,
             alignment_p95_deg: None,
             paths_per_layer_max: q.paths_per_layer_max,
-            bead_width_mm: q.bead_width_mm.map(|w| (w * 1e4).round() * 1e-4),
+            bead_width_mm: q.bead_width_mm.map(|w| (w * 1e4).round() / 1e4),
         }
     }
 }
@@ -319,7 +319,7 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
     let mut report = QualityReport::from(quality(program, section, 12));
     if let Some(off) = direction_error(planned) {
         let (mean, p95) = alignment(&*off, program, shift);
-        let round = |deg: f64| (deg * 100.0).round() * 0.01;
+        let round = |deg: f64| (deg * 100.0).round() / 100.0;
         (report.alignment_mean_deg, report.alignment_p95_deg) = (Some(round(mean)), Some(round(p95)));
     }
     report
