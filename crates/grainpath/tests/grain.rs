@@ -46,6 +46,25 @@ fn independent(photo: &Photo) -> Option<Vec<f32>> {
     Some(bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
 }
 
+/// Mean angle in degrees between the dense fill of the first layer and the axis (radians) that stands at each place, and
+/// the length in mm over which there is one.
+fn mean_off(planned: &grainpath::Planned, axis_rad: impl Fn(DVec2) -> Option<f64>) -> (f64, f64) {
+    let (mut sum, mut length) = (0.0, 0.0);
+    let paths = planned.plan.layers[0].paths.iter().map(|p| &p.path);
+    for path in paths.filter(|p| matches!(p.role, Role::SolidFill | Role::TopSkin)) {
+        for (a, b, _) in (0..path.n_segments()).map(|k| path.segment(k)) {
+            let n = (a.distance(b) / 0.1).ceil().max(1.0);
+            for k in 0..n as usize {
+                let Some(axis) = axis_rad(a.lerp(b, (k as f64 + 0.5) / n)) else { continue };
+                let off = 2.0 * (atan2(b.y - a.y, b.x - a.x) - axis);
+                sum += 0.5 * atan2(sin(off), cos(off)).abs().to_degrees() * a.distance(b) / n;
+                length += a.distance(b) / n;
+            }
+        }
+    }
+    (sum / length, length)
+}
+
 #[test]
 fn paths_agree_with_an_independent_structure_tensor() {
     let mut wrong = Vec::new();
@@ -69,27 +88,16 @@ fn paths_agree_with_an_independent_structure_tensor() {
         let settings = parse_job(&job, "job.toml", &[], &|_| Err(String::new())).expect("a good job");
         let photos = std::slice::from_ref(&photo);
         let planned = grainpath::plan_photo(&settings, photos, &Diagnostics::default()).expect(name);
-        let (mut sum, mut length) = (0.0, 0.0);
-        let paths = planned.plan.layers[0].paths.iter().map(|p| &p.path);
-        for path in paths.filter(|p| matches!(p.role, Role::SolidFill | Role::TopSkin)) {
-            for (a, b, _) in (0..path.n_segments()).map(|k| path.segment(k)) {
-                let n = (a.distance(b) / 0.1).ceil().max(1.0);
-                for k in 0..n as usize {
-                    let p: DVec2 = a.lerp(b, (k as f64 + 0.5) / n) * (w as f64 / WIDTH_MM);
-                    let (x, y) = ((p.x as usize).min(w - 1), h - 1 - (p.y as usize).min(h - 1));
-                    let i = y * w + x;
-                    if truth[w * h + i] > 0.3 {
-                        // The picture's rows run downwards, so its angle is the other way round.
-                        let off = 2.0 * (atan2(b.y - a.y, b.x - a.x) + f64::from(truth[i]));
-                        sum += 0.5 * atan2(sin(off), cos(off)).abs().to_degrees() * a.distance(b) / n;
-                        length += a.distance(b) / n;
-                    }
-                }
-            }
-        }
-        let row = format!("{name}: {:.2} degrees over {length:.0} mm", sum / length);
+        let (mean, length) = mean_off(&planned, |p| {
+            let p = p * (w as f64 / WIDTH_MM);
+            let (x, y) = ((p.x as usize).min(w - 1), h - 1 - (p.y as usize).min(h - 1));
+            let i = y * w + x;
+            // The picture's rows run downwards, so its angle is the other way round.
+            (truth[w * h + i] > 0.3).then(|| -f64::from(truth[i]))
+        });
+        let row = format!("{name}: {:.2} degrees over {length:.0} mm", mean);
         println!("{row}");
-        if sum / length > 8.0 || length < 400.0 {
+        if mean > 8.0 || length < 400.0 {
             wrong.push(row);
         }
     }
@@ -162,25 +170,14 @@ fn paths_along_a_scans_texture_agree_with_an_independent_tensor() {
             texture: Some(open()),
         };
         let planned = grainpath::plan_job(&settings, inputs, &Diagnostics::default()).expect(name);
-        let (mut sum, mut length) = (0.0, 0.0);
-        let paths = planned.plan.layers[0].paths.iter().map(|p| &p.path);
-        for path in paths.filter(|p| matches!(p.role, Role::SolidFill | Role::TopSkin)) {
-            for (a, b, _) in (0..path.n_segments()).map(|k| path.segment(k)) {
-                let n = (a.distance(b) / 0.1).ceil().max(1.0);
-                for k in 0..n as usize {
-                    let p: DVec2 = a.lerp(b, (k as f64 + 0.5) / n) / VOXEL_MM;
-                    let i = (p.y as usize).min(ny - 1) * nx + (p.x as usize).min(nx - 1);
-                    if truth[nx * ny + i] > 0.3 {
-                        let off = 2.0 * (atan2(b.y - a.y, b.x - a.x) - f64::from(truth[i]));
-                        sum += 0.5 * atan2(sin(off), cos(off)).abs().to_degrees() * a.distance(b) / n;
-                        length += a.distance(b) / n;
-                    }
-                }
-            }
-        }
-        let row = format!("{name}: {:.2} degrees over {length:.0} mm", sum / length);
+        let (mean, length) = mean_off(&planned, |p| {
+            let p = p / VOXEL_MM;
+            let i = (p.y as usize).min(ny - 1) * nx + (p.x as usize).min(nx - 1);
+            (truth[nx * ny + i] > 0.3).then(|| f64::from(truth[i]))
+        });
+        let row = format!("{name}: {:.2} degrees over {length:.0} mm", mean);
         println!("{row}");
-        if sum / length > most_deg || length < 400.0 {
+        if mean > most_deg || length < 400.0 {
             wrong.push(row);
         }
     }
