@@ -85,7 +85,8 @@ fn test(whole: bool) -> Outcome {
         .args(["doc", "--workspace", "--no-deps", "--quiet"])
         .env("RUSTDOCFLAGS", "-D warnings"))?;
     step("tests");
-    cargo(&["test", "--workspace", "--profile", "ci"])?;
+    // The same cases of property tests on every run; `cargo test` alone draws others.
+    run(Command::new("cargo").args(["test", "--workspace", "--profile", "ci"]).env("PROPTEST_RNG_SEED", "20"))?;
     if whole {
         step("fuzz targets");
         fuzz::run(8)?;

@@ -281,6 +281,7 @@ impl<'a> Writer<'a> {
             let area = constant_area.unwrap_or_else(|| bead_area_mm2(w, height_mm));
             self.extrude(a, b, a.distance(b), area * per_mm, slow);
         }
+        self.settle();
     }
 
     fn arcs(&mut self, path: &Toolpath, height_mm: f64, per_mm: f64, speed: f64, tolerance: f64) {
@@ -316,6 +317,20 @@ impl<'a> Writer<'a> {
                 i += 1;
             }
         }
+        self.settle();
+    }
+
+    /// Pushes what a path's last moves, too small to write, have left over.
+    fn settle(&mut self) {
+        if self.e_owed() != 0 {
+            self.buffer.extend_from_slice(b"G1");
+            self.e(0.0, self.config.retraction.unretract_speed_mm_s);
+        }
+    }
+
+    /// Steps of filament not yet pushed.
+    fn e_owed(&self) -> i64 {
+        (self.e_exact_mm / E_STEP_MM).round() as i64 - self.e_steps
     }
 
     /// Comments, fan and width for a path.
@@ -463,9 +478,8 @@ impl<'a> Writer<'a> {
     /// Ends a printing move with its filament and speed.
     fn e(&mut self, filament: f64, speed: f64) {
         self.e_exact_mm += filament;
-        let total = (self.e_exact_mm / E_STEP_MM).round() as i64;
-        let steps = total - self.e_steps;
-        self.e_steps = total;
+        let steps = self.e_owed();
+        self.e_steps += steps;
         self.push_e(steps);
         self.end_with_feed(speed);
     }
