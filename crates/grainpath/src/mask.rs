@@ -275,50 +275,59 @@ impl Mask {
         self.zip(other, |a, b| a & !b)
     }
 
-    /// The cells left and right of cells, with those themselves if asked.
-    fn sideways(&self, own: bool) -> Self {
-        let mut out = Self::empty(self.grid);
+    /// Writes the cells left and right of cells to `out`, with those themselves if asked.
+    fn sideways(&self, own: bool, out: &mut Self) {
         let words = self.grid.words;
+        let beside = |[left, word, right]: [u64; 3]| {
+            word << 1 | left >> 63 | word >> 1 | right << 63 | if own { word } else { 0 }
+        };
         for (out, row) in out.bits.chunks_mut(words).zip(self.bits.chunks(words)) {
-            for i in 0..words {
-                let left = if i > 0 { row[i - 1] >> 63 } else { 0 };
-                let right = if i + 1 < words { row[i + 1] << 63 } else { 0 };
-                out[i] = row[i] << 1 | left | row[i] >> 1 | right | if own { row[i] } else { 0 };
+            if let [first, .., last] = row {
+                for (out, w) in out[1..].iter_mut().zip(row.array_windows()) {
+                    *out = beside(*w);
+                }
+                out[0] = beside([0, *first, row[1]]);
+                out[words - 1] = beside([row[words - 2], *last, 0]);
+            } else {
+                out[0] = beside([0, row[0], 0]);
             }
         }
-        out
     }
 
     /// Adds the cells above and below those of `source`.
     fn add_above_and_below(&mut self, source: &Self) {
-        let (n, words) = (self.grid.ny, self.grid.words);
-        for y in 0..n {
-            for i in 0..words {
-                let below = if y > 0 { source.bits[(y - 1) * words + i] } else { 0 };
-                let above = if y + 1 < n { source.bits[(y + 1) * words + i] } else { 0 };
-                self.bits[y * words + i] |= below | above;
-            }
+        let words = self.grid.words;
+        for (bits, below) in self.bits[words..].iter_mut().zip(&source.bits) {
+            *bits |= below;
         }
-    }
-
-    /// One step of growing: by the four neighbours, or by all eight.
-    fn grown_once(&self, eight: bool) -> Self {
-        let sideways = self.sideways(true);
-        let mut out = sideways.clone();
-        out.add_above_and_below(if eight { &sideways } else { self });
-        out
+        for (bits, above) in self.bits.iter_mut().zip(&source.bits[words..]) {
+            *bits |= above;
+        }
     }
 
     /// Without cells that touch no other along a side.
     pub fn without_lone(&self) -> Self {
-        let mut neighbours = self.sideways(false);
+        let mut neighbours = Self::empty(self.grid);
+        self.sideways(false, &mut neighbours);
         neighbours.add_above_and_below(self);
         neighbours.and(self)
     }
 
-    /// Grown by `n` cells all round (an octagon).
+    /// Grown by `n` cells all round (an octagon): in turn by the four neighbours and by all eight.
     pub fn grown(&self, n: usize) -> Self {
-        (0..n).fold(self.clone(), |m, i| m.grown_once(i % 2 == 1))
+        let mut grown = self.clone();
+        let mut sideways = Self::empty(self.grid);
+        for i in 0..n {
+            grown.sideways(true, &mut sideways);
+            if i % 2 == 1 {
+                grown.bits.copy_from_slice(&sideways.bits);
+                grown.add_above_and_below(&sideways);
+            } else {
+                sideways.add_above_and_below(&grown);
+                std::mem::swap(&mut grown, &mut sideways);
+            }
+        }
+        grown
     }
 
     /// Shrunk by `n` cells all round.
