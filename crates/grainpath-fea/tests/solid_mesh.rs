@@ -7,14 +7,19 @@ use std::time::Instant;
 use grainpath_core::mesh::VertexWelder;
 use grainpath_core::{DVec3, TriMesh};
 use grainpath_fea::solid::{
-    MeshSettings, Model, Sampler, SolidError, SolveSettings, Supports, TetMesh, loads, mesh, recover, solve,
+    MeshSettings, Model, Sampler, SolidError, SolveSettings, Supports, TetMesh, expected_dofs, loads, mesh,
+    recover, solve,
 };
 use support::isotropic;
 
 fn boxed(size: DVec3, turn: f64) -> TriMesh {
+    boxed_at(DVec3::ZERO, size, turn)
+}
+
+fn boxed_at(low: DVec3, size: DVec3, turn: f64) -> TriMesh {
     let (s, c) = grainpath_core::math::sin_cos(turn);
     let corner = |i: u32| {
-        let p = DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * size;
+        let p = low + DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * size;
         let p = DVec3::new(c * p.x - s * p.y, s * p.x + c * p.y, p.z);
         DVec3::new(p.x, c * p.y - s * p.z, s * p.y + c * p.z)
     };
@@ -64,6 +69,55 @@ fn a_box_however_turned_keeps_its_edges() {
                 assert!((area / want - 1.0).abs() < 0.06, "{areas:?}");
             }
         }
+    }
+}
+
+#[test]
+fn thin_walls_and_slots_get_finer_elements() {
+    let size = DVec3::new(30.0, 20.0, 12.0);
+    let hollow = DVec3::new(8.0, 6.0, 6.0);
+    for turn in [0.0, 0.3, 0.7] {
+        // A wall of 0.6 mm, and a slot of 0.6 mm within the solid rest, under elements of 2.5 mm.
+        let mut rooms = joined(&[
+            boxed_at(DVec3::new(3.0, 13.4, 3.0), hollow, turn),
+            boxed_at(DVec3::new(18.0, 4.0, 3.0), DVec3::new(8.0, 0.6, 6.0), turn),
+        ]);
+        rooms.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+        let surface = joined(&[boxed(size, turn), rooms]);
+        let volume = 7200.0 - 288.0 - 28.8;
+        let found = mesh(&surface, &MeshSettings { size_mm: Some(2.5), most_dofs: 0 }).expect("refined");
+        let off = found.volume_mm3 / volume - 1.0;
+        let q = found.quality;
+        println!(
+            "turn {turn}: {} tets, {} dofs, volume {:+.3} %, lost {:.3} %, dihedral {:.1}..{:.1}, {} poor",
+            found.mesh.tets.len(),
+            found.mesh.n_dofs(),
+            100.0 * off,
+            100.0 * found.lost_share,
+            q.dihedral_min_deg,
+            q.dihedral_max_deg,
+            q.n_poor
+        );
+        sound(&found.mesh);
+        assert!(off.abs() < 0.003 && found.lost_share < 0.005 && found.pieces.len() == 1, "{off}");
+        assert!(q.dihedral_min_deg > 8.0 && q.dihedral_max_deg < 165.0, "{q:?}");
+        let sampler = Sampler::new(&found.mesh).expect("elements");
+        let (s, c) = grainpath_core::math::sin_cos(turn);
+        let inside = |p: DVec3| {
+            let p = DVec3::new(c * p.x - s * p.y, s * p.x + c * p.y, p.z);
+            let p = DVec3::new(p.x, c * p.y - s * p.z, s * p.y + c * p.z);
+            sampler.at(p).is_some_and(|spot| spot.depth > -1e-6)
+        };
+        let mut wrong = 0;
+        for i in 0..40 {
+            let (u, v) = (f64::from(i % 8) / 8.0 + 0.05, f64::from(i / 8) / 5.0 + 0.1);
+            wrong += usize::from(!inside(DVec3::new(3.0 + 8.0 * u, 19.7, 3.0 + 6.0 * v)));
+            wrong += usize::from(inside(DVec3::new(18.2 + 7.6 * u, 4.3, 3.2 + 5.6 * v)));
+        }
+        println!("{wrong} of 80 places in the middle of the wall and the slot on the wrong side");
+        assert!(wrong <= 2, "{wrong}");
+        let even = expected_dofs(volume, 2.0 * (600.0 + 240.0 + 360.0), 0.6 * 1.41);
+        assert!((found.mesh.n_dofs() as f64) < even / 4.0, "{even}");
     }
 }
 

@@ -6,8 +6,9 @@ use grainpath_core::{Bvh, DVec3, TriMesh};
 use rayon::prelude::*;
 
 use super::SolidError;
+use super::between;
 use super::features::Features;
-use super::lattice::{Lattice, is_closed};
+use super::lattice::{CELLS_PER_WALL, DEEPEST, Lattice, is_closed};
 use super::mesh::{Face, Piece, TetMesh};
 use super::sample::Sampler;
 use super::shape::MeshQuality;
@@ -15,10 +16,19 @@ use super::snap::{self, Bound};
 use super::stuffing::{self, Tets};
 use super::thickness::{self, Walls};
 
+/// Unknowns of a mesh for each of its tetrahedra, about; in the middle of a lattice they are 4.
+const DOFS_PER_TET: f64 = 4.6;
+/// Unknowns that come with the division of a cell at the surface, about: half of its eight parts are inside.
+const DOFS_PER_SPLIT: f64 = 200.0;
+
+/// A size found by itself grows so often at most until the unknowns are as many as they may be.
+const COARSENINGS: usize = 2;
+
 /// How fine to mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshSettings {
-    /// Edge of a lattice cell, mm; `None` to take it from the thinnest walls and the part's size.
+    /// Edge of a lattice cell, mm, down to an eighth where walls and gaps are thin; `None` to take it from the thinnest
+    /// walls and the part's size.
     pub size_mm: Option<f64>,
     /// Unknowns that a size found by itself may lead to.
     pub most_dofs: usize,
@@ -66,18 +76,25 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
     let bvh = Bvh::new(surface);
     let walls = thickness::walls(surface, &bvh);
     let wall_mm = walls.thickness_mm();
-    let size_mm = choose_size(surface, wall_mm, settings)?;
-    let mut lattice = Lattice::over(surface, size_mm)?;
-    lattice.classify(&bvh, is_closed(surface));
-    let cuts = lattice.cuts(&bvh);
-    let mut tets = stuffing::stuff(&lattice, &cuts, |p| bvh.contains(p));
-    drop((lattice, cuts));
+    let mut size_mm = choose_size(surface, wall_mm, settings)?;
+    let mut tets = fill(surface, &bvh, size_mm, settings.most_dofs)?;
+    for _ in 0..COARSENINGS {
+        let over = DOFS_PER_TET * tets.tets.len() as f64 / settings.most_dofs.max(1) as f64;
+        if settings.size_mm.is_some() || over < 1.1 {
+            break;
+        }
+        // Finer cells at thin walls have taken what was meant for the rest.
+        size_mm *= over.cbrt();
+        tets = fill(surface, &bvh, size_mm, settings.most_dofs)?;
+    }
     let n_crumbs = separate(&mut tets);
     if tets.tets.is_empty() {
-        return Err(SolidError::NothingInside);
+        let dofs = expected_dofs(surface.signed_volume().abs(), area_mm2(surface), wall_mm);
+        let thin = SolidError::ThinWalls { thickness_mm: wall_mm, size_mm, dofs };
+        return Err(if wall_mm < size_mm { thin } else { SolidError::NothingInside });
     }
     let features = Features::of(surface);
-    let bounds = snap::snap(&mut tets, &features, &bvh, size_mm);
+    let bounds = snap::snap(&mut tets, &features, &bvh);
     let mesh = quadratic(&tets, &bounds, &features, &bvh);
     let lost_share = lost_walls(&mesh, &walls, size_mm, surface)?;
     let quality = mesh.quality();
@@ -85,6 +102,26 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
     let pieces = mesh.pieces();
     let surface_mm3 = surface.signed_volume().abs();
     Ok(Meshed { mesh, size_mm, wall_mm, lost_share, quality, volume_mm3, surface_mm3, pieces, n_crumbs })
+}
+
+/// Cuts the inside of a surface into tetrahedra, finer where walls and gaps are thin, as long as that takes no more
+/// than twice the unknowns of even cells or what a size found by itself may lead to.
+fn fill(surface: &TriMesh, bvh: &Bvh, size_mm: f64, most_dofs: usize) -> Result<Tets, SolidError> {
+    let mut lattice = Lattice::over(surface, size_mm)?;
+    let even = expected_dofs(surface.signed_volume().abs(), area_mm2(surface), size_mm);
+    let most = (2.0 * even).max(most_dofs as f64);
+    for deepest in (0..=DEEPEST).rev() {
+        lattice.refine(surface, bvh, deepest);
+        if DOFS_PER_SPLIT * lattice.n_split() as f64 <= most {
+            break;
+        }
+    }
+    let closed = is_closed(surface);
+    lattice.classify(bvh, closed);
+    let mut background = lattice.background(surface, bvh, closed);
+    drop(lattice);
+    let stays = between::centre(&mut background, surface, bvh);
+    Ok(stuffing::stuff(&background, &stays, |p| bvh.contains(p)))
 }
 
 fn area_mm2(surface: &TriMesh) -> f64 {
@@ -105,9 +142,9 @@ fn choose_size(surface: &TriMesh, wall_mm: f64, settings: &MeshSettings) -> Resu
         }
         wanted.max(coarse)
     });
-    // Planes of lattice points are half a size apart along the axes, more in other directions: what walls between one
-    // half and whole sizes come to is looked at when the mesh is there.
-    if size_mm.is_nan() || size_mm > 2.0 * wall_mm {
+    // Cells are finer where walls are thinner, within limits: what the walls come to is looked at when the mesh is
+    // there.
+    if size_mm.is_nan() || size_mm > f64::from(1 << DEEPEST) * CELLS_PER_WALL * wall_mm {
         return Err(SolidError::ThinWalls { thickness_mm: wall_mm, size_mm, dofs: dofs(wall_mm) });
     }
     Ok(size_mm)
@@ -148,6 +185,7 @@ fn separate(mesh: &mut Tets) -> usize {
     let id = |v: u32, p: u32| own.binary_search(&(v, p)).expect("listed above") as u32;
     mesh.tets = kept.iter().map(|(t, p)| t.map(|v| id(v, *p))).collect();
     mesh.vertices = own.iter().map(|&(v, _)| mesh.vertices[v as usize]).collect();
+    mesh.size_mm = own.iter().map(|&(v, _)| mesh.size_mm[v as usize]).collect();
     volume.values().filter(|&&v| v <= least).count()
 }
 

@@ -2,6 +2,7 @@
 
 #![allow(clippy::needless_range_loop, reason = "rows and columns of small matrices are told by index")]
 
+mod between;
 mod blocks;
 mod direct;
 mod element;

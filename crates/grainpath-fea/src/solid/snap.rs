@@ -46,11 +46,10 @@ struct Snapper<'a> {
     start: Vec<u32>,
     around: Vec<u32>,
     boundary_edges: Vec<[u32; 2]>,
-    size: f64,
 }
 
 /// Moves vertices onto the sharp edges and corners of the surface; what holds each vertex then.
-pub(super) fn snap(mesh: &mut Tets, features: &Features, surface: &Bvh, size_mm: f64) -> Vec<Bound> {
+pub(super) fn snap(mesh: &mut Tets, features: &Features, surface: &Bvh) -> Vec<Bound> {
     let faces = boundary(&mesh.tets);
     let sides = faces.iter().flat_map(|(f, _)| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]]);
     let mut edges: Vec<[u32; 2]> = sides.map(sorted).collect();
@@ -63,8 +62,7 @@ pub(super) fn snap(mesh: &mut Tets, features: &Features, surface: &Bvh, size_mm:
         let facet = surface.closest_point(p, f64::INFINITY).map_or(0, |c| c.triangle);
         bounds[v as usize] = Bound::Patch(features.patch[facet as usize]);
     }
-    let mut snapper =
-        Snapper { mesh, features, surface, bounds, start, around, boundary_edges: edges, size: size_mm };
+    let mut snapper = Snapper { mesh, features, surface, bounds, start, around, boundary_edges: edges };
     snapper.corners();
     for _ in 0..ROUNDS {
         snapper.edges();
@@ -179,8 +177,9 @@ impl Snapper<'_> {
         };
         let tree = Bvh::new(&points);
         let features = self.features;
+        let coarsest = self.mesh.size_mm.iter().copied().fold(0.0, f64::max);
         for (corner, patches) in &features.corners {
-            let Some(near) = tree.closest_point(*corner, self.size) else { continue };
+            let Some(near) = tree.closest_point(*corner, coarsest) else { continue };
             let first = surface[near.triangle as usize];
             // The nearest first, then its neighbours on the surface by distance.
             let mut tries: Vec<u32> = self
@@ -192,7 +191,7 @@ impl Snapper<'_> {
             let distance = |u: u32| self.mesh.vertices[u as usize].distance(*corner);
             tries.sort_unstable_by(|&a, &b| distance(a).total_cmp(&distance(b)).then(a.cmp(&b)));
             tries.dedup();
-            tries.retain(|&u| distance(u) < self.size);
+            tries.retain(|&u| distance(u) < self.mesh.size_mm[u as usize]);
             for u in tries.into_iter().take(4) {
                 if self.take(u, *corner, Bound::Corner(patches.clone())) {
                     break;
@@ -231,7 +230,7 @@ impl Snapper<'_> {
         let Bound::Patch(own) = self.bounds[v as usize] else { return None };
         let other = if edge[0] == v { edge[1] } else { edge[0] };
         let p = self.mesh.vertices[v as usize];
-        let (to, at) = self.features.nearest(p, 0.8 * self.size)?;
+        let (to, at) = self.features.nearest(p, 0.8 * self.mesh.size_mm[v as usize])?;
         let sides = self.features.edges[at].1;
         let far = self.bounds[other as usize].patches();
         let right = sides.contains(&own) || far.iter().any(|f| sides.contains(f));
@@ -264,7 +263,7 @@ impl Snapper<'_> {
         let n = self.start[v as usize + 1] - self.start[v as usize];
         let sum: DVec3 = self.tets_at(v).flatten().map(|&u| self.mesh.vertices[u as usize]).sum();
         let to_middle = sum / f64::from(4 * n) - start;
-        let mut step = 0.2 * self.size;
+        let mut step = 0.2 * self.mesh.size_mm[v as usize];
         let mut tries = vec![to_middle, 0.5 * to_middle];
         for _ in 0..3 {
             tries.extend(DVec3::AXES.iter().flat_map(|&e| [e * step, -e * step]));
@@ -285,11 +284,11 @@ impl Snapper<'_> {
         match &self.bounds[v as usize] {
             Bound::Free => Some(p),
             Bound::Patch(patch) => {
-                let near = self.surface.closest_point(p, 0.5 * self.size)?;
+                let near = self.surface.closest_point(p, 0.5 * self.mesh.size_mm[v as usize])?;
                 (self.features.patch[near.triangle as usize] == *patch).then_some(near.point)
             }
             Bound::Edge(sides) => {
-                let (to, edge) = self.features.nearest(p, 0.5 * self.size)?;
+                let (to, edge) = self.features.nearest(p, 0.5 * self.mesh.size_mm[v as usize])?;
                 (self.features.edges[edge].1 == *sides).then_some(to)
             }
             Bound::Corner(_) => None,

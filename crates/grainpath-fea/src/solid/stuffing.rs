@@ -1,42 +1,51 @@
 //! Isosurface stuffing (Labelle and Shewchuk 2007): lattice points near the surface move onto it, the tetrahedra that
 //! still cross it are cut, and every tetrahedron keeps dihedral angles far from 0 and 180 degrees.
 
-use grainpath_core::{DVec3, IVec3};
+use grainpath_core::DVec3;
 use rayon::prelude::*;
 
-use super::lattice::{Cut, FORWARD, Lattice};
+use super::lattice::Background;
+use super::shape::{mean_ratio, volume};
 
 /// Within these shares of a long and a short edge a lattice point is moved onto the surface; from the paper.
 const WARP_LONG: f64 = 0.249_99;
 const WARP_SHORT: f64 = 0.411_89;
 
+/// Within this share of an edge a point is moved onto the surface.
+pub(super) fn warp_limit(short: bool) -> f64 {
+    if short { WARP_SHORT } else { WARP_LONG }
+}
+
+/// Mean ratio that moving points must leave a tetrahedron of the lattice.
+const LEAST_RATIO: f64 = 0.1;
+
 /// Tetrahedra with flat sides.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Tets {
     pub(super) vertices: Vec<DVec3>,
+    /// Edge of the lattice cells at each vertex, mm.
+    pub(super) size_mm: Vec<f64>,
     pub(super) tets: Vec<[u32; 4]>,
 }
 
 /// A corner of the tetrahedra that come out: a lattice point (index) or a cut (index plus the number of points).
-type Corner = u64;
+type Corner = u32;
 
-/// Fills the inside of a classified lattice.
-pub(super) fn stuff(lattice: &Lattice, cuts: &[Cut], keep: impl Fn(DVec3) -> bool + Sync) -> Tets {
-    let warp = Warped::of(lattice, cuts);
-    let n = lattice.cells();
-    let layers: Vec<Vec<[Corner; 4]>> = (0..n.z)
-        .into_par_iter()
-        .map(|z| {
+/// Fills the inside of a lattice, of which some points have to stay where they are.
+pub(super) fn stuff(lattice: &Background, stays: &[bool], keep: impl Fn(DVec3) -> bool + Sync) -> Tets {
+    let warp = Warped::of(lattice, stays);
+    let parts: Vec<Vec<[Corner; 4]>> = lattice
+        .tets
+        .par_chunks(4096)
+        .map(|part| {
             let mut out = Vec::new();
-            for y in 0..n.y {
-                for x in 0..n.x {
-                    around(lattice, IVec3::new(x, y, z) * 2 + 1, &warp, &keep, &mut out);
-                }
+            for t in part {
+                cut_tet(*t, &warp, &keep, &mut out);
             }
             out
         })
         .collect();
-    number(&layers.concat(), &warp)
+    number(&parts.concat(), &warp)
 }
 
 /// Gives the corners in use numbers in the order of their place and sets each tetrahedron right way round.
@@ -45,9 +54,10 @@ fn number(corners: &[[Corner; 4]], warp: &Warped<'_>) -> Tets {
     used.par_sort_unstable();
     used.dedup();
     let vertices: Vec<DVec3> = used.iter().map(|&c| warp.place(c)).collect();
+    let size_mm = used.iter().map(|&c| warp.size_mm(c)).collect();
     let id = |c: Corner| used.binary_search(&c).expect("every corner is in the list") as u32;
     let tets = corners.par_iter().map(|t| upright(t.map(id), &vertices)).collect();
-    Tets { vertices, tets }
+    Tets { vertices, size_mm, tets }
 }
 
 /// The same tetrahedron with positive volume.
@@ -57,26 +67,20 @@ fn upright(t: [u32; 4], vertices: &[DVec3]) -> [u32; 4] {
 }
 
 struct Warped<'a> {
-    lattice: &'a Lattice,
-    cuts: &'a [Cut],
-    /// Lattice points moved onto the surface, sorted by index.
-    moved: Vec<(u64, DVec3)>,
-    n_points: u64,
+    lattice: &'a Background,
+    /// Where a lattice point moved onto the surface.
+    moved: Vec<Option<DVec3>>,
 }
 
 impl<'a> Warped<'a> {
-    /// Each point, in order of index, goes to the nearest cut that is too near to it, unless the edge of that cut has
-    /// lost it already because its other end went there.
-    fn of(lattice: &'a Lattice, cuts: &'a [Cut]) -> Self {
-        let n_points = lattice.sign.len() as u64;
-        let mut near: Vec<(u64, u64, usize, f64)> = Vec::new();
-        let points = Points { lattice };
-        for (i, cut) in cuts.iter().enumerate() {
-            let (p, q) = points.ends(cut.key);
-            let (a, b) = (lattice.position(p), lattice.position(q));
-            let share = a.distance(cut.at) / a.distance(b);
-            let limit = if cut.key % 8 < 3 { WARP_LONG } else { WARP_SHORT };
-            let (p, q) = (lattice.index(p) as u64, lattice.index(q) as u64);
+    /// Each point, in order, goes to the nearest cut that is too near to it, unless the edge of that cut has lost it
+    /// already because its other end went there, or the point has to stay.
+    fn of(lattice: &'a Background, stays: &[bool]) -> Self {
+        let mut near: Vec<(u32, u32, usize, f64)> = Vec::new();
+        for (i, cut) in lattice.cuts.iter().enumerate() {
+            let [p, q] = cut.ends;
+            let [a, b] = cut.ends.map(|i| lattice.points[i as usize]);
+            let (share, limit) = (lattice.share(cut), warp_limit(cut.short));
             if share < limit {
                 near.push((p, q, i, a.distance(cut.at)));
             } else if 1.0 - share < limit {
@@ -84,120 +88,109 @@ impl<'a> Warped<'a> {
             }
         }
         near.sort_by(|a, b| a.0.cmp(&b.0).then(a.3.total_cmp(&b.3)).then(a.2.cmp(&b.2)));
-        let mut moved: Vec<(u64, DVec3)> = Vec::new();
-        for group in near.chunk_by(|a, b| a.0 == b.0) {
-            let gone = |other: u64| moved.binary_search_by_key(&other, |m| m.0).is_ok();
-            if let Some(&(p, _, cut, _)) = group.iter().find(|g| !gone(g.1)) {
-                moved.push((p, cuts[cut].at));
+        let mut moved: Vec<Option<DVec3>> = vec![None; lattice.points.len()];
+        for group in near.chunk_by(|a, b| a.0 == b.0).filter(|g| !stays[g[0].0 as usize]) {
+            if let Some(&(p, _, cut, _)) = group.iter().find(|g| moved[g.1 as usize].is_none()) {
+                moved[p as usize] = Some(lattice.cuts[cut].at);
             }
         }
-        Self { lattice, cuts, moved, n_points }
+        let mut warp = Self { lattice, moved };
+        warp.untangle();
+        warp
     }
 
-    fn find(&self, point: u64) -> Option<DVec3> {
-        self.moved.binary_search_by_key(&point, |m| m.0).ok().map(|i| self.moved[i].1)
+    /// Puts points back that turn a tetrahedron inside out: the limits are those for cells of one size, and where a
+    /// wall is as thin as the cells its sides draw at the same points.
+    fn untangle(&mut self) {
+        let points = &self.lattice.points;
+        let mut suspects: Vec<u32> = (0..self.lattice.tets.len() as u32).collect();
+        while !suspects.is_empty() {
+            let tangled = |&t: &u32| {
+                let t = self.lattice.tets[t as usize];
+                let before = volume(&t.map(|i| points[i as usize]));
+                let after = mean_ratio(&t.map(|i| self.place(i)));
+                (after * before.signum() < LEAST_RATIO).then_some(t)
+            };
+            let found: Vec<[u32; 4]> = suspects.par_iter().filter_map(tangled).collect();
+            let mut back: Vec<u32> = Vec::new();
+            for t in found {
+                let far = |i: u32| self.moved[i as usize].map_or(0.0, |p| p.distance(points[i as usize]));
+                let farthest = t.into_iter().max_by(|&a, &b| far(a).total_cmp(&far(b)).then(b.cmp(&a)));
+                back.extend(farthest.filter(|&i| far(i) > 0.0));
+            }
+            for &i in &back {
+                self.moved[i as usize] = None;
+            }
+            back.sort_unstable();
+            let touched =
+                |t: &u32| self.lattice.tets[*t as usize].iter().any(|i| back.binary_search(i).is_ok());
+            suspects = if back.is_empty() {
+                Vec::new()
+            } else {
+                (0..self.lattice.tets.len() as u32).into_par_iter().filter(touched).collect()
+            };
+        }
     }
 
-    fn sign(&self, p: IVec3) -> i8 {
-        let s = self.lattice.sign(p);
-        if self.find(self.lattice.index(p) as u64).is_some() { 0 } else { s }
+    fn sign(&self, p: u32) -> i8 {
+        if self.moved[p as usize].is_some() { 0 } else { self.lattice.sign[p as usize] }
     }
 
-    fn cut(&self, p: IVec3, q: IVec3) -> Corner {
-        let key = self.lattice.edge_key(p, q);
-        let i = self.cuts.binary_search_by_key(&key, |c| c.key).expect("ends of unlike sign have a cut");
-        self.n_points + i as u64
+    fn cut(&self, p: u32, q: u32) -> Corner {
+        let ends = [p.min(q), p.max(q)];
+        let i = self.lattice.cuts.binary_search_by_key(&ends, |c| c.ends);
+        (self.moved.len() + i.expect("ends of unlike sign have a cut")) as Corner
     }
 
     fn place(&self, corner: Corner) -> DVec3 {
-        if corner >= self.n_points {
-            return self.cuts[(corner - self.n_points) as usize].at;
+        let i = corner as usize;
+        match self.moved.get(i) {
+            Some(moved) => moved.unwrap_or(self.lattice.points[i]),
+            None => self.lattice.cuts[i - self.moved.len()].at,
         }
-        self.find(corner)
-            .unwrap_or_else(|| self.lattice.position(Points { lattice: self.lattice }.point(corner)))
+    }
+
+    fn size_mm(&self, corner: Corner) -> f64 {
+        let (i, size) = (corner as usize, &self.lattice.size_mm);
+        size.get(i).copied().unwrap_or_else(|| {
+            let [a, b] = self.lattice.cuts[i - size.len()].ends;
+            size[a as usize].min(size[b as usize])
+        })
     }
 }
 
-/// From indices back to points.
-struct Points<'a> {
-    lattice: &'a Lattice,
-}
-
-impl Points<'_> {
-    fn point(&self, index: u64) -> IVec3 {
-        let n = self.lattice.cells();
-        let corners = (n + 1).as_u64vec3().element_product();
-        let (rest, m, odd) = if index < corners { (index, n + 1, 0) } else { (index - corners, n, 1) };
-        let (x, y) = (rest % m.x as u64, rest / m.x as u64 % m.y as u64);
-        IVec3::new(x as i32, y as i32, (rest / (m.x as u64 * m.y as u64)) as i32) * 2 + odd
-    }
-
-    fn ends(&self, key: u64) -> (IVec3, IVec3) {
-        let p = self.point(key / 8);
-        (p, p + FORWARD[(key % 8) as usize])
-    }
-}
-
-/// The twelve tetrahedra between a cell's centre and those of the next cells along x, y and z.
-fn around(
-    lattice: &Lattice,
-    centre: IVec3,
-    warp: &Warped<'_>,
-    keep: &impl Fn(DVec3) -> bool,
-    out: &mut Vec<[Corner; 4]>,
-) {
-    for axis in 0..3 {
-        let e = IVec3::AXES[axis];
-        let other = centre + e * 2;
-        if !lattice.has(other) {
-            continue;
-        }
-        let (u, v) = (IVec3::AXES[(axis + 1) % 3], IVec3::AXES[(axis + 2) % 3]);
-        let ring = [u + v, v - u, -u - v, u - v].map(|r| centre + e + r);
-        if ring.iter().chain([&centre, &other]).all(|&p| lattice.sign(p) < 0) {
-            continue;
-        }
-        for i in 0..4 {
-            cut_tet([centre, other, ring[i], ring[(i + 1) % 4]], warp, keep, out);
-        }
-    }
-}
-
-fn cut_tet(points: [IVec3; 4], warp: &Warped<'_>, keep: &impl Fn(DVec3) -> bool, out: &mut Vec<[Corner; 4]>) {
+fn cut_tet(points: [u32; 4], warp: &Warped<'_>, keep: &impl Fn(DVec3) -> bool, out: &mut Vec<[Corner; 4]>) {
     let signs = points.map(|p| warp.sign(p));
-    let corner = |p: IVec3| warp.lattice.index(p) as Corner;
     let of = |s: i8| points.into_iter().zip(signs).filter(move |&(_, t)| t == s).map(|(p, _)| p);
-    let (plus, zero, minus): (Vec<IVec3>, Vec<IVec3>, Vec<IVec3>) =
+    let (plus, zero, minus): (Vec<u32>, Vec<u32>, Vec<u32>) =
         (of(1).collect(), of(0).collect(), of(-1).collect());
     match (plus.as_slice(), minus.as_slice()) {
         ([], []) => {
             // All corners on the surface: neither side is obvious.
-            let middle = points.iter().map(|&p| warp.place(corner(p))).sum::<DVec3>() / 4.0;
+            let middle = points.iter().map(|&p| warp.place(p)).sum::<DVec3>() / 4.0;
             if keep(middle) {
-                out.push(points.map(corner));
+                out.push(points);
             }
         }
         ([], _) => {}
-        (_, []) => out.push(points.map(corner)),
+        (_, []) => out.push(points),
         (&[p], outside) => {
-            let mut tet = [corner(p); 4];
-            let rest = zero.iter().map(|&z| corner(z)).chain(outside.iter().map(|&m| warp.cut(p, m)));
+            let mut tet = [p; 4];
+            let rest = zero.iter().copied().chain(outside.iter().map(|&m| warp.cut(p, m)));
             for (slot, c) in tet[1..].iter_mut().zip(rest) {
                 *slot = c;
             }
             out.push(tet);
         }
         (&[p, q], &[m]) => {
-            let quad = [corner(p), corner(q), warp.cut(q, m), warp.cut(p, m)];
-            pyramid(quad, corner(zero[0]), out);
+            let quad = [p, q, warp.cut(q, m), warp.cut(p, m)];
+            pyramid(quad, zero[0], out);
         }
-        (&[p, q], &[m, o]) => prism(
-            [corner(p), warp.cut(p, m), warp.cut(p, o)],
-            [corner(q), warp.cut(q, m), warp.cut(q, o)],
-            out,
-        ),
+        (&[p, q], &[m, o]) => {
+            prism([p, warp.cut(p, m), warp.cut(p, o)], [q, warp.cut(q, m), warp.cut(q, o)], out)
+        }
         (&[p, q, r], &[m]) => {
-            prism([p, q, r].map(corner), [p, q, r].map(|inside| warp.cut(inside, m)), out);
+            prism([p, q, r], [p, q, r].map(|inside| warp.cut(inside, m)), out);
         }
         _ => unreachable!("four corners, some inside and some outside"),
     }

@@ -1,0 +1,80 @@
+//! Points of the lattice between the two sides of a thin wall or gap go to its middle: moved onto one side, as points
+//! near the surface are, they would no longer tell the sides apart.
+
+use grainpath_core::{Bvh, DVec3, TriMesh};
+
+use super::lattice::{Background, Cut};
+use super::shape::mean_ratio;
+use super::snap::incidence;
+use super::stuffing::warp_limit;
+
+/// Sides of a wall or gap look apart: cosine between their normals.
+const OPPOSITE: f64 = -0.5;
+/// Mean ratio that no move may take a tetrahedron of the lattice under; cells of one size have 0.95, halves of them 0.6.
+const LEAST_RATIO: f64 = 0.2;
+/// A point this near to the surface, in shares of an edge, must go onto it all the same: slivers are worse.
+const TOO_NEAR: f64 = 0.08;
+
+/// Moves such points; whether each point has to stay where it is now.
+pub(super) fn centre(lattice: &mut Background, surface: &TriMesh, bvh: &Bvh) -> Vec<bool> {
+    let wanted = between(lattice);
+    if wanted.is_empty() {
+        return vec![false; lattice.points.len()];
+    }
+    let (start, around) = incidence(lattice.points.len(), &lattice.tets);
+    let mut moved = vec![false; lattice.points.len()];
+    for &(p, shift) in &wanted {
+        let i = p as usize;
+        let tets = &around[start[i] as usize..start[i + 1] as usize];
+        let worst = |lattice: &Background, at: DVec3| {
+            let ratio = |&t: &u32| {
+                let t = lattice.tets[t as usize];
+                let before = mean_ratio(&t.map(|k| lattice.points[k as usize]));
+                let after = mean_ratio(&t.map(|k| if k == p { at } else { lattice.points[k as usize] }));
+                after * before.signum()
+            };
+            tets.iter().map(ratio).fold(f64::INFINITY, f64::min)
+        };
+        for part in [1.0, 0.75, 0.5, 0.25] {
+            let at = lattice.points[i] + part * shift;
+            if worst(lattice, at) > LEAST_RATIO && bvh.contains(at) == (lattice.sign[i] > 0) {
+                (lattice.points[i], moved[i]) = (at, true);
+                break;
+            }
+        }
+    }
+    lattice.cut_again(surface, bvh, &moved);
+    let mut stays = vec![false; lattice.points.len()];
+    for &(p, _) in &wanted {
+        stays[p as usize] = true;
+    }
+    for cut in &lattice.cuts {
+        for (k, share) in [lattice.share(cut), 1.0 - lattice.share(cut)].into_iter().enumerate() {
+            stays[cut.ends[k] as usize] &= share > TOO_NEAR;
+        }
+    }
+    stays
+}
+
+/// Points that would lose the other side if they went onto the nearer one, with the way to the middle.
+fn between(lattice: &Background) -> Vec<(u32, DVec3)> {
+    let mut at: Vec<(u32, usize)> =
+        lattice.cuts.iter().enumerate().flat_map(|(c, cut)| cut.ends.map(|p| (p, c))).collect();
+    at.sort_unstable();
+    let way = |own: &[(u32, usize)]| {
+        let p = own[0].0;
+        let (place, side) = (lattice.points[p as usize], f64::from(lattice.sign[p as usize]));
+        let depth = |cut: &Cut| side * (cut.at - place).dot(cut.normal);
+        let share = |cut: &Cut| {
+            let share = lattice.share(cut);
+            if cut.ends[0] == p { share } else { 1.0 - share }
+        };
+        let cuts = || own.iter().map(|&(_, c)| &lattice.cuts[c]);
+        let near = cuts().min_by(|a, b| share(a).total_cmp(&share(b)))?;
+        let lost =
+            |cut: &&Cut| cut.normal.dot(near.normal) < OPPOSITE && 1.0 - share(cut) > warp_limit(cut.short);
+        let far = cuts().filter(lost).min_by(|a, b| depth(a).total_cmp(&depth(b)))?;
+        Some((p, -0.5 * side * (depth(far) - depth(near)) * near.normal))
+    };
+    at.chunk_by(|a, b| a.0 == b.0).filter_map(way).collect()
+}
