@@ -86,7 +86,9 @@ fn test(whole: bool) -> Outcome {
         .env("RUSTDOCFLAGS", "-D warnings"))?;
     step("tests");
     // The same cases of property tests on every run; `cargo test` alone draws others.
-    run(Command::new("cargo").args(["test", "--workspace", "--profile", "ci"]).env("PROPTEST_RNG_SEED", "20"))?;
+    run(Command::new("cargo")
+        .args(["test", "--workspace", "--profile", "ci"])
+        .env("PROPTEST_RNG_SEED", "20"))?;
     if whole {
         step("fuzz targets");
         fuzz::run(8)?;
