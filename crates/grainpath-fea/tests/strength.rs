@@ -349,13 +349,30 @@ fn pull_bricks(sheets: &[BeadSheet], cell_mm: f64, axis: usize, card: &StrengthC
 }
 
 #[test]
-fn a_solid_bar_breaks_at_its_strength_times_its_section() {
+fn a_solid_bar_breaks_at_its_strength_times_its_section_along_across_and_upwards() {
     let card = pla();
-    let (outcome, _) = pull_bricks(&vec![raster(DVec2::new(20.0, 4.0), 0.0); 20], 0.4, 0, &card);
-    let want = card.xt_mpa * 4.0 * 4.0;
-    println!("{:.1} N, wanted {want:.1}", outcome.peak_load_n);
-    assert!((outcome.peak_load_n / want - 1.0).abs() < 0.02, "{} {want}", outcome.peak_load_n);
-    assert_eq!(outcome.mode(), Mode::Along);
+    let size = DVec2::new(20.0, 4.0);
+    for (deg, strength, mode) in [(0.0, card.xt_mpa, Mode::Along), (90.0, card.yt_mpa, Mode::Across)] {
+        let (outcome, _) = pull_bricks(&vec![raster(size, deg); 20], 0.4, 0, &card);
+        let want = strength * 4.0 * 4.0;
+        println!("{deg}: {:.1} N, wanted {want:.1}", outcome.peak_load_n);
+        assert!((outcome.peak_load_n / want - 1.0).abs() < 0.01, "{deg}: {} {want}", outcome.peak_load_n);
+        assert_eq!(outcome.mode(), mode);
+        let e = outcome.stiffness_n_per_mm * 20.0 / 16.0;
+        assert!((e / card.elastic.e_mpa[usize::from(deg == 90.0)] - 1.0).abs() < 0.02, "{deg}: {e}");
+    }
+    // Upwards: crossed layers, whose directions do not matter.
+    let size = DVec2::new(4.0, 4.0);
+    let tower: Vec<BeadSheet> = (0..60).map(|k| raster(size, f64::from(k % 2) * 90.0)).collect();
+    let (outcome, _) = pull_bricks(&tower, 0.4, 2, &card);
+    let want = card.zt_mpa * 16.0;
+    println!("upwards: {:.1} N, wanted {want:.1}", outcome.peak_load_n);
+    assert!((outcome.peak_load_n / want - 1.0).abs() < 0.01, "{} {want}", outcome.peak_load_n);
+    assert_eq!(outcome.mode(), Mode::Layers);
+    // Bricks lean on the whole layer below them.
+    let (_, bricks) = pull_bricks(&tower, 0.4, 2, &card);
+    let full = (0..bricks.filled.len()).filter(|c| bricks.filled[*c] > 0.99);
+    assert!(full.clone().count() > 1000 && full.clone().all(|c| bricks.bond[c] > 0.99));
 }
 
 #[test]

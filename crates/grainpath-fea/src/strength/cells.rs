@@ -39,9 +39,12 @@ pub struct Grid {
     pub ny: usize,
 }
 
-/// Width of the strip that a bead is taken for, mm.
-fn width(s: &BeadSheet, b: &BeadPiece) -> f64 {
-    b.volume_mm3 / (b.a.distance(b.b) * s.height_mm)
+/// Corners of the strip that a bead is taken for, mm. Blobs, laid while hardly moving, are not wider than 10 mm.
+fn strip(s: &BeadSheet, b: &BeadPiece) -> [DVec2; 4] {
+    let along = b.b - b.a;
+    let width = (b.volume_mm3 / (along.length() * s.height_mm)).min(10.0);
+    let side = along.perp().normalize() * (0.5 * width);
+    [b.a - side, b.b - side, b.b + side, b.a + side]
 }
 
 fn usable(s: &BeadSheet, b: &BeadPiece) -> bool {
@@ -58,10 +61,11 @@ impl Grid {
         let mut laid_mm3 = 0.0;
         for s in sheets {
             for b in s.beads.iter().filter(|b| usable(s, b)) {
-                // Blobs, laid while hardly moving, are not wider than this.
-                let r = (0.5 * width(s, b)).min(5.0);
-                low = low.min(b.a.min(b.b) - r);
-                high = high.max(b.a.max(b.b) + r);
+                // Strips end where beads do: a margin there would leave cells at the ends half empty.
+                for corner in strip(s, b) {
+                    low = low.min(corner);
+                    high = high.max(corner);
+                }
                 laid_mm3 += b.volume_mm3;
             }
         }
@@ -213,21 +217,19 @@ pub(super) struct Share {
 
 pub(super) fn layer(grid: &Grid, n_fans: usize, sheet: &BeadSheet) -> Vec<Share> {
     let height_mm = sheet.height_mm;
-    let strips = sheet.beads.iter().filter(|b| usable(sheet, b)).map(|b| (*b, width(sheet, b).min(10.0)));
     let n = grid.nx * grid.ny;
     let mut held = vec![0f32; n];
     let mut fans = vec![[0f32; 3]; n * n_fans];
-    for (bead, width) in strips {
+    for bead in sheet.beads.iter().filter(|b| usable(sheet, b)) {
         let along = (bead.b - bead.a).normalize();
         let double = DVec2::new(along.x * along.x - along.y * along.y, 2.0 * along.x * along.y);
         let half_turns = 0.5 * atan2(double.y, double.x) / std::f64::consts::PI;
         let fan = (half_turns * FANS as f64).round().rem_euclid(FANS as f64) as usize % FANS
             + FANS * usize::from(bead.material);
-        let side = 0.5 * width * DVec2::new(-along.y, along.x);
-        let to_cells = |p: DVec2| (p - grid.low) / grid.cell_mm;
-        let corners = [bead.a - side, bead.b - side, bead.b + side, bead.a + side].map(to_cells);
+        let strip = strip(sheet, bead);
+        let corners = strip.map(|p| (p - grid.low) / grid.cell_mm);
         // Blobs are narrower than their volume says; what is missing is added in proportion.
-        let covered = bead.a.distance(bead.b) * width * height_mm;
+        let covered = bead.a.distance(bead.b) * strip[0].distance(strip[3]) * height_mm;
         let fill = bead.volume_mm3 / covered * height_mm;
         covered_cells(&corners, grid, &mut |cell, area| {
             let t = area * fill;
