@@ -56,8 +56,19 @@ impl Cells {
         let (a, b) = (cell(a), cell(b));
         let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
         const HAIR: f64 = 1e-6;
-        let row_of = |y: f64| y.floor().clamp(-1.0, self.ny as f64) as i64;
+        // Rounded down, within the grid and one cell around it.
+        let down = |v: f64, n: usize| (v.clamp(-1.0, n as f64) + 1.0) as i64 - 1;
+        let row_of = |y: f64| down(y, self.ny);
+        let column = |x: f64| down(x, self.nx);
         let (first, last) = (row_of(low.y - HAIR).max(0), row_of(high.y + HAIR).min(self.ny as i64 - 1));
+        let (left, right) = (column(a.x.min(b.x) - HAIR), column(a.x.max(b.x) + HAIR));
+        if first == last || left == right {
+            let (left, right) = (left.max(0), right.min(self.nx as i64 - 1));
+            for row in first..=last {
+                (left..=right).for_each(|c| each(row as usize * self.nx + c as usize));
+            }
+            return;
+        }
         let slope = if high.y > low.y { (high.x - low.x) / (high.y - low.y) } else { 0.0 };
         for row in first..=last {
             let x_at = |y: f64| low.x + (y.clamp(low.y, high.y) - low.y) * slope;
@@ -66,7 +77,6 @@ impl Cells {
             } else {
                 (low.x, high.x)
             };
-            let column = |x: f64| x.floor().clamp(-1.0, self.nx as f64) as i64;
             let c0 = column(x0.min(x1) - HAIR).max(0);
             let c1 = column(x0.max(x1) + HAIR).min(self.nx as i64 - 1);
             for c in c0..=c1 {
@@ -86,12 +96,17 @@ pub struct Buckets {
 }
 
 impl Buckets {
-    /// Sorts `n` things: `places` tells the numbers of a thing's cells, the same ones each time it is asked. In a cell
-    /// they keep their order.
+    /// Sorts `n` things: `places` tells the numbers of a thing's cells. In a cell they keep their order.
     pub fn new(cells: Cells, n: usize, places: impl Fn(usize, &mut dyn FnMut(usize))) -> Self {
         let mut starts = vec![0u32; cells.nx * cells.ny + 1];
+        // Cells of all things one after the other, and where those of each end.
+        let (mut all, mut ends) = (Vec::with_capacity(n), Vec::with_capacity(n));
         for i in 0..n {
-            places(i, &mut |cell| starts[cell] += 1);
+            places(i, &mut |cell| {
+                starts[cell] += 1;
+                all.push(cell as u32);
+            });
+            ends.push(all.len());
         }
         let mut total = 0;
         for count in &mut starts {
@@ -99,11 +114,13 @@ impl Buckets {
         }
         let mut next = starts.clone();
         let mut members = vec![0; total as usize];
-        for i in 0..n {
-            places(i, &mut |cell| {
-                members[next[cell] as usize] = i as u32;
-                next[cell] += 1;
-            });
+        let mut first = 0;
+        for (i, end) in ends.into_iter().enumerate() {
+            for &cell in &all[first..end] {
+                members[next[cell as usize] as usize] = i as u32;
+                next[cell as usize] += 1;
+            }
+            first = end;
         }
         Self { cells, starts, members }
     }

@@ -75,21 +75,28 @@ pub fn lay(
         .collect();
     let inside = LineClipper::new(&Region::from(room.clone()));
     let laid = lines.clone();
-    let mut sides = rooms(&lines, border, spacing, None);
+    let neighbours = |lines: &[Line]| Neighbours::new(lines, border, 1.5 * spacing);
+    let first = neighbours(&lines);
+    let mut sides = rooms(&lines, &first, spacing, None);
     for round in 0..ROUNDS {
         if round > 0 {
             let uneven = uneven(&sides, spacing);
-            sides = rooms(&lines, border, spacing, Some((sides, uneven)));
+            let near = first.near(&lines, &marked(&lines, &uneven));
+            sides = rooms(&lines, &near, spacing, Some((sides, uneven)));
         }
         lines =
             lines.iter().zip(&sides).map(|(line, sides)| centred(line, sides, &inside, spacing)).collect();
     }
     // What lies on the room's edge is not to count as out.
     let grown = LineClipper::new(&Region::from(room.clone()).offset(ON_EDGE_MM, Join::Miter(2.0)));
-    let sound = undo_trouble(&laid, &mut lines, &grown, spacing);
-    if !sound && cut_small_loops(&mut lines, spacing) {
-        sides = rooms(&lines, border, spacing, None);
-    }
+    let settled = undo_trouble(&laid, &mut lines, &grown, &neighbours).unwrap_or_else(|| {
+        let changed = cut_small_loops(&mut lines, spacing);
+        let settled = neighbours(&lines);
+        if changed {
+            sides = rooms(&lines, &settled, spacing, None);
+        }
+        settled
+    });
     let nominal = context.bead_width_mm;
     if !variable || context.density < 0.999 {
         let path = |l: Line| {
@@ -101,7 +108,7 @@ pub fn lay(
     }
     // What was even lies as it lay.
     let uneven = uneven(&sides, spacing);
-    let sides = rooms(&lines, border, spacing, Some((sides, uneven)));
+    let sides = rooms(&lines, &settled, spacing, Some((sides, uneven)));
     let path = |(line, sides): (Line, Vec<Sides>)| {
         let n = line.points.len();
         let of_segment: Vec<f64> = sides.iter().map(|s| width(s, spacing, context)).collect();
@@ -147,10 +154,18 @@ fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
     sides.iter().map(of_line).collect()
 }
 
+/// Where the segments are that are to be looked at again.
+fn marked(lines: &[Line], uneven: &[Vec<bool>]) -> Vec<DVec2> {
+    let of_line = |(line, marks): (&Line, &Vec<bool>)| {
+        let at = |s: usize| marks[s].then(|| line.points[s]);
+        (0..marks.len()).filter_map(at).collect::<Vec<_>>()
+    };
+    lines.iter().zip(uneven).flat_map(of_line).collect()
+}
+
 /// The room beside every segment: half way to the next bead along it, or to the border. With `known`, only that of
 /// the segments marked is sought anew.
-fn rooms(lines: &[Line], border: &Region, spacing_mm: f64, known: Option<Known>) -> Vec<Vec<Sides>> {
-    let neighbours = Neighbours::new(lines, border, 1.5 * spacing_mm);
+fn rooms(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64, known: Option<Known>) -> Vec<Vec<Sides>> {
     let of_line = |(l, line): (usize, &Line)| {
         let n = line.n_segments();
         let side = |s: usize, left: bool, last: &mut Option<(usize, usize)>| {
@@ -261,20 +276,32 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
     Line { points, closed: true }
 }
 
-/// Takes moves back where lines cross, or leave the room, because of them; whether that was enough.
-fn undo_trouble(before: &[Line], after: &mut [Line], room: &LineClipper, spacing_mm: f64) -> bool {
+/// Takes moves back where lines cross, or leave the room, because of them: the lines as they lie then; `None` where
+/// some cross all the same.
+fn undo_trouble(
+    before: &[Line],
+    after: &mut [Line],
+    room: &LineClipper,
+    neighbours: &impl Fn(&[Line]) -> Neighbours,
+) -> Option<Neighbours> {
     for round in 0..8 {
-        let pairs = Neighbours::new(after, &Region::default(), 1.5 * spacing_mm).crossings();
-        let mut trouble: Vec<(usize, usize)> = pairs.into_iter().flatten().collect();
-        for (l, line) in after.iter().enumerate() {
-            let leaves = |s: &usize| {
-                let (a, b) = line.segment(*s);
-                !room.crossings(a, b).is_empty()
-            };
-            trouble.extend((0..line.n_segments()).filter(leaves).map(|s| (l, s)));
-        }
+        let found = neighbours(after);
+        let pairs = found.crossings();
+        let is_moved = |&(l, s): &(usize, usize)| {
+            let n = after[l].points.len();
+            [s, (s + 1) % n].iter().any(|&v| after[l].points[v] != before[l].points[v])
+        };
+        let leaves = |&(l, s): &(usize, usize)| {
+            let (a, b) = after[l].segment(s);
+            !room.crossings(a, b).is_empty()
+        };
+        let all = after.iter().enumerate().flat_map(|(l, line)| (0..line.n_segments()).map(move |s| (l, s)));
+        // What lies as it did cannot be helped by taking it back.
+        let leaving = all.filter(|at| is_moved(at) && leaves(at));
+        let crossing = pairs.iter().filter(|p| p.iter().any(is_moved)).flatten().copied();
+        let trouble: Vec<(usize, usize)> = crossing.chain(leaving).collect();
         if trouble.is_empty() {
-            return true;
+            return pairs.is_empty().then_some(found);
         }
         for (l, s) in trouble {
             let n = after[l].points.len();
@@ -286,7 +313,7 @@ fn undo_trouble(before: &[Line], after: &mut [Line], room: &LineClipper, spacing
         }
     }
     after.iter_mut().zip(before).for_each(|(a, b)| a.points.clone_from(&b.points));
-    false
+    None
 }
 
 /// Takes out short loops that a line makes over itself, and spikes; whether there were any.

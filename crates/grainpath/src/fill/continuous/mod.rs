@@ -99,16 +99,27 @@ impl Continuous {
             }
             None => (DVec2::X, 1.0),
         };
-        let rings = Rings::new(strips::outlines(context, room, spacing), room, spacing);
+        let mut rings = Rings::new(strips::outlines(context, room, spacing), room, spacing);
+        let touching = rings.crossings();
+        if !touching.is_empty() {
+            let loops: Vec<Vec<DVec2>> = rings.lines.into_iter().map(|l| l.points).collect();
+            rings = Rings::new(strips::parted(&loops, &touching, spacing), room, spacing);
+        }
         let mut taken = Taken::new(&rings, 0.25 * spacing);
         let cells = cells::cut(&rings, 2.0 * self.aspect * spacing, spacing, &mut taken);
         let exchanges = tree::join(&rings, &cells, self.tree, spacing, &axis, &mut taken);
-        let joined = rings.exchanged(&exchanges);
-        if joined.len() < 2 {
-            return joined;
+        let mut joined = rings.exchanged(&exchanges);
+        // What a joint takes up of a small ring is free for the next one when it is part of a large one.
+        let mut apart = joined.len();
+        while apart > 1 {
+            let rings = Rings::new(joined, room, spacing);
+            let rest = tree::join_rest(&rings, spacing);
+            joined = rings.exchanged(&rest);
+            // Crumbs are dropped; they are not worth another look.
+            let left = joined.iter().filter(|r| perimeter_mm(r) > SHORTEST * spacing).count();
+            apart = if rest.is_empty() { 0 } else { left };
         }
-        let rings = Rings::new(joined, room, spacing);
-        rings.exchanged(&tree::join_rest(&rings, spacing))
+        joined
     }
 }
 

@@ -26,6 +26,8 @@ pub struct Facing {
     pub other_ring: usize,
     /// Ends of the one, then of the other.
     pub corners: [DVec2; 4],
+    /// About half the length of a stretch, mm.
+    pub half_mm: f64,
 }
 
 impl Facing {
@@ -83,6 +85,19 @@ impl Rings {
         Self { lines, arcs, neighbours, room, spacing_mm }
     }
 
+    /// Where rings cross or touch themselves or each other.
+    pub fn crossings(&self) -> Vec<DVec2> {
+        self.neighbours.crossings().into_iter().map(|[a, b]| self.meeting(a, b)).collect()
+    }
+
+    /// The point that two segments, each as ring and segment, have in common.
+    fn meeting(&self, a: (usize, usize), b: (usize, usize)) -> DVec2 {
+        let ((p, q), (r, s)) = (self.lines[a.0].segment(a.1), self.lines[b.0].segment(b.1));
+        let det = cross(q - p, s - r);
+        let t = if det == 0.0 { 0.5 } else { (cross(r - p, s - r) / det).clamp(0.0, 1.0) };
+        p.lerp(q, t)
+    }
+
     pub fn length_mm(&self, ring: usize) -> f64 {
         self.arcs[ring].last().copied().unwrap_or(0.0)
     }
@@ -90,7 +105,12 @@ impl Rings {
     /// The segment on which a place lies.
     fn segment(&self, ring: usize, at_mm: f64) -> usize {
         let arc = &self.arcs[ring];
-        arc.partition_point(|&a| a <= at_mm).saturating_sub(1).min(arc.len() - 2)
+        let n = arc.len() - 1;
+        // Steps are about even: it is mostly found where it would then be, or next to it.
+        let guess = ((at_mm / arc[n].max(1e-12) * n as f64) as usize).min(n - 1);
+        let near = guess.saturating_sub(2)..(guess + 3).min(n);
+        let found = near.into_iter().find(|&s| arc[s] <= at_mm && at_mm < arc[s + 1]);
+        found.unwrap_or_else(|| arc.partition_point(|&a| a <= at_mm).saturating_sub(1).min(n - 1))
     }
 
     /// A place brought into the ring's length.
@@ -182,6 +202,7 @@ impl Rings {
             other: [after.at_mm, middle.at_mm, before.at_mm],
             other_ring: middle.ring,
             corners: [a0, a1, b0, b1],
+            half_mm: half,
         })
     }
 
@@ -217,8 +238,8 @@ impl Rings {
                             other: facing,
                             other_ring: other,
                             corners: [a0, a1, b0, b1],
+                            half_mm: half,
                         });
-                        break;
                     }
                 }
             }

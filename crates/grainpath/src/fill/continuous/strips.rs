@@ -24,6 +24,8 @@ const MESH_BEADS: [f64; 2] = [1.8, 4.0];
 const MANY_NODES: f64 = 20_000.0;
 /// Places of a room narrower than this are strips by themselves, in beads.
 const THIN_BEADS: f64 = 1.5;
+/// Where strips touch they are cut back this far, in beads.
+const PARTED_BEADS: f64 = 0.25;
 /// Steps of the outlines, in beads.
 const STEP_BEADS: f64 = 1.0;
 /// Steps of diffusion of the phase: widths in squares of the grid, and how often.
@@ -80,6 +82,16 @@ fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Ve
     let mut all = strips.union(&thin);
     all.polygons.retain(|p| p.area_mm2() > 0.1 * spacing_mm * spacing_mm);
     all.contours().cloned().collect()
+}
+
+/// Strips that meet at these places, taken apart there.
+pub fn parted(loops: &[Vec<DVec2>], at: &[DVec2], spacing_mm: f64) -> Vec<Vec<DVec2>> {
+    let half = DVec2::splat(PARTED_BEADS * spacing_mm);
+    let squares = at.iter().flat_map(|&p| Region::rectangle(p - half, p + half).polygons);
+    let squares: Vec<Vec<DVec2>> = squares.map(|p| p.outer).collect();
+    let all = Region::from_contours(loops, FillRule::Positive)
+        .difference(&Region::from_contours(&squares, FillRule::NonZero));
+    all.contours().filter(|l| l.len() > 2).cloned().collect()
 }
 
 /// Where the cosine changes sign: strips are on its left. Open lines end outside the region.

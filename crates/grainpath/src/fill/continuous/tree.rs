@@ -208,9 +208,10 @@ pub fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
     let look = |found: Vec<Facing>, sets: &mut Sets, taken: &mut Taken, exchanges: &mut Vec<Facing>| {
         for f in found {
             let [a, b] = [f.one_ring, f.other_ring].map(|r| sets.root(r as u32));
-            let free = || taken.fits(&f, 0.6 * spacing_mm) && !exchanges.iter().any(|e| e.crosses(&f));
+            let around_mm = f.half_mm + 0.1 * spacing_mm;
+            let free = || taken.fits(&f, around_mm) && !exchanges.iter().any(|e| e.crosses(&f));
             if a != b && free() {
-                taken.take_both(&f, 0.6 * spacing_mm);
+                taken.take_both(&f, around_mm);
                 sets.join(a, b);
                 exchanges.push(f);
             }
@@ -221,13 +222,16 @@ pub fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
             let length = rings.length_mm(ring);
             let steps = (length / (0.4 * spacing_mm)).ceil().max(1.0);
             for k in 0..steps as usize {
+                // What is joined to the longest is seen by what is not.
+                if sets.root(ring as u32) == sets.root(longest as u32) {
+                    break;
+                }
                 let at_mm = length * (k as f64 + 0.5) / steps;
                 let found = match range {
                     Some(range) => [Side::Right, Side::Left]
                         .into_iter()
                         .filter_map(|side| rings.stretches(ring, at_mm, side, range))
                         .collect(),
-                    None if sets.root(ring as u32) == sets.root(longest as u32) => break,
                     None => rings.slanted(ring, at_mm, 2.5),
                 };
                 look(found, &mut sets, &mut taken, &mut exchanges);

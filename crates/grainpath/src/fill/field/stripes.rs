@@ -440,13 +440,21 @@ pub(super) fn joined(
     out
 }
 
+/// So many vertices at most are looked at together.
+const PIECE: usize = 256;
+
 /// Drops vertices that lie within 5 um of the line without them and whose width lies within 10 um.
 pub fn simplified(points: &[DVec2], widths: &[f64], closed: bool) -> (Vec<DVec2>, Vec<f64>) {
     let n = points.len();
     let mut keep = vec![false; n];
-    let half = if closed { n / 2 } else { 0 };
-    (keep[0], keep[n - 1], keep[half]) = (true, true, true);
-    let mut stack = if closed { vec![(0, half), (half, n - 1)] } else { vec![(0, n - 1)] };
+    keep[n - 1] = true;
+    // Piece by piece, so that the time a long bead takes grows with its length alone.
+    let mut stack: Vec<(usize, usize)> = Vec::new();
+    let most = if closed { PIECE.min(n / 2).max(1) } else { PIECE };
+    for a in (0..n - 1).step_by(most) {
+        keep[a] = true;
+        stack.push((a, (a + most).min(n - 1)));
+    }
     while let Some((a, b)) = stack.pop() {
         let (p, d) = (points[a], points[b] - points[a]);
         let off = |i: usize| {

@@ -90,6 +90,30 @@ impl Neighbours {
         for contour in border.contours() {
             pieces.extend(edges(contour).map(|(a, b)| Piece { a, b, line: BORDER, segment: 0 }));
         }
+        Self::of(pieces, cell_mm)
+    }
+
+    /// Of the same beads, moved a little since, those within two cells of these places.
+    pub fn near(&self, lines: &[Line], places: &[DVec2]) -> Self {
+        let cells = &self.buckets.cells;
+        let mut is_near = vec![false; self.pieces.len()];
+        for &p in places {
+            for at in cells.around(cells.at(p), 2) {
+                self.buckets.of(cells.index(at)).iter().for_each(|&m| is_near[m as usize] = true);
+            }
+        }
+        let moved = |p: &Piece| {
+            if p.line == BORDER {
+                return *p;
+            }
+            let (a, b) = lines[p.line as usize].segment(p.segment as usize);
+            Piece { a, b, ..*p }
+        };
+        let near = self.pieces.iter().zip(is_near).filter(|p| p.1);
+        Self::of(near.map(|p| moved(p.0)).collect(), cells.cell_mm)
+    }
+
+    fn of(pieces: Vec<Piece>, cell_mm: f64) -> Self {
         let ends = pieces.iter().flat_map(|p| [p.a, p.b]);
         let bounds = Bounds2::of(ends).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let cells = Cells::over(bounds, cell_mm, 4000);
