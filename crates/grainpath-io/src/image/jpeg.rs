@@ -54,8 +54,11 @@ fn is_cut_short(bytes: &[u8]) -> bool {
 fn ends_inside_scan(bytes: &[u8]) -> bool {
     let mut i = 2;
     loop {
-        // To the next marker; 0xff00 and restarts belong to a scan's data.
+        // To the next marker; 0xff00 and restarts belong to a scan's data. Most stretches have no 0xff at all.
         loop {
+            let rest = bytes.get(i..).unwrap_or_default();
+            let plain = 64 * rest.chunks_exact(64).take_while(|some| !some.contains(&0xff)).count();
+            i += plain + rest[plain..].iter().take_while(|b| **b != 0xff).count();
             match bytes.get(i..i + 2) {
                 None => return true,
                 Some(&[0xff, m]) if m != 0 && m != 0xff && !(0xd0..=0xd7).contains(&m) => break,

@@ -30,6 +30,7 @@ pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
     if images.is_empty() {
         return Err(error(files.place(), "no DICOM, PNG, TIFF, BMP or JPEG slices in it"));
     }
+    check_names(&images)?;
     check_numbers(&images)?;
     let first = read(&files, &images[0])?;
     let format = match first.format {
@@ -118,6 +119,32 @@ pub(super) fn take_grey(
     *out = image.to_grey_f32();
     out.iter_mut().filter(|v| !v.is_finite()).for_each(|v| *v = 0.0);
     Ok(())
+}
+
+/// Finds a name that differs from the others in more than its numbers: a slice of another series, a thumbnail.
+fn check_names(names: &[String]) -> Result<(), VolumeError> {
+    let shape = |name: &String| {
+        let runs = name.split(|c: char| c.is_ascii_digit()).filter(|part| !part.is_empty());
+        runs.map(str::to_ascii_lowercase).collect::<Vec<_>>()
+    };
+    let shapes: Vec<Vec<String>> = names.iter().map(shape).collect();
+    let mut counts = std::collections::BTreeMap::new();
+    shapes.iter().for_each(|s| *counts.entry(s).or_insert(0usize) += 1);
+    // Of equally common ones the first in the folder is the series.
+    let n = counts.values().copied().max().unwrap_or(0);
+    let usual = shapes.iter().position(|s| counts[s] == n).unwrap_or(0);
+    match shapes.iter().position(|s| *s != shapes[usual]) {
+        // Names that are all different may be anything.
+        Some(stranger) if n > 1 => {
+            let problem = format!(
+                "its name does not go with {} and {} more like it: is it of another series?",
+                names[usual],
+                n - 1
+            );
+            Err(error(&names[stranger], problem))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The last number in a name and what is around it.

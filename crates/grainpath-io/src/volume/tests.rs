@@ -229,6 +229,11 @@ fn folders_are_sorted_as_people_count_and_held_together() {
     );
     says(folder(&[("a1.bmp", bmp(4, 3, 1)), ("a2.tif", tiff16(9))]), "a2.tif", "u16 grey values");
     says(folder(&[("a1.bmp", bmp(4, 3, 1)), ("a2.bmp", b"BM".to_vec())]), "a2.bmp", "");
+    let one = |name| (name, bmp(4, 3, 1));
+    let stranger = folder(&["s1.bmp", "s2.bmp", "s3.bmp", "thumb.bmp"].map(one));
+    says(stranger, "thumb.bmp", "does not go with s1.bmp and 2 more");
+    says(folder(&["a1.bmp", "a2.bmp", "b1.bmp", "b2.bmp"].map(one)), "b1.bmp", "another series");
+    assert_eq!(folder(&["low.bmp", "mid.bmp", "top.bmp"].map(one)).expect("a series").info().size[2], 3);
     says(folder(&[("notes.txt", b"hello".to_vec())]), "scan", "no DICOM, PNG");
     says(folder(&[]), "scan", "no images");
     says(single(&[("a.xyz", b"hello".to_vec())]), "a.xyz", "not a volume");

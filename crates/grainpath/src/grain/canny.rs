@@ -4,7 +4,7 @@
 
 use rayon::prelude::*;
 
-use super::raster::{Grey, quantile};
+use super::raster::{Grey, mix, quantile, three};
 
 /// Thresholds on the slope, as shares of the steepest hundredth of all slopes; `None` chooses by the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -33,34 +33,43 @@ pub struct Edges {
 /// Finds edges in a picture that has been smoothed already. A blank picture has none.
 pub fn canny(smooth: &Grey, settings: &CannySettings) -> Edges {
     let (w, h) = (smooth.width, smooth.height);
-    let (gradients, slopes) = gradients(smooth);
-    // Every pixel that is no crest gets zero.
-    let crests = Grey::from_fn(w, h, |x, y| crest(gradients[y * w + x], &slopes, x, y));
+    let slopes = slopes(smooth);
+    let crests = crests(smooth, &slopes);
     let thresholds = thresholds(&crests, settings);
     let mask = hysteresis(&crests, thresholds);
     Edges { width: w, height: h, mask, thresholds, slopes, smooth: smooth.clone() }
 }
 
-/// [`gradient`] at every pixel, and its length.
-fn gradients(smooth: &Grey) -> (Vec<[f32; 2]>, Grey) {
-    let (w, h) = (smooth.width, smooth.height);
-    let mut all = vec![[0.0f32; 2]; w * h];
-    let mut slopes = Grey::filled(w, h, 0.0);
-    all.par_chunks_mut(w).zip(slopes.data.par_chunks_mut(w)).enumerate().for_each(|(y, (out, slopes))| {
-        let row = |y: usize| &smooth.data[y * w..(y + 1) * w];
-        let (a, b, c) = (row(y.saturating_sub(1)), row(y), row((y + 1).min(h - 1)));
-        let inner = a.windows(3).zip(b.windows(3)).zip(c.windows(3));
-        for (out, ((a, b), c)) in out[1.min(w)..].iter_mut().zip(inner) {
-            let gx = (a[2] - a[0]) + 2.0 * (b[2] - b[0]) + (c[2] - c[0]);
-            let gy = (c[0] - a[0]) + 2.0 * (c[1] - a[1]) + (c[2] - a[2]);
-            *out = [gx / 8.0, gy / 8.0];
-        }
-        for x in [0, w - 1] {
-            out[x] = gradient(smooth, x, y);
-        }
-        slopes.iter_mut().zip(&*out).for_each(|(s, [x, y])| *s = (x * x + y * y).sqrt());
-    });
-    (all, slopes)
+/// The length of [`gradient`] at every pixel.
+fn slopes(smooth: &Grey) -> Grey {
+    let w = smooth.width;
+    let mut out = Grey::filled(w, smooth.height, 0.0);
+    out.data.par_chunks_mut(w.max(1)).enumerate().for_each_init(
+        || [(); 2].map(|()| vec![0.0f32; w]),
+        |[gx, gy], (y, out)| {
+            gradient_row(smooth, y, gx, gy);
+            out.iter_mut().zip(&*gx).zip(&*gy).for_each(|((s, x), y)| *s = (x * x + y * y).sqrt());
+        },
+    );
+    out
+}
+
+/// [`gradient`] along a row.
+fn gradient_row(smooth: &Grey, y: usize, gx: &mut [f32], gy: &mut [f32]) {
+    let w = smooth.width;
+    let row = |y: usize| &smooth.data[y * w..(y + 1) * w];
+    let (a, b, c) = (row(y.saturating_sub(1)), row(y), row((y + 1).min(smooth.height - 1)));
+    let n = w.saturating_sub(2);
+    let ([al, am, ar], [bl, _, br], [cl, cm, cr]) = (three(a), three(b), three(c));
+    let inner = w.min(1)..w.min(1) + n;
+    let (inner_x, inner_y) = (&mut gx[inner.clone()], &mut gy[inner]);
+    for k in 0..n {
+        inner_x[k] = 0.125 * ((ar[k] - al[k]) + 2.0 * (br[k] - bl[k]) + (cr[k] - cl[k]));
+        inner_y[k] = 0.125 * ((cl[k] - al[k]) + 2.0 * (cm[k] - am[k]) + (cr[k] - ar[k]));
+    }
+    for x in [0, w - 1] {
+        [gx[x], gy[x]] = gradient(smooth, x, y);
+    }
 }
 
 /// Sobel's gradient, brightness per pixel; the border repeats.
@@ -74,36 +83,45 @@ fn gradient(grey: &Grey, x: usize, y: usize) -> [f32; 2] {
     [gx / 8.0, gy / 8.0]
 }
 
-/// The slope at a pixel, or zero where it is steeper next to it, up or down the slope.
-fn crest([gx, gy]: [f32; 2], slopes: &Grey, x: usize, y: usize) -> f32 {
-    let (w, h) = (slopes.width, slopes.height);
-    let here = slopes.at(x, y);
-    if here < 1e-5 || x == 0 || y == 0 || x + 1 >= w || y + 1 >= h {
-        return 0.0;
-    }
-    let k = y * w + x;
-    let s = &slopes.data;
-    // The slopes one step along the gradient, between two of the eight neighbours.
-    let (steep, t, diagonal) = if gx.abs() >= gy.abs() {
-        let diagonal = if gx * gy >= 0.0 { w + 1 } else { w - 1 };
-        (1, (gy / gx).abs(), diagonal)
-    } else {
-        let diagonal = if gx * gy >= 0.0 { w + 1 } else { w - 1 };
-        (w, (gx / gy).abs(), diagonal)
-    };
-    // A diagonal neighbour to the upper left is reached by going down in memory, whichever way the gradient points.
-    let turned = gx * gy < 0.0 && steep == 1;
-    let (forth, back) = if turned {
-        (mix(s[k - 1], s[k + diagonal], t), mix(s[k + 1], s[k - diagonal], t))
-    } else {
-        (mix(s[k + steep], s[k + diagonal], t), mix(s[k - steep], s[k - diagonal], t))
-    };
-    // On a plateau of two equal slopes the first is the crest.
-    if here > back && here >= forth { here } else { 0.0 }
-}
+/// Gentler slopes than this are none, brightness per pixel.
+const FLAT: f32 = 1e-5;
 
-fn mix(a: f32, b: f32, t: f32) -> f32 {
-    a + t * (b - a)
+/// The slope where it is steepest up and down the slope, zero at all other pixels.
+fn crests(smooth: &Grey, slopes: &Grey) -> Grey {
+    let (w, h) = (smooth.width, smooth.height);
+    let mut out = Grey::filled(w, h, 0.0);
+    out.data.par_chunks_mut(w.max(1)).enumerate().for_each_init(
+        || [(); 2].map(|()| vec![0.0f32; w]),
+        |[gx, gy], (y, out)| {
+            if y == 0 || y + 1 >= h {
+                return;
+            }
+            gradient_row(smooth, y, gx, gy);
+            let row = |y: usize| &slopes.data[y * w..(y + 1) * w];
+            let n = w.saturating_sub(2);
+            let [[al, am, ar], [bl, bm, br], [cl, cm, cr]] = [y - 1, y, y + 1].map(|y| three(row(y)));
+            let inner = w.min(1)..w.min(1) + n;
+            let (gx, gy, out) = (&gx[inner.clone()], &gy[inner.clone()], &mut out[inner]);
+            // Without branches, so that the compiler takes several pixels at a time.
+            for x in 0..n {
+                let (ax, ay, same) = (gx[x].abs(), gy[x].abs(), gx[x] * gy[x] >= 0.0);
+                let level = ax >= ay;
+                let (least, most) = if level { (ay, ax) } else { (ax, ay) };
+                let t = least / most.max(f32::MIN_POSITIVE);
+                // Neighbours straight along the axis nearest to the gradient, and diagonally: the slope one step along
+                // the gradient lies between them.
+                let (ahead, behind) = if same { (br[x], bl[x]) } else { (bl[x], br[x]) };
+                let (ahead, behind) = if level { (ahead, behind) } else { (cm[x], am[x]) };
+                let (down, up) = if same { (cr[x], al[x]) } else { (cl[x], ar[x]) };
+                let (forth, back) = (mix(ahead, down, t), mix(behind, up, t));
+                let here = bm[x];
+                // On a plateau of two equal slopes the first is the crest.
+                let is_crest = (here >= FLAT) & (here > back) & (here >= forth);
+                out[x] = if is_crest { here } else { 0.0 };
+            }
+        },
+    );
+    out
 }
 
 fn thresholds(crests: &Grey, settings: &CannySettings) -> [f32; 2] {

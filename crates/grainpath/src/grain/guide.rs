@@ -12,6 +12,7 @@ use super::corners::find_corners;
 use super::curves::{CurveSettings, along_grain, edge_curves, length_mm};
 use super::lay::Near;
 use super::photo::Photo;
+use super::raster::Grey;
 use super::tensor::{
     AxisGrid, AxisSample, Guideline, Tangent, TensorSettings, along_lines, border_lines, grain_axes,
 };
@@ -317,13 +318,20 @@ fn read_photo(photo: &Photo, k: usize, s: &GrainSettings) -> Result<Read, GrainE
         integration_mm: s.integration_mm.max(2.0 * image.px_mm),
         smooth_mm: s.smooth_mm,
     };
-    let cleaned = MetricImage { grey: image.grey.median(s.median_px), ..image.clone() };
-    let axes = grain_axes(&cleaned, &tensor);
+    let of = |grey: Grey| MetricImage { grey, min_mm: image.min_mm, px_mm: image.px_mm };
+    let cleaned = of(image.grey.median(s.median_px));
     let blur_px = s.blur_mm.map_or((BLUR_MM / image.px_mm).max(1.3), |mm| mm / image.px_mm);
-    let denoised = MetricImage { grey: cleaned.grey.blurred(blur_px), ..cleaned };
     let wanted = s.mode == Mode::Edges || s.pictures;
-    let edges = wanted.then(|| canny(&denoised.grey, &s.canny));
-    let curves = edges.as_ref().map(|e| edge_curves(e, &denoised, &s.curves)).unwrap_or_default();
+    // Following curves is work for one thread, and so is much of the axes.
+    let (axes, (denoised, edges, curves)) = rayon::join(
+        || grain_axes(&cleaned, &tensor),
+        || {
+            let denoised = of(cleaned.grey.blurred(blur_px));
+            let edges = wanted.then(|| canny(&denoised.grey, &s.canny));
+            let curves = edges.as_ref().map(|e| edge_curves(e, &denoised, &s.curves)).unwrap_or_default();
+            (denoised, edges, curves)
+        },
+    );
     let curves = along_grain(curves, &axes, STRAY_RAD, s.curves.min_length_mm);
     Ok(Read { corners, image, denoised, axes, edges, curves })
 }
@@ -500,7 +508,6 @@ fn moved(curve: &[DVec2], to: &Slice, share: f64) -> Vec<DVec2> {
 mod tests {
     use super::super::board::{Board, Knot};
     use super::super::curves::Join;
-    use super::super::raster::Grey;
     use super::super::tensor::axis_difference_rad;
     use super::*;
 

@@ -74,7 +74,9 @@ impl Shrinking for Photo {
 
     fn halved(&self) -> Grey {
         match &self.light {
-            Light::Bytes(size, bytes) => half(bytes, *size, 0.25 / 255.0),
+            Light::Bytes(size, bytes) => half(bytes, *size, 0.25 / 255.0, |[a, b, c, d]| {
+                f32::from((u16::from(a) + u16::from(b)) + (u16::from(c) + u16::from(d)))
+            }),
             Light::Floats(grey) => grey.halved(),
         }
     }

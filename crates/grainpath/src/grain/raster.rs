@@ -54,30 +54,28 @@ impl Grey {
 
     /// Half the size, each pixel the mean of four.
     pub fn halved(&self) -> Self {
-        half(&self.data, [self.width, self.height], 0.25)
+        half(&self.data, [self.width, self.height], 0.25, |[a, b, c, d]| (a + b) + (c + d))
     }
 
-    /// Row `y` of this picture enlarged by `factor` to `width` pixels: what [`Grey::sample`] finds at their centres.
-    pub(super) fn enlarged_row(&self, y: usize, factor: f64, width: usize, out: &mut Vec<f32>) {
-        let place = |v: usize, n: usize| {
-            let v = ((v as f64 + 0.5) / factor - 0.5).clamp(0.0, n as f64 - 1.0);
-            let i = (v as usize).min(n.saturating_sub(2));
-            (i, (v - i as f64) as f32)
-        };
-        let (j, t) = place(y, self.height);
+    /// Row `y` of this picture enlarged: what [`Grey::sample`] finds at the centres of the larger picture's pixels.
+    /// `columns` and `row` are its [`enlarging`] tables; `between` is room for one row of this picture.
+    pub(super) fn enlarged_row(
+        &self,
+        columns: &[(u32, f32)],
+        row: (u32, f32),
+        between: &mut Vec<f32>,
+        out: &mut Vec<f32>,
+    ) {
+        let (j, t) = (row.0 as usize, row.1);
         let row = |j: usize| &self.data[j * self.width..(j + 1) * self.width];
-        let (low, high) = (row(j), row((j + 1).min(self.height - 1)));
+        between.clear();
+        between.extend(
+            row(j).iter().zip(row((j + 1).min(self.height - 1))).map(|(low, high)| mix(*low, *high, t)),
+        );
+        // One more, so that the last pixel has a right neighbour.
+        between.push(between[self.width - 1]);
         out.clear();
-        if self.width == 1 {
-            out.resize(width, low[0] + t * (high[0] - low[0]));
-            return;
-        }
-        out.extend((0..width).map(|x| {
-            let (i, u) = place(x, self.width);
-            let a = low[i] + u * (low[i + 1] - low[i]);
-            let b = high[i] + u * (high[i + 1] - high[i]);
-            a + t * (b - a)
-        }));
+        out.extend(columns.iter().map(|&(i, u)| mix(between[i as usize], between[i as usize + 1], u)));
     }
 
     /// Smoothed by a Gaussian of this standard deviation in pixels; the border repeats.
@@ -147,18 +145,21 @@ impl Grey {
             |[low, middle, high], (y, out)| {
                 let row = |y: usize| &self.data[y * w..(y + 1) * w];
                 let (a, b, c) = (row(y.saturating_sub(1)), row(y), row((y + 1).min(h - 1)));
+                let sorted = [&mut *low, &mut *middle, &mut *high].map(|v| &mut v[1..=w]);
+                let [l, m, t] = sorted;
                 for x in 0..w {
                     let (p, q) = (lesser(a[x], b[x]), greater(a[x], b[x]));
-                    let (r, top) = (lesser(q, c[x]), greater(q, c[x]));
-                    (low[x + 1], middle[x + 1], high[x + 1]) = (lesser(p, r), greater(p, r), top);
+                    let r = lesser(q, c[x]);
+                    (l[x], m[x], t[x]) = (lesser(p, r), greater(p, r), greater(q, c[x]));
                 }
                 for sorted in [&mut *low, &mut *middle, &mut *high] {
                     (sorted[0], sorted[w + 1]) = (sorted[1], sorted[w]);
                 }
+                let ([la, lb, lc], [ma, mb, mc], [ha, hb, hc]) = (three(low), three(middle), three(high));
                 for x in 0..w {
-                    let l = greater(greater(low[x], low[x + 1]), low[x + 2]);
-                    let m = middle_of(middle[x], middle[x + 1], middle[x + 2]);
-                    let h = lesser(lesser(high[x], high[x + 1]), high[x + 2]);
+                    let l = greater(greater(la[x], lb[x]), lc[x]);
+                    let m = middle_of(ma[x], mb[x], mc[x]);
+                    let h = lesser(lesser(ha[x], hb[x]), hc[x]);
                     out[x] = middle_of(l, m, h);
                 }
             },
@@ -192,32 +193,67 @@ pub fn quantile(values: &mut [f32], share: f64) -> f32 {
     *values.select_nth_unstable_by(k, f32::total_cmp).1
 }
 
-/// A picture of half the size: sums of four pixels, the border repeated, times `share`.
-pub(super) fn half<T: Copy + Sync + Into<f32>>(data: &[T], [width, height]: [usize; 2], share: f32) -> Grey {
+/// For each of `n` pixels the one of `n_small` before it in a picture `factor` times smaller, and how far it is on the
+/// way from that to the next.
+pub(super) fn enlarging(n: usize, factor: f64, n_small: usize) -> Vec<(u32, f32)> {
+    let place = |v: usize| {
+        let v = ((v as f64 + 0.5) / factor - 0.5).clamp(0.0, n_small as f64 - 1.0);
+        let i = v as u32;
+        (i, (v - f64::from(i)) as f32)
+    };
+    (0..n).map(place).collect()
+}
+
+/// A picture of half the size: `sum` of four pixels, the border repeated, times `share`.
+pub(super) fn half<T: Copy + Sync>(
+    data: &[T],
+    [width, height]: [usize; 2],
+    share: f32,
+    sum: impl Fn([T; 4]) -> f32 + Sync,
+) -> Grey {
     let (w, h) = (width.div_ceil(2), height.div_ceil(2));
     let mut out = Grey::filled(w, h, 0.0);
     out.data.par_chunks_mut(w.max(1)).enumerate().for_each(|(y, out)| {
         let row = |y: usize| &data[y * width..(y + 1) * width];
         let (a, b) = (row(2 * y), row((2 * y + 1).min(height - 1)));
-        for ((out, a), b) in out.iter_mut().zip(a.chunks_exact(2)).zip(b.chunks_exact(2)) {
-            *out = share * (a[0].into() + a[1].into() + b[0].into() + b[1].into());
+        for ((out, a), b) in out.iter_mut().zip(a.as_chunks().0).zip(b.as_chunks().0) {
+            let (&[a, b], &[c, d]) = (a, b);
+            *out = share * sum([a, b, c, d]);
         }
         if width % 2 == 1 {
-            out[w - 1] = 2.0 * share * (a[width - 1].into() + b[width - 1].into());
+            let (a, b) = (a[width - 1], b[width - 1]);
+            out[w - 1] = share * sum([a, a, b, b]);
         }
     });
     out
 }
 
+/// From `a` to `b`, `t` of the way.
+#[inline]
+pub(super) fn mix(a: f32, b: f32, t: f32) -> f32 {
+    a + t * (b - a)
+}
+
+/// The left neighbours, the pixels and the right neighbours of a row's inner pixels: slices of one length, so that the
+/// compiler checks no step and takes several at a time.
+#[inline]
+pub(super) fn three(row: &[f32]) -> [&[f32]; 3] {
+    let n = row.len().saturating_sub(2);
+    [0, 1, 2].map(|k| &row[k.min(row.len() - n)..][..n])
+}
+
 // Unlike `f32::min` these are one instruction: no pixel is NaN.
+#[inline]
 fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
+#[inline]
 fn greater(a: f32, b: f32) -> f32 {
     if a < b { b } else { a }
 }
 
+#[inline]
 fn middle_of(a: f32, b: f32, c: f32) -> f32 {
     greater(lesser(a, b), lesser(greater(a, b), c))
 }

@@ -10,7 +10,7 @@ use grainpath_core::math::{atan2, sin_cos};
 use grainpath_core::{DVec2, Region};
 use rayon::prelude::*;
 
-use super::raster::{Grey, quantile};
+use super::raster::{Grey, enlarging, half, quantile, three};
 use super::warp::MetricImage;
 
 /// How a direction is read out of a picture.
@@ -121,19 +121,31 @@ pub(super) struct Evidence {
 /// Pixels that differ less than this from their surroundings show nothing, as a share of white.
 pub(super) const FAINT: f32 = 2e-3;
 
+/// A Gaussian this wide, in pixels, leaves nothing that half as many pixels a side would not show.
+const HALVED_FROM_PX: f64 = 2.4;
+
 /// The grain of a picture, one node about every third of the integration scale.
 pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
-    let px = image.px_mm;
-    let sigma_px = (settings.gradient_mm / px).max(0.7);
-    let smooth = image.grey.blurred(sigma_px);
-    let flat = flattened(&smooth, 3.0 * settings.integration_mm / px);
+    let mut px = image.px_mm;
+    let mut sigma_px = (settings.gradient_mm / px).max(0.7);
+    let mut small: Option<Grey> = None;
+    while sigma_px >= HALVED_FROM_PX && image.grey.width.min(image.grey.height) > 16 {
+        small = Some(small.as_ref().unwrap_or(&image.grey).halved());
+        // A mean of two pixels is a Gaussian of half a pixel, to the second order.
+        sigma_px = 0.5 * (sigma_px * sigma_px - 0.25).sqrt();
+        px *= 2.0;
+    }
+    let flat = flattened(
+        small.as_ref().unwrap_or(&image.grey).blurred(sigma_px),
+        3.0 * settings.integration_mm / px,
+    );
     let cell = ((settings.integration_mm / px / 2.5).floor() as usize).max(1);
     let (nx, ny) = ((flat.width / cell).max(1), (flat.height / cell).max(1));
-    let sums: Vec<[f32; 4]> = (0..nx * ny)
-        .into_par_iter()
-        .with_min_len(256)
-        .map(|k| cell_tensor(&flat, cell * (k % nx), cell * (k / nx), cell))
-        .collect();
+    let mut sums = vec![[0.0f32; 4]; nx * ny];
+    sums.par_chunks_mut(nx).enumerate().for_each_init(
+        || [(); 4].map(|()| vec![0.0f32; flat.width]),
+        |columns, (j, out)| cell_tensors(&flat, j, cell, columns, out),
+    );
     let sigma = settings.integration_mm / px / cell as f64;
     let layer =
         |c: usize| Grey { width: nx, height: ny, data: sums.iter().map(|s| s[c]).collect() }.blurred(sigma);
@@ -144,7 +156,7 @@ pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
     let wide_coherence =
         mean_coherence(&xx.blurred(3.0 * sigma), &xy.blurred(3.0 * sigma), &yy.blurred(3.0 * sigma));
     let mut grid = AxisGrid {
-        min_mm: image.place(0.5 * cell as f64, 0.5 * cell as f64),
+        min_mm: image.min_mm + DVec2::splat(0.5 * px * cell as f64),
         step_mm: px * cell as f64,
         nx,
         ny,
@@ -181,57 +193,81 @@ fn mean_coherence(xx: &Grey, xy: &Grey, yy: &Grey) -> f64 {
 }
 
 /// The picture with slow changes of brightness and contrast taken out: uneven light, stains.
-fn flattened(grey: &Grey, sigma_px: f64) -> Grey {
-    // A slow average needs no fine picture.
-    let mut small = grey.clone();
-    let (mut level, mut n_halvings) = (1.0, 0);
-    while sigma_px / level > 6.0 && small.width > 16 && small.height > 16 {
-        small = small.halved();
-        level *= 2.0;
-        n_halvings += 1;
-    }
-    let mean = small.blurred(sigma_px / level);
+fn flattened(mut grey: Grey, sigma_px: f64) -> Grey {
     let (w, h) = (grey.width, grey.height);
-    let mut difference = Grey::filled(w, h, 0.0);
-    difference.data.par_chunks_mut(w).enumerate().for_each_init(Vec::new, |slow, (y, out)| {
-        mean.enlarged_row(y, level, w, slow);
-        let row = &grey.data[y * w..(y + 1) * w];
-        out.iter_mut().zip(row).zip(&*slow).for_each(|((o, v), m)| *o = v - m);
+    // A slow average needs no fine picture.
+    let shrunk = |sum: fn([f32; 4]) -> f32, grey: &Grey| {
+        let (mut small, mut level) = (half(&grey.data, [w, h], 0.25, sum), 2.0);
+        while sigma_px / level > 6.0 && small.width > 16 && small.height > 16 {
+            small = small.halved();
+            level *= 2.0;
+        }
+        (small, level)
+    };
+    let (small, level) = shrunk(|[a, b, c, d]| (a + b) + (c + d), &grey);
+    let columns = enlarging(w, level, small.width);
+    let rows = enlarging(h, level, small.height);
+    let apply = |grey: &mut Grey, slow: &Grey, change: fn(f32, f32) -> f32| {
+        let buffers = || (Vec::new(), Vec::new());
+        grey.data.par_chunks_mut(w).zip(&rows).for_each_init(buffers, |(between, row), (out, &at)| {
+            slow.enlarged_row(&columns, at, between, row);
+            out.iter_mut().zip(&*row).for_each(|(o, s)| *o = change(*o, *s));
+        });
+    };
+    apply(&mut grey, &small.blurred(sigma_px / level), |v, mean| v - mean);
+    let (squares, _) = shrunk(|[a, b, c, d]| (a * a + b * b) + (c * c + d * d), &grey);
+    // Contrast is evened out, but noise in a blank place is not blown up.
+    apply(&mut grey, &squares.blurred(2.0 * sigma_px / level), |v, square| {
+        v * (0.1 / (square.max(0.0).sqrt() + 0.01))
     });
-    let mut squares = Grey::filled(w, h, 0.0);
-    squares.data.par_iter_mut().zip(&difference.data).for_each(|(s, d)| *s = d * d);
-    for _ in 0..n_halvings {
-        squares = squares.halved();
-    }
-    let spread = squares.blurred(2.0 * sigma_px / level);
-    difference.data.par_chunks_mut(w).enumerate().for_each_init(Vec::new, |slow, (y, out)| {
-        spread.enlarged_row(y, level, w, slow);
-        // Contrast is evened out, but noise in a blank place is not blown up.
-        out.iter_mut().zip(&*slow).for_each(|(o, s)| *o = *o / (s.max(0.0).sqrt() + 0.01) * 0.1);
-    });
-    difference
+    grey
 }
 
-/// Gradients of a square of pixels: sums of products, and the brightness.
-fn cell_tensor(flat: &Grey, x0: usize, y0: usize, cell: usize) -> [f32; 4] {
+/// Gradients of row `j` of squares of pixels: means of their products, and of the brightness. `columns` is room for
+/// the sums of the squares' columns, as long as a row of pixels.
+fn cell_tensors(flat: &Grey, j: usize, cell: usize, columns: &mut [Vec<f32>; 4], out: &mut [[f32; 4]]) {
     let (w, h) = (flat.width, flat.height);
-    let mut sum = [0.0f32; 4];
-    for y in y0..y0 + cell {
-        let rows = [y.saturating_sub(1), y, (y + 1).min(h - 1)].map(|r| &flat.data[r * w..(r + 1) * w]);
-        for x in x0..x0 + cell {
-            let (l, r) = (x.saturating_sub(1), (x + 1).min(w - 1));
-            // Scharr's weights: the direction is right to a tenth of a degree.
-            let gx = 3.0 * (rows[0][r] - rows[0][l])
-                + 10.0 * (rows[1][r] - rows[1][l])
-                + 3.0 * (rows[2][r] - rows[2][l]);
-            let gy = 3.0 * (rows[2][l] - rows[0][l])
-                + 10.0 * (rows[2][x] - rows[0][x])
-                + 3.0 * (rows[2][r] - rows[0][r]);
-            let (gx, gy) = (gx / 32.0, gy / 32.0);
-            sum = [sum[0] + gx * gx, sum[1] + gx * gy, sum[2] + gy * gy, sum[3] + rows[1][x]];
+    columns.iter_mut().for_each(|c| c.fill(0.0));
+    let n = w.saturating_sub(2);
+    for y in cell * j..(cell * (j + 1)).min(h) {
+        let row = |y: usize| &flat.data[y * w..(y + 1) * w];
+        let rows = [row(y.saturating_sub(1)), row(y), row((y + 1).min(h - 1))];
+        let [xx, xy, yy, light] = columns.each_mut();
+        let mut add = |x: usize, a: [f32; 3], b: [f32; 3], c: [f32; 3]| {
+            let (gx, gy) = scharr(a, b, c);
+            xx[x] += gx * gx;
+            xy[x] += gx * gy;
+            yy[x] += gy * gy;
+            light[x] += b[1];
+        };
+        for x in [0, w - 1].into_iter().take(w) {
+            let around = |row: &[f32]| [row[x.saturating_sub(1)], row[x], row[(x + 1).min(w - 1)]];
+            add(x, around(rows[0]), around(rows[1]), around(rows[2]));
+        }
+        let ([al, am, ar], [bl, bm, br], [cl, cm, cr]) = (three(rows[0]), three(rows[1]), three(rows[2]));
+        let [xx, xy, yy, light] = columns.each_mut().map(|c| &mut c[w.min(1)..][..n]);
+        for x in 0..n {
+            let (gx, gy) = scharr([al[x], am[x], ar[x]], [bl[x], bm[x], br[x]], [cl[x], cm[x], cr[x]]);
+            xx[x] += gx * gx;
+            xy[x] += gx * gy;
+            yy[x] += gy * gy;
+            light[x] += bm[x];
         }
     }
-    sum.map(|s| s / (cell * cell) as f32)
+    let [xx, xy, yy, light] = columns;
+    for (i, out) in out.iter_mut().enumerate() {
+        let columns = cell * i..(cell * (i + 1)).min(w);
+        let mean = |sums: &[f32]| sums[columns.clone()].iter().sum::<f32>() / (cell * cell) as f32;
+        *out = [mean(xx), mean(xy), mean(yy), mean(light)];
+    }
+}
+
+/// The gradient by Scharr's weights: its direction is right to a tenth of a degree.
+#[inline]
+fn scharr(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> (f32, f32) {
+    let gx = 3.0 * ((a[2] - a[0]) + (c[2] - c[0])) + 10.0 * (b[2] - b[0]);
+    let gy = 3.0 * ((c[0] - a[0]) + (c[2] - a[2])) + 10.0 * (c[1] - a[1]);
+    (gx / 32.0, gy / 32.0)
 }
 
 /// From flattened brightness to 0 (light) to 1 (dark), between the brightest and the darkest twentieth.
@@ -260,28 +296,24 @@ pub(super) fn smoothed(n: [usize; 3], evidence: &Evidence, reach: [f64; 3]) -> V
             (l + 1 < nz).then(|| (row + ny, stiff[2])),
         ]
     };
-    let apply = |v: &[[f32; 2]]| -> Vec<[f32; 2]> {
-        let mut out = vec![[0.0f32; 2]; all];
-        let pull = |o: &mut [f32; 2], v: &[f32; 2], n: &[f32; 2], stiff: f32| {
-            *o = [o[0] + stiff * (v[0] - n[0]), o[1] + stiff * (v[1] - n[1])];
-        };
+    let apply = |v: &[[f32; 2]], out: &mut Vec<[f32; 2]>| {
+        out.resize(all, [0.0; 2]);
         out.par_chunks_mut(nx).enumerate().with_min_len(4096usize.div_ceil(nx)).for_each(|(row, out)| {
-            let of = |row: usize| &v[row * nx..(row + 1) * nx];
+            let of = |row: usize| v[row * nx..(row + 1) * nx].as_flattened();
             let own = of(row);
-            for ((o, v), w) in out.iter_mut().zip(own).zip(&weight[row * nx..]) {
-                *o = v.map(|c| w * c);
+            for ((o, v), w) in out.iter_mut().zip(&v[row * nx..]).zip(&weight[row * nx..]) {
+                *o = [w * v[0], w * v[1]];
             }
-            for x in 1..nx {
-                pull(&mut out[x], &own[x], &own[x - 1], stiff[0]);
-                pull(&mut out[x - 1], &own[x - 1], &own[x], stiff[0]);
-            }
+            let out = out.as_flattened_mut();
+            let pull = |out: &mut [f32], own: &[f32], beside: &[f32], stiff: f32| {
+                out.iter_mut().zip(own).zip(beside).for_each(|((o, v), n)| *o += stiff * (v - n));
+            };
+            pull(&mut out[2..], &own[2..], own, stiff[0]);
+            pull(out, own, &own[2..], stiff[0]);
             for (beside, stiff) in rows_beside(row).into_iter().flatten() {
-                for ((o, v), n) in out.iter_mut().zip(own).zip(of(beside)) {
-                    pull(o, v, n, stiff);
-                }
+                pull(out, own, of(beside), stiff);
             }
         });
-        out
     };
     let mut diagonal = weight.clone();
     for (row, out) in diagonal.chunks_mut(nx).enumerate() {
@@ -290,40 +322,53 @@ pub(super) fn smoothed(n: [usize; 3], evidence: &Evidence, reach: [f64; 3]) -> V
             *d += beside + stiff[0] * (f32::from(x > 0) + f32::from(x + 1 < nx));
         }
     }
+    // Eight sums side by side: the order is fixed, and none waits for another.
     let dot = |a: &[[f32; 2]], b: &[[f32; 2]]| -> f64 {
-        a.iter().zip(b).map(|(a, b)| f64::from(a[0] * b[0] + a[1] * b[1])).sum()
+        let (a, b) = (a.as_flattened().chunks_exact(8), b.as_flattened().chunks_exact(8));
+        let ends = a.remainder().iter().zip(b.remainder());
+        let end: f64 = ends.map(|(a, b)| f64::from(a * b)).sum();
+        let mut sums = [0.0f64; 8];
+        for (a, b) in a.zip(b) {
+            for (k, sum) in sums.iter_mut().enumerate() {
+                *sum += f64::from(a[k] * b[k]);
+            }
+        }
+        sums.iter().sum::<f64>() + end
+    };
+    // `a` plus `t` times `b`.
+    let add = |a: &mut [[f32; 2]], t: f32, b: &[[f32; 2]]| {
+        a.as_flattened_mut().iter_mut().zip(b.as_flattened()).for_each(|(a, b)| *a += t * b);
+    };
+    let scale = |r: &[[f32; 2]], out: &mut Vec<[f32; 2]>| {
+        out.clear();
+        out.extend(r.iter().zip(&diagonal).map(|(r, d)| [r[0] / d, r[1] / d]));
     };
     let mut x = evidence.double.clone();
     let right: Vec<[f32; 2]> =
         evidence.double.iter().zip(&weight).map(|(d, w)| [w * d[0], w * d[1]]).collect();
-    let mut residual: Vec<[f32; 2]> =
-        right.iter().zip(apply(&x)).map(|(b, a)| [b[0] - a[0], b[1] - a[1]]).collect();
-    let scaled = |r: &[[f32; 2]]| -> Vec<[f32; 2]> {
-        r.iter().zip(&diagonal).map(|(r, d)| [r[0] / d, r[1] / d]).collect()
-    };
-    let mut z = scaled(&residual);
+    let (mut image, mut z) = (Vec::new(), Vec::new());
+    scale(&right, &mut z);
+    let stop = 1e-6 * dot(&right, &z);
+    apply(&x, &mut image);
+    let mut residual = right;
+    add(&mut residual, -1.0, &image);
+    scale(&residual, &mut z);
     let mut direction = z.clone();
     let mut rz = dot(&residual, &z);
-    let stop = 1e-6 * dot(&right, &scaled(&right));
     for _ in 0..200 {
         if rz <= stop {
             break;
         }
-        let image = apply(&direction);
+        apply(&direction, &mut image);
         let alpha = (rz / dot(&direction, &image).max(1e-30)) as f32;
-        for (x, d) in x.iter_mut().zip(&direction) {
-            *x = [x[0] + alpha * d[0], x[1] + alpha * d[1]];
-        }
-        for (r, i) in residual.iter_mut().zip(&image) {
-            *r = [r[0] - alpha * i[0], r[1] - alpha * i[1]];
-        }
-        z = scaled(&residual);
+        add(&mut x, alpha, &direction);
+        add(&mut residual, -alpha, &image);
+        scale(&residual, &mut z);
         let next = dot(&residual, &z);
         let beta = (next / rz) as f32;
         rz = next;
-        for (d, z) in direction.iter_mut().zip(&z) {
-            *d = [z[0] + beta * d[0], z[1] + beta * d[1]];
-        }
+        let flat = direction.as_flattened_mut().iter_mut();
+        flat.zip(z.as_flattened()).for_each(|(d, z)| *d = z + beta * *d);
     }
     x.into_iter()
         .map(|[c, s]| {
