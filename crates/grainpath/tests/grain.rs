@@ -108,9 +108,8 @@ fn paths_agree_with_an_independent_structure_tensor() {
 fn paths_along_a_scans_texture_agree_with_an_independent_tensor() {
     const VOXEL_MM: f64 = 0.25;
     let mut wrong = Vec::new();
-    // Trabeculae stand nearly on end in this block (70 degrees out of the layers on the mean) and turn within a few voxels:
-    // their direction in the layer hangs on the scale it is looked at with.
-    for (name, most_deg) in [("bone_128x128x128_u8.tif", 20.0), ("weave_150x150x150_u8.tif", 8.0)] {
+    // Trabeculae in this block are neither clearly fibres nor plates: we mix both, the other way takes the clearer one.
+    for (name, most_deg) in [("bone_128x128x128_u8.tif", 15.0), ("weave_150x150x150_u8.tif", 8.0)] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/ct").join(name);
         if !path.is_file() {
             println!("skipped: no ../shared/data");

@@ -1,7 +1,8 @@
 """The axis of a volume's texture in its layers by an independent way: eigenvectors of the structure tensor at every voxel.
 
 Raw float32 in, (angle, clearness) float32 of the slices asked for out. Where the weakest axis stands out (fibres) it is
-projected into the layer; where the strongest does (plates), their section is taken."""
+projected into the layer; where the strongest does (plates), their section is taken. Places with less than a tenth of
+the slice's mean energy are solid or empty: what they show is noise, and counts as unclear."""
 import sys
 
 import numpy as np
@@ -22,4 +23,6 @@ fibrous = line > plate
 x = np.where(fibrous, v[..., 0], -n[..., 1])
 y = np.where(fibrous, v[..., 1], n[..., 0])
 clear = np.where(fibrous, line, plate) / np.maximum(values[..., 2], 1e-12) * (x * x + y * y)
+energy = values.sum(axis=-1)
+clear[energy < 0.1 * energy.mean(axis=(1, 2), keepdims=True)] = 0
 np.stack([np.arctan2(y, x), clear]).astype("<f4").tofile(target)

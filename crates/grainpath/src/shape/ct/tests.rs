@@ -232,6 +232,17 @@ fn even_voxels_give_true_sizes_and_counts() {
     }
 }
 
+/// Hardly a voxel of the thin wall is all material, which puts the threshold that is found too low.
+#[test]
+fn a_thin_wall_has_its_size_when_its_materials_are_given() {
+    let materials = Threshold::Iso50(Some([AIR, METAL]));
+    let mut phantom = Phantom::new(wall, [100, 100, 100], [0.2; 3]);
+    let made = run(&mut phantom, &CtSettings { threshold: materials, ..settings() });
+    let (mean, _, wrong) = errors("wall", wall, &made.stack, made.report.bottom_mm, 0.2);
+    println!("wall, materials given: {:.4} %", 100.0 * mean);
+    assert!(wrong == 0 && mean.abs() < 0.001, "{mean}");
+}
+
 #[test]
 fn far_slices_are_bridged_by_matching_and_by_distance() {
     for (mode, limit) in [(Interpolation::Matched, 0.02), (Interpolation::Distance, 0.03)] {
