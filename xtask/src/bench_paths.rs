@@ -102,7 +102,7 @@ fn speed(grainpath: &Path, folder: &Path) -> Result<(), String> {
         (10, "stripes", "2"),
         (1, "aligned", "2"),
         (10, "aligned", "2"),
-        (1, "aligned", "0.78"),
+        (1, "aligned", "0.85"),
     ] {
         let mesh = folder.join("plate100.stl");
         let height = format!("{}", 0.2 * f64::from(layers));

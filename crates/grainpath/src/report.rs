@@ -70,6 +70,7 @@ pub struct StressReport {
     pub max_von_mises_mpa: f64,
     pub max_displacement_mm: f64,
     pub error_estimate: f64,
+    /// Degenerate points by kind: of a plate, or summed over the layers of another part.
     pub wedges: usize,
     pub trisectors: usize,
     pub border_points: usize,
@@ -89,9 +90,9 @@ impl From<&Guide> for StressReport {
             max_von_mises_mpa: digits(s.max_von_mises_mpa),
             max_displacement_mm: digits(s.max_displacement_mm),
             error_estimate: digits(s.error_estimate),
-            wedges: s.degenerate.count(Degenerate::Wedge),
-            trisectors: s.degenerate.count(Degenerate::Trisector),
-            border_points: s.degenerate.count(Degenerate::Border),
+            wedges: guide.count_degenerate(Degenerate::Wedge),
+            trisectors: guide.count_degenerate(Degenerate::Trisector),
+            border_points: guide.count_degenerate(Degenerate::Border),
         }
     }
 }

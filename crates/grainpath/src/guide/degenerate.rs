@@ -1,9 +1,12 @@
 //! Where both principal stresses are equal: there no direction is better than another, and around it lines turn.
 
-use grainpath_core::DVec2;
 use grainpath_core::math::cross;
+use grainpath_core::poly::{LineClipper, edges};
+use grainpath_core::{DVec2, Region};
 use grainpath_fea::plane::PlaneStress;
-use grainpath_fea::principal::von_mises_plane;
+use grainpath_fea::principal::{PlaneTensor, von_mises_plane};
+
+use crate::field_mesh::FieldMesh;
 
 /// Kinds of degenerate points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,24 +42,13 @@ pub fn degenerate_points(stress: &PlaneStress) -> Degenerates {
     let mesh = stress.mesh();
     let nodal = stress.nodal_mpa();
     let greatest = stress.max_von_mises_mpa();
-    let deviator = |i: u32| {
-        let [xx, yy, xy] = nodal[i as usize];
-        DVec2::new(0.5 * (xx - yy), xy)
-    };
+    let deviator = |i: u32| deviator(nodal[i as usize]);
     let mut points = Vec::new();
     for e in &mesh.elements {
-        let d = [e[0], e[1], e[2]].map(deviator);
-        let strong =
-            [e[0], e[1], e[2]].iter().any(|&i| von_mises_plane(nodal[i as usize]) > NOISE * greatest);
-        let (u, v) = (d[1] - d[0], d[2] - d[0]);
-        let det = cross(u, v);
-        if !strong || det.abs() < (1e-3 * greatest).powi(2) * 1e-3 {
-            continue;
-        }
-        let (s, t) = (cross(v, d[0]) / det, cross(d[0], u) / det);
-        if s > 0.0 && t > 0.0 && s + t < 1.0 {
-            let p = [e[0], e[1], e[2]].map(|i| mesh.nodes[i as usize]);
-            let kind = if det > 0.0 { Degenerate::Wedge } else { Degenerate::Trisector };
+        let corners = [e[0], e[1], e[2]];
+        let strong = corners.iter().any(|&i| von_mises_plane(nodal[i as usize]) > NOISE * greatest);
+        if let Some((kind, s, t)) = within(corners.map(deviator), greatest).filter(|_| strong) {
+            let p = corners.map(|i| mesh.nodes[i as usize]);
             points.push((kind, p[0] + s * (p[1] - p[0]) + t * (p[2] - p[0])));
         }
     }
@@ -76,4 +68,106 @@ pub fn degenerate_points(stress: &PlaneStress) -> Degenerates {
         }
     }
     Degenerates { points }
+}
+
+fn deviator([xx, yy, xy]: PlaneTensor) -> DVec2 {
+    DVec2::new(0.5 * (xx - yy), xy)
+}
+
+/// Where in a counter-clockwise triangle the deviators at its corners, MPa, pass zero: the shares of the second and
+/// the third corner.
+fn within(d: [DVec2; 3], greatest_mpa: f64) -> Option<(Degenerate, f64, f64)> {
+    let (u, v) = (d[1] - d[0], d[2] - d[0]);
+    let det = cross(u, v);
+    if det.abs() < (1e-3 * greatest_mpa).powi(2) * 1e-3 {
+        return None;
+    }
+    let (s, t) = (cross(v, d[0]) / det, cross(d[0], u) / det);
+    let kind = if det > 0.0 { Degenerate::Wedge } else { Degenerate::Trisector };
+    (s > 0.0 && t > 0.0 && s + t < 1.0).then_some((kind, s, t))
+}
+
+/// Pairs of a wedge and a trisector nearer than so many cells annul each other: they come and go with the noise of the
+/// stress and no bead can tell them apart.
+const PAIR_CELLS: f64 = 4.0;
+/// Stress along a border below this share of the greatest has no sign.
+const BORDER_NOISE: f64 = 0.02;
+
+/// The degenerate points of a section of a solid: of the in-plane stress at the nodes of a grid, within the section,
+/// and along its free border.
+pub(super) fn of_section(
+    grid: &FieldMesh,
+    nodal_mpa: &[PlaneTensor],
+    region: &Region,
+    at: &dyn Fn(DVec2) -> PlaneTensor,
+    free: &dyn Fn(DVec2) -> bool,
+) -> Degenerates {
+    let inside = LineClipper::new(region);
+    let mises = |i: u32| von_mises_plane(nodal_mpa[i as usize]);
+    let own = (0..grid.nodes.len() as u32).filter(|&i| inside.contains(grid.nodes[i as usize]));
+    let greatest = own.map(mises).fold(0.0, f64::max);
+    let mut points = Vec::new();
+    for triangle in &grid.triangles {
+        let mut corners = triangle.corners;
+        let mut p = corners.map(|i| grid.nodes[i as usize]);
+        if cross(p[1] - p[0], p[2] - p[0]) < 0.0 {
+            corners.swap(1, 2);
+            p.swap(1, 2);
+        }
+        if !corners.iter().any(|&i| mises(i) > NOISE * greatest) {
+            continue;
+        }
+        let found = within(corners.map(|i| deviator(nodal_mpa[i as usize])), greatest);
+        let place = found.map(|(kind, s, t)| (kind, p[0] + s * (p[1] - p[0]) + t * (p[2] - p[0])));
+        points.extend(place.filter(|(_, q)| inside.contains(*q)));
+    }
+    annul_pairs(&mut points, PAIR_CELLS * grid.cell_mm);
+    for contour in region.contours() {
+        let mut along: Vec<(DVec2, f64)> = Vec::new();
+        for (a, b) in edges(contour) {
+            let t = (b - a).normalize_or(DVec2::X);
+            let steps = (a.distance(b) / grid.cell_mm).ceil().max(1.0);
+            for k in 0..steps as usize {
+                let p = a.lerp(b, (k as f64 + 0.5) / steps);
+                let [xx, yy, xy] = at(p);
+                let stress = xx * t.x * t.x + yy * t.y * t.y + 2.0 * xy * t.x * t.y;
+                along.push((p, if free(p) { stress } else { f64::NAN }));
+            }
+        }
+        // Round the contour once, from its last clear sign; what is held or pushed has none.
+        let clear = |v: f64| v.abs() > BORDER_NOISE * greatest;
+        let mut last = along.iter().rposition(|a| clear(a.1)).map(|i| along[i]);
+        for &(p, v) in &along {
+            if v.is_nan() {
+                last = None;
+            } else if clear(v) {
+                if let Some((q, w)) = last.filter(|l| l.1 * v < 0.0) {
+                    points.push((Degenerate::Border, q.lerp(p, w / (w - v))));
+                }
+                last = Some((p, v));
+            }
+        }
+    }
+    Degenerates { points }
+}
+
+/// Takes out wedges with the nearest trisector within reach, nearest pairs first.
+fn annul_pairs(points: &mut Vec<(Degenerate, DVec2)>, reach_mm: f64) {
+    let mut pairs = Vec::new();
+    for (i, (kind, p)) in points.iter().enumerate() {
+        for (j, (other, q)) in points.iter().enumerate().skip(i + 1) {
+            if kind != other && p.distance(*q) < reach_mm {
+                pairs.push((p.distance(*q), i, j));
+            }
+        }
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let mut gone = vec![false; points.len()];
+    for (_, i, j) in pairs {
+        if !gone[i] && !gone[j] {
+            (gone[i], gone[j]) = (true, true);
+        }
+    }
+    let mut keep = gone.iter().map(|g| !g);
+    points.retain(|_| keep.next().unwrap_or(true));
 }

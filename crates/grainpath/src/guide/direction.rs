@@ -6,6 +6,7 @@ use grainpath_core::{DVec2, DVec3, DirectionField, DirectionSample, Region};
 use grainpath_fea::principal::{along, plane_principal};
 
 use super::CaseStress;
+use super::degenerate::{Degenerates, of_section};
 use crate::field_mesh::{FieldMesh, conjugate_gradients};
 
 /// Which principal stress is followed.
@@ -46,6 +47,8 @@ pub struct DirectionSettings {
     pub tangent: bool,
     /// Distance of the field's nodes, mm.
     pub cell_mm: f64,
+    /// Whether to look for the degenerate points of the layer.
+    pub find_degenerate: bool,
 }
 
 /// The directions of one layer, smooth where the stress does not care.
@@ -56,6 +59,7 @@ pub struct LayerField {
     double: Vec<DVec2>,
     strength: Vec<f64>,
     principal_mpa: Vec<[f64; 2]>,
+    degenerate: Degenerates,
 }
 
 /// Below this relative difference of the two principal stresses' amounts, either may be followed.
@@ -74,7 +78,13 @@ impl LayerField {
         settings: &DirectionSettings,
     ) -> Self {
         let Some(mesh) = FieldMesh::over(region, settings.cell_mm) else {
-            return Self { mesh: None, double: Vec::new(), strength: Vec::new(), principal_mpa: Vec::new() };
+            return Self {
+                mesh: None,
+                double: Vec::new(),
+                strength: Vec::new(),
+                principal_mpa: Vec::new(),
+                degenerate: Degenerates::default(),
+            };
         };
         let stresses: Vec<Vec<[f64; 3]>> =
             mesh.nodes.iter().map(|p| cases.iter().map(|c| c.stress.at(p.extend(z_mm))).collect()).collect();
@@ -116,7 +126,17 @@ impl LayerField {
                 main.map_or([0.0; 2], |m| [along(s[m], axis), along(s[m], across)])
             })
             .collect();
-        Self { mesh: Some(mesh), double, strength, principal_mpa }
+        let degenerate = main.filter(|_| settings.find_degenerate).map(|m| {
+            let nodal: Vec<[f64; 3]> = stresses.iter().map(|s| s[m]).collect();
+            let at = |p: DVec2| cases[m].stress.at(p.extend(z_mm));
+            of_section(&mesh, &nodal, region, &at, &|p| free(p.extend(z_mm)))
+        });
+        Self { mesh: Some(mesh), double, strength, principal_mpa, degenerate: degenerate.unwrap_or_default() }
+    }
+
+    /// Where the principal stresses of the case that counts most are equal, if that was looked for.
+    pub fn degenerate(&self) -> &Degenerates {
+        &self.degenerate
     }
 }
 

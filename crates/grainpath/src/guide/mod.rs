@@ -119,8 +119,8 @@ pub struct StressSummary {
     pub error_estimate: f64,
     /// Shape and size of the elements, where they fill a volume.
     pub mesh: Option<String>,
-    /// Where the two principal stresses are equal, of the first case of a plate.
-    pub degenerate: Degenerates,
+    /// Where the two principal stresses of the first case of a plate are equal; of other parts every layer has its own.
+    pub degenerate: Option<Degenerates>,
 }
 
 /// Directions for every layer.
@@ -170,6 +170,18 @@ impl Guide {
         // Of equal ones the first.
         let main = self.cases.iter().rev().max_by(better);
         &*main.expect("a guide has a case").stress
+    }
+
+    /// Where the two principal stresses in the plane of a layer are equal: in the case that counts most, or in the first
+    /// of a plate.
+    pub fn degenerate(&self, layer: usize) -> &Degenerates {
+        self.summary.degenerate.as_ref().unwrap_or(self.layers[layer].degenerate())
+    }
+
+    /// How many degenerate points of a kind there are: in a plate, or in all layers of another part.
+    pub fn count_degenerate(&self, kind: Degenerate) -> usize {
+        let layers = if self.summary.degenerate.is_some() { 1 } else { self.layers.len() };
+        (0..layers).map(|i| self.degenerate(i).count(kind)).sum()
     }
 
     /// Whether two layers have one field.
@@ -298,6 +310,7 @@ fn lay_directions(
                 smoothing_mm: settings.guide.smoothing_mm,
                 tangent: settings.guide.tangent,
                 cell_mm: settings.process.bead_width_mm,
+                find_degenerate: solved.summary.degenerate.is_none(),
             };
             let z = layer.z_top_mm() - 0.5 * layer.height_mm();
             Ok(Some(Arc::new(LayerField::new(layer.region(), z, &solved.cases, &free, &direction))))

@@ -117,7 +117,7 @@ pub(super) fn solve(
         summary.max_von_mises_mpa = summary.max_von_mises_mpa.max(stress.max_von_mises_mpa());
         summary.error_estimate = summary.error_estimate.max(stress.error_estimate());
         if results.is_empty() {
-            summary.degenerate = degenerate_points(&stress);
+            summary.degenerate = Some(degenerate_points(&stress));
         }
         results.push(ResultMesh {
             name: case.name.clone(),

@@ -10,8 +10,7 @@ use grainpath_fea::solid::{
 use grainpath_io::fe::{Element, ElementKind, FeFormat, FeResult, StressField};
 
 use super::{
-    CaseStress, Degenerates, GuideError, GuidedPart, InPlaneStress, ResultMesh, Solved, StressSummary,
-    material, resolved,
+    CaseStress, GuideError, GuidedPart, InPlaneStress, ResultMesh, Solved, StressSummary, material, resolved,
 };
 use crate::job::Settings;
 use crate::job::loads::{Case, Load, Push};
@@ -95,7 +94,6 @@ pub(super) fn solve(
         let stress = Box::new(Solid(StressField::new(result)));
         solved.cases.push(CaseStress { name: case.name.clone(), weight: case.weight, stress });
     }
-    solved.summary.degenerate = Degenerates::default();
     Ok(solved)
 }
 

@@ -3,14 +3,17 @@
 use std::f64::consts::{PI, TAU};
 
 use grainpath_core::math::{atan2, direction};
-use grainpath_core::{DVec2, Polygon, Region};
+use grainpath_core::{DVec2, DVec3, Polygon, Region};
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::plane::{
     Hold, PlaneMesh, PlaneProblem, PlaneStress, PlaneSystem, mesh_region, traction_n,
 };
 use grainpath_fea::principal::plane_principal;
 
-use super::{Degenerate, LineSettings, degenerate_points, trace_line};
+use super::{
+    CaseStress, Degenerate, DirectionSettings, Follow, InPlaneStress, LayerField, LineSettings,
+    degenerate_points, trace_line,
+};
 
 fn circle(radius: f64, n: usize) -> Region {
     let outer = (0..n).map(|i| direction(i as f64 / n as f64 * TAU) * radius).collect();
@@ -113,5 +116,66 @@ fn principal_lines_of_a_cantilever_cross_its_axis_at_45_degrees() {
     for y in [-6.0, 6.0] {
         let axis = plane_principal(stress.at(DVec2::new(24.0, y))).axis_rad.to_degrees();
         assert!((axis + 45.0).rem_euclid(90.0) - 45.0 < 0.5, "{axis}");
+    }
+}
+
+/// A stress that is known at every point.
+struct Known<F>(F);
+
+impl<F: Fn(DVec2) -> [f64; 3] + Send + Sync> InPlaneStress for Known<F> {
+    fn at(&self, p: DVec3) -> [f64; 3] {
+        (self.0)(p.truncate())
+    }
+}
+
+fn layer_of(region: &Region, stress: impl Fn(DVec2) -> [f64; 3] + Send + Sync + 'static) -> LayerField {
+    let case = CaseStress { name: "known".into(), weight: 1.0, stress: Box::new(Known(stress)) };
+    let settings = DirectionSettings {
+        follow: Follow::MaxAbs,
+        across: false,
+        smoothing_mm: 1.0,
+        tangent: false,
+        cell_mm: 0.45,
+        find_degenerate: true,
+    };
+    LayerField::new(region, 1.0, &[case], &|_| true, &settings)
+}
+
+#[test]
+fn degenerate_points_of_a_section_are_found_where_they_are() {
+    let (wedge, trisector) = (DVec2::new(-5.1, 1.3), DVec2::new(6.2, -2.4));
+    let plate = Region::rectangle(DVec2::new(-12.0, -8.0), DVec2::new(12.0, 8.0));
+    let field = layer_of(&plate, move |p| {
+        let (a, b) = (p - wedge, p - trisector);
+        // One turn of the deviator about the wedge, one the other way about the trisector.
+        let d = DVec2::new(a.x * b.x + a.y * b.y, a.y * b.x - a.x * b.y);
+        [30.0 + d.x, 30.0 - d.x, d.y]
+    });
+    let found = &field.degenerate().points;
+    let place = |kind| found.iter().find(|p| p.0 == kind).expect("found").1;
+    println!("{found:?}");
+    assert_eq!(found.iter().filter(|p| p.0 != Degenerate::Border).count(), 2);
+    assert!(place(Degenerate::Wedge).distance(wedge) < 0.05);
+    assert!(place(Degenerate::Trisector).distance(trisector) < 0.05);
+
+    // Kirsch's hole in tension along x, as a layer of a solid would have it.
+    let holed = Region::rectangle(DVec2::splat(-20.0), DVec2::splat(20.0)).difference(&circle(4.0, 240));
+    let field = layer_of(&holed, |p| {
+        let (r, t) = (p.length().max(4.0), atan2(p.y, p.x));
+        let (q, two, four) = (16.0 / (r * r), direction(2.0 * t), direction(4.0 * t));
+        let c = 1.5 * q * q;
+        [
+            10.0 * (1.0 - q * (1.5 * two.x + four.x) + c * four.x),
+            10.0 * (-q * (0.5 * two.x - four.x) - c * four.x),
+            10.0 * (-q * (0.5 * two.y + four.y) + c * four.y),
+        ]
+    });
+    let near = |p: &&(Degenerate, DVec2)| p.0 == Degenerate::Border && p.1.length() < 4.3;
+    let border: Vec<f64> =
+        field.degenerate().points.iter().filter(near).map(|(_, p)| atan2(p.y, p.x).to_degrees()).collect();
+    assert_eq!(border.len(), 4, "{border:?}");
+    for angle in border {
+        let off = (angle.abs() - 30.0).abs().min((angle.abs() - 150.0).abs());
+        assert!(off < 2.0, "{angle}");
     }
 }
