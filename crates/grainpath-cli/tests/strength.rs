@@ -155,6 +155,34 @@ fn what_cannot_be_tested_is_said_in_a_line() {
 }
 
 #[test]
+fn a_bar_on_two_rollers_is_as_stiff_as_a_beam_that_turns_freely_there() {
+    let dir = folder("strength rollers");
+    fs::write(dir.join("bar.stl"), box_stl([84.0, 5.0, 1.0])).expect("written");
+    let (head, _) = JOB.split_once("[[guide.fixture]]").expect("fixtures");
+    let roller = |x: f64, y: f64| {
+        format!("on = {{ cylinder = {{ point_mm = [{x}, {y}, 0], axis = [0, 0, 1], radius_mm = 0.8 }} }}")
+    };
+    let job = format!(
+        "{head}[[guide.fixture]]\n{}\nfix = \"xyz\"\n[[guide.fixture]]\n{}\nfix = \"yz\"\n\
+         [[guide.load]]\n{}\nforce_n = [0, -10, 0]\n[strength]\ncell_mm = 0.25\ncorners = false\ncheck = false\n",
+        roller(2.0, 0.0),
+        roller(82.0, 0.0),
+        roller(42.0, 5.0),
+    );
+    fs::write(dir.join("beam.toml"), job).expect("written");
+    let out = grainpath(&dir, &["strength", "beam.toml", "--json"]);
+    let all = json(&out);
+    assert!(out.status.success(), "{all}");
+    // Bending and shear of a beam of 80 x 5 x 1 mm; were its ends kept from turning it would be four times as stiff.
+    let (e, g) = (2669.0, 919.0);
+    let bends = 80.0f64.powi(3) / (48.0 * e * 125.0 / 12.0);
+    let want = 1.0 / (bends + 1.2 * 80.0 / (4.0 * g * 5.0));
+    let found = number(&all["strength"], "stiffness_n_per_mm");
+    println!("{found:.3} N/mm, beam theory {want:.3}");
+    assert!((found / want - 1.0).abs() < 0.05, "{found} {want}");
+}
+
+#[test]
 fn test_pieces_come_with_a_drawing_and_a_job() {
     let dir = folder("test pieces");
     let list = grainpath(&dir, &["specimen"]);

@@ -401,16 +401,19 @@ pub(super) struct Prepared {
     pub lost: f64,
 }
 
-/// Where a fixture holds the nodes of a grid. A cylinder whose axis lies in the material is a roller: it holds a line,
-/// for a patch would keep the part from turning there. One around a hole holds the hole's wall.
+/// Where a fixture holds the nodes of a grid. A cylinder whose axis lies in the material is a roller: it holds the
+/// node next to its axis, for two of them would keep the part from turning there. One around a hole holds the hole's
+/// wall.
 fn contact(on: &Selection, elements: &Elements, reach: f64) -> Selection {
     let mut wide = on.grown(reach);
-    if let (Selection::Cylinder { point, axis, .. }, Selection::Cylinder { radius_mm, .. }) = (on, &mut wide)
+    let Selection::Cylinder { point: axis_at, axis, .. } = on else { return wide };
+    let off = |i: usize| elements.node(i).distance_squared(axis_at.truncate());
+    let nearest = (0..elements.places.len()).min_by(|a, b| off(*a).total_cmp(&off(*b)));
+    let cell_mm = elements.grid.cell_mm;
+    if let Selection::Cylinder { point, radius_mm, .. } = &mut wide
+        && let Some(i) = nearest.filter(|i| axis.z.abs() > 0.99 && off(*i) <= cell_mm * cell_mm)
     {
-        let near = |i: usize| elements.node(i).distance(point.truncate()) <= elements.grid.cell_mm;
-        if axis.z.abs() > 0.99 && (0..elements.places.len()).any(near) {
-            *radius_mm = elements.grid.cell_mm;
-        }
+        (*point, *radius_mm) = (elements.node(i).extend(axis_at.z), 1e-3 * cell_mm);
     }
     wide
 }
