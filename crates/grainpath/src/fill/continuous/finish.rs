@@ -31,6 +31,8 @@ const UNEVEN: f64 = 0.08;
 const ON_EDGE_MM: f64 = 0.002;
 /// A line may lose a loop over itself up to this long, in beads.
 const SMALL_LOOP: f64 = 5.0;
+/// A line that turns back on itself within this distance is cut short, mm.
+const SPIKE_MM: f64 = 0.005;
 /// Of two points closer than this one goes, in beads.
 const CLOSEST: f64 = 0.015;
 
@@ -58,7 +60,7 @@ impl Room {
 type Sides = [Room; 2];
 
 /// Lays rings that do not cross as beads. `room` holds their centrelines, `border` what they are to fill; `thinned`
-/// leaves out points that lie on the line without them.
+/// leaves out spikes and points that lie on the line without them.
 pub fn lay(
     rings: Vec<Vec<DVec2>>,
     room: &Polygon,
@@ -100,6 +102,7 @@ pub fn lay(
     let nominal = context.bead_width_mm;
     if !variable || context.density < 0.999 {
         let path = |l: Line| {
+            let l = if thinned { without_spikes(l, &mut Vec::new()) } else { l };
             let widths = vec![nominal; l.points.len()];
             let points = if thinned { simplified(&l.points, &widths, true).0 } else { l.points };
             Toolpath::new(points, nominal, context.role, true)
@@ -113,7 +116,8 @@ pub fn lay(
         let n = line.points.len();
         let of_segment: Vec<f64> = sides.iter().map(|s| width(s, spacing, context)).collect();
         let width = |v: usize| 0.5 * (of_segment[v] + of_segment[(v + n - 1) % n]);
-        let widths: Vec<f64> = (0..n).map(width).collect();
+        let mut widths: Vec<f64> = (0..n).map(width).collect();
+        let line = if thinned { without_spikes(line, &mut widths) } else { line };
         let (points, widths) =
             if thinned { simplified(&line.points, &widths, true) } else { (line.points, widths) };
         Toolpath { width: BeadWidth::PerVertex(widths), ..Toolpath::new(points, nominal, context.role, true) }
@@ -361,12 +365,25 @@ fn without_near(points: &[DVec2], near_mm: f64) -> Vec<DVec2> {
     while out.len() > 3 && out[0].distance(out[out.len() - 1]) <= near_mm {
         out.pop();
     }
-    // A point on the way back along itself makes a spike of no width.
-    let n = out.len();
-    let spike = |v: usize| {
-        let (a, b) = (out[v] - out[(v + n - 1) % n], out[(v + 1) % n] - out[v]);
-        a.dot(b) < 0.0 && cross(a, b).abs() < 1e-6 * a.length() * b.length()
-    };
-    let keep: Vec<bool> = (0..n).map(|v| !spike(v)).collect();
+    let keep = unspiked(&out, 1e-9);
     out.iter().zip(keep).filter_map(|(&p, k)| k.then_some(p)).collect()
+}
+
+/// A line without spikes; `widths` loses what belongs to them.
+fn without_spikes(line: Line, widths: &mut Vec<f64>) -> Line {
+    let keep = unspiked(&line.points, SPIKE_MM);
+    let mut kept = keep.iter().copied();
+    widths.retain(|_| kept.next().unwrap_or(true));
+    let points = line.points.into_iter().zip(keep).filter_map(|(p, k)| k.then_some(p)).collect();
+    Line { points, ..line }
+}
+
+/// Which points of a closed line are more than the tip of a way there and back along itself.
+fn unspiked(points: &[DVec2], thin_mm: f64) -> Vec<bool> {
+    let n = points.len();
+    let is_spike = |v: usize| {
+        let (a, b) = (points[v] - points[(v + n - 1) % n], points[(v + 1) % n] - points[v]);
+        a.dot(b) < 0.0 && cross(a, b).abs() <= thin_mm * a.length().max(b.length())
+    };
+    (0..n).map(|v| !is_spike(v)).collect()
 }

@@ -82,7 +82,7 @@ impl Continuous {
             (paths, found)
         };
         let (mut paths, mut found) = lay(true);
-        if found.iter().any(|n| n.what == Problem::Crossing) {
+        if found.iter().any(|n| matches!(n.what, Problem::Crossing | Problem::Outside)) {
             // Where beads all but touch, leaving out points is too much.
             (paths, found) = lay(false);
         }
