@@ -44,7 +44,7 @@ pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
     let mut info = VolumeInfo::new(format, size, sample_of(&first.samples));
     if !others.is_empty() {
         info.warnings.push(format!(
-            "{}: {} files that are no images are passed over",
+            "{}: passed over, being no images: {}",
             files.place(),
             others.len()
         ));
