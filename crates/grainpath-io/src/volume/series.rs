@@ -43,11 +43,7 @@ pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
     check_size(files.place(), size)?;
     let mut info = VolumeInfo::new(format, size, sample_of(&first.samples));
     if !others.is_empty() {
-        info.warnings.push(format!(
-            "{}: passed over, being no images: {}",
-            files.place(),
-            others.len()
-        ));
+        info.warnings.push(format!("{}: passed over, being no images: {}", files.place(), others.len()));
     }
     Ok(Box::new(Series { info, files, names: images, next: 0 }))
 }

@@ -380,7 +380,7 @@ impl Job<'_> {
         Between { lower: Arc::clone(slice), upper: Arc::clone(slice), z: [z, end] }
     }
 
-    fn prepare(&self, mut values: Vec<f32>) -> Prepared {
+    fn prepare(&self, values: Vec<f32>) -> Prepared {
         let (nx, ny) = (self.lattice.nx, self.lattice.ny);
         let how = match self.settings.denoise {
             Denoise::None => Smoothing::None,
@@ -388,7 +388,7 @@ impl Job<'_> {
             Denoise::Median => Smoothing::Median,
             Denoise::Edges => Smoothing::Edges(0.15 * self.survey.contrast),
         };
-        smooth::smooth(&mut values, nx, ny, how);
+        let mut values = smooth::smoothed(values, nx, ny, how);
         let range = values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
         let mut lost = Lost::default();
         let mut region = None;
@@ -402,7 +402,11 @@ impl Job<'_> {
             };
             let (contours, open) = canny::contours(&values, nx, ny, &canny);
             lost.open = open;
-            let contours: Vec<Contour> = contours.into_iter().map(|c| self.lattice.to_mm(c)).collect();
+            // A point a pixel, scattered by noise: most say nothing, and all would be cut and offset.
+            let contours: Vec<Contour> = contours
+                .into_iter()
+                .map(|c| trace::simplified_in_place(&self.lattice.to_mm(c), self.settings.simplify_mm))
+                .collect();
             let traced = Region::from_contours(&contours, FillRule::Positive);
             region = Some(self.without_specks(traced, &mut lost));
         }
