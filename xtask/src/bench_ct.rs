@@ -100,7 +100,7 @@ fn straight(program: &str, scan: &Scan, folder: &Path, contours: &str) -> Result
         "[shape.ct]\npath = {:?}\npixel_mm = {mm}\nslice_mm = {mm}\nthreshold = {}\ncontours = {contours:?}\n\
          [printer]\nbed_mm = [400, 400, 400]\n[process]\nskirt_loops = 0\n[output]\ngcode = {gcode:?}\n",
         scan.path,
-        if contours == "iso" { scan.threshold.to_string() } else { "\"iso50\"".to_owned() },
+        scan.threshold,
         mm = scan.voxel_mm,
     );
     fs::write(&job, text).map_err(|e| format!("{}: {e}", job.display()))?;

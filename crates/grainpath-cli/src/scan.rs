@@ -63,7 +63,7 @@ pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure
     let mut slice = Vec::new();
     let mut k = 0;
     while source.next_slice(&mut slice).map_err(grainpath::Error::from)? {
-        histogram.add(&slice);
+        histogram.add(&slice, info.size[0]);
         if let Some(sheet) = &mut sheet {
             sheet.add(k, &slice);
         }
@@ -75,11 +75,12 @@ pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure
         outputs::save(path, &sheet.png(low, high))?;
     }
     let round = |v: f64| (v * 1e4).round() / 1e4;
+    let spacing_mm = info.spacing_mm.map(|mm| mm.map(|mm| (mm * 1e6).round() / 1e6));
     let size_mm: Vec<Option<f64>> =
         (0..3).map(|i| info.spacing_mm[i].map(|mm| round(mm * info.size[i] as f64))).collect();
     Ok(json!({
         "ok": true, "file": args.file.display().to_string(), "kind": "scan", "format": info.format,
-        "voxels": info.size, "sample": info.sample.name(), "spacing_mm": info.spacing_mm, "size_mm": size_mm,
+        "voxels": info.size, "sample": info.sample.name(), "spacing_mm": spacing_mm, "size_mm": size_mm,
         "grey": [low, high], "otsu": round(histogram.otsu()), "materials": [round(air), round(material)],
         "iso50": round(0.5 * (air + material)), "histogram": histogram.binned(32),
         "sheet": args.sheet.as_ref().map(|p| p.display().to_string()), "warnings": info.warnings,

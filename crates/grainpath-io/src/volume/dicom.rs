@@ -140,7 +140,7 @@ fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeErro
             return Err(error(
                 &slices[i].name,
                 format!(
-                    "{missing} slices are missing after it: the next is {gap:.3} mm higher, elsewhere {usual:.3}"
+                    "slices are missing after it ({missing}): the next is {gap:.3} mm higher, elsewhere {usual:.3}"
                 ),
             ));
         }

@@ -342,7 +342,7 @@ fn dicom_series_go_by_position() {
         all.push(("x", extra.bytes()));
         folder(&all)
     };
-    says(folder(&series(&[0.0, 1.0, 2.0, 4.0, 5.0])), "d", "1 slices are missing");
+    says(folder(&series(&[0.0, 1.0, 2.0, 4.0, 5.0])), "d", "slices are missing after it (1)");
     says(with(Dicom { z: 3.0, series: "9", ..Dicom::default() }), "x", "another series");
     says(with(Dicom { z: 3.0, size: [2, 2], ..Dicom::default() }), "x", "2 x 2 pixels");
     says(with(Dicom { z: 1.0, ..Dicom::default() }), "", "same position");

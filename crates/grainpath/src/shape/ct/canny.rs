@@ -1,10 +1,12 @@
-//! Contours by Canny's edges, as in the paper: kept beside the iso-contours so that its results can be reproduced.
+//! Contours on Canny's edges, as in the paper: kept beside the iso-contours so that its results can be reproduced.
+//!
+//! Edges alone are no outlines: where three materials meet they fork, and where one fades they end. The iso-contour says
+//! what hangs together, the edges say where it lies.
 
-use grainpath_core::math::ln;
-use grainpath_core::poly::signed_area_mm2;
 use grainpath_core::{Contour, DVec2};
 
-use super::smooth::{Smoothing, smoothed};
+use crate::grain::canny::gradient_row;
+use crate::grain::raster::Grey;
 
 /// How edges are found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,62 +17,106 @@ pub struct CannySettings {
     pub low: f64,
     /// See `low`.
     pub high: f64,
-    /// Chains of edges are joined over gaps up to this, px.
-    pub gap_px: f64,
 }
 
-struct Edges<'a> {
-    nx: usize,
-    /// The smoothed grey values.
-    smooth: &'a [f32],
+/// How far from the iso-contour its edge is looked for, px.
+pub(super) const REACH_PX: f64 = 1.5;
+/// So many points on both sides tell where a point without an edge goes.
+const BRIDGED: usize = 5;
+/// Pixels around the picture, so that what runs out of it has an edge there.
+const MARGIN: usize = 4;
+
+struct Edges {
+    smooth: Grey,
     gx: Vec<f32>,
     gy: Vec<f32>,
     /// 2: an edge, 0: none.
     mark: Vec<u8>,
     magnitude: Vec<f32>,
+    /// Of all smoothing along an edge, px2.
+    variance: f64,
 }
 
-/// The closed contours of a slice in pixels (the middle of the first is (0.5, 0.5)), the bright side on the left, and
-/// how many chains stayed open.
-pub fn contours(values: &[f32], nx: usize, ny: usize, settings: &CannySettings) -> (Vec<Contour>, usize) {
-    if nx < 3 || ny < 3 {
-        return (Vec::new(), 0);
+/// The iso-contours of a slice in pixels (the middle of the first is (0.5, 0.5)), their points moved onto the edges;
+/// those along which there is none are left out. Also how many points there are, and how many of them have no edge
+/// within reach: they go as far as their neighbours do, or stay.
+pub fn on_edges(
+    contours: Vec<Contour>,
+    values: &[f32],
+    nx: usize,
+    ny: usize,
+    settings: &CannySettings,
+) -> (Vec<Contour>, [usize; 2]) {
+    if contours.is_empty() {
+        return (contours, [0; 2]);
     }
-    // A frame of the darkest value, so that what runs out of the picture has an edge there.
     let dark = values.iter().copied().fold(f32::INFINITY, f32::min);
-    let margin = 4;
-    let (w, h) = (nx + 2 * margin, ny + 2 * margin);
-    let mut framed = vec![dark; w * h];
+    let (w, h) = (nx + 2 * MARGIN, ny + 2 * MARGIN);
+    let mut framed = Grey::filled(w, h, dark);
     for j in 0..ny {
-        let at = (j + margin) * w + margin;
-        framed[at..at + nx].copy_from_slice(&values[j * nx..(j + 1) * nx]);
+        let at = (j + MARGIN) * w + MARGIN;
+        framed.data[at..at + nx].copy_from_slice(&values[j * nx..(j + 1) * nx]);
     }
-    let framed = smoothed(framed, w, h, Smoothing::Gaussian(settings.sigma_px));
-    let edges = Edges::find(&framed, w, h, settings);
-    let (closed, open) = edges.chains(settings.gap_px);
-    let shift = DVec2::splat(0.5 - margin as f64);
-    let contours = closed.into_iter().map(|c| edges.oriented(&c)).filter(|c| c.len() > 2);
-    (contours.map(|c| c.into_iter().map(|p| p + shift).collect()).collect(), open)
+    let edges = Edges::find(framed.blurred(settings.sigma_px), settings);
+    let shift = DVec2::splat(MARGIN as f64 - 0.5);
+    let mut points = [0; 2];
+    let moved = |contour: Contour| {
+        let ways: Vec<Option<DVec2>> = contour.iter().map(|p| edges.way_to_crest(p + shift)).collect();
+        let bare = ways.iter().filter(|w| w.is_none()).count();
+        points = [points[0] + ways.len(), points[1] + bare];
+        (bare < ways.len()).then(|| evened(&contour.iter().zip(bridged(&ways)).map(|(p, w)| p + w).collect()))
+    };
+    (contours.into_iter().filter_map(moved).collect(), points)
 }
 
-impl<'a> Edges<'a> {
-    fn find(v: &'a [f32], nx: usize, ny: usize, s: &CannySettings) -> Self {
+/// The ways of all points: of those that have none, what their neighbours go, fading where these are far.
+fn bridged(ways: &[Option<DVec2>]) -> Vec<DVec2> {
+    let n = ways.len();
+    let way = |i: usize| {
+        ways[i].unwrap_or_else(|| {
+            let (mut sum, mut weights) = (DVec2::ZERO, 0.0);
+            for d in 1..=BRIDGED.min(n - 1) {
+                let weight = 1.0 - d as f64 / (BRIDGED + 1) as f64;
+                for way in [ways[(i + d) % n], ways[(i + n - d) % n]].into_iter().flatten() {
+                    sum += weight * way;
+                    weights += weight;
+                }
+            }
+            sum / f64::max(weights, 0.5)
+        })
+    };
+    (0..n).map(way).collect()
+}
+
+/// Neighbours scatter against each other by what noise does to their gradients: evened out without shrinking (Taubin
+/// 1995), which leaves bows of many points as they are.
+fn evened(contour: &Contour) -> Contour {
+    let n = contour.len();
+    let mut c = contour.clone();
+    for share in [0.5, -0.53] {
+        let old = c.clone();
+        for i in 0..n {
+            let mean = 0.5 * (old[(i + 1) % n] + old[(i + n - 1) % n]);
+            c[i] += share * (mean - old[i]);
+        }
+    }
+    c
+}
+
+impl Edges {
+    fn find(smooth: Grey, s: &CannySettings) -> Self {
+        let (nx, ny) = (smooth.width, smooth.height);
         let n = nx * ny;
         let (mut gx, mut gy, mut magnitude) = (vec![0.0f32; n], vec![0.0f32; n], vec![0.0f32; n]);
         for j in 1..ny - 1 {
-            let row = |j: usize| v[j * nx..(j + 1) * nx].array_windows::<3>();
-            let inner = j * nx + 1..(j + 1) * nx - 1;
-            let out = gx[inner.clone()].iter_mut().zip(&mut gy[inner.clone()]).zip(&mut magnitude[inner]);
-            // Sobel, scaled to grey steps a pixel.
-            for ((([a, b, c], [d, _, f]), [g, h, i]), ((x, y), m)) in
-                row(j - 1).zip(row(j)).zip(row(j + 1)).zip(out)
-            {
-                *x = ((c + 2.0 * f + i) - (a + 2.0 * d + g)) * 0.125;
-                *y = ((g + 2.0 * h + i) - (a + 2.0 * b + c)) * 0.125;
-                *m = (*x * *x + *y * *y).sqrt();
-            }
+            let row = j * nx..(j + 1) * nx;
+            let (gx, gy) = (&mut gx[row.clone()], &mut gy[row.clone()]);
+            gradient_row(&smooth, j, gx, gy);
+            magnitude[row].iter_mut().zip(gx).zip(gy).for_each(|((m, x), y)| *m = (*x * *x + *y * *y).sqrt());
         }
-        let mut edges = Self { nx, smooth: v, gx, gy, mark: vec![0; n], magnitude };
+        // The Gaussian's, Sobel's, which is 1/2 along the axes and 5/12 between them, and 1/6 of values between four pixels.
+        let variance = s.sigma_px * s.sigma_px + 11.0 / 24.0 + 1.0 / 6.0;
+        let mut edges = Self { smooth, gx, gy, mark: vec![0; n], magnitude, variance };
         let mut stack = Vec::new();
         for j in 2..ny - 2 {
             for i in 2..nx - 2 {
@@ -99,13 +145,13 @@ impl<'a> Edges<'a> {
         let m = self.magnitude[k].max(f32::MIN_POSITIVE);
         let (ux, uy) = (x / m, y / m);
         let sample = |s: f32| {
-            let (fx, fy) = ((k % self.nx) as f32 + s * ux, (k / self.nx) as f32 + s * uy);
+            let (fx, fy) = ((k % self.smooth.width) as f32 + s * ux, (k / self.smooth.width) as f32 + s * uy);
             let (i, j) = (fx.floor(), fy.floor());
             let (a, b) = (fx - i, fy - j);
-            let p = j as usize * self.nx + i as usize;
+            let p = j as usize * self.smooth.width + i as usize;
             let q = &self.magnitude;
             (q[p] * (1.0 - a) + q[p + 1] * a) * (1.0 - b)
-                + (q[p + self.nx] * (1.0 - a) + q[p + self.nx + 1] * a) * b
+                + (q[p + self.smooth.width] * (1.0 - a) + q[p + self.smooth.width + 1] * a) * b
         };
         (sample(-1.0), sample(1.0))
     }
@@ -116,219 +162,156 @@ impl<'a> Edges<'a> {
     }
 
     fn around(&self, k: usize) -> [usize; 8] {
-        let w = self.nx;
+        let w = self.smooth.width;
         [k + 1, k + w, k - 1, k - w, k + w + 1, k + w - 1, k - w - 1, k - w + 1]
     }
 
-    /// The edge's place between pixels: the top of a parabola through three gradients, moved back by what smoothing
-    /// moved it.
-    fn point(&self, k: usize) -> DVec2 {
-        let (a, c) = self.beside(k);
-        let b = self.magnitude[k];
-        let bend = a - 2.0 * b + c;
-        let s = if bend < 0.0 { (0.5 * (a - c) / bend).clamp(-0.5, 0.5) } else { 0.0 };
-        let m = b.max(f32::MIN_POSITIVE);
-        let s = s + self.drawn_inwards(k, [a, m, c]);
-        let (x, y) = (s * self.gx[k] / m, s * self.gy[k] / m);
-        DVec2::new((k % self.nx) as f64 + f64::from(x), (k / self.nx) as f64 + f64::from(y))
+    /// The gradient between pixels.
+    fn gradient(&self, p: DVec2) -> DVec2 {
+        let (i, j) = (p.x.floor(), p.y.floor());
+        let (a, b) = (p.x - i, p.y - j);
+        let k = j as usize * self.smooth.width + i as usize;
+        let between = |v: &[f32]| {
+            let at = |k: usize| f64::from(v[k]);
+            let row = |k: usize| at(k) + a * (at(k + 1) - at(k));
+            let (low, high) = (row(k), row(k + self.smooth.width));
+            low + b * (high - low)
+        };
+        DVec2::new(between(&self.gx), between(&self.gy))
     }
 
-    /// How far up the gradient the true edge lies, px: where an edge is bent, blur draws its steepest place towards the
-    /// centre of the bend by half the curvature times the blur's variance, the scanner's and ours together
-    /// (Verbeek & van Vliet 1994). `slopes` are gradients a pixel before, at, and a pixel behind the edge.
-    fn drawn_inwards(&self, k: usize, slopes: [f32; 3]) -> f32 {
-        let v = |dx: isize, dy: isize| self.smooth[k.wrapping_add_signed(dy * self.nx as isize + dx)];
-        let m = slopes[1];
+    /// From a point along its gradient to where that is steepest, which must be an edge and within reach: the top of a
+    /// parabola through three slopes, until it is in the middle; moved back by what blur moved it.
+    fn way_to_crest(&self, p: DVec2) -> Option<DVec2> {
+        let up = self.gradient(p).try_normalize()?;
+        let slopes = |s: f64| [s - 1.0, s, s + 1.0].map(|s| self.gradient(p + s * up).dot(up));
+        let mut s = 0.0;
+        for _ in 0..6 {
+            let [a, b, c] = slopes(s);
+            let bend = a - 2.0 * b + c;
+            let top = if bend < 0.0 { 0.5 * (a - c) / bend } else { f64::INFINITY.copysign(c - a) };
+            let step = top.clamp(-0.5, 0.5);
+            s += step;
+            if s.abs() > REACH_PX {
+                return None;
+            }
+            if step.abs() < 0.02 {
+                break;
+            }
+        }
+        let at = (p + s * up).round();
+        let k = at.y as usize * self.smooth.width + at.x as usize;
+        let is_edge = self.mark[k] == 2 || self.around(k).into_iter().any(|m| self.mark[m] == 2);
+        is_edge.then(|| (s + self.drawn_inwards(k)) * up)
+    }
+
+    /// How far up the gradient the edge lay before it was smoothed, px: where an edge is bent, smoothing along it draws its
+    /// steepest place towards the centre of the bend by half the curvature times its variance (Verbeek & van Vliet 1994).
+    fn drawn_inwards(&self, k: usize) -> f64 {
+        let w = self.smooth.width as isize;
+        let v = |dx: isize, dy: isize| self.smooth.data[k.wrapping_add_signed(dy * w + dx)];
+        let m = self.magnitude[k].max(f32::MIN_POSITIVE);
         let (ux, uy) = (self.gx[k] / m, self.gy[k] / m);
         let (xx, yy) = (v(1, 0) - 2.0 * v(0, 0) + v(-1, 0), v(0, 1) - 2.0 * v(0, 0) + v(0, -1));
         let xy = 0.25 * (v(1, 1) - v(1, -1) - v(-1, 1) + v(-1, -1));
         // Of the line of equal grey through here, positive where it bends around what is dark.
         let curvature = (xx * uy * uy - 2.0 * xy * ux * uy + yy * ux * ux) / m;
-        let [a, b, c] = slopes.map(|s| ln(f64::from(s.max(f32::MIN_POSITIVE))));
-        // Across a blurred edge gradients are a Gaussian; a third of its variance is the Sobel's step of two pixels,
-        // which draws nothing.
-        let bend = 2.0 * b - a - c;
-        let variance = if bend > 1e-3 { (1.0 / bend - 1.0 / 3.0).max(0.0) } else { 0.0 };
-        (0.5 * curvature * variance as f32).clamp(-0.5, 0.5)
-    }
-
-    /// Chains of edge pixels; joined at their ends, nearest first; the closed ones and the number of the others.
-    fn chains(&self, gap_px: f64) -> (Vec<Vec<usize>>, usize) {
-        let mut free: Vec<bool> = self.mark.iter().map(|m| *m == 2).collect();
-        let mut chains: Vec<Vec<usize>> = Vec::new();
-        for seed in 0..free.len() {
-            if !free[seed] {
-                continue;
-            }
-            free[seed] = false;
-            let mut chain = vec![seed];
-            self.extend(&mut chain, &mut free);
-            chain.reverse();
-            self.extend(&mut chain, &mut free);
-            if chain.len() > 2 {
-                chains.push(chain);
-            }
-        }
-        self.drop_doubles(&mut chains);
-        let place = |k: usize| DVec2::new((k % self.nx) as f64, (k / self.nx) as f64);
-        let mut closed = Vec::new();
-        loop {
-            let end = |c: &Vec<usize>, last: bool| place(if last { c[c.len() - 1] } else { c[0] });
-            let mut k = 0;
-            while k < chains.len() {
-                let c = &chains[k];
-                if c.len() > 7 && end(c, false).distance(end(c, true)) <= gap_px.max(2.0) {
-                    closed.push(chains.swap_remove(k));
-                } else {
-                    k += 1;
-                }
-            }
-            let mut best = (gap_px, 0, 0, false, false);
-            for i in 0..chains.len() {
-                for j in i + 1..chains.len() {
-                    for (a, b) in [(false, false), (false, true), (true, false), (true, true)] {
-                        let d = end(&chains[i], a).distance(end(&chains[j], b));
-                        if d < best.0 {
-                            best = (d, i, j, a, b);
-                        }
-                    }
-                }
-            }
-            let (_, i, j, a, b) = best;
-            if i == j || chains.len() > 4000 {
-                let open = chains.iter().filter(|c| c.len() > 7).count();
-                return (closed, open);
-            }
-            let mut second = chains.swap_remove(j);
-            if !a {
-                chains[i].reverse();
-            }
-            if b {
-                second.reverse();
-            }
-            chains[i].append(&mut second);
-        }
-    }
-
-    /// Where an edge is two pixels wide, a second chain runs along the first: it goes.
-    fn drop_doubles(&self, chains: &mut Vec<Vec<usize>>) {
-        let mut owner = vec![u32::MAX; self.mark.len()];
-        for (c, chain) in chains.iter().enumerate() {
-            chain.iter().for_each(|&k| owner[k] = c as u32);
-        }
-        let lengths: Vec<usize> = chains.iter().map(Vec::len).collect();
-        let longer = |k: usize, c: usize| {
-            let near = self.around(k).into_iter().map(|m| owner[m]);
-            near.into_iter().any(|o| o != u32::MAX && lengths[o as usize] > lengths[c])
-        };
-        let mut c = 0;
-        chains.retain(|chain| {
-            let beside = chain.iter().filter(|&&k| longer(k, c)).count();
-            c += 1;
-            2 * beside < chain.len()
-        });
-    }
-
-    fn extend(&self, chain: &mut Vec<usize>, free: &mut [bool]) {
-        loop {
-            let at = chain[chain.len() - 1];
-            let before = chain.len().checked_sub(4).map_or(chain[0], |i| chain[i]);
-            let way = |k: usize, from: usize| {
-                let d = |a: usize, b: usize| a as f64 - b as f64;
-                DVec2::new(d(k % self.nx, from % self.nx), d(k / self.nx, from / self.nx))
-            };
-            let ahead = way(at, before).normalize_or_zero();
-            let score = |k: usize| {
-                let step = way(k, at);
-                ahead.dot(step) / step.length() - 0.1 * step.length()
-            };
-            let next = self.around(at).into_iter().filter(|&k| free[k]);
-            let Some(next) = next.max_by(|&a, &b| score(a).total_cmp(&score(b)).then(b.cmp(&a))) else {
-                return;
-            };
-            free[next] = false;
-            chain.push(next);
-        }
-    }
-
-    /// The chain as a contour with its bright side on the left: outlines run counter-clockwise, holes clockwise.
-    fn oriented(&self, chain: &[usize]) -> Contour {
-        let mut c: Contour = chain.iter().map(|&k| self.point(k)).collect();
-        let n = c.len();
-        // Neighbours scatter against each other by what noise does to their gradients: evened out without shrinking
-        // (Taubin 1995), which leaves bows of many points as they are.
-        for share in [0.5, -0.53] {
-            let old = c.clone();
-            for i in 0..n {
-                let mean = 0.5 * (old[(i + 1) % n] + old[(i + n - 1) % n]);
-                c[i] += share * (mean - old[i]);
-            }
-        }
-        // The gradient points to the bright side; summed along the contour against its left side.
-        let mut left = 0.0;
-        for i in 0..n {
-            let way = c[(i + 1) % n] - c[(i + n - 1) % n];
-            let k = chain[i];
-            left += f64::from(self.gy[k]) * way.x - f64::from(self.gx[k]) * way.y;
-        }
-        if left < 0.0 {
-            c.reverse();
-        }
-        if signed_area_mm2(&c).abs() < 3.0 { Contour::new() } else { c }
+        // A bend as tight as the smoothing is wide is a corner, of which this says nothing.
+        (0.5 * f64::from(curvature) * self.variance).clamp(-0.25, 0.25)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use grainpath_core::Region;
+    use grainpath_core::math::exp;
+    use grainpath_core::poly::{FillRule, signed_area_mm2};
 
-    #[test]
-    fn a_blurred_ring_with_noise_gives_two_closed_contours_of_the_right_area() {
-        let (nx, ny) = (120, 110);
-        let value = |i: usize| {
-            let p = DVec2::new((i % nx) as f64 + 0.5 - 60.3, (i / nx) as f64 + 0.5 - 54.6);
-            let ramp = |d: f64| (0.5 + 0.35 * d).clamp(0.0, 1.0);
-            let noise = ((i * 7919) % 97) as f64 - 48.0;
-            (1000.0 * ramp(40.0 - p.length()) * ramp(p.length() - 18.0) + 0.3 * noise) as f32
-        };
-        let values: Vec<f32> = (0..nx * ny).map(value).collect();
-        let settings = CannySettings { sigma_px: 1.0, low: 80.0, high: 200.0, gap_px: 5.0 };
-        let (found, open) = contours(&values, nx, ny, &settings);
+    use super::*;
+    use crate::shape::ct::Grid;
+
+    const SETTINGS: CannySettings = CannySettings { sigma_px: 1.0, low: 40.0, high: 100.0 };
+    const PI: f64 = std::f64::consts::PI;
+
+    /// Signed areas of what is above the threshold, by its edges, and the points that have none.
+    fn areas(n: usize, threshold: f32, value: impl Fn(DVec2) -> f64) -> (Vec<f64>, [usize; 2]) {
+        let at = |i: usize| value(DVec2::new((i % n) as f64 + 0.5, (i / n) as f64 + 0.5)) as f32;
+        let values: Vec<f32> = (0..n * n).map(at).collect();
+        let signed: Vec<f32> = values.iter().map(|v| v - threshold).collect();
+        let (found, points) = on_edges(Grid::of(&signed, n, n).contours(), &values, n, n, &SETTINGS);
         let mut areas: Vec<f64> = found.iter().map(|c| signed_area_mm2(c)).collect();
         areas.sort_by(f64::total_cmp);
-        let pi = std::f64::consts::PI;
-        assert_eq!((areas.len(), open), (2, 0), "{areas:?}");
-        assert!(
-            (areas[0] / (-pi * 324.0) - 1.0).abs() < 0.02 && (areas[1] / (pi * 1600.0) - 1.0).abs() < 0.01,
-            "{areas:?}"
-        );
-        // A part that fills the picture is closed by the frame.
-        let (full, _) = contours(&[100.0; 400].map(|v: f32| v), 20, 20, &settings);
-        assert!(full.is_empty(), "one grey value has no edges");
+        let covered = Region::from_contours(&found, FillRule::Positive);
+        assert_eq!(covered.contours().count(), found.len(), "contours cross");
+        assert!((covered.area_mm2() - areas.iter().sum::<f64>()).abs() < 0.05, "contours cross");
+        (areas, points)
+    }
+
+    fn step(d: f64, blur: f64) -> f64 {
+        1.0 / (1.0 + exp(-1.702 * d / blur))
+    }
+
+    #[test]
+    fn a_noisy_ring_has_its_area_wherever_the_threshold_lies() {
+        for threshold in [250.0, 500.0, 700.0] {
+            let value = |p: DVec2| {
+                let noise = ((p.x * 7919.0 + p.y * 104_729.0) % 97.0) - 48.0;
+                let r = p.distance(DVec2::new(60.3, 54.6));
+                1000.0 * step(40.0 - r, 1.2) * step(r - 18.0, 1.2) + 0.3 * noise
+            };
+            let (areas, points) = areas(120, threshold, value);
+            let off = |k: usize, r: f64| (areas[k].abs() / (PI * r * r)).sqrt() - 1.0;
+            assert_eq!((areas.len(), points[1]), (2, 0), "{areas:?}");
+            println!("threshold {threshold}: {:.4} {:.4}", off(0, 18.0), off(1, 40.0));
+            assert!(off(0, 18.0).abs() < 2e-3 && off(1, 40.0).abs() < 1e-3, "{areas:?}");
+        }
+        // A part that fills the picture is closed by the frame; one grey value is no part.
+        assert!(areas(20, 50.0, |_| 100.0).0.is_empty());
+        let (full, _) = areas(20, 50.0, |p| if p.x < 1.0 { 0.0 } else { 1000.0 });
+        assert!(full.len() == 1 && (full[0] - 380.0).abs() < 8.0, "{full:?}");
     }
 
     #[test]
     fn small_bores_and_pins_keep_their_size() {
-        let n = 48;
-        let settings = CannySettings { sigma_px: 1.0, low: 40.0, high: 100.0, gap_px: 5.0 };
         for (radius, blur) in [(8.0, 0.8), (10.0, 0.8), (15.0, 0.8), (10.0, 1.2)] {
             for sign in [-1.0, 1.0] {
-                let value = |i: usize| {
-                    let p = DVec2::new((i % n) as f64 + 0.5 - 24.2, (i / n) as f64 + 0.5 - 23.9);
-                    let d = sign * (radius - p.length());
-                    (1000.0 / (1.0 + grainpath_core::math::exp(-1.702 * d / blur))) as f32
-                };
-                let values: Vec<f32> = (0..n * n).map(value).collect();
-                let (found, open) = contours(&values, n, n, &settings);
+                let value =
+                    |p: DVec2| 1000.0 * step(sign * (radius - p.distance(DVec2::new(24.2, 23.9))), blur);
+                let (areas, _) = areas(48, 450.0, value);
                 // A bore is in a plate, which has an outline.
-                let areas = found.iter().map(|c| signed_area_mm2(c) * sign).filter(|a| *a > 0.0);
-                let area = areas.fold(0.0, f64::max);
-                let off = 100.0 * ((area / std::f64::consts::PI).sqrt() / radius - 1.0);
-                println!("radius {radius}, blur {blur}, sign {sign}: {off:.3} %, {open} open");
+                let area = areas.into_iter().map(|a| a * sign).fold(0.0, f64::max);
+                let off = 100.0 * ((area / PI).sqrt() / radius - 1.0);
+                println!("radius {radius}, blur {blur}, sign {sign}: {off:.3} %");
                 // Left where the gradient is steepest they would be smaller by this, 0.4 to 1.3 %.
-                let drawn = 50.0 * (blur * blur + 1.0) / (radius * radius);
-                assert!(off.abs() < 0.4 * drawn, "radius {radius}, blur {blur}, sign {sign}: {off} %");
+                let drawn = 50.0 * 1.6 / (radius * radius);
+                assert!(off.abs() < 0.2 * drawn, "radius {radius}, blur {blur}, sign {sign}: {off} %");
             }
         }
+    }
+
+    #[test]
+    fn a_joint_of_two_metals_leaves_the_outline_whole() {
+        // The left half is twice as dense as the right one; the joint between is an edge, and ends on the outline.
+        let value = |p: DVec2| {
+            let dense = 450.0 + 550.0 * step(48.3 - p.x, 0.8);
+            dense * step(35.0 - p.distance(DVec2::new(50.0, 49.0)), 0.8)
+        };
+        let (areas, points) = areas(100, 225.0, value);
+        let off = (areas[0] / (PI * 35.0 * 35.0)).sqrt() - 1.0;
+        println!("two metals: {:.4} %, {points:?}", 100.0 * off);
+        assert!(areas.len() == 1 && off.abs() < 1e-3, "{areas:?}");
+        assert!(20 * points[1] < points[0], "{points:?}");
+    }
+
+    #[test]
+    fn where_an_edge_fades_the_contour_stays_at_the_threshold() {
+        // Sharp on the left, so gentle on the right that Canny finds nothing.
+        let value =
+            |p: DVec2| if p.x < 30.0 { 1000.0 * step(p.x - 10.0, 0.8) } else { 1000.0 - 18.0 * (p.x - 30.0) };
+        let framed = |p: DVec2| value(p) * step(p.y - 10.0, 0.8) * step(90.0 - p.y, 0.8);
+        let (areas, points) = areas(100, 300.0, framed);
+        // 1000 - 18 (x - 30) = 300 at x = 68.9.
+        assert!(areas.len() == 1 && (areas[0] / ((68.9 - 10.0) * 80.0) - 1.0).abs() < 0.01, "{areas:?}");
+        assert!(points[1] > 50 && points[1] < points[0] / 2, "{points:?}");
     }
 }

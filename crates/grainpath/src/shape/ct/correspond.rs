@@ -4,6 +4,8 @@ use grainpath_core::math::{atan2, cross};
 use grainpath_core::poly::{edges, perimeter_mm, simplify_contour};
 use grainpath_core::{Contour, DVec2};
 
+use super::trace::simplified_in_place;
+
 /// Two contours with as many points each; the points of one index belong together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pairing {
@@ -26,7 +28,7 @@ const MAX_POINTS: f64 = 700.0;
 /// The contour with points no further apart than `step_mm`, corners kept.
 fn dense(contour: &Contour, step_mm: f64) -> Contour {
     let step = step_mm.max(perimeter_mm(contour) / MAX_POINTS);
-    let simple = simplify_contour(contour, 0.05 * step);
+    let simple = simplified_in_place(contour, 0.05 * step);
     let simple = if simple.len() > 2 { &simple } else { contour };
     let mut out = Contour::new();
     for (a, b) in edges(simple) {

@@ -221,21 +221,25 @@ impl Builder<'_> {
     fn pair(&self, p: &Contour, q: &Contour, slab: &mut Slab) -> Option<()> {
         let (bp, bq) = (Bounds2::of(p.iter().copied())?, Bounds2::of(q.iter().copied())?);
         let apart = bq.centre() - bp.centre();
-        // Contours that lie over each other are paired where they lie; others are brought together first.
+        // Contours that do not lie over each other, or that move more than they grow, are brought together first.
         let over = apart.abs().cmplt(0.5 * (bp.size().min(bq.size()))).all();
-        let shift = if over { DVec2::ZERO } else { apart };
+        let moves = apart.abs().cmpgt((bq.size() - bp.size()).abs());
+        let shift = if over { DVec2::select(moves, apart, DVec2::ZERO) } else { apart };
         let step = self.settings.step_mm();
         let pairing = if self.settings.features {
             by_features(p, q, step, self.settings.feature_points(), shift)
         } else {
             dynamic(p, q, step, shift)
         };
-        // A pairing that folds over itself halfway has failed: its signed area is not what it covers.
+        // A pairing that folds over itself halfway has failed: its signed area is not what it covers. So has one that
+        // covers more than either end: it has slid along the contour.
         let middle = pairing.at(0.5);
         let covered: f64 = Region::from_contours(std::iter::once(&middle), FillRule::NonZero).area_mm2();
         let signed = signed_area_mm2(&middle);
-        let least = signed_area_mm2(p).min(signed_area_mm2(q));
-        if signed < 0.5 * least || covered > 1.02 * signed + step * step {
+        let (a, b) = (signed_area_mm2(p), signed_area_mm2(q));
+        let most = 1.05 * a.max(b) + step * step;
+        if signed < 0.5 * a.min(b) || signed > most || (covered - signed).abs() > 0.02 * signed + step * step
+        {
             return None;
         }
         slab.moving.push(pairing);
@@ -355,6 +359,23 @@ mod tests {
         assert_eq!(middle.polygons.len(), 1);
         let bounds = middle.bounds().expect("a wall");
         assert!((bounds.min.x - 0.5).abs() < 0.02 && (middle.area_mm2() - 12.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn a_ring_whose_mouth_moves_is_not_filled() {
+        let open = |angle: f64| {
+            let mouth = 12.0 * direction(angle);
+            let knife = vec![DVec2::ZERO, mouth, mouth + 4.0 * direction(angle + 1.57)];
+            let knife = Region::from_contours(std::iter::once(&knife), FillRule::NonZero);
+            Region::from(ring(10.0, 8.5)).difference(&knife).polygons
+        };
+        for (features, turn) in [(false, 0.4), (false, 2.5), (true, 0.4), (true, 2.5)] {
+            let (a, b) = (open(3.4), open(3.4 + turn));
+            let middle = between(&a, &b, features).at(0.5);
+            let most = a[0].area_mm2().max(b[0].area_mm2());
+            assert!(middle.area_mm2() < 1.1 * most, "{features} {turn}: {} {most}", middle.area_mm2());
+            assert!(middle.area_mm2() > 0.7 * most, "{features} {turn}: {} {most}", middle.area_mm2());
+        }
     }
 
     #[test]

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
 
 use grainpath_core::diagnostics::Stage;
-use grainpath_core::poly::{FillRule, signed_area_mm2, simplify_contour};
+use grainpath_core::poly::{FillRule, signed_area_mm2};
 use grainpath_core::{Contour, DVec2, Diagnostics, Layer, LayerStack, Region};
 use grainpath_io::volume::{SliceSource, VolumeError};
 use rayon::prelude::*;
@@ -265,14 +265,15 @@ struct Prepared {
 struct Lost {
     islands: usize,
     pores: usize,
-    open: usize,
+    /// Of Canny's contours, and those of them that have no edge.
+    points: [usize; 2],
 }
 
 impl Lost {
     fn add(&mut self, other: Self) {
         self.islands += other.islands;
         self.pores += other.pores;
-        self.open += other.open;
+        (0..2).for_each(|k| self.points[k] += other.points[k]);
     }
 }
 
@@ -388,52 +389,43 @@ impl Job<'_> {
             Denoise::Median => Smoothing::Median,
             Denoise::Edges => Smoothing::Edges(0.15 * self.survey.contrast),
         };
-        let mut values = smooth::smoothed(values, nx, ny, how);
+        let values = smooth::smoothed(values, nx, ny, how);
         let range = values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+        let signed: Vec<f32> = values.iter().map(|&v| self.survey.signed(v)).collect();
+        let inside = signed.iter().filter(|v| **v > 0.0).count();
         let mut lost = Lost::default();
-        let mut region = None;
-        if self.settings.tracing == Tracing::Canny {
-            let [low, high, sigma_px] = self.settings.canny;
-            let canny = CannySettings {
-                sigma_px,
-                low: low * self.survey.contrast,
-                high: high * self.survey.contrast,
-                gap_px: 5.0,
-            };
-            let (contours, open) = canny::contours(&values, nx, ny, &canny);
-            lost.open = open;
-            // A point a pixel, scattered by noise: most say nothing, and all would be cut and offset.
-            let contours: Vec<Contour> = contours
-                .into_iter()
-                .map(|c| trace::simplified_in_place(&self.lattice.to_mm(c), self.settings.simplify_mm))
-                .collect();
-            let traced = Region::from_contours(&contours, FillRule::Positive);
-            region = Some(self.without_specks(traced, &mut lost));
-        }
-        let mut inside = 0;
-        for v in &mut values {
-            *v = self.survey.signed(*v);
-            inside += usize::from(*v > 0.0);
-        }
-        if region.is_none() && self.mode != Interpolation::Grey {
-            let grid = Grid::of(&values, nx, ny);
+        let region = (self.mode != Interpolation::Grey).then(|| {
+            let step = self.survey.contrast as f32;
+            let mut contours = Grid::of(&signed, nx, ny).with_flats(|_| step).contours();
             // Kept finer than the last simplification: pairing wants the points.
-            region =
-                Some(self.without_specks(self.traced(&grid, 0.2 * self.settings.simplify_mm), &mut lost));
-        }
-        Prepared { signed: values, region, inside, range, lost }
+            let mut simplify_mm = 0.2 * self.settings.simplify_mm;
+            if self.settings.tracing == Tracing::Canny {
+                let [low, high, sigma_px] = self.settings.canny;
+                let canny = CannySettings {
+                    sigma_px,
+                    low: low * self.survey.contrast,
+                    high: high * self.survey.contrast,
+                };
+                (contours, lost.points) = canny::on_edges(contours, &values, nx, ny, &canny);
+                // Scattered by noise, most points say nothing, and all would be cut and offset.
+                simplify_mm = self.settings.simplify_mm;
+            }
+            self.without_specks(self.section(contours, simplify_mm), &mut lost)
+        });
+        Prepared { signed, region, inside, range, lost }
     }
 
-    fn traced(&self, grid: &Grid, simplify_mm: f64) -> Region {
-        let contours = grid.contours().into_iter().map(|c| self.lattice.to_mm(c));
+    /// What contours in pixels enclose.
+    fn section(&self, contours: Vec<Contour>, simplify_mm: f64) -> Region {
+        let contours = contours.into_iter().map(|c| self.lattice.to_mm(c));
         // Slivers of less than a hundredth of a voxel come from exact zeros.
         let least = 0.01 * self.lattice.spacing_mm[0] * self.lattice.spacing_mm[1];
         let contours: Vec<Contour> = contours
             .filter(|c| signed_area_mm2(c).abs() > least)
-            .map(|c| trace::simplified_in_place(&c, simplify_mm))
+            .map(|c| trace::traced_in_place(&c, simplify_mm))
             .filter(|c| c.len() > 2)
             .collect();
-        Region::from_contours(&contours, FillRule::NonZero)
+        Region::from_contours(&contours, FillRule::Positive)
     }
 
     fn without_specks(&self, mut region: Region, lost: &mut Lost) -> Region {
@@ -453,7 +445,10 @@ impl Job<'_> {
     fn region(&self, slice: &Prepared) -> Region {
         slice.region.clone().unwrap_or_else(|| {
             let grid = Grid::of(&slice.signed, self.lattice.nx, self.lattice.ny);
-            self.without_specks(self.traced(&grid, self.settings.simplify_mm), &mut Lost::default())
+            self.without_specks(
+                self.section(grid.contours(), self.settings.simplify_mm),
+                &mut Lost::default(),
+            )
         })
     }
 
@@ -516,7 +511,8 @@ impl Job<'_> {
         let (i0, i1) = (index(low.x.ceil(), l.nx), index(high.x.floor(), l.nx));
         let (j0, j1) = (index(low.y.ceil(), l.ny), index(high.y.floor(), l.ny));
         // About a thousand pixels tell as much as all.
-        let stride = (((j1 - j0 + 1) * (i1 - i0 + 1)) as f64 / 4000.0).sqrt().ceil().max(1.0) as usize;
+        let pixels = (j1 + 1).saturating_sub(j0) * (i1 + 1).saturating_sub(i0);
+        let stride = (pixels as f64 / 4000.0).sqrt().ceil().max(1.0) as usize;
         let mut shares = Vec::new();
         for j in (j0..=j1).step_by(stride) {
             for i in (i0..=i1).step_by(stride) {
@@ -552,15 +548,15 @@ impl Job<'_> {
         if self.mode == Interpolation::Grey {
             let layer = |i: usize| {
                 let (a, b) = (&slab.lower.signed, &slab.upper.signed);
-                let grid = Grid::mixed(a, b, share(i) as f32, nx, ny).with_flats(a, b);
-                let region = self.traced(&grid, s.simplify_mm);
+                let grid = Grid::mixed(a, b, share(i) as f32, nx, ny).with_flats(|k| (a[k] - b[k]).abs());
+                let region = self.section(grid.contours(), s.simplify_mm);
                 (i, self.without_specks(region, &mut lost))
             };
             return (range.map(layer).collect(), lost, Events::default());
         }
         let (lower, upper) = (self.region(&slab.lower), self.region(&slab.upper));
         if Arc::ptr_eq(&slab.lower, &slab.upper) {
-            let layer = |i: usize| (i, lower.simplified(s.simplify_mm));
+            let layer = |i: usize| (i, trace::region_in_place(&lower, s.simplify_mm));
             return (range.map(layer).collect(), lost, Events::default());
         }
         if self.mode == Interpolation::Distance {
@@ -574,7 +570,7 @@ impl Job<'_> {
         let change = |c: &Contour, of_lower: bool| self.change_share(slab, c, of_lower);
         let matched = Slab::between(&lower, &upper, &matching, &change);
         let layer = |i: usize| {
-            let region = matched.at(share(i)).simplified(s.simplify_mm);
+            let region = trace::region_in_place(&matched.at(share(i)), s.simplify_mm);
             (i, self.without_specks(region, &mut lost))
         };
         (range.map(layer).collect(), lost, matched.events)
@@ -607,7 +603,7 @@ impl Job<'_> {
                 .contours()
                 .into_iter()
                 .map(|c| c.into_iter().map(|p| raster.to_mm(p)).collect::<Contour>())
-                .map(|c| simplify_contour(&c, self.settings.simplify_mm))
+                .map(|c| trace::simplified_in_place(&c, self.settings.simplify_mm))
                 .collect();
             (i, self.without_specks(Region::from_contours(&contours, FillRule::NonZero), lost))
         };
@@ -625,7 +621,7 @@ impl Job<'_> {
         if all.inside == 0 {
             return Err(wrong(format!("a threshold of {at} leaves nothing; {values}")));
         }
-        if all.inside == total && self.settings.tracing == Tracing::Iso {
+        if all.inside == total {
             return Err(wrong(format!("a threshold of {at} leaves everything; {values}")));
         }
         all.layers.sort_by_key(|l| l.0);
@@ -642,6 +638,13 @@ impl Job<'_> {
             .collect();
         let bounds = layers.iter().filter_map(|l| l.region().bounds()).reduce(grainpath_core::Bounds2::union);
         let Some(bounds) = bounds else {
+            let [points, bare] = all.lost.points;
+            if points > 0 && points == bare {
+                let s = self.settings.section;
+                return Err(wrong(format!(
+                    "Canny finds no edge along the threshold of {at}: lower {s}.canny_low and {s}.canny_high"
+                )));
+            }
             return Err(wrong(format!(
                 "a threshold of {at} leaves only islands below min_island_mm2 = {}; {values}",
                 self.settings.min_island_mm2
@@ -655,17 +658,22 @@ impl Job<'_> {
                 "the scanned part measures {longest:.3} mm; check shape.ct.pixel_mm and slice_mm, or set shape.scale"
             ));
         }
-        if all.lost.open > 0 {
-            diagnostics
-                .warn(format!("Canny: {} chains of edges stayed open and were left out", all.lost.open));
+        let [points, bare] = all.lost.points;
+        if 20 * bare > points {
+            diagnostics.warn(format!(
+                "Canny: along {:.0} % of the contours there is no edge within {} pixels; there they lie where the \
+                 threshold is crossed",
+                100.0 * bare as f64 / points as f64,
+                canny::REACH_PX
+            ));
         }
         let report = CtReport {
             voxels: [self.lattice.nx, self.lattice.ny, self.lattice.z_mm.len()],
             spacing_mm: self.lattice.spacing_mm,
             threshold: [self.survey.low, self.survey.high].into_iter().filter(|v| v.is_finite()).collect(),
             interpolation: self.mode.name(),
-            bottom_mm: ((all.start_mm.unwrap_or(0.0) + self.lattice.ends_mm[0]) * 1e4).round() * 1e-4,
-            size_mm: [size.x, size.y, z_max].map(|v| (v * 1e4).round() * 1e-4),
+            bottom_mm: ((all.start_mm.unwrap_or(0.0) + self.lattice.ends_mm[0]) * 1e4).round() / 1e4,
+            size_mm: [size.x, size.y, z_max].map(|v| (v * 1e4).round() / 1e4),
             dropped_islands: all.lost.islands,
             filled_pores: all.lost.pores,
             births: all.events.births,

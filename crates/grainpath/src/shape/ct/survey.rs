@@ -153,7 +153,7 @@ impl Survey {
                 diagnostics.check().map_err(ShapeError::from)?;
                 if k % stride == stride / 2 || n < 3 {
                     source.next_slice(&mut slice)?;
-                    histogram.add(&lattice.cropped(std::mem::take(&mut slice)));
+                    histogram.add(&lattice.cropped(std::mem::take(&mut slice)), lattice.nx);
                 } else {
                     source.skip_slice()?;
                 }

@@ -188,9 +188,11 @@ fn errors(name: &str, solid: Solid, stack: &LayerStack, bottom: f64, slice_mm: f
         let (area, counts) = truth(solid, z);
         let found = [l.region().polygons.len(), l.region().polygons.iter().map(|p| p.holes.len()).sum()];
         if found != counts {
-            // Within a slice of where it changes either count is as right.
+            // Within a slice of where it changes either count is as right; of two that end there, one may end first.
             let near = [-1.0, -0.5, 0.5, 1.0].map(|k| truth(solid, z + k * slice_mm).1);
-            if !near.contains(&found) {
+            let between =
+                |k: usize| near.iter().any(|n| n[k] <= found[k]) && near.iter().any(|n| n[k] >= found[k]);
+            if !(between(0) && between(1)) {
                 println!("{name}: z {z:.2} has {found:?}, should have {counts:?}");
                 wrong += 1;
             }
@@ -226,26 +228,15 @@ fn even_voxels_give_true_sizes_and_counts() {
         let (mean, absolute, wrong) = errors(name, solid, &made.stack, made.report.bottom_mm, 0.2);
         println!("{name}: mean {:.4} %, absolute {:.4} %, {wrong} wrong", 100.0 * mean, 100.0 * absolute);
         assert_eq!(wrong, 0, "{name}");
-        assert!(mean.abs() < 0.0025, "{name}: {mean}");
+        assert!(mean.abs() < 0.001, "{name}: {mean}");
         let low = made.report.bottom_mm - bottom(solid);
         assert!(low.abs() < 0.1, "{name} begins {low} mm off");
     }
 }
 
-/// Hardly a voxel of the thin wall is all material, which puts the threshold that is found too low.
-#[test]
-fn a_thin_wall_has_its_size_when_its_materials_are_given() {
-    let materials = Threshold::Iso50(Some([AIR, METAL]));
-    let mut phantom = Phantom::new(wall, [100, 100, 100], [0.2; 3]);
-    let made = run(&mut phantom, &CtSettings { threshold: materials, ..settings() });
-    let (mean, _, wrong) = errors("wall", wall, &made.stack, made.report.bottom_mm, 0.2);
-    println!("wall, materials given: {:.4} %", 100.0 * mean);
-    assert!(wrong == 0 && mean.abs() < 0.001, "{mean}");
-}
-
 #[test]
 fn far_slices_are_bridged_by_matching_and_by_distance() {
-    for (mode, limit) in [(Interpolation::Matched, 0.02), (Interpolation::Distance, 0.03)] {
+    for (mode, limit) in [(Interpolation::Matched, 0.01), (Interpolation::Distance, 0.02)] {
         for (name, solid) in SOLIDS {
             let mut phantom = Phantom::new(solid, [100, 100, 25], [0.2, 0.2, 0.8]);
             let made = run(&mut phantom, &CtSettings { interpolation: mode, ..settings() });
@@ -341,10 +332,18 @@ fn thresholds_that_make_no_sense_say_so() {
 
 #[test]
 fn canny_follows_the_paper_to_its_accuracy() {
+    for (name, solid) in SOLIDS {
+        let mut phantom = Phantom::new(solid, [100, 100, 100], [0.2; 3]);
+        let made = run(&mut phantom, &CtSettings { tracing: Tracing::Canny, ..settings() });
+        let (mean, absolute, wrong) = errors(name, solid, &made.stack, made.report.bottom_mm, 0.2);
+        println!("canny {name}: mean {:.4} %, absolute {:.4} %", 100.0 * mean, 100.0 * absolute);
+        assert_eq!(wrong, 0, "{name}");
+        assert!(mean.abs() < 0.002, "{name}: {mean}");
+    }
     let mut phantom = Phantom::new(torus, [100, 100, 10], [0.2, 0.2, 0.8]);
     let made = run(&mut phantom, &CtSettings { tracing: Tracing::Canny, ..settings() });
     let (mean, absolute, wrong) = errors("torus", torus, &made.stack, made.report.bottom_mm, 0.8);
     println!("canny: mean {:.4} %, absolute {:.4} %", 100.0 * mean, 100.0 * absolute);
     assert_eq!(wrong, 0);
-    assert!(mean.abs() < 0.03, "{mean}");
+    assert!(mean.abs() < 0.01, "{mean}");
 }

@@ -1,8 +1,8 @@
 //! Sub-pixel contours by marching squares.
 
-use grainpath_core::math::cross;
+use grainpath_core::math::{atan2, cross};
 use grainpath_core::poly::simplify_contour;
-use grainpath_core::{Contour, DVec2};
+use grainpath_core::{Contour, DVec2, Polygon, Region};
 
 /// A picture whose zero line is the part's border: positive inside.
 #[derive(Debug, Clone)]
@@ -36,15 +36,15 @@ impl Grid {
     }
 
     /// The grid with noise taken out where a face of the part lies in the plane: there the grey value changes
-    /// from slice to slice, and is near zero over an area instead of along a line. `a` and `b` are what was mixed.
-    pub fn with_flats(mut self, a: &[f32], b: &[f32]) -> Self {
+    /// from slice to slice, and is near zero over an area instead of along a line. `step` is that change by pixel.
+    pub fn with_flats(mut self, step: impl Fn(usize) -> f32) -> Self {
         const REACH: usize = 2;
         let (w, nx) = (self.nx + 2, self.nx);
         let flat = |k: usize| {
             let v = self.values[(k / nx + 1) * w + k % nx + 1];
-            v.abs() < 0.12 * (a[k] - b[k]).abs()
+            v.abs() < 0.12 * step(k)
         };
-        let found: Vec<usize> = (0..a.len()).filter(|&k| flat(k)).collect();
+        let found: Vec<usize> = (0..nx * self.ny).filter(|&k| flat(k)).collect();
         // A few such pixels are chance.
         if found.len() < 25 {
             return self;
@@ -65,7 +65,7 @@ impl Grid {
                 settled.push((k, sum / n as f32));
             }
         }
-        level(&mut settled, nx, |k| 0.02 * (a[k] - b[k]).abs());
+        level(&mut settled, nx, |k| 0.02 * step(k));
         settled.into_iter().for_each(|(k, v)| self.values[(k / nx + 1) * w + k % nx + 1] = v);
         self
     }
@@ -211,9 +211,26 @@ fn outside(inside: f32) -> f32 {
 /// A contour simplified so that it keeps its size: leaving vertices out cuts every bow on its inner side, by two thirds
 /// of the tolerance in the mean, so what is left is moved out by the area that was cut off beside it.
 pub(super) fn simplified_in_place(contour: &[DVec2], tolerance_mm: f64) -> Contour {
+    resized(contour, tolerance_mm, |_| 0.0)
+}
+
+/// As [`simplified_in_place`], of a contour fresh from the pixels: its sides are chords, and what bows out between their
+/// ends belongs to it as well. A side of length l between turns that are a in the mean has l2 a / 12 outside.
+pub(super) fn traced_in_place(contour: &[DVec2], tolerance_mm: f64) -> Contour {
+    let n = contour.len();
+    let side = |k: usize| contour[(k + 1) % n] - contour[k % n];
+    let turn = |k: usize| atan2(cross(side(k), side(k + 1)), side(k).dot(side(k + 1)));
+    let turns: Vec<f64> = (0..n).map(turn).collect();
+    resized(contour, tolerance_mm, |k| {
+        side(k).length_squared() * 0.5 * (turns[(k + n - 1) % n] + turns[k]) / 12.0
+    })
+}
+
+/// Simplified, and moved out by what is cut off together with what lies outside of each side.
+fn resized(contour: &[DVec2], tolerance_mm: f64, outside_mm2: impl Fn(usize) -> f64) -> Contour {
     let kept = simplify_contour(contour, tolerance_mm);
     let n = kept.len();
-    if n < 3 || n == contour.len() {
+    if n < 3 {
         return kept;
     }
     // Both run the same way round, and the vertices kept are the contour's own.
@@ -225,7 +242,7 @@ pub(super) fn simplified_in_place(contour: &[DVec2], tolerance_mm: f64) -> Conto
         let mut area = 0.0;
         loop {
             let next = (at + 1) % contour.len();
-            area += 0.5 * cross(contour[at] - a, contour[next] - a);
+            area += 0.5 * cross(contour[at] - a, contour[next] - a) + outside_mm2(at);
             at = next;
             if contour[at] == b || at == start {
                 break;
@@ -242,6 +259,17 @@ pub(super) fn simplified_in_place(contour: &[DVec2], tolerance_mm: f64) -> Conto
         kept[k] + step * DVec2::new(out.y, -out.x).normalize_or_zero()
     };
     (0..n).map(moved).collect()
+}
+
+/// All contours of a region as [`simplified_in_place`]; those that vanish are left out.
+pub(super) fn region_in_place(region: &Region, tolerance_mm: f64) -> Region {
+    let polygon = |p: &Polygon| {
+        let outer = simplified_in_place(&p.outer, tolerance_mm);
+        let holes = p.holes.iter().map(|h| simplified_in_place(h, tolerance_mm));
+        let holes = holes.filter(|h| !h.is_empty()).collect();
+        (!outer.is_empty()).then_some(Polygon { outer, holes })
+    };
+    Region { polygons: region.polygons.iter().filter_map(polygon).collect() }
 }
 
 #[cfg(test)]
@@ -288,7 +316,7 @@ mod tests {
         let above: Vec<f32> = (0..n * n).map(|i| -10.0 + noise(i, 5)).collect();
         let torn = Grid::mixed(&below, &above, 0.48, n, n);
         assert!(torn.contours().len() > 1);
-        let whole = Grid::mixed(&below, &above, 0.48, n, n).with_flats(&below, &above);
+        let whole = Grid::mixed(&below, &above, 0.48, n, n).with_flats(|k| (below[k] - above[k]).abs());
         assert_eq!(whole.contours().len(), 1);
     }
 }
