@@ -54,8 +54,8 @@ fn slopes(smooth: &Grey) -> Grey {
     out
 }
 
-/// [`gradient`] along a row.
-fn gradient_row(smooth: &Grey, y: usize, gx: &mut [f32], gy: &mut [f32]) {
+/// Sobel's gradient along row `y`, grey steps a pixel; the border repeats.
+pub(crate) fn gradient_row(smooth: &Grey, y: usize, gx: &mut [f32], gy: &mut [f32]) {
     let w = smooth.width;
     let row = |y: usize| &smooth.data[y * w..(y + 1) * w];
     let (a, b, c) = (row(y.saturating_sub(1)), row(y), row((y + 1).min(smooth.height - 1)));

@@ -4,7 +4,8 @@ use grainpath_core::math::ln;
 use grainpath_core::poly::signed_area_mm2;
 use grainpath_core::{Contour, DVec2};
 
-use super::smooth::{Smoothing, smoothed};
+use crate::grain::canny::gradient_row;
+use crate::grain::raster::Grey;
 
 /// How edges are found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,10 +20,9 @@ pub struct CannySettings {
     pub gap_px: f64,
 }
 
-struct Edges<'a> {
+struct Edges {
     nx: usize,
-    /// The smoothed grey values.
-    smooth: &'a [f32],
+    smooth: Grey,
     gx: Vec<f32>,
     gy: Vec<f32>,
     /// 2: an edge, 0: none.
@@ -45,32 +45,26 @@ pub fn contours(values: &[f32], nx: usize, ny: usize, settings: &CannySettings) 
         let at = (j + margin) * w + margin;
         framed[at..at + nx].copy_from_slice(&values[j * nx..(j + 1) * nx]);
     }
-    let framed = smoothed(framed, w, h, Smoothing::Gaussian(settings.sigma_px));
-    let edges = Edges::find(&framed, w, h, settings);
+    let framed = Grey { width: w, height: h, data: framed };
+    let edges = Edges::find(framed.blurred(settings.sigma_px), settings);
     let (closed, open) = edges.chains(settings.gap_px);
     let shift = DVec2::splat(0.5 - margin as f64);
     let contours = closed.into_iter().map(|c| edges.oriented(&c)).filter(|c| c.len() > 2);
     (contours.map(|c| c.into_iter().map(|p| p + shift).collect()).collect(), open)
 }
 
-impl<'a> Edges<'a> {
-    fn find(v: &'a [f32], nx: usize, ny: usize, s: &CannySettings) -> Self {
+impl Edges {
+    fn find(smooth: Grey, s: &CannySettings) -> Self {
+        let (nx, ny) = (smooth.width, smooth.height);
         let n = nx * ny;
         let (mut gx, mut gy, mut magnitude) = (vec![0.0f32; n], vec![0.0f32; n], vec![0.0f32; n]);
         for j in 1..ny - 1 {
-            let row = |j: usize| v[j * nx..(j + 1) * nx].array_windows::<3>();
-            let inner = j * nx + 1..(j + 1) * nx - 1;
-            let out = gx[inner.clone()].iter_mut().zip(&mut gy[inner.clone()]).zip(&mut magnitude[inner]);
-            // Sobel, scaled to grey steps a pixel.
-            for ((([a, b, c], [d, _, f]), [g, h, i]), ((x, y), m)) in
-                row(j - 1).zip(row(j)).zip(row(j + 1)).zip(out)
-            {
-                *x = ((c + 2.0 * f + i) - (a + 2.0 * d + g)) * 0.125;
-                *y = ((g + 2.0 * h + i) - (a + 2.0 * b + c)) * 0.125;
-                *m = (*x * *x + *y * *y).sqrt();
-            }
+            let row = j * nx..(j + 1) * nx;
+            let (gx, gy) = (&mut gx[row.clone()], &mut gy[row.clone()]);
+            gradient_row(&smooth, j, gx, gy);
+            magnitude[row].iter_mut().zip(gx).zip(gy).for_each(|((m, x), y)| *m = (*x * *x + *y * *y).sqrt());
         }
-        let mut edges = Self { nx, smooth: v, gx, gy, mark: vec![0; n], magnitude };
+        let mut edges = Self { nx, smooth, gx, gy, mark: vec![0; n], magnitude };
         let mut stack = Vec::new();
         for j in 2..ny - 2 {
             for i in 2..nx - 2 {
@@ -137,7 +131,7 @@ impl<'a> Edges<'a> {
     /// centre of the bend by half the curvature times the blur's variance, the scanner's and ours together
     /// (Verbeek & van Vliet 1994). `slopes` are gradients a pixel before, at, and a pixel behind the edge.
     fn drawn_inwards(&self, k: usize, slopes: [f32; 3]) -> f32 {
-        let v = |dx: isize, dy: isize| self.smooth[k.wrapping_add_signed(dy * self.nx as isize + dx)];
+        let v = |dx: isize, dy: isize| self.smooth.data[k.wrapping_add_signed(dy * self.nx as isize + dx)];
         let m = slopes[1];
         let (ux, uy) = (self.gx[k] / m, self.gy[k] / m);
         let (xx, yy) = (v(1, 0) - 2.0 * v(0, 0) + v(-1, 0), v(0, 1) - 2.0 * v(0, 0) + v(0, -1));
