@@ -7,8 +7,8 @@ use std::time::Instant;
 use grainpath_core::mesh::VertexWelder;
 use grainpath_core::{DVec3, TriMesh};
 use grainpath_fea::solid::{
-    MeshSettings, Model, Sampler, SolidError, SolveSettings, Supports, TetMesh, expected_dofs, loads, mesh,
-    recover, solve,
+    MeshSettings, Meshed, Model, Sampler, SolidError, SolveSettings, Supports, TetMesh, expected_dofs, loads,
+    mesh, recover, solve,
 };
 use support::isotropic;
 
@@ -16,12 +16,17 @@ fn boxed(size: DVec3, turn: f64) -> TriMesh {
     boxed_at(DVec3::ZERO, size, turn)
 }
 
-fn boxed_at(low: DVec3, size: DVec3, turn: f64) -> TriMesh {
+/// About z and then about x.
+fn turned(p: DVec3, turn: f64) -> DVec3 {
     let (s, c) = grainpath_core::math::sin_cos(turn);
+    let p = DVec3::new(c * p.x - s * p.y, s * p.x + c * p.y, p.z);
+    DVec3::new(p.x, c * p.y - s * p.z, s * p.y + c * p.z)
+}
+
+fn boxed_at(low: DVec3, size: DVec3, turn: f64) -> TriMesh {
     let corner = |i: u32| {
-        let p = low + DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * size;
-        let p = DVec3::new(c * p.x - s * p.y, s * p.x + c * p.y, p.z);
-        DVec3::new(p.x, c * p.y - s * p.z, s * p.y + c * p.z)
+        let share = DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2));
+        turned(low + share * size, turn)
     };
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let triangles = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
@@ -38,15 +43,7 @@ fn a_box_however_turned_keeps_its_edges() {
                 mesh(&surface, &MeshSettings { size_mm: Some(size), most_dofs: 0 }).expect("a plain box");
             let off = found.volume_mm3 / 2520.0 - 1.0;
             let q = found.quality;
-            println!(
-                "turn {turn} size {size}: {} tets, {} dofs, volume {:+.3} %, dihedral {:.1}..{:.1}, {:.2} s",
-                found.mesh.tets.len(),
-                found.mesh.n_dofs(),
-                100.0 * off,
-                q.dihedral_min_deg,
-                q.dihedral_max_deg,
-                start.elapsed().as_secs_f64()
-            );
+            tell(&format!("turn {turn} size {size}, {:.2} s", start.elapsed().as_secs_f64()), &found, off);
             assert!(
                 off.abs() < 0.003 && q.dihedral_min_deg > 12.0 && q.dihedral_max_deg < 155.0,
                 "{off} {q:?}"
@@ -88,26 +85,12 @@ fn thin_walls_and_slots_get_finer_elements() {
         let found = mesh(&surface, &MeshSettings { size_mm: Some(2.5), most_dofs: 0 }).expect("refined");
         let off = found.volume_mm3 / volume - 1.0;
         let q = found.quality;
-        println!(
-            "turn {turn}: {} tets, {} dofs, volume {:+.3} %, lost {:.3} %, dihedral {:.1}..{:.1}, {} poor",
-            found.mesh.tets.len(),
-            found.mesh.n_dofs(),
-            100.0 * off,
-            100.0 * found.lost_share,
-            q.dihedral_min_deg,
-            q.dihedral_max_deg,
-            q.n_poor
-        );
+        tell(&format!("turn {turn}"), &found, off);
         sound(&found.mesh);
         assert!(off.abs() < 0.003 && found.lost_share < 0.005 && found.pieces.len() == 1, "{off}");
         assert!(q.dihedral_min_deg > 8.0 && q.dihedral_max_deg < 165.0, "{q:?}");
         let sampler = Sampler::new(&found.mesh).expect("elements");
-        let (s, c) = grainpath_core::math::sin_cos(turn);
-        let inside = |p: DVec3| {
-            let p = DVec3::new(c * p.x - s * p.y, s * p.x + c * p.y, p.z);
-            let p = DVec3::new(p.x, c * p.y - s * p.z, s * p.y + c * p.z);
-            sampler.at(p).is_some_and(|spot| spot.depth > -1e-6)
-        };
+        let inside = |p: DVec3| sampler.at(turned(p, turn)).is_some_and(|spot| spot.depth > -1e-6);
         let mut wrong = 0;
         for i in 0..40 {
             let (u, v) = (f64::from(i % 8) / 8.0 + 0.05, f64::from(i / 8) / 5.0 + 0.1);
@@ -119,6 +102,20 @@ fn thin_walls_and_slots_get_finer_elements() {
         let even = expected_dofs(volume, 2.0 * (600.0 + 240.0 + 360.0), 0.6 * 1.41);
         assert!((found.mesh.n_dofs() as f64) < even / 4.0, "{even}");
     }
+}
+
+fn tell(what: &str, found: &Meshed, off: f64) {
+    let q = found.quality;
+    println!(
+        "{what}: {} tets, {} dofs, volume {:+.3} %, lost {:.3} %, dihedral {:.1}..{:.1}, {} poor",
+        found.mesh.tets.len(),
+        found.mesh.n_dofs(),
+        100.0 * off,
+        100.0 * found.lost_share,
+        q.dihedral_min_deg,
+        q.dihedral_max_deg,
+        q.n_poor
+    );
 }
 
 /// What holds for any mesh: faces fit together, the boundary is closed and encloses the elements' volume.
