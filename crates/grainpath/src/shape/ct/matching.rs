@@ -95,6 +95,16 @@ impl Slab {
         if self.heal_mm > 0.0 { region.closed(self.heal_mm) } else { region }
     }
 
+    /// Whether more is inside halfway than at either end, holes left out: outlines that each were carried over well,
+    /// a C and the outside of a ring, and what lies between them filled.
+    fn swells(&self, a: &[&Polygon], b: &[&Polygon], step_mm: f64) -> bool {
+        let area = |ps: &[&Polygon]| ps.iter().map(|p| p.area_mm2()).sum::<f64>();
+        let moving: f64 = self.moving.iter().map(|p| signed_area_mm2(&p.at(0.5))).sum();
+        let still = self.still.iter().filter(|s| s.1 <= 0.5 && 0.5 < s.2);
+        let middle = moving + still.map(|s| signed_area_mm2(&s.0)).sum::<f64>();
+        middle > 1.05 * area(a).max(area(b)) + step_mm * step_mm
+    }
+
     /// Matches two slices. `change` tells at which share of the way the part of the plane inside a contour changes
     /// sides, from the grey values; the flag says whether it is the lower slice's.
     pub fn between(
@@ -112,7 +122,8 @@ impl Slab {
             slab.events.births += usize::from(a.is_empty());
             slab.events.branches += usize::from(a.len() + b.len() > 2);
             let mut part = Self::default();
-            if builder.group(&a, &b, &mut part).is_none() {
+            let carried = builder.group(&a, &b, &mut part).is_some();
+            if !carried || part.swells(&a, &b, settings.step_mm()) {
                 part = Self::default();
                 let region = |ps: &[&Polygon]| Region { polygons: ps.iter().map(|p| (*p).clone()).collect() };
                 part.blends.extend(Blend::new(&region(&a), &region(&b), settings.pixel_mm));
@@ -375,6 +386,22 @@ mod tests {
             let most = a[0].area_mm2().max(b[0].area_mm2());
             assert!(middle.area_mm2() < 1.1 * most, "{features} {turn}: {} {most}", middle.area_mm2());
             assert!(middle.area_mm2() > 0.7 * most, "{features} {turn}: {} {most}", middle.area_mm2());
+        }
+    }
+
+    #[test]
+    fn a_ring_that_closes_keeps_its_inside_empty() {
+        let closed = Region::from(ring(10.0, 8.5));
+        let knife = Region::rectangle(DVec2::new(0.0, -2.0), DVec2::new(12.0, 2.0));
+        let open = closed.difference(&knife);
+        for features in [false, true] {
+            let middle = between(&open.polygons, &closed.polygons, features).at(0.5);
+            let (a, b) = (open.area_mm2(), closed.area_mm2());
+            assert!(
+                middle.area_mm2() < 1.05 * b && middle.area_mm2() > 0.9 * a,
+                "{} {a} {b}",
+                middle.area_mm2()
+            );
         }
     }
 
