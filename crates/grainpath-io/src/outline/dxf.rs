@@ -59,11 +59,9 @@ pub(super) fn read(bytes: &[u8], options: &OutlineOptions) -> Result<Drawing, Me
                 }
             }
             (_, b"ENDSEC") => section = b"",
-            (b"TABLES", b"LAYER") => {
-                // Frozen, or switched off: then its colour is negative.
-                if record.whole(70)? & 1 == 1 || record.number(62)?.is_some_and(|c| c < 0.0) {
-                    dxf.hidden.insert(record.text(2));
-                }
+            // Frozen, or switched off: then its colour is negative.
+            (b"TABLES", b"LAYER") if record.whole(70)? & 1 == 1 || record.or(62, 1.0)? < 0.0 => {
+                dxf.hidden.insert(record.text(2));
             }
             (b"ENTITIES", _) => dxf.entity(&record, &mut drawing)?,
             _ => {}
@@ -357,7 +355,7 @@ impl Dxf<'_> {
         mirrored: bool,
     ) -> Result<(), MeshError> {
         let turn = (to - from).rem_euclid(TAU);
-        let whole = turn < 1e-9 || turn > TAU - 1e-9;
+        let whole = !(1e-9..=TAU - 1e-9).contains(&turn);
         let turn = if whole { TAU } else { turn };
         let radius = x.length().max(y.length());
         if radius <= 0.0 {
