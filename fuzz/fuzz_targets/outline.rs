@@ -1,4 +1,4 @@
-//! SVG drawings as they come, and as a path, a list of points and a transform.
+//! Drawings as they come; an SVG's path, list of points and transform; a DXF's entities.
 #![no_main]
 
 use grainpath_io::{OutlineOptions, parse_outline};
@@ -9,6 +9,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let wrapped = [
         (&b"<svg viewBox='0 0 90 60'><path d='"[..], &b"'/></svg>"[..]),
         (b"<svg><g fill='none' transform='", b"'><circle r='9'/><rect width='3' height='4' rx='1'/></g></svg>"),
+        (b"0\nSECTION\n2\nENTITIES\n0\n", b"\n0\nENDSEC\n0\nEOF\n"),
         (b"<svg width='30mm' viewBox='0 0 30 20'>", b"</svg>"),
     ];
     for (head, tail) in wrapped {

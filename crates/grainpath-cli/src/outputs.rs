@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use grainpath::dimensions::Dimension;
-use grainpath::guide::{lines_svg, lines_vtp};
+use grainpath::guide::{Degenerate, lines_svg, lines_vtp};
 use grainpath::job::Settings;
 use grainpath::render::{Bead, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png};
 use grainpath::report::{Report, measure, measure_fibre, peak_rss_mb};
@@ -354,12 +354,13 @@ fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, html::Pictur
         let mut add = |kind: &str, title: String, png: Vec<u8>| {
             drawn.push((format!("{kind}_{:04}.png", i + 1), html::Picture { title, png }));
         };
-        let png = guide.stress_png(region, z, &families, GUIDE_PX);
-        add(
-            "stress",
-            format!("Equivalent stress and principal lines (greater white, smaller dark), {at}"),
-            png,
+        let [rings, triangles, squares] = [Degenerate::Wedge, Degenerate::Trisector, Degenerate::Border]
+            .map(|kind| guide.degenerate(i).count(kind));
+        let title = format!(
+            "Equivalent stress and principal lines (greater white, smaller dark), {at}; {rings} wedges (rings), \
+             {triangles} trisectors (triangles), {squares} changes of sign on free borders (squares)"
         );
+        add("stress", title, guide.stress_png(i, region, z, &families, GUIDE_PX));
         add("field", format!("Directions that fill follows, {at}"), guide.field_png(i, region, z, GUIDE_PX));
     }
     drawn

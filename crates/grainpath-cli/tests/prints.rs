@@ -274,6 +274,29 @@ fn a_drawing_is_printed_along_its_load() {
     assert!((area("plate.svg") - expect).abs() < 0.05, "{}", area("plate.svg"));
     // All three sections lie on each other in the drawing of the layers.
     assert!((area("layers.svg") - expect).abs() < 0.4, "{}", area("layers.svg"));
+    // The same plate as DXF, its sides drawn one by one, in inches.
+    let inch = |mm: f64| mm / 25.4;
+    let line = |a: [f64; 2], b: [f64; 2]| {
+        let [x, y, u, v] = [a[0], a[1], b[0], b[1]].map(inch);
+        format!("0\nLINE\n10\n{x}\n20\n{y}\n11\n{u}\n21\n{v}\n")
+    };
+    let arc = |p: [f64; 2], r: f64, turn: f64| {
+        let (x, y, r) = (inch(p[0]), inch(p[1]), inch(r));
+        format!("0\nARC\n10\n{x}\n20\n{y}\n40\n{r}\n50\n{turn}\n51\n{}\n", turn + 90.0)
+    };
+    let (x, y, r) = (inch(15.0), inch(8.0), inch(3.0));
+    let sides =
+        line([2.0, 0.0], [38.0, 0.0]) + &line([2.0, 16.0], [38.0, 16.0]) + &line([0.0, 2.0], [0.0, 14.0]);
+    let corners = arc([2.0, 2.0], 2.0, 180.0) + &arc([38.0, 2.0], 2.0, 270.0) + &arc([38.0, 14.0], 2.0, 0.0);
+    let rest = line([40.0, 14.0], [40.0, 2.0]) + &arc([2.0, 14.0], 2.0, 90.0);
+    let dxf = format!(
+        "0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n1\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n{sides}{corners}{rest}\
+         0\nCIRCLE\n10\n{x}\n20\n{y}\n40\n{r}\n0\nENDSEC\n0\nEOF\n"
+    );
+    fs::write(dir.join("plate.dxf"), dxf).expect("a drawing");
+    assert!((area("plate.dxf") - expect).abs() < 0.05, "{}", area("plate.dxf"));
+    let report = json(&grainpath(&dir, &["slice", "plate.dxf", "--set", "shape.thickness_mm=0.4", "--json"]));
+    assert_eq!(report["layers"], 2);
     // Twice as large in the plane, as thick as asked for.
     let args = ["slice", "plate.svg", "--set", "shape.thickness_mm=0.4", "--set", "shape.scale=2", "--json"];
     let report = json(&grainpath(&dir, &args));
@@ -282,7 +305,7 @@ fn a_drawing_is_printed_along_its_load() {
         ("shape.thickness_mm=0", 2, "needs shape.thickness_mm"),
         ("shape.mesh=a.stl", 2, "exactly one shape"),
         ("shape.outline=none.svg", 3, "no such file"),
-        ("shape.outline=job.toml", 3, "is not SVG"),
+        ("shape.outline=job.toml", 3, "is neither SVG nor ASCII DXF"),
     ] {
         let out = grainpath(&dir, &["run", "job.toml", "--set", set, "--out", "wrong"]);
         let text = String::from_utf8_lossy(&out.stderr);

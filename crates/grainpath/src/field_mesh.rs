@@ -1,5 +1,7 @@
 //! A grid of right triangles over a region: where direction fields and phases are solved for.
 
+use std::ops::{Add, Mul, Range, Sub};
+
 use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::{DVec2, Region};
 
@@ -29,10 +31,30 @@ pub struct FieldMesh {
     ny: usize,
     /// Node at each place of the grid, row by row.
     index: Vec<u32>,
-    /// Each once, by first node.
+    /// Each once: those to the right, those upwards, then the diagonals; each kind row by row.
     pub edges: Vec<Edge>,
-    /// Edge indices; edge `k` lies opposite to corner `k`.
+    /// The edges that are sides of squares, in rows without a break.
+    runs: Vec<Run>,
     pub triangles: Vec<Triangle>,
+}
+
+/// Edges one after the other, from nodes one after the other to nodes one after the other.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    edge: u32,
+    ends: [u32; 2],
+    n: u32,
+}
+
+/// Places of a run's edges and of their first and second nodes in arrays.
+#[derive(Debug, Clone)]
+pub struct RunOf {
+    /// Edges.
+    pub edges: Range<usize>,
+    /// Their first nodes.
+    pub from: Range<usize>,
+    /// Their second nodes.
+    pub to: Range<usize>,
 }
 
 /// A triangle of the grid.
@@ -67,10 +89,20 @@ impl FieldMesh {
                 }
             }
         }
-        let (edges, triangles) = (Vec::new(), Vec::new());
-        let mut mesh = Self { nodes, cell_mm, origin, nx, ny, index, edges, triangles };
+        let (edges, runs, triangles) = (Vec::new(), Vec::new(), Vec::new());
+        let mut mesh = Self { nodes, cell_mm, origin, nx, ny, index, edges, runs, triangles };
         mesh.connect();
         Some(mesh)
+    }
+
+    /// The edges that are sides of squares, run by run: all edges but the diagonals, which come after them.
+    pub fn runs(&self) -> impl Iterator<Item = RunOf> + '_ {
+        let range = |first: u32, n: u32| first as usize..(first + n) as usize;
+        self.runs.iter().map(move |r| RunOf {
+            edges: range(r.edge, r.n),
+            from: range(r.ends[0], r.n),
+            to: range(r.ends[1], r.n),
+        })
     }
 
     /// The nodes around a point and their shares of it, nodes outside the mesh left out; far outside, the nearest
@@ -129,25 +161,28 @@ impl FieldMesh {
         let at = |i: usize, j: usize| index[j * nx + i];
         // Edges of the node at (i, j): to the right, upwards, and the diagonal of the square to its upper right.
         let mut of_node = vec![[NONE; 3]; nx * ny];
-        for j in 0..ny - 1 {
-            for i in 0..nx - 1 {
-                let mut add = |a: u32, b: u32, diagonal: bool| {
+        for kind in 0..3 {
+            for j in 0..ny - 1 {
+                for i in 0..nx - 1 {
+                    let [a, b] = match kind {
+                        0 => [at(i, j), at(i + 1, j)],
+                        1 => [at(i, j), at(i, j + 1)],
+                        // Diagonals alternate, so that no direction is favoured.
+                        _ if (i + j) % 2 == 0 => [at(i, j), at(i + 1, j + 1)],
+                        _ => [at(i + 1, j), at(i, j + 1)],
+                    };
                     if a == NONE || b == NONE {
-                        return NONE;
+                        continue;
                     }
-                    self.edges.push(Edge { ends: [a, b], diagonal });
-                    self.edges.len() as u32 - 1
-                };
-                let here = at(i, j);
-                let right = add(here, at(i + 1, j), false);
-                let up = add(here, at(i, j + 1), false);
-                // Diagonals alternate, so that no direction is favoured.
-                let across = if (i + j) % 2 == 0 {
-                    add(here, at(i + 1, j + 1), true)
-                } else {
-                    add(at(i + 1, j), at(i, j + 1), true)
-                };
-                of_node[j * nx + i] = [right, up, across];
+                    let edge = self.edges.len() as u32;
+                    of_node[j * nx + i][kind] = edge;
+                    self.edges.push(Edge { ends: [a, b], diagonal: kind == 2 });
+                    match self.runs.last_mut() {
+                        _ if kind == 2 => {}
+                        Some(r) if r.ends[0] + r.n == a && r.ends[1] + r.n == b => r.n += 1,
+                        _ => self.runs.push(Run { edge, ends: [a, b], n: 1 }),
+                    }
+                }
             }
         }
         for j in 0..ny - 1 {
@@ -172,18 +207,85 @@ impl FieldMesh {
     }
 }
 
+/// A symmetric matrix over the nodes of a grid: nodes that share no edge do not meet in it.
+pub struct GridMatrix<'a> {
+    mesh: &'a FieldMesh,
+    /// At the nodes.
+    pub own: Vec<f64>,
+    /// At the edges, the diagonals left out or not.
+    pub beside: Vec<f64>,
+}
+
+impl<'a> GridMatrix<'a> {
+    /// Zero, with room for the sides of squares or for all edges.
+    pub fn zero(mesh: &'a FieldMesh, diagonals: bool) -> Self {
+        let n_edges = mesh.edges.iter().filter(|e| diagonals || !e.diagonal).count();
+        Self { mesh, own: vec![0.0; mesh.nodes.len()], beside: vec![0.0; n_edges] }
+    }
+
+    /// Adds a spring along every side of a square.
+    pub fn add_springs(&mut self, stiffness: f64) {
+        for (edge, beside) in self.mesh.edges.iter().zip(&mut self.beside).filter(|e| !e.0.diagonal) {
+            *beside -= stiffness;
+            edge.ends.iter().for_each(|&k| self.own[k as usize] += stiffness);
+        }
+    }
+
+    fn times(&self, x: &[f64], y: &mut [f64]) {
+        y.iter_mut().zip(&self.own).zip(x).for_each(|((y, own), x)| *y = own * x);
+        let mut add = |to: &Range<usize>, from: &Range<usize>, beside: &[f64]| {
+            let rows = y[to.clone()].iter_mut().zip(&x[from.clone()]).zip(beside);
+            rows.for_each(|((y, x), beside)| *y += beside * x);
+        };
+        let mut n_sides = 0;
+        for run in self.mesh.runs() {
+            n_sides = run.edges.end;
+            let beside = &self.beside[run.edges];
+            add(&run.from, &run.to, beside);
+            add(&run.to, &run.from, beside);
+        }
+        for (edge, beside) in self.mesh.edges.iter().zip(&self.beside).skip(n_sides) {
+            let [a, b] = edge.ends.map(|k| k as usize);
+            y[a] += beside * x[b];
+            y[b] += beside * x[a];
+        }
+    }
+
+    /// Solves for a right side, to a residual of `tolerance` times its length; the matrix must be positive definite.
+    pub fn solve(&self, x: Vec<f64>, rhs: &[f64], tolerance: f64, max_steps: usize) -> Vec<f64> {
+        conjugate_gradients(x, rhs, |x, y| self.times(x, y), tolerance, max_steps)
+    }
+}
+
+/// A number to calculate with.
+pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Into<f64> {
+    /// The nearest one.
+    fn near(value: f64) -> Self;
+}
+
+impl Real for f64 {
+    fn near(value: f64) -> Self {
+        value
+    }
+}
+
+impl Real for f32 {
+    fn near(value: f64) -> Self {
+        value as Self
+    }
+}
+
 /// Solves a symmetric positive definite system to a residual of `tolerance` times the right side's length.
-pub fn conjugate_gradients(
-    mut x: Vec<f64>,
-    rhs: &[f64],
-    apply: impl Fn(&[f64], &mut [f64]),
+pub fn conjugate_gradients<T: Real>(
+    mut x: Vec<T>,
+    rhs: &[T],
+    apply: impl Fn(&[T], &mut [T]),
     tolerance: f64,
     max_steps: usize,
-) -> Vec<f64> {
-    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-    let mut q = vec![0.0; x.len()];
+) -> Vec<T> {
+    let mut q = vec![T::near(0.0); x.len()];
     apply(&x, &mut q);
-    let mut r: Vec<f64> = rhs.iter().zip(&q).map(|(b, q)| b - q).collect();
+    let mut r: Vec<T> = rhs.iter().zip(&q).map(|(b, q)| *b - *q).collect();
     let mut p = r.clone();
     let mut rr = dot(&r, &r);
     let enough = tolerance * tolerance * dot(rhs, rhs);
@@ -192,13 +294,24 @@ pub fn conjugate_gradients(
             break;
         }
         apply(&p, &mut q);
-        let alpha = rr / dot(&p, &q);
-        x.iter_mut().zip(&p).for_each(|(x, p)| *x += alpha * p);
-        r.iter_mut().zip(&q).for_each(|(r, q)| *r -= alpha * q);
+        let alpha = T::near(rr / dot(&p, &q));
+        x.iter_mut().zip(&p).for_each(|(x, p)| *x = *x + alpha * *p);
+        r.iter_mut().zip(&q).for_each(|(r, q)| *r = *r - alpha * *q);
         let new = dot(&r, &r);
-        let beta = new / rr;
+        let beta = T::near(new / rr);
         rr = new;
-        p.iter_mut().zip(&r).for_each(|(p, r)| *p = r + beta * *p);
+        p.iter_mut().zip(&r).for_each(|(p, r)| *p = *r + beta * *p);
     }
     x
+}
+
+/// The sum of products, in eight sums side by side: one alone would wait for itself.
+fn dot<T: Real>(a: &[T], b: &[T]) -> f64 {
+    let mut sums = [0.0; 8];
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    for (a, b) in a.iter().zip(b) {
+        (0..8).for_each(|k| sums[k] += a[k].into() * b[k].into());
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| (*a).into() * (*b).into()).sum();
+    sums.iter().sum::<f64>() + rest
 }

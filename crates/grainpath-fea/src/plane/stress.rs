@@ -96,8 +96,7 @@ impl PlaneStress {
                 for &t in self.buckets.of(cells.index(at)) {
                     let e = self.mesh.elements[t as usize];
                     let c = [e[0], e[1], e[2]].map(|i| self.mesh.nodes[i as usize]);
-                    let l = nearest_in(c, p);
-                    let off = p.distance_squared(l[0] * c[0] + l[1] * c[1] + l[2] * c[2]);
+                    let (off, l) = nearest_in(c, p);
                     if best.is_none_or(|b| off < b.0) {
                         best = Some((off, t as usize, l));
                     }
@@ -111,13 +110,13 @@ impl PlaneStress {
     }
 }
 
-/// Area coordinates of the point of a triangle nearest to `p`.
-fn nearest_in(c: [DVec2; 3], p: DVec2) -> [f64; 3] {
+/// The point of a triangle nearest to `p`: its distance squared, 0 inside, and its area coordinates.
+fn nearest_in(c: [DVec2; 3], p: DVec2) -> (f64, [f64; 3]) {
     let double = cross(c[1] - c[0], c[2] - c[0]);
     let l = [cross(c[1] - p, c[2] - p) / double, cross(c[2] - p, c[0] - p) / double];
     let l = [l[0], l[1], 1.0 - l[0] - l[1]];
     if l.iter().all(|v| *v >= -1e-12) {
-        return l.map(|v| v.max(0.0));
+        return (0.0, l.map(|v| v.max(0.0)));
     }
     let mut best = (f64::INFINITY, [1.0, 0.0, 0.0]);
     for k in 0..3 {
@@ -130,7 +129,7 @@ fn nearest_in(c: [DVec2; 3], p: DVec2) -> [f64; 3] {
             best = (off, l);
         }
     }
-    best.1
+    best
 }
 
 /// Components between the nodes: linear in the four triangles that the middles of the sides make, so that nothing

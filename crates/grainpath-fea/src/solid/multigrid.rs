@@ -14,11 +14,21 @@ use super::supports::Supports;
 use super::system::System;
 use super::{Model, SolidError};
 
-/// Applications of the matrix in one smoothing, on the quadratic level and on the others.
-const SMOOTH_FINE: usize = 3;
-const SMOOTH_COARSE: usize = 4;
-/// The smoother acts on eigenvalues down to the largest over this.
-const BAND: f64 = 25.0;
+/// How a level is smoothed.
+#[derive(Clone, Copy)]
+pub(super) struct Smoothing {
+    /// Applications of the matrix.
+    steps: usize,
+    /// It acts on eigenvalues down to the largest over this.
+    band: f64,
+}
+
+const QUADRATIC: Smoothing = Smoothing { steps: 3, band: 25.0 };
+/// The first grid is as wide as the longest side, and so many times as wide as elements that were halved at thin walls:
+/// four times the band, as well damped by twice the steps.
+const LINEAR: Smoothing = Smoothing { steps: 8, band: 100.0 };
+/// For grids of doubling width.
+pub(super) const GRID: Smoothing = Smoothing { steps: 4, band: 25.0 };
 /// Nodes at most of the level that is factorized.
 const DENSE_NODES: usize = 250;
 
@@ -41,7 +51,7 @@ struct Level {
     matrix: Matrix,
     inverse_diagonal: Vec<DMat3>,
     top: f64,
-    smooth: usize,
+    smoothing: Smoothing,
     /// From the next coarser level to this one.
     transfer: Transfer,
     x: Vec<DVec3>,
@@ -157,23 +167,23 @@ impl Multigrid {
         let held: Vec<(u32, DMat3)> =
             (0..corners.len()).filter_map(|i| free(i).map(|p| (i as u32, *p))).collect();
         let grid = Grid { origin: places[0] - 0.37 * width, width };
-        Ok(Self::below(operator, first, matrix, grid.over(&places, held)))
+        Ok(Self::below(operator, first, (matrix, LINEAR), grid.over(&places, held)))
     }
 
-    /// From a finest level, the transfer to it, the matrix below, and the grid below that.
+    /// From a finest level, the transfer to it, the matrix below and how it is smoothed, and the grid below that.
     pub(super) fn below(
         finest: &dyn System,
         first: Transfer,
-        mut matrix: Blocks,
+        (mut matrix, mut smoothing): (Blocks, Smoothing),
         (mut transfer, mut cells): (Transfer, Vec<IVec3>),
     ) -> Self {
         let diagonal = finest.inverse_diagonal();
-        let mut levels = vec![Level::new(finest, Matrix::Finest, diagonal, first, SMOOTH_FINE)];
+        let mut levels = vec![Level::new(finest, Matrix::Finest, diagonal, first, QUADRATIC)];
         while levels.len() < 2 || matrix.n() > DENSE_NODES {
             let coarse = galerkin(&matrix, &transfer, &cells);
             let diagonal = matrix.inverse_diagonal();
-            levels.push(Level::new(finest, Matrix::Stored(matrix), diagonal, transfer, SMOOTH_COARSE));
-            matrix = coarse;
+            levels.push(Level::new(finest, Matrix::Stored(matrix), diagonal, transfer, smoothing));
+            (matrix, smoothing) = (coarse, GRID);
             let places: Vec<DVec3> = cells.iter().map(|c| c.as_dvec3()).collect();
             // Not around the corner of the finer grid's first node: halves fall on nodes.
             (transfer, cells) = Grid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
@@ -250,7 +260,7 @@ impl Level {
         matrix: Matrix,
         inverse_diagonal: Vec<DMat3>,
         transfer: Transfer,
-        smooth: usize,
+        smoothing: Smoothing,
     ) -> Self {
         let n = inverse_diagonal.len();
         let zero = || vec![DVec3::ZERO; n];
@@ -259,7 +269,7 @@ impl Level {
             Matrix::Stored(_) => Vec::new(),
         };
         let (x, r, d, t) = (zero(), zero(), zero(), zero());
-        let mut level = Self { matrix, inverse_diagonal, top: 1.0, smooth, transfer, x, r, d, t, scratch };
+        let mut level = Self { matrix, inverse_diagonal, top: 1.0, smoothing, transfer, x, r, d, t, scratch };
         level.top = 1.2 * level.largest_eigenvalue(finest);
         level
     }
@@ -301,14 +311,14 @@ impl Level {
 
     /// Chebyshev iteration from `x` whose residual is in `t`.
     fn chebyshev(&mut self, finest: &dyn System) {
-        let (high, low) = (self.top, self.top / BAND);
+        let (high, low) = (self.top, self.top / self.smoothing.band);
         let (middle, half) = (0.5 * (high + low), 0.5 * (high - low));
         let sigma = middle / half;
         let mut rho = 1.0 / sigma;
         scaled(&mut self.d, &self.t, &self.inverse_diagonal, 0.0, 1.0 / middle);
-        for step in 0..self.smooth {
+        for step in 0..self.smoothing.steps {
             add(&mut self.x, 1.0, &self.d);
-            if step + 1 == self.smooth {
+            if step + 1 == self.smoothing.steps {
                 break;
             }
             self.matrix.apply(finest, &self.x, &mut self.t, &mut self.scratch);

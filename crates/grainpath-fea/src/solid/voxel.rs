@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::blocks::assemble;
 use super::element::{self, Law};
-use super::multigrid::{Grid, Multigrid, Transfer};
+use super::multigrid::{GRID, Grid, Multigrid, Transfer};
 use super::operator::inverse;
 use super::solve::iterate;
 use super::system::System;
@@ -477,7 +477,7 @@ impl Cells {
             sum
         });
         let grid = Grid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
-        Multigrid::below(self, first, matrix, grid)
+        Multigrid::below(self, first, (matrix, GRID), grid)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Outlines of flat parts: drawings read as regions.
 
+mod dxf;
 mod path;
 mod svg;
 
@@ -16,34 +17,41 @@ pub struct OutlineOptions {
     pub unit: Option<LengthUnit>,
     /// Curves are cut into straight pieces that lie this close, mm.
     pub tolerance_mm: f64,
-    /// All closed lines count together, each other one inwards a hole, however shapes are filled.
+    /// All closed lines count together, each other one inwards a hole, however shapes are filled. Those of a DXF
+    /// always do.
     pub even_odd: bool,
 }
 
 /// What was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
-    /// The part, mm: x to the right and y up from the lower left corner of the page.
+    /// The part, mm: x to the right and y up from the lower left corner of an SVG's page, from the origin of a DXF.
     pub region: Region,
     /// What was odd but could be read.
     pub warnings: Vec<String>,
 }
 
-/// Reads an outline from an SVG drawing. Filled shapes are material by their own fill rule, united; closed lines
-/// without fill count together by even-odd, and turn what they lie on into its opposite.
+/// Reads an outline from an SVG or an ASCII DXF drawing. Filled shapes are material by their own fill rule, united;
+/// closed lines without fill count together by even-odd, and turn what they lie on into its opposite. A DXF has lines
+/// alone; those whose ends meet are joined.
 ///
 /// # Errors
-/// [`MeshError`]: not SVG, damaged, no closed line, too many points.
+/// [`MeshError`]: neither, damaged, no closed line, too many points.
 pub fn parse_outline(bytes: &[u8], options: &OutlineOptions) -> Result<Outline, MeshError> {
     if bytes.is_empty() {
         return Err(MeshError::Empty);
     }
-    if !sniff_outline(bytes) {
-        return Err(invalid("the drawing", "is not SVG"));
-    }
-    let text = std::str::from_utf8(bytes)
-        .map_err(|e| invalid(format!("byte {}", e.valid_up_to()), "the drawing is not UTF-8 text"))?;
-    let mut drawing = svg::read(text, options)?;
+    let mut drawing = if is_svg(bytes) {
+        let text = std::str::from_utf8(bytes)
+            .map_err(|e| invalid(format!("byte {}", e.valid_up_to()), "the drawing is not UTF-8 text"))?;
+        svg::read(text, options)?
+    } else if dxf::sniff(bytes) {
+        dxf::read(bytes, options)?
+    } else if dxf::is_binary(bytes) {
+        return Err(invalid("the drawing", "is a binary DXF; save it as ASCII DXF"));
+    } else {
+        return Err(invalid("the drawing", "is neither SVG nor ASCII DXF"));
+    };
     if drawing.dropped > 0 {
         let n = drawing.dropped;
         drawing.warnings.push(format!("{n} open lines without fill bound nothing and were left out"));
@@ -57,8 +65,12 @@ pub fn parse_outline(bytes: &[u8], options: &OutlineOptions) -> Result<Outline, 
     Ok(Outline { region, warnings: drawing.warnings })
 }
 
-/// Whether these bytes are an SVG drawing.
+/// Whether these bytes are a drawing: SVG or DXF.
 pub fn sniff_outline(bytes: &[u8]) -> bool {
+    is_svg(bytes) || dxf::sniff(bytes) || dxf::is_binary(bytes)
+}
+
+fn is_svg(bytes: &[u8]) -> bool {
     let text = crate::text::skip_space(bytes);
     let head = &text[..text.len().min(4096)];
     text.starts_with(b"<") && head.windows(4).any(|w| w == b"<svg" || w == b":svg")
@@ -271,7 +283,7 @@ mod tests {
     fn damage_is_named() {
         for (text, expect) in [
             (String::new(), "empty"),
-            ("hello".into(), "is not SVG"),
+            ("hello".into(), "is neither SVG nor ASCII DXF"),
             (page("<path d='M0 0L10 x'/>"), "found \"x\" where a number should be"),
             (page("<path d='L0 0'/>"), "should begin with M"),
             (page("<path d='M0 0A1 1 0 2 0 5 5'/>"), "where 0 or 1 should be"),

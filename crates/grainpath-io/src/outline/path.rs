@@ -267,7 +267,7 @@ fn out(p: DVec2, sin: f64, cos: f64) -> DVec2 {
 }
 
 /// Into how many pieces an arc is cut so that they lie within `tolerance` of it.
-fn pieces(radius: f64, angle: f64, tolerance: f64) -> usize {
+pub(super) fn pieces(radius: f64, angle: f64, tolerance: f64) -> usize {
     let step = 2.0 * acos((1.0 - tolerance / radius).clamp(0.0, 1.0));
     (angle / step.max(1e-3)).ceil().clamp(1.0, 10_000.0) as usize
 }

@@ -7,7 +7,7 @@ use grainpath_fea::principal::{along, plane_principal};
 
 use super::CaseStress;
 use super::degenerate::{Degenerates, of_section};
-use crate::field_mesh::{FieldMesh, conjugate_gradients};
+use crate::field_mesh::{FieldMesh, GridMatrix};
 
 /// Which principal stress is followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,12 +104,13 @@ impl LayerField {
         };
         let first = wanted(None);
         let scale = typical(first.iter().map(|w| w.1));
-        let mut double = settle(&mesh, &first, scale, &border, settings);
+        let mut double = settle(&mesh, &first, scale, &border, settings, None);
         if matches!(settings.follow, Follow::MaxAbs | Follow::Alternate) {
             for _ in 0..2 {
-                double = settle(&mesh, &wanted(Some(&double)), scale, &border, settings);
+                double = settle(&mesh, &wanted(Some(&double)), scale, &border, settings, Some(&double));
             }
         }
+        double.iter_mut().for_each(|q| *q = q.normalize_or(DVec2::X));
         let strength = first.iter().map(|w| (w.1 / scale).min(1.0)).collect();
         if settings.across {
             double.iter_mut().for_each(|q| *q = -*q);
@@ -211,12 +212,14 @@ fn typical(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// The smoothest field that keeps to what is wanted: `sum |q_i - q_j|^2 + (cell / smoothing)^2 sum w |q - wanted|^2`.
+/// Sought from the field `before` on, if there is one. Shorter than unit vectors where wishes disagree.
 fn settle(
     mesh: &FieldMesh,
     wanted: &[(DVec2, f64)],
     scale: f64,
     border: &[(u32, DVec2)],
     settings: &DirectionSettings,
+    before: Option<&[DVec2]>,
 ) -> Vec<DVec2> {
     let n = mesh.nodes.len();
     let keep = (mesh.cell_mm / settings.smoothing_mm).powi(2);
@@ -234,22 +237,19 @@ fn settle(
         weight[i as usize] += keep * BORDER_WEIGHT;
         pull[i as usize] += keep * BORDER_WEIGHT * tangent;
     }
-    let apply = |x: &[f64], y: &mut [f64]| {
-        y.iter_mut().zip(x).zip(&weight).for_each(|((y, x), w)| *y = w * x);
-        for e in mesh.edges.iter().filter(|e| !e.diagonal) {
-            let [a, b] = e.ends.map(|k| k as usize);
-            let d = x[a] - x[b];
-            y[a] += d;
-            y[b] -= d;
-        }
-    };
+    let mut matrix = GridMatrix::zero(mesh, false);
+    matrix.add_springs(1.0);
+    matrix.own.iter_mut().zip(&weight).for_each(|(own, w)| *own += w);
     let solve = |part: fn(&DVec2) -> f64| {
         let rhs: Vec<f64> = pull.iter().map(part).collect();
-        let start: Vec<f64> = pull.iter().zip(&weight).map(|(p, w)| part(p) / w.max(1e-3)).collect();
-        conjugate_gradients(start, &rhs, apply, 1e-5, 400)
+        let start: Vec<f64> = match before {
+            Some(q) => q.iter().map(part).collect(),
+            None => pull.iter().zip(&weight).map(|(p, w)| part(p) / w.max(1e-3)).collect(),
+        };
+        matrix.solve(start, &rhs, 1e-5, 400)
     };
     let (x, y) = (solve(|p| p.x), solve(|p| p.y));
-    x.into_iter().zip(y).map(|(x, y)| DVec2::new(x, y).normalize_or(DVec2::X)).collect()
+    x.into_iter().zip(y).map(|(x, y)| DVec2::new(x, y)).collect()
 }
 
 /// Nodes next to the free border, with its tangent in double angles.

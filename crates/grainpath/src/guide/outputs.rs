@@ -1,5 +1,6 @@
 //! What a guide shows: results for ParaView, principal lines, pictures.
 
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt::Write;
 
 use grainpath_core::math::{atan2, direction};
@@ -8,7 +9,7 @@ use grainpath_core::{Bounds2, DVec2, Region};
 use grainpath_fea::principal::{plane_principal, von_mises_plane};
 use grainpath_io::fe::{Encoding, PointData, VtuMesh, stress_point_data, write_vtu};
 
-use super::{Guide, LineSettings, Seeding, TracedLine, evenly_spaced};
+use super::{Degenerate, Guide, LineSettings, Seeding, TracedLine, evenly_spaced};
 use crate::render::{Canvas, Ramp};
 
 /// Lines of both families across the longer side of the part.
@@ -53,7 +54,7 @@ impl Guide {
             longest_mm: 10.0 * size.element_sum(),
         };
         let stress = self.main_case();
-        [0.0, std::f64::consts::FRAC_PI_2].map(|turn| {
+        [0.0, FRAC_PI_2].map(|turn| {
             let axis = |p: DVec2| {
                 if !inside.contains(p) {
                     return None;
@@ -66,8 +67,16 @@ impl Guide {
         })
     }
 
-    /// The equivalent stress over a section as a picture, with both families of lines over it.
-    pub fn stress_png(&self, region: &Region, z_mm: f64, families: &Families, size_px: u32) -> Vec<u8> {
+    /// The equivalent stress over a layer's section as a picture, with both families of lines over it and its degenerate
+    /// points: rings around wedges, triangles around trisectors, squares on borders.
+    pub fn stress_png(
+        &self,
+        layer: usize,
+        region: &Region,
+        z_mm: f64,
+        families: &Families,
+        size_px: u32,
+    ) -> Vec<u8> {
         let Some(bounds) = region.bounds() else { return Vec::new() };
         let mut canvas = Canvas::over(bounds, size_px);
         let inside = LineClipper::new(region);
@@ -85,6 +94,17 @@ impl Guide {
         canvas.paint(all.into_iter().map(|v| v.map(|v| ramp.colour(v))));
         for (lines, colour) in families.iter().zip([[255, 255, 255], [20, 20, 30]]) {
             lines.iter().for_each(|l| canvas.line(&closed_points(l), 1.2, colour, 190));
+        }
+        let radius = bounds.size().max_element() / 130.0;
+        for (kind, p) in &self.degenerate(layer).points {
+            let sides = match kind {
+                Degenerate::Wedge => 24,
+                Degenerate::Trisector => 3,
+                Degenerate::Border => 4,
+            };
+            let turn = |k: i32| FRAC_PI_2 + TAU * f64::from(k) / f64::from(sides);
+            let ring: Vec<DVec2> = (0..=sides).map(|k| *p + radius * direction(turn(k))).collect();
+            canvas.line(&ring, 2.5, [255, 60, 220], 255);
         }
         canvas.png()
     }

@@ -63,7 +63,7 @@ sections! {
     /// What is printed.
     ShapeSection "shape" {
         mesh: String = String::new(), "", Any, "Mesh to print: STL, OBJ, PLY, OFF or 3MF.";
-        outline: String = String::new(), "", Any, "Drawing of a flat part to print instead (SVG).";
+        outline: String = String::new(), "", Any, "Drawing of a flat part to print instead (SVG or ASCII DXF).";
         thickness_mm: f64 = 0.0, "mm", Range(0.0, 1e4), "How thick the part of an outline is.";
         outline_rule: String = "file".into(), "", Words(&["file", "even-odd"]), "What is material in a drawing: filled shapes, and between closed lines without fill; or between all closed lines, each other one inwards a hole.";
         unit: String = "auto".into(), "", Words(&["auto", "mm", "cm", "m", "inch", "micron", "foot"]), "Unit of the mesh or drawing; auto takes the file's own, else mm.";

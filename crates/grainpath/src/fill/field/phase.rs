@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross, sin_cos};
 
-use crate::field_mesh::{FieldMesh, conjugate_gradients};
+use crate::field_mesh::{FieldMesh, GridMatrix, conjugate_gradients};
 
 /// What the phase is made from, node by node.
 pub struct PhaseInput {
@@ -44,8 +44,13 @@ const DRIFT_MM: f64 = 12.0;
 /// the frequency, within [`MAX_DRIFT`].
 pub fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
     let n = mesh.nodes.len();
-    // Along a line, the logarithm of the frequency falls by the divergence of the axis: three values a triangle.
-    let mut rows: Vec<([u32; 3], [f64; 3], f64)> = Vec::with_capacity(mesh.triangles.len());
+    let cell2 = mesh.cell_mm * mesh.cell_mm;
+    let mut matrix = GridMatrix::zero(mesh, true);
+    matrix.own.fill(cell2 / (DRIFT_MM * DRIFT_MM));
+    // A little smoothing across the lines too.
+    matrix.add_springs(0.02);
+    let mut rhs = vec![0.0; n];
+    // Along a line, the logarithm of the frequency falls by the divergence of the axis: one row a triangle.
     for t in &mesh.triangles {
         let [a, b, c] = t.corners.map(|k| k as usize);
         let p = [mesh.nodes[a], mesh.nodes[b], mesh.nodes[c]];
@@ -66,29 +71,15 @@ pub fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
         }
         let mean = mean / length;
         let divergence: f64 = (0..3).map(|k| gradients[k].dot(t_axes[k])).sum();
-        rows.push((t.corners, gradients.map(|g| g.dot(mean)), -divergence));
-    }
-    let cell2 = mesh.cell_mm * mesh.cell_mm;
-    let keep = cell2 / (DRIFT_MM * DRIFT_MM);
-    let apply = |x: &[f64], y: &mut [f64]| {
-        y.iter_mut().zip(x).for_each(|(y, x)| *y = keep * x);
-        for (corners, g, _) in &rows {
-            let slope: f64 = (0..3).map(|k| g[k] * x[corners[k] as usize]).sum();
-            (0..3).for_each(|k| y[corners[k] as usize] += 0.5 * cell2 * slope * g[k]);
+        let along = gradients.map(|g| g.dot(mean));
+        for k in 0..3 {
+            let (corner, edge) = (t.corners[k] as usize, t.edges[k] as usize);
+            matrix.own[corner] += 0.5 * cell2 * along[k] * along[k];
+            matrix.beside[edge] += 0.5 * cell2 * along[(k + 1) % 3] * along[(k + 2) % 3];
+            rhs[corner] -= 0.5 * cell2 * divergence * along[k];
         }
-        // A little smoothing across the lines too.
-        for e in mesh.edges.iter().filter(|e| !e.diagonal) {
-            let [a, b] = e.ends.map(|k| k as usize);
-            let d = 0.02 * (x[a] - x[b]);
-            y[a] += d;
-            y[b] -= d;
-        }
-    };
-    let mut rhs = vec![0.0; n];
-    for (corners, g, value) in &rows {
-        (0..3).for_each(|k| rhs[corners[k] as usize] += 0.5 * cell2 * value * g[k]);
     }
-    let x = conjugate_gradients(vec![0.0; n], &rhs, apply, 1e-3, 300);
+    let x = matrix.solve(vec![0.0; n], &rhs, 1e-3, 300);
     let limit = MAX_DRIFT - 1.0;
     x.into_iter().map(|v| 1.0 + v / (1.0 + (v / limit).powi(2)).sqrt()).collect()
 }
@@ -109,94 +100,119 @@ pub fn turns(mesh: &FieldMesh, input: &PhaseInput) -> Vec<Turn> {
     mesh.edges.iter().map(|e| turn(e.ends)).collect()
 }
 
-/// A neighbour and how its number is seen from here.
-#[derive(Clone, Copy)]
-struct Seen {
-    node: u32,
-    mirrored: bool,
-    cos: f64,
-    sin: f64,
+/// How numbers are carried along the sides of squares, side by side.
+struct Carried {
+    cos: Vec<f32>,
+    sin: Vec<f32>,
+    /// -1 where the second end's number is mirrored, else 1.
+    way: Vec<f32>,
 }
 
-impl Seen {
-    fn from(self, z: &[[f64; 2]]) -> [f64; 2] {
-        let [x, y] = z[self.node as usize];
-        let y = if self.mirrored { -y } else { y };
-        [self.cos * x - self.sin * y, self.sin * x + self.cos * y]
+impl Carried {
+    fn new(mesh: &FieldMesh, turns: &[Turn]) -> Self {
+        let n = mesh.edges.iter().take_while(|e| !e.diagonal).count();
+        let mut all =
+            Self { cos: Vec::with_capacity(n), sin: Vec::with_capacity(n), way: Vec::with_capacity(n) };
+        for turn in &turns[..n] {
+            // In the frame of the second end a mirrored phase grows downwards.
+            let (sin, cos) = sin_cos(if turn.mirrored { -turn.grown_rad } else { turn.grown_rad });
+            all.cos.push(cos as f32);
+            all.sin.push(sin as f32);
+            all.way.push(if turn.mirrored { -1.0 } else { 1.0 });
+        }
+        all
+    }
+
+    /// The number of an edge's first end as seen from its second, or the other way round.
+    fn seen(&self, edge: usize, backwards: bool, [x, y]: [f32; 2]) -> [f32; 2] {
+        let (c, s, w) = (self.cos[edge], self.sin[edge], self.way[edge]);
+        if backwards { [c * x + s * y, w * (c * y - s * x)] } else { [c * x - s * w * y, s * x + c * w * y] }
+    }
+
+    /// Takes `width` times the numbers at the other ends of all sides from `y`, which like `x` holds the real parts of
+    /// all nodes and then the imaginary ones.
+    fn take_neighbours(&self, mesh: &FieldMesh, width: f32, x: &[f32], y: &mut [f32]) {
+        let n = mesh.nodes.len();
+        let ((x_re, x_im), (y_re, y_im)) = (x.split_at(n), y.split_at_mut(n));
+        for run in mesh.runs() {
+            let count = run.edges.len();
+            let (c, s, w) =
+                (&self.cos[run.edges.clone()], &self.sin[run.edges.clone()], &self.way[run.edges]);
+            let (re, im) = (&x_re[run.to.clone()], &x_im[run.to.clone()]);
+            let (to_re, to_im) = (&mut y_re[run.from.clone()], &mut y_im[run.from.clone()]);
+            (0..count).for_each(|k| {
+                to_re[k] -= width * (c[k] * re[k] + s[k] * im[k]);
+                to_im[k] -= width * w[k] * (c[k] * im[k] - s[k] * re[k]);
+            });
+            let (re, im) = (&x_re[run.from.clone()], &x_im[run.from]);
+            let (to_re, to_im) = (&mut y_re[run.to.clone()], &mut y_im[run.to]);
+            (0..count).for_each(|k| {
+                let im = w[k] * im[k];
+                to_re[k] -= width * (c[k] * re[k] - s[k] * im);
+                to_im[k] -= width * (s[k] * re[k] + c[k] * im);
+            });
+        }
     }
 }
 
 /// The phase at every node, radians, after these steps of diffusion: width in squares of the grid, and how often.
 pub fn solve(mesh: &FieldMesh, input: &PhaseInput, turns: &[Turn], steps: &[(f64, usize)]) -> Vec<f64> {
     let n = mesh.nodes.len();
-    let mut starts = vec![0u32; n + 1];
-    let axis_edges = || mesh.edges.iter().zip(turns).filter(|(e, _)| !e.diagonal);
-    axis_edges().for_each(|(e, _)| e.ends.iter().for_each(|&k| starts[k as usize + 1] += 1));
-    (0..n).for_each(|i| starts[i + 1] += starts[i]);
-    let mut next = starts.clone();
-    let mut seen = vec![Seen { node: 0, mirrored: false, cos: 1.0, sin: 0.0 }; starts[n] as usize];
-    for (e, turn) in axis_edges() {
-        let [a, b] = e.ends;
-        let mut add = |at: u32, node: u32, angle: f64| {
-            let (sin, cos) = sin_cos(angle);
-            let slot = &mut next[at as usize];
-            seen[*slot as usize] = Seen { node, mirrored: turn.mirrored, cos, sin };
-            *slot += 1;
-        };
-        // In the frame of the second end a mirrored phase grows downwards.
-        let to_b = if turn.mirrored { -turn.grown_rad } else { turn.grown_rad };
-        add(b, a, to_b);
-        add(a, b, -turn.grown_rad);
+    let carried = Carried::new(mesh, turns);
+    // What the border wants: parts times weight.
+    let mut wanted = vec![0.0f32; 2 * n];
+    // Weights of all neighbours and of what is wanted.
+    let mut around = vec![0.0f32; n];
+    for run in mesh.runs() {
+        run.from.chain(run.to).for_each(|k| around[k] += 1.0);
     }
-    let around = |i: usize| &seen[starts[i] as usize..starts[i + 1] as usize];
-    let wanted: Vec<([f64; 2], f64)> = input
-        .wanted
-        .iter()
-        .map(|&(rad, weight)| {
-            let (s, c) = sin_cos(rad);
-            ([c, s], weight)
-        })
-        .collect();
-    let mut z = swept(n, &around, &wanted);
+    for (k, &(rad, weight)) in input.wanted.iter().enumerate().filter(|w| w.1.1 > 0.0) {
+        let (s, c) = sin_cos(rad);
+        (wanted[k], wanted[n + k]) = ((weight * c) as f32, (weight * s) as f32);
+        around[k] += weight as f32;
+    }
+    let mut z = swept(mesh, &carried, &wanted);
     for &(width, times) in steps {
-        let apply = |x: &[f64], y: &mut [f64]| {
-            let x: &[[f64; 2]] = as_pairs(x);
-            for i in 0..n {
-                let mut sum = [0.0; 2];
-                let all = around(i);
-                for s in all {
-                    let v = s.from(x);
-                    sum = [sum[0] + v[0], sum[1] + v[1]];
-                }
-                let own = 1.0 + width * (all.len() as f64 + wanted[i].1);
-                y[2 * i] = own * x[i][0] - width * sum[0];
-                y[2 * i + 1] = own * x[i][1] - width * sum[1];
+        let width = width as f32;
+        let own: Vec<f32> = around.iter().map(|a| 1.0 + width * a).collect();
+        let apply = |x: &[f32], y: &mut [f32]| {
+            for (x, y) in x.chunks_exact(n).zip(y.chunks_exact_mut(n)) {
+                y.iter_mut().zip(x).zip(&own).for_each(|((y, x), own)| *y = own * x);
             }
+            carried.take_neighbours(mesh, width, x, y);
         };
         for _ in 0..times {
-            let mut rhs = Vec::with_capacity(2 * n);
-            for (v, (want, weight)) in z.iter().zip(&wanted) {
-                rhs.extend([0, 1].map(|k| v[k] + width * weight * want[k]));
-            }
-            let x = conjugate_gradients(z.iter().flatten().copied().collect(), &rhs, apply, 2e-3, 60);
-            for (v, w) in z.iter_mut().zip(as_pairs(&x)) {
-                let length = (w[0] * w[0] + w[1] * w[1]).sqrt();
-                if length > 1e-9 {
-                    *v = [w[0] / length, w[1] / length];
+            let rhs: Vec<f32> = z.iter().zip(&wanted).map(|(z, want)| z + width * want).collect();
+            // The next round evens out what this one leaves.
+            let x = conjugate_gradients(z.clone(), &rhs, apply, 1e-2, 60);
+            for k in 0..n {
+                let length = (x[k] * x[k] + x[n + k] * x[n + k]).sqrt();
+                if length > 1e-6 {
+                    (z[k], z[n + k]) = (x[k] / length, x[n + k] / length);
                 }
             }
         }
     }
-    z.into_iter().map(|[x, y]| atan2(y, x)).collect()
-}
-
-fn as_pairs(x: &[f64]) -> &[[f64; 2]] {
-    x.as_chunks::<2>().0
+    (0..n).map(|k| atan2(z[n + k].into(), z[k].into())).collect()
 }
 
 /// A first phase: carried from node to node, outwards from one.
-fn swept<'a>(n: usize, around: &impl Fn(usize) -> &'a [Seen], wanted: &[([f64; 2], f64)]) -> Vec<[f64; 2]> {
-    let mut z = vec![[0.0; 2]; n];
+fn swept(mesh: &FieldMesh, carried: &Carried, wanted: &[f32]) -> Vec<f32> {
+    let n = mesh.nodes.len();
+    // Sides of squares at every node.
+    let mut starts = vec![0u32; n + 1];
+    let sides = || mesh.edges.iter().take_while(|e| !e.diagonal).enumerate();
+    sides().for_each(|(_, e)| e.ends.iter().for_each(|&k| starts[k as usize + 1] += 1));
+    (0..n).for_each(|i| starts[i + 1] += starts[i]);
+    let mut next = starts.clone();
+    let mut sides_of = vec![0; starts[n] as usize];
+    for (edge, e) in sides() {
+        for k in e.ends {
+            sides_of[next[k as usize] as usize] = edge;
+            next[k as usize] += 1;
+        }
+    }
+    let mut z = vec![0.0; 2 * n];
     let mut reached = vec![false; n];
     let mut queue = VecDeque::new();
     for first in (0..n).map(|k| (k + n / 2) % n) {
@@ -206,19 +222,20 @@ fn swept<'a>(n: usize, around: &impl Fn(usize) -> &'a [Seen], wanted: &[([f64; 2
         reached[first] = true;
         queue.push_back(first);
         while let Some(i) = queue.pop_front() {
-            let (want, weight) = wanted[i];
-            let mut sum = [weight * want[0], weight * want[1]];
-            for s in around(i) {
+            let mut sum = [wanted[i], wanted[n + i]];
+            for &edge in &sides_of[starts[i] as usize..starts[i + 1] as usize] {
+                let [a, b] = mesh.edges[edge].ends.map(|k| k as usize);
+                let other = a + b - i;
                 // Nodes not reached yet are zero and add nothing.
-                let v = s.from(&z);
+                let v = carried.seen(edge, i == a, [z[other], z[n + other]]);
                 sum = [sum[0] + v[0], sum[1] + v[1]];
-                if !reached[s.node as usize] {
-                    reached[s.node as usize] = true;
-                    queue.push_back(s.node as usize);
+                if !reached[other] {
+                    reached[other] = true;
+                    queue.push_back(other);
                 }
             }
             let length = (sum[0] * sum[0] + sum[1] * sum[1]).sqrt();
-            z[i] = if length > 1e-9 { [sum[0] / length, sum[1] / length] } else { [1.0, 0.0] };
+            [z[i], z[n + i]] = if length > 1e-6 { sum.map(|v| v / length) } else { [1.0, 0.0] };
         }
     }
     z

@@ -142,18 +142,18 @@ impl Neighbours {
             for &m in self.buckets.of(cell) {
                 let piece = &self.pieces[m as usize];
                 let d = piece.b - piece.a;
-                let det = cross(way, d);
-                if det == 0.0 {
-                    continue;
-                }
                 let to = piece.a - p;
-                let (t, u) = (cross(to, d) / det, cross(to, way) / det);
-                let hit = (-1e-9..=1.0 + 1e-9).contains(&u) && t > 0.0 && t <= far_mm;
-                if hit
-                    && best.is_none_or(|b| t < b.0)
-                    && (piece.line == BORDER || !skips(piece.line as usize, piece.segment as usize))
-                {
-                    best = Some((t, m));
+                // Most are missed: divided only where both lie within.
+                let det = cross(way, d);
+                let (size, sign) = (det.abs(), det.signum());
+                let (t, u) = (sign * cross(to, d), sign * cross(to, way));
+                let nearest = best.map_or(far_mm, |b| b.0);
+                let hit = u >= -1e-9 * size && u <= (1.0 + 1e-9) * size && t > 0.0 && t <= nearest * size;
+                if hit && (piece.line == BORDER || !skips(piece.line as usize, piece.segment as usize)) {
+                    let t = t / size;
+                    if best.is_none_or(|b| t < b.0) {
+                        best = Some((t, m));
+                    }
                 }
             }
         });
@@ -224,7 +224,9 @@ impl Neighbours {
         // A closed line's last segments touch its first vertex.
         let n = l.n_segments();
         let near = if l.closed && (vertex < 3 || vertex + 3 > n) { n } else { 3 };
-        let side = |way: DVec2| match self.ray(l.points[vertex], way, far_mm, (line, vertex, near)) {
+        let ray = |way: DVec2, far_mm: f64| self.ray(l.points[vertex], way, far_mm, (line, vertex, near));
+        // Most neighbours are much nearer, and a short way passes few cells.
+        let side = |way: DVec2| match ray(way, 0.7 * far_mm).or_else(|| ray(way, far_mm)) {
             Some((d, true)) => d,
             Some((d, false)) => 0.5 * d,
             None => free_mm,

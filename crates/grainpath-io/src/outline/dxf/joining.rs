@@ -1,0 +1,83 @@
+//! Lines and arcs drawn one by one, joined to closed lines.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::{Bounds2, DVec2};
+
+use crate::outline::{Line, SAME_MM};
+
+/// Ends of lines and arcs nearer than this are joined, mm.
+pub(super) const JOINED_MM: f64 = 0.01;
+
+/// The first and the last point.
+pub(super) fn ends(points: &[DVec2]) -> [DVec2; 2] {
+    [points[0], points[points.len() - 1]]
+}
+
+/// Ends and bounds, rounded: the same for a line that was drawn twice, whichever way.
+pub(super) fn likeness(line: &Line) -> Option<[i64; 9]> {
+    let bounds = Bounds2::of(line.points.iter().copied())?;
+    let [a, b] = ends(&line.points);
+    let round = |p: DVec2| [(p.x / SAME_MM).round() as i64, (p.y / SAME_MM).round() as i64];
+    let (a, b, low, high) = (round(a), round(b), round(bounds.min), round(bounds.max));
+    let (a, b) = if line.closed { (low, high) } else { (a.min(b), a.max(b)) };
+    Some([a[0], a[1], b[0], b[1], low[0], low[1], high[0], high[1], i64::from(line.closed)])
+}
+
+/// Open lines joined at ends that meet; those that come back to where they began are closed.
+pub(super) fn joined(lines: Vec<Vec<DVec2>>) -> Vec<Line> {
+    let cell = |p: DVec2| {
+        let q = (p / (0.5 * JOINED_MM)).floor();
+        (q.x as i64, q.y as i64)
+    };
+    // Ends by cell, those of the first lines last: twice the line's number, and one more for its last point.
+    let mut at: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
+    for (i, line) in lines.iter().enumerate().rev() {
+        for (side, p) in ends(line).into_iter().enumerate() {
+            at.entry(cell(p)).or_default().push(2 * i + side);
+        }
+    }
+    // An end in the cell of `p` or, if there is none, in one beside it. What is used is looked at once, however many
+    // lines meet in a point.
+    let mut take = |p: DVec2, used: &[bool]| {
+        let (x, y) = cell(p);
+        let beside = [0, -1, 1].into_iter().flat_map(|j| [0, -1, 1].map(|i| (i, j)));
+        for (i, j) in beside {
+            let Some(ends) = at.get_mut(&(x.saturating_add(i), y.saturating_add(j))) else { continue };
+            while ends.pop_if(|e| used[*e / 2]).is_some() {}
+            if let Some(end) = ends.last() {
+                return Some(*end);
+            }
+        }
+        None
+    };
+    let mut used = vec![false; lines.len()];
+    let mut out = Vec::new();
+    for first in 0..lines.len() {
+        if std::mem::replace(&mut used[first], true) {
+            continue;
+        }
+        let mut points = lines[first].clone();
+        let mut closed = false;
+        // Onwards from its last point, then from its first.
+        for _ in 0..2 {
+            while !closed {
+                let [start, end] = ends(&points);
+                closed = points.len() > 2 && start.distance(end) <= JOINED_MM;
+                if closed {
+                    break;
+                }
+                let Some(next) = take(end, &used) else { break };
+                used[next / 2] = true;
+                let other = lines[next / 2].iter().copied();
+                if next % 2 == 0 { points.extend(other.skip(1)) } else { points.extend(other.rev().skip(1)) }
+            }
+            points.reverse();
+        }
+        if closed {
+            points.pop();
+        }
+        out.push(Line { points, closed });
+    }
+    out
+}

@@ -1,0 +1,70 @@
+//! Rational B-splines, cut into straight pieces.
+
+use grainpath_core::DVec2;
+
+/// No spline of use has a higher degree.
+pub(super) const MAX_DEGREE: usize = 15;
+/// A spline's pieces between knots are halved this often at most.
+const MAX_HALVINGS: usize = 10;
+
+/// A rational B-spline.
+pub(super) struct Spline<'a> {
+    pub(super) degree: usize,
+    pub(super) knots: &'a [f64],
+    /// Weighted: x w, y w, w.
+    pub(super) control: &'a [[f64; 3]],
+    pub(super) tolerance: f64,
+}
+
+impl Spline<'_> {
+    /// Points on it, pieces between them within the tolerance; `None` for more than `most`.
+    pub(super) fn points(&self, most: usize) -> Option<Vec<DVec2>> {
+        let spans = self.degree..self.control.len();
+        let mut out = vec![self.at(self.degree, self.knots[self.degree])];
+        for span in spans.filter(|&s| self.knots[s] < self.knots[s + 1]) {
+            let (a, b) = (self.knots[span], self.knots[span + 1]);
+            // Four pieces first: the middle of an S lies on its chord.
+            for k in 0..4 {
+                let t = |k: usize| a + (b - a) * k as f64 / 4.0;
+                let (from, to) = (t(k), t(k + 1));
+                self.halve(
+                    span,
+                    [from, to],
+                    [self.at(span, from), self.at(span, to)],
+                    MAX_HALVINGS,
+                    &mut out,
+                );
+            }
+            if out.len() > most {
+                return None;
+            }
+        }
+        Some(out)
+    }
+
+    fn halve(&self, span: usize, [a, b]: [f64; 2], [p, q]: [DVec2; 2], depth: usize, out: &mut Vec<DVec2>) {
+        let t = 0.5 * (a + b);
+        let middle = self.at(span, t);
+        if depth > 0 && middle.distance(p.midpoint(q)) > self.tolerance {
+            self.halve(span, [a, t], [p, middle], depth - 1, out);
+            self.halve(span, [t, b], [middle, q], depth - 1, out);
+        } else {
+            out.push(q);
+        }
+    }
+
+    /// The point at a parameter between two knots (de Boor).
+    fn at(&self, span: usize, t: f64) -> DVec2 {
+        let p = self.degree;
+        let mut d = [[0.0; 3]; MAX_DEGREE + 1];
+        d[..=p].copy_from_slice(&self.control[span - p..=span]);
+        for r in 1..=p {
+            for j in (r..=p).rev() {
+                let (low, high) = (self.knots[j + span - p], self.knots[j + 1 + span - r]);
+                let share = if high > low { (t - low) / (high - low) } else { 0.0 };
+                d[j] = std::array::from_fn(|c| d[j - 1][c] + share * (d[j][c] - d[j - 1][c]));
+            }
+        }
+        DVec2::new(d[p][0], d[p][1]) / d[p][2]
+    }
+}
