@@ -187,6 +187,17 @@ fn what_cannot_be_is_one_line() {
 }
 
 #[test]
+fn beads_too_wide_for_the_part_are_warned_of() {
+    let dir = plate("fibre wide");
+    for (set, warned) in [("fibre.bead_width_mm=10", true), ("fibre.bead_width_mm=0.8", false)] {
+        let (report, _) = run(&dir, &[set]);
+        let warnings = report["warnings"].to_string();
+        assert_eq!(warnings.contains("of the part stays open"), warned, "{set}: {warnings}");
+        assert_eq!(number(&report["quality"]["gap"]) > 0.08, warned, "{set}: {report}");
+    }
+}
+
+#[test]
 fn same_bytes_for_any_number_of_threads() {
     let dir = plate("fibre threads");
     let bytes = |threads: &str, set: &str| {

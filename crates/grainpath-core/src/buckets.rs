@@ -100,7 +100,7 @@ impl Buckets {
     pub fn new(cells: Cells, n: usize, places: impl Fn(usize, &mut dyn FnMut(usize))) -> Self {
         let mut starts = vec![0u32; cells.nx * cells.ny + 1];
         // Cells of all things one after the other, and where those of each end.
-        let (mut all, mut ends) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        let (mut all, mut ends) = (Vec::with_capacity(2 * n), Vec::with_capacity(n));
         for i in 0..n {
             places(i, &mut |cell| {
                 starts[cell] += 1;

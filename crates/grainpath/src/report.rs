@@ -114,6 +114,25 @@ pub struct QualityReport {
     pub bead_width_mm: [f64; 3],
 }
 
+/// What fibre leaves open of a part that it was to fill, before it is worth a warning: a share of its area.
+const MUCH_OPEN: f64 = 0.08;
+
+impl QualityReport {
+    /// What is to be said where beads of fibre, which have one width, do not go into a part that is to be dense.
+    pub fn fibre_warning(&self, settings: &Settings) -> Option<String> {
+        let f = &settings.fibre;
+        let everywhere = f.layers.is_empty() && f.boxes_mm.is_empty() && f.every == 1;
+        let dense = settings.fill.density >= 0.999 && (everywhere || f.matrix_density >= 0.999);
+        let width_mm = f.bead_width_mm.unwrap_or(settings.process.bead_width_mm);
+        (f.enabled && dense && self.gap > MUCH_OPEN).then(|| {
+            format!(
+                "fibre: {:.1} % of the part stays open, as beads {width_mm} mm wide do not go into all of it; a smaller fibre.bead_width_mm leaves less",
+                100.0 * self.gap
+            )
+        })
+    }
+}
+
 /// What the supports are; see `docs/support.md`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]

@@ -79,6 +79,19 @@ impl LineClipper {
         out
     }
 
+    /// Whether the segment crosses the border anywhere, as [`Self::crossings`] counts.
+    pub fn meets(&self, a: DVec2, b: DVec2) -> bool {
+        let mut met = false;
+        self.buckets.cells.passed(a, b, |cell| {
+            let crossed = |&i: &u32| {
+                let e = &self.edges[i as usize];
+                crossing(a, b, e.a, e.b).is_some()
+            };
+            met = met || self.buckets.of(cell).iter().any(crossed);
+        });
+        met
+    }
+
     /// Whether `p` is inside the region: crossings of a ray to the left, by even-odd count.
     pub fn contains(&self, p: DVec2) -> bool {
         if self.edges.is_empty() || !self.bounds.meets(Bounds2 { min: p, max: p }) {
@@ -95,7 +108,7 @@ impl LineClipper {
 
     /// Whether the straight line from `a` to `b` meets no border and lies inside.
     pub fn segment_inside(&self, a: DVec2, b: DVec2) -> bool {
-        self.contains(a) && self.contains(b) && self.crossings(a, b).is_empty()
+        self.contains(a) && self.contains(b) && !self.meets(a, b)
     }
 
     /// The pieces of `line` inside the region, in order. A piece that runs exactly along an edge counts as inside

@@ -13,7 +13,7 @@ use glam::DVec2;
 pub use boolean::FillRule;
 pub use clip::{ClippedLine, Crossing, LineClipper};
 pub use offset::Join;
-pub use simplify::{simplify_contour, simplify_line};
+pub use simplify::{distance2_to_segment, simplify_contour, simplify_line};
 
 use crate::math::cross;
 

@@ -4,8 +4,8 @@ use glam::DVec2;
 
 use super::{Contour, Polygon, Region, signed_area_mm2};
 
-/// Squared distance of `p` from the segment `a`-`b`.
-fn distance2_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+/// Squared distance of `p` from the segment `a`-`b`, mm².
+pub fn distance2_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     let d = b - a;
     let len2 = d.length_squared();
     let t = if len2 > 0.0 { ((p - a).dot(d) / len2).clamp(0.0, 1.0) } else { 0.0 };

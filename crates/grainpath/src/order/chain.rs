@@ -328,6 +328,41 @@ mod tests {
     }
 
     #[test]
+    fn of_several_islands_the_one_stood_in_comes_first() {
+        use crate::order::{CombSettings, Island, LayerPaths, OrderSettings, Seam, WallOrder};
+        use grainpath_core::{Polygon, Region};
+        let square = |x: f64, half: f64| {
+            let middle = DVec2::new(x, 0.0);
+            Region::rectangle(middle - half, middle + half).polygons.remove(0)
+        };
+        // The middle of the small one is nearer to where the large one ends than its own is.
+        let outlines: Vec<Polygon> = vec![square(0.0, 20.0), square(26.0, 2.0)];
+        let island = |p: &Polygon| Island {
+            walls: Vec::new(),
+            fills: vec![Toolpath::new(p.outer.clone(), 0.4, Role::SolidFill, true)],
+        };
+        let comb = CombSettings { comb: true, retract_min_mm: 2.0, max_detour: 3.0, clearance_mm: 0.4 };
+        let settings = OrderSettings {
+            wall_order: WallOrder::InnerFirst,
+            seam: Seam::Nearest,
+            comb,
+            fibre_last: false,
+            chain_mm: Some(0.8),
+        };
+        let mut at = DVec2::new(30.0, 30.0);
+        for layer in 0..5 {
+            let paths =
+                LayerPaths { islands: outlines.iter().map(island).collect(), ..LayerPaths::default() };
+            let from = at;
+            let mut seams = crate::order::seam::Seams::new(Seam::Nearest);
+            let laid = crate::order::order_layer(paths, &outlines, &settings, &mut seams, &mut at);
+            let first = laid[0].paths[0].start();
+            assert!(layer == 0 || first.distance(from) < 1e-9, "{layer}: {first} from {from}");
+            assert_eq!(laid.len(), 2);
+        }
+    }
+
+    #[test]
     fn an_open_path_is_walked_back_in_the_next_layer() {
         let line = || Toolpath {
             width: BeadWidth::PerVertex(vec![0.4, 0.5, 0.4]),

@@ -10,6 +10,7 @@ mod seam;
 mod sequence;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
+use grainpath_core::poly::{distance2_to_segment, edges};
 use grainpath_core::{Bounds2, DVec2, Diagnostics, Layer, LayerPlan, LayerStack, Polygon, Role, Toolpath};
 use rayon::prelude::*;
 
@@ -144,7 +145,9 @@ fn order_layer(
     let middle = |p: &Polygon| p.bounds().map_or(DVec2::ZERO, Bounds2::centre);
     let places: Vec<[DVec2; 2]> = outlines.iter().take(islands.len()).map(|p| [middle(p); 2]).collect();
     let mut fibre: Vec<Vec<Toolpath>> = vec![Vec::new(); islands.len()];
-    let tour = sequence::tour(&places, *at, None);
+    // A chain goes on in the island where the one below ended.
+    let here = settings.chain_mm.and_then(|_| nearest_outline(&outlines[..places.len()], *at));
+    let tour = sequence::tour(&places, here.map_or(*at, |i| places[i][0]), None);
     for (stop, &(i, _)) in tour.iter().enumerate() {
         let Some(mut island) = islands[i].take() else { continue };
         let next = tour.get(stop + 1).map(|&(i, _)| places[i][0]);
@@ -179,4 +182,15 @@ fn order_layer(
         out.push(Ordered { island: Some(i), paths });
     }
     out
+}
+
+/// The outline that a point lies in, or else nearest to.
+fn nearest_outline(outlines: &[Polygon], at: DVec2) -> Option<usize> {
+    let off = |p: &Polygon| {
+        let to = |(a, b): (DVec2, DVec2)| distance2_to_segment(at, a, b);
+        let edges = p.contours().flat_map(|c| edges(c));
+        if p.contains(at) { 0.0 } else { edges.map(to).fold(f64::INFINITY, f64::min) }
+    };
+    let all = outlines.iter().map(off).enumerate();
+    all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
 }

@@ -2,7 +2,7 @@
 
 use grainpath_core::DVec2;
 
-use super::rings::{Facing, Rings, Side};
+use super::rings::{Facing, Rings, Side, bracket};
 
 /// How far beads may face each other for a cut across a strip, in beads.
 const ACROSS: [f64; 2] = [0.55, 1.5];
@@ -10,7 +10,7 @@ const ACROSS: [f64; 2] = [0.55, 1.5];
 const BESIDE: [f64; 2] = [0.5, 1.7];
 
 /// Places beside strips are looked at this far apart, in beads.
-pub const PLACE_BEADS: f64 = 1.5;
+pub const PLACE_BEADS: f64 = 2.0;
 
 /// Two cells and the edge between them.
 #[derive(Debug, Clone, Copy)]
@@ -50,25 +50,23 @@ impl Taken {
         Self { step_mm, starts, marks }
     }
 
-    fn each(&self, ring: usize, from_mm: f64, to_mm: f64, mut each: impl FnMut(usize)) {
-        let n = self.starts[ring + 1] - self.starts[ring];
+    /// The marks of a stretch.
+    fn range(&self, ring: usize, from_mm: f64, to_mm: f64) -> impl Iterator<Item = usize> + use<> {
+        let (start, n) = (self.starts[ring], (self.starts[ring + 1] - self.starts[ring]) as i64);
         let index = |mm: f64| (mm / self.step_mm).floor() as i64;
         let (i, j) = (index(from_mm), index(to_mm));
-        for k in i..=j.min(i + n as i64 - 1) {
-            each(self.starts[ring] + k.rem_euclid(n as i64) as usize);
-        }
+        let at = move |k: i64| if (0..n).contains(&k) { k } else { k.rem_euclid(n) };
+        (i..=j.min(i + n - 1)).map(move |k| start + at(k) as usize)
     }
 
     pub fn is_free(&self, ring: usize, from_mm: f64, to_mm: f64) -> bool {
-        let mut free = true;
-        self.each(ring, from_mm, to_mm, |k| free &= !self.marks[k]);
-        free
+        self.range(ring, from_mm, to_mm).all(|k| !self.marks[k])
     }
 
     fn set(&mut self, (ring, from_mm, to_mm): (usize, f64, f64), taken: bool) {
-        let mut all = Vec::new();
-        self.each(ring, from_mm, to_mm, |k| all.push(k));
-        all.into_iter().for_each(|k| self.marks[k] = taken);
+        for k in self.range(ring, from_mm, to_mm) {
+            self.marks[k] = taken;
+        }
     }
 
     /// Both stretches of an exchange, with `margin_mm` around them.
@@ -136,9 +134,10 @@ pub fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) ->
     for ring in 0..rings.lines.len() {
         let length = rings.length_mm(ring);
         let n = (length / (PLACE_BEADS * spacing_mm)).floor().max(1.0);
+        let mut last = None;
         for k in 0..n as usize {
             let at_mm = length * (k as f64 + 0.5) / n;
-            let Some((other, _)) = rings.facing(ring, at_mm, Side::Right, BESIDE) else { continue };
+            let Some(other) = rings.facing(ring, at_mm, Side::Right, BESIDE, &mut last) else { continue };
             let a = cell_of[ends.after(ring, at_mm)];
             let b = cell_of[ends.after(other.ring, other.at_mm)];
             if a != b {
@@ -177,7 +176,9 @@ impl<'a> Ends<'a> {
     /// The stretch of ring that a place lies in: named by the end it follows, or the ring where it has none.
     fn after(&self, ring: usize, at_mm: f64) -> usize {
         let ends = &self.all[ring];
-        let k = ends.partition_point(|e| e.0 <= at_mm);
+        // Cells are about equally long.
+        let guess = (at_mm / self.rings.length_mm(ring).max(1e-12) * ends.len() as f64) as usize;
+        let k = bracket(ends.len(), guess, |k| ends[k].0 <= at_mm);
         match ends.get(k.wrapping_sub(1)).or(ends.last()) {
             Some(e) => e.1 as usize,
             None => 2 * self.n_cuts + ring,

@@ -8,6 +8,7 @@ use grainpath_core::{BeadWidth, DVec2, Polygon, Region, Toolpath};
 
 use super::super::field::stripes::simplified;
 use super::super::field::widths::{Line, Neighbours};
+use super::rings::{CLOSE, beside};
 use crate::fill::FillContext;
 
 /// The narrowest and widest bead, as shares of the nominal one.
@@ -23,8 +24,8 @@ const FAR: f64 = 2.6;
 /// Further than this from the next bead there is a gap, if it is as wide as it is deep, in beads.
 const GAP: f64 = 1.3;
 const GAP_WIDTH: f64 = 1.5;
-/// Nearer than this nothing lies between a bead and what was its neighbour a step before, in beads.
-const CLOSE: f64 = 1.1;
+/// As far from a corner points lie close, in beads.
+const AT_CORNERS: f64 = 5.0;
 /// Sides that differ by more than this are evened out, in beads.
 const UNEVEN: f64 = 0.08;
 /// How far out of its room a line may lie and still count as in it, mm.
@@ -59,36 +60,58 @@ impl Room {
 /// Room to the left and right of a segment's middle.
 type Sides = [Room; 2];
 
-/// Lays rings that do not cross as beads. `room` holds their centrelines, `border` what they are to fill; `thinned`
-/// leaves out spikes and points that lie on the line without them.
+/// A bead that closes on itself.
+pub struct Bead {
+    line: Line,
+    /// At each point, mm; none where all are of the nominal width.
+    widths: Option<Vec<f64>>,
+}
+
+impl Bead {
+    /// As a path; `thinned` leaves out spikes and points that lie on the line without them.
+    pub fn path(&self, thinned: bool, context: &FillContext<'_>) -> Toolpath {
+        let nominal = context.bead_width_mm;
+        let mut points = self.line.points.clone();
+        let mut widths = self.widths.clone().unwrap_or_else(|| vec![nominal; points.len()]);
+        if thinned {
+            leave_out_spikes(&mut points, &mut widths);
+            (points, widths) = simplified(&points, &widths, true);
+        }
+        let path = Toolpath::new(points, nominal, context.role, true);
+        if self.widths.is_some() { Toolpath { width: BeadWidth::PerVertex(widths), ..path } } else { path }
+    }
+}
+
+/// Lays rings that do not cross as beads. `room` holds their centrelines, `border` what they are to fill.
 pub fn lay(
     rings: Vec<Vec<DVec2>>,
     room: &Polygon,
     border: &Region,
     variable: bool,
-    thinned: bool,
     context: &FillContext<'_>,
-) -> Vec<Toolpath> {
+) -> Vec<Bead> {
     let spacing = context.spacing_mm() / context.density;
-    let mut lines: Vec<Line> = rings
+    let laid: Vec<Line> = rings
         .into_iter()
-        .map(|points| Line { points: without_near(&points, CLOSEST * spacing), closed: true })
-        .filter(|l| l.points.len() > 2)
+        .map(|points| without_near(&points, CLOSEST * spacing))
+        .filter(|points| points.len() > 2)
+        .map(|points| Line { points: dense_at_corners(&points, spacing), closed: true })
         .collect();
     let inside = LineClipper::new(&Region::from(room.clone()));
-    let laid = lines.clone();
     let neighbours = |lines: &[Line]| Neighbours::new(lines, border, 1.5 * spacing);
-    let first = neighbours(&lines);
-    let mut sides = rooms(&lines, &first, spacing, None);
+    let first = neighbours(&laid);
+    let mut sides = rooms(&laid, &first, spacing, None);
+    let mut lines = Vec::new();
     for round in 0..ROUNDS {
+        let from = if round == 0 { &laid } else { &lines };
         if round > 0 {
             let uneven = uneven(&sides, spacing);
-            let near = first.near(&lines, &marked(&lines, &uneven));
-            sides = rooms(&lines, &near, spacing, Some((sides, uneven)));
+            let near = first.near(from, &marked(from, &uneven));
+            sides = rooms(from, &near, spacing, Some((sides, uneven)));
         }
-        lines =
-            lines.iter().zip(&sides).map(|(line, sides)| centred(line, sides, &inside, spacing)).collect();
+        lines = from.iter().zip(&sides).map(|(line, sides)| centred(line, sides, &inside, spacing)).collect();
     }
+    drop(first);
     // What lies on the room's edge is not to count as out.
     let grown = LineClipper::new(&Region::from(room.clone()).offset(ON_EDGE_MM, Join::Miter(2.0)));
     let settled = undo_trouble(&laid, &mut lines, &grown, &neighbours).unwrap_or_else(|| {
@@ -99,30 +122,21 @@ pub fn lay(
         }
         settled
     });
-    let nominal = context.bead_width_mm;
     if !variable || context.density < 0.999 {
-        let path = |l: Line| {
-            let l = if thinned { without_spikes(l, &mut Vec::new()) } else { l };
-            let widths = vec![nominal; l.points.len()];
-            let points = if thinned { simplified(&l.points, &widths, true).0 } else { l.points };
-            Toolpath::new(points, nominal, context.role, true)
-        };
-        return lines.into_iter().map(path).collect();
+        return lines.into_iter().map(|line| Bead { line, widths: None }).collect();
     }
     // What was even lies as it lay.
     let uneven = uneven(&sides, spacing);
-    let sides = rooms(&lines, &settled, spacing, Some((sides, uneven)));
-    let path = |(line, sides): (Line, Vec<Sides>)| {
+    let near = settled.near(&lines, &marked(&lines, &uneven));
+    let sides = rooms(&lines, &near, spacing, Some((sides, uneven)));
+    let bead = |(line, sides): (Line, Vec<Sides>)| {
         let n = line.points.len();
         let of_segment: Vec<f64> = sides.iter().map(|s| width(s, spacing, context)).collect();
         let width = |v: usize| 0.5 * (of_segment[v] + of_segment[(v + n - 1) % n]);
-        let mut widths: Vec<f64> = (0..n).map(width).collect();
-        let line = if thinned { without_spikes(line, &mut widths) } else { line };
-        let (points, widths) =
-            if thinned { simplified(&line.points, &widths, true) } else { (line.points, widths) };
-        Toolpath { width: BeadWidth::PerVertex(widths), ..Toolpath::new(points, nominal, context.role, true) }
+        let widths = Some((0..n).map(width).collect());
+        Bead { line, widths }
     };
-    lines.into_iter().zip(sides).map(path).collect()
+    lines.into_iter().zip(sides).map(bead).collect()
 }
 
 /// How wide a bead is in its room.
@@ -221,18 +235,6 @@ fn rooms(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64, known: Option
     lines.iter().enumerate().map(of_line).collect()
 }
 
-/// How far the segment from `p` to `q` is from `at` in the direction `look`, where it runs across it.
-fn beside(at: DVec2, look: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
-    let d = q - p;
-    let det = cross(look, d);
-    if det.abs() < 0.6 * d.length() {
-        return None;
-    }
-    let to = p - at;
-    let (t, u) = (cross(to, d) / det, cross(to, look) / det);
-    ((0.0..=1.0).contains(&u) && t > 0.0).then_some(t)
-}
-
 /// A line moved towards the middle of its room, and smoothed between its corners.
 fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) -> Line {
     let n = line.points.len();
@@ -246,16 +248,16 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
         [None, None] => 0.0,
     };
     let shifts: Vec<f64> = sides.iter().map(shift).collect();
-    let way = |s: usize| {
-        let (a, b) = line.segment(s);
-        (b - a).normalize_or(DVec2::X)
-    };
-    let is_corner: Vec<bool> = (0..n).map(|v| way((v + n - 1) % n).dot(way(v)) < CORNER).collect();
+    let ways: Vec<DVec2> = (0..n)
+        .map(|s| {
+            let (a, b) = line.segment(s);
+            (b - a).normalize_or(DVec2::X)
+        })
+        .collect();
+    let is_corner: Vec<bool> = (0..n).map(|v| ways[(v + n - 1) % n].dot(ways[v]) < CORNER).collect();
     let moved: Vec<DVec2> = (0..n)
         .map(|v| {
-            let (before, after) = ((v + n - 1) % n, v);
-            let [u, w] = [way(before), way(after)];
-            let [p, q] = [(before, u), (after, w)].map(|(s, t)| shifts[s] * DVec2::new(-t.y, t.x));
+            let [p, q] = [(v + n - 1) % n, v].map(|s| shifts[s] * DVec2::new(-ways[s].y, ways[s].x));
             line.points[v] + if is_corner[v] { 0.5 * (p + q) } else { 0.25 * (p + q) }
         })
         .collect();
@@ -280,44 +282,61 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
     Line { points, closed: true }
 }
 
-/// Takes moves back where lines cross, or leave the room, because of them: the lines as they lie then; `None` where
-/// some cross all the same.
+/// Takes moves back where lines cross, or leave the room, because of them: the lines about as they lie then; `None`
+/// where some cross all the same.
 fn undo_trouble(
     before: &[Line],
     after: &mut [Line],
     room: &LineClipper,
     neighbours: &impl Fn(&[Line]) -> Neighbours,
 ) -> Option<Neighbours> {
+    let all = neighbours(after);
+    let mut pairs = all.crossings();
+    // Segments to look at: all at first, then what was moved back.
+    let mut touched: Option<Vec<(usize, usize)>> = None;
+    let mut stuck = false;
     for round in 0..8 {
-        let found = neighbours(after);
-        let pairs = found.crossings();
         let is_moved = |&(l, s): &(usize, usize)| {
             let n = after[l].points.len();
             [s, (s + 1) % n].iter().any(|&v| after[l].points[v] != before[l].points[v])
         };
         let leaves = |&(l, s): &(usize, usize)| {
             let (a, b) = after[l].segment(s);
-            !room.crossings(a, b).is_empty()
+            room.meets(a, b)
         };
-        let all = after.iter().enumerate().flat_map(|(l, line)| (0..line.n_segments()).map(move |s| (l, s)));
         // What lies as it did cannot be helped by taking it back.
-        let leaving = all.filter(|at| is_moved(at) && leaves(at));
-        let crossing = pairs.iter().filter(|p| p.iter().any(is_moved)).flatten().copied();
-        let trouble: Vec<(usize, usize)> = crossing.chain(leaving).collect();
+        let leaving = |at: &(usize, usize)| is_moved(at) && leaves(at);
+        let mut trouble: Vec<(usize, usize)> = match &touched {
+            Some(touched) => touched.iter().copied().filter(leaving).collect(),
+            None => segments_of(after).filter(leaving).collect(),
+        };
+        trouble.extend(pairs.iter().filter(|p| p.iter().any(is_moved)).flatten());
+        stuck |= pairs.iter().any(|p| !p.iter().any(is_moved));
         if trouble.is_empty() {
-            return pairs.is_empty().then_some(found);
+            return (!stuck).then_some(all);
         }
+        let mut back = Vec::new();
         for (l, s) in trouble {
             let n = after[l].points.len();
             let reach = (1 << round).min(n / 2);
             for k in 0..2 * reach {
                 let v = (s + n + 1 + k - reach) % n;
                 after[l].points[v] = before[l].points[v];
+                back.extend([(l, (v + n - 1) % n), (l, v)]);
             }
         }
+        back.sort_unstable();
+        back.dedup();
+        let places: Vec<DVec2> = back.iter().map(|&(l, s)| after[l].points[s]).collect();
+        pairs = all.near(after, &places).crossings();
+        touched = Some(back);
     }
     after.iter_mut().zip(before).for_each(|(a, b)| a.points.clone_from(&b.points));
     None
+}
+
+fn segments_of(lines: &[Line]) -> impl Iterator<Item = (usize, usize)> + '_ {
+    lines.iter().enumerate().flat_map(|(l, line)| (0..line.n_segments()).map(move |s| (l, s)))
 }
 
 /// Takes out short loops that a line makes over itself, and spikes; whether there were any.
@@ -354,6 +373,37 @@ fn cut_small_loops(lines: &mut [Line], spacing_mm: f64) -> bool {
     changed
 }
 
+/// A closed line with points at most about a bead apart near its corners, where beads are to move most.
+fn dense_at_corners(points: &[DVec2], spacing_mm: f64) -> Vec<DVec2> {
+    let n = points.len();
+    let step = |s: usize| points[(s + 1) % n] - points[s];
+    let turns = |v: usize| {
+        let (a, b) = (step((v + n - 1) % n), step(v));
+        a.dot(b) < CORNER * a.length() * b.length()
+    };
+    let mut near = vec![false; n];
+    let reach = AT_CORNERS * spacing_mm;
+    for v in (0..n).filter(|&v| turns(v)) {
+        for way in [1, n - 1] {
+            let (mut s, mut walked) = (if way == 1 { v } else { (v + n - 1) % n }, 0.0);
+            while walked < reach {
+                near[s] = true;
+                walked += step(s).length();
+                s = (s + way) % n;
+                if s == v {
+                    break;
+                }
+            }
+        }
+    }
+    let mut out = Vec::with_capacity(n);
+    for s in 0..n {
+        let pieces = if near[s] { (step(s).length() / spacing_mm).round().max(1.0) } else { 1.0 };
+        out.extend((0..pieces as usize).map(|k| points[s] + k as f64 / pieces * step(s)));
+    }
+    out
+}
+
 /// A closed line without points that lie on each other.
 fn without_near(points: &[DVec2], near_mm: f64) -> Vec<DVec2> {
     let mut out: Vec<DVec2> = Vec::with_capacity(points.len());
@@ -369,13 +419,13 @@ fn without_near(points: &[DVec2], near_mm: f64) -> Vec<DVec2> {
     out.iter().zip(keep).filter_map(|(&p, k)| k.then_some(p)).collect()
 }
 
-/// A line without spikes; `widths` loses what belongs to them.
-fn without_spikes(line: Line, widths: &mut Vec<f64>) -> Line {
-    let keep = unspiked(&line.points, SPIKE_MM);
-    let mut kept = keep.iter().copied();
-    widths.retain(|_| kept.next().unwrap_or(true));
-    let points = line.points.into_iter().zip(keep).filter_map(|(p, k)| k.then_some(p)).collect();
-    Line { points, ..line }
+/// Takes spikes out of a closed line, and their widths.
+fn leave_out_spikes(points: &mut Vec<DVec2>, widths: &mut Vec<f64>) {
+    let keep = unspiked(points, SPIKE_MM);
+    let each = || keep.iter().copied();
+    let (mut of_points, mut of_widths) = (each(), each());
+    points.retain(|_| of_points.next().unwrap_or(true));
+    widths.retain(|_| of_widths.next().unwrap_or(true));
 }
 
 /// Which points of a closed line are more than the tip of a way there and back along itself.

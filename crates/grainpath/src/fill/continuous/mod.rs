@@ -11,10 +11,10 @@ mod strips;
 mod tree;
 mod verify;
 
+use grainpath_core::math::direction;
 use grainpath_core::poly::{Join, perimeter_mm};
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 
-use super::field::stripes::axis_of;
 use super::{FillContext, Infill};
 use cells::Taken;
 use rings::Rings;
@@ -75,16 +75,15 @@ impl Continuous {
         let kept = rings.iter().skip(1).take_while(|p| perimeter_mm(p) > SHORTEST * spacing).count();
         rings.truncate(1 + kept);
         let border = Region::from(room.clone()).offset(context.border_mm, Join::Miter(3.0));
-        let lay = |thinned: bool| {
-            let rings = rings.clone();
-            let paths = finish::lay(rings, room, &border, self.variable, thinned, context);
+        let beads = finish::lay(rings, room, &border, self.variable, context);
+        let checked = |paths: Vec<Toolpath>| {
             let found = verify::check(&paths, room, spacing);
             (paths, found)
         };
-        let (mut paths, mut found) = lay(true);
+        let (mut paths, mut found) = checked(beads.iter().map(|b| b.path(true, context)).collect());
         if found.iter().any(|n| matches!(n.what, Problem::Crossing | Problem::Outside)) {
             // Where beads all but touch, leaving out points is too much.
-            (paths, found) = lay(false);
+            (paths, found) = checked(beads.iter().map(|b| b.path(false, context)).collect());
         }
         notes.extend(found);
         out.extend(paths);
@@ -94,8 +93,8 @@ impl Continuous {
     fn joined(&self, context: &FillContext<'_>, room: &Polygon, spacing: f64) -> Vec<Vec<DVec2>> {
         let axis = |p: DVec2| match context.field {
             Some(field) => {
-                let strength = field.sample(p.extend(context.z_mid_mm)).strength;
-                (axis_of(field, context, p), strength.max(LEAST_STRENGTH))
+                let there = field.sample(p.extend(context.z_mid_mm));
+                (direction(there.axis_rad), there.strength.max(LEAST_STRENGTH))
             }
             None => (DVec2::X, 1.0),
         };
@@ -112,7 +111,7 @@ impl Continuous {
         // What a joint takes up of a small ring is free for the next one when it is part of a large one.
         let mut apart = joined.len();
         while apart > 1 {
-            let rings = Rings::new(joined, room, spacing);
+            let rings = Rings::around_short(joined, room, spacing);
             let rest = tree::join_rest(&rings, spacing);
             joined = rings.exchanged(&rest);
             // Crumbs are dropped; they are not worth another look.

@@ -6,12 +6,18 @@ use grainpath_core::{DVec2, Polygon, Region};
 
 use super::super::field::widths::{Line, Neighbours};
 
-/// A place on a ring.
+/// Nearer than this nothing lies between a bead and what was its neighbour a step before, in beads.
+pub const CLOSE: f64 = 1.1;
+
+/// A place on a ring, seen from another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
     pub ring: usize,
-    /// From its first point, mm.
+    pub segment: usize,
+    /// From the ring's first point, mm.
     pub at_mm: f64,
+    /// How far it is, mm.
+    pub distance_mm: f64,
 }
 
 /// Two stretches, a bead long, that face each other a bead apart and run against each other. Exchanging them for the
@@ -56,6 +62,54 @@ pub enum Side {
     Right,
 }
 
+impl Side {
+    /// The direction to look in from a ring that runs this way.
+    fn of(self, way: DVec2) -> DVec2 {
+        if self == Self::Left { DVec2::new(-way.y, way.x) } else { DVec2::new(way.y, -way.x) }
+    }
+}
+
+/// How far the segment from `p` to `q` is from `at` in the direction `look`, where it runs across it.
+pub fn beside(at: DVec2, look: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
+    let d = q - p;
+    let det = cross(look, d);
+    if det.abs() < 0.6 * d.length() {
+        return None;
+    }
+    let to = p - at;
+    let (t, u) = (cross(to, d) / det, cross(to, look) / det);
+    ((0.0..=1.0).contains(&u) && t > 0.0).then_some(t)
+}
+
+/// How many of the first of `n` are `below`, sought outwards from a guess: things at about even steps are mostly found
+/// where they would then be, or next to it.
+pub fn bracket(n: usize, guess: usize, below: impl Fn(usize) -> bool) -> usize {
+    let (mut low, mut high) = (0, n);
+    let (mut at, mut step) = (guess.min(n.saturating_sub(1)), 1);
+    while low < high {
+        if below(at) {
+            low = at + 1;
+            at += step;
+        } else {
+            high = at;
+            at = at.saturating_sub(step);
+        }
+        step *= 2;
+        if at < low || at >= high {
+            at = low.midpoint(high);
+        }
+    }
+    low
+}
+
+/// Further than this nothing is looked for from rings that are apart, in beads.
+const FURTHEST: f64 = 5.0;
+
+fn longest(arcs: &[Vec<f64>]) -> usize {
+    let length = |r: usize| arcs[r].last().copied().unwrap_or(0.0);
+    (0..arcs.len()).fold(0, |m, r| if length(r) > length(m) { r } else { m })
+}
+
 /// Closed lines that do not cross.
 pub struct Rings {
     pub lines: Vec<Line>,
@@ -68,6 +122,25 @@ pub struct Rings {
 
 impl Rings {
     pub fn new(outlines: Vec<Vec<DVec2>>, room: &Polygon, spacing_mm: f64) -> Self {
+        Self::seeing(outlines, room, spacing_mm, |lines, _, cell_mm| {
+            Neighbours::new(lines, &Region::default(), cell_mm)
+        })
+    }
+
+    /// For looking around from all rings but the longest: only what lies near them is seen.
+    pub fn around_short(outlines: Vec<Vec<DVec2>>, room: &Polygon, spacing_mm: f64) -> Self {
+        Self::seeing(outlines, room, spacing_mm, |lines, arcs, cell_mm| {
+            let longest = longest(arcs);
+            Neighbours::around(lines, |l| l != longest, FURTHEST * spacing_mm, cell_mm)
+        })
+    }
+
+    fn seeing(
+        outlines: Vec<Vec<DVec2>>,
+        room: &Polygon,
+        spacing_mm: f64,
+        neighbours: impl Fn(&[Line], &[Vec<f64>], f64) -> Neighbours,
+    ) -> Self {
         let lines: Vec<Line> = outlines.into_iter().map(|points| Line { points, closed: true }).collect();
         let arc = |line: &Line| {
             let mut sum = 0.0;
@@ -79,10 +152,15 @@ impl Rings {
             }));
             all
         };
-        let arcs = lines.iter().map(arc).collect();
-        let neighbours = Neighbours::new(&lines, &Region::default(), 1.5 * spacing_mm);
+        let arcs: Vec<Vec<f64>> = lines.iter().map(arc).collect();
+        let neighbours = neighbours(&lines, &arcs, 1.5 * spacing_mm);
         let room = LineClipper::new(&Region::from(room.clone()));
         Self { lines, arcs, neighbours, room, spacing_mm }
+    }
+
+    /// The longest of them; the first of equals.
+    pub fn longest(&self) -> usize {
+        longest(&self.arcs)
     }
 
     /// Where rings cross or touch themselves or each other.
@@ -106,11 +184,8 @@ impl Rings {
     fn segment(&self, ring: usize, at_mm: f64) -> usize {
         let arc = &self.arcs[ring];
         let n = arc.len() - 1;
-        // Steps are about even: it is mostly found where it would then be, or next to it.
-        let guess = ((at_mm / arc[n].max(1e-12) * n as f64) as usize).min(n - 1);
-        let near = guess.saturating_sub(2)..(guess + 3).min(n);
-        let found = near.into_iter().find(|&s| arc[s] <= at_mm && at_mm < arc[s + 1]);
-        found.unwrap_or_else(|| arc.partition_point(|&a| a <= at_mm).saturating_sub(1).min(n - 1))
+        let guess = (at_mm / arc[n].max(1e-12) * n as f64) as usize;
+        bracket(arc.len(), guess, |k| arc[k] <= at_mm).saturating_sub(1).min(n - 1)
     }
 
     /// A place brought into the ring's length.
@@ -127,10 +202,42 @@ impl Rings {
         (a + (at_mm - self.arcs[ring][s]) * way, way, s)
     }
 
-    /// The place that faces this one at about a bead's distance, and how far it is.
-    pub fn facing(&self, ring: usize, at_mm: f64, side: Side, range: [f64; 2]) -> Option<(Place, f64)> {
+    /// The place that faces this one at about a bead's distance. `last` is the ring and segment that faced the place
+    /// before: along a bead its neighbour mostly goes on as it did.
+    pub fn facing(
+        &self,
+        ring: usize,
+        at_mm: f64,
+        side: Side,
+        range: [f64; 2],
+        last: &mut Option<(usize, usize)>,
+    ) -> Option<Place> {
         let (p, way, segment) = self.point(ring, at_mm);
-        self.facing_along(ring, p, way, segment, side, range)
+        let known = last.and_then(|before| self.still_facing(p, way, side, range, before));
+        let place = known.or_else(|| self.facing_along(ring, p, way, segment, side, range));
+        *last = place.map(|other| (other.ring, other.segment));
+        place
+    }
+
+    /// What faces a place if it is the ring and about the segment that faced the place before.
+    fn still_facing(
+        &self,
+        p: DVec2,
+        way: DVec2,
+        side: Side,
+        range: [f64; 2],
+        (ring, before): (usize, usize),
+    ) -> Option<Place> {
+        let look = side.of(way);
+        let [least, most] = [range[0], CLOSE].map(|beads| beads * self.spacing_mm);
+        let n = self.lines[ring].n_segments();
+        [before, before + n - 1, before + 1].into_iter().find_map(|segment| {
+            let segment = segment % n;
+            let (a, b) = self.lines[ring].segment(segment);
+            let distance_mm = beside(p, look, a, b).filter(|d| *d > least && *d < most)?;
+            let at_mm = self.arcs[ring][segment] + a.distance(p + distance_mm * look);
+            ((b - a).dot(way) < 0.0).then_some(Place { ring, segment, at_mm, distance_mm })
+        })
     }
 
     fn facing_along(
@@ -141,9 +248,8 @@ impl Rings {
         segment: usize,
         side: Side,
         range: [f64; 2],
-    ) -> Option<(Place, f64)> {
-        let left = DVec2::new(-way.y, way.x);
-        let look = if side == Side::Left { left } else { -left };
+    ) -> Option<Place> {
+        let look = side.of(way);
         let skips = |r: usize, s: usize| r == ring && s == segment;
         let hit = self.neighbours.hit(p, look, range[1] * self.spacing_mm, skips)?;
         let other = hit.line?;
@@ -153,24 +259,24 @@ impl Rings {
             return None;
         }
         let at_mm = self.arcs[other][hit.segment] + a.distance(p + hit.distance_mm * look);
-        Some((Place { ring: other, at_mm }, hit.distance_mm))
+        Some(Place { ring: other, segment: hit.segment, at_mm, distance_mm: hit.distance_mm })
     }
 
     /// The stretches around a place and what faces it, where both are straight enough.
     pub fn stretches(&self, ring: usize, at_mm: f64, side: Side, range: [f64; 2]) -> Option<Facing> {
         let half = 0.5 * self.spacing_mm;
         let (p, way, segment) = self.point(ring, at_mm);
-        let (middle, _) = self.facing_along(ring, p, way, segment, side, range)?;
-        let mut ends = [(Place { ring, at_mm }, DVec2::ZERO, DVec2::ZERO); 2];
+        let middle = self.facing_along(ring, p, way, segment, side, range)?;
+        let look = side.of(way);
+        let mut ends = [(middle, DVec2::ZERO, DVec2::ZERO); 2];
         for (end, by) in ends.iter_mut().zip([-half, half]) {
             let (q, along, segment) = self.point(ring, at_mm + by);
             if along.dot(way) < 0.8 {
                 return None;
             }
             // Looking across the middle's way keeps both looks parallel.
-            let (place, d) = self.facing_along(ring, q, way, segment, side, range)?;
-            let left = DVec2::new(-way.y, way.x);
-            *end = (place, q, q + d * if side == Side::Left { left } else { -left });
+            let place = self.facing_along(ring, q, way, segment, side, range)?;
+            *end = (place, q, q + place.distance_mm * look);
         }
         let length = self.length_mm(middle.ring);
         let ahead = |from: f64, to: f64| (to - from).rem_euclid(length);
@@ -191,7 +297,10 @@ impl Rings {
             }
         }
         // A hole may lie between, where no ring runs around it. The ends may lie on the room's edge.
-        let free = |a: DVec2, b: DVec2| self.room.segment_inside(a.lerp(b, 0.02), b.lerp(a, 0.02));
+        let free = |a: DVec2, b: DVec2| {
+            let (a, b) = (a.lerp(b, 0.02), b.lerp(a, 0.02));
+            self.room.contains(a) && !self.room.meets(a, b)
+        };
         if !free(a0, b1) || !free(a1, b0) {
             return None;
         }

@@ -19,7 +19,7 @@ use crate::fill::FillContext;
 const NONE: u32 = u32::MAX;
 
 /// Squares of the grid that the phase is found on, in beads: fine for a room of few of them, coarser for a large one.
-const MESH_BEADS: [f64; 2] = [1.8, 4.0];
+const MESH_BEADS: [f64; 2] = [1.8, 6.0];
 /// More nodes than this make the grid coarser.
 const MANY_NODES: f64 = 20_000.0;
 /// Places of a room narrower than this are strips by themselves, in beads.
@@ -28,8 +28,11 @@ const THIN_BEADS: f64 = 1.5;
 const PARTED_BEADS: f64 = 0.25;
 /// Steps of the outlines, in beads.
 const STEP_BEADS: f64 = 1.0;
+/// Where a line is straight its points lie further apart: as many steps, and this far off it, in beads.
+const LONGEST_STEPS: usize = 3;
+const STRAIGHT_BEADS: f64 = 0.005;
 /// Steps of diffusion of the phase: widths in squares of the grid, and how often.
-const STEPS: [(f64, usize); 3] = [(60.0, 4), (25.0, 4), (8.0, 3)];
+const STEPS: [(f64, usize); 3] = [(60.0, 3), (25.0, 3), (8.0, 2)];
 
 /// The outlines of all strips of a room at this distance of beads: closed, the strip on their left, inside the room.
 /// Together with the room's own contour where a strip ends there.
@@ -56,9 +59,32 @@ pub fn outlines(context: &FillContext<'_>, room: &Polygon, spacing_mm: f64) -> V
     for line in &mut lines {
         line.points = resampled(&line.points, line.closed, STEP_BEADS * spacing_mm);
         smooth(&mut line.points, line.closed, 3);
+        line.points = sparse(&line.points, line.closed, STRAIGHT_BEADS * spacing_mm);
     }
     let loops = cut_by(&region, &lines).unwrap_or_else(whole);
     with_thin(&region, loops, spacing_mm).into_iter().filter(|l| l.len() > 2).collect()
+}
+
+/// A line without the points it does not need.
+fn sparse(points: &[DVec2], closed: bool, off_mm: f64) -> Vec<DVec2> {
+    let n = points.len();
+    let mut out = Vec::with_capacity(n / 2 + 2);
+    let end = if closed { n } else { n - 1 };
+    let mut at = 0;
+    while at < end {
+        out.push(points[at]);
+        let straight = |to: usize| {
+            let (a, d) = (points[at], points[to % n] - points[at]);
+            let most = off_mm * d.length();
+            (at + 1..to).all(|k| cross(d, points[k] - a).abs() < most && d.dot(points[k] - a) > 0.0)
+        };
+        let furthest = (at + 2..=(at + LONGEST_STEPS).min(end)).take_while(|&to| straight(to)).last();
+        at = furthest.unwrap_or(at + 1);
+    }
+    if !closed {
+        out.push(points[n - 1]);
+    }
+    out
 }
 
 /// Places too thin for strips beside each other are strips themselves, whatever the field says: a bead there and

@@ -1,5 +1,7 @@
 //! The tree that joins cells: which edges are passed, and which strips are cut.
 
+use std::f64::consts::FRAC_PI_2;
+
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross};
 
@@ -35,8 +37,8 @@ pub fn cost(f: &Facing, axis: Axis<'_>) -> f64 {
 fn guess(e: &Edge, spacing_mm: f64, axis: Axis<'_>) -> f64 {
     let way = e.ends[1] - e.ends[0];
     let (u, weight) = axis(0.5 * (e.ends[0] + e.ends[1]));
-    let along = way.perp().normalize_or(DVec2::X) * spacing_mm;
-    2.0 * weight * (turned(u, way) - turned(u, along))
+    let angle = atan2(cross(u, way).abs(), u.dot(way).abs());
+    2.0 * weight * (angle * way.length() - (FRAC_PI_2 - angle) * spacing_mm)
 }
 
 /// Numbers in [0, 1) that look like chance and are always the same.
@@ -45,6 +47,11 @@ fn shuffled(i: usize) -> f64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// Two numbers in one, whichever comes first.
+fn pair([a, b]: [u32; 2]) -> u64 {
+    u64::from(a.min(b)) << 32 | u64::from(a.max(b))
 }
 
 struct Sets(Vec<u32>);
@@ -83,19 +90,15 @@ pub fn join(
         (TreeKind::Directed, Some(k)) => -cost(&cells.cuts[k as usize], axis),
         (TreeKind::Directed, None) => guess(e, spacing_mm, axis),
     };
-    let weights: Vec<f64> = cells.edges.iter().enumerate().map(weight).collect();
-    let key = |i: u32| (short[i as usize], weights[i as usize]);
-    let mut order: Vec<u32> = (0..cells.edges.len() as u32).collect();
-    order.sort_by(|&a, &b| {
-        let ((p, v), (q, w)) = (key(a), key(b));
-        p.cmp(&q).then(v.total_cmp(&w)).then(a.cmp(&b))
-    });
+    let mut order: Vec<(bool, f64, u32)> =
+        cells.edges.iter().enumerate().map(|(i, e)| (short[i], weight((i, e)), i as u32)).collect();
+    order.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
     let mut sets = Sets((0..cells.n as u32).collect());
     // Strips: cells that hang together along the field.
     let mut strips = Sets((0..cells.n as u32).collect());
     let mut exchanges = Vec::new();
     let mut beside_of: Vec<(usize, u32)> = Vec::new();
-    for &i in &order {
+    for &(_, _, i) in &order {
         let e = &cells.edges[i as usize];
         let [a, b] = e.cells;
         match e.cut {
@@ -119,22 +122,21 @@ pub fn join(
         }
     }
     if kind == TreeKind::Directed {
-        let between = |strips: &mut Sets, i: u32| {
-            let [a, b] = cells.edges[i as usize].cells.map(|c| strips.root(c));
-            (a.min(b), a.max(b))
-        };
-        let mut others: Vec<((u32, u32), u32)> = order
+        let between = |strips: &mut Sets, i: u32| pair(cells.edges[i as usize].cells.map(|c| strips.root(c)));
+        // The cheapest guesses of a pair of strips first.
+        let mut others: Vec<(u64, u32)> = order
             .iter()
-            .filter(|&&i| cells.edges[i as usize].cut.is_none() && !short[i as usize])
-            .map(|&i| (between(&mut strips, i), i))
+            .enumerate()
+            .filter(|(_, o)| cells.edges[o.2 as usize].cut.is_none() && !o.0)
+            .map(|(rank, o)| (between(&mut strips, o.2), rank as u32))
             .collect();
-        // Stable: the cheapest guesses of a pair of strips stay first.
-        others.sort_by_key(|o| o.0);
+        others.sort_unstable();
         for (k, i) in beside_of {
             let pair = between(&mut strips, i);
             let first = others.partition_point(|o| o.0 < pair);
             let same = others[first..].iter().take_while(|o| o.0 == pair).take(TRIED);
-            flip(rings, cells, same.map(|o| o.1), &mut exchanges[k], spacing_mm, axis, taken);
+            let same = same.map(|o| order[o.1 as usize]).map(|(_, guess, i)| (guess, i));
+            flip(rings, cells, same, &mut exchanges[k], spacing_mm, axis, taken);
         }
     }
     exchanges
@@ -142,20 +144,25 @@ pub fn join(
 
 /// As many other places are tried for a passage between two strips.
 const TRIED: usize = 12;
+/// What a place must seem to gain to be tried: of the turn of a bead, radians times beads.
+const WORTH: f64 = 0.05;
 
 /// Moves the passage between two strips to another place along them if beads turn less there. The two are joined
 /// once as before, so it stays one ring.
 fn flip(
     rings: &Rings,
     cells: &Cells,
-    others: impl Iterator<Item = u32>,
+    others: impl Iterator<Item = (f64, u32)>,
     passage: &mut Facing,
     spacing_mm: f64,
     axis: Axis<'_>,
     taken: &mut Taken,
 ) {
     let mut best = (cost(passage, axis) - 1e-6, None);
-    for i in others {
+    for (guess, i) in others {
+        if guess > best.0 - WORTH * spacing_mm {
+            break;
+        }
         let Some(f) = beside(rings, &cells.edges[i as usize]) else { continue };
         let c = cost(&f, axis);
         if c < best.0 && taken.fits(&f, 0.6 * spacing_mm) {
@@ -171,26 +178,25 @@ fn flip(
 
 /// For each edge beside strips, whether it is the shortest of both its cells.
 fn shortest_of_both(cells: &Cells, spacing_mm: f64) -> Vec<bool> {
-    let pair = |e: &Edge| (e.cells[0].min(e.cells[1]), e.cells[0].max(e.cells[1]));
-    let mut by_pair: Vec<u32> = (0..cells.edges.len() as u32).collect();
-    by_pair.sort_by_key(|&i| (pair(&cells.edges[i as usize]), i));
+    let mut by_pair: Vec<(u64, u32)> =
+        cells.edges.iter().enumerate().map(|(i, e)| (pair(e.cells), i as u32)).collect();
+    by_pair.sort_unstable();
     // Edges beside strips are known by the places found along them, from both sides.
-    let length = |group: &[u32]| {
-        let across = group.iter().any(|&i| cells.edges[i as usize].cut.is_some());
+    let length = |group: &[(u64, u32)]| {
+        let across = group.iter().any(|&(_, i)| cells.edges[i as usize].cut.is_some());
         if across { 2.0 * spacing_mm } else { 0.5 * PLACE_BEADS * spacing_mm * group.len() as f64 }
     };
     let mut least = vec![f64::INFINITY; cells.n];
-    let same = |a: &u32, b: &u32| pair(&cells.edges[*a as usize]) == pair(&cells.edges[*b as usize]);
-    for group in by_pair.chunk_by(same) {
-        for c in cells.edges[group[0] as usize].cells {
+    for group in by_pair.chunk_by(|a, b| a.0 == b.0) {
+        for c in cells.edges[group[0].1 as usize].cells {
             least[c as usize] = least[c as usize].min(length(group));
         }
     }
     let mut out = vec![false; cells.edges.len()];
-    for group in by_pair.chunk_by(same) {
+    for group in by_pair.chunk_by(|a, b| a.0 == b.0) {
         let l = length(group);
-        let of_both = cells.edges[group[0] as usize].cells.iter().all(|&c| l <= least[c as usize]);
-        for &i in group {
+        let of_both = cells.edges[group[0].1 as usize].cells.iter().all(|&c| l <= least[c as usize]);
+        for &(_, i) in group {
             out[i as usize] = of_both && cells.edges[i as usize].cut.is_none();
         }
     }
@@ -201,7 +207,7 @@ fn shortest_of_both(cells: &Cells, spacing_mm: f64) -> Vec<bool> {
 /// the longest ring sees it: it need not look for itself.
 pub fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
     let n = rings.lines.len();
-    let longest = (0..n).fold(0, |m, r| if rings.length_mm(r) > rings.length_mm(m) { r } else { m });
+    let longest = rings.longest();
     let mut sets = Sets((0..n as u32).collect());
     let mut taken = Taken::new(rings, 0.25 * spacing_mm);
     let mut exchanges = Vec::new();
@@ -217,10 +223,14 @@ pub fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
             }
         }
     };
-    for range in [Some([0.5, 1.6]), Some([0.35, 2.3]), Some([0.2, 3.2]), None] {
+    // Where long rings run beside others any place will do.
+    let near = [0.5, 1.6];
+    for (range, step) in
+        [(Some(near), 4.0), (Some(near), 0.4), (Some([0.35, 2.3]), 0.4), (Some([0.2, 3.2]), 0.4), (None, 0.4)]
+    {
         for ring in (0..n).filter(|&r| r != longest) {
             let length = rings.length_mm(ring);
-            let steps = (length / (0.4 * spacing_mm)).ceil().max(1.0);
+            let steps = (length / (step * spacing_mm)).ceil().max(1.0);
             for k in 0..steps as usize {
                 // What is joined to the longest is seen by what is not.
                 if sets.root(ring as u32) == sets.root(longest as u32) {

@@ -72,8 +72,7 @@ pub fn check(paths: &[Toolpath], room: &Polygon, spacing_mm: f64) -> Vec<Note> {
     let inside = LineClipper::new(&Region::from(room.clone()).offset(SLACK_MM, Join::Miter(2.0)));
     let leaves = |l: &Line| {
         let out = l.points.first().is_some_and(|&p| !inside.contains(p));
-        let crossing =
-            || (0..l.n_segments()).map(|s| l.segment(s)).find(|s| !inside.crossings(s.0, s.1).is_empty());
+        let crossing = || (0..l.n_segments()).map(|s| l.segment(s)).find(|s| inside.meets(s.0, s.1));
         if out { l.points.first().copied() } else { crossing().map(|s| s.0) }
     };
     notes.extend(lines.iter().filter_map(leaves).map(|at_mm| Note { at_mm, what: Problem::Outside }));

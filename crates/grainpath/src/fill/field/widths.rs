@@ -71,6 +71,13 @@ struct Piece {
 
 const BORDER: u32 = u32::MAX;
 
+fn pieces_of(l: usize, line: &Line) -> impl Iterator<Item = Piece> + '_ {
+    (0..line.n_segments()).map(move |s| {
+        let (a, b) = line.segment(s);
+        Piece { a, b, line: l as u32, segment: s as u32 }
+    })
+}
+
 /// All beads of a room and its border, for asking what lies beside a bead.
 pub struct Neighbours {
     pieces: Vec<Piece>,
@@ -80,15 +87,35 @@ pub struct Neighbours {
 impl Neighbours {
     /// Beads as `lines`, and the edge of the place they are to fill.
     pub fn new(lines: &[Line], border: &Region, cell_mm: f64) -> Self {
-        let mut pieces = Vec::new();
-        for (l, line) in lines.iter().enumerate() {
-            pieces.extend((0..line.n_segments()).map(|s| {
-                let (a, b) = line.segment(s);
-                Piece { a, b, line: l as u32, segment: s as u32 }
-            }));
-        }
+        let mut pieces = Vec::with_capacity(lines.iter().map(Line::n_segments).sum());
+        lines.iter().enumerate().for_each(|(l, line)| pieces.extend(pieces_of(l, line)));
         for contour in border.contours() {
             pieces.extend(edges(contour).map(|(a, b)| Piece { a, b, line: BORDER, segment: 0 }));
+        }
+        Self::of(pieces, cell_mm)
+    }
+
+    /// Of these beads only what lies within about `reach_mm` of those that `chosen` names.
+    pub fn around(lines: &[Line], chosen: impl Fn(usize) -> bool, reach_mm: f64, cell_mm: f64) -> Self {
+        let points = lines.iter().flat_map(|l| l.points.iter().copied());
+        let bounds = Bounds2::of(points).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+        let cells = Cells::over(bounds, reach_mm, 4000);
+        let mut is_near = vec![false; cells.nx * cells.ny];
+        for (l, line) in lines.iter().enumerate().filter(|l| chosen(l.0)) {
+            for p in pieces_of(l, line) {
+                cells.passed(p.a, p.b, |cell| {
+                    let at = [cell % cells.nx, cell / cells.nx];
+                    cells.around(at, 1).for_each(|at| is_near[cells.index(at)] = true);
+                });
+            }
+        }
+        let mut pieces = Vec::new();
+        for (l, line) in lines.iter().enumerate() {
+            pieces.extend(pieces_of(l, line).filter(|p| {
+                let mut near = false;
+                cells.passed(p.a, p.b, |cell| near |= is_near[cell]);
+                near
+            }));
         }
         Self::of(pieces, cell_mm)
     }
