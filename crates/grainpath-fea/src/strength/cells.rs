@@ -1,7 +1,7 @@
 //! Beads as cells: how much material each cell of a grid holds, and which way it runs.
 
 use grainpath_core::DVec2;
-use grainpath_core::math::atan2;
+use grainpath_core::math::{atan2, cross};
 use rayon::prelude::*;
 
 /// A straight piece of bead.
@@ -39,16 +39,102 @@ pub struct Grid {
     pub ny: usize,
 }
 
-/// Corners of the strip that a bead is taken for, mm. Blobs, laid while hardly moving, are not wider than 10 mm.
-fn strip(s: &BeadSheet, b: &BeadPiece) -> [DVec2; 4] {
-    let along = b.b - b.a;
-    let width = (b.volume_mm3 / (along.length() * s.height_mm)).min(10.0);
-    let side = along.perp().normalize() * (0.5 * width);
-    [b.a - side, b.b - side, b.b + side, b.a + side]
-}
-
 fn usable(s: &BeadSheet, b: &BeadPiece) -> bool {
     b.a.is_finite() && b.b.is_finite() && b.a != b.b && b.volume_mm3 > 0.0 && s.height_mm > 0.0
+}
+
+/// A piece of the ribbon that a path lays.
+struct Ribbon {
+    /// Its corners, mm: right of where it begins, right and left of where it ends, left of where it begins.
+    corners: [DVec2; 4],
+    /// Unit vector along it.
+    along: DVec2,
+    volume_mm3: f64,
+    /// Area that its corners take up, mm2.
+    area_mm2: f64,
+    material: u8,
+}
+
+/// Ribbons wider than this, mm, are blobs, laid while hardly moving.
+const WIDEST: f64 = 10.0;
+/// Pieces are taken together where the bend between them is this near to their line, in widths of the bead.
+const WIGGLE: f64 = 0.1;
+/// Tangent of half the sharpest turn whose outer corner is filled: its tip is a bead's width from the path.
+const SHARPEST: f64 = 1.732;
+
+/// What the paths of a layer lay. A piece that begins where the one before it ended goes on from it.
+fn ribbons(sheet: &BeadSheet) -> Vec<Ribbon> {
+    let beads: Vec<&BeadPiece> = sheet.beads.iter().filter(|b| usable(sheet, b)).collect();
+    let paths = beads.chunk_by(|p, q| p.b == q.a && p.material == q.material);
+    paths.flat_map(|path| ribbon(&evened(path, sheet.height_mm), sheet.height_mm)).collect()
+}
+
+fn width(b: &BeadPiece, height_mm: f64) -> f64 {
+    (b.volume_mm3 / (b.a.distance(b.b) * height_mm)).min(WIDEST)
+}
+
+/// A path without wiggles and bends finer than a bead can follow: a piece too short for its turns is taken together
+/// with the neighbour it turns less to.
+fn evened(path: &[&BeadPiece], height_mm: f64) -> Vec<BeadPiece> {
+    let mut out: Vec<BeadPiece> = Vec::with_capacity(path.len());
+    for piece in path {
+        out.push(**piece);
+        while let [.., before, short, after] = &out[..] {
+            let [u, d, v] = [before, short, after].map(|p| (p.b - p.a).normalize());
+            let (at_a, at_b) = (turn(u, d), turn(d, v));
+            let wide = width(short, height_mm);
+            if 0.5 * wide * (at_a + at_b).abs() <= short.a.distance(short.b) {
+                break;
+            }
+            let back = at_a.abs() < at_b.abs();
+            let (p, q) = if back { (before, short) } else { (short, after) };
+            let whole = BeadPiece { b: q.b, volume_mm3: p.volume_mm3 + q.volume_mm3, ..*p };
+            let length = p.a.distance(p.b) + q.a.distance(q.b);
+            if off_line(q.a, p.a, q.b) > WIGGLE * wide || whole.a.distance(whole.b) < 0.5 * length {
+                break;
+            }
+            let at = out.len() - if back { 3 } else { 2 };
+            out.splice(at..at + 2, [whole]);
+        }
+    }
+    out
+}
+
+/// How far a point is from the straight piece between two others.
+fn off_line(p: DVec2, a: DVec2, b: DVec2) -> f64 {
+    let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+    p.distance(a.lerp(b, t))
+}
+
+/// Tangent of half the turn from one direction to another, positive to the left.
+fn turn(from: DVec2, to: DVec2) -> f64 {
+    (cross(from, to) / (1.0 + from.dot(to)).max(1e-9)).clamp(-SHARPEST, SHARPEST)
+}
+
+/// Pieces cut off where the path turns, along the line that halves the angle: what a piece has too little on the inner
+/// side it has too much on the outer one, so that its volume stays its own.
+fn ribbon(path: &[BeadPiece], height_mm: f64) -> Vec<Ribbon> {
+    let along: Vec<DVec2> = path.iter().map(|p| (p.b - p.a).normalize()).collect();
+    let n = path.len();
+    let closed = n > 2 && path[0].a.distance(path[n - 1].b) < WIGGLE * width(&path[0], height_mm);
+    let piece = |k: usize| {
+        let (p, d) = (&path[k], along[k]);
+        let (length, half) = (p.a.distance(p.b), 0.5 * width(p, height_mm));
+        let mut at_a = if k > 0 || closed { turn(along[(k + n - 1) % n], d) } else { 0.0 };
+        let mut at_b = if k + 1 < n || closed { turn(d, along[(k + 1) % n]) } else { 0.0 };
+        // The inner side of a short piece between sharp turns would end before it begins.
+        let most = half * (at_a + at_b).abs();
+        if most > length {
+            at_a *= length / most;
+            at_b *= length / most;
+        }
+        let side = d.perp() * half;
+        let (a, b) = (d * (half * at_a), d * (half * at_b));
+        let corners = [p.a - side - a, p.b - side + b, p.b + side - b, p.a + side + a];
+        let area_mm2 = 2.0 * half * length;
+        Ribbon { corners, along: d, volume_mm3: p.volume_mm3, area_mm2, material: p.material }
+    };
+    (0..n).map(piece).collect()
 }
 
 impl Grid {
@@ -60,13 +146,13 @@ impl Grid {
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         let mut laid_mm3 = 0.0;
         for s in sheets {
-            for b in s.beads.iter().filter(|b| usable(s, b)) {
-                // Strips end where beads do: a margin there would leave cells at the ends half empty.
-                for corner in strip(s, b) {
+            for ribbon in ribbons(s) {
+                // Ribbons end where paths do: a margin there would leave cells at the ends half empty.
+                for corner in ribbon.corners {
                     low = low.min(corner);
                     high = high.max(corner);
                 }
-                laid_mm3 += b.volume_mm3;
+                laid_mm3 += ribbon.volume_mm3;
             }
         }
         if !(low.is_finite() && high.is_finite()) {
@@ -146,7 +232,7 @@ pub enum CellError {
 pub const MOST_CELLS: usize = 1_500_000;
 
 impl Laminate {
-    /// Lays beads into cells of this size. Each bead is a strip as wide as its section over the layer's height, so
+    /// Lays beads into cells of this size. Each path is a ribbon as wide as its section over the layer's height, so
     /// that the cells hold what was extruded; what a cell cannot hold flows to its neighbours.
     ///
     /// # Errors
@@ -220,17 +306,15 @@ pub(super) fn layer(grid: &Grid, n_fans: usize, sheet: &BeadSheet) -> Vec<Share>
     let n = grid.nx * grid.ny;
     let mut held = vec![0f32; n];
     let mut fans = vec![[0f32; 3]; n * n_fans];
-    for bead in sheet.beads.iter().filter(|b| usable(sheet, b)) {
-        let along = (bead.b - bead.a).normalize();
+    for bead in ribbons(sheet) {
+        let along = bead.along;
         let double = DVec2::new(along.x * along.x - along.y * along.y, 2.0 * along.x * along.y);
         let half_turns = 0.5 * atan2(double.y, double.x) / std::f64::consts::PI;
         let fan = (half_turns * FANS as f64).round().rem_euclid(FANS as f64) as usize % FANS
             + FANS * usize::from(bead.material);
-        let strip = strip(sheet, bead);
-        let corners = strip.map(|p| (p - grid.low) / grid.cell_mm);
-        // Blobs are narrower than their volume says; what is missing is added in proportion.
-        let covered = bead.a.distance(bead.b) * strip[0].distance(strip[3]) * height_mm;
-        let fill = bead.volume_mm3 / covered * height_mm;
+        let corners = bead.corners.map(|p| (p - grid.low) / grid.cell_mm);
+        // Blobs are narrower than their volume says: they are higher instead.
+        let fill = bead.volume_mm3 / bead.area_mm2;
         covered_cells(&corners, grid, &mut |cell, area| {
             let t = area * fill;
             held[cell] += t as f32;
@@ -364,7 +448,7 @@ impl Shape {
         let o = self.points[0];
         let mut twice = 0.0;
         for k in 1..self.n - 1 {
-            twice += grainpath_core::math::cross(self.points[k] - o, self.points[k + 1] - o);
+            twice += cross(self.points[k] - o, self.points[k + 1] - o);
         }
         0.5 * twice.abs()
     }
@@ -417,6 +501,81 @@ mod tests {
                 seen += 1;
             }
             assert!(seen > 500);
+        }
+    }
+
+    /// A path through these places, as one bead of this section.
+    fn path(places: &[DVec2], section: f64) -> BeadSheet {
+        let beads = places.windows(2).map(|p| bead(p[0].into(), p[1].into(), section)).collect();
+        BeadSheet { height_mm: 0.2, beads }
+    }
+
+    /// How often each cell is covered, before anything flows.
+    fn covered(sheet: &BeadSheet, grid: &Grid) -> Vec<f64> {
+        let mut all = vec![0.0; grid.nx * grid.ny];
+        for r in ribbons(sheet) {
+            let corners = r.corners.map(|p| (p - grid.low) / grid.cell_mm);
+            covered_cells(&corners, grid, &mut |cell, area| all[cell] += area);
+        }
+        all
+    }
+
+    #[test]
+    fn a_path_that_turns_leaves_no_gap_and_lies_nowhere_twice() {
+        // Lines 0.4 apart between two walls that lean, joined at their ends in one piece or in several.
+        for (lean, n) in [(0.0, 1), (0.0, 4), (0.5, 1), (0.5, 3), (-0.5, 4)] {
+            let place = |side: f64, y: f64| DVec2::new(side + lean * y, y);
+            let mut places = Vec::new();
+            for k in 0..20 {
+                let y = 0.4 * f64::from(k);
+                let (a, b) = if k % 2 == 0 { (-6.0, 6.0) } else { (6.0, -6.0) };
+                places.extend([place(a, y), place(b, y)]);
+                if k < 19 {
+                    places.extend((1..n).map(|i| place(b, y + 0.4 * f64::from(i) / f64::from(n))));
+                }
+            }
+            let grid = Grid { low: DVec2::new(-12.0, -1.0), cell_mm: 0.1, nx: 240, ny: 100 };
+            let all = covered(&path(&places, 0.08), &grid);
+            for (cell, covered) in all.iter().enumerate() {
+                let p = grid.centre(cell);
+                let off = (p.x - lean * p.y).abs();
+                let inside = p.y > 0.05 && p.y < 7.55 && off < 5.9;
+                let outside = p.y < -0.3 || p.y > 7.9 || off > 6.0 + 0.2 * (1.0 + lean * lean).sqrt() + 0.15;
+                assert!(!inside || (covered - 1.0).abs() < 1e-9, "{lean} {n}: {covered} at {p}");
+                assert!(!outside || *covered < 1e-9, "{lean} {n}: {covered} at {p}");
+            }
+        }
+        // A ring is closed where it begins.
+        let around =
+            |k: i32| grainpath_core::math::direction(f64::from(k % 60) * std::f64::consts::TAU / 60.0);
+        let ring: Vec<DVec2> = (0..=60).map(|k| 2.0 * around(k)).collect();
+        let grid = Grid { low: DVec2::new(-3.0, -3.0), cell_mm: 0.05, nx: 120, ny: 120 };
+        for (cell, covered) in covered(&path(&ring, 0.08), &grid).iter().enumerate() {
+            let off = (grid.centre(cell).length() - 2.0).abs();
+            assert!(off > 0.15 || (covered - 1.0).abs() < 1e-9, "{covered} at {}", grid.centre(cell));
+            assert!(off < 0.25 || *covered == 0.0);
+        }
+    }
+
+    #[test]
+    fn paths_of_any_shape_keep_their_volume() {
+        // Reversals, spikes, wiggles finer than the bead, and pieces far shorter than it is wide.
+        let mut places = vec![DVec2::ZERO];
+        for k in 0..400 {
+            let turn = grainpath_core::math::direction(f64::from(k * k % 97) * 0.8);
+            let last = places[places.len() - 1];
+            places.push(last + turn * [3.0, 0.02, 0.3, 0.004, 1.0][k as usize % 5]);
+            if k % 50 == 0 {
+                places.push(last);
+            }
+        }
+        let sheet = path(&places, 0.08);
+        let laid: f64 = sheet.beads.iter().map(|b| b.volume_mm3).sum();
+        let ribbons: f64 = ribbons(&sheet).iter().map(|r| r.volume_mm3).sum();
+        assert!((ribbons / laid - 1.0).abs() < 1e-12);
+        for cell in [0.1, 0.4] {
+            let laminate = Laminate::of(std::slice::from_ref(&sheet), cell).expect("beads");
+            assert!(laminate.volume_error() < 1e-4, "{cell}: {}", laminate.volume_error());
         }
     }
 

@@ -210,6 +210,8 @@ pub struct System {
     /// What holds and the least stiffness add.
     added: Vec<(usize, f64)>,
     fresh: bool,
+    /// Solutions since the last factorisation and the iterations they took.
+    since: [usize; 2],
     /// Factorisations so far.
     pub factored: usize,
     /// Solutions so far.
@@ -287,7 +289,17 @@ impl System {
         let order: Vec<usize> = elements.dissection().into_iter().flat_map(|i| [2 * i, 2 * i + 1]).collect();
         fill_matrix(&mut matrix, &scatter, &stiffness, &added);
         let factor = Cholesky::new(&matrix, Some(&order), max_bytes)?;
-        Ok(Self { matrix, factor, scatter, stiffness, added, fresh: true, factored: 1, solved: 0 })
+        Ok(Self {
+            matrix,
+            factor,
+            scatter,
+            stiffness,
+            added,
+            fresh: true,
+            since: [0; 2],
+            factored: 1,
+            solved: 0,
+        })
     }
 
     /// Unknowns.
@@ -313,19 +325,28 @@ impl System {
             return Ok(());
         }
         fill_matrix(&mut self.matrix, &self.scatter, &self.stiffness, &self.added);
-        if self.iterate(forces, x, MOST_ITERATIONS) {
+        let made = (FACTOR * (self.matrix.n() as f64).sqrt()) as usize;
+        let taken = self.iterate(forces, x, made.max(LEAST_ITERATIONS));
+        let iterations = taken.unwrap_or(0);
+        self.since = [self.since[0] + 1, self.since[1] + iterations];
+        // A factor has had its time when a solution takes longer than the mean so far, its own making counted.
+        let worn = iterations * self.since[0] > made + self.since[1];
+        if taken.is_some() && !worn {
             return Ok(());
         }
         self.factor.refactor(&self.matrix)?;
         self.factored += 1;
-        x.copy_from_slice(forces);
-        self.factor.solve(x);
-        self.iterate(forces, x, 2);
+        self.since = [0; 2];
+        if taken.is_none() {
+            x.copy_from_slice(forces);
+            self.factor.solve(x);
+            self.iterate(forces, x, 2);
+        }
         Ok(())
     }
 
-    /// Conjugate gradients with the last factor; whether they came to an end.
-    fn iterate(&self, b: &[f64], x: &mut [f64], most: usize) -> bool {
+    /// Conjugate gradients with the last factor; how many iterations they took where they came to an end.
+    fn iterate(&self, b: &[f64], x: &mut [f64], most: usize) -> Option<usize> {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let ax = self.matrix.times(x);
         let mut r: Vec<f64> = b.iter().zip(&ax).map(|(b, a)| b - a).collect();
@@ -335,12 +356,12 @@ impl System {
         let mut rz = dot(&r, &z);
         // In energy, measured against that of the solution.
         let whole = dot(b, x).abs().max(f64::MIN_POSITIVE);
-        for _ in 0..most {
+        for k in 0..most {
             if !rz.is_finite() {
-                return false;
+                return None;
             }
             if rz <= TOLERANCE * TOLERANCE * whole {
-                return true;
+                return Some(k);
             }
             let ap = self.matrix.times(&p);
             let alpha = rz / dot(&p, &ap);
@@ -355,14 +376,16 @@ impl System {
             rz = next;
             p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + beta * *p);
         }
-        rz <= TOLERANCE * TOLERANCE * whole
+        (rz <= TOLERANCE * TOLERANCE * whole).then_some(most)
     }
 }
 
 /// Error in energy at which iterating ends.
 const TOLERANCE: f64 = 1e-4;
-/// More iterations than this cost more than a new factor.
-const MOST_ITERATIONS: usize = 14;
+/// At least so many iterations are tried before a new factor is made.
+const LEAST_ITERATIONS: usize = 14;
+/// A new factor costs as much as this many iterations for each square root of the unknowns.
+const FACTOR: f64 = 0.04;
 
 fn fill_matrix(matrix: &mut Symmetric, scatter: &[u32], stiffness: &[[f64; 36]], added: &[(usize, f64)]) {
     matrix.values.fill(0.0);
