@@ -50,7 +50,7 @@ pub fn timed_output(command: &mut Command, folder: &Path) -> Result<(Cost, Strin
 }
 
 /// Programs in the order they are printed.
-const PROGRAMS: [&str; 3] = ["grainpath", "prusa-slicer", "CuraEngine"];
+pub const PROGRAMS: [&str; 3] = ["grainpath", "prusa-slicer", "CuraEngine"];
 const RUNS: usize = 3;
 
 /// Wall time and peak memory at 0.2 mm, 2 walls, 20 % grid.
@@ -163,15 +163,16 @@ pub fn support(parts: &[&str]) -> Result<(), String> {
 const SUPPORTERS: [&str; 5] =
     ["grainpath tree", "grainpath columns", "grainpath box", "prusa-slicer", "CuraEngine"];
 
-struct Bench {
-    folder: PathBuf,
+/// The programs, the parts and where they are sliced.
+pub struct Bench {
+    pub folder: PathBuf,
     shared: PathBuf,
     /// CuraEngine's definition files, which come with the package of its front end.
     definitions: Option<PathBuf>,
 }
 
 impl Bench {
-    fn prepare() -> Result<Self, String> {
+    pub fn prepare() -> Result<Self, String> {
         let root = crate::root();
         let shared = root.join("../shared");
         if !shared.join("data").is_dir() {
@@ -190,7 +191,7 @@ impl Bench {
         Ok(Self { folder, shared, definitions })
     }
 
-    fn mesh(&self, part: &str) -> PathBuf {
+    pub fn mesh(&self, part: &str) -> PathBuf {
         self.folder.join("meshes").join(part).with_extension("stl")
     }
 
@@ -269,7 +270,7 @@ impl Bench {
     }
 
     /// Slices a part some times over; the best time and the highest peak, and the last G-code.
-    fn cost(&self, program: &str, part: &str, density: f64) -> Result<Option<(Cost, PathBuf)>, String> {
+    pub fn cost(&self, program: &str, part: &str, density: f64) -> Result<Option<(Cost, PathBuf)>, String> {
         let out = self.folder.join(format!("{program}_{part}_{}.gcode", 100.0 * density));
         let Some(words) = self.command(program, part, density, &out) else { return Ok(None) };
         let mut best = Cost { wall_s: f64::INFINITY, cpu_s: f64::INFINITY, peak_mib: 0.0 };

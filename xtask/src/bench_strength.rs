@@ -1,9 +1,11 @@
-//! Time and memory of the virtual strength test, of a plate and of a solid.
+//! Time and memory of the virtual strength test, of a plate and of a solid; the programs of other slicers in it.
 
 use std::fs;
 use std::process::{Command, Stdio};
 
-use crate::bench::timed;
+use serde_json::Value;
+
+use crate::bench::{Bench, PROGRAMS, timed};
 
 /// A test: what it is, its job, settings beside it, and the most it may take in seconds and MiB.
 type Case<'a> = (&'a str, &'a str, &'a [&'a str], f64, f64);
@@ -51,6 +53,40 @@ pub fn run() -> Result<(), String> {
         let aim =
             if most_s.is_finite() { format!("{most_s:.0} s, {most_mib:.0} MiB") } else { "none".into() };
         println!("| {what} | {wall_s:.1} | {mib:.0} | {aim} |");
+    }
+    foreign()
+}
+
+/// An open-hole plate sliced by each program at 100 % rectilinear, drawn until it breaks.
+fn foreign() -> Result<(), String> {
+    let bench = match Bench::prepare() {
+        Err(skipped) if skipped.starts_with("skipped") => {
+            println!("{skipped}");
+            return Ok(());
+        }
+        other => other?,
+    };
+    let ours = crate::built("grainpath");
+    crate::run(Command::new(&ours).args(["specimen", "d5766", "-o"]).arg(bench.mesh("d5766")))?;
+    println!("\nASTM D5766 open-hole plate, 100 % rectilinear, nominal card, cells of 0.45 mm.\n");
+    println!("| sliced by | mass g | peak N | stiffness N/mm | fails mostly |\n|---|---|---|---|---|");
+    for program in PROGRAMS {
+        let Some((_, gcode)) = bench.cost(program, "d5766", 1.0)? else { continue };
+        let mut command = Command::new(&ours);
+        command.arg("strength").arg(&gcode).arg("--job").arg(bench.mesh("d5766").with_extension("toml"));
+        for set in ["corners=false", "check=false", "cell_mm=0.45"] {
+            command.args(["--set", &format!("strength.{set}")]);
+        }
+        let found: Value =
+            serde_json::from_str(&crate::output(command.arg("--json"))?).map_err(|e| e.to_string())?;
+        let found = &found["strength"];
+        println!(
+            "| {program} | {} | {} | {} | {} |",
+            found["mass_g"],
+            found["peak_load_n"],
+            found["stiffness_n_per_mm"],
+            found["mode"].as_str().unwrap_or_default()
+        );
     }
     Ok(())
 }

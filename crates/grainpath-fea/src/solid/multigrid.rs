@@ -41,7 +41,7 @@ enum Matrix {
 impl Matrix {
     fn apply(&self, finest: &dyn System, x: &[DVec3], y: &mut [DVec3], scratch: &mut [DVec3]) {
         match self {
-            Self::Finest => finest.apply(x, y, scratch),
+            Self::Finest => finest.rough_apply(x, y, scratch),
             Self::Stored(blocks) => blocks.apply(x, y),
         }
     }

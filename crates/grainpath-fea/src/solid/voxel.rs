@@ -56,9 +56,19 @@ struct Cells {
     node_of: Vec<u32>,
     /// Grid points of the nodes.
     nodes: Vec<IVec3>,
+    /// The 27 nodes around each, x fastest; the node itself where there is none.
+    around: Vec<[u32; 27]>,
     /// The eight cells around each node when they are all alike: their material and scale.
     uniform: Vec<(u16, f32)>,
+    /// The matrix to seven digits, [`ROW`] numbers a node; empty where memory does not suffice.
+    rough: Vec<f32>,
 }
+
+/// Three lines of 27 neighbours, each line filled up to a multiple of four.
+const ROW: usize = 3 * LINE;
+const LINE: usize = 84;
+/// Bytes a node, with and without the matrix to seven digits.
+const NODE_BYTES: [usize; 2] = [810 + 4 * ROW, 810];
 
 fn corner(c: usize) -> IVec3 {
     IVec3::new((c & 1) as i32, (c >> 1 & 1) as i32, (c >> 2) as i32)
@@ -143,6 +153,7 @@ impl VoxelSystem {
     /// Gives cells other materials and scales: (cell, material, scale). Cells that were void stay so, and a scale is
     /// kept above a millionth, so that no node loses its hold.
     pub fn change(&mut self, changes: &[(usize, u16, f32)]) {
+        let mut around = Vec::new();
         for &(cell, material, scale) in changes {
             let old = (self.cells.part.material[cell], self.cells.part.scale[cell]);
             if old.0 == VOID || old.1 <= 0.0 || usize::from(material) >= self.cells.elements.len() {
@@ -150,8 +161,11 @@ impl VoxelSystem {
             }
             self.cells.part.material[cell] = material;
             self.cells.part.scale[cell] = scale.max(1e-6);
+            around.extend(self.cells.nodes_of(cell));
         }
-        self.cells.find_uniform();
+        around.sort_unstable();
+        around.dedup();
+        self.cells.update(&around);
         self.stale |= !changes.is_empty();
     }
 
@@ -274,16 +288,20 @@ impl Cells {
             return Err(SolidError::NothingInside);
         }
         // Vectors of both levels, the stencils of the coarse one, and the tables.
-        let need_mib = (700 * nodes.len() + 10 * n_cells) as f64 / 1048576.0;
-        if need_mib > settings.most_mib {
+        let need_mib = |bytes: usize| (bytes * nodes.len() + 10 * n_cells) as f64 / 1048576.0;
+        let [roomy, tight] = NODE_BYTES.map(need_mib);
+        if tight > settings.most_mib {
             return Err(SolidError::Memory {
                 what: "solving on voxels",
-                need_mib,
+                need_mib: tight,
                 limit_mib: settings.most_mib,
             });
         }
+        let rough = if roomy > settings.most_mib { Vec::new() } else { vec![0.0; ROW * nodes.len()] };
+        let uniform = vec![(VOID, 0.0); nodes.len()];
         let supports = Supports::new(nodes.len());
-        let mut cells = Self { part, supports, elements, stencils, node_of, nodes, uniform: Vec::new() };
+        let around = around(&part, &node_of, &nodes);
+        let mut cells = Self { part, supports, elements, stencils, node_of, nodes, around, uniform, rough };
         for &(p, direction, value) in hold {
             let inside = (0..3).all(|a| p[a] <= cells.part.n[a]);
             let p = IVec3::new(p[0] as i32, p[1] as i32, p[2] as i32);
@@ -294,7 +312,8 @@ impl Cells {
             }
         }
         cells.check()?;
-        cells.find_uniform();
+        let all: Vec<u32> = (0..cells.nodes.len() as u32).collect();
+        cells.update(&all);
         Ok(cells)
     }
 
@@ -343,42 +362,87 @@ impl Cells {
         self.supports.check_pieces(&places, &of_node, &pieces)
     }
 
-    fn find_uniform(&mut self) {
+    fn nodes_of(&self, cell: usize) -> [u32; 8] {
+        let (nx, ny) = (self.part.n[0], self.part.n[1]);
+        let c = IVec3::new((cell % nx) as i32, (cell / nx % ny) as i32, (cell / nx / ny) as i32);
+        std::array::from_fn(|k| self.node_of[self.part.point_index(c + corner(k))])
+    }
+
+    /// Finds again what is kept of the matrix at these nodes, after the cells around them have changed.
+    fn update(&mut self, nodes: &[u32]) {
         let part = &self.part;
-        let of = |&p: &IVec3| {
+        let uniform = |&i: &u32| {
+            let p = self.nodes[i as usize];
             let first = part.solid(p).unwrap_or((VOID, 0.0));
             let alike = (1..8).all(|c| part.solid(p - corner(c)) == Some(first));
             if alike { first } else { (VOID, 0.0) }
         };
-        self.uniform = self.nodes.par_iter().map(of).collect();
+        let found: Vec<(u16, f32)> = nodes.par_iter().map(uniform).collect();
+        nodes.iter().zip(found).for_each(|(&i, found)| self.uniform[i as usize] = found);
+        if self.rough.is_empty() {
+            return;
+        }
+        for nodes in nodes.chunks(CHUNK) {
+            let rows: Vec<[f32; ROW]> = nodes.par_iter().map(|&i| self.row(i as usize)).collect();
+            for (&i, row) in nodes.iter().zip(&rows) {
+                self.rough[ROW * i as usize..][..ROW].copy_from_slice(row);
+            }
+        }
+    }
+
+    /// What a node feels from its neighbours, three lines.
+    fn row(&self, i: usize) -> [f32; ROW] {
+        let p = self.nodes[i];
+        let mut blocks = [DMat3::ZERO; 27];
+        for a in 0..8 {
+            let Some((material, scale)) = self.part.solid(p - corner(a)) else { continue };
+            for (b, block) in self.elements[usize::from(material)][a].iter().enumerate() {
+                blocks[BETWEEN[a][b]] += *block * f64::from(scale);
+            }
+        }
+        let mut row = [0.0; ROW];
+        for (k, block) in blocks.iter().enumerate() {
+            for line in 0..3 {
+                (0..3).for_each(|j| row[LINE * line + 3 * k + j] = block.col(j)[line] as f32);
+            }
+        }
+        row
     }
 
     fn force(&self, i: usize, u: &[DVec3]) -> DVec3 {
-        let p = self.nodes[i];
-        let (nx, ny) = (self.part.n[0] as isize + 1, self.part.n[1] as isize + 1);
-        let centre = self.part.point_index(p) as isize;
+        let near = self.around[i].map(|j| u[j as usize]);
         let (material, scale) = self.uniform[i];
-        let mut sum = DVec3::ZERO;
         if material != VOID {
             let stencil = &self.stencils[usize::from(material)];
-            for (k, block) in stencil.iter().enumerate() {
-                let k = k as isize;
-                let step = ((k / 9 - 1) * ny + (k / 3 % 3 - 1)) * nx + k % 3 - 1;
-                sum += *block * u[self.node_of[(centre + step) as usize] as usize];
-            }
+            let sum: DVec3 = stencil.iter().zip(&near).map(|(block, u)| *block * *u).sum();
             return sum * f64::from(scale);
         }
+        let p = self.nodes[i];
+        let mut sum = DVec3::ZERO;
         for a in 0..8 {
-            let c = p - corner(a);
-            let Some((material, scale)) = self.part.solid(c) else { continue };
+            let Some((material, scale)) = self.part.solid(p - corner(a)) else { continue };
             let row = &self.elements[usize::from(material)][a];
-            let mut own = DVec3::ZERO;
-            for (b, block) in row.iter().enumerate() {
-                own += *block * u[self.node_of[self.part.point_index(c + corner(b))] as usize];
-            }
+            let own: DVec3 = row.iter().zip(&BETWEEN[a]).map(|(block, &k)| *block * near[k]).sum();
             sum += own * f64::from(scale);
         }
         sum
+    }
+
+    fn rough_force(&self, i: usize, u: &[DVec3]) -> DVec3 {
+        let mut near = [0.0; LINE];
+        for (near, &j) in near.chunks_exact_mut(3).zip(&self.around[i]) {
+            let u = u[j as usize];
+            (near[0], near[1], near[2]) = (u.x as f32, u.y as f32, u.z as f32);
+        }
+        let row = &self.rough[ROW * i..][..ROW];
+        let line = |k: usize| {
+            let mut sums = [0.0f32; 4];
+            for (a, b) in row[LINE * k..][..LINE].chunks_exact(4).zip(near.chunks_exact(4)) {
+                (0..4).for_each(|j| sums[j] += a[j] * b[j]);
+            }
+            f64::from((sums[0] + sums[1]) + (sums[2] + sums[3]))
+        };
+        DVec3::new(line(0), line(1), line(2))
     }
 
     /// Cells of twice the width below, their matrix by Galerkin's product from element to element, and grids below.
@@ -491,12 +555,36 @@ fn gathered(c: usize, k: &[[DMat3; 8]; 8]) -> [[DMat3; 8]; 8] {
     })
 }
 
+fn around(part: &VoxelPart, node_of: &[u32], nodes: &[IVec3]) -> Vec<[u32; 27]> {
+    let of = |(own, &p): (usize, &IVec3)| {
+        std::array::from_fn(|k| {
+            let q = p + IVec3::new(k as i32 % 3, k as i32 / 3 % 3, k as i32 / 9) - 1;
+            let inside = q.cmpge(IVec3::ZERO).all() && q.cmple(part.size()).all();
+            let node = if inside { node_of[part.point_index(q)] } else { NONE };
+            if node == NONE { own as u32 } else { node }
+        })
+    };
+    nodes.par_iter().enumerate().map(of).collect()
+}
+
+/// Which of the 27 neighbours of corner `a` of a cell its corner `b` is.
+const BETWEEN: [[usize; 8]; 8] = {
+    let mut out = [[0; 8]; 8];
+    let mut i = 0;
+    while i < 64 {
+        let (a, b) = (i / 8, i % 8);
+        let (x, y, z) = ((b & 1) + 1 - (a & 1), (b >> 1 & 1) + 1 - (a >> 1 & 1), (b >> 2) + 1 - (a >> 2));
+        out[a][b] = (z * 3 + y) * 3 + x;
+        i += 1;
+    }
+    out
+};
+
 fn stencil(k: &[[DMat3; 8]; 8]) -> [DMat3; 27] {
     let mut out = [DMat3::ZERO; 27];
     for a in 0..8 {
         for b in 0..8 {
-            let d = corner(b) - corner(a) + 1;
-            out[((d.z * 3 + d.y) * 3 + d.x) as usize] += k[a][b];
+            out[BETWEEN[a][b]] += k[a][b];
         }
     }
     out
@@ -519,6 +607,17 @@ impl System for Cells {
         f.par_chunks_mut(CHUNK).enumerate().for_each(|(c, chunk)| {
             for (i, f) in (c * CHUNK..).zip(chunk) {
                 *f = self.force(i, u);
+            }
+        });
+    }
+
+    fn rough_forces(&self, u: &[DVec3], f: &mut [DVec3], scratch: &mut [DVec3]) {
+        if self.rough.is_empty() {
+            return self.forces(u, f, scratch);
+        }
+        f.par_chunks_mut(CHUNK).enumerate().for_each(|(c, chunk)| {
+            for (i, f) in (c * CHUNK..).zip(chunk) {
+                *f = self.rough_force(i, u);
             }
         });
     }

@@ -508,13 +508,15 @@ impl StrengthReport {
     pub fn summary(&self) -> String {
         let mesh =
             self.mesh_change.map_or(String::new(), |c| format!(", {:.1} % moved by halving them", 100.0 * c));
+        let over = match self.corners.len() {
+            0 | 1 => "nominal card alone".to_owned(),
+            _ => format!("{:.0} to {:.0} N over the card of the material", self.low_n, self.high_n),
+        };
         format!(
-            "breaks at {:.0} N ({:.0} to {:.0} N over the card of the material), stiffness {:.0} N/mm, {:.0} N per gram\n\
+            "breaks at {:.0} N ({over}), stiffness {:.0} N/mm, {:.0} N per gram\n\
              fails mostly {}; weakest at {}\n\
              {} test, cells of {} mm{mesh}; {} unknowns, {} solutions, {:.1} s",
             self.peak_load_n,
-            self.low_n,
-            self.high_n,
             self.stiffness_n_per_mm,
             self.load_per_gram_n_g,
             self.mode,
