@@ -126,7 +126,7 @@ pub struct CtSettings {
     pub layer_height_mm: f64,
     /// Thickness of the first layer, mm.
     pub first_layer_height_mm: f64,
-    /// Contours are simplified to within this, mm.
+    /// Contours are simplified to within this, mm, or within a tenth of a pixel where that is more.
     pub simplify_mm: f64,
 }
 
@@ -195,6 +195,9 @@ pub fn slice_scan(
     let info = source.info().clone();
     info.warnings.iter().for_each(|w| diagnostics.warn(format!("scan: {w}")));
     let lattice = Lattice::new(&info, settings)?;
+    // Bends of less than a tenth of a pixel are noise, and every point is cut and offset.
+    let simplify_mm = settings.simplify_mm.max(0.1 * lattice.pixel_mm().min_element());
+    let settings = &CtSettings { simplify_mm, ..settings.clone() };
     let survey = Survey::of(source, &lattice, settings, diagnostics)?;
     let job = Job { settings, lattice: &lattice, survey: &survey, mode: lattice.mode(settings) };
     job.run(source, diagnostics)
