@@ -23,7 +23,7 @@ pub(super) struct Smoothing {
     band: f64,
 }
 
-const QUADRATIC: Smoothing = Smoothing { steps: 3, band: 25.0 };
+const FINEST: Smoothing = Smoothing { steps: 3, band: 25.0 };
 /// The first grid is as wide as the longest side, and so many times as wide as elements that were halved at thin walls:
 /// four times the band, as well damped by twice the steps.
 const LINEAR: Smoothing = Smoothing { steps: 8, band: 100.0 };
@@ -178,7 +178,7 @@ impl Multigrid {
         (mut transfer, mut cells): (Transfer, Vec<IVec3>),
     ) -> Self {
         let diagonal = finest.inverse_diagonal();
-        let mut levels = vec![Level::new(finest, Matrix::Finest, diagonal, first, QUADRATIC)];
+        let mut levels = vec![Level::new(finest, Matrix::Finest, diagonal, first, FINEST)];
         while levels.len() < 2 || matrix.n() > DENSE_NODES {
             let coarse = galerkin(&matrix, &transfer, &cells);
             let diagonal = matrix.inverse_diagonal();

@@ -79,6 +79,12 @@ impl VoxelPart {
         IVec3::new(self.n[0] as i32, self.n[1] as i32, self.n[2] as i32)
     }
 
+    /// Where a cell lies in the grid.
+    fn at(&self, cell: usize) -> IVec3 {
+        let [nx, ny, _] = self.n;
+        IVec3::new((cell % nx) as i32, (cell / nx % ny) as i32, (cell / nx / ny) as i32)
+    }
+
     fn cell(&self, c: IVec3) -> Option<usize> {
         let inside = c.cmpge(IVec3::ZERO).all() && c.cmplt(self.size()).all();
         inside.then(|| (c.z as usize * self.n[1] + c.y as usize) * self.n[0] + c.x as usize)
@@ -201,8 +207,7 @@ impl VoxelSystem {
     /// Strain in the middle of a cell, order xx, yy, zz, xy, yz, zx; `None` for a void one.
     pub fn strain(&self, displacement: &[DVec3], cell: usize) -> Option<[f64; 6]> {
         let part = &self.cells.part;
-        let (nx, ny) = (part.n[0], part.n[1]);
-        let c = IVec3::new((cell % nx) as i32, (cell / nx % ny) as i32, (cell / nx / ny) as i32);
+        let c = part.at(cell);
         part.solid(c)?;
         let mut grad = DMat3::ZERO;
         for k in 0..8 {
@@ -324,10 +329,7 @@ impl Cells {
     /// Cells hang together over faces.
     fn check(&self) -> Result<(), SolidError> {
         let n = self.part.size();
-        let at = |i: usize| {
-            let (nx, ny) = (self.part.n[0], self.part.n[1]);
-            IVec3::new((i % nx) as i32, (i / nx % ny) as i32, (i / nx / ny) as i32)
-        };
+        let at = |i: usize| self.part.at(i);
         let total = n.as_u64vec3().element_product() as usize;
         let mut piece = vec![NONE; total];
         let mut of_node = vec![NONE; self.nodes.len()];
@@ -363,8 +365,7 @@ impl Cells {
     }
 
     fn nodes_of(&self, cell: usize) -> [u32; 8] {
-        let (nx, ny) = (self.part.n[0], self.part.n[1]);
-        let c = IVec3::new((cell % nx) as i32, (cell / nx % ny) as i32, (cell / nx / ny) as i32);
+        let c = self.part.at(cell);
         std::array::from_fn(|k| self.node_of[self.part.point_index(c + corner(k))])
     }
 

@@ -2,6 +2,7 @@
 
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross};
+use grainpath_core::poly::distance2_to_segment;
 use rayon::prelude::*;
 
 /// A straight piece of bead.
@@ -90,7 +91,9 @@ fn evened(path: &[&BeadPiece], height_mm: f64) -> Vec<BeadPiece> {
             let (p, q) = if back { (before, short) } else { (short, after) };
             let whole = BeadPiece { b: q.b, volume_mm3: p.volume_mm3 + q.volume_mm3, ..*p };
             let length = p.a.distance(p.b) + q.a.distance(q.b);
-            if off_line(q.a, p.a, q.b) > WIGGLE * wide || whole.a.distance(whole.b) < 0.5 * length {
+            if distance2_to_segment(q.a, p.a, q.b) > (WIGGLE * wide).powi(2)
+                || whole.a.distance(whole.b) < 0.5 * length
+            {
                 break;
             }
             let at = out.len() - if back { 3 } else { 2 };
@@ -98,12 +101,6 @@ fn evened(path: &[&BeadPiece], height_mm: f64) -> Vec<BeadPiece> {
         }
     }
     out
-}
-
-/// How far a point is from the straight piece between two others.
-fn off_line(p: DVec2, a: DVec2, b: DVec2) -> f64 {
-    let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
-    p.distance(a.lerp(b, t))
 }
 
 /// Tangent of half the turn from one direction to another, positive to the left.

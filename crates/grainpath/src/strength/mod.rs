@@ -481,9 +481,7 @@ fn beside(setup: &TestSetup, p: DVec2) -> String {
         for (contour, kind) in contours {
             let middle = contour.iter().copied().sum::<DVec2>() / contour.len().max(1) as f64;
             for (a, b) in grainpath_core::poly::edges(contour) {
-                let d = b - a;
-                let t = ((p - a).dot(d) / d.length_squared().max(1e-300)).clamp(0.0, 1.0);
-                let distance = p.distance(a + t * d);
+                let distance = grainpath_core::poly::distance2_to_segment(p, a, b).sqrt();
                 if distance < near.0 {
                     near = (distance, kind, middle);
                 }

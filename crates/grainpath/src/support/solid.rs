@@ -8,6 +8,7 @@
 use std::collections::HashMap;
 
 use grainpath_core::diagnostics::Interrupted;
+use grainpath_core::poly::distance2_to_segment;
 use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Region, TriMesh};
 use rayon::prelude::*;
 
@@ -148,7 +149,7 @@ impl PlaneGrid {
                 let hi = ((p.max(q) + far - self.origin) / self.cell_mm).floor();
                 for y in (lo.y.max(0.0) as usize).max(y0)..=(hi.y as usize).min(y1) {
                     for x in (lo.x.max(0.0) as usize).max(x0)..=(hi.x as usize).min(x1) {
-                        let d = distance_mm(self.place(x, y), p, q);
+                        let d = distance2_to_segment(self.place(x, y), p, q).sqrt();
                         let slot = &mut local[(y - y0) * w + x - x0];
                         *slot = slot.min(d);
                     }
@@ -199,13 +200,6 @@ impl PlaneGrid {
             }
         }
     }
-}
-
-fn distance_mm(p: DVec2, a: DVec2, b: DVec2) -> f64 {
-    let d = b - a;
-    let len2 = d.length_squared();
-    let t = if len2 > 0.0 { ((p - a).dot(d) / len2).clamp(0.0, 1.0) } else { 0.0 };
-    p.distance(a + t * d)
 }
 
 /// The tetrahedra of a cube: ways from corner 0 to corner 7 along its edges.

@@ -2,7 +2,7 @@
 
 use grainpath_core::buckets::{Buckets, Cells};
 use grainpath_core::math::{cross, direction};
-use grainpath_core::poly::{FillRule, Join, LineClipper, edges};
+use grainpath_core::poly::{FillRule, Join, LineClipper, distance2_to_segment, edges};
 use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
 use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DVec3, DirectionField, Polygon, Region, Toolpath};
 
@@ -114,9 +114,7 @@ impl NearBorder {
         let mut best = (f64::INFINITY, u32::MAX);
         for &k in cells.around(cells.at(p), 1).flat_map(|at| self.buckets.of(cells.index(at))) {
             let (a, b) = self.edges[k as usize];
-            let d = b - a;
-            let t = ((p - a).dot(d) / d.length_squared().max(1e-18)).clamp(0.0, 1.0);
-            let distance = p.distance(a + t * d);
+            let distance = distance2_to_segment(p, a, b).sqrt();
             if distance < best.0 || (distance == best.0 && k < best.1) {
                 best = (distance, k);
             }

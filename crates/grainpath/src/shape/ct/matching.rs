@@ -102,7 +102,7 @@ impl Slab {
         let moving: f64 = self.moving.iter().map(|p| signed_area_mm2(&p.at(0.5))).sum();
         let still = self.still.iter().filter(|s| s.1 <= 0.5 && 0.5 < s.2);
         let middle = moving + still.map(|s| signed_area_mm2(&s.0)).sum::<f64>();
-        middle > 1.05 * area(a).max(area(b)) + step_mm * step_mm
+        middle > most_mm2(area(a), area(b), step_mm)
     }
 
     /// Matches two slices. `change` tells at which share of the way the part of the plane inside a contour changes
@@ -138,6 +138,11 @@ impl Slab {
         }
         slab
     }
+}
+
+/// What may be inside halfway between two areas.
+fn most_mm2(a: f64, b: f64, step_mm: f64) -> f64 {
+    1.05 * a.max(b) + step_mm * step_mm
 }
 
 struct Builder<'a> {
@@ -248,9 +253,8 @@ impl Builder<'_> {
         let covered: f64 = Region::from_contours(std::iter::once(&middle), FillRule::NonZero).area_mm2();
         let signed = signed_area_mm2(&middle);
         let (a, b) = (signed_area_mm2(p), signed_area_mm2(q));
-        let most = 1.05 * a.max(b) + step * step;
-        if signed < 0.5 * a.min(b) || signed > most || (covered - signed).abs() > 0.02 * signed + step * step
-        {
+        let unlike = (covered - signed).abs() > 0.02 * signed + step * step;
+        if signed < 0.5 * a.min(b) || signed > most_mm2(a, b, step) || unlike {
             return None;
         }
         slab.moving.push(pairing);
