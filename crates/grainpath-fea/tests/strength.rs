@@ -1,6 +1,6 @@
 //! The strength test against closed forms: strengths off axis, laminate stiffness, holes, and its own mesh.
 
-use grainpath_core::math::direction;
+use grainpath_core::math::{atan2, direction, sin_cos};
 use grainpath_core::{DVec2, DVec3};
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::strength::bricks::Bricks;
@@ -146,11 +146,15 @@ fn rasters_off_axis_follow_tsai_and_hill() {
         let (outcome, cut) = pull_cut(&[deg, deg], &pla());
         let mpa = outcome.peak_load_n / (cut.y * 2.0 * HEIGHT_MM);
         let want = pla().tsai_hill_mpa(deg.to_radians());
+        let first = outcome.first_n / (cut.y * 2.0 * HEIGHT_MM);
         println!(
-            "{deg}: {mpa:.2} MPa, Tsai-Hill {want:.2}, Hankinson {:.2}",
+            "{deg}: first {first:.2}, peak {mpa:.2} MPa, Tsai-Hill {want:.2}, Hankinson {:.2}",
             pla().hankinson_mpa(deg.to_radians())
         );
-        assert!((mpa / want - 1.0).abs() < 0.04, "{deg}: {mpa} {want}");
+        assert!((first / want - 1.0).abs() < 0.001, "{deg}: {first} {want}");
+        // A crack along beads at 30 degrees goes up in steps on square cells, which hold it back a little.
+        let most = if deg == 30.0 { 0.05 } else { 0.002 };
+        assert!((mpa / want - 1.0).abs() < most, "{deg}: {mpa} {want}");
         // Hankinson knows no shear strength and is the upper bound here.
         assert!(mpa < 1.01 * pla().hankinson_mpa(deg.to_radians()), "{deg}");
         if deg <= 45.0 {
@@ -198,14 +202,19 @@ fn stiffness_is_that_of_laminate_theory() {
     }
 }
 
-/// A plate of plies at 0 degrees with a round hole in the middle, cut exactly into the cells.
-fn plate_with_hole(size: DVec2, radius: f64, cell_mm: f64) -> Laminate {
-    let grid = Grid {
-        low: -0.5 * size,
-        cell_mm,
-        nx: (size.x / cell_mm).round() as usize,
-        ny: (size.y / cell_mm).round() as usize,
-    };
+/// A plate with a round hole in the middle, cut exactly into cells, of plies at these angles. The grid is moved by this
+/// share of a cell against the middle.
+fn plate_with_hole(
+    size: DVec2,
+    radius: f64,
+    cell_mm: f64,
+    moved: DVec2,
+    angle_rad: &dyn Fn(DVec2) -> f64,
+) -> Laminate {
+    let more = moved.ceil();
+    let n = (size / cell_mm).round() + more;
+    let low = -0.5 * size - (more - moved) * cell_mm;
+    let grid = Grid { low, cell_mm, nx: n.x as usize, ny: n.y as usize };
     let mut starts = vec![0];
     let mut plies = Vec::new();
     for cell in 0..grid.nx * grid.ny {
@@ -213,11 +222,12 @@ fn plate_with_hole(size: DVec2, radius: f64, cell_mm: f64) -> Laminate {
         let n = 8;
         let inside = (0..n * n).filter(|k| {
             let off = DVec2::new(f64::from(k % n) + 0.5, f64::from(k / n) + 0.5) / f64::from(n) - 0.5;
-            (c + off * cell_mm).length() > radius
+            let place = c + off * cell_mm;
+            place.length() > radius && (place.abs() - 0.5 * size).max_element() < 0.0
         });
         let thickness_mm = inside.count() as f64 / f64::from(n * n);
         if thickness_mm > 0.0 {
-            plies.push(Ply { thickness_mm, angle_rad: 0.0, coherence: 1.0, material: 0 });
+            plies.push(Ply { thickness_mm, angle_rad: angle_rad(c), coherence: 1.0, material: 0 });
         }
         starts.push(plies.len() as u32);
     }
@@ -230,7 +240,7 @@ fn stress_at_a_hole_is_lekhnitskiis() {
     // their middle, so that is where it is compared.
     let card = pla();
     let (size, radius, cell) = (DVec2::new(48.0, 48.0), 2.0, 0.1);
-    let laminate = plate_with_hole(size, radius, cell);
+    let laminate = plate_with_hole(size, radius, cell, DVec2::ZERO, &|_| 0.0);
     let grid = laminate.grid;
     let taken: Vec<bool> = (0..grid.nx * grid.ny).map(|c| laminate.thickness_mm(c) > 0.02).collect();
     let elements = Elements::of(&grid, &taken);
@@ -254,9 +264,8 @@ fn stress_at_a_hole_is_lekhnitskiis() {
             forces[2 * i] = if end { 0.5 * cell } else { cell };
         }
     }
-    let mut system = System::new(&elements, &membrane, &holds, 2 << 30).expect("held");
-    let mut x = vec![0.0; forces.len()];
-    system.solve(&forces, &mut x).expect("solved");
+    let mut system = System::new(&elements, &membrane, &holds, &forces, 2 << 30).expect("held");
+    let x = system.solve().expect("solved");
     let [e1, e2, _] = card.elastic.e_mpa;
     let (n12, g12) = (card.elastic.nu[0], card.elastic.g_mpa[0]);
     let k = 1.0 + (2.0 * ((e1 / e2).sqrt() - n12) + e1 / g12).sqrt();
@@ -284,18 +293,66 @@ fn beside_the_hole(k: f64, radius: f64, y: f64) -> f64 {
 }
 
 #[test]
-fn a_notched_bar_answers_alike_on_finer_cells_and_the_same_twice() {
-    let load =
-        |cell: f64| pull_laminate(&plate_with_hole(DVec2::new(40.0, 12.0), 2.0, cell), &pla(), &|_| true);
-    let (coarse, fine) = (load(0.5), load(0.25));
-    println!("0.5 mm: {:.1} N, 0.25 mm: {:.1} N", coarse.peak_load_n, fine.peak_load_n);
-    assert!((coarse.peak_load_n / fine.peak_load_n - 1.0).abs() < 0.05);
+fn a_notched_bar_answers_alike_on_finer_cells_wherever_they_lie_and_the_same_twice() {
+    let load = |cell: f64, moved: f64| {
+        let plate = plate_with_hole(DVec2::new(40.0, 12.0), 2.0, cell, DVec2::splat(moved), &|_| 0.0);
+        pull_laminate(&plate, &pla(), &|_| true)
+    };
+    let coarse = load(0.5, 0.0);
+    // Two rows of cells beside the middle break alike, one in the middle, or none does: one crack in any case.
+    let all =
+        [coarse.clone(), load(0.5, 0.25), load(0.5, 0.5), load(0.25, 0.0), load(0.25, 0.25), load(0.25, 0.5)];
+    let peaks = all.each_ref().map(|o| o.peak_load_n);
+    println!("0.5 mm: {:.1?} N, 0.25 mm: {:.1?} N", &peaks[..3], &peaks[3..]);
+    let spread = |of: &[f64]| {
+        of.iter().fold(0.0, |m: f64, p| m.max(*p)) / of.iter().fold(f64::INFINITY, |m, p| m.min(*p))
+    };
+    assert!(spread(&peaks[..3]) < 1.04 && spread(&peaks[3..]) < 1.02 && spread(&peaks) < 1.04, "{peaks:?}");
+    let fine = &all[3];
     // Stronger than the peak of stress says, weaker than the section left beside the hole.
     let section = 8.0 * 52.0;
     assert!(fine.peak_load_n < section && fine.peak_load_n > 0.5 * section, "{}", fine.peak_load_n);
-    assert_eq!(coarse, load(0.5));
+    assert_eq!(coarse, load(0.5, 0.0));
     let high = fine.curve.iter().map(|p| p[1]).fold(0.0, f64::max);
     assert!((high / fine.peak_load_n - 1.0).abs() < 1e-9 && fine.curve.len() > 3);
+}
+
+/// Direction of the greatest principal stress beside a hole of radius 1 in a wide plate pulled along x, after Kirsch.
+fn beside_a_hole_rad(place: DVec2) -> f64 {
+    let (q, around) = (1.0 / place.length_squared(), atan2(place.y, place.x));
+    let (s, c) = sin_cos(2.0 * around);
+    let radial = 0.5 * (1.0 - q) + 0.5 * (1.0 - 4.0 * q + 3.0 * q * q) * c;
+    let hoop = 0.5 * (1.0 + q) - 0.5 * (1.0 + 3.0 * q * q) * c;
+    let shear = -0.5 * (1.0 + 2.0 * q - 3.0 * q * q) * s;
+    let greatest = around + 0.5 * atan2(2.0 * shear, radial - hoop);
+    if radial + hoop < 0.0 { greatest + std::f64::consts::FRAC_PI_2 } else { greatest }
+}
+
+#[test]
+fn what_direction_alone_gains_at_a_hole() {
+    // The tensile bar of the stress-line paper without a print: no gap, no lap, directions alone.
+    let (size, radius, wall) = (DVec2::new(40.0, 10.0), 1.5, 0.45);
+    let inside = |p: DVec2| p.length() > radius + wall && p.y.abs() < 0.5 * size.y - wall;
+    let along_the_wall =
+        |p: DVec2| if p.length() > radius + wall { 0.0 } else { atan2(p.perp().y, p.perp().x) };
+    let peak = |angle_rad: &dyn Fn(DVec2) -> f64| {
+        let plate = plate_with_hole(size, radius, 0.225, DVec2::splat(0.25), angle_rad);
+        pull_laminate(&plate, &pla(), &|_| true).peak_load_n
+    };
+    let walled = |fill: &dyn Fn(DVec2) -> f64| peak(&|p| if inside(p) { fill(p) } else { along_the_wall(p) });
+    let stress = |p: DVec2| beside_a_hole_rad(p / radius);
+    let [follows, straight, across] =
+        [walled(&stress), walled(&|_| 0.0), walled(&|_| std::f64::consts::FRAC_PI_2)];
+    let [bare_follows, bare_straight] = [peak(&stress), peak(&|_| 0.0)];
+    println!(
+        "a wall around all: along the stress {follows:.1}, 0 degrees {straight:.1}, 90 degrees {across:.1} N"
+    );
+    println!("no wall: along the stress {bare_follows:.1}, 0 degrees {bare_straight:.1} N");
+    // Printed PLA is about as stiff across its beads as along them: the stress does not move, and beside the hole, where
+    // the bar breaks, straight beads run along it already.
+    assert!((follows / straight - 1.0).abs() < 0.03, "{follows} {straight}");
+    assert!((bare_follows / bare_straight - 1.0).abs() < 0.05, "{bare_follows} {bare_straight}");
+    assert!(follows / across > 1.15, "{follows} {across}");
 }
 
 /// Pulls a box made of bricks along an axis, its ends spared; one end may shrink.

@@ -53,6 +53,11 @@ pub(super) trait Body: Sync {
     fn centre(&self, element: usize) -> DVec3;
     fn cell_mm(&self) -> f64;
     fn is_spared(&self, element: usize) -> bool;
+    /// Elements over whose sides and corners a crack through a ply of this one would run on to widen, not to grow:
+    /// those that lie along its normal. `how` is through its beads, between them, between layers.
+    fn rivals(&self, _ply: usize, _element: usize, _how: usize) -> Vec<usize> {
+        Vec::new()
+    }
     /// Solves for a load factor of 1 and gives force times displacement.
     fn solve(&mut self) -> Result<f64, TestError>;
     fn near(&self, element: usize, states: &[State]) -> Vec<Near>;
@@ -169,7 +174,37 @@ fn critical(body: &dyn Body, near: &[Vec<Near>], states: &[State]) -> f64 {
     (0..near.len()).filter(|&e| !body.is_spared(e)).map(of).fold(f64::INFINITY, f64::min)
 }
 
-/// Draws every ply that stands less than this load; which elements that changed.
+/// Which elements stand less than this load, by how much, and which ply of theirs how.
+fn short(body: &dyn Body, near: &[Vec<Near>], states: &[State], level: f64) -> Vec<Short> {
+    let of = |e: usize| {
+        let mut worst = Short { excess: 1.0, ply: 0, how: 0 };
+        if body.is_spared(e) {
+            return worst;
+        }
+        for (ply, near) in body.plies(e).zip(&near[e]) {
+            for how in 0..3 {
+                let state = &states[ply];
+                let excess = level * near.index[how] / state.drawn[how];
+                if state.drawn[how] < state.most[how] && excess > worst.excess {
+                    worst = Short { excess, ply, how };
+                }
+            }
+        }
+        worst
+    };
+    (0..near.len()).into_par_iter().map(of).collect()
+}
+
+/// By how much an element stands less than a load (1: it stands it), and which ply of it how.
+#[derive(Clone, Copy)]
+struct Short {
+    excess: f64,
+    ply: usize,
+    how: usize,
+}
+
+/// Draws plies that stand less than this load, but one row of elements only where several would break side by side:
+/// they spend the energy of one crack, and the first to lose stiffness relieves the others. Which elements changed.
 fn drawn(
     body: &dyn Body,
     near: &[Vec<Near>],
@@ -178,7 +213,13 @@ fn drawn(
     level: f64,
 ) -> Vec<usize> {
     let mut changed = Vec::new();
-    for e in (0..near.len()).filter(|&e| !body.is_spared(e)) {
+    let short = short(body, near, states, level);
+    let first = |e: usize| {
+        let own = short[e];
+        let mut rivals = body.rivals(own.ply, e, own.how).into_iter();
+        rivals.all(|r| short[r].excess < own.excess || (short[r].excess == own.excess && r > e))
+    };
+    for e in (0..near.len()).filter(|&e| short[e].excess > 1.0 && first(e)) {
         let mut any = false;
         for (p, near) in body.plies(e).zip(&near[e]) {
             let state = &mut states[p];

@@ -8,12 +8,14 @@
 pub mod bricks;
 pub mod cells;
 mod drawing;
+mod fronts;
 pub mod plate;
 pub mod ply;
 pub mod solid;
 
 use std::ops::Range;
 
+use grainpath_core::math::direction;
 use grainpath_core::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -98,8 +100,11 @@ impl Outcome {
     }
 }
 
+/// Cosine of the greatest angle to a crack's normal at which a cell lies beside the crack, not ahead of it.
+const ASIDE: f64 = 0.6;
+
 /// How plates are drawn.
-const PACE: Pace = Pace { step: 0.04, finest: 0.011, most_at_a_load: 25, most_solutions: 400 };
+const PACE: Pace = Pace { step: 0.04, finest: 0.011, most_at_a_load: usize::MAX, most_solutions: 2000 };
 
 impl PlateTest<'_> {
     /// Draws the plate until it breaks.
@@ -114,12 +119,14 @@ impl PlateTest<'_> {
             .into_par_iter()
             .map(|e| self.stiffness(e, |p| Ok(whole[self.material(p)])))
             .collect::<Result<_, _>>()?;
-        let system = System::new(self.elements, &|e| first[e], self.holds, self.max_bytes)?;
-        drop(first);
         let forces: Vec<f64> = self.forces_n.iter().flat_map(|f| [f.x, f.y]).collect();
-        let x = vec![0.0; forces.len()];
+        let system = System::new(self.elements, &|e| first[e], self.holds, &forces, self.max_bytes)?;
+        drop(first);
+        let x = Vec::new();
         let cell_mm = self.elements.grid.cell_mm;
-        let mut body = Plate { test: self, system, forces, x };
+        let mut at = vec![None; self.elements.grid.nx * self.elements.grid.ny];
+        self.elements.cells.iter().enumerate().for_each(|(e, c)| at[*c as usize] = Some(e as u32));
+        let mut body = Plate { test: self, system, forces, x, at };
         drawing::draw(&mut body, self.cards, [cell_mm; 2], self.load_n, &PACE)
     }
 
@@ -153,6 +160,8 @@ struct Plate<'a> {
     system: System,
     forces: Vec<f64>,
     x: Vec<f64>,
+    /// Element of each cell.
+    at: Vec<Option<u32>>,
 }
 
 fn in_plane(losses: [f64; 3]) -> [f64; 2] {
@@ -192,8 +201,28 @@ impl Body for Plate<'_> {
         self.test.spared[element]
     }
 
+    fn rivals(&self, ply: usize, element: usize, how: usize) -> Vec<usize> {
+        let along = direction(self.test.laminate.plies[ply].angle_rad);
+        let normal = if how == 0 { along } else { along.perp() };
+        let grid = &self.test.elements.grid;
+        let cell = self.test.elements.cells[element] as usize;
+        let (i, j) = (cell % grid.nx, cell / grid.nx);
+        let mut out = Vec::new();
+        for (di, dj) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
+            let off = DVec2::new(f64::from(di), f64::from(dj));
+            let (Some(a), Some(b)) = (i.checked_add_signed(di as isize), j.checked_add_signed(dj as isize))
+            else {
+                continue;
+            };
+            if a < grid.nx && b < grid.ny && off.dot(normal).abs() >= ASIDE * off.length() {
+                out.extend(self.at[b * grid.nx + a].map(|e| e as usize));
+            }
+        }
+        out
+    }
+
     fn solve(&mut self) -> Result<f64, TestError> {
-        self.system.solve(&self.forces, &mut self.x)?;
+        self.x = self.system.solve()?;
         Ok(self.forces.iter().zip(&self.x).map(|(f, u)| f * u).sum())
     }
 

@@ -3,8 +3,9 @@
 use grainpath_core::DVec2;
 
 use super::cells::Grid;
+use super::fronts::{Fronts, Lower};
 use crate::plane::PlaneStiffness;
-use crate::sparse::{Cholesky, SparseError, Symmetric};
+use crate::sparse::SparseError;
 
 /// A node held along a direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,50 +57,6 @@ impl Elements {
     pub fn node(&self, i: usize) -> DVec2 {
         let [x, y] = self.places[i];
         self.grid.low + self.grid.cell_mm * DVec2::new(f64::from(x), f64::from(y))
-    }
-
-    /// Nodes in an order that keeps the factor small: halves first, the line between them last.
-    fn dissection(&self) -> Vec<usize> {
-        let mut order = Vec::with_capacity(self.places.len());
-        let mut all: Vec<usize> = (0..self.places.len()).collect();
-        self.dissect(&mut all, &mut order);
-        order
-    }
-
-    fn dissect(&self, nodes: &mut [usize], order: &mut Vec<usize>) {
-        if nodes.len() <= 24 {
-            order.extend_from_slice(nodes);
-            return;
-        }
-        let place = |i: usize, k: usize| self.places[i][k];
-        let span = |k: usize| {
-            let values = nodes.iter().map(|&i| place(i, k));
-            values.fold((u32::MAX, 0), |(a, b), v| (a.min(v), b.max(v)))
-        };
-        let spans = [span(0), span(1)];
-        let axis = usize::from(spans[1].1 - spans[1].0 > spans[0].1 - spans[0].0);
-        if spans[axis].0 == spans[axis].1 {
-            order.extend_from_slice(nodes);
-            return;
-        }
-        // The line at the median node: halves even in number.
-        let mut values: Vec<u32> = nodes.iter().map(|&i| place(i, axis)).collect();
-        let half = values.len() / 2;
-        let cut = *values.select_nth_unstable(half).1;
-        let cut = cut.clamp(spans[axis].0 + 1, spans[axis].1.max(spans[axis].0 + 1));
-        let side = |i: usize| match place(i, axis).cmp(&cut) {
-            std::cmp::Ordering::Less => 0,
-            std::cmp::Ordering::Greater => 1,
-            std::cmp::Ordering::Equal => 2,
-        };
-        nodes.sort_by_key(|&i| (side(i), i));
-        let first = nodes.partition_point(|&i| side(i) < 1);
-        let second = nodes.partition_point(|&i| side(i) < 2);
-        let (left, rest) = nodes.split_at_mut(first);
-        let (right, line) = rest.split_at_mut(second - first);
-        self.dissect(left, order);
-        self.dissect(right, order);
-        order.extend_from_slice(line);
     }
 }
 
@@ -200,25 +157,19 @@ const HOLD: f64 = 1e5;
 /// What every node has, of the stiffest: hinges at single corners do not make the matrix singular.
 const LEAST: f64 = 1e-10;
 
-/// The matrix of a plate and how to solve it.
+/// The stiffness of a plate and how to solve it.
 pub struct System {
-    matrix: Symmetric,
-    factor: Cholesky,
-    /// Where each entry of an element goes, `(n_elements, 36)`: the lower half by columns.
-    scatter: Vec<u32>,
-    stiffness: Vec<[f64; 36]>,
-    /// What holds and the least stiffness add.
-    added: Vec<(usize, f64)>,
-    fresh: bool,
-    /// Solutions since the last factorisation and the iterations they took.
-    since: [usize; 2],
-    /// Factorisations so far.
+    fronts: Fronts,
+    stiffness: Vec<Lower>,
+    dofs: usize,
+    /// Factorisations so far, of parts too.
     pub factored: usize,
     /// Solutions so far.
     pub solved: usize,
+    stale: bool,
 }
 
-fn lower(k: &[[f64; 8]; 8]) -> [f64; 36] {
+fn lower(k: &[[f64; 8]; 8]) -> Lower {
     let mut out = [0.0; 36];
     let mut at = 0;
     for (j, row) in k.iter().enumerate() {
@@ -231,7 +182,7 @@ fn lower(k: &[[f64; 8]; 8]) -> [f64; 36] {
 }
 
 impl System {
-    /// Assembles and factors.
+    /// Adds up and factors. `forces` act on the unknowns, N.
     ///
     /// # Errors
     /// [`SparseError`] when the factor would take more than `max_bytes` or the plate is not held.
@@ -239,160 +190,52 @@ impl System {
         elements: &Elements,
         stiffness: &dyn Fn(usize) -> [[f64; 8]; 8],
         holds: &[GridHold],
+        forces: &[f64],
         max_bytes: u64,
     ) -> Result<Self, SparseError> {
-        let n = 2 * elements.places.len();
-        let mut pairs: Vec<u64> = Vec::with_capacity(10 * elements.corners.len());
-        for e in &elements.corners {
-            for (a, &i) in e.iter().enumerate() {
-                pairs.extend(e[..=a].iter().map(|&j| (u64::from(i.min(j)) << 32) | u64::from(i.max(j))));
-            }
-        }
-        pairs.sort_unstable();
-        pairs.dedup();
-        let mut matrix = Symmetric { starts: vec![0], ..Symmetric::default() };
-        for column in pairs.chunk_by(|a, b| a >> 32 == b >> 32) {
-            let j = (column[0] >> 32) as usize;
-            for c in 0..2 {
-                for pair in column {
-                    let i = (pair & 0xffff_ffff) as usize;
-                    matrix.rows.extend([2 * i, 2 * i + 1].into_iter().filter(|r| *r >= 2 * j + c));
-                }
-                matrix.starts.push(matrix.rows.len());
-            }
-        }
-        matrix.values = vec![0.0; matrix.rows.len()];
-        let place = |row: usize, column: usize| {
-            let (r, c) = (row.max(column), row.min(column));
-            let range = matrix.starts[c]..matrix.starts[c + 1];
-            range.start + matrix.rows[range].binary_search(&r).unwrap_or(0)
-        };
-        let mut scatter = Vec::with_capacity(36 * elements.corners.len());
-        for e in &elements.corners {
-            let dof = |a: usize| 2 * e[a / 2] as usize + a % 2;
-            for j in 0..8 {
-                scatter.extend((j..8).map(|i| place(dof(i), dof(j)) as u32));
-            }
-        }
-        let stiffness: Vec<[f64; 36]> = (0..elements.corners.len()).map(|e| lower(&stiffness(e))).collect();
+        let dofs = 2 * elements.places.len();
+        let stiffness: Vec<Lower> = (0..elements.corners.len()).map(|e| lower(&stiffness(e))).collect();
         let stiffest = stiffness.iter().map(|k| k[0].max(k[8])).fold(0.0, f64::max);
-        let mut added: Vec<(usize, f64)> = (0..n).map(|i| (matrix.starts[i], LEAST * stiffest)).collect();
+        let mut added: Vec<(usize, usize, f64)> = (0..dofs).map(|i| (i, i, LEAST * stiffest)).collect();
         for hold in holds {
             let i = 2 * hold.node as usize;
             let (x, y) = (hold.along.x, hold.along.y);
             for (r, c, share) in [(i, i, x * x), (i + 1, i, x * y), (i + 1, i + 1, y * y)] {
                 if share != 0.0 {
-                    added.push((place(r, c), HOLD * stiffest * share));
+                    added.push((r, c, HOLD * stiffest * share));
                 }
             }
         }
-        let order: Vec<usize> = elements.dissection().into_iter().flat_map(|i| [2 * i, 2 * i + 1]).collect();
-        fill_matrix(&mut matrix, &scatter, &stiffness, &added);
-        let factor = Cholesky::new(&matrix, Some(&order), max_bytes)?;
-        Ok(Self {
-            matrix,
-            factor,
-            scatter,
-            stiffness,
-            added,
-            fresh: true,
-            since: [0; 2],
-            factored: 1,
-            solved: 0,
-        })
+        let mut fronts = Fronts::new(elements, &added, forces, max_bytes)?;
+        fronts.refactor(&stiffness)?;
+        Ok(Self { fronts, stiffness, dofs, factored: 1, solved: 0, stale: false })
     }
 
     /// Unknowns.
     pub fn dofs(&self) -> usize {
-        self.matrix.n()
+        self.dofs
     }
 
     /// Gives an element another stiffness.
     pub fn change(&mut self, element: usize, stiffness: &[[f64; 8]; 8]) {
         self.stiffness[element] = lower(stiffness);
-        self.fresh = false;
+        self.fronts.change(element);
+        self.stale = true;
     }
 
-    /// Displacements under forces, N; `x` is where it begins, the last solution being best.
+    /// Displacements of the unknowns, mm.
     ///
     /// # Errors
     /// [`SparseError`] when too little stiffness is left.
-    pub fn solve(&mut self, forces: &[f64], x: &mut [f64]) -> Result<(), SparseError> {
+    pub fn solve(&mut self) -> Result<Vec<f64>, SparseError> {
+        if self.stale {
+            self.fronts.refactor(&self.stiffness)?;
+            self.factored += 1;
+            self.stale = false;
+        }
         self.solved += 1;
-        if self.fresh {
-            x.copy_from_slice(forces);
-            self.factor.solve(x);
-            return Ok(());
-        }
-        fill_matrix(&mut self.matrix, &self.scatter, &self.stiffness, &self.added);
-        let made = (FACTOR * (self.matrix.n() as f64).sqrt()) as usize;
-        let taken = self.iterate(forces, x, made.max(LEAST_ITERATIONS));
-        let iterations = taken.unwrap_or(0);
-        self.since = [self.since[0] + 1, self.since[1] + iterations];
-        // A factor has had its time when a solution takes longer than the mean so far, its own making counted.
-        let worn = iterations * self.since[0] > made + self.since[1];
-        if taken.is_some() && !worn {
-            return Ok(());
-        }
-        self.factor.refactor(&self.matrix)?;
-        self.factored += 1;
-        self.since = [0; 2];
-        if taken.is_none() {
-            x.copy_from_slice(forces);
-            self.factor.solve(x);
-            self.iterate(forces, x, 2);
-        }
-        Ok(())
+        Ok(self.fronts.solve())
     }
-
-    /// Conjugate gradients with the last factor; how many iterations they took where they came to an end.
-    fn iterate(&self, b: &[f64], x: &mut [f64], most: usize) -> Option<usize> {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        let ax = self.matrix.times(x);
-        let mut r: Vec<f64> = b.iter().zip(&ax).map(|(b, a)| b - a).collect();
-        let mut z = r.clone();
-        self.factor.solve(&mut z);
-        let mut p = z.clone();
-        let mut rz = dot(&r, &z);
-        // In energy, measured against that of the solution.
-        let whole = dot(b, x).abs().max(f64::MIN_POSITIVE);
-        for k in 0..most {
-            if !rz.is_finite() {
-                return None;
-            }
-            if rz <= TOLERANCE * TOLERANCE * whole {
-                return Some(k);
-            }
-            let ap = self.matrix.times(&p);
-            let alpha = rz / dot(&p, &ap);
-            for i in 0..x.len() {
-                x[i] += alpha * p[i];
-                r[i] -= alpha * ap[i];
-            }
-            z.copy_from_slice(&r);
-            self.factor.solve(&mut z);
-            let next = dot(&r, &z);
-            let beta = next / rz;
-            rz = next;
-            p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + beta * *p);
-        }
-        (rz <= TOLERANCE * TOLERANCE * whole).then_some(most)
-    }
-}
-
-/// Error in energy at which iterating ends.
-const TOLERANCE: f64 = 1e-4;
-/// At least so many iterations are tried before a new factor is made.
-const LEAST_ITERATIONS: usize = 14;
-/// A new factor costs as much as this many iterations for each square root of the unknowns.
-const FACTOR: f64 = 0.04;
-
-fn fill_matrix(matrix: &mut Symmetric, scatter: &[u32], stiffness: &[[f64; 36]], added: &[(usize, f64)]) {
-    matrix.values.fill(0.0);
-    for (k, to) in stiffness.iter().zip(scatter.chunks_exact(36)) {
-        k.iter().zip(to).for_each(|(k, &at)| matrix.values[at as usize] += k);
-    }
-    added.iter().for_each(|&(at, k)| matrix.values[at] += k);
 }
 
 #[cfg(test)]
@@ -435,13 +278,12 @@ mod tests {
             })
             .collect();
         let c = Orthotropic::isotropic(e, 0.3).plane_stress(0.0).expect("stable");
-        let mut system = System::new(&elements, &|_| square(&c), &holds, 1 << 30).expect("held");
-        let mut f = vec![0.0; system.dofs()];
+        let mut f = vec![0.0; 2 * elements.places.len()];
         for i in all.filter(|i| elements.places[*i as usize][0] == n as u32) {
             f[2 * i as usize] = if elements.places[i as usize][1] == 0 { 1.0 } else { -1.0 };
         }
-        let mut x = vec![0.0; f.len()];
-        system.solve(&f, &mut x).expect("solved");
+        let mut system = System::new(&elements, &|_| square(&c), &holds, &f, 1 << 30).expect("held");
+        let x = system.solve().expect("solved");
         let tip = x[2 * elements.places.iter().position(|p| *p == [n as u32, 0]).expect("tip") + 1];
         let length = n as f64 * h;
         let want = h * length * length / (2.0 * e * t * h * h * h / 12.0);
@@ -459,16 +301,29 @@ mod tests {
             left.flat_map(|node| [DVec2::X, DVec2::Y].map(|along| GridHold { node, along })).collect();
         let mut f = vec![0.0; 2 * elements.places.len()];
         all.filter(|i| elements.places[*i as usize][0] == 30).for_each(|i| f[2 * i as usize] = 1.0);
-        let broken = |e: usize| (elements.cells[e] / 30) < 5 && elements.cells[e] % 30 == 14;
-        let mut x = vec![0.0; f.len()];
-        let mut system = System::new(&elements, &|_| whole, &holds, 1 << 30).expect("held");
-        system.solve(&f, &mut x).expect("solved");
-        (0..elements.cells.len()).filter(|e| broken(*e)).for_each(|e| system.change(e, &soft));
-        system.solve(&f, &mut x).expect("solved");
-        let direct = |e: usize| if broken(e) { soft } else { whole };
-        let mut y = vec![0.0; f.len()];
-        System::new(&elements, &direct, &holds, 1 << 30).expect("held").solve(&f, &mut y).expect("solved");
-        let longest = y.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        assert!(x.iter().zip(&y).all(|(a, b)| (a - b).abs() < 1e-3 * longest));
+        let row = |e: usize| elements.cells[e] / 30;
+        let column = |e: usize| elements.cells[e] % 30;
+        let crack = |e: usize| row(e) < 5 && column(e) == 14;
+        let spot = |e: usize| row(e) > 9 && column(e) > 20;
+        let n = elements.cells.len();
+        let direct = |e: usize| if crack(e) || spot(e) { soft } else { whole };
+        let want =
+            System::new(&elements, &direct, &holds, &f, 1 << 30).expect("held").solve().expect("solved");
+        let longest = want.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        // With room for all that fronts hand on, and with just enough for the factor.
+        let least =
+            (10..).map(|k| 1u64 << k).find(|b| System::new(&elements, &|_| whole, &holds, &f, *b).is_ok());
+        for bytes in [1 << 30, least.expect("some size is enough")] {
+            let mut system = System::new(&elements, &|_| whole, &holds, &f, bytes).expect("held");
+            let intact = system.solve().expect("solved");
+            (0..n).filter(|e| crack(*e)).for_each(|e| system.change(e, &soft));
+            assert_ne!(system.solve().expect("solved"), intact);
+            (0..n).filter(|e| spot(*e)).for_each(|e| system.change(e, &soft));
+            let x = system.solve().expect("solved");
+            assert!(x.iter().zip(&want).all(|(a, b)| (a - b).abs() < 1e-9 * longest), "{bytes}");
+            (0..n).for_each(|e| system.change(e, &whole));
+            let x = system.solve().expect("solved");
+            assert!(x.iter().zip(&intact).all(|(a, b)| a == b), "{bytes}: the same bytes");
+        }
     }
 }

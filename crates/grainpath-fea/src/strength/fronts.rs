@@ -1,0 +1,309 @@
+//! The factor of a plate's stiffness, kept in fronts so that what breaks costs only its own part anew.
+//!
+//! The grid is halved again and again by lines of nodes. Each half's unknowns are eliminated before those of the line
+//! between: a front is the dense matrix in which that is done, and hands what is left to the front of the line that
+//! cut it off. When elements lose stiffness, only their fronts and those up to the last line are made again.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Accum, MatMut, Par};
+
+use super::plate::Elements;
+use crate::sparse::SparseError;
+
+/// The lower half of an element's stiffness by columns, `(8, 8)`.
+pub(super) type Lower = [f64; 36];
+
+/// A factor in fronts, in an order in which each comes after those it was cut into.
+pub(super) struct Fronts {
+    fronts: Vec<Front>,
+    /// Front in which each element is added.
+    of_element: Vec<u32>,
+    /// Whether what fronts hand on is kept, so that only what changed is made again.
+    keeps: bool,
+}
+
+#[derive(Default)]
+struct Front {
+    /// Nodes it knows, in the order of elimination; the first `own` are eliminated here.
+    nodes: Vec<u32>,
+    own: usize,
+    /// Fronts of the first and of the second half, all of them with all that is in them, before this one.
+    halves: [usize; 2],
+    /// Where the nodes it hands on are among those of the front it hands them to.
+    up: Vec<u32>,
+    /// Elements added here and where their corners are among its nodes.
+    elements: Vec<(u32, [u32; 4])>,
+    /// What holds, and what every node has: places among its unknowns (row, column), and values.
+    added: Vec<(u32, u32, f64)>,
+    /// Columns of the factor, `(2 nodes, 2 own)`.
+    factor: Vec<f64>,
+    /// What it hands on: the lower half by columns, in a square of `2 (nodes - own)`.
+    rest: Vec<f64>,
+    /// Forces on the nodes it eliminates, N.
+    forces: Vec<f64>,
+    /// What is left of them after elimination, and what it hands on of them.
+    eased: Vec<f64>,
+    /// Displacements of the nodes it eliminates, mm.
+    found: Vec<f64>,
+    stale: bool,
+}
+
+/// Nodes that are eliminated together at the latest.
+const LEAF: usize = 24;
+/// Halves with fewer fronts than this together are not worth two threads.
+const MANY: usize = 64;
+
+impl Fronts {
+    /// Says in which order nodes go and what that needs; nothing is factored yet. `added` are stiffnesses between
+    /// unknowns of one node: row, column, value. `forces` act on the unknowns, N.
+    ///
+    /// # Errors
+    /// [`SparseError::Memory`] when the factor would take more than `max_bytes`.
+    pub fn new(
+        elements: &Elements,
+        added: &[(usize, usize, f64)],
+        forces: &[f64],
+        max_bytes: u64,
+    ) -> Result<Self, SparseError> {
+        let mut fronts = Vec::new();
+        let mut all: Vec<u32> = (0..elements.places.len() as u32).collect();
+        cut(elements, &mut all, &mut fronts);
+        let (mut rank, mut home) = (vec![0u32; all.len()], vec![0u32; all.len()]);
+        let mut next = 0;
+        for (f, front) in fronts.iter().enumerate() {
+            for &node in &front.nodes {
+                (rank[node as usize], home[node as usize]) = (next, f as u32);
+                next += 1;
+            }
+        }
+        let mut of_element = Vec::with_capacity(elements.corners.len());
+        for (e, corners) in elements.corners.iter().enumerate() {
+            let first = corners.iter().min_by_key(|c| rank[**c as usize]).copied().unwrap_or(0);
+            of_element.push(home[first as usize]);
+            fronts[home[first as usize] as usize].elements.push((e as u32, *corners));
+        }
+        for f in 0..fronts.len() {
+            let own = fronts[f].nodes.len();
+            let mut nodes = fronts[f].nodes.clone();
+            nodes.extend(fronts[f].elements.iter().flat_map(|e| e.1));
+            for child in fronts[f].children(f).into_iter().flatten() {
+                nodes.extend_from_slice(&fronts[child].nodes[fronts[child].own..]);
+            }
+            nodes.sort_unstable_by_key(|n| rank[*n as usize]);
+            nodes.dedup();
+            let at = |node: u32| {
+                nodes.binary_search_by_key(&rank[node as usize], |n| rank[*n as usize]).unwrap_or(0) as u32
+            };
+            for child in fronts[f].children(f).into_iter().flatten() {
+                let up = fronts[child].nodes[fronts[child].own..].iter().map(|n| at(*n)).collect();
+                fronts[child].up = up;
+            }
+            fronts[f].elements.iter_mut().for_each(|(_, corners)| *corners = corners.map(at));
+            let of = |n: &u32| [forces[2 * *n as usize], forces[2 * *n as usize + 1]];
+            fronts[f].forces = nodes[..own].iter().flat_map(of).collect();
+            (fronts[f].own, fronts[f].nodes, fronts[f].stale) = (own, nodes, true);
+        }
+        for &(row, column, value) in added {
+            let node = row as u32 / 2;
+            let front = &mut fronts[home[node as usize] as usize];
+            let at =
+                front.nodes[..front.own].binary_search_by_key(&rank[node as usize], |n| rank[*n as usize]);
+            let at = 2 * at.unwrap_or(0) as u32;
+            front.added.push((at + row as u32 % 2, at + column as u32 % 2, value));
+        }
+        let bytes = |sum: &dyn Fn(&Front) -> usize| 8 * fronts.iter().map(sum).sum::<usize>() as u64;
+        let needed = bytes(&|f| 4 * f.nodes.len() * f.own);
+        let kept = bytes(&|f| 4 * (f.nodes.len() - f.own).pow(2));
+        if needed > max_bytes {
+            return Err(SparseError::Memory { needed_mb: needed >> 20, allowed_mb: max_bytes >> 20 });
+        }
+        Ok(Self { fronts, of_element, keeps: needed + kept <= max_bytes })
+    }
+
+    /// Says that an element has another stiffness.
+    pub fn change(&mut self, element: usize) {
+        self.fronts[self.of_element[element] as usize].stale = true;
+    }
+
+    /// Factors what changed.
+    ///
+    /// # Errors
+    /// [`SparseError::Singular`] when some part can move freely.
+    pub fn refactor(&mut self, stiffness: &[Lower]) -> Result<(), SparseError> {
+        let stale = !self.keeps && self.fronts.iter().any(|f| f.stale);
+        for f in 0..self.fronts.len() {
+            let below = self.fronts[f].children(f).into_iter().flatten().any(|c| self.fronts[c].stale);
+            self.fronts[f].stale |= below || stale;
+        }
+        make(&mut self.fronts, stiffness, self.keeps)
+    }
+
+    /// Displacements, mm, of all unknowns; the factor must be up to date.
+    pub fn solve(&mut self) -> Vec<f64> {
+        back(&mut self.fronts, &[]);
+        let mut x = vec![0.0; self.fronts.iter().map(|f| 2 * f.own).sum()];
+        for front in &self.fronts {
+            for (node, found) in front.nodes.iter().zip(front.found.chunks_exact(2)) {
+                x[2 * *node as usize..][..2].copy_from_slice(found);
+            }
+        }
+        x
+    }
+}
+
+impl Front {
+    /// The fronts of the two halves, where this one is the `own`th.
+    fn children(&self, own: usize) -> [Option<usize>; 2] {
+        let [first, second] = self.halves;
+        [(first > 0).then(|| own - 1 - second), (second > 0).then(|| own - 1)].map(|c| c.filter(|c| *c < own))
+    }
+
+    /// Adds up what is its own and what its halves hand on, and eliminates its nodes.
+    fn make(&mut self, halves: [Option<&Self>; 2], stiffness: &[Lower]) -> Result<(), SparseError> {
+        let (size, k) = (2 * self.nodes.len(), 2 * self.own);
+        let mut whole = vec![0.0; size * size];
+        let mut add = |row: usize, column: usize, value: f64| {
+            whole[row.min(column) * size + row.max(column)] += value;
+        };
+        for (element, corners) in &self.elements {
+            let at = |i: usize| 2 * corners[i / 2] as usize + i % 2;
+            let mut values = stiffness[*element as usize].iter();
+            for j in 0..8 {
+                (j..8).zip(&mut values).for_each(|(i, value)| add(at(i), at(j), *value));
+            }
+        }
+        for &(row, column, value) in &self.added {
+            add(row as usize, column as usize, value);
+        }
+        self.eased.clone_from(&self.forces);
+        self.eased.resize(size, 0.0);
+        for half in halves.into_iter().flatten() {
+            let n = 2 * half.up.len();
+            let at = |i: usize| 2 * half.up[i / 2] as usize + i % 2;
+            for j in 0..n {
+                let (to, column) = (at(j), &half.rest[j * n..(j + 1) * n]);
+                for i in j..n {
+                    add(at(i), to, column[i]);
+                }
+                self.eased[to] += half.eased[2 * half.own + j];
+            }
+        }
+        let matrix = MatMut::from_column_major_slice_mut(&mut whole, size, size);
+        let (mut own, _, mut below, rest) = matrix.split_at_mut(k, k);
+        let scratch = cholesky_in_place_scratch::<f64>(k, Par::Seq, Default::default());
+        let mut scratch = MemBuffer::new(scratch);
+        let stack = MemStack::new(&mut scratch);
+        cholesky_in_place(own.rb_mut(), Default::default(), Par::Seq, stack, Default::default())
+            .map_err(|_| SparseError::Singular)?;
+        solve_lower_triangular_in_place(own.rb(), below.rb_mut().transpose_mut(), Par::Seq);
+        matmul(
+            rest,
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            below.rb(),
+            BlockStructure::Rectangular,
+            below.rb().transpose(),
+            BlockStructure::Rectangular,
+            -1.0,
+            Par::Seq,
+        );
+        self.factor.clear();
+        self.factor.extend_from_slice(&whole[..k * size]);
+        self.rest.clear();
+        for column in whole[k * size..].chunks_exact(size.max(1)) {
+            self.rest.extend_from_slice(&column[k..]);
+        }
+        for (j, column) in self.factor.chunks_exact(size.max(1)).enumerate() {
+            let value = self.eased[j] / column[j];
+            self.eased[j] = value;
+            self.eased[j + 1..].iter_mut().zip(&column[j + 1..]).for_each(|(e, l)| *e -= l * value);
+        }
+        self.stale = false;
+        Ok(())
+    }
+}
+
+/// Sum of products, in four sums so that they can run side by side.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let (fours, others) = (a.chunks_exact(4), a.len() / 4 * 4);
+    for (x, y) in fours.zip(b.chunks_exact(4)) {
+        (0..4).for_each(|i| sums[i] += x[i] * y[i]);
+    }
+    let rest: f64 = a[others..].iter().zip(&b[others..]).map(|(x, y)| x * y).sum();
+    sums.iter().sum::<f64>() + rest
+}
+
+/// Factors the stale ones of fronts that end with the one that all others hand on to.
+fn make(fronts: &mut [Front], stiffness: &[Lower], keeps: bool) -> Result<(), SparseError> {
+    let Some((last, before)) = fronts.split_last_mut() else { return Ok(()) };
+    if !last.stale {
+        return Ok(());
+    }
+    let (first, second) = before.split_at_mut(last.halves[0]);
+    let (a, b) = rayon::join(|| make(first, stiffness, keeps), || make(second, stiffness, keeps));
+    a.and(b)?;
+    last.make([first.last(), second.last()], stiffness)?;
+    if !keeps {
+        [first.last_mut(), second.last_mut()].into_iter().flatten().for_each(|f| f.rest = Vec::new());
+    }
+    Ok(())
+}
+
+/// Finds the displacements of fronts that end with the one that all others hand on to, from those of the nodes of the
+/// front that it hands on to.
+fn back(fronts: &mut [Front], above: &[f64]) {
+    let Some((last, before)) = fronts.split_last_mut() else { return };
+    let size = 2 * last.nodes.len();
+    let mut part = last.eased[..2 * last.own].to_vec();
+    part.extend(last.up.iter().flat_map(|at| [above[2 * *at as usize], above[2 * *at as usize + 1]]));
+    for (j, column) in last.factor.chunks_exact(size.max(1)).enumerate().rev() {
+        part[j] = (part[j] - dot(&part[j + 1..], &column[j + 1..])) / column[j];
+    }
+    last.found.clear();
+    last.found.extend_from_slice(&part[..2 * last.own]);
+    let many = before.len() > MANY;
+    let (first, second) = before.split_at_mut(last.halves[0]);
+    if many {
+        rayon::join(|| back(first, &part), || back(second, &part));
+    } else {
+        back(first, &part);
+        back(second, &part);
+    }
+}
+
+/// Halves nodes until few are left; adds the fronts of both halves and that of the line between.
+fn cut(elements: &Elements, nodes: &mut [u32], fronts: &mut Vec<Front>) {
+    if nodes.is_empty() {
+        return;
+    }
+    let place = |i: u32, k: usize| elements.places[i as usize][k];
+    let span = |k: usize| {
+        let values = nodes.iter().map(|&i| place(i, k));
+        values.fold((u32::MAX, 0), |(a, b), v| (a.min(v), b.max(v)))
+    };
+    let spans = [span(0), span(1)];
+    let axis = usize::from(spans[1].1 - spans[1].0 > spans[0].1 - spans[0].0);
+    if nodes.len() <= LEAF || spans[axis].0 == spans[axis].1 {
+        fronts.push(Front { nodes: nodes.to_vec(), ..Front::default() });
+        return;
+    }
+    // The line at the median node: halves even in number.
+    let mut values: Vec<u32> = nodes.iter().map(|&i| place(i, axis)).collect();
+    let half = values.len() / 2;
+    let at = *values.select_nth_unstable(half).1;
+    let at = at.clamp(spans[axis].0 + 1, spans[axis].1.max(spans[axis].0 + 1));
+    nodes.sort_by_key(|&i| (place(i, axis) == at, place(i, axis), i));
+    let first = nodes.partition_point(|&i| place(i, axis) < at);
+    let line = nodes.partition_point(|&i| place(i, axis) != at);
+    let before = fronts.len();
+    cut(elements, &mut nodes[..first], fronts);
+    let between = fronts.len();
+    cut(elements, &mut nodes[first..line], fronts);
+    let halves = [between - before, fronts.len() - between];
+    fronts.push(Front { nodes: nodes[line..].to_vec(), halves, ..Front::default() });
+}
