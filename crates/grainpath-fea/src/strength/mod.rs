@@ -99,7 +99,17 @@ impl Outcome {
 }
 
 /// How plates are drawn.
-const PACE: Pace = Pace { step: 0.04, finest: 0.011, most_at_a_load: 25, most_solutions: 400 };
+const PACE: Pace = Pace {
+    step: 0.04,
+    finest: 0.011,
+    slack: 0.0,
+    over: [1.7, 1.04],
+    soft: 2.5,
+    fallen: [0.0, f64::INFINITY],
+    most_at_a_load: 25,
+    most_solutions: 400,
+    most_work: f64::INFINITY,
+};
 
 impl PlateTest<'_> {
     /// Draws the plate until it breaks.
