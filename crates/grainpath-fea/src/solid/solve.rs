@@ -31,6 +31,9 @@ const DIRECT_LOADS: usize = 6;
 pub struct SolveSettings {
     /// Residual over the load at which the iteration ends.
     pub tolerance: f64,
+    /// Where it starts from an earlier solution: share of the residual there at which it may end, once below the
+    /// tolerance. A thousandth of the tolerance is always good enough.
+    pub gain: f64,
     /// Iterations at most.
     pub most_iterations: usize,
     /// Memory that may be taken, MiB.
@@ -41,7 +44,7 @@ pub struct SolveSettings {
 
 impl Default for SolveSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-8, most_iterations: 400, most_mib: 4096.0, method: Method::Auto }
+        Self { tolerance: 1e-8, gain: 1.0, most_iterations: 400, most_mib: 4096.0, method: Method::Auto }
     }
 }
 
@@ -137,7 +140,8 @@ pub(super) fn iterate(
         add(&mut r, -1.0, &q);
     }
     supports.project(&mut r);
-    let goal = settings.tolerance * dot(&r, &r).sqrt();
+    let load_size = dot(&r, &r).sqrt();
+    let mut goal = settings.tolerance * load_size;
     if let Some(from) = from {
         let mut step = from.to_vec();
         add(&mut step, -1.0, &u);
@@ -146,6 +150,7 @@ pub(super) fn iterate(
         operator.forces(&step, &mut q, &mut scratch);
         supports.project(&mut q);
         add(&mut r, -1.0, &q);
+        goal = goal.min((settings.gain * dot(&r, &r).sqrt()).max(1e-3 * goal));
     }
     let (mut z, mut p, mut before) = (zero(), zero(), zero());
     let (mut size, mut rz, mut iterations) = (dot(&r, &r).sqrt(), 1.0, 0);
@@ -170,7 +175,7 @@ pub(super) fn iterate(
         }
     }
     if size > goal {
-        let residual = settings.tolerance * size / goal;
+        let residual = size / load_size;
         return Err(SolidError::NotConverged { residual, iterations });
     }
     // The residual that is reported is that of the result, not the one that the iteration carried along.
@@ -182,6 +187,6 @@ pub(super) fn iterate(
         reaction[i] = held;
     }
     supports.project(&mut rest);
-    let residual = if goal > 0.0 { settings.tolerance * dot(&rest, &rest).sqrt() / goal } else { 0.0 };
+    let residual = if load_size > 0.0 { dot(&rest, &rest).sqrt() / load_size } else { 0.0 };
     Ok(Solution { displacement: u, reaction, residual, iterations })
 }

@@ -66,6 +66,10 @@ pub(super) trait Body: Sync {
     /// Moves a state on to the next one for which there is a stiffness.
     fn settle(&self, _: &mut State) {}
     fn dofs(&self) -> usize;
+    /// What solving took so far, for bodies whose solutions differ in it.
+    fn work(&self) -> f64 {
+        0.0
+    }
     /// Solutions and factorisations so far.
     fn effort(&self) -> [usize; 2];
 }
@@ -77,16 +81,23 @@ pub(super) struct Pace {
     pub step: f64,
     /// The step below which the peak is not looked for more closely.
     pub finest: f64,
+    /// A body rests once all plies stand this share less than the load.
+    pub slack: f64,
+    /// Plies are drawn so many times as far as asked, so that a crack comes to rest in fewer solutions, and so many
+    /// times as far as before at least: steps that hardly move the stiffness only cost solutions.
+    pub over: [f64; 2],
+    /// A body has given way when it is this many times as soft as at first.
+    pub soft: f64,
+    /// And when it carries less than this share of the highest load, so many times as soft as when it last rested.
+    pub fallen: [f64; 2],
     /// The most solutions at one load: a body that has not come to rest by then does not.
     pub most_at_a_load: usize,
     /// The most solutions in a test.
     pub most_solutions: usize,
+    /// The most work in a test, in the body's own unit.
+    pub most_work: f64,
 }
 
-/// A body has given way when it is this many times as soft as at first.
-const SOFT: f64 = 2.5;
-/// Plies are drawn a little further than asked, so that a crack comes to rest in fewer solutions.
-const OVER: f64 = 1.7;
 /// Steps become this many times smaller where a body gave way.
 const CLOSER: f64 = 4.0;
 
@@ -108,7 +119,7 @@ pub(super) fn draw(
     let mut test = Progress::default();
     let mut index = Vec::new();
     // The last state in which the body stood its load, and which elements changed since.
-    let (mut rest, mut rest_factor, mut rest_len) = (states.clone(), 0.0, 0);
+    let (mut rest, mut rest_factor, mut rest_len, mut rest_work) = (states.clone(), 0.0, 0, 0.0);
     let mut touched = Vec::new();
     let (mut level, mut step, mut at_load) = (0.0, pace.step, 0);
     let ended = loop {
@@ -127,8 +138,9 @@ pub(super) fn draw(
             index = (0..n).map(|e| (highest(e) * critical) as f32).collect();
         }
         at_load += 1;
-        let fell = test.gave_way() || at_load > pace.most_at_a_load;
-        let out = body.effort()[0] >= pace.most_solutions;
+        let fallen = critical < pace.fallen[0] * test.best() && work > pace.fallen[1] * rest_work;
+        let fell = fallen || work > pace.soft * test.works[0] || at_load > pace.most_at_a_load;
+        let out = body.effort()[0] >= pace.most_solutions || body.work() >= pace.most_work;
         if out || (fell && step <= pace.finest) {
             break !out;
         }
@@ -142,13 +154,13 @@ pub(super) fn draw(
             (level, at_load) = (rest_factor * (1.0 + step), 0);
             continue;
         }
-        if critical > level {
+        if critical > (1.0 - pace.slack) * level {
             rest.clone_from(&states);
             touched.clear();
-            (rest_factor, rest_len, at_load) = (critical, test.factors.len(), 0);
+            (rest_factor, rest_len, rest_work, at_load) = (critical, test.factors.len(), work, 0);
             level = critical * (1.0 + step);
         }
-        let changed = drawn(body, &near, &mut states, &draws, level);
+        let changed = drawn(body, &near, &mut states, &draws, level, pace.over);
         body.change(&changed, &states)?;
         touched.extend(changed);
         touched.sort_unstable();
@@ -211,6 +223,7 @@ fn drawn(
     states: &mut [State],
     draws: &[Draws],
     level: f64,
+    [over, least]: [f64; 2],
 ) -> Vec<usize> {
     let mut changed = Vec::new();
     let short = short(body, near, states, level);
@@ -235,8 +248,7 @@ fn drawn(
                             state.mode = near.mode;
                         }
                     }
-                    // Steps that hardly move the stiffness only cost solutions.
-                    state.drawn[k] = (now + OVER * (asked - now)).max(now * 1.04).min(state.most[k]);
+                    state.drawn[k] = (now + over * (asked - now)).max(now * least).min(state.most[k]);
                     own = true;
                 }
             }
@@ -345,10 +357,6 @@ impl Progress {
 
     fn best(&self) -> f64 {
         self.factors.iter().copied().fold(0.0, f64::max)
-    }
-
-    fn gave_way(&self) -> bool {
-        self.works.last().is_some_and(|w| *w > SOFT * self.works[0])
     }
 
     /// Displacement and load at each new height of the load, and on the way down after the peak.

@@ -104,7 +104,17 @@ impl Outcome {
 const ASIDE: f64 = 0.6;
 
 /// How plates are drawn.
-const PACE: Pace = Pace { step: 0.04, finest: 0.011, most_at_a_load: usize::MAX, most_solutions: 2000 };
+const PACE: Pace = Pace {
+    step: 0.04,
+    finest: 0.011,
+    slack: 0.0,
+    over: [1.7, 1.04],
+    soft: 2.5,
+    fallen: [0.8, 1.2],
+    most_at_a_load: usize::MAX,
+    most_solutions: 2000,
+    most_work: f64::INFINITY,
+};
 
 impl PlateTest<'_> {
     /// Draws the plate until it breaks.

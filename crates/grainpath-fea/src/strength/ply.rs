@@ -225,7 +225,7 @@ pub fn turned(c: &PlaneStiffness, angle_rad: f64) -> PlaneStiffness {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     pub fn pla() -> StrengthCard {
