@@ -132,7 +132,7 @@ pub fn write(
         drawn.extend(planned.grain.take().map(|g| g.pictures).unwrap_or_default());
         drawn.extend(strength(settings, &planned, &program, &mut report, diagnostics)?);
         drawn.extend(planned.support_pictures.iter().map(|p| {
-            let picture = html::Picture { title: p.title.clone(), png: p.png.clone() };
+            let picture = html::Picture { title: p.title.clone(), png: p.png.clone(), of_test: false };
             (format!("support_{}.png", p.name), picture)
         }));
         previews(settings, &program, &drawn, paths, diagnostics, &mut report)?;
@@ -268,11 +268,12 @@ fn previews(
         return Ok(());
     }
     let all: Vec<LayerPicture> = program.layers.iter().map(picture).collect();
-    let mut pictures = vec![html::Picture { title: "The part".into(), png: thumbnail_png(&all, 800, 600) }];
+    let part = thumbnail_png(&all, 800, 600);
+    let mut pictures = vec![html::Picture { title: "The part".into(), png: part, of_test: false }];
     let options = PictureOptions::default();
     for i in shown(all.len()) {
         let title = format!("Layer {} at {:.2} mm", i + 1, all[i].z_mm);
-        pictures.push(html::Picture { title, png: layer_png(&all[i], &options) });
+        pictures.push(html::Picture { title, png: layer_png(&all[i], &options), of_test: false });
     }
     if let Some(folder) = &paths.preview {
         save(&folder.join("part.png"), &pictures[0].png)?;
@@ -317,7 +318,11 @@ fn strength(
 /// What broke, and how near the rest was.
 pub fn strength_pictures(tested: &grainpath::strength::Tested) -> Vec<(String, html::Picture)> {
     use grainpath::strength::{damage_png, index_png};
-    let picture = |title: &str, png| html::Picture { title: title.into(), png };
+    let picture = |title: &str, (png, where_is): (Vec<u8>, String)| html::Picture {
+        title: format!("{title}{where_is}"),
+        png,
+        of_test: true,
+    };
     vec![
         (
             "damage.png".into(),
@@ -353,7 +358,7 @@ fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, html::Pictur
         let families = guide.lines(region, z);
         let at = format!("layer {} at {:.2} mm", i + 1, layers[i].z_top_mm());
         let mut add = |kind: &str, title: String, png: Vec<u8>| {
-            drawn.push((format!("{kind}_{:04}.png", i + 1), html::Picture { title, png }));
+            drawn.push((format!("{kind}_{:04}.png", i + 1), html::Picture { title, png, of_test: false }));
         };
         let [rings, triangles, squares] = [Degenerate::Wedge, Degenerate::Trisector, Degenerate::Border]
             .map(|kind| guide.degenerate(i).count(kind));

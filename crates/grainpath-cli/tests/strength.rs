@@ -153,6 +153,7 @@ fn what_cannot_be_tested_is_said_in_a_line() {
     bar(&dir);
     fs::write(dir.join("other.stl"), box_stl([20.0, 20.0, 2.0])).expect("written");
     assert!(grainpath(&dir, &["slice", "other.stl"]).status.success());
+    assert!(grainpath(&dir, &["run", "along.toml", "--set", "output.gcode=bar.gcode"]).status.success());
     fs::write(dir.join("empty.gcode"), "G28\nG1 X10 Y10 F3000\nM84\n").expect("written");
     fs::write(dir.join("bare.toml"), "density_g_cm3 = 1.1\n").expect("written");
     let off = JOB.replace("[[34, 0, 0], [40, 8, 1]]", "[[134, 0, 0], [140, 8, 1]]");
@@ -165,6 +166,12 @@ fn what_cannot_be_tested_is_said_in_a_line() {
     for (args, code, part) in [
         (&["strength", "other.gcode", "--job", "along.toml"][..], 3, "not the same part"),
         (&["strength", "empty.gcode", "--job", "along.toml"], 3, "nothing of a part is printed"),
+        // E in mm3, or of a thicker filament.
+        (
+            &["strength", "bar.gcode", "--job", "along.toml", "--set", "printer.filament_mm=2.85"],
+            3,
+            "E should be filament in mm, not mm3",
+        ),
         (&["strength", "other.gcode"], 2, "needs --job"),
         (&["strength", "along.toml", "--set", "material.profile=bare.toml"], 2, "no strengths: set xt_mpa"),
         (&["strength", "off.toml"], 2, "load 1 (box) catches nothing"),

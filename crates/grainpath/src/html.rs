@@ -7,12 +7,14 @@ use base64::Engine;
 use crate::report::{Report, hours};
 
 /// A picture of the page.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Picture {
     /// What it shows.
     pub title: String,
     /// The file.
     pub png: Vec<u8>,
+    /// Whether it stands beside the answer of the strength test rather than among the layers.
+    pub of_test: bool,
 }
 
 const STYLE: &str = "
@@ -28,6 +30,7 @@ h1{font-size:1.5rem;margin:0 0 1rem}h2{font-size:1.15rem;margin:2rem 0 .6rem}
 .numbers span{font-size:.85rem;opacity:.75}
 table{border-collapse:collapse;width:100%;font-size:.92rem}
 td,th{padding:.25rem .6rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top;overflow-wrap:anywhere}
+th{overflow-wrap:break-word}
 ul.warnings{color:var(--warn);padding-left:1.2rem}
 .layers{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(24rem,100%),1fr));gap:1rem}
 figure{margin:0}figure img{width:100%;border-radius:.4rem}figcaption{font-size:.85rem;opacity:.8}
@@ -76,16 +79,16 @@ pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[P
         for (what, value) in strength_rows(s) {
             put(format!("<tr><th>{}</th><td>{}</td></tr>", escaped(what), escaped(&value)));
         }
-        put(format!("</table></div><figure>{}</figure></div>\n", crate::strength::chart_svg(s)));
+        put(format!("</table></div><figure>{}</figure>\n", crate::strength::chart_svg(s)));
+        pictures.iter().filter(|p| p.of_test).for_each(|p| put(figure(p)));
+        put("</div>\n".into());
     }
     if let Some(f) = &report.fibre {
         put(format!("<h2>Fibre</h2>\n<p>{}</p>\n{}", escaped(&f.summary()), fibre_table(f)));
     }
     if pictures.len() > 1 {
         put(format!("<h2>Layers</h2>\n{}<div class=\"layers\">\n", key()));
-        for p in &pictures[1..] {
-            put(format!("<figure>{}<figcaption>{}</figcaption></figure>\n", image(p), escaped(&p.title)));
-        }
+        pictures[1..].iter().filter(|p| !p.of_test).for_each(|p| put(figure(p)));
         put("</div>\n".into());
     }
     if let Some(d) = &report.dimensions {
@@ -200,6 +203,10 @@ fn key() -> String {
         );
     }
     out + "</div>"
+}
+
+fn figure(p: &Picture) -> String {
+    format!("<figure>{}<figcaption>{}</figcaption></figure>\n", image(p), escaped(&p.title))
 }
 
 fn image(p: &Picture) -> String {

@@ -27,7 +27,7 @@ pub fn steps(
     let mut out = Vec::new();
     let mut put = |name: &str, title: &str, canvas: Canvas| {
         let png = encode_png(canvas.pixels.width(), canvas.pixels.height(), canvas.pixels.data());
-        out.push((format!("grain_{name}.png"), Picture { title: title.into(), png }));
+        out.push((format!("grain_{name}.png"), Picture { title: title.into(), png, of_test: false }));
     };
     let mut canvas = Canvas::of(photo, 1.0, false);
     let ring: Vec<DVec2> = corners.iter().chain([&corners[0]]).copied().collect();
@@ -68,7 +68,7 @@ pub fn texture(slice: &Grey, title: &str, axis: &dyn Fn(DVec2) -> AxisSample) ->
     let data = slice.data.iter().map(|v| ((v - low) / range).clamp(0.0, 1.0)).collect();
     let canvas = with_strokes(&Grey { data, ..*slice }, axis);
     let png = encode_png(canvas.pixels.width(), canvas.pixels.height(), canvas.pixels.data());
-    Picture { title: title.into(), png }
+    Picture { title: title.into(), png, of_test: false }
 }
 
 /// A darkened picture, rows from the bottom, with a stroke along the axis every dozen pixels. `axis` takes pixels.

@@ -61,6 +61,10 @@ pub enum StrengthError {
         printed.x, printed.y, printed.z, part.x, part.y, part.z
     )]
     WrongPart { printed: DVec3, part: DVec3 },
+    #[error(
+        "the program lays {laid_mm3:.0} mm3, the job's part has {part_mm3:.0} mm3: E should be filament in mm, not mm3, of the diameter printer.filament_mm = {filament_mm}"
+    )]
+    TooMuch { laid_mm3: f64, part_mm3: f64, filament_mm: f64 },
     #[error("what is printed around ({x:.2}, {y:.2}) mm is free to {how}; hold it with another fixture")]
     Free { x: f64, y: f64, how: &'static str },
     #[error("{0}")]
@@ -75,7 +79,10 @@ impl StrengthError {
     /// 2 the job; 3 the program; 4 the physics.
     pub fn exit_code(&self) -> i32 {
         match self {
-            Self::NothingPrinted | Self::WrongPart { .. } | Self::Cells(CellError::Nothing) => 3,
+            Self::NothingPrinted
+            | Self::WrongPart { .. }
+            | Self::TooMuch { .. }
+            | Self::Cells(CellError::Nothing) => 3,
             Self::Free { .. } | Self::Test(_) => 4,
             _ => 2,
         }
@@ -271,6 +278,8 @@ impl Body {
 /// The most cells taken when a job does not say how large they are: of a plate, and of a solid.
 const CELLS: f64 = 150_000.0;
 const CELLS_SOLID: f64 = 500_000.0;
+/// A program that lays more than this many times the part's volume means something else by its E words.
+const MOST_LAID: f64 = 1.6;
 /// Answers that move by more than this when cells are halved are not final.
 const CONVERGED: f64 = 0.03;
 
@@ -290,6 +299,11 @@ pub fn test(
     let nominal = cards(settings, CORNERS[0])?;
     diagnostics.begin(grainpath_core::diagnostics::Stage::Strength, 0);
     let sheets = setup.sheets(program, plate_from_part)?;
+    let laid_mm3: f64 = sheets.iter().flat_map(|s| &s.beads).map(|b| b.volume_mm3).sum();
+    if laid_mm3 > MOST_LAID * setup.volume_mm3 {
+        let (part_mm3, filament_mm) = (setup.volume_mm3, settings.printer.filament_mm);
+        return Err(StrengthError::TooMuch { laid_mm3, part_mm3, filament_mm });
+    }
     let bead = settings.process.bead_width_mm;
     let own = match setup.fidelity {
         Fidelity::Plane => (0.5 * bead).max((setup.section.area_mm2() / CELLS).sqrt()),

@@ -7,8 +7,8 @@ use grainpath_core::{Bounds2, DVec2, DVec3};
 use super::{Map, StrengthReport, Tested};
 use crate::render::{Canvas, Ramp};
 
-/// Values of elements over a picture of a plate, or over the layers of a solid.
-fn map_png(tested: &Tested, values: &[f32], size_px: u32) -> Vec<u8> {
+/// Values of elements over a picture of a plate, or over heights of a solid; and of those where each is.
+fn map_png(tested: &Tested, values: &[f32], size_px: u32) -> (Vec<u8>, String) {
     let (n, cell, low, cells) = match &tested.map {
         Map::Plane(e) => {
             let cell = DVec3::splat(e.grid.cell_mm);
@@ -31,13 +31,23 @@ fn map_png(tested: &Tested, values: &[f32], size_px: u32) -> Vec<u8> {
     let colours = canvas.pixels().map(|p| {
         let at = (p - low) / size;
         let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < columns && at.y < rows;
-        let tile = inside.then(|| tiles.get((at.y.floor() * columns + at.x.floor()) as usize)).flatten()?;
+        // Read as a text is: the lowest at the upper left.
+        let row = rows - 1.0 - at.y.floor();
+        let tile = inside.then(|| tiles.get((row * columns + at.x.floor()) as usize)).flatten()?;
         let q = (at - at.floor()) * DVec2::new(n[0] as f64, n[1] as f64);
         shown[(tile * n[1] + q.y as usize) * n[0] + q.x as usize].map(|v| ramp.colour(f64::from(v)))
     });
     let colours: Vec<_> = colours.collect();
     canvas.paint(colours.into_iter());
-    canvas.png()
+    let heights = match &tested.map {
+        Map::Plane(_) => String::new(),
+        Map::Voxels { low, .. } => {
+            let z = |k: &usize| format!("{:.1}", low.z + (*k as f64 + 0.5) * cell.z);
+            let all: Vec<String> = tiles.iter().map(z).collect();
+            format!("; at heights of {} mm, row by row", all.join(", "))
+        }
+    };
+    (canvas.png(), heights)
 }
 
 /// The most heights of a solid in a picture.
@@ -58,13 +68,13 @@ fn tiles(n: [usize; 3], shown: &[Option<f32>]) -> Vec<usize> {
     all
 }
 
-/// Share of the material that broke, blue none and red all.
-pub fn damage_png(tested: &Tested, size_px: u32) -> Vec<u8> {
+/// Share of the material that broke, blue none and red all; and for solids the heights that are shown, in words.
+pub fn damage_png(tested: &Tested, size_px: u32) -> (Vec<u8>, String) {
     map_png(tested, &tested.outcome.broken, size_px)
 }
 
-/// How near every place was to breaking when the first one did, red being 1.
-pub fn index_png(tested: &Tested, size_px: u32) -> Vec<u8> {
+/// How near every place was to breaking when the first one did, red being 1; and for solids the heights, in words.
+pub fn index_png(tested: &Tested, size_px: u32) -> (Vec<u8>, String) {
     map_png(tested, &tested.outcome.index, size_px)
 }
 
@@ -98,7 +108,9 @@ pub fn chart_svg(report: &StrengthReport) -> String {
         let mut k = 0.0;
         while k * step <= max {
             let v = k * step;
-            let text = format!("{}", (v * 1e6).round() * 1e-6);
+            // Steps are 1, 2 or 5 of a power of ten: as many digits as they have.
+            let places = (-grainpath_core::math::ln(step * 1.01) / std::f64::consts::LN_10).ceil().max(0.0);
+            let text = format!("{v:.0$}", places as usize);
             let _ = if vertical {
                 writeln!(
                     out,
