@@ -15,7 +15,7 @@ use crate::fill::FillContext;
 const NARROWEST: f64 = 0.6;
 const WIDEST: f64 = 1.6;
 /// Rounds of moving beads to the middle of their room.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 2;
 /// A turn of more than this is a corner and stays one: the cosine.
 const CORNER: f64 = 0.64;
 /// Most neighbours are nearer than this, in beads, and nothing further than that is one.
