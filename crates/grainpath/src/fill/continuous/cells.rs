@@ -10,7 +10,7 @@ const ACROSS: [f64; 2] = [0.55, 1.5];
 const BESIDE: [f64; 2] = [0.5, 1.7];
 
 /// Places beside strips are looked at this far apart, in beads: closely in a room of few of them, where each tells.
-const PLACE_BEADS: [f64; 2] = [1.0, 3.0];
+const PLACE_BEADS: [f64; 2] = [1.0, 4.0];
 /// More of them than this lie further apart.
 const MANY_PLACES: f64 = 20_000.0;
 

@@ -8,6 +8,8 @@ use super::super::field::widths::{Line, Neighbours};
 
 /// Nearer than this nothing lies between a bead and what was its neighbour a step before, in beads.
 pub const CLOSE: f64 = 1.1;
+/// Side of the squares that lines are sorted into to be found, in beads.
+pub const SEEN_BEADS: f64 = 2.0;
 
 /// A place on a ring, seen from another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -164,7 +166,7 @@ impl Rings {
             all
         };
         let arcs: Vec<Vec<f64>> = lines.iter().map(arc).collect();
-        let neighbours = neighbours(&lines, &arcs, 1.5 * spacing_mm);
+        let neighbours = neighbours(&lines, &arcs, SEEN_BEADS * spacing_mm);
         let room = LineClipper::new(&Region::from(room.clone()));
         Self { lines, arcs, neighbours, room, spacing_mm }
     }
@@ -318,9 +320,8 @@ impl Rings {
             if along.dot(way) < 0.8 {
                 return None;
             }
-            // Looking across the middle's way keeps both looks parallel.
-            let near = Some((middle.ring, middle.segment));
-            let place = self.facing_here(ring, q, way, segment, side, range, near)?;
+            // Looking across the middle's way keeps both looks parallel. A strip may end between, so all is looked at.
+            let place = self.facing_along(ring, q, way, segment, side, range)?;
             *end = (place, q, q + place.distance_mm * look);
         }
         let length = self.length_mm(middle.ring);

@@ -1,6 +1,6 @@
 //! The tree that joins cells: which edges are passed, and which strips are cut.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross};
@@ -37,7 +37,11 @@ pub fn cost(f: &Facing, axis: Axis<'_>) -> f64 {
 fn guess(e: &Edge, spacing_mm: f64, axis: Axis<'_>) -> f64 {
     let way = e.ends[1] - e.ends[0];
     let (u, weight) = axis(0.5 * (e.ends[0] + e.ends[1]));
-    let angle = atan2(cross(u, way).abs(), u.dot(way).abs());
+    // The angle to within 0.004: with t the smaller over the larger part, pi/4 t + 0.273 t (1 - t) is its tangent's.
+    let (across, along) = (cross(u, way).abs(), u.dot(way).abs());
+    let t = across.min(along) / across.max(along).max(f64::MIN_POSITIVE);
+    let small = t * (FRAC_PI_4 + 0.273 * (1.0 - t));
+    let angle = if across > along { FRAC_PI_2 - small } else { small };
     2.0 * weight * (angle * way.length() - (FRAC_PI_2 - angle) * spacing_mm)
 }
 
