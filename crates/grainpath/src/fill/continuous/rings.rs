@@ -231,25 +231,10 @@ impl Rings {
         walk: &mut Walk,
     ) -> Option<(Place, [DVec2; 2])> {
         let (p, way, segment) = self.point_near(ring, at_mm, walk.segment);
-        let place = self.facing_here(ring, p, way, segment, side, range, walk.facing);
+        let known = walk.facing.and_then(|before| self.still_facing(p, way, side, range, before));
+        let place = known.or_else(|| self.facing_along(ring, p, way, segment, side, range));
         *walk = Walk { segment, facing: place.map(|other| (other.ring, other.segment)) };
         place.map(|other| (other, [p, p + other.distance_mm * side.of(way)]))
-    }
-
-    /// What faces a point of a segment, looked for first where the place before was faced from.
-    #[allow(clippy::too_many_arguments)]
-    fn facing_here(
-        &self,
-        ring: usize,
-        p: DVec2,
-        way: DVec2,
-        segment: usize,
-        side: Side,
-        range: [f64; 2],
-        before: Option<(usize, usize)>,
-    ) -> Option<Place> {
-        let known = before.and_then(|before| self.still_facing(p, way, side, range, before));
-        known.or_else(|| self.facing_along(ring, p, way, segment, side, range))
     }
 
     /// What faces a place if it is the ring and about the segment that faced the place before.
@@ -312,7 +297,8 @@ impl Rings {
     ) -> Option<Facing> {
         let half = 0.5 * self.spacing_mm;
         let (p, way, middle_segment) = self.point(ring, at_mm);
-        let middle = self.facing_here(ring, p, way, middle_segment, side, range, known)?;
+        let known = known.and_then(|facing| self.still_facing(p, way, side, range, facing));
+        let middle = known.or_else(|| self.facing_along(ring, p, way, middle_segment, side, range))?;
         let look = side.of(way);
         let mut ends = [(middle, DVec2::ZERO, DVec2::ZERO); 2];
         for (end, by) in ends.iter_mut().zip([-half, half]) {

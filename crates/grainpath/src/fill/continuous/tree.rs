@@ -280,3 +280,31 @@ pub fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
     }
     exchanges
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranks_sort_by_weight_and_know_their_edge() {
+        let weights = [-1e9, -2.5, -1e-3, 0.0, 1e-3, 0.75, 3.0, f64::MAX];
+        let mut ranks: Vec<Ranked> = Vec::new();
+        for last in [false, true] {
+            ranks.extend(weights.iter().enumerate().map(|(i, w)| Ranked::new(last, *w, 1_000_000 * i)));
+        }
+        let sorted = {
+            let mut all = ranks.clone();
+            all.reverse();
+            all.sort_unstable();
+            all
+        };
+        assert!(sorted == ranks);
+        for (k, rank) in ranks.iter().enumerate() {
+            let weight = weights[k % weights.len()];
+            assert_eq!(rank.edge(), 1_000_000 * (k % weights.len()));
+            assert_eq!(rank.is_last(), k >= weights.len());
+            assert!(rank.weight() == f64::from(weight as f32));
+        }
+        assert!(Ranked::new(false, 1.0, 3) < Ranked::new(false, 1.0, 4));
+    }
+}
