@@ -12,15 +12,19 @@ import sys
 import numpy as np
 
 
-def write(points, stress, out):
-    """Direction of the in-plane principal stress greater in amount, weighted by |s1 - s2|."""
+def strongest(stress):
+    """Direction of the in-plane principal stress greater in amount, and |s1 - s2|, of (xx, yy, xy)."""
     xx, yy, xy = stress.T
     mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
     radius = np.hypot(half, xy)
     angle = 0.5 * np.arctan2(xy, half)
     angle = np.where(np.abs(mean - radius) > np.abs(mean + radius), angle + math.pi / 2, angle)
-    direction = np.stack([np.cos(angle), np.sin(angle)], 1)
-    np.savez(out, points=points, direction=direction, weight=2 * radius)
+    return np.stack([np.cos(angle), np.sin(angle)], 1), 2 * radius
+
+
+def write(points, stress, out):
+    direction, weight = strongest(stress)
+    np.savez(out, points=points, direction=direction, weight=weight)
 
 
 def from_vtu(path, out):

@@ -13,8 +13,9 @@ const CELLS: [f64; 4] = [1e3, 1e4, 1e5, 1e6];
 const BEAD_MM: f64 = 0.45;
 const HEIGHT_MM: f64 = 0.2;
 
-/// The tensile bar with beads of varying and of one width, and joined without looking at the field; then the fill of
-/// one layer of plates from a thousand to a million cells, on one core.
+/// The tensile bar with beads of varying and of one width, and joined without looking at the field; the same with the
+/// sections of test meshes, beside `stripes` and what no closed path can go below; then the fill of one layer of plates
+/// from a thousand to a million cells, on one core.
 pub fn run() -> Result<(), String> {
     crate::setup::bench()?;
     crate::setup::fea()?;
@@ -22,7 +23,7 @@ pub fn run() -> Result<(), String> {
     let root = crate::root();
     let folder = root.join("target/bench/continuous");
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let grainpath = root.join("target/release/grainpath");
+    let grainpath = crate::built("grainpath");
     crate::run(
         Command::new(&grainpath).args(["new", "--force", "stress-lines"]).arg(&folder).stdout(Stdio::null()),
     )?;
@@ -41,10 +42,62 @@ pub fn run() -> Result<(), String> {
         let gcode = out.join("out/tension.gcode");
         row("tensile bar", name, &text, &gcode, &folder.join("tension.stl"), &field)?;
     }
+    for smoothing_mm in ["0.5", "0.25"] {
+        sections(&grainpath, &folder, smoothing_mm)?;
+    }
     println!(
         "\n| cells of 2 x 5 beads | plate mm | fill s | s for 100 000 cells | peak MB |\n|---|---|---|---|---|"
     );
     CELLS.iter().try_for_each(|&cells| plate(&grainpath, &folder, cells))
+}
+
+/// Sections of the test meshes, as the job's own report has them.
+fn sections(grainpath: &Path, folder: &Path, smoothing_mm: &str) -> Result<(), String> {
+    let meshes = crate::root().join("../shared/data/meshes");
+    if !meshes.is_dir() {
+        println!("\nno ../shared/data: sections left out");
+        return Ok(());
+    }
+    let python = |args: &[&std::ffi::OsStr]| {
+        crate::output(Command::new("python3").arg(crate::root().join("xtask/py/sections.py")).args(args))
+    };
+    let names = python(&["write".as_ref(), meshes.as_os_str(), folder.as_os_str()])?;
+    println!(
+        "\n| section, smoothing {smoothing_mm} mm | islands | paths | mean deg | turns, square and round | stripes | undirected | better by % | filled % | filled %, one width |\n\
+         |---|---|---|---|---|---|---|---|---|---|"
+    );
+    for line in names.lines() {
+        let (name, islands) = line.split_once(' ').unwrap_or((line, ""));
+        let job = folder.join(name).with_extension("toml");
+        let quality = |set: &str| -> Result<Value, String> {
+            let smoothing = format!("guide.smoothing_mm={smoothing_mm}");
+            let mut command = Command::new(grainpath);
+            command.args(["run", "--json", "--set", &smoothing, "--set", set]).arg(&job);
+            let report: Value =
+                serde_json::from_str(&crate::output(&mut command)?).map_err(|e| format!("{name}: {e}"))?;
+            Ok(report["quality"].clone())
+        };
+        let number = |v: &Value| v.as_f64().unwrap_or(f64::NAN);
+        let [one, constant, undirected, stripes] =
+            ["fill.widths=variable", "fill.widths=constant", "fill.tree=undirected", "fill.pattern=stripes"]
+                .map(quality);
+        let (one, constant, undirected, stripes) = (one?, constant?, undirected?, stripes?);
+        let angle = |q: &Value| number(&q["alignment_mean_deg"]);
+        let filled = |q: &Value| 100.0 * (1.0 - number(&q["gap"]));
+        let turns = python(&["turns".as_ref(), folder.as_os_str(), name.as_ref()])?;
+        println!(
+            "| {name} | {islands} | {} | {:.1} | {} | {:.1} | {:.1} | {:.0} | {:.1} | {:.1} |",
+            one["paths_per_layer_max"],
+            angle(&one),
+            turns.trim(),
+            angle(&stripes),
+            angle(&undirected),
+            100.0 * (1.0 - angle(&one) / angle(&undirected)),
+            filled(&one),
+            filled(&constant)
+        );
+    }
+    Ok(())
 }
 
 /// A square plate of one layer, held at one corner and pulled at its right side.

@@ -2,15 +2,17 @@
 
 use grainpath_core::DVec2;
 
-use super::rings::{Facing, Rings, Side, bracket};
+use super::rings::{Facing, Rings, Side, Walk, bracket};
 
 /// How far beads may face each other for a cut across a strip, in beads.
 const ACROSS: [f64; 2] = [0.55, 1.5];
 /// The same for neighbours over an edge along the field.
 const BESIDE: [f64; 2] = [0.5, 1.7];
 
-/// Places beside strips are looked at this far apart, in beads.
-pub const PLACE_BEADS: f64 = 2.0;
+/// Places beside strips are looked at this far apart, in beads: closely in a room of few of them, where each tells.
+const PLACE_BEADS: [f64; 2] = [1.0, 4.0];
+/// More of them than this lie further apart.
+const MANY_PLACES: f64 = 20_000.0;
 
 /// Two cells and the edge between them.
 #[derive(Debug, Clone, Copy)]
@@ -21,6 +23,8 @@ pub struct Edge {
     /// A place beside a strip: ring and length along it, mm.
     pub ring: u32,
     pub at_mm: f64,
+    /// The ring and segment that faces it.
+    pub facing: [u32; 2],
     /// Middles of the two beads that face each other here.
     pub ends: [DVec2; 2],
 }
@@ -31,6 +35,8 @@ pub struct Cells {
     /// Where strips are cut across. Left as they are the strip stays whole; exchanged, it ends in two caps.
     pub cuts: Vec<Facing>,
     pub edges: Vec<Edge>,
+    /// How far apart the places beside strips are.
+    pub place_mm: f64,
 }
 
 /// Which lengths of the rings are spoken for.
@@ -57,6 +63,14 @@ impl Taken {
         let (i, j) = (index(from_mm), index(to_mm));
         let at = move |k: i64| if (0..n).contains(&k) { k } else { k.rem_euclid(n) };
         (i..=j.min(i + n - 1)).map(move |k| start + at(k) as usize)
+    }
+
+    /// The first place of a ring from this one on that is free.
+    fn next_free(&self, ring: usize, at_mm: f64) -> f64 {
+        let first = (at_mm / self.step_mm) as usize;
+        let marks = &self.marks[self.starts[ring]..self.starts[ring + 1]];
+        let taken = marks.iter().skip(first).take_while(|m| **m).count();
+        if taken == 0 { at_mm } else { (first + taken) as f64 * self.step_mm }
     }
 
     pub fn is_free(&self, ring: usize, from_mm: f64, to_mm: f64) -> bool {
@@ -98,20 +112,16 @@ pub fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) ->
     let mut cuts: Vec<Facing> = Vec::new();
     for ring in 0..rings.lines.len() {
         let length = rings.length_mm(ring);
-        let mut at = 0.5 * length_mm;
+        let mut at = near.next_free(ring, 0.5 * length_mm);
         while at < length - 0.5 * spacing_mm {
-            if !near.is_free(ring, at, at) {
-                at += 0.5 * spacing_mm;
-                continue;
-            }
-            let found = rings.stretches(ring, at, Side::Left, ACROSS);
+            let found = rings.stretches(ring, at, Side::Left, ACROSS, None);
             if let Some(f) = found.filter(|f| near.fits(f, 0.0) && taken.fits(f, 0.6 * spacing_mm)) {
                 near.take_both(&f, 0.8 * length_mm);
                 taken.take_both(&f, 0.6 * spacing_mm);
                 cuts.push(f);
                 at += 0.8 * length_mm;
             }
-            at += 0.5 * spacing_mm;
+            at = near.next_free(ring, at + 0.5 * spacing_mm);
         }
     }
     let ends = Ends::new(rings, &cuts);
@@ -127,31 +137,41 @@ pub fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) ->
                 cut: Some(k as u32),
                 ring: f.one_ring as u32,
                 at_mm: f.one[1],
+                facing: [f.other_ring as u32, 0],
                 ends: [p, q],
             });
         }
     }
+    let all_mm: f64 = (0..rings.lines.len()).map(|r| rings.length_mm(r)).sum();
+    let [least, most] = PLACE_BEADS.map(|beads| beads * spacing_mm);
+    let place_mm = (all_mm / MANY_PLACES).clamp(least, most);
     for ring in 0..rings.lines.len() {
         let length = rings.length_mm(ring);
-        let n = (length / (PLACE_BEADS * spacing_mm)).floor().max(1.0);
-        let mut last = None;
+        let n = (length / place_mm).floor().max(1.0);
+        let (mut walk, mut own, mut others) = (Walk::default(), 0, (usize::MAX, 0));
         for k in 0..n as usize {
             let at_mm = length * (k as f64 + 0.5) / n;
-            let Some(other) = rings.facing(ring, at_mm, Side::Right, BESIDE, &mut last) else { continue };
-            let a = cell_of[ends.after(ring, at_mm)];
-            let b = cell_of[ends.after(other.ring, other.at_mm)];
+            let Some((other, points)) = rings.facing(ring, at_mm, Side::Right, BESIDE, &mut walk) else {
+                continue;
+            };
+            let a = cell_of[ends.after(ring, at_mm, &mut own)];
+            if others.0 != other.ring {
+                others = (other.ring, ends.likely(other.ring, other.at_mm));
+            }
+            let b = cell_of[ends.after(other.ring, other.at_mm, &mut others.1)];
             if a != b {
-                let (p, q) = (rings.point(ring, at_mm).0, rings.point(other.ring, other.at_mm).0);
-                edges.push(Edge { cells: [a, b], cut: None, ring: ring as u32, at_mm, ends: [p, q] });
+                let facing = [other.ring, other.segment].map(|v| v as u32);
+                edges.push(Edge { cells: [a, b], cut: None, ring: ring as u32, at_mm, facing, ends: points });
             }
         }
     }
-    Cells { n, cuts, edges }
+    Cells { n, cuts, edges, place_mm }
 }
 
 /// The exchange at an edge beside strips.
 pub fn beside(rings: &Rings, edge: &Edge) -> Option<Facing> {
-    rings.stretches(edge.ring as usize, edge.at_mm, Side::Right, BESIDE)
+    let facing = edge.facing.map(|v| v as usize);
+    rings.stretches(edge.ring as usize, edge.at_mm, Side::Right, BESIDE, Some(facing.into()))
 }
 
 /// The ends of cuts on each ring, in order.
@@ -173,13 +193,17 @@ impl<'a> Ends<'a> {
         Self { rings, all, n_cuts: cuts.len() }
     }
 
-    /// The stretch of ring that a place lies in: named by the end it follows, or the ring where it has none.
-    fn after(&self, ring: usize, at_mm: f64) -> usize {
+    /// How many ends probably lie before a place: cells are about equally long.
+    fn likely(&self, ring: usize, at_mm: f64) -> usize {
+        (at_mm / self.rings.length_mm(ring).max(1e-12) * self.all[ring].len() as f64) as usize
+    }
+
+    /// The stretch of ring that a place lies in: named by the end it follows, or the ring where it has none. `before` is
+    /// about how many ends lie before it, and then how many do.
+    fn after(&self, ring: usize, at_mm: f64, before: &mut usize) -> usize {
         let ends = &self.all[ring];
-        // Cells are about equally long.
-        let guess = (at_mm / self.rings.length_mm(ring).max(1e-12) * ends.len() as f64) as usize;
-        let k = bracket(ends.len(), guess, |k| ends[k].0 <= at_mm);
-        match ends.get(k.wrapping_sub(1)).or(ends.last()) {
+        *before = bracket(ends.len(), *before, |k| ends[k].0 <= at_mm);
+        match ends.get(before.wrapping_sub(1)).or(ends.last()) {
             Some(e) => e.1 as usize,
             None => 2 * self.n_cuts + ring,
         }

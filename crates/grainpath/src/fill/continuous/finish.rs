@@ -8,14 +8,14 @@ use grainpath_core::{BeadWidth, DVec2, Polygon, Region, Toolpath};
 
 use super::super::field::stripes::simplified;
 use super::super::field::widths::{Line, Neighbours};
-use super::rings::{CLOSE, beside};
+use super::rings::{CLOSE, SEEN_BEADS, beside};
 use crate::fill::FillContext;
 
 /// The narrowest and widest bead, as shares of the nominal one.
 const NARROWEST: f64 = 0.6;
 const WIDEST: f64 = 1.6;
 /// Rounds of moving beads to the middle of their room.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 2;
 /// A turn of more than this is a corner and stays one: the cosine.
 const CORNER: f64 = 0.64;
 /// Most neighbours are nearer than this, in beads, and nothing further than that is one.
@@ -98,7 +98,7 @@ pub fn lay(
         .map(|points| Line { points: dense_at_corners(&points, spacing), closed: true })
         .collect();
     let inside = LineClipper::new(&Region::from(room.clone()));
-    let neighbours = |lines: &[Line]| Neighbours::new(lines, border, 1.5 * spacing);
+    let neighbours = |lines: &[Line]| Neighbours::new(lines, border, SEEN_BEADS * spacing);
     let first = neighbours(&laid);
     let mut sides = rooms(&laid, &first, spacing, None);
     let mut lines = Vec::new();
@@ -343,7 +343,7 @@ fn segments_of(lines: &[Line]) -> impl Iterator<Item = (usize, usize)> + '_ {
 fn cut_small_loops(lines: &mut [Line], spacing_mm: f64) -> bool {
     let mut changed = false;
     for _ in 0..8 {
-        let pairs = Neighbours::new(lines, &Region::default(), 1.5 * spacing_mm).crossings();
+        let pairs = Neighbours::new(lines, &Region::default(), SEEN_BEADS * spacing_mm).crossings();
         let mut done: Vec<usize> = Vec::new();
         for [(l, i), (m, j)] in pairs {
             // Numbers of segments change with the first loop taken out.

@@ -12,7 +12,7 @@ mod tree;
 mod verify;
 
 use grainpath_core::math::direction;
-use grainpath_core::poly::{Join, perimeter_mm};
+use grainpath_core::poly::{Join, LineClipper, perimeter_mm};
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 
 use super::{FillContext, Infill};
@@ -39,12 +39,50 @@ impl Continuous {
 
 /// Rings shorter than this are dropped, in beads.
 const SHORTEST: f64 = 6.0;
-/// Where the field says that no direction matters, this much of it counts still.
-const LEAST_STRENGTH: f64 = 0.02;
+/// Where no direction matters, this much counts still.
+const LEAST_PULL: f64 = 0.02;
+/// Places along the longer side of a room at which is looked how much directions matter in it.
+const LOOKS: f64 = 32.0;
 
 impl Infill for Continuous {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
         self.lay_island(context, &[room], out, &mut Vec::new());
+    }
+}
+
+/// The field's axis, and how much it matters beside the rest of the room: 1 is much.
+struct Pull<'a> {
+    context: &'a FillContext<'a>,
+    /// What is much, in what the field tells.
+    much: f64,
+}
+
+impl<'a> Pull<'a> {
+    fn new(context: &'a FillContext<'a>, room: &Polygon) -> Self {
+        let mut pull = Self { context, much: 1.0 };
+        let region = Region::from(room.clone());
+        let Some(bounds) = region.bounds() else { return pull };
+        let inside = LineClipper::new(&region);
+        let size = bounds.size();
+        let step = size.max_element() / LOOKS;
+        let [nx, ny] = [size.x, size.y].map(|mm| (mm / step).ceil().max(1.0) as usize);
+        let place = |i: usize, j: usize| bounds.min + step * DVec2::new(i as f64 + 0.5, j as f64 + 0.5);
+        let places = (0..ny).flat_map(|j| (0..nx).map(move |i| place(i, j)));
+        let mut all: Vec<f64> = places.filter(|&p| inside.contains(p)).map(|p| pull.at(p).1).collect();
+        let at = all.len() * 9 / 10;
+        if at > 0 {
+            // Peaks at corners do not count.
+            pull.much = all.select_nth_unstable_by(at, f64::total_cmp).1.max(f64::MIN_POSITIVE);
+        }
+        pull
+    }
+
+    fn at(&self, p: DVec2) -> (DVec2, f64) {
+        let Some(field) = self.context.field else { return (DVec2::X, 1.0) };
+        let there = field.sample(p.extend(self.context.z_mid_mm));
+        // What turning out of the axis gives up, where the stress is known.
+        let matters = there.principal_mpa.map_or(there.strength, |[along, across]| (along - across).abs());
+        (direction(there.axis_rad), (matters / self.much).max(LEAST_PULL))
     }
 }
 
@@ -91,14 +129,9 @@ impl Continuous {
 
     /// The loops of all cells of a room, joined: one ring, where that can be.
     fn joined(&self, context: &FillContext<'_>, room: &Polygon, spacing: f64) -> Vec<Vec<DVec2>> {
-        let axis = |p: DVec2| match context.field {
-            Some(field) => {
-                let there = field.sample(p.extend(context.z_mid_mm));
-                (direction(there.axis_rad), there.strength.max(LEAST_STRENGTH))
-            }
-            None => (DVec2::X, 1.0),
-        };
-        let mut rings = Rings::new(strips::outlines(context, room, spacing), room, spacing);
+        let pull = Pull::new(context, room);
+        let axis = |p: DVec2| pull.at(p);
+        let mut rings = Rings::new(strips::outlines(context, room, &pull, spacing), room, spacing);
         let touching = rings.crossings();
         if !touching.is_empty() {
             let loops: Vec<Vec<DVec2>> = rings.lines.into_iter().map(|l| l.points).collect();

@@ -8,6 +8,8 @@ use super::super::field::widths::{Line, Neighbours};
 
 /// Nearer than this nothing lies between a bead and what was its neighbour a step before, in beads.
 pub const CLOSE: f64 = 1.1;
+/// Side of the squares that lines are sorted into to be found, in beads.
+pub const SEEN_BEADS: f64 = 2.0;
 
 /// A place on a ring, seen from another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,6 +20,15 @@ pub struct Place {
     pub at_mm: f64,
     /// How far it is, mm.
     pub distance_mm: f64,
+}
+
+/// Where a walk along a ring stands.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Walk {
+    /// The segment of the ring.
+    segment: usize,
+    /// The ring and segment that faced it last.
+    facing: Option<(usize, usize)>,
 }
 
 /// Two stretches, a bead long, that face each other a bead apart and run against each other. Exchanging them for the
@@ -102,6 +113,8 @@ pub fn bracket(n: usize, guess: usize, below: impl Fn(usize) -> bool) -> usize {
     low
 }
 
+/// Rings that face each other run against each other, this much at least: the cosine.
+const AGAINST: f64 = 0.7;
 /// Further than this nothing is looked for from rings that are apart, in beads.
 const FURTHEST: f64 = 5.0;
 
@@ -153,7 +166,7 @@ impl Rings {
             all
         };
         let arcs: Vec<Vec<f64>> = lines.iter().map(arc).collect();
-        let neighbours = neighbours(&lines, &arcs, 1.5 * spacing_mm);
+        let neighbours = neighbours(&lines, &arcs, SEEN_BEADS * spacing_mm);
         let room = LineClipper::new(&Region::from(room.clone()));
         Self { lines, arcs, neighbours, room, spacing_mm }
     }
@@ -180,12 +193,11 @@ impl Rings {
         self.arcs[ring].last().copied().unwrap_or(0.0)
     }
 
-    /// The segment on which a place lies.
-    fn segment(&self, ring: usize, at_mm: f64) -> usize {
+    /// The segment on which a place probably lies: steps are about even.
+    fn likely_segment(&self, ring: usize, at_mm: f64) -> usize {
         let arc = &self.arcs[ring];
         let n = arc.len() - 1;
-        let guess = (at_mm / arc[n].max(1e-12) * n as f64) as usize;
-        bracket(arc.len(), guess, |k| arc[k] <= at_mm).saturating_sub(1).min(n - 1)
+        (at_mm / arc[n].max(1e-12) * n as f64) as usize
     }
 
     /// A place brought into the ring's length.
@@ -193,30 +205,36 @@ impl Rings {
         at_mm.rem_euclid(self.length_mm(ring).max(1e-12))
     }
 
-    /// The point there, and the direction of the ring.
+    /// The point there, the direction of the ring, and the segment.
     pub fn point(&self, ring: usize, at_mm: f64) -> (DVec2, DVec2, usize) {
         let at_mm = self.wrapped(ring, at_mm);
-        let s = self.segment(ring, at_mm);
+        self.point_near(ring, at_mm, self.likely_segment(ring, at_mm))
+    }
+
+    /// The same for a place within the ring's length that lies near this segment.
+    fn point_near(&self, ring: usize, at_mm: f64, segment: usize) -> (DVec2, DVec2, usize) {
+        let arc = &self.arcs[ring];
+        let s = bracket(arc.len(), segment + 1, |k| arc[k] <= at_mm).saturating_sub(1).min(arc.len() - 2);
         let (a, b) = self.lines[ring].segment(s);
         let way = (b - a).normalize_or(DVec2::X);
         (a + (at_mm - self.arcs[ring][s]) * way, way, s)
     }
 
-    /// The place that faces this one at about a bead's distance. `last` is the ring and segment that faced the place
-    /// before: along a bead its neighbour mostly goes on as it did.
+    /// The place that faces this one at about a bead's distance, and the points at both. `walk` is where a walk along the
+    /// ring stands: along a bead its neighbour mostly goes on as it did.
     pub fn facing(
         &self,
         ring: usize,
         at_mm: f64,
         side: Side,
         range: [f64; 2],
-        last: &mut Option<(usize, usize)>,
-    ) -> Option<Place> {
-        let (p, way, segment) = self.point(ring, at_mm);
-        let known = last.and_then(|before| self.still_facing(p, way, side, range, before));
+        walk: &mut Walk,
+    ) -> Option<(Place, [DVec2; 2])> {
+        let (p, way, segment) = self.point_near(ring, at_mm, walk.segment);
+        let known = walk.facing.and_then(|before| self.still_facing(p, way, side, range, before));
         let place = known.or_else(|| self.facing_along(ring, p, way, segment, side, range));
-        *last = place.map(|other| (other.ring, other.segment));
-        place
+        *walk = Walk { segment, facing: place.map(|other| (other.ring, other.segment)) };
+        place.map(|other| (other, [p, p + other.distance_mm * side.of(way)]))
     }
 
     /// What faces a place if it is the ring and about the segment that faced the place before.
@@ -236,7 +254,12 @@ impl Rings {
             let (a, b) = self.lines[ring].segment(segment);
             let distance_mm = beside(p, look, a, b).filter(|d| *d > least && *d < most)?;
             let at_mm = self.arcs[ring][segment] + a.distance(p + distance_mm * look);
-            ((b - a).dot(way) < 0.0).then_some(Place { ring, segment, at_mm, distance_mm })
+            ((b - a).dot(way) < -AGAINST * a.distance(b)).then_some(Place {
+                ring,
+                segment,
+                at_mm,
+                distance_mm,
+            })
         })
     }
 
@@ -254,7 +277,7 @@ impl Rings {
         let hit = self.neighbours.hit(p, look, range[1] * self.spacing_mm, skips)?;
         let other = hit.line?;
         let (a, b) = self.lines[other].segment(hit.segment);
-        let against = (b - a).normalize_or(DVec2::X).dot(way) < -0.7;
+        let against = (b - a).normalize_or(DVec2::X).dot(way) < -AGAINST;
         if !against || hit.distance_mm < range[0] * self.spacing_mm {
             return None;
         }
@@ -262,19 +285,28 @@ impl Rings {
         Some(Place { ring: other, segment: hit.segment, at_mm, distance_mm: hit.distance_mm })
     }
 
-    /// The stretches around a place and what faces it, where both are straight enough.
-    pub fn stretches(&self, ring: usize, at_mm: f64, side: Side, range: [f64; 2]) -> Option<Facing> {
+    /// The stretches around a place and what faces it, where both are straight enough. `known` is the ring and segment
+    /// that is known to face it.
+    pub fn stretches(
+        &self,
+        ring: usize,
+        at_mm: f64,
+        side: Side,
+        range: [f64; 2],
+        known: Option<(usize, usize)>,
+    ) -> Option<Facing> {
         let half = 0.5 * self.spacing_mm;
-        let (p, way, segment) = self.point(ring, at_mm);
-        let middle = self.facing_along(ring, p, way, segment, side, range)?;
+        let (p, way, middle_segment) = self.point(ring, at_mm);
+        let known = known.and_then(|facing| self.still_facing(p, way, side, range, facing));
+        let middle = known.or_else(|| self.facing_along(ring, p, way, middle_segment, side, range))?;
         let look = side.of(way);
         let mut ends = [(middle, DVec2::ZERO, DVec2::ZERO); 2];
         for (end, by) in ends.iter_mut().zip([-half, half]) {
-            let (q, along, segment) = self.point(ring, at_mm + by);
+            let (q, along, segment) = self.point_near(ring, self.wrapped(ring, at_mm + by), middle_segment);
             if along.dot(way) < 0.8 {
                 return None;
             }
-            // Looking across the middle's way keeps both looks parallel.
+            // Looking across the middle's way keeps both looks parallel. A strip may end between, so all is looked at.
             let place = self.facing_along(ring, q, way, segment, side, range)?;
             *end = (place, q, q + place.distance_mm * look);
         }

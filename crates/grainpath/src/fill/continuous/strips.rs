@@ -11,15 +11,16 @@ use grainpath_core::poly::{FillRule, Join, LineClipper};
 use grainpath_core::{DVec2, Polygon, Region};
 
 use super::super::field::phase::{PhaseInput, Turn, drift, solve, turns};
-use super::super::field::stripes::{NearBorder, axis_of};
+use super::super::field::stripes::NearBorder;
 use super::super::field::widths::{resampled, smooth};
+use super::Pull;
 use crate::field_mesh::FieldMesh;
 use crate::fill::FillContext;
 
 const NONE: u32 = u32::MAX;
 
 /// Squares of the grid that the phase is found on, in beads: fine for a room of few of them, coarser for a large one.
-const MESH_BEADS: [f64; 2] = [1.8, 6.0];
+const MESH_BEADS: [f64; 2] = [1.0, 6.0];
 /// More nodes than this make the grid coarser.
 const MANY_NODES: f64 = 20_000.0;
 /// Places of a room narrower than this are strips by themselves, in beads.
@@ -31,19 +32,33 @@ const STEP_BEADS: f64 = 1.0;
 /// Where a line is straight its points lie further apart: as many steps, and this far off it, in beads.
 const LONGEST_STEPS: usize = 3;
 const STRAIGHT_BEADS: f64 = 0.005;
+/// Where the field matters least and most it counts this much.
+const WEIGHTS: [f64; 2] = [0.1, 1.0];
 /// Steps of diffusion of the phase: widths in squares of the grid, and how often.
-const STEPS: [(f64, usize); 3] = [(60.0, 3), (25.0, 3), (8.0, 2)];
+const STEPS: [(f64, usize); 4] = [(60.0, 3), (25.0, 3), (8.0, 3), (3.0, 3)];
 
 /// The outlines of all strips of a room at this distance of beads: closed, the strip on their left, inside the room.
 /// Together with the room's own contour where a strip ends there.
-pub fn outlines(context: &FillContext<'_>, room: &Polygon, spacing_mm: f64) -> Vec<Vec<DVec2>> {
+pub fn outlines(
+    context: &FillContext<'_>,
+    room: &Polygon,
+    pull: &Pull<'_>,
+    spacing_mm: f64,
+) -> Vec<Vec<DVec2>> {
     let region = Region::from(room.clone());
     let whole = || vec![room.outer.clone()];
-    let Some(field) = context.field else { return whole() };
+    if context.field.is_none() {
+        return whole();
+    }
     let cell_mm = (room.area_mm2() / MANY_NODES).sqrt();
     let cell_mm = cell_mm.clamp(MESH_BEADS[0] * spacing_mm, MESH_BEADS[1] * spacing_mm);
     let Some(mesh) = FieldMesh::over(&region, cell_mm) else { return Vec::new() };
-    let axes: Vec<DVec2> = mesh.nodes.iter().map(|&p| axis_of(field, context, p)).collect();
+    let (axes, strength): (Vec<DVec2>, Vec<f64>) = mesh
+        .nodes
+        .iter()
+        .map(|&p| pull.at(p))
+        .map(|(axis, w)| (axis, w.clamp(WEIGHTS[0], WEIGHTS[1])))
+        .unzip();
     let frequency = drift(&mesh, &axes).into_iter().map(|f| f / (2.0 * spacing_mm)).collect();
     let near = NearBorder::new(&region, 3.2 * spacing_mm);
     let wanted = mesh
@@ -52,13 +67,13 @@ pub fn outlines(context: &FillContext<'_>, room: &Polygon, spacing_mm: f64) -> V
         .zip(&axes)
         .map(|(&p, axis)| near.wanted(p, *axis, 2.0 * spacing_mm, 0.25))
         .collect();
-    let input = PhaseInput { axes, frequency, wanted };
+    let input = PhaseInput { axes, frequency, strength, wanted };
     let turns = turns(&mesh, &input);
     let phase = solve(&mesh, &input, &turns, &STEPS);
     let mut lines = sign_changes(&mesh, &turns, &phase);
     for line in &mut lines {
         line.points = resampled(&line.points, line.closed, STEP_BEADS * spacing_mm);
-        smooth(&mut line.points, line.closed, 3);
+        smooth(&mut line.points, line.closed, 1);
         line.points = sparse(&line.points, line.closed, STRAIGHT_BEADS * spacing_mm);
     }
     let loops = cut_by(&region, &lines).unwrap_or_else(whole);

@@ -117,10 +117,11 @@ fn every_part_is_one_path_along_the_field() {
             assert!(notes.is_empty() && paths[0].closed, "{name}, {kind}: {notes:?}");
             assert!(open < 0.03, "{name}, {kind}: gap {open}");
             // Where the part is a few beads wide, turning back is a good part of the way.
-            if name == "open hole" {
+            if !["thin ring", "bar"].contains(&name) {
                 let undirected = Continuous { tree: TreeKind::Undirected, ..Continuous::DEFAULT };
                 let other = off_field(&filled(undirected, &part, WIDTH, &field).0, &field);
-                assert!(off < 8.0 && off < 0.7 * other, "{name}, {kind}: {off}, undirected {other}");
+                let most = if name == "open hole" { 6.5 } else { 14.0 };
+                assert!(off < most && off < 0.7 * other, "{name}, {kind}: {off}, undirected {other}");
             }
         }
     }

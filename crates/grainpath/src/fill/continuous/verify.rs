@@ -6,6 +6,7 @@ use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 
 use super::super::field::widths::{Line, Neighbours};
+use super::rings::SEEN_BEADS;
 
 /// Something that kept a layer's island from being one sound path.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,7 +66,7 @@ pub fn check(paths: &[Toolpath], room: &Polygon, spacing_mm: f64) -> Vec<Note> {
     let lines: Vec<Line> =
         paths.iter().map(|p| Line { points: p.points.clone(), closed: p.closed }).collect();
     for [(line, segment), _] in
-        Neighbours::new(&lines, &Region::default(), 1.5 * spacing_mm).crossings().into_iter().take(3)
+        Neighbours::new(&lines, &Region::default(), SEEN_BEADS * spacing_mm).crossings().into_iter().take(3)
     {
         notes.push(Note { at_mm: lines[line].points[segment], what: Problem::Crossing });
     }

@@ -20,6 +20,8 @@ pub struct PhaseInput {
     pub axes: Vec<DVec2>,
     /// Turns per mm across it.
     pub frequency: Vec<f64>,
+    /// How much the field matters, above 0: where it does little the phase misses turns first.
+    pub strength: Vec<f64>,
     /// Phase wanted here, with the sign of the node's normal, and how strongly; weight 0 for none.
     pub wanted: Vec<(f64, f64)>,
 }
@@ -102,22 +104,28 @@ pub fn turns(mesh: &FieldMesh, input: &PhaseInput) -> Vec<Turn> {
 
 /// How numbers are carried along the sides of squares, side by side.
 struct Carried {
+    /// Times the weight.
     cos: Vec<f32>,
     sin: Vec<f32>,
+    /// How much the side counts.
+    weight: Vec<f32>,
     /// -1 where the second end's number is mirrored, else 1.
     way: Vec<f32>,
 }
 
 impl Carried {
-    fn new(mesh: &FieldMesh, turns: &[Turn]) -> Self {
+    fn new(mesh: &FieldMesh, turns: &[Turn], strength: &[f64]) -> Self {
         let n = mesh.edges.iter().take_while(|e| !e.diagonal).count();
-        let mut all =
-            Self { cos: Vec::with_capacity(n), sin: Vec::with_capacity(n), way: Vec::with_capacity(n) };
-        for turn in &turns[..n] {
+        let [cos, sin, weight, way] = std::array::from_fn(|_| Vec::with_capacity(n));
+        let mut all = Self { cos, sin, weight, way };
+        for (turn, edge) in turns[..n].iter().zip(&mesh.edges) {
             // In the frame of the second end a mirrored phase grows downwards.
             let (sin, cos) = sin_cos(if turn.mirrored { -turn.grown_rad } else { turn.grown_rad });
-            all.cos.push(cos as f32);
-            all.sin.push(sin as f32);
+            let [a, b] = edge.ends.map(|k| strength[k as usize]);
+            let weight = 0.5 * (a + b);
+            all.cos.push((weight * cos) as f32);
+            all.sin.push((weight * sin) as f32);
+            all.weight.push(weight as f32);
             all.way.push(if turn.mirrored { -1.0 } else { 1.0 });
         }
         all
@@ -158,13 +166,15 @@ impl Carried {
 /// The phase at every node, radians, after these steps of diffusion: width in squares of the grid, and how often.
 pub fn solve(mesh: &FieldMesh, input: &PhaseInput, turns: &[Turn], steps: &[(f64, usize)]) -> Vec<f64> {
     let n = mesh.nodes.len();
-    let carried = Carried::new(mesh, turns);
+    let carried = Carried::new(mesh, turns, &input.strength);
     // What the border wants: parts times weight.
     let mut wanted = vec![0.0f32; 2 * n];
     // Weights of all neighbours and of what is wanted.
     let mut around = vec![0.0f32; n];
     for run in mesh.runs() {
-        run.from.chain(run.to).for_each(|k| around[k] += 1.0);
+        let weights = || carried.weight[run.edges.clone()].iter();
+        around[run.from].iter_mut().zip(weights()).for_each(|(sum, weight)| *sum += weight);
+        around[run.to].iter_mut().zip(weights()).for_each(|(sum, weight)| *sum += weight);
     }
     for (k, &(rad, weight)) in input.wanted.iter().enumerate().filter(|w| w.1.1 > 0.0) {
         let (s, c) = sin_cos(rad);

@@ -88,7 +88,8 @@ fn phase_input(
     let near = NearBorder::new(border, 1.6 * spacing);
     let wanted =
         mesh.nodes.iter().zip(&axes).map(|(&p, axis)| near.wanted(p, *axis, spacing, -0.5)).collect();
-    PhaseInput { axes, frequency, wanted }
+    let strength = vec![1.0; mesh.nodes.len()];
+    PhaseInput { axes, frequency, strength, wanted }
 }
 
 /// Where the field runs along the border, beads should too, half a bead away.

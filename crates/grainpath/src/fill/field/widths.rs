@@ -217,24 +217,29 @@ impl Neighbours {
     pub fn crossings(&self) -> Vec<[(usize, usize); 2]> {
         let mut out = Vec::new();
         let cells = &self.buckets.cells;
+        // Of a cell's pieces those met before, with their bounds.
+        let mut met: Vec<(Piece, DVec2, DVec2)> = Vec::new();
         for cell in 0..cells.nx * cells.ny {
-            let members = self.buckets.of(cell);
-            for (k, &i) in members.iter().enumerate() {
-                let p = &self.pieces[i as usize];
-                for &j in &members[k + 1..] {
-                    let q = &self.pieces[j as usize];
-                    let apart =
-                        p.a.max(p.b).cmplt(q.a.min(q.b)).any() || q.a.max(q.b).cmplt(p.a.min(p.b)).any();
+            met.clear();
+            for &i in self.buckets.of(cell) {
+                let p = self.pieces[i as usize];
+                if p.line == BORDER {
+                    continue;
+                }
+                let (low, high) = (p.a.min(p.b), p.a.max(p.b));
+                for (q, q_low, q_high) in &met {
+                    let apart = high.x < q_low.x || q_high.x < low.x || high.y < q_low.y || q_high.y < low.y;
                     let follows = p.line == q.line && (p.a == q.b || p.b == q.a);
-                    if apart || follows || p.line == BORDER || q.line == BORDER {
+                    if apart || follows {
                         continue;
                     }
                     let sides =
                         |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e - o, p - o) * cross(e - o, q - o);
                     if sides(p.a, p.b, q.a, q.b) <= 0.0 && sides(q.a, q.b, p.a, p.b) <= 0.0 {
-                        out.push([p, q].map(|s| (s.line as usize, s.segment as usize)));
+                        out.push([q, &p].map(|s| (s.line as usize, s.segment as usize)));
                     }
                 }
+                met.push((p, low, high));
             }
         }
         out.sort_unstable();
