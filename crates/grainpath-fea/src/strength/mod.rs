@@ -112,7 +112,7 @@ const PACE: Pace = Pace {
     soft: 2.5,
     fallen: [0.8, 1.2],
     most_at_a_load: usize::MAX,
-    most_solutions: 2000,
+    most_solutions: 4000,
     most_work: f64::INFINITY,
 };
 
