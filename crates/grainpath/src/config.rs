@@ -133,7 +133,7 @@ pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> Gr
             min_length_mm: g.min_curve_mm,
         },
         integration_mm: g.integration_mm,
-        smooth_mm: g.smoothing_mm,
+        smooth_mm: s.smoothing_mm(),
         tangent: match g.bend.as_str() {
             "none" => Tangent::None,
             "outline" => Tangent::Outline,
@@ -177,7 +177,7 @@ pub(crate) fn texture(
         },
         rotate_rad: if other { v.rotate_deg.to_radians() } else { 0.0 },
         integration_mm: g.integration_mm,
-        smooth_mm: g.smoothing_mm,
+        smooth_mm: s.smoothing_mm(),
         darkness: g.darkness,
         pictures: !s.output.preview.is_empty() || !s.output.report.is_empty(),
         part: (part, height_mm),

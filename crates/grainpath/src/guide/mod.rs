@@ -307,7 +307,7 @@ fn lay_directions(
             let direction = DirectionSettings {
                 follow,
                 across: turns && i % 2 == 1,
-                smoothing_mm: settings.guide.smoothing_mm,
+                smoothing_mm: settings.smoothing_mm(),
                 tangent: settings.guide.tangent,
                 cell_mm: settings.process.bead_width_mm,
                 find_degenerate: solved.summary.degenerate.is_none(),
