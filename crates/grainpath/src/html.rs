@@ -142,7 +142,7 @@ fn strength_rows(s: &crate::strength::StrengthReport) -> Vec<(&'static str, Stri
     let modes: Vec<String> = s.modes.iter().map(|(m, share)| format!("{m} {:.0} %", 100.0 * share)).collect();
     let corners: Vec<String> = s.corners.iter().map(|(c, n)| format!("{c} {n:.0} N")).collect();
     vec![
-        ("breaks at", format!("{:.0} N, {:.0} to {:.0} N over the card", s.peak_load_n, s.low_n, s.high_n)),
+        ("breaks at", format!("{:.0} N ({})", s.peak_load_n, s.over())),
         ("weakest", s.weakest.words.clone()),
         ("first ply", format!("{:.0} N", s.first_n)),
         ("stiffness", format!("{:.0} N/mm", s.stiffness_n_per_mm)),

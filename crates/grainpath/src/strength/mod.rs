@@ -516,14 +516,19 @@ fn digits(v: f64) -> f64 {
 }
 
 impl StrengthReport {
+    /// The interval of the peak load in words.
+    pub(crate) fn over(&self) -> String {
+        match self.corners.len() {
+            0 | 1 => "nominal card alone".to_owned(),
+            _ => format!("{:.0} to {:.0} N over the card of the material", self.low_n, self.high_n),
+        }
+    }
+
     /// A few lines for a terminal.
     pub fn summary(&self) -> String {
         let mesh =
             self.mesh_change.map_or(String::new(), |c| format!(", {:.1} % moved by halving them", 100.0 * c));
-        let over = match self.corners.len() {
-            0 | 1 => "nominal card alone".to_owned(),
-            _ => format!("{:.0} to {:.0} N over the card of the material", self.low_n, self.high_n),
-        };
+        let over = self.over();
         format!(
             "breaks at {:.0} N ({over}), stiffness {:.0} N/mm, {:.0} N per gram\n\
              fails mostly {}; weakest at {}\n\

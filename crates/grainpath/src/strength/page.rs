@@ -137,9 +137,9 @@ pub fn chart_svg(report: &StrengthReport) -> String {
         out,
         "<polyline points=\"{}\" fill=\"none\" stroke=\"#1f5fbf\" stroke-width=\"2.5\"/>\n\
          <path d=\"M{left} {3:.1}H{4}\" stroke=\"#c33\" stroke-dasharray=\"5 4\"/>\n\
-         <text x=\"{4}\" y=\"{5:.1}\" text-anchor=\"end\" fill=\"#c33\">{6:.0} N ({7:.0} to {8:.0})</text>\n\
+         <text x=\"{4}\" y=\"{5:.1}\" text-anchor=\"end\" fill=\"#c33\">{6:.0} N ({7})</text>\n\
          <text x=\"{1}\" y=\"{2}\" text-anchor=\"middle\">displacement, mm</text>\n\
-         <text x=\"14\" y=\"{9}\" transform=\"rotate(-90 14 {9})\" text-anchor=\"middle\">load, N</text>\n</svg>",
+         <text x=\"14\" y=\"{8}\" transform=\"rotate(-90 14 {8})\" text-anchor=\"middle\">load, N</text>\n</svg>",
         line.join(" "),
         0.5 * (w + left),
         h - 8.0,
@@ -147,8 +147,7 @@ pub fn chart_svg(report: &StrengthReport) -> String {
         w - 16.0,
         y(report.peak_load_n) - 6.0,
         report.peak_load_n,
-        report.low_n,
-        report.high_n,
+        report.over(),
         0.5 * (h - bottom),
     );
     out
