@@ -224,7 +224,7 @@ sections! {
         element_mm: Option<f64> = None, "mm", Range(0.01, 1000.0), "Longest side of an element; left out, fine enough for the part's size.";
         elasticity: String = "isotropic".into(), "", Words(&["isotropic", "orthotropic"]), "isotropic: with the material's modulus along the bead; orthotropic: with its card, beads along elasticity_deg.";
         elasticity_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Direction of the beads for elasticity = \"orthotropic\", from +X.";
-        smoothing_mm: Option<f64> = None, "mm", Range(0.001, 100.0), "Directions are evened out over this length where the stress cares most, over more where it cares less; left out, 0.5, or 0.25 for one continuous path along the stress.";
+        smoothing_mm: Option<f64> = None, "mm", Range(0.001, 100.0), "Directions are evened out over this length where the stress cares most, over more where it cares less; left out, 0.5, or 0.25 for one continuous path along the stress without fibre.";
         tangent: bool = true, "", Any, "Draw directions along free borders, which are principal directions themselves.";
         fixture: Vec<Fixture> = Vec::new(), "", Any, "[[guide.fixture]]: on = { box_mm | plane | cylinder | sphere | facets }, fix = \"xyz\" or some of it or \"normal\", displacement_mm.";
         load: Vec<Load> = Vec::new(), "", Any, "[[guide.load]]: on = { ... } with force_n (spread over the area), pressure_mpa or moment_nmm; or acceleration_mm_s2 for the whole part.";
@@ -387,9 +387,10 @@ pub struct Settings {
 
 impl Settings {
     /// Length over which directions are evened out, mm. One path cannot end where directions part, so it keeps nearer
-    /// to them from the start.
+    /// to them from the start; but fibre pays for every turn.
     pub fn smoothing_mm(&self) -> f64 {
-        let one_path = self.guide.kind == "stress" && self.fill.pattern == "continuous";
+        let one_path =
+            self.guide.kind == "stress" && self.fill.pattern == "continuous" && !self.fibre.enabled;
         self.guide.smoothing_mm.unwrap_or(if one_path { 0.25 } else { 0.5 })
     }
 
