@@ -102,7 +102,7 @@ impl SolidTest<'_> {
         };
         let holds: Vec<_> = self.holds.iter().map(|(p, d)| (*p, *d, 0.0)).collect();
         let settings = SolveSettings {
-            tolerance: std::env::var("GP_TOL").ok().and_then(|v| v.parse().ok()).unwrap_or(TOLERANCE),
+            tolerance: TOLERANCE,
             most_iterations: 300,
             most_mib: self.most_mib,
             method: Method::Iterative,
@@ -256,14 +256,6 @@ impl Body for Solid<'_> {
             None => self.settings,
         };
         let solution = self.system.solve(&self.forces, self.x.as_deref(), &settings)?;
-        if std::env::var("GP_TRACE").is_ok() {
-            eprintln!(
-                "   iterations {} prepared {} library {}",
-                solution.iterations,
-                self.system.prepared(),
-                self.library.all.len()
-            );
-        }
         self.iterations += solution.iterations;
         let work = self.forces.iter().zip(&solution.displacement).map(|(f, u)| f.dot(*u)).sum();
         self.x = Some(solution.displacement);
