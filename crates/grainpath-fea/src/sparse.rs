@@ -1,15 +1,17 @@
-//! Sparse symmetric systems: the one place that names the solver library.
+//! Symmetric systems, sparse and dense: the one place that names the solver library.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::linalg::cholesky::llt::factor::{LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::perm::Perm;
-use faer::prelude::ReborrowMut;
+use faer::prelude::{Reborrow, ReborrowMut};
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+use faer::{Accum, Conj, MatMut, Par, Side};
 
 /// Why a system has no solution here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -137,6 +139,34 @@ impl Cholesky {
             MemStack::new(&mut MemBuffer::new(scratch)),
         );
     }
+}
+
+/// Eliminates the first unknowns of a dense symmetric matrix, `(size, size)` by columns, lower half: their columns become
+/// those of the factor, the rest what is left for the others.
+///
+/// # Errors
+/// [`SparseError::Singular`] when that part is not positive definite.
+pub fn eliminate(whole: &mut [f64], size: usize, first: usize) -> Result<(), SparseError> {
+    let matrix = MatMut::from_column_major_slice_mut(whole, size, size);
+    let (mut own, _, mut below, rest) = matrix.split_at_mut(first, first);
+    let scratch = cholesky_in_place_scratch::<f64>(first, Par::Seq, Default::default());
+    let mut scratch = MemBuffer::new(scratch);
+    let stack = MemStack::new(&mut scratch);
+    cholesky_in_place(own.rb_mut(), Default::default(), Par::Seq, stack, Default::default())
+        .map_err(|_| SparseError::Singular)?;
+    solve_lower_triangular_in_place(own.rb(), below.rb_mut().transpose_mut(), Par::Seq);
+    matmul(
+        rest,
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        below.rb(),
+        BlockStructure::Rectangular,
+        below.rb().transpose(),
+        BlockStructure::Rectangular,
+        -1.0,
+        Par::Seq,
+    );
+    Ok(())
 }
 
 #[cfg(test)]

@@ -165,6 +165,17 @@ impl Grid {
         Ok((Self { low, cell_mm, nx: nx as usize, ny: ny as usize }, laid_mm3))
     }
 
+    /// The cells around one, those over its sides first, and which way they lie.
+    pub(super) fn around(&self, cell: usize) -> impl Iterator<Item = (DVec2, usize)> {
+        let (nx, ny) = (self.nx, self.ny);
+        let (i, j) = (cell % nx, cell / nx);
+        let all = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
+        all.into_iter().filter_map(move |(di, dj)| {
+            let (a, b) = (i.checked_add_signed(di)?, j.checked_add_signed(dj)?);
+            (a < nx && b < ny).then_some((DVec2::new(di as f64, dj as f64), b * nx + a))
+        })
+    }
+
     /// The middle of a cell, mm.
     pub fn centre(&self, cell: usize) -> DVec2 {
         let (i, j) = (cell % self.nx, cell / self.nx);
@@ -331,22 +342,18 @@ const PASSES: usize = 12;
 
 /// Melt that finds its place taken flows on: to neighbours with room, in proportion to it.
 fn spread(grid: &Grid, n_fans: usize, full: f32, held: &mut [f32], fans: &mut [[f32; 3]]) {
-    let (nx, ny) = (grid.nx as isize, grid.ny as isize);
     for _ in 0..PASSES {
         let over: Vec<usize> = (0..held.len()).filter(|&c| held[c] > full * 1.0005).collect();
         if over.is_empty() {
             return;
         }
         for cell in over {
-            let (i, j) = ((cell as isize) % nx, (cell as isize) / nx);
             let excess = held[cell] - full;
             let mut near = [(0usize, 0f32); 8];
             let mut n = 0;
-            for (di, dj) in [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)] {
-                let (a, b) = (i + di, j + dj);
+            for (_, other) in grid.around(cell) {
                 // Only where there is some of the part: melt does not leave it.
-                if (0..nx).contains(&a) && (0..ny).contains(&b) && held[(b * nx + a) as usize] > 0.0 {
-                    let other = (b * nx + a) as usize;
+                if held[other] > 0.0 {
                     near[n] = (other, (full - held[other]).max(0.0));
                     n += 1;
                 }

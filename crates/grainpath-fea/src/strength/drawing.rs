@@ -86,18 +86,16 @@ pub(super) struct Pace {
     /// Plies are drawn so many times as far as asked, so that a crack comes to rest in fewer solutions, and so many
     /// times as far as before at least: steps that hardly move the stiffness only cost solutions.
     pub over: [f64; 2],
-    /// A body has given way when it is this many times as soft as at first.
-    pub soft: f64,
-    /// And when it carries less than this share of the highest load, so many times as soft as when it last rested.
+    /// A body has also given way when it carries less than this share of the highest load, so many times as soft as when it last rested.
     pub fallen: [f64; 2],
-    /// The most solutions at one load: a body that has not come to rest by then does not.
-    pub most_at_a_load: usize,
     /// The most solutions in a test.
     pub most_solutions: usize,
     /// The most work in a test, in the body's own unit.
     pub most_work: f64,
 }
 
+/// A body has given way when it is this many times as soft as at first.
+const SOFT: f64 = 2.5;
 /// Steps become this many times smaller where a body gave way.
 const CLOSER: f64 = 4.0;
 
@@ -121,11 +119,13 @@ pub(super) fn draw(
     // The last state in which the body stood its load, and which elements changed since.
     let (mut rest, mut rest_factor, mut rest_len, mut rest_work) = (states.clone(), 0.0, 0, 0.0);
     let mut touched = Vec::new();
-    let (mut level, mut step, mut at_load) = (0.0, pace.step, 0);
+    let (mut level, mut step) = (0.0, pace.step);
     let ended = loop {
         let work = body.solve()?;
         let near: Vec<Vec<Near>> = (0..n).into_par_iter().map(|e| body.near(e, &states)).collect();
-        let critical = critical(body, &near, &states);
+        let weakest = weakest_plies(body, &near, &states);
+        // The load factor at which the next ply breaks further.
+        let critical = weakest.iter().map(|w| w.stands).fold(f64::INFINITY, f64::min);
         if !critical.is_finite() {
             if test.factors.is_empty() {
                 return Err(TestError::Unloaded);
@@ -137,9 +137,8 @@ pub(super) fn draw(
             let highest = |e: usize| near[e].iter().flat_map(|p| p.index).fold(0.0, f64::max);
             index = (0..n).map(|e| (highest(e) * critical) as f32).collect();
         }
-        at_load += 1;
         let fallen = critical < pace.fallen[0] * test.best() && work > pace.fallen[1] * rest_work;
-        let fell = fallen || work > pace.soft * test.works[0] || at_load > pace.most_at_a_load;
+        let fell = fallen || work > SOFT * test.works[0];
         let out = body.effort()[0] >= pace.most_solutions || body.work() >= pace.most_work;
         if out || (fell && step <= pace.finest) {
             break !out;
@@ -151,16 +150,16 @@ pub(super) fn draw(
             touched.clear();
             test.back_to(rest_len);
             step /= CLOSER;
-            (level, at_load) = (rest_factor * (1.0 + step), 0);
+            level = rest_factor * (1.0 + step);
             continue;
         }
         if critical > (1.0 - pace.slack) * level {
             rest.clone_from(&states);
             touched.clear();
-            (rest_factor, rest_len, rest_work, at_load) = (critical, test.factors.len(), work, 0);
+            (rest_factor, rest_len, rest_work) = (critical, test.factors.len(), work);
             level = critical * (1.0 + step);
         }
-        let changed = drawn(body, &near, &mut states, &draws, level, pace.over);
+        let changed = drawn(body, &near, &weakest, &mut states, &draws, level, pace.over);
         body.change(&changed, &states)?;
         touched.extend(changed);
         touched.sort_unstable();
@@ -169,50 +168,33 @@ pub(super) fn draw(
     Ok(outcome(body, cards, &test, &states, load_n, index, ended))
 }
 
-/// The load factor at which the next ply breaks further.
-fn critical(body: &dyn Body, near: &[Vec<Near>], states: &[State]) -> f64 {
-    let of = |e: usize| {
-        let mut least = f64::INFINITY;
-        for (p, near) in body.plies(e).zip(&near[e]) {
-            for k in 0..3 {
-                let s = &states[p];
-                if s.drawn[k] < s.most[k] && near.index[k] > 0.0 {
-                    least = least.min(s.drawn[k] / near.index[k]);
-                }
-            }
-        }
-        least
-    };
-    (0..near.len()).filter(|&e| !body.is_spared(e)).map(of).fold(f64::INFINITY, f64::min)
-}
-
-/// Which elements stand less than this load, by how much, and which ply of theirs how.
-fn short(body: &dyn Body, near: &[Vec<Near>], states: &[State], level: f64) -> Vec<Short> {
-    let of = |e: usize| {
-        let mut worst = Short { excess: 1.0, ply: 0, how: 0 };
-        if body.is_spared(e) {
-            return worst;
-        }
-        for (ply, near) in body.plies(e).zip(&near[e]) {
-            for how in 0..3 {
-                let state = &states[ply];
-                let excess = level * near.index[how] / state.drawn[how];
-                if state.drawn[how] < state.most[how] && excess > worst.excess {
-                    worst = Short { excess, ply, how };
-                }
-            }
-        }
-        worst
-    };
-    (0..near.len()).into_par_iter().map(of).collect()
-}
-
-/// By how much an element stands less than a load (1: it stands it), and which ply of it how.
+/// The ply of an element that breaks further first, how, and the load factor that it stands.
 #[derive(Clone, Copy)]
-struct Short {
-    excess: f64,
+struct Weakest {
+    stands: f64,
     ply: usize,
     how: usize,
+}
+
+/// Of each element; those that are spared stand everything.
+fn weakest_plies(body: &dyn Body, near: &[Vec<Near>], states: &[State]) -> Vec<Weakest> {
+    let of = |e: usize| {
+        let mut weakest = Weakest { stands: f64::INFINITY, ply: 0, how: 0 };
+        if body.is_spared(e) {
+            return weakest;
+        }
+        for (ply, near) in body.plies(e).zip(&near[e]) {
+            let state = &states[ply];
+            for how in 0..3 {
+                let stands = state.drawn[how] / near.index[how];
+                if state.drawn[how] < state.most[how] && near.index[how] > 0.0 && stands < weakest.stands {
+                    weakest = Weakest { stands, ply, how };
+                }
+            }
+        }
+        weakest
+    };
+    (0..near.len()).into_par_iter().map(of).collect()
 }
 
 /// Draws plies that stand less than this load, but one row of elements only where several would break side by side:
@@ -220,19 +202,19 @@ struct Short {
 fn drawn(
     body: &dyn Body,
     near: &[Vec<Near>],
+    weakest: &[Weakest],
     states: &mut [State],
     draws: &[Draws],
     level: f64,
     [over, least]: [f64; 2],
 ) -> Vec<usize> {
     let mut changed = Vec::new();
-    let short = short(body, near, states, level);
     let first = |e: usize| {
-        let own = short[e];
+        let own = weakest[e];
         let mut rivals = body.rivals(own.ply, e, own.how).into_iter();
-        rivals.all(|r| short[r].excess < own.excess || (short[r].excess == own.excess && r > e))
+        rivals.all(|r| weakest[r].stands > own.stands || (weakest[r].stands == own.stands && r > e))
     };
-    for e in (0..near.len()).filter(|&e| short[e].excess > 1.0 && first(e)) {
+    for e in (0..near.len()).filter(|&e| weakest[e].stands < level && first(e)) {
         let mut any = false;
         for (p, near) in body.plies(e).zip(&near[e]) {
             let state = &mut states[p];

@@ -4,15 +4,8 @@
 //! between: a front is the dense matrix in which that is done, and hands what is left to the front of the line that
 //! cut it off. When elements lose stiffness, only their fronts and those up to the last line are made again.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Accum, MatMut, Par};
-
 use super::plate::Elements;
-use crate::sparse::SparseError;
+use crate::sparse::{SparseError, eliminate};
 
 /// The lower half of an element's stiffness by columns, `(8, 8)`.
 pub(super) type Lower = [f64; 36];
@@ -192,25 +185,7 @@ impl Front {
                 self.eased[to] += half.eased[2 * half.own + j];
             }
         }
-        let matrix = MatMut::from_column_major_slice_mut(&mut whole, size, size);
-        let (mut own, _, mut below, rest) = matrix.split_at_mut(k, k);
-        let scratch = cholesky_in_place_scratch::<f64>(k, Par::Seq, Default::default());
-        let mut scratch = MemBuffer::new(scratch);
-        let stack = MemStack::new(&mut scratch);
-        cholesky_in_place(own.rb_mut(), Default::default(), Par::Seq, stack, Default::default())
-            .map_err(|_| SparseError::Singular)?;
-        solve_lower_triangular_in_place(own.rb(), below.rb_mut().transpose_mut(), Par::Seq);
-        matmul(
-            rest,
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            below.rb(),
-            BlockStructure::Rectangular,
-            below.rb().transpose(),
-            BlockStructure::Rectangular,
-            -1.0,
-            Par::Seq,
-        );
+        eliminate(&mut whole, size, k)?;
         self.factor.clear();
         self.factor.extend_from_slice(&whole[..k * size]);
         self.rest.clear();

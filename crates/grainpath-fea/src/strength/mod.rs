@@ -109,9 +109,7 @@ const PACE: Pace = Pace {
     finest: 0.011,
     slack: 0.0,
     over: [1.7, 1.04],
-    soft: 2.5,
     fallen: [0.8, 1.2],
-    most_at_a_load: usize::MAX,
     most_solutions: 4000,
     most_work: f64::INFINITY,
 };
@@ -216,19 +214,8 @@ impl Body for Plate<'_> {
         let normal = if how == 0 { along } else { along.perp() };
         let grid = &self.test.elements.grid;
         let cell = self.test.elements.cells[element] as usize;
-        let (i, j) = (cell % grid.nx, cell / grid.nx);
-        let mut out = Vec::new();
-        for (di, dj) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
-            let off = DVec2::new(f64::from(di), f64::from(dj));
-            let (Some(a), Some(b)) = (i.checked_add_signed(di as isize), j.checked_add_signed(dj as isize))
-            else {
-                continue;
-            };
-            if a < grid.nx && b < grid.ny && off.dot(normal).abs() >= ASIDE * off.length() {
-                out.extend(self.at[b * grid.nx + a].map(|e| e as usize));
-            }
-        }
-        out
+        let beside = grid.around(cell).filter(|(off, _)| off.dot(normal).abs() >= ASIDE * off.length());
+        beside.filter_map(|(_, other)| self.at[other].map(|e| e as usize)).collect()
     }
 
     fn solve(&mut self) -> Result<f64, TestError> {

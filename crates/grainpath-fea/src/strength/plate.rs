@@ -72,14 +72,7 @@ pub fn pieces(grid: &Grid, taken: &[bool]) -> (Vec<Option<u32>>, usize) {
         piece[start] = Some(n);
         open.push(start);
         while let Some(cell) = open.pop() {
-            let (i, j) = (cell % grid.nx, cell / grid.nx);
-            let sides = [
-                (i > 0).then(|| cell - 1),
-                (i + 1 < grid.nx).then_some(cell + 1),
-                (j > 0).then(|| cell - grid.nx),
-                (j + 1 < grid.ny).then_some(cell + grid.nx),
-            ];
-            for next in sides.into_iter().flatten() {
+            for (_, next) in grid.around(cell).filter(|(off, _)| off.x * off.y == 0.0) {
                 if taken[next] && piece[next].is_none() {
                     piece[next] = Some(n);
                     open.push(next);

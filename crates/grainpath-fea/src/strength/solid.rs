@@ -44,9 +44,7 @@ const PACE: Pace = Pace {
     finest: 0.05,
     slack: 0.02,
     over: [1.0, 1.02],
-    soft: 2.5,
     fallen: [0.8, 1.15],
-    most_at_a_load: 400,
     most_solutions: 400,
     // A quarter of an hour on two cores.
     most_work: 1e9,
@@ -387,9 +385,7 @@ mod tests {
         finest: 0.01,
         slack: 0.0,
         over: [1.0, 1.01],
-        soft: 2.5,
         fallen: [0.5, 1.3],
-        most_at_a_load: 2000,
         most_solutions: 4000,
         most_work: f64::INFINITY,
     };
