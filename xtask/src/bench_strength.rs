@@ -1,16 +1,18 @@
-//! Time and memory of the virtual strength test, of a plate and of a solid; the programs of other slicers in it.
+//! The virtual strength test: time and memory of a plate and of a solid, the papers' comparisons beside the papers' own
+//! numbers, and the programs of other slicers.
 
 use std::fs;
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use crate::bench::{Bench, PROGRAMS, timed};
+use crate::bench::{Bench, Cost, PROGRAMS, timed, timed_output};
 
 /// A test: what it is, its job, settings beside it, and the most it may take in seconds and MiB.
 type Case<'a> = (&'a str, &'a str, &'a [&'a str], f64, f64);
 
-const CASES: [Case<'static>; 3] = [
+const CASES: [Case<'static>; 2] = [
     (
         "bar 150 x 20 x 4 mm as a plate, cells of 0.2 mm, nominal card",
         "iso527-1b",
@@ -25,36 +27,150 @@ const CASES: [Case<'static>; 3] = [
         180.0,
         4096.0,
     ),
-    ("the same with the corners of the card and the check of the cells", "bracket", &[], f64::NAN, 4096.0),
 ];
 
-/// Tests a tensile bar and a bracket of the examples, planning included.
-pub fn run() -> Result<(), String> {
-    crate::cargo(&["build", "--release", "-p", "grainpath-cli"])?;
-    let root = crate::root();
-    let folder = root.join("target/bench/strength");
-    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let grainpath = root.join("target/release/grainpath");
-    let quietly = |args: &[&str]| {
-        crate::run(Command::new(&grainpath).args(args).current_dir(&folder).stdout(Stdio::null()))
-    };
-    quietly(&["new", "--force", "stress-lines", "."])?;
-    quietly(&["specimen", "iso527-1b"])?;
-    println!("\nBest of 2 runs.\n\n| test | s | MiB | aim |\n|---|---|---|---|");
-    for (what, job, sets, most_s, most_mib) in CASES {
-        let job = folder.join(format!("{job}.toml"));
-        let mut words = vec![grainpath.display().to_string(), "strength".into(), job.display().to_string()];
-        for set in sets {
-            words.extend(["--set".into(), (*set).into()]);
-        }
-        let one = || timed(&words, &folder);
-        let (a, b) = (one()?, one()?);
-        let (wall_s, mib) = (a.wall_s.min(b.wall_s), a.peak_mib.max(b.peak_mib));
-        let aim =
-            if most_s.is_finite() { format!("{most_s:.0} s, {most_mib:.0} MiB") } else { "none".into() };
-        println!("| {what} | {wall_s:.1} | {mib:.0} | {aim} |");
+/// Takes too long for every day.
+const WHOLE: Case<'static> =
+    ("the same with the corners of the card and the check of the cells", "bracket", &[], f64::NAN, 4096.0);
+
+/// Plans that a paper compared, each with what it is called, and what the paper found: the first of a pair over the
+/// second, %.
+struct Published {
+    what: &'static str,
+    example: &'static str,
+    plans: &'static [(&'static str, &'static str)],
+    paper: &'static [(usize, usize, f64)],
+}
+
+const S2: [Published; 2] = [
+    Published {
+        what: "S2, bar with a hole in tension",
+        example: "stress-lines",
+        plans: &[
+            ("tension-0", "beads at 0 degrees"),
+            ("tension-90", "beads at 90 degrees"),
+            ("tension", "stress lines"),
+        ],
+        paper: &[(2, 0, 8.3), (2, 1, 19.7), (0, 1, 10.5)],
+    },
+    Published {
+        what: "S2, three-point bending",
+        example: "stress-lines",
+        plans: &[
+            ("bending-0", "beads at 0 degrees"),
+            ("bending-90", "beads at 90 degrees"),
+            ("bending", "stress lines"),
+        ],
+        paper: &[(2, 0, 11.5), (2, 1, 20.5), (0, 1, 8.1)],
+    },
+];
+
+const S1: Published = Published {
+    what: "S1, sparse fills of equal mass around an oblique hole",
+    example: "woodgrain",
+    plans: &[("job", "grain"), ("grid", "grid"), ("triangles", "triangles"), ("rectilinear", "rectilinear")],
+    paper: &[(0, 1, 115.0), (0, 2, 72.9), (0, 3, 64.4)],
+};
+
+/// The parts of the bench that are named, or all that fit into ten minutes; `all` adds the one that does not.
+pub fn run(wanted: &[&str]) -> Result<(), String> {
+    let usual = ["time", "s2", "s1", "slicers"];
+    if let Some(unknown) = wanted.iter().find(|w| **w != "all" && !usual.contains(w)) {
+        return Err(format!("bench strength knows {} and all, not {unknown}", usual.join(", ")));
     }
-    foreign()
+    let all = wanted.contains(&"all");
+    let wants = |part: &str| all || wanted.is_empty() || wanted.contains(&part);
+    crate::cargo(&["build", "--release", "-p", "grainpath-cli"])?;
+    let folder = crate::root().join("target/bench/strength");
+    fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let grainpath = crate::built("grainpath");
+    println!("\nOne run of each test.");
+    if wants("time") {
+        let quietly = |args: &[&str], out: &Path| {
+            crate::run(Command::new(&grainpath).args(args).arg(out).stdout(Stdio::null()))
+        };
+        quietly(&["new", "--force", "stress-lines"], &folder)?;
+        quietly(&["specimen", "iso527-1b", "-o"], &folder.join("iso527-1b.stl"))?;
+        println!("\n| test | s | MiB | aim |\n|---|---|---|---|");
+        CASES.iter().chain(all.then_some(&WHOLE)).try_for_each(|case| time(&grainpath, &folder, case))?;
+    }
+    if wants("s2") {
+        // What the test takes by itself, and twice as large, which shows how far cells matter.
+        for cell_mm in ["0.225", "0.45"] {
+            S2.iter().try_for_each(|published| published.compare(&grainpath, &folder, cell_mm))?;
+        }
+    }
+    if wants("s1") {
+        S1.compare(&grainpath, &folder, "0.9")?;
+    }
+    if wants("slicers") { foreign() } else { Ok(()) }
+}
+
+/// One row: how long a test takes, planning included.
+fn time(grainpath: &Path, folder: &Path, case: &Case<'_>) -> Result<(), String> {
+    let (what, job, sets, most_s, most_mib) = *case;
+    let job = folder.join(format!("{job}.toml"));
+    let mut words = vec![grainpath.display().to_string(), "strength".into(), job.display().to_string()];
+    for set in sets {
+        words.extend(["--set".into(), (*set).into()]);
+    }
+    let Cost { wall_s, peak_mib, .. } = timed(&words, folder)?;
+    let aim = if most_s.is_finite() { format!("{most_s:.0} s, {most_mib:.0} MiB") } else { "none".into() };
+    println!("| {what} | {wall_s:.1} | {peak_mib:.0} | {aim} |");
+    Ok(())
+}
+
+impl Published {
+    /// The plans' loads with what the corners of the card make of them, and each pair beside the paper's number.
+    fn compare(&self, grainpath: &Path, folder: &Path, cell_mm: &str) -> Result<(), String> {
+        let folder = folder.join(self.example);
+        let quietly = &mut Command::new(grainpath);
+        crate::run(quietly.args(["new", "--force", self.example]).arg(&folder).stdout(Stdio::null()))?;
+        let mut command = Command::new(grainpath);
+        command.args(["compare", "--json", "--set", &format!("strength.cell_mm={cell_mm}")]);
+        command.args(self.plans.iter().map(|(job, _)| folder.join(job).with_extension("toml")));
+        let (cost, text) = timed_output(&mut command, &folder)?;
+        let found: Value = serde_json::from_str(&text).map_err(|e| format!("{}: {e}", self.what))?;
+        let rows = found["rows"].as_array().filter(|r| r.len() == self.plans.len());
+        let rows = rows.ok_or_else(|| format!("{}: not a row for each plan", self.what))?;
+        println!(
+            "\n{}; cells of {cell_mm} mm, corners of the card; {:.0} s by the clock, {:.0} s of processors, {:.0} MiB.\n",
+            self.what, cost.wall_s, cost.cpu_s, cost.peak_mib
+        );
+        println!("| plan | mass g | stiffness N/mm | peak N | moved when cells were halved | fails mostly |");
+        println!("|---|---|---|---|---|---|");
+        let number = |v: &Value| v.as_f64().unwrap_or(f64::NAN);
+        for ((_, plan), row) in self.plans.iter().zip(rows) {
+            println!(
+                "| {plan} | {:.2} | {:.0} | {:.0} ({:.0}-{:.0}) | {:.1} % | {} |",
+                number(&row["mass_g"]),
+                number(&row["stiffness_n_per_mm"]),
+                number(&row["peak_load_n"]),
+                number(&row["low_n"]),
+                number(&row["high_n"]),
+                100.0 * number(&row["mesh_change"]),
+                row["mode"].as_str().unwrap_or_default()
+            );
+        }
+        println!("\n| comparison | paper | ours |\n|---|---|---|");
+        for &(a, b, paper) in self.paper {
+            let [ours, low, high] = gain(&rows[a], &rows[b]);
+            let (a, b) = (self.plans[a].1, self.plans[b].1);
+            println!("| {a} over {b} | {paper:+.1} % | {ours:+.1} % ({low:+.1} to {high:+.1}) |");
+        }
+        Ok(())
+    }
+}
+
+/// How much more the first carries than the second, %: nominal, lowest and highest over the corners of the card.
+fn gain(of: &Value, to: &Value) -> [f64; 3] {
+    let over = |a: &Value, b: &Value| {
+        100.0 * (a.as_f64().unwrap_or(f64::NAN) / b.as_f64().unwrap_or(f64::NAN) - 1.0)
+    };
+    let nominal = over(&of["peak_load_n"], &to["peak_load_n"]);
+    let corners = of["corners"].as_object().into_iter().flatten();
+    let each = corners.map(|(corner, load)| over(load, &to["corners"][corner]));
+    each.fold([nominal; 3], |[n, low, high], g| [n, low.min(g), high.max(g)])
 }
 
 /// An open-hole plate sliced by each program at 100 % rectilinear, drawn until it breaks.

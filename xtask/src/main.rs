@@ -31,7 +31,8 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench photo      a photograph of 12 megapixels to curves, beside OpenCV
   bench continuous one path a layer: angle, gap, and time up to a million cells
   bench paths      fill along the stress held against CalculiX's principal stresses
-  bench strength   the virtual strength test of a bar and of a bracket
+  bench strength [PART...]  the virtual strength test: of a bar and of a bracket (time), the papers' comparisons
+                   beside theirs (s1 s2), other slicers' programs (slicers); `all` adds what takes long
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   setup            installs what tests and benches need (Python packages, Chromium, the peers)";
 
@@ -44,7 +45,7 @@ fn main() -> ExitCode {
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
         ["bench", "continuous"] => bench_continuous::run(),
         ["bench", "paths"] => bench_paths::run(),
-        ["bench", "strength"] => bench_strength::run(),
+        ["bench", "strength", parts @ ..] => bench_strength::run(parts),
         ["bench", "ct", scans @ ..] => bench_ct::run(scans),
         ["bench", "fea", cases @ ..] => bench_fea::run(cases),
         ["bench", "support", parts @ ..] => bench::support(parts),
