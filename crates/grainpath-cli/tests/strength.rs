@@ -39,6 +39,17 @@ fn bar(dir: &Path) {
         .expect("written");
 }
 
+/// A program with E in mm3.
+fn in_mm3(gcode: &Path) -> String {
+    let text = fs::read_to_string(gcode).expect("G-code");
+    let word = |w: &str| match w.strip_prefix('E').and_then(|e| e.parse::<f64>().ok()) {
+        Some(e) => format!("E{:.6}", e * 0.25 * std::f64::consts::PI * 1.75 * 1.75),
+        None => w.to_owned(),
+    };
+    let line = |l: &str| l.split(' ').map(word).collect::<Vec<_>>().join(" ") + "\n";
+    text.lines().map(|l| if l.starts_with("G1 ") { line(l) } else { format!("{l}\n") }).collect()
+}
+
 fn number(v: &Value, key: &str) -> f64 {
     v[key].as_f64().unwrap_or_else(|| panic!("{key} in {v}"))
 }
@@ -102,17 +113,27 @@ fn g_code_is_tested_as_its_job_is_and_runs_can_test_themselves() {
     bar(&dir);
     let set = ["--set", "strength.corners=false", "--set", "strength.check=false"];
     let args = |first: &[&'static str]| -> Vec<&'static str> { first.iter().chain(&set).copied().collect() };
-    let run = grainpath(&dir, &args(&["run", "along.toml", "--json", "--set", "strength.enabled=true"]));
-    let run = json(&run);
+    let run =
+        ["run", "along.toml", "--json", "--set", "strength.enabled=true", "--set", "output.report=bar.html"];
+    let run = json(&grainpath(&dir, &args(&run)));
     let own = number(&run["strength"], "peak_load_n");
     let of = |extra: &[&'static str]| {
-        let mut all = args(&["strength", "bar.gcode", "--job", "along.toml", "--json"]);
+        let mut all = args(&["strength", "--job", "along.toml", "--json"]);
         all.extend(extra);
         number(&json(&grainpath(&dir, &all))["strength"], "peak_load_n")
     };
-    let read = of(&["--threads", "1"]);
+    let read = of(&["bar.gcode", "--threads", "1"]);
     assert!((read / own - 1.0).abs() < 0.01, "{own} {read}");
-    assert_eq!(read.to_bits(), of(&["--threads", "2"]).to_bits(), "the same for any number of threads");
+    assert_eq!(
+        read.to_bits(),
+        of(&["bar.gcode", "--threads", "2"]).to_bits(),
+        "the same for any number of threads"
+    );
+    // E in mm3, as the program says.
+    fs::write(dir.join("mm3.gcode"), format!("M200 D1.75\n{}", in_mm3(&dir.join("bar.gcode"))))
+        .expect("written");
+    let volumes = of(&["mm3.gcode"]);
+    assert!((read / volumes - 1.0).abs() < 1e-3, "{read} {volumes}");
 }
 
 #[test]
@@ -155,6 +176,7 @@ fn what_cannot_be_tested_is_said_in_a_line() {
     assert!(grainpath(&dir, &["slice", "other.stl"]).status.success());
     assert!(grainpath(&dir, &["run", "along.toml", "--set", "output.gcode=bar.gcode"]).status.success());
     fs::write(dir.join("empty.gcode"), "G28\nG1 X10 Y10 F3000\nM84\n").expect("written");
+    fs::write(dir.join("mm3.gcode"), in_mm3(&dir.join("bar.gcode"))).expect("written");
     fs::write(dir.join("bare.toml"), "density_g_cm3 = 1.1\n").expect("written");
     let off = JOB.replace("[[34, 0, 0], [40, 8, 1]]", "[[134, 0, 0], [140, 8, 1]]");
     fs::write(dir.join("off.toml"), off).expect("written");
@@ -166,12 +188,13 @@ fn what_cannot_be_tested_is_said_in_a_line() {
     for (args, code, part) in [
         (&["strength", "other.gcode", "--job", "along.toml"][..], 3, "not the same part"),
         (&["strength", "empty.gcode", "--job", "along.toml"], 3, "nothing of a part is printed"),
-        // E in mm3, or of a thicker filament.
+        // E of a thicker filament, or in mm3 without a word about it.
         (
             &["strength", "bar.gcode", "--job", "along.toml", "--set", "printer.filament_mm=2.85"],
             3,
-            "E should be filament in mm, not mm3",
+            "E should be mm of filament",
         ),
+        (&["strength", "mm3.gcode", "--job", "along.toml"], 3, "or M200 say that it is mm3"),
         (&["strength", "other.gcode"], 2, "needs --job"),
         (&["strength", "along.toml", "--set", "material.profile=bare.toml"], 2, "no strengths: set xt_mpa"),
         (&["strength", "off.toml"], 2, "load 1 (box) catches nothing"),

@@ -96,6 +96,13 @@ pub struct Program {
     pub warnings: Vec<String>,
 }
 
+/// Diameters that are taken for those of a filament.
+const FILAMENTS_MM: std::ops::RangeInclusive<f64> = 0.01..=10.0;
+
+fn section_mm2(diameter_mm: f64) -> f64 {
+    std::f64::consts::PI * diameter_mm * diameter_mm / 4.0
+}
+
 /// Why a program cannot be run in mind.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs)]
@@ -135,6 +142,9 @@ struct Machine {
     scale: f64,
     role: Role,
     filament_mm2: f64,
+    /// Whether E counts mm3 and not mm of filament, as M200 asks, and the section of the filament it means.
+    volumetric: bool,
+    volumetric_mm2: f64,
     /// Section of what the fibre's tool is fed with, where the program says so.
     fibre_mm2: Option<f64>,
     path_open: bool,
@@ -150,6 +160,7 @@ struct Machine {
 
 impl Machine {
     fn new(filament_mm: f64, limits: Limits) -> Self {
+        let filament_mm2 = section_mm2(filament_mm);
         Self {
             at: [0.0; 3],
             e: 0.0,
@@ -158,7 +169,9 @@ impl Machine {
             absolute_e: true,
             scale: 1.0,
             role: Role::OuterWall,
-            filament_mm2: std::f64::consts::PI * filament_mm * filament_mm / 4.0,
+            filament_mm2,
+            volumetric: false,
+            volumetric_mm2: filament_mm2,
             fibre_mm2: None,
             path_open: false,
             layers: BTreeMap::new(),
@@ -175,11 +188,7 @@ impl Machine {
             self.comment(line.comment);
         }
         if line.broken {
-            self.n_broken += 1;
-            if self.n_broken <= 5 {
-                let text = String::from_utf8_lossy(&line.text[..line.text.len().min(60)]).into_owned();
-                self.program.warnings.push(format!("line {}: cannot understand {text:?}", line.number));
-            }
+            self.broken(line);
         }
         let Some((letter, code)) = line.command else { return };
         self.program.commands += 1;
@@ -202,8 +211,10 @@ impl Machine {
                     self.at[k] =
                         line.word(axis).map_or(if all { 0.0 } else { self.at[k] }, |v| v * self.scale);
                 }
-                self.e = line.word(b'E').map_or(if all { 0.0 } else { self.e }, |v| v * self.scale);
+                let e = line.word(b'E').map(|v| v * self.e_scale());
+                self.e = e.unwrap_or(if all { 0.0 } else { self.e });
             }
+            (b'M', 2000) => self.volume(line),
             (b'M', 1040 | 1090) => {
                 self.program.nozzle_temp_c = self.program.nozzle_temp_c.max(line.word(b'S').unwrap_or(0.0));
             }
@@ -212,6 +223,34 @@ impl Machine {
             }
             _ => {}
         }
+    }
+
+    fn broken(&mut self, line: &Line<'_>) {
+        self.n_broken += 1;
+        if self.n_broken <= 5 {
+            let text = String::from_utf8_lossy(&line.text[..line.text.len().min(60)]).into_owned();
+            self.program.warnings.push(format!("line {}: cannot understand {text:?}", line.number));
+        }
+    }
+
+    /// M200 as Marlin reads it: a diameter lets E count mm3, D0 and S0 end that. Which tool is meant makes no
+    /// difference to volumes.
+    fn volume(&mut self, line: &Line<'_>) {
+        let asked = line.word(b'S').map(|s| s != 0.0);
+        self.volumetric = match line.word(b'D').map(|d| d * self.scale) {
+            Some(0.0) => false,
+            Some(d) if FILAMENTS_MM.contains(&d) => {
+                self.volumetric_mm2 = section_mm2(d);
+                asked.unwrap_or(true)
+            }
+            Some(_) => return self.broken(line),
+            None => asked.unwrap_or(self.volumetric),
+        };
+    }
+
+    /// What a number of E is multiplied with: in inches E counts inches, or cubic inches.
+    fn e_scale(&self) -> f64 {
+        if self.volumetric { self.scale.powi(3) } else { self.scale }
     }
 
     fn comment(&mut self, comment: &[u8]) {
@@ -238,9 +277,9 @@ impl Machine {
             _ => {}
         }
         if let Some(d) = after("fibre_filament_mm =").and_then(|d| d.parse::<f64>().ok())
-            && (0.01..=10.0).contains(&d)
+            && FILAMENTS_MM.contains(&d)
         {
-            self.fibre_mm2 = Some(std::f64::consts::PI * d * d / 4.0);
+            self.fibre_mm2 = Some(section_mm2(d));
         }
         if let Some(size) =
             after("thumbnail begin ").or(after("thumbnail_QOI begin ")).or(after("thumbnail_JPG begin "))
@@ -265,7 +304,7 @@ impl Machine {
         }
         let mut de = 0.0;
         if let Some(v) = line.word(b'E') {
-            let value = v * self.scale;
+            let value = v * self.e_scale();
             de = if self.absolute_e { value - self.e } else { value };
             self.e = if self.absolute_e { value } else { self.e + value };
         }
@@ -288,6 +327,13 @@ impl Machine {
     fn advance(&mut self, start: DVec2, points: &[DVec2], length: f64, z: f64, dz: f64, de: f64) {
         let prints = de > 0.0 && length > 0.0;
         let single = |p: DVec2| [p.x as f32, p.y as f32];
+        // What one of E is of filament, and of volume.
+        let (mm, mm3) = if self.volumetric {
+            (1.0 / self.volumetric_mm2, 1.0)
+        } else {
+            let fibre = self.fibre_mm2.filter(|_| self.role == Role::Fibre);
+            (1.0, fibre.unwrap_or(self.filament_mm2))
+        };
         if length == 0.0 && dz == 0.0 {
             self.program.retractions += usize::from(de < 0.0);
         } else if !prints {
@@ -297,12 +343,11 @@ impl Machine {
         let mut p = start;
         for &q in points {
             let share = if length > 0.0 { p.distance(q) / length } else { 1.0 };
-            let delta_mm = [q.x - p.x, q.y - p.y, dz * share, de * share];
+            let delta_mm = [q.x - p.x, q.y - p.y, dz * share, de * share * mm];
             self.time.push(&Move { delta_mm, speed_mm_s: self.feed });
             if prints && q != p {
-                let fibre = self.fibre_mm2.filter(|_| self.role == Role::Fibre);
-                let volume = de * share * fibre.unwrap_or(self.filament_mm2);
-                self.program.filament_mm += de * share;
+                let volume = de * share * mm3;
+                self.program.filament_mm += de * share * mm;
                 self.program.extruded_mm3 += volume;
                 self.program.printed_mm += p.distance(q);
                 let layer = self.layers.entry(key(z)).or_default();

@@ -63,9 +63,54 @@ fn inches_arcs_and_absolute_e() {
     assert!(simulate(b"hello\nworld\n", 1.75, &Limits::default()).is_err());
 }
 
+/// M200 as in Marlin: 10 mm3 three times, and 10 mm of filament once.
+#[test]
+fn e_counts_volume_where_the_program_says_so() {
+    let mm3 = 10.0 * 0.25 * std::f64::consts::PI * 1.75 * 1.75;
+    let run = |m200: &str| {
+        let text = format!("M83\n{m200}\nG1 Z0.2 F600\nG1 X10 F1200\nG1 X60 E10\nG1 E-4\nG1 E4\nM84\n");
+        simulate(text.as_bytes(), 1.75, &Limits::default()).expect("a program")
+    };
+    let as_length = run("");
+    for on in ["M200 D1.75", "M200 S1 D1.75", "M200 S1", "M200 D2.85\nM200 D1.75 T0", "m200d1.75"] {
+        let p = run(on);
+        assert!((p.extruded_mm3 - 10.0).abs() < 1e-9, "{on}: {}", p.extruded_mm3);
+        assert!((p.filament_mm * mm3 - 100.0).abs() < 1e-9, "{on}: {}", p.filament_mm);
+        // Drawn back by 4 mm3, which is less filament and less time than 4 mm.
+        assert!(p.retractions == 1 && p.time_s < as_length.time_s, "{on}: {p:?}");
+        assert!(p.warnings.is_empty(), "{on}: {:?}", p.warnings);
+    }
+    // A filament of another diameter is fed for the same volume.
+    let thick = run("M200 D3.5");
+    assert!((thick.extruded_mm3 - 10.0).abs() < 1e-9 && (4.0 * thick.filament_mm * mm3 - 100.0).abs() < 1e-9);
+    for off in
+        ["", "M200", "M200 D0", "M200 S0", "M200 D1.75\nM200 D0", "M200 S1 D1.75\nM200 S0", "M200 S0 D2.85"]
+    {
+        let p = run(off);
+        assert!((p.extruded_mm3 - mm3).abs() < 1e-9 && (p.filament_mm - 10.0).abs() < 1e-9, "{off}: {p:?}");
+    }
+    // No diameter at all leaves E as it was, and is said where it is a number.
+    for (hostile, said) in [
+        ("M200 D-1.75", 1),
+        ("M200 D1000000", 1),
+        ("M200 D0.0001 S1", 1),
+        ("M200 D99999999999999999999999999", 1),
+        ("M200 DNaN", 0),
+        ("M200 Dinf", 0),
+    ] {
+        let p = run(hostile);
+        assert!((p.extruded_mm3 - mm3).abs() < 1e-9, "{hostile}: {}", p.extruded_mm3);
+        assert_eq!(p.warnings.len(), said, "{hostile}: {:?}", p.warnings);
+    }
+    // In inches E is cubic inches.
+    let inches =
+        simulate(b"G20\nM83\nM200 D0.07\nG1 X2 E0.001\n", 1.75, &Limits::default()).expect("a program");
+    assert!((inches.extruded_mm3 - 16.387_064).abs() < 1e-9, "{}", inches.extruded_mm3);
+}
+
 proptest! {
     #[test]
-    fn any_program_is_survived(lines in proptest::collection::vec("[GMT][0-9]{1,3}( [XYZEFIJRSPNO][-+]?[0-9.e]{0,9}){0,5}", 0..60)) {
+    fn any_program_is_survived(lines in proptest::collection::vec("([GMT][0-9]{1,3}|M200)( [XYZEFIJRSPNOD][-+]?[0-9.e]{0,9}){0,5}", 0..60)) {
         let text = lines.join("\n");
         if let Ok(p) = simulate(text.as_bytes(), 1.75, &Limits::default()) {
             prop_assert!(p.printed_mm.is_finite() && p.time_s.is_finite());

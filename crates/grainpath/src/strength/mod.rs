@@ -62,7 +62,7 @@ pub enum StrengthError {
     )]
     WrongPart { printed: DVec3, part: DVec3 },
     #[error(
-        "the program lays {laid_mm3:.0} mm3, the job's part has {part_mm3:.0} mm3: E should be filament in mm, not mm3, of the diameter printer.filament_mm = {filament_mm}"
+        "the program lays {laid_mm3:.0} mm3, the job's part has {part_mm3:.0} mm3: E should be mm of filament of the diameter printer.filament_mm = {filament_mm}, or M200 say that it is mm3"
     )]
     TooMuch { laid_mm3: f64, part_mm3: f64, filament_mm: f64 },
     #[error("what is printed around ({x:.2}, {y:.2}) mm is free to {how}; hold it with another fixture")]
