@@ -154,7 +154,7 @@ pub fn write(
     }
     shapes(&planned, paths, settings.output.surface_cell_mm, diagnostics, &mut report)?;
     report.warnings = diagnostics.warnings();
-    report.peak_rss_mb = (peak_rss_mb() * 10.0).round() / 10.0;
+    report.peak_rss_mb = peak_rss_mb();
     Ok(report)
 }
 
@@ -289,6 +289,7 @@ fn previews(
     if let Some(path) = &paths.report {
         report.warnings = diagnostics.warnings();
         report.outputs.insert("report", path.display().to_string());
+        report.peak_rss_mb = peak_rss_mb();
         pictures.extend(drawn.iter().map(|d| d.1.clone()));
         save(path, html::report_html(report, &settings.rows(), &pictures).as_bytes())?;
     }

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use grainpath::job::Settings;
+use grainpath::report::peak_rss_mb;
 use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath::strength::{StrengthReport, TestSetup, Tested, chart_svg, test};
 use grainpath_core::Diagnostics;
@@ -39,7 +40,7 @@ pub fn strength(args: &Strength) -> Result<(), Failure> {
         let mut value = json!({
             "ok": true, "version": env!("CARGO_PKG_VERSION"), "layers": done.layers,
             "mass_g": done.tested.report.mass_g, "time_s": (done.time_s * 10.0).round() / 10.0,
-            "strength": done.tested.report, "peak_rss_mb": peak(), "warnings": done.warnings,
+            "strength": done.tested.report, "peak_rss_mb": peak_rss_mb(), "warnings": done.warnings,
         });
         if !written.is_null() {
             value["outputs"] = written;
@@ -50,10 +51,6 @@ pub fn strength(args: &Strength) -> Result<(), Failure> {
         files::print(&format!("{}{warnings}\n", done.tested.report.summary()));
     }
     Ok(())
-}
-
-fn peak() -> f64 {
-    (grainpath::report::peak_rss_mb() * 10.0).round() / 10.0
 }
 
 fn is_job(path: &Path) -> bool {
@@ -142,8 +139,7 @@ pub fn compare(args: &Compare) -> Result<(), Failure> {
     }
     let rows: Vec<Value> = all.iter().map(|d| row(d, &all[0].tested.report)).collect();
     if args.common.json {
-        let value =
-            json!({ "ok": true, "version": env!("CARGO_PKG_VERSION"), "rows": rows, "peak_rss_mb": peak() });
+        let value = json!({ "ok": true, "version": env!("CARGO_PKG_VERSION"), "rows": rows, "peak_rss_mb": peak_rss_mb() });
         files::print(&format!("{value}\n"));
     } else {
         files::print(&table(&all, &rows));

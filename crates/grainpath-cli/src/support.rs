@@ -72,7 +72,7 @@ pub fn support(args: &Support) -> Result<(), Failure> {
         let value = json!({
             "ok": true, "version": env!("CARGO_PKG_VERSION"), "layers": stack.layers().len(),
             "support": report, "triangles": body.triangles.len(), "stages_s": stages,
-            "peak_rss_mb": (peak_rss_mb() * 10.0).round() / 10.0, "warnings": warnings, "outputs": written,
+            "peak_rss_mb": peak_rss_mb(), "warnings": warnings, "outputs": written,
         });
         files::print(&format!("{value}\n"));
     } else {

@@ -117,6 +117,12 @@ fn g_code_is_tested_as_its_job_is_and_runs_can_test_themselves() {
         ["run", "along.toml", "--json", "--set", "strength.enabled=true", "--set", "output.report=bar.html"];
     let run = json(&grainpath(&dir, &args(&run)));
     let own = number(&run["strength"], "peak_load_n");
+    // The page tells the memory that the test took, as the terminal does.
+    let page = fs::read_to_string(dir.join("bar.html")).expect("a report");
+    let (_, told) = page.split_once("peak memory</th><td>").expect("memory");
+    let told: f64 = told.split_once(" MiB").and_then(|t| t.0.parse().ok()).expect("a number");
+    let all = number(&run, "peak_rss_mb");
+    assert!(all == 0.0 || (told / all - 1.0).abs() < 0.1, "{told} MiB on the page, {all} in all");
     let of = |extra: &[&'static str]| {
         let mut all = args(&["strength", "--job", "along.toml", "--json"]);
         all.extend(extra);
