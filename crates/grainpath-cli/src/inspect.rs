@@ -8,6 +8,7 @@ use grainpath_core::mesh::{MeshHealth, diagnose, weld_within};
 use grainpath_gcode::{Limits, Program, simulate};
 use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
 use grainpath_io::image::{decode, sniff_image};
+use grainpath_io::volume::SampleType;
 use grainpath_io::{
     Image, MeshFile, OutlineOptions, Samples, parse_mesh, parse_outline, sniff_mesh, sniff_outline,
 };
@@ -40,6 +41,13 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
         let file = parse_fe(&bytes, Some(&name)).map_err(|e| Failure::input(format!("{name}: {e}")))?;
         fe_json(&name, &file)
     } else if named_gcode || (sniff_mesh(&bytes, Some(&name)).is_none() && !bytes.is_empty()) {
+        if !named_gcode && is_raw(&bytes, &lower) {
+            return Err(Failure::input(format!(
+                "{name}: voxels without a header? give --size COLUMNS,ROWS,SLICES and --sample {} (in a job \
+                 shape.ct.size_px and shape.ct.sample)",
+                SampleType::NAMES.join("|")
+            )));
+        }
         let program = simulate(&bytes, FILAMENT_MM, &Limits::default());
         let program = program.map_err(|e| Failure::input(format!("{name}: {e}")))?;
         let mut value = gcode_json(&name, &program);
@@ -54,6 +62,11 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     };
     files::print(&if args.json { format!("{value}\n") } else { table(&value) });
     Ok(())
+}
+
+/// Whether bytes that begin like nothing known are no text either. `lower` is the file's name in lower case.
+fn is_raw(bytes: &[u8], lower: &str) -> bool {
+    [".raw", ".vol"].iter().any(|e| lower.ends_with(e)) || bytes.iter().take(65_536).any(|b| *b == 0)
 }
 
 /// Runs a G-code file in mind.

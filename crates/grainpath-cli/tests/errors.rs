@@ -25,6 +25,9 @@ fn fails(name: &str, args: &[&str], code: i32, says: &str) {
     binary.extend(vec![1u8; 50 * 7 + 20]);
     fs::write(dir.join("cut.stl"), binary).expect("a file");
     fs::write(dir.join("bomb.3mf"), bomb()).expect("a file");
+    for voxels in ["voxels.raw", "voxels.bin"] {
+        fs::write(dir.join(voxels), [3u8, 200, 0, 71, 49, 10].repeat(64)).expect("a file");
+    }
     fs::write(dir.join("typo.toml"), "[shape]\nmesh = \"box.stl\"\n[process]\nlayer_heigth_mm = 0.2\n")
         .expect("a file");
     fs::write(dir.join("negative.toml"), "[shape]\nmesh = \"box.stl\"\n\n[process]\nbead_width_mm = -0.4\n")
@@ -78,6 +81,13 @@ fn input_files() {
     fails("missing mesh of a job", &["run", "missing.toml"], 3, "nowhere.stl");
     fails("not a mesh", &["slice", "typo.toml"], 3, "not a mesh");
     fails("inspect empty", &["inspect", "empty.stl"], 3, "the file is empty");
+    fails(
+        "voxels",
+        &["inspect", "voxels.raw"],
+        3,
+        "voxels without a header? give --size COLUMNS,ROWS,SLICES",
+    );
+    fails("voxels by any name", &["inspect", "voxels.bin"], 3, "--sample u8|i8|u16");
     fails("strict", &["slice", "flat.stl", "--set", "shape.repair=strict"], 3, "flat.stl");
 }
 
