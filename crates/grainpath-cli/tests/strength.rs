@@ -172,6 +172,20 @@ fn solids_break_between_their_layers_and_plates_as_solids_as_plates_do() {
     let solid = test(&["strength", "along.toml", "--set", "strength.fidelity=\"voxels\""]);
     assert!((number(&solid, "peak_load_n") / plane - 1.0).abs() < 0.05, "{plane} {solid}");
     assert_eq!(solid["mode"], "along the beads");
+    // Lifted onto supports it is the same part.
+    let lift = ["--set", "support.style=tree", "--set", "support.lift_mm=3", "--set"];
+    let raised = JOB
+        .replace("0, 0, 0], [6, 8, 1]", "0, 0, 3], [6, 8, 4]")
+        .replace("34, 0, 0], [40, 8, 1]", "34, 0, 3], [40, 8, 4]");
+    fs::write(dir.join("raised.toml"), raised).expect("written");
+    let all: Vec<&str> = ["strength", "raised.toml"]
+        .into_iter()
+        .chain(lift)
+        .chain(["process.skirt_loops=0"])
+        .chain(quick)
+        .collect();
+    let raised = number(&json(&grainpath(&dir, &all))["strength"], "peak_load_n");
+    assert!((raised / plane - 1.0).abs() < 0.02, "{plane} {raised}");
 }
 
 #[test]
@@ -183,6 +197,9 @@ fn what_cannot_be_tested_is_said_in_a_line() {
     assert!(grainpath(&dir, &["run", "along.toml", "--set", "output.gcode=bar.gcode"]).status.success());
     fs::write(dir.join("empty.gcode"), "G28\nG1 X10 Y10 F3000\nM84\n").expect("written");
     fs::write(dir.join("mm3.gcode"), in_mm3(&dir.join("bar.gcode"))).expect("written");
+    let whole = fs::read_to_string(dir.join("bar.gcode")).expect("G-code");
+    let (half, _) = whole.split_once(";Z:0.8").expect("a layer");
+    fs::write(dir.join("half.gcode"), half).expect("written");
     fs::write(dir.join("bare.toml"), "density_g_cm3 = 1.1\n").expect("written");
     let off = JOB.replace("[[34, 0, 0], [40, 8, 1]]", "[[134, 0, 0], [140, 8, 1]]");
     fs::write(dir.join("off.toml"), off).expect("written");
@@ -193,6 +210,7 @@ fn what_cannot_be_tested_is_said_in_a_line() {
     let quick = ["--set", "strength.corners=false", "--set", "strength.check=false"];
     for (args, code, part) in [
         (&["strength", "other.gcode", "--job", "along.toml"][..], 3, "not the same part"),
+        (&["strength", "half.gcode", "--job", "along.toml"], 3, "x 8.0 x 0.6 mm, the job's part is 40.0"),
         (&["strength", "empty.gcode", "--job", "along.toml"], 3, "nothing of a part is printed"),
         // E of a thicker filament, or in mm3 without a word about it.
         (

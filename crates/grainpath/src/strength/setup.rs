@@ -173,7 +173,12 @@ impl TestSetup {
     ) -> Result<Vec<BeadSheet>, StrengthError> {
         let of_part = |l: &&BeadLayer| l.beads.iter().any(|b| b.role.is_part());
         let layers: Vec<&BeadLayer> = program.layers.iter().filter(of_part).collect();
-        let mut below = 0.0;
+        // A first layer far above the plate stands on a raft or on supports, which are none of the part.
+        let first = match layers.as_slice() {
+            [a, b, ..] if a.z_mm > 3.0 * (b.z_mm - a.z_mm) => a.z_mm - a.height_mm,
+            _ => 0.0,
+        };
+        let mut below = first;
         let heights: Vec<f64> = layers
             .iter()
             .map(|l| {
@@ -196,9 +201,12 @@ impl TestSetup {
         let boxes = layers.iter().zip(&heights).skip(skipped).map(|(l, h)| box_of(l, *h));
         let found = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(StrengthError::NothingPrinted)?;
         let (size, part) = (found.1 - found.0, (self.high - self.low).truncate());
-        let tall = below;
+        let tall = below - first;
         let far = |a: f64, b: f64| (a - b).abs() > f64::max(1.5, 0.03 * b);
-        if far(size.x, part.x) || far(size.y, part.y) || far(tall, self.high.z - self.low.z) {
+        // Another slicer's layers may end up to one of them above or below; more is missing from a program cut off.
+        let layer = heights.iter().copied().fold(0.0, f64::max);
+        let (height, most) = (self.high.z - self.low.z, f64::max(1.01 * layer, 0.01 * tall));
+        if far(size.x, part.x) || far(size.y, part.y) || (tall - height).abs() > most {
             let part = self.high - self.low;
             return Err(StrengthError::WrongPart { printed: size.extend(tall), part });
         }
