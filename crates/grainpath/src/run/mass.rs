@@ -1,0 +1,81 @@
+//! The density that gives a part its mass.
+
+use grainpath_core::{Role, Toolpath};
+use rayon::prelude::*;
+
+use super::layers::Job;
+use crate::error::Error;
+use crate::order::Island;
+use crate::skin::SkinSplit;
+
+impl Job<'_> {
+    /// The density asked for, or the one that gives the mass asked for.
+    pub(super) fn density(&self, walls: &[Vec<Island>], skins: &[SkinSplit]) -> Result<f64, Error> {
+        let Some(asked_g) = self.settings.fill.mass_g else { return Ok(self.settings.fill.density) };
+        let grams = |path: &Toolpath, height_mm: f64| {
+            let s = self.settings;
+            let m = if path.role == Role::Fibre { &s.fibre_material } else { &s.material };
+            path.volume_mm3(height_mm) * 1e-3 * m.density_g_cm3 * m.flow
+        };
+        let layers: Vec<usize> = (0..self.stack.layers().len()).collect();
+        let sum = |each: &(dyn Fn(usize) -> f64 + Sync)| -> f64 {
+            // Collected in order and added one after the other: the same sum for any number of threads.
+            layers.par_iter().map(|&i| each(i)).collect::<Vec<f64>>().into_iter().sum()
+        };
+        let height = |i: usize| self.stack.layers()[i].height_mm();
+        let fixed = sum(&|i| {
+            let walls =
+                walls[i].iter().flat_map(|island| island.walls.iter().map(|w| &w.path).chain(&island.fills));
+            let mut mass: f64 = walls.map(|p| grams(p, height(i))).sum();
+            self.dense_fill(i, &skins[i], &mut |_, p| mass += grams(&p, height(i)));
+            mass
+        });
+        let mass = |density: f64| {
+            fixed
+                + sum(&|i| {
+                    let mut mass = 0.0;
+                    self.sparse_fill(i, &skins[i], density, &mut |_, p| mass += grams(&p, height(i)));
+                    mass
+                })
+        };
+        // Mass is nearly proportional to density: two or three steps along the chord find most.
+        let mut density = 0.3;
+        let mut nearest = (f64::INFINITY, density);
+        for _ in 0..6 {
+            let found = mass(density);
+            let off = (found - asked_g).abs();
+            if off < nearest.0 {
+                nearest = (off, density);
+            }
+            if off < 2.5e-3 * asked_g {
+                return Ok(density);
+            }
+            density *= (asked_g - fixed) / (found - fixed).max(1e-9);
+            if !(0.01..0.95).contains(&density) {
+                break;
+            }
+        }
+        if nearest.0 < 5e-3 * asked_g {
+            return Ok(nearest.1);
+        }
+        let high_g = mass(1.0);
+        if asked_g < fixed * 0.99 || asked_g > high_g * 1.01 {
+            return Err(Error::Mass { asked_g, low_g: fixed, high_g });
+        }
+        // Mass rises with density, in small steps where a line comes or goes: halving finds it.
+        let (mut low, mut high) = (0.0, 1.0);
+        let mut best = (f64::INFINITY, 0.0);
+        for _ in 0..14 {
+            let middle = 0.5 * (low + high);
+            let off = mass(middle) - asked_g;
+            if off.abs() < best.0 {
+                best = (off.abs(), middle);
+            }
+            if off.abs() < 1e-3 * asked_g {
+                break;
+            }
+            if off < 0.0 { low = middle } else { high = middle }
+        }
+        Ok(best.1)
+    }
+}

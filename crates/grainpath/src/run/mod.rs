@@ -1,0 +1,295 @@
+//! The main job: from a shape and settings to a plan.
+//!
+//! A pipeline of stages, each taking values and giving new ones: place and mend, slice, walls, skins, fill, order.
+
+mod layers;
+mod mass;
+mod place;
+mod rooms;
+
+use std::sync::Mutex;
+use std::time::Instant;
+
+use grainpath_core::diagnostics::Stage;
+use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, TriMesh, UniformField};
+use grainpath_gcode::{WriteConfig, check_fits};
+use grainpath_io::MeshFile;
+use grainpath_io::fe::StressField;
+use grainpath_io::volume::SliceSource;
+
+use crate::config;
+use crate::error::Error;
+use crate::grain::{GrainGuide, Photo, read_grain, read_scan};
+use crate::guide::{self, Guide, GuidedPart};
+use crate::job::Settings;
+use crate::order::order_stack;
+use crate::shape;
+use crate::strength::TestSetup;
+use crate::support::{self, Support, SupportSettings};
+use layers::Job;
+pub use place::{Sliced, mesh_and_layers};
+use place::{check_bed, part_bounds, plate_from_part};
+
+/// A planned job.
+pub struct Planned {
+    /// What is printed.
+    pub plan: Plan,
+    /// The sections it was made from.
+    pub stack: LayerStack,
+    /// How it is written.
+    pub config: WriteConfig,
+    /// Seconds of each stage so far.
+    pub stages_s: Vec<(Stage, f64)>,
+    /// The supports, where asked for.
+    pub support: Option<Support>,
+    /// Pictures of how they came about.
+    pub support_pictures: Vec<support::picture::StepPicture>,
+    /// The density of the inside: the one asked for, or the one found for a mass.
+    pub density: f64,
+    /// The grain it follows, where it does.
+    pub grain: Option<GrainGuide>,
+    /// Directions and the stress they come from, for jobs that have loads.
+    pub guide: Option<Guide>,
+    /// What a strength test needs to know of the part, for jobs that want one.
+    pub test: Option<TestSetup>,
+    /// What was found in a scan, where the shape is one.
+    pub scan: Option<shape::ct::CtReport>,
+}
+
+/// What a job is made from, read already.
+pub struct Inputs {
+    /// The shape.
+    pub mesh: MeshFile,
+    /// What errors call it.
+    pub path: String,
+    /// Stress solved elsewhere, for `guide.import`.
+    pub stress: Option<StressField>,
+    /// Photographs whose grain the part is filled with, for `guide.kind = "grain"`.
+    pub photos: Vec<Photo>,
+    /// The scan whose texture it is filled along, for `guide.volume`.
+    pub texture: Option<Box<dyn SliceSource>>,
+}
+
+/// Plans a job whose shape is a mesh.
+///
+/// # Errors
+/// [`Error`] for a mesh that cannot be sliced, a part that does not fit the bed, a mass that cannot be met, and when
+/// a stop was asked for.
+pub fn plan_job(
+    settings: &Settings,
+    mut inputs: Inputs,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let shape_error = |source| Error::Shape { path: inputs.path.clone(), source };
+    let sliced = mesh_and_layers(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
+    clock.stop(Stage::Slice);
+    let scan: Option<&mut dyn SliceSource> = match &mut inputs.texture {
+        Some(other) => Some(&mut **other),
+        None => None,
+    };
+    let grain = GrainSource { photos: &inputs.photos, scan };
+    plan_stack(settings, sliced, inputs.stress, grain, clock, diagnostics)
+}
+
+/// Plans a job whose shape is the board of its photographs.
+///
+/// # Errors
+/// As [`plan_job`].
+pub fn plan_photo(
+    settings: &Settings,
+    photos: &[Photo],
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let board = config::photo_board(settings);
+    let shape_error = |source| Error::Shape {
+        path: photos.first().map_or_else(|| "shape.photo".into(), |p| p.name.clone()),
+        source,
+    };
+    let stack = board.slice(&config::slicing(settings)).map_err(shape_error)?;
+    let mesh = if wants_surface(settings) {
+        shape::surface(&stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
+    } else {
+        TriMesh::default()
+    };
+    clock.stop(Stage::Slice);
+    let sliced = Sliced { stack, mesh, ..Sliced::default() };
+    plan_stack(settings, sliced, None, GrainSource { photos, scan: None }, clock, diagnostics)
+}
+
+/// Plans a job whose shape is a scan, of which a few slices are held at a time. `path` is what errors call it;
+/// `stress` was solved elsewhere, in the scan's own place with its lowest point on the plate; `texture` is the scan of
+/// `guide.volume`.
+///
+/// # Errors
+/// As [`plan_job`], and for files that cannot be read and scans that give no layers.
+pub fn plan_scan(
+    settings: &Settings,
+    source: &mut dyn SliceSource,
+    path: &str,
+    stress: Option<StressField>,
+    photos: &[Photo],
+    mut texture: Option<Box<dyn SliceSource>>,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let shape_error = |source| Error::Shape { path: path.to_owned(), source };
+    let scan = shape::ct::slice_scan(source, &config::scan(settings), diagnostics)
+        .map_err(|e| scan_error(e, path))?;
+    let mesh = if wants_surface(settings) {
+        shape::surface(&scan.stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
+    } else {
+        TriMesh::default()
+    };
+    clock.stop(Stage::Slice);
+    let sliced = Sliced { stack: scan.stack, mesh, scan: Some(scan.report), ..Sliced::default() };
+    let texture: &mut dyn SliceSource = match &mut texture {
+        Some(other) => &mut **other,
+        None => source,
+    };
+    let grain = GrainSource { photos, scan: Some(texture) };
+    plan_stack(settings, sliced, stress, grain, clock, diagnostics)
+}
+
+/// Only solvers and supports ask for a surface.
+fn wants_surface(settings: &Settings) -> bool {
+    settings.guide.kind == "stress" || settings.support.style != "none" || settings.strength.enabled
+}
+
+/// What the grain of a part is read from, where it follows any: photographs, else a scan.
+struct GrainSource<'a> {
+    photos: &'a [Photo],
+    scan: Option<&'a mut dyn SliceSource>,
+}
+
+/// The grain the job asks for; `own` is what was found in the scan that is the shape.
+fn grain(
+    settings: &Settings,
+    stack: &LayerStack,
+    own: Option<&shape::ct::CtReport>,
+    source: GrainSource<'_>,
+    diagnostics: &Diagnostics,
+) -> Result<Option<GrainGuide>, Error> {
+    if settings.guide.kind != "grain" {
+        return Ok(None);
+    }
+    let layers = stack.layers();
+    let top = layers.last().map_or(0.0, Layer::z_top_mm);
+    let part = part_bounds(stack);
+    let GrainSource { photos, scan } = source;
+    if let (true, Some(scan)) = (photos.is_empty(), scan) {
+        let wanted = config::texture(settings, own, part, top);
+        let read = read_scan(scan, &wanted, diagnostics);
+        return read.map(Some).map_err(|e| scan_error(e, &wanted.name));
+    }
+    let grain = config::grain(settings, photos.len(), part, top);
+    let section = |z_mm: f64| {
+        let above = layers.partition_point(|l| l.z_top_mm() < z_mm).min(layers.len().saturating_sub(1));
+        layers.get(above).map(|l| l.region().clone()).unwrap_or_default()
+    };
+    let read = read_grain(photos, &grain, &section, diagnostics);
+    read.map(Some).map_err(|(k, source)| Error::Grain { path: photos[k].name.clone(), source })
+}
+
+fn scan_error(e: shape::ct::CtError, path: &str) -> Error {
+    match e {
+        shape::ct::CtError::Volume(e) => Error::Volume(e),
+        shape::ct::CtError::Shape(source) => Error::Shape { path: path.to_owned(), source },
+    }
+}
+
+fn plan_stack(
+    settings: &Settings,
+    sliced: Sliced,
+    stress: Option<StressField>,
+    grain_source: GrainSource<'_>,
+    mut clock: Clock,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let Sliced { stack, mesh, lowered_mm, marks, scan } = sliced;
+    let part = part_bounds(&stack);
+    let plate_from_part_mm = plate_from_part(settings, part);
+    check_bed(settings, &stack, part, plate_from_part_mm)?;
+    let fibre = config::fibre(settings);
+    fibre.iter().try_for_each(|f| f.check(&stack, part))?;
+    let guide = {
+        let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
+        guide::build(settings, &guided, stress, diagnostics)?
+    };
+    let grain = grain(settings, &stack, scan.as_ref(), grain_source, diagnostics)?;
+    let test = settings.strength.enabled.then(|| TestSetup::of(settings, &mesh, &stack)).transpose()?;
+    if guide.is_some() || grain.is_some() {
+        clock.stop(Stage::Guide);
+    }
+    let support = match config::support(settings, plate_from_part_mm.truncate()) {
+        Some(wanted) => {
+            let wanted = SupportSettings { marks, ..wanted };
+            Some(support::plan(&mesh, &stack, &wanted, diagnostics)?)
+        }
+        None => None,
+    };
+    let drawn = !settings.output.report.is_empty() || !settings.output.preview.is_empty();
+    let support_pictures = match &support {
+        Some(found) if drawn => support::picture::pictures(&mesh, found),
+        _ => Vec::new(),
+    };
+    if support.is_some() {
+        clock.stop(Stage::Support);
+    }
+    drop(mesh);
+    let uniform = UniformField { axis_rad: settings.guide.angle_deg.to_radians() };
+    let job = Job {
+        settings,
+        stack: &stack,
+        part,
+        support: support.as_ref(),
+        guide: guide.as_ref(),
+        grain: grain.as_ref(),
+        fibre: fibre.as_ref(),
+        uniform,
+        continuous: config::continuous(settings),
+        notes: Mutex::default(),
+    };
+    diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
+    let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
+    let skins = job.skins(&mut walls, &fills, diagnostics)?;
+    drop(fills);
+    let density = job.density(&walls, &skins)?;
+    let layers = job.fill(walls, &skins, density, diagnostics)?;
+    job.tell_notes(diagnostics);
+    drop(skins);
+    clock.stop(Stage::Fill);
+    let layers = order_stack(&stack, layers, &config::order(settings), diagnostics)?;
+    clock.stop(Stage::Order);
+    let plan = Plan { layers, plate_from_part_mm };
+    let config = config::writing(settings);
+    check_fits(&plan, &config.machine)?;
+    let stages_s = clock.stages;
+    Ok(Planned {
+        plan,
+        stack,
+        config,
+        stages_s,
+        support,
+        support_pictures,
+        density,
+        grain,
+        guide,
+        test,
+        scan,
+    })
+}
+
+struct Clock {
+    since: Instant,
+    stages: Vec<(Stage, f64)>,
+}
+
+impl Clock {
+    fn stop(&mut self, stage: Stage) {
+        let now = Instant::now();
+        self.stages.push((stage, now.duration_since(self.since).as_secs_f64()));
+        self.since = now;
+    }
+}

@@ -1,0 +1,140 @@
+//! A part on the plate: its bodies placed and mended, its layers, and whether it fits the bed.
+
+use grainpath_core::units::LengthUnit;
+use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, Layer, LayerStack, TriMesh};
+use grainpath_io::{Marks, MeshFile};
+
+use crate::config;
+use crate::error::Error;
+use crate::job::Settings;
+use crate::shape;
+
+/// A shape in layers, on the plate.
+#[derive(Debug, Default)]
+pub struct Sliced {
+    /// Its sections.
+    pub stack: LayerStack,
+    /// Its surface; empty where nothing asked for one.
+    pub mesh: TriMesh,
+    /// How far it was lowered to stand on the plate, mm.
+    pub lowered_mm: f64,
+    /// What is painted on its surface.
+    pub marks: Marks,
+    pub(super) scan: Option<shape::ct::CtReport>,
+}
+
+/// A mesh where it is to be printed, mended, and its layers.
+///
+/// # Errors
+/// As [`shape::mend`] and [`shape::slice`].
+pub fn mesh_and_layers(
+    settings: &Settings,
+    file: MeshFile,
+    diagnostics: &Diagnostics,
+) -> Result<Sliced, shape::ShapeError> {
+    let (mut bodies, mut lowered_mm) = place_bodies(settings, file, diagnostics)?;
+    let block = bodies.pop().unwrap_or_default();
+    let enforce = bodies.pop().unwrap_or_default();
+    let mut marks = Marks { enforce, block };
+    if settings.support.style != "none" {
+        let lift = settings.support.lift_mm;
+        let all = bodies.iter_mut().chain(marks.each_mut());
+        all.flat_map(|b| &mut b.vertices).for_each(|p| p.z += lift);
+        lowered_mm -= lift;
+    }
+    let mesh = shape::mend(bodies, config::repair(settings), diagnostics)?;
+    let stack = shape::slice(&mesh, &config::slicing(settings), diagnostics)?;
+    Ok(Sliced { stack, mesh, lowered_mm, marks, scan: None })
+}
+
+/// The bodies of a file in millimetres on the plate, last what is painted on them, held and left free; and how far they
+/// were lowered to stand there.
+fn place_bodies(
+    settings: &Settings,
+    file: MeshFile,
+    diagnostics: &Diagnostics,
+) -> Result<(Vec<TriMesh>, f64), shape::ShapeError> {
+    file.warnings.iter().for_each(|w| diagnostics.warn(format!("mesh: {w}")));
+    let mut marks = Marks::default();
+    let mut bodies = Vec::with_capacity(file.bodies.len() + 2);
+    for mut body in file.bodies {
+        for (all, more) in marks.each_mut().into_iter().zip(body.marks.each_mut()) {
+            let first = all.vertices.len() as u32;
+            all.vertices.append(&mut more.vertices);
+            all.triangles.extend(more.triangles.iter().map(|t| t.map(|i| i + first)));
+        }
+        bodies.push(body.mesh);
+    }
+    bodies.extend([marks.enforce, marks.block]);
+    let mut placement = config::placement(settings);
+    let bounds = bodies.iter().filter_map(TriMesh::bounds);
+    let all = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(shape::ShapeError::Empty)?;
+    if settings.shape.unit == "auto" {
+        placement.unit = file.unit.unwrap_or(LengthUnit::Millimetre);
+        let longest = (all.1 - all.0).max_element() * settings.shape.scale;
+        let likely = shape::likely_unit(longest);
+        if file.unit.is_none() && likely != LengthUnit::Millimetre {
+            diagnostics.warn(format!(
+                "the mesh is {longest:.3} long and its unit is taken for mm; if it is in {}, set shape.unit = \"{}\"",
+                likely.name(),
+                likely.name()
+            ));
+        }
+    }
+    let lowered_mm = shape::place(&mut bodies, &placement)?;
+    Ok((bodies, lowered_mm))
+}
+
+pub(super) fn part_bounds(stack: &LayerStack) -> Bounds2 {
+    let all = stack.layers().iter().filter_map(|l| l.region().bounds());
+    all.reduce(Bounds2::union).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO })
+}
+
+pub(super) fn plate_from_part(settings: &Settings, part: Bounds2) -> DVec3 {
+    let machine = config::machine(settings);
+    let (low, high) = machine.bed_bounds_mm();
+    let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
+    let target = settings.shape.position_mm.unwrap_or(middle);
+    let centre = part.centre();
+    // Whole micrometres, so that moving the part does not change how its numbers round.
+    let whole = |mm: f64| (mm * 1e3).round() * 1e-3;
+    DVec3::new(whole(target[0] - centre.x), whole(target[1] - centre.y), 0.0)
+}
+
+/// Refuses a part that cannot fit before any time is spent on it.
+pub(super) fn check_bed(
+    settings: &Settings,
+    stack: &LayerStack,
+    part: Bounds2,
+    shift: DVec3,
+) -> Result<(), Error> {
+    let machine = config::machine(settings);
+    let half = 1e-3;
+    let (low, high) = machine.bed_bounds_mm();
+    let reach = [
+        (part.min.x + shift.x, 0),
+        (part.max.x + shift.x, 0),
+        (part.min.y + shift.y, 1),
+        (part.max.y + shift.y, 1),
+    ];
+    for (at_mm, k) in reach {
+        if at_mm < low[k] - half || at_mm > high[k] + half {
+            let axis = ['X', 'Y'][k];
+            return Err(grainpath_gcode::GcodeError::OutsideBed {
+                axis,
+                at_mm,
+                low_mm: low[k],
+                high_mm: high[k],
+            }
+            .into());
+        }
+    }
+    let top = stack.layers().last().map_or(0.0, Layer::z_top_mm);
+    if top > machine.bed_mm[2] + half {
+        let high_mm = machine.bed_mm[2];
+        return Err(
+            grainpath_gcode::GcodeError::OutsideBed { axis: 'Z', at_mm: top, low_mm: 0.0, high_mm }.into()
+        );
+    }
+    Ok(())
+}
