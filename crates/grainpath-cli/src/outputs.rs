@@ -9,6 +9,7 @@ use grainpath::guide::{Degenerate, lines_svg, lines_vtp};
 use grainpath::job::Settings;
 use grainpath::render::{Bead, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png};
 use grainpath::report::{Report, measure, measure_fibre, peak_rss_mb};
+use grainpath::strength::{TestSetup, Tested, damage_png, index_png, test};
 use grainpath::{Planned, html};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::{DVec2, Diagnostics};
@@ -99,16 +100,21 @@ pub fn write(
     let start = Instant::now();
     diagnostics.begin(Stage::Write, planned.plan.layers.len());
     let thumbnails = thumbnails(settings, &planned)?;
-    let tested = planned.test.is_some();
-    let fibre = planned.config.fibre.is_some();
-    let wanted =
-        measured || fibre || tested || truth.is_some() || paths.report.is_some() || paths.preview.is_some();
+    let special = planned.test.is_some() || planned.config.fibre.is_some() || truth.is_some();
+    let wanted = measured || special || paths.report.is_some() || paths.preview.is_some();
     let mut copy = Vec::new();
+    let (mut program, mut tested, mut write_s) = (None, None, 0.0);
     let written = files::write_atomically(&paths.gcode, |file| {
         let mut tee = Tee { file, copy: wanted.then_some(&mut copy) };
         let written = write_gcode(&planned.plan, &planned.config, &thumbnails, &mut tee);
         let written = written.map_err(|e| Failure::from(grainpath::Error::from(e)))?;
         diagnostics.check().map_err(|e| Failure::from(grainpath::Error::from(e)))?;
+        write_s = start.elapsed().as_secs_f64();
+        // A program that cannot be tested replaces none that could.
+        program = wanted.then(|| read_back(settings, &std::mem::take(&mut copy))).transpose()?;
+        if let (Some(setup), Some(program)) = (&planned.test, &program) {
+            tested = Some(strength(settings, &planned, setup, program, diagnostics)?);
+        }
         Ok(written)
     })?;
     let mut report = Report::new(&planned, &written);
@@ -117,20 +123,22 @@ pub fn write(
     for (stage, s) in &planned.stages_s {
         report.stages_s.insert(stage.name(), seconds(*s));
     }
-    report.stages_s.insert(Stage::Write.name(), seconds(start.elapsed().as_secs_f64()));
+    report.stages_s.insert(Stage::Write.name(), seconds(write_s));
     report.outputs.insert("gcode", paths.gcode.display().to_string());
-    if wanted {
-        let program = read_back(settings, &copy)?;
+    if let Some(program) = program {
         report.quality = Some(measure(&planned, &program));
         report.fibre = measure_fibre(settings, &planned, &program);
         report.fibre.iter().filter_map(|f| f.warning()).for_each(|w| diagnostics.warn(w));
         report.quality.iter().filter_map(|q| q.fibre_warning(settings)).for_each(|w| diagnostics.warn(w));
         report.dimensions = truth
             .map(|t| grainpath::dimensions::measure(t, &program, planned.plan.plate_from_part_mm.truncate()));
-        drop(copy);
         let mut drawn = guide_pictures(&planned, paths);
         drawn.extend(planned.grain.take().map(|g| g.pictures).unwrap_or_default());
-        drawn.extend(strength(settings, &planned, &program, &mut report, diagnostics)?);
+        if let Some((tested, s)) = tested {
+            report.stages_s.insert(Stage::Strength.name(), seconds(s));
+            drawn.extend(strength_pictures(&tested));
+            report.strength = Some(tested.report);
+        }
         drawn.extend(planned.support_pictures.iter().map(|p| {
             let picture = html::Picture { title: p.title.clone(), png: p.png.clone(), of_test: false };
             (format!("support_{}.png", p.name), picture)
@@ -296,29 +304,23 @@ fn previews(
     Ok(())
 }
 
-/// Tests what was written, for jobs that want it; pictures of what broke, with their file names.
+/// Tests what is written, for jobs that want it; with the seconds it took.
 fn strength(
     settings: &Settings,
     planned: &Planned,
+    setup: &TestSetup,
     program: &Program,
-    report: &mut Report,
     diagnostics: &Diagnostics,
-) -> Result<Vec<(String, html::Picture)>, Failure> {
-    let Some(setup) = &planned.test else { return Ok(Vec::new()) };
+) -> Result<(Tested, f64), Failure> {
     let start = Instant::now();
     let shift = planned.plan.plate_from_part_mm.truncate();
-    let tested = grainpath::strength::test(settings, setup, program, Some(shift), diagnostics)
+    let tested = test(settings, setup, program, Some(shift), diagnostics)
         .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
-    let seconds = (start.elapsed().as_secs_f64() * 1e4).round() / 1e4;
-    report.stages_s.insert(Stage::Strength.name(), seconds);
-    let pictures = strength_pictures(&tested);
-    report.strength = Some(tested.report);
-    Ok(pictures)
+    Ok((tested, start.elapsed().as_secs_f64()))
 }
 
 /// What broke, and how near the rest was.
-pub fn strength_pictures(tested: &grainpath::strength::Tested) -> Vec<(String, html::Picture)> {
-    use grainpath::strength::{damage_png, index_png};
+pub fn strength_pictures(tested: &Tested) -> Vec<(String, html::Picture)> {
     let picture = |title: &str, (png, where_is): (Vec<u8>, String)| html::Picture {
         title: format!("{title}{where_is}"),
         png,

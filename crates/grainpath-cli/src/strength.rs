@@ -57,18 +57,20 @@ fn is_job(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
 }
 
+/// The job an input is, or that a program is tested with.
+fn job_of<'a>(input: &'a Path, job: Option<&'a Path>) -> Result<&'a Path, Failure> {
+    let none = || {
+        Failure::usage(format!(
+            "{}: no job (.toml), and G-code needs --job JOB.toml, whose part, loads and material it is tested with",
+            input.display()
+        ))
+    };
+    if is_job(input) { Ok(input) } else { job.ok_or_else(none) }
+}
+
 /// Tests a job, or a program with the job it belongs to. `mass_g` is what a job's part is to weigh.
 fn one(input: &Path, job: Option<&Path>, common: &Common, mass_g: Option<f64>) -> Result<Done, Failure> {
-    let job = match (is_job(input), job) {
-        (true, _) => input,
-        (false, Some(job)) => job,
-        (false, None) => {
-            return Err(Failure::usage(format!(
-                "{}: G-code needs --job JOB.toml, whose part, loads and material it is tested with",
-                input.display()
-            )));
-        }
-    };
+    let job = job_of(input, job)?;
     let (mut settings, shape, folder) = read_job(job, &common.sets)?;
     settings.strength.enabled = true;
     settings.fill.mass_g = mass_g.or(settings.fill.mass_g);
@@ -125,6 +127,12 @@ fn warnings(diagnostics: &Diagnostics, program: &Program) -> Vec<String> {
 /// `grainpath compare`
 pub fn compare(args: &Compare) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
+    // A slip in the last name is told before the first is tested.
+    for input in &args.inputs {
+        read_job(job_of(input, args.job.as_deref())?, &args.common.sets)?;
+        std::fs::metadata(input)
+            .map_err(|e| Failure::input(format!("{}: {}", input.display(), files::plain(&e))))?;
+    }
     let mut all: Vec<Done> = Vec::new();
     for input in &args.inputs {
         let mass_g = all.first().filter(|_| args.same_mass && is_job(input)).map(|d| d.tested.report.mass_g);

@@ -203,6 +203,9 @@ fn what_cannot_be_tested_is_said_in_a_line() {
     fs::write(dir.join("bare.toml"), "density_g_cm3 = 1.1\n").expect("written");
     let off = JOB.replace("[[34, 0, 0], [40, 8, 1]]", "[[134, 0, 0], [140, 8, 1]]");
     fs::write(dir.join("off.toml"), off).expect("written");
+    let great = JOB.replace("force_n = [100, 0, 0]", "force_n = [1e300, 0, 0]");
+    fs::write(dir.join("great.toml"), great).expect("written");
+    fs::write(dir.join("off.gcode"), "of yesterday").expect("written");
     let up = JOB.replace("force_n = [100, 0, 0]", "force_n = [0, 0, 100]");
     fs::write(dir.join("up.toml"), up).expect("written");
     let loose = JOB.replace("fix = \"xyz\"", "fix = \"y\"");
@@ -222,6 +225,18 @@ fn what_cannot_be_tested_is_said_in_a_line() {
         (&["strength", "other.gcode"], 2, "needs --job"),
         (&["strength", "along.toml", "--set", "material.profile=bare.toml"], 2, "no strengths: set xt_mpa"),
         (&["strength", "off.toml"], 2, "load 1 (box) catches nothing"),
+        (
+            &["run", "off.toml", "--set", "strength.enabled=true", "--set", "output.gcode=off.gcode"],
+            2,
+            "load 1 (box) catches nothing",
+        ),
+        (&["strength", "great.toml"], 2, "numbers of at most 1e12"),
+        (&["compare", "along.toml", "nowhere.toml"], 2, "nowhere.toml: no such file"),
+        (
+            &["compare", "along.toml", "nowhere.gcode", "--job", "along.toml"],
+            3,
+            "nowhere.gcode: no such file",
+        ),
         (&["strength", "up.toml", "--set", "strength.fidelity=\"plane\""], 2, "layers' plane"),
         (&["strength", "loose.toml"], 4, "free to move along x"),
         (&["strength", "along.toml", "--set", "material.xt_mpa=[50, 40, 60]"], 2, "should rise"),
@@ -232,6 +247,7 @@ fn what_cannot_be_tested_is_said_in_a_line() {
         assert_eq!(out.status.code(), Some(code), "{args:?}: {text}");
         assert!(text.contains(part) && text.trim_end().lines().count() == 1, "{args:?}: {text}");
     }
+    assert_eq!(fs::read_to_string(dir.join("off.gcode")).expect("a file"), "of yesterday");
 }
 
 #[test]

@@ -79,8 +79,15 @@ fn only(table: &Table, what: &str, known: &[&str]) -> Result<(), String> {
     }
 }
 
+/// Larger numbers are slips, and their squares are not finite.
+const MOST: f64 = 1e12;
+
 fn number(table: &Table, what: &str, key: &str) -> Result<Option<f64>, String> {
-    table.get(key).map(|v| f64::from_toml(v).map_err(|e| format!("{what}: {key} {e}"))).transpose()
+    let read = |v: &Value| match f64::from_toml(v) {
+        Ok(n) if n.abs() > MOST => Err(format!("{what}: {key} should be at most 1e12, is {n:e}")),
+        found => found.map_err(|e| format!("{what}: {key} {e}")),
+    };
+    table.get(key).map(read).transpose()
 }
 
 fn length(table: &Table, what: &str, key: &str) -> Result<Option<f64>, String> {
@@ -91,8 +98,12 @@ fn length(table: &Table, what: &str, key: &str) -> Result<Option<f64>, String> {
 }
 
 fn vector(table: &Table, what: &str, key: &str) -> Result<Option<DVec3>, String> {
-    let read =
-        |v: &Value| <[f64; 3]>::from_toml(v).map(DVec3::from).map_err(|e| format!("{what}: {key} {e}"));
+    let read = |v: &Value| match <[f64; 3]>::from_toml(v).map(DVec3::from) {
+        Ok(found) if found.abs().max_element() > MOST => {
+            Err(format!("{what}: {key} should hold numbers of at most 1e12, is {v}"))
+        }
+        found => found.map_err(|e| format!("{what}: {key} {e}")),
+    };
     table.get(key).map(read).transpose()
 }
 

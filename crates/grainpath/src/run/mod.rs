@@ -213,12 +213,12 @@ fn plan_stack(
     check_bed(settings, &stack, part, plate_from_part_mm)?;
     let fibre = config::fibre(settings);
     fibre.iter().try_for_each(|f| f.check(&stack, part))?;
+    let test = settings.strength.enabled.then(|| TestSetup::of(settings, &mesh, &stack)).transpose()?;
     let guide = {
         let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
         guide::build(settings, &guided, stress, diagnostics)?
     };
     let grain = grain(settings, &stack, scan.as_ref(), grain_source, diagnostics)?;
-    let test = settings.strength.enabled.then(|| TestSetup::of(settings, &mesh, &stack)).transpose()?;
     if guide.is_some() || grain.is_some() {
         clock.stop(Stage::Guide);
     }

@@ -7,7 +7,7 @@ use grainpath_fea::strength::cells::{BeadPiece, BeadSheet, Grid, Laminate};
 use grainpath_fea::strength::plate::{Elements, GridHold, free_motion, pieces};
 use grainpath_gcode::{Bead, BeadLayer, Program};
 
-use super::StrengthError;
+use super::{CORNERS, StrengthError, cards};
 use crate::guide::{cases, constant_section, in_plane, resolved};
 use crate::job::Settings;
 use crate::job::loads::Push;
@@ -76,8 +76,10 @@ impl TestSetup {
     /// Reads fixtures and loads against a part; of several load cases the one that counts most is tested.
     ///
     /// # Errors
-    /// [`StrengthError`] where a fixture or load is missing, or not in the layers' plane for a test in it.
+    /// [`StrengthError`] where a fixture, a load or a strength of the material is missing, or a load is not in the
+    /// layers' plane for a test in it.
     pub fn of(settings: &Settings, mesh: &TriMesh, stack: &LayerStack) -> Result<Self, StrengthError> {
+        cards(settings, CORNERS[0])?;
         let all = cases(settings);
         let first = all.iter().rev().max_by(|a, b| a.weight.total_cmp(&b.weight));
         let case = first.ok_or(StrengthError::Missing("a [[guide.load]]"))?;
