@@ -11,6 +11,7 @@ mod gyroid;
 mod hatch;
 mod honeycomb;
 mod rectilinear;
+mod spaced;
 
 use grainpath_core::{Bounds2, DirectionField, Polygon, Role, Toolpath};
 

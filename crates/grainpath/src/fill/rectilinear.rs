@@ -7,7 +7,7 @@ use grainpath_core::units::bead_width_mm;
 use grainpath_core::{Polygon, Toolpath};
 
 use super::hatch::{Hatch, Joints, Lines};
-use super::{FillContext, Infill};
+use super::{FillContext, Infill, spaced};
 
 /// Parallel lines at the distance the density asks for.
 pub struct Rectilinear;
@@ -18,8 +18,8 @@ pub struct Crossed {
     pub directions: usize,
 }
 
-/// Lines that fill the room: the first and the last at its border, evenly spaced between, the width following the
-/// spacing so that the volume is the room's.
+/// Lines that fill the room: at its borders where they run along them, evenly spaced between, the width following
+/// the spacing so that the volume is the room's.
 pub struct Solid;
 
 impl Infill for Rectilinear {
@@ -59,29 +59,8 @@ fn sparse(context: &FillContext<'_>, room: &Polygon, angle_rad: f64, step_mm: f6
 
 impl Infill for Solid {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        let s = context.spacing_mm();
-        let back = direction(-context.angle_rad);
-        let rows = || room.outer.iter().map(|&p| rotated(p, back).y);
-        let (low, high) =
-            rows().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), y| (lo.min(y), hi.max(y)));
-        if low >= high {
+        let Some((lines, step_mm)) = spaced::lines(room, context.angle_rad, context.spacing_mm()) else {
             return;
-        }
-        // The beads' strips reach half a spacing beyond the room on both sides; they share that height evenly.
-        let n = ((high - low + s) / s + 0.02).floor().max(1.0);
-        let step_mm = (high - low + s) / n;
-        let hair = 1e-3 * s;
-        let first = low + 0.5 * (step_mm - s);
-        let lines = if n < 2.0 {
-            Lines { angle_rad: context.angle_rad, first_mm: 0.5 * (low + high), step_mm: 2.0 * (high - low) }
-        } else {
-            // A line exactly on the border would be counted by one side of it only.
-            let first_mm = first.max(low + hair);
-            Lines {
-                angle_rad: context.angle_rad,
-                first_mm,
-                step_mm: (step_mm * (n - 1.0) - 2.0 * hair) / (n - 1.0),
-            }
         };
         let joints = Joints { longest_mm: 4.0 * step_mm, bulge_mm: 0.5 * step_mm };
         let paths = Hatch::new(room, lines).paths(&joints);

@@ -1,0 +1,183 @@
+//! Where the lines of a dense fill lie, and how far apart: so that along borders which run with them as little as
+//! can be is left open or laid twice.
+
+use grainpath_core::Polygon;
+use grainpath_core::math::{direction, rotated};
+
+use super::hatch::Lines;
+
+/// Lines may lie closer or farther apart than beads that just touch by this share, where that serves more borders
+/// than the outermost two.
+const PLAY: f64 = 0.03;
+/// Borders that rise by more than this share of the distance between beads over their length do not run with the lines.
+const RISE: f64 = 0.1;
+/// Only so many borders are looked at, the longest ones.
+const MOST: usize = 8;
+
+/// A line exactly on a border would be counted by one side of it only: it lies this share of a strip inwards.
+const HAIR: f64 = 1e-3;
+
+/// A border along the lines.
+#[derive(Debug, Clone, Copy)]
+struct Border {
+    y_mm: f64,
+    length_mm: f64,
+    /// 1 where the room lies above it, -1 below.
+    side: f64,
+}
+
+/// The lines that fill a room with beads whose strips are `s_mm` wide, or a little more or less, and how wide the strip of
+/// each then is; `None` for a room without height.
+///
+/// The strips of the outermost lines reach half a strip beyond the room. Between them lines are spaced evenly. Where
+/// a room is narrower in places, so that lines which serve its lowest and highest border leave a gap along others, all
+/// pairs of borders are tried.
+pub fn lines(room: &Polygon, angle_rad: f64, s_mm: f64) -> Option<(Lines, f64)> {
+    let back = direction(-angle_rad);
+    let rows = || room.outer.iter().map(|&p| rotated(p, back).y);
+    let (low, high) = rows().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), y| (lo.min(y), hi.max(y)));
+    if low >= high {
+        return None;
+    }
+    // The beads' strips reach half a spacing beyond the room on both sides; they share that height evenly.
+    let n = ((high - low + s_mm) / s_mm + 0.02).floor().max(1.0);
+    if n < 2.0 {
+        let middle = Lines { angle_rad, first_mm: 0.5 * (low + high), step_mm: 2.0 * (high - low) };
+        return Some((middle, high - low + s_mm));
+    }
+    let apart = (high - low + s_mm) / n;
+    let hair = HAIR * s_mm;
+    let even = Lines {
+        angle_rad,
+        first_mm: (low + 0.5 * (apart - s_mm)).max(low + hair),
+        step_mm: (apart * (n - 1.0) - 2.0 * hair) / (n - 1.0),
+    };
+    let borders = borders(room, angle_rad, s_mm);
+    let today = missed_mm2(&borders, &even, s_mm);
+    let mut best = (today, even);
+    for (i, a) in borders.iter().enumerate() {
+        for b in &borders[i + 1..] {
+            let turn = 0.5 * (a.side - b.side);
+            let height = b.y_mm - a.y_mm + turn * s_mm;
+            let fewest = (height / ((1.0 + PLAY) * s_mm) - turn).ceil().max(1.0);
+            let most = (height / ((1.0 - PLAY) * s_mm) - turn).floor().min(fewest + 12.0);
+            let mut steps = fewest;
+            while steps <= most {
+                if steps + turn >= 1.0 {
+                    let tried = between(a, b, steps, angle_rad, s_mm);
+                    let missed = missed_mm2(&borders, &tried, s_mm);
+                    if missed < best.0 {
+                        best = (missed, tried);
+                    }
+                }
+                steps += 1.0;
+            }
+        }
+    }
+    // Less than a bead's square, or a tenth, is not worth another spacing than the layers around it have.
+    let better = best.0 < today - (0.1 * today).max(s_mm * s_mm);
+    Some(if better { (best.1, best.1.step_mm) } else { (even, apart) })
+}
+
+/// Lines that serve two borders, the lower one first, in so many steps.
+fn between(a: &Border, b: &Border, steps: f64, angle_rad: f64, s_mm: f64) -> Lines {
+    let (height, turn) = (b.y_mm - a.y_mm, 0.5 * (a.side - b.side));
+    let apart = (height + turn * s_mm) / (steps + turn);
+    // Wider beads keep farther from the border; narrower ones cannot lie outside the room.
+    let inwards = (0.5 * (apart - s_mm)).max(0.0);
+    let inwards = inwards.max(HAIR * s_mm);
+    let first_mm = a.y_mm + a.side * inwards;
+    let last_mm = b.y_mm + b.side * inwards;
+    Lines { angle_rad, first_mm, step_mm: (last_mm - first_mm) / steps }
+}
+
+/// Area left open or laid twice along borders, mm2.
+fn missed_mm2(borders: &[Border], lines: &Lines, s_mm: f64) -> f64 {
+    let wanted = 0.5 * (lines.step_mm - s_mm).max(0.0);
+    let one = |b: &Border| {
+        let row = (b.y_mm - lines.first_mm) / lines.step_mm;
+        let off = lines.step_mm * if b.side > 0.0 { row.ceil() - row } else { row - row.floor() };
+        b.length_mm * (off - wanted).abs()
+    };
+    borders.iter().map(one).sum()
+}
+
+/// The longest borders along the lines, from the lowest up.
+fn borders(room: &Polygon, angle_rad: f64, s_mm: f64) -> Vec<Border> {
+    let back = direction(-angle_rad);
+    let mut all: Vec<Border> = Vec::new();
+    for contour in room.contours() {
+        for (a, b) in grainpath_core::poly::edges(contour) {
+            // Only a long edge is worth turning exactly.
+            let d = rotated(b - a, back);
+            if d.x.abs() < s_mm || d.y.abs() > RISE * s_mm {
+                continue;
+            }
+            let (a, b) = (rotated(a, back).y, rotated(b, back).y);
+            // The room lies on the left of its contours.
+            let (side, y_mm) = if d.x > 0.0 { (1.0, a.max(b)) } else { (-1.0, a.min(b)) };
+            all.push(Border { y_mm, length_mm: d.x.abs(), side });
+        }
+    }
+    all.sort_by(|a, b| a.side.total_cmp(&b.side).then(a.y_mm.total_cmp(&b.y_mm)));
+    all.dedup_by(|b, a| {
+        let same = a.side == b.side && b.y_mm - a.y_mm < 0.5 * HAIR * s_mm;
+        if same {
+            a.length_mm += b.length_mm;
+        }
+        same
+    });
+    all.retain(|b| b.length_mm > 4.0 * s_mm);
+    all.sort_by(|a, b| b.length_mm.total_cmp(&a.length_mm).then(a.y_mm.total_cmp(&b.y_mm)));
+    all.truncate(MOST);
+    all.sort_by(|a, b| a.y_mm.total_cmp(&b.y_mm).then(b.side.total_cmp(&a.side)));
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::DVec2;
+
+    /// A tensile bar's room: grips 19 mm wide, and a gauge of another width between them.
+    fn bar(gauge_mm: f64, turned: DVec2) -> Polygon {
+        let half = 0.5 * gauge_mm;
+        let upper = [(-80.0, -9.5), (-50.0, -9.5), (-40.0, -half), (40.0, -half), (50.0, -9.5), (80.0, -9.5)];
+        let lower = upper.iter().rev().map(|&(x, y)| (x, -y));
+        let outer = upper.iter().copied().chain(lower).map(|p| rotated(p.into(), turned));
+        Polygon { outer: outer.collect(), holes: Vec::new() }
+    }
+
+    #[test]
+    fn lines_reach_the_walls_of_the_gauge_as_those_of_the_grips() {
+        let s = 0.407;
+        let (mut before, mut after) = (0.0, 0.0);
+        for k in 0..40 {
+            let angle = 0.1 * f64::from(k);
+            let room = bar(4.0 + 0.3 * f64::from(k), direction(angle));
+            let (found, strip_mm) = lines(&room, angle, s).expect("lines");
+            assert!((strip_mm / s - 1.0).abs() <= 0.031, "{strip_mm}");
+            let borders = borders(&room, angle, s);
+            assert_eq!(borders.len(), 4);
+            let n = ((19.0 + s) / s + 0.02).floor();
+            let even = between(&borders[0], &borders[3], n - 1.0, angle, s);
+            let missed = [&even, &found].map(|l| missed_mm2(&borders, l, s));
+            assert!(missed[1] <= missed[0] + s * s, "{k}: {missed:?}");
+            before += missed[0];
+            after += missed[1];
+        }
+        println!("{:.2} mm2 missed on average, {:.2} with even lines", after / 40.0, before / 40.0);
+        assert!(after < 0.3 * before, "{before} {after}");
+    }
+
+    #[test]
+    fn a_room_of_one_height_is_filled_from_border_to_border() {
+        let corners = [(0.0, 0.0), (30.0, 0.0), (30.0, 9.3), (0.0, 9.3)];
+        let room = Polygon { outer: corners.map(DVec2::from).to_vec(), holes: Vec::new() };
+        let (found, strip_mm) = lines(&room, 0.0, 0.4).expect("lines");
+        let n = (9.7 / strip_mm).round();
+        assert!((n * strip_mm - 9.7).abs() < 1e-9 && strip_mm >= 0.4, "{strip_mm}");
+        assert!((found.first_mm + (n - 1.0) * found.step_mm - (9.3 - found.first_mm)).abs() < 1e-3);
+        assert!(lines(&Polygon { outer: vec![DVec2::ZERO; 3], holes: Vec::new() }, 0.0, 0.4).is_none());
+    }
+}
