@@ -197,6 +197,15 @@ fn what_cannot_be_tested_is_said_in_a_line() {
     assert!(grainpath(&dir, &["run", "along.toml", "--set", "output.gcode=bar.gcode"]).status.success());
     fs::write(dir.join("empty.gcode"), "G28\nG1 X10 Y10 F3000\nM84\n").expect("written");
     fs::write(dir.join("mm3.gcode"), in_mm3(&dir.join("bar.gcode"))).expect("written");
+    // A plus as wide and as high as the bar.
+    fs::write(
+        dir.join("plus.toml"),
+        JOB.replace("mesh = \"bar.stl\"", "outline = \"plus.svg\"\nthickness_mm = 1"),
+    )
+    .expect("written");
+    let plus = "<svg xmlns='http://www.w3.org/2000/svg' width='40mm' height='8mm' viewBox='0 0 40 8'>\
+                <path d='M0 3H18V0H22V3H40V5H22V8H18V5H0Z'/></svg>";
+    fs::write(dir.join("plus.svg"), plus).expect("written");
     let whole = fs::read_to_string(dir.join("bar.gcode")).expect("G-code");
     let (half, _) = whole.split_once(";Z:0.8").expect("a layer");
     fs::write(dir.join("half.gcode"), half).expect("written");
@@ -213,6 +222,7 @@ fn what_cannot_be_tested_is_said_in_a_line() {
     let quick = ["--set", "strength.corners=false", "--set", "strength.check=false"];
     for (args, code, part) in [
         (&["strength", "other.gcode", "--job", "along.toml"][..], 3, "not the same part"),
+        (&["strength", "bar.gcode", "--job", "plus.toml"], 3, "lies outside the job's part"),
         (&["strength", "half.gcode", "--job", "along.toml"], 3, "x 8.0 x 0.6 mm, the job's part is 40.0"),
         (&["strength", "empty.gcode", "--job", "along.toml"], 3, "nothing of a part is printed"),
         // E of a thicker filament, or in mm3 without a word about it.

@@ -62,6 +62,10 @@ pub enum StrengthError {
     )]
     WrongPart { printed: DVec3, part: DVec3 },
     #[error(
+        "{percent:.0} % of what the program prints lies outside the job's part: not the same part, or turned"
+    )]
+    Outside { percent: f64 },
+    #[error(
         "the program lays {laid_mm3:.0} mm3, the job's part has {part_mm3:.0} mm3: E should be mm of filament of the diameter printer.filament_mm = {filament_mm}, or M200 say that it is mm3"
     )]
     TooMuch { laid_mm3: f64, part_mm3: f64, filament_mm: f64 },
@@ -81,6 +85,7 @@ impl StrengthError {
         match self {
             Self::NothingPrinted
             | Self::WrongPart { .. }
+            | Self::Outside { .. }
             | Self::TooMuch { .. }
             | Self::Cells(CellError::Nothing) => 3,
             Self::Free { .. } | Self::Test(_) => 4,

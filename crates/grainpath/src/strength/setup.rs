@@ -1,6 +1,7 @@
 //! A job's fixtures and loads on the cells of a test.
 
 use grainpath_core::math::cross;
+use grainpath_core::poly::Join;
 use grainpath_core::{DVec2, DVec3, LayerStack, Region, Role, TriMesh};
 use grainpath_fea::select::Selection;
 use grainpath_fea::strength::cells::{BeadPiece, BeadSheet, Grid, Laminate};
@@ -14,6 +15,11 @@ use crate::job::loads::Push;
 
 /// Cells with less of their height filled are left out.
 const LEAST_FILLED: f64 = 0.02;
+/// Another slicer's beads may lie this far outside the part, mm; of a program that has more than this share farther
+/// out it is another part, or one turned. So many layers are looked at.
+const OUTSIDE_MM: f64 = 1.0;
+const MOST_OUTSIDE: f64 = 0.05;
+const SECTIONS: usize = 9;
 /// Around grips and rollers nothing breaks within this, mm: what happens there is the machine's doing.
 pub(super) const SPARED_MM: f64 = 1.5;
 
@@ -56,6 +62,8 @@ pub struct TestSetup {
     pub(super) high: DVec3,
     /// The section in the middle of the part's height.
     pub(super) section: Region,
+    /// Some sections with their height, mm, to hold another slicer's beads against.
+    sections: Vec<(f64, Region)>,
     /// Volume of the part, mm3, and number of its layers.
     pub(super) volume_mm3: f64,
     pub(super) n_layers: usize,
@@ -101,6 +109,11 @@ impl TestSetup {
         }
         let middle = || layers.get(layers.len() / 2).map(|l| l.region());
         let section = same.or_else(middle).cloned().unwrap_or_default();
+        let sections = (0..layers.len()).step_by(layers.len().div_ceil(SECTIONS).max(1)).map(|i| {
+            let layer = &layers[i];
+            (layer.z_top_mm() - 0.5 * layer.height_mm(), layer.region().clone())
+        });
+        let sections = sections.collect();
         let mut fixtures = Vec::new();
         for (k, f) in settings.guide.fixture.iter().enumerate() {
             let what = format!("fixture {}", k + 1);
@@ -130,6 +143,7 @@ impl TestSetup {
             low,
             high,
             section,
+            sections,
             volume_mm3,
             n_layers,
             fidelity,
@@ -227,7 +241,35 @@ impl TestSetup {
                 })
                 .collect(),
         };
-        Ok(layers.iter().zip(&heights).map(sheet).collect())
+        let sheets: Vec<BeadSheet> = layers.iter().zip(&heights).map(sheet).collect();
+        let share = if plate_from_part.is_some() { 0.0 } else { self.outside(&sheets) };
+        if share > MOST_OUTSIDE {
+            return Err(StrengthError::Outside { percent: 100.0 * share });
+        }
+        Ok(sheets)
+    }
+
+    /// The share of the beads' length that lies outside the part, of the layers that its sections are in.
+    fn outside(&self, sheets: &[BeadSheet]) -> f64 {
+        let (mut all, mut outside) = (0.0, 0.0);
+        for (z_mm, section) in &self.sections {
+            let mut top = self.low.z;
+            let at = sheets.iter().find(|s| {
+                top += s.height_mm;
+                top >= *z_mm
+            });
+            let room = section.offset(OUTSIDE_MM, Join::Miter(2.0));
+            for b in at.iter().flat_map(|s| &s.beads) {
+                let length = b.a.distance(b.b);
+                all += length;
+                // Every two millimetres of a long bead are asked.
+                let n = (0.5 * length).ceil().clamp(1.0, 1000.0) as usize;
+                let place = |k: usize| b.a.lerp(b.b, (k as f64 + 0.5) / n as f64);
+                let without = (0..n).filter(|k| !room.contains(place(*k))).count();
+                outside += length * without as f64 / n as f64;
+            }
+        }
+        outside / f64::max(all, 1e-12)
     }
 
     /// Cells, holds and forces of a test.
