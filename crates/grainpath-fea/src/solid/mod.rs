@@ -5,6 +5,7 @@
 mod between;
 mod blocks;
 mod direct;
+mod easing;
 mod element;
 mod error;
 mod features;

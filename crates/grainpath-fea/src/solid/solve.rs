@@ -31,9 +31,6 @@ const DIRECT_LOADS: usize = 6;
 pub struct SolveSettings {
     /// Residual over the load at which the iteration ends.
     pub tolerance: f64,
-    /// Where it starts from an earlier solution: share of the residual there at which it may end, once below the
-    /// tolerance. A thousandth of the tolerance is always good enough.
-    pub gain: f64,
     /// Iterations at most.
     pub most_iterations: usize,
     /// Memory that may be taken, MiB.
@@ -44,7 +41,7 @@ pub struct SolveSettings {
 
 impl Default for SolveSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-8, gain: 1.0, most_iterations: 400, most_mib: 4096.0, method: Method::Auto }
+        Self { tolerance: 1e-8, most_iterations: 400, most_mib: 4096.0, method: Method::Auto }
     }
 }
 
@@ -110,8 +107,8 @@ pub fn solve(
     };
     let solutions = loads
         .iter()
-        .map(|load| iterate(&operator, &mut multigrid, load, None, settings))
-        .collect::<Result<_, _>>()?;
+        .map(|load| Ok(iterate(&operator, &mut multigrid, load, None, settings)?.solution))
+        .collect::<Result<_, SolidError>>()?;
     Ok((solutions, info))
 }
 
@@ -120,38 +117,35 @@ fn expected_mib(model: &Model<'_>) -> f64 {
     1250.0 * model.mesh.nodes.len() as f64 / 1048576.0
 }
 
-/// Conjugate gradients, from a displacement where one is given.
+/// A solution, and what is left of the load at each node, zero where held.
+pub(super) struct Solved {
+    pub(super) solution: Solution,
+    pub(super) residual: Vec<DVec3>,
+}
+
+/// Conjugate gradients, from a displacement and its residual where they are given.
 pub(super) fn iterate(
     operator: &dyn System,
     multigrid: &mut Multigrid,
     load: &[DVec3],
-    from: Option<&[DVec3]>,
+    from: Option<(Vec<DVec3>, Vec<DVec3>)>,
     settings: &SolveSettings,
-) -> Result<Solution, SolidError> {
+) -> Result<Solved, SolidError> {
     let supports = operator.supports();
     let n = operator.n_nodes();
     let zero = || vec![DVec3::ZERO; n];
     let mut scratch = operator.scratch();
-    let (mut u, moved) = supports.prescribed();
-    let mut r = load.to_vec();
+    let (prescribed, moved) = supports.prescribed();
     let mut q = zero();
+    let mut first = load.to_vec();
     if moved {
-        operator.forces(&u, &mut q, &mut scratch);
-        add(&mut r, -1.0, &q);
+        operator.forces(&prescribed, &mut q, &mut scratch);
+        add(&mut first, -1.0, &q);
     }
-    supports.project(&mut r);
-    let load_size = dot(&r, &r).sqrt();
-    let mut goal = settings.tolerance * load_size;
-    if let Some(from) = from {
-        let mut step = from.to_vec();
-        add(&mut step, -1.0, &u);
-        supports.project(&mut step);
-        add(&mut u, 1.0, &step);
-        operator.forces(&step, &mut q, &mut scratch);
-        supports.project(&mut q);
-        add(&mut r, -1.0, &q);
-        goal = goal.min((settings.gain * dot(&r, &r).sqrt()).max(1e-3 * goal));
-    }
+    supports.project(&mut first);
+    let load_size = dot(&first, &first).sqrt();
+    let goal = settings.tolerance * load_size;
+    let (mut u, mut r) = from.unwrap_or((prescribed, first));
     let (mut z, mut p, mut before) = (zero(), zero(), zero());
     let (mut size, mut rz, mut iterations) = (dot(&r, &r).sqrt(), 1.0, 0);
     while size > goal && iterations < settings.most_iterations {
@@ -188,5 +182,6 @@ pub(super) fn iterate(
     }
     supports.project(&mut rest);
     let residual = if load_size > 0.0 { dot(&rest, &rest).sqrt() / load_size } else { 0.0 };
-    Ok(Solution { displacement: u, reaction, residual, iterations })
+    rest.iter_mut().for_each(|r| *r = -*r);
+    Ok(Solved { solution: Solution { displacement: u, reaction, residual, iterations }, residual: rest })
 }

@@ -4,11 +4,12 @@
 use grainpath_core::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
 
-use super::blocks::assemble;
+use super::blocks::{assemble, dot};
+use super::easing::{self, Rows};
 use super::element::{self, Law};
 use super::multigrid::{GRID, Grid, Multigrid, Transfer};
 use super::operator::inverse;
-use super::solve::iterate;
+use super::solve::{Solved, iterate};
 use super::system::System;
 use super::{SolidError, Solution, SolveSettings, Supports};
 use crate::material::Stiffness;
@@ -43,7 +44,36 @@ pub struct VoxelSystem {
     usual: Option<usize>,
     stale: bool,
     prepared: usize,
+    /// The last solution.
+    last: Option<Last>,
+    /// Nodes around cells that have changed since.
+    changed: Vec<u32>,
 }
+
+struct Last {
+    load: Vec<DVec3>,
+    displacement: Vec<DVec3>,
+    /// What is left of the load, zero where held.
+    residual: Vec<DVec3>,
+}
+
+/// How a solution came from the one before.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Followed {
+    /// Iterations over the whole part; 0 where easing the nodes around what had changed was enough.
+    pub iterations: usize,
+    /// Cells around nodes that moved; `None` for all.
+    pub cells: Option<Vec<usize>>,
+}
+
+/// Nodes so many cells from what has changed are eased, but no more than about this share of all: thirty steps on them
+/// take as long as one iteration over the part.
+const REACH: usize = 20;
+const NEAR: f64 = 0.08;
+/// Steps at most.
+const MOST_EASING: usize = 60;
+/// Easing goes on to this share of what is asked: the rest is what it leaves around the nodes it moves.
+const EASED: f64 = 0.25;
 
 struct Cells {
     part: VoxelPart,
@@ -113,7 +143,7 @@ impl VoxelSystem {
     ) -> Result<Self, SolidError> {
         let cells = Cells::new(part, hold, settings)?;
         let multigrid = cells.multigrid();
-        Ok(Self { cells, multigrid, usual: None, stale: false, prepared: 1 })
+        Ok(Self { cells, multigrid, usual: None, stale: false, prepared: 1, last: None, changed: Vec::new() })
     }
 
     /// How often the preconditioner was made.
@@ -173,34 +203,100 @@ impl VoxelSystem {
         around.dedup();
         self.cells.update(&around);
         self.stale |= !changes.is_empty();
+        self.changed.extend(around);
     }
 
-    /// Solves for forces on the nodes, N, from the displacement of an earlier solution where one is given. The
-    /// preconditioner is made anew when cells have changed and it has become slow.
+    /// Solves for forces on the nodes, N. The preconditioner is made anew when cells have changed and it has become
+    /// slow.
     ///
     /// # Errors
     /// No convergence.
-    pub fn solve(
+    pub fn solve(&mut self, load: &[DVec3], settings: &SolveSettings) -> Result<Solution, SolidError> {
+        self.last = None;
+        self.iterated(load, None, settings)
+    }
+
+    /// Moves the last solution on to where cells have changed to: first the nodes around them, with all others where
+    /// they are, then, where that leaves too much, all. The residual becomes `gain` of what the changes made it, and
+    /// no more than the tolerance times the load.
+    ///
+    /// # Errors
+    /// No convergence.
+    pub fn follow(
         &mut self,
         load: &[DVec3],
-        from: Option<&[DVec3]>,
+        gain: f64,
+        settings: &SolveSettings,
+    ) -> Result<Followed, SolidError> {
+        let Some(mut last) = self.last.take().filter(|last| last.load == load) else {
+            let iterations = self.iterated(load, None, settings)?.iterations;
+            return Ok(Followed { iterations, cells: None });
+        };
+        let cells = &self.cells;
+        let mut changed = std::mem::take(&mut self.changed);
+        changed.sort_unstable();
+        changed.dedup();
+        easing::residual(cells, &changed, &last.displacement, load, &mut last.residual);
+        let mut held = load.to_vec();
+        cells.supports.project(&mut held);
+        let most = settings.tolerance * dot(&held, &held).sqrt();
+        let size = |last: &Last| dot(&last.residual, &last.residual).sqrt();
+        let goal = most.min((gain * size(&last)).max(1e-3 * most));
+        let most_near = (NEAR * load.len() as f64) as usize;
+        let near = easing::within(cells, &changed, (REACH, most_near), load.len());
+        // Where much of a part has changed, all of it is solved.
+        if near[0].len() < 2 * most_near {
+            let (u, r) = (&mut last.displacement, &mut last.residual);
+            easing::ease(cells, &near, load, u, r, (EASED * goal, MOST_EASING));
+        }
+        if size(&last) <= goal || (changed.is_empty() && size(&last) <= most) {
+            self.last = Some(last);
+            return Ok(Followed { iterations: 0, cells: Some(self.cells.around_nodes(&near[0])) });
+        }
+        let load_size = dot(&held, &held).sqrt();
+        let settings = SolveSettings { tolerance: goal / load_size, ..*settings };
+        let iterations = self.iterated(load, Some((last.displacement, last.residual)), &settings)?.iterations;
+        Ok(Followed { iterations, cells: None })
+    }
+
+    /// Displacement of the nodes in the last solution, mm; none before the first.
+    pub fn displacement(&self) -> &[DVec3] {
+        self.last.as_ref().map_or(&[], |last| &last.displacement)
+    }
+
+    /// Conjugate gradients from a displacement and its residual, or from none.
+    fn iterated(
+        &mut self,
+        load: &[DVec3],
+        from: Option<(Vec<DVec3>, Vec<DVec3>)>,
         settings: &SolveSettings,
     ) -> Result<Solution, SolidError> {
+        self.changed.clear();
         let patience = self.usual.map_or(settings.most_iterations, |n| 2 * n + 10);
+        let mut solved = None;
         if self.stale {
             let short =
                 SolveSettings { most_iterations: patience.min(settings.most_iterations), ..*settings };
-            match iterate(&self.cells, &mut self.multigrid, load, from, &short) {
-                Err(SolidError::NotConverged { .. } | SolidError::NotPositive) => {}
-                other => return other,
+            match iterate(&self.cells, &mut self.multigrid, load, from.clone(), &short) {
+                Err(SolidError::NotConverged { .. } | SolidError::NotPositive) => {
+                    self.multigrid = self.cells.multigrid();
+                    self.prepared += 1;
+                    self.stale = false;
+                    self.usual = None;
+                }
+                other => solved = Some(other?),
             }
-            self.multigrid = self.cells.multigrid();
-            self.prepared += 1;
-            self.stale = false;
-            self.usual = None;
         }
-        let solution = iterate(&self.cells, &mut self.multigrid, load, from, settings)?;
-        self.usual.get_or_insert(solution.iterations);
+        let Solved { solution, residual } = match solved {
+            Some(solved) => solved,
+            None => {
+                let solved = iterate(&self.cells, &mut self.multigrid, load, from, settings)?;
+                self.usual.get_or_insert(solved.solution.iterations);
+                solved
+            }
+        };
+        let displacement = solution.displacement.clone();
+        self.last = Some(Last { load: load.to_vec(), displacement, residual });
         Ok(solution)
     }
 
@@ -429,6 +525,28 @@ impl Cells {
         sum
     }
 
+    /// Cells around some nodes, in order.
+    fn around_nodes(&self, nodes: &[u32]) -> Vec<usize> {
+        let around = nodes.iter().flat_map(|&i| {
+            let p = self.nodes[i as usize];
+            (0..8).filter_map(move |c| self.part.cell(p - corner(c)))
+        });
+        let mut cells: Vec<usize> = around.collect();
+        cells.par_sort_unstable();
+        cells.dedup();
+        cells
+    }
+
+    /// The block on the diagonal, of what is held the identity.
+    fn block(&self, i: usize) -> DMat3 {
+        let p = self.nodes[i];
+        let k = (0..8).fold(DMat3::ZERO, |s, a| match self.part.solid(p - corner(a)) {
+            Some((m, scale)) => s + self.elements[usize::from(m)][a][a] * f64::from(scale),
+            None => s,
+        });
+        self.supports.free(i).map_or(k, |p| *p * k * *p + (DMat3::IDENTITY - *p))
+    }
+
     fn rough_force(&self, i: usize, u: &[DVec3]) -> DVec3 {
         let mut near = [0.0; LINE];
         for (near, &j) in near.chunks_exact_mut(3).zip(&self.around[i]) {
@@ -591,6 +709,28 @@ fn stencil(k: &[[DMat3; 8]; 8]) -> [DMat3; 27] {
     out
 }
 
+impl Rows for Cells {
+    fn around(&self, node: usize) -> &[u32] {
+        &self.around[node]
+    }
+
+    fn row(&self, node: usize, u: &[DVec3]) -> DVec3 {
+        self.force(node, u)
+    }
+
+    fn rough_row(&self, node: usize, u: &[DVec3]) -> DVec3 {
+        if self.rough.is_empty() { self.force(node, u) } else { self.rough_force(node, u) }
+    }
+
+    fn inverse_block(&self, node: usize) -> DMat3 {
+        inverse(self.block(node))
+    }
+
+    fn free(&self, node: usize) -> Option<&DMat3> {
+        self.supports.free(node)
+    }
+}
+
 impl System for Cells {
     fn n_nodes(&self) -> usize {
         self.nodes.len()
@@ -624,14 +764,6 @@ impl System for Cells {
     }
 
     fn inverse_diagonal(&self) -> Vec<DMat3> {
-        let of = |i: usize| {
-            let p = self.nodes[i];
-            let k = (0..8).fold(DMat3::ZERO, |s, a| match self.part.solid(p - corner(a)) {
-                Some((m, scale)) => s + self.elements[usize::from(m)][a][a] * f64::from(scale),
-                None => s,
-            });
-            inverse(self.supports.free(i).map_or(k, |p| *p * k * *p + (DMat3::IDENTITY - *p)))
-        };
-        (0..self.nodes.len()).into_par_iter().map(of).collect()
+        (0..self.nodes.len()).into_par_iter().map(|i| self.inverse_block(i)).collect()
     }
 }

@@ -141,6 +141,18 @@ impl Bricks {
         self.origin + self.cell_mm * (at + 0.5)
     }
 
+    /// The cells around one, and which way they lie, mm.
+    pub(super) fn around(&self, cell: usize) -> impl Iterator<Item = (DVec3, usize)> {
+        let n = self.n;
+        let at = [cell % n[0], cell / n[0] % n[1], cell / n[0] / n[1]];
+        (0..27usize).filter(|k| *k != 13).filter_map(move |k| {
+            let step = [k % 3, k / 3 % 3, k / 9];
+            let to: [usize; 3] = std::array::from_fn(|i| (at[i] + step[i]).wrapping_sub(1));
+            let off = DVec3::from_array(step.map(|s| s as f64 - 1.0)) * self.cell_mm;
+            (0..3).all(|i| to[i] < n[i]).then_some((off, (to[2] * n[1] + to[1]) * n[0] + to[0]))
+        })
+    }
+
     /// Share of the laid volume that the cells miss or have too much.
     pub fn volume_error(&self) -> f64 {
         (self.volume_mm3 / self.laid_mm3 - 1.0).abs()

@@ -58,8 +58,9 @@ pub(super) trait Body: Sync {
     fn rivals(&self, _ply: usize, _element: usize, _how: usize) -> Vec<usize> {
         Vec::new()
     }
-    /// Solves for a load factor of 1 and gives force times displacement.
-    fn solve(&mut self) -> Result<f64, TestError>;
+    /// Solves for a load factor of 1 and gives force times displacement, and the elements whose nodes have moved or that
+    /// have changed, in order; `None` for all.
+    fn solve(&mut self) -> Result<(f64, Option<Vec<usize>>), TestError>;
     fn near(&self, element: usize, states: &[State]) -> Vec<Near>;
     /// Gives elements the stiffness that these states leave.
     fn change(&mut self, elements: &[usize], states: &[State]) -> Result<(), TestError>;
@@ -119,13 +120,23 @@ pub(super) fn draw(
     // The last state in which the body stood its load, and which elements changed since.
     let (mut rest, mut rest_factor, mut rest_len, mut rest_work) = (states.clone(), 0.0, 0, 0.0);
     let mut touched = Vec::new();
+    // What each element stands.
+    let (mut near, mut weak) = (vec![Vec::new(); n], vec![Weakest::NONE; n]);
     let (mut level, mut step) = (0.0, pace.step);
     let ended = loop {
-        let work = body.solve()?;
-        let near: Vec<Vec<Near>> = (0..n).into_par_iter().map(|e| body.near(e, &states)).collect();
-        let weakest = weakest_plies(body, &near, &states);
+        let (work, moved) = body.solve()?;
+        let moved = moved.unwrap_or_else(|| (0..n).collect());
+        let looked = |&e: &usize| {
+            let near = body.near(e, &states);
+            let weakest = weakest(body, e, &near, &states);
+            (near, weakest)
+        };
+        let new: Vec<_> = moved.par_iter().map(looked).collect();
+        for (e, new) in moved.into_iter().zip(new) {
+            (near[e], weak[e]) = new;
+        }
         // The load factor at which the next ply breaks further.
-        let critical = weakest.iter().map(|w| w.stands).fold(f64::INFINITY, f64::min);
+        let critical = weak.iter().map(|w| w.stands).fold(f64::INFINITY, f64::min);
         if !critical.is_finite() {
             if test.factors.is_empty() {
                 return Err(TestError::Unloaded);
@@ -159,7 +170,7 @@ pub(super) fn draw(
             (rest_factor, rest_len, rest_work) = (critical, test.factors.len(), work);
             level = critical * (1.0 + step);
         }
-        let changed = drawn(body, &near, &weakest, &mut states, &draws, level, pace.over);
+        let changed = drawn(body, &near, &weak, &mut states, &draws, level, pace.over);
         body.change(&changed, &states)?;
         touched.extend(changed);
         touched.sort_unstable();
@@ -176,25 +187,26 @@ struct Weakest {
     how: usize,
 }
 
-/// Of each element; those that are spared stand everything.
-fn weakest_plies(body: &dyn Body, near: &[Vec<Near>], states: &[State]) -> Vec<Weakest> {
-    let of = |e: usize| {
-        let mut weakest = Weakest { stands: f64::INFINITY, ply: 0, how: 0 };
-        if body.is_spared(e) {
-            return weakest;
-        }
-        for (ply, near) in body.plies(e).zip(&near[e]) {
-            let state = &states[ply];
-            for how in 0..3 {
-                let stands = state.drawn[how] / near.index[how];
-                if state.drawn[how] < state.most[how] && near.index[how] > 0.0 && stands < weakest.stands {
-                    weakest = Weakest { stands, ply, how };
-                }
+impl Weakest {
+    const NONE: Self = Self { stands: f64::INFINITY, ply: 0, how: 0 };
+}
+
+/// Of an element; those that are spared stand everything.
+fn weakest(body: &dyn Body, element: usize, near: &[Near], states: &[State]) -> Weakest {
+    let mut weakest = Weakest::NONE;
+    if body.is_spared(element) {
+        return weakest;
+    }
+    for (ply, near) in body.plies(element).zip(near) {
+        let state = &states[ply];
+        for how in 0..3 {
+            let stands = state.drawn[how] / near.index[how];
+            if state.drawn[how] < state.most[how] && near.index[how] > 0.0 && stands < weakest.stands {
+                weakest = Weakest { stands, ply, how };
             }
         }
-        weakest
-    };
-    (0..near.len()).into_par_iter().map(of).collect()
+    }
+    weakest
 }
 
 /// Draws plies that stand less than this load, but one row of elements only where several would break side by side:
@@ -293,7 +305,7 @@ fn outcome(
         stiffness_n_per_mm: load_n * load_n / test.works[0],
         curve: test.curve(load_n),
         modes,
-        weakest: weakest(body, most.1, &broken),
+        weakest: middle_of_broken(body, most.1, &broken),
         broken,
         index,
         dofs: body.dofs(),
@@ -303,7 +315,7 @@ fn outcome(
 }
 
 /// The middle of what is broken around an element.
-fn weakest(body: &dyn Body, element: usize, broken: &[f32]) -> DVec3 {
+fn middle_of_broken(body: &dyn Body, element: usize, broken: &[f32]) -> DVec3 {
     let at = body.centre(element);
     let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
     for e in 0..broken.len() {

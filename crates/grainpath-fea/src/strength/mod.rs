@@ -218,9 +218,9 @@ impl Body for Plate<'_> {
         beside.filter_map(|(_, other)| self.at[other].map(|e| e as usize)).collect()
     }
 
-    fn solve(&mut self) -> Result<f64, TestError> {
+    fn solve(&mut self) -> Result<(f64, Option<Vec<usize>>), TestError> {
         self.x = self.system.solve()?;
-        Ok(self.forces.iter().zip(&self.x).map(|(f, u)| f * u).sum())
+        Ok((self.forces.iter().zip(&self.x).map(|(f, u)| f * u).sum(), None))
     }
 
     fn near(&self, element: usize, states: &[State]) -> Vec<Near> {

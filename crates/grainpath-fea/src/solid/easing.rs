@@ -1,0 +1,103 @@
+//! A solution after a few cells have changed: what that moves lies around them, and all else stays for the time being.
+
+use grainpath_core::{DMat3, DVec3};
+use rayon::prelude::*;
+
+use super::blocks::dot;
+
+const CHUNK: usize = 256;
+
+/// A stiffness row by row.
+pub(super) trait Rows: Sync {
+    /// The nodes that a node feels, itself among them.
+    fn around(&self, node: usize) -> &[u32];
+    /// The force on a node, as if nothing were held.
+    fn row(&self, node: usize, u: &[DVec3]) -> DVec3;
+    /// [`Rows::row`] to a few digits, where that is cheaper.
+    fn rough_row(&self, node: usize, u: &[DVec3]) -> DVec3;
+    /// Inverse of the block on the diagonal, of what is held the identity.
+    fn inverse_block(&self, node: usize) -> DMat3;
+    /// What a node may do; `None` for any displacement.
+    fn free(&self, node: usize) -> Option<&DMat3>;
+}
+
+fn freed(rows: &dyn Rows, node: u32, force: DVec3) -> DVec3 {
+    rows.free(node as usize).map_or(force, |free| *free * force)
+}
+
+/// Nodes within so many steps of some, in order, and those one step further; `n` nodes in all. Fewer steps where they
+/// lead to more than `most` nodes.
+pub(super) fn within(
+    rows: &dyn Rows,
+    from: &[u32],
+    (steps, most): (usize, usize),
+    n: usize,
+) -> [Vec<u32>; 2] {
+    let mut seen = vec![false; n];
+    from.iter().for_each(|&i| seen[i as usize] = true);
+    let (mut inside, mut rim) = (Vec::new(), from.to_vec());
+    for step in 0..=steps {
+        if step > 0 && inside.len() + rim.len() > most {
+            break;
+        }
+        let mut next = Vec::new();
+        for &j in rim.iter().flat_map(|&i| rows.around(i as usize)) {
+            if !std::mem::replace(&mut seen[j as usize], true) {
+                next.push(j);
+            }
+        }
+        inside.append(&mut rim);
+        rim = next;
+    }
+    inside.sort_unstable();
+    rim.sort_unstable();
+    [inside, rim]
+}
+
+/// What a displacement leaves of the load at some nodes.
+pub(super) fn residual(rows: &dyn Rows, nodes: &[u32], u: &[DVec3], load: &[DVec3], residual: &mut [DVec3]) {
+    let of = |&i: &u32| freed(rows, i, load[i as usize] - rows.row(i as usize, u));
+    let new: Vec<DVec3> = nodes.par_iter().map(of).collect();
+    nodes.iter().zip(new).for_each(|(&i, r)| residual[i as usize] = r);
+}
+
+/// Moves nodes inside, with all others where they are, until what is left of the load on them is below the goal or so
+/// many steps are done. `left` is the residual of `u` on all nodes, before and after.
+pub(super) fn ease(
+    rows: &dyn Rows,
+    [inside, rim]: &[Vec<u32>; 2],
+    load: &[DVec3],
+    u: &mut [DVec3],
+    left: &mut [DVec3],
+    (goal, most): (f64, usize),
+) {
+    let mut r: Vec<DVec3> = inside.iter().map(|&i| left[i as usize]).collect();
+    let inverse: Vec<DMat3> = inside.par_iter().map(|&i| rows.inverse_block(i as usize)).collect();
+    // Of all nodes, zero outside.
+    let mut p = vec![DVec3::ZERO; u.len()];
+    let mut q = vec![DVec3::ZERO; inside.len()];
+    let mut rz = 1.0;
+    for step in 0..most {
+        if dot(&r, &r).sqrt() <= goal {
+            break;
+        }
+        let z: Vec<DVec3> = r.iter().zip(&inverse).map(|(r, m)| *m * *r).collect();
+        let now = dot(&r, &z);
+        let beta = if step == 0 { 0.0 } else { now / rz };
+        rz = now;
+        inside.iter().zip(&z).for_each(|(&i, z)| p[i as usize] = *z + p[i as usize] * beta);
+        q.par_chunks_mut(CHUNK).zip(inside.par_chunks(CHUNK)).for_each(|(q, inside)| {
+            q.iter_mut().zip(inside).for_each(|(q, &i)| *q = freed(rows, i, rows.rough_row(i as usize, &p)));
+        });
+        let along: f64 = inside.iter().zip(&q).map(|(&i, q)| p[i as usize].dot(*q)).sum();
+        if along.is_nan() || along <= 0.0 {
+            break;
+        }
+        let alpha = rz / along;
+        inside.iter().for_each(|&i| u[i as usize] += p[i as usize] * alpha);
+        r.iter_mut().zip(&q).for_each(|(r, q)| *r -= *q * alpha);
+    }
+    for nodes in [inside, rim] {
+        residual(rows, nodes, u, load, left);
+    }
+}
