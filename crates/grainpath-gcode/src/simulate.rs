@@ -109,6 +109,8 @@ fn section_mm2(diameter_mm: f64) -> f64 {
 pub enum SimulateError {
     #[error("the file is empty")]
     Empty,
+    #[error("binary G-code is not read; have it written as text")]
+    Binary,
     #[error("not G-code: no line of {lines} has a command")]
     NoCommands { lines: usize },
 }
@@ -120,6 +122,9 @@ pub enum SimulateError {
 pub fn simulate(bytes: &[u8], filament_mm: f64, limits: &Limits) -> Result<Program, SimulateError> {
     if bytes.is_empty() {
         return Err(SimulateError::Empty);
+    }
+    if bytes.starts_with(b"GCDE") {
+        return Err(SimulateError::Binary);
     }
     let mut machine = Machine::new(filament_mm, *limits);
     let mut lines = 0;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use grainpath_core::Role;
-use grainpath_gcode::{Limits, Program, simulate};
+use grainpath_gcode::{Limits, Program, SimulateError, simulate};
 use proptest::prelude::*;
 
 fn read(file: &str) -> Option<Program> {
@@ -60,6 +60,7 @@ fn inches_arcs_and_absolute_e() {
     assert!((p.printed_mm - expect).abs() < 0.02, "{}", p.printed_mm);
     assert!((p.filament_mm - (1.0 + 1.0 + 2.54)).abs() < 1e-9, "{}", p.filament_mm);
     assert!(simulate(b"", 1.75, &Limits::default()).is_err());
+    assert_eq!(simulate(b"GCDE\x01\0\0\0", 1.75, &Limits::default()), Err(SimulateError::Binary));
     assert!(simulate(b"hello\nworld\n", 1.75, &Limits::default()).is_err());
 }
 
