@@ -149,7 +149,7 @@ impl Bricks {
             let step = [k % 3, k / 3 % 3, k / 9];
             let to: [usize; 3] = std::array::from_fn(|i| (at[i] + step[i]).wrapping_sub(1));
             let off = DVec3::from_array(step.map(|s| s as f64 - 1.0)) * self.cell_mm;
-            (0..3).all(|i| to[i] < n[i]).then_some((off, (to[2] * n[1] + to[1]) * n[0] + to[0]))
+            (0..3).all(|i| to[i] < n[i]).then(|| (off, (to[2] * n[1] + to[1]) * n[0] + to[0]))
         })
     }
 
