@@ -117,10 +117,11 @@ fn expected_mib(model: &Model<'_>) -> f64 {
     1250.0 * model.mesh.nodes.len() as f64 / 1048576.0
 }
 
-/// A solution, and what is left of the load at each node, zero where held.
+/// A solution, what is left of the load at each node, zero where held, and the size of the load that it is measured by.
 pub(super) struct Solved {
     pub(super) solution: Solution,
     pub(super) residual: Vec<DVec3>,
+    pub(super) load_size: f64,
 }
 
 /// Conjugate gradients, from a displacement and its residual where they are given.
@@ -183,5 +184,6 @@ pub(super) fn iterate(
     supports.project(&mut rest);
     let residual = if load_size > 0.0 { dot(&rest, &rest).sqrt() / load_size } else { 0.0 };
     rest.iter_mut().for_each(|r| *r = -*r);
-    Ok(Solved { solution: Solution { displacement: u, reaction, residual, iterations }, residual: rest })
+    let solution = Solution { displacement: u, reaction, residual, iterations };
+    Ok(Solved { solution, residual: rest, load_size })
 }

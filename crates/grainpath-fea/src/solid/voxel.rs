@@ -55,6 +55,8 @@ struct Last {
     displacement: Vec<DVec3>,
     /// What is left of the load, zero where held.
     residual: Vec<DVec3>,
+    /// What that is measured by: the load with what prescribed displacements ask.
+    load_size: f64,
 }
 
 /// How a solution came from the one before.
@@ -237,9 +239,7 @@ impl VoxelSystem {
         changed.sort_unstable();
         changed.dedup();
         easing::residual(cells, &changed, &last.displacement, load, &mut last.residual);
-        let mut held = load.to_vec();
-        cells.supports.project(&mut held);
-        let most = settings.tolerance * dot(&held, &held).sqrt();
+        let most = settings.tolerance * last.load_size;
         let size = |last: &Last| dot(&last.residual, &last.residual).sqrt();
         let goal = most.min((gain * size(&last)).max(1e-3 * most));
         let most_near = (NEAR * load.len() as f64) as usize;
@@ -253,8 +253,7 @@ impl VoxelSystem {
             self.last = Some(last);
             return Ok(Followed { iterations: 0, cells: Some(self.cells.around_nodes(&near[0])) });
         }
-        let load_size = dot(&held, &held).sqrt();
-        let settings = SolveSettings { tolerance: goal / load_size, ..*settings };
+        let settings = SolveSettings { tolerance: goal / last.load_size, ..*settings };
         let iterations = self.iterated(load, Some((last.displacement, last.residual)), &settings)?.iterations;
         Ok(Followed { iterations, cells: None })
     }
@@ -287,7 +286,7 @@ impl VoxelSystem {
                 other => solved = Some(other?),
             }
         }
-        let Solved { solution, residual } = match solved {
+        let Solved { solution, residual, load_size } = match solved {
             Some(solved) => solved,
             None => {
                 let solved = iterate(&self.cells, &mut self.multigrid, load, from, settings)?;
@@ -296,7 +295,7 @@ impl VoxelSystem {
             }
         };
         let displacement = solution.displacement.clone();
-        self.last = Some(Last { load: load.to_vec(), displacement, residual });
+        self.last = Some(Last { load: load.to_vec(), displacement, residual, load_size });
         Ok(solution)
     }
 
