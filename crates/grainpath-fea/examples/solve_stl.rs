@@ -8,7 +8,7 @@ use grainpath_core::mesh::VertexWelder;
 use grainpath_core::{DVec3, TriMesh};
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::select::Selection;
-use grainpath_fea::solid::{MeshSettings, Model, SolveSettings, Supports, loads, mesh, solve};
+use grainpath_fea::solid::{MeshSettings, Model, SolveSettings, Supports, mesh, nodal_forces, solve};
 
 fn read(path: &str, scale: f64) -> Option<TriMesh> {
     let bytes = std::fs::read(path).ok()?;
@@ -74,14 +74,14 @@ fn main() {
         }
     }
     let mut load = vec![DVec3::ZERO; mesh.nodes.len()];
-    loads::add_force(&mut load, mesh, &at(hi.x), DVec3::new(0.0, 0.0, -500.0));
+    nodal_forces::add_force(&mut load, mesh, &at(hi.x), DVec3::new(0.0, 0.0, -500.0));
     match solve(&model, &supports, &[load], &SolveSettings::default()) {
         Ok((solutions, info)) => {
             let reaction: DVec3 = solutions[0].reaction.iter().sum();
             println!(
                 "held on {:.1} mm2, pulled on {:.1} mm2, reaction {reaction:.3} N",
-                loads::area_mm2(mesh, &at(lo.x)),
-                loads::area_mm2(mesh, &at(hi.x))
+                nodal_forces::area_mm2(mesh, &at(lo.x)),
+                nodal_forces::area_mm2(mesh, &at(hi.x))
             );
             let top = solutions[0].displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
             println!(

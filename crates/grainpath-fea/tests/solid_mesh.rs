@@ -7,8 +7,8 @@ use std::time::Instant;
 use grainpath_core::mesh::VertexWelder;
 use grainpath_core::{DVec3, TriMesh};
 use grainpath_fea::solid::{
-    MeshSettings, Meshed, Model, Sampler, SolidError, SolveSettings, Supports, TetMesh, expected_dofs, loads,
-    mesh, recover, solve,
+    MeshSettings, Meshed, Model, Sampler, SolidError, SolveSettings, Supports, TetMesh, expected_dofs, mesh,
+    nodal_forces, recover, solve,
 };
 use support::isotropic;
 
@@ -59,7 +59,7 @@ fn a_box_however_turned_keeps_its_edges() {
                 .map(|side| {
                     let own = |f: &usize| found.mesh.faces[*f].facet / 2 == side;
                     let faces: Vec<usize> = (0..found.mesh.faces.len()).filter(own).collect();
-                    loads::area_mm2(&found.mesh, &faces)
+                    nodal_forces::area_mm2(&found.mesh, &faces)
                 })
                 .collect();
             for (area, want) in areas.iter().zip([280.0, 280.0, 180.0, 180.0, 126.0, 126.0]) {
@@ -150,7 +150,7 @@ fn sound(mesh: &TetMesh) {
     // Divergence theorem over the curved faces.
     let all: Vec<usize> = (0..mesh.faces.len()).collect();
     let mut push = vec![DVec3::ZERO; mesh.nodes.len()];
-    loads::add_traction(&mut push, mesh, &all, |p, normal| DVec3::X * p.dot(normal) / 3.0);
+    nodal_forces::add_traction(&mut push, mesh, &all, |p, normal| DVec3::X * p.dot(normal) / 3.0);
     let enclosed: f64 = push.iter().map(|f| f.x).sum();
     assert!((enclosed / mesh.volume_mm3() - 1.0).abs() < 1e-6, "{enclosed}");
 }
@@ -255,10 +255,10 @@ fn a_hollow_ball_under_pressure_from_surface_to_stress() {
     }
     let on_inside = |f: &usize| mesh.faces[*f].facet >= n_outer;
     let faces: Vec<usize> = (0..mesh.faces.len()).filter(on_inside).collect();
-    let area = loads::area_mm2(mesh, &faces);
+    let area = nodal_forces::area_mm2(mesh, &faces);
     assert!((area / (100.0 * std::f64::consts::PI) - 1.0).abs() < 2e-3, "{area}");
     let mut load = vec![DVec3::ZERO; mesh.nodes.len()];
-    loads::add_pressure(&mut load, mesh, &faces, 10.0);
+    nodal_forces::add_pressure(&mut load, mesh, &faces, 10.0);
     let (solutions, info) = solve(&model, &supports, &[load], &SolveSettings::default()).expect("held");
     let solution = &solutions[0];
     assert!(solution.reaction.iter().all(|r| r.length() < 1.0));

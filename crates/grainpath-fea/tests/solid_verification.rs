@@ -8,7 +8,8 @@ use std::path::Path;
 use grainpath_core::{DVec3, math};
 use grainpath_fea::material::{Orthotropic, Stiffness};
 use grainpath_fea::solid::{
-    Method, Model, Recovered, SolidError, Solution, SolveSettings, Supports, TetMesh, loads, recover, solve,
+    Method, Model, Recovered, SolidError, Solution, SolveSettings, Supports, TetMesh, nodal_forces, recover,
+    solve,
 };
 use support::{Brick, isotropic, rotated};
 
@@ -151,7 +152,7 @@ fn nafems_le10_thick_plate() {
             .filter(|&f| mesh.faces[f].nodes.iter().all(|&i| near(mesh.nodes[i as usize].z, 0.3)))
             .collect();
         let mut load = vec![DVec3::ZERO; mesh.nodes.len()];
-        loads::add_pressure(&mut load, &mesh, &top, 1.0);
+        nodal_forces::add_pressure(&mut load, &mesh, &top, 1.0);
         let solution = solved(&model, &supports, load);
         let found = recover(&model, &solution.displacement, None).expect("positive");
         last = found.stress_mpa[nearest(&mesh, DVec3::new(2.0, 0.0, 0.3))][1];
@@ -206,7 +207,7 @@ fn nafems_le11_thermal() {
             [e, e, e, 0.0, 0.0, 0.0]
         };
         let mut load = vec![DVec3::ZERO; mesh.nodes.len()];
-        loads::add_initial_strain(&mut load, &model, strain).expect("positive");
+        nodal_forces::add_initial_strain(&mut load, &model, strain).expect("positive");
         let solution = solved(&model, &supports, load);
         let found = recover(&model, &solution.displacement, Some(&strain)).expect("positive");
         let a = [DVec3::X, DVec3::Y].map(|p| found.stress_mpa[nearest(&mesh, p)][2]);
@@ -254,7 +255,7 @@ fn lame_cylinder(n: usize) -> Lame {
     };
     let inside: Vec<usize> = (0..mesh.faces.len()).filter(on_inside).collect();
     let mut load = vec![DVec3::ZERO; mesh.nodes.len()];
-    loads::add_pressure(&mut load, &mesh, &inside, p);
+    nodal_forces::add_pressure(&mut load, &mesh, &inside, p);
     let solution = solved(&model, &supports, load.clone());
     let found = recover(&model, &solution.displacement, None).expect("positive");
     // Error of the displacement in the mean over the nodes, against u = A r + B / r of plane strain.
@@ -319,7 +320,7 @@ fn cantilever_bends_as_timoshenko_says() {
         .filter(|&f| mesh.faces[f].nodes.iter().all(|&i| mesh.nodes[i as usize].x > l - 1e-9))
         .collect();
     let mut load = vec![DVec3::ZERO; mesh.nodes.len()];
-    loads::add_force(&mut load, &mesh, &tip, DVec3::new(0.0, 0.0, -10.0));
+    nodal_forces::add_force(&mut load, &mesh, &tip, DVec3::new(0.0, 0.0, -10.0));
     let solution = solved(&model, &supports, load);
     let down = -solution.displacement[nearest(&mesh, DVec3::new(l, w / 2.0, h / 2.0))].z;
     let i = w * h * h * h / 12.0;
@@ -425,7 +426,7 @@ fn calculix_plate_with_a_hole() {
         };
         let faces: Vec<usize> = (0..deck.mesh.faces.len()).filter(own).collect();
         assert_eq!(faces.len(), 1);
-        loads::add_pressure(&mut load, &deck.mesh, &faces, *pressure);
+        nodal_forces::add_pressure(&mut load, &deck.mesh, &faces, *pressure);
     }
     let solution = solved(&model, &supports, load);
     let found = recover(&model, &solution.displacement, None).expect("positive");
@@ -485,12 +486,12 @@ fn a_moment_bends_and_gravity_pulls() {
         .filter(|&f| mesh.faces[f].nodes.iter().all(|&i| mesh.nodes[i as usize].x == 40.0))
         .collect();
     let mut bend = vec![DVec3::ZERO; mesh.nodes.len()];
-    loads::add_moment(&mut bend, &mesh, &end, DVec3::new(0.0, 100.0, 0.0));
+    nodal_forces::add_moment(&mut bend, &mesh, &end, DVec3::new(0.0, 100.0, 0.0));
     assert!(bend.iter().sum::<DVec3>().length() < 1e-9);
     let moment: DVec3 = mesh.nodes.iter().zip(&bend).map(|(p, f)| p.cross(*f)).sum();
     assert!((moment - DVec3::new(0.0, 100.0, 0.0)).length() < 1e-9);
     let mut hang = vec![DVec3::ZERO; mesh.nodes.len()];
-    loads::add_body_force(&mut hang, &mesh, |_| DVec3::new(1e-3, 0.0, 0.0));
+    nodal_forces::add_body_force(&mut hang, &mesh, |_| DVec3::new(1e-3, 0.0, 0.0));
     let (found, _) = solve(&model, &supports, &[bend, hang], &tight()).expect("held");
     // With no lateral strain both are exact in quadratic elements: M L^2 / 2 E I, and w L^2 / 2 E at the end.
     let middle = nearest(&mesh, DVec3::new(40.0, 3.0, 3.0));

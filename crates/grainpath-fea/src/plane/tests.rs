@@ -5,10 +5,12 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use grainpath_core::math::{direction, sin_cos};
-use grainpath_core::{Polygon, Region};
+use grainpath_core::triangulation::Triangulation;
+use grainpath_core::{DVec2, Polygon, Region};
 
 use super::*;
 use crate::material::Orthotropic;
+use crate::sparse::{Cholesky, Symmetric};
 
 const GIGABYTE: u64 = 1 << 30;
 
@@ -102,7 +104,8 @@ fn patch_of_constant_strain_is_exact() {
 fn an_element_has_three_rigid_motions_and_no_more() {
     let p = [[0.0, 0.0], [3.0, 0.4], [0.7, 2.0], [1.5, 0.1], [1.9, 1.3], [0.3, 1.0]].map(DVec2::from);
     let lamina = Orthotropic { e_mpa: [3376.0, 3125.0, 3000.0], nu: [0.33; 3], g_mpa: [1092.0; 3] };
-    let k = element::stiffness(&p, &lamina.plane_stress(0.5).expect("stable"), 1.0).expect("not inverted");
+    let k = quadratic_triangle::stiffness(&p, &lamina.plane_stress(0.5).expect("stable"), 1.0)
+        .expect("not inverted");
     let rigid = [|_: DVec2| DVec2::X, |_: DVec2| DVec2::Y, |p: DVec2| DVec2::new(-p.y, p.x)];
     for motion in rigid {
         let u: Vec<f64> = p.iter().flat_map(|&q| motion(q).to_array()).collect();

@@ -2,37 +2,20 @@
 
 #![allow(clippy::needless_range_loop, reason = "rows and columns of small matrices are told by index")]
 
-mod between;
-mod blocks;
-mod direct;
-mod easing;
-mod element;
-mod error;
-mod features;
-mod lattice;
-pub mod loads;
-mod mesh;
-mod mesher;
+mod meshing;
 mod model;
-mod multigrid;
-mod operator;
-mod recover;
-mod sample;
-mod shape;
-mod snap;
-mod solve;
-mod stuffing;
-mod supports;
-mod system;
-mod thickness;
+mod recovery;
+mod solver;
 pub mod voxel;
 
-pub use error::SolidError;
-pub use mesh::{Face, Piece, TetMesh};
-pub use mesher::{MeshSettings, Meshed, expected_dofs, mesh};
-pub use model::Model;
-pub use recover::{Recovered, Stress, recover};
-pub use sample::{Sampler, Spot};
-pub use shape::{MeshQuality, TetQuality};
-pub use solve::{Method, Solution, SolveInfo, SolveSettings, solve};
-pub use supports::Supports;
+pub use meshing::mesher::{MeshSettings, Meshed, expected_dofs, mesh};
+pub use model::constraints::Supports;
+pub use model::error::SolidError;
+pub use model::material_map::Model;
+pub use model::nodal_forces;
+pub use model::point_location::{Sampler, Spot};
+pub use model::tet_mesh::{Face, Piece, TetMesh};
+pub use model::tet_shape::{MeshQuality, TetQuality};
+pub use recovery::{Recovered, Stress, recover};
+pub use solver::solution::{Method, Solution, SolveInfo, SolveSettings};
+pub use solver::solve::solve;

@@ -4,14 +4,16 @@
 use grainpath_core::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
 
-use super::blocks::{assemble, dot};
-use super::easing::{self, Rows};
-use super::element::{self, Law};
-use super::multigrid::{GRID, Grid, Multigrid, Transfer};
-use super::operator::inverse;
-use super::solve::{Solved, iterate};
-use super::system::System;
-use super::{SolidError, Solution, SolveSettings, Supports};
+use super::model::constraints::Supports;
+use super::model::error::SolidError;
+use super::model::quadratic_tet::{self as element, Law};
+use super::solver::block_matrix::{assemble, dot};
+use super::solver::easing::{self, Rows};
+use super::solver::multigrid::{GRID, Grid, Multigrid, Transfer};
+use super::solver::operator::inverse;
+use super::solver::solution::{Solution, SolveSettings};
+use super::solver::solve::{Solved, iterate};
+use super::solver::system::System;
 use crate::material::Stiffness;
 
 /// The material of a cell without any.

@@ -5,7 +5,8 @@ use grainpath_fea::material::Stiffness;
 use grainpath_fea::principal::PlaneTensor;
 use grainpath_fea::select::Selection;
 use grainpath_fea::solid::{
-    MeshSettings, Meshed, Model, SolveSettings, Supports, TetMesh, loads, mesh, recover, solve as solve_solid,
+    MeshSettings, Meshed, Model, SolveSettings, Supports, TetMesh, mesh, nodal_forces, recover,
+    solve as solve_solid,
 };
 use grainpath_io::fe::{Element, ElementKind, FeFormat, FeResult, StressField};
 
@@ -186,7 +187,7 @@ fn add_load(
         if let Push::Acceleration(a) = load.push {
             // g/cm3 and mm/s2 to N/mm3.
             let density = settings.material.density_g_cm3 * 1e-9;
-            loads::add_body_force(forces, tets, |_| density * a);
+            nodal_forces::add_body_force(forces, tets, |_| density * a);
         }
         return Ok(());
     };
@@ -196,9 +197,9 @@ fn add_load(
         return Err(nothing(what, &on, bounds));
     }
     match load.push {
-        Push::Force(f) => loads::add_force(forces, tets, &faces, f),
-        Push::Pressure(p) => loads::add_pressure(forces, tets, &faces, p),
-        Push::Moment(m) => loads::add_moment(forces, tets, &faces, m),
+        Push::Force(f) => nodal_forces::add_force(forces, tets, &faces, f),
+        Push::Pressure(p) => nodal_forces::add_pressure(forces, tets, &faces, p),
+        Push::Moment(m) => nodal_forces::add_moment(forces, tets, &faces, m),
         Push::Acceleration(_) => {}
     }
     Ok(())

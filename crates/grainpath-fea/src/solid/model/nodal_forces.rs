@@ -2,9 +2,10 @@
 
 use grainpath_core::{DMat3, DVec3};
 
-use super::element::{self, FINE_RULE, STIFFNESS_RULE};
-use super::model::Model;
-use super::{SolidError, TetMesh};
+use super::error::SolidError;
+use super::material_map::Model;
+use super::quadratic_tet::{self as element, FINE_RULE, STIFFNESS_RULE};
+use super::tet_mesh::TetMesh;
 
 /// Radon's seven points, exact for degree 5; weights add up to one half.
 const FACE_RULE: [([f64; 3], f64); 7] = {

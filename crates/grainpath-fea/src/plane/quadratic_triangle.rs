@@ -3,7 +3,7 @@
 use grainpath_core::DVec2;
 use grainpath_core::math::cross;
 
-use super::PlaneStiffness;
+use super::plane_problem::PlaneStiffness;
 
 /// Integration points in area coordinates with weights that sum to 1/2: exact to degree 2.
 pub const POINTS: [([f64; 3], f64); 3] = {

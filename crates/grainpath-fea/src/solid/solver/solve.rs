@@ -2,74 +2,19 @@
 
 use grainpath_core::DVec3;
 
-use super::blocks::{add, dot};
+use super::block_matrix::{add, dot};
 use super::direct::Direct;
 use super::multigrid::Multigrid;
 use super::operator::Operator;
-use super::supports::Supports;
+use super::solution::{Method, Solution, SolveInfo, SolveSettings};
 use super::system::System;
-use super::{Model, SolidError};
-
-/// Which solver.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Method {
-    /// A factorization for small parts with many loads, iteration otherwise.
-    #[default]
-    Auto,
-    /// Sparse Cholesky factorization: its memory grows with the 4/3rd power of the part.
-    Direct,
-    /// Conjugate gradients with multigrid.
-    Iterative,
-}
+use crate::solid::model::constraints::Supports;
+use crate::solid::model::error::SolidError;
+use crate::solid::model::material_map::Model;
 
 /// A factorization pays up to so many unknowns, from so many loads on.
 const DIRECT_DOFS: usize = 60_000;
 const DIRECT_LOADS: usize = 6;
-
-/// How to solve.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SolveSettings {
-    /// Residual over the load at which the iteration ends.
-    pub tolerance: f64,
-    /// Iterations at most.
-    pub most_iterations: usize,
-    /// Memory that may be taken, MiB.
-    pub most_mib: f64,
-    /// Which solver.
-    pub method: Method,
-}
-
-impl Default for SolveSettings {
-    fn default() -> Self {
-        Self { tolerance: 1e-8, most_iterations: 400, most_mib: 4096.0, method: Method::Auto }
-    }
-}
-
-/// What a load does.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Solution {
-    /// Displacement of each node, mm.
-    pub displacement: Vec<DVec3>,
-    /// What holds each node against the load, N; zero where nothing is prescribed.
-    pub reaction: Vec<DVec3>,
-    /// Residual over the load, of the displacement given.
-    pub residual: f64,
-    /// Iterations made; 0 for a direct solution.
-    pub iterations: usize,
-}
-
-/// How it was solved.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SolveInfo {
-    /// Unknowns: three for each node less what is prescribed.
-    pub n_free: usize,
-    /// Name of the method.
-    pub solver: &'static str,
-    /// Nodes of each level of the multigrid.
-    pub levels: Vec<usize>,
-    /// Memory of the operator and its preconditioner, MiB.
-    pub mib: f64,
-}
 
 /// Solves for several loads (forces on each node, N) with one preparation.
 ///
@@ -118,14 +63,14 @@ fn expected_mib(model: &Model<'_>) -> f64 {
 }
 
 /// A solution, what is left of the load at each node, zero where held, and the size of the load that it is measured by.
-pub(super) struct Solved {
-    pub(super) solution: Solution,
-    pub(super) residual: Vec<DVec3>,
-    pub(super) load_size: f64,
+pub(crate) struct Solved {
+    pub(crate) solution: Solution,
+    pub(crate) residual: Vec<DVec3>,
+    pub(crate) load_size: f64,
 }
 
 /// Conjugate gradients, from a displacement and its residual where they are given.
-pub(super) fn iterate(
+pub(crate) fn iterate(
     operator: &dyn System,
     multigrid: &mut Multigrid,
     load: &[DVec3],

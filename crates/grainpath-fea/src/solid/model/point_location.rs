@@ -2,7 +2,8 @@
 
 use grainpath_core::{DMat3, DVec3, IVec3};
 
-use super::{TetMesh, element};
+use super::quadratic_tet as element;
+use super::tet_mesh::TetMesh;
 
 /// Cells at most.
 const MOST_CELLS: f64 = 4e6;

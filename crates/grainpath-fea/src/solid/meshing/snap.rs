@@ -2,11 +2,11 @@
 //! stay good, and the vertices about that are moved to make room.
 
 use grainpath_core::{Bvh, DVec3, TriMesh};
-use rayon::slice::ParallelSliceMut;
 
 use super::features::Features;
-use super::shape::{FACES, mean_ratio};
 use super::stuffing::Tets;
+use crate::solid::model::adjacency::{boundary, incidence};
+use crate::solid::model::tet_shape::mean_ratio;
 
 /// Mean ratio under which no move may take a tetrahedron; slivers of 10 degrees have about 0.25.
 const LEAST_RATIO: f64 = 0.25;
@@ -73,50 +73,6 @@ pub(super) fn snap(mesh: &mut Tets, features: &Features, surface: &Bvh) -> Vec<B
 
 fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
-}
-
-/// Faces of one tetrahedron only, wound outwards, with that tetrahedron; in the order of their corners.
-pub(super) fn boundary(tets: &[[u32; 4]]) -> Vec<([u32; 3], u32)> {
-    let single = |c: &[SortedFace]| (c.len() == 1).then(|| (FACES[c[0].2 as usize], c[0].1));
-    let faces = sorted_faces(tets);
-    let alone = faces.chunk_by(|a, b| a.0 == b.0).filter_map(single);
-    alone.map(|(f, t)| (f.map(|i| tets[t as usize][i]), t)).collect()
-}
-
-/// Corners from low to high, tetrahedron, and which of its faces.
-pub(super) type SortedFace = ([u32; 3], u32, u8);
-
-/// All faces of all tetrahedra, sorted by their corners.
-pub(super) fn sorted_faces(tets: &[[u32; 4]]) -> Vec<SortedFace> {
-    let face = |t: u32, f: u8| {
-        let mut key = FACES[f as usize].map(|i| tets[t as usize][i]);
-        key.sort_unstable();
-        (key, t, f)
-    };
-    let mut faces: Vec<SortedFace> =
-        (0..tets.len() as u32).flat_map(|t| (0..4).map(move |f| face(t, f))).collect();
-    faces.par_sort_unstable();
-    faces
-}
-
-/// For each vertex the tetrahedra around it, as offsets into one list.
-pub(super) fn incidence<const N: usize>(n_vertices: usize, tets: &[[u32; N]]) -> (Vec<u32>, Vec<u32>) {
-    let mut start = vec![0u32; n_vertices + 1];
-    for &v in tets.iter().flatten() {
-        start[v as usize + 1] += 1;
-    }
-    for v in 0..n_vertices {
-        start[v + 1] += start[v];
-    }
-    let mut next = start.clone();
-    let mut around = vec![0; N * tets.len()];
-    for (t, tet) in (0..).zip(tets) {
-        for &v in tet {
-            around[next[v as usize] as usize] = t;
-            next[v as usize] += 1;
-        }
-    }
-    (start, around)
 }
 
 impl Snapper<'_> {

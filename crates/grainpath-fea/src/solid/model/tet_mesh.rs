@@ -3,9 +3,9 @@
 use grainpath_core::DVec3;
 use rayon::prelude::*;
 
-use super::shape::{self, EDGES, MeshQuality, TetQuality};
-use super::snap::{boundary, incidence};
-use super::{element, mesher};
+use super::adjacency::{boundary, incidence, pieces_of};
+use super::quadratic_tet as element;
+use super::tet_shape::{self as shape, EDGES, MeshQuality, TetQuality};
 use crate::select::Selection;
 
 /// A mesh of ten-node tetrahedra.
@@ -155,7 +155,7 @@ impl TetMesh {
     /// For each element the lowest one it hangs together with over faces.
     pub fn piece_of_tets(&self) -> Vec<u32> {
         let corners: Vec<[u32; 4]> = self.tets.iter().map(|t| [t[0], t[1], t[2], t[3]]).collect();
-        mesher::pieces_of(&corners)
+        pieces_of(&corners)
     }
 
     /// What hangs together over faces, the piece of the lowest element first.
@@ -163,7 +163,7 @@ impl TetMesh {
         self.pieces_from(&self.piece_of_tets())
     }
 
-    pub(super) fn pieces_from(&self, piece_of_tets: &[u32]) -> Vec<Piece> {
+    pub(crate) fn pieces_from(&self, piece_of_tets: &[u32]) -> Vec<Piece> {
         let mut pieces: Vec<Piece> = Vec::new();
         let mut slot = vec![usize::MAX; self.tets.len()];
         for (t, &first) in piece_of_tets.iter().enumerate() {
@@ -184,7 +184,7 @@ impl TetMesh {
     }
 
     /// Moves mid-side nodes; back again where an element would be bent too much.
-    pub(super) fn curve(&mut self, moves: &[(u32, DVec3)]) {
+    pub(crate) fn curve(&mut self, moves: &[(u32, DVec3)]) {
         let mut from: Vec<(u32, DVec3)> = moves.iter().map(|&(m, _)| (m, self.nodes[m as usize])).collect();
         from.sort_unstable_by_key(|f| f.0);
         for &(m, to) in moves {
@@ -214,7 +214,7 @@ impl TetMesh {
     }
 
     /// Numbers nodes and elements along a space-filling curve, so that neighbours are near in memory.
-    pub(super) fn sort_in_space(&mut self) {
+    pub(crate) fn sort_in_space(&mut self) {
         let Some(&first) = self.nodes.first() else { return };
         let fold = self.nodes.iter().fold((first, first), |(lo, hi), &p| (lo.min(p), hi.max(p)));
         let scale = 2_097_151.0 / (fold.1 - fold.0).max_element().max(f64::MIN_POSITIVE);

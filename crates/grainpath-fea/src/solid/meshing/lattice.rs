@@ -6,8 +6,9 @@ use std::collections::BTreeSet;
 use grainpath_core::{Bvh, DVec3, IVec3, TriMesh, mesh};
 use rayon::prelude::*;
 
-use super::SolidError;
-use super::thickness;
+use super::wall_thickness;
+use crate::solid::model::error::SolidError;
+use crate::solid::model::tet_shape;
 
 /// Cells of a block along each axis; blocks are worked on in parallel.
 const BLOCK: i32 = 8;
@@ -180,7 +181,7 @@ impl Lattice {
         let parts = (0..8).map(|i| lo + IVec3::new(i & 1, i >> 1 & 1, i >> 2) * (edge / 2));
         let thin = |p: IVec3| {
             let near = bvh.closest_point(self.fine_position(p + edge / 4), 0.45 * edge_mm)?;
-            thickness::least_at(surface, bvh, near.point, near.triangle)
+            wall_thickness::least_at(surface, bvh, near.point, near.triangle)
         };
         let least = parts.clone().filter_map(thin).fold(f64::INFINITY, f64::min);
         if edge_mm > CELLS_PER_WALL * least {
@@ -250,7 +251,7 @@ impl Lattice {
         }
         let mut crossed: Vec<[u32; 2]> = kept
             .iter()
-            .flat_map(|t| super::shape::EDGES.map(|(i, j)| [t[i].min(t[j]), t[i].max(t[j])]))
+            .flat_map(|t| tet_shape::EDGES.map(|(i, j)| [t[i].min(t[j]), t[i].max(t[j])]))
             .filter(|&[a, b]| sign[a as usize] != sign[b as usize])
             .collect();
         crossed.par_sort_unstable();
@@ -355,7 +356,7 @@ impl Background {
             let [a, b] = cut.ends.map(|i| points[i as usize]);
             let (inside, outside) = if sign[cut.ends[0] as usize] > 0 { (a, b) } else { (b, a) };
             let (at, facet) = crossing(bvh, inside, outside);
-            let out = facet.map_or(DVec3::ZERO, |t| thickness::normal(surface, t));
+            let out = facet.map_or(DVec3::ZERO, |t| wall_thickness::normal(surface, t));
             // Where facets overlap or are wound the wrong way, the edge knows better.
             let normal = if out.dot(outside - inside) < 0.0 { -out } else { out };
             (cut.at, cut.normal) = (at, normal);

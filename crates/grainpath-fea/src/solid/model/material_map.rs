@@ -1,7 +1,8 @@
 //! A mesh with its materials.
 
-use super::element::Law;
-use super::{SolidError, TetMesh};
+use super::error::SolidError;
+use super::quadratic_tet::Law;
+use super::tet_mesh::TetMesh;
 use crate::material::Stiffness;
 
 /// Elements and what they are made of.
@@ -26,7 +27,7 @@ impl<'m> Model<'m> {
         self.material_of_tet.get(tet).map_or(0, |&m| m as usize)
     }
 
-    pub(super) fn laws(&self) -> Result<Vec<Law>, SolidError> {
+    pub(crate) fn laws(&self) -> Result<Vec<Law>, SolidError> {
         let law = |(material, d)| Law::new(d).ok_or(SolidError::Material { material });
         self.materials.iter().enumerate().map(law).collect()
     }

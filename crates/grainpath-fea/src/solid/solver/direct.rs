@@ -2,23 +2,26 @@
 
 use grainpath_core::{DMat3, DVec3};
 
-use super::blocks::{Blocks, add, assemble, dot};
+use super::block_matrix::{Blocks, add, assemble, dot};
 use super::operator::Operator;
-use super::supports::Supports;
+use super::solution::Solution;
 use super::system::System;
-use super::{Model, SolidError, Solution, element};
+use crate::solid::model::constraints::Supports;
+use crate::solid::model::error::SolidError;
+use crate::solid::model::material_map::Model;
+use crate::solid::model::quadratic_tet as element;
 use crate::sparse::{Cholesky, SparseError, Symmetric};
 
 /// Nodes that are ordered without cutting further.
 const LEAF: usize = 48;
 
 /// A factored stiffness.
-pub(super) struct Direct {
+pub(crate) struct Direct {
     factor: Cholesky,
 }
 
 impl Direct {
-    pub(super) fn new(model: &Model<'_>, supports: &Supports, most_mib: f64) -> Result<Self, SolidError> {
+    pub(crate) fn new(model: &Model<'_>, supports: &Supports, most_mib: f64) -> Result<Self, SolidError> {
         let (mesh, laws) = (model.mesh, model.laws()?);
         let blocks = assemble(mesh.nodes.len(), &mesh.tets, |t| {
             let mut k =
@@ -54,12 +57,12 @@ impl Direct {
     }
 
     /// What the factor takes.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.factor.bytes()
     }
 
     /// One load.
-    pub(super) fn solve(&self, operator: &Operator<'_>, load: &[DVec3]) -> Solution {
+    pub(crate) fn solve(&self, operator: &Operator<'_>, load: &[DVec3]) -> Solution {
         let supports = operator.supports();
         let (mut u, _) = supports.prescribed();
         let mut scratch = operator.scratch();

@@ -2,10 +2,10 @@
 
 use grainpath_core::{DMat3, DVec3};
 
-use super::supports::Supports;
+use crate::solid::model::constraints::Supports;
 
 /// A stiffness that is applied, not stored.
-pub(super) trait System: Sync {
+pub(crate) trait System: Sync {
     /// Number of nodes.
     fn n_nodes(&self) -> usize;
 

@@ -7,16 +7,18 @@
 use grainpath_core::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
 
-use super::blocks::{Blocks, add, assemble, dot};
-use super::element;
+use super::block_matrix::{Blocks, add, assemble, dot};
 use super::operator::CHUNK;
-use super::supports::Supports;
 use super::system::System;
-use super::{Model, SolidError};
+use crate::solid::model::constraints::Supports;
+use crate::solid::model::error::SolidError;
+use crate::solid::model::material_map::Model;
+use crate::solid::model::tet_mesh::TetMesh;
+use crate::solid::model::{quadratic_tet as element, tet_shape};
 
 /// How a level is smoothed.
 #[derive(Clone, Copy)]
-pub(super) struct Smoothing {
+pub(crate) struct Smoothing {
     /// Applications of the matrix.
     steps: usize,
     /// It acts on eigenvalues down to the largest over this.
@@ -28,7 +30,7 @@ const FINEST: Smoothing = Smoothing { steps: 3, band: 25.0 };
 /// four times the band, as well damped by twice the steps.
 const LINEAR: Smoothing = Smoothing { steps: 8, band: 100.0 };
 /// For grids of doubling width.
-pub(super) const GRID: Smoothing = Smoothing { steps: 4, band: 25.0 };
+pub(crate) const GRID: Smoothing = Smoothing { steps: 4, band: 25.0 };
 /// Nodes at most of the level that is factorized.
 const DENSE_NODES: usize = 250;
 
@@ -63,13 +65,13 @@ struct Level {
 
 /// Weights of the coarse nodes at each fine node.
 #[derive(Default)]
-pub(super) struct Transfer {
-    pub(super) start: Vec<u32>,
-    pub(super) coarse: Vec<u32>,
-    pub(super) weight: Vec<f64>,
-    pub(super) n_coarse: usize,
+pub(crate) struct Transfer {
+    pub(crate) start: Vec<u32>,
+    pub(crate) coarse: Vec<u32>,
+    pub(crate) weight: Vec<f64>,
+    pub(crate) n_coarse: usize,
     /// What a held fine node may still do.
-    pub(super) held: Vec<(u32, DMat3)>,
+    pub(crate) held: Vec<(u32, DMat3)>,
 }
 
 impl Transfer {
@@ -112,7 +114,7 @@ impl Transfer {
 }
 
 /// The levels, finest first, and the factor of the coarsest.
-pub(super) struct Multigrid {
+pub(crate) struct Multigrid {
     levels: Vec<Level>,
     dense: Dense,
     dense_x: Vec<f64>,
@@ -120,7 +122,7 @@ pub(super) struct Multigrid {
 
 impl Multigrid {
     /// For quadratic tetrahedra.
-    pub(super) fn new(
+    pub(crate) fn new(
         model: &Model<'_>,
         supports: &Supports,
         operator: &dyn System,
@@ -158,10 +160,10 @@ impl Multigrid {
         let places: Vec<DVec3> = corners.iter().map(|&v| mesh.nodes[v as usize]).collect();
         let longest = tets.par_iter().map(|t| {
             let x = t.map(|i| places[i as usize]);
-            super::shape::EDGES.iter().map(|&(i, j)| x[i].distance(x[j])).fold(0.0, f64::max)
+            tet_shape::EDGES.iter().map(|&(i, j)| x[i].distance(x[j])).fold(0.0, f64::max)
         });
         let longest = longest.reduce(|| 0.0, f64::max);
-        let volume: f64 = (0..tets.len()).map(|t| super::shape::volume(&mesh.corners(t))).sum();
+        let volume: f64 = (0..tets.len()).map(|t| tet_shape::volume(&mesh.corners(t))).sum();
         // Inside a body-centred lattice of width a there are two corners in a cell; the grid is twice as wide.
         let width = longest.max(2.0 * (2.0 * volume / places.len() as f64).cbrt());
         let held: Vec<(u32, DMat3)> =
@@ -171,7 +173,7 @@ impl Multigrid {
     }
 
     /// From a finest level, the transfer to it, the matrix below and how it is smoothed, and the grid below that.
-    pub(super) fn below(
+    pub(crate) fn below(
         finest: &dyn System,
         first: Transfer,
         (mut matrix, mut smoothing): (Blocks, Smoothing),
@@ -194,7 +196,7 @@ impl Multigrid {
     }
 
     /// Bytes of all levels.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let stored = |l: &Level| match &l.matrix {
             Matrix::Stored(b) => b.bytes(),
             Matrix::Finest => 0,
@@ -204,14 +206,14 @@ impl Multigrid {
     }
 
     /// Nodes of each level.
-    pub(super) fn sizes(&self) -> Vec<usize> {
+    pub(crate) fn sizes(&self) -> Vec<usize> {
         let mut sizes: Vec<usize> = self.levels.iter().map(|l| l.x.len()).collect();
         sizes.push(self.dense.n / 3);
         sizes
     }
 
     /// An approximate solution `z` for the forces `r`.
-    pub(super) fn apply(&mut self, finest: &dyn System, r: &[DVec3], z: &mut [DVec3]) {
+    pub(crate) fn apply(&mut self, finest: &dyn System, r: &[DVec3], z: &mut [DVec3]) {
         self.levels[0].r.copy_from_slice(r);
         self.cycle(finest, 0);
         z.copy_from_slice(&self.levels[0].x);
@@ -342,7 +344,7 @@ fn scaled(d: &mut [DVec3], r: &[DVec3], inverse: &[DMat3], keep: f64, take: f64)
 
 /// Corners keep their value; nodes between them get the linear field of an element at their place. On a straight side
 /// that is the mean of its ends; on a curved one the mean would bend rigid rotations.
-fn from_linear(mesh: &super::TetMesh, id: &[u32], n_coarse: usize, supports: &Supports) -> Transfer {
+fn from_linear(mesh: &TetMesh, id: &[u32], n_coarse: usize, supports: &Supports) -> Transfer {
     let n = mesh.nodes.len();
     let mut tet_of = vec![u32::MAX; n];
     for (t, tet) in (0u32..).zip(&mesh.tets) {
@@ -370,14 +372,14 @@ fn from_linear(mesh: &super::TetMesh, id: &[u32], n_coarse: usize, supports: &Su
     transfer
 }
 
-pub(super) struct Grid {
-    pub(super) origin: DVec3,
-    pub(super) width: f64,
+pub(crate) struct Grid {
+    pub(crate) origin: DVec3,
+    pub(crate) width: f64,
 }
 
 impl Grid {
     /// Trilinear weights of the grid's nodes at some places, and the nodes in use.
-    pub(super) fn over(&self, places: &[DVec3], held: Vec<(u32, DMat3)>) -> (Transfer, Vec<IVec3>) {
+    pub(crate) fn over(&self, places: &[DVec3], held: Vec<(u32, DMat3)>) -> (Transfer, Vec<IVec3>) {
         let weights = |&p: &DVec3| {
             let q = (p - self.origin) / self.width;
             let cell = q.floor();

@@ -5,7 +5,7 @@ use grainpath_core::DVec3;
 use rayon::prelude::*;
 
 use super::lattice::Background;
-use super::shape::{mean_ratio, volume};
+use crate::solid::model::tet_shape::{mean_ratio, volume};
 
 /// Within these shares of a long and a short edge a lattice point is moved onto the surface; from the paper.
 const WARP_LONG: f64 = 0.249_99;

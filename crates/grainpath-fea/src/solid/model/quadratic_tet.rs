@@ -2,14 +2,14 @@
 
 use grainpath_core::{DMat3, DVec3};
 
-use super::shape::EDGES;
+use super::tet_shape::EDGES;
 use crate::material::Stiffness;
 
 /// A point of a quadrature rule: barycentric coordinates and weight; weights add up to one sixth.
-pub(super) type Point = ([f64; 4], f64);
+pub(crate) type Point = ([f64; 4], f64);
 
 /// Exact for polynomials of degree 2: enough for the stiffness of straight-sided elements.
-pub(super) const STIFFNESS_RULE: [Point; 4] = {
+pub(crate) const STIFFNESS_RULE: [Point; 4] = {
     const A: f64 = 0.585_410_196_624_968_5;
     const B: f64 = 0.138_196_601_125_010_5;
     const W: f64 = 1.0 / 24.0;
@@ -17,7 +17,7 @@ pub(super) const STIFFNESS_RULE: [Point; 4] = {
 };
 
 /// Exact for polynomials of degree 5 (Keast 1986).
-pub(super) const FINE_RULE: [Point; 15] = {
+pub(crate) const FINE_RULE: [Point; 15] = {
     const T: f64 = 1.0 / 3.0;
     const E: f64 = 1.0 / 11.0;
     const F: f64 = 8.0 / 11.0;
@@ -47,7 +47,7 @@ pub(super) const FINE_RULE: [Point; 15] = {
 };
 
 /// Values of the ten shape functions.
-pub(super) fn shapes(l: &[f64; 4]) -> [f64; 10] {
+pub(crate) fn shapes(l: &[f64; 4]) -> [f64; 10] {
     std::array::from_fn(|a| match a {
         0..4 => l[a] * (2.0 * l[a] - 1.0),
         _ => {
@@ -58,7 +58,7 @@ pub(super) fn shapes(l: &[f64; 4]) -> [f64; 10] {
 }
 
 /// Derivatives of the ten shape functions by the last three barycentric coordinates.
-pub(super) fn shape_slopes(l: &[f64; 4]) -> [DVec3; 10] {
+pub(crate) fn shape_slopes(l: &[f64; 4]) -> [DVec3; 10] {
     const BY: [DVec3; 4] = [DVec3::NEG_ONE, DVec3::X, DVec3::Y, DVec3::Z];
     std::array::from_fn(|a| match a {
         0..4 => BY[a] * (4.0 * l[a] - 1.0),
@@ -80,7 +80,7 @@ fn jacobian(x: &[DVec3; 10], slopes: &[DVec3; 10]) -> DMat3 {
 }
 
 /// Gradients of the shape functions at a point, and the determinant of the map.
-pub(super) fn gradients(x: &[DVec3; 10], l: &[f64; 4]) -> ([DVec3; 10], f64) {
+pub(crate) fn gradients(x: &[DVec3; 10], l: &[f64; 4]) -> ([DVec3; 10], f64) {
     let slopes = shape_slopes(l);
     let j = jacobian(x, &slopes);
     let turn = j.inverse().transpose();
@@ -88,12 +88,12 @@ pub(super) fn gradients(x: &[DVec3; 10], l: &[f64; 4]) -> ([DVec3; 10], f64) {
 }
 
 /// Volume with curved sides.
-pub(super) fn volume(x: &[DVec3; 10]) -> f64 {
+pub(crate) fn volume(x: &[DVec3; 10]) -> f64 {
     STIFFNESS_RULE.iter().map(|(l, w)| w * jacobian(x, &shape_slopes(l)).determinant()).sum()
 }
 
 /// The smallest determinant of the map at the nodes and the points of the rule, over that of the straight element.
-pub(super) fn least_jacobian(x: &[DVec3; 10]) -> f64 {
+pub(crate) fn least_jacobian(x: &[DVec3; 10]) -> f64 {
     let corner = |i: usize| std::array::from_fn(|k| f64::from(u8::from(k == i)));
     let middle = |(i, j): (usize, usize)| std::array::from_fn(|k| if k == i || k == j { 0.5 } else { 0.0 });
     let nodes = (0..4).map(corner).chain(EDGES.map(middle));
@@ -103,7 +103,7 @@ pub(super) fn least_jacobian(x: &[DVec3; 10]) -> f64 {
 }
 
 /// What the strain energy couples: `k[a][b]` is the 3 x 3 block of nodes a and b, for b <= a.
-pub(super) fn stiffness<const N: usize>(sums: &[[DMat3; N]; N], law: &Law) -> [[DMat3; N]; N] {
+pub(crate) fn stiffness<const N: usize>(sums: &[[DMat3; N]; N], law: &Law) -> [[DMat3; N]; N] {
     let mut k = [[DMat3::ZERO; N]; N];
     for a in 0..N {
         for b in 0..=a {
@@ -114,7 +114,7 @@ pub(super) fn stiffness<const N: usize>(sums: &[[DMat3; N]; N], law: &Law) -> [[
 }
 
 /// The blocks on the diagonal alone.
-pub(super) fn diagonal(x: &[DVec3; 10], law: &Law) -> [DMat3; 10] {
+pub(crate) fn diagonal(x: &[DVec3; 10], law: &Law) -> [DMat3; 10] {
     let mut sums = [DMat3::ZERO; 10];
     for (l, w) in &STIFFNESS_RULE {
         let (g, det) = gradients(x, l);
@@ -126,7 +126,7 @@ pub(super) fn diagonal(x: &[DVec3; 10], law: &Law) -> [DMat3; 10] {
 }
 
 /// Integrals of the products of gradients, `sums[a][b]` = sum of grad a times grad b transposed, for b <= a.
-pub(super) fn gradient_products(x: &[DVec3; 10]) -> [[DMat3; 10]; 10] {
+pub(crate) fn gradient_products(x: &[DVec3; 10]) -> [[DMat3; 10]; 10] {
     let mut sums = [[DMat3::ZERO; 10]; 10];
     for (l, w) in &STIFFNESS_RULE {
         let (g, det) = gradients(x, l);
@@ -144,7 +144,7 @@ pub(super) fn gradient_products(x: &[DVec3; 10]) -> [[DMat3; 10]; 10] {
 }
 
 /// The same for the four-node element over the corners.
-pub(super) fn linear_gradient_products(x: &[DVec3; 4]) -> [[DMat3; 4]; 4] {
+pub(crate) fn linear_gradient_products(x: &[DVec3; 4]) -> [[DMat3; 4]; 4] {
     let j = DMat3::from_cols(x[1] - x[0], x[2] - x[0], x[3] - x[0]);
     let turn = j.inverse().transpose();
     let (a, b, c) = (turn.x_axis, turn.y_axis, turn.z_axis);
@@ -159,7 +159,7 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
 
 /// A stiffness made ready for elements.
 #[derive(Debug, Clone)]
-pub(super) enum Law {
+pub(crate) enum Law {
     /// Lame's constants.
     Isotropic { lambda: f64, mu: f64 },
     /// All components, and them as a map of second-order tensors by columns: `c[3 l + j][3 k + i]` = C_ikjl.
@@ -171,7 +171,7 @@ const VOIGT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
 impl Law {
     /// `None` unless symmetric and positive definite.
-    pub(super) fn new(d: &Stiffness) -> Option<Self> {
+    pub(crate) fn new(d: &Stiffness) -> Option<Self> {
         let top = d.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * top;
         let symmetric = (0..6).all(|i| (0..i).all(|j| near(d[i][j], d[j][i])));
@@ -196,7 +196,7 @@ impl Law {
     }
 
     /// Stress from the gradient of the displacement (columns: by x, y, z).
-    pub(super) fn stress(&self, grad: &DMat3) -> DMat3 {
+    pub(crate) fn stress(&self, grad: &DMat3) -> DMat3 {
         match self {
             Self::Isotropic { lambda, mu } => {
                 let trace = grad.x_axis.x + grad.y_axis.y + grad.z_axis.z;
@@ -210,7 +210,7 @@ impl Law {
     }
 
     /// Stress of a strain with engineering shears.
-    pub(super) fn stress_of_strain(&self, e: &[f64; 6]) -> DMat3 {
+    pub(crate) fn stress_of_strain(&self, e: &[f64; 6]) -> DMat3 {
         let half = e.map(|v| 0.5 * v);
         self.stress(&DMat3::from_cols_array(&[
             e[0], half[3], half[5], half[3], e[1], half[4], half[5], half[4], e[2],
@@ -245,7 +245,7 @@ impl Law {
 }
 
 /// Engineering strain from the gradient of the displacement.
-pub(super) fn strain(g: &DMat3) -> [f64; 6] {
+pub(crate) fn strain(g: &DMat3) -> [f64; 6] {
     [
         g.x_axis.x,
         g.y_axis.y,
@@ -257,7 +257,7 @@ pub(super) fn strain(g: &DMat3) -> [f64; 6] {
 }
 
 /// `d` times `e`.
-pub(super) fn multiply(d: &Stiffness, e: &[f64; 6]) -> [f64; 6] {
+pub(crate) fn multiply(d: &Stiffness, e: &[f64; 6]) -> [f64; 6] {
     std::array::from_fn(|i| (0..6).map(|j| d[i][j] * e[j]).sum())
 }
 

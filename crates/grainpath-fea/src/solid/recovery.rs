@@ -4,10 +4,11 @@
 use grainpath_core::{DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::element::{self, STIFFNESS_RULE};
-use super::shape::EDGES;
-use super::snap::incidence;
-use super::{Model, SolidError};
+use super::model::adjacency::incidence;
+use super::model::error::SolidError;
+use super::model::material_map::Model;
+use super::model::quadratic_tet::{self as element, STIFFNESS_RULE};
+use super::model::tet_shape::EDGES;
 
 /// Stress in MPa, order xx, yy, zz, xy, yz, zx.
 pub type Stress = [f64; 6];

@@ -4,9 +4,9 @@
 use grainpath_core::{Bvh, DVec3, TriMesh};
 
 use super::lattice::{Background, Cut};
-use super::shape::mean_ratio;
-use super::snap::incidence;
 use super::stuffing::warp_limit;
+use crate::solid::model::adjacency::incidence;
+use crate::solid::model::tet_shape::mean_ratio;
 
 /// Sides of a wall or gap look apart: cosine between their normals.
 const OPPOSITE: f64 = -0.5;

@@ -3,12 +3,12 @@
 use grainpath_core::{DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::blocks::dot;
+use super::block_matrix::dot;
 
 const CHUNK: usize = 256;
 
 /// A stiffness row by row.
-pub(super) trait Rows: Sync {
+pub(crate) trait Rows: Sync {
     /// The nodes that a node feels, itself among them.
     fn around(&self, node: usize) -> &[u32];
     /// The force on a node, as if nothing were held.
@@ -27,7 +27,7 @@ fn freed(rows: &dyn Rows, node: u32, force: DVec3) -> DVec3 {
 
 /// Nodes within so many steps of some, in order, and those one step further; `n` nodes in all. Fewer steps where they
 /// lead to more than `most` nodes.
-pub(super) fn within(
+pub(crate) fn within(
     rows: &dyn Rows,
     from: &[u32],
     (steps, most): (usize, usize),
@@ -55,7 +55,7 @@ pub(super) fn within(
 }
 
 /// What a displacement leaves of the load at some nodes.
-pub(super) fn residual(rows: &dyn Rows, nodes: &[u32], u: &[DVec3], load: &[DVec3], residual: &mut [DVec3]) {
+pub(crate) fn residual(rows: &dyn Rows, nodes: &[u32], u: &[DVec3], load: &[DVec3], residual: &mut [DVec3]) {
     let of = |&i: &u32| freed(rows, i, load[i as usize] - rows.row(i as usize, u));
     let new: Vec<DVec3> = nodes.par_iter().map(of).collect();
     nodes.iter().zip(new).for_each(|(&i, r)| residual[i as usize] = r);
@@ -63,7 +63,7 @@ pub(super) fn residual(rows: &dyn Rows, nodes: &[u32], u: &[DVec3], load: &[DVec
 
 /// Moves nodes inside, with all others where they are, until what is left of the load on them is below the goal or so
 /// many steps are done. `left` is the residual of `u` on all nodes, before and after.
-pub(super) fn ease(
+pub(crate) fn ease(
     rows: &dyn Rows,
     [inside, rim]: &[Vec<u32>; 2],
     load: &[DVec3],

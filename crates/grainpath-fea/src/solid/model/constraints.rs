@@ -2,7 +2,8 @@
 
 use grainpath_core::{DMat3, DVec3};
 
-use super::{SolidError, TetMesh};
+use super::error::SolidError;
+use super::tet_mesh::TetMesh;
 
 /// No support.
 const NONE: u32 = u32::MAX;
@@ -45,7 +46,7 @@ impl Supports {
     }
 
     /// The same for a node at a place.
-    pub(super) fn prescribe_at(
+    pub(crate) fn prescribe_at(
         &mut self,
         node: u32,
         p: DVec3,
@@ -91,12 +92,12 @@ impl Supports {
     }
 
     /// What a node may still do; `None` for any displacement.
-    pub(super) fn free(&self, node: usize) -> Option<&DMat3> {
+    pub(crate) fn free(&self, node: usize) -> Option<&DMat3> {
         self.slot.get(node).filter(|&&s| s != NONE).map(|&s| &self.held[s as usize].free)
     }
 
     /// Takes what is prescribed out of a field.
-    pub(super) fn project(&self, field: &mut [DVec3]) {
+    pub(crate) fn project(&self, field: &mut [DVec3]) {
         for held in &self.held {
             let v = &mut field[held.node as usize];
             *v = held.free * *v;
@@ -104,7 +105,7 @@ impl Supports {
     }
 
     /// For each held node the node and the part of a field that is prescribed there.
-    pub(super) fn held_part<'a>(&'a self, field: &'a [DVec3]) -> impl Iterator<Item = (usize, DVec3)> + 'a {
+    pub(crate) fn held_part<'a>(&'a self, field: &'a [DVec3]) -> impl Iterator<Item = (usize, DVec3)> + 'a {
         self.held.iter().map(|h| {
             let v = field[h.node as usize];
             (h.node as usize, v - h.free * v)
@@ -112,7 +113,7 @@ impl Supports {
     }
 
     /// The displacement that has what is prescribed and nothing else, and whether it is other than zero.
-    pub(super) fn prescribed(&self) -> (Vec<DVec3>, bool) {
+    pub(crate) fn prescribed(&self) -> (Vec<DVec3>, bool) {
         let mut u = vec![DVec3::ZERO; self.slot.len()];
         for held in &self.held {
             u[held.node as usize] = held.directions.iter().map(|&(d, v)| d * v).sum();
@@ -143,7 +144,7 @@ impl Supports {
     }
 
     /// The same for nodes with the names of their pieces, and the pieces: name, lowest and highest corner.
-    pub(super) fn check_pieces(
+    pub(crate) fn check_pieces(
         &self,
         nodes: &[DVec3],
         of_node: &[u32],

@@ -4,8 +4,10 @@ use grainpath_core::buckets::{Buckets, Cells};
 use grainpath_core::math::cross;
 use grainpath_core::{Bounds2, DVec2};
 
-use super::element::POINTS;
-use super::{PlaneMesh, PlaneProblem, recover};
+use super::patch_fit;
+use super::plane_mesh::PlaneMesh;
+use super::plane_problem::PlaneProblem;
+use super::quadratic_triangle::POINTS;
 use crate::principal::{PlaneTensor, von_mises_plane};
 
 /// Stress at the nodes of a plate, and where they are: for asking at any point.
@@ -21,7 +23,7 @@ pub struct PlaneStress {
 
 impl PlaneStress {
     pub(super) fn recovered(problem: &PlaneProblem<'_>, displacement_mm: &[DVec2]) -> Self {
-        let (nodal, inner) = recover::recover(problem, displacement_mm);
+        let (nodal, inner) = patch_fit::recover(problem, displacement_mm);
         let mesh = problem.mesh.clone();
         let (mut missed, mut all) = (0.0, 0.0);
         for (e, stresses) in mesh.elements.iter().zip(&inner) {

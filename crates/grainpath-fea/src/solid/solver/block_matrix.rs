@@ -4,26 +4,27 @@ use grainpath_core::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::operator::CHUNK;
+use crate::solid::model::adjacency::incidence;
 
 /// Rows of blocks; columns of a row rise.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Blocks {
-    pub(super) start: Vec<u32>,
-    pub(super) columns: Vec<u32>,
-    pub(super) values: Vec<DMat3>,
+pub(crate) struct Blocks {
+    pub(crate) start: Vec<u32>,
+    pub(crate) columns: Vec<u32>,
+    pub(crate) values: Vec<DMat3>,
 }
 
 impl Blocks {
-    pub(super) fn n(&self) -> usize {
+    pub(crate) fn n(&self) -> usize {
         self.start.len() - 1
     }
 
-    pub(super) fn row(&self, i: usize) -> impl Iterator<Item = (usize, &DMat3)> {
+    pub(crate) fn row(&self, i: usize) -> impl Iterator<Item = (usize, &DMat3)> {
         let range = self.start[i] as usize..self.start[i + 1] as usize;
         self.columns[range.clone()].iter().map(|&c| c as usize).zip(&self.values[range])
     }
 
-    pub(super) fn from_rows(rows: Vec<Vec<(u32, DMat3)>>) -> Self {
+    pub(crate) fn from_rows(rows: Vec<Vec<(u32, DMat3)>>) -> Self {
         let mut blocks = Self { start: vec![0], ..Self::default() };
         for row in rows {
             blocks.columns.extend(row.iter().map(|e| e.0));
@@ -33,7 +34,7 @@ impl Blocks {
         blocks
     }
 
-    pub(super) fn apply(&self, x: &[DVec3], y: &mut [DVec3]) {
+    pub(crate) fn apply(&self, x: &[DVec3], y: &mut [DVec3]) {
         y.par_chunks_mut(CHUNK / 4).enumerate().for_each(|(c, chunk)| {
             for (i, y) in (c * CHUNK / 4..).zip(chunk) {
                 *y = self.row(i).fold(DVec3::ZERO, |sum, (j, a)| sum + *a * x[j]);
@@ -41,23 +42,23 @@ impl Blocks {
         });
     }
 
-    pub(super) fn inverse_diagonal(&self) -> Vec<DMat3> {
+    pub(crate) fn inverse_diagonal(&self) -> Vec<DMat3> {
         let diagonal = |i: usize| self.row(i).find(|(j, _)| *j == i).map_or(DMat3::ZERO, |(_, a)| *a);
         (0..self.n()).map(|i| super::operator::inverse(diagonal(i))).collect()
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.values.len() * (size_of::<DMat3>() + 4)
     }
 }
 
 /// Assembles elements of `N` nodes. `element(t)` gives the blocks of nodes a and b for b <= a.
-pub(super) fn assemble<const N: usize>(
+pub(crate) fn assemble<const N: usize>(
     n_nodes: usize,
     tets: &[[u32; N]],
     element: impl Fn(usize) -> [[DMat3; N]; N] + Sync,
 ) -> Blocks {
-    let (start, around) = super::snap::incidence(n_nodes, tets);
+    let (start, around) = incidence(n_nodes, tets);
     let at = |i: usize| &around[start[i] as usize..start[i + 1] as usize];
     const ROWS: usize = 4096;
     let parts: Vec<(Vec<u32>, Vec<u32>, Vec<DMat3>)> = (0..n_nodes.div_ceil(ROWS))
@@ -107,14 +108,14 @@ pub(super) fn assemble<const N: usize>(
 }
 
 /// Sum of products, by chunks of fixed size.
-pub(super) fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
+pub(crate) fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
     let chunk = |(a, b): (&[DVec3], &[DVec3])| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
     let sums: Vec<f64> = a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK)).map(chunk).collect();
     sums.iter().sum()
 }
 
 /// `y += factor * x`.
-pub(super) fn add(y: &mut [DVec3], factor: f64, x: &[DVec3]) {
+pub(crate) fn add(y: &mut [DVec3], factor: f64, x: &[DVec3]) {
     y.par_chunks_mut(CHUNK).zip(x.par_chunks(CHUNK)).for_each(|(y, x)| {
         for (y, x) in y.iter_mut().zip(x) {
             *y += *x * factor;

@@ -28,22 +28,22 @@ pub struct MeshQuality {
     pub n_poor: usize,
 }
 
-pub(super) const EDGES: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)];
+pub(crate) const EDGES: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)];
 /// Corners of the face opposite to each corner, counter-clockwise seen from outside.
-pub(super) const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+pub(crate) const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
-pub(super) fn volume(p: &[DVec3; 4]) -> f64 {
+pub(crate) fn volume(p: &[DVec3; 4]) -> f64 {
     (p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]) / 6.0
 }
 
 /// Mean ratio: 1 for a regular tetrahedron, 0 for a flat one, negative for one inside out.
-pub(super) fn mean_ratio(p: &[DVec3; 4]) -> f64 {
+pub(crate) fn mean_ratio(p: &[DVec3; 4]) -> f64 {
     let squares: f64 = EDGES.iter().map(|&(i, j)| p[i].distance_squared(p[j])).sum();
     let v = 3.0 * volume(p);
     12.0 * (v.abs() * v.abs()).cbrt().copysign(v) / squares
 }
 
-pub(super) fn quality(p: &[DVec3; 4]) -> TetQuality {
+pub(crate) fn quality(p: &[DVec3; 4]) -> TetQuality {
     let areas = FACES.map(|f| (p[f[1]] - p[f[0]]).cross(p[f[2]] - p[f[0]]));
     let (mut lo, mut hi) = (180.0f64, 0.0f64);
     for i in 0..4 {

@@ -3,8 +3,8 @@
 use grainpath_core::DVec2;
 use rayon::prelude::*;
 
-use super::PlaneProblem;
-use super::element::{self, POINTS};
+use super::plane_problem::PlaneProblem;
+use super::quadratic_triangle::{self as element, POINTS};
 use crate::principal::PlaneTensor;
 
 /// Patches with fewer samples than this borrow the elements around them: a quadratic has six coefficients.

@@ -5,16 +5,17 @@ use std::collections::BTreeMap;
 use grainpath_core::{Bvh, DVec3, TriMesh};
 use rayon::prelude::*;
 
-use super::SolidError;
-use super::between;
 use super::features::Features;
 use super::lattice::{CELLS_PER_WALL, DEEPEST, Lattice, is_closed};
-use super::mesh::{Face, Piece, TetMesh};
-use super::sample::Sampler;
-use super::shape::MeshQuality;
 use super::snap::{self, Bound};
 use super::stuffing::{self, Tets};
-use super::thickness::{self, Walls};
+use super::thin_gaps;
+use super::wall_thickness::{self, Walls};
+use crate::solid::model::adjacency::pieces_of;
+use crate::solid::model::error::SolidError;
+use crate::solid::model::point_location::Sampler;
+use crate::solid::model::tet_mesh::{Face, Piece, TetMesh};
+use crate::solid::model::tet_shape::{self, MeshQuality};
 
 /// Unknowns of a mesh for each of its tetrahedra, about; in the middle of a lattice they are 4.
 const DOFS_PER_TET: f64 = 4.6;
@@ -74,7 +75,7 @@ pub fn expected_dofs(volume_mm3: f64, area_mm2: f64, size_mm: f64) -> f64 {
 /// Walls thinner than the elements, a lattice too fine for memory, or nothing enclosed.
 pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidError> {
     let bvh = Bvh::new(surface);
-    let walls = thickness::walls(surface, &bvh);
+    let walls = wall_thickness::walls(surface, &bvh);
     let wall_mm = walls.thickness_mm();
     let mut size_mm = choose_size(surface, wall_mm, settings)?;
     let mut tets = fill(surface, &bvh, size_mm, settings.most_dofs)?;
@@ -120,7 +121,7 @@ fn fill(surface: &TriMesh, bvh: &Bvh, size_mm: f64, most_dofs: usize) -> Result<
     lattice.classify(bvh, closed);
     let mut background = lattice.background(surface, bvh, closed);
     drop(lattice);
-    let stays = between::centre(&mut background, surface, bvh);
+    let stays = thin_gaps::centre(&mut background, surface, bvh);
     Ok(stuffing::stuff(&background, &stays, |p| bvh.contains(p)))
 }
 
@@ -170,7 +171,7 @@ fn separate(mesh: &mut Tets) -> usize {
     let piece = pieces_of(&mesh.tets);
     let mut volume: BTreeMap<u32, f64> = BTreeMap::new();
     for (t, &p) in mesh.tets.iter().zip(&piece) {
-        let v = super::shape::volume(&t.map(|i| mesh.vertices[i as usize]));
+        let v = tet_shape::volume(&t.map(|i| mesh.vertices[i as usize]));
         *volume.entry(p).or_default() += v;
     }
     if volume.len() < 2 {
@@ -187,24 +188,6 @@ fn separate(mesh: &mut Tets) -> usize {
     mesh.vertices = own.iter().map(|&(v, _)| mesh.vertices[v as usize]).collect();
     mesh.size_mm = own.iter().map(|&(v, _)| mesh.size_mm[v as usize]).collect();
     volume.values().filter(|&&v| v <= least).count()
-}
-
-/// For each tetrahedron the lowest one it hangs together with over faces.
-pub(super) fn pieces_of(tets: &[[u32; 4]]) -> Vec<u32> {
-    let mut parent: Vec<u32> = (0..tets.len() as u32).collect();
-    fn root(parent: &mut [u32], mut i: u32) -> u32 {
-        while parent[i as usize] != i {
-            parent[i as usize] = parent[parent[i as usize] as usize];
-            i = parent[i as usize];
-        }
-        i
-    }
-    let faces = snap::sorted_faces(tets);
-    for pair in faces.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() > 1) {
-        let (a, b) = (root(&mut parent, pair[0].1), root(&mut parent, pair[1].1));
-        parent[a.max(b) as usize] = a.min(b);
-    }
-    (0..tets.len() as u32).map(|t| root(&mut parent, t)).collect()
 }
 
 /// Mid-side nodes: halfway, and on the surface for sides that lie on it, where no element suffers.

@@ -6,16 +6,17 @@
 use grainpath_core::{DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::element::{self, Law, STIFFNESS_RULE};
-use super::shape::EDGES;
-use super::supports::Supports;
 use super::system::System;
-use super::{Model, SolidError};
+use crate::solid::model::constraints::Supports;
+use crate::solid::model::error::SolidError;
+use crate::solid::model::material_map::Model;
+use crate::solid::model::quadratic_tet::{self as element, Law, STIFFNESS_RULE};
+use crate::solid::model::tet_shape::EDGES;
 
 const GROUP: usize = 1024;
-pub(super) const CHUNK: usize = 4096;
+pub(crate) const CHUNK: usize = 4096;
 
-pub(super) struct Operator<'a> {
+pub(crate) struct Operator<'a> {
     model: &'a Model<'a>,
     laws: Vec<Law>,
     supports: &'a Supports,
@@ -40,7 +41,7 @@ struct Tet {
 }
 
 impl<'a> Operator<'a> {
-    pub(super) fn new(model: &'a Model<'a>, supports: &'a Supports) -> Result<Self, SolidError> {
+    pub(crate) fn new(model: &'a Model<'a>, supports: &'a Supports) -> Result<Self, SolidError> {
         let laws = model.laws()?;
         let n_groups = model.mesh.tets.len().div_ceil(GROUP);
         let groups: Vec<Group> = (0..n_groups).into_par_iter().map(|g| group(model, g)).collect();
@@ -62,7 +63,7 @@ impl<'a> Operator<'a> {
     }
 
     /// Bytes that it and its scratch take.
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let tets = self.model.mesh.tets.len() * size_of::<Tet>();
         tets + self.places.len() * (8 + size_of::<DVec3>()) + 4 * self.start.len()
     }
@@ -137,7 +138,7 @@ impl System for Operator<'_> {
 }
 
 /// The inverse of a block, of one nearly singular that of one a little stiffer.
-pub(super) fn inverse(k: DMat3) -> DMat3 {
+pub(crate) fn inverse(k: DMat3) -> DMat3 {
     let trace = k.x_axis.x + k.y_axis.y + k.z_axis.z;
     if trace <= 0.0 {
         return DMat3::IDENTITY;
@@ -232,7 +233,7 @@ fn curved_forces(x: &[DVec3; 10], law: &Law, u: &[DVec3; 10]) -> [DVec3; 10] {
 mod tests {
     use super::*;
     use crate::solid::TetMesh;
-    use crate::solid::blocks::{assemble, dot};
+    use crate::solid::solver::block_matrix::{assemble, dot};
 
     fn random(n: usize, mut state: u64) -> Vec<DVec3> {
         let mut next = || {

@@ -1,0 +1,44 @@
+//! Loads of a plate as forces at its nodes.
+
+use grainpath_core::DVec2;
+
+use super::plane_mesh::PlaneMesh;
+use super::quadratic_triangle as element;
+
+/// Forces at the nodes from a traction in MPa on sides of the border; `traction` is told the point and the outward
+/// unit normal.
+pub fn traction_n(
+    mesh: &PlaneMesh,
+    sides: &[[u32; 3]],
+    thickness_mm: f64,
+    traction: &dyn Fn(DVec2, DVec2) -> DVec2,
+) -> Vec<DVec2> {
+    let mut forces = vec![DVec2::ZERO; mesh.nodes.len()];
+    for side in sides {
+        let [a, b, m] = side.map(|i| mesh.nodes[i as usize]);
+        for (xi, weight) in element::GAUSS_3 {
+            let shape = [0.5 * xi * (xi - 1.0), 0.5 * xi * (xi + 1.0), 1.0 - xi * xi];
+            let slope = [xi - 0.5, xi + 0.5, -2.0 * xi];
+            let p = shape[0] * a + shape[1] * b + shape[2] * m;
+            let along = slope[0] * a + slope[1] * b + slope[2] * m;
+            let normal = DVec2::new(along.y, -along.x) / along.length();
+            let f = traction(p, normal) * (weight * along.length() * thickness_mm);
+            side.iter().zip(shape).for_each(|(&i, s)| forces[i as usize] += s * f);
+        }
+    }
+    forces
+}
+
+/// Forces at the nodes from a force per volume, N/mm3.
+pub fn body_force_n(mesh: &PlaneMesh, thickness_mm: f64, force_n_mm3: DVec2) -> Vec<DVec2> {
+    let mut forces = vec![DVec2::ZERO; mesh.nodes.len()];
+    for e in &mesh.elements {
+        let p = e.map(|i| mesh.nodes[i as usize]);
+        for (at, weight) in element::POINTS {
+            let (shape, jacobian) = element::shape(&p, at);
+            let f = force_n_mm3 * (weight * jacobian * thickness_mm);
+            e.iter().zip(shape).for_each(|(&i, s)| forces[i as usize] += s * f);
+        }
+    }
+    forces
+}

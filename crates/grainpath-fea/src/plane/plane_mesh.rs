@@ -1,0 +1,91 @@
+//! Meshes of quadratic triangles.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::triangulation::{TriangleSize, Triangulation, TriangulationError};
+use grainpath_core::{DVec2, Region};
+
+/// Quadratic triangles: three corners, then the nodes in the middle of sides 01, 12 and 20.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlaneMesh {
+    /// Nodes, mm.
+    pub nodes: Vec<DVec2>,
+    /// Node indices, `(n_elements, 6)`, counter-clockwise.
+    pub elements: Vec<[u32; 6]>,
+    /// Sides with one element: both ends and the middle, the material on the left.
+    pub border: Vec<[u32; 3]>,
+}
+
+impl PlaneMesh {
+    /// The mesh of these triangles, sides straight.
+    pub fn quadratic(triangles: &Triangulation) -> Self {
+        let mut nodes = triangles.points.clone();
+        let mut sides: Vec<(u32, u32, u32, u32)> = Vec::with_capacity(3 * triangles.triangles.len());
+        for (t, corners) in triangles.triangles.iter().enumerate() {
+            for k in 0..3 {
+                let (a, b) = (corners[k], corners[(k + 1) % 3]);
+                sides.push((a.min(b), a.max(b), t as u32, k as u32));
+            }
+        }
+        sides.sort_unstable();
+        let mut elements: Vec<[u32; 6]> =
+            triangles.triangles.iter().map(|&[a, b, c]| [a, b, c, 0, 0, 0]).collect();
+        let mut border = Vec::new();
+        for shared in sides.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
+            let (a, b, ..) = shared[0];
+            let middle = nodes.len() as u32;
+            nodes.push(0.5 * (nodes[a as usize] + nodes[b as usize]));
+            shared.iter().for_each(|s| elements[s.2 as usize][3 + s.3 as usize] = middle);
+            if let [(_, _, t, k)] = shared {
+                let e = elements[*t as usize];
+                border.push([e[*k as usize], e[(*k as usize + 1) % 3], middle]);
+            }
+        }
+        border.sort_unstable();
+        Self { nodes, elements, border }
+    }
+
+    /// Which connected piece each node belongs to, and how many there are.
+    pub fn pieces(&self) -> (Vec<u32>, usize) {
+        let mut parent: Vec<u32> = (0..self.nodes.len() as u32).collect();
+        fn root(parent: &mut [u32], mut i: u32) -> u32 {
+            while parent[i as usize] != i {
+                parent[i as usize] = parent[parent[i as usize] as usize];
+                i = parent[i as usize];
+            }
+            i
+        }
+        for e in &self.elements {
+            for k in 1..6 {
+                let (a, b) = (root(&mut parent, e[0]), root(&mut parent, e[k]));
+                parent[a.max(b) as usize] = a.min(b);
+            }
+        }
+        let mut number = BTreeMap::new();
+        let piece: Vec<u32> = (0..self.nodes.len() as u32)
+            .map(|i| {
+                let next = number.len() as u32;
+                *number.entry(root(&mut parent, i)).or_insert(next)
+            })
+            .collect();
+        (piece, number.len())
+    }
+
+    /// Length of the border's sides, mm.
+    pub fn border_length_mm(&self, sides: &[[u32; 3]]) -> f64 {
+        sides.iter().map(|&[a, b, _]| self.nodes[a as usize].distance(self.nodes[b as usize])).sum()
+    }
+}
+
+/// The mesh of a region with sides of at most `longest_mm`, finer around small holes.
+///
+/// # Errors
+/// When the region cannot be cut into triangles.
+pub fn mesh_region(
+    region: &Region,
+    longest_mm: f64,
+    shortest_mm: f64,
+) -> Result<PlaneMesh, TriangulationError> {
+    let size = TriangleSize { longest_mm, sides_of_hole: 72, shortest_mm };
+    Ok(PlaneMesh::quadratic(&Triangulation::of(region, &size, &[])?))
+}

@@ -1,0 +1,97 @@
+//! A plate with what holds it, and whether that is enough.
+
+use grainpath_core::DVec2;
+use grainpath_core::math::cross;
+
+use super::plane_mesh::PlaneMesh;
+use crate::sparse::SparseError;
+
+/// Stress from strain xx, yy, xy (doubled), MPa.
+pub type PlaneStiffness = [[f64; 3]; 3];
+
+/// A node held in one direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hold {
+    /// Which node.
+    pub node: u32,
+    /// Unit vector along which it is held.
+    pub along: DVec2,
+    /// Where it is held, mm from where it was.
+    pub displacement_mm: f64,
+}
+
+/// Why a plate cannot be solved.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PlaneError {
+    /// A piece of the part moves freely.
+    #[error("the piece around ({x:.2}, {y:.2}) mm is free to {how}; hold it with another fixture")]
+    Free {
+        /// Where a node of the piece is.
+        x: f64,
+        /// Where a node of the piece is.
+        y: f64,
+        /// "move along x" and the like.
+        how: &'static str,
+    },
+    /// The equations could not be solved.
+    #[error(transparent)]
+    Sparse(#[from] SparseError),
+    /// An element is turned inside out.
+    #[error("element {0} of the mesh is turned inside out")]
+    Inverted(usize),
+}
+
+/// A plate, held and loaded.
+pub struct PlaneProblem<'a> {
+    /// Its mesh.
+    pub mesh: &'a PlaneMesh,
+    /// Thickness, mm.
+    pub thickness_mm: f64,
+    /// Stiffness at a point.
+    pub stiffness: &'a (dyn Fn(DVec2) -> PlaneStiffness + Sync),
+    /// Where it is held.
+    pub holds: &'a [Hold],
+    /// The most the solver may take.
+    pub max_bytes: u64,
+}
+
+/// Refuses pieces that can move as a whole.
+pub(super) fn check_held(problem: &PlaneProblem<'_>) -> Result<(), PlaneError> {
+    let mesh = problem.mesh;
+    let (piece, n_pieces) = mesh.pieces();
+    let mut first = vec![usize::MAX; n_pieces];
+    (0..piece.len()).rev().for_each(|i| first[piece[i] as usize] = i);
+    for p in 0..n_pieces {
+        let centre = mesh.nodes[first[p]];
+        let members = || (0..piece.len()).filter(|&i| piece[i] as usize == p);
+        let size = members().map(|i| mesh.nodes[i].distance(centre)).fold(1e-12, f64::max);
+        // What each hold says of the two shifts and the turn: the Gram matrix must have full rank.
+        let mut gram = [[0.0; 3]; 3];
+        for hold in problem.holds.iter().filter(|h| piece[h.node as usize] as usize == p) {
+            let r = (mesh.nodes[hold.node as usize] - centre) / size;
+            let row = [hold.along.x, hold.along.y, cross(r, hold.along)];
+            for i in 0..3 {
+                (0..3).for_each(|j| gram[i][j] += row[i] * row[j]);
+            }
+        }
+        if let Some(how) = loose(&mut gram) {
+            return Err(PlaneError::Free { x: centre.x, y: centre.y, how });
+        }
+    }
+    Ok(())
+}
+
+/// The first motion that a Gram matrix of holds leaves free, by elimination in the order x, y, turn.
+pub(crate) fn loose(gram: &mut [[f64; 3]; 3]) -> Option<&'static str> {
+    let scale = (gram[0][0] + gram[1][1] + gram[2][2]).max(1e-30);
+    for k in 0..3 {
+        if gram[k][k] < 1e-9 * scale {
+            return Some(["move along x", "move along y", "turn about z"][k]);
+        }
+        for i in k + 1..3 {
+            let f = gram[i][k] / gram[k][k];
+            (0..3).for_each(|j| gram[i][j] -= f * gram[k][j]);
+        }
+    }
+    None
+}

@@ -1,0 +1,199 @@
+//! The equations of a plate: assembled and factored once, solved for any number of load cases.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::DVec2;
+use rayon::prelude::*;
+
+use super::plane_problem::{PlaneError, PlaneProblem, check_held};
+use super::plane_stress::PlaneStress;
+use super::quadratic_triangle as element;
+use crate::sparse::{Cholesky, Symmetric};
+
+/// Displacements of a solved plate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlaneSolution {
+    /// Displacement of every node, mm.
+    pub displacement_mm: Vec<DVec2>,
+    /// Unknowns solved for.
+    pub dofs: usize,
+    /// Length of the residual over that of the loads.
+    pub residual: f64,
+}
+
+const NONE: usize = usize::MAX;
+/// Elements whose stiffness is held at once.
+const CHUNK: usize = 4096;
+
+/// A factored plate: any number of load cases may follow.
+pub struct PlaneSystem<'a> {
+    problem: &'a PlaneProblem<'a>,
+    /// First axis of each held node's own frame; the second is a quarter turn on.
+    frames: BTreeMap<u32, DVec2>,
+    /// Number of each degree of freedom among the free ones.
+    number: Vec<[usize; 2]>,
+    matrix: Symmetric,
+    factor: Cholesky,
+    /// What prescribed displacements put on the right side.
+    prescribed_n: Vec<f64>,
+    /// Prescribed displacement of each node in its frame.
+    prescribed_mm: BTreeMap<u32, DVec2>,
+}
+
+impl<'a> PlaneSystem<'a> {
+    /// Checks that nothing moves freely, assembles and factors.
+    ///
+    /// # Errors
+    /// [`PlaneError`] when a piece is free to move, an element is inverted or the factor is too large.
+    pub fn new(problem: &'a PlaneProblem<'a>) -> Result<Self, PlaneError> {
+        check_held(problem)?;
+        let mesh = problem.mesh;
+        let (mut frames, mut prescribed_mm) = (BTreeMap::new(), BTreeMap::new());
+        let mut held = vec![[false; 2]; mesh.nodes.len()];
+        for hold in problem.holds {
+            let i = hold.node as usize;
+            let e = *frames.entry(hold.node).or_insert(hold.along);
+            let given = prescribed_mm.entry(hold.node).or_insert(DVec2::ZERO);
+            let quarter = DVec2::new(-e.y, e.x);
+            let (c, s) = (hold.along.dot(e), hold.along.dot(quarter));
+            if !held[i][0] {
+                held[i][0] = true;
+                given.x = hold.displacement_mm;
+            } else if s.abs() > 1e-6 && !held[i][1] {
+                held[i][1] = true;
+                given.y = (hold.displacement_mm - c * given.x) / s;
+            }
+        }
+        let mut n = 0;
+        let number: Vec<[usize; 2]> = held
+            .iter()
+            .map(|h| {
+                h.map(|held| {
+                    n += usize::from(!held);
+                    if held { NONE } else { n - 1 }
+                })
+            })
+            .collect();
+        let (matrix, prescribed_n) = assemble(problem, &number, n, &frames, &prescribed_mm)?;
+        let factor = Cholesky::new(&matrix, None, problem.max_bytes)?;
+        Ok(Self { problem, frames, number, matrix, factor, prescribed_n, prescribed_mm })
+    }
+
+    /// Displacements under forces at the nodes, N.
+    pub fn solve(&self, forces_n: &[DVec2]) -> PlaneSolution {
+        let mut rhs = self.prescribed_n.clone();
+        for (i, &f) in forces_n.iter().enumerate() {
+            let f = self.to_frame(i as u32, f);
+            for (k, value) in [f.x, f.y].into_iter().enumerate() {
+                if self.number[i][k] != NONE {
+                    rhs[self.number[i][k]] += value;
+                }
+            }
+        }
+        let mut x = rhs.clone();
+        self.factor.solve(&mut x);
+        let length = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
+        // One step of refinement: the residual is then that of rounding.
+        let difference =
+            |x: &[f64]| -> Vec<f64> { rhs.iter().zip(self.matrix.times(x)).map(|(b, ax)| b - ax).collect() };
+        let mut correction = difference(&x);
+        self.factor.solve(&mut correction);
+        x.iter_mut().zip(correction).for_each(|(x, c)| *x += c);
+        let residual = length(&difference(&x)) / length(&rhs).max(f64::MIN_POSITIVE);
+        let displacement_mm = (0..self.number.len())
+            .map(|i| {
+                let given = self.prescribed_mm.get(&(i as u32)).copied().unwrap_or_default();
+                let part = |k: usize, held: f64| {
+                    if self.number[i][k] == NONE { held } else { x[self.number[i][k]] }
+                };
+                let u = DVec2::new(part(0, given.x), part(1, given.y));
+                match self.frames.get(&(i as u32)) {
+                    Some(e) => u.x * *e + u.y * DVec2::new(-e.y, e.x),
+                    None => u,
+                }
+            })
+            .collect();
+        PlaneSolution { displacement_mm, dofs: x.len(), residual }
+    }
+
+    /// Stress recovered from displacements.
+    pub fn stress(&self, solution: &PlaneSolution) -> PlaneStress {
+        PlaneStress::recovered(self.problem, &solution.displacement_mm)
+    }
+
+    fn to_frame(&self, node: u32, v: DVec2) -> DVec2 {
+        match self.frames.get(&node) {
+            Some(e) => DVec2::new(v.dot(*e), v.dot(DVec2::new(-e.y, e.x))),
+            None => v,
+        }
+    }
+}
+
+fn assemble(
+    problem: &PlaneProblem<'_>,
+    number: &[[usize; 2]],
+    n: usize,
+    frames: &BTreeMap<u32, DVec2>,
+    prescribed_mm: &BTreeMap<u32, DVec2>,
+) -> Result<(Symmetric, Vec<f64>), PlaneError> {
+    let mesh = problem.mesh;
+    let mut pairs: Vec<u64> = Vec::with_capacity(21 * mesh.elements.len());
+    for e in &mesh.elements {
+        for (a, &i) in e.iter().enumerate() {
+            pairs.extend(e[..=a].iter().map(|&j| (u64::from(i.min(j)) << 32) | u64::from(i.max(j))));
+        }
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    let mut matrix = Symmetric { starts: vec![0], ..Symmetric::default() };
+    for column in pairs.chunk_by(|a, b| a >> 32 == b >> 32) {
+        let j = (column[0] >> 32) as usize;
+        for c in (0..2).filter(|&c| number[j][c] != NONE) {
+            for pair in column {
+                let i = (pair & 0xffff_ffff) as usize;
+                let rows = number[i].iter().filter(|&&r| r != NONE && r >= number[j][c]);
+                matrix.rows.extend(rows);
+            }
+            matrix.starts.push(matrix.rows.len());
+        }
+    }
+    matrix.values = vec![0.0; matrix.rows.len()];
+    let mut rhs = vec![0.0; n];
+    for (chunk_idx, chunk) in mesh.elements.chunks(CHUNK).enumerate() {
+        let matrices: Vec<Option<[[f64; 12]; 12]>> = chunk
+            .par_iter()
+            .map(|e| {
+                let corners = e.map(|i| mesh.nodes[i as usize]);
+                let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+                element::stiffness(&corners, &(problem.stiffness)(centre), problem.thickness_mm)
+            })
+            .collect();
+        for (k, (e, ke)) in chunk.iter().zip(matrices).enumerate() {
+            let mut ke = ke.ok_or(PlaneError::Inverted(chunk_idx * CHUNK + k))?;
+            for (a, node) in e.iter().enumerate() {
+                if let Some(axis) = frames.get(node) {
+                    element::turn(&mut ke, a, *axis);
+                }
+            }
+            for a in 0..12 {
+                let row = number[e[a / 2] as usize][a % 2];
+                if row == NONE {
+                    continue;
+                }
+                for b in 0..12 {
+                    let column = number[e[b / 2] as usize][b % 2];
+                    if column == NONE {
+                        let given = prescribed_mm.get(&e[b / 2]).map_or(0.0, |u| u[b % 2]);
+                        rhs[row] -= ke[a][b] * given;
+                    } else if row >= column {
+                        let range = matrix.starts[column]..matrix.starts[column + 1];
+                        if let Ok(at) = matrix.rows[range.clone()].binary_search(&row) {
+                            matrix.values[range.start + at] += ke[a][b];
+                        }
+                    }
+                }
+            }
+        }
+    }
+    Ok((matrix, rhs))
+}

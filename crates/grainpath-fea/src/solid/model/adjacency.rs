@@ -1,0 +1,67 @@
+//! Which tetrahedra share faces and vertices.
+
+use rayon::slice::ParallelSliceMut;
+
+use super::tet_shape::FACES;
+
+/// Faces of one tetrahedron only, wound outwards, with that tetrahedron; in the order of their corners.
+pub(crate) fn boundary(tets: &[[u32; 4]]) -> Vec<([u32; 3], u32)> {
+    let single = |c: &[SortedFace]| (c.len() == 1).then(|| (FACES[c[0].2 as usize], c[0].1));
+    let faces = sorted_faces(tets);
+    let alone = faces.chunk_by(|a, b| a.0 == b.0).filter_map(single);
+    alone.map(|(f, t)| (f.map(|i| tets[t as usize][i]), t)).collect()
+}
+
+/// Corners from low to high, tetrahedron, and which of its faces.
+pub(crate) type SortedFace = ([u32; 3], u32, u8);
+
+/// All faces of all tetrahedra, sorted by their corners.
+pub(crate) fn sorted_faces(tets: &[[u32; 4]]) -> Vec<SortedFace> {
+    let face = |t: u32, f: u8| {
+        let mut key = FACES[f as usize].map(|i| tets[t as usize][i]);
+        key.sort_unstable();
+        (key, t, f)
+    };
+    let mut faces: Vec<SortedFace> =
+        (0..tets.len() as u32).flat_map(|t| (0..4).map(move |f| face(t, f))).collect();
+    faces.par_sort_unstable();
+    faces
+}
+
+/// For each vertex the tetrahedra around it, as offsets into one list.
+pub(crate) fn incidence<const N: usize>(n_vertices: usize, tets: &[[u32; N]]) -> (Vec<u32>, Vec<u32>) {
+    let mut start = vec![0u32; n_vertices + 1];
+    for &v in tets.iter().flatten() {
+        start[v as usize + 1] += 1;
+    }
+    for v in 0..n_vertices {
+        start[v + 1] += start[v];
+    }
+    let mut next = start.clone();
+    let mut around = vec![0; N * tets.len()];
+    for (t, tet) in (0..).zip(tets) {
+        for &v in tet {
+            around[next[v as usize] as usize] = t;
+            next[v as usize] += 1;
+        }
+    }
+    (start, around)
+}
+
+/// For each tetrahedron the lowest one it hangs together with over faces.
+pub(crate) fn pieces_of(tets: &[[u32; 4]]) -> Vec<u32> {
+    let mut parent: Vec<u32> = (0..tets.len() as u32).collect();
+    fn root(parent: &mut [u32], mut i: u32) -> u32 {
+        while parent[i as usize] != i {
+            parent[i as usize] = parent[parent[i as usize] as usize];
+            i = parent[i as usize];
+        }
+        i
+    }
+    let faces = sorted_faces(tets);
+    for pair in faces.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() > 1) {
+        let (a, b) = (root(&mut parent, pair[0].1), root(&mut parent, pair[1].1));
+        parent[a.max(b) as usize] = a.min(b);
+    }
+    (0..tets.len() as u32).map(|t| root(&mut parent, t)).collect()
+}
