@@ -10,6 +10,7 @@ mod bench_fea;
 mod bench_paths;
 mod bench_strength;
 mod fuzz;
+mod hashes;
 mod licences;
 mod photo;
 mod setup;
@@ -20,6 +21,7 @@ use std::process::{Command, ExitCode};
 const USAGE: &str = "usage: cargo xtask <command>
   test             everything CI checks: format, lints, docs, licences, arrows, tests, examples, fuzzers
   test --quick     the same without examples, fuzzers and what needs installing
+  hashes [--write] [--binary PATH]  G-code of small jobs beside the committed hashes
   bench slicing [PART...]  time and memory beside PrusaSlicer and CuraEngine
                    (benchy bunny armadillo plate_holes skull; the skull takes the peers many minutes)
   bench ct [SCAN...]  scans to G-code beside marching cubes, STL and PrusaSlicer (hub engine),
@@ -42,6 +44,7 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["test"] => test(true),
         ["test", "--quick"] => test(false),
+        ["hashes", words @ ..] => hashes::run(words),
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
         ["bench", "continuous"] => bench_continuous::run(),
         ["bench", "paths"] => bench_paths::run(),
@@ -85,6 +88,8 @@ fn test(whole: bool) -> Outcome {
     run(Command::new("cargo")
         .args(["doc", "--workspace", "--no-deps", "--quiet"])
         .env("RUSTDOCFLAGS", "-D warnings"))?;
+    step("G-code hashes");
+    hashes::run(&[])?;
     step("tests");
     // The same cases of property tests on every run; `cargo test` alone draws others.
     run(Command::new("cargo")
@@ -107,10 +112,14 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the repository").to_owned()
 }
 
-/// A program of the release profile, wherever cargo builds.
+/// The folder that cargo builds in.
+fn target() -> PathBuf {
+    std::env::var("CARGO_TARGET_DIR").map_or_else(|_| root().join("target"), PathBuf::from)
+}
+
+/// A program of the release profile.
 fn built(name: &str) -> PathBuf {
-    let target = std::env::var("CARGO_TARGET_DIR").map_or_else(|_| root().join("target"), PathBuf::from);
-    target.join("release").join(name)
+    target().join("release").join(name)
 }
 
 fn cargo(args: &[&str]) -> Outcome {
