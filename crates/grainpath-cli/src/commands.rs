@@ -146,7 +146,7 @@ pub fn read_body(
         parse_mesh(&bytes, Some(&shown)).map_err(|source| grainpath::Error::Mesh { path: shown, source })?
     } else {
         let outline = parse_outline(&bytes, &grainpath::config::outline(settings))
-            .map_err(|source| grainpath::Error::Mesh { path: shown.clone(), source })?;
+            .map_err(|source| grainpath::Error::Outline { path: shown.clone(), source })?;
         grainpath::shape::extruded(outline, grainpath::config::outline_thickness_mm(settings))
             .map_err(|source| grainpath::Error::Shape { path: shown, source })?
     };

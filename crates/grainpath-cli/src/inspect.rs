@@ -10,7 +10,8 @@ use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff
 use grainpath_io::image::{decode, sniff_image};
 use grainpath_io::volume::SampleType;
 use grainpath_io::{
-    Image, MeshFile, OutlineOptions, Samples, parse_mesh, parse_outline, sniff_mesh, sniff_outline,
+    Image, MeshFile, MeshFormat, OutlineOptions, Samples, parse_mesh, parse_outline, sniff_mesh,
+    sniff_outline,
 };
 use serde_json::{Value, json};
 
@@ -58,7 +59,8 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     } else {
         let file = parse_mesh(&bytes, Some(&name));
         let file = file.map_err(|source| grainpath::Error::Mesh { path: name.clone(), source })?;
-        mesh_json(&name, &file)
+        let format = sniff_mesh(&bytes, Some(&name)).map_or("mesh", MeshFormat::name);
+        mesh_json(&name, format, &file)
     };
     files::print(&if args.json { format!("{value}\n") } else { table(&value) });
     Ok(())
@@ -85,7 +87,7 @@ fn dimensions(path: &Path, program: &Program) -> Result<Value, Failure> {
         .map_err(|e| Failure::input(format!("{name}: {e}")))
 }
 
-fn mesh_json(name: &str, file: &MeshFile) -> Value {
+fn mesh_json(name: &str, format: &str, file: &MeshFile) -> Value {
     let all: Vec<MeshHealth> = file.bodies.iter().filter_map(|b| diagnose(&b.mesh)).collect();
     let sum = |f: &dyn Fn(&MeshHealth) -> usize| all.iter().map(f).sum::<usize>();
     let low = all.iter().map(|h| h.bounds.0).reduce(|a, b| a.min(b)).unwrap_or_default();
@@ -107,7 +109,7 @@ fn mesh_json(name: &str, file: &MeshFile) -> Value {
         None => format!("{} (by its size)", grainpath::shape::likely_unit((high - low).max_element()).name()),
     };
     json!({
-        "ok": true, "file": name, "kind": "mesh", "format": file.format.name(),
+        "ok": true, "file": name, "kind": "mesh", "format": format,
         "bodies": file.bodies.len(), "triangles": sum(&|h| h.n_triangles), "vertices": sum(&|h| h.n_vertices),
         "shells": sum(&|h| h.shells), "open_edges": open, "open_edges_after_merging": open_after,
         "nonmanifold_edges": sum(&|h| h.nonmanifold_edges), "badly_wound_edges": sum(&|h| h.badly_wound_edges),
@@ -121,7 +123,7 @@ fn mesh_json(name: &str, file: &MeshFile) -> Value {
 fn outline_json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
     let options = OutlineOptions { unit: None, tolerance_mm: 0.005, even_odd: false };
     let outline = parse_outline(bytes, &options);
-    let outline = outline.map_err(|source| grainpath::Error::Mesh { path: name.to_owned(), source })?;
+    let outline = outline.map_err(|source| grainpath::Error::Outline { path: name.to_owned(), source })?;
     let bounds = outline.region.bounds();
     let round = |v: f64| (v * 1e4).round() / 1e4;
     Ok(json!({

@@ -31,13 +31,13 @@ pub fn support(args: &Support) -> Result<(), Failure> {
     let mut stages: BTreeMap<&str, f64> = BTreeMap::from([("read", read_s)]);
     let shown = args.model.display().to_string();
     let start = Instant::now();
-    let Sliced { mesh, stack, marks, .. } = mesh_and_layers(&settings, file, &diagnostics)
+    let Sliced { mesh, stack, painted, .. } = mesh_and_layers(&settings, file, &diagnostics)
         .map_err(|source| Error::Shape { path: shown, source })?;
     stages.insert("slice", start.elapsed().as_secs_f64());
     let start = Instant::now();
     // The bed limits jobs, which know where the part stands on it.
     let wanted =
-        config::support(&settings, DVec2::ZERO).map(|w| support::SupportSettings { bed: None, marks, ..w });
+        config::support(&settings, DVec2::ZERO).map(|w| support::SupportSettings { bed: None, painted, ..w });
     let wanted = wanted.ok_or_else(|| Failure::usage("support.style should be tree, columns or box"))?;
     let found = support::plan(&mesh, &stack, &wanted, &diagnostics).map_err(Error::from)?;
     stages.insert("support", start.elapsed().as_secs_f64());

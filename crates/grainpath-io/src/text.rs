@@ -1,6 +1,14 @@
 //! Words and numbers out of text, wherever it came from: any line ends, any white space.
 
-use crate::mesh::MeshError;
+/// Why a word of a text file cannot be read. `place` is the line.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum TextError {
+    #[error("{place}: found {found:?} where {expected} should be")]
+    Syntax { place: String, found: String, expected: &'static str },
+    #[error("{place}: the file ends where {expected} should be")]
+    UnexpectedEnd { place: String, expected: &'static str },
+}
 
 /// The bytes from the first that is not white space; a byte order mark is white space.
 pub(crate) fn skip_space(bytes: &[u8]) -> &[u8] {
@@ -124,29 +132,29 @@ impl<'a> Words<'a> {
         self.at >= self.bytes.len()
     }
 
-    pub(crate) fn wrong(&self, found: &[u8], wanted: &'static str) -> MeshError {
+    pub(crate) fn wrong(&self, found: &[u8], expected: &'static str) -> TextError {
         let found: String = String::from_utf8_lossy(&found[..found.len().min(40)]).into_owned();
-        MeshError::Syntax { place: self.place(), found, wanted }
+        TextError::Syntax { place: self.place(), found, expected }
     }
 
     /// The next word as a number.
-    pub(crate) fn number(&mut self, wanted: &'static str) -> Result<f64, MeshError> {
+    pub(crate) fn number(&mut self, expected: &'static str) -> Result<f64, TextError> {
         let Some(word) = self.word() else {
-            return Err(MeshError::UnexpectedEnd { place: self.place(), wanted });
+            return Err(TextError::UnexpectedEnd { place: self.place(), expected });
         };
-        number(word).ok_or_else(|| self.wrong(word, wanted))
+        number(word).ok_or_else(|| self.wrong(word, expected))
     }
 
     /// The next word as a count.
-    pub(crate) fn count(&mut self, wanted: &'static str) -> Result<u64, MeshError> {
+    pub(crate) fn count(&mut self, expected: &'static str) -> Result<u64, TextError> {
         let Some(word) = self.word() else {
-            return Err(MeshError::UnexpectedEnd { place: self.place(), wanted });
+            return Err(TextError::UnexpectedEnd { place: self.place(), expected });
         };
-        whole(word).and_then(|n| u64::try_from(n).ok()).ok_or_else(|| self.wrong(word, wanted))
+        whole(word).and_then(|n| u64::try_from(n).ok()).ok_or_else(|| self.wrong(word, expected))
     }
 
     /// Three numbers as a position.
-    pub(crate) fn position(&mut self) -> Result<[f64; 3], MeshError> {
+    pub(crate) fn position(&mut self) -> Result<[f64; 3], TextError> {
         Ok([self.number("a coordinate")?, self.number("a coordinate")?, self.number("a coordinate")?])
     }
 }

@@ -122,13 +122,17 @@ fn painted_supports_of_3mf_go_where_their_facets_go() {
         r#"<model><resources>{wrong}</resources><build><item objectid="1" transform="1 0 0 0 1 0 0 0 1 0 0 10"/></build></model>"#
     );
     let read = parse_mesh(&zipped(&model), None).expect("a good 3MF");
-    let marks = &read.bodies[0].marks;
+    let painted = &read.bodies[0].painted_supports;
     assert_eq!(
-        marks.enforce.vertices,
+        painted.enforcers.vertices,
         [[0.0, 0.0, 10.0], [0.0, 1.0, 10.0], [1.0, 0.0, 10.0]].map(DVec3::from)
     );
-    assert_eq!((marks.enforce.triangles.len(), marks.block.triangles.len()), (1, 1));
-    assert!(marks.block.vertices.contains(&DVec3::new(0.5, 0.5, 10.0)), "{:?}", marks.block.vertices);
+    assert_eq!((painted.enforcers.triangles.len(), painted.blockers.triangles.len()), (1, 1));
+    assert!(
+        painted.blockers.vertices.contains(&DVec3::new(0.5, 0.5, 10.0)),
+        "{:?}",
+        painted.blockers.vertices
+    );
     assert!(read.warnings.iter().any(|w| w.contains("painted supports")), "{:?}", read.warnings);
 }
 

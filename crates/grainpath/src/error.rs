@@ -3,7 +3,7 @@
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_gcode::GcodeError;
 use grainpath_io::volume::VolumeError;
-use grainpath_io::{ImageError, MeshError};
+use grainpath_io::{ImageError, MeshError, OutlineError};
 
 use crate::fibre::FibreError;
 use crate::grain::GrainError;
@@ -20,6 +20,8 @@ pub enum Error {
     Job(#[from] JobError),
     #[error("{path}: {source}")]
     Mesh { path: String, source: MeshError },
+    #[error("{path}: {source}")]
+    Outline { path: String, source: OutlineError },
     #[error(transparent)]
     Volume(#[from] VolumeError),
     #[error("{path}: {source}")]
@@ -58,6 +60,7 @@ impl Error {
             | Self::Fibre(_)
             | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
             Self::Mesh { .. }
+            | Self::Outline { .. }
             | Self::Volume(_)
             | Self::Image { .. }
             | Self::Grain { .. }

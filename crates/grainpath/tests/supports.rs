@@ -11,7 +11,7 @@ use grainpath::support::cut::count_floating;
 use grainpath::support::tree::{Kind, cones_meet};
 use grainpath::support::{Style, Support, SupportSettings, plan};
 use grainpath_core::{DVec2, DVec3, Diagnostics, LayerStack, TriMesh};
-use grainpath_io::Marks;
+use grainpath_io::PaintedSupports;
 use rayon::prelude::*;
 
 fn meshes() -> Vec<PathBuf> {
@@ -219,23 +219,23 @@ fn what_is_painted_overrides_angles_and_boxes() {
     };
     let everywhere = [DVec3::splat(-100.0), DVec3::splat(100.0)];
     // Held only where painted, though boxes forbid all of it.
-    let held = |marks: Marks| {
+    let held = |marks: PaintedSupports| {
         let (support, ..) = planned(&table(false), |s| {
             s.block = vec![everywhere];
-            s.marks = marks.clone();
+            s.painted = marks.clone();
         });
         support.overhangs
     };
-    let found = held(Marks { enforce: patch([5.0, 5.0], 12.0), ..Marks::default() });
+    let found = held(PaintedSupports { enforcers: patch([5.0, 5.0], 12.0), ..PaintedSupports::default() });
     assert!(found.contacts.len() > 2);
     let inside = |p: DVec3| p.x > 4.99 && p.y > 4.99 && p.x + p.y < 22.01;
     assert!(found.samples.iter().all(|s| inside(s.at)), "{:?}", found.samples);
     // A speck smaller than the grid of samples is not overlooked.
-    let speck = held(Marks { enforce: patch([10.3, 10.3], 0.2), ..Marks::default() });
+    let speck = held(PaintedSupports { enforcers: patch([10.3, 10.3], 0.2), ..PaintedSupports::default() });
     assert_eq!(speck.contacts.len(), 1);
     assert!(speck.contacts[0].at.distance(DVec3::new(10.4, 10.4, 12.0)) < 0.2);
     // Left free where painted, held elsewhere.
-    let (support, ..) = planned(&table(false), |s| s.marks.block = patch([5.0, 5.0], 12.0));
+    let (support, ..) = planned(&table(false), |s| s.painted.blockers = patch([5.0, 5.0], 12.0));
     let samples = &support.overhangs.samples;
     assert!(samples.len() > 100 && samples.iter().all(|s| s.at.x + s.at.y > 21.99 || !inside(s.at)));
 }

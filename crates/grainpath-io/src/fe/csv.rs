@@ -1,6 +1,6 @@
 //! CSV: a point a line with its stress. The header says which column is what; commas, semicolons or tabs part them.
 
-use super::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
+use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
 use crate::text::number;
 
 /// Columns beyond this are not a table of stresses.

@@ -2,8 +2,10 @@
 
 use grainpath_core::{DVec3, math};
 
+use super::element::ElementKind;
+use super::model::Element;
+use super::result::FeResult;
 use super::result::free_faces;
-use super::{Element, ElementKind, FeResult};
 
 /// Natural coordinates may lie outside by this much and the point still counts as inside.
 const INSIDE: f64 = 1e-9;

@@ -1,7 +1,8 @@
 //! CalculiX results (.frd), ASCII and binary: mesh, displacement, stress, whatever else is on nodes.
 
 use super::bytes::{Numbers, Raw, Scalar};
-use super::{ElementKind, FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, array_room, invalid, position};
+use super::element::ElementKind;
+use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, array_room, invalid, position};
 use crate::text::{number, whole};
 
 /// Numbers in a record of a line.

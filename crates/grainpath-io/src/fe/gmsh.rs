@@ -3,9 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::bytes::{Numbers, Scalar};
-use super::{
-    ElementKind, FeArray, FeError, FeFile, FeFormat, Group, MAX_COUNT, On, array_room, invalid, position,
-};
+use super::element::ElementKind;
+use super::model::{FeArray, FeError, FeFile, FeFormat, Group, MAX_COUNT, On, array_room, invalid, position};
 use crate::text::{Words, whole};
 
 /// Sections of results beyond this are damage or malice.

@@ -1,11 +1,9 @@
 //! Abaqus and CalculiX decks (.inp): the mesh, sets, surfaces, linear elastic material, supports and loads.
 
 use super::bytes::Numbers;
-use super::deck::{BodyLoad, FaceLoad, Fixed, Material, PointLoad};
-use super::{
-    Behaviour, Deck, Elastic, ElementKind, FeError, FeFile, FeFormat, Group, Section, Step, array_room,
-    invalid, position,
-};
+use super::deck::{Behaviour, BodyLoad, Deck, Elastic, FaceLoad, Fixed, Material, PointLoad, Section, Step};
+use super::element::ElementKind;
+use super::model::{FeError, FeFile, FeFormat, Group, array_room, invalid, position};
 use crate::text::{number, whole};
 
 /// Keywords that say nothing about the linear problem.

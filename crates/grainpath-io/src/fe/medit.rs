@@ -1,6 +1,7 @@
 //! Medit meshes (.mesh), ASCII: vertices, triangles, quads, tetrahedra, prisms, pyramids and hexahedra.
 
-use super::{ElementKind, FeError, FeFile, FeFormat, MAX_COUNT, invalid, position};
+use super::element::ElementKind;
+use super::model::{FeError, FeFile, FeFormat, MAX_COUNT, invalid, position};
 use crate::text::{Words, number, whole};
 
 pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {

@@ -3,7 +3,7 @@
 use grainpath_core::DVec3;
 use grainpath_core::units::LengthUnit;
 
-use super::{Element, FeArray, FeError, FeFile, FeFormat, On, invalid};
+use super::model::{Element, FeArray, FeError, FeFile, FeFormat, On, invalid};
 use grainpath_core::tensor::von_mises;
 
 /// Peak stresses above this, in MPa, are no printed part's: the unit is wrong.

@@ -1,7 +1,8 @@
 //! Legacy VTK: unstructured grids, ASCII and binary (big end first), cells as before and since version 5.
 
 use super::bytes::Scalar;
-use super::{ElementKind, FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
+use super::element::ElementKind;
+use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
 use crate::text::{Words, number};
 
 /// Cells as VTK lists them; nodes count from `first_node` of the file.

@@ -5,8 +5,8 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
 use super::bytes::{Raw, Scalar, base64, inflate};
+use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
 use super::vtk::{Cells, add_cells};
-use super::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
 use crate::text::{number, skip_space};
 
 /// All arrays of a file together may hold this many numbers, and this many for every byte of the file.
@@ -107,7 +107,7 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<Appended<'_>>), FeError> {
 }
 
 fn attribute(e: &BytesStart<'_>, name: &str) -> Option<String> {
-    crate::threemf::attribute(e, name)
+    crate::xml::attribute(e, name)
 }
 
 impl<'a> Vtu<'a> {

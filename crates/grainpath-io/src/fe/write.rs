@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use grainpath_core::DVec3;
 
-use super::Element;
+use super::model::Element;
 use grainpath_core::tensor::{principal, von_mises};
 
 /// Bytes of a block that is packed by itself, as VTK does.

@@ -3,8 +3,8 @@
 use grainpath_core::DVec2;
 use grainpath_core::math::{acos, atan2, direction, sin_cos};
 
-use super::Line;
-use crate::mesh::MeshError;
+use super::drawing::{Line, MAX_POINTS, OutlineError, invalid};
+use crate::text::TextError;
 
 /// Walks through numbers parted by space and commas, or by nothing where that is plain.
 pub(super) struct Numbers<'a> {
@@ -24,15 +24,15 @@ impl<'a> Numbers<'a> {
         self.bytes.get(self.at).copied()
     }
 
-    fn wrong(&self, wanted: &'static str) -> MeshError {
+    fn wrong(&self, expected: &'static str) -> TextError {
         let place = format!("character {}", self.at + 1);
         let rest = &self.bytes[self.at.min(self.bytes.len())..];
         match rest.first() {
-            None => MeshError::UnexpectedEnd { place, wanted },
+            None => TextError::UnexpectedEnd { place, expected },
             Some(_) => {
                 let end = rest.iter().position(|b| b.is_ascii_whitespace()).unwrap_or(rest.len()).min(20);
                 let found = String::from_utf8_lossy(&rest[..end.max(1)]).into_owned();
-                MeshError::Syntax { place, found, wanted }
+                TextError::Syntax { place, found, expected }
             }
         }
     }
@@ -42,7 +42,7 @@ impl<'a> Numbers<'a> {
         self.peek().is_none()
     }
 
-    pub(super) fn number(&mut self) -> Result<f64, MeshError> {
+    pub(super) fn number(&mut self) -> Result<f64, TextError> {
         self.peek();
         let start = self.at;
         let (mut i, mut dot, mut digits) = (start, false, false);
@@ -74,11 +74,11 @@ impl<'a> Numbers<'a> {
         Ok(value)
     }
 
-    pub(super) fn point(&mut self) -> Result<DVec2, MeshError> {
+    pub(super) fn point(&mut self) -> Result<DVec2, TextError> {
         Ok(DVec2::new(self.number()?, self.number()?))
     }
 
-    fn flag(&mut self) -> Result<bool, MeshError> {
+    fn flag(&mut self) -> Result<bool, TextError> {
         let flag = match self.peek() {
             Some(b'0') => false,
             Some(b'1') => true,
@@ -90,7 +90,7 @@ impl<'a> Numbers<'a> {
 }
 
 /// The lines of path data; curves lie within `tolerance` of their pieces, in the path's own units.
-pub(super) fn lines(data: &str, tolerance: f64) -> Result<Vec<Line>, MeshError> {
+pub(super) fn lines(data: &str, tolerance: f64) -> Result<Vec<Line>, OutlineError> {
     let mut words = Numbers::new(data);
     let mut pen =
         Pen { lines: Vec::new(), at: DVec2::ZERO, start: DVec2::ZERO, control: None, tolerance, n_points: 0 };
@@ -100,15 +100,15 @@ pub(super) fn lines(data: &str, tolerance: f64) -> Result<Vec<Line>, MeshError> 
             command = next;
             words.at += 1;
         } else if command.eq_ignore_ascii_case(&b'z') {
-            return Err(words.wrong("a command"));
+            return Err(words.wrong("a command").into());
         }
         if pen.lines.is_empty() && !command.eq_ignore_ascii_case(&b'm') {
             let place = format!("character {}", words.at);
-            return Err(super::invalid(place, "path data should begin with M"));
+            return Err(invalid(place, "path data should begin with M"));
         }
         pen.draw(command, &mut words)?;
-        if pen.n_points > super::MAX_POINTS {
-            return Err(MeshError::TooMany { what: "points", limit: super::MAX_POINTS as u64 });
+        if pen.n_points > MAX_POINTS {
+            return Err(OutlineError::TooManyPoints);
         }
         // Further pairs after a move are lines.
         command = match command {
@@ -132,7 +132,7 @@ struct Pen {
 }
 
 impl Pen {
-    fn draw(&mut self, command: u8, words: &mut Numbers<'_>) -> Result<(), MeshError> {
+    fn draw(&mut self, command: u8, words: &mut Numbers<'_>) -> Result<(), TextError> {
         let base = if command.is_ascii_lowercase() { self.at } else { DVec2::ZERO };
         let (from, control) = (self.at, self.control.take());
         let mirrored = |cubic: bool| match control {

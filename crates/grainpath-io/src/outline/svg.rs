@@ -5,10 +5,10 @@ use grainpath_core::poly::FillRule;
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
+use super::drawing::{Drawing, Line, OutlineError, OutlineOptions, invalid};
 use super::path::{Numbers, ellipse, lines};
-use super::{Drawing, Line, OutlineOptions, invalid};
-use crate::mesh::MeshError;
-use crate::threemf::attribute;
+
+use crate::xml::attribute;
 
 /// A CSS pixel, mm.
 const PIXEL_MM: f64 = 25.4 / 96.0;
@@ -59,15 +59,15 @@ struct State {
 /// A rule of a style sheet that names one class: the class and its declarations.
 type ClassRule = (String, String);
 
-pub(super) fn read(text: &str, options: &OutlineOptions) -> Result<Drawing, MeshError> {
+pub(super) fn read(text: &str, options: &OutlineOptions) -> Result<Drawing, OutlineError> {
     let mut xml = Reader::from_str(text);
     xml.config_mut().check_end_names = true;
     let mut svg = Svg { drawing: Drawing::default(), stack: Vec::new(), classes: Vec::new(), options };
     let mut in_style = false;
     loop {
         let at = xml.buffer_position();
-        let place = |e: MeshError| match e {
-            MeshError::Invalid { place, problem } if place.is_empty() => {
+        let place = |e: OutlineError| match e {
+            OutlineError::Invalid { place, problem } if place.is_empty() => {
                 invalid(format!("byte {at}"), problem)
             }
             other => other,
@@ -116,7 +116,7 @@ impl Svg<'_> {
         }
     }
 
-    fn element(&mut self, e: &BytesStart<'_>, opens: bool) -> Result<(), MeshError> {
+    fn element(&mut self, e: &BytesStart<'_>, opens: bool) -> Result<(), OutlineError> {
         let name = e.local_name();
         let name = name.as_ref();
         let outer = match self.stack.last() {
@@ -158,7 +158,7 @@ impl Svg<'_> {
     }
 
     /// The page's units to mm, y up from its lower edge.
-    fn page(&mut self, e: &BytesStart<'_>) -> Result<Map, MeshError> {
+    fn page(&mut self, e: &BytesStart<'_>) -> Result<Map, OutlineError> {
         let view = match attribute(e, "viewBox") {
             None => None,
             Some(text) => {
@@ -216,14 +216,14 @@ impl Svg<'_> {
     }
 
     /// A length in the drawing's unit.
-    fn length(&self, e: &BytesStart<'_>, key: &str) -> Result<Option<f64>, MeshError> {
+    fn length(&self, e: &BytesStart<'_>, key: &str) -> Result<Option<f64>, OutlineError> {
         let Some(text) = attribute(e, key) else { return Ok(None) };
         let wrong = || invalid("", format!("{key} = {text:?} should be a length"));
         let (value, unit) = split_length(&text).ok_or_else(wrong)?;
         Ok(Some(value * if unit.is_empty() { 1.0 } else { unit_mm(unit).ok_or_else(wrong)? / PIXEL_MM }))
     }
 
-    fn shape(&mut self, name: &str, e: &BytesStart<'_>, state: &State) -> Result<(), MeshError> {
+    fn shape(&mut self, name: &str, e: &BytesStart<'_>, state: &State) -> Result<(), OutlineError> {
         // Half for the map, half for the grid that regions lie on.
         let tolerance = self.options.tolerance_mm / state.map.stretch().max(1e-12);
         let length = |key: &str| self.length(e, key);
@@ -231,7 +231,7 @@ impl Svg<'_> {
             Some(v) if v < 0.0 => Err(invalid("", format!("<{name}> has {key} {v}, less than nothing"))),
             v => Ok(v),
         };
-        let point = |x: &str, y: &str| -> Result<DVec2, MeshError> {
+        let point = |x: &str, y: &str| -> Result<DVec2, OutlineError> {
             Ok(DVec2::new(length(x)?.unwrap_or(0.0), length(y)?.unwrap_or(0.0)))
         };
         let mut found = match name {
@@ -360,7 +360,7 @@ fn physical(e: &BytesStart<'_>, key: &str) -> Option<f64> {
 }
 
 /// A list of transforms as one map, the last applied first.
-fn transform(text: &str) -> Result<Map, MeshError> {
+fn transform(text: &str) -> Result<Map, OutlineError> {
     let mut map = Map::new([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
     let mut rest = text.trim();
     while !rest.is_empty() {

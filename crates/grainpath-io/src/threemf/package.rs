@@ -6,7 +6,8 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use zip::ZipArchive;
 
-use crate::mesh::MeshError;
+use crate::mesh::model::MeshError;
+use crate::xml::attribute;
 
 /// All parts together may inflate to this.
 const MAX_INFLATED: u64 = 1 << 30;
@@ -163,15 +164,4 @@ fn elements(
         Event::Start(e) | Event::Empty(e) => each(e),
         _ => Ok(()),
     })
-}
-
-/// An attribute's text by its name without prefix.
-pub(crate) fn attribute(element: &BytesStart<'_>, name: &str) -> Option<String> {
-    let mut all = element.attributes();
-    let found =
-        all.with_checks(false).filter_map(Result::ok).find(|a| a.key.local_name().as_ref() == name)?;
-    Some(
-        quick_xml::escape::unescape(&found.value)
-            .map_or_else(|_| found.value.to_string(), |t| t.into_owned()),
-    )
 }

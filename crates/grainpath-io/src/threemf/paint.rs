@@ -4,13 +4,13 @@
 
 use grainpath_core::DVec3;
 
-use crate::mesh::Marks;
+use crate::mesh::model::PaintedSupports;
 
 /// Names of the attribute, with and without prefix, among the slicers that write it.
 pub(super) const ATTRIBUTES: [&str; 3] = ["slic3rpe:custom_supports", "paint_supports", "custom_supports"];
 
 /// Adds what is painted on a triangle to the marks; `None` when the digits do not say it whole.
-pub(super) fn decode(digits: &[u8], corners: [DVec3; 3], marks: &mut Marks) -> Option<()> {
+pub(super) fn decode(digits: &[u8], corners: [DVec3; 3], painted: &mut PaintedSupports) -> Option<()> {
     let mut digits = digits.iter().rev().map(|&d| char::from(d).to_digit(16));
     let mut left = vec![corners];
     while let Some(triangle) = left.pop() {
@@ -19,8 +19,8 @@ pub(super) fn decode(digits: &[u8], corners: [DVec3; 3], marks: &mut Marks) -> O
         if halved == 0 {
             let mark = if high == 3 { digits.next()?? + 3 } else { high };
             let to = match mark {
-                1 => &mut marks.enforce,
-                2 => &mut marks.block,
+                1 => &mut painted.enforcers,
+                2 => &mut painted.blockers,
                 _ => continue,
             };
             let first = to.vertices.len() as u32;
@@ -46,8 +46,8 @@ mod tests {
     const CORNERS: [DVec3; 3] = [DVec3::ZERO, DVec3::new(8.0, 0.0, 0.0), DVec3::new(0.0, 8.0, 0.0)];
 
     fn painted(digits: &str) -> Option<(f64, f64)> {
-        let mut marks = Marks::default();
-        decode(digits.as_bytes(), CORNERS, &mut marks)?;
+        let mut painted = PaintedSupports::default();
+        decode(digits.as_bytes(), CORNERS, &mut painted)?;
         let area = |m: &grainpath_core::TriMesh| {
             let of = |t: &[u32; 3]| {
                 let [a, b, c] = t.map(|i| m.vertices[i as usize]);
@@ -55,7 +55,7 @@ mod tests {
             };
             m.triangles.iter().map(of).sum()
         };
-        Some((area(&marks.enforce), area(&marks.block)))
+        Some((area(&painted.enforcers), area(&painted.blockers)))
     }
 
     #[test]

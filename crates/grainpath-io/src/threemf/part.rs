@@ -6,10 +6,13 @@ use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, TriMesh};
 use quick_xml::events::{BytesStart, Event};
 
-use super::package::{Package, attribute, events, invalid};
-use super::{Transform, paint};
-use crate::mesh::{Marks, MeshError, SoupBuilder, checked};
+use super::package::{Package, events, invalid};
+use super::paint;
+use super::transform::Transform;
+use crate::mesh::model::{MeshError, PaintedSupports, SoupBuilder};
+use crate::position::checked;
 use crate::text::{number, whole};
+use crate::xml::attribute;
 
 /// Names of metadata that need no prefix.
 const METADATA: [&str; 9] = [
@@ -34,7 +37,7 @@ pub(crate) struct Component {
 
 #[derive(Debug)]
 pub(crate) enum Content {
-    Mesh(TriMesh, Marks),
+    Mesh(TriMesh, PaintedSupports),
     Components(Vec<Component>),
 }
 
@@ -214,15 +217,15 @@ impl Builder {
     fn end_object(&mut self) {
         let Some(current) = self.current.take() else { return };
         let body = current.soup.finish(None);
-        let mut marks = Marks::default();
+        let mut painted = PaintedSupports::default();
         for (triangle, digits) in &current.painted {
             let corners = triangle.map(|i| body.mesh.vertices[i as usize]);
-            if paint::decode(digits, corners, &mut marks).is_none() {
+            if paint::decode(digits, corners, &mut painted).is_none() {
                 self.warn("a triangle whose painted supports cannot be read");
             }
         }
         let content = if current.components.is_empty() {
-            Content::Mesh(body.mesh, marks)
+            Content::Mesh(body.mesh, painted)
         } else {
             Content::Components(current.components)
         };

@@ -207,7 +207,7 @@ fn plan_stack(
     mut clock: Clock,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
-    let Sliced { stack, mesh, lowered_mm, marks, scan } = sliced;
+    let Sliced { stack, mesh, lowered_mm, painted, scan } = sliced;
     let part = part_bounds(&stack);
     let plate_from_part_mm = plate_from_part(settings, part);
     check_bed(settings, &stack, part, plate_from_part_mm)?;
@@ -224,7 +224,7 @@ fn plan_stack(
     }
     let support = match config::support(settings, plate_from_part_mm.truncate()) {
         Some(wanted) => {
-            let wanted = SupportSettings { marks, ..wanted };
+            let wanted = SupportSettings { painted, ..wanted };
             Some(support::plan(&mesh, &stack, &wanted, diagnostics)?)
         }
         None => None,

@@ -2,7 +2,7 @@
 
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, Layer, LayerStack, TriMesh};
-use grainpath_io::{Marks, MeshFile};
+use grainpath_io::{MeshFile, PaintedSupports};
 
 use crate::config;
 use crate::error::Error;
@@ -18,8 +18,8 @@ pub struct Sliced {
     pub mesh: TriMesh,
     /// How far it was lowered to stand on the plate, mm.
     pub lowered_mm: f64,
-    /// What is painted on its surface.
-    pub marks: Marks,
+    /// Support enforcers and blockers painted on its surface.
+    pub painted: PaintedSupports,
     pub(super) scan: Option<shape::ct::CtReport>,
 }
 
@@ -33,39 +33,39 @@ pub fn mesh_and_layers(
     diagnostics: &Diagnostics,
 ) -> Result<Sliced, shape::ShapeError> {
     let (mut bodies, mut lowered_mm) = place_bodies(settings, file, diagnostics)?;
-    let block = bodies.pop().unwrap_or_default();
-    let enforce = bodies.pop().unwrap_or_default();
-    let mut marks = Marks { enforce, block };
+    let blockers = bodies.pop().unwrap_or_default();
+    let enforcers = bodies.pop().unwrap_or_default();
+    let mut painted = PaintedSupports { enforcers, blockers };
     if settings.support.style != "none" {
         let lift = settings.support.lift_mm;
-        let all = bodies.iter_mut().chain(marks.each_mut());
+        let all = bodies.iter_mut().chain(painted.each_mut());
         all.flat_map(|b| &mut b.vertices).for_each(|p| p.z += lift);
         lowered_mm -= lift;
     }
     let mesh = shape::mend(bodies, config::repair(settings), diagnostics)?;
     let stack = shape::slice(&mesh, &config::slicing(settings), diagnostics)?;
-    Ok(Sliced { stack, mesh, lowered_mm, marks, scan: None })
+    Ok(Sliced { stack, mesh, lowered_mm, painted, scan: None })
 }
 
-/// The bodies of a file in millimetres on the plate, last what is painted on them, held and left free; and how far they
-/// were lowered to stand there.
+/// The bodies of a file in millimetres on the plate, followed by the painted support enforcers and blockers; and how far
+/// they were lowered to stand there.
 fn place_bodies(
     settings: &Settings,
     file: MeshFile,
     diagnostics: &Diagnostics,
 ) -> Result<(Vec<TriMesh>, f64), shape::ShapeError> {
     file.warnings.iter().for_each(|w| diagnostics.warn(format!("mesh: {w}")));
-    let mut marks = Marks::default();
+    let mut painted = PaintedSupports::default();
     let mut bodies = Vec::with_capacity(file.bodies.len() + 2);
     for mut body in file.bodies {
-        for (all, more) in marks.each_mut().into_iter().zip(body.marks.each_mut()) {
+        for (all, more) in painted.each_mut().into_iter().zip(body.painted_supports.each_mut()) {
             let first = all.vertices.len() as u32;
             all.vertices.append(&mut more.vertices);
             all.triangles.extend(more.triangles.iter().map(|t| t.map(|i| i + first)));
         }
         bodies.push(body.mesh);
     }
-    bodies.extend([marks.enforce, marks.block]);
+    bodies.extend([painted.enforcers, painted.blockers]);
     let mut placement = config::placement(settings);
     let bounds = bodies.iter().filter_map(TriMesh::bounds);
     let all = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(shape::ShapeError::Empty)?;

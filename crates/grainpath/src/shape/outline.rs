@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use grainpath_core::triangulation::{Triangulation, TriangulationError};
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{Region, TriMesh};
-use grainpath_io::{Body, MeshFile, MeshFormat, Outline};
+use grainpath_io::{MeshBody, MeshFile, Outline};
 
 use super::ShapeError;
 
@@ -17,8 +17,7 @@ pub fn extruded(outline: Outline, thickness_mm: f64) -> Result<MeshFile, ShapeEr
     let mut mesh = TriMesh::default();
     prism(&outline.region, 0.0, thickness_mm, &mut mesh)?;
     Ok(MeshFile {
-        format: MeshFormat::Outline,
-        bodies: vec![Body { mesh, ..Body::default() }],
+        bodies: vec![MeshBody { mesh, ..MeshBody::default() }],
         unit: Some(LengthUnit::Millimetre),
         warnings: outline.warnings,
     })

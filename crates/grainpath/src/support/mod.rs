@@ -14,7 +14,7 @@ pub mod tree;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, TriMesh};
-use grainpath_io::Marks;
+use grainpath_io::PaintedSupports;
 
 use clearance::Clearance;
 use cut::{Layers, SupportLayer};
@@ -92,8 +92,8 @@ pub struct SupportSettings {
     pub enforce_facets: Vec<u32>,
     /// These facets are not held.
     pub block_facets: Vec<u32>,
-    /// What is painted on the part, likewise.
-    pub marks: Marks,
+    /// Support enforcers and blockers painted on the part, in part coordinates.
+    pub painted: PaintedSupports,
     /// Thickness of the first layer.
     pub first_layer_mm: f64,
     /// Where feet may stand, part coordinates; `None` for no limit.
@@ -129,7 +129,7 @@ impl Default for SupportSettings {
             block: Vec::new(),
             enforce_facets: Vec::new(),
             block_facets: Vec::new(),
-            marks: Marks::default(),
+            painted: PaintedSupports::default(),
             first_layer_mm: 0.2,
             bed: None,
         }

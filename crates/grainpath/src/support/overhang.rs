@@ -8,7 +8,7 @@ use grainpath_core::math::sin;
 use grainpath_core::mesh::EdgeUses;
 use grainpath_core::poly::LineClipper;
 use grainpath_core::{DVec2, DVec3, LayerStack, Polygon, Region, TriMesh};
-use grainpath_io::Marks;
+use grainpath_io::PaintedSupports;
 use rayon::prelude::*;
 
 use super::SupportSettings;
@@ -88,7 +88,7 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
             }
         }
     }
-    let painted = Painted::new(mesh, &settings.marks);
+    let painted = Painted::new(mesh, &settings.painted);
     let beyond = |t: usize| -> bool {
         let middle = middle(mesh, t as u32);
         let beyond = -normals[t].z > steep || (-normals[t].z > 0.02 && settings.enforced(middle));
@@ -102,7 +102,8 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
     let hanging: Vec<bool> = (0..mesh.triangles.len()).into_par_iter().map(hangs).collect();
     // What is painted overrides what the facet is, point by point.
     let held_at = |t: u32, p: DVec3| {
-        Painted::covers(&painted.enforce, p) || (beyond(t as usize) && !Painted::covers(&painted.block, p))
+        Painted::covers(&painted.enforcers, p)
+            || (beyond(t as usize) && !Painted::covers(&painted.blockers, p))
     };
     let edges = EdgeUses::of(mesh);
     let region = regions(mesh, &edges, &hanging);
@@ -144,38 +145,38 @@ fn normal(mesh: &TriMesh, t: [u32; 3]) -> DVec3 {
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// What is painted on the part.
+/// Support enforcers and blockers painted on the part, with indices to find them by place.
 struct Painted<'a> {
-    marks: &'a Marks,
-    enforce: Bvh,
-    block: Bvh,
-    /// The marks for holding on each facet.
+    facets: &'a PaintedSupports,
+    enforcers: Bvh,
+    blockers: Bvh,
+    /// Indices of the painted enforcers that lie on each facet of the part.
     on: BTreeMap<u32, Vec<u32>>,
 }
 
 impl<'a> Painted<'a> {
-    /// Marks lie this near the surface, mm: transforms and welding move them a little.
+    /// Painted facets lie this near the surface, mm: transforms and welding move them a little.
     const NEAR_MM: f64 = 2e-3;
 
-    fn new(mesh: &TriMesh, marks: &'a Marks) -> Self {
+    fn new(mesh: &TriMesh, facets: &'a PaintedSupports) -> Self {
         let mut on: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        if !marks.enforce.triangles.is_empty() {
+        if !facets.enforcers.triangles.is_empty() {
             let surface = Bvh::new(mesh);
-            for mark in 0..marks.enforce.triangles.len() as u32 {
-                let under = surface.closest_point(middle(&marks.enforce, mark), Self::NEAR_MM);
+            for enforcer in 0..facets.enforcers.triangles.len() as u32 {
+                let under = surface.closest_point(middle(&facets.enforcers, enforcer), Self::NEAR_MM);
                 if let Some(under) = under {
-                    on.entry(under.triangle).or_default().push(mark);
+                    on.entry(under.triangle).or_default().push(enforcer);
                 }
             }
         }
-        Self { marks, enforce: Bvh::new(&marks.enforce), block: Bvh::new(&marks.block), on }
+        Self { facets, enforcers: Bvh::new(&facets.enforcers), blockers: Bvh::new(&facets.blockers), on }
     }
 
-    fn covers(marks: &Bvh, p: DVec3) -> bool {
-        marks.closest_point(p, Self::NEAR_MM).is_some()
+    fn covers(facets: &Bvh, p: DVec3) -> bool {
+        facets.closest_point(p, Self::NEAR_MM).is_some()
     }
 
-    /// Marks between the points of the grid are held at their middles, one to a cell.
+    /// Adds a sample in the middle of each enforcer that the grid of samples missed, at most one to a cell.
     fn add_missed(&self, facets: &[u32], normals: &[DVec3], pitch_mm: f64, samples: &mut Vec<Sample>) {
         if self.on.is_empty() {
             return;
@@ -183,8 +184,8 @@ impl<'a> Painted<'a> {
         let cell = |p: DVec3| (p / pitch_mm).round().to_array().map(|v| v as i64);
         let mut seen: BTreeSet<[i64; 3]> = samples.iter().map(|s| cell(s.at)).collect();
         for t in facets {
-            for &mark in self.on.get(t).into_iter().flatten() {
-                let at = middle(&self.marks.enforce, mark);
+            for &enforcer in self.on.get(t).into_iter().flatten() {
+                let at = middle(&self.facets.enforcers, enforcer);
                 if seen.insert(cell(at)) {
                     samples.push(Sample { at, normal: normals[*t as usize], area_mm2: pitch_mm * pitch_mm });
                 }
@@ -276,10 +277,10 @@ fn sample_region(
         }
     }
     let small = (high - low).max_element() < settings.min_overhang_mm;
-    if small && !samples.iter().any(|s| Painted::covers(&painted.enforce, s.at)) {
+    if small && !samples.iter().any(|s| Painted::covers(&painted.enforcers, s.at)) {
         return None;
     }
-    samples.retain(|s| !settings.blocked(s.at) || Painted::covers(&painted.enforce, s.at));
+    samples.retain(|s| !settings.blocked(s.at) || Painted::covers(&painted.enforcers, s.at));
     Some(samples)
 }
 

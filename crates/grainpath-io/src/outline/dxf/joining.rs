@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use grainpath_core::{Bounds2, DVec2};
 
-use crate::outline::{Line, SAME_MM};
+use crate::outline::drawing::{Line, SAME_MM};
 
 /// Ends of lines and arcs nearer than this are joined, mm.
 pub(super) const JOINED_MM: f64 = 0.01;

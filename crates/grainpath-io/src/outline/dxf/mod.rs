@@ -15,9 +15,9 @@ use grainpath_core::units::LengthUnit;
 
 use self::joining::{JOINED_MM, ends, joined, likeness};
 use self::spline::{MAX_DEGREE, Spline};
+use super::drawing::{Drawing, Line, MAX_POINTS, OutlineError, OutlineOptions, invalid};
 use super::path::pieces;
-use super::{Drawing, Line, MAX_POINTS, OutlineOptions, invalid};
-use crate::mesh::MeshError;
+use crate::text::TextError;
 use crate::text::skip_space;
 
 /// Whether these bytes begin like a DXF drawing as text.
@@ -36,7 +36,7 @@ pub(super) fn is_binary(bytes: &[u8]) -> bool {
     bytes.starts_with(b"AutoCAD Binary DXF")
 }
 
-pub(super) fn read(bytes: &[u8], options: &OutlineOptions) -> Result<Drawing, MeshError> {
+pub(super) fn read(bytes: &[u8], options: &OutlineOptions) -> Result<Drawing, OutlineError> {
     let bytes = skip_space(bytes);
     let mut records = Records { pairs: Pairs { bytes, line: 0 }, next: None };
     let mut dxf =
@@ -97,7 +97,7 @@ impl<'a> Pairs<'a> {
 }
 
 impl<'a> Iterator for Pairs<'a> {
-    type Item = Result<Pair<'a>, MeshError>;
+    type Item = Result<Pair<'a>, OutlineError>;
 
     fn next(&mut self) -> Option<Self::Item> {
         let code = self.text_line()?;
@@ -109,15 +109,15 @@ impl<'a> Iterator for Pairs<'a> {
         let Some(code) = number else { return Some(Err(syntax(line, code, "a group code"))) };
         let Some(value) = self.text_line() else {
             let place = format!("line {line}");
-            return Some(Err(MeshError::UnexpectedEnd { place, wanted: "a value" }));
+            return Some(Err(TextError::UnexpectedEnd { place, expected: "a value" }.into()));
         };
         Some(Ok(Pair { line: line + 1, code, value }))
     }
 }
 
-fn syntax(line: usize, found: &[u8], wanted: &'static str) -> MeshError {
+fn syntax(line: usize, found: &[u8], expected: &'static str) -> OutlineError {
     let found = String::from_utf8_lossy(&found[..found.len().min(20)]).into_owned();
-    MeshError::Syntax { place: format!("line {line}"), found, wanted }
+    TextError::Syntax { place: format!("line {line}"), found, expected }.into()
 }
 
 /// What follows a code 0, up to the next.
@@ -133,39 +133,39 @@ impl<'a> Record<'a> {
         self.pairs.iter().rfind(|p| p.code == code).map_or(b"", |p| p.value)
     }
 
-    fn number(&self, code: i32) -> Result<Option<f64>, MeshError> {
+    fn number(&self, code: i32) -> Result<Option<f64>, OutlineError> {
         self.pairs.iter().rfind(|p| p.code == code).map(Pair::number).transpose()
     }
 
-    fn or(&self, code: i32, other: f64) -> Result<f64, MeshError> {
+    fn or(&self, code: i32, other: f64) -> Result<f64, OutlineError> {
         Ok(self.number(code)?.unwrap_or(other))
     }
 
     /// A whole number, 0 when it is not given.
-    fn whole(&self, code: i32) -> Result<i64, MeshError> {
+    fn whole(&self, code: i32) -> Result<i64, OutlineError> {
         Ok(self.or(code, 0.0)? as i64)
     }
 
-    fn needed(&self, code: i32, wanted: &'static str) -> Result<f64, MeshError> {
+    fn needed(&self, code: i32, expected: &'static str) -> Result<f64, OutlineError> {
         let missing = || {
             let kind = String::from_utf8_lossy(self.kind);
-            invalid(format!("line {}", self.line), format!("{kind} lacks {wanted} (code {code})"))
+            invalid(format!("line {}", self.line), format!("{kind} lacks {expected} (code {code})"))
         };
         self.number(code)?.ok_or_else(missing)
     }
 
-    fn point(&self, code: i32, wanted: &'static str) -> Result<DVec2, MeshError> {
-        Ok(DVec2::new(self.needed(code, wanted)?, self.needed(code + 10, wanted)?))
+    fn point(&self, code: i32, expected: &'static str) -> Result<DVec2, OutlineError> {
+        Ok(DVec2::new(self.needed(code, expected)?, self.needed(code + 10, expected)?))
     }
 
     /// All values of codes that come again and again.
-    fn numbers(&self, code: i32) -> Result<Vec<f64>, MeshError> {
+    fn numbers(&self, code: i32) -> Result<Vec<f64>, OutlineError> {
         self.pairs.iter().filter(|p| p.code == code).map(Pair::number).collect()
     }
 }
 
 impl Pair<'_> {
-    fn number(&self) -> Result<f64, MeshError> {
+    fn number(&self) -> Result<f64, OutlineError> {
         let value = std::str::from_utf8(self.value).ok().and_then(|v| v.parse::<f64>().ok());
         value.filter(|v| v.is_finite()).ok_or_else(|| syntax(self.line, self.value, "a number"))
     }
@@ -178,7 +178,7 @@ struct Records<'a> {
 
 impl<'a> Records<'a> {
     /// Reads the next record into `out`; false at the end of the file.
-    fn read(&mut self, out: &mut Record<'a>) -> Result<bool, MeshError> {
+    fn read(&mut self, out: &mut Record<'a>) -> Result<bool, OutlineError> {
         out.pairs.clear();
         // Comments may come before the first record.
         while self.next.is_none() {
@@ -201,7 +201,7 @@ impl<'a> Records<'a> {
 }
 
 /// What one unit of the drawing is, where its header says so.
-fn unit(header: &Record<'_>) -> Result<Option<LengthUnit>, MeshError> {
+fn unit(header: &Record<'_>) -> Result<Option<LengthUnit>, OutlineError> {
     let Some(at) = header.pairs.iter().position(|p| p.code == 9 && p.value == b"$INSUNITS") else {
         return Ok(None);
     };
@@ -246,7 +246,7 @@ impl Dxf<'_> {
         self.options.unit.or(self.unit).map_or(1.0, LengthUnit::mm)
     }
 
-    fn entity(&mut self, record: &Record<'_>, drawing: &mut Drawing) -> Result<(), MeshError> {
+    fn entity(&mut self, record: &Record<'_>, drawing: &mut Drawing) -> Result<(), OutlineError> {
         match (record.kind, &mut self.polyline) {
             (b"VERTEX", Some(polyline)) => {
                 // Points of the frame around a smoothed line are not on it.
@@ -327,10 +327,10 @@ impl Dxf<'_> {
         Ok(())
     }
 
-    fn push(&mut self, mut points: Vec<DVec2>, closed: bool, mirrored: bool) -> Result<(), MeshError> {
+    fn push(&mut self, mut points: Vec<DVec2>, closed: bool, mirrored: bool) -> Result<(), OutlineError> {
         self.n_points += points.len();
         if self.n_points > MAX_POINTS {
-            return Err(MeshError::TooMany { what: "points", limit: MAX_POINTS as u64 });
+            return Err(OutlineError::TooManyPoints);
         }
         if mirrored {
             points.iter_mut().for_each(|p| p.x = -p.x);
@@ -351,7 +351,7 @@ impl Dxf<'_> {
         y: DVec2,
         [from, to]: [f64; 2],
         mirrored: bool,
-    ) -> Result<(), MeshError> {
+    ) -> Result<(), OutlineError> {
         let turn = (to - from).rem_euclid(TAU);
         let whole = !(1e-9..=TAU - 1e-9).contains(&turn);
         let turn = if whole { TAU } else { turn };
@@ -368,7 +368,7 @@ impl Dxf<'_> {
     }
 
     /// Straight sides and arcs.
-    fn polygon(&mut self, vertices: &[Vertex], closed: bool, mirrored: bool) -> Result<(), MeshError> {
+    fn polygon(&mut self, vertices: &[Vertex], closed: bool, mirrored: bool) -> Result<(), OutlineError> {
         let mut points = Vec::with_capacity(vertices.len());
         for (k, &(p, bulge)) in vertices.iter().enumerate() {
             points.push(p);
@@ -389,13 +389,13 @@ impl Dxf<'_> {
             let at = |i: usize| centre + radius * direction(start + turn * i as f64 / n as f64);
             points.extend((1..n).map(at));
             if points.len() > MAX_POINTS {
-                return Err(MeshError::TooMany { what: "points", limit: MAX_POINTS as u64 });
+                return Err(OutlineError::TooManyPoints);
             }
         }
         self.push(points, closed, mirrored)
     }
 
-    fn spline(&mut self, record: &Record<'_>, drawing: &mut Drawing) -> Result<(), MeshError> {
+    fn spline(&mut self, record: &Record<'_>, drawing: &mut Drawing) -> Result<(), OutlineError> {
         let degree = record.or(71, 3.0)?;
         let (knots, weights) = (record.numbers(40)?, record.numbers(41)?);
         let (xs, ys) = (record.numbers(10)?, record.numbers(20)?);
@@ -428,13 +428,12 @@ impl Dxf<'_> {
         let control: Vec<[f64; 3]> = (0..points.len()).map(weighted).collect();
         let spline = Spline { degree, knots: &knots, control: &control, tolerance: self.tolerance() };
         let room = MAX_POINTS.saturating_sub(self.n_points);
-        let line =
-            spline.points(room).ok_or(MeshError::TooMany { what: "points", limit: MAX_POINTS as u64 })?;
+        let line = spline.points(room).ok_or(OutlineError::TooManyPoints)?;
         self.push(line, false, false)
     }
 
     /// Joins lines to closed ones and hands all over, in mm.
-    fn finish(self, mut drawing: Drawing) -> Result<Drawing, MeshError> {
+    fn finish(self, mut drawing: Drawing) -> Result<Drawing, OutlineError> {
         if self.options.unit.or(self.unit).is_none() {
             drawing.warn(
                 "the drawing states no unit (or one that is not read); it is taken for mm (shape.unit says otherwise)".into(),
@@ -464,7 +463,7 @@ impl Dxf<'_> {
         }
         all.extend(joined(open));
         drawing.add(all, None).map_err(|e| match e {
-            MeshError::Invalid { problem, .. } => invalid("the drawing", problem),
+            OutlineError::Invalid { problem, .. } => invalid("the drawing", problem),
             other => other,
         })?;
         Ok(drawing)

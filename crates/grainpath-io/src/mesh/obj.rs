@@ -1,8 +1,7 @@
 //! Wavefront OBJ: vertices and faces; materials, normals and texture coordinates are passed over.
 
-use grainpath_core::TriMesh;
-
-use crate::mesh::{Body, MAX_ELEMENTS, MeshError, MeshFile, MeshFormat, SoupBuilder, checked, triangulate};
+use super::model::{MAX_ELEMENTS, MeshError, MeshFile, SoupBuilder, triangulate};
+use crate::position::checked;
 use crate::text::{Words, whole};
 
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
@@ -44,7 +43,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         }
     }
     let body = soup.finish(None);
-    Ok(MeshFile { format: MeshFormat::Obj, bodies: vec![body], unit: None, warnings: Vec::new() })
+    Ok(MeshFile { bodies: vec![body], unit: None, warnings: Vec::new() })
 }
 
 /// The vertex of a corner `v`, `v/vt`, `v//vn` or `v/vt/vn`; negative numbers count from the last.
@@ -57,14 +56,4 @@ fn vertex(corner: &[u8], merged: &[u32], words: &Words<'_>) -> Result<u32, MeshE
         index,
         n_vertices: merged.len(),
     })
-}
-
-/// A body out of indexed faces as OFF and PLY have them, equal vertices merged.
-pub(crate) fn merge(mesh: TriMesh) -> Result<Body, MeshError> {
-    let mut soup = SoupBuilder::with_capacity(mesh.triangles.len());
-    let merged = mesh.vertices.iter().map(|&p| soup.index(p)).collect::<Result<Vec<u32>, MeshError>>()?;
-    for t in mesh.triangles {
-        soup.push(t.map(|i| merged[i as usize]))?;
-    }
-    Ok(soup.finish(None))
 }

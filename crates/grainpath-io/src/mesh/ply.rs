@@ -2,8 +2,9 @@
 
 use grainpath_core::TriMesh;
 
-use crate::mesh::{MAX_ELEMENTS, MeshError, MeshFile, MeshFormat, checked, triangulate};
-use crate::text::Words;
+use super::model::{MAX_ELEMENTS, MeshError, MeshFile, merge, triangulate};
+use crate::position::checked;
+use crate::text::{TextError, Words};
 
 #[derive(Clone, Copy, PartialEq)]
 enum Encoding {
@@ -90,8 +91,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         triangulate(face, |i| mesh.vertices[i as usize], |t| mesh.triangles.push(t));
         rest = after;
     }
-    let body = crate::obj::merge(mesh)?;
-    Ok(MeshFile { format: MeshFormat::Ply, bodies: vec![body], unit: None, warnings: Vec::new() })
+    let body = merge(mesh)?;
+    Ok(MeshFile { bodies: vec![body], unit: None, warnings: Vec::new() })
 }
 
 fn header(words: &mut Words<'_>) -> Result<(Encoding, Vec<Element>), MeshError> {
@@ -100,7 +101,7 @@ fn header(words: &mut Words<'_>) -> Result<(Encoding, Vec<Element>), MeshError> 
     loop {
         let keyword = words
             .word()
-            .ok_or_else(|| MeshError::UnexpectedEnd { place: words.place(), wanted: "`end_header`" })?;
+            .ok_or_else(|| TextError::UnexpectedEnd { place: words.place(), expected: "`end_header`" })?;
         match keyword {
             b"format" => {
                 let word = words.word_on_line().unwrap_or_default();
@@ -109,9 +110,9 @@ fn header(words: &mut Words<'_>) -> Result<(Encoding, Vec<Element>), MeshError> 
                     b"binary_little_endian" => Encoding::Little,
                     b"binary_big_endian" => Encoding::Big,
                     _ => {
-                        return Err(
-                            words.wrong(word, "`ascii` or `binary_little_endian` or `binary_big_endian`")
-                        );
+                        return Err(words
+                            .wrong(word, "`ascii` or `binary_little_endian` or `binary_big_endian`")
+                            .into());
                     }
                 });
             }
@@ -146,7 +147,9 @@ fn header(words: &mut Words<'_>) -> Result<(Encoding, Vec<Element>), MeshError> 
             }
             b"end_header" => break,
             b"comment" | b"obj_info" => {}
-            _ => return Err(words.wrong(keyword, "`element`, `property`, `comment` or `end_header`")),
+            _ => {
+                return Err(words.wrong(keyword, "`element`, `property`, `comment` or `end_header`").into());
+            }
         }
         words.next_line();
     }
@@ -197,10 +200,10 @@ impl Data<'_> {
 
     fn scalar(&mut self, scalar: Scalar) -> Result<f64, MeshError> {
         if self.encoding == Encoding::Ascii {
-            return self.words.number("a number");
+            return Ok(self.words.number("a number")?);
         }
         let Some(raw) = self.bytes.get(self.at..self.at + scalar.size) else {
-            return Err(MeshError::UnexpectedEnd { place: self.place(), wanted: "a number" });
+            return Err(TextError::UnexpectedEnd { place: self.place(), expected: "a number" }.into());
         };
         self.at += scalar.size;
         let mut wide = [0u8; 8];

@@ -2,14 +2,15 @@
 
 use grainpath_core::TriMesh;
 
-use crate::mesh::{MAX_ELEMENTS, MeshError, MeshFile, MeshFormat, checked, triangulate};
-use crate::text::{Words, whole};
+use super::model::{MAX_ELEMENTS, MeshError, MeshFile, merge, triangulate};
+use crate::position::checked;
+use crate::text::{TextError, Words, whole};
 
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut words = Words::new(bytes, Some(b'#'));
     let header = words.word().ok_or(MeshError::Empty)?;
     if header.get(header.len().saturating_sub(3)..).is_none_or(|h| !h.eq_ignore_ascii_case(b"OFF")) {
-        return Err(words.wrong(header, "`OFF`"));
+        return Err(words.wrong(header, "`OFF`").into());
     }
     let n_vertices = words.count("the number of vertices")?;
     let n_faces = words.count("the number of faces")?;
@@ -39,9 +40,9 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         }
         face.clear();
         for _ in 0..n {
-            let word = words.word().ok_or_else(|| MeshError::UnexpectedEnd {
+            let word = words.word().ok_or_else(|| TextError::UnexpectedEnd {
                 place: words.place(),
-                wanted: "a vertex number",
+                expected: "a vertex number",
             })?;
             let index = whole(word).ok_or_else(|| words.wrong(word, "a vertex number"))?;
             if index < 0 || index as u64 >= n_vertices {
@@ -56,6 +57,6 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         triangulate(&face, |i| mesh.vertices[i as usize], |t| mesh.triangles.push(t));
         words.next_line();
     }
-    let body = crate::obj::merge(mesh)?;
-    Ok(MeshFile { format: MeshFormat::Off, bodies: vec![body], unit: None, warnings: Vec::new() })
+    let body = merge(mesh)?;
+    Ok(MeshFile { bodies: vec![body], unit: None, warnings: Vec::new() })
 }

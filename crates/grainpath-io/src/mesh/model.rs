@@ -1,8 +1,11 @@
-//! What every mesh reader gives and how it fails.
+//! The result of every mesh reader, its errors, and the builder that the readers share.
 
 use grainpath_core::mesh::VertexWelder;
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, TriMesh};
+
+use crate::position::BadCoordinate;
+use crate::text::TextError;
 
 /// A format meshes are read from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,8 +17,6 @@ pub enum MeshFormat {
     Ply,
     Off,
     ThreeMf,
-    /// Made from a drawing of its section.
-    Outline,
 }
 
 impl MeshFormat {
@@ -28,45 +29,42 @@ impl MeshFormat {
             Self::Ply => "PLY",
             Self::Off => "OFF",
             Self::ThreeMf => "3MF",
-            Self::Outline => "outline",
         }
     }
 }
 
-/// One body of a file: a solid of an ASCII STL, an item of a 3MF build; other formats have one.
+/// One body of a file: a solid of an ASCII STL, an item of a 3MF build. Files of the other formats hold one body.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Body {
-    /// What the file calls it.
+pub struct MeshBody {
+    /// The name that the file gives the body.
     pub name: Option<String>,
-    /// In the file's unit, equal vertices merged.
+    /// The surface in the file's unit; equal vertices are merged.
     pub mesh: TriMesh,
-    /// What is painted on it, in the same place; only 3MF has such marks.
-    pub marks: Marks,
+    /// Support enforcers and blockers painted on the surface, in the file's unit. Only 3MF carries them.
+    pub painted_supports: PaintedSupports,
 }
 
-/// Where supports are wanted and where not, painted on the surface: loose triangles that lie on it.
+/// Facets that a user painted as support enforcers or blockers: loose triangles that lie on the surface of a body.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Marks {
-    /// Held, whatever the angle.
-    pub enforce: TriMesh,
-    /// Not held.
-    pub block: TriMesh,
+pub struct PaintedSupports {
+    /// Facets painted as support enforcers: supports hold them at any overhang angle.
+    pub enforcers: TriMesh,
+    /// Facets painted as support blockers: supports never touch them.
+    pub blockers: TriMesh,
 }
 
-impl Marks {
-    /// Both, for what is done to each alike.
+impl PaintedSupports {
+    /// Enforcers and blockers, for operations that treat both alike.
     pub fn each_mut(&mut self) -> [&mut TriMesh; 2] {
-        [&mut self.enforce, &mut self.block]
+        [&mut self.enforcers, &mut self.blockers]
     }
 }
 
-/// What was read.
+/// The bodies of a part, as a mesh file holds them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshFile {
-    /// What it was read as.
-    pub format: MeshFormat,
     /// At least one, each with triangles.
-    pub bodies: Vec<Body>,
+    pub bodies: Vec<MeshBody>,
     /// The unit the file states; `None` where the format has none.
     pub unit: Option<LengthUnit>,
     /// What was odd but could be read.
@@ -83,12 +81,10 @@ pub enum MeshError {
     Unknown,
     #[error("binary STL is cut short: the header promises {promised} facets, the file holds {held}")]
     Truncated { promised: u64, held: u64 },
-    #[error("{place}: found {found:?} where {wanted} should be")]
-    Syntax { place: String, found: String, wanted: &'static str },
-    #[error("{place}: the file ends where {wanted} should be")]
-    UnexpectedEnd { place: String, wanted: &'static str },
-    #[error("{place}: coordinate {value} is not a finite number below 1e9")]
-    BadCoordinate { place: String, value: f64 },
+    #[error(transparent)]
+    Text(#[from] TextError),
+    #[error(transparent)]
+    BadCoordinate(#[from] BadCoordinate),
     #[error("{place}: vertex {index} does not exist; there are {n_vertices}")]
     NoSuchVertex { place: String, index: i64, n_vertices: usize },
     #[error("{place}: a face of {n} corners; a face needs 3 to 65535")]
@@ -103,76 +99,6 @@ pub enum MeshError {
 
 /// No reader makes more vertices or triangles than this.
 pub(crate) const MAX_ELEMENTS: u64 = 200_000_000;
-/// Coordinates beyond this are damage, whatever the unit.
-const MAX_COORDINATE: f64 = 1e9;
-
-/// Checks a position read from a file.
-pub(crate) fn checked(p: [f64; 3], place: impl Fn() -> String) -> Result<DVec3, MeshError> {
-    match p.into_iter().find(|c| c.is_nan() || c.abs() > MAX_COORDINATE) {
-        Some(value) => Err(MeshError::BadCoordinate { place: place(), value }),
-        None => Ok(DVec3::from(p)),
-    }
-}
-
-/// Reads a mesh of any format. The format is told from the content; `name` (a file name) decides only between text
-/// formats that begin alike.
-///
-/// # Errors
-/// [`MeshError`] with what is wrong and where.
-pub fn parse_mesh(bytes: &[u8], name: Option<&str>) -> Result<MeshFile, MeshError> {
-    if bytes.is_empty() {
-        return Err(MeshError::Empty);
-    }
-    let mut file = match sniff_mesh(bytes, name).ok_or(MeshError::Unknown)? {
-        MeshFormat::StlBinary => crate::stl::read_binary(bytes)?,
-        MeshFormat::StlAscii => crate::stl::read_ascii(bytes)?,
-        MeshFormat::Obj => crate::obj::read(bytes)?,
-        MeshFormat::Ply => crate::ply::read(bytes)?,
-        MeshFormat::Off => crate::off::read(bytes)?,
-        MeshFormat::ThreeMf => crate::threemf::read(bytes)?,
-        MeshFormat::Outline => return Err(MeshError::Unknown),
-    };
-    file.bodies.retain(|b| !b.mesh.triangles.is_empty());
-    if file.bodies.is_empty() {
-        return Err(MeshError::NoTriangles {
-            hints: file.warnings.iter().map(|w| format!("; {w}")).collect(),
-        });
-    }
-    Ok(file)
-}
-
-/// The format of these bytes, if they can be a mesh.
-pub fn sniff_mesh(bytes: &[u8], name: Option<&str>) -> Option<MeshFormat> {
-    let extension = name.and_then(|n| n.rsplit_once('.')).map(|(_, e)| e.to_ascii_lowercase());
-    let is = |e: &str| extension.as_deref() == Some(e);
-    let starts =
-        |word: &str| bytes.get(..word.len()).is_some_and(|b| b.eq_ignore_ascii_case(word.as_bytes()));
-    if starts("PK\x03\x04") {
-        return Some(MeshFormat::ThreeMf);
-    }
-    if starts("ply\n") || starts("ply\r") {
-        return Some(MeshFormat::Ply);
-    }
-    // By size, not by the word: many binary STL headers begin with "solid".
-    if crate::stl::has_binary_size(bytes) {
-        return Some(MeshFormat::StlBinary);
-    }
-    let text = crate::text::skip_space(bytes);
-    let word = |w: &str| text.get(..w.len()).is_some_and(|b| b.eq_ignore_ascii_case(w.as_bytes()));
-    if word("solid") || (is("stl") && word("facet")) {
-        return Some(MeshFormat::StlAscii);
-    }
-    if ["OFF", "COFF", "NOFF", "CNOFF", "STOFF"].iter().any(|w| word(w)) {
-        return Some(MeshFormat::Off);
-    }
-    if is("obj") || ((word("v ") || word("#") || word("o ") || word("mtllib")) && bytes.is_ascii()) {
-        return Some(MeshFormat::Obj);
-    }
-    // What is left cannot be text: a binary STL that was cut short, if the name says so.
-    (is("stl") && bytes.len() < 84 || crate::stl::is_cut_short(bytes, is("stl")))
-        .then_some(MeshFormat::StlBinary)
-}
-
 /// Builds a body out of triangles given by their corners, merging equal ones.
 pub(crate) struct SoupBuilder {
     welder: VertexWelder,
@@ -200,10 +126,20 @@ impl SoupBuilder {
         Ok(())
     }
 
-    pub(crate) fn finish(self, name: Option<String>) -> Body {
+    pub(crate) fn finish(self, name: Option<String>) -> MeshBody {
         let mesh = TriMesh { vertices: self.welder.into_vertices(), triangles: self.triangles };
-        Body { name, mesh, marks: Marks::default() }
+        MeshBody { name, mesh, painted_supports: PaintedSupports::default() }
     }
+}
+
+/// A body out of indexed faces as OFF and PLY have them, equal vertices merged.
+pub(super) fn merge(mesh: TriMesh) -> Result<MeshBody, MeshError> {
+    let mut soup = SoupBuilder::with_capacity(mesh.triangles.len());
+    let merged = mesh.vertices.iter().map(|&p| soup.index(p)).collect::<Result<Vec<u32>, MeshError>>()?;
+    for t in mesh.triangles {
+        soup.push(t.map(|i| merged[i as usize]))?;
+    }
+    Ok(soup.finish(None))
 }
 
 /// Cuts a face with any number of corners into triangles: a fan for convex ones, ears else.

@@ -6,66 +6,22 @@
 mod package;
 mod paint;
 mod part;
+mod transform;
 mod write;
 
 pub use write::write_3mf;
 
 use std::collections::BTreeMap;
 
-use grainpath_core::{DVec3, TriMesh};
+use grainpath_core::TriMesh;
 
-use crate::mesh::{Body, MAX_ELEMENTS, MeshError, MeshFile, MeshFormat};
+use crate::mesh::model::{MAX_ELEMENTS, MeshBody, MeshError, MeshFile};
 use package::Package;
-pub(crate) use package::attribute;
 use part::{Component, Content, Part};
+use transform::Transform;
 
 /// Components nested deeper than this are damage or malice.
 const MAX_DEPTH: usize = 32;
-
-/// An affine map as 3MF writes it: rows of `(x y z 1)` times the matrix.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Transform([f64; 12]);
-
-impl Transform {
-    pub(crate) const IDENTITY: Self = Self([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
-
-    pub(crate) fn parse(text: &[u8]) -> Option<Self> {
-        let mut m = [0.0; 12];
-        let mut words = text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
-        for value in &mut m {
-            *value = crate::text::number(words.next()?).filter(|v| v.is_finite())?;
-        }
-        words.next().is_none().then_some(Self(m))
-    }
-
-    fn apply(&self, p: DVec3) -> DVec3 {
-        let m = &self.0;
-        let row = |k: usize| DVec3::new(m[k], m[k + 1], m[k + 2]);
-        row(0) * p.x + row(3) * p.y + row(6) * p.z + row(9)
-    }
-
-    /// First `self`, then `after`.
-    fn then(&self, after: &Self) -> Self {
-        let linear = Self({
-            let mut m = after.0;
-            m[9..].fill(0.0);
-            m
-        });
-        let row = |k: usize| DVec3::new(self.0[k], self.0[k + 1], self.0[k + 2]);
-        let rows = [linear.apply(row(0)), linear.apply(row(3)), linear.apply(row(6)), after.apply(row(9))];
-        let mut m = [0.0; 12];
-        for (to, from) in m.chunks_exact_mut(3).zip(rows) {
-            to.copy_from_slice(&from.to_array());
-        }
-        Self(m)
-    }
-
-    fn mirrors(&self) -> bool {
-        let m = &self.0;
-        let row = |k: usize| DVec3::new(m[k], m[k + 1], m[k + 2]);
-        row(0).dot(row(3).cross(row(6))) < 0.0
-    }
-}
 
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut package = Package::open(bytes)?;
@@ -88,7 +44,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let root = &parts[&root_path];
     let mut assembly = Assembly { parts: &parts, bodies: Vec::new(), n_triangles: 0 };
     for item in &root.items {
-        let mut body = Body::default();
+        let mut body = MeshBody::default();
         assembly.add(item, &root_path, Transform::IDENTITY, 0, &mut body)?;
         assembly.bodies.push(body);
     }
@@ -96,13 +52,13 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     if root.items.is_empty() {
         warnings.push("the build has no items; nothing is to be printed".into());
     }
-    Ok(MeshFile { format: MeshFormat::ThreeMf, bodies, unit: Some(root.unit), warnings })
+    Ok(MeshFile { bodies, unit: Some(root.unit), warnings })
 }
 
 /// Resolves build items into bodies.
 struct Assembly<'a> {
     parts: &'a BTreeMap<String, Part>,
-    bodies: Vec<Body>,
+    bodies: Vec<MeshBody>,
     n_triangles: u64,
 }
 
@@ -113,7 +69,7 @@ impl Assembly<'_> {
         path: &str,
         place: Transform,
         depth: usize,
-        body: &mut Body,
+        body: &mut MeshBody,
     ) -> Result<(), MeshError> {
         let path = use_of.path.as_deref().unwrap_or(path);
         let id = use_of.object;
@@ -135,8 +91,8 @@ impl Assembly<'_> {
             body.name.clone_from(&object.name);
         }
         match &object.content {
-            Content::Mesh(mesh, marks) => {
-                let all = [mesh, &marks.enforce, &marks.block];
+            Content::Mesh(mesh, painted) => {
+                let all = [mesh, &painted.enforcers, &painted.blockers];
                 self.n_triangles += all.iter().map(|m| m.triangles.len() as u64).sum::<u64>();
                 if self.n_triangles > MAX_ELEMENTS / 4 {
                     return Err(MeshError::TooMany {
@@ -144,7 +100,9 @@ impl Assembly<'_> {
                         limit: MAX_ELEMENTS / 4,
                     });
                 }
-                for (to, from) in body.marks.each_mut().into_iter().zip([&marks.enforce, &marks.block]) {
+                for (to, from) in
+                    body.painted_supports.each_mut().into_iter().zip([&painted.enforcers, &painted.blockers])
+                {
                     append(to, from, &place, path)?;
                 }
                 append(&mut body.mesh, mesh, &place, path)
@@ -165,7 +123,7 @@ fn append(to: &mut TriMesh, mesh: &TriMesh, place: &Transform, path: &str) -> Re
         return Err(MeshError::TooMany { what: "vertices", limit: u64::from(u32::MAX) });
     }
     for &p in &mesh.vertices {
-        to.vertices.push(crate::mesh::checked(place.apply(p).to_array(), || {
+        to.vertices.push(crate::position::checked(place.apply(p).to_array(), || {
             format!("{path}, after its transform")
         })?);
     }
@@ -175,20 +133,4 @@ fn append(to: &mut TriMesh, mesh: &TriMesh, place: &Transform, path: &str) -> Re
         if mirrors { [a, c, b] } else { [a, b, c] }
     }));
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn transforms_follow_one_another() {
-        let shift = Transform::parse(b"1 0 0 0 1 0 0 0 1 10 20 30").expect("12 numbers");
-        let turn = Transform::parse(b"0 1 0 -1 0 0 0 0 1 0 0 0").expect("12 numbers");
-        assert_eq!(shift.then(&turn).apply(DVec3::X), turn.apply(shift.apply(DVec3::X)));
-        assert_eq!(turn.apply(DVec3::X), DVec3::Y);
-        let mirror = Transform::parse(b"-1 0 0 0 1 0 0 0 1 0 0 0").expect("12 numbers");
-        assert!(mirror.mirrors() && !turn.mirrors());
-        assert_eq!(Transform::parse(b"1 2 3"), None);
-    }
 }

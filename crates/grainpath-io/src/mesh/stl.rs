@@ -4,8 +4,9 @@ use std::io::{self, Write};
 
 use grainpath_core::{DVec3, TriMesh};
 
-use crate::mesh::{Body, MeshError, MeshFile, MeshFormat, SoupBuilder, checked};
-use crate::text::Words;
+use super::model::{MeshBody, MeshError, MeshFile, SoupBuilder};
+use crate::position::checked;
+use crate::text::{TextError, Words};
 
 const HEADER: usize = 84;
 const FACET: usize = 50;
@@ -56,12 +57,12 @@ pub(crate) fn read_binary(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let spare = bytes.len() - HEADER - n * FACET;
     let warnings =
         if spare > 0 { vec![format!("{spare} bytes after the last facet were left out")] } else { vec![] };
-    Ok(MeshFile { format: MeshFormat::StlBinary, bodies: vec![soup.finish(None)], unit: None, warnings })
+    Ok(MeshFile { bodies: vec![soup.finish(None)], unit: None, warnings })
 }
 
 pub(crate) fn read_ascii(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut words = Words::new(bytes, None);
-    let mut bodies: Vec<Body> = Vec::new();
+    let mut bodies: Vec<MeshBody> = Vec::new();
     let mut solid: Option<(SoupBuilder, Option<String>)> = None;
     let mut warnings = Vec::new();
     let mut facet_ended = 0;
@@ -89,14 +90,14 @@ pub(crate) fn read_ascii(bytes: &[u8]) -> Result<MeshFile, MeshError> {
             warnings.push(format!("{}: text after the last solid was left out", words.place()));
             break;
         } else {
-            return Err(words.wrong(word, "`facet` or `endsolid`"));
+            return Err(words.wrong(word, "`facet` or `endsolid`").into());
         }
     }
     if let Some((soup, name)) = solid {
         warnings.push("`endsolid` is missing: the file may be cut short".into());
         bodies.push(soup.finish(name));
     }
-    Ok(MeshFile { format: MeshFormat::StlAscii, bodies, unit: None, warnings })
+    Ok(MeshFile { bodies, unit: None, warnings })
 }
 
 /// What follows the word `facet`.
@@ -106,12 +107,12 @@ fn facet(words: &mut Words<'_>) -> Result<[DVec3; 3], MeshError> {
     let mut passed = 0;
     while !words
         .word()
-        .ok_or_else(|| MeshError::UnexpectedEnd { place: words.place(), wanted: "`outer loop`" })?
+        .ok_or_else(|| TextError::UnexpectedEnd { place: words.place(), expected: "`outer loop`" })?
         .eq_ignore_ascii_case(b"outer")
     {
         passed += 1;
         if passed > 3 {
-            return Err(words.wrong(b"a normal of more than 3 numbers", "`outer loop`"));
+            return Err(words.wrong(b"a normal of more than 3 numbers", "`outer loop`").into());
         }
     }
     keyword(words, "loop", "`outer loop`")?;
@@ -126,21 +127,21 @@ fn facet(words: &mut Words<'_>) -> Result<[DVec3; 3], MeshError> {
     loop {
         let word = words
             .word()
-            .ok_or_else(|| MeshError::UnexpectedEnd { place: words.place(), wanted: "`endfacet`" })?;
+            .ok_or_else(|| TextError::UnexpectedEnd { place: words.place(), expected: "`endfacet`" })?;
         if word.eq_ignore_ascii_case(b"endfacet") {
             return Ok(corners);
         }
         if words.line() != line {
-            return Err(words.wrong(word, "`endfacet`"));
+            return Err(words.wrong(word, "`endfacet`").into());
         }
     }
 }
 
-fn keyword(words: &mut Words<'_>, word: &str, wanted: &'static str) -> Result<(), MeshError> {
+fn keyword(words: &mut Words<'_>, word: &str, expected: &'static str) -> Result<(), TextError> {
     match words.word() {
         Some(found) if found.eq_ignore_ascii_case(word.as_bytes()) => Ok(()),
-        Some(found) => Err(words.wrong(found, wanted)),
-        None => Err(MeshError::UnexpectedEnd { place: words.place(), wanted }),
+        Some(found) => Err(words.wrong(found, expected)),
+        None => Err(TextError::UnexpectedEnd { place: words.place(), expected }),
     }
 }
 

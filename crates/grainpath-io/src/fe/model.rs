@@ -1,0 +1,252 @@
+//! The contents of a finite-element file as every reader returns them, and the errors of the readers.
+
+use grainpath_core::DVec3;
+
+use super::deck::Deck;
+use super::element::{ElementKind, MAX_NODES};
+use crate::position::BadCoordinate;
+use crate::text::TextError;
+
+/// A format finite-element files are read from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum FeFormat {
+    Vtu,
+    Vtk,
+    Gmsh,
+    Frd,
+    Inp,
+    Medit,
+    Csv,
+    /// STEP geometry: recognised in order to be refused with the right words.
+    Step,
+}
+
+impl FeFormat {
+    /// The name shown to people.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Vtu => "VTU",
+            Self::Vtk => "legacy VTK",
+            Self::Gmsh => "Gmsh MSH",
+            Self::Frd => "CalculiX FRD",
+            Self::Inp => "Abaqus/CalculiX INP",
+            Self::Medit => "Medit mesh",
+            Self::Csv => "CSV",
+            Self::Step => "STEP",
+        }
+    }
+}
+
+/// One element. Nodes are numbered as VTK numbers them, see [`ElementKind`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Element {
+    /// What it is.
+    pub kind: ElementKind,
+    nodes: [u32; MAX_NODES],
+}
+
+impl Element {
+    /// An element over these nodes; `None` when there are too few. More than the kind has are passed over.
+    pub fn new(kind: ElementKind, nodes: &[u32]) -> Option<Self> {
+        let mut all = [0; MAX_NODES];
+        all[..kind.n_nodes()].copy_from_slice(nodes.get(..kind.n_nodes())?);
+        Some(Self { kind, nodes: all })
+    }
+
+    /// Indices of its nodes.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes[..self.kind.n_nodes()]
+    }
+
+    /// Indices of its corners.
+    pub fn corners(&self) -> &[u32] {
+        &self.nodes[..self.kind.n_corners()]
+    }
+
+    /// Volume of a solid or area of a surface, in the unit of the nodes.
+    pub fn size(&self, nodes: &[DVec3]) -> f64 {
+        let measure = |(x, weight): (DVec3, f64)| {
+            let shape = self.kind.shape(x);
+            let mut columns = [DVec3::ZERO; 3];
+            for (&i, d) in self.nodes().iter().zip(&shape.d) {
+                let p = nodes[i as usize];
+                for k in 0..3 {
+                    columns[k] += p * d[k];
+                }
+            }
+            let [r, s, t] = columns;
+            weight * if self.kind.dimension() == 2 { r.cross(s).length() } else { r.cross(s).dot(t) }
+        };
+        // Signed until here: an element wound the other way round is no smaller for it.
+        self.kind.quadrature().into_iter().map(measure).sum::<f64>().abs()
+    }
+}
+
+/// What the tuples of an array belong to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum On {
+    Nodes,
+    Elements,
+}
+
+/// An array of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FeArray {
+    /// What the file calls it.
+    pub name: String,
+    /// What its tuples belong to.
+    pub on: On,
+    /// Numbers in a tuple.
+    pub components: usize,
+    /// Names of the components; empty when the file has none.
+    pub component_names: Vec<String>,
+    /// All numbers, tuple after tuple, in the file's unit. NaN where the file has none.
+    pub values: Vec<f64>,
+    /// Step of the analysis, from 1, where the file has several.
+    pub step: Option<usize>,
+}
+
+/// A named group of nodes: a physical group, a set, a block.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Group {
+    /// Its name.
+    pub name: String,
+    /// Indices of its nodes, ascending.
+    pub nodes: Vec<u32>,
+}
+
+/// A file as it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FeFile {
+    /// What it was read as.
+    pub format: FeFormat,
+    /// Positions in the file's unit.
+    pub nodes: Vec<DVec3>,
+    /// Surfaces and solids; points and lines are counted in [`FeFile::left_out`].
+    pub elements: Vec<Element>,
+    /// Every array on nodes or elements.
+    pub arrays: Vec<FeArray>,
+    /// Named groups of nodes.
+    pub groups: Vec<Group>,
+    /// Elements that were not taken, by what they are.
+    pub left_out: Vec<(String, usize)>,
+    /// Material, supports and loads of an INP deck.
+    pub deck: Option<Box<Deck>>,
+    /// What was odd but could be read.
+    pub warnings: Vec<String>,
+}
+
+impl FeFile {
+    pub(super) fn empty(format: FeFormat) -> Self {
+        Self {
+            format,
+            nodes: Vec::new(),
+            elements: Vec::new(),
+            arrays: Vec::new(),
+            groups: Vec::new(),
+            left_out: Vec::new(),
+            deck: None,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Counts an element that is not taken.
+    pub(super) fn leave_out(&mut self, what: &str) {
+        match self.left_out.iter_mut().find(|(name, _)| name == what) {
+            Some((_, n)) => *n += 1,
+            None => self.left_out.push((what.to_owned(), 1)),
+        }
+    }
+
+    /// Adds an element, or counts it when there is no kind for it.
+    ///
+    /// True when it was taken.
+    pub(super) fn add(&mut self, kind: Result<ElementKind, &str>, nodes: &[u32]) -> bool {
+        match kind.map(|k| Element::new(k, nodes)) {
+            Ok(Some(element)) => {
+                self.elements.push(element);
+                true
+            }
+            Ok(None) => {
+                self.leave_out("with too few nodes");
+                false
+            }
+            Err(what) => {
+                self.leave_out(what);
+                false
+            }
+        }
+    }
+
+    /// Lowest and highest corner of the box around the nodes that elements use (all nodes where there are none).
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        let of = |(lo, hi): (DVec3, DVec3), p: DVec3| (lo.min(p), hi.max(p));
+        let used = self.elements.iter().flat_map(|e| e.nodes()).map(|&i| self.nodes[i as usize]);
+        let start = |p: DVec3| (p, p);
+        if self.elements.is_empty() {
+            let first = *self.nodes.first()?;
+            return Some(self.nodes.iter().copied().fold(start(first), of));
+        }
+        let first = self.nodes[self.elements[0].nodes()[0] as usize];
+        Some(used.fold(start(first), of))
+    }
+
+    /// How many elements of each kind, in the order of [`ElementKind::ALL`]; kinds that do not occur are left out.
+    pub fn kinds(&self) -> Vec<(ElementKind, usize)> {
+        let count = |k: ElementKind| (k, self.elements.iter().filter(|e| e.kind == k).count());
+        ElementKind::ALL.into_iter().map(count).filter(|&(_, n)| n > 0).collect()
+    }
+}
+
+/// Why a finite-element file cannot be used. `place` says where: a line, an array, an element.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum FeError {
+    #[error("the file is empty")]
+    Empty,
+    #[error(
+        "not a finite-element file: neither VTU, legacy VTK, Gmsh MSH, FRD, INP, Medit nor CSV with a header"
+    )]
+    Unknown,
+    #[error(
+        "a STEP file holds geometry, not a mesh or a result; export STL or 3MF, or mesh and solve it first"
+    )]
+    Geometry,
+    #[error(transparent)]
+    Text(#[from] TextError),
+    #[error(transparent)]
+    BadCoordinate(#[from] BadCoordinate),
+    #[error("{place}: {problem}")]
+    Invalid { place: String, problem: String },
+    #[error("{what}: grainpath reads {reads}")]
+    Unsupported { what: String, reads: &'static str },
+    #[error("element {element}: node {node} does not exist")]
+    NoSuchNode { element: String, node: i64 },
+    #[error("no nodes in the file")]
+    NoNodes,
+    #[error("no stress in the file{arrays}")]
+    NoStress { arrays: String },
+    #[error("no array {name:?} in the file{arrays}")]
+    NoSuchArray { name: String, arrays: String },
+    #[error("more than {limit} {what}; grainpath reads no more")]
+    TooMany { what: &'static str, limit: u64 },
+}
+
+pub(super) fn invalid(place: impl Into<String>, problem: impl Into<String>) -> FeError {
+    FeError::Invalid { place: place.into(), problem: problem.into() }
+}
+
+/// No file may have more nodes, elements or groups than this.
+pub(super) const MAX_COUNT: u64 = 200_000_000;
+
+/// Checks a position as mesh readers do.
+pub(super) fn position(p: [f64; 3], place: impl Fn() -> String) -> Result<DVec3, FeError> {
+    Ok(crate::position::checked(p, place)?)
+}
+
+/// How many numbers all arrays of a file of this size may have together, once nodes left out are filled in.
+pub(super) fn array_room(n_bytes: usize) -> usize {
+    n_bytes.saturating_mul(8).max(1 << 20)
+}

@@ -1,0 +1,146 @@
+//! The shapes of a drawing, the region that they make, and what can go wrong on the way.
+
+use grainpath_core::poly::FillRule;
+use grainpath_core::units::LengthUnit;
+use grainpath_core::{Contour, DVec2, Region};
+
+use crate::text::TextError;
+
+/// How a drawing is read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OutlineOptions {
+    /// What one of the drawing's units is; `None` goes by what the file says.
+    pub unit: Option<LengthUnit>,
+    /// Curves are cut into straight pieces that lie this close, mm.
+    pub tolerance_mm: f64,
+    /// All closed lines count together, each other one inwards a hole, however shapes are filled. Those of a DXF
+    /// always do.
+    pub even_odd: bool,
+}
+
+/// What was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    /// The part, mm: x to the right and y up from the lower left corner of an SVG's page, from the origin of a DXF.
+    pub region: Region,
+    /// What was odd but could be read.
+    pub warnings: Vec<String>,
+}
+
+pub(super) fn invalid(place: impl Into<String>, problem: impl Into<String>) -> OutlineError {
+    OutlineError::Invalid { place: place.into(), problem: problem.into() }
+}
+
+/// Why an outline cannot be read. `place` is a line of a DXF, a byte of an SVG or a character of its path data.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum OutlineError {
+    #[error("the file is empty")]
+    Empty,
+    #[error("the drawing is neither SVG nor ASCII DXF")]
+    Unknown,
+    #[error("the drawing is a binary DXF; save it as ASCII DXF")]
+    BinaryDxf,
+    #[error("byte {byte}: the drawing is not UTF-8 text")]
+    NotUtf8 { byte: usize },
+    #[error(transparent)]
+    Text(#[from] TextError),
+    #[error("the drawing has no closed line around any area{hints}")]
+    NoArea { hints: String },
+    #[error("more than {MAX_POINTS} points; grainpath reads no more")]
+    TooManyPoints,
+    #[error("{place}: {problem}")]
+    Invalid { place: String, problem: String },
+}
+
+/// Drawings with more points are not read.
+pub(super) const MAX_POINTS: usize = 4_000_000;
+/// Coordinates beyond this are damage, mm.
+const MAX_MM: f64 = 1e6;
+/// Smaller pieces of the part are rounding, mm2.
+const SMALLEST_MM2: f64 = 1e-3;
+
+/// One shape of a drawing: closed lines, mm.
+pub(super) struct Shape {
+    pub(super) rings: Vec<Contour>,
+    /// `None` where only the line is drawn.
+    pub(super) filled: Option<FillRule>,
+}
+
+/// The shapes of a drawing.
+#[derive(Default)]
+pub(super) struct Drawing {
+    pub(super) shapes: Vec<Shape>,
+    pub(super) n_points: usize,
+    /// Open lines that bound nothing.
+    pub(super) dropped: usize,
+    pub(super) warnings: Vec<String>,
+}
+
+impl Drawing {
+    /// Adds a shape's lines; those of unfilled shapes count only when they are closed.
+    pub(super) fn add(&mut self, lines: Vec<Line>, filled: Option<FillRule>) -> Result<(), OutlineError> {
+        let mut rings = Vec::with_capacity(lines.len());
+        for Line { mut points, closed } in lines {
+            self.n_points += points.len();
+            if self.n_points > MAX_POINTS {
+                return Err(OutlineError::TooManyPoints);
+            }
+            if let Some(p) = points.iter().find(|p| !p.abs().cmple(DVec2::splat(MAX_MM)).all()) {
+                return Err(invalid("", format!("the point ({}, {}) mm lies beyond {MAX_MM} mm", p.x, p.y)));
+            }
+            let meets = points.len() > 2 && points[0].distance(points[points.len() - 1]) < SAME_MM;
+            if meets {
+                points.pop();
+            }
+            if filled.is_none() && !closed && !meets {
+                self.dropped += 1;
+            } else if points.len() > 2 {
+                rings.push(points);
+            }
+        }
+        if !rings.is_empty() {
+            self.shapes.push(Shape { rings, filled });
+        }
+        Ok(())
+    }
+
+    /// Says something once.
+    pub(super) fn warn(&mut self, text: String) {
+        if self.warnings.len() < 50 && !self.warnings.contains(&text) {
+            self.warnings.push(text);
+        }
+    }
+
+    pub(super) fn region(&self, even_odd: bool) -> Region {
+        let mut all: Vec<Contour> = Vec::new();
+        let mut lines: Vec<Contour> = Vec::new();
+        for shape in &self.shapes {
+            match shape.filled {
+                Some(rule) if !even_odd => {
+                    all.extend(Region::from_contours(&shape.rings, rule).contours().cloned());
+                }
+                _ => lines.extend(shape.rings.iter().cloned()),
+            }
+        }
+        // Sound regions wind once around what is theirs: where anything winds is their union.
+        let filled = Region::from_contours(&all, FillRule::NonZero);
+        let mut region = if lines.is_empty() {
+            filled
+        } else {
+            Region::from_contours(filled.contours().chain(&lines), FillRule::EvenOdd)
+        };
+        region.polygons.retain(|p| p.area_mm2() > SMALLEST_MM2);
+        region
+    }
+}
+
+/// A line of a drawing.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Line {
+    pub(super) points: Vec<DVec2>,
+    pub(super) closed: bool,
+}
+
+/// Ends nearer than this are the same place, mm.
+pub(super) const SAME_MM: f64 = 1e-3;
