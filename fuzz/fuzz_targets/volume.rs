@@ -3,7 +3,8 @@
 
 use std::io::Cursor;
 
-use grainpath_io::volume::{Files, RawHeader, ReadSeek, SampleType, open_volume};
+use grainpath_core::slices::SampleType;
+use grainpath_io::volume::{Files, RawHeader, ReadSeek, open_volume};
 
 fn drain(files: Files, raw: Option<&RawHeader>) {
     let Ok(mut source) = open_volume(files, raw) else { return };

@@ -154,7 +154,7 @@ pub struct Inspect {
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',')]
     pub size: Option<Vec<usize>>,
     /// How raw data stores a voxel
-    #[arg(long, default_value = "u8", value_parser = grainpath_io::volume::SampleType::NAMES)]
+    #[arg(long, default_value = "u8", value_parser = grainpath_core::slices::SampleType::NAMES)]
     pub sample: String,
     /// As one JSON object
     #[arg(long)]

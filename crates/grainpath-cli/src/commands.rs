@@ -8,11 +8,11 @@ use grainpath::grain::Photo;
 use grainpath::job::{PROFILES, Settings, json_schema, markdown, parse_job};
 use grainpath::render::LayerPicture;
 use grainpath_core::diagnostics::Stage;
+use grainpath_core::slices::SliceSource;
 use grainpath_core::{Bounds2, DVec2, Diagnostics};
 use grainpath_gcode::Program;
 use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
-use grainpath_io::volume::SliceSource;
 use grainpath_io::{parse_mesh, parse_outline};
 
 use crate::args::{Common, Markers, New, Profiles, Render, Run, Schema, Slice};

@@ -5,10 +5,10 @@ use std::path::Path;
 use grainpath::grain::Photo;
 use grainpath::grain::warp::Shrinking;
 use grainpath_core::mesh::{MeshHealth, diagnose, weld_within};
+use grainpath_core::slices::SampleType;
 use grainpath_gcode::{Limits, Program, simulate};
 use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
 use grainpath_io::image::{decode, sniff_image};
-use grainpath_io::volume::SampleType;
 use grainpath_io::{
     Image, MeshFile, MeshFormat, OutlineOptions, Samples, parse_mesh, parse_outline, sniff_mesh,
     sniff_outline,

@@ -5,7 +5,8 @@ use std::io;
 use std::path::Path;
 
 use grainpath::shape::ct::{ContactSheet, Histogram};
-use grainpath_io::volume::{Files, RawHeader, ReadSeek, SampleType, SliceSource, open_volume};
+use grainpath_core::slices::{SampleType, SliceSource};
+use grainpath_io::volume::{Files, RawHeader, ReadSeek, open_volume};
 use serde_json::{Value, json};
 
 use crate::args::Inspect;

@@ -1,6 +1,7 @@
 //! Settings as the stages want them: the one place that knows both.
 
 use grainpath_core::math::{direction, rotated};
+use grainpath_core::slices::SampleType;
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{Bounds2, DVec2, DVec3};
 use grainpath_gcode::{
@@ -8,7 +9,7 @@ use grainpath_gcode::{
 };
 use grainpath_io::OutlineOptions;
 use grainpath_io::fe::{FeOptions, Order, StressUnit};
-use grainpath_io::volume::{RawHeader, SampleType};
+use grainpath_io::volume::RawHeader;
 
 use crate::fibre::{FibreSettings, Start, Turns};
 use crate::fill::{Continuous, TreeKind};

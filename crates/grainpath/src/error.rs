@@ -1,6 +1,7 @@
 //! What can go wrong in a run, and the exit code that says what kind of thing it was.
 
 use grainpath_core::diagnostics::Interrupted;
+use grainpath_core::slices::SliceError;
 use grainpath_gcode::GcodeError;
 use grainpath_io::volume::VolumeError;
 use grainpath_io::{ImageError, MeshError, OutlineError};
@@ -24,6 +25,8 @@ pub enum Error {
     Outline { path: String, source: OutlineError },
     #[error(transparent)]
     Volume(#[from] VolumeError),
+    #[error(transparent)]
+    Slices(#[from] SliceError),
     #[error("{path}: {source}")]
     Shape { path: String, source: ShapeError },
     #[error("{path}: {source}")]
@@ -62,6 +65,7 @@ impl Error {
             Self::Mesh { .. }
             | Self::Outline { .. }
             | Self::Volume(_)
+            | Self::Slices(_)
             | Self::Image { .. }
             | Self::Grain { .. }
             | Self::Shape { .. } => 3,

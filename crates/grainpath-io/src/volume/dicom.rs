@@ -3,7 +3,12 @@
 use std::io::{BufRead, Read, Seek, SeekFrom};
 
 use super::files::MAX_FILE;
-use super::{Files, SampleType, SliceSource, VolumeError, VolumeInfo, check_size, error, io_error, spacing};
+use super::{
+    Files, SampleType, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, check_size, damaged,
+    error, io_error, sample, spacing, unsupported,
+};
+
+const FORMAT: &str = "DICOM";
 
 /// What a slice file says of itself.
 #[derive(Debug, Clone, Default)]
@@ -43,22 +48,26 @@ pub(super) fn open(
     let mut slices: Vec<Slice> = names.iter().map(|n| read_header(files, n)).collect::<Result<_, _>>()?;
     let first = slices[0].clone();
     for s in &slices[1..] {
-        let wrong = |problem: String| Err(error(&s.name, problem));
+        let wrong = |problem: VolumeProblem| Err(error(&s.name, problem));
+        let name = first.name.clone();
         if s.series != first.series {
-            return wrong(format!(
-                "belongs to another series than {}; keep one series in the folder",
-                first.name
-            ));
+            return wrong(VolumeProblem::OtherSeries { first: name });
         }
         if s.size != first.size {
-            let ([x, y], [u, v]) = (s.size, first.size);
-            return wrong(format!("{x} x {y} pixels; {} has {u} x {v}", first.name));
+            return wrong(VolumeProblem::OtherSize { found: s.size, expected: first.size, first: name });
         }
         if (s.bits, s.signed) != (first.bits, first.signed) {
-            return wrong(format!("{} bits a pixel; {} has {}", s.bits, first.name, first.bits));
+            let expected = format!("{} as in {name}", bits_of(&first));
+            let problem =
+                VolumeProblem::Field { format: FORMAT, field: "BitsAllocated", found: bits_of(s), expected };
+            return wrong(problem);
         }
         if s.frames > 1 {
-            return wrong("several frames in one file of a series; a file a slice is read".into());
+            return Err(unsupported(
+                &s.name,
+                "several frames in one file of a series",
+                "keep a slice a file",
+            ));
         }
     }
     let n = if slices.len() == 1 { first.frames } else { slices.len() };
@@ -69,7 +78,16 @@ pub(super) fn open(
         (16, true) => SampleType::I16,
         (32, false) => SampleType::U32,
         (32, true) => SampleType::I32,
-        (b, _) => return Err(error(&first.name, format!("{b} bits a pixel; 8, 16 and 32 are read"))),
+        _ => {
+            let expected = "8, 16 and 32".to_owned();
+            let problem = VolumeProblem::Field {
+                format: FORMAT,
+                field: "BitsAllocated",
+                found: bits_of(&first),
+                expected,
+            };
+            return Err(error(&first.name, problem));
+        }
     };
     let mut info = VolumeInfo::new("DICOM", [first.size[0], first.size[1], n], sample);
     check_size(&first.name, info.size)?;
@@ -98,15 +116,18 @@ fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeErro
     let (row, column) = (glam(&o[..3]), glam(&o[3..]));
     let normal = row.cross(column).normalize_or_zero();
     if normal == grainpath_core::DVec3::ZERO {
-        return Err(error(&slices[0].name, "its orientation is no pair of directions"));
+        let problem = VolumeProblem::Field {
+            format: FORMAT,
+            field: "ImageOrientationPatient",
+            found: format!("{o:?}"),
+            expected: "two directions at right angles".to_owned(),
+        };
+        return Err(error(&slices[0].name, problem));
     }
     for s in slices.iter() {
         let p = s.orientation.unwrap_or_default();
         if (0..6).any(|k| (p[k] - o[k]).abs() > 1e-3) {
-            return Err(error(
-                &s.name,
-                format!("is turned against {}; slices must be parallel", slices[0].name),
-            ));
+            return Err(error(&s.name, VolumeProblem::NotParallel { first: slices[0].name.clone() }));
         }
     }
     let place = |s: &Slice| glam(&s.position.unwrap_or_default());
@@ -115,20 +136,16 @@ fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeErro
     let heights: Vec<f64> = slices.iter().map(|s| normal.dot(place(s) - origin)).collect();
     let gaps: Vec<f64> = heights.windows(2).map(|w| w[1] - w[0]).collect();
     if let Some(i) = gaps.iter().position(|g| *g < 1e-4) {
-        return Err(error(&slices[i + 1].name, format!("is at the same position as {}", slices[i].name)));
+        let other = slices[i].name.clone();
+        return Err(error(&slices[i + 1].name, VolumeProblem::SamePosition { other }));
     }
     // Slices that drift sideways as they rise were taken with a tilted gantry: a box would come out sheared.
     let pixel = slices[0].pixel_mm.map_or(1.0, |p| p[0].min(p[1]));
     let last = &slices[slices.len() - 1];
     let drift = (place(last) - origin) - normal * heights[heights.len() - 1];
     if drift.length() > 0.5 * pixel {
-        let degrees = grainpath_core::math::atan2(drift.length(), heights[heights.len() - 1]).to_degrees();
-        return Err(error(
-            &last.name,
-            format!(
-                "the gantry was tilted: the stack leans by {degrees:.2} degrees; resample it upright first"
-            ),
-        ));
+        let lean_deg = grainpath_core::math::atan2(drift.length(), heights[heights.len() - 1]).to_degrees();
+        return Err(error(&last.name, VolumeProblem::Tilted { lean_deg }));
     }
     let mut sorted = gaps.clone();
     sorted.sort_by(f64::total_cmp);
@@ -136,13 +153,9 @@ fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeErro
     for (i, gap) in gaps.iter().enumerate() {
         let times = gap / usual;
         if times > 1.5 && (times - times.round()).abs() < 0.02 {
-            let missing = times.round() - 1.0;
-            return Err(error(
-                &slices[i].name,
-                format!(
-                    "slices are missing after it ({missing}): the next is {gap:.3} mm higher, elsewhere {usual:.3}"
-                ),
-            ));
+            let n_missing = times.round() - 1.0;
+            let problem = VolumeProblem::GapInPositions { n_missing, gap_mm: *gap, usual_mm: usual };
+            return Err(error(&slices[i].name, problem));
         }
     }
     info.spacing_mm[2] = spacing(usual);
@@ -153,6 +166,10 @@ fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeErro
         info.z_mm = heights;
     }
     Ok(())
+}
+
+fn bits_of(slice: &Slice) -> String {
+    format!("{}{}", slice.bits, if slice.signed { " (signed)" } else { "" })
 }
 
 fn glam(v: &[f64]) -> grainpath_core::DVec3 {
@@ -174,19 +191,19 @@ impl SliceSource for Series {
         &self.info
     }
 
-    fn restart(&mut self) -> Result<(), VolumeError> {
+    fn restart(&mut self) -> Result<(), SliceError> {
         self.next = 0;
         Ok(())
     }
 
-    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, VolumeError> {
+    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
         out.clear();
         if self.next == self.info.size[2] {
             return Ok(false);
         }
         let (s, frame) = self.slice();
         let n_pixels = s.size[0] * s.size[1];
-        let n_bytes = n_pixels * self.info.sample.bytes();
+        let n_bytes = n_pixels * self.info.sample.n_bytes();
         let mut reader = self.files.open(&s.name)?;
         let at = s.data.0 + frame * n_bytes as u64;
         reader.seek(SeekFrom::Start(at)).map_err(|e| io_error(&s.name, &e))?;
@@ -194,12 +211,13 @@ impl SliceSource for Series {
         let limit = if s.rle { s.data.1.min(MAX_FILE) } else { n_bytes as u64 };
         reader.take(limit).read_to_end(&mut bytes).map_err(|e| io_error(&s.name, &e))?;
         if s.rle {
-            bytes = unpack_rle(&s.name, &bytes, n_pixels, self.info.sample.bytes())?;
+            bytes = unpack_rle(&s.name, &bytes, n_pixels, self.info.sample.n_bytes())?;
         }
         if bytes.len() < n_bytes {
-            return Err(error(&s.name, format!("pixels are cut short: {} of {n_bytes} bytes", bytes.len())));
+            let problem = VolumeProblem::PixelsCutShort { found: bytes.len(), needed: n_bytes };
+            return Err(error(&s.name, problem).into());
         }
-        self.info.sample.decode(&bytes, s.big_endian && !s.rle, out);
+        sample::decode(self.info.sample, &bytes, s.big_endian && !s.rle, out);
         let sign = if s.inverted { -1.0 } else { 1.0 };
         let (slope, intercept) = ((s.slope * sign) as f32, (s.intercept * sign) as f32);
         out.iter_mut().for_each(|v| *v = *v * slope + intercept);
@@ -207,7 +225,7 @@ impl SliceSource for Series {
         Ok(true)
     }
 
-    fn skip_slice(&mut self) -> Result<bool, VolumeError> {
+    fn skip_slice(&mut self) -> Result<bool, SliceError> {
         let more = self.next < self.info.size[2];
         self.next += usize::from(more);
         Ok(more)
@@ -246,7 +264,7 @@ struct Parser<'a> {
 
 impl Parser<'_> {
     fn damaged(&self, what: &str) -> VolumeError {
-        error(self.name, format!("damaged DICOM: {what}"))
+        damaged(self.name, FORMAT, what)
     }
 
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N], VolumeError> {
@@ -342,16 +360,16 @@ fn read_header(files: &Files, name: &str) -> Result<Slice, VolumeError> {
                 if ![EXPLICIT_LITTLE, IMPLICIT_LITTLE, EXPLICIT_BIG, RLE].contains(&syntax.as_str()) {
                     return Err(error(
                         name,
-                        format!(
-                            "pixels are packed as {} ({syntax}); save the series uncompressed or with RLE",
-                            syntax_name(&syntax)
-                        ),
+                        VolumeProblem::Packed { encoding: syntax_name(&syntax), syntax },
                     ));
                 }
             }
         }
         if p.at_end() {
-            return Err(error(name, "DICOM without pixels"));
+            return Err(error(
+                name,
+                VolumeProblem::MissingField { format: FORMAT, field: "PixelData".to_owned() },
+            ));
         }
         let e = p.element()?;
         if e.tag == 0x7fe0_0010 {
@@ -430,16 +448,17 @@ fn read_header(files: &Files, name: &str) -> Result<Slice, VolumeError> {
         }
     }
     if samples != 1 {
-        return Err(error(name, format!("{samples} values a pixel; slices of grey values have one")));
+        return Err(unsupported(name, format!("{samples} values a pixel"), "slices of grey values have one"));
     }
     if s.signed && stored != 0 && stored != s.bits {
-        return Err(error(
+        return Err(unsupported(
             name,
-            format!("signed pixels of {stored} bits in {}; that packing is not read", s.bits),
+            format!("signed pixels of {stored} bits in {}", s.bits),
+            "save the pixels with all bits in use",
         ));
     }
     if s.rle && s.frames > 1 {
-        return Err(error(name, "several RLE frames in one file; save a file a slice"));
+        return Err(unsupported(name, "several RLE frames in one file", "save a slice a file"));
     }
     check_size(name, [s.size[0], s.size[1], 1])?;
     Ok(s)
@@ -447,7 +466,7 @@ fn read_header(files: &Files, name: &str) -> Result<Slice, VolumeError> {
 
 /// `PackBits` in planes, the most significant byte's plane first; gives little-endian values.
 fn unpack_rle(name: &str, bytes: &[u8], n_pixels: usize, width: usize) -> Result<Vec<u8>, VolumeError> {
-    let damaged = || error(name, "damaged RLE pixels");
+    let damaged = || damaged(name, "RLE pixels", "a run reaches past its end");
     let word = |i: usize| -> Option<usize> {
         let b: [u8; 4] = bytes.get(4 * i..4 * i + 4)?.try_into().ok()?;
         usize::try_from(u32::from_le_bytes(b)).ok()

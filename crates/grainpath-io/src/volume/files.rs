@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::io::{self, BufReader, Cursor, Read, Seek};
 use std::sync::{Arc, Mutex};
 
-use super::{VolumeError, error, io_error};
+use super::{VolumeError, VolumeProblem, damaged, error, io_error};
 
 /// What a volume is read from.
 pub trait ReadSeek: Read + Seek + Send {}
@@ -72,7 +72,7 @@ impl Files {
         let mut bytes = Vec::new();
         self.open(name)?.take(limit + 1).read_to_end(&mut bytes).map_err(|e| io_error(name, &e))?;
         if bytes.len() as u64 > limit {
-            return Err(error(name, format!("more than {limit} bytes; no slice is that large")));
+            return Err(error(name, VolumeProblem::FileTooLarge { limit }));
         }
         Ok(bytes)
     }
@@ -91,7 +91,7 @@ pub(super) const MAX_FILE: u64 = 1 << 30;
 
 /// The files in a ZIP archive.
 pub(super) fn zip_files(files: &Files, name: &str) -> Result<Files, VolumeError> {
-    let damaged = |e: zip::result::ZipError| error(name, format!("damaged ZIP archive: {e}"));
+    let damaged = |e: zip::result::ZipError| damaged(name, "ZIP archive", e);
     let archive = zip::ZipArchive::new(files.open(name)?).map_err(damaged)?;
     let inside: Vec<String> = archive
         .file_names()

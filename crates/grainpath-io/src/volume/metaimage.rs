@@ -1,7 +1,9 @@
 //! MetaImage: MHD with its data beside it, or MHA with both in one.
 
 use super::raw::{Layout, Packing, RawSource};
-use super::{Files, SampleType, VolumeError, VolumeInfo, error, spacing};
+use super::{Files, SampleType, VolumeError, VolumeInfo, VolumeProblem, error, spacing, unsupported};
+
+const FORMAT: &str = "MetaImage";
 
 const MAX_HEADER: u64 = 1 << 16;
 
@@ -33,16 +35,19 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
         }
     }
     let get = |key: &str| fields.iter().find(|(k, _)| k == key).map(|(_, v)| v.as_str());
+    let wrong = |field: &'static str, found: String, expected: &str| {
+        error(name, VolumeProblem::Field { format: FORMAT, field, found, expected: expected.to_owned() })
+    };
     let need = |key: &str| {
         get(&key.to_ascii_lowercase())
-            .ok_or_else(|| error(name, format!("the MetaImage header has no {key}")))
+            .ok_or_else(|| error(name, VolumeProblem::MissingField { format: FORMAT, field: key.to_owned() }))
     };
     let sizes: Vec<usize> = need("DimSize")?.split_whitespace().filter_map(|w| w.parse().ok()).collect();
     let &[nx, ny, nz] = sizes.as_slice() else {
-        return Err(error(name, format!("DimSize has {} entries; a volume has 3", sizes.len())));
+        return Err(error(name, VolumeProblem::OtherAxes { format: FORMAT, n_axes: sizes.len() }));
     };
     if get("elementnumberofchannels").is_some_and(|n| n != "1") {
-        return Err(error(name, "several channels; a volume of grey values has one"));
+        return Err(unsupported(name, "several channels", "a volume of grey values has one"));
     }
     let stored = need("ElementType")?;
     let sample = match stored {
@@ -55,13 +60,10 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
         "MET_FLOAT" => SampleType::F32,
         "MET_DOUBLE" => SampleType::F64,
         _ => {
-            return Err(error(
-                name,
-                format!("ElementType {stored:?} is not read; MET_UCHAR to MET_DOUBLE are"),
-            ));
+            return Err(wrong("ElementType", stored.to_owned(), "MET_UCHAR to MET_DOUBLE"));
         }
     };
-    let mut info = VolumeInfo::new("MetaImage", [nx, ny, nz], sample);
+    let mut info = VolumeInfo::new(FORMAT, [nx, ny, nz], sample);
     if let Some(text) = get("elementspacing").or(get("elementsize")) {
         let values = text.split_whitespace().map(|w| w.parse::<f64>().unwrap_or(0.0));
         values.take(3).enumerate().for_each(|(k, mm)| info.spacing_mm[k] = spacing(mm));
@@ -73,12 +75,12 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
     let (file, offset) = match data {
         "LOCAL" | "Local" | "local" => (name.to_owned(), at as u64),
         f if f.contains('%') || f.starts_with("LIST") => {
-            return Err(error(name, "data in several files is not read; one file is"));
+            return Err(unsupported(name, "data in several files", "keep the voxels in one file"));
         }
         f => (files.sibling(name, f), skip.max(0) as u64),
     };
     if skip < 0 {
-        return Err(error(name, "HeaderSize = -1 is not read; the number of bytes is"));
+        return Err(wrong("HeaderSize", skip.to_string(), "a number of bytes"));
     }
     let big_endian = yes("binarydatabyteordermsb") || yes("elementbyteordermsb");
     RawSource::new(

@@ -4,6 +4,7 @@
 //! Front ends say how files are opened ([`Files`]); everything here survives any bytes.
 
 mod dicom;
+mod error;
 mod files;
 mod metaimage;
 mod nifti;
@@ -14,78 +15,16 @@ mod series;
 mod tiff_pages;
 mod write;
 
+pub use error::{VolumeError, VolumeProblem};
 pub use files::{Files, ReadSeek, natural_order};
 pub use raw::RawHeader;
-pub use sample::SampleType;
 pub use write::write_tiff_stack;
 
+use grainpath_core::slices::{SampleType, SliceError, SliceSource, VolumeInfo};
 use grainpath_core::units::LengthUnit;
 
-/// Why a volume cannot be read.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{file}: {problem}")]
-pub struct VolumeError {
-    /// The file, or the folder where no single file is to blame.
-    pub file: String,
-    /// What is wrong and what would be right.
-    pub problem: String,
-}
-
-pub(crate) fn error(file: impl Into<String>, problem: impl Into<String>) -> VolumeError {
-    VolumeError { file: file.into(), problem: problem.into() }
-}
-
-pub(crate) fn io_error(file: &str, e: &std::io::Error) -> VolumeError {
-    let text = e.to_string();
-    error(file, text.split(" (os error").next().unwrap_or(&text).to_lowercase())
-}
-
-/// What is known of a volume before its slices are read.
-#[derive(Debug, Clone, PartialEq)]
-pub struct VolumeInfo {
-    /// The format's name for people.
-    pub format: &'static str,
-    /// Columns, rows, slices.
-    pub size: [usize; 3],
-    /// How a voxel is stored.
-    pub sample: SampleType,
-    /// Distance of voxels in x, y and z in mm where the file states it.
-    pub spacing_mm: [Option<f64>; 3],
-    /// Heights of the slices where they are not even, mm, rising from 0; else empty.
-    pub z_mm: Vec<f64>,
-    /// What was odd but could be read.
-    pub warnings: Vec<String>,
-}
-
-impl VolumeInfo {
-    fn new(format: &'static str, size: [usize; 3], sample: SampleType) -> Self {
-        Self { format, size, sample, spacing_mm: [None; 3], z_mm: Vec::new(), warnings: Vec::new() }
-    }
-}
-
-/// A volume that gives one slice after another, from the first.
-pub trait SliceSource: Send {
-    /// What is known beforehand.
-    fn info(&self) -> &VolumeInfo;
-
-    /// Goes back to the first slice.
-    ///
-    /// # Errors
-    /// [`VolumeError`] where a file can no longer be read.
-    fn restart(&mut self) -> Result<(), VolumeError>;
-
-    /// Puts the next slice into `out`, row by row, and goes on; `false` after the last.
-    ///
-    /// # Errors
-    /// [`VolumeError`] that names the file and what is wrong in it.
-    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, VolumeError>;
-
-    /// Passes over the next slice; `false` after the last.
-    ///
-    /// # Errors
-    /// As [`SliceSource::next_slice`].
-    fn skip_slice(&mut self) -> Result<bool, VolumeError>;
-}
+use error::{damaged, unsupported};
+pub(crate) use error::{error, io_error};
 
 /// Slices with more pixels are not read.
 const MAX_PIXELS: usize = 1 << 26;
@@ -95,17 +34,10 @@ const MAX_SLICES: usize = 1 << 20;
 fn check_size(file: &str, size: [usize; 3]) -> Result<(), VolumeError> {
     let pixels = size[0].saturating_mul(size[1]);
     if size.contains(&0) {
-        return Err(error(
-            file,
-            format!("the volume is {} x {} x {} voxels: empty", size[0], size[1], size[2]),
-        ));
+        return Err(error(file, VolumeProblem::Empty { size }));
     }
     if pixels > MAX_PIXELS || size[2] > MAX_SLICES {
-        let what = format!("{} x {} x {} voxels", size[0], size[1], size[2]);
-        return Err(error(
-            file,
-            format!("{what}; at most {MAX_PIXELS} a slice and {MAX_SLICES} slices are read"),
-        ));
+        return Err(error(file, VolumeProblem::TooLarge { size }));
     }
     Ok(())
 }
@@ -127,7 +59,7 @@ fn spacing(mm: f64) -> Option<f64> {
 /// [`VolumeError`]: unknown or damaged formats, slices that do not belong together, missing slices.
 pub fn open_volume(files: Files, raw: Option<&RawHeader>) -> Result<Box<dyn SliceSource>, VolumeError> {
     let Some(first) = files.names().first().cloned() else {
-        return Err(error(files.place(), "no images in it"));
+        return Err(error(files.place(), VolumeProblem::NoFiles));
     };
     if let Some(header) = raw {
         return Ok(Box::new(raw::open(&files, &first, header)?));
@@ -158,10 +90,7 @@ pub fn open_volume(files: Files, raw: Option<&RawHeader>) -> Result<Box<dyn Slic
     if starts(b"\x89PNG") || starts(b"BM") || starts(b"\xff\xd8\xff") {
         return series::open(files);
     }
-    Err(error(
-        first,
-        "not a volume: neither a folder of images, DICOM, TIFF, NRRD, MetaImage nor NIfTI; for raw data give size_px and sample",
-    ))
+    Err(error(first, VolumeProblem::UnknownFormat))
 }
 
 #[cfg(test)]

@@ -5,7 +5,9 @@ use std::io::Read;
 use flate2::bufread::MultiGzDecoder;
 
 use super::raw::{Layout, Packing, RawSource};
-use super::{Files, SampleType, VolumeError, VolumeInfo, error, spacing};
+use super::{Files, SampleType, VolumeError, VolumeInfo, VolumeProblem, damaged, error, spacing};
+
+const FORMAT: &str = "NIfTI";
 
 /// Whether a file begins like a NIfTI header.
 pub(super) fn is(head: &[u8]) -> bool {
@@ -19,12 +21,15 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
     if packed {
         head = Vec::new();
         let unpacked = MultiGzDecoder::new(files.open(name)?).take(540).read_to_end(&mut head);
-        unpacked.map_err(|e| error(name, format!("damaged gzip data: {e}")))?;
+        unpacked.map_err(|e| damaged(name, "gzip data", e))?;
     }
     if !is(&head) {
-        let problem = if packed { "gzip, but not NIfTI in it" } else { "not NIfTI" };
-        return Err(error(name, problem));
+        let expected = if packed { "NIfTI in gzip" } else { "NIfTI" };
+        return Err(error(name, VolumeProblem::OtherFormat { expected }));
     }
+    let wrong = |field: &'static str, found: String, expected: &str| {
+        error(name, VolumeProblem::Field { format: FORMAT, field, found, expected: expected.to_owned() })
+    };
     let second = head.get(4..7) == Some(b"n+2");
     head.resize(540, 0);
     let big_endian = head[..4] == if second { 540i32.to_be_bytes() } else { 348i32.to_be_bytes() };
@@ -33,7 +38,8 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
         (0..8).map(|i| if second { h.i64(16 + 8 * i) } else { i64::from(h.i16(40 + 2 * i)) }).collect();
     let more = (4..8).any(|k| (k as i64) <= dims[0] && dims[k] > 1);
     if !(2..=7).contains(&dims[0]) || more {
-        return Err(error(name, format!("{} dimensions; a volume has 3", dims[0])));
+        let n_axes = usize::try_from(dims[0]).unwrap_or(0);
+        return Err(error(name, VolumeProblem::OtherAxes { format: FORMAT, n_axes }));
     }
     let size = [1, 2, 3].map(|k| if k as i64 > dims[0] { 1 } else { usize::try_from(dims[k]).unwrap_or(0) });
     let code = h.i16(if second { 12 } else { 70 });
@@ -47,13 +53,10 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
         16 => SampleType::F32,
         64 => SampleType::F64,
         _ => {
-            return Err(error(
-                name,
-                format!("data type {code} is not read; 8 to 32 bit integers, float and double are"),
-            ));
+            return Err(wrong("datatype", code.to_string(), "8 to 32 bit integers, float and double"));
         }
     };
-    let mut info = VolumeInfo::new("NIfTI", size, sample);
+    let mut info = VolumeInfo::new(FORMAT, size, sample);
     let units = if second { h.i32(500) } else { i32::from(head[123]) } & 7;
     let unit_mm = match units {
         1 => Some(1e3),
@@ -70,7 +73,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
     }
     let offset = if second { h.i64(168) as f64 } else { f64::from(h.f32(108)) };
     if !(0.0..1e9).contains(&offset) {
-        return Err(error(name, format!("data at byte {offset}; that is damage")));
+        return Err(wrong("vox_offset", offset.to_string(), "a place within 1 GB"));
     }
     let (slope, intercept) =
         if second { (h.f64(176) as f32, h.f64(184) as f32) } else { (h.f32(112), h.f32(116)) };

@@ -3,7 +3,11 @@
 use std::io::{BufRead, Seek};
 
 use super::raw::{Layout, Packing, RawSource};
-use super::{Files, SampleType, VolumeError, VolumeInfo, error, io_error, spacing};
+use super::{
+    Files, SampleType, VolumeError, VolumeInfo, VolumeProblem, damaged, error, io_error, spacing, unsupported,
+};
+
+const FORMAT: &str = "NRRD";
 
 /// Headers are short; a file without a blank line early on is damaged.
 const MAX_HEADER: usize = 1 << 16;
@@ -24,7 +28,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
             break;
         }
         if read >= MAX_HEADER {
-            return Err(error(name, "the NRRD header does not end"));
+            return Err(damaged(name, "NRRD header", "no blank line ends it within 64 kB"));
         }
         if let Some((key, value)) = text.split_once(':').filter(|_| !text.starts_with('#')) {
             fields.push((key.trim().to_ascii_lowercase(), value.trim_start_matches('=').trim().to_owned()));
@@ -33,16 +37,21 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
     let offset = reader.stream_position().map_err(|e| io_error(name, &e))?;
     let get =
         |keys: &[&str]| fields.iter().find(|(k, _)| keys.contains(&k.as_str())).map(|(_, v)| v.as_str());
-    let need = |key: &str| get(&[key]).ok_or_else(|| error(name, format!("the NRRD header has no {key}")));
+    let wrong = |field: &'static str, found: String, expected: &str| {
+        error(name, VolumeProblem::Field { format: FORMAT, field, found, expected: expected.to_owned() })
+    };
+    let need = |key: &str| {
+        get(&[key])
+            .ok_or_else(|| error(name, VolumeProblem::MissingField { format: FORMAT, field: key.to_owned() }))
+    };
     let sizes: Vec<usize> = need("sizes")?.split_whitespace().filter_map(|w| w.parse().ok()).collect();
     let &[nx, ny, nz] = sizes.as_slice() else {
-        return Err(error(name, format!("sizes has {} entries; a volume of grey values has 3", sizes.len())));
+        return Err(error(name, VolumeProblem::OtherAxes { format: FORMAT, n_axes: sizes.len() }));
     };
     let stored = need("type")?;
-    let sample = sample(stored).ok_or_else(|| {
-        error(name, format!("type {stored:?} is not read; 8 to 32 bit integers, float and double are"))
-    })?;
-    let mut info = VolumeInfo::new("NRRD", [nx, ny, nz], sample);
+    let sample = sample(stored)
+        .ok_or_else(|| wrong("type", stored.to_owned(), "8 to 32 bit integers, float and double"))?;
+    let mut info = VolumeInfo::new(FORMAT, [nx, ny, nz], sample);
     if let Some(directions) = get(&["space directions"]) {
         let lengths = directions.split(')').map(|v| {
             let numbers =
@@ -66,21 +75,29 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
     let packing = match encoding.to_ascii_lowercase().as_str() {
         "raw" => Packing::None,
         "gzip" | "gz" => Packing::Gzip,
-        _ => return Err(error(name, format!("encoding {encoding:?} is not read; raw and gzip are"))),
+        _ => return Err(wrong("encoding", encoding.to_owned(), "raw and gzip")),
     };
     let skip: i64 = get(&["byte skip", "byteskip"]).and_then(|v| v.parse().ok()).unwrap_or(0);
     if skip < 0 || get(&["line skip", "lineskip"]).is_some_and(|v| v != "0") {
-        return Err(error(name, "line skip and negative byte skip are not read; byte skip is"));
+        return Err(unsupported(
+            name,
+            "line skip or a negative byte skip",
+            "give the number of bytes as byte skip",
+        ));
     }
     let (file, at) = match get(&["data file", "datafile"]) {
         None => (name.to_owned(), offset),
         Some(f) if f.contains('%') || f.to_ascii_uppercase().starts_with("LIST") => {
-            return Err(error(name, "data in several files is not read; one file is"));
+            return Err(unsupported(name, "data in several files", "keep the voxels in one file"));
         }
         Some(f) => (files.sibling(name, f), 0),
     };
     if packing == Packing::Gzip && skip > 0 && at > 0 {
-        return Err(error(name, "byte skip within attached gzip data is not read"));
+        return Err(unsupported(
+            name,
+            "byte skip within attached gzip data",
+            "write the file without byte skip",
+        ));
     }
     let big_endian = get(&["endian"]).is_some_and(|e| e.eq_ignore_ascii_case("big"));
     let (offset, inside) =

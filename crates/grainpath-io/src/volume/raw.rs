@@ -4,8 +4,10 @@ use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
-use super::sample::SampleType;
-use super::{Files, SliceSource, VolumeError, VolumeInfo, check_size, error, io_error};
+use super::{
+    Files, SampleType, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, check_size, damaged,
+    error, io_error, sample,
+};
 
 /// The header of a file that has none.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,13 +97,10 @@ impl RawSource {
             let end = r.seek(SeekFrom::End(0)).map_err(|e| io_error(file, &e))?;
             r.seek(SeekFrom::Start(offset)).map_err(|e| io_error(file, &e))?;
             if end < offset.saturating_add(needed) {
-                let [x, y, z] = self.info.size;
+                let (size, sample) = (self.info.size, self.info.sample);
                 return Err(error(
                     file,
-                    format!(
-                        "{x} x {y} x {z} voxels of {} need {needed} bytes after byte {offset}; the file has {end}",
-                        self.info.sample.name()
-                    ),
+                    VolumeProblem::TooShort { size, sample, needed, offset, length: end },
                 ));
             }
             if end > offset.saturating_add(needed) {
@@ -113,11 +112,12 @@ impl RawSource {
     }
 
     fn slice_bytes(&self) -> usize {
-        self.info.size[0] * self.info.size[1] * self.info.sample.bytes()
+        self.info.size[0] * self.info.size[1] * self.info.sample.n_bytes()
     }
 
     fn cut_short(&self) -> VolumeError {
-        error(&self.layout.file, format!("the data ends in slice {} of {}", self.next + 1, self.info.size[2]))
+        let (slice, n_slices) = (self.next + 1, self.info.size[2]);
+        error(&self.layout.file, VolumeProblem::EndsInSlice { slice, n_slices })
     }
 }
 
@@ -144,13 +144,13 @@ impl SliceSource for RawSource {
         &self.info
     }
 
-    fn restart(&mut self) -> Result<(), VolumeError> {
+    fn restart(&mut self) -> Result<(), SliceError> {
         self.stream = start(&self.files, &self.layout)?;
         self.next = 0;
         Ok(())
     }
 
-    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, VolumeError> {
+    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
         out.clear();
         if self.next == self.info.size[2] {
             return Ok(false);
@@ -161,12 +161,12 @@ impl SliceSource for RawSource {
             let n = left.min(1 << 20);
             self.buffer.resize(n, 0);
             if let Err(e) = self.stream.reader().read_exact(&mut self.buffer) {
-                return Err(match e.kind() {
+                return Err(SliceError::from(match e.kind() {
                     std::io::ErrorKind::UnexpectedEof => self.cut_short(),
-                    _ => error(&self.layout.file, format!("damaged data in slice {}: {e}", self.next + 1)),
-                });
+                    _ => damaged(&self.layout.file, format!("data in slice {}", self.next + 1), e),
+                }));
             }
-            self.info.sample.decode(&self.buffer, self.layout.big_endian, out);
+            sample::decode(self.info.sample, &self.buffer, self.layout.big_endian, out);
             left -= n;
         }
         let (slope, intercept) = self.layout.scale;
@@ -177,7 +177,7 @@ impl SliceSource for RawSource {
         Ok(true)
     }
 
-    fn skip_slice(&mut self) -> Result<bool, VolumeError> {
+    fn skip_slice(&mut self) -> Result<bool, SliceError> {
         if self.next == self.info.size[2] {
             return Ok(false);
         }
@@ -191,7 +191,7 @@ impl SliceSource for RawSource {
                 let passed = std::io::copy(&mut r.take(n), &mut std::io::sink());
                 let passed = passed.map_err(|e| io_error(file, &e))?;
                 if passed < n {
-                    return Err(self.cut_short());
+                    return Err(self.cut_short().into());
                 }
             }
         }

@@ -1,7 +1,9 @@
 //! Folders with a file a slice.
 
 use super::files::MAX_FILE;
-use super::{Files, SampleType, SliceSource, VolumeError, VolumeInfo, check_size, error};
+use super::{
+    Files, SampleType, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, check_size, error,
+};
 use crate::image::{Image, Samples, decode_within};
 
 /// Opens a folder: DICOM where there is any, else images in natural order.
@@ -28,7 +30,7 @@ pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
         return Ok(Box::new(super::dicom::open(&files, &dicoms, images.len() + others.len())?));
     }
     if images.is_empty() {
-        return Err(error(files.place(), "no DICOM, PNG, TIFF, BMP or JPEG slices in it"));
+        return Err(error(files.place(), VolumeProblem::NoSlices));
     }
     check_names(&images)?;
     check_numbers(&images)?;
@@ -60,27 +62,26 @@ impl SliceSource for Series {
         &self.info
     }
 
-    fn restart(&mut self) -> Result<(), VolumeError> {
+    fn restart(&mut self) -> Result<(), SliceError> {
         self.next = 0;
         Ok(())
     }
 
-    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, VolumeError> {
+    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
         out.clear();
         let Some(name) = self.names.get(self.next) else { return Ok(false) };
         let image = read(&self.files, name)?;
         if [image.width, image.height] != self.info.size[..2] {
             let [x, y, _] = self.info.size;
-            let problem =
-                format!("{} x {} pixels; {} has {x} x {y}", image.width, image.height, self.names[0]);
-            return Err(error(name, problem));
+            let (found, first) = ([image.width, image.height], self.names[0].clone());
+            return Err(error(name, VolumeProblem::OtherSize { found, expected: [x, y], first }).into());
         }
         take_grey(image, &self.info, name, out)?;
         self.next += 1;
         Ok(true)
     }
 
-    fn skip_slice(&mut self) -> Result<bool, VolumeError> {
+    fn skip_slice(&mut self) -> Result<bool, SliceError> {
         let more = self.next < self.names.len();
         self.next += usize::from(more);
         Ok(more)
@@ -89,7 +90,7 @@ impl SliceSource for Series {
 
 fn read(files: &Files, name: &str) -> Result<Image, VolumeError> {
     let bytes = files.whole(name, MAX_FILE)?;
-    decode_within(&bytes, super::MAX_PIXELS as u64).map_err(|e| error(name, e.to_string()))
+    decode_within(&bytes, super::MAX_PIXELS as u64).map_err(|e| error(name, e))
 }
 
 pub(super) fn sample_of(samples: &Samples) -> SampleType {
@@ -109,8 +110,8 @@ pub(super) fn take_grey(
 ) -> Result<(), VolumeError> {
     let found = sample_of(&image.samples);
     if found != info.sample {
-        let problem = format!("{} grey values; the first slice has {}", found.name(), info.sample.name());
-        return Err(error(place, problem));
+        let (found, expected) = (found.name(), info.sample.name());
+        return Err(error(place, VolumeProblem::OtherSample { found, expected }));
     }
     *out = image.to_grey_f32();
     out.iter_mut().filter(|v| !v.is_finite()).for_each(|v| *v = 0.0);
@@ -132,11 +133,7 @@ fn check_names(names: &[String]) -> Result<(), VolumeError> {
     match shapes.iter().position(|s| *s != shapes[usual]) {
         // Names that are all different may be anything.
         Some(stranger) if n > 1 => {
-            let problem = format!(
-                "its name does not go with {} and {} more like it: is it of another series?",
-                names[usual],
-                n - 1
-            );
+            let problem = VolumeProblem::OtherName { like: names[usual].clone(), n_like: n - 1 };
             Err(error(&names[stranger], problem))
         }
         _ => Ok(()),
@@ -165,11 +162,7 @@ fn check_numbers(names: &[String]) -> Result<(), VolumeError> {
     match steps.iter().position(|&s| s != step) {
         // Some numbering that says nothing: times, sizes.
         Some(i) if steps[i].is_multiple_of(step) => {
-            let problem = format!(
-                "slices are missing after it: the numbers go from {} to {}, elsewhere in steps of {step}",
-                numbers[i].1,
-                numbers[i + 1].1
-            );
+            let problem = VolumeProblem::GapInNumbers { from: numbers[i].1, to: numbers[i + 1].1, step };
             Err(error(&names[i], problem))
         }
         _ => Ok(()),

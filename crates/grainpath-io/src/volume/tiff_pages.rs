@@ -6,7 +6,10 @@ use tiff::decoder::{Decoder, Limits};
 use tiff::tags::Tag;
 
 use super::series::{sample_of, take_grey};
-use super::{Files, MAX_SLICES, ReadSeek, SliceSource, VolumeError, VolumeInfo, check_size, error, spacing};
+use super::{
+    Files, MAX_SLICES, ReadSeek, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, check_size,
+    error, spacing,
+};
 use crate::image::tiff as page;
 
 type Pages = Decoder<BufReader<Box<dyn ReadSeek>>>;
@@ -25,8 +28,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<TiffSource, VolumeError>
     let (nx, ny) = (width as usize, height as usize);
     check_size(name, [nx, ny, 1])?;
     let mut decoder = start(files, name, [nx, ny])?;
-    let first =
-        page::read_page(&mut decoder, super::MAX_PIXELS as u64).map_err(|e| error(name, e.to_string()))?;
+    let first = page::read_page(&mut decoder, super::MAX_PIXELS as u64).map_err(|e| error(name, e))?;
     let mut info = VolumeInfo::new("multipage TIFF", [nx, ny, 1], sample_of(&first.samples));
     spacing_of(&mut decoder, &mut info);
     let mut n = 1;
@@ -34,7 +36,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<TiffSource, VolumeError>
         decoder.next_image().map_err(|e| damaged(name, n, &e))?;
         n += 1;
         if n > MAX_SLICES {
-            return Err(error(name, format!("more than {MAX_SLICES} pages")));
+            return Err(error(name, VolumeProblem::TooLarge { size: [nx, ny, n] }));
         }
     }
     info.size[2] = n;
@@ -43,7 +45,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<TiffSource, VolumeError>
 }
 
 fn damaged(name: &str, page: usize, e: &tiff::TiffError) -> VolumeError {
-    error(name, format!("page {}: {e}", page + 1))
+    error(name, VolumeProblem::Page { page: page + 1, reason: e.to_string() })
 }
 
 fn start(files: &Files, name: &str, size: [usize; 2]) -> Result<Pages, VolumeError> {
@@ -102,13 +104,13 @@ impl SliceSource for TiffSource {
         &self.info
     }
 
-    fn restart(&mut self) -> Result<(), VolumeError> {
+    fn restart(&mut self) -> Result<(), SliceError> {
         self.decoder = start(&self.files, &self.name, [self.info.size[0], self.info.size[1]])?;
         self.next = 0;
         Ok(())
     }
 
-    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, VolumeError> {
+    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
         out.clear();
         if self.next == self.info.size[2] {
             return Ok(false);
@@ -118,16 +120,19 @@ impl SliceSource for TiffSource {
         let (nx, ny) = (size.0 as usize, size.1 as usize);
         if [nx, ny] != self.info.size[..2] {
             let [x, y, _] = self.info.size;
-            return Err(error(place, format!("{nx} x {ny} pixels; the first page has {x} x {y}")));
+            let first = "the first page".to_owned();
+            return Err(
+                error(place, VolumeProblem::OtherSize { found: [nx, ny], expected: [x, y], first }).into()
+            );
         }
         let image = page::read_page(&mut self.decoder, super::MAX_PIXELS as u64);
-        let image = image.map_err(|e| error(&place, e.to_string()))?;
+        let image = image.map_err(|e| error(&place, e))?;
         take_grey(image, &self.info, &place, out)?;
         self.advance()?;
         Ok(true)
     }
 
-    fn skip_slice(&mut self) -> Result<bool, VolumeError> {
+    fn skip_slice(&mut self) -> Result<bool, SliceError> {
         if self.next == self.info.size[2] {
             return Ok(false);
         }

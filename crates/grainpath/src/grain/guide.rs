@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use grainpath_core::math::{direction, rotated};
+use grainpath_core::slices::SliceSource;
 use grainpath_core::{DVec2, DVec3, Diagnostics, DirectionField, DirectionSample, Region};
-use grainpath_io::volume::SliceSource;
 use serde::Serialize;
 
 use super::canny::{CannySettings, Edges, canny};

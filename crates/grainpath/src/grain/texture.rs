@@ -501,7 +501,7 @@ mod tests {
     use std::f64::consts::PI;
 
     use grainpath_core::math::{direction, exp, sin_cos};
-    use grainpath_io::volume::{SampleType, SliceSource, VolumeError, VolumeInfo};
+    use grainpath_core::slices::{SampleType, SliceError, SliceSource, VolumeInfo};
 
     use super::super::tensor::axis_difference_rad;
     use super::*;
@@ -519,12 +519,12 @@ mod tests {
             &self.info
         }
 
-        fn restart(&mut self) -> Result<(), VolumeError> {
+        fn restart(&mut self) -> Result<(), SliceError> {
             self.next = 0;
             Ok(())
         }
 
-        fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, VolumeError> {
+        fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
             let [nx, ny, nz] = self.info.size;
             let s = DVec3::from(self.info.spacing_mm.map(|v| v.unwrap_or(1.0)));
             out.clear();
@@ -535,7 +535,7 @@ mod tests {
             Ok(self.next <= nz)
         }
 
-        fn skip_slice(&mut self) -> Result<bool, VolumeError> {
+        fn skip_slice(&mut self) -> Result<bool, SliceError> {
             self.next += 1;
             Ok(self.next <= self.info.size[2])
         }
@@ -547,14 +547,8 @@ mod tests {
         flip: &str,
         grey: impl Fn(DVec3) -> f64 + Send,
     ) -> (Texture, Vec<String>) {
-        let info = VolumeInfo {
-            format: "made",
-            size,
-            sample: SampleType::U16,
-            spacing_mm: spacing.map(Some),
-            z_mm: Vec::new(),
-            warnings: Vec::new(),
-        };
+        let mut info = VolumeInfo::new("made", size, SampleType::U16);
+        info.spacing_mm = spacing.map(Some);
         let job = format!("[shape.ct]\npath = \"a\"\nflip = \"{flip}\"\n");
         let settings = parse_job(&job, "job.toml", &[], &|_| Err(String::new())).expect("a good job");
         let settings = TextureSettings {

@@ -106,7 +106,7 @@ sections! {
         canny_sigma_px: f64 = 1.0, "px", Range(0.0, 10.0), "Gaussian before Canny's gradients.";
         truth: String = String::new(), "", Any, "File of true dimensions (TOML) that the report compares with what is printed; none when left out.";
         size_px: Option<[usize; 3]> = None, "", Range(1.0, 1e6), "Columns, rows and slices of raw data.";
-        sample: String = "u8".into(), "", Words(&grainpath_io::volume::SampleType::NAMES), "How raw data stores a voxel.";
+        sample: String = "u8".into(), "", Words(&grainpath_core::slices::SampleType::NAMES), "How raw data stores a voxel.";
         byte_order: String = "little".into(), "", Words(&["little", "big"]), "Which byte of raw data comes first.";
         offset_bytes: usize = 0, "", Range(0.0, 1e12), "Bytes of raw data before the first voxel.";
     }

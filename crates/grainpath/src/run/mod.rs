@@ -11,11 +11,11 @@ use std::sync::Mutex;
 use std::time::Instant;
 
 use grainpath_core::diagnostics::Stage;
+use grainpath_core::slices::SliceSource;
 use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, TriMesh, UniformField};
 use grainpath_gcode::{WriteConfig, check_fits};
 use grainpath_io::MeshFile;
 use grainpath_io::fe::StressField;
-use grainpath_io::volume::SliceSource;
 
 use crate::config;
 use crate::error::Error;
@@ -194,7 +194,7 @@ fn grain(
 
 fn scan_error(e: shape::ct::CtError, path: &str) -> Error {
     match e {
-        shape::ct::CtError::Volume(e) => Error::Volume(e),
+        shape::ct::CtError::Slices(e) => Error::Slices(e),
         shape::ct::CtError::Shape(source) => Error::Shape { path: path.to_owned(), source },
     }
 }

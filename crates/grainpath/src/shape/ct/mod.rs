@@ -16,8 +16,8 @@ use std::sync::mpsc::sync_channel;
 
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::poly::{FillRule, signed_area_mm2};
+use grainpath_core::slices::{SliceError, SliceSource};
 use grainpath_core::{Contour, DVec2, Diagnostics, Layer, LayerStack, Region};
-use grainpath_io::volume::{SliceSource, VolumeError};
 use rayon::prelude::*;
 
 pub use canny::CannySettings;
@@ -171,7 +171,7 @@ pub struct CtStack {
 #[allow(missing_docs)]
 pub enum CtError {
     #[error(transparent)]
-    Volume(#[from] VolumeError),
+    Slices(#[from] SliceError),
     #[error(transparent)]
     Shape(#[from] ShapeError),
 }
@@ -322,9 +322,9 @@ impl Job<'_> {
         let mut all = Collected { start_mm: self.survey.bottom_mm, ..Collected::default() };
         std::thread::scope(|scope| -> Result<(), CtError> {
             // The reader is ahead by a slice or two, and ends when nobody listens any more.
-            let (send, receive) = sync_channel::<Result<Vec<f32>, VolumeError>>(2);
+            let (send, receive) = sync_channel::<Result<Vec<f32>, SliceError>>(2);
             scope.spawn(move || {
-                let read = |source: &mut dyn SliceSource| -> Result<(), VolumeError> {
+                let read = |source: &mut dyn SliceSource| -> Result<(), SliceError> {
                     for _ in 0..l.first {
                         source.skip_slice()?;
                     }

@@ -1,8 +1,8 @@
 //! Which voxels are taken, and what their grey values say before any layer is made.
 
 use grainpath_core::diagnostics::Stage;
+use grainpath_core::slices::{SliceSource, VolumeInfo};
 use grainpath_core::{Contour, DVec2, Diagnostics};
-use grainpath_io::volume::{SliceSource, VolumeInfo};
 
 use super::{CtError, CtSettings, Denoise, Histogram, Interpolation, Threshold, Tracing, wrong};
 use crate::shape::ShapeError;

@@ -1,5 +1,5 @@
 use grainpath_core::math::direction;
-use grainpath_io::volume::{SampleType, VolumeInfo};
+use grainpath_core::slices::{SampleType, VolumeInfo};
 
 use super::*;
 
@@ -17,14 +17,8 @@ const METAL: f64 = 21000.0;
 
 impl Phantom {
     fn new(solid: fn([f64; 3]) -> f64, size: [usize; 3], spacing: [f64; 3]) -> Self {
-        let info = VolumeInfo {
-            format: "phantom",
-            size,
-            sample: SampleType::U16,
-            spacing_mm: spacing.map(Some),
-            z_mm: Vec::new(),
-            warnings: Vec::new(),
-        };
+        let mut info = VolumeInfo::new("phantom", size, SampleType::U16);
+        info.spacing_mm = spacing.map(Some);
         Self { info, solid, blur_px: 0.8, noise: 200.0, next: 0 }
     }
 
@@ -49,12 +43,12 @@ impl SliceSource for Phantom {
         &self.info
     }
 
-    fn restart(&mut self) -> Result<(), VolumeError> {
+    fn restart(&mut self) -> Result<(), SliceError> {
         self.next = 0;
         Ok(())
     }
 
-    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, VolumeError> {
+    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
         out.clear();
         let [nx, ny, nz] = self.info.size;
         if self.next == nz {
@@ -65,7 +59,7 @@ impl SliceSource for Phantom {
         Ok(true)
     }
 
-    fn skip_slice(&mut self) -> Result<bool, VolumeError> {
+    fn skip_slice(&mut self) -> Result<bool, SliceError> {
         let more = self.next < self.info.size[2];
         self.next += usize::from(more);
         Ok(more)

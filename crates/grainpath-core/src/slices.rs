@@ -1,0 +1,166 @@
+//! Scans as a sequence of slices: the waist between the readers of volume files and whatever consumes grey values.
+//!
+//! A [`SliceSource`] hands out one slice after another, so a consumer holds a few slices and never the whole volume.
+//! Columns run along x, rows along y, slices along z, all counted from 0. A slice is row-major: the value of column `i`
+//! and row `j` is `slice[j * n_columns + i]`.
+
+use std::error::Error;
+
+/// How a file stores one voxel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum SampleType {
+    U8,
+    I8,
+    U16,
+    I16,
+    U32,
+    I32,
+    F32,
+    F64,
+}
+
+impl SampleType {
+    /// The names that [`SampleType::from_name`] accepts.
+    pub const NAMES: [&str; 8] = ["u8", "i8", "u16", "i16", "u32", "i32", "f32", "f64"];
+
+    /// The type with this name.
+    ///
+    /// ```
+    /// use grainpath_core::slices::SampleType;
+    ///
+    /// assert_eq!(SampleType::from_name("u16"), Some(SampleType::U16));
+    /// assert_eq!(SampleType::from_name("u12"), None);
+    /// ```
+    pub fn from_name(name: &str) -> Option<Self> {
+        use SampleType::{F32, F64, I8, I16, I32, U8, U16, U32};
+        let all = [U8, I8, U16, I16, U32, I32, F32, F64];
+        Self::NAMES.iter().position(|n| *n == name).map(|i| all[i])
+    }
+
+    /// The name used in jobs and messages.
+    pub const fn name(self) -> &'static str {
+        Self::NAMES[self as usize]
+    }
+
+    /// Bytes of one voxel.
+    pub const fn n_bytes(self) -> usize {
+        match self {
+            Self::U8 | Self::I8 => 1,
+            Self::U16 | Self::I16 => 2,
+            Self::U32 | Self::I32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+}
+
+/// What is known of a volume before its slices are read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VolumeInfo {
+    /// The format's name for people.
+    pub format: &'static str,
+    /// Columns, rows, slices.
+    pub size: [usize; 3],
+    /// How the file stores a voxel.
+    pub sample: SampleType,
+    /// Distance between voxel centres in x, y and z, mm; `None` where the file does not state it.
+    pub spacing_mm: [Option<f64>; 3],
+    /// Heights of the slices where their distances differ, mm, rising from 0; otherwise empty.
+    pub z_mm: Vec<f64>,
+    /// What was odd about the file but could be read.
+    pub warnings: Vec<String>,
+}
+
+impl VolumeInfo {
+    /// A volume of `size` (columns, rows, slices) without stated spacing.
+    ///
+    /// ```
+    /// use grainpath_core::slices::{SampleType, VolumeInfo};
+    ///
+    /// let info = VolumeInfo::new("raw", [512, 512, 200], SampleType::U16);
+    /// assert_eq!(info.spacing_mm, [None; 3]);
+    /// ```
+    pub fn new(format: &'static str, size: [usize; 3], sample: SampleType) -> Self {
+        Self { format, size, sample, spacing_mm: [None; 3], z_mm: Vec::new(), warnings: Vec::new() }
+    }
+}
+
+/// Why a source cannot give its next slice. The reader's own error stands inside, as the message and as
+/// [`Error::source`].
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub struct SliceError(Box<dyn Error + Send + Sync>);
+
+impl SliceError {
+    /// Wraps the error of a reader.
+    pub fn new(error: impl Error + Send + Sync + 'static) -> Self {
+        Self(Box::new(error))
+    }
+
+    /// The reader's error, where it is of type `E`.
+    pub fn downcast_ref<E: Error + 'static>(&self) -> Option<&E> {
+        self.0.downcast_ref()
+    }
+}
+
+/// A volume that gives one slice after another, starting with the first.
+///
+/// ```
+/// use grainpath_core::slices::{SampleType, SliceError, SliceSource, VolumeInfo};
+///
+/// /// Two slices of 2 x 1 voxels.
+/// struct Ramp {
+///     info: VolumeInfo,
+///     next: usize,
+/// }
+///
+/// impl SliceSource for Ramp {
+///     fn info(&self) -> &VolumeInfo {
+///         &self.info
+///     }
+///     fn restart(&mut self) -> Result<(), SliceError> {
+///         self.next = 0;
+///         Ok(())
+///     }
+///     fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
+///         out.clear();
+///         out.extend([self.next as f32, 10.0]);
+///         self.skip_slice()
+///     }
+///     fn skip_slice(&mut self) -> Result<bool, SliceError> {
+///         let more = self.next < self.info.size[2];
+///         self.next += usize::from(more);
+///         Ok(more)
+///     }
+/// }
+///
+/// let mut ramp = Ramp { info: VolumeInfo::new("made up", [2, 1, 2], SampleType::F32), next: 0 };
+/// let mut slice = Vec::new();
+/// ramp.skip_slice()?;
+/// assert!(ramp.next_slice(&mut slice)?);
+/// assert_eq!(slice, [1.0, 10.0]);
+/// assert!(!ramp.next_slice(&mut slice)?, "there are two slices");
+/// # Ok::<(), SliceError>(())
+/// ```
+pub trait SliceSource: Send {
+    /// What is known before the slices are read.
+    fn info(&self) -> &VolumeInfo;
+
+    /// Goes back to the first slice.
+    ///
+    /// # Errors
+    /// [`SliceError`] where a file can no longer be read.
+    fn restart(&mut self) -> Result<(), SliceError>;
+
+    /// Puts the next slice into `out`, row-major, and moves on; `false` after the last slice.
+    ///
+    /// # Errors
+    /// [`SliceError`] with the file's name and what is wrong in it.
+    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError>;
+
+    /// Passes over the next slice; `false` after the last slice.
+    ///
+    /// # Errors
+    /// As [`SliceSource::next_slice`].
+    fn skip_slice(&mut self) -> Result<bool, SliceError>;
+}
