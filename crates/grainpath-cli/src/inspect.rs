@@ -1,5 +1,6 @@
 //! `grainpath inspect`: what a file is, with its defects.
 
+use grainpath_core::{Warning, WarningId};
 use std::path::Path;
 
 use grainpath::grain::Photo;
@@ -202,7 +203,7 @@ fn fe_json(name: &str, file: &FeFile) -> Value {
             warnings = result.warnings;
         }
         Err(FeError::NoStress { .. }) => {}
-        Err(e) => warnings.push(e.to_string()),
+        Err(e) => warnings.push(Warning::new(WarningId::FeLeftOut, e.to_string())),
     }
     if let Some(deck) = &file.deck {
         let materials: Vec<String> = deck.materials.iter().map(|m| m.name.clone()).collect();

@@ -128,8 +128,8 @@ pub fn write(
     if let Some(program) = program {
         report.quality = Some(measure(&planned, &program));
         report.fibre = measure_fibre(settings, &planned, &program);
-        report.fibre.iter().filter_map(|f| f.warning()).for_each(|w| diagnostics.warn(w));
-        report.quality.iter().filter_map(|q| q.fibre_warning(settings)).for_each(|w| diagnostics.warn(w));
+        report.fibre.iter().filter_map(|f| f.warning()).for_each(|w| diagnostics.push(w));
+        report.quality.iter().filter_map(|q| q.fibre_warning(settings)).for_each(|w| diagnostics.push(w));
         report.dimensions = truth
             .map(|t| grainpath::dimensions::measure(t, &program, planned.plan.plate_from_part_mm.truncate()));
         let mut drawn = guide_pictures(&planned, paths);

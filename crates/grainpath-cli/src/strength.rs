@@ -7,7 +7,7 @@ use grainpath::job::Settings;
 use grainpath::report::peak_rss_mb;
 use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath::strength::{StrengthReport, TestSetup, Tested, chart_svg, test};
-use grainpath_core::Diagnostics;
+use grainpath_core::{Diagnostics, Warning};
 use grainpath_gcode::{Program, simulate, write_gcode};
 use serde_json::{Value, json};
 
@@ -21,7 +21,7 @@ struct Done {
     tested: Tested,
     layers: usize,
     time_s: f64,
-    warnings: Vec<String>,
+    warnings: Vec<Warning>,
 }
 
 /// `grainpath strength`
@@ -118,9 +118,9 @@ fn read(settings: &Settings, bytes: &[u8], path: &Path) -> Result<Program, Failu
         .map_err(|e| Failure::input(format!("{}: {e}", path.display())))
 }
 
-fn warnings(diagnostics: &Diagnostics, program: &Program) -> Vec<String> {
+fn warnings(diagnostics: &Diagnostics, program: &Program) -> Vec<Warning> {
     let mut all = diagnostics.warnings();
-    all.extend(program.warnings.iter().map(|w| format!("G-code: {w}")));
+    all.extend(program.warnings.iter().cloned());
     all
 }
 

@@ -10,7 +10,7 @@ use grainpath::specimen::SPECIMENS;
 use grainpath::support::{self, picture};
 use grainpath::test_pieces::{TEST_PIECES, TestPiece};
 use grainpath::{Error, config};
-use grainpath_core::{DVec2, TriMesh};
+use grainpath_core::{DVec2, TriMesh, WarningId};
 use serde_json::json;
 
 use crate::args::{Specimen, Support};
@@ -47,7 +47,7 @@ pub fn support(args: &Support) -> Result<(), Failure> {
         support::surface(layers, &stack, &settings.support.solid, &diagnostics).map_err(Error::from)?;
     let mut written = BTreeMap::new();
     if body.triangles.is_empty() && !args.with_model {
-        diagnostics.warn("support: nothing to write");
+        diagnostics.warn(WarningId::SupportNone, "support: nothing to write");
     } else {
         let mut bodies = vec![&body];
         if args.with_model {

@@ -67,7 +67,10 @@ fn what_needs_none_gets_none_and_mistakes_are_told_in_a_line() {
     std::fs::write(at.join("box.stl"), box_stl([20.0, 20.0, 5.0])).expect("a mesh");
     let report = json(&grainpath(&at, &["slice", "box.stl", "--set", "support.style=tree", "--json"]));
     assert_eq!(report["support"]["contacts"], 0);
-    assert!(report["warnings"][0].as_str().is_some_and(|w| w.contains("no overhang")), "{report}");
+    let warning = &report["warnings"][0];
+    assert_eq!(warning["id"], "support-none", "{report}");
+    assert!(warning["text"].as_str().is_some_and(|w| w.contains("no overhang")), "{report}");
+    assert!(warning["remedy"].as_str().is_some_and(|r| r.contains("critical_angle_deg")), "{report}");
     for (args, code, says) in [
         (vec!["support", "box.stl", "-o", "s.obj"], 2, ".stl or .3mf"),
         (vec!["support", "nothing.stl"], 3, "nothing.stl"),

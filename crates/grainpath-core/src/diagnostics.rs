@@ -3,6 +3,8 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::warning::{Warning, WarningId};
+
 /// A stage of a run, in the order a user sees them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[allow(missing_docs)]
@@ -58,10 +60,10 @@ pub trait Progress: Send + Sync {
 #[error("interrupted; nothing was written")]
 pub struct Interrupted;
 
-/// Collects warnings from every thread, passes progress on, and carries the wish to stop.
+/// Collects warnings from every thread, passes progress on, and holds the cancellation flag.
 #[derive(Default)]
 pub struct Diagnostics {
-    warnings: Mutex<Vec<(usize, String)>>,
+    warnings: Mutex<Vec<Warning>>,
     progress: Option<Box<dyn Progress>>,
     stop: AtomicBool,
 }
@@ -72,26 +74,24 @@ impl Diagnostics {
         Self { progress: Some(progress), ..Self::default() }
     }
 
-    /// Adds a warning that concerns the whole run. The same text is kept once.
-    pub fn warn(&self, text: impl Into<String>) {
-        self.warn_at(0, text);
+    /// Adds a warning about the whole run. The same warning is kept once.
+    pub fn warn(&self, id: WarningId, text: impl Into<String>) {
+        self.push(Warning::new(id, text));
     }
 
-    /// Adds a warning with a rank: warnings are listed by rank, then by text, so that the order in which
-    /// threads arrive never shows. Use 1 + the layer's index for what concerns a layer.
-    pub fn warn_at(&self, rank: usize, text: impl Into<String>) {
-        let row = (rank, text.into());
+    /// Adds a warning with a place or a remedy of its own. The same warning is kept once.
+    pub fn push(&self, warning: Warning) {
         let mut rows = self.warnings.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if !rows.contains(&row) {
-            rows.push(row);
+        if !rows.contains(&warning) {
+            rows.push(warning);
         }
     }
 
-    /// All warnings so far, in an order that does not depend on threads.
-    pub fn warnings(&self) -> Vec<String> {
+    /// All warnings so far: those about the whole run first, then layer by layer, whatever the number of threads.
+    pub fn warnings(&self) -> Vec<Warning> {
         let mut rows = self.warnings.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
-        rows.sort();
-        rows.into_iter().map(|(_, text)| text).collect()
+        rows.sort_by(Warning::order);
+        rows
     }
 
     /// Begins a stage of `total` steps.
@@ -129,9 +129,11 @@ mod tests {
     #[test]
     fn warnings_are_sorted_and_kept_once() {
         let d = Diagnostics::default();
-        d.warn_at(7, "layer 6 is thin");
-        d.warn("unit guessed");
-        d.warn_at(7, "layer 6 is thin");
-        assert_eq!(d.warnings(), ["unit guessed", "layer 6 is thin"]);
+        let thin = || Warning::new(WarningId::PathNeck, "a thin place").in_layer(6, 1.4);
+        d.push(thin());
+        d.warn(WarningId::UnitAssumed, "the unit is taken for mm");
+        d.push(thin());
+        let ids: Vec<&str> = d.warnings().iter().map(|w| w.id.name()).collect();
+        assert_eq!(ids, ["unit-assumed", "path-neck"]);
     }
 }

@@ -18,6 +18,7 @@ pub mod tensor;
 pub mod toolpath;
 pub mod triangulation;
 pub mod units;
+pub mod warning;
 
 pub use bvh::Bvh;
 pub use diagnostics::Diagnostics;
@@ -28,3 +29,4 @@ pub use mesh::TriMesh;
 pub use poly::{Bounds2, Contour, Polygon, Region};
 pub use slices::{SliceError, SliceSource, VolumeInfo};
 pub use toolpath::{BeadWidth, LayerPlan, Plan, PlannedPath, Role, SpeedClass, Toolpath, Travel};
+pub use warning::{Place, Warning, WarningId};

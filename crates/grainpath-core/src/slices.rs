@@ -68,7 +68,7 @@ pub struct VolumeInfo {
     /// Heights of the slices where their distances differ, mm, rising from 0; otherwise empty.
     pub z_mm: Vec<f64>,
     /// What was odd about the file but could be read.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<crate::Warning>,
 }
 
 impl VolumeInfo {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use grainpath_core::math::{atan2, sin_cos};
 use grainpath_core::units::bead_width_mm;
-use grainpath_core::{DVec2, Role};
+use grainpath_core::{DVec2, Role, Warning, WarningId};
 
 use crate::kinematics::{Limits, Move, TimeEstimator};
 use crate::read::{Line, Lines};
@@ -93,7 +93,7 @@ pub struct Program {
     /// Sizes of the pictures embedded, pixels.
     pub thumbnails: Vec<[u32; 2]>,
     /// What could not be understood, the first few with their line.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
 }
 
 /// Diameters that are taken for those of a filament.
@@ -234,7 +234,9 @@ impl Machine {
         self.n_broken += 1;
         if self.n_broken <= 5 {
             let text = String::from_utf8_lossy(&line.text[..line.text.len().min(60)]).into_owned();
-            self.program.warnings.push(format!("line {}: cannot understand {text:?}", line.number));
+            let text = format!("cannot understand {text:?}");
+            let warning = Warning::new(WarningId::GcodeNotRead, text).in_line(line.number);
+            self.program.warnings.push(warning);
         }
     }
 
@@ -384,7 +386,8 @@ impl Machine {
             self.program.layers.push(layer);
         }
         if self.n_broken > 5 {
-            self.program.warnings.push(format!("{} lines cannot be understood", self.n_broken));
+            let text = format!("{} lines cannot be understood", self.n_broken);
+            self.program.warnings.push(Warning::new(WarningId::GcodeNotRead, text));
         }
         self.program.time_s = self.time.seconds();
         self.program

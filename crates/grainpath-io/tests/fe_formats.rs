@@ -174,8 +174,12 @@ fn units_are_stated_and_doubted() {
     let bar = "x,y,z,s_xx,s_yy,s_zz,s_xy,s_yz,s_zx\n0,0,0,1e8,0,0,0,0,0\n0.1,0,0,1e8,0,0,0,0,0\n0,0.02,0,1e8,0,0,0,0,0\n";
     let file = parse_fe(bar.as_bytes(), Some("a.csv")).expect("a table");
     let doubted = file.result(&FeOptions::default()).expect("taken as it is");
-    assert!(doubted.warnings.iter().any(|w| w.contains("stress_unit = \"Pa\"")), "{:?}", doubted.warnings);
-    assert!(doubted.warnings.iter().any(|w| w.contains("length_unit")), "{:?}", doubted.warnings);
+    assert!(
+        doubted.warnings.iter().any(|w| w.remedy.contains("stress_unit = \"Pa\"")),
+        "{:?}",
+        doubted.warnings
+    );
+    assert!(doubted.warnings.iter().any(|w| w.remedy.contains("length_unit")), "{:?}", doubted.warnings);
     let stated = FeOptions {
         length_unit: Some(LengthUnit::Metre),
         stress_unit: Some(StressUnit::Pascal),
@@ -241,7 +245,7 @@ fn order_of_components_is_taken_and_doubted() {
     text += "$EndNodeData\n";
     let file = parse_fe(text.as_bytes(), None).expect("a torsion bar");
     let plain = file.result(&FeOptions::default()).expect("a stress");
-    let told = plain.warnings.iter().any(|w| w.contains("may be abaqus"));
+    let told = plain.warnings.iter().any(|w| w.text.contains("may be abaqus"));
     assert!(told, "{:?}", plain.warnings);
     let abaqus = FeOptions { order: Order::from_name("Abaqus"), ..FeOptions::default() };
     let right = file.result(&abaqus).expect("a stress");
@@ -260,7 +264,7 @@ fn a_stored_von_mises_shows_a_wrong_array() {
     let wrong = file.replace(";20;0;0;20", ";90;0;0;20");
     let result = parse_fe(wrong.as_bytes(), Some("a.csv")).expect("a table").result(&FeOptions::default());
     let warnings = result.expect("a plane stress").warnings;
-    assert!(warnings.iter().any(|w| w.contains("von Mises")), "{warnings:?}");
+    assert!(warnings.iter().any(|w| w.text.contains("von Mises")), "{warnings:?}");
 }
 
 #[test]

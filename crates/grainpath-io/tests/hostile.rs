@@ -133,7 +133,7 @@ fn painted_supports_of_3mf_go_where_their_facets_go() {
         "{:?}",
         painted.blockers.vertices
     );
-    assert!(read.warnings.iter().any(|w| w.contains("painted supports")), "{:?}", read.warnings);
+    assert!(read.warnings.iter().any(|w| w.text.contains("painted supports")), "{:?}", read.warnings);
 }
 
 #[test]

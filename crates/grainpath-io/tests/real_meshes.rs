@@ -120,7 +120,7 @@ fn samples_of_the_3mf_consortium() {
         let name = file.file_name().expect("a name").to_string_lossy().into_owned();
         let read = parse_mesh(&fs::read(file).expect("a sample"), Some(&name));
         let told = match &read {
-            Ok(read) => read.warnings.join("; "),
+            Ok(read) => read.warnings.iter().map(|w| w.text.as_str()).collect::<Vec<_>>().join("; "),
             Err(e) => e.to_string(),
         };
         println!("{name}: {} {told}", if read.is_ok() { "read" } else { "refused" });

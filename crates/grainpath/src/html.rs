@@ -71,7 +71,7 @@ pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[P
     put("</div></div>\n".into());
     if !report.warnings.is_empty() {
         put("<h2>Warnings</h2>\n<ul class=\"warnings\">".into());
-        report.warnings.iter().for_each(|w| put(format!("<li>{}</li>", escaped(w))));
+        report.warnings.iter().for_each(|w| put(format!("<li>{}</li>", escaped(&w.to_string()))));
         put("</ul>\n".into());
     }
     if let Some(s) = &report.strength {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use grainpath_core::math::{atan2, cross, direction};
-use grainpath_core::{DVec2, Region, Role};
+use grainpath_core::{DVec2, Region, Role, Warning, WarningId};
 use grainpath_gcode::{Program, Quality, Written, quality};
 use serde::Serialize;
 use serde_json::Value;
@@ -52,7 +52,7 @@ pub struct Report {
     pub fibre: Option<FibreReport>,
     pub stages_s: BTreeMap<&'static str, f64>,
     pub peak_rss_mb: f64,
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
     pub outputs: BTreeMap<&'static str, String>,
 }
 
@@ -119,16 +119,17 @@ const MUCH_OPEN: f64 = 0.08;
 
 impl QualityReport {
     /// What is to be said where beads of fibre, which have one width, do not go into a part that is to be dense.
-    pub fn fibre_warning(&self, settings: &Settings) -> Option<String> {
+    pub fn fibre_warning(&self, settings: &Settings) -> Option<Warning> {
         let f = &settings.fibre;
         let everywhere = f.layers.is_empty() && f.boxes_mm.is_empty() && f.every == 1;
         let dense = settings.fill.density >= 0.999 && (everywhere || f.matrix_density >= 0.999);
         let width_mm = f.bead_width_mm.unwrap_or(settings.process.bead_width_mm);
         (f.enabled && dense && self.gap > MUCH_OPEN).then(|| {
-            format!(
-                "fibre: {:.1} % of the part stays open, as beads {width_mm} mm wide do not go into all of it; a smaller fibre.bead_width_mm leaves less",
+            let text = format!(
+                "fibre: {:.1} % of the part stays open, as beads {width_mm} mm wide do not fit into all of it",
                 100.0 * self.gap
-            )
+            );
+            Warning::new(WarningId::FibreGaps, text)
         })
     }
 }

@@ -120,7 +120,10 @@ fn boxes(all: &[[[f64; 3]; 2]]) -> TriMesh {
     mesh
 }
 
-fn planned(mesh: &TriMesh, change: impl Fn(&mut SupportSettings)) -> (Support, LayerStack, Vec<String>) {
+fn planned(
+    mesh: &TriMesh,
+    change: impl Fn(&mut SupportSettings),
+) -> (Support, LayerStack, Vec<grainpath_core::Warning>) {
     let quiet = Diagnostics::default();
     let slicing = SliceSettings {
         layer_height_mm: 0.2,
@@ -150,7 +153,7 @@ fn table(shelf: bool) -> TriMesh {
 fn a_part_without_overhangs_gets_none_and_is_told_so() {
     let (support, _, warnings) = planned(&boxes(&[[[0.0; 3], [20.0, 20.0, 10.0]]]), |_| ());
     assert!(support.overhangs.contacts.is_empty() && support.cut.layers.iter().all(|l| l.region.is_empty()));
-    assert!(warnings[0].contains("no overhang"), "{warnings:?}");
+    assert!(warnings[0].text.contains("no overhang"), "{warnings:?}");
 }
 
 #[test]
@@ -181,7 +184,9 @@ fn where_the_plate_cannot_be_reached_branches_stand_on_the_part_or_are_listed() 
     }
     let (plate, _, warnings) = planned(&table(true), |s| s.from_plate_only = true);
     assert_eq!(on_part(&plate), 0);
-    assert!(!plate.unreached.is_empty() && warnings.iter().any(|w| w.contains("no way to the overhang")));
+    assert!(
+        !plate.unreached.is_empty() && warnings.iter().any(|w| w.text.contains("no way to the overhang"))
+    );
     assert!(plate.unreached.iter().all(|u| u.at.x > -0.5 && (u.at.z - 12.0).abs() < 1e-9));
 }
 

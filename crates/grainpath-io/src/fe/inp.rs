@@ -5,6 +5,7 @@ use super::deck::{Behaviour, BodyLoad, Deck, Elastic, FaceLoad, Fixed, Material,
 use super::element::ElementKind;
 use super::model::{FeError, FeFile, FeFormat, Group, array_room, invalid, position};
 use crate::text::{number, whole};
+use grainpath_core::{Warning, WarningId};
 
 /// Keywords that say nothing about the linear problem.
 const HARMLESS: [&str; 34] = [
@@ -618,7 +619,8 @@ impl Inp {
             self.file.groups.push(Group { name: name.clone(), nodes: nodes.clone() });
         }
         if !self.deck.ignored.is_empty() {
-            self.file.warnings.push(format!("not read: *{}", self.deck.ignored.join(", *")));
+            let text = format!("not read: *{}", self.deck.ignored.join(", *"));
+            self.file.warnings.push(Warning::new(WarningId::FeLeftOut, text));
         }
         self.file.deck = Some(Box::new(self.deck));
         self.file

@@ -1,6 +1,6 @@
 //! The contents of a finite-element file as every reader returns them, and the errors of the readers.
 
-use grainpath_core::DVec3;
+use grainpath_core::{DVec3, Warning};
 
 use super::deck::Deck;
 use super::element::{ElementKind, MAX_NODES};
@@ -135,7 +135,7 @@ pub struct FeFile {
     /// Material, supports and loads of an INP deck.
     pub deck: Option<Box<Deck>>,
     /// What was odd but could be read.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
 }
 
 impl FeFile {

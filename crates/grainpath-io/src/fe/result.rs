@@ -1,7 +1,7 @@
 //! A stress at every node, in mm and MPa: which array it is, its unit, the order of its components, all checked.
 
-use grainpath_core::DVec3;
 use grainpath_core::units::LengthUnit;
+use grainpath_core::{DVec3, Warning, WarningId};
 
 use super::model::{Element, FeArray, FeError, FeFile, FeFormat, On, invalid};
 use grainpath_core::tensor::von_mises;
@@ -130,7 +130,7 @@ pub struct FeResult {
     /// What the stress was taken from.
     pub stress_array: String,
     /// What is odd, for the user.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
 }
 
 impl FeResult {
@@ -171,7 +171,9 @@ impl FeFile {
         let choice = self.choose(options)?;
         let mut warnings = self.warnings.clone();
         let lost = self.left_out.iter().filter(|(what, _)| what != "points" && what != "lines");
-        warnings.extend(lost.map(|(what, n)| format!("{n} elements are left out: {what}")));
+        warnings.extend(lost.map(|(what, n)| {
+            Warning::new(WarningId::FeLeftOut, format!("{n} elements are left out: {what}"))
+        }));
         let mm = options.length_unit.unwrap_or(LengthUnit::Millimetre).mm();
         let mpa = options.stress_unit.unwrap_or(StressUnit::Megapascal).mpa();
         let nodes: Vec<DVec3> = self.nodes.iter().map(|p| *p * mm).collect();
@@ -212,7 +214,8 @@ impl FeFile {
             ));
         }
         if without > 0 {
-            warnings.push(format!("{without} elements have no finite stress at some node and are left out"));
+            let text = format!("{without} elements have no finite stress at some node and are left out");
+            warnings.push(Warning::new(WarningId::FeLeftOut, text));
         }
         if top == 0 && !stress.iter().any(whole) {
             return Err(invalid(format!("array {:?}", choice.label), "no point has finite values"));
@@ -424,45 +427,49 @@ impl FeFile {
         choice: &Choice,
         options: &FeOptions,
         mpa: f64,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Warning>,
     ) {
         let peak = result.max_von_mises_mpa();
         if peak > LIKELY_MAX_MPA {
-            let hint = if options.stress_unit.is_none() && peak * 1e-6 > 1e-4 {
-                "; is it in Pa? Then state import_stress_unit = \"Pa\""
+            let text = format!("the peak von Mises stress is {peak:.3e} MPa, more than any plastic bears");
+            let warning = Warning::new(WarningId::FeUnitDoubtful, text);
+            let in_pa = options.stress_unit.is_none() && peak * 1e-6 > 1e-4;
+            warnings.push(if in_pa {
+                warning.with_remedy("if it is in Pa, set guide.import_stress_unit = \"Pa\"")
             } else {
-                ""
-            };
-            warnings.push(format!(
-                "the peak von Mises stress is {peak:.3e} MPa, more than any plastic bears{hint}"
-            ));
+                warning
+            });
         }
         if peak == 0.0 {
-            warnings.push("the stress is zero everywhere".into());
+            warnings.push(Warning::new(WarningId::FeZeroStress, "the stress is zero everywhere"));
         }
         if let Some((lo, hi)) = result.bounds() {
             let size = (hi - lo).max_element();
             if options.length_unit.is_none() && !(LIKELY_MIN_MM..=LIKELY_MAX_MM).contains(&size) {
-                warnings.push(format!(
-                    "the mesh is {size:.4} mm long; if it is not in mm, state import_length_unit = \"m\" or \"inch\""
-                ));
+                warnings.push(
+                    Warning::new(WarningId::FeUnitDoubtful, format!("the mesh is {size:.4} mm long"))
+                        .with_remedy(
+                            "if it is not in mm, set guide.import_length_unit, for example to \"m\"",
+                        ),
+                );
             }
         }
         self.check_von_mises(result, mpa, warnings);
         if !choice.by_name
             && let Some((order, stated, best)) = better_order(result, options.order)
         {
-            warnings.push(format!(
+            let text = format!(
                 "the order of the components may be {}: with it the stress across free faces is {best:.3} of the \
                  whole, with {} it is {stated:.3}",
                 order.name(),
                 options.order.unwrap_or(Order::Vtk).name()
-            ));
+            );
+            warnings.push(Warning::new(WarningId::FeOrderDoubtful, text));
         }
     }
 
     /// Compares with a von Mises stress that the file holds: components in the wrong place would show.
-    fn check_von_mises(&self, result: &FeResult, mpa: f64, warnings: &mut Vec<String>) {
+    fn check_von_mises(&self, result: &FeResult, mpa: f64, warnings: &mut Vec<Warning>) {
         let like = |a: &&FeArray| {
             let name = a.name.to_ascii_lowercase();
             a.on == On::Nodes
@@ -481,12 +488,12 @@ impl FeFile {
             }
         }
         if off > 0.1 * total {
-            warnings.push(format!(
-                "the stress does not give the von Mises stress of array {:?} (off by {:.0} % on average): is the \
-                 array or the order of its components the right one?",
+            let text = format!(
+                "the stress does not give the von Mises stress of array {:?} (off by {:.0} % on average)",
                 array.name,
                 100.0 * off / total.max(f64::MIN_POSITIVE)
-            ));
+            );
+            warnings.push(Warning::new(WarningId::FeOrderDoubtful, text));
         }
     }
 }

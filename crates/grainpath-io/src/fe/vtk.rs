@@ -4,6 +4,7 @@ use super::bytes::Scalar;
 use super::element::ElementKind;
 use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
 use crate::text::{Words, number};
+use grainpath_core::{Warning, WarningId};
 
 /// Cells as VTK lists them; nodes count from `first_node` of the file.
 pub(crate) struct Cells<'a> {
@@ -165,7 +166,8 @@ impl Vtk<'_> {
         self.file.arrays.retain_mut(|a| {
             let n = if a.on == On::Nodes { n_nodes } else { n_cells };
             if a.values.len() != n * a.components {
-                warnings.push(format!("array {:?} does not fit its mesh; left out", a.name));
+                let text = format!("array {:?} does not fit its mesh; left out", a.name);
+                warnings.push(Warning::new(WarningId::FeLeftOut, text));
                 return false;
             }
             if a.on == On::Elements && kept.len() != n_cells {

@@ -1,6 +1,7 @@
 //! VTU: VTK's XML file of an unstructured grid. Every way its arrays can be written: ASCII, base64, appended raw or as
 //! base64, packed by zlib or not, headers of 32 or 64 bits, either end first, one piece or several.
 
+use grainpath_core::{Warning, WarningId};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
@@ -380,12 +381,13 @@ impl<'a> Vtu<'a> {
             };
             let c = array.components;
             if array.values.len() != n_tuples.saturating_mul(c) {
-                self.file.warnings.push(format!(
+                let text = format!(
                     "array {:?} has {} numbers where {} should be; left out",
                     array.name,
                     array.values.len(),
                     n_tuples.saturating_mul(c)
-                ));
+                );
+                self.file.warnings.push(Warning::new(WarningId::FeLeftOut, text));
                 continue;
             }
             let values = if on == On::Nodes || kept.len() == n_tuples {

@@ -2,7 +2,7 @@
 
 use grainpath_core::mesh::VertexWelder;
 use grainpath_core::units::LengthUnit;
-use grainpath_core::{DVec3, TriMesh};
+use grainpath_core::{DVec3, TriMesh, Warning};
 
 use crate::position::BadCoordinate;
 use crate::text::TextError;
@@ -68,7 +68,7 @@ pub struct MeshFile {
     /// The unit the file states; `None` where the format has none.
     pub unit: Option<LengthUnit>,
     /// What was odd but could be read.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
 }
 
 /// Why a mesh cannot be read. `place` says where: a line, a facet, a part of an archive.

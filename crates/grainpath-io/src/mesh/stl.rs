@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use grainpath_core::{DVec3, TriMesh};
+use grainpath_core::{DVec3, TriMesh, Warning, WarningId};
 
 use super::model::{MeshBody, MeshError, MeshFile, SoupBuilder};
 use crate::position::checked;
@@ -55,8 +55,14 @@ pub(crate) fn read_binary(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         soup.push(corners)?;
     }
     let spare = bytes.len() - HEADER - n * FACET;
-    let warnings =
-        if spare > 0 { vec![format!("{spare} bytes after the last facet were left out")] } else { vec![] };
+    let warnings = if spare > 0 {
+        vec![Warning::new(
+            WarningId::MeshFileDamaged,
+            format!("{spare} bytes after the last facet were left out"),
+        )]
+    } else {
+        vec![]
+    };
     Ok(MeshFile { bodies: vec![soup.finish(None)], unit: None, warnings })
 }
 
@@ -87,14 +93,16 @@ pub(crate) fn read_ascii(bytes: &[u8]) -> Result<MeshFile, MeshError> {
             bodies.extend(solid.take().map(|(s, name)| s.finish(name)));
             words.rest_of_line();
         } else if solid.is_none() && !bodies.is_empty() {
-            warnings.push(format!("{}: text after the last solid was left out", words.place()));
+            let text = "text after the last solid was left out";
+            warnings.push(Warning::new(WarningId::MeshFileDamaged, text).in_line(words.line()));
             break;
         } else {
             return Err(words.wrong(word, "`facet` or `endsolid`").into());
         }
     }
     if let Some((soup, name)) = solid {
-        warnings.push("`endsolid` is missing: the file may be cut short".into());
+        let text = "`endsolid` is missing: the file may be cut short";
+        warnings.push(Warning::new(WarningId::MeshFileDamaged, text));
         bodies.push(soup.finish(name));
     }
     Ok(MeshFile { bodies, unit: None, warnings })

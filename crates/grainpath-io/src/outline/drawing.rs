@@ -2,7 +2,7 @@
 
 use grainpath_core::poly::FillRule;
 use grainpath_core::units::LengthUnit;
-use grainpath_core::{Contour, DVec2, Region};
+use grainpath_core::{Contour, DVec2, Region, Warning, WarningId};
 
 use crate::text::TextError;
 
@@ -24,7 +24,7 @@ pub struct Outline {
     /// The part, mm: x to the right and y up from the lower left corner of an SVG's page, from the origin of a DXF.
     pub region: Region,
     /// What was odd but could be read.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Warning>,
 }
 
 pub(super) fn invalid(place: impl Into<String>, problem: impl Into<String>) -> OutlineError {
@@ -74,7 +74,7 @@ pub(super) struct Drawing {
     pub(super) n_points: usize,
     /// Open lines that bound nothing.
     pub(super) dropped: usize,
-    pub(super) warnings: Vec<String>,
+    pub(super) warnings: Vec<Warning>,
 }
 
 impl Drawing {
@@ -106,9 +106,10 @@ impl Drawing {
     }
 
     /// Says something once.
-    pub(super) fn warn(&mut self, text: String) {
-        if self.warnings.len() < 50 && !self.warnings.contains(&text) {
-            self.warnings.push(text);
+    pub(super) fn warn(&mut self, id: WarningId, text: impl Into<String>) {
+        let warning = Warning::new(id, text);
+        if self.warnings.len() < 50 && !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
         }
     }
 

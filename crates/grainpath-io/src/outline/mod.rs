@@ -1,5 +1,7 @@
 //! Outlines of flat parts: drawings read as regions.
 
+use grainpath_core::{Warning, WarningId};
+
 mod drawing;
 mod dxf;
 mod path;
@@ -31,11 +33,13 @@ pub fn parse_outline(bytes: &[u8], options: &OutlineOptions) -> Result<Outline, 
     };
     if drawing.dropped > 0 {
         let n = drawing.dropped;
-        drawing.warnings.push(format!("{n} open lines without fill bound nothing and were left out"));
+        let text = format!("{n} open lines without fill bound nothing and were left out");
+        drawing.warnings.push(Warning::new(WarningId::OutlineOpen, text));
     }
     let region = drawing.region(options.even_odd);
     if region.is_empty() {
-        let hints = drawing.warnings.join("; ");
+        let hints: Vec<&str> = drawing.warnings.iter().map(|w| w.text.as_str()).collect();
+        let hints = hints.join("; ");
         let hints = if hints.is_empty() { hints } else { format!(" ({hints})") };
         return Err(OutlineError::NoArea { hints });
     }

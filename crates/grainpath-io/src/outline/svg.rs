@@ -1,7 +1,7 @@
 //! SVG: shapes, transforms, the little of style that says what is filled.
 
-use grainpath_core::DVec2;
 use grainpath_core::poly::FillRule;
+use grainpath_core::{DVec2, WarningId};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
@@ -138,7 +138,7 @@ impl Svg<'_> {
             "defs" | "symbol" | "clipPath" | "mask" | "pattern" | "marker" | "linearGradient"
             | "radialGradient" | "filter" => state.hidden = true,
             "text" | "image" | "use" | "foreignObject" if !state.hidden => {
-                self.drawing.warn(format!("<{name}> is not read; make it a path"));
+                self.drawing.warn(WarningId::OutlineNotRead, format!("<{name}> is not read; make it a path"));
                 state.hidden = true;
             }
             _ if state.hidden => {}
@@ -181,7 +181,8 @@ impl Svg<'_> {
             (None, Some(_), [Some(s), None] | [None, Some(s)]) => s,
             _ => {
                 self.drawing.warn(
-                    "the drawing states no size in mm or inches; its unit is taken for mm (shape.unit says otherwise)".into(),
+                    WarningId::UnitAssumed,
+                    "the drawing states no size in mm or inches; its unit is taken for mm",
                 );
                 1.0
             }

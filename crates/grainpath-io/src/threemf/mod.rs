@@ -13,7 +13,7 @@ pub use write::write_3mf;
 
 use std::collections::BTreeMap;
 
-use grainpath_core::TriMesh;
+use grainpath_core::{TriMesh, Warning, WarningId};
 
 use crate::mesh::model::{MAX_ELEMENTS, MeshBody, MeshError, MeshFile};
 use package::Package;
@@ -50,7 +50,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     }
     let bodies = assembly.bodies;
     if root.items.is_empty() {
-        warnings.push("the build has no items; nothing is to be printed".into());
+        let text = "the build has no items; nothing is to be printed";
+        warnings.push(Warning::new(WarningId::ThreemfRule, text));
     }
     Ok(MeshFile { bodies, unit: Some(root.unit), warnings })
 }

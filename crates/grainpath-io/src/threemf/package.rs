@@ -1,5 +1,6 @@
 //! The zip around the XML: parts, relationships, and limits against bombs.
 
+use grainpath_core::{Warning, WarningId};
 use std::io::{BufRead, BufReader, Cursor, Read};
 
 use quick_xml::Reader;
@@ -57,7 +58,7 @@ impl<'a> Package<'a> {
     }
 
     /// The path of the root model part by the package's relationships.
-    pub(crate) fn root_model(&mut self, warnings: &mut Vec<String>) -> Result<String, MeshError> {
+    pub(crate) fn root_model(&mut self, warnings: &mut Vec<Warning>) -> Result<String, MeshError> {
         let mut models = Vec::new();
         let mut tickets = 0;
         let relationships = "/_rels/.rels";
@@ -79,14 +80,15 @@ impl<'a> Package<'a> {
             return Err(invalid(relationships, "more than one 3D model part is named"));
         }
         if tickets > 1 {
-            warnings.push("more than one print ticket is named for the package".into());
+            let text = "more than one print ticket is named for the package";
+            warnings.push(Warning::new(WarningId::ThreemfRule, text));
         }
         self.part_tickets(&model, warnings);
         Ok(model)
     }
 
     /// A model part has one print ticket at the most.
-    fn part_tickets(&mut self, model: &str, warnings: &mut Vec<String>) {
+    fn part_tickets(&mut self, model: &str, warnings: &mut Vec<Warning>) {
         let (folder, name) = model.rsplit_once('/').unwrap_or(("", model));
         let path = format!("{folder}/_rels/{name}.rels");
         let mut tickets = 0;
@@ -97,7 +99,8 @@ impl<'a> Package<'a> {
             })
         });
         if read.is_ok() && tickets > 1 {
-            warnings.push(format!("{path}: more than one print ticket is named for the model"));
+            let text = "more than one print ticket is named for the model";
+            warnings.push(Warning::new(WarningId::ThreemfRule, text).in_file(path));
         }
     }
 }

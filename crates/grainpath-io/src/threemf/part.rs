@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use grainpath_core::units::LengthUnit;
-use grainpath_core::{DVec3, TriMesh};
+use grainpath_core::{DVec3, TriMesh, Warning, WarningId};
 use quick_xml::events::{BytesStart, Event};
 
 use super::package::{Package, events, invalid};
@@ -53,7 +53,7 @@ pub(crate) struct Part {
     pub(crate) unit: LengthUnit,
     pub(crate) objects: BTreeMap<u32, Object>,
     pub(crate) items: Vec<Component>,
-    pub(crate) warnings: Vec<String>,
+    pub(crate) warnings: Vec<Warning>,
 }
 
 impl Part {
@@ -84,7 +84,7 @@ struct Builder {
     items: Vec<Component>,
     /// Kind of every resource seen.
     kinds: BTreeMap<u32, String>,
-    warnings: Vec<String>,
+    warnings: Vec<Warning>,
     current: Option<Current>,
 }
 
@@ -161,7 +161,7 @@ impl Builder {
                 Ok(())
             }
             "beamlattice" => {
-                self.warn("a beam lattice; only triangles are read");
+                self.warn_of(WarningId::ThreemfNotRead, "a beam lattice; only triangles are read");
                 Ok(())
             }
             other => {
@@ -174,10 +174,14 @@ impl Builder {
         }
     }
 
-    fn warn(&mut self, what: impl Into<String>) {
-        let text = format!("{}: {}", self.path, what.into());
-        if self.warnings.len() < 50 && !self.warnings.contains(&text) {
-            self.warnings.push(text);
+    fn warn(&mut self, rule: impl Into<String>) {
+        self.warn_of(WarningId::ThreemfRule, rule);
+    }
+
+    fn warn_of(&mut self, id: WarningId, text: impl Into<String>) {
+        let warning = Warning::new(id, text).in_file(self.path.clone());
+        if self.warnings.len() < 50 && !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
         }
     }
 
@@ -221,7 +225,7 @@ impl Builder {
         for (triangle, digits) in &current.painted {
             let corners = triangle.map(|i| body.mesh.vertices[i as usize]);
             if paint::decode(digits, corners, &mut painted).is_none() {
-                self.warn("a triangle whose painted supports cannot be read");
+                self.warn_of(WarningId::ThreemfNotRead, "a triangle whose painted supports cannot be read");
             }
         }
         let content = if current.components.is_empty() {

@@ -1,5 +1,6 @@
 //! DICOM series: sorted by position, rescaled, checked. Uncompressed and RLE pixel data.
 
+use grainpath_core::{Warning, WarningId};
 use std::io::{BufRead, Read, Seek, SeekFrom};
 
 use super::files::MAX_FILE;
@@ -92,7 +93,8 @@ pub(super) fn open(
     let mut info = VolumeInfo::new("DICOM", [first.size[0], first.size[1], n], sample);
     check_size(&first.name, info.size)?;
     if others > 0 {
-        info.warnings.push(format!("{}: {others} files that are not DICOM are passed over", files.place()));
+        let text = format!("{others} files are not DICOM and were skipped");
+        info.warnings.push(Warning::new(WarningId::ScanFilesSkipped, text).in_file(files.place()));
     }
     if let Some([dy, dx]) = first.pixel_mm {
         info.spacing_mm = [spacing(dx), spacing(dy), None];
@@ -106,7 +108,9 @@ fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeErro
     let placed = slices.len() > 1 && slices.iter().all(|s| s.position.is_some() && s.orientation.is_some());
     if !placed {
         if slices.len() > 1 {
-            info.warnings.push(format!("{}: no positions; sorted by instance number", slices[0].name));
+            let text = "the slices state no positions and were sorted by instance number";
+            let warning = Warning::new(WarningId::ScanOrderAssumed, text).in_file(slices[0].name.clone());
+            info.warnings.push(warning);
             slices.sort_by_key(|s| s.instance);
         }
         info.spacing_mm[2] = slices[0].thickness_mm.and_then(spacing);
@@ -161,8 +165,8 @@ fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeErro
     info.spacing_mm[2] = spacing(usual);
     if gaps.iter().any(|g| (g / usual - 1.0).abs() > 0.01) {
         let (low, high) = (sorted[0], sorted[sorted.len() - 1]);
-        info.warnings
-            .push(format!("slices are unevenly spaced, {low:.3} to {high:.3} mm; their positions are kept"));
+        let text = format!("slices are unevenly spaced, {low:.3} to {high:.3} mm; their positions are kept");
+        info.warnings.push(Warning::new(WarningId::ScanUnevenSlices, text));
         info.z_mm = heights;
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! NIfTI-1 and -2, in one file, plain or gzipped.
 
+use grainpath_core::{Warning, WarningId};
 use std::io::Read;
 
 use flate2::bufread::MultiGzDecoder;
@@ -69,7 +70,8 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
         info.spacing_mm[k] = spacing(pixdim * unit_mm.unwrap_or(1.0));
     }
     if unit_mm.is_none() {
-        info.warnings.push(format!("{name}: states no unit of length; its spacing is taken for mm"));
+        let text = "the file states no unit of length; its spacing is taken for mm";
+        info.warnings.push(Warning::new(WarningId::UnitAssumed, text).in_file(name));
     }
     let offset = if second { h.i64(168) as f64 } else { f64::from(h.f32(108)) };
     if !(0.0..1e9).contains(&offset) {

@@ -1,5 +1,6 @@
 //! Voxels one after another, perhaps compressed: what NRRD, MetaImage, NIfTI and raw files hold after their headers.
 
+use grainpath_core::{Warning, WarningId};
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
@@ -105,7 +106,9 @@ impl RawSource {
             }
             if end > offset.saturating_add(needed) {
                 let more = end - offset - needed;
-                self.info.warnings.push(format!("{file}: {more} bytes after the last voxel are not read"));
+                let text = format!("{more} bytes after the last voxel are not read");
+                let warning = Warning::new(WarningId::ScanTrailingBytes, text).in_file(file.to_owned());
+                self.info.warnings.push(warning);
             }
         }
         Ok(())

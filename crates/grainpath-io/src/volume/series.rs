@@ -5,6 +5,7 @@ use super::{
     Files, SampleType, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, check_size, error,
 };
 use crate::image::{Image, Samples, decode_within};
+use grainpath_core::{Warning, WarningId};
 
 /// Opens a folder: DICOM where there is any, else images in natural order.
 pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
@@ -45,7 +46,8 @@ pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
     check_size(files.place(), size)?;
     let mut info = VolumeInfo::new(format, size, sample_of(&first.samples));
     if !others.is_empty() {
-        info.warnings.push(format!("{}: passed over, being no images: {}", files.place(), others.len()));
+        let text = format!("{} files are not images and were skipped", others.len());
+        info.warnings.push(Warning::new(WarningId::ScanFilesSkipped, text).in_file(files.place()));
     }
     Ok(Box::new(Series { info, files, names: images, next: 0 }))
 }

@@ -9,7 +9,7 @@ mod turns;
 use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{
-    BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Polygon, Region, Role, Toolpath,
+    BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Polygon, Region, Role, Toolpath, WarningId,
 };
 
 pub use report::{FibreLayer, FibreReport, measure};
@@ -155,10 +155,13 @@ impl FibreSettings {
             });
         }
         if all.short > 0 {
-            diagnostics.warn(format!(
-                "fibre: {} paths shorter than {} mm, {:.0} mm in all, are laid without fibre",
-                all.short, self.min_length_mm, all.short_mm
-            ));
+            diagnostics.warn(
+                WarningId::FibreTooShort,
+                format!(
+                    "fibre: {} paths shorter than {} mm, {:.0} mm in all, are laid without fibre",
+                    all.short, self.min_length_mm, all.short_mm
+                ),
+            );
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! What fibre a program lays, layer by layer, measured on the program itself.
 
-use grainpath_core::{DVec2, Role};
+use grainpath_core::{DVec2, Role, Warning, WarningId};
 use grainpath_gcode::{Bead, BeadLayer, Program};
 use serde::Serialize;
 
@@ -181,14 +181,15 @@ impl FibreReport {
     }
 
     /// What the user should know of turns.
-    pub fn warning(&self) -> Option<String> {
+    pub fn warning(&self) -> Option<Warning> {
         let sharpest = self.layers.iter().filter(|l| !l.sharp_turns.is_empty());
         let worst = sharpest
             .min_by(|a, b| a.min_radius_mm.unwrap_or(0.0).total_cmp(&b.min_radius_mm.unwrap_or(0.0)))?;
         let [x, y] = worst.sharpest_mm?;
-        Some(format!(
-            "fibre: {} turns are sharper than {} mm; the sharpest, {:.2} mm, in layer {} at ({x:.2}, {y:.2})",
+        let text = format!(
+            "fibre: {} turns are sharper than {} mm; the sharpest, {:.2} mm, is in layer {}",
             self.sharp_turns, self.asked_radius_mm, worst.min_radius_mm?, worst.layer
-        ))
+        );
+        Some(Warning::new(WarningId::FibreSharpTurn, text).at_mm(x, y))
     }
 }

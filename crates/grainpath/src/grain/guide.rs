@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::slices::SliceSource;
-use grainpath_core::{DVec2, DVec3, Diagnostics, DirectionField, DirectionSample, Region};
+use grainpath_core::{DVec2, DVec3, Diagnostics, DirectionField, DirectionSample, Region, WarningId};
 use serde::Serialize;
 
 use super::canny::{CannySettings, Edges, canny};
@@ -193,7 +193,7 @@ pub fn read_grain(
         let axes = guided_axes(&read, &borders, settings);
         let coherence = read.axes.mean_coherence();
         if read.axes.wide_coherence < LEAST_COHERENCE {
-            diagnostics.warn(format!(
+            diagnostics.warn(WarningId::GrainUnclear, format!(
                 "{}: hardly any grain to see: its coherence is {:.2} (0 none, 1 perfect; wood has 0.3 and more)",
                 photo.name, read.axes.wide_coherence
             ));
@@ -269,10 +269,13 @@ pub fn read_scan(
     let upright = (origin.z).max(height - origin.z - top);
     let beyond = outside.into_iter().fold(upright, f64::max);
     if beyond > spacing[0].max(spacing[2]) {
-        diagnostics.warn(format!(
-            "{}: the part reaches {beyond:.2} mm beyond the scan, where the nearest directions are taken",
-            settings.name
-        ));
+        diagnostics.warn(
+            WarningId::ScanTooSmall,
+            format!(
+                "{}: the part reaches {beyond:.2} mm beyond the scan, where the nearest directions are taken",
+                settings.name
+            ),
+        );
     }
     Ok(guide)
 }
@@ -624,7 +627,7 @@ mod tests {
         let paper = Photo::new("paper.png".into(), paper);
         read_grain(&[paper], &s, &none, &d)
             .expect("paper can be followed, though there is nothing to follow");
-        assert!(d.warnings().iter().any(|w| w.contains("coherence")), "{:?}", d.warnings());
+        assert!(d.warnings().iter().any(|w| w.text.contains("coherence")), "{:?}", d.warnings());
         let crossed = [(0.0, 0.0), (300.0, 200.0), (300.0, 0.0), (0.0, 200.0)].map(DVec2::from);
         let s = GrainSettings { corners: Corners::Given(vec![crossed]), ..s };
         let error = read_grain(&[black], &s, &none, &d).err();

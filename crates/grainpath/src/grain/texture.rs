@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::math::{acos, asin, cos};
-use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics};
+use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, WarningId};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -161,7 +161,7 @@ pub fn read_texture(
         mean_coherence(&all)
     };
     if wide < LEAST_COHERENCE {
-        diagnostics.warn(format!(
+        diagnostics.warn(WarningId::GrainUnclear, format!(
             "{}: hardly any direction in the layers' plane: its coherence is {wide:.2} (0 none, 1 perfect; bone and fibres have 0.3 and more)",
             s.name
         ));
@@ -546,7 +546,7 @@ mod tests {
         spacing: [f64; 3],
         flip: &str,
         grey: impl Fn(DVec3) -> f64 + Send,
-    ) -> (Texture, Vec<String>) {
+    ) -> (Texture, Vec<grainpath_core::Warning>) {
         let mut info = VolumeInfo::new("made", size, SampleType::U16);
         info.spacing_mm = spacing.map(Some);
         let job = format!("[shape.ct]\npath = \"a\"\nflip = \"{flip}\"\n");
@@ -637,9 +637,9 @@ mod tests {
             100.0 + 80.0 * exp(-(p - c).length_squared() / 0.02)
         };
         let (texture, warnings) = read([60, 60, 60], [0.1; 3], "", blob);
-        assert!(warnings.iter().any(|w| w.contains("hardly any direction")), "{:?}", texture.report);
+        assert!(warnings.iter().any(|w| w.text.contains("hardly any direction")), "{:?}", texture.report);
         let (texture, warnings) = read([60, 60, 60], [0.1; 3], "", fibres(DVec3::Z));
-        assert!(warnings.iter().any(|w| w.contains("hardly any direction")), "{:?}", texture.report);
+        assert!(warnings.iter().any(|w| w.text.contains("hardly any direction")), "{:?}", texture.report);
         assert!(texture.report.lean_deg > 85.0);
         // Nothing at all is no panic.
         let (texture, _) = read([9, 7, 3], [0.1, 0.1, 0.5], "", |_| 5.0);

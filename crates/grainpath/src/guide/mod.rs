@@ -229,7 +229,7 @@ pub fn build(
             if settings.shape.rotate_deg != [0.0; 3] || settings.shape.scale != 1.0 {
                 return Err(GuideError::ImportTurned);
             }
-            field.result().warnings.iter().for_each(|w| diagnostics.warn(format!("guide.import: {w}")));
+            field.result().warnings.iter().for_each(|w| diagnostics.push(w.clone()));
             import::solved(Arc::new(field), part, part.lowered_mm)?
         }
         None => solve(settings, part, diagnostics)?,

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{
-    BeadWidth, Bounds2, Diagnostics, Layer, LayerStack, Role, SpeedClass, Toolpath, UniformField,
+    BeadWidth, Bounds2, Diagnostics, Layer, LayerStack, Role, SpeedClass, Toolpath, UniformField, Warning,
 };
 use rayon::prelude::*;
 
@@ -248,8 +248,8 @@ impl Job<'_> {
                 n => format!(" (and the like in {n} more)"),
             };
             let z_mm = self.stack.layers()[layer_idx].z_top_mm();
-            diagnostics
-                .warn_at(1 + layer_idx, format!("layer {} at {z_mm:.2} mm{more}: {note}", layer_idx + 1));
+            let warning = note.warning().in_layer(layer_idx, z_mm);
+            diagnostics.push(Warning { text: format!("{}{more}", warning.text), ..warning });
         }
     }
 

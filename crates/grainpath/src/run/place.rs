@@ -1,7 +1,7 @@
 //! A part on the plate: its bodies placed and mended, its layers, and whether it fits the bed.
 
 use grainpath_core::units::LengthUnit;
-use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, Layer, LayerStack, TriMesh};
+use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, Layer, LayerStack, TriMesh, Warning, WarningId};
 use grainpath_io::{MeshFile, PaintedSupports};
 
 use crate::config;
@@ -54,7 +54,7 @@ fn place_bodies(
     file: MeshFile,
     diagnostics: &Diagnostics,
 ) -> Result<(Vec<TriMesh>, f64), shape::ShapeError> {
-    file.warnings.iter().for_each(|w| diagnostics.warn(format!("mesh: {w}")));
+    file.warnings.into_iter().for_each(|w| diagnostics.push(w));
     let mut painted = PaintedSupports::default();
     let mut bodies = Vec::with_capacity(file.bodies.len() + 2);
     for mut body in file.bodies {
@@ -74,11 +74,9 @@ fn place_bodies(
         let longest = (all.1 - all.0).max_element() * settings.shape.scale;
         let likely = shape::likely_unit(longest);
         if file.unit.is_none() && likely != LengthUnit::Millimetre {
-            diagnostics.warn(format!(
-                "the mesh is {longest:.3} long and its unit is taken for mm; if it is in {}, set shape.unit = \"{}\"",
-                likely.name(),
-                likely.name()
-            ));
+            let text = format!("the mesh is {longest:.3} long and its unit is taken for mm");
+            let remedy = format!("if it is in {0}, set shape.unit = \"{0}\"", likely.name());
+            diagnostics.push(Warning::new(WarningId::UnitAssumed, text).with_remedy(remedy));
         }
     }
     let lowered_mm = shape::place(&mut bodies, &placement)?;

@@ -1,7 +1,7 @@
 //! Making of a damaged mesh what a person would take it for.
 
 use grainpath_core::mesh::{EdgeUses, MeshHealth, Shells, diagnose, weld_within};
-use grainpath_core::{DVec3, Diagnostics, TriMesh};
+use grainpath_core::{DVec3, Diagnostics, TriMesh, WarningId};
 
 use super::ShapeError;
 
@@ -50,16 +50,20 @@ struct Found {
 
 impl Found {
     fn warn(&self, diagnostics: &Diagnostics) {
-        let say = |n: usize, text: &str| {
+        let warn = |id: WarningId, n: usize, text: &str| {
             if n > 0 {
-                diagnostics.warn(format!("mesh: {n} {text}"));
+                diagnostics.warn(id, format!("mesh: {n} {text}"));
             }
         };
-        say(self.welded, "open edges closed by merging near vertices");
-        say(self.open, "open edges; the sections were closed where they are cut");
-        say(self.nonmanifold, "edges with more than two faces; sections were united by winding number");
-        say(self.turned_facets, "badly wound facets turned");
-        say(self.turned_shells, "inside-out shells turned");
+        warn(WarningId::MeshRepaired, self.welded, "open edges closed by merging near vertices");
+        warn(WarningId::MeshOpen, self.open, "open edges; the sections were closed where they are cut");
+        warn(
+            WarningId::MeshNonManifold,
+            self.nonmanifold,
+            "edges with more than two faces; sections were united by winding number",
+        );
+        warn(WarningId::MeshRepaired, self.turned_facets, "badly wound facets turned");
+        warn(WarningId::MeshRepaired, self.turned_shells, "inside-out shells turned");
     }
 }
 

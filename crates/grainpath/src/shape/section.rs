@@ -1,7 +1,7 @@
 //! One section of a mesh: segments, chains, contours, a region.
 
 use grainpath_core::poly::{Bounds2, FillRule, simplify_contour};
-use grainpath_core::{Contour, DVec2, Diagnostics, Region, TriMesh};
+use grainpath_core::{Contour, DVec2, Diagnostics, Region, TriMesh, WarningId};
 
 use super::SliceSettings;
 
@@ -68,10 +68,13 @@ impl Mended {
     /// Says so.
     pub fn warn(&self, diagnostics: &Diagnostics) {
         if self.gaps > 0 {
-            diagnostics.warn(format!(
-                "sections: closed {} gaps up to {:.2} mm in {} layers",
-                self.gaps, self.widest_mm, self.layers
-            ));
+            diagnostics.warn(
+                WarningId::MeshOpen,
+                format!(
+                    "sections: closed {} gaps up to {:.2} mm in {} layers",
+                    self.gaps, self.widest_mm, self.layers
+                ),
+            );
         }
     }
 }

@@ -11,7 +11,7 @@ mod solid;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use grainpath_core::{DVec2, DVec3, Diagnostics, Role};
+use grainpath_core::{DVec2, DVec3, Diagnostics, Role, Warning, WarningId};
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::strength::cells::{BeadSheet, CellError};
 use grainpath_fea::strength::ply::{Mode, StrengthCard};
@@ -429,25 +429,29 @@ fn warn(
     diagnostics: &Diagnostics,
 ) {
     if let Some(text) = setup.warnings() {
-        diagnostics.warn(text);
+        diagnostics.warn(WarningId::StrengthOneCase, text);
     }
     if let Some(change) = mesh_change.filter(|c| *c > CONVERGED) {
-        diagnostics.warn(format!(
-            "strength: the peak load moved by {:.1} % when cells were halved to {cell_mm} mm; try strength.cell_mm = {:.3}",
-            100.0 * change,
-            0.5 * cell_mm
-        ));
+        let text = format!(
+            "strength: the peak load moved by {:.1} % when cells were halved to {cell_mm} mm",
+            100.0 * change
+        );
+        let remedy = format!("set strength.cell_mm = {:.3}", 0.5 * cell_mm);
+        diagnostics.push(Warning::new(WarningId::StrengthNotConverged, text).with_remedy(remedy));
     }
     if prepared.lost() > 0.01 {
-        diagnostics.warn(format!(
-            "strength: {:.1} % of the material hangs together with nothing that is held and is left out",
-            100.0 * prepared.lost()
-        ));
+        diagnostics.warn(
+            WarningId::StrengthLooseMaterial,
+            format!(
+                "strength: {:.1} % of the material is not connected to any fixture and is left out",
+                100.0 * prepared.lost()
+            ),
+        );
     }
     if !outcome.ended {
         diagnostics.warn(
-            "strength: the load was still rising when the test was stopped; the peak is a lower bound"
-                .to_owned(),
+            WarningId::StrengthUnfinished,
+            "strength: the load was still rising when the test was stopped; the peak is a lower bound",
         );
     }
 }

@@ -13,7 +13,7 @@ pub mod solid;
 pub mod tree;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
-use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, TriMesh};
+use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, TriMesh, Warning, WarningId};
 use grainpath_io::PaintedSupports;
 
 use clearance::Clearance;
@@ -234,7 +234,8 @@ pub fn plan(
     diagnostics.check()?;
     diagnostics.advance(1);
     if overhangs.contacts.is_empty() {
-        diagnostics.warn("support: no overhang beyond the critical angle; none is made");
+        diagnostics
+            .warn(WarningId::SupportNone, "support: no overhang beyond the critical angle; none is made");
         let layers = vec![SupportLayer::default(); stack.layers().len()];
         return Ok(Support { overhangs, cut: Layers { layers, ..Layers::default() }, ..Support::default() });
     }
@@ -293,15 +294,13 @@ impl Support {
             }
         }
         for u in self.unreached.iter().take(20) {
-            let [x, y, z] = u.at.to_array();
-            diagnostics.warn(format!(
-                "support: no way to the overhang at ({x:.1}, {y:.1}, {z:.1}) mm, about {:.1} mm2",
-                u.area_mm2
-            ));
+            let text = format!("support: no way to the overhang of about {:.1} mm2", u.area_mm2);
+            diagnostics.push(Warning::new(WarningId::SupportUnreached, text).at_point_mm(u.at));
         }
         if self.unreached.len() > 20 {
             let more = self.unreached.len() - 20;
-            diagnostics.warn(format!("support: no way to {more} more overhangs; the report lists all"));
+            let text = format!("support: no way to {more} more overhangs; the report lists all");
+            diagnostics.warn(WarningId::SupportUnreached, text);
         }
     }
 }

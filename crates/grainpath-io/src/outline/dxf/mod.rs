@@ -9,9 +9,9 @@ mod spline;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 
-use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, direction};
 use grainpath_core::units::LengthUnit;
+use grainpath_core::{DVec2, WarningId};
 
 use self::joining::{JOINED_MM, ends, joined, likeness};
 use self::spline::{MAX_DEGREE, Spline};
@@ -286,7 +286,10 @@ impl Dxf<'_> {
             }
             b"LWPOLYLINE" | b"ARC" | b"CIRCLE" | b"ELLIPSE" if tilted => {
                 let kind = String::from_utf8_lossy(record.kind);
-                drawing.warn(format!("{kind} out of the drawing's plane is left out"));
+                drawing.warn(
+                    WarningId::OutlineNotRead,
+                    format!("{kind} out of the drawing's plane is left out"),
+                );
             }
             b"LWPOLYLINE" => {
                 let mut vertices: Vec<Vertex> = Vec::new();
@@ -321,7 +324,10 @@ impl Dxf<'_> {
             b"SPLINE" => self.spline(record, drawing)?,
             other => {
                 let kind = String::from_utf8_lossy(&other[..other.len().min(20)]).into_owned();
-                drawing.warn(format!("{kind} is not read; a drawing's parts are its lines, arcs and curves"));
+                drawing.warn(
+                    WarningId::OutlineNotRead,
+                    format!("{kind} is not read; a drawing's parts are its lines, arcs and curves"),
+                );
             }
         }
         Ok(())
@@ -401,7 +407,8 @@ impl Dxf<'_> {
         let (xs, ys) = (record.numbers(10)?, record.numbers(20)?);
         let points: Vec<DVec2> = xs.iter().zip(&ys).map(|(x, y)| DVec2::new(*x, *y)).collect();
         if points.is_empty() {
-            drawing.warn("a SPLINE given by points it passes alone is left out".into());
+            drawing
+                .warn(WarningId::OutlineNotRead, "a SPLINE given only by the points it passes is left out");
             return Ok(());
         }
         let problem = if !(1.0..=MAX_DEGREE as f64).contains(&degree) {
@@ -436,7 +443,8 @@ impl Dxf<'_> {
     fn finish(self, mut drawing: Drawing) -> Result<Drawing, OutlineError> {
         if self.options.unit.or(self.unit).is_none() {
             drawing.warn(
-                "the drawing states no unit (or one that is not read); it is taken for mm (shape.unit says otherwise)".into(),
+                WarningId::UnitAssumed,
+                "the drawing states no unit (or one that is not read); it is taken for mm",
             );
         }
         let mm = self.mm();
@@ -459,7 +467,10 @@ impl Dxf<'_> {
             }
         }
         if twice > 0 {
-            drawing.warn(format!("{twice} lines that lie on others of the same shape were left out"));
+            drawing.warn(
+                WarningId::OutlineDuplicate,
+                format!("{twice} lines that lie on others of the same shape were left out"),
+            );
         }
         all.extend(joined(open));
         drawing.add(all, None).map_err(|e| match e {

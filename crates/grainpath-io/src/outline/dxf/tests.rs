@@ -85,11 +85,12 @@ fn loose_lines_are_joined_and_holes_cut() {
     let outline = read(&format!("{square} {hole} {axis}")).expect("a plate");
     assert!((outline.region.area_mm2() - (100.0 - 4.0 * PI)).abs() < 0.03);
     assert_eq!(outline.region.polygons[0].holes.len(), 1);
-    assert_eq!(outline.warnings, ["1 open lines without fill bound nothing and were left out"]);
+    let texts: Vec<&str> = outline.warnings.iter().map(|w| w.text.as_str()).collect();
+    assert_eq!(texts, ["1 open lines without fill bound nothing and were left out"]);
     // Drawn twice they are there once.
     let outline = read(&format!("{square} {hole} {hole} {square}")).expect("a plate");
     assert!((outline.region.area_mm2() - (100.0 - 4.0 * PI)).abs() < 0.03);
-    assert!(outline.warnings[0].starts_with("5 lines that lie on others"), "{:?}", outline.warnings);
+    assert!(outline.warnings[0].text.starts_with("5 lines that lie on others"), "{:?}", outline.warnings);
 }
 
 #[test]
@@ -126,7 +127,7 @@ fn what_is_not_shown_is_not_there() {
     }
     let outline = read(&format!("{PLATE} 0 TEXT 1 plate 0 INSERT 2 block 10 0 20 0")).expect("a plate");
     assert!(
-        outline.warnings.len() == 2 && outline.warnings[1].starts_with("INSERT"),
+        outline.warnings.len() == 2 && outline.warnings[1].text.starts_with("INSERT"),
         "{:?}",
         outline.warnings
     );

@@ -148,7 +148,7 @@ fn a_neck_thinner_than_a_bead_is_named() {
     let (paths, notes) = filled(Continuous::DEFAULT, &part, WIDTH, &Angle(|_| 0.0));
     assert_eq!(paths.len(), 2);
     let [note] = notes.as_slice() else { panic!("{notes:?}") };
-    assert!(matches!(note.what, Problem::Neck { .. }) && note.at_mm.length() < 0.5, "{note}");
+    assert!(matches!(note.what, Problem::Neck { .. }) && note.at_mm.length() < 0.5, "{note:?}");
 }
 
 #[test]

@@ -1,9 +1,7 @@
 //! The last look: what is not as it should be, and where.
 
-use std::fmt;
-
 use grainpath_core::poly::{Join, LineClipper};
-use grainpath_core::{DVec2, Polygon, Region, Toolpath};
+use grainpath_core::{DVec2, Polygon, Region, Toolpath, Warning, WarningId};
 
 use super::super::field::widths::{Line, Neighbours};
 use super::rings::SEEN_BEADS;
@@ -36,21 +34,25 @@ pub enum Problem {
     Outside,
 }
 
-impl fmt::Display for Note {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (x, y) = (self.at_mm.x, self.at_mm.y);
-        match self.what {
-            Problem::Neck { needed_mm } => write!(
-                f,
-                "the neck at ({x:.2}, {y:.2}) is too narrow for a bead there and back, so its sides are printed one after the other: make it {needed_mm:.2} mm wide, or the bead narrower"
-            ),
-            Problem::Apart { length_mm } => write!(
-                f,
-                "{length_mm:.1} mm of path at ({x:.2}, {y:.2}) lie too far from the rest to be joined and are printed on their own: make the place wider, or the bead narrower"
-            ),
-            Problem::Crossing => write!(f, "the path crosses itself at ({x:.2}, {y:.2})"),
-            Problem::Outside => write!(f, "the path leaves its room at ({x:.2}, {y:.2})"),
-        }
+impl Note {
+    /// The warning for the user; the layer is the caller's to add.
+    pub fn warning(&self) -> Warning {
+        let warning = match self.what {
+            Problem::Neck { needed_mm } => {
+                let text = "a neck is too narrow for a bead there and back, so its sides are printed one after the other";
+                let remedy = format!("make it {needed_mm:.2} mm wide, or the bead narrower");
+                Warning::new(WarningId::PathNeck, text).with_remedy(remedy)
+            }
+            Problem::Apart { length_mm } => {
+                let text = format!(
+                    "{length_mm:.1} mm of path lie too far from the rest to be joined and are printed on their own"
+                );
+                Warning::new(WarningId::PathNotJoined, text)
+            }
+            Problem::Crossing => Warning::new(WarningId::PathCrossing, "the path crosses itself"),
+            Problem::Outside => Warning::new(WarningId::PathOutside, "the path leaves its infill region"),
+        };
+        warning.at_mm(self.at_mm.x, self.at_mm.y)
     }
 }
 

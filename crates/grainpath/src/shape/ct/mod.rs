@@ -17,7 +17,7 @@ use std::sync::mpsc::sync_channel;
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::poly::{FillRule, signed_area_mm2};
 use grainpath_core::slices::{SliceError, SliceSource};
-use grainpath_core::{Contour, DVec2, Diagnostics, Layer, LayerStack, Region};
+use grainpath_core::{Contour, DVec2, Diagnostics, Layer, LayerStack, Region, Warning, WarningId};
 use rayon::prelude::*;
 
 pub use canny::CannySettings;
@@ -193,7 +193,7 @@ pub fn slice_scan(
     diagnostics: &Diagnostics,
 ) -> Result<CtStack, CtError> {
     let info = source.info().clone();
-    info.warnings.iter().for_each(|w| diagnostics.warn(format!("scan: {w}")));
+    info.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
     let lattice = Lattice::new(&info, settings)?;
     // Bends of less than a tenth of a pixel are noise, and every point is cut and offset.
     let simplify_mm = settings.simplify_mm.max(0.1 * lattice.pixel_mm().min_element());
@@ -657,13 +657,15 @@ impl Job<'_> {
         let size = bounds.size();
         let longest = size.max_element().max(z_max);
         if !(2.0..=2000.0).contains(&longest) {
-            diagnostics.warn(format!(
-                "the scanned part measures {longest:.3} mm; check shape.ct.pixel_mm and slice_mm, or set shape.scale"
-            ));
+            let text = format!("the scanned part measures {longest:.3} mm");
+            diagnostics.push(
+                Warning::new(WarningId::SizeDoubtful, text)
+                    .with_remedy("check shape.ct.pixel_mm and shape.ct.slice_mm, or set shape.scale"),
+            );
         }
         let [points, bare] = all.lost.points;
         if 20 * bare > points {
-            diagnostics.warn(format!(
+            diagnostics.warn(WarningId::ScanEdgesMissing, format!(
                 "Canny: along {:.0} % of the contours there is no edge within {} pixels; there they lie where the \
                  threshold is crossed",
                 100.0 * bare as f64 / points as f64,

@@ -1,0 +1,351 @@
+//! Warnings: what was assumed, repaired or left out, with a stable id, the place and a remedy.
+//!
+//! A warning is data. A front end prints it, a program filters it by id, and `--strict` refuses a run that has any. The
+//! table in this file is the only list of ids; `docs/warnings.md` repeats it, and a test compares the two.
+//!
+//! ```
+//! use grainpath_core::{Diagnostics, Warning, WarningId};
+//!
+//! let diagnostics = Diagnostics::default();
+//! diagnostics.warn(WarningId::MeshOpen, "12 open edges; the sections were closed where they are cut");
+//! let narrow = Warning::new(WarningId::PathNeck, "the neck is too narrow").in_layer(4, 1.0).at_mm(3.0, 2.0);
+//! diagnostics.push(narrow.with_remedy("make it 0.54 mm wide, or the bead narrower"));
+//!
+//! let all = diagnostics.warnings();
+//! assert_eq!(all[0].id.name(), "mesh-open");
+//! assert_eq!(all[1].place.as_ref().unwrap().to_string(), "layer 5 at z = 1.00 mm, (3.00, 2.00)");
+//! ```
+
+use std::borrow::Cow;
+use std::cmp::Ordering;
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+
+/// Makes the enum and its table from one list: variant = id, what it means, the usual remedy.
+macro_rules! warning_ids {
+    ($($variant:ident = $id:literal, $meaning:literal, $remedy:literal;)*) => {
+        /// What kind of warning it is. The name of a kind never changes once it is released.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum WarningId {
+            $(#[doc = $meaning] $variant,)*
+        }
+
+        impl WarningId {
+            /// Every kind, in the order of the documentation.
+            pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
+
+            /// The stable name used in JSON and in the terminal.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$variant => $id,)* }
+            }
+
+            /// What happened, for the documentation.
+            pub const fn meaning(self) -> &'static str {
+                match self { $(Self::$variant => $meaning,)* }
+            }
+
+            /// What usually helps; a warning may state a more precise remedy of its own.
+            pub const fn remedy(self) -> &'static str {
+                match self { $(Self::$variant => $remedy,)* }
+            }
+        }
+    };
+}
+
+warning_ids! {
+    UnitAssumed = "unit-assumed",
+        "The file states no unit of length, so a unit was assumed.",
+        "set shape.unit, or the voxel size of a scan";
+    SizeDoubtful = "size-doubtful",
+        "The part is so small or so large that its unit is probably wrong.",
+        "check the unit of the file and set shape.unit or shape.scale";
+    MeshFileDamaged = "mesh-file-damaged",
+        "A mesh file ends too early or has data after its end; what could be read was used.",
+        "export the mesh again";
+    MeshRepaired = "mesh-repaired",
+        "Defects of the mesh were repaired before slicing.",
+        "repair the mesh where it was made, or set shape.repair = \"strict\" to refuse it";
+    MeshOpen = "mesh-open",
+        "The surface of the mesh has holes; the outlines of the sections were closed across them.",
+        "look at the layers concerned, or close the holes in the mesh";
+    MeshNonManifold = "mesh-non-manifold",
+        "More than two faces meet at an edge of the mesh; overlapping sections were united.",
+        "look at the layers concerned, or unite the bodies in the mesh";
+    ThreemfRule = "3mf-rule",
+        "A 3MF file breaks a rule of the 3MF specification; its meshes could still be read.",
+        "export the file again, or report the rule to the maker of the program that wrote it";
+    ThreemfNotRead = "3mf-not-read",
+        "A 3MF file holds something that grainpath does not read.",
+        "export the part as a plain triangle mesh";
+    OutlineNotRead = "outline-not-read",
+        "A drawing holds elements that grainpath does not read; they were left out.",
+        "convert the elements to paths in the drawing program";
+    OutlineOpen = "outline-open",
+        "A drawing has open lines that enclose no area; they were left out.",
+        "close the lines, or give them a fill";
+    OutlineDuplicate = "outline-duplicate",
+        "A drawing has lines that repeat other lines; the repeated ones were left out.",
+        "delete the repeated lines in the drawing";
+    ScanFilesSkipped = "scan-files-skipped",
+        "Files in the folder of a scan are not slices of it and were skipped.",
+        "move the other files out of the folder";
+    ScanOrderAssumed = "scan-order-assumed",
+        "The slices of a scan state no positions, so their order was assumed.",
+        "check the order of the layers in the preview";
+    ScanUnevenSlices = "scan-uneven-slices",
+        "The slices of a scan are unevenly spaced; their stated heights were kept.",
+        "check that no slice is missing";
+    ScanTrailingBytes = "scan-trailing-bytes",
+        "A raw scan file is longer than its header says; the rest was not read.",
+        "check the size and the sample type in the header";
+    ScanEdgesMissing = "scan-edges-missing",
+        "The edge filter found no edge along a part of the contours; these follow the threshold.",
+        "lower shape.ct.canny_low and shape.ct.canny_high, or use the threshold alone";
+    ScanTooSmall = "scan-too-small",
+        "The part reaches beyond the scan that guides it; the nearest directions were used there.",
+        "use a scan that covers the part, or move it with guide.volume.origin_mm";
+    GrainUnclear = "grain-unclear",
+        "The image or the scan shows hardly any preferred direction.",
+        "look at the picture of the directions; a larger guide.integration_mm may help";
+    FeLeftOut = "fe-left-out",
+        "Parts of a finite-element file do not fit its mesh or are not read; they were left out.",
+        "check with `grainpath inspect` that the stress covers the part";
+    FeUnitDoubtful = "fe-unit-doubtful",
+        "The values of a finite-element file suggest another unit than the one assumed.",
+        "set guide.import_stress_unit or guide.import_length_unit";
+    FeOrderDoubtful = "fe-order-doubtful",
+        "The stress components of a finite-element file seem to be in another order than the one assumed.",
+        "set guide.import_order, or name the array with guide.import_array";
+    FeZeroStress = "fe-zero-stress",
+        "The stress of a finite-element file is zero everywhere.",
+        "export a step in which the part is loaded";
+    PathNeck = "path-neck",
+        "A neck of a region is too narrow for one continuous path; its two sides are printed separately.",
+        "widen the neck or print a narrower bead";
+    PathNotJoined = "path-not-joined",
+        "A piece of path lies too far from the rest of its region to be joined to it.",
+        "widen the place or print a narrower bead";
+    PathCrossing = "path-crossing",
+        "A continuous path crosses itself or another path.",
+        "report the job as a bug; a larger guide.smoothing_mm may avoid it";
+    PathOutside = "path-outside",
+        "A continuous path leaves its infill region.",
+        "report the job as a bug; a larger guide.smoothing_mm may avoid it";
+    FibreTooShort = "fibre-too-short",
+        "Paths shorter than the shortest fibre that can be cut are laid without fibre.",
+        "lower fibre.min_length_mm if the machine allows it";
+    FibreSharpTurn = "fibre-sharp-turn",
+        "Fibre paths turn more sharply than the fibre should be bent.",
+        "smooth the directions with guide.smoothing_mm, or lower fibre.min_radius_mm";
+    FibreGaps = "fibre-gaps",
+        "A dense fibre print leaves more of the part unfilled than is usual.",
+        "lower fibre.bead_width_mm";
+    SupportNone = "support-none",
+        "No overhang is steeper than the critical angle, so no support was made.",
+        "lower support.critical_angle_deg, or name places in support.enforce_mm";
+    SupportUnreached = "support-unreached",
+        "No support can reach an overhang.",
+        "turn the part, set support.from_plate_only = false, or raise support.margin_mm";
+    StrengthOneCase = "strength-one-case",
+        "The job has several load cases and the strength test used only one of them.",
+        "test the other load cases in jobs of their own";
+    StrengthNotConverged = "strength-not-converged",
+        "The peak load still changes when the cells of the strength test are halved.",
+        "lower strength.cell_mm";
+    StrengthLooseMaterial = "strength-loose-material",
+        "Some printed material is not connected to a fixture and was left out of the strength test.",
+        "check the fixtures and the gaps between beads";
+    StrengthUnfinished = "strength-unfinished",
+        "The load was still rising when the strength test ended, so the peak is a lower bound.",
+        "take the peak as a lower bound; a load that bends the part less may end the test";
+    GcodeNotRead = "gcode-not-read",
+        "Lines of a G-code program cannot be understood and were skipped.",
+        "check that the file is G-code and complete";
+}
+
+impl fmt::Display for WarningId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Serialize for WarningId {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+/// Where a warning applies. Every field is optional; a place has at least one.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Place {
+    /// The file, or the part of an archive.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// Line in the file, from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line: Option<usize>,
+    /// Layer, from 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layer: Option<usize>,
+    /// Top of the layer, mm above the plate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z_mm: Option<f64>,
+    /// A point in the part's coordinates, mm: x, y and, where it is known, z.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub point_mm: Vec<f64>,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut parts = Vec::new();
+        parts.extend(self.file.clone());
+        parts.extend(self.line.map(|n| format!("line {n}")));
+        match (self.layer, self.z_mm) {
+            (Some(n), Some(z)) => parts.push(format!("layer {n} at z = {z:.2} mm")),
+            (Some(n), None) => parts.push(format!("layer {n}")),
+            (None, Some(z)) => parts.push(format!("z = {z:.2} mm")),
+            (None, None) => {}
+        }
+        if !self.point_mm.is_empty() {
+            let numbers: Vec<String> = self.point_mm.iter().map(|v| format!("{v:.2}")).collect();
+            parts.push(format!("({})", numbers.join(", ")));
+        }
+        f.write_str(&parts.join(", "))
+    }
+}
+
+/// One warning: what happened, where, and what helps.
+///
+/// In JSON it is `{ "id", "text", "place", "remedy" }`; `place` is left out where the warning concerns the whole run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Warning {
+    /// Its kind, with a stable name.
+    pub id: WarningId,
+    /// What happened, with numbers; without the place.
+    pub text: String,
+    /// Where.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub place: Option<Place>,
+    /// What the user can do about it.
+    pub remedy: Cow<'static, str>,
+}
+
+impl Warning {
+    /// A warning about the whole run, with the usual remedy of its kind.
+    pub fn new(id: WarningId, text: impl Into<String>) -> Self {
+        Self { id, text: text.into(), place: None, remedy: Cow::Borrowed(id.remedy()) }
+    }
+
+    /// Replaces the usual remedy by a more precise one.
+    #[must_use]
+    pub fn with_remedy(mut self, remedy: impl Into<Cow<'static, str>>) -> Self {
+        self.remedy = remedy.into();
+        self
+    }
+
+    /// Names the file, or the part of an archive.
+    #[must_use]
+    pub fn in_file(mut self, file: impl Into<String>) -> Self {
+        self.place_mut().file = Some(file.into());
+        self
+    }
+
+    /// Names the line of a text file, from 1.
+    #[must_use]
+    pub fn in_line(mut self, line: usize) -> Self {
+        self.place_mut().line = Some(line);
+        self
+    }
+
+    /// Names the layer by its index (from 0) and its top.
+    #[must_use]
+    pub fn in_layer(mut self, layer_idx: usize, z_mm: f64) -> Self {
+        let place = self.place_mut();
+        (place.layer, place.z_mm) = (Some(layer_idx + 1), Some(z_mm));
+        self
+    }
+
+    /// Names a point of the layer, mm.
+    #[must_use]
+    pub fn at_mm(mut self, x_mm: f64, y_mm: f64) -> Self {
+        self.place_mut().point_mm = vec![x_mm, y_mm];
+        self
+    }
+
+    /// Names a point in space, mm.
+    #[must_use]
+    pub fn at_point_mm(mut self, point_mm: glam::DVec3) -> Self {
+        self.place_mut().point_mm = point_mm.to_array().to_vec();
+        self
+    }
+
+    fn place_mut(&mut self) -> &mut Place {
+        self.place.get_or_insert_default()
+    }
+
+    /// The order of a list: the whole run first, then layer by layer, then by text; a total order, so that the order in
+    /// which threads arrive never shows.
+    pub(crate) fn order(&self, other: &Self) -> Ordering {
+        let layer = |w: &Self| w.place.as_ref().and_then(|p| p.layer);
+        let point = |w: &Self| w.place.as_ref().map_or_else(Vec::new, |p| p.point_mm.clone());
+        let file = |w: &Self| w.place.as_ref().map(|p| (p.file.clone(), p.line));
+        layer(self)
+            .cmp(&layer(other))
+            .then_with(|| self.text.cmp(&other.text))
+            .then_with(|| file(self).cmp(&file(other)))
+            .then_with(|| {
+                let (a, b) = (point(self), point(other));
+                let each = a.iter().zip(&b).map(|(a, b)| a.total_cmp(b));
+                each.fold(a.len().cmp(&b.len()), Ordering::then)
+            })
+            .then_with(|| (self.id, &self.remedy).cmp(&(other.id, &other.remedy)))
+    }
+}
+
+/// For the terminal: place, text and id on one line, the remedy on the next.
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(place) = &self.place {
+            write!(f, "{place}: ")?;
+        }
+        write!(f, "{} [{}]\n  remedy: {}", self.text, self.id, self.remedy)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The documentation lists every id once, with the words of the table.
+    #[test]
+    fn the_page_lists_every_id() {
+        let page = include_str!("../../../docs/warnings.md");
+        let wanted: Vec<String> = WarningId::ALL
+            .iter()
+            .map(|id| format!("| `{}` | {} | {} |", id.name(), id.meaning(), id.remedy()))
+            .collect();
+        let rows: Vec<&str> = page.lines().filter(|l| l.starts_with("| `")).collect();
+        assert_eq!(rows, wanted, "the table of docs/warnings.md should be:\n{}", wanted.join("\n"));
+    }
+
+    #[test]
+    fn ids_are_distinct_words_in_kebab_case() {
+        let mut names: Vec<&str> = WarningId::ALL.iter().map(|id| id.name()).collect();
+        let plain = |n: &&str| n.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-');
+        assert!(names.iter().all(plain), "{names:?}");
+        names.sort_unstable();
+        let n = names.len();
+        names.dedup();
+        assert_eq!(names.len(), n);
+    }
+
+    #[test]
+    fn places_and_remedies_are_printed() {
+        let w =
+            Warning::new(WarningId::GcodeNotRead, "cannot understand \"Q\"").in_file("a.gcode").in_line(7);
+        let printed = w.to_string();
+        assert!(printed.starts_with("a.gcode, line 7: cannot understand"), "{printed}");
+        assert!(printed.contains("[gcode-not-read]\n  remedy: check that"), "{printed}");
+    }
+}
