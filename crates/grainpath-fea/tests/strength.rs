@@ -3,12 +3,14 @@
 use grainpath_core::math::{atan2, direction, sin_cos};
 use grainpath_core::{DVec2, DVec3};
 use grainpath_fea::material::Orthotropic;
+use grainpath_fea::strength::Outcome;
+use grainpath_fea::strength::brick_strength::SolidTest;
 use grainpath_fea::strength::bricks::Bricks;
-use grainpath_fea::strength::cells::{BeadPiece, BeadSheet, Grid, Laminate, Ply};
-use grainpath_fea::strength::plate::{Elements, GridHold, System, middle_strain, square};
-use grainpath_fea::strength::ply::{Mode, StrengthCard};
-use grainpath_fea::strength::solid::SolidTest;
-use grainpath_fea::strength::{Outcome, PlateTest};
+use grainpath_fea::strength::card::{FailureMode, StrengthCard};
+use grainpath_fea::strength::elements::{GridHold, PlateElements, middle_strain, square};
+use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellGrid, Laminate, Ply};
+use grainpath_fea::strength::plate_strength::PlateTest;
+use grainpath_fea::strength::plate_system::PlateSystem;
 
 /// PLA, a raster as strong as data sheets say along its beads.
 fn pla() -> StrengthCard {
@@ -63,7 +65,7 @@ fn raster(size: DVec2, deg: f64) -> BeadSheet {
 
 /// Pulls a bar along x: the left end may move along y, so that it can shrink; one node is held there.
 fn pull(sheets: &[BeadSheet], cell_mm: f64, card: &StrengthCard) -> (Outcome, Laminate) {
-    let laminate = Laminate::of(sheets, cell_mm).expect("beads");
+    let laminate = Laminate::from_layers(sheets, cell_mm).expect("beads");
     assert!(laminate.volume_error() < 1e-3, "{}", laminate.volume_error());
     let outcome = pull_laminate(&laminate, card, &|_| true);
     (outcome, laminate)
@@ -73,8 +75,8 @@ fn pull_laminate(laminate: &Laminate, card: &StrengthCard, within: &dyn Fn(DVec2
     let grid = laminate.grid;
     let least = 0.02 * laminate.height_mm;
     let inside = |c: usize| laminate.thickness_mm(c) > least && within(grid.centre(c));
-    let taken: Vec<bool> = (0..grid.nx * grid.ny).map(inside).collect();
-    let elements = Elements::of(&grid, &taken);
+    let active: Vec<bool> = (0..grid.nx * grid.ny).map(inside).collect();
+    let elements = PlateElements::from_cells(&grid, &active);
     let xs = elements.places.iter().map(|p| p[0]);
     let (first, last) = (xs.clone().min().expect("nodes"), xs.max().expect("nodes"));
     let mut holds = Vec::new();
@@ -96,14 +98,15 @@ fn pull_laminate(laminate: &Laminate, card: &StrengthCard, within: &dyn Fn(DVec2
     // The ends, where the shear of beads off axis is held back, are the machine's.
     let x = |c: &u32| *c as usize % grid.nx;
     let ends = (grid.nx / 6).max(2);
-    let spared = elements.cells.iter().map(|c| x(c) < ends || x(c) + ends >= grid.nx).collect::<Vec<_>>();
+    let unbreakable =
+        elements.cells.iter().map(|c| x(c) < ends || x(c) + ends >= grid.nx).collect::<Vec<_>>();
     let test = PlateTest {
         laminate,
         elements: &elements,
         holds: &holds,
         forces_n: &forces,
         load_n: 100.0,
-        spared: &spared,
+        unbreakable: &unbreakable,
         cards: std::slice::from_ref(card),
         max_bytes: 1 << 30,
     };
@@ -114,7 +117,7 @@ fn pull_laminate(laminate: &Laminate, card: &StrengthCard, within: &dyn Fn(DVec2
 fn pull_cut(angles_deg: &[f64], card: &StrengthCard) -> (Outcome, DVec2) {
     let (size, cell) = (DVec2::new(60.0, 9.6), 0.25);
     let sheets: Vec<BeadSheet> = angles_deg.iter().map(|a| raster(size + 4.0, *a)).collect();
-    let laminate = Laminate::of(&sheets, cell).expect("beads");
+    let laminate = Laminate::from_layers(&sheets, cell).expect("beads");
     let within = |p: DVec2| (p - 2.0).min_element() > 0.0 && (size + 2.0 - p).min_element() > 0.0;
     let outcome = pull_laminate(&laminate, card, &within);
     let grid = laminate.grid;
@@ -132,11 +135,11 @@ fn a_plain_bar_breaks_at_its_strength_times_its_section() {
         let (outcome, _) = pull(&sheets, cell, &pla());
         let want = 52.0 * 8.0 * 1.0;
         assert!((outcome.peak_load_n / want - 1.0).abs() < 0.01, "{cell}: {} {want}", outcome.peak_load_n);
-        assert_eq!(outcome.mode(), Mode::Along);
+        assert_eq!(outcome.mode(), FailureMode::Along);
     }
     let (outcome, _) = pull(&vec![raster(size, 90.0); 5], 0.4, &pla());
     assert!((outcome.peak_load_n / (37.0 * 8.0) - 1.0).abs() < 0.01, "{}", outcome.peak_load_n);
-    assert_eq!(outcome.mode(), Mode::Across);
+    assert_eq!(outcome.mode(), FailureMode::Across);
 }
 
 #[test]
@@ -146,7 +149,7 @@ fn rasters_off_axis_follow_tsai_and_hill() {
         let (outcome, cut) = pull_cut(&[deg, deg], &pla());
         let mpa = outcome.peak_load_n / (cut.y * 2.0 * HEIGHT_MM);
         let want = pla().tsai_hill_mpa(deg.to_radians());
-        let first = outcome.first_n / (cut.y * 2.0 * HEIGHT_MM);
+        let first = outcome.first_failure_n / (cut.y * 2.0 * HEIGHT_MM);
         println!(
             "{deg}: first {first:.2}, peak {mpa:.2} MPa, Tsai-Hill {want:.2}, Hankinson {:.2}",
             pla().hankinson_mpa(deg.to_radians())
@@ -216,7 +219,7 @@ fn plate_with_hole(
     let more = moved.ceil();
     let n = (size / cell_mm).round() + more;
     let low = -0.5 * size - (more - moved) * cell_mm;
-    let grid = Grid { low, cell_mm, nx: n.x as usize, ny: n.y as usize };
+    let grid = CellGrid { low, cell_mm, nx: n.x as usize, ny: n.y as usize };
     let mut starts = vec![0];
     let mut plies = Vec::new();
     for cell in 0..grid.nx * grid.ny {
@@ -244,8 +247,8 @@ fn stress_at_a_hole_is_lekhnitskiis() {
     let (size, radius, cell) = (DVec2::new(48.0, 48.0), 2.0, 0.1);
     let laminate = plate_with_hole(size, radius, cell, DVec2::ZERO, &|_| 0.0);
     let grid = laminate.grid;
-    let taken: Vec<bool> = (0..grid.nx * grid.ny).map(|c| laminate.thickness_mm(c) > 0.02).collect();
-    let elements = Elements::of(&grid, &taken);
+    let active: Vec<bool> = (0..grid.nx * grid.ny).map(|c| laminate.thickness_mm(c) > 0.02).collect();
+    let elements = PlateElements::from_cells(&grid, &active);
     let c = card.elastic.plane_stress(0.0).expect("stable");
     let membrane = |e: usize| {
         let t = laminate.thickness_mm(elements.cells[e] as usize);
@@ -266,7 +269,7 @@ fn stress_at_a_hole_is_lekhnitskiis() {
             forces[2 * i] = if end { 0.5 * cell } else { cell };
         }
     }
-    let mut system = System::new(&elements, &membrane, &holds, &forces, 2 << 30).expect("held");
+    let mut system = PlateSystem::new(&elements, &membrane, &holds, &forces, 2 << 30).expect("held");
     let x = system.solve().expect("solved");
     let [e1, e2, _] = card.elastic.e_mpa;
     let (n12, g12) = (card.elastic.nu[0], card.elastic.g_mpa[0]);
@@ -315,7 +318,7 @@ fn a_notched_bar_answers_alike_on_finer_cells_wherever_they_lie_and_the_same_twi
     let section = 8.0 * 52.0;
     assert!(fine.peak_load_n < section && fine.peak_load_n > 0.5 * section, "{}", fine.peak_load_n);
     assert_eq!(coarse, load(0.5, 0.0));
-    let high = fine.curve.iter().map(|p| p[1]).fold(0.0, f64::max);
+    let high = fine.curve.iter().map(|p| p.load_n).fold(0.0, f64::max);
     assert!((high / fine.peak_load_n - 1.0).abs() < 1e-9 && fine.curve.len() > 3);
 }
 
@@ -357,21 +360,21 @@ fn what_direction_alone_gains_at_a_hole() {
     assert!(follows / across > 1.15, "{follows} {across}");
 }
 
-/// Pulls a box made of bricks along an axis, its ends spared; one end may shrink.
+/// Pulls a box made of bricks along an axis, its ends unbreakable; one end may shrink.
 fn pull_bricks(sheets: &[BeadSheet], cell_mm: f64, axis: usize, card: &StrengthCard) -> (Outcome, Bricks) {
-    let bricks = Bricks::of(sheets, cell_mm, 0.0).expect("beads");
+    let bricks = Bricks::from_layers(sheets, cell_mm, 0.0).expect("beads");
     assert!(bricks.volume_error() < 1e-3, "{}", bricks.volume_error());
-    let taken: Vec<bool> = bricks.filled.iter().map(|f| *f > 0.05).collect();
+    let active: Vec<bool> = bricks.filled.iter().map(|f| *f > 0.05).collect();
     let [nx, ny, _] = bricks.n;
     let place = |c: usize| [c % nx, c / nx % ny, c / nx / ny];
-    let of = |k: usize| (0..taken.len()).filter(|c| taken[*c]).map(place).map(move |p| p[k]);
+    let of = |k: usize| (0..active.len()).filter(|c| active[*c]).map(place).map(move |p| p[k]);
     let (low, high) = (of(axis).min().expect("cells"), of(axis).max().expect("cells"));
     let (mut holds, mut forces) = (Vec::new(), Vec::new());
     let direction = DVec3::AXES[axis];
     let others = [(axis + 1) % 3, (axis + 2) % 3];
     let middle = others.map(|k| of(k).sum::<usize>() / of(k).count());
     let mut sum = 0.0;
-    for c in (0..taken.len()).filter(|c| taken[*c]) {
+    for c in (0..active.len()).filter(|c| active[*c]) {
         for k in 0..8 {
             let p: [usize; 3] = std::array::from_fn(|i| place(c)[i] + (k >> i & 1));
             if place(c)[axis] == low && k >> axis & 1 == 0 {
@@ -392,17 +395,17 @@ fn pull_bricks(sheets: &[BeadSheet], cell_mm: f64, axis: usize, card: &StrengthC
     }
     forces.iter_mut().for_each(|f| f.1 *= 100.0 / sum);
     let ends = ((high - low) / 6).max(2);
-    let spared: Vec<bool> =
-        (0..taken.len()).map(|c| place(c)[axis] < low + ends || place(c)[axis] + ends > high).collect();
+    let unbreakable: Vec<bool> =
+        (0..active.len()).map(|c| place(c)[axis] < low + ends || place(c)[axis] + ends > high).collect();
     let test = SolidTest {
         bricks: &bricks,
-        taken: &taken,
+        active: &active,
         holds: &holds,
         forces_n: &forces,
         load_n: 100.0,
-        spared: &spared,
+        unbreakable: &unbreakable,
         card,
-        most_mib: 1024.0,
+        max_mib: 1024.0,
     };
     (test.run().expect("an answer"), bricks)
 }
@@ -411,7 +414,9 @@ fn pull_bricks(sheets: &[BeadSheet], cell_mm: f64, axis: usize, card: &StrengthC
 fn a_solid_bar_breaks_at_its_strength_times_its_section_along_across_and_upwards() {
     let card = pla();
     let size = DVec2::new(20.0, 4.0);
-    for (deg, strength, mode) in [(0.0, card.xt_mpa, Mode::Along), (90.0, card.yt_mpa, Mode::Across)] {
+    for (deg, strength, mode) in
+        [(0.0, card.xt_mpa, FailureMode::Along), (90.0, card.yt_mpa, FailureMode::Across)]
+    {
         let (outcome, _) = pull_bricks(&vec![raster(size, deg); 20], 0.4, 0, &card);
         let want = strength * 4.0 * 4.0;
         println!("{deg}: {:.1} N, wanted {want:.1}", outcome.peak_load_n);
@@ -427,7 +432,7 @@ fn a_solid_bar_breaks_at_its_strength_times_its_section_along_across_and_upwards
     let want = card.zt_mpa * 16.0;
     println!("upwards: {:.1} N, wanted {want:.1}", outcome.peak_load_n);
     assert!((outcome.peak_load_n / want - 1.0).abs() < 0.01, "{} {want}", outcome.peak_load_n);
-    assert_eq!(outcome.mode(), Mode::Layers);
+    assert_eq!(outcome.mode(), FailureMode::Layers);
     // Bricks lean on the whole layer below them.
     let (_, bricks) = pull_bricks(&tower, 0.4, 2, &card);
     let full = (0..bricks.filled.len()).filter(|c| bricks.filled[*c] > 0.99);
@@ -462,5 +467,5 @@ fn layers_that_touch_on_half_their_width_part_at_half_the_load() {
     let want = card.zt_mpa * 10.0 * 0.5 * BEAD_MM * 4.0;
     println!("half touching: {:.1} N, wanted {want:.1}", outcome.peak_load_n);
     assert!((outcome.peak_load_n / want - 1.0).abs() < 0.15, "{} {want}", outcome.peak_load_n);
-    assert_eq!(outcome.mode(), Mode::Layers);
+    assert_eq!(outcome.mode(), FailureMode::Layers);
 }

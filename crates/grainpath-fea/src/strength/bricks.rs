@@ -5,7 +5,7 @@ use grainpath_core::DVec3;
 use grainpath_core::math::atan2;
 use rayon::prelude::*;
 
-use super::cells::{BeadSheet, CellError, FANS, Grid, layer};
+use super::laminate::{BeadSheet, CellError, CellGrid, FANS, layer};
 
 /// Beads of one direction in a brick.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +40,7 @@ pub struct Bricks {
 }
 
 /// The most cells of a part, empty ones included.
-pub const MOST_BRICKS: usize = 24_000_000;
+pub const MAX_BRICKS: usize = 24_000_000;
 /// A second direction with less than this share of a brick is left to the first.
 const LEAST_SHARE: f64 = 0.12;
 
@@ -50,8 +50,8 @@ impl Bricks {
     ///
     /// # Errors
     /// [`CellError`] when there is no bead or there are too many cells.
-    pub fn of(sheets: &[BeadSheet], cell_mm: f64, floor_mm: f64) -> Result<Self, CellError> {
-        let (grid, laid_mm3) = Grid::over(sheets, cell_mm)?;
+    pub fn from_layers(sheets: &[BeadSheet], cell_mm: f64, floor_mm: f64) -> Result<Self, CellError> {
+        let (grid, laid_mm3) = CellGrid::over(sheets, cell_mm)?;
         let tall: f64 = sheets.iter().map(|s| s.height_mm).sum();
         let mut heights: Vec<f64> = sheets.iter().map(|s| s.height_mm).collect();
         heights.sort_unstable_by(f64::total_cmp);
@@ -60,13 +60,13 @@ impl Bricks {
         let nz = (tall / (per * usual)).round().max(1.0) as usize;
         let n = [grid.nx, grid.ny, nz];
         let all = grid.nx as f64 * grid.ny as f64 * nz as f64;
-        if all > MOST_BRICKS as f64 {
+        if all > MAX_BRICKS as f64 {
             let (nx, ny) = (grid.nx as f64, grid.ny as f64 * nz as f64);
-            return Err(CellError::TooMany { nx, ny, cell_mm, most: MOST_BRICKS });
+            return Err(CellError::TooMany { nx, ny, cell_mm, most: MAX_BRICKS });
         }
         let high = tall / nz as f64;
         // Quarters of cells know better what lies on what.
-        let fine = Grid { cell_mm: 0.5 * cell_mm, nx: 2 * grid.nx, ny: 2 * grid.ny, ..grid };
+        let fine = CellGrid { cell_mm: 0.5 * cell_mm, nx: 2 * grid.nx, ny: 2 * grid.ny, ..grid };
         let mut bricks = Self {
             n,
             origin: grid.low.extend(floor_mm),
@@ -130,7 +130,7 @@ impl Bricks {
     }
 
     /// The plies of a cell.
-    pub fn of_cell(&self, cell: usize) -> &[BrickPly] {
+    pub fn plies_in(&self, cell: usize) -> &[BrickPly] {
         &self.plies[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 
@@ -168,7 +168,7 @@ struct Slab {
 }
 
 impl Slab {
-    fn new(grid: &Grid) -> Self {
+    fn new(grid: &CellGrid) -> Self {
         let n = grid.nx * grid.ny;
         Self { nx: grid.nx, fans: vec![[0.0; 3]; n * FANS], bond: vec![[0.0; 2]; n] }
     }
@@ -181,11 +181,11 @@ impl Slab {
     /// Adds a part of a layer, and what it lies on where its foot is in here.
     fn add(
         &mut self,
-        shares: &[super::cells::Share],
+        shares: &[super::laminate::Share],
         part: f64,
         own: &[f32],
         below: Option<&Vec<f32>>,
-        fine: &Grid,
+        fine: &CellGrid,
     ) {
         let (part, nx) = (part as f32, self.nx);
         let of = |i: usize| coarse(i, fine.nx, nx);

@@ -4,7 +4,7 @@
 //! between: a front is the dense matrix in which that is done, and hands what is left to the front of the line that
 //! cut it off. When elements lose stiffness, only their fronts and those up to the last line are made again.
 
-use super::plate::Elements;
+use super::elements::PlateElements;
 use crate::sparse::{SparseError, eliminate};
 
 /// The lower half of an element's stiffness by columns, `(8, 8)`.
@@ -28,7 +28,7 @@ struct Front {
     halves: [usize; 2],
     /// Where the nodes it hands on are among those of the front it hands them to.
     up: Vec<u32>,
-    /// Elements added here and where their corners are among its nodes.
+    /// PlateElements added here and where their corners are among its nodes.
     elements: Vec<(u32, [u32; 4])>,
     /// What holds, and what every node has: places among its unknowns (row, column), and values.
     added: Vec<(u32, u32, f64)>,
@@ -57,7 +57,7 @@ impl Fronts {
     /// # Errors
     /// [`SparseError::Memory`] when the factor would take more than `max_bytes`.
     pub fn new(
-        elements: &Elements,
+        elements: &PlateElements,
         added: &[(usize, usize, f64)],
         forces: &[f64],
         max_bytes: u64,
@@ -252,7 +252,7 @@ fn back(fronts: &mut [Front], above: &[f64]) {
 }
 
 /// Halves nodes until few are left; adds the fronts of both halves and that of the line between.
-fn cut(elements: &Elements, nodes: &mut [u32], fronts: &mut Vec<Front>) {
+fn cut(elements: &PlateElements, nodes: &mut [u32], fronts: &mut Vec<Front>) {
     if nodes.is_empty() {
         return;
     }

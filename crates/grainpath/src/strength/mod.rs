@@ -4,28 +4,29 @@
 //! and loads are the job's. The answer is given with the interval that the material's card leaves, and with how far it depends on the
 //! size of the cells.
 
+mod brick_setup;
 mod page;
 mod setup;
-mod solid;
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
 use grainpath_core::{DVec2, DVec3, Diagnostics, Role, Warning, WarningId};
 use grainpath_fea::material::Orthotropic;
-use grainpath_fea::strength::cells::{BeadSheet, CellError};
-use grainpath_fea::strength::ply::{Mode, StrengthCard};
-use grainpath_fea::strength::{Outcome, PlateTest, TestError};
+use grainpath_fea::strength::card::{FailureMode, StrengthCard};
+use grainpath_fea::strength::laminate::{BeadSheet, CellError};
+use grainpath_fea::strength::plate_strength::PlateTest;
+use grainpath_fea::strength::{Outcome, TestError};
 use grainpath_gcode::{Bead, Program};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::guide::GuideError;
 use crate::job::{MaterialSection, Settings};
+use brick_setup::PreparedSolid;
 pub use page::{chart_svg, damage_png, index_png};
 pub use setup::TestSetup;
 use setup::{Fidelity, Prepared};
-use solid::PreparedSolid;
 
 /// Why a part cannot be tested.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -87,7 +88,7 @@ impl StrengthError {
             | Self::WrongPart { .. }
             | Self::Outside { .. }
             | Self::TooMuch { .. }
-            | Self::Cells(CellError::Nothing) => 3,
+            | Self::Cells(CellError::NoBeads) => 3,
             Self::Free { .. } | Self::Test(_) => 4,
             _ => 2,
         }
@@ -215,7 +216,7 @@ pub struct Tested {
 
 /// Where the elements of a test lie.
 enum Map {
-    Plane(grainpath_fea::strength::plate::Elements),
+    Plane(grainpath_fea::strength::elements::PlateElements),
     /// Cells along each axis, their edges in mm, the lowest corner, and the cell of each element.
     Voxels {
         n: [usize; 3],
@@ -274,7 +275,7 @@ impl Body {
                 n: p.bricks.n,
                 cell_mm: p.bricks.cell_mm,
                 low: p.bricks.origin,
-                cells: (0..p.taken.len()).filter(|c| p.taken[*c]).map(|c| c as u32).collect(),
+                cells: (0..p.active.len()).filter(|c| p.active[*c]).map(|c| c as u32).collect(),
             },
         }
     }
@@ -336,20 +337,21 @@ pub fn test(
     warn(setup, &outcome, &prepared, mesh_change, cell_mm, diagnostics);
     let mass_g = part_g(program, settings);
     let fold = |f: fn(f64, f64) -> f64, from: f64| peaks.values().copied().fold(from, f);
-    let at_peak = outcome.curve.iter().max_by(|a, b| a[1].total_cmp(&b[1])).map_or(0.0, |p| p[0]);
+    let at_peak =
+        outcome.curve.iter().max_by(|a, b| a.load_n.total_cmp(&b.load_n)).map_or(0.0, |p| p.displacement_mm);
     let report = StrengthReport {
         peak_load_n: digits(outcome.peak_load_n),
         low_n: fold(f64::min, f64::INFINITY),
         high_n: fold(f64::max, 0.0),
         stiffness_n_per_mm: digits(outcome.stiffness_n_per_mm),
-        first_n: digits(outcome.first_n),
+        first_n: digits(outcome.first_failure_n),
         peak_displacement_mm: digits(at_peak),
         job_load_n: digits(prepared.load_n()),
         case: setup.case.clone(),
         mode: outcome.mode().name(),
-        modes: Mode::ALL
+        modes: FailureMode::ALL
             .iter()
-            .zip(outcome.modes)
+            .zip(outcome.mode_shares)
             .filter(|m| m.1 > 5e-4)
             .map(|(m, s)| (m.name(), digits(s)))
             .collect(),
@@ -362,7 +364,7 @@ pub fn test(
         mesh_change: mesh_change.map(digits),
         volume_error: digits(prepared.volume_error()),
         dofs: outcome.dofs,
-        solutions: outcome.effort[0],
+        solutions: outcome.solutions,
         seconds: digits(start.elapsed().as_secs_f64()),
         card_source: if settings.fibre.enabled {
             format!(
@@ -373,7 +375,7 @@ pub fn test(
             settings.material.strength_source.clone()
         },
         card_tier: settings.material.strength_tier.clone(),
-        curve: outcome.curve.iter().map(|p| p.map(digits)).collect(),
+        curve: outcome.curve.iter().map(|p| [p.displacement_mm, p.load_n].map(digits)).collect(),
     };
     Ok(Tested { report, outcome, map: prepared.map() })
 }
@@ -395,7 +397,7 @@ fn run(prepared: &Prepared, cards: &[StrengthCard], max_bytes: u64) -> Result<Ou
         holds: &prepared.holds,
         forces_n: &prepared.forces_n,
         load_n: prepared.load_n,
-        spared: &prepared.spared,
+        unbreakable: &prepared.unbreakable,
         cards,
         max_bytes,
     };
@@ -448,7 +450,7 @@ fn warn(
             ),
         );
     }
-    if !outcome.ended {
+    if !outcome.past_peak {
         diagnostics.warn(
             WarningId::StrengthUnfinished,
             "strength: the load was still rising when the test was stopped; the peak is a lower bound",
@@ -462,11 +464,11 @@ fn weakest(setup: &TestSetup, outcome: &Outcome) -> Weakest {
     let size = setup.high - setup.low;
     let share = |k: usize| 100.0 * (p[k] - setup.low[k]) / size[k].max(1e-9);
     let how = match outcome.mode() {
-        Mode::Along => "as beads tear",
-        Mode::Across => "as beads part from each other",
-        Mode::Shear => "as beads slide along each other",
-        Mode::Compression => "by crushing",
-        Mode::Layers => "as layers part",
+        FailureMode::Along => "as beads tear",
+        FailureMode::Across => "as beads part from each other",
+        FailureMode::Shear => "as beads slide along each other",
+        FailureMode::Compression => "by crushing",
+        FailureMode::Layers => "as layers part",
     };
     let round = |v: f64| (v * 100.0).round() * 0.01;
     let (x_mm, y_mm) = (round(p.x), round(p.y));

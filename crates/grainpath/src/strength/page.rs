@@ -70,12 +70,12 @@ fn tiles(n: [usize; 3], shown: &[Option<f32>]) -> Vec<usize> {
 
 /// Share of the material that broke, blue none and red all; and for solids the heights that are shown, in words.
 pub fn damage_png(tested: &Tested, size_px: u32) -> (Vec<u8>, String) {
-    map_png(tested, &tested.outcome.broken, size_px)
+    map_png(tested, &tested.outcome.damage, size_px)
 }
 
 /// How near every place was to breaking when the first one did, red being 1; and for solids the heights, in words.
 pub fn index_png(tested: &Tested, size_px: u32) -> (Vec<u8>, String) {
-    map_png(tested, &tested.outcome.index, size_px)
+    map_png(tested, &tested.outcome.failure_index, size_px)
 }
 
 /// Load over displacement, with the interval of the peak.

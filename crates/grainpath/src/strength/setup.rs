@@ -4,8 +4,8 @@ use grainpath_core::math::cross;
 use grainpath_core::poly::Join;
 use grainpath_core::{DVec2, DVec3, LayerStack, Region, Role, TriMesh};
 use grainpath_fea::select::Selection;
-use grainpath_fea::strength::cells::{BeadPiece, BeadSheet, Grid, Laminate};
-use grainpath_fea::strength::plate::{Elements, GridHold, free_motion, pieces};
+use grainpath_fea::strength::elements::{GridHold, PlateElements, connected_cells, free_motion};
+use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellGrid, Laminate};
 use grainpath_gcode::{Bead, BeadLayer, Program};
 
 use super::{CORNERS, StrengthError, cards};
@@ -21,7 +21,7 @@ const OUTSIDE_MM: f64 = 1.0;
 const MOST_OUTSIDE: f64 = 0.05;
 const SECTIONS: usize = 9;
 /// Around grips and rollers nothing breaks within this, mm: what happens there is the machine's doing.
-pub(super) const SPARED_MM: f64 = 1.5;
+pub(super) const UNBREAKABLE_MM: f64 = 1.5;
 
 /// How something is held.
 pub(super) struct HeldPlace {
@@ -277,16 +277,16 @@ impl TestSetup {
     /// # Errors
     /// [`StrengthError`] when a fixture or load catches nothing or a piece moves freely.
     pub(super) fn prepared(&self, sheets: &[BeadSheet], cell_mm: f64) -> Result<Prepared, StrengthError> {
-        let laminate = Laminate::of(sheets, cell_mm)?;
+        let laminate = Laminate::from_layers(sheets, cell_mm)?;
         let grid = laminate.grid;
         let n = grid.nx * grid.ny;
         let least = LEAST_FILLED * laminate.height_mm;
         let mut taken: Vec<bool> = (0..n).map(|c| laminate.thickness_mm(c) > least).collect();
-        let (piece, n_pieces) = pieces(&grid, &taken);
+        let (piece, n_pieces) = connected_cells(&grid, &taken);
         // Only what hangs together with what is held can carry a load.
         let reach = 0.75 * cell_mm;
         let mut holds_of = vec![Vec::new(); n_pieces];
-        let elements = Elements::of(&grid, &taken);
+        let elements = PlateElements::from_cells(&grid, &taken);
         let wide: Vec<Selection> = self.fixtures.iter().map(|f| contact(&f.on, &elements, reach)).collect();
         for (cell, corners) in elements.cells.iter().zip(&elements.corners) {
             let Some(p) = piece[*cell as usize] else { continue };
@@ -315,7 +315,7 @@ impl TestSetup {
                 return Err(StrengthError::Free { x: at.x, y: at.y, how });
             }
         }
-        let elements = Elements::of(&grid, &taken);
+        let elements = PlateElements::from_cells(&grid, &taken);
         let nodes: Vec<DVec2> = (0..elements.places.len()).map(|i| elements.node(i)).collect();
         let mut marked = vec![false; nodes.len()];
         let mut holds = Vec::new();
@@ -327,9 +327,9 @@ impl TestSetup {
         }
         let weight = weights(&laminate, &elements);
         let (forces_n, load_n) = self.forces(&laminate, &elements, &nodes, &weight, reach, &mut marked)?;
-        let spared = spared(&grid, &elements, &nodes, &marked);
+        let unbreakable = unbreakable(&grid, &elements, &nodes, &marked);
         let lost = lost / laminate.laid_mm3;
-        Ok(Prepared { laminate, elements, holds, forces_n, load_n, spared, lost })
+        Ok(Prepared { laminate, elements, holds, forces_n, load_n, unbreakable, lost })
     }
 
     /// The directions in which a place is held.
@@ -361,7 +361,7 @@ impl TestSetup {
     fn forces(
         &self,
         laminate: &Laminate,
-        elements: &Elements,
+        elements: &PlateElements,
         nodes: &[DVec2],
         weight: &[f64],
         reach: f64,
@@ -415,7 +415,14 @@ impl TestSetup {
     }
 
     /// Pressure on the border: each short piece of it pushes on the nearest node.
-    fn press(&self, mpa: f64, on: &Selection, elements: &Elements, nodes: &[DVec2], forces: &mut [DVec2]) {
+    fn press(
+        &self,
+        mpa: f64,
+        on: &Selection,
+        elements: &PlateElements,
+        nodes: &[DVec2],
+        forces: &mut [DVec2],
+    ) {
         let thickness = self.high.z - self.low.z;
         let step = 0.25 * elements.grid.cell_mm;
         for contour in self.section.contours() {
@@ -444,11 +451,11 @@ impl TestSetup {
 /// A part as cells, held and loaded.
 pub(super) struct Prepared {
     pub laminate: Laminate,
-    pub elements: Elements,
+    pub elements: PlateElements,
     pub holds: Vec<GridHold>,
     pub forces_n: Vec<DVec2>,
     pub load_n: f64,
-    pub spared: Vec<bool>,
+    pub unbreakable: Vec<bool>,
     /// Share of the material that hangs together with nothing held.
     pub lost: f64,
 }
@@ -456,7 +463,7 @@ pub(super) struct Prepared {
 /// Where a fixture holds the nodes of a grid. A cylinder whose axis lies in the material is a roller: it holds the
 /// node next to its axis, for two of them would keep the part from turning there. One around a hole holds the hole's
 /// wall.
-fn contact(on: &Selection, elements: &Elements, reach: f64) -> Selection {
+fn contact(on: &Selection, elements: &PlateElements, reach: f64) -> Selection {
     let mut wide = on.grown(reach);
     let Selection::Cylinder { point: axis_at, axis, .. } = on else { return wide };
     let off = |i: usize| elements.node(i).distance_squared(axis_at.truncate());
@@ -477,7 +484,7 @@ fn strip_mm(bead: &Bead, height_mm: f64) -> f64 {
 }
 
 /// Material around each node, as a share of its elements' thickness.
-fn weights(laminate: &Laminate, elements: &Elements) -> Vec<f64> {
+fn weights(laminate: &Laminate, elements: &PlateElements) -> Vec<f64> {
     let mut weight = vec![0.0; elements.places.len()];
     for (cell, corners) in elements.cells.iter().zip(&elements.corners) {
         let t = 0.25 * laminate.thickness_mm(*cell as usize);
@@ -486,10 +493,10 @@ fn weights(laminate: &Laminate, elements: &Elements) -> Vec<f64> {
     weight
 }
 
-/// Elements near held or loaded nodes.
-fn spared(grid: &Grid, elements: &Elements, nodes: &[DVec2], marked: &[bool]) -> Vec<bool> {
+/// PlateElements near held or loaded nodes.
+fn unbreakable(grid: &CellGrid, elements: &PlateElements, nodes: &[DVec2], marked: &[bool]) -> Vec<bool> {
     let mut near = vec![false; grid.nx * grid.ny];
-    let radius = SPARED_MM + grid.cell_mm;
+    let radius = UNBREAKABLE_MM + grid.cell_mm;
     for (p, _) in nodes.iter().zip(marked).filter(|(_, m)| **m) {
         let cell = |q: f64, n: usize| (q / grid.cell_mm).clamp(0.0, n as f64 - 1.0) as usize;
         let (a, b) = (*p - grid.low - radius, *p - grid.low + radius);

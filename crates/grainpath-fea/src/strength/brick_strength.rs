@@ -1,4 +1,5 @@
-//! A part made of beads as a solid: [`Bricks`] as elements, each with the stiffness of its plies, damaged as they are.
+//! The strength test of a solid: [`Bricks`] as elements, each with the damaged stiffness of its plies, loaded until they
+//! fail.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -7,74 +8,79 @@ use grainpath_core::math::direction;
 use grainpath_core::{DVec3, IVec3};
 
 use super::bricks::Bricks;
-use super::drawing::{self, Body, Near, Pace, State};
-use super::ply::{StrengthCard, broken_solid, left};
-use super::{ASIDE, Outcome, TestError};
+use super::card::StrengthCard;
+use super::damage::{damaged_stiffness, remaining_shares};
+use super::load_stepping::{FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, run_to_failure};
+
+use super::{CRACK_NORMAL_COS, Outcome, TestError};
 use crate::material::{Orthotropic, Stiffness, rotated_about_z};
 use crate::solid::voxel::{VOID, VoxelPart, VoxelSystem};
 use crate::solid::{Method, SolidError, SolveSettings};
 
-/// A grid point, and a direction along which it is held.
+/// A grid point and a unit vector along which it is held.
 pub type SolidHold = ([usize; 3], DVec3);
 
-/// A part made of beads, held, loaded, and drawn until it breaks.
+/// A part made of beads, its fixtures and its loads.
 pub struct SolidTest<'a> {
-    /// What it is made of.
+    /// The cells.
     pub bricks: &'a Bricks,
-    /// Cells that are elements.
-    pub taken: &'a [bool],
-    /// Where it is held.
+    /// Whether each cell is an element.
+    pub active: &'a [bool],
+    /// The fixtures.
     pub holds: &'a [SolidHold],
-    /// Force at grid points, N: the load that a factor of 1 stands for.
+    /// The unit load: forces at grid points, N.
     pub forces_n: &'a [([usize; 3], DVec3)],
-    /// What that load is called, N.
+    /// The size of the unit load as it is reported, N.
     pub load_n: f64,
-    /// Cells that do not break: those in grips and under rollers.
-    pub spared: &'a [bool],
+    /// Whether each cell never fails: those in grips and under rollers.
+    pub unbreakable: &'a [bool],
     /// The material.
     pub card: &'a StrengthCard,
-    /// The most the solver may take, MiB.
-    pub most_mib: f64,
+    /// Memory limit of the solver, MiB.
+    pub max_mib: f64,
 }
 
-/// How solids are drawn. A solution is dear: a crack need not have come quite to rest before the load rises, what
-/// plainly falls is not followed further, and the peak is not looked for in smaller steps. For that the steps are
-/// small, and plies are drawn less far beyond what is asked: one load beyond the peak harms little.
-const PACE: Pace = Pace {
-    step: 0.05,
-    finest: 0.05,
-    slack: 0.02,
-    over: [1.5, 1.03],
-    fallen: [0.8, 1.15],
-    most_solutions: 400,
+/// Step control of solid tests. A solution costs more than that of a plate, so the load rises before a crack has come
+/// quite to rest, a falling load is followed less far, and the peak is not searched in smaller steps. In return the
+/// overrelaxation is smaller, so that the test goes less far beyond the peak.
+const STEP_CONTROL: StepControl = StepControl {
+    first_step: 0.05,
+    min_step: 0.05,
+    tolerance: 0.02,
+    overrelaxation: 1.5,
+    min_growth: 1.03,
+    collapse_load: 0.8,
+    collapse_softening: 1.15,
+    max_solutions: 400,
     // A quarter of an hour on two cores.
-    most_work: 1e9,
+    max_work: 1e9,
 };
-/// Error of the first solution, as its residual over the load.
-const TOLERANCE: f64 = 1e-5;
-/// The same of those that follow, in which little has changed; what did change is found to a tenth.
-const TOLERANCE_AFTER: f64 = 1e-2;
-const GAIN: f64 = 0.1;
-/// Directions that stiffness tells apart in half a turn. Failure knows them exactly.
-const TURNS: f64 = 32.0;
-/// Shares of a second ply, and bonds, that stiffness tells apart.
-const SHARES: f64 = 8.0;
-/// Stiffness is lost in steps of a sixteenth of an octave, down to a thousandth.
-const LOSSES: u64 = 160;
-/// The most stiffnesses that are told apart.
-const MOST_STIFFNESSES: usize = 30_000;
+/// Residual over the load at which the first solution ends.
+const FIRST_TOLERANCE: f64 = 1e-5;
+/// Residual over the load at which later solutions end. They start from the one before, see `RESIDUAL_GAIN`.
+const LATER_TOLERANCE: f64 = 1e-2;
+/// Later solutions also reduce the residual that new damage has caused to this share of it.
+const RESIDUAL_GAIN: f64 = 0.1;
+/// Number of bead directions in half a turn for which there is a stiffness. Failure indices use the exact direction.
+const DIRECTIONS: f64 = 32.0;
+/// Number of steps of the share of a second ply, and of the bond, for which there is a stiffness.
+const SHARE_STEPS: f64 = 8.0;
+/// Number of steps of damage for which there is a stiffness: sixteenths of an octave, down to a thousandth.
+const DAMAGE_STEPS: u64 = 160;
+/// The largest number of stiffnesses in the library.
+const MAX_STIFFNESSES: usize = 30_000;
 
 impl SolidTest<'_> {
-    /// Draws the part until it breaks. Outcomes go by element: cells that are taken, in order.
+    /// Loads the part until it fails. The lists of the outcome are in the order of the active cells.
     ///
     /// # Errors
     /// [`TestError`] when it moves freely, is too large for the memory allowed, or nothing is strained.
     pub fn run(&self) -> Result<Outcome, TestError> {
-        self.drawn(&PACE, TOLERANCE_AFTER)
+        self.run_with(&STEP_CONTROL, LATER_TOLERANCE)
     }
 
-    fn drawn(&self, pace: &Pace, tolerance_after: f64) -> Result<Outcome, TestError> {
-        let cells: Vec<u32> = (0..self.taken.len()).filter(|&c| self.taken[c]).map(|c| c as u32).collect();
+    fn run_with(&self, control: &StepControl, later_tolerance: f64) -> Result<Outcome, TestError> {
+        let cells: Vec<u32> = (0..self.active.len()).filter(|&c| self.active[c]).map(|c| c as u32).collect();
         let mut starts = vec![0];
         let mut plies = Vec::new();
         for &c in &cells {
@@ -83,12 +89,12 @@ impl SolidTest<'_> {
             starts.push(plies.len() as u32);
         }
         let mut library = Library { elastic: self.card.elastic, known: BTreeMap::new(), all: Vec::new() };
-        let mut material = vec![VOID; self.taken.len()];
-        let mut scale = vec![0.0; self.taken.len()];
+        let mut material = vec![VOID; self.active.len()];
+        let mut scale = vec![0.0; self.active.len()];
         let whole = [[0.0; 3]; 2];
         for &c in &cells {
             let c = c as usize;
-            (material[c], _) = library.of(self.bricks, c, whole)?;
+            (material[c], _) = library.find(self.bricks, c, whole)?;
             scale[c] = self.bricks.filled[c];
         }
         let part = VoxelPart {
@@ -101,9 +107,9 @@ impl SolidTest<'_> {
         };
         let holds: Vec<_> = self.holds.iter().map(|(p, d)| (*p, *d, 0.0)).collect();
         let settings = SolveSettings {
-            tolerance: TOLERANCE,
+            tolerance: FIRST_TOLERANCE,
             most_iterations: 300,
-            most_mib: self.most_mib,
+            most_mib: self.max_mib,
             method: Method::Iterative,
         };
         let system = VoxelSystem::new(part, &holds, &settings)?;
@@ -114,23 +120,23 @@ impl SolidTest<'_> {
             }
         }
         let size_mm = [self.bricks.cell_mm.x, self.bricks.cell_mm.z];
-        let mut at = vec![None; self.taken.len()];
-        cells.iter().enumerate().for_each(|(e, c)| at[*c as usize] = Some(e as u32));
-        let mut body = Solid {
+        let mut element_of = vec![None; self.active.len()];
+        cells.iter().enumerate().for_each(|(e, c)| element_of[*c as usize] = Some(e as u32));
+        let mut solid = LoadedSolid {
             test: self,
             cells,
-            at,
+            element_of,
             starts,
             plies,
             library,
             system,
             settings,
-            tolerance_after,
+            later_tolerance,
             forces,
             solved: 0,
             iterations: 0,
         };
-        drawing::draw(&mut body, std::slice::from_ref(self.card), size_mm, self.load_n, pace)
+        run_to_failure(&mut solid, std::slice::from_ref(self.card), size_mm, self.load_n, control)
     }
 }
 
@@ -141,33 +147,34 @@ struct Library {
     all: Vec<Stiffness>,
 }
 
-/// The step that has lost at least this much, but for rounding.
-fn step_of(loss: f64) -> u64 {
+/// The first step of damage that is at least this much, but for rounding.
+fn damage_step(loss: f64) -> u64 {
     let octaves = -grainpath_core::math::ln((1.0 - loss).max(1e-9)) / std::f64::consts::LN_2;
-    ((16.0 * octaves - 1e-6).ceil().max(0.0) as u64).min(LOSSES)
+    ((16.0 * octaves - 1e-6).ceil().max(0.0) as u64).min(DAMAGE_STEPS)
 }
 
-fn loss_of(step: u64) -> f64 {
+fn damage_of_step(step: u64) -> f64 {
     const ROOT: f64 = 0.957_603_280_698_573_6;
     1.0 - 0.5f64.powi((step / 16) as i32) * ROOT.powi((step % 16) as i32)
 }
 
 impl Library {
-    /// Which stiffness a cell has with these losses of its plies, and a factor on it: 1 but where the library is full.
-    fn of(&mut self, bricks: &Bricks, cell: usize, losses: [[f64; 3]; 2]) -> Result<(u16, f32), TestError> {
-        let plies = bricks.of_cell(cell);
-        let turn = |angle: f64| (angle / std::f64::consts::PI * TURNS).round().rem_euclid(TURNS) as u64;
-        let bond = (f64::from(bricks.bond[cell]) * SHARES).round().max(1.0) as u64;
+    /// The stiffness of a cell with this damage of its plies, and a factor on it that is 1 unless the library is full.
+    fn find(&mut self, bricks: &Bricks, cell: usize, damage: [[f64; 3]; 2]) -> Result<(u16, f32), TestError> {
+        let plies = bricks.plies_in(cell);
+        let turn =
+            |angle: f64| (angle / std::f64::consts::PI * DIRECTIONS).round().rem_euclid(DIRECTIONS) as u64;
+        let bond = (f64::from(bricks.bond[cell]) * SHARE_STEPS).round().max(1.0) as u64;
         let (first, second) = (plies.first(), plies.get(1));
         let a = [first, second].map(|p| p.map_or(0, |p| turn(p.angle_rad)));
-        let share = second.map_or(0, |p| (p.share * SHARES).round().max(1.0) as u64);
-        let lost = losses.map(|l| l.map(step_of));
+        let share = second.map_or(0, |p| (p.share * SHARE_STEPS).round().max(1.0) as u64);
+        let steps = damage.map(|l| l.map(damage_step));
         let mut key = 0;
         for (value, bits) in [(a[0], 5), (a[1], 5), (share, 4), (bond, 4)] {
             key = key << bits | value;
         }
-        for (k, l) in lost.iter().enumerate() {
-            for step in l {
+        for (k, of_ply) in steps.iter().enumerate() {
+            for step in of_ply {
                 key = key << 8 | if k == 1 && share == 0 { 0 } else { *step };
             }
         }
@@ -176,9 +183,10 @@ impl Library {
         }
         let mut sum = [[0.0; 6]; 6];
         for k in 0..if share > 0 { 2 } else { 1 } {
-            let own = broken_solid(&self.elastic, lost[k].map(loss_of), bond as f64 / SHARES)?;
-            let c = rotated_about_z(&own, a[k] as f64 / TURNS * std::f64::consts::PI);
-            let second = share as f64 / SHARES;
+            let own =
+                damaged_stiffness(&self.elastic, steps[k].map(damage_of_step), bond as f64 / SHARE_STEPS)?;
+            let c = rotated_about_z(&own, a[k] as f64 / DIRECTIONS * std::f64::consts::PI);
+            let second = share as f64 / SHARE_STEPS;
             let weight = if k == 1 { second } else { 1.0 - second };
             for i in 0..6 {
                 (0..6).for_each(|j| sum[i][j] += weight * c[i][j]);
@@ -186,13 +194,13 @@ impl Library {
         }
         // Rounding of the turn leaves it a hair off symmetric.
         let c = std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (sum[i][j] + sum[j][i])));
-        if self.all.len() >= MOST_STIFFNESSES {
-            let least = losses.iter().flatten().fold(1.0, |m: f64, l| m.min(1.0 - l));
+        if self.all.len() >= MAX_STIFFNESSES {
+            let remaining = damage.iter().flatten().fold(1.0, |m: f64, l| m.min(1.0 - l));
             let whole = [[0.0; 3]; 2];
-            return if losses == whole {
+            return if damage == whole {
                 Err(SolidError::NotPositive.into())
             } else {
-                self.of(bricks, cell, whole).map(|(m, _)| (m, least as f32))
+                self.find(bricks, cell, whole).map(|(m, _)| (m, remaining as f32))
             };
         }
         let id = self.all.len() as u16;
@@ -203,25 +211,25 @@ impl Library {
 }
 
 /// A part and its last solution.
-struct Solid<'a> {
+struct LoadedSolid<'a> {
     test: &'a SolidTest<'a>,
     /// Cell of each element.
     cells: Vec<u32>,
     /// Element of each cell.
-    at: Vec<Option<u32>>,
+    element_of: Vec<Option<u32>>,
     starts: Vec<u32>,
     /// Each ply among those of the bricks.
     plies: Vec<u32>,
     library: Library,
     system: VoxelSystem,
     settings: SolveSettings,
-    tolerance_after: f64,
+    later_tolerance: f64,
     forces: Vec<DVec3>,
     solved: usize,
     iterations: usize,
 }
 
-impl Body for Solid<'_> {
+impl LoadedPart for LoadedSolid<'_> {
     fn n_elements(&self) -> usize {
         self.cells.len()
     }
@@ -246,11 +254,11 @@ impl Body for Solid<'_> {
         self.test.bricks.cell_mm.x
     }
 
-    fn is_spared(&self, element: usize) -> bool {
-        self.test.spared[self.cells[element] as usize]
+    fn is_unbreakable(&self, element: usize) -> bool {
+        self.test.unbreakable[self.cells[element] as usize]
     }
 
-    fn rivals(&self, ply: usize, element: usize, how: usize) -> Vec<usize> {
+    fn neighbours_across_crack(&self, ply: usize, element: usize, how: usize) -> Vec<usize> {
         let along = direction(self.test.bricks.plies[self.plies[ply] as usize].angle_rad);
         let normal = match how {
             0 => along.extend(0.0),
@@ -258,30 +266,32 @@ impl Body for Solid<'_> {
             _ => DVec3::Z,
         };
         let around = self.test.bricks.around(self.cells[element] as usize);
-        let beside = around.filter(|(off, _)| off.dot(normal).abs() >= ASIDE * off.length());
-        beside.filter_map(|(_, other)| self.at[other].map(|e| e as usize)).collect()
+        let beside = around.filter(|(off, _)| off.dot(normal).abs() >= CRACK_NORMAL_COS * off.length());
+        beside.filter_map(|(_, other)| self.element_of[other].map(|e| e as usize)).collect()
     }
 
-    fn solve(&mut self) -> Result<(f64, Option<Vec<usize>>), TestError> {
+    fn solve(&mut self) -> Result<UnitSolution, TestError> {
         self.solved += 1;
         let settings = if self.solved == 1 {
             self.settings
         } else {
-            SolveSettings { tolerance: self.tolerance_after, ..self.settings }
+            SolveSettings { tolerance: self.later_tolerance, ..self.settings }
         };
-        let followed = self.system.follow(&self.forces, GAIN, &settings)?;
+        let followed = self.system.follow(&self.forces, RESIDUAL_GAIN, &settings)?;
         self.iterations += followed.iterations;
-        let work = self.forces.iter().zip(self.system.displacement()).map(|(f, u)| f.dot(*u)).sum();
-        let element = |c: usize| self.at[c].map(|e| e as usize);
-        Ok((work, followed.cells.map(|cells| cells.into_iter().filter_map(element).collect())))
+        let force_times_displacement =
+            self.forces.iter().zip(self.system.displacement()).map(|(f, u)| f.dot(*u)).sum();
+        let element = |c: usize| self.element_of[c].map(|e| e as usize);
+        let changed = followed.cells.map(|cells| cells.into_iter().filter_map(element).collect());
+        Ok(UnitSolution { force_times_displacement, changed })
     }
 
-    fn near(&self, element: usize, states: &[State]) -> Vec<Near> {
+    fn failure_indices(&self, element: usize, states: &[PlyState]) -> Vec<FailureIndices> {
         let test = self.test;
         let cell = self.cells[element] as usize;
         let strain = self.system.strain(self.system.displacement(), cell);
         let [xx, yy, zz, xy, yz, zx] = strain.unwrap_or_default();
-        let bond = f64::from(test.bricks.bond[cell]).max(1.0 / SHARES);
+        let bond = f64::from(test.bricks.bond[cell]).max(1.0 / SHARE_STEPS);
         let each = |(k, p): (usize, usize)| {
             let (s, c) = grainpath_core::math::sin_cos(test.bricks.plies[self.plies[p] as usize].angle_rad);
             let own = [
@@ -292,35 +302,39 @@ impl Body for Solid<'_> {
                 c * yz - s * zx,
                 s * yz + c * zx,
             ];
-            let losses = states[p].losses();
-            let stiffness = broken_solid(&test.card.elastic, losses, bond).unwrap_or_default();
-            // Per area that still carries: the strength is that of whole material.
-            let left = left(losses, bond);
+            let damage = states[p].damage();
+            let stiffness = damaged_stiffness(&test.card.elastic, damage, bond).unwrap_or_default();
+            // The stress of the area that still carries, as strengths are those of whole material.
+            let remaining = remaining_shares(damage, bond);
             let stress: [f64; 6] = std::array::from_fn(|i| {
-                stiffness[i].iter().zip(own).map(|(c, e)| c * e).sum::<f64>() / left[i]
+                stiffness[i].iter().zip(own).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
             });
             let plane = [stress[0], stress[1], stress[3]];
             let ([through, between], mode) = test.card.indices(plane);
-            let (apart, slides) = test.card.layers([stress[2], stress[4], stress[5]]);
-            // What lies above one ply lies above the other.
+            let (apart, slides) = test.card.layer_index([stress[2], stress[4], stress[5]]);
+            // The plies of a brick part together from the layer below: the first one stands for both.
             let apart = if k == 0 { apart } else { 0.0 };
-            Near { index: [through, between, apart], slides: [false, test.card.slides(plane), slides], mode }
+            FailureIndices {
+                index: [through, between, apart],
+                slides: [false, test.card.is_sliding(plane), slides],
+                mode,
+            }
         };
         self.plies(element).enumerate().map(each).collect()
     }
 
-    fn change(&mut self, elements: &[usize], states: &[State]) -> Result<(), TestError> {
+    fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError> {
         let mut changes = Vec::with_capacity(elements.len());
         for &e in elements {
             let cell = self.cells[e] as usize;
-            let mut losses = [[0.0; 3]; 2];
-            for (own, p) in losses.iter_mut().zip(self.plies(e)) {
-                *own = states[p].losses();
+            let mut damage = [[0.0; 3]; 2];
+            for (own, p) in damage.iter_mut().zip(self.plies(e)) {
+                *own = states[p].damage();
             }
             // Layers part across the whole brick.
-            losses[1][2] = losses[0][2];
+            damage[1][2] = damage[0][2];
             let known = self.library.all.len();
-            let (material, factor) = self.library.of(self.test.bricks, cell, losses)?;
+            let (material, factor) = self.library.find(self.test.bricks, cell, damage)?;
             for stiffness in &self.library.all[known..] {
                 self.system.add(stiffness)?;
             }
@@ -330,16 +344,20 @@ impl Body for Solid<'_> {
         Ok(())
     }
 
-    fn settle(&self, state: &mut State) {
-        let losses = state.losses();
+    fn round_up(&self, state: &mut PlyState) {
+        let damage = state.damage();
         for k in 0..3 {
-            let step = step_of(losses[k]);
-            let most = state.most[k];
+            let step = damage_step(damage[k]);
+            let final_strain = state.final_strain[k];
             if step > 0 {
-                let left = 1.0 - loss_of(step);
-                // The softening line, from what is left to how far it is drawn.
-                let drawn = if step == LOSSES { most } else { most / (1.0 + left * (most - 1.0)) };
-                state.drawn[k] = drawn.clamp(state.drawn[k], most);
+                let remaining = 1.0 - damage_of_step(step);
+                // The softening line solved for the strain.
+                let strain = if step == DAMAGE_STEPS {
+                    final_strain
+                } else {
+                    final_strain / (1.0 + remaining * (final_strain - 1.0))
+                };
+                state.damage_strain[k] = strain.clamp(state.damage_strain[k], final_strain);
             }
         }
     }
@@ -349,24 +367,28 @@ impl Body for Solid<'_> {
     }
 
     /// Iterations times nodes.
-    fn work(&self) -> f64 {
+    fn solver_work(&self) -> f64 {
         (self.iterations * self.system.n_nodes()) as f64
     }
 
-    fn effort(&self) -> [usize; 2] {
-        [self.solved, self.system.prepared()]
+    fn n_solutions(&self) -> usize {
+        self.solved
+    }
+
+    fn n_factorizations(&self) -> usize {
+        self.system.prepared()
     }
 }
 
-/// Cells that hang together over their faces, numbered from 0; `None` for cells that are not `taken`.
-pub fn pieces(n: [usize; 3], taken: &[bool]) -> (Vec<Option<u32>>, usize) {
-    let mut piece = vec![None; taken.len()];
+/// Cells that hang together over their faces, numbered from 0; `None` for cells that are not `active`.
+pub fn connected_cells(n: [usize; 3], active: &[bool]) -> (Vec<Option<u32>>, usize) {
+    let mut piece = vec![None; active.len()];
     let mut count = 0;
     let mut open = Vec::new();
     let size = IVec3::new(n[0] as i32, n[1] as i32, n[2] as i32);
     let index = |c: IVec3| (c.z as usize * n[1] + c.y as usize) * n[0] + c.x as usize;
-    for start in 0..taken.len() {
-        if !taken[start] || piece[start].is_some() {
+    for start in 0..active.len() {
+        if !active[start] || piece[start].is_some() {
             continue;
         }
         piece[start] = Some(count);
@@ -377,7 +399,7 @@ pub fn pieces(n: [usize; 3], taken: &[bool]) -> (Vec<Option<u32>>, usize) {
             for next in IVec3::AXES.iter().flat_map(|a| [at + a, at - a]) {
                 if next.cmpge(IVec3::ZERO).all() && next.cmplt(size).all() {
                     let i = index(next);
-                    if taken[i] && piece[i].is_none() {
+                    if active[i] && piece[i].is_none() {
                         piece[i] = Some(count);
                         open.push(i);
                     }
@@ -394,18 +416,20 @@ mod tests {
     use grainpath_core::DVec2;
 
     use super::super::bricks::BrickPly;
-    use super::super::ply::tests::pla;
+    use super::super::card::tests::pla;
     use super::*;
 
     /// The same in steps so small that nothing is carried past the peak, each solved exactly.
-    const SMALL: Pace = Pace {
-        step: 0.01,
-        finest: 0.01,
-        slack: 0.0,
-        over: [1.0, 1.01],
-        fallen: [0.5, 1.3],
-        most_solutions: 4000,
-        most_work: f64::INFINITY,
+    const SMALL: StepControl = StepControl {
+        first_step: 0.01,
+        min_step: 0.01,
+        tolerance: 0.0,
+        overrelaxation: 1.0,
+        min_growth: 1.01,
+        collapse_load: 0.5,
+        collapse_softening: 1.3,
+        max_solutions: 4000,
+        max_work: f64::INFINITY,
     };
 
     /// Full bricks of one millimetre with one ply each, of which some are left out; bond by place.
@@ -429,27 +453,27 @@ mod tests {
         }
     }
 
-    /// Peak loads as solids are drawn and in small steps, held at x = 0 and pulled at the far end, on the upper side
+    /// Outcomes with the step control of solids and with small steps, held at x = 0 and pulled at the far end, on the upper side
     /// only where it is to bend open.
-    fn peaks(bricks: &Bricks, taken: &[bool], pull: DVec3) -> [Outcome; 2] {
+    fn peaks(bricks: &Bricks, active: &[bool], pull: DVec3) -> [Outcome; 2] {
         let [nx, ny, nz] = bricks.n;
         let face = |x: usize| (0..=nz).flat_map(move |z| (0..=ny).map(move |y| [x, y, z]));
         let holds: Vec<SolidHold> = face(0).flat_map(|p| DVec3::AXES.map(|a| (p, a))).collect();
         let above = if pull.z > 0.0 { nz } else { 0 };
         let ends: Vec<_> = face(nx).filter(|p| p[2] >= above).collect();
         let forces: Vec<_> = ends.iter().map(|p| (*p, pull / ends.len() as f64)).collect();
-        let spared: Vec<bool> = (0..taken.len()).map(|c| c % nx < 3 || c % nx + 3 >= nx).collect();
+        let unbreakable: Vec<bool> = (0..active.len()).map(|c| c % nx < 3 || c % nx + 3 >= nx).collect();
         let test = SolidTest {
             bricks,
-            taken,
+            active,
             holds: &holds,
             forces_n: &forces,
             load_n: pull.length(),
-            spared: &spared,
+            unbreakable: &unbreakable,
             card: &pla(),
-            most_mib: 1024.0,
+            max_mib: 1024.0,
         };
-        [test.run().expect("an answer"), test.drawn(&SMALL, 1e-5).expect("an answer")]
+        [test.run().expect("an answer"), test.run_with(&SMALL, 1e-5).expect("an answer")]
     }
 
     #[test]
@@ -470,21 +494,21 @@ mod tests {
             *slit = !(c % 36 >= 22 && c / 36 / 4 == 4);
         }
         let weak = |p: [usize; 3]| if p[2] == 4 { 0.3 } else { 1.0 };
-        for (what, bricks, taken, pull) in [
+        for (what, bricks, active, pull) in [
             ("bar", block(bar, |_| 0.0, |_| 1.0), all(bar), DVec3::X),
             ("notched, along", block(notched, |_| 0.0, |_| 1.0), open.clone(), DVec3::X),
             ("notched, crossed", block(notched, crossed, |_| 1.0), open, DVec3::X),
             ("layered", block(layered, |_| 0.0, weak), slit, DVec3::Z),
         ] {
-            let [long, small] = peaks(&bricks, &taken, 100.0 * pull);
+            let [long, small] = peaks(&bricks, &active, 100.0 * pull);
             println!(
                 "{what}: {:.1} N in {} solutions, {:.1} N in {} small steps; first {:.1} N",
-                long.peak_load_n, long.effort[0], small.peak_load_n, small.effort[0], small.first_n
+                long.peak_load_n, long.solutions, small.peak_load_n, small.solutions, small.first_failure_n
             );
-            assert!(long.ended && small.ended, "{what}");
+            assert!(long.past_peak && small.past_peak, "{what}");
             let off = long.peak_load_n / small.peak_load_n - 1.0;
             assert!(off.abs() < 0.02, "{what}: {} {}", long.peak_load_n, small.peak_load_n);
-            assert!(long.effort[0] < 100, "{what}: {}", long.effort[0]);
+            assert!(long.solutions < 100, "{what}: {}", long.solutions);
         }
     }
 
@@ -502,8 +526,8 @@ mod tests {
                 let outside = (0..64).filter(|k| (off.truncate() + corner(*k)).length() > 1.5);
                 bricks.filled[c] = outside.count() as f32 / 64.0;
             }
-            let taken: Vec<bool> = bricks.filled.iter().map(|f| *f > 0.06).collect();
-            let both = peaks(&bricks, &taken, 100.0 * DVec3::X).map(|o| o.peak_load_n);
+            let active: Vec<bool> = bricks.filled.iter().map(|f| *f > 0.06).collect();
+            let both = peaks(&bricks, &active, 100.0 * DVec3::X).map(|o| o.peak_load_n);
             println!("moved by {moved} mm: {:.1} N, {:.1} N in small steps", both[0], both[1]);
             assert!((both[0] / both[1] - 1.0).abs() < 0.025, "{both:?}");
             both

@@ -2,15 +2,15 @@
 
 use grainpath_core::{DVec3, TriMesh};
 use grainpath_fea::select::Selection;
+use grainpath_fea::strength::brick_strength::{SolidHold, SolidTest, connected_cells};
 use grainpath_fea::strength::bricks::Bricks;
-use grainpath_fea::strength::cells::BeadSheet;
-use grainpath_fea::strength::ply::StrengthCard;
-use grainpath_fea::strength::solid::{SolidHold, SolidTest, pieces};
+use grainpath_fea::strength::card::StrengthCard;
+use grainpath_fea::strength::laminate::BeadSheet;
 use grainpath_fea::strength::{Outcome, TestError};
 use rayon::prelude::*;
 
 use super::StrengthError;
-use super::setup::{SPARED_MM, TestSetup};
+use super::setup::{TestSetup, UNBREAKABLE_MM};
 use crate::job::loads::Push;
 
 /// Cells filled less are left out: they would only make the answer slow.
@@ -22,11 +22,11 @@ type Forces = Vec<([usize; 3], DVec3)>;
 /// A part as bricks, held and loaded.
 pub(super) struct PreparedSolid {
     pub bricks: Bricks,
-    pub taken: Vec<bool>,
+    pub active: Vec<bool>,
     holds: Vec<SolidHold>,
     forces_n: Forces,
     pub load_n: f64,
-    spared: Vec<bool>,
+    unbreakable: Vec<bool>,
     /// Share of the material that hangs together with nothing held.
     pub lost: f64,
 }
@@ -36,13 +36,13 @@ impl PreparedSolid {
     pub fn run(&self, card: &StrengthCard, max_bytes: u64) -> Result<Outcome, TestError> {
         let test = SolidTest {
             bricks: &self.bricks,
-            taken: &self.taken,
+            active: &self.active,
             holds: &self.holds,
             forces_n: &self.forces_n,
             load_n: self.load_n,
-            spared: &self.spared,
+            unbreakable: &self.unbreakable,
             card,
-            most_mib: max_bytes as f64 / 1_048_576.0,
+            max_mib: max_bytes as f64 / 1_048_576.0,
         };
         test.run()
     }
@@ -57,11 +57,11 @@ struct Points<'a> {
 }
 
 impl<'a> Points<'a> {
-    fn new(bricks: &'a Bricks, taken: &[bool]) -> Self {
+    fn new(bricks: &'a Bricks, active: &[bool]) -> Self {
         let [nx, ny, nz] = bricks.n;
         let n = (nx + 1) * (ny + 1) * (nz + 1);
         let mut all = Self { bricks, weight: vec![0.0; n], around: vec![0; n] };
-        for cell in (0..taken.len()).filter(|c| taken[*c]) {
+        for cell in (0..active.len()).filter(|c| active[*c]) {
             for k in 0..8 {
                 let i = all.index(corner(bricks, cell, k));
                 all.weight[i] += 0.125 * bricks.filled[cell];
@@ -136,10 +136,10 @@ impl TestSetup {
         sheets: &[BeadSheet],
         cell_mm: f64,
     ) -> Result<PreparedSolid, StrengthError> {
-        let bricks = Bricks::of(sheets, cell_mm, self.low.z)?;
-        let mut taken: Vec<bool> = bricks.filled.iter().map(|f| *f > LEAST_FILLED).collect();
+        let bricks = Bricks::from_layers(sheets, cell_mm, self.low.z)?;
+        let mut active: Vec<bool> = bricks.filled.iter().map(|f| *f > LEAST_FILLED).collect();
         let reach = 0.75 * cell_mm;
-        let points = Points::new(&bricks, &taken);
+        let points = Points::new(&bricks, &active);
         let wide: Vec<Selection> =
             self.fixtures.iter().map(|f| contact(&f.on, &points, cell_mm, reach)).collect();
         let caught: Vec<Vec<usize>> = wide.iter().map(|w| points.chosen(w)).collect();
@@ -149,7 +149,7 @@ impl TestSetup {
             }
         }
         // Only what hangs together with what is held can carry a load.
-        let (piece, n_pieces) = pieces(bricks.n, &taken);
+        let (piece, n_pieces) = connected_cells(bricks.n, &active);
         let mut is_held = vec![false; points.weight.len()];
         caught.iter().flatten().for_each(|i| is_held[*i] = true);
         let mut stands = vec![false; n_pieces];
@@ -159,12 +159,12 @@ impl TestSetup {
         let mut lost = 0.0;
         for (cell, p) in piece.iter().enumerate().filter_map(|(c, p)| p.map(|p| (c, p as usize))) {
             if !stands[p] {
-                taken[cell] = false;
+                active[cell] = false;
                 lost += f64::from(bricks.filled[cell]) * bricks.cell_mm.element_product();
             }
         }
         let lost = lost / bricks.laid_mm3;
-        let points = Points::new(&bricks, &taken);
+        let points = Points::new(&bricks, &active);
         let mut marked = vec![false; points.weight.len()];
         let mut holds = Vec::new();
         for (fixture, caught) in self.fixtures.iter().zip(&caught) {
@@ -185,8 +185,8 @@ impl TestSetup {
             }
         }
         let (forces_n, load_n) = self.solid_forces(&points, reach, &mut marked)?;
-        let spared = spared(&points, &taken, &marked);
-        Ok(PreparedSolid { taken, holds, forces_n, load_n, spared, lost, bricks })
+        let unbreakable = unbreakable(&points, &active, &marked);
+        Ok(PreparedSolid { active, holds, forces_n, load_n, unbreakable, lost, bricks })
     }
 
     fn solid_forces(
@@ -295,11 +295,11 @@ fn press(
 }
 
 /// Cells near held or loaded points.
-fn spared(points: &Points<'_>, taken: &[bool], marked: &[bool]) -> Vec<bool> {
+fn unbreakable(points: &Points<'_>, active: &[bool], marked: &[bool]) -> Vec<bool> {
     let bricks = points.bricks;
     let [nx, ny, nz] = bricks.n;
-    let radius = SPARED_MM + bricks.cell_mm.x;
-    let mut near = vec![false; taken.len()];
+    let radius = UNBREAKABLE_MM + bricks.cell_mm.x;
+    let mut near = vec![false; active.len()];
     for i in (0..marked.len()).filter(|i| marked[*i]) {
         let p = points.place(i);
         let cell =
@@ -309,7 +309,7 @@ fn spared(points: &Points<'_>, taken: &[bool], marked: &[bool]) -> Vec<bool> {
             for y in cell(a, 1, ny)..=cell(b, 1, ny) {
                 for x in cell(a, 0, nx)..=cell(b, 0, nx) {
                     let at = (z * ny + y) * nx + x;
-                    near[at] |= taken[at] && bricks.centre(at).distance(p) <= radius;
+                    near[at] |= active[at] && bricks.centre(at).distance(p) <= radius;
                 }
             }
         }

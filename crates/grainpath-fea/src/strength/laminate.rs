@@ -29,7 +29,7 @@ pub struct BeadSheet {
 
 /// Square cells over a rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grid {
+pub struct CellGrid {
     /// Lowest corner, mm.
     pub low: DVec2,
     /// Side of a cell, mm.
@@ -134,7 +134,7 @@ fn ribbon(path: &[BeadPiece], height_mm: f64) -> Vec<Ribbon> {
     (0..n).map(piece).collect()
 }
 
-impl Grid {
+impl CellGrid {
     /// A grid over some beads with one empty cell all around, and what the beads hold, mm3.
     ///
     /// # Errors
@@ -153,13 +153,13 @@ impl Grid {
             }
         }
         if !(low.is_finite() && high.is_finite()) {
-            return Err(CellError::Nothing);
+            return Err(CellError::NoBeads);
         }
         // Corners on whole cells from the middle, so that symmetric parts stay so; rounding makes no cell of its own.
         let size = (high - low) / cell_mm - 1e-6;
         let (nx, ny) = (size.x.ceil() + 2.0, size.y.ceil() + 2.0);
-        if nx * ny > MOST_CELLS as f64 {
-            return Err(CellError::TooMany { nx, ny, cell_mm, most: MOST_CELLS });
+        if nx * ny > MAX_CELLS as f64 {
+            return Err(CellError::TooMany { nx, ny, cell_mm, most: MAX_CELLS });
         }
         let low = 0.5 * (low + high) - 0.5 * cell_mm * DVec2::new(nx, ny);
         Ok((Self { low, cell_mm, nx: nx as usize, ny: ny as usize }, laid_mm3))
@@ -203,7 +203,7 @@ pub struct Ply {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laminate {
     /// The cells.
-    pub grid: Grid,
+    pub grid: CellGrid,
     /// `plies[starts[cell]..starts[cell + 1]]` are those of a cell.
     pub starts: Vec<u32>,
     /// Plies, cell by cell.
@@ -219,9 +219,9 @@ pub struct Laminate {
 /// Why beads cannot become cells.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum CellError {
-    /// There is nothing.
+    /// No bead of the part is in the program.
     #[error("no bead of the part is in the program")]
-    Nothing,
+    NoBeads,
     /// Too fine.
     #[error("{nx} x {ny} cells of {cell_mm} mm are more than {most}; take larger cells")]
     TooMany {
@@ -237,7 +237,7 @@ pub enum CellError {
 }
 
 /// The most cells of a grid.
-pub const MOST_CELLS: usize = 1_500_000;
+pub const MAX_CELLS: usize = 1_500_000;
 
 impl Laminate {
     /// Lays beads into cells of this size. Each path is a ribbon as wide as its section over the layer's height, so
@@ -245,8 +245,8 @@ impl Laminate {
     ///
     /// # Errors
     /// [`CellError`] when there is no bead or there are too many cells.
-    pub fn of(sheets: &[BeadSheet], cell_mm: f64) -> Result<Self, CellError> {
-        let (grid, laid_mm3) = Grid::over(sheets, cell_mm)?;
+    pub fn from_layers(sheets: &[BeadSheet], cell_mm: f64) -> Result<Self, CellError> {
+        let (grid, laid_mm3) = CellGrid::over(sheets, cell_mm)?;
         let all = sheets.iter().flat_map(|s| &s.beads);
         let n_fans = FANS * (1 + usize::from(all.map(|b| b.material).max().unwrap_or(0)));
         let layers: Vec<Vec<Share>> = sheets.par_iter().map(|s| layer(&grid, n_fans, s)).collect();
@@ -254,7 +254,7 @@ impl Laminate {
     }
 
     fn stacked(
-        grid: Grid,
+        grid: CellGrid,
         n_fans: usize,
         sheets: &[BeadSheet],
         layers: &[Vec<Share>],
@@ -288,13 +288,13 @@ impl Laminate {
     }
 
     /// The plies of a cell.
-    pub fn of_cell(&self, cell: usize) -> &[Ply] {
+    pub fn plies_in(&self, cell: usize) -> &[Ply] {
         &self.plies[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 
     /// Material over the area of a cell, mm.
     pub fn thickness_mm(&self, cell: usize) -> f64 {
-        self.of_cell(cell).iter().map(|p| p.thickness_mm).sum()
+        self.plies_in(cell).iter().map(|p| p.thickness_mm).sum()
     }
 
     /// Share of the laid volume that the cells miss or have too much.
@@ -309,7 +309,7 @@ pub(super) struct Share {
     pub sum: [f32; 3],
 }
 
-pub(super) fn layer(grid: &Grid, n_fans: usize, sheet: &BeadSheet) -> Vec<Share> {
+pub(super) fn layer(grid: &CellGrid, n_fans: usize, sheet: &BeadSheet) -> Vec<Share> {
     let height_mm = sheet.height_mm;
     let n = grid.nx * grid.ny;
     let mut held = vec![0f32; n];
@@ -341,7 +341,7 @@ pub(super) fn layer(grid: &Grid, n_fans: usize, sheet: &BeadSheet) -> Vec<Share>
 const PASSES: usize = 12;
 
 /// Melt that finds its place taken flows on: to neighbours with room, in proportion to it.
-fn spread(grid: &Grid, n_fans: usize, full: f32, held: &mut [f32], fans: &mut [[f32; 3]]) {
+fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mut [[f32; 3]]) {
     for _ in 0..PASSES {
         let over: Vec<usize> = (0..held.len()).filter(|&c| held[c] > full * 1.0005).collect();
         if over.is_empty() {
@@ -383,7 +383,7 @@ fn spread(grid: &Grid, n_fans: usize, full: f32, held: &mut [f32], fans: &mut [[
 }
 
 /// Calls `each` with every cell a convex quadrilateral covers, and the area covered in cells.
-fn covered_cells(corners: &[DVec2; 4], grid: &Grid, each: &mut dyn FnMut(usize, f64)) {
+fn covered_cells(corners: &[DVec2; 4], grid: &CellGrid, each: &mut dyn FnMut(usize, f64)) {
     let (low, high) = (corners.iter().fold(DVec2::INFINITY, |m, p| m.min(*p)), {
         corners.iter().fold(DVec2::NEG_INFINITY, |m, p| m.max(*p))
     });
@@ -478,7 +478,7 @@ mod tests {
             .collect();
         for cell in [0.1, 0.23, 0.5] {
             let sheet = BeadSheet { height_mm: 0.2, beads: beads.clone() };
-            let laminate = Laminate::of(&[sheet.clone(), sheet], cell).expect("beads");
+            let laminate = Laminate::from_layers(&[sheet.clone(), sheet], cell).expect("beads");
             assert!(laminate.volume_error() < 1e-5, "{cell}: {}", laminate.volume_error());
         }
     }
@@ -493,13 +493,13 @@ mod tests {
                 bead((p - d * 10.0).into(), (p + d * 10.0).into(), 0.08)
             };
             let sheet = BeadSheet { height_mm: 0.2, beads: (-20..=20).map(line).collect() };
-            let laminate = Laminate::of(&[sheet], 0.3).expect("beads");
+            let laminate = Laminate::from_layers(&[sheet], 0.3).expect("beads");
             let grid = laminate.grid;
             let inner = (0..grid.nx * grid.ny).filter(|&c| grid.centre(c).length() < 6.0);
             let mut seen = 0;
             for cell in inner {
                 assert!((laminate.thickness_mm(cell) - 0.2).abs() < 1e-5, "{deg}");
-                let [ply] = laminate.of_cell(cell) else { panic!("one direction") };
+                let [ply] = laminate.plies_in(cell) else { panic!("one direction") };
                 let off = (ply.angle_rad - deg.to_radians()).rem_euclid(std::f64::consts::PI);
                 assert!(off.min(std::f64::consts::PI - off) < 1e-5 && ply.coherence > 0.9999);
                 seen += 1;
@@ -515,7 +515,7 @@ mod tests {
     }
 
     /// How often each cell is covered, before anything flows.
-    fn covered(sheet: &BeadSheet, grid: &Grid) -> Vec<f64> {
+    fn covered(sheet: &BeadSheet, grid: &CellGrid) -> Vec<f64> {
         let mut all = vec![0.0; grid.nx * grid.ny];
         for r in ribbons(sheet) {
             let corners = r.corners.map(|p| (p - grid.low) / grid.cell_mm);
@@ -538,7 +538,7 @@ mod tests {
                     places.extend((1..n).map(|i| place(b, y + 0.4 * f64::from(i) / f64::from(n))));
                 }
             }
-            let grid = Grid { low: DVec2::new(-12.0, -1.0), cell_mm: 0.1, nx: 240, ny: 100 };
+            let grid = CellGrid { low: DVec2::new(-12.0, -1.0), cell_mm: 0.1, nx: 240, ny: 100 };
             let all = covered(&path(&places, 0.08), &grid);
             for (cell, covered) in all.iter().enumerate() {
                 let p = grid.centre(cell);
@@ -553,7 +553,7 @@ mod tests {
         let around =
             |k: i32| grainpath_core::math::direction(f64::from(k % 60) * std::f64::consts::TAU / 60.0);
         let ring: Vec<DVec2> = (0..=60).map(|k| 2.0 * around(k)).collect();
-        let grid = Grid { low: DVec2::new(-3.0, -3.0), cell_mm: 0.05, nx: 120, ny: 120 };
+        let grid = CellGrid { low: DVec2::new(-3.0, -3.0), cell_mm: 0.05, nx: 120, ny: 120 };
         for (cell, covered) in covered(&path(&ring, 0.08), &grid).iter().enumerate() {
             let off = (grid.centre(cell).length() - 2.0).abs();
             assert!(off > 0.15 || (covered - 1.0).abs() < 1e-9, "{covered} at {}", grid.centre(cell));
@@ -578,7 +578,7 @@ mod tests {
         let ribbons: f64 = ribbons(&sheet).iter().map(|r| r.volume_mm3).sum();
         assert!((ribbons / laid - 1.0).abs() < 1e-12);
         for cell in [0.1, 0.4] {
-            let laminate = Laminate::of(std::slice::from_ref(&sheet), cell).expect("beads");
+            let laminate = Laminate::from_layers(std::slice::from_ref(&sheet), cell).expect("beads");
             assert!(laminate.volume_error() < 1e-4, "{cell}: {}", laminate.volume_error());
         }
     }
@@ -587,7 +587,7 @@ mod tests {
     fn too_much_melt_flows_to_where_there_is_room() {
         // Two beads too near to each other, and a third a little too far off: as much missing as is too much.
         let beads = [0.0, 0.3, 0.8].map(|y| bead((0.0, y), (20.0, y), 0.08)).to_vec();
-        let laminate = Laminate::of(&[BeadSheet { height_mm: 0.2, beads }], 0.2).expect("beads");
+        let laminate = Laminate::from_layers(&[BeadSheet { height_mm: 0.2, beads }], 0.2).expect("beads");
         assert!(laminate.volume_error() < 1e-5);
         let worst = (0..laminate.grid.nx * laminate.grid.ny).map(|c| laminate.thickness_mm(c));
         let worst = worst.fold(0.0, f64::max);
@@ -596,8 +596,8 @@ mod tests {
 
     #[test]
     fn nothing_and_too_much_are_refused() {
-        assert_eq!(Laminate::of(&[], 0.2), Err(CellError::Nothing));
+        assert_eq!(Laminate::from_layers(&[], 0.2), Err(CellError::NoBeads));
         let far = BeadSheet { height_mm: 0.2, beads: vec![bead((0.0, 0.0), (1e7, 1e7), 0.1)] };
-        assert!(matches!(Laminate::of(&[far], 0.2), Err(CellError::TooMany { .. })));
+        assert!(matches!(Laminate::from_layers(&[far], 0.2), Err(CellError::TooMany { .. })));
     }
 }

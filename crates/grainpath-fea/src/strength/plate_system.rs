@@ -1,149 +1,8 @@
-//! A grid of square elements under plane stress: assembled, factored, solved again as stiffness is lost.
+//! The equations of a plate under plane stress: assembled, factored, and solved again as elements lose stiffness.
 
-use grainpath_core::DVec2;
-
-use super::cells::Grid;
+use super::elements::{GridHold, PlateElements};
 use super::fronts::{Fronts, Lower};
-use crate::plane::PlaneStiffness;
 use crate::sparse::SparseError;
-
-/// A node held along a direction.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GridHold {
-    /// Which node.
-    pub node: u32,
-    /// Unit vector along which it is held.
-    pub along: DVec2,
-}
-
-const NONE: u32 = u32::MAX;
-
-/// Squares of a grid that have material, and their corners.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Elements {
-    /// The cells.
-    pub grid: Grid,
-    /// Cell of each element.
-    pub cells: Vec<u32>,
-    /// Corners of each element, counter-clockwise from the lowest.
-    pub corners: Vec<[u32; 4]>,
-    /// Place of each node on the grid's corners.
-    pub places: Vec<[u32; 2]>,
-}
-
-impl Elements {
-    /// Elements for the cells that are `taken`.
-    pub fn of(grid: &Grid, taken: &[bool]) -> Self {
-        let row = grid.nx + 1;
-        let mut number = vec![NONE; row * (grid.ny + 1)];
-        let cells: Vec<u32> = (0..taken.len()).filter(|&c| taken[c]).map(|c| c as u32).collect();
-        let around = |cell: u32| {
-            let (i, j) = (cell as usize % grid.nx, cell as usize / grid.nx);
-            [j * row + i, j * row + i + 1, (j + 1) * row + i + 1, (j + 1) * row + i]
-        };
-        for &cell in &cells {
-            around(cell).into_iter().for_each(|n| number[n] = 0);
-        }
-        let mut places = Vec::new();
-        for (n, id) in number.iter_mut().enumerate().filter(|(_, id)| **id == 0) {
-            *id = places.len() as u32;
-            places.push([(n % row) as u32, (n / row) as u32]);
-        }
-        let corners = cells.iter().map(|&c| around(c).map(|n| number[n])).collect();
-        Self { grid: *grid, cells, corners, places }
-    }
-
-    /// Where a node is, mm.
-    pub fn node(&self, i: usize) -> DVec2 {
-        let [x, y] = self.places[i];
-        self.grid.low + self.grid.cell_mm * DVec2::new(f64::from(x), f64::from(y))
-    }
-}
-
-/// Cells that hang together over their sides, numbered from 0; `None` for cells that are not `taken`.
-pub fn pieces(grid: &Grid, taken: &[bool]) -> (Vec<Option<u32>>, usize) {
-    let mut piece = vec![None; taken.len()];
-    let mut n = 0;
-    let mut open = Vec::new();
-    for start in 0..taken.len() {
-        if !taken[start] || piece[start].is_some() {
-            continue;
-        }
-        piece[start] = Some(n);
-        open.push(start);
-        while let Some(cell) = open.pop() {
-            for (_, next) in grid.around(cell).filter(|(off, _)| off.x * off.y == 0.0) {
-                if taken[next] && piece[next].is_none() {
-                    piece[next] = Some(n);
-                    open.push(next);
-                }
-            }
-        }
-        n += 1;
-    }
-    (piece, n as usize)
-}
-
-/// The motion that these holds leave free, if any: places and directions.
-pub fn free_motion(holds: &[(DVec2, DVec2)]) -> Option<&'static str> {
-    let Some(&(centre, _)) = holds.first() else { return Some("move along x") };
-    let size = holds.iter().map(|h| h.0.distance(centre)).fold(1e-9, f64::max);
-    let mut gram = [[0.0; 3]; 3];
-    for (place, along) in holds {
-        let row = [along.x, along.y, grainpath_core::math::cross((*place - centre) / size, *along)];
-        for i in 0..3 {
-            (0..3).for_each(|j| gram[i][j] += row[i] * row[j]);
-        }
-    }
-    crate::plane::loose(&mut gram)
-}
-
-/// Strain xx, yy, xy (doubled) in the middle of a square from its corners' displacements.
-pub fn middle_strain(u: &[DVec2; 4], cell_mm: f64) -> [f64; 3] {
-    let h = 0.5 / cell_mm;
-    let dx = (u[1] + u[2] - u[0] - u[3]) * h;
-    let dy = (u[2] + u[3] - u[0] - u[1]) * h;
-    [dx.x, dy.y, dx.y + dy.x]
-}
-
-/// Stiffness of a square element, `(8, 8)`, N/mm, from membrane stiffness in N/mm: bilinear with Wilson's
-/// incompatible modes condensed, so that it bends without locking. The same for squares of any size.
-pub fn square(membrane: &PlaneStiffness) -> [[f64; 8]; 8] {
-    const GAUSS: f64 = 0.577_350_269_189_625_8;
-    let mut k = [[0.0; 12]; 12];
-    for (xi, eta) in [(-GAUSS, -GAUSS), (GAUSS, -GAUSS), (GAUSS, GAUSS), (-GAUSS, GAUSS)] {
-        let mut b = [[0.0; 12]; 3];
-        for (i, (x, y)) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].into_iter().enumerate() {
-            let (dx, dy) = (0.25 * x * (1.0 + y * eta), 0.25 * y * (1.0 + x * xi));
-            fill(&mut b, 2 * i, dx, dy);
-        }
-        fill(&mut b, 8, -2.0 * xi, 0.0);
-        fill(&mut b, 10, 0.0, -2.0 * eta);
-        for r in 0..12 {
-            let cb: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| membrane[i][j] * b[j][r]).sum());
-            for c in 0..12 {
-                k[r][c] += (0..3).map(|i| b[i][c] * cb[i]).sum::<f64>();
-            }
-        }
-    }
-    for p in (8..12).rev() {
-        let pivot = k[p][p];
-        for r in 0..p {
-            let f = k[r][p] / pivot;
-            for c in 0..p {
-                k[r][c] -= f * k[p][c];
-            }
-        }
-    }
-    std::array::from_fn(|i| std::array::from_fn(|j| k[i][j]))
-}
-
-fn fill(b: &mut [[f64; 12]; 3], column: usize, dx: f64, dy: f64) {
-    b[0][column] = dx;
-    b[1][column + 1] = dy;
-    b[2][column] = dy;
-    b[2][column + 1] = dx;
-}
 
 /// Holds are this much stiffer than the stiffest node.
 const HOLD: f64 = 1e5;
@@ -151,7 +10,7 @@ const HOLD: f64 = 1e5;
 const LEAST: f64 = 1e-10;
 
 /// The stiffness of a plate and how to solve it.
-pub struct System {
+pub struct PlateSystem {
     fronts: Fronts,
     stiffness: Vec<Lower>,
     dofs: usize,
@@ -174,13 +33,13 @@ fn lower(k: &[[f64; 8]; 8]) -> Lower {
     out
 }
 
-impl System {
+impl PlateSystem {
     /// Adds up and factors. `forces` act on the unknowns, N.
     ///
     /// # Errors
     /// [`SparseError`] when the factor would take more than `max_bytes` or the plate is not held.
     pub fn new(
-        elements: &Elements,
+        elements: &PlateElements,
         stiffness: &dyn Fn(usize) -> [[f64; 8]; 8],
         holds: &[GridHold],
         forces: &[f64],
@@ -233,12 +92,16 @@ impl System {
 
 #[cfg(test)]
 mod tests {
+    use grainpath_core::DVec2;
+
+    use super::super::elements::square;
+    use super::super::laminate::CellGrid;
     use super::*;
     use crate::material::Orthotropic;
 
-    fn bar(nx: usize, ny: usize, cell_mm: f64) -> Elements {
-        let grid = Grid { low: DVec2::ZERO, cell_mm, nx, ny };
-        Elements::of(&grid, &vec![true; nx * ny])
+    fn bar(nx: usize, ny: usize, cell_mm: f64) -> PlateElements {
+        let grid = CellGrid { low: DVec2::ZERO, cell_mm, nx, ny };
+        PlateElements::from_cells(&grid, &vec![true; nx * ny])
     }
 
     #[test]
@@ -275,7 +138,7 @@ mod tests {
         for i in all.filter(|i| elements.places[*i as usize][0] == n as u32) {
             f[2 * i as usize] = if elements.places[i as usize][1] == 0 { 1.0 } else { -1.0 };
         }
-        let mut system = System::new(&elements, &|_| square(&c), &holds, &f, 1 << 30).expect("held");
+        let mut system = PlateSystem::new(&elements, &|_| square(&c), &holds, &f, 1 << 30).expect("held");
         let x = system.solve().expect("solved");
         let tip = x[2 * elements.places.iter().position(|p| *p == [n as u32, 0]).expect("tip") + 1];
         let length = n as f64 * h;
@@ -301,13 +164,14 @@ mod tests {
         let n = elements.cells.len();
         let direct = |e: usize| if crack(e) || spot(e) { soft } else { whole };
         let want =
-            System::new(&elements, &direct, &holds, &f, 1 << 30).expect("held").solve().expect("solved");
+            PlateSystem::new(&elements, &direct, &holds, &f, 1 << 30).expect("held").solve().expect("solved");
         let longest = want.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         // With room for all that fronts hand on, and with just enough for the factor.
-        let least =
-            (10..).map(|k| 1u64 << k).find(|b| System::new(&elements, &|_| whole, &holds, &f, *b).is_ok());
+        let least = (10..)
+            .map(|k| 1u64 << k)
+            .find(|b| PlateSystem::new(&elements, &|_| whole, &holds, &f, *b).is_ok());
         for bytes in [1 << 30, least.expect("some size is enough")] {
-            let mut system = System::new(&elements, &|_| whole, &holds, &f, bytes).expect("held");
+            let mut system = PlateSystem::new(&elements, &|_| whole, &holds, &f, bytes).expect("held");
             let intact = system.solve().expect("solved");
             (0..n).filter(|e| crack(*e)).for_each(|e| system.change(e, &soft));
             assert_ne!(system.solve().expect("solved"), intact);

@@ -1,0 +1,145 @@
+//! The square elements of a plate: numbering, connected pieces, free motions, stiffness and strain.
+
+use grainpath_core::DVec2;
+
+use super::laminate::CellGrid;
+use crate::plane::PlaneStiffness;
+
+/// A node held along a direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GridHold {
+    /// Which node.
+    pub node: u32,
+    /// Unit vector along which it is held.
+    pub along: DVec2,
+}
+
+const NONE: u32 = u32::MAX;
+
+/// The cells of a grid that have material, as square elements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlateElements {
+    /// The cells.
+    pub grid: CellGrid,
+    /// Cell of each element.
+    pub cells: Vec<u32>,
+    /// Corners of each element, counter-clockwise from the lowest.
+    pub corners: Vec<[u32; 4]>,
+    /// Place of each node on the grid's corners.
+    pub places: Vec<[u32; 2]>,
+}
+
+impl PlateElements {
+    /// Elements for the cells that are `active`.
+    pub fn from_cells(grid: &CellGrid, active: &[bool]) -> Self {
+        let row = grid.nx + 1;
+        let mut number = vec![NONE; row * (grid.ny + 1)];
+        let cells: Vec<u32> = (0..active.len()).filter(|&c| active[c]).map(|c| c as u32).collect();
+        let around = |cell: u32| {
+            let (i, j) = (cell as usize % grid.nx, cell as usize / grid.nx);
+            [j * row + i, j * row + i + 1, (j + 1) * row + i + 1, (j + 1) * row + i]
+        };
+        for &cell in &cells {
+            around(cell).into_iter().for_each(|n| number[n] = 0);
+        }
+        let mut places = Vec::new();
+        for (n, id) in number.iter_mut().enumerate().filter(|(_, id)| **id == 0) {
+            *id = places.len() as u32;
+            places.push([(n % row) as u32, (n / row) as u32]);
+        }
+        let corners = cells.iter().map(|&c| around(c).map(|n| number[n])).collect();
+        Self { grid: *grid, cells, corners, places }
+    }
+
+    /// Where a node is, mm.
+    pub fn node(&self, i: usize) -> DVec2 {
+        let [x, y] = self.places[i];
+        self.grid.low + self.grid.cell_mm * DVec2::new(f64::from(x), f64::from(y))
+    }
+}
+
+/// The number of the piece that each cell belongs to, and how many pieces there are. Cells belong together over their
+/// sides; `None` for cells that are not `active`.
+pub fn connected_cells(grid: &CellGrid, active: &[bool]) -> (Vec<Option<u32>>, usize) {
+    let mut piece = vec![None; active.len()];
+    let mut n = 0;
+    let mut open = Vec::new();
+    for start in 0..active.len() {
+        if !active[start] || piece[start].is_some() {
+            continue;
+        }
+        piece[start] = Some(n);
+        open.push(start);
+        while let Some(cell) = open.pop() {
+            for (_, next) in grid.around(cell).filter(|(off, _)| off.x * off.y == 0.0) {
+                if active[next] && piece[next].is_none() {
+                    piece[next] = Some(n);
+                    open.push(next);
+                }
+            }
+        }
+        n += 1;
+    }
+    (piece, n as usize)
+}
+
+/// The motion that holds (places and directions) leave free, in words; `None` where they leave none.
+pub fn free_motion(holds: &[(DVec2, DVec2)]) -> Option<&'static str> {
+    let Some(&(centre, _)) = holds.first() else { return Some("move along x") };
+    let size = holds.iter().map(|h| h.0.distance(centre)).fold(1e-9, f64::max);
+    let mut gram = [[0.0; 3]; 3];
+    for (place, along) in holds {
+        let row = [along.x, along.y, grainpath_core::math::cross((*place - centre) / size, *along)];
+        for i in 0..3 {
+            (0..3).for_each(|j| gram[i][j] += row[i] * row[j]);
+        }
+    }
+    crate::plane::loose(&mut gram)
+}
+
+/// Strain xx, yy, xy (doubled) in the middle of a square from its corners' displacements.
+pub fn middle_strain(u: &[DVec2; 4], cell_mm: f64) -> [f64; 3] {
+    let h = 0.5 / cell_mm;
+    let dx = (u[1] + u[2] - u[0] - u[3]) * h;
+    let dy = (u[2] + u[3] - u[0] - u[1]) * h;
+    [dx.x, dy.y, dx.y + dy.x]
+}
+
+/// Stiffness of a square element, `(8, 8)`, N/mm, from membrane stiffness in N/mm: bilinear with Wilson's
+/// incompatible modes condensed, so that it bends without locking. The same for squares of any size.
+pub fn square(membrane: &PlaneStiffness) -> [[f64; 8]; 8] {
+    const GAUSS: f64 = 0.577_350_269_189_625_8;
+    let mut k = [[0.0; 12]; 12];
+    for (xi, eta) in [(-GAUSS, -GAUSS), (GAUSS, -GAUSS), (GAUSS, GAUSS), (-GAUSS, GAUSS)] {
+        let mut b = [[0.0; 12]; 3];
+        for (i, (x, y)) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].into_iter().enumerate() {
+            let (dx, dy) = (0.25 * x * (1.0 + y * eta), 0.25 * y * (1.0 + x * xi));
+            fill(&mut b, 2 * i, dx, dy);
+        }
+        fill(&mut b, 8, -2.0 * xi, 0.0);
+        fill(&mut b, 10, 0.0, -2.0 * eta);
+        for r in 0..12 {
+            let cb: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| membrane[i][j] * b[j][r]).sum());
+            for c in 0..12 {
+                k[r][c] += (0..3).map(|i| b[i][c] * cb[i]).sum::<f64>();
+            }
+        }
+    }
+    for p in (8..12).rev() {
+        let pivot = k[p][p];
+        for r in 0..p {
+            let f = k[r][p] / pivot;
+            for c in 0..p {
+                k[r][c] -= f * k[p][c];
+            }
+        }
+    }
+    std::array::from_fn(|i| std::array::from_fn(|j| k[i][j]))
+}
+
+fn fill(b: &mut [[f64; 12]; 3], column: usize, dx: f64, dy: f64) {
+    b[0][column] = dx;
+    b[1][column + 1] = dy;
+    b[2][column] = dy;
+    b[2][column + 1] = dx;
+}

@@ -1,0 +1,217 @@
+//! The strength test of a plate: a [`Laminate`] under plane stress, loaded until it fails.
+
+use std::ops::Range;
+
+use grainpath_core::math::direction;
+use grainpath_core::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::card::StrengthCard;
+use super::damage::damaged_plane_stiffness;
+use super::elements::{GridHold, PlateElements, middle_strain, square};
+use super::laminate::Laminate;
+use super::load_stepping::{FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, run_to_failure};
+use super::plate_system::PlateSystem;
+use super::{CRACK_NORMAL_COS, Outcome, TestError};
+use crate::material::{Unstable, rotated_plane};
+use crate::plane::PlaneStiffness;
+
+/// A plate made of beads, its fixtures and its loads.
+pub struct PlateTest<'a> {
+    /// The plies of each cell.
+    pub laminate: &'a Laminate,
+    /// Its cells as elements.
+    pub elements: &'a PlateElements,
+    /// The fixtures.
+    pub holds: &'a [GridHold],
+    /// The unit load: the force at every node, N.
+    pub forces_n: &'a [DVec2],
+    /// The size of the unit load as it is reported, N.
+    pub load_n: f64,
+    /// Whether each element never fails: those in grips and under rollers.
+    pub unbreakable: &'a [bool],
+    /// The materials, in the numbering of the plies.
+    pub cards: &'a [StrengthCard],
+    /// Memory limit of the solver, bytes.
+    pub max_bytes: u64,
+}
+
+/// Step control of plate tests.
+const STEP_CONTROL: StepControl = StepControl {
+    first_step: 0.04,
+    min_step: 0.011,
+    tolerance: 0.0,
+    overrelaxation: 1.7,
+    min_growth: 1.04,
+    collapse_load: 0.8,
+    collapse_softening: 1.2,
+    max_solutions: 4000,
+    max_work: f64::INFINITY,
+};
+
+impl PlateTest<'_> {
+    /// Loads the plate until it fails.
+    ///
+    /// # Errors
+    /// [`TestError`] when it moves freely, is too large for the memory allowed, or nothing is strained.
+    pub fn run(&self) -> Result<Outcome, TestError> {
+        let whole: Vec<PlaneStiffness> = self
+            .cards
+            .iter()
+            .map(|c| damaged_plane_stiffness(&c.elastic, [0.0; 2]))
+            .collect::<Result<_, _>>()?;
+        let n = self.elements.cells.len();
+        let first: Vec<[[f64; 8]; 8]> = (0..n)
+            .into_par_iter()
+            .map(|e| self.stiffness(e, |p| Ok(whole[self.material(p)])))
+            .collect::<Result<_, _>>()?;
+        let forces: Vec<f64> = self.forces_n.iter().flat_map(|f| [f.x, f.y]).collect();
+        let system = PlateSystem::new(self.elements, &|e| first[e], self.holds, &forces, self.max_bytes)?;
+        drop(first);
+        let cell_mm = self.elements.grid.cell_mm;
+        let mut element_of = vec![None; self.elements.grid.nx * self.elements.grid.ny];
+        self.elements.cells.iter().enumerate().for_each(|(e, c)| element_of[*c as usize] = Some(e as u32));
+        let mut plate = LoadedPlate { test: self, system, forces, displacement: Vec::new(), element_of };
+        run_to_failure(&mut plate, self.cards, [cell_mm; 2], self.load_n, &STEP_CONTROL)
+    }
+
+    fn material(&self, ply: usize) -> usize {
+        usize::from(self.laminate.plies[ply].material)
+    }
+
+    fn range(&self, element: usize) -> Range<usize> {
+        let cell = self.elements.cells[element] as usize;
+        self.laminate.starts[cell] as usize..self.laminate.starts[cell + 1] as usize
+    }
+
+    fn stiffness(
+        &self,
+        element: usize,
+        own: impl Fn(usize) -> Result<PlaneStiffness, Unstable>,
+    ) -> Result<[[f64; 8]; 8], Unstable> {
+        let mut sum: PlaneStiffness = [[0.0; 3]; 3];
+        for p in self.range(element) {
+            let ply = &self.laminate.plies[p];
+            let c = rotated_plane(&own(p)?, ply.angle_rad);
+            (0..9).for_each(|k| sum[k / 3][k % 3] += ply.thickness_mm * c[k / 3][k % 3]);
+        }
+        Ok(square(&sum))
+    }
+}
+
+/// A plate and its last solution.
+struct LoadedPlate<'a> {
+    test: &'a PlateTest<'a>,
+    system: PlateSystem,
+    forces: Vec<f64>,
+    displacement: Vec<f64>,
+    /// Element of each cell.
+    element_of: Vec<Option<u32>>,
+}
+
+fn in_plane(damage: [f64; 3]) -> [f64; 2] {
+    [damage[0], damage[1]]
+}
+
+impl LoadedPart for LoadedPlate<'_> {
+    fn n_elements(&self) -> usize {
+        self.test.elements.cells.len()
+    }
+
+    fn n_plies(&self) -> usize {
+        self.test.laminate.plies.len()
+    }
+
+    fn plies(&self, element: usize) -> Range<usize> {
+        self.test.range(element)
+    }
+
+    fn material(&self, ply: usize) -> usize {
+        self.test.material(ply)
+    }
+
+    fn amount(&self, ply: usize) -> f64 {
+        self.test.laminate.plies[ply].thickness_mm
+    }
+
+    fn centre(&self, element: usize) -> DVec3 {
+        self.test.elements.grid.centre(self.test.elements.cells[element] as usize).extend(0.0)
+    }
+
+    fn cell_mm(&self) -> f64 {
+        self.test.elements.grid.cell_mm
+    }
+
+    fn is_unbreakable(&self, element: usize) -> bool {
+        self.test.unbreakable[element]
+    }
+
+    fn neighbours_across_crack(&self, ply: usize, element: usize, how: usize) -> Vec<usize> {
+        let along = direction(self.test.laminate.plies[ply].angle_rad);
+        let normal = if how == 0 { along } else { along.perp() };
+        let grid = &self.test.elements.grid;
+        let cell = self.test.elements.cells[element] as usize;
+        let beside =
+            grid.around(cell).filter(|(off, _)| off.dot(normal).abs() >= CRACK_NORMAL_COS * off.length());
+        beside.filter_map(|(_, other)| self.element_of[other].map(|e| e as usize)).collect()
+    }
+
+    fn solve(&mut self) -> Result<UnitSolution, TestError> {
+        self.displacement = self.system.solve()?;
+        let force_times_displacement = self.forces.iter().zip(&self.displacement).map(|(f, u)| f * u).sum();
+        Ok(UnitSolution { force_times_displacement, changed: None })
+    }
+
+    fn failure_indices(&self, element: usize, states: &[PlyState]) -> Vec<FailureIndices> {
+        let test = self.test;
+        let place =
+            |i: u32| DVec2::new(self.displacement[2 * i as usize], self.displacement[2 * i as usize + 1]);
+        let u = test.elements.corners[element].map(place);
+        let [xx, yy, xy] = middle_strain(&u, self.cell_mm());
+        let each = |p: usize| {
+            let (s, c) = grainpath_core::math::sin_cos(test.laminate.plies[p].angle_rad);
+            let own = [
+                c * c * xx + s * s * yy + s * c * xy,
+                s * s * xx + c * c * yy - s * c * xy,
+                2.0 * s * c * (yy - xx) + (c * c - s * s) * xy,
+            ];
+            let damage = in_plane(states[p].damage());
+            let card = &test.cards[test.material(p)];
+            let stiffness = damaged_plane_stiffness(&card.elastic, damage).unwrap_or_default();
+            // The stress of the area that still carries, as strengths are those of whole material.
+            let across = 1.0 - damage[1].max(damage[0]);
+            let remaining = [1.0 - damage[0], across, across];
+            let stress: [f64; 3] = std::array::from_fn(|i| {
+                stiffness[i].iter().zip(own).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
+            });
+            let ([through, between], mode) = card.indices(stress);
+            let slides = [false, card.is_sliding(stress), false];
+            FailureIndices { index: [through, between, 0.0], slides, mode }
+        };
+        self.plies(element).map(each).collect()
+    }
+
+    fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError> {
+        let test = self.test;
+        let own = |p: usize| {
+            damaged_plane_stiffness(&test.cards[test.material(p)].elastic, in_plane(states[p].damage()))
+        };
+        let stiffness = |&e: &usize| Ok((e, test.stiffness(e, own)?));
+        let new: Vec<(usize, [[f64; 8]; 8])> =
+            elements.par_iter().map(stiffness).collect::<Result<_, Unstable>>()?;
+        new.iter().for_each(|(e, k)| self.system.change(*e, k));
+        Ok(())
+    }
+
+    fn dofs(&self) -> usize {
+        self.system.dofs()
+    }
+
+    fn n_solutions(&self) -> usize {
+        self.system.solved
+    }
+
+    fn n_factorizations(&self) -> usize {
+        self.system.factored
+    }
+}
