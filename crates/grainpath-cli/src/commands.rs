@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use grainpath::Planned;
-use grainpath::dimensions::Dimension;
-use grainpath::grain::Photo;
-use grainpath::job::{PROFILES, Settings, json_schema, markdown, parse_job};
-use grainpath::render::LayerPicture;
+use grainpath::measure::dimensions::Dimension;
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SliceSource;
 use grainpath_core::{Bounds2, DVec2, Diagnostics};
 use grainpath_gcode::Program;
+use grainpath_imaging::photo::Photo;
 use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
 use grainpath_io::{parse_mesh, parse_outline};
+use grainpath_job::{PROFILES, Settings, json_schema, markdown, parse_job};
+use grainpath_view::layer::LayerPicture;
 
 use crate::args::{Common, Markers, New, Profiles, Render, Run, Schema, Slice};
 use crate::{Failure, files, outputs, progress, scan};
@@ -25,7 +25,8 @@ pub fn run(args: &Run) -> Result<(), Failure> {
         "" => None,
         path => {
             let path = folder.join(path);
-            let read = grainpath::dimensions::parse(&files::read_text(&path)?, &path.display().to_string());
+            let read =
+                grainpath::measure::dimensions::parse(&files::read_text(&path)?, &path.display().to_string());
             Some(read.map_err(grainpath::Error::from)?)
         }
     };
@@ -115,7 +116,7 @@ pub fn plan(
         let inputs = grainpath::Inputs { mesh, path, stress, photos, texture };
         return Ok((grainpath::plan_job(settings, inputs, diagnostics)?, read_s + photos_s));
     }
-    let mut source = scan::open(shape, grainpath::config::raw_header(settings).as_ref())?;
+    let mut source = scan::open(shape, grainpath::run::config::raw_header(settings).as_ref())?;
     let (stress, texture) = (read_stress(settings, base)?, read_texture(settings, base)?);
     let read_s = start.elapsed().as_secs_f64();
     let planned = grainpath::plan_scan(settings, &mut *source, &path, stress, &photos, texture, diagnostics)?;
@@ -145,9 +146,9 @@ pub fn read_body(
     let file = if settings.shape.outline.is_empty() {
         parse_mesh(&bytes, Some(&shown)).map_err(|source| grainpath::Error::Mesh { path: shown, source })?
     } else {
-        let outline = parse_outline(&bytes, &grainpath::config::outline(settings))
+        let outline = parse_outline(&bytes, &grainpath::run::config::outline(settings))
             .map_err(|source| grainpath::Error::Outline { path: shown.clone(), source })?;
-        grainpath::shape::extruded(outline, grainpath::config::outline_thickness_mm(settings))
+        grainpath::shape::extruded(outline, grainpath::run::config::outline_thickness_mm(settings))
             .map_err(|source| grainpath::Error::Shape { path: shown, source })?
     };
     Ok((file, start.elapsed().as_secs_f64()))
@@ -193,17 +194,17 @@ pub fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressFiel
     let wrong = |e: FeError| Failure::input(format!("{}: {e}", path.display()));
     let bytes = files::read(&path)?;
     let file = parse_fe(&bytes, path.to_str()).map_err(wrong)?;
-    let result = file.result(&grainpath::config::import(settings)).map_err(wrong)?;
+    let result = file.result(&grainpath::run::config::import(settings)).map_err(wrong)?;
     Ok(Some(StressField::new(result)))
 }
 
 /// `grainpath new`
 pub fn new(args: &New) -> Result<(), Failure> {
-    let names = grainpath::examples::PRESETS;
+    let names = grainpath_parts::presets::PRESETS;
     let example = match (args.preset.as_str(), args.pixels) {
-        ("ct", Some(n)) => Some(grainpath::examples::ct(n as usize)),
+        ("ct", Some(n)) => Some(grainpath_parts::presets::ct(n as usize)),
         (_, Some(_)) => return Err(Failure::usage("--pixels is for the preset ct")),
-        (name, None) => grainpath::examples::preset(name),
+        (name, None) => grainpath_parts::presets::preset(name),
     };
     let Some(example) = example else {
         let near = grainpath_core::spelling::nearest(&args.preset, names);
@@ -230,7 +231,7 @@ pub fn new(args: &New) -> Result<(), Failure> {
 
 /// `grainpath render`
 pub fn render(args: &Render) -> Result<(), Failure> {
-    use grainpath::render::{ColourBy, PictureOptions, layer_png, layer_svg, thumbnail_png};
+    use grainpath_view::layer::{ColourBy, PictureOptions, layer_png, layer_svg, thumbnail_png};
     let program = crate::inspect::read_program(&args.gcode)?;
     let n = program.layers.len();
     if n == 0 {
@@ -277,7 +278,7 @@ fn tell_directions(picture: &mut LayerPicture, program: &Program, job: &Path) ->
     let (settings, shape, folder) = read_job(job, &[])?;
     let diagnostics = progress::diagnostics();
     let (planned, _) = plan(&settings, &shape, &folder, &diagnostics)?;
-    let Some(off) = grainpath::report::direction_error(&planned) else {
+    let Some(off) = grainpath::measure::report::direction_error(&planned) else {
         return Err(Failure::usage(format!(
             "{}: the job has no guide that asks for directions",
             job.display()
@@ -297,7 +298,7 @@ fn tell_directions(picture: &mut LayerPicture, program: &Program, job: &Path) ->
 
 /// `grainpath markers`
 pub fn markers(args: &Markers) -> Result<(), Failure> {
-    use grainpath::grain::markers::{marker_sheet_pdf, marker_sheet_svg};
+    use grainpath_imaging::photo::markers::{marker_sheet_pdf, marker_sheet_svg};
     let size = DVec2::new(args.width_mm, args.height_mm);
     if !(size.min_element() >= 20.0 && size.max_element() <= 2000.0) {
         return Err(Failure::usage(format!(

@@ -3,11 +3,11 @@
 use grainpath_core::{Warning, WarningId};
 use std::path::Path;
 
-use grainpath::grain::Photo;
-use grainpath::grain::warp::Shrinking;
 use grainpath_core::mesh::{MeshHealth, diagnose, weld_within};
 use grainpath_core::slices::SampleType;
 use grainpath_gcode::{Limits, Program, simulate};
+use grainpath_imaging::photo::Photo;
+use grainpath_imaging::photo::warp::Shrinking;
 use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
 use grainpath_io::image::{decode, sniff_image};
 use grainpath_io::{
@@ -81,10 +81,10 @@ pub fn read_program(path: &Path) -> Result<Program, Failure> {
 
 fn dimensions(path: &Path, program: &Program) -> Result<Value, Failure> {
     let (text, name) = (files::read_text(path)?, path.display().to_string());
-    let wrong = |e: grainpath::job::JobError| Failure::from(grainpath::Error::from(e));
-    let truth = grainpath::dimensions::parse(&text, &name).map_err(wrong)?;
-    let shift = grainpath::dimensions::shift_of(&text, &name, program).map_err(wrong)?;
-    serde_json::to_value(grainpath::dimensions::measure(&truth, program, shift))
+    let wrong = |e: grainpath_job::JobError| Failure::from(grainpath::Error::from(e));
+    let truth = grainpath::measure::dimensions::parse(&text, &name).map_err(wrong)?;
+    let shift = grainpath::measure::dimensions::shift_of(&text, &name, program).map_err(wrong)?;
+    serde_json::to_value(grainpath::measure::dimensions::measure(&truth, program, shift))
         .map_err(|e| Failure::input(format!("{name}: {e}")))
 }
 
@@ -237,7 +237,7 @@ fn gcode_json(name: &str, p: &Program) -> Value {
 
 /// The fibre of a program, where it lays any.
 fn fibre_json(p: &Program) -> Value {
-    let fibre = grainpath::fibre::measure(p, grainpath_core::DVec2::ZERO, 0.0, 0.0, None);
+    let fibre = grainpath::measure::fibre::measure(p, grainpath_core::DVec2::ZERO, 0.0, 0.0, None);
     if fibre.layers.is_empty() {
         return Value::Null;
     }

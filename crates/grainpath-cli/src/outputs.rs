@@ -4,16 +4,19 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use grainpath::dimensions::Dimension;
-use grainpath::guide::{Degenerate, lines_svg, lines_vtp};
-use grainpath::job::Settings;
-use grainpath::render::{Bead, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png};
-use grainpath::report::{Report, measure, measure_fibre, peak_rss_mb};
-use grainpath::strength::{TestSetup, Tested, damage_png, index_png, test};
-use grainpath::{Planned, html};
+use grainpath::Planned;
+use grainpath::guide::Degenerate;
+use grainpath::measure::dimensions::Dimension;
+use grainpath::measure::report::{Report, measure, measure_fibre, peak_rss_mb};
+use grainpath::measure::strength::{TestSetup, Tested, test};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::{DVec2, Diagnostics};
 use grainpath_gcode::{BeadLayer, Program, Thumbnail, simulate, write_gcode};
+use grainpath_job::Settings;
+use grainpath_view::guide::{field_png, lines_svg, lines_vtp, stress_png};
+use grainpath_view::layer::{Bead, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png};
+use grainpath_view::page;
+use grainpath_view::strength::{damage_png, index_png};
 
 use crate::{Failure, files};
 
@@ -130,24 +133,28 @@ pub fn write(
         report.fibre = measure_fibre(settings, &planned, &program);
         report.fibre.iter().filter_map(|f| f.warning()).for_each(|w| diagnostics.push(w));
         report.quality.iter().filter_map(|q| q.fibre_warning(settings)).for_each(|w| diagnostics.push(w));
-        report.dimensions = truth
-            .map(|t| grainpath::dimensions::measure(t, &program, planned.plan.plate_from_part_mm.truncate()));
+        report.dimensions = truth.map(|t| {
+            grainpath::measure::dimensions::measure(t, &program, planned.plan.plate_from_part_mm.truncate())
+        });
         let mut drawn = guide_pictures(&planned, paths);
-        drawn.extend(planned.grain.take().map(|g| g.pictures).unwrap_or_default());
+        drawn.extend(planned.grain.take().map(|g| grainpath_view::grain::pictures(&g)).unwrap_or_default());
         if let Some((tested, s)) = tested {
             report.stages_s.insert(Stage::Strength.name(), seconds(s));
             drawn.extend(strength_pictures(&tested));
             report.strength = Some(tested.report);
         }
-        drawn.extend(planned.support_pictures.iter().map(|p| {
-            let picture = html::Picture { title: p.title.clone(), png: p.png.clone(), of_test: false };
+        let supports = planned.supported_mesh.as_ref().zip(planned.support.as_ref());
+        let pictures =
+            supports.map(|(mesh, s)| grainpath_view::support::pictures(mesh, s)).unwrap_or_default();
+        drawn.extend(pictures.into_iter().map(|p| {
+            let picture = page::Picture { title: p.title, png: p.png, of_test: false };
             (format!("support_{}.png", p.name), picture)
         }));
         previews(settings, &program, &drawn, paths, diagnostics, &mut report)?;
     }
     guide_files(&planned, paths, &mut report)?;
     if let Some(path) = &paths.plan {
-        let text = grainpath::plan_json::plan_json(&planned.plan);
+        let text = grainpath::measure::plan_json::plan_json(&planned.plan);
         save(path, text.as_bytes())?;
         report.outputs.insert("plan", path.display().to_string());
     }
@@ -215,7 +222,7 @@ impl Write for Tee<'_> {
 }
 
 fn read_back(settings: &Settings, gcode: &[u8]) -> Result<Program, Failure> {
-    let limits = grainpath::config::limits(settings);
+    let limits = grainpath::run::config::limits(settings);
     simulate(gcode, settings.printer.filament_mm, &limits).map_err(|e| Failure::input(e.to_string()))
 }
 
@@ -267,7 +274,7 @@ fn shown(n: usize) -> Vec<usize> {
 fn previews(
     settings: &Settings,
     program: &Program,
-    drawn: &[(String, html::Picture)],
+    drawn: &[(String, page::Picture)],
     paths: &Paths,
     diagnostics: &Diagnostics,
     report: &mut Report,
@@ -277,11 +284,11 @@ fn previews(
     }
     let all: Vec<LayerPicture> = program.layers.iter().map(picture).collect();
     let part = thumbnail_png(&all, 800, 600);
-    let mut pictures = vec![html::Picture { title: "The part".into(), png: part, of_test: false }];
+    let mut pictures = vec![page::Picture { title: "The part".into(), png: part, of_test: false }];
     let options = PictureOptions::default();
     for i in shown(all.len()) {
         let title = format!("Layer {} at {:.2} mm", i + 1, all[i].z_mm);
-        pictures.push(html::Picture { title, png: layer_png(&all[i], &options), of_test: false });
+        pictures.push(page::Picture { title, png: layer_png(&all[i], &options), of_test: false });
     }
     if let Some(folder) = &paths.preview {
         save(&folder.join("part.png"), &pictures[0].png)?;
@@ -299,7 +306,7 @@ fn previews(
         report.outputs.insert("report", path.display().to_string());
         report.peak_rss_mb = peak_rss_mb();
         pictures.extend(drawn.iter().map(|d| d.1.clone()));
-        save(path, html::report_html(report, &settings.rows(), &pictures).as_bytes())?;
+        save(path, page::report_html(report, &settings.rows(), &pictures).as_bytes())?;
     }
     Ok(())
 }
@@ -320,8 +327,8 @@ fn strength(
 }
 
 /// What broke, and how near the rest was.
-pub fn strength_pictures(tested: &Tested) -> Vec<(String, html::Picture)> {
-    let picture = |title: &str, (png, where_is): (Vec<u8>, String)| html::Picture {
+pub fn strength_pictures(tested: &Tested) -> Vec<(String, page::Picture)> {
+    let picture = |title: &str, (png, where_is): (Vec<u8>, String)| page::Picture {
         title: format!("{title}{where_is}"),
         png,
         of_test: true,
@@ -342,7 +349,7 @@ pub fn strength_pictures(tested: &Tested) -> Vec<(String, html::Picture)> {
 const GUIDE_PX: u32 = 1600;
 
 /// Pictures of stress, lines and directions, with their file names.
-fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, html::Picture)> {
+fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, page::Picture)> {
     let Some(guide) = planned.guide.as_ref().filter(|_| paths.report.is_some() || paths.preview.is_some())
     else {
         return Vec::new();
@@ -361,7 +368,7 @@ fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, html::Pictur
         let families = guide.lines(region, z);
         let at = format!("layer {} at {:.2} mm", i + 1, layers[i].z_top_mm());
         let mut add = |kind: &str, title: String, png: Vec<u8>| {
-            drawn.push((format!("{kind}_{:04}.png", i + 1), html::Picture { title, png, of_test: false }));
+            drawn.push((format!("{kind}_{:04}.png", i + 1), page::Picture { title, png, of_test: false }));
         };
         let [rings, triangles, squares] = [Degenerate::Wedge, Degenerate::Trisector, Degenerate::Border]
             .map(|kind| guide.degenerate(i).count(kind));
@@ -369,8 +376,8 @@ fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, html::Pictur
             "Equivalent stress and principal lines (greater white, smaller dark), {at}; {rings} wedges (rings), \
              {triangles} trisectors (triangles), {squares} changes of sign on free borders (squares)"
         );
-        add("stress", title, guide.stress_png(i, region, z, &families, GUIDE_PX));
-        add("field", format!("Directions that fill follows, {at}"), guide.field_png(i, region, z, GUIDE_PX));
+        add("stress", title, stress_png(guide, i, region, z, &families, GUIDE_PX));
+        add("field", format!("Directions that fill follows, {at}"), field_png(guide, i, region, z, GUIDE_PX));
     }
     drawn
 }

@@ -4,8 +4,8 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use grainpath::shape::ct::{ContactSheet, Histogram};
 use grainpath_core::slices::{SampleType, SliceSource};
+use grainpath_imaging::scan::{ContactSheet, Histogram};
 use grainpath_io::volume::{Files, RawHeader, ReadSeek, open_volume};
 use serde_json::{Value, json};
 

@@ -3,12 +3,13 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use grainpath::job::Settings;
-use grainpath::report::peak_rss_mb;
+use grainpath::measure::report::peak_rss_mb;
+use grainpath::measure::strength::{StrengthReport, TestSetup, Tested, test};
 use grainpath::run::{Sliced, mesh_and_layers};
-use grainpath::strength::{StrengthReport, TestSetup, Tested, chart_svg, test};
 use grainpath_core::{Diagnostics, Warning};
 use grainpath_gcode::{Program, simulate, write_gcode};
+use grainpath_job::Settings;
+use grainpath_view::strength::chart_svg;
 use serde_json::{Value, json};
 
 use crate::args::{Common, Compare, Strength};
@@ -75,7 +76,7 @@ fn one(input: &Path, job: Option<&Path>, common: &Common, mass_g: Option<f64>) -
     settings.strength.enabled = true;
     settings.fill.mass_g = mass_g.or(settings.fill.mass_g);
     let diagnostics = progress::diagnostics();
-    let failed = |e: grainpath::strength::StrengthError| Failure::from(grainpath::Error::from(e));
+    let failed = |e: grainpath::measure::strength::StrengthError| Failure::from(grainpath::Error::from(e));
     let theirs = if is_job(input) { None } else { Some(read(&settings, &files::read(input)?, input)?) };
     let solid = !settings.shape.mesh.is_empty() || !settings.shape.outline.is_empty();
     let (tested, program) = if let (Some(program), true) = (&theirs, solid) {
@@ -113,7 +114,7 @@ fn named(input: &Path, f: Failure) -> Failure {
 }
 
 fn read(settings: &Settings, bytes: &[u8], path: &Path) -> Result<Program, Failure> {
-    let limits = grainpath::config::limits(settings);
+    let limits = grainpath::run::config::limits(settings);
     simulate(bytes, settings.printer.filament_mm, &limits)
         .map_err(|e| Failure::input(format!("{}: {e}", path.display())))
 }

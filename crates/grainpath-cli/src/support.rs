@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use grainpath::report::{SupportReport, peak_rss_mb};
+use grainpath::Error;
+use grainpath::measure::report::{SupportReport, peak_rss_mb};
+use grainpath::run::config;
 use grainpath::run::{Sliced, mesh_and_layers};
-use grainpath::specimen::SPECIMENS;
-use grainpath::support::{self, picture};
-use grainpath::test_pieces::{TEST_PIECES, TestPiece};
-use grainpath::{Error, config};
+use grainpath::support;
 use grainpath_core::{DVec2, TriMesh, WarningId};
+use grainpath_parts::specimen::SPECIMENS;
+use grainpath_parts::test_pieces::{TEST_PIECES, TestPiece};
 use serde_json::json;
 
 use crate::args::{Specimen, Support};
@@ -57,7 +58,7 @@ pub fn support(args: &Support) -> Result<(), Failure> {
         written.insert("support", output.display().to_string());
     }
     if let Some(folder) = &args.preview {
-        for p in picture::pictures(&mesh, &found) {
+        for p in grainpath_view::support::pictures(&mesh, &found) {
             outputs::save(&folder.join(format!("{}.png", p.name)), &p.png)?;
         }
         written.insert("preview", folder.display().to_string());

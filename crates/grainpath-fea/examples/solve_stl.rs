@@ -5,9 +5,9 @@
 use std::time::Instant;
 
 use grainpath_core::mesh::VertexWelder;
+use grainpath_core::selection::Selection;
 use grainpath_core::{DVec3, TriMesh};
 use grainpath_fea::material::Orthotropic;
-use grainpath_fea::select::Selection;
 use grainpath_fea::solid::{MeshSettings, Model, SolveSettings, Supports, mesh, nodal_forces, solve};
 
 fn read(path: &str, scale: f64) -> Option<TriMesh> {

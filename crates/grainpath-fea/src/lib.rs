@@ -6,7 +6,6 @@
 pub mod material;
 pub mod plane;
 pub mod principal;
-pub mod select;
 pub mod solid;
 pub mod sparse;
 pub mod strength;

@@ -3,15 +3,16 @@
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::slices::SliceError;
 use grainpath_gcode::GcodeError;
+use grainpath_imaging::scan::ScanError;
 use grainpath_io::volume::VolumeError;
 use grainpath_io::{ImageError, MeshError, OutlineError};
+use grainpath_job::JobError;
 
 use crate::fibre::FibreError;
-use crate::grain::GrainError;
 use crate::guide::GuideError;
-use crate::job::JobError;
+use crate::guide::grain::GrainError;
+use crate::measure::strength::StrengthError;
 use crate::shape::ShapeError;
-use crate::strength::StrengthError;
 
 /// Why a run ended early.
 #[derive(Debug, thiserror::Error)]
@@ -29,6 +30,8 @@ pub enum Error {
     Slices(#[from] SliceError),
     #[error("{path}: {source}")]
     Shape { path: String, source: ShapeError },
+    #[error("{path}: {source}")]
+    Scan { path: String, source: ScanError },
     #[error("{path}: {source}")]
     Image { path: String, source: ImageError },
     #[error("{path}: {source}")]
@@ -53,7 +56,9 @@ impl Error {
     /// 2 usage or job file; 3 an input file; 4 the physics (does not fit the bed, no such mass); 130 interrupted.
     pub fn exit_code(&self) -> i32 {
         match self {
-            Self::Shape { source: ShapeError::Interrupted(_), .. } | Self::Interrupted(_) => 130,
+            Self::Shape { source: ShapeError::Interrupted(_), .. }
+            | Self::Scan { source: ScanError::Interrupted(_), .. }
+            | Self::Interrupted(_) => 130,
             Self::Guide(GuideError::Interrupted(_)) => 130,
             Self::Guide(e) if e.is_usage() => 2,
             // Corners that are given come from the job.
@@ -66,6 +71,7 @@ impl Error {
             | Self::Outline { .. }
             | Self::Volume(_)
             | Self::Slices(_)
+            | Self::Scan { .. }
             | Self::Image { .. }
             | Self::Grain { .. }
             | Self::Shape { .. } => 3,

@@ -3,13 +3,13 @@
 use std::path::Path;
 use std::process::Command;
 
-use grainpath::grain::Photo;
-use grainpath::grain::warp::Shrinking;
-use grainpath::job::parse_job;
 use grainpath_core::math::{atan2, cos, sin};
 use grainpath_core::{DVec2, DVec3, Diagnostics, Role, TriMesh};
+use grainpath_imaging::photo::Photo;
+use grainpath_imaging::photo::warp::Shrinking;
 use grainpath_io::image::decode;
 use grainpath_io::volume::{Files, open_volume};
+use grainpath_job::parse_job;
 
 /// Width of the board, mm.
 const WIDTH_MM: f64 = 40.0;

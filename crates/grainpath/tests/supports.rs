@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use grainpath::Settings;
-use grainpath::config;
+use grainpath::run::config;
 use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath::shape::{SliceSettings, slice};
 use grainpath::support::cut::count_floating;
@@ -158,7 +158,7 @@ fn a_part_without_overhangs_gets_none_and_is_told_so() {
 
 #[test]
 fn the_same_trees_for_any_number_of_threads() {
-    let mesh = grainpath::specimen::hanging_ball();
+    let mesh = grainpath_parts::specimen::hanging_ball();
     let with = |n: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("a pool");
         pool.install(|| planned(&mesh, |_| ()).0)

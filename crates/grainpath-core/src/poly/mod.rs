@@ -6,6 +6,7 @@
 mod boolean;
 mod clip;
 mod offset;
+mod polyline;
 mod simplify;
 
 use glam::DVec2;
@@ -13,6 +14,7 @@ use glam::DVec2;
 pub use boolean::FillRule;
 pub use clip::{ClippedLine, Crossing, LineClipper};
 pub use offset::Join;
+pub use polyline::{length_mm, resampled};
 pub use simplify::{distance2_to_segment, simplify_contour, simplify_line};
 
 use crate::math::cross;

@@ -3,7 +3,6 @@
 //! A pattern lays paths; what is long enough becomes fibre of one width, with its turns rounded to the least radius
 //! where there is room. The rest stays matrix.
 
-mod report;
 mod turns;
 
 use grainpath_core::poly::{Join, LineClipper};
@@ -12,8 +11,7 @@ use grainpath_core::{
     BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Polygon, Region, Role, Toolpath, WarningId,
 };
 
-pub use report::{FibreLayer, FibreReport, measure};
-pub use turns::{Turn, rounded, sharp_turns};
+pub use turns::{Turn, rounded, sharp_turns, turns};
 
 /// What is done about turns below the least radius.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

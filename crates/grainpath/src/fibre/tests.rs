@@ -20,7 +20,7 @@ fn anywhere(_: DVec2, _: DVec2) -> bool {
 }
 
 fn smallest(points: &[DVec2], closed: bool) -> f64 {
-    turns::turns(points, closed).iter().map(|t| t.radius_mm).fold(f64::INFINITY, f64::min)
+    turns(points, closed).iter().map(|t| t.radius_mm).fold(f64::INFINITY, f64::min)
 }
 
 #[test]

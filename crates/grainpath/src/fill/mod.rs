@@ -6,6 +6,7 @@
 mod bridge;
 mod concentric;
 mod continuous;
+pub mod curves;
 mod field;
 mod gyroid;
 mod hatch;
@@ -61,24 +62,6 @@ pub trait Infill: Send + Sync {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>);
 }
 
-/// The names of the patterns for the inside.
-pub const PATTERNS: [&str; 11] = [
-    "rectilinear",
-    "grid",
-    "triangles",
-    "gyroid",
-    "concentric",
-    "honeycomb",
-    "aligned",
-    "stripes",
-    "streamlines",
-    "seed-lines",
-    "continuous",
-];
-
-/// Those of them that follow a direction field.
-pub const GUIDED: [&str; 4] = ["stripes", "streamlines", "seed-lines", "continuous"];
-
 /// The pattern with this name. `rectilinear` and `aligned` differ in the angles the caller gives.
 pub fn pattern(name: &str) -> Option<&'static dyn Infill> {
     Some(match name {
@@ -102,6 +85,7 @@ mod tests {
     use grainpath_core::math::direction;
     use grainpath_core::poly::Join;
     use grainpath_core::{DVec2, Region};
+    use grainpath_job::choices::PATTERNS;
 
     fn outlines() -> Vec<(&'static str, Region)> {
         let disc = |r: f64, n: usize| {

@@ -6,7 +6,7 @@ use grainpath_core::{DVec2, Region};
 use grainpath_fea::plane::PlaneStress;
 use grainpath_fea::principal::{PlaneTensor, von_mises_plane};
 
-use crate::field_mesh::FieldMesh;
+use grainpath_core::field_mesh::FieldMesh;
 
 /// Kinds of degenerate points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,7 +7,7 @@ use grainpath_fea::principal::{along, plane_principal};
 
 use super::CaseStress;
 use super::degenerate::{Degenerates, of_section};
-use crate::field_mesh::{FieldMesh, GridMatrix};
+use grainpath_core::field_mesh::{FieldMesh, GridMatrix};
 
 /// Which principal stress is followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

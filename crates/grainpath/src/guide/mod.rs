@@ -2,10 +2,10 @@
 
 mod degenerate;
 mod direction;
+pub mod grain;
 mod import;
-mod lines;
-mod outputs;
 mod plane;
+mod results;
 mod solid;
 
 use std::sync::Arc;
@@ -20,13 +20,12 @@ use grainpath_fea::solid::SolidError;
 use grainpath_io::fe::{Element, StressField};
 use rayon::prelude::*;
 
-use crate::job::Settings;
-use crate::job::loads::{Case, Load, Place, Push};
 pub use degenerate::{Degenerate, Degenerates, degenerate_points};
 pub use direction::{DirectionSettings, Follow, LayerField};
-pub use lines::{LineSettings, Seeding, TracedLine, evenly_spaced, trace_line};
-pub use outputs::{Families, lines_svg, lines_vtp};
+use grainpath_job::Settings;
+use grainpath_job::loads::{Case, Load, Place, Push};
 pub(crate) use plane::constant_section;
+pub use results::Families;
 
 /// Why a guide cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -329,7 +328,7 @@ pub(crate) fn resolved(
     place: &Place,
     mesh: &TriMesh,
     what: &str,
-) -> Result<grainpath_fea::select::Selection, GuideError> {
+) -> Result<grainpath_core::selection::Selection, GuideError> {
     match place {
         Place::Shape(shape) => Ok(shape.clone()),
         Place::Facets(ids) => {
@@ -339,13 +338,16 @@ pub(crate) fn resolved(
                 corners.ok_or_else(|| GuideError::NoFacet { what: what.to_owned(), facet: id, n })
             };
             let triangles = ids.iter().map(triangle).collect::<Result<Vec<_>, _>>()?;
-            Ok(grainpath_fea::select::Selection::Triangles(triangles))
+            Ok(grainpath_core::selection::Selection::Triangles(triangles))
         }
     }
 }
 
 /// Every place that is held or pushed: the rest of the surface is free.
-fn places(settings: &Settings, mesh: &TriMesh) -> Result<Vec<grainpath_fea::select::Selection>, GuideError> {
+fn places(
+    settings: &Settings,
+    mesh: &TriMesh,
+) -> Result<Vec<grainpath_core::selection::Selection>, GuideError> {
     let g = &settings.guide;
     let loads = g.load.iter().chain(g.case.iter().flat_map(|c| &c.loads));
     let all = g.fixture.iter().map(|f| &f.on).chain(loads.filter_map(|l: &Load| l.on.as_ref()));

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use grainpath_core::math::cross;
+use grainpath_core::selection::Selection;
 use grainpath_core::{DVec2, DVec3, LayerStack, Region};
 use grainpath_fea::plane::{
     Hold, PlaneMesh, PlaneProblem, PlaneStress, PlaneSystem, body_force_n, mesh_region, traction_n,
 };
-use grainpath_fea::select::Selection;
 
 use super::{
     CaseStress, GuideError, GuidedPart, InPlaneStress, ResultMesh, Solved, StressSummary, degenerate_points,
@@ -15,8 +15,8 @@ use super::{
 };
 use grainpath_io::fe::{Element, ElementKind};
 
-use crate::job::Settings;
-use crate::job::loads::{Case, Load, Push};
+use grainpath_job::Settings;
+use grainpath_job::loads::{Case, Load, Push};
 
 /// Sections may differ by this share of their area and still count as the same.
 const SAME_SECTION: f64 = 2e-3;

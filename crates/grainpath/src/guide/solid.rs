@@ -1,9 +1,9 @@
 //! Loads in three dimensions.
 
+use grainpath_core::selection::Selection;
 use grainpath_core::{DVec3, Diagnostics};
 use grainpath_fea::material::Stiffness;
 use grainpath_fea::principal::PlaneTensor;
-use grainpath_fea::select::Selection;
 use grainpath_fea::solid::{
     MeshSettings, Meshed, Model, SolveSettings, Supports, TetMesh, mesh, nodal_forces, recover,
     solve as solve_solid,
@@ -13,8 +13,8 @@ use grainpath_io::fe::{Element, ElementKind, FeFormat, FeResult, StressField};
 use super::{
     CaseStress, GuideError, GuidedPart, InPlaneStress, ResultMesh, Solved, StressSummary, material, resolved,
 };
-use crate::job::Settings;
-use crate::job::loads::{Case, Load, Push};
+use grainpath_job::Settings;
+use grainpath_job::loads::{Case, Load, Push};
 
 struct Solid(StressField);
 

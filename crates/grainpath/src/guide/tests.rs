@@ -11,9 +11,9 @@ use grainpath_fea::plane::{
 use grainpath_fea::principal::plane_principal;
 
 use super::{
-    CaseStress, Degenerate, DirectionSettings, Follow, InPlaneStress, LayerField, LineSettings,
-    degenerate_points, trace_line,
+    CaseStress, Degenerate, DirectionSettings, Follow, InPlaneStress, LayerField, degenerate_points,
 };
+use grainpath_core::streamlines::{LineSettings, trace_line};
 
 fn circle(radius: f64, n: usize) -> Region {
     let outer = (0..n).map(|i| direction(i as f64 / n as f64 * TAU) * radius).collect();

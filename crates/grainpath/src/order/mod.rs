@@ -14,7 +14,7 @@ use grainpath_core::poly::{distance2_to_segment, edges};
 use grainpath_core::{Bounds2, DVec2, Diagnostics, Layer, LayerPlan, LayerStack, Polygon, Role, Toolpath};
 use rayon::prelude::*;
 
-use crate::walls::Wall;
+use crate::wall::Wall;
 pub use comb::CombSettings;
 pub(crate) use nearest::NearestEnds;
 pub use seam::Seam;

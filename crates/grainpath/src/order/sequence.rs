@@ -6,7 +6,7 @@ use grainpath_core::{Bounds2, DVec2, Toolpath};
 use super::WallOrder;
 use super::nearest::NearestEnds;
 use super::seam::Seams;
-use crate::walls::Wall;
+use crate::wall::Wall;
 
 /// How far 2-opt looks for an exchange, and how far a stretch is moved.
 const REACH: usize = 100;

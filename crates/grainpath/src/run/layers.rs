@@ -10,19 +10,20 @@ use grainpath_core::{
 };
 use rayon::prelude::*;
 
-use crate::adhesion::{AdhesionSettings, brim, skirt};
 use crate::error::Error;
 use crate::fibre::{FibreSettings, Tally};
-use crate::fill::{Continuous, FillContext, GUIDED, Note};
-use crate::grain::GrainGuide;
+use crate::fill::{Continuous, FillContext, Note};
 use crate::guide::Guide;
-use crate::job::Settings;
-use crate::mask::Mask;
+use crate::guide::grain::GrainGuide;
 use crate::order::{Island, LayerPaths};
-use crate::skin::{IslandPolygon, SkinInput, SkinSettings, SkinSplit, split_stack};
 use crate::support::beads::BeadSettings;
 use crate::support::{self, Support};
-use crate::walls::{WallSettings, lay_walls};
+use crate::wall::adhesion::{AdhesionSettings, brim, skirt};
+use crate::wall::skin::{IslandPolygon, SkinInput, SkinSettings, SkinSplit, split_stack};
+use crate::wall::{WallSettings, lay_walls};
+use grainpath_core::mask::Mask;
+use grainpath_job::Settings;
+use grainpath_job::choices::GUIDED;
 
 /// Shorter closed walls are small, mm.
 const SMALL_WALL_MM: f64 = 30.0;

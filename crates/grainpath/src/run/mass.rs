@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::layers::Job;
 use crate::error::Error;
 use crate::order::Island;
-use crate::skin::SkinSplit;
+use crate::wall::skin::SkinSplit;
 
 impl Job<'_> {
     /// The density asked for, or the one that gives the mass asked for.

@@ -2,6 +2,7 @@
 //!
 //! A pipeline of stages, each taking values and giving new ones: place and mend, slice, walls, skins, fill, order.
 
+pub mod config;
 mod layers;
 mod mass;
 mod place;
@@ -13,48 +14,24 @@ use std::time::Instant;
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SliceSource;
 use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, TriMesh, UniformField};
-use grainpath_gcode::{WriteConfig, check_fits};
+use grainpath_gcode::check_fits;
+use grainpath_imaging::photo::Photo;
+use grainpath_imaging::scan::{CtReport, ScanError, slice_scan};
 use grainpath_io::MeshFile;
 use grainpath_io::fe::StressField;
 
-use crate::config;
 use crate::error::Error;
-use crate::grain::{GrainGuide, Photo, read_grain, read_scan};
-use crate::guide::{self, Guide, GuidedPart};
-use crate::job::Settings;
+use crate::guide::grain::{GrainGuide, read_grain, read_scan};
+use crate::guide::{self, GuidedPart};
+pub use crate::measure::Planned;
+use crate::measure::strength::TestSetup;
 use crate::order::order_stack;
 use crate::shape;
-use crate::strength::TestSetup;
-use crate::support::{self, Support, SupportSettings};
+use crate::support::{self, SupportSettings};
+use grainpath_job::Settings;
 use layers::Job;
 pub use place::{Sliced, mesh_and_layers};
 use place::{check_bed, part_bounds, plate_from_part};
-
-/// A planned job.
-pub struct Planned {
-    /// What is printed.
-    pub plan: Plan,
-    /// The sections it was made from.
-    pub stack: LayerStack,
-    /// How it is written.
-    pub config: WriteConfig,
-    /// Seconds of each stage so far.
-    pub stages_s: Vec<(Stage, f64)>,
-    /// The supports, where asked for.
-    pub support: Option<Support>,
-    /// Pictures of how they came about.
-    pub support_pictures: Vec<support::picture::StepPicture>,
-    /// The density of the inside: the one asked for, or the one found for a mass.
-    pub density: f64,
-    /// The grain it follows, where it does.
-    pub grain: Option<GrainGuide>,
-    /// Directions and the stress they come from, for jobs that have loads.
-    pub guide: Option<Guide>,
-    /// What a strength test needs to know of the part, for jobs that want one.
-    pub test: Option<TestSetup>,
-    /// What was found in a scan, where the shape is one.
-    pub scan: Option<shape::ct::CtReport>,
-}
 
 /// What a job is made from, read already.
 pub struct Inputs {
@@ -135,8 +112,7 @@ pub fn plan_scan(
 ) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
     let shape_error = |source| Error::Shape { path: path.to_owned(), source };
-    let scan = shape::ct::slice_scan(source, &config::scan(settings), diagnostics)
-        .map_err(|e| scan_error(e, path))?;
+    let scan = slice_scan(source, &config::scan(settings), diagnostics).map_err(|e| scan_error(e, path))?;
     let mesh = if wants_surface(settings) {
         shape::surface(&scan.stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
     } else {
@@ -167,7 +143,7 @@ struct GrainSource<'a> {
 fn grain(
     settings: &Settings,
     stack: &LayerStack,
-    own: Option<&shape::ct::CtReport>,
+    own: Option<&CtReport>,
     source: GrainSource<'_>,
     diagnostics: &Diagnostics,
 ) -> Result<Option<GrainGuide>, Error> {
@@ -192,10 +168,10 @@ fn grain(
     read.map(Some).map_err(|(k, source)| Error::Grain { path: photos[k].name.clone(), source })
 }
 
-fn scan_error(e: shape::ct::CtError, path: &str) -> Error {
+fn scan_error(e: ScanError, path: &str) -> Error {
     match e {
-        shape::ct::CtError::Slices(e) => Error::Slices(e),
-        shape::ct::CtError::Shape(source) => Error::Shape { path: path.to_owned(), source },
+        ScanError::Slices(e) => Error::Slices(e),
+        source => Error::Scan { path: path.to_owned(), source },
     }
 }
 
@@ -230,14 +206,10 @@ fn plan_stack(
         None => None,
     };
     let drawn = !settings.output.report.is_empty() || !settings.output.preview.is_empty();
-    let support_pictures = match &support {
-        Some(found) if drawn => support::picture::pictures(&mesh, found),
-        _ => Vec::new(),
-    };
     if support.is_some() {
         clock.stop(Stage::Support);
     }
-    drop(mesh);
+    let supported_mesh = (support.is_some() && drawn).then_some(mesh);
     let uniform = UniformField { axis_rad: settings.guide.angle_deg.to_radians() };
     let job = Job {
         settings,
@@ -266,19 +238,7 @@ fn plan_stack(
     let config = config::writing(settings);
     check_fits(&plan, &config.machine)?;
     let stages_s = clock.stages;
-    Ok(Planned {
-        plan,
-        stack,
-        config,
-        stages_s,
-        support,
-        support_pictures,
-        density,
-        grain,
-        guide,
-        test,
-        scan,
-    })
+    Ok(Planned { plan, stack, config, stages_s, support, supported_mesh, density, grain, guide, test, scan })
 }
 
 struct Clock {

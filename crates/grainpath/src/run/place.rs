@@ -4,10 +4,10 @@ use grainpath_core::units::LengthUnit;
 use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, Layer, LayerStack, TriMesh, Warning, WarningId};
 use grainpath_io::{MeshFile, PaintedSupports};
 
-use crate::config;
 use crate::error::Error;
-use crate::job::Settings;
+use crate::run::config;
 use crate::shape;
+use grainpath_job::Settings;
 
 /// A shape in layers, on the plate.
 #[derive(Debug, Default)]
@@ -20,7 +20,7 @@ pub struct Sliced {
     pub lowered_mm: f64,
     /// Support enforcers and blockers painted on its surface.
     pub painted: PaintedSupports,
-    pub(super) scan: Option<shape::ct::CtReport>,
+    pub(super) scan: Option<grainpath_imaging::scan::CtReport>,
 }
 
 /// A mesh where it is to be printed, mended, and its layers.

@@ -3,14 +3,15 @@
 use grainpath_core::math::direction;
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{DVec2, DirectionField, Layer, Polygon, Region, Role, SpeedClass, Toolpath};
+use grainpath_job::choices::GUIDED;
 
 use super::layers::Job;
 use crate::fibre::{FibreSettings, Tally};
-use crate::fill::{FillContext, GUIDED, Infill, Solid, Stripes, bridge_angle_rad, pattern};
-use crate::grain::GrainGuide;
-use crate::grain::guide::Mode;
-use crate::grain::lay::{Flow, lay_curves};
-use crate::skin::{IslandPolygon, SkinSplit};
+use crate::fill::curves::{Flow, lay_curves};
+use crate::fill::{FillContext, Infill, Solid, Stripes, bridge_angle_rad, pattern};
+use crate::guide::grain::GrainGuide;
+use crate::guide::grain::Mode;
+use crate::wall::skin::{IslandPolygon, SkinSplit};
 
 /// How a room is to be filled.
 struct Wanted<'a> {

@@ -1,6 +1,5 @@
 //! Shapes: from meshes and CT scans to the [`LayerStack`] that everything after works on.
 
-pub mod ct;
 mod heights;
 mod mend;
 mod outline;
@@ -17,7 +16,7 @@ use rayon::prelude::*;
 pub use heights::{Adaptive, layer_heights};
 pub use mend::{Repair, mend};
 pub use outline::extruded;
-pub(crate) use outline::prism;
+pub use outline::prism;
 pub use photo::{Hole, PhotoBoard};
 pub use place::{Placement, likely_unit, place};
 pub use surface::surface;
@@ -58,7 +57,7 @@ pub enum ShapeError {
     #[error("{n} layers of {height_mm} mm; at most {limit} are made")]
     TooManyLayers { n: usize, height_mm: f64, limit: usize },
     #[error("{problem}")]
-    Scan { problem: String },
+    Surface { problem: String },
     #[error("the outline cannot be made a body: {0}")]
     Outline(#[from] TriangulationError),
     #[error("no layer of the part has any area")]

@@ -27,7 +27,7 @@ pub fn extruded(outline: Outline, thickness_mm: f64) -> Result<MeshFile, ShapeEr
 ///
 /// # Errors
 /// As [`Triangulation::plain`].
-pub(crate) fn prism(
+pub fn prism(
     region: &Region,
     low_mm: f64,
     high_mm: f64,

@@ -4,7 +4,7 @@ use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, Region, TriMesh};
 use rayon::prelude::*;
 
 use super::ShapeError;
-use super::ct::{Raster, signed_distance};
+use grainpath_imaging::distance::{Raster, signed_distance};
 
 /// Surfaces with more triangles are not made.
 const MAX_TRIANGLES: usize = 60_000_000;
@@ -117,7 +117,7 @@ impl Loft {
             let problem = format!(
                 "a surface of more than {MAX_TRIANGLES} triangles; a larger output.surface_cell_mm makes fewer"
             );
-            return Err(ShapeError::Scan { problem });
+            return Err(ShapeError::Surface { problem });
         }
         Ok(())
     }

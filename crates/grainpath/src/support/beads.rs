@@ -8,7 +8,7 @@ use super::cut::SupportLayer;
 use super::overhang::inner_point;
 use crate::fill::{Concentric, FillContext, Infill, Rectilinear};
 use crate::order::Island;
-use crate::walls::Wall;
+use crate::wall::Wall;
 
 /// How support is laid.
 #[derive(Debug, Clone, Copy, PartialEq)]

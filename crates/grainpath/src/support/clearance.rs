@@ -7,7 +7,7 @@ use grainpath_core::math::tan;
 use grainpath_core::{Bounds2, DVec2, DVec3, LayerStack};
 use rayon::prelude::*;
 
-use crate::mask::{Grid, Mask};
+use grainpath_core::mask::{Grid, Mask};
 
 /// A step of stored distances, mm; the farthest stored is 255 of them.
 const STEP_MM: f64 = 0.05;

@@ -7,7 +7,6 @@ pub mod beads;
 pub mod clearance;
 pub mod cut;
 pub mod overhang;
-pub mod picture;
 pub mod poisson;
 pub mod solid;
 pub mod tree;

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::adjacency::{boundary, incidence, pieces_of};
 use super::quadratic_tet as element;
 use super::tet_shape::{self as shape, EDGES, MeshQuality, TetQuality};
-use crate::select::Selection;
+use grainpath_core::selection::Selection;
 
 /// A mesh of ten-node tetrahedra.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -14,8 +14,8 @@ use super::super::field::phase::{PhaseInput, Turn, drift, solve, turns};
 use super::super::field::stripes::NearBorder;
 use super::super::field::widths::{resampled, smooth};
 use super::Pull;
-use crate::field_mesh::FieldMesh;
 use crate::fill::FillContext;
+use grainpath_core::field_mesh::FieldMesh;
 
 const NONE: u32 = u32::MAX;
 

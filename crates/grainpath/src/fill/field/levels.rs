@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use grainpath_core::DVec2;
 
 use super::phase::Turn;
-use crate::field_mesh::FieldMesh;
+use grainpath_core::field_mesh::FieldMesh;
 
 const NONE: u32 = u32::MAX;
 

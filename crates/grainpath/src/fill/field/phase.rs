@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross, sin_cos};
 
-use crate::field_mesh::{FieldMesh, GridMatrix, conjugate_gradients};
+use grainpath_core::field_mesh::{FieldMesh, GridMatrix, conjugate_gradients};
 
 /// What the phase is made from, node by node.
 pub struct PhaseInput {

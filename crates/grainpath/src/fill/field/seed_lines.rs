@@ -10,7 +10,7 @@ use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 use super::stripes::{Bead, axis_of, joined};
 use super::widths::{Line, Neighbours};
 use crate::fill::{FillContext, Infill};
-use crate::guide::{LineSettings, Seeding, TracedLine, evenly_spaced};
+use grainpath_core::streamlines::{LineSettings, Seeding, TracedLine, evenly_spaced};
 
 /// Seed lines and offsets.
 pub struct SeedLines;

@@ -5,7 +5,7 @@ use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 
 use super::stripes::axis_of;
 use crate::fill::{FillContext, Infill};
-use crate::guide::{LineSettings, Seeding, evenly_spaced};
+use grainpath_core::streamlines::{LineSettings, Seeding, evenly_spaced};
 
 /// Evenly spaced lines along the field, of one bead's width.
 pub struct Streamlines;

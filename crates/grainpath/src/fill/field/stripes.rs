@@ -9,11 +9,11 @@ use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DVec3, DirectionField, 
 use super::levels::trace;
 use super::phase::{PhaseInput, STEPS, drift, solve, turns};
 use super::widths::{Line, Neighbours, resampled, smooth};
-use crate::field_mesh::FieldMesh;
 use crate::fill::{FillContext, Infill};
-use crate::mask::{Grid, Mask};
 use crate::order::NearestEnds;
-use crate::walls::single_beads;
+use crate::wall::single_beads;
+use grainpath_core::field_mesh::FieldMesh;
+use grainpath_core::mask::{Grid, Mask};
 
 /// Beads along the field, evenly spaced over the whole room, with ends where the field forces them.
 pub struct Stripes;

@@ -1,0 +1,318 @@
+//! A grid of right triangles over a region: where direction fields and phases are solved for.
+
+use std::ops::{Add, Mul, Range, Sub};
+
+use crate::poly::{Join, LineClipper};
+use crate::{DVec2, Region};
+
+/// No node here.
+const NONE: u32 = u32::MAX;
+/// More nodes than this and the grid gets coarser.
+const MAX_NODES: f64 = 400_000.0;
+
+/// Two nodes that share a side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Edge {
+    /// Its nodes.
+    pub ends: [u32; 2],
+    /// Across a square of the grid; carries no weight in a Laplacian of right triangles.
+    pub diagonal: bool,
+}
+
+/// Nodes on a square grid that cover a region and a margin around it, and the triangles between them.
+#[derive(Debug, Clone)]
+pub struct FieldMesh {
+    /// Positions, mm.
+    pub nodes: Vec<DVec2>,
+    /// Side of a square of the grid, mm.
+    pub cell_mm: f64,
+    origin: DVec2,
+    nx: usize,
+    ny: usize,
+    /// Node at each place of the grid, row by row.
+    index: Vec<u32>,
+    /// Each once: those to the right, those upwards, then the diagonals; each kind row by row.
+    pub edges: Vec<Edge>,
+    /// The edges that are sides of squares, in rows without a break.
+    runs: Vec<Run>,
+    /// Halves of the squares, row by row.
+    pub triangles: Vec<Triangle>,
+}
+
+/// Edges one after the other, from nodes one after the other to nodes one after the other.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    edge: u32,
+    ends: [u32; 2],
+    n: u32,
+}
+
+/// Places of a run's edges and of their first and second nodes in arrays.
+#[derive(Debug, Clone)]
+pub struct RunOf {
+    /// Edges.
+    pub edges: Range<usize>,
+    /// Their first nodes.
+    pub from: Range<usize>,
+    /// Their second nodes.
+    pub to: Range<usize>,
+}
+
+/// A triangle of the grid.
+#[derive(Debug, Clone, Copy)]
+pub struct Triangle {
+    /// Its nodes.
+    pub corners: [u32; 3],
+    /// Edge `k` lies opposite to corner `k`.
+    pub edges: [u32; 3],
+}
+
+impl FieldMesh {
+    /// Covers the region; `None` when it is empty.
+    pub fn over(region: &Region, cell_mm: f64) -> Option<Self> {
+        let bounds = region.bounds()?;
+        let size = bounds.size();
+        let cell_mm = cell_mm.max((size.x * size.y / (4.0 * MAX_NODES)).sqrt());
+        let cell_mm = cell_mm.max((region.area_mm2() / MAX_NODES).sqrt());
+        let covered = region.offset(1.5 * cell_mm, Join::Miter(2.0));
+        let inside = LineClipper::new(&covered);
+        let origin = bounds.min - 2.0 * cell_mm;
+        let count = |mm: f64| (mm / cell_mm).ceil() as usize + 5;
+        let (nx, ny) = (count(size.x), count(size.y));
+        let place = |i: usize, j: usize| origin + cell_mm * DVec2::new(i as f64, j as f64);
+        let mut index = vec![NONE; nx * ny];
+        let mut nodes = Vec::new();
+        for j in 0..ny {
+            for i in 0..nx {
+                if inside.contains(place(i, j)) {
+                    index[j * nx + i] = nodes.len() as u32;
+                    nodes.push(place(i, j));
+                }
+            }
+        }
+        let (edges, runs, triangles) = (Vec::new(), Vec::new(), Vec::new());
+        let mut mesh = Self { nodes, cell_mm, origin, nx, ny, index, edges, runs, triangles };
+        mesh.connect();
+        Some(mesh)
+    }
+
+    /// The edges that are sides of squares, run by run: all edges but the diagonals, which come after them.
+    pub fn runs(&self) -> impl Iterator<Item = RunOf> + '_ {
+        let range = |first: u32, n: u32| first as usize..(first + n) as usize;
+        self.runs.iter().map(move |r| RunOf {
+            edges: range(r.edge, r.n),
+            from: range(r.ends[0], r.n),
+            to: range(r.ends[1], r.n),
+        })
+    }
+
+    /// The nodes around a point and their shares of it, nodes outside the mesh left out; far outside, the nearest
+    /// node alone.
+    pub fn around(&self, p: DVec2) -> ([u32; 4], [f64; 4]) {
+        let q = (p - self.origin) / self.cell_mm;
+        let clamp = |v: f64, n: usize| v.clamp(0.0, n as f64 - 1.001);
+        let q = DVec2::new(clamp(q.x, self.nx), clamp(q.y, self.ny));
+        let (i, j) = (q.x as usize, q.y as usize);
+        let (u, v) = (q.x - i as f64, q.y - j as f64);
+        let places = [
+            (i, j, (1.0 - u) * (1.0 - v)),
+            (i + 1, j, u * (1.0 - v)),
+            (i, j + 1, (1.0 - u) * v),
+            (i + 1, j + 1, u * v),
+        ];
+        let mut nodes = [0; 4];
+        let mut shares = [0.0; 4];
+        let mut sum = 0.0;
+        for (k, (i, j, share)) in places.into_iter().enumerate() {
+            let node = self.index[j * self.nx + i];
+            if node != NONE {
+                (nodes[k], shares[k]) = (node, share);
+                sum += share;
+            }
+        }
+        if sum > 1e-9 {
+            return (nodes, shares.map(|s| s / sum));
+        }
+        ([self.nearest(i, j), 0, 0, 0], [1.0, 0.0, 0.0, 0.0])
+    }
+
+    /// The node nearest to a place of the grid, looked for in growing squares.
+    fn nearest(&self, i: usize, j: usize) -> u32 {
+        for ring in 1..self.nx.max(self.ny) {
+            let mut best = (usize::MAX, NONE);
+            for jj in j.saturating_sub(ring)..=(j + ring).min(self.ny - 1) {
+                for ii in i.saturating_sub(ring)..=(i + ring).min(self.nx - 1) {
+                    let node = self.index[jj * self.nx + ii];
+                    let off = ii.abs_diff(i).pow(2) + jj.abs_diff(j).pow(2);
+                    if node != NONE && off < best.0 {
+                        best = (off, node);
+                    }
+                }
+            }
+            if best.1 != NONE {
+                return best.1;
+            }
+        }
+        0
+    }
+
+    fn connect(&mut self) {
+        let (nx, ny) = (self.nx, self.ny);
+        let index = std::mem::take(&mut self.index);
+        let at = |i: usize, j: usize| index[j * nx + i];
+        // Edges of the node at (i, j): to the right, upwards, and the diagonal of the square to its upper right.
+        let mut of_node = vec![[NONE; 3]; nx * ny];
+        for kind in 0..3 {
+            for j in 0..ny - 1 {
+                for i in 0..nx - 1 {
+                    let [a, b] = match kind {
+                        0 => [at(i, j), at(i + 1, j)],
+                        1 => [at(i, j), at(i, j + 1)],
+                        // Diagonals alternate, so that no direction is favoured.
+                        _ if (i + j) % 2 == 0 => [at(i, j), at(i + 1, j + 1)],
+                        _ => [at(i + 1, j), at(i, j + 1)],
+                    };
+                    if a == NONE || b == NONE {
+                        continue;
+                    }
+                    let edge = self.edges.len() as u32;
+                    of_node[j * nx + i][kind] = edge;
+                    self.edges.push(Edge { ends: [a, b], diagonal: kind == 2 });
+                    match self.runs.last_mut() {
+                        _ if kind == 2 => {}
+                        Some(r) if r.ends[0] + r.n == a && r.ends[1] + r.n == b => r.n += 1,
+                        _ => self.runs.push(Run { edge, ends: [a, b], n: 1 }),
+                    }
+                }
+            }
+        }
+        for j in 0..ny - 1 {
+            for i in 0..nx - 1 {
+                let corners = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                let [bottom, left, across] = of_node[j * nx + i];
+                let right = of_node[j * nx + i + 1][1];
+                let top = of_node[(j + 1) * nx + i][0];
+                let halves: [([usize; 3], [u32; 3]); 2] = if (i + j) % 2 == 0 {
+                    [([0, 1, 2], [right, across, bottom]), ([0, 2, 3], [top, left, across])]
+                } else {
+                    [([0, 1, 3], [across, left, bottom]), ([1, 2, 3], [top, across, right])]
+                };
+                for (c, edges) in halves {
+                    if edges.iter().all(|&e| e != NONE) {
+                        self.triangles.push(Triangle { corners: c.map(|k| corners[k]), edges });
+                    }
+                }
+            }
+        }
+        self.index = index;
+    }
+}
+
+/// A symmetric matrix over the nodes of a grid: nodes that share no edge do not meet in it.
+pub struct GridMatrix<'a> {
+    mesh: &'a FieldMesh,
+    /// At the nodes.
+    pub own: Vec<f64>,
+    /// At the edges, the diagonals left out or not.
+    pub beside: Vec<f64>,
+}
+
+impl<'a> GridMatrix<'a> {
+    /// Zero, with room for the sides of squares or for all edges.
+    pub fn zero(mesh: &'a FieldMesh, diagonals: bool) -> Self {
+        let n_edges = mesh.edges.iter().filter(|e| diagonals || !e.diagonal).count();
+        Self { mesh, own: vec![0.0; mesh.nodes.len()], beside: vec![0.0; n_edges] }
+    }
+
+    /// Adds a spring along every side of a square.
+    pub fn add_springs(&mut self, stiffness: f64) {
+        for (edge, beside) in self.mesh.edges.iter().zip(&mut self.beside).filter(|e| !e.0.diagonal) {
+            *beside -= stiffness;
+            edge.ends.iter().for_each(|&k| self.own[k as usize] += stiffness);
+        }
+    }
+
+    fn times(&self, x: &[f64], y: &mut [f64]) {
+        y.iter_mut().zip(&self.own).zip(x).for_each(|((y, own), x)| *y = own * x);
+        let mut add = |to: &Range<usize>, from: &Range<usize>, beside: &[f64]| {
+            let rows = y[to.clone()].iter_mut().zip(&x[from.clone()]).zip(beside);
+            rows.for_each(|((y, x), beside)| *y += beside * x);
+        };
+        let mut n_sides = 0;
+        for run in self.mesh.runs() {
+            n_sides = run.edges.end;
+            let beside = &self.beside[run.edges];
+            add(&run.from, &run.to, beside);
+            add(&run.to, &run.from, beside);
+        }
+        for (edge, beside) in self.mesh.edges.iter().zip(&self.beside).skip(n_sides) {
+            let [a, b] = edge.ends.map(|k| k as usize);
+            y[a] += beside * x[b];
+            y[b] += beside * x[a];
+        }
+    }
+
+    /// Solves for a right side, to a residual of `tolerance` times its length; the matrix must be positive definite.
+    pub fn solve(&self, x: Vec<f64>, rhs: &[f64], tolerance: f64, max_steps: usize) -> Vec<f64> {
+        conjugate_gradients(x, rhs, |x, y| self.times(x, y), tolerance, max_steps)
+    }
+}
+
+/// A number to calculate with.
+pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Into<f64> {
+    /// The nearest one.
+    fn near(value: f64) -> Self;
+}
+
+impl Real for f64 {
+    fn near(value: f64) -> Self {
+        value
+    }
+}
+
+impl Real for f32 {
+    fn near(value: f64) -> Self {
+        value as Self
+    }
+}
+
+/// Solves a symmetric positive definite system to a residual of `tolerance` times the right side's length.
+pub fn conjugate_gradients<T: Real>(
+    mut x: Vec<T>,
+    rhs: &[T],
+    apply: impl Fn(&[T], &mut [T]),
+    tolerance: f64,
+    max_steps: usize,
+) -> Vec<T> {
+    let mut q = vec![T::near(0.0); x.len()];
+    apply(&x, &mut q);
+    let mut r: Vec<T> = rhs.iter().zip(&q).map(|(b, q)| *b - *q).collect();
+    let mut p = r.clone();
+    let mut rr = dot(&r, &r);
+    let enough = tolerance * tolerance * dot(rhs, rhs);
+    for _ in 0..max_steps {
+        if rr <= enough {
+            break;
+        }
+        apply(&p, &mut q);
+        let alpha = T::near(rr / dot(&p, &q));
+        x.iter_mut().zip(&p).for_each(|(x, p)| *x = *x + alpha * *p);
+        r.iter_mut().zip(&q).for_each(|(r, q)| *r = *r - alpha * *q);
+        let new = dot(&r, &r);
+        let beta = T::near(new / rr);
+        rr = new;
+        p.iter_mut().zip(&r).for_each(|(p, r)| *p = *r + beta * *p);
+    }
+    x
+}
+
+/// The sum of products, in eight sums side by side: one alone would wait for itself.
+fn dot<T: Real>(a: &[T], b: &[T]) -> f64 {
+    let mut sums = [0.0; 8];
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    for (a, b) in a.iter().zip(b) {
+        (0..8).for_each(|k| sums[k] += a[k].into() * b[k].into());
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| (*a).into() * (*b).into()).sum();
+    sums.iter().sum::<f64>() + rest
+}

@@ -1,0 +1,475 @@
+//! Regions as bits on a square grid: what is covered by what, over many layers, at the cost of a few instructions
+//! per 64 cells. Where a border matters to a bead's width it is taken from the polygons, not from here.
+
+use crate::poly::{edges, simplify_contour};
+use crate::{Bounds2, Contour, DVec2, Polygon, Region};
+
+/// Where the cells are. Two masks can be combined only on the same grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    origin: DVec2,
+    cell_mm: f64,
+    nx: usize,
+    ny: usize,
+    words: usize,
+}
+
+impl Grid {
+    /// A grid over `bounds` with an empty margin of 8 cells all round. Cells are `cell_mm` wide, or as much wider
+    /// as keeps their number below 600,000.
+    pub fn over(bounds: Bounds2, cell_mm: f64) -> Self {
+        let size = bounds.size();
+        let coarsest = (size.x * size.y / 6e5).sqrt().max(size.max_element() / 60_000.0);
+        Self::exactly(bounds, cell_mm.max(coarsest))
+    }
+
+    /// The same with cells of just this width: an eighth of a byte each.
+    pub fn exactly(bounds: Bounds2, cell_mm: f64) -> Self {
+        let size = bounds.size();
+        let margin = 8.0 * cell_mm;
+        let origin = bounds.min - margin;
+        let count = |mm: f64| ((mm + 2.0 * margin) / cell_mm).ceil() as usize;
+        let (nx, ny) = (count(size.x), count(size.y));
+        Self { origin, cell_mm, nx, ny, words: nx.div_ceil(64) }
+    }
+
+    /// Width of a cell, mm.
+    pub fn cell_mm(&self) -> f64 {
+        self.cell_mm
+    }
+
+    /// Number of cells in x and in y.
+    pub fn size(&self) -> [usize; 2] {
+        [self.nx, self.ny]
+    }
+
+    /// The lower left corner of the first cell.
+    pub fn origin(&self) -> DVec2 {
+        self.origin
+    }
+
+    /// For each row of centres that a convex shape grown by `slack` cells covers any of: the row, the first and the
+    /// last of them.
+    fn convex_rows(&self, corners: &[DVec2], slack: f64, mut each: impl FnMut(usize, usize, usize)) {
+        // In cells, with centres at whole numbers.
+        let place = |p: DVec2| (p - self.origin) / self.cell_mm - 0.5;
+        let low = corners.iter().map(|p| place(*p).y).fold(f64::INFINITY, f64::min) - slack;
+        let high = corners.iter().map(|p| place(*p).y).fold(f64::NEG_INFINITY, f64::max) + slack;
+        for row in low.ceil().max(0.0) as usize..=high.floor().clamp(-1.0, self.ny as f64 - 1.0) as usize {
+            let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
+            for (a, b) in edges(corners) {
+                let (a, b) = (place(a), place(b));
+                let (a, b) = if a.y < b.y { (a, b) } else { (b, a) };
+                if (a.y - slack..=b.y + slack).contains(&(row as f64)) {
+                    let at = |y: f64| {
+                        let t = if b.y > a.y { ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0) } else { 0.0 };
+                        a.x + t * (b.x - a.x)
+                    };
+                    for y in [row as f64 - slack, row as f64 + slack] {
+                        from = from.min(at(y));
+                        to = to.max(at(y));
+                    }
+                    if a.y == b.y {
+                        to = to.max(b.x);
+                        from = from.min(b.x);
+                    }
+                }
+            }
+            let (from, to) = ((from - slack).ceil().max(0.0), (to + slack).floor().min(self.nx as f64 - 1.0));
+            if from <= to {
+                each(row, from as usize, to as usize);
+            }
+        }
+    }
+
+    /// The bits of a word that lie in a run of cells.
+    fn run(word: usize, from: usize, to: usize) -> u64 {
+        let first = if word == from / 64 { from % 64 } else { 0 };
+        let last = if word == to / 64 { to % 64 } else { 63 };
+        (u64::MAX << first) & (u64::MAX >> (63 - last))
+    }
+
+    /// The part of the grid around `bounds`, whole words wide, with the word and the row it begins at.
+    fn window(&self, bounds: Bounds2) -> (Self, usize, usize) {
+        let (lo, hi) = ((bounds.min - self.origin) / self.cell_mm, (bounds.max - self.origin) / self.cell_mm);
+        let word = (lo.x.max(0.0) as usize / 64).min(self.words - 1);
+        let row = (lo.y.max(0.0) as usize).min(self.ny - 1);
+        let words = (hi.x.max(0.0) as usize / 64 + 1).clamp(word + 1, self.words) - word;
+        let ny = (hi.y.max(0.0) as usize + 1).clamp(row + 1, self.ny) - row;
+        let origin = self.origin + DVec2::new(64.0 * word as f64, row as f64) * self.cell_mm;
+        (Self { origin, nx: words * 64, ny, words, cell_mm: self.cell_mm }, word, row)
+    }
+}
+
+/// How much of a polygon a mask covers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Coverage {
+    /// Next to nothing.
+    None,
+    /// Some.
+    Part,
+    /// Next to everything.
+    All,
+}
+
+/// A set of cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mask {
+    grid: Grid,
+    bits: Vec<u64>,
+}
+
+impl Mask {
+    /// No cell.
+    pub fn empty(grid: Grid) -> Self {
+        Self { grid, bits: vec![0; grid.words * grid.ny] }
+    }
+
+    /// The cells whose centres lie in the region.
+    pub fn of(grid: Grid, region: &Region) -> Self {
+        Self::of_contours(grid, region.contours())
+    }
+
+    /// The cells whose centres lie inside closed lines by even-odd count.
+    pub fn of_contours<'a>(grid: Grid, contours: impl IntoIterator<Item = &'a Contour>) -> Self {
+        let mut mask = Self::empty(grid);
+        for (a, b) in contours.into_iter().flat_map(|c| edges(c)) {
+            mask.toggle_right_of(a, b);
+        }
+        // Each set bit now means that the inside begins or ends at this cell: a running parity along the row.
+        for row in mask.bits.chunks_mut(grid.words) {
+            let mut carry = 0u64;
+            for word in row {
+                let mut w = *word;
+                for shift in [1, 2, 4, 8, 16, 32] {
+                    w ^= w << shift;
+                }
+                w ^= carry;
+                *word = w;
+                carry = if w >> 63 == 1 { u64::MAX } else { 0 };
+            }
+        }
+        mask
+    }
+
+    /// The same with every cell that a border passes through: nothing thin slips between the cells' centres.
+    pub fn touched(grid: Grid, region: &Region) -> Self {
+        let mut mask = Self::of(grid, region);
+        for (a, b) in region.contours().flat_map(|c| edges(c)) {
+            let n = (a.distance(b) / (0.5 * grid.cell_mm)).ceil().max(1.0);
+            for i in 0..n as usize {
+                let c = (a.lerp(b, i as f64 / n) - grid.origin) / grid.cell_mm;
+                if c.x >= 0.0 && c.y >= 0.0 && (c.x as usize) < grid.nx && (c.y as usize) < grid.ny {
+                    mask.bits[c.y as usize * grid.words + c.x as usize / 64] |= 1 << (c.x as usize % 64);
+                }
+            }
+        }
+        mask
+    }
+
+    /// Adds the cells whose centres lie in a convex shape.
+    pub fn add_convex(&mut self, corners: &[DVec2]) {
+        let (grid, bits) = (self.grid, &mut self.bits);
+        grid.convex_rows(corners, 0.0, |row, from, to| {
+            for word in from / 64..=to / 64 {
+                bits[row * grid.words + word] |= Grid::run(word, from, to);
+            }
+        });
+    }
+
+    /// Whether a cell is set whose centre lies in a convex shape or within a cell of it.
+    pub fn meets_convex(&self, corners: &[DVec2]) -> bool {
+        let mut any = false;
+        self.grid.convex_rows(corners, 1.0, |row, from, to| {
+            any |= (from / 64..=to / 64)
+                .any(|word| self.bits[row * self.grid.words + word] & Grid::run(word, from, to) != 0);
+        });
+        any
+    }
+
+    /// Flips, in every row that the edge crosses, the bit of the first cell right of the crossing.
+    fn toggle_right_of(&mut self, a: DVec2, b: DVec2) {
+        let g = self.grid;
+        // In cells, with centres at whole numbers.
+        let (a, b) = ((a - g.origin) / g.cell_mm - 0.5, (b - g.origin) / g.cell_mm - 0.5);
+        let (lo, hi) = if a.y < b.y { (a, b) } else { (b, a) };
+        let (first, end) = (lo.y.ceil().max(0.0) as usize, hi.y.ceil().clamp(0.0, g.ny as f64) as usize);
+        let slope = (hi.x - lo.x) / (hi.y - lo.y);
+        for row in first..end {
+            let x = lo.x + (row as f64 - lo.y) * slope;
+            let column = x.ceil().max(0.0) as usize;
+            if column < g.nx {
+                self.bits[row * g.words + column / 64] ^= 1 << (column % 64);
+            }
+        }
+    }
+
+    /// Whether no cell is set.
+    pub fn is_empty(&self) -> bool {
+        self.bits.iter().all(|&w| w == 0)
+    }
+
+    /// Number of cells set.
+    pub fn count(&self) -> usize {
+        self.bits.iter().map(|w| w.count_ones() as usize).sum()
+    }
+
+    /// Area of the cells set, mm2.
+    pub fn area_mm2(&self) -> f64 {
+        self.count() as f64 * self.grid.cell_mm * self.grid.cell_mm
+    }
+
+    /// How much of a polygon lies in the cells, give or take two of them; costs as much as the polygon is large.
+    pub fn coverage(&self, polygon: &Polygon) -> Coverage {
+        let Some(bounds) = polygon.bounds() else { return Coverage::None };
+        let (window, word, row) = self.grid.window(bounds);
+        let cells = Self::of_contours(window, polygon.contours());
+        let (mut all, mut hit) = (0, 0);
+        for (y, line) in cells.bits.chunks(window.words).enumerate() {
+            let start = (row + y) * self.grid.words + word;
+            for (c, m) in line.iter().zip(&self.bits[start..]) {
+                all += c.count_ones();
+                hit += (c & m).count_ones();
+            }
+        }
+        if hit <= 2 {
+            Coverage::None
+        } else if all - hit <= 2 {
+            Coverage::All
+        } else {
+            Coverage::Part
+        }
+    }
+
+    /// Whether the cell that holds `p` is set; false outside the grid.
+    pub fn contains(&self, p: DVec2) -> bool {
+        let c = (p - self.grid.origin) / self.grid.cell_mm;
+        c.x >= 0.0 && c.y >= 0.0 && self.get(c.x as usize, c.y as usize)
+    }
+
+    /// Whether cell (x, y) is set; false outside the grid.
+    pub fn get(&self, x: usize, y: usize) -> bool {
+        x < self.grid.nx && y < self.grid.ny && self.bits[y * self.grid.words + x / 64] >> (x % 64) & 1 == 1
+    }
+
+    fn zip(mut self, other: &Self, f: impl Fn(u64, u64) -> u64) -> Self {
+        debug_assert_eq!(self.grid, other.grid);
+        for (a, &b) in self.bits.iter_mut().zip(&other.bits) {
+            *a = f(*a, b);
+        }
+        self
+    }
+
+    /// Cells in both.
+    pub fn and(self, other: &Self) -> Self {
+        self.zip(other, |a, b| a & b)
+    }
+
+    /// Cells in either.
+    pub fn or(self, other: &Self) -> Self {
+        self.zip(other, |a, b| a | b)
+    }
+
+    /// Cells in this and not in the other.
+    pub fn and_not(self, other: &Self) -> Self {
+        self.zip(other, |a, b| a & !b)
+    }
+
+    /// Writes the cells left and right of cells to `out`, with those themselves if asked.
+    fn sideways(&self, own: bool, out: &mut Self) {
+        let words = self.grid.words;
+        let beside = |[left, word, right]: [u64; 3]| {
+            word << 1 | left >> 63 | word >> 1 | right << 63 | if own { word } else { 0 }
+        };
+        for (out, row) in out.bits.chunks_mut(words).zip(self.bits.chunks(words)) {
+            if let [first, .., last] = row {
+                for (out, w) in out[1..].iter_mut().zip(row.array_windows()) {
+                    *out = beside(*w);
+                }
+                out[0] = beside([0, *first, row[1]]);
+                out[words - 1] = beside([row[words - 2], *last, 0]);
+            } else {
+                out[0] = beside([0, row[0], 0]);
+            }
+        }
+    }
+
+    /// Adds the cells above and below those of `source`.
+    fn add_above_and_below(&mut self, source: &Self) {
+        let words = self.grid.words;
+        for (bits, below) in self.bits[words..].iter_mut().zip(&source.bits) {
+            *bits |= below;
+        }
+        for (bits, above) in self.bits.iter_mut().zip(&source.bits[words..]) {
+            *bits |= above;
+        }
+    }
+
+    /// Without cells that touch no other along a side.
+    pub fn without_lone(&self) -> Self {
+        let mut neighbours = Self::empty(self.grid);
+        self.sideways(false, &mut neighbours);
+        neighbours.add_above_and_below(self);
+        neighbours.and(self)
+    }
+
+    /// Grown by `n` cells all round (an octagon): in turn by the four neighbours and by all eight.
+    pub fn grown(&self, n: usize) -> Self {
+        let mut grown = self.clone();
+        let mut sideways = Self::empty(self.grid);
+        for i in 0..n {
+            grown.sideways(true, &mut sideways);
+            if i % 2 == 1 {
+                grown.bits.copy_from_slice(&sideways.bits);
+                grown.add_above_and_below(&sideways);
+            } else {
+                sideways.add_above_and_below(&grown);
+                std::mem::swap(&mut grown, &mut sideways);
+            }
+        }
+        grown
+    }
+
+    /// Shrunk by `n` cells all round.
+    pub fn shrunk(&self, n: usize) -> Self {
+        let inverse = |m: &Self| Self { grid: m.grid, bits: m.bits.iter().map(|w| !w).collect() };
+        inverse(&inverse(self).grown(n))
+    }
+
+    /// Without what is thinner than about `2 n` cells.
+    pub fn opened(&self, n: usize) -> Self {
+        self.shrunk(n).grown(n)
+    }
+
+    /// The borders as closed lines: counter-clockwise around cells, clockwise around holes, the staircase smoothed
+    /// to within a cell. Cells that touch only at a corner are apart.
+    pub fn contours(&self) -> Vec<Contour> {
+        let mut seen = Self::empty(self.grid);
+        let mut out = Vec::new();
+        for y in 0..self.grid.ny {
+            for i in 0..self.grid.words {
+                let here = self.bits[y * self.grid.words + i];
+                let below = if y > 0 { self.bits[(y - 1) * self.grid.words + i] } else { 0 };
+                let mut starts = here & !below & !seen.bits[y * self.grid.words + i];
+                while starts != 0 {
+                    let x = i * 64 + starts.trailing_zeros() as usize;
+                    let line = self.trace(x, y, &mut seen);
+                    let smooth = simplify_contour(&line, 0.7 * self.grid.cell_mm);
+                    if !smooth.is_empty() {
+                        out.push(smooth);
+                    }
+                    starts = here & !below & !seen.bits[y * self.grid.words + i];
+                }
+            }
+        }
+        out
+    }
+
+    /// Walks the border with the cells on its left, from the lower edge of cell (x, y), marking lower edges seen.
+    fn trace(&self, x: usize, y: usize, seen: &mut Self) -> Contour {
+        let set = |x: i64, y: i64| x >= 0 && y >= 0 && self.get(x as usize, y as usize);
+        let start = (x as i64, y as i64);
+        let (mut at, mut d) = (start, (1i64, 0i64));
+        let mut line = Vec::new();
+        loop {
+            if d == (1, 0) {
+                let (cx, cy) = (at.0 as usize, at.1 as usize);
+                seen.bits[cy * self.grid.words + cx / 64] |= 1 << (cx % 64);
+            }
+            at = (at.0 + d.0, at.1 + d.1);
+            // The cells ahead, left and right of the direction of travel.
+            let cell = |side: (i64, i64)| {
+                let corner = (2 * at.0 + d.0 + side.0, 2 * at.1 + d.1 + side.1);
+                set((corner.0 - 1).div_euclid(2), (corner.1 - 1).div_euclid(2))
+            };
+            let left = (-d.1, d.0);
+            let turned = if !cell(left) {
+                left
+            } else if cell((d.1, -d.0)) {
+                (d.1, -d.0)
+            } else {
+                d
+            };
+            if turned != d {
+                line.push(self.grid.origin + DVec2::new(at.0 as f64, at.1 as f64) * self.grid.cell_mm);
+                d = turned;
+            }
+            if at == start && d == (1, 0) {
+                return line;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::poly::signed_area_mm2;
+
+    fn grid() -> Grid {
+        Grid::over(Bounds2 { min: DVec2::ZERO, max: DVec2::splat(30.0) }, 0.2)
+    }
+
+    fn square(lo: f64, hi: f64) -> Region {
+        Region::rectangle(DVec2::splat(lo), DVec2::splat(hi))
+    }
+
+    #[test]
+    fn area_of_a_ring_and_back() {
+        let ring = square(5.0, 25.0).difference(&square(10.0, 20.0));
+        let mask = Mask::of(grid(), &ring);
+        assert!((mask.area_mm2() - 300.0).abs() < 1.0, "{}", mask.area_mm2());
+        let lines = mask.contours();
+        assert_eq!(lines.len(), 2);
+        let area: f64 = lines.iter().map(|c| signed_area_mm2(c)).sum();
+        assert!((area - mask.area_mm2()).abs() < 1e-6);
+        assert!(mask.contains(DVec2::splat(7.0)) && !mask.contains(DVec2::splat(15.0)));
+    }
+
+    #[test]
+    fn growing_and_opening() {
+        let mask = Mask::of(grid(), &square(10.0, 20.0));
+        let grown = mask.grown(5).area_mm2();
+        assert!(grown > 142.0 && grown < 144.1, "{grown}");
+        assert_eq!(mask.grown(5).shrunk(5), mask);
+        let sliver = Mask::of(grid(), &Region::rectangle(DVec2::new(0.0, 5.0), DVec2::new(30.0, 5.5)));
+        assert!(!sliver.is_empty() && sliver.opened(2).is_empty());
+        // One cell, and two side by side across a word.
+        let cells = |x: usize, n: usize| {
+            let low = grid().origin() + 0.2 * DVec2::new(x as f64, 30.0);
+            Region::rectangle(low, low + 0.2 * DVec2::new(n as f64, 1.0))
+        };
+        let both = Mask::of(grid(), &cells(20, 1).union(&cells(63, 2)));
+        assert_eq!((both.count(), both.without_lone()), (3, Mask::of(grid(), &cells(63, 2))));
+    }
+
+    #[test]
+    fn convex_shapes_cover_the_cells_that_their_regions_do() {
+        let g = grid();
+        let mut all = Mask::empty(g);
+        for k in 0..40 {
+            let turn = f64::from(k);
+            let (c, along) = (DVec2::new(10.0 + 0.2 * turn, 15.0), crate::math::direction(turn));
+            let (length, half) = (0.2 + 0.2 * turn, 0.17);
+            let across = half * DVec2::new(-along.y, along.x);
+            let corners =
+                vec![c - across, c + length * along - across, c + length * along + across, c + across];
+            let mut one = Mask::empty(g);
+            one.add_convex(&corners);
+            let region: Region = Polygon { outer: corners.clone(), holes: Vec::new() }.into();
+            assert_eq!(one, Mask::of(g, &region), "{k}");
+            assert!(one.is_empty() || one.meets_convex(&corners));
+            let aside: Vec<DVec2> = corners.iter().map(|p| *p + 20.0 * across).collect();
+            assert!(!one.meets_convex(&aside), "{k}");
+            all = all.or(&one);
+        }
+        assert!(all.count() > 500);
+    }
+
+    #[test]
+    fn cells_that_touch_at_corners_stay_apart() {
+        let g = Grid::over(Bounds2 { min: DVec2::ZERO, max: DVec2::splat(4.0) }, 1.0);
+        let two = square(0.0, 1.0).union(&square(1.0, 2.0));
+        assert_eq!(Mask::of(g, &two).contours().len(), 2);
+    }
+}

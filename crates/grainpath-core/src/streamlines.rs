@@ -1,0 +1,337 @@
+//! Lines along a field: one at a time, and evenly spaced.
+
+use std::collections::VecDeque;
+
+use crate::math::pow;
+use crate::{Bounds2, DVec2};
+
+/// How a line is traced.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LineSettings {
+    /// Error allowed in a step, mm.
+    pub tolerance_mm: f64,
+    /// The longest step, mm.
+    pub step_mm: f64,
+    /// Lines end here, mm.
+    pub longest_mm: f64,
+}
+
+/// A traced line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TracedLine {
+    /// Its points, mm.
+    pub points: Vec<DVec2>,
+    /// Whether it came back to where it began; the first point is not repeated then.
+    pub closed: bool,
+}
+
+impl TracedLine {
+    /// Length, mm.
+    pub fn length_mm(&self) -> f64 {
+        let open: f64 = self.points.windows(2).map(|w| w[0].distance(w[1])).sum();
+        let ends = [self.points.first(), self.points.last()];
+        open + if let (true, [Some(a), Some(b)]) = (self.closed, ends) { a.distance(*b) } else { 0.0 }
+    }
+}
+
+/// Dormand and Prince's coefficients.
+const A: [[f64; 6]; 6] = [
+    [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
+    [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
+    [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0],
+    [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
+    [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
+];
+/// Fifth order less fourth.
+const ERROR: [f64; 7] =
+    [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
+
+/// Traces the line through `seed` both ways. `axis` gives the field's axis as a unit vector of either sign, `None`
+/// where the line should end; `stop` may end it too, told each new point and how far it is along.
+pub fn trace_line(
+    seed: DVec2,
+    axis: &dyn Fn(DVec2) -> Option<DVec2>,
+    stop: &dyn Fn(DVec2, f64) -> bool,
+    settings: &LineSettings,
+) -> TracedLine {
+    let Some(first) = axis(seed) else { return TracedLine { points: vec![seed], closed: false } };
+    let (forwards, closed) = half(seed, first, axis, stop, settings);
+    if closed {
+        return TracedLine { points: forwards, closed };
+    }
+    let (mut points, _) = half(seed, -first, axis, stop, settings);
+    points.reverse();
+    points.extend(&forwards[1..]);
+    TracedLine { points, closed: false }
+}
+
+/// One half of a line, and whether it came back to its beginning.
+fn half(
+    seed: DVec2,
+    heading: DVec2,
+    axis: &dyn Fn(DVec2) -> Option<DVec2>,
+    stop: &dyn Fn(DVec2, f64) -> bool,
+    settings: &LineSettings,
+) -> (Vec<DVec2>, bool) {
+    let mut points = vec![seed];
+    let (mut at, mut heading) = (seed, heading);
+    let first = heading;
+    let mut step = 0.25 * settings.step_mm;
+    let mut length = 0.0;
+    let least = 1e-3 * settings.step_mm;
+    let along = |p: DVec2, heading: DVec2| -> Option<DVec2> {
+        let a = axis(p)?;
+        // A line that would turn by a right angle has come to a degenerate point.
+        let c = a.dot(heading);
+        (c.abs() > 0.2).then_some(if c < 0.0 { -a } else { a })
+    };
+    while length < settings.longest_mm {
+        let Some(next) = attempt(at, heading, step, &along) else {
+            // Up to the edge of what is there, in ever smaller steps.
+            step *= 0.5;
+            if step < least {
+                break;
+            }
+            continue;
+        };
+        let (to, onward, error) = next;
+        let ratio = settings.tolerance_mm / error.max(1e-12);
+        let factor = (0.9 * fifth_root(ratio)).clamp(0.3, 2.0);
+        if ratio < 1.0 && step > least {
+            step *= factor;
+            continue;
+        }
+        length += at.distance(to);
+        // Back at the beginning, going the same way?
+        if length > 4.0 * settings.step_mm && onward.dot(first) > 0.8 {
+            let d = to - at;
+            let t = ((seed - at).dot(d) / d.length_squared().max(1e-300)).clamp(0.0, 1.0);
+            if seed.distance(at + t * d) < 0.1 * settings.step_mm {
+                if seed.distance(points[points.len() - 1]) < 0.2 * settings.step_mm {
+                    points.pop();
+                }
+                return (points, true);
+            }
+        }
+        if stop(to, length) {
+            break;
+        }
+        points.push(to);
+        (at, heading) = (to, onward);
+        step = (step * factor).min(settings.step_mm);
+    }
+    (points, false)
+}
+
+/// The fifth root, the same bits everywhere.
+fn fifth_root(x: f64) -> f64 {
+    pow(x, 0.2)
+}
+
+/// One step: where it leads, the heading there, and the error estimated.
+fn attempt(
+    at: DVec2,
+    heading: DVec2,
+    step: f64,
+    along: &dyn Fn(DVec2, DVec2) -> Option<DVec2>,
+) -> Option<(DVec2, DVec2, f64)> {
+    let mut k = [DVec2::ZERO; 7];
+    k[0] = along(at, heading)?;
+    for stage in 0..6 {
+        let p = at + step * (0..=stage).map(|j| A[stage][j] * k[j]).sum::<DVec2>();
+        k[stage + 1] = along(p, k[0])?;
+    }
+    let to = at + step * (0..6).map(|j| A[5][j] * k[j]).sum::<DVec2>();
+    let error = (step * (0..7).map(|j| ERROR[j] * k[j]).sum::<DVec2>()).length();
+    Some((to, k[6], error))
+}
+
+/// How lines are spread.
+pub struct Seeding<'a> {
+    /// Distance wanted between lines at a point, mm.
+    pub separation_mm: &'a dyn Fn(DVec2) -> f64,
+    /// A line ends where it comes nearer to another than this share of the separation. From 0 to 1.
+    pub end_share: f64,
+    /// Lines shorter than this are not kept, mm.
+    pub shortest_mm: f64,
+    /// Whether a line that would have to end is dropped instead of cut.
+    pub whole: bool,
+}
+
+/// Points of lines, for asking what is near.
+struct Near {
+    bounds: Bounds2,
+    cell_mm: f64,
+    nx: usize,
+    ny: usize,
+    cells: Vec<Vec<DVec2>>,
+}
+
+impl Near {
+    fn new(bounds: Bounds2, cell_mm: f64) -> Self {
+        let cell_mm = cell_mm.max(bounds.size().max_element() / 2000.0).max(1e-6);
+        let count = |mm: f64| (mm / cell_mm) as usize + 1;
+        let (nx, ny) = (count(bounds.size().x), count(bounds.size().y));
+        Self { bounds, cell_mm, nx, ny, cells: vec![Vec::new(); nx * ny] }
+    }
+
+    fn cell(&self, p: DVec2) -> (usize, usize) {
+        let q = (p - self.bounds.min) / self.cell_mm;
+        ((q.x.max(0.0) as usize).min(self.nx - 1), (q.y.max(0.0) as usize).min(self.ny - 1))
+    }
+
+    fn add(&mut self, p: DVec2) {
+        let (i, j) = self.cell(p);
+        self.cells[j * self.nx + i].push(p);
+    }
+
+    /// Whether a point lies nearer than `d_mm` to any line.
+    fn any_within(&self, p: DVec2, d_mm: f64) -> bool {
+        let ((i0, j0), (i1, j1)) = (self.cell(p - d_mm), self.cell(p + d_mm));
+        (j0..=j1).any(|j| {
+            (i0..=i1).any(|i| self.cells[j * self.nx + i].iter().any(|q| q.distance_squared(p) < d_mm * d_mm))
+        })
+    }
+}
+
+/// Lines at the distances asked for, everywhere in `bounds` where the field is (Jobard and Lefer): each line offers
+/// seeds to both its sides. The first seeds tried are `seeds`, then a grid, so that no place is forgotten.
+pub fn evenly_spaced(
+    seeds: &[DVec2],
+    bounds: Bounds2,
+    axis: &dyn Fn(DVec2) -> Option<DVec2>,
+    seeding: &Seeding<'_>,
+    settings: &LineSettings,
+) -> Vec<TracedLine> {
+    let middle = (seeding.separation_mm)(bounds.centre());
+    let mut near = Near::new(bounds, middle);
+    let mut lines: Vec<TracedLine> = Vec::new();
+    let mut queue: VecDeque<DVec2> = seeds.iter().copied().collect();
+    let size = bounds.size();
+    let pitch = middle.max(size.max_element() / 1000.0);
+    let (nx, ny) = ((size.x / pitch) as usize + 1, (size.y / pitch) as usize + 1);
+    let mut grid = (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j)));
+    loop {
+        let seed = match queue.pop_front() {
+            Some(seed) => seed,
+            None => match grid.next() {
+                Some((i, j)) => bounds.min + pitch * (DVec2::new(i as f64, j as f64) + 0.5),
+                None => return lines,
+            },
+        };
+        if axis(seed).is_none() {
+            continue;
+        }
+        let separation = (seeding.separation_mm)(seed);
+        if near.any_within(seed, 0.98 * separation) {
+            continue;
+        }
+        let met = std::cell::Cell::new(false);
+        let stop = |p: DVec2, _: f64| {
+            let hit = near.any_within(p, seeding.end_share * (seeding.separation_mm)(p));
+            met.set(met.get() || hit);
+            hit
+        };
+        let line = cut_at_itself(trace_line(seed, axis, &stop, settings), separation * seeding.end_share);
+        if line.length_mm() < seeding.shortest_mm || (seeding.whole && met.get()) {
+            continue;
+        }
+        let n = line.points.len();
+        let segments = if line.closed { n } else { n - 1 };
+        let mut since = f64::INFINITY;
+        for k in 0..segments {
+            let (a, b) = (line.points[k], line.points[(k + 1) % n]);
+            let length = a.distance(b);
+            let steps = (length / (0.25 * separation)).ceil().max(1.0) as usize;
+            for s in 0..steps {
+                near.add(a.lerp(b, s as f64 / steps as f64));
+            }
+            since += length;
+            if since > separation {
+                since = 0.0;
+                let t = (b - a).normalize_or(DVec2::X);
+                let across = DVec2::new(-t.y, t.x) * (seeding.separation_mm)(a);
+                queue.extend([a + across, a - across]);
+            }
+        }
+        near.add(line.points[n - 1]);
+        lines.push(line);
+    }
+}
+
+/// A line that winds past itself nearer than `d_mm`, cut where it does.
+fn cut_at_itself(line: TracedLine, d_mm: f64) -> TracedLine {
+    if line.closed || line.points.len() < 8 {
+        return line;
+    }
+    let Some(bounds) = Bounds2::of(line.points.iter().copied()) else { return line };
+    let mut near = Near::new(bounds, d_mm);
+    let mut waiting: VecDeque<(DVec2, f64)> = VecDeque::new();
+    let mut length = 0.0;
+    for (k, &p) in line.points.iter().enumerate() {
+        if k > 0 {
+            length += p.distance(line.points[k - 1]);
+        }
+        // Its own last stretch is always near.
+        while waiting.front().is_some_and(|w| length - w.1 > 3.0 * d_mm) {
+            if let Some((q, _)) = waiting.pop_front() {
+                near.add(q);
+            }
+        }
+        if near.any_within(p, d_mm) {
+            return TracedLine { points: line.points[..k].to_vec(), closed: false };
+        }
+        waiting.push_back((p, length));
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::cross;
+
+    const SETTINGS: LineSettings = LineSettings { tolerance_mm: 1e-5, step_mm: 1.0, longest_mm: 1e3 };
+
+    #[test]
+    fn a_circle_closes_and_a_saddle_follows_its_hyperbola() {
+        let around = |p: DVec2| DVec2::new(-p.y, p.x).try_normalize();
+        let line = trace_line(DVec2::new(10.0, 0.0), &around, &|_, _| false, &SETTINGS);
+        assert!(line.closed);
+        assert!((line.length_mm() - std::f64::consts::TAU * 10.0).abs() < 0.5, "{}", line.length_mm());
+        assert!(line.points.iter().all(|p| (p.length() - 10.0).abs() < 1e-3));
+        let saddle = |p: DVec2| (p.length() < 20.0).then(|| DVec2::new(p.x, -p.y).normalize_or(DVec2::X));
+        let line = trace_line(DVec2::new(2.0, 3.0), &saddle, &|_, _| false, &SETTINGS);
+        assert!(line.points.iter().all(|p| (p.x * p.y - 6.0).abs() < 1e-2));
+        assert!(line.points[0].length() > 19.9 && line.points[line.points.len() - 1].length() > 19.9);
+    }
+
+    #[test]
+    fn evenly_spaced_lines_are_neither_near_nor_far() {
+        let bounds = Bounds2 { min: DVec2::ZERO, max: DVec2::new(40.0, 30.0) };
+        let axis = |p: DVec2| {
+            let inside = p.cmpge(bounds.min).all() && p.cmple(bounds.max).all();
+            inside.then(|| DVec2::new(1.0, 0.02 * (p.x - 20.0)).normalize())
+        };
+        let separation = |_| 2.0;
+        let seeding = Seeding { separation_mm: &separation, end_share: 0.6, shortest_mm: 3.0, whole: false };
+        let lines = evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &SETTINGS);
+        assert!((12..=20).contains(&lines.len()), "{}", lines.len());
+        for (i, a) in lines.iter().enumerate() {
+            for b in &lines[i + 1..] {
+                for (p, q) in a.points.iter().flat_map(|p| b.points.iter().map(move |q| (p, q))) {
+                    assert!(p.distance(*q) > 1.1, "{p} {q}");
+                }
+                for w in a.points.windows(2) {
+                    for v in b.points.windows(2) {
+                        let (d, e) = (w[1] - w[0], v[1] - v[0]);
+                        let sides =
+                            |o: DVec2, d: DVec2, p: DVec2, q: DVec2| cross(d, p - o) * cross(d, q - o);
+                        assert!(sides(w[0], d, v[0], v[1]) > 0.0 || sides(v[0], e, w[0], w[1]) > 0.0);
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! The corners of a board on a plain ground.
+
+use grainpath_core::DVec2;
+use grainpath_core::math::cross;
+
+use super::warp::Homography;
+use crate::raster::Grey;
+
+/// Why corners could not be found.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum CornersNotFound {
+    #[error("no outline of a board found: {problem}; give corners_px, or photograph it on a plain ground")]
+    Outline { problem: &'static str },
+    #[error("{found} of the sheet's 4 corner markers found; give corners_px, or show all four")]
+    Markers { found: usize },
+}
+
+/// Pictures are searched at about this size.
+const SEARCH_PX: usize = 700;
+
+/// The corners of the largest thing that differs from the ground along the picture's border: upper left, upper right,
+/// lower right, lower left.
+///
+/// The ground is learnt from the border; what differs is made into a mask, its largest piece's hull is fitted with
+/// four lines, and each line is moved to where the brightness changes fastest across it.
+///
+/// # Errors
+/// [`CornersNotFound`] when nothing stands out, when it touches the border, or when it is not four-sided.
+pub fn find_corners(photo: &Grey) -> Result<[DVec2; 4], CornersNotFound> {
+    let wrong = |problem| CornersNotFound::Outline { problem };
+    let (small, level) = shrunk(photo);
+    let small = small.median(2).blurred(1.0);
+    let mask = foreground(&small).ok_or(wrong("nothing stands out from the ground"))?;
+    let piece = largest_piece(&mask, small.width, small.height);
+    if piece.len() < small.data.len() / 50 {
+        return Err(wrong("what stands out is too small"));
+    }
+    let touches = |&k: &usize| {
+        let (x, y) = (k % small.width, k / small.width);
+        x == 0 || y == 0 || x + 1 == small.width || y + 1 == small.height
+    };
+    if piece.iter().filter(|k| touches(k)).count() > 4 {
+        return Err(wrong("it reaches the photograph's border"));
+    }
+    let hull = hull(&piece, small.width);
+    let rough = four_sides(&hull).ok_or(wrong("what stands out is not four-sided"))?;
+    let area = 0.5 * cross(rough[2] - rough[0], rough[3] - rough[1]).abs();
+    if (piece.len() as f64) < 0.9 * area {
+        return Err(wrong("what stands out is not four-sided"));
+    }
+    let corners = rough.map(|p| p * level);
+    Ok(sorted(refined(photo, corners, 4.0 * level)))
+}
+
+/// A picture of a size to search in, and how much smaller it is.
+pub(super) fn shrunk(photo: &Grey) -> (Grey, f64) {
+    let (mut small, mut level) = (photo.clone(), 1.0);
+    while small.width.max(small.height) > 2 * SEARCH_PX {
+        small = small.halved();
+        level *= 2.0;
+    }
+    (small, level)
+}
+
+/// What differs from the ground: brightness off by more than the border's own spread, by Otsu's split of the
+/// differences. `None` when there is no split.
+fn foreground(grey: &Grey) -> Option<Vec<bool>> {
+    let (w, h) = (grey.width, grey.height);
+    if w < 16 || h < 16 {
+        return None;
+    }
+    let mut border: Vec<f32> = (0..w).flat_map(|x| [grey.at(x, 0), grey.at(x, h - 1)]).collect();
+    border.extend((0..h).flat_map(|y| [grey.at(0, y), grey.at(w - 1, y)]));
+    let ground = crate::raster::quantile(&mut border, 0.5);
+    let off: Vec<f32> = grey.data.iter().map(|v| (v - ground).abs()).collect();
+    let mut spread: Vec<f32> = border.iter().map(|v| (v - ground).abs()).collect();
+    let rough = crate::raster::quantile(&mut spread, 0.95);
+    let threshold = otsu(&off).max(1.3 * rough);
+    let n = off.iter().filter(|v| **v > threshold).count();
+    let stands_out = threshold > 0.02 && n > off.len() / 50 && n < off.len() * 49 / 50;
+    stands_out.then(|| off.iter().map(|v| *v > threshold).collect())
+}
+
+/// The value that splits numbers from 0 to 1 into two groups as far apart as can be.
+fn otsu(values: &[f32]) -> f32 {
+    const BINS: usize = 256;
+    let mut counts = [0u64; BINS];
+    values.iter().for_each(|v| counts[((v * BINS as f32) as usize).min(BINS - 1)] += 1);
+    let total = values.len() as f64;
+    let all: f64 = counts.iter().enumerate().map(|(i, c)| i as f64 * *c as f64).sum();
+    let (mut below, mut sum, mut best) = (0.0, 0.0, (0.0, 0));
+    for (i, &c) in counts.iter().enumerate() {
+        below += c as f64;
+        sum += i as f64 * c as f64;
+        let above = total - below;
+        if below > 0.0 && above > 0.0 {
+            let d = sum / below - (all - sum) / above;
+            let apart = below * above * d * d;
+            if apart > best.0 {
+                best = (apart, i);
+            }
+        }
+    }
+    (best.1 as f32 + 1.0) / BINS as f32
+}
+
+/// The pixels of the largest connected piece of a mask.
+pub(super) fn largest_piece(mask: &[bool], w: usize, h: usize) -> Vec<usize> {
+    pieces(mask, w, h).into_iter().fold(Vec::new(), |best, p| if p.len() > best.len() { p } else { best })
+}
+
+/// The connected pieces of a mask.
+pub(super) fn pieces(mask: &[bool], w: usize, h: usize) -> Vec<Vec<usize>> {
+    let mut left = mask.to_vec();
+    let mut out = Vec::new();
+    for start in 0..w * h {
+        if !left[start] {
+            continue;
+        }
+        left[start] = false;
+        let (mut piece, mut next) = (vec![start], 0);
+        while next < piece.len() {
+            let k = piece[next];
+            next += 1;
+            let (x, y) = (k % w, k / w);
+            let around = [
+                (x > 0).then(|| k - 1),
+                (x + 1 < w).then(|| k + 1),
+                (y > 0).then(|| k - w),
+                (y + 1 < h).then(|| k + w),
+            ];
+            for n in around.into_iter().flatten() {
+                if left[n] {
+                    left[n] = false;
+                    piece.push(n);
+                }
+            }
+        }
+        out.push(piece);
+    }
+    out
+}
+
+/// The convex hull of pixels' centres, clockwise as seen (rows downwards).
+pub(super) fn hull(pixels: &[usize], w: usize) -> Vec<DVec2> {
+    let mut points: Vec<DVec2> =
+        pixels.iter().map(|k| DVec2::new((k % w) as f64 + 0.5, (k / w) as f64 + 0.5)).collect();
+    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let half = |points: &mut dyn Iterator<Item = DVec2>| {
+        let mut chain: Vec<DVec2> = Vec::new();
+        for p in points {
+            while chain.len() > 1 && {
+                let (a, b) = (chain[chain.len() - 2], chain[chain.len() - 1]);
+                cross(b - a, p - b) <= 0.0
+            } {
+                chain.pop();
+            }
+            chain.push(p);
+        }
+        chain.pop();
+        chain
+    };
+    let mut out = half(&mut points.iter().copied());
+    out.extend(half(&mut points.iter().rev().copied()));
+    out
+}
+
+/// The corners of the quadrilateral that a hull is nearly: sides are taken away, cheapest first, and their
+/// neighbours lengthened until they meet.
+pub(super) fn four_sides(hull: &[DVec2]) -> Option<[DVec2; 4]> {
+    let mut ring = hull.to_vec();
+    while ring.len() > 4 {
+        let n = ring.len();
+        let cost = |i: usize| {
+            let [a, b, c, d] = [ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n], ring[(i + 2) % n]];
+            let tip = meet(a, b, c, d)?;
+            Some((0.5 * cross(tip - b, c - b).abs(), tip))
+        };
+        let best = (0..n).filter_map(|i| cost(i).map(|(area, tip)| (area, i, tip)));
+        let (_, i, tip) = best.fold(
+            None,
+            |best: Option<(f64, usize, DVec2)>, c| {
+                if best.is_none_or(|b| c.0 < b.0) { Some(c) } else { best }
+            },
+        )?;
+        ring[i] = tip;
+        ring.remove((i + 1) % n);
+    }
+    ring.try_into().ok()
+}
+
+/// Where the lines a-b and d-c, lengthened beyond b and c, meet.
+fn meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<DVec2> {
+    let (u, v) = (b - a, c - d);
+    let denominator = cross(u, v);
+    if denominator.abs() < 1e-9 * u.length() * v.length() {
+        return None;
+    }
+    let t = cross(d - a, v) / denominator;
+    (t >= 1.0).then(|| a + t * u)
+}
+
+/// Moves each side to where the brightness changes fastest across it, and gives where they meet then.
+pub(super) fn refined(photo: &Grey, corners: [DVec2; 4], reach: f64) -> [DVec2; 4] {
+    const SAMPLES: usize = 60;
+    let side = |k: usize| -> (DVec2, DVec2) {
+        let (a, b) = (corners[k], corners[(k + 1) % 4]);
+        let along = (b - a).normalize_or_zero();
+        let normal = DVec2::new(-along.y, along.x);
+        let mut found = Vec::new();
+        for i in 0..SAMPLES {
+            let p = a.lerp(b, 0.06 + 0.88 * (i as f64 + 0.5) / SAMPLES as f64);
+            let at = |t: f64| f64::from(photo.sample(p.x + t * normal.x, p.y + t * normal.y));
+            let steps = (2.0 * reach) as i32 * 2;
+            // Slopes over three pixels, every half pixel.
+            let slope = |k: i32| {
+                let t = f64::from(k) * 0.5;
+                (at(t + 1.5) + at(t + 0.75) - at(t - 0.75) - at(t - 1.5)).abs()
+            };
+            let best = (-steps / 2..=steps / 2).fold((0.0, 0), |best, k| {
+                let s = slope(k);
+                if s > best.0 { (s, k) } else { best }
+            });
+            let (before, after) = (slope(best.1 - 1), slope(best.1 + 1));
+            let bend = before - 2.0 * best.0 + after;
+            let shift = if bend < -1e-9 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
+            if best.0 > 0.05 {
+                found.push(p + 0.5 * (f64::from(best.1) + shift) * normal);
+            }
+        }
+        fit_line(&found).unwrap_or((a, b))
+    };
+    let sides = [side(0), side(1), side(2), side(3)];
+    std::array::from_fn(|k| {
+        let ((a, b), (c, d)) = (sides[(k + 3) % 4], sides[k]);
+        let (u, v) = (b - a, d - c);
+        let denominator = cross(u, v);
+        if denominator.abs() < 1e-9 { corners[k] } else { a + cross(c - a, v) / denominator * u }
+    })
+}
+
+/// Two points of the line nearest to these, those farthest off left out three times. `None` for too few.
+fn fit_line(points: &[DVec2]) -> Option<(DVec2, DVec2)> {
+    let mut kept = points.to_vec();
+    let mut line = None;
+    for _ in 0..4 {
+        if kept.len() < 8 {
+            return None;
+        }
+        let centre = kept.iter().copied().sum::<DVec2>() / kept.len() as f64;
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        for d in kept.iter().map(|p| *p - centre) {
+            (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
+        }
+        let angle = 0.5 * grainpath_core::math::atan2(2.0 * xy, xx - yy);
+        let along = grainpath_core::math::direction(angle);
+        line = Some((centre, centre + along));
+        let off = |p: &DVec2| cross(along, *p - centre).abs();
+        let mut all: Vec<f64> = kept.iter().map(off).collect();
+        all.sort_by(f64::total_cmp);
+        let limit = (2.5 * all[all.len() / 2]).max(0.3);
+        kept.retain(|p| off(p) <= limit);
+    }
+    line
+}
+
+/// Four corners as upper left, upper right, lower right, lower left.
+pub(super) fn sorted(mut corners: [DVec2; 4]) -> [DVec2; 4] {
+    if cross(corners[2] - corners[0], corners[3] - corners[1]) < 0.0 {
+        corners.reverse();
+    }
+    // The upper left one is nearest to the picture's upper left corner.
+    let first = (0..4).fold(0, |best, k| {
+        let sum = |k: usize| corners[k].x + corners[k].y;
+        if sum(k) < sum(best) { k } else { best }
+    });
+    corners.rotate_left(first);
+    corners
+}
+
+/// Where the points of a unit square lie in a quadrilateral, for drawing and reading what is on it.
+pub(super) fn square_to(corners: [DVec2; 4]) -> Option<Homography> {
+    Homography::from_points([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from), corners)
+}

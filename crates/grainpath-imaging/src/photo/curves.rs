@@ -1,0 +1,377 @@
+//! Edge points to curves.
+
+use grainpath_core::DVec2;
+use grainpath_core::math::cos;
+use grainpath_core::poly::{length_mm, resampled};
+
+use super::warp::MetricImage;
+use crate::canny::Edges;
+use crate::tensor::AxisGrid;
+
+/// How edge points become curves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Join {
+    /// Along the edges, from neighbour to neighbour in the direction of the edge.
+    Trace,
+    /// From each point to the nearest that is left, wherever that lies: the published method.
+    Nearest,
+}
+
+/// What is kept of the curves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurveSettings {
+    /// How points are joined.
+    pub join: Join,
+    /// Curves are cut where they turn by more than this in a step, radians.
+    pub max_turn_rad: f64,
+    /// Ends that face each other over gaps up to this are joined, mm.
+    pub bridge_mm: f64,
+    /// Shorter curves are dropped, mm.
+    pub min_length_mm: f64,
+}
+
+/// Curves along the edges of a rectified picture, in its millimetres, longest first.
+pub fn edge_curves(edges: &Edges, image: &MetricImage, settings: &CurveSettings) -> Vec<Vec<DVec2>> {
+    let chains = match settings.join {
+        Join::Trace => trace(edges),
+        Join::Nearest => join_nearest(&edges.crests().into_iter().map(DVec2::from).collect::<Vec<_>>()),
+    };
+    let mut curves: Vec<Vec<DVec2>> = Vec::new();
+    for chain in chains {
+        for piece in cut_strays(&smoothed(&chain), settings.max_turn_rad) {
+            curves.push(piece.into_iter().map(|p| image.place(p.x, p.y)).collect());
+        }
+    }
+    // What is shorter than a few pixels has no direction to go on in.
+    curves.retain(|c| length_mm(c) > (0.25 * settings.min_length_mm).max(3.0 * image.px_mm));
+    let mut curves: Vec<Vec<DVec2>> =
+        bridged(curves, settings.bridge_mm).iter().map(|c| softened(c, image.px_mm)).collect();
+    curves.retain(|c| length_mm(c) >= settings.min_length_mm);
+    longest_first(&mut curves);
+    curves
+}
+
+/// A curve with points every 1.5 pixels or 0.15 mm, and what is shorter than a few of them smoothed away.
+fn softened(curve: &[DVec2], px_mm: f64) -> Vec<DVec2> {
+    let even = resampled(curve, (1.5 * px_mm).max(0.15));
+    (0..3).fold(even, |line, _| smoothed(&line))
+}
+
+/// Cuts curves where they leave the grain: where it is clear and its axis is more than `off_rad` from theirs. Pieces
+/// shorter than `min_length_mm` are dropped; the longest come first.
+pub fn along_grain(
+    curves: Vec<Vec<DVec2>>,
+    axes: &AxisGrid,
+    off_rad: f64,
+    min_length_mm: f64,
+) -> Vec<Vec<DVec2>> {
+    let mut out = Vec::new();
+    let near = cos(2.0 * off_rad);
+    for curve in curves {
+        let n = curve.len();
+        let strays = |k: usize| {
+            let d = curve[(k + 3).min(n - 1)] - curve[k.saturating_sub(3)];
+            let s = axes.sample(curve[k]);
+            // Of doubled angles the cosine is enough.
+            let [x, y] = s.double;
+            let along = x * (d.x * d.x - d.y * d.y) + y * 2.0 * d.x * d.y;
+            s.coherence > CLEAR && along < near * (x * x + y * y).sqrt() * d.length_squared()
+        };
+        let mut piece = Vec::new();
+        for k in 0..n {
+            if strays(k) {
+                out.push(std::mem::take(&mut piece));
+            } else {
+                piece.push(curve[k]);
+            }
+        }
+        out.push(piece);
+    }
+    out.retain(|c| length_mm(c) >= min_length_mm);
+    longest_first(&mut out);
+    out
+}
+
+fn longest_first(curves: &mut Vec<Vec<DVec2>>) {
+    let mut lengths: Vec<(f64, Vec<DVec2>)> = curves.drain(..).map(|c| (length_mm(&c), c)).collect();
+    lengths.sort_by(|a, b| b.0.total_cmp(&a.0));
+    curves.extend(lengths.into_iter().map(|(_, c)| c));
+}
+
+/// From this coherence on the grain's axis is clear.
+const CLEAR: f64 = 0.3;
+
+/// Follows every edge from pixel to pixel, both ways from where it is met first, as straight as it can.
+fn trace(edges: &Edges) -> Vec<Vec<DVec2>> {
+    let mut done = vec![false; edges.mask.len()];
+    let mut out = Vec::new();
+    for start in 0..edges.mask.len() {
+        if !edges.mask[start] || done[start] {
+            continue;
+        }
+        done[start] = true;
+        let (p, along) = edges.crest(start);
+        let (p, along) = (DVec2::from(p), DVec2::from(along));
+        let mut line = walk(edges, start, -along, &mut done);
+        line.reverse();
+        line.push(p);
+        line.extend(walk(edges, start, along, &mut done));
+        if line.len() > 3 {
+            out.push(line);
+        }
+    }
+    out
+}
+
+/// Turns sharper than this end a walk: the cosine of the angle to where it was going.
+const STRAIGHT: f64 = 0.4;
+
+fn walk(edges: &Edges, start: usize, heading: DVec2, done: &mut [bool]) -> Vec<DVec2> {
+    let centre = |k: usize| DVec2::new((k % edges.width) as f64, (k / edges.width) as f64);
+    let (mut at, mut heading) = (start, heading);
+    let mut out = Vec::new();
+    loop {
+        let step = |n: usize| (centre(n) - centre(at)).normalize_or_zero().dot(heading);
+        let free = edges.next_to(at).filter(|&n| !done[n]);
+        let next = free.fold(None, |best: Option<(f64, usize)>, n| {
+            let s = step(n);
+            if best.is_none_or(|(b, _)| s > b) { Some((s, n)) } else { best }
+        });
+        let Some((straight, next)) = next else { return out };
+        if straight < STRAIGHT {
+            return out;
+        }
+        done[next] = true;
+        // Pixels beside the step belong to the same edge where it is two pixels thick.
+        let beside: Vec<usize> = edges
+            .next_to(at)
+            .filter(|&n| !done[n] && centre(n).distance_squared(centre(next)) < 1.5 && step(n) > STRAIGHT)
+            .collect();
+        beside.into_iter().for_each(|n| done[n] = true);
+        let (p, along) = edges.crest(next);
+        out.push(DVec2::from(p));
+        let along = DVec2::from(along);
+        let along = if along.dot(heading) < 0.0 { -along } else { along };
+        // The edge's own direction, and some of where the walk came from, against noise.
+        heading = (0.5 * along + 0.5 * heading).normalize_or_zero();
+        at = next;
+    }
+}
+
+/// Joins each point to the nearest that is left, until none is left.
+fn join_nearest(points: &[DVec2]) -> Vec<Vec<DVec2>> {
+    const CELL: f64 = 4.0;
+    const FAR: f64 = 12.0;
+    let Some(bounds) = grainpath_core::Bounds2::of(points.iter().copied()) else { return Vec::new() };
+    let count = |v: f64| (v / CELL) as usize + 1;
+    let (nx, ny) = (count(bounds.size().x), count(bounds.size().y));
+    let cell = |p: DVec2| (((p.x - bounds.min.x) / CELL) as usize, ((p.y - bounds.min.y) / CELL) as usize);
+    let mut cells: Vec<Vec<u32>> = vec![Vec::new(); nx * ny];
+    for (i, &p) in points.iter().enumerate() {
+        let (x, y) = cell(p);
+        cells[y * nx + x].push(i as u32);
+    }
+    let mut out = Vec::new();
+    let mut left = vec![true; points.len()];
+    for start in 0..points.len() {
+        if !left[start] {
+            continue;
+        }
+        let mut line = vec![points[start]];
+        let mut at = start;
+        left[start] = false;
+        loop {
+            let (x, y) = cell(points[at]);
+            let reach = (FAR / CELL) as usize;
+            let mut best = (FAR * FAR, usize::MAX);
+            for r in 0..=reach {
+                // A ring of cells at a time: once something is nearer than the ring, no further one matters.
+                if best.0.sqrt() < (r as f64 - 1.0) * CELL {
+                    break;
+                }
+                for j in y.saturating_sub(r)..=(y + r).min(ny - 1) {
+                    for i in x.saturating_sub(r)..=(x + r).min(nx - 1) {
+                        if i.abs_diff(x).max(j.abs_diff(y)) != r {
+                            continue;
+                        }
+                        cells[j * nx + i].retain(|&k| left[k as usize]);
+                        for &k in &cells[j * nx + i] {
+                            let d = points[k as usize].distance_squared(points[at]);
+                            if d < best.0 {
+                                best = (d, k as usize);
+                            }
+                        }
+                    }
+                }
+            }
+            if best.1 == usize::MAX {
+                break;
+            }
+            at = best.1;
+            left[at] = false;
+            line.push(points[at]);
+        }
+        out.push(line);
+    }
+    out
+}
+
+/// The mean of five points for each, the ends left where they are: takes out what is left of the pixels.
+fn smoothed(line: &[DVec2]) -> Vec<DVec2> {
+    let n = line.len();
+    (0..n)
+        .map(|i| {
+            let r = 2.min(i).min(n - 1 - i);
+            let window = &line[i - r..=i + r];
+            window.iter().copied().sum::<DVec2>() / window.len() as f64
+        })
+        .collect()
+}
+
+/// Longer steps than this, in pixels, are jumps from one edge to another.
+const JUMP_PX: f64 = 3.0;
+
+/// Cuts a line where it jumps or turns back on itself.
+fn cut_strays(line: &[DVec2], max_turn_rad: f64) -> Vec<Vec<DVec2>> {
+    let straight = cos(max_turn_rad);
+    let mut out = Vec::new();
+    let mut piece: Vec<DVec2> = Vec::new();
+    for &p in line {
+        let jumps = piece.last().is_some_and(|q| q.distance(p) > JUMP_PX);
+        // The heading over several points: one step of a pixel turns by 45 degrees at every stair.
+        let turns = piece.len() > 6 && {
+            let n = piece.len();
+            let before = (piece[n - 1] - piece[n - 6]).normalize_or_zero();
+            let step = p - piece[n - 3];
+            step.length() > 0.7 && before.dot(step.normalize_or_zero()) < straight
+        };
+        if jumps || turns {
+            out.push(std::mem::take(&mut piece));
+        }
+        piece.push(p);
+    }
+    out.push(piece);
+    out.retain(|p| p.len() > 3);
+    out
+}
+
+/// Where a curve ends and where it was going.
+struct End {
+    curve: usize,
+    at_start: bool,
+    p: DVec2,
+    outwards: DVec2,
+}
+
+/// Joins curves whose ends face each other, nearest pairs first.
+fn bridged(curves: Vec<Vec<DVec2>>, gap_mm: f64) -> Vec<Vec<DVec2>> {
+    if gap_mm <= 0.0 || curves.len() < 2 {
+        return curves;
+    }
+    let mut ends = Vec::with_capacity(2 * curves.len());
+    for (curve, c) in curves.iter().enumerate() {
+        let back = 8.min(c.len() - 1);
+        let (first, last) = (c[0], c[c.len() - 1]);
+        ends.push(End { curve, at_start: true, p: first, outwards: (first - c[back]).normalize_or_zero() });
+        let inner = c[c.len() - 1 - back];
+        ends.push(End { curve, at_start: false, p: last, outwards: (last - inner).normalize_or_zero() });
+    }
+    let mut pairs = facing_pairs(&ends, gap_mm);
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
+    let mut partner = vec![usize::MAX; ends.len()];
+    let mut group: Vec<usize> = (0..curves.len()).collect();
+    for (_, a, b) in pairs {
+        let (ga, gb) = (root(&mut group, ends[a].curve), root(&mut group, ends[b].curve));
+        if partner[a] == usize::MAX && partner[b] == usize::MAX && ga != gb {
+            (partner[a], partner[b]) = (b, a);
+            group[ga.max(gb)] = ga.min(gb);
+        }
+    }
+    // End 2k is the start of curve k, end 2k + 1 its last point.
+    let mut used = vec![false; curves.len()];
+    let mut out = Vec::new();
+    for first in 0..curves.len() {
+        if used[first] {
+            continue;
+        }
+        // To one end of the chain, then along it.
+        let mut end = 2 * first;
+        while partner[end] != usize::MAX {
+            end = partner[end] ^ 1;
+        }
+        let mut line: Vec<DVec2> = Vec::new();
+        loop {
+            let e = &ends[end];
+            used[e.curve] = true;
+            let points = curves[e.curve].iter().copied();
+            if e.at_start {
+                line.extend(points)
+            } else {
+                line.extend(points.rev())
+            }
+            match partner[end ^ 1] {
+                usize::MAX => break,
+                next => end = next,
+            }
+        }
+        out.push(line);
+    }
+    out
+}
+
+fn root(group: &mut [usize], mut k: usize) -> usize {
+    while group[k] != k {
+        group[k] = group[group[k]];
+        k = group[k];
+    }
+    k
+}
+
+/// Pairs of ends near each other that look at each other, with a cost that grows with distance and bend.
+fn facing_pairs(ends: &[End], gap_mm: f64) -> Vec<(f64, usize, usize)> {
+    let mut order: Vec<usize> = (0..ends.len()).collect();
+    order.sort_by(|&a, &b| ends[a].p.x.total_cmp(&ends[b].p.x).then(a.cmp(&b)));
+    let mut pairs = Vec::new();
+    for (i, &a) in order.iter().enumerate() {
+        for &b in order[i + 1..].iter().take_while(|&&b| ends[b].p.x - ends[a].p.x <= gap_mm) {
+            let (ea, eb) = (&ends[a], &ends[b]);
+            let d = eb.p - ea.p;
+            let gap = d.length();
+            if ea.curve == eb.curve || gap > gap_mm {
+                continue;
+            }
+            let opposite = -ea.outwards.dot(eb.outwards);
+            let u = if gap > 1e-9 { d / gap } else { ea.outwards };
+            let ahead = ea.outwards.dot(u).min(-eb.outwards.dot(u));
+            if opposite > 0.85 && ahead > 0.85 {
+                pairs.push((gap * (2.0 - ahead), a.min(b), a.max(b)));
+            }
+        }
+    }
+    pairs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::canny::{CannySettings, canny};
+    use crate::photo::warp::MetricImage;
+    use crate::raster::Grey;
+
+    const SETTINGS: CurveSettings =
+        CurveSettings { join: Join::Trace, max_turn_rad: 1.0, bridge_mm: 1.0, min_length_mm: 3.0 };
+
+    #[test]
+    fn a_ring_and_a_line_stay_what_they_are() {
+        let grey = Grey::from_fn(200, 120, |x, y| {
+            let d = ((x as f64 - 60.0).powi(2) + (y as f64 - 60.0).powi(2)).sqrt();
+            if d < 30.0 || x > 150 { 1.0 } else { 0.0 }
+        })
+        .blurred(1.2);
+        let image = MetricImage { grey, min_mm: DVec2::ZERO, px_mm: 1.0 };
+        let edges = canny(&image.grey, &CannySettings::default());
+        let curves = edge_curves(&edges, &image, &CurveSettings { bridge_mm: 4.0, ..SETTINGS });
+        assert_eq!(curves.len(), 2, "{:?}", curves.iter().map(|c| length_mm(c)).collect::<Vec<_>>());
+        assert!((length_mm(&curves[0]) - 60.0 * std::f64::consts::PI).abs() < 6.0);
+    }
+}

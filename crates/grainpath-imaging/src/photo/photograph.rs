@@ -1,0 +1,83 @@
+//! A photograph as it was taken.
+
+use std::borrow::Cow;
+
+use grainpath_io::image::{Image, Samples};
+use rayon::prelude::*;
+
+use super::warp::Shrinking;
+use crate::raster::{Grey, half};
+
+/// A photograph as it was taken, in grey, rows from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Photo {
+    /// What errors and reports call it.
+    pub name: String,
+    light: Light,
+}
+
+/// Brightness as the file has it: a large photograph is shrunk next, and a quarter of the memory takes a quarter of
+/// the time.
+#[derive(Debug, Clone, PartialEq)]
+enum Light {
+    /// Pixels in a row, rows, and their brightness: 0 black to 255 white.
+    Bytes([usize; 2], Vec<u8>),
+    Floats(Grey),
+}
+
+impl Photo {
+    /// A photograph of a grey picture.
+    pub fn new(name: String, grey: Grey) -> Self {
+        Self { name, light: Light::Floats(grey) }
+    }
+
+    /// The grey of an image; floats are stretched from their least to their largest value.
+    pub fn of(name: String, image: Image) -> Self {
+        let (width, height) = (image.width, image.height);
+        let samples = match image.samples {
+            Samples::U8(bytes) if image.channels == 1 => {
+                return Self { name, light: Light::Bytes([width, height], bytes) };
+            }
+            other => other,
+        };
+        let image = Image { samples, ..image };
+        let mut data = image.to_grey_f32();
+        let (mut low, mut high) = (0.0, image.samples.full_scale());
+        if matches!(image.samples, Samples::F32(_)) {
+            let finite = || data.iter().copied().filter(|v| v.is_finite());
+            (low, high) =
+                (finite().fold(f32::INFINITY, f32::min), finite().fold(f32::NEG_INFINITY, f32::max));
+        }
+        let range = if high > low { high - low } else { 1.0 };
+        data.par_iter_mut().for_each(|v| *v = if v.is_finite() { (*v - low) / range } else { 0.0 });
+        Self { name, light: Light::Floats(Grey { width, height, data }) }
+    }
+}
+
+impl Shrinking for Photo {
+    fn size(&self) -> [usize; 2] {
+        match &self.light {
+            Light::Bytes(size, _) => *size,
+            Light::Floats(grey) => [grey.width, grey.height],
+        }
+    }
+
+    fn whole(&self) -> Cow<'_, Grey> {
+        match &self.light {
+            &Light::Bytes([width, height], ref bytes) => {
+                let data = bytes.par_iter().map(|&b| f32::from(b) / 255.0).collect();
+                Cow::Owned(Grey { width, height, data })
+            }
+            Light::Floats(grey) => Cow::Borrowed(grey),
+        }
+    }
+
+    fn halved(&self) -> Grey {
+        match &self.light {
+            Light::Bytes(size, bytes) => half(bytes, *size, 0.25 / 255.0, |[a, b, c, d]| {
+                f32::from((u16::from(a) + u16::from(b)) + (u16::from(c) + u16::from(d)))
+            }),
+            Light::Floats(grey) => grey.halved(),
+        }
+    }
+}

@@ -1,0 +1,710 @@
+//! CT stacks to layers without a mesh: slices are traced one after another and released.
+
+mod correspond;
+mod edges;
+mod error;
+mod matching;
+mod sheet;
+mod split;
+mod survey;
+pub mod texture;
+mod trace;
+
+use std::sync::Arc;
+use std::sync::mpsc::sync_channel;
+
+use grainpath_core::diagnostics::Stage;
+use grainpath_core::poly::{FillRule, signed_area_mm2};
+use grainpath_core::slices::{SliceError, SliceSource};
+use grainpath_core::{Contour, DVec2, Diagnostics, Layer, LayerStack, Region, Warning, WarningId};
+use rayon::prelude::*;
+
+pub use crate::distance::{Raster, signed_distance};
+pub use crate::smooth::Smoothing;
+pub use crate::threshold::Histogram;
+pub use edges::CannySettings;
+pub use error::ScanError;
+pub use matching::{Events, Group, MatchSettings, Slab, match_entities};
+pub use sheet::ContactSheet;
+pub use trace::Grid;
+
+use error::wrong;
+use survey::{Lattice, Survey};
+
+/// Where the part's border lies among the grey values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Threshold {
+    /// By the histogram, Otsu 1979.
+    Otsu,
+    /// Halfway between the two commonest materials, found or given.
+    Iso50(Option<[f64; 2]>),
+    /// From this grey value up.
+    Value(f64),
+    /// Between these.
+    Range(f64, f64),
+}
+
+/// How noise is taken out; see [`Smoothing`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Denoise {
+    /// Not at all.
+    None,
+    /// Gaussian, px.
+    Gaussian(f64),
+    /// Median of 3 x 3.
+    Median,
+    /// Keeps edges.
+    Edges,
+}
+
+/// How contours are found in a slice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tracing {
+    /// Where the grey value crosses the threshold, between pixels.
+    Iso,
+    /// Canny's edges, as in the paper.
+    Canny,
+}
+
+/// What lies between slices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Interpolation {
+    /// Grey values where slices lie as close as pixels, else matched contours.
+    Auto,
+    /// Grey values, mixed.
+    Grey,
+    /// Contours, matched and moved.
+    Matched,
+    /// Signed distances, mixed.
+    Distance,
+}
+
+impl Interpolation {
+    /// The word of the setting.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Grey => "grey",
+            Self::Matched => "matched",
+            Self::Distance => "distance",
+        }
+    }
+}
+
+/// How a scan becomes layers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CtSettings {
+    /// The section of the job these come from, for messages.
+    pub section: &'static str,
+    /// Distance of voxels in x, y, z where it is not the file's, mm.
+    pub spacing_mm: [Option<f64>; 3],
+    /// Factor on all lengths.
+    pub scale: f64,
+    /// First and last slice that are taken, counted from 0.
+    pub window: Option<[usize; 2]>,
+    /// First column, first row, last column, last row that are taken, counted from 0.
+    pub crop_px: Option<[usize; 4]>,
+    /// Mirror x, y, z.
+    pub flip: [bool; 3],
+    /// Where the border lies.
+    pub threshold: Threshold,
+    /// Noise.
+    pub denoise: Denoise,
+    /// How contours are found.
+    pub tracing: Tracing,
+    /// Canny's thresholds, as shares of the step from air to material a pixel, and its Gaussian in px.
+    pub canny: [f64; 3],
+    /// What lies between slices.
+    pub interpolation: Interpolation,
+    /// Least overlap of entities that belong together.
+    pub overlap: f64,
+    /// Smaller islands of a section are dropped, mm2.
+    pub min_island_mm2: f64,
+    /// Smaller holes of a section are filled, mm2.
+    pub min_pore_mm2: f64,
+    /// Thickness of a layer, mm.
+    pub layer_height_mm: f64,
+    /// Thickness of the first layer, mm.
+    pub first_layer_height_mm: f64,
+    /// Contours are simplified to within this, mm, or within a tenth of a pixel where that is more.
+    pub simplify_mm: f64,
+}
+
+/// What was found in a scan.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct CtReport {
+    /// Columns, rows, slices taken.
+    pub voxels: [usize; 3],
+    /// Distance of voxels, mm.
+    pub spacing_mm: [f64; 3],
+    /// Grey value of the border; two for a range.
+    pub threshold: Vec<f64>,
+    /// How the layers between slices were made.
+    pub interpolation: &'static str,
+    /// Where the part begins above the lower face of the first voxel that is taken, mm.
+    pub bottom_mm: f64,
+    /// Size of the part in x, y and z, mm.
+    pub size_mm: [f64; 3],
+    /// Islands of sections that were too small.
+    pub dropped_islands: usize,
+    /// Holes of sections that were too small.
+    pub filled_pores: usize,
+    /// Entities that begin between slices, where contours are matched.
+    pub births: usize,
+    /// Entities that end.
+    pub deaths: usize,
+    /// Entities that part or grow together.
+    pub branches: usize,
+}
+
+/// The layers of a scan and what was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CtStack {
+    /// The layers.
+    pub stack: LayerStack,
+    /// What was found.
+    pub report: CtReport,
+}
+
+/// No print has more layers.
+const MAX_LAYERS: f64 = 200_000.0;
+/// Cuts a scan into layers at the printer's heights. Holds a few slices at a time.
+///
+/// # Errors
+/// [`ScanError`]: no voxel size, a window or crop outside the scan, a threshold that leaves nothing or everything, and
+/// what the files are to blame for.
+pub fn slice_scan(
+    source: &mut dyn SliceSource,
+    settings: &CtSettings,
+    diagnostics: &Diagnostics,
+) -> Result<CtStack, ScanError> {
+    let info = source.info().clone();
+    info.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
+    let lattice = Lattice::new(&info, settings)?;
+    // Bends of less than a tenth of a pixel are noise, and every point is cut and offset.
+    let simplify_mm = settings.simplify_mm.max(0.1 * lattice.pixel_mm().min_element());
+    let settings = &CtSettings { simplify_mm, ..settings.clone() };
+    let survey = Survey::of(source, &lattice, settings, diagnostics)?;
+    let job = Job { settings, lattice: &lattice, survey: &survey, mode: lattice.mode(settings) };
+    job.run(source, diagnostics)
+}
+
+/// The slices of a scan one after another, cropped and mirrored as a job asks.
+pub struct Slices<'a> {
+    source: &'a mut dyn SliceSource,
+    lattice: Lattice,
+}
+
+impl<'a> Slices<'a> {
+    /// From the first slice that is taken.
+    ///
+    /// # Errors
+    /// [`ScanError`]: no voxel size, a window or crop outside the scan, files that can no longer be read.
+    pub fn new(source: &'a mut dyn SliceSource, settings: &CtSettings) -> Result<Self, ScanError> {
+        let lattice = Lattice::new(&source.info().clone(), settings)?;
+        source.restart()?;
+        for _ in 0..lattice.first {
+            source.skip_slice()?;
+        }
+        Ok(Self { source, lattice })
+    }
+
+    /// Columns, rows and slices.
+    pub fn size(&self) -> [usize; 3] {
+        [self.lattice.nx, self.lattice.ny, self.lattice.z_mm.len()]
+    }
+
+    /// Distance of voxels, mm.
+    pub fn spacing_mm(&self) -> [f64; 3] {
+        self.lattice.spacing_mm
+    }
+
+    /// Heights of the slices' middles above the lowest voxel's lower face in the order they come, which is falling
+    /// where z is mirrored; mm.
+    pub fn heights_mm(&self) -> Vec<f64> {
+        self.lattice.z_mm.iter().map(|z| z + self.lattice.ends_mm[0]).collect()
+    }
+
+    /// The next slice, row by row.
+    ///
+    /// # Errors
+    /// [`ScanError`] for files that cannot be read, and after the last slice.
+    pub fn next_slice(&mut self) -> Result<Vec<f32>, ScanError> {
+        let mut slice = Vec::new();
+        if !self.source.next_slice(&mut slice)? {
+            return Err(wrong("the scan ends early".into()));
+        }
+        Ok(self.lattice.cropped(slice))
+    }
+}
+
+/// A slice ready for tracing.
+struct Prepared {
+    /// Positive inside, zero at the border.
+    signed: Vec<f32>,
+    /// Its section, where layers are made of sections.
+    region: Option<Region>,
+    inside: usize,
+    range: (f32, f32),
+    lost: Lost,
+}
+
+/// What was too small.
+#[derive(Debug, Clone, Copy, Default)]
+struct Lost {
+    islands: usize,
+    pores: usize,
+    /// Of Canny's contours, and those of them that have no edge.
+    points: [usize; 2],
+}
+
+impl Lost {
+    fn add(&mut self, other: Self) {
+        self.islands += other.islands;
+        self.pores += other.pores;
+        (0..2).for_each(|k| self.points[k] += other.points[k]);
+    }
+}
+
+struct Job<'a> {
+    settings: &'a CtSettings,
+    lattice: &'a Lattice,
+    survey: &'a Survey,
+    mode: Interpolation,
+}
+
+/// What a slab gave: its layers by number, what was lost, what happened.
+type SlabLayers = (Vec<(usize, Region)>, Lost, Events);
+
+/// Two neighbouring slices and the heights they stand at.
+struct Between {
+    lower: Arc<Prepared>,
+    upper: Arc<Prepared>,
+    z: [f64; 2],
+}
+
+impl Job<'_> {
+    fn run(&self, source: &mut dyn SliceSource, diagnostics: &Diagnostics) -> Result<CtStack, ScanError> {
+        let l = self.lattice;
+        let n = l.z_mm.len();
+        let height = (l.z_mm[n - 1] - l.z_mm[0]).abs() + l.ends_mm[0] + l.ends_mm[1];
+        let expected = height / self.settings.layer_height_mm;
+        if expected > MAX_LAYERS {
+            return Err(ScanError::TooManyLayers {
+                n: expected as usize,
+                height_mm: self.settings.layer_height_mm,
+                limit: MAX_LAYERS as usize,
+            });
+        }
+        if height < 0.5 * self.settings.first_layer_height_mm {
+            let first_layer_mm = self.settings.first_layer_height_mm;
+            return Err(ScanError::TooFlat { height_mm: height, first_layer_mm });
+        }
+        diagnostics.begin(Stage::Slice, expected.ceil() as usize);
+        // Enough for every thread, within a bound for huge slices.
+        let batch =
+            (2 * rayon::current_num_threads()).clamp(2, 64).min(((256 << 20) / (4 * l.nx * l.ny)).max(1));
+        let mut all = Collected { start_mm: self.survey.bottom_mm, ..Collected::default() };
+        std::thread::scope(|scope| -> Result<(), ScanError> {
+            // The reader is ahead by a slice or two, and ends when nobody listens any more.
+            let (send, receive) = sync_channel::<Result<Vec<f32>, SliceError>>(2);
+            scope.spawn(move || {
+                let read = |source: &mut dyn SliceSource| -> Result<(), SliceError> {
+                    for _ in 0..l.first {
+                        source.skip_slice()?;
+                    }
+                    for _ in 0..n {
+                        let mut slice = Vec::new();
+                        source.next_slice(&mut slice)?;
+                        if send.send(Ok(l.cropped(slice))).is_err() {
+                            return Ok(());
+                        }
+                    }
+                    Ok(())
+                };
+                if let Err(e) = read(source) {
+                    let _ = send.send(Err(e));
+                }
+            });
+            let mut last: Option<Arc<Prepared>> = None;
+            let mut k = 0;
+            while k < n {
+                diagnostics.check().map_err(ScanError::from)?;
+                let mut raw = Vec::with_capacity(batch);
+                while raw.len() < batch.min(n - k) {
+                    raw.push(receive.recv().map_err(|_| wrong("the reader ended early".into()))??);
+                }
+                let ready: Vec<Arc<Prepared>> =
+                    raw.into_par_iter().map(|values| Arc::new(self.prepare(values))).collect();
+                let mut slabs = Vec::with_capacity(ready.len() + 2);
+                for slice in ready {
+                    all.count(&slice);
+                    let z = l.z_mm[k];
+                    match last.take() {
+                        None => slabs.push(self.end_slab(&slice, 0, true)),
+                        Some(lower) => {
+                            slabs.push(Between { lower, upper: Arc::clone(&slice), z: [l.z_mm[k - 1], z] });
+                        }
+                    }
+                    k += 1;
+                    if k == n {
+                        slabs.push(self.end_slab(&slice, n - 1, false));
+                    }
+                    last = Some(slice);
+                }
+                self.layers_of(slabs, &mut all, diagnostics)?;
+            }
+            Ok(())
+        })?;
+        self.finish(all, diagnostics)
+    }
+
+    /// The half slice below the first or above the last.
+    fn end_slab(&self, slice: &Arc<Prepared>, k: usize, first: bool) -> Between {
+        let l = self.lattice;
+        let z = l.z_mm[k];
+        // Upside down, the first slice read is the highest.
+        let below = first != l.flip[2];
+        let end = if below { z - l.ends_mm[0] } else { z + l.ends_mm[1] };
+        Between { lower: Arc::clone(slice), upper: Arc::clone(slice), z: [z, end] }
+    }
+
+    fn prepare(&self, values: Vec<f32>) -> Prepared {
+        let (nx, ny) = (self.lattice.nx, self.lattice.ny);
+        let how = match self.settings.denoise {
+            Denoise::None => Smoothing::None,
+            Denoise::Gaussian(px) => Smoothing::Gaussian(px),
+            Denoise::Median => Smoothing::Median,
+            Denoise::Edges => Smoothing::Edges(0.15 * self.survey.contrast),
+        };
+        let values = crate::smooth::smoothed(values, nx, ny, how);
+        let range = values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+        let signed: Vec<f32> = values.iter().map(|&v| self.survey.signed(v)).collect();
+        let inside = signed.iter().filter(|v| **v > 0.0).count();
+        let mut lost = Lost::default();
+        let region = (self.mode != Interpolation::Grey).then(|| {
+            let step = self.survey.contrast as f32;
+            let mut contours = Grid::of(&signed, nx, ny).with_flats(|_| step).contours();
+            // Kept finer than the last simplification: pairing wants the points.
+            let mut simplify_mm = 0.2 * self.settings.simplify_mm;
+            if self.settings.tracing == Tracing::Canny {
+                let [low, high, sigma_px] = self.settings.canny;
+                let canny = CannySettings {
+                    sigma_px,
+                    low: low * self.survey.contrast,
+                    high: high * self.survey.contrast,
+                };
+                (contours, lost.points) = edges::on_edges(contours, &values, nx, ny, &canny);
+                // Scattered by noise, most points say nothing, and all would be cut and offset.
+                simplify_mm = self.settings.simplify_mm;
+            }
+            self.without_specks(self.section(contours, simplify_mm), &mut lost)
+        });
+        Prepared { signed, region, inside, range, lost }
+    }
+
+    /// What contours in pixels enclose.
+    fn section(&self, contours: Vec<Contour>, simplify_mm: f64) -> Region {
+        let contours = contours.into_iter().map(|c| self.lattice.to_mm(c));
+        // Slivers of less than a hundredth of a voxel come from exact zeros.
+        let least = 0.01 * self.lattice.spacing_mm[0] * self.lattice.spacing_mm[1];
+        let contours: Vec<Contour> = contours
+            .filter(|c| signed_area_mm2(c).abs() > least)
+            .map(|c| trace::traced_in_place(&c, simplify_mm))
+            .filter(|c| c.len() > 2)
+            .collect();
+        Region::from_contours(&contours, FillRule::Positive)
+    }
+
+    fn without_specks(&self, mut region: Region, lost: &mut Lost) -> Region {
+        let s = self.settings;
+        let before = region.polygons.len();
+        region.polygons.retain(|p| signed_area_mm2(&p.outer) >= s.min_island_mm2);
+        lost.islands += before - region.polygons.len();
+        for p in &mut region.polygons {
+            let before = p.holes.len();
+            p.holes.retain(|h| -signed_area_mm2(h) >= s.min_pore_mm2);
+            lost.pores += before - p.holes.len();
+        }
+        region
+    }
+
+    /// The section of a slice.
+    fn region(&self, slice: &Prepared) -> Region {
+        slice.region.clone().unwrap_or_else(|| {
+            let grid = Grid::of(&slice.signed, self.lattice.nx, self.lattice.ny);
+            self.without_specks(
+                self.section(grid.contours(), self.settings.simplify_mm),
+                &mut Lost::default(),
+            )
+        })
+    }
+
+    /// Makes the layers whose middles lie in these slabs.
+    fn layers_of(
+        &self,
+        slabs: Vec<Between>,
+        all: &mut Collected,
+        diagnostics: &Diagnostics,
+    ) -> Result<(), ScanError> {
+        if all.start_mm.is_none() {
+            all.start_mm = slabs.iter().find_map(|slab| self.start(slab));
+        }
+        let Some(start) = all.start_mm else { return Ok(()) };
+        let made: Vec<Result<SlabLayers, ScanError>> = slabs
+            .into_par_iter()
+            .map(|slab| {
+                diagnostics.check()?;
+                let made = self.slab_layers(&slab, start);
+                diagnostics.advance(made.0.len());
+                Ok(made)
+            })
+            .collect();
+        for slab in made {
+            let (layers, lost, events) = slab?;
+            all.layers.extend(layers);
+            all.lost.add(lost);
+            all.events.births += events.births;
+            all.events.deaths += events.deaths;
+            all.events.branches += events.branches;
+        }
+        Ok(())
+    }
+
+    /// Where the part begins if it begins in this slab: where most of what is in the upper slice comes up.
+    fn start(&self, slab: &Between) -> Option<f64> {
+        let least = self.settings.min_island_mm2 / (self.lattice.spacing_mm[0] * self.lattice.spacing_mm[1]);
+        if (slab.upper.inside as f64) < least.max(1.0) {
+            return None;
+        }
+        let region = self.region(&slab.upper);
+        if region.is_empty() {
+            return None;
+        }
+        if Arc::ptr_eq(&slab.lower, &slab.upper) {
+            return Some(slab.z[0].min(slab.z[1]));
+        }
+        let largest = region.polygons.iter().max_by(|a, b| a.area_mm2().total_cmp(&b.area_mm2()))?;
+        let share = self.change_share(slab, &largest.outer, false);
+        Some(slab.z[0] + share * (slab.z[1] - slab.z[0]))
+    }
+
+    /// The share of the way at which the plane inside a contour changes sides: the median over its pixels.
+    fn change_share(&self, slab: &Between, contour: &Contour, of_lower: bool) -> f64 {
+        let l = self.lattice;
+        let Some(bounds) = grainpath_core::Bounds2::of(contour.iter().copied()) else { return 0.5 };
+        let size = l.pixel_mm();
+        let (low, high) = (bounds.min / size - 0.5, bounds.max / size - 0.5);
+        let index = |v: f64, n: usize| v.clamp(0.0, (n - 1) as f64) as usize;
+        let (i0, i1) = (index(low.x.ceil(), l.nx), index(high.x.floor(), l.nx));
+        let (j0, j1) = (index(low.y.ceil(), l.ny), index(high.y.floor(), l.ny));
+        // About a thousand pixels tell as much as all.
+        let pixels = (j1 + 1).saturating_sub(j0) * (i1 + 1).saturating_sub(i0);
+        let stride = (pixels as f64 / 4000.0).sqrt().ceil().max(1.0) as usize;
+        let mut shares = Vec::new();
+        for j in (j0..=j1).step_by(stride) {
+            for i in (i0..=i1).step_by(stride) {
+                let k = j * l.nx + i;
+                let (a, b) = (slab.lower.signed[k], slab.upper.signed[k]);
+                let p = DVec2::new(i as f64 + 0.5, j as f64 + 0.5) * size;
+                let changes = if of_lower { a > 0.0 && b <= 0.0 } else { a <= 0.0 && b > 0.0 };
+                if changes && grainpath_core::poly::even_odd_contains([contour], p) {
+                    shares.push(f64::from(a / (a - b)));
+                }
+            }
+        }
+        shares.sort_by(f64::total_cmp);
+        shares.get(shares.len() / 2).copied().unwrap_or(0.5)
+    }
+
+    fn slab_layers(&self, slab: &Between, start: f64) -> SlabLayers {
+        let s = self.settings;
+        let (first, h) = (s.first_layer_height_mm, s.layer_height_mm);
+        let middle = |i: usize| if i == 0 { 0.5 * first } else { first + (i as f64 - 0.5) * h };
+        let (low, high) = (slab.z[0].min(slab.z[1]) - start, slab.z[0].max(slab.z[1]) - start);
+        // The first layer whose middle is above `z`.
+        let above = |z: f64| {
+            if z < 0.5 * first { 0 } else { (((z - first) / h + 0.5).floor() + 1.0).max(1.0) as usize }
+        };
+        let range = above(low)..above(high);
+        let mut lost = Lost::default();
+        if range.is_empty() {
+            return (Vec::new(), lost, Events::default());
+        }
+        let share = |i: usize| ((middle(i) + start - slab.z[0]) / (slab.z[1] - slab.z[0])).clamp(0.0, 1.0);
+        let (nx, ny) = (self.lattice.nx, self.lattice.ny);
+        if self.mode == Interpolation::Grey {
+            let layer = |i: usize| {
+                let (a, b) = (&slab.lower.signed, &slab.upper.signed);
+                let grid = Grid::mixed(a, b, share(i) as f32, nx, ny).with_flats(|k| (a[k] - b[k]).abs());
+                let region = self.section(grid.contours(), s.simplify_mm);
+                (i, self.without_specks(region, &mut lost))
+            };
+            return (range.map(layer).collect(), lost, Events::default());
+        }
+        let (lower, upper) = (self.region(&slab.lower), self.region(&slab.upper));
+        if Arc::ptr_eq(&slab.lower, &slab.upper) {
+            let layer = |i: usize| (i, trace::region_in_place(&lower, s.simplify_mm));
+            return (range.map(layer).collect(), lost, Events::default());
+        }
+        if self.mode == Interpolation::Distance {
+            return (self.by_distance(&lower, &upper, range, &share, &mut lost), lost, Events::default());
+        }
+        let matching = MatchSettings {
+            overlap: s.overlap,
+            pixel_mm: self.lattice.pixel_mm(),
+            features: s.tracing == Tracing::Canny,
+        };
+        let change = |c: &Contour, of_lower: bool| self.change_share(slab, c, of_lower);
+        let matched = Slab::between(&lower, &upper, &matching, &change);
+        let layer = |i: usize| {
+            let region = trace::region_in_place(&matched.at(share(i)), s.simplify_mm);
+            (i, self.without_specks(region, &mut lost))
+        };
+        (range.map(layer).collect(), lost, matched.events)
+    }
+
+    fn by_distance(
+        &self,
+        lower: &Region,
+        upper: &Region,
+        range: std::ops::Range<usize>,
+        share: &dyn Fn(usize) -> f64,
+        lost: &mut Lost,
+    ) -> Vec<(usize, Region)> {
+        let bounds = [lower.bounds(), upper.bounds()].into_iter().flatten().reduce(|a, b| a.union(b));
+        let Some(bounds) = bounds else { return range.map(|i| (i, Region::default())).collect() };
+        let raster = Raster::over(bounds, self.lattice.pixel_mm());
+        let distance = |r: &Region, other: &Region| {
+            if r.is_empty() {
+                // What ends, ends halfway at its middle: a plane as deep below as the other is thick.
+                let deepest = signed_distance(other, &raster).into_iter().fold(0.0, f32::max);
+                vec![-deepest; raster.nx * raster.ny]
+            } else {
+                signed_distance(r, &raster)
+            }
+        };
+        let (a, b) = (distance(lower, upper), distance(upper, lower));
+        let layer = |i: usize| {
+            let grid = Grid::mixed(&a, &b, share(i) as f32, raster.nx, raster.ny);
+            let contours: Vec<Contour> = grid
+                .contours()
+                .into_iter()
+                .map(|c| c.into_iter().map(|p| raster.to_mm(p)).collect::<Contour>())
+                .map(|c| trace::simplified_in_place(&c, self.settings.simplify_mm))
+                .collect();
+            (i, self.without_specks(Region::from_contours(&contours, FillRule::NonZero), lost))
+        };
+        range.map(layer).collect()
+    }
+
+    fn finish(&self, mut all: Collected, diagnostics: &Diagnostics) -> Result<CtStack, ScanError> {
+        let total = self.lattice.nx * self.lattice.ny * self.lattice.z_mm.len();
+        let values = format!("the grey values are {} to {}", all.range.0, all.range.1);
+        let at = if self.survey.high.is_finite() {
+            format!("{} to {}", self.survey.low, self.survey.high)
+        } else {
+            format!("{}", self.survey.low)
+        };
+        if all.inside == 0 {
+            return Err(wrong(format!("a threshold of {at} leaves nothing; {values}")));
+        }
+        if all.inside == total {
+            return Err(wrong(format!("a threshold of {at} leaves everything; {values}")));
+        }
+        all.layers.sort_by_key(|l| l.0);
+        while all.layers.last().is_some_and(|l| l.1.is_empty()) {
+            all.layers.pop();
+        }
+        let (first, h) = (self.settings.first_layer_height_mm, self.settings.layer_height_mm);
+        let layers: Vec<Layer> = all
+            .layers
+            .into_iter()
+            .filter_map(|(i, region)| {
+                Layer::new(first + i as f64 * h, if i == 0 { first } else { h }, region)
+            })
+            .collect();
+        let bounds = layers.iter().filter_map(|l| l.region().bounds()).reduce(grainpath_core::Bounds2::union);
+        let Some(bounds) = bounds else {
+            let [points, bare] = all.lost.points;
+            if points > 0 && points == bare {
+                let s = self.settings.section;
+                return Err(wrong(format!(
+                    "Canny finds no edge along the threshold of {at}: lower {s}.canny_low and {s}.canny_high"
+                )));
+            }
+            return Err(wrong(format!(
+                "a threshold of {at} leaves only islands below min_island_mm2 = {}; {values}",
+                self.settings.min_island_mm2
+            )));
+        };
+        let z_max = layers.last().map_or(0.0, Layer::z_top_mm);
+        let size = bounds.size();
+        let longest = size.max_element().max(z_max);
+        if !(2.0..=2000.0).contains(&longest) {
+            let text = format!("the scanned part measures {longest:.3} mm");
+            diagnostics.push(
+                Warning::new(WarningId::SizeDoubtful, text)
+                    .with_remedy("check shape.ct.pixel_mm and shape.ct.slice_mm, or set shape.scale"),
+            );
+        }
+        let [points, bare] = all.lost.points;
+        if 20 * bare > points {
+            diagnostics.warn(WarningId::ScanEdgesMissing, format!(
+                "Canny: along {:.0} % of the contours there is no edge within {} pixels; there they lie where the \
+                 threshold is crossed",
+                100.0 * bare as f64 / points as f64,
+                edges::REACH_PX
+            ));
+        }
+        let report = CtReport {
+            voxels: [self.lattice.nx, self.lattice.ny, self.lattice.z_mm.len()],
+            spacing_mm: self.lattice.spacing_mm,
+            threshold: [self.survey.low, self.survey.high].into_iter().filter(|v| v.is_finite()).collect(),
+            interpolation: self.mode.name(),
+            bottom_mm: ((all.start_mm.unwrap_or(0.0) + self.lattice.ends_mm[0]) * 1e4).round() / 1e4,
+            size_mm: [size.x, size.y, z_max].map(|v| (v * 1e4).round() / 1e4),
+            dropped_islands: all.lost.islands,
+            filled_pores: all.lost.pores,
+            births: all.events.births,
+            deaths: all.events.deaths,
+            branches: all.events.branches,
+        };
+        let stack = LayerStack::new(layers).expect("layers were sorted by height");
+        Ok(CtStack { stack, report })
+    }
+}
+
+/// What has come together so far.
+struct Collected {
+    start_mm: Option<f64>,
+    layers: Vec<(usize, Region)>,
+    lost: Lost,
+    events: Events,
+    inside: usize,
+    range: (f32, f32),
+}
+
+impl Default for Collected {
+    fn default() -> Self {
+        Self {
+            start_mm: None,
+            layers: Vec::new(),
+            lost: Lost::default(),
+            events: Events::default(),
+            inside: 0,
+            range: (f32::INFINITY, f32::NEG_INFINITY),
+        }
+    }
+}
+
+impl Collected {
+    fn count(&mut self, slice: &Prepared) {
+        self.inside += slice.inside;
+        self.range = (self.range.0.min(slice.range.0), self.range.1.max(slice.range.1));
+        self.lost.add(slice.lost);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,214 @@
+//! Which voxels are taken, and what their grey values say before any layer is made.
+
+use grainpath_core::diagnostics::Stage;
+use grainpath_core::slices::{SliceSource, VolumeInfo};
+use grainpath_core::{Contour, DVec2, Diagnostics};
+
+use super::error::wrong;
+use super::{CtSettings, Denoise, Histogram, Interpolation, ScanError, Threshold, Tracing};
+
+/// Slices no further apart than this many pixels are mixed by their grey values: the edge's own blur then reaches from
+/// slice to slice.
+const GREY_RATIO: f64 = 1.6;
+/// At most about so many slices are looked at for the histogram.
+const SAMPLED: usize = 48;
+
+/// Which voxels are taken, and where they lie.
+#[derive(Debug, Clone)]
+pub(super) struct Lattice {
+    pub(super) file_nx: usize,
+    pub(super) crop: [usize; 4],
+    pub(super) flip: [bool; 3],
+    pub(super) nx: usize,
+    pub(super) ny: usize,
+    pub(super) first: usize,
+    /// Height of every slice taken, rising unless flipped; mm.
+    pub(super) z_mm: Vec<f64>,
+    /// Half the distance of the outermost slices, mm: the part reaches as far beyond them.
+    pub(super) ends_mm: [f64; 2],
+    pub(super) spacing_mm: [f64; 3],
+}
+
+impl Lattice {
+    pub(super) fn new(info: &VolumeInfo, s: &CtSettings) -> Result<Self, ScanError> {
+        let [x, y, n] = info.size;
+        let crop = s.crop_px.unwrap_or([0, 0, x - 1, y - 1]);
+        let [x0, y0, x1, y1] = crop;
+        if x0 > x1 || y0 > y1 || x1 >= x || y1 >= y {
+            return Err(wrong(format!(
+                "{}.crop_px = {crop:?}: should be first column, first row, last column, last row of {x} x {y} pixels",
+                s.section
+            )));
+        }
+        let [first, last] = s.window.unwrap_or([0, n - 1]);
+        if first > last || last >= n {
+            return Err(wrong(format!(
+                "{}.window = [{first}, {last}]: should be the first and last of {n} slices, counted from 0",
+                s.section
+            )));
+        }
+        let mut spacing_mm = [0.0; 3];
+        for k in 0..3 {
+            let Some(mm) = s.spacing_mm[k].or(info.spacing_mm[k]) else {
+                let (key, what) =
+                    if k == 2 { ("slice_mm", "distance of slices") } else { ("pixel_mm", "size of pixels") };
+                return Err(wrong(format!("the file states no {what}; set {}.{key}", s.section)));
+            };
+            spacing_mm[k] = mm * s.scale;
+        }
+        let count = last - first + 1;
+        let even = s.spacing_mm[2].is_some() || info.z_mm.is_empty();
+        let mut z_mm: Vec<f64> = if even {
+            (0..count).map(|k| k as f64 * spacing_mm[2]).collect()
+        } else {
+            info.z_mm[first..=last].iter().map(|z| (z - info.z_mm[first]) * s.scale).collect()
+        };
+        let gap = |k: usize| z_mm.get(k + 1).map_or(spacing_mm[2], |z| z - z_mm[k]);
+        let mut ends_mm = [0.5 * gap(0), 0.5 * gap(count.saturating_sub(2))];
+        if s.flip[2] {
+            let top = z_mm[count - 1];
+            z_mm.iter_mut().for_each(|z| *z = top - *z);
+            ends_mm.reverse();
+        }
+        Ok(Self {
+            file_nx: x,
+            crop,
+            flip: s.flip,
+            nx: x1 - x0 + 1,
+            ny: y1 - y0 + 1,
+            first,
+            z_mm,
+            ends_mm,
+            spacing_mm,
+        })
+    }
+
+    pub(super) fn mode(&self, s: &CtSettings) -> Interpolation {
+        let near = self.spacing_mm[2] <= GREY_RATIO * self.spacing_mm[0].min(self.spacing_mm[1]);
+        match (s.tracing, s.interpolation) {
+            (Tracing::Canny, Interpolation::Auto | Interpolation::Grey) => Interpolation::Matched,
+            (_, Interpolation::Auto) if near => Interpolation::Grey,
+            (_, Interpolation::Auto) => Interpolation::Matched,
+            (_, chosen) => chosen,
+        }
+    }
+
+    pub(super) fn pixel_mm(&self) -> DVec2 {
+        DVec2::new(self.spacing_mm[0], self.spacing_mm[1])
+    }
+
+    /// A whole slice cut down to what is taken.
+    pub(super) fn cropped(&self, whole: Vec<f32>) -> Vec<f32> {
+        let [x0, y0, x1, y1] = self.crop;
+        if whole.len() == self.nx * self.ny && !self.flip[0] && !self.flip[1] {
+            return whole;
+        }
+        let mut out = Vec::with_capacity(self.nx * self.ny);
+        for j in 0..=y1 - y0 {
+            let row = if self.flip[1] { y1 - j } else { y0 + j };
+            let values = &whole[row * self.file_nx + x0..=row * self.file_nx + x1];
+            if self.flip[0] { out.extend(values.iter().rev()) } else { out.extend(values) }
+        }
+        out
+    }
+
+    pub(super) fn to_mm(&self, c: Contour) -> Contour {
+        let size = self.pixel_mm();
+        c.into_iter().map(|p| p * size).collect()
+    }
+}
+
+/// What the grey values say before any layer is made.
+pub(super) struct Survey {
+    pub(super) low: f64,
+    /// Infinite unless a range is taken.
+    pub(super) high: f64,
+    /// From air to material.
+    pub(super) contrast: f64,
+    /// Where a scan that is taken upside down begins, mm.
+    pub(super) bottom_mm: Option<f64>,
+}
+
+impl Survey {
+    pub(super) fn of(
+        source: &mut dyn SliceSource,
+        lattice: &Lattice,
+        s: &CtSettings,
+        diagnostics: &Diagnostics,
+    ) -> Result<Self, ScanError> {
+        let found = matches!(s.threshold, Threshold::Otsu | Threshold::Iso50(None));
+        let contrast = s.tracing == Tracing::Canny || s.denoise == Denoise::Edges;
+        let n = lattice.z_mm.len();
+        let mut histogram = Histogram::default();
+        if found || contrast {
+            diagnostics.begin(Stage::Read, n);
+            // Where slices cannot be reached without unpacking those before, passing over them saves little.
+            let stride = n.div_ceil(SAMPLED).max(1);
+            let mut slice = Vec::new();
+            source.restart()?;
+            for _ in 0..lattice.first {
+                source.skip_slice()?;
+            }
+            for k in 0..n {
+                diagnostics.check()?;
+                if k % stride == stride / 2 || n < 3 {
+                    source.next_slice(&mut slice)?;
+                    histogram.add(&lattice.cropped(std::mem::take(&mut slice)), lattice.nx);
+                } else {
+                    source.skip_slice()?;
+                }
+                diagnostics.advance(1);
+            }
+        }
+        let materials = match s.threshold {
+            Threshold::Iso50(Some([a, b])) => (a.min(b), a.max(b)),
+            _ if found || contrast => histogram.materials(),
+            _ => (0.0, 0.0),
+        };
+        if let Some((low, _)) = histogram.range().filter(|(l, h)| l == h) {
+            return Err(wrong(format!("every voxel has the grey value {low}: nothing to tell from air")));
+        }
+        let (low, high) = match s.threshold {
+            Threshold::Otsu => (histogram.otsu(), f64::INFINITY),
+            Threshold::Iso50(_) => (0.5 * (materials.0 + materials.1), f64::INFINITY),
+            Threshold::Value(v) => (v, f64::INFINITY),
+            Threshold::Range(a, b) => (a, b),
+        };
+        let mut survey = Self { low, high, contrast: (materials.1 - materials.0).abs(), bottom_mm: None };
+        if lattice.flip[2] {
+            survey.bottom_mm = survey.find_bottom(source, lattice, s)?;
+        }
+        source.restart()?;
+        Ok(survey)
+    }
+
+    /// The lower end of the last slice with anything in it.
+    fn find_bottom(
+        &self,
+        source: &mut dyn SliceSource,
+        lattice: &Lattice,
+        s: &CtSettings,
+    ) -> Result<Option<f64>, ScanError> {
+        source.restart()?;
+        for _ in 0..lattice.first {
+            source.skip_slice()?;
+        }
+        let least = s.min_island_mm2 / (lattice.spacing_mm[0] * lattice.spacing_mm[1]);
+        let (mut slice, mut bottom) = (Vec::new(), None);
+        for (k, z) in lattice.z_mm.iter().enumerate() {
+            source.next_slice(&mut slice)?;
+            let inside = slice.iter().filter(|&&v| self.signed(v) > 0.0).count();
+            if inside as f64 > least.max(1.0) {
+                let below = lattice.z_mm.get(k + 1).map_or(lattice.ends_mm[0], |next| 0.5 * (z - next));
+                bottom = Some(z - below);
+            }
+        }
+        Ok(bottom)
+    }
+
+    /// Positive inside.
+    pub(super) fn signed(&self, v: f32) -> f32 {
+        let v = f64::from(v);
+        (v - self.low).min(self.high - v) as f32
+    }
+}

@@ -1,0 +1,352 @@
+use grainpath_core::math::direction;
+use grainpath_core::slices::{SampleType, VolumeInfo};
+
+use super::*;
+
+/// A scan made up as it is read: the signed distance of a solid, blurred, with noise.
+struct Phantom {
+    info: VolumeInfo,
+    solid: fn([f64; 3]) -> f64,
+    blur_px: f64,
+    noise: f64,
+    next: usize,
+}
+
+const AIR: f64 = 1000.0;
+const METAL: f64 = 21000.0;
+
+impl Phantom {
+    fn new(solid: fn([f64; 3]) -> f64, size: [usize; 3], spacing: [f64; 3]) -> Self {
+        let mut info = VolumeInfo::new("phantom", size, SampleType::U16);
+        info.spacing_mm = spacing.map(Some);
+        Self { info, solid, blur_px: 0.8, noise: 200.0, next: 0 }
+    }
+
+    fn value(&self, i: usize, j: usize, k: usize) -> f32 {
+        let s = self.info.spacing_mm.map(|v| v.unwrap_or(1.0));
+        let p = [(i as f64 + 0.5) * s[0], (j as f64 + 0.5) * s[1], (k as f64 + 0.5) * s[2]];
+        let d = (self.solid)(p) / (self.blur_px * s[0]);
+        // A Gaussian's integral, close enough: both are odd and end at the same places.
+        let share = 1.0 / (1.0 + grainpath_core::math::exp(-1.702 * d));
+        // Deterministic noise of about the given deviation: four hashed bytes summed.
+        let mut h = (i as u64) << 40 ^ (j as u64) << 20 ^ k as u64;
+        h = (h ^ h >> 31).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        h = (h ^ h >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        h ^= h >> 32;
+        let sum: f64 = (0..4).map(|b| (h >> (8 * b) & 255) as f64 - 127.5).sum();
+        (AIR + (METAL - AIR) * share + self.noise * sum / 147.8).clamp(0.0, 65535.0).round() as f32
+    }
+}
+
+impl SliceSource for Phantom {
+    fn info(&self) -> &VolumeInfo {
+        &self.info
+    }
+
+    fn restart(&mut self) -> Result<(), SliceError> {
+        self.next = 0;
+        Ok(())
+    }
+
+    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
+        out.clear();
+        let [nx, ny, nz] = self.info.size;
+        if self.next == nz {
+            return Ok(false);
+        }
+        out.extend((0..nx * ny).map(|p| self.value(p % nx, p / nx, self.next)));
+        self.next += 1;
+        Ok(true)
+    }
+
+    fn skip_slice(&mut self) -> Result<bool, SliceError> {
+        let more = self.next < self.info.size[2];
+        self.next += usize::from(more);
+        Ok(more)
+    }
+}
+
+pub(super) fn settings() -> CtSettings {
+    CtSettings {
+        section: "shape.ct",
+        spacing_mm: [None; 3],
+        scale: 1.0,
+        window: None,
+        crop_px: None,
+        flip: [false; 3],
+        threshold: Threshold::Iso50(None),
+        denoise: Denoise::None,
+        tracing: Tracing::Iso,
+        canny: [0.04, 0.1, 1.0],
+        interpolation: Interpolation::Auto,
+        overlap: 0.2,
+        min_island_mm2: 0.2,
+        min_pore_mm2: 0.1,
+        layer_height_mm: 0.2,
+        first_layer_height_mm: 0.2,
+        simplify_mm: 0.0125,
+    }
+}
+
+fn length(p: [f64; 3], c: [f64; 3]) -> f64 {
+    (0..3).map(|k| (p[k] - c[k]).powi(2)).sum::<f64>().sqrt()
+}
+
+fn sphere(p: [f64; 3]) -> f64 {
+    8.0 - length(p, [10.0, 10.0, 10.0])
+}
+
+/// 45 degrees, from radius 8.5 at z = 1.
+fn cone(p: [f64; 3]) -> f64 {
+    let r = (p[0] - 10.0).hypot_(p[1] - 10.0);
+    let slope = (8.5 - (p[2] - 1.0) - r) * std::f64::consts::FRAC_1_SQRT_2;
+    slope.min(p[2] - 1.0).min(7.5 - p[2])
+}
+
+fn torus(p: [f64; 3]) -> f64 {
+    let r = (p[0] - 10.0).hypot_(p[1] - 10.0) - 6.0;
+    2.5 - r.hypot_(p[2] - 4.0)
+}
+
+/// A trunk that parts into two at z = 8.
+fn branch(p: [f64; 3]) -> f64 {
+    let rod = |a: [f64; 3], b: [f64; 3]| {
+        let d = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+        let l: f64 = d.iter().map(|v| v * v).sum();
+        let t = (0..3).map(|k| (p[k] - a[k]) * d[k]).sum::<f64>() / l;
+        2.5 - length(p, [0, 1, 2].map(|k| a[k] + t.clamp(0.0, 1.0) * d[k]))
+    };
+    let arms = rod([10.0, 10.0, 6.0], [4.5, 10.0, 16.0]).max(rod([10.0, 10.0, 6.0], [15.5, 10.0, 16.0]));
+    rod([10.0, 10.0, -5.0], [10.0, 10.0, 6.0]).max(arms).min(13.7 - p[2]).min(p[2] - 1.0)
+}
+
+fn helix(p: [f64; 3]) -> f64 {
+    let turn = p[2] * 0.25;
+    let strand = |angle: f64| {
+        let c = direction(angle) * 5.0 + 10.0;
+        // The section is a disc; the strand leans, so its distance is less.
+        (1.8 - (p[0] - c.x).hypot_(p[1] - c.y)) * 0.62
+    };
+    strand(turn).max(strand(turn + std::f64::consts::PI)).min(p[2] - 1.0).min(14.9 - p[2])
+}
+
+/// 1.2 mm thick, leaning.
+fn wall(p: [f64; 3]) -> f64 {
+    let x = p[0] - 4.0 - 0.5 * p[2];
+    (0.6 - x.abs() / 1.25f64.sqrt()).min(p[1] - 3.0).min(17.0 - p[1]).min(p[2] - 1.0).min(14.9 - p[2])
+}
+
+fn shells(p: [f64; 3]) -> f64 {
+    let r = length(p, [10.0, 10.0, 10.0]);
+    let shell = |a: f64, b: f64| (r - a).min(b - r);
+    shell(7.0, 8.6).max(shell(4.4, 5.8)).max(2.5 - r)
+}
+
+trait Hypot {
+    fn hypot_(self, other: f64) -> f64;
+}
+impl Hypot for f64 {
+    fn hypot_(self, other: f64) -> f64 {
+        (self * self + other * other).sqrt()
+    }
+}
+
+type Solid = fn([f64; 3]) -> f64;
+const SOLIDS: [(&str, Solid); 7] = [
+    ("sphere", sphere),
+    ("cone", cone),
+    ("torus", torus),
+    ("branch", branch),
+    ("helix", helix),
+    ("wall", wall),
+    ("shells", shells),
+];
+
+/// Area and number of islands and holes of the true section.
+fn truth(solid: Solid, z: f64) -> (f64, [usize; 2]) {
+    let n = 400;
+    let step = 20.0 / n as f64;
+    let at =
+        |p: usize| solid([(p % n) as f64 * step + 0.5 * step, (p / n) as f64 * step + 0.5 * step, z]) as f32;
+    let contours = Grid::of(&(0..n * n).map(at).collect::<Vec<f32>>(), n, n).contours();
+    let areas: Vec<f64> = contours.iter().map(|c| signed_area_mm2(c) * step * step).collect();
+    let counted = |positive: bool| areas.iter().filter(|a| a.abs() > 0.2 && (**a > 0.0) == positive).count();
+    (areas.iter().sum(), [counted(true), counted(false)])
+}
+
+/// Mean size error over layers, signed, and layers with a wrong count of islands or holes.
+fn errors(name: &str, solid: Solid, stack: &LayerStack, bottom: f64, slice_mm: f64) -> (f64, f64, usize) {
+    let (mut sum, mut absolute, mut n, mut wrong) = (0.0, 0.0, 0, 0);
+    for l in stack.layers() {
+        let z = bottom + l.z_top_mm() - 0.5 * l.height_mm();
+        let (area, counts) = truth(solid, z);
+        let found = [l.region().polygons.len(), l.region().polygons.iter().map(|p| p.holes.len()).sum()];
+        if found != counts {
+            // Within a slice of where it changes either count is as right.
+            let near = [-1.0, -0.5, 0.5, 1.0].map(|k| truth(solid, z + k * slice_mm).1);
+            if !near.contains(&found) {
+                println!("{name}: z {z:.2} has {found:?}, should have {counts:?}");
+                wrong += 1;
+            }
+        } else if area > 3.0 && [-1.0, 1.0].iter().all(|k| truth(solid, z + k * slice_mm).0 > 3.0) {
+            let e = (l.region().area_mm2() / area).sqrt() - 1.0;
+            sum += e;
+            absolute += e.abs();
+            n += 1;
+        }
+    }
+    (sum / f64::from(n.max(1)), absolute / f64::from(n.max(1)), wrong)
+}
+
+/// The lowest point of a solid.
+fn bottom(solid: Solid) -> f64 {
+    (0..20_000).map(|k| f64::from(k) * 0.001).find(|&z| truth_any(solid, z)).unwrap_or(0.0) - 0.0005
+}
+
+fn truth_any(solid: Solid, z: f64) -> bool {
+    (0..2500).any(|p| solid([f64::from(p % 50) * 0.4, f64::from(p / 50) * 0.4, z]) > 0.0)
+}
+
+fn run(source: &mut Phantom, s: &CtSettings) -> CtStack {
+    slice_scan(source, s, &Diagnostics::default()).expect("a scan")
+}
+
+#[test]
+fn even_voxels_give_true_sizes_and_counts() {
+    for (name, solid) in SOLIDS {
+        let mut phantom = Phantom::new(solid, [100, 100, 100], [0.2; 3]);
+        let made = run(&mut phantom, &settings());
+        assert_eq!(made.report.interpolation, "grey");
+        let (mean, absolute, wrong) = errors(name, solid, &made.stack, made.report.bottom_mm, 0.2);
+        println!("{name}: mean {:.4} %, absolute {:.4} %, {wrong} wrong", 100.0 * mean, 100.0 * absolute);
+        assert_eq!(wrong, 0, "{name}");
+        assert!(mean.abs() < 0.001, "{name}: {mean}");
+        let low = made.report.bottom_mm - bottom(solid);
+        assert!(low.abs() < 0.1, "{name} begins {low} mm off");
+    }
+}
+
+/// Hardly a voxel of the thin wall is all material, which makes its threshold hard to find.
+#[test]
+fn a_thin_wall_has_its_size_when_its_materials_are_given() {
+    let materials = Threshold::Iso50(Some([AIR, METAL]));
+    let mut phantom = Phantom::new(wall, [100, 100, 100], [0.2; 3]);
+    let made = run(&mut phantom, &CtSettings { threshold: materials, ..settings() });
+    let (mean, _, wrong) = errors("wall", wall, &made.stack, made.report.bottom_mm, 0.2);
+    println!("wall, materials given: {:.4} %", 100.0 * mean);
+    assert!(wrong == 0 && mean.abs() < 0.001, "{mean}");
+}
+
+#[test]
+fn far_slices_are_bridged_by_matching_and_by_distance() {
+    for (mode, limit) in [(Interpolation::Matched, 0.01), (Interpolation::Distance, 0.02)] {
+        for (name, solid) in SOLIDS {
+            let mut phantom = Phantom::new(solid, [100, 100, 25], [0.2, 0.2, 0.8]);
+            let made = run(&mut phantom, &CtSettings { interpolation: mode, ..settings() });
+            let (mean, absolute, wrong) = errors(name, solid, &made.stack, made.report.bottom_mm, 0.8);
+            println!(
+                "{mode:?} {name}: mean {:.4} %, absolute {:.4} %, {wrong} wrong",
+                100.0 * mean,
+                100.0 * absolute
+            );
+            assert!((made.report.bottom_mm - bottom(solid)).abs() < 0.4, "{name}: {}", made.report.bottom_mm);
+            assert!(wrong == 0, "{mode:?} {name}: {wrong}");
+            assert!(mean.abs() < limit, "{mode:?} {name}: {mean}");
+        }
+    }
+}
+
+#[test]
+fn a_slope_of_45_degrees_has_no_stairs() {
+    for (slice_mm, n, mode) in [(0.2, 60, "grey"), (0.8, 15, "matched")] {
+        let mut phantom = Phantom::new(cone, [100, 100, n], [0.2, 0.2, slice_mm]);
+        let made = run(&mut phantom, &settings());
+        assert_eq!(made.report.interpolation, mode);
+        let radii: Vec<f64> = made
+            .stack
+            .layers()
+            .iter()
+            .map(|l| (l.region().area_mm2() / std::f64::consts::PI).sqrt())
+            .collect();
+        let inner = &radii[4..radii.len() - 4];
+        let jump = inner.windows(2).map(|w| (w[0] - w[1]).abs()).fold(0.0, f64::max);
+        println!("{mode}: {jump:.4} mm");
+        assert!(jump < 0.225, "{mode}: {jump}: more than half a bead");
+    }
+}
+
+#[test]
+fn the_same_layers_for_any_number_of_threads() {
+    let make = |threads: usize, mode: Interpolation| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let mut phantom = Phantom::new(branch, [100, 100, 25], [0.2, 0.2, 0.8]);
+            run(&mut phantom, &CtSettings { interpolation: mode, ..settings() }).stack
+        })
+    };
+    for mode in [Interpolation::Grey, Interpolation::Matched] {
+        let one = make(1, mode);
+        assert!(make(2, mode) == one && make(5, mode) == one, "{mode:?}");
+    }
+}
+
+#[test]
+fn windows_crops_and_flips_take_what_they_say() {
+    let whole = run(&mut Phantom::new(cone, [100, 100, 60], [0.2; 3]), &settings());
+    let cropped = CtSettings { crop_px: Some([0, 0, 49, 99]), window: Some([0, 30]), ..settings() };
+    let part = run(&mut Phantom::new(cone, [100, 100, 60], [0.2; 3]), &cropped);
+    let area = |s: &CtStack, i: usize| s.stack.layers()[i].region().area_mm2();
+    assert!((area(&part, 10) / area(&whole, 10) - 0.5).abs() < 0.01);
+    assert!(part.stack.layers().len() < whole.stack.layers().len());
+    // Upside down, the tip of the cone is below.
+    let flipped = CtSettings { flip: [false, false, true], ..settings() };
+    let turned = run(&mut Phantom::new(cone, [100, 100, 60], [0.2; 3]), &flipped);
+    let n = turned.stack.layers().len();
+    assert!(n.abs_diff(whole.stack.layers().len()) <= 1);
+    assert!(
+        (area(&turned, n - 5) / area(&whole, 4) - 1.0).abs() < 0.05
+            && area(&turned, 4) < area(&turned, n - 5)
+    );
+}
+
+#[test]
+fn thresholds_that_make_no_sense_say_so() {
+    let fails = |s: CtSettings| {
+        let mut phantom = Phantom::new(sphere, [50, 50, 20], [0.4, 0.4, 1.0]);
+        slice_scan(&mut phantom, &s, &Diagnostics::default()).expect_err("no layers").to_string()
+    };
+    assert!(
+        fails(CtSettings { threshold: Threshold::Value(60000.0), ..settings() }).contains("leaves nothing")
+    );
+    assert!(
+        fails(CtSettings { threshold: Threshold::Value(0.0), ..settings() }).contains("leaves everything")
+    );
+    assert!(
+        fails(CtSettings { window: Some([3, 20]), ..settings() })
+            .contains("should be the first and last of 20")
+    );
+    assert!(fails(CtSettings { crop_px: Some([0, 0, 50, 9]), ..settings() }).contains("crop_px"));
+    assert!(fails(CtSettings { min_island_mm2: 1e4, ..settings() }).contains("min_island_mm2"));
+    let mut unknown = Phantom::new(sphere, [50, 50, 20], [0.4, 0.4, 1.0]);
+    unknown.info.spacing_mm[2] = None;
+    let error = slice_scan(&mut unknown, &settings(), &Diagnostics::default()).expect_err("no spacing");
+    assert!(error.to_string().contains("set shape.ct.slice_mm"));
+}
+
+#[test]
+fn canny_follows_the_paper_to_its_accuracy() {
+    for (name, solid) in SOLIDS {
+        let mut phantom = Phantom::new(solid, [100, 100, 100], [0.2; 3]);
+        let made = run(&mut phantom, &CtSettings { tracing: Tracing::Canny, ..settings() });
+        let (mean, absolute, wrong) = errors(name, solid, &made.stack, made.report.bottom_mm, 0.2);
+        println!("canny {name}: mean {:.4} %, absolute {:.4} %", 100.0 * mean, 100.0 * absolute);
+        assert_eq!(wrong, 0, "{name}");
+        assert!(mean.abs() < 0.002, "{name}: {mean}");
+    }
+    let mut phantom = Phantom::new(torus, [100, 100, 10], [0.2, 0.2, 0.8]);
+    let made = run(&mut phantom, &CtSettings { tracing: Tracing::Canny, ..settings() });
+    let (mean, absolute, wrong) = errors("torus", torus, &made.stack, made.report.bottom_mm, 0.8);
+    println!("canny: mean {:.4} %, absolute {:.4} %", 100.0 * mean, 100.0 * absolute);
+    assert_eq!(wrong, 0);
+    assert!(mean.abs() < 0.01, "{mean}");
+}

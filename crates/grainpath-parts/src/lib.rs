@@ -1,0 +1,6 @@
+//! Parts made by our own code: presets with their jobs, specimens, test pieces of standards, synthetic boards.
+
+pub mod board;
+pub mod presets;
+pub mod specimen;
+pub mod test_pieces;

@@ -1,0 +1,113 @@
+//! Examples made by our own code.
+
+mod continuous;
+mod hub;
+mod stress_lines;
+mod tree_support;
+mod woodgrain;
+
+use std::borrow::Cow;
+
+use grainpath_core::math::direction;
+use grainpath_core::{DVec2, Polygon, TriMesh};
+
+/// A file of an example: its name and its content.
+pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
+
+/// Names that [`preset`] knows.
+pub const PRESETS: [&str; 6] = ["plate", "stress-lines", "ct", "woodgrain", "tree-support", "continuous"];
+
+/// The files of a preset; `None` for an unknown name.
+pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
+    match name {
+        "plate" => Some(vec![
+            ("job.toml".into(), include_bytes!("../../jobs/plate.toml").to_vec()),
+            ("plate.stl".into(), stl(&plate())),
+        ]),
+        "stress-lines" => Some(stress_lines::files()),
+        "woodgrain" => Some(woodgrain::files()),
+        "continuous" => Some(continuous::files()),
+        "tree-support" => Some(tree_support::files()),
+        "ct" => Some(ct(256)),
+        _ => None,
+    }
+}
+
+/// The wheel hub scanned with `n` x `n` pixels a slice, its true dimensions, and the job.
+pub fn ct(n: usize) -> Vec<ExampleFile> {
+    let (size, mm) = hub::lattice(n);
+    let mut tif = Vec::with_capacity(size.iter().product::<usize>() * 2 + size[2] * 400);
+    grainpath_io::volume::write_tiff_stack(size, [mm; 3], |k| hub::slice(n, k), &mut tif)
+        .expect("memory takes all that is written");
+    vec![
+        ("job.toml".into(), include_bytes!("../../jobs/ct.toml").to_vec()),
+        ("hub.tif".into(), tif),
+        ("truth.toml".into(), hub::truth().into_bytes()),
+    ]
+}
+
+fn stl(mesh: &TriMesh) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    grainpath_io::write_stl(mesh, &mut bytes).expect("memory takes all that is written");
+    bytes
+}
+
+/// A mounting plate, 80 x 50 x 6 mm, with rounded corners, four bolt holes, a slot, and a thin rib on top.
+pub fn plate() -> TriMesh {
+    let corners: Vec<DVec2> = [(76.0, 46.0, 0), (4.0, 46.0, 1), (4.0, 4.0, 2), (76.0, 4.0, 3)]
+        .into_iter()
+        .flat_map(|(x, y, quarter)| arc(DVec2::new(x, y), 4.0, quarter, 1, 8))
+        .collect();
+    let bolts = [(10.0, 10.0), (70.0, 10.0), (70.0, 40.0), (10.0, 40.0)];
+    let mut holes: Vec<Vec<DVec2>> =
+        bolts.into_iter().map(|(x, y)| arc(DVec2::new(x, y), 2.75, 0, 4, 12)).collect();
+    let slot = arc(DVec2::new(50.0, 25.0), 5.0, 3, 2, 12).into_iter();
+    holes.push(slot.chain(arc(DVec2::new(30.0, 25.0), 5.0, 1, 2, 12)).collect());
+    let mut mesh = TriMesh::default();
+    prism(&corners, &holes, 0.0, 6.0, &mut mesh);
+    // The rib reaches into the plate: bodies that overlap are united.
+    let rib = [(20.0, 34.0), (60.0, 34.0), (60.0, 35.2), (20.0, 35.2)].map(DVec2::from);
+    prism(&rib, &[], 5.0, 12.0, &mut mesh);
+    mesh
+}
+
+/// Points of `n_quarters` quarters of a circle, counter-clockwise.
+pub(crate) fn arc(
+    centre: DVec2,
+    radius: f64,
+    first_quarter: i32,
+    n_quarters: i32,
+    per_quarter: i32,
+) -> Vec<DVec2> {
+    let whole = i32::from(n_quarters < 4);
+    (0..n_quarters * per_quarter + whole)
+        .map(|i| {
+            let turn = f64::from(first_quarter) + f64::from(i) / f64::from(per_quarter);
+            centre + direction(turn * std::f64::consts::FRAC_PI_2) * radius
+        })
+        .collect()
+}
+
+/// Adds a prism over an outline with holes, all given counter-clockwise.
+pub(crate) fn prism(outline: &[DVec2], holes: &[Vec<DVec2>], low: f64, high: f64, mesh: &mut TriMesh) {
+    let clockwise = |hole: &Vec<DVec2>| hole.iter().rev().copied().collect();
+    let polygon = Polygon { outer: outline.to_vec(), holes: holes.iter().map(clockwise).collect() };
+    grainpath::shape::prism(&polygon.into(), low, high, mesh).expect("our own outlines do not cross");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::mesh::diagnose;
+
+    #[test]
+    fn the_plate_is_closed_and_has_its_volume() {
+        let mesh = plate();
+        let health = diagnose(&mesh).expect("triangles");
+        assert!(health.is_closed() && health.shells == 2, "{health:?}");
+        let pi = std::f64::consts::PI;
+        let area = 80.0 * 50.0 - (4.0 - pi) * 16.0 - 4.0 * pi * 2.75 * 2.75 - pi * 25.0 - 20.0 * 10.0;
+        let volume = area * 6.0 + 40.0 * 1.2 * 7.0;
+        assert!((mesh.signed_volume() / volume - 1.0).abs() < 2e-3, "{} {volume}", mesh.signed_volume());
+    }
+}

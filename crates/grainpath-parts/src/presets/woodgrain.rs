@@ -1,0 +1,62 @@
+//! The woodgrain example: a photograph of a board with a live knot, made by our own code, and jobs that compare fills.
+
+use grainpath_core::DVec2;
+
+use super::ExampleFile;
+use crate::board::{Board, Knot, wood_rgb};
+
+/// Its files.
+pub fn files() -> Vec<ExampleFile> {
+    let mut files: Vec<ExampleFile> = vec![("job.toml".into(), WOODGRAIN.as_bytes().to_vec())];
+    for pattern in ["grid", "triangles", "rectilinear"] {
+        files.push((format!("{pattern}.toml").into(), variant(pattern).into_bytes()));
+    }
+    files.push(("board.png".into(), board_png()));
+    files
+}
+
+const WOODGRAIN: &str = include_str!("../../jobs/woodgrain.toml");
+
+/// The woodgrain job with another fill in place of the grain.
+fn variant(pattern: &str) -> String {
+    let (head, rest) = WOODGRAIN.split_once("[shape.photo]").unwrap_or_default();
+    debug_assert!(!head.is_empty());
+    let mut out = format!(
+        "# The woodgrain example's part with a {pattern} fill of the same mass, to compare.\n\n[shape.photo]{rest}"
+    );
+    if let (Some(guide), Some(process)) = (out.find("[guide]"), out.find("[process]")) {
+        out.replace_range(guide..process, "");
+    }
+    let fill = format!("[fill]\npattern = \"{pattern}\"");
+    out.replace("[fill]", &fill)
+        .replace("woodgrain.gcode", &format!("{pattern}.gcode"))
+        .replace("out/report.html", &format!("out/{pattern}.html"))
+        .replace(
+            "out/preview\"       # every step from photograph to curves, and layers",
+            &format!("out/{pattern}\""),
+        )
+}
+
+/// The board of the woodgrain example.
+fn woodgrain_board() -> Board {
+    Board {
+        size_mm: DVec2::new(120.0, 30.0),
+        knots: vec![Knot { centre_mm: DVec2::new(58.0, 15.5), radius_mm: 4.0 }],
+        noise: 0.012,
+        ..Board::default()
+    }
+}
+
+/// Its photograph: in perspective, on a dark cloth.
+fn board_png() -> Vec<u8> {
+    let corners = [(52.0, 58.0), (842.0, 44.0), (868.0, 258.0), (34.0, 244.0)].map(DVec2::from);
+    let photo = woodgrain_board().photograph(900, 300, corners);
+    let rgb = wood_rgb(&photo);
+    let mut out = Vec::new();
+    let mut encoder = png::Encoder::new(&mut out, photo.width as u32, photo.height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let written = encoder.write_header().and_then(|mut w| w.write_image_data(&rgb));
+    written.expect("memory takes all that is written");
+    out
+}

@@ -1,0 +1,420 @@
+//! Standard test pieces: the shape, where it is gripped and pulled, a ready job, and a drawing.
+
+use std::fmt::Write;
+
+use grainpath_core::math::{asin, direction};
+use grainpath_core::{DVec2, TriMesh};
+
+use crate::presets::{arc, prism};
+
+/// How a piece is tested.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Loading {
+    /// Gripped at both ends over this length from each, mm, and pulled.
+    Tension { grip_mm: f64 },
+    /// On two rollers this far apart, mm, a nose pressing on the middle.
+    Bending { span_mm: f64 },
+}
+
+/// A test piece.
+pub struct TestPiece {
+    /// What it is called.
+    pub name: &'static str,
+    /// What it is, in a line.
+    pub about: &'static str,
+    shape: fn() -> Flat,
+    loading: Loading,
+    /// Dimensions for the drawing.
+    sizes: &'static [&'static str],
+}
+
+/// An outline with holes, extruded; holes may lean along x.
+struct Flat {
+    outline: Vec<DVec2>,
+    holes: Vec<Vec<DVec2>>,
+    thickness_mm: f64,
+    /// How far the holes move along x for each mm of height.
+    lean: f64,
+}
+
+/// Every test piece.
+pub const TEST_PIECES: [TestPiece; 8] = [
+    TestPiece {
+        name: "iso527-1a",
+        about: "ISO 527-2 type 1A tensile bar (GB/T 1040), 170 x 20 x 4 mm",
+        shape: || waisted(170.0, 80.0, 10.0, 20.0, 24.0, 4.0),
+        loading: Loading::Tension { grip_mm: 27.5 },
+        sizes: &["l3 170", "l1 80", "b1 10", "b2 20", "r 24", "h 4", "grips 115 apart"],
+    },
+    TestPiece {
+        name: "iso527-1b",
+        about: "ISO 527-2 type 1B tensile bar, 150 x 20 x 4 mm",
+        shape: || waisted(150.0, 60.0, 10.0, 20.0, 60.0, 4.0),
+        loading: Loading::Tension { grip_mm: 17.5 },
+        sizes: &["l3 150", "l1 60", "b1 10", "b2 20", "r 60", "h 4", "grips 115 apart"],
+    },
+    TestPiece {
+        name: "iso178",
+        about: "ISO 178 bending bar (GB/T 9341), 80 x 4 mm, printed on its side, 10 mm tall; span 64 mm",
+        shape: || plain(80.0, 4.0, 10.0, None, 0.0),
+        loading: Loading::Bending { span_mm: 64.0 },
+        sizes: &[
+            "l 80",
+            "h 4 (across the layers' plane)",
+            "b 10 (layers)",
+            "span 64",
+            "rollers R5, here as lines",
+        ],
+    },
+    TestPiece {
+        name: "d638-i",
+        about: "ASTM D638 type I tensile bar, 165 x 19 x 3.2 mm",
+        shape: || waisted(165.0, 57.0, 13.0, 19.0, 76.0, 3.2),
+        loading: Loading::Tension { grip_mm: 25.0 },
+        sizes: &["LO 165", "L 57", "W 13", "WO 19", "R 76", "T 3.2", "grips 115 apart"],
+    },
+    TestPiece {
+        name: "d5766",
+        about: "ASTM D5766 open-hole tension, 200 x 36 x 2.5 mm, hole 6 mm",
+        shape: || plain(200.0, 36.0, 2.5, Some(3.0), 0.0),
+        loading: Loading::Tension { grip_mm: 50.0 },
+        sizes: &[
+            "length 200",
+            "w 36",
+            "d 6",
+            "thickness 2.5",
+            "grips 100 apart",
+            "strength on the gross section",
+        ],
+    },
+    TestPiece {
+        name: "s1-box",
+        about: "box with an oblique hole as of a knot, 100 x 30 x 10 mm, hole 8 mm leaning by 20 degrees",
+        shape: || plain(100.0, 30.0, 10.0, Some(4.0), 0.363_970_234_266_202_4),
+        loading: Loading::Tension { grip_mm: 20.0 },
+        sizes: &[
+            "length 100",
+            "width 30",
+            "height 10",
+            "hole 8 in every layer",
+            "leans 20 deg along x",
+            "grips 60 apart",
+        ],
+    },
+    TestPiece {
+        name: "s2-tension",
+        about: "GB/T 1040 tensile bar with a central hole of 3 mm, 170 x 20 x 4 mm",
+        shape: || Flat {
+            holes: vec![arc(DVec2::new(85.0, 0.0), 1.5, 0, 4, 16)],
+            ..waisted(170.0, 80.0, 10.0, 20.0, 24.0, 4.0)
+        },
+        loading: Loading::Tension { grip_mm: 27.5 },
+        sizes: &["l3 170", "l1 80", "b1 10", "b2 20", "r 24", "h 4", "hole 3", "grips 115 apart"],
+    },
+    TestPiece {
+        name: "s2-bending",
+        about: "three-point bending over a span of 160 mm, 200 x 10 x 10 mm, printed on its side",
+        shape: || plain(200.0, 10.0, 10.0, None, 0.0),
+        loading: Loading::Bending { span_mm: 160.0 },
+        sizes: &["l 200", "h 10", "b 10 (layers)", "span 160", "rollers R5, here as lines"],
+    },
+];
+
+/// A bar with a narrower middle, its shoulders arcs: whole length, length of the narrow part, narrow and full width,
+/// radius and thickness, mm. Lies along x from 0, in the middle of y.
+fn waisted(length: f64, narrow: f64, b1: f64, b2: f64, radius: f64, thickness_mm: f64) -> Flat {
+    let rise = 0.5 * (b2 - b1);
+    let run = (radius * radius - (radius - rise) * (radius - rise)).sqrt();
+    let turn = asin(run / radius);
+    let (from, to) = (0.5 * (length - narrow), 0.5 * (length + narrow));
+    let half = std::f64::consts::FRAC_PI_2;
+    let shoulder = |x: f64, y: f64, a: f64, b: f64| {
+        (0..=12).map(move |k| DVec2::new(x, y) + direction(a + (b - a) * f64::from(k) / 12.0) * radius)
+    };
+    let off = 0.5 * b1 + radius;
+    let mut outline = vec![DVec2::new(0.0, -0.5 * b2)];
+    outline.extend(shoulder(from, -off, half + turn, half));
+    outline.extend(shoulder(to, -off, half, half - turn));
+    outline.extend([DVec2::new(length, -0.5 * b2), DVec2::new(length, 0.5 * b2)]);
+    outline.extend(shoulder(to, off, -half + turn, -half));
+    outline.extend(shoulder(from, off, -half, -half - turn));
+    outline.push(DVec2::new(0.0, 0.5 * b2));
+    Flat { outline, holes: Vec::new(), thickness_mm, lean: 0.0 }
+}
+
+/// A plain bar, with a hole of this radius in its middle.
+fn plain(length: f64, width: f64, thickness_mm: f64, hole_mm: Option<f64>, lean: f64) -> Flat {
+    let y = 0.5 * width;
+    let outline = [(0.0, -y), (length, -y), (length, y), (0.0, y)].map(DVec2::from).to_vec();
+    let holes = hole_mm.map(|r| arc(DVec2::new(0.5 * length, 0.0), r, 0, 4, 16)).into_iter().collect();
+    Flat { outline, holes, thickness_mm, lean }
+}
+
+impl TestPiece {
+    /// The piece, standing on z = 0.
+    pub fn mesh(&self) -> TriMesh {
+        let flat = (self.shape)();
+        let mut mesh = TriMesh::default();
+        prism(&flat.outline, &flat.holes, 0.0, flat.thickness_mm, &mut mesh);
+        if flat.lean != 0.0 {
+            for v in &mut mesh.vertices {
+                if flat.holes.iter().flatten().any(|h| *h == v.truncate()) {
+                    v.x += flat.lean * (v.z - 0.5 * flat.thickness_mm);
+                }
+            }
+        }
+        mesh
+    }
+
+    /// A job that prints and tests it; `file` is the name of the files without ending.
+    pub fn job(&self, file: &str) -> String {
+        let flat = (self.shape)();
+        let (low, high) = bounds(&flat.outline);
+        let top = flat.thickness_mm;
+        let plane = if flat.lean == 0.0 {
+            ""
+        } else {
+            "fidelity = \"plane\"           # layers differ: homogenised through the thickness\n"
+        };
+        let loads = match self.loading {
+            Loading::Tension { grip_mm } => format!(
+                "[[guide.fixture]]             # the left grip
+on = {{ box_mm = [[{}, {}, 0], [{}, {}, {top}]] }}
+fix = \"xyz\"
+
+[[guide.load]]                # the right grip pulls
+on = {{ box_mm = [[{}, {}, 0], [{}, {}, {top}]] }}
+force_n = [500, 0, 0]
+",
+                low.x,
+                low.y,
+                low.x + grip_mm,
+                high.y,
+                high.x - grip_mm,
+                low.y,
+                high.x,
+                high.y
+            ),
+            Loading::Bending { span_mm } => {
+                let middle = 0.5 * (low.x + high.x);
+                format!(
+                    "[[guide.fixture]]             # the left roller
+on = {{ cylinder = {{ point_mm = [{}, {y}, 0], axis = [0, 0, 1], radius_mm = 0.8 }} }}
+fix = \"xyz\"
+
+[[guide.fixture]]             # the right roller
+on = {{ cylinder = {{ point_mm = [{}, {y}, 0], axis = [0, 0, 1], radius_mm = 0.8 }} }}
+fix = \"yz\"
+
+[[guide.load]]                # the nose presses on the middle
+on = {{ cylinder = {{ point_mm = [{middle}, {}, 0], axis = [0, 0, 1], radius_mm = 0.8 }} }}
+force_n = [0, -100, 0]
+",
+                    middle - 0.5 * span_mm,
+                    middle + 0.5 * span_mm,
+                    high.y,
+                    y = low.y
+                )
+            }
+        };
+        format!(
+            "# {about}
+#
+#   grainpath strength {file}.toml
+#   grainpath run {file}.toml
+
+[shape]
+mesh = \"{file}.stl\"
+
+[process]
+walls = 1
+
+[fill]
+pattern = \"aligned\"           # stripes, with guide.kind = \"stress\", lays beads along the load
+density = 1.0
+angles_deg = [0]
+
+[guide]
+kind = \"none\"
+
+{loads}
+[strength]
+enabled = true
+{plane}
+[output]
+gcode = \"{file}.gcode\"
+report = \"{file}.html\"
+",
+            about = self.about
+        )
+    }
+
+    /// A drawing in mm as SVG: the outline, where it is held and pushed, and its sizes.
+    pub fn drawing(&self) -> String {
+        let flat = (self.shape)();
+        let (low, high) = bounds(&flat.outline);
+        let size = high - low;
+        let rim = (0.12 * size.x).max(12.0);
+        let (w, h) = (size.x + 2.0 * rim, size.y + 3.0 * rim);
+        let x = |p: f64| p - low.x + rim;
+        let y = |p: f64| high.y - p + rim;
+        let mut out = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w:.2}mm\" height=\"{h:.2}mm\" viewBox=\"0 0 {w:.3} {h:.3}\" font-family=\"sans-serif\" font-size=\"{:.2}\">\n",
+            0.018 * w
+        );
+        let _ = writeln!(
+            out,
+            "<title>{}</title>\n<rect width=\"{w:.3}\" height=\"{h:.3}\" fill=\"#fff\"/>",
+            self.about
+        );
+        let path = |ring: &[DVec2], shift: f64| {
+            let points: Vec<String> =
+                ring.iter().map(|p| format!("{:.3} {:.3}", x(p.x + shift), y(p.y))).collect();
+            format!("M{}Z", points.join("L"))
+        };
+        let mut d = path(&flat.outline, 0.0);
+        flat.holes.iter().for_each(|r| d += &path(r, 0.5 * flat.lean * flat.thickness_mm));
+        let _ = writeln!(
+            out,
+            "<path d=\"{d}\" fill=\"#e9edf2\" fill-rule=\"evenodd\" stroke=\"#222\" stroke-width=\"0.35\"/>"
+        );
+        if flat.lean != 0.0 {
+            let hidden: String =
+                flat.holes.iter().map(|r| path(r, -0.5 * flat.lean * flat.thickness_mm)).collect();
+            let _ = writeln!(
+                out,
+                "<path d=\"{hidden}\" fill=\"none\" stroke=\"#222\" stroke-width=\"0.2\" stroke-dasharray=\"1.5 1\"/>"
+            );
+        }
+        let arrow = |from: DVec2, to: DVec2, colour: &str| {
+            let u = (to - from).normalize_or(DVec2::X) * 2.4;
+            let v = DVec2::new(-u.y, u.x) * 0.35;
+            format!(
+                "<path d=\"M{:.2} {:.2}L{:.2} {:.2}M{:.2} {:.2}L{:.2} {:.2}L{:.2} {:.2}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"0.5\"/>\n",
+                from.x,
+                from.y,
+                to.x,
+                to.y,
+                to.x - u.x + v.x,
+                to.y - u.y + v.y,
+                to.x,
+                to.y,
+                to.x - u.x - v.x,
+                to.y - u.y - v.y
+            )
+        };
+        match self.loading {
+            Loading::Tension { grip_mm } => {
+                for (from, colour) in [(low.x, "#2a6"), (high.x - grip_mm, "#c33")] {
+                    let _ = writeln!(
+                        out,
+                        "<rect x=\"{:.3}\" y=\"{:.3}\" width=\"{grip_mm:.3}\" height=\"{:.3}\" fill=\"{colour}\" opacity=\"0.25\"/>",
+                        x(from),
+                        y(high.y),
+                        size.y
+                    );
+                }
+                let middle = y(0.5 * (low.y + high.y));
+                out += &arrow(
+                    DVec2::new(x(high.x) + 1.0, middle),
+                    DVec2::new(x(high.x) + 0.7 * rim, middle),
+                    "#c33",
+                );
+            }
+            Loading::Bending { span_mm } => {
+                let middle = 0.5 * (low.x + high.x);
+                for p in [middle - 0.5 * span_mm, middle + 0.5 * span_mm] {
+                    let _ = writeln!(
+                        out,
+                        "<circle cx=\"{:.3}\" cy=\"{:.3}\" r=\"2.5\" fill=\"#2a6\" opacity=\"0.6\"/>",
+                        x(p),
+                        y(low.y) + 2.5
+                    );
+                }
+                out += &arrow(
+                    DVec2::new(x(middle), y(high.y) - 0.7 * rim),
+                    DVec2::new(x(middle), y(high.y) - 0.5),
+                    "#c33",
+                );
+            }
+        }
+        let base = y(low.y) + 0.55 * rim;
+        let _ = writeln!(
+            out,
+            "<path d=\"M{0:.3} {1:.3}V{2:.3}M{3:.3} {1:.3}V{2:.3}M{0:.3} {4:.3}H{3:.3}\" stroke=\"#555\" stroke-width=\"0.2\" fill=\"none\"/>\n<text x=\"{5:.3}\" y=\"{6:.3}\" text-anchor=\"middle\">{7}</text>",
+            x(low.x),
+            y(low.y) + 1.0,
+            base + 1.0,
+            x(high.x),
+            base,
+            x(0.5 * (low.x + high.x)),
+            base - 1.0,
+            size.x
+        );
+        let _ = writeln!(
+            out,
+            "<text x=\"{:.2}\" y=\"{:.3}\">{}: {} mm</text>\n<text x=\"{:.2}\" y=\"{:.3}\">green held, red pushed; along x</text>\n</svg>",
+            0.3 * rim,
+            h - 0.6 * rim,
+            self.name,
+            self.sizes.join(", "),
+            0.3 * rim,
+            h - 0.2 * rim
+        );
+        out
+    }
+}
+
+fn bounds(ring: &[DVec2]) -> (DVec2, DVec2) {
+    let low = ring.iter().copied().reduce(DVec2::min).unwrap_or_default();
+    (low, ring.iter().copied().reduce(DVec2::max).unwrap_or_default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::mesh::diagnose;
+
+    #[test]
+    fn pieces_are_closed_and_of_their_sizes() {
+        for piece in &TEST_PIECES {
+            let mesh = piece.mesh();
+            let health = diagnose(&mesh).expect("triangles");
+            assert!(health.is_closed() && health.shells == 1, "{}: {health:?}", piece.name);
+            let flat = (piece.shape)();
+            let area = |r: &[DVec2]| {
+                grainpath_core::poly::edges(r)
+                    .map(|(a, b)| 0.5 * grainpath_core::math::cross(a, b))
+                    .sum::<f64>()
+            };
+            let want =
+                flat.thickness_mm * (area(&flat.outline) - flat.holes.iter().map(|h| area(h)).sum::<f64>());
+            assert!(
+                (mesh.signed_volume() / want - 1.0).abs() < 1e-3,
+                "{}: {} {want}",
+                piece.name,
+                mesh.signed_volume()
+            );
+        }
+        // Shoulders meet the standard's distance between broad parts: 109.3 +- 3.2 for 1A, 108 +- 1.6 for 1B.
+        for (flat, l2) in [
+            (waisted(170.0, 80.0, 10.0, 20.0, 24.0, 4.0), 109.3),
+            (waisted(150.0, 60.0, 10.0, 20.0, 60.0, 4.0), 108.0),
+        ] {
+            let broad: Vec<f64> = flat.outline.iter().filter(|p| p.y.abs() > 9.999).map(|p| p.x).collect();
+            let inner = broad.iter().copied().filter(|x| *x > 1.0 && *x < 75.0).fold(0.0, f64::max);
+            let other = broad.iter().copied().filter(|x| *x > 75.0).fold(f64::INFINITY, f64::min);
+            assert!((other - inner - l2).abs() < 1.0, "{}", other - inner);
+        }
+    }
+
+    #[test]
+    fn every_job_is_sound() {
+        for piece in &TEST_PIECES {
+            let none = |_: &str| Err("no file".to_owned());
+            let job = grainpath_job::parse_job(&piece.job("a"), "a.toml", &[], &none);
+            assert!(job.is_ok_and(|s| s.strength.enabled && !s.guide.fixture.is_empty()), "{}", piece.name);
+            assert!(piece.drawing().starts_with("<svg") && piece.drawing().ends_with("</svg>\n"));
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! What the imaging crate reads from photographs of synthetic boards, held against the truth that the boards know.
+
+use std::f64::consts::PI;
+
+use grainpath_core::DVec2;
+use grainpath_core::math::{atan2, exp};
+use grainpath_core::poly::length_mm;
+use grainpath_imaging::canny::{CannySettings, canny};
+use grainpath_imaging::photo::corners::find_corners;
+use grainpath_imaging::photo::curves::{CurveSettings, Join, edge_curves};
+use grainpath_imaging::photo::warp::{MetricImage, rectify};
+use grainpath_imaging::raster::Grey;
+use grainpath_imaging::tensor::{TensorSettings, axis_difference_rad, grain_axes};
+use grainpath_parts::board::{Board, Knot};
+
+const CURVES: CurveSettings =
+    CurveSettings { join: Join::Trace, max_turn_rad: 1.0, bridge_mm: 1.0, min_length_mm: 3.0 };
+/// What JPEG does to a picture at a quality from 1 to 100: blocks of eight, cosine transform, rounding with the
+/// table of its standard. For trying out how much of it a method bears.
+fn jpeg_like(grey: &Grey, quality: u32) -> Grey {
+    const TABLE: [u16; 64] = [
+        16, 11, 10, 16, 24, 40, 51, 61, 12, 12, 14, 19, 26, 58, 60, 55, 14, 13, 16, 24, 40, 57, 69, 56, 14,
+        17, 22, 29, 51, 87, 80, 62, 18, 22, 37, 56, 68, 109, 103, 77, 24, 35, 55, 64, 81, 104, 113, 92, 49,
+        64, 78, 87, 103, 121, 120, 101, 72, 92, 95, 98, 112, 100, 103, 99,
+    ];
+    let q = f64::from(quality.clamp(1, 100));
+    let scale = if q < 50.0 { 5000.0 / q } else { 200.0 - 2.0 * q };
+    let table = TABLE.map(|t| ((f64::from(t) * scale + 50.0) / 100.0).floor().clamp(1.0, 255.0));
+    let wave: [[f64; 8]; 8] = std::array::from_fn(|k| {
+        let c = if k == 0 { 0.125f64.sqrt() } else { 0.5 };
+        std::array::from_fn(|n| c * grainpath_core::math::cos((2 * n + 1) as f64 * k as f64 * PI / 16.0))
+    });
+    let mut out = grey.clone();
+    for by in (0..grey.height).step_by(8) {
+        for bx in (0..grey.width).step_by(8) {
+            let pixel =
+                |x: usize, y: usize| grey.at((bx + x).min(grey.width - 1), (by + y).min(grey.height - 1));
+            let value = |x: usize, y: usize| (f64::from(pixel(x, y)) * 255.0).round() - 128.0;
+            let mut rounded = [[0.0; 8]; 8];
+            for (v, row) in rounded.iter_mut().enumerate() {
+                for (u, r) in row.iter_mut().enumerate() {
+                    let each = (0..64).map(|k| value(k % 8, k / 8) * wave[u][k % 8] * wave[v][k / 8]);
+                    let t = table[8 * v + u];
+                    *r = (each.sum::<f64>() / t).round() * t;
+                }
+            }
+            for y in 0..8.min(grey.height - by) {
+                for x in 0..8.min(grey.width - bx) {
+                    let each = (0..64).map(|k| rounded[k / 8][k % 8] * wave[k % 8][x] * wave[k / 8][y]);
+                    out.data[(by + y) * grey.width + bx + x] =
+                        ((each.sum::<f64>() + 128.0) / 255.0).clamp(0.0, 1.0) as f32;
+                }
+            }
+        }
+    }
+    out
+}
+
+/// How much a picture is darkened towards its corners; for trying out.
+fn vignetted(grey: &Grey, strength: f64) -> Grey {
+    let middle = DVec2::new(grey.width as f64, grey.height as f64) * 0.5;
+    Grey::from_fn(grey.width, grey.height, |x, y| {
+        let r2 = ((DVec2::new(x as f64, y as f64) - middle) / middle).length_squared();
+        grey.at(x, y) * exp(-strength * r2) as f32
+    })
+}
+
+const SETTINGS: TensorSettings = TensorSettings { gradient_mm: 0.15, integration_mm: 0.6, smooth_mm: 0.5 };
+
+/// Mean angle to the truth, degrees, over all points but those where there is none.
+fn mean_error_deg(board: &Board, photo: &Grey) -> f64 {
+    let (w, h) = (photo.width as f64, photo.height as f64);
+    let corners = [(0.0, 0.0), (w, 0.0), (w, h), (0.0, h)].map(DVec2::from);
+    let image = rectify(photo, corners, board.size_mm, board.size_mm.x / w);
+    let axes = grain_axes(&image, &SETTINGS);
+    let (mut sum, mut n) = (0.0, 0);
+    for j in 1..60 {
+        for i in 1..200 {
+            let p = board.size_mm * DVec2::new(f64::from(i) / 200.0, f64::from(j) / 60.0);
+            if let Some(truth) = board.axis_rad(p, 0.4) {
+                sum += axis_difference_rad(axes.sample(p).axis_rad(), truth).to_degrees();
+                n += 1;
+            }
+        }
+    }
+    sum / f64::from(n)
+}
+
+#[test]
+fn the_grain_of_boards_is_found_whatever_the_photograph() {
+    let mut rows = Vec::new();
+    for noise in [0.0, 0.02, 0.06] {
+        for (uneven_light, blur, quality) in [(0.0, 0.0, 100), (0.3, 1.0, 90), (0.6, 2.0, 70), (0.3, 0.5, 40)]
+        {
+            for knots in [
+                vec![],
+                Board::default().knots,
+                vec![
+                    Knot { centre_mm: DVec2::new(28.0, 10.0), radius_mm: 3.0 },
+                    Knot { centre_mm: DVec2::new(70.0, 20.0), radius_mm: 5.0 },
+                ],
+            ] {
+                let board = Board { noise, uneven_light, knots, seed: 7, ..Board::default() };
+                let photo = vignetted(&jpeg_like(&board.flat(0.1, blur), quality), 0.5 * uneven_light);
+                let error = mean_error_deg(&board, &photo);
+                rows.push((error, format!("noise {noise} light {uneven_light} blur {blur} quality {quality} knots {}: {error:.2} deg", board.knots.len())));
+            }
+        }
+    }
+    for (_, row) in &rows {
+        println!("{row}");
+    }
+    let wrong: Vec<&String> = rows.iter().filter(|(e, _)| *e > 3.0).map(|(_, row)| row).collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn jpeg_at_full_quality_changes_little() {
+    let photo = Board::default().flat(0.2, 0.5);
+    let off = |q| {
+        let coded = jpeg_like(&photo, q);
+        photo.data.iter().zip(&coded.data).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+    };
+    assert!(off(100) < 0.012 && off(20) > 0.03, "{} {}", off(100), off(20));
+}
+
+fn board_image() -> (Board, MetricImage) {
+    let board = Board::default();
+    let photo = board.flat(0.08, 0.5);
+    let (w, h) = (photo.width as f64, photo.height as f64);
+    let corners = [(0.0, 0.0), (w, 0.0), (w, h), (0.0, h)].map(DVec2::from);
+    let mut image = rectify(&photo, corners, board.size_mm, 0.08);
+    image.grey = image.grey.blurred(2.5);
+    (board, image)
+}
+
+#[test]
+fn a_board_on_a_cloth_is_found_to_a_pixel() {
+    for corners in [
+        [(110.0, 90.0), (860.0, 130.0), (830.0, 380.0), (140.0, 330.0)],
+        [(60.0, 200.0), (700.0, 60.0), (780.0, 260.0), (130.0, 420.0)],
+    ] {
+        let corners = corners.map(DVec2::from);
+        let photo = Board::default().photograph(960, 480, corners);
+        let found = find_corners(&photo).expect("a board");
+        for (f, c) in found.iter().zip(corners) {
+            assert!(f.distance(c) < 1.0, "{f} should be {c}");
+        }
+    }
+}
+
+#[test]
+fn no_board_is_said() {
+    assert!(find_corners(&Grey::filled(300, 200, 0.5)).is_err());
+    let whole = Board::default().flat(0.2, 0.5);
+    assert!(find_corners(&whole).is_err());
+    let disc = Grey::from_fn(300, 300, |x, y| {
+        let d = (x as f64 - 150.0).powi(2) + (y as f64 - 150.0).powi(2);
+        if d < 8000.0 { 0.9 } else { 0.1 }
+    });
+    assert!(find_corners(&disc).is_err());
+}
+
+#[test]
+fn curves_follow_the_grain_both_ways_of_joining() {
+    let (board, image) = board_image();
+    let edges = canny(&image.grey, &CannySettings::default());
+    for join in [Join::Trace, Join::Nearest] {
+        let curves = edge_curves(&edges, &image, &CurveSettings { join, ..CURVES });
+        let total: f64 = curves.iter().map(|c| length_mm(c)).sum();
+        let (mut sum, mut weight, mut jump) = (0.0, 0.0, 0.0f64);
+        for w in curves.iter().flat_map(|c| c.windows(5)) {
+            let d = w[4] - w[0];
+            jump = jump.max(d.length());
+            if let Some(truth) = board.axis_rad(w[2], 0.6) {
+                let angle = atan2(d.y, d.x);
+                sum += axis_difference_rad(angle, truth).to_degrees() * d.length();
+                weight += d.length();
+            }
+        }
+        println!("{join:?}: {} curves, {total:.0} mm, {:.2} deg", curves.len(), sum / weight);
+        // About 20 growth lines of 100 mm with two flanks, where both are sharp enough.
+        assert!(total > 1200.0, "{join:?}: {total}");
+        assert!(sum / weight < 6.0, "{join:?}: {}", sum / weight);
+        assert!(jump < 2.0, "{join:?}: a jump of {jump}");
+    }
+    let longest = edge_curves(&edges, &image, &CURVES).first().map_or(0.0, |c| length_mm(c));
+    assert!(longest > 60.0, "{longest}");
+}

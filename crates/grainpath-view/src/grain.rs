@@ -1,0 +1,144 @@
+//! The steps from photograph or scan to curves, as pictures.
+
+use grainpath_core::DVec2;
+use grainpath_core::math::direction;
+use tiny_skia::{LineCap, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Stroke, Transform};
+
+use grainpath::guide::grain::{GrainGuide, PhotoSteps};
+use grainpath_imaging::raster::Grey;
+use grainpath_imaging::scan::texture::ShownSlice;
+use grainpath_imaging::tensor::AxisSample;
+
+use crate::layer::encode_png;
+use crate::page::Picture;
+
+/// Pictures are no larger than this.
+const LONGEST_PX: f64 = 1600.0;
+
+/// File names and pictures of everything that was kept on the way to a guide.
+pub fn pictures(guide: &GrainGuide) -> Vec<(String, Picture)> {
+    let n = guide.photo_steps.len();
+    let mut out = Vec::new();
+    for (k, found) in guide.photo_steps.iter().enumerate() {
+        let prefix = if n > 1 { format!("photo{}_", k + 1) } else { String::new() };
+        out.extend(steps(found).into_iter().map(|(name, p)| (format!("{prefix}{name}"), p)));
+    }
+    out.extend(guide.shown_slices.iter().map(|slice| texture(guide, slice)));
+    out
+}
+
+/// The steps from a photograph to directions and curves, in their order.
+fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
+    let PhotoSteps { photo, corners, image, denoised, edges, axes, curves } = found;
+    let mut out = Vec::new();
+    let mut put = |name: &str, title: &str, canvas: Canvas| {
+        let png = encode_png(canvas.pixels.width(), canvas.pixels.height(), canvas.pixels.data());
+        out.push((format!("grain_{name}.png"), Picture { title: title.into(), png, of_test: false }));
+    };
+    let mut canvas = Canvas::of(photo, 1.0, false);
+    let ring: Vec<DVec2> = corners.iter().chain([&corners[0]]).copied().collect();
+    canvas.line(&ring, 3.0, [255, 60, 40]);
+    put("1_photograph", "The photograph and the corners", canvas);
+    put("2_rectified", "Rectified", Canvas::of(&image.grey, 1.0, true));
+    put("3_denoised", "Denoised", Canvas::of(&denoised.grey, 1.0, true));
+    if let Some(edges) = edges {
+        let mask = Grey {
+            width: edges.width,
+            height: edges.height,
+            data: edges.mask.iter().map(|&m| if m { 1.0 } else { 0.0 }).collect(),
+        };
+        put("4_edges", "Edges", Canvas::of(&mask, 1.0, true));
+    }
+    let to_px = |p: DVec2| {
+        let q = image.pixel(p);
+        DVec2::new(q.x, image.grey.height as f64 - q.y)
+    };
+    let canvas = with_strokes(&image.grey, &|p| axes.sample(image.place(p.x, p.y)));
+    put("5_field", "Directions: yellow clear, violet unclear", canvas);
+    if !curves.is_empty() {
+        let mut canvas = Canvas::of(&image.grey, 0.5, true);
+        for (k, curve) in curves.iter().enumerate() {
+            let line: Vec<DVec2> = curve.iter().map(|&p| to_px(p)).collect();
+            let hue = [[255, 200, 60], [90, 220, 255], [140, 255, 120], [255, 130, 180]][k % 4];
+            canvas.line(&line, 1.3, hue);
+        }
+        put("6_curves", "Curves along the edges", canvas);
+    }
+    out
+}
+
+/// A slice of a scan and the directions found over it.
+fn texture(guide: &GrainGuide, slice: &ShownSlice) -> (String, Picture) {
+    let ShownSlice { index, height_mm, pixel_mm, grey } = slice;
+    let (low, high) = (grey.quantile(0.005), grey.quantile(0.995));
+    let range = (high - low).max(f32::MIN_POSITIVE);
+    let data = grey.data.iter().map(|v| ((v - low) / range).clamp(0.0, 1.0)).collect();
+    let axis = |p: DVec2| guide.scan_axis((p * *pixel_mm).extend(*height_mm)).unwrap_or_default();
+    let canvas = with_strokes(&Grey { data, ..*grey }, &axis);
+    let png = encode_png(canvas.pixels.width(), canvas.pixels.height(), canvas.pixels.data());
+    let title = format!("Directions {height_mm:.2} mm up the scan: yellow clear, violet unclear");
+    (format!("texture_{:04}.png", index + 1), Picture { title, png, of_test: false })
+}
+
+/// A darkened picture, rows from the bottom, with a stroke along the axis every dozen pixels. `axis` takes pixels.
+fn with_strokes(grey: &Grey, axis: &dyn Fn(DVec2) -> AxisSample) -> Canvas {
+    let mut canvas = Canvas::of(grey, 0.55, true);
+    let every = 14.0 / canvas.scale;
+    let turned = |p: DVec2| DVec2::new(p.x, grey.height as f64 - p.y);
+    for j in 0..(grey.height as f64 / every) as usize {
+        for i in 0..(grey.width as f64 / every) as usize {
+            let p = every * DVec2::new(i as f64 + 0.5, j as f64 + 0.5);
+            let s = axis(p);
+            let half = direction(s.axis_rad()) * 0.42 * every;
+            let c = (s.coherence * 255.0) as u8;
+            canvas.line(&[turned(p - half), turned(p + half)], 1.6, [255, c, 255 - c]);
+        }
+    }
+    canvas
+}
+
+struct Canvas {
+    pixels: Pixmap,
+    /// Pixels here for one of the picture.
+    scale: f64,
+}
+
+impl Canvas {
+    /// A grey picture, shrunk to fit; `upwards` for one whose rows begin at the bottom.
+    fn of(grey: &Grey, brightness: f32, upwards: bool) -> Self {
+        let longest = grey.width.max(grey.height).max(1) as f64;
+        // Small pictures are blown up, so that lines on them can be told apart.
+        let scale = (LONGEST_PX / longest).min(6.0);
+        let size = |n: usize| ((n as f64 * scale).round() as u32).max(1);
+        let (w, h) = (size(grey.width), size(grey.height));
+        let mut pixels = Pixmap::new(w, h).expect("a size from 1 to 1600 pixels");
+        let mut small = grey.clone();
+        let mut level = 1.0;
+        while scale * level < 0.6 {
+            small = small.halved();
+            level *= 2.0;
+        }
+        for (k, pixel) in pixels.pixels_mut().iter_mut().enumerate() {
+            let (x, row) = (k as u32 % w, k as u32 / w);
+            let y = if upwards { h - 1 - row } else { row };
+            let at = |v: u32| (f64::from(v) + 0.5) / (scale * level);
+            let v = (small.sample(at(x), at(y)) * brightness * 255.0).clamp(0.0, 255.0) as u8;
+            *pixel = PremultipliedColorU8::from_rgba(v, v, v, 255).expect("opaque");
+        }
+        Self { pixels, scale }
+    }
+
+    /// A line in the picture's pixels, rows from the top.
+    fn line(&mut self, points: &[DVec2], width: f32, [r, g, b]: [u8; 3]) {
+        let mut builder = PathBuilder::new();
+        for (k, p) in points.iter().enumerate() {
+            let (x, y) = ((p.x * self.scale) as f32, (p.y * self.scale) as f32);
+            if k == 0 { builder.move_to(x, y) } else { builder.line_to(x, y) }
+        }
+        let Some(path) = builder.finish() else { return };
+        let mut paint = Paint { anti_alias: true, ..Paint::default() };
+        paint.set_color_rgba8(r, g, b, 255);
+        let stroke = Stroke { width, line_cap: LineCap::Round, ..Stroke::default() };
+        self.pixels.stroke_path(&path, &paint, &stroke, Transform::identity(), None);
+    }
+}

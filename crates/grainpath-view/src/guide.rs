@@ -1,0 +1,167 @@
+//! Pictures of a guide: stress, principal stress lines, directions.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::fmt::Write;
+
+use grainpath::guide::{Degenerate, Families, Guide};
+use grainpath_core::math::{atan2, direction};
+use grainpath_core::poly::LineClipper;
+use grainpath_core::streamlines::TracedLine;
+use grainpath_core::{Bounds2, DVec2, Region};
+use grainpath_fea::principal::von_mises_plane;
+
+use crate::layer::{Canvas, Ramp};
+
+/// The equivalent stress over a layer's section as a picture, with both families of lines over it and its degenerate
+/// points: rings around wedges, triangles around trisectors, squares on borders.
+pub fn stress_png(
+    guide: &Guide,
+    layer: usize,
+    region: &Region,
+    z_mm: f64,
+    families: &Families,
+    size_px: u32,
+) -> Vec<u8> {
+    let Some(bounds) = region.bounds() else { return Vec::new() };
+    let mut canvas = Canvas::over(bounds, size_px);
+    let inside = LineClipper::new(region);
+    let stress = guide.main_case();
+    let mut values: Vec<f64> = Vec::new();
+    let all: Vec<Option<f64>> = canvas
+        .pixels()
+        .map(|p| inside.contains(p).then(|| von_mises_plane(stress.at(p.extend(z_mm)))))
+        .inspect(|v| values.extend(v))
+        .collect();
+    values.sort_by(f64::total_cmp);
+    // Peaks at corners would leave no colour for the rest.
+    let high = values.get(values.len() * 995 / 1000).copied().unwrap_or(1.0);
+    let ramp = Ramp { low: 0.0, high };
+    canvas.paint(all.into_iter().map(|v| v.map(|v| ramp.colour(v))));
+    for (lines, colour) in families.iter().zip([[255, 255, 255], [20, 20, 30]]) {
+        lines.iter().for_each(|l| canvas.line(&closed_points(l), 1.2, colour, 190));
+    }
+    let radius = bounds.size().max_element() / 130.0;
+    for (kind, p) in &guide.degenerate(layer).points {
+        let sides = match kind {
+            Degenerate::Wedge => 24,
+            Degenerate::Trisector => 3,
+            Degenerate::Border => 4,
+        };
+        let turn = |k: i32| FRAC_PI_2 + TAU * f64::from(k) / f64::from(sides);
+        let ring: Vec<DVec2> = (0..=sides).map(|k| *p + radius * direction(turn(k))).collect();
+        canvas.line(&ring, 2.5, [255, 60, 220], 255);
+    }
+    canvas.png()
+}
+
+/// The directions that fill follows in a layer, as short strokes: longer where they matter more.
+pub fn field_png(guide: &Guide, layer: usize, region: &Region, z_mm: f64, size_px: u32) -> Vec<u8> {
+    let Some(bounds) = region.bounds() else { return Vec::new() };
+    let mut canvas = Canvas::over(bounds, size_px);
+    let inside = LineClipper::new(region);
+    for contour in region.contours() {
+        let mut ring = contour.clone();
+        ring.extend(contour.first().copied());
+        canvas.line(&ring, 1.5, [200, 204, 210], 255);
+    }
+    let pitch = (bounds.size().max_element() / 90.0).max(1e-3);
+    let field = guide.layer(layer);
+    let ramp = Ramp { low: 0.0, high: std::f64::consts::PI };
+    let Bounds2 { min, max } = bounds;
+    let mut y = min.y + 0.5 * pitch;
+    while y < max.y {
+        let mut x = min.x + 0.5 * pitch;
+        while x < max.x {
+            let p = DVec2::new(x, y);
+            if inside.contains(p) {
+                let sample = field.sample(p.extend(z_mm));
+                let half = direction(sample.axis_rad) * (pitch * (0.15 + 0.4 * sample.strength));
+                canvas.line(&[p - half, p + half], 2.0, ramp.colour(sample.axis_rad), 255);
+            }
+            x += pitch;
+        }
+        y += pitch;
+    }
+    canvas.png()
+}
+
+fn closed_points(line: &TracedLine) -> Vec<DVec2> {
+    let mut points = line.points.clone();
+    if line.closed {
+        points.extend(line.points.first().copied());
+    }
+    points
+}
+
+/// Both families as SVG: the lines of the greater principal stress red, of the smaller blue. Units are mm.
+pub fn lines_svg(region: &Region, families: &Families) -> String {
+    let bounds = region.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE }).grown(1.0);
+    let size = bounds.size();
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.3}mm\" height=\"{:.3}mm\" viewBox=\"0 0 {:.3} {:.3}\">\n",
+        size.x, size.y, size.x, size.y
+    );
+    let path = |points: &[DVec2], closed: bool| {
+        let mut d = String::new();
+        for (i, p) in points.iter().enumerate() {
+            let letter = if i == 0 { 'M' } else { 'L' };
+            let _ = write!(d, "{letter}{:.4} {:.4}", p.x - bounds.min.x, bounds.max.y - p.y);
+        }
+        if closed {
+            d.push('Z');
+        }
+        d
+    };
+    let outline: String = region.contours().map(|c| path(c, true)).collect();
+    let _ = writeln!(out, "<path d=\"{outline}\" fill=\"none\" stroke=\"#444\" stroke-width=\"0.15\"/>");
+    for (lines, (id, colour)) in families.iter().zip([("greater", "#d33"), ("smaller", "#36c")]) {
+        let _ = writeln!(out, "<g id=\"{id}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"0.12\">");
+        for line in lines {
+            let _ = writeln!(out, "<path d=\"{}\"/>", path(&line.points, line.closed));
+        }
+        out.push_str("</g>\n");
+    }
+    out + "</svg>\n"
+}
+
+/// Both families as VTP (PolyData, text), at height `z_mm`: lines with their `family`, 1 for the greater principal
+/// stress and 2 for the smaller, and at each point the angle of the line in degrees.
+pub fn lines_vtp(families: &Families, z_mm: f64) -> String {
+    let (mut points, mut angles, mut nodes, mut offsets, mut family) =
+        (String::new(), String::new(), String::new(), String::new(), String::new());
+    let (mut n, mut end, mut n_lines) = (0, 0, 0);
+    for (f, lines) in families.iter().enumerate() {
+        for line in lines {
+            let first = n;
+            let count = line.points.len();
+            for (i, p) in line.points.iter().enumerate() {
+                let next = line.points[(i + 1).min(count - 1)];
+                let d = if next == *p && i > 0 { *p - line.points[i - 1] } else { next - *p };
+                let _ = write!(points, "{:.6} {:.6} {z_mm:.6} ", p.x, p.y);
+                let _ = write!(angles, "{:.4} ", atan2(d.y, d.x).to_degrees());
+                let _ = write!(nodes, "{n} ");
+                n += 1;
+            }
+            end += count;
+            if line.closed {
+                let _ = write!(nodes, "{first} ");
+                end += 1;
+            }
+            n_lines += 1;
+            let _ = write!(offsets, "{end} ");
+            let _ = write!(family, "{} ", f + 1);
+        }
+    }
+    format!(
+        "<?xml version=\"1.0\"?>
+<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\">
+<PolyData><Piece NumberOfPoints=\"{n}\" NumberOfVerts=\"0\" NumberOfLines=\"{n_lines}\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">
+<Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">{points}</DataArray></Points>
+<PointData><DataArray type=\"Float64\" Name=\"angle_deg\" format=\"ascii\">{angles}</DataArray></PointData>
+<CellData><DataArray type=\"UInt8\" Name=\"family\" format=\"ascii\">{family}</DataArray></CellData>
+<Lines><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">{nodes}</DataArray>
+<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">{offsets}</DataArray></Lines>
+</Piece></PolyData></VTKFile>
+"
+    )
+}

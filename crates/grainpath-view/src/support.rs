@@ -1,0 +1,192 @@
+//! The steps of making supports as pictures: overhangs and contacts from below, trees from the front and the side.
+
+use grainpath_core::math::direction;
+use grainpath_core::{DVec2, DVec3, TriMesh};
+use tiny_skia::{Color, FillRule, LineCap, Paint, PathBuilder, Pixmap, Stroke, Transform};
+
+use crate::layer::encode_png;
+use grainpath::support::Support;
+use grainpath::support::overhang::Reason;
+use grainpath::support::tree::Kind;
+
+/// A picture of a step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepPicture {
+    /// Name for a file.
+    pub name: &'static str,
+    /// What it shows.
+    pub title: String,
+    /// The file.
+    pub png: Vec<u8>,
+}
+
+/// Longest side, pixels.
+const SIZE: f64 = 1100.0;
+const MARGIN: f64 = 24.0;
+
+/// All pictures; none for a part without triangles.
+pub fn pictures(mesh: &TriMesh, support: &Support) -> Vec<StepPicture> {
+    let Some((low, high)) = mesh.bounds() else { return Vec::new() };
+    let low = support.forest.nodes.iter().fold(low, |l, n| l.min(n.at - n.radius_mm)).min(low.with_z(0.0));
+    let high = support.forest.nodes.iter().fold(high, |h, n| h.max(n.at + n.radius_mm));
+    let o = &support.overhangs;
+    let below = View::new(low, high, |p| DVec3::new(p.x, -p.y, -p.z));
+    let front = View::new(low, high, |p| DVec3::new(p.x, p.z, -p.y));
+    let side = View::new(low, high, |p| DVec3::new(p.y, p.z, p.x));
+    let tree_title = |from: &str| {
+        format!(
+            "{} trees from the {from}: branches, joints (white), feet (blue), landings on the part (orange)",
+            support.forest.n_trees()
+        )
+    };
+    vec![
+        StepPicture {
+            name: "overhangs",
+            title: format!(
+                "From below: {} regions beyond the critical angle (red), {} contacts: of facets (yellow), edges (cyan), \
+                 lowest points (white); not reached (magenta)",
+                o.regions,
+                o.contacts.len()
+            ),
+            png: overhangs(mesh, support, &below),
+        },
+        StepPicture { name: "trees_front", title: tree_title("front"), png: trees(mesh, support, &front) },
+        StepPicture { name: "trees_side", title: tree_title("right"), png: trees(mesh, support, &side) },
+    ]
+}
+
+/// A way of looking: to the right, upwards, towards the eye.
+struct View {
+    turn: fn(DVec3) -> DVec3,
+    low: DVec2,
+    scale: f64,
+    w: usize,
+    h: usize,
+}
+
+impl View {
+    fn new(low: DVec3, high: DVec3, turn: fn(DVec3) -> DVec3) -> Self {
+        let (a, b) = (turn(low), turn(high));
+        let (lo, hi) = (a.min(b).truncate(), a.max(b).truncate());
+        let size = (hi - lo).max(DVec2::splat(1e-6));
+        let scale = (SIZE - 2.0 * MARGIN) / size.max_element();
+        let pixels = |mm: f64| (mm * scale + 2.0 * MARGIN).ceil() as usize;
+        Self { turn, low: lo, scale, w: pixels(size.x), h: pixels(size.y) }
+    }
+
+    /// Pixel and nearness.
+    fn at(&self, p: DVec3) -> DVec3 {
+        let q = (self.turn)(p);
+        let x = MARGIN + (q.x - self.low.x) * self.scale;
+        let y = self.h as f64 - MARGIN - (q.y - self.low.y) * self.scale;
+        DVec3::new(x, y, q.z)
+    }
+}
+
+type Rgb = [f64; 3];
+
+/// The mesh, shaded, each facet in the colour asked for.
+fn shaded(mesh: &TriMesh, view: &View, colour: impl Fn(usize) -> Rgb) -> Pixmap {
+    let mut depth = vec![f64::NEG_INFINITY; view.w * view.h];
+    let mut canvas = Pixmap::new(view.w as u32, view.h as u32).expect("pictures have a size");
+    canvas.fill(Color::from_rgba8(28, 30, 34, 255));
+    let light = DVec3::new(-0.4, -0.5, 0.77);
+    for (t, triangle) in mesh.triangles.iter().enumerate() {
+        let [a, b, c] = triangle.map(|i| view.at(mesh.vertices[i as usize]));
+        let n = (b - a).cross(c - a);
+        if n.z == 0.0 {
+            continue;
+        }
+        let facing = n.normalize_or_zero() * n.z.signum();
+        let shade = 0.35 + 0.65 * facing.dot(light).max(0.0);
+        let rgb = colour(t).map(|v| (v * shade).clamp(0.0, 255.0) as u8);
+        let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
+        let (x0, x1) = (lo.x.ceil().max(0.0) as usize, (hi.x.floor() as usize).min(view.w - 1));
+        let (y0, y1) = (lo.y.ceil().max(0.0) as usize, (hi.y.floor() as usize).min(view.h - 1));
+        for y in y0..=y1 {
+            for x in x0..=x1 {
+                let p = DVec2::new(x as f64, y as f64);
+                let side = |u: DVec3, v: DVec3| (v - u).truncate().perp_dot(p - u.truncate()) * n.z.signum();
+                if side(a, b) < 0.0 || side(b, c) < 0.0 || side(c, a) < 0.0 {
+                    continue;
+                }
+                let z = a.z - (n.x * (p.x - a.x) + n.y * (p.y - a.y)) / n.z;
+                let slot = &mut depth[y * view.w + x];
+                if z > *slot {
+                    *slot = z;
+                    let i = 4 * (y * view.w + x);
+                    canvas.data_mut()[i..i + 3].copy_from_slice(&rgb);
+                }
+            }
+        }
+    }
+    canvas
+}
+
+fn dot(canvas: &mut Pixmap, p: DVec3, r: f64, [red, green, blue]: [u8; 3]) {
+    let mut builder = PathBuilder::new();
+    for i in 0..12 {
+        let d = direction(f64::from(i) / 12.0 * std::f64::consts::TAU) * r;
+        let (x, y) = ((p.x + d.x) as f32, (p.y + d.y) as f32);
+        if i == 0 { builder.move_to(x, y) } else { builder.line_to(x, y) }
+    }
+    builder.close();
+    let Some(path) = builder.finish() else { return };
+    let mut paint = Paint { anti_alias: true, ..Paint::default() };
+    paint.set_color_rgba8(red, green, blue, 255);
+    canvas.fill_path(&path, &paint, FillRule::Winding, Transform::identity(), None);
+}
+
+fn line(canvas: &mut Pixmap, a: DVec3, b: DVec3, width: f64, [red, green, blue]: [u8; 3]) {
+    let mut builder = PathBuilder::new();
+    builder.move_to(a.x as f32, a.y as f32);
+    builder.line_to(b.x as f32, b.y as f32);
+    let Some(path) = builder.finish() else { return };
+    let mut paint = Paint { anti_alias: true, ..Paint::default() };
+    paint.set_color_rgba8(red, green, blue, 215);
+    let stroke = Stroke { width: width.max(0.8) as f32, line_cap: LineCap::Round, ..Stroke::default() };
+    canvas.stroke_path(&path, &paint, &stroke, Transform::identity(), None);
+}
+
+fn overhangs(mesh: &TriMesh, support: &Support, view: &View) -> Vec<u8> {
+    let mut hangs = vec![false; mesh.triangles.len()];
+    support.overhangs.facets.iter().for_each(|&t| hangs[t as usize] = true);
+    let mut canvas =
+        shaded(mesh, view, |t| if hangs[t] { [214.0, 74.0, 66.0] } else { [150.0, 156.0, 166.0] });
+    for c in &support.overhangs.contacts {
+        let missing = support.unreached.iter().any(|u| u.at == c.at);
+        let colour = match c.reason {
+            _ if missing => [255, 60, 235],
+            Reason::Facets => [250, 215, 70],
+            Reason::Edge => [80, 220, 230],
+            Reason::Lowest => [255, 255, 255],
+        };
+        dot(&mut canvas, view.at(c.at), 2.6, colour);
+    }
+    encode_png(canvas.width(), canvas.height(), canvas.data())
+}
+
+fn trees(mesh: &TriMesh, support: &Support, view: &View) -> Vec<u8> {
+    let mut canvas = shaded(mesh, view, |_| [96.0, 101.0, 110.0]);
+    for (a, b) in support.forest.branches() {
+        let width = (a.radius_mm + b.radius_mm) * view.scale;
+        let colour = if a.post { [230, 160, 60] } else { [70, 190, 90] };
+        line(&mut canvas, view.at(a.at), view.at(b.at), width, colour);
+    }
+    for b in &support.forest.braces {
+        line(&mut canvas, view.at(b.high), view.at(b.low), 2.0 * b.radius_mm * view.scale, [90, 150, 200]);
+    }
+    for n in &support.forest.nodes {
+        match n.kind {
+            Kind::Join => dot(&mut canvas, view.at(n.at), 1.8, [255, 255, 255]),
+            Kind::Foot => dot(&mut canvas, view.at(n.at), 3.0, [80, 140, 240]),
+            Kind::Landing => dot(&mut canvas, view.at(n.at), 3.0, [250, 150, 50]),
+            Kind::Contact(_) => dot(&mut canvas, view.at(n.at), 1.6, [250, 215, 70]),
+            Kind::Tip | Kind::Bend => {}
+        }
+    }
+    for u in &support.unreached {
+        dot(&mut canvas, view.at(u.at), 3.0, [255, 60, 235]);
+    }
+    encode_png(canvas.width(), canvas.height(), canvas.data())
+}

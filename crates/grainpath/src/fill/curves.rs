@@ -1,0 +1,528 @@
+//! Curves as beads: those that were found, clipped and thinned to what fits, and new ones between them until no gap
+//! is left that a bead fits in.
+
+use std::f64::consts::PI;
+
+use grainpath_core::line_points::LinePoints;
+use grainpath_core::math::cross;
+use grainpath_core::poly::{LineClipper, length_mm, resampled};
+use grainpath_core::units::bead_width_mm;
+use grainpath_core::{BeadWidth, Bounds2, DVec2, Polygon, Region, Toolpath};
+
+use crate::fill::FillContext;
+
+/// A new line begins only this share of the spacing asked for away from all others, so two are never farther apart
+/// than twice that.
+const CLOSEST: f64 = 0.75;
+/// It goes on until it is this share of that away from one: lines may run together a little before they end.
+const GO_ON: f64 = 0.72;
+/// Distance of neighbouring points of a line, as a share of the closest distance.
+const STEP: f64 = 0.33;
+/// However sparse the lines, they bend as finely as this.
+const LONGEST_STEP_MM: f64 = 0.25;
+/// Beads may be this much narrower and wider than nominal, as shares of the spacing.
+const STRIP: [f64; 2] = [0.6, 1.5];
+/// Lines off by less than this, mm, are taken as straight.
+const STRAIGHT_MM: f64 = 0.008;
+
+/// What lines follow between the curves.
+pub struct Flow<'a> {
+    /// The direction; only its axis counts, not its sign.
+    pub axis: &'a dyn Fn(DVec2) -> DVec2,
+    /// How much farther apart than on average lines lie; matters only below full density.
+    pub sparseness: Option<&'a dyn Fn(DVec2) -> f64>,
+}
+
+/// Fills a room with curves: those given, in their order of importance, and lines along the flow between them.
+pub fn lay_curves(
+    context: &FillContext<'_>,
+    room: &Polygon,
+    curves: &[Vec<DVec2>],
+    flow: &Flow<'_>,
+    out: &mut Vec<Toolpath>,
+) {
+    let spacing_mm = context.spacing_mm() / context.density;
+    let Some(bounds) = room.bounds() else { return };
+    if !(spacing_mm.is_finite() && room.area_mm2() > 1e-6) {
+        return;
+    }
+    let region = Region::from(room.clone());
+    let mut layer = Layout {
+        clipper: LineClipper::new(&region),
+        flow,
+        closest_mm: CLOSEST * spacing_mm,
+        step_mm: (STEP * CLOSEST * spacing_mm).min(LONGEST_STEP_MM),
+        lines: Vec::new(),
+        near: LinePoints::new(bounds, CLOSEST * spacing_mm),
+        border: BorderDistance::new(room, spacing_mm),
+        off_border_mm: if context.density >= 0.999 { 0.0 } else { 0.5 * spacing_mm },
+    };
+    let least_mm = if context.density >= 0.999 { 1.5 * spacing_mm } else { 2.0 * spacing_mm };
+    layer.take(curves, 2.0 * spacing_mm);
+    layer.beside_lines(spacing_mm, least_mm);
+    layer.in_gaps(bounds, least_mm);
+    if context.density >= 0.999 {
+        let strips = |i| layer.strips(i, spacing_mm, context.border_mm);
+        let widths: Vec<Vec<f64>> = (0..layer.lines.len()).map(strips).collect();
+        dense_paths(context, room, layer.lines, widths, out);
+    } else {
+        sparse_paths(context, room, layer.lines, out);
+    }
+}
+
+/// One line of a layout.
+struct Line {
+    points: Vec<DVec2>,
+    closed: bool,
+    /// What is added to the index of a point among the near ones to find it in the line.
+    first: i32,
+}
+
+struct Layout<'a> {
+    clipper: LineClipper,
+    flow: &'a Flow<'a>,
+    closest_mm: f64,
+    step_mm: f64,
+    lines: Vec<Line>,
+    near: LinePoints,
+    border: BorderDistance,
+    /// New lines begin this far from the border: along it there is a wall already.
+    off_border_mm: f64,
+}
+
+impl Layout<'_> {
+    /// The closest distance of lines at a point, mm.
+    fn closest_at(&self, p: DVec2) -> f64 {
+        self.closest_mm * self.flow.sparseness.map_or(1.0, |s| s(p).clamp(0.4, 2.5))
+    }
+
+    /// How many steps back a line is no neighbour to itself: a turn of the tightest loop that leaves room inside.
+    fn lag(&self) -> usize {
+        (1.6 * PI * self.closest_mm / self.step_mm).ceil() as usize
+    }
+
+    /// Takes what fits of the curves, in their order.
+    fn take(&mut self, curves: &[Vec<DVec2>], least_mm: f64) {
+        for curve in curves {
+            for piece in self.clipper.clip(curve) {
+                let points = resampled(&piece.points, self.step_mm);
+                let mut run: Vec<DVec2> = Vec::new();
+                let reach = |p: DVec2| {
+                    let closest = self.closest_at(p);
+                    if self.near.open(p, 0.95 * closest, |_, _| true) {
+                        2
+                    } else {
+                        u8::from(self.near.open(p, GO_ON * closest, |_, _| true))
+                    }
+                };
+                let free: Vec<u8> = points.iter().map(|&p| reach(p)).collect();
+                for (&p, free) in points.iter().zip(free) {
+                    let goes_on = free == 2 || (free == 1 && !run.is_empty());
+                    if goes_on && !self.meets_itself(&run, p) {
+                        run.push(p);
+                    } else {
+                        self.keep(std::mem::take(&mut run), least_mm);
+                    }
+                }
+                self.keep(run, least_mm);
+            }
+        }
+    }
+
+    /// Whether a line comes back to where it was, more than a few steps ago.
+    fn meets_itself(&self, run: &[DVec2], p: DVec2) -> bool {
+        let lag = self.lag();
+        // Rows are short: a curve of a photograph seldom has more than a few thousand points.
+        run.len() > lag
+            && run[..run.len() - lag].iter().step_by(2).any(|q| q.distance(p) < 0.9 * self.closest_mm)
+    }
+
+    fn keep(&mut self, points: Vec<DVec2>, least_mm: f64) {
+        if points.len() > 1 && length_mm(&points) >= least_mm {
+            let id = self.lines.len() as u32;
+            points.iter().enumerate().for_each(|(k, &p)| self.near.insert(p, id, k as i32));
+            // A curve that ends in the open goes on along the grain.
+            let n = points.len();
+            let (first, last) = (points[0], points[n - 1]);
+            let heading = (last - points[n.saturating_sub(4)]).normalize_or_zero();
+            let ahead = self.follow(last, heading, n as i32 - 1, 1).0;
+            let heading = (first - points[3.min(n - 1)]).normalize_or_zero();
+            let back = self.follow(first, heading, 0, -1).0;
+            let shift = back.len() as i32;
+            let points = back.into_iter().rev().chain(points).chain(ahead).collect();
+            self.lines.push(Line { points, closed: false, first: shift });
+        }
+    }
+
+    /// New lines a spacing beside each line, beside those in turn, and so on.
+    fn beside_lines(&mut self, spacing_mm: f64, least_mm: f64) {
+        let mut next = 0;
+        while next < self.lines.len() {
+            let n = self.lines[next].points.len();
+            let every = ((spacing_mm / self.step_mm) as usize).max(1);
+            for k in (0..n).step_by(every) {
+                let points = &self.lines[next].points;
+                let tangent = (points[(k + 1).min(n - 1)] - points[k.saturating_sub(1)]).normalize_or_zero();
+                let p = points[k];
+                for side in [tangent.perp(), -tangent.perp()] {
+                    let apart = self.closest_at(p) / CLOSEST;
+                    self.seed(p + apart * side, least_mm);
+                }
+            }
+            next += 1;
+        }
+    }
+
+    /// Lines through whatever place is still farther from all lines than they may be from each other.
+    fn in_gaps(&mut self, bounds: Bounds2, least_mm: f64) {
+        let step = 0.6 * self.closest_mm;
+        let count = |mm: f64| (mm / step) as usize + 1;
+        let (nx, ny) = (count(bounds.size().x), count(bounds.size().y));
+        let first = self.lines.len();
+        for j in 0..ny {
+            for i in 0..nx {
+                self.seed(bounds.min + step * DVec2::new(i as f64 + 0.5, j as f64 + 0.5), least_mm);
+            }
+        }
+        debug_assert!(first <= self.lines.len());
+    }
+
+    /// A new line through `p`, if there is room for one.
+    fn seed(&mut self, p: DVec2, least_mm: f64) {
+        if !self.clipper.contains(p) || !self.near.open(p, self.closest_at(p), |_, _| true) {
+            return;
+        }
+        let start = (self.flow.axis)(p).normalize_or_zero();
+        if start == DVec2::ZERO || self.border.distance(p) < self.off_border_mm {
+            return;
+        }
+        let id = self.lines.len() as u32;
+        self.near.insert(p, id, 0);
+        let (ahead, closed) = self.follow(p, start, 0, 1);
+        let back = if closed { Vec::new() } else { self.follow(p, -start, 0, -1).0 };
+        let first = back.len() as i32;
+        let points: Vec<DVec2> = back.into_iter().rev().chain([p]).chain(ahead).collect();
+        if points.len() > 1 && length_mm(&points) >= least_mm {
+            self.lines.push(Line { points, closed, first });
+        } else {
+            points.iter().for_each(|&q| self.near.remove(q, id));
+        }
+    }
+
+    /// Follows the axis from `p` until the room ends, another line or its own beginning is near, or it comes round.
+    /// Points are numbered from `from` at `p`, by `count`: 1 ahead, -1 backwards.
+    fn follow(&mut self, p: DVec2, heading: DVec2, from: i32, count: i32) -> (Vec<DVec2>, bool) {
+        let h = self.step_mm;
+        let flow = self.flow;
+        let along = |at: DVec2, heading: DVec2| {
+            let a = (flow.axis)(at);
+            if a.dot(heading) < 0.0 { -a } else { a }
+        };
+        let id = self.lines.len() as u32;
+        let lag = self.lag() as i32;
+        let start = heading;
+        let (mut at, mut heading) = (p, heading);
+        let mut out: Vec<DVec2> = Vec::new();
+        for k in 1..MAX_STEPS {
+            let half = along(at, heading);
+            let step = along(at + 0.5 * h * half, half);
+            // Round a point without direction the axis may turn at once: a bead cannot.
+            if step.dot(heading) < 0.5 {
+                break;
+            }
+            let next = at + h * step;
+            let index = from + count * k as i32;
+            let own = |i: i32| (i - index).abs() > lag;
+            if let Some(hit) = self.clipper.crossings(at, next).first() {
+                let edge = at.lerp(next, hit.t);
+                let room = GO_ON * self.closest_mm;
+                if edge.distance(at) > 0.05 * h && self.near.open(edge, room, |line, i| line != id || own(i))
+                {
+                    out.push(edge);
+                    self.near.insert(edge, id, index);
+                }
+                break;
+            }
+            // From a point on the border itself nothing is crossed on the way out.
+            let b = self.near.bounds();
+            let left = next.cmplt(b.min).any() || next.cmpgt(b.max).any();
+            if left || (k == 1 && !self.clipper.contains(next)) {
+                break;
+            }
+            if !self.near.open(next, GO_ON * self.closest_at(next), |line, _| line != id) {
+                break;
+            }
+            let came_round =
+                k as i32 > 2 * lag && next.distance(p) < 1.05 * self.closest_mm && step.dot(start) > 0.8;
+            if came_round && count > 0 && from == 0 {
+                return (out, true);
+            }
+            if !self.near.open(next, 0.95 * self.closest_mm, |line, i| line == id && own(i)) {
+                break;
+            }
+            out.push(next);
+            self.near.insert(next, id, index);
+            (at, heading) = (next, step);
+        }
+        (out, false)
+    }
+
+    /// For each point of a line, the width of the strip that is its own, mm: half way to the next line on either side,
+    /// or to the border of what is to be filled.
+    fn strips(&self, i: usize, spacing_mm: f64, border_mm: f64) -> Vec<f64> {
+        let line = &self.lines[i];
+        let n = line.points.len();
+        let [least, most] = STRIP.map(|s| 0.5 * s * spacing_mm);
+        let of_point = |k: usize| {
+            let p = line.points[k];
+            let tangent =
+                (line.points[(k + 1).min(n - 1)] - line.points[k.saturating_sub(1)]).normalize_or_zero();
+            let mut sides = [most; 2];
+            let mut look = |q: DVec2, share: f64| {
+                let d = q - p;
+                let across = cross(tangent, d);
+                let side = usize::from(across > 0.0);
+                if d.dot(tangent).abs() < across.abs() {
+                    sides[side] = sides[side].min(share * across.abs());
+                }
+            };
+            let lag = self.lag() as i32;
+            self.near.each(p, 2.0 * most, |q, other, index| {
+                let apart = (index + line.first - k as i32).abs();
+                // The ends of a closed line are neighbours.
+                let apart = if line.closed { apart.min(n as i32 - apart) } else { apart };
+                if other != i as u32 || apart > lag {
+                    look(q, 0.5);
+                }
+            });
+            let edge = self.border.distance(p);
+            if edge < most {
+                // The border has no side to look at: it is where no line is.
+                let side = usize::from(sides[1] > sides[0]);
+                sides[side] = sides[side].min(edge + border_mm);
+            }
+            sides[0].max(least) + sides[1].max(least)
+        };
+        let raw: Vec<f64> = (0..n).map(of_point).collect();
+        // A bead cannot change its width at once.
+        (0..n)
+            .map(|k| {
+                let r = 3.min(k).min(n - 1 - k);
+                raw[k - r..=k + r].iter().sum::<f64>() / (2 * r + 1) as f64
+            })
+            .collect()
+    }
+}
+
+/// No line has more points.
+const MAX_STEPS: usize = 100_000;
+
+/// Distance to the border of a room, for points near it.
+struct BorderDistance {
+    near: LinePoints,
+    reach_mm: f64,
+}
+
+impl BorderDistance {
+    fn new(room: &Polygon, reach_mm: f64) -> Self {
+        let bounds = room.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+        let mut near = LinePoints::new(bounds, reach_mm);
+        for contour in room.contours() {
+            for (a, b) in grainpath_core::poly::edges(contour) {
+                let n = (a.distance(b) / (0.2 * reach_mm)).ceil().clamp(1.0, 1e5) as usize;
+                (0..n).for_each(|k| near.insert(a.lerp(b, k as f64 / n as f64), 0, 0));
+            }
+        }
+        Self { near, reach_mm }
+    }
+
+    /// The distance, or infinity beyond the reach.
+    fn distance(&self, p: DVec2) -> f64 {
+        let mut best = f64::INFINITY;
+        self.near.each(p, self.reach_mm, |q, _, _| best = best.min(q.distance_squared(p)));
+        best.sqrt()
+    }
+}
+
+/// Volume of what is to be filled: the room and the strips around it.
+fn wanted_mm3(context: &FillContext<'_>, room: &Polygon) -> f64 {
+    let area = room.area_mm2() + context.border_mm * (room.perimeter_mm() + 4.0 * context.border_mm);
+    area * context.height_mm * context.density
+}
+
+fn dense_paths(
+    context: &FillContext<'_>,
+    room: &Polygon,
+    lines: Vec<Line>,
+    strips: Vec<Vec<f64>>,
+    out: &mut Vec<Toolpath>,
+) {
+    let height = context.height_mm;
+    // A bead as wide as its strip has exactly the strip's section.
+    let each = |(line, widths): (&Line, &Vec<f64>)| {
+        let mean = |k: usize| 0.5 * (widths[k] + widths[(k + 1) % widths.len()]);
+        let n = if line.closed { line.points.len() } else { line.points.len() - 1 };
+        let length = |k: usize| line.points[k].distance(line.points[(k + 1) % line.points.len()]);
+        (0..n).map(|k| mean(k) * length(k)).sum::<f64>()
+    };
+    let laid: f64 = lines.iter().zip(&strips).map(each).sum::<f64>() * height;
+    let factor = (wanted_mm3(context, room) / laid.max(1e-9)).clamp(0.96, 1.08);
+    for (line, strips) in lines.into_iter().zip(strips) {
+        let widths: Vec<f64> = strips.iter().map(|s| bead_width_mm(factor * s, height)).collect();
+        let kept = kept(&line.points, &widths);
+        let mut path = Toolpath::new(
+            kept.iter().map(|&k| line.points[k]).collect(),
+            context.bead_width_mm,
+            context.role,
+            line.closed,
+        );
+        path.width = BeadWidth::PerVertex(kept.iter().map(|&k| widths[k]).collect());
+        out.push(path);
+    }
+}
+
+fn sparse_paths(context: &FillContext<'_>, room: &Polygon, lines: Vec<Line>, out: &mut Vec<Toolpath>) {
+    let first = out.len();
+    for line in lines {
+        let kept = kept(&line.points, &vec![0.0; line.points.len()]);
+        let points = kept.iter().map(|&k| line.points[k]).collect();
+        out.push(Toolpath::new(points, context.bead_width_mm, context.role, line.closed));
+    }
+    // Curves come and go whole; their width makes up for what that leaves of the density asked for.
+    let laid: f64 = out[first..].iter().map(|p| p.volume_mm3(context.height_mm)).sum();
+    let factor = (wanted_mm3(context, room) / laid.max(1e-9)).clamp(0.85, 1.15);
+    let spacing = factor * context.spacing_mm();
+    let width = BeadWidth::Constant(bead_width_mm(spacing, context.height_mm));
+    out[first..].iter_mut().for_each(|p| p.width = width.clone());
+}
+
+/// The points that matter, for place and width: Douglas and Peucker's choice in both.
+fn kept(points: &[DVec2], widths: &[f64]) -> Vec<usize> {
+    let n = points.len();
+    let mut keep = vec![false; n];
+    (keep[0], keep[n - 1]) = (true, true);
+    let mut stack = vec![(0, n - 1)];
+    while let Some((lo, hi)) = stack.pop() {
+        let far = (lo + 1..hi).fold((STRAIGHT_MM, usize::MAX), |best, k| {
+            let (a, b, p) = (points[lo], points[hi], points[k]);
+            let d = b - a;
+            let t = if d.length_squared() > 0.0 {
+                ((p - a).dot(d) / d.length_squared()).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
+            let aside = p.distance(a + t * d);
+            let wider = 0.3 * (widths[k] - widths[lo] - t * (widths[hi] - widths[lo])).abs();
+            let off = aside.max(wider);
+            if off > best.0 { (off, k) } else { best }
+        });
+        if far.1 != usize::MAX {
+            keep[far.1] = true;
+            stack.extend([(lo, far.1), (far.1, hi)]);
+        }
+    }
+    (0..n).filter(|&k| keep[k]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::Role;
+    use grainpath_core::math::direction;
+
+    fn context(density: f64) -> FillContext<'static> {
+        FillContext {
+            z_mid_mm: 0.1,
+            height_mm: 0.2,
+            bead_width_mm: 0.45,
+            density,
+            angle_rad: 0.0,
+            part: Bounds2 { min: DVec2::ZERO, max: DVec2::new(40.0, 20.0) },
+            role: Role::SparseFill,
+            border_mm: 0.11,
+            field: None,
+        }
+    }
+
+    fn room() -> Polygon {
+        let hole = (0..60).rev().map(|i| DVec2::new(20.0, 10.0) + 3.0 * direction(f64::from(i) * PI / 30.0));
+        Polygon {
+            outer: Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 20.0)).polygons[0].outer.clone(),
+            holes: vec![hole.collect()],
+        }
+    }
+
+    /// Flow round the hole.
+    fn axis(p: DVec2) -> DVec2 {
+        let d = p - DVec2::new(20.0, 10.0);
+        let (r2, a2) = (d.length_squared().max(1.0), 9.0);
+        DVec2::new(1.0 - a2 * (d.x * d.x - d.y * d.y) / (r2 * r2), -2.0 * a2 * d.x * d.y / (r2 * r2))
+            .normalize_or_zero()
+    }
+
+    fn seen() -> Vec<Vec<DVec2>> {
+        let wavy = |y: f64| {
+            (0..200).map(|i| DVec2::new(0.2 * f64::from(i), y + 0.3 * (f64::from(i) * 0.05))).collect()
+        };
+        vec![wavy(2.0), wavy(2.2), wavy(15.0)]
+    }
+
+    #[test]
+    fn no_two_lines_cross_and_no_gap_is_left() {
+        for density in [1.0, 0.3] {
+            let context = context(density);
+            let mut paths = Vec::new();
+            lay_curves(&context, &room(), &seen(), &Flow { axis: &axis, sparseness: None }, &mut paths);
+            let spacing = context.spacing_mm() / density;
+            let region = Region::from(room());
+            let segments: Vec<(usize, DVec2, DVec2)> = paths
+                .iter()
+                .enumerate()
+                .flat_map(|(i, p)| (0..p.n_segments()).map(move |k| (i, p.segment(k).0, p.segment(k).1)))
+                .collect();
+            for (n, &(i, a, b)) in segments.iter().enumerate() {
+                for &(j, p, q) in &segments[n + 1..] {
+                    let side = |u: DVec2, v: DVec2, w: DVec2| cross(v - u, w - u);
+                    let apart = i == j
+                        || side(a, b, p) * side(a, b, q) >= 0.0
+                        || side(p, q, a) * side(p, q, b) >= 0.0;
+                    assert!(apart, "{a} - {b} crosses {p} - {q}");
+                }
+                assert!(
+                    region.offset(1e-3, grainpath_core::poly::Join::Miter(2.0)).contains(a) || n % 17 != 0
+                );
+            }
+            let to_line = |p: DVec2| {
+                let d = |&(_, a, b): &(usize, DVec2, DVec2)| {
+                    let t = ((p - a).dot(b - a) / (b - a).length_squared().max(1e-12)).clamp(0.0, 1.0);
+                    p.distance(a.lerp(b, t))
+                };
+                segments.iter().map(d).fold(f64::INFINITY, f64::min)
+            };
+            let mut widest = 0.0f64;
+            for j in 1..66 {
+                for i in 1..133 {
+                    let p = DVec2::new(0.3 * f64::from(i), 0.3 * f64::from(j));
+                    if region.contains(p) {
+                        widest = widest.max(to_line(p));
+                    }
+                }
+            }
+            assert!(
+                widest < if density < 1.0 { 1.4 } else { 1.0 } * spacing,
+                "density {density}: a place {widest:.2} mm from any line"
+            );
+            let volume: f64 = paths.iter().map(|p| p.volume_mm3(0.2)).sum();
+            let share = volume / wanted_mm3(&context, &room());
+            assert!((share - 1.0).abs() < 0.02, "density {density}: {share} of the volume");
+        }
+    }
+
+    #[test]
+    fn points_are_dropped_only_where_the_line_is_straight() {
+        let line: Vec<DVec2> =
+            (0..100).map(|i| DVec2::new(0.1 * f64::from(i), if i == 50 { 0.1 } else { 0.0 })).collect();
+        assert_eq!(kept(&line, &[0.4; 100]), [0, 49, 50, 51, 99]);
+        assert_eq!(resampled(&line[..3], 0.05).len(), 5);
+    }
+}

@@ -1,0 +1,541 @@
+//! From photographs or a scan to a guide: what every layer's grain is, as directions and as curves.
+
+use std::f64::consts::PI;
+
+use grainpath_core::math::{direction, rotated};
+use grainpath_core::slices::SliceSource;
+use grainpath_core::{DVec2, DVec3, Diagnostics, DirectionField, DirectionSample, Region, WarningId};
+use serde::Serialize;
+
+use grainpath_core::line_points::LinePoints;
+use grainpath_core::poly::length_mm;
+use grainpath_imaging::canny::{CannySettings, Edges, canny};
+use grainpath_imaging::photo::Photo;
+use grainpath_imaging::photo::corners::{CornersNotFound, find_corners};
+use grainpath_imaging::photo::curves::{CurveSettings, along_grain, edge_curves};
+use grainpath_imaging::photo::markers::find_markers;
+use grainpath_imaging::photo::warp::{
+    CornerError, MetricImage, Shrinking, check_corners, native_px_mm, rectify,
+};
+use grainpath_imaging::raster::Grey;
+use grainpath_imaging::scan::texture::{
+    AxisVolume, ShownSlice, TextureReport, TextureSettings, read_texture,
+};
+use grainpath_imaging::scan::{ScanError, Slices};
+use grainpath_imaging::tensor::{
+    AxisGrid, AxisSample, Guideline, Tangent, TensorSettings, along_lines, border_lines, grain_axes,
+};
+
+/// Where the corners of the board are in a photograph.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Corners {
+    /// At these pixels: upper left, upper right, lower right, lower left; one set for all photographs or one for each.
+    Given(Vec<[DVec2; 4]>),
+    /// The photograph's own: it shows the board and nothing else.
+    Image,
+    /// The board's outline on a plain ground.
+    Outline,
+    /// The markers of a printed sheet.
+    Markers,
+}
+
+/// Which lines are laid.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    /// Along the directions of the grain.
+    Field,
+    /// The edges of the picture themselves, and more between them.
+    Edges,
+}
+
+/// How photographs are read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GrainSettings {
+    /// Where the board is in them.
+    pub corners: Corners,
+    /// Width and height of what is between the corners, mm.
+    pub size_mm: DVec2,
+    /// Where the lower left corner lies on the part, mm.
+    pub origin_mm: DVec2,
+    /// Turned about that corner, counter-clockwise, radians.
+    pub rotate_rad: f64,
+    /// Left and right changed over, before turning.
+    pub mirror: bool,
+    /// The height each photograph shows, mm above the plate, rising.
+    pub heights_mm: Vec<f64>,
+    /// How far the grain moves sideways for a millimetre upwards: the knot's inclination.
+    pub shift_mm_per_mm: DVec2,
+    /// What is laid.
+    pub mode: Mode,
+    /// Side of a pixel of the rectified picture, mm; `None` takes the photograph's.
+    pub pixel_mm: Option<f64>,
+    /// Standard deviation of the Gaussian against noise, mm; `None` for 1.3 pixels, at least 0.12 mm.
+    pub blur_mm: Option<f64>,
+    /// Radius of the median against specks, pixels.
+    pub median_px: usize,
+    /// Thresholds of the edges.
+    pub canny: CannySettings,
+    /// How edges become curves.
+    pub curves: CurveSettings,
+    /// Neighbourhood over which the direction is averaged, mm.
+    pub integration_mm: f64,
+    /// Over about this length clear places give their direction to unclear ones, mm.
+    pub smooth_mm: f64,
+    /// Which borders the grain is bent along.
+    pub tangent: Tangent,
+    /// How much closer lines lie where the picture is dark: 0 not at all, 1 twice as close as on average.
+    pub darkness: f64,
+    /// Whether pictures of the steps are wanted.
+    pub pictures: bool,
+}
+
+/// What cannot be read from a photograph.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum GrainError {
+    #[error(transparent)]
+    Corners(#[from] CornerError),
+    #[error(transparent)]
+    NotFound(#[from] CornersNotFound),
+    #[error(
+        "nothing to see: the brightness between the corners varies by {spread:.4} of white; grain varies by 0.02 and more"
+    )]
+    Blank { spread: f32 },
+}
+
+/// What was found in a photograph.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct PhotoReport {
+    pub file: String,
+    pub z_mm: f64,
+    pub corners_px: [[f64; 2]; 4],
+    pub pixel_mm: f64,
+    /// Mean coherence of the structure tensor, 0 to 1.
+    pub coherence: f64,
+    /// Share of the board where it is over 0.3.
+    pub clear_share: f64,
+    pub curves: usize,
+    pub curves_mm: f64,
+}
+
+/// The grain at one height, in the picture's own millimetres.
+struct Slice {
+    z_mm: f64,
+    axes: AxisGrid,
+    curves: Vec<Vec<DVec2>>,
+    near: LinePoints,
+}
+
+/// What directions are read out of.
+enum Seen {
+    /// Photographs, lowest first; at least one once they are read.
+    Photos(Vec<Slice>),
+    /// A scan, and how much higher its lowest voxel lies than the part's bottom, mm.
+    Texture(AxisVolume, f64),
+}
+
+/// The grain of a part.
+pub struct GrainGuide {
+    seen: Seen,
+    origin_mm: DVec2,
+    turn: DVec2,
+    rotate_rad: f64,
+    mirror_mm: Option<f64>,
+    shift_mm_per_mm: DVec2,
+    darkness: f64,
+    /// What is laid.
+    pub mode: Mode,
+    /// What was found in each photograph.
+    pub photos: Vec<PhotoReport>,
+    /// What was found in a scan.
+    pub texture: Option<TextureReport>,
+    /// What was found on the way in each photograph, if pictures were asked for.
+    pub photo_steps: Vec<PhotoSteps>,
+    /// Slices of a scan to draw its directions over, if pictures were asked for.
+    pub shown_slices: Vec<ShownSlice>,
+}
+
+/// The steps from a photograph to directions and curves, kept to be drawn.
+pub struct PhotoSteps {
+    /// The photograph as taken, in grey, rows from the top.
+    pub photo: Grey,
+    /// Corners of the board in it, pixels.
+    pub corners: [DVec2; 4],
+    /// The board, rectified.
+    pub image: MetricImage,
+    /// The same with its noise taken out.
+    pub denoised: MetricImage,
+    /// Edges, where they were looked for.
+    pub edges: Option<Edges>,
+    /// Directions.
+    pub axes: AxisGrid,
+    /// Curves along the edges, in the picture's millimetres.
+    pub curves: Vec<Vec<DVec2>>,
+}
+
+/// Less coherence than this over a wide neighbourhood is hardly grain.
+const LEAST_COHERENCE: f64 = 0.2;
+/// Less spread of brightness than this is no picture.
+const LEAST_SPREAD: f32 = 0.004;
+/// Curves that leave the grain by more than this are something else: cracks, nails, saw marks.
+const STRAY_RAD: f64 = 0.6;
+/// Standard deviation of the Gaussian against noise where none is given, mm.
+const BLUR_MM: f64 = 0.12;
+/// The rectified picture has at most this many pixels when its pixel size is not given.
+const MAX_PIXELS: f64 = 16e6;
+
+/// Reads photographs, which must be as many as there are heights, at least one. `section` gives the part's section at
+/// a height, for borders that bend the grain.
+///
+/// # Errors
+/// The photograph's index and [`GrainError`].
+pub fn read_grain(
+    photos: &[Photo],
+    settings: &GrainSettings,
+    section: &dyn Fn(f64) -> Region,
+    diagnostics: &Diagnostics,
+) -> Result<GrainGuide, (usize, GrainError)> {
+    debug_assert_eq!(photos.len(), settings.heights_mm.len());
+    let mut guide = GrainGuide {
+        seen: Seen::Photos(Vec::new()),
+        origin_mm: settings.origin_mm,
+        turn: direction(settings.rotate_rad),
+        rotate_rad: settings.rotate_rad,
+        mirror_mm: settings.mirror.then_some(settings.size_mm.x),
+        shift_mm_per_mm: settings.shift_mm_per_mm,
+        darkness: settings.darkness,
+        mode: settings.mode,
+        photos: Vec::new(),
+        texture: None,
+        photo_steps: Vec::new(),
+        shown_slices: Vec::new(),
+    };
+    let mut slices = Vec::new();
+    for (k, (photo, &z_mm)) in photos.iter().zip(&settings.heights_mm).enumerate() {
+        let read = read_photo(photo, k, settings).map_err(|e| (k, e))?;
+        let borders = guide.in_picture(&section(z_mm), guide.shift_at(z_mm, settings.heights_mm[0]));
+        let axes = guided_axes(&read, &borders, settings);
+        let coherence = read.axes.mean_coherence();
+        if read.axes.wide_coherence < LEAST_COHERENCE {
+            diagnostics.warn(WarningId::GrainUnclear, format!(
+                "{}: hardly any grain to see: its coherence is {:.2} (0 none, 1 perfect; wood has 0.3 and more)",
+                photo.name, read.axes.wide_coherence
+            ));
+        }
+        guide.photos.push(PhotoReport {
+            file: photo.name.clone(),
+            z_mm,
+            corners_px: read.corners.map(|c| [round(c.x, 2), round(c.y, 2)]),
+            pixel_mm: round(read.image.px_mm, 5),
+            coherence: round(coherence, 4),
+            clear_share: round(read.axes.clear_share(0.3), 4),
+            curves: read.curves.len(),
+            curves_mm: round(read.curves.iter().map(|c| length_mm(c)).sum(), 1),
+        });
+        if settings.pictures {
+            guide.photo_steps.push(PhotoSteps {
+                photo: photo.whole().into_owned(),
+                corners: read.corners,
+                image: read.image,
+                denoised: read.denoised,
+                edges: read.edges,
+                axes: axes.clone(),
+                curves: read.curves.clone(),
+            });
+        }
+        // Only looked at on the way to another photograph.
+        let near = LinePoints::of_lines(if photos.len() > 1 { &read.curves } else { &[] }, 1.0);
+        slices.push(Slice { z_mm, axes, curves: read.curves, near });
+    }
+    guide.seen = Seen::Photos(slices);
+    Ok(guide)
+}
+
+/// Reads the grain of a part out of a scan's texture.
+///
+/// # Errors
+/// As [`read_texture`], and [`ScanError`] for a window or crop outside the scan.
+pub fn read_scan(
+    source: &mut dyn SliceSource,
+    settings: &TextureSettings,
+    diagnostics: &Diagnostics,
+) -> Result<GrainGuide, ScanError> {
+    let mut slices = Slices::new(source, &settings.scan)?;
+    let (n, spacing) = (slices.size(), slices.spacing_mm());
+    let size = DVec2::new(spacing[0] * n[0] as f64, spacing[1] * n[1] as f64);
+    let top = slices.heights_mm().into_iter().fold(0.0, f64::max) + 0.5 * spacing[2];
+    let texture = read_texture(&mut slices, settings, diagnostics)?;
+    let turn = direction(settings.rotate_rad);
+    let (part, height) = settings.part;
+    let middle = part.centre() - rotated(0.5 * size, turn);
+    let origin = settings.origin_mm.unwrap_or(middle.extend(0.0));
+    let guide = GrainGuide {
+        seen: Seen::Texture(texture.axes, origin.z),
+        origin_mm: origin.truncate(),
+        turn,
+        rotate_rad: settings.rotate_rad,
+        mirror_mm: None,
+        shift_mm_per_mm: DVec2::ZERO,
+        darkness: settings.darkness,
+        mode: Mode::Field,
+        photos: Vec::new(),
+        texture: Some(texture.report),
+        photo_steps: Vec::new(),
+        shown_slices: texture.shown,
+    };
+    let corners =
+        [part.min, part.max, DVec2::new(part.min.x, part.max.y), DVec2::new(part.max.x, part.min.y)];
+    let outside = corners.map(|c| {
+        let p = guide.to_picture(c);
+        (-p).max(p - size).max_element()
+    });
+    let upright = (origin.z).max(height - origin.z - top);
+    let beyond = outside.into_iter().fold(upright, f64::max);
+    if beyond > spacing[0].max(spacing[2]) {
+        diagnostics.warn(
+            WarningId::ScanTooSmall,
+            format!(
+                "{}: the part reaches {beyond:.2} mm beyond the scan, where the nearest directions are taken",
+                settings.name
+            ),
+        );
+    }
+    Ok(guide)
+}
+
+fn round(v: f64, digits: i32) -> f64 {
+    let scale = 10f64.powi(digits);
+    (v * scale).round() / scale
+}
+
+/// A photograph, step by step.
+struct Read {
+    corners: [DVec2; 4],
+    image: MetricImage,
+    denoised: MetricImage,
+    axes: AxisGrid,
+    edges: Option<Edges>,
+    curves: Vec<Vec<DVec2>>,
+}
+
+fn read_photo(photo: &Photo, k: usize, s: &GrainSettings) -> Result<Read, GrainError> {
+    let [w, h] = photo.size();
+    let corners = match &s.corners {
+        Corners::Given(all) => all[k.min(all.len() - 1)],
+        Corners::Image => {
+            [(0.0, 0.0), (w as f64, 0.0), (w as f64, h as f64), (0.0, h as f64)].map(DVec2::from)
+        }
+        Corners::Outline => find_corners(&photo.whole())?,
+        Corners::Markers => find_markers(&photo.whole())?,
+    };
+    check_corners(corners, w, h)?;
+    let native = native_px_mm(corners, s.size_mm);
+    let coarsest = (s.size_mm.x * s.size_mm.y / MAX_PIXELS).sqrt();
+    // Finer than half of what is blurred away next shows nothing more.
+    let needed = 0.5 * s.blur_mm.unwrap_or(BLUR_MM).max(0.02);
+    let pixel_mm = s.pixel_mm.unwrap_or(native.max(coarsest).max(needed));
+    let image = rectify(photo, corners, s.size_mm, pixel_mm);
+    let spread = image.grey.spread(0.02, 0.98);
+    if spread < LEAST_SPREAD {
+        return Err(GrainError::Blank { spread });
+    }
+    let tensor = TensorSettings {
+        gradient_mm: 0.15,
+        integration_mm: s.integration_mm.max(2.0 * image.px_mm),
+        smooth_mm: s.smooth_mm,
+    };
+    let of = |grey: Grey| MetricImage { grey, min_mm: image.min_mm, px_mm: image.px_mm };
+    let cleaned = of(image.grey.median(s.median_px));
+    let blur_px = s.blur_mm.map_or((BLUR_MM / image.px_mm).max(1.3), |mm| mm / image.px_mm);
+    let wanted = s.mode == Mode::Edges || s.pictures;
+    // Following curves is work for one thread, and so is much of the axes.
+    let (axes, (denoised, edges, curves)) = rayon::join(
+        || grain_axes(&cleaned, &tensor),
+        || {
+            let denoised = of(cleaned.grey.blurred(blur_px));
+            let edges = wanted.then(|| canny(&denoised.grey, &s.canny));
+            let curves = edges.as_ref().map(|e| edge_curves(e, &denoised, &s.curves)).unwrap_or_default();
+            (denoised, edges, curves)
+        },
+    );
+    let curves = along_grain(curves, &axes, STRAY_RAD, s.curves.min_length_mm);
+    Ok(Read { corners, image, denoised, axes, edges, curves })
+}
+
+/// The axes, bent along what was asked for: the curves themselves when those are laid, and borders.
+fn guided_axes(read: &Read, borders: &Region, s: &GrainSettings) -> AxisGrid {
+    let mut lines = border_lines(borders, s.tangent);
+    if s.mode == Mode::Edges {
+        lines.extend(read.curves.iter().map(|c| Guideline { points: c, closed: false, weight: 1.0 }));
+    }
+    if lines.is_empty() {
+        return read.axes.clone();
+    }
+    along_lines(&read.axes, &lines, if s.mode == Mode::Edges { 0.2 } else { 1.0 }, s.smooth_mm.max(0.3))
+}
+
+impl GrainGuide {
+    fn shift_at(&self, z_mm: f64, from_mm: f64) -> DVec2 {
+        (z_mm - from_mm) * self.shift_mm_per_mm
+    }
+
+    /// A point of the part, grain shifted back, in the picture.
+    pub fn to_picture(&self, p: DVec2) -> DVec2 {
+        let back = DVec2::new(self.turn.x, -self.turn.y);
+        let p = rotated(p - self.origin_mm, back);
+        self.mirror_mm.map_or(p, |w| DVec2::new(w - p.x, p.y))
+    }
+
+    /// A point of the rectified picture on the part, grain not shifted.
+    pub fn to_part(&self, p: DVec2) -> DVec2 {
+        let p = self.mirror_mm.map_or(p, |w| DVec2::new(w - p.x, p.y));
+        rotated(p, self.turn) + self.origin_mm
+    }
+
+    fn in_picture(&self, region: &Region, shift: DVec2) -> Region {
+        let mut out = region.clone();
+        for polygon in &mut out.polygons {
+            let contours = std::iter::once(&mut polygon.outer).chain(&mut polygon.holes);
+            contours.flatten().for_each(|p| *p = self.to_picture(*p - shift));
+        }
+        out
+    }
+
+    /// The axis over a slice of the scan, at a place in the scan's own millimetres.
+    pub fn scan_axis(&self, p: DVec3) -> Option<AxisSample> {
+        match &self.seen {
+            Seen::Texture(axes, _) => Some(axes.sample(p)),
+            Seen::Photos(_) => None,
+        }
+    }
+
+    fn sample_seen(&self, p: DVec3) -> AxisSample {
+        match &self.seen {
+            Seen::Texture(axes, bottom_mm) => {
+                axes.sample(self.to_picture(p.truncate()).extend(p.z - bottom_mm))
+            }
+            Seen::Photos(slices) => {
+                let shift = self.shift_at(p.z, slices[0].z_mm);
+                let q = self.to_picture(p.truncate() - shift);
+                let (low, high, t) = around(slices, p.z);
+                let below = low.axes.sample(q);
+                if t == 0.0 { below } else { below.towards(high.axes.sample(q), t) }
+            }
+        }
+    }
+
+    /// How much farther apart than on average lines lie at a point, for lines that follow the picture's darkness.
+    pub fn sparseness(&self, p: DVec3) -> f64 {
+        if self.darkness <= 0.0 {
+            return 1.0;
+        }
+        let dark = self.sample_seen(p).darkness;
+        grainpath_core::math::pow(1.0 + self.darkness, 1.0 - 2.0 * dark)
+    }
+
+    /// The axis the picture alone asks for at a point of the part, radians, and its coherence; nothing where that is
+    /// below 0.3.
+    pub fn asked(&self, p: DVec3) -> (f64, f64) {
+        let s = self.sample(p);
+        (s.axis_rad, if s.strength > 0.3 { s.strength } else { 0.0 })
+    }
+
+    /// Whether the grain is the same at every height.
+    pub fn is_upright(&self) -> bool {
+        matches!(&self.seen, Seen::Photos(s) if s.len() == 1) && self.shift_mm_per_mm == DVec2::ZERO
+    }
+
+    /// Whether lines follow the picture's darkness.
+    pub fn has_darkness(&self) -> bool {
+        self.darkness > 0.0
+    }
+
+    /// The curves of a height, on the part, longest first: those of a photograph, or between two photographs the lower
+    /// one's moved towards the upper one's. A scan has none.
+    pub fn curves(&self, z_mm: f64) -> Vec<Vec<DVec2>> {
+        let Seen::Photos(slices) = &self.seen else { return Vec::new() };
+        let shift = self.shift_at(z_mm, slices[0].z_mm);
+        let (low, high, t) = around(slices, z_mm);
+        let mut curves =
+            if t == 0.0 || std::ptr::eq(low, high) { low.curves.clone() } else { between(low, high, t) };
+        curves.iter_mut().flatten().for_each(|p| *p = self.to_part(*p) + shift);
+        curves
+    }
+}
+
+/// The slices below and above a height, and how far it is between them.
+fn around(slices: &[Slice], z_mm: f64) -> (&Slice, &Slice, f64) {
+    let above = slices.partition_point(|s| s.z_mm <= z_mm);
+    let last = slices.len() - 1;
+    let (low, high) = (&slices[above.saturating_sub(1)], &slices[above.min(last)]);
+    let rise = high.z_mm - low.z_mm;
+    let t = if rise > 1e-9 { ((z_mm - low.z_mm) / rise).clamp(0.0, 1.0) } else { 0.0 };
+    (low, high, t)
+}
+
+impl DirectionField for GrainGuide {
+    fn sample(&self, p: DVec3) -> DirectionSample {
+        let s = self.sample_seen(p);
+        let own = s.axis_rad();
+        let axis = if self.mirror_mm.is_some() { -own } else { own } + self.rotate_rad;
+        DirectionSample { axis_rad: axis.rem_euclid(PI), strength: s.coherence, principal_mpa: None }
+    }
+}
+
+/// Curves of neighbouring photographs farther apart than this are not the same growth line, mm.
+const SAME_MM: f64 = 3.0;
+
+/// Curves between two heights: each of the nearer photograph's that has a partner in the other is moved part of the
+/// way to it; the others stay where they are.
+fn between(low: &Slice, high: &Slice, t: f64) -> Vec<Vec<DVec2>> {
+    let (from, to, share) = if t < 0.5 { (low, high, t) } else { (high, low, 1.0 - t) };
+    from.curves.iter().map(|curve| moved(curve, to, share)).collect()
+}
+
+fn moved(curve: &[DVec2], to: &Slice, share: f64) -> Vec<DVec2> {
+    let nearest = |p: DVec2| {
+        let mut best = (SAME_MM * SAME_MM, None);
+        to.near.each(p, SAME_MM, |q, line, _| {
+            let d = q.distance_squared(p);
+            if d < best.0 {
+                best = (d, Some((line, q - p)));
+            }
+        });
+        best.1
+    };
+    let found: Vec<Option<(u32, DVec2)>> = curve.iter().map(|&p| nearest(p)).collect();
+    // The partner is the line that most points are nearest to.
+    let mut lines: Vec<u32> = found.iter().flatten().map(|(line, _)| *line).collect();
+    lines.sort_unstable();
+    let runs = lines.chunk_by(|a, b| a == b).map(|run| (run.len(), run[0]));
+    let Some((n, partner)) = runs.fold(
+        None,
+        |best: Option<(usize, u32)>, run| {
+            if best.is_none_or(|b| run.0 > b.0) { Some(run) } else { best }
+        },
+    ) else {
+        return curve.to_vec();
+    };
+    if 5 * n < 3 * curve.len() {
+        return curve.to_vec();
+    }
+    // Steps to the partner, evened out along the curve so that it bends and does not break.
+    let steps: Vec<Option<DVec2>> =
+        found.iter().map(|f| f.filter(|(l, _)| *l == partner).map(|(_, d)| d)).collect();
+    let reach = 20;
+    curve
+        .iter()
+        .enumerate()
+        .map(|(k, &p)| {
+            let window = &steps[k.saturating_sub(reach)..(k + reach + 1).min(steps.len())];
+            let known: Vec<DVec2> = window.iter().copied().flatten().collect();
+            let step = if known.is_empty() {
+                DVec2::ZERO
+            } else {
+                known.iter().copied().sum::<DVec2>() / known.len() as f64
+            };
+            p + share * step
+        })
+        .collect()
+}

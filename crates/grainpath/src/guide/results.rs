@@ -1,0 +1,68 @@
+//! What a stress guide gives besides directions: results as VTU, and principal stress lines.
+
+use std::f64::consts::FRAC_PI_2;
+
+use grainpath_core::math::direction;
+use grainpath_core::poly::LineClipper;
+use grainpath_core::streamlines::{LineSettings, Seeding, TracedLine, evenly_spaced};
+use grainpath_core::{DVec2, Region};
+use grainpath_fea::principal::plane_principal;
+use grainpath_io::fe::{Encoding, PointData, VtuMesh, stress_point_data, write_vtu};
+
+use super::Guide;
+
+/// Lines of both families across the longer side of the part.
+const LINES_ACROSS: f64 = 60.0;
+
+/// Evenly spaced principal stress lines of a layer: those of the greater and of the smaller principal stress.
+pub type Families = [Vec<TracedLine>; 2];
+
+impl Guide {
+    /// Stress, displacement and principal vectors of every case, as VTU.
+    ///
+    /// # Errors
+    /// Never for writing into memory; what the writer says otherwise.
+    pub fn vtu(&self) -> std::io::Result<Vec<u8>> {
+        let mut out = Vec::new();
+        let Some(first) = self.results.first() else { return Ok(out) };
+        let mut data: Vec<PointData> = Vec::new();
+        for result in &self.results {
+            let mut arrays = stress_point_data(&result.stress, result.displacement.as_deref());
+            if self.results.len() > 1 {
+                arrays.iter_mut().for_each(|a| a.name = format!("{} {}", result.name, a.name));
+            }
+            data.extend(arrays);
+        }
+        let mesh = VtuMesh { nodes: &first.nodes, elements: &first.elements };
+        write_vtu(mesh, &data, Encoding::Zlib, &mut out)?;
+        Ok(out)
+    }
+
+    /// Principal stress lines of a section at height `z_mm`, of the heaviest case.
+    pub fn lines(&self, region: &Region, z_mm: f64) -> Families {
+        let Some(bounds) = region.bounds() else { return Families::default() };
+        let inside = LineClipper::new(region);
+        let size = bounds.size();
+        let separation = (size.max_element() / LINES_ACROSS).min(size.min_element() / 6.0).max(1e-3);
+        let same = |_: DVec2| separation;
+        let seeding =
+            Seeding { separation_mm: &same, end_share: 0.5, shortest_mm: 2.0 * separation, whole: false };
+        let settings = LineSettings {
+            tolerance_mm: 1e-3 * separation,
+            step_mm: 0.5 * separation,
+            longest_mm: 10.0 * size.element_sum(),
+        };
+        let stress = self.main_case();
+        [0.0, FRAC_PI_2].map(|turn| {
+            let axis = |p: DVec2| {
+                if !inside.contains(p) {
+                    return None;
+                }
+                let principal = plane_principal(stress.at(p.extend(z_mm)));
+                let apart = principal.values_mpa[0] - principal.values_mpa[1];
+                (apart > 1e-9).then(|| direction(principal.axis_rad + turn))
+            };
+            evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &settings)
+        })
+    }
+}

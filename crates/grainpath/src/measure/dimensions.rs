@@ -1,0 +1,240 @@
+//! Dimensions of a part measured on what was printed, beside the true ones.
+
+use grainpath_core::math::cross;
+use grainpath_core::{DVec2, Role};
+use grainpath_gcode::{Bead, BeadLayer, Program};
+use serde::Serialize;
+use toml::{Table, Value};
+
+use grainpath_job::JobError;
+
+/// What is measured. Heights are above the part's lowest point; places are the shape's own.
+#[derive(Debug, Clone, PartialEq)]
+enum Kind {
+    /// Diameter of a round outline.
+    Outside { centre: DVec2, z_mm: f64 },
+    /// Diameter of a round hole.
+    Bore { centre: DVec2, z_mm: f64 },
+    /// Thickness along a straight line between two points in the air on both sides.
+    Width { from: DVec2, to: DVec2, z_mm: f64 },
+    /// Height of the whole.
+    Height,
+}
+
+/// A dimension one knows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dimension {
+    name: String,
+    kind: Kind,
+    true_mm: f64,
+}
+
+/// A dimension found in what was printed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Measured {
+    /// Its name.
+    pub name: String,
+    /// What it should be, mm.
+    pub true_mm: f64,
+    /// What was found, mm; left out where nothing is there to measure.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub printed_mm: Option<f64>,
+    /// Printed over true, less 1, in %.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_percent: Option<f64>,
+}
+
+/// All of them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Dimensions {
+    /// Mean of the errors' sizes, %.
+    pub mean_error_percent: f64,
+    /// Each, as the file has them.
+    pub each: Vec<Measured>,
+}
+
+/// Reads a file of true dimensions: `[[dimension]]` with `name`, `kind` ("outside", "bore", "width", "height"),
+/// `true_mm`, and `z_mm` with `centre_mm` or `from_mm` and `to_mm`.
+///
+/// # Errors
+/// [`JobError`] that names the file and the dimension.
+pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, JobError> {
+    let error = |problem: String| JobError { place: name.to_owned(), problem };
+    let table: Table = text.parse().map_err(|e: toml::de::Error| error(e.message().replace('\n', "; ")))?;
+    let rows = table
+        .get("dimension")
+        .and_then(Value::as_array)
+        .ok_or_else(|| error("no [[dimension]] in it".into()))?;
+    rows.iter()
+        .enumerate()
+        .map(|(i, row)| {
+            let label = row.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
+            let wrong = |key: &str, what: &str| {
+                error(format!("dimension {} {label:?}: {key} should be {what}", i + 1))
+            };
+            let real = |v: &Value| {
+                v.as_float().or_else(|| v.as_integer().map(|n| n as f64)).filter(|v| v.is_finite())
+            };
+            let number = |key: &str| row.get(key).and_then(real).ok_or_else(|| wrong(key, "a number"));
+            let point = |key: &str| {
+                let list = row
+                    .get(key)
+                    .and_then(Value::as_array)
+                    .map(|a| a.iter().filter_map(real).collect::<Vec<_>>());
+                match list.as_deref() {
+                    Some(&[x, y]) => Ok(DVec2::new(x, y)),
+                    _ => Err(wrong(key, "[x, y]")),
+                }
+            };
+            let kind = match row.get("kind").and_then(Value::as_str) {
+                Some("outside") => Kind::Outside { centre: point("centre_mm")?, z_mm: number("z_mm")? },
+                Some("bore") => Kind::Bore { centre: point("centre_mm")?, z_mm: number("z_mm")? },
+                Some("width") => {
+                    Kind::Width { from: point("from_mm")?, to: point("to_mm")?, z_mm: number("z_mm")? }
+                }
+                Some("height") => Kind::Height,
+                _ => return Err(wrong("kind", "outside, bore, width or height")),
+            };
+            let true_mm = number("true_mm")?;
+            if true_mm <= 0.0 {
+                return Err(wrong("true_mm", "more than 0"));
+            }
+            Ok(Dimension { name: label, kind, true_mm })
+        })
+        .collect()
+}
+
+/// Where the shape's origin stands on the plate in a program of any slicer: its outer walls' box has its middle where
+/// the file of true dimensions says that the part's is, `middle_mm`.
+///
+/// # Errors
+/// [`JobError`] where the file does not say, or the program has no outer walls.
+pub fn shift_of(text: &str, name: &str, program: &Program) -> Result<DVec2, JobError> {
+    let error = |problem: &str| JobError { place: name.to_owned(), problem: problem.to_owned() };
+    let table: Table = text.parse().map_err(|e: toml::de::Error| error(&e.message().replace('\n', "; ")))?;
+    let list = table.get("middle_mm").and_then(Value::as_array).cloned().unwrap_or_default();
+    let middle: Vec<f64> = list.iter().filter_map(Value::as_float).collect();
+    let &[x, y] = middle.as_slice() else {
+        return Err(error(
+            "middle_mm should be [x, y], the middle of the part's box, as numbers with a point",
+        ));
+    };
+    let ends = program.layers.iter().flat_map(|l| outer(l).flat_map(|b| [b.start(), b.end()]));
+    let bounds = grainpath_core::Bounds2::of(ends).ok_or_else(|| error("the program has no outer walls"))?;
+    Ok(bounds.centre() - DVec2::new(x, y))
+}
+
+/// Measures dimensions on the beads of a program; `shift` is where the shape's origin stands on the plate.
+pub fn measure(dimensions: &[Dimension], program: &Program, shift: DVec2) -> Dimensions {
+    let at = |z: f64| program.layers.iter().find(|l| z < l.z_mm + 1e-6);
+    let each: Vec<Measured> = dimensions
+        .iter()
+        .map(|d| {
+            let found = match d.kind {
+                Kind::Outside { centre, z_mm } => {
+                    at(z_mm).and_then(|l| diameter(l, centre + shift, d.true_mm, 1.0))
+                }
+                Kind::Bore { centre, z_mm } => {
+                    at(z_mm).and_then(|l| diameter(l, centre + shift, d.true_mm, -1.0))
+                }
+                Kind::Width { from, to, z_mm } => at(z_mm).and_then(|l| width(l, from + shift, to + shift)),
+                Kind::Height => program.layers.last().map(|l| l.z_mm),
+            };
+            let round = |v: f64| (v * 1e4).round() * 1e-4;
+            Measured {
+                name: d.name.clone(),
+                true_mm: d.true_mm,
+                printed_mm: found.map(round),
+                error_percent: found.map(|v| round(100.0 * (v / d.true_mm - 1.0))),
+            }
+        })
+        .collect();
+    let errors: Vec<f64> = each.iter().filter_map(|m| m.error_percent).map(f64::abs).collect();
+    let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+    Dimensions { mean_error_percent: (mean * 1e4).round() * 1e-4, each }
+}
+
+fn outer(layer: &BeadLayer) -> impl Iterator<Item = &Bead> {
+    layer.beads.iter().filter(|b| b.role == Role::OuterWall)
+}
+
+/// Diameter of the round wall about `centre` nearest to the true one: the mean over its length of the beads' edges,
+/// half a width outside (`side` 1) or inside (-1) of their middles.
+fn diameter(layer: &BeadLayer, centre: DVec2, true_mm: f64, side: f64) -> Option<f64> {
+    // Wider, and walls near by would be taken for this one.
+    let reach = (0.1 * true_mm).min(0.6);
+    let (mut sum, mut length) = (0.0, 0.0);
+    for b in outer(layer) {
+        let (p, q) = (b.start(), b.end());
+        let half = 0.5 * side * b.width_mm(layer.height_mm);
+        let r = |p: DVec2| p.distance(centre) + half;
+        let along = (q - p).normalize_or_zero().dot((0.5 * (p + q) - centre).normalize_or_zero()).abs();
+        // Straight walls that pass by are no part of the circle.
+        if (r(p) - 0.5 * true_mm).abs() < reach && (r(q) - 0.5 * true_mm).abs() < reach && along < 0.3 {
+            let l = p.distance(q);
+            sum += l * (r(p) + 4.0 * r(0.5 * (p + q)) + r(q)) / 6.0;
+            length += l;
+        }
+    }
+    (length > 0.5 * true_mm).then(|| 2.0 * sum / length)
+}
+
+/// Thickness between the first and the last outer wall that the line crosses.
+fn width(layer: &BeadLayer, from: DVec2, to: DVec2) -> Option<f64> {
+    let way = (to - from).normalize_or_zero();
+    let mut ends: Option<(f64, f64)> = None;
+    for b in outer(layer) {
+        let (p, q) = (b.start(), b.end());
+        let (u, v) = (cross(way, p - from), cross(way, q - from));
+        if (u > 0.0) == (v > 0.0) {
+            continue;
+        }
+        let at = way.dot(p.lerp(q, u / (u - v)) - from);
+        if (0.0..=from.distance(to)).contains(&at) {
+            let slant = cross(way, (q - p).normalize_or_zero()).abs().max(0.2);
+            let half = 0.5 * b.width_mm(layer.height_mm) / slant;
+            let (low, high) = (at - half, at + half);
+            ends = Some(ends.map_or((low, high), |(a, b): (f64, f64)| (a.min(low), b.max(high))));
+        }
+    }
+    ends.map(|(a, b)| b - a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::math::direction;
+
+    #[test]
+    fn a_printed_ring_has_the_diameters_of_its_beads_edges() {
+        let mut layer = BeadLayer { z_mm: 0.2, height_mm: 0.2, ..BeadLayer::default() };
+        let (w, h) = (0.45, 0.2);
+        let area = grainpath_core::units::bead_area_mm2(w, h);
+        for r in [5.0 + 0.5 * w, 10.0 - 0.5 * w] {
+            for k in 0..90 {
+                let p = |k: i32| direction(f64::from(k) / 90.0 * std::f64::consts::TAU) * r + 50.0;
+                let (a, b) = (p(k), p(k + 1));
+                layer.beads.push(Bead {
+                    a: [a.x as f32, a.y as f32],
+                    b: [b.x as f32, b.y as f32],
+                    volume_mm3: (area * a.distance(b)) as f32,
+                    speed_mm_s: 40.0,
+                    role: Role::OuterWall,
+                    starts: k == 0,
+                });
+            }
+        }
+        let program = Program { layers: vec![layer], ..Program::default() };
+        let text = "[[dimension]]\nname = \"o\"\nkind = \"outside\"\ncentre_mm = [0, 0]\ntrue_mm = 20\nz_mm = 0.1\n\
+                    [[dimension]]\nname = \"b\"\nkind = \"bore\"\ncentre_mm = [0, 0]\ntrue_mm = 10.0\nz_mm = 0.1\n\
+                    [[dimension]]\nname = \"w\"\nkind = \"width\"\nfrom_mm = [-12, 0]\nto_mm = [12, 0]\ntrue_mm = 20\nz_mm = 0.1\n\
+                    [[dimension]]\nname = \"h\"\nkind = \"height\"\ntrue_mm = 0.2\n\
+                    [[dimension]]\nname = \"none\"\nkind = \"bore\"\ncentre_mm = [30, 0]\ntrue_mm = 4\nz_mm = 0.1\n";
+        let found = measure(&parse(text, "t.toml").expect("good"), &program, DVec2::splat(50.0));
+        assert!(found.each[..4].iter().all(|m| m.error_percent.is_some_and(|e| e.abs() < 0.1)), "{found:?}");
+        assert!(found.each[4].printed_mm.is_none() && found.mean_error_percent < 0.1);
+        let bad = parse("[[dimension]]\nname = \"x\"\nkind = \"bore\"\ntrue_mm = 4\n", "t.toml")
+            .expect_err("no centre");
+        assert!(bad.to_string().contains("t.toml: dimension 1 \"x\": centre_mm should be [x, y]"), "{bad}");
+    }
+}

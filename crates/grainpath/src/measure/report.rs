@@ -1,0 +1,414 @@
+//! Everything measured along the way: one structure for JSON, the report page and the terminal.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::math::{atan2, cross, direction};
+use grainpath_core::{DVec2, Region, Role, Warning, WarningId};
+use grainpath_gcode::{Program, Quality, Written, quality};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::guide::grain::PhotoReport;
+use crate::guide::{Degenerate, Guide};
+use crate::measure::Planned;
+use crate::measure::fibre::FibreReport;
+use crate::measure::strength::StrengthReport;
+use crate::support::Support;
+use grainpath_imaging::scan::texture::TextureReport;
+use grainpath_job::Settings;
+
+/// The report of a run; keys that do not apply are left out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct Report {
+    pub ok: bool,
+    pub version: &'static str,
+    pub layers: usize,
+    pub z_max_mm: f64,
+    pub toolpaths: usize,
+    pub printed_mm: f64,
+    pub travel_mm: f64,
+    pub extruded_mm3: f64,
+    pub filament_mm: f64,
+    pub mass_g: f64,
+    pub time_s: f64,
+    pub density: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scan: Option<grainpath_imaging::scan::CtReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dimensions: Option<crate::measure::dimensions::Dimensions>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub quality: Option<QualityReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub support: Option<SupportReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stress: Option<StressReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grain: Option<Vec<PhotoReport>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub texture: Option<TextureReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strength: Option<StrengthReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fibre: Option<FibreReport>,
+    pub stages_s: BTreeMap<&'static str, f64>,
+    pub peak_rss_mb: f64,
+    pub warnings: Vec<Warning>,
+    pub outputs: BTreeMap<&'static str, String>,
+}
+
+/// What solving for the stress took and found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct StressReport {
+    pub dofs: usize,
+    pub elements: usize,
+    pub solver: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<String>,
+    pub cases: usize,
+    pub residual: f64,
+    pub max_von_mises_mpa: f64,
+    pub max_displacement_mm: f64,
+    pub error_estimate: f64,
+    /// Degenerate points by kind: of a plate, or summed over the layers of another part.
+    pub wedges: usize,
+    pub trisectors: usize,
+    pub border_points: usize,
+}
+
+impl From<&Guide> for StressReport {
+    fn from(guide: &Guide) -> Self {
+        let s = &guide.summary;
+        let digits = |v: f64| format!("{v:.4e}").parse().unwrap_or(v);
+        Self {
+            dofs: s.dofs,
+            elements: s.elements,
+            solver: s.solver.clone(),
+            mesh: s.mesh.clone(),
+            cases: guide.cases.len(),
+            residual: digits(s.residual),
+            max_von_mises_mpa: digits(s.max_von_mises_mpa),
+            max_displacement_mm: digits(s.max_displacement_mm),
+            error_estimate: digits(s.error_estimate),
+            wedges: guide.count_degenerate(Degenerate::Wedge),
+            trisectors: guide.count_degenerate(Degenerate::Trisector),
+            border_points: guide.count_degenerate(Degenerate::Border),
+        }
+    }
+}
+
+/// How well the beads fill the part, by the definitions of `docs/quality.md`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct QualityReport {
+    pub gap: f64,
+    pub overlap: f64,
+    pub spill: f64,
+    /// Angle between fill and what the stress, or the grain, asks for, weighted by length and by how much it matters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment_mean_deg: Option<f64>,
+    /// 95 % of the weighted length lies closer than this.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alignment_p95_deg: Option<f64>,
+    pub paths_per_layer_max: usize,
+    pub bead_width_mm: [f64; 3],
+}
+
+/// What fibre leaves open of a part that it was to fill, before it is worth a warning: a share of its area.
+const MUCH_OPEN: f64 = 0.08;
+
+impl QualityReport {
+    /// What is to be said where beads of fibre, which have one width, do not go into a part that is to be dense.
+    pub fn fibre_warning(&self, settings: &Settings) -> Option<Warning> {
+        let f = &settings.fibre;
+        let everywhere = f.layers.is_empty() && f.boxes_mm.is_empty() && f.every == 1;
+        let dense = settings.fill.density >= 0.999 && (everywhere || f.matrix_density >= 0.999);
+        let width_mm = f.bead_width_mm.unwrap_or(settings.process.bead_width_mm);
+        (f.enabled && dense && self.gap > MUCH_OPEN).then(|| {
+            let text = format!(
+                "fibre: {:.1} % of the part stays open, as beads {width_mm} mm wide do not fit into all of it",
+                100.0 * self.gap
+            );
+            Warning::new(WarningId::FibreGaps, text)
+        })
+    }
+}
+
+/// What the supports are; see `docs/support.md`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct SupportReport {
+    pub volume_mm3: f64,
+    pub mass_g: f64,
+    pub contacts: usize,
+    pub trees: usize,
+    pub floating: usize,
+    pub regions: usize,
+    pub braces: usize,
+    /// Largest lean of a branch from the vertical.
+    pub steepest_deg: f64,
+    /// Largest distance of an overhang from its contact.
+    pub farthest_mm: f64,
+    /// Contacts too near the plate to need anything.
+    pub near_plate: usize,
+    /// Overhangs no branch could reach: x, y, z in mm and area in plan in mm2.
+    pub unreached: Vec<[f64; 4]>,
+}
+
+impl SupportReport {
+    /// Of planned supports; `volume_mm3` is that of their beads.
+    pub fn new(support: &Support, volume_mm3: f64, density_g_cm3: f64) -> Self {
+        let round = |v: f64| (v * 1e3).round() / 1e3;
+        Self {
+            volume_mm3: round(volume_mm3),
+            mass_g: (volume_mm3 * 1e-3 * density_g_cm3 * 1e4).round() / 1e4,
+            contacts: support.n_contacts(),
+            trees: support.forest.n_trees(),
+            floating: support.cut.floating,
+            regions: support.overhangs.regions,
+            braces: support.forest.braces.len(),
+            steepest_deg: round(support.forest.steepest_rad().to_degrees()),
+            farthest_mm: round(support.farthest_mm()),
+            near_plate: support.near_plate,
+            unreached: support
+                .unreached
+                .iter()
+                .map(|u| [u.at.x, u.at.y, u.at.z, u.area_mm2].map(round))
+                .collect(),
+        }
+    }
+
+    /// In a line.
+    pub fn summary(&self) -> String {
+        format!(
+            "support: {:.2} g in {} trees at {} contacts, {} overhangs not reached",
+            self.mass_g,
+            self.trees,
+            self.contacts,
+            self.unreached.len()
+        )
+    }
+}
+
+impl From<Quality> for QualityReport {
+    fn from(q: Quality) -> Self {
+        let share = |v: f64| (v * 1e5).round() / 1e5;
+        Self {
+            gap: share(q.gap),
+            overlap: share(q.overlap),
+            spill: share(q.spill),
+            alignment_mean_deg: None,
+            alignment_p95_deg: None,
+            paths_per_layer_max: q.paths_per_layer_max,
+            bead_width_mm: q.bead_width_mm.map(|w| (w * 1e4).round() / 1e4),
+        }
+    }
+}
+
+impl Report {
+    /// The report of a planned and written job.
+    pub fn new(planned: &Planned, written: &Written) -> Self {
+        let round = |v: f64, digits: i32| {
+            let scale = 10f64.powi(digits);
+            (v * scale).round() / scale
+        };
+        Self {
+            ok: true,
+            version: env!("CARGO_PKG_VERSION"),
+            layers: planned.plan.layers.len(),
+            z_max_mm: round(planned.plan.layers.last().map_or(0.0, |l| l.z_top_mm), 4),
+            toolpaths: written.toolpaths,
+            printed_mm: round(written.printed_mm, 2),
+            travel_mm: round(written.travel_mm, 2),
+            extruded_mm3: round(written.extruded_mm3, 3),
+            filament_mm: round(written.filament_mm, 2),
+            mass_g: round(written.mass_g, 4),
+            time_s: round(written.time_s, 1),
+            density: round(planned.density, 5),
+            scan: planned.scan.clone(),
+            dimensions: None,
+            quality: None,
+            grain: planned.grain.as_ref().filter(|g| g.texture.is_none()).map(|g| g.photos.clone()),
+            texture: planned.grain.as_ref().and_then(|g| g.texture.clone()),
+            support: planned.support.as_ref().map(|support| {
+                let of_layer = |l: &grainpath_core::LayerPlan| -> f64 {
+                    let paths = l.paths.iter().map(|p| &p.path);
+                    paths
+                        .filter(|p| matches!(p.role, Role::Support | Role::SupportInterface))
+                        .map(|p| p.volume_mm3(l.height_mm))
+                        .sum()
+                };
+                let volume = planned.plan.layers.iter().map(of_layer).sum::<f64>();
+                let material = &planned.config.material;
+                SupportReport::new(support, volume * material.flow, material.density_g_cm3)
+            }),
+            stress: planned.guide.as_ref().map(StressReport::from),
+            strength: None,
+            fibre: None,
+            stages_s: BTreeMap::new(),
+            peak_rss_mb: peak_rss_mb(),
+            warnings: Vec::new(),
+            outputs: BTreeMap::new(),
+        }
+    }
+
+    /// As JSON.
+    pub fn to_json(&self) -> Value {
+        serde_json::to_value(self).unwrap_or(Value::Null)
+    }
+
+    /// A few lines for a terminal.
+    pub fn summary(&self) -> String {
+        let mut lines = vec![format!(
+            "{} layers to {} mm, {:.2} g, {:.1} m of filament, about {}",
+            self.layers,
+            self.z_max_mm,
+            self.mass_g,
+            self.filament_mm * 1e-3,
+            hours(self.time_s)
+        )];
+        if let Some(q) = &self.quality {
+            let percent = |v: f64| format!("{:.2} %", 100.0 * v);
+            lines.push(format!(
+                "gap {}, overlap {}, spill {}",
+                percent(q.gap),
+                percent(q.overlap),
+                percent(q.spill)
+            ));
+            if let (Some(mean), Some(p95)) = (q.alignment_mean_deg, q.alignment_p95_deg) {
+                lines.push(format!(
+                    "fill along the {}: {mean:.1} degrees off in the mean, {p95:.1} for 95 %",
+                    if self.grain.is_some() || self.texture.is_some() { "grain" } else { "stress" }
+                ));
+            }
+        }
+        if let Some(t) = &self.texture {
+            lines.push(format!(
+                "texture of {}: coherence {:.2} in the layers, clear in {:.0} %, leaning {:.0} degrees out of them in the mean",
+                t.file, t.coherence, 100.0 * t.clear_share, t.lean_deg
+            ));
+        }
+        if let Some(s) = &self.stress {
+            lines.push(format!(
+                "stress: {} unknowns, at most {:.2} MPa (von Mises), {:.3} mm of displacement, about {:.1} % missed by the mesh",
+                s.dofs,
+                s.max_von_mises_mpa,
+                s.max_displacement_mm,
+                100.0 * s.error_estimate
+            ));
+        }
+        lines.extend(self.fibre.as_ref().map(FibreReport::summary));
+        lines.extend(self.strength.as_ref().map(StrengthReport::summary));
+        lines.extend(self.support.iter().map(SupportReport::summary));
+        if let Some(d) = &self.dimensions {
+            lines.push(format!("{} dimensions, mean error {:.3} %", d.each.len(), d.mean_error_percent));
+        }
+        lines.extend(self.warnings.iter().map(|w| format!("warning: {w}")));
+        lines.extend(self.outputs.iter().map(|(what, path)| format!("{what}: {path}")));
+        lines.join("\n")
+    }
+}
+
+/// Hours and minutes, or minutes and seconds.
+pub fn hours(seconds: f64) -> String {
+    let s = seconds.round() as u64;
+    if s >= 3600 {
+        format!("{} h {} min", s / 3600, s / 60 % 60)
+    } else {
+        format!("{} min {} s", s / 60, s % 60)
+    }
+}
+
+/// Measures written G-code against the sections it was made from.
+pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
+    let shift = planned.plan.plate_from_part_mm.truncate();
+    let layers = planned.stack.layers();
+    let section = |z_mid: f64| {
+        let i = layers.partition_point(|l| l.z_top_mm() < z_mid);
+        let layer = layers.get(i)?;
+        let mut region: Region = layer.region().clone();
+        for p in region
+            .polygons
+            .iter_mut()
+            .flat_map(|p| std::iter::once(&mut p.outer).chain(&mut p.holes))
+            .flatten()
+        {
+            *p += shift;
+        }
+        Some(region)
+    };
+    let mut report = QualityReport::from(quality(program, section, 12));
+    if let Some(off) = direction_error(planned) {
+        let (mean, p95) = alignment(&*off, program, shift);
+        let round = |deg: f64| (deg * 100.0).round() / 100.0;
+        (report.alignment_mean_deg, report.alignment_p95_deg) = (Some(round(mean)), Some(round(p95)));
+    }
+    report
+}
+
+/// Of the height of a layer's middle, mm, and the ends of a straight piece of bead, in part coordinates: the angle
+/// between it and the axis the guide asks for there, degrees from 0 to 90, and how much that matters, 0 to 1. `None`
+/// outside the part and for points.
+pub type DirectionError<'a> = dyn Fn(f64, [DVec2; 2]) -> Option<(f64, f64)> + 'a;
+
+/// How far beads are off what the guide of a plan asks for; `None` without a guide.
+pub fn direction_error(planned: &Planned) -> Option<Box<DirectionError<'_>>> {
+    let layers = planned.stack.layers();
+    let (stress, grain) = (planned.guide.as_ref(), planned.grain.as_ref());
+    if stress.is_none() && grain.is_none() {
+        return None;
+    }
+    Some(Box::new(move |z_mid_mm: f64, [a, b]: [DVec2; 2]| {
+        let i = layers.partition_point(|l| l.z_top_mm() < z_mid_mm);
+        let d = b - a;
+        if d == DVec2::ZERO || i >= layers.len() {
+            return None;
+        }
+        let at = (0.5 * (a + b)).extend(z_mid_mm);
+        let (axis, weight) = stress.map(|g| g.asked(i, at)).or_else(|| grain.map(|g| g.asked(at)))?;
+        let u = direction(axis);
+        Some((atan2(cross(u, d).abs(), u.dot(d).abs()).to_degrees(), weight))
+    }))
+}
+
+/// Measures the fibre of written G-code; `None` for jobs that lay none.
+pub fn measure_fibre(settings: &Settings, planned: &Planned, program: &Program) -> Option<FibreReport> {
+    let tool = planned.config.fibre.as_ref()?;
+    let shift = planned.plan.plate_from_part_mm.truncate();
+    let off = direction_error(planned);
+    let (radius_mm, density) = (settings.fibre.min_radius_mm, tool.material.density_g_cm3);
+    Some(crate::measure::fibre::measure(program, shift, radius_mm, density, off.as_deref()))
+}
+
+/// Mean and 95th percentile of the angle in degrees between fill and the guide's own axis.
+fn alignment(off: &DirectionError<'_>, program: &Program, plate_from_part_mm: DVec2) -> (f64, f64) {
+    // Equal steps of the angle hold the weights: exact to a hundredth of a degree, in little memory.
+    let mut bins = vec![0.0; 9001];
+    let mut sum = 0.0;
+    for layer in &program.layers {
+        let z_mid = layer.z_mm - 0.5 * layer.height_mm;
+        for bead in layer.beads.iter().filter(|b| b.role.is_fill()) {
+            let (a, b) = (bead.start() - plate_from_part_mm, bead.end() - plate_from_part_mm);
+            let Some((off, weight)) = off(z_mid, [a, b]) else { continue };
+            let length = a.distance(b);
+            bins[(off * 100.0) as usize] += weight * length;
+            sum += weight * length * off;
+        }
+    }
+    let all: f64 = bins.iter().sum();
+    let mut seen = 0.0;
+    let p95 = bins.iter().position(|w| {
+        seen += w;
+        seen >= 0.95 * all
+    });
+    (sum / all.max(f64::MIN_POSITIVE), p95.unwrap_or(0) as f64 * 0.01)
+}
+
+/// Highest memory the process has held so far, MiB to a tenth; 0 where the system does not tell.
+pub fn peak_rss_mb() -> f64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+    let kib = line.and_then(|l| l.split_whitespace().next()).and_then(|n| n.parse::<f64>().ok());
+    (kib.unwrap_or(0.0) / 102.4).round() / 10.0
+}

@@ -1,0 +1,318 @@
+//! A job's fixtures and loads on the bricks of a part that is no plate.
+
+use grainpath_core::selection::Selection;
+use grainpath_core::{DVec3, TriMesh};
+use grainpath_fea::strength::brick_strength::{SolidHold, SolidTest, connected_cells};
+use grainpath_fea::strength::bricks::Bricks;
+use grainpath_fea::strength::card::StrengthCard;
+use grainpath_fea::strength::laminate::BeadSheet;
+use grainpath_fea::strength::{Outcome, TestError};
+use rayon::prelude::*;
+
+use super::StrengthError;
+use super::setup::{TestSetup, UNBREAKABLE_MM};
+use grainpath_job::loads::Push;
+
+/// Cells filled less are left out: they would only make the answer slow.
+const LEAST_FILLED: f32 = 0.06;
+
+/// Forces at points of the grid, N.
+type Forces = Vec<([usize; 3], DVec3)>;
+
+/// A part as bricks, held and loaded.
+pub(super) struct PreparedSolid {
+    pub bricks: Bricks,
+    pub active: Vec<bool>,
+    holds: Vec<SolidHold>,
+    forces_n: Forces,
+    pub load_n: f64,
+    unbreakable: Vec<bool>,
+    /// Share of the material that hangs together with nothing held.
+    pub lost: f64,
+}
+
+impl PreparedSolid {
+    /// Draws it until it breaks.
+    pub fn run(&self, card: &StrengthCard, max_bytes: u64) -> Result<Outcome, TestError> {
+        let test = SolidTest {
+            bricks: &self.bricks,
+            active: &self.active,
+            holds: &self.holds,
+            forces_n: &self.forces_n,
+            load_n: self.load_n,
+            unbreakable: &self.unbreakable,
+            card,
+            max_mib: max_bytes as f64 / 1_048_576.0,
+        };
+        test.run()
+    }
+}
+
+/// Corners of bricks, with the material around each.
+struct Points<'a> {
+    bricks: &'a Bricks,
+    weight: Vec<f32>,
+    /// How many of the eight cells around it are elements.
+    around: Vec<u8>,
+}
+
+impl<'a> Points<'a> {
+    fn new(bricks: &'a Bricks, active: &[bool]) -> Self {
+        let [nx, ny, nz] = bricks.n;
+        let n = (nx + 1) * (ny + 1) * (nz + 1);
+        let mut all = Self { bricks, weight: vec![0.0; n], around: vec![0; n] };
+        for cell in (0..active.len()).filter(|c| active[*c]) {
+            for k in 0..8 {
+                let i = all.index(corner(bricks, cell, k));
+                all.weight[i] += 0.125 * bricks.filled[cell];
+                all.around[i] += 1;
+            }
+        }
+        all
+    }
+
+    fn index(&self, [x, y, z]: [usize; 3]) -> usize {
+        let [nx, ny, _] = self.bricks.n;
+        (z * (ny + 1) + y) * (nx + 1) + x
+    }
+
+    fn point(&self, i: usize) -> [usize; 3] {
+        let (nx, ny) = (self.bricks.n[0] + 1, self.bricks.n[1] + 1);
+        [i % nx, i / nx % ny, i / nx / ny]
+    }
+
+    fn place(&self, i: usize) -> DVec3 {
+        let [x, y, z] = self.point(i).map(|v| v as f64);
+        self.bricks.origin + self.bricks.cell_mm * DVec3::new(x, y, z)
+    }
+
+    /// Points with material that a shape holds. Lists of facets are asked at the surface only.
+    fn chosen(&self, on: &Selection) -> Vec<usize> {
+        let listed = matches!(on, Selection::Triangles(_) | Selection::Near { .. });
+        (0..self.weight.len())
+            .into_par_iter()
+            .filter(|&i| {
+                self.weight[i] > 0.0 && (!listed || self.around[i] < 8) && on.contains(self.place(i))
+            })
+            .collect()
+    }
+
+    /// The point with material nearest to a place, within two cells.
+    fn nearest(&self, p: DVec3) -> Option<usize> {
+        let q = ((p - self.bricks.origin) / self.bricks.cell_mm).round();
+        let n = self.bricks.n;
+        let range = |k: usize| {
+            let at = q[k] as i64;
+            (at - 2).max(0)..=(at + 2).min(n[k] as i64)
+        };
+        let mut best: Option<(f64, usize)> = None;
+        for z in range(2) {
+            for y in range(1) {
+                for x in range(0) {
+                    let i = self.index([x as usize, y as usize, z as usize]);
+                    let d = self.place(i).distance_squared(p);
+                    if self.weight[i] > 0.0 && best.is_none_or(|b| d < b.0) {
+                        best = Some((d, i));
+                    }
+                }
+            }
+        }
+        best.map(|b| b.1)
+    }
+}
+
+fn corner(bricks: &Bricks, cell: usize, k: usize) -> [usize; 3] {
+    let [nx, ny, _] = bricks.n;
+    [cell % nx + (k & 1), cell / nx % ny + (k >> 1 & 1), cell / nx / ny + (k >> 2)]
+}
+
+impl TestSetup {
+    /// Bricks, holds and forces of a test.
+    ///
+    /// # Errors
+    /// [`StrengthError`] when a fixture or load catches nothing that hangs together with what is held.
+    pub(super) fn prepared_solid(
+        &self,
+        sheets: &[BeadSheet],
+        cell_mm: f64,
+    ) -> Result<PreparedSolid, StrengthError> {
+        let bricks = Bricks::from_layers(sheets, cell_mm, self.low.z)?;
+        let mut active: Vec<bool> = bricks.filled.iter().map(|f| *f > LEAST_FILLED).collect();
+        let reach = 0.75 * cell_mm;
+        let points = Points::new(&bricks, &active);
+        let wide: Vec<Selection> =
+            self.fixtures.iter().map(|f| contact(&f.on, &points, cell_mm, reach)).collect();
+        let caught: Vec<Vec<usize>> = wide.iter().map(|w| points.chosen(w)).collect();
+        for (fixture, caught) in self.fixtures.iter().zip(&caught) {
+            if caught.is_empty() {
+                return Err(self.nothing(&fixture.what, &fixture.on));
+            }
+        }
+        // Only what hangs together with what is held can carry a load.
+        let (piece, n_pieces) = connected_cells(bricks.n, &active);
+        let mut is_held = vec![false; points.weight.len()];
+        caught.iter().flatten().for_each(|i| is_held[*i] = true);
+        let mut stands = vec![false; n_pieces];
+        for (cell, p) in piece.iter().enumerate().filter_map(|(c, p)| p.map(|p| (c, p as usize))) {
+            stands[p] |= (0..8).any(|k| is_held[points.index(corner(&bricks, cell, k))]);
+        }
+        let mut lost = 0.0;
+        for (cell, p) in piece.iter().enumerate().filter_map(|(c, p)| p.map(|p| (c, p as usize))) {
+            if !stands[p] {
+                active[cell] = false;
+                lost += f64::from(bricks.filled[cell]) * bricks.cell_mm.element_product();
+            }
+        }
+        let lost = lost / bricks.laid_mm3;
+        let points = Points::new(&bricks, &active);
+        let mut marked = vec![false; points.weight.len()];
+        let mut holds = Vec::new();
+        for (fixture, caught) in self.fixtures.iter().zip(&caught) {
+            for &i in caught.iter().filter(|i| points.weight[**i] > 0.0) {
+                marked[i] = true;
+                let p = points.place(i);
+                let normal = match &fixture.on {
+                    Selection::Plane { normal, .. } => *normal,
+                    Selection::Cylinder { point, axis, .. } => (p - *point).reject_from_normalized(*axis),
+                    _ => DVec3::ZERO,
+                };
+                if fixture.normal {
+                    holds.extend(normal.try_normalize().map(|d| (points.point(i), d)));
+                } else {
+                    let axes = DVec3::AXES.into_iter().zip(fixture.fixed).filter(|a| a.1);
+                    holds.extend(axes.map(|a| (points.point(i), a.0)));
+                }
+            }
+        }
+        let (forces_n, load_n) = self.solid_forces(&points, reach, &mut marked)?;
+        let unbreakable = unbreakable(&points, &active, &marked);
+        Ok(PreparedSolid { active, holds, forces_n, load_n, unbreakable, lost, bricks })
+    }
+
+    fn solid_forces(
+        &self,
+        points: &Points<'_>,
+        reach: f64,
+        marked: &mut [bool],
+    ) -> Result<(Forces, f64), StrengthError> {
+        let mut forces = vec![DVec3::ZERO; points.weight.len()];
+        let mut greatest: f64 = 0.0;
+        let weight = |i: usize| f64::from(points.weight[i]);
+        for load in &self.loads {
+            let Some(on) = &load.on else {
+                let Push::Acceleration(a) = load.push else { continue };
+                let cell_t = points.bricks.cell_mm.element_product() * self.density_t_mm3;
+                (0..forces.len()).for_each(|i| forces[i] += a * (cell_t * weight(i)));
+                continue;
+            };
+            if let Push::Pressure(p) = load.push {
+                if !press(p, on, &self.mesh, points, &mut forces, marked) {
+                    return Err(self.nothing(&load.what, on));
+                }
+                continue;
+            }
+            let chosen = points.chosen(&on.grown(reach));
+            let sum: f64 = chosen.iter().map(|&i| weight(i)).sum();
+            if sum <= 0.0 {
+                return Err(self.nothing(&load.what, on));
+            }
+            chosen.iter().for_each(|&i| marked[i] = true);
+            match load.push {
+                Push::Force(f) => {
+                    greatest = greatest.max(f.length());
+                    chosen.iter().for_each(|&i| forces[i] += f * (weight(i) / sum));
+                }
+                Push::Moment(m) => {
+                    let centre = chosen.iter().map(|&i| points.place(i) * weight(i)).sum::<DVec3>() / sum;
+                    let Some(axis) = m.try_normalize() else { continue };
+                    let turned = |i: usize| axis.cross(points.place(i) - centre);
+                    let arm: f64 = chosen.iter().map(|&i| weight(i) * turned(i).length_squared()).sum();
+                    for &i in &chosen {
+                        forces[i] += turned(i) * (weight(i) * m.length() / f64::max(arm, 1e-30));
+                    }
+                }
+                Push::Pressure(_) | Push::Acceleration(_) => {}
+            }
+        }
+        let pulled: f64 = 0.5 * forces.iter().map(|f| f.length()).sum::<f64>();
+        let load_n = if greatest > 0.0 { greatest } else { pulled };
+        if load_n <= 0.0 {
+            return Err(StrengthError::Missing("a load that is not zero"));
+        }
+        let pushed = (0..forces.len()).filter(|i| forces[*i] != DVec3::ZERO);
+        Ok((pushed.map(|i| (points.point(i), forces[i])).collect(), load_n))
+    }
+}
+
+/// Where a fixture holds bricks. A cylinder whose axis lies in the material is a roller and holds a line; one around
+/// a hole holds the hole's wall.
+fn contact(on: &Selection, points: &Points<'_>, cell_mm: f64, reach: f64) -> Selection {
+    let wide = on.grown(reach);
+    let mut line = wide.clone();
+    if let Selection::Cylinder { radius_mm, .. } = &mut line {
+        *radius_mm = cell_mm;
+        // The bottom of a blind hole is not a roller.
+        if 20 * points.chosen(&line).len() > points.chosen(&wide).len() {
+            return line;
+        }
+    }
+    wide
+}
+
+/// Pressure on the surface: each small piece of it pushes on the nearest point. Whether any was caught.
+fn press(
+    mpa: f64,
+    on: &Selection,
+    mesh: &TriMesh,
+    points: &Points<'_>,
+    forces: &mut [DVec3],
+    marked: &mut [bool],
+) -> bool {
+    let step = 0.5 * points.bricks.cell_mm.x;
+    let mut any = false;
+    for t in &mesh.triangles {
+        let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
+        let (u, v) = (b - a, c - a);
+        let longest = u.length().max(v.length()).max((c - b).length());
+        let n = (longest / step).ceil().clamp(1.0, 2000.0) as usize;
+        let piece = u.cross(v) * (0.5 / (n * n) as f64);
+        for i in 0..n {
+            for j in 0..n - i {
+                // A triangle upright, and one upside down beside it but for the last.
+                for (third, is_one) in [(1.0 / 3.0, true), (2.0 / 3.0, i + j + 1 < n)] {
+                    let p = a + (u * (i as f64 + third) + v * (j as f64 + third)) / n as f64;
+                    let at = if is_one && on.contains(p) { points.nearest(p) } else { None };
+                    if let Some(i) = at {
+                        forces[i] -= piece * mpa;
+                        marked[i] = true;
+                        any = true;
+                    }
+                }
+            }
+        }
+    }
+    any
+}
+
+/// Cells near held or loaded points.
+fn unbreakable(points: &Points<'_>, active: &[bool], marked: &[bool]) -> Vec<bool> {
+    let bricks = points.bricks;
+    let [nx, ny, nz] = bricks.n;
+    let radius = UNBREAKABLE_MM + bricks.cell_mm.x;
+    let mut near = vec![false; active.len()];
+    for i in (0..marked.len()).filter(|i| marked[*i]) {
+        let p = points.place(i);
+        let cell =
+            |q: DVec3, k: usize, n: usize| (q[k] / bricks.cell_mm[k]).clamp(0.0, n as f64 - 1.0) as usize;
+        let (a, b) = (p - bricks.origin - radius, p - bricks.origin + radius);
+        for z in cell(a, 2, nz)..=cell(b, 2, nz) {
+            for y in cell(a, 1, ny)..=cell(b, 1, ny) {
+                for x in cell(a, 0, nx)..=cell(b, 0, nx) {
+                    let at = (z * ny + y) * nx + x;
+                    near[at] |= active[at] && bricks.centre(at).distance(p) <= radius;
+                }
+            }
+        }
+    }
+    near
+}

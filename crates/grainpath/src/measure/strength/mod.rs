@@ -1,0 +1,564 @@
+//! The virtual strength test of a plan, or of anybody's G-code.
+//!
+//! Beads of a machine program become plies of a plate or bricks of a solid ([`grainpath_fea::strength`]); fixtures
+//! and loads are the job's. The answer is given with the interval that the material's card leaves, and with how far it depends on the
+//! size of the cells.
+
+mod brick_setup;
+mod setup;
+
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+use grainpath_core::{DVec2, DVec3, Diagnostics, Role, Warning, WarningId};
+use grainpath_fea::material::Orthotropic;
+use grainpath_fea::strength::card::{FailureMode, StrengthCard};
+use grainpath_fea::strength::laminate::{BeadSheet, CellError};
+use grainpath_fea::strength::plate_strength::PlateTest;
+use grainpath_fea::strength::{Outcome, TestError};
+use grainpath_gcode::{Bead, Program};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::guide::GuideError;
+use brick_setup::PreparedSolid;
+use grainpath_job::{MaterialSection, Settings};
+pub use setup::TestSetup;
+use setup::{Fidelity, Prepared};
+
+/// Why a part cannot be tested.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum StrengthError {
+    #[error("needs {0}; fixtures and loads are those of [guide]")]
+    Missing(&'static str),
+    #[error(
+        "the material has no strengths: set {0} as [low, nominal, high] in [material], or take another profile"
+    )]
+    NoCard(String),
+    #[error(
+        "strength.fidelity = \"plane\" wants loads in the layers' plane, and a load has a part out of it"
+    )]
+    NotFlat,
+    #[error(
+        "a part with fibre is tested as a plate: loads in the layers' plane, strength.fidelity = \"plane\""
+    )]
+    FibreInSpace,
+    #[error("{0} moves by a displacement; the test wants forces")]
+    Moved(String),
+    #[error("{what}: fix = \"normal\" needs a plane or a cylinder here, not a {shape}")]
+    NoNormal { what: String, shape: &'static str },
+    #[error(
+        "{what} ({shape}) catches nothing that is printed and held; the part lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm",
+        low.x, low.y, low.z, high.x, high.y, high.z
+    )]
+    CatchesNothing { what: String, shape: &'static str, low: DVec3, high: DVec3 },
+    #[error("nothing of a part is printed in the program")]
+    NothingPrinted,
+    #[error(
+        "the program prints {:.1} x {:.1} x {:.1} mm, the job's part is {:.1} x {:.1} x {:.1} mm: not the same part",
+        printed.x, printed.y, printed.z, part.x, part.y, part.z
+    )]
+    WrongPart { printed: DVec3, part: DVec3 },
+    #[error(
+        "{percent:.0} % of what the program prints lies outside the job's part: not the same part, or turned"
+    )]
+    Outside { percent: f64 },
+    #[error(
+        "the program lays {laid_mm3:.0} mm3, the job's part has {part_mm3:.0} mm3: E should be mm of filament of the diameter printer.filament_mm = {filament_mm}, or M200 say that it is mm3"
+    )]
+    TooMuch { laid_mm3: f64, part_mm3: f64, filament_mm: f64 },
+    #[error("what is printed around ({x:.2}, {y:.2}) mm is free to {how}; hold it with another fixture")]
+    Free { x: f64, y: f64, how: &'static str },
+    #[error("{0}")]
+    Cells(#[from] CellError),
+    #[error("{0}")]
+    Test(#[from] TestError),
+    #[error("{0}")]
+    Place(#[from] GuideError),
+}
+
+impl StrengthError {
+    /// 2 the job; 3 the program; 4 the physics.
+    pub fn exit_code(&self) -> i32 {
+        match self {
+            Self::NothingPrinted
+            | Self::WrongPart { .. }
+            | Self::Outside { .. }
+            | Self::TooMuch { .. }
+            | Self::Cells(CellError::NoBeads) => 3,
+            Self::Free { .. } | Self::Test(_) => 4,
+            _ => 2,
+        }
+    }
+}
+
+/// A corner of a material's card: which of low, nominal and high is taken along the beads and for the rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Corner {
+    /// What it is called.
+    pub name: &'static str,
+    along: usize,
+    rest: usize,
+}
+
+/// Corners, the nominal one first.
+pub const CORNERS: [Corner; 5] = [
+    Corner { name: "nominal", along: 1, rest: 1 },
+    Corner { name: "low", along: 0, rest: 0 },
+    Corner { name: "high", along: 2, rest: 2 },
+    Corner { name: "strong along, weak across", along: 2, rest: 0 },
+    Corner { name: "weak along, strong across", along: 0, rest: 2 },
+];
+
+/// The materials at a corner of their cards: what the part is printed with, and its fibre where it has any.
+///
+/// # Errors
+/// [`StrengthError::NoCard`] naming every strength that is missing.
+pub fn cards(settings: &Settings, corner: Corner) -> Result<Vec<StrengthCard>, StrengthError> {
+    let fibre = settings.fibre.enabled.then_some(&settings.fibre_material);
+    std::iter::once(&settings.material).chain(fibre).map(|m| card(m, corner)).collect()
+}
+
+fn card(m: &MaterialSection, corner: Corner) -> Result<StrengthCard, StrengthError> {
+    let given = [
+        ("xt_mpa", m.xt_mpa),
+        ("xc_mpa", m.xc_mpa),
+        ("g_along_n_mm", m.g_along_n_mm),
+        ("yt_mpa", m.yt_mpa),
+        ("s12_mpa", m.s12_mpa),
+        ("yc_mpa", m.yc_mpa),
+        ("g_across_n_mm", m.g_across_n_mm),
+        ("zt_mpa", m.zt_mpa),
+        ("s_il_mpa", m.s_il_mpa),
+    ];
+    let missing: Vec<&str> = given.iter().filter(|g| g.1.is_none()).map(|g| g.0).collect();
+    if !missing.is_empty() {
+        return Err(StrengthError::NoCard(missing.join(", ")));
+    }
+    let value = |k: usize| {
+        let at = if k < 3 { corner.along } else { corner.rest };
+        given[k].1.map_or(0.0, |bounds| bounds[at])
+    };
+    Ok(StrengthCard {
+        elastic: Orthotropic { e_mpa: m.e_mpa, nu: m.nu, g_mpa: m.g_mpa },
+        xt_mpa: value(0),
+        xc_mpa: value(1),
+        g_along_n_mm: value(2),
+        yt_mpa: value(3),
+        s12_mpa: value(4),
+        yc_mpa: value(5),
+        g_across_n_mm: value(6),
+        zt_mpa: value(7),
+        s_il_mpa: value(8),
+    })
+}
+
+/// What a test found; the contract's keys first.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct StrengthReport {
+    pub peak_load_n: f64,
+    pub low_n: f64,
+    pub high_n: f64,
+    pub stiffness_n_per_mm: f64,
+    /// Load at which the first ply begins to break.
+    pub first_n: f64,
+    pub peak_displacement_mm: f64,
+    /// Load of the job that was scaled up to the peak.
+    pub job_load_n: f64,
+    pub case: String,
+    pub mode: &'static str,
+    /// Share of the energy spent by each mode.
+    pub modes: BTreeMap<&'static str, f64>,
+    pub weakest: Weakest,
+    /// Peak load at each corner of the material's card.
+    pub corners: BTreeMap<&'static str, f64>,
+    pub mass_g: f64,
+    pub load_per_gram_n_g: f64,
+    pub fidelity: &'static str,
+    pub cell_mm: f64,
+    /// Share by which the answer moved when cells were halved to this size.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh_change: Option<f64>,
+    /// Share by which the cells' volume differs from what was extruded.
+    pub volume_error: f64,
+    pub dofs: usize,
+    pub solutions: usize,
+    pub seconds: f64,
+    pub card_source: String,
+    pub card_tier: String,
+    /// Displacement in mm and load in N.
+    pub curve: Vec<[f64; 2]>,
+}
+
+/// Where a part breaks.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct Weakest {
+    pub x_mm: f64,
+    pub y_mm: f64,
+    /// Left out for plates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub z_mm: Option<f64>,
+    pub words: String,
+}
+
+/// A finished test.
+pub struct Tested {
+    /// What it found.
+    pub report: StrengthReport,
+    /// What happened to every element.
+    pub outcome: Outcome,
+    /// Where the elements lie.
+    pub map: Map,
+}
+
+/// Where the elements of a test lie.
+pub enum Map {
+    /// Elements of a plate.
+    Plane(grainpath_fea::strength::elements::PlateElements),
+    /// Cells of a solid.
+    Voxels {
+        /// Cells along each axis.
+        n: [usize; 3],
+        /// Edges of a cell, mm.
+        cell_mm: DVec3,
+        /// Lowest corner, mm.
+        low: DVec3,
+        /// The cell of each element.
+        cells: Vec<u32>,
+    },
+}
+
+/// A part held and loaded.
+enum Body {
+    Plane(Prepared),
+    Voxels(PreparedSolid),
+}
+
+impl Body {
+    fn of(setup: &TestSetup, sheets: &[BeadSheet], cell_mm: f64) -> Result<Self, StrengthError> {
+        Ok(match setup.fidelity {
+            Fidelity::Plane => Self::Plane(setup.prepared(sheets, cell_mm)?),
+            Fidelity::Voxels => Self::Voxels(setup.prepared_solid(sheets, cell_mm)?),
+        })
+    }
+
+    fn run(&self, cards: &[StrengthCard], max_bytes: u64) -> Result<Outcome, StrengthError> {
+        Ok(match self {
+            Self::Plane(p) => run(p, cards, max_bytes)?,
+            Self::Voxels(p) => p.run(&cards[0], max_bytes)?,
+        })
+    }
+
+    fn load_n(&self) -> f64 {
+        match self {
+            Self::Plane(p) => p.load_n,
+            Self::Voxels(p) => p.load_n,
+        }
+    }
+
+    fn lost(&self) -> f64 {
+        match self {
+            Self::Plane(p) => p.lost,
+            Self::Voxels(p) => p.lost,
+        }
+    }
+
+    fn volume_error(&self) -> f64 {
+        match self {
+            Self::Plane(p) => p.laminate.volume_error(),
+            Self::Voxels(p) => p.bricks.volume_error(),
+        }
+    }
+
+    fn map(self) -> Map {
+        match self {
+            Self::Plane(p) => Map::Plane(p.elements),
+            Self::Voxels(p) => Map::Voxels {
+                n: p.bricks.n,
+                cell_mm: p.bricks.cell_mm,
+                low: p.bricks.origin,
+                cells: (0..p.active.len()).filter(|c| p.active[*c]).map(|c| c as u32).collect(),
+            },
+        }
+    }
+}
+
+/// The most cells taken when a job does not say how large they are: of a plate, and of a solid.
+const CELLS: f64 = 150_000.0;
+const CELLS_SOLID: f64 = 500_000.0;
+/// A program that lays more than this many times the part's volume means something else by its E words.
+const MOST_LAID: f64 = 1.6;
+/// Answers that move by more than this when cells are halved are not final.
+const CONVERGED: f64 = 0.03;
+
+/// Tests a program. `plate_from_part` is where the part stands in it, where known.
+///
+/// # Errors
+/// [`StrengthError`] for cards without strengths, programs of another part, loads that catch nothing, and parts that
+/// are not held.
+pub fn test(
+    settings: &Settings,
+    setup: &TestSetup,
+    program: &Program,
+    plate_from_part: Option<DVec2>,
+    diagnostics: &Diagnostics,
+) -> Result<Tested, StrengthError> {
+    let start = Instant::now();
+    let nominal = cards(settings, CORNERS[0])?;
+    diagnostics.begin(grainpath_core::diagnostics::Stage::Strength, 0);
+    let sheets = setup.sheets(program, plate_from_part)?;
+    let laid_mm3: f64 = sheets.iter().flat_map(|s| &s.beads).map(|b| b.volume_mm3).sum();
+    if laid_mm3 > MOST_LAID * setup.volume_mm3 {
+        let (part_mm3, filament_mm) = (setup.volume_mm3, settings.printer.filament_mm);
+        return Err(StrengthError::TooMuch { laid_mm3, part_mm3, filament_mm });
+    }
+    let bead = settings.process.bead_width_mm;
+    let own = match setup.fidelity {
+        Fidelity::Plane => (0.5 * bead).max((setup.section.area_mm2() / CELLS).sqrt()),
+        Fidelity::Voxels => bead.max((setup.volume_mm3 / CELLS_SOLID).cbrt()),
+    };
+    let cell_mm = settings.strength.cell_mm.unwrap_or(own);
+    let max_bytes = (settings.guide.memory_mb as u64) << 20;
+    let s = &settings.strength;
+    let corners = if s.corners { &CORNERS[..] } else { &CORNERS[..1] };
+    let coarse = s.check || s.corners;
+    let (fine, others) = rayon::join(
+        || {
+            let prepared = Body::of(setup, &sheets, cell_mm)?;
+            prepared.run(&nominal, max_bytes).map(|o| (o, prepared))
+        },
+        || at_corners(settings, setup, &sheets, if coarse { 2.0 * cell_mm } else { 0.0 }, corners, max_bytes),
+    );
+    let (outcome, prepared) = fine?;
+    let others = others?;
+    // The interval of the card is found with the larger cells and carried over as a ratio.
+    let ratio = |k: usize| if others.len() > k { others[k] / others[0] } else { 1.0 };
+    let peaks: BTreeMap<&'static str, f64> =
+        corners.iter().enumerate().map(|(k, c)| (c.name, digits(outcome.peak_load_n * ratio(k)))).collect();
+    let mesh_change = others.first().filter(|_| s.check).map(|o| (o / outcome.peak_load_n - 1.0).abs());
+    warn(setup, &outcome, &prepared, mesh_change, cell_mm, diagnostics);
+    let mass_g = part_g(program, settings);
+    let fold = |f: fn(f64, f64) -> f64, from: f64| peaks.values().copied().fold(from, f);
+    let at_peak =
+        outcome.curve.iter().max_by(|a, b| a.load_n.total_cmp(&b.load_n)).map_or(0.0, |p| p.displacement_mm);
+    let report = StrengthReport {
+        peak_load_n: digits(outcome.peak_load_n),
+        low_n: fold(f64::min, f64::INFINITY),
+        high_n: fold(f64::max, 0.0),
+        stiffness_n_per_mm: digits(outcome.stiffness_n_per_mm),
+        first_n: digits(outcome.first_failure_n),
+        peak_displacement_mm: digits(at_peak),
+        job_load_n: digits(prepared.load_n()),
+        case: setup.case.clone(),
+        mode: outcome.mode().name(),
+        modes: FailureMode::ALL
+            .iter()
+            .zip(outcome.mode_shares)
+            .filter(|m| m.1 > 5e-4)
+            .map(|(m, s)| (m.name(), digits(s)))
+            .collect(),
+        weakest: weakest(setup, &outcome),
+        corners: peaks,
+        mass_g: digits(mass_g),
+        load_per_gram_n_g: digits(outcome.peak_load_n / mass_g.max(1e-12)),
+        fidelity: setup.fidelity.name(),
+        cell_mm: digits(cell_mm),
+        mesh_change: mesh_change.map(digits),
+        volume_error: digits(prepared.volume_error()),
+        dofs: outcome.dofs,
+        solutions: outcome.solutions,
+        seconds: digits(start.elapsed().as_secs_f64()),
+        card_source: if settings.fibre.enabled {
+            format!(
+                "fibre: {}; matrix: {}",
+                settings.fibre_material.strength_source, settings.material.strength_source
+            )
+        } else {
+            settings.material.strength_source.clone()
+        },
+        card_tier: settings.material.strength_tier.clone(),
+        curve: outcome.curve.iter().map(|p| [p.displacement_mm, p.load_n].map(digits)).collect(),
+    };
+    Ok(Tested { report, outcome, map: prepared.map() })
+}
+
+/// Mass of the part's beads, without skirt, brim and support, g.
+fn part_g(program: &Program, settings: &Settings) -> f64 {
+    let beads = program.layers.iter().flat_map(|l| &l.beads).filter(|b| b.role.is_part());
+    let density = |b: &Bead| match b.role {
+        Role::Fibre if settings.fibre.enabled => settings.fibre_material.density_g_cm3,
+        _ => settings.material.density_g_cm3,
+    };
+    beads.map(|b| f64::from(b.volume_mm3) * 1e-3 * density(b)).sum()
+}
+
+fn run(prepared: &Prepared, cards: &[StrengthCard], max_bytes: u64) -> Result<Outcome, TestError> {
+    let test = PlateTest {
+        laminate: &prepared.laminate,
+        elements: &prepared.elements,
+        holds: &prepared.holds,
+        forces_n: &prepared.forces_n,
+        load_n: prepared.load_n,
+        unbreakable: &prepared.unbreakable,
+        cards,
+        max_bytes,
+    };
+    test.run()
+}
+
+/// Peak loads at the corners of the card, nominal first; none for cells of no size.
+fn at_corners(
+    settings: &Settings,
+    setup: &TestSetup,
+    sheets: &[BeadSheet],
+    cell_mm: f64,
+    corners: &[Corner],
+    max_bytes: u64,
+) -> Result<Vec<f64>, StrengthError> {
+    if cell_mm <= 0.0 {
+        return Ok(Vec::new());
+    }
+    let prepared = Body::of(setup, sheets, cell_mm)?;
+    let peak = |corner: &Corner| Ok(prepared.run(&cards(settings, *corner)?, max_bytes)?.peak_load_n);
+    let all: Vec<Result<f64, StrengthError>> = corners.par_iter().map(peak).collect();
+    all.into_iter().collect()
+}
+
+fn warn(
+    setup: &TestSetup,
+    outcome: &Outcome,
+    prepared: &Body,
+    mesh_change: Option<f64>,
+    cell_mm: f64,
+    diagnostics: &Diagnostics,
+) {
+    if let Some(text) = setup.warnings() {
+        diagnostics.warn(WarningId::StrengthOneCase, text);
+    }
+    if let Some(change) = mesh_change.filter(|c| *c > CONVERGED) {
+        let text = format!(
+            "strength: the peak load moved by {:.1} % when cells were halved to {cell_mm} mm",
+            100.0 * change
+        );
+        let remedy = format!("set strength.cell_mm = {:.3}", 0.5 * cell_mm);
+        diagnostics.push(Warning::new(WarningId::StrengthNotConverged, text).with_remedy(remedy));
+    }
+    if prepared.lost() > 0.01 {
+        diagnostics.warn(
+            WarningId::StrengthLooseMaterial,
+            format!(
+                "strength: {:.1} % of the material is not connected to any fixture and is left out",
+                100.0 * prepared.lost()
+            ),
+        );
+    }
+    if !outcome.past_peak {
+        diagnostics.warn(
+            WarningId::StrengthUnfinished,
+            "strength: the load was still rising when the test was stopped; the peak is a lower bound",
+        );
+    }
+}
+
+/// Where a part breaks, in words.
+fn weakest(setup: &TestSetup, outcome: &Outcome) -> Weakest {
+    let p = outcome.weakest;
+    let size = setup.high - setup.low;
+    let share = |k: usize| 100.0 * (p[k] - setup.low[k]) / size[k].max(1e-9);
+    let how = match outcome.mode() {
+        FailureMode::Along => "as beads tear",
+        FailureMode::Across => "as beads part from each other",
+        FailureMode::Shear => "as beads slide along each other",
+        FailureMode::Compression => "by crushing",
+        FailureMode::Layers => "as layers part",
+    };
+    let round = |v: f64| (v * 100.0).round() * 0.01;
+    let (x_mm, y_mm) = (round(p.x), round(p.y));
+    if setup.fidelity == Fidelity::Voxels {
+        let layer = (0.01 * share(2) * setup.n_layers as f64).ceil().clamp(1.0, setup.n_layers as f64);
+        let words = format!(
+            "x {:.1}, y {:.1}, z {:.1} mm ({:.0} % of the length, {:.0} % of the width, layer {layer:.0} of {}); it \
+             fails {how}",
+            p.x,
+            p.y,
+            p.z,
+            share(0),
+            share(1),
+            setup.n_layers,
+        );
+        return Weakest { x_mm, y_mm, z_mm: Some(round(p.z)), words };
+    }
+    let words = format!(
+        "x {:.1}, y {:.1} mm ({:.0} % of the length, {:.0} % of the width), {}; it fails {how}",
+        p.x,
+        p.y,
+        share(0),
+        share(1),
+        beside(setup, p.truncate()),
+    );
+    Weakest { x_mm, y_mm, z_mm: None, words }
+}
+
+/// What a place of a plate lies beside.
+fn beside(setup: &TestSetup, p: DVec2) -> String {
+    let mut near = (f64::INFINITY, "border", DVec2::ZERO);
+    for polygon in &setup.section.polygons {
+        let contours =
+            std::iter::once((&polygon.outer, "border")).chain(polygon.holes.iter().map(|h| (h, "hole")));
+        for (contour, kind) in contours {
+            let middle = contour.iter().copied().sum::<DVec2>() / contour.len().max(1) as f64;
+            for (a, b) in grainpath_core::poly::edges(contour) {
+                let distance = grainpath_core::poly::distance2_to_segment(p, a, b).sqrt();
+                if distance < near.0 {
+                    near = (distance, kind, middle);
+                }
+            }
+        }
+    }
+    let (off, kind, middle) = near;
+    let whose = match kind {
+        "hole" => format!("the hole around ({:.1}, {:.1})", middle.x, middle.y),
+        _ => "the border".to_owned(),
+    };
+    if off < 1.0 { format!("at {whose}") } else { format!("{off:.1} mm from {whose}") }
+}
+
+/// Five digits: as many as anyone may believe.
+fn digits(v: f64) -> f64 {
+    format!("{v:.4e}").parse().unwrap_or(v)
+}
+
+impl StrengthReport {
+    /// The interval of the peak load in words.
+    pub fn over(&self) -> String {
+        match self.corners.len() {
+            0 | 1 => "nominal card alone".to_owned(),
+            _ => format!("{:.0} to {:.0} N over the card of the material", self.low_n, self.high_n),
+        }
+    }
+
+    /// A few lines for a terminal.
+    pub fn summary(&self) -> String {
+        let mesh =
+            self.mesh_change.map_or(String::new(), |c| format!(", {:.1} % moved by halving them", 100.0 * c));
+        let over = self.over();
+        format!(
+            "breaks at {:.0} N ({over}), stiffness {:.0} N/mm, {:.0} N per gram\n\
+             fails mostly {}; weakest at {}\n\
+             {} test, cells of {} mm{mesh}; {} unknowns, {} solutions, {:.1} s",
+            self.peak_load_n,
+            self.stiffness_n_per_mm,
+            self.load_per_gram_n_g,
+            self.mode,
+            self.weakest.words,
+            self.fidelity,
+            self.cell_mm,
+            self.dofs,
+            self.solutions,
+            self.seconds,
+        )
+    }
+}

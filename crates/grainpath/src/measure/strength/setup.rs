@@ -1,0 +1,511 @@
+//! A job's fixtures and loads on the cells of a test.
+
+use grainpath_core::math::cross;
+use grainpath_core::poly::Join;
+use grainpath_core::selection::Selection;
+use grainpath_core::{DVec2, DVec3, LayerStack, Region, Role, TriMesh};
+use grainpath_fea::strength::elements::{GridHold, PlateElements, connected_cells, free_motion};
+use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellGrid, Laminate};
+use grainpath_gcode::{Bead, BeadLayer, Program};
+
+use super::{CORNERS, StrengthError, cards};
+use crate::guide::{cases, constant_section, in_plane, resolved};
+use grainpath_job::Settings;
+use grainpath_job::loads::Push;
+
+/// Cells with less of their height filled are left out.
+const LEAST_FILLED: f64 = 0.02;
+/// Another slicer's beads may lie this far outside the part, mm; of a program that has more than this share farther
+/// out it is another part, or one turned. So many layers are looked at.
+const OUTSIDE_MM: f64 = 1.0;
+const MOST_OUTSIDE: f64 = 0.05;
+const SECTIONS: usize = 9;
+/// Around grips and rollers nothing breaks within this, mm: what happens there is the machine's doing.
+pub(super) const UNBREAKABLE_MM: f64 = 1.5;
+
+/// How something is held.
+pub(super) struct HeldPlace {
+    pub on: Selection,
+    pub fixed: [bool; 3],
+    pub normal: bool,
+    pub what: String,
+}
+
+/// What pushes.
+pub(super) struct Pushed {
+    pub on: Option<Selection>,
+    pub push: Push,
+    pub what: String,
+}
+
+/// What a part is taken for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Fidelity {
+    /// A plate: layers homogenised through the thickness.
+    Plane,
+    /// A solid of box-shaped cells.
+    Voxels,
+}
+
+impl Fidelity {
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Plane => "plane",
+            Self::Voxels => "voxels",
+        }
+    }
+}
+
+/// What a test must know of a part beside its beads.
+pub struct TestSetup {
+    pub(super) low: DVec3,
+    pub(super) high: DVec3,
+    /// The section in the middle of the part's height.
+    pub(super) section: Region,
+    /// Some sections with their height, mm, to hold another slicer's beads against.
+    sections: Vec<(f64, Region)>,
+    /// Volume of the part, mm3, and number of its layers.
+    pub(super) volume_mm3: f64,
+    pub(super) n_layers: usize,
+    pub(super) fidelity: Fidelity,
+    /// The surface, for solids under pressure.
+    pub(super) mesh: TriMesh,
+    pub(super) fixtures: Vec<HeldPlace>,
+    pub(super) loads: Vec<Pushed>,
+    /// The load case that is tested.
+    pub case: String,
+    n_cases: usize,
+    pub(super) density_t_mm3: f64,
+    /// Whether fibre has a card of its own.
+    fibre: bool,
+}
+
+impl TestSetup {
+    /// Reads fixtures and loads against a part; of several load cases the one that counts most is tested.
+    ///
+    /// # Errors
+    /// [`StrengthError`] where a fixture, a load or a strength of the material is missing, or a load is not in the
+    /// layers' plane for a test in it.
+    pub fn of(settings: &Settings, mesh: &TriMesh, stack: &LayerStack) -> Result<Self, StrengthError> {
+        cards(settings, CORNERS[0])?;
+        let all = cases(settings);
+        let first = all.iter().rev().max_by(|a, b| a.weight.total_cmp(&b.weight));
+        let case = first.ok_or(StrengthError::Missing("a [[guide.load]]"))?;
+        if settings.guide.fixture.is_empty() {
+            return Err(StrengthError::Missing("a [[guide.fixture]]"));
+        }
+        let flat = case.loads.iter().all(|l| in_plane(&l.push));
+        let layers = stack.layers();
+        let same = constant_section(stack);
+        let fidelity = match settings.strength.fidelity.as_str() {
+            "plane" if !flat => return Err(StrengthError::NotFlat),
+            "plane" => Fidelity::Plane,
+            "voxels" => Fidelity::Voxels,
+            _ if flat && (same.is_some() || settings.fibre.enabled) => Fidelity::Plane,
+            _ => Fidelity::Voxels,
+        };
+        if fidelity == Fidelity::Voxels && settings.fibre.enabled {
+            return Err(StrengthError::FibreInSpace);
+        }
+        let middle = || layers.get(layers.len() / 2).map(|l| l.region());
+        let section = same.or_else(middle).cloned().unwrap_or_default();
+        let sections = (0..layers.len()).step_by(layers.len().div_ceil(SECTIONS).max(1)).map(|i| {
+            let layer = &layers[i];
+            (layer.z_top_mm() - 0.5 * layer.height_mm(), layer.region().clone())
+        });
+        let sections = sections.collect();
+        let mut fixtures = Vec::new();
+        for (k, f) in settings.guide.fixture.iter().enumerate() {
+            let what = format!("fixture {}", k + 1);
+            if f.displacement_mm != DVec3::ZERO {
+                return Err(StrengthError::Moved(what));
+            }
+            let on = resolved(&f.on, mesh, &what)?;
+            if f.normal && !matches!(on, Selection::Plane { .. } | Selection::Cylinder { .. }) {
+                return Err(StrengthError::NoNormal { what, shape: on.name() });
+            }
+            fixtures.push(HeldPlace { on, fixed: f.fixed, normal: f.normal, what });
+        }
+        let mut loads = Vec::new();
+        for (k, l) in case.loads.iter().enumerate() {
+            let what = format!("load {}", k + 1);
+            let on = l.on.as_ref().map(|on| resolved(on, mesh, &what)).transpose()?;
+            loads.push(Pushed { on, push: l.push, what });
+        }
+        let (low, high) = mesh.bounds().unwrap_or_default();
+        let (n_cases, case) = (all.len(), case.name.clone());
+        let density_t_mm3 = settings.material.density_g_cm3 * 1e-9;
+        let pressed = loads.iter().any(|l| matches!(l.push, Push::Pressure(_)));
+        let mesh = if pressed { mesh.clone() } else { TriMesh::default() };
+        let volume_mm3 = layers.iter().map(|l| l.region().area_mm2() * l.height_mm()).sum();
+        let n_layers = layers.len();
+        Ok(Self {
+            low,
+            high,
+            section,
+            sections,
+            volume_mm3,
+            n_layers,
+            fidelity,
+            mesh,
+            fixtures,
+            loads,
+            case,
+            n_cases,
+            density_t_mm3,
+            fibre: settings.fibre.enabled,
+        })
+    }
+
+    /// What the user should know.
+    pub(super) fn warnings(&self) -> Option<String> {
+        (self.n_cases > 1).then(|| {
+            format!("strength: of {} load cases {:?}, which counts most, is tested", self.n_cases, self.case)
+        })
+    }
+
+    fn at(&self, p: DVec2) -> DVec3 {
+        p.extend(0.5 * (self.low.z + self.high.z))
+    }
+
+    pub(super) fn nothing(&self, what: &str, on: &Selection) -> StrengthError {
+        StrengthError::CatchesNothing {
+            what: what.to_owned(),
+            shape: on.name(),
+            low: self.low,
+            high: self.high,
+        }
+    }
+
+    /// The beads of the part in its own coordinates. Where it stands on the plate is known for a program of our own,
+    /// and found by the middle of what is printed otherwise.
+    ///
+    /// # Errors
+    /// [`StrengthError`] when nothing is printed or it has another size than the part.
+    pub(super) fn sheets(
+        &self,
+        program: &Program,
+        plate_from_part: Option<DVec2>,
+    ) -> Result<Vec<BeadSheet>, StrengthError> {
+        let of_part = |l: &&BeadLayer| l.beads.iter().any(|b| b.role.is_part());
+        let layers: Vec<&BeadLayer> = program.layers.iter().filter(of_part).collect();
+        // A first layer far above the plate stands on a raft or on supports, which are none of the part.
+        let first = match layers.as_slice() {
+            [a, b, ..] if a.z_mm > 3.0 * (b.z_mm - a.z_mm) => a.z_mm - a.height_mm,
+            _ => 0.0,
+        };
+        let mut below = first;
+        let heights: Vec<f64> = layers
+            .iter()
+            .map(|l| {
+                let h = l.z_mm - below;
+                below = l.z_mm;
+                h
+            })
+            .collect();
+        let box_of = |l: &BeadLayer, h: f64| {
+            let mut bounds = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+            for b in l.beads.iter().filter(|b| b.role.is_part()) {
+                let r = 0.5 * strip_mm(b, h);
+                bounds.0 = bounds.0.min(b.start().min(b.end()) - r);
+                bounds.1 = bounds.1.max(b.start().max(b.end()) + r);
+            }
+            bounds
+        };
+        // Purge lines of other slicers lie in the first layer and have no role of their own.
+        let skipped = usize::from(layers.len() > 2);
+        let boxes = layers.iter().zip(&heights).skip(skipped).map(|(l, h)| box_of(l, *h));
+        let found = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(StrengthError::NothingPrinted)?;
+        let (size, part) = (found.1 - found.0, (self.high - self.low).truncate());
+        let tall = below - first;
+        let far = |a: f64, b: f64| (a - b).abs() > f64::max(1.5, 0.03 * b);
+        // Another slicer's layers may end up to one of them above or below; more is missing from a program cut off.
+        let layer = heights.iter().copied().fold(0.0, f64::max);
+        let (height, most) = (self.high.z - self.low.z, f64::max(1.01 * layer, 0.01 * tall));
+        if far(size.x, part.x) || far(size.y, part.y) || (tall - height).abs() > most {
+            let part = self.high - self.low;
+            return Err(StrengthError::WrongPart { printed: size.extend(tall), part });
+        }
+        let shift =
+            plate_from_part.unwrap_or(0.5 * (found.0 + found.1) - 0.5 * (self.low + self.high).truncate());
+        let near = |p: DVec2| (p - found.0).min(found.1 - p).min_element() > -2.0;
+        let sheet = |(l, h): (&&BeadLayer, &f64)| BeadSheet {
+            height_mm: *h,
+            beads: (l.beads.iter())
+                .filter(|b| b.role.is_part() && near(b.start()) && near(b.end()))
+                .map(|b| BeadPiece {
+                    a: b.start() - shift,
+                    b: b.end() - shift,
+                    volume_mm3: f64::from(b.volume_mm3),
+                    material: u8::from(self.fibre && b.role == Role::Fibre),
+                })
+                .collect(),
+        };
+        let sheets: Vec<BeadSheet> = layers.iter().zip(&heights).map(sheet).collect();
+        let share = if plate_from_part.is_some() { 0.0 } else { self.outside(&sheets) };
+        if share > MOST_OUTSIDE {
+            return Err(StrengthError::Outside { percent: 100.0 * share });
+        }
+        Ok(sheets)
+    }
+
+    /// The share of the beads' length that lies outside the part, of the layers that its sections are in.
+    fn outside(&self, sheets: &[BeadSheet]) -> f64 {
+        let (mut all, mut outside) = (0.0, 0.0);
+        for (z_mm, section) in &self.sections {
+            let mut top = self.low.z;
+            let at = sheets.iter().find(|s| {
+                top += s.height_mm;
+                top >= *z_mm
+            });
+            let room = section.offset(OUTSIDE_MM, Join::Miter(2.0));
+            for b in at.iter().flat_map(|s| &s.beads) {
+                let length = b.a.distance(b.b);
+                all += length;
+                // Every two millimetres of a long bead are asked.
+                let n = (0.5 * length).ceil().clamp(1.0, 1000.0) as usize;
+                let place = |k: usize| b.a.lerp(b.b, (k as f64 + 0.5) / n as f64);
+                let without = (0..n).filter(|k| !room.contains(place(*k))).count();
+                outside += length * without as f64 / n as f64;
+            }
+        }
+        outside / f64::max(all, 1e-12)
+    }
+
+    /// Cells, holds and forces of a test.
+    ///
+    /// # Errors
+    /// [`StrengthError`] when a fixture or load catches nothing or a piece moves freely.
+    pub(super) fn prepared(&self, sheets: &[BeadSheet], cell_mm: f64) -> Result<Prepared, StrengthError> {
+        let laminate = Laminate::from_layers(sheets, cell_mm)?;
+        let grid = laminate.grid;
+        let n = grid.nx * grid.ny;
+        let least = LEAST_FILLED * laminate.height_mm;
+        let mut taken: Vec<bool> = (0..n).map(|c| laminate.thickness_mm(c) > least).collect();
+        let (piece, n_pieces) = connected_cells(&grid, &taken);
+        // Only what hangs together with what is held can carry a load.
+        let reach = 0.75 * cell_mm;
+        let mut holds_of = vec![Vec::new(); n_pieces];
+        let elements = PlateElements::from_cells(&grid, &taken);
+        let wide: Vec<Selection> = self.fixtures.iter().map(|f| contact(&f.on, &elements, reach)).collect();
+        for (cell, corners) in elements.cells.iter().zip(&elements.corners) {
+            let Some(p) = piece[*cell as usize] else { continue };
+            for &node in corners {
+                let place = elements.node(node as usize);
+                let along = self.directions(&wide, place);
+                holds_of[p as usize].extend(along.map(|a| (place, a)));
+            }
+        }
+        for (fixture, wide) in self.fixtures.iter().zip(&wide) {
+            if !(0..elements.places.len()).any(|i| wide.contains(self.at(elements.node(i)))) {
+                return Err(self.nothing(&fixture.what, &fixture.on));
+            }
+        }
+        let mut lost = 0.0;
+        for cell in 0..n {
+            let Some(p) = piece[cell] else { continue };
+            if holds_of[p as usize].is_empty() {
+                taken[cell] = false;
+                lost += laminate.thickness_mm(cell) * cell_mm * cell_mm;
+            }
+        }
+        for holds in holds_of.iter().filter(|h| !h.is_empty()) {
+            if let Some(how) = free_motion(holds) {
+                let at = holds[0].0;
+                return Err(StrengthError::Free { x: at.x, y: at.y, how });
+            }
+        }
+        let elements = PlateElements::from_cells(&grid, &taken);
+        let nodes: Vec<DVec2> = (0..elements.places.len()).map(|i| elements.node(i)).collect();
+        let mut marked = vec![false; nodes.len()];
+        let mut holds = Vec::new();
+        for (i, p) in nodes.iter().enumerate() {
+            for along in self.directions(&wide, *p) {
+                holds.push(GridHold { node: i as u32, along });
+                marked[i] = true;
+            }
+        }
+        let weight = weights(&laminate, &elements);
+        let (forces_n, load_n) = self.forces(&laminate, &elements, &nodes, &weight, reach, &mut marked)?;
+        let unbreakable = unbreakable(&grid, &elements, &nodes, &marked);
+        let lost = lost / laminate.laid_mm3;
+        Ok(Prepared { laminate, elements, holds, forces_n, load_n, unbreakable, lost })
+    }
+
+    /// The directions in which a place is held.
+    fn directions(&self, wide: &[Selection], p: DVec2) -> impl Iterator<Item = DVec2> + use<> {
+        let mut all = [None; 6];
+        let mut n = 0;
+        let here = self.fixtures.iter().zip(wide).filter(|(_, w)| w.contains(self.at(p)));
+        for (f, _) in here {
+            let normal = match &f.on {
+                Selection::Plane { normal, .. } => normal.truncate(),
+                Selection::Cylinder { point, .. } => p - point.truncate(),
+                _ => DVec2::ZERO,
+            };
+            let own = if f.normal {
+                [normal.try_normalize(), None]
+            } else {
+                [f.fixed[0].then_some(DVec2::X), f.fixed[1].then_some(DVec2::Y)]
+            };
+            for along in own.into_iter().flatten() {
+                if n < all.len() && !all.contains(&Some(along)) {
+                    all[n] = Some(along);
+                    n += 1;
+                }
+            }
+        }
+        all.into_iter().flatten()
+    }
+
+    fn forces(
+        &self,
+        laminate: &Laminate,
+        elements: &PlateElements,
+        nodes: &[DVec2],
+        weight: &[f64],
+        reach: f64,
+        marked: &mut [bool],
+    ) -> Result<(Vec<DVec2>, f64), StrengthError> {
+        let mut forces = vec![DVec2::ZERO; nodes.len()];
+        let mut greatest: f64 = 0.0;
+        for load in &self.loads {
+            let Some(on) = &load.on else {
+                let Push::Acceleration(a) = load.push else { continue };
+                let all: f64 = weight.iter().sum();
+                let mass_t = laminate.volume_mm3 * self.density_t_mm3;
+                nodes.iter().enumerate().for_each(|(i, _)| {
+                    forces[i] += a.truncate() * (mass_t * weight[i] / f64::max(all, 1e-30));
+                });
+                continue;
+            };
+            let wide = on.grown(reach);
+            let chosen: Vec<usize> = (0..nodes.len()).filter(|&i| wide.contains(self.at(nodes[i]))).collect();
+            let sum: f64 = chosen.iter().map(|&i| weight[i]).sum();
+            if sum <= 0.0 {
+                return Err(self.nothing(&load.what, on));
+            }
+            chosen.iter().for_each(|&i| marked[i] = true);
+            match load.push {
+                Push::Force(f) => {
+                    greatest = greatest.max(f.truncate().length());
+                    chosen.iter().for_each(|&i| forces[i] += f.truncate() * (weight[i] / sum));
+                }
+                Push::Moment(m) => {
+                    let centre = chosen.iter().map(|&i| nodes[i] * weight[i]).sum::<DVec2>() / sum;
+                    let turned = |i: usize| DVec2::new(-(nodes[i] - centre).y, (nodes[i] - centre).x);
+                    let arm: f64 =
+                        chosen.iter().map(|&i| weight[i] * cross(nodes[i] - centre, turned(i))).sum();
+                    for &i in &chosen {
+                        forces[i] += turned(i) * (weight[i] * m.z / f64::max(arm, 1e-30));
+                    }
+                }
+                Push::Pressure(p) => {
+                    self.press(p, on, elements, nodes, &mut forces);
+                }
+                Push::Acceleration(_) => {}
+            }
+        }
+        let pulled: f64 = 0.5 * forces.iter().map(|f| f.length()).sum::<f64>();
+        let load_n = if greatest > 0.0 { greatest } else { pulled };
+        if load_n <= 0.0 {
+            return Err(StrengthError::Missing("a load that is not zero"));
+        }
+        Ok((forces, load_n))
+    }
+
+    /// Pressure on the border: each short piece of it pushes on the nearest node.
+    fn press(
+        &self,
+        mpa: f64,
+        on: &Selection,
+        elements: &PlateElements,
+        nodes: &[DVec2],
+        forces: &mut [DVec2],
+    ) {
+        let thickness = self.high.z - self.low.z;
+        let step = 0.25 * elements.grid.cell_mm;
+        for contour in self.section.contours() {
+            for (a, b) in grainpath_core::poly::edges(contour) {
+                let length = a.distance(b);
+                let n = (length / step).ceil().clamp(1.0, 1e6) as usize;
+                let normal = DVec2::new((b - a).y, -(b - a).x) / f64::max(length, 1e-30);
+                for k in 0..n {
+                    let p = a + (b - a) * ((k as f64 + 0.5) / n as f64);
+                    if on.contains(self.at(p)) {
+                        let near = |i: &usize, j: &usize| {
+                            nodes[*i].distance_squared(p).total_cmp(&nodes[*j].distance_squared(p))
+                        };
+                        let reach = 2.0 * elements.grid.cell_mm;
+                        let close = (0..nodes.len()).filter(|&i| nodes[i].distance(p) < reach);
+                        if let Some(i) = close.min_by(near) {
+                            forces[i] -= normal * (mpa * thickness * length / n as f64);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A part as cells, held and loaded.
+pub(super) struct Prepared {
+    pub laminate: Laminate,
+    pub elements: PlateElements,
+    pub holds: Vec<GridHold>,
+    pub forces_n: Vec<DVec2>,
+    pub load_n: f64,
+    pub unbreakable: Vec<bool>,
+    /// Share of the material that hangs together with nothing held.
+    pub lost: f64,
+}
+
+/// Where a fixture holds the nodes of a grid. A cylinder whose axis lies in the material is a roller: it holds the
+/// node next to its axis, for two of them would keep the part from turning there. One around a hole holds the hole's
+/// wall.
+fn contact(on: &Selection, elements: &PlateElements, reach: f64) -> Selection {
+    let mut wide = on.grown(reach);
+    let Selection::Cylinder { point: axis_at, axis, .. } = on else { return wide };
+    let off = |i: usize| elements.node(i).distance_squared(axis_at.truncate());
+    let nearest = (0..elements.places.len()).min_by(|a, b| off(*a).total_cmp(&off(*b)));
+    let cell_mm = elements.grid.cell_mm;
+    if let Selection::Cylinder { point, radius_mm, .. } = &mut wide
+        && let Some(i) = nearest.filter(|i| axis.z.abs() > 0.99 && off(*i) <= cell_mm * cell_mm)
+    {
+        (*point, *radius_mm) = (elements.node(i).extend(axis_at.z), 1e-3 * cell_mm);
+    }
+    wide
+}
+
+/// Width of the strip a bead fills in its layer, mm.
+fn strip_mm(bead: &Bead, height_mm: f64) -> f64 {
+    let length = bead.start().distance(bead.end()).max(1e-9);
+    (f64::from(bead.volume_mm3) / (length * height_mm)).min(5.0)
+}
+
+/// Material around each node, as a share of its elements' thickness.
+fn weights(laminate: &Laminate, elements: &PlateElements) -> Vec<f64> {
+    let mut weight = vec![0.0; elements.places.len()];
+    for (cell, corners) in elements.cells.iter().zip(&elements.corners) {
+        let t = 0.25 * laminate.thickness_mm(*cell as usize);
+        corners.iter().for_each(|&i| weight[i as usize] += t);
+    }
+    weight
+}
+
+/// PlateElements near held or loaded nodes.
+fn unbreakable(grid: &CellGrid, elements: &PlateElements, nodes: &[DVec2], marked: &[bool]) -> Vec<bool> {
+    let mut near = vec![false; grid.nx * grid.ny];
+    let radius = UNBREAKABLE_MM + grid.cell_mm;
+    for (p, _) in nodes.iter().zip(marked).filter(|(_, m)| **m) {
+        let cell = |q: f64, n: usize| (q / grid.cell_mm).clamp(0.0, n as f64 - 1.0) as usize;
+        let (a, b) = (*p - grid.low - radius, *p - grid.low + radius);
+        for j in cell(a.y, grid.ny)..=cell(b.y, grid.ny) {
+            for i in cell(a.x, grid.nx)..=cell(b.x, grid.nx) {
+                let at = j * grid.nx + i;
+                near[at] |= grid.centre(at).distance(*p) <= radius;
+            }
+        }
+    }
+    elements.cells.iter().map(|c| near[*c as usize]).collect()
+}

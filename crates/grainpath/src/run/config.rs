@@ -1,0 +1,467 @@
+//! Settings as the stages want them: the one place that knows both.
+
+use grainpath_core::math::{direction, rotated};
+use grainpath_core::slices::SampleType;
+use grainpath_core::units::LengthUnit;
+use grainpath_core::{Bounds2, DVec2, DVec3};
+use grainpath_gcode::{
+    Cooling, Corner, FibreTool, Flavour, Limits, Machine, Material, Retraction, Speeds, WriteConfig,
+};
+use grainpath_io::OutlineOptions;
+use grainpath_io::fe::{FeOptions, Order, StressUnit};
+use grainpath_io::volume::RawHeader;
+
+use crate::fibre::{FibreSettings, Start, Turns};
+use crate::fill::{Continuous, TreeKind};
+use crate::guide::grain::GrainSettings;
+use crate::guide::grain::{Corners, Mode};
+use crate::order::{CombSettings, OrderSettings, Seam, WallOrder};
+use crate::shape::{Adaptive, Hole, PhotoBoard, Placement, Repair, SliceSettings};
+use crate::support::{Style, SupportSettings};
+use grainpath_imaging::canny::CannySettings;
+use grainpath_imaging::photo::curves::{CurveSettings, Join};
+use grainpath_imaging::scan::texture::TextureSettings;
+use grainpath_imaging::scan::{CtReport, CtSettings, Denoise, Interpolation, Threshold, Tracing};
+use grainpath_imaging::tensor::Tangent;
+use grainpath_job::choices::Threshold as TypedThreshold;
+use grainpath_job::{MaterialSection, Settings};
+
+/// How the drawing of `shape.outline` is read; its unit is seen to there.
+pub fn outline(s: &Settings) -> OutlineOptions {
+    OutlineOptions {
+        unit: LengthUnit::from_name(&s.shape.unit),
+        tolerance_mm: OUTLINE_TOLERANCE_MM / s.shape.scale,
+        even_odd: s.shape.outline_rule == "even-odd",
+    }
+}
+
+/// The height its body gets, so that it is as thick as asked for when all is scaled.
+pub fn outline_thickness_mm(s: &Settings) -> f64 {
+    s.shape.thickness_mm / s.shape.scale
+}
+
+/// Curves of drawings are cut into pieces this close to them, mm: half of what contours of sections are simplified by.
+const OUTLINE_TOLERANCE_MM: f64 = 0.005;
+
+pub(crate) fn placement(s: &Settings) -> Placement {
+    let unit = LengthUnit::from_name(&s.shape.unit).filter(|_| s.shape.outline.is_empty());
+    Placement {
+        unit: unit.unwrap_or(LengthUnit::Millimetre),
+        scale: s.shape.scale,
+        rotate_rad: s.shape.rotate_deg.map(f64::to_radians),
+    }
+}
+
+pub(crate) fn repair(s: &Settings) -> Repair {
+    if s.shape.repair == "strict" { Repair::Strict } else { Repair::Auto }
+}
+
+pub(crate) fn slicing(s: &Settings) -> SliceSettings {
+    let p = &s.process;
+    SliceSettings {
+        layer_height_mm: p.layer_height_mm,
+        first_layer_height_mm: p.first_layer_height_mm,
+        adaptive: p.adaptive_layers.then_some(Adaptive {
+            min_height_mm: p.adaptive_min_mm,
+            max_height_mm: p.adaptive_max_mm,
+            max_cusp_mm: p.adaptive_cusp_mm,
+        }),
+        gap_closing_mm: s.shape.gap_closing_mm,
+        simplify_mm: p.simplify_mm,
+    }
+}
+
+/// The board of `shape.photo`.
+pub(crate) fn photo_board(s: &Settings) -> PhotoBoard {
+    let p = &s.photo;
+    let hole = |&[x, y, radius_mm]: &[f64; 3]| Hole { centre_mm: DVec2::new(x, y), radius_mm };
+    PhotoBoard {
+        size_mm: p.size_mm.into(),
+        thickness_mm: p.thickness_mm,
+        holes: p.holes_mm.iter().filter(|h| h[2] > 0.0).map(hole).collect(),
+        shift_mm_per_mm: p.shift_mm_per_mm.into(),
+        shown_mm: p.heights_mm.first().copied().unwrap_or(0.0),
+    }
+}
+
+/// How the `n` photographs of a job are read for a part with these bounds and this height: those of `guide.image`
+/// where it names any, else the shape's own.
+pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> GrainSettings {
+    let (g, image, photo) = (&s.guide, &s.image, &s.photo);
+    let own = !image.files.is_empty();
+    let rotate_rad = if own { image.rotate_deg.to_radians() } else { 0.0 };
+    let size_mm = match (own, image.size_mm) {
+        (false, _) => DVec2::from(photo.size_mm),
+        (true, Some(size)) => DVec2::from(size) * image.scale,
+        (true, None) => part.size() * image.scale,
+    };
+    let middle = part.centre() - rotated(0.5 * size_mm, direction(rotate_rad));
+    let origin_mm = if own { image.origin_mm.map_or(middle, DVec2::from) } else { DVec2::ZERO };
+    let (words, given, heights, shift) = if own {
+        (&image.corners, &image.corners_px, &image.heights_mm, image.shift_mm_per_mm)
+    } else {
+        (&photo.corners, &photo.corners_px, &photo.heights_mm, photo.shift_mm_per_mm)
+    };
+    let corners = if !given.is_empty() {
+        Corners::Given(given.chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]].map(DVec2::from)).collect())
+    } else {
+        match words.as_str() {
+            "outline" => Corners::Outline,
+            "markers" => Corners::Markers,
+            _ => Corners::Image,
+        }
+    };
+    let heights_mm = match (heights.is_empty(), n) {
+        (false, _) => heights.clone(),
+        (true, 1) => vec![0.0],
+        (true, _) => (0..n).map(|k| height_mm * (k as f64 + 0.5) / n as f64).collect(),
+    };
+    GrainSettings {
+        corners,
+        size_mm,
+        origin_mm,
+        rotate_rad,
+        mirror: own && image.mirror,
+        heights_mm,
+        shift_mm_per_mm: shift.into(),
+        mode: if g.mode == "edges" { Mode::Edges } else { Mode::Field },
+        pixel_mm: g.pixel_mm,
+        blur_mm: g.blur_mm,
+        median_px: g.median_px,
+        canny: CannySettings { high: g.canny_high, low: g.canny_low },
+        curves: CurveSettings {
+            join: if g.join == "nearest" { Join::Nearest } else { Join::Trace },
+            max_turn_rad: 1.0,
+            bridge_mm: g.bridge_mm,
+            min_length_mm: g.min_curve_mm,
+        },
+        integration_mm: g.integration_mm,
+        smooth_mm: s.smoothing_mm(),
+        tangent: match g.bend.as_str() {
+            "none" => Tangent::None,
+            "outline" => Tangent::Outline,
+            "both" => Tangent::Both,
+            _ => Tangent::Holes,
+        },
+        darkness: g.darkness,
+        pictures: !s.output.preview.is_empty() || !s.output.report.is_empty(),
+    }
+}
+
+/// How a scan's texture is read for a part with these bounds and this height: that of `guide.volume` where it names
+/// one, else the shape's own, of which `own` was found.
+pub(crate) fn texture(
+    s: &Settings,
+    own: Option<&CtReport>,
+    part: Bounds2,
+    height_mm: f64,
+) -> TextureSettings {
+    let (g, v) = (&s.guide, &s.volume);
+    let other = !v.path.is_empty();
+    let mut scan = scan(s);
+    if other {
+        let [x, y] = v.pixel_mm.map_or([None; 2], |p| p.0.map(Some));
+        scan = CtSettings {
+            section: "guide.volume",
+            spacing_mm: [x, y, v.slice_mm],
+            scale: v.scale,
+            window: v.window,
+            crop_px: v.crop_px,
+            flip: ["x", "y", "z"].map(|axis| v.flip.contains(axis)),
+            ..scan
+        };
+    }
+    TextureSettings {
+        scan,
+        name: if other { v.path.clone() } else { s.ct.path.clone() },
+        origin_mm: match own {
+            Some(own) if !other => Some(DVec3::new(0.0, 0.0, -own.bottom_mm)),
+            _ => v.origin_mm.map(DVec3::from),
+        },
+        rotate_rad: if other { v.rotate_deg.to_radians() } else { 0.0 },
+        integration_mm: g.integration_mm,
+        smooth_mm: s.smoothing_mm(),
+        darkness: g.darkness,
+        pictures: !s.output.preview.is_empty() || !s.output.report.is_empty(),
+        part: (part, height_mm),
+    }
+}
+
+/// How supports are made; `plate_from_part` is where the part stands on the plate, mm.
+pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> {
+    let u = &s.support;
+    let style = match u.style.as_str() {
+        "tree" => Style::Tree,
+        "columns" => Style::Columns,
+        "box" => Style::Box,
+        _ => return None,
+    };
+    let (low, high) = machine(s).bed_bounds_mm();
+    let room = u.base_radius_mm.min(0.25 * (high[0] - low[0]).min(high[1] - low[1]));
+    let bed = Bounds2 {
+        min: DVec2::new(low[0], low[1]) - plate_from_part + room,
+        max: DVec2::new(high[0], high[1]) - plate_from_part - room,
+    };
+    let facets = |all: &[usize]| all.iter().filter_map(|&t| u32::try_from(t).ok()).collect();
+    let boxes = |all: &[[[f64; 3]; 2]]| all.iter().map(|b| b.map(DVec3::from)).collect();
+    Some(SupportSettings {
+        style,
+        critical_angle_rad: u.critical_angle_deg.to_radians(),
+        branch_angle_rad: u.branch_angle_deg.unwrap_or(u.critical_angle_deg.clamp(5.0, 80.0)).to_radians(),
+        max_unsupported_mm: u.max_unsupported_mm,
+        min_overhang_mm: u.min_overhang_mm,
+        contact_radius_mm: u.contact_radius_mm,
+        tip_length_mm: u.tip_length_mm,
+        branch_radius_mm: u.branch_radius_mm,
+        base_radius_mm: u.base_radius_mm,
+        base_height_mm: u.base_height_mm,
+        z_gap_mm: u.z_gap_mm,
+        xy_gap_mm: u.xy_gap_mm,
+        interface_layers: u.interface_layers,
+        interface_radius_mm: u.interface_radius_mm,
+        load_per_contact_n: u.load_per_contact_n,
+        stiffness_mpa: u.stiffness_mpa,
+        max_slenderness: u.max_slenderness,
+        brace_slenderness: u.brace.then_some(u.brace_slenderness),
+        max_reach_mm: u.max_reach_mm,
+        margin_mm: u.margin_mm,
+        from_plate_only: u.from_plate_only,
+        enforce: boxes(&u.enforce_mm),
+        block: boxes(&u.block_mm),
+        enforce_facets: facets(&u.enforce_facets),
+        block_facets: facets(&u.block_facets),
+        first_layer_mm: s.process.first_layer_height_mm,
+        bed: Some(bed),
+        ..SupportSettings::default()
+    })
+}
+
+/// How a scan becomes layers.
+pub fn scan(s: &Settings) -> CtSettings {
+    let (c, p) = (&s.ct, &s.process);
+    let [x, y] = c.pixel_mm.map_or([None; 2], |p| p.0.map(Some));
+    CtSettings {
+        section: "shape.ct",
+        spacing_mm: [x, y, c.slice_mm],
+        scale: s.shape.scale,
+        window: c.window,
+        crop_px: c.crop_px,
+        flip: ["x", "y", "z"].map(|axis| c.flip.contains(axis)),
+        threshold: match c.threshold {
+            TypedThreshold::Otsu => Threshold::Otsu,
+            TypedThreshold::Iso50(grey) => Threshold::Iso50(grey.or(c.materials)),
+            TypedThreshold::Value(grey) => Threshold::Value(grey),
+            TypedThreshold::Range(low, high) => Threshold::Range(low, high),
+        },
+        denoise: match c.smooth.as_str() {
+            "gaussian" => Denoise::Gaussian(c.smooth_px),
+            "median" => Denoise::Median,
+            "edges" => Denoise::Edges,
+            _ => Denoise::None,
+        },
+        tracing: if c.contours == "canny" { Tracing::Canny } else { Tracing::Iso },
+        canny: [c.canny_low, c.canny_high, c.canny_sigma_px],
+        interpolation: match c.interpolate.as_str() {
+            "grey" => Interpolation::Grey,
+            "matched" => Interpolation::Matched,
+            "distance" => Interpolation::Distance,
+            _ => Interpolation::Auto,
+        },
+        overlap: c.overlap,
+        min_island_mm2: c.min_island_mm2,
+        min_pore_mm2: c.min_pore_mm2,
+        layer_height_mm: p.layer_height_mm,
+        first_layer_height_mm: p.first_layer_height_mm,
+        simplify_mm: p.simplify_mm,
+    }
+}
+
+/// The header of a scan without one, where the job gives it.
+pub fn raw_header(s: &Settings) -> Option<RawHeader> {
+    let c = &s.ct;
+    Some(RawHeader {
+        size: c.size_px?,
+        sample: SampleType::from_name(&c.sample)?,
+        big_endian: c.byte_order == "big",
+        offset_bytes: c.offset_bytes as u64,
+    })
+}
+
+/// One path through each room.
+pub(crate) fn continuous(s: &Settings) -> Continuous {
+    let isotropic = s.guide.kind == "none";
+    Continuous {
+        // Without a field no direction is better than another: cells as long as wide, joined as it comes.
+        tree: if isotropic || s.fill.tree == "undirected" {
+            TreeKind::Undirected
+        } else {
+            TreeKind::Directed
+        },
+        aspect: if isotropic { 1.0 } else { s.fill.cell_aspect },
+        // Fibre has one width.
+        variable: s.fill.widths == "variable" && !s.fibre.enabled,
+    }
+}
+
+pub(crate) fn order(s: &Settings) -> OrderSettings {
+    let p = &s.process;
+    OrderSettings {
+        wall_order: if p.wall_order == "outer-first" { WallOrder::OuterFirst } else { WallOrder::InnerFirst },
+        seam: match p.seam.as_str() {
+            "aligned" => Seam::Aligned,
+            "rear" => Seam::Rear,
+            "random" => Seam::Random,
+            _ => Seam::Nearest,
+        },
+        comb: CombSettings {
+            comb: p.comb,
+            retract_min_mm: p.retract_min_travel_mm,
+            max_detour: 2.0,
+            clearance_mm: p.bead_width_mm,
+        },
+        fibre_last: s.fibre.enabled && s.printer.fibre_tool == "separate",
+        chain_mm: p.chain.then_some(2.0 * p.bead_width_mm),
+    }
+}
+
+/// The printer's limits, for the time.
+pub fn limits(s: &Settings) -> Limits {
+    let p = &s.printer;
+    Limits {
+        max_speed_mm_s: p.max_speed_mm_s,
+        acceleration_mm_s2: p.acceleration_mm_s2,
+        travel_acceleration_mm_s2: p.travel_acceleration_mm_s2,
+        retract_acceleration_mm_s2: p.retract_acceleration_mm_s2,
+        corner: match (p.square_corner_mm_s, p.junction_deviation_mm) {
+            (Some(v), _) => Corner::SquareCorner(v),
+            (None, Some(d)) => Corner::Deviation(d),
+            (None, None) => Corner::Jerk(p.jerk_mm_s),
+        },
+    }
+}
+
+pub(crate) fn machine(s: &Settings) -> Machine {
+    let p = &s.printer;
+    Machine {
+        flavour: match p.flavour.as_str() {
+            "klipper" => Flavour::Klipper,
+            "rrf" => Flavour::RepRapFirmware,
+            _ => Flavour::Marlin,
+        },
+        nozzle_mm: p.nozzle_mm,
+        filament_mm: p.filament_mm,
+        bed_mm: p.bed_mm,
+        origin_at_centre: p.origin == "centre",
+        limits: limits(s),
+        relative_e: p.relative_e,
+        start_gcode: p.start_gcode.clone(),
+        end_gcode: p.end_gcode.clone(),
+    }
+}
+
+fn material(m: &MaterialSection) -> Material {
+    Material {
+        name: m.name.clone(),
+        density_g_cm3: m.density_g_cm3,
+        nozzle_temp_c: m.nozzle_temp_c,
+        first_layer_nozzle_temp_c: m.first_layer_nozzle_temp_c,
+        bed_temp_c: m.bed_temp_c,
+        first_layer_bed_temp_c: m.first_layer_bed_temp_c,
+        flow: m.flow,
+        pressure_advance: m.pressure_advance,
+        max_volumetric_mm3_s: m.max_volumetric_mm3_s,
+    }
+}
+
+/// How fibre is laid, for jobs that lay any.
+pub(crate) fn fibre(s: &Settings) -> Option<FibreSettings> {
+    let f = &s.fibre;
+    f.enabled.then(|| FibreSettings {
+        layers: f.layers.clone(),
+        every: f.every,
+        boxes: f.boxes_mm.iter().map(|b| b.map(DVec3::from)).collect(),
+        bead_width_mm: f.bead_width_mm.unwrap_or(s.process.bead_width_mm),
+        min_radius_mm: f.min_radius_mm,
+        turns: match f.turns.as_str() {
+            "report" => Turns::Report,
+            "cut" => Turns::Cut,
+            _ => Turns::Round,
+        },
+        // What is cut must be anchored before it is.
+        min_length_mm: f.min_length_mm.max(s.printer.fibre_cutter_mm + f.anchor_mm),
+        start: match f.start.as_str() {
+            "nearest" => Start::Nearest,
+            "calm" => Start::Calm,
+            "rear" => Start::Rear,
+            _ => Start::Straight,
+        },
+    })
+}
+
+pub(crate) fn writing(s: &Settings) -> WriteConfig {
+    let (p, m, pr) = (&s.process, &s.material, &s.printer);
+    let header = [("material", &m.name), ("fill", &s.fill.pattern)];
+    WriteConfig {
+        machine: machine(s),
+        material: material(m),
+        speeds: Speeds {
+            outer_wall: p.outer_wall_speed_mm_s,
+            inner_wall: p.inner_wall_speed_mm_s,
+            small_wall: p.small_wall_speed_mm_s,
+            overhang: p.overhang_speed_mm_s,
+            gap_fill: p.gap_fill_speed_mm_s,
+            solid: p.solid_speed_mm_s,
+            top: p.top_speed_mm_s,
+            sparse: p.sparse_speed_mm_s,
+            bridge: p.bridge_speed_mm_s,
+            fibre: s.fibre.speed_mm_s,
+            support: s.support.speed_mm_s,
+            support_interface: s.support.interface_speed_mm_s,
+            adhesion: p.first_layer_speed_mm_s,
+            travel: p.travel_speed_mm_s,
+            travel_z: p.travel_z_speed_mm_s,
+            first_layer: p.first_layer_speed_mm_s,
+        },
+        cooling: Cooling {
+            fan_min: m.fan_min,
+            fan_max: m.fan_max,
+            fan_bridge: m.fan_bridge,
+            fan_support: s.support.fan,
+            fan_off_layers: m.fan_off_layers,
+            min_layer_time_s: m.min_layer_time_s,
+            fan_below_layer_time_s: m.fan_below_layer_time_s,
+            min_speed_mm_s: m.min_speed_mm_s,
+        },
+        retraction: Retraction {
+            length_mm: pr.retract_mm,
+            speed_mm_s: pr.retract_speed_mm_s,
+            unretract_speed_mm_s: pr.unretract_speed_mm_s,
+            z_hop_mm: pr.z_hop_mm,
+        },
+        fibre: s.fibre.enabled.then(|| FibreTool {
+            tool: (pr.fibre_tool == "separate").then_some(pr.fibre_tool_number),
+            tool_change_gcode: pr.tool_change_gcode.clone(),
+            feed_gcode: pr.fibre_feed_gcode.clone(),
+            cut_gcode: pr.fibre_cut_gcode.clone(),
+            cutter_mm: pr.fibre_cutter_mm,
+            anchor_mm: s.fibre.anchor_mm,
+            anchor_speed_mm_s: s.fibre.anchor_speed_mm_s,
+            filament_mm: pr.fibre_filament_mm.unwrap_or(pr.filament_mm),
+            material: material(&s.fibre_material),
+        }),
+        arc_tolerance_mm: p.arcs.then_some(p.arc_tolerance_mm),
+        header: header.iter().map(|(key, value)| format!("{key} = {value}")).collect(),
+    }
+}
+
+/// How `guide.import` is to be understood.
+pub fn import(s: &Settings) -> FeOptions {
+    let g = &s.guide;
+    FeOptions {
+        length_unit: g.import_length_unit.as_deref().and_then(LengthUnit::from_name),
+        stress_unit: g.import_stress_unit.as_deref().and_then(StressUnit::from_name),
+        stress_array: g.import_array.clone(),
+        order: g.import_order.as_deref().and_then(Order::from_name),
+        step: None,
+    }
+}

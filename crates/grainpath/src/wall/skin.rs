@@ -1,0 +1,275 @@
+//! Skins: which part of a layer's fill is seen from above or below, which spans air, and which is inside.
+//!
+//! A place is inside when it is covered by all of the next `top_layers` sections above and `bottom_layers` below.
+//! That is asked of masks, not of polygons: the answer needs no more than a cell's accuracy, because skins reach a
+//! little way under what covers them anyway, and polygons would cost ten booleans a layer.
+
+use grainpath_core::diagnostics::Interrupted;
+use grainpath_core::{Bounds2, Contour, Diagnostics, Polygon, Region};
+use rayon::prelude::*;
+
+use grainpath_core::mask::{Coverage, Grid, Mask};
+
+/// How many layers close a part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SkinSettings {
+    /// Dense layers under a top surface.
+    pub top_layers: usize,
+    /// Dense layers over a bottom surface.
+    pub bottom_layers: usize,
+    /// Spacing of the beads, mm; sets the grid and how far skins reach under cover.
+    pub spacing_mm: f64,
+    /// Whether the inside is dense too, so that only bridges and top surfaces need telling apart.
+    pub dense: bool,
+}
+
+/// A polygon of fill and the island it belongs to.
+pub type IslandPolygon = (usize, Polygon);
+
+/// The fill of one layer divided by what it needs. The parts do not overlap.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SkinSplit {
+    /// Seen from above.
+    pub top: Vec<IslandPolygon>,
+    /// Dense, not seen from above.
+    pub solid: Vec<IslandPolygon>,
+    /// Over air.
+    pub bridge: Vec<IslandPolygon>,
+    /// Inside.
+    pub sparse: Vec<IslandPolygon>,
+    /// The cells of the section below; `None` on the plate.
+    pub below: Option<Mask>,
+}
+
+/// What the skins of a layer are found from.
+#[derive(Debug, Clone, Copy)]
+pub struct SkinInput<'a> {
+    /// The whole section.
+    pub section: &'a Region,
+    /// Where fill's centrelines may lie.
+    pub fill: &'a [IslandPolygon],
+}
+
+/// Layers whose masks are made together; the masks of the layers around them are made once more.
+const CHUNK: usize = 16;
+/// Bridges smaller than this are printed as any other fill, mm2.
+const MIN_BRIDGE_MM2: f64 = 1.5;
+/// A change of surface smaller than this is not worth a border in the fill, mm2.
+const MIN_SPLIT_MM2: f64 = 4.0;
+
+/// Divides the fill of every layer and hands each layer's skins to `each`, whose results come back in order.
+///
+/// # Errors
+/// [`Interrupted`] when a stop was asked for.
+pub fn split_stack<T: Send>(
+    layers: &[SkinInput<'_>],
+    bounds: Bounds2,
+    settings: &SkinSettings,
+    diagnostics: &Diagnostics,
+    each: impl Fn(usize, SkinSplit) -> T + Sync,
+) -> Result<Vec<T>, Interrupted> {
+    let grid = Grid::over(bounds, 0.5 * settings.spacing_mm);
+    let chunks: Vec<usize> = (0..layers.len()).step_by(CHUNK).collect();
+    let results: Vec<Result<Vec<T>, Interrupted>> = chunks
+        .into_par_iter()
+        .map(|first| {
+            let end = (first + CHUNK).min(layers.len());
+            let lowest = first.saturating_sub(settings.bottom_layers.max(1));
+            let highest = (end + settings.top_layers.max(1)).min(layers.len());
+            let masks: Vec<Mask> =
+                layers[lowest..highest].iter().map(|l| Mask::of(grid, l.section)).collect();
+            let window = Window { grid, masks, lowest, n_layers: layers.len() };
+            (first..end)
+                .map(|i| {
+                    diagnostics.check()?;
+                    let cover = window.cover(i, settings);
+                    let result = each(i, split(layers[i].fill, cover, settings));
+                    diagnostics.advance(1);
+                    Ok(result)
+                })
+                .collect()
+        })
+        .collect();
+    let mut all = Vec::with_capacity(layers.len());
+    for chunk in results {
+        all.extend(chunk?);
+    }
+    Ok(all)
+}
+
+/// The sections of some consecutive layers as masks.
+struct Window {
+    grid: Grid,
+    masks: Vec<Mask>,
+    lowest: usize,
+    n_layers: usize,
+}
+
+/// What lies over and under a layer.
+struct Cover {
+    grid: Grid,
+    /// Cells covered by all the layers that close the part; `None` when nothing can be (near top and plate).
+    inside: Option<Mask>,
+    above: Option<Mask>,
+    below: Option<Mask>,
+}
+
+impl Window {
+    fn mask(&self, layer: usize) -> &Mask {
+        &self.masks[layer - self.lowest]
+    }
+
+    fn cover(&self, i: usize, settings: &SkinSettings) -> Cover {
+        let fits = i + settings.top_layers < self.n_layers && i >= settings.bottom_layers;
+        let inside = (!settings.dense && fits).then(|| {
+            let over = (i + 1..=i + settings.top_layers).chain(i - settings.bottom_layers..i);
+            over.fold(self.mask(i).clone(), |m, k| m.and(self.mask(k)))
+        });
+        let above = (i + 1 < self.n_layers).then(|| self.mask(i + 1).clone());
+        let below = (i > 0).then(|| self.mask(i - 1).clone());
+        Cover { grid: self.grid, inside, above, below }
+    }
+}
+
+fn split(fill: &[IslandPolygon], cover: Cover, settings: &SkinSettings) -> SkinSplit {
+    if fill.is_empty() {
+        return SkinSplit { below: cover.below, ..SkinSplit::default() };
+    }
+    let cells = cells_of(cover.grid, fill);
+    let (dense, sparse) = match &cover.inside {
+        _ if settings.dense => (fill.to_vec(), Vec::new()),
+        None => (fill.to_vec(), Vec::new()),
+        Some(inside) => {
+            // Skins reach two cells under cover, and what sparse fill would be left in slivers is filled.
+            let exposed = cells.clone().and_not(inside).grown(2);
+            let sparse = cells.clone().and_not(&exposed).opened(3);
+            let dense = cells.clone().and_not(&sparse);
+            cut(fill.to_vec(), &dense.grown(3).and_not(&sparse))
+        }
+    };
+    let (bridge, solid) = bridges(dense, &cells, &cover);
+    let (top, solid) = tops(solid, &cells, &cover);
+    SkinSplit { top, solid, bridge, sparse, below: cover.below }
+}
+
+fn cells_of(grid: Grid, polygons: &[IslandPolygon]) -> Mask {
+    Mask::of_contours(grid, polygons.iter().flat_map(|(_, p)| p.contours()))
+}
+
+/// Divides polygons into what lies in the cells and what does not. Only a polygon that is partly in is cut.
+fn cut(polygons: Vec<IslandPolygon>, cells: &Mask) -> (Vec<IslandPolygon>, Vec<IslandPolygon>) {
+    let (mut inside, mut outside) = (Vec::new(), Vec::new());
+    let mut zone = None;
+    for (island, polygon) in polygons {
+        match cells.coverage(&polygon) {
+            Coverage::All => inside.push((island, polygon)),
+            Coverage::None => outside.push((island, polygon)),
+            Coverage::Part => {
+                let zone: &Vec<(Bounds2, Polygon)> = zone.get_or_insert_with(|| {
+                    let ring = |outer: Contour| {
+                        let bounds = Bounds2::of(outer.iter().copied())?;
+                        Some((bounds, Polygon { outer, holes: Vec::new() }))
+                    };
+                    cells.contours().into_iter().filter_map(ring).collect()
+                });
+                // Only what is near: a layer may have a thousand islands.
+                let Some(around) = polygon.bounds() else { continue };
+                let near = zone.iter().filter(|(b, _)| b.meets(around)).map(|(_, p)| p.clone());
+                let zone = &Region { polygons: near.collect() };
+                let whole = Region::from(polygon);
+                inside.extend(whole.intersection(zone).polygons.into_iter().map(|p| (island, p)));
+                outside.extend(whole.difference(zone).polygons.into_iter().map(|p| (island, p)));
+            }
+        }
+    }
+    (inside, outside)
+}
+
+/// What of the dense fill hangs over air, with a millimetre of hold on its sides, and the rest.
+fn bridges(
+    dense: Vec<IslandPolygon>,
+    cells: &Mask,
+    cover: &Cover,
+) -> (Vec<IslandPolygon>, Vec<IslandPolygon>) {
+    let Some(below) = &cover.below else { return (Vec::new(), dense) };
+    let air = cells.clone().and_not(below).opened(2);
+    if air.area_mm2() < MIN_BRIDGE_MM2 || dense.is_empty() {
+        return (Vec::new(), dense);
+    }
+    let hold = (1.0 / cover.grid.cell_mm()).round() as usize;
+    cut(dense, &air.grown(hold))
+}
+
+/// What of the solid fill is seen from above, and the rest.
+fn tops(solid: Vec<IslandPolygon>, cells: &Mask, cover: &Cover) -> (Vec<IslandPolygon>, Vec<IslandPolygon>) {
+    let Some(above) = &cover.above else { return (solid, Vec::new()) };
+    if solid.is_empty() {
+        return (Vec::new(), solid);
+    }
+    let dense = cells_of(cover.grid, &solid).and(cells);
+    let seen = dense.clone().and_not(above).opened(1);
+    if seen.area_mm2() < MIN_SPLIT_MM2 {
+        return (Vec::new(), solid);
+    }
+    let hidden = dense.and_not(&seen.grown(2)).opened(2);
+    if hidden.area_mm2() < MIN_SPLIT_MM2 {
+        return (solid, Vec::new());
+    }
+    cut(solid, &seen.grown(4).and_not(&hidden))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::DVec2;
+    use grainpath_core::poly::Join;
+
+    fn stack(sections: &[Region], dense: bool) -> Vec<SkinSplit> {
+        let fills: Vec<Vec<IslandPolygon>> = sections
+            .iter()
+            .map(|s| s.offset(-1.0, Join::Miter(3.0)).polygons.into_iter().enumerate().collect())
+            .collect();
+        let layers: Vec<SkinInput<'_>> =
+            sections.iter().zip(&fills).map(|(section, fill)| SkinInput { section, fill }).collect();
+        let bounds = sections.iter().filter_map(Region::bounds).reduce(Bounds2::union).expect("not empty");
+        let settings = SkinSettings { top_layers: 3, bottom_layers: 2, spacing_mm: 0.4, dense };
+        split_stack(&layers, bounds, &settings, &Diagnostics::default(), |_, split| split)
+            .expect("not stopped")
+    }
+
+    fn area(parts: &[IslandPolygon]) -> f64 {
+        parts.iter().map(|(_, p)| p.area_mm2()).sum()
+    }
+
+    fn square(side: f64) -> Region {
+        Region::rectangle(DVec2::ZERO, DVec2::splat(side))
+    }
+
+    #[test]
+    fn a_step_gets_a_top_skin_as_deep_as_asked() {
+        let sections: Vec<Region> = (0..20).map(|i| square(if i < 10 { 30.0 } else { 15.0 })).collect();
+        let split = stack(&sections, false);
+        for (i, s) in split.iter().enumerate() {
+            let fill = if i < 10 { 28.0f64 * 28.0 } else { 13.0 * 13.0 };
+            let sum = area(&s.top) + area(&s.solid) + area(&s.bridge) + area(&s.sparse);
+            assert!((sum - fill).abs() < 1e-2, "layer {i}: {sum} of {fill}");
+            let closed = !(2..17).contains(&i);
+            let step = (7..10).contains(&i);
+            assert_eq!(area(&s.sparse) == 0.0, closed, "layer {i}");
+            assert_eq!(area(&s.sparse) < 0.5 * fill, closed || step, "layer {i}");
+            assert_eq!(area(&s.top) > 100.0, i == 9 || i == 19, "layer {i}: top {}", area(&s.top));
+            assert!(s.bridge.is_empty(), "layer {i}");
+        }
+    }
+
+    #[test]
+    fn a_lid_over_a_box_is_a_bridge() {
+        let hollow = square(40.0).difference(&Region::rectangle(DVec2::splat(5.0), DVec2::splat(35.0)));
+        let mut sections = vec![hollow; 6];
+        sections.extend(vec![square(40.0); 6]);
+        let split = stack(&sections, true);
+        let over_air: Vec<bool> = split.iter().map(|s| area(&s.bridge) > 900.0).collect();
+        assert_eq!(over_air.iter().filter(|&&b| b).count(), 1);
+        assert!(over_air[6] && area(&split[6].bridge) < 1100.0, "{}", area(&split[6].bridge));
+    }
+}
