@@ -9,6 +9,7 @@ mod bench_ct;
 mod bench_fea;
 mod bench_paths;
 mod bench_strength;
+mod count;
 mod fuzz;
 mod hashes;
 mod licences;
@@ -21,6 +22,7 @@ use std::process::{Command, ExitCode};
 const USAGE: &str = "usage: cargo xtask <command>
   test             everything CI checks: format, lints, docs, licences, arrows, tests, examples, fuzzers
   test --quick     the same without examples, fuzzers and what needs installing
+  count [--tighten | --list NAME | --in FOLDER]  counts of the sources beside the limits of xtask/counts.toml
   hashes [--write] [--binary PATH]  G-code of small jobs beside the committed hashes
   bench slicing [PART...]  time and memory beside PrusaSlicer and CuraEngine
                    (benchy bunny armadillo plate_holes skull; the skull takes the peers many minutes)
@@ -44,6 +46,7 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["test"] => test(true),
         ["test", "--quick"] => test(false),
+        ["count", words @ ..] => count::run(words),
         ["hashes", words @ ..] => hashes::run(words),
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
         ["bench", "continuous"] => bench_continuous::run(),
@@ -76,6 +79,8 @@ fn test(whole: bool) -> Outcome {
     cargo(&["fmt", "--all", "--check"])?;
     step("arrows between crates");
     arrows::check()?;
+    step("counts");
+    count::run(&[])?;
     step("licences");
     licences::check()?;
     if whole {
