@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use grainpath::guide::boundary_conditions;
 use grainpath::measure::report::peak_rss_mb;
 use grainpath::measure::strength::{StrengthReport, TestSetup, Tested, test};
 use grainpath::run::{Sliced, mesh_and_layers};
@@ -83,7 +84,8 @@ fn one(input: &Path, job: Option<&Path>, common: &Common, mass_g: Option<f64>) -
         let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
         let (file, _) = read_body(&settings, &shape, &diagnostics)?;
         let Sliced { mesh, stack, .. } = mesh_and_layers(&settings, file, &diagnostics).map_err(source)?;
-        let setup = TestSetup::of(&settings, &mesh, &stack).map_err(failed)?;
+        let conditions = boundary_conditions(&settings, &mesh).map_err(|e| failed(e.into()))?;
+        let setup = TestSetup::of(&settings, &mesh, &stack, conditions).map_err(failed)?;
         let tested = test(&settings, &setup, program, None, &diagnostics);
         (tested.map_err(|e| named(input, failed(e)))?, theirs)
     } else {

@@ -234,11 +234,11 @@ fn what_cannot_be_tested_is_said_in_a_line() {
         (&["strength", "mm3.gcode", "--job", "along.toml"], 3, "or M200 say that it is mm3"),
         (&["strength", "other.gcode"], 2, "needs --job"),
         (&["strength", "along.toml", "--set", "material.profile=bare.toml"], 2, "no strengths: set xt_mpa"),
-        (&["strength", "off.toml"], 2, "load 1 (box) catches nothing"),
+        (&["strength", "off.toml"], 2, "load 1 (box) contains nothing of"),
         (
             &["run", "off.toml", "--set", "strength.enabled=true", "--set", "output.gcode=off.gcode"],
             2,
-            "load 1 (box) catches nothing",
+            "load 1 (box) contains nothing of",
         ),
         (&["strength", "great.toml"], 2, "numbers of at most 1e12"),
         (&["compare", "along.toml", "nowhere.toml"], 2, "nowhere.toml: no such file"),

@@ -2,6 +2,7 @@
 
 mod edge_loads;
 mod patch_fit;
+mod plane_loads;
 mod plane_mesh;
 mod plane_problem;
 mod plane_stress;
@@ -9,6 +10,7 @@ mod plane_system;
 mod quadratic_triangle;
 
 pub use edge_loads::{body_force_n, traction_n};
+pub use plane_loads::Plate;
 pub use plane_mesh::{PlaneMesh, mesh_region};
 pub(crate) use plane_problem::loose;
 pub use plane_problem::{Hold, PlaneError, PlaneProblem, PlaneStiffness};

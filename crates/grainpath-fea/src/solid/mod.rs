@@ -2,12 +2,14 @@
 
 #![allow(clippy::needless_range_loop, reason = "rows and columns of small matrices are told by index")]
 
+mod loading;
 mod meshing;
 mod model;
 mod recovery;
 mod solver;
 pub mod voxel;
 
+pub use loading::LoadedSolid;
 pub use meshing::mesher::{MeshSettings, Meshed, expected_dofs, mesh};
 pub use model::constraints::Supports;
 pub use model::error::SolidError;

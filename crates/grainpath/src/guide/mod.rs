@@ -11,8 +11,10 @@ mod solid;
 use std::sync::Arc;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
+use grainpath_core::selection::Selection;
 use grainpath_core::triangulation::TriangulationError;
 use grainpath_core::{DVec3, Diagnostics, DirectionField, LayerStack, TriMesh};
+use grainpath_fea::load_case::{Action, BoundaryConditions, CatchesNothing, Fixture, Held, Load, LoadCase};
 use grainpath_fea::material::{Orthotropic, Unstable};
 use grainpath_fea::plane::{PlaneError, PlaneStress};
 use grainpath_fea::principal::PlaneTensor;
@@ -23,7 +25,7 @@ use rayon::prelude::*;
 pub use degenerate::{Degenerate, Degenerates, degenerate_points};
 pub use direction::{DirectionSettings, Follow, LayerField};
 use grainpath_job::Settings;
-use grainpath_job::loads::{Case, Load, Place, Push};
+use grainpath_job::loads::{self, Place, Push};
 pub(crate) use plane::constant_section;
 pub use results::Families;
 
@@ -33,11 +35,8 @@ pub use results::Families;
 pub enum GuideError {
     #[error("[guide] kind = \"stress\" needs {0}")]
     Missing(&'static str),
-    #[error(
-        "{what} ({shape}) catches nothing of the part, which lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm",
-        low.x, low.y, low.z, high.x, high.y, high.z
-    )]
-    CatchesNothing { what: String, shape: &'static str, low: DVec3, high: DVec3 },
+    #[error(transparent)]
+    CatchesNothing(#[from] CatchesNothing),
     #[error("{what} lists facet {facet}; the mesh has {n}")]
     NoFacet { what: String, facet: usize, n: usize },
     #[error("analysis = \"plane\" does not fit: {0}; use \"solid\"")]
@@ -69,7 +68,8 @@ impl GuideError {
         matches!(
             self,
             Self::Missing(_)
-                | Self::CatchesNothing { .. }
+                | Self::CatchesNothing(_)
+                | Self::Solid(SolidError::CatchesNothing(_))
                 | Self::NoFacet { .. }
                 | Self::NotPlane(_)
                 | Self::Material(_)
@@ -189,14 +189,67 @@ impl Guide {
     }
 }
 
-/// The loads of a job as cases: those of `[[guide.case]]`, and those outside as one of their own.
-pub(crate) fn cases(settings: &Settings) -> Vec<Case> {
+/// The fixtures and loads of a job, resolved against its part: the loads of each `[[guide.case]]`, and those outside
+/// as a first case of their own. Either list may be empty.
+///
+/// # Errors
+/// [`GuideError::NoFacet`] for a list of facets that the mesh does not have.
+pub fn boundary_conditions(settings: &Settings, mesh: &TriMesh) -> Result<BoundaryConditions, GuideError> {
     let g = &settings.guide;
-    let mut all = g.case.clone();
-    if !g.load.is_empty() {
-        all.insert(0, Case { name: "loads".into(), weight: 1.0, loads: g.load.clone() });
+    let mut fixtures = Vec::with_capacity(g.fixture.len());
+    for (k, fixture) in g.fixture.iter().enumerate() {
+        let name = format!("fixture {}", k + 1);
+        let held = if fixture.normal { Held::Normal } else { Held::Axes(fixture.fixed) };
+        let on = resolved(&fixture.on, mesh, &name)?;
+        fixtures.push(Fixture { name, on, held, displacement_mm: fixture.displacement_mm });
     }
-    all
+    let mut cases = Vec::with_capacity(g.case.len() + 1);
+    if !g.load.is_empty() {
+        let loads = resolved_loads(&g.load, mesh, "")?;
+        cases.push(LoadCase { name: "loads".into(), weight: 1.0, loads });
+    }
+    for case in &g.case {
+        let loads = resolved_loads(&case.loads, mesh, &format!(" of case {:?}", case.name))?;
+        cases.push(LoadCase { name: case.name.clone(), weight: case.weight, loads });
+    }
+    let (low, high) = mesh.bounds().unwrap_or_default();
+    // 1 g/cm3 is 1e-9 t/mm3.
+    let density_t_mm3 = settings.material.density_g_cm3 * 1e-9;
+    Ok(BoundaryConditions { fixtures, cases, density_t_mm3, low, high })
+}
+
+/// Loads as "load 1" and so on, each name followed by `of_case`.
+fn resolved_loads(loads: &[loads::Load], mesh: &TriMesh, of_case: &str) -> Result<Vec<Load>, GuideError> {
+    let mut all = Vec::with_capacity(loads.len());
+    for (k, load) in loads.iter().enumerate() {
+        let name = format!("load {}{of_case}", k + 1);
+        let on = load.on.as_ref().map(|on| resolved(on, mesh, &name)).transpose()?;
+        let action = match (load.push, on) {
+            (Push::Acceleration(mm_s2), _) => Action::Acceleration { mm_s2 },
+            (Push::Force(total_n), Some(on)) => Action::Force { on, total_n },
+            (Push::Pressure(mpa), Some(on)) => Action::Pressure { on, mpa },
+            (Push::Moment(total_nmm), Some(on)) => Action::Moment { on, total_nmm },
+            // The job's reader refuses a load on the surface that does not say where.
+            (_, None) => continue,
+        };
+        all.push(Load { name, action });
+    }
+    Ok(all)
+}
+
+/// The selection that a place of the job stands for; facets are looked up in the mesh.
+fn resolved(place: &Place, mesh: &TriMesh, name: &str) -> Result<Selection, GuideError> {
+    match place {
+        Place::Shape(shape) => Ok(shape.clone()),
+        Place::Facets(ids) => {
+            let triangle = |&id: &usize| {
+                let corners = mesh.triangles.get(id).map(|t| t.map(|v| mesh.vertices[v as usize]));
+                let n = mesh.triangles.len();
+                corners.ok_or_else(|| GuideError::NoFacet { what: name.to_owned(), facet: id, n })
+            };
+            Ok(Selection::Triangles(ids.iter().map(triangle).collect::<Result<_, _>>()?))
+        }
+    }
 }
 
 /// A part as the guide wants it.
@@ -216,6 +269,7 @@ pub struct GuidedPart<'a> {
 pub fn build(
     settings: &Settings,
     part: &GuidedPart<'_>,
+    conditions: &BoundaryConditions,
     imported: Option<StressField>,
     diagnostics: &Diagnostics,
 ) -> Result<Option<Guide>, GuideError> {
@@ -231,10 +285,10 @@ pub fn build(
             field.result().warnings.iter().for_each(|w| diagnostics.push(w.clone()));
             import::solved(Arc::new(field), part, part.lowered_mm)?
         }
-        None => solve(settings, part, diagnostics)?,
+        None => solve(settings, part, conditions, diagnostics)?,
     };
     diagnostics.check()?;
-    let layers = lay_directions(settings, part, &solved, diagnostics)?;
+    let layers = lay_directions(settings, part, conditions, &solved, diagnostics)?;
     let follow = Follow::from_name(&settings.guide.follow);
     let Solved { cases, results, summary, .. } = solved;
     Ok(Some(Guide { layers, follow, summary, cases, results }))
@@ -243,22 +297,22 @@ pub fn build(
 fn solve(
     settings: &Settings,
     part: &GuidedPart<'_>,
+    conditions: &BoundaryConditions,
     diagnostics: &Diagnostics,
 ) -> Result<Solved, GuideError> {
-    let cases = cases(settings);
-    if cases.is_empty() {
+    if conditions.cases.is_empty() {
         return Err(GuideError::Missing("a [[guide.load]]"));
     }
-    if settings.guide.fixture.is_empty() {
+    if conditions.fixtures.is_empty() {
         return Err(GuideError::Missing("a [[guide.fixture]]"));
     }
     match settings.guide.analysis.as_str() {
-        "plane" => plane::solve(settings, part, &cases),
-        "solid" => solid::solve(settings, part, &cases, diagnostics),
-        _ => match plane::solve(settings, part, &cases) {
-            // What is pushed or held above or below the middle is no matter of a plate.
-            Err(GuideError::NotPlane(_) | GuideError::CatchesNothing { .. }) => {
-                solid::solve(settings, part, &cases, diagnostics)
+        "plane" => plane::solve(settings, part, conditions),
+        "solid" => solid::solve(settings, part, conditions, diagnostics),
+        _ => match plane::solve(settings, part, conditions) {
+            // A load or fixture above or below mid-height catches nothing of a plate.
+            Err(GuideError::NotPlane(_) | GuideError::CatchesNothing(_)) => {
+                solid::solve(settings, part, conditions, diagnostics)
             }
             other => other,
         },
@@ -277,12 +331,12 @@ struct Solved {
 fn lay_directions(
     settings: &Settings,
     part: &GuidedPart<'_>,
+    conditions: &BoundaryConditions,
     solved: &Solved,
     diagnostics: &Diagnostics,
 ) -> Result<Vec<Arc<LayerField>>, GuideError> {
     let layers = part.stack.layers();
-    let held = places(settings, part.mesh)?;
-    let free = |p: DVec3| !held.iter().any(|s| s.contains(p));
+    let free = |p: DVec3| !conditions.places().any(|s| s.contains(p));
     let follow = Follow::from_name(&settings.guide.follow);
     let turns = follow == Follow::Alternate;
     // A layer whose field is that of an earlier one is not made again.
@@ -323,37 +377,6 @@ fn lay_directions(
     Ok(fields)
 }
 
-/// The shape a place stands for, facets looked up.
-pub(crate) fn resolved(
-    place: &Place,
-    mesh: &TriMesh,
-    what: &str,
-) -> Result<grainpath_core::selection::Selection, GuideError> {
-    match place {
-        Place::Shape(shape) => Ok(shape.clone()),
-        Place::Facets(ids) => {
-            let triangle = |&id: &usize| {
-                let corners = mesh.triangles.get(id).map(|t| t.map(|v| mesh.vertices[v as usize]));
-                let n = mesh.triangles.len();
-                corners.ok_or_else(|| GuideError::NoFacet { what: what.to_owned(), facet: id, n })
-            };
-            let triangles = ids.iter().map(triangle).collect::<Result<Vec<_>, _>>()?;
-            Ok(grainpath_core::selection::Selection::Triangles(triangles))
-        }
-    }
-}
-
-/// Every place that is held or pushed: the rest of the surface is free.
-fn places(
-    settings: &Settings,
-    mesh: &TriMesh,
-) -> Result<Vec<grainpath_core::selection::Selection>, GuideError> {
-    let g = &settings.guide;
-    let loads = g.load.iter().chain(g.case.iter().flat_map(|c| &c.loads));
-    let all = g.fixture.iter().map(|f| &f.on).chain(loads.filter_map(|l: &Load| l.on.as_ref()));
-    all.map(|p| resolved(p, mesh, "a fixture or load")).collect()
-}
-
 /// The part's material for stress.
 fn material(settings: &Settings) -> Orthotropic {
     let m = &settings.material;
@@ -361,16 +384,6 @@ fn material(settings: &Settings) -> Orthotropic {
         Orthotropic { e_mpa: m.e_mpa, nu: m.nu, g_mpa: m.g_mpa }
     } else {
         Orthotropic::isotropic(m.e_mpa[0], m.nu[0].clamp(-0.9, 0.49))
-    }
-}
-
-/// Whether a push has no part out of the layers' plane.
-pub(crate) fn in_plane(push: &Push) -> bool {
-    let flat = |v: &DVec3| v.z.abs() <= 1e-9 * v.length();
-    match push {
-        Push::Force(f) | Push::Acceleration(f) => flat(f),
-        Push::Pressure(_) => true,
-        Push::Moment(m) => m.truncate().length() <= 1e-9 * m.length(),
     }
 }
 

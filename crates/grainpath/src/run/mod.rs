@@ -189,10 +189,12 @@ fn plan_stack(
     check_bed(settings, &stack, part, plate_from_part_mm)?;
     let fibre = config::fibre(settings);
     fibre.iter().try_for_each(|f| f.check(&stack, part))?;
-    let test = settings.strength.enabled.then(|| TestSetup::of(settings, &mesh, &stack)).transpose()?;
+    let conditions = guide::boundary_conditions(settings, &mesh)?;
+    let test = || TestSetup::of(settings, &mesh, &stack, conditions.clone());
+    let test = settings.strength.enabled.then(test).transpose()?;
     let guide = {
         let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
-        guide::build(settings, &guided, stress, diagnostics)?
+        guide::build(settings, &guided, &conditions, stress, diagnostics)?
     };
     let grain = grain(settings, &stack, scan.as_ref(), grain_source, diagnostics)?;
     if guide.is_some() || grain.is_some() {

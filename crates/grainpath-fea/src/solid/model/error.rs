@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::load_case::CatchesNothing;
+
 /// Why a part could not be meshed or solved.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SolidError {
@@ -43,6 +45,9 @@ pub enum SolidError {
         /// Limit, MiB.
         limit_mib: f64,
     },
+    /// A fixture or load without a face.
+    #[error(transparent)]
+    CatchesNothing(#[from] CatchesNothing),
     /// Not held.
     #[error("piece {piece} of {pieces} (around {around}) is not held: it is free to {free}")]
     Free {

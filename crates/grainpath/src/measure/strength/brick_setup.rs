@@ -2,6 +2,7 @@
 
 use grainpath_core::selection::Selection;
 use grainpath_core::{DVec3, TriMesh};
+use grainpath_fea::load_case::{Action, Held};
 use grainpath_fea::strength::brick_strength::{SolidHold, SolidTest, connected_cells};
 use grainpath_fea::strength::bricks::Bricks;
 use grainpath_fea::strength::card::StrengthCard;
@@ -11,7 +12,6 @@ use rayon::prelude::*;
 
 use super::StrengthError;
 use super::setup::{TestSetup, UNBREAKABLE_MM};
-use grainpath_job::loads::Push;
 
 /// Cells filled less are left out: they would only make the answer slow.
 const LEAST_FILLED: f32 = 0.06;
@@ -141,11 +141,11 @@ impl TestSetup {
         let reach = 0.75 * cell_mm;
         let points = Points::new(&bricks, &active);
         let wide: Vec<Selection> =
-            self.fixtures.iter().map(|f| contact(&f.on, &points, cell_mm, reach)).collect();
+            self.conditions.fixtures.iter().map(|f| contact(&f.on, &points, cell_mm, reach)).collect();
         let caught: Vec<Vec<usize>> = wide.iter().map(|w| points.chosen(w)).collect();
-        for (fixture, caught) in self.fixtures.iter().zip(&caught) {
+        for (fixture, caught) in self.conditions.fixtures.iter().zip(&caught) {
             if caught.is_empty() {
-                return Err(self.nothing(&fixture.what, &fixture.on));
+                return Err(self.nothing(&fixture.name, &fixture.on));
             }
         }
         // Only what hangs together with what is held can carry a load.
@@ -167,7 +167,7 @@ impl TestSetup {
         let points = Points::new(&bricks, &active);
         let mut marked = vec![false; points.weight.len()];
         let mut holds = Vec::new();
-        for (fixture, caught) in self.fixtures.iter().zip(&caught) {
+        for (fixture, caught) in self.conditions.fixtures.iter().zip(&caught) {
             for &i in caught.iter().filter(|i| points.weight[**i] > 0.0) {
                 marked[i] = true;
                 let p = points.place(i);
@@ -176,11 +176,12 @@ impl TestSetup {
                     Selection::Cylinder { point, axis, .. } => (p - *point).reject_from_normalized(*axis),
                     _ => DVec3::ZERO,
                 };
-                if fixture.normal {
-                    holds.extend(normal.try_normalize().map(|d| (points.point(i), d)));
-                } else {
-                    let axes = DVec3::AXES.into_iter().zip(fixture.fixed).filter(|a| a.1);
-                    holds.extend(axes.map(|a| (points.point(i), a.0)));
+                match fixture.held {
+                    Held::Normal => holds.extend(normal.try_normalize().map(|d| (points.point(i), d))),
+                    Held::Axes(fixed) => {
+                        let axes = DVec3::AXES.into_iter().zip(fixed).filter(|a| a.1);
+                        holds.extend(axes.map(|a| (points.point(i), a.0)));
+                    }
                 }
             }
         }
@@ -198,31 +199,31 @@ impl TestSetup {
         let mut forces = vec![DVec3::ZERO; points.weight.len()];
         let mut greatest: f64 = 0.0;
         let weight = |i: usize| f64::from(points.weight[i]);
-        for load in &self.loads {
-            let Some(on) = &load.on else {
-                let Push::Acceleration(a) = load.push else { continue };
-                let cell_t = points.bricks.cell_mm.element_product() * self.density_t_mm3;
+        for load in &self.case().loads {
+            let Some(on) = load.action.on() else {
+                let Action::Acceleration { mm_s2: a } = load.action else { continue };
+                let cell_t = points.bricks.cell_mm.element_product() * self.conditions.density_t_mm3;
                 (0..forces.len()).for_each(|i| forces[i] += a * (cell_t * weight(i)));
                 continue;
             };
-            if let Push::Pressure(p) = load.push {
+            if let Action::Pressure { mpa: p, .. } = load.action {
                 if !press(p, on, &self.mesh, points, &mut forces, marked) {
-                    return Err(self.nothing(&load.what, on));
+                    return Err(self.nothing(&load.name, on));
                 }
                 continue;
             }
             let chosen = points.chosen(&on.grown(reach));
             let sum: f64 = chosen.iter().map(|&i| weight(i)).sum();
             if sum <= 0.0 {
-                return Err(self.nothing(&load.what, on));
+                return Err(self.nothing(&load.name, on));
             }
             chosen.iter().for_each(|&i| marked[i] = true);
-            match load.push {
-                Push::Force(f) => {
+            match load.action {
+                Action::Force { total_n: f, .. } => {
                     greatest = greatest.max(f.length());
                     chosen.iter().for_each(|&i| forces[i] += f * (weight(i) / sum));
                 }
-                Push::Moment(m) => {
+                Action::Moment { total_nmm: m, .. } => {
                     let centre = chosen.iter().map(|&i| points.place(i) * weight(i)).sum::<DVec3>() / sum;
                     let Some(axis) = m.try_normalize() else { continue };
                     let turned = |i: usize| axis.cross(points.place(i) - centre);
@@ -231,7 +232,7 @@ impl TestSetup {
                         forces[i] += turned(i) * (weight(i) * m.length() / f64::max(arm, 1e-30));
                     }
                 }
-                Push::Pressure(_) | Push::Acceleration(_) => {}
+                Action::Pressure { .. } | Action::Acceleration { .. } => {}
             }
         }
         let pulled: f64 = 0.5 * forces.iter().map(|f| f.length()).sum::<f64>();

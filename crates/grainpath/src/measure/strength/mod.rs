@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use grainpath_core::{DVec2, DVec3, Diagnostics, Role, Warning, WarningId};
+use grainpath_fea::load_case::CatchesNothing;
 use grainpath_fea::material::Orthotropic;
 use grainpath_fea::strength::card::{FailureMode, StrengthCard};
 use grainpath_fea::strength::laminate::{BeadSheet, CellError};
@@ -48,11 +49,8 @@ pub enum StrengthError {
     Moved(String),
     #[error("{what}: fix = \"normal\" needs a plane or a cylinder here, not a {shape}")]
     NoNormal { what: String, shape: &'static str },
-    #[error(
-        "{what} ({shape}) catches nothing that is printed and held; the part lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm",
-        low.x, low.y, low.z, high.x, high.y, high.z
-    )]
-    CatchesNothing { what: String, shape: &'static str, low: DVec3, high: DVec3 },
+    #[error(transparent)]
+    CatchesNothing(#[from] CatchesNothing),
     #[error("nothing of a part is printed in the program")]
     NothingPrinted,
     #[error(
@@ -352,7 +350,7 @@ pub fn test(
         first_n: digits(outcome.first_failure_n),
         peak_displacement_mm: digits(at_peak),
         job_load_n: digits(prepared.load_n()),
-        case: setup.case.clone(),
+        case: setup.case().name.clone(),
         mode: outcome.mode().name(),
         modes: FailureMode::ALL
             .iter()

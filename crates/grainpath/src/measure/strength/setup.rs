@@ -4,14 +4,14 @@ use grainpath_core::math::cross;
 use grainpath_core::poly::Join;
 use grainpath_core::selection::Selection;
 use grainpath_core::{DVec2, DVec3, LayerStack, Region, Role, TriMesh};
+use grainpath_fea::load_case::{Action, BoundaryConditions, Held, LoadCase};
 use grainpath_fea::strength::elements::{GridHold, PlateElements, connected_cells, free_motion};
 use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellGrid, Laminate};
 use grainpath_gcode::{Bead, BeadLayer, Program};
+use grainpath_job::Settings;
 
 use super::{CORNERS, StrengthError, cards};
-use crate::guide::{cases, constant_section, in_plane, resolved};
-use grainpath_job::Settings;
-use grainpath_job::loads::Push;
+use crate::guide::constant_section;
 
 /// Cells with less of their height filled are left out.
 const LEAST_FILLED: f64 = 0.02;
@@ -22,21 +22,6 @@ const MOST_OUTSIDE: f64 = 0.05;
 const SECTIONS: usize = 9;
 /// Around grips and rollers nothing breaks within this, mm: what happens there is the machine's doing.
 pub(super) const UNBREAKABLE_MM: f64 = 1.5;
-
-/// How something is held.
-pub(super) struct HeldPlace {
-    pub on: Selection,
-    pub fixed: [bool; 3],
-    pub normal: bool,
-    pub what: String,
-}
-
-/// What pushes.
-pub(super) struct Pushed {
-    pub on: Option<Selection>,
-    pub push: Push,
-    pub what: String,
-}
 
 /// What a part is taken for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,31 +55,31 @@ pub struct TestSetup {
     pub(super) fidelity: Fidelity,
     /// The surface, for solids under pressure.
     pub(super) mesh: TriMesh,
-    pub(super) fixtures: Vec<HeldPlace>,
-    pub(super) loads: Vec<Pushed>,
-    /// The load case that is tested.
-    pub case: String,
-    n_cases: usize,
-    pub(super) density_t_mm3: f64,
+    pub(super) conditions: BoundaryConditions,
+    /// The index of the load case that is tested.
+    case: usize,
     /// Whether fibre has a card of its own.
     fibre: bool,
 }
 
 impl TestSetup {
-    /// Reads fixtures and loads against a part; of several load cases the one that counts most is tested.
+    /// Of several load cases the one with the largest weight is tested.
     ///
     /// # Errors
     /// [`StrengthError`] where a fixture, a load or a strength of the material is missing, or a load is not in the
     /// layers' plane for a test in it.
-    pub fn of(settings: &Settings, mesh: &TriMesh, stack: &LayerStack) -> Result<Self, StrengthError> {
+    pub fn of(
+        settings: &Settings,
+        mesh: &TriMesh,
+        stack: &LayerStack,
+        conditions: BoundaryConditions,
+    ) -> Result<Self, StrengthError> {
         cards(settings, CORNERS[0])?;
-        let all = cases(settings);
-        let first = all.iter().rev().max_by(|a, b| a.weight.total_cmp(&b.weight));
-        let case = first.ok_or(StrengthError::Missing("a [[guide.load]]"))?;
-        if settings.guide.fixture.is_empty() {
+        let case = conditions.heaviest_case().ok_or(StrengthError::Missing("a [[guide.load]]"))?;
+        if conditions.fixtures.is_empty() {
             return Err(StrengthError::Missing("a [[guide.fixture]]"));
         }
-        let flat = case.loads.iter().all(|l| in_plane(&l.push));
+        let flat = conditions.cases[case].is_in_plane();
         let layers = stack.layers();
         let same = constant_section(stack);
         let fidelity = match settings.strength.fidelity.as_str() {
@@ -114,53 +99,46 @@ impl TestSetup {
             (layer.z_top_mm() - 0.5 * layer.height_mm(), layer.region().clone())
         });
         let sections = sections.collect();
-        let mut fixtures = Vec::new();
-        for (k, f) in settings.guide.fixture.iter().enumerate() {
-            let what = format!("fixture {}", k + 1);
-            if f.displacement_mm != DVec3::ZERO {
+        for fixture in &conditions.fixtures {
+            let what = fixture.name.clone();
+            if fixture.displacement_mm != DVec3::ZERO {
                 return Err(StrengthError::Moved(what));
             }
-            let on = resolved(&f.on, mesh, &what)?;
-            if f.normal && !matches!(on, Selection::Plane { .. } | Selection::Cylinder { .. }) {
-                return Err(StrengthError::NoNormal { what, shape: on.name() });
+            let has_normal = matches!(fixture.on, Selection::Plane { .. } | Selection::Cylinder { .. });
+            if fixture.held == Held::Normal && !has_normal {
+                return Err(StrengthError::NoNormal { what, shape: fixture.on.name() });
             }
-            fixtures.push(HeldPlace { on, fixed: f.fixed, normal: f.normal, what });
         }
-        let mut loads = Vec::new();
-        for (k, l) in case.loads.iter().enumerate() {
-            let what = format!("load {}", k + 1);
-            let on = l.on.as_ref().map(|on| resolved(on, mesh, &what)).transpose()?;
-            loads.push(Pushed { on, push: l.push, what });
-        }
-        let (low, high) = mesh.bounds().unwrap_or_default();
-        let (n_cases, case) = (all.len(), case.name.clone());
-        let density_t_mm3 = settings.material.density_g_cm3 * 1e-9;
-        let pressed = loads.iter().any(|l| matches!(l.push, Push::Pressure(_)));
+        let is_pressure = |a: &Action| matches!(a, Action::Pressure { .. });
+        let pressed = conditions.cases[case].loads.iter().any(|l| is_pressure(&l.action));
         let mesh = if pressed { mesh.clone() } else { TriMesh::default() };
         let volume_mm3 = layers.iter().map(|l| l.region().area_mm2() * l.height_mm()).sum();
         let n_layers = layers.len();
         Ok(Self {
-            low,
-            high,
+            low: conditions.low,
+            high: conditions.high,
             section,
             sections,
             volume_mm3,
             n_layers,
             fidelity,
             mesh,
-            fixtures,
-            loads,
+            conditions,
             case,
-            n_cases,
-            density_t_mm3,
             fibre: settings.fibre.enabled,
         })
     }
 
+    /// The load case that is tested.
+    pub fn case(&self) -> &LoadCase {
+        &self.conditions.cases[self.case]
+    }
+
     /// What the user should know.
     pub(super) fn warnings(&self) -> Option<String> {
-        (self.n_cases > 1).then(|| {
-            format!("strength: of {} load cases {:?}, which counts most, is tested", self.n_cases, self.case)
+        let n_cases = self.conditions.cases.len();
+        (n_cases > 1).then(|| {
+            format!("strength: of {n_cases} load cases {:?}, which counts most, is tested", self.case().name)
         })
     }
 
@@ -169,12 +147,7 @@ impl TestSetup {
     }
 
     pub(super) fn nothing(&self, what: &str, on: &Selection) -> StrengthError {
-        StrengthError::CatchesNothing {
-            what: what.to_owned(),
-            shape: on.name(),
-            low: self.low,
-            high: self.high,
-        }
+        self.conditions.catches_nothing(what, on, "what is printed and held").into()
     }
 
     /// The beads of the part in its own coordinates. Where it stands on the plate is known for a program of our own,
@@ -287,7 +260,8 @@ impl TestSetup {
         let reach = 0.75 * cell_mm;
         let mut holds_of = vec![Vec::new(); n_pieces];
         let elements = PlateElements::from_cells(&grid, &taken);
-        let wide: Vec<Selection> = self.fixtures.iter().map(|f| contact(&f.on, &elements, reach)).collect();
+        let wide: Vec<Selection> =
+            self.conditions.fixtures.iter().map(|f| contact(&f.on, &elements, reach)).collect();
         for (cell, corners) in elements.cells.iter().zip(&elements.corners) {
             let Some(p) = piece[*cell as usize] else { continue };
             for &node in corners {
@@ -296,9 +270,9 @@ impl TestSetup {
                 holds_of[p as usize].extend(along.map(|a| (place, a)));
             }
         }
-        for (fixture, wide) in self.fixtures.iter().zip(&wide) {
+        for (fixture, wide) in self.conditions.fixtures.iter().zip(&wide) {
             if !(0..elements.places.len()).any(|i| wide.contains(self.at(elements.node(i)))) {
-                return Err(self.nothing(&fixture.what, &fixture.on));
+                return Err(self.nothing(&fixture.name, &fixture.on));
             }
         }
         let mut lost = 0.0;
@@ -336,17 +310,16 @@ impl TestSetup {
     fn directions(&self, wide: &[Selection], p: DVec2) -> impl Iterator<Item = DVec2> + use<> {
         let mut all = [None; 6];
         let mut n = 0;
-        let here = self.fixtures.iter().zip(wide).filter(|(_, w)| w.contains(self.at(p)));
+        let here = self.conditions.fixtures.iter().zip(wide).filter(|(_, w)| w.contains(self.at(p)));
         for (f, _) in here {
             let normal = match &f.on {
                 Selection::Plane { normal, .. } => normal.truncate(),
                 Selection::Cylinder { point, .. } => p - point.truncate(),
                 _ => DVec2::ZERO,
             };
-            let own = if f.normal {
-                [normal.try_normalize(), None]
-            } else {
-                [f.fixed[0].then_some(DVec2::X), f.fixed[1].then_some(DVec2::Y)]
+            let own = match f.held {
+                Held::Normal => [normal.try_normalize(), None],
+                Held::Axes([x, y, _]) => [x.then_some(DVec2::X), y.then_some(DVec2::Y)],
             };
             for along in own.into_iter().flatten() {
                 if n < all.len() && !all.contains(&Some(along)) {
@@ -369,11 +342,11 @@ impl TestSetup {
     ) -> Result<(Vec<DVec2>, f64), StrengthError> {
         let mut forces = vec![DVec2::ZERO; nodes.len()];
         let mut greatest: f64 = 0.0;
-        for load in &self.loads {
-            let Some(on) = &load.on else {
-                let Push::Acceleration(a) = load.push else { continue };
+        for load in &self.case().loads {
+            let Some(on) = load.action.on() else {
+                let Action::Acceleration { mm_s2: a } = load.action else { continue };
                 let all: f64 = weight.iter().sum();
-                let mass_t = laminate.volume_mm3 * self.density_t_mm3;
+                let mass_t = laminate.volume_mm3 * self.conditions.density_t_mm3;
                 nodes.iter().enumerate().for_each(|(i, _)| {
                     forces[i] += a.truncate() * (mass_t * weight[i] / f64::max(all, 1e-30));
                 });
@@ -383,15 +356,15 @@ impl TestSetup {
             let chosen: Vec<usize> = (0..nodes.len()).filter(|&i| wide.contains(self.at(nodes[i]))).collect();
             let sum: f64 = chosen.iter().map(|&i| weight[i]).sum();
             if sum <= 0.0 {
-                return Err(self.nothing(&load.what, on));
+                return Err(self.nothing(&load.name, on));
             }
             chosen.iter().for_each(|&i| marked[i] = true);
-            match load.push {
-                Push::Force(f) => {
+            match load.action {
+                Action::Force { total_n: f, .. } => {
                     greatest = greatest.max(f.truncate().length());
                     chosen.iter().for_each(|&i| forces[i] += f.truncate() * (weight[i] / sum));
                 }
-                Push::Moment(m) => {
+                Action::Moment { total_nmm: m, .. } => {
                     let centre = chosen.iter().map(|&i| nodes[i] * weight[i]).sum::<DVec2>() / sum;
                     let turned = |i: usize| DVec2::new(-(nodes[i] - centre).y, (nodes[i] - centre).x);
                     let arm: f64 =
@@ -400,10 +373,10 @@ impl TestSetup {
                         forces[i] += turned(i) * (weight[i] * m.z / f64::max(arm, 1e-30));
                     }
                 }
-                Push::Pressure(p) => {
+                Action::Pressure { mpa: p, .. } => {
                     self.press(p, on, elements, nodes, &mut forces);
                 }
-                Push::Acceleration(_) => {}
+                Action::Acceleration { .. } => {}
             }
         }
         let pulled: f64 = 0.5 * forces.iter().map(|f| f.length()).sum::<f64>();

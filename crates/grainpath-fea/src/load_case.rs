@@ -1,0 +1,232 @@
+//! Fixtures and loads of a part, resolved against its surface.
+//!
+//! A job names places in several ways (shapes, facets, later faces). Whoever reads the job resolves them once into
+//! the types here; plates ([`crate::plane`]), solids ([`crate::solid`]) and both strength tests read only these, so
+//! that a load means the same everywhere.
+//!
+//! Units: mm, N, N mm, MPa, t/mm3 (1 g/cm3 is 1e-9 t/mm3, so that density times mm/s2 is N/mm3). Places and vectors
+//! are in part coordinates. A fixture holds in every load case; the loads of one case act together.
+
+use grainpath_core::DVec3;
+
+use grainpath_core::selection::Selection;
+
+/// Everything that a part is computed under.
+///
+/// ```
+/// use grainpath_core::DVec3;
+/// use grainpath_fea::load_case::{Action, BoundaryConditions, Fixture, Held, Load, LoadCase};
+/// use grainpath_core::selection::Selection;
+///
+/// let end = |x: f64| Selection::Plane {
+///     point: DVec3::new(x, 0.0, 0.0),
+///     normal: DVec3::X,
+///     tolerance_mm: 0.01,
+/// };
+/// let root = Fixture {
+///     name: "fixture 1".into(),
+///     on: end(0.0),
+///     held: Held::Axes([true; 3]),
+///     displacement_mm: DVec3::ZERO,
+/// };
+/// let pull = Load {
+///     name: "load 1".into(),
+///     action: Action::Force { on: end(60.0), total_n: DVec3::new(500.0, 0.0, 0.0) },
+/// };
+/// let conditions = BoundaryConditions {
+///     fixtures: vec![root],
+///     cases: vec![LoadCase { name: "pull".into(), weight: 1.0, loads: vec![pull] }],
+///     density_t_mm3: 1.24e-9,
+///     low: DVec3::ZERO,
+///     high: DVec3::new(60.0, 10.0, 4.0),
+/// };
+/// assert!(conditions.cases[0].is_in_plane());
+/// assert_eq!(conditions.places().count(), 2);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoundaryConditions {
+    /// What is held, the same in every case.
+    pub fixtures: Vec<Fixture>,
+    /// Loads that act together, case by case.
+    pub cases: Vec<LoadCase>,
+    /// Density of the material, t/mm3, for accelerations.
+    pub density_t_mm3: f64,
+    /// Lowest corner of the part's bounding box, mm.
+    pub low: DVec3,
+    /// Highest corner of the part's bounding box, mm.
+    pub high: DVec3,
+}
+
+/// A place of the surface that is held.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fixture {
+    /// What messages call it: "fixture 1".
+    pub name: String,
+    /// Where it holds.
+    pub on: Selection,
+    /// Which motions it prevents.
+    pub held: Held,
+    /// Displacement that is prescribed along the held directions, mm; zero for a fixture that stays where it is.
+    pub displacement_mm: DVec3,
+}
+
+/// The directions in which a fixture holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Held {
+    /// Along those of x, y and z that are true.
+    Axes([bool; 3]),
+    /// Along the normal of the surface: a roller, or a plane of symmetry.
+    Normal,
+}
+
+/// Loads that act at the same time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoadCase {
+    /// What reports call it.
+    pub name: String,
+    /// How much it counts beside the other cases; positive.
+    pub weight: f64,
+    /// Its loads.
+    pub loads: Vec<Load>,
+}
+
+/// One load.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Load {
+    /// What messages call it: "load 1".
+    pub name: String,
+    /// What it does, and where.
+    pub action: Action,
+}
+
+/// What a load does.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Action {
+    /// A force, spread evenly over the selected area.
+    Force {
+        /// Where it acts.
+        on: Selection,
+        /// Its resultant, N.
+        total_n: DVec3,
+    },
+    /// A pressure against the selected surface.
+    Pressure {
+        /// Where it acts.
+        on: Selection,
+        /// MPa, positive towards the material.
+        mpa: f64,
+    },
+    /// A pure moment about the centroid of the selected area.
+    Moment {
+        /// Where it acts.
+        on: Selection,
+        /// Its resultant, N mm.
+        total_nmm: DVec3,
+    },
+    /// An acceleration of the whole part: gravity is (0, 0, -9810).
+    Acceleration {
+        /// mm/s2.
+        mm_s2: DVec3,
+    },
+}
+
+impl Action {
+    /// Where it acts; `None` for what acts on the whole volume.
+    pub fn on(&self) -> Option<&Selection> {
+        match self {
+            Self::Force { on, .. } | Self::Pressure { on, .. } | Self::Moment { on, .. } => Some(on),
+            Self::Acceleration { .. } => None,
+        }
+    }
+
+    /// Whether it leaves a plate in the xy plane flat: a force in the plane, a moment about z, any pressure on the
+    /// plate's edge. Components up to 1e-9 of the vector count as rounding.
+    pub fn is_in_plane(&self) -> bool {
+        const ROUNDING: f64 = 1e-9;
+        let flat = |v: &DVec3| v.z.abs() <= ROUNDING * v.length();
+        match self {
+            Self::Force { total_n: v, .. } | Self::Acceleration { mm_s2: v } => flat(v),
+            Self::Pressure { .. } => true,
+            Self::Moment { total_nmm: m, .. } => m.truncate().length() <= ROUNDING * m.length(),
+        }
+    }
+}
+
+impl LoadCase {
+    /// Whether all of its loads leave a plate in the xy plane flat.
+    pub fn is_in_plane(&self) -> bool {
+        self.loads.iter().all(|load| load.action.is_in_plane())
+    }
+}
+
+impl BoundaryConditions {
+    /// Every selection that a fixture or a load of any case names; the rest of the surface is free.
+    pub fn places(&self) -> impl Iterator<Item = &Selection> {
+        let loads = self.cases.iter().flat_map(|case| &case.loads);
+        self.fixtures.iter().map(|fixture| &fixture.on).chain(loads.filter_map(|load| load.action.on()))
+    }
+
+    /// The index of the case with the largest weight, the first of equal ones; `None` without cases.
+    pub fn heaviest_case(&self) -> Option<usize> {
+        let by_weight = |a: &usize, b: &usize| self.cases[*a].weight.total_cmp(&self.cases[*b].weight);
+        (0..self.cases.len()).rev().max_by(by_weight)
+    }
+
+    /// The error for a fixture or load whose selection contains none of `searched`: "the part's surface".
+    pub fn catches_nothing(&self, name: &str, on: &Selection, searched: &'static str) -> CatchesNothing {
+        CatchesNothing { name: name.to_owned(), shape: on.name(), searched, low: self.low, high: self.high }
+    }
+}
+
+/// A fixture or load whose selection contains nothing of the part.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "{name} ({shape}) contains nothing of {searched}; the part lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm",
+    low.x, low.y, low.z, high.x, high.y, high.z
+)]
+pub struct CatchesNothing {
+    /// "fixture 1", "load 2".
+    pub name: String,
+    /// The kind of selection: "box".
+    pub shape: &'static str,
+    /// What the selection was compared with: "the part's surface".
+    pub searched: &'static str,
+    /// Lowest corner of the part's bounding box, mm.
+    pub low: DVec3,
+    /// Highest corner of the part's bounding box, mm.
+    pub high: DVec3,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn anywhere() -> Selection {
+        Selection::Sphere { centre: DVec3::ZERO, radius_mm: 1e3 }
+    }
+
+    #[test]
+    fn loads_out_of_the_plane_are_told_from_loads_in_it() {
+        let force = |total_n| Action::Force { on: anywhere(), total_n };
+        let moment = |total_nmm| Action::Moment { on: anywhere(), total_nmm };
+        assert!(force(DVec3::new(3.0, -4.0, 0.0)).is_in_plane());
+        assert!(!force(DVec3::new(3.0, -4.0, 1e-3)).is_in_plane());
+        assert!(moment(DVec3::Z).is_in_plane() && !moment(DVec3::new(1e-3, 0.0, 1.0)).is_in_plane());
+        assert!(Action::Pressure { on: anywhere(), mpa: 1.0 }.is_in_plane());
+        assert!(!Action::Acceleration { mm_s2: DVec3::new(0.0, 0.0, -9810.0) }.is_in_plane());
+    }
+
+    #[test]
+    fn of_equally_heavy_cases_the_first_is_taken() {
+        let case = |weight| LoadCase { name: String::new(), weight, loads: Vec::new() };
+        let conditions = |weights: &[f64]| BoundaryConditions {
+            fixtures: Vec::new(),
+            cases: weights.iter().map(|w| case(*w)).collect(),
+            density_t_mm3: 0.0,
+            low: DVec3::ZERO,
+            high: DVec3::ONE,
+        };
+        assert_eq!(conditions(&[1.0, 2.0, 2.0]).heaviest_case(), Some(1));
+        assert_eq!(conditions(&[]).heaviest_case(), None);
+    }
+}

@@ -1,0 +1,142 @@
+//! Fixtures and loads of a part on the plate that its section makes.
+//!
+//! Selections are asked at the mid-height of the plate: a node of the mesh, or the midpoint of a border side, is caught
+//! when the point above or below it there lies in the selection. Loads act on caught sides of the border.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::math::cross;
+use grainpath_core::{DVec2, DVec3};
+
+use super::edge_loads::{body_force_n, traction_n};
+use super::plane_mesh::PlaneMesh;
+use super::plane_problem::Hold;
+use crate::load_case::{Action, BoundaryConditions, CatchesNothing, Held, Load};
+use grainpath_core::selection::Selection;
+
+const SEARCHED: &str = "the plate's border";
+
+/// A meshed section between the lowest and the highest point of its part.
+#[derive(Debug, Clone, Copy)]
+pub struct Plate<'a> {
+    mesh: &'a PlaneMesh,
+    conditions: &'a BoundaryConditions,
+}
+
+impl<'a> Plate<'a> {
+    /// The plate of a part's section.
+    pub fn new(mesh: &'a PlaneMesh, conditions: &'a BoundaryConditions) -> Self {
+        Self { mesh, conditions }
+    }
+
+    /// Height of the part, mm.
+    pub fn thickness_mm(&self) -> f64 {
+        self.conditions.high.z - self.conditions.low.z
+    }
+
+    /// A point of the section at mid-height of the part, mm.
+    pub fn at_mid_height(&self, p: DVec2) -> DVec3 {
+        p.extend(0.5 * (self.conditions.low.z + self.conditions.high.z))
+    }
+
+    /// What the fixtures hold.
+    ///
+    /// # Errors
+    /// [`CatchesNothing`] for a fixture without a node, or without a side of the border where it holds along the normal.
+    pub fn holds(&self) -> Result<Vec<Hold>, CatchesNothing> {
+        let mut holds = Vec::new();
+        for fixture in &self.conditions.fixtures {
+            let nothing = || self.conditions.catches_nothing(&fixture.name, &fixture.on, SEARCHED);
+            let chosen: Vec<u32> = (0..self.mesh.nodes.len() as u32)
+                .filter(|&i| fixture.on.contains(self.at_mid_height(self.mesh.nodes[i as usize])))
+                .collect();
+            if chosen.is_empty() {
+                return Err(nothing());
+            }
+            match fixture.held {
+                Held::Normal => {
+                    let normals = self.normals(&fixture.on);
+                    if normals.is_empty() {
+                        return Err(nothing());
+                    }
+                    holds.extend(normals.into_iter().map(|(node, along)| {
+                        let displacement_mm = fixture.displacement_mm.truncate().dot(along);
+                        Hold { node, along, displacement_mm }
+                    }));
+                }
+                Held::Axes(fixed) => {
+                    for (axis, along) in [DVec2::X, DVec2::Y].into_iter().enumerate() {
+                        if fixed[axis] {
+                            let displacement_mm = fixture.displacement_mm[axis];
+                            holds.extend(chosen.iter().map(|&node| Hold { node, along, displacement_mm }));
+                        }
+                    }
+                }
+            }
+        }
+        Ok(holds)
+    }
+
+    /// Forces at the nodes of a load, N, `(n_nodes)`.
+    ///
+    /// # Errors
+    /// [`CatchesNothing`] for a load without a side of the border.
+    pub fn forces_n(&self, load: &Load) -> Result<Vec<DVec2>, CatchesNothing> {
+        let t = self.thickness_mm();
+        let caught = |on: &Selection| {
+            let sides = self.sides(on);
+            match sides.is_empty() {
+                true => Err(self.conditions.catches_nothing(&load.name, on, SEARCHED)),
+                false => Ok(sides),
+            }
+        };
+        Ok(match &load.action {
+            Action::Acceleration { mm_s2 } => {
+                body_force_n(self.mesh, t, self.conditions.density_t_mm3 * mm_s2.truncate())
+            }
+            Action::Force { on, total_n } => {
+                let sides = caught(on)?;
+                let area = self.mesh.border_length_mm(&sides) * t;
+                traction_n(self.mesh, &sides, t, &|_, _| total_n.truncate() / area)
+            }
+            Action::Pressure { on, mpa } => traction_n(self.mesh, &caught(on)?, t, &|_, n| -*mpa * n),
+            Action::Moment { on, total_nmm } => self.moment_n(&caught(on)?, total_nmm.z),
+        })
+    }
+
+    /// Forces of a moment about z, N mm: tractions around the centroid of the sides that grow with the distance from
+    /// it.
+    fn moment_n(&self, sides: &[[u32; 3]], moment_nmm: f64) -> Vec<DVec2> {
+        let ends = || {
+            sides.iter().map(|s| {
+                let [a, b] = [s[0], s[1]].map(|i| self.mesh.nodes[i as usize]);
+                (0.5 * (a + b), a.distance(b))
+            })
+        };
+        let length: f64 = ends().map(|e| e.1).sum();
+        let centroid = ends().map(|(p, l)| p * l).sum::<DVec2>() / length;
+        let turned = |p: DVec2| DVec2::new(-(p - centroid).y, (p - centroid).x);
+        let unit = traction_n(self.mesh, sides, self.thickness_mm(), &|p, _| turned(p));
+        let sum: f64 = unit.iter().zip(&self.mesh.nodes).map(|(f, p)| cross(*p - centroid, *f)).sum();
+        unit.into_iter().map(|f| f * (moment_nmm / sum)).collect()
+    }
+
+    /// Sides of the border whose midpoint is selected.
+    fn sides(&self, on: &Selection) -> Vec<[u32; 3]> {
+        let caught = |s: &&[u32; 3]| on.contains(self.at_mid_height(self.mesh.nodes[s[2] as usize]));
+        self.mesh.border.iter().filter(caught).copied().collect()
+    }
+
+    /// Nodes of selected sides with their outward normals, weighted by the lengths of the sides that meet there.
+    fn normals(&self, on: &Selection) -> Vec<(u32, DVec2)> {
+        let mut sums = BTreeMap::new();
+        for side in self.sides(on) {
+            let along = self.mesh.nodes[side[1] as usize] - self.mesh.nodes[side[0] as usize];
+            let normal = DVec2::new(along.y, -along.x);
+            for node in side {
+                *sums.entry(node).or_insert(DVec2::ZERO) += normal;
+            }
+        }
+        sums.into_iter().map(|(node, n)| (node, n.normalize_or(DVec2::X))).collect()
+    }
+}

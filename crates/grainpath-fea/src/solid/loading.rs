@@ -1,0 +1,118 @@
+//! Fixtures and loads of a part on the tetrahedra that fill it.
+//!
+//! A face of the boundary is caught when the point of the part's surface nearest to its middle lies in the selection,
+//! so a load keeps to one side of an edge that the elements round off.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::{DVec3, TriMesh};
+
+use super::model::constraints::Supports;
+use super::model::error::SolidError;
+use super::model::nodal_forces;
+use super::model::tet_mesh::TetMesh;
+use crate::load_case::{Action, BoundaryConditions, CatchesNothing, Held, Load};
+use grainpath_core::selection::Selection;
+
+const SEARCHED: &str = "the part's surface";
+
+/// Cosine between a boundary face and the facet of the part below it, under which the face does not hold along its
+/// normal: it bevels a sharp edge and would hold the part askew. 0.94 is 20 degrees, less than half of the 45 degrees
+/// by which a face bevels a right-angled edge.
+const MIN_COS_TO_FACET: f64 = 0.94;
+
+/// A meshed part under its boundary conditions.
+#[derive(Debug, Clone, Copy)]
+pub struct LoadedSolid<'a> {
+    mesh: &'a TetMesh,
+    surface: &'a TriMesh,
+    conditions: &'a BoundaryConditions,
+}
+
+impl<'a> LoadedSolid<'a> {
+    /// The tetrahedra `mesh` that were made from `surface`, under `conditions`.
+    pub fn new(mesh: &'a TetMesh, surface: &'a TriMesh, conditions: &'a BoundaryConditions) -> Self {
+        Self { mesh, surface, conditions }
+    }
+
+    /// What the fixtures hold.
+    ///
+    /// # Errors
+    /// [`SolidError::CatchesNothing`] for a fixture without a face, [`SolidError::Contradiction`] where two fixtures
+    /// prescribe different displacements.
+    pub fn supports(&self) -> Result<Supports, SolidError> {
+        let mut supports = Supports::new(self.mesh.nodes.len());
+        for fixture in &self.conditions.fixtures {
+            let faces = self.caught(&fixture.name, &fixture.on)?;
+            match fixture.held {
+                Held::Normal => {
+                    for (node, normal) in self.normals(&faces) {
+                        let normal = normal.normalize_or_zero();
+                        let value_mm = fixture.displacement_mm.dot(normal);
+                        supports.prescribe(self.mesh, node, normal, value_mm)?;
+                    }
+                }
+                Held::Axes(fixed) => {
+                    for node in self.mesh.nodes_of(&faces) {
+                        for axis in (0..3).filter(|&a| fixed[a]) {
+                            let value_mm = fixture.displacement_mm[axis];
+                            supports.prescribe(self.mesh, node, DVec3::AXES[axis], value_mm)?;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(supports)
+    }
+
+    /// Adds a load to the forces at the nodes, N, `(n_nodes)`.
+    ///
+    /// # Errors
+    /// [`CatchesNothing`] for a load without a face.
+    pub fn add_load(&self, forces_n: &mut [DVec3], load: &Load) -> Result<(), CatchesNothing> {
+        let caught = |on: &Selection| self.caught(&load.name, on);
+        match &load.action {
+            Action::Acceleration { mm_s2 } => {
+                let density = self.conditions.density_t_mm3;
+                nodal_forces::add_body_force(forces_n, self.mesh, |_| density * *mm_s2);
+            }
+            Action::Force { on, total_n } => {
+                nodal_forces::add_force(forces_n, self.mesh, &caught(on)?, *total_n);
+            }
+            Action::Pressure { on, mpa } => {
+                nodal_forces::add_pressure(forces_n, self.mesh, &caught(on)?, *mpa);
+            }
+            Action::Moment { on, total_nmm } => {
+                nodal_forces::add_moment(forces_n, self.mesh, &caught(on)?, *total_nmm);
+            }
+        }
+        Ok(())
+    }
+
+    /// The boundary faces in a selection.
+    fn caught(&self, name: &str, on: &Selection) -> Result<Vec<usize>, CatchesNothing> {
+        let faces = self.mesh.faces_in(on);
+        match faces.is_empty() {
+            true => Err(self.conditions.catches_nothing(name, on, SEARCHED)),
+            false => Ok(faces),
+        }
+    }
+
+    /// Nodes of faces that lie along the part's surface, with their normals, of any length.
+    fn normals(&self, faces: &[usize]) -> BTreeMap<u32, DVec3> {
+        let mut normals = BTreeMap::new();
+        for &f in faces {
+            let face = &self.mesh.faces[f];
+            let [a, b, c] = [0, 1, 2].map(|i| self.mesh.nodes[face.nodes[i] as usize]);
+            let normal = (b - a).cross(c - a);
+            let [p, q, r] =
+                self.surface.triangles[face.facet as usize].map(|i| self.surface.vertices[i as usize]);
+            let facet = (q - p).cross(r - p).normalize_or_zero();
+            if normal.normalize_or_zero().dot(facet).abs() < MIN_COS_TO_FACET {
+                continue;
+            }
+            face.nodes.iter().for_each(|n| *normals.entry(*n).or_insert(DVec3::ZERO) += normal);
+        }
+        normals
+    }
+}
