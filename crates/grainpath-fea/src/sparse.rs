@@ -13,16 +13,19 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Accum, Conj, MatMut, Par, Side};
 
+/// Bytes in a MiB, the unit of every memory limit in this crate.
+pub(crate) const BYTES_PER_MIB: f64 = 1_048_576.0;
+
 /// Why a system has no solution here.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum SparseError {
     /// The factor would not fit.
-    #[error("the solver would need {needed_mb} MB, more than the {allowed_mb} MB allowed")]
+    #[error("the solver would need {needed_mib:.0} MiB, more than the {limit_mib:.0} MiB allowed")]
     Memory {
-        /// What the factor needs.
-        needed_mb: u64,
-        /// What was allowed.
-        allowed_mb: u64,
+        /// What the factor needs, MiB.
+        needed_mib: f64,
+        /// The limit, MiB.
+        limit_mib: f64,
     },
     /// The matrix is not positive definite.
     #[error("the stiffness is singular: some part can move freely or has no stiffness")]
@@ -70,11 +73,11 @@ pub struct Cholesky {
 
 impl Cholesky {
     /// Factors a positive definite matrix; `order`, where given, says which row is eliminated when. The factor's
-    /// size is known, and refused above `max_bytes`, before it is taken.
+    /// size is known, and refused above `max_mib`, before it is taken.
     ///
     /// # Errors
     /// [`SparseError`] when the factor would be too large or the matrix is not positive definite.
-    pub fn new(a: &Symmetric, order: Option<&[usize]>, max_bytes: u64) -> Result<Self, SparseError> {
+    pub fn new(a: &Symmetric, order: Option<&[usize]>, max_mib: f64) -> Result<Self, SparseError> {
         let n = a.n();
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &a.starts, None, &a.rows);
         let custom = order.map(|forward| {
@@ -89,10 +92,10 @@ impl Cholesky {
             ..Default::default()
         };
         let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, ordering, params)
-            .map_err(|_| SparseError::Memory { needed_mb: u64::MAX, allowed_mb: max_bytes >> 20 })?;
-        let needed = symbolic.len_val() as u64 * 8;
-        if needed > max_bytes {
-            return Err(SparseError::Memory { needed_mb: needed >> 20, allowed_mb: max_bytes >> 20 });
+            .map_err(|_| SparseError::Memory { needed_mib: f64::INFINITY, limit_mib: max_mib })?;
+        let needed_mib = symbolic.len_val() as f64 * 8.0 / BYTES_PER_MIB;
+        if needed_mib > max_mib {
+            return Err(SparseError::Memory { needed_mib, limit_mib: max_mib });
         }
         let values = vec![0.0; symbolic.len_val()];
         let mut factor = Self { symbolic, values };
@@ -188,10 +191,10 @@ mod tests {
         }
         let want: Vec<f64> = (0..n).map(|i| ((i * 7) % 11) as f64 - 5.0).collect();
         let mut x = a.times(&want);
-        Cholesky::new(&a, None, 1 << 30).expect("positive definite").solve(&mut x);
+        Cholesky::new(&a, None, 1024.0).expect("positive definite").solve(&mut x);
         assert!(x.iter().zip(&want).all(|(x, w)| (x - w).abs() < 1e-10));
-        assert!(matches!(Cholesky::new(&a, None, 16), Err(SparseError::Memory { .. })));
+        assert!(matches!(Cholesky::new(&a, None, 1e-5), Err(SparseError::Memory { .. })));
         a.values[0] = -1.0;
-        assert_eq!(Cholesky::new(&a, None, 1 << 30).err(), Some(SparseError::Singular));
+        assert_eq!(Cholesky::new(&a, None, 1024.0).err(), Some(SparseError::Singular));
     }
 }

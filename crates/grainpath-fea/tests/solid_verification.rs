@@ -467,7 +467,7 @@ fn a_factorization_agrees_with_the_iteration() {
         let gap = a.displacement.iter().zip(&b.displacement).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
         assert!(gap < 1e-9 * size && a.residual < 1e-12, "{gap} of {size}, {}", a.residual);
     }
-    let small = SolveSettings { method: Method::Direct, most_mib: 2.0, ..tight() };
+    let small = SolveSettings { method: Method::Direct, max_mib: 2.0, ..tight() };
     assert!(matches!(solve(&model, &supports, &all, &small), Err(SolidError::Memory { .. })));
 }
 

@@ -159,7 +159,7 @@ fn loose_voxels_and_too_many_are_refused() {
     }
     let loose = VoxelSystem::new(part.clone(), &clamp([6, 3, 3]), &tight()).err().expect("in two");
     assert!(loose.to_string().starts_with("piece 2 of 2"), "{loose}");
-    let small = SolveSettings { most_mib: 0.01, ..tight() };
+    let small = SolveSettings { max_mib: 0.01, ..tight() };
     let error = VoxelSystem::new(part.clone(), &clamp([6, 3, 3]), &small).err();
     assert!(matches!(error, Some(SolidError::Memory { .. })));
     part.material.fill(VOID);

@@ -73,7 +73,7 @@ fn solve_plane(file: &FeFile) -> (Vec<DVec2>, Vec<[f64; 3]>) {
         thickness_mm: thickness.expect("a thickness"),
         stiffness: &|_| stiffness,
         holds: &holds,
-        max_bytes: 1 << 30,
+        max_mib: 1024.0,
     };
     let system = PlaneSystem::new(&problem).expect("a well held plate");
     let mut forces: Vec<DVec2> =

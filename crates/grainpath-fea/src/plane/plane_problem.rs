@@ -51,8 +51,8 @@ pub struct PlaneProblem<'a> {
     pub stiffness: &'a (dyn Fn(DVec2) -> PlaneStiffness + Sync),
     /// Where it is held.
     pub holds: &'a [Hold],
-    /// The most the solver may take.
-    pub max_bytes: u64,
+    /// Memory limit of the factorization, MiB.
+    pub max_mib: f64,
 }
 
 /// Refuses pieces that can move as a whole.

@@ -75,7 +75,7 @@ impl<'a> PlaneSystem<'a> {
             })
             .collect();
         let (matrix, prescribed_n) = assemble(problem, &number, n, &frames, &prescribed_mm)?;
-        let factor = Cholesky::new(&matrix, None, problem.max_bytes)?;
+        let factor = Cholesky::new(&matrix, None, problem.max_mib)?;
         Ok(Self { problem, frames, number, matrix, factor, prescribed_n, prescribed_mm })
     }
 

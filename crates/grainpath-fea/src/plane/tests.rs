@@ -12,8 +12,6 @@ use super::*;
 use crate::material::Orthotropic;
 use crate::sparse::{Cholesky, Symmetric};
 
-const GIGABYTE: u64 = 1 << 30;
-
 /// `nu` by `nv` squares over the unit square, halved, laid where `map` says, curved sides and all.
 fn mapped(nu: usize, nv: usize, map: impl Fn(f64, f64) -> DVec2) -> PlaneMesh {
     let at = |i: usize, j: usize| (j * (nu + 1) + i) as u32;
@@ -49,7 +47,7 @@ fn solved(
     forces: &[DVec2],
 ) -> (PlaneSolution, PlaneStress) {
     let stiffness = move |_: DVec2| c;
-    let problem = PlaneProblem { mesh, thickness_mm, stiffness: &stiffness, holds, max_bytes: GIGABYTE };
+    let problem = PlaneProblem { mesh, thickness_mm, stiffness: &stiffness, holds, max_mib: 1024.0 };
     let system = PlaneSystem::new(&problem).expect("a sound problem");
     let solution = system.solve(forces);
     assert!(solution.residual < 1e-10, "residual {}", solution.residual);
@@ -123,7 +121,7 @@ fn an_element_has_three_rigid_motions_and_no_more() {
         }
         a.starts.push(a.rows.len());
     }
-    assert!(Cholesky::new(&a, None, GIGABYTE).is_ok());
+    assert!(Cholesky::new(&a, None, 1024.0).is_ok());
 }
 
 /// Stress yy at D of NAFEMS LE1; lengths in m, stresses in MPa.
@@ -300,13 +298,8 @@ fn a_loose_part_is_named() {
     let c = isotropic(1000.0, 0.3);
     let stiffness = move |_: DVec2| c;
     let free = |holds: &[Hold]| {
-        let problem = PlaneProblem {
-            mesh: &mesh,
-            thickness_mm: 1.0,
-            stiffness: &stiffness,
-            holds,
-            max_bytes: GIGABYTE,
-        };
+        let problem =
+            PlaneProblem { mesh: &mesh, thickness_mm: 1.0, stiffness: &stiffness, holds, max_mib: 1024.0 };
         match PlaneSystem::new(&problem) {
             Err(PlaneError::Free { how, .. }) => how,
             _ => "nothing",

@@ -15,6 +15,7 @@ use super::solver::solution::{Solution, SolveSettings};
 use super::solver::solve::{Solved, iterate};
 use super::solver::system::System;
 use crate::material::Stiffness;
+use crate::sparse::BYTES_PER_MIB;
 
 /// The material of a cell without any.
 pub const VOID: u16 = u16::MAX;
@@ -273,11 +274,10 @@ impl VoxelSystem {
         settings: &SolveSettings,
     ) -> Result<Solution, SolidError> {
         self.changed.clear();
-        let patience = self.usual.map_or(settings.most_iterations, |n| 2 * n + 10);
+        let patience = self.usual.map_or(settings.max_iterations, |n| 2 * n + 10);
         let mut solved = None;
         if self.stale {
-            let short =
-                SolveSettings { most_iterations: patience.min(settings.most_iterations), ..*settings };
+            let short = SolveSettings { max_iterations: patience.min(settings.max_iterations), ..*settings };
             match iterate(&self.cells, &mut self.multigrid, load, from.clone(), &short) {
                 Err(SolidError::NotConverged { .. } | SolidError::NotPositive) => {
                     self.multigrid = self.cells.multigrid();
@@ -390,16 +390,16 @@ impl Cells {
             return Err(SolidError::NothingInside);
         }
         // Vectors of both levels, the stencils of the coarse one, and the tables.
-        let need_mib = |bytes: usize| (bytes * nodes.len() + 10 * n_cells) as f64 / 1048576.0;
+        let need_mib = |bytes: usize| (bytes * nodes.len() + 10 * n_cells) as f64 / BYTES_PER_MIB;
         let [roomy, tight] = NODE_BYTES.map(need_mib);
-        if tight > settings.most_mib {
+        if tight > settings.max_mib {
             return Err(SolidError::Memory {
                 what: "solving on voxels",
                 need_mib: tight,
-                limit_mib: settings.most_mib,
+                limit_mib: settings.max_mib,
             });
         }
-        let rough = if roomy > settings.most_mib { Vec::new() } else { vec![0.0; ROW * nodes.len()] };
+        let rough = if roomy > settings.max_mib { Vec::new() } else { vec![0.0; ROW * nodes.len()] };
         let uniform = vec![(VOID, 0.0); nodes.len()];
         let supports = Supports::new(nodes.len());
         let around = around(&part, &node_of, &nodes);

@@ -108,8 +108,8 @@ impl SolidTest<'_> {
         let holds: Vec<_> = self.holds.iter().map(|(p, d)| (*p, *d, 0.0)).collect();
         let settings = SolveSettings {
             tolerance: FIRST_TOLERANCE,
-            most_iterations: 300,
-            most_mib: self.max_mib,
+            max_iterations: 300,
+            max_mib: self.max_mib,
             method: Method::Iterative,
         };
         let system = VoxelSystem::new(part, &holds, &settings)?;

@@ -5,7 +5,7 @@
 //! cut it off. When elements lose stiffness, only their fronts and those up to the last line are made again.
 
 use super::elements::PlateElements;
-use crate::sparse::{SparseError, eliminate};
+use crate::sparse::{BYTES_PER_MIB, SparseError, eliminate};
 
 /// The lower half of an element's stiffness by columns, `(8, 8)`.
 pub(super) type Lower = [f64; 36];
@@ -55,12 +55,12 @@ impl Fronts {
     /// unknowns of one node: row, column, value. `forces` act on the unknowns, N.
     ///
     /// # Errors
-    /// [`SparseError::Memory`] when the factor would take more than `max_bytes`.
+    /// [`SparseError::Memory`] when the factor would take more than `max_mib` MiB.
     pub fn new(
         elements: &PlateElements,
         added: &[(usize, usize, f64)],
         forces: &[f64],
-        max_bytes: u64,
+        max_mib: f64,
     ) -> Result<Self, SparseError> {
         let mut fronts = Vec::new();
         let mut all: Vec<u32> = (0..elements.places.len() as u32).collect();
@@ -108,13 +108,15 @@ impl Fronts {
             let at = 2 * at.unwrap_or(0) as u32;
             front.added.push((at + row as u32 % 2, at + column as u32 % 2, value));
         }
-        let bytes = |sum: &dyn Fn(&Front) -> usize| 8 * fronts.iter().map(sum).sum::<usize>() as u64;
-        let needed = bytes(&|f| 4 * f.nodes.len() * f.own);
-        let kept = bytes(&|f| 4 * (f.nodes.len() - f.own).pow(2));
-        if needed > max_bytes {
-            return Err(SparseError::Memory { needed_mb: needed >> 20, allowed_mb: max_bytes >> 20 });
+        let mib = |sum: &dyn Fn(&Front) -> usize| {
+            (8 * fronts.iter().map(sum).sum::<usize>()) as f64 / BYTES_PER_MIB
+        };
+        let needed_mib = mib(&|f| 4 * f.nodes.len() * f.own);
+        let kept_mib = mib(&|f| 4 * (f.nodes.len() - f.own).pow(2));
+        if needed_mib > max_mib {
+            return Err(SparseError::Memory { needed_mib, limit_mib: max_mib });
         }
-        Ok(Self { fronts, of_element, keeps: needed + kept <= max_bytes })
+        Ok(Self { fronts, of_element, keeps: needed_mib + kept_mib <= max_mib })
     }
 
     /// Says that an element has another stiffness.

@@ -32,8 +32,8 @@ pub struct PlateTest<'a> {
     pub unbreakable: &'a [bool],
     /// The materials, in the numbering of the plies.
     pub cards: &'a [StrengthCard],
-    /// Memory limit of the solver, bytes.
-    pub max_bytes: u64,
+    /// Memory limit of the solver, MiB.
+    pub max_mib: f64,
 }
 
 /// Step control of plate tests.
@@ -66,7 +66,7 @@ impl PlateTest<'_> {
             .map(|e| self.stiffness(e, |p| Ok(whole[self.material(p)])))
             .collect::<Result<_, _>>()?;
         let forces: Vec<f64> = self.forces_n.iter().flat_map(|f| [f.x, f.y]).collect();
-        let system = PlateSystem::new(self.elements, &|e| first[e], self.holds, &forces, self.max_bytes)?;
+        let system = PlateSystem::new(self.elements, &|e| first[e], self.holds, &forces, self.max_mib)?;
         drop(first);
         let cell_mm = self.elements.grid.cell_mm;
         let mut element_of = vec![None; self.elements.grid.nx * self.elements.grid.ny];

@@ -37,13 +37,13 @@ impl PlateSystem {
     /// Adds up and factors. `forces` act on the unknowns, N.
     ///
     /// # Errors
-    /// [`SparseError`] when the factor would take more than `max_bytes` or the plate is not held.
+    /// [`SparseError`] when the factor would take more than `max_mib` MiB or the plate is not held.
     pub fn new(
         elements: &PlateElements,
         stiffness: &dyn Fn(usize) -> [[f64; 8]; 8],
         holds: &[GridHold],
         forces: &[f64],
-        max_bytes: u64,
+        max_mib: f64,
     ) -> Result<Self, SparseError> {
         let dofs = 2 * elements.places.len();
         let stiffness: Vec<Lower> = (0..elements.corners.len()).map(|e| lower(&stiffness(e))).collect();
@@ -58,7 +58,7 @@ impl PlateSystem {
                 }
             }
         }
-        let mut fronts = Fronts::new(elements, &added, forces, max_bytes)?;
+        let mut fronts = Fronts::new(elements, &added, forces, max_mib)?;
         fronts.refactor(&stiffness)?;
         Ok(Self { fronts, stiffness, dofs, factored: 1, solved: 0, stale: false })
     }
@@ -138,7 +138,7 @@ mod tests {
         for i in all.filter(|i| elements.places[*i as usize][0] == n as u32) {
             f[2 * i as usize] = if elements.places[i as usize][1] == 0 { 1.0 } else { -1.0 };
         }
-        let mut system = PlateSystem::new(&elements, &|_| square(&c), &holds, &f, 1 << 30).expect("held");
+        let mut system = PlateSystem::new(&elements, &|_| square(&c), &holds, &f, 1024.0).expect("held");
         let x = system.solve().expect("solved");
         let tip = x[2 * elements.places.iter().position(|p| *p == [n as u32, 0]).expect("tip") + 1];
         let length = n as f64 * h;
@@ -164,23 +164,23 @@ mod tests {
         let n = elements.cells.len();
         let direct = |e: usize| if crack(e) || spot(e) { soft } else { whole };
         let want =
-            PlateSystem::new(&elements, &direct, &holds, &f, 1 << 30).expect("held").solve().expect("solved");
+            PlateSystem::new(&elements, &direct, &holds, &f, 1024.0).expect("held").solve().expect("solved");
         let longest = want.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         // With room for all that fronts hand on, and with just enough for the factor.
         let least = (10..)
-            .map(|k| 1u64 << k)
+            .map(|k| f64::from(1u32 << k) / 1_048_576.0)
             .find(|b| PlateSystem::new(&elements, &|_| whole, &holds, &f, *b).is_ok());
-        for bytes in [1 << 30, least.expect("some size is enough")] {
-            let mut system = PlateSystem::new(&elements, &|_| whole, &holds, &f, bytes).expect("held");
+        for max_mib in [1024.0, least.expect("some size is enough")] {
+            let mut system = PlateSystem::new(&elements, &|_| whole, &holds, &f, max_mib).expect("held");
             let intact = system.solve().expect("solved");
             (0..n).filter(|e| crack(*e)).for_each(|e| system.change(e, &soft));
             assert_ne!(system.solve().expect("solved"), intact);
             (0..n).filter(|e| spot(*e)).for_each(|e| system.change(e, &soft));
             let x = system.solve().expect("solved");
-            assert!(x.iter().zip(&want).all(|(a, b)| (a - b).abs() < 1e-9 * longest), "{bytes}");
+            assert!(x.iter().zip(&want).all(|(a, b)| (a - b).abs() < 1e-9 * longest), "{max_mib}");
             (0..n).for_each(|e| system.change(e, &whole));
             let x = system.solve().expect("solved");
-            assert!(x.iter().zip(&intact).all(|(a, b)| a == b), "{bytes}: the same bytes");
+            assert!(x.iter().zip(&intact).all(|(a, b)| a == b), "{max_mib}: the same bytes");
         }
     }
 }

@@ -43,7 +43,7 @@ pub(super) fn solve(
         forces.push(sum);
     }
     let solve_settings =
-        SolveSettings { most_mib: settings.guide.memory_mb as f64, ..SolveSettings::default() };
+        SolveSettings { max_mib: settings.guide.memory_mb as f64, ..SolveSettings::default() };
     let (solutions, info) = solve_solid(&model, &supports, &forces, &solve_settings)?;
     diagnostics.check()?;
     let mut solved = Solved {

@@ -41,7 +41,7 @@ fn balanced(mesh: &PlaneMesh, forces: &[DVec2]) -> PlaneStress {
 fn solved(mesh: &PlaneMesh, holds: &[Hold], forces: &[DVec2]) -> PlaneStress {
     let c = Orthotropic::isotropic(1000.0, 0.3).plane_stress(0.0).expect("stable");
     let stiffness = move |_: DVec2| c;
-    let problem = PlaneProblem { mesh, thickness_mm: 1.0, stiffness: &stiffness, holds, max_bytes: 1 << 30 };
+    let problem = PlaneProblem { mesh, thickness_mm: 1.0, stiffness: &stiffness, holds, max_mib: 1024.0 };
     let system = PlaneSystem::new(&problem).expect("held");
     system.stress(&system.solve(forces))
 }

@@ -32,12 +32,12 @@ pub struct MeshSettings {
     /// walls and the part's size.
     pub size_mm: Option<f64>,
     /// Unknowns that a size found by itself may lead to.
-    pub most_dofs: usize,
+    pub max_dofs: usize,
 }
 
 impl Default for MeshSettings {
     fn default() -> Self {
-        Self { size_mm: None, most_dofs: 300_000 }
+        Self { size_mm: None, max_dofs: 300_000 }
     }
 }
 
@@ -78,15 +78,15 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
     let walls = wall_thickness::walls(surface, &bvh);
     let wall_mm = walls.thickness_mm();
     let mut size_mm = choose_size(surface, wall_mm, settings)?;
-    let mut tets = fill(surface, &bvh, size_mm, settings.most_dofs)?;
+    let mut tets = fill(surface, &bvh, size_mm, settings.max_dofs)?;
     for _ in 0..COARSENINGS {
-        let over = DOFS_PER_TET * tets.tets.len() as f64 / settings.most_dofs.max(1) as f64;
+        let over = DOFS_PER_TET * tets.tets.len() as f64 / settings.max_dofs.max(1) as f64;
         if settings.size_mm.is_some() || over < 1.1 {
             break;
         }
         // Finer cells at thin walls have taken what was meant for the rest.
         size_mm *= over.cbrt();
-        tets = fill(surface, &bvh, size_mm, settings.most_dofs)?;
+        tets = fill(surface, &bvh, size_mm, settings.max_dofs)?;
     }
     let n_crumbs = separate(&mut tets);
     if tets.tets.is_empty() {
@@ -107,10 +107,10 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
 
 /// Cuts the inside of a surface into tetrahedra, finer where walls and gaps are thin, as long as that takes no more
 /// than twice the unknowns of even cells or what a size found by itself may lead to.
-fn fill(surface: &TriMesh, bvh: &Bvh, size_mm: f64, most_dofs: usize) -> Result<Tets, SolidError> {
+fn fill(surface: &TriMesh, bvh: &Bvh, size_mm: f64, max_dofs: usize) -> Result<Tets, SolidError> {
     let mut lattice = Lattice::over(surface, size_mm)?;
     let even = expected_dofs(surface.signed_volume().abs(), area_mm2(surface), size_mm);
-    let most = (2.0 * even).max(most_dofs as f64);
+    let most = (2.0 * even).max(max_dofs as f64);
     for deepest in (0..=DEEPEST).rev() {
         lattice.refine(surface, bvh, deepest);
         if DOFS_PER_SPLIT * lattice.n_split() as f64 <= most {
@@ -139,7 +139,7 @@ fn choose_size(surface: &TriMesh, wall_mm: f64, settings: &MeshSettings) -> Resu
         let (mut fine, mut coarse) = (1e-6 * wanted, 1e6 * wanted);
         for _ in 0..60 {
             let middle = (fine * coarse).sqrt();
-            if dofs(middle) > settings.most_dofs as f64 { fine = middle } else { coarse = middle }
+            if dofs(middle) > settings.max_dofs as f64 { fine = middle } else { coarse = middle }
         }
         wanted.max(coarse)
     });

@@ -21,7 +21,7 @@ pub(crate) struct Direct {
 }
 
 impl Direct {
-    pub(crate) fn new(model: &Model<'_>, supports: &Supports, most_mib: f64) -> Result<Self, SolidError> {
+    pub(crate) fn new(model: &Model<'_>, supports: &Supports, max_mib: f64) -> Result<Self, SolidError> {
         let (mesh, laws) = (model.mesh, model.laws()?);
         let blocks = assemble(mesh.nodes.len(), &mesh.tets, |t| {
             let mut k =
@@ -44,13 +44,11 @@ impl Direct {
             .collect();
         let matrix = lower_half(&blocks, supports);
         drop(blocks);
-        let factor = Cholesky::new(&matrix, Some(&order), (most_mib * 1048576.0) as u64);
+        let factor = Cholesky::new(&matrix, Some(&order), max_mib);
         let factor = factor.map_err(|e| match e {
-            SparseError::Memory { needed_mb, allowed_mb } => SolidError::Memory {
-                what: "factoring the stiffness",
-                need_mib: needed_mb as f64,
-                limit_mib: allowed_mb as f64,
-            },
+            SparseError::Memory { needed_mib, limit_mib } => {
+                SolidError::Memory { what: "factoring the stiffness", need_mib: needed_mib, limit_mib }
+            }
             SparseError::Singular => SolidError::NotPositive,
         })?;
         Ok(Self { factor })

@@ -20,16 +20,16 @@ pub struct SolveSettings {
     /// Residual over the load at which the iteration ends.
     pub tolerance: f64,
     /// Iterations at most.
-    pub most_iterations: usize,
+    pub max_iterations: usize,
     /// Memory that may be taken, MiB.
-    pub most_mib: f64,
+    pub max_mib: f64,
     /// Which solver.
     pub method: Method,
 }
 
 impl Default for SolveSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-8, most_iterations: 400, most_mib: 4096.0, method: Method::Auto }
+        Self { tolerance: 1e-8, max_iterations: 400, max_mib: 4096.0, method: Method::Auto }
     }
 }
 

@@ -11,6 +11,7 @@ use super::system::System;
 use crate::solid::model::constraints::Supports;
 use crate::solid::model::error::SolidError;
 use crate::solid::model::material_map::Model;
+use crate::sparse::BYTES_PER_MIB;
 
 /// A factorization pays up to so many unknowns, from so many loads on.
 const DIRECT_DOFS: usize = 60_000;
@@ -28,8 +29,8 @@ pub fn solve(
 ) -> Result<(Vec<Solution>, SolveInfo), SolidError> {
     supports.check(model.mesh)?;
     let need_mib = expected_mib(model);
-    if need_mib > settings.most_mib {
-        return Err(SolidError::Memory { what: "solving", need_mib, limit_mib: settings.most_mib });
+    if need_mib > settings.max_mib {
+        return Err(SolidError::Memory { what: "solving", need_mib, limit_mib: settings.max_mib });
     }
     let operator = Operator::new(model, supports)?;
     let n_free = model.mesh.n_dofs() - supports.count();
@@ -38,9 +39,9 @@ pub fn solve(
         method => method == Method::Direct,
     };
     if direct {
-        let factored = Direct::new(model, supports, settings.most_mib)?;
+        let factored = Direct::new(model, supports, settings.max_mib)?;
         let solutions = loads.iter().map(|load| factored.solve(&operator, load)).collect();
-        let mib = factored.bytes() as f64 / 1048576.0;
+        let mib = factored.bytes() as f64 / BYTES_PER_MIB;
         return Ok((solutions, SolveInfo { n_free, solver: "sparse Cholesky", levels: Vec::new(), mib }));
     }
     let mut multigrid = Multigrid::new(model, supports, &operator)?;
@@ -48,7 +49,7 @@ pub fn solve(
         n_free,
         solver: "conjugate gradients with p- and grid multigrid",
         levels: multigrid.sizes(),
-        mib: (operator.bytes() + multigrid.bytes()) as f64 / 1048576.0,
+        mib: (operator.bytes() + multigrid.bytes()) as f64 / BYTES_PER_MIB,
     };
     let solutions = loads
         .iter()
@@ -59,7 +60,7 @@ pub fn solve(
 
 /// What solving will take, MiB: measured at 1250 bytes a node.
 fn expected_mib(model: &Model<'_>) -> f64 {
-    1250.0 * model.mesh.nodes.len() as f64 / 1048576.0
+    1250.0 * model.mesh.nodes.len() as f64 / BYTES_PER_MIB
 }
 
 /// A solution, what is left of the load at each node, zero where held, and the size of the load that it is measured by.
@@ -94,7 +95,7 @@ pub(crate) fn iterate(
     let (mut u, mut r) = from.unwrap_or((prescribed, first));
     let (mut z, mut p, mut before) = (zero(), zero(), zero());
     let (mut size, mut rz, mut iterations) = (dot(&r, &r).sqrt(), 1.0, 0);
-    while size > goal && iterations < settings.most_iterations {
+    while size > goal && iterations < settings.max_iterations {
         multigrid.apply(operator, &r, &mut z);
         // The preconditioner is symmetric but for rounding; taking the change of the residual keeps rounding out.
         add(&mut before, -1.0, &r);

@@ -33,7 +33,7 @@ pub(super) struct PreparedSolid {
 
 impl PreparedSolid {
     /// Draws it until it breaks.
-    pub fn run(&self, card: &StrengthCard, max_bytes: u64) -> Result<Outcome, TestError> {
+    pub fn run(&self, card: &StrengthCard, max_mib: f64) -> Result<Outcome, TestError> {
         let test = SolidTest {
             bricks: &self.bricks,
             active: &self.active,
@@ -42,7 +42,7 @@ impl PreparedSolid {
             load_n: self.load_n,
             unbreakable: &self.unbreakable,
             card,
-            max_mib: max_bytes as f64 / 1_048_576.0,
+            max_mib,
         };
         test.run()
     }

@@ -243,10 +243,10 @@ impl Body {
         })
     }
 
-    fn run(&self, cards: &[StrengthCard], max_bytes: u64) -> Result<Outcome, StrengthError> {
+    fn run(&self, cards: &[StrengthCard], max_mib: f64) -> Result<Outcome, StrengthError> {
         Ok(match self {
-            Self::Plane(p) => run(p, cards, max_bytes)?,
-            Self::Voxels(p) => p.run(&cards[0], max_bytes)?,
+            Self::Plane(p) => run(p, cards, max_mib)?,
+            Self::Voxels(p) => p.run(&cards[0], max_mib)?,
         })
     }
 
@@ -319,16 +319,16 @@ pub fn test(
         Fidelity::Voxels => bead.max((setup.volume_mm3 / CELLS_SOLID).cbrt()),
     };
     let cell_mm = settings.strength.cell_mm.unwrap_or(own);
-    let max_bytes = (settings.guide.memory_mb as u64) << 20;
+    let max_mib = settings.guide.memory_mb as f64;
     let s = &settings.strength;
     let corners = if s.corners { &CORNERS[..] } else { &CORNERS[..1] };
     let coarse = s.check || s.corners;
     let (fine, others) = rayon::join(
         || {
             let prepared = Body::of(setup, &sheets, cell_mm)?;
-            prepared.run(&nominal, max_bytes).map(|o| (o, prepared))
+            prepared.run(&nominal, max_mib).map(|o| (o, prepared))
         },
-        || at_corners(settings, setup, &sheets, if coarse { 2.0 * cell_mm } else { 0.0 }, corners, max_bytes),
+        || at_corners(settings, setup, &sheets, if coarse { 2.0 * cell_mm } else { 0.0 }, corners, max_mib),
     );
     let (outcome, prepared) = fine?;
     let others = others?;
@@ -393,7 +393,7 @@ fn part_g(program: &Program, settings: &Settings) -> f64 {
     beads.map(|b| f64::from(b.volume_mm3) * 1e-3 * density(b)).sum()
 }
 
-fn run(prepared: &Prepared, cards: &[StrengthCard], max_bytes: u64) -> Result<Outcome, TestError> {
+fn run(prepared: &Prepared, cards: &[StrengthCard], max_mib: f64) -> Result<Outcome, TestError> {
     let test = PlateTest {
         laminate: &prepared.laminate,
         elements: &prepared.elements,
@@ -402,7 +402,7 @@ fn run(prepared: &Prepared, cards: &[StrengthCard], max_bytes: u64) -> Result<Ou
         load_n: prepared.load_n,
         unbreakable: &prepared.unbreakable,
         cards,
-        max_bytes,
+        max_mib,
     };
     test.run()
 }
@@ -414,13 +414,13 @@ fn at_corners(
     sheets: &[BeadSheet],
     cell_mm: f64,
     corners: &[Corner],
-    max_bytes: u64,
+    max_mib: f64,
 ) -> Result<Vec<f64>, StrengthError> {
     if cell_mm <= 0.0 {
         return Ok(Vec::new());
     }
     let prepared = Body::of(setup, sheets, cell_mm)?;
-    let peak = |corner: &Corner| Ok(prepared.run(&cards(settings, *corner)?, max_bytes)?.peak_load_n);
+    let peak = |corner: &Corner| Ok(prepared.run(&cards(settings, *corner)?, max_mib)?.peak_load_n);
     let all: Vec<Result<f64, StrengthError>> = corners.par_iter().map(peak).collect();
     all.into_iter().collect()
 }
