@@ -108,6 +108,12 @@ warning_ids! {
     GrainUnclear = "grain-unclear",
         "The image or the scan shows hardly any preferred direction.",
         "look at the picture of the directions; a larger guide.integration_mm may help";
+    BoardTurnAssumed = "board-turn-assumed",
+        "The outline of a board does not tell how the photograph is turned, so a turn was assumed.",
+        "check the numbered corners in the picture of the photograph, or give corners_px";
+    MarkerSheetOld = "marker-sheet-old",
+        "The photograph shows an old marker sheet, on which a mirrored photograph cannot be told from a good one.",
+        "print a new sheet with `grainpath markers`";
     FeLeftOut = "fe-left-out",
         "Parts of a finite-element file do not fit its mesh or are not read; they were left out.",
         "check with `grainpath inspect` that the stress covers the part";

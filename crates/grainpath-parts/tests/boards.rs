@@ -3,11 +3,12 @@
 use std::f64::consts::PI;
 
 use grainpath_core::DVec2;
-use grainpath_core::math::{atan2, exp};
+use grainpath_core::math::{atan2, direction, exp, rotated, sin_cos};
 use grainpath_core::poly::length_mm;
 use grainpath_imaging::canny::{CannySettings, canny};
 use grainpath_imaging::photo::corners::find_corners;
 use grainpath_imaging::photo::curves::{CurveSettings, Join, edge_curves};
+use grainpath_imaging::photo::orientation::oriented;
 use grainpath_imaging::photo::warp::{MetricImage, rectify};
 use grainpath_imaging::raster::Grey;
 use grainpath_imaging::tensor::{TensorSettings, axis_difference_rad, grain_axes};
@@ -186,4 +187,38 @@ fn curves_follow_the_grain_both_ways_of_joining() {
     }
     let longest = edge_curves(&edges, &image, &CURVES).first().map_or(0.0, |c| length_mm(c));
     assert!(longest > 60.0, "{longest}");
+}
+
+/// The corners of a board in a portrait picture of 720 x 960 pixels, seen by a telephone's camera (focal length 0.62
+/// diagonals): turned in its plane, then tilted about an axis in the picture.
+fn portrait_view(size_mm: DVec2, turn_deg: f64, tilt_deg: f64, axis_deg: f64) -> [DVec2; 4] {
+    let (s, c) = sin_cos(tilt_deg.to_radians());
+    let axis = direction(axis_deg.to_radians());
+    let across = DVec2::new(-axis.y, axis.x);
+    let (focal_px, distance_mm) = (744.0, 1.15 * size_mm.length());
+    [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
+        let p = rotated(0.5 * size_mm * DVec2::new(x, y), direction(turn_deg.to_radians()));
+        let (along, off) = (p.dot(axis), p.dot(across));
+        DVec2::new(360.0, 480.0) + focal_px * (along * axis + c * off * across) / (distance_mm + s * off)
+    })
+}
+
+#[test]
+fn the_outline_of_a_board_gives_its_width_from_every_side() {
+    let board = Board::default();
+    for turn in (0..12).map(|k| 30.0 * f64::from(k)) {
+        for (tilt, axis) in [(0.0, 0.0), (30.0, 20.0), (45.0, 110.0)] {
+            let truth = portrait_view(board.size_mm, turn, tilt, axis);
+            let photo = board.photograph(720, 960, truth);
+            let found = find_corners(&photo).unwrap_or_else(|e| panic!("turned {turn}, tilted {tilt}: {e}"));
+            let size_px = DVec2::new(720.0, 960.0);
+            let corners = oriented(found, board.size_mm, size_px).expect("a board of this size").corners;
+            // A half turn cannot be told from an outline.
+            let half_turned = [truth[2], truth[3], truth[0], truth[1]];
+            let off =
+                |to: &[DVec2; 4]| corners.iter().zip(to).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+            let worst = off(&truth).min(off(&half_turned));
+            assert!(worst < 2.0, "turned {turn}, tilted {tilt} about {axis}: {worst} px off");
+        }
+    }
 }

@@ -38,7 +38,8 @@ fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
     let mut canvas = Canvas::of(photo, 1.0, false);
     let ring: Vec<DVec2> = corners.iter().chain([&corners[0]]).copied().collect();
     canvas.line(&ring, 3.0, [255, 60, 40]);
-    put("1_photograph", "The photograph and the corners", canvas);
+    canvas.number_corners(*corners);
+    put("1_photograph", "The photograph and the corners: 1 upper left of the board, then clockwise", canvas);
     put("2_rectified", "Rectified", Canvas::of(&image.grey, 1.0, true));
     put("3_denoised", "Denoised", Canvas::of(&denoised.grey, 1.0, true));
     if let Some(edges) = edges {
@@ -126,6 +127,27 @@ impl Canvas {
             *pixel = PremultipliedColorU8::from_rgba(v, v, v, 255).expect("opaque");
         }
         Self { pixels, scale }
+    }
+
+    /// The numbers 1 to 4 beside the corners of a board, towards its middle.
+    fn number_corners(&mut self, corners: [DVec2; 4]) {
+        // Strokes of the digits in a box of 0.6 by 1, rows from the top.
+        const DIGITS: [&[[f64; 2]]; 4] = [
+            &[[0.1, 0.2], [0.35, 0.0], [0.35, 1.0]],
+            &[[0.0, 0.2], [0.15, 0.0], [0.45, 0.0], [0.6, 0.2], [0.6, 0.4], [0.0, 1.0], [0.6, 1.0]],
+            &[[0.0, 0.0], [0.6, 0.0], [0.25, 0.4], [0.6, 0.65], [0.5, 0.95], [0.2, 1.0], [0.0, 0.9]],
+            &[[0.45, 1.0], [0.45, 0.0], [0.0, 0.7], [0.6, 0.7]],
+        ];
+        let middle = corners.iter().copied().sum::<DVec2>() * 0.25;
+        // As high as a sixteenth of the longer diagonal, so that they can be read on any photograph.
+        let height = corners[0].distance(corners[2]).max(corners[1].distance(corners[3])) / 16.0;
+        for (corner, strokes) in corners.into_iter().zip(DIGITS) {
+            let centre = corner + 1.2 * height * (middle - corner).normalize_or_zero();
+            let place = |p: &[f64; 2]| centre + height * (DVec2::from(*p) - DVec2::new(0.3, 0.5));
+            let points: Vec<DVec2> = strokes.iter().map(place).collect();
+            self.line(&points, 6.0, [255, 255, 255]);
+            self.line(&points, 3.0, [255, 60, 40]);
+        }
     }
 
     /// A line in the picture's pixels, rows from the top.

@@ -14,6 +14,14 @@ pub enum CornersNotFound {
     Outline { problem: &'static str },
     #[error("{found} of the sheet's 4 corner markers found; give corners_px, or show all four")]
     Markers { found: usize },
+    #[error(
+        "the photograph is mirrored: the markers of the sheet run the wrong way round; mirror it back, or give corners_px"
+    )]
+    Mirrored,
+    #[error(
+        "the outline found has sides of {found:.2} : 1, the board's size_mm has {asked:.2} : 1; correct size_mm, or give corners_px"
+    )]
+    Ratio { found: f64, asked: f64 },
 }
 
 /// Pictures are searched at about this size.

@@ -1,17 +1,56 @@
-//! A sheet with four corner markers: printed, the board laid on it, photographed.
+//! A sheet with four corner markers: print it, lay the board on it, photograph both.
 //!
-//! Each marker is a black square with a white square in it and a black one in that; the upper left one's inner square
-//! is white, so that the sheet may be photographed from any side.
+//! A marker is a black square of 12 mm with a white ring in it (2 mm wide each) and an inner square of 4 mm. The share
+//! of the inner square that is black names the corner: 0 for the upper left one, then clockwise 1/3, 1 and 2/3. Shares
+//! do not change when a photograph is turned or mirrored, so each corner is known by itself; their order around the
+//! sheet then tells a mirrored photograph, whose grain would come out with the wrong hand.
+//!
+//! ```text
+//!   upper left      upper right     lower right     lower left      (#: black)
+//!   ############    ############    ############    ############
+//!   ##        ##    ##        ##    ##        ##    ##        ##
+//!   ##        ##    ##   ##   ##    ##  ####  ##    ##  #  #  ##
+//!   ##        ##    ##   ##   ##    ##  ####  ##    ##  #  #  ##
+//!   ##        ##    ##        ##    ##        ##    ##        ##
+//!   ############    ############    ############    ############
+//! ```
+//!
+//! Sheets printed before these shares existed have a white inner square at the upper left and three black ones. They
+//! are still read, but a mirrored photograph of them cannot be told; [`FoundMarkers::sheet`] says which sheet it was.
+//!
+//! Detection: pixels darker than 3/4 of their surroundings form pieces; the convex hull of a piece is reduced to four
+//! sides; brightness is read through the homography of those sides. Cost is linear in pixels of a picture shrunk to at
+//! most 1400 px; the corners are then refined in the full picture. Held by tests on level, turned, mirrored, blurred and
+//! half shaded views, and on views tilted by up to 60 degrees.
 
 use std::fmt::Write;
 
 use grainpath_core::DVec2;
+use grainpath_core::math::{atan2, cross};
 
 use super::corners::{CornersNotFound, four_sides, hull, pieces, refined, shrunk, sorted, square_to};
 use crate::raster::Grey;
 
-/// Side of a marker, mm. Its rings are a sixth of that.
+/// Side of a marker, mm. Rim and white ring are a sixth of it wide, the inner square is a third.
 pub const MARKER_MM: f64 = 12.0;
+
+/// Which of the two sheets a photograph shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sheet {
+    /// All four markers differ: corners and handedness are certain.
+    FourShares,
+    /// One white and three black inner squares: handedness cannot be told.
+    OneWhite,
+}
+
+/// What [`find_markers`] finds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FoundMarkers {
+    /// Corners of the rectangle between the markers, px: upper left, upper right, lower right, lower left of the sheet.
+    pub corners: [DVec2; 4],
+    /// Which sheet it is.
+    pub sheet: Sheet,
+}
 
 /// The sheet for a board of this size, as SVG with the millimetre as its unit. The inner corners of the four markers
 /// are the corners of a rectangle of `size_mm`: `corners = "markers"` reads the picture between them.
@@ -23,19 +62,16 @@ pub fn marker_sheet_svg(size_mm: DVec2) -> String {
          <title>grainpath corner markers for {} x {} mm; print at 100 %</title>\n<rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\n",
         size_mm.x, size_mm.y
     );
-    for (place, rings) in marker_squares(size_mm) {
-        let at = place + margin;
-        for (k, black) in rings.into_iter().enumerate() {
-            let inset = MARKER_MM / 6.0 * k as f64;
-            let side = MARKER_MM - 2.0 * inset;
-            let fill = if black { "#000" } else { "#fff" };
-            let _ = writeln!(
-                out,
-                "<rect x=\"{}\" y=\"{}\" width=\"{side}\" height=\"{side}\" fill=\"{fill}\"/>",
-                at.x + inset,
-                at.y + inset
-            );
-        }
+    for Patch { low, size, black } in patches(size_mm) {
+        let fill = if black { "#000" } else { "#fff" };
+        let _ = writeln!(
+            out,
+            "<rect x=\"{:.4}\" y=\"{:.4}\" width=\"{:.4}\" height=\"{:.4}\" fill=\"{fill}\"/>",
+            low.x + margin,
+            low.y + margin,
+            size.x,
+            size.y
+        );
     }
     let _ = writeln!(
         out,
@@ -51,13 +87,10 @@ pub fn marker_sheet_pdf(size_mm: DVec2) -> Vec<u8> {
     let margin = MARKER_MM + 5.0;
     let (w, h) = (size_mm.x + 2.0 * margin, size_mm.y + 2.0 * margin);
     let mut drawing = format!("{POINTS_PER_MM:.6} 0 0 {POINTS_PER_MM:.6} 0 0 cm\n");
-    for (place, rings) in marker_squares(size_mm) {
-        for (k, black) in rings.into_iter().enumerate() {
-            let inset = MARKER_MM / 6.0 * k as f64;
-            let side = MARKER_MM - 2.0 * inset;
-            let (x, y) = (place.x + margin + inset, h - (place.y + margin + inset) - side);
-            let _ = writeln!(drawing, "{} g {x:.3} {y:.3} {side:.3} {side:.3} re f", i32::from(!black));
-        }
+    for Patch { low, size, black } in patches(size_mm) {
+        // The origin of a page of PDF is its lower left corner.
+        let (x, y) = (low.x + margin, h - (low.y + margin) - size.y);
+        let _ = writeln!(drawing, "{} g {x:.4} {y:.4} {:.4} {:.4} re f", i32::from(!black), size.x, size.y);
     }
     let _ = writeln!(drawing, "0.7 G 0.2 w [2 2] 0 d {margin} {margin} {} {} re S", size_mm.x, size_mm.y);
     let objects = [
@@ -86,81 +119,170 @@ pub fn marker_sheet_pdf(size_mm: DVec2) -> Vec<u8> {
     out.into_bytes()
 }
 
-/// Upper left corners of the markers, mm from the rectangle's upper left corner (rows downwards), and the colours of
-/// their squares from outside in.
-fn marker_squares(size_mm: DVec2) -> [(DVec2, [bool; 3]); 4] {
-    let m = MARKER_MM;
-    [
-        (DVec2::new(-m, -m), [true, false, false]),
-        (DVec2::new(size_mm.x, -m), [true, false, true]),
-        (DVec2::new(size_mm.x, size_mm.y), [true, false, true]),
-        (DVec2::new(-m, size_mm.y), [true, false, true]),
-    ]
+/// A filled rectangle of the sheet, mm from the rectangle's upper left corner, rows downwards.
+struct Patch {
+    low: DVec2,
+    size: DVec2,
+    black: bool,
 }
 
-/// The corners between a sheet's markers: upper left, upper right, lower right, lower left of the sheet.
+/// Black stripes of the inner square of each marker, as shares of its width from and to: upper left, upper right,
+/// lower right, lower left.
+const STRIPES: [&[[f64; 2]]; 4] =
+    [&[], &[[1.0 / 3.0, 2.0 / 3.0]], &[[0.0, 1.0]], &[[0.0, 1.0 / 3.0], [2.0 / 3.0, 1.0]]];
+
+/// The rectangles that make up the four markers, later ones over earlier ones.
+fn patches(size_mm: DVec2) -> Vec<Patch> {
+    let m = MARKER_MM;
+    let places = [
+        DVec2::new(-m, -m),
+        DVec2::new(size_mm.x, -m),
+        DVec2::new(size_mm.x, size_mm.y),
+        DVec2::new(-m, size_mm.y),
+    ];
+    let mut out = Vec::new();
+    for (low, stripes) in places.into_iter().zip(STRIPES) {
+        out.push(Patch { low, size: DVec2::splat(m), black: true });
+        out.push(Patch { low: low + m / 6.0, size: DVec2::splat(m * 4.0 / 6.0), black: false });
+        let inner = m / 3.0;
+        for [from, to] in stripes {
+            let corner = low + inner + DVec2::new(from * inner, 0.0);
+            out.push(Patch { low: corner, size: DVec2::new((to - from) * inner, inner), black: true });
+        }
+    }
+    out
+}
+
+/// A marker in a photograph.
+#[derive(Clone, Copy)]
+struct Seen {
+    /// Clockwise as seen, px.
+    corners: [DVec2; 4],
+    /// Corner of the sheet it names, from 0 at the upper left, clockwise.
+    index: usize,
+}
+
+impl Seen {
+    fn centre(&self) -> DVec2 {
+        self.corners.iter().copied().sum::<DVec2>() * 0.25
+    }
+}
+
+/// Finds the corners between a sheet's markers in a photograph.
 ///
 /// # Errors
-/// [`CornersNotFound::Markers`] unless exactly the four of a sheet are there.
-pub fn find_markers(photo: &Grey) -> Result<[DVec2; 4], CornersNotFound> {
+/// [`CornersNotFound::Markers`] unless exactly the four of a sheet are there, [`CornersNotFound::Mirrored`] for a
+/// mirrored photograph.
+pub fn find_markers(photo: &Grey) -> Result<FoundMarkers, CornersNotFound> {
+    let seen = seen_markers(photo);
+    let wrong = CornersNotFound::Markers { found: seen.len() };
+    let Ok(all) = <[Seen; 4]>::try_from(seen) else { return Err(wrong) };
+    let count = |index: usize| all.iter().filter(|m| m.index == index).count();
+    let (markers, sheet) = match [count(0), count(1), count(2), count(3)] {
+        [1, 1, 1, 1] => {
+            let mut ring = all;
+            ring.sort_by_key(|m| m.index);
+            let [a, b, c, d] = ring.map(|m| m.centre());
+            // Rows run downwards, so a positive turn is clockwise as seen.
+            if cross(c - a, d - b) < 0.0 {
+                return Err(CornersNotFound::Mirrored);
+            }
+            (ring, Sheet::FourShares)
+        }
+        [1, 0, 3, 0] => (clockwise_from_first(all), Sheet::OneWhite),
+        _ => return Err(wrong),
+    };
+    let centres = markers.map(|m| m.centre());
+    let corners = std::array::from_fn(|k| {
+        // The corner towards both neighbouring markers, measured along the sides of the sheet as seen, so that neither
+        // perspective nor a long sheet picks another one.
+        let (origin, u, v) =
+            (centres[k], centres[(k + 1) % 4] - centres[k], centres[(k + 3) % 4] - centres[k]);
+        let det = cross(u, v);
+        let inwards = |p: &DVec2| (cross(*p - origin, v) / det).min(cross(u, *p - origin) / det);
+        let corners = markers[k].corners;
+        corners.into_iter().fold(corners[0], |best, c| if inwards(&c) > inwards(&best) { c } else { best })
+    });
+    Ok(FoundMarkers { corners, sheet })
+}
+
+/// Everything in a photograph that reads as a marker.
+fn seen_markers(photo: &Grey) -> Vec<Seen> {
     let (small, level) = shrunk(photo);
     let local = small.blurred(small.width.max(small.height) as f64 / 40.0);
     let dark: Vec<bool> = small.data.iter().zip(&local.data).map(|(v, l)| *v < 0.75 * l).collect();
     let (w, h) = (small.width, small.height);
-    let least = (w * h) / 20_000;
-    let mut found: Vec<([DVec2; 4], bool)> = Vec::new();
-    for piece in pieces(&dark, w, h).into_iter().filter(|p| p.len() > least.max(60)) {
+    let least = (w * h / 20_000).max(60);
+    let mut found = Vec::new();
+    for piece in pieces(&dark, w, h).into_iter().filter(|p| p.len() > least) {
         let Some(corners) = four_sides(&hull(&piece, w)) else { continue };
         let corners = sorted(corners);
-        if let Some(first) = reads_as_marker(&small, corners) {
+        if let Some(index) = reads_as_marker(&small, corners) {
             // The rim of a marker is a sixth of its side: a finer look must not reach the next ring.
-            let reach = (corners[0].distance(corners[1]) / 14.0).min(3.0);
-            found.push((sorted(refined(photo, corners.map(|c| c * level), reach * level)), first));
+            let shortest =
+                (0..4).map(|k| corners[k].distance(corners[(k + 1) % 4])).fold(f64::INFINITY, f64::min);
+            let reach = (shortest / 14.0).min(3.0);
+            let corners = sorted(refined(photo, corners.map(|c| c * level), reach * level));
+            found.push(Seen { corners, index });
         }
     }
-    let wrong = CornersNotFound::Markers { found: found.len() };
-    if found.len() != 4 || found.iter().filter(|(_, first)| *first).count() != 1 {
-        return Err(wrong);
-    }
-    let centre = |c: &[DVec2; 4]| c.iter().copied().sum::<DVec2>() * 0.25;
-    let middle = found.iter().map(|(c, _)| centre(c)).sum::<DVec2>() * 0.25;
-    // Clockwise as seen, from the one with the white middle.
-    let ring = sorted(std::array::from_fn(|k| centre(&found[k].0)));
-    let first = ring.iter().position(|p| found.iter().any(|(c, f)| *f && centre(c) == *p)).ok_or(wrong)?;
-    Ok(std::array::from_fn(|k| {
-        let place = ring[(first + k) % 4];
-        let marker = found.iter().find(|(c, _)| centre(c) == place).map_or([place; 4], |(c, _)| *c);
-        // The corner that looks to the middle of the sheet.
-        marker.into_iter().fold(place, |best, c| {
-            if c.distance_squared(middle) < best.distance_squared(middle) { c } else { best }
-        })
-    }))
+    found
 }
 
-/// Whether the rings are there; and if so, whether the innermost square is white.
-fn reads_as_marker(photo: &Grey, corners: [DVec2; 4]) -> Option<bool> {
+/// The markers clockwise as seen, the one with the white inner square first.
+fn clockwise_from_first(mut markers: [Seen; 4]) -> [Seen; 4] {
+    let middle = markers.iter().map(Seen::centre).sum::<DVec2>() * 0.25;
+    let angle = |m: &Seen| {
+        let d = m.centre() - middle;
+        atan2(d.y, d.x)
+    };
+    markers.sort_by(|a, b| angle(a).total_cmp(&angle(b)));
+    let first = markers.iter().position(|m| m.index == 0).unwrap_or(0);
+    markers.rotate_left(first);
+    markers
+}
+
+/// The corner of the sheet that a square names, if its rings are those of a marker.
+fn reads_as_marker(photo: &Grey, corners: [DVec2; 4]) -> Option<usize> {
     let map = square_to(corners)?;
     let at = |u: f64, v: f64| {
         let p = map.map(DVec2::new(u, v));
         photo.sample(p.x, p.y)
     };
-    // Means around the rings, a twelfth, a quarter and a half of the way in.
+    // Means around the rings, a twelfth and a quarter of the way in.
     let ring = |inset: f64| {
         let line = |k: usize| inset + (1.0 - 2.0 * inset) * (k as f64 + 0.5) / 8.0;
-        (0..8)
-            .map(|k| {
-                at(line(k), inset) + at(line(k), 1.0 - inset) + at(inset, line(k)) + at(1.0 - inset, line(k))
-            })
-            .sum::<f32>()
-            / 32.0
+        let each = (0..8).map(|k| {
+            at(line(k), inset) + at(line(k), 1.0 - inset) + at(inset, line(k)) + at(1.0 - inset, line(k))
+        });
+        each.sum::<f32>() / 32.0
     };
-    let (outer, white, inner) = (ring(1.0 / 12.0), ring(0.25), ring(0.42));
-    let contrast = white - outer;
-    if contrast < 0.15 {
+    let (black, white) = (ring(1.0 / 12.0), ring(0.25));
+    // Relative, so that a marker in the shade counts as one in the light.
+    if white - black < 0.3 * white || white < 0.05 {
         return None;
     }
-    let share = (inner - outer) / contrast;
-    (!(0.35..=0.65).contains(&share)).then_some(share > 0.5)
+    // The inner square, as two profiles: one along each side, each a mean over the middle half across it. The whole
+    // square would mix in the white ring of a blurred photograph. Stripes show in the profile that varies more.
+    let n = 12;
+    let place = |k: usize| (1.0 + (k as f64 + 0.5) / n as f64) / 3.0;
+    let profile = |turned: bool| {
+        let point = |k: usize, j: usize| if turned { at(place(j), place(k)) } else { at(place(k), place(j)) };
+        let values: [f32; 12] =
+            std::array::from_fn(|k| (n / 4..n - n / 4).map(|j| point(k, j)).sum::<f32>() / 6.0);
+        let mean = values.iter().sum::<f32>() / n as f32;
+        (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f32>(), mean)
+    };
+    let (along, across) = (profile(false), profile(true));
+    let mean = if along.0 > across.0 { along.1 } else { across.1 };
+    let share = (white - mean) / (white - black);
+    // Nearest of the shares 0, 1/3, 2/3 and 1, as the corners carry them.
+    Some(match share {
+        s if s < 1.0 / 6.0 => 0,
+        s if s < 0.5 => 1,
+        s if s < 5.0 / 6.0 => 3,
+        _ => 2,
+    })
 }
 
 #[cfg(test)]
@@ -168,46 +290,120 @@ mod tests {
     use super::*;
     use crate::photo::warp::Homography;
 
-    /// A photograph of a sheet, the sheet's corners (upper left first) at `corners`.
-    fn sheet(corners: [DVec2; 4]) -> Grey {
-        let size = DVec2::new(100.0, 60.0);
-        let rectangle = [(0.0, 0.0), (100.0, 0.0), (100.0, 60.0), (0.0, 60.0)].map(DVec2::from);
+    const SIZE: DVec2 = DVec2::new(100.0, 60.0);
+
+    /// The rectangles of the sheet as it was before the corners carried shares.
+    fn old_patches() -> Vec<Patch> {
+        let m = MARKER_MM;
+        let inner = |p: &Patch| Patch { low: p.low + m / 3.0, size: DVec2::splat(m / 3.0), black: true };
+        let mut out: Vec<Patch> = patches(SIZE).into_iter().filter(|p| p.size.x > 0.5 * m).collect();
+        let rims: Vec<Patch> = out.iter().filter(|p| p.size.x == m).skip(1).map(inner).collect();
+        out.extend(rims);
+        out
+    }
+
+    /// A photograph of a sheet, the rectangle's corners (upper left first) at `corners`, under this light.
+    fn sheet(patches: &[Patch], corners: [DVec2; 4], light: &(dyn Fn(DVec2) -> f64 + Sync)) -> Grey {
+        let rectangle = [(0.0, 0.0), (SIZE.x, 0.0), (SIZE.x, SIZE.y), (0.0, SIZE.y)].map(DVec2::from);
         let back = Homography::from_points(corners, rectangle).expect("convex");
         let value = |p: DVec2| {
-            let mut v = 0.85;
-            for (place, rings) in marker_squares(size) {
-                for (k, black) in rings.into_iter().enumerate() {
-                    let inset = MARKER_MM / 6.0 * k as f64;
-                    let d = p - place;
-                    if d.min_element() > inset && d.max_element() < MARKER_MM - inset {
-                        v = if black { 0.1 } else { 0.85 };
-                    }
-                }
-            }
-            v
+            let inside =
+                |q: &&Patch| (p - q.low).min_element() > 0.0 && (q.low + q.size - p).min_element() > 0.0;
+            patches.iter().rev().find(inside).map_or(0.85, |q| if q.black { 0.1 } else { 0.85 })
         };
-        Grey::from_fn(1000, 700, |x, y| {
+        Grey::from_fn(1000, 800, |x, y| {
             let at = |dx: f64, dy: f64| value(back.map(DVec2::new(x as f64 + dx, y as f64 + dy)));
-            (0.25 * (at(0.25, 0.25) + at(0.75, 0.25) + at(0.25, 0.75) + at(0.75, 0.75))) as f32
+            let mean = 0.25 * (at(0.25, 0.25) + at(0.75, 0.25) + at(0.25, 0.75) + at(0.75, 0.75));
+            (mean * light(DVec2::new(x as f64, y as f64))) as f32
         })
     }
 
+    /// The rectangle as a camera of 1.2 image widths focal length sees it: turned in its plane, then tilted about an
+    /// axis in the picture at `axis_deg`.
+    fn view(turn_deg: f64, tilt_deg: f64, axis_deg: f64) -> [DVec2; 4] {
+        use grainpath_core::DVec3;
+        use grainpath_core::math::{direction, rotated, sin_cos};
+        let (s, c) = sin_cos(tilt_deg.to_radians());
+        let axis = direction(axis_deg.to_radians());
+        let across = DVec2::new(-axis.y, axis.x);
+        let (focal, distance) = (1200.0, 240.0);
+        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
+            let p = rotated(0.5 * SIZE * DVec2::new(x, y), direction(turn_deg.to_radians()));
+            let (along, off) = (p.dot(axis), p.dot(across));
+            let q = DVec3::new(0.0, 0.0, distance + s * off);
+            DVec2::new(500.0, 400.0) + focal * (along * axis + c * off * across) / q.z
+        })
+    }
+
+    fn even(_: DVec2) -> f64 {
+        1.0
+    }
+
+    fn assert_found(photo: &Grey, corners: [DVec2; 4], sheet: Sheet, limit_px: f64, what: &str) {
+        let found = find_markers(photo).unwrap_or_else(|e| panic!("{what}: {e}"));
+        assert_eq!(found.sheet, sheet, "{what}");
+        for (f, c) in found.corners.iter().zip(corners) {
+            assert!(f.distance(c) < limit_px, "{what}: {f} should be {c}");
+        }
+    }
+
     #[test]
-    fn markers_are_found_from_any_side() {
-        let quad = [(200.0, 180.0), (800.0, 150.0), (830.0, 520.0), (170.0, 500.0)].map(DVec2::from);
-        for turn in 0..4 {
-            let corners: [DVec2; 4] = std::array::from_fn(|k| quad[(k + turn) % 4]);
-            let found = find_markers(&sheet(corners)).expect("four markers");
-            for (f, c) in found.iter().zip(corners) {
-                assert!(f.distance(c) < 1.5, "turn {turn}: {f} should be {c}");
+    fn the_own_sheet_is_read_level_turned_and_tilted() {
+        for tilt in [0.0, 20.0, 45.0, 60.0] {
+            for turn in (0..9).map(|k| 40.0 * f64::from(k)) {
+                for axis in [0.0, 37.0, 90.0] {
+                    let corners = view(turn, tilt, axis);
+                    let what = format!("turned {turn}, tilted {tilt} about {axis}");
+                    let photo = sheet(&patches(SIZE), corners, &even);
+                    assert_found(&photo, corners, Sheet::FourShares, 1.5, &what);
+                }
             }
         }
+    }
+
+    #[test]
+    fn blur_and_half_shade_change_nothing() {
+        let corners = view(25.0, 30.0, 10.0);
+        let shade = |p: DVec2| if p.x + 0.4 * p.y < 620.0 { 1.0 } else { 0.35 };
+        let photo = sheet(&patches(SIZE), corners, &shade);
+        assert_found(&photo, corners, Sheet::FourShares, 1.5, "half in shade");
+        for sigma_px in [1.0, 2.0, 3.0] {
+            let photo = sheet(&patches(SIZE), corners, &even).blurred(sigma_px);
+            assert_found(&photo, corners, Sheet::FourShares, 2.0, &format!("blurred by {sigma_px} px"));
+        }
+    }
+
+    #[test]
+    fn a_mirrored_photograph_is_refused_as_such() {
+        for turn in [0.0, 75.0, 180.0, 250.0] {
+            let photo = sheet(&patches(SIZE), view(turn, 20.0, 30.0), &even);
+            let mirrored = Grey::from_fn(photo.width, photo.height, |x, y| photo.at(photo.width - 1 - x, y));
+            assert_eq!(find_markers(&mirrored), Err(CornersNotFound::Mirrored), "turned {turn}");
+        }
+    }
+
+    #[test]
+    fn an_old_sheet_is_read_as_an_old_sheet() {
+        for turn in [0.0, 90.0, 130.0, 217.0, 300.0] {
+            let corners = view(turn, 25.0, 60.0);
+            let photo = sheet(&old_patches(), corners, &even);
+            assert_found(&photo, corners, Sheet::OneWhite, 1.5, &format!("turned {turn}"));
+        }
+    }
+
+    #[test]
+    fn no_sheet_is_refused() {
         assert_eq!(find_markers(&Grey::filled(200, 200, 0.5)), Err(CornersNotFound::Markers { found: 0 }));
+        // Three of the four: one lies outside the photograph.
+        let corners = view(0.0, 0.0, 0.0).map(|c| c + DVec2::new(300.0, 0.0));
+        let photo = sheet(&patches(SIZE), corners, &even);
+        assert!(matches!(find_markers(&photo), Err(CornersNotFound::Markers { found: 0..=3 })));
     }
 
     #[test]
     fn the_sheet_is_svg_in_millimetres() {
         let svg = marker_sheet_svg(DVec2::new(100.0, 30.0));
+        // The page, two squares a marker, four stripes and the rectangle.
         assert!(
             svg.starts_with("<svg") && svg.contains("width=\"134mm\"") && svg.matches("<rect").count() == 14
         );

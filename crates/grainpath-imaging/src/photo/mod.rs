@@ -3,6 +3,7 @@
 pub mod corners;
 pub mod curves;
 pub mod markers;
+pub mod orientation;
 mod photograph;
 pub mod warp;
 

@@ -13,7 +13,8 @@ use grainpath_imaging::canny::{CannySettings, Edges, canny};
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::photo::corners::{CornersNotFound, find_corners};
 use grainpath_imaging::photo::curves::{CurveSettings, along_grain, edge_curves};
-use grainpath_imaging::photo::markers::find_markers;
+use grainpath_imaging::photo::markers::{Sheet, find_markers};
+use grainpath_imaging::photo::orientation::oriented;
 use grainpath_imaging::photo::warp::{
     CornerError, MetricImage, Shrinking, check_corners, native_px_mm, rectify,
 };
@@ -213,7 +214,7 @@ pub fn read_grain(
     };
     let mut slices = Vec::new();
     for (k, (photo, &z_mm)) in photos.iter().zip(&settings.heights_mm).enumerate() {
-        let read = read_photo(photo, k, settings).map_err(|e| (k, e))?;
+        let read = read_photo(photo, k, settings, diagnostics).map_err(|e| (k, e))?;
         let borders = guide.in_picture(&section(z_mm), guide.shift_at(z_mm, settings.heights_mm[0]));
         let axes = guided_axes(&read, &borders, settings);
         let coherence = read.axes.mean_coherence();
@@ -319,15 +320,45 @@ struct Read {
     curves: Vec<Vec<DVec2>>,
 }
 
-fn read_photo(photo: &Photo, k: usize, s: &GrainSettings) -> Result<Read, GrainError> {
+fn read_photo(
+    photo: &Photo,
+    k: usize,
+    s: &GrainSettings,
+    diagnostics: &Diagnostics,
+) -> Result<Read, GrainError> {
     let [w, h] = photo.size();
     let corners = match &s.corners {
         Corners::Given(all) => all[k.min(all.len() - 1)],
         Corners::Image => {
             [(0.0, 0.0), (w as f64, 0.0), (w as f64, h as f64), (0.0, h as f64)].map(DVec2::from)
         }
-        Corners::Outline => find_corners(&photo.whole())?,
-        Corners::Markers => find_markers(&photo.whole())?,
+        Corners::Outline => {
+            let found = oriented(find_corners(&photo.whole())?, s.size_mm, DVec2::new(w as f64, h as f64))?;
+            if found.is_guess {
+                diagnostics.warn(
+                    WarningId::BoardTurnAssumed,
+                    format!(
+                        "{}: the board is nearly square, so its outline does not tell which side is its width; the corner \
+                         at the upper left of the photograph was taken as the board's",
+                        photo.name
+                    ),
+                );
+            }
+            found.corners
+        }
+        Corners::Markers => {
+            let found = find_markers(&photo.whole())?;
+            if found.sheet == Sheet::OneWhite {
+                diagnostics.warn(
+                    WarningId::MarkerSheetOld,
+                    format!(
+                        "{}: on this marker sheet a mirrored photograph looks like a good one",
+                        photo.name
+                    ),
+                );
+            }
+            found.corners
+        }
     };
     check_corners(corners, w, h)?;
     let native = native_px_mm(corners, s.size_mm);
