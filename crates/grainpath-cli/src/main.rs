@@ -3,12 +3,9 @@
 mod args;
 mod commands;
 mod files;
-mod inspect;
+mod inputs;
 mod outputs;
 mod progress;
-mod scan;
-mod strength;
-mod support;
 
 use std::process::ExitCode;
 
@@ -47,18 +44,18 @@ fn main() -> ExitCode {
     let args = Args::parse();
     let json = args.command.json();
     let outcome = match args.command {
-        Command::Run(a) => commands::run(&a),
-        Command::Slice(a) => commands::slice(&a),
-        Command::New(a) => commands::new(&a),
-        Command::Support(a) => support::support(&a),
-        Command::Specimen(a) => support::specimen(&a),
-        Command::Inspect(a) => inspect::inspect(&a),
-        Command::Strength(a) => strength::strength(&a),
-        Command::Compare(a) => strength::compare(&a),
-        Command::Render(a) => commands::render(&a),
-        Command::Markers(a) => commands::markers(&a),
-        Command::Schema(a) => commands::schema(&a),
-        Command::Profiles(a) => commands::profiles(&a),
+        Command::Run(a) => commands::run::run(&a),
+        Command::Slice(a) => commands::slice::slice(&a),
+        Command::New(a) => commands::new::new(&a),
+        Command::Support(a) => commands::support::support(&a),
+        Command::Specimen(a) => commands::specimen::specimen(&a),
+        Command::Inspect(a) => commands::inspect::inspect(&a),
+        Command::Strength(a) => commands::strength::strength(&a),
+        Command::Compare(a) => commands::compare::compare(&a),
+        Command::Render(a) => commands::render::render(&a),
+        Command::Markers(a) => commands::markers::markers(&a),
+        Command::Schema(a) => commands::schema::schema(&a),
+        Command::Profiles(a) => commands::profiles::profiles(&a),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

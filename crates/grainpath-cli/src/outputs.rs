@@ -10,7 +10,7 @@ use grainpath::measure::dimensions::Dimension;
 use grainpath::measure::report::{Report, measure, measure_fibre, peak_rss_mb};
 use grainpath::measure::strength::{TestSetup, Tested, test};
 use grainpath_core::diagnostics::Stage;
-use grainpath_core::{DVec2, Diagnostics};
+use grainpath_core::{DVec2, Diagnostics, TriMesh};
 use grainpath_gcode::{BeadLayer, Program, Thumbnail, simulate, write_gcode};
 use grainpath_job::Settings;
 use grainpath_view::guide::{field_png, lines_svg, lines_vtp, stress_png};
@@ -57,7 +57,7 @@ impl Paths {
             lines: given(&o.lines),
         };
         if let Some(path) = &paths.support {
-            crate::support::Format::of(path)?;
+            MeshEnding::of(path)?;
         }
         if let Some(path) = &paths.lines
             && !["svg", "vtp"].iter().any(|e| path.extension().is_some_and(|x| x == *e))
@@ -163,7 +163,7 @@ pub fn write(
         let mesh = grainpath::support::surface(layers, &planned.stack, method, diagnostics)
             .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
         if !mesh.triangles.is_empty() {
-            crate::support::write_mesh(path, &[&mesh])?;
+            write_mesh(path, &[&mesh])?;
             report.outputs.insert("support", path.display().to_string());
         }
     }
@@ -195,7 +195,7 @@ fn shapes(
     if let Some(path) = &paths.surface {
         let mesh = grainpath::shape::surface(&planned.stack, cell_mm, diagnostics)
             .map_err(|source| grainpath::Error::Shape { path: path.display().to_string(), source })?;
-        crate::support::write_mesh(path, &[&mesh])?;
+        write_mesh(path, &[&mesh])?;
         report.outputs.insert("surface", path.display().to_string());
     }
     Ok(())
@@ -407,4 +407,46 @@ pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     files::write_atomically(path, |w| {
         w.write_all(bytes).map_err(|e| Failure::usage(format!("cannot write {}: {e}", path.display())))
     })
+}
+
+/// What a mesh is written as.
+#[derive(Clone, Copy)]
+pub enum MeshEnding {
+    Stl,
+    ThreeMf,
+}
+
+impl MeshEnding {
+    /// By the file's ending.
+    pub fn of(path: &Path) -> Result<Self, Failure> {
+        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("stl") => Ok(Self::Stl),
+            Some("3mf") => Ok(Self::ThreeMf),
+            _ => Err(Failure::usage(format!(
+                "{}: the name of a mesh to write should end in .stl or .3mf",
+                path.display()
+            ))),
+        }
+    }
+}
+
+/// Writes bodies as STL or 3MF, by the file's ending.
+pub fn write_mesh(path: &Path, bodies: &[&TriMesh]) -> Result<(), Failure> {
+    let format = MeshEnding::of(path)?;
+    let wrong = |e: std::io::Error| Failure::usage(format!("cannot write {}: {e}", path.display()));
+    files::write_atomically(path, |out| match format {
+        MeshEnding::Stl => grainpath_io::write_stl(&joined(bodies), out).map_err(wrong),
+        MeshEnding::ThreeMf => grainpath_io::write_3mf(bodies, out).map_err(wrong),
+    })
+}
+
+/// All bodies as one mesh.
+fn joined(bodies: &[&TriMesh]) -> TriMesh {
+    let mut all = TriMesh::default();
+    for body in bodies {
+        let first = all.vertices.len() as u32;
+        all.vertices.extend(&body.vertices);
+        all.triangles.extend(body.triangles.iter().map(|t| t.map(|i| i + first)));
+    }
+    all
 }

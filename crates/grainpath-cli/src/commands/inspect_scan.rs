@@ -1,39 +1,15 @@
-//! CT scans: files and folders opened, and what is in them shown.
+//! `grainpath inspect` on CT scans.
 
-use std::fs;
-use std::io;
 use std::path::Path;
 
-use grainpath_core::slices::{SampleType, SliceSource};
+use grainpath_core::slices::SampleType;
 use grainpath_imaging::scan::{ContactSheet, Histogram};
-use grainpath_io::volume::{Files, RawHeader, ReadSeek, open_volume};
+use grainpath_io::volume::RawHeader;
 use serde_json::{Value, json};
 
 use crate::args::Inspect;
-use crate::{Failure, files, outputs};
-
-fn open_file(name: &str) -> io::Result<Box<dyn ReadSeek>> {
-    Ok(Box::new(fs::File::open(name)?))
-}
-
-/// Opens a scan: a folder's files are its slices.
-pub fn open(path: &Path, raw: Option<&RawHeader>) -> Result<Box<dyn SliceSource>, Failure> {
-    let shown = path.display().to_string();
-    let wrong = |e: io::Error| Failure::input(format!("{shown}: {}", files::plain(&e)));
-    let all = if fs::metadata(path).map_err(wrong)?.is_dir() {
-        let mut names = Vec::new();
-        for entry in fs::read_dir(path).map_err(wrong)? {
-            let entry = entry.map_err(wrong)?;
-            if entry.path().is_file() {
-                names.push(entry.path().display().to_string());
-            }
-        }
-        Files::folder(shown.clone(), names, open_file)
-    } else {
-        Files::single(shown.clone(), open_file)
-    };
-    open_volume(all, raw).map_err(|e| grainpath::Error::from(e).into())
-}
+use crate::inputs::open_scan;
+use crate::{Failure, outputs};
 
 /// Whether a path is a scan rather than a mesh or a program: a folder, or a file that begins like a volume.
 pub fn is(path: &Path) -> Result<bool, Failure> {
@@ -57,7 +33,7 @@ pub fn raw_header(args: &Inspect) -> Result<Option<RawHeader>, Failure> {
 
 /// What a scan is: read once from end to end.
 pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
-    let mut source = open(&args.file, raw)?;
+    let mut source = open_scan(&args.file, raw)?;
     let info = source.info().clone();
     let mut histogram = Histogram::default();
     let mut sheet = args.sheet.is_some().then(|| ContactSheet::new(info.size));

@@ -16,11 +16,10 @@ use grainpath_io::{
 };
 use serde_json::{Value, json};
 
+use super::inspect_scan as scan;
 use crate::args::Inspect;
-use crate::{Failure, files, scan};
-
-/// Diameter of the filament taken for G-code that does not say, mm.
-const FILAMENT_MM: f64 = 1.75;
+use crate::inputs::FILAMENT_MM;
+use crate::{Failure, files};
 
 /// Runs the command.
 pub fn inspect(args: &Inspect) -> Result<(), Failure> {
@@ -70,13 +69,6 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
 /// Whether bytes that begin like nothing known are no text either. `lower` is the file's name in lower case.
 fn is_raw(bytes: &[u8], lower: &str) -> bool {
     [".raw", ".vol"].iter().any(|e| lower.ends_with(e)) || bytes.iter().take(65_536).any(|b| *b == 0)
-}
-
-/// Runs a G-code file in mind.
-pub fn read_program(path: &Path) -> Result<Program, Failure> {
-    let bytes = files::read(path)?;
-    simulate(&bytes, FILAMENT_MM, &Limits::default())
-        .map_err(|e| Failure::input(format!("{}: {e}", path.display())))
 }
 
 fn dimensions(path: &Path, program: &Program) -> Result<Value, Failure> {

@@ -1,4 +1,4 @@
-//! `grainpath support` and `grainpath specimen`.
+//! `grainpath support`: the support of a mesh, alone.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,13 +9,12 @@ use grainpath::measure::report::{SupportReport, peak_rss_mb};
 use grainpath::run::config;
 use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath::support;
-use grainpath_core::{DVec2, TriMesh, WarningId};
-use grainpath_parts::specimen::SPECIMENS;
-use grainpath_parts::test_pieces::{TEST_PIECES, TestPiece};
+use grainpath_core::{DVec2, WarningId};
 use serde_json::json;
 
-use crate::args::{Specimen, Support};
-use crate::commands::{read_body, set_threads, settings};
+use crate::args::Support;
+use crate::inputs::{read_body, set_threads, settings};
+use crate::outputs::{MeshEnding, write_mesh};
 use crate::{Failure, files, outputs, progress};
 
 /// `grainpath support`
@@ -26,7 +25,7 @@ pub fn support(args: &Support) -> Result<(), Failure> {
     }
     set_threads(args.common.threads)?;
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.model));
-    Format::of(&output)?;
+    MeshEnding::of(&output)?;
     let diagnostics = progress::diagnostics();
     let (file, read_s) = read_body(&settings, &args.model, &diagnostics)?;
     let mut stages: BTreeMap<&str, f64> = BTreeMap::from([("read", read_s)]);
@@ -88,82 +87,4 @@ pub fn support(args: &Support) -> Result<(), Failure> {
 fn default_output(model: &Path) -> PathBuf {
     let name = model.file_stem().map_or_else(|| "part".into(), |s| s.to_string_lossy().into_owned());
     model.with_file_name(format!("{name}_support.stl"))
-}
-
-/// What a mesh is written as.
-#[derive(Clone, Copy)]
-pub enum Format {
-    Stl,
-    ThreeMf,
-}
-
-impl Format {
-    /// By the file's ending.
-    pub fn of(path: &Path) -> Result<Self, Failure> {
-        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-            Some("stl") => Ok(Self::Stl),
-            Some("3mf") => Ok(Self::ThreeMf),
-            _ => Err(Failure::usage(format!(
-                "{}: the name of a mesh to write should end in .stl or .3mf",
-                path.display()
-            ))),
-        }
-    }
-}
-
-/// Writes bodies as STL or 3MF, by the file's ending.
-pub fn write_mesh(path: &Path, bodies: &[&TriMesh]) -> Result<(), Failure> {
-    let format = Format::of(path)?;
-    let wrong = |e: std::io::Error| Failure::usage(format!("cannot write {}: {e}", path.display()));
-    files::write_atomically(path, |out| match format {
-        Format::Stl => grainpath_io::write_stl(&joined(bodies), out).map_err(wrong),
-        Format::ThreeMf => grainpath_io::write_3mf(bodies, out).map_err(wrong),
-    })
-}
-
-/// All bodies as one mesh.
-fn joined(bodies: &[&TriMesh]) -> TriMesh {
-    let mut all = TriMesh::default();
-    for body in bodies {
-        let first = all.vertices.len() as u32;
-        all.vertices.extend(&body.vertices);
-        all.triangles.extend(body.triangles.iter().map(|t| t.map(|i| i + first)));
-    }
-    all
-}
-
-/// `grainpath specimen`
-pub fn specimen(args: &Specimen) -> Result<(), Failure> {
-    let all =
-        || SPECIMENS.iter().map(|s| (s.name, s.about)).chain(TEST_PIECES.iter().map(|p| (p.name, p.about)));
-    let Some(name) = &args.name else {
-        files::print(&all().map(|(name, about)| format!("{name:<16} {about}\n")).collect::<String>());
-        return Ok(());
-    };
-    let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.stl")));
-    if let Some(piece) = TEST_PIECES.iter().find(|p| p.name == name) {
-        return test_piece(piece, &output);
-    }
-    let Some(specimen) = SPECIMENS.iter().find(|s| s.name == name) else {
-        let names: Vec<&str> = all().map(|s| s.0).collect();
-        let near = grainpath_core::spelling::nearest(name, names.iter().copied());
-        return Err(Failure::usage(format!(
-            "no specimen {name:?}; did you mean {near:?}? There are {}",
-            names.join(", ")
-        )));
-    };
-    write_mesh(&output, &[&(specimen.mesh)()])?;
-    files::print(&format!("{}\n", output.display()));
-    Ok(())
-}
-
-/// A test piece with a job that tests it and a drawing, beside the mesh.
-fn test_piece(piece: &TestPiece, output: &Path) -> Result<(), Failure> {
-    write_mesh(output, &[&piece.mesh()])?;
-    let file = output.file_stem().map_or_else(|| piece.name.into(), |s| s.to_string_lossy().into_owned());
-    let (job, drawing) = (output.with_extension("toml"), output.with_extension("svg"));
-    outputs::save(&job, piece.job(&file).as_bytes())?;
-    outputs::save(&drawing, piece.drawing().as_bytes())?;
-    files::print(&format!("{}\n{}\n{}\n", output.display(), drawing.display(), job.display()));
-    Ok(())
 }

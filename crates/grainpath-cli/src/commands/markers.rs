@@ -1,0 +1,29 @@
+//! `grainpath markers`: a sheet of corner markers.
+
+use grainpath_core::DVec2;
+
+use crate::args::Markers;
+use crate::{Failure, files, outputs};
+
+/// `grainpath markers`
+pub fn markers(args: &Markers) -> Result<(), Failure> {
+    use grainpath_imaging::photo::markers::{marker_sheet_pdf, marker_sheet_svg};
+    let size = DVec2::new(args.width_mm, args.height_mm);
+    if !(size.min_element() >= 20.0 && size.max_element() <= 2000.0) {
+        return Err(Failure::usage(format!(
+            "{} x {} mm: the rectangle between the markers should be 20 to 2000 mm wide and high",
+            size.x, size.y
+        )));
+    }
+    let bytes = match args.output.extension().and_then(|e| e.to_str()) {
+        Some("svg") => marker_sheet_svg(size).into_bytes(),
+        Some("pdf") => marker_sheet_pdf(size),
+        _ => {
+            let name = args.output.display();
+            return Err(Failure::usage(format!("{name}: a sheet's name should end in .svg or .pdf")));
+        }
+    };
+    outputs::save(&args.output, &bytes)?;
+    files::print(&format!("{}\n", args.output.display()));
+    Ok(())
+}

@@ -1,0 +1,15 @@
+//! One file a command.
+
+pub mod compare;
+pub mod inspect;
+mod inspect_scan;
+pub mod markers;
+pub mod new;
+pub mod profiles;
+pub mod render;
+pub mod run;
+pub mod schema;
+pub mod slice;
+pub mod specimen;
+pub mod strength;
+pub mod support;

@@ -1,0 +1,78 @@
+//! `grainpath render`: pictures of a program.
+
+use std::path::Path;
+
+use grainpath_core::Bounds2;
+use grainpath_gcode::Program;
+use grainpath_view::layer::LayerPicture;
+
+use crate::args::Render;
+use crate::inputs::{plan, read_job, read_program};
+use crate::{Failure, files, outputs, progress};
+
+/// `grainpath render`
+pub fn render(args: &Render) -> Result<(), Failure> {
+    use grainpath_view::layer::{ColourBy, PictureOptions, layer_png, layer_svg, thumbnail_png};
+    let program = read_program(&args.gcode)?;
+    let n = program.layers.len();
+    if n == 0 {
+        return Err(Failure::input(format!("{}: nothing is printed in it", args.gcode.display())));
+    }
+    let output = args.output.clone().unwrap_or_else(|| args.gcode.with_extension("png"));
+    let bytes = if args.part {
+        let layers: Vec<_> = program.layers.iter().map(outputs::picture).collect();
+        thumbnail_png(&layers, args.size, args.size * 3 / 4)
+    } else {
+        let layer = args.layer.unwrap_or(n.div_ceil(2));
+        if layer == 0 || layer > n {
+            return Err(Failure::usage(format!("--layer {layer} should be from 1 to {n}")));
+        }
+        let mut picture = outputs::picture(&program.layers[layer - 1]);
+        if let Some(job) = &args.job {
+            tell_directions(&mut picture, &program, job)?;
+        }
+        let options = PictureOptions {
+            colour_by: ColourBy::from_name(&args.color).unwrap_or_default(),
+            size_px: args.size,
+            travels: !args.no_travels,
+            window: None,
+        };
+        match output.extension().and_then(|e| e.to_str()) {
+            Some("svg") => layer_svg(&picture, &options).into_bytes(),
+            Some("png") => layer_png(&picture, &options),
+            _ => {
+                return Err(Failure::usage(format!(
+                    "{}: a picture's name should end in .png or .svg",
+                    output.display()
+                )));
+            }
+        }
+    };
+    outputs::save(&output, &bytes)?;
+    files::print(&format!("{}\n", output.display()));
+    Ok(())
+}
+
+/// Tells fill how far it is off the direction that a job asks for. The program may be any slicer's: the middle of what it
+/// prints is taken for the part's.
+fn tell_directions(picture: &mut LayerPicture, program: &Program, job: &Path) -> Result<(), Failure> {
+    let (settings, shape, folder) = read_job(job, &[])?;
+    let diagnostics = progress::diagnostics();
+    let (planned, _) = plan(&settings, &shape, &folder, &diagnostics)?;
+    let Some(off) = grainpath::measure::report::direction_error(&planned) else {
+        return Err(Failure::usage(format!(
+            "{}: the job has no guide that asks for directions",
+            job.display()
+        )));
+    };
+    let printed = program.layers.iter().flat_map(|l| &l.beads).filter(|b| b.role.is_part());
+    let printed = Bounds2::of(printed.flat_map(|b| [b.start(), b.end()]));
+    let part = planned.stack.layers().iter().filter_map(|l| l.region().bounds()).reduce(Bounds2::union);
+    let (Some(printed), Some(part)) = (printed, part) else { return Ok(()) };
+    let shift = printed.centre() - part.centre();
+    let z_mid = picture.z_mm - 0.5 * picture.height_mm;
+    for bead in picture.beads.iter_mut().filter(|b| b.role.is_fill()) {
+        bead.off_deg = off(z_mid, [bead.a - shift, bead.b - shift]).map(|found| found.0);
+    }
+    Ok(())
+}

@@ -1,0 +1,16 @@
+//! `grainpath schema`: the settings, for programs and for people.
+
+use grainpath_job::{json_schema, markdown};
+
+use crate::args::Schema;
+use crate::{Failure, files};
+
+/// `grainpath schema`
+pub fn schema(args: &Schema) -> Result<(), Failure> {
+    if args.markdown {
+        files::print(&markdown());
+    } else {
+        files::print(&format!("{:#}\n", json_schema()));
+    }
+    Ok(())
+}

@@ -1,0 +1,177 @@
+//! What commands read: job files and their inputs, with the settings they give.
+
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use grainpath::Planned;
+use grainpath_core::Diagnostics;
+use grainpath_core::diagnostics::Stage;
+use grainpath_core::slices::SliceSource;
+use grainpath_gcode::{Limits, Program, simulate};
+use grainpath_imaging::photo::Photo;
+use grainpath_io::fe::{FeError, StressField, parse_fe};
+use grainpath_io::image::decode_luma;
+use grainpath_io::volume::{Files, RawHeader, ReadSeek, open_volume};
+use grainpath_io::{parse_mesh, parse_outline};
+use grainpath_job::{Settings, parse_job};
+
+use crate::{Failure, files};
+
+/// A job's text and overrides as settings.
+pub fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Settings, Failure> {
+    let load = |path: &str| files::read_text(&folder.join(path)).map_err(|f| f.message);
+    parse_job(text, name, sets, &load).map_err(|e| Failure::usage(e.to_string()))
+}
+
+/// A job's settings, the file of its shape, and the folder its paths are relative to.
+pub fn read_job(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf, PathBuf), Failure> {
+    let text = files::read_text(job)?;
+    let folder = job.parent().map(Path::to_owned).unwrap_or_default();
+    let name = job.display().to_string();
+    let settings = settings(&text, &name, sets, &folder)?;
+    let shape = &settings.shape;
+    let given =
+        [&shape.mesh, &shape.outline, &settings.ct.path].into_iter().chain(settings.photo.files.first());
+    let Some(given) = given.into_iter().find(|p| !p.is_empty()) else {
+        return Err(Failure::usage(format!(
+            "{name}: [shape] needs mesh = \"FILE\", outline = \"FILE\", ct = \"SCAN\" or photo = {{ files = [\"FILE\"], ... }}"
+        )));
+    };
+    let shape = folder.join(given);
+    Ok((settings, shape, folder))
+}
+
+/// Reads a job's inputs and plans it; with the seconds that reading took.
+pub fn plan(
+    settings: &Settings,
+    shape: &Path,
+    base: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<(Planned, f64), Failure> {
+    let path = shape.display().to_string();
+    let start = std::time::Instant::now();
+    let photos = read_photos(settings, base, diagnostics)?;
+    let photos_s = start.elapsed().as_secs_f64();
+    if !settings.photo.files.is_empty() {
+        return Ok((grainpath::plan_photo(settings, &photos, diagnostics)?, photos_s));
+    }
+    if settings.ct.path.is_empty() {
+        let (mesh, read_s) = read_body(settings, shape, diagnostics)?;
+        let (stress, texture) = (read_stress(settings, base)?, read_texture(settings, base)?);
+        let inputs = grainpath::Inputs { mesh, path, stress, photos, texture };
+        return Ok((grainpath::plan_job(settings, inputs, diagnostics)?, read_s + photos_s));
+    }
+    let mut source = open_scan(shape, grainpath::run::config::raw_header(settings).as_ref())?;
+    let (stress, texture) = (read_stress(settings, base)?, read_texture(settings, base)?);
+    let read_s = start.elapsed().as_secs_f64();
+    let planned = grainpath::plan_scan(settings, &mut *source, &path, stress, &photos, texture, diagnostics)?;
+    Ok((planned, read_s))
+}
+
+/// Limits the threads, where asked for.
+pub fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
+    let Some(n) = threads else { return Ok(()) };
+    if n == 0 || n > 1024 {
+        return Err(Failure::usage(format!("--threads {n} should be from 1 to 1024")));
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build_global();
+    pool.map_err(|e| Failure::usage(format!("--threads {n}: {e}")))
+}
+
+/// Reads a mesh, or the body of an outline where the job has one; its bodies and the seconds it took.
+pub fn read_body(
+    settings: &Settings,
+    path: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<(grainpath_io::MeshFile, f64), Failure> {
+    let start = std::time::Instant::now();
+    diagnostics.begin(Stage::Read, 0);
+    let bytes = files::read(path)?;
+    let shown = path.display().to_string();
+    let file = if settings.shape.outline.is_empty() {
+        parse_mesh(&bytes, Some(&shown)).map_err(|source| grainpath::Error::Mesh { path: shown, source })?
+    } else {
+        let outline = parse_outline(&bytes, &grainpath::run::config::outline(settings))
+            .map_err(|source| grainpath::Error::Outline { path: shown.clone(), source })?;
+        grainpath::shape::extruded(outline, grainpath::run::config::outline_thickness_mm(settings))
+            .map_err(|source| grainpath::Error::Shape { path: shown, source })?
+    };
+    Ok((file, start.elapsed().as_secs_f64()))
+}
+
+/// The photographs whose grain the job follows; none when it follows none.
+pub fn read_photos(
+    settings: &Settings,
+    base: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<Vec<Photo>, Failure> {
+    if settings.guide.kind != "grain" {
+        return Ok(Vec::new());
+    }
+    diagnostics.begin(Stage::Read, 0);
+    let own = if settings.image.files.is_empty() { &settings.photo.files } else { &settings.image.files };
+    let read = |file: &String| {
+        let path = base.join(file);
+        let bytes = files::read(&path)?;
+        let name = path.display().to_string();
+        let image =
+            decode_luma(&bytes).map_err(|source| grainpath::Error::Image { path: name.clone(), source })?;
+        Ok(Photo::of(name, image))
+    };
+    own.iter().map(read).collect()
+}
+
+/// The scan named by `guide.volume`, where its texture is followed.
+pub fn read_texture(settings: &Settings, base: &Path) -> Result<Option<Box<dyn SliceSource>>, Failure> {
+    let path = &settings.volume.path;
+    if settings.guide.kind != "grain" || path.is_empty() {
+        return Ok(None);
+    }
+    open_scan(&base.join(path), None).map(Some)
+}
+
+/// The result named by `guide.import`.
+pub fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressField>, Failure> {
+    if settings.guide.import.is_empty() {
+        return Ok(None);
+    }
+    let path = base.join(&settings.guide.import);
+    let wrong = |e: FeError| Failure::input(format!("{}: {e}", path.display()));
+    let bytes = files::read(&path)?;
+    let file = parse_fe(&bytes, path.to_str()).map_err(wrong)?;
+    let result = file.result(&grainpath::run::config::import(settings)).map_err(wrong)?;
+    Ok(Some(StressField::new(result)))
+}
+
+fn open_file(name: &str) -> io::Result<Box<dyn ReadSeek>> {
+    Ok(Box::new(fs::File::open(name)?))
+}
+
+/// Opens a scan: a folder's files are its slices.
+pub fn open_scan(path: &Path, raw: Option<&RawHeader>) -> Result<Box<dyn SliceSource>, Failure> {
+    let shown = path.display().to_string();
+    let wrong = |e: io::Error| Failure::input(format!("{shown}: {}", files::plain(&e)));
+    let all = if fs::metadata(path).map_err(wrong)?.is_dir() {
+        let mut names = Vec::new();
+        for entry in fs::read_dir(path).map_err(wrong)? {
+            let entry = entry.map_err(wrong)?;
+            if entry.path().is_file() {
+                names.push(entry.path().display().to_string());
+            }
+        }
+        Files::folder(shown.clone(), names, open_file)
+    } else {
+        Files::single(shown.clone(), open_file)
+    };
+    open_volume(all, raw).map_err(|e| grainpath::Error::from(e).into())
+}
+
+/// Diameter of the filament taken for G-code that does not say, mm.
+pub const FILAMENT_MM: f64 = 1.75;
+
+/// Reads a G-code file and replays it.
+pub fn read_program(path: &Path) -> Result<Program, Failure> {
+    let bytes = files::read(path)?;
+    simulate(&bytes, FILAMENT_MM, &Limits::default())
+        .map_err(|e| Failure::input(format!("{}: {e}", path.display())))
+}
