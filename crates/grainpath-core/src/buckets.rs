@@ -1,12 +1,23 @@
-//! Things sorted into the cells of a grid, for asking what lies near a place or a line.
+//! Spatial indices: what lies near a point or along a line.
+//!
+//! - [`CellGrid`]: square cells over a box; which cell a point is in, which cells a segment passes, rings of cells.
+//! - [`Buckets`]: numbered things sorted once into the cells of a grid; compact and fast to read.
+//! - [`PointGrid2`] and [`PointGrid3`]: points that come and go, in the plane and in space.
+//!
+//! Lengths are mm. Answers never depend on the size of the cells or on the order in which points came: the nearest of
+//! equally near points is the one with the lowest value. Building is linear, a query costs the points in the cells it
+//! looks at: with cells of about the radius of the query these are a small multiple of the answer. Points outside the box
+//! of a grid belong to the nearest cell at its border, so they are found as surely but less quickly.
 
-use glam::DVec2;
+use std::collections::BTreeMap;
+
+use glam::{DVec2, DVec3};
 
 use crate::Bounds2;
 
 /// Square cells over a box.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cells {
+pub struct CellGrid {
     /// Lower left corner of the first cell.
     pub origin: DVec2,
     /// Side of a cell, mm.
@@ -17,17 +28,18 @@ pub struct Cells {
     pub ny: usize,
 }
 
-impl Cells {
-    /// Cells that cover `bounds`, at most `most` in either direction: larger ones where it would be more.
-    pub fn over(bounds: Bounds2, cell_mm: f64, most: usize) -> Self {
+impl CellGrid {
+    /// Cells that cover `bounds`, at most `max_per_side` in either direction: larger ones where it would be more.
+    pub fn covering(bounds: Bounds2, cell_mm: f64, max_per_side: usize) -> Self {
         let size = bounds.size();
-        let cell_mm = cell_mm.max(size.max_element() / most as f64);
+        // A box without size has one cell, whatever was asked for.
+        let cell_mm = cell_mm.max(size.max_element() / max_per_side as f64).max(f64::MIN_POSITIVE);
         let count = |mm: f64| (mm / cell_mm) as usize + 1;
         Self { origin: bounds.min, cell_mm, nx: count(size.x), ny: count(size.y) }
     }
 
     /// Column and row of the cell at `p`; of the nearest one outside.
-    pub fn at(&self, p: DVec2) -> [usize; 2] {
+    pub fn cell_of(&self, p: DVec2) -> [usize; 2] {
         let q = (p - self.origin) / self.cell_mm;
         [(q.x.max(0.0) as usize).min(self.nx - 1), (q.y.max(0.0) as usize).min(self.ny - 1)]
     }
@@ -37,8 +49,12 @@ impl Cells {
         row * self.nx + column
     }
 
-    /// The cells around one, up to `n` columns and rows away.
-    pub fn around(&self, [column, row]: [usize; 2], n: usize) -> impl Iterator<Item = [usize; 2]> + use<> {
+    /// The cells up to `n` columns and rows away from one, itself included.
+    pub fn neighbourhood(
+        &self,
+        [column, row]: [usize; 2],
+        n: usize,
+    ) -> impl Iterator<Item = [usize; 2]> + use<> {
         self.block(
             [column.saturating_sub(n), row.saturating_sub(n)],
             [(column + n).min(self.nx - 1), (row + n).min(self.ny - 1)],
@@ -50,8 +66,32 @@ impl Cells {
         (low[1]..=high[1]).flat_map(move |row| (low[0]..=high[0]).map(move |column| [column, row]))
     }
 
-    /// The numbers of the cells a segment passes, a hair generously; what lies outside the grid is left out.
-    pub fn passed(&self, a: DVec2, b: DVec2, mut each: impl FnMut(usize)) {
+    /// The cells exactly `ring` columns or rows away from one; there are none outside the grid.
+    pub fn ring(&self, [column, row]: [usize; 2], ring: usize) -> impl Iterator<Item = [usize; 2]> + use<> {
+        let (nx, ring) = (self.nx, ring as i64);
+        let (column, row) = (column as i64, row as i64);
+        let rows = (row - ring).max(0)..=(row + ring).min(self.ny as i64 - 1);
+        rows.flat_map(move |y| {
+            let step = if y == row - ring || y == row + ring { 1 } else { (2 * ring).max(1) };
+            (column - ring..=column + ring).step_by(step as usize).map(move |x| (x, y))
+        })
+        .filter(move |&(x, _)| (0..nx as i64).contains(&x))
+        .map(|(x, y)| [x as usize, y as usize])
+    }
+
+    /// The least distance from a point in a cell to a point in a cell `ring` columns or rows away, mm.
+    pub fn ring_distance_mm(&self, ring: usize) -> f64 {
+        ring.saturating_sub(1) as f64 * self.cell_mm
+    }
+
+    /// The number of rings that hold all cells, whatever cell is in the middle.
+    pub fn n_rings(&self) -> usize {
+        self.nx.max(self.ny)
+    }
+
+    /// Calls `each` with the numbers of the cells that a segment passes, and with some that it misses by a millionth of
+    /// a cell. The part of the segment outside the grid is left out.
+    pub fn for_each_passed(&self, a: DVec2, b: DVec2, mut each: impl FnMut(usize)) {
         let cell = |p: DVec2| (p - self.origin) / self.cell_mm;
         let (a, b) = (cell(a), cell(b));
         let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
@@ -86,18 +126,30 @@ impl Cells {
     }
 }
 
-/// Numbered things in cells; one may be in several.
+/// Numbered things sorted into cells; one thing may be in several.
+///
+/// ```
+/// use grainpath_core::{Bounds2, DVec2, buckets::{Buckets, CellGrid}};
+///
+/// let segments = [[DVec2::ZERO, DVec2::new(4.0, 0.0)], [DVec2::new(0.0, 3.0), DVec2::new(4.0, 3.0)]];
+/// let bounds = Bounds2::of(segments.iter().flatten().copied()).unwrap();
+/// let grid = CellGrid::covering(bounds, 1.0, 1000);
+/// let buckets = Buckets::new(grid, 2, |i, add| grid.for_each_passed(segments[i][0], segments[i][1], add));
+/// let cell = grid.index(grid.cell_of(DVec2::new(2.5, 0.2)));
+/// assert_eq!(buckets.members(cell), [0], "only the lower segment is near");
+/// ```
 #[derive(Debug, Clone)]
 pub struct Buckets {
     /// Where the cells are.
-    pub cells: Cells,
+    pub cells: CellGrid,
     starts: Vec<u32>,
     members: Vec<u32>,
 }
 
 impl Buckets {
-    /// Sorts `n` things: `places` tells the numbers of a thing's cells. In a cell they keep their order.
-    pub fn new(cells: Cells, n: usize, places: impl Fn(usize, &mut dyn FnMut(usize))) -> Self {
+    /// Sorts `n` things: `places` calls its second argument with the number of each cell that the thing is in. In a cell
+    /// things keep their order.
+    pub fn new(cells: CellGrid, n: usize, places: impl Fn(usize, &mut dyn FnMut(usize))) -> Self {
         let mut starts = vec![0u32; cells.nx * cells.ny + 1];
         // Cells of all things one after the other, and where those of each end.
         let (mut all, mut ends) = (Vec::with_capacity(2 * n), Vec::with_capacity(n));
@@ -125,25 +177,210 @@ impl Buckets {
         Self { cells, starts, members }
     }
 
-    /// What is in a cell.
-    pub fn of(&self, cell: usize) -> &[u32] {
-        self.of_run(cell, cell)
+    /// The things in a cell.
+    pub fn members(&self, cell: usize) -> &[u32] {
+        self.members_of_run(cell, cell)
     }
 
-    /// What is in the cells numbered from `first` to `last`, cell after cell.
-    pub fn of_run(&self, first: usize, last: usize) -> &[u32] {
+    /// The things in the cells numbered from `first` to `last`, cell after cell.
+    pub fn members_of_run(&self, first: usize, last: usize) -> &[u32] {
         &self.members[self.starts[first] as usize..self.starts[last + 1] as usize]
+    }
+}
+
+/// No grid of points has more cells in a direction. Bounds its memory: 2000 x 2000 empty cells are 96 MB.
+const MAX_CELLS_PER_SIDE: usize = 2000;
+
+/// Points in the plane, each with a value, that can be added, removed and asked for by place.
+///
+/// ```
+/// use grainpath_core::{Bounds2, DVec2, buckets::PointGrid2};
+///
+/// let bounds = Bounds2 { min: DVec2::ZERO, max: DVec2::splat(10.0) };
+/// let mut grid = PointGrid2::new(bounds, 1.0);
+/// grid.insert(DVec2::new(1.0, 1.0), "a");
+/// grid.insert(DVec2::new(9.0, 1.0), "b");
+/// assert_eq!(grid.nearest(DVec2::new(6.0, 0.0), |_| true).map(|n| n.1), Some("b"));
+/// assert_eq!(grid.within(DVec2::new(1.5, 1.0), 1.0).count(), 1);
+/// assert!(grid.remove(DVec2::new(9.0, 1.0), "b"));
+/// assert_eq!(grid.nearest(DVec2::new(6.0, 0.0), |_| true).map(|n| n.1), Some("a"));
+/// ```
+#[derive(Debug, Clone)]
+pub struct PointGrid2<T> {
+    cells: CellGrid,
+    points: Vec<Vec<(DVec2, T)>>,
+}
+
+impl<T: Copy + Ord> PointGrid2<T> {
+    /// An empty grid over `bounds` for queries of a radius of about `cell_mm`.
+    pub fn new(bounds: Bounds2, cell_mm: f64) -> Self {
+        let cells = CellGrid::covering(bounds, cell_mm.max(1e-6), MAX_CELLS_PER_SIDE);
+        Self { cells, points: vec![Vec::new(); cells.nx * cells.ny] }
+    }
+
+    fn cell(&self, p: DVec2) -> usize {
+        self.cells.index(self.cells.cell_of(p))
+    }
+
+    /// Adds a point.
+    pub fn insert(&mut self, p: DVec2, value: T) {
+        let cell = self.cell(p);
+        self.points[cell].push((p, value));
+    }
+
+    /// Removes the point with this place and value that was added last; false when there is none.
+    pub fn remove(&mut self, p: DVec2, value: T) -> bool {
+        let cell = self.cell(p);
+        let found = self.points[cell].iter().rposition(|&(q, v)| q == p && v == value);
+        if let Some(i) = found {
+            self.points[cell].remove(i);
+        }
+        found.is_some()
+    }
+
+    /// The points nearer to `p` than `radius_mm`, in no particular order.
+    pub fn within(&self, p: DVec2, radius_mm: f64) -> impl Iterator<Item = (DVec2, T)> + '_ {
+        let (low, high) = (self.cells.cell_of(p - radius_mm), self.cells.cell_of(p + radius_mm));
+        let row = move |y: usize| self.cells.index([low[0], y])..=self.cells.index([high[0], y]);
+        (low[1]..=high[1])
+            .flat_map(move |y| self.points[row(y)].iter().flatten())
+            .filter(move |(q, _)| q.distance_squared(p) < radius_mm * radius_mm)
+            .copied()
+    }
+
+    /// The nearest point whose value is accepted; of equally near ones that of the lowest value.
+    pub fn nearest(&self, p: DVec2, accept: impl Fn(T) -> bool) -> Option<(DVec2, T)> {
+        let middle = self.cells.cell_of(p);
+        let mut best: Option<(f64, DVec2, T)> = None;
+        for ring in 0..self.cells.n_rings() {
+            let reach = self.cells.ring_distance_mm(ring);
+            if best.is_some_and(|b| reach * reach > b.0) {
+                break;
+            }
+            for cell in self.cells.ring(middle, ring) {
+                for &(q, value) in &self.points[self.cells.index(cell)] {
+                    let d = q.distance_squared(p);
+                    let nearer = best.is_none_or(|b| d < b.0 || (d == b.0 && value < b.2));
+                    if nearer && accept(value) {
+                        best = Some((d, q, value));
+                    }
+                }
+            }
+        }
+        best.map(|(_, q, value)| (q, value))
+    }
+}
+
+/// Points in space, each with a value, that can be added, removed and asked for by place. Needs no bounds: only cells
+/// with points take memory.
+///
+/// ```
+/// use grainpath_core::{DVec3, buckets::PointGrid3};
+///
+/// let mut grid = PointGrid3::new(2.0);
+/// grid.insert(DVec3::ZERO, 7);
+/// grid.insert(DVec3::new(0.0, 0.0, 3.0), 8);
+/// assert_eq!(grid.nearest_within(DVec3::new(0.0, 0.0, 2.0), 5.0), Some(8));
+/// assert_eq!(grid.within(DVec3::ZERO, 2.5).count(), 1);
+/// ```
+#[derive(Debug, Clone)]
+pub struct PointGrid3<T> {
+    cell_mm: f64,
+    cells: BTreeMap<[i64; 3], Vec<(DVec3, T)>>,
+}
+
+impl<T: Copy + Ord> PointGrid3<T> {
+    /// An empty grid for queries of a radius of about `cell_mm`.
+    pub fn new(cell_mm: f64) -> Self {
+        Self { cell_mm, cells: BTreeMap::new() }
+    }
+
+    fn key(&self, p: DVec3) -> [i64; 3] {
+        (p / self.cell_mm).floor().to_array().map(|c| c as i64)
+    }
+
+    /// Adds a point.
+    pub fn insert(&mut self, p: DVec3, value: T) {
+        self.cells.entry(self.key(p)).or_default().push((p, value));
+    }
+
+    /// Removes the point with this place and value; false when there is none.
+    pub fn remove(&mut self, p: DVec3, value: T) -> bool {
+        let Some(cell) = self.cells.get_mut(&self.key(p)) else { return false };
+        let found = cell.iter().rposition(|&(q, v)| q == p && v == value);
+        if let Some(i) = found {
+            cell.remove(i);
+        }
+        found.is_some()
+    }
+
+    /// The points at most `radius_mm` from `p` with their distances, in no particular order.
+    pub fn within(&self, p: DVec3, radius_mm: f64) -> impl Iterator<Item = (f64, T)> + '_ {
+        let ([x0, y0, z0], [x1, y1, z1]) = (self.key(p - radius_mm), self.key(p + radius_mm));
+        (x0..=x1)
+            .flat_map(move |x| (y0..=y1).map(move |y| (x, y)))
+            .flat_map(move |(x, y)| self.cells.range([x, y, z0]..=[x, y, z1]))
+            .flat_map(|(_, points)| points)
+            .map(move |&(q, value)| (q.distance(p), value))
+            .filter(move |&(d, _)| d <= radius_mm)
+    }
+
+    /// The value of the nearest point within the radius; of equally near ones the lowest.
+    pub fn nearest_within(&self, p: DVec3, radius_mm: f64) -> Option<T> {
+        self.within(p, radius_mm).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|n| n.1)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    proptest! {
+        /// Both kinds of grid answer as a search through all points does, whatever the size of the cells, after some
+        /// points were removed, and for points outside the bounds.
+        #[test]
+        fn grids_answer_as_a_search_through_all_points(
+            points in prop::collection::vec(prop::array::uniform3(-8i32..8), 1..60),
+            cell in 0.3f64..5.0,
+            at in prop::array::uniform3(-10.0f64..10.0),
+            radius in 0.5f64..6.0,
+        ) {
+            let bounds = Bounds2 { min: DVec2::splat(-5.0), max: DVec2::splat(5.0) };
+            let (mut flat, mut space) = (PointGrid2::new(bounds, cell), PointGrid3::new(cell));
+            let points: Vec<DVec3> = points.iter().map(|p| DVec3::from(p.map(f64::from))).collect();
+            for (i, p) in points.iter().enumerate() {
+                flat.insert(p.truncate(), i);
+                space.insert(*p, i);
+            }
+            for (i, p) in points.iter().enumerate().step_by(3) {
+                prop_assert!(flat.remove(p.truncate(), i) && space.remove(*p, i));
+                prop_assert!(!flat.remove(p.truncate(), i) && !space.remove(*p, i));
+            }
+            let left = || points.iter().enumerate().filter(|(i, _)| i % 3 != 0);
+            let at = DVec3::from(at);
+            let wanted = left().map(|(i, p)| (p.truncate().distance_squared(at.truncate()), i));
+            let wanted = wanted.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|n| n.1);
+            prop_assert_eq!(flat.nearest(at.truncate(), |_| true).map(|n| n.1), wanted);
+            let near: Vec<(f64, usize)> =
+                left().map(|(i, p)| (p.distance(at), i)).filter(|n| n.0 <= radius).collect();
+            let mut found: Vec<usize> = space.within(at, radius).map(|n| n.1).collect();
+            found.sort_unstable();
+            prop_assert_eq!(&found, &near.iter().map(|n| n.1).collect::<Vec<_>>());
+            let nearest = near.iter().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|n| n.1);
+            prop_assert_eq!(space.nearest_within(at, radius), nearest);
+            let mut found: Vec<usize> = flat.within(at.truncate(), radius).map(|n| n.1).collect();
+            found.sort_unstable();
+            let near = left().filter(|(_, p)| p.truncate().distance(at.truncate()) < radius).map(|n| n.0);
+            prop_assert_eq!(found, near.collect::<Vec<_>>());
+        }
+    }
 
     #[test]
     fn segments_are_found_along_their_way_and_nowhere_far() {
         let bounds = Bounds2 { min: DVec2::splat(-3.0), max: DVec2::new(17.0, 9.0) };
-        let cells = Cells::over(bounds, 1.0, 1000);
+        let cells = CellGrid::covering(bounds, 1.0, 1000);
         let segments: Vec<[DVec2; 2]> = (0..50)
             .map(|k| {
                 let turn = crate::math::direction(f64::from(k));
@@ -152,25 +389,28 @@ mod tests {
             })
             .collect();
         let buckets = Buckets::new(cells, segments.len(), |i, add| {
-            cells.passed(segments[i][0], segments[i][1], add);
+            cells.for_each_passed(segments[i][0], segments[i][1], add);
         });
         for (i, [a, b]) in segments.iter().enumerate() {
             for step in 0..=40 {
                 let p = a.lerp(*b, f64::from(step) / 40.0);
                 if p.cmpge(bounds.min).all() && p.cmple(bounds.max).all() {
-                    assert!(buckets.of(cells.index(cells.at(p))).contains(&(i as u32)), "{i} at {p}");
+                    assert!(
+                        buckets.members(cells.index(cells.cell_of(p))).contains(&(i as u32)),
+                        "{i} at {p}"
+                    );
                 }
             }
         }
         for at in cells.block([0, 0], [cells.nx - 1, cells.ny - 1]) {
             let centre = cells.origin + DVec2::new(at[0] as f64 + 0.5, at[1] as f64 + 0.5);
-            for &i in buckets.of(cells.index(at)) {
+            for &i in buckets.members(cells.index(at)) {
                 let [a, b] = segments[i as usize];
                 let t = ((centre - a).dot(b - a) / a.distance_squared(b)).clamp(0.0, 1.0);
                 assert!(centre.distance(a.lerp(b, t)) < 0.71, "{i} in {at:?}");
             }
         }
-        assert_eq!(cells.around([0, 0], 1).count(), 4);
-        assert_eq!(cells.at(DVec2::splat(1e9)), [cells.nx - 1, cells.ny - 1]);
+        assert_eq!(cells.neighbourhood([0, 0], 1).count(), 4);
+        assert_eq!(cells.cell_of(DVec2::splat(1e9)), [cells.nx - 1, cells.ny - 1]);
     }
 }

@@ -362,7 +362,7 @@ fn joined(a: &Node, b: &Node) -> Node {
     Node { lo, hi, centre, dipole: a.dipole + b.dipole, radius: radius.min(box_radius), first: 0, count: 0 }
 }
 
-/// The point of a triangle nearest to `q` (Ericson 2005, 5.1.5); for one without area the nearest of its sides.
+/// The point of a triangle nearest to `q` (`ericson2005`, section 5.1.5); for one without area the nearest of its sides.
 pub fn closest_on_triangle(q: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
     let (ab, ac, aq) = (b - a, c - a, q - a);
     let (d1, d2) = (ab.dot(aq), ac.dot(aq));

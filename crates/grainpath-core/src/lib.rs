@@ -5,9 +5,14 @@
 
 pub mod buckets;
 pub mod bvh;
+pub mod conjugate_gradients;
+pub mod dense;
 pub mod diagnostics;
+pub mod disjoint_sets;
+pub mod failure_svg;
 pub mod field;
 pub mod field_mesh;
+pub mod hash;
 pub mod layer;
 pub mod line_points;
 pub mod mask;
@@ -15,6 +20,8 @@ pub mod math;
 pub mod medial;
 pub mod mesh;
 pub mod poly;
+pub mod polyline;
+pub mod segment;
 pub mod selection;
 pub mod slices;
 pub mod spelling;
@@ -27,6 +34,7 @@ pub mod warning;
 
 pub use bvh::Bvh;
 pub use diagnostics::Diagnostics;
+pub use disjoint_sets::DisjointSets;
 pub use field::{DirectionField, DirectionSample, UniformField};
 pub use glam::{DMat3, DVec2, DVec3, IVec3};
 pub use layer::{Layer, LayerStack};

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::{Bounds2, Region};
-use crate::buckets::{Buckets, Cells};
+use crate::buckets::{Buckets, CellGrid};
 use crate::math::cross;
 
 /// A piece of a clipped polyline.
@@ -55,8 +55,9 @@ impl LineClipper {
         let bounds = region.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let size = bounds.size().max(DVec2::splat(1e-6));
         let cell_mm = (size.x * size.y / edges.len().max(1) as f64).sqrt();
-        let cells = Cells::over(Bounds2 { min: bounds.min, max: bounds.min + size }, cell_mm, 2000);
-        let buckets = Buckets::new(cells, edges.len(), |i, add| cells.passed(edges[i].a, edges[i].b, add));
+        let cells = CellGrid::covering(Bounds2 { min: bounds.min, max: bounds.min + size }, cell_mm, 2000);
+        let buckets =
+            Buckets::new(cells, edges.len(), |i, add| cells.for_each_passed(edges[i].a, edges[i].b, add));
         Self { edges, bounds, buckets }
     }
 
@@ -64,7 +65,7 @@ impl LineClipper {
     /// vertex crosses the border once or not at all.
     pub fn crossings(&self, a: DVec2, b: DVec2) -> Vec<Crossing> {
         let mut near: Vec<u32> = Vec::new();
-        self.buckets.cells.passed(a, b, |cell| near.extend(self.buckets.of(cell)));
+        self.buckets.cells.for_each_passed(a, b, |cell| near.extend(self.buckets.members(cell)));
         near.sort_unstable();
         near.dedup();
         let mut out: Vec<Crossing> = near
@@ -82,12 +83,12 @@ impl LineClipper {
     /// Whether the segment crosses the border anywhere, as [`Self::crossings`] counts.
     pub fn meets(&self, a: DVec2, b: DVec2) -> bool {
         let mut met = false;
-        self.buckets.cells.passed(a, b, |cell| {
+        self.buckets.cells.for_each_passed(a, b, |cell| {
             let crossed = |&i: &u32| {
                 let e = &self.edges[i as usize];
                 crossing(a, b, e.a, e.b).is_some()
             };
-            met = met || self.buckets.of(cell).iter().any(crossed);
+            met = met || self.buckets.members(cell).iter().any(crossed);
         });
         met
     }
@@ -98,8 +99,9 @@ impl LineClipper {
             return false;
         }
         let cells = &self.buckets.cells;
-        let [column, row] = cells.at(p);
-        let mut near = self.buckets.of_run(cells.index([0, row]), cells.index([column, row])).to_vec();
+        let [column, row] = cells.cell_of(p);
+        let mut near =
+            self.buckets.members_of_run(cells.index([0, row]), cells.index([column, row])).to_vec();
         near.sort_unstable();
         near.dedup();
         let near = near.into_iter().map(|i| (self.edges[i as usize].a, self.edges[i as usize].b));

@@ -1,6 +1,6 @@
 //! Stress over a plate.
 
-use grainpath_core::buckets::{Buckets, Cells};
+use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::math::cross;
 use grainpath_core::{Bounds2, DVec2};
 
@@ -47,12 +47,12 @@ impl PlaneStress {
         let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
         let size = bounds.size().max(DVec2::splat(1e-9));
         let cell_mm = (size.x * size.y / mesh.elements.len().max(1) as f64).sqrt();
-        let cells = Cells::over(Bounds2 { min: bounds.min, max: bounds.min + size }, cell_mm, 3000);
+        let cells = CellGrid::covering(Bounds2 { min: bounds.min, max: bounds.min + size }, cell_mm, 3000);
         let buckets = Buckets::new(cells, mesh.elements.len(), |t, add| {
             let e = &mesh.elements[t];
             let p = [e[0], e[1], e[2]].map(|i| mesh.nodes[i as usize]);
             let (low, high) = (p[0].min(p[1]).min(p[2]), p[0].max(p[1]).max(p[2]));
-            cells.block(cells.at(low), cells.at(high)).for_each(|at| add(cells.index(at)));
+            cells.block(cells.cell_of(low), cells.cell_of(high)).for_each(|at| add(cells.index(at)));
         });
         Self { mesh, nodal, error, buckets }
     }
@@ -86,7 +86,7 @@ impl PlaneStress {
     /// The element at a point and the area coordinates in it; the nearest place where it is in none.
     pub fn locate(&self, p: DVec2) -> Option<(usize, [f64; 3])> {
         let cells = &self.buckets.cells;
-        let own = cells.at(p);
+        let own = cells.cell_of(p);
         let mut best: Option<(f64, usize, [f64; 3])> = None;
         for ring in 0..cells.nx.max(cells.ny) {
             let reach = ring.saturating_sub(1) as f64 * cells.cell_mm;
@@ -94,8 +94,8 @@ impl PlaneStress {
                 break;
             }
             let away = |at: &[usize; 2]| at[0].abs_diff(own[0]).max(at[1].abs_diff(own[1])) == ring;
-            for at in cells.around(own, ring).filter(away) {
-                for &t in self.buckets.of(cells.index(at)) {
+            for at in cells.neighbourhood(own, ring).filter(away) {
+                for &t in self.buckets.members(cells.index(at)) {
                     let e = self.mesh.elements[t as usize];
                     let c = [e[0], e[1], e[2]].map(|i| self.mesh.nodes[i as usize]);
                     let (off, l) = nearest_in(c, p);

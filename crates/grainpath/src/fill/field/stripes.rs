@@ -1,6 +1,6 @@
 //! Dense fill along a field: beads at even distances whose width follows their spacing.
 
-use grainpath_core::buckets::{Buckets, Cells};
+use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::math::{cross, direction};
 use grainpath_core::poly::{FillRule, Join, LineClipper, distance2_to_segment, edges};
 use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
@@ -103,8 +103,9 @@ impl NearBorder {
     pub fn new(border: &Region, cell_mm: f64) -> Self {
         let edges: Vec<(DVec2, DVec2)> = border.contours().flat_map(|c| edges(c)).collect();
         let bounds = border.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
-        let cells = Cells::over(bounds, cell_mm, 2000);
-        let buckets = Buckets::new(cells, edges.len(), |k, add| cells.passed(edges[k].0, edges[k].1, add));
+        let cells = CellGrid::covering(bounds, cell_mm, 2000);
+        let buckets =
+            Buckets::new(cells, edges.len(), |k, add| cells.for_each_passed(edges[k].0, edges[k].1, add));
         Self { edges, buckets }
     }
 
@@ -113,7 +114,9 @@ impl NearBorder {
     pub fn wanted(&self, p: DVec2, axis: DVec2, spacing_mm: f64, at_border: f64) -> (f64, f64) {
         let cells = &self.buckets.cells;
         let mut best = (f64::INFINITY, u32::MAX);
-        for &k in cells.around(cells.at(p), 1).flat_map(|at| self.buckets.of(cells.index(at))) {
+        for &k in
+            cells.neighbourhood(cells.cell_of(p), 1).flat_map(|at| self.buckets.members(cells.index(at)))
+        {
             let (a, b) = self.edges[k as usize];
             let distance = distance2_to_segment(p, a, b).sqrt();
             if distance < best.0 || (distance == best.0 && k < best.1) {

@@ -1,6 +1,6 @@
 //! How much room a bead has between its neighbours.
 
-use grainpath_core::buckets::{Buckets, Cells};
+use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::math::cross;
 use grainpath_core::poly::edges;
 use grainpath_core::{Bounds2, DVec2, Region};
@@ -99,13 +99,13 @@ impl Neighbours {
     pub fn around(lines: &[Line], chosen: impl Fn(usize) -> bool, reach_mm: f64, cell_mm: f64) -> Self {
         let points = lines.iter().flat_map(|l| l.points.iter().copied());
         let bounds = Bounds2::of(points).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
-        let cells = Cells::over(bounds, reach_mm, 4000);
+        let cells = CellGrid::covering(bounds, reach_mm, 4000);
         let mut is_near = vec![false; cells.nx * cells.ny];
         for (l, line) in lines.iter().enumerate().filter(|l| chosen(l.0)) {
             for p in pieces_of(l, line) {
-                cells.passed(p.a, p.b, |cell| {
+                cells.for_each_passed(p.a, p.b, |cell| {
                     let at = [cell % cells.nx, cell / cells.nx];
-                    cells.around(at, 1).for_each(|at| is_near[cells.index(at)] = true);
+                    cells.neighbourhood(at, 1).for_each(|at| is_near[cells.index(at)] = true);
                 });
             }
         }
@@ -113,7 +113,7 @@ impl Neighbours {
         for (l, line) in lines.iter().enumerate() {
             pieces.extend(pieces_of(l, line).filter(|p| {
                 let mut near = false;
-                cells.passed(p.a, p.b, |cell| near |= is_near[cell]);
+                cells.for_each_passed(p.a, p.b, |cell| near |= is_near[cell]);
                 near
             }));
         }
@@ -125,8 +125,8 @@ impl Neighbours {
         let cells = &self.buckets.cells;
         let mut is_near = vec![false; self.pieces.len()];
         for &p in places {
-            for at in cells.around(cells.at(p), 2) {
-                self.buckets.of(cells.index(at)).iter().for_each(|&m| is_near[m as usize] = true);
+            for at in cells.neighbourhood(cells.cell_of(p), 2) {
+                self.buckets.members(cells.index(at)).iter().for_each(|&m| is_near[m as usize] = true);
             }
         }
         let moved = |p: &Piece| {
@@ -143,8 +143,9 @@ impl Neighbours {
     fn of(pieces: Vec<Piece>, cell_mm: f64) -> Self {
         let ends = pieces.iter().flat_map(|p| [p.a, p.b]);
         let bounds = Bounds2::of(ends).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
-        let cells = Cells::over(bounds, cell_mm, 4000);
-        let buckets = Buckets::new(cells, pieces.len(), |i, add| cells.passed(pieces[i].a, pieces[i].b, add));
+        let cells = CellGrid::covering(bounds, cell_mm, 4000);
+        let buckets =
+            Buckets::new(cells, pieces.len(), |i, add| cells.for_each_passed(pieces[i].a, pieces[i].b, add));
         Self { pieces, buckets }
     }
 
@@ -165,8 +166,8 @@ impl Neighbours {
     ) -> Option<Hit> {
         let end = p + far_mm * way;
         let mut best: Option<(f64, u32)> = None;
-        self.buckets.cells.passed(p, end, |cell| {
-            for &m in self.buckets.of(cell) {
+        self.buckets.cells.for_each_passed(p, end, |cell| {
+            for &m in self.buckets.members(cell) {
                 let piece = &self.pieces[m as usize];
                 let d = piece.b - piece.a;
                 let to = piece.a - p;
@@ -198,8 +199,8 @@ impl Neighbours {
     pub fn between(&self, a: DVec2, b: DVec2, own: [DVec2; 2]) -> bool {
         let way = b - a;
         let mut blocked = false;
-        self.buckets.cells.passed(a, b, |cell| {
-            for &m in self.buckets.of(cell) {
+        self.buckets.cells.for_each_passed(a, b, |cell| {
+            for &m in self.buckets.members(cell) {
                 let piece = &self.pieces[m as usize];
                 let ends = [piece.a, piece.b];
                 if piece.line == BORDER || own.iter().any(|p| ends.contains(p)) {
@@ -221,7 +222,7 @@ impl Neighbours {
         let mut met: Vec<(Piece, DVec2, DVec2)> = Vec::new();
         for cell in 0..cells.nx * cells.ny {
             met.clear();
-            for &i in self.buckets.of(cell) {
+            for &i in self.buckets.members(cell) {
                 let p = self.pieces[i as usize];
                 if p.line == BORDER {
                     continue;

@@ -1,0 +1,166 @@
+//! Pictures of failing geometry tests.
+//!
+//! A polygon test that fails prints coordinates that nobody can read. [`FailurePicture`] collects what the test looked
+//! at and, when it is dropped while the test panics, writes an SVG below `target/failures/` and prints its path. A test
+//! that passes writes nothing.
+//!
+//! ```
+//! use grainpath_core::{DVec2, Region, failure_svg::FailurePicture};
+//!
+//! let region = Region::rectangle(DVec2::ZERO, DVec2::splat(4.0));
+//! let mut picture = FailurePicture::new("doc_example");
+//! picture.region("outline", &region);
+//! picture.point("offender", DVec2::splat(2.0));
+//! assert!(region.contains(DVec2::splat(2.0)), "a failure here would leave an SVG behind");
+//! ```
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use glam::DVec2;
+
+use crate::{Bounds2, Contour, Region};
+
+/// One colour a shape, in the order they are added.
+const COLOURS: [&str; 6] = ["#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#8c564b"];
+
+/// Longer side of the picture, pixels.
+const SIDE_PX: f64 = 900.0;
+
+enum Shape {
+    Area(Vec<Contour>),
+    Line(Vec<DVec2>),
+    Point(DVec2),
+}
+
+/// What a test looks at; drawn when the test fails.
+pub struct FailurePicture {
+    name: String,
+    shapes: Vec<(String, Shape)>,
+}
+
+impl FailurePicture {
+    /// A picture without shapes; `name` becomes the file's name.
+    pub fn new(name: impl Into<String>) -> Self {
+        Self { name: name.into(), shapes: Vec::new() }
+    }
+
+    /// Adds a region, drawn as a translucent area.
+    pub fn region(&mut self, label: &str, region: &Region) {
+        let contours = region.contours().cloned().collect();
+        self.shapes.push((label.to_owned(), Shape::Area(contours)));
+    }
+
+    /// Adds an open polyline.
+    pub fn line(&mut self, label: &str, points: &[DVec2]) {
+        self.shapes.push((label.to_owned(), Shape::Line(points.to_vec())));
+    }
+
+    /// Adds a point, drawn as a small ring.
+    pub fn point(&mut self, label: &str, point: DVec2) {
+        self.shapes.push((label.to_owned(), Shape::Point(point)));
+    }
+
+    /// The SVG text: millimetres with y upwards, a legend of labels, and a title a shape with its coordinates' range.
+    pub fn svg(&self) -> String {
+        let points = self.shapes.iter().flat_map(|(_, shape)| match shape {
+            Shape::Area(contours) => contours.iter().flatten().copied().collect::<Vec<_>>(),
+            Shape::Line(points) => points.clone(),
+            Shape::Point(p) => vec![*p],
+        });
+        let finite = points.filter(|p| p.is_finite());
+        let bounds = Bounds2::of(finite).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
+        let margin = 0.05 * bounds.size().max_element().max(1e-6);
+        let bounds = bounds.grown(margin);
+        let scale = SIDE_PX / bounds.size().max_element();
+        let size = bounds.size() * scale;
+        let place = |p: DVec2| {
+            let q = (p - bounds.min) * scale;
+            format!("{:.3},{:.3}", q.x, size.y - q.y)
+        };
+        let path = |points: &[DVec2]| points.iter().map(|&p| place(p)).collect::<Vec<_>>().join(" ");
+        let mut out = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0}\" height=\"{:.0}\" font-family=\"sans-serif\">\n\
+             <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
+            size.x, size.y
+        );
+        for (i, (label, shape)) in self.shapes.iter().enumerate() {
+            let colour = COLOURS[i % COLOURS.len()];
+            let drawn = match shape {
+                Shape::Area(contours) => {
+                    let d: String = contours.iter().map(|c| format!("M{}Z", path(c))).collect();
+                    format!(
+                        "<path d=\"{d}\" fill=\"{colour}\" fill-opacity=\"0.2\" fill-rule=\"evenodd\" stroke=\"{colour}\"/>"
+                    )
+                }
+                Shape::Line(points) => {
+                    format!("<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\"/>", path(points))
+                }
+                Shape::Point(p) => {
+                    let q = place(*p);
+                    let (x, y) = q.split_once(',').unwrap_or_default();
+                    format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"5\" fill=\"none\" stroke=\"{colour}\"/>")
+                }
+            };
+            let label = label.replace('&', "&amp;").replace('<', "&lt;");
+            let y = 16 * (i + 1);
+            let _ = writeln!(
+                out,
+                "{drawn}\n<text x=\"6\" y=\"{y}\" font-size=\"13\" fill=\"{colour}\">{label}</text>"
+            );
+        }
+        out.push_str("</svg>\n");
+        out
+    }
+
+    /// The folder of pictures: `failures` below the target folder of the running test binary, or below the temporary
+    /// folder where there is none.
+    fn folder() -> PathBuf {
+        let binary = std::env::current_exe().unwrap_or_default();
+        let target = binary.ancestors().find(|p| p.ends_with("target")).map(PathBuf::from);
+        target.unwrap_or_else(std::env::temp_dir).join("failures")
+    }
+}
+
+impl Drop for FailurePicture {
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            return;
+        }
+        let path = Self::folder().join(format!("{}.svg", self.name));
+        let written =
+            std::fs::create_dir_all(Self::folder()).and_then(|()| std::fs::write(&path, self.svg()));
+        match written {
+            Ok(()) => eprintln!("the failing geometry is drawn in {}", path.display()),
+            Err(e) => eprintln!("the failing geometry could not be drawn in {}: {e}", path.display()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failing_test_leaves_a_picture_and_a_passing_one_none() {
+        let draw = |name: &str, fails: bool| {
+            let name = name.to_owned();
+            let path = FailurePicture::folder().join(format!("{name}.svg"));
+            let _ = std::fs::remove_file(&path);
+            let ended = std::panic::catch_unwind(|| {
+                let mut picture = FailurePicture::new(name);
+                picture.region("a < b", &Region::rectangle(DVec2::ZERO, DVec2::splat(2.0)));
+                picture.line("way", &[DVec2::ZERO, DVec2::new(f64::NAN, 1.0)]);
+                picture.point("here", DVec2::ONE);
+                assert!(!fails, "on purpose");
+            });
+            assert_eq!(ended.is_err(), fails);
+            let text = std::fs::read_to_string(&path).ok();
+            let _ = std::fs::remove_file(&path);
+            text
+        };
+        assert_eq!(draw("failure_svg_passes", false), None);
+        let svg = draw("failure_svg_fails", true).expect("a picture");
+        assert!(svg.contains("a &lt; b") && svg.contains("<circle") && svg.ends_with("</svg>\n"), "{svg}");
+    }
+}

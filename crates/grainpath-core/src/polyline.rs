@@ -1,0 +1,205 @@
+//! Polylines in the plane: length, equal steps, and dropping vertices that do not matter.
+//!
+//! A polyline is a slice of points in mm. `closed` says that the last point is joined to the first, which is not
+//! repeated. Cost: [`length_mm`] and [`resampled`] are linear; [`simplified_with`] (Douglas and Peucker 1973,
+//! `douglas1973` in docs/references.bib) is O(n log n) for usual lines and O(n²) at worst, O(n) with pieces of limited
+//! length. Degenerate lines: without a point the result is empty; a line of no length keeps its points.
+
+use glam::DVec2;
+
+use crate::segment::closest_share;
+
+/// Length of a polyline, mm.
+///
+/// ```
+/// use grainpath_core::{DVec2, polyline::length_mm};
+///
+/// let corner = [DVec2::ZERO, DVec2::new(3.0, 0.0), DVec2::new(3.0, 4.0)];
+/// assert_eq!(length_mm(&corner, false), 7.0);
+/// assert_eq!(length_mm(&corner, true), 12.0);
+/// ```
+pub fn length_mm(line: &[DVec2], closed: bool) -> f64 {
+    let open: f64 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
+    match (closed, line) {
+        (true, [first, .., last]) => open + last.distance(*first),
+        _ => open,
+    }
+}
+
+/// The polyline with points at equal steps of about `step_mm`. An open line keeps both ends; a closed one its first
+/// point.
+///
+/// Corners between two steps are cut off. At most 10⁶ points are made.
+///
+/// ```
+/// use grainpath_core::{DVec2, polyline::resampled};
+///
+/// let line = [DVec2::ZERO, DVec2::new(1.0, 0.0), DVec2::new(4.0, 0.0)];
+/// let xs: Vec<f64> = resampled(&line, false, 0.9).iter().map(|p| p.x).collect();
+/// assert_eq!(xs, [0.0, 1.0, 2.0, 3.0, 4.0]);
+/// ```
+pub fn resampled(line: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
+    let length = length_mm(line, closed);
+    if line.len() < 2 || length <= 0.0 {
+        return line.to_vec();
+    }
+    let n = (length / step_mm).round().clamp(1.0, 1e6) as usize;
+    let corner = |i: usize| line[if i == line.len() { 0 } else { i }];
+    let n_segments = line.len() - usize::from(!closed);
+    let mut out = Vec::with_capacity(n + 1);
+    out.push(line[0]);
+    let (mut walked, mut i) = (0.0, 0);
+    for k in 1..n {
+        let target = length * k as f64 / n as f64;
+        let mut segment = corner(i).distance(corner(i + 1));
+        while i + 1 < n_segments && walked + segment < target {
+            walked += segment;
+            i += 1;
+            segment = corner(i).distance(corner(i + 1));
+        }
+        out.push(corner(i).lerp(corner(i + 1), ((target - walked) / segment.max(1e-12)).clamp(0.0, 1.0)));
+    }
+    if !closed {
+        out.push(line[line.len() - 1]);
+    }
+    out
+}
+
+/// Which vertices of an open polyline Douglas and Peucker's method keeps: the ends, and in each stretch the vertex that
+/// is farthest off as long as `off` is above 1.
+///
+/// `off(i, a, b)` says how far vertex `i` is from the line from vertex `a` to vertex `b`, as a share of what is
+/// tolerated; it may compare data of the vertices too. The line is first cut into pieces of at most `max_piece`
+/// segments, so that the time a long line takes grows with its length alone.
+///
+/// ```
+/// use grainpath_core::polyline::kept_vertices;
+///
+/// // Heights along x = 0, 1, 2, 3: the third is 0.5 above the line through its neighbours.
+/// let y = [0.0f64, 0.01, 0.5, 0.0];
+/// let off = |i: usize, a: usize, b: usize| {
+///     let share = (i - a) as f64 / (b - a) as f64;
+///     (y[i] - (y[a] + share * (y[b] - y[a]))).abs() / 0.3
+/// };
+/// assert_eq!(kept_vertices(4, usize::MAX, off), [true, false, true, true]);
+/// ```
+pub fn kept_vertices(n: usize, max_piece: usize, off: impl Fn(usize, usize, usize) -> f64) -> Vec<bool> {
+    let mut keep = vec![false; n];
+    if n == 0 {
+        return keep;
+    }
+    keep[n - 1] = true;
+    let mut stack = Vec::new();
+    for a in (0..n - 1).step_by(max_piece.max(1)) {
+        keep[a] = true;
+        stack.push((a, a.saturating_add(max_piece.max(1)).min(n - 1)));
+    }
+    keep[0] = true;
+    while let Some((a, b)) = stack.pop() {
+        let worst =
+            (a + 1..b).map(|i| (off(i, a, b), i)).fold((1.0, 0), |m, o| if o.0 > m.0 { o } else { m });
+        if worst.0 > 1.0 {
+            keep[worst.1] = true;
+            stack.extend([(a, worst.1), (worst.1, b)]);
+        }
+    }
+    keep
+}
+
+/// Stretches that are compared at once, segments. Bounds the time of a long line; the price is one vertex that is kept
+/// every 256 segments although the line is straight there.
+const MAX_PIECE: usize = 256;
+
+/// A polyline and its numbers (one a vertex) without the vertices that lie within `tolerance_mm` of the line through
+/// what remains and whose number lies within `value_tolerance` of the interpolated one.
+///
+/// A closed line is cut into at least two pieces, so that it never collapses to a point.
+///
+/// ```
+/// use grainpath_core::{DVec2, polyline::simplified_with};
+///
+/// let line: Vec<DVec2> = (0..5).map(|i| DVec2::new(f64::from(i), 0.0)).collect();
+/// let widths = [0.4, 0.4, 0.5, 0.4, 0.4];
+/// let (points, kept) = simplified_with(&line, &widths, false, 0.005, 0.01);
+/// assert_eq!(kept, [0.4, 0.4, 0.5, 0.4, 0.4], "the straight line keeps the wide place");
+/// let (points, _) = simplified_with(&line, &[0.4; 5], false, 0.005, 0.01);
+/// assert_eq!(points.len(), 2);
+/// ```
+pub fn simplified_with(
+    line: &[DVec2],
+    values: &[f64],
+    closed: bool,
+    tolerance_mm: f64,
+    value_tolerance: f64,
+) -> (Vec<DVec2>, Vec<f64>) {
+    let off = |i: usize, a: usize, b: usize| {
+        let share = closest_share(line[i], line[a], line[b]);
+        let value = values[a] + share * (values[b] - values[a]);
+        let distance = line[i].distance(line[a] + share * (line[b] - line[a]));
+        (distance / tolerance_mm).max((values[i] - value).abs() / value_tolerance)
+    };
+    let max_piece = if closed { MAX_PIECE.min(line.len() / 2).max(1) } else { MAX_PIECE };
+    let keep = kept_vertices(line.len(), max_piece, off);
+    let kept = || (0..line.len()).filter(|&i| keep[i]);
+    (kept().map(|i| line[i]).collect(), kept().map(|i| values[i]).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::segment::distance_squared_mm2;
+
+    fn lines() -> impl Strategy<Value = Vec<DVec2>> {
+        prop::collection::vec((-5.0f64..5.0, -5.0f64..5.0), 2..40)
+            .prop_map(|v| v.into_iter().map(|(x, y)| DVec2::new(x, y)).collect())
+    }
+
+    proptest! {
+        /// Steps are equal along the line, so no chord is longer than a step, and every new point is on the old line.
+        #[test]
+        fn steps_are_equal_and_on_the_line(line in lines(), closed in any::<bool>(), step in 0.05f64..2.0) {
+            let out = resampled(&line, closed, step);
+            let length = length_mm(&line, closed);
+            let n = out.len() - usize::from(!closed);
+            let longest = length / n as f64;
+            prop_assert!(out.windows(2).all(|w| w[0].distance(w[1]) <= longest * (1.0 + 1e-9)));
+            prop_assert_eq!(out[0], line[0]);
+            if !closed {
+                prop_assert_eq!(out[out.len() - 1], line[line.len() - 1]);
+            }
+            let mut all = line.clone();
+            all.extend(closed.then_some(line[0]));
+            let near = |p: &DVec2| all.windows(2).any(|w| distance_squared_mm2(*p, w[0], w[1]) < 1e-18);
+            prop_assert!(out.iter().all(near));
+        }
+
+        /// Every vertex dropped lies within the tolerances of the line that remains.
+        #[test]
+        fn what_is_dropped_is_within_the_tolerances(line in lines(), wave in 0.0f64..3.0) {
+            let values: Vec<f64> = (0..line.len()).map(|i| 0.4 + 0.1 * crate::math::sin(wave * i as f64)).collect();
+            let (points, kept) = simplified_with(&line, &values, false, 0.5, 0.05);
+            prop_assert_eq!(points.len(), kept.len());
+            let fits = |(p, v): (&DVec2, &f64)| {
+                points.windows(2).zip(kept.windows(2)).any(|(w, k)| {
+                    let share = closest_share(*p, w[0], w[1]);
+                    p.distance(w[0].lerp(w[1], share)) <= 0.5 + 1e-9
+                        && (v - (k[0] + share * (k[1] - k[0]))).abs() <= 0.05 + 1e-9
+                })
+            };
+            prop_assert!(line.iter().zip(&values).all(fits));
+        }
+    }
+
+    #[test]
+    fn degenerate_lines_come_back() {
+        let p = DVec2::new(1.0, 2.0);
+        assert_eq!(resampled(&[], true, 1.0), []);
+        assert_eq!(resampled(&[p], false, 1.0), [p]);
+        assert_eq!(resampled(&[p, p], true, 1.0), [p, p]);
+        assert_eq!(simplified_with(&[p], &[0.4], true, 0.1, 0.1), (vec![p], vec![0.4]));
+        assert_eq!(simplified_with(&[], &[], false, 0.1, 0.1), (vec![], vec![]));
+        assert_eq!(length_mm(&[p], true), 0.0);
+    }
+}
