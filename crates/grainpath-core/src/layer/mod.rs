@@ -1,8 +1,25 @@
-//! The first waist: a part as a stack of plane sections, whatever it was read from.
+//! The part as a stack of plane sections, whatever it was read from.
+//!
+//! A mesh, a scan, a drawing and a photograph all become a [`LayerStack`]; walls, fills and supports know nothing else of
+//! the part. Heights are mm above the plate, regions are in part coordinates (mm). The stack can be kept or sent to
+//! another machine as bytes: [`LayerStack::to_bytes`], format in [`encoding`].
+
+pub mod encoding;
+
+pub use encoding::LayerStackError;
 
 use crate::poly::Region;
 
 /// One printed layer: its section, taken at the middle of its height.
+///
+/// ```
+/// use grainpath_core::{DVec2, Layer, Region};
+///
+/// let section = Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 5.0));
+/// let layer = Layer::new(0.2, 0.2, section.clone()).expect("it stands on the plate");
+/// assert_eq!(layer.region().area_mm2(), 100.0);
+/// assert!(Layer::new(0.1, 0.2, section).is_none(), "it would begin below the plate");
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Layer {
     z_top_mm: f64,
@@ -35,6 +52,16 @@ impl Layer {
 }
 
 /// A part as layers from the plate upwards. Invariant: `z_top_mm` rises strictly.
+///
+/// ```
+/// use grainpath_core::{DVec2, Layer, LayerStack, Region};
+///
+/// let section = Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 5.0));
+/// let layer = |top_mm| Layer::new(top_mm, 0.2, section.clone()).unwrap();
+/// let stack = LayerStack::new(vec![layer(0.2), layer(0.4)]).expect("heights rise");
+/// assert_eq!(stack.volume_mm3(), 40.0);
+/// assert!(LayerStack::new(vec![layer(0.4), layer(0.2)]).is_none());
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LayerStack {
     layers: Vec<Layer>,
