@@ -1,28 +1,56 @@
-//! Files: read whole with a limit, written beside and renamed.
+//! Files: read whole with a limit, written beside their place and renamed.
+//!
+//! A file is written under a temporary name in its folder and renamed when it is complete, so that a reader never sees
+//! half of it. Links are followed and the mode of a file that is replaced stays. What is no regular file (a device, a
+//! pipe) is written through instead: renaming would replace the device itself.
 
-use std::fs;
-use std::io::{BufWriter, Write};
+use std::fs::{self, OpenOptions};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::Duration;
 
 use crate::Failure;
 
-/// Files larger than this are not read.
+/// Larger files are not read. Chosen: a third of a machine with 24 GiB, since a mesh takes about twice its file.
 const MAX_BYTES: u64 = 8 << 30;
+/// More than this is not read from a pipe or a device, whose size nobody knows beforehand.
+const MAX_STREAM_BYTES: u64 = 1 << 30;
 
-/// Reads a file.
+/// Reads a file; `-` is standard input.
 ///
 /// # Errors
 /// Exit code 3 when it is not there, is a folder, is too large or cannot be read.
 pub fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     let wrong = |what: String| Failure::input(format!("{}: {what}", path.display()));
+    if path == Path::new("-") {
+        return read_stream(&mut io::stdin().lock()).map_err(wrong);
+    }
     let metadata = fs::metadata(path).map_err(|e| wrong(plain(&e)))?;
     if metadata.is_dir() {
         return Err(wrong("is a folder; a file is needed".into()));
+    }
+    if !metadata.is_file() {
+        let mut stream = fs::File::open(path).map_err(|e| wrong(plain(&e)))?;
+        return read_stream(&mut stream).map_err(wrong);
     }
     if metadata.len() > MAX_BYTES {
         return Err(wrong(format!("has {} bytes; more than {MAX_BYTES} are not read", metadata.len())));
     }
     fs::read(path).map_err(|e| wrong(plain(&e)))
+}
+
+/// Reads a pipe or a device to its end, up to a limit.
+fn read_stream(stream: &mut dyn Read) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    stream.take(MAX_STREAM_BYTES + 1).read_to_end(&mut bytes).map_err(|e| plain(&e))?;
+    if bytes.len() as u64 > MAX_STREAM_BYTES {
+        return Err(format!(
+            "gives more than {} MiB; from a pipe or a device no more are read, so give a file",
+            MAX_STREAM_BYTES >> 20
+        ));
+    }
+    Ok(bytes)
 }
 
 /// Reads a text.
@@ -36,13 +64,13 @@ pub fn read_text(path: &Path) -> Result<String, Failure> {
 }
 
 /// The system's words without its numbers.
-pub fn plain(error: &std::io::Error) -> String {
+pub fn plain(error: &io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()
 }
 
-/// Writes a file through `fill` into a temporary one beside it, which takes its name when all went well. On an error
-/// nothing is left behind.
+/// Writes a file through `fill`: into a temporary one beside it, which takes its name when all went well. On an error
+/// nothing is left behind. Links are followed; devices and pipes are written through.
 ///
 /// # Errors
 /// What `fill` says, or exit code 2 when the place cannot be written.
@@ -50,41 +78,124 @@ pub fn write_atomically<T>(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
-    let wrong = |e: &std::io::Error| Failure::usage(format!("cannot write {}: {}", path.display(), plain(e)));
-    if path.is_dir() {
+    let wrong = |e: &io::Error| Failure::usage(format!("cannot write {}: {}", path.display(), plain(e)));
+    let there = fs::metadata(path).ok();
+    if there.as_ref().is_some_and(fs::Metadata::is_dir) {
         return Err(Failure::usage(format!("cannot write {}: it is a folder", path.display())));
     }
-    let folder = match path.parent() {
+    // Descriptors lie below these folders: `/dev/stdout` may be a regular file and still must not be renamed.
+    let is_descriptor = ["/dev", "/proc"].iter().any(|folder| path.starts_with(folder));
+    if there.as_ref().is_some_and(|m| is_descriptor || !m.is_file()) {
+        let stream = OpenOptions::new().write(true).open(path).map_err(|e| wrong(&e))?;
+        let mut writer = BufWriter::with_capacity(1 << 17, stream);
+        let result = fill(&mut writer)?;
+        writer.flush().map_err(|e| wrong(&e))?;
+        return Ok(result);
+    }
+    let target = followed(path).map_err(|e| wrong(&e))?;
+    let folder = match target.parent() {
         Some(p) if !p.as_os_str().is_empty() => p.to_owned(),
         _ => PathBuf::from("."),
     };
     fs::create_dir_all(&folder).map_err(|e| wrong(&e))?;
-    let mut temporary = tempfile::Builder::new()
-        .prefix(".grainpath-")
-        .permissions(permissions())
-        .tempfile_in(&folder)
-        .map_err(|e| wrong(&e))?;
+    remove_leftovers(&folder);
+    let prefix = format!("{TEMPORARY}{}-", std::process::id());
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix);
+    if let Some(permissions) = permissions(there.as_ref()) {
+        builder.permissions(permissions);
+    }
+    let mut temporary = builder.tempfile_in(&folder).map_err(|e| wrong(&e))?;
     let mut writer = BufWriter::with_capacity(1 << 17, temporary.as_file_mut());
     let result = fill(&mut writer)?;
     writer.flush().map_err(|e| wrong(&e))?;
     drop(writer);
-    temporary.persist(path).map_err(|e| wrong(&e.error))?;
+    if let Some(m) = &there {
+        // The mode given at creation was cut down by the process's mask.
+        temporary.as_file().set_permissions(m.permissions()).map_err(|e| wrong(&e))?;
+    }
+    temporary.persist(&target).map_err(|e| wrong(&e.error))?;
     Ok(result)
 }
 
-/// What a new file usually gets; temporary ones are private by default.
+/// Beginning of the names of temporary files; the number of the process follows.
+const TEMPORARY: &str = ".grainpath-";
+/// Links are followed this far. Source: Linux follows 40 (`path_resolution(7)`).
+const MAX_LINKS: usize = 40;
+/// Where it cannot be told whether a process still runs, its temporary files are left alone for this long.
+const LEFTOVER_AGE: Duration = Duration::from_secs(24 * 3600);
+
+/// The file at the end of a chain of links; it need not exist.
+fn followed(path: &Path) -> io::Result<PathBuf> {
+    let mut path = path.to_owned();
+    for _ in 0..MAX_LINKS {
+        let Ok(to) = fs::read_link(&path) else { return Ok(path) };
+        path = path.parent().map_or_else(|| to.clone(), |p| p.join(&to));
+    }
+    Err(io::Error::other("too many links"))
+}
+
+/// Removes temporary files that killed runs have left in a folder; once a folder in each run.
+fn remove_leftovers(folder: &Path) {
+    static LOOKED_AT: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+    let mut looked_at = LOOKED_AT.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    if looked_at.iter().any(|f| f == folder) {
+        return;
+    }
+    looked_at.push(folder.to_owned());
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let process = name.to_str().and_then(|n| n.strip_prefix(TEMPORARY)).and_then(|n| n.split('-').next());
+        let Some(process) = process.and_then(|p| p.parse::<u32>().ok()) else { continue };
+        if process != std::process::id() && has_ended(process, &entry) {
+            // Somebody else may have removed it, or may not let us.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Whether the process that made a temporary file has ended.
+fn has_ended(process: u32, entry: &fs::DirEntry) -> bool {
+    let processes = Path::new("/proc");
+    if processes.join("self").exists() {
+        return !processes.join(process.to_string()).exists();
+    }
+    let written = entry.metadata().and_then(|m| m.modified());
+    written.ok().and_then(|t| t.elapsed().ok()).is_some_and(|age| age > LEFTOVER_AGE)
+}
+
+/// The permissions of a new file: those of the one it replaces, else what the process's mask leaves of 0666. Temporary
+/// files are private by default.
 #[cfg(unix)]
-fn permissions() -> fs::Permissions {
+fn permissions(replaced: Option<&fs::Metadata>) -> Option<fs::Permissions> {
     use std::os::unix::fs::PermissionsExt;
-    fs::Permissions::from_mode(0o644)
+    Some(replaced.map_or_else(|| fs::Permissions::from_mode(0o666), fs::Metadata::permissions))
 }
 
 #[cfg(not(unix))]
-fn permissions() -> fs::Permissions {
-    fs::metadata(".").map(|m| m.permissions()).expect("the current folder is there")
+fn permissions(_replaced: Option<&fs::Metadata>) -> Option<fs::Permissions> {
+    None
 }
 
-/// Prints to standard output; a reader that has gone is no error.
+/// Why standard output could not be written, the first time it could not.
+static LOST_OUTPUT: Mutex<Option<String>> = Mutex::new(None);
+
+/// Prints to standard output. A reader that has gone is no error; any other failure ends the command with
+/// [`lost_output`].
 pub fn print(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            let mut lost = LOST_OUTPUT.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            lost.get_or_insert(plain(&e));
+        }
+        _ => {}
+    }
+}
+
+/// What kept standard output from being written, if anything did.
+pub fn lost_output() -> Option<Failure> {
+    let lost = LOST_OUTPUT.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
+    lost.map(|why| Failure::usage(format!("cannot write standard output: {why}")))
 }

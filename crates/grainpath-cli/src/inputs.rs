@@ -15,6 +15,7 @@ use grainpath_io::volume::{Files, RawHeader, ReadSeek, open_volume};
 use grainpath_io::{parse_mesh, parse_outline};
 use grainpath_job::{Settings, parse_job};
 
+use crate::claims::Claims;
 use crate::{Failure, files};
 
 /// A job's text and overrides as settings.
@@ -39,6 +40,21 @@ pub fn read_job(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf, PathB
     };
     let shape = folder.join(given);
     Ok((settings, shape, folder))
+}
+
+/// Adds every file that a job reads beside the job itself.
+pub fn claim_inputs(settings: &Settings, shape: &Path, base: &Path, claims: &mut Claims) {
+    claims.read("of [shape]", shape);
+    let photos = settings.photo.files.iter().map(|f| ("of shape.photo.files", f));
+    let images = settings.image.files.iter().map(|f| ("of guide.image.files", f));
+    let others = [
+        ("of shape.ct.truth", &settings.ct.truth),
+        ("of guide.import", &settings.guide.import),
+        ("of guide.volume", &settings.volume.path),
+    ];
+    for (what, file) in photos.chain(images).chain(others).filter(|(_, f)| !f.is_empty()) {
+        claims.read(what, &base.join(file));
+    }
 }
 
 /// Reads a job's inputs and plans it; with the seconds that reading took.

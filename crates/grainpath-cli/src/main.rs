@@ -1,6 +1,7 @@
 //! The command line of grainpath: arguments, files, progress, exit codes.
 
 mod args;
+mod claims;
 mod commands;
 mod files;
 mod inputs;
@@ -57,6 +58,7 @@ fn main() -> ExitCode {
         Command::Schema(a) => commands::schema::schema(&a),
         Command::Profiles(a) => commands::profiles::profiles(&a),
     };
+    let outcome = outcome.and_then(|()| files::lost_output().map_or(Ok(()), Err));
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

@@ -18,6 +18,7 @@ use grainpath_view::layer::{Bead, LayerPicture, PictureOptions, layer_png, layer
 use grainpath_view::page;
 use grainpath_view::strength::{damage_png, index_png};
 
+use crate::claims::Claims;
 use crate::{Failure, files};
 
 /// Where things go.
@@ -35,7 +36,7 @@ pub struct Paths {
 }
 
 impl Paths {
-    /// Output paths of a job, relative to `out`; none may be the input.
+    /// Output paths of a job, relative to `out`.
     pub fn of(settings: &Settings, mesh: &Path, out: &Path) -> Result<Self, Failure> {
         let o = &settings.output;
         let given = |text: &String| (!text.is_empty()).then(|| out.join(text));
@@ -64,29 +65,31 @@ impl Paths {
         {
             return Err(Failure::usage(format!("output.lines = {:?} should end in .svg or .vtp", o.lines)));
         }
-        let same = |p: &Path| {
-            mesh.is_file() && matches!((p.canonicalize(), mesh.canonicalize()), (Ok(a), Ok(b)) if a == b)
-        };
-        let all = [
-            Some(&paths.gcode),
-            paths.report.as_ref(),
-            paths.plan.as_ref(),
-            paths.support.as_ref(),
-            paths.stress.as_ref(),
-            paths.lines.as_ref(),
-            paths.surface.as_ref(),
-            paths.layers_cli.as_ref(),
-            paths.layers_svg.as_ref(),
-        ];
-        for path in all.into_iter().flatten() {
-            if same(path) {
-                return Err(Failure::usage(format!(
-                    "{} is the input; it is not written over",
-                    path.display()
-                )));
-            }
-        }
         Ok(paths)
+    }
+
+    /// Whether the program goes to standard output.
+    pub fn is_standard_output(&self) -> bool {
+        ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| self.gcode == Path::new(name))
+    }
+
+    /// Adds every file that is written.
+    pub fn claim(&self, claims: &mut Claims) {
+        let all = [
+            ("output.gcode", Some(&self.gcode)),
+            ("output.report", self.report.as_ref()),
+            ("output.preview", self.preview.as_ref()),
+            ("output.plan", self.plan.as_ref()),
+            ("output.support", self.support.as_ref()),
+            ("output.surface", self.surface.as_ref()),
+            ("output.layers_cli", self.layers_cli.as_ref()),
+            ("output.layers_svg", self.layers_svg.as_ref()),
+            ("output.stress", self.stress.as_ref()),
+            ("output.lines", self.lines.as_ref()),
+        ];
+        for (what, path) in all {
+            path.into_iter().for_each(|path| claims.write(what, path));
+        }
     }
 }
 

@@ -18,12 +18,18 @@ use serde_json::{Value, json};
 
 use super::inspect_scan as scan;
 use crate::args::Inspect;
+use crate::claims::Claims;
 use crate::inputs::FILAMENT_MM;
 use crate::{Failure, files};
 
 /// Runs the command.
 pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     let raw = scan::raw_header(args)?;
+    let mut claims = Claims::default();
+    claims.read("file", &args.file);
+    args.truth.iter().for_each(|path| claims.read("--truth", path));
+    args.sheet.iter().for_each(|path| claims.write("--sheet", path));
+    claims.check()?;
     if raw.is_some() || scan::is(&args.file)? {
         let value = scan::inspect(args, raw.as_ref())?;
         files::print(&if args.json { format!("{value}\n") } else { table(&value) });

@@ -7,6 +7,7 @@ use grainpath_gcode::Program;
 use grainpath_view::layer::LayerPicture;
 
 use crate::args::Render;
+use crate::claims::Claims;
 use crate::inputs::{plan, read_job, read_program};
 use crate::{Failure, files, outputs, progress};
 
@@ -19,6 +20,11 @@ pub fn render(args: &Render) -> Result<(), Failure> {
         return Err(Failure::input(format!("{}: nothing is printed in it", args.gcode.display())));
     }
     let output = args.output.clone().unwrap_or_else(|| args.gcode.with_extension("png"));
+    let mut claims = Claims::default();
+    claims.read("program", &args.gcode);
+    args.job.iter().for_each(|job| claims.read("--job", job));
+    claims.write("--output", &output);
+    claims.check()?;
     let bytes = if args.part {
         let layers: Vec<_> = program.layers.iter().map(outputs::picture).collect();
         thumbnail_png(&layers, args.size, args.size * 3 / 4)

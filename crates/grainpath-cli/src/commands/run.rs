@@ -6,7 +6,8 @@ use grainpath::measure::dimensions::Dimension;
 use grainpath_job::Settings;
 
 use crate::args::{Common, Run};
-use crate::inputs::{plan, read_job, set_threads};
+use crate::claims::Claims;
+use crate::inputs::{claim_inputs, plan, read_job, set_threads};
 use crate::{Failure, files, outputs, progress};
 
 /// `grainpath run`
@@ -22,21 +23,28 @@ pub fn run(args: &Run) -> Result<(), Failure> {
         }
     };
     let out = args.out.clone().unwrap_or_else(|| folder.clone());
-    execute(&settings, &shape, &folder, &out, truth.as_deref(), &args.common)
+    let mut claims = Claims::default();
+    claims.read("the job file", &args.job);
+    execute(&settings, &shape, &folder, &out, truth.as_deref(), claims, &args.common)
 }
 
-/// Plans and writes a job. `base` is what input paths are relative to, `out` output paths.
+/// Plans and writes a job. `base` is what input paths are relative to, `out` output paths; `claims` holds what was read
+/// before.
 pub fn execute(
     settings: &Settings,
     shape: &Path,
     base: &Path,
     out: &Path,
     truth: Option<&[Dimension]>,
+    mut claims: Claims,
     common: &Common,
 ) -> Result<(), Failure> {
     set_threads(common.threads)?;
     let diagnostics = progress::diagnostics();
     let paths = outputs::Paths::of(settings, shape, out)?;
+    claim_inputs(settings, shape, base, &mut claims);
+    paths.claim(&mut claims);
+    claims.check()?;
     let (planned, read_s) = plan(settings, shape, base, &diagnostics)?;
     let report = outputs::write(settings, planned, &paths, read_s, common.json, truth, &diagnostics)?;
     // The progress line goes before anything is printed.
@@ -44,7 +52,12 @@ pub fn execute(
     if common.json {
         files::print(&format!("{}\n", report.to_json()));
     } else {
-        files::print(&format!("{}\n", report.summary()));
+        // A program that goes to standard output has it for itself.
+        if paths.is_standard_output() {
+            eprintln!("{}", report.summary());
+        } else {
+            files::print(&format!("{}\n", report.summary()));
+        }
     }
     Ok(())
 }

@@ -4,12 +4,16 @@ use std::path::Path;
 
 use crate::Failure;
 use crate::args::Slice;
+use crate::claims::Claims;
 use crate::commands::run::execute;
 use crate::inputs::settings;
 
 /// `grainpath slice`
 pub fn slice(args: &Slice) -> Result<(), Failure> {
     let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
+    if args.model == Path::new("-") && args.output.is_none() {
+        return Err(Failure::usage("a model from standard input needs -o FILE.gcode"));
+    }
     let output = args.output.clone().unwrap_or_else(|| args.model.with_extension("gcode"));
     settings.output.gcode = output.display().to_string();
     if args.model.extension().is_some_and(|e| ["svg", "dxf"].iter().any(|d| e.eq_ignore_ascii_case(d))) {
@@ -18,5 +22,5 @@ pub fn slice(args: &Slice) -> Result<(), Failure> {
             return Err(Failure::usage("an outline needs --set shape.thickness_mm=N"));
         }
     }
-    execute(&settings, &args.model, Path::new(""), Path::new(""), None, &args.common)
+    execute(&settings, &args.model, Path::new(""), Path::new(""), None, Claims::default(), &args.common)
 }

@@ -13,6 +13,7 @@ use grainpath_core::{DVec2, WarningId};
 use serde_json::json;
 
 use crate::args::Support;
+use crate::claims::Claims;
 use crate::inputs::{read_body, set_threads, settings};
 use crate::outputs::{MeshEnding, write_mesh};
 use crate::{Failure, files, outputs, progress};
@@ -26,6 +27,11 @@ pub fn support(args: &Support) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.model));
     MeshEnding::of(&output)?;
+    let mut claims = Claims::default();
+    claims.read("model", &args.model);
+    claims.write("--output", &output);
+    args.preview.iter().for_each(|folder| claims.write("--preview", folder));
+    claims.check()?;
     let diagnostics = progress::diagnostics();
     let (file, read_s) = read_body(&settings, &args.model, &diagnostics)?;
     let mut stages: BTreeMap<&str, f64> = BTreeMap::from([("read", read_s)]);

@@ -1,0 +1,173 @@
+//! Which files a command reads and writes, checked against each other before anything starts.
+//!
+//! An output never replaces an input, and no two outputs share a file. Paths are compared by the file they lead to, so
+//! `part.stl`, `./part.stl`, a link to it and a second name of it count as one. Devices and pipes are no files in this
+//! sense: several outputs may go to `/dev/null`.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+use crate::Failure;
+
+/// The identity of a place in the file system.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Identity {
+    /// A file that exists: its device and number.
+    #[cfg(unix)]
+    File { device: u64, inode: u64 },
+    /// A file that does not exist yet, or any file on systems without file numbers: the real path of its folder, and
+    /// its name.
+    Place(PathBuf, OsString),
+}
+
+/// The identity of a path; `None` for what is no regular file or folder.
+fn identity(path: &Path) -> Option<Identity> {
+    if let Ok(metadata) = fs::metadata(path) {
+        if !metadata.is_file() && !metadata.is_dir() {
+            return None;
+        }
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::MetadataExt;
+            return Some(Identity::File { device: metadata.dev(), inode: metadata.ino() });
+        }
+    }
+    let path =
+        fs::read_link(path).map_or_else(|_| path.to_owned(), |to| path.parent().unwrap_or(path).join(to));
+    let name = path.file_name()?.to_owned();
+    let folder = match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p.to_owned(),
+        _ => PathBuf::from("."),
+    };
+    // The part of the folder that exists is real, the rest is taken as written.
+    let (mut real, mut rest) = (folder.clone(), Vec::new());
+    while fs::canonicalize(&real).is_err() {
+        rest.push(real.file_name().map(ToOwned::to_owned)?);
+        real = real.parent().filter(|p| !p.as_os_str().is_empty()).map_or_else(|| ".".into(), Path::to_owned);
+    }
+    let real = fs::canonicalize(&real).or_else(|_| env::current_dir()).ok()?;
+    Some(Identity::Place(rest.into_iter().rev().fold(real, |p, r| p.join(r)), name))
+}
+
+/// A file or folder that a command reads or writes.
+struct Claim {
+    /// How the user named it: a setting or an argument.
+    what: String,
+    path: PathBuf,
+    identity: Identity,
+}
+
+/// What a command reads and writes.
+#[derive(Default)]
+pub struct Claims {
+    read: Vec<Claim>,
+    written: Vec<Claim>,
+}
+
+impl Claims {
+    /// Adds a file that is read, or a folder whose files are. An empty path is none.
+    pub fn read(&mut self, what: impl Into<String>, path: &Path) {
+        if !path.as_os_str().is_empty() {
+            self.read.extend(claim(what, path));
+        }
+    }
+
+    /// Adds a file that is written.
+    pub fn write(&mut self, what: impl Into<String>, path: &Path) {
+        self.written.extend(claim(what, path));
+    }
+
+    /// Compares everything that is written with all else.
+    ///
+    /// # Errors
+    /// Exit code 2 for an output that is an input, that lies among the slices of a scan under the name of one, or that
+    /// shares its file with another output.
+    pub fn check(&self) -> Result<(), Failure> {
+        for (k, out) in self.written.iter().enumerate() {
+            // A folder replaces no file; where a file is needed, writing says so.
+            if out.path.is_dir() {
+                continue;
+            }
+            let path = out.path.display();
+            if let Some(input) = self.read.iter().find(|r| r.identity == out.identity || holds(r, out)) {
+                return Err(Failure::usage(format!(
+                    "{}: {path} is the input {}; an output never replaces an input, so give it another name",
+                    out.what, input.what
+                )));
+            }
+            if let Some(other) = self.written[..k].iter().find(|w| w.identity == out.identity) {
+                return Err(Failure::usage(format!(
+                    "{} and {} name the same file {path}; give one of them another name",
+                    other.what, out.what
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn claim(what: impl Into<String>, path: &Path) -> Option<Claim> {
+    identity(path).map(|identity| Claim { what: what.into(), path: path.to_owned(), identity })
+}
+
+/// Whether an output would replace a file inside a folder that is read.
+fn holds(input: &Claim, output: &Claim) -> bool {
+    if !input.path.is_dir() || !output.path.exists() {
+        return false;
+    }
+    let folder = output.path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    identity(folder).is_some_and(|found| found == input.identity)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_file_has_one_identity_under_all_its_names() {
+        let dir = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| dir.path().join(name);
+        fs::write(at("part.stl"), "solid").expect("a file");
+        let mut names = vec![at("part.stl"), at("./part.stl"), at("new/../part.stl")];
+        fs::create_dir(at("new")).expect("a folder");
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(at("part.stl"), at("link.stl")).expect("a link");
+            fs::hard_link(at("part.stl"), at("second.stl")).expect("a second name");
+            names.extend([at("link.stl"), at("second.stl")]);
+        }
+        for name in &names {
+            let mut claims = Claims::default();
+            claims.read("shape.mesh", &at("part.stl"));
+            claims.write("output.gcode", name);
+            let error = claims.check().expect_err(&name.display().to_string());
+            assert!(error.message.contains("shape.mesh") && error.code == 2, "{}", error.message);
+        }
+        let mut claims = Claims::default();
+        claims.read("shape.mesh", &at("part.stl"));
+        claims.write("output.gcode", &at("later/part.gcode"));
+        claims.write("output.report", &at("later/part.html"));
+        claims.check().expect("three files");
+        claims.write("output.plan", &at("later/./part.html"));
+        let error = claims.check().expect_err("one file twice");
+        assert!(error.message.contains("output.report and output.plan"), "{}", error.message);
+    }
+
+    #[test]
+    fn slices_of_a_scan_are_inputs_and_devices_are_none() {
+        let dir = tempfile::tempdir().expect("a folder");
+        fs::write(dir.path().join("s1.png"), "slice").expect("a file");
+        let mut claims = Claims::default();
+        claims.read("shape.ct", dir.path());
+        claims.write("output.report", &dir.path().join("report.html"));
+        claims.check().expect("a new file among the slices");
+        claims.write("output.plan", &dir.path().join("s1.png"));
+        assert!(claims.check().is_err());
+        let mut claims = Claims::default();
+        for what in ["output.gcode", "output.plan"] {
+            claims.write(what, Path::new("/dev/null"));
+        }
+        assert!(cfg!(not(unix)) || claims.check().is_ok());
+    }
+}
