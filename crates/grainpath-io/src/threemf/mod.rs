@@ -6,6 +6,7 @@
 mod package;
 mod paint;
 mod part;
+mod properties;
 mod transform;
 mod write;
 
@@ -17,11 +18,13 @@ use grainpath_core::{TriMesh, Warning, WarningId};
 
 use crate::mesh::model::{MAX_ELEMENTS, MeshBody, MeshError, MeshFile};
 use package::Package;
-use part::{Component, Content, Part};
+use part::{Component, Content, ObjectType, Part};
 use transform::Transform;
 
 /// Components nested deeper than this are damage or malice.
 const MAX_DEPTH: usize = 32;
+/// The assembly of bodies gives no more warnings than this.
+const MAX_WARNINGS: usize = 50;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut package = Package::open(bytes)?;
@@ -42,15 +45,16 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         parts.insert(path, part);
     }
     let root = &parts[&root_path];
-    let mut assembly = Assembly { parts: &parts, bodies: Vec::new(), n_triangles: 0 };
+    let mut assembly = Assembly { parts: &parts, bodies: Vec::new(), n_triangles: 0, warnings: Vec::new() };
     for item in &root.items {
         let mut body = MeshBody::default();
         assembly.add(item, &root_path, Transform::IDENTITY, 0, &mut body)?;
         assembly.bodies.push(body);
     }
     let bodies = assembly.bodies;
+    warnings.extend(assembly.warnings);
     if root.items.is_empty() {
-        let text = "the build has no items; nothing is to be printed";
+        let text = "the build has no items, so nothing is to be printed (3MF core 3.4.3)";
         warnings.push(Warning::new(WarningId::ThreemfRule, text));
     }
     Ok(MeshFile { bodies, unit: Some(root.unit), warnings })
@@ -61,9 +65,18 @@ struct Assembly<'a> {
     parts: &'a BTreeMap<String, Part>,
     bodies: Vec<MeshBody>,
     n_triangles: u64,
+    /// Broken rules that show only where objects are used.
+    warnings: Vec<Warning>,
 }
 
 impl Assembly<'_> {
+    fn warn(&mut self, path: &str, text: String) {
+        let warning = Warning::new(WarningId::ThreemfRule, text).in_file(path.to_owned());
+        if self.warnings.len() < MAX_WARNINGS && !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
+        }
+    }
+
     fn add(
         &mut self,
         use_of: &Component,
@@ -75,19 +88,36 @@ impl Assembly<'_> {
         let path = use_of.path.as_deref().unwrap_or(path);
         let id = use_of.object;
         if depth > MAX_DEPTH {
-            let problem =
-                format!("components of object {id} are nested deeper than {MAX_DEPTH}, or in a circle");
+            let problem = format!(
+                "components of object {id} are nested deeper than {MAX_DEPTH}, or in a circle (3MF core 3.4)"
+            );
             return Err(MeshError::Invalid { place: path.to_owned(), problem });
         }
         let object =
             self.parts.get(path).and_then(|p| p.objects.get(&id)).ok_or_else(|| MeshError::Invalid {
                 place: path.to_owned(),
-                problem: format!("object {id} is used and does not exist"),
+                problem: format!("object {id} is used and does not exist (3MF core 3.4.3.1, 4.2.1)"),
             })?;
-        if !object.printed {
-            return Ok(());
+        match object.kind {
+            ObjectType::Solid => {}
+            ObjectType::Support => return Ok(()),
+            ObjectType::Surface => {
+                self.warn(
+                    path,
+                    format!("object {id} is a surface without an inside and is left out (3MF core 4.1)"),
+                );
+                return Ok(());
+            }
+            ObjectType::Other => {
+                let text = "is not meant to be printed, though the build refers to it; it is left out";
+                self.warn(path, format!("object {id} {text} (3MF core 3.4.3.1)"));
+                return Ok(());
+            }
         }
         let place = use_of.transform.then(&place);
+        if place.is_singular() {
+            self.warn(path, format!("a transform presses object {id} flat (3MF core 3.3)"));
+        }
         if body.name.is_none() {
             body.name.clone_from(&object.name);
         }

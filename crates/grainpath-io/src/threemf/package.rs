@@ -1,8 +1,9 @@
 //! The zip around the XML: parts, relationships, and limits against bombs.
 
-use grainpath_core::{Warning, WarningId};
+use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Cursor, Read};
 
+use grainpath_core::{Warning, WarningId};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use zip::ZipArchive;
@@ -18,6 +19,15 @@ const BOMB_RATIO: u64 = 100;
 
 const MODEL_TYPE: &str = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
 const TICKET_TYPE: &str = "http://schemas.microsoft.com/3dmanufacturing/2013/01/printticket";
+const THUMBNAIL_TYPE: &str =
+    "http://schemas.openxmlformats.org/package/2006/relationships/metadata/thumbnail";
+const MODEL_CONTENT_TYPE: &str = "application/vnd.ms-package.3dmanufacturing-3dmodel+xml";
+const ROOT_RELATIONSHIPS: &str = "/_rels/.rels";
+
+/// Packages with more relationships in one part are refused: checking them would take time without end.
+const MAX_RELATIONSHIPS: usize = 10_000;
+/// A relationships part gives no more warnings than this.
+const MAX_WARNINGS: usize = 50;
 
 pub(crate) struct Package<'a> {
     zip: ZipArchive<Cursor<&'a [u8]>>,
@@ -57,52 +67,147 @@ impl<'a> Package<'a> {
         result
     }
 
-    /// The path of the root model part by the package's relationships.
+    /// The path of the root model part, as the package's relationships name it.
     pub(crate) fn root_model(&mut self, warnings: &mut Vec<Warning>) -> Result<String, MeshError> {
-        let mut models = Vec::new();
-        let mut tickets = 0;
-        let relationships = "/_rels/.rels";
-        self.read(relationships, |r| {
-            elements(r, relationships, |e| {
+        let relationships = self.relationships(ROOT_RELATIONSHIPS)?;
+        let mut models = relationships.iter().filter(|r| r.kind == MODEL_TYPE);
+        let model = models
+            .next()
+            .ok_or_else(|| invalid(ROOT_RELATIONSHIPS, "no 3D model part is named (3MF core 2.1.1)"))?;
+        if models.next().is_some() {
+            return Err(invalid(ROOT_RELATIONSHIPS, "more than one 3D model part is named (3MF core 2.1.2)"));
+        }
+        let path = model.target.clone();
+        self.check_relationships(ROOT_RELATIONSHIPS, "/", &relationships, warnings);
+        self.check_content_types(&path, warnings);
+        let (folder, name) = path.rsplit_once('/').unwrap_or(("", &path));
+        let of_model = format!("{folder}/_rels/{name}.rels");
+        // A model part without relationships has no such file.
+        if self.has(&of_model) {
+            match self.relationships(&of_model) {
+                Ok(found) => self.check_relationships(&of_model, folder, &found, warnings),
+                Err(e) => {
+                    warnings.push(Warning::new(WarningId::ThreemfRule, format!("{e} (3MF core 2.1, OPC)")))
+                }
+            }
+        }
+        Ok(path)
+    }
+
+    /// Whether the archive holds a part of this name.
+    fn has(&self, path: &str) -> bool {
+        let name = path.trim_start_matches('/');
+        self.zip.file_names().filter_map(Result::ok).any(|n| n.eq_ignore_ascii_case(name))
+    }
+
+    /// Reads a relationships part.
+    fn relationships(&mut self, path: &str) -> Result<Vec<Relationship>, MeshError> {
+        let mut all = Vec::new();
+        self.read(path, |r| {
+            elements(r, path, |e| {
                 if e.local_name().as_ref() == "Relationship" {
-                    let kind = attribute(e, "Type").unwrap_or_default();
-                    if kind == MODEL_TYPE {
-                        models.push(attribute(e, "Target").unwrap_or_default());
+                    if all.len() == MAX_RELATIONSHIPS {
+                        return Err(invalid(path, format!("more than {MAX_RELATIONSHIPS} relationships")));
                     }
-                    tickets += usize::from(kind == TICKET_TYPE);
+                    let text = |key: &str| attribute(e, key).unwrap_or_default();
+                    all.push(Relationship {
+                        id: text("Id"),
+                        kind: text("Type"),
+                        target: text("Target"),
+                        is_external: text("TargetMode").eq_ignore_ascii_case("external"),
+                    });
                 }
                 Ok(())
             })
         })?;
-        let model =
-            models.first().cloned().ok_or_else(|| invalid(relationships, "no 3D model part is named"))?;
-        if models.len() > 1 {
-            return Err(invalid(relationships, "more than one 3D model part is named"));
-        }
-        if tickets > 1 {
-            let text = "more than one print ticket is named for the package";
-            warnings.push(Warning::new(WarningId::ThreemfRule, text));
-        }
-        self.part_tickets(&model, warnings);
-        Ok(model)
+        Ok(all)
     }
 
-    /// A model part has one print ticket at the most.
-    fn part_tickets(&mut self, model: &str, warnings: &mut Vec<Warning>) {
-        let (folder, name) = model.rsplit_once('/').unwrap_or(("", model));
-        let path = format!("{folder}/_rels/{name}.rels");
-        let mut tickets = 0;
-        let read = self.read(&path, |r| {
-            elements(r, &path, |e| {
-                tickets += usize::from(attribute(e, "Type").is_some_and(|t| t == TICKET_TYPE));
+    /// Warns of relationships that break a rule. Targets without a leading slash are relative to `folder`.
+    fn check_relationships(
+        &self,
+        path: &str,
+        folder: &str,
+        all: &[Relationship],
+        warnings: &mut Vec<Warning>,
+    ) {
+        let mut complain = |section: &str, text: String| {
+            let text = format!("{text} (3MF {section})");
+            let warning = Warning::new(WarningId::ThreemfRule, text).in_file(path.to_owned());
+            if !warnings.contains(&warning) && warnings.len() < MAX_WARNINGS {
+                warnings.push(warning);
+            }
+        };
+        let (mut ids, mut pairs) = (BTreeSet::new(), BTreeSet::new());
+        for r in all {
+            if !ids.insert(&r.id) {
+                complain("core 2.1, OPC", format!("the relationship id {:?} is given twice", r.id));
+            }
+            if !pairs.insert((&r.kind, &r.target)) {
+                complain("core 2.1.1", format!("two relationships of one type name the part {:?}", r.target));
+            }
+            if r.is_external {
+                complain("core 2.1.1", format!("the part {:?} lies outside the package", r.target));
+                continue;
+            }
+            let needed = [MODEL_TYPE, TICKET_TYPE, THUMBNAIL_TYPE].contains(&r.kind.as_str());
+            let target = if r.target.starts_with('/') {
+                r.target.clone()
+            } else {
+                format!("{}/{}", folder.trim_end_matches('/'), r.target)
+            };
+            if needed && !self.has(&target) {
+                complain(
+                    "core 2.1.1",
+                    format!("the archive has no part {:?}, which a relationship names", r.target),
+                );
+            }
+        }
+        if all.iter().filter(|r| r.kind == TICKET_TYPE).count() > 1 {
+            complain("core 2.1.4", "more than one print ticket is named".into());
+        }
+    }
+
+    /// Warns where the package does not state the content type of the model part.
+    fn check_content_types(&mut self, model: &str, warnings: &mut Vec<Warning>) {
+        const PART: &str = "/[Content_Types].xml";
+        let extension = model.rsplit_once('.').map_or("", |(_, e)| e).to_owned();
+        let mut content_type = None;
+        let read = self.read(PART, |r| {
+            elements(r, PART, |e| {
+                let names = |key: &str, wanted: &str| {
+                    attribute(e, key).is_some_and(|v| v.eq_ignore_ascii_case(wanted))
+                };
+                match e.local_name().as_ref() {
+                    "Override" if names("PartName", model) => content_type = attribute(e, "ContentType"),
+                    "Default" if content_type.is_none() && names("Extension", &extension) => {
+                        content_type = attribute(e, "ContentType");
+                    }
+                    _ => {}
+                }
                 Ok(())
             })
         });
-        if read.is_ok() && tickets > 1 {
-            let text = "more than one print ticket is named for the model";
-            warnings.push(Warning::new(WarningId::ThreemfRule, text).in_file(path));
-        }
+        let text = match (read, content_type) {
+            (Ok(()), Some(t)) if t == MODEL_CONTENT_TYPE => return,
+            (Err(e), _) => format!("{e} (3MF core 2.1, OPC)"),
+            (Ok(()), found) => {
+                let found = found.map_or("none".to_owned(), |t| format!("{t:?}"));
+                format!(
+                    "{PART}: the content type of {model} is {found}, not {MODEL_CONTENT_TYPE:?} (3MF core 2.1)"
+                )
+            }
+        };
+        warnings.push(Warning::new(WarningId::ThreemfRule, text));
     }
+}
+
+/// A link from the package or from a part to another part.
+struct Relationship {
+    id: String,
+    kind: String,
+    target: String,
+    is_external: bool,
 }
 
 /// Stops reading after `left` bytes.
@@ -143,7 +248,9 @@ pub(crate) fn events(
         match &event {
             Event::Start(_) => depth += 1,
             Event::End(_) => depth -= 1,
-            Event::DocType(_) => return Err(invalid(path, "a document type definition, which 3MF forbids")),
+            Event::DocType(_) => {
+                return Err(invalid(path, "a document type definition, which 3MF forbids (3MF core 2.3.2)"));
+            }
             Event::Eof if depth > 0 => return Err(invalid(path, "the XML ends in the middle")),
             Event::Eof => return Ok(()),
             _ => {}

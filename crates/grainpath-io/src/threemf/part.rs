@@ -1,20 +1,26 @@
-//! One model part: its objects, its build, and what is wrong among its resources.
+//! One model part: its objects and its build, and the rules of the specification that it breaks.
+//!
+//! Source: 3MF Core Specification 1.4. A rule that is broken is a warning that names the section, as long as the
+//! triangles can be told from what is there; otherwise it is an error. Elements and attributes of namespaces other than
+//! core, materials and production are passed over, as section 2.3.3.1 demands.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, TriMesh, Warning, WarningId};
 use quick_xml::events::{BytesStart, Event};
+use quick_xml::name::QName;
 
 use super::package::{Package, events, invalid};
 use super::paint;
+use super::properties::{Broken, Reference, Resources};
 use super::transform::Transform;
 use crate::mesh::model::{MeshError, PaintedSupports, SoupBuilder};
 use crate::position::checked;
 use crate::text::{number, whole};
 use crate::xml::attribute;
 
-/// Names of metadata that need no prefix.
+/// Names of metadata that need no prefix. Source: 3MF Core Specification 1.4, table 3-1.
 const METADATA: [&str; 9] = [
     "Title",
     "Designer",
@@ -27,49 +33,77 @@ const METADATA: [&str; 9] = [
     "Application",
 ];
 
+/// The namespace of the core specification.
+const CORE: &str = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
+
+/// Namespaces of extensions of which grainpath reads all that concerns the shape. Source: appendix C of the extensions.
+const KNOWN_EXTENSIONS: [&str; 5] = [
+    "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
+    "http://schemas.microsoft.com/3dmanufacturing/production/2015/06",
+    "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07",
+    "http://schemas.openxmlformats.org/markup-compatibility/2006",
+    CORE,
+];
+
+/// A part keeps no more warnings than this: a damaged file could give one for each triangle.
+const MAX_WARNINGS: usize = 50;
+
 /// A use of an object, by a component or a build item.
 #[derive(Debug, Clone)]
-pub(crate) struct Component {
-    pub(crate) object: u32,
-    pub(crate) path: Option<String>,
-    pub(crate) transform: Transform,
+pub(super) struct Component {
+    pub(super) object: u32,
+    pub(super) path: Option<String>,
+    pub(super) transform: Transform,
 }
 
 #[derive(Debug)]
-pub(crate) enum Content {
+pub(super) enum Content {
     Mesh(TriMesh, PaintedSupports),
     Components(Vec<Component>),
 }
 
-#[derive(Debug)]
-pub(crate) struct Object {
-    pub(crate) name: Option<String>,
-    pub(crate) content: Content,
-    /// Whether it is of a type that is part of the model, not support or else.
-    pub(crate) printed: bool,
+/// What an object is for. Source: table of section 4, attribute `type`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ObjectType {
+    /// `model` or `solidsupport`: printed as solid bodies.
+    Solid,
+    /// `support`: grainpath makes its own supports, as the specification allows.
+    Support,
+    /// `surface`: an open surface, which has no inside.
+    Surface,
+    /// `other` and words that the specification does not know: never printed.
+    Other,
 }
 
-pub(crate) struct Part {
-    pub(crate) unit: LengthUnit,
-    pub(crate) objects: BTreeMap<u32, Object>,
-    pub(crate) items: Vec<Component>,
-    pub(crate) warnings: Vec<Warning>,
+#[derive(Debug)]
+pub(super) struct Object {
+    pub(super) name: Option<String>,
+    pub(super) content: Content,
+    pub(super) kind: ObjectType,
+}
+
+pub(super) struct Part {
+    pub(super) unit: LengthUnit,
+    pub(super) objects: BTreeMap<u32, Object>,
+    pub(super) items: Vec<Component>,
+    pub(super) warnings: Vec<Warning>,
 }
 
 impl Part {
-    pub(crate) fn read(package: &mut Package<'_>, path: &str) -> Result<Self, MeshError> {
+    /// Reads the part at `path` of the package.
+    pub(super) fn read(package: &mut Package<'_>, path: &str) -> Result<Self, MeshError> {
         let mut builder = Builder { path: path.to_owned(), ..Builder::default() };
         package.read(path, |r| events(r, path, |event| builder.event(event)))?;
         builder.finish()
     }
 
-    /// Other parts that this one uses.
-    pub(crate) fn paths(&self) -> Vec<String> {
-        let of_objects = self.objects.values().flat_map(|o| match &o.content {
+    /// Paths of other parts whose objects this one uses.
+    pub(super) fn paths(&self) -> Vec<String> {
+        let components = self.objects.values().flat_map(|o| match &o.content {
             Content::Components(c) => c.as_slice(),
             Content::Mesh(..) => &[],
         });
-        of_objects.chain(&self.items).filter_map(|c| c.path.clone()).collect()
+        components.chain(&self.items).filter_map(|c| c.path.clone()).collect()
     }
 }
 
@@ -77,13 +111,19 @@ impl Part {
 struct Builder {
     path: String,
     unit: Option<LengthUnit>,
-    models: usize,
-    has_resources: bool,
-    has_build: bool,
+    n_models: usize,
+    n_resources: usize,
+    n_builds: usize,
+    /// URI of each namespace prefix that `<model>` declares.
+    namespaces: BTreeMap<String, String>,
+    metadata: BTreeSet<String>,
+    resources: Resources,
+    /// Whether the file requires an extension that is not read.
+    requires_unread: bool,
+    /// Objects that have triangles with properties and no property of their own.
+    n_without_default: usize,
     objects: BTreeMap<u32, Object>,
     items: Vec<Component>,
-    /// Kind of every resource seen.
-    kinds: BTreeMap<u32, String>,
     warnings: Vec<Warning>,
     current: Option<Current>,
 }
@@ -92,13 +132,31 @@ struct Builder {
 struct Current {
     id: u32,
     name: Option<String>,
-    printed: bool,
-    has_pid: bool,
+    kind: ObjectType,
+    pid: Option<u32>,
+    has_pindex: bool,
+    has_mesh: bool,
+    has_components: bool,
     vertices: Vec<u32>,
     soup: SoupBuilder,
-    /// Triangles with what is painted on them, not yet understood.
+    n_triangles: u64,
+    /// Triangles whose attributes break a rule, by rule.
+    broken: BrokenTriangles,
+    /// Triangles with the digits of what is painted on them.
     painted: Vec<([u32; 3], Vec<u8>)>,
     components: Vec<Component>,
+}
+
+/// How many triangles of an object break each rule: counted, so that a warning names a number and not each triangle.
+#[derive(Default)]
+struct BrokenTriangles {
+    repeated_corner: u64,
+    index_without_group: u64,
+    no_such_group: u64,
+    no_such_member: u64,
+    gradient: u64,
+    p2_without_p1: u64,
+    has_property: bool,
 }
 
 impl Builder {
@@ -106,112 +164,265 @@ impl Builder {
         match event {
             Event::Start(e) | Event::Empty(e) => {
                 self.element(e)?;
-                if matches!(event, Event::Empty(_)) && e.local_name().as_ref() == "object" {
+                if matches!(event, Event::Empty(_))
+                    && self.is_core(e.name())
+                    && e.local_name().as_ref() == "object"
+                {
                     self.end_object();
                 }
             }
-            Event::End(e) if e.local_name().as_ref() == "object" => self.end_object(),
+            Event::End(e) if self.is_core(e.name()) && e.local_name().as_ref() == "object" => {
+                self.end_object()
+            }
+            Event::Decl(decl) => {
+                let encoding = decl.encoding().and_then(Result::ok);
+                if encoding.is_some_and(|e| !e.eq_ignore_ascii_case("utf-8")) {
+                    self.warn("core 2.3.2", "an XML encoding other than UTF-8 is declared");
+                }
+            }
             _ => {}
         }
         Ok(())
     }
 
+    /// Whether an element is one of the core specification: unprefixed, or with a prefix of the core namespace.
+    fn is_core(&self, name: QName<'_>) -> bool {
+        name.prefix().is_none_or(|p| self.namespaces.get(p.as_ref()).is_some_and(|uri| uri == CORE))
+    }
+
     fn element(&mut self, e: &BytesStart<'_>) -> Result<(), MeshError> {
-        let name = e.local_name();
-        match name.as_ref() {
-            "vertex" => self.vertex(e),
-            "triangle" => self.triangle(e),
-            "model" => {
-                self.models += 1;
-                let unit = attribute(e, "unit").unwrap_or_else(|| "millimeter".into());
-                self.unit = LengthUnit::from_name(&unit);
-                if self.unit.is_none() {
-                    return Err(invalid("", format!("unit {unit:?} is not one of 3MF's")));
-                }
-                Ok(())
-            }
-            "resources" => {
-                self.has_resources = true;
-                Ok(())
-            }
-            "build" => {
-                self.has_build = true;
-                Ok(())
-            }
-            "metadata" => {
-                let name = attribute(e, "name").unwrap_or_default();
-                if !METADATA.contains(&name.as_str()) && !name.contains(':') {
-                    self.warn(format!("metadata named {name:?}, which is neither one of 3MF's nor prefixed"));
-                }
-                Ok(())
-            }
-            "object" => self.start_object(e),
+        let local = e.local_name();
+        let name = local.as_ref();
+        if name == "model" {
+            return self.model(e);
+        }
+        if !self.is_core(e.name()) {
+            return self.foreign(name, e);
+        }
+        match name {
+            "vertex" => return self.vertex(e),
+            "triangle" => return self.triangle(e),
+            "resources" => self.n_resources += 1,
+            "build" => self.n_builds += 1,
+            "metadata" => self.metadata(e),
+            "object" => self.start_object(e)?,
             "component" => {
-                let component = use_of(e, "objectid")?;
+                let component = component(e)?;
+                if component.path.is_none() && !self.objects.contains_key(&component.object) {
+                    let id = component.object;
+                    self.warn(
+                        "core 3.4",
+                        format!("a component refers to object {id}, which is not defined before it"),
+                    );
+                }
                 if let Some(current) = &mut self.current {
                     current.components.push(component);
                 }
-                Ok(())
             }
             "item" => {
-                let item = use_of(e, "objectid")?;
+                let item = component(e)?;
                 if attribute(e, "printable").is_none_or(|p| p != "0") {
                     self.items.push(item);
                 }
-                Ok(())
             }
-            "beamlattice" => {
-                self.warn_of(WarningId::ThreemfNotRead, "a beam lattice; only triangles are read");
-                Ok(())
-            }
-            other => {
-                if e.attributes().with_checks(false).flatten().any(|a| a.key.as_ref().starts_with("xsi:")) {
-                    self.warn(format!("<{other}> has a schema instance attribute, which 3MF forbids"));
+            "mesh" | "components" => {
+                if let Some(current) = &mut self.current {
+                    current.has_mesh |= name == "mesh";
+                    current.has_components |= name == "components";
                 }
-                self.material(other, e);
-                Ok(())
             }
+            "vertices" | "triangles" | "metadatagroup" => {}
+            "basematerials" | "base" => self.property(name, e),
+            other => {
+                let known = self.property_of_extension(other, e);
+                if !known {
+                    self.warn("core 2.3.2", format!("<{other}>, which the core specification does not know"));
+                }
+            }
+        }
+        self.check_attributes(name, e);
+        Ok(())
+    }
+
+    fn model(&mut self, e: &BytesStart<'_>) -> Result<(), MeshError> {
+        self.n_models += 1;
+        let unit = attribute(e, "unit").unwrap_or_else(|| "millimeter".into());
+        self.unit = LengthUnit::from_name(&unit);
+        if self.unit.is_none() {
+            return Err(invalid("", format!("unit {unit:?} is not one of 3MF's")));
+        }
+        for a in e.attributes().with_checks(false).filter_map(Result::ok) {
+            let key: &str = a.key.as_ref();
+            if let Some(prefix) = key.strip_prefix("xmlns:") {
+                self.namespaces.insert(prefix.to_owned(), a.value.trim().to_owned());
+            } else if key == "xmlns" && a.value.trim() != CORE {
+                let uri = a.value.chars().take(100).collect::<String>();
+                self.warn(
+                    "core 2.3.3.1",
+                    format!("<model> is in the namespace {uri:?}, which is not that of 3MF"),
+                );
+            }
+        }
+        for (key, word) in [("requiredextensions", "requires"), ("recommendedextensions", "recommends")] {
+            for prefix in attribute(e, key).unwrap_or_default().split_whitespace() {
+                match self.namespaces.get(prefix) {
+                    None => self.warn(
+                        "core 3.4",
+                        format!("{key} names the prefix {prefix:?}, which is not declared"),
+                    ),
+                    Some(uri) if KNOWN_EXTENSIONS.contains(&uri.as_str()) => {}
+                    Some(uri) => {
+                        self.requires_unread |= key == "requiredextensions";
+                        let text = format!(
+                            "the file {word} the extension {uri:?}, which grainpath does not read; \
+                             the part may look different from what is printed (3MF core 3.4)"
+                        );
+                        self.push(WarningId::ThreemfNotRead, text);
+                    }
+                }
+            }
+        }
+        self.check_attributes("model", e);
+        Ok(())
+    }
+
+    /// An element of another namespace.
+    fn foreign(&mut self, name: &str, e: &BytesStart<'_>) -> Result<(), MeshError> {
+        let declared = e.name().prefix().is_some_and(|p| {
+            let own = format!("xmlns:{}", p.as_ref());
+            self.namespaces.contains_key(p.as_ref())
+                || e.attributes().with_checks(false).flatten().any(|a| a.key.as_ref() == own)
+        });
+        if !declared && let Some(prefix) = e.name().prefix() {
+            self.warn("core 2.3.3.1", format!("the prefix {:?} is used and not declared", prefix.as_ref()));
+        }
+        if name == "beamlattice" {
+            self.push(WarningId::ThreemfNotRead, "a beam lattice; grainpath reads triangles alone".into());
+        }
+        self.property_of_extension(name, e);
+        self.check_attributes(name, e);
+        Ok(())
+    }
+
+    /// Attributes that are allowed on no element.
+    fn check_attributes(&mut self, name: &str, e: &BytesStart<'_>) {
+        let has = |start: &str| {
+            e.attributes().with_checks(false).flatten().any(|a| a.key.as_ref().starts_with(start))
+        };
+        if has("xsi:") {
+            self.warn("core 2.3.2", format!("<{name}> has a schema instance attribute"));
+        }
+        if has("xml:space") {
+            self.warn("core 2.3.4", format!("<{name}> has the attribute xml:space"));
         }
     }
 
-    fn warn(&mut self, rule: impl Into<String>) {
-        self.warn_of(WarningId::ThreemfRule, rule);
+    fn metadata(&mut self, e: &BytesStart<'_>) {
+        let name = attribute(e, "name").unwrap_or_default();
+        match name.split_once(':') {
+            None if !METADATA.contains(&name.as_str()) => {
+                self.warn(
+                    "core 3.4.1",
+                    format!("metadata named {name:?}, which is neither one of 3MF's nor prefixed"),
+                );
+            }
+            Some((prefix, _)) if !self.namespaces.contains_key(prefix) => {
+                self.warn("core 3.4.1", format!("metadata named {name:?}, whose prefix is not declared"));
+            }
+            _ => {}
+        }
+        // Objects and items have metadata of their own; those of the model come before the resources.
+        if self.n_resources == 0 && !self.metadata.insert(name.clone()) {
+            self.warn("core 3.4.1", format!("metadata named {name:?} is given twice"));
+        }
     }
 
-    fn warn_of(&mut self, id: WarningId, text: impl Into<String>) {
+    /// Warns of a broken rule; `section` is that of the specification.
+    fn warn(&mut self, section: &str, what: impl std::fmt::Display) {
+        self.push(WarningId::ThreemfRule, format!("{what} (3MF {section})"));
+    }
+
+    fn push(&mut self, id: WarningId, text: String) {
         let warning = Warning::new(id, text).in_file(self.path.clone());
-        if self.warnings.len() < 50 && !self.warnings.contains(&warning) {
+        if self.warnings.len() < MAX_WARNINGS && !self.warnings.contains(&warning) {
             self.warnings.push(warning);
         }
     }
 
-    fn add_resource(&mut self, kind: &str, e: &BytesStart<'_>) -> Option<u32> {
-        let id = attribute(e, "id").and_then(|t| t.trim().parse().ok());
-        match id {
-            None => self.warn(format!("a {kind} without an id")),
-            Some(id) => {
-                if self.kinds.insert(id, kind.to_owned()).is_some() {
-                    self.warn(format!("resource id {id} is given twice"));
-                }
-            }
+    fn warn_all(&mut self, broken: Vec<Broken>) {
+        for (section, what) in broken {
+            self.warn(section, what);
         }
-        id
+    }
+
+    fn property(&mut self, name: &str, e: &BytesStart<'_>) {
+        let mut broken = Vec::new();
+        self.resources.element(name, e, &mut broken);
+        self.warn_all(broken);
+    }
+
+    /// Reads an element of the materials extension; false when it is none.
+    fn property_of_extension(&mut self, name: &str, e: &BytesStart<'_>) -> bool {
+        const ELEMENTS: [&str; 9] = [
+            "colorgroup",
+            "color",
+            "texture2d",
+            "texture2dgroup",
+            "tex2coord",
+            "compositematerials",
+            "composite",
+            "multiproperties",
+            "multi",
+        ];
+        let known = ELEMENTS.contains(&name);
+        if known {
+            self.property(name, e);
+        }
+        known
     }
 
     fn start_object(&mut self, e: &BytesStart<'_>) -> Result<(), MeshError> {
-        let id = self.add_resource("object", e).ok_or_else(|| invalid("", "an object without an id"))?;
-        let kind = attribute(e, "type").unwrap_or_default();
-        let has_pid = attribute(e, "pid").is_some();
-        if attribute(e, "pindex").is_some() && !has_pid {
-            self.warn(format!("object {id} has a pindex and no pid"));
+        let mut broken = Vec::new();
+        let id = self.resources.define("object", e, &mut broken);
+        self.warn_all(broken);
+        let id = id.ok_or_else(|| invalid("", "an object without an id"))?;
+        let kind = match attribute(e, "type").unwrap_or_default().as_str() {
+            "" | "model" | "solidsupport" => ObjectType::Solid,
+            "support" => ObjectType::Support,
+            "surface" => ObjectType::Surface,
+            "other" => ObjectType::Other,
+            unknown => {
+                self.warn(
+                    "core 4",
+                    format!("object {id} is of the unknown type {unknown:?} and is left out"),
+                );
+                ObjectType::Other
+            }
+        };
+        let index = |key: &str| attribute(e, key).map(|t| t.trim().parse::<u32>().unwrap_or(u32::MAX));
+        let (pid, pindex) = (index("pid"), index("pindex"));
+        match pid.map(|pid| self.resources.check(pid, pindex)) {
+            None if pindex.is_some() => self.warn("core 4", format!("object {id} has a pindex and no pid")),
+            Some(Reference::NoGroup) => {
+                self.warn("core 4", format!("object {id} has a pid that no property group before it has"));
+            }
+            Some(Reference::NoMember) => {
+                self.warn("core 4", format!("object {id} has a pindex beyond the end of its property group"));
+            }
+            _ => {}
         }
         self.current = Some(Current {
             id,
             name: attribute(e, "name").filter(|n| !n.is_empty()),
-            printed: matches!(kind.as_str(), "" | "model" | "solidsupport"),
-            has_pid,
+            kind,
+            pid,
+            has_pindex: pindex.is_some(),
+            has_mesh: false,
+            has_components: false,
             vertices: Vec::new(),
             soup: SoupBuilder::with_capacity(0),
+            n_triangles: 0,
+            broken: BrokenTriangles::default(),
             painted: Vec::new(),
             components: Vec::new(),
         });
@@ -220,12 +431,14 @@ impl Builder {
 
     fn end_object(&mut self) {
         let Some(current) = self.current.take() else { return };
+        self.check_object(&current);
         let body = current.soup.finish(None);
         let mut painted = PaintedSupports::default();
         for (triangle, digits) in &current.painted {
             let corners = triangle.map(|i| body.mesh.vertices[i as usize]);
             if paint::decode(digits, corners, &mut painted).is_none() {
-                self.warn_of(WarningId::ThreemfNotRead, "a triangle whose painted supports cannot be read");
+                let text = "a triangle whose painted supports cannot be read";
+                self.push(WarningId::ThreemfNotRead, text.into());
             }
         }
         let content = if current.components.is_empty() {
@@ -233,7 +446,54 @@ impl Builder {
         } else {
             Content::Components(current.components)
         };
-        self.objects.insert(current.id, Object { name: current.name, content, printed: current.printed });
+        self.objects.insert(current.id, Object { name: current.name, content, kind: current.kind });
+    }
+
+    /// The rules that concern an object as a whole.
+    fn check_object(&mut self, current: &Current) {
+        let id = current.id;
+        match (current.has_mesh, current.has_components) {
+            (true, true) => {
+                let left_out = if current.components.is_empty() { "components are" } else { "mesh is" };
+                self.warn(
+                    "core 4",
+                    format!("object {id} has a mesh and components; its {left_out} left out"),
+                );
+            }
+            (false, false) => self.warn("core 4", format!("object {id} has neither a mesh nor components")),
+            _ => {}
+        }
+        if current.has_components && (current.pid.is_some() || current.has_pindex) {
+            self.warn("core 4", format!("object {id} has components and a pid or pindex"));
+        }
+        if current.has_mesh && !current.has_components {
+            if current.vertices.len() < 3 {
+                self.warn(
+                    "core 4.1.3",
+                    format!("object {id} has {} vertices; a mesh needs 3", current.vertices.len()),
+                );
+            }
+            // An extension that the file requires may put something else in the place of triangles.
+            if current.n_triangles < 4 && current.kind == ObjectType::Solid && !self.requires_unread {
+                let n = current.n_triangles;
+                self.warn("core 4.1.4", format!("object {id} has {n} triangles; a solid needs 4"));
+            }
+        }
+        let b = &current.broken;
+        for (n, what) in [
+            (b.repeated_corner, "whose corners are not three different vertices"),
+            (b.index_without_group, "with a p1 and no pid, neither their own nor their object's"),
+            (b.no_such_group, "with a pid that no property group has"),
+            (b.no_such_member, "with a p1, p2 or p3 beyond the end of their property group"),
+            (b.gradient, "with a gradient between base materials"),
+            (b.p2_without_p1, "with a p2 or p3 and no p1"),
+        ] {
+            if n > 0 {
+                self.warn("core 4.1.4.1", format!("object {id} has {n} triangles {what}"));
+            }
+        }
+        self.n_without_default +=
+            usize::from(b.has_property && (current.pid.is_none() || !current.has_pindex));
     }
 
     fn vertex(&mut self, e: &BytesStart<'_>) -> Result<(), MeshError> {
@@ -254,14 +514,15 @@ impl Builder {
         let Some(current) = &mut self.current else { return Ok(()) };
         let mut corners = [-1i64; 3];
         let mut digits = Vec::new();
-        let (mut has_pid, mut has_p1) = (current.has_pid, false);
+        let (mut pid, mut indices) = (None, [None; 3]);
+        let index = |value: &str| value.trim().parse::<u32>().unwrap_or(u32::MAX);
         for a in e.attributes().with_checks(false).filter_map(Result::ok) {
             match a.key.as_ref().as_bytes() {
                 [b'v', k @ b'1'..=b'3'] => {
-                    corners[usize::from(k - b'1')] = whole(a.value.as_bytes().trim_ascii()).unwrap_or(-1)
+                    corners[usize::from(k - b'1')] = whole(a.value.as_bytes().trim_ascii()).unwrap_or(-1);
                 }
-                b"pid" => has_pid = true,
-                b"p1" => has_p1 = true,
+                [b'p', k @ b'1'..=b'3'] => indices[usize::from(k - b'1')] = Some(index(&a.value)),
+                b"pid" => pid = Some(index(&a.value)),
                 _ if paint::ATTRIBUTES.contains(&a.key.as_ref()) => {
                     digits = a.value.as_bytes().trim_ascii().to_vec();
                 }
@@ -279,96 +540,85 @@ impl Builder {
             })?;
         }
         current.soup.push(triangle)?;
+        current.n_triangles += 1;
         if !digits.is_empty() {
             current.painted.push((triangle, digits));
         }
-        if has_p1 && !has_pid {
-            self.warn("a triangle has a p1 and neither it nor its object has a pid");
-        }
+        let [a, b, c] = corners;
+        current.broken.repeated_corner += u64::from(a == b || b == c || c == a);
+        current.broken.count_properties(pid, current.pid, indices, &self.resources);
         Ok(())
-    }
-
-    /// Materials: only what shows that the file breaks the specification.
-    fn material(&mut self, name: &str, e: &BytesStart<'_>) {
-        let ids = |name: &str| -> Option<Vec<u32>> {
-            Some(attribute(e, name)?.split_whitespace().filter_map(|w| w.parse().ok()).collect())
-        };
-        match name {
-            "basematerials" => drop(self.add_resource("basematerials", e)),
-            "colorgroup" => drop(self.add_resource("colorgroup", e)),
-            "color" if attribute(e, "color").is_none() => self.warn("a color without its value"),
-            "texture2d" => {
-                self.add_resource("texture2d", e);
-                let kind = attribute(e, "contenttype").unwrap_or_default();
-                if kind != "image/png" && kind != "image/jpeg" {
-                    self.warn(format!(
-                        "a texture of content type {kind:?}; image/png or image/jpeg is allowed"
-                    ));
-                }
-            }
-            "texture2dgroup" => {
-                self.add_resource("texture2dgroup", e);
-                if ids("texid").is_none_or(|t| t.is_empty()) {
-                    self.warn("a texture2dgroup without a texid");
-                }
-            }
-            "compositematerials" => {
-                self.add_resource("compositematerials", e);
-                let base = ids("matid").and_then(|m| m.first().copied());
-                if base.and_then(|id| self.kinds.get(&id)).is_none_or(|k| k != "basematerials") {
-                    self.warn("a compositematerials whose matid is not a basematerials");
-                }
-                if attribute(e, "matindices").is_none() {
-                    self.warn("a compositematerials without matindices");
-                }
-            }
-            "multiproperties" => {
-                self.add_resource("multiproperties", e);
-                let kinds: Vec<String> = ids("pids")
-                    .unwrap_or_default()
-                    .iter()
-                    .filter_map(|id| self.kinds.get(id).cloned())
-                    .collect();
-                let of = |wanted: &[&str]| kinds.iter().filter(|k| wanted.contains(&k.as_str())).count();
-                if of(&["basematerials", "compositematerials"]) > 1 {
-                    self.warn("a multiproperties with more than one material group");
-                }
-                if of(&["multiproperties"]) > 0 {
-                    self.warn("a multiproperties that refers to another one");
-                }
-                if of(&["colorgroup"]) > 1 {
-                    self.warn("a multiproperties with more than one colorgroup");
-                }
-            }
-            _ => {}
-        }
     }
 
     fn finish(mut self) -> Result<Part, MeshError> {
         let fail = |problem: &str| Err(invalid(&self.path, problem));
-        match self.models {
-            0 => return fail("no <model> element"),
+        match self.n_models {
+            0 => return fail("no <model> element (3MF core 3.4)"),
             1 => {}
-            _ => return fail("more than one <model> element"),
+            _ => return fail("more than one <model> element (3MF core 3.4)"),
         }
-        if !self.has_resources {
-            return fail("no <resources> element");
+        match self.n_resources {
+            0 => return fail("no <resources> element (3MF core 3.4)"),
+            1 => {}
+            n => self.warn("core 3.4", format!("{n} <resources> elements; a model has one")),
         }
-        if !self.has_build {
-            self.warn("no <build> element");
+        match self.n_builds {
+            0 => self.warn("core 3.4", "no <build> element"),
+            1 => {}
+            n => self.warn("core 3.4", format!("{n} <build> elements; a model has one")),
+        }
+        if self.n_without_default > 0 {
+            let n = self.n_without_default;
+            self.warn(
+                "core 4",
+                format!("triangles have properties and their object has no pid and pindex, in {n} objects"),
+            );
         }
         let unit = self.unit.unwrap_or(LengthUnit::Millimetre);
         Ok(Part { unit, objects: self.objects, items: self.items, warnings: self.warnings })
     }
 }
 
-fn use_of(e: &BytesStart<'_>, key: &str) -> Result<Component, MeshError> {
-    let id = attribute(e, key).and_then(|t| t.trim().parse().ok());
-    let object = id.ok_or_else(|| invalid("", format!("no {key} where one is needed")))?;
+impl BrokenTriangles {
+    /// Checks the property attributes of a triangle.
+    fn count_properties(
+        &mut self,
+        own_pid: Option<u32>,
+        object_pid: Option<u32>,
+        indices: [Option<u32>; 3],
+        resources: &Resources,
+    ) {
+        if own_pid.is_none() && indices == [None; 3] {
+            return;
+        }
+        self.has_property = true;
+        self.p2_without_p1 +=
+            u64::from(indices[0].is_none() && (indices[1].is_some() || indices[2].is_some()));
+        let Some(pid) = own_pid.or(object_pid) else {
+            self.index_without_group += 1;
+            return;
+        };
+        let references = [None, indices[0], indices[1], indices[2]].map(|index| resources.check(pid, index));
+        if references.contains(&Reference::NoGroup) {
+            self.no_such_group += 1;
+        } else if references.contains(&Reference::NoMember) {
+            self.no_such_member += 1;
+        }
+        let first = indices[0];
+        let gradient = indices[1..].iter().any(|i| i.is_some() && *i != first);
+        self.gradient += u64::from(gradient && first.is_some() && resources.is_base_materials(pid));
+    }
+}
+
+/// The use of an object that a `<component>` or `<item>` states.
+fn component(e: &BytesStart<'_>) -> Result<Component, MeshError> {
+    let id = attribute(e, "objectid").and_then(|t| t.trim().parse().ok());
+    let object =
+        id.ok_or_else(|| invalid("", "no objectid where one is needed (3MF core 3.4.3.1, 4.2.1)"))?;
     let transform = match attribute(e, "transform") {
         None => Transform::IDENTITY,
         Some(text) => Transform::parse(text.as_bytes())
-            .ok_or_else(|| invalid("", format!("transform {text:?} is not 12 numbers")))?,
+            .ok_or_else(|| invalid("", format!("transform {text:?} is not 12 numbers (3MF core 3.3)")))?,
     };
     Ok(Component { object, path: attribute(e, "path"), transform })
 }

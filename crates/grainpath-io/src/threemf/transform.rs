@@ -4,12 +4,12 @@ use grainpath_core::DVec3;
 
 /// An affine map as 3MF writes it: rows of `(x y z 1)` times the matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Transform([f64; 12]);
+pub(super) struct Transform([f64; 12]);
 
 impl Transform {
-    pub(crate) const IDENTITY: Self = Self([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+    pub(super) const IDENTITY: Self = Self([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
 
-    pub(crate) fn parse(text: &[u8]) -> Option<Self> {
+    pub(super) fn parse(text: &[u8]) -> Option<Self> {
         let mut m = [0.0; 12];
         let mut words = text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
         for value in &mut m {
@@ -40,10 +40,22 @@ impl Transform {
         Self(m)
     }
 
+    /// Whether the map turns shapes into their mirror images.
     pub(super) fn mirrors(&self) -> bool {
+        self.determinant() < 0.0
+    }
+
+    /// Whether the map presses every shape flat.
+    pub(super) fn is_singular(&self) -> bool {
+        let lengths = self.0[..9].chunks_exact(3).map(|r| DVec3::new(r[0], r[1], r[2]).length());
+        // Rounding alone leaves no more than this of a volume that should be none.
+        self.determinant().abs() <= 1e-12 * lengths.product::<f64>()
+    }
+
+    fn determinant(&self) -> f64 {
         let m = &self.0;
         let row = |k: usize| DVec3::new(m[k], m[k + 1], m[k + 2]);
-        row(0).dot(row(3).cross(row(6))) < 0.0
+        row(0).dot(row(3).cross(row(6)))
     }
 }
 
