@@ -14,6 +14,9 @@ pub fn parse_mesh(bytes: &[u8], name: Option<&str>) -> Result<MeshFile, MeshErro
     if bytes.is_empty() {
         return Err(MeshError::Empty);
     }
+    if let Some(error) = known_and_not_read(bytes) {
+        return Err(error);
+    }
     let mut file = match sniff_mesh(bytes, name).ok_or(MeshError::Unknown)? {
         MeshFormat::StlBinary => stl::read_binary(bytes)?,
         MeshFormat::StlAscii => stl::read_ascii(bytes)?,
@@ -29,6 +32,28 @@ pub fn parse_mesh(bytes: &[u8], name: Option<&str>) -> Result<MeshFile, MeshErro
         });
     }
     Ok(file)
+}
+
+/// Recognises formats of parts that are not read, to refuse them by name.
+fn known_and_not_read(bytes: &[u8]) -> Option<MeshError> {
+    let text = skip_space(bytes);
+    let head = &text[..text.len().min(1024)];
+    let has = |word: &[u8]| head.windows(word.len()).any(|w| w.eq_ignore_ascii_case(word));
+    if text.starts_with(b"ISO-10303-21") {
+        return Some(MeshError::ExactSurfaces { format: "STEP" });
+    }
+    // Every line of an IGES file has its section in column 73 and its number after it; the first section is `S`.
+    if bytes.get(72..80).is_some_and(|c| c[0] == b'S' && c[1..].trim_ascii() == b"1" || c == b"S0000001") {
+        return Some(MeshError::ExactSurfaces { format: "IGES" });
+    }
+    let format = match text {
+        t if t.starts_with(b"#VRML") => "VRML",
+        t if t.starts_with(b"glTF") => "glTF",
+        t if t.starts_with(b"<") && has(b"<amf") => "AMF",
+        t if t.starts_with(b"<") && has(b"<COLLADA") => "COLLADA",
+        _ => return None,
+    };
+    Some(MeshError::NotRead { format })
 }
 
 /// The format of these bytes, if they can be a mesh.

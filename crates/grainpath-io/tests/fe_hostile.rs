@@ -37,7 +37,7 @@ fn damage_is_named() {
     let head = "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\"";
     for (text, say) in [
         ("<VTKFile type=\"PolyData\"><PolyData/></VTKFile>".to_owned(), "UnstructuredGrid"),
-        (format!("{head} compressor=\"vtkLZ4DataCompressor\"></VTKFile>"), "vtkLZ4DataCompressor"),
+        (format!("{head} compressor=\"vtkOtherDataCompressor\"></VTKFile>"), "vtkOtherDataCompressor"),
         (format!("{head}></VTKFile>"), "no <Piece>"),
         (format!("{head}><Piece NumberOfPoints=\"-1\" NumberOfCells=\"0\"></Piece>"), "should be a count"),
         (format!("{head}><Piece NumberOfPoints=\"2\" NumberOfCells=\"0\"></Piece>"), "has no Points"),
@@ -119,6 +119,53 @@ fn a_missing_stress_names_what_is_there() {
     let options = FeOptions { step: Some(4), ..FeOptions::default() };
     let told = file.result(&options).expect_err("no such step").to_string();
     assert!(told.contains("step 4: there are steps 1 to 1"), "{told}");
+}
+
+#[test]
+fn results_of_ansys_are_refused_with_a_way_to_export_them() {
+    let mut bytes: Vec<u8> =
+        [100u32, 0x8000_0000, 12, u32::MAX].iter().flat_map(|w| w.to_le_bytes()).collect();
+    bytes.resize(408, 0);
+    assert!(error(&bytes, "a.rst").contains("an ANSYS result file") && error(&bytes, "a").contains("export"));
+}
+
+#[test]
+fn damaged_blocks_of_every_compression_are_refused() {
+    for name in ["raw_zlib_blocks.vtu", "raw_lzma_blocks.vtu", "base64_lz4.vtu"] {
+        let (_, good) = fixtures().into_iter().find(|(n, _)| n == name).expect(name);
+        assert!(parse_fe(&good, None).is_ok(), "{name}");
+        let start = good.windows(6).position(|w| w == b"<Piece").expect("a piece");
+        let mut n_refused = 0;
+        for i in (start..good.len()).step_by(7) {
+            let mut bytes = good.clone();
+            bytes[i] ^= 0x15;
+            n_refused += usize::from(parse_fe(&bytes, None).is_err());
+        }
+        assert!(n_refused > 20, "{name}: {n_refused}");
+    }
+}
+
+#[test]
+fn an_xz_header_cannot_ask_for_more_memory_than_the_limit() {
+    // An xz stream whose block header asks for a dictionary of 4 GiB.
+    let mut block = vec![0x02, 0x00, 0x21, 0x01, 40, 0x00, 0x00, 0x00];
+    block.extend(crc32(&block).to_le_bytes());
+    let mut stream = vec![0xfd, b'7', b'z', b'X', b'Z', 0x00];
+    stream.extend([0x00, 0x01]);
+    stream.extend(crc32(&[0x00, 0x01]).to_le_bytes());
+    stream.extend(&block);
+    stream.extend([0u8; 64]);
+    let mut data: Vec<u8> = [1u32, 12, 0, stream.len() as u32].iter().flat_map(|w| w.to_le_bytes()).collect();
+    data.extend(&stream);
+    let text = "<VTKFile type=\"UnstructuredGrid\" compressor=\"vtkLZMADataCompressor\"><Piece NumberOfPoints=\"1\" NumberOfCells=\"0\"><Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" format=\"appended\" offset=\"0\"/></Points></Piece><AppendedData encoding=\"raw\">_";
+    let told = error(&[text.as_bytes(), &data].concat(), "a.vtu");
+    assert!(told.contains("memory"), "{told}");
+}
+
+fn crc32(bytes: &[u8]) -> u32 {
+    let mut crc = flate2::Crc::new();
+    crc.update(bytes);
+    crc.sum()
 }
 
 #[test]

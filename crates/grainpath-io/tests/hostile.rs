@@ -137,6 +137,19 @@ fn painted_supports_of_3mf_go_where_their_facets_go() {
 }
 
 #[test]
+fn formats_that_are_not_read_are_refused_by_name() {
+    let iges = format!("{:72}S      1\n{:72}S      2\n", "part", "");
+    for (bytes, expect) in [
+        ("ISO-10303-21;\nHEADER;\n", "STEP file holds exact surfaces"),
+        (iges.as_str(), "IGES file holds exact surfaces"),
+        ("#VRML V2.0 utf8\n", "VRML is not read"),
+        ("<?xml version=\"1.0\"?>\n<amf unit=\"inch\">", "AMF is not read"),
+    ] {
+        assert!(error(bytes.as_bytes(), "a").contains(expect), "{expect}");
+    }
+}
+
+#[test]
 fn bombs_are_refused() {
     let circle = r#"<model><resources><object id="1"><components><component objectid="1"/></components></object></resources><build><item objectid="1"/></build></model>"#;
     assert!(error(&zipped(circle), "a.3mf").contains("in a circle"));

@@ -1,4 +1,4 @@
-//! Numbers out of raw bytes, base64 and zlib, and node numbers turned into indices.
+//! Numbers out of raw bytes, base64 and compressed blocks, and node numbers turned into indices.
 
 use std::collections::HashMap;
 use std::io::Read;
@@ -115,14 +115,53 @@ pub(crate) fn base64(text: &[u8], limit: usize) -> Vec<u8> {
     out
 }
 
-/// Inflates a zlib stream to exactly `size` bytes and appends them.
-pub(crate) fn inflate(packed: &[u8], size: usize, out: &mut Vec<u8>) -> Result<(), String> {
+/// How blocks of bytes are compressed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Compression {
+    /// A zlib stream.
+    Zlib,
+    /// An xz stream, which VTK calls LZMA.
+    Xz,
+    /// A block of LZ4 without a frame.
+    Lz4,
+}
+
+/// The xz decoder may take this much memory, KiB. The largest dictionary that a preset of xz asks for is 64 MiB;
+/// a header may ask for 4 GiB.
+const XZ_MEMORY_KIB: u32 = 80 << 10;
+
+/// Decompresses a block to exactly `size` bytes and appends them. Never makes room for more.
+pub(crate) fn decompress(
+    packed: &[u8],
+    compression: Compression,
+    size: usize,
+    out: &mut Vec<u8>,
+) -> Result<(), String> {
     let before = out.len();
-    let mut decoder = flate2::read::ZlibDecoder::new(packed).take(size as u64 + 1);
-    decoder.read_to_end(out).map_err(|e| format!("the zlib block is damaged: {e}"))?;
+    let limit = size as u64 + 1;
+    let read = match compression {
+        Compression::Zlib => flate2::read::ZlibDecoder::new(packed).take(limit).read_to_end(out),
+        Compression::Xz => {
+            lzma_rust2::XzReader::new_mem_limit(packed, false, XZ_MEMORY_KIB).take(limit).read_to_end(out)
+        }
+        Compression::Lz4 => {
+            // No block of LZ4 grows by more than 255 bytes for each of its own.
+            if size / 255 > packed.len() {
+                return Err(format!("a block of {} bytes cannot hold {size}", packed.len()));
+            }
+            out.resize(before + size, 0);
+            let n =
+                lz4_flex::block::decompress_into(packed, &mut out[before..]).map_err(std::io::Error::other);
+            if let Ok(n) = n {
+                out.truncate(before + n);
+            }
+            n
+        }
+    };
+    read.map_err(|e| format!("the {compression:?} block is damaged: {e}"))?;
     match out.len() - before {
         n if n == size => Ok(()),
-        n => Err(format!("a zlib block of {n} bytes where {size} should be")),
+        n => Err(format!("a {compression:?} block of {n} bytes where {size} should be")),
     }
 }
 

@@ -56,12 +56,28 @@ pub fn sniff_fe(bytes: &[u8], name: Option<&str>) -> Option<FeFormat> {
     if is("frd") || bytes.starts_with(b"    1C") || bytes.starts_with(b"    1U") {
         return Some(FeFormat::Frd);
     }
+    if is_ansys_rst(bytes, is("rst")) {
+        return Some(FeFormat::AnsysRst);
+    }
     let keyword = ["*NODE", "*HEADING", "*ELEMENT", "*PART", "*INCLUDE", "*MATERIAL", "*NSET", "*ELSET"];
     let deck = keyword.iter().any(|k| starts(k)) || (starts("**") && keyword.iter().any(|k| has(k)));
     if deck || (is("inp") && starts("*")) {
         return Some(FeFormat::Inp);
     }
     (is("csv") || csv::looks_like(head)).then_some(FeFormat::Csv)
+}
+
+/// Whether these bytes are a binary result file of ANSYS.
+///
+/// The file is a row of Fortran records in 32-bit words. The first record is the standard header: its length of 100 words,
+/// a word of flags, then the kind of the file, which is 12 for results. Source: pymapdl-reader, `common.py`.
+fn is_ansys_rst(bytes: &[u8], named_rst: bool) -> bool {
+    let word = |i: usize| {
+        let b: [u8; 4] = bytes.get(4 * i..4 * i + 4)?.try_into().ok()?;
+        Some(u32::from_le_bytes(b))
+    };
+    let is_binary = bytes.iter().take(400).any(|&b| b == 0);
+    is_binary && word(0) == Some(100) && (word(2) == Some(12) || word(3) == Some(12) || named_rst)
 }
 
 /// Reads a finite-element file of any format. The format is told from the content; `name` (a file name) helps only
@@ -82,6 +98,7 @@ pub fn parse_fe(bytes: &[u8], name: Option<&str>) -> Result<FeFile, FeError> {
         FeFormat::Medit => medit::read(bytes)?,
         FeFormat::Csv => csv::read(bytes)?,
         FeFormat::Step => return Err(FeError::Geometry),
+        FeFormat::AnsysRst => return Err(FeError::AnsysRst),
     };
     if file.nodes.is_empty() {
         return Err(FeError::NoNodes);

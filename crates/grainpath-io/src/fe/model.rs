@@ -18,8 +18,10 @@ pub enum FeFormat {
     Inp,
     Medit,
     Csv,
-    /// STEP geometry: recognised in order to be refused with the right words.
+    /// STEP geometry: recognised in order to be refused with advice.
     Step,
+    /// A binary result file of ANSYS: recognised in order to be refused with advice.
+    AnsysRst,
 }
 
 impl FeFormat {
@@ -34,6 +36,7 @@ impl FeFormat {
             Self::Medit => "Medit mesh",
             Self::Csv => "CSV",
             Self::Step => "STEP",
+            Self::AnsysRst => "ANSYS RST",
         }
     }
 }
@@ -211,9 +214,15 @@ pub enum FeError {
     )]
     Unknown,
     #[error(
-        "a STEP file holds geometry, not a mesh or a result; export STL or 3MF, or mesh and solve it first"
+        "a STEP file holds exact surfaces, neither a mesh nor a result; export STL or 3MF from the CAD program, or mesh it \
+         with gmsh: gmsh part.step -3 -order 2 -o part.msh"
     )]
     Geometry,
+    #[error(
+        "an ANSYS result file, whose binary format is not published; export the stress as VTU, for example in Python: \
+         from ansys.mapdl import reader; reader.read_binary(\"file.rst\").save_as_vtk(\"part.vtu\")"
+    )]
+    AnsysRst,
     #[error(transparent)]
     Text(#[from] TextError),
     #[error(transparent)]

@@ -1,11 +1,11 @@
 //! VTU: VTK's XML file of an unstructured grid. Every way its arrays can be written: ASCII, base64, appended raw or as
-//! base64, packed by zlib or not, headers of 32 or 64 bits, either end first, one piece or several.
+//! base64, compressed by zlib, LZMA or LZ4 or not at all, headers of 32 or 64 bits, either end first, one piece or several.
 
 use grainpath_core::{Warning, WarningId};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
-use super::bytes::{Raw, Scalar, base64, inflate};
+use super::bytes::{Compression, Raw, Scalar, base64, decompress};
 use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
 use super::vtk::{Cells, add_cells};
 use crate::text::{number, skip_space};
@@ -22,7 +22,7 @@ const MAX_ARRAYS: usize = 2000;
 struct Style {
     big: bool,
     wide_header: bool,
-    packed: bool,
+    compression: Option<Compression>,
 }
 
 /// Part of a piece that an array is in.
@@ -206,10 +206,15 @@ impl<'a> Vtu<'a> {
         self.style.wide_header = attribute(e, "header_type").is_some_and(|t| t == "UInt64");
         match attribute(e, "compressor").as_deref() {
             None | Some("") => {}
-            Some("vtkZLibDataCompressor") => self.style.packed = true,
+            Some("vtkZLibDataCompressor") => self.style.compression = Some(Compression::Zlib),
+            Some("vtkLZMADataCompressor") => self.style.compression = Some(Compression::Xz),
+            Some("vtkLZ4DataCompressor") => self.style.compression = Some(Compression::Lz4),
             Some(other) => {
                 let what = format!("arrays packed by {other}");
-                return Err(FeError::Unsupported { what, reads: "vtkZLibDataCompressor or none" });
+                return Err(FeError::Unsupported {
+                    what,
+                    reads: "vtkZLibDataCompressor, vtkLZMADataCompressor, vtkLZ4DataCompressor or none",
+                });
             }
         }
         Ok(())
@@ -273,7 +278,7 @@ impl<'a> Vtu<'a> {
             Source::Raw(bytes) => bytes[..n.min(bytes.len())].to_vec(),
             Source::Base64(text) => base64(text, n),
         };
-        if !style.packed {
+        let Some(compression) = style.compression else {
             let header = take(source, word.bytes());
             let n = (Raw { bytes: &header, big: style.big })
                 .number(word)
@@ -300,7 +305,7 @@ impl<'a> Vtu<'a> {
             };
             let all = all.ok_or_else(cut)?;
             return if all.len() == n { Ok(all) } else { Err(cut()) };
-        }
+        };
         let first = take(source, 3 * word.bytes());
         let mut header = Raw { bytes: &first, big: style.big };
         let mut next = || header.number(word).map(|v| v as usize).ok_or_else(cut);
@@ -335,7 +340,7 @@ impl<'a> Vtu<'a> {
             if full > limit - out.len() {
                 return Err(bomb());
             }
-            inflate(packed, full, &mut out).map_err(|problem| invalid(place, problem))?;
+            decompress(packed, compression, full, &mut out).map_err(|problem| invalid(place, problem))?;
         }
         self.numbers_left -= out.len() / scalar.bytes();
         Ok(out)

@@ -79,6 +79,13 @@ pub enum MeshError {
     Empty,
     #[error("not a mesh: neither STL, OBJ, PLY, OFF nor 3MF")]
     Unknown,
+    #[error(
+        "a {format} file holds exact surfaces, not triangles; export STL or 3MF from the CAD program, or run gmsh: \
+         gmsh part.step -2 -o part.stl"
+    )]
+    ExactSurfaces { format: &'static str },
+    #[error("{format} is not read; export STL, OBJ, PLY or 3MF instead")]
+    NotRead { format: &'static str },
     #[error("binary STL is cut short: the header promises {promised} facets, the file holds {held}")]
     Truncated { promised: u64, held: u64 },
     #[error(transparent)]

@@ -86,7 +86,7 @@ def filled(cells, shift=0.0, dtype=np.float64, components=6):
     return out
 
 
-def write_vtu(name, mode, big=False, packed=False, wide=False, encode=False, **kwargs):
+def write_vtu(name, mode, big=False, packed=None, wide=False, encode=False, **kwargs):
     w = vtk.vtkXMLUnstructuredGridWriter()
     w.SetFileName(str(HERE / name))
     w.SetInputData(filled(CELLS, **kwargs))
@@ -95,7 +95,7 @@ def write_vtu(name, mode, big=False, packed=False, wide=False, encode=False, **k
     (w.SetByteOrderToBigEndian if big else w.SetByteOrderToLittleEndian)()
     (w.SetHeaderTypeToUInt64 if wide else w.SetHeaderTypeToUInt32)()
     if packed:
-        w.SetCompressorTypeToZLib()
+        {"zlib": w.SetCompressorTypeToZLib, "lzma": w.SetCompressorTypeToLZMA, "lz4": w.SetCompressorTypeToLZ4}[packed]()
         w.SetBlockSize(1024)
     else:
         w.SetCompressorTypeToNone()
@@ -105,10 +105,13 @@ def write_vtu(name, mode, big=False, packed=False, wide=False, encode=False, **k
 def vtus():
     write_vtu("ascii.vtu", "ascii")
     write_vtu("base64.vtu", "binary", wide=True)
-    write_vtu("base64_zlib.vtu", "binary", packed=True, dtype=np.float32)
+    write_vtu("base64_zlib.vtu", "binary", packed="zlib", dtype=np.float32)
     write_vtu("raw_big.vtu", "appended", big=True)
-    write_vtu("raw_zlib_blocks.vtu", "appended", packed=True, wide=True)
-    write_vtu("appended_base64_zlib_big.vtu", "appended", packed=True, encode=True, big=True, components=9)
+    write_vtu("raw_zlib_blocks.vtu", "appended", packed="zlib", wide=True)
+    write_vtu("appended_base64_zlib_big.vtu", "appended", packed="zlib", encode=True, big=True, components=9)
+    write_vtu("raw_lzma_blocks.vtu", "appended", packed="lzma", wide=True)
+    write_vtu("base64_lzma.vtu", "binary", packed="lzma", dtype=np.float32)
+    write_vtu("base64_lz4.vtu", "binary", packed="lz4", dtype=np.float32)
     write_vtu("appended_base64.vtu", "appended", encode=True, wide=True)
     # Two pieces in one file: a multi-block set appended by hand from two ASCII files.
     pieces = []
