@@ -70,6 +70,9 @@ pub struct Common {
     /// Print the report as one JSON object
     #[arg(long)]
     pub json: bool,
+    /// Exit with code 4 on any warning; outputs are not written where the warning comes before them
+    #[arg(long)]
+    pub strict: bool,
 }
 
 /// `grainpath run`

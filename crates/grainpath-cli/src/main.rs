@@ -11,6 +11,8 @@ mod progress;
 use std::process::ExitCode;
 
 use clap::Parser;
+use grainpath::ErrorKind;
+use grainpath_core::Warning;
 
 use args::{Args, Command};
 
@@ -21,23 +23,39 @@ pub struct Failure {
     pub message: String,
     /// 2 usage or job file; 3 an input file; 4 the physics; 130 interrupted.
     pub code: i32,
+    /// Warnings that made it a failure.
+    pub warnings: Vec<Warning>,
 }
 
 impl Failure {
     /// Wrong usage, a wrong job file, or an output that cannot be written.
     pub fn usage(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: 2 }
+        Self { message: message.into(), code: 2, warnings: Vec::new() }
+    }
+
+    /// Warnings where none were allowed; `written` says whether outputs are there.
+    pub fn strict(warnings: Vec<Warning>, written: bool) -> Self {
+        let ids: Vec<&str> = warnings.iter().map(|w| w.id.name()).collect();
+        let outcome = if written { "the outputs were written" } else { "nothing was written" };
+        let message = format!("--strict refuses {} warnings ({}); {outcome}", ids.len(), ids.join(", "));
+        Self { message, code: 4, warnings }
     }
 
     /// An input file that cannot be used.
     pub fn input(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: 3 }
+        Self { message: message.into(), code: 3, warnings: Vec::new() }
     }
 }
 
 impl From<grainpath::Error> for Failure {
     fn from(error: grainpath::Error) -> Self {
-        Self { message: error.to_string(), code: error.exit_code() }
+        let code = match error.kind() {
+            ErrorKind::Job => 2,
+            ErrorKind::Input => 3,
+            ErrorKind::Physics => 4,
+            ErrorKind::Interrupted => 130,
+        };
+        Self { message: error.to_string(), code, warnings: Vec::new() }
     }
 }
 
@@ -64,9 +82,13 @@ fn main() -> ExitCode {
         Err(failure) => {
             let line = failure.message.replace('\n', " ");
             if json {
-                let report = serde_json::json!({ "ok": false, "error": line, "code": failure.code });
+                let mut report = serde_json::json!({ "ok": false, "error": line, "code": failure.code });
+                if !failure.warnings.is_empty() {
+                    report["warnings"] = serde_json::json!(failure.warnings);
+                }
                 files::print(&format!("{report}\n"));
             }
+            failure.warnings.iter().for_each(|w| eprintln!("warning: {w}"));
             eprintln!("grainpath: {line}");
             ExitCode::from(u8::try_from(failure.code).unwrap_or(1))
         }

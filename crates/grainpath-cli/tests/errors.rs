@@ -190,3 +190,22 @@ fn ctrl_c_leaves_nothing_half_written() {
     assert_eq!(status.code(), Some(130));
     assert_eq!(list(&dir), ["box.stl"]);
 }
+
+#[test]
+fn strict_refuses_what_would_only_be_warned_of() {
+    let dir = folder("strict");
+    // One triangle less: a hole, which is closed with a warning.
+    let mesh = box_stl([10.0, 10.0, 5.0]);
+    let (first, rest) = mesh.split_at(mesh.find("facet").expect("a facet"));
+    let rest = rest.split_once("endfacet\n").expect("a facet").1;
+    fs::write(dir.join("open.stl"), format!("{first}{rest}")).expect("a file");
+    fs::write(dir.join("box.stl"), mesh.clone()).expect("a file");
+    let out = grainpath(&dir, &["slice", "open.stl", "--strict", "--json"]);
+    assert_eq!(out.status.code(), Some(4), "{}", String::from_utf8_lossy(&out.stderr));
+    let report = json(&out);
+    assert_eq!(report["ok"], false);
+    assert_eq!(report["warnings"][0]["id"], "mesh-open", "{report}");
+    assert!(!dir.join("open.gcode").exists());
+    assert!(grainpath(&dir, &["slice", "open.stl"]).status.success());
+    assert!(grainpath(&dir, &["slice", "box.stl", "--strict"]).status.success());
+}

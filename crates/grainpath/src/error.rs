@@ -1,4 +1,4 @@
-//! What can go wrong in a run, and the exit code that says what kind of thing it was.
+//! What can go wrong in a run, and whose mistake it is.
 
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::slices::SliceError;
@@ -8,6 +8,7 @@ use grainpath_io::volume::VolumeError;
 use grainpath_io::{ImageError, MeshError, OutlineError};
 use grainpath_job::JobError;
 
+use crate::error_kind::ErrorKind;
 use crate::fibre::FibreError;
 use crate::guide::GuideError;
 use crate::guide::grain::GrainError;
@@ -53,20 +54,20 @@ pub enum Error {
 }
 
 impl Error {
-    /// 2 usage or job file; 3 an input file; 4 the physics (does not fit the bed, no such mass); 130 interrupted.
-    pub fn exit_code(&self) -> i32 {
+    /// Whose mistake it is.
+    pub fn kind(&self) -> ErrorKind {
         match self {
             Self::Shape { source: ShapeError::Interrupted(_), .. }
             | Self::Scan { source: ScanError::Interrupted(_), .. }
-            | Self::Interrupted(_) => 130,
-            Self::Guide(GuideError::Interrupted(_)) => 130,
-            Self::Guide(e) if e.is_usage() => 2,
+            | Self::Guide(GuideError::Interrupted(_))
+            | Self::Interrupted(_) => ErrorKind::Interrupted,
+            Self::Strength(e) => e.kind(),
+            Self::Guide(e) if e.is_usage() => ErrorKind::Job,
             // Corners that are given come from the job.
-            Self::Grain { source: GrainError::Corners(_), .. } => 2,
-            Self::Strength(e) => e.exit_code(),
-            Self::Job(_)
+            Self::Grain { source: GrainError::Corners(_), .. }
+            | Self::Job(_)
             | Self::Fibre(_)
-            | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => 2,
+            | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => ErrorKind::Job,
             Self::Mesh { .. }
             | Self::Outline { .. }
             | Self::Volume(_)
@@ -74,8 +75,8 @@ impl Error {
             | Self::Scan { .. }
             | Self::Image { .. }
             | Self::Grain { .. }
-            | Self::Shape { .. } => 3,
-            Self::Gcode(_) | Self::Mass { .. } | Self::Guide(_) => 4,
+            | Self::Shape { .. } => ErrorKind::Input,
+            Self::Gcode(_) | Self::Mass { .. } | Self::Guide(_) => ErrorKind::Physics,
         }
     }
 }

@@ -14,7 +14,9 @@ pub mod order;
 pub mod guide;
 pub mod shape;
 pub mod wall;
+pub mod error_kind;
 
 pub use error::Error;
+pub use error_kind::ErrorKind;
 pub use grainpath_job::Settings;
 pub use run::{Inputs, Planned, plan_job, plan_photo, plan_scan};

@@ -46,11 +46,21 @@ pub fn execute(
     paths.claim(&mut claims);
     claims.check()?;
     let (planned, read_s) = plan(settings, shape, base, &diagnostics)?;
+    if common.strict {
+        let warnings = diagnostics.warnings();
+        if !warnings.is_empty() {
+            return Err(Failure::strict(warnings, false));
+        }
+    }
     let report = outputs::write(settings, planned, &paths, read_s, common.json, truth, &diagnostics)?;
     // The progress line goes before anything is printed.
     drop(diagnostics);
+    let refused = common.strict && !report.warnings.is_empty();
     if common.json {
-        files::print(&format!("{}\n", report.to_json()));
+        // A refusal is one object of its own, which holds the warnings.
+        if !refused {
+            files::print(&format!("{}\n", report.to_json()));
+        }
     } else {
         // A program that goes to standard output has it for itself.
         if paths.is_standard_output() {
@@ -59,5 +69,5 @@ pub fn execute(
             files::print(&format!("{}\n", report.summary()));
         }
     }
-    Ok(())
+    if refused { Err(Failure::strict(report.warnings, true)) } else { Ok(()) }
 }

@@ -21,6 +21,7 @@ use grainpath_gcode::{Bead, Program};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::error_kind::ErrorKind;
 use crate::guide::GuideError;
 use brick_setup::PreparedSolid;
 use grainpath_job::{MaterialSection, Settings};
@@ -77,16 +78,16 @@ pub enum StrengthError {
 }
 
 impl StrengthError {
-    /// 2 the job; 3 the program; 4 the physics.
-    pub fn exit_code(&self) -> i32 {
+    /// Whose mistake it is.
+    pub fn kind(&self) -> ErrorKind {
         match self {
             Self::NothingPrinted
             | Self::WrongPart { .. }
             | Self::Outside { .. }
             | Self::TooMuch { .. }
-            | Self::Cells(CellError::NoBeads) => 3,
-            Self::Free { .. } | Self::Test(_) => 4,
-            _ => 2,
+            | Self::Cells(CellError::NoBeads) => ErrorKind::Input,
+            Self::Free { .. } | Self::Test(_) => ErrorKind::Physics,
+            _ => ErrorKind::Job,
         }
     }
 }
