@@ -2,9 +2,12 @@
 //!
 //! A [`SliceSource`] hands out one slice after another, so a consumer holds a few slices and never the whole volume.
 //! Columns run along x, rows along y, slices along z, all counted from 0. A slice is row-major: the value of column `i`
-//! and row `j` is `slice[j * n_columns + i]`.
+//! and row `j` is `slice[j * n_columns + i]`. The axes are right-handed: a part cut from the slices is never the mirror
+//! image of what was scanned.
 
 use std::error::Error;
+
+use crate::{DMat3, DVec3};
 
 /// How a file stores one voxel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,8 +70,22 @@ pub struct VolumeInfo {
     pub spacing_mm: [Option<f64>; 3],
     /// Heights of the slices where their distances differ, mm, rising from 0; otherwise empty.
     pub z_mm: Vec<f64>,
+    /// Where the voxels lie in the world the file speaks of, if it speaks of one.
+    pub world: Option<WorldFrame>,
     /// What was odd about the file but could be read.
     pub warnings: Vec<crate::Warning>,
+}
+
+/// Where a volume lies in the coordinates of the scanner, mm.
+///
+/// The world is LPS as in DICOM: x to the patient's left, y to the back, z to the head. Files in other worlds (NIfTI is
+/// RAS) are converted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorldFrame {
+    /// The world position of the centre of the first voxel, mm.
+    pub origin_mm: DVec3,
+    /// The world directions of columns, rows and slices: the columns of a rotation matrix.
+    pub axes: DMat3,
 }
 
 impl VolumeInfo {
@@ -81,7 +98,33 @@ impl VolumeInfo {
     /// assert_eq!(info.spacing_mm, [None; 3]);
     /// ```
     pub fn new(format: &'static str, size: [usize; 3], sample: SampleType) -> Self {
-        Self { format, size, sample, spacing_mm: [None; 3], z_mm: Vec::new(), warnings: Vec::new() }
+        Self {
+            format,
+            size,
+            sample,
+            spacing_mm: [None; 3],
+            z_mm: Vec::new(),
+            world: None,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The world position in mm of a voxel's centre; `None` where the file states no world or no spacing.
+    ///
+    /// ```
+    /// use grainpath_core::slices::{SampleType, VolumeInfo, WorldFrame};
+    /// use grainpath_core::{DMat3, DVec3};
+    ///
+    /// let mut info = VolumeInfo::new("NRRD", [64, 64, 32], SampleType::U16);
+    /// info.spacing_mm = [Some(0.5), Some(0.5), Some(2.0)];
+    /// info.world = Some(WorldFrame { origin_mm: DVec3::new(-16.0, -16.0, 100.0), axes: DMat3::IDENTITY });
+    /// assert_eq!(info.world_mm([2, 0, 3]), Some(DVec3::new(-15.0, -16.0, 106.0)));
+    /// ```
+    pub fn world_mm(&self, voxel: [usize; 3]) -> Option<DVec3> {
+        let world = self.world?;
+        let along = |axis: usize| Some(voxel[axis] as f64 * self.spacing_mm[axis]?);
+        let z_mm = if self.z_mm.is_empty() { along(2)? } else { *self.z_mm.get(voxel[2])? };
+        Some(world.origin_mm + world.axes * DVec3::new(along(0)?, along(1)?, z_mm))
     }
 }
 

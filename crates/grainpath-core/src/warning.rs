@@ -96,6 +96,18 @@ warning_ids! {
     ScanUnevenSlices = "scan-uneven-slices",
         "The slices of a scan are unevenly spaced; their stated heights were kept.",
         "check that no slice is missing";
+    ScanDirectionsAssumed = "scan-directions-assumed",
+        "The directions of a scan's axes are missing or stated twice, so one reading was chosen.",
+        "compare the part with the object; if it is mirrored, set shape.ct.flip";
+    ScanOblique = "scan-oblique",
+        "The voxels of a scan lie at an angle to the axes of its world; the part stands along its voxels.",
+        "turn the part with shape.rotate_deg, or resample the scan";
+    ScanSheared = "scan-sheared",
+        "The slices of a scan lean, as with a tilted gantry; they were resampled upright.",
+        "scan without tilt where the finest details matter";
+    ScanReadAgain = "scan-read-again",
+        "The slices of a scan are not stored along the height of the part; the file is read several times.",
+        "store the slices along the height of the part to save time";
     ScanTrailingBytes = "scan-trailing-bytes",
         "A raw scan file is longer than its header says; the rest was not read.",
         "check the size and the sample type in the header";

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use grainpath_core::DVec3;
 use grainpath_core::slices::SampleType;
 use grainpath_imaging::scan::{ContactSheet, Histogram};
 use grainpath_io::volume::RawHeader;
@@ -52,12 +53,18 @@ pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure
         outputs::save(path, &sheet.png(low, high))?;
     }
     let round = |v: f64| (v * 1e4).round() / 1e4;
-    let spacing_mm = info.spacing_mm.map(|mm| mm.map(|mm| (mm * 1e6).round() / 1e6));
+    let spacing_mm = info.spacing_mm.map(|mm| mm.map(|mm| (mm * 1e9).round() / 1e9));
     let size_mm: Vec<Option<f64>> =
         (0..3).map(|i| info.spacing_mm[i].map(|mm| round(mm * info.size[i] as f64))).collect();
+    let world = info.world.map(|w| {
+        let vector = |v: DVec3| v.to_array().map(|c| (c * 1e9).round() / 1e9);
+        json!({ "frame": "LPS", "origin_mm": vector(w.origin_mm), "columns": vector(w.axes.x_axis),
+                "rows": vector(w.axes.y_axis), "slices": vector(w.axes.z_axis) })
+    });
     Ok(json!({
         "ok": true, "file": args.file.display().to_string(), "kind": "scan", "format": info.format,
         "voxels": info.size, "sample": info.sample.name(), "spacing_mm": spacing_mm, "size_mm": size_mm,
+        "world": world,
         "grey": [low, high], "otsu": round(histogram.otsu()), "materials": [round(air), round(material)],
         "iso50": round(0.5 * (air + material)), "histogram": histogram.binned(32),
         "sheet": args.sheet.as_ref().map(|p| p.display().to_string()), "warnings": info.warnings,

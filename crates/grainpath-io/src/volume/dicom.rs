@@ -3,7 +3,10 @@
 use grainpath_core::{Warning, WarningId};
 use std::io::{BufRead, Read, Seek, SeekFrom};
 
+use grainpath_core::DVec3;
+
 use super::files::MAX_FILE;
+use super::placement::{Placement, oriented};
 use super::{
     Files, SampleType, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, check_size, damaged,
     error, io_error, sample, spacing, unsupported,
@@ -45,7 +48,7 @@ pub(super) fn open(
     files: &Files,
     names: &[String],
     others: usize,
-) -> Result<impl SliceSource + use<>, VolumeError> {
+) -> Result<Box<dyn SliceSource>, VolumeError> {
     let mut slices: Vec<Slice> = names.iter().map(|n| read_header(files, n)).collect::<Result<_, _>>()?;
     let first = slices[0].clone();
     for s in &slices[1..] {
@@ -99,13 +102,17 @@ pub(super) fn open(
     if let Some([dy, dx]) = first.pixel_mm {
         info.spacing_mm = [spacing(dx), spacing(dy), None];
     }
-    arrange(&mut slices, &mut info)?;
-    Ok(Series { info, files: files.clone(), slices, next: 0 })
+    let placement = arrange(&mut slices, &mut info)?;
+    let series = Series { info, files: files.clone(), slices, next: 0 };
+    match placement {
+        Some(placement) => oriented(series, &placement, files.place()),
+        None => Ok(Box::new(series)),
+    }
 }
 
-/// Sorts by position along the normal, and finds the spacing; refuses tilt and gaps.
-fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeError> {
-    let placed = slices.len() > 1 && slices.iter().all(|s| s.position.is_some() && s.orientation.is_some());
+/// Sorts by position along the normal, and finds the spacing and where the voxels lie in the patient's coordinates.
+fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<Option<Placement>, VolumeError> {
+    let placed = slices.iter().all(|s| s.position.is_some() && s.orientation.is_some());
     if !placed {
         if slices.len() > 1 {
             let text = "the slices state no positions and were sorted by instance number";
@@ -114,12 +121,14 @@ fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeErro
             slices.sort_by_key(|s| s.instance);
         }
         info.spacing_mm[2] = slices[0].thickness_mm.and_then(spacing);
-        return Ok(());
+        return Ok(None);
     }
     let o = slices[0].orientation.unwrap_or_default();
-    let (row, column) = (glam(&o[..3]), glam(&o[3..]));
+    let (row, column) = (vector(&o[..3]), vector(&o[3..]));
     let normal = row.cross(column).normalize_or_zero();
-    if normal == grainpath_core::DVec3::ZERO {
+    // Decimals of six places leave the two directions at right angles within 1e-5.
+    let sound = |v: DVec3| (v.length() - 1.0).abs() < 1e-2;
+    if !sound(row) || !sound(column) || row.dot(column).abs() > 1e-2 {
         let problem = VolumeProblem::Field {
             format: FORMAT,
             field: "ImageOrientationPatient",
@@ -128,13 +137,23 @@ fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeErro
         };
         return Err(error(&slices[0].name, problem));
     }
+    let stated = slices[0].pixel_mm.is_some();
+    let [dy, dx] = slices[0].pixel_mm.unwrap_or([1.0; 2]);
+    let (row_mm, column_mm) = (row * dx, column * dy);
+    if slices.len() == 1 {
+        let thickness = slices[0].thickness_mm.and_then(spacing);
+        info.spacing_mm[2] = thickness;
+        let origin_mm = vector(&slices[0].position.unwrap_or_default());
+        let step_mm = [row_mm, column_mm, normal * thickness.unwrap_or(1.0)];
+        return Ok(Some(Placement { origin_mm, step_mm, stated: [stated, stated, thickness.is_some()] }));
+    }
     for s in slices.iter() {
         let p = s.orientation.unwrap_or_default();
         if (0..6).any(|k| (p[k] - o[k]).abs() > 1e-3) {
             return Err(error(&s.name, VolumeProblem::NotParallel { first: slices[0].name.clone() }));
         }
     }
-    let place = |s: &Slice| glam(&s.position.unwrap_or_default());
+    let place = |s: &Slice| vector(&s.position.unwrap_or_default());
     slices.sort_by(|a, b| normal.dot(place(a)).total_cmp(&normal.dot(place(b))));
     let origin = place(&slices[0]);
     let heights: Vec<f64> = slices.iter().map(|s| normal.dot(place(s) - origin)).collect();
@@ -142,14 +161,6 @@ fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeErro
     if let Some(i) = gaps.iter().position(|g| *g < 1e-4) {
         let other = slices[i].name.clone();
         return Err(error(&slices[i + 1].name, VolumeProblem::SamePosition { other }));
-    }
-    // Slices that drift sideways as they rise were taken with a tilted gantry: a box would come out sheared.
-    let pixel = slices[0].pixel_mm.map_or(1.0, |p| p[0].min(p[1]));
-    let last = &slices[slices.len() - 1];
-    let drift = (place(last) - origin) - normal * heights[heights.len() - 1];
-    if drift.length() > 0.5 * pixel {
-        let lean_deg = grainpath_core::math::atan2(drift.length(), heights[heights.len() - 1]).to_degrees();
-        return Err(error(&last.name, VolumeProblem::Tilted { lean_deg }));
     }
     let mut sorted = gaps.clone();
     sorted.sort_by(f64::total_cmp);
@@ -162,22 +173,34 @@ fn arrange(slices: &mut [Slice], info: &mut VolumeInfo) -> Result<(), VolumeErro
             return Err(error(&slices[i].name, problem));
         }
     }
-    info.spacing_mm[2] = spacing(usual);
+    let height_mm = heights[heights.len() - 1];
+    // Slices that drift sideways as they rise were taken with a tilted gantry, which is a shear of the stack.
+    let drift = (place(&slices[slices.len() - 1]) - origin) - normal * height_mm;
+    for (s, z) in slices.iter().zip(&heights) {
+        let off_mm = (place(s) - origin - normal * *z - drift * (z / height_mm)).length();
+        if off_mm > 0.5 * dx.min(dy) {
+            return Err(error(&s.name, VolumeProblem::OffLine { off_mm }));
+        }
+    }
+    let mut rise_mm = height_mm / gaps.len() as f64;
     if gaps.iter().any(|g| (g / usual - 1.0).abs() > 0.01) {
         let (low, high) = (sorted[0], sorted[sorted.len() - 1]);
         let text = format!("slices are unevenly spaced, {low:.3} to {high:.3} mm; their positions are kept");
         info.warnings.push(Warning::new(WarningId::ScanUnevenSlices, text));
         info.z_mm = heights;
+        rise_mm = usual;
     }
-    Ok(())
+    info.spacing_mm[2] = spacing(rise_mm);
+    let step_mm = [row_mm, column_mm, (normal + drift / height_mm) * rise_mm];
+    Ok(Some(Placement { origin_mm: origin, step_mm, stated: [stated, stated, true] }))
 }
 
 fn bits_of(slice: &Slice) -> String {
     format!("{}{}", slice.bits, if slice.signed { " (signed)" } else { "" })
 }
 
-fn glam(v: &[f64]) -> grainpath_core::DVec3 {
-    grainpath_core::DVec3::new(v[0], v[1], v[2])
+fn vector(v: &[f64]) -> DVec3 {
+    DVec3::new(v[0], v[1], v[2])
 }
 
 impl Series {

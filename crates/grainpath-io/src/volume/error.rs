@@ -80,8 +80,22 @@ pub enum VolumeProblem {
     NotParallel { first: String },
     #[error("is at the same position as {other}")]
     SamePosition { other: String },
-    #[error("the gantry was tilted: the stack leans by {lean_deg:.2} degrees; resample it upright first")]
-    Tilted { lean_deg: f64 },
+    #[error(
+        "lies {off_mm:.3} mm beside the line through the other slices; resample the series to a straight stack"
+    )]
+    OffLine { off_mm: f64 },
+    #[error(
+        "the steps from voxel to voxel are {:?}, {:?} and {:?} mm: they span no volume; give the axes of the voxels in \
+         three independent directions",
+        step_mm[0], step_mm[1], step_mm[2]
+    )]
+    FlatAxes { step_mm: [[f64; 3]; 3] },
+    #[error("voxels are {mm} mm apart; between 1e-7 and 1e4 mm can be read")]
+    Spacing { mm: f64 },
+    #[error(
+        "the stack leans by {lean_deg:.1} degrees; up to {limit_deg} degrees are moved upright, so resample it first"
+    )]
+    Leans { lean_deg: f64, limit_deg: f64 },
     #[error(
         "slices are missing after it ({n_missing}): the next is {gap_mm:.3} mm higher, elsewhere {usual_mm:.3}"
     )]

@@ -1,5 +1,10 @@
 //! MetaImage: MHD with its data beside it, or MHA with both in one.
 
+use grainpath_core::slices::SliceSource;
+use grainpath_core::units::LengthUnit;
+use grainpath_core::{DVec3, Warning, WarningId};
+
+use super::placement::{Placement, oriented};
 use super::raw::{Layout, Packing, RawSource};
 use super::{Files, SampleType, VolumeError, VolumeInfo, VolumeProblem, error, spacing, unsupported};
 
@@ -14,7 +19,7 @@ pub(super) fn is(head: &[u8]) -> bool {
     })
 }
 
-pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> {
+pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, VolumeError> {
     let head = files.head(name, MAX_HEADER)?;
     let mut fields: Vec<(String, String)> = Vec::new();
     let mut at = 0;
@@ -64,10 +69,17 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
         }
     };
     let mut info = VolumeInfo::new(FORMAT, [nx, ny, nz], sample);
+    let unit_mm = match get("distanceunits") {
+        None | Some("?" | "mm") => 1.0,
+        Some("um") => LengthUnit::Micron.mm(),
+        Some("cm") => LengthUnit::Centimetre.mm(),
+        Some(other) => return Err(wrong("DistanceUnits", other.to_owned(), "um, mm and cm")),
+    };
     if let Some(text) = get("elementspacing").or(get("elementsize")) {
         let values = text.split_whitespace().map(|w| w.parse::<f64>().unwrap_or(0.0));
-        values.take(3).enumerate().for_each(|(k, mm)| info.spacing_mm[k] = spacing(mm));
+        values.take(3).enumerate().for_each(|(k, mm)| info.spacing_mm[k] = spacing(mm * unit_mm));
     }
+    let placement = placement_of(name, &get, unit_mm, &mut info)?;
     let yes = |key: &str| get(key).is_some_and(|v| v.eq_ignore_ascii_case("true"));
     let packing = if yes("compresseddata") { Packing::Zlib } else { Packing::None };
     let data = need("ElementDataFile")?;
@@ -83,9 +95,70 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
         return Err(wrong("HeaderSize", skip.to_string(), "a number of bytes"));
     }
     let big_endian = yes("binarydatabyteordermsb") || yes("elementbyteordermsb");
-    RawSource::new(
-        files,
-        info,
-        Layout { file, offset, inside: false, packing, big_endian, scale: (1.0, 0.0) },
-    )
+    let layout = Layout { file, offset, inside: false, packing, big_endian, scale: (1.0, 0.0) };
+    let voxels = RawSource::new(files, info, layout)?;
+    match placement {
+        Some(placement) => oriented(voxels, &placement, name),
+        None => Ok(Box::new(voxels)),
+    }
+}
+
+/// Where the header says the voxels lie, in LPS as ITK has it. `TransformMatrix` lists the direction of one axis after
+/// another and counts before `AnatomicalOrientation`.
+fn placement_of<'a>(
+    name: &str,
+    get: &dyn Fn(&str) -> Option<&'a str>,
+    unit_mm: f64,
+    info: &mut VolumeInfo,
+) -> Result<Option<Placement>, VolumeError> {
+    let wrong = |field: &'static str, found: &str, expected: &str| {
+        let (found, expected) = (found.to_owned(), expected.to_owned());
+        error(name, VolumeProblem::Field { format: FORMAT, field, found, expected })
+    };
+    let numbers = |text: &str| text.split_whitespace().map(|w| w.parse().ok()).collect::<Option<Vec<f64>>>();
+    let matrix = get("transformmatrix").or(get("orientation")).or(get("rotation"));
+    let letters = get("anatomicalorientation").filter(|text| !text.contains('?'));
+    let directions = match (matrix, letters) {
+        (Some(text), _) => {
+            let found = numbers(text).filter(|m| m.len() == 9);
+            let m = found.ok_or_else(|| wrong("TransformMatrix", text, "nine numbers"))?;
+            [0, 3, 6].map(|k| DVec3::new(m[k], m[k + 1], m[k + 2]))
+        }
+        (None, Some(text)) => {
+            let told = format!(
+                "AnatomicalOrientation = {text} is read as ITK writes it: each letter is the side where an axis begins"
+            );
+            info.warnings.push(Warning::new(WarningId::ScanDirectionsAssumed, told).in_file(name));
+            directions_from(text)
+                .ok_or_else(|| wrong("AnatomicalOrientation", text, "one letter each of RL, AP and IS"))?
+        }
+        (None, None) => return Ok(None),
+    };
+    let origin = match get("offset").or(get("position")).or(get("origin")) {
+        None => DVec3::ZERO,
+        Some(text) => match numbers(text).as_deref() {
+            Some(&[x, y, z]) => DVec3::new(x, y, z),
+            _ => return Err(wrong("Offset", text, "three numbers")),
+        },
+    };
+    let step_mm = [0, 1, 2].map(|k| directions[k] * info.spacing_mm[k].unwrap_or(1.0));
+    let stated = info.spacing_mm.map(|mm| mm.is_some());
+    Ok(Some(Placement { origin_mm: origin * unit_mm, step_mm, stated }))
+}
+
+/// The directions of three axes that begin at the sides that the letters name, in LPS.
+fn directions_from(letters: &str) -> Option<[DVec3; 3]> {
+    let direction = |letter: char| {
+        Some(match letter {
+            'R' => DVec3::X,
+            'L' => DVec3::NEG_X,
+            'A' => DVec3::Y,
+            'P' => DVec3::NEG_Y,
+            'I' => DVec3::Z,
+            'S' => DVec3::NEG_Z,
+            _ => return None,
+        })
+    };
+    let all: Option<Vec<DVec3>> = letters.trim().to_ascii_uppercase().chars().map(direction).collect();
+    all?.try_into().ok()
 }

@@ -9,7 +9,9 @@ mod files;
 mod metaimage;
 mod nifti;
 mod nrrd;
+mod placement;
 mod raw;
+mod resliced;
 mod sample;
 mod series;
 mod tiff_pages;
@@ -21,7 +23,6 @@ pub use raw::RawHeader;
 pub use write::write_tiff_stack;
 
 use grainpath_core::slices::{SampleType, SliceError, SliceSource, VolumeInfo};
-use grainpath_core::units::LengthUnit;
 
 use error::{damaged, unsupported};
 pub(crate) use error::{error, io_error};
@@ -40,10 +41,6 @@ fn check_size(file: &str, size: [usize; 3]) -> Result<(), VolumeError> {
         return Err(error(file, VolumeProblem::TooLarge { size }));
     }
     Ok(())
-}
-
-fn unit_mm(unit: LengthUnit) -> f64 {
-    unit.mm()
 }
 
 /// A spacing out of a file: finite, positive, of a size voxels can have.
@@ -73,19 +70,19 @@ pub fn open_volume(files: Files, raw: Option<&RawHeader>) -> Result<Box<dyn Slic
         return series::open(files::zip_files(&files, &first)?);
     }
     if starts(b"NRRD") {
-        return Ok(Box::new(nrrd::open(&files, &first)?));
+        return nrrd::open(&files, &first);
     }
     if starts(b"II*\0") || starts(b"MM\0*") || starts(b"II+\0") || starts(b"MM\0+") {
         return Ok(Box::new(tiff_pages::open(&files, &first)?));
     }
     if starts(b"\x1f\x8b") || nifti::is(&head) {
-        return Ok(Box::new(nifti::open(&files, &first)?));
+        return nifti::open(&files, &first);
     }
     if head.get(128..132) == Some(b"DICM") {
         return series::open(files);
     }
     if metaimage::is(&head) {
-        return Ok(Box::new(metaimage::open(&files, &first)?));
+        return metaimage::open(&files, &first);
     }
     if starts(b"\x89PNG") || starts(b"BM") || starts(b"\xff\xd8\xff") {
         return series::open(files);

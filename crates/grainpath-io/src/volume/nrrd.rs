@@ -2,6 +2,11 @@
 
 use std::io::{BufRead, Seek};
 
+use grainpath_core::slices::SliceSource;
+use grainpath_core::units::LengthUnit;
+use grainpath_core::{DVec3, Warning, WarningId};
+
+use super::placement::{Placement, oriented};
 use super::raw::{Layout, Packing, RawSource};
 use super::{
     Files, SampleType, VolumeError, VolumeInfo, VolumeProblem, damaged, error, io_error, spacing, unsupported,
@@ -12,7 +17,7 @@ const FORMAT: &str = "NRRD";
 /// Headers are short; a file without a blank line early on is damaged.
 const MAX_HEADER: usize = 1 << 16;
 
-pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> {
+pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, VolumeError> {
     let mut reader = files.open(name)?;
     let mut fields: Vec<(String, String)> = Vec::new();
     let mut read = 0;
@@ -52,25 +57,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
     let sample = sample(stored)
         .ok_or_else(|| wrong("type", stored.to_owned(), "8 to 32 bit integers, float and double"))?;
     let mut info = VolumeInfo::new(FORMAT, [nx, ny, nz], sample);
-    if let Some(directions) = get(&["space directions"]) {
-        let lengths = directions.split(')').map(|v| {
-            let numbers =
-                v.trim().trim_start_matches('(').split(',').filter_map(|w| w.trim().parse::<f64>().ok());
-            numbers.map(|c| c * c).sum::<f64>().sqrt()
-        });
-        lengths.take(3).enumerate().for_each(|(k, mm)| info.spacing_mm[k] = spacing(mm));
-    } else if let Some(spacings) = get(&["spacings"]) {
-        let values = spacings.split_whitespace().map(|w| w.parse::<f64>().unwrap_or(0.0));
-        values.take(3).enumerate().for_each(|(k, mm)| info.spacing_mm[k] = spacing(mm));
-    }
-    if let Some(unit) = get(&["space units", "units"]) {
-        let words: Vec<&str> = unit.split('"').map(str::trim).filter(|w| !w.is_empty()).collect();
-        let known = words.first().and_then(|w| grainpath_core::units::LengthUnit::from_name(w));
-        if let Some(unit) = known {
-            let mm = super::unit_mm(unit);
-            info.spacing_mm.iter_mut().flatten().for_each(|s| *s *= mm);
-        }
-    }
+    let placement = placement_of(name, &get, &mut info)?;
     let encoding = need("encoding")?;
     let packing = match encoding.to_ascii_lowercase().as_str() {
         "raw" => Packing::None,
@@ -102,7 +89,94 @@ pub(super) fn open(files: &Files, name: &str) -> Result<RawSource, VolumeError> 
     let big_endian = get(&["endian"]).is_some_and(|e| e.eq_ignore_ascii_case("big"));
     let (offset, inside) =
         if packing == Packing::Gzip && skip > 0 { (skip as u64, true) } else { (at + skip as u64, false) };
-    RawSource::new(files, info, Layout { file, offset, inside, packing, big_endian, scale: (1.0, 0.0) })
+    let layout = Layout { file, offset, inside, packing, big_endian, scale: (1.0, 0.0) };
+    let voxels = RawSource::new(files, info, layout)?;
+    match placement {
+        Some(placement) => oriented(voxels, &placement, name),
+        None => Ok(Box::new(voxels)),
+    }
+}
+
+/// Where the header says the voxels lie. Without `space directions` only the spacing is known.
+fn placement_of<'a>(
+    name: &str,
+    get: &dyn Fn(&[&str]) -> Option<&'a str>,
+    info: &mut VolumeInfo,
+) -> Result<Option<Placement>, VolumeError> {
+    let wrong = |field: &'static str, found: &str, expected: &str| {
+        let (found, expected) = (found.to_owned(), expected.to_owned());
+        error(name, VolumeProblem::Field { format: FORMAT, field, found, expected })
+    };
+    let Some(directions) = get(&["space directions"]) else {
+        let unit_mm = units_mm(name, get(&["units"]), info);
+        if let Some(spacings) = get(&["spacings"]) {
+            let values = spacings.split_whitespace().map(|w| w.parse::<f64>().unwrap_or(0.0));
+            values.take(3).enumerate().for_each(|(k, mm)| info.spacing_mm[k] = spacing(mm * unit_mm[k]));
+        }
+        return Ok(None);
+    };
+    let three = "three vectors of three numbers";
+    let vectors: Option<Vec<DVec3>> = split_vectors(directions).map(vector).collect();
+    let vectors = vectors.ok_or_else(|| wrong("space directions", directions, three))?;
+    let &[a, b, c] = vectors.as_slice() else { return Err(wrong("space directions", directions, three)) };
+    let origin = match get(&["space origin"]) {
+        None => DVec3::ZERO,
+        Some(text) => vector(text).ok_or_else(|| wrong("space origin", text, "a vector of three numbers"))?,
+    };
+    let space = get(&["space"]);
+    // To LPS. A left-handed space is turned over along y, so that its z stays up.
+    let to_lps = match space.map(str::to_ascii_lowercase).as_deref() {
+        None | Some("left-posterior-superior" | "lps" | "scanner-xyz" | "3d-right-handed") => [1.0, 1.0, 1.0],
+        Some("right-anterior-superior" | "ras") => [-1.0, -1.0, 1.0],
+        Some("left-anterior-superior" | "las" | "3d-left-handed") => [1.0, -1.0, 1.0],
+        Some(other) => return Err(wrong("space", other, "a space of three axes, such as LPS or RAS,")),
+    };
+    // Patient spaces are in mm by custom where no unit is stated.
+    let unit_mm = match (get(&["space units"]), space) {
+        (None, Some(_)) => [1.0; 3],
+        (units, _) => units_mm(name, units, info),
+    };
+    let scale = DVec3::from(to_lps) * DVec3::from(unit_mm);
+    Ok(Some(Placement {
+        origin_mm: origin * scale,
+        step_mm: [a, b, c].map(|v| v * scale),
+        stated: [true; 3],
+    }))
+}
+
+/// The words of `space directions`: `(1,0,0)` or `none`, each in one piece.
+fn split_vectors(text: &str) -> impl Iterator<Item = &str> {
+    text.split_inclusive(')').map(str::trim).filter(|word| !word.is_empty())
+}
+
+fn vector(text: &str) -> Option<DVec3> {
+    let numbers = text.trim().strip_prefix('(')?.strip_suffix(')')?.split(',');
+    let numbers: Option<Vec<f64>> = numbers.map(|word| word.trim().parse().ok()).collect();
+    let &[x, y, z] = numbers?.as_slice() else { return None };
+    Some(DVec3::new(x, y, z))
+}
+
+/// The units of three axes in mm, with a warning where one is assumed.
+fn units_mm(name: &str, units: Option<&str>, info: &mut VolumeInfo) -> [f64; 3] {
+    let words: Vec<&str> =
+        units.unwrap_or("").split('"').map(str::trim).filter(|word| !word.is_empty()).collect();
+    let mut unknown = words.is_empty().then(|| "no unit".to_owned());
+    let unit_mm = [0, 1, 2].map(|axis| {
+        let Some(word) = words.get(axis).or(words.last()) else { return 1.0 };
+        match (*word, LengthUnit::from_name(word)) {
+            ("\u{b5}m" | "\u{3bc}m" | "microns" | "micrometer", _) => LengthUnit::Micron.mm(),
+            (_, Some(unit)) => unit.mm(),
+            _ => {
+                unknown = Some(format!("the unit {word:?}, which is not known"));
+                1.0
+            }
+        }
+    });
+    if let Some(stated) = unknown {
+        let text = format!("states {stated}; lengths are taken for mm");
+        info.warnings.push(Warning::new(WarningId::UnitAssumed, text).in_file(name));
+    }
+    unit_mm
 }
 
 fn sample(name: &str) -> Option<SampleType> {

@@ -28,7 +28,7 @@ pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
         }
     }
     if !dicoms.is_empty() {
-        return Ok(Box::new(super::dicom::open(&files, &dicoms, images.len() + others.len())?));
+        return super::dicom::open(&files, &dicoms, images.len() + others.len());
     }
     if images.is_empty() {
         return Err(error(files.place(), VolumeProblem::NoSlices));

@@ -3,6 +3,8 @@ use std::io::{Cursor, Write};
 
 use super::*;
 
+mod orientation;
+
 /// Files in memory.
 fn files(all: &[(&str, Vec<u8>)], folder: bool) -> Files {
     let map: BTreeMap<String, Vec<u8>> = all.iter().map(|(n, b)| ((*n).to_owned(), b.clone())).collect();
@@ -88,7 +90,7 @@ fn nrrd_in_all_its_ways() {
     let mut source = single(&[("a.nrrd", [head(spaced), little()].concat())]).expect("raw");
     assert_eq!(source.info().spacing_mm, [Some(0.1), Some(0.2), Some(0.5)]);
     check(&mut *source);
-    let turned = "space directions: (0,0.3,0.4) (0.2,0,0) (0,0,2)\nendian: big\nencoding: gzip\n\n";
+    let turned = "space directions: (0.4,0.3,0) (-0.12,0.16,0) (0,0,2)\nendian: big\nencoding: gzip\n\n";
     let mut source = single(&[("a.nrrd", [head(turned), gzip(&big())].concat())]).expect("gzip");
     assert_eq!(source.info().spacing_mm, [Some(0.5), Some(0.2), Some(2.0)]);
     check(&mut *source);
@@ -247,15 +249,30 @@ fn folders_are_sorted_as_people_count_and_held_together() {
 struct Dicom {
     syntax: &'static str,
     series: &'static str,
-    z: f64,
-    y: f64,
+    position: [f64; 3],
+    orientation: [f64; 6],
+    pixel_mm: [f64; 2],
     size: [u16; 2],
+    /// Counted up from pixel to pixel where `pixels` are not given.
     value: u16,
+    pixels: Option<Vec<u16>>,
+    /// Slope and intercept.
+    rescale: (f64, f64),
 }
 
 impl Default for Dicom {
     fn default() -> Self {
-        Self { syntax: "1.2.840.10008.1.2.1", series: "1.2.3", z: 0.0, y: 0.0, size: [3, 2], value: 1100 }
+        Self {
+            syntax: "1.2.840.10008.1.2.1",
+            series: "1.2.3",
+            position: [-10.0, 0.0, 0.0],
+            orientation: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0],
+            pixel_mm: [0.7, 0.5],
+            size: [3, 2],
+            value: 1100,
+            pixels: None,
+            rescale: (2.0, -1000.0),
+        }
     }
 }
 
@@ -287,20 +304,22 @@ impl Dicom {
         let sequence = [&[0xfe, 0xff, 0x00, 0xe0, 4, 0, 0, 0][..], b"nest"].concat();
         put(0x0008_1140, b"SQ", &sequence, implicit);
         put(0x0020_000e, b"UI", self.series.as_bytes(), implicit);
-        let place = format!("-10\\{}\\{}", self.y, self.z);
-        put(0x0020_0032, b"DS", place.as_bytes(), implicit);
-        put(0x0020_0037, b"DS", b"1\\0\\0\\0\\1\\0", implicit);
+        let list = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join("\\");
+        put(0x0020_0032, b"DS", list(&self.position).as_bytes(), implicit);
+        put(0x0020_0037, b"DS", list(&self.orientation).as_bytes(), implicit);
         for (tag, v) in [(0x0028_0002, 1u16), (0x0028_0010, self.size[1]), (0x0028_0011, self.size[0])] {
             put(tag, b"US", &v.to_le_bytes(), implicit);
         }
-        put(0x0028_0030, b"DS", b"0.7\\0.5", implicit);
+        put(0x0028_0030, b"DS", list(&self.pixel_mm).as_bytes(), implicit);
         for (tag, v) in [(0x0028_0100, 16u16), (0x0028_0101, 16), (0x0028_0103, 0)] {
             put(tag, b"US", &v.to_le_bytes(), implicit);
         }
-        put(0x0028_1052, b"DS", b"-1000", implicit);
-        put(0x0028_1053, b"DS", b"2", implicit);
+        put(0x0028_1052, b"DS", list(&[self.rescale.1]).as_bytes(), implicit);
+        put(0x0028_1053, b"DS", list(&[self.rescale.0]).as_bytes(), implicit);
         let n = usize::from(self.size[0]) * usize::from(self.size[1]);
-        let pixels: Vec<u8> = (0..n).flat_map(|i| (self.value + i as u16).to_le_bytes()).collect();
+        let counted = || (0..n).map(|i| self.value + i as u16).collect();
+        let pixels = self.pixels.clone().unwrap_or_else(counted);
+        let pixels: Vec<u8> = pixels.iter().flat_map(|v| v.to_le_bytes()).collect();
         if self.syntax == "1.2.840.10008.1.2.5" {
             // Two planes: the high bytes as one run, the low ones as they are.
             let high = pixels[1];
@@ -322,7 +341,8 @@ impl Dicom {
 
 #[test]
 fn dicom_series_go_by_position() {
-    let slice = |z: f64| Dicom { z, value: 1000 + (z * 10.0) as u16, ..Dicom::default() };
+    let slice =
+        |z: f64| Dicom { position: [-10.0, 0.0, z], value: 1000 + (z * 10.0) as u16, ..Dicom::default() };
     let series = |zs: &[f64]| -> Vec<(&'static str, Vec<u8>)> {
         let names = ["c", "a", "d", "b", "e"];
         names.iter().zip(zs).map(|(n, z)| (*n, slice(*z).bytes())).collect()
@@ -347,10 +367,10 @@ fn dicom_series_go_by_position() {
         folder(&all)
     };
     says(folder(&series(&[0.0, 1.0, 2.0, 4.0, 5.0])), "d", "slices are missing after it (1)");
-    says(with(Dicom { z: 3.0, series: "9", ..Dicom::default() }), "x", "another series");
-    says(with(Dicom { z: 3.0, size: [2, 2], ..Dicom::default() }), "x", "2 x 2 pixels");
-    says(with(Dicom { z: 1.0, ..Dicom::default() }), "", "same position");
-    says(with(Dicom { z: 3.0, y: 1.5, ..Dicom::default() }), "x", "tilted");
+    says(with(Dicom { position: [-10.0, 0.0, 3.0], series: "9", ..Dicom::default() }), "x", "another series");
+    says(with(Dicom { position: [-10.0, 0.0, 3.0], size: [2, 2], ..Dicom::default() }), "x", "2 x 2 pixels");
+    says(with(Dicom { position: [-10.0, 0.0, 1.0], ..Dicom::default() }), "", "same position");
+    says(with(Dicom { position: [-10.0, 1.5, 3.0], ..Dicom::default() }), "", "beside the line");
     says(with(Dicom { syntax: "1.2.840.10008.1.2.4.90", ..Dicom::default() }), "x", "JPEG 2000");
     let cut = Dicom::default().bytes();
     says(folder(&[("x", cut[..cut.len() - 2].to_vec())]), "x", "cut short");
