@@ -1,4 +1,20 @@
 //! Cells: strips cut across at even lengths, and which cells share an edge.
+//!
+//! A strip is a closed outline with one bead on each of its long sides. Cutting it across at even lengths gives cells about
+//! as long as [`Continuous::aspect`](super::Continuous) strips are wide. Two cells share an edge across a cut, or beside a
+//! strip where two strips face each other a bead apart.
+//!
+//! ```text
+//!    ====+========+======   strip A     + cut across: edge between two cells of A
+//!    ====+========+======
+//!       o        o              o places beside strips: edges between cells of A and of B
+//!    ======+=======+=====   strip B
+//!    ======+=======+=====
+//! ```
+//!
+//! Cutting is left to the tree: a cut that it does not use is where a strip ends in two caps. [`Taken`] keeps which lengths
+//! of the outlines are spoken for, because two joints must not share a stretch. Distances are in bead spacings in constants
+//! and mm in the code. Cost: linear in the length of all strips.
 
 use grainpath_core::DVec2;
 

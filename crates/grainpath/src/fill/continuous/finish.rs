@@ -1,5 +1,12 @@
-//! From a ring of stretches to beads: moved to the middle of their room, smoothed where they do not turn, as wide as
-//! the room there is.
+//! From joined rings to beads: moved to the middle of their space, smoothed, and given their widths.
+//!
+//! Joining leaves corners, and strips at even phase leave beads that are not quite in the middle between their neighbours.
+//! Each point looks to the left and right ([`Neighbours`]) and moves half the difference; corners stay corners, straight
+//! stretches are smoothed. Moves that make a line cross or leave the infill region are undone around the place, and small
+//! loops that a line makes over itself are cut off. With variable width each bead then becomes as wide as the space it has.
+//!
+//! Constants are in bead spacings unless they end in `_MM`. They bound how far a bead may move at once, and which distances
+//! count as a neighbour, a gap, or a corner. Cost: linear in the points, a few rays each.
 
 use grainpath_core::math::cross;
 use grainpath_core::poly::{Join, LineClipper, perimeter_mm};
@@ -11,12 +18,14 @@ use super::super::field::widths::{Line, Neighbours};
 use super::rings::{CLOSE, SEEN_BEADS, beside};
 use crate::fill::FillContext;
 
-/// The narrowest and widest bead, as shares of the nominal one.
+/// The narrowest bead, as a share of the nominal one. Source: as in [`stripes`](super::super::field::stripes), from
+/// [Kuipers2020].
 const NARROWEST: f64 = 0.6;
+/// The widest bead, in the same share and from the same source.
 const WIDEST: f64 = 1.6;
 /// Rounds of moving beads to the middle of their room.
 const ROUNDS: usize = 2;
-/// A turn of more than this is a corner and stays one: the cosine.
+/// A turn whose cosine is below this is a corner and stays one (50 degrees).
 const CORNER: f64 = 0.64;
 /// Most neighbours are nearer than this, in beads, and nothing further than that is one.
 const NEAR: f64 = 1.2;
@@ -37,7 +46,7 @@ const SPIKE_MM: f64 = 0.005;
 /// Of two points closer than this one goes, in beads.
 const CLOSEST: f64 = 0.015;
 
-/// Room beside a segment.
+/// The space beside a segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Room {
     /// Nothing runs along here.
@@ -57,7 +66,7 @@ impl Room {
     }
 }
 
-/// Room to the left and right of a segment's middle.
+/// The space to the left and right of a segment's middle.
 type Sides = [Room; 2];
 
 /// A bead that closes on itself.

@@ -1,4 +1,19 @@
 //! Closed lines with positions along them, and places where two of them face each other.
+//!
+//! A joint takes two stretches, one bead long, that face each other a bead apart and run against each other. Exchanging
+//! them for the two ways between their ends makes one ring of two rings, or two of one, and crosses nothing:
+//!
+//! ```text
+//!     ----->----->-----            ----->  +  ----->
+//!                            ->            |  ^
+//!     -----<-----<-----            -----<--+  +-<----
+//! ```
+//!
+//! Stretches must be straight enough (the cosine of their turn), nearly parallel, and the two new ways must lie inside the
+//! infill region. What faces a place is found by a ray in square buckets ([`Neighbours`]); a walk along a ring first asks
+//! whether the neighbour it had a step before is still there, which answers most questions without a ray.
+//!
+//! Positions are mm along a ring from its first point. Cost: constant for a place whose neighbour stays the same.
 
 use grainpath_core::math::{cross, direction, rotated};
 use grainpath_core::poly::LineClipper;

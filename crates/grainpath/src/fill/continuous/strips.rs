@@ -1,8 +1,22 @@
 //! Strips two beads wide along the field, as closed outlines half a bead inside their edges.
 //!
-//! A phase turns once per two beads across the field. Where its cosine is negative is the inside of a strip's
-//! outline: the two beads of a strip lie where the cosine changes sign, the way between neighbouring strips where it
-//! is positive. The cosine does not care which way the axis points, so outlines close around every singular point.
+//! A phase ([`phase`](super::super::field::phase)) turns once per two beads across the field. Where its cosine is negative
+//! lies the inside of a strip's outline: the two beads of a strip run where the cosine changes sign, and the gap between
+//! neighbouring strips is where it is positive. The cosine does not care which way the axis points, so outlines close around
+//! every singular point of the field.
+//!
+//! ```text
+//!    cos > 0   between strips
+//!    ===========================   bead, cosine changes sign
+//!    cos < 0   inside the strip
+//!    ===========================   bead, cosine changes sign
+//!    cos > 0   between strips
+//! ```
+//!
+//! Outlines are cut at the border of the infill region by an arrangement of polylines and contours ([`cut_by`]); places too
+//! thin for two strips side by side become strips of their own, whatever the field says. Where rounding makes the
+//! arrangement unclear the whole region becomes one strip. Cost: the phase on at most [`MANY_NODES`] nodes, then linear in
+//! the outlines.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,9 @@
-//! The last look: what is not as it should be, and where.
+//! The last check of a continuous path: what is wrong with it, and where.
+//!
+//! Every path is looked through for crossings with itself and others, for leaving its infill region, and every island for
+//! necks that are too narrow for a bead there and one back. What is found is a [`Note`]; the planner turns notes into
+//! warnings with the layer and the place, once for each kind of trouble. Finding nothing means the paths are sound: the
+//! search covers every pair of segments that share a bucket, with exact comparisons of sides.
 
 use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::{DVec2, Polygon, Region, Toolpath, Warning, WarningId};

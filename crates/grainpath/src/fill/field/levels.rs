@@ -1,4 +1,20 @@
-//! The lines on which a phase completes its turns.
+//! Level lines of a phase: where it completes a turn.
+//!
+//! On every edge of the mesh the phase grows linearly from one end to the other; whole turns on it are points of lines.
+//! Inside a triangle the points on its three sides are joined around its corners, so level lines never cross. Where the
+//! phase misses a turn around a triangle the numbers of points do not match; the point left over is the end of a line.
+//!
+//! ```text
+//!         c                 sides with 2, 2 and 2 points: two lines around a corner each,
+//!        / \                none ends here
+//!       o---o
+//!      /     \              sides with 2, 1 and 0 points: one line passes,
+//!     o-------o             one point is left over and its line ends
+//!    a---------b
+//! ```
+//!
+//! Source: the tracing of [Knoppel2015], section 5, for two-valued axes. Points are exact to rounding; the phase is moved by
+//! up to 1e-6 radians per node so that no node lies on a line. Cost: linear in the triangles and in the points.
 
 use std::f64::consts::TAU;
 

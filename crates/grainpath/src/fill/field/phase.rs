@@ -1,10 +1,28 @@
 //! A phase that turns once per bead across the field.
 //!
-//! Every node carries a unit complex number. Along an edge it should turn by the edge's length across the field, in
-//! beads. A field with curl cannot be followed everywhere; where it cannot, the phase has a point around which it
-//! misses a turn, and there a bead ends. Such a phase is found by diffusing the numbers along the edges and scaling
-//! them back to unit length, again and again: the diffusion evens out, the scaling keeps every place equal. The sign
-//! of the axis is free at every node: across an edge whose ends disagree the number is mirrored.
+//! Every node of the mesh carries a unit complex number whose argument is the phase. Along an edge the phase should grow
+//! by the edge's length across the field, in beads. A field with curl cannot be followed everywhere: somewhere the phase
+//! misses a turn around a point, and a bead ends there.
+//!
+//! Method: stripe patterns [Knoppel2015] with the sign of the axis free at every node, so that across an edge whose ends
+//! disagree the number is conjugated. The energy is not minimised by an eigenvalue problem as in the paper, but by
+//! alternating one implicit step of diffusion with scaling every number back to unit length (Merriman, Bence and Osher's
+//! scheme for Ginzburg-Landau energies [Viertel2019]). The scaling keeps every place equal; the eigenvector of the paper
+//! fades where the field is hard to follow, and beads there would be decided by rounding.
+//!
+//! ```text
+//!    axis ->  ================   level 2   phase 4 pi
+//!             ----------------             phase 3 pi
+//!             ================   level 1   phase 2 pi      a bead runs on every level
+//!             ----------------             phase   pi
+//!             ================   level 0   phase 0
+//! ```
+//!
+//! Before the phase, [`drift`] lets the spacing change slowly along the field so that fewer beads have to end.
+//!
+//! Units: nodes in mm, frequency in turns per mm, phase in radians. Cost: about 20 diffusion steps of at most 60 conjugate
+//! gradient iterations in `f32`; each is linear in the nodes. Degenerate cases: a region in several pieces is swept piece by
+//! piece; a node whose numbers cancel keeps its last phase. Same input, same bits: no step depends on the threads.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -35,11 +53,13 @@ pub struct Turn {
     pub mirrored: bool,
 }
 
-/// Steps of diffusion, widest first, in squares of the grid.
+/// Steps of diffusion, widest first: how wide each is, in squares of the grid, and how often it is done. Wide steps
+/// settle the pattern of the whole region, narrow ones its details.
 pub const STEPS: [(f64, usize); 3] = [(60.0, 6), (25.0, 6), (8.0, 6)];
-/// The spacing may drift from the nominal one by this factor before beads end or begin.
+/// The spacing may drift from the nominal one by this factor before beads end or begin. Chosen: well inside the widths
+/// that a nozzle can lay, 0.6 to 1.6 of the nominal one.
 const MAX_DRIFT: f64 = 1.22;
-/// Spacing drifts back to the nominal one over about this length, mm.
+/// Length over which the spacing returns to the nominal one, mm.
 const DRIFT_MM: f64 = 12.0;
 
 /// How much closer or wider the beads should be at every node so that as few as possible have to end: the factor on

@@ -1,4 +1,19 @@
-//! How much room a bead has between its neighbours.
+//! How wide a bead may be: the space between its neighbours.
+//!
+//! Beads and the border of the place they fill are kept as segments in square buckets. From a point of a bead a ray goes to
+//! the left and to the right, at right angles to it. A neighbouring bead shares the distance, the border gives all of it:
+//!
+//! ```text
+//!    ------------------------- neighbour
+//!         ^  d1                        reach to the left: d1 / 2
+//!    -----o------------------- bead
+//!         v  d2                        reach to the right: d2
+//!    ######################### border
+//! ```
+//!
+//! The sum of both reaches is the width of the bead's strip; [`bead_width_mm`](grainpath_core::units::bead_width_mm) turns it
+//! into the width that is printed. Exact for parallel beads; where beads converge at an angle the ray overestimates the
+//! space by the cosine of half of it. Cost: a ray passes a few buckets, whatever the size of the region.
 
 use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::math::cross;
@@ -44,7 +59,7 @@ impl Line {
     }
 }
 
-/// Half the room of a bead at a point: how far it reaches to its left and right, mm.
+/// The space of a bead at a point: how far it may reach to its left and right, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reach {
     pub left_mm: f64,
@@ -78,7 +93,7 @@ fn pieces_of(l: usize, line: &Line) -> impl Iterator<Item = Piece> + '_ {
     })
 }
 
-/// All beads of a room and its border, for asking what lies beside a bead.
+/// All beads of an infill region and its border, for asking what lies beside a bead.
 pub struct Neighbours {
     pieces: Vec<Piece>,
     buckets: Buckets,
@@ -248,7 +263,7 @@ impl Neighbours {
         out
     }
 
-    /// The room of a bead at a vertex: to the border, or half way to the next bead. Where there is neither within
+    /// The space of a bead at a vertex: to the border, or half way to the next bead. Where there is neither within
     /// `far_mm`, `free_mm`.
     pub fn reach(&self, lines: &[Line], line: usize, vertex: usize, far_mm: f64, free_mm: f64) -> Reach {
         let l = &lines[line];
