@@ -1,4 +1,15 @@
-//! Hexagons: waves of flats and ramps whose flats lie two by two beside each other.
+//! Honeycomb infill: regular hexagons, the same in every layer.
+//!
+//! Each path is a wave of flats and ramps; neighbouring waves lie mirrored, so that their flats lie side by side as one wall
+//! two beads thick and their ramps bound the hexagons. Printed as waves the pattern has no stops and no crossing:
+//!
+//! ```text
+//!     __      __            __      __
+//!    /  \__  /  \__   ...   flats two by two beside each other
+//!    \__/  \_\__/  \_
+//! ```
+//!
+//! The side of a hexagon follows from the density, counting the double walls once each. Cost: linear in the waves.
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::poly::LineClipper;

@@ -1,7 +1,17 @@
 //! One path for all that is printed of an island: loops are taken into their neighbours where they touch.
 //!
-//! Two loops side by side become one where a piece of each, as long as they are apart, is exchanged for the two ways
-//! across: as much is laid as before, and nothing twice. What lies too far away begins a chain of its own.
+//! Two loops side by side become one where a stretch of each, as long as they are apart, is exchanged for the two ways
+//! across. As much is laid as before, and nothing twice:
+//!
+//! ```text
+//!     ====== loop 1 ======            ====+  +====
+//!                              ->         |  |
+//!     ====== loop 2 ======            ====+  +====
+//! ```
+//!
+//! A loop is joined where it comes nearest to the chain; what lies farther away than a stated reach begins a chain of its
+//! own. The next layer begins where this one ended, so that a part of one island is a single path without a travel.
+//! Cost: places of the chain lie in square cells as wide as the reach, so a loop looks at few of them.
 
 use std::collections::BTreeMap;
 

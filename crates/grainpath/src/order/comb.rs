@@ -1,4 +1,11 @@
-//! Travels: inside the part where they can be, else with the filament drawn back.
+//! Travels: kept inside the part where possible, with the filament drawn back elsewhere.
+//!
+//! A straight travel inside the island oozes onto what will be covered. Where the straight way crosses the border, the
+//! travel follows the crossed contour, the shorter way round, at a stated clearance, and is then pulled tight: points are
+//! left out as long as the way stays inside. A detour longer than a stated multiple of the straight way is not worth it; the
+//! nozzle then goes straight, drawn back and, if the job says so, lifted.
+//!
+//! Cost: linear in the vertices of the contour for a travel that crosses the border, constant for one that does not.
 
 use grainpath_core::poly::LineClipper;
 use grainpath_core::{DVec2, PlannedPath, Polygon, Region, Toolpath, Travel};

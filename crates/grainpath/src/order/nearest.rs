@@ -1,4 +1,12 @@
-//! The nearest of many points, while points are taken away.
+//! The nearest of many path ends, while paths are taken away.
+//!
+//! Ends lie in a square grid with about one end a cell. A search looks at rings of cells around a place and stops when no
+//! end of a farther ring can be nearer. Equally near ends are told apart by their number, so that the order of printing does
+//! not depend on anything but the paths. Owners that are taken away stay in their cells
+//! and are skipped.
+//!
+//! Why not a tree: a grid needs no rebalancing while owners disappear one by one. Cost: constant while many ends are left;
+//! a search among the last few looks through most of the grid. Held against a plain search by a property test.
 
 use grainpath_core::{Bounds2, DVec2};
 

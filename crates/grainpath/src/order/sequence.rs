@@ -1,4 +1,13 @@
-//! Sequences of paths with short ways between them.
+//! Sequences of paths with little travel between them.
+//!
+//! Method: nearest neighbour, then 2-opt (turn a stretch round) and Or-opt (move up to three stops) until nothing improves
+//! (`Croes1958`, `Or1976`); tours of up to [`MAX_SHAKEN`] stops are then shaken by exchanging neighbouring stretches and improved
+//! again, keeping what became shorter (iterated local search (`Lourenco2003`)). A stop is a path that may be entered at either
+//! end. Stops beside which nothing changed are not looked at again.
+//!
+//! Everything is deterministic: ties go to the lower number, and the exchanges come from a fixed sequence. Tours of up to 6
+//! stops are held against all orders by a test. Cost: one search for the nearest end a stop, then [`REACH`] neighbours for
+//! every stop and pass.
 
 use grainpath_core::poly::signed_area_mm2;
 use grainpath_core::{Bounds2, DVec2, Toolpath};

@@ -1,4 +1,12 @@
 //! Where layers begin and end.
+//!
+//! Uniform layers are as high as the job says, the first one excepted. Adaptive layers follow the slopes: a layer on a face
+//! whose normal has the vertical component `n_z` leaves stairs that stand `h n_z` off the true face (the cusp height of
+//! (`Dolenc1994`)), so the height is the largest that keeps the cusp within bounds for all faces that reach into the layer.
+//! Flat faces make no stairs and are left out. Heights change by at most half from layer to layer, in steps of 0.01 mm.
+//!
+//! The last layer is the last one whose middle lies inside the part, so that the printed height is the nearest to the true
+//! one. Cost: linear in the triangles for the slopes by height, then linear in the layers.
 
 use grainpath_core::TriMesh;
 

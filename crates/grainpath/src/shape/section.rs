@@ -1,4 +1,16 @@
-//! One section of a mesh: segments, chains, contours, a region.
+//! One section of a mesh: from crossed triangles to a region.
+//!
+//! Every triangle that crosses the plane gives one segment, from the side that goes down through the plane to the one that
+//! goes up, so that the inside lies on its left. Segments are named by the mesh edges at their ends; following equal names
+//! gives closed contours without comparing coordinates. A vertex on the plane counts as above it, so a plane never meets a
+//! vertex, an edge or a face exactly.
+//!
+//! Damaged meshes leave open chains. They are joined end to start, nearest first; a chain is closed on itself only when no
+//! other start is nearer than its own. Everything that had to be closed is counted ([`Mended`]) and warned of.
+//!
+//! The point where an edge crosses the plane is computed from its lower vertex to its higher one, so both its triangles get
+//! the same bits. Contours of all shells are united by winding number: overlapping bodies do not cancel and cavities stay.
+//! Cost: linear in the crossed triangles, but for joining open chains, which is quadratic in their number.
 
 use grainpath_core::poly::{Bounds2, FillRule, simplify_contour};
 use grainpath_core::{Contour, DVec2, Diagnostics, Region, TriMesh, WarningId};

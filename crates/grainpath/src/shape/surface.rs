@@ -1,4 +1,12 @@
-//! The surface of a stack of layers: lofted from section to section, closed and manifold whatever branches or ends.
+//! The surface of a stack of layers: closed and manifold whatever branches, joins or ends.
+//!
+//! Between the middles of neighbouring layers the signed distances of both sections are mixed linearly, on cells of about
+//! `cell_mm`. Each cell is cut into six tetrahedra along its diagonal (Kuhn's cut), and the zero level is traced in each
+//! (marching tetrahedra (`Doi1991`)). Tetrahedra have no ambiguous case, so the surface is closed and manifold by
+//! construction; the ends are flat. Values very close to zero are moved off it, so that no two vertices coincide.
+//!
+//! Used where a solver or the supports need a surface and the shape is a scan or a photograph. Sharp edges in plan come out
+//! rounded over about a cell. Cost: the signed distances take all cells of a layer, tracing those that the border passes.
 
 use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, Region, TriMesh};
 use rayon::prelude::*;

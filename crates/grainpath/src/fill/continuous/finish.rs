@@ -19,7 +19,7 @@ use super::rings::{CLOSE, SEEN_BEADS, beside};
 use crate::fill::FillContext;
 
 /// The narrowest bead, as a share of the nominal one. Source: as in [`stripes`](super::super::field::stripes), from
-/// [Kuipers2020].
+/// `Kuipers2020`.
 const NARROWEST: f64 = 0.6;
 /// The widest bead, in the same share and from the same source.
 const WIDEST: f64 = 1.6;

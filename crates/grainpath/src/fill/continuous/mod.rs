@@ -1,7 +1,7 @@
 //! One closed path through a whole infill region, along the field where it can.
 //!
-//! Method: spanning tree coverage [Gabriely2001] on cells that follow a field, after the S5 patent's idea of joining loops
-//! along a tree weighted by stress [ContinuousPath]. A loop around a tree's cells is one closed path, because a tree has no
+//! Method: spanning tree coverage (`Gabriely2001`) on cells that follow a field, after the S5 patent's idea of joining loops
+//! along a tree weighted by stress (`ContinuousPath`). A loop around a tree's cells is one closed path, because a tree has no
 //! cycles. The steps:
 //!
 //! 1. [`strips`] cuts the region into strips two beads wide along the field: one bead there, one back;
@@ -18,7 +18,7 @@
 //! ```
 //!
 //! Closed paths lay an even number of beads across any place, so a place of three bead widths cannot be filled at one
-//! width; [`Problem`] names what could not be joined. Related work: controllable space-filling curves [Bedel2022] improve a
+//! width; [`Problem`] names what could not be joined. Related work: controllable space-filling curves (`Bedel2022`) improve a
 //! cycle by local moves; here the tree is chosen once and single joints are moved afterwards.
 //!
 //! Cost: near linear; 100 000 cells take about 1 s and 110 MB, a million 11 s and 1.07 GB (`cargo xtask bench continuous`).

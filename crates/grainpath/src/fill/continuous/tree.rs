@@ -1,8 +1,8 @@
 //! The tree that joins cells: which edges are passed, and where strips are cut.
 //!
-//! Method: Kruskal's minimum spanning tree [Kruskal1956] over the cells; the weight of an edge is the angle that its joint
+//! Method: Kruskal's minimum spanning tree (`Kruskal1956`) over the cells; the weight of an edge is the angle that its joint
 //! adds to the path, weighted by how much the field matters there, times length. Two rules of the S5 patent
-//! [ContinuousPath] hold: along the field where that is possible, and not across an edge that is the shortest of both its
+//! (`ContinuousPath`) hold: along the field where that is possible, and not across an edge that is the shortest of both its
 //! cells, unless nothing else joins them. Afterwards every joint between two strips is moved along them to the place where
 //! beads turn least; the two strips stay joined once, so the path stays one.
 //!

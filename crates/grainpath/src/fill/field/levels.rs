@@ -13,7 +13,7 @@
 //!    a---------b
 //! ```
 //!
-//! Source: the tracing of [Knoppel2015], section 5, for two-valued axes. Points are exact to rounding; the phase is moved by
+//! Source: the tracing of `Knoppel2015`, section 5, for two-valued axes. Points are exact to rounding; the phase is moved by
 //! up to 1e-6 radians per node so that no node lies on a line. Cost: linear in the triangles and in the points.
 
 use std::f64::consts::TAU;

@@ -1,6 +1,6 @@
 //! Fills that follow a direction field.
 //!
-//! Dense fill is a *stripe pattern* [Knoppel2015]: a phase is found over the infill region that turns once for every bead
+//! Dense fill is a *stripe pattern* (`Knoppel2015`): a phase is found over the infill region that turns once for every bead
 //! across the field, and each bead runs where the phase completes a turn. Even spacing is then a property of the whole
 //! region and not of the order in which lines are drawn, which is what streamline seeding lacks. The steps:
 //!
@@ -11,7 +11,7 @@
 //!    border and puts single beads into what is left open;
 //! 5. [`widths`] measures the space of each bead between its neighbours, which becomes its width.
 //!
-//! Sparse fill ([`streamlines`]) places evenly spaced streamlines [Jobard1997]; [`seed_lines`] is the published principal
+//! Sparse fill ([`streamlines`]) places evenly spaced streamlines (`Jobard1997`); [`seed_lines`] is the published principal
 //! stress line method, kept for comparison. Lengths are in mm, phases in radians; the sign of the axis carries no meaning.
 
 mod levels;

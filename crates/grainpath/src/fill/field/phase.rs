@@ -4,10 +4,10 @@
 //! by the edge's length across the field, in beads. A field with curl cannot be followed everywhere: somewhere the phase
 //! misses a turn around a point, and a bead ends there.
 //!
-//! Method: stripe patterns [Knoppel2015] with the sign of the axis free at every node, so that across an edge whose ends
+//! Method: stripe patterns (`Knoppel2015`) with the sign of the axis free at every node, so that across an edge whose ends
 //! disagree the number is conjugated. The energy is not minimised by an eigenvalue problem as in the paper, but by
 //! alternating one implicit step of diffusion with scaling every number back to unit length (Merriman, Bence and Osher's
-//! scheme for Ginzburg-Landau energies [Viertel2019]). The scaling keeps every place equal; the eigenvector of the paper
+//! scheme for Ginzburg-Landau energies (`Viertel2019`)). The scaling keeps every place equal; the eigenvector of the paper
 //! fades where the field is hard to follow, and beads there would be decided by rounding.
 //!
 //! ```text

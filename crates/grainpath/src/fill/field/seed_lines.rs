@@ -1,6 +1,6 @@
 //! Dense fill from seed lines and their offsets: the principal stress line method as published.
 //!
-//! Method: the S2 paper in docs/references.bib [PrincipalStressLines]. Some streamlines of the field are chosen that come
+//! Method: the S2 paper in docs/references.bib (`PrincipalStressLines`). Some streamlines of the field are chosen that come
 //! nowhere nearer to each other than a bead. They part the infill region; each part is filled with offsets of the seed line at
 //! its lower left, one bead apart, until it is full.
 //!

@@ -1,6 +1,6 @@
 //! Sparse fill along a field: evenly spaced streamlines at the distance that the density asks for.
 //!
-//! Method: [Jobard1997]. A line starts at a point that is at least the separation away from all others, follows the field in
+//! Method: evenly spaced streamlines (`Jobard1997` in docs/references.bib). A line starts at a point that is at least the separation away from all others, follows the field in
 //! both directions, and ends where it comes nearer to another line than a share of the separation. Lines therefore end
 //! where the field converges and begin where it diverges. All beads have the nominal width.
 //!

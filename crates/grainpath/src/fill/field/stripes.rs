@@ -10,7 +10,7 @@
 //!    ([`single_beads`]).
 //!
 //! Along the border the phase is asked to be half a bead from it where the field runs along it, so that the outermost bead
-//! touches the walls. Method: stripe patterns [Knoppel2015]; joining ends as in hatching. Cost: linear in the length of all
+//! touches the walls. Method: stripe patterns (`Knoppel2015`); joining ends as in hatching. Cost: linear in the length of all
 //! beads but for the phase. Degenerate cases: a region narrower than a bead gets no line and is left to step 5; a field
 //! that crosses the border at a right angle ends its beads there and joins them by short turns, which are off the field.
 //!
@@ -34,7 +34,7 @@ use grainpath_core::mask::{Grid, Mask};
 /// Beads along the field, evenly spaced over the whole infill region, with ends where the field forces them.
 pub struct Stripes;
 
-/// The narrowest bead, as a share of the nominal one. Source: [Kuipers2020] measures that a nozzle of 0.4 mm lays widths
+/// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle of 0.4 mm lays widths
 /// within a factor of about 2; 0.6 to 1.6 keeps that factor with a margin where beads are only seldom wide.
 const NARROWEST: f64 = 0.6;
 /// The widest bead, in the same share and from the same source.
