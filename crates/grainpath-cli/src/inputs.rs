@@ -13,6 +13,7 @@ use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
 use grainpath_io::volume::{Files, RawHeader, ReadSeek, open_volume};
 use grainpath_io::{parse_mesh, parse_outline};
+use grainpath_job::choices::GuideKind;
 use grainpath_job::{Settings, parse_job};
 
 use crate::claims::Claims;
@@ -121,7 +122,7 @@ pub fn read_photos(
     base: &Path,
     diagnostics: &Diagnostics,
 ) -> Result<Vec<Photo>, Failure> {
-    if settings.guide.kind != "grain" {
+    if settings.guide.kind != GuideKind::Grain {
         return Ok(Vec::new());
     }
     diagnostics.begin(Stage::Read, 0);
@@ -140,7 +141,7 @@ pub fn read_photos(
 /// The scan named by `guide.volume`, where its texture is followed.
 pub fn read_texture(settings: &Settings, base: &Path) -> Result<Option<Box<dyn SliceSource>>, Failure> {
     let path = &settings.volume.path;
-    if settings.guide.kind != "grain" || path.is_empty() {
+    if settings.guide.kind != GuideKind::Grain || path.is_empty() {
         return Ok(None);
     }
     open_scan(&base.join(path), None).map(Some)

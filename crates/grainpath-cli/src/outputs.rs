@@ -162,7 +162,7 @@ pub fn write(
         report.outputs.insert("plan", path.display().to_string());
     }
     if let (Some(path), Some(support)) = (&paths.support, &planned.support) {
-        let (layers, method) = (&support.cut.layers, &settings.support.solid);
+        let (layers, method) = (&support.cut.layers, settings.support.solid);
         let mesh = grainpath::support::surface(layers, &planned.stack, method, diagnostics)
             .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
         if !mesh.triangles.is_empty() {

@@ -7,6 +7,7 @@ pub mod buckets;
 pub mod bvh;
 pub mod conjugate_gradients;
 pub mod dense;
+pub mod density;
 pub mod diagnostics;
 pub mod disjoint_sets;
 pub mod failure_svg;
@@ -33,6 +34,7 @@ pub mod units;
 pub mod warning;
 
 pub use bvh::Bvh;
+pub use density::Density;
 pub use diagnostics::Diagnostics;
 pub use disjoint_sets::DisjointSets;
 pub use field::{DirectionField, DirectionSample, UniformField};

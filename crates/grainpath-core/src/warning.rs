@@ -54,6 +54,15 @@ macro_rules! warning_ids {
 }
 
 warning_ids! {
+    JobRenamed = "job-renamed",
+        "The job uses an old name of a setting or word; it was read under its new name.",
+        "write the new name";
+    JobOverruled = "job-overruled",
+        "An argument of the command line replaces another setting of the job.",
+        "unset the setting that should not count, as in --set fill.mass_g=none";
+    MaterialMixed = "material-mixed",
+        "The job states some strengths of the material; the others come from the profile.",
+        "state all strengths of the material, or none";
     UnitAssumed = "unit-assumed",
         "The file states no unit of length, so a unit was assumed.",
         "set shape.unit, or the voxel size of a scan";

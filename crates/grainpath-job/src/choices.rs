@@ -1,32 +1,396 @@
-//! Values a setting can have that are neither numbers nor free text.
+//! Settings that are chosen from a list of words: one enum for each list.
+//!
+//! A word exists once, in the table below, with the sentence that explains it. The parser, the JSON Schema and the
+//! reference page come from that table. Stages match on the enums, so the compiler finds every place that a new word
+//! concerns.
+//!
+//! ```
+//! use grainpath_job::choices::{Choice, Pattern};
+//!
+//! assert_eq!(Pattern::from_word("seed-lines"), Some(Pattern::SeedLines));
+//! assert_eq!(Pattern::Gyroid.name(), "gyroid");
+//! assert!(Pattern::Stripes.follows_field() && !Pattern::Grid.follows_field());
+//! assert_eq!(Pattern::ALL.len(), Pattern::WORDS.len());
+//! ```
 
-/// Grey value at which the part begins in a scan.
+use grainpath_core::slices::SampleType;
+use grainpath_core::units::LengthUnit;
+
+/// A word of a choice and what it means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Word {
+    /// The word in a job file.
+    pub name: &'static str,
+    /// What it means, as the end of a sentence; empty where the word says it all.
+    pub help: &'static str,
+}
+
+/// A setting with a fixed list of words.
+pub trait Choice: Copy + PartialEq + 'static {
+    /// The words, in the order of [`Choice::ALL`].
+    const WORDS: &'static [Word];
+    /// Every value, in the order of the documentation.
+    const ALL: &'static [Self];
+
+    /// The value of a word.
+    fn from_word(word: &str) -> Option<Self> {
+        let i = Self::WORDS.iter().position(|w| w.name == word)?;
+        Self::ALL.get(i).copied()
+    }
+
+    /// The word of this value.
+    fn name(self) -> &'static str {
+        let i = Self::ALL.iter().position(|v| *v == self);
+        i.and_then(|i| Self::WORDS.get(i)).map_or("", |w| w.name)
+    }
+}
+
+/// Makes an enum and its words from one list.
+macro_rules! choices {
+    ($( $(#[$about:meta])* $name:ident { $( $variant:ident = $word:literal, $help:literal; )* } )*) => {
+        $(
+            $(#[$about])*
+            #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+            pub enum $name {
+                $( #[doc = concat!("`", $word, "`: ", $help)] $variant, )*
+            }
+
+            impl Choice for $name {
+                const WORDS: &'static [Word] = &[$( Word { name: $word, help: $help }, )*];
+                const ALL: &'static [Self] = &[$( Self::$variant, )*];
+            }
+        )*
+    };
+}
+
+choices! {
+    /// What counts as material in a drawing (`shape.outline_rule`).
+    OutlineRule {
+        File = "file", "filled shapes are material, and so is the inside of closed lines without fill.";
+        EvenOdd = "even-odd", "every closed line counts; each line inside another one is a hole in it, and so on inwards.";
+    }
+    /// What happens to defects of a mesh (`shape.repair`).
+    Repair {
+        Auto = "auto", "defects are repaired, and a warning counts them.";
+        Strict = "strict", "a mesh with defects is refused.";
+    }
+    /// How the board is found in a photograph (`corners`).
+    BoardCorners {
+        Image = "image", "the board fills the whole image.";
+        Outline = "outline", "the board is found by its outline on a plain background.";
+        Markers = "markers", "the board lies on a sheet printed with `grainpath markers`.";
+    }
+    /// Axes along which a scan is mirrored (`flip`).
+    Flip {
+        None = "", "as in the file.";
+        X = "x", "";
+        Y = "y", "";
+        Z = "z", "";
+        Xy = "xy", "";
+        Xz = "xz", "";
+        Yz = "yz", "";
+        Xyz = "xyz", "";
+    }
+    /// Noise filter of a scan's slices (`shape.ct.smooth`).
+    Denoise {
+        None = "none", "no filter.";
+        Gaussian = "gaussian", "Gaussian blur by `smooth_px`.";
+        Median = "median", "median of 3 x 3 pixels.";
+        Edges = "edges", "smooths surfaces and keeps edges sharp.";
+    }
+    /// What lies between the slices of a scan (`shape.ct.interpolate`).
+    Interpolate {
+        Auto = "auto", "`grey` where slices lie as close as pixels, else `matched`.";
+        Grey = "grey", "grey values are interpolated.";
+        Matched = "matched", "contours of neighbouring slices are matched and morphed.";
+        Distance = "distance", "signed distances to the contours are interpolated.";
+    }
+    /// How the contours of a scan are found (`shape.ct.contours`).
+    Contours {
+        Iso = "iso", "where the grey value crosses the threshold, between pixels.";
+        Canny = "canny", "Canny's edges with feature points, as published for CT-based printing.";
+    }
+    /// Order of the bytes of a raw scan (`shape.ct.byte_order`).
+    ByteOrder {
+        Little = "little", "least significant byte first.";
+        Big = "big", "most significant byte first.";
+    }
+    /// Position of the machine's origin (`printer.origin`).
+    BedOrigin {
+        Corner = "corner", "x = y = 0 is the front left corner of the bed.";
+        Centre = "centre", "x = y = 0 is the middle of the bed.";
+    }
+    /// G-code dialect (`printer.flavour`).
+    Flavour {
+        Marlin = "marlin", "Marlin and firmware that follows it.";
+        Klipper = "klipper", "Klipper.";
+        Rrf = "rrf", "RepRapFirmware (Duet).";
+    }
+    /// The printer's tool for continuous fibre (`printer.fibre_tool`).
+    FibreToolKind {
+        None = "none", "the printer lays no continuous fibre.";
+        Coextruded = "coextruded", "one nozzle lays fibre and matrix together.";
+        Separate = "separate", "the fibre has a nozzle of its own.";
+    }
+    /// How well the strengths of a material are known (`material.strength_tier`).
+    StrengthTier {
+        T0 = "T0", "data sheets and literature.";
+        T1 = "T1", "tests of coupons printed on this machine.";
+        T2 = "T2", "T1, and confirmed by the test of a whole part.";
+    }
+    /// Order of the walls of a contour (`process.wall_order`).
+    WallOrder {
+        InnerFirst = "inner-first", "from the fill outwards: cleaner overhangs.";
+        OuterFirst = "outer-first", "the outer wall first: more exact dimensions.";
+    }
+    /// Where outer walls begin and end (`process.seam`).
+    Seam {
+        Nearest = "nearest", "at the point nearest to the nozzle: least travel.";
+        Aligned = "aligned", "above the seam of the layer below; a new seam begins at the sharpest corner.";
+        Rear = "rear", "at the largest y.";
+        Random = "random", "anywhere on the wall; the same place in every run.";
+    }
+    /// What gives infill its direction (`guide.kind`).
+    GuideKind {
+        None = "none", "the raster angles of `fill.angles_deg`.";
+        Angle = "angle", "`guide.angle_deg`, for all infill.";
+        Stress = "stress", "the principal stresses under the job's loads, or of `guide.import`.";
+        Grain = "grain", "the grain of photographs, or the texture of a scan.";
+    }
+    /// Which principal stress beads follow (`guide.follow`).
+    Follow {
+        MaxAbs = "max-abs", "the one of larger magnitude.";
+        Tension = "tension", "the largest tension.";
+        Compression = "compression", "the largest compression.";
+        Alternate = "alternate", "both, in turn from layer to layer.";
+    }
+    /// Model of the stress analysis (`guide.analysis`).
+    Analysis {
+        Auto = "auto", "`plane` where the part has one section and is loaded in its plane, else `solid`.";
+        Plane = "plane", "plane stress in the part's section.";
+        Solid = "solid", "the part in three dimensions.";
+    }
+    /// Elastic model of the stress analysis (`guide.elasticity`).
+    Elasticity {
+        Isotropic = "isotropic", "the modulus along the bead in all directions.";
+        Orthotropic = "orthotropic", "the material's nine constants, beads along `guide.elasticity_deg`.";
+    }
+    /// Order of the components of an imported stress (`guide.import_order`).
+    ComponentOrder {
+        Vtk = "vtk", "xx, yy, zz, xy, yz, zx.";
+        Abaqus = "abaqus", "xx, yy, zz, xy, xz, yz.";
+        Voigt = "voigt", "xx, yy, zz, yz, xz, xy.";
+    }
+    /// Unit of an imported stress (`guide.import_stress_unit`).
+    StressUnit {
+        MPa = "MPa", "";
+        Pa = "Pa", "";
+        KPa = "kPa", "";
+        GPa = "GPa", "";
+        Psi = "psi", "";
+        Ksi = "ksi", "";
+    }
+    /// What of the grain infill follows (`guide.mode`).
+    GrainMode {
+        Field = "field", "lines along the grain's directions.";
+        Edges = "edges", "the edges found in the picture, and more lines between them.";
+    }
+    /// How edge points become curves (`guide.join`).
+    CurveJoin {
+        Trace = "trace", "each edge is traced from pixel to pixel.";
+        Nearest = "nearest", "each point is joined to its nearest one, as published.";
+    }
+    /// Borders of the part that bend the grain (`guide.bend`).
+    Bend {
+        None = "none", "no border.";
+        Outline = "outline", "the outer border.";
+        Holes = "holes", "the borders of holes.";
+        Both = "both", "all borders.";
+    }
+    /// Infill pattern (`fill.pattern`, `fibre.matrix_pattern`).
+    Pattern {
+        Rectilinear = "rectilinear", "parallel lines, turned from layer to layer by `angles_deg`.";
+        Grid = "grid", "two crossing families of lines in each layer.";
+        Triangles = "triangles", "three crossing families of lines in each layer.";
+        Gyroid = "gyroid", "sections of the gyroid surface.";
+        Concentric = "concentric", "loops parallel to the walls.";
+        Honeycomb = "honeycomb", "hexagons.";
+        Aligned = "aligned", "parallel lines, the same direction in all layers.";
+        Stripes = "stripes", "dense beads along the guide's directions, at even spacing.";
+        Streamlines = "streamlines", "evenly spaced streamlines of the guide's directions.";
+        SeedLines = "seed-lines", "a seed line along the guide and its offsets, region by region, as published.";
+        Continuous = "continuous", "one unbroken path for each island and layer.";
+    }
+    /// Bead widths of the pattern `continuous` (`fill.widths`).
+    BeadWidths {
+        Variable = "variable", "the width follows the distance to the neighbouring beads.";
+        Constant = "constant", "one width everywhere, as continuous fibre needs.";
+    }
+    /// How the pattern `continuous` joins its cells into one path (`fill.tree`).
+    CellTree {
+        Directed = "directed", "joins cells where beads turn least away from the guide.";
+        Undirected = "undirected", "joins cells without regard to the guide, for comparison.";
+    }
+    /// Kind of support (`support.style`).
+    SupportStyle {
+        None = "none", "no support.";
+        Tree = "tree", "branching supports.";
+        Columns = "columns", "straight walls below every overhang, for comparison.";
+        Box = "box", "a box around all overhangs, for comparison.";
+    }
+    /// How branches become one surface (`support.solid`).
+    SupportSurface {
+        Distance = "distance", "the zero level of a signed distance.";
+        Poisson = "poisson", "Poisson reconstruction as published: slower, and it rounds tips off.";
+    }
+    /// What happens where a fibre path turns too sharply (`fibre.turns`).
+    FibreTurns {
+        Round = "round", "turns are rounded where there is room; the others are reported.";
+        Report = "report", "turns are reported only.";
+        Cut = "cut", "turns are rounded where there is room; at the others the fibre is cut.";
+    }
+    /// Where a closed fibre path begins and ends (`fibre.start`).
+    FibreStart {
+        Nearest = "nearest", "nearest to the end of the path before.";
+        Straight = "straight", "in the middle of the longest straight piece.";
+        Calm = "calm", "where the stress is least; needs `guide.kind = \"stress\"`.";
+        Rear = "rear", "at the largest y.";
+    }
+    /// Model of the strength test (`strength.fidelity`).
+    Fidelity {
+        Auto = "auto", "`plane` for parts of one section loaded in its plane, else `voxels`.";
+        Plane = "plane", "a plate; its layers are plies of a laminate.";
+        Voxels = "voxels", "a solid of box-shaped cells, whose layers can separate.";
+    }
+}
+
+impl Pattern {
+    /// Whether the pattern needs directions from a guide. `continuous` can do without.
+    pub const fn follows_field(self) -> bool {
+        match self {
+            Self::Stripes | Self::Streamlines | Self::SeedLines | Self::Continuous => true,
+            Self::Rectilinear
+            | Self::Grid
+            | Self::Triangles
+            | Self::Gyroid
+            | Self::Concentric
+            | Self::Honeycomb
+            | Self::Aligned => false,
+        }
+    }
+}
+
+impl Flip {
+    /// Whether x, y and z are mirrored.
+    pub const fn axes(self) -> [bool; 3] {
+        match self {
+            Self::None => [false, false, false],
+            Self::X => [true, false, false],
+            Self::Y => [false, true, false],
+            Self::Z => [false, false, true],
+            Self::Xy => [true, true, false],
+            Self::Xz => [true, false, true],
+            Self::Yz => [false, true, true],
+            Self::Xyz => [true, true, true],
+        }
+    }
+}
+
+const fn plain_word(name: &'static str) -> Word {
+    Word { name, help: "" }
+}
+
+impl Choice for LengthUnit {
+    const ALL: &'static [Self] =
+        &[Self::Millimetre, Self::Centimetre, Self::Metre, Self::Inch, Self::Micron, Self::Foot];
+    const WORDS: &'static [Word] = &[
+        plain_word("mm"),
+        plain_word("cm"),
+        plain_word("m"),
+        plain_word("inch"),
+        plain_word("micron"),
+        plain_word("foot"),
+    ];
+}
+
+/// Unit of a mesh or drawing (`shape.unit`): `auto`, or a unit that replaces the file's.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FileUnit(
+    /// The unit; `None` for `auto`, the unit of the file or else mm.
+    pub Option<LengthUnit>,
+);
+
+impl Choice for FileUnit {
+    const ALL: &'static [Self] = &[
+        Self(None),
+        Self(Some(LengthUnit::Millimetre)),
+        Self(Some(LengthUnit::Centimetre)),
+        Self(Some(LengthUnit::Metre)),
+        Self(Some(LengthUnit::Inch)),
+        Self(Some(LengthUnit::Micron)),
+        Self(Some(LengthUnit::Foot)),
+    ];
+    const WORDS: &'static [Word] = &[
+        Word { name: "auto", help: "the unit stated in the file; mm, with a warning, where it states none." },
+        plain_word("mm"),
+        plain_word("cm"),
+        plain_word("m"),
+        plain_word("inch"),
+        plain_word("micron"),
+        plain_word("foot"),
+    ];
+}
+
+impl Choice for SampleType {
+    const ALL: &'static [Self] =
+        &[Self::U8, Self::I8, Self::U16, Self::I16, Self::U32, Self::I32, Self::F32, Self::F64];
+    const WORDS: &'static [Word] = &[
+        plain_word("u8"),
+        plain_word("i8"),
+        plain_word("u16"),
+        plain_word("i16"),
+        plain_word("u32"),
+        plain_word("i32"),
+        plain_word("f32"),
+        plain_word("f64"),
+    ];
+}
+
+/// Grey value at which the part begins in a scan (`shape.ct.threshold`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Threshold {
-    /// By the histogram, Otsu 1979.
+    /// From the histogram by Otsu's method (1979).
     Otsu,
-    /// Halfway between the two commonest materials, found or given.
+    /// Halfway between the grey values of two materials; `None` finds the two commonest ones.
     Iso50(Option<[f64; 2]>),
-    /// From this grey value up.
+    /// The part is this grey value and everything brighter.
     Value(f64),
-    /// Between these.
+    /// The part is everything between these grey values.
     Range(f64, f64),
 }
 
-/// The names of the patterns for the inside.
-pub const PATTERNS: [&str; 11] = [
-    "rectilinear",
-    "grid",
-    "triangles",
-    "gyroid",
-    "concentric",
-    "honeycomb",
-    "aligned",
-    "stripes",
-    "streamlines",
-    "seed-lines",
-    "continuous",
-];
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Those of them that follow a direction field.
-pub const GUIDED: [&str; 4] = ["stripes", "streamlines", "seed-lines", "continuous"];
+    fn every_value_has_its_word<T: Choice + std::fmt::Debug>() {
+        assert_eq!(T::ALL.len(), T::WORDS.len());
+        for value in T::ALL {
+            assert_eq!(T::from_word(value.name()), Some(*value));
+        }
+    }
+
+    #[test]
+    fn types_of_other_crates_have_a_word_for_each_value() {
+        every_value_has_its_word::<LengthUnit>();
+        every_value_has_its_word::<FileUnit>();
+        every_value_has_its_word::<SampleType>();
+        for unit in LengthUnit::ALL {
+            assert_eq!(Choice::name(*unit), LengthUnit::name(*unit));
+        }
+        for sample in SampleType::ALL {
+            assert_eq!(SampleType::from_name(Choice::name(*sample)), Some(*sample));
+        }
+        assert_eq!(SampleType::ALL.len(), SampleType::NAMES.len());
+    }
+}

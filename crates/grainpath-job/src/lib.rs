@@ -1,21 +1,55 @@
-//! Settings of a job, declared once, profiles, and the checks that make a job file trustworthy.
+//! Settings, loads and profiles of a job, as typed by its author.
 //!
-//! Each setting is one row in `settings.rs`; the job parser, `--set`, the JSON Schema and the reference page all come
-//! from those rows. After [`parse_job`] nobody checks a setting again.
+//! A job file is TOML. Each setting is declared once, as a row in `settings.rs` with its key, type, default, unit,
+//! range and help text; the parser, `--set`, the JSON Schema and `docs/settings.md` come from those rows. A setting
+//! with a list of words is an enum of [`choices`], so that no stage ever compares texts.
+//!
+//! [`parse_job`] reads a job in this order, each step stronger than the one before: defaults, the profiles of printer,
+//! material and process, the file, and the `--set` arguments. It then checks what must hold between settings. After
+//! that nobody checks a setting again. Errors name the file and the line, which come from the spans of the TOML parser.
+//!
+//! Old files stay readable: `format` is the version of the file format, and [`RENAMED`] lists keys that have a new
+//! name. A renamed key is read with a warning that names the new one.
+//!
+//! This crate knows no geometry: which part of the mesh a place selects is found by the planner.
+//!
+//! ```
+//! use grainpath_job::choices::GuideKind;
+//! use grainpath_job::parse_job;
+//!
+//! let job = "format = 1\n[shape]\nmesh = \"bracket.stl\"\n[process]\nwals = 3\n";
+//! let no_files = |_: &str| Err("no profiles of its own".to_owned());
+//! let error = parse_job(job, "job.toml", &[], &no_files).unwrap_err();
+//! assert_eq!(error.to_string(), "job.toml:5: unknown key `wals` in [process]; did you mean `walls`?");
+//!
+//! let settings = parse_job("", "job.toml", &["guide.kind=stress".to_owned()], &no_files).unwrap();
+//! assert_eq!(settings.guide.kind, GuideKind::Stress);
+//! ```
 
 pub mod choices;
+mod combinations;
+mod error;
 pub mod loads;
 mod parse;
 mod profiles;
+mod renamed;
 mod schema;
 mod settings;
+mod source;
 mod value;
 
-pub use parse::{JobError, parse_job};
+pub use error::{JobError, Location};
+pub use parse::{FORMAT, parse_job};
 pub use profiles::{PROFILES, Profile, profile};
+pub use renamed::{RENAMED, Renamed};
 pub use schema::{json_schema, markdown};
 pub use settings::{
-    FibreSection, FillSection, GuideSection, ImageSection, MaterialSection, OutputSection, PhotoSection,
-    PrinterSection, ProcessSection, Settings, ShapeSection, StrengthSection, SupportSection, VolumeSection,
+    CtSection, FibreSection, FillSection, GuideSection, ImageSection, MaterialSection, OutputSection,
+    PhotoSection, PrinterSection, ProcessSection, Settings, ShapeSection, StrengthSection, SupportSection,
+    VolumeSection,
 };
-pub use value::{Check, Param};
+pub use value::{Check, Pair, Param, Problem, Step, ValueError};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;

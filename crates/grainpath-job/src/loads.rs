@@ -1,174 +1,197 @@
-//! Fixtures, loads and load cases: the tables of `[guide]`.
+//! Fixtures, loads and load cases: the tables of `[guide]`, as typed.
+//!
+//! Coordinates are those of the part after scaling and rotation, mm, with the plate at z = 0. Which surface or nodes a
+//! place selects is for the planner to find out.
+//!
+//! ```
+//! use grainpath_job::loads::{Push, Place};
+//! use grainpath_job::parse_job;
+//!
+//! let job = "[[guide.load]]\non = { facets = [3, 4] }\nforce_n = [0, 0, -25]\n";
+//! let settings = parse_job(job, "job.toml", &[], &|_| Err("no profiles of its own".into())).unwrap();
+//! let load = &settings.guide.load[0];
+//! assert_eq!(load.on, Some(Place::Facets(vec![3, 4])));
+//! assert!(matches!(load.push, Push::Force(f) if f.z == -25.0));
+//! ```
 
 use std::fmt::Write as _;
 
 use grainpath_core::DVec3;
 use grainpath_core::selection::Selection;
 use grainpath_core::spelling::nearest;
+use serde_json::json;
 use toml::{Table, Value};
 
-use super::value::SettingValue;
+use super::value::{Problem, SettingValue, ValueError};
 
-/// Where a fixture or load acts, as written.
+/// Where a fixture or load acts, as typed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Place {
-    /// A shape.
+    /// The part of the surface in a box, on a plane or on a cylinder, or within a sphere.
     Shape(Selection),
-    /// Triangles of the mesh, by number.
+    /// Triangles of the mesh, by their index in the file, from 0.
     Facets(Vec<usize>),
 }
 
-/// How something is held.
+/// A place that cannot move freely.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fixture {
-    /// Where.
+    /// The place.
     pub on: Place,
-    /// Which of x, y and z cannot move.
+    /// Whether x, y and z are fixed.
     pub fixed: [bool; 3],
     /// Whether the surface cannot move along its normal: a roller or a plane of symmetry.
     pub normal: bool,
-    /// Where the held directions are moved to, mm.
+    /// Prescribed displacement of the fixed directions, mm.
     pub displacement_mm: DVec3,
 }
 
-/// What pushes.
+/// Kind and size of a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Push {
-    /// A force in N, spread over the area.
+    /// Total force in N, spread evenly over the area of the place.
     Force(DVec3),
-    /// MPa against the surface.
+    /// Pressure in MPa, positive against the surface.
     Pressure(f64),
-    /// N mm about the middle of the area.
+    /// Moment in N mm about the centroid of the place.
     Moment(DVec3),
-    /// An acceleration of the whole part, mm/s2: gravity is `[0, 0, -9810]`.
+    /// Acceleration of the whole part in mm/s2: gravity is `[0, 0, -9810]`.
     Acceleration(DVec3),
 }
 
 /// A load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Load {
-    /// Where; nowhere for an acceleration.
+    /// The place; `None` for an acceleration.
     pub on: Option<Place>,
-    /// What.
+    /// Kind and size.
     pub push: Push,
 }
 
 /// Loads that act together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
-    /// What it is called in reports.
+    /// Its name in reports.
     pub name: String,
-    /// How much it counts beside the others.
+    /// Its weight where the directions of several cases are combined.
     pub weight: f64,
     /// Its loads.
     pub loads: Vec<Load>,
 }
 
-fn table<'a>(value: &'a Value, what: &str) -> Result<&'a Table, String> {
-    value.as_table().ok_or_else(|| format!("should hold tables: {what}; is {value}"))
-}
+/// Larger numbers are typing errors, and their squares would overflow.
+const MAX_NUMBER: f64 = 1e12;
 
-/// Refuses keys that are not known.
-fn only(table: &Table, what: &str, known: &[&str]) -> Result<(), String> {
-    match table.keys().find(|k| !known.contains(&k.as_str())) {
-        Some(k) => {
-            let near = nearest(k, known.iter().copied());
-            Err(format!("{what} has an unknown key `{k}`; did you mean `{near}`?"))
+/// The keys that say what a load is.
+const LOAD_KINDS: &str = "force_n, pressure_mpa, moment_nmm, acceleration_mm_s2";
+/// The keys that say where something acts.
+const PLACES: &str = "on = { box_mm, plane, cylinder, sphere or facets }";
+
+/// A table whose entries are read one by one; errors name the entry.
+struct Reader<'a>(&'a Table);
+
+impl<'a> Reader<'a> {
+    /// The table in `value`, which has no other keys than `known`.
+    fn new(value: &'a Value, expected: &'static str, known: &[&str]) -> Result<Self, ValueError> {
+        let wrong = || Problem::Kind { expected, found: value.to_string() };
+        let table = value.as_table().ok_or_else(wrong)?;
+        if let Some(key) = table.keys().find(|k| !known.contains(&k.as_str())) {
+            let nearest = nearest(key, known.iter().copied()).to_owned();
+            return Err(Problem::UnknownKey { key: key.clone(), nearest }.into());
         }
-        None => Ok(()),
+        Ok(Self(table))
+    }
+
+    fn get<T: SettingValue>(&self, key: &str, range: (f64, f64)) -> Result<Option<T>, ValueError> {
+        let Some(value) = self.0.get(key) else { return Ok(None) };
+        let read = T::from_toml(value).and_then(|read| {
+            match read.numbers().into_iter().find(|n| !(range.0..=range.1).contains(n)) {
+                Some(found) => Err(Problem::Range { low: range.0, high: range.1, found }.into()),
+                None => Ok(read),
+            }
+        });
+        read.map(Some).map_err(|e| e.in_key(key))
+    }
+
+    fn number(&self, key: &str) -> Result<Option<f64>, ValueError> {
+        self.get(key, (-MAX_NUMBER, MAX_NUMBER))
+    }
+
+    fn length(&self, key: &str) -> Result<Option<f64>, ValueError> {
+        self.get(key, (0.0, MAX_NUMBER))
+    }
+
+    fn vector(&self, key: &str) -> Result<Option<DVec3>, ValueError> {
+        Ok(self.get::<[f64; 3]>(key, (-MAX_NUMBER, MAX_NUMBER))?.map(DVec3::from))
+    }
+
+    fn direction(&self, key: &'static str) -> Result<DVec3, ValueError> {
+        let v = needed(self.vector(key)?, key)?;
+        v.try_normalize().ok_or_else(|| ValueError::from(Problem::NoDirection).in_key(key))
+    }
+
+    /// Where the fixture or load acts.
+    fn place(&self) -> Result<Place, ValueError> {
+        place(needed(self.0.get("on"), PLACES)?).map_err(|e| e.in_key("on"))
     }
 }
 
-/// Larger numbers are slips, and their squares are not finite.
-const MOST: f64 = 1e12;
+fn needed<T>(found: Option<T>, expected: &'static str) -> Result<T, ValueError> {
+    Ok(found.ok_or(Problem::Missing { expected })?)
+}
 
-fn number(table: &Table, what: &str, key: &str) -> Result<Option<f64>, String> {
-    let read = |v: &Value| match f64::from_toml(v) {
-        Ok(n) if n.abs() > MOST => Err(format!("{what}: {key} should be at most 1e12, is {n:e}")),
-        found => found.map_err(|e| format!("{what}: {key} {e}")),
+fn place(value: &Value) -> Result<Place, ValueError> {
+    let keys = "box_mm, plane, cylinder, sphere, facets";
+    let known = ["box_mm", "plane", "cylinder", "sphere", "facets"];
+    let Reader(on) = Reader::new(value, "a table in { }", &known)?;
+    let mut entries = on.iter();
+    let (Some((kind, value)), None) = (entries.next(), entries.next()) else {
+        return Err(Problem::SeveralKinds { keys }.into());
     };
-    table.get(key).map(read).transpose()
-}
-
-fn length(table: &Table, what: &str, key: &str) -> Result<Option<f64>, String> {
-    match number(table, what, key)? {
-        Some(l) if l < 0.0 => Err(format!("{what}: {key} should not be negative, is {l}")),
-        found => Ok(found),
-    }
-}
-
-fn vector(table: &Table, what: &str, key: &str) -> Result<Option<DVec3>, String> {
-    let read = |v: &Value| match <[f64; 3]>::from_toml(v).map(DVec3::from) {
-        Ok(found) if found.abs().max_element() > MOST => {
-            Err(format!("{what}: {key} should hold numbers of at most 1e12, is {v}"))
-        }
-        found => found.map_err(|e| format!("{what}: {key} {e}")),
+    let read = match kind.as_str() {
+        "box_mm" => read_box(value).map(Place::Shape),
+        "plane" => read_plane(value).map(Place::Shape),
+        "cylinder" => read_cylinder(value).map(Place::Shape),
+        "sphere" => read_sphere(value).map(Place::Shape),
+        _ => Vec::<usize>::from_toml(value).map(Place::Facets),
     };
-    table.get(key).map(read).transpose()
+    read.map_err(|e| e.in_key(kind))
 }
 
-fn needed<T>(found: Option<T>, what: &str, key: &str) -> Result<T, String> {
-    found.ok_or_else(|| format!("{what} needs {key}"))
+fn read_box(value: &Value) -> Result<Selection, ValueError> {
+    let [a, b] = <[[f64; 3]; 2]>::from_toml(value)?.map(DVec3::from);
+    Ok(Selection::Box { low: a.min(b), high: a.max(b) })
 }
 
-fn unit(table: &Table, what: &str, key: &str) -> Result<DVec3, String> {
-    let v = needed(vector(table, what, key)?, what, key)?;
-    v.try_normalize().ok_or_else(|| format!("{what}: {key} should not be zero"))
+fn read_plane(value: &Value) -> Result<Selection, ValueError> {
+    let t = Reader::new(value, "a table in { }", &["point_mm", "normal", "tolerance_mm"])?;
+    Ok(Selection::Plane {
+        point: needed(t.vector("point_mm")?, "point_mm")?,
+        normal: t.direction("normal")?,
+        tolerance_mm: t.length("tolerance_mm")?.unwrap_or(0.01),
+    })
 }
 
-fn place(table: &Table, what: &str) -> Result<Place, String> {
-    let on = needed(table.get("on"), what, "on = { box_mm, plane, cylinder, sphere or facets }")?;
-    let on = on.as_table().filter(|t| t.len() == 1).ok_or_else(|| {
-        format!("{what}: on should be one of box_mm, plane, cylinder, sphere, facets in {{ }}, is {on}")
-    })?;
-    let what = &format!("{what}: on");
-    only(on, what, &["box_mm", "plane", "cylinder", "sphere", "facets"])?;
-    let (kind, value) = on.iter().next().ok_or_else(|| format!("{what} is empty"))?;
-    let inner =
-        || value.as_table().ok_or_else(|| format!("{what}.{kind} should be a table in {{ }}, is {value}"));
-    let shape = match kind.as_str() {
-        "box_mm" => {
-            let [a, b] = <[[f64; 3]; 2]>::from_toml(value).map_err(|e| format!("{what}.box_mm {e}"))?;
-            let (a, b) = (DVec3::from(a), DVec3::from(b));
-            Selection::Box { low: a.min(b), high: a.max(b) }
-        }
-        "plane" => {
-            let t = inner()?;
-            only(t, what, &["point_mm", "normal", "tolerance_mm"])?;
-            Selection::Plane {
-                point: needed(vector(t, what, "point_mm")?, what, "point_mm")?,
-                normal: unit(t, what, "normal")?,
-                tolerance_mm: length(t, what, "tolerance_mm")?.unwrap_or(0.01),
-            }
-        }
-        "cylinder" => {
-            let t = inner()?;
-            only(t, what, &["point_mm", "axis", "radius_mm", "length_mm"])?;
-            Selection::Cylinder {
-                point: needed(vector(t, what, "point_mm")?, what, "point_mm")?,
-                axis: unit(t, what, "axis")?,
-                radius_mm: needed(length(t, what, "radius_mm")?, what, "radius_mm")?,
-                length_mm: length(t, what, "length_mm")?,
-            }
-        }
-        "sphere" => {
-            let t = inner()?;
-            only(t, what, &["centre_mm", "radius_mm"])?;
-            Selection::Sphere {
-                centre: needed(vector(t, what, "centre_mm")?, what, "centre_mm")?,
-                radius_mm: needed(length(t, what, "radius_mm")?, what, "radius_mm")?,
-            }
-        }
-        _ => {
-            let facets = Vec::<usize>::from_toml(value).map_err(|e| format!("{what}.facets {e}"))?;
-            return Ok(Place::Facets(facets));
-        }
-    };
-    Ok(Place::Shape(shape))
+fn read_cylinder(value: &Value) -> Result<Selection, ValueError> {
+    let t = Reader::new(value, "a table in { }", &["point_mm", "axis", "radius_mm", "length_mm"])?;
+    Ok(Selection::Cylinder {
+        point: needed(t.vector("point_mm")?, "point_mm")?,
+        axis: t.direction("axis")?,
+        radius_mm: needed(t.length("radius_mm")?, "radius_mm")?,
+        length_mm: t.length("length_mm")?,
+    })
+}
+
+fn read_sphere(value: &Value) -> Result<Selection, ValueError> {
+    let t = Reader::new(value, "a table in { }", &["centre_mm", "radius_mm"])?;
+    Ok(Selection::Sphere {
+        centre: needed(t.vector("centre_mm")?, "centre_mm")?,
+        radius_mm: needed(t.length("radius_mm")?, "radius_mm")?,
+    })
 }
 
 fn place_text(place: &Place) -> String {
-    let v = |p: &DVec3| format!("[{}, {}, {}]", p.x, p.y, p.z);
+    let v = |p: &DVec3| vector_text(*p);
     match place {
         Place::Facets(f) => format!("{{ facets = {} }}", f.to_text()),
         Place::Shape(Selection::Box { low, high }) => format!("{{ box_mm = [{}, {}] }}", v(low), v(high)),
@@ -194,22 +217,62 @@ fn place_text(place: &Place) -> String {
     }
 }
 
+fn vector_text(v: DVec3) -> String {
+    format!("[{}, {}, {}]", v.x, v.y, v.z)
+}
+
+/// Schema of a vector.
+fn vector_schema() -> serde_json::Value {
+    <[f64; 3]>::schema()
+}
+
+/// Schema of a table with these keys.
+fn table_schema(properties: &serde_json::Value, required: &[&str]) -> serde_json::Value {
+    json!({
+        "type": "object",
+        "additionalProperties": false,
+        "properties": properties,
+        "required": required,
+    })
+}
+
+/// Schema of a place.
+fn place_schema() -> serde_json::Value {
+    let (vector, number) = (vector_schema(), f64::schema());
+    let plane = json!({ "point_mm": vector, "normal": vector, "tolerance_mm": number });
+    let cylinder = json!({ "point_mm": vector, "axis": vector, "radius_mm": number, "length_mm": number });
+    let sphere = json!({ "centre_mm": vector, "radius_mm": number });
+    json!({
+        "type": "object",
+        "additionalProperties": false,
+        "minProperties": 1,
+        "maxProperties": 1,
+        "properties": {
+            "box_mm": <[[f64; 3]; 2]>::schema(),
+            "plane": table_schema(&plane, &["point_mm", "normal"]),
+            "cylinder": table_schema(&cylinder, &["point_mm", "axis", "radius_mm"]),
+            "sphere": table_schema(&sphere, &["centre_mm", "radius_mm"]),
+            "facets": Vec::<usize>::schema(),
+        },
+    })
+}
+
 impl SettingValue for Fixture {
     const KIND: &'static str = "object";
-    fn from_toml(value: &Value) -> Result<Self, String> {
-        let what = "a fixture";
-        let t = table(value, "on = ..., fix = \"xyz\"")?;
-        only(t, what, &["on", "fix", "displacement_mm"])?;
-        let fix =
-            needed(t.get("fix").and_then(Value::as_str), what, "fix = \"xyz\", some of it, or \"normal\"")?;
-        let normal = fix == "normal";
-        let letters = fix.chars().all(|c| "xyz".contains(c)) && !fix.is_empty();
+    fn from_toml(value: &Value) -> Result<Self, ValueError> {
+        let t = Reader::new(value, "a table: on = ..., fix = \"xyz\"", &["on", "fix", "displacement_mm"])?;
+        let fix = needed(t.0.get("fix"), "fix = \"xyz\", some of x, y and z, or \"normal\"")?;
+        let word = fix.as_str().unwrap_or_default();
+        let normal = word == "normal";
+        let letters = word.chars().all(|c| "xyz".contains(c)) && !word.is_empty();
         if !normal && !letters {
-            return Err(format!("{what}: fix should be some of \"xyz\", or \"normal\", is {fix:?}"));
+            let expected = "some of \"xyz\", or \"normal\"";
+            let problem = Problem::Kind { expected, found: fix.to_string() };
+            return Err(ValueError::from(problem).in_key("fix"));
         }
-        let fixed = ['x', 'y', 'z'].map(|c| !normal && fix.contains(c));
-        let displacement_mm = vector(t, what, "displacement_mm")?.unwrap_or_default();
-        Ok(Self { on: place(t, what)?, fixed, normal, displacement_mm })
+        let fixed = ['x', 'y', 'z'].map(|c| !normal && word.contains(c));
+        let displacement_mm = t.vector("displacement_mm")?.unwrap_or_default();
+        Ok(Self { on: t.place()?, fixed, normal, displacement_mm })
     }
     fn to_text(&self) -> String {
         let fix: String = if self.normal {
@@ -219,72 +282,86 @@ impl SettingValue for Fixture {
         };
         let mut text = format!("{{ on = {}, fix = \"{fix}\"", place_text(&self.on));
         if self.displacement_mm != DVec3::ZERO {
-            let d = self.displacement_mm;
-            let _ = write!(text, ", displacement_mm = [{}, {}, {}]", d.x, d.y, d.z);
+            let _ = write!(text, ", displacement_mm = {}", vector_text(self.displacement_mm));
         }
         text + " }"
+    }
+    fn schema() -> serde_json::Value {
+        let fix = json!({ "type": "string", "pattern": "^([xyz]+|normal)$" });
+        let keys = json!({ "on": place_schema(), "fix": fix, "displacement_mm": vector_schema() });
+        table_schema(&keys, &["on", "fix"])
     }
 }
 
 impl SettingValue for Load {
     const KIND: &'static str = "object";
-    fn from_toml(value: &Value) -> Result<Self, String> {
-        let what = "a load";
-        let t = table(value, "on = ..., force_n = [x, y, z]")?;
-        only(t, what, &["on", "force_n", "pressure_mpa", "moment_nmm", "acceleration_mm_s2"])?;
-        let pushes = [
-            vector(t, what, "force_n")?.map(Push::Force),
-            number(t, what, "pressure_mpa")?.map(Push::Pressure),
-            vector(t, what, "moment_nmm")?.map(Push::Moment),
-            vector(t, what, "acceleration_mm_s2")?.map(Push::Acceleration),
+    fn from_toml(value: &Value) -> Result<Self, ValueError> {
+        let known = ["on", "force_n", "pressure_mpa", "moment_nmm", "acceleration_mm_s2"];
+        let t = Reader::new(value, "a table: on = ..., force_n = [x, y, z]", &known)?;
+        let kinds = [
+            t.vector("force_n")?.map(Push::Force),
+            t.number("pressure_mpa")?.map(Push::Pressure),
+            t.vector("moment_nmm")?.map(Push::Moment),
+            t.vector("acceleration_mm_s2")?.map(Push::Acceleration),
         ];
-        let mut given = pushes.into_iter().flatten();
-        let push = needed(given.next(), what, "force_n, pressure_mpa, moment_nmm or acceleration_mm_s2")?;
+        let mut given = kinds.into_iter().flatten();
+        let push = needed(given.next(), "force_n, pressure_mpa, moment_nmm or acceleration_mm_s2")?;
         if given.next().is_some() {
-            return Err(format!(
-                "{what} should have one of force_n, pressure_mpa, moment_nmm, acceleration_mm_s2"
-            ));
+            return Err(Problem::SeveralKinds { keys: LOAD_KINDS }.into());
         }
         let on = match push {
-            Push::Acceleration(_) if !t.contains_key("on") => None,
-            Push::Acceleration(_) => {
-                return Err(format!("{what}: an acceleration acts on the whole part; leave `on` out"));
-            }
-            _ => Some(place(t, what)?),
+            Push::Acceleration(_) if !t.0.contains_key("on") => None,
+            Push::Acceleration(_) => return Err(Problem::PlaceOfAcceleration.into()),
+            Push::Force(_) | Push::Pressure(_) | Push::Moment(_) => Some(t.place()?),
         };
         Ok(Self { on, push })
     }
     fn to_text(&self) -> String {
-        let v = |p: DVec3| format!("[{}, {}, {}]", p.x, p.y, p.z);
-        let push = match self.push {
-            Push::Force(f) => format!("force_n = {}", v(f)),
+        let kind = match self.push {
+            Push::Force(f) => format!("force_n = {}", vector_text(f)),
             Push::Pressure(p) => format!("pressure_mpa = {p}"),
-            Push::Moment(m) => format!("moment_nmm = {}", v(m)),
-            Push::Acceleration(a) => format!("acceleration_mm_s2 = {}", v(a)),
+            Push::Moment(m) => format!("moment_nmm = {}", vector_text(m)),
+            Push::Acceleration(a) => format!("acceleration_mm_s2 = {}", vector_text(a)),
         };
         match &self.on {
-            Some(on) => format!("{{ on = {}, {push} }}", place_text(on)),
-            None => format!("{{ {push} }}"),
+            Some(on) => format!("{{ on = {}, {kind} }}", place_text(on)),
+            None => format!("{{ {kind} }}"),
         }
+    }
+    fn schema() -> serde_json::Value {
+        let vector = vector_schema();
+        let keys = json!({
+            "on": place_schema(),
+            "force_n": vector,
+            "pressure_mpa": f64::schema(),
+            "moment_nmm": vector,
+            "acceleration_mm_s2": vector,
+        });
+        let mut schema = table_schema(&keys, &[]);
+        let one = |key: &str| json!({ "required": [key] });
+        schema["oneOf"] =
+            json!([one("force_n"), one("pressure_mpa"), one("moment_nmm"), one("acceleration_mm_s2")]);
+        schema
     }
 }
 
 impl SettingValue for Case {
     const KIND: &'static str = "object";
-    fn from_toml(value: &Value) -> Result<Self, String> {
-        let what = "a case";
-        let t = table(value, "name = \"...\", weight = 1, load = [...]")?;
-        only(t, what, &["name", "weight", "load"])?;
-        let name = t.get("name").and_then(Value::as_str).unwrap_or("case").to_owned();
-        let weight = number(t, what, "weight")?.unwrap_or(1.0);
-        if weight <= 0.0 {
-            return Err(format!("{what}: weight should be over 0, is {weight}"));
-        }
-        let loads = needed(t.get("load"), what, "loads: [[guide.case.load]]")?;
-        Ok(Self { name, weight, loads: Vec::<Load>::from_toml(loads)? })
+    fn from_toml(value: &Value) -> Result<Self, ValueError> {
+        let t = Reader::new(value, "a table: name, weight, load", &["name", "weight", "load"])?;
+        let any = (f64::NEG_INFINITY, f64::INFINITY);
+        let name = t.get::<String>("name", any)?.unwrap_or_else(|| "case".to_owned());
+        let weight = t.get::<f64>("weight", (f64::MIN_POSITIVE, MAX_NUMBER))?.unwrap_or(1.0);
+        let loads = needed(t.get::<Vec<Load>>("load", any)?, "loads: [[guide.case.load]]")?;
+        Ok(Self { name, weight, loads })
     }
     fn to_text(&self) -> String {
         let name = Value::String(self.name.clone());
         format!("{{ name = {name}, weight = {}, load = {} }}", self.weight, self.loads.to_text())
+    }
+    fn schema() -> serde_json::Value {
+        let weight = json!({ "type": "number", "exclusiveMinimum": 0 });
+        let keys = json!({ "name": String::schema(), "weight": weight, "load": Vec::<Load>::schema() });
+        table_schema(&keys, &["load"])
     }
 }

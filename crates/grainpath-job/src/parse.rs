@@ -1,220 +1,286 @@
-//! A job file as settings, or one line that says what is wrong and where.
+//! Reads a job file into [`Settings`].
 
 use grainpath_core::spelling::nearest;
+use grainpath_core::{Warning, WarningId};
 use toml::{Table, Value};
 
-use super::profiles::{KINDS, profile};
+use super::combinations;
+use super::error::{JobError, Location};
+use super::profiles::{KINDS, PROFILES, profile};
+use super::renamed::{new_key, new_word};
 use super::settings::{MaterialSection, Settings};
+use super::source::Source;
+use super::value::{Problem, Step};
 
-/// What is wrong with a job.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{place}: {problem}")]
-pub struct JobError {
-    /// File and line, or the argument.
-    pub place: String,
-    /// What is wrong and what would be right.
-    pub problem: String,
-}
+/// Version of the job file format that this version of grainpath writes, and the newest that it reads.
+pub const FORMAT: i64 = 1;
 
-fn error(place: impl Into<String>, problem: impl Into<String>) -> JobError {
-    JobError { place: place.into(), problem: problem.into() }
-}
-
-/// Reads a job. `name` is what errors call the file; `sets` are `section.key=value` as given on the command line,
-/// stronger than the file; `load` reads a profile that is named by its path.
+/// Reads a job.
+///
+/// `name` is the file's name in errors and warnings. `sets` are arguments of the form `section.key=value`, stronger
+/// than the file. `load` reads a profile that the job names by its path.
 ///
 /// # Errors
-/// [`JobError`] with file and line: syntax, unknown keys (with the nearest known one), values out of range.
+/// [`JobError`] with file and line: TOML syntax, unknown keys (with the nearest known one), values that are not allowed,
+/// settings that do not fit together, and files of a newer format.
+///
+/// ```
+/// use grainpath_job::parse_job;
+///
+/// let no_files = |_: &str| Err("no profiles of its own".to_owned());
+/// let job = "format = 1\n[process]\nprofile = \"fine\"\nwalls = 4\n";
+/// let sets = ["process.walls=5".to_owned()];
+/// let settings = parse_job(job, "job.toml", &sets, &no_files).unwrap();
+/// assert_eq!(settings.process.walls, 5);
+/// ```
 pub fn parse_job(
     text: &str,
     name: &str,
     sets: &[String],
     load: &dyn Fn(&str) -> Result<String, String>,
 ) -> Result<Settings, JobError> {
-    let job: Table = table(text, name)?;
+    let job = Source::parse(text, name)?;
+    check_format(&job)?;
+    let sets: Vec<Argument> = sets.iter().map(|s| Argument::parse(s)).collect::<Result<_, _>>()?;
     let mut settings = Settings::default();
-    let set_pairs: Vec<(String, String, Value)> =
-        sets.iter().map(|s| split_set(s)).collect::<Result<_, _>>()?;
     for (kind, default) in KINDS {
-        let by_set = set_pairs.iter().rev().find(|(s, k, _)| s == kind && k == "profile").map(|(.., v)| v);
-        let by_job = job.get(kind).and_then(|s| s.get("profile"));
-        let chosen = match by_set.or(by_job) {
-            None => default,
-            Some(Value::String(s)) => s.as_str(),
-            Some(v) => {
-                return Err(error(
-                    at(text, name, kind, "profile"),
-                    format!("profile should be a name in quotes, is {v}"),
-                ));
-            }
-        };
-        let place = if by_set.is_some() { "--set".to_owned() } else { at(text, name, kind, "profile") };
-        let (profile_text, profile_name) = profile_text(kind, chosen, load).map_err(|p| error(place, p))?;
-        let rows: Table = table(&profile_text, &profile_name)?;
-        for (key, value) in &rows {
-            apply(&mut settings, kind, key, value, || at(&profile_text, &profile_name, "", key))?;
-        }
+        apply_profile(&mut settings, kind, default, &job, &sets, load)?;
     }
-    for (section, rows) in &job {
-        if !Settings::SECTIONS.contains(&section.as_str()) {
-            let near = nearest(section, Settings::SECTIONS.iter().copied());
-            return Err(error(
-                at(text, name, section, ""),
-                format!("unknown section [{section}]; did you mean [{near}]?"),
-            ));
-        }
-        let Value::Table(rows) = rows else {
-            return Err(error(
-                at(text, name, "", section),
-                format!("{section} should be a section: [{section}]"),
-            ));
-        };
-        for (key, value) in rows.iter().filter(|(k, _)| !is_profile(section, k)) {
-            let inner = format!("{section}.{key}");
-            if let (Value::Table(rows), true) = (value, Settings::SECTIONS.contains(&inner.as_str())) {
-                for (key, value) in rows {
-                    apply(&mut settings, &inner, key, value, || at_inner(text, name, &inner, key))?;
-                }
-                continue;
-            }
-            apply(&mut settings, section, key, value, || at(text, name, section, key))?;
-        }
+    let profile_card = settings.material.clone();
+    apply_file(&mut settings, &job)?;
+    for set in sets.iter().filter(|s| !is_profile(&s.section, &s.key)) {
+        let location = |_: &[Step]| Location::set();
+        apply(&mut settings, &set.section, &set.key, &set.value, &location)?;
     }
-    for (section, key, value) in set_pairs.iter().filter(|(s, k, _)| !is_profile(s, k)) {
-        apply(&mut settings, section, key, value, || "--set".to_owned())?;
-    }
+    resolve_mass(&mut settings, &sets);
+    name_origins_of_strengths(&mut settings, &profile_card, &job, &sets);
     if settings.fibre.enabled {
-        settings.fibre_material = fibre_material(&settings, text, name, load)?;
+        settings.fibre_material = fibre_material(&mut settings, &job, load)?;
     }
-    check_together(&settings, name)?;
+    let wrong = |problem| JobError::Combination { location: Location::file(name), problem };
+    combinations::check(&settings).map_err(wrong)?;
     Ok(settings)
 }
 
-/// The material that `fibre.material` names.
-fn fibre_material(
-    settings: &Settings,
-    text: &str,
-    name: &str,
-    load: &dyn Fn(&str) -> Result<String, String>,
-) -> Result<MaterialSection, JobError> {
-    let chosen = &settings.fibre.material;
-    let (text, name) = profile_text("material", chosen, load)
-        .map_err(|p| error(at(text, name, "fibre", "material"), format!("fibre.material: {p}")))?;
-    let mut own = Settings::default();
-    for (key, value) in &table(&text, &name)? {
-        apply(&mut own, "material", key, value, || at(&text, &name, "", key))?;
+/// Refuses files of a newer format. Files without `format` are older than 0.1.0 and read as format 1.
+fn check_format(job: &Source<'_>) -> Result<(), JobError> {
+    let Some(value) = job.table.get("format") else { return Ok(()) };
+    let location = job.location(&["format"], &[]);
+    match value.as_integer() {
+        Some(1..=FORMAT) => Ok(()),
+        Some(found) if found > FORMAT => Err(JobError::NewerFormat { location, found }),
+        Some(_) | None => {
+            let problem = Problem::Kind { expected: "a whole number from 1", found: value.to_string() };
+            Err(JobError::Value { location, key: "format".into(), error: problem.into() })
+        }
     }
-    Ok(own.material)
+}
+
+/// An argument `section.key=value`.
+struct Argument {
+    section: String,
+    key: String,
+    value: Value,
+}
+
+impl Argument {
+    /// A value that is not TOML is taken as text, so that words need no quotes.
+    fn parse(argument: &str) -> Result<Self, JobError> {
+        let wrong = || JobError::SetArgument { argument: argument.to_owned() };
+        let (path, value) = argument.split_once('=').ok_or_else(wrong)?;
+        let path = path.trim();
+        let (section, key) = match path.rsplit_once('.') {
+            Some((inner, key)) if Settings::SECTIONS.contains(&inner) => (inner, key),
+            _ => path.split_once('.').ok_or_else(wrong)?,
+        };
+        let parsed = format!("v = {value}").parse::<Table>().ok().and_then(|mut t| t.remove("v"));
+        let value = parsed.unwrap_or_else(|| Value::String(value.trim().into()));
+        Ok(Self { section: section.into(), key: key.into(), value })
+    }
 }
 
 fn is_profile(section: &str, key: &str) -> bool {
     key == "profile" && KINDS.iter().any(|(k, _)| *k == section)
 }
 
-fn table(text: &str, name: &str) -> Result<Table, JobError> {
-    text.parse().map_err(|e: toml::de::Error| {
-        let line = e.span().map_or(1, |s| text[..s.start.min(text.len())].matches('\n').count() + 1);
-        error(format!("{name}:{line}"), e.message().replace('\n', "; "))
-    })
-}
-
-/// `section.key=value`; a value that is not TOML is taken as text.
-fn split_set(set: &str) -> Result<(String, String, Value), JobError> {
-    let wrong = || error("--set", format!("{set:?} should be section.key=value"));
-    let (path, value) = set.split_once('=').ok_or_else(wrong)?;
-    let path = path.trim();
-    let (section, key) = match path.rsplit_once('.') {
-        Some((inner, key)) if Settings::SECTIONS.contains(&inner) => (inner, key),
-        _ => path.split_once('.').ok_or_else(wrong)?,
+/// Applies the profile of a section: the one named by `--set`, else by the job, else the default one.
+fn apply_profile(
+    settings: &mut Settings,
+    kind: &'static str,
+    default: &str,
+    job: &Source<'_>,
+    sets: &[Argument],
+    load: &dyn Fn(&str) -> Result<String, String>,
+) -> Result<(), JobError> {
+    let by_set = sets.iter().rev().find(|s| s.section == kind && s.key == "profile").map(|s| &s.value);
+    let by_job = job.table.get(kind).and_then(|s| s.get("profile"));
+    let location = if by_set.is_some() { Location::set() } else { job.location(&[kind, "profile"], &[]) };
+    let chosen = match by_set.or(by_job) {
+        None => default,
+        Some(Value::String(s)) => s.as_str(),
+        Some(v) => {
+            let problem = Problem::Kind { expected: "a name in quotes", found: v.to_string() };
+            return Err(JobError::Value { location, key: format!("{kind}.profile"), error: problem.into() });
+        }
     };
-    let parsed = format!("v = {value}").parse::<Table>().ok().and_then(|mut t| t.remove("v"));
-    Ok((section.into(), key.into(), parsed.unwrap_or_else(|| Value::String(value.trim().into()))))
+    let (text, name) = profile_text(kind, chosen, load, location)?;
+    let source = Source::parse(&text, &name)?;
+    apply_table(settings, kind, &source.table, &source, &[])
 }
 
+/// The text of a profile and its name in errors.
 fn profile_text(
-    kind: &str,
+    kind: &'static str,
     chosen: &str,
     load: &dyn Fn(&str) -> Result<String, String>,
-) -> Result<(String, String), String> {
+    location: Location,
+) -> Result<(String, String), JobError> {
     if let Some(p) = profile(kind, chosen) {
         return Ok((p.text.to_owned(), format!("profile {chosen}")));
     }
     if chosen.ends_with(".toml") || chosen.contains('/') {
-        return Ok((load(chosen)?, chosen.to_owned()));
+        let text = load(chosen).map_err(|message| JobError::ProfileFile { location, message })?;
+        return Ok((text, chosen.to_owned()));
     }
-    let names: Vec<&str> = super::PROFILES.iter().filter(|p| p.kind == kind).map(|p| p.name).collect();
-    let near = nearest(chosen, names.iter().copied());
-    Err(format!(
-        "no {kind} profile {chosen:?}; did you mean {near:?}? There are {}; a path ending in .toml works too",
-        names.join(", ")
-    ))
+    let known: Vec<&str> = PROFILES.iter().filter(|p| p.kind == kind).map(|p| p.name).collect();
+    let nearest = nearest(chosen, known.iter().copied()).to_owned();
+    Err(JobError::UnknownProfile { location, kind, name: chosen.to_owned(), nearest, known })
 }
 
+/// Applies the sections of the file.
+fn apply_file(settings: &mut Settings, job: &Source<'_>) -> Result<(), JobError> {
+    for (section, rows) in job.table.iter().filter(|(key, _)| *key != "format") {
+        if !Settings::SECTIONS.contains(&section.as_str()) {
+            let nearest = nearest(section, Settings::SECTIONS).to_owned();
+            let location = job.location(&[section], &[]);
+            return Err(JobError::UnknownSection { location, section: section.clone(), nearest });
+        }
+        let Value::Table(rows) = rows else {
+            let location = job.location(&[section], &[]);
+            return Err(JobError::NotASection { location, name: section.clone() });
+        };
+        let is_inner = |key: &str| Settings::SECTIONS.contains(&format!("{section}.{key}").as_str());
+        let mut own = Table::new();
+        for (key, value) in rows.iter().filter(|(k, _)| !is_profile(section, k)) {
+            match value {
+                Value::Table(inner) if is_inner(key) => {
+                    let name = format!("{section}.{key}");
+                    apply_table(settings, &name, inner, job, &[section.as_str(), key.as_str()])?;
+                }
+                _ => drop(own.insert(key.clone(), value.clone())),
+            }
+        }
+        apply_table(settings, section, &own, job, &[section.as_str()])?;
+    }
+    Ok(())
+}
+
+/// Applies the keys of one table, which stands below `keys` in its file.
+fn apply_table(
+    settings: &mut Settings,
+    section: &str,
+    rows: &Table,
+    source: &Source<'_>,
+    keys: &[&str],
+) -> Result<(), JobError> {
+    for (key, value) in rows {
+        let keys: Vec<&str> = keys.iter().copied().chain([key.as_str()]).collect();
+        let location = |steps: &[Step]| source.location(&keys, steps);
+        if let Some(new) = new_key(section, key).filter(|new| rows.contains_key(*new)) {
+            let (old, new) = (format!("{section}.{key}"), format!("{section}.{new}"));
+            return Err(JobError::BothNames { location: location(&[]), old, new });
+        }
+        apply(settings, section, key, value, &location)?;
+    }
+    Ok(())
+}
+
+/// Sets one key; a renamed one under its new name, with a warning.
 fn apply(
     settings: &mut Settings,
     section: &str,
     key: &str,
     value: &Value,
-    place: impl Fn() -> String,
+    location: &dyn Fn(&[Step]) -> Location,
 ) -> Result<(), JobError> {
-    // A scan with nothing but its path.
+    // A scan may be written as its path alone.
     let (section, key) =
         if (section, key) == ("shape", "ct") { ("shape.ct", "path") } else { (section, key) };
-    match settings.set(section, key, value) {
-        Some(Ok(())) => Ok(()),
-        Some(Err(problem)) => {
-            Err(error(place(), later(section, key, value).unwrap_or(format!("{section}.{key} {problem}"))))
+    let mut renamed = |old: String, new: String| {
+        let place = location(&[]);
+        let text = format!("{old} is now called {new}");
+        let mut warning = Warning::new(WarningId::JobRenamed, text).in_file(place.file);
+        if let Some(line) = place.line {
+            warning = warning.in_line(line);
         }
-        None => {
-            let params = Settings::params();
-            let in_section: Vec<&str> =
-                params.iter().filter(|p| p.section == section).map(|p| p.key).collect();
-            if in_section.is_empty() {
-                let near = nearest(section, Settings::SECTIONS.iter().copied());
-                return Err(error(place(), format!("unknown section {section}; did you mean {near}?")));
-            }
-            let near = nearest(key, in_section);
-            Err(error(place(), format!("unknown key `{key}` in [{section}]; did you mean `{near}`?")))
-        }
-    }
-}
-
-/// Values that will be right once their part of grainpath is there.
-fn later(section: &str, key: &str, value: &Value) -> Option<String> {
-    let word = value.as_str().unwrap_or_default();
-    let known = match (section, key) {
-        ("fill", "pattern") => word == "continuous",
-        ("support", "style") => word == "tree",
-        _ => false,
+        settings.warnings.push(warning);
     };
-    known.then(|| format!("{section}.{key} = {value} is not in this version of grainpath"))
+    let key = match new_key(section, key) {
+        Some(new) => {
+            renamed(format!("{section}.{key}"), format!("{section}.{new}"));
+            new
+        }
+        None => key,
+    };
+    let word = value.as_str().and_then(|word| new_word(section, key, word));
+    if let Some(new) = word {
+        renamed(format!("{section}.{key} = {value}"), format!("{new:?}"));
+    }
+    let new_value = word.map(Value::from);
+    match settings.set(section, key, new_value.as_ref().unwrap_or(value)) {
+        Some(Ok(())) => Ok(()),
+        Some(Err(error)) => {
+            let location = location(&error.path);
+            Err(JobError::Value { location, key: format!("{section}.{key}"), error })
+        }
+        None => Err(unknown_key(section, key, location(&[]))),
+    }
 }
 
-/// Checks that no single key can make.
-fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
-    let p = &s.process;
-    let wrong = |problem: String| Err(error(name, problem));
-    if p.bead_width_mm < p.layer_height_mm || p.bead_width_mm < p.first_layer_height_mm {
-        return wrong(format!(
-            "process.bead_width_mm ({}) should not be less than the layer height ({})",
-            p.bead_width_mm,
-            p.layer_height_mm.max(p.first_layer_height_mm)
-        ));
+fn unknown_key(section: &str, key: &str, location: Location) -> JobError {
+    let params = Settings::params();
+    let in_section: Vec<&str> = params.iter().filter(|p| p.section == section).map(|p| p.key).collect();
+    if in_section.is_empty() {
+        let nearest = nearest(section, Settings::SECTIONS).to_owned();
+        return JobError::UnknownSection { location, section: section.to_owned(), nearest };
     }
-    if p.min_bead_width_mm > p.bead_width_mm {
-        return wrong(format!(
-            "process.min_bead_width_mm ({}) should not be more than bead_width_mm ({})",
-            p.min_bead_width_mm, p.bead_width_mm
-        ));
+    let nearest = nearest(key, in_section).to_owned();
+    JobError::UnknownKey { location, section: section.to_owned(), key: key.to_owned(), nearest }
+}
+
+/// The material that `fibre.material` names.
+fn fibre_material(
+    settings: &mut Settings,
+    job: &Source<'_>,
+    load: &dyn Fn(&str) -> Result<String, String>,
+) -> Result<MaterialSection, JobError> {
+    let location = job.location(&["fibre", "material"], &[]);
+    let (text, name) = profile_text("material", &settings.fibre.material, load, location)?;
+    let source = Source::parse(&text, &name)?;
+    let mut own = Settings::default();
+    apply_table(&mut own, "material", &source.table, &source, &[])?;
+    settings.warnings.append(&mut own.warnings);
+    Ok(own.material)
+}
+
+/// A density on the command line replaces the mass of the job file; a mass of 0 is no mass.
+fn resolve_mass(settings: &mut Settings, sets: &[Argument]) {
+    let last = |key: &str| sets.iter().rposition(|s| s.section == "fill" && s.key == key);
+    let mass_g = settings.fill.mass_g.filter(|m| *m > 0.0);
+    settings.fill.mass_g = mass_g;
+    if let (Some(mass_g), Some(density)) = (mass_g, last("density"))
+        && last("mass_g").is_none_or(|mass| mass < density)
+    {
+        settings.fill.mass_g = None;
+        let density = settings.fill.density.fraction();
+        let text = format!("--set fill.density={density} replaces fill.mass_g = {mass_g} of the job");
+        settings.warnings.push(Warning::new(WarningId::JobOverruled, text));
     }
-    if p.adaptive_layers && p.adaptive_min_mm > p.adaptive_max_mm {
-        return wrong("process.adaptive_min_mm should not be more than adaptive_max_mm".into());
-    }
-    check_outline(s, name)?;
-    check_photos(s, name)?;
-    check_fibre(s, name)?;
-    let m = &s.material;
-    let bounds = [
+}
+
+/// The strengths of a material card.
+pub(super) fn strengths(m: &MaterialSection) -> [(&'static str, Option<[f64; 3]>); 9] {
+    [
         ("xt_mpa", m.xt_mpa),
         ("yt_mpa", m.yt_mpa),
         ("zt_mpa", m.zt_mpa),
@@ -224,191 +290,35 @@ fn check_together(s: &Settings, name: &str) -> Result<(), JobError> {
         ("yc_mpa", m.yc_mpa),
         ("g_along_n_mm", m.g_along_n_mm),
         ("g_across_n_mm", m.g_across_n_mm),
-    ];
-    if let Some((key, Some([a, b, c]))) =
-        bounds.iter().find(|(_, v)| v.is_some_and(|[low, mid, high]| low > mid || mid > high))
-    {
-        return wrong(format!("material.{key} should rise: low, nominal, high; is [{a}, {b}, {c}]"));
-    }
-    if !s.ct.path.is_empty() {
-        for (set, what) in [
-            (!s.shape.mesh.is_empty(), "shape.mesh and shape.ct: exactly one shape is printed"),
-            (p.adaptive_layers, "process.adaptive_layers = true is for meshes, not for shape.ct"),
-            (s.shape.rotate_deg != [0.0; 3], "shape.rotate_deg is for meshes, not for shape.ct"),
-            (s.support.lift_mm > 0.0, "support.lift_mm is for meshes, not for shape.ct"),
-        ] {
-            if set {
-                return wrong(what.into());
-            }
-        }
-    }
-    let needs_guide =
-        crate::choices::GUIDED.contains(&s.fill.pattern.as_str()) && s.fill.pattern != "continuous";
-    if needs_guide && s.guide.kind == "none" {
-        return wrong(format!(
-            "fill.pattern = {:?} needs a guide: [guide] kind = \"stress\" or \"angle\"",
-            s.fill.pattern
-        ));
-    }
-    if s.fill.angles_deg.is_empty() {
-        return wrong("fill.angles_deg should have at least one angle".into());
-    }
-    Ok(())
+    ]
 }
 
-/// Drawings: what must be given together.
-fn check_outline(s: &Settings, name: &str) -> Result<(), JobError> {
-    let shape = &s.shape;
-    let others = [
-        ("shape.mesh", !shape.mesh.is_empty()),
-        ("shape.ct", !s.ct.path.is_empty()),
-        ("shape.photo", !s.photo.files.is_empty()),
-    ];
-    let problem = match others.iter().find(|o| o.1) {
-        _ if shape.outline.is_empty() => return Ok(()),
-        Some((other, _)) => format!("{other} and shape.outline: exactly one shape is printed"),
-        None if shape.thickness_mm == 0.0 => "shape.outline needs shape.thickness_mm".into(),
-        None => return Ok(()),
-    };
-    Err(error(name, problem))
-}
-
-/// Continuous fibre: a tool for it, and settings that go together.
-fn check_fibre(s: &Settings, name: &str) -> Result<(), JobError> {
-    let (f, p) = (&s.fibre, &s.printer);
-    let wrong = |problem: String| Err(error(name, problem));
-    if !f.enabled {
-        return Ok(());
+/// Where a job gives some strengths itself and leaves the others to the profile, names the origin of each: in the
+/// source of the strengths, which reports print, and in a warning.
+fn name_origins_of_strengths(
+    settings: &mut Settings,
+    profile_card: &MaterialSection,
+    job: &Source<'_>,
+    sets: &[Argument],
+) {
+    let in_job = |key: &str| job.table.get("material").is_some_and(|m| m.get(key).is_some());
+    let by_job = |key: &str| in_job(key) || sets.iter().any(|s| s.section == "material" && s.key == key);
+    let all = strengths(profile_card);
+    let own: Vec<&str> = all.iter().filter(|(key, _)| by_job(key)).map(|(key, _)| *key).collect();
+    let rest: Vec<&str> =
+        all.iter().filter(|(key, v)| v.is_some() && !by_job(key)).map(|(key, _)| *key).collect();
+    if own.is_empty() || rest.is_empty() {
+        return;
     }
-    if p.fibre_tool == "none" {
-        return wrong(
-            "fibre.enabled = true needs a printer with a fibre tool: printer.fibre_tool = \"coextruded\" or \"separate\", or a profile such as fibre-coextruded"
-                .into(),
-        );
-    }
-    if p.fibre_cut_gcode.trim().is_empty() {
-        return wrong(
-            "fibre.enabled = true needs printer.fibre_cut_gcode, the program that cuts the fibre".into(),
-        );
-    }
-    if p.fibre_tool == "separate" && p.fibre_tool_number == 0 {
-        return wrong("printer.fibre_tool_number should not be 0, which is the matrix's".into());
-    }
-    if p.fibre_tool == "separate" && p.tool_change_gcode.trim().is_empty() {
-        return wrong("printer.fibre_tool = \"separate\" needs printer.tool_change_gcode".into());
-    }
-    if let Some([a, b]) = f.layers.iter().find(|[a, b]| a > b) {
-        return wrong(format!("fibre.layers should be [first, last] from 1, is [{a}, {b}]"));
-    }
-    if let Some(b) = f.boxes_mm.iter().find(|[low, high]| (0..3).any(|k| low[k] >= high[k])) {
-        return wrong(format!("fibre.boxes_mm should be [lowest corner, highest corner], has {b:?}"));
-    }
-    let width = f.bead_width_mm.unwrap_or(s.process.bead_width_mm);
-    if width < s.process.layer_height_mm || width < s.process.first_layer_height_mm {
-        return wrong(format!("fibre.bead_width_mm ({width}) should not be less than the layer height"));
-    }
-    if f.start == "calm" && s.guide.kind != "stress" {
-        return wrong("fibre.start = \"calm\" needs [guide] kind = \"stress\"".into());
-    }
-    if s.fill.density == 0.0 {
-        return wrong("fibre.enabled = true needs fill.density above 0".into());
-    }
-    if crate::choices::GUIDED.contains(&f.matrix_pattern.as_str()) && s.guide.kind == "none" {
-        return wrong(format!("fibre.matrix_pattern = {:?} needs a guide", f.matrix_pattern));
-    }
-    Ok(())
-}
-
-/// Photographs: what must be given together.
-fn check_photos(s: &Settings, name: &str) -> Result<(), JobError> {
-    let wrong = |problem: String| Err(error(name, problem));
-    let photo = !s.photo.files.is_empty();
-    for (other, path) in [("shape.mesh", &s.shape.mesh), ("shape.ct", &s.ct.path)] {
-        if photo && !path.is_empty() {
-            return wrong(format!("{other} and shape.photo: exactly one shape is printed"));
-        }
-    }
-    if photo && (s.photo.size_mm.contains(&0.0) || s.photo.thickness_mm == 0.0) {
-        return wrong("shape.photo needs size_mm = [width, height] and thickness_mm".into());
-    }
-    if photo && s.process.adaptive_layers {
-        return wrong("process.adaptive_layers = true is for meshes, not for shape.photo".into());
-    }
-    let (image, volume) = (!s.image.files.is_empty(), !s.volume.path.is_empty());
-    if image && volume {
-        return wrong("guide.image and guide.volume: exactly one gives the grain".into());
-    }
-    if s.guide.kind == "grain" && !photo && !image {
-        if !volume && s.ct.path.is_empty() {
-            return wrong(
-                "guide.kind = \"grain\" needs photographs or a scan: guide.image = { files = [\"FILE\"] } or guide.volume = { path = \"SCAN\" }".into(),
-            );
-        }
-        if s.guide.mode == "edges" {
-            return wrong(
-                "guide.mode = \"edges\" is for photographs; a scan's texture gives directions".into(),
-            );
-        }
-    }
-    if photo && volume {
-        return wrong("guide.volume is for meshes and scans; shape.photo has its own grain".into());
-    }
-    for (section, files, corners, heights) in [
-        ("shape.photo", &s.photo.files, &s.photo.corners_px, &s.photo.heights_mm),
-        ("guide.image", &s.image.files, &s.image.corners_px, &s.image.heights_mm),
-    ] {
-        if ![0, 4, 4 * files.len()].contains(&corners.len()) {
-            return wrong(format!(
-                "{section}.corners_px should have 4 corners, or 4 for each of the {} files; it has {}",
-                files.len(),
-                corners.len()
-            ));
-        }
-        if !heights.is_empty() && heights.len() != files.len() {
-            return wrong(format!(
-                "{section}.heights_mm should have a height for each of the {} files; it has {}",
-                files.len(),
-                heights.len()
-            ));
-        }
-        if heights.windows(2).any(|w| w[0] >= w[1]) {
-            return wrong(format!("{section}.heights_mm should rise from file to file"));
-        }
-    }
-    Ok(())
-}
-
-/// File and line of a key in its section, by looking for it; of the section where the key is nowhere plain.
-fn at(text: &str, name: &str, section: &str, key: &str) -> String {
-    let (mut current, mut section_line) = (String::new(), 1);
-    for (i, line) in text.lines().enumerate() {
-        let line = line.trim();
-        if let Some(rest) = line.strip_prefix('[') {
-            current = rest.trim_start_matches('[').split(']').next().unwrap_or_default().trim().to_owned();
-            let first = current.split('.').next().unwrap_or_default();
-            if first == section && section_line == 1 {
-                section_line = i + 1;
-            }
-            if current == format!("{section}.{key}") {
-                return format!("{name}:{}", i + 1);
-            }
-        } else if current == section {
-            let word = line.split(['=', ' ', '\t', '.']).next().unwrap_or_default().trim_matches(['"', '\'']);
-            if !key.is_empty() && word == key {
-                return format!("{name}:{}", i + 1);
-            }
-        }
-    }
-    format!("{name}:{section_line}")
-}
-
-/// File and line of a key in a table within a section, or of the table where it stands on one line.
-fn at_inner(text: &str, name: &str, inner: &str, key: &str) -> String {
-    if text.lines().any(|l| l.trim().starts_with(&format!("[{inner}]"))) {
-        return at(text, name, inner, key);
-    }
-    let (section, table) = inner.split_once('.').unwrap_or((inner, ""));
-    at(text, name, section, table)
+    let (own, rest) = (own.join(", "), rest.join(", "));
+    let material = &mut settings.material;
+    let own_source =
+        if by_job("strength_source") { material.strength_source.as_str() } else { "source not stated" };
+    let profile_source = &profile_card.strength_source;
+    material.strength_source =
+        format!("{own}: the job ({own_source}); {rest}: the profile ({profile_source})");
+    let text = format!("the material card is mixed: {own} from the job, {rest} from the profile");
+    settings.warnings.push(Warning::new(WarningId::MaterialMixed, text));
 }
 
 #[cfg(test)]
@@ -422,7 +332,7 @@ mod tests {
 
     #[test]
     fn every_profile_is_sound_and_the_file_and_set_are_stronger() {
-        for p in super::super::PROFILES {
+        for p in PROFILES {
             let text = format!("[{}]\nprofile = \"{}\"\n", p.kind, p.name);
             parse(&text, &[]).unwrap_or_else(|e| panic!("{}: {e}", p.name));
         }
@@ -432,8 +342,8 @@ mod tests {
         );
         let s = s.expect("a good job");
         assert_eq!(
-            (s.process.layer_height_mm, s.process.walls, s.fill.pattern.as_str()),
-            (0.15, 5, "gyroid")
+            (s.process.layer_height_mm, s.process.walls, s.fill.pattern),
+            (0.15, 5, crate::choices::Pattern::Gyroid)
         );
     }
 
@@ -506,5 +416,92 @@ mod tests {
                 .expect_err("missing")
                 .contains("cannot read my.toml")
         );
+    }
+
+    #[test]
+    fn a_renamed_key_is_read_with_a_warning_that_names_the_new_one() {
+        let s = parse("[guide]\n\nmemory_mb = 100\n", &[]).expect("old names are read");
+        assert_eq!(s.guide.memory_mib, 100);
+        let warning = s.warnings[0].to_string();
+        assert!(
+            warning.starts_with("job.toml, line 3: guide.memory_mb is now called guide.memory_mib"),
+            "{warning}"
+        );
+        let s = parse("", &["guide.memory_mb=100"]).expect("old names are read");
+        assert_eq!((s.guide.memory_mib, s.warnings.len()), (100, 1));
+        let both = parse("[guide]\nmemory_mb = 100\nmemory_mib = 200\n", &[]).expect_err("two values");
+        assert_eq!(
+            both,
+            "job.toml:2: guide.memory_mib has the new name of guide.memory_mb; remove guide.memory_mb"
+        );
+    }
+
+    #[test]
+    fn formats_that_are_newer_are_refused() {
+        assert!(parse("format = 1\n", &[]).expect("the present format").warnings.is_empty());
+        assert!(parse("", &[]).expect("a file without format").warnings.is_empty());
+        let newer = parse("# a job\nformat = 2\n", &[]).expect_err("newer");
+        assert!(newer.starts_with("job.toml:2: format = 2 is newer than this version"), "{newer}");
+        for text in ["format = 0", "format = \"1\"", "format = 1.0"] {
+            let wrong = parse(text, &[]).expect_err(text);
+            assert!(wrong.starts_with("job.toml:1: format should be a whole number from 1"), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn the_command_line_overrules_and_unsets_the_mass() {
+        let job = "[fill]\nmass_g = 18\n";
+        assert_eq!(parse(job, &[]).expect("sound").fill.mass_g, Some(18.0));
+        let s = parse(job, &["fill.density=0.4"]).expect("sound");
+        assert_eq!((s.fill.mass_g, s.fill.density), (None, grainpath_core::Density::Sparse(0.4)));
+        assert_eq!(s.warnings[0].id, WarningId::JobOverruled);
+        for unset in ["fill.mass_g=0", "fill.mass_g=none", "fill.mass_g=\"none\""] {
+            let s = parse(job, &[unset]).expect(unset);
+            assert_eq!((s.fill.mass_g, s.warnings.len()), (None, 0), "{unset}");
+        }
+        let s = parse(job, &["fill.density=0.4", "fill.mass_g=20"]).expect("sound");
+        assert_eq!((s.fill.mass_g, s.warnings.len()), (Some(20.0), 0));
+    }
+
+    #[test]
+    fn a_mixed_material_card_names_the_origin_of_each_strength() {
+        let s = parse("[material]\nxt_mpa = [40, 45, 50]\n", &[]).expect("sound");
+        assert_eq!(s.warnings[0].id, WarningId::MaterialMixed);
+        assert!(s.material.strength_source.starts_with("xt_mpa: the job (source not stated); yt_mpa,"));
+        assert!(parse("", &[]).expect("sound").warnings.is_empty());
+    }
+
+    #[test]
+    fn wrong_loads_name_their_entry_and_line() {
+        let on = "on = { plane = { point_mm = [0, 0, 0], normal = [0, 0, 1] } }";
+        for (text, expect) in [
+            (
+                format!("[[guide.load]]\n{on}\nforce_n = [0, 0, 1]\n[[guide.load]]\n{on}\nforce = [1, 2, 3]\n"),
+                "job.toml:4: guide.load[2] has an unknown key `force`; did you mean `force_n`?",
+            ),
+            (
+                format!("[[guide.load]]\n{on}\nforce_n = [0, \"1\", 1]\n"),
+                "job.toml:3: guide.load[1].force_n[2] should be a number, is \"1\"",
+            ),
+            (
+                "[[guide.load]]\non = { plane = { point_mm = [0, 0, 0], normal = [0, 0, 0] } }\npressure_mpa = 1\n".into(),
+                "job.toml:2: guide.load[1].on.plane.normal should be a direction, is a vector of length 0",
+            ),
+            (
+                format!("[[guide.fixture]]\n{on}\nfix = \"xq\"\n"),
+                "job.toml:3: guide.fixture[1].fix should be some of \"xyz\", or \"normal\", is \"xq\"",
+            ),
+            (
+                format!("[[guide.load]]\n{on}\nforce_n = [1e200, 0, 0]\n"),
+                "job.toml:3: guide.load[1].force_n should be from -1000000000000 to 1000000000000, is 1",
+            ),
+            (
+                "[[guide.load]]\non = { facets = [1], sphere = 2 }\nforce_n = [1, 0, 0]\n".into(),
+                "job.toml:2: guide.load[1].on should have exactly one of box_mm, plane, cylinder, sphere, facets",
+            ),
+        ] {
+            let found = parse(&text, &[]).expect_err(&text);
+            assert!(found.starts_with(expect), "{found}\nshould begin with\n{expect}");
+        }
     }
 }

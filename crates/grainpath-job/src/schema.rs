@@ -1,4 +1,4 @@
-//! The settings described: JSON Schema and the reference page.
+//! Descriptions of all settings, made from their rows: the JSON Schema and the reference page.
 
 use std::fmt::Write;
 
@@ -8,6 +8,13 @@ use super::settings::Settings;
 use super::value::{Check, Param};
 
 /// JSON Schema (draft 2020-12) of a job file.
+///
+/// ```
+/// let schema = grainpath_job::json_schema();
+/// let walls = &schema["properties"]["process"]["properties"]["walls"];
+/// assert_eq!(walls["type"], "integer");
+/// assert_eq!(walls["default"], 2);
+/// ```
 pub fn json_schema() -> Value {
     let mut sections = Map::new();
     for section in Settings::SECTIONS {
@@ -30,6 +37,13 @@ pub fn json_schema() -> Value {
             Some((outer, inner)) => sections[outer]["properties"][inner] = table,
         }
     }
+    let format = json!({
+        "type": "integer",
+        "minimum": 1,
+        "maximum": crate::FORMAT,
+        "description": "Version of the job file format; left out in files written before 0.1.0.",
+    });
+    sections.insert("format".into(), format);
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "grainpath job",
@@ -39,20 +53,17 @@ pub fn json_schema() -> Value {
     })
 }
 
-fn kind(words: &str) -> Value {
-    if words.contains('|') { json!(words.split('|').collect::<Vec<_>>()) } else { json!(words) }
-}
-
+/// The schema of one setting: type, range, words with their meaning, default and help text.
 fn schema_of(p: &Param) -> Value {
     let unit = if p.unit.is_empty() { String::new() } else { format!(" Unit: {}.", p.unit) };
-    let mut row = json!({ "type": kind(p.kind), "description": format!("{}{unit}", p.help) });
-    match p.check {
-        Check::Range(low, high) if !p.kind.contains("array") => {
-            row["minimum"] = json!(low);
-            row["maximum"] = json!(high);
-        }
-        Check::Words(words) if p.kind == "string" => row["enum"] = json!(words),
-        _ => {}
+    let mut row = p.schema.clone();
+    row["description"] = json!(format!("{}{unit}", p.help));
+    if let Check::Range(low, high) = p.check {
+        limit_numbers(&mut row, low, high);
+    }
+    if !p.words.is_empty() {
+        row["enum"] = p.words.iter().map(|w| json!(w.name)).collect();
+        row["oneOf"] = p.words.iter().map(|w| json!({ "const": w.name, "description": w.help })).collect();
     }
     let default = format!("v = {}", p.default).parse::<toml::Table>().ok().and_then(|mut t| t.remove("v"));
     if let Some(value) = default.and_then(|v| serde_json::to_value(v).ok()) {
@@ -61,11 +72,36 @@ fn schema_of(p: &Param) -> Value {
     row
 }
 
+/// Puts the range on every number of a schema: on the value itself, or on the entries of its lists.
+fn limit_numbers(schema: &mut Value, low: f64, high: f64) {
+    let kinds: Vec<&str> = match &schema["type"] {
+        Value::String(kind) => vec![kind],
+        Value::Array(kinds) => kinds.iter().filter_map(Value::as_str).collect(),
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::Object(_) => Vec::new(),
+    };
+    if kinds.iter().any(|k| ["number", "integer"].contains(k)) {
+        schema["minimum"] = json!(low);
+        schema["maximum"] = json!(high);
+    }
+    if let Some(items) = schema.get_mut("items") {
+        limit_numbers(items, low, high);
+    }
+}
+
 /// The reference page, `docs/settings.md`.
+///
+/// ```
+/// let page = grainpath_job::markdown();
+/// assert!(page.contains("## [process]"));
+/// ```
 pub fn markdown() -> String {
-    let mut out = String::from(
-        "# Settings\n\nWritten by `grainpath schema --markdown`; a test keeps it true. A job file has these sections; every key may be left out.\n",
-    );
+    let mut out = String::from(concat!(
+        "# Settings\n\n",
+        "Written by `grainpath schema --markdown`; a test keeps it up to date. ",
+        "A job file has these sections. Every key may be left out. ",
+        "A numeric setting without a default is unset by the word `\"none\"`.\n\n",
+        "The file may begin with `format = 1`, the version of the format.\n",
+    ));
     for section in Settings::SECTIONS {
         let _ = write!(
             out,
@@ -73,13 +109,16 @@ pub fn markdown() -> String {
         );
         for p in Settings::params().iter().filter(|p| p.section == section) {
             let allowed = match p.check {
-                Check::Any => String::new(),
+                Check::Any => p.words.iter().map(|w| w.name).collect::<Vec<_>>().join(", "),
                 Check::Range(low, high) => format!("{low} to {high}"),
-                Check::Words(words) => words.join(", "),
             };
             let default = p.default.replace('\n', "\\n").replace('|', "\\|");
             let default = if default.is_empty() { String::new() } else { format!("`{default}`") };
-            let _ = writeln!(out, "| `{}` | {default} | {} | {allowed} | {} |", p.key, p.unit, p.help);
+            let mut help = p.help.to_owned();
+            for word in p.words.iter().filter(|w| !w.help.is_empty()) {
+                let _ = write!(help, "<br>`{}`: {}", word.name, word.help);
+            }
+            let _ = writeln!(out, "| `{}` | {default} | {} | {allowed} | {help} |", p.key, p.unit);
         }
     }
     out

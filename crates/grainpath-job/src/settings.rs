@@ -1,13 +1,24 @@
-//! Every setting, once.
+//! Every setting, declared once as a row.
+//!
+//! A row holds key, type, default, unit, range and help text. From the rows come the structs below, the parser, the
+//! JSON Schema and the reference page. The type of a row that offers a choice is an enum of [`crate::choices`].
 
+use grainpath_core::slices::SampleType;
+use grainpath_core::units::LengthUnit;
+use grainpath_core::{Density, Warning};
 use toml::Value;
 
 use super::loads::{Case, Fixture, Load};
-use super::value::{Check, Pair, Param, SettingValue, read};
-use crate::choices::Threshold;
-use Check::{Any, Range, Words};
+use super::value::{Check, Pair, Param, SettingValue, ValueError, read};
+use crate::choices::{
+    Analysis, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, ComponentOrder, Contours,
+    CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns, Fidelity, FileUnit, Flavour, Flip,
+    Follow, GrainMode, GuideKind, Interpolate, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit,
+    SupportStyle, SupportSurface, Threshold, WallOrder,
+};
+use Check::{Any, Range};
 
-/// Declares sections: structs with defaults, their rows, and how one key is set.
+/// Declares sections: their structs with defaults, their rows, and how one key is set.
 macro_rules! sections {
     ($( $(#[$about:meta])* $section:ident $name:literal {
         $( $key:ident : $type:ty = $default:expr, $unit:literal, $check:expr, $help:literal; )*
@@ -27,7 +38,7 @@ macro_rules! sections {
 
             impl $section {
                 /// Sets one key; `None` when there is no such key.
-                pub(super) fn set(&mut self, key: &str, value: &Value) -> Option<Result<(), String>> {
+                pub(super) fn set(&mut self, key: &str, value: &Value) -> Option<Result<(), ValueError>> {
                     match key {
                         $( stringify!($key) => Some(read::<$type>(value, $check).map(|v| self.$key = v)), )*
                         _ => None,
@@ -43,7 +54,9 @@ macro_rules! sections {
                         kind: <$type as SettingValue>::KIND,
                         default: defaults.$key.to_text(),
                         check: $check,
+                        words: <$type as SettingValue>::WORDS,
                         help: $help,
+                        schema: <$type as SettingValue>::schema(),
                     }, )* ]
                 }
 
@@ -56,314 +69,325 @@ macro_rules! sections {
     };
 }
 
-const PATTERNS: &[&str] = &crate::choices::PATTERNS;
-const CORNERS: &[&str] = &["image", "outline", "markers"];
-
 sections! {
-    /// What is printed.
+    /// The shape to print.
     ShapeSection "shape" {
-        mesh: String = String::new(), "", Any, "Mesh to print: STL, OBJ, PLY, OFF or 3MF.";
-        outline: String = String::new(), "", Any, "Drawing of a flat part to print instead (SVG or ASCII DXF).";
-        thickness_mm: f64 = 0.0, "mm", Range(0.0, 1e4), "How thick the part of an outline is.";
-        outline_rule: String = "file".into(), "", Words(&["file", "even-odd"]), "What is material in a drawing: filled shapes, and between closed lines without fill; or between all closed lines, each other one inwards a hole.";
-        unit: String = "auto".into(), "", Words(&["auto", "mm", "cm", "m", "inch", "micron", "foot"]), "Unit of the mesh or drawing; auto takes the file's own, else mm.";
+        mesh: String = String::new(), "", Any, "Mesh to print: an STL, OBJ, PLY, OFF or 3MF file.";
+        outline: String = String::new(), "", Any, "Drawing of a flat part, printed instead of a mesh: an SVG or ASCII DXF file.";
+        thickness_mm: f64 = 0.0, "mm", Range(0.0, 1e4), "Thickness of the part of an outline.";
+        outline_rule: OutlineRule = OutlineRule::File, "", Any, "What counts as material in a drawing.";
+        unit: FileUnit = FileUnit(None), "", Any, "Unit of the mesh or drawing.";
         scale: f64 = 1.0, "", Range(1e-6, 1e6), "Factor on all lengths of the file.";
-        rotate_deg: [f64; 3] = [0.0; 3], "deg", Range(-3600.0, 3600.0), "Turns about X, then Y, then Z.";
-        position_mm: Option<[f64; 2]> = None, "mm", Range(-1e5, 1e5), "Where the middle of the part stands on the plate; left out, the middle of the bed.";
-        repair: String = "auto".into(), "", Words(&["auto", "strict"]), "auto mends defects and counts them, strict refuses.";
-        gap_closing_mm: f64 = 0.05, "mm", Range(0.0, 100.0), "Gaps in sections up to this are closed before anything else.";
+        rotate_deg: [f64; 3] = [0.0; 3], "deg", Range(-3600.0, 3600.0), "Rotations about the X, Y and Z axis, made in this order.";
+        position_mm: Option<[f64; 2]> = None, "mm", Range(-1e5, 1e5), "Position of the part's centre on the bed; unset: the centre of the bed.";
+        repair: Repair = Repair::Auto, "", Any, "What happens to defects of the mesh.";
+        gap_closing_mm: f64 = 0.05, "mm", Range(0.0, 100.0), "Gaps in a section that are at most this wide are closed.";
     }
-    /// A photograph, or several, whose board is printed.
+    /// A board to print from one or more photographs of it.
     PhotoSection "shape.photo" {
-        files: Vec<String> = Vec::new(), "", Any, "Photographs (PNG, JPEG, TIFF, BMP), lowest layer first. One is enough.";
-        corners: String = "image".into(), "", Words(CORNERS), "Where the board is: the whole image, the board's outline on a plain ground, or the markers of a printed sheet.";
-        corners_px: Vec<[f64; 2]> = Vec::new(), "px", Range(-1e6, 1e6), "Corners of the board: upper left, upper right, lower right, lower left, from the image's upper left corner; four for all files or four for each. Stronger than corners.";
-        size_mm: [f64; 2] = [0.0; 2], "mm", Range(0.0, 1e4), "Width and height of the board between the corners.";
+        files: Vec<String> = Vec::new(), "", Any, "Photographs of the board (PNG, JPEG, TIFF or BMP), lowest layer first. One is enough.";
+        corners: BoardCorners = BoardCorners::Image, "", Any, "How the board is found in a photograph.";
+        corners_px: Vec<[f64; 2]> = Vec::new(), "px", Range(-1e6, 1e6), "Corners of the board in the image: upper left, upper right, lower right, lower left, measured from the image's upper left corner. Four for all files, or four for each file. Replaces `corners`.";
+        size_mm: [f64; 2] = [0.0; 2], "mm", Range(0.0, 1e4), "Width and height of the board between its corners.";
         thickness_mm: f64 = 0.0, "mm", Range(0.0, 1e4), "Thickness of the board.";
-        heights_mm: Vec<f64> = Vec::new(), "mm", Range(0.0, 1e4), "The height each file shows, rising; left out, a single file shows the bottom and several are spread evenly over the thickness.";
-        shift_mm_per_mm: [f64; 2] = [0.0; 2], "", Range(-20.0, 20.0), "How far grain and holes move in x and y for a millimetre upwards: the knot's inclination.";
-        holes_mm: Vec<[f64; 3]> = Vec::new(), "mm", Range(-1e4, 1e4), "Round holes at the height of the first file: x, y and radius; inclined as the grain is.";
+        heights_mm: Vec<f64> = Vec::new(), "mm", Range(0.0, 1e4), "Height in the board that each file shows, in rising order. Unset: a single file shows the bottom, several files are spread evenly over the thickness.";
+        shift_mm_per_mm: [f64; 2] = [0.0; 2], "", Range(-20.0, 20.0), "Shift of grain and holes in x and y for each millimetre of height: the inclination of a knot.";
+        holes_mm: Vec<[f64; 3]> = Vec::new(), "mm", Range(-1e4, 1e4), "Round holes at the height of the first file, as x, y and radius. They are inclined like the grain.";
     }
     /// A CT scan to print.
     CtSection "shape.ct" {
-        path: String = String::new(), "", Any, "Scan to print: a folder or ZIP of PNG, TIFF, BMP, JPEG or DICOM slices, a multipage TIFF, NRRD, MHD, NIfTI, or raw data.";
-        pixel_mm: Option<Pair> = None, "mm", Range(1e-7, 1e4), "Size of a pixel, one number or [x, y]; left out, the file's.";
-        slice_mm: Option<f64> = None, "mm", Range(1e-7, 1e4), "Distance of slices; left out, the file's.";
-        window: Option<[usize; 2]> = None, "", Range(0.0, 1e6), "First and last slice that are taken, counted from 0.";
-        crop_px: Option<[usize; 4]> = None, "px", Range(0.0, 1e6), "First column, first row, last column, last row that are taken, counted from 0.";
-        flip: String = String::new(), "", Words(&["", "x", "y", "z", "xy", "xz", "yz", "xyz"]), "Axes to mirror.";
-        threshold: Threshold = Threshold::Otsu, "", Any, "Where the part begins: otsu, iso50 (halfway between two materials), a grey value, or [low, high].";
-        materials: Option<[f64; 2]> = None, "", Any, "Grey values of the two materials for iso50; left out, the commonest on either side of Otsu's threshold.";
-        smooth: String = "none".into(), "", Words(&["none", "gaussian", "median", "edges"]), "Noise taken out of slices; edges keeps edges sharp.";
-        smooth_px: f64 = 0.7, "px", Range(0.0, 20.0), "Standard deviation for smooth = \"gaussian\".";
-        min_island_mm2: f64 = 0.2, "mm2", Range(0.0, 1e6), "Smaller islands of a section are dropped and counted.";
-        min_pore_mm2: f64 = 0.1, "mm2", Range(0.0, 1e6), "Smaller holes of a section are filled and counted.";
-        interpolate: String = "auto".into(), "", Words(&["auto", "grey", "matched", "distance"]), "What lies between slices: grey values mixed, contours matched and moved, or signed distances mixed; auto is grey where slices lie as close as pixels, else matched.";
-        overlap: f64 = 0.2, "", Range(0.0, 1.0), "Share of an entity that its partner in the next slice must cover at least.";
-        contours: String = "iso".into(), "", Words(&["iso", "canny"]), "How contours are found: between pixels where the threshold is crossed, or Canny's edges with feature points as published.";
-        canny_low: f64 = 0.04, "", Range(0.0, 1.0), "Edges go on above this share of the step from air to material a pixel.";
-        canny_high: f64 = 0.1, "", Range(0.0, 1.0), "Edges begin above this share.";
-        canny_sigma_px: f64 = 1.0, "px", Range(0.0, 10.0), "Gaussian before Canny's gradients.";
-        truth: String = String::new(), "", Any, "File of true dimensions (TOML) that the report compares with what is printed; none when left out.";
-        size_px: Option<[usize; 3]> = None, "", Range(1.0, 1e6), "Columns, rows and slices of raw data.";
-        sample: String = "u8".into(), "", Words(&grainpath_core::slices::SampleType::NAMES), "How raw data stores a voxel.";
-        byte_order: String = "little".into(), "", Words(&["little", "big"]), "Which byte of raw data comes first.";
-        offset_bytes: usize = 0, "", Range(0.0, 1e12), "Bytes of raw data before the first voxel.";
+        path: String = String::new(), "", Any, "Scan to print: a folder or ZIP of PNG, TIFF, BMP, JPEG or DICOM slices, a multi-page TIFF, a NRRD, MHD or NIfTI file, or raw data.";
+        pixel_mm: Option<Pair> = None, "mm", Range(1e-7, 1e4), "Size of a pixel, one number or [x, y]; unset: as the file states.";
+        slice_mm: Option<f64> = None, "mm", Range(1e-7, 1e4), "Distance between slices; unset: as the file states.";
+        window: Option<[usize; 2]> = None, "", Range(0.0, 1e6), "First and last slice to use, counted from 0; unset: all.";
+        crop_px: Option<[usize; 4]> = None, "px", Range(0.0, 1e6), "First column, first row, last column and last row to use, counted from 0; unset: all.";
+        flip: Flip = Flip::None, "", Any, "Axes along which the scan is mirrored.";
+        threshold: Threshold = Threshold::Otsu, "", Any, "Grey value at which the part begins: otsu (from the histogram), iso50 (halfway between two materials), a number, or [low, high].";
+        materials: Option<[f64; 2]> = None, "", Any, "Grey values of the two materials for threshold = \"iso50\"; unset: the commonest value on either side of Otsu's threshold.";
+        smooth: Denoise = Denoise::None, "", Any, "Noise filter of the slices.";
+        smooth_px: f64 = 0.7, "px", Range(0.0, 20.0), "Standard deviation of the blur for smooth = \"gaussian\".";
+        min_island_mm2: f64 = 0.2, "mm2", Range(0.0, 1e6), "Islands of a section that are smaller than this are removed and counted.";
+        min_pore_mm2: f64 = 0.1, "mm2", Range(0.0, 1e6), "Holes of a section that are smaller than this are filled and counted.";
+        interpolate: Interpolate = Interpolate::Auto, "", Any, "How layers between two slices are made.";
+        overlap: f64 = 0.2, "", Range(0.0, 1.0), "Two contours of neighbouring slices are matched if they overlap by at least this fraction of their area.";
+        contours: Contours = Contours::Iso, "", Any, "How contours are found in a slice.";
+        canny_low: f64 = 0.04, "", Range(0.0, 1.0), "Lower threshold of the Canny filter, as a fraction of the step from air to material: edges are followed down to this gradient per pixel.";
+        canny_high: f64 = 0.1, "", Range(0.0, 1.0), "Upper threshold of the Canny filter, as a fraction of the same step: edges start above this gradient per pixel.";
+        canny_sigma_px: f64 = 1.0, "px", Range(0.0, 10.0), "Standard deviation of the blur before the Canny filter.";
+        truth: String = String::new(), "", Any, "File of known dimensions (TOML); the report compares them with the printed ones. Empty: no comparison.";
+        size_px: Option<[usize; 3]> = None, "", Range(1.0, 1e6), "Number of columns, rows and slices of raw data.";
+        sample: SampleType = SampleType::U8, "", Any, "Number type of a voxel in raw data.";
+        byte_order: ByteOrder = ByteOrder::Little, "", Any, "Byte order of raw data.";
+        offset_bytes: usize = 0, "", Range(0.0, 1e12), "Number of bytes before the first voxel in raw data.";
     }
     /// The printer.
     PrinterSection "printer" {
-        nozzle_mm: f64 = 0.4, "mm", Range(0.05, 5.0), "Diameter of the nozzle.";
-        bed_mm: [f64; 3] = [220.0, 220.0, 250.0], "mm", Range(1.0, 10000.0), "Room for a print in x, y and z.";
-        origin: String = "corner".into(), "", Words(&["corner", "centre"]), "Where x = y = 0 is on the bed.";
-        flavour: String = "marlin".into(), "", Words(&["marlin", "klipper", "rrf"]), "What the firmware understands.";
+        nozzle_mm: f64 = 0.4, "mm", Range(0.05, 5.0), "Diameter of the nozzle's opening.";
+        bed_mm: [f64; 3] = [220.0, 220.0, 250.0], "mm", Range(1.0, 10000.0), "Printable size in x, y and z.";
+        origin: BedOrigin = BedOrigin::Corner, "", Any, "Position of the machine's origin.";
+        flavour: Flavour = Flavour::Marlin, "", Any, "Firmware that the G-code is written for.";
         filament_mm: f64 = 1.75, "mm", Range(0.5, 5.0), "Diameter of the filament.";
-        max_speed_mm_s: [f64; 4] = [300.0, 300.0, 12.0, 60.0], "mm/s", Range(0.1, 5000.0), "Highest speed of x, y, z and filament.";
+        max_speed_mm_s: [f64; 4] = [300.0, 300.0, 12.0, 60.0], "mm/s", Range(0.1, 5000.0), "Highest speed of the axes x, y and z and of the extruder.";
         acceleration_mm_s2: f64 = 1500.0, "mm/s2", Range(1.0, 100000.0), "Acceleration while printing.";
-        travel_acceleration_mm_s2: f64 = 2000.0, "mm/s2", Range(1.0, 100000.0), "Acceleration of travels.";
-        retract_acceleration_mm_s2: f64 = 2000.0, "mm/s2", Range(1.0, 100000.0), "Acceleration of the filament alone.";
-        jerk_mm_s: [f64; 4] = [8.0, 8.0, 0.4, 4.0], "mm/s", Range(0.0, 100.0), "Jump in speed allowed at corners for x, y, z and filament.";
-        square_corner_mm_s: Option<f64> = None, "mm/s", Range(0.0, 100.0), "Klipper's speed at a right angle; where given it takes the place of jerk.";
-        junction_deviation_mm: Option<f64> = None, "mm", Range(0.0, 1.0), "Marlin's junction deviation; where given it takes the place of jerk.";
-        relative_e: bool = true, "", Any, "Whether E words are distances (M83) or positions (M82).";
-        retract_mm: f64 = 0.8, "mm", Range(0.0, 20.0), "Filament drawn back for a travel that leaves the part.";
-        retract_speed_mm_s: f64 = 35.0, "mm/s", Range(0.1, 500.0), "How fast it is drawn back.";
-        unretract_speed_mm_s: f64 = 35.0, "mm/s", Range(0.1, 500.0), "How fast it comes forward again.";
-        z_hop_mm: f64 = 0.0, "mm", Range(0.0, 10.0), "The nozzle is lifted by this for such a travel.";
-        fibre_tool: String = "none".into(), "", Words(&["none", "coextruded", "separate"]), "Whether it lays continuous fibre: with the matrix from one nozzle, or from a nozzle of its own.";
-        fibre_tool_number: usize = 1, "", Range(0.0, 99.0), "Number of that tool for fibre_tool = \"separate\"; the matrix's is 0.";
-        fibre_cutter_mm: f64 = 40.0, "mm", Range(0.0, 1000.0), "Length of fibre between cutter and nozzle: it is cut so long before a path ends.";
-        fibre_filament_mm: Option<f64> = None, "mm", Range(0.05, 5.0), "Diameter of what the fibre's tool is fed with; left out, filament_mm.";
-        fibre_feed_gcode: String = String::new(), "", Any, "Program that brings fibre from the cutter to the nozzle where a path begins; `{placeholders}` as in docs/gcode.md.";
-        fibre_cut_gcode: String = String::new(), "", Any, "Program that cuts the fibre.";
-        tool_change_gcode: String = "T{tool}".into(), "", Any, "Program that changes to `{tool}`, for fibre_tool = \"separate\".";
-        thumbnails_px: Vec<[usize; 2]> = Vec::new(), "px", Range(8.0, 2000.0), "Sizes of pictures embedded in the G-code.";
-        start_gcode: String = "M140 S{first_layer_bed_temp_c}\nM104 S{first_layer_nozzle_temp_c}\nG28\nM190 S{first_layer_bed_temp_c}\nM109 S{first_layer_nozzle_temp_c}".into(), "", Any, "Program before the print; `{placeholders}` as in docs/gcode.md.";
-        end_gcode: String = "M104 S0\nM140 S0\nG1 Z{z_park_mm} F600\nG28 X\nM84".into(), "", Any, "Program after the print.";
+        travel_acceleration_mm_s2: f64 = 2000.0, "mm/s2", Range(1.0, 100000.0), "Acceleration of travel moves.";
+        retract_acceleration_mm_s2: f64 = 2000.0, "mm/s2", Range(1.0, 100000.0), "Acceleration of moves of the extruder alone.";
+        jerk_mm_s: [f64; 4] = [8.0, 8.0, 0.4, 4.0], "mm/s", Range(0.0, 100.0), "Speed change allowed at corners without slowing down, for x, y, z and the extruder.";
+        square_corner_mm_s: Option<f64> = None, "mm/s", Range(0.0, 100.0), "Klipper's square_corner_velocity: speed at a right angle. Replaces jerk where it is set.";
+        junction_deviation_mm: Option<f64> = None, "mm", Range(0.0, 1.0), "Marlin's junction deviation. Replaces jerk where it is set.";
+        relative_e: bool = true, "", Any, "true: E words are distances (M83); false: positions (M82).";
+        retract_mm: f64 = 0.8, "mm", Range(0.0, 20.0), "Length of filament that is retracted before a travel move that leaves the part.";
+        retract_speed_mm_s: f64 = 35.0, "mm/s", Range(0.1, 500.0), "Speed of retraction.";
+        unretract_speed_mm_s: f64 = 35.0, "mm/s", Range(0.1, 500.0), "Speed at which retracted filament is pushed back.";
+        z_hop_mm: f64 = 0.0, "mm", Range(0.0, 10.0), "Height by which the nozzle is lifted for a travel move with retraction.";
+        fibre_tool: FibreToolKind = FibreToolKind::None, "", Any, "Tool for continuous fibre.";
+        fibre_tool_number: usize = 1, "", Range(0.0, 99.0), "Number of the fibre's tool for fibre_tool = \"separate\"; the matrix is tool 0.";
+        fibre_cutter_mm: f64 = 40.0, "mm", Range(0.0, 1000.0), "Length of fibre between cutter and nozzle. The fibre is cut this far before the end of a path.";
+        fibre_filament_mm: Option<f64> = None, "mm", Range(0.05, 5.0), "Diameter of the filament fed to the fibre's tool; unset: filament_mm.";
+        fibre_feed_gcode: String = String::new(), "", Any, "G-code that feeds fibre from the cutter to the nozzle at the beginning of a path, with `{placeholders}` as in docs/gcode.md.";
+        fibre_cut_gcode: String = String::new(), "", Any, "G-code that cuts the fibre.";
+        tool_change_gcode: String = "T{tool}".into(), "", Any, "G-code that changes to `{tool}`, for fibre_tool = \"separate\".";
+        thumbnails_px: Vec<[usize; 2]> = Vec::new(), "px", Range(8.0, 2000.0), "Widths and heights of the thumbnails in the G-code.";
+        start_gcode: String = "M140 S{first_layer_bed_temp_c}\nM104 S{first_layer_nozzle_temp_c}\nG28\nM190 S{first_layer_bed_temp_c}\nM109 S{first_layer_nozzle_temp_c}".into(), "", Any, "G-code before the print, with `{placeholders}` as in docs/gcode.md.";
+        end_gcode: String = "M104 S0\nM140 S0\nG1 Z{z_park_mm} F600\nG28 X\nM84".into(), "", Any, "G-code after the print.";
     }
     /// The material.
     MaterialSection "material" {
-        name: String = "PLA".into(), "", Any, "Its name.";
-        density_g_cm3: f64 = 1.24, "g/cm3", Range(0.1, 25.0), "Density.";
-        nozzle_temp_c: f64 = 205.0, "degC", Range(0.0, 600.0), "Nozzle.";
-        first_layer_nozzle_temp_c: f64 = 210.0, "degC", Range(0.0, 600.0), "Nozzle in the first layer.";
-        bed_temp_c: f64 = 55.0, "degC", Range(0.0, 300.0), "Bed.";
-        first_layer_bed_temp_c: f64 = 60.0, "degC", Range(0.0, 300.0), "Bed in the first layer.";
+        name: String = "PLA".into(), "", Any, "Name of the material in reports and in the G-code.";
+        density_g_cm3: f64 = 1.24, "g/cm3", Range(0.1, 25.0), "Mass density.";
+        nozzle_temp_c: f64 = 205.0, "degC", Range(0.0, 600.0), "Nozzle temperature.";
+        first_layer_nozzle_temp_c: f64 = 210.0, "degC", Range(0.0, 600.0), "Nozzle temperature in the first layer.";
+        bed_temp_c: f64 = 55.0, "degC", Range(0.0, 300.0), "Bed temperature.";
+        first_layer_bed_temp_c: f64 = 60.0, "degC", Range(0.0, 300.0), "Bed temperature in the first layer.";
         flow: f64 = 1.0, "", Range(0.1, 3.0), "Factor on all extrusion.";
-        pressure_advance: Option<f64> = None, "", Range(0.0, 10.0), "Linear or pressure advance, in the firmware's unit.";
-        max_volumetric_mm3_s: f64 = 15.0, "mm3/s", Range(0.1, 500.0), "The most that melts; faster paths are slowed down.";
-        fan_min: f64 = 0.6, "", Range(0.0, 1.0), "Fan in layers that take long.";
-        fan_max: f64 = 1.0, "", Range(0.0, 1.0), "Fan in short layers.";
-        fan_bridge: f64 = 1.0, "", Range(0.0, 1.0), "Fan over air.";
-        fan_off_layers: usize = 1, "", Range(0.0, 1e6), "Layers from the plate without fan.";
-        min_layer_time_s: f64 = 8.0, "s", Range(0.0, 1000.0), "Shorter layers are slowed down.";
-        fan_below_layer_time_s: f64 = 20.0, "s", Range(0.0, 1000.0), "Layers shorter than this get more than the least fan.";
-        min_speed_mm_s: f64 = 10.0, "mm/s", Range(0.1, 1000.0), "Slowing down ends here.";
-        e_mpa: [f64; 3] = [2669.0, 2583.0, 2208.0], "MPa", Range(1e-3, 1e7), "Young's moduli of printed material: along the bead, across it in the layer, from layer to layer.";
-        nu: [f64; 3] = [0.43, 0.37, 0.37], "", Range(-1.0, 1.0), "Poisson's ratios 12, 23 and 13; 1 along the bead, 2 across it, 3 from layer to layer.";
+        pressure_advance: Option<f64> = None, "", Range(0.0, 10.0), "Linear advance or pressure advance, in the firmware's unit; unset: the firmware's own value.";
+        max_volumetric_mm3_s: f64 = 15.0, "mm3/s", Range(0.1, 500.0), "Highest volume flow that the nozzle melts; faster moves are slowed down to it.";
+        fan_min: f64 = 0.6, "", Range(0.0, 1.0), "Fan speed in layers that take longer than fan_below_layer_time_s.";
+        fan_max: f64 = 1.0, "", Range(0.0, 1.0), "Fan speed in layers that take min_layer_time_s or less.";
+        fan_bridge: f64 = 1.0, "", Range(0.0, 1.0), "Fan speed for bridges.";
+        fan_off_layers: usize = 1, "", Range(0.0, 1e6), "Number of layers above the bed that are printed without fan.";
+        min_layer_time_s: f64 = 8.0, "s", Range(0.0, 1000.0), "Layers that take less time than this are slowed down.";
+        fan_below_layer_time_s: f64 = 20.0, "s", Range(0.0, 1000.0), "Below this layer time the fan speed rises from fan_min to fan_max.";
+        min_speed_mm_s: f64 = 10.0, "mm/s", Range(0.1, 1000.0), "Layers are not slowed down below this speed.";
+        e_mpa: [f64; 3] = [2669.0, 2583.0, 2208.0], "MPa", Range(1e-3, 1e7), "Young's moduli of printed material: along the bead, across it in the layer, and across layers.";
+        nu: [f64; 3] = [0.43, 0.37, 0.37], "", Range(-1.0, 1.0), "Poisson's ratios 12, 23 and 13. Axis 1 is along the bead, 2 across it in the layer, 3 across layers.";
         g_mpa: [f64; 3] = [919.0, 844.0, 844.0], "MPa", Range(1e-3, 1e7), "Shear moduli 12, 23 and 13.";
-        elastic_source: String = "Li, Xu, Fang, Thin-Walled Structures 199:111800 (2024), PLA by FFF".into(), "", Any, "Where the elastic constants come from.";
+        elastic_source: String = "Li, Xu, Fang, Thin-Walled Structures 199:111800 (2024), PLA by FFF".into(), "", Any, "Source of the elastic constants.";
         xt_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Tensile strength along the beads: low, nominal, high.";
-        yt_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Tensile strength across the beads in their layer: low, nominal, high.";
-        zt_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Tensile strength from layer to layer: low, nominal, high.";
+        yt_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Tensile strength across the beads in the layer: low, nominal, high.";
+        zt_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Tensile strength across layers: low, nominal, high.";
         s12_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Shear strength in the layer: low, nominal, high.";
-        s_il_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Shear strength between layers: low, nominal, high.";
+        s_il_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Interlaminar shear strength: low, nominal, high.";
         xc_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Compressive strength along the beads: low, nominal, high.";
         yc_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Compressive strength across the beads: low, nominal, high.";
-        g_along_n_mm: Option<[f64; 3]> = None, "N/mm", Range(1e-4, 1e4), "Energy to tear through beads, per area: low, nominal, high.";
-        g_across_n_mm: Option<[f64; 3]> = None, "N/mm", Range(1e-4, 1e4), "Energy to part beads from each other, per area: low, nominal, high.";
-        strength_source: String = String::new(), "", Any, "Where the strengths come from.";
-        strength_tier: String = "T0".into(), "", Words(&["T0", "T1", "T2"]), "How well they are known. T0: data sheets and literature; T1: coupons of one's own; T2: checked on a whole part.";
+        g_along_n_mm: Option<[f64; 3]> = None, "N/mm", Range(1e-4, 1e4), "Fracture energy per area of a crack through beads: low, nominal, high.";
+        g_across_n_mm: Option<[f64; 3]> = None, "N/mm", Range(1e-4, 1e4), "Fracture energy per area of a crack between beads: low, nominal, high.";
+        strength_source: String = String::new(), "", Any, "Source of the strengths.";
+        strength_tier: StrengthTier = StrengthTier::T0, "", Any, "How well the strengths are known.";
     }
-    /// How it is printed.
+    /// Layers, walls, speeds and travel.
     ProcessSection "process" {
-        layer_height_mm: f64 = 0.2, "mm", Range(0.01, 5.0), "Thickness of a layer.";
-        first_layer_height_mm: f64 = 0.2, "mm", Range(0.01, 5.0), "Thickness of the first layer.";
-        adaptive_layers: bool = false, "", Any, "Layer heights that follow the slopes of the part.";
-        adaptive_min_mm: f64 = 0.08, "mm", Range(0.01, 5.0), "The thinnest layer then.";
-        adaptive_max_mm: f64 = 0.28, "mm", Range(0.01, 5.0), "The thickest layer then.";
-        adaptive_cusp_mm: f64 = 0.1, "mm", Range(0.001, 1.0), "How far the stairs may stand off the slope.";
+        layer_height_mm: f64 = 0.2, "mm", Range(0.01, 5.0), "Layer height.";
+        first_layer_height_mm: f64 = 0.2, "mm", Range(0.01, 5.0), "Height of the first layer.";
+        adaptive_layers: bool = false, "", Any, "Choose the height of each layer from the slope of the surface.";
+        adaptive_min_mm: f64 = 0.08, "mm", Range(0.01, 5.0), "Smallest adaptive layer height.";
+        adaptive_max_mm: f64 = 0.28, "mm", Range(0.01, 5.0), "Largest adaptive layer height.";
+        adaptive_cusp_mm: f64 = 0.1, "mm", Range(0.001, 1.0), "Largest distance between the stair steps of the layers and the surface (cusp height) for adaptive layers.";
         bead_width_mm: f64 = 0.45, "mm", Range(0.05, 10.0), "Full width of a bead.";
-        min_bead_width_mm: f64 = 0.2, "mm", Range(0.02, 5.0), "The narrowest single bead laid in thin places.";
+        min_bead_width_mm: f64 = 0.2, "mm", Range(0.02, 5.0), "Width of the narrowest single bead that is laid in thin places.";
         walls: usize = 2, "", Range(0.0, 1000.0), "Number of walls.";
-        wall_order: String = "inner-first".into(), "", Words(&["inner-first", "outer-first"]), "Which wall of a contour comes first.";
-        seam: String = "nearest".into(), "", Words(&["nearest", "aligned", "rear", "random"]), "Where outer walls begin.";
-        thin_walls: bool = true, "", Any, "One bead of varying width where two walls do not fit.";
-        gap_fill: bool = true, "", Any, "One bead of varying width in gaps between walls, and between walls and fill.";
-        top_layers: usize = 5, "", Range(0.0, 10000.0), "Dense layers under top surfaces.";
-        bottom_layers: usize = 4, "", Range(0.0, 10000.0), "Dense layers over bottom surfaces.";
-        simplify_mm: f64 = 0.0125, "mm", Range(0.0, 1.0), "Contours are simplified to within this, and small ones to within a thousandth of their extent.";
+        wall_order: WallOrder = WallOrder::InnerFirst, "", Any, "Order in which the walls of a contour are printed.";
+        seam: Seam = Seam::Nearest, "", Any, "Where outer walls begin and end.";
+        thin_walls: bool = true, "", Any, "Lay one bead of variable width where two walls do not fit.";
+        gap_fill: bool = true, "", Any, "Lay one bead of variable width in gaps between walls, and between walls and infill.";
+        top_layers: usize = 5, "", Range(0.0, 10000.0), "Number of dense layers below top surfaces.";
+        bottom_layers: usize = 4, "", Range(0.0, 10000.0), "Number of dense layers above bottom surfaces.";
+        simplify_mm: f64 = 0.0125, "mm", Range(0.0, 1.0), "Contours are simplified within this distance; small contours within a thousandth of their size.";
         outer_wall_speed_mm_s: f64 = 40.0, "mm/s", Range(0.1, 2000.0), "Speed of outer walls.";
-        inner_wall_speed_mm_s: f64 = 60.0, "mm/s", Range(0.1, 2000.0), "Speed of the walls behind them.";
+        inner_wall_speed_mm_s: f64 = 60.0, "mm/s", Range(0.1, 2000.0), "Speed of inner walls.";
         small_wall_speed_mm_s: f64 = 25.0, "mm/s", Range(0.1, 2000.0), "Speed of walls around small holes and islands.";
         overhang_speed_mm_s: f64 = 25.0, "mm/s", Range(0.1, 2000.0), "Speed of walls over air.";
         gap_fill_speed_mm_s: f64 = 30.0, "mm/s", Range(0.1, 2000.0), "Speed of gap fill.";
-        solid_speed_mm_s: f64 = 60.0, "mm/s", Range(0.1, 2000.0), "Speed of dense fill.";
+        solid_speed_mm_s: f64 = 60.0, "mm/s", Range(0.1, 2000.0), "Speed of dense infill.";
         top_speed_mm_s: f64 = 40.0, "mm/s", Range(0.1, 2000.0), "Speed of top skins.";
-        sparse_speed_mm_s: f64 = 80.0, "mm/s", Range(0.1, 2000.0), "Speed of sparse fill.";
+        sparse_speed_mm_s: f64 = 80.0, "mm/s", Range(0.1, 2000.0), "Speed of sparse infill.";
         bridge_speed_mm_s: f64 = 30.0, "mm/s", Range(0.1, 2000.0), "Speed of bridges.";
         bridge_flow: f64 = 1.0, "", Range(0.3, 2.0), "Factor on the extrusion of bridges.";
-        travel_speed_mm_s: f64 = 150.0, "mm/s", Range(0.1, 2000.0), "Speed of travels.";
+        travel_speed_mm_s: f64 = 150.0, "mm/s", Range(0.1, 2000.0), "Speed of travel moves.";
         travel_z_speed_mm_s: f64 = 10.0, "mm/s", Range(0.1, 500.0), "Speed of moves in z.";
-        first_layer_speed_mm_s: f64 = 25.0, "mm/s", Range(0.1, 2000.0), "Nothing in the first layer is faster.";
-        chain: bool = false, "", Any, "Lay walls and fill of an island as one path where they touch, and begin each layer where the one below ended.";
-        comb: bool = true, "", Any, "Keep travels inside the part where that is possible.";
-        retract_min_travel_mm: f64 = 1.5, "mm", Range(0.0, 1000.0), "Shorter travels never draw the filament back.";
-        skirt_loops: usize = 1, "", Range(0.0, 1000.0), "Loops around the part that start the flow.";
-        skirt_distance_mm: f64 = 3.0, "mm", Range(0.0, 1000.0), "Distance of the skirt from the part.";
-        skirt_layers: usize = 1, "", Range(1.0, 10000.0), "Layers with a skirt.";
-        brim_width_mm: f64 = 0.0, "mm", Range(0.0, 1000.0), "Loops around the first layer that hold it down.";
-        arcs: bool = false, "", Any, "Write arcs as G2 and G3.";
-        arc_tolerance_mm: f64 = 0.01, "mm", Range(0.001, 1.0), "How far an arc may lie off the path.";
+        first_layer_speed_mm_s: f64 = 25.0, "mm/s", Range(0.1, 2000.0), "Highest printing speed in the first layer.";
+        chain: bool = false, "", Any, "Join walls and infill of an island into one path where they touch, and begin each layer where the layer below ended.";
+        comb: bool = true, "", Any, "Keep travel moves inside the part where possible.";
+        retract_min_travel_mm: f64 = 1.5, "mm", Range(0.0, 1000.0), "Travel moves shorter than this are made without retraction.";
+        skirt_loops: usize = 1, "", Range(0.0, 1000.0), "Number of loops around the part that prime the nozzle.";
+        skirt_distance_mm: f64 = 3.0, "mm", Range(0.0, 1000.0), "Distance between skirt and part.";
+        skirt_layers: usize = 1, "", Range(1.0, 10000.0), "Number of layers with a skirt.";
+        brim_width_mm: f64 = 0.0, "mm", Range(0.0, 1000.0), "Width of the brim: loops around the first layer that keep it on the bed.";
+        arcs: bool = false, "", Any, "Write circular arcs as G2 and G3.";
+        arc_tolerance_mm: f64 = 0.01, "mm", Range(0.001, 1.0), "Largest distance between an arc and the path that it replaces.";
     }
-    /// What gives fill its direction.
+    /// What gives infill its direction.
     GuideSection "guide" {
-        kind: String = "none".into(), "", Words(&["none", "angle", "stress", "grain"]), "none: the fill's angle list; angle: one direction for all fill, dense and sparse; stress: the principal stresses under the loads given; grain: the grain of photographs, or the texture of a scan.";
-        angle_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "The direction for kind = \"angle\", from +X.";
-        follow: String = "max-abs".into(), "", Words(&["max-abs", "tension", "compression", "alternate"]), "Which principal stress beads follow: the one greater in amount, the greatest tension, the greatest compression, or both families by turns from layer to layer.";
-        analysis: String = "auto".into(), "", Words(&["auto", "plane", "solid"]), "plane: the section as a plate loaded in its plane; solid: the part in three dimensions; auto: plane for a part of constant section loaded in its plane.";
-        element_mm: Option<f64> = None, "mm", Range(0.01, 1000.0), "Longest side of an element; left out, fine enough for the part's size.";
-        elasticity: String = "isotropic".into(), "", Words(&["isotropic", "orthotropic"]), "isotropic: with the material's modulus along the bead; orthotropic: with its card, beads along elasticity_deg.";
-        elasticity_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Direction of the beads for elasticity = \"orthotropic\", from +X.";
-        smoothing_mm: Option<f64> = None, "mm", Range(0.001, 100.0), "Directions are evened out over this length where the stress cares most, over more where it cares less; left out, 0.5, or 0.25 for one continuous path along the stress without fibre.";
-        tangent: bool = true, "", Any, "Draw directions along free borders, which are principal directions themselves.";
-        fixture: Vec<Fixture> = Vec::new(), "", Any, "[[guide.fixture]]: on = { box_mm | plane | cylinder | sphere | facets }, fix = \"xyz\" or some of it or \"normal\", displacement_mm.";
-        load: Vec<Load> = Vec::new(), "", Any, "[[guide.load]]: on = { ... } with force_n (spread over the area), pressure_mpa or moment_nmm; or acceleration_mm_s2 for the whole part.";
-        case: Vec<Case> = Vec::new(), "", Any, "[[guide.case]]: name, weight and its own [[guide.case.load]]; loads outside cases are a case of their own.";
-        import: String = String::new(), "", Any, "Take the stress from this file instead of solving: VTU, VTK, MSH 2.2 or 4.1, FRD, CSV; in the mesh's coordinates.";
-        import_array: Option<String> = None, "", Any, "Name of the stress array in it; left out, the usual names.";
-        import_order: Option<String> = None, "", Words(&["vtk", "abaqus", "voigt"]), "Order of its components: vtk xx yy zz xy yz zx, abaqus xx yy zz xy xz yz, voigt xx yy zz yz xz xy; left out, by name, else vtk.";
-        import_stress_unit: Option<String> = None, "", Words(&["MPa", "Pa", "kPa", "GPa", "psi", "ksi"]), "Its unit; left out, MPa.";
-        import_length_unit: Option<String> = None, "", Words(&["mm", "cm", "m", "inch", "micron", "foot"]), "Unit of its positions; left out, mm.";
-        memory_mb: usize = 4096, "MB", Range(16.0, 1e6), "The most the solver may take; it is told in advance.";
-        mode: String = "field".into(), "", Words(&["field", "edges"]), "What follows the grain: lines along its directions, or the picture's edges themselves with more between them.";
-        pixel_mm: Option<f64> = None, "mm", Range(1e-3, 10.0), "Pixel of the rectified picture; left out, the photograph's own.";
-        blur_mm: Option<f64> = None, "mm", Range(0.0, 20.0), "Standard deviation of the Gaussian before edges are sought; left out, 0.12 and at least 1.3 pixels.";
-        median_px: usize = 1, "px", Range(0.0, 7.0), "Radius of the median that removes specks.";
-        canny_high: Option<f64> = None, "", Range(1e-3, 1.0), "Edges begin at this share of the steepest slopes; left out, by the picture.";
-        canny_low: Option<f64> = None, "", Range(1e-3, 1.0), "Edges go on down to this share; left out, 0.4 of the high one.";
-        join: String = "trace".into(), "", Words(&["trace", "nearest"]), "How edge points become curves: along the edges, or each to its nearest as published.";
-        bridge_mm: f64 = 1.5, "mm", Range(0.0, 100.0), "Ends of curves that face each other over gaps up to this are joined.";
-        min_curve_mm: f64 = 3.0, "mm", Range(0.0, 1000.0), "Shorter curves are dropped.";
-        integration_mm: f64 = 0.6, "mm", Range(0.01, 100.0), "Neighbourhood over which the direction is averaged.";
-        bend: String = "holes".into(), "", Words(&["none", "outline", "holes", "both"]), "Borders of the part along which the grain is bent.";
-        darkness: f64 = 0.0, "", Range(0.0, 1.0), "How much closer lines lie where the picture is dark, or the scan dense, below full density: 1 is twice as close as on average.";
+        kind: GuideKind = GuideKind::None, "", Any, "What gives infill its direction.";
+        angle_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Direction of all infill for kind = \"angle\", counter-clockwise from +X.";
+        follow: Follow = Follow::MaxAbs, "", Any, "Which principal stress beads follow.";
+        analysis: Analysis = Analysis::Auto, "", Any, "Model of the stress analysis.";
+        element_mm: Option<f64> = None, "mm", Range(0.01, 1000.0), "Longest edge of a finite element; unset: chosen from the size of the part.";
+        elasticity: Elasticity = Elasticity::Isotropic, "", Any, "Elastic model of the stress analysis.";
+        elasticity_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Direction of the beads for elasticity = \"orthotropic\", counter-clockwise from +X.";
+        smoothing_mm: Option<f64> = None, "mm", Range(0.001, 100.0), "Length over which directions are smoothed where the principal stresses differ most; it is longer where they differ less. Unset: 0.5, or 0.25 for one continuous path along the stress without fibre.";
+        tangent: bool = true, "", Any, "Align directions with free borders, along which one principal stress always runs.";
+        fixture: Vec<Fixture> = Vec::new(), "", Any, "[[guide.fixture]]: a place `on` = { box_mm, plane, cylinder, sphere or facets }, the directions that it fixes as `fix` = \"xyz\", some of x, y and z, or \"normal\", and a prescribed displacement_mm.";
+        load: Vec<Load> = Vec::new(), "", Any, "[[guide.load]]: a place `on` as for fixtures, with force_n (spread over the area), pressure_mpa or moment_nmm; or acceleration_mm_s2 for the whole part.";
+        case: Vec<Case> = Vec::new(), "", Any, "[[guide.case]]: loads that act together, with name, weight and [[guide.case.load]]. Loads outside cases form one more case.";
+        import: String = String::new(), "", Any, "File of a stress result to use instead of solving: VTU, VTK, MSH 2.2 or 4.1, FRD or CSV, in the coordinates of the mesh file.";
+        import_array: Option<String> = None, "", Any, "Name of the stress array in the imported file; unset: found by the usual names.";
+        import_order: Option<ComponentOrder> = None, "", Any, "Order of the stress components in the imported file; unset: by their names, else vtk.";
+        import_stress_unit: Option<StressUnit> = None, "", Any, "Unit of the imported stress; unset: MPa.";
+        import_length_unit: Option<LengthUnit> = None, "", Any, "Unit of the imported positions; unset: mm.";
+        memory_mib: usize = 4096, "MiB", Range(16.0, 1e6), "Memory limit of the stress analysis and of the strength test. A job that would exceed it is refused before solving.";
+        mode: GrainMode = GrainMode::Field, "", Any, "What of the grain infill follows.";
+        pixel_mm: Option<f64> = None, "mm", Range(1e-3, 10.0), "Pixel size of the rectified photograph; unset: the photograph's own resolution.";
+        blur_mm: Option<f64> = None, "mm", Range(0.0, 20.0), "Standard deviation of the blur before edges are detected; unset: 0.12 mm and at least 1.3 pixels.";
+        median_px: usize = 1, "px", Range(0.0, 7.0), "Radius of the median filter that removes specks.";
+        canny_high: Option<f64> = None, "", Range(1e-3, 1.0), "Upper threshold of the Canny filter, as a fraction of the steepest gradients: edges start above it. Unset: chosen from the image.";
+        canny_low: Option<f64> = None, "", Range(1e-3, 1.0), "Lower threshold of the Canny filter, as a fraction of the steepest gradients: edges are followed down to it. Unset: 0.4 of the upper one.";
+        join: CurveJoin = CurveJoin::Trace, "", Any, "How edge points become curves.";
+        bridge_mm: f64 = 1.5, "mm", Range(0.0, 100.0), "Ends of curves that face each other across at most this gap are joined.";
+        min_curve_mm: f64 = 3.0, "mm", Range(0.0, 1000.0), "Curves shorter than this are dropped.";
+        integration_mm: f64 = 0.6, "mm", Range(0.01, 100.0), "Radius of the neighbourhood over which the grain's direction is averaged.";
+        bend: Bend = Bend::Holes, "", Any, "Borders of the part that bend the grain.";
+        darkness: f64 = 0.0, "", Range(0.0, 1.0), "How strongly line spacing follows the darkness of the picture or the grey value of the scan, below full density. 0: even spacing; 1: up to twice as close as the mean.";
     }
-    /// Photographs whose grain a part of another shape is filled with; left out, those of shape.photo.
+    /// Photographs whose grain fills a part of another shape; unset: the photographs of shape.photo.
     ImageSection "guide.image" {
         files: Vec<String> = Vec::new(), "", Any, "Photographs, lowest first.";
-        corners: String = "image".into(), "", Words(CORNERS), "Where the board is, as in shape.photo.";
-        corners_px: Vec<[f64; 2]> = Vec::new(), "px", Range(-1e6, 1e6), "Corners of the board, as in shape.photo.";
-        size_mm: Option<[f64; 2]> = None, "mm", Range(1e-3, 1e4), "Width and height of the picture on the part; left out, those of the part.";
-        origin_mm: Option<[f64; 2]> = None, "mm", Range(-1e5, 1e5), "Where the picture's lower left corner lies on the part; left out, its middle is on the part's.";
-        rotate_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Turned counter-clockwise.";
-        scale: f64 = 1.0, "", Range(1e-3, 1e3), "Factor on its size.";
-        mirror: bool = false, "", Any, "Left and right changed over.";
-        heights_mm: Vec<f64> = Vec::new(), "mm", Range(0.0, 1e4), "The height each file shows, as in shape.photo.";
-        shift_mm_per_mm: [f64; 2] = [0.0; 2], "", Range(-20.0, 20.0), "How far the grain moves for a millimetre upwards, as in shape.photo.";
+        corners: BoardCorners = BoardCorners::Image, "", Any, "How the board is found in a photograph, as in shape.photo.";
+        corners_px: Vec<[f64; 2]> = Vec::new(), "px", Range(-1e6, 1e6), "Corners of the board in the image, as in shape.photo.";
+        size_mm: Option<[f64; 2]> = None, "mm", Range(1e-3, 1e4), "Width and height of the board on the part; unset: those of the part.";
+        origin_mm: Option<[f64; 2]> = None, "mm", Range(-1e5, 1e5), "Position of the board's lower left corner on the part; unset: board and part have the same centre.";
+        rotate_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Rotation of the board, counter-clockwise.";
+        scale: f64 = 1.0, "", Range(1e-3, 1e3), "Factor on the size of the board.";
+        mirror: bool = false, "", Any, "Mirror the board left to right.";
+        heights_mm: Vec<f64> = Vec::new(), "mm", Range(0.0, 1e4), "Height that each file shows, as in shape.photo.";
+        shift_mm_per_mm: [f64; 2] = [0.0; 2], "", Range(-20.0, 20.0), "Shift of the grain for each millimetre of height, as in shape.photo.";
     }
-    /// A scan whose texture a part of another shape is filled along; left out, that of shape.ct.
+    /// A scan whose texture fills a part of another shape; unset: the scan of shape.ct.
     VolumeSection "guide.volume" {
         path: String = String::new(), "", Any, "The scan, as in shape.ct.";
-        pixel_mm: Option<Pair> = None, "mm", Range(1e-7, 1e4), "Size of a pixel, one number or [x, y]; left out, the file's.";
-        slice_mm: Option<f64> = None, "mm", Range(1e-7, 1e4), "Distance of slices; left out, the file's.";
-        window: Option<[usize; 2]> = None, "", Range(0.0, 1e6), "First and last slice that are taken, counted from 0.";
-        crop_px: Option<[usize; 4]> = None, "px", Range(0.0, 1e6), "First column, first row, last column, last row that are taken, counted from 0.";
-        flip: String = String::new(), "", Words(&["", "x", "y", "z", "xy", "xz", "yz", "xyz"]), "Axes to mirror.";
-        scale: f64 = 1.0, "", Range(1e-6, 1e6), "Factor on its size.";
-        origin_mm: Option<[f64; 3]> = None, "mm", Range(-1e5, 1e5), "Where the lower left corner of its lowest slice lies on the part; left out, its middle is over the part's and its bottom on the plate.";
-        rotate_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Turned about that corner, counter-clockwise.";
+        pixel_mm: Option<Pair> = None, "mm", Range(1e-7, 1e4), "Size of a pixel, one number or [x, y]; unset: as the file states.";
+        slice_mm: Option<f64> = None, "mm", Range(1e-7, 1e4), "Distance between slices; unset: as the file states.";
+        window: Option<[usize; 2]> = None, "", Range(0.0, 1e6), "First and last slice to use, counted from 0; unset: all.";
+        crop_px: Option<[usize; 4]> = None, "px", Range(0.0, 1e6), "First column, first row, last column and last row to use, counted from 0; unset: all.";
+        flip: Flip = Flip::None, "", Any, "Axes along which the scan is mirrored.";
+        scale: f64 = 1.0, "", Range(1e-6, 1e6), "Factor on the size of the scan.";
+        origin_mm: Option<[f64; 3]> = None, "mm", Range(-1e5, 1e5), "Position on the part of the lower left corner of the scan's lowest slice; unset: scan and part have the same centre, and the scan stands on the bed.";
+        rotate_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Rotation about that corner, counter-clockwise.";
     }
-    /// What is laid inside the walls.
+    /// Infill.
     FillSection "fill" {
-        pattern: String = "grid".into(), "", Words(PATTERNS), "Pattern of the inside.";
-        density: f64 = 0.2, "", Range(0.0, 1.0), "Volume of beads over volume of the inside; 1 is dense.";
-        angles_deg: Vec<f64> = vec![45.0, -45.0], "deg", Range(-3600.0, 3600.0), "Directions of lines, layer by layer in turn; `aligned` and crossed patterns keep the first.";
-        mass_g: Option<f64> = None, "g", Range(1e-6, 1e6), "Find the density that gives the part this mass, to within 1 %.";
-        widths: String = "variable".into(), "", Words(&["variable", "constant"]), "Bead width of `continuous`: following the room between neighbours, or the same everywhere (fibre).";
-        cell_aspect: f64 = 2.5, "", Range(1.0, 100.0), "Length of a cell of `continuous` along the field, in its widths of two beads.";
-        tree: String = "directed".into(), "", Words(&["directed", "undirected"]), "How `continuous` joins its cells: by how little beads turn out of the field, or without looking at it, to compare with.";
-        overlap: f64 = 0.22, "", Range(0.0, 0.5), "How far fill runs into the innermost wall, as a share of the bead's spacing.";
+        pattern: Pattern = Pattern::Grid, "", Any, "Infill pattern.";
+        density: Density = Density::new(0.2), "", Range(0.0, 1.0), "Volume of beads over volume of the infill region; 1 is dense.";
+        angles_deg: Vec<f64> = vec![45.0, -45.0], "deg", Range(-3600.0, 3600.0), "Raster angles, used in turn from layer to layer. `aligned` and patterns that cross within a layer use the first one only.";
+        mass_g: Option<f64> = None, "g", Range(0.0, 1e6), "Mass of the part: the density that gives it is found, to within 1 %. It replaces `density`. 0 or \"none\" unsets it.";
+        widths: BeadWidths = BeadWidths::Variable, "", Any, "Bead widths of `continuous`.";
+        cell_aspect: f64 = 2.5, "", Range(1.0, 100.0), "Aspect ratio of the cells of `continuous`: length along the guide over width (two beads).";
+        tree: CellTree = CellTree::Directed, "", Any, "How `continuous` joins its cells into one path.";
+        overlap: f64 = 0.22, "", Range(0.0, 0.5), "How far infill reaches into the innermost wall, as a fraction of the bead spacing.";
     }
-    /// What holds up overhangs.
+    /// Support of overhangs.
     SupportSection "support" {
-        style: String = "none".into(), "", Words(&["none", "tree", "columns", "box"]), "tree: branching supports; columns (straight walls below every overhang) and box (the box around them) are baselines to compare with.";
-        critical_angle_deg: f64 = 40.0, "deg", Range(0.0, 89.0), "Facets that lean more than this from the vertical are held up; read it off the print of `grainpath specimen critical-angle`.";
-        branch_angle_deg: Option<f64> = None, "deg", Range(5.0, 80.0), "Branches lean at most by this from the vertical; left out, the critical angle.";
-        max_unsupported_mm: f64 = 10.0, "mm", Range(0.5, 200.0), "The longest stretch that prints without anything below (L): contacts stand L/2 apart and none of an overhang is further than L/2 from one.";
-        min_overhang_mm: f64 = 0.8, "mm", Range(0.0, 100.0), "Overhangs smaller than this in plan are left alone; what begins in mid-air never is.";
-        contact_radius_mm: f64 = 0.3, "mm", Range(0.1, 10.0), "Radius of the end that touches the part: small ends break off cleanly.";
-        tip_length_mm: f64 = 1.5, "mm", Range(0.2, 50.0), "Length of the end piece, which leaves the part along its normal.";
-        branch_radius_mm: f64 = 0.6, "mm", Range(0.2, 20.0), "Radius of the thinnest branch; one closed bead needs about 1.3 bead widths across.";
-        base_radius_mm: f64 = 4.0, "mm", Range(0.2, 50.0), "Radius of a foot on the plate, and of the thickest trunk.";
+        style: SupportStyle = SupportStyle::None, "", Any, "Kind of support.";
+        critical_angle_deg: f64 = 40.0, "deg", Range(0.0, 89.0), "Facets that lean more than this from the vertical are supported. Measure it on a print of `grainpath specimen critical-angle`.";
+        branch_angle_deg: Option<f64> = None, "deg", Range(5.0, 80.0), "Largest angle between a branch and the vertical; unset: the critical angle.";
+        max_unsupported_mm: f64 = 10.0, "mm", Range(0.5, 200.0), "Longest span L that the printer bridges without support. Contacts stand L/2 apart, and every point of an overhang is within L/2 of one.";
+        min_overhang_mm: f64 = 0.8, "mm", Range(0.0, 100.0), "Overhangs smaller than this in plan view get no support, except where the part begins in mid-air.";
+        contact_radius_mm: f64 = 0.3, "mm", Range(0.1, 10.0), "Radius of a branch's tip where it touches the part. Small tips break off cleanly.";
+        tip_length_mm: f64 = 1.5, "mm", Range(0.2, 50.0), "Length of a branch's tip, which leaves the part along the surface normal.";
+        branch_radius_mm: f64 = 0.6, "mm", Range(0.2, 20.0), "Radius of the thinnest branch. One closed bead needs a diameter of about 1.3 bead widths.";
+        base_radius_mm: f64 = 4.0, "mm", Range(0.2, 50.0), "Radius of a foot on the bed, and of the thickest trunk.";
         base_height_mm: f64 = 1.0, "mm", Range(0.0, 100.0), "Height over which a trunk widens to its foot.";
-        z_gap_mm: f64 = 0.2, "mm", Range(0.0, 5.0), "Free height between support and part, rounded up to whole layers: the larger, the easier it comes off and the rougher the face.";
-        xy_gap_mm: f64 = 0.4, "mm", Range(0.0, 10.0), "Distance that branches keep from the part's walls.";
-        interface_layers: usize = 0, "", Range(0.0, 100.0), "Dense layers below each contact, as a pad: a smoother face, harder to remove.";
-        interface_radius_mm: f64 = 1.2, "mm", Range(0.1, 50.0), "Radius of such a pad.";
-        load_per_contact_n: f64 = 1.0, "N", Range(0.0, 1000.0), "What one contact presses on its branch, safety included; branches are as thick as Euler's load asks.";
-        stiffness_mpa: f64 = 2000.0, "MPa", Range(1.0, 1e6), "Young's modulus of a printed branch, for the same.";
-        max_slenderness: f64 = 40.0, "", Range(2.0, 1000.0), "Length over diameter that no branch exceeds.";
-        brace: bool = true, "", Any, "Tie slender trunks to a neighbour with struts.";
-        brace_slenderness: f64 = 25.0, "", Range(2.0, 1000.0), "Trunks of more than this length over diameter are tied, at this distance.";
-        max_reach_mm: f64 = 40.0, "mm", Range(1.0, 1000.0), "The furthest a branch goes sideways to meet another.";
-        margin_mm: f64 = 12.0, "mm", Range(1.0, 1000.0), "How far branches may go beyond the part in plan to get past it.";
-        from_plate_only: bool = false, "", Any, "Nothing stands on the part; overhangs that cannot be reached from the plate are listed instead.";
-        lift_mm: f64 = 0.0, "mm", Range(0.0, 1000.0), "The part is lifted off the plate by this and stands on its supports.";
-        enforce_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Boxes (lowest and highest corner, part on the plate) in which everything that looks down is held.";
-        block_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Boxes in which nothing is held.";
-        enforce_facets: Vec<usize> = Vec::new(), "", Any, "Facets that are held whatever their angle, counted from 0 in the order of the file.";
-        block_facets: Vec<usize> = Vec::new(), "", Any, "Facets that are not held, likewise.";
-        solid: String = "distance".into(), "", Words(&["distance", "poisson"]), "How the support becomes one surface: by signed distance, or by Poisson reconstruction as in the paper (slower, blurs tips).";
-        walls: usize = 1, "", Range(1.0, 100.0), "Beads around each branch.";
-        density: f64 = 0.0, "", Range(0.0, 1.0), "Fill inside the branches; columns and box lay at least 0.15.";
-        dense_layers: usize = 2, "", Range(0.0, 1000.0), "Dense layers from the plate, so that feet stick.";
+        z_gap_mm: f64 = 0.2, "mm", Range(0.0, 5.0), "Vertical gap between support and part, rounded up to whole layers. A larger gap makes support easier to remove and the surface rougher.";
+        xy_gap_mm: f64 = 0.4, "mm", Range(0.0, 10.0), "Horizontal gap between branches and the part's walls.";
+        interface_layers: usize = 0, "", Range(0.0, 100.0), "Number of dense layers below each contact. They make the surface smoother and the support harder to remove.";
+        interface_radius_mm: f64 = 1.2, "mm", Range(0.1, 50.0), "Radius of the dense layers below a contact.";
+        load_per_contact_n: f64 = 1.0, "N", Range(0.0, 1000.0), "Load of one contact on its branch, safety factor included. Branches are thick enough not to buckle under it (Euler).";
+        stiffness_mpa: f64 = 2000.0, "MPa", Range(1.0, 1e6), "Young's modulus of a printed branch for that check.";
+        max_slenderness: f64 = 40.0, "", Range(2.0, 1000.0), "Largest length over diameter of a branch.";
+        brace: bool = true, "", Any, "Brace slender trunks against a neighbour with struts.";
+        brace_slenderness: f64 = 25.0, "", Range(2.0, 1000.0), "Trunks with a larger length over diameter than this are braced, at this spacing.";
+        max_reach_mm: f64 = 40.0, "mm", Range(1.0, 1000.0), "Largest horizontal distance over which two branches are merged.";
+        margin_mm: f64 = 12.0, "mm", Range(1.0, 1000.0), "How far branches may reach beyond the part in plan view to get around it.";
+        from_plate_only: bool = false, "", Any, "Start support on the bed only, never on the part. Overhangs that cannot be reached are reported.";
+        lift_mm: f64 = 0.0, "mm", Range(0.0, 1000.0), "Height by which the part is lifted off the bed, to stand on its support.";
+        enforce_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Support enforcers: boxes (lowest and highest corner, with the part on the bed) in which all surfaces that face down are supported.";
+        block_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Support blockers: boxes in which no surface is supported.";
+        enforce_facets: Vec<usize> = Vec::new(), "", Any, "Facets that are always supported, counted from 0 in the order of the file.";
+        block_facets: Vec<usize> = Vec::new(), "", Any, "Facets that are never supported, counted in the same way.";
+        solid: SupportSurface = SupportSurface::Distance, "", Any, "How branches become one surface.";
+        walls: usize = 1, "", Range(1.0, 100.0), "Number of walls of a branch.";
+        density: f64 = 0.0, "", Range(0.0, 1.0), "Density of infill in branches; columns and boxes have at least 0.15.";
+        dense_layers: usize = 2, "", Range(0.0, 1000.0), "Number of dense layers above the bed, which make feet adhere.";
         speed_mm_s: f64 = 50.0, "mm/s", Range(0.1, 2000.0), "Speed of support.";
         interface_speed_mm_s: f64 = 30.0, "mm/s", Range(0.1, 2000.0), "Speed of the dense layers below contacts.";
-        fan: f64 = 1.0, "", Range(0.0, 1.0), "Least fan while support is printed: thin branches need to set.";
+        fan: f64 = 1.0, "", Range(0.0, 1.0), "Lowest fan speed while support is printed, so that thin branches solidify.";
     }
-    /// Continuous fibre in the fill; the rest of the part is matrix.
+    /// Continuous fibre in the infill.
     FibreSection "fibre" {
-        enabled: bool = false, "", Any, "Lay fill.pattern with continuous fibre, by the printer's fibre tool.";
-        material: String = "continuous-carbon".into(), "", Any, "What it is: a material profile, or a path ending in .toml; section material is the matrix.";
-        layers: Vec<[usize; 2]> = Vec::new(), "", Range(1.0, 1e6), "First and last layer with fibre, counted from 1, or several such pairs; left out, all.";
-        every: usize = 1, "", Range(1.0, 1e6), "Of these every second, third ... layer.";
-        boxes_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Boxes (lowest and highest corner, part on the plate) in which fill is fibre; left out, everywhere.";
-        matrix_pattern: String = "rectilinear".into(), "", Words(PATTERNS), "Pattern of fill without fibre.";
-        matrix_density: f64 = 1.0, "", Range(0.0, 1.0), "Its density.";
-        bead_width_mm: Option<f64> = None, "mm", Range(0.05, 10.0), "Width of a bead with fibre, the same all along; left out, process.bead_width_mm.";
-        min_radius_mm: f64 = 2.0, "mm", Range(0.0, 1000.0), "Least radius a path with fibre may turn by.";
-        turns: String = "round".into(), "", Words(&["round", "report", "cut"]), "Sharper turns: rounded where there is room and reported where not; only reported; or rounded, and the fibre cut where there is no room.";
-        min_length_mm: f64 = 50.0, "mm", Range(0.0, 1e5), "Shorter paths are laid without fibre.";
-        anchor_mm: f64 = 5.0, "mm", Range(0.0, 1000.0), "Length at a path's beginning that is laid slowly, so that it holds.";
-        anchor_speed_mm_s: f64 = 3.0, "mm/s", Range(0.1, 500.0), "Speed for that.";
-        speed_mm_s: f64 = 10.0, "mm/s", Range(0.1, 500.0), "Speed of fibre.";
-        start: String = "straight".into(), "", Words(&["nearest", "straight", "calm", "rear"]), "Where closed paths begin and end: nearest to the path before, in the middle of the longest straight piece, where the stress is least, or furthest back.";
+        enabled: bool = false, "", Any, "Lay the pattern of section fill with continuous fibre; the rest of the part is matrix.";
+        material: String = "continuous-carbon".into(), "", Any, "Material of beads with fibre: a material profile, or a path ending in .toml. Section material is the matrix.";
+        layers: Vec<[usize; 2]> = Vec::new(), "", Range(1.0, 1e6), "First and last layer with fibre, counted from 1, or several such pairs; unset: all layers.";
+        every: usize = 1, "", Range(1.0, 1e6), "Lay fibre in every n-th of these layers.";
+        boxes_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Boxes (lowest and highest corner, with the part on the bed) in which infill is fibre; unset: everywhere.";
+        matrix_pattern: Pattern = Pattern::Rectilinear, "", Any, "Pattern of infill without fibre.";
+        matrix_density: Density = Density::Dense, "", Range(0.0, 1.0), "Density of infill without fibre.";
+        bead_width_mm: Option<f64> = None, "mm", Range(0.05, 10.0), "Width of a bead with fibre, constant along the path; unset: process.bead_width_mm.";
+        min_radius_mm: f64 = 2.0, "mm", Range(0.0, 1000.0), "Smallest turning radius of a path with fibre.";
+        turns: FibreTurns = FibreTurns::Round, "", Any, "What happens where a path turns more sharply than min_radius_mm.";
+        min_length_mm: f64 = 50.0, "mm", Range(0.0, 1e5), "Paths shorter than this are laid without fibre.";
+        anchor_mm: f64 = 5.0, "mm", Range(0.0, 1000.0), "Length at the beginning of a path that is laid slowly, so that the fibre adheres.";
+        anchor_speed_mm_s: f64 = 3.0, "mm/s", Range(0.1, 500.0), "Speed over that length.";
+        speed_mm_s: f64 = 10.0, "mm/s", Range(0.1, 500.0), "Speed of beads with fibre.";
+        start: FibreStart = FibreStart::Straight, "", Any, "Where a closed path begins and ends.";
     }
     /// The virtual strength test.
     StrengthSection "strength" {
-        enabled: bool = false, "", Any, "Test every run: fixtures and loads are the tables guide.fixture and guide.load, whatever guide.kind is.";
-        cell_mm: Option<f64> = None, "mm", Range(0.02, 50.0), "Side of a cell of the test; left out, half a bead for plates and a bead for solids, larger for large parts.";
-        check: bool = true, "", Any, "Test once more with cells of twice the size and say how much the answer moved.";
-        corners: bool = true, "", Any, "Test at the corners of the material's card too: low, nominal, high, and strong along but weak across and the reverse.";
-        fidelity: String = "auto".into(), "", Words(&["auto", "plane", "voxels"]), "plane: a plate, its layers homogenised through the thickness; voxels: a solid of box-shaped cells, whose layers can part; auto: plane for parts of one section under loads in its plane, voxels for all others.";
+        enabled: bool = false, "", Any, "Run the strength test with every run, on guide.fixture and guide.load. It does not depend on guide.kind.";
+        cell_mm: Option<f64> = None, "mm", Range(0.02, 50.0), "Size of a cell of the test; unset: half a bead width for plates and a bead width for solids, more for large parts.";
+        check: bool = true, "", Any, "Repeat the test with cells of twice the size and report the change of the result.";
+        corners: bool = true, "", Any, "Repeat the test with the low, nominal and high strengths of the material, and with strong beads in weak bonds and the reverse.";
+        fidelity: Fidelity = Fidelity::Auto, "", Any, "Model of the test.";
     }
-    /// What is written, relative to the job file or to --out.
+    /// Output files, relative to the job file or to --out.
     OutputSection "output" {
-        gcode: String = String::new(), "", Any, "The machine program; left out, the mesh's name with .gcode.";
-        report: String = String::new(), "", Any, "Report page (HTML); none when left out.";
-        preview: String = String::new(), "", Any, "Folder for pictures of layers (PNG and SVG) and of the part; none when left out.";
-        support: String = String::new(), "", Any, "The support as one closed surface (STL); none when left out.";
-        stress: String = String::new(), "", Any, "Stress and principal directions as VTU; none when left out.";
-        lines: String = String::new(), "", Any, "Evenly spaced principal stress lines of both families: .svg or .vtp; none when left out.";
-        surface: String = String::new(), "", Any, "The part's surface as STL or 3MF, by its ending, lofted from its layers, closed and manifold; none when left out.";
-        surface_cell_mm: f64 = 0.3, "mm", Range(0.01, 10.0), "Size of the cells that the surface is made of.";
-        layers_cli: String = String::new(), "", Any, "The part's sections as a Common Layer Interface file; none when left out.";
-        layers_svg: String = String::new(), "", Any, "The part's sections as SVG, a group a layer; none when left out.";
-        plan: String = String::new(), "", Any, "The plan as JSON: every path with its widths; none when left out.";
+        gcode: String = String::new(), "", Any, "G-code file; empty: the name of the shape's file with .gcode.";
+        report: String = String::new(), "", Any, "Report page (HTML); empty: none.";
+        preview: String = String::new(), "", Any, "Folder for pictures of the layers (PNG and SVG) and of the part; empty: none.";
+        support: String = String::new(), "", Any, "Support as one closed surface (STL); empty: none.";
+        stress: String = String::new(), "", Any, "Stress and principal directions (VTU); empty: none.";
+        lines: String = String::new(), "", Any, "Evenly spaced principal stress lines of both families (.svg or .vtp); empty: none.";
+        surface: String = String::new(), "", Any, "Surface of the part (.stl or .3mf), closed and manifold, lofted from its layers; empty: none.";
+        surface_cell_mm: f64 = 0.3, "mm", Range(0.01, 10.0), "Cell size of that surface.";
+        layers_cli: String = String::new(), "", Any, "Sections of the part as a Common Layer Interface file; empty: none.";
+        layers_svg: String = String::new(), "", Any, "Sections of the part as SVG, one group for each layer; empty: none.";
+        plan: String = String::new(), "", Any, "All paths with their widths (JSON); empty: none.";
     }
 }
 
-/// A checked job.
+/// The settings of a job, checked: no stage checks them again.
+///
+/// ```
+/// use grainpath_core::Density;
+/// use grainpath_job::choices::Pattern;
+/// use grainpath_job::{Settings, parse_job};
+///
+/// let mut settings = Settings::default();
+/// assert_eq!(settings.process.walls, 2);
+/// settings.fill.pattern = Pattern::Gyroid;
+///
+/// let no_files = |_: &str| Err("no profiles of its own".to_owned());
+/// let parsed = parse_job("[fill]\ndensity = 1\n", "job.toml", &[], &no_files).unwrap();
+/// assert_eq!(parsed.fill.density, Density::Dense);
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 #[allow(missing_docs)]
 pub struct Settings {
@@ -383,14 +407,17 @@ pub struct Settings {
     pub support: SupportSection,
     pub strength: StrengthSection,
     pub output: OutputSection,
+    /// What was assumed or overruled while the job was read. A run passes them on with its own warnings.
+    pub warnings: Vec<Warning>,
 }
 
 impl Settings {
-    /// Length over which directions are evened out, mm. One path cannot end where directions part, so it keeps nearer
-    /// to them from the start; but fibre pays for every turn.
+    /// Length over which directions are smoothed, mm. A continuous path cannot end where directions diverge, so its
+    /// directions are smoothed less. Fibre is smoothed more again, because it must not turn sharply.
     pub fn smoothing_mm(&self) -> f64 {
-        let one_path =
-            self.guide.kind == "stress" && self.fill.pattern == "continuous" && !self.fibre.enabled;
+        let one_path = self.guide.kind == GuideKind::Stress
+            && self.fill.pattern == Pattern::Continuous
+            && !self.fibre.enabled;
         self.guide.smoothing_mm.unwrap_or(if one_path { 0.25 } else { 0.5 })
     }
 
@@ -413,7 +440,7 @@ impl Settings {
     ];
 
     /// Sets one key; `None` when there is no such section or key.
-    pub(super) fn set(&mut self, section: &str, key: &str, value: &Value) -> Option<Result<(), String>> {
+    pub(super) fn set(&mut self, section: &str, key: &str, value: &Value) -> Option<Result<(), ValueError>> {
         match section {
             "shape" => self.shape.set(key, value),
             "shape.photo" => self.photo.set(key, value),

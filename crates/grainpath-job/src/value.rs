@@ -1,62 +1,183 @@
-//! Values of settings: out of TOML, checked, and described.
+//! Types of setting values: how each is read from TOML, checked, printed and described by a schema.
 
+use std::fmt;
+
+use grainpath_core::Density;
+use grainpath_core::slices::SampleType;
+use grainpath_core::units::LengthUnit;
+use serde_json::json;
 use toml::Value;
 
-use crate::choices::Threshold;
+use crate::choices::{
+    Analysis, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, Choice, ComponentOrder,
+    Contours, CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns, Fidelity, FileUnit,
+    Flavour, Flip, Follow, GrainMode, GuideKind, Interpolate, OutlineRule, Pattern, Repair, Seam,
+    StrengthTier, StressUnit, SupportStyle, SupportSurface, Threshold, WallOrder, Word,
+};
 
-/// What a value must satisfy beside its type.
+/// The values a number may have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Check {
-    /// Nothing.
+    /// Every value of the type.
     Any,
-    /// A number, or every number of a list, in this range.
+    /// From the first to the second number, both included. In a list this holds for every number.
     Range(f64, f64),
-    /// One of these words.
-    Words(&'static [&'static str]),
 }
 
-/// One setting.
+/// Describes one setting.
+///
+/// ```
+/// use grainpath_job::{Check, Settings};
+///
+/// let rows = Settings::params();
+/// let walls = rows.iter().find(|p| p.section == "process" && p.key == "walls").unwrap();
+/// assert_eq!((walls.kind, walls.default.as_str()), ("integer", "2"));
+/// assert_eq!(walls.check, Check::Range(0.0, 1000.0));
+///
+/// let seam = rows.iter().find(|p| p.key == "seam").unwrap();
+/// assert!(seam.words.iter().any(|w| w.name == "rear"));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Param {
-    /// The table it stands in.
+    /// The table of the job file that holds it, as in `shape.ct`.
     pub section: &'static str,
-    /// Its key there.
+    /// Its key in that table.
     pub key: &'static str,
-    /// Unit, empty for none.
+    /// Its unit; empty for numbers without a unit and for other types.
     pub unit: &'static str,
-    /// JSON Schema type: number, integer, boolean, string or array.
+    /// JSON Schema type: `number`, `integer`, `boolean`, `string`, `array`, or several with `|` between them.
     pub kind: &'static str,
-    /// The default as TOML; empty where leaving it out means something of its own.
+    /// Default value as TOML; empty for a setting that is unset by default.
     pub default: String,
-    /// Which values are allowed.
+    /// Allowed numbers.
     pub check: Check,
-    /// What it does and why one would change it.
+    /// Allowed words; empty for settings that are not a choice.
+    pub words: &'static [Word],
+    /// What it does and when to change it.
     pub help: &'static str,
+    /// JSON Schema of the value, without range and description.
+    pub schema: serde_json::Value,
 }
+
+/// A step from a setting into its value.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Step {
+    /// An entry of a list, from 0.
+    Index(usize),
+    /// A key of a table.
+    Key(String),
+}
+
+/// Why a value is refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum Problem {
+    #[error("should be {expected}, is {found}")]
+    Kind { expected: &'static str, found: String },
+    #[error("should be from {low} to {high}, is {found}")]
+    Range { low: f64, high: f64, found: f64 },
+    #[error("should be one of {}, is {found:?}", names(words))]
+    Word { words: &'static [Word], found: String },
+    #[error("should have {expected} entries, has {found}")]
+    Count { expected: usize, found: usize },
+    #[error("should rise from the first to the second number, is {found}")]
+    Falling { found: String },
+    #[error("has an unknown key `{key}`; did you mean `{nearest}`?")]
+    UnknownKey { key: String, nearest: String },
+    #[error("needs {expected}")]
+    Missing { expected: &'static str },
+    #[error("should be a direction, is a vector of length 0")]
+    NoDirection,
+    #[error("should have exactly one of {keys}")]
+    SeveralKinds { keys: &'static str },
+    #[error("acts on the whole part; remove `on`")]
+    PlaceOfAcceleration,
+}
+
+fn names(words: &[Word]) -> String {
+    words.iter().map(|w| w.name).collect::<Vec<_>>().join(", ")
+}
+
+/// What is wrong with a value, and in which part of it.
+///
+/// Printed after the name of the setting: `[2].force_n should be a list in [ ], is 3`. Entries of lists are counted
+/// from 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ValueError {
+    /// The way from the setting to the wrong part; empty for the value itself.
+    pub path: Vec<Step>,
+    /// What is wrong.
+    pub problem: Problem,
+}
+
+impl ValueError {
+    /// The same error seen from one level further out.
+    #[must_use]
+    pub fn inside(mut self, step: Step) -> Self {
+        self.path.insert(0, step);
+        self
+    }
+
+    /// The same error seen from the table that holds the value as `key`.
+    #[must_use]
+    pub fn in_key(self, key: &str) -> Self {
+        self.inside(Step::Key(key.to_owned()))
+    }
+}
+
+impl From<Problem> for ValueError {
+    fn from(problem: Problem) -> Self {
+        Self { path: Vec::new(), problem }
+    }
+}
+
+impl fmt::Display for ValueError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for step in &self.path {
+            match step {
+                Step::Index(i) => write!(f, "[{}]", i + 1)?,
+                Step::Key(key) => write!(f, ".{key}")?,
+            }
+        }
+        write!(f, " {}", self.problem)
+    }
+}
+
+impl std::error::Error for ValueError {}
 
 /// A type a setting can have.
 pub trait SettingValue: Sized {
     /// JSON Schema type.
     const KIND: &'static str;
-    /// Out of TOML; the error says what would be right.
-    fn from_toml(value: &Value) -> Result<Self, String>;
-    /// As TOML.
+    /// The words of a choice.
+    const WORDS: &'static [Word] = &[];
+    /// Reads the value.
+    ///
+    /// # Errors
+    /// [`ValueError`] for a value of another type, and for words that are not in the list.
+    fn from_toml(value: &Value) -> Result<Self, ValueError>;
+    /// The value as TOML; empty where it is unset.
     fn to_text(&self) -> String;
-    /// The numbers in it, for range checks.
+    /// All numbers in the value, for range checks.
     fn numbers(&self) -> Vec<f64> {
         Vec::new()
     }
-    /// The word, for choices.
-    fn text(&self) -> Option<&str> {
-        None
+    /// JSON Schema of the type.
+    fn schema() -> serde_json::Value {
+        let kinds: Vec<&str> = Self::KIND.split('|').collect();
+        if kinds.len() > 1 { json!({ "type": kinds }) } else { json!({ "type": Self::KIND }) }
     }
+}
+
+fn wrong_kind(expected: &'static str, found: &Value) -> ValueError {
+    Problem::Kind { expected, found: found.to_string() }.into()
 }
 
 impl SettingValue for f64 {
     const KIND: &'static str = "number";
-    fn from_toml(value: &Value) -> Result<Self, String> {
+    fn from_toml(value: &Value) -> Result<Self, ValueError> {
         let number = value.as_float().or_else(|| value.as_integer().map(|i| i as Self));
-        number.filter(|n| n.is_finite()).ok_or_else(|| format!("should be a number, is {value}"))
+        number.filter(|n| n.is_finite()).ok_or_else(|| wrong_kind("a number", value))
     }
     fn to_text(&self) -> String {
         self.to_string()
@@ -66,11 +187,24 @@ impl SettingValue for f64 {
     }
 }
 
+impl SettingValue for Density {
+    const KIND: &'static str = "number";
+    fn from_toml(value: &Value) -> Result<Self, ValueError> {
+        f64::from_toml(value).map(Self::new)
+    }
+    fn to_text(&self) -> String {
+        self.fraction().to_text()
+    }
+    fn numbers(&self) -> Vec<f64> {
+        vec![self.fraction()]
+    }
+}
+
 impl SettingValue for usize {
     const KIND: &'static str = "integer";
-    fn from_toml(value: &Value) -> Result<Self, String> {
+    fn from_toml(value: &Value) -> Result<Self, ValueError> {
         let whole = value.as_integer().and_then(|i| Self::try_from(i).ok());
-        whole.ok_or_else(|| format!("should be a whole number from 0, is {value}"))
+        whole.ok_or_else(|| wrong_kind("a whole number from 0", value))
     }
     fn to_text(&self) -> String {
         self.to_string()
@@ -82,8 +216,8 @@ impl SettingValue for usize {
 
 impl SettingValue for bool {
     const KIND: &'static str = "boolean";
-    fn from_toml(value: &Value) -> Result<Self, String> {
-        value.as_bool().ok_or_else(|| format!("should be true or false, is {value}"))
+    fn from_toml(value: &Value) -> Result<Self, ValueError> {
+        value.as_bool().ok_or_else(|| wrong_kind("true or false", value))
     }
     fn to_text(&self) -> String {
         self.to_string()
@@ -92,24 +226,76 @@ impl SettingValue for bool {
 
 impl SettingValue for String {
     const KIND: &'static str = "string";
-    fn from_toml(value: &Value) -> Result<Self, String> {
-        value.as_str().map(str::to_owned).ok_or_else(|| format!("should be a text in quotes, is {value}"))
+    fn from_toml(value: &Value) -> Result<Self, ValueError> {
+        value.as_str().map(str::to_owned).ok_or_else(|| wrong_kind("a text in quotes", value))
     }
     fn to_text(&self) -> String {
         Value::String(self.clone()).to_string()
     }
-    fn text(&self) -> Option<&str> {
-        Some(self)
-    }
 }
 
-/// A number for both axes, or one for each.
+/// Reads and prints choices as their word.
+macro_rules! choice_values {
+    ($($name:ty),* $(,)?) => {$(
+        impl SettingValue for $name {
+            const KIND: &'static str = "string";
+            const WORDS: &'static [Word] = <Self as Choice>::WORDS;
+            fn from_toml(value: &Value) -> Result<Self, ValueError> {
+                let word = value.as_str().ok_or_else(|| wrong_kind("a word in quotes", value))?;
+                let unknown = || Problem::Word { words: <Self as Choice>::WORDS, found: word.to_owned() };
+                Ok(Self::from_word(word).ok_or_else(unknown)?)
+            }
+            fn to_text(&self) -> String {
+                Value::from(Choice::name(*self)).to_string()
+            }
+        }
+    )*};
+}
+
+choice_values!(
+    Analysis,
+    BeadWidths,
+    BedOrigin,
+    Bend,
+    BoardCorners,
+    ByteOrder,
+    CellTree,
+    ComponentOrder,
+    Contours,
+    CurveJoin,
+    Denoise,
+    Elasticity,
+    FibreStart,
+    FibreToolKind,
+    FibreTurns,
+    Fidelity,
+    FileUnit,
+    Flavour,
+    Flip,
+    Follow,
+    GrainMode,
+    GuideKind,
+    Interpolate,
+    LengthUnit,
+    OutlineRule,
+    Pattern,
+    Repair,
+    SampleType,
+    Seam,
+    StrengthTier,
+    StressUnit,
+    SupportStyle,
+    SupportSurface,
+    WallOrder,
+);
+
+/// One number for x and y, or a number for each.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair(pub [f64; 2]);
 
 impl SettingValue for Pair {
     const KIND: &'static str = "number|array";
-    fn from_toml(value: &Value) -> Result<Self, String> {
+    fn from_toml(value: &Value) -> Result<Self, ValueError> {
         if value.is_array() {
             <[f64; 2]>::from_toml(value).map(Self)
         } else {
@@ -122,20 +308,29 @@ impl SettingValue for Pair {
     fn numbers(&self) -> Vec<f64> {
         self.0.to_vec()
     }
+    fn schema() -> serde_json::Value {
+        list_schema(Self::KIND, &f64::schema(), Some(2))
+    }
 }
 
 impl SettingValue for Threshold {
     const KIND: &'static str = "string|number|array";
-    fn from_toml(value: &Value) -> Result<Self, String> {
+    fn from_toml(value: &Value) -> Result<Self, ValueError> {
+        let expected = "\"otsu\", \"iso50\", a grey value or [low, high]";
         match value {
             Value::String(s) if s == "otsu" => Ok(Self::Otsu),
             Value::String(s) if s == "iso50" => Ok(Self::Iso50(None)),
             Value::Array(_) => {
                 let [low, high] = <[f64; 2]>::from_toml(value)?;
-                if low < high { Ok(Self::Range(low, high)) } else { Err(format!("should rise, is {value}")) }
+                if low >= high {
+                    return Err(Problem::Falling { found: value.to_string() }.into());
+                }
+                Ok(Self::Range(low, high))
             }
             Value::Integer(_) | Value::Float(_) => f64::from_toml(value).map(Self::Value),
-            _ => Err(format!("should be \"otsu\", \"iso50\", a grey value or [low, high], is {value}")),
+            Value::String(_) | Value::Boolean(_) | Value::Datetime(_) | Value::Table(_) => {
+                Err(wrong_kind(expected, value))
+            }
         }
     }
     fn to_text(&self) -> String {
@@ -146,11 +341,28 @@ impl SettingValue for Threshold {
             Self::Range(a, b) => [*a, *b].to_text(),
         }
     }
+    fn schema() -> serde_json::Value {
+        let mut schema = list_schema(Self::KIND, &f64::schema(), Some(2));
+        schema["pattern"] = json!("^(otsu|iso50)$");
+        schema
+    }
+}
+
+/// The word that unsets an optional setting, so that the command line can undo what a job file sets.
+pub(super) const UNSET: &str = "none";
+
+/// Whether [`UNSET`] unsets a setting of this type: not where the word could be a name.
+fn can_be_unset<T: SettingValue>() -> bool {
+    T::KIND != "string" || !T::WORDS.is_empty()
 }
 
 impl<T: SettingValue> SettingValue for Option<T> {
     const KIND: &'static str = T::KIND;
-    fn from_toml(value: &Value) -> Result<Self, String> {
+    const WORDS: &'static [Word] = T::WORDS;
+    fn from_toml(value: &Value) -> Result<Self, ValueError> {
+        if can_be_unset::<T>() && value.as_str() == Some(UNSET) {
+            return Ok(None);
+        }
         T::from_toml(value).map(Some)
     }
     fn to_text(&self) -> String {
@@ -159,31 +371,51 @@ impl<T: SettingValue> SettingValue for Option<T> {
     fn numbers(&self) -> Vec<f64> {
         self.as_ref().map(T::numbers).unwrap_or_default()
     }
-    fn text(&self) -> Option<&str> {
-        self.as_ref().and_then(T::text)
+    fn schema() -> serde_json::Value {
+        let mut schema = T::schema();
+        if can_be_unset::<T>() && T::WORDS.is_empty() {
+            let kinds: Vec<&str> = T::KIND.split('|').chain(["string"]).collect();
+            schema["type"] = json!(kinds);
+            schema["pattern"] = json!(format!("^{UNSET}$"));
+        }
+        schema
+    }
+}
+
+/// Schema of a list: its type, the schema of an entry, and how many there are.
+fn list_schema(kind: &str, item: &serde_json::Value, n: Option<usize>) -> serde_json::Value {
+    let kinds: Vec<&str> = kind.split('|').collect();
+    let kind = if kinds.len() > 1 { json!(kinds) } else { json!(kind) };
+    match n {
+        Some(n) => json!({ "type": kind, "items": item, "minItems": n, "maxItems": n }),
+        None => json!({ "type": kind, "items": item }),
     }
 }
 
 impl<T: SettingValue> SettingValue for Vec<T> {
     const KIND: &'static str = "array";
-    fn from_toml(value: &Value) -> Result<Self, String> {
-        let items = value.as_array().ok_or_else(|| format!("should be a list in [ ], is {value}"))?;
-        items.iter().map(T::from_toml).collect()
+    fn from_toml(value: &Value) -> Result<Self, ValueError> {
+        let items = value.as_array().ok_or_else(|| wrong_kind("a list in [ ]", value))?;
+        let entry = |(i, v)| T::from_toml(v).map_err(|e: ValueError| e.inside(Step::Index(i)));
+        items.iter().enumerate().map(entry).collect()
     }
     fn to_text(&self) -> String {
         format!("[{}]", self.iter().map(T::to_text).collect::<Vec<_>>().join(", "))
     }
     fn numbers(&self) -> Vec<f64> {
         self.iter().flat_map(T::numbers).collect()
+    }
+    fn schema() -> serde_json::Value {
+        list_schema(Self::KIND, &T::schema(), None)
     }
 }
 
 impl<T: SettingValue, const N: usize> SettingValue for [T; N] {
     const KIND: &'static str = "array";
-    fn from_toml(value: &Value) -> Result<Self, String> {
+    fn from_toml(value: &Value) -> Result<Self, ValueError> {
         let items = Vec::<T>::from_toml(value)?;
-        let n = items.len();
-        Self::try_from(items).map_err(|_| format!("should have {N} entries, has {n}"))
+        let found = items.len();
+        Ok(Self::try_from(items).map_err(|_| Problem::Count { expected: N, found })?)
     }
     fn to_text(&self) -> String {
         format!("[{}]", self.iter().map(T::to_text).collect::<Vec<_>>().join(", "))
@@ -191,23 +423,18 @@ impl<T: SettingValue, const N: usize> SettingValue for [T; N] {
     fn numbers(&self) -> Vec<f64> {
         self.iter().flat_map(T::numbers).collect()
     }
+    fn schema() -> serde_json::Value {
+        list_schema(Self::KIND, &T::schema(), Some(N))
+    }
 }
 
-/// Reads and checks one value.
-pub fn read<T: SettingValue>(value: &Value, check: Check) -> Result<T, String> {
+/// Reads a value and checks its range.
+pub(super) fn read<T: SettingValue>(value: &Value, check: Check) -> Result<T, ValueError> {
     let read = T::from_toml(value)?;
-    match check {
-        Check::Any => {}
-        Check::Range(low, high) => {
-            if let Some(bad) = read.numbers().into_iter().find(|n| !(low..=high).contains(n)) {
-                return Err(format!("should be from {low} to {high}, is {bad}"));
-            }
-        }
-        Check::Words(words) => {
-            if let Some(bad) = read.text().filter(|t| !words.contains(t)) {
-                return Err(format!("should be one of {}, is {bad:?}", words.join(", ")));
-            }
-        }
+    if let Check::Range(low, high) = check
+        && let Some(found) = read.numbers().into_iter().find(|n| !(low..=high).contains(n))
+    {
+        return Err(Problem::Range { low, high, found }.into());
     }
     Ok(read)
 }

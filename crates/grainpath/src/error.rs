@@ -12,6 +12,7 @@ use crate::error_kind::ErrorKind;
 use crate::fibre::FibreError;
 use crate::guide::GuideError;
 use crate::guide::grain::GrainError;
+use crate::measure::dimensions::DimensionError;
 use crate::measure::strength::StrengthError;
 use crate::shape::ShapeError;
 
@@ -21,6 +22,8 @@ use crate::shape::ShapeError;
 pub enum Error {
     #[error(transparent)]
     Job(#[from] JobError),
+    #[error(transparent)]
+    Dimension(#[from] DimensionError),
     #[error("{path}: {source}")]
     Mesh { path: String, source: MeshError },
     #[error("{path}: {source}")]
@@ -45,6 +48,8 @@ pub enum Error {
     Strength(#[from] StrengthError),
     #[error(transparent)]
     Gcode(#[from] GcodeError),
+    #[error("{source}; the part measures {:.2} x {:.2} x {:.2} mm", size_mm[0], size_mm[1], size_mm[2])]
+    OutsideBed { size_mm: [f64; 3], source: GcodeError },
     #[error(
         "fill.mass_g = {asked_g}: with this pattern the part weighs {low_g:.2} g at no fill and {high_g:.2} g when dense"
     )]
@@ -66,6 +71,7 @@ impl Error {
             // Corners that are given come from the job.
             Self::Grain { source: GrainError::Corners(_), .. }
             | Self::Job(_)
+            | Self::Dimension(_)
             | Self::Fibre(_)
             | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => ErrorKind::Job,
             Self::Mesh { .. }
@@ -76,7 +82,7 @@ impl Error {
             | Self::Image { .. }
             | Self::Grain { .. }
             | Self::Shape { .. } => ErrorKind::Input,
-            Self::Gcode(_) | Self::Mass { .. } | Self::Guide(_) => ErrorKind::Physics,
+            Self::Gcode(_) | Self::OutsideBed { .. } | Self::Mass { .. } | Self::Guide(_) => ErrorKind::Physics,
         }
     }
 }

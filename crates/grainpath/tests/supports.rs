@@ -28,7 +28,7 @@ fn meshes() -> Vec<PathBuf> {
 
 fn settings() -> Settings {
     let mut s = Settings::default();
-    s.support.style = "tree".into();
+    s.support.style = grainpath_job::choices::SupportStyle::Tree;
     s.printer.bed_mm = [2000.0; 3];
     s
 }

@@ -79,7 +79,7 @@ fn is_raw(bytes: &[u8], lower: &str) -> bool {
 
 fn dimensions(path: &Path, program: &Program) -> Result<Value, Failure> {
     let (text, name) = (files::read_text(path)?, path.display().to_string());
-    let wrong = |e: grainpath_job::JobError| Failure::from(grainpath::Error::from(e));
+    let wrong = |e: grainpath::measure::dimensions::DimensionError| Failure::from(grainpath::Error::from(e));
     let truth = grainpath::measure::dimensions::parse(&text, &name).map_err(wrong)?;
     let shift = grainpath::measure::dimensions::shift_of(&text, &name, program).map_err(wrong)?;
     serde_json::to_value(grainpath::measure::dimensions::measure(&truth, program, shift))

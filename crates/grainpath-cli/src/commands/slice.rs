@@ -1,4 +1,4 @@
-//! `grainpath slice`: a mesh or a drawing with default settings.
+//! `grainpath slice`: a mesh, a drawing or a photograph with default settings.
 
 use std::path::Path;
 
@@ -8,15 +8,28 @@ use crate::claims::Claims;
 use crate::commands::run::execute;
 use crate::inputs::settings;
 
+fn has_ending(path: &Path, endings: &[&str]) -> bool {
+    path.extension().is_some_and(|e| endings.iter().any(|d| e.eq_ignore_ascii_case(d)))
+}
+
+/// The job of a file that is sliced without one. A photograph is a board whose infill follows its grain.
+fn job_of(model: &Path) -> String {
+    if !has_ending(model, &["png", "jpg", "jpeg", "bmp"]) {
+        return String::new();
+    }
+    let file = serde_json::Value::from(model.display().to_string());
+    format!("[shape.photo]\nfiles = [{file}]\n[guide]\nkind = \"grain\"\n")
+}
+
 /// `grainpath slice`
 pub fn slice(args: &Slice) -> Result<(), Failure> {
-    let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
+    let mut settings = settings(&job_of(&args.model), "--set", &args.common.sets, Path::new(""))?;
     if args.model == Path::new("-") && args.output.is_none() {
         return Err(Failure::usage("a model from standard input needs -o FILE.gcode"));
     }
     let output = args.output.clone().unwrap_or_else(|| args.model.with_extension("gcode"));
     settings.output.gcode = output.display().to_string();
-    if args.model.extension().is_some_and(|e| ["svg", "dxf"].iter().any(|d| e.eq_ignore_ascii_case(d))) {
+    if has_ending(&args.model, &["svg", "dxf"]) {
         settings.shape.outline = args.model.display().to_string();
         if settings.shape.thickness_mm == 0.0 {
             return Err(Failure::usage("an outline needs --set shape.thickness_mm=N"));

@@ -10,6 +10,7 @@ use grainpath::run::config;
 use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath::support;
 use grainpath_core::{DVec2, WarningId};
+use grainpath_job::choices::SupportStyle;
 use serde_json::json;
 
 use crate::args::Support;
@@ -21,8 +22,8 @@ use crate::{Failure, files, outputs, progress};
 /// `grainpath support`
 pub fn support(args: &Support) -> Result<(), Failure> {
     let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
-    if settings.support.style == "none" {
-        settings.support.style = "tree".into();
+    if settings.support.style == SupportStyle::None {
+        settings.support.style = SupportStyle::Tree;
     }
     set_threads(args.common.threads)?;
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.model));
@@ -49,8 +50,7 @@ pub fn support(args: &Support) -> Result<(), Failure> {
     stages.insert("support", start.elapsed().as_secs_f64());
     let start = Instant::now();
     let layers = &found.cut.layers;
-    let body =
-        support::surface(layers, &stack, &settings.support.solid, &diagnostics).map_err(Error::from)?;
+    let body = support::surface(layers, &stack, settings.support.solid, &diagnostics).map_err(Error::from)?;
     let mut written = BTreeMap::new();
     if body.triangles.is_empty() && !args.with_model {
         diagnostics.warn(WarningId::SupportNone, "support: nothing to write");

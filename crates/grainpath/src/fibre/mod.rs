@@ -11,33 +11,8 @@ use grainpath_core::{
     BeadWidth, Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Polygon, Region, Role, Toolpath, WarningId,
 };
 
+pub use grainpath_job::choices::{FibreStart, FibreTurns};
 pub use turns::{Turn, rounded, sharp_turns, turns};
-
-/// What is done about turns below the least radius.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Turns {
-    /// Round them where there is room.
-    #[default]
-    Round,
-    /// Leave them.
-    Report,
-    /// Round them, and cut the fibre where there is no room.
-    Cut,
-}
-
-/// Where closed paths begin and end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Start {
-    /// Where the path before ended.
-    Nearest,
-    /// In the middle of the longest straight piece.
-    #[default]
-    Straight,
-    /// Where least is asked of the material.
-    Calm,
-    /// Furthest back.
-    Rear,
-}
 
 /// How fibre is laid.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,11 +28,11 @@ pub struct FibreSettings {
     /// Least radius of a turn, mm.
     pub min_radius_mm: f64,
     /// What is done about sharper ones.
-    pub turns: Turns,
+    pub turns: FibreTurns,
     /// Shorter paths are matrix, mm.
     pub min_length_mm: f64,
     /// Where closed paths begin.
-    pub start: Start,
+    pub start: FibreStart,
 }
 
 /// Why no fibre can be laid as asked.
@@ -266,12 +241,12 @@ impl FibreSettings {
             path.points.push(first);
         }
         let was_closed = std::mem::take(&mut path.closed);
-        if self.turns != Turns::Report && self.min_radius_mm > 0.0 {
+        if self.turns != FibreTurns::Report && self.min_radius_mm > 0.0 {
             let (points, n_rounded) = rounded(&path.points, self.min_radius_mm, inside);
             tally.rounded += n_rounded;
             path.points = points;
         }
-        if self.turns == Turns::Cut {
+        if self.turns == FibreTurns::Cut {
             let sharp = sharp_turns(&path.points, false, self.min_radius_mm);
             if !sharp.is_empty() {
                 return cut(&path, &sharp, self.bead_width_mm);
@@ -294,11 +269,11 @@ impl FibreSettings {
             scored.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |s| s.0)
         };
         match self.start {
-            Start::Nearest => return,
+            FibreStart::Nearest => return,
             // Where it was opened to look at its turns.
-            Start::Straight => {}
-            Start::Calm => path.rotate_to(least(load)),
-            Start::Rear => path.rotate_to(least(&|p| -p.y)),
+            FibreStart::Straight => {}
+            FibreStart::Calm => path.rotate_to(least(load)),
+            FibreStart::Rear => path.rotate_to(least(&|p| -p.y)),
         }
         // Open with both ends in one place, so that its order leaves the beginning alone.
         path.points.push(path.points[0]);

@@ -9,9 +9,9 @@ fn settings() -> FibreSettings {
         boxes: Vec::new(),
         bead_width_mm: 0.6,
         min_radius_mm: 3.0,
-        turns: Turns::Round,
+        turns: FibreTurns::Round,
         min_length_mm: 20.0,
-        start: Start::Straight,
+        start: FibreStart::Straight,
     }
 }
 
@@ -106,7 +106,7 @@ fn fibre_is_cut_where_it_cannot_turn() {
     let room = Region::default();
     let path = Toolpath::new(zigzag, 0.6, Role::SolidFill, false);
     let mut out = Vec::new();
-    FibreSettings { turns: Turns::Cut, ..settings() }.lay(vec![path], &room, &|_| 0.0, false, &mut out);
+    FibreSettings { turns: FibreTurns::Cut, ..settings() }.lay(vec![path], &room, &|_| 0.0, false, &mut out);
     assert_eq!(out.iter().filter(|p| p.role == Role::Fibre).count(), 10);
     for p in out.iter().filter(|p| p.role == Role::Fibre) {
         assert_eq!(smallest(&p.points, false), f64::INFINITY);

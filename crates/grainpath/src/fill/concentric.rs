@@ -15,10 +15,10 @@ pub struct Concentric;
 
 impl Infill for Concentric {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        let step = context.spacing_mm() / context.density;
+        let step = context.spacing_mm() / context.density.fraction();
         let mut region = Region::from(room.clone());
         // Below full density the first loop keeps its distance from the wall.
-        let mut inset = if context.density >= 0.999 { 0.0 } else { 0.5 * step };
+        let mut inset = if context.density.is_dense() { 0.0 } else { 0.5 * step };
         loop {
             region = region.offset(-inset, Join::Miter(3.0));
             if region.is_empty() {

@@ -48,7 +48,7 @@ pub fn lay_curves(
     flow: &Flow<'_>,
     out: &mut Vec<Toolpath>,
 ) {
-    let spacing_mm = context.spacing_mm() / context.density;
+    let spacing_mm = context.spacing_mm() / context.density.fraction();
     let Some(bounds) = room.bounds() else { return };
     if !(spacing_mm.is_finite() && room.area_mm2() > 1e-6) {
         return;
@@ -62,13 +62,13 @@ pub fn lay_curves(
         lines: Vec::new(),
         near: LinePoints::new(bounds, CLOSEST * spacing_mm),
         border: BorderDistance::new(room, spacing_mm),
-        off_border_mm: if context.density >= 0.999 { 0.0 } else { 0.5 * spacing_mm },
+        off_border_mm: if context.density.is_dense() { 0.0 } else { 0.5 * spacing_mm },
     };
-    let least_mm = if context.density >= 0.999 { 1.5 * spacing_mm } else { 2.0 * spacing_mm };
+    let least_mm = if context.density.is_dense() { 1.5 * spacing_mm } else { 2.0 * spacing_mm };
     layer.take(curves, 2.0 * spacing_mm);
     layer.beside_lines(spacing_mm, least_mm);
     layer.in_gaps(bounds, least_mm);
-    if context.density >= 0.999 {
+    if context.density.is_dense() {
         let strips = |i| layer.strips(i, spacing_mm, context.border_mm);
         let widths: Vec<Vec<f64>> = (0..layer.lines.len()).map(strips).collect();
         dense_paths(context, room, layer.lines, widths, out);
@@ -354,7 +354,7 @@ impl BorderDistance {
 /// Volume of what is to be filled: the room and the strips around it.
 fn wanted_mm3(context: &FillContext<'_>, room: &Polygon) -> f64 {
     let area = room.area_mm2() + context.border_mm * (room.perimeter_mm() + 4.0 * context.border_mm);
-    area * context.height_mm * context.density
+    area * context.height_mm * context.density.fraction()
 }
 
 fn dense_paths(
@@ -434,10 +434,10 @@ fn kept(points: &[DVec2], widths: &[f64]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use grainpath_core::Role;
     use grainpath_core::math::direction;
+    use grainpath_core::{Density, Role};
 
-    fn context(density: f64) -> FillContext<'static> {
+    fn context(density: Density) -> FillContext<'static> {
         FillContext {
             z_mid_mm: 0.1,
             height_mm: 0.2,
@@ -477,7 +477,7 @@ mod tests {
     #[test]
     fn no_two_lines_cross_and_no_gap_is_left() {
         for density in [1.0, 0.3] {
-            let context = context(density);
+            let context = context(Density::new(density));
             let mut paths = Vec::new();
             lay_curves(&context, &room(), &seen(), &Flow { axis: &axis, sparseness: None }, &mut paths);
             let spacing = context.spacing_mm() / density;

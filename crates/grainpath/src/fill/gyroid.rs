@@ -26,7 +26,7 @@ const POINTS: usize = 24;
 impl Infill for Gyroid {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
         let Some(bounds) = room.bounds() else { return };
-        let unit_mm = context.spacing_mm() * length_density() / context.density;
+        let unit_mm = context.spacing_mm() * length_density() / context.density.fraction();
         let clipper = LineClipper::new(&Region::from(room.clone()));
         let z = context.z_mid_mm / unit_mm;
         for wave in waves(bounds.grown(0.1), unit_mm, z) {

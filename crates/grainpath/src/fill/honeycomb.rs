@@ -24,7 +24,7 @@ impl Infill for Honeycomb {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
         let s = context.spacing_mm();
         // A wave is 4 sides long on 3 sides' width; waves are a rise and a spacing apart.
-        let side = (4.0 / (3.0 * context.density) - 1.0) * s * 2.0 / 3f64.sqrt();
+        let side = (4.0 / (3.0 * context.density.fraction()) - 1.0) * s * 2.0 / 3f64.sqrt();
         if side < s {
             return super::Rectilinear.fill(context, room, out);
         }

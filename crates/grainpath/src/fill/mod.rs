@@ -14,12 +14,13 @@ mod honeycomb;
 mod rectilinear;
 mod spaced;
 
-use grainpath_core::{Bounds2, DirectionField, Polygon, Role, Toolpath};
+use grainpath_core::{Bounds2, Density, DirectionField, Polygon, Role, Toolpath};
 
 pub use bridge::bridge_angle_rad;
 pub use concentric::Concentric;
 pub use continuous::{Continuous, Note, Problem, TreeKind};
 pub use field::{SeedLines, Streamlines, Stripes};
+use grainpath_job::choices::Pattern;
 pub use gyroid::Gyroid;
 pub use honeycomb::Honeycomb;
 pub use rectilinear::{Crossed, Rectilinear, Solid};
@@ -33,8 +34,8 @@ pub struct FillContext<'a> {
     pub height_mm: f64,
     /// Full width of a bead, mm.
     pub bead_width_mm: f64,
-    /// Over 0, up to 1.
-    pub density: f64,
+    /// Density; a fraction is over 0.
+    pub density: Density,
     /// Direction of the lines from +X, radians.
     pub angle_rad: f64,
     /// The whole part in plan, so that lines of different islands and layers line up.
@@ -62,21 +63,20 @@ pub trait Infill: Send + Sync {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>);
 }
 
-/// The pattern with this name. `rectilinear` and `aligned` differ in the angles the caller gives.
-pub fn pattern(name: &str) -> Option<&'static dyn Infill> {
-    Some(match name {
-        "rectilinear" | "aligned" => &Rectilinear,
-        "grid" => &Crossed { directions: 2 },
-        "triangles" => &Crossed { directions: 3 },
-        "gyroid" => &Gyroid,
-        "concentric" => &Concentric,
-        "honeycomb" => &Honeycomb,
-        "stripes" => &Stripes,
-        "streamlines" => &Streamlines,
-        "seed-lines" => &SeedLines,
-        "continuous" => &Continuous::DEFAULT,
-        _ => return None,
-    })
+/// The code that lays a pattern. `rectilinear` and `aligned` differ only in the angles that the caller gives.
+pub fn infill(pattern: Pattern) -> &'static dyn Infill {
+    match pattern {
+        Pattern::Rectilinear | Pattern::Aligned => &Rectilinear,
+        Pattern::Grid => &Crossed { directions: 2 },
+        Pattern::Triangles => &Crossed { directions: 3 },
+        Pattern::Gyroid => &Gyroid,
+        Pattern::Concentric => &Concentric,
+        Pattern::Honeycomb => &Honeycomb,
+        Pattern::Stripes => &Stripes,
+        Pattern::Streamlines => &Streamlines,
+        Pattern::SeedLines => &SeedLines,
+        Pattern::Continuous => &Continuous::DEFAULT,
+    }
 }
 
 #[cfg(test)]
@@ -85,7 +85,7 @@ mod tests {
     use grainpath_core::math::direction;
     use grainpath_core::poly::Join;
     use grainpath_core::{DVec2, Region};
-    use grainpath_job::choices::PATTERNS;
+    use grainpath_job::choices::Choice;
 
     fn outlines() -> Vec<(&'static str, Region)> {
         let disc = |r: f64, n: usize| {
@@ -116,7 +116,7 @@ mod tests {
             z_mid_mm,
             height_mm: 0.2,
             bead_width_mm: 0.45,
-            density,
+            density: Density::new(density),
             angle_rad,
             part,
             role,
@@ -141,13 +141,13 @@ mod tests {
     #[test]
     fn every_pattern_has_the_density_asked_for() {
         let mut wrong = Vec::new();
-        for name in PATTERNS {
+        for pattern in Pattern::ALL.iter().copied() {
             for (outline, region) in outlines() {
                 for density in [0.1, 0.2, 0.4] {
-                    let found = volume_share(pattern(name).expect("a known name"), &region, density);
+                    let found = volume_share(infill(pattern), &region, density);
                     // What joins lines along the border comes on top, and counts for more the wider the spacing.
                     if (found - density).abs() > 0.036_f64.max(0.12 * density) {
-                        wrong.push(format!("{name} on {outline} at {density}: {found:.3}"));
+                        wrong.push(format!("{} on {outline} at {density}: {found:.3}", pattern.name()));
                     }
                 }
             }
@@ -157,20 +157,20 @@ mod tests {
 
     #[test]
     fn paths_stay_in_the_room_and_come_out_the_same() {
-        for name in PATTERNS {
+        for pattern in Pattern::ALL.iter().copied() {
             for (outline, region) in outlines() {
                 let grown = region.offset(1e-3, Join::Miter(5.0));
                 let draw = || {
                     let mut paths = Vec::new();
-                    let infill = pattern(name).expect("a known name");
-                    region.polygons.iter().for_each(|p| infill.fill(&context(0.25, 0.3, 1.1), p, &mut paths));
+                    let context = context(0.25, 0.3, 1.1);
+                    region.polygons.iter().for_each(|p| infill(pattern).fill(&context, p, &mut paths));
                     paths
                 };
                 let paths = draw();
                 assert_eq!(paths, draw());
-                assert!(!paths.is_empty(), "{name} on {outline}");
+                assert!(!paths.is_empty(), "{} on {outline}", pattern.name());
                 for p in paths.iter().flat_map(|p| &p.points) {
-                    assert!(grown.contains(*p), "{name} on {outline}: {p} is outside");
+                    assert!(grown.contains(*p), "{} on {outline}: {p} is outside", pattern.name());
                 }
             }
         }
@@ -197,13 +197,9 @@ mod tests {
         let crumb = vec![DVec2::ZERO, DVec2::new(0.01, 0.0), DVec2::new(0.0, 0.01)];
         for outer in [sliver, crumb, vec![DVec2::ZERO; 3], vec![]] {
             let polygon = Polygon { outer, holes: Vec::new() };
-            for name in PATTERNS {
+            for pattern in Pattern::ALL.iter().copied() {
                 for density in [0.1, 1.0] {
-                    pattern(name).expect("a known name").fill(
-                        &context(density, 0.2, 0.1),
-                        &polygon,
-                        &mut Vec::new(),
-                    );
+                    infill(pattern).fill(&context(density, 0.2, 0.1), &polygon, &mut Vec::new());
                 }
             }
         }

@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::bead_width_mm;
-use grainpath_core::{Polygon, Toolpath};
+use grainpath_core::{Density, Polygon, Toolpath};
 
 use super::hatch::{Hatch, Joints, Lines};
 use super::{FillContext, Infill, spaced};
@@ -31,22 +31,24 @@ pub struct Solid;
 
 impl Infill for Rectilinear {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        if context.density >= 0.999 {
-            return Solid.fill(context, room, out);
+        match context.density {
+            Density::Dense => Solid.fill(context, room, out),
+            Density::Sparse(fraction) => {
+                sparse(context, room, context.angle_rad, context.spacing_mm() / fraction, out);
+            }
         }
-        sparse(context, room, context.angle_rad, context.spacing_mm() / context.density, out);
     }
 }
 
 impl Infill for Crossed {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        if context.density >= 0.999 {
+        let Density::Sparse(fraction) = context.density else {
             return Solid.fill(context, room, out);
-        }
+        };
         let n = self.directions as f64;
         for k in 0..self.directions {
             let angle = context.angle_rad + PI * k as f64 / n;
-            sparse(context, room, angle, n * context.spacing_mm() / context.density, out);
+            sparse(context, room, angle, n * context.spacing_mm() / fraction, out);
         }
     }
 }

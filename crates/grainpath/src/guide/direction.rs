@@ -8,31 +8,7 @@ use grainpath_fea::principal::{along, plane_principal};
 use super::CaseStress;
 use super::degenerate::{Degenerates, of_section};
 use grainpath_core::field_mesh::{FieldMesh, GridMatrix};
-
-/// Which principal stress is followed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Follow {
-    /// The one greater in amount.
-    MaxAbs,
-    /// The greater one.
-    Tension,
-    /// The smaller one.
-    Compression,
-    /// The one greater in amount and the other by turns.
-    Alternate,
-}
-
-impl Follow {
-    /// By its name in a job; `max-abs` for one that is not known.
-    pub fn from_name(name: &str) -> Self {
-        match name {
-            "tension" => Self::Tension,
-            "compression" => Self::Compression,
-            "alternate" => Self::Alternate,
-            _ => Self::MaxAbs,
-        }
-    }
-}
+pub use grainpath_job::choices::Follow;
 
 /// How stress becomes direction.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -25,6 +25,7 @@ use rayon::prelude::*;
 pub use degenerate::{Degenerate, Degenerates, degenerate_points};
 pub use direction::{DirectionSettings, Follow, LayerField};
 use grainpath_job::Settings;
+use grainpath_job::choices::{Analysis, Elasticity, GuideKind};
 use grainpath_job::loads::{self, Place, Push};
 pub(crate) use plane::constant_section;
 pub use results::Families;
@@ -273,7 +274,7 @@ pub fn build(
     imported: Option<StressField>,
     diagnostics: &Diagnostics,
 ) -> Result<Option<Guide>, GuideError> {
-    if settings.guide.kind != "stress" {
+    if settings.guide.kind != GuideKind::Stress {
         return Ok(None);
     }
     diagnostics.begin(Stage::Guide, 0);
@@ -289,7 +290,7 @@ pub fn build(
     };
     diagnostics.check()?;
     let layers = lay_directions(settings, part, conditions, &solved, diagnostics)?;
-    let follow = Follow::from_name(&settings.guide.follow);
+    let follow = settings.guide.follow;
     let Solved { cases, results, summary, .. } = solved;
     Ok(Some(Guide { layers, follow, summary, cases, results }))
 }
@@ -306,10 +307,10 @@ fn solve(
     if conditions.fixtures.is_empty() {
         return Err(GuideError::Missing("a [[guide.fixture]]"));
     }
-    match settings.guide.analysis.as_str() {
-        "plane" => plane::solve(settings, part, conditions),
-        "solid" => solid::solve(settings, part, conditions, diagnostics),
-        _ => match plane::solve(settings, part, conditions) {
+    match settings.guide.analysis {
+        Analysis::Plane => plane::solve(settings, part, conditions),
+        Analysis::Solid => solid::solve(settings, part, conditions, diagnostics),
+        Analysis::Auto => match plane::solve(settings, part, conditions) {
             // A load or fixture above or below mid-height catches nothing of a plate.
             Err(GuideError::NotPlane(_) | GuideError::CatchesNothing(_)) => {
                 solid::solve(settings, part, conditions, diagnostics)
@@ -337,7 +338,7 @@ fn lay_directions(
 ) -> Result<Vec<Arc<LayerField>>, GuideError> {
     let layers = part.stack.layers();
     let free = |p: DVec3| !conditions.places().any(|s| s.contains(p));
-    let follow = Follow::from_name(&settings.guide.follow);
+    let follow = settings.guide.follow;
     let turns = follow == Follow::Alternate;
     // A layer whose field is that of an earlier one is not made again.
     let like: Vec<usize> = (0..layers.len())
@@ -380,7 +381,7 @@ fn lay_directions(
 /// The part's material for stress.
 fn material(settings: &Settings) -> Orthotropic {
     let m = &settings.material;
-    if settings.guide.elasticity == "orthotropic" {
+    if settings.guide.elasticity == Elasticity::Orthotropic {
         Orthotropic { e_mpa: m.e_mpa, nu: m.nu, g_mpa: m.g_mpa }
     } else {
         Orthotropic::isotropic(m.e_mpa[0], m.nu[0].clamp(-0.9, 0.49))

@@ -66,7 +66,7 @@ pub(super) fn solve(
         thickness_mm: plate.thickness_mm(),
         stiffness: &stiffness,
         holds: &holds,
-        max_mib: settings.guide.memory_mb as f64,
+        max_mib: settings.guide.memory_mib as f64,
     };
     let system = PlaneSystem::new(&problem)?;
     let mut summary = StressSummary {

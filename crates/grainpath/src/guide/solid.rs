@@ -9,6 +9,7 @@ use grainpath_fea::solid::{
 };
 use grainpath_io::fe::{Element, ElementKind, FeFormat, FeResult, StressField};
 use grainpath_job::Settings;
+use grainpath_job::choices::Elasticity;
 
 use super::{CaseStress, GuideError, GuidedPart, InPlaneStress, ResultMesh, Solved, StressSummary, material};
 
@@ -43,7 +44,7 @@ pub(super) fn solve(
         forces.push(sum);
     }
     let solve_settings =
-        SolveSettings { max_mib: settings.guide.memory_mb as f64, ..SolveSettings::default() };
+        SolveSettings { max_mib: settings.guide.memory_mib as f64, ..SolveSettings::default() };
     let (solutions, info) = solve_solid(&model, &supports, &forces, &solve_settings)?;
     diagnostics.check()?;
     let mut solved = Solved {
@@ -110,7 +111,7 @@ fn stiffness(settings: &Settings) -> Result<Stiffness, GuideError> {
     let material = material(settings);
     let c = material.stiffness()?;
     let angle = settings.guide.elasticity_deg.to_radians();
-    Ok(if settings.guide.elasticity == "orthotropic" && angle != 0.0 {
+    Ok(if settings.guide.elasticity == Elasticity::Orthotropic && angle != 0.0 {
         grainpath_fea::material::rotated_about_z(&c, angle)
     } else {
         c

@@ -6,8 +6,6 @@ use grainpath_gcode::{Bead, BeadLayer, Program};
 use serde::Serialize;
 use toml::{Table, Value};
 
-use grainpath_job::JobError;
-
 /// What is measured. Heights are above the part's lowest point; places are the shape's own.
 #[derive(Debug, Clone, PartialEq)]
 enum Kind {
@@ -53,13 +51,23 @@ pub struct Dimensions {
     pub each: Vec<Measured>,
 }
 
+/// Why a file of true dimensions cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{file}: {problem}")]
+pub struct DimensionError {
+    /// The file.
+    pub file: String,
+    /// What is wrong and what would be right.
+    pub problem: String,
+}
+
 /// Reads a file of true dimensions: `[[dimension]]` with `name`, `kind` ("outside", "bore", "width", "height"),
 /// `true_mm`, and `z_mm` with `centre_mm` or `from_mm` and `to_mm`.
 ///
 /// # Errors
-/// [`JobError`] that names the file and the dimension.
-pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, JobError> {
-    let error = |problem: String| JobError { place: name.to_owned(), problem };
+/// [`DimensionError`] that names the file and the dimension.
+pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, DimensionError> {
+    let error = |problem: String| DimensionError { file: name.to_owned(), problem };
     let table: Table = text.parse().map_err(|e: toml::de::Error| error(e.message().replace('\n', "; ")))?;
     let rows = table
         .get("dimension")
@@ -108,9 +116,9 @@ pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, JobError> {
 /// the file of true dimensions says that the part's is, `middle_mm`.
 ///
 /// # Errors
-/// [`JobError`] where the file does not say, or the program has no outer walls.
-pub fn shift_of(text: &str, name: &str, program: &Program) -> Result<DVec2, JobError> {
-    let error = |problem: &str| JobError { place: name.to_owned(), problem: problem.to_owned() };
+/// [`DimensionError`] where the file does not say, or the program has no outer walls.
+pub fn shift_of(text: &str, name: &str, program: &Program) -> Result<DVec2, DimensionError> {
+    let error = |problem: &str| DimensionError { file: name.to_owned(), problem: problem.to_owned() };
     let table: Table = text.parse().map_err(|e: toml::de::Error| error(&e.message().replace('\n', "; ")))?;
     let list = table.get("middle_mm").and_then(Value::as_array).cloned().unwrap_or_default();
     let middle: Vec<f64> = list.iter().filter_map(Value::as_float).collect();

@@ -1,7 +1,7 @@
 //! A planned job.
 
 use grainpath_core::diagnostics::Stage;
-use grainpath_core::{LayerStack, Plan, TriMesh};
+use grainpath_core::{Density, LayerStack, Plan, TriMesh};
 use grainpath_gcode::WriteConfig;
 use grainpath_imaging::scan::CtReport;
 
@@ -25,7 +25,7 @@ pub struct Planned {
     /// The part's surface, kept to be drawn with its supports where pictures are asked for.
     pub supported_mesh: Option<TriMesh>,
     /// The density of the inside: the one asked for, or the one found for a mass.
-    pub density: f64,
+    pub density: Density,
     /// The grain it follows, where it does.
     pub grain: Option<GrainGuide>,
     /// Directions and the stress they come from, for jobs that have loads.

@@ -123,7 +123,7 @@ impl QualityReport {
     pub fn fibre_warning(&self, settings: &Settings) -> Option<Warning> {
         let f = &settings.fibre;
         let everywhere = f.layers.is_empty() && f.boxes_mm.is_empty() && f.every == 1;
-        let dense = settings.fill.density >= 0.999 && (everywhere || f.matrix_density >= 0.999);
+        let dense = settings.fill.density.is_dense() && (everywhere || f.matrix_density.is_dense());
         let width_mm = f.bead_width_mm.unwrap_or(settings.process.bead_width_mm);
         (f.enabled && dense && self.gap > MUCH_OPEN).then(|| {
             let text = format!(
@@ -225,7 +225,7 @@ impl Report {
             filament_mm: round(written.filament_mm, 2),
             mass_g: round(written.mass_g, 4),
             time_s: round(written.time_s, 1),
-            density: round(planned.density, 5),
+            density: round(planned.density.fraction(), 5),
             scan: planned.scan.clone(),
             dimensions: None,
             quality: None,

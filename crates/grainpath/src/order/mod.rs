@@ -16,18 +16,8 @@ use rayon::prelude::*;
 
 use crate::wall::Wall;
 pub use comb::CombSettings;
+pub use grainpath_job::choices::{Seam, WallOrder};
 pub(crate) use nearest::NearestEnds;
-pub use seam::Seam;
-
-/// Which wall of a contour is printed first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum WallOrder {
-    /// The innermost: the outer wall leans on what is there, and its start is hidden.
-    #[default]
-    InnerFirst,
-    /// The outermost: truer size.
-    OuterFirst,
-}
 
 /// How paths are put in order.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,20 +2,7 @@
 
 use grainpath_core::math::{atan2, cross};
 use grainpath_core::{DVec2, Toolpath};
-
-/// The rule for the start of outer walls.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Seam {
-    /// The nearest point: least travel.
-    #[default]
-    Nearest,
-    /// Above the seam of the layer below, on a corner where there is one.
-    Aligned,
-    /// The point furthest back (highest y).
-    Rear,
-    /// Anywhere, by the layer's and the wall's number: the same on every run.
-    Random,
-}
+use grainpath_job::choices::Seam;
 
 /// Finds seams layer by layer.
 pub struct Seams {

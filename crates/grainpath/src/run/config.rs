@@ -1,7 +1,6 @@
 //! Settings as the stages want them: the one place that knows both.
 
 use grainpath_core::math::{direction, rotated};
-use grainpath_core::slices::SampleType;
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{Bounds2, DVec2, DVec3};
 use grainpath_gcode::{
@@ -11,11 +10,11 @@ use grainpath_io::OutlineOptions;
 use grainpath_io::fe::{FeOptions, Order, StressUnit};
 use grainpath_io::volume::RawHeader;
 
-use crate::fibre::{FibreSettings, Start, Turns};
+use crate::fibre::FibreSettings;
 use crate::fill::{Continuous, TreeKind};
 use crate::guide::grain::GrainSettings;
 use crate::guide::grain::{Corners, Mode};
-use crate::order::{CombSettings, OrderSettings, Seam, WallOrder};
+use crate::order::{CombSettings, OrderSettings};
 use crate::shape::{Adaptive, Hole, PhotoBoard, Placement, Repair, SliceSettings};
 use crate::support::{Style, SupportSettings};
 use grainpath_imaging::canny::CannySettings;
@@ -23,15 +22,18 @@ use grainpath_imaging::photo::curves::{CurveSettings, Join};
 use grainpath_imaging::scan::texture::TextureSettings;
 use grainpath_imaging::scan::{CtReport, CtSettings, Denoise, Interpolation, Threshold, Tracing};
 use grainpath_imaging::tensor::Tangent;
-use grainpath_job::choices::Threshold as TypedThreshold;
+use grainpath_job::choices::{
+    self, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, Choice, ComponentOrder, Contours,
+    CurveJoin, FibreToolKind, GrainMode, GuideKind, Interpolate, OutlineRule, SupportStyle,
+};
 use grainpath_job::{MaterialSection, Settings};
 
 /// How the drawing of `shape.outline` is read; its unit is seen to there.
 pub fn outline(s: &Settings) -> OutlineOptions {
     OutlineOptions {
-        unit: LengthUnit::from_name(&s.shape.unit),
+        unit: s.shape.unit.0,
         tolerance_mm: OUTLINE_TOLERANCE_MM / s.shape.scale,
-        even_odd: s.shape.outline_rule == "even-odd",
+        even_odd: s.shape.outline_rule == OutlineRule::EvenOdd,
     }
 }
 
@@ -44,7 +46,7 @@ pub fn outline_thickness_mm(s: &Settings) -> f64 {
 const OUTLINE_TOLERANCE_MM: f64 = 0.005;
 
 pub(crate) fn placement(s: &Settings) -> Placement {
-    let unit = LengthUnit::from_name(&s.shape.unit).filter(|_| s.shape.outline.is_empty());
+    let unit = s.shape.unit.0.filter(|_| s.shape.outline.is_empty());
     Placement {
         unit: unit.unwrap_or(LengthUnit::Millimetre),
         scale: s.shape.scale,
@@ -53,7 +55,7 @@ pub(crate) fn placement(s: &Settings) -> Placement {
 }
 
 pub(crate) fn repair(s: &Settings) -> Repair {
-    if s.shape.repair == "strict" { Repair::Strict } else { Repair::Auto }
+    s.shape.repair
 }
 
 pub(crate) fn slicing(s: &Settings) -> SliceSettings {
@@ -97,18 +99,18 @@ pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> Gr
     };
     let middle = part.centre() - rotated(0.5 * size_mm, direction(rotate_rad));
     let origin_mm = if own { image.origin_mm.map_or(middle, DVec2::from) } else { DVec2::ZERO };
-    let (words, given, heights, shift) = if own {
-        (&image.corners, &image.corners_px, &image.heights_mm, image.shift_mm_per_mm)
+    let (found_by, given, heights, shift) = if own {
+        (image.corners, &image.corners_px, &image.heights_mm, image.shift_mm_per_mm)
     } else {
-        (&photo.corners, &photo.corners_px, &photo.heights_mm, photo.shift_mm_per_mm)
+        (photo.corners, &photo.corners_px, &photo.heights_mm, photo.shift_mm_per_mm)
     };
     let corners = if !given.is_empty() {
         Corners::Given(given.chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]].map(DVec2::from)).collect())
     } else {
-        match words.as_str() {
-            "outline" => Corners::Outline,
-            "markers" => Corners::Markers,
-            _ => Corners::Image,
+        match found_by {
+            BoardCorners::Image => Corners::Image,
+            BoardCorners::Outline => Corners::Outline,
+            BoardCorners::Markers => Corners::Markers,
         }
     };
     let heights_mm = match (heights.is_empty(), n) {
@@ -124,24 +126,30 @@ pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> Gr
         mirror: own && image.mirror,
         heights_mm,
         shift_mm_per_mm: shift.into(),
-        mode: if g.mode == "edges" { Mode::Edges } else { Mode::Field },
+        mode: match g.mode {
+            GrainMode::Field => Mode::Field,
+            GrainMode::Edges => Mode::Edges,
+        },
         pixel_mm: g.pixel_mm,
         blur_mm: g.blur_mm,
         median_px: g.median_px,
         canny: CannySettings { high: g.canny_high, low: g.canny_low },
         curves: CurveSettings {
-            join: if g.join == "nearest" { Join::Nearest } else { Join::Trace },
+            join: match g.join {
+                CurveJoin::Trace => Join::Trace,
+                CurveJoin::Nearest => Join::Nearest,
+            },
             max_turn_rad: 1.0,
             bridge_mm: g.bridge_mm,
             min_length_mm: g.min_curve_mm,
         },
         integration_mm: g.integration_mm,
         smooth_mm: s.smoothing_mm(),
-        tangent: match g.bend.as_str() {
-            "none" => Tangent::None,
-            "outline" => Tangent::Outline,
-            "both" => Tangent::Both,
-            _ => Tangent::Holes,
+        tangent: match g.bend {
+            Bend::None => Tangent::None,
+            Bend::Outline => Tangent::Outline,
+            Bend::Holes => Tangent::Holes,
+            Bend::Both => Tangent::Both,
         },
         darkness: g.darkness,
         pictures: !s.output.preview.is_empty() || !s.output.report.is_empty(),
@@ -167,7 +175,7 @@ pub(crate) fn texture(
             scale: v.scale,
             window: v.window,
             crop_px: v.crop_px,
-            flip: ["x", "y", "z"].map(|axis| v.flip.contains(axis)),
+            flip: v.flip.axes(),
             ..scan
         };
     }
@@ -190,11 +198,11 @@ pub(crate) fn texture(
 /// How supports are made; `plate_from_part` is where the part stands on the plate, mm.
 pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> {
     let u = &s.support;
-    let style = match u.style.as_str() {
-        "tree" => Style::Tree,
-        "columns" => Style::Columns,
-        "box" => Style::Box,
-        _ => return None,
+    let style = match u.style {
+        SupportStyle::None => return None,
+        SupportStyle::Tree => Style::Tree,
+        SupportStyle::Columns => Style::Columns,
+        SupportStyle::Box => Style::Box,
     };
     let (low, high) = machine(s).bed_bounds_mm();
     let room = u.base_radius_mm.min(0.25 * (high[0] - low[0]).min(high[1] - low[1]));
@@ -246,26 +254,29 @@ pub fn scan(s: &Settings) -> CtSettings {
         scale: s.shape.scale,
         window: c.window,
         crop_px: c.crop_px,
-        flip: ["x", "y", "z"].map(|axis| c.flip.contains(axis)),
+        flip: c.flip.axes(),
         threshold: match c.threshold {
-            TypedThreshold::Otsu => Threshold::Otsu,
-            TypedThreshold::Iso50(grey) => Threshold::Iso50(grey.or(c.materials)),
-            TypedThreshold::Value(grey) => Threshold::Value(grey),
-            TypedThreshold::Range(low, high) => Threshold::Range(low, high),
+            choices::Threshold::Otsu => Threshold::Otsu,
+            choices::Threshold::Iso50(grey) => Threshold::Iso50(grey.or(c.materials)),
+            choices::Threshold::Value(grey) => Threshold::Value(grey),
+            choices::Threshold::Range(low, high) => Threshold::Range(low, high),
         },
-        denoise: match c.smooth.as_str() {
-            "gaussian" => Denoise::Gaussian(c.smooth_px),
-            "median" => Denoise::Median,
-            "edges" => Denoise::Edges,
-            _ => Denoise::None,
+        denoise: match c.smooth {
+            choices::Denoise::None => Denoise::None,
+            choices::Denoise::Gaussian => Denoise::Gaussian(c.smooth_px),
+            choices::Denoise::Median => Denoise::Median,
+            choices::Denoise::Edges => Denoise::Edges,
         },
-        tracing: if c.contours == "canny" { Tracing::Canny } else { Tracing::Iso },
+        tracing: match c.contours {
+            Contours::Iso => Tracing::Iso,
+            Contours::Canny => Tracing::Canny,
+        },
         canny: [c.canny_low, c.canny_high, c.canny_sigma_px],
-        interpolation: match c.interpolate.as_str() {
-            "grey" => Interpolation::Grey,
-            "matched" => Interpolation::Matched,
-            "distance" => Interpolation::Distance,
-            _ => Interpolation::Auto,
+        interpolation: match c.interpolate {
+            Interpolate::Auto => Interpolation::Auto,
+            Interpolate::Grey => Interpolation::Grey,
+            Interpolate::Matched => Interpolation::Matched,
+            Interpolate::Distance => Interpolation::Distance,
         },
         overlap: c.overlap,
         min_island_mm2: c.min_island_mm2,
@@ -281,45 +292,39 @@ pub fn raw_header(s: &Settings) -> Option<RawHeader> {
     let c = &s.ct;
     Some(RawHeader {
         size: c.size_px?,
-        sample: SampleType::from_name(&c.sample)?,
-        big_endian: c.byte_order == "big",
+        sample: c.sample,
+        big_endian: c.byte_order == ByteOrder::Big,
         offset_bytes: c.offset_bytes as u64,
     })
 }
 
 /// One path through each room.
 pub(crate) fn continuous(s: &Settings) -> Continuous {
-    let isotropic = s.guide.kind == "none";
+    let isotropic = s.guide.kind == GuideKind::None;
     Continuous {
         // Without a field no direction is better than another: cells as long as wide, joined as it comes.
-        tree: if isotropic || s.fill.tree == "undirected" {
-            TreeKind::Undirected
-        } else {
-            TreeKind::Directed
+        tree: match s.fill.tree {
+            CellTree::Directed if !isotropic => TreeKind::Directed,
+            CellTree::Directed | CellTree::Undirected => TreeKind::Undirected,
         },
         aspect: if isotropic { 1.0 } else { s.fill.cell_aspect },
         // Fibre has one width.
-        variable: s.fill.widths == "variable" && !s.fibre.enabled,
+        variable: s.fill.widths == BeadWidths::Variable && !s.fibre.enabled,
     }
 }
 
 pub(crate) fn order(s: &Settings) -> OrderSettings {
     let p = &s.process;
     OrderSettings {
-        wall_order: if p.wall_order == "outer-first" { WallOrder::OuterFirst } else { WallOrder::InnerFirst },
-        seam: match p.seam.as_str() {
-            "aligned" => Seam::Aligned,
-            "rear" => Seam::Rear,
-            "random" => Seam::Random,
-            _ => Seam::Nearest,
-        },
+        wall_order: p.wall_order,
+        seam: p.seam,
         comb: CombSettings {
             comb: p.comb,
             retract_min_mm: p.retract_min_travel_mm,
             max_detour: 2.0,
             clearance_mm: p.bead_width_mm,
         },
-        fibre_last: s.fibre.enabled && s.printer.fibre_tool == "separate",
+        fibre_last: s.fibre.enabled && s.printer.fibre_tool == FibreToolKind::Separate,
         chain_mm: p.chain.then_some(2.0 * p.bead_width_mm),
     }
 }
@@ -343,15 +348,15 @@ pub fn limits(s: &Settings) -> Limits {
 pub(crate) fn machine(s: &Settings) -> Machine {
     let p = &s.printer;
     Machine {
-        flavour: match p.flavour.as_str() {
-            "klipper" => Flavour::Klipper,
-            "rrf" => Flavour::RepRapFirmware,
-            _ => Flavour::Marlin,
+        flavour: match p.flavour {
+            choices::Flavour::Marlin => Flavour::Marlin,
+            choices::Flavour::Klipper => Flavour::Klipper,
+            choices::Flavour::Rrf => Flavour::RepRapFirmware,
         },
         nozzle_mm: p.nozzle_mm,
         filament_mm: p.filament_mm,
         bed_mm: p.bed_mm,
-        origin_at_centre: p.origin == "centre",
+        origin_at_centre: p.origin == BedOrigin::Centre,
         limits: limits(s),
         relative_e: p.relative_e,
         start_gcode: p.start_gcode.clone(),
@@ -382,25 +387,16 @@ pub(crate) fn fibre(s: &Settings) -> Option<FibreSettings> {
         boxes: f.boxes_mm.iter().map(|b| b.map(DVec3::from)).collect(),
         bead_width_mm: f.bead_width_mm.unwrap_or(s.process.bead_width_mm),
         min_radius_mm: f.min_radius_mm,
-        turns: match f.turns.as_str() {
-            "report" => Turns::Report,
-            "cut" => Turns::Cut,
-            _ => Turns::Round,
-        },
+        turns: f.turns,
         // What is cut must be anchored before it is.
         min_length_mm: f.min_length_mm.max(s.printer.fibre_cutter_mm + f.anchor_mm),
-        start: match f.start.as_str() {
-            "nearest" => Start::Nearest,
-            "calm" => Start::Calm,
-            "rear" => Start::Rear,
-            _ => Start::Straight,
-        },
+        start: f.start,
     })
 }
 
 pub(crate) fn writing(s: &Settings) -> WriteConfig {
     let (p, m, pr) = (&s.process, &s.material, &s.printer);
-    let header = [("material", &m.name), ("fill", &s.fill.pattern)];
+    let header = [("material", m.name.as_str()), ("fill", s.fill.pattern.name())];
     WriteConfig {
         machine: machine(s),
         material: material(m),
@@ -439,7 +435,7 @@ pub(crate) fn writing(s: &Settings) -> WriteConfig {
             z_hop_mm: pr.z_hop_mm,
         },
         fibre: s.fibre.enabled.then(|| FibreTool {
-            tool: (pr.fibre_tool == "separate").then_some(pr.fibre_tool_number),
+            tool: (pr.fibre_tool == FibreToolKind::Separate).then_some(pr.fibre_tool_number),
             tool_change_gcode: pr.tool_change_gcode.clone(),
             feed_gcode: pr.fibre_feed_gcode.clone(),
             cut_gcode: pr.fibre_cut_gcode.clone(),
@@ -458,10 +454,21 @@ pub(crate) fn writing(s: &Settings) -> WriteConfig {
 pub fn import(s: &Settings) -> FeOptions {
     let g = &s.guide;
     FeOptions {
-        length_unit: g.import_length_unit.as_deref().and_then(LengthUnit::from_name),
-        stress_unit: g.import_stress_unit.as_deref().and_then(StressUnit::from_name),
+        length_unit: g.import_length_unit,
+        stress_unit: g.import_stress_unit.map(|unit| match unit {
+            choices::StressUnit::MPa => StressUnit::Megapascal,
+            choices::StressUnit::Pa => StressUnit::Pascal,
+            choices::StressUnit::KPa => StressUnit::Kilopascal,
+            choices::StressUnit::GPa => StressUnit::Gigapascal,
+            choices::StressUnit::Psi => StressUnit::Psi,
+            choices::StressUnit::Ksi => StressUnit::Ksi,
+        }),
         stress_array: g.import_array.clone(),
-        order: g.import_order.as_deref().and_then(Order::from_name),
+        order: g.import_order.map(|order| match order {
+            ComponentOrder::Vtk => Order::Vtk,
+            ComponentOrder::Abaqus => Order::Abaqus,
+            ComponentOrder::Voigt => Order::Voigt,
+        }),
         step: None,
     }
 }

@@ -6,7 +6,8 @@ use std::sync::Mutex;
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{
-    BeadWidth, Bounds2, Diagnostics, Layer, LayerStack, Role, SpeedClass, Toolpath, UniformField, Warning,
+    BeadWidth, Bounds2, Density, Diagnostics, Layer, LayerStack, Role, SpeedClass, Toolpath, UniformField,
+    Warning,
 };
 use rayon::prelude::*;
 
@@ -23,12 +24,15 @@ use crate::wall::skin::{IslandPolygon, SkinInput, SkinSettings, SkinSplit, split
 use crate::wall::{WallSettings, lay_walls};
 use grainpath_core::mask::Mask;
 use grainpath_job::Settings;
-use grainpath_job::choices::GUIDED;
+use grainpath_job::choices::{Pattern, SupportStyle};
 
 /// Shorter closed walls are small, mm.
 const SMALL_WALL_MM: f64 = 30.0;
 /// Walls with more than this share of their length over air are overhangs.
 const OVERHANG_SHARE: f64 = 0.25;
+
+/// Columns and boxes are never hollow: their walls alone would not carry the layers of the part above.
+const BASELINE_MIN_DENSITY: f64 = 0.15;
 
 /// Fill, and the island each path lies in.
 type IslandPaths = Vec<(usize, Toolpath)>;
@@ -111,11 +115,11 @@ impl Job<'_> {
             top_layers: p.top_layers,
             bottom_layers: p.bottom_layers,
             spacing_mm: bead_spacing_mm(p.bead_width_mm, p.layer_height_mm),
-            dense: self.settings.fill.density >= 0.999 && self.settings.fill.mass_g.is_none(),
+            dense: self.settings.fill.density.is_dense() && self.settings.fill.mass_g.is_none(),
         };
         let walls: Vec<Mutex<&mut Vec<Island>>> = walls.iter_mut().map(Mutex::new).collect();
         // One path knows no skins: where all is dense it takes the whole room.
-        let whole = self.settings.fill.pattern == "continuous" && settings.dense;
+        let whole = self.settings.fill.pattern == Pattern::Continuous && settings.dense;
         split_stack(&input, self.part, &settings, diagnostics, |i, mut split| {
             if whole {
                 split = SkinSplit { solid: fills[i].clone(), below: split.below, ..SkinSplit::default() };
@@ -136,7 +140,7 @@ impl Job<'_> {
         &self,
         walls: Vec<Vec<Island>>,
         skins: &[SkinSplit],
-        density: f64,
+        density: Density,
         diagnostics: &Diagnostics,
     ) -> Result<Vec<LayerPaths>, Error> {
         let adhesion = self.adhesion();
@@ -185,7 +189,7 @@ impl Job<'_> {
     /// else.
     fn alike(&self, skins: &[SkinSplit]) -> Vec<usize> {
         let layers = self.stack.layers();
-        let guided = self.grain.is_some() || GUIDED.contains(&self.settings.fill.pattern.as_str());
+        let guided = self.grain.is_some() || self.settings.fill.pattern.follows_field();
         let mut like: Vec<usize> = (0..skins.len()).collect();
         if !guided {
             return like;
@@ -211,7 +215,7 @@ impl Job<'_> {
         layer.z_top_mm() - 0.5 * layer.height_mm()
     }
 
-    pub(super) fn context(&self, layer_idx: usize, density: f64, role: Role) -> FillContext<'_> {
+    pub(super) fn context(&self, layer_idx: usize, density: Density, role: Role) -> FillContext<'_> {
         let layer = &self.stack.layers()[layer_idx];
         FillContext {
             z_mid_mm: self.z_mid_mm(layer_idx),
@@ -262,9 +266,12 @@ impl Job<'_> {
             bead_width_mm: self.settings.process.bead_width_mm,
             min_bead_width_mm: self.settings.process.min_bead_width_mm,
             walls: s.walls,
-            density: if s.style == "tree" { s.density } else { s.density.max(0.15) },
+            density: Density::new(match s.style {
+                SupportStyle::None | SupportStyle::Tree => s.density,
+                SupportStyle::Columns | SupportStyle::Box => s.density.max(BASELINE_MIN_DENSITY),
+            }),
         };
-        let context = self.context(i, 1.0, Role::Support);
+        let context = self.context(i, Density::Dense, Role::Support);
         support::beads::lay(layer, &context, i < s.dense_layers, &settings)
     }
 

@@ -1,6 +1,6 @@
 //! The density that gives a part its mass.
 
-use grainpath_core::{Role, Toolpath};
+use grainpath_core::{Density, Role, Toolpath};
 use rayon::prelude::*;
 
 use super::layers::Job;
@@ -10,7 +10,7 @@ use crate::wall::skin::SkinSplit;
 
 impl Job<'_> {
     /// The density asked for, or the one that gives the mass asked for.
-    pub(super) fn density(&self, walls: &[Vec<Island>], skins: &[SkinSplit]) -> Result<f64, Error> {
+    pub(super) fn density(&self, walls: &[Vec<Island>], skins: &[SkinSplit]) -> Result<Density, Error> {
         let Some(asked_g) = self.settings.fill.mass_g else { return Ok(self.settings.fill.density) };
         let grams = |path: &Toolpath, height_mm: f64| {
             let s = self.settings;
@@ -34,7 +34,9 @@ impl Job<'_> {
             fixed
                 + sum(&|i| {
                     let mut mass = 0.0;
-                    self.sparse_fill(i, &skins[i], density, &mut |_, p| mass += grams(&p, height(i)));
+                    self.sparse_fill(i, &skins[i], Density::new(density), &mut |_, p| {
+                        mass += grams(&p, height(i))
+                    });
                     mass
                 })
         };
@@ -48,7 +50,7 @@ impl Job<'_> {
                 nearest = (off, density);
             }
             if off < 2.5e-3 * asked_g {
-                return Ok(density);
+                return Ok(Density::new(density));
             }
             density *= (asked_g - fixed) / (found - fixed).max(1e-9);
             if !(0.01..0.95).contains(&density) {
@@ -56,7 +58,7 @@ impl Job<'_> {
             }
         }
         if nearest.0 < 5e-3 * asked_g {
-            return Ok(nearest.1);
+            return Ok(Density::new(nearest.1));
         }
         let high_g = mass(1.0);
         if asked_g < fixed * 0.99 || asked_g > high_g * 1.01 {
@@ -76,6 +78,6 @@ impl Job<'_> {
             }
             if off < 0.0 { low = middle } else { high = middle }
         }
-        Ok(best.1)
+        Ok(Density::new(best.1))
     }
 }

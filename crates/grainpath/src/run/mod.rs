@@ -29,9 +29,10 @@ use crate::order::order_stack;
 use crate::shape;
 use crate::support::{self, SupportSettings};
 use grainpath_job::Settings;
+use grainpath_job::choices::{GuideKind, SupportStyle};
 use layers::Job;
 pub use place::{Sliced, mesh_and_layers};
-use place::{check_bed, part_bounds, plate_from_part};
+use place::{check_bed, outside_bed, part_bounds, plate_from_part};
 
 /// What a job is made from, read already.
 pub struct Inputs {
@@ -130,7 +131,9 @@ pub fn plan_scan(
 
 /// Only solvers and supports ask for a surface.
 fn wants_surface(settings: &Settings) -> bool {
-    settings.guide.kind == "stress" || settings.support.style != "none" || settings.strength.enabled
+    settings.guide.kind == GuideKind::Stress
+        || settings.support.style != SupportStyle::None
+        || settings.strength.enabled
 }
 
 /// What the grain of a part is read from, where it follows any: photographs, else a scan.
@@ -147,7 +150,7 @@ fn grain(
     source: GrainSource<'_>,
     diagnostics: &Diagnostics,
 ) -> Result<Option<GrainGuide>, Error> {
-    if settings.guide.kind != "grain" {
+    if settings.guide.kind != GuideKind::Grain {
         return Ok(None);
     }
     let layers = stack.layers();
@@ -183,10 +186,12 @@ fn plan_stack(
     mut clock: Clock,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
+    settings.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
     let Sliced { stack, mesh, lowered_mm, painted, scan } = sliced;
     let part = part_bounds(&stack);
+    let config = config::writing(settings);
     let plate_from_part_mm = plate_from_part(settings, part);
-    check_bed(settings, &stack, part, plate_from_part_mm)?;
+    check_bed(&config.machine, &stack, part, plate_from_part_mm)?;
     let fibre = config::fibre(settings);
     fibre.iter().try_for_each(|f| f.check(&stack, part))?;
     let conditions = guide::boundary_conditions(settings, &mesh)?;
@@ -237,8 +242,7 @@ fn plan_stack(
     let layers = order_stack(&stack, layers, &config::order(settings), diagnostics)?;
     clock.stop(Stage::Order);
     let plan = Plan { layers, plate_from_part_mm };
-    let config = config::writing(settings);
-    check_fits(&plan, &config.machine)?;
+    check_fits(&plan, &config.machine).map_err(|e| outside_bed(e, &stack, part))?;
     let stages_s = clock.stages;
     Ok(Planned { plan, stack, config, stages_s, support, supported_mesh, density, grain, guide, test, scan })
 }

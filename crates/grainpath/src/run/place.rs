@@ -2,12 +2,14 @@
 
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, Layer, LayerStack, TriMesh, Warning, WarningId};
+use grainpath_gcode::{GcodeError, Machine};
 use grainpath_io::{MeshFile, PaintedSupports};
 
 use crate::error::Error;
 use crate::run::config;
 use crate::shape;
 use grainpath_job::Settings;
+use grainpath_job::choices::{FileUnit, SupportStyle};
 
 /// A shape in layers, on the plate.
 #[derive(Debug, Default)]
@@ -36,7 +38,7 @@ pub fn mesh_and_layers(
     let blockers = bodies.pop().unwrap_or_default();
     let enforcers = bodies.pop().unwrap_or_default();
     let mut painted = PaintedSupports { enforcers, blockers };
-    if settings.support.style != "none" {
+    if settings.support.style != SupportStyle::None {
         let lift = settings.support.lift_mm;
         let all = bodies.iter_mut().chain(painted.each_mut());
         all.flat_map(|b| &mut b.vertices).for_each(|p| p.z += lift);
@@ -69,7 +71,7 @@ fn place_bodies(
     let mut placement = config::placement(settings);
     let bounds = bodies.iter().filter_map(TriMesh::bounds);
     let all = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(shape::ShapeError::Empty)?;
-    if settings.shape.unit == "auto" {
+    if settings.shape.unit == FileUnit(None) {
         placement.unit = file.unit.unwrap_or(LengthUnit::Millimetre);
         let longest = (all.1 - all.0).max_element() * settings.shape.scale;
         let likely = shape::likely_unit(longest);
@@ -101,38 +103,41 @@ pub(super) fn plate_from_part(settings: &Settings, part: Bounds2) -> DVec3 {
 
 /// Refuses a part that cannot fit before any time is spent on it.
 pub(super) fn check_bed(
-    settings: &Settings,
+    machine: &Machine,
     stack: &LayerStack,
     part: Bounds2,
     shift: DVec3,
 ) -> Result<(), Error> {
-    let machine = config::machine(settings);
-    let half = 1e-3;
     let (low, high) = machine.bed_bounds_mm();
+    let top = stack.layers().last().map_or(0.0, Layer::z_top_mm);
     let reach = [
-        (part.min.x + shift.x, 0),
-        (part.max.x + shift.x, 0),
-        (part.min.y + shift.y, 1),
-        (part.max.y + shift.y, 1),
+        ('X', part.min.x + shift.x, low[0], high[0]),
+        ('X', part.max.x + shift.x, low[0], high[0]),
+        ('Y', part.min.y + shift.y, low[1], high[1]),
+        ('Y', part.max.y + shift.y, low[1], high[1]),
+        ('Z', top, 0.0, machine.bed_mm[2]),
     ];
-    for (at_mm, k) in reach {
-        if at_mm < low[k] - half || at_mm > high[k] + half {
-            let axis = ['X', 'Y'][k];
-            return Err(grainpath_gcode::GcodeError::OutsideBed {
-                axis,
-                at_mm,
-                low_mm: low[k],
-                high_mm: high[k],
-            }
-            .into());
+    let outside = |&&(_, at_mm, low_mm, high_mm): &&(char, f64, f64, f64)| {
+        at_mm < low_mm - BED_TOLERANCE_MM || at_mm > high_mm + BED_TOLERANCE_MM
+    };
+    match reach.iter().find(outside) {
+        None => Ok(()),
+        Some(&(axis, at_mm, low_mm, high_mm)) => {
+            let source = GcodeError::OutsideBed { axis, at_mm, low_mm, high_mm };
+            Err(outside_bed(source, stack, part))
         }
     }
-    let top = stack.layers().last().map_or(0.0, Layer::z_top_mm);
-    if top > machine.bed_mm[2] + half {
-        let high_mm = machine.bed_mm[2];
-        return Err(
-            grainpath_gcode::GcodeError::OutsideBed { axis: 'Z', at_mm: top, low_mm: 0.0, high_mm }.into()
-        );
+}
+
+/// Rounding of coordinates may move the part by this much, mm.
+const BED_TOLERANCE_MM: f64 = 1e-3;
+
+/// The error of a print that leaves the bed, with the size of the part: skirt, brim and supports may reach further.
+pub(super) fn outside_bed(source: GcodeError, stack: &LayerStack, part: Bounds2) -> Error {
+    let height_mm = stack.layers().last().map_or(0.0, Layer::z_top_mm);
+    let size = part.size();
+    match source {
+        GcodeError::OutsideBed { .. } => Error::OutsideBed { size_mm: [size.x, size.y, height_mm], source },
+        other => other.into(),
     }
-    Ok(())
 }

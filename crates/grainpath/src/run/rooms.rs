@@ -2,22 +2,22 @@
 
 use grainpath_core::math::direction;
 use grainpath_core::units::bead_spacing_mm;
-use grainpath_core::{DVec2, DirectionField, Layer, Polygon, Region, Role, SpeedClass, Toolpath};
-use grainpath_job::choices::GUIDED;
+use grainpath_core::{DVec2, Density, DirectionField, Layer, Polygon, Region, Role, SpeedClass, Toolpath};
+use grainpath_job::choices::{GuideKind, Pattern};
 
 use super::layers::Job;
 use crate::fibre::{FibreSettings, Tally};
 use crate::fill::curves::{Flow, lay_curves};
-use crate::fill::{FillContext, Infill, Solid, Stripes, bridge_angle_rad, pattern};
+use crate::fill::{Concentric, FillContext, Infill, SeedLines, Solid, Stripes, bridge_angle_rad, infill};
 use crate::guide::grain::GrainGuide;
 use crate::guide::grain::Mode;
 use crate::wall::skin::{IslandPolygon, SkinSplit};
 
 /// How a room is to be filled.
 struct Wanted<'a> {
-    density: f64,
+    density: Density,
     role: Role,
-    pattern: Option<&'a dyn Infill>,
+    pattern: &'a dyn Infill,
     grain: Option<&'a GrainGuide>,
 }
 
@@ -34,12 +34,12 @@ impl Job<'_> {
     }
 
     /// The direction of a layer's lines. Crossed patterns and `aligned` keep the first angle of the list.
-    pub(super) fn angle_rad(&self, layer_idx: usize, density: f64) -> f64 {
+    pub(super) fn angle_rad(&self, layer_idx: usize, density: Density) -> f64 {
         let s = self.settings;
-        let turns = density >= 0.999 || s.fill.pattern == "rectilinear";
-        let turns = turns && s.fill.pattern != "aligned";
+        let turns = density.is_dense() || s.fill.pattern == Pattern::Rectilinear;
+        let turns = turns && s.fill.pattern != Pattern::Aligned;
         let angles = &s.fill.angles_deg;
-        let deg = if s.guide.kind == "angle" {
+        let deg = if s.guide.kind == GuideKind::Angle {
             s.guide.angle_deg
         } else {
             angles[if turns { layer_idx % angles.len() } else { 0 }]
@@ -57,13 +57,13 @@ impl Job<'_> {
         let mut paths = Vec::new();
         let mut tally = Tally::default();
         let fill = &self.settings.fill;
-        let all_dense = fill.density >= 0.999;
+        let all_dense = fill.density.is_dense();
         // Skins over sparse fill stay straight lines without fibre: they close the part.
         let grain = self.grain.filter(|_| all_dense);
         let fibre = self.fibre.filter(|_| all_dense);
         for (polygons, role) in [(&split.solid, Role::SolidFill), (&split.top, Role::TopSkin)] {
-            let asked =
-                Wanted { density: 1.0, role, pattern: Some(self.dense_pattern(&fill.pattern)), grain };
+            let pattern = self.dense_pattern(fill.pattern);
+            let asked = Wanted { density: Density::Dense, role, pattern, grain };
             for rooms in polygons.chunk_by(|a, b| a.0 == b.0) {
                 tally = tally.and(self.rooms(i, rooms, &asked, fibre, &mut paths));
                 paths.drain(..).for_each(|p| add(rooms[0].0, p));
@@ -80,15 +80,15 @@ impl Job<'_> {
         &self,
         i: usize,
         split: &SkinSplit,
-        density: f64,
+        density: Density,
         add: &mut dyn FnMut(usize, Toolpath),
     ) -> Tally {
         let mut tally = Tally::default();
-        if density <= 0.0 {
+        if density.fraction() <= 0.0 {
             return tally;
         }
-        let role = if density >= 0.999 { Role::SolidFill } else { Role::SparseFill };
-        let pattern = self.pattern(&self.settings.fill.pattern);
+        let role = if density.is_dense() { Role::SolidFill } else { Role::SparseFill };
+        let pattern = self.pattern(self.settings.fill.pattern);
         let asked = Wanted { density, role, pattern, grain: self.grain };
         let mut paths = Vec::new();
         for rooms in split.sparse.chunk_by(|a, b| a.0 == b.0) {
@@ -123,15 +123,13 @@ impl Job<'_> {
         }
         let f = &self.settings.fibre;
         let density = f.matrix_density;
-        if density > 0.0 {
-            let dense = density >= 0.999;
-            let role = if dense { asked.role } else { Role::SparseFill };
-            let name = f.matrix_pattern.as_str();
-            let matrix = if dense { Some(self.dense_pattern(name)) } else { self.pattern(name) };
-            if let Some(matrix) = matrix {
-                let context = self.context(i, density, role);
-                without.iter().for_each(|room| matrix.fill(&context, room, out));
-            }
+        if density.fraction() > 0.0 {
+            let (matrix, role) = match density {
+                Density::Dense => (self.dense_pattern(f.matrix_pattern), asked.role),
+                Density::Sparse(_) => (self.pattern(f.matrix_pattern), Role::SparseFill),
+            };
+            let context = self.context(i, density, role);
+            without.iter().for_each(|room| matrix.fill(&context, room, out));
         }
         context.bead_width_mm = fibre.bead_width_mm;
         context.border_mm += 0.5 * (fibre.bead_width_mm - matrix_mm);
@@ -160,10 +158,9 @@ impl Job<'_> {
             return;
         }
         for room in rooms {
-            match (asked.grain, asked.pattern) {
-                (Some(grain), _) => self.along_grain(grain, context, room, out),
-                (None, Some(pattern)) => pattern.fill(context, room, out),
-                (None, None) => {}
+            match asked.grain {
+                Some(grain) => self.along_grain(grain, context, room, out),
+                None => asked.pattern.fill(context, room, out),
             }
         }
     }
@@ -181,17 +178,17 @@ impl Job<'_> {
         let axis = |p: DVec2| direction(grain.sample(p.extend(z_mm)).axis_rad);
         let sparseness = |p: DVec2| grain.sparseness(p.extend(z_mm));
         let flow = Flow { axis: &axis, sparseness: grain.has_darkness().then_some(&sparseness) };
-        let name = self.settings.fill.pattern.as_str();
-        match (grain.mode, self.pattern(name).filter(|_| GUIDED.contains(&name))) {
-            (Mode::Edges, _) => lay_curves(context, room, &grain.curves(z_mm), &flow, out),
-            (Mode::Field, Some(asked)) => asked.fill(context, room, out),
-            (Mode::Field, None) if context.density >= 0.999 => Stripes.fill(context, room, out),
-            (Mode::Field, None) => lay_curves(context, room, &[], &flow, out),
+        let pattern = self.settings.fill.pattern;
+        match grain.mode {
+            Mode::Edges => lay_curves(context, room, &grain.curves(z_mm), &flow, out),
+            Mode::Field if pattern.follows_field() => self.pattern(pattern).fill(context, room, out),
+            Mode::Field if context.density.is_dense() => Stripes.fill(context, room, out),
+            Mode::Field => lay_curves(context, room, &[], &flow, out),
         }
     }
 
     fn bridge(&self, i: usize, polygon: &Polygon, out: &mut Vec<Toolpath>) {
-        let mut context = self.context(i, 1.0, Role::Bridge);
+        let mut context = self.context(i, Density::Dense, Role::Bridge);
         let below = self.stack.layers()[i - 1].region();
         if let Some(angle) = bridge_angle_rad(polygon, below, context.spacing_mm()) {
             context.angle_rad = angle;
@@ -204,28 +201,43 @@ impl Job<'_> {
         }
     }
 
-    /// A pattern for the inside.
-    fn pattern(&self, name: &str) -> Option<&dyn Infill> {
-        match name {
-            "continuous" => Some(&self.continuous),
-            name => pattern(name).map(|p| p as &dyn Infill),
+    /// The code that lays sparse infill in this pattern.
+    fn pattern(&self, pattern: Pattern) -> &dyn Infill {
+        match pattern {
+            Pattern::Continuous => &self.continuous,
+            Pattern::Rectilinear
+            | Pattern::Grid
+            | Pattern::Triangles
+            | Pattern::Gyroid
+            | Pattern::Concentric
+            | Pattern::Honeycomb
+            | Pattern::Aligned
+            | Pattern::Stripes
+            | Pattern::Streamlines
+            | Pattern::SeedLines => infill(pattern),
         }
     }
 
-    /// Dense fill beside sparse one is plain; where all is dense it is the pattern asked for, and a part with a
-    /// guide follows it in its skins too.
-    fn dense_pattern(&self, name: &str) -> &dyn Infill {
-        match name {
-            "continuous" => &self.continuous,
-            "concentric" if self.settings.fill.density >= 0.999 => &crate::fill::Concentric,
-            "stripes" | "streamlines" => &Stripes,
-            "seed-lines" => &crate::fill::SeedLines,
-            _ => &Solid,
+    /// The code that lays dense regions in this pattern. Straight lines fill skins over sparse infill; a part that is
+    /// dense throughout, or has a guide, is filled by its own pattern.
+    fn dense_pattern(&self, pattern: Pattern) -> &dyn Infill {
+        match pattern {
+            Pattern::Continuous => &self.continuous,
+            Pattern::Concentric if self.settings.fill.density.is_dense() => &Concentric,
+            Pattern::Stripes | Pattern::Streamlines => &Stripes,
+            Pattern::SeedLines => &SeedLines,
+            Pattern::Rectilinear
+            | Pattern::Grid
+            | Pattern::Triangles
+            | Pattern::Gyroid
+            | Pattern::Concentric
+            | Pattern::Honeycomb
+            | Pattern::Aligned => &Solid,
         }
     }
 
     /// Whether all fill of an island is to be one path.
     fn is_continuous(&self) -> bool {
-        self.settings.fill.pattern == "continuous" && self.grain.is_none_or(|g| g.mode == Mode::Field)
+        self.settings.fill.pattern == Pattern::Continuous && self.grain.is_none_or(|g| g.mode == Mode::Field)
     }
 }

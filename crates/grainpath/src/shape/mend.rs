@@ -16,16 +16,7 @@ use grainpath_core::mesh::{EdgeUses, MeshHealth, Shells, diagnose, weld_within};
 use grainpath_core::{DVec3, Diagnostics, TriMesh, WarningId};
 
 use super::ShapeError;
-
-/// What is done about defects.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Repair {
-    /// Mend them and say so.
-    #[default]
-    Auto,
-    /// Refuse the mesh.
-    Strict,
-}
+pub use grainpath_job::choices::Repair;
 
 /// Joins bodies into one mesh that is wound outward as far as it can be. Near vertices are merged where edges are
 /// open, shells wound against themselves are turned face by face, shells inside out are turned whole unless they

@@ -2,7 +2,7 @@
 
 use grainpath_core::poly::Join;
 use grainpath_core::units::bead_spacing_mm;
-use grainpath_core::{DVec2, Polygon, Region, Role, SpeedClass, Toolpath};
+use grainpath_core::{DVec2, Density, Polygon, Region, Role, SpeedClass, Toolpath};
 
 use super::cut::SupportLayer;
 use super::overhang::inner_point;
@@ -20,7 +20,7 @@ pub struct BeadSettings {
     /// Walls around every branch.
     pub walls: usize,
     /// Density inside the walls.
-    pub density: f64,
+    pub density: Density,
 }
 
 /// The beads of one layer, an island for each piece.
@@ -55,8 +55,8 @@ fn island(p: &Polygon, context: &FillContext, dense: bool, role: Role, settings:
         island.fills.extend(dab(p, role, settings));
         return island;
     }
-    let density = if dense { 1.0 } else { settings.density };
-    if density > 0.0 {
+    let density = if dense { Density::Dense } else { settings.density };
+    if density.fraction() > 0.0 {
         let inset = 0.5 * w + settings.walls.max(1) as f64 * s;
         let room = region.offset(-inset, Join::Round);
         let context = FillContext { density, role, bead_width_mm: w, ..*context };

@@ -14,6 +14,7 @@ pub mod tree;
 use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, TriMesh, Warning, WarningId};
 use grainpath_io::PaintedSupports;
+use grainpath_job::choices::SupportSurface;
 
 use clearance::Clearance;
 use cut::{Layers, SupportLayer};
@@ -260,21 +261,20 @@ pub fn plan(
     Ok(support)
 }
 
-/// The surface of support layers, by the method named in `support.solid`.
+/// The surface of support layers, by the method of `support.solid`.
 ///
 /// # Errors
 /// [`Interrupted`] when a stop was asked for.
 pub fn surface(
     layers: &[SupportLayer],
     stack: &LayerStack,
-    method: &str,
+    method: SupportSurface,
     diagnostics: &Diagnostics,
 ) -> Result<TriMesh, Interrupted> {
     let settings = solid::SolidSettings::default();
-    if method == "poisson" {
-        poisson::poisson(layers, stack, settings.cell_mm, diagnostics)
-    } else {
-        solid::solid(layers, stack, &settings, diagnostics)
+    match method {
+        SupportSurface::Poisson => poisson::poisson(layers, stack, settings.cell_mm, diagnostics),
+        SupportSurface::Distance => solid::solid(layers, stack, &settings, diagnostics),
     }
 }
 

@@ -99,7 +99,7 @@ pub fn lay(
     variable: bool,
     context: &FillContext<'_>,
 ) -> Vec<Bead> {
-    let spacing = context.spacing_mm() / context.density;
+    let spacing = context.spacing_mm() / context.density.fraction();
     let laid: Vec<Line> = rings
         .into_iter()
         .map(|points| without_near(&points, CLOSEST * spacing))
@@ -131,7 +131,7 @@ pub fn lay(
         }
         settled
     });
-    if !variable || context.density < 0.999 {
+    if !variable || !context.density.is_dense() {
         return lines.into_iter().map(|line| Bead { line, widths: None }).collect();
     }
     // What was even lies as it lay.

@@ -32,7 +32,7 @@ mod verify;
 
 use grainpath_core::math::direction;
 use grainpath_core::poly::{Join, LineClipper, perimeter_mm};
-use grainpath_core::{DVec2, Polygon, Region, Toolpath};
+use grainpath_core::{DVec2, Density, Polygon, Region, Toolpath};
 
 use super::{FillContext, Infill};
 use cells::Taken;
@@ -115,8 +115,10 @@ impl Continuous {
         notes: &mut Vec<Note>,
     ) {
         // Below full density the outermost bead keeps its distance from the wall.
-        let keep_mm =
-            if context.density < 0.999 { 0.5 * context.spacing_mm() / context.density } else { 0.0 };
+        let keep_mm = match context.density {
+            Density::Dense => 0.0,
+            Density::Sparse(fraction) => 0.5 * context.spacing_mm() / fraction,
+        };
         let whole = Region { polygons: rooms.iter().map(|&r| r.clone()).collect() };
         let rooms = whole.offset(-keep_mm, Join::Miter(3.0)).polygons;
         verify::necks(&rooms, context.bead_width_mm, notes);
@@ -125,7 +127,7 @@ impl Continuous {
 
     /// Lays one room.
     fn lay(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>, notes: &mut Vec<Note>) {
-        let spacing = context.spacing_mm() / context.density;
+        let spacing = context.spacing_mm() / context.density.fraction();
         let mut rings = self.joined(context, room, spacing);
         // The path first; what could not be joined to it and is more than a crumb after it.
         rings.sort_by(|a, b| perimeter_mm(b).total_cmp(&perimeter_mm(a)));

@@ -36,7 +36,7 @@ fn context<'a>(part: &Region, width: f64, field: &'a dyn DirectionField) -> Fill
         z_mid_mm: 0.1,
         height_mm: HEIGHT,
         bead_width_mm: width,
-        density: 1.0,
+        density: grainpath_core::Density::Dense,
         angle_rad: 0.0,
         part: part.bounds().expect("not empty"),
         role: Role::SolidFill,

@@ -36,7 +36,7 @@ const MAX_OFFSETS: usize = 2000;
 impl Infill for SeedLines {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
         let (Some(field), Some(bounds)) = (context.field, room.bounds()) else { return };
-        let step = context.spacing_mm() / context.density;
+        let step = context.spacing_mm() / context.density.fraction();
         let room = Region::from(room.clone());
         let inside = LineClipper::new(&room);
         let axis = |p: DVec2| inside.contains(p).then(|| axis_of(field, context, p));

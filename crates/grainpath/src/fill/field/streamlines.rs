@@ -25,14 +25,14 @@ const SHORTEST_SHARE: f64 = 1.5;
 
 impl Infill for Streamlines {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        if context.density >= 0.999 {
+        if context.density.is_dense() {
             return super::Stripes.fill(context, room, out);
         }
         let (Some(field), Some(bounds)) = (context.field, room.bounds()) else { return };
         let inside = LineClipper::new(&Region::from(room.clone()));
         let axis = |p: DVec2| inside.contains(p).then(|| axis_of(field, context, p));
         // Lines that converge end and leave gaps: on average the distance is a little more than asked for.
-        let separation = 0.94 * context.spacing_mm() / context.density;
+        let separation = 0.94 * context.spacing_mm() / context.density.fraction();
         let same = |_: DVec2| separation;
         let seeding = Seeding {
             separation_mm: &same,

@@ -53,7 +53,7 @@ const GAP_CELL: f64 = 0.33;
 
 impl Infill for Stripes {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        if context.density < 0.999 {
+        if !context.density.is_dense() {
             return super::Streamlines.fill(context, room, out);
         }
         let Some(field) = context.field else { return };

@@ -24,6 +24,7 @@ use serde::Serialize;
 use crate::error_kind::ErrorKind;
 use crate::guide::GuideError;
 use brick_setup::PreparedSolid;
+use grainpath_job::choices::Choice;
 use grainpath_job::{MaterialSection, Settings};
 pub use setup::TestSetup;
 use setup::{Fidelity, Prepared};
@@ -186,7 +187,7 @@ pub struct StrengthReport {
     pub solutions: usize,
     pub seconds: f64,
     pub card_source: String,
-    pub card_tier: String,
+    pub card_tier: &'static str,
     /// Displacement in mm and load in N.
     pub curve: Vec<[f64; 2]>,
 }
@@ -320,7 +321,7 @@ pub fn test(
         Fidelity::Voxels => bead.max((setup.volume_mm3 / CELLS_SOLID).cbrt()),
     };
     let cell_mm = settings.strength.cell_mm.unwrap_or(own);
-    let max_mib = settings.guide.memory_mb as f64;
+    let max_mib = settings.guide.memory_mib as f64;
     let s = &settings.strength;
     let corners = if s.corners { &CORNERS[..] } else { &CORNERS[..1] };
     let coarse = s.check || s.corners;
@@ -378,7 +379,7 @@ pub fn test(
         } else {
             settings.material.strength_source.clone()
         },
-        card_tier: settings.material.strength_tier.clone(),
+        card_tier: settings.material.strength_tier.name(),
         curve: outcome.curve.iter().map(|p| [p.displacement_mm, p.load_n].map(digits)).collect(),
     };
     Ok(Tested { report, outcome, map: prepared.map() })

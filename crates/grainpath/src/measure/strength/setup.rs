@@ -9,6 +9,7 @@ use grainpath_fea::strength::elements::{GridHold, PlateElements, connected_cells
 use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellGrid, Laminate};
 use grainpath_gcode::{Bead, BeadLayer, Program};
 use grainpath_job::Settings;
+use grainpath_job::choices;
 
 use super::{CORNERS, StrengthError, cards};
 use crate::guide::constant_section;
@@ -82,12 +83,11 @@ impl TestSetup {
         let flat = conditions.cases[case].is_in_plane();
         let layers = stack.layers();
         let same = constant_section(stack);
-        let fidelity = match settings.strength.fidelity.as_str() {
-            "plane" if !flat => return Err(StrengthError::NotFlat),
-            "plane" => Fidelity::Plane,
-            "voxels" => Fidelity::Voxels,
-            _ if flat && (same.is_some() || settings.fibre.enabled) => Fidelity::Plane,
-            _ => Fidelity::Voxels,
+        let fidelity = match settings.strength.fidelity {
+            choices::Fidelity::Plane if !flat => return Err(StrengthError::NotFlat),
+            choices::Fidelity::Plane => Fidelity::Plane,
+            choices::Fidelity::Auto if flat && (same.is_some() || settings.fibre.enabled) => Fidelity::Plane,
+            choices::Fidelity::Auto | choices::Fidelity::Voxels => Fidelity::Voxels,
         };
         if fidelity == Fidelity::Voxels && settings.fibre.enabled {
             return Err(StrengthError::FibreInSpace);

@@ -1,0 +1,44 @@
+//! How densely an infill region is filled.
+
+/// Density of infill: dense, or a fraction of the volume.
+///
+/// Dense infill is laid by other rules than sparse infill: bead widths and spacings are fitted to the region, so that
+/// it leaves no gaps. A density is therefore not a number that stages compare with 1, but one of two cases.
+///
+/// ```
+/// use grainpath_core::Density;
+///
+/// assert_eq!(Density::new(1.0), Density::Dense);
+/// assert_eq!(Density::new(0.2), Density::Sparse(0.2));
+/// assert_eq!(Density::Dense.fraction(), 1.0);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Density {
+    /// Beads lie side by side.
+    Dense,
+    /// Volume of beads over volume of the region, from 0 to less than 1.
+    Sparse(f64),
+}
+
+/// From this fraction on infill is dense, so that a number written as 0.9999 or found by a search up to 1 counts as 1.
+const DENSE_FROM: f64 = 0.999;
+
+impl Density {
+    /// The density with this volume of beads over volume of the region.
+    pub const fn new(fraction: f64) -> Self {
+        if fraction >= DENSE_FROM { Self::Dense } else { Self::Sparse(fraction) }
+    }
+
+    /// Volume of beads over volume of the region: 1 where it is dense.
+    pub const fn fraction(self) -> f64 {
+        match self {
+            Self::Dense => 1.0,
+            Self::Sparse(fraction) => fraction,
+        }
+    }
+
+    /// Whether beads lie side by side.
+    pub const fn is_dense(self) -> bool {
+        matches!(self, Self::Dense)
+    }
+}

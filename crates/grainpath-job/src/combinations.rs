@@ -1,0 +1,176 @@
+//! Checks that concern several settings at once.
+
+use crate::choices::{Choice, FibreStart, FibreToolKind, GrainMode, GuideKind, Pattern};
+use crate::parse::strengths;
+use crate::settings::Settings;
+
+/// Checks all settings of a job against each other; the error says what does not fit together.
+pub fn check(s: &Settings) -> Result<(), String> {
+    let p = &s.process;
+    if p.bead_width_mm < p.layer_height_mm || p.bead_width_mm < p.first_layer_height_mm {
+        return Err(format!(
+            "process.bead_width_mm ({}) should not be less than the layer height ({})",
+            p.bead_width_mm,
+            p.layer_height_mm.max(p.first_layer_height_mm)
+        ));
+    }
+    if p.min_bead_width_mm > p.bead_width_mm {
+        return Err(format!(
+            "process.min_bead_width_mm ({}) should not be more than bead_width_mm ({})",
+            p.min_bead_width_mm, p.bead_width_mm
+        ));
+    }
+    if p.adaptive_layers && p.adaptive_min_mm > p.adaptive_max_mm {
+        return Err("process.adaptive_min_mm should not be more than adaptive_max_mm".into());
+    }
+    check_outline(s)?;
+    check_photos(s)?;
+    check_fibre(s)?;
+    let bounds = strengths(&s.material);
+    if let Some((key, Some([a, b, c]))) =
+        bounds.iter().find(|(_, v)| v.is_some_and(|[low, mid, high]| low > mid || mid > high))
+    {
+        return Err(format!("material.{key} should rise: low, nominal, high; is [{a}, {b}, {c}]"));
+    }
+    if !s.ct.path.is_empty() {
+        for (set, what) in [
+            (!s.shape.mesh.is_empty(), "shape.mesh and shape.ct: exactly one shape is printed"),
+            (p.adaptive_layers, "process.adaptive_layers = true is for meshes, not for shape.ct"),
+            (s.shape.rotate_deg != [0.0; 3], "shape.rotate_deg is for meshes, not for shape.ct"),
+            (s.support.lift_mm > 0.0, "support.lift_mm is for meshes, not for shape.ct"),
+        ] {
+            if set {
+                return Err(what.into());
+            }
+        }
+    }
+    let needs_guide = s.fill.pattern.follows_field() && s.fill.pattern != Pattern::Continuous;
+    if needs_guide && s.guide.kind == GuideKind::None {
+        return Err(format!(
+            "fill.pattern = {:?} needs a guide: [guide] kind = \"stress\" or \"angle\"",
+            s.fill.pattern.name()
+        ));
+    }
+    if s.fill.angles_deg.is_empty() {
+        return Err("fill.angles_deg should have at least one angle".into());
+    }
+    Ok(())
+}
+
+/// Drawings: what must be given together.
+fn check_outline(s: &Settings) -> Result<(), String> {
+    let shape = &s.shape;
+    let others = [
+        ("shape.mesh", !shape.mesh.is_empty()),
+        ("shape.ct", !s.ct.path.is_empty()),
+        ("shape.photo", !s.photo.files.is_empty()),
+    ];
+    let problem = match others.iter().find(|o| o.1) {
+        _ if shape.outline.is_empty() => return Ok(()),
+        Some((other, _)) => format!("{other} and shape.outline: exactly one shape is printed"),
+        None if shape.thickness_mm == 0.0 => "shape.outline needs shape.thickness_mm".into(),
+        None => return Ok(()),
+    };
+    Err(problem)
+}
+
+/// Continuous fibre: a tool for it, and settings that go together.
+fn check_fibre(s: &Settings) -> Result<(), String> {
+    let (f, p) = (&s.fibre, &s.printer);
+    if !f.enabled {
+        return Ok(());
+    }
+    if p.fibre_tool == FibreToolKind::None {
+        return Err(
+            "fibre.enabled = true needs a printer with a fibre tool: printer.fibre_tool = \"coextruded\" or \"separate\", or a profile such as fibre-coextruded"
+                .into(),
+        );
+    }
+    if p.fibre_cut_gcode.trim().is_empty() {
+        return Err(
+            "fibre.enabled = true needs printer.fibre_cut_gcode, the program that cuts the fibre".into()
+        );
+    }
+    if p.fibre_tool == FibreToolKind::Separate && p.fibre_tool_number == 0 {
+        return Err("printer.fibre_tool_number should not be 0, which is the matrix's".into());
+    }
+    if p.fibre_tool == FibreToolKind::Separate && p.tool_change_gcode.trim().is_empty() {
+        return Err("printer.fibre_tool = \"separate\" needs printer.tool_change_gcode".into());
+    }
+    if let Some([a, b]) = f.layers.iter().find(|[a, b]| a > b) {
+        return Err(format!("fibre.layers should be [first, last] from 1, is [{a}, {b}]"));
+    }
+    if let Some(b) = f.boxes_mm.iter().find(|[low, high]| (0..3).any(|k| low[k] >= high[k])) {
+        return Err(format!("fibre.boxes_mm should be [lowest corner, highest corner], has {b:?}"));
+    }
+    let width = f.bead_width_mm.unwrap_or(s.process.bead_width_mm);
+    if width < s.process.layer_height_mm || width < s.process.first_layer_height_mm {
+        return Err(format!("fibre.bead_width_mm ({width}) should not be less than the layer height"));
+    }
+    if f.start == FibreStart::Calm && s.guide.kind != GuideKind::Stress {
+        return Err("fibre.start = \"calm\" needs [guide] kind = \"stress\"".into());
+    }
+    if s.fill.density.fraction() == 0.0 {
+        return Err("fibre.enabled = true needs fill.density above 0".into());
+    }
+    if f.matrix_pattern.follows_field() && s.guide.kind == GuideKind::None {
+        return Err(format!("fibre.matrix_pattern = {:?} needs a guide", f.matrix_pattern.name()));
+    }
+    Ok(())
+}
+
+/// Photographs: what must be given together.
+fn check_photos(s: &Settings) -> Result<(), String> {
+    let photo = !s.photo.files.is_empty();
+    for (other, path) in [("shape.mesh", &s.shape.mesh), ("shape.ct", &s.ct.path)] {
+        if photo && !path.is_empty() {
+            return Err(format!("{other} and shape.photo: exactly one shape is printed"));
+        }
+    }
+    if photo && (s.photo.size_mm.contains(&0.0) || s.photo.thickness_mm == 0.0) {
+        return Err("shape.photo needs size_mm = [width, height] and thickness_mm".into());
+    }
+    if photo && s.process.adaptive_layers {
+        return Err("process.adaptive_layers = true is for meshes, not for shape.photo".into());
+    }
+    let (image, volume) = (!s.image.files.is_empty(), !s.volume.path.is_empty());
+    if image && volume {
+        return Err("guide.image and guide.volume: exactly one gives the grain".into());
+    }
+    if s.guide.kind == GuideKind::Grain && !photo && !image {
+        if !volume && s.ct.path.is_empty() {
+            return Err(
+                "guide.kind = \"grain\" needs photographs or a scan: guide.image = { files = [\"FILE\"] } or guide.volume = { path = \"SCAN\" }".into(),
+            );
+        }
+        if s.guide.mode == GrainMode::Edges {
+            return Err("guide.mode = \"edges\" is for photographs; a scan's texture gives directions".into());
+        }
+    }
+    if photo && volume {
+        return Err("guide.volume is for meshes and scans; shape.photo has its own grain".into());
+    }
+    for (section, files, corners, heights) in [
+        ("shape.photo", &s.photo.files, &s.photo.corners_px, &s.photo.heights_mm),
+        ("guide.image", &s.image.files, &s.image.corners_px, &s.image.heights_mm),
+    ] {
+        if ![0, 4, 4 * files.len()].contains(&corners.len()) {
+            return Err(format!(
+                "{section}.corners_px should have 4 corners, or 4 for each of the {} files; it has {}",
+                files.len(),
+                corners.len()
+            ));
+        }
+        if !heights.is_empty() && heights.len() != files.len() {
+            return Err(format!(
+                "{section}.heights_mm should have a height for each of the {} files; it has {}",
+                files.len(),
+                heights.len()
+            ));
+        }
+        if heights.windows(2).any(|w| w[0] >= w[1]) {
+            return Err(format!("{section}.heights_mm should rise from file to file"));
+        }
+    }
+    Ok(())
+}

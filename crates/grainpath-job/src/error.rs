@@ -1,0 +1,84 @@
+//! Errors of job files.
+
+use std::fmt;
+
+use crate::value::ValueError;
+
+/// A file and a line in it, or the command line.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Location {
+    /// Name of the file; `--set` for an argument.
+    pub file: String,
+    /// Line in the file, from 1; `None` for an argument, and where a problem concerns the whole file.
+    pub line: Option<usize>,
+}
+
+impl Location {
+    /// The whole of a file.
+    pub fn file(name: &str) -> Self {
+        Self { file: name.to_owned(), line: None }
+    }
+
+    /// An argument of `--set`.
+    pub fn set() -> Self {
+        Self::file("--set")
+    }
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "{}:{line}", self.file),
+            None => f.write_str(&self.file),
+        }
+    }
+}
+
+/// What is wrong with a job. Its text says where, what, and what would be right.
+///
+/// ```
+/// use grainpath_job::{JobError, parse_job};
+///
+/// let job = "[process]\nwalls = \"two\"\n";
+/// let error = parse_job(job, "job.toml", &[], &|_| Err(String::new())).unwrap_err();
+/// assert!(matches!(&error, JobError::Value { location, .. } if location.line == Some(2)));
+/// ```
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum JobError {
+    #[error("{location}: {message}")]
+    Syntax { location: Location, message: String },
+    #[error("{location}: unknown section [{section}]; did you mean [{nearest}]?")]
+    UnknownSection { location: Location, section: String, nearest: String },
+    #[error("{location}: unknown key `{key}` in [{section}]; did you mean `{nearest}`?")]
+    UnknownKey { location: Location, section: String, key: String, nearest: String },
+    #[error("{location}: {name} should be a section: [{name}]")]
+    NotASection { location: Location, name: String },
+    #[error("{location}: {key}{error}")]
+    Value { location: Location, key: String, error: ValueError },
+    #[error("{location}: {new} has the new name of {old}; remove {old}")]
+    BothNames { location: Location, old: String, new: String },
+    #[error(
+        "{location}: format = {found} is newer than this version of grainpath, which reads up to format {}; install a newer version",
+        crate::FORMAT
+    )]
+    NewerFormat { location: Location, found: i64 },
+    #[error(
+        "{location}: no {kind} profile {name:?}; did you mean {nearest:?}? There are {}; a path ending in .toml works too",
+        known.join(", ")
+    )]
+    UnknownProfile {
+        location: Location,
+        kind: &'static str,
+        name: String,
+        nearest: String,
+        known: Vec<&'static str>,
+    },
+    #[error("{location}: {message}")]
+    ProfileFile { location: Location, message: String },
+    #[error("--set: {argument:?} should be section.key=value")]
+    SetArgument { argument: String },
+    /// Settings that are right one by one but do not fit together.
+    #[error("{location}: {problem}")]
+    Combination { location: Location, problem: String },
+}
