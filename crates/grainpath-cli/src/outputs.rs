@@ -133,9 +133,13 @@ pub fn write(
     report.outputs.insert("gcode", paths.gcode.display().to_string());
     if let Some(program) = program {
         report.quality = Some(measure(&planned, &program));
-        report.fibre = measure_fibre(settings, &planned, &program);
+        report.fibre = measure_fibre(settings.fibre.min_radius_mm, &planned, &program);
         report.fibre.iter().filter_map(|f| f.warning()).for_each(|w| diagnostics.push(w));
-        report.quality.iter().filter_map(|q| q.fibre_warning(settings)).for_each(|w| diagnostics.push(w));
+        if let (Some(quality), Some(width_mm)) =
+            (&report.quality, grainpath::run::config::dense_fibre_width_mm(settings))
+        {
+            quality.fibre_warning(width_mm).into_iter().for_each(|w| diagnostics.push(w));
+        }
         report.dimensions = truth.map(|t| {
             grainpath::measure::dimensions::measure(t, &program, planned.plan.plate_from_part_mm.truncate())
         });

@@ -47,7 +47,7 @@ pub trait Choice: Copy + PartialEq + 'static {
 
 /// Makes an enum and its words from one list.
 macro_rules! choices {
-    ($( $(#[$about:meta])* $name:ident { $( $variant:ident = $word:literal, $help:literal; )* } )*) => {
+    ($( $(#[$about:meta])* enum $name:ident { $( $variant:ident = $word:literal, $help:literal; )* } )*) => {
         $(
             $(#[$about])*
             #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -65,23 +65,23 @@ macro_rules! choices {
 
 choices! {
     /// What counts as material in a drawing (`shape.outline_rule`).
-    OutlineRule {
+    enum OutlineRule {
         File = "file", "filled shapes are material, and so is the inside of closed lines without fill.";
         EvenOdd = "even-odd", "every closed line counts; each line inside another one is a hole in it, and so on inwards.";
     }
     /// What happens to defects of a mesh (`shape.repair`).
-    Repair {
+    enum Repair {
         Auto = "auto", "defects are repaired, and a warning counts them.";
         Strict = "strict", "a mesh with defects is refused.";
     }
     /// How the board is found in a photograph (`corners`).
-    BoardCorners {
+    enum BoardCorners {
         Image = "image", "the board fills the whole image.";
         Outline = "outline", "the board is found by its outline on a plain background.";
         Markers = "markers", "the board lies on a sheet printed with `grainpath markers`.";
     }
     /// Axes along which a scan is mirrored (`flip`).
-    Flip {
+    enum Flip {
         None = "", "as in the file.";
         X = "x", "";
         Y = "y", "";
@@ -92,97 +92,97 @@ choices! {
         Xyz = "xyz", "";
     }
     /// Noise filter of a scan's slices (`shape.ct.smooth`).
-    Denoise {
+    enum Denoise {
         None = "none", "no filter.";
         Gaussian = "gaussian", "Gaussian blur by `smooth_px`.";
         Median = "median", "median of 3 x 3 pixels.";
         Edges = "edges", "smooths surfaces and keeps edges sharp.";
     }
     /// What lies between the slices of a scan (`shape.ct.interpolate`).
-    Interpolate {
+    enum Interpolate {
         Auto = "auto", "`grey` where slices lie as close as pixels, else `matched`.";
         Grey = "grey", "grey values are interpolated.";
         Matched = "matched", "contours of neighbouring slices are matched and morphed.";
         Distance = "distance", "signed distances to the contours are interpolated.";
     }
     /// How the contours of a scan are found (`shape.ct.contours`).
-    Contours {
+    enum Contours {
         Iso = "iso", "where the grey value crosses the threshold, between pixels.";
         Canny = "canny", "Canny's edges with feature points, as published for CT-based printing.";
     }
     /// Order of the bytes of a raw scan (`shape.ct.byte_order`).
-    ByteOrder {
+    enum ByteOrder {
         Little = "little", "least significant byte first.";
         Big = "big", "most significant byte first.";
     }
     /// Position of the machine's origin (`printer.origin`).
-    BedOrigin {
+    enum BedOrigin {
         Corner = "corner", "x = y = 0 is the front left corner of the bed.";
         Centre = "centre", "x = y = 0 is the middle of the bed.";
     }
     /// G-code dialect (`printer.flavour`).
-    Flavour {
+    enum Flavour {
         Marlin = "marlin", "Marlin and firmware that follows it.";
         Klipper = "klipper", "Klipper.";
         Rrf = "rrf", "RepRapFirmware (Duet).";
     }
     /// The printer's tool for continuous fibre (`printer.fibre_tool`).
-    FibreToolKind {
+    enum FibreToolKind {
         None = "none", "the printer lays no continuous fibre.";
         Coextruded = "coextruded", "one nozzle lays fibre and matrix together.";
         Separate = "separate", "the fibre has a nozzle of its own.";
     }
     /// How well the strengths of a material are known (`material.strength_tier`).
-    StrengthTier {
+    enum StrengthTier {
         T0 = "T0", "data sheets and literature.";
         T1 = "T1", "tests of coupons printed on this machine.";
         T2 = "T2", "T1, and confirmed by the test of a whole part.";
     }
     /// Order of the walls of a contour (`process.wall_order`).
-    WallOrder {
+    enum WallOrder {
         InnerFirst = "inner-first", "from the fill outwards: cleaner overhangs.";
         OuterFirst = "outer-first", "the outer wall first: more exact dimensions.";
     }
     /// Where outer walls begin and end (`process.seam`).
-    Seam {
+    enum Seam {
         Nearest = "nearest", "at the point nearest to the nozzle: least travel.";
         Aligned = "aligned", "above the seam of the layer below; a new seam begins at the sharpest corner.";
         Rear = "rear", "at the largest y.";
         Random = "random", "anywhere on the wall; the same place in every run.";
     }
     /// What gives infill its direction (`guide.kind`).
-    GuideKind {
+    enum GuideKind {
         None = "none", "the raster angles of `fill.angles_deg`.";
         Angle = "angle", "`guide.angle_deg`, for all infill.";
         Stress = "stress", "the principal stresses under the job's loads, or of `guide.import`.";
         Grain = "grain", "the grain of photographs, or the texture of a scan.";
     }
     /// Which principal stress beads follow (`guide.follow`).
-    Follow {
+    enum Follow {
         MaxAbs = "max-abs", "the one of larger magnitude.";
         Tension = "tension", "the largest tension.";
         Compression = "compression", "the largest compression.";
         Alternate = "alternate", "both, in turn from layer to layer.";
     }
     /// Model of the stress analysis (`guide.analysis`).
-    Analysis {
+    enum Analysis {
         Auto = "auto", "`plane` where the part has one section and is loaded in its plane, else `solid`.";
         Plane = "plane", "plane stress in the part's section.";
         Solid = "solid", "the part in three dimensions.";
     }
     /// Elastic model of the stress analysis (`guide.elasticity`).
-    Elasticity {
+    enum Elasticity {
         Isotropic = "isotropic", "the modulus along the bead in all directions.";
         Orthotropic = "orthotropic", "the material's nine constants, beads along `guide.elasticity_deg`.";
     }
     /// Order of the components of an imported stress (`guide.import_order`).
-    ComponentOrder {
+    enum ComponentOrder {
         Vtk = "vtk", "xx, yy, zz, xy, yz, zx.";
         Abaqus = "abaqus", "xx, yy, zz, xy, xz, yz.";
         Voigt = "voigt", "xx, yy, zz, yz, xz, xy.";
     }
     /// Unit of an imported stress (`guide.import_stress_unit`).
-    StressUnit {
+    enum StressUnit {
         MPa = "MPa", "";
         Pa = "Pa", "";
         KPa = "kPa", "";
@@ -191,24 +191,24 @@ choices! {
         Ksi = "ksi", "";
     }
     /// What of the grain infill follows (`guide.mode`).
-    GrainMode {
+    enum GrainMode {
         Field = "field", "lines along the grain's directions.";
         Edges = "edges", "the edges found in the picture, and more lines between them.";
     }
     /// How edge points become curves (`guide.join`).
-    CurveJoin {
+    enum CurveJoin {
         Trace = "trace", "each edge is traced from pixel to pixel.";
         Nearest = "nearest", "each point is joined to its nearest one, as published.";
     }
     /// Borders of the part that bend the grain (`guide.bend`).
-    Bend {
+    enum Bend {
         None = "none", "no border.";
         Outline = "outline", "the outer border.";
         Holes = "holes", "the borders of holes.";
         Both = "both", "all borders.";
     }
     /// Infill pattern (`fill.pattern`, `fibre.matrix_pattern`).
-    Pattern {
+    enum Pattern {
         Rectilinear = "rectilinear", "parallel lines, turned from layer to layer by `angles_deg`.";
         Grid = "grid", "two crossing families of lines in each layer.";
         Triangles = "triangles", "three crossing families of lines in each layer.";
@@ -222,42 +222,42 @@ choices! {
         Continuous = "continuous", "one unbroken path for each island and layer.";
     }
     /// Bead widths of the pattern `continuous` (`fill.widths`).
-    BeadWidths {
+    enum BeadWidths {
         Variable = "variable", "the width follows the distance to the neighbouring beads.";
         Constant = "constant", "one width everywhere, as continuous fibre needs.";
     }
     /// How the pattern `continuous` joins its cells into one path (`fill.tree`).
-    CellTree {
+    enum CellTree {
         Directed = "directed", "joins cells where beads turn least away from the guide.";
         Undirected = "undirected", "joins cells without regard to the guide, for comparison.";
     }
     /// Kind of support (`support.style`).
-    SupportStyle {
+    enum SupportStyle {
         None = "none", "no support.";
         Tree = "tree", "branching supports.";
         Columns = "columns", "straight walls below every overhang, for comparison.";
         Box = "box", "a box around all overhangs, for comparison.";
     }
     /// How branches become one surface (`support.solid`).
-    SupportSurface {
+    enum SupportSurface {
         Distance = "distance", "the zero level of a signed distance.";
         Poisson = "poisson", "Poisson reconstruction as published: slower, and it rounds tips off.";
     }
     /// What happens where a fibre path turns too sharply (`fibre.turns`).
-    FibreTurns {
+    enum FibreTurns {
         Round = "round", "turns are rounded where there is room; the others are reported.";
         Report = "report", "turns are reported only.";
         Cut = "cut", "turns are rounded where there is room; at the others the fibre is cut.";
     }
     /// Where a closed fibre path begins and ends (`fibre.start`).
-    FibreStart {
+    enum FibreStart {
         Nearest = "nearest", "nearest to the end of the path before.";
         Straight = "straight", "in the middle of the longest straight piece.";
         Calm = "calm", "where the stress is least; needs `guide.kind = \"stress\"`.";
         Rear = "rear", "at the largest y.";
     }
     /// Model of the strength test (`strength.fidelity`).
-    Fidelity {
+    enum Fidelity {
         Auto = "auto", "`plane` for parts of one section loaded in its plane, else `voxels`.";
         Plane = "plane", "a plate; its layers are plies of a laminate.";
         Voxels = "voxels", "a solid of box-shaped cells, whose layers can separate.";

@@ -54,7 +54,7 @@ fn supported(path: &Path, s: &Settings) -> Option<(Support, LayerStack, SupportS
         s.shape.scale = 100.0 / longest;
     }
     let quiet = Diagnostics::default();
-    let Sliced { mesh, stack, .. } = mesh_and_layers(&s, file, &quiet).ok()?;
+    let Sliced { mesh, stack, .. } = mesh_and_layers(&config::placing(&s), file, &quiet).ok()?;
     let wanted = config::support(&s, DVec2::ZERO).map(|w| SupportSettings { bed: None, ..w })?;
     let support = plan(&mesh, &stack, &wanted, &quiet).ok()?;
     Some((support, stack, wanted))

@@ -93,7 +93,9 @@ pub fn test_one(
     let (tested, program) = if let (Some(program), true) = (&theirs, solid) {
         let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
         let (file, _) = read_body(&settings, &shape, &diagnostics)?;
-        let Sliced { mesh, stack, .. } = mesh_and_layers(&settings, file, &diagnostics).map_err(source)?;
+        let Sliced { mesh, stack, .. } =
+            mesh_and_layers(&grainpath::run::config::placing(&settings), file, &diagnostics)
+                .map_err(source)?;
         let conditions = boundary_conditions(&settings, &mesh).map_err(|e| failed(e.into()))?;
         let setup = TestSetup::of(&settings, &mesh, &stack, conditions).map_err(failed)?;
         let tested = test(&settings, &setup, program, None, &diagnostics);

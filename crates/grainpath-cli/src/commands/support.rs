@@ -34,12 +34,14 @@ pub fn support(args: &Support) -> Result<(), Failure> {
     args.preview.iter().for_each(|folder| claims.write("--preview", folder));
     claims.check()?;
     let diagnostics = progress::diagnostics();
+    settings.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
     let (file, read_s) = read_body(&settings, &args.model, &diagnostics)?;
     let mut stages: BTreeMap<&str, f64> = BTreeMap::from([("read", read_s)]);
     let shown = args.model.display().to_string();
     let start = Instant::now();
-    let Sliced { mesh, stack, painted, .. } = mesh_and_layers(&settings, file, &diagnostics)
-        .map_err(|source| Error::Shape { path: shown, source })?;
+    let Sliced { mesh, stack, painted, .. } =
+        mesh_and_layers(&config::placing(&settings), file, &diagnostics)
+            .map_err(|source| Error::Shape { path: shown, source })?;
     stages.insert("slice", start.elapsed().as_secs_f64());
     let start = Instant::now();
     // The bed limits jobs, which know where the part stands on it.

@@ -110,11 +110,11 @@ impl FibreSettings {
         }
     }
 
-    /// Says what became of the paths.
+    /// Warns about paths that were too short for fibre.
     ///
     /// # Errors
     /// [`FibreError`] when none of them became fibre.
-    pub(crate) fn came_to(
+    pub fn report_outcome(
         &self,
         all: &Tally,
         any: bool,

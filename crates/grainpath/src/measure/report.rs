@@ -15,7 +15,6 @@ use crate::measure::fibre::FibreReport;
 use crate::measure::strength::StrengthReport;
 use crate::support::Support;
 use grainpath_imaging::scan::texture::TextureReport;
-use grainpath_job::Settings;
 
 /// The report of a run; keys that do not apply are left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -119,13 +118,9 @@ pub struct QualityReport {
 const MUCH_OPEN: f64 = 0.08;
 
 impl QualityReport {
-    /// What is to be said where beads of fibre, which have one width, do not go into a part that is to be dense.
-    pub fn fibre_warning(&self, settings: &Settings) -> Option<Warning> {
-        let f = &settings.fibre;
-        let everywhere = f.layers.is_empty() && f.boxes_mm.is_empty() && f.every == 1;
-        let dense = settings.fill.density.is_dense() && (everywhere || f.matrix_density.is_dense());
-        let width_mm = f.bead_width_mm.unwrap_or(settings.process.bead_width_mm);
-        (f.enabled && dense && self.gap > MUCH_OPEN).then(|| {
+    /// Warns where beads with fibre of this width, which is constant, leave much of a dense part unfilled.
+    pub fn fibre_warning(&self, width_mm: f64) -> Option<Warning> {
+        (self.gap > MUCH_OPEN).then(|| {
             let text = format!(
                 "fibre: {:.1} % of the part stays open, as beads {width_mm} mm wide do not fit into all of it",
                 100.0 * self.gap
@@ -372,13 +367,13 @@ pub fn direction_error(planned: &Planned) -> Option<Box<DirectionError<'_>>> {
     }))
 }
 
-/// Measures the fibre of written G-code; `None` for jobs that lay none.
-pub fn measure_fibre(settings: &Settings, planned: &Planned, program: &Program) -> Option<FibreReport> {
+/// Measures the fibre of written G-code against the smallest turning radius of the job; `None` for jobs without fibre.
+pub fn measure_fibre(min_radius_mm: f64, planned: &Planned, program: &Program) -> Option<FibreReport> {
     let tool = planned.config.fibre.as_ref()?;
     let shift = planned.plan.plate_from_part_mm.truncate();
     let off = direction_error(planned);
-    let (radius_mm, density) = (settings.fibre.min_radius_mm, tool.material.density_g_cm3);
-    Some(crate::measure::fibre::measure(program, shift, radius_mm, density, off.as_deref()))
+    let density = tool.material.density_g_cm3;
+    Some(crate::measure::fibre::measure(program, shift, min_radius_mm, density, off.as_deref()))
 }
 
 /// Mean and 95th percentile of the angle in degrees between fill and the guide's own axis.

@@ -9,6 +9,8 @@ mod nearest;
 mod seam;
 mod sequence;
 
+use std::ops::Range;
+
 use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::poly::{distance2_to_segment, edges};
 use grainpath_core::{Bounds2, DVec2, Diagnostics, Layer, LayerPlan, LayerStack, Polygon, Role, Toolpath};
@@ -60,6 +62,19 @@ struct Ordered {
     paths: Vec<Toolpath>,
 }
 
+/// What the order of a layer takes over from the layers below: where the nozzle is, and where seams lie.
+pub struct OrderState {
+    nozzle: DVec2,
+    seams: seam::Seams,
+}
+
+impl OrderState {
+    /// The state before the first layer, with the nozzle at the part's origin.
+    pub fn new(settings: &OrderSettings) -> Self {
+        Self { nozzle: DVec2::ZERO, seams: seam::Seams::new(settings.seam) }
+    }
+}
+
 /// Orders all layers; `layers` has one entry for each layer of the stack.
 ///
 /// # Errors
@@ -71,12 +86,30 @@ pub fn order_stack(
     diagnostics: &Diagnostics,
 ) -> Result<Vec<LayerPlan>, Interrupted> {
     diagnostics.begin(Stage::Order, layers.len());
-    let mut at = DVec2::ZERO;
-    let mut seams = seam::Seams::new(settings.seam);
-    let ordered = layers.into_iter().zip(stack.layers()).enumerate().map(|(layer_idx, (paths, layer))| {
-        let start = at;
+    let window = 0..layers.len();
+    order_window(stack.layers(), window, layers, settings, &mut OrderState::new(settings), diagnostics)
+}
+
+/// Orders a window of layers. `sections` are those of the whole part; `layers` has one entry for each layer of the
+/// window. The order of a layer depends on the layer below through `state`, so windows must be given from the plate
+/// upwards without a gap.
+///
+/// # Errors
+/// [`Interrupted`] when a stop was asked for.
+pub fn order_window(
+    sections: &[Layer],
+    window: Range<usize>,
+    layers: Vec<LayerPaths>,
+    settings: &OrderSettings,
+    state: &mut OrderState,
+    diagnostics: &Diagnostics,
+) -> Result<Vec<LayerPlan>, Interrupted> {
+    let OrderState { nozzle, seams } = state;
+    let ordered = layers.into_iter().zip(window).map(|(paths, layer_idx)| {
+        let layer = &sections[layer_idx];
+        let start = *nozzle;
         seams.next_layer(layer_idx);
-        let islands = order_layer(paths, &layer.region().polygons, settings, &mut seams, &mut at);
+        let islands = order_layer(paths, &layer.region().polygons, settings, seams, nozzle);
         (layer_idx, layer, start, islands)
     });
     let plan = |(layer_idx, layer, start, islands): (usize, &Layer, DVec2, Vec<Ordered>)| {

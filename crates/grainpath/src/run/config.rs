@@ -1,8 +1,8 @@
 //! Settings as the stages want them: the one place that knows both.
 
 use grainpath_core::math::{direction, rotated};
-use grainpath_core::units::LengthUnit;
-use grainpath_core::{Bounds2, DVec2, DVec3};
+use grainpath_core::units::{LengthUnit, bead_spacing_mm};
+use grainpath_core::{Bounds2, DVec2, DVec3, Density};
 use grainpath_gcode::{
     Cooling, Corner, FibreTool, Flavour, Limits, Machine, Material, Retraction, Speeds, WriteConfig,
 };
@@ -15,8 +15,14 @@ use crate::fill::{Continuous, TreeKind};
 use crate::guide::grain::GrainSettings;
 use crate::guide::grain::{Corners, Mode};
 use crate::order::{CombSettings, OrderSettings};
-use crate::shape::{Adaptive, Hole, PhotoBoard, Placement, Repair, SliceSettings};
+use crate::run::place::PlaceSettings;
+use crate::run::steps::{ExtrudedMass, InfillSettings, StepSettings};
+use crate::shape::{Adaptive, Hole, PhotoBoard, Placement, SliceSettings};
+use crate::support::beads::BeadSettings;
 use crate::support::{Style, SupportSettings};
+use crate::wall::WallSettings;
+use crate::wall::adhesion::AdhesionSettings;
+use crate::wall::skin::SkinSettings;
 use grainpath_imaging::canny::CannySettings;
 use grainpath_imaging::photo::curves::{CurveSettings, Join};
 use grainpath_imaging::scan::texture::TextureSettings;
@@ -24,7 +30,7 @@ use grainpath_imaging::scan::{CtReport, CtSettings, Denoise, Interpolation, Thre
 use grainpath_imaging::tensor::Tangent;
 use grainpath_job::choices::{
     self, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, Choice, ComponentOrder, Contours,
-    CurveJoin, FibreToolKind, GrainMode, GuideKind, Interpolate, OutlineRule, SupportStyle,
+    CurveJoin, FibreToolKind, FileUnit, GrainMode, GuideKind, Interpolate, OutlineRule, SupportStyle,
 };
 use grainpath_job::{MaterialSection, Settings};
 
@@ -45,7 +51,7 @@ pub fn outline_thickness_mm(s: &Settings) -> f64 {
 /// Curves of drawings are cut into pieces this close to them, mm: half of what contours of sections are simplified by.
 const OUTLINE_TOLERANCE_MM: f64 = 0.005;
 
-pub(crate) fn placement(s: &Settings) -> Placement {
+fn placement(s: &Settings) -> Placement {
     let unit = s.shape.unit.0.filter(|_| s.shape.outline.is_empty());
     Placement {
         unit: unit.unwrap_or(LengthUnit::Millimetre),
@@ -54,8 +60,18 @@ pub(crate) fn placement(s: &Settings) -> Placement {
     }
 }
 
-pub(crate) fn repair(s: &Settings) -> Repair {
-    s.shape.repair
+/// How a mesh is placed, repaired and sliced.
+pub fn placing(s: &Settings) -> PlaceSettings {
+    PlaceSettings {
+        placement: placement(s),
+        unit_of_file: s.shape.unit == FileUnit(None),
+        lift_mm: match s.support.style {
+            SupportStyle::None => 0.0,
+            SupportStyle::Tree | SupportStyle::Columns | SupportStyle::Box => s.support.lift_mm,
+        },
+        repair: s.shape.repair,
+        slicing: slicing(s),
+    }
 }
 
 pub(crate) fn slicing(s: &Settings) -> SliceSettings {
@@ -313,7 +329,77 @@ pub(crate) fn continuous(s: &Settings) -> Continuous {
     }
 }
 
-pub(crate) fn order(s: &Settings) -> OrderSettings {
+/// The steps from sections to paths.
+pub fn steps(s: &Settings) -> StepSettings {
+    let (p, f, u) = (&s.process, &s.fill, &s.support);
+    // The height of each layer replaces this one.
+    let height_mm = p.layer_height_mm;
+    StepSettings {
+        walls: WallSettings {
+            n_walls: p.walls,
+            bead_width_mm: p.bead_width_mm,
+            height_mm,
+            thin_walls: p.thin_walls,
+            gap_fill: p.gap_fill,
+            min_bead_width_mm: p.min_bead_width_mm,
+            fill_overlap: f.overlap,
+        },
+        skins: SkinSettings {
+            top_layers: p.top_layers,
+            bottom_layers: p.bottom_layers,
+            spacing_mm: bead_spacing_mm(p.bead_width_mm, height_mm),
+            dense: f.density.is_dense() && f.mass_g.is_none(),
+        },
+        infill: infill(s),
+        supports: BeadSettings {
+            bead_width_mm: p.bead_width_mm,
+            min_bead_width_mm: p.min_bead_width_mm,
+            walls: u.walls,
+            density: Density::new(match u.style {
+                SupportStyle::None | SupportStyle::Tree => u.density,
+                SupportStyle::Columns | SupportStyle::Box => u.density.max(BASELINE_MIN_DENSITY),
+            }),
+        },
+        dense_support_layers: u.dense_layers,
+        adhesion: AdhesionSettings {
+            brim_width_mm: p.brim_width_mm,
+            skirt_loops: p.skirt_loops,
+            skirt_distance_mm: p.skirt_distance_mm,
+            bead_width_mm: p.bead_width_mm,
+            height_mm,
+        },
+        skirt_layers: p.skirt_layers,
+    }
+}
+
+/// Columns and boxes are never hollow: their walls alone would not carry the layers of the part above.
+const BASELINE_MIN_DENSITY: f64 = 0.15;
+
+fn infill(s: &Settings) -> InfillSettings {
+    let f = &s.fill;
+    let mass = |m: &MaterialSection| ExtrudedMass { density_g_cm3: m.density_g_cm3, flow: m.flow };
+    InfillSettings {
+        pattern: f.pattern,
+        density: f.density,
+        mass_g: f.mass_g,
+        material: mass(&s.material),
+        fibre_material: mass(&s.fibre_material),
+        angles_rad: f.angles_deg.iter().map(|deg| deg.to_radians()).collect(),
+        guide_angle_rad: match s.guide.kind {
+            GuideKind::Angle => Some(s.guide.angle_deg.to_radians()),
+            GuideKind::None | GuideKind::Stress | GuideKind::Grain => None,
+        },
+        field_axis_rad: s.guide.angle_deg.to_radians(),
+        bridge_flow: s.process.bridge_flow,
+        chain: s.process.chain,
+        matrix_pattern: s.fibre.matrix_pattern,
+        matrix_density: s.fibre.matrix_density,
+        continuous: continuous(s),
+    }
+}
+
+/// Printing order, seams and travel.
+pub fn order(s: &Settings) -> OrderSettings {
     let p = &s.process;
     OrderSettings {
         wall_order: p.wall_order,
@@ -392,6 +478,14 @@ pub(crate) fn fibre(s: &Settings) -> Option<FibreSettings> {
         min_length_mm: f.min_length_mm.max(s.printer.fibre_cutter_mm + f.anchor_mm),
         start: f.start,
     })
+}
+
+/// Width of beads with fibre where the whole part is to be dense, mm: there the width decides how much stays unfilled.
+pub fn dense_fibre_width_mm(s: &Settings) -> Option<f64> {
+    let f = &s.fibre;
+    let everywhere = f.layers.is_empty() && f.boxes_mm.is_empty() && f.every == 1;
+    let dense = s.fill.density.is_dense() && (everywhere || f.matrix_density.is_dense());
+    (f.enabled && dense).then(|| f.bead_width_mm.unwrap_or(s.process.bead_width_mm))
 }
 
 pub(crate) fn writing(s: &Settings) -> WriteConfig {

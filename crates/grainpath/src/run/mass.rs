@@ -3,18 +3,28 @@
 use grainpath_core::{Density, Role, Toolpath};
 use rayon::prelude::*;
 
-use super::layers::Job;
+use super::steps::{LayerWalls, Steps};
 use crate::error::Error;
-use crate::order::Island;
 use crate::wall::skin::SkinSplit;
 
-impl Job<'_> {
-    /// The density asked for, or the one that gives the mass asked for.
-    pub(super) fn density(&self, walls: &[Vec<Island>], skins: &[SkinSplit]) -> Result<Density, Error> {
-        let Some(asked_g) = self.settings.fill.mass_g else { return Ok(self.settings.fill.density) };
+impl Steps<'_> {
+    /// The density of the job, or the one that gives the mass that it asks for. `walls` and `skins` are those of all layers.
+    ///
+    /// # Errors
+    /// [`Error::Mass`] where no density gives the mass.
+    pub fn density(&self, walls: &[LayerWalls], skins: &[SkinSplit]) -> Result<Density, Error> {
+        let density = self.density_of_mass(walls, skins);
+        self.discard_notes();
+        density
+    }
+
+    fn density_of_mass(&self, walls: &[LayerWalls], skins: &[SkinSplit]) -> Result<Density, Error> {
+        let Some(asked_g) = self.settings.infill.mass_g else {
+            return Ok(self.settings.infill.density);
+        };
         let grams = |path: &Toolpath, height_mm: f64| {
-            let s = self.settings;
-            let m = if path.role == Role::Fibre { &s.fibre_material } else { &s.material };
+            let infill = &self.settings.infill;
+            let m = if path.role == Role::Fibre { infill.fibre_material } else { infill.material };
             path.volume_mm3(height_mm) * 1e-3 * m.density_g_cm3 * m.flow
         };
         let layers: Vec<usize> = (0..self.stack.layers().len()).collect();
@@ -24,8 +34,10 @@ impl Job<'_> {
         };
         let height = |i: usize| self.stack.layers()[i].height_mm();
         let fixed = sum(&|i| {
-            let walls =
-                walls[i].iter().flat_map(|island| island.walls.iter().map(|w| &w.path).chain(&island.fills));
+            let walls = walls[i]
+                .islands
+                .iter()
+                .flat_map(|island| island.walls.iter().map(|w| &w.path).chain(&island.fills));
             let mut mass: f64 = walls.map(|p| grams(p, height(i))).sum();
             self.dense_fill(i, &skins[i], &mut |_, p| mass += grams(&p, height(i)));
             mass

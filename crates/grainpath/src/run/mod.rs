@@ -3,17 +3,16 @@
 //! A pipeline of stages, each taking values and giving new ones: place and mend, slice, walls, skins, fill, order.
 
 pub mod config;
-mod layers;
 mod mass;
 mod place;
-mod rooms;
+mod infill;
+mod steps;
 
-use std::sync::Mutex;
 use std::time::Instant;
 
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SliceSource;
-use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, TriMesh, UniformField};
+use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, Role, TriMesh};
 use grainpath_gcode::check_fits;
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::scan::{CtReport, ScanError, slice_scan};
@@ -30,9 +29,9 @@ use crate::shape;
 use crate::support::{self, SupportSettings};
 use grainpath_job::Settings;
 use grainpath_job::choices::{GuideKind, SupportStyle};
-use layers::Job;
-pub use place::{Sliced, mesh_and_layers};
+pub use place::{PlaceSettings, Sliced, mesh_and_layers};
 use place::{check_bed, outside_bed, part_bounds, plate_from_part};
+pub use steps::{ExtrudedMass, FilledLayers, InfillSettings, LayerWalls, StepSettings, Steps};
 
 /// What a job is made from, read already.
 pub struct Inputs {
@@ -60,7 +59,8 @@ pub fn plan_job(
 ) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
     let shape_error = |source| Error::Shape { path: inputs.path.clone(), source };
-    let sliced = mesh_and_layers(settings, inputs.mesh, diagnostics).map_err(shape_error)?;
+    let sliced =
+        mesh_and_layers(&config::placing(settings), inputs.mesh, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
     let scan: Option<&mut dyn SliceSource> = match &mut inputs.texture {
         Some(other) => Some(&mut **other),
@@ -190,7 +190,7 @@ fn plan_stack(
     let Sliced { stack, mesh, lowered_mm, painted, scan } = sliced;
     let part = part_bounds(&stack);
     let config = config::writing(settings);
-    let plate_from_part_mm = plate_from_part(settings, part);
+    let plate_from_part_mm = plate_from_part(&config.machine, settings.shape.position_mm, part);
     check_bed(&config.machine, &stack, part, plate_from_part_mm)?;
     let fibre = config::fibre(settings);
     fibre.iter().try_for_each(|f| f.check(&stack, part))?;
@@ -217,29 +217,26 @@ fn plan_stack(
         clock.stop(Stage::Support);
     }
     let supported_mesh = (support.is_some() && drawn).then_some(mesh);
-    let uniform = UniformField { axis_rad: settings.guide.angle_deg.to_radians() };
-    let job = Job {
-        settings,
-        stack: &stack,
-        part,
-        support: support.as_ref(),
-        guide: guide.as_ref(),
-        grain: grain.as_ref(),
-        fibre: fibre.as_ref(),
-        uniform,
-        continuous: config::continuous(settings),
-        notes: Mutex::default(),
-    };
-    diagnostics.begin(Stage::Fill, 2 * stack.layers().len());
-    let (mut walls, fills): (Vec<_>, Vec<_>) = job.walls(diagnostics)?.into_iter().unzip();
-    let skins = job.skins(&mut walls, &fills, diagnostics)?;
-    drop(fills);
-    let density = job.density(&walls, &skins)?;
-    let layers = job.fill(walls, &skins, density, diagnostics)?;
-    job.tell_notes(diagnostics);
+    let (step_settings, order) = (config::steps(settings), config::order(settings));
+    let steps = Steps::new(&step_settings, &stack)
+        .with_support(support.as_ref())
+        .with_guide(guide.as_ref(), grain.as_ref())
+        .with_fibre(fibre.as_ref());
+    let all = 0..stack.layers().len();
+    diagnostics.begin(Stage::Fill, 2 * all.len());
+    let mut walls = steps.walls(all.clone(), diagnostics)?;
+    let skins = steps.skins(all.clone(), &mut walls, diagnostics)?;
+    let density = steps.density(&walls, &skins)?;
+    let filled = steps.infill(all, walls, &skins, density, diagnostics)?;
+    if let Some(fibre) = &fibre {
+        let islands = filled.layers.iter().flat_map(|l| &l.islands);
+        let any = islands.flat_map(|i| &i.fills).any(|p| p.role == Role::Fibre);
+        fibre.report_outcome(&filled.fibre, any, diagnostics)?;
+    }
+    steps.report_notes(diagnostics);
     drop(skins);
     clock.stop(Stage::Fill);
-    let layers = order_stack(&stack, layers, &config::order(settings), diagnostics)?;
+    let layers = order_stack(&stack, filled.layers, &order, diagnostics)?;
     clock.stop(Stage::Order);
     let plan = Plan { layers, plate_from_part_mm };
     check_fits(&plan, &config.machine).map_err(|e| outside_bed(e, &stack, part))?;

@@ -6,10 +6,7 @@ use grainpath_gcode::{GcodeError, Machine};
 use grainpath_io::{MeshFile, PaintedSupports};
 
 use crate::error::Error;
-use crate::run::config;
-use crate::shape;
-use grainpath_job::Settings;
-use grainpath_job::choices::{FileUnit, SupportStyle};
+use crate::shape::{self, Placement, Repair, SliceSettings};
 
 /// A shape in layers, on the plate.
 #[derive(Debug, Default)]
@@ -25,12 +22,27 @@ pub struct Sliced {
     pub(super) scan: Option<grainpath_imaging::scan::CtReport>,
 }
 
+/// How a mesh is placed on the bed, repaired and sliced.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaceSettings {
+    /// Unit, scale and rotation.
+    pub placement: Placement,
+    /// Whether a unit that the file states replaces that of the placement.
+    pub unit_of_file: bool,
+    /// Height by which the part is lifted off the bed, mm.
+    pub lift_mm: f64,
+    /// What happens to defects.
+    pub repair: Repair,
+    /// Layer heights and sections.
+    pub slicing: SliceSettings,
+}
+
 /// A mesh where it is to be printed, mended, and its layers.
 ///
 /// # Errors
 /// As [`shape::mend`] and [`shape::slice`].
 pub fn mesh_and_layers(
-    settings: &Settings,
+    settings: &PlaceSettings,
     file: MeshFile,
     diagnostics: &Diagnostics,
 ) -> Result<Sliced, shape::ShapeError> {
@@ -38,21 +50,20 @@ pub fn mesh_and_layers(
     let blockers = bodies.pop().unwrap_or_default();
     let enforcers = bodies.pop().unwrap_or_default();
     let mut painted = PaintedSupports { enforcers, blockers };
-    if settings.support.style != SupportStyle::None {
-        let lift = settings.support.lift_mm;
+    if settings.lift_mm > 0.0 {
         let all = bodies.iter_mut().chain(painted.each_mut());
-        all.flat_map(|b| &mut b.vertices).for_each(|p| p.z += lift);
-        lowered_mm -= lift;
+        all.flat_map(|b| &mut b.vertices).for_each(|p| p.z += settings.lift_mm);
+        lowered_mm -= settings.lift_mm;
     }
-    let mesh = shape::mend(bodies, config::repair(settings), diagnostics)?;
-    let stack = shape::slice(&mesh, &config::slicing(settings), diagnostics)?;
+    let mesh = shape::mend(bodies, settings.repair, diagnostics)?;
+    let stack = shape::slice(&mesh, &settings.slicing, diagnostics)?;
     Ok(Sliced { stack, mesh, lowered_mm, painted, scan: None })
 }
 
 /// The bodies of a file in millimetres on the plate, followed by the painted support enforcers and blockers; and how far
 /// they were lowered to stand there.
 fn place_bodies(
-    settings: &Settings,
+    settings: &PlaceSettings,
     file: MeshFile,
     diagnostics: &Diagnostics,
 ) -> Result<(Vec<TriMesh>, f64), shape::ShapeError> {
@@ -68,12 +79,12 @@ fn place_bodies(
         bodies.push(body.mesh);
     }
     bodies.extend([painted.enforcers, painted.blockers]);
-    let mut placement = config::placement(settings);
+    let mut placement = settings.placement;
     let bounds = bodies.iter().filter_map(TriMesh::bounds);
     let all = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(shape::ShapeError::Empty)?;
-    if settings.shape.unit == FileUnit(None) {
+    if settings.unit_of_file {
         placement.unit = file.unit.unwrap_or(LengthUnit::Millimetre);
-        let longest = (all.1 - all.0).max_element() * settings.shape.scale;
+        let longest = (all.1 - all.0).max_element() * settings.placement.scale;
         let likely = shape::likely_unit(longest);
         if file.unit.is_none() && likely != LengthUnit::Millimetre {
             let text = format!("the mesh is {longest:.3} long and its unit is taken for mm");
@@ -90,11 +101,11 @@ pub(super) fn part_bounds(stack: &LayerStack) -> Bounds2 {
     all.reduce(Bounds2::union).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO })
 }
 
-pub(super) fn plate_from_part(settings: &Settings, part: Bounds2) -> DVec3 {
-    let machine = config::machine(settings);
+/// Where the part's origin is on the bed: `position_mm` is that of the part's centre, else it is the bed's centre.
+pub(super) fn plate_from_part(machine: &Machine, position_mm: Option<[f64; 2]>, part: Bounds2) -> DVec3 {
     let (low, high) = machine.bed_bounds_mm();
     let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
-    let target = settings.shape.position_mm.unwrap_or(middle);
+    let target = position_mm.unwrap_or(middle);
     let centre = part.centre();
     // Whole micrometres, so that moving the part does not change how its numbers round.
     let whole = |mm: f64| (mm * 1e3).round() * 1e-3;

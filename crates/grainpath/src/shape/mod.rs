@@ -8,6 +8,8 @@ mod place;
 mod section;
 mod surface;
 
+use std::ops::Range;
+
 use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::triangulation::TriangulationError;
 use grainpath_core::{Diagnostics, Layer, LayerStack, TriMesh};
@@ -78,32 +80,9 @@ pub fn slice(
     settings: &SliceSettings,
     diagnostics: &Diagnostics,
 ) -> Result<LayerStack, ShapeError> {
-    let (_, high) = mesh.bounds().ok_or(ShapeError::Empty)?;
-    let tops = layer_heights(mesh, high.z, settings)?;
-    diagnostics.begin(Stage::Slice, tops.len());
-    let bottoms = std::iter::once(0.0).chain(tops.iter().copied());
-    let planes: Vec<f64> = tops.iter().zip(bottoms).map(|(top, bottom)| 0.5 * (top + bottom)).collect();
-    let buckets = section::Buckets::new(mesh, &planes);
-    let cut = |i: usize| -> Result<(Layer, section::Mended), Interrupted> {
-        diagnostics.check()?;
-        let (region, mended) = section::section(mesh, buckets.triangles(i), planes[i], settings);
-        diagnostics.advance(1);
-        let height = tops[i] - if i > 0 { tops[i - 1] } else { 0.0 };
-        Ok((
-            Layer::new(tops[i], height, region).expect("layer heights are positive and start at the plate"),
-            mended,
-        ))
-    };
-    let cuts: Vec<Result<_, Interrupted>> =
-        (0..planes.len()).into_par_iter().with_min_len(4).map(cut).collect();
-    let mut layers = Vec::with_capacity(planes.len());
-    let mut mended = section::Mended::default();
-    for result in cuts {
-        let (layer, m) = result?;
-        mended.add(&m);
-        layers.push(layer);
-    }
-    mended.warn(diagnostics);
+    let slicer = Slicer::new(mesh, settings)?;
+    diagnostics.begin(Stage::Slice, slicer.n_layers());
+    let mut layers = slicer.sections(0..slicer.n_layers(), diagnostics)?;
     while layers.last().is_some_and(|l| l.region().is_empty()) {
         layers.pop();
     }
@@ -111,4 +90,90 @@ pub fn slice(
         return Err(ShapeError::NothingLeft);
     }
     Ok(LayerStack::new(layers).expect("layer heights rise"))
+}
+
+/// The layer heights of a mesh, and its sections on request.
+///
+/// A section depends on the mesh alone, so any window of layers gives the layers that [`slice()`] gives.
+///
+/// ```
+/// use grainpath::shape::{SliceSettings, Slicer};
+/// use grainpath_core::{DVec3, Diagnostics, TriMesh};
+///
+/// let corner = |x, y, z| DVec3::new(x, y, z);
+/// let mesh = TriMesh {
+///     vertices: vec![corner(0.0, 0.0, 0.0), corner(9.0, 0.0, 0.0), corner(0.0, 9.0, 0.0), corner(0.0, 0.0, 9.0)],
+///     triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]],
+/// };
+/// let settings = SliceSettings {
+///     layer_height_mm: 0.3,
+///     first_layer_height_mm: 0.3,
+///     adaptive: None,
+///     gap_closing_mm: 0.05,
+///     simplify_mm: 0.01,
+/// };
+/// let slicer = Slicer::new(&mesh, &settings).unwrap();
+/// assert_eq!(slicer.n_layers(), 30);
+/// let window = slicer.sections(10..13, &Diagnostics::default()).unwrap();
+/// assert_eq!(window.len(), 3);
+/// assert!(window[0].region().area_mm2() > window[2].region().area_mm2());
+/// ```
+pub struct Slicer<'a> {
+    mesh: &'a TriMesh,
+    settings: SliceSettings,
+    /// Top of each layer, mm.
+    tops: Vec<f64>,
+    /// Height of each section: the middle of its layer, mm.
+    planes: Vec<f64>,
+    buckets: section::Buckets,
+}
+
+impl<'a> Slicer<'a> {
+    /// Chooses the layer heights of a placed and mended mesh.
+    ///
+    /// # Errors
+    /// [`ShapeError`]: empty, too flat, too many layers.
+    pub fn new(mesh: &'a TriMesh, settings: &SliceSettings) -> Result<Self, ShapeError> {
+        let (_, high) = mesh.bounds().ok_or(ShapeError::Empty)?;
+        let tops = layer_heights(mesh, high.z, settings)?;
+        let bottoms = std::iter::once(0.0).chain(tops.iter().copied());
+        let planes: Vec<f64> = tops.iter().zip(bottoms).map(|(top, bottom)| 0.5 * (top + bottom)).collect();
+        let buckets = section::Buckets::new(mesh, &planes);
+        Ok(Self { mesh, settings: *settings, tops, planes, buckets })
+    }
+
+    /// The number of layers; the topmost ones may turn out to be empty.
+    pub fn n_layers(&self) -> usize {
+        self.tops.len()
+    }
+
+    /// The layers of a window, lowest first. One warning states the gaps that were closed in them.
+    ///
+    /// # Errors
+    /// [`Interrupted`] when a stop was asked for.
+    pub fn sections(
+        &self,
+        window: Range<usize>,
+        diagnostics: &Diagnostics,
+    ) -> Result<Vec<Layer>, Interrupted> {
+        let cut = |i: usize| -> Result<(Layer, section::Mended), Interrupted> {
+            diagnostics.check()?;
+            let triangles = self.buckets.triangles(i);
+            let (region, mended) = section::section(self.mesh, triangles, self.planes[i], &self.settings);
+            diagnostics.advance(1);
+            let height = self.tops[i] - if i > 0 { self.tops[i - 1] } else { 0.0 };
+            let layer = Layer::new(self.tops[i], height, region);
+            Ok((layer.expect("layer heights are positive and start at the plate"), mended))
+        };
+        let cuts: Vec<Result<_, Interrupted>> = window.into_par_iter().with_min_len(4).map(cut).collect();
+        let mut layers = Vec::with_capacity(cuts.len());
+        let mut mended = section::Mended::default();
+        for result in cuts {
+            let (layer, m) = result?;
+            mended.add(&m);
+            layers.push(layer);
+        }
+        mended.warn(diagnostics);
+        Ok(layers)
+    }
 }

@@ -4,8 +4,10 @@
 //! That is asked of masks, not of polygons: the answer needs no more than a cell's accuracy, because skins reach a
 //! little way under what covers them anyway, and polygons would cost ten booleans a layer.
 
+use std::ops::Range;
+
 use grainpath_core::diagnostics::Interrupted;
-use grainpath_core::{Bounds2, Contour, Diagnostics, Polygon, Region};
+use grainpath_core::{Bounds2, Contour, Diagnostics, Layer, Polygon, Region};
 use rayon::prelude::*;
 
 use grainpath_core::mask::{Coverage, Grid, Mask};
@@ -41,15 +43,6 @@ pub struct SkinSplit {
     pub below: Option<Mask>,
 }
 
-/// What the skins of a layer are found from.
-#[derive(Debug, Clone, Copy)]
-pub struct SkinInput<'a> {
-    /// The whole section.
-    pub section: &'a Region,
-    /// Where fill's centrelines may lie.
-    pub fill: &'a [IslandPolygon],
-}
-
 /// Layers whose masks are made together; the masks of the layers around them are made once more.
 const CHUNK: usize = 16;
 /// Bridges smaller than this are printed as any other fill, mm2.
@@ -57,40 +50,47 @@ const MIN_BRIDGE_MM2: f64 = 1.5;
 /// A change of surface smaller than this is not worth a border in the fill, mm2.
 const MIN_SPLIT_MM2: f64 = 4.0;
 
-/// Divides the fill of every layer and hands each layer's skins to `each`, whose results come back in order.
+/// Divides the fill of a window of layers and hands each layer's skins to `each`, whose results come back in order.
+///
+/// `sections` are those of the whole part, since the skins of a layer depend on the `top_layers` sections above and the
+/// `bottom_layers` below it. `fills` holds where infill may lie, for the layers of the window. `each` gets the number of
+/// the layer in the window.
 ///
 /// # Errors
 /// [`Interrupted`] when a stop was asked for.
-pub fn split_stack<T: Send>(
-    layers: &[SkinInput<'_>],
+pub fn split_window<T: Send>(
+    sections: &[Layer],
+    window: Range<usize>,
+    fills: &[Vec<IslandPolygon>],
     bounds: Bounds2,
     settings: &SkinSettings,
     diagnostics: &Diagnostics,
     each: impl Fn(usize, SkinSplit) -> T + Sync,
 ) -> Result<Vec<T>, Interrupted> {
     let grid = Grid::over(bounds, 0.5 * settings.spacing_mm);
-    let chunks: Vec<usize> = (0..layers.len()).step_by(CHUNK).collect();
+    let chunks: Vec<usize> = window.clone().step_by(CHUNK).collect();
     let results: Vec<Result<Vec<T>, Interrupted>> = chunks
         .into_par_iter()
         .map(|first| {
-            let end = (first + CHUNK).min(layers.len());
+            let end = (first + CHUNK).min(window.end);
             let lowest = first.saturating_sub(settings.bottom_layers.max(1));
-            let highest = (end + settings.top_layers.max(1)).min(layers.len());
+            let highest = (end + settings.top_layers.max(1)).min(sections.len());
             let masks: Vec<Mask> =
-                layers[lowest..highest].iter().map(|l| Mask::of(grid, l.section)).collect();
-            let window = Window { grid, masks, lowest, n_layers: layers.len() };
+                sections[lowest..highest].iter().map(|l| Mask::of(grid, l.region())).collect();
+            let masks = Window { grid, masks, lowest, n_layers: sections.len() };
             (first..end)
                 .map(|i| {
                     diagnostics.check()?;
-                    let cover = window.cover(i, settings);
-                    let result = each(i, split(layers[i].fill, cover, settings));
+                    let cover = masks.cover(i, settings);
+                    let k = i - window.start;
+                    let result = each(k, split(&fills[k], cover, settings));
                     diagnostics.advance(1);
                     Ok(result)
                 })
                 .collect()
         })
         .collect();
-    let mut all = Vec::with_capacity(layers.len());
+    let mut all = Vec::with_capacity(window.len());
     for chunk in results {
         all.extend(chunk?);
     }
@@ -229,11 +229,12 @@ mod tests {
             .iter()
             .map(|s| s.offset(-1.0, Join::Miter(3.0)).polygons.into_iter().enumerate().collect())
             .collect();
-        let layers: Vec<SkinInput<'_>> =
-            sections.iter().zip(&fills).map(|(section, fill)| SkinInput { section, fill }).collect();
+        let layer = |(i, s): (usize, &Region)| Layer::new(0.2 * (i + 1) as f64, 0.2, s.clone());
+        let layers: Vec<Layer> =
+            sections.iter().enumerate().map(|s| layer(s).expect("a sound layer")).collect();
         let bounds = sections.iter().filter_map(Region::bounds).reduce(Bounds2::union).expect("not empty");
         let settings = SkinSettings { top_layers: 3, bottom_layers: 2, spacing_mm: 0.4, dense };
-        split_stack(&layers, bounds, &settings, &Diagnostics::default(), |_, split| split)
+        split_window(&layers, 0..layers.len(), &fills, bounds, &settings, &Diagnostics::default(), |_, s| s)
             .expect("not stopped")
     }
 

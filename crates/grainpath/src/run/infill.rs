@@ -1,11 +1,11 @@
-//! The fill of the rooms inside the walls: dense and sparse, straight, along a field or the grain, with fibre.
+//! Infill of one layer: dense and sparse, straight, along a field or the grain, with fibre.
 
 use grainpath_core::math::direction;
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{DVec2, Density, DirectionField, Layer, Polygon, Region, Role, SpeedClass, Toolpath};
-use grainpath_job::choices::{GuideKind, Pattern};
+use grainpath_job::choices::Pattern;
 
-use super::layers::Job;
+use super::steps::Steps;
 use crate::fibre::{FibreSettings, Tally};
 use crate::fill::curves::{Flow, lay_curves};
 use crate::fill::{Concentric, FillContext, Infill, SeedLines, Solid, Stripes, bridge_angle_rad, infill};
@@ -13,38 +13,48 @@ use crate::guide::grain::GrainGuide;
 use crate::guide::grain::Mode;
 use crate::wall::skin::{IslandPolygon, SkinSplit};
 
-/// How a room is to be filled.
-struct Wanted<'a> {
+/// How an infill region is to be filled.
+struct RegionFill<'a> {
     density: Density,
     role: Role,
     pattern: &'a dyn Infill,
     grain: Option<&'a GrainGuide>,
 }
 
-impl Job<'_> {
-    /// How far what fill is to fill reaches beyond the room of its centrelines: to the strips of the walls, and a
-    /// little more for what the round edge of the outer wall leaves out, so that the layer has the part's volume.
+impl Steps<'_> {
+    /// How far the strips of infill beads reach beyond the region of their centrelines, mm: to the strips of the walls, and
+    /// a little further for what the round edge of the outer wall leaves out, so that the layer has the part's volume.
     pub(super) fn border_mm(&self, layer: &Layer) -> f64 {
-        let w = self.settings.process.bead_width_mm;
+        let walls = &self.settings.walls;
+        let w = walls.bead_width_mm;
         let s = bead_spacing_mm(w, layer.height_mm());
-        if self.settings.process.walls == 0 {
+        if walls.n_walls == 0 {
             return 0.5 * w;
         }
-        (0.5 - self.settings.fill.overlap) * s + 0.5 * (w - s)
+        (0.5 - walls.fill_overlap) * s + 0.5 * (w - s)
     }
 
-    /// The direction of a layer's lines. Crossed patterns and `aligned` keep the first angle of the list.
+    /// The direction of a layer's lines. Patterns that cross within a layer, and `aligned`, use the first raster angle.
     pub(super) fn angle_rad(&self, layer_idx: usize, density: Density) -> f64 {
-        let s = self.settings;
-        let turns = density.is_dense() || s.fill.pattern == Pattern::Rectilinear;
-        let turns = turns && s.fill.pattern != Pattern::Aligned;
-        let angles = &s.fill.angles_deg;
-        let deg = if s.guide.kind == GuideKind::Angle {
-            s.guide.angle_deg
-        } else {
-            angles[if turns { layer_idx % angles.len() } else { 0 }]
+        let infill = &self.settings.infill;
+        if let Some(angle_rad) = infill.guide_angle_rad {
+            return angle_rad;
+        }
+        let turns = match infill.pattern {
+            Pattern::Aligned => false,
+            Pattern::Rectilinear => true,
+            Pattern::Grid
+            | Pattern::Triangles
+            | Pattern::Gyroid
+            | Pattern::Concentric
+            | Pattern::Honeycomb
+            | Pattern::Stripes
+            | Pattern::Streamlines
+            | Pattern::SeedLines
+            | Pattern::Continuous => density.is_dense(),
         };
-        deg.to_radians()
+        let angles = &infill.angles_rad;
+        angles[if turns { layer_idx % angles.len() } else { 0 }]
     }
 
     /// Skins, bridges, and the inside where it is dense.
@@ -56,17 +66,17 @@ impl Job<'_> {
     ) -> Tally {
         let mut paths = Vec::new();
         let mut tally = Tally::default();
-        let fill = &self.settings.fill;
-        let all_dense = fill.density.is_dense();
+        let infill = &self.settings.infill;
+        let all_dense = infill.density.is_dense();
         // Skins over sparse fill stay straight lines without fibre: they close the part.
         let grain = self.grain.filter(|_| all_dense);
         let fibre = self.fibre.filter(|_| all_dense);
         for (polygons, role) in [(&split.solid, Role::SolidFill), (&split.top, Role::TopSkin)] {
-            let pattern = self.dense_pattern(fill.pattern);
-            let asked = Wanted { density: Density::Dense, role, pattern, grain };
-            for rooms in polygons.chunk_by(|a, b| a.0 == b.0) {
-                tally = tally.and(self.rooms(i, rooms, &asked, fibre, &mut paths));
-                paths.drain(..).for_each(|p| add(rooms[0].0, p));
+            let pattern = self.dense_pattern(infill.pattern);
+            let asked = RegionFill { density: Density::Dense, role, pattern, grain };
+            for regions in polygons.chunk_by(|a, b| a.0 == b.0) {
+                tally = tally.and(self.fill_island(i, regions, &asked, fibre, &mut paths));
+                paths.drain(..).for_each(|p| add(regions[0].0, p));
             }
         }
         for (island, polygon) in &split.bridge {
@@ -88,40 +98,40 @@ impl Job<'_> {
             return tally;
         }
         let role = if density.is_dense() { Role::SolidFill } else { Role::SparseFill };
-        let pattern = self.pattern(self.settings.fill.pattern);
-        let asked = Wanted { density, role, pattern, grain: self.grain };
+        let pattern = self.pattern(self.settings.infill.pattern);
+        let asked = RegionFill { density, role, pattern, grain: self.grain };
         let mut paths = Vec::new();
-        for rooms in split.sparse.chunk_by(|a, b| a.0 == b.0) {
-            tally = tally.and(self.rooms(i, rooms, &asked, self.fibre, &mut paths));
-            paths.drain(..).for_each(|p| add(rooms[0].0, p));
+        for regions in split.sparse.chunk_by(|a, b| a.0 == b.0) {
+            tally = tally.and(self.fill_island(i, regions, &asked, self.fibre, &mut paths));
+            paths.drain(..).for_each(|p| add(regions[0].0, p));
         }
         tally
     }
 
-    /// Fills the rooms of an island, with fibre where that is asked for and the matrix around it.
-    fn rooms(
+    /// Fills the infill regions of an island, with fibre where the job wants it and matrix around it.
+    fn fill_island(
         &self,
         i: usize,
-        rooms: &[IslandPolygon],
-        asked: &Wanted<'_>,
+        regions: &[IslandPolygon],
+        asked: &RegionFill<'_>,
         fibre: Option<&FibreSettings>,
         out: &mut Vec<Toolpath>,
     ) -> Tally {
         let mut context = self.context(i, asked.density, asked.role);
         let Some(fibre) = fibre else {
-            let rooms: Vec<&Polygon> = rooms.iter().map(|r| &r.1).collect();
-            self.fill_rooms(i, &context, &rooms, asked, out);
+            let regions: Vec<&Polygon> = regions.iter().map(|r| &r.1).collect();
+            self.fill_regions(i, &context, &regions, asked, out);
             return Tally::default();
         };
         let z_mm = self.z_mid_mm(i);
-        let matrix_mm = self.settings.process.bead_width_mm;
+        let matrix_mm = self.settings.walls.bead_width_mm;
         let (mut with, mut without) = (Vec::new(), Vec::new());
-        for (_, room) in rooms {
-            let (a, b) = fibre.split((i, z_mm), context.height_mm, room, matrix_mm);
+        for (_, region) in regions {
+            let (a, b) = fibre.split((i, z_mm), context.height_mm, region, matrix_mm);
             with.extend(a);
             without.extend(b);
         }
-        let f = &self.settings.fibre;
+        let f = &self.settings.infill;
         let density = f.matrix_density;
         if density.fraction() > 0.0 {
             let (matrix, role) = match density {
@@ -129,61 +139,58 @@ impl Job<'_> {
                 Density::Sparse(_) => (self.pattern(f.matrix_pattern), Role::SparseFill),
             };
             let context = self.context(i, density, role);
-            without.iter().for_each(|room| matrix.fill(&context, room, out));
+            without.iter().for_each(|region| matrix.fill(&context, region, out));
         }
         context.bead_width_mm = fibre.bead_width_mm;
         context.border_mm += 0.5 * (fibre.bead_width_mm - matrix_mm);
         let load = |p: DVec2| self.guide.map_or(0.0, |guide| guide.asked(i, p.extend(z_mm)).1);
         let mut paths = Vec::new();
-        self.fill_rooms(i, &context, &with.iter().collect::<Vec<_>>(), asked, &mut paths);
-        fibre.lay(paths, &Region { polygons: with }, &load, self.settings.process.chain, out)
+        self.fill_regions(i, &context, &with.iter().collect::<Vec<_>>(), asked, &mut paths);
+        fibre.lay(paths, &Region { polygons: with }, &load, self.settings.infill.chain, out)
     }
 
-    /// Fills the rooms of an island; as one path where that is asked for and can be.
-    fn fill_rooms(
+    /// Fills infill regions with one material; as one path for the pattern `continuous`.
+    fn fill_regions(
         &self,
         i: usize,
         context: &FillContext<'_>,
-        rooms: &[&Polygon],
-        asked: &Wanted<'_>,
+        regions: &[&Polygon],
+        asked: &RegionFill<'_>,
         out: &mut Vec<Toolpath>,
     ) {
         if self.is_continuous() {
             let mut notes = Vec::new();
-            self.continuous.lay_island(context, rooms, out, &mut notes);
-            if !notes.is_empty() {
-                let mut all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                all.entry((i, context.role)).or_default().extend(notes);
-            }
+            self.settings.infill.continuous.lay_island(context, regions, out, &mut notes);
+            self.note(i, context.role, notes);
             return;
         }
-        for room in rooms {
+        for region in regions {
             match asked.grain {
-                Some(grain) => self.along_grain(grain, context, room, out),
-                None => asked.pattern.fill(context, room, out),
+                Some(grain) => self.along_grain(grain, context, region, out),
+                None => asked.pattern.fill(context, region, out),
             }
         }
     }
 
-    /// Fills a room with the grain: the picture's edges, the guided pattern asked for, or else stripes where it is
+    /// Fills a region along the grain: the picture's edges, the guided pattern asked for, or else stripes where it is
     /// dense and lines at even distances where it is not.
     fn along_grain(
         &self,
         grain: &GrainGuide,
         context: &FillContext<'_>,
-        room: &Polygon,
+        region: &Polygon,
         out: &mut Vec<Toolpath>,
     ) {
         let z_mm = context.z_mid_mm;
         let axis = |p: DVec2| direction(grain.sample(p.extend(z_mm)).axis_rad);
         let sparseness = |p: DVec2| grain.sparseness(p.extend(z_mm));
         let flow = Flow { axis: &axis, sparseness: grain.has_darkness().then_some(&sparseness) };
-        let pattern = self.settings.fill.pattern;
+        let pattern = self.settings.infill.pattern;
         match grain.mode {
-            Mode::Edges => lay_curves(context, room, &grain.curves(z_mm), &flow, out),
-            Mode::Field if pattern.follows_field() => self.pattern(pattern).fill(context, room, out),
-            Mode::Field if context.density.is_dense() => Stripes.fill(context, room, out),
-            Mode::Field => lay_curves(context, room, &[], &flow, out),
+            Mode::Edges => lay_curves(context, region, &grain.curves(z_mm), &flow, out),
+            Mode::Field if pattern.follows_field() => self.pattern(pattern).fill(context, region, out),
+            Mode::Field if context.density.is_dense() => Stripes.fill(context, region, out),
+            Mode::Field => lay_curves(context, region, &[], &flow, out),
         }
     }
 
@@ -196,7 +203,7 @@ impl Job<'_> {
         let first = out.len();
         Solid.fill(&context, polygon, out);
         for path in &mut out[first..] {
-            path.flow = self.settings.process.bridge_flow;
+            path.flow = self.settings.infill.bridge_flow;
             path.speed = SpeedClass::Bridge;
         }
     }
@@ -204,7 +211,7 @@ impl Job<'_> {
     /// The code that lays sparse infill in this pattern.
     fn pattern(&self, pattern: Pattern) -> &dyn Infill {
         match pattern {
-            Pattern::Continuous => &self.continuous,
+            Pattern::Continuous => &self.settings.infill.continuous,
             Pattern::Rectilinear
             | Pattern::Grid
             | Pattern::Triangles
@@ -222,8 +229,8 @@ impl Job<'_> {
     /// dense throughout, or has a guide, is filled by its own pattern.
     fn dense_pattern(&self, pattern: Pattern) -> &dyn Infill {
         match pattern {
-            Pattern::Continuous => &self.continuous,
-            Pattern::Concentric if self.settings.fill.density.is_dense() => &Concentric,
+            Pattern::Continuous => &self.settings.infill.continuous,
+            Pattern::Concentric if self.settings.infill.density.is_dense() => &Concentric,
             Pattern::Stripes | Pattern::Streamlines => &Stripes,
             Pattern::SeedLines => &SeedLines,
             Pattern::Rectilinear
@@ -238,6 +245,7 @@ impl Job<'_> {
 
     /// Whether all fill of an island is to be one path.
     fn is_continuous(&self) -> bool {
-        self.settings.fill.pattern == Pattern::Continuous && self.grain.is_none_or(|g| g.mode == Mode::Field)
+        self.settings.infill.pattern == Pattern::Continuous
+            && self.grain.is_none_or(|g| g.mode == Mode::Field)
     }
 }

@@ -1,0 +1,480 @@
+//! The steps from sections to the paths of each layer: walls, skins, infill, supports, skirt and brim.
+//!
+//! Each step is a function over a window of layers, a range of layer numbers. It returns one result for each layer of the
+//! window, in order, so that a caller can plan a part of any height with the paths of a few layers in memory, spread the
+//! windows over several machines, or plan again only the layers that a changed setting concerns.
+//!
+//! | step | needs of other layers |
+//! |---|---|
+//! | sections ([`crate::shape::Slicer::sections`]) | nothing |
+//! | walls ([`Steps::walls`]) | nothing |
+//! | skins ([`Steps::skins`]) | the sections of `top_layers` layers above and `bottom_layers` below |
+//! | infill ([`Steps::infill`]) | the section below, for bridges |
+//! | order ([`crate::order::order_window`]) | the nozzle and the seams of the layer below, in an `OrderState` |
+//!
+//! Sections are compact and are kept for the whole part. Two things are found for the whole part before any window: the
+//! guide, and the density of a job that asks for a mass.
+//!
+//! Cost: each step is linear in the number of layers, except that a window makes the masks of its neighbouring sections
+//! once more. Layers run in parallel within a window, so very small windows use fewer threads.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+use std::sync::Mutex;
+
+use grainpath_core::diagnostics::Interrupted;
+use grainpath_core::mask::Mask;
+use grainpath_core::{
+    BeadWidth, Bounds2, Density, Diagnostics, Layer, LayerPlan, LayerStack, Role, SpeedClass, Toolpath,
+    UniformField, Warning,
+};
+use grainpath_job::choices::Pattern;
+use rayon::prelude::*;
+
+use crate::fibre::{FibreSettings, Tally};
+use crate::fill::{Continuous, FillContext, Note};
+use crate::guide::Guide;
+use crate::guide::grain::GrainGuide;
+use crate::order::{Island, LayerPaths, OrderSettings, OrderState, order_window};
+use crate::support::beads::BeadSettings;
+use crate::support::{self, Support};
+use crate::wall::adhesion::{AdhesionSettings, brim, skirt};
+use crate::wall::skin::{IslandPolygon, SkinSettings, SkinSplit, split_window};
+use crate::wall::{WallSettings, lay_walls};
+
+/// Shorter closed walls are small, mm.
+const SMALL_WALL_MM: f64 = 30.0;
+/// Walls with more than this share of their length over air are overhangs.
+const OVERHANG_SHARE: f64 = 0.25;
+
+/// Infill of one layer, each path with the number of its island.
+type IslandPaths = Vec<(usize, Toolpath)>;
+
+/// The walls of one layer, and where its infill may lie.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LayerWalls {
+    /// The islands of the layer, in the order of its section's polygons.
+    pub islands: Vec<Island>,
+    /// Where the centrelines of infill may lie.
+    pub fill: Vec<IslandPolygon>,
+}
+
+/// Settings of the steps from sections to paths.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepSettings {
+    /// Walls; the height is replaced by that of each layer.
+    pub walls: WallSettings,
+    /// Skins.
+    pub skins: SkinSettings,
+    /// Infill.
+    pub infill: InfillSettings,
+    /// Beads of supports.
+    pub supports: BeadSettings,
+    /// Number of layers above the bed in which supports are dense.
+    pub dense_support_layers: usize,
+    /// Skirt and brim; the height is replaced by that of the first layer.
+    pub adhesion: AdhesionSettings,
+    /// Number of layers with a skirt.
+    pub skirt_layers: usize,
+}
+
+/// Settings of infill.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InfillSettings {
+    /// The pattern.
+    pub pattern: Pattern,
+    /// The density that the job states; replaced where it asks for a mass.
+    pub density: Density,
+    /// The mass that the part is to have, g.
+    pub mass_g: Option<f64>,
+    /// Mass of what is extruded.
+    pub material: ExtrudedMass,
+    /// Mass of beads with fibre.
+    pub fibre_material: ExtrudedMass,
+    /// Raster angles, used in turn from layer to layer.
+    pub angles_rad: Vec<f64>,
+    /// The direction of all infill, where the guide is one angle.
+    pub guide_angle_rad: Option<f64>,
+    /// The direction that patterns along a field follow, where no guide gives any.
+    pub field_axis_rad: f64,
+    /// Factor on the extrusion of bridges.
+    pub bridge_flow: f64,
+    /// Whether fibre begins where it ended in the layer below.
+    pub chain: bool,
+    /// Pattern of infill without fibre, in layers and places with fibre.
+    pub matrix_pattern: Pattern,
+    /// Density of that infill.
+    pub matrix_density: Density,
+    /// Cells and widths of the pattern `continuous`.
+    pub continuous: Continuous,
+}
+
+/// What turns extruded volume into mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExtrudedMass {
+    /// Mass density, g/cm3.
+    pub density_g_cm3: f64,
+    /// Factor on all extrusion.
+    pub flow: f64,
+}
+
+/// A part on its way from sections to paths. Each step is a method over a window of layers.
+///
+/// ```
+/// use grainpath::order::{OrderState, order_window};
+/// use grainpath::run::{Steps, config};
+/// use grainpath_core::{DVec2, Density, Diagnostics, Layer, LayerStack, Region};
+/// use grainpath_job::Settings;
+///
+/// let section = || Region::rectangle(DVec2::ZERO, DVec2::new(20.0, 10.0));
+/// let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).unwrap();
+/// let stack = LayerStack::new((0..9).map(layer).collect()).unwrap();
+///
+/// let settings = Settings::default();
+/// let (step_settings, order) = (config::steps(&settings), config::order(&settings));
+/// let steps = Steps::new(&step_settings, &stack);
+/// let (diagnostics, window) = (Diagnostics::default(), 3..6);
+/// let mut walls = steps.walls(window.clone(), &diagnostics).unwrap();
+/// let skins = steps.skins(window.clone(), &mut walls, &diagnostics).unwrap();
+/// let filled = steps.infill(window, walls, &skins, Density::new(0.2), &diagnostics).unwrap();
+/// assert_eq!(filled.layers.len(), 3);
+/// assert!(!filled.layers[1].islands[0].fills.is_empty());
+/// # let _ = (OrderState::new(&order), order_window);
+/// ```
+pub struct Steps<'a> {
+    pub(super) settings: &'a StepSettings,
+    pub(super) stack: &'a LayerStack,
+    pub(super) part: Bounds2,
+    support: Option<&'a Support>,
+    pub(super) guide: Option<&'a Guide>,
+    pub(super) grain: Option<&'a GrainGuide>,
+    /// How fibre is laid, where any is.
+    pub(super) fibre: Option<&'a FibreSettings>,
+    /// The field of patterns that follow directions, where no other guide gives any.
+    uniform: UniformField,
+    /// What kept islands from being one path, by layer and role.
+    notes: Mutex<BTreeMap<(usize, Role), Vec<Note>>>,
+}
+
+/// The paths of a window of layers.
+#[derive(Debug, Default)]
+pub struct FilledLayers {
+    /// The paths of each layer, in no order yet.
+    pub layers: Vec<LayerPaths>,
+    /// What became of the paths that were to carry fibre.
+    pub fibre: Tally,
+}
+
+impl<'a> Steps<'a> {
+    /// The steps of a part without supports, fibre and guide.
+    pub fn new(settings: &'a StepSettings, stack: &'a LayerStack) -> Self {
+        Self {
+            settings,
+            stack,
+            part: super::place::part_bounds(stack),
+            support: None,
+            guide: None,
+            grain: None,
+            fibre: None,
+            uniform: UniformField { axis_rad: settings.infill.field_axis_rad },
+            notes: Mutex::default(),
+        }
+    }
+
+    /// Adds supports.
+    #[must_use]
+    pub fn with_support(self, support: Option<&'a Support>) -> Self {
+        Self { support, ..self }
+    }
+
+    /// Guides infill by stress or by grain; stress where both are given.
+    #[must_use]
+    pub fn with_guide(self, guide: Option<&'a Guide>, grain: Option<&'a GrainGuide>) -> Self {
+        Self { guide, grain, ..self }
+    }
+
+    /// Lays infill with continuous fibre.
+    #[must_use]
+    pub fn with_fibre(self, fibre: Option<&'a FibreSettings>) -> Self {
+        Self { fibre, ..self }
+    }
+
+    /// The walls of a window of layers, and where their infill may lie.
+    ///
+    /// # Errors
+    /// [`Interrupted`] when a stop was asked for.
+    pub fn walls(
+        &self,
+        window: Range<usize>,
+        diagnostics: &Diagnostics,
+    ) -> Result<Vec<LayerWalls>, Interrupted> {
+        let lay = |layer: &Layer| {
+            diagnostics.check()?;
+            let settings = WallSettings { height_mm: layer.height_mm(), ..self.settings.walls };
+            let mut islands = Vec::with_capacity(layer.region().polygons.len());
+            let mut fill = Vec::new();
+            for (i, polygon) in layer.region().polygons.iter().enumerate() {
+                let walls = lay_walls(polygon, &settings);
+                fill.extend(walls.fill.polygons.into_iter().map(|p| (i, p)));
+                islands.push(Island { walls: walls.loops, fills: walls.singles });
+            }
+            for wall in islands.iter_mut().flat_map(|i: &mut Island| &mut i.walls) {
+                if wall.path.length_mm() < SMALL_WALL_MM {
+                    wall.path.speed = SpeedClass::SmallWall;
+                }
+            }
+            diagnostics.advance(1);
+            Ok(LayerWalls { islands, fill })
+        };
+        let all: Vec<Result<_, Interrupted>> =
+            self.stack.layers()[window].par_iter().with_min_len(2).map(lay).collect();
+        all.into_iter().collect()
+    }
+
+    /// Divides the infill regions of a window of layers into skins, bridges and sparse infill, and marks walls over air.
+    /// `walls` are those of the window. Each [`LayerWalls::fill`] is used up.
+    ///
+    /// # Errors
+    /// [`Interrupted`] when a stop was asked for.
+    pub fn skins(
+        &self,
+        window: Range<usize>,
+        walls: &mut [LayerWalls],
+        diagnostics: &Diagnostics,
+    ) -> Result<Vec<SkinSplit>, Interrupted> {
+        let settings = &self.settings.skins;
+        // One path knows no skins: where all is dense it takes the whole region.
+        let whole = self.settings.infill.pattern == Pattern::Continuous && settings.dense;
+        let (fills, islands): (Vec<_>, Vec<_>) =
+            walls.iter_mut().map(|w| (std::mem::take(&mut w.fill), Mutex::new(&mut w.islands))).unzip();
+        let sections = self.stack.layers();
+        split_window(sections, window, &fills, self.part, settings, diagnostics, |k, mut split| {
+            if whole {
+                split = SkinSplit { solid: fills[k].clone(), below: split.below, ..SkinSplit::default() };
+            }
+            if let Some(below) = split.below.take() {
+                let mut islands = islands[k].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                let walls = islands.iter_mut().flat_map(|i| &mut i.walls);
+                walls.for_each(|w| mark_overhang(&mut w.path, &below));
+            }
+            split
+        })
+    }
+
+    /// Lays the infill, the supports, skirt and brim of a window of layers. `walls` and `skins` are those of the window.
+    ///
+    /// # Errors
+    /// [`Interrupted`] when a stop was asked for.
+    pub fn infill(
+        &self,
+        window: Range<usize>,
+        walls: Vec<LayerWalls>,
+        skins: &[SkinSplit],
+        density: Density,
+        diagnostics: &Diagnostics,
+    ) -> Result<FilledLayers, Interrupted> {
+        let first = window.start;
+        let duplicate_of = self.duplicates(first, skins);
+        let lay = |k: usize| {
+            diagnostics.check()?;
+            let mut paths = Vec::new();
+            let mut tally = Tally::default();
+            if duplicate_of[k] == k {
+                let mut add = |island, path| paths.push((island, path));
+                tally = self.dense_fill(first + k, &skins[k], &mut add);
+                tally = tally.and(self.sparse_fill(first + k, &skins[k], density, &mut add));
+            }
+            diagnostics.advance(1);
+            Ok((paths, tally))
+        };
+        let laid: Vec<Result<(IslandPaths, Tally), Interrupted>> = (0..walls.len())
+            .into_par_iter()
+            .with_min_len(if self.guide.is_some() { 1 } else { 2 })
+            .map(lay)
+            .collect();
+        let (mut laid, tallies): (Vec<_>, Vec<_>) =
+            laid.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        for k in 0..laid.len() {
+            if duplicate_of[k] != k {
+                laid[k] = laid[duplicate_of[k]].clone();
+            }
+        }
+        let fibre = duplicate_of.iter().map(|&k| tallies[k]).fold(Tally::default(), Tally::and);
+        let adhesion = self.adhesion(&window);
+        let mut supports: Vec<Vec<Island>> = window.into_par_iter().map(|i| self.supports(i)).collect();
+        let whole = |(k, (walls, paths)): (usize, (LayerWalls, IslandPaths))| {
+            let mut islands = walls.islands;
+            paths.into_iter().for_each(|(island, path)| islands[island].fills.push(path));
+            let adhesion = adhesion.get(k).cloned().unwrap_or_default();
+            LayerPaths { adhesion, supports: std::mem::take(&mut supports[k]), islands }
+        };
+        let layers = walls.into_iter().zip(laid).enumerate().map(whole).collect();
+        Ok(FilledLayers { layers, fibre })
+    }
+
+    /// Plans the whole part in windows of `n_layers` layers, from the bed upwards, and hands on each layer as soon as it
+    /// is planned. The layers are the same for every window size.
+    ///
+    /// # Errors
+    /// [`Interrupted`] when a stop was asked for.
+    pub fn in_windows(
+        &self,
+        n_layers: usize,
+        density: Density,
+        order: &OrderSettings,
+        diagnostics: &Diagnostics,
+        mut each: impl FnMut(LayerPlan),
+    ) -> Result<Tally, Interrupted> {
+        let mut state = OrderState::new(order);
+        let mut fibre = Tally::default();
+        let end = self.stack.layers().len();
+        for first in (0..end).step_by(n_layers.max(1)) {
+            let window = first..(first + n_layers.max(1)).min(end);
+            let mut walls = self.walls(window.clone(), diagnostics)?;
+            let skins = self.skins(window.clone(), &mut walls, diagnostics)?;
+            let filled = self.infill(window.clone(), walls, &skins, density, diagnostics)?;
+            fibre = fibre.and(filled.fibre);
+            let sections = self.stack.layers();
+            let plans = order_window(sections, window, filled.layers, order, &mut state, diagnostics)?;
+            plans.into_iter().for_each(&mut each);
+        }
+        Ok(fibre)
+    }
+
+    /// For each layer of a window the lowest layer of the window that has the same infill region and the same field, where
+    /// infill depends on nothing else; its own number where there is none. Only patterns that follow a field are compared:
+    /// for others laying is as fast as comparing.
+    fn duplicates(&self, first: usize, skins: &[SkinSplit]) -> Vec<usize> {
+        let layers = self.stack.layers();
+        let guided = self.grain.is_some() || self.settings.infill.pattern.follows_field();
+        let mut duplicate_of: Vec<usize> = (0..skins.len()).collect();
+        if !guided {
+            return duplicate_of;
+        }
+        for k in 1..skins.len() {
+            let i = first + k;
+            let same = |&other: &usize| {
+                let j = first + other;
+                (layers[i].height_mm() - layers[j].height_mm()).abs() < 1e-9
+                    && skins[k].bridge.is_empty()
+                    && skins[k] == skins[other]
+                    && self.guide.is_none_or(|g| g.same(i, j))
+                    && self.grain.is_none_or(GrainGuide::is_upright)
+                    && self.fibre.is_none_or(|f| f.same((i, self.z_mid_mm(i)), (j, self.z_mid_mm(j))))
+            };
+            // The layer below, or with directions that alternate the one below that.
+            if let Some(other) = (k.saturating_sub(2)..k).rev().find(same) {
+                duplicate_of[k] = duplicate_of[other];
+            }
+        }
+        duplicate_of
+    }
+
+    pub(super) fn z_mid_mm(&self, layer_idx: usize) -> f64 {
+        let layer = &self.stack.layers()[layer_idx];
+        layer.z_top_mm() - 0.5 * layer.height_mm()
+    }
+
+    pub(super) fn context(&self, layer_idx: usize, density: Density, role: Role) -> FillContext<'_> {
+        let layer = &self.stack.layers()[layer_idx];
+        FillContext {
+            z_mid_mm: self.z_mid_mm(layer_idx),
+            height_mm: layer.height_mm(),
+            bead_width_mm: self.settings.walls.bead_width_mm,
+            density,
+            angle_rad: self.angle_rad(layer_idx, density),
+            part: self.part,
+            role,
+            border_mm: self.border_mm(layer),
+            field: Some(match (self.guide, self.grain) {
+                (Some(guide), _) => guide.layer(layer_idx),
+                (None, Some(grain)) => grain,
+                (None, None) => &self.uniform,
+            }),
+        }
+    }
+
+    /// Keeps what was noted about an island of a layer.
+    pub(super) fn note(&self, layer_idx: usize, role: Role, notes: Vec<Note>) {
+        if !notes.is_empty() {
+            let mut all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            all.entry((layer_idx, role)).or_default().extend(notes);
+        }
+    }
+
+    /// Discards the notes of densities that were only tried.
+    pub(super) fn discard_notes(&self) {
+        self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clear();
+    }
+
+    /// Warns of each kind of trouble once, at its first place, and says in how many layers more it is.
+    pub(super) fn report_notes(&self, diagnostics: &Diagnostics) {
+        let all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut reported = Vec::new();
+        for (&(layer_idx, _), note) in all.iter().flat_map(|(key, notes)| notes.iter().map(move |n| (key, n)))
+        {
+            let kind = std::mem::discriminant(&note.what);
+            if reported.contains(&kind) {
+                continue;
+            }
+            reported.push(kind);
+            let same = |notes: &[Note]| notes.iter().any(|n| std::mem::discriminant(&n.what) == kind);
+            let layers: BTreeSet<usize> =
+                all.iter().filter(|(_, notes)| same(notes)).map(|(key, _)| key.0).collect();
+            let more = match layers.len() - 1 {
+                0 => String::new(),
+                n => format!(" (and the like in {n} more)"),
+            };
+            let z_mm = self.stack.layers()[layer_idx].z_top_mm();
+            let warning = note.warning().in_layer(layer_idx, z_mm);
+            diagnostics.push(Warning { text: format!("{}{more}", warning.text), ..warning });
+        }
+    }
+
+    /// The beads of the support in a layer.
+    fn supports(&self, layer_idx: usize) -> Vec<Island> {
+        let Some(layer) = self.support.map(|s| &s.cut.layers[layer_idx]) else { return Vec::new() };
+        let context = self.context(layer_idx, Density::Dense, Role::Support);
+        let dense = layer_idx < self.settings.dense_support_layers;
+        support::beads::lay(layer, &context, dense, &self.settings.supports)
+    }
+
+    /// Skirt and brim of the layers of a window that have any, from its first layer on.
+    fn adhesion(&self, window: &Range<usize>) -> Vec<Vec<Toolpath>> {
+        let settings = &self.settings.adhesion;
+        let n_layers = self.stack.layers().len();
+        let n = if settings.skirt_loops > 0 { self.settings.skirt_layers.min(n_layers) } else { 1 };
+        let Some(first) = self.stack.layers().first() else { return Vec::new() };
+        if window.start >= n {
+            return Vec::new();
+        }
+        let settings = AdhesionSettings { height_mm: first.height_mm(), ..*settings };
+        let standing = match self.support {
+            Some(s) => first.region().union(&s.cut.layers[0].region),
+            None => first.region().clone(),
+        };
+        let skirts = if settings.skirt_loops > 0 { skirt(&standing, &settings) } else { Vec::new() };
+        let mut all = vec![skirts; n];
+        if settings.brim_width_mm > 0.0 {
+            all[0].extend(brim(&standing, &settings));
+        }
+        all.split_off(window.start)
+    }
+}
+
+/// Marks a wall as overhanging when enough of it lies over air.
+fn mark_overhang(path: &mut Toolpath, below: &Mask) {
+    let (mut free, mut all) = (0.0, 0.0);
+    for i in 0..path.n_segments() {
+        let (a, b, _) = path.segment(i);
+        let length = a.distance(b);
+        all += length;
+        if !below.contains(0.5 * (a + b)) {
+            free += length;
+        }
+    }
+    if free > OVERHANG_SHARE * all {
+        path.speed = SpeedClass::Overhang;
+    }
+    debug_assert!(matches!(path.width, BeadWidth::Constant(_)));
+}

@@ -1,0 +1,60 @@
+//! Planning a part in windows of a few layers gives the layers that planning it whole gives.
+
+use grainpath::run::{Steps, config, mesh_and_layers};
+use grainpath_core::{Density, Diagnostics, LayerPlan, LayerStack};
+use grainpath_io::parse_mesh;
+use grainpath_job::{Settings, parse_job};
+
+fn settings(sets: &[&str]) -> Settings {
+    let sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();
+    parse_job("", "job.toml", &sets, &|path| Err(path.to_owned())).expect("a sound job")
+}
+
+/// The mounting plate of the preset at a third of its size: holes, a slot, a thin rib, and a step in height.
+fn plate(settings: &Settings) -> LayerStack {
+    let mut bytes = Vec::new();
+    grainpath_io::write_stl(&grainpath_parts::presets::plate(), &mut bytes).expect("memory takes all");
+    let file = parse_mesh(&bytes, Some("plate.stl")).expect("a sound mesh");
+    mesh_and_layers(&config::placing(settings), file, &Diagnostics::default()).expect("a sound mesh").stack
+}
+
+fn planned(settings: &Settings, stack: &LayerStack, n_layers: usize) -> Vec<LayerPlan> {
+    let step_settings = config::steps(settings);
+    let steps = Steps::new(&step_settings, stack);
+    let mut layers = Vec::new();
+    let (density, order) = (Density::new(0.3), config::order(settings));
+    let diagnostics = Diagnostics::default();
+    steps
+        .in_windows(n_layers, density, &order, &diagnostics, |layer| layers.push(layer))
+        .expect("not stopped");
+    layers
+}
+
+#[test]
+fn windows_of_any_size_give_the_same_layers() {
+    let small = ["shape.scale=0.35", "process.layer_height_mm=0.25", "process.skirt_layers=3"];
+    for more in [
+        &["fill.pattern=gyroid", "process.seam=random"][..],
+        // Seams and beginnings follow the layer below, across the borders of windows.
+        &["fill.pattern=grid", "process.seam=aligned", "process.brim_width_mm=2"],
+        &["fill.pattern=rectilinear", "process.chain=true", "process.top_layers=3"],
+        // Equal layers are laid once and copied.
+        &["fill.pattern=stripes", "guide.kind=angle", "guide.angle_deg=30"],
+        &["fill.pattern=continuous", "guide.kind=angle"],
+    ] {
+        let all: Vec<&str> = small.iter().chain(more).copied().collect();
+        let settings = settings(&all);
+        let stack = plate(&settings);
+        let n = stack.layers().len();
+        assert!(n > 7, "{n} layers are too few for this test");
+        let whole = planned(&settings, &stack, n);
+        assert_eq!(whole.len(), n);
+        for window in [1, 3, 7] {
+            let layers = planned(&settings, &stack, window);
+            for (i, (a, b)) in layers.iter().zip(&whole).enumerate() {
+                assert_eq!(a, b, "layer {i} of {more:?} in windows of {window}");
+            }
+            assert_eq!(layers.len(), n);
+        }
+    }
+}
