@@ -1,23 +1,15 @@
-//! Which name somebody meant.
+//! The name that was meant by a misspelled one.
 
-/// The name that takes the fewest changes from `word`; of equal ones the first in the alphabet. Empty without names.
+/// The name with the smallest edit distance (Levenshtein) to `word`; of equal ones the first in the alphabet. Empty
+/// without names.
+///
+/// ```
+/// use grainpath_core::spelling::nearest;
+///
+/// assert_eq!(nearest("wals", ["seam", "walls"]), "walls");
+/// ```
 pub fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> &'a str {
-    names.into_iter().min_by_key(|n| (distance(word, n), *n)).unwrap_or_default()
-}
-
-/// Levenshtein distance.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = std::mem::replace(&mut row[0], i + 1);
-        for (j, y) in b.iter().enumerate() {
-            let substitute = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = substitute.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
+    names.into_iter().min_by_key(|n| (strsim::levenshtein(word, n), *n)).unwrap_or_default()
 }
 
 #[cfg(test)]
