@@ -82,7 +82,9 @@ impl Error {
             | Self::Image { .. }
             | Self::Grain { .. }
             | Self::Shape { .. } => ErrorKind::Input,
-            Self::Gcode(_) | Self::OutsideBed { .. } | Self::Mass { .. } | Self::Guide(_) => ErrorKind::Physics,
+            Self::Gcode(_) | Self::OutsideBed { .. } | Self::Mass { .. } | Self::Guide(_) => {
+                ErrorKind::Physics
+            }
         }
     }
 }

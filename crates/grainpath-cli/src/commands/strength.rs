@@ -96,7 +96,8 @@ pub fn test_one(
         let Sliced { mesh, stack, .. } =
             mesh_and_layers(&grainpath::run::config::placing(&settings), file, &diagnostics)
                 .map_err(source)?;
-        let conditions = boundary_conditions(&settings, &mesh).map_err(|e| failed(e.into()))?;
+        let conditions = boundary_conditions(&grainpath::run::config::loads(&settings), &mesh)
+            .map_err(|e| failed(e.into()))?;
         let setup = TestSetup::of(&settings, &mesh, &stack, conditions).map_err(failed)?;
         let tested = test(&settings, &setup, program, None, &diagnostics);
         (tested.map_err(|e| named(input, failed(e)))?, theirs)

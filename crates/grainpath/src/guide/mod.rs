@@ -24,8 +24,7 @@ use rayon::prelude::*;
 
 pub use degenerate::{Degenerate, Degenerates, degenerate_points};
 pub use direction::{DirectionSettings, Follow, LayerField};
-use grainpath_job::Settings;
-use grainpath_job::choices::{Analysis, Elasticity, GuideKind};
+use grainpath_job::choices::{Analysis, Elasticity};
 use grainpath_job::loads::{self, Place, Push};
 pub(crate) use plane::constant_section;
 pub use results::Families;
@@ -195,27 +194,26 @@ impl Guide {
 ///
 /// # Errors
 /// [`GuideError::NoFacet`] for a list of facets that the mesh does not have.
-pub fn boundary_conditions(settings: &Settings, mesh: &TriMesh) -> Result<BoundaryConditions, GuideError> {
-    let g = &settings.guide;
-    let mut fixtures = Vec::with_capacity(g.fixture.len());
-    for (k, fixture) in g.fixture.iter().enumerate() {
+pub fn boundary_conditions(typed: &TypedLoads<'_>, mesh: &TriMesh) -> Result<BoundaryConditions, GuideError> {
+    let mut fixtures = Vec::with_capacity(typed.fixtures.len());
+    for (k, fixture) in typed.fixtures.iter().enumerate() {
         let name = format!("fixture {}", k + 1);
         let held = if fixture.normal { Held::Normal } else { Held::Axes(fixture.fixed) };
         let on = resolved(&fixture.on, mesh, &name)?;
         fixtures.push(Fixture { name, on, held, displacement_mm: fixture.displacement_mm });
     }
-    let mut cases = Vec::with_capacity(g.case.len() + 1);
-    if !g.load.is_empty() {
-        let loads = resolved_loads(&g.load, mesh, "")?;
+    let mut cases = Vec::with_capacity(typed.cases.len() + 1);
+    if !typed.loads.is_empty() {
+        let loads = resolved_loads(typed.loads, mesh, "")?;
         cases.push(LoadCase { name: "loads".into(), weight: 1.0, loads });
     }
-    for case in &g.case {
+    for case in typed.cases {
         let loads = resolved_loads(&case.loads, mesh, &format!(" of case {:?}", case.name))?;
         cases.push(LoadCase { name: case.name.clone(), weight: case.weight, loads });
     }
     let (low, high) = mesh.bounds().unwrap_or_default();
     // 1 g/cm3 is 1e-9 t/mm3.
-    let density_t_mm3 = settings.material.density_g_cm3 * 1e-9;
+    let density_t_mm3 = typed.density_g_cm3 * 1e-9;
     Ok(BoundaryConditions { fixtures, cases, density_t_mm3, low, high })
 }
 
@@ -263,24 +261,61 @@ pub struct GuidedPart<'a> {
     pub lowered_mm: f64,
 }
 
-/// Solves the loads of a job and lays the directions of every layer; `None` for jobs without stress.
+/// The fixtures and loads of a job, as typed.
+#[derive(Debug, Clone, Copy)]
+pub struct TypedLoads<'a> {
+    /// `[[guide.fixture]]`.
+    pub fixtures: &'a [loads::Fixture],
+    /// `[[guide.load]]`, outside cases.
+    pub loads: &'a [loads::Load],
+    /// `[[guide.case]]`.
+    pub cases: &'a [loads::Case],
+    /// Mass density of the material, g/cm3, for accelerations.
+    pub density_g_cm3: f64,
+}
+
+/// Settings of a guide by stress.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StressSettings {
+    /// Model of the analysis.
+    pub analysis: Analysis,
+    /// Longest edge of an element, mm; `None` chooses it from the size of the part.
+    pub element_mm: Option<f64>,
+    /// Elastic constants.
+    pub material: Orthotropic,
+    /// Elastic model; `material` is isotropic for [`Elasticity::Isotropic`].
+    pub elasticity: Elasticity,
+    /// Direction of the beads in the elastic model, counter-clockwise from +X.
+    pub bead_axis_rad: f64,
+    /// Memory limit, MiB.
+    pub max_mib: f64,
+    /// Which principal stress beads follow.
+    pub follow: Follow,
+    /// Length over which directions are smoothed, mm.
+    pub smoothing_mm: f64,
+    /// Whether directions are aligned with free borders.
+    pub tangent: bool,
+    /// Distance between the nodes of a layer's field, mm.
+    pub cell_mm: f64,
+    /// Whether the part is rotated or scaled, so that an imported result does not lie where the part is.
+    pub is_moved: bool,
+}
+
+/// Solves the loads of a job, or takes the imported stress, and lays the directions of every layer.
 ///
 /// # Errors
 /// [`GuideError`] for missing or misplaced fixtures and loads, for parts that move freely and for what is too large.
 pub fn build(
-    settings: &Settings,
+    settings: &StressSettings,
     part: &GuidedPart<'_>,
     conditions: &BoundaryConditions,
     imported: Option<StressField>,
     diagnostics: &Diagnostics,
-) -> Result<Option<Guide>, GuideError> {
-    if settings.guide.kind != GuideKind::Stress {
-        return Ok(None);
-    }
+) -> Result<Guide, GuideError> {
     diagnostics.begin(Stage::Guide, 0);
     let solved = match imported {
         Some(field) => {
-            if settings.shape.rotate_deg != [0.0; 3] || settings.shape.scale != 1.0 {
+            if settings.is_moved {
                 return Err(GuideError::ImportTurned);
             }
             field.result().warnings.iter().for_each(|w| diagnostics.push(w.clone()));
@@ -290,13 +325,12 @@ pub fn build(
     };
     diagnostics.check()?;
     let layers = lay_directions(settings, part, conditions, &solved, diagnostics)?;
-    let follow = settings.guide.follow;
     let Solved { cases, results, summary, .. } = solved;
-    Ok(Some(Guide { layers, follow, summary, cases, results }))
+    Ok(Guide { layers, follow: settings.follow, summary, cases, results })
 }
 
 fn solve(
-    settings: &Settings,
+    settings: &StressSettings,
     part: &GuidedPart<'_>,
     conditions: &BoundaryConditions,
     diagnostics: &Diagnostics,
@@ -307,7 +341,7 @@ fn solve(
     if conditions.fixtures.is_empty() {
         return Err(GuideError::Missing("a [[guide.fixture]]"));
     }
-    match settings.guide.analysis {
+    match settings.analysis {
         Analysis::Plane => plane::solve(settings, part, conditions),
         Analysis::Solid => solid::solve(settings, part, conditions, diagnostics),
         Analysis::Auto => match plane::solve(settings, part, conditions) {
@@ -330,7 +364,7 @@ struct Solved {
 }
 
 fn lay_directions(
-    settings: &Settings,
+    settings: &StressSettings,
     part: &GuidedPart<'_>,
     conditions: &BoundaryConditions,
     solved: &Solved,
@@ -338,7 +372,7 @@ fn lay_directions(
 ) -> Result<Vec<Arc<LayerField>>, GuideError> {
     let layers = part.stack.layers();
     let free = |p: DVec3| !conditions.places().any(|s| s.contains(p));
-    let follow = settings.guide.follow;
+    let follow = settings.follow;
     let turns = follow == Follow::Alternate;
     // A layer whose field is that of an earlier one is not made again.
     let like: Vec<usize> = (0..layers.len())
@@ -361,9 +395,9 @@ fn lay_directions(
             let direction = DirectionSettings {
                 follow,
                 across: turns && i % 2 == 1,
-                smoothing_mm: settings.smoothing_mm(),
-                tangent: settings.guide.tangent,
-                cell_mm: settings.process.bead_width_mm,
+                smoothing_mm: settings.smoothing_mm,
+                tangent: settings.tangent,
+                cell_mm: settings.cell_mm,
                 find_degenerate: solved.summary.degenerate.is_none(),
             };
             let z = layer.z_top_mm() - 0.5 * layer.height_mm();
@@ -376,16 +410,6 @@ fn lay_directions(
         fields.push(field);
     }
     Ok(fields)
-}
-
-/// The part's material for stress.
-fn material(settings: &Settings) -> Orthotropic {
-    let m = &settings.material;
-    if settings.guide.elasticity == Elasticity::Orthotropic {
-        Orthotropic { e_mpa: m.e_mpa, nu: m.nu, g_mpa: m.g_mpa }
-    } else {
-        Orthotropic::isotropic(m.e_mpa[0], m.nu[0].clamp(-0.9, 0.49))
-    }
 }
 
 #[cfg(test)]

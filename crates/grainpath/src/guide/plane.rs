@@ -6,11 +6,10 @@ use grainpath_core::{DVec2, DVec3, LayerStack, Region};
 use grainpath_fea::load_case::{BoundaryConditions, LoadCase};
 use grainpath_fea::plane::{PlaneProblem, PlaneStress, PlaneSystem, Plate, mesh_region};
 use grainpath_io::fe::{Element, ElementKind};
-use grainpath_job::Settings;
 
 use super::{
-    CaseStress, GuideError, GuidedPart, InPlaneStress, ResultMesh, Solved, StressSummary, degenerate_points,
-    material,
+    CaseStress, GuideError, GuidedPart, InPlaneStress, ResultMesh, Solved, StressSettings, StressSummary,
+    degenerate_points,
 };
 
 /// Sections may differ by this share of their area and still count as the same.
@@ -45,7 +44,7 @@ pub(crate) fn constant_section(stack: &LayerStack) -> Option<&Region> {
 }
 
 pub(super) fn solve(
-    settings: &Settings,
+    settings: &StressSettings,
     part: &GuidedPart<'_>,
     conditions: &BoundaryConditions,
 ) -> Result<Solved, GuideError> {
@@ -55,18 +54,18 @@ pub(super) fn solve(
         return Err(GuideError::NotPlane("a load has a part out of the layers' plane"));
     }
     let section = section.simplified(SIMPLIFY_MM);
-    let longest = settings.guide.element_mm.unwrap_or_else(|| default_element_mm(&section));
+    let longest = settings.element_mm.unwrap_or_else(|| default_element_mm(&section));
     let mesh = mesh_region(&section, longest, 0.05 * longest)?;
     let plate = Plate::new(&mesh, conditions);
     let holds = plate.holds()?;
-    let c = material(settings).plane_stress(settings.guide.elasticity_deg.to_radians())?;
+    let c = settings.material.plane_stress(settings.bead_axis_rad)?;
     let stiffness = move |_: DVec2| c;
     let problem = PlaneProblem {
         mesh: &mesh,
         thickness_mm: plate.thickness_mm(),
         stiffness: &stiffness,
         holds: &holds,
-        max_mib: settings.guide.memory_mib as f64,
+        max_mib: settings.max_mib,
     };
     let system = PlaneSystem::new(&problem)?;
     let mut summary = StressSummary {

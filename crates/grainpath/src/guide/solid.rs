@@ -8,10 +8,11 @@ use grainpath_fea::solid::{
     LoadedSolid, MeshSettings, Meshed, Model, SolveSettings, mesh, recover, solve as solve_solid,
 };
 use grainpath_io::fe::{Element, ElementKind, FeFormat, FeResult, StressField};
-use grainpath_job::Settings;
 use grainpath_job::choices::Elasticity;
 
-use super::{CaseStress, GuideError, GuidedPart, InPlaneStress, ResultMesh, Solved, StressSummary, material};
+use super::{
+    CaseStress, GuideError, GuidedPart, InPlaneStress, ResultMesh, Solved, StressSettings, StressSummary,
+};
 
 struct Solid(StressField);
 
@@ -23,12 +24,12 @@ impl InPlaneStress for Solid {
 }
 
 pub(super) fn solve(
-    settings: &Settings,
+    settings: &StressSettings,
     part: &GuidedPart<'_>,
     conditions: &BoundaryConditions,
     diagnostics: &Diagnostics,
 ) -> Result<Solved, GuideError> {
-    let mesh_settings = MeshSettings { size_mm: settings.guide.element_mm, ..MeshSettings::default() };
+    let mesh_settings = MeshSettings { size_mm: settings.element_mm, ..MeshSettings::default() };
     let meshed = mesh(part.mesh, &mesh_settings)?;
     diagnostics.check()?;
     let tets = &meshed.mesh;
@@ -43,8 +44,7 @@ pub(super) fn solve(
         }
         forces.push(sum);
     }
-    let solve_settings =
-        SolveSettings { max_mib: settings.guide.memory_mib as f64, ..SolveSettings::default() };
+    let solve_settings = SolveSettings { max_mib: settings.max_mib, ..SolveSettings::default() };
     let (solutions, info) = solve_solid(&model, &supports, &forces, &solve_settings)?;
     diagnostics.check()?;
     let mut solved = Solved {
@@ -107,13 +107,11 @@ fn words_on(meshed: &Meshed) -> String {
 }
 
 /// Stiffness in part coordinates: beads lie in layers, turned about z.
-fn stiffness(settings: &Settings) -> Result<Stiffness, GuideError> {
-    let material = material(settings);
-    let c = material.stiffness()?;
-    let angle = settings.guide.elasticity_deg.to_radians();
-    Ok(if settings.guide.elasticity == Elasticity::Orthotropic && angle != 0.0 {
-        grainpath_fea::material::rotated_about_z(&c, angle)
-    } else {
-        c
+fn stiffness(settings: &StressSettings) -> Result<Stiffness, GuideError> {
+    let c = settings.material.stiffness()?;
+    let angle = settings.bead_axis_rad;
+    Ok(match settings.elasticity {
+        Elasticity::Orthotropic if angle != 0.0 => grainpath_fea::material::rotated_about_z(&c, angle),
+        Elasticity::Isotropic | Elasticity::Orthotropic => c,
     })
 }

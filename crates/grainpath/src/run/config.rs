@@ -3,6 +3,7 @@
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
 use grainpath_core::{Bounds2, DVec2, DVec3, Density};
+use grainpath_fea::material::Orthotropic;
 use grainpath_gcode::{
     Cooling, Corner, FibreTool, Flavour, Limits, Machine, Material, Retraction, Speeds, WriteConfig,
 };
@@ -14,6 +15,7 @@ use crate::fibre::FibreSettings;
 use crate::fill::{Continuous, TreeKind};
 use crate::guide::grain::GrainSettings;
 use crate::guide::grain::{Corners, Mode};
+use crate::guide::{StressSettings, TypedLoads};
 use crate::order::{CombSettings, OrderSettings};
 use crate::run::place::PlaceSettings;
 use crate::run::steps::{ExtrudedMass, InfillSettings, StepSettings};
@@ -30,7 +32,8 @@ use grainpath_imaging::scan::{CtReport, CtSettings, Denoise, Interpolation, Thre
 use grainpath_imaging::tensor::Tangent;
 use grainpath_job::choices::{
     self, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, Choice, ComponentOrder, Contours,
-    CurveJoin, FibreToolKind, FileUnit, GrainMode, GuideKind, Interpolate, OutlineRule, SupportStyle,
+    CurveJoin, Elasticity, FibreToolKind, FileUnit, GrainMode, GuideKind, Interpolate, OutlineRule,
+    SupportStyle,
 };
 use grainpath_job::{MaterialSection, Settings};
 
@@ -314,7 +317,36 @@ pub fn raw_header(s: &Settings) -> Option<RawHeader> {
     })
 }
 
-/// One path through each room.
+/// The guide by stress, where the job has one.
+pub fn stress(s: &Settings) -> Option<StressSettings> {
+    let (g, m) = (&s.guide, &s.material);
+    (g.kind == GuideKind::Stress).then(|| StressSettings {
+        analysis: g.analysis,
+        element_mm: g.element_mm,
+        material: match g.elasticity {
+            Elasticity::Orthotropic => Orthotropic { e_mpa: m.e_mpa, nu: m.nu, g_mpa: m.g_mpa },
+            // The bounds keep the isotropic law stable for any card.
+            Elasticity::Isotropic => Orthotropic::isotropic(m.e_mpa[0], m.nu[0].clamp(-0.9, 0.49)),
+        },
+        elasticity: g.elasticity,
+        bead_axis_rad: g.elasticity_deg.to_radians(),
+        max_mib: g.memory_mib as f64,
+        follow: g.follow,
+        smoothing_mm: s.smoothing_mm(),
+        tangent: g.tangent,
+        cell_mm: s.process.bead_width_mm,
+        is_moved: s.shape.rotate_deg != [0.0; 3] || s.shape.scale != 1.0,
+    })
+}
+
+/// Fixtures and loads as typed.
+pub fn loads(s: &Settings) -> TypedLoads<'_> {
+    let g = &s.guide;
+    let density_g_cm3 = s.material.density_g_cm3;
+    TypedLoads { fixtures: &g.fixture, loads: &g.load, cases: &g.case, density_g_cm3 }
+}
+
+/// The pattern `continuous`: one path through each infill region.
 pub(crate) fn continuous(s: &Settings) -> Continuous {
     let isotropic = s.guide.kind == GuideKind::None;
     Continuous {

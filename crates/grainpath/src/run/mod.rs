@@ -21,7 +21,7 @@ use grainpath_io::fe::StressField;
 
 use crate::error::Error;
 use crate::guide::grain::{GrainGuide, read_grain, read_scan};
-use crate::guide::{self, GuidedPart};
+use crate::guide::{self, GuidedPart, StressSettings};
 pub use crate::measure::Planned;
 use crate::measure::strength::TestSetup;
 use crate::order::order_stack;
@@ -194,13 +194,13 @@ fn plan_stack(
     check_bed(&config.machine, &stack, part, plate_from_part_mm)?;
     let fibre = config::fibre(settings);
     fibre.iter().try_for_each(|f| f.check(&stack, part))?;
-    let conditions = guide::boundary_conditions(settings, &mesh)?;
+    let conditions = guide::boundary_conditions(&config::loads(settings), &mesh)?;
     let test = || TestSetup::of(settings, &mesh, &stack, conditions.clone());
     let test = settings.strength.enabled.then(test).transpose()?;
-    let guide = {
-        let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
-        guide::build(settings, &guided, &conditions, stress, diagnostics)?
-    };
+    let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
+    let stress_settings = config::stress(settings);
+    let build = |s: &StressSettings| guide::build(s, &guided, &conditions, stress, diagnostics);
+    let guide = stress_settings.as_ref().map(build).transpose()?;
     let grain = grain(settings, &stack, scan.as_ref(), grain_source, diagnostics)?;
     if guide.is_some() || grain.is_some() {
         clock.stop(Stage::Guide);
