@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::profiles::PROFILES;
 use crate::value::ValueError;
 
 /// A file and a line in it, or the command line.
@@ -49,13 +50,13 @@ pub enum JobError {
     #[error("{location}: {message}")]
     Syntax { location: Location, message: String },
     #[error("{location}: unknown section [{section}]; did you mean [{nearest}]?")]
-    UnknownSection { location: Location, section: String, nearest: String },
+    UnknownSection { location: Location, section: String, nearest: &'static str },
     #[error("{location}: unknown key `{key}` in [{section}]; did you mean `{nearest}`?")]
-    UnknownKey { location: Location, section: String, key: String, nearest: String },
+    UnknownKey { location: Location, section: String, key: String, nearest: &'static str },
     #[error("{location}: {name} should be a section: [{name}]")]
     NotASection { location: Location, name: String },
     #[error("{location}: {key}{error}")]
-    Value { location: Location, key: String, error: ValueError },
+    Value { location: Location, key: String, error: Box<ValueError> },
     #[error("{location}: {new} has the new name of {old}; remove {old}")]
     BothNames { location: Location, old: String, new: String },
     #[error(
@@ -65,15 +66,9 @@ pub enum JobError {
     NewerFormat { location: Location, found: i64 },
     #[error(
         "{location}: no {kind} profile {name:?}; did you mean {nearest:?}? There are {}; a path ending in .toml works too",
-        known.join(", ")
+        profile_names(kind)
     )]
-    UnknownProfile {
-        location: Location,
-        kind: &'static str,
-        name: String,
-        nearest: String,
-        known: Vec<&'static str>,
-    },
+    UnknownProfile { location: Location, kind: &'static str, name: String, nearest: &'static str },
     #[error("{location}: {message}")]
     ProfileFile { location: Location, message: String },
     #[error("--set: {argument:?} should be section.key=value")]
@@ -81,4 +76,9 @@ pub enum JobError {
     /// Settings that are right one by one but do not fit together.
     #[error("{location}: {problem}")]
     Combination { location: Location, problem: String },
+}
+
+/// The names of all shipped profiles of a kind.
+fn profile_names(kind: &str) -> String {
+    PROFILES.iter().filter(|p| p.kind == kind).map(|p| p.name).collect::<Vec<_>>().join(", ")
 }

@@ -71,7 +71,7 @@ fn check_format(job: &Source<'_>) -> Result<(), JobError> {
         Some(found) if found > FORMAT => Err(JobError::NewerFormat { location, found }),
         Some(_) | None => {
             let problem = Problem::Kind { expected: "a whole number from 1", found: value.to_string() };
-            Err(JobError::Value { location, key: "format".into(), error: problem.into() })
+            Err(JobError::Value { location, key: "format".into(), error: Box::new(problem.into()) })
         }
     }
 }
@@ -120,7 +120,11 @@ fn apply_profile(
         Some(Value::String(s)) => s.as_str(),
         Some(v) => {
             let problem = Problem::Kind { expected: "a name in quotes", found: v.to_string() };
-            return Err(JobError::Value { location, key: format!("{kind}.profile"), error: problem.into() });
+            return Err(JobError::Value {
+                location,
+                key: format!("{kind}.profile"),
+                error: Box::new(problem.into()),
+            });
         }
     };
     let (text, name) = profile_text(kind, chosen, load, location)?;
@@ -142,16 +146,15 @@ fn profile_text(
         let text = load(chosen).map_err(|message| JobError::ProfileFile { location, message })?;
         return Ok((text, chosen.to_owned()));
     }
-    let known: Vec<&str> = PROFILES.iter().filter(|p| p.kind == kind).map(|p| p.name).collect();
-    let nearest = nearest(chosen, known.iter().copied()).to_owned();
-    Err(JobError::UnknownProfile { location, kind, name: chosen.to_owned(), nearest, known })
+    let nearest = nearest(chosen, PROFILES.iter().filter(|p| p.kind == kind).map(|p| p.name));
+    Err(JobError::UnknownProfile { location, kind, name: chosen.to_owned(), nearest })
 }
 
 /// Applies the sections of the file.
 fn apply_file(settings: &mut Settings, job: &Source<'_>) -> Result<(), JobError> {
     for (section, rows) in job.table.iter().filter(|(key, _)| *key != "format") {
         if !Settings::SECTIONS.contains(&section.as_str()) {
-            let nearest = nearest(section, Settings::SECTIONS).to_owned();
+            let nearest = nearest(section, Settings::SECTIONS);
             let location = job.location(&[section], &[]);
             return Err(JobError::UnknownSection { location, section: section.clone(), nearest });
         }
@@ -231,7 +234,7 @@ fn apply(
         Some(Ok(())) => Ok(()),
         Some(Err(error)) => {
             let location = location(&error.path);
-            Err(JobError::Value { location, key: format!("{section}.{key}"), error })
+            Err(JobError::Value { location, key: format!("{section}.{key}"), error: Box::new(error) })
         }
         None => Err(unknown_key(section, key, location(&[]))),
     }
@@ -239,12 +242,13 @@ fn apply(
 
 fn unknown_key(section: &str, key: &str, location: Location) -> JobError {
     let params = Settings::params();
-    let in_section: Vec<&str> = params.iter().filter(|p| p.section == section).map(|p| p.key).collect();
+    let in_section: Vec<&'static str> =
+        params.iter().filter(|p| p.section == section).map(|p| p.key).collect();
     if in_section.is_empty() {
-        let nearest = nearest(section, Settings::SECTIONS).to_owned();
+        let nearest = nearest(section, Settings::SECTIONS);
         return JobError::UnknownSection { location, section: section.to_owned(), nearest };
     }
-    let nearest = nearest(key, in_section).to_owned();
+    let nearest = nearest(key, in_section);
     JobError::UnknownKey { location, section: section.to_owned(), key: key.to_owned(), nearest }
 }
 
