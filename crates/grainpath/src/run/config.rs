@@ -1,4 +1,7 @@
-//! Settings as the stages want them: the one place that knows both.
+//! Makes the settings of each stage from the settings of a job.
+//!
+//! This is the only module of the planner that reads a job. Every choice is matched exhaustively, so that a new word in
+//! `grainpath_job::choices` does not compile until it is handled here. Units change here too: degrees become radians.
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
@@ -37,7 +40,7 @@ use grainpath_job::choices::{
 };
 use grainpath_job::{MaterialSection, Settings};
 
-/// How the drawing of `shape.outline` is read; its unit is seen to there.
+/// How the drawing of `shape.outline` is read, its unit included.
 pub fn outline(s: &Settings) -> OutlineOptions {
     OutlineOptions {
         unit: s.shape.unit.0,
@@ -46,12 +49,12 @@ pub fn outline(s: &Settings) -> OutlineOptions {
     }
 }
 
-/// The height its body gets, so that it is as thick as asked for when all is scaled.
+/// Height of the body made from a drawing, mm: `shape.thickness_mm` before `shape.scale` is applied.
 pub fn outline_thickness_mm(s: &Settings) -> f64 {
     s.shape.thickness_mm / s.shape.scale
 }
 
-/// Curves of drawings are cut into pieces this close to them, mm: half of what contours of sections are simplified by.
+/// Largest distance between a curve of a drawing and the line segments that replace it, mm.
 const OUTLINE_TOLERANCE_MM: f64 = 0.005;
 
 fn placement(s: &Settings) -> Placement {
@@ -105,8 +108,8 @@ pub(crate) fn photo_board(s: &Settings) -> PhotoBoard {
     }
 }
 
-/// How the `n` photographs of a job are read for a part with these bounds and this height: those of `guide.image`
-/// where it names any, else the shape's own.
+/// How the `n` photographs of a job are read, for a part with these bounds and this height. They are those of
+/// `guide.image`, or of `shape.photo` where that names none.
 pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> GrainSettings {
     let (g, image, photo) = (&s.guide, &s.image, &s.photo);
     let own = !image.files.is_empty();
@@ -175,8 +178,8 @@ pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> Gr
     }
 }
 
-/// How a scan's texture is read for a part with these bounds and this height: that of `guide.volume` where it names
-/// one, else the shape's own, of which `own` was found.
+/// How the texture of a scan is read, for a part with these bounds and this height. The scan is that of `guide.volume`, or
+/// of `shape.ct` where that names none; `own` is what was found in the latter.
 pub(crate) fn texture(
     s: &Settings,
     own: Option<&CtReport>,
@@ -214,7 +217,8 @@ pub(crate) fn texture(
     }
 }
 
-/// How supports are made; `plate_from_part` is where the part stands on the plate, mm.
+/// How supports are made; `None` for jobs without support. `plate_from_part` is the position of the part's origin on the
+/// bed, mm.
 pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> {
     let u = &s.support;
     let style = match u.style {
@@ -306,7 +310,7 @@ pub fn scan(s: &Settings) -> CtSettings {
     }
 }
 
-/// The header of a scan without one, where the job gives it.
+/// The header of raw scan data; `None` where the job does not state its size.
 pub fn raw_header(s: &Settings) -> Option<RawHeader> {
     let c = &s.ct;
     Some(RawHeader {
@@ -350,13 +354,13 @@ pub fn loads(s: &Settings) -> TypedLoads<'_> {
 pub(crate) fn continuous(s: &Settings) -> Continuous {
     let isotropic = s.guide.kind == GuideKind::None;
     Continuous {
-        // Without a field no direction is better than another: cells as long as wide, joined as it comes.
+        // Without a guide no direction is better than another: cells are square, and joined without regard to direction.
         tree: match s.fill.tree {
             CellTree::Directed if !isotropic => TreeKind::Directed,
             CellTree::Directed | CellTree::Undirected => TreeKind::Undirected,
         },
         aspect: if isotropic { 1.0 } else { s.fill.cell_aspect },
-        // Fibre has one width.
+        // A bead with fibre has a constant width.
         variable: s.fill.widths == BeadWidths::Variable && !s.fibre.enabled,
     }
 }
@@ -447,7 +451,7 @@ pub fn order(s: &Settings) -> OrderSettings {
     }
 }
 
-/// The printer's limits, for the time.
+/// Speeds and accelerations of the printer, for the time estimate.
 pub fn limits(s: &Settings) -> Limits {
     let p = &s.printer;
     Limits {
@@ -496,7 +500,7 @@ fn material(m: &MaterialSection) -> Material {
     }
 }
 
-/// How fibre is laid, for jobs that lay any.
+/// How fibre is laid; `None` for jobs without fibre.
 pub(crate) fn fibre(s: &Settings) -> Option<FibreSettings> {
     let f = &s.fibre;
     f.enabled.then(|| FibreSettings {
@@ -506,7 +510,7 @@ pub(crate) fn fibre(s: &Settings) -> Option<FibreSettings> {
         bead_width_mm: f.bead_width_mm.unwrap_or(s.process.bead_width_mm),
         min_radius_mm: f.min_radius_mm,
         turns: f.turns,
-        // What is cut must be anchored before it is.
+        // The fibre is cut one cutter distance before the end of a path, and must adhere by then.
         min_length_mm: f.min_length_mm.max(s.printer.fibre_cutter_mm + f.anchor_mm),
         start: f.start,
     })
@@ -576,7 +580,7 @@ pub(crate) fn writing(s: &Settings) -> WriteConfig {
     }
 }
 
-/// How `guide.import` is to be understood.
+/// Units and component order of the stress result named by `guide.import`.
 pub fn import(s: &Settings) -> FeOptions {
     let g = &s.guide;
     FeOptions {

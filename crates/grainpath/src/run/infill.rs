@@ -57,7 +57,7 @@ impl Steps<'_> {
         angles[if turns { layer_idx % angles.len() } else { 0 }]
     }
 
-    /// Skins, bridges, and the inside where it is dense.
+    /// Lays skins and bridges, and infill where the whole part is dense.
     pub(super) fn dense_fill(
         &self,
         i: usize,
@@ -68,7 +68,7 @@ impl Steps<'_> {
         let mut tally = Tally::default();
         let infill = &self.settings.infill;
         let all_dense = infill.density.is_dense();
-        // Skins over sparse fill stay straight lines without fibre: they close the part.
+        // Skins over sparse infill close the part: they are straight lines without fibre, whatever the pattern.
         let grain = self.grain.filter(|_| all_dense);
         let fibre = self.fibre.filter(|_| all_dense);
         for (polygons, role) in [(&split.solid, Role::SolidFill), (&split.top, Role::TopSkin)] {
@@ -172,8 +172,8 @@ impl Steps<'_> {
         }
     }
 
-    /// Fills a region along the grain: the picture's edges, the guided pattern asked for, or else stripes where it is
-    /// dense and lines at even distances where it is not.
+    /// Fills a region along the grain: with the edges of the picture, or with the job's pattern if that follows a field.
+    /// Other patterns become stripes where infill is dense, and evenly spaced lines where it is sparse.
     fn along_grain(
         &self,
         grain: &GrainGuide,
@@ -243,7 +243,7 @@ impl Steps<'_> {
         }
     }
 
-    /// Whether all fill of an island is to be one path.
+    /// Whether the infill of each island is one continuous path.
     fn is_continuous(&self) -> bool {
         self.settings.infill.pattern == Pattern::Continuous
             && self.grain.is_none_or(|g| g.mode == Mode::Field)

@@ -1,6 +1,9 @@
-//! The main job: from a shape and settings to a plan.
+//! Plans a job: from a shape and settings to ordered paths.
 //!
-//! A pipeline of stages, each taking values and giving new ones: place and mend, slice, walls, skins, fill, order.
+//! A run is a pipeline of stages. Each stage takes values and returns new ones: place and repair the mesh, slice it, find
+//! the guide, plan supports, then lay walls, skins and infill, and order the paths. The stages from sections to ordered
+//! paths are public functions over a window of layers ([`Steps`]); [`plan_job`], [`plan_photo`] and [`plan_scan`] call the
+//! same functions with the whole part as one window. [`config`] makes the settings of each stage from the job.
 
 pub mod config;
 mod mass;
@@ -33,11 +36,11 @@ pub use place::{PlaceSettings, Sliced, mesh_and_layers};
 use place::{check_bed, outside_bed, part_bounds, plate_from_part};
 pub use steps::{ExtrudedMass, FilledLayers, InfillSettings, LayerWalls, StepSettings, Steps};
 
-/// What a job is made from, read already.
+/// The inputs of a job whose shape is a mesh, already read.
 pub struct Inputs {
     /// The shape.
     pub mesh: MeshFile,
-    /// What errors call it.
+    /// The name of its file in errors.
     pub path: String,
     /// Stress solved elsewhere, for `guide.import`.
     pub stress: Option<StressField>,
@@ -129,20 +132,20 @@ pub fn plan_scan(
     plan_stack(settings, sliced, stress, grain, clock, diagnostics)
 }
 
-/// Only solvers and supports ask for a surface.
+/// Whether the job needs the surface of the part: for a stress analysis, for supports or for the strength test.
 fn wants_surface(settings: &Settings) -> bool {
     settings.guide.kind == GuideKind::Stress
         || settings.support.style != SupportStyle::None
         || settings.strength.enabled
 }
 
-/// What the grain of a part is read from, where it follows any: photographs, else a scan.
+/// Where grain is read from: photographs, or a scan where there are none.
 struct GrainSource<'a> {
     photos: &'a [Photo],
     scan: Option<&'a mut dyn SliceSource>,
 }
 
-/// The grain the job asks for; `own` is what was found in the scan that is the shape.
+/// The grain that infill follows; `None` for other guides. `own` is what was found in the scan that is the shape.
 fn grain(
     settings: &Settings,
     stack: &LayerStack,

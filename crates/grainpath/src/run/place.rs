@@ -1,4 +1,4 @@
-//! A part on the plate: its bodies placed and mended, its layers, and whether it fits the bed.
+//! Places a mesh on the bed, repairs and slices it, and checks that the part fits the bed.
 
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, Layer, LayerStack, TriMesh, Warning, WarningId};
@@ -8,12 +8,12 @@ use grainpath_io::{MeshFile, PaintedSupports};
 use crate::error::Error;
 use crate::shape::{self, Placement, Repair, SliceSettings};
 
-/// A shape in layers, on the plate.
+/// A shape in layers, standing on the bed.
 #[derive(Debug, Default)]
 pub struct Sliced {
     /// Its sections.
     pub stack: LayerStack,
-    /// Its surface; empty where nothing asked for one.
+    /// Its surface; empty where no stage needs it.
     pub mesh: TriMesh,
     /// How far it was lowered to stand on the plate, mm.
     pub lowered_mm: f64,
@@ -37,7 +37,7 @@ pub struct PlaceSettings {
     pub slicing: SliceSettings,
 }
 
-/// A mesh where it is to be printed, mended, and its layers.
+/// Places the bodies of a mesh file on the bed, repairs them and cuts them into layers.
 ///
 /// # Errors
 /// As [`shape::mend`] and [`shape::slice`].
@@ -60,8 +60,8 @@ pub fn mesh_and_layers(
     Ok(Sliced { stack, mesh, lowered_mm, painted, scan: None })
 }
 
-/// The bodies of a file in millimetres on the plate, followed by the painted support enforcers and blockers; and how far
-/// they were lowered to stand there.
+/// The bodies of a file in millimetres, standing on the bed, followed by the painted support enforcers and blockers; and
+/// the distance in mm by which they were lowered.
 fn place_bodies(
     settings: &PlaceSettings,
     file: MeshFile,
@@ -107,12 +107,12 @@ pub(super) fn plate_from_part(machine: &Machine, position_mm: Option<[f64; 2]>, 
     let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
     let target = position_mm.unwrap_or(middle);
     let centre = part.centre();
-    // Whole micrometres, so that moving the part does not change how its numbers round.
+    // Whole micrometres: moving the part does not change how its coordinates are rounded in the G-code.
     let whole = |mm: f64| (mm * 1e3).round() * 1e-3;
     DVec3::new(whole(target[0] - centre.x), whole(target[1] - centre.y), 0.0)
 }
 
-/// Refuses a part that cannot fit before any time is spent on it.
+/// Refuses a part that does not fit the bed, before any time is spent on it.
 pub(super) fn check_bed(
     machine: &Machine,
     stack: &LayerStack,

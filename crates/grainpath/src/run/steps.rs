@@ -42,9 +42,9 @@ use crate::wall::adhesion::{AdhesionSettings, brim, skirt};
 use crate::wall::skin::{IslandPolygon, SkinSettings, SkinSplit, split_window};
 use crate::wall::{WallSettings, lay_walls};
 
-/// Shorter closed walls are small, mm.
+/// Closed walls shorter than this are printed at the speed of small walls, mm.
 const SMALL_WALL_MM: f64 = 30.0;
-/// Walls with more than this share of their length over air are overhangs.
+/// Walls with more than this fraction of their length over air are printed at the speed of overhangs.
 const OVERHANG_SHARE: f64 = 0.25;
 
 /// Infill of one layer, each path with the number of its island.
@@ -136,10 +136,11 @@ pub struct ExtrudedMass {
 /// let (diagnostics, window) = (Diagnostics::default(), 3..6);
 /// let mut walls = steps.walls(window.clone(), &diagnostics).unwrap();
 /// let skins = steps.skins(window.clone(), &mut walls, &diagnostics).unwrap();
-/// let filled = steps.infill(window, walls, &skins, Density::new(0.2), &diagnostics).unwrap();
-/// assert_eq!(filled.layers.len(), 3);
+/// let filled = steps.infill(window.clone(), walls, &skins, Density::new(0.2), &diagnostics).unwrap();
 /// assert!(!filled.layers[1].islands[0].fills.is_empty());
-/// # let _ = (OrderState::new(&order), order_window);
+/// let mut state = OrderState::new(&order);
+/// let plans = order_window(stack.layers(), window, filled.layers, &order, &mut state, &diagnostics).unwrap();
+/// assert_eq!(plans.len(), 3);
 /// ```
 pub struct Steps<'a> {
     pub(super) settings: &'a StepSettings,
@@ -148,11 +149,11 @@ pub struct Steps<'a> {
     support: Option<&'a Support>,
     pub(super) guide: Option<&'a Guide>,
     pub(super) grain: Option<&'a GrainGuide>,
-    /// How fibre is laid, where any is.
+    /// Settings of fibre, for jobs with fibre.
     pub(super) fibre: Option<&'a FibreSettings>,
     /// The field of patterns that follow directions, where no other guide gives any.
     uniform: UniformField,
-    /// What kept islands from being one path, by layer and role.
+    /// Why islands could not be laid as one path, by layer and role.
     notes: Mutex<BTreeMap<(usize, Role), Vec<Note>>>,
 }
 
@@ -243,7 +244,7 @@ impl<'a> Steps<'a> {
         diagnostics: &Diagnostics,
     ) -> Result<Vec<SkinSplit>, Interrupted> {
         let settings = &self.settings.skins;
-        // One path knows no skins: where all is dense it takes the whole region.
+        // One continuous path is not divided by skins: where the part is dense it fills the whole region.
         let whole = self.settings.infill.pattern == Pattern::Continuous && settings.dense;
         let (fills, islands): (Vec<_>, Vec<_>) =
             walls.iter_mut().map(|w| (std::mem::take(&mut w.fill), Mutex::new(&mut w.islands))).unzip();
@@ -342,8 +343,7 @@ impl<'a> Steps<'a> {
     }
 
     /// For each layer of a window the lowest layer of the window that has the same infill region and the same field, where
-    /// infill depends on nothing else; its own number where there is none. Only patterns that follow a field are compared:
-    /// for others laying is as fast as comparing.
+    /// infill depends on nothing else; its own number where there is none. Only patterns that follow a field are compared.
     fn duplicates(&self, first: usize, skins: &[SkinSplit]) -> Vec<usize> {
         let layers = self.stack.layers();
         let guided = self.grain.is_some() || self.settings.infill.pattern.follows_field();
@@ -407,7 +407,7 @@ impl<'a> Steps<'a> {
         self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clear();
     }
 
-    /// Warns of each kind of trouble once, at its first place, and says in how many layers more it is.
+    /// Warns once for each kind of note, with its first place and the number of further layers that have it.
     pub(super) fn report_notes(&self, diagnostics: &Diagnostics) {
         let all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let mut reported = Vec::new();
@@ -462,7 +462,7 @@ impl<'a> Steps<'a> {
     }
 }
 
-/// Marks a wall as overhanging when enough of it lies over air.
+/// Sets the speed of overhangs for a wall that lies over air.
 fn mark_overhang(path: &mut Toolpath, below: &Mask) {
     let (mut free, mut all) = (0.0, 0.0);
     for i in 0..path.n_segments() {
