@@ -82,7 +82,7 @@ choices! {
     }
     /// Axes along which a scan is mirrored (`flip`).
     enum Flip {
-        None = "", "as in the file.";
+        None = "", "";
         X = "x", "";
         Y = "y", "";
         Z = "z", "";
@@ -331,7 +331,10 @@ impl Choice for FileUnit {
         Self(Some(LengthUnit::Foot)),
     ];
     const WORDS: &'static [Word] = &[
-        Word { name: "auto", help: "the unit stated in the file; mm, with a warning, where it states none." },
+        Word {
+            name: "auto",
+            help: "the unit stated in the file; mm where it states none, with a warning if the size then looks wrong.",
+        },
         plain_word("mm"),
         plain_word("cm"),
         plain_word("m"),

@@ -101,7 +101,7 @@ sections! {
         slice_mm: Option<f64> = None, "mm", Range(1e-7, 1e4), "Distance between slices; unset: as the file states.";
         window: Option<[usize; 2]> = None, "", Range(0.0, 1e6), "First and last slice to use, counted from 0; unset: all.";
         crop_px: Option<[usize; 4]> = None, "px", Range(0.0, 1e6), "First column, first row, last column and last row to use, counted from 0; unset: all.";
-        flip: Flip = Flip::None, "", Any, "Axes along which the scan is mirrored.";
+        flip: Flip = Flip::None, "", Any, "Axes along which the scan is mirrored; empty: none.";
         threshold: Threshold = Threshold::Otsu, "", Any, "Grey value at which the part begins: otsu (from the histogram), iso50 (halfway between two materials), a number, or [low, high].";
         materials: Option<[f64; 2]> = None, "", Any, "Grey values of the two materials for threshold = \"iso50\"; unset: the commonest value on either side of Otsu's threshold.";
         smooth: Denoise = Denoise::None, "", Any, "Noise filter of the slices.";
@@ -278,7 +278,7 @@ sections! {
         slice_mm: Option<f64> = None, "mm", Range(1e-7, 1e4), "Distance between slices; unset: as the file states.";
         window: Option<[usize; 2]> = None, "", Range(0.0, 1e6), "First and last slice to use, counted from 0; unset: all.";
         crop_px: Option<[usize; 4]> = None, "px", Range(0.0, 1e6), "First column, first row, last column and last row to use, counted from 0; unset: all.";
-        flip: Flip = Flip::None, "", Any, "Axes along which the scan is mirrored.";
+        flip: Flip = Flip::None, "", Any, "Axes along which the scan is mirrored; empty: none.";
         scale: f64 = 1.0, "", Range(1e-6, 1e6), "Factor on the size of the scan.";
         origin_mm: Option<[f64; 3]> = None, "mm", Range(-1e5, 1e5), "Position on the part of the lower left corner of the scan's lowest slice; unset: scan and part have the same centre, and the scan stands on the bed.";
         rotate_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Rotation about that corner, counter-clockwise.";
