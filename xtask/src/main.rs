@@ -12,9 +12,11 @@ mod bench_strength;
 mod count;
 mod fuzz;
 mod hashes;
+mod invariants;
 mod licences;
 mod photo;
 mod setup;
+mod source;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -22,6 +24,7 @@ use std::process::{Command, ExitCode};
 const USAGE: &str = "usage: cargo xtask <command>
   test             everything CI checks: format, lints, docs, licences, arrows, tests, examples, fuzzers
   test --quick     the same without examples, fuzzers and what needs installing
+  invariants       dependencies of crates and the invariants of ARCHITECTURE.md
   count [--tighten | --list NAME | --in FOLDER]  counts of the sources beside the limits of xtask/counts.toml
   hashes [--write] [--binary PATH]  G-code of small jobs beside the committed hashes
   bench slicing [PART...]  time and memory beside PrusaSlicer and CuraEngine
@@ -46,6 +49,7 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["test"] => test(true),
         ["test", "--quick"] => test(false),
+        ["invariants"] => arrows::check().and_then(|()| invariants::check()),
         ["count", words @ ..] => count::run(words),
         ["hashes", words @ ..] => hashes::run(words),
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
@@ -79,6 +83,8 @@ fn test(whole: bool) -> Outcome {
     cargo(&["fmt", "--all", "--check"])?;
     step("arrows between crates");
     arrows::check()?;
+    step("invariants");
+    invariants::check()?;
     step("counts");
     count::run(&[])?;
     step("licences");

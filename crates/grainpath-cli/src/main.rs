@@ -5,6 +5,7 @@ mod claims;
 mod commands;
 mod files;
 mod inputs;
+mod memory;
 mod outputs;
 mod progress;
 

@@ -7,7 +7,7 @@ use std::time::Instant;
 use grainpath::Planned;
 use grainpath::guide::Degenerate;
 use grainpath::measure::dimensions::Dimension;
-use grainpath::measure::report::{Report, measure, measure_fibre, peak_rss_mb};
+use grainpath::measure::report::{Report, measure, measure_fibre};
 use grainpath::measure::strength::{TestSetup, Tested, test};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::{DVec2, Diagnostics, TriMesh};
@@ -19,7 +19,7 @@ use grainpath_view::page;
 use grainpath_view::strength::{damage_png, index_png};
 
 use crate::claims::Claims;
-use crate::{Failure, files};
+use crate::{Failure, files, memory};
 
 /// Where things go.
 pub struct Paths {
@@ -176,7 +176,7 @@ pub fn write(
     }
     shapes(&planned, paths, settings.output.surface_cell_mm, diagnostics, &mut report)?;
     report.warnings = diagnostics.warnings();
-    report.peak_rss_mb = peak_rss_mb();
+    report.peak_rss_mb = memory::peak_rss_mb();
     Ok(report)
 }
 
@@ -311,7 +311,7 @@ fn previews(
     if let Some(path) = &paths.report {
         report.warnings = diagnostics.warnings();
         report.outputs.insert("report", path.display().to_string());
-        report.peak_rss_mb = peak_rss_mb();
+        report.peak_rss_mb = memory::peak_rss_mb();
         pictures.extend(drawn.iter().map(|d| d.1.clone()));
         save(path, page::report_html(report, &settings.rows(), &pictures).as_bytes())?;
     }

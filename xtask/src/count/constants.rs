@@ -10,7 +10,7 @@ use quote::ToTokens;
 use syn::spanned::Spanned;
 use syn::visit::Visit;
 
-use super::source::{self, Source};
+use crate::source::{self, Source};
 
 /// A constant: where it stands, its name, and whether its source is told.
 pub struct Constant {

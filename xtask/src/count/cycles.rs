@@ -18,7 +18,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use proc_macro2::{TokenStream, TokenTree};
 use syn::visit::Visit;
 
-use super::source::{self, Source};
+use crate::source::{self, Source};
 
 /// What a file of a crate depends on: pairs of indices into `sources`, from and to.
 pub type Arrows = BTreeSet<(usize, usize)>;
@@ -91,8 +91,9 @@ pub fn of_folders(sources: &[Source], arrows: &Arrows) -> Vec<Vec<String>> {
     cycles
 }
 
-/// Pairs of top modules of a crate of which the first names the second, and the second is declared later in `lib.rs`.
-pub fn to_later_modules(sources: &[Source], arrows: &Arrows, package: &str) -> Vec<String> {
+/// Pairs of top modules of a crate of which the first names the second, though `lib.rs` declares the second before it:
+/// there modules stand from the whole down to what it calls.
+pub fn upwards(sources: &[Source], arrows: &Arrows, package: &str) -> Vec<String> {
     let Some(root) = sources.iter().find(|s| s.package == package && s.module.is_empty()) else {
         return Vec::new();
     };
@@ -108,8 +109,9 @@ pub fn to_later_modules(sources: &[Source], arrows: &Arrows, package: &str) -> V
         let top = sources[file].module.first().filter(|_| sources[file].package == package)?;
         declared.iter().position(|name| name == top)
     };
-    let later = |&(from, to): &(usize, usize)| Some((rank(from)?, rank(to)?)).filter(|(from, to)| from < to);
-    let pairs: BTreeSet<(usize, usize)> = arrows.iter().filter_map(later).collect();
+    let upwards =
+        |&(from, to): &(usize, usize)| Some((rank(from)?, rank(to)?)).filter(|(from, to)| from > to);
+    let pairs: BTreeSet<(usize, usize)> = arrows.iter().filter_map(upwards).collect();
     pairs.into_iter().map(|(from, to)| format!("{} names {}", declared[from], declared[to])).collect()
 }
 
@@ -526,13 +528,13 @@ mod tests {
     }
 
     #[test]
-    fn a_module_that_names_a_later_one_is_found() {
+    fn a_module_that_names_one_above_it_is_found() {
         let sources = [
             source("", "mod a; mod b;"),
             source("a", "use crate::b::f; pub fn g() {}"),
             source("b", "use crate::a::g; pub fn f() {}"),
         ];
-        assert_eq!(to_later_modules(&sources, &arrows(&sources), "p"), ["a names b"]);
+        assert_eq!(upwards(&sources, &arrows(&sources), "p"), ["b names a"]);
     }
 
     #[test]

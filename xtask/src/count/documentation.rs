@@ -2,7 +2,7 @@
 
 use syn::visit::Visit;
 
-use super::source::{self, Source};
+use crate::source::{self, Source};
 
 /// A module's text is long enough to explain an algorithm from this many lines on.
 const MIN_MODULE_TEXT_LINES: usize = 10;

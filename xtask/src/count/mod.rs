@@ -22,7 +22,6 @@
 mod constants;
 mod cycles;
 mod documentation;
-mod source;
 mod tests_that_pass_empty;
 mod words;
 
@@ -30,7 +29,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use source::{Line, Source, Workspace};
+use crate::source::{self, Line, Source, Workspace};
 
 /// Whether less or more of something is better.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -50,9 +49,9 @@ const COUNTS: [(&str, Better, &str); 15] = [
     ("folder_cycles", Better::Less, "dependency cycles between folders, or folders and files, of one folder"),
     ("cycles_with_parents", Better::Less, "file cycles with arrows between a module and its parts"),
     (
-        "planner_arrows_to_later_modules",
+        "planner_arrows_upwards",
         Better::Less,
-        "a module of the planner names one that `lib.rs` declares later",
+        "a module of the planner names one that `lib.rs` declares before it",
     ),
     ("settings_compared_with_text", Better::Less, "lines that compare a setting with a text outside `job`"),
     ("words_compared", Better::Less, "other comparisons of a value with a word where settings are used"),
@@ -196,10 +195,7 @@ fn count(workspace: &Workspace) -> BTreeMap<&'static str, Count> {
             "folder_cycles",
             Count::of_places(cycles::of_folders(sources, &arrows).into_iter().map(cycle).collect()),
         ),
-        (
-            "planner_arrows_to_later_modules",
-            Count::of_places(cycles::to_later_modules(sources, &every_arrow, "grainpath")),
-        ),
+        ("planner_arrows_upwards", Count::of_places(cycles::upwards(sources, &every_arrow, "grainpath"))),
         ("settings_compared_with_text", Count::of_places(settings)),
         ("words_compared", Count::of_places(words.words_compared.into_iter().map(place).collect())),
         ("wildcard_arms", Count::of_places(words.wildcard_arms.into_iter().map(place).collect())),

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use syn::visit::Visit;
 
-use super::source::TestFile;
+use crate::source::TestFile;
 
 /// An empty test: its file, its name, and what is wrong with it.
 pub struct Empty {

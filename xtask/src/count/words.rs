@@ -8,7 +8,7 @@ use proc_macro2::{TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::visit::Visit;
 
-use super::source::{self, Source};
+use crate::source::{self, Source};
 
 /// Crates whose texts are no choices: file formats and programs are made of words.
 const TEXT_IS_INPUT: [&str; 4] = ["grainpath-core", "grainpath-io", "grainpath-gcode", "grainpath-job"];
@@ -34,10 +34,9 @@ pub fn find(sources: &[Source]) -> Found {
     let mut found = Found::default();
     for source in sources.iter().filter(|s| !TEXT_IS_INPUT.contains(&s.package.as_str())) {
         let mut look = Look { path: &source.path, choices: &choices, found: &mut found, settings: true };
-        // The job's own module, while it has no crate of its own.
-        let first = source.module.first().map(String::as_str);
-        look.settings = !matches!(first, Some("job" | "config"));
-        if first == Some("job") {
+        // Where words are turned into types, while not every choice is a type from the job on.
+        look.settings = source.module.last().is_none_or(|m| m != "config");
+        if source.module.first().is_some_and(|m| m == "job") {
             continue;
         }
         for item in &source.items {

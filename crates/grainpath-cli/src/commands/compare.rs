@@ -3,14 +3,13 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use grainpath::measure::report::peak_rss_mb;
 use grainpath::measure::strength::StrengthReport;
 use serde_json::{Value, json};
 
 use super::strength::{Done, is_job, job_of, test_one};
 use crate::args::Compare;
 use crate::inputs::{read_job, set_threads};
-use crate::{Failure, files, outputs};
+use crate::{Failure, files, memory, outputs};
 
 /// `grainpath compare`
 pub fn compare(args: &Compare) -> Result<(), Failure> {
@@ -35,7 +34,7 @@ pub fn compare(args: &Compare) -> Result<(), Failure> {
     }
     let rows: Vec<Value> = all.iter().map(|d| row(d, &all[0].tested.report)).collect();
     if args.common.json {
-        let value = json!({ "ok": true, "version": env!("CARGO_PKG_VERSION"), "rows": rows, "peak_rss_mb": peak_rss_mb() });
+        let value = json!({ "ok": true, "version": env!("CARGO_PKG_VERSION"), "rows": rows, "peak_rss_mb": memory::peak_rss_mb() });
         files::print(&format!("{value}\n"));
     } else {
         files::print(&table(&all, &rows));

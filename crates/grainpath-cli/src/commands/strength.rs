@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use grainpath::guide::boundary_conditions;
-use grainpath::measure::report::peak_rss_mb;
 use grainpath::measure::strength::{TestSetup, Tested, test};
 use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath_core::{Diagnostics, Warning};
@@ -14,7 +13,7 @@ use serde_json::{Value, json};
 
 use crate::args::{Common, Strength};
 use crate::inputs::{plan, read_body, read_job, set_threads};
-use crate::{Failure, files, outputs, progress};
+use crate::{Failure, files, memory, outputs, progress};
 
 /// A tested input.
 pub struct Done {
@@ -46,7 +45,7 @@ pub fn strength(args: &Strength) -> Result<(), Failure> {
         let mut value = json!({
             "ok": true, "version": env!("CARGO_PKG_VERSION"), "layers": done.layers,
             "mass_g": done.tested.report.mass_g, "time_s": (done.time_s * 10.0).round() / 10.0,
-            "strength": done.tested.report, "peak_rss_mb": peak_rss_mb(), "warnings": done.warnings,
+            "strength": done.tested.report, "peak_rss_mb": memory::peak_rss_mb(), "warnings": done.warnings,
         });
         if !written.is_null() {
             value["outputs"] = written;

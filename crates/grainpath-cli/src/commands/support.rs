@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use grainpath::Error;
-use grainpath::measure::report::{SupportReport, peak_rss_mb};
+use grainpath::measure::report::SupportReport;
 use grainpath::run::config;
 use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath::support;
@@ -17,7 +17,7 @@ use crate::args::Support;
 use crate::claims::Claims;
 use crate::inputs::{read_body, set_threads, settings};
 use crate::outputs::{MeshEnding, write_mesh};
-use crate::{Failure, files, outputs, progress};
+use crate::{Failure, files, memory, outputs, progress};
 
 /// `grainpath support`
 pub fn support(args: &Support) -> Result<(), Failure> {
@@ -80,7 +80,7 @@ pub fn support(args: &Support) -> Result<(), Failure> {
         let value = json!({
             "ok": true, "version": env!("CARGO_PKG_VERSION"), "layers": stack.layers().len(),
             "support": report, "triangles": body.triangles.len(), "stages_s": stages,
-            "peak_rss_mb": peak_rss_mb(), "warnings": warnings, "outputs": written,
+            "peak_rss_mb": memory::peak_rss_mb(), "warnings": warnings, "outputs": written,
         });
         files::print(&format!("{value}\n"));
     } else {

@@ -242,7 +242,7 @@ impl Report {
             strength: None,
             fibre: None,
             stages_s: BTreeMap::new(),
-            peak_rss_mb: peak_rss_mb(),
+            peak_rss_mb: 0.0,
             warnings: Vec::new(),
             outputs: BTreeMap::new(),
         }
@@ -398,12 +398,4 @@ fn alignment(off: &DirectionError<'_>, program: &Program, plate_from_part_mm: DV
         seen >= 0.95 * all
     });
     (sum / all.max(f64::MIN_POSITIVE), p95.unwrap_or(0) as f64 * 0.01)
-}
-
-/// Highest memory the process has held so far, MiB to a tenth; 0 where the system does not tell.
-pub fn peak_rss_mb() -> f64 {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
-    let kib = line.and_then(|l| l.split_whitespace().next()).and_then(|n| n.parse::<f64>().ok());
-    (kib.unwrap_or(0.0) / 102.4).round() / 10.0
 }
