@@ -129,7 +129,7 @@ pub fn support(parts: &[&str]) -> Result<(), String> {
             let out = bench.folder.join(format!("support_{}_{part}.gcode", program.replace(' ', "_")));
             let Some(words) = bench.support_command(program, part, &out) else { continue };
             let cost = timed(&words, &bench.folder)?;
-            let mut command = Command::new("python3");
+            let mut command = crate::setup::python();
             command.arg("xtask/py/support_mass.py").arg(&out).current_dir(crate::root());
             let found: Value =
                 serde_json::from_str(&crate::output(&mut command)?).map_err(|e| e.to_string())?;
@@ -166,7 +166,6 @@ const SUPPORTERS: [&str; 5] =
 /// The programs, the parts and where they are sliced.
 pub struct Bench {
     pub folder: PathBuf,
-    shared: PathBuf,
     /// CuraEngine's definition files, which come with the package of its front end.
     definitions: Option<PathBuf>,
 }
@@ -174,21 +173,18 @@ pub struct Bench {
 impl Bench {
     pub fn prepare() -> Result<Self, String> {
         let root = crate::root();
-        let shared = root.join("../shared");
-        if !shared.join("data").is_dir() {
-            return Err("skipped: no ../shared/data".into());
-        }
+        let data = crate::setup::data()?;
         crate::setup::bench()?;
         crate::setup::peers().unwrap_or_else(|e| eprintln!("xtask: going on without missing peers: {e}"));
         crate::cargo(&["build", "--release", "-p", "grainpath-cli"])?;
         let folder = root.join("target/bench");
         crate::run(
-            Command::new("python3")
+            crate::setup::python()
                 .arg("xtask/py/prepare_meshes.py")
-                .args([shared.join("data/meshes"), folder.join("meshes")]),
+                .args([data.join("meshes"), folder.join("meshes")]),
         )?;
         let definitions = crate::setup::cura_definitions(&folder);
-        Ok(Self { folder, shared, definitions })
+        Ok(Self { folder, definitions })
     }
 
     pub fn mesh(&self, part: &str) -> PathBuf {
@@ -287,8 +283,8 @@ impl Bench {
 
     /// What the outside check says of a G-code file.
     fn measure(&self, gcode: &Path, mesh: Option<&Path>) -> Result<Value, String> {
-        let mut command = Command::new("python3");
-        command.arg(self.shared.join("check/gcode_check.py")).arg(gcode);
+        let mut command = crate::setup::python();
+        command.arg(crate::setup::check("gcode_check.py")?).arg(gcode);
         if let Some(mesh) = mesh {
             command.arg("--mesh").arg(mesh);
         }

@@ -53,13 +53,15 @@ pub fn run() -> Result<(), String> {
 
 /// Sections of the test meshes, as the job's own report has them.
 fn sections(grainpath: &Path, folder: &Path, smoothing_mm: &str) -> Result<(), String> {
-    let meshes = crate::root().join("../shared/data/meshes");
-    if !meshes.is_dir() {
-        println!("\nno ../shared/data: sections left out");
-        return Ok(());
-    }
+    let meshes = match crate::setup::data() {
+        Ok(data) => data.join("meshes"),
+        Err(missing) => {
+            println!("\nsections left out: {missing}");
+            return Ok(());
+        }
+    };
     let python = |args: &[&std::ffi::OsStr]| {
-        crate::output(Command::new("python3").arg(crate::root().join("xtask/py/sections.py")).args(args))
+        crate::output(crate::setup::python().arg(crate::root().join("xtask/py/sections.py")).args(args))
     };
     let names = python(&["write".as_ref(), meshes.as_os_str(), folder.as_os_str()])?;
     println!(
@@ -108,7 +110,7 @@ fn plate(grainpath: &Path, folder: &Path, cells: f64) -> Result<(), String> {
     let script =
         "import sys, trimesh; a = float(sys.argv[2]); trimesh.creation.box((a, a, 0.2)).export(sys.argv[1])";
     crate::run(
-        Command::new("python3").args(["-c", script]).arg(&mesh).arg(format!("{side}")).stdout(Stdio::null()),
+        crate::setup::python().args(["-c", script]).arg(&mesh).arg(format!("{side}")).stdout(Stdio::null()),
     )?;
     let (half, tenth, bed) = (0.5 * side, 0.1 * side, side + 20.0);
     let job = folder.join("square.toml");

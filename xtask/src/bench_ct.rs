@@ -36,12 +36,12 @@ pub fn run(wanted: &[&str]) -> Result<(), String> {
         threshold: 23000.0,
         truth: Some(hub.join("truth.toml").display().to_string()),
     }];
-    let engine = root.join("../shared/data/ct/engine_256x256x128_u8.nii.gz");
-    if engine.is_file() {
-        let path = engine.display().to_string();
-        scans.push(Scan { name: "engine", path, voxel_mm: 0.4, threshold: 71.5, truth: None });
-    } else {
-        println!("skipped: no ../shared/data");
+    match crate::setup::data() {
+        Ok(data) => {
+            let path = data.join("ct/engine_256x256x128_u8.nii.gz").display().to_string();
+            scans.push(Scan { name: "engine", path, voxel_mm: 0.4, threshold: 71.5, truth: None });
+        }
+        Err(missing) => println!("engine left out: {missing}"),
     }
     println!("\n0.2 mm layers, 2 walls, 20 % grid, one run each.\n");
     println!(
@@ -82,7 +82,7 @@ fn large(program: &str, folder: &Path) -> Result<Cost, String> {
     let slices = folder.join("large");
     if !slices.join(format!("slice_{:04}.tif", LARGE - 1)).is_file() {
         let script = crate::root().join("xtask/py/large_stack.py");
-        crate::run(Command::new("python3").arg(script).arg(&slices).arg(LARGE.to_string()))?;
+        crate::run(crate::setup::python().arg(script).arg(&slices).arg(LARGE.to_string()))?;
     }
     let job = folder.join("large.toml");
     let text = "[shape.ct]\npath = \"large\"\npixel_mm = 0.05\nslice_mm = 0.05\n[process]\nskirt_loops = 0\n\
@@ -117,7 +117,7 @@ fn through_stl(program: &str, scan: &Scan, folder: &Path) -> Result<Outcome, Str
     let numbers = [scan.threshold.to_string(), scan.voxel_mm.to_string()];
     let mesh = timed(
         &[
-            "python3".to_owned(),
+            crate::setup::interpreter(),
             script,
             scan.path.clone(),
             numbers[0].clone(),

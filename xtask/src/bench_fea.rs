@@ -16,10 +16,7 @@ const CASES: [(&str, &str, &str); 2] = [("300 000", "2.55", "3.7"), ("1 000 000"
 /// against our mesher and solver to a residual of 1e-8.
 pub fn run(cases: &[&str]) -> Result<(), String> {
     let root = crate::root();
-    let data = root.join("../shared/data");
-    if !data.is_dir() {
-        return Err("skipped: no ../shared/data".into());
-    }
+    let data = crate::setup::data()?;
     crate::setup::fea()?;
     crate::cargo(&["build", "--release", "-p", "grainpath-fea", "--example", "solve_stl"])?;
     let folder = root.join("target/bench/fea");

@@ -32,10 +32,7 @@ pub const HEADER: &str = "\n| part | fill | seconds | mean deg | within 15 deg |
 /// gap, overlap and spill as the outside check has them.
 pub fn run() -> Result<(), String> {
     let root = crate::root();
-    let shared = root.join("../shared");
-    if !shared.join("data").is_dir() {
-        return Err("skipped: no ../shared/data".into());
-    }
+    let data = crate::setup::data()?;
     crate::setup::bench()?;
     crate::setup::fea()?;
     crate::cargo(&["build", "--release", "-p", "grainpath-cli"])?;
@@ -67,15 +64,12 @@ pub fn run() -> Result<(), String> {
     speed(&grainpath, &folder)?;
 
     let field = folder.join("bracket.npz");
-    python(&["vtu".as_ref(), shared.join("data/fea/bracket.vtu").as_path(), field.as_path()])?;
+    python(&["vtu".as_ref(), data.join("fea/bracket.vtu").as_path(), field.as_path()])?;
     let mesh = folder.join("bracket_mm.stl");
     let script = "import sys, trimesh; m = trimesh.load(sys.argv[1]); m.apply_scale(25.4); m.export(sys.argv[2]); \
                   print(m.bounds[0][0], m.bounds[1][0])";
     let bounds = crate::output(
-        Command::new("python3")
-            .args(["-c", script])
-            .arg(shared.join("data/meshes/featuretype_inch.stl"))
-            .arg(&mesh),
+        crate::setup::python().args(["-c", script]).arg(data.join("meshes/featuretype_inch.stl")).arg(&mesh),
     )?;
     let mut ends = bounds.split_whitespace();
     let (low, high) = (ends.next().unwrap_or("0"), ends.next().unwrap_or("0"));
@@ -107,7 +101,7 @@ fn speed(grainpath: &Path, folder: &Path) -> Result<(), String> {
         let mesh = folder.join("plate100.stl");
         let height = format!("{}", 0.2 * f64::from(layers));
         crate::run(
-            Command::new("python3").args(["-c", script]).arg(&mesh).arg(&height).stdout(Stdio::null()),
+            crate::setup::python().args(["-c", script]).arg(&mesh).arg(&height).stdout(Stdio::null()),
         )?;
         let job = folder.join("plate100.toml");
         let text = format!(
@@ -136,7 +130,7 @@ pub fn field_of_bar(folder: &Path) -> Result<PathBuf, String> {
 }
 
 fn python(args: &[&Path]) -> Result<(), String> {
-    crate::run(Command::new("python3").arg(crate::root().join("xtask/py/principal_field.py")).args(args))
+    crate::run(crate::setup::python().arg(crate::root().join("xtask/py/principal_field.py")).args(args))
 }
 
 /// Seconds, angles and shares of one plan as the outside check has them.
@@ -150,8 +144,8 @@ pub fn row(
 ) -> Result<(), String> {
     let report: Value = serde_json::from_str(report).map_err(|e| format!("{fill}: {e}"))?;
     let seconds: f64 = ["guide", "fill"].iter().filter_map(|s| report["stages_s"][s].as_f64()).sum();
-    let check = crate::root().join("../shared/check/gcode_check.py");
-    let mut command = Command::new("python3");
+    let check = crate::setup::check("gcode_check.py")?;
+    let mut command = crate::setup::python();
     command.arg(check).arg(gcode).arg("--mesh").arg(mesh).arg("--field").arg(field).arg("--infill-only");
     let found: Value =
         serde_json::from_str(&crate::output(&mut command)?).map_err(|e| format!("gcode_check.py: {e}"))?;

@@ -12,8 +12,10 @@ mod bench_strength;
 mod count;
 mod fuzz;
 mod hashes;
+mod ignored;
 mod invariants;
 mod licences;
+mod pages;
 mod photo;
 mod setup;
 mod source;
@@ -22,8 +24,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 const USAGE: &str = "usage: cargo xtask <command>
-  test             everything CI checks: format, lints, docs, licences, arrows, tests, examples, fuzzers
-  test --quick     the same without examples, fuzzers and what needs installing
+  test             everything CI checks: format, invariants, counts, licences, lints, docs, G-code hashes, tests, fuzzers.
+                   Says first what is missing and how to install it; what needs no rights goes below target/.
+                   --install        installs system packages too
+                   --allow-missing  what cannot run here is no failure
+                   --quick          leaves out fuzzers and tests that need files or programs
+  nightly          all of test, slow tests, ten minutes of each fuzz target, benches that verify
   invariants       dependencies of crates and the invariants of ARCHITECTURE.md
   count [--tighten | --list NAME | --in FOLDER]  counts of the sources beside the limits of xtask/counts.toml
   hashes [--write] [--binary PATH]  G-code of small jobs beside the committed hashes
@@ -41,14 +47,14 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench strength [PART...]  the virtual strength test: of a bar and of a bracket (time), the papers' comparisons
                    beside theirs (s1 s2), other slicers' programs (slicers); `all` adds what takes long
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
-  setup            installs what tests and benches need (Python packages, Chromium, the peers)";
+  setup            installs what tests and benches need (Python packages, the peers)";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = args.iter().map(String::as_str).collect();
     let outcome = match words.as_slice() {
-        ["test"] => test(true),
-        ["test", "--quick"] => test(false),
+        ["test", words @ ..] => TestOptions::parse(words).and_then(|options| test(&options)),
+        ["nightly"] => nightly(),
         ["invariants"] => arrows::check().and_then(|()| invariants::check()),
         ["count", words @ ..] => count::run(words),
         ["hashes", words @ ..] => hashes::run(words),
@@ -63,7 +69,7 @@ fn main() -> ExitCode {
         ["bench", "photo"] => photo::bench(),
         ["fuzz"] => fuzz::run(20),
         ["fuzz", seconds] => seconds.parse().map_err(|_| USAGE.to_owned()).and_then(fuzz::run),
-        ["setup"] => setup::tests().and_then(|()| setup::peers()),
+        ["setup"] => setup::tests(true).and_then(|_| setup::peers()),
         _ => Err(USAGE.to_owned()),
     };
     match outcome {
@@ -78,44 +84,133 @@ fn main() -> ExitCode {
 /// What went wrong, in a line.
 type Outcome = Result<(), String>;
 
-fn test(whole: bool) -> Outcome {
-    step("format");
-    cargo(&["fmt", "--all", "--check"])?;
-    step("arrows between crates");
-    arrows::check()?;
-    step("invariants");
-    invariants::check()?;
-    step("counts");
-    count::run(&[])?;
-    step("licences");
-    licences::check()?;
-    if whole {
-        step("setting up what tests need");
-        setup::tests()?;
-    }
-    step("lints");
-    cargo(&["clippy", "--workspace", "--all-targets", "--profile", "ci", "--", "-D", "warnings"])?;
-    step("documentation");
-    run(Command::new("cargo")
-        .args(["doc", "--workspace", "--no-deps", "--quiet"])
-        .env("RUSTDOCFLAGS", "-D warnings"))?;
-    step("G-code hashes");
-    hashes::run(&[])?;
-    step("tests");
-    // The same cases of property tests on every run; `cargo test` alone draws others.
-    run(Command::new("cargo")
-        .args(["test", "--workspace", "--profile", "ci"])
-        .env("PROPTEST_RNG_SEED", "20"))?;
-    if whole {
-        step("fuzz targets");
-        fuzz::run(8)?;
-    }
-    println!("\nxtask: all checks passed");
-    Ok(())
+/// How `test` was asked to run.
+struct TestOptions {
+    /// Leaves out fuzzers and what needs installing.
+    quick: bool,
+    /// System packages may be installed.
+    install: bool,
+    /// What cannot run here is no failure.
+    allow_missing: bool,
+    /// How long each fuzz target runs.
+    fuzz_seconds: u64,
 }
 
-fn step(name: &str) {
-    println!("\n== {name}");
+impl TestOptions {
+    fn parse(words: &[&str]) -> Result<Self, String> {
+        let mut options = Self { quick: false, install: false, allow_missing: false, fuzz_seconds: 8 };
+        for word in words {
+            match *word {
+                "--quick" => options.quick = true,
+                "--install" => options.install = true,
+                "--allow-missing" => options.allow_missing = true,
+                _ => return Err(USAGE.to_owned()),
+            }
+        }
+        Ok(options)
+    }
+}
+
+/// Checks that passed, and those that could not run here.
+#[derive(Default)]
+struct Checks {
+    passed: usize,
+    not_run: Vec<String>,
+}
+
+impl Checks {
+    /// Runs a check; the first that fails ends the run.
+    fn run(&mut self, name: &str, check: impl FnOnce() -> Outcome) -> Outcome {
+        println!("\n== {name}");
+        check()?;
+        self.passed += 1;
+        Ok(())
+    }
+
+    /// The last line, and the exit code.
+    fn finish(self, allow_missing: bool) -> Outcome {
+        println!();
+        for what in &self.not_run {
+            println!("NOT RUN: {what}");
+        }
+        println!("xtask: {} checks passed, {} not run", self.passed, self.not_run.len());
+        if self.not_run.is_empty() || allow_missing {
+            return Ok(());
+        }
+        Err("some checks could not run here; --allow-missing accepts that".to_owned())
+    }
+}
+
+fn test(options: &TestOptions) -> Outcome {
+    let mut checks = Checks::default();
+    let found = match options.quick {
+        true => None,
+        false => {
+            println!("== what tests need");
+            Some(setup::tests(options.install)?)
+        }
+    };
+    checks.run("format", || cargo(&["fmt", "--all", "--check"]))?;
+    checks.run("dependencies between crates", arrows::check)?;
+    checks.run("invariants", invariants::check)?;
+    checks.run("counts", || count::run(&[]))?;
+    checks.run("pages", pages::check)?;
+    checks.run("licences", licences::check)?;
+    checks.run("lints", || {
+        cargo(&["clippy", "--workspace", "--all-targets", "--profile", "ci", "--", "-D", "warnings"])
+    })?;
+    checks.run("documentation", || {
+        let mut command = Command::new("cargo");
+        command.args(["doc", "--workspace", "--no-deps", "--quiet"]).env("RUSTDOCFLAGS", "-D warnings");
+        run(&mut command)
+    })?;
+    checks.run("G-code hashes", || hashes::run(&[]))?;
+    checks.run("tests", || tests(&[]))?;
+    if let Some(found) = &found {
+        let ignored = ignored::find(&source::read(&root())?.tests)?;
+        let (here, lacking) = ignored::split(&ignored, found);
+        if !here.is_empty() {
+            let names: Vec<&str> = here.iter().map(|t| t.name.as_str()).collect();
+            checks.run(&format!("{} tests that need files or programs", here.len()), || {
+                tests(&[&["--ignored", "--exact"], names.as_slice()].concat())
+            })?;
+        }
+        checks.not_run.extend(lacking.iter().map(|(test, what)| format!("{} lacks {what}", test.name)));
+        checks.run("fuzz targets", || fuzz::run(options.fuzz_seconds))?;
+    }
+    checks.finish(options.allow_missing || options.quick)
+}
+
+/// All tests of the workspace, with these words for each test binary.
+fn tests(words: &[&str]) -> Outcome {
+    let mut command = Command::new("cargo");
+    command.args(["test", "--workspace", "--profile", "ci"]);
+    if !words.is_empty() {
+        // Doc tests take none of the names.
+        command.args(["--lib", "--bins", "--tests", "--"]).args(words);
+    }
+    // The same cases of property tests on every run; `cargo test` alone draws others. Goldens are compared and not
+    // rewritten.
+    command.env("PROPTEST_RNG_SEED", "20").env("INSTA_UPDATE", "no");
+    run(setup::export(&mut command))
+}
+
+/// Everything that takes too long for every change: all of `test`, slow tests, long fuzzing, and the benches whose
+/// numbers are compared with something.
+fn nightly() -> Outcome {
+    test(&TestOptions { quick: false, install: true, allow_missing: false, fuzz_seconds: 600 })?;
+    let mut checks = Checks::default();
+    let ignored = ignored::find(&source::read(&root())?.tests)?;
+    let slow: Vec<&str> =
+        ignored.iter().filter(|t| t.reason.starts_with("slow")).map(|t| t.name.as_str()).collect();
+    checks.run("slow tests", || tests(&[&["--ignored", "--exact"], slow.as_slice()].concat()))?;
+    checks.run("fill along the stress", bench_paths::run)?;
+    checks.run("finite elements beside gmsh and CalculiX", || bench_fea::run(&["300000"]))?;
+    checks.run("strength beside the papers", || bench_strength::run(&["s1", "s2"]))?;
+    checks.run("scans beside marching cubes", || bench_ct::run(&["hub", "engine"]))?;
+    checks.run("quality beside the peers", bench::quality)?;
+    pages::note_nightly()?;
+    checks.finish(false)
 }
 
 /// The repository's top folder.

@@ -40,7 +40,7 @@ pub fn bench() -> Result<(), String> {
     let folder = root.join("target/bench-photo");
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let (board, photo) = (root.join("examples/woodgrain/board.png"), folder.join("board.jpg"));
-    let theirs = crate::output(Command::new("python3").args(["-c", OPENCV]).args([&board, &photo]))?;
+    let theirs = crate::output(crate::setup::python().args(["-c", OPENCV]).args([&board, &photo]))?;
     let theirs: Value = serde_json::from_str(&theirs).map_err(|e| format!("OpenCV: {e}"))?;
     let job = "[shape.photo]\nfiles = [\"board.jpg\"]\ncorners_px = [[347, 387], [5613, 293], [5787, 1720], [227, 1627]]\n\
                size_mm = [120, 30]\nthickness_mm = 4\n[guide]\nkind = \"grain\"\nmode = \"edges\"\n\

@@ -1,74 +1,151 @@
-//! Installs what tests and benches need, by name, from the system's and Python's package registries.
+//! What tests and benches need beside Rust: found, named with the line that installs it, and installed where that
+//! needs no rights.
+//!
+//! Python packages go into a virtual environment below `target/venv`. System packages are installed by `apt-get`
+//! only where this runs as root or was asked to by `--install`; elsewhere the line to run is printed.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What `gcode_check.py` imports, and what opens the VTU that is written.
+/// What scripts of tests and benches import, and what opens the VTU that is written.
 const PYTHON: [&str; 7] = ["numpy", "scipy", "shapely>=2", "trimesh", "networkx", "rtree", "meshio"];
 
-/// For `cargo xtask test`: Python packages for the outside check, Chromium for the report page.
-pub fn tests() -> Result<(), String> {
-    apt(&[("python3", "python3"), ("pip3", "python3-pip"), ("chromium", "chromium")])?;
-    python()
+/// What tests can need; a test names it in `#[ignore = "needs ..."]`.
+pub const NEEDS: [&str; 4] = ["GRAINPATH_DATA", "GRAINPATH_CHECK", "python", "vtk"];
+
+/// What is there of [`NEEDS`], and for each missing one how to get it.
+pub struct Found {
+    pub missing: Vec<(&'static str, String)>,
 }
 
-fn python() -> Result<(), String> {
-    if quiet(
-        Command::new("python3")
-            .args(["-c", "import numpy, scipy, shapely, trimesh, networkx, rtree, meshio"]),
-    ) {
+impl Found {
+    /// Names in `reason` of what is missing.
+    pub fn missing_of(&self, reason: &str) -> Vec<&'static str> {
+        self.missing.iter().map(|m| m.0).filter(|need| reason.contains(need)).collect()
+    }
+}
+
+/// Looks for what tests need, prints what is missing and how to get it, and installs the Python packages.
+pub fn tests(install: bool) -> Result<Found, String> {
+    let mut missing = Vec::new();
+    for (variable, what) in [
+        ("GRAINPATH_DATA", "set GRAINPATH_DATA to a folder of real meshes, scans, photographs and results"),
+        ("GRAINPATH_CHECK", "set GRAINPATH_CHECK to a folder with gcode_check.py"),
+    ] {
+        if let Err(problem) = folder(variable) {
+            missing.push((variable, format!("{problem}; {what}")));
+        }
+    }
+    if let Err(problem) = apt(&[("python3", "python3")], install).and_then(|()| environment(install, &PYTHON))
+    {
+        missing.push(("python", problem));
+    }
+    if !has(&["vtk"]) {
+        let pip = venv().display().to_string();
+        missing.push(("vtk", format!("{pip}/bin/pip install vtk (100 MB, for one test)")));
+    }
+    for (need, how) in &missing {
+        println!("missing: {need}: {how}");
+    }
+    Ok(Found { missing })
+}
+
+/// The folder of real files.
+pub fn data() -> Result<PathBuf, String> {
+    folder("GRAINPATH_DATA")
+}
+
+/// A script that measures G-code without our code.
+pub fn check(script: &str) -> Result<PathBuf, String> {
+    Ok(folder("GRAINPATH_CHECK")?.join(script))
+}
+
+fn folder(variable: &str) -> Result<PathBuf, String> {
+    let path = std::env::var_os(variable).ok_or_else(|| format!("{variable} is not set"))?;
+    let path = PathBuf::from(path);
+    // Tests run in the folders of their crates.
+    let whole = path.canonicalize().map_err(|e| format!("{variable}: {}: {e}", path.display()))?;
+    if whole.is_dir() { Ok(whole) } else { Err(format!("{variable}: {} is no folder", whole.display())) }
+}
+
+/// Sets for a command what the tests' helpers read.
+pub fn export(command: &mut Command) -> &mut Command {
+    for variable in ["GRAINPATH_DATA", "GRAINPATH_CHECK"] {
+        if let Ok(path) = folder(variable) {
+            command.env(variable, path);
+        }
+    }
+    command.env("GRAINPATH_PYTHON", interpreter())
+}
+
+/// The Python interpreter: that of the virtual environment, or else the system's.
+pub fn interpreter() -> String {
+    let own = venv().join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    if own.exists() { own.display().to_string() } else { "python3".to_owned() }
+}
+
+/// A command of that interpreter.
+pub fn python() -> Command {
+    Command::new(interpreter())
+}
+
+fn venv() -> PathBuf {
+    crate::target().join("venv")
+}
+
+/// Whether these Python packages can be imported; a version after the name is not looked at.
+fn has(packages: &[&str]) -> bool {
+    let names: Vec<&str> = packages.iter().map(|p| p.split(['>', '=']).next().unwrap_or(p)).collect();
+    quiet(python().args(["-c", &format!("import {}", names.join(", "))]))
+}
+
+/// Makes the virtual environment and installs what it lacks.
+fn environment(install: bool, packages: &[&str]) -> Result<(), String> {
+    if has(packages) {
         return Ok(());
     }
-    println!("installing Python packages: {}", PYTHON.join(" "));
-    let pip = |extra: &[&str]| {
-        let args = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-        crate::run(Command::new("python3").args(args).args(extra).args(PYTHON))
-    };
-    // Debian's own Python refuses to mix packages unless told to.
-    pip(&[]).or_else(|_| pip(&["--break-system-packages"]))
+    let folder = venv();
+    if !folder.exists() && !quiet(Command::new("python3").args(["-m", "venv"]).arg(&folder)) {
+        // Debian's Python comes without the module.
+        let _ = std::fs::remove_dir_all(&folder);
+        apt(&[("python3-venv-is-no-program", "python3-venv")], install)?;
+        crate::run(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
+    }
+    println!("installing into {}: {}", folder.display(), packages.join(" "));
+    let args = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    crate::run(python().args(args).args(packages))
 }
 
-/// For `cargo xtask bench`: the peers.
+/// For `cargo xtask setup`: the peers.
 pub fn peers() -> Result<(), String> {
-    apt(&[("prusa-slicer", "prusa-slicer"), ("CuraEngine", "cura-engine")])
+    apt(&[("prusa-slicer", "prusa-slicer"), ("CuraEngine", "cura-engine")], true)
 }
 
 /// For `cargo xtask bench fea`: an independent mesher and solver.
 pub fn fea() -> Result<(), String> {
-    apt(&[("gmsh", "gmsh"), ("ccx", "calculix-ccx"), ("time", "time")])
+    apt(&[("gmsh", "gmsh"), ("ccx", "calculix-ccx"), ("time", "time")], true)
 }
 
 /// For every bench: what prepares parts and measures.
 pub fn bench() -> Result<(), String> {
-    apt(&[("python3", "python3"), ("pip3", "python3-pip"), ("time", "time")])?;
-    python()
+    apt(&[("python3", "python3"), ("time", "time")], true)?;
+    environment(true, &PYTHON)
 }
 
 /// For `cargo xtask bench photo`.
 pub fn opencv() -> Result<(), String> {
-    apt(&[("python3", "python3"), ("pip3", "python3-pip")])?;
-    if quiet(Command::new("python3").args(["-c", "import cv2, numpy"])) {
+    if has(&["cv2", "numpy"]) {
         return Ok(());
     }
-    let pip = |extra: &[&str]| {
-        let args = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-        crate::run(Command::new("python3").args(args).args(extra).arg("opencv-python-headless"))
-    };
-    pip(&[]).or_else(|_| pip(&["--break-system-packages"]))
+    bench()?;
+    environment(true, &["opencv-python-headless"])
 }
 
 /// For `cargo xtask bench ct`: marching cubes and a slicer.
 pub fn scans() -> Result<(), String> {
     bench()?;
-    apt(&[("prusa-slicer", "prusa-slicer")])?;
-    if quiet(Command::new("python3").args(["-c", "import skimage"])) {
-        return Ok(());
-    }
-    let pip = |extra: &[&str]| {
-        let args = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-        crate::run(Command::new("python3").args(args).args(extra).arg("scikit-image"))
-    };
-    pip(&[]).or_else(|_| pip(&["--break-system-packages"]))
+    apt(&[("prusa-slicer", "prusa-slicer")], true)?;
+    if has(&["skimage"]) { Ok(()) } else { environment(true, &["scikit-image"]) }
 }
 
 /// CuraEngine's definition files, unpacked from the package of its front end without installing that.
@@ -76,27 +153,32 @@ pub fn cura_definitions(folder: &Path) -> Option<PathBuf> {
     let definitions = folder.join("cura/usr/share/cura/resources/definitions");
     if !definitions.join("fdmprinter.def.json").exists() {
         let script = "apt-get download -qq cura && dpkg -x cura_*.deb cura";
-        crate::setup::quiet(Command::new("sh").args(["-c", script]).current_dir(folder));
+        quiet(Command::new("sh").args(["-c", script]).current_dir(folder));
     }
     definitions.join("fdmprinter.def.json").exists().then_some(definitions)
 }
 
-/// Installs the packages whose program is missing.
-fn apt(programs: &[(&str, &str)]) -> Result<(), String> {
+/// Installs the packages whose program is missing, where this may; else an error with the line to run.
+fn apt(programs: &[(&str, &str)], install: bool) -> Result<(), String> {
     let there = |program: &str| quiet(Command::new("sh").args(["-c", &format!("command -v {program}")]));
     let missing: Vec<&str> =
         programs.iter().filter(|(program, _)| !there(program)).map(|(_, p)| *p).collect();
     if missing.is_empty() {
         return Ok(());
     }
-    println!("installing {}", missing.join(" "));
-    let root = if quiet(Command::new("sh").args(["-c", "test $(id -u) = 0"])) { "" } else { "sudo " };
+    let is_root = quiet(Command::new("sh").args(["-c", "test $(id -u) = 0"]));
+    let sudo = if is_root { "" } else { "sudo " };
+    let line = format!("{sudo}apt-get install -y --no-install-recommends {}", missing.join(" "));
+    if !is_root && !install {
+        return Err(line);
+    }
+    println!("installing: {line}");
     let script = format!(
-        "{root}apt-get update -qq && {root}env DEBIAN_FRONTEND=noninteractive \
-         apt-get install -y -qq --no-install-recommends {} >/dev/null",
+        "{sudo}apt-get update -qq && {sudo}env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq \
+         --no-install-recommends {} >/dev/null",
         missing.join(" ")
     );
-    crate::run(Command::new("sh").args(["-c", &script]))
+    crate::run(Command::new("sh").args(["-c", &script])).map_err(|_| line)
 }
 
 /// Whether a command succeeds; what it prints is dropped.

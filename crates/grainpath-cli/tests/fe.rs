@@ -2,7 +2,8 @@
 
 mod support;
 
-use support::{box_stl, folder, grainpath, json, shared};
+use support::data::data;
+use support::{box_stl, folder, grainpath, json};
 
 const TABLE: &str = "x,y,sxx,syy,sxy\n0,0,1,2,3\n10,0,4,5,6\n0,10,7,8,9\n";
 
@@ -22,9 +23,9 @@ fn inspect_tells_what_a_result_is() {
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn inspect_reads_real_results() {
-    let Some(shared) = shared() else { return };
-    let data = shared.join("data/fea");
+    let data = data("fea");
     let inspect = |file: &str| grainpath(&data, &["inspect", file, "--json"]);
     let plate = json(&inspect("plate_hole_linear.vtu"));
     assert_eq!((plate["nodes"].as_u64(), plate["elements"]["tet10"].as_u64()), (Some(13234), Some(6524)));

@@ -6,7 +6,8 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use support::{folder, grainpath, json, shared};
+use support::data::data;
+use support::{folder, grainpath, json};
 
 fn job(dir: &Path, name: &str, ct: &str) {
     let text = format!(
@@ -81,9 +82,9 @@ fn exports_are_written_and_the_surface_is_closed() {
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn real_scans_run_and_give_the_same_bytes_for_any_number_of_threads() {
-    let Some(shared) = shared() else { return };
-    let data = shared.join("data/ct");
+    let data = data("ct");
     let dir = folder("real scans");
     for (name, file, ct, size) in [
         ("bolt", "bolt_70x123x66_u8.mhd", "pixel_mm = 0.4\nslice_mm = 0.4", [20.0, 40.0, 20.0]),

@@ -182,7 +182,7 @@ fn threads_do_not_change_a_bit_of_voxels() {
 }
 
 #[test]
-#[ignore = "takes half a minute; for measuring"]
+#[ignore = "slow: half a minute, for measuring"]
 fn a_million_unknowns() {
     let n = [68, 68, 68];
     let start = Instant::now();

@@ -1,24 +1,21 @@
 //! G-code of other programs is read as they meant it.
 
-use std::path::Path;
+#[path = "../../../tests/data.rs"]
+mod data;
 
 use grainpath_core::Role;
 use grainpath_gcode::{Limits, Program, SimulateError, simulate};
 use proptest::prelude::*;
 
-fn read(file: &str) -> Option<Program> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/gcode").join(file);
-    let Ok(bytes) = std::fs::read(path) else {
-        println!("skipped: no ../shared/data");
-        return None;
-    };
-    Some(simulate(&bytes, 1.75, &Limits::default()).expect(file))
+fn read(file: &str) -> Program {
+    simulate(&data::read_data(&format!("gcode/{file}")), 1.75, &Limits::default()).expect(file)
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn prints_of_other_slicers() {
     for file in ["rrf_prusaslicer.gcode", "rrf_simplify3d.gcode"] {
-        let Some(p) = read(file) else { return };
+        let p = read(file);
         assert!(
             p.layers.len() > 10 && p.extruded_mm3 > 1000.0 && p.time_s > 60.0,
             "{file}: {} layers",
@@ -38,9 +35,10 @@ fn prints_of_other_slicers() {
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn programs_that_print_nothing_are_read_too() {
     for file in ["rrf_config_2.g", "mach3_cnc.gcode", "rrf_circle_arcs.gcode"] {
-        let Some(p) = read(file) else { return };
+        let p = read(file);
         assert!(
             p.commands > 3 && p.layers.is_empty(),
             "{file}: {} commands, {} layers",
@@ -48,7 +46,7 @@ fn programs_that_print_nothing_are_read_too() {
             p.layers.len()
         );
     }
-    let Some(p) = read("rrf_thumbnail_qoi.gcode") else { return };
+    let p = read("rrf_thumbnail_qoi.gcode");
     assert!(!p.thumbnails.is_empty());
 }
 

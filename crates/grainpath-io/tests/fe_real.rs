@@ -1,6 +1,9 @@
 //! Every real file of the shared data reads with the values its table tells, or says what is wrong.
 
-use std::path::{Path, PathBuf};
+#[path = "../../../tests/data.rs"]
+mod data;
+
+use std::path::PathBuf;
 use std::time::Instant;
 
 use grainpath_core::DVec3;
@@ -9,30 +12,21 @@ use grainpath_io::fe::{
     Behaviour, Elastic, ElementKind, FeError, FeFile, FeOptions, FeResult, StressField, parse_fe, von_mises,
 };
 
-fn folder() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fea");
-    if !folder.is_dir() {
-        println!("skipped: no ../shared/data");
-        return None;
-    }
-    Some(folder)
+fn read(file: &str) -> FeFile {
+    let bytes = data::read_data(&format!("fea/{file}"));
+    parse_fe(&bytes, Some(file)).unwrap_or_else(|e| panic!("{file}: {e}"))
 }
 
-fn read(file: &str) -> Option<FeFile> {
-    let bytes = std::fs::read(folder()?.join(file)).expect("a file of the table");
-    Some(parse_fe(&bytes, Some(file)).unwrap_or_else(|e| panic!("{file}: {e}")))
-}
-
-fn result(file: &str, options: &FeOptions) -> Option<FeResult> {
-    let read = read(file)?;
-    let result = read.result(options).unwrap_or_else(|e| panic!("{file}: {e}"));
+fn result(file: &str, options: &FeOptions) -> FeResult {
+    let result = read(file).result(options).unwrap_or_else(|e| panic!("{file}: {e}"));
     assert!(result.warnings.is_empty(), "{file}: {:?}", result.warnings);
-    Some(result)
+    result
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn every_file_reads_or_says_why() {
-    let Some(folder) = folder() else { return };
+    let folder = data::data("fea");
     let mut files: Vec<PathBuf> =
         std::fs::read_dir(folder).expect("the folder").map(|f| f.expect("a file").path()).collect();
     files.sort();
@@ -51,6 +45,7 @@ fn every_file_reads_or_says_why() {
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn meshes_are_as_the_table_says() {
     use ElementKind::{Hex8, Hex20, Quad4, Quad8, Tet4, Tet10, Tri3, Tri6};
     type Row<'a> = (&'a str, usize, &'a [(ElementKind, usize)]);
@@ -71,7 +66,7 @@ fn meshes_are_as_the_table_says() {
         ("sfepy_cross3d.mesh", 32, &[(Hex8, 7)]),
     ];
     for (name, n, kinds) in table {
-        let Some(file) = read(name) else { return };
+        let file = read(name);
         assert_eq!((file.nodes.len(), file.kinds().as_slice()), (n, kinds), "{name}");
         let sizes: Vec<f64> = file.elements.iter().map(|e| e.size(&file.nodes)).collect();
         assert!(sizes.iter().all(|&v| v > 0.0), "{name}: an element without volume");
@@ -79,16 +74,17 @@ fn meshes_are_as_the_table_says() {
     // One mesh in three formats: the same area, that of the quarter ring between two ellipses.
     let area = std::f64::consts::PI / 4.0 * (3.25 * 2.75 - 2.0);
     for name in ["nafems_le1.inp", "nafems_le1_v22.msh", "nafems_le1_v41.msh"] {
-        let Some(file) = read(name) else { return };
+        let file = read(name);
         let sum: f64 = file.elements.iter().map(|e| e.size(&file.nodes)).sum();
         assert!((sum / area - 1.0).abs() < 1e-4, "{name}: {sum} {area}");
     }
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn le1_has_its_stress_at_point_d() {
     let metres = FeOptions { length_unit: Some(LengthUnit::Metre), ..FeOptions::default() };
-    let Some(result) = result("nafems_le1.frd", &metres) else { return };
+    let result = result("nafems_le1.frd", &metres);
     assert!(result.plane && result.displacement.is_some());
     let field = StressField::new(result);
     let s = field.sample(DVec3::new(2000.0, 0.0, 17.0));
@@ -99,10 +95,11 @@ fn le1_has_its_stress_at_point_d() {
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn peaks_of_bracket_and_plate() {
-    let Some(bracket) = result("bracket.vtu", &FeOptions::default()) else { return };
+    let bracket = result("bracket.vtu", &FeOptions::default());
     assert!((bracket.max_von_mises_mpa() - 43.6).abs() < 0.1, "{}", bracket.max_von_mises_mpa());
-    let Some(plate) = result("plate_hole_linear.vtu", &FeOptions::default()) else { return };
+    let plate = result("plate_hole_linear.vtu", &FeOptions::default());
     let sxx = plate.stress.iter().map(|s| s[0]).fold(0.0, f64::max);
     assert!((sxx - 578.0).abs() < 0.5, "{sxx}");
     // At the hole's edge across the load, where Howland's solution for this width gives about the same.
@@ -111,18 +108,20 @@ fn peaks_of_bracket_and_plate() {
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn freecad_result_and_beam() {
-    let Some(bar) = result("freecad_box_static.frd", &FeOptions::default()) else { return };
+    let bar = result("freecad_box_static.frd", &FeOptions::default());
     assert!(bar.max_von_mises_mpa() > 2000.0, "{}", bar.max_von_mises_mpa());
-    let Some(beam) = result("beamp_with_stress.frd", &FeOptions::default()) else { return };
+    let beam = result("beamp_with_stress.frd", &FeOptions::default());
     // 9 N at the end of 8 mm, section 1 x 1 mm: the moment at half length gives 6 M / b h^2 = 216 MPa.
     let s = StressField::new(beam).sample(DVec3::new(0.5, 0.0, 4.0));
     assert!((s[2].abs() / 216.0 - 1.0).abs() < 0.02, "{s:?}");
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn decks_keep_material_supports_and_loads() {
-    let Some(file) = read("nafems_le1.inp") else { return };
+    let file = read("nafems_le1.inp");
     let deck = file.deck.as_ref().expect("a deck");
     let (material, thickness) = deck.section_of(5).expect("a section");
     assert_eq!(material.elastic, Some(Elastic::Isotropic { e: 210_000.0, nu: 0.3 }));
@@ -138,11 +137,11 @@ fn decks_keep_material_supports_and_loads() {
             );
         }
     }
-    let Some(file) = read("bracket.inp") else { return };
+    let file = read("bracket.inp");
     let deck = file.deck.as_ref().expect("a deck");
     let force: f64 = deck.steps[0].point_loads.iter().map(|l| l.value).sum();
     assert!((force + 500.0).abs() < 0.01 && deck.steps[0].point_loads.iter().all(|l| l.axis == 2), "{force}");
-    let Some(file) = read("ccx_disk2.inp") else { return };
+    let file = read("ccx_disk2.inp");
     assert!(
         file.warnings.iter().any(|w| w.text.contains("*EQUATION") && w.text.contains("CENTRIF")),
         "{:?}",
@@ -151,32 +150,31 @@ fn decks_keep_material_supports_and_loads() {
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn loads_of_decks_add_up() {
     // Pressure times area: 10 MPa pulling on the outer quarter ellipse, 0.1 m thick; 130 MPa on 200 x 10 mm.
-    let Some(le1) = read("nafems_le1.inp") else { return };
+    let le1 = read("nafems_le1.inp");
     let forces = le1.nodal_forces(0).expect("a step");
     let sum: DVec3 = forces.iter().copied().sum();
     assert!((sum - DVec3::new(2.75, 3.25, 0.0)).length() < 1e-6, "{sum}");
-    let Some(plate) = read("plate_hole_freecad.inp") else { return };
+    let plate = read("plate_hole_freecad.inp");
     let sum: DVec3 = plate.nodal_forces(0).expect("a step").iter().copied().sum();
     assert!((sum - DVec3::new(130.0 * 2000.0, 0.0, 0.0)).length() < 1e-3, "{sum}");
-    let Some(bar) = read("ccx_planestress.inp") else { return };
+    let bar = read("ccx_planestress.inp");
     let sum: DVec3 = bar.nodal_forces(0).expect("a step").iter().copied().sum();
     assert!(sum.length() > 0.5 && sum.z == 0.0, "{sum}");
     let told = bar.nodal_forces(3).expect_err("no such step").to_string();
     assert!(told.contains("step 4"), "{told}");
-    let Some(bolt) = read("ccx_bolt.inp") else { return };
+    let bolt = read("ccx_bolt.inp");
     let told = bolt.nodal_forces(0).expect_err("axisymmetric").to_string();
     assert!(told.contains("axisymmetric"), "{told}");
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn every_node_of_a_curved_mesh_is_in_it() {
-    let (Some(plate), Some(deck)) =
-        (result("plate_hole_linear.vtu", &FeOptions::default()), read("plate_hole_freecad.inp"))
-    else {
-        return;
-    };
+    let (plate, deck) =
+        (result("plate_hole_linear.vtu", &FeOptions::default()), read("plate_hole_freecad.inp"));
     let field = StressField::new(plate);
     // The result's nodes are rounded to 6 digits; the deck's are not.
     let outside: Vec<f64> = field
@@ -192,8 +190,9 @@ fn every_node_of_a_curved_mesh_is_in_it() {
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn sampling_is_fast_and_as_exact_as_the_nodes() {
-    let Some(result) = result("bracket.vtu", &FeOptions::default()) else { return };
+    let result = result("bracket.vtu", &FeOptions::default());
     let start = Instant::now();
     let field = StressField::new(result);
     let built = start.elapsed();

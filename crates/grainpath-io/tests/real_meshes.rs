@@ -1,19 +1,13 @@
 //! Every real mesh reads as its table says, or fails where it must.
 
+#[path = "../../../tests/data.rs"]
+mod data;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use grainpath_core::mesh::{diagnose, weld_within};
 use grainpath_io::parse_mesh;
-
-fn meshes() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/meshes");
-    if !folder.is_dir() {
-        println!("skipped: no ../shared/data");
-        return None;
-    }
-    Some(folder)
-}
 
 /// Rows of the table: file, triangles, extents, shells, open, non-manifold, badly wound, zero-area.
 fn table(folder: &Path) -> Vec<(String, Vec<f64>)> {
@@ -32,8 +26,9 @@ fn table(folder: &Path) -> Vec<(String, Vec<f64>)> {
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn every_mesh_of_the_table_is_as_it_says() {
-    let Some(folder) = meshes() else { return };
+    let folder = data::data("meshes");
     let rows = table(&folder);
     assert!(rows.len() > 40, "the table has {} rows", rows.len());
     let mut wrong = Vec::new();
@@ -93,8 +88,9 @@ fn every_mesh_of_the_table_is_as_it_says() {
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn odd_stl_files() {
-    let Some(folder) = meshes() else { return };
+    let folder = data::data("meshes");
     let read =
         |file: &str| parse_mesh(&fs::read(folder.join(file)).expect("a file of the table"), Some(file));
     let cr = read("20mmbox_CR_line_endings_ascii.stl").expect("bare CR line ends are fine");
@@ -108,8 +104,9 @@ fn odd_stl_files() {
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn samples_of_the_3mf_consortium() {
-    let Some(folder) = meshes() else { return };
+    let folder = data::data("meshes");
     let mut files: Vec<PathBuf> = fs::read_dir(folder.join("3mf_samples"))
         .expect("the samples")
         .map(|f| f.expect("a file").path())

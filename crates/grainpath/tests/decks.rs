@@ -1,6 +1,7 @@
 //! Decks of other programs, solved here: their results are met.
 
-use std::path::Path;
+#[path = "../../../tests/data.rs"]
+mod data;
 
 use grainpath_core::{DVec2, DVec3};
 use grainpath_fea::material::Orthotropic;
@@ -8,13 +9,9 @@ use grainpath_fea::plane::{Hold, PlaneMesh, PlaneProblem, PlaneSystem};
 use grainpath_fea::solid::{Model, SolveSettings, Supports, TetMesh, recover, solve};
 use grainpath_io::fe::{Elastic, ElementKind, FeFile, FeOptions, StressField, parse_fe, von_mises};
 
-fn read(file: &str) -> Option<FeFile> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/fea").join(file);
-    let Ok(bytes) = std::fs::read(path) else {
-        println!("skipped: no ../shared/data");
-        return None;
-    };
-    Some(parse_fe(&bytes, Some(file)).unwrap_or_else(|e| panic!("{file}: {e}")))
+fn read(file: &str) -> FeFile {
+    let bytes = data::read_data(&format!("fea/{file}"));
+    parse_fe(&bytes, Some(file)).unwrap_or_else(|e| panic!("{file}: {e}"))
 }
 
 /// A deck's mesh of quads with 8 nodes as triangles with 6: every quad is cut into four about its middle. Nodes of the
@@ -86,8 +83,9 @@ fn solve_plane(file: &FeFile) -> (Vec<DVec2>, Vec<[f64; 3]>) {
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn le1_meets_calculix() {
-    let (Some(deck), Some(result)) = (read("nafems_le1.inp"), read("nafems_le1.frd")) else { return };
+    let (deck, result) = (read("nafems_le1.inp"), read("nafems_le1.frd"));
     let result = result.result(&FeOptions::default()).expect("a stress");
     let (u, s) = solve_plane(&deck);
     // The result has the deck's nodes in the deck's order.
@@ -121,9 +119,10 @@ fn le1_meets_calculix() {
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn plates_of_calculix_carry_a_uniform_stress() {
     // Four quads pulled by 100 MPa at one end, free at the sides.
-    let Some(deck) = read("ccx_planestress.inp") else { return };
+    let deck = read("ccx_planestress.inp");
     let (u, s) = solve_plane(&deck);
     for (p, s) in deck.nodes.iter().zip(&s) {
         let peak = s[0].max(s[1]);
@@ -183,13 +182,14 @@ fn compared(file: &FeFile, u: &[DVec3], s: &[[f64; 6]], theirs: &StressField) ->
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn solids_meet_calculix() {
     for (deck, result) in [
         ("bracket.inp", "bracket.vtu"),
         ("plate_hole_freecad.inp", "plate_hole_linear.vtu"),
         ("freecad_box_static.inp", "freecad_box_static.frd"),
     ] {
-        let (Some(file), Some(theirs)) = (read(deck), read(result)) else { return };
+        let (file, theirs) = (read(deck), read(result));
         let theirs = theirs.result(&FeOptions::default()).expect("a stress");
         let theirs = StressField::new(theirs);
         let (u, s) = solve_solid(&file);

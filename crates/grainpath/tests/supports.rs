@@ -1,6 +1,9 @@
 //! Supports of every real mesh: nothing floats, nothing cuts the part, no branch leans too far, every overhang is
 //! near a contact or listed.
 
+#[path = "../../../tests/data.rs"]
+mod data;
+
 use std::path::{Path, PathBuf};
 
 use grainpath::Settings;
@@ -15,11 +18,7 @@ use grainpath_io::PaintedSupports;
 use rayon::prelude::*;
 
 fn meshes() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/meshes");
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        println!("skipped: no ../shared/data");
-        return Vec::new();
-    };
+    let entries = std::fs::read_dir(data::data("meshes")).expect("a folder of meshes");
     let mut paths: Vec<PathBuf> =
         entries.filter_map(|e| e.ok().map(|e| e.path())).filter(|p| p.is_file()).collect();
     paths.sort();
@@ -61,6 +60,7 @@ fn supported(path: &Path, s: &Settings) -> Option<(Support, LayerStack, SupportS
 }
 
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn supports_of_every_real_mesh_stand_and_keep_off_the_part() {
     let mut wrong = Vec::new();
     let mut done = 0;

@@ -1,6 +1,9 @@
 //! Driving the program as a user would.
 #![allow(dead_code)]
 
+#[path = "../../../../tests/data.rs"]
+pub mod data;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -25,16 +28,6 @@ pub fn json(output: &Output) -> Value {
     let text = String::from_utf8_lossy(&output.stdout);
     assert_eq!(text.lines().count(), 1, "one object and nothing else: {text}");
     serde_json::from_str(&text).expect("JSON")
-}
-
-/// The real data, where present.
-pub fn shared() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    if !folder.join("data").is_dir() {
-        println!("skipped: no ../shared/data");
-        return None;
-    }
-    Some(folder)
 }
 
 /// An ASCII STL of a box from the origin.

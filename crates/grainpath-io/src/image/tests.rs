@@ -1,3 +1,6 @@
+#[path = "../../../../tests/data.rs"]
+mod data;
+
 use super::*;
 use ::tiff::encoder::{TiffEncoder, colortype};
 
@@ -78,14 +81,10 @@ fn what_is_cut_short_or_too_large_is_refused() {
     assert_eq!(decode(b"solid cube"), Err(ImageError::Unknown));
 }
 
-/// Real photographs, where they are present.
 #[test]
+#[ignore = "needs GRAINPATH_DATA"]
 fn real_photographs() {
-    let folder = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/wood"));
-    let Ok(entries) = std::fs::read_dir(folder) else {
-        println!("skipped: no ../shared/data");
-        return;
-    };
+    let entries = std::fs::read_dir(data::data("wood")).expect("a folder of photographs");
     for path in entries.filter_map(|e| Some(e.ok()?.path())) {
         let bytes = std::fs::read(&path).expect("readable");
         if sniff_image(&bytes).is_none() {
