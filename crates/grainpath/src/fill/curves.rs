@@ -3,7 +3,7 @@
 //! Used for the edges of a photograph (the S1 method): curves come in their order of importance, each is cut where it comes
 //! nearer to an earlier one than beads may lie, and what is left open is filled with lines that follow the flow, seeded a
 //! spacing beside every line and then in the remaining gaps (after (`Jobard1997`)). At full density each bead is as wide as the
-//! space it has, between [`STRIP`] of the spacing; below it, spacing follows the density and, if asked for, the darkness.
+//! space it has, between `STRIP` of the spacing; below it, spacing follows the density and, if asked for, the darkness.
 //!
 //! Lines keep apart because every point of a new one is looked up among the points of all others before it is kept. Cost:
 //! linear in the points laid; a lookup is a few buckets.
