@@ -33,7 +33,7 @@ impl Raster {
         self.origin + DVec2::new(i as f64, j as f64) * self.pixel_mm
     }
 
-    /// A contour in pixels (see [`super::trace::Grid::contours`]) as mm.
+    /// A contour in pixels (see [`Grid::contours`](crate::scan::Grid::contours)) as mm.
     pub fn to_mm(&self, p: DVec2) -> DVec2 {
         self.origin + (p - 0.5) * self.pixel_mm
     }

@@ -8,7 +8,7 @@
 //! one nearest to the picture's upper left.
 //!
 //! Cost is constant. Where one pair of sides is parallel in the picture the focal length is not determined; it is then
-//! taken as [`USUAL_FOCAL`], which matters little because such a view has little perspective.
+//! taken as `USUAL_FOCAL`, which matters little because such a view has little perspective.
 //!
 //! ```text
 //!        a--------b           portrait photograph of a landscape board:
