@@ -61,6 +61,17 @@ pub trait Progress: Send + Sync {
 pub struct Interrupted;
 
 /// Collects warnings from every thread, passes progress on, and holds the cancellation flag.
+///
+/// ```
+/// use grainpath_core::{Diagnostics, WarningId};
+///
+/// let diagnostics = Diagnostics::default();
+/// diagnostics.warn(WarningId::UnitAssumed, "the drawing states no unit; it is taken for mm");
+/// assert_eq!(diagnostics.warnings()[0].id.name(), "unit-assumed");
+/// assert!(diagnostics.check().is_ok());
+/// diagnostics.stop();
+/// assert!(diagnostics.check().is_err(), "long loops end here");
+/// ```
 #[derive(Default)]
 pub struct Diagnostics {
     warnings: Mutex<Vec<Warning>>,

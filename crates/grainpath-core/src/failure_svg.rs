@@ -113,6 +113,25 @@ impl FailurePicture {
         out
     }
 
+    /// Passes `condition` on and draws the picture when it is false: for property tests, which report failures without
+    /// a panic. The picture that remains is that of the smallest failing case.
+    pub fn holds(&self, condition: bool) -> bool {
+        if !condition {
+            self.write();
+        }
+        condition
+    }
+
+    fn write(&self) {
+        let path = Self::folder().join(format!("{}.svg", self.name));
+        let written =
+            std::fs::create_dir_all(Self::folder()).and_then(|()| std::fs::write(&path, self.svg()));
+        match written {
+            Ok(()) => eprintln!("the failing geometry is drawn in {}", path.display()),
+            Err(e) => eprintln!("the failing geometry could not be drawn in {}: {e}", path.display()),
+        }
+    }
+
     /// The folder of pictures: `failures` below the target folder of the running test binary, or below the temporary
     /// folder where there is none.
     fn folder() -> PathBuf {
@@ -124,15 +143,8 @@ impl FailurePicture {
 
 impl Drop for FailurePicture {
     fn drop(&mut self) {
-        if !std::thread::panicking() {
-            return;
-        }
-        let path = Self::folder().join(format!("{}.svg", self.name));
-        let written =
-            std::fs::create_dir_all(Self::folder()).and_then(|()| std::fs::write(&path, self.svg()));
-        match written {
-            Ok(()) => eprintln!("the failing geometry is drawn in {}", path.display()),
-            Err(e) => eprintln!("the failing geometry could not be drawn in {}: {e}", path.display()),
+        if std::thread::panicking() {
+            self.write();
         }
     }
 }

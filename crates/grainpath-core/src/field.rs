@@ -1,4 +1,7 @@
-//! Direction fields: which way the force, or the grain, runs.
+//! Direction fields: the axis that beads are to follow, from a stress, the grain of wood or a rule.
+//!
+//! A direction has no sign: an axis and its opposite are the same, so angles are in `[0, pi)`. Fields are asked at points
+//! in part coordinates (mm) and answer everywhere, outside the part too.
 
 use glam::DVec3;
 
@@ -7,19 +10,43 @@ use glam::DVec3;
 pub struct DirectionSample {
     /// Angle of the undirected axis from +X in the layer's plane, radians in `[0, pi)`.
     pub axis_rad: f64,
-    /// How much the direction matters here, 0 (any will do) to 1.
+    /// Weight of the direction here, from 0 (any direction will do) to 1.
     pub strength: f64,
     /// The two in-plane principal stresses in MPa, along and across the axis, where known.
     pub principal_mpa: Option<[f64; 2]>,
 }
 
 /// An undirected in-plane axis at every point of the part, in part coordinates (mm).
+///
+/// ```
+/// use grainpath_core::{DVec3, DirectionField, DirectionSample, math::atan2};
+///
+/// /// Circles around the z axis: the growth rings of a tree.
+/// struct Rings;
+///
+/// impl DirectionField for Rings {
+///     fn sample(&self, p: DVec3) -> DirectionSample {
+///         let axis_rad = atan2(p.x, -p.y).rem_euclid(std::f64::consts::PI);
+///         DirectionSample { axis_rad, strength: 1.0, principal_mpa: None }
+///     }
+/// }
+///
+/// assert!((Rings.sample(DVec3::X).axis_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+/// ```
 pub trait DirectionField: Send + Sync {
     /// The axis at `p`. Outside the part it is the nearest sensible value, never an error.
     fn sample(&self, p: DVec3) -> DirectionSample;
 }
 
 /// The same axis everywhere.
+///
+/// ```
+/// use grainpath_core::{DVec3, DirectionField, UniformField};
+///
+/// // An axis has no sign: 200 degrees are 20.
+/// let field = UniformField { axis_rad: 200f64.to_radians() };
+/// assert!((field.sample(DVec3::ZERO).axis_rad - 20f64.to_radians()).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UniformField {
     /// Angle of the axis from +X, radians.

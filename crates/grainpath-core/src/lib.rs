@@ -1,7 +1,4 @@
-//! The vocabulary of grainpath: what passes between its rooms, and the geometry they share.
-//!
-//! Nothing here opens a file, knows a printer or a material, or starts a solver. Lengths are in mm, angles in
-//! radians (`_rad`) except where a name says `_deg`, stresses in MPa. Right-handed axes, Z up, the plate at Z = 0.
+#![doc = include_str!("../README.md")]
 
 pub mod buckets;
 pub mod bvh;

@@ -1,4 +1,7 @@
-//! The third waist: paths of beads, in printing order, in part coordinates.
+//! Paths of beads in printing order, in part coordinates: what the planner makes and the G-code writer takes.
+//!
+//! A [`Toolpath`] is one bead, a [`LayerPlan`] the paths of a layer with the travels between them, a [`Plan`] all layers.
+//! Lengths are mm; widths are full widths of the bead.
 
 use glam::{DVec2, DVec3};
 
@@ -112,6 +115,21 @@ pub enum BeadWidth {
 }
 
 /// A polyline along the middle of a bead.
+///
+/// ```
+/// use grainpath_core::{BeadWidth, DVec2, Role, SpeedClass, Toolpath};
+///
+/// let path = Toolpath {
+///     points: vec![DVec2::ZERO, DVec2::new(10.0, 0.0), DVec2::new(10.0, 10.0), DVec2::new(0.0, 10.0)],
+///     width: BeadWidth::Constant(0.45),
+///     role: Role::OuterWall,
+///     speed: SpeedClass::Normal,
+///     flow: 1.0,
+///     closed: true,
+///     rank: 0,
+/// };
+/// assert_eq!((path.n_segments(), path.length_mm()), (4, 40.0));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Toolpath {
     /// The centreline, mm, part coordinates. A closed path does not repeat its first point.
@@ -227,6 +245,25 @@ pub struct LayerPlan {
 }
 
 /// A whole print.
+///
+/// ```
+/// use grainpath_core::{BeadWidth, DVec2, DVec3, LayerPlan, Plan, PlannedPath, Role, SpeedClass, Toolpath, Travel};
+///
+/// let path = Toolpath {
+///     points: vec![DVec2::ZERO, DVec2::new(20.0, 0.0)],
+///     width: BeadWidth::Constant(0.45),
+///     flow: 1.0,
+///     role: Role::SolidFill,
+///     speed: SpeedClass::Normal,
+///     closed: false,
+///     rank: 0,
+/// };
+/// let travel = Travel { via: Vec::new(), retract: false };
+/// let layer = LayerPlan { z_top_mm: 0.2, height_mm: 0.2, paths: vec![PlannedPath { travel, path }] };
+/// let plan = Plan { layers: vec![layer], plate_from_part_mm: DVec3::new(100.0, 100.0, 0.0) };
+/// let printed_mm: f64 = plan.layers.iter().flat_map(|l| &l.paths).map(|p| p.path.length_mm()).sum();
+/// assert_eq!(printed_mm, 20.0);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// Lowest first.

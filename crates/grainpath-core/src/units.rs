@@ -62,6 +62,13 @@ impl LengthUnit {
 ///
 /// `width_mm` is the full width, `height_mm` the layer height. Where the bead is narrower than it is high the
 /// formula would go wrong, so the section never falls below that of the ellipse inscribed in `w` x `h`.
+///
+/// ```
+/// use grainpath_core::units::{bead_area_mm2, bead_spacing_mm};
+///
+/// assert!((bead_area_mm2(0.45, 0.2) - 0.0814).abs() < 1e-4);
+/// assert!((bead_spacing_mm(0.45, 0.2) - 0.4071).abs() < 1e-4);
+/// ```
 pub fn bead_area_mm2(width_mm: f64, height_mm: f64) -> f64 {
     let stadium = height_mm * (width_mm - height_mm * (1.0 - PI / 4.0));
     stadium.max(PI / 4.0 * width_mm * height_mm)
@@ -76,6 +83,16 @@ pub fn bead_spacing_mm(width_mm: f64, height_mm: f64) -> f64 {
 pub fn bead_width_mm(spacing_mm: f64, height_mm: f64) -> f64 {
     let stadium = spacing_mm + height_mm * (1.0 - PI / 4.0);
     if stadium >= height_mm { stadium } else { spacing_mm * 4.0 / PI }
+}
+
+/// A number rounded to so many decimals, for reports.
+///
+/// ```
+/// assert_eq!(grainpath_core::units::rounded(2.34567, 2), 2.35);
+/// ```
+pub fn rounded(value: f64, decimals: i32) -> f64 {
+    let scale = 10f64.powi(decimals);
+    (value * scale).round() / scale
 }
 
 #[cfg(test)]

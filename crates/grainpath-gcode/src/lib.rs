@@ -1,4 +1,4 @@
-//! Toolpaths to machine programs and back: writer, parser, simulator, time, and what a print measures up to.
+#![doc = include_str!("../README.md")]
 
 mod kinematics;
 mod machine;

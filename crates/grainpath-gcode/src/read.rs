@@ -33,6 +33,15 @@ impl Line<'_> {
 }
 
 /// The lines of a program; LF, CRLF and bare CR end them.
+///
+/// ```
+/// use grainpath_gcode::Lines;
+///
+/// let line = Lines::new(b"G1 X1.5 E.02 ; outer wall").next().unwrap();
+/// assert_eq!(line.command, Some((b'G', 10)));
+/// assert_eq!((line.word(b'X'), line.word(b'E')), (Some(1.5), Some(0.02)));
+/// assert_eq!(line.comment, b"outer wall");
+/// ```
 pub struct Lines<'a> {
     rest: &'a [u8],
     number: usize,

@@ -1,4 +1,4 @@
-//! Triangle meshes as read from a file.
+//! Triangle meshes as read from a file: vertices, triangles, and what is wrong with them.
 
 mod topology;
 mod weld;
@@ -8,7 +8,17 @@ use glam::DVec3;
 pub use topology::{EdgeUses, MeshHealth, Shells, diagnose};
 pub use weld::{VertexWelder, weld_within};
 
-/// Triangles over shared vertices, in mm once read. Nothing is promised about closedness or winding.
+/// Triangles over shared vertices, in mm once read. The mesh may be open or wound either way; [`diagnose`] says so.
+///
+/// ```
+/// use grainpath_core::{DVec3, TriMesh, mesh::diagnose};
+///
+/// let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+/// let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+/// let tetrahedron = TriMesh { vertices, triangles };
+/// assert!((tetrahedron.signed_volume() - 1.0 / 6.0).abs() < 1e-15);
+/// assert_eq!(diagnose(&tetrahedron).unwrap().open_edges, 0);
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TriMesh {
     /// Vertex positions, `(n_vertices, 3)`.

@@ -100,7 +100,41 @@ impl Region {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+    use crate::failure_svg::FailurePicture;
+    use crate::math::direction;
+
+    /// A polygon around a centre whose corners lie at these distances, at equal angles: spikes and notches.
+    fn star(centre: DVec2, radii: &[f64]) -> Region {
+        let step = std::f64::consts::TAU / radii.len() as f64;
+        let corner = |(i, r): (usize, &f64)| centre + direction(i as f64 * step) * *r;
+        Polygon { outer: radii.iter().enumerate().map(corner).collect(), holes: Vec::new() }.into()
+    }
+
+    proptest! {
+        /// Union and intersection together have the area of both; a difference is what the intersection leaves; and no
+        /// result has more than its operands. Areas are right to half a grid step along all edges.
+        #[test]
+        fn areas_of_booleans_add_up(
+            a in prop::collection::vec(0.5f64..8.0, 3..20),
+            b in prop::collection::vec(0.5f64..8.0, 3..20),
+            x in -6.0f64..6.0,
+        ) {
+            let (a, b) = (star(DVec2::ZERO, &a), star(DVec2::new(x, 1.0), &b));
+            let (union, both, rest) = (a.union(&b), a.intersection(&b), a.difference(&b));
+            let mut picture = FailurePicture::new("booleans");
+            for (label, region) in [("a", &a), ("b", &b), ("union", &union), ("intersection", &both)] {
+                picture.region(label, region);
+            }
+            let slack = GRID_MM * (a.perimeter_mm() + b.perimeter_mm()) + 1e-9;
+            let area = Region::area_mm2;
+            prop_assert!(picture.holds((area(&union) + area(&both) - area(&a) - area(&b)).abs() < slack));
+            prop_assert!(picture.holds((area(&rest) + area(&both) - area(&a)).abs() < slack));
+            prop_assert!(picture.holds(area(&union) + slack > area(&a).max(area(&b))));
+        }
+    }
 
     fn square(x: f64, y: f64, side: f64) -> Region {
         Region::rectangle(DVec2::new(x, y), DVec2::new(x + side, y + side))

@@ -164,6 +164,7 @@ fn crossing(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::failure_svg::FailurePicture;
     use proptest::prelude::*;
 
     fn ring() -> Region {
@@ -204,8 +205,13 @@ mod tests {
                 // A sample within rounding of the border may fall on either side.
                 let near = super::super::edges(&star.polygons[0].outer)
                     .any(|(a, b)| (p.distance(a) + p.distance(b) - a.distance(b)).abs() < 1e-9);
-                prop_assert!(covered == star.contains(p) || near, "{p} at {at}");
-                prop_assert!(clipper.contains(p) == star.contains(p) || near);
+                let mut picture = FailurePicture::new("clip");
+                picture.region("region", &star);
+                picture.line("line", &line);
+                pieces.iter().for_each(|piece| picture.line("piece", &piece.points));
+                picture.point("offender", p);
+                prop_assert!(picture.holds(covered == star.contains(p) || near), "{p} at {at}");
+                prop_assert!(picture.holds(clipper.contains(p) == star.contains(p) || near));
             }
         }
     }

@@ -26,6 +26,14 @@ pub const GRID_MM: f64 = 1e-4;
 pub type Contour = Vec<DVec2>;
 
 /// An axis-aligned box in the plane, mm.
+///
+/// ```
+/// use grainpath_core::{Bounds2, DVec2};
+///
+/// let bounds = Bounds2::of([DVec2::new(1.0, 5.0), DVec2::new(4.0, 2.0)]).unwrap();
+/// assert_eq!(bounds.size(), DVec2::new(3.0, 3.0));
+/// assert_eq!(bounds.grown(1.0).min, DVec2::new(0.0, 1.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds2 {
     /// Lowest corner.
@@ -106,6 +114,14 @@ fn crossings_left_are_odd(edges: impl Iterator<Item = (DVec2, DVec2)>, p: DVec2)
 }
 
 /// One outline, counter-clockwise, and the holes in it, clockwise.
+///
+/// ```
+/// use grainpath_core::{DVec2, Polygon};
+///
+/// let outer = vec![DVec2::ZERO, DVec2::new(4.0, 0.0), DVec2::new(0.0, 3.0)];
+/// let triangle = Polygon { outer, holes: Vec::new() };
+/// assert_eq!((triangle.area_mm2(), triangle.perimeter_mm()), (6.0, 12.0));
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Polygon {
     /// The outline.
@@ -141,7 +157,18 @@ impl Polygon {
     }
 }
 
-/// Polygons that do not overlap.
+/// Polygons that do not overlap: the section of a part, or what is to be filled.
+///
+/// ```
+/// use grainpath_core::{DVec2, Region, poly::Join};
+///
+/// let square = Region::rectangle(DVec2::ZERO, DVec2::splat(10.0));
+/// let inner = square.offset(-1.0, Join::Miter(2.0));
+/// assert!((inner.area_mm2() - 64.0).abs() < 1e-6);
+/// let frame = square.difference(&inner);
+/// assert_eq!((frame.polygons.len(), frame.polygons[0].holes.len()), (1, 1));
+/// assert!(frame.contains(DVec2::splat(0.5)) && !frame.contains(DVec2::splat(5.0)));
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Region {
     /// In no particular but a reproducible order.

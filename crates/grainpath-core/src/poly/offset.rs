@@ -71,10 +71,15 @@ impl Region {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::failure_svg::FailurePicture;
 
     #[test]
     fn a_square_shrinks_and_grows() {
         let square = Region::rectangle(DVec2::ZERO, DVec2::splat(10.0));
+        let mut picture = FailurePicture::new("offset");
+        picture.region("square", &square);
+        picture.region("shrunk", &square.offset(-1.0, Join::Miter(2.0)));
+        picture.region("grown", &square.offset(1.0, Join::Round));
         assert!((square.offset(-1.0, Join::Miter(2.0)).area_mm2() - 64.0).abs() < 1e-6);
         assert!((square.offset(1.0, Join::Miter(2.0)).area_mm2() - 144.0).abs() < 1e-6);
         let round = square.offset(1.0, Join::Round).area_mm2();
