@@ -40,7 +40,8 @@ fn a_box_however_turned_keeps_its_edges() {
             let surface = boxed(DVec3::new(20.0, 14.0, 9.0), turn);
             let start = Instant::now();
             let found =
-                mesh(&surface, &MeshSettings { size_mm: Some(size), max_dofs: 0 }).expect("a plain box");
+                mesh(&surface, &MeshSettings { size_mm: Some(size), max_dofs: 0, ..MeshSettings::default() })
+                    .expect("a plain box");
             let off = found.volume_mm3 / 2520.0 - 1.0;
             let q = found.quality;
             tell(&format!("turn {turn} size {size}, {:.2} s", start.elapsed().as_secs_f64()), &found, off);
@@ -82,7 +83,9 @@ fn thin_walls_and_slots_get_finer_elements() {
         rooms.triangles.iter_mut().for_each(|t| t.swap(0, 1));
         let surface = joined(&[boxed(size, turn), rooms]);
         let volume = 7200.0 - 288.0 - 28.8;
-        let found = mesh(&surface, &MeshSettings { size_mm: Some(2.5), max_dofs: 0 }).expect("refined");
+        let found =
+            mesh(&surface, &MeshSettings { size_mm: Some(2.5), max_dofs: 0, ..MeshSettings::default() })
+                .expect("refined");
         let off = found.volume_mm3 / volume - 1.0;
         let q = found.quality;
         tell(&format!("turn {turn}"), &found, off);
@@ -191,7 +194,7 @@ fn joined(parts: &[TriMesh]) -> TriMesh {
 #[test]
 fn a_ball_is_curved_and_pieces_are_told_apart() {
     let surface = ball(10.0, 5, DVec3::ZERO);
-    let settings = MeshSettings { size_mm: Some(2.5), max_dofs: 0 };
+    let settings = MeshSettings { size_mm: Some(2.5), max_dofs: 0, ..MeshSettings::default() };
     let found = mesh(&surface, &settings).expect("a ball");
     let off = found.volume_mm3 / found.surface_mm3 - 1.0;
     println!("ball: volume {:+.4} %, {:?}", 100.0 * off, found.quality);
@@ -238,7 +241,8 @@ fn a_hollow_ball_under_pressure_from_surface_to_stress() {
     inside.triangles.iter_mut().for_each(|t| t.swap(0, 1));
     let surface = joined(&[ball(10.0, 5, DVec3::ZERO), inside]);
     let n_outer = ball(10.0, 5, DVec3::ZERO).triangles.len() as u32;
-    let found = mesh(&surface, &MeshSettings { size_mm: Some(1.5), max_dofs: 0 }).expect("a hollow ball");
+    let found = mesh(&surface, &MeshSettings { size_mm: Some(1.5), max_dofs: 0, ..MeshSettings::default() })
+        .expect("a hollow ball");
     sound(&found.mesh);
     let mesh = &found.mesh;
     let model = Model::uniform(mesh, isotropic(1000.0, 0.3));
@@ -303,20 +307,23 @@ fn normal_stress(s: &[f64; 6], n: DVec3) -> f64 {
 #[test]
 fn what_cannot_be_meshed_is_told() {
     let plate = boxed(DVec3::new(60.0, 40.0, 1.0), 0.3);
-    let coarse = mesh(&plate, &MeshSettings { size_mm: Some(3.0), max_dofs: 0 }).expect_err("too thin");
+    let coarse = mesh(&plate, &MeshSettings { size_mm: Some(3.0), max_dofs: 0, ..MeshSettings::default() })
+        .expect_err("too thin");
     assert!(
         matches!(coarse, SolidError::ThinWalls { thickness_mm, .. } if (thickness_mm - 1.0).abs() < 1e-6),
         "{coarse}"
     );
-    let capped = mesh(&plate, &MeshSettings { size_mm: None, max_dofs: 20_000 });
+    let capped = mesh(&plate, &MeshSettings { size_mm: None, max_dofs: 20_000, ..MeshSettings::default() });
     assert!(matches!(capped, Err(SolidError::ThinWalls { .. })));
     let found = mesh(&plate, &MeshSettings::default()).expect("fine enough");
     assert!((found.volume_mm3 / 2400.0 - 1.0).abs() < 0.01 && found.size_mm < 1.3, "{}", found.size_mm);
-    let tiny = mesh(&plate, &MeshSettings { size_mm: Some(1e-4), max_dofs: 0 });
+    let tiny = mesh(&plate, &MeshSettings { size_mm: Some(1e-4), max_dofs: 0, ..MeshSettings::default() });
     assert!(matches!(tiny, Err(SolidError::TooFine { .. })));
     assert_eq!(mesh(&TriMesh::default(), &MeshSettings::default()).err(), Some(SolidError::NothingInside));
     let flat = TriMesh { vertices: vec![DVec3::ZERO, DVec3::X, DVec3::Y], triangles: vec![[0, 1, 2]] };
-    assert!(mesh(&flat, &MeshSettings { size_mm: Some(0.1), max_dofs: 0 }).is_err());
+    assert!(
+        mesh(&flat, &MeshSettings { size_mm: Some(0.1), max_dofs: 0, ..MeshSettings::default() }).is_err()
+    );
 }
 
 #[test]
@@ -331,7 +338,9 @@ fn any_surface_is_survived() {
         let mut doubled = whole.clone();
         doubled.triangles.push(whole.triangles[i]);
         for surface in [open, turned, doubled] {
-            if let Ok(found) = mesh(&surface, &MeshSettings { size_mm: Some(2.0), max_dofs: 0 }) {
+            if let Ok(found) =
+                mesh(&surface, &MeshSettings { size_mm: Some(2.0), max_dofs: 0, ..MeshSettings::default() })
+            {
                 assert!(found.volume_mm3 > 0.0);
                 assert!(found.quality.dihedral_min_deg > 1.0, "{:?}", found.quality);
             }

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::model::constraints::Supports;
 use super::model::error::SolidError;
+use super::model::memory::fitting_edge_mm;
 use super::model::quadratic_tet::{self as element, Law};
 use super::solver::block_matrix::{assemble, dot};
 use super::solver::easing::{self, Rows};
@@ -397,6 +398,7 @@ impl Cells {
                 what: "solving on voxels",
                 need_mib: tight,
                 limit_mib: settings.max_mib,
+                fitting_mm: fitting_edge_mm(part.cell_mm.max_element(), tight, settings.max_mib),
             });
         }
         let rough = if roomy > settings.max_mib { Vec::new() } else { vec![0.0; ROW * nodes.len()] };

@@ -1,6 +1,6 @@
 //! Loads in three dimensions.
 
-use grainpath_core::{DVec3, Diagnostics};
+use grainpath_core::{DVec3, Diagnostics, WarningId};
 use grainpath_fea::load_case::BoundaryConditions;
 use grainpath_fea::material::Stiffness;
 use grainpath_fea::principal::PlaneTensor;
@@ -29,8 +29,18 @@ pub(super) fn solve(
     conditions: &BoundaryConditions,
     diagnostics: &Diagnostics,
 ) -> Result<Solved, GuideError> {
-    let mesh_settings = MeshSettings { size_mm: settings.element_mm, ..MeshSettings::default() };
+    let mesh_settings = MeshSettings {
+        size_mm: settings.element_mm,
+        max_mib: settings.max_mib,
+        ..MeshSettings::default()
+    };
     let meshed = mesh(part.mesh, &mesh_settings)?;
+    if meshed.n_flat_shells > 0 {
+        let n = meshed.n_flat_shells;
+        let text =
+            format!("{n} shells of the mesh enclose no volume and were left out of the stress analysis");
+        diagnostics.warn(WarningId::MeshRepaired, text);
+    }
     diagnostics.check()?;
     let tets = &meshed.mesh;
     let loaded = LoadedSolid::new(tets, part.mesh, conditions);

@@ -80,7 +80,7 @@ fn segments(edges: &[([DVec3; 2], [u32; 2])]) -> Bvh {
     Bvh::new(&TriMesh { vertices, triangles })
 }
 
-fn root(parent: &mut [u32], mut i: u32) -> u32 {
+pub(super) fn root(parent: &mut [u32], mut i: u32) -> u32 {
     while parent[i as usize] != i {
         parent[i as usize] = parent[parent[i as usize] as usize];
         i = parent[i as usize];

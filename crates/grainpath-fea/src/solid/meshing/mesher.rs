@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use grainpath_core::{Bvh, DVec3, TriMesh};
 use rayon::prelude::*;
 
+use super::clean_surface;
 use super::features::Features;
 use super::lattice::{CELLS_PER_WALL, DEEPEST, Lattice, is_closed};
 use super::snap::{self, Bound};
@@ -13,6 +14,7 @@ use super::thin_gaps;
 use super::wall_thickness::{self, Walls};
 use crate::solid::model::adjacency::pieces_of;
 use crate::solid::model::error::SolidError;
+use crate::solid::model::memory::solving_mib;
 use crate::solid::model::point_location::Sampler;
 use crate::solid::model::tet_mesh::{Face, Piece, TetMesh};
 use crate::solid::model::tet_shape::{self, MeshQuality};
@@ -25,6 +27,15 @@ const DOFS_PER_SPLIT: f64 = 200.0;
 /// A size found by itself grows so often at most until the unknowns are as many as they may be.
 const COARSENINGS: usize = 2;
 
+/// Share of the volume that may be missing from the mesh in thin walls; more is refused.
+/// Derived: the mean stiffness is then off by about as much, less than the moduli of printed plastics vary.
+const MAX_LOST_SHARE: f64 = 0.03;
+/// Halved cells at thin walls at most double the unknowns of even ones.
+const MAX_REFINEMENT: f64 = 2.0;
+/// A size that fits the memory limit is sought in steps of this factor, as often as leads to cells eight times as large.
+const SIZE_STEP: f64 = 1.06;
+const SIZES_TRIED: usize = 36;
+
 /// How fine to mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshSettings {
@@ -33,11 +44,13 @@ pub struct MeshSettings {
     pub size_mm: Option<f64>,
     /// Unknowns that a size found by itself may lead to.
     pub max_dofs: usize,
+    /// Memory limit of the solution that the mesh is made for, MiB: sizes that a refusal names fit it.
+    pub max_mib: f64,
 }
 
 impl Default for MeshSettings {
     fn default() -> Self {
-        Self { size_mm: None, max_dofs: 300_000 }
+        Self { size_mm: None, max_dofs: 300_000, max_mib: 4096.0 }
     }
 }
 
@@ -48,10 +61,12 @@ pub struct Meshed {
     pub mesh: TetMesh,
     /// Edge of a lattice cell, mm.
     pub size_mm: f64,
-    /// The wall thickness that all but two percent of the surface have at least, mm.
+    /// Thickness that the walls of all but two percent of the volume have at least, mm.
     pub wall_mm: f64,
-    /// Share of the surface on walls that the elements were too large for and that are missing; worth a warning.
+    /// Share of the volume in walls that the elements were too large for and that are missing; worth a warning.
     pub lost_share: f64,
+    /// Shells without volume that were taken out of the surface first.
+    pub n_flat_shells: usize,
     /// Shape of the elements.
     pub quality: MeshQuality,
     /// Volume of the elements with their curved sides, mm3.
@@ -74,6 +89,8 @@ pub fn expected_dofs(volume_mm3: f64, area_mm2: f64, size_mm: f64) -> f64 {
 /// # Errors
 /// Walls thinner than the elements, a lattice too fine for memory, or nothing enclosed.
 pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidError> {
+    let clean = clean_surface::without_flat_shells(surface);
+    let surface: &TriMesh = &clean.mesh;
     let bvh = Bvh::new(surface);
     let walls = wall_thickness::walls(surface, &bvh);
     let wall_mm = walls.thickness_mm();
@@ -90,19 +107,33 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
     }
     let n_crumbs = separate(&mut tets);
     if tets.tets.is_empty() {
-        let dofs = expected_dofs(surface.signed_volume().abs(), area_mm2(surface), wall_mm);
-        let thin = SolidError::ThinWalls { thickness_mm: wall_mm, size_mm, dofs };
+        let thin = thin_walls(surface, wall_mm, size_mm, settings);
         return Err(if wall_mm < size_mm { thin } else { SolidError::NothingInside });
     }
     let features = Features::of(surface);
     let bounds = snap::snap(&mut tets, &features, &bvh);
-    let mesh = quadratic(&tets, &bounds, &features, &bvh);
-    let lost_share = lost_walls(&mesh, &walls, size_mm, surface)?;
+    let mut mesh = quadratic(&tets, &bounds, &features, &bvh);
+    let lost_share = lost_walls(&mesh, &walls, size_mm);
+    if lost_share > MAX_LOST_SHARE {
+        return Err(thin_walls(surface, wall_mm, size_mm, settings));
+    }
+    mesh.faces.iter_mut().for_each(|face| face.facet = clean.original_facet(face.facet));
     let quality = mesh.quality();
     let volume_mm3 = mesh.volume_mm3();
     let pieces = mesh.pieces();
     let surface_mm3 = surface.signed_volume().abs();
-    Ok(Meshed { mesh, size_mm, wall_mm, lost_share, quality, volume_mm3, surface_mm3, pieces, n_crumbs })
+    Ok(Meshed {
+        mesh,
+        size_mm,
+        wall_mm,
+        lost_share,
+        n_flat_shells: clean.n_removed,
+        quality,
+        volume_mm3,
+        surface_mm3,
+        pieces,
+        n_crumbs,
+    })
 }
 
 /// Cuts the inside of a surface into tetrahedra, finer where walls and gaps are thin, as long as that takes no more
@@ -145,24 +176,39 @@ fn choose_size(surface: &TriMesh, wall_mm: f64, settings: &MeshSettings) -> Resu
     });
     // Cells are finer where walls are thinner, within limits: what the walls come to is looked at when the mesh is
     // there.
-    if size_mm.is_nan() || size_mm > f64::from(1 << DEEPEST) * CELLS_PER_WALL * wall_mm {
-        return Err(SolidError::ThinWalls { thickness_mm: wall_mm, size_mm, dofs: dofs(wall_mm) });
+    if size_mm.is_nan() || size_mm > max_size_mm(wall_mm) {
+        return Err(thin_walls(surface, wall_mm, size_mm, settings));
     }
     Ok(size_mm)
 }
 
-/// The share of the surface whose wall is not in the mesh; refused above three percent.
-fn lost_walls(mesh: &TetMesh, walls: &Walls, size_mm: f64, surface: &TriMesh) -> Result<f64, SolidError> {
-    let thin: Vec<DVec3> = walls.middles_under(1.5 * size_mm).collect();
-    let Some(sampler) = Sampler::new(mesh).filter(|_| !thin.is_empty()) else { return Ok(0.0) };
-    let inside = |p: &DVec3| sampler.at(*p).is_some_and(|spot| spot.depth > -0.05);
-    let lost = thin.par_iter().filter(|p| !inside(p)).count();
-    if walls.share(lost) > 0.03 {
-        let thickness_mm = walls.thickness_mm();
-        let dofs = expected_dofs(surface.signed_volume().abs(), area_mm2(surface), thickness_mm);
-        return Err(SolidError::ThinWalls { thickness_mm, size_mm, dofs });
-    }
-    Ok(walls.share(lost))
+/// The largest cell that, halved as often as cells are, still has lattice planes within a wall, mm.
+fn max_size_mm(wall_mm: f64) -> f64 {
+    f64::from(1 << DEEPEST) * CELLS_PER_WALL * wall_mm
+}
+
+/// The refusal of walls that are too thin, with the size that would do. Cells that need not be halved are sure to
+/// resolve the walls; where they do not fit the memory limit, the smallest that fit may do, halved in places.
+fn thin_walls(surface: &TriMesh, thickness_mm: f64, size_mm: f64, settings: &MeshSettings) -> SolidError {
+    let (area, volume) = (area_mm2(surface), surface.signed_volume().abs());
+    let fits = |size: f64| {
+        let n_nodes = MAX_REFINEMENT * expected_dofs(volume, area, size) / 3.0;
+        solving_mib(n_nodes) <= settings.max_mib
+    };
+    let (sure_mm, max_mm) = (CELLS_PER_WALL * thickness_mm, max_size_mm(thickness_mm));
+    let steps = std::iter::successors(Some(sure_mm), |size| Some(SIZE_STEP * size)).take(SIZES_TRIED);
+    let fitting_mm =
+        steps.take_while(|&size| size <= max_mm).find(|&s| s > 0.0 && s < 0.99 * size_mm && fits(s));
+    SolidError::ThinWalls { thickness_mm, size_mm, fitting_mm, limit_mib: settings.max_mib }
+}
+
+/// The share of the volume in walls that are not in the mesh.
+fn lost_walls(mesh: &TetMesh, walls: &Walls, size_mm: f64) -> f64 {
+    let thin: Vec<(DVec3, f64)> = walls.middles_under(1.5 * size_mm).collect();
+    let Some(sampler) = Sampler::new(mesh).filter(|_| !thin.is_empty()) else { return 0.0 };
+    let inside = |p: DVec3| sampler.at(p).is_some_and(|spot| spot.depth > -0.05);
+    let lost: Vec<f64> = thin.par_iter().map(|&(p, share)| if inside(p) { 0.0 } else { share }).collect();
+    lost.iter().sum()
 }
 
 /// Leaves crumbs out and gives pieces that touch in a corner or along an edge vertices of their own: such a hinge

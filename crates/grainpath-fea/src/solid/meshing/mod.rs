@@ -1,5 +1,6 @@
 //! From a closed surface to tetrahedra, by isosurface stuffing.
 
+mod clean_surface;
 mod features;
 mod lattice;
 pub(crate) mod mesher;

@@ -22,20 +22,22 @@ pub enum SolidError {
     },
     /// Walls thinner than an element.
     #[error(
-        "walls of {thickness_mm:.2} mm are thinner than the elements of {size_mm:.2} mm; a size of {thickness_mm:.2} mm \
-         needs about {dofs:.0} unknowns"
+        "walls of {thickness_mm:.2} mm are too thin for elements of {size_mm:.2} mm; {}",
+        advice(*thickness_mm, *fitting_mm, *limit_mib)
     )]
     ThinWalls {
-        /// What all but two percent of the surface have at least, mm.
+        /// Thickness that the walls of all but two percent of the volume have at least, mm.
         thickness_mm: f64,
         /// Element size, mm.
         size_mm: f64,
-        /// Unknowns that elements as small as the wall would need.
-        dofs: f64,
+        /// Largest of the sizes that resolve the walls and fit the memory limit, mm; `None` where no size does both.
+        fitting_mm: Option<f64>,
+        /// Memory limit, MiB.
+        limit_mib: f64,
     },
     /// More memory than allowed.
     #[error(
-        "{what} would take {need_mib:.0} MiB of the {limit_mib:.0} MiB allowed; a coarser mesh needs less"
+        "{what} would take {need_mib:.0} MiB of the {limit_mib:.0} MiB allowed; elements of {fitting_mm:.2} mm fit"
     )]
     Memory {
         /// The step that would take it.
@@ -44,6 +46,8 @@ pub enum SolidError {
         need_mib: f64,
         /// Limit, MiB.
         limit_mib: f64,
+        /// Element size that fits the limit, mm.
+        fitting_mm: f64,
     },
     /// A fixture or load without a face.
     #[error(transparent)]
@@ -85,4 +89,15 @@ pub enum SolidError {
         /// Iterations made.
         iterations: usize,
     },
+}
+
+/// What to do about walls that elements are too large for.
+fn advice(thickness_mm: f64, fitting_mm: Option<f64>, limit_mib: f64) -> String {
+    match fitting_mm {
+        Some(size_mm) => format!("elements of {size_mm:.2} mm resolve them within {limit_mib:.0} MiB"),
+        None => format!(
+            "no element size resolves walls of {thickness_mm:.2} mm within the memory limit of {limit_mib:.0} MiB: raise \
+             the limit or thicken the walls"
+        ),
+    }
 }

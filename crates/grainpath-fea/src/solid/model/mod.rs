@@ -4,6 +4,7 @@ pub(crate) mod adjacency;
 pub(crate) mod constraints;
 pub(crate) mod error;
 pub(crate) mod material_map;
+pub(crate) mod memory;
 pub mod nodal_forces;
 pub(crate) mod point_location;
 pub(crate) mod quadratic_tet;

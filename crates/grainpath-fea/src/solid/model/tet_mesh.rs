@@ -131,6 +131,12 @@ impl TetMesh {
         self.tets.iter().map(|t| element::volume(&t.map(|i| self.nodes[i as usize]))).sum()
     }
 
+    /// Edge of the cubes of a body-centred lattice whose tetrahedra are as large as the mean of these, mm: a cube has
+    /// the volume of twelve.
+    pub fn mean_cell_mm(&self) -> f64 {
+        (12.0 * self.volume_mm3().abs() / self.tets.len().max(1) as f64).cbrt()
+    }
+
     /// Shape of each element.
     pub fn qualities(&self) -> Vec<TetQuality> {
         (0..self.tets.len()).into_par_iter().map(|t| shape::quality(&self.corners(t))).collect()

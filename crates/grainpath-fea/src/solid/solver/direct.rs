@@ -9,6 +9,7 @@ use super::system::System;
 use crate::solid::model::constraints::Supports;
 use crate::solid::model::error::SolidError;
 use crate::solid::model::material_map::Model;
+use crate::solid::model::memory::fitting_edge_mm;
 use crate::solid::model::quadratic_tet as element;
 use crate::sparse::{Cholesky, SparseError, Symmetric};
 
@@ -47,7 +48,9 @@ impl Direct {
         let factor = Cholesky::new(&matrix, Some(&order), max_mib);
         let factor = factor.map_err(|e| match e {
             SparseError::Memory { needed_mib, limit_mib } => {
-                SolidError::Memory { what: "factoring the stiffness", need_mib: needed_mib, limit_mib }
+                let fitting_mm = fitting_edge_mm(mesh.mean_cell_mm(), needed_mib, limit_mib);
+                let what = "factoring the stiffness";
+                SolidError::Memory { what, need_mib: needed_mib, limit_mib, fitting_mm }
             }
             SparseError::Singular => SolidError::NotPositive,
         })?;

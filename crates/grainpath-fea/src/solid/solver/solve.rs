@@ -11,6 +11,7 @@ use super::system::System;
 use crate::solid::model::constraints::Supports;
 use crate::solid::model::error::SolidError;
 use crate::solid::model::material_map::Model;
+use crate::solid::model::memory::{fitting_edge_mm, solving_mib};
 use crate::sparse::BYTES_PER_MIB;
 
 /// A factorization pays up to so many unknowns, from so many loads on.
@@ -28,9 +29,10 @@ pub fn solve(
     settings: &SolveSettings,
 ) -> Result<(Vec<Solution>, SolveInfo), SolidError> {
     supports.check(model.mesh)?;
-    let need_mib = expected_mib(model);
-    if need_mib > settings.max_mib {
-        return Err(SolidError::Memory { what: "solving", need_mib, limit_mib: settings.max_mib });
+    let (need_mib, limit_mib) = (solving_mib(model.mesh.nodes.len() as f64), settings.max_mib);
+    if need_mib > limit_mib {
+        let fitting_mm = fitting_edge_mm(model.mesh.mean_cell_mm(), need_mib, limit_mib);
+        return Err(SolidError::Memory { what: "solving", need_mib, limit_mib, fitting_mm });
     }
     let operator = Operator::new(model, supports)?;
     let n_free = model.mesh.n_dofs() - supports.count();
@@ -56,11 +58,6 @@ pub fn solve(
         .map(|load| Ok(iterate(&operator, &mut multigrid, load, None, settings)?.solution))
         .collect::<Result<_, SolidError>>()?;
     Ok((solutions, info))
-}
-
-/// What solving will take, MiB: measured at 1250 bytes a node.
-fn expected_mib(model: &Model<'_>) -> f64 {
-    1250.0 * model.mesh.nodes.len() as f64 / BYTES_PER_MIB
 }
 
 /// A solution, what is left of the load at each node, zero where held, and the size of the load that it is measured by.

@@ -1,0 +1,98 @@
+//! Takes shells without volume out of a surface before it is meshed.
+//!
+//! Converted CAD files hold stray facets, sheets of two sides that lie on each other, and specks beside the body. They
+//! enclose nothing that could carry a load, but rays measure a wall of no thickness at them. A shell is what hangs
+//! together over edges, whatever number of facets meets there, so that a flap on the body stays with it.
+//!
+//! Lengths in mm; cost is sorting three edges a facet. A surface whose facets share no vertices (a soup) falls into
+//! shells of one facet each: then nothing is taken out.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use grainpath_core::TriMesh;
+use grainpath_core::mesh::EdgeUses;
+
+use super::features::root;
+
+/// A closed shell with less than this share of the volume is taken out. Derived: a millionth of the volume is a body a
+/// hundredth of the part's size across, while pieces of up to a thousandth are left out of the elements anyway.
+const MAX_CLOSED_SHARE: f64 = 1e-6;
+/// An open shell with less than this share of the volume is taken out, since what it encloses is unknown. Derived: the
+/// share below which pieces are left out of the elements.
+const MAX_OPEN_SHARE: f64 = 1e-3;
+
+/// A surface without its flat shells.
+pub(super) struct CleanSurface<'a> {
+    pub(super) mesh: Cow<'a, TriMesh>,
+    /// Number of shells taken out.
+    pub(super) n_removed: usize,
+    /// For each facet its number in the surface that was given; empty when nothing was taken out.
+    original: Vec<u32>,
+}
+
+impl CleanSurface<'_> {
+    /// The number that a facet had in the surface that was given.
+    pub(super) fn original_facet(&self, facet: u32) -> u32 {
+        self.original.get(facet as usize).copied().unwrap_or(facet)
+    }
+}
+
+/// What is summed over a shell.
+#[derive(Default, Clone, Copy)]
+struct Shell {
+    /// Volume between the facets and the shell's first vertex, mm3.
+    volume_mm3: f64,
+    open: bool,
+}
+
+/// Takes out shells that enclose practically nothing.
+pub(super) fn without_flat_shells(surface: &TriMesh) -> CleanSurface<'_> {
+    let unchanged = || CleanSurface { mesh: Cow::Borrowed(surface), n_removed: 0, original: Vec::new() };
+    let shell_of = shells(surface);
+    let mut shells: BTreeMap<u32, Shell> = BTreeMap::new();
+    for (t, &shell) in shell_of.iter().enumerate() {
+        // Seen from a vertex of the shell itself, so that a flat shell far from the origin has no volume.
+        let from = surface.vertices[surface.triangles[shell as usize][0] as usize];
+        let [a, b, c] = surface.triangles[t].map(|i| surface.vertices[i as usize] - from);
+        shells.entry(shell).or_default().volume_mm3 += a.cross(b).dot(c) / 6.0;
+    }
+    if shells.len() < 2 {
+        return unchanged();
+    }
+    for edge in EdgeUses::of(surface).edges() {
+        let uses: Vec<usize> = edge.map(|u| u.0).collect();
+        if let Some(shell) = shells.get_mut(&shell_of[uses[0]]) {
+            shell.open |= uses.len() == 1;
+        }
+    }
+    let total: f64 = shells.values().map(|s| s.volume_mm3.abs()).sum();
+    let is_flat = |s: &Shell| {
+        let share = if s.open { MAX_OPEN_SHARE } else { MAX_CLOSED_SHARE };
+        s.volume_mm3.abs() <= share * total
+    };
+    let removed_mm3: f64 = shells.values().filter(|s| is_flat(s)).map(|s| s.volume_mm3.abs()).sum();
+    let n_removed = shells.values().filter(|s| is_flat(s)).count();
+    let is_soup = surface.signed_volume().abs() > 2.0 * total;
+    if n_removed == 0 || n_removed == shells.len() || is_soup || removed_mm3 > 0.01 * total {
+        return unchanged();
+    }
+    let original: Vec<u32> =
+        (0..shell_of.len() as u32).filter(|&t| !is_flat(&shells[&shell_of[t as usize]])).collect();
+    let triangles = original.iter().map(|&t| surface.triangles[t as usize]).collect();
+    let mesh = TriMesh { vertices: surface.vertices.clone(), triangles };
+    CleanSurface { mesh: Cow::Owned(mesh), n_removed, original }
+}
+
+/// For each facet the lowest one that it hangs together with over edges.
+fn shells(surface: &TriMesh) -> Vec<u32> {
+    let mut parent: Vec<u32> = (0..surface.triangles.len() as u32).collect();
+    for mut edge in EdgeUses::of(surface).edges() {
+        let Some((first, _)) = edge.next() else { continue };
+        for (other, _) in edge {
+            let (a, b) = (root(&mut parent, first as u32), root(&mut parent, other as u32));
+            parent[a.max(b) as usize] = a.min(b);
+        }
+    }
+    (0..parent.len() as u32).map(|t| root(&mut parent, t)).collect()
+}
