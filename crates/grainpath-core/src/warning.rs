@@ -174,6 +174,18 @@ warning_ids! {
     SupportUnreached = "support-unreached",
         "No support can reach an overhang.",
         "turn the part, set support.from_plate_only = false, or raise support.margin_mm";
+    StressBeyondStrength = "stress-beyond-strength",
+        "The peak stress is more than twice the strength of the material.",
+        "check the loads and their units; at a sharp inner corner the peak grows with every finer mesh";
+    StressMeshError = "stress-mesh-error",
+        "The elements miss more than a tenth of the stress by their own estimate.",
+        "lower guide.element_mm";
+    StressUnbalanced = "stress-unbalanced",
+        "Loads and reactions of a solved case fail to cancel.",
+        "report the job as a bug";
+    StressLargeDisplacement = "stress-large-displacement",
+        "The part moves by more than a twentieth of its size, more than linear elasticity holds for.",
+        "check the loads and the modulus of the material";
     StrengthOneCase = "strength-one-case",
         "The job has several load cases and the strength test used only one of them.",
         "test the other load cases in jobs of their own";

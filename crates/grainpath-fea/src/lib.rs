@@ -7,6 +7,7 @@ pub mod load_case;
 pub mod material;
 pub mod plane;
 pub mod principal;
+pub mod resultant;
 pub mod solid;
 pub mod sparse;
 pub mod strength;

@@ -11,7 +11,8 @@ use grainpath_core::{DVec2, DVec3};
 use super::edge_loads::{body_force_n, traction_n};
 use super::plane_mesh::PlaneMesh;
 use super::plane_problem::Hold;
-use crate::load_case::{Action, BoundaryConditions, CatchesNothing, Held, Load};
+use crate::load_case::{Action, BoundaryConditions, CatchesNothing, Fixture, Held, Load};
+use crate::resultant::Resultant;
 use grainpath_core::selection::Selection;
 
 const SEARCHED: &str = "the plate's border";
@@ -102,6 +103,54 @@ impl<'a> Plate<'a> {
             Action::Pressure { on, mpa } => traction_n(self.mesh, &caught(on)?, t, &|_, n| -*mpa * n),
             Action::Moment { on, total_nmm } => self.moment_n(&caught(on)?, total_nmm.z),
         })
+    }
+
+    /// What a load comes to.
+    ///
+    /// # Errors
+    /// [`CatchesNothing`] for a load without a side of the border.
+    pub fn resultant(&self, load: &Load) -> Result<Resultant, CatchesNothing> {
+        let forces_n = self.forces_n(load)?;
+        let (area_mm2, centroid) = match load.action.on() {
+            Some(on) => {
+                let sides = self.sides(on);
+                (self.mesh.border_length_mm(&sides) * self.thickness_mm(), self.centroid(&sides))
+            }
+            None => {
+                let along = forces_n.iter().sum::<DVec2>().normalize_or_zero();
+                let total: f64 = forces_n.iter().map(|f| f.dot(along)).sum();
+                let sum: DVec2 = self.mesh.nodes.iter().zip(&forces_n).map(|(p, f)| *p * f.dot(along)).sum();
+                (0.0, if total > 0.0 { sum / total } else { DVec2::ZERO })
+            }
+        };
+        let forces = self.mesh.nodes.iter().zip(&forces_n);
+        let forces = forces.map(|(p, f)| (self.at_mid_height(*p), f.extend(0.0)));
+        Ok(Resultant::new(&load.name, area_mm2, self.at_mid_height(centroid), forces))
+    }
+
+    /// What each fixture holds, of the reactions at the nodes, N, `(n_nodes)`. A node that several fixtures hold counts
+    /// for the first of them. Moments are about the mean of the fixture's nodes.
+    pub fn reactions(&self, reactions_n: &[DVec2]) -> Vec<Resultant> {
+        let mut rest = reactions_n.to_vec();
+        let of_fixture = |fixture: &Fixture| {
+            let place = |i: usize| self.at_mid_height(self.mesh.nodes[i]);
+            let own: Vec<usize> =
+                (0..self.mesh.nodes.len()).filter(|&i| fixture.on.contains(place(i))).collect();
+            let mean = own.iter().map(|&i| place(i)).sum::<DVec3>() / own.len().max(1) as f64;
+            let area_mm2 = self.mesh.border_length_mm(&self.sides(&fixture.on)) * self.thickness_mm();
+            let forces = own.iter().map(|&i| (place(i), std::mem::take(&mut rest[i]).extend(0.0)));
+            Resultant::new(&fixture.name, area_mm2, mean, forces)
+        };
+        self.conditions.fixtures.iter().map(of_fixture).collect()
+    }
+
+    /// Centroid of straight sides of the border, mm.
+    fn centroid(&self, sides: &[[u32; 3]]) -> DVec2 {
+        let (sum, length) = sides.iter().fold((DVec2::ZERO, 0.0), |(sum, length), s| {
+            let [a, b] = [s[0], s[1]].map(|i| self.mesh.nodes[i as usize]);
+            (sum + 0.5 * (a + b) * a.distance(b), length + a.distance(b))
+        });
+        if length > 0.0 { sum / length } else { DVec2::ZERO }
     }
 
     /// Forces of a moment about z, N mm: tractions around the centroid of the sides that grow with the distance from

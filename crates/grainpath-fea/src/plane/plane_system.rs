@@ -116,6 +116,30 @@ impl<'a> PlaneSystem<'a> {
         PlaneSolution { displacement_mm, dofs: x.len(), residual }
     }
 
+    /// Forces with which the holds act on the nodes under `forces_n`, N, `(n_nodes)`; zero where nothing is held.
+    pub fn reactions_n(&self, solution: &PlaneSolution, forces_n: &[DVec2]) -> Vec<DVec2> {
+        let mesh = self.problem.mesh;
+        let is_held = |i: u32| self.number[i as usize].contains(&NONE);
+        let mut reactions = vec![DVec2::ZERO; mesh.nodes.len()];
+        for e in mesh.elements.iter().filter(|e| e.iter().any(|&i| is_held(i))) {
+            let p = e.map(|i| mesh.nodes[i as usize]);
+            let c = (self.problem.stiffness)((p[0] + p[1] + p[2]) / 3.0);
+            // Assembled before, so no element is turned inside out.
+            let Some(k) = element::stiffness(&p, &c, self.problem.thickness_mm) else { continue };
+            let u = e.map(|i| solution.displacement_mm[i as usize]);
+            for (a, &i) in e.iter().enumerate().filter(|(_, i)| is_held(**i)) {
+                for (b, u) in u.iter().enumerate() {
+                    reactions[i as usize].x += k[2 * a][2 * b] * u.x + k[2 * a][2 * b + 1] * u.y;
+                    reactions[i as usize].y += k[2 * a + 1][2 * b] * u.x + k[2 * a + 1][2 * b + 1] * u.y;
+                }
+            }
+        }
+        for (i, force) in forces_n.iter().enumerate().filter(|(i, _)| is_held(*i as u32)) {
+            reactions[i] -= *force;
+        }
+        reactions
+    }
+
     /// Stress recovered from displacements.
     pub fn stress(&self, solution: &PlaneSolution) -> PlaneStress {
         PlaneStress::recovered(self.problem, &solution.displacement_mm)

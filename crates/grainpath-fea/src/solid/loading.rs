@@ -12,6 +12,7 @@ use super::model::error::SolidError;
 use super::model::nodal_forces;
 use super::model::tet_mesh::TetMesh;
 use crate::load_case::{Action, BoundaryConditions, CatchesNothing, Held, Load};
+use crate::resultant::Resultant;
 use grainpath_core::selection::Selection;
 
 const SEARCHED: &str = "the part's surface";
@@ -89,6 +90,43 @@ impl<'a> LoadedSolid<'a> {
         Ok(())
     }
 
+    /// What a load comes to.
+    ///
+    /// # Errors
+    /// [`CatchesNothing`] for a load without a face.
+    pub fn resultant(&self, load: &Load) -> Result<Resultant, CatchesNothing> {
+        let mut forces_n = vec![DVec3::ZERO; self.mesh.nodes.len()];
+        self.add_load(&mut forces_n, load)?;
+        let (area_mm2, centroid) = match load.action.on() {
+            Some(on) => {
+                let faces = self.caught(&load.name, on)?;
+                (nodal_forces::area_mm2(self.mesh, &faces), nodal_forces::centroid_mm(self.mesh, &faces))
+            }
+            None => (0.0, parallel_centre(&self.mesh.nodes, &forces_n)),
+        };
+        Ok(Resultant::new(&load.name, area_mm2, centroid, pairs(&self.mesh.nodes, &forces_n)))
+    }
+
+    /// What each fixture holds, of the reactions at the nodes, N, `(n_nodes)`. A node that several fixtures hold counts
+    /// for the first of them.
+    ///
+    /// # Errors
+    /// [`CatchesNothing`] for a fixture without a face.
+    pub fn reactions(&self, reactions_n: &[DVec3]) -> Result<Vec<Resultant>, CatchesNothing> {
+        let mut rest = reactions_n.to_vec();
+        let mut all = Vec::with_capacity(self.conditions.fixtures.len());
+        for fixture in &self.conditions.fixtures {
+            let faces = self.caught(&fixture.name, &fixture.on)?;
+            let area_mm2 = nodal_forces::area_mm2(self.mesh, &faces);
+            let centroid = nodal_forces::centroid_mm(self.mesh, &faces);
+            let nodes = self.mesh.nodes_of(&faces);
+            let own =
+                nodes.iter().map(|&i| (self.mesh.nodes[i as usize], std::mem::take(&mut rest[i as usize])));
+            all.push(Resultant::new(&fixture.name, area_mm2, centroid, own));
+        }
+        Ok(all)
+    }
+
     /// The boundary faces in a selection.
     fn caught(&self, name: &str, on: &Selection) -> Result<Vec<usize>, CatchesNothing> {
         let faces = self.mesh.faces_in(on);
@@ -115,4 +153,17 @@ impl<'a> LoadedSolid<'a> {
         }
         normals
     }
+}
+
+/// Nodes with the forces on them.
+fn pairs<'a>(nodes: &'a [DVec3], forces: &'a [DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> + 'a {
+    nodes.iter().copied().zip(forces.iter().copied())
+}
+
+/// The point about which parallel forces have no moment; the origin where they cancel.
+fn parallel_centre(nodes: &[DVec3], forces: &[DVec3]) -> DVec3 {
+    let along = forces.iter().sum::<DVec3>().normalize_or_zero();
+    let (sum, size) = pairs(nodes, forces)
+        .fold((DVec3::ZERO, 0.0), |(sum, size), (p, f)| (sum + p * f.dot(along), size + f.dot(along)));
+    if size > 0.0 { sum / size } else { DVec3::ZERO }
 }

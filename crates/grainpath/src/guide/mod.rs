@@ -7,6 +7,7 @@ mod import;
 mod plane;
 mod results;
 mod solid;
+mod trust;
 
 use std::sync::Arc;
 
@@ -18,6 +19,7 @@ use grainpath_fea::load_case::{Action, BoundaryConditions, CatchesNothing, Fixtu
 use grainpath_fea::material::{Orthotropic, Unstable};
 use grainpath_fea::plane::{PlaneError, PlaneStress};
 use grainpath_fea::principal::PlaneTensor;
+use grainpath_fea::resultant::CaseBalance;
 use grainpath_fea::solid::SolidError;
 use grainpath_io::fe::{Element, StressField};
 use rayon::prelude::*;
@@ -116,6 +118,8 @@ pub struct StressSummary {
     pub max_displacement_mm: f64,
     /// Estimated share of the stress that the mesh misses, the worst case's.
     pub error_estimate: f64,
+    /// What the loads and reactions of each case come to; empty for imported stress.
+    pub balance: Vec<CaseBalance>,
     /// Shape and size of the elements, where they fill a volume.
     pub mesh: Option<String>,
     /// Where the two principal stresses of the first case of a plate are equal; of other parts every layer has its own.
@@ -181,6 +185,11 @@ impl Guide {
     pub fn count_degenerate(&self, kind: Degenerate) -> usize {
         let layers = if self.summary.degenerate.is_some() { 1 } else { self.layers.len() };
         (0..layers).map(|i| self.degenerate(i).count(kind)).sum()
+    }
+
+    /// The largest equivalent stress at a node of any case, MPa, and the place of that node, mm.
+    pub fn peak_stress(&self) -> Option<(f64, DVec3)> {
+        trust::peak_stress(&self.results)
     }
 
     /// Whether two layers have one field.
@@ -289,6 +298,8 @@ pub struct StressSettings {
     pub bead_axis_rad: f64,
     /// Memory limit, MiB.
     pub max_mib: f64,
+    /// Tensile strength along the beads, MPa, where the material has one: peaks far above it are warned of.
+    pub strength_mpa: Option<f64>,
     /// Which principal stress beads follow.
     pub follow: Follow,
     /// Length over which directions are smoothed, mm.
@@ -323,6 +334,7 @@ pub fn build(
         }
         None => solve(settings, part, conditions, diagnostics)?,
     };
+    trust::warn(settings, part.mesh, &solved.summary, &solved.results, diagnostics);
     diagnostics.check()?;
     let layers = lay_directions(settings, part, conditions, &solved, diagnostics)?;
     let Solved { cases, results, summary, .. } = solved;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use grainpath_core::{DVec2, DVec3, LayerStack, Region};
 use grainpath_fea::load_case::{BoundaryConditions, LoadCase};
 use grainpath_fea::plane::{PlaneProblem, PlaneStress, PlaneSystem, Plate, mesh_region};
+use grainpath_fea::resultant::CaseBalance;
 use grainpath_io::fe::{Element, ElementKind};
 
 use super::{
@@ -83,6 +84,11 @@ pub(super) fn solve(
         }
         let solution = system.solve(&forces);
         let stress = Arc::new(system.stress(&solution));
+        summary.balance.push(CaseBalance {
+            case: case.name.clone(),
+            loads: case.loads.iter().map(|load| plate.resultant(load)).collect::<Result<_, _>>()?,
+            reactions: plate.reactions(&system.reactions_n(&solution, &forces)),
+        });
         let moved = solution.displacement_mm.iter().map(|u| u.length()).fold(0.0, f64::max);
         summary.dofs = solution.dofs;
         summary.residual = summary.residual.max(solution.residual);

@@ -4,6 +4,7 @@ use grainpath_core::{DVec3, Diagnostics, WarningId};
 use grainpath_fea::load_case::BoundaryConditions;
 use grainpath_fea::material::Stiffness;
 use grainpath_fea::principal::PlaneTensor;
+use grainpath_fea::resultant::CaseBalance;
 use grainpath_fea::solid::{
     LoadedSolid, MeshSettings, Meshed, Model, SolveSettings, mesh, recover, solve as solve_solid,
 };
@@ -29,11 +30,8 @@ pub(super) fn solve(
     conditions: &BoundaryConditions,
     diagnostics: &Diagnostics,
 ) -> Result<Solved, GuideError> {
-    let mesh_settings = MeshSettings {
-        size_mm: settings.element_mm,
-        max_mib: settings.max_mib,
-        ..MeshSettings::default()
-    };
+    let mesh_settings =
+        MeshSettings { size_mm: settings.element_mm, max_mib: settings.max_mib, ..MeshSettings::default() };
     let meshed = mesh(part.mesh, &mesh_settings)?;
     if meshed.n_flat_shells > 0 {
         let n = meshed.n_flat_shells;
@@ -73,6 +71,11 @@ pub(super) fn solve(
         tets.tets.iter().filter_map(|t| Element::new(ElementKind::Tet10, t)).collect();
     for (case, solution) in conditions.cases.iter().zip(solutions) {
         diagnostics.check()?;
+        solved.summary.balance.push(CaseBalance {
+            case: case.name.clone(),
+            loads: case.loads.iter().map(|load| loaded.resultant(load)).collect::<Result<_, _>>()?,
+            reactions: loaded.reactions(&solution.reaction)?,
+        });
         let recovered = recover(&model, &solution.displacement, None)?;
         let result = FeResult {
             format: FeFormat::Vtu,

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use grainpath_core::math::{atan2, cross, direction};
 use grainpath_core::{DVec2, Region, Role, Warning, WarningId};
+use grainpath_fea::resultant::{CaseBalance, Resultant};
 use grainpath_gcode::{Program, Quality, Written, quality};
 use serde::Serialize;
 use serde_json::Value;
@@ -70,16 +71,57 @@ pub struct StressReport {
     pub max_von_mises_mpa: f64,
     pub max_displacement_mm: f64,
     pub error_estimate: f64,
+    /// Where the peak of `max_von_mises_mpa` is, part coordinates.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peak_at_mm: Option<[f64; 3]>,
+    /// What each load of each case caught.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub loads: Vec<ResultantReport>,
+    /// What each fixture holds in each case.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub reactions: Vec<ResultantReport>,
+    /// The largest share, over the cases, by which loads and reactions fail to cancel.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub imbalance: Option<f64>,
     /// Degenerate points by kind: of a plate, or summed over the layers of another part.
     pub wedges: usize,
     pub trisectors: usize,
     pub border_points: usize,
 }
 
+/// A load or a reaction of a case: the area it acts on, its force, and its moment about the centroid of that area.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct ResultantReport {
+    pub case: String,
+    pub name: String,
+    pub area_mm2: f64,
+    pub at_mm: [f64; 3],
+    pub force_n: [f64; 3],
+    pub moment_nmm: [f64; 3],
+}
+
+impl ResultantReport {
+    fn new(case: &str, found: &Resultant) -> Self {
+        Self {
+            case: case.to_owned(),
+            name: found.name.clone(),
+            area_mm2: found.area_mm2,
+            at_mm: found.centroid_mm.to_array(),
+            force_n: found.force_n.to_array(),
+            moment_nmm: found.moment_nmm.to_array(),
+        }
+    }
+}
+
 impl From<&Guide> for StressReport {
     fn from(guide: &Guide) -> Self {
         let s = &guide.summary;
         let digits = |v: f64| format!("{v:.4e}").parse().unwrap_or(v);
+        let resultants = |which: &dyn Fn(&CaseBalance) -> &Vec<Resultant>| -> Vec<ResultantReport> {
+            let of_case = |b| which(b).iter().map(|r| ResultantReport::new(&b.case, r)).collect::<Vec<_>>();
+            s.balance.iter().flat_map(of_case).collect()
+        };
         Self {
             dofs: s.dofs,
             elements: s.elements,
@@ -90,6 +132,10 @@ impl From<&Guide> for StressReport {
             max_von_mises_mpa: digits(s.max_von_mises_mpa),
             max_displacement_mm: digits(s.max_displacement_mm),
             error_estimate: digits(s.error_estimate),
+            peak_at_mm: guide.peak_stress().map(|(_, place)| place.to_array().map(digits)),
+            loads: resultants(&|b| &b.loads),
+            reactions: resultants(&|b| &b.reactions),
+            imbalance: s.balance.iter().map(|b| digits(b.imbalance())).reduce(f64::max),
             wedges: guide.count_degenerate(Degenerate::Wedge),
             trisectors: guide.count_degenerate(Degenerate::Trisector),
             border_points: guide.count_degenerate(Degenerate::Border),

@@ -335,6 +335,7 @@ pub fn stress(s: &Settings) -> Option<StressSettings> {
         elasticity: g.elasticity,
         bead_axis_rad: g.elasticity_deg.to_radians(),
         max_mib: g.memory_mib as f64,
+        strength_mpa: m.xt_mpa.map(|bounds| bounds[1]),
         follow: g.follow,
         smoothing_mm: s.smoothing_mm(),
         tangent: g.tangent,

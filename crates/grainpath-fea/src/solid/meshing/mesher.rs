@@ -93,8 +93,8 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
     let surface: &TriMesh = &clean.mesh;
     let bvh = Bvh::new(surface);
     let walls = wall_thickness::walls(surface, &bvh);
-    let wall_mm = walls.thickness_mm();
-    let mut size_mm = choose_size(surface, wall_mm, settings)?;
+    let wall_mm = walls.decisive_thickness_mm();
+    let mut size_mm = choose_size(surface, &walls, settings)?;
     let mut tets = fill(surface, &bvh, size_mm, settings.max_dofs)?;
     for _ in 0..COARSENINGS {
         let over = DOFS_PER_TET * tets.tets.len() as f64 / settings.max_dofs.max(1) as f64;
@@ -161,12 +161,12 @@ fn area_mm2(surface: &TriMesh) -> f64 {
     surface.triangles.iter().map(|t| (v(t[1]) - v(t[0])).cross(v(t[2]) - v(t[0])).length() / 2.0).sum()
 }
 
-fn choose_size(surface: &TriMesh, wall_mm: f64, settings: &MeshSettings) -> Result<f64, SolidError> {
+fn choose_size(surface: &TriMesh, walls: &Walls, settings: &MeshSettings) -> Result<f64, SolidError> {
     let (lo, hi) = surface.bounds().ok_or(SolidError::NothingInside)?;
     let (area, volume) = (area_mm2(surface), surface.signed_volume().abs());
     let dofs = |size: f64| expected_dofs(volume, area, size);
     let size_mm = settings.size_mm.unwrap_or_else(|| {
-        let wanted = wall_mm.min((hi - lo).length() / 40.0);
+        let wanted = walls.thickness_mm().min((hi - lo).length() / 40.0);
         let (mut fine, mut coarse) = (1e-6 * wanted, 1e6 * wanted);
         for _ in 0..60 {
             let middle = (fine * coarse).sqrt();
@@ -176,8 +176,9 @@ fn choose_size(surface: &TriMesh, wall_mm: f64, settings: &MeshSettings) -> Resu
     });
     // Cells are finer where walls are thinner, within limits: what the walls come to is looked at when the mesh is
     // there.
-    if size_mm.is_nan() || size_mm > max_size_mm(wall_mm) {
-        return Err(thin_walls(surface, wall_mm, size_mm, settings));
+    let thickness_mm = walls.decisive_thickness_mm();
+    if size_mm.is_nan() || size_mm > max_size_mm(thickness_mm) {
+        return Err(thin_walls(surface, thickness_mm, size_mm, settings));
     }
     Ok(size_mm)
 }
@@ -202,13 +203,13 @@ fn thin_walls(surface: &TriMesh, thickness_mm: f64, size_mm: f64, settings: &Mes
     SolidError::ThinWalls { thickness_mm, size_mm, fitting_mm, limit_mib: settings.max_mib }
 }
 
-/// The share of the volume in walls that are not in the mesh.
+/// The share of the volume in walls that are not in the mesh, or of the surface where that is less.
 fn lost_walls(mesh: &TetMesh, walls: &Walls, size_mm: f64) -> f64 {
     let thin: Vec<(DVec3, f64)> = walls.middles_under(1.5 * size_mm).collect();
     let Some(sampler) = Sampler::new(mesh).filter(|_| !thin.is_empty()) else { return 0.0 };
     let inside = |p: DVec3| sampler.at(p).is_some_and(|spot| spot.depth > -0.05);
-    let lost: Vec<f64> = thin.par_iter().map(|&(p, share)| if inside(p) { 0.0 } else { share }).collect();
-    lost.iter().sum()
+    let lost: Vec<f64> = thin.par_iter().filter(|(p, _)| !inside(*p)).map(|(_, share)| *share).collect();
+    walls.share_of_surface(lost.len()).min(lost.iter().sum())
 }
 
 /// Leaves crumbs out and gives pieces that touch in a corner or along an edge vertices of their own: such a hinge

@@ -1,31 +1,46 @@
 //! How thin a part gets, measured by rays from its surface inwards.
 //!
-//! Four thousand points, spread evenly over the area, each look for the opposite side of the wall. A wall is judged by
-//! the volume it holds: a point that stands for the area `A` of a wall `t` thick stands for `A t / 2` of the material,
-//! since the wall is seen from both sides. Sheets without thickness and the tips of wedges hold next to nothing and so
-//! decide nothing.
+//! Four thousand points, spread evenly over the area, each look for the opposite side of the wall. Whether walls are too
+//! thin is judged by the volume they hold: a point that stands for the area `A` of a wall `t` thick stands for `A t / 2`
+//! of the material, since the wall is seen from both sides. Sheets without thickness and the tips of wedges hold next to
+//! nothing and so decide nothing.
 
 use grainpath_core::{Bvh, DVec3, TriMesh};
 use rayon::prelude::*;
 
 /// Points on the surface. Derived: a share of two percent rests on 80 of them, known to about a ninth.
 const SAMPLES: usize = 4000;
-/// Share of the volume that may be thinner than what is reported: tips of wedges, engraved marks.
+/// Share of the surface, and of the volume, that may be thinner than what is reported: tips of wedges, engraved marks.
 const THIN_SHARE: f64 = 0.02;
+/// Walls that hold less than this share of the volume are sheets without thickness. Derived: two percent of the surface
+/// hold so little only where they are ten thousand times thinner than the part is on the mean.
+const SHEET_SHARE: f64 = 1e-6;
 
 /// Walls as found by rays: thickness, and the point in the middle, thinnest first.
 pub(super) struct Walls {
     found: Vec<(f64, DVec3)>,
     /// Area that a sample stands for, mm2.
     sample_mm2: f64,
+    n_samples: usize,
     /// Volume within the surface, mm3.
     volume_mm3: f64,
 }
 
 impl Walls {
-    /// The thickness that the walls of all but two percent of the volume have at least, mm; infinite for a surface
-    /// without opposite sides.
+    /// The thickness that the walls of all but two percent of the surface have at least, mm, for the choice of a size;
+    /// where sheets without thickness make up that much of the surface, [`Walls::bulk_thickness_mm`]. Infinite for a
+    /// surface without opposite sides.
     pub(super) fn thickness_mm(&self) -> f64 {
+        let rank = (THIN_SHARE * self.n_samples as f64) as usize;
+        let held: f64 = self.found.iter().take(rank + 1).map(|wall| self.share_of_volume(wall.0)).sum();
+        if held < SHEET_SHARE {
+            return self.bulk_thickness_mm();
+        }
+        self.found.get(rank).map_or(f64::INFINITY, |wall| wall.0)
+    }
+
+    /// The thickness that the walls of all but two percent of the volume have at least, mm.
+    fn bulk_thickness_mm(&self) -> f64 {
         let mut held = 0.0;
         let mut thin_enough = self.found.iter().skip_while(|wall| {
             held += self.share_of_volume(wall.0);
@@ -37,6 +52,16 @@ impl Walls {
     /// Share of the volume that a sample of a wall stands for.
     fn share_of_volume(&self, thickness_mm: f64) -> f64 {
         0.5 * thickness_mm * self.sample_mm2 / self.volume_mm3.max(f64::MIN_POSITIVE)
+    }
+
+    /// The thickness below which walls are too thin to be left out, mm: the larger of that by surface and by volume.
+    pub(super) fn decisive_thickness_mm(&self) -> f64 {
+        self.thickness_mm().max(self.bulk_thickness_mm())
+    }
+
+    /// Share of the surface that so many samples are.
+    pub(super) fn share_of_surface(&self, n: usize) -> f64 {
+        n as f64 / self.n_samples.max(1) as f64
     }
 
     /// Middles of the walls under a thickness, each with the share of the volume that it stands for.
@@ -55,7 +80,7 @@ pub(super) fn walls(mesh: &TriMesh, bvh: &Bvh) -> Walls {
     };
     let total: f64 = mesh.triangles.iter().map(|t| area_normal(t).length()).sum();
     let Some((lo, hi)) = mesh.bounds().filter(|_| total > 0.0 && total.is_finite()) else {
-        return Walls { found: Vec::new(), sample_mm2: 0.0, volume_mm3: 0.0 };
+        return Walls { found: Vec::new(), sample_mm2: 0.0, n_samples: 0, volume_mm3: 0.0 };
     };
     let skin = 1e-7 * (hi - lo).length();
     // Facets hit by equal steps of area, each sampled inside by a low-discrepancy pair.
@@ -82,7 +107,7 @@ pub(super) fn walls(mesh: &TriMesh, bvh: &Bvh) -> Walls {
     let mut found: Vec<(f64, DVec3)> = picks.par_iter().filter_map(through).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let sample_mm2 = total / picks.len().max(1) as f64;
-    Walls { found, sample_mm2, volume_mm3: mesh.signed_volume().abs() }
+    Walls { found, sample_mm2, n_samples: picks.len(), volume_mm3: mesh.signed_volume().abs() }
 }
 
 /// The thinner of wall and gap at a point of a facet, mm; none where neither ends in a facet that faces back.

@@ -73,6 +73,16 @@ pub fn area_mm2(mesh: &TetMesh, faces: &[usize]) -> f64 {
     area
 }
 
+/// Centroid of some faces of the boundary, mm; the origin for faces without area.
+pub fn centroid_mm(mesh: &TetMesh, faces: &[usize]) -> DVec3 {
+    let (mut area, mut sum) = (0.0, DVec3::ZERO);
+    over_faces(mesh, faces, |_, _, p, a| {
+        area += a.length();
+        sum += p * a.length();
+    });
+    if area > 0.0 { sum / area } else { DVec3::ZERO }
+}
+
 /// Adds the forces of any traction: MPa at a point with its outward normal.
 pub fn add_traction(
     forces: &mut [DVec3],

@@ -1,0 +1,97 @@
+//! What loads and fixtures come to on a mesh: areas, resultant forces and moments, and their balance.
+//!
+//! A selection catches whole faces of a mesh, so what it caught is known only once there is one. Loads are summed from
+//! the forces at the nodes; reactions are the forces with which fixtures hold the nodes of a solution. In equilibrium the
+//! two cancel, up to the residual of the solver: a check on the assembly of loads, supports and stiffness at once.
+//!
+//! Units: mm, mm2, N, N mm; vectors in part coordinates.
+
+use grainpath_core::DVec3;
+
+/// A load or a reaction as one force and one moment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Resultant {
+    /// The load or fixture: "load 1".
+    pub name: String,
+    /// Area of the faces that were caught, mm2; 0 for what acts on the volume.
+    pub area_mm2: f64,
+    /// Centroid of that area, or of the volume, mm: the point that the moment is taken about.
+    pub centroid_mm: DVec3,
+    /// Sum of the forces on the part, N.
+    pub force_n: DVec3,
+    /// Sum of their moments about the centroid, N mm.
+    pub moment_nmm: DVec3,
+}
+
+impl Resultant {
+    /// The sum of forces at points, with moments about `centroid_mm`.
+    pub fn new(
+        name: &str,
+        area_mm2: f64,
+        centroid_mm: DVec3,
+        forces: impl Iterator<Item = (DVec3, DVec3)>,
+    ) -> Self {
+        let (mut force_n, mut moment_nmm) = (DVec3::ZERO, DVec3::ZERO);
+        for (place, force) in forces {
+            force_n += force;
+            moment_nmm += (place - centroid_mm).cross(force);
+        }
+        Self { name: name.to_owned(), area_mm2, centroid_mm, force_n, moment_nmm }
+    }
+
+    /// The moment about another point, N mm.
+    pub fn moment_about_nmm(&self, point: DVec3) -> DVec3 {
+        self.moment_nmm + (self.centroid_mm - point).cross(self.force_n)
+    }
+}
+
+/// The loads of a case and the reactions of its fixtures.
+///
+/// ```
+/// use grainpath_core::DVec3;
+/// use grainpath_fea::resultant::{CaseBalance, Resultant};
+///
+/// let tip = DVec3::new(60.0, 0.0, 0.0);
+/// let load = Resultant::new("load 1", 40.0, tip, [(tip, DVec3::new(0.0, 0.0, -10.0))].into_iter());
+/// let root = Resultant {
+///     name: "fixture 1".into(),
+///     area_mm2: 40.0,
+///     centroid_mm: DVec3::ZERO,
+///     force_n: DVec3::new(0.0, 0.0, 10.0),
+///     moment_nmm: DVec3::new(0.0, -600.0, 0.0),
+/// };
+/// let balance = CaseBalance { case: "bend".into(), loads: vec![load], reactions: vec![root] };
+/// assert!(balance.imbalance() < 1e-12);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaseBalance {
+    /// The load case.
+    pub case: String,
+    /// What each load came to.
+    pub loads: Vec<Resultant>,
+    /// What each fixture holds against them.
+    pub reactions: Vec<Resultant>,
+}
+
+impl CaseBalance {
+    /// How far loads and reactions are from cancelling: the larger of the unbalanced force over the sum of all forces,
+    /// and the unbalanced moment over the sum of all moments about the same point. 0 where nothing acts.
+    pub fn imbalance(&self) -> f64 {
+        let all = || self.loads.iter().chain(&self.reactions);
+        let Some(first) = all().next() else { return 0.0 };
+        let point = first.centroid_mm;
+        let share = |vectors: &dyn Fn(&Resultant) -> DVec3| {
+            let (sum, size) = all()
+                .fold((DVec3::ZERO, 0.0), |(sum, size), r| (sum + vectors(r), size + vectors(r).length()));
+            if size > 0.0 { sum.length() / size } else { 0.0 }
+        };
+        // Moments are measured against the forces on their arms as well, since they may all be near zero.
+        let arm = all().map(|r| r.centroid_mm.distance(point)).fold(0.0, f64::max);
+        let (moment, size) = all().fold((DVec3::ZERO, 0.0), |(sum, size), r| {
+            let about = r.moment_about_nmm(point);
+            (sum + about, size + about.length() + arm * r.force_n.length())
+        });
+        let moments = if size > 0.0 { moment.length() / size } else { 0.0 };
+        share(&|r| r.force_n).max(moments)
+    }
+}

@@ -1,0 +1,74 @@
+//! Warnings about a stress result: whether its numbers can be trusted.
+//!
+//! A stress far beyond the strength is a load or a unit gone wrong. A large mesh error hides the peak. Loads and
+//! reactions that do not cancel mean a broken model. A large displacement breaks the assumption of small strains.
+
+use super::{ResultMesh, StressSettings, StressSummary};
+use grainpath_core::tensor::von_mises;
+use grainpath_core::{DVec3, Diagnostics, TriMesh, Warning, WarningId};
+
+/// A peak above this multiple of the strength along the beads is a slip in the loads or in a unit, or a singular corner.
+/// Source: issue 22, item 12.
+const MAX_STRENGTH_MULTIPLE: f64 = 2.0;
+/// Estimated share of the stress that the mesh may miss. Source: issue 22, item 12.
+const MAX_MESH_ERROR: f64 = 0.1;
+/// Share by which loads and reactions may fail to cancel. Source: issue 22, item 12.
+const MAX_IMBALANCE: f64 = 1e-3;
+/// Displacement over the longest side of the part at which small displacements are no longer small.
+/// Source: issue 22, item 12.
+const MAX_DISPLACEMENT_SHARE: f64 = 0.05;
+
+/// Adds a warning for each limit that a result exceeds.
+pub(super) fn warn(
+    settings: &StressSettings,
+    part: &TriMesh,
+    summary: &StressSummary,
+    results: &[ResultMesh],
+    diagnostics: &Diagnostics,
+) {
+    let peak = peak_stress(results);
+    if let (Some((stress_mpa, place)), Some(strength_mpa)) = (peak, settings.strength_mpa)
+        && stress_mpa > MAX_STRENGTH_MULTIPLE * strength_mpa
+    {
+        let text = format!(
+            "the peak stress of {stress_mpa:.0} MPa is {:.1} times the material's strength of {strength_mpa:.0} MPa",
+            stress_mpa / strength_mpa
+        );
+        diagnostics.push(Warning::new(WarningId::StressBeyondStrength, text).at_point_mm(place));
+    }
+    if summary.error_estimate > MAX_MESH_ERROR {
+        let text = format!(
+            "the elements miss about {:.0} % of the stress; more than {:.0} % makes the peak unreliable",
+            100.0 * summary.error_estimate,
+            100.0 * MAX_MESH_ERROR
+        );
+        diagnostics.warn(WarningId::StressMeshError, text);
+    }
+    for balance in &summary.balance {
+        let imbalance = balance.imbalance();
+        if imbalance > MAX_IMBALANCE {
+            let text = format!(
+                "loads and reactions of case {:?} fail to cancel by {:.2} %",
+                balance.case,
+                100.0 * imbalance
+            );
+            diagnostics.warn(WarningId::StressUnbalanced, text);
+        }
+    }
+    let (low, high) = part.bounds().unwrap_or_default();
+    let size_mm = (high - low).max_element();
+    if summary.max_displacement_mm > MAX_DISPLACEMENT_SHARE * size_mm {
+        let text = format!(
+            "the part moves by {:.2} mm, {:.0} % of its longest side; linear elasticity holds for small displacements",
+            summary.max_displacement_mm,
+            100.0 * summary.max_displacement_mm / size_mm
+        );
+        diagnostics.warn(WarningId::StressLargeDisplacement, text);
+    }
+}
+
+/// The largest equivalent stress of all cases, MPa, and the node where it is.
+pub(super) fn peak_stress(results: &[ResultMesh]) -> Option<(f64, DVec3)> {
+    let all = results.iter().flat_map(|r| r.stress.iter().zip(&r.nodes));
+    all.map(|(stress, place)| (von_mises(stress), *place)).max_by(|a, b| a.0.total_cmp(&b.0))
+}
