@@ -78,7 +78,8 @@ pub fn plan(
         let inputs = grainpath::Inputs { mesh, path, stress, photos, texture };
         return Ok((grainpath::plan_job(settings, inputs, diagnostics)?, read_s + photos_s));
     }
-    let mut source = open_scan(shape, grainpath::run::config::raw_header(settings).as_ref())?;
+    let mut source =
+        open_scan(shape, grainpath::run::config::raw_header(settings).as_ref(), settings.ct.outside_folder)?;
     let (stress, texture) = (read_stress(settings, base)?, read_texture(settings, base)?);
     let read_s = start.elapsed().as_secs_f64();
     let planned = grainpath::plan_scan(settings, &mut *source, &path, stress, &photos, texture, diagnostics)?;
@@ -144,7 +145,7 @@ pub fn read_texture(settings: &Settings, base: &Path) -> Result<Option<Box<dyn S
     if settings.guide.kind != GuideKind::Grain || path.is_empty() {
         return Ok(None);
     }
-    open_scan(&base.join(path), None).map(Some)
+    open_scan(&base.join(path), None, settings.ct.outside_folder).map(Some)
 }
 
 /// The result named by `guide.import`.
@@ -160,12 +161,24 @@ pub fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressFiel
     Ok(Some(StressField::new(result)))
 }
 
+/// Opens a file of a scan. What is no regular file is refused before it is opened: a named pipe would wait for ever, and a
+/// device has no end.
 fn open_file(name: &str) -> io::Result<Box<dyn ReadSeek>> {
+    if !fs::metadata(name)?.is_file() {
+        return Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "is no regular file; scans are read from files",
+        ));
+    }
     Ok(Box::new(fs::File::open(name)?))
 }
 
-/// Opens a scan: a folder's files are its slices.
-pub fn open_scan(path: &Path, raw: Option<&RawHeader>) -> Result<Box<dyn SliceSource>, Failure> {
+/// Opens a scan: a folder's files are its slices. With `outside_folder` its header may name a file elsewhere.
+pub fn open_scan(
+    path: &Path,
+    raw: Option<&RawHeader>,
+    outside_folder: bool,
+) -> Result<Box<dyn SliceSource>, Failure> {
     let shown = path.display().to_string();
     let wrong = |e: io::Error| Failure::input(format!("{shown}: {}", files::plain(&e)));
     let all = if fs::metadata(path).map_err(wrong)?.is_dir() {
@@ -180,7 +193,7 @@ pub fn open_scan(path: &Path, raw: Option<&RawHeader>) -> Result<Box<dyn SliceSo
     } else {
         Files::single(shown.clone(), open_file)
     };
-    open_volume(all, raw).map_err(|e| grainpath::Error::from(e).into())
+    open_volume(all.allowing_outside(outside_folder), raw).map_err(|e| grainpath::Error::from(e).into())
 }
 
 /// Diameter of the filament taken for G-code that does not say, mm.

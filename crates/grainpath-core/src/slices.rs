@@ -206,4 +206,28 @@ pub trait SliceSource: Send {
     /// # Errors
     /// As [`SliceSource::next_slice`].
     fn skip_slice(&mut self) -> Result<bool, SliceError>;
+
+    /// How many of the voxels given since the last restart are NaN or infinite in the file. All voxels given are finite:
+    /// these come as the least grey value of their slice, which is air.
+    fn n_not_finite(&self) -> u64 {
+        0
+    }
+}
+
+impl<S: SliceSource + ?Sized> SliceSource for &mut S {
+    fn info(&self) -> &VolumeInfo {
+        (**self).info()
+    }
+    fn restart(&mut self) -> Result<(), SliceError> {
+        (**self).restart()
+    }
+    fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
+        (**self).next_slice(out)
+    }
+    fn skip_slice(&mut self) -> Result<bool, SliceError> {
+        (**self).skip_slice()
+    }
+    fn n_not_finite(&self) -> u64 {
+        (**self).n_not_finite()
+    }
 }

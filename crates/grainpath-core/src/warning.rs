@@ -117,6 +117,12 @@ warning_ids! {
     ScanReadAgain = "scan-read-again",
         "The slices of a scan are not stored along the height of the part; the file is read several times.",
         "store the slices along the height of the part to save time";
+    ScanNotFinite = "scan-not-finite",
+        "Voxels of a scan are NaN or infinite; they were taken for air.",
+        "check what wrote the scan, if these voxels should be material";
+    ScanHeightRounded = "scan-height-rounded",
+        "The height of a scan does not divide into layers, so the print is clearly higher or lower.",
+        "choose process.layer_height_mm and process.first_layer_height_mm so that whole layers make the height";
     ScanTrailingBytes = "scan-trailing-bytes",
         "A raw scan file is longer than its header says; the rest was not read.",
         "check the size and the sample type in the header";

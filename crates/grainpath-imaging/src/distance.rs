@@ -1,4 +1,14 @@
 //! Signed distance from a region's border on a grid: positive inside.
+//!
+//! # Method
+//! Vector distance transform by sweeps (`danielsson1980` in docs/references.bib), with edges instead of points: each pixel
+//! takes over from its neighbours which edge is nearest to them and measures itself to that edge; four sweeps carry an edge
+//! everywhere. The sign comes from counting the crossings of each row with the border.
+//!
+//! # Units, cost and limits
+//! mm, row-major, `(ny, nx)`. Linear in pixels, plus the pixels beside each edge. Exact next to the border; a pixel far away
+//! may take the second nearest edge, because a sweep sees only neighbours, which changes the distance by a fraction of a
+//! pixel there.
 
 use grainpath_core::poly::edges;
 use grainpath_core::{Bounds2, DVec2, Region};

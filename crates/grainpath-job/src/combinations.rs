@@ -36,7 +36,6 @@ pub fn check(s: &Settings) -> Result<(), String> {
         for (set, what) in [
             (!s.shape.mesh.is_empty(), "shape.mesh and shape.ct: exactly one shape is printed"),
             (p.adaptive_layers, "process.adaptive_layers = true is for meshes, not for shape.ct"),
-            (s.shape.rotate_deg != [0.0; 3], "shape.rotate_deg is for meshes, not for shape.ct"),
             (s.support.lift_mm > 0.0, "support.lift_mm is for meshes, not for shape.ct"),
         ] {
             if set {

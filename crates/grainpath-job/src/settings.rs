@@ -107,6 +107,7 @@ sections! {
         smooth: Denoise = Denoise::None, "", Any, "Noise filter of the slices.";
         smooth_px: f64 = 0.7, "px", Range(0.0, 20.0), "Standard deviation of the blur for smooth = \"gaussian\".";
         min_island_mm2: f64 = 0.2, "mm2", Range(0.0, 1e6), "Islands of a section that are smaller than this are removed and counted.";
+        min_piece_mm3: f64 = 0.0, "mm3", Range(0.0, 1e9), "Loose pieces of the part with less volume than this are removed and counted; 0 keeps all.";
         min_pore_mm2: f64 = 0.1, "mm2", Range(0.0, 1e6), "Holes of a section that are smaller than this are filled and counted.";
         interpolate: Interpolate = Interpolate::Auto, "", Any, "How layers between two slices are made.";
         overlap: f64 = 0.2, "", Range(0.0, 1.0), "Two contours of neighbouring slices are matched if they overlap by at least this fraction of their area.";
@@ -119,6 +120,7 @@ sections! {
         sample: SampleType = SampleType::U8, "", Any, "Number type of a voxel in raw data.";
         byte_order: ByteOrder = ByteOrder::Little, "", Any, "Byte order of raw data.";
         offset_bytes: usize = 0, "", Range(0.0, 1e12), "Number of bytes before the first voxel in raw data.";
+        outside_folder: bool = false, "", Any, "Whether the header of an NRRD or MHD file may name a data file outside its own folder.";
     }
     /// The printer.
     PrinterSection "printer" {

@@ -34,7 +34,7 @@ pub fn raw_header(args: &Inspect) -> Result<Option<RawHeader>, Failure> {
 
 /// What a scan is: read once from end to end.
 pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
-    let mut source = open_scan(&args.file, raw)?;
+    let mut source = open_scan(&args.file, raw, false)?;
     let info = source.info().clone();
     let mut histogram = Histogram::default();
     let mut sheet = args.sheet.is_some().then(|| ContactSheet::new(info.size));
@@ -47,6 +47,7 @@ pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure
         }
         k += 1;
     }
+    let not_finite = Some(source.n_not_finite()).filter(|n| *n > 0);
     let (low, high) = histogram.range().unwrap_or((0.0, 0.0));
     let (air, material) = histogram.materials();
     if let (Some(sheet), Some(path)) = (sheet, &args.sheet) {
@@ -64,7 +65,7 @@ pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure
     Ok(json!({
         "ok": true, "file": args.file.display().to_string(), "kind": "scan", "format": info.format,
         "voxels": info.size, "sample": info.sample.name(), "spacing_mm": spacing_mm, "size_mm": size_mm,
-        "world": world,
+        "world": world, "not_finite": not_finite,
         "grey": [low, high], "otsu": round(histogram.otsu()), "materials": [round(air), round(material)],
         "iso50": round(0.5 * (air + material)), "histogram": histogram.binned(32),
         "sheet": args.sheet.as_ref().map(|p| p.display().to_string()), "warnings": info.warnings,

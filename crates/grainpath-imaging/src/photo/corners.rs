@@ -5,6 +5,7 @@ use grainpath_core::math::cross;
 
 use super::warp::Homography;
 use crate::raster::Grey;
+use crate::threshold::otsu_split;
 
 /// Why corners could not be found.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -90,27 +91,12 @@ fn foreground(grey: &Grey) -> Option<Vec<bool>> {
     stands_out.then(|| off.iter().map(|v| *v > threshold).collect())
 }
 
-/// The value that splits numbers from 0 to 1 into two groups as far apart as can be.
+/// Otsu's threshold of numbers from 0 to 1.
 fn otsu(values: &[f32]) -> f32 {
     const BINS: usize = 256;
     let mut counts = [0u64; BINS];
     values.iter().for_each(|v| counts[((v * BINS as f32) as usize).min(BINS - 1)] += 1);
-    let total = values.len() as f64;
-    let all: f64 = counts.iter().enumerate().map(|(i, c)| i as f64 * *c as f64).sum();
-    let (mut below, mut sum, mut best) = (0.0, 0.0, (0.0, 0));
-    for (i, &c) in counts.iter().enumerate() {
-        below += c as f64;
-        sum += i as f64 * c as f64;
-        let above = total - below;
-        if below > 0.0 && above > 0.0 {
-            let d = sum / below - (all - sum) / above;
-            let apart = below * above * d * d;
-            if apart > best.0 {
-                best = (apart, i);
-            }
-        }
-    }
-    (best.1 as f32 + 1.0) / BINS as f32
+    (otsu_split(&counts) / BINS as f64) as f32
 }
 
 /// The pixels of the largest connected piece of a mask.

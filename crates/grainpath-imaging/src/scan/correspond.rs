@@ -1,4 +1,13 @@
 //! Which point of one contour becomes which point of another.
+//!
+//! Two ways, both for closed contours wound alike:
+//! - [`dynamic`]: the cheapest cyclic pairing over the distance of points and the angle between the contours' directions, by
+//!   dynamic programming (`fuchs1977` in docs/references.bib). Every point has a partner and the order is kept; a point may
+//!   have several partners. Time and memory grow with the product of the numbers of points, so contours of more than 700
+//!   points are thinned first.
+//! - [`by_features`]: feature points (corners by signed curvature) are paired first and the points between two of them by
+//!   number, point `i` with point `[i n / m]`, as published (`tan2020`). Linear time, but a corner that appears on one side
+//!   only pulls its neighbours along.
 
 use grainpath_core::math::{atan2, cross};
 use grainpath_core::poly::{edges, perimeter_mm, simplify_contour};

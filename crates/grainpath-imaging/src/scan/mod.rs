@@ -1,14 +1,39 @@
-//! CT stacks to layers without a mesh: slices are traced one after another and released.
+//! CT scans to layers without a mesh in between.
+//!
+//! The pipeline is that of Tan et al. (`tan2020` in docs/references.bib): slices to contours, contours matched with those of
+//! the neighbouring slice, contours between slices at the printer's own heights. Slices are read one after another and
+//! released; a few for each thread are held at a time.
+//!
+//! # Steps
+//! 1. `survey`: which voxels are taken, whether they can be a scan at all (`plausible`), and the grey values of air and
+//!    material (`crate::threshold`). `turned` turns the scan first, if asked.
+//! 2. `trace`: a slice becomes contours where the grey value crosses the threshold, between pixels; `edges` moves these onto
+//!    Canny's edges, as published.
+//! 3. Between two slices: grey values are mixed where slices lie as close as pixels, otherwise contours are matched and
+//!    moved (`matching`, `correspond`, `split`), or signed distances are mixed.
+//! 4. Specks go by the area of their section, crumbs by the volume of the loose piece (`pieces`).
+//!
+//! # Units and frame
+//! Columns are x, rows y, slices z, right-handed; mm from the lower face of the first voxel taken. Grey values are `f32` in
+//! the unit of the file.
+//!
+//! # Cost and limits
+//! Linear in voxels; slices are prepared in parallel and collected in order, so the result is the same for any number of
+//! threads. One threshold, or one range, separates material from air; parts of several materials are printed as one. A
+//! scanner's blur along a bent face draws it inwards by half the blur's variance over the radius; nothing here undoes that.
 
 mod correspond;
 mod edges;
 mod error;
 mod matching;
+mod pieces;
+mod plausible;
 mod sheet;
 mod split;
 mod survey;
 pub mod texture;
 mod trace;
+mod turned;
 
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
@@ -30,6 +55,7 @@ pub use trace::Grid;
 
 use error::wrong;
 use survey::{Lattice, Survey};
+use turned::Turned;
 
 /// Where the part's border lies among the grey values.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,6 +132,8 @@ pub struct CtSettings {
     pub crop_px: Option<[usize; 4]>,
     /// Mirror x, y, z.
     pub flip: [bool; 3],
+    /// Turns about x, then y, then z, after cropping and mirroring, rad.
+    pub rotate_rad: [f64; 3],
     /// Where the border lies.
     pub threshold: Threshold,
     /// Noise.
@@ -122,12 +150,29 @@ pub struct CtSettings {
     pub min_island_mm2: f64,
     /// Smaller holes of a section are filled, mm2.
     pub min_pore_mm2: f64,
+    /// Loose pieces of less volume are dropped, mm3; 0 keeps all.
+    pub min_piece_mm3: f64,
     /// Thickness of a layer, mm.
     pub layer_height_mm: f64,
     /// Thickness of the first layer, mm.
     pub first_layer_height_mm: f64,
     /// Contours are simplified to within this, mm, or within a tenth of a pixel where that is more.
     pub simplify_mm: f64,
+}
+
+impl CtSettings {
+    /// The settings for a scan that was cropped, mirrored, scaled and turned already.
+    fn as_turned(&self) -> Self {
+        Self {
+            spacing_mm: [None; 3],
+            scale: 1.0,
+            window: None,
+            crop_px: None,
+            flip: [false; 3],
+            rotate_rad: [0.0; 3],
+            ..self.clone()
+        }
+    }
 }
 
 /// What was found in a scan.
@@ -147,6 +192,8 @@ pub struct CtReport {
     pub size_mm: [f64; 3],
     /// Islands of sections that were too small.
     pub dropped_islands: usize,
+    /// Loose pieces of the part that were too small.
+    pub dropped_pieces: usize,
     /// Holes of sections that were too small.
     pub filled_pores: usize,
     /// Entities that begin between slices, where contours are matched.
@@ -166,6 +213,9 @@ pub struct CtStack {
     pub report: CtReport,
 }
 
+/// A pixel is plainly material or air beyond the threshold by this share of the step between them. Derived: at a threshold
+/// halfway, noise of 10 % of the step must be off by six standard deviations to get there.
+const CLEAR: f64 = 0.1;
 /// No print has more layers.
 const MAX_LAYERS: f64 = 200_000.0;
 /// Cuts a scan into layers at the printer's heights. Holds a few slices at a time.
@@ -181,17 +231,29 @@ pub fn slice_scan(
     let info = source.info().clone();
     info.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
     let lattice = Lattice::new(&info, settings)?;
+    if settings.rotate_rad != [0.0; 3] {
+        let mut turned = Turned::new(source, lattice, settings.rotate_rad)?;
+        return slice_scan(&mut turned, &settings.as_turned(), diagnostics);
+    }
     // Bends of less than a tenth of a pixel are noise, and every point is cut and offset.
     let simplify_mm = settings.simplify_mm.max(0.1 * lattice.pixel_mm().min_element());
     let settings = &CtSettings { simplify_mm, ..settings.clone() };
     let survey = Survey::of(source, &lattice, settings, diagnostics)?;
     let job = Job { settings, lattice: &lattice, survey: &survey, mode: lattice.mode(settings) };
-    job.run(source, diagnostics)
+    let made = job.run(source, diagnostics)?;
+    let not_finite = source.n_not_finite();
+    if not_finite > 0 {
+        let n_voxels: u64 = info.size.iter().map(|&n| n as u64).product();
+        let share = 100.0 * not_finite as f64 / n_voxels as f64;
+        let text = format!("{not_finite} voxels ({share:.3} %) are NaN or infinite; they are taken for air");
+        diagnostics.warn(WarningId::ScanNotFinite, text);
+    }
+    Ok(made)
 }
 
 /// The slices of a scan one after another, cropped and mirrored as a job asks.
 pub struct Slices<'a> {
-    source: &'a mut dyn SliceSource,
+    source: Box<dyn SliceSource + 'a>,
     lattice: Lattice,
 }
 
@@ -201,7 +263,14 @@ impl<'a> Slices<'a> {
     /// # Errors
     /// [`ScanError`]: no voxel size, a window or crop outside the scan, files that can no longer be read.
     pub fn new(source: &'a mut dyn SliceSource, settings: &CtSettings) -> Result<Self, ScanError> {
-        let lattice = Lattice::new(&source.info().clone(), settings)?;
+        let mut lattice = Lattice::new(&source.info().clone(), settings)?;
+        let mut source: Box<dyn SliceSource + 'a> = if settings.rotate_rad == [0.0; 3] {
+            Box::new(source)
+        } else {
+            let turned = Turned::new(source, lattice, settings.rotate_rad)?;
+            lattice = Lattice::new(turned.info(), &settings.as_turned())?;
+            Box::new(turned)
+        };
         source.restart()?;
         for _ in 0..lattice.first {
             source.skip_slice()?;
@@ -394,13 +463,29 @@ impl Job<'_> {
                     low: low * self.survey.contrast,
                     high: high * self.survey.contrast,
                 };
-                (contours, lost.points) = edges::on_edges(contours, &values, nx, ny, &canny);
+                (contours, lost.points) =
+                    edges::on_edges(contours, &values, nx, ny, &canny, |c| self.is_clear(c, &signed));
                 // Scattered by noise, most points say nothing, and all would be cut and offset.
                 simplify_mm = self.settings.simplify_mm;
             }
             self.without_specks(self.section(contours, simplify_mm), &mut lost)
         });
         Prepared { signed, region, inside, range, lost }
+    }
+
+    /// Whether a contour in pixels encloses a pixel that is plainly material, or as a hole plainly air.
+    fn is_clear(&self, contour: &Contour, signed: &[f32]) -> bool {
+        let (nx, ny) = (self.lattice.nx, self.lattice.ny);
+        let Some(bounds) = grainpath_core::Bounds2::of(contour.iter().copied()) else { return false };
+        let side = if signed_area_mm2(contour) > 0.0 { 1.0 } else { -1.0 };
+        let least = (CLEAR * self.survey.contrast) as f32;
+        let index = |v: f64, n: usize| v.clamp(0.0, n as f64) as usize;
+        (index(bounds.min.y, ny)..index(bounds.max.y + 1.0, ny)).any(|j| {
+            (index(bounds.min.x, nx)..index(bounds.max.x + 1.0, nx)).any(|i| {
+                let p = DVec2::new(i as f64 + 0.5, j as f64 + 0.5);
+                side * signed[j * nx + i] > least && grainpath_core::poly::even_odd_contains([contour], p)
+            })
+        })
     }
 
     /// What contours in pixels enclose.
@@ -613,10 +698,17 @@ impl Job<'_> {
             return Err(wrong(format!("a threshold of {at} leaves everything; {values}")));
         }
         all.layers.sort_by_key(|l| l.0);
+        let (first, h) = (self.settings.first_layer_height_mm, self.settings.layer_height_mm);
+        let least_mm3 = self.settings.min_piece_mm3;
+        let mut dropped_pieces = 0;
+        if least_mm3 > 0.0 {
+            let height_mm = |layer: usize| if layer == 0 { first } else { h };
+            dropped_pieces = pieces::drop_loose(&mut all.layers, height_mm, least_mm3);
+        }
         while all.layers.last().is_some_and(|l| l.1.is_empty()) {
             all.layers.pop();
         }
-        let (first, h) = (self.settings.first_layer_height_mm, self.settings.layer_height_mm);
+        let scan_height_mm = all.cut_height_mm(self.lattice);
         let layers: Vec<Layer> = all
             .layers
             .into_iter()
@@ -624,21 +716,25 @@ impl Job<'_> {
                 Layer::new(first + i as f64 * h, if i == 0 { first } else { h }, region)
             })
             .collect();
+        let [points, bare] = all.lost.points;
+        if points > 0 && points == bare {
+            let s = self.settings.section;
+            return Err(wrong(format!(
+                "Canny finds no edge along the threshold of {at}: lower {s}.canny_low and {s}.canny_high"
+            )));
+        }
         let bounds = layers.iter().filter_map(|l| l.region().bounds()).reduce(grainpath_core::Bounds2::union);
         let Some(bounds) = bounds else {
-            let [points, bare] = all.lost.points;
-            if points > 0 && points == bare {
-                let s = self.settings.section;
-                return Err(wrong(format!(
-                    "Canny finds no edge along the threshold of {at}: lower {s}.canny_low and {s}.canny_high"
-                )));
-            }
             return Err(wrong(format!(
                 "a threshold of {at} leaves only islands below min_island_mm2 = {}; {values}",
                 self.settings.min_island_mm2
             )));
         };
         let z_max = layers.last().map_or(0.0, Layer::z_top_mm);
+        if let Some(true_mm) = scan_height_mm.filter(|mm| (z_max / mm - 1.0).abs() > 0.05) {
+            let text = format!("the scan is {true_mm:.3} mm high and is printed {z_max:.3} mm high");
+            diagnostics.warn(WarningId::ScanHeightRounded, text);
+        }
         let size = bounds.size();
         let longest = size.max_element().max(z_max);
         if !(2.0..=2000.0).contains(&longest) {
@@ -648,7 +744,6 @@ impl Job<'_> {
                     .with_remedy("check shape.ct.pixel_mm and shape.ct.slice_mm, or set shape.scale"),
             );
         }
-        let [points, bare] = all.lost.points;
         if 20 * bare > points {
             diagnostics.warn(WarningId::ScanEdgesMissing, format!(
                 "Canny: along {:.0} % of the contours there is no edge within {} pixels; there they lie where the \
@@ -665,6 +760,7 @@ impl Job<'_> {
             bottom_mm: ((all.start_mm.unwrap_or(0.0) + self.lattice.ends_mm[0]) * 1e4).round() / 1e4,
             size_mm: [size.x, size.y, z_max].map(|v| (v * 1e4).round() / 1e4),
             dropped_islands: all.lost.islands,
+            dropped_pieces,
             filled_pores: all.lost.pores,
             births: all.events.births,
             deaths: all.events.deaths,
@@ -683,6 +779,8 @@ struct Collected {
     events: Events,
     inside: usize,
     range: (f32, f32),
+    /// Whether there is material in the first and in the last slice read.
+    ends: [bool; 2],
 }
 
 impl Default for Collected {
@@ -694,12 +792,25 @@ impl Default for Collected {
             events: Events::default(),
             inside: 0,
             range: (f32::INFINITY, f32::NEG_INFINITY),
+            ends: [false; 2],
         }
     }
 }
 
 impl Collected {
+    /// The height of a part that reaches from the lowest to the highest slice, mm.
+    fn cut_height_mm(&self, lattice: &Lattice) -> Option<f64> {
+        let (low, high) =
+            lattice.z_mm.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &z| (l.min(z), h.max(z)));
+        (self.ends == [true; 2]).then_some(high - low + lattice.ends_mm[0] + lattice.ends_mm[1])
+    }
+
     fn count(&mut self, slice: &Prepared) {
+        let any = slice.inside > 0;
+        if self.range.0 > self.range.1 {
+            self.ends[0] = any;
+        }
+        self.ends[1] = any;
         self.inside += slice.inside;
         self.range = (self.range.0.min(slice.range.0), self.range.1.max(slice.range.1));
         self.lost.add(slice.lost);

@@ -1,4 +1,10 @@
 //! An entity that falls into several is cut where they will part.
+//!
+//! The method is that of the published pipeline (`tan2020` in docs/references.bib). Between two children the dividing edge
+//! passes through the point `e` of the shortest line `ab` between them that divides it as the children are thick behind
+//! it, `ae / eb = ac / bd`, at right angles to that line; its ends move to feature points of the parent near by. Several
+//! children are tied by the shortest lines of a spanning tree, one cut for each. Lengths are in mm. A parent that is not
+//! separated by these cuts, such as a ring, is left to signed distances.
 
 use grainpath_core::math::cross;
 use grainpath_core::poly::{LineClipper, edges};

@@ -5,6 +5,7 @@ use grainpath_core::slices::{SliceSource, VolumeInfo};
 use grainpath_core::{Contour, DVec2, Diagnostics};
 
 use super::error::wrong;
+use super::plausible::{Implausible, Plausibility};
 use super::{CtSettings, Denoise, Histogram, Interpolation, ScanError, Threshold, Tracing};
 
 /// Slices no further apart than this many pixels are mixed by their grey values: the edge's own blur then reaches from
@@ -12,6 +13,8 @@ use super::{CtSettings, Denoise, Histogram, Interpolation, ScanError, Threshold,
 const GREY_RATIO: f64 = 1.6;
 /// At most about so many slices are looked at for the histogram.
 const SAMPLED: usize = 48;
+/// At most about so many are looked at where only their plausibility is asked for.
+const PLAUSIBLE: usize = 6;
 
 /// Which voxels are taken, and where they lie.
 #[derive(Debug, Clone)]
@@ -83,6 +86,11 @@ impl Lattice {
         })
     }
 
+    /// Columns, rows and slices.
+    pub(super) fn size(&self) -> [usize; 3] {
+        [self.nx, self.ny, self.z_mm.len()]
+    }
+
     pub(super) fn mode(&self, s: &CtSettings) -> Interpolation {
         let near = self.spacing_mm[2] <= GREY_RATIO * self.spacing_mm[0].min(self.spacing_mm[1]);
         match (s.tracing, s.interpolation) {
@@ -140,25 +148,55 @@ impl Survey {
         let contrast = s.tracing == Tracing::Canny || s.denoise == Denoise::Edges;
         let n = lattice.z_mm.len();
         let mut histogram = Histogram::default();
-        if found || contrast {
-            diagnostics.begin(Stage::Read, n);
-            // Where slices cannot be reached without unpacking those before, passing over them saves little.
-            let stride = n.div_ceil(SAMPLED).max(1);
-            let mut slice = Vec::new();
-            source.restart()?;
-            for _ in 0..lattice.first {
+        let mut plausibility = Plausibility::new(source.info().sample);
+        // A given threshold needs no histogram, and a few slices show whether the values are a scan's.
+        let sampled = if found || contrast { SAMPLED } else { PLAUSIBLE };
+        diagnostics.begin(Stage::Read, n);
+        // Where slices cannot be reached without unpacking those before, passing over them saves little.
+        let stride = n.div_ceil(sampled).max(1);
+        let (mut slice, mut n_voxels) = (Vec::new(), 0);
+        source.restart()?;
+        for _ in 0..lattice.first {
+            source.skip_slice()?;
+        }
+        let not_finite_before = source.n_not_finite();
+        for k in 0..n {
+            diagnostics.check()?;
+            if k % stride == stride / 2 || n < 3 {
+                source.next_slice(&mut slice)?;
+                n_voxels += slice.len() as u64;
+                let values = lattice.cropped(std::mem::take(&mut slice));
+                plausibility.add(&values, lattice.nx);
+                if found || contrast {
+                    histogram.add(&values, lattice.nx);
+                }
+            } else {
                 source.skip_slice()?;
             }
-            for k in 0..n {
-                diagnostics.check()?;
-                if k % stride == stride / 2 || n < 3 {
-                    source.next_slice(&mut slice)?;
-                    histogram.add(&lattice.cropped(std::mem::take(&mut slice)), lattice.nx);
-                } else {
-                    source.skip_slice()?;
-                }
-                diagnostics.advance(1);
+            diagnostics.advance(1);
+        }
+        if n_voxels > 0 && source.n_not_finite() - not_finite_before == n_voxels {
+            return Err(wrong(format!(
+                "none of {n_voxels} voxels looked at is a number (all are NaN or infinite); check the sample type and \
+                 the byte order"
+            )));
+        }
+        match plausibility.verdict() {
+            Some(Implausible::ByteOrder) => {
+                return Err(wrong(format!(
+                    "the bytes of the voxels are in the wrong order: exchanged they make a smooth image, as they are \
+                     noise; give the other {}.byte_order for raw data, or correct the header of the file",
+                    s.section
+                )));
             }
+            Some(Implausible::Noise) if s.denoise == Denoise::None => {
+                return Err(wrong(format!(
+                    "the grey values are noise: neighbouring voxels are unrelated; check the size, the sample type and \
+                     the byte order of raw data, or set {}.smooth for a very noisy scan",
+                    s.section
+                )));
+            }
+            _ => {}
         }
         let materials = match s.threshold {
             Threshold::Iso50(Some([a, b])) => (a.min(b), a.max(b)),

@@ -81,6 +81,8 @@ pub(super) fn settings() -> CtSettings {
         interpolation: Interpolation::Auto,
         overlap: 0.2,
         min_island_mm2: 0.2,
+        rotate_rad: [0.0; 3],
+        min_piece_mm3: 0.0,
         min_pore_mm2: 0.1,
         layer_height_mm: 0.2,
         first_layer_height_mm: 0.2,
@@ -342,6 +344,12 @@ fn canny_follows_the_paper_to_its_accuracy() {
         println!("canny {name}: mean {:.4} %, absolute {:.4} %", 100.0 * mean, 100.0 * absolute);
         assert_eq!(wrong, 0, "{name}");
         assert!(mean.abs() < 0.002, "{name}: {mean}");
+        // Caps and floors have no edges: they stand where the threshold puts them.
+        let low = made.report.bottom_mm - bottom(solid);
+        assert!(low.abs() < 0.1, "{name} begins {low} mm off");
+        let mut phantom = Phantom::new(solid, [100, 100, 100], [0.2; 3]);
+        let grey = run(&mut phantom, &settings());
+        assert_eq!(made.stack.layers().len(), grey.stack.layers().len(), "{name}");
     }
     let mut phantom = Phantom::new(torus, [100, 100, 10], [0.2, 0.2, 0.8]);
     let made = run(&mut phantom, &CtSettings { tracing: Tracing::Canny, ..settings() });
@@ -349,4 +357,83 @@ fn canny_follows_the_paper_to_its_accuracy() {
     println!("canny: mean {:.4} %, absolute {:.4} %", 100.0 * mean, 100.0 * absolute);
     assert_eq!(wrong, 0);
     assert!(mean.abs() < 0.01, "{mean}");
+}
+
+/// A stack of one slice: as flat as scans get.
+#[test]
+fn a_height_that_is_no_whole_layers_is_told() {
+    let warned = |slice_mm: f64| {
+        let mut phantom = Phantom::new(wall, [100, 100, 1], [0.2, 0.2, slice_mm]);
+        let diagnostics = Diagnostics::default();
+        slice_scan(&mut phantom, &settings(), &diagnostics).expect("layers");
+        diagnostics.warnings().iter().any(|w| w.id == WarningId::ScanHeightRounded)
+    };
+    assert!(warned(0.3), "0.3 mm become one layer of 0.2 mm");
+    assert!(!warned(0.4), "two layers");
+    assert!(!warned(0.2), "one layer");
+}
+
+#[test]
+fn a_turned_scan_stands_on_its_side() {
+    let mut phantom = Phantom::new(cone, [100, 100, 60], [0.2; 3]);
+    let upright = run(&mut phantom, &settings());
+    let on_its_side = CtSettings { rotate_rad: [std::f64::consts::FRAC_PI_2, 0.0, 0.0], ..settings() };
+    let mut phantom = Phantom::new(cone, [100, 100, 60], [0.2; 3]);
+    let turned = run(&mut phantom, &on_its_side);
+    let [x, y, z] = upright.report.size_mm;
+    let [u, v, w] = turned.report.size_mm;
+    let near = |a: f64, b: f64| (a - b).abs() < 0.35;
+    assert!(
+        near(u, x) && near(v, z) && near(w, y),
+        "{:?} {:?}",
+        upright.report.size_mm,
+        turned.report.size_mm
+    );
+    let volume =
+        |s: &CtStack| s.stack.layers().iter().map(|l| l.region().area_mm2() * l.height_mm()).sum::<f64>();
+    assert!(
+        (volume(&turned) / volume(&upright) - 1.0).abs() < 0.02,
+        "{} {}",
+        volume(&turned),
+        volume(&upright)
+    );
+}
+
+#[test]
+fn values_that_cannot_be_a_scan_stop_early() {
+    /// A phantom whose values are changed as they are read.
+    struct Changed(Phantom, fn(f32) -> f32, u64);
+    impl SliceSource for Changed {
+        fn info(&self) -> &VolumeInfo {
+            &self.0.info
+        }
+        fn restart(&mut self) -> Result<(), SliceError> {
+            self.2 = 0;
+            self.0.restart()
+        }
+        fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
+            let more = self.0.next_slice(out)?;
+            out.iter_mut().for_each(|v| *v = (self.1)(*v));
+            self.2 += out.iter().filter(|v| **v == 0.0).count() as u64;
+            Ok(more)
+        }
+        fn skip_slice(&mut self) -> Result<bool, SliceError> {
+            self.0.skip_slice()
+        }
+        fn n_not_finite(&self) -> u64 {
+            self.2
+        }
+    }
+    let refusal = |change: fn(f32) -> f32, settings: CtSettings| {
+        let phantom = Phantom::new(sphere, [100, 100, 40], [0.2; 3]);
+        let made = slice_scan(&mut Changed(phantom, change, 0), &settings, &Diagnostics::default());
+        made.expect_err("no scan").to_string()
+    };
+    let swapped = |v: f32| f32::from((v as u16).swap_bytes());
+    for threshold in [Threshold::Otsu, Threshold::Value(11000.0)] {
+        let told = refusal(swapped, CtSettings { threshold, ..settings() });
+        assert!(told.contains("wrong order") && told.contains("shape.ct.byte_order"), "{told}");
+    }
+    assert!(refusal(|_| 0.0, settings()).contains("NaN or infinite"));
+    assert!(refusal(|_| 5.0, settings()).contains("every voxel has the grey value 5"));
 }

@@ -1,4 +1,15 @@
-//! Sub-pixel contours by marching squares.
+//! Contours between pixels: marching squares on the signed distance of grey values to the threshold.
+//!
+//! # Method
+//! Each cell of four pixel centres whose signs differ gives one or two segments, whose ends lie where the linear
+//! interpolation along a side is zero (`lorensen1987` in two dimensions). At saddles the mean of the four values decides.
+//! Chords from crossing to crossing, and their simplification, would cut every bow on its inner side; `traced_in_place` moves
+//! the contour out by the area that was cut, so that a section keeps its size.
+//!
+//! # Units, cost and limits
+//! Contours are in pixels, the middle of the first at (0.5, 0.5), outlines counter-clockwise and holes clockwise. Linear in the
+//! number of pixels. A part that runs out of the picture ends half a pixel outside. A face that lies in the plane of the
+//! slice has values near zero over an area; `with_flats` makes it present or absent as a whole instead of torn by noise.
 
 use grainpath_core::math::{atan2, cross};
 use grainpath_core::poly::simplify_contour;

@@ -7,6 +7,7 @@ use grainpath_core::DVec3;
 
 use super::files::MAX_FILE;
 use super::placement::{Placement, oriented};
+use super::sample::NotFinite;
 use super::{
     Files, SampleType, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, check_size, damaged,
     error, io_error, sample, spacing, unsupported,
@@ -42,6 +43,7 @@ struct Series {
     files: Files,
     slices: Vec<Slice>,
     next: usize,
+    not_finite: NotFinite,
 }
 
 pub(super) fn open(
@@ -103,7 +105,7 @@ pub(super) fn open(
         info.spacing_mm = [spacing(dx), spacing(dy), None];
     }
     let placement = arrange(&mut slices, &mut info)?;
-    let series = Series { info, files: files.clone(), slices, next: 0 };
+    let series = Series { info, files: files.clone(), slices, next: 0, not_finite: NotFinite::default() };
     match placement {
         Some(placement) => oriented(series, &placement, files.place()),
         None => Ok(Box::new(series)),
@@ -220,6 +222,7 @@ impl SliceSource for Series {
 
     fn restart(&mut self) -> Result<(), SliceError> {
         self.next = 0;
+        self.not_finite.restart();
         Ok(())
     }
 
@@ -248,6 +251,8 @@ impl SliceSource for Series {
         let sign = if s.inverted { -1.0 } else { 1.0 };
         let (slope, intercept) = ((s.slope * sign) as f32, (s.intercept * sign) as f32);
         out.iter_mut().for_each(|v| *v = *v * slope + intercept);
+        // A slope of 1e38 leaves nothing finite.
+        self.not_finite.replace_in(out);
         self.next += 1;
         Ok(true)
     }
@@ -256,6 +261,10 @@ impl SliceSource for Series {
         let more = self.next < self.info.size[2];
         self.next += usize::from(more);
         Ok(more)
+    }
+
+    fn n_not_finite(&self) -> u64 {
+        self.not_finite.n_voxels
     }
 }
 

@@ -57,6 +57,15 @@ pub enum VolumeProblem {
         size[0], size[1], size[2], sample.name()
     )]
     TooShort { size: [usize; 3], sample: SampleType, needed: u64, offset: u64, length: u64 },
+    #[error(
+        "{} x {} x {} voxels of {} are {needed} bytes; {length} packed bytes cannot hold as many",
+        size[0], size[1], size[2], sample.name()
+    )]
+    CannotHold { size: [usize; 3], sample: SampleType, needed: u64, length: u64 },
+    #[error(
+        "{name} lies outside the folder of the header; keep both together, or set shape.ct.outside_folder = true"
+    )]
+    Outside { name: String },
     #[error("the data ends in slice {slice} of {n_slices}")]
     EndsInSlice { slice: usize, n_slices: usize },
     #[error("page {page}: {reason}")]

@@ -18,6 +18,7 @@ pub struct Files {
     place: String,
     names: Vec<String>,
     folder: bool,
+    outside_allowed: bool,
     open: Arc<Open>,
 }
 
@@ -28,7 +29,13 @@ impl Files {
         open: impl Fn(&str) -> io::Result<Box<dyn ReadSeek>> + Send + Sync + 'static,
     ) -> Self {
         let name = name.into();
-        Self { place: name.clone(), names: vec![name], folder: false, open: Arc::new(open) }
+        Self {
+            place: name.clone(),
+            names: vec![name],
+            folder: false,
+            outside_allowed: false,
+            open: Arc::new(open),
+        }
     }
 
     /// A folder with these files, in any order; they come in natural order.
@@ -38,7 +45,7 @@ impl Files {
         open: impl Fn(&str) -> io::Result<Box<dyn ReadSeek>> + Send + Sync + 'static,
     ) -> Self {
         names.sort_by(|a, b| natural_order(a, b));
-        Self { place: place.into(), names, folder: true, open: Arc::new(open) }
+        Self { place: place.into(), names, folder: true, outside_allowed: false, open: Arc::new(open) }
     }
 
     /// What errors call the whole.
@@ -77,12 +84,24 @@ impl Files {
         Ok(bytes)
     }
 
-    /// A file that `name` names, in the same folder.
-    pub(crate) fn sibling(&self, name: &str, other: &str) -> String {
-        match name.rsplit_once(['/', '\\']) {
-            Some((folder, _)) if !other.starts_with('/') => format!("{folder}/{other}"),
-            _ => other.to_owned(),
+    /// Lets headers name files outside their own folder.
+    #[must_use]
+    pub fn allowing_outside(mut self, allowed: bool) -> Self {
+        self.outside_allowed = allowed;
+        self
+    }
+
+    /// The file that the header `name` calls `other`: beside it, or below its folder.
+    pub(crate) fn sibling(&self, name: &str, other: &str) -> Result<String, VolumeError> {
+        let mut parts = other.split(['/', '\\']);
+        let absolute = other.starts_with(['/', '\\']) || other.get(1..2) == Some(":");
+        if !self.outside_allowed && (absolute || parts.any(|part| part == "..")) {
+            return Err(error(name, VolumeProblem::Outside { name: other.to_owned() }));
         }
+        Ok(match name.rsplit_once(['/', '\\']) {
+            Some((folder, _)) if !absolute => format!("{folder}/{other}"),
+            _ => other.to_owned(),
+        })
     }
 }
 

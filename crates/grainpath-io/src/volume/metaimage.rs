@@ -89,7 +89,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         f if f.contains('%') || f.starts_with("LIST") => {
             return Err(unsupported(name, "data in several files", "keep the voxels in one file"));
         }
-        f => (files.sibling(name, f), skip.max(0) as u64),
+        f => (files.sibling(name, f)?, skip.max(0) as u64),
     };
     if skip < 0 {
         return Err(wrong("HeaderSize", skip.to_string(), "a number of bytes"));

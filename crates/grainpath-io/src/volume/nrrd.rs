@@ -77,7 +77,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         Some(f) if f.contains('%') || f.to_ascii_uppercase().starts_with("LIST") => {
             return Err(unsupported(name, "data in several files", "keep the voxels in one file"));
         }
-        Some(f) => (files.sibling(name, f), 0),
+        Some(f) => (files.sibling(name, f)?, 0),
     };
     if packing == Packing::Gzip && skip > 0 && at > 0 {
         return Err(unsupported(

@@ -5,6 +5,7 @@ use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
+use super::sample::NotFinite;
 use super::{
     Files, SampleType, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, check_size, damaged,
     error, io_error, sample,
@@ -22,6 +23,10 @@ pub struct RawHeader {
     /// Bytes before the first voxel.
     pub offset_bytes: u64,
 }
+
+/// Deflate unpacks a byte to at most this many. A header that asks for more is damaged, or a bomb. Source: a match of 258
+/// bytes takes at least two bits, one each for length and distance (RFC 1951), so 1032 bytes come of 8 bits.
+const MAX_DEFLATE_RATIO: u64 = 1032;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Packing {
@@ -52,6 +57,7 @@ pub(super) struct RawSource {
     stream: Stream,
     next: usize,
     buffer: Vec<u8>,
+    not_finite: NotFinite,
 }
 
 enum Stream {
@@ -85,31 +91,43 @@ impl RawSource {
     pub(super) fn new(files: &Files, info: VolumeInfo, layout: Layout) -> Result<Self, VolumeError> {
         check_size(&layout.file, info.size)?;
         let stream = start(files, &layout)?;
-        let mut source = Self { info, files: files.clone(), layout, stream, next: 0, buffer: Vec::new() };
+        let mut source = Self {
+            info,
+            files: files.clone(),
+            layout,
+            stream,
+            next: 0,
+            buffer: Vec::new(),
+            not_finite: NotFinite::default(),
+        };
         source.check_length()?;
         Ok(source)
     }
 
-    /// A file that is too short is found before any work is done.
+    /// A file that is too short is found before any work is done, packed or not.
     fn check_length(&mut self) -> Result<(), VolumeError> {
         let needed = (self.slice_bytes() as u64).saturating_mul(self.info.size[2] as u64);
         let (file, offset) = (&self.layout.file, self.layout.offset);
-        if let Stream::Plain(r) = &mut self.stream {
-            let end = r.seek(SeekFrom::End(0)).map_err(|e| io_error(file, &e))?;
-            r.seek(SeekFrom::Start(offset)).map_err(|e| io_error(file, &e))?;
-            if end < offset.saturating_add(needed) {
-                let (size, sample) = (self.info.size, self.info.sample);
-                return Err(error(
-                    file,
-                    VolumeProblem::TooShort { size, sample, needed, offset, length: end },
-                ));
+        let (size, sample) = (self.info.size, self.info.sample);
+        let Stream::Plain(r) = &mut self.stream else {
+            let mut packed = self.files.open(file)?;
+            let length = packed.seek(SeekFrom::End(0)).map_err(|e| io_error(file, &e))?;
+            let before = if self.layout.inside { offset } else { 0 };
+            if before.saturating_add(needed) > length.saturating_mul(MAX_DEFLATE_RATIO) {
+                return Err(error(file, VolumeProblem::CannotHold { size, sample, needed, length }));
             }
-            if end > offset.saturating_add(needed) {
-                let more = end - offset - needed;
-                let text = format!("{more} bytes after the last voxel are not read");
-                let warning = Warning::new(WarningId::ScanTrailingBytes, text).in_file(file.to_owned());
-                self.info.warnings.push(warning);
-            }
+            return Ok(());
+        };
+        let end = r.seek(SeekFrom::End(0)).map_err(|e| io_error(file, &e))?;
+        r.seek(SeekFrom::Start(offset)).map_err(|e| io_error(file, &e))?;
+        if end < offset.saturating_add(needed) {
+            return Err(error(file, VolumeProblem::TooShort { size, sample, needed, offset, length: end }));
+        }
+        if end > offset.saturating_add(needed) {
+            let more = end - offset - needed;
+            let text = format!("{more} bytes after the last voxel are not read");
+            let warning = Warning::new(WarningId::ScanTrailingBytes, text).in_file(file.to_owned());
+            self.info.warnings.push(warning);
         }
         Ok(())
     }
@@ -150,6 +168,7 @@ impl SliceSource for RawSource {
     fn restart(&mut self) -> Result<(), SliceError> {
         self.stream = start(&self.files, &self.layout)?;
         self.next = 0;
+        self.not_finite.restart();
         Ok(())
     }
 
@@ -176,6 +195,10 @@ impl SliceSource for RawSource {
         if (slope, intercept) != (1.0, 0.0) {
             out.iter_mut().for_each(|v| *v = *v * slope + intercept);
         }
+        let floats = matches!(self.info.sample, SampleType::F32 | SampleType::F64);
+        if floats || (slope, intercept) != (1.0, 0.0) {
+            self.not_finite.replace_in(out);
+        }
         self.next += 1;
         Ok(true)
     }
@@ -200,5 +223,8 @@ impl SliceSource for RawSource {
         }
         self.next += 1;
         Ok(true)
+    }
+    fn n_not_finite(&self) -> u64 {
+        self.not_finite.n_voxels
     }
 }

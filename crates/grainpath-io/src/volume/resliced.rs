@@ -84,6 +84,10 @@ impl SliceSource for Upright {
         self.next += usize::from(more);
         Ok(more)
     }
+
+    fn n_not_finite(&self) -> u64 {
+        self.inner.n_not_finite()
+    }
 }
 
 /// Bytes of slices that are held at a time where the stored slices do not come in the order of the height. Measured: a
@@ -122,11 +126,22 @@ pub(super) struct Reordered {
     block: Vec<f32>,
     block_start: usize,
     next: usize,
+    /// Voxels that are not finite, in earlier passes over the file.
+    not_finite_before: u64,
 }
 
 impl Reordered {
     pub(super) fn new(inner: Box<dyn SliceSource>, info: VolumeInfo, order: [StoredAxis; 3]) -> Self {
-        Self { inner, info, order, stored: Vec::new(), block: Vec::new(), block_start: 0, next: 0 }
+        Self {
+            inner,
+            info,
+            order,
+            stored: Vec::new(),
+            block: Vec::new(),
+            block_start: 0,
+            next: 0,
+            not_finite_before: 0,
+        }
     }
 
     /// Whether stored slices come in the order of the height.
@@ -183,6 +198,11 @@ impl Reordered {
             n_stored - self.block_start - n_block..n_stored - self.block_start
         } else {
             0..n_stored
+        };
+        // Across, every pass meets every voxel; upside down, each pass meets others.
+        self.not_finite_before = match self.order[2].axis {
+            2 if self.next > 0 => self.n_not_finite(),
+            _ => 0,
         };
         self.inner.restart()?;
         for _ in 0..needed.start {
@@ -254,5 +274,8 @@ impl SliceSource for Reordered {
         }
         self.next += 1;
         Ok(true)
+    }
+    fn n_not_finite(&self) -> u64 {
+        self.not_finite_before + self.inner.n_not_finite()
     }
 }

@@ -2,7 +2,36 @@
 
 use grainpath_core::slices::SampleType;
 
-/// Appends the voxels in `bytes`, a whole number of them. What is not finite becomes 0: nothing is known there.
+/// Voxels that are NaN or infinite in the file, counted and replaced.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct NotFinite {
+    /// How many there were since the last restart.
+    pub n_voxels: u64,
+    /// The least finite value of the slices read so far.
+    least: Option<f32>,
+}
+
+impl NotFinite {
+    /// Starts counting again; what is known of the values stays.
+    pub(super) fn restart(&mut self) {
+        self.n_voxels = 0;
+    }
+
+    /// Replaces what is not finite by the least value of the slice. A slice without any gets the least value so far,
+    /// or 0 where none is known yet.
+    pub(super) fn replace_in(&mut self, slice: &mut [f32]) {
+        let least = slice.iter().copied().filter(|v| v.is_finite()).reduce(f32::min);
+        let all = self.least.into_iter().chain(least).reduce(f32::min);
+        let air = least.or(all).unwrap_or(0.0);
+        for v in slice.iter_mut().filter(|v| !v.is_finite()) {
+            *v = air;
+            self.n_voxels += 1;
+        }
+        self.least = all;
+    }
+}
+
+/// Appends the voxels in `bytes`, a whole number of them, as they are: floats may be NaN.
 pub(super) fn decode(sample: SampleType, bytes: &[u8], big_endian: bool, out: &mut Vec<f32>) {
     fn each<const N: usize>(bytes: &[u8], big: bool, out: &mut Vec<f32>, f: impl Fn([u8; N]) -> f32) {
         let values = bytes.chunks_exact(N).map(|c| {
@@ -14,7 +43,6 @@ pub(super) fn decode(sample: SampleType, bytes: &[u8], big_endian: bool, out: &m
         });
         out.extend(values);
     }
-    let finite = |v: f32| if v.is_finite() { v } else { 0.0 };
     match sample {
         SampleType::U8 => out.extend(bytes.iter().map(|&b| f32::from(b))),
         SampleType::I8 => out.extend(bytes.iter().map(|&b| f32::from(b as i8))),
@@ -22,7 +50,7 @@ pub(super) fn decode(sample: SampleType, bytes: &[u8], big_endian: bool, out: &m
         SampleType::I16 => each(bytes, big_endian, out, |b| f32::from(i16::from_le_bytes(b))),
         SampleType::U32 => each(bytes, big_endian, out, |b| u32::from_le_bytes(b) as f32),
         SampleType::I32 => each(bytes, big_endian, out, |b| i32::from_le_bytes(b) as f32),
-        SampleType::F32 => each(bytes, big_endian, out, |b| finite(f32::from_le_bytes(b))),
-        SampleType::F64 => each(bytes, big_endian, out, |b| finite(f64::from_le_bytes(b) as f32)),
+        SampleType::F32 => each(bytes, big_endian, out, f32::from_le_bytes),
+        SampleType::F64 => each(bytes, big_endian, out, |b| f64::from_le_bytes(b) as f32),
     }
 }

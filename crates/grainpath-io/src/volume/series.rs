@@ -1,6 +1,7 @@
 //! Folders with a file a slice.
 
 use super::files::MAX_FILE;
+use super::sample::NotFinite;
 use super::{
     Files, SampleType, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, check_size, error,
 };
@@ -49,7 +50,7 @@ pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
         let text = format!("{} files are not images and were skipped", others.len());
         info.warnings.push(Warning::new(WarningId::ScanFilesSkipped, text).in_file(files.place()));
     }
-    Ok(Box::new(Series { info, files, names: images, next: 0 }))
+    Ok(Box::new(Series { info, files, names: images, next: 0, not_finite: NotFinite::default() }))
 }
 
 struct Series {
@@ -57,6 +58,7 @@ struct Series {
     files: Files,
     names: Vec<String>,
     next: usize,
+    not_finite: NotFinite,
 }
 
 impl SliceSource for Series {
@@ -66,6 +68,7 @@ impl SliceSource for Series {
 
     fn restart(&mut self) -> Result<(), SliceError> {
         self.next = 0;
+        self.not_finite.restart();
         Ok(())
     }
 
@@ -78,7 +81,7 @@ impl SliceSource for Series {
             let (found, first) = ([image.width, image.height], self.names[0].clone());
             return Err(error(name, VolumeProblem::OtherSize { found, expected: [x, y], first }).into());
         }
-        take_grey(image, &self.info, name, out)?;
+        take_grey(image, &self.info, name, out, &mut self.not_finite)?;
         self.next += 1;
         Ok(true)
     }
@@ -87,6 +90,10 @@ impl SliceSource for Series {
         let more = self.next < self.names.len();
         self.next += usize::from(more);
         Ok(more)
+    }
+
+    fn n_not_finite(&self) -> u64 {
+        self.not_finite.n_voxels
     }
 }
 
@@ -109,6 +116,7 @@ pub(super) fn take_grey(
     info: &VolumeInfo,
     place: &str,
     out: &mut Vec<f32>,
+    not_finite: &mut NotFinite,
 ) -> Result<(), VolumeError> {
     let found = sample_of(&image.samples);
     if found != info.sample {
@@ -116,7 +124,9 @@ pub(super) fn take_grey(
         return Err(error(place, VolumeProblem::OtherSample { found, expected }));
     }
     *out = image.to_grey_f32();
-    out.iter_mut().filter(|v| !v.is_finite()).for_each(|v| *v = 0.0);
+    if info.sample == SampleType::F32 {
+        not_finite.replace_in(out);
+    }
     Ok(())
 }
 

@@ -425,3 +425,51 @@ fn any_bytes_are_survived() {
         }
     }
 }
+
+#[test]
+fn voxels_that_are_no_numbers_come_as_air_and_are_counted() {
+    let values: Vec<f32> = (0..24).map(|i| if i % 5 == 0 { f32::NAN } else { i as f32 - 1000.0 }).collect();
+    let stored: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    let head = b"NRRD0004\ntype: float\nsizes: 3 2 4\nendian: little\nencoding: raw\n\n".to_vec();
+    let mut source = single(&[("a.nrrd", [head.clone(), stored].concat())]).expect("a volume");
+    let slices = all(&mut *source).expect("slices");
+    assert_eq!(source.n_not_finite(), 5);
+    assert_eq!(slices[0][0], -999.0, "the least value of the slice");
+    assert_eq!(slices[3][2], -1000.0 + 18.0, "20 of 18 to 23");
+    source.restart().expect("again");
+    assert_eq!(source.n_not_finite(), 0);
+    let none: Vec<u8> = [f32::INFINITY; 24].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let mut source = single(&[("a.nrrd", [head, none].concat())]).expect("a volume");
+    assert_eq!(all(&mut *source).expect("slices")[2], [0.0; 6]);
+    assert_eq!(source.n_not_finite(), 24);
+}
+
+#[test]
+fn packed_data_that_cannot_hold_the_voxels_are_refused_at_once() {
+    let head =
+        |nz: usize| format!("NRRD0004\ntype: uchar\nsizes: 1000 1000 {nz}\nencoding: gzip\n\n").into_bytes();
+    says(single(&[("a.nrrd", [head(100_000), gzip(&[0; 4000])].concat())]), "a.nrrd", "cannot hold as many");
+    let mut bomb = nifti();
+    bomb[42..48].copy_from_slice(&[0xff, 0x7f, 0xff, 0x7f, 0x10, 0x00]);
+    says(single(&[("a.nii.gz", gzip(&bomb))]), "a.nii.gz", "cannot hold as many");
+}
+
+#[test]
+fn headers_name_files_in_their_own_folder_only() {
+    let head = |name: &str| {
+        format!("NRRD0004\ntype: short\nsizes: 3 2 4\nencoding: raw\ndata file: {name}\n").into_bytes()
+    };
+    for name in ["../b.raw", "/d/b.raw", "e/../../b.raw", "C:\\b.raw", "..\\b.raw"] {
+        let held = [("d/a.nhdr", head(name)), ("b.raw", little()), ("/d/b.raw", little())];
+        says(single(&held), "d/a.nhdr", "outside the folder");
+    }
+    let mhd = |name: &str| {
+        format!("NDims = 3\nDimSize = 3 2 4\nElementType = MET_SHORT\nElementDataFile = {name}\n")
+    };
+    says(single(&[("d/a.mhd", mhd("../b.raw").into_bytes())]), "d/a.mhd", "outside the folder");
+    let below = [("d/a.nhdr", head("e/b.raw")), ("d/e/b.raw", little())];
+    check(&mut *single(&below).expect("a folder below"));
+    let asked =
+        files(&[("d/a.nhdr", head("/d/b.raw")), ("/d/b.raw", little())], false).allowing_outside(true);
+    check(&mut *open_volume(asked, None).expect("asked for"));
+}

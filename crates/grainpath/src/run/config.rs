@@ -198,6 +198,7 @@ pub(crate) fn texture(
             window: v.window,
             crop_px: v.crop_px,
             flip: v.flip.axes(),
+            rotate_rad: [0.0; 3],
             ..scan
         };
     }
@@ -278,6 +279,7 @@ pub fn scan(s: &Settings) -> CtSettings {
         window: c.window,
         crop_px: c.crop_px,
         flip: c.flip.axes(),
+        rotate_rad: s.shape.rotate_deg.map(f64::to_radians),
         threshold: match c.threshold {
             choices::Threshold::Otsu => Threshold::Otsu,
             choices::Threshold::Iso50(grey) => Threshold::Iso50(grey.or(c.materials)),
@@ -304,6 +306,7 @@ pub fn scan(s: &Settings) -> CtSettings {
         overlap: c.overlap,
         min_island_mm2: c.min_island_mm2,
         min_pore_mm2: c.min_pore_mm2,
+        min_piece_mm3: c.min_piece_mm3,
         layer_height_mm: p.layer_height_mm,
         first_layer_height_mm: p.first_layer_height_mm,
         simplify_mm: p.simplify_mm,

@@ -1,0 +1,176 @@
+//! Whether grey values can be those of a scan, before a minute is spent on tracing noise.
+//!
+//! # Method
+//! In a scan neighbouring voxels are alike. The roughness of a volume is `E[(a - b)^2] / (2 Var)` over neighbours `a`, `b`
+//! within slices: 1 where neighbours are unrelated, close to 0 where the image is smooth (von Neumann's ratio, halved).
+//! Bytes read in the wrong order turn the small steps of a smooth image into large ones; the values with their bytes
+//! exchanged then tell which order is right. Cost: one pass over the sampled slices.
+//!
+//! # Limits
+//! Only samples of 2 bytes, and floats, can be exchanged; larger integers have lost their lower bits in `f32`.
+
+use grainpath_core::slices::SampleType;
+
+/// Rougher volumes are looked at with their bytes exchanged. Measured on nine scans (bolt, bone, cranium, engine,
+/// fibre preform, nut, weave, cement, DICOM phantom): 0.008 to 0.076 as stored. The two of 16 bits, exchanged: 0.68 and 0.24.
+const SUSPICIOUS: f64 = 0.15;
+/// The exchanged bytes are the right ones where they are smoother by this factor. Measured: 0.03 on both scans of 16 bits.
+const SMOOTHER: f64 = 0.25;
+/// Rougher volumes are noise. Derived: a scan of half material has 0.9 when the noise has 1.5 times the contrast, and no
+/// threshold tells material from air in that.
+const NOISE: f64 = 0.9;
+
+/// What is wrong with the grey values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Implausible {
+    /// With the bytes of every voxel exchanged the volume is smooth.
+    ByteOrder,
+    /// Neighbours are unrelated.
+    Noise,
+}
+
+/// Sums over neighbouring voxels.
+#[derive(Debug, Clone, Default)]
+struct Roughness {
+    steps: f64,
+    n_steps: f64,
+    sum: f64,
+    squares: f64,
+    n: f64,
+}
+
+impl Roughness {
+    fn add(&mut self, row: impl Iterator<Item = f64>) {
+        let mut before: Option<f64> = None;
+        for v in row {
+            if let Some(b) = before {
+                self.steps += (v - b) * (v - b);
+                self.n_steps += 1.0;
+            }
+            before = Some(v);
+            self.sum += v;
+            self.squares += v * v;
+            self.n += 1.0;
+        }
+    }
+
+    fn ratio(&self) -> f64 {
+        let mean = self.sum / self.n;
+        let variance = self.squares / self.n - mean * mean;
+        if variance > 0.0 && self.n_steps > 0.0 { self.steps / self.n_steps / (2.0 * variance) } else { 0.0 }
+    }
+}
+
+/// Looks at slices as they come.
+#[derive(Debug, Clone)]
+pub(super) struct Plausibility {
+    sample: SampleType,
+    stored: Roughness,
+    exchanged: Roughness,
+    /// Whether every value could be exchanged so far.
+    exchangeable: bool,
+}
+
+impl Plausibility {
+    pub(super) fn new(sample: SampleType) -> Self {
+        let exchangeable = matches!(sample, SampleType::U16 | SampleType::I16 | SampleType::F32);
+        Self { sample, stored: Roughness::default(), exchanged: Roughness::default(), exchangeable }
+    }
+
+    /// Looks at a slice of rows of `nx`.
+    pub(super) fn add(&mut self, slice: &[f32], nx: usize) {
+        // Every fourth row tells as much as all.
+        for row in slice.chunks_exact(nx).step_by(4) {
+            self.stored.add(row.iter().map(|v| f64::from(*v)));
+            if self.exchangeable {
+                // A rescaled value is no longer the stored one, and cannot be exchanged.
+                let exchanged: Option<Vec<f64>> = row.iter().map(|v| exchanged(self.sample, *v)).collect();
+                match exchanged {
+                    Some(values) => self.exchanged.add(values.into_iter()),
+                    None => self.exchangeable = false,
+                }
+            }
+        }
+    }
+
+    /// What is wrong, if anything is.
+    pub(super) fn verdict(&self) -> Option<Implausible> {
+        let roughness = self.stored.ratio();
+        if self.exchangeable && roughness > SUSPICIOUS && self.exchanged.ratio() < SMOOTHER * roughness {
+            return Some(Implausible::ByteOrder);
+        }
+        (roughness > NOISE).then_some(Implausible::Noise)
+    }
+}
+
+/// A value with its bytes in the other order.
+fn exchanged(sample: SampleType, v: f32) -> Option<f64> {
+    let whole = |low: f32, high: f32| v.fract() == 0.0 && (low..=high).contains(&v);
+    match sample {
+        SampleType::U16 if whole(0.0, 65535.0) => Some(f64::from((v as u16).swap_bytes())),
+        SampleType::I16 if whole(-32768.0, 32767.0) => Some(f64::from((v as i16).swap_bytes())),
+        SampleType::F32 => {
+            let other = f32::from_bits(v.to_bits().swap_bytes());
+            // The bytes of a good float make tiny, huge and broken ones: those of no size count as 0.
+            Some(if other.is_finite() && other.abs() < 1e12 { f64::from(other) } else { 0.0 })
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ball in air with noise of 2 %.
+    fn ball(k: usize, noise: f32) -> Vec<f32> {
+        let value = |i: usize| {
+            let (x, y, z) = ((i % 60) as f32 - 30.0, (i / 60) as f32 - 30.0, k as f32 - 10.0);
+            let hash = (i * 7919 + k * 104_729) % 1013;
+            let inside = if x * x + y * y + z * z < 400.0 { 20000.0 } else { 1000.0 };
+            (inside + noise * (hash as f32 - 506.0)).round().max(0.0)
+        };
+        (0..3600).map(value).collect()
+    }
+
+    fn verdict(sample: SampleType, change: impl Fn(f32) -> f32, noise: f32) -> Option<Implausible> {
+        let mut seen = Plausibility::new(sample);
+        for k in 0..20 {
+            seen.add(&ball(k, noise).into_iter().map(&change).collect::<Vec<f32>>(), 60);
+        }
+        seen.verdict()
+    }
+
+    #[test]
+    fn a_wrong_byte_order_is_found_and_a_right_one_passes() {
+        let swapped = |v: f32| f32::from((v as u16).swap_bytes());
+        let signed = |v: f32| f32::from(((v - 10000.0) as i16).swap_bytes());
+        assert_eq!(verdict(SampleType::U16, |v| v, 1.0), None);
+        assert_eq!(verdict(SampleType::U16, swapped, 1.0), Some(Implausible::ByteOrder));
+        assert_eq!(verdict(SampleType::I16, signed, 1.0), Some(Implausible::ByteOrder));
+        assert_eq!(verdict(SampleType::F32, |v| v / 20000.0, 1.0), None);
+        let float = |v: f32| {
+            let w = f32::from_bits((v / 20000.0).to_bits().swap_bytes());
+            if w.is_finite() { w } else { 0.0 }
+        };
+        assert!(verdict(SampleType::F32, float, 1.0).is_some());
+        // Noise as strong as half the step still leaves a part.
+        assert_eq!(verdict(SampleType::U16, |v| v, 15.0), None);
+    }
+
+    #[test]
+    fn noise_alone_is_no_scan() {
+        let mut seen = Plausibility::new(SampleType::U8);
+        let mut state = 7u64;
+        let mut random = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 56) as f32
+        };
+        (0..5).for_each(|_| seen.add(&(0..3600).map(|_| random()).collect::<Vec<f32>>(), 60));
+        assert_eq!(seen.verdict(), Some(Implausible::Noise));
+        // One grey value is not noise: that has an error of its own.
+        let mut flat = Plausibility::new(SampleType::U8);
+        flat.add(&[3.0; 3600], 60);
+        assert_eq!(flat.verdict(), None);
+    }
+}
