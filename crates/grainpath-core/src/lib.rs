@@ -17,6 +17,7 @@ pub mod mask;
 pub mod math;
 pub mod medial;
 pub mod mesh;
+pub mod number;
 pub mod poly;
 pub mod polyline;
 pub mod segment;

@@ -1,5 +1,7 @@
 //! G-code as lines of a command, words and a comment. Nothing is kept between lines; any bytes are survived.
 
+use grainpath_core::number::{Exponent, leading_number};
+
 /// Words kept of one line; more are damage.
 const MAX_WORDS: usize = 16;
 
@@ -148,40 +150,15 @@ fn push(out: &mut Line<'_>, letter: u8, value: f64) {
     }
 }
 
-/// A decimal number at the beginning, and how many bytes it took. Exact for up to 18 digits in one division.
+/// The number after a letter, spaces before it included, and how many bytes both take.
 fn number(bytes: &[u8]) -> (Option<f64>, usize) {
-    const POWERS: [f64; 19] = [
-        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
-        1e18,
-    ];
+    /// A number with more digits before its point than this is no coordinate.
+    const MAX_WHOLE_DIGITS: usize = 18;
     let space = bytes.iter().take_while(|&&b| b == b' ').count();
-    let (mut i, mut negative) = (space, false);
-    if let Some(&sign @ (b'-' | b'+')) = bytes.get(i) {
-        negative = sign == b'-';
-        i += 1;
-    }
-    let (mut mantissa, mut digits, mut decimals, mut point) = (0u64, 0usize, 0usize, false);
-    while let Some(&b) = bytes.get(i) {
-        match b {
-            b'0'..=b'9' => {
-                if digits < 18 {
-                    mantissa = mantissa * 10 + u64::from(b - b'0');
-                    decimals += usize::from(point);
-                } else if !point {
-                    return (None, i); // Longer than any coordinate.
-                }
-                digits += 1;
-            }
-            b'.' if !point => point = true,
-            _ => break,
-        }
-        i += 1;
-    }
-    if digits == 0 {
-        return (None, 0);
-    }
-    let value = mantissa as f64 / POWERS[decimals];
-    (Some(if negative { -value } else { value }), i)
+    let Some((value, n)) = leading_number(&bytes[space..], Exponent::NotAllowed) else { return (None, 0) };
+    let n_whole =
+        bytes[space..space + n].iter().skip_while(|b| !b.is_ascii_digit()).take_while(|b| b.is_ascii_digit());
+    ((n_whole.count() <= MAX_WHOLE_DIGITS).then_some(value), space + n)
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Words and numbers out of text, wherever it came from: any line ends, any white space.
 
+use grainpath_core::number::{number, whole};
+
 /// Why a word of a text file cannot be read. `place` is the line.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs)]
@@ -159,68 +161,9 @@ impl<'a> Words<'a> {
     }
 }
 
-/// A decimal number. Up to 15 digits and a small power of ten are exact in one division or multiplication; all else
-/// takes the standard library's way, which rounds correctly as well.
-pub(crate) fn number(word: &[u8]) -> Option<f64> {
-    const POWERS: [f64; 23] = [
-        1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17,
-        1e18, 1e19, 1e20, 1e21, 1e22,
-    ];
-    let (negative, digits) = match word {
-        [b'-', rest @ ..] => (true, rest),
-        [b'+', rest @ ..] => (false, rest),
-        _ => (false, word),
-    };
-    let (mut mantissa, mut n_digits, mut after_point, mut point) = (0u64, 0, 0i32, false);
-    let mut i = 0;
-    while let Some(&b) = digits.get(i) {
-        match b {
-            b'0'..=b'9' if n_digits < 18 => {
-                mantissa = mantissa * 10 + u64::from(b - b'0');
-                n_digits += usize::from(mantissa > 0);
-                after_point += i32::from(point);
-            }
-            b'.' if !point => point = true,
-            _ => break,
-        }
-        i += 1;
-    }
-    let mut exponent = -after_point;
-    if i < digits.len() && i > usize::from(point) && matches!(digits[i], b'e' | b'E') {
-        let power = whole(&digits[i + 1..])?;
-        exponent = exponent.saturating_add(i32::try_from(power).ok()?);
-        i = digits.len();
-    }
-    if i == digits.len() && i > usize::from(point) && mantissa < 1 << 53 && exponent.unsigned_abs() <= 22 {
-        let power = POWERS[exponent.unsigned_abs() as usize];
-        let value = if exponent < 0 { mantissa as f64 / power } else { mantissa as f64 * power };
-        return Some(if negative { -value } else { value });
-    }
-    std::str::from_utf8(word).ok()?.parse().ok()
-}
-
-/// A whole number with an optional sign.
-pub(crate) fn whole(word: &[u8]) -> Option<i64> {
-    std::str::from_utf8(word.strip_prefix(b"+").unwrap_or(word)).ok()?.parse().ok()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn odd_numbers() {
-        for (text, value) in
-            [("1", 1.0), ("-0.5", -0.5), (".5", 0.5), ("5.", 5.0), ("1e3", 1e3), ("+2.5E-02", 0.025)]
-        {
-            assert_eq!(number(text.as_bytes()), Some(value), "{text}");
-        }
-        for text in ["", ".", "-", "1.2.3", "abc", "1e", "0x10", "1,5"] {
-            assert_eq!(number(text.as_bytes()), None, "{text}");
-        }
-        assert!(number(b"nan").is_some_and(f64::is_nan));
-    }
 
     #[test]
     fn lines_are_counted_with_any_ends() {
@@ -232,14 +175,5 @@ mod tests {
         let expect =
             [("a", 1), ("b", 2), ("c", 3), ("e", 5)].map(|(w, l)| (w.to_owned(), format!("line {l}")));
         assert_eq!(seen, expect);
-    }
-
-    proptest! {
-        #[test]
-        fn numbers_round_as_the_standard_library_does(v in proptest::num::f64::NORMAL, digits in 0usize..20) {
-            for text in [format!("{v}"), format!("{v:e}"), format!("{:.digits$}", v % 1e9), format!("{v:.digits$e}")] {
-                prop_assert_eq!(number(text.as_bytes()), text.parse().ok(), "{}", text);
-            }
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! CSV: a point a line with its stress. The header says which column is what; commas, semicolons or tabs part them.
 
 use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
-use crate::text::number;
+use grainpath_core::number::number;
 
 /// Columns beyond this are not a table of stresses.
 const MAX_COLUMNS: usize = 256;

@@ -3,7 +3,7 @@
 use super::bytes::{Numbers, Raw, Scalar};
 use super::element::ElementKind;
 use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, array_room, invalid, position};
-use crate::text::{number, whole};
+use grainpath_core::number::{number, whole};
 
 /// Numbers in a record of a line.
 const PER_LINE: usize = 6;

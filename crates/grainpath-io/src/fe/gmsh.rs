@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use super::bytes::{Numbers, Scalar};
 use super::element::ElementKind;
 use super::model::{FeArray, FeError, FeFile, FeFormat, Group, MAX_COUNT, On, array_room, invalid, position};
-use crate::text::{Words, whole};
+use crate::text::Words;
+use grainpath_core::number::whole;
 
 /// Sections of results beyond this are damage or malice.
 const MAX_SECTIONS: usize = 100_000;

@@ -4,7 +4,7 @@ use super::bytes::Numbers;
 use super::deck::{Behaviour, BodyLoad, Deck, Elastic, FaceLoad, Fixed, Material, PointLoad, Section, Step};
 use super::element::ElementKind;
 use super::model::{FeError, FeFile, FeFormat, Group, array_room, invalid, position};
-use crate::text::{number, whole};
+use grainpath_core::number::{number, whole};
 use grainpath_core::{Warning, WarningId};
 
 /// Keywords that say nothing about the linear problem.

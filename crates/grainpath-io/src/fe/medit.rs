@@ -2,7 +2,8 @@
 
 use super::element::ElementKind;
 use super::model::{FeError, FeFile, FeFormat, MAX_COUNT, invalid, position};
-use crate::text::{Words, number, whole};
+use crate::text::Words;
+use grainpath_core::number::{number, whole};
 
 pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
     let mut words = Words::new(bytes, Some(b'#'));

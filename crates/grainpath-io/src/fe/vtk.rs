@@ -3,7 +3,8 @@
 use super::bytes::Scalar;
 use super::element::ElementKind;
 use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
-use crate::text::{Words, number};
+use crate::text::Words;
+use grainpath_core::number::number;
 use grainpath_core::{Warning, WarningId};
 
 /// Cells as VTK lists them; nodes count from `first_node` of the file.

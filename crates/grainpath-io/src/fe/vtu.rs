@@ -8,7 +8,8 @@ use quick_xml::events::{BytesStart, Event};
 use super::bytes::{Compression, Raw, Scalar, base64, decompress};
 use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
 use super::vtk::{Cells, add_cells};
-use crate::text::{number, skip_space};
+use crate::text::skip_space;
+use grainpath_core::number::number;
 
 /// All arrays of a file together may hold this many numbers, and this many for every byte of the file.
 const NUMBERS_ALWAYS: usize = 8 << 20;

@@ -2,7 +2,8 @@
 
 use super::model::{MAX_ELEMENTS, MeshError, MeshFile, SoupBuilder, triangulate};
 use crate::position::checked;
-use crate::text::{Words, whole};
+use crate::text::Words;
+use grainpath_core::number::whole;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut words = Words::new(bytes, Some(b'#'));

@@ -4,7 +4,8 @@ use grainpath_core::TriMesh;
 
 use super::model::{MAX_ELEMENTS, MeshError, MeshFile, merge, triangulate};
 use crate::position::checked;
-use crate::text::{TextError, Words, whole};
+use crate::text::{TextError, Words};
+use grainpath_core::number::whole;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut words = Words::new(bytes, Some(b'#'));

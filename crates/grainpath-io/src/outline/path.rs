@@ -2,6 +2,7 @@
 
 use grainpath_core::DVec2;
 use grainpath_core::math::{acos, atan2, direction, sin_cos};
+use grainpath_core::number::{Exponent, leading_number};
 
 use super::drawing::{Line, MAX_POINTS, OutlineError, invalid};
 use crate::text::TextError;
@@ -44,33 +45,9 @@ impl<'a> Numbers<'a> {
 
     pub(super) fn number(&mut self) -> Result<f64, TextError> {
         self.peek();
-        let start = self.at;
-        let (mut i, mut dot, mut digits) = (start, false, false);
-        let byte = |i: usize| self.bytes.get(i).copied().unwrap_or(0);
-        if matches!(byte(i), b'+' | b'-') {
-            i += 1;
-        }
-        loop {
-            match byte(i) {
-                b'0'..=b'9' => digits = true,
-                b'.' if !dot => dot = true,
-                _ => break,
-            }
-            i += 1;
-        }
-        if digits && matches!(byte(i), b'e' | b'E') {
-            let sign = usize::from(matches!(byte(i + 1), b'+' | b'-'));
-            if byte(i + 1 + sign).is_ascii_digit() {
-                i += 1 + sign;
-                while byte(i).is_ascii_digit() {
-                    i += 1;
-                }
-            }
-        }
-        let text = std::str::from_utf8(&self.bytes[start..i]).unwrap_or_default();
-        let value = text.parse::<f64>().ok().filter(|v| digits && v.is_finite());
-        let value = value.ok_or_else(|| self.wrong("a number"))?;
-        self.at = i;
+        let found = leading_number(&self.bytes[self.at..], Exponent::Allowed).filter(|(v, _)| v.is_finite());
+        let (value, n_bytes) = found.ok_or_else(|| self.wrong("a number"))?;
+        self.at += n_bytes;
         Ok(value)
     }
 

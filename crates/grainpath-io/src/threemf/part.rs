@@ -17,8 +17,8 @@ use super::properties::{Broken, Reference, Resources};
 use super::transform::Transform;
 use crate::mesh::model::{MeshError, PaintedSupports, SoupBuilder};
 use crate::position::checked;
-use crate::text::{number, whole};
 use crate::xml::attribute;
+use grainpath_core::number::{number, whole};
 
 /// Names of metadata that need no prefix. Source: 3MF Core Specification 1.4, table 3-1.
 const METADATA: [&str; 9] = [

@@ -13,7 +13,7 @@ impl Transform {
         let mut m = [0.0; 12];
         let mut words = text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
         for value in &mut m {
-            *value = crate::text::number(words.next()?).filter(|v| v.is_finite())?;
+            *value = grainpath_core::number::number(words.next()?).filter(|v| v.is_finite())?;
         }
         words.next().is_none().then_some(Self(m))
     }
