@@ -1,4 +1,7 @@
-//! Layers written for other programs: the Common Layer Interface (CLI 2.0, ASCII) and SVG.
+//! Layers for other programs: the Common Layer Interface (CLI) and SVG.
+//!
+//! Source: *Common Layer Interface (CLI)*, version 2.0, Brite EuRam project BE2578, 1994, ASCII form. Both formats are
+//! written in mm with four decimals, which is the grid that sections lie on.
 
 use std::io::{self, Write};
 
@@ -21,7 +24,17 @@ fn bounds(stack: &LayerStack) -> Bounds2 {
 /// 1), holes clockwise (0), the first point of a contour repeated at its end as the format wants it.
 ///
 /// # Errors
-/// What `out` says.
+/// The errors of `out`.
+///
+/// ```
+/// use grainpath_core::{DVec2, Layer, LayerStack, Region};
+/// let square = Region::rectangle(DVec2::ZERO, DVec2::splat(10.0));
+/// let stack = LayerStack::new(Layer::new(0.2, 0.2, square).into_iter().collect())?;
+/// let mut text = Vec::new();
+/// grainpath_io::write_cli(&stack, &mut text)?;
+/// assert!(String::from_utf8(text)?.contains("$$LAYERS/1"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_cli(stack: &LayerStack, out: &mut dyn Write) -> io::Result<()> {
     let b = bounds(stack);
     let top = stack.layers().last().map_or(0.0, grainpath_core::Layer::z_top_mm);
@@ -49,7 +62,14 @@ pub fn write_cli(stack: &LayerStack, out: &mut dyn Write) -> io::Result<()> {
 /// Writes layers as one SVG in mm with a group a layer, y up.
 ///
 /// # Errors
-/// What `out` says.
+/// The errors of `out`.
+///
+/// ```
+/// let mut text = Vec::new();
+/// grainpath_io::write_svg_layers(&grainpath_core::LayerStack::default(), &mut text)?;
+/// assert!(text.starts_with(b"<svg"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
 pub fn write_svg_layers(stack: &LayerStack, out: &mut dyn Write) -> io::Result<()> {
     let b = bounds(stack);
     let (size, [x, y]) = (b.size(), [b.min.x, -b.max.y].map(number));

@@ -1,5 +1,7 @@
-//! Bytes to meshes, images, CT volumes and finite-element results, and back. Nothing here opens a file; every reader
-//! survives any bytes.
+//! Bytes to meshes, outlines, images, CT volumes and finite-element results, and back.
+//!
+//! No function opens a file. Every reader survives any bytes: it returns a value with warnings, or an error that names the
+//! place, in time and memory that the size of the input bounds.
 
 pub mod fe;
 pub mod image;

@@ -10,6 +10,15 @@ use crate::threemf;
 ///
 /// # Errors
 /// [`MeshError`] with what is wrong and where.
+///
+/// ```
+/// let obj = b"v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+/// let file = grainpath_io::parse_mesh(obj, Some("corner.obj"))?;
+/// assert_eq!(file.bodies[0].mesh.vertices.len(), 4);
+/// let error = grainpath_io::parse_mesh(b"v 0 0 0\nf 1 2 3\n", Some("broken.obj")).unwrap_err();
+/// assert_eq!(error.to_string(), "line 2: vertex 2 does not exist; there are 1");
+/// # Ok::<(), grainpath_io::MeshError>(())
+/// ```
 pub fn parse_mesh(bytes: &[u8], name: Option<&str>) -> Result<MeshFile, MeshError> {
     if bytes.is_empty() {
         return Err(MeshError::Empty);
@@ -57,6 +66,12 @@ fn known_and_not_read(bytes: &[u8]) -> Option<MeshError> {
 }
 
 /// The format of these bytes, if they can be a mesh.
+///
+/// ```
+/// use grainpath_io::{MeshFormat, sniff_mesh};
+/// assert_eq!(sniff_mesh(b"ply\nformat ascii 1.0\n", None), Some(MeshFormat::Ply));
+/// assert_eq!(sniff_mesh(b"hello", None), None);
+/// ```
 pub fn sniff_mesh(bytes: &[u8], name: Option<&str>) -> Option<MeshFormat> {
     let extension = name.and_then(|n| n.rsplit_once('.')).map(|(_, e)| e.to_ascii_lowercase());
     let is = |e: &str| extension.as_deref() == Some(e);

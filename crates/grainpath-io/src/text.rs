@@ -1,4 +1,4 @@
-//! Words and numbers out of text, wherever it came from: any line ends, any white space.
+//! Splits text into words and keeps the number of the line, for any line ends and any white space.
 
 use grainpath_core::number::{number, whole};
 

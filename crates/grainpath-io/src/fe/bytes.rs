@@ -1,4 +1,4 @@
-//! Numbers out of raw bytes, base64 and compressed blocks, and node numbers turned into indices.
+//! Numbers from raw bytes, base64 and compressed blocks, and node numbers turned into indices.
 
 use std::collections::HashMap;
 use std::io::Read;

@@ -1,4 +1,8 @@
-//! CSV: a point a line with its stress. The header says which column is what; commas, semicolons or tabs part them.
+//! CSV: one point with its stress a line. The header names the columns.
+//!
+//! Columns are separated by commas, semicolons or tabs, and numbers may have decimal commas where the separator is another
+//! character. Coordinates may be named as ParaView writes them (`Points:0`). Limits: 256
+//! columns. A table has no elements; the stress between its points is an average of the nearest eight.
 
 use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
 use grainpath_core::number::number;

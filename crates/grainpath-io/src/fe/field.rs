@@ -1,4 +1,13 @@
-//! The stress at any point: which element it is in, and where in it.
+//! Interpolates the stress of a result at any point.
+//!
+//! Inside the mesh, the shape functions of the element that holds the point weight the stresses of its nodes. Elements are
+//! found by a grid of buckets. Natural coordinates come from the inverse of a matrix for straight simplices and from Newton
+//! steps for the other elements. Outside, the stress is that of the nearest point of the free surface, found by a tree of
+//! boxes; so stress is extrapolated by a constant. A table without elements gives the mean of the eight nearest points,
+//! weighted by the inverse square of their distance.
+//!
+//! Cost: O(1) inside on average, O(log n) outside. The answer depends on the point alone, so any number of threads gets the
+//! same bits. Degenerate cases: an element without volume is never inside; a mesh in a plane of constant z ignores z.
 
 use grainpath_core::{DVec3, math};
 

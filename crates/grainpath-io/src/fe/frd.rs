@@ -1,4 +1,8 @@
-//! CalculiX results (.frd), ASCII and binary: mesh, displacement, stress, whatever else is on nodes.
+//! CalculiX results (.frd), ASCII and binary: the mesh, displacement, stress and any other result on nodes.
+//!
+//! Source: *CalculiX GraphiX User's Manual*, "Result Format (frd)". Lines have fixed columns: numbers of 12 characters stand
+//! side by side without space. Binary files have the same records with little-endian numbers. Components of a stress are
+//! xx, yy, zz, xy, yz, zx.
 
 use super::bytes::{Numbers, Raw, Scalar};
 use super::element::ElementKind;

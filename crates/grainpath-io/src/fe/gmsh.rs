@@ -1,4 +1,8 @@
 //! Gmsh MSH 2.2 and 4.1, ASCII and binary, with results on nodes, elements and nodes of elements.
+//!
+//! Source: *Gmsh Reference Manual*, "MSH file format" and "MSH file format version 2 (Legacy)". Second-order nodes are
+//! renumbered from Gmsh's order to VTK's. Physical groups become named groups of nodes. Elements of higher order and points
+//! and lines are counted and left out. A result on nodes of elements is averaged at each node.
 
 use std::collections::BTreeMap;
 

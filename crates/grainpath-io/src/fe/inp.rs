@@ -1,4 +1,10 @@
 //! Abaqus and CalculiX decks (.inp): the mesh, sets, surfaces, linear elastic material, supports and loads.
+//!
+//! Source: *CalculiX CrunchiX User's Manual*, "Input deck format"; *Abaqus Keywords Reference Guide*. A line with one asterisk
+//! is a keyword with parameters, a line with two is a comment, and other lines are data. Names are compared in upper case.
+//!
+//! Keywords that do not change a linear analysis ([`HARMLESS`]) are skipped. Every other keyword that is not read is named in
+//! a warning, since the result of the deck would differ. Units: a deck has none; the job states them.
 
 use super::bytes::Numbers;
 use super::deck::{Behaviour, BodyLoad, Deck, Elastic, FaceLoad, Fixed, Material, PointLoad, Section, Step};

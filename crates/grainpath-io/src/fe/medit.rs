@@ -1,4 +1,7 @@
 //! Medit meshes (.mesh), ASCII: vertices, triangles, quads, tetrahedra, prisms, pyramids and hexahedra.
+//!
+//! Source: P. Frey, *MEDIT: An interactive mesh visualization software*, INRIA RT-0253, 2001. Each section is a keyword, a
+//! count and that many rows; the last number of a row is a reference, which is skipped. The format holds no result.
 
 use super::element::ElementKind;
 use super::model::{FeError, FeFile, FeFormat, MAX_COUNT, invalid, position};

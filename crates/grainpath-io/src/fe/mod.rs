@@ -1,8 +1,20 @@
 //! Finite-element files: meshes, results and decks in, results out.
 //!
-//! [`parse_fe`] reads a file as it is: nodes, elements and every array, in the file's units. [`FeFile::result`] then
+//! [`parse_fe`] reads a file as it is: nodes, elements and every array, in the units of the file. [`FeFile::result`] then
 //! picks the stress, checks its unit and the order of its components, and gives an [`FeResult`] in mm and MPa with a
-//! stress at every node. [`StressField`] interpolates that at any point.
+//! stress at every node. [`StressField`] interpolates that stress at any point.
+//!
+//! ```
+//! use grainpath_core::DVec3;
+//! use grainpath_io::fe::{FeOptions, StressField, parse_fe};
+//!
+//! let table = b"x,y,z,sxx,syy,szz,sxy,syz,szx\n0,0,0,10,0,0,0,0,0\n5,0,0,20,0,0,0,0,0\n";
+//! let result = parse_fe(table, Some("stress.csv"))?.result(&FeOptions::default())?;
+//! assert_eq!(result.max_von_mises_mpa(), 20.0);
+//! let field = StressField::new(result);
+//! assert_eq!(field.sample(DVec3::new(5.0, 0.0, 0.0))[0], 20.0);
+//! # Ok::<(), grainpath_io::fe::FeError>(())
+//! ```
 
 mod bytes;
 mod csv;

@@ -42,6 +42,14 @@ impl FeFormat {
 }
 
 /// One element. Nodes are numbered as VTK numbers them, see [`ElementKind`].
+///
+/// ```
+/// use grainpath_core::DVec3;
+/// use grainpath_io::fe::{Element, ElementKind};
+/// let nodes = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+/// let tetrahedron = Element::new(ElementKind::Tet4, &[0, 1, 2, 3]).expect("four nodes");
+/// assert!((tetrahedron.size(&nodes) - 1.0 / 6.0).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Element {
     /// What it is.
@@ -50,7 +58,7 @@ pub struct Element {
 }
 
 impl Element {
-    /// An element over these nodes; `None` when there are too few. More than the kind has are passed over.
+    /// An element over these nodes (indices); `None` when there are too few. More than the kind has are passed over.
     pub fn new(kind: ElementKind, nodes: &[u32]) -> Option<Self> {
         let mut all = [0; MAX_NODES];
         all[..kind.n_nodes()].copy_from_slice(nodes.get(..kind.n_nodes())?);

@@ -1,4 +1,8 @@
 //! The loads of a deck's step as forces on its nodes.
+//!
+//! Pressures on faces and gravity become consistent nodal forces: the integral of the load times the shape function of each
+//! node, by Gauss quadrature that is exact for straight elements. Forces on nodes are taken as they are. Moments on nodes
+//! are left out, because nodes of solids do not turn. Forces are in the deck's unit.
 
 use grainpath_core::DVec3;
 

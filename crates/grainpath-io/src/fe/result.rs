@@ -1,4 +1,10 @@
-//! A stress at every node, in mm and MPa: which array it is, its unit, the order of its components, all checked.
+//! The stress of a finite-element file at every node, in mm and MPa.
+//!
+//! Files name their arrays freely and order the components of a stress in three ways. This module decides which array is
+//! the stress, converts its unit and orders its components as xx, yy, zz, xy, yz, zx. Two checks warn of a wrong order: the von
+//! Mises stress that the file may hold besides, and the traction on the free surface, which is zero for most of a part.
+//! Stress on elements is averaged at nodes, weighted by volume; nodes in the middle of edges without a stress get the mean
+//! of the two ends.
 
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, Warning, WarningId};
@@ -63,6 +69,11 @@ impl StressUnit {
 }
 
 /// Order of the six components of a stress. All begin with xx, yy, zz.
+///
+/// ```
+/// use grainpath_io::fe::Order;
+/// assert_eq!(Order::from_name("Abaqus"), Some(Order::Abaqus));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Order {
     /// xx, yy, zz, xy, yz, zx: VTK, CalculiX, Gmsh scripts, grainpath.
@@ -97,7 +108,7 @@ impl Order {
     }
 }
 
-/// How a file is to be understood. `None` everywhere: the file's own word, or the usual.
+/// How the stress of a file is to be understood. `None` means what the file states, or else the default named here.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FeOptions {
     /// Unit of positions and displacements; mm when not given.

@@ -1,4 +1,8 @@
-//! Legacy VTK: unstructured grids, ASCII and binary (big end first), cells as before and since version 5.
+//! Legacy VTK: unstructured grids, ASCII and binary.
+//!
+//! Source: Kitware, *VTK File Formats*, "Simple Legacy Formats", versions 2 to 5.1. Binary numbers are big endian. Cells are
+//! one list of counts and nodes before version 5 and two arrays, offsets and connectivity, since then. Fields, scalars,
+//! vectors and tensors on points and cells are read; structured grids and polygonal data are refused by name.
 
 use super::bytes::Scalar;
 use super::element::ElementKind;

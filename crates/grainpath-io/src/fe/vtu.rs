@@ -1,5 +1,12 @@
-//! VTU: VTK's XML file of an unstructured grid. Every way its arrays can be written: ASCII, base64, appended raw or as
-//! base64, compressed by zlib, LZMA or LZ4 or not at all, headers of 32 or 64 bits, either end first, one piece or several.
+//! VTU: VTK's XML file of an unstructured grid.
+//!
+//! Source: Kitware, *VTK File Formats*, "XML File Formats". Every way to write its arrays is read: ASCII, base64, appended
+//! raw or as base64, compressed by zlib, LZMA or LZ4 or not at all, headers of 32 or 64 bits, either byte order, one piece
+//! or several. Node numbering is VTK's, which is also grainpath's.
+//!
+//! Compressed arrays begin with the number of blocks, the size of a full block, the size of the last one and the compressed
+//! size of each. Limits: 16 numbers in all arrays for every byte of the file (8 million are always allowed), 2000 arrays,
+//! 100 000 pieces, 80 MiB of memory for the LZMA decoder.
 
 use grainpath_core::{Warning, WarningId};
 use quick_xml::Reader;

@@ -1,4 +1,6 @@
-//! VTU out: a mesh with arrays on its nodes, as ParaView, VTK and meshio read it.
+//! Writes a mesh with arrays on its nodes as VTU, as ParaView, VTK and meshio read it.
+//!
+//! Source: Kitware, *VTK File Formats*. Little endian, 64-bit headers, blocks of 32 KiB. The same input gives the same bytes.
 
 use std::io::{self, Write};
 
@@ -123,6 +125,18 @@ fn joined<T: ToString>(values: &[T]) -> String {
 ///
 /// # Errors
 /// What the writer says; [`io::ErrorKind::InvalidInput`] when an array does not fit.
+///
+/// ```
+/// use grainpath_core::DVec3;
+/// use grainpath_io::fe::{Element, ElementKind, Encoding, PointData, VtuMesh, parse_fe, write_vtu};
+/// let nodes = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+/// let elements: Vec<Element> = Element::new(ElementKind::Tet4, &[0, 1, 2, 3]).into_iter().collect();
+/// let mesh = VtuMesh { nodes: &nodes, elements: &elements };
+/// let mut bytes = Vec::new();
+/// write_vtu(mesh, &[PointData::scalars("T", [1.0, 2.0, 3.0, 4.0])], Encoding::Zlib, &mut bytes)?;
+/// assert_eq!(parse_fe(&bytes, None).expect("our own file").arrays[0].values[3], 4.0);
+/// # Ok::<(), std::io::Error>(())
+/// ```
 pub fn write_vtu(
     mesh: VtuMesh<'_>,
     data: &[PointData],

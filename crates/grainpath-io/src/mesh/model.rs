@@ -45,6 +45,18 @@ pub struct MeshBody {
 }
 
 /// Facets that a user painted as support enforcers or blockers: loose triangles that lie on the surface of a body.
+///
+/// ```
+/// use grainpath_core::DVec3;
+/// let mut painted = grainpath_io::PaintedSupports::default();
+/// painted.enforcers.vertices.extend([DVec3::ZERO, DVec3::X, DVec3::Y]);
+/// painted.enforcers.triangles.push([0, 1, 2]);
+/// // Enforcers and blockers move with the body that they are painted on.
+/// for facets in painted.each_mut() {
+///     facets.vertices.iter_mut().for_each(|p| p.z += 5.0);
+/// }
+/// assert_eq!(painted.enforcers.vertices[0].z, 5.0);
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PaintedSupports {
     /// Facets painted as support enforcers: supports hold them at any overhang angle.

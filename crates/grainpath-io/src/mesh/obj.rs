@@ -1,4 +1,9 @@
-//! Wavefront OBJ: vertices and faces; materials, normals and texture coordinates are passed over.
+//! Wavefront OBJ: vertices (`v`) and faces (`f`).
+//!
+//! Source: Wavefront Technologies, *Advanced Visualizer manual*, appendix B1, format version 3.0. Faces may have 3 to 65535
+//! corners and are cut into triangles; negative numbers count back from the last vertex. Materials, normals, texture
+//! coordinates, groups and free-form surfaces are skipped. Units: the format has none. A face that names a vertex which
+//! does not come before it is refused.
 
 use super::model::{MAX_ELEMENTS, MeshError, MeshFile, SoupBuilder, triangulate};
 use crate::position::checked;

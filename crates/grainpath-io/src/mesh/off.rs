@@ -1,4 +1,8 @@
-//! OFF and its relatives COFF and NOFF (colours and normals passed over).
+//! OFF and its relatives COFF and NOFF.
+//!
+//! Source: Geomview manual, section "OFF Files". The header has the numbers of vertices, faces and edges; then follow one
+//! vertex and one face a line. Colours and normals behind the coordinates are skipped. Faces may have 3 to 65535 corners.
+//! Units: the format has none. Binary OFF and 4OFF are not read.
 
 use grainpath_core::TriMesh;
 

@@ -1,4 +1,9 @@
-//! PLY: ASCII, binary little and big endian; any properties, elements in any order.
+//! PLY: ASCII, binary little endian and binary big endian.
+//!
+//! Source: G. Turk, *The PLY Polygon File Format*, Stanford University, 1994. The header declares elements and the types of
+//! their properties; the data follow in that order. Vertices need `x`, `y` and `z` of any type, faces a list named
+//! `vertex_indices` or `vertex_index`; other elements and properties are skipped. Units: the format has none. An element
+//! with rows and without properties is refused, since its count alone could keep the reader busy without end.
 
 use grainpath_core::TriMesh;
 

@@ -1,4 +1,13 @@
 //! STL, binary and ASCII.
+//!
+//! A binary file has a header of 80 bytes, the number of facets (`u32`, little endian) and 50 bytes for each facet: normal
+//! and three corners as `f32`, and two bytes of attributes. An ASCII file has one or more `solid` blocks. Source: 3D Systems,
+//! *StereoLithography Interface Specification*, 1989; there is no later standard.
+//!
+//! Units: the format has none. Normals are computed from the corners, because programs write zeros, `nan` and wrong ones.
+//! Corners with equal coordinates become one vertex. The two kinds are told apart by the size of the file: many binary
+//! headers begin with the word `solid`. A binary file that ends early is refused; one with up to 4095 bytes behind its last
+//! facet is read with a warning.
 
 use std::io::{self, Write};
 
@@ -157,6 +166,16 @@ fn keyword(words: &mut Words<'_>, word: &str, expected: &'static str) -> Result<
 ///
 /// # Errors
 /// Those of the writer; more than 2^32 - 1 triangles are refused as invalid input.
+///
+/// ```
+/// use grainpath_core::{DVec3, TriMesh};
+/// let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+/// let mesh = TriMesh { vertices, triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] };
+/// let mut bytes = Vec::new();
+/// grainpath_io::write_stl(&mesh, &mut bytes)?;
+/// assert_eq!(bytes.len(), 84 + 4 * 50);
+/// # Ok::<(), std::io::Error>(())
+/// ```
 pub fn write_stl(mesh: &TriMesh, out: &mut dyn Write) -> io::Result<()> {
     let n =
         u32::try_from(mesh.triangles.len()).map_err(|_| io::Error::other("too many triangles for STL"))?;

@@ -1,4 +1,9 @@
 //! Outlines of flat parts: drawings read as regions.
+//!
+//! [`parse_outline`] recognises SVG and ASCII DXF. Each reader turns its file into a [`drawing`]: closed and open lines in
+//! mm, with the fill rule of each shape. Filled shapes are material by their own rule and are united. Closed lines without
+//! fill count together by even-odd, so that a circle in a rectangle is a hole whether or not it is filled in the drawing
+//! program. Curves are divided into chords within a given tolerance.
 
 use grainpath_core::{Warning, WarningId};
 
@@ -16,7 +21,16 @@ pub use drawing::{Outline, OutlineError, OutlineOptions};
 /// alone; those whose ends meet are joined.
 ///
 /// # Errors
-/// [`OutlineError`]: neither, damaged, no closed line, too many points.
+/// [`OutlineError`]: another format, damage (with its place), no closed line, too many points.
+///
+/// ```
+/// use grainpath_io::{OutlineOptions, parse_outline};
+/// let svg = br#"<svg width="20mm" height="10mm" viewBox="0 0 20 10"><rect width="20" height="10"/></svg>"#;
+/// let options = OutlineOptions { unit: None, tolerance_mm: 0.005, even_odd: false };
+/// let outline = parse_outline(svg, &options)?;
+/// assert_eq!(outline.region.area_mm2(), 200.0);
+/// # Ok::<(), grainpath_io::OutlineError>(())
+/// ```
 pub fn parse_outline(bytes: &[u8], options: &OutlineOptions) -> Result<Outline, OutlineError> {
     if bytes.is_empty() {
         return Err(OutlineError::Empty);
@@ -47,6 +61,11 @@ pub fn parse_outline(bytes: &[u8], options: &OutlineOptions) -> Result<Outline, 
 }
 
 /// Whether these bytes are a drawing: SVG or DXF.
+///
+/// ```
+/// assert!(grainpath_io::sniff_outline(b"<svg viewBox='0 0 9 9'/>"));
+/// assert!(!grainpath_io::sniff_outline(b"solid part"));
+/// ```
 pub fn sniff_outline(bytes: &[u8]) -> bool {
     is_svg(bytes) || dxf::sniff(bytes) || dxf::is_binary(bytes)
 }

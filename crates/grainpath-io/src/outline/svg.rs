@@ -1,4 +1,22 @@
-//! SVG: shapes, transforms, the little of style that says what is filled.
+//! SVG: filled shapes and closed lines, transforms, and as much of style as says what is filled.
+//!
+//! Source: W3C, *Scalable Vector Graphics 1.1 (Second Edition)*. Read are `path`, `rect`, `circle`, `ellipse`, `line`,
+//! `polygon` and `polyline`, nested groups, `transform`, and `fill`, `fill-rule`, `display` and `visibility` as attributes,
+//! as `style` or by rules of single classes. Text, images and clones (`use`) are named in a warning; stroke widths, clips
+//! and markers do not count.
+//!
+//! Units: the page's size over its view box gives the unit; pixels are 1/96 inch. A page without a size is read in mm, with a
+//! warning. Result: mm, y up from the lower left corner of the page. Limits: groups nested 1000 deep, 4 million points.
+//!
+//! Why not usvg (0.49, without its text feature). Measured:
+//! - It keeps coordinates as `f32` and turns arcs into cubic curves with a fixed tolerance. A circle of radius 90 mm
+//!   came out up to 0.024 mm too large, and one of 45 mm drawn 10^6 units from the origin between 0.015 mm too small and
+//!   0.069 mm too large; here the chosen tolerance (0.005 mm) holds.
+//! - A negative width, an unknown transform and path data that end in a stray letter were read without a word, and text
+//!   disappeared; here each is an error or a warning with its place.
+//! - A file of 15 kB with an entity of 10 000 subpaths used 1000 times took 10.4 s and 784 MB, and 20 000 style rules on
+//!   20 000 elements were not done after 60 s. Here entities are not expanded.
+//! - It is 19 crates that take 23 s of compiler time.
 
 use grainpath_core::poly::FillRule;
 use grainpath_core::{DVec2, WarningId};

@@ -1,7 +1,16 @@
-//! 3MF: a zip of XML parts. Read as a stream; the XML is never held whole.
+//! 3MF: a ZIP archive of XML parts, as slicers and CAD programs exchange printable models.
 //!
-//! Transforms, nested components and several build items are resolved into bodies. Of the materials nothing is used,
-//! but broken references among them are reported, because they say that the file is damaged.
+//! Source: 3MF Core Specification 1.4, Production Extension (objects in other parts), Materials and Properties Extension
+//! (checked, not used). Painted supports follow the project files of PrusaSlicer, OrcaSlicer and Bambu
+//! Studio ([`paint`]).
+//!
+//! [`package`] opens the archive and finds the root model part, [`part`] reads a model part as a stream of XML events, and
+//! this module places the objects that the build refers to: transforms, nested components and several items become bodies
+//! in the unit that the file states. A rule of the specification that the file breaks is a warning with the section, or an
+//! error where the triangles cannot be told.
+//!
+//! Limits: 1 GiB of inflated data and a ratio of 100 (32 MiB are always allowed), 1000 model parts, components nested 32
+//! deep, 50 million triangles in all copies. Beam lattices, slices, volumetric data and encrypted parts are not read.
 
 mod package;
 mod paint;

@@ -1,6 +1,9 @@
-//! Marks that slicers let people paint on facets, as their project files keep them: an attribute of the triangle, a row of
-//! hexadecimal digits read from its end. A digit's two low bits say how many sides of the triangle are halved; with none,
-//! the two high bits are the mark (1 held, 2 left free), else the side the halving begins at. Parts follow last first.
+//! Support enforcers and blockers that users paint on facets, as the project files of slicers keep them.
+//!
+//! The attribute of a triangle is a row of hexadecimal digits that is read from its end. It describes how the triangle is
+//! divided and how its pieces are painted. The two low bits of a digit are the number of sides that are halved. Without
+//! any, the two high bits are the paint (1 enforcer, 2 blocker); otherwise they are the side at which the division begins,
+//! and the pieces follow, the last one first.
 
 use grainpath_core::DVec3;
 

@@ -2,7 +2,7 @@
 //!
 //! grainpath prints with one material and uses none of them. References among them are checked all the same: a broken
 //! one shows that the program that wrote the file was at fault, and that the rest of the file deserves a look.
-//! Source: 3MF Core Specification 1.4, chapter 5, and 3MF Materials and Properties Extension 1.2.1.
+//! Source: 3MF Core Specification 1.4, chapter 5, and 3MF Materials and Properties Extension.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! Writing 3MF: bodies as objects of one build, in mm.
+//! Writes 3MF: bodies as objects of one build, in mm.
 
 use std::io::{self, Cursor, Write};
 
@@ -16,6 +16,17 @@ const RELATIONS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 ///
 /// # Errors
 /// Those of the writer and of the packer.
+///
+/// ```
+/// use grainpath_core::{DVec3, TriMesh};
+/// let vertices = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+/// let mesh = TriMesh { vertices, triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]] };
+/// let mut bytes = Vec::new();
+/// grainpath_io::write_3mf(&[&mesh], &mut bytes)?;
+/// let file = grainpath_io::parse_mesh(&bytes, None).expect("our own package");
+/// assert_eq!(file.unit.map(|u| u.name()), Some("mm"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
 pub fn write_3mf(bodies: &[&TriMesh], out: &mut dyn Write) -> io::Result<()> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     // No date: it would differ from run to run.

@@ -1,7 +1,14 @@
 //! DXF: the lines and curves of a drawing as ASCII text, releases 9 to 2018.
 //!
-//! A file is pairs of lines, a code and a value. Code 0 begins a record; records between SECTION and ENDSEC belong
-//! together. What an entity's codes mean is in the DXF reference of AutoCAD, "ENTITIES section".
+//! A file is pairs of lines, a group code and a value. Code 0 begins a record; records between `SECTION` and `ENDSEC` belong
+//! together. Source: Autodesk, *DXF Reference*, "ENTITIES section". Read are `LINE`, `ARC`, `CIRCLE`, `ELLIPSE`,
+//! `LWPOLYLINE` and `POLYLINE` with bulges, and `SPLINE` with control points.
+//!
+//! Units: `$INSUNITS` of the header; without it mm are assumed, with a warning. Entities on layers that are off or frozen,
+//! on paper space or invisible are left out. Blocks, hatches, texts and dimensions are named in a warning. Entities that
+//! are tilted out of the plane are left out with a warning; mirrored ones (normal along -Z) are read.
+//!
+//! Limits: 4 million points, splines up to degree 15. Binary DXF is refused.
 
 mod joining;
 mod spline;
