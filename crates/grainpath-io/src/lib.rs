@@ -24,3 +24,8 @@ pub use outline::{Outline, OutlineError, OutlineOptions, parse_outline, sniff_ou
 pub use position::BadCoordinate;
 pub use text::TextError;
 pub use threemf::write_3mf;
+
+/// Compiles the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
