@@ -1,10 +1,11 @@
 //! `grainpath inspect`: what a file is, with its defects.
 
-use grainpath_core::{Warning, WarningId};
 use std::path::Path;
 
+use grainpath::shape::{Repair, mend};
 use grainpath_core::mesh::{MeshHealth, diagnose, weld_within};
 use grainpath_core::slices::SampleType;
+use grainpath_core::{Diagnostics, Warning, WarningId};
 use grainpath_gcode::{Limits, Program, simulate};
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::photo::warp::Shrinking;
@@ -107,16 +108,40 @@ fn mesh_json(name: &str, format: &str, file: &MeshFile) -> Value {
         Some(unit) => format!("{} (the file says so)", unit.name()),
         None => format!("{} (by its size)", grainpath::shape::likely_unit((high - low).max_element()).name()),
     };
+    let (volume, volume_problem) = volume(file);
     json!({
         "ok": true, "file": name, "kind": "mesh", "format": format,
         "bodies": file.bodies.len(), "triangles": sum(&|h| h.n_triangles), "vertices": sum(&|h| h.n_vertices),
         "shells": sum(&|h| h.shells), "open_edges": open, "open_edges_after_merging": open_after,
         "nonmanifold_edges": sum(&|h| h.nonmanifold_edges), "badly_wound_edges": sum(&|h| h.badly_wound_edges),
         "zero_area_facets": sum(&|h| h.zero_area_facets), "closed": all.iter().all(MeshHealth::is_closed),
-        "volume": all.iter().map(|h| h.volume).sum::<f64>(),
+        "volume": volume, "volume_problem": volume_problem,
         "extents": (high - low).to_array(), "low": low.to_array(), "high": high.to_array(),
         "likely_unit": likely, "warnings": file.warnings,
     })
+}
+
+/// The volume of a mesh in the cube of its unit, with facets and shells that are inside out turned as slicing turns them.
+/// The text says that they were, or why there is no volume.
+fn volume(file: &MeshFile) -> (Option<f64>, Option<String>) {
+    let as_read: f64 = file.bodies.iter().map(|b| b.mesh.signed_volume()).sum();
+    let bodies = file.bodies.iter().map(|b| b.mesh.clone()).collect();
+    let mended = match mend(bodies, Repair::Auto, &Diagnostics::default()) {
+        Ok(mended) => mended,
+        Err(e) => return (None, Some(e.to_string())),
+    };
+    let n_open = diagnose(&mended).map_or(0, |h| h.open_edges);
+    if n_open > 0 {
+        let text =
+            format!("none: the surface is not closed ({n_open} open edges); slicing closes each section");
+        return (None, Some(text));
+    }
+    let volume = mended.signed_volume();
+    // Turning changes the volume by that of a shell; merging vertices by rounding.
+    let turned = (volume - as_read).abs() > 1e-6 * volume.abs();
+    let text =
+        "facets or shells are inside out; the volume is that after they are turned, as slicing turns them";
+    (Some(volume), turned.then(|| text.to_owned()))
 }
 
 fn outline_json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
@@ -262,4 +287,44 @@ fn table(value: &Value) -> String {
         v.is_null() || v.as_array().is_some_and(Vec::is_empty) || v.as_object().is_some_and(|o| o.is_empty())
     };
     rows.iter().filter(|(k, v)| *k != "ok" && !skip(v)).map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::{DVec3, TriMesh};
+    use grainpath_io::MeshBody;
+
+    /// A cube of side 1 at a place; turned inside out where asked.
+    fn cube(x: f64, inverted: bool) -> TriMesh {
+        let corner = |i: i32| DVec3::new(x + f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2));
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let mut triangles: Vec<[u32; 3]> =
+            quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        if inverted {
+            triangles.iter_mut().for_each(|t| t.swap(0, 1));
+        }
+        TriMesh { vertices: (0..8).map(corner).collect(), triangles }
+    }
+
+    fn file(meshes: Vec<TriMesh>) -> MeshFile {
+        let bodies = meshes.into_iter().map(|mesh| MeshBody { mesh, ..MeshBody::default() }).collect();
+        MeshFile { bodies, unit: None, warnings: Vec::new() }
+    }
+
+    #[test]
+    fn the_volume_is_that_of_the_part_or_none() {
+        let (volume_of_two, problem) = volume(&file(vec![cube(0.0, false), cube(3.0, false)]));
+        assert!(volume_of_two.is_some_and(|v| (v - 2.0).abs() < 1e-12) && problem.is_none());
+        for inverted in [vec![cube(0.0, true)], vec![cube(0.0, false), cube(3.0, true)]] {
+            let n = inverted.len() as f64;
+            let (found, problem) = volume(&file(inverted));
+            assert!(found.is_some_and(|v| (v - n).abs() < 1e-12), "{found:?}");
+            assert!(problem.is_some_and(|p| p.contains("inside out")));
+        }
+        let mut open = cube(0.0, false);
+        open.triangles.truncate(11);
+        let (found, problem) = volume(&file(vec![open]));
+        assert!(found.is_none() && problem.is_some_and(|p| p.contains("3 open edges")));
+    }
 }
