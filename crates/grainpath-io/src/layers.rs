@@ -29,7 +29,8 @@ fn bounds(stack: &LayerStack) -> Bounds2 {
 /// ```
 /// use grainpath_core::{DVec2, Layer, LayerStack, Region};
 /// let square = Region::rectangle(DVec2::ZERO, DVec2::splat(10.0));
-/// let stack = LayerStack::new(Layer::new(0.2, 0.2, square).into_iter().collect())?;
+/// let layer = Layer::new(0.2, 0.2, square).expect("a positive height");
+/// let stack = LayerStack::new(vec![layer]).expect("one layer");
 /// let mut text = Vec::new();
 /// grainpath_io::write_cli(&stack, &mut text)?;
 /// assert!(String::from_utf8(text)?.contains("$$LAYERS/1"));
