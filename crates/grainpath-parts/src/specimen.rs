@@ -14,11 +14,16 @@ pub struct Specimen {
 }
 
 /// Every specimen.
-pub const SPECIMENS: [Specimen; 3] = [
+pub const SPECIMENS: [Specimen; 4] = [
     Specimen {
         name: "critical-angle",
-        about: "branches that lean by 0 to 90 degrees, numbered: shows which angles print without support",
+        about: "branches that lean by 0 to 90 degrees and one by one from 30 to 49, numbered: shows which print without support",
         mesh: critical_angle,
+    },
+    Specimen {
+        name: "critical-angle-short",
+        about: "one row of short branches that lean by 25 to 70 degrees in steps of 5: the same, roughly and quickly",
+        mesh: critical_angle_short,
     },
     Specimen {
         name: "hanging-ball",
@@ -32,26 +37,41 @@ pub const SPECIMENS: [Specimen; 3] = [
     },
 ];
 
-/// Branches of the piece: every 10 degrees, and every degree between the two bounds that are of interest.
+/// Angles of the first row of the calibration piece and of its rows in steps of one degree.
+/// Source: Table 1 of [Shen2016] in `docs/references.bib`, which prints 0 to 90 in tens and 30 to 49 in ones.
 const COARSE_DEG: [u32; 10] = [0, 10, 20, 30, 40, 50, 60, 70, 80, 90];
-const FINE_DEG: std::ops::RangeInclusive<u32> = 36..=64;
-/// Length and radius of a branch, mm.
+const FINE_DEG: std::ops::RangeInclusive<u32> = 30..=49;
+/// Angles of the short piece: around the angles at which common materials begin to sag.
+const SHORT_DEG: [u32; 10] = [25, 30, 35, 40, 45, 50, 55, 60, 65, 70];
+/// Length of a branch of the whole and of the short piece, mm.
 const LENGTH_MM: f64 = 15.0;
+const SHORT_LENGTH_MM: f64 = 8.0;
+/// Radius of a branch, mm.
 const RADIUS_MM: f64 = 1.5;
 /// Distance of neighbouring branches, mm.
 const PITCH_MM: f64 = 9.0;
-/// Posts lift the branches so far, mm.
+/// Height of the posts that lift the branches off the plate, mm.
 const POST_MM: f64 = 6.0;
 
 /// The calibration piece for the critical angle: a plate with a row of branches that lean by 0 to 90 degrees from the
-/// vertical in steps of 10, and rows in steps of 1 between 36 and 64; each has its angle in raised digits before it.
+/// vertical in steps of 10, and rows in steps of 1 from 30 to 49; each has its angle in raised digits before it.
 /// Stands on z = 0; several overlapping bodies, which slicing unites.
 pub fn critical_angle() -> TriMesh {
-    let mut mesh = TriMesh::default();
     let fine: Vec<u32> = FINE_DEG.collect();
     let mut rows: Vec<&[u32]> = vec![&COARSE_DEG];
     rows.extend(fine.chunks(10));
-    let depth = LENGTH_MM + 14.0;
+    leaning_branches(&rows, LENGTH_MM)
+}
+
+/// The short calibration piece: one row of shorter branches that lean by 25 to 70 degrees in steps of 5.
+pub fn critical_angle_short() -> TriMesh {
+    leaning_branches(&[&SHORT_DEG], SHORT_LENGTH_MM)
+}
+
+/// Rows of at most ten branches on a plate, each with its angle in degrees before it.
+fn leaning_branches(rows: &[&[u32]], length_mm: f64) -> TriMesh {
+    let mut mesh = TriMesh::default();
+    let depth = length_mm + 14.0;
     let size = DVec2::new(10.0 * PITCH_MM + 4.0, rows.len() as f64 * depth);
     cuboid(&mut mesh, DVec3::ZERO, size.extend(1.2));
     for (j, row) in rows.iter().enumerate() {
@@ -62,7 +82,7 @@ pub fn critical_angle() -> TriMesh {
             let knee = DVec3::new(x, y, POST_MM);
             let (s, c) = sin_cos(f64::from(angle).to_radians());
             tube(&mut mesh, post, knee + DVec3::Z * 0.5);
-            tube(&mut mesh, knee, knee + DVec3::new(0.0, s, c) * LENGTH_MM);
+            tube(&mut mesh, knee, knee + DVec3::new(0.0, s, c) * length_mm);
             number(&mut mesh, angle, DVec3::new(x, y - 6.5, 0.8));
         }
     }
@@ -137,7 +157,7 @@ fn number(mesh: &mut TriMesh, value: u32, at: DVec3) {
     }
 }
 
-/// A ball of radius 10 mm whose lowest point hangs 50 mm above a small plate: the paper's first case.
+/// A ball of radius 10 mm whose lowest point hangs 50 mm above a small plate: the first case of [Shen2016].
 pub fn hanging_ball() -> TriMesh {
     let mut mesh = TriMesh::default();
     cuboid(&mut mesh, DVec3::new(-30.0, -2.0, 0.0), DVec3::new(-26.0, 2.0, 0.6));
@@ -171,7 +191,7 @@ fn sphere(mesh: &mut TriMesh, centre: DVec3, radius: f64) {
 }
 
 /// A horseshoe tray as dentists print them, leaning by 30 degrees, its lowest point 4 mm above the plate beside a
-/// small plate: the paper's second case.
+/// small plate: the second case of [Shen2016].
 pub fn dental_tray() -> TriMesh {
     let mut mesh = TriMesh::default();
     // A channel, open above, swept along a parabola-like arch: outline of its section, counter-clockwise along it.
@@ -217,7 +237,7 @@ mod tests {
 
     #[test]
     fn pieces_are_closed_and_stand_on_the_plate() {
-        for (name, mesh) in [("angle", critical_angle()), ("ball", hanging_ball()), ("tray", dental_tray())] {
+        for (name, mesh) in SPECIMENS.iter().map(|s| (s.name, (s.mesh)())) {
             let health = diagnose(&mesh).expect("a mesh");
             // Strokes and bars of the numbered piece overlap; they share no edge.
             assert!(health.is_closed() && health.volume > 0.0, "{name}: {health:?}");
