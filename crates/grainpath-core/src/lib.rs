@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod bounds;
 pub mod buckets;
 pub mod bvh;
 pub mod conjugate_gradients;
@@ -31,6 +32,7 @@ pub mod triangulation;
 pub mod units;
 pub mod warning;
 
+pub use bounds::Bounds2;
 pub use bvh::Bvh;
 pub use density::Density;
 pub use diagnostics::Diagnostics;
@@ -39,7 +41,7 @@ pub use field::{DirectionField, DirectionSample, UniformField};
 pub use glam::{DMat3, DVec2, DVec3, IVec3};
 pub use layer::{Layer, LayerStack};
 pub use mesh::TriMesh;
-pub use poly::{Bounds2, Contour, Polygon, Region};
+pub use poly::{Contour, Polygon, Region};
 pub use slices::{SliceError, SliceSource, VolumeInfo};
 pub use toolpath::{BeadWidth, LayerPlan, Plan, PlannedPath, Role, SpeedClass, Toolpath, Travel};
 pub use warning::{Place, Warning, WarningId};

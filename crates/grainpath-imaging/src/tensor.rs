@@ -11,7 +11,7 @@ use grainpath_core::{DVec2, Region};
 use rayon::prelude::*;
 
 use super::raster::{Grey, enlarging, half, quantile, three};
-use crate::photo::warp::MetricImage;
+use crate::metric::MetricImage;
 
 /// How a direction is read out of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]

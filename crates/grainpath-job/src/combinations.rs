@@ -1,8 +1,7 @@
 //! Checks that concern several settings at once.
 
 use crate::choices::{Choice, FibreStart, FibreToolKind, GrainMode, GuideKind, Pattern};
-use crate::parse::strengths;
-use crate::settings::Settings;
+use crate::settings::{MaterialSection, Settings};
 
 /// Checks all settings of a job against each other; the error says what does not fit together.
 pub fn check(s: &Settings) -> Result<(), String> {
@@ -172,4 +171,19 @@ fn check_photos(s: &Settings) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// The strengths of a material card.
+pub(super) fn strengths(m: &MaterialSection) -> [(&'static str, Option<[f64; 3]>); 9] {
+    [
+        ("xt_mpa", m.xt_mpa),
+        ("yt_mpa", m.yt_mpa),
+        ("zt_mpa", m.zt_mpa),
+        ("s12_mpa", m.s12_mpa),
+        ("s_il_mpa", m.s_il_mpa),
+        ("xc_mpa", m.xc_mpa),
+        ("yc_mpa", m.yc_mpa),
+        ("g_along_n_mm", m.g_along_n_mm),
+        ("g_across_n_mm", m.g_across_n_mm),
+    ]
 }

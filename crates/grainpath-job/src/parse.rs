@@ -4,7 +4,7 @@ use grainpath_core::spelling::nearest;
 use grainpath_core::{Warning, WarningId};
 use toml::{Table, Value};
 
-use super::combinations;
+use super::combinations::{self, strengths};
 use super::error::{JobError, Location};
 use super::profiles::{KINDS, PROFILES, profile};
 use super::renamed::{new_key, new_word};
@@ -280,21 +280,6 @@ fn resolve_mass(settings: &mut Settings, sets: &[Argument]) {
         let text = format!("--set fill.density={density} replaces fill.mass_g = {mass_g} of the job");
         settings.warnings.push(Warning::new(WarningId::JobOverruled, text));
     }
-}
-
-/// The strengths of a material card.
-pub(super) fn strengths(m: &MaterialSection) -> [(&'static str, Option<[f64; 3]>); 9] {
-    [
-        ("xt_mpa", m.xt_mpa),
-        ("yt_mpa", m.yt_mpa),
-        ("zt_mpa", m.zt_mpa),
-        ("s12_mpa", m.s12_mpa),
-        ("s_il_mpa", m.s_il_mpa),
-        ("xc_mpa", m.xc_mpa),
-        ("yc_mpa", m.yc_mpa),
-        ("g_along_n_mm", m.g_along_n_mm),
-        ("g_across_n_mm", m.g_across_n_mm),
-    ]
 }
 
 /// Where a job gives some strengths itself and leaves the others to the profile, names the origin of each: in the

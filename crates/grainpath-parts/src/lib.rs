@@ -2,5 +2,6 @@
 
 pub mod board;
 pub mod presets;
+mod shapes;
 pub mod specimen;
 pub mod test_pieces;

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use grainpath_core::math::{asin, direction};
 use grainpath_core::{DVec2, TriMesh};
 
-use crate::presets::{arc, prism};
+use crate::shapes::{arc, prism};
 
 /// How a piece is tested.
 #[derive(Debug, Clone, Copy, PartialEq)]

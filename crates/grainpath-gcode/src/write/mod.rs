@@ -2,6 +2,7 @@
 
 mod arcs;
 mod fibre;
+mod fibre_runs;
 mod number;
 mod program;
 mod template;

@@ -8,7 +8,7 @@ use grainpath_core::units::bead_area_mm2;
 use grainpath_core::{DVec2, LayerPlan, Plan, PlannedPath, Role, SpeedClass, Toolpath};
 
 use super::arcs::arc_from;
-use super::fibre::{self, InRun};
+use super::fibre_runs::{InRun, runs as fibre_runs};
 use super::number::push_fixed;
 use super::{GcodeError, Thumbnail, WriteConfig, Written};
 use crate::kinematics::{Limits, Move, TimeEstimator};
@@ -103,7 +103,7 @@ impl<'a> Writer<'a> {
         self.head(plan, thumbnails);
         self.line(start.trim_end());
         self.set_up();
-        let runs = if self.config.fibre.is_some() { fibre::runs(plan) } else { Vec::new() };
+        let runs = if self.config.fibre.is_some() { fibre_runs(plan) } else { Vec::new() };
         for (i, layer) in plan.layers.iter().enumerate() {
             self.layer(i, layer, runs.get(i).map_or(&[], Vec::as_slice))?;
         }

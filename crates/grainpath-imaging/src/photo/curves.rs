@@ -4,8 +4,8 @@ use grainpath_core::DVec2;
 use grainpath_core::math::cos;
 use grainpath_core::poly::{length_mm, resampled};
 
-use super::warp::MetricImage;
 use crate::canny::Edges;
+use crate::metric::MetricImage;
 use crate::tensor::AxisGrid;
 
 /// How edge points become curves.
@@ -355,7 +355,7 @@ fn facing_pairs(ends: &[End], gap_mm: f64) -> Vec<(f64, usize, usize)> {
 mod tests {
     use super::*;
     use crate::canny::{CannySettings, canny};
-    use crate::photo::warp::MetricImage;
+    use crate::metric::MetricImage;
     use crate::raster::Grey;
 
     const SETTINGS: CurveSettings =

@@ -6,35 +6,8 @@ use grainpath_core::math::cross;
 use grainpath_core::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use crate::metric::MetricImage;
 use crate::raster::{Grey, mix};
-
-/// A picture in millimetres: rows from the bottom.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MetricImage {
-    /// The picture; row 0 lies lowest.
-    pub grey: Grey,
-    /// Lower left corner, mm.
-    pub min_mm: DVec2,
-    /// Side of a pixel, mm.
-    pub px_mm: f64,
-}
-
-impl MetricImage {
-    /// The point in millimetres of a point in pixels, (0.5, 0.5) being the centre of the first.
-    pub fn place(&self, x: f64, y: f64) -> DVec2 {
-        self.min_mm + self.px_mm * DVec2::new(x, y)
-    }
-
-    /// The point in pixels of a point in millimetres.
-    pub fn pixel(&self, p: DVec2) -> DVec2 {
-        (p - self.min_mm) / self.px_mm
-    }
-
-    /// Width and height, mm.
-    pub fn size_mm(&self) -> DVec2 {
-        self.px_mm * DVec2::new(self.grey.width as f64, self.grey.height as f64)
-    }
-}
 
 /// A projective map of the plane, `(3, 3)` row-major.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -27,7 +27,7 @@ use grainpath_core::math::{acos, atan2};
 use grainpath_core::slices::{SliceSource, VolumeInfo, WorldFrame};
 use grainpath_core::{DMat3, DVec3, Warning, WarningId};
 
-use super::resliced::{Reordered, Upright};
+use super::resliced::{Reordered, Shear, StoredAxis, Upright};
 use super::{VolumeError, VolumeProblem, check_size, error, spacing, unsupported};
 
 /// Leans beyond this are refused: the upright slices would be mostly empty. Source: gantries tilt by up to 30 degrees;
@@ -48,13 +48,6 @@ pub(super) struct Placement {
     pub step_mm: [DVec3; 3],
     /// Whether the file states the spacing along each stored axis; steps of unstated length have 1 mm.
     pub stated: [bool; 3],
-}
-
-/// Which stored axis an axis of the slices is, and whether it runs backwards.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct StoredAxis {
-    pub axis: usize,
-    pub reversed: bool,
 }
 
 /// `[a b c] = Q R`.
@@ -192,25 +185,6 @@ pub(super) fn oriented(
         }
     }
     Ok(Box::new(Reordered::new(source, info, order)))
-}
-
-/// How far slices and rows are moved in the plane, in columns and rows.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Shear {
-    /// Columns that a row is moved by, per row.
-    pub columns_per_row: f64,
-    /// Columns and rows that each slice is moved by.
-    pub slice_shift_px: Vec<[f64; 2]>,
-    /// The place of the first column and row of the upright slices, in columns and rows of the stored first slice.
-    pub first_px: [f64; 2],
-    /// The same in mm along the upright axes.
-    pub first_mm: [f64; 2],
-    /// Columns, rows, slices of the upright volume.
-    pub size: [usize; 3],
-    /// The lean of the slices against their normal, degrees.
-    pub lean_deg: f64,
-    /// The lean of the columns within a slice, degrees.
-    pub row_lean_deg: f64,
 }
 
 impl Shear {

@@ -3,7 +3,31 @@
 
 use grainpath_core::slices::{SliceError, SliceSource, VolumeInfo};
 
-use super::placement::{Shear, StoredAxis};
+/// Which stored axis an axis of the slices is, and whether it runs backwards.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct StoredAxis {
+    pub axis: usize,
+    pub reversed: bool,
+}
+
+/// How far slices and rows are moved in the plane, in columns and rows.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Shear {
+    /// Columns that a row is moved by, per row.
+    pub columns_per_row: f64,
+    /// Columns and rows that each slice is moved by.
+    pub slice_shift_px: Vec<[f64; 2]>,
+    /// The place of the first column and row of the upright slices, in columns and rows of the stored first slice.
+    pub first_px: [f64; 2],
+    /// The same in mm along the upright axes.
+    pub first_mm: [f64; 2],
+    /// Columns, rows, slices of the upright volume.
+    pub size: [usize; 3],
+    /// The lean of the slices against their normal, degrees.
+    pub lean_deg: f64,
+    /// The lean of the columns within a slice, degrees.
+    pub row_lean_deg: f64,
+}
 
 /// Slices that are moved, and whose rows are moved, within their plane. Values between pixels are interpolated linearly;
 /// outside the stored slice stands its least value, which is air.

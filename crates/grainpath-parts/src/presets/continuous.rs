@@ -4,7 +4,8 @@ use grainpath_core::math::direction;
 use grainpath_core::poly::Join;
 use grainpath_core::{DVec2, Polygon, Region, TriMesh};
 
-use super::{ExampleFile, arc, prism, stl};
+use super::{ExampleFile, stl};
+use crate::shapes::{arc, prism};
 
 /// Open-hole plate: 120 x 36 x 2 mm with a hole of 10 mm.
 pub fn plate() -> TriMesh {

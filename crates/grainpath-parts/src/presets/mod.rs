@@ -8,8 +8,9 @@ mod woodgrain;
 
 use std::borrow::Cow;
 
-use grainpath_core::math::direction;
-use grainpath_core::{DVec2, Polygon, TriMesh};
+use grainpath_core::{DVec2, TriMesh};
+
+use crate::shapes::{arc, prism};
 
 /// A file of an example: its name and its content.
 pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
@@ -69,30 +70,6 @@ pub fn plate() -> TriMesh {
     let rib = [(20.0, 34.0), (60.0, 34.0), (60.0, 35.2), (20.0, 35.2)].map(DVec2::from);
     prism(&rib, &[], 5.0, 12.0, &mut mesh);
     mesh
-}
-
-/// Points of `n_quarters` quarters of a circle, counter-clockwise.
-pub(crate) fn arc(
-    centre: DVec2,
-    radius: f64,
-    first_quarter: i32,
-    n_quarters: i32,
-    per_quarter: i32,
-) -> Vec<DVec2> {
-    let whole = i32::from(n_quarters < 4);
-    (0..n_quarters * per_quarter + whole)
-        .map(|i| {
-            let turn = f64::from(first_quarter) + f64::from(i) / f64::from(per_quarter);
-            centre + direction(turn * std::f64::consts::FRAC_PI_2) * radius
-        })
-        .collect()
-}
-
-/// Adds a prism over an outline with holes, all given counter-clockwise.
-pub(crate) fn prism(outline: &[DVec2], holes: &[Vec<DVec2>], low: f64, high: f64, mesh: &mut TriMesh) {
-    let clockwise = |hole: &Vec<DVec2>| hole.iter().rev().copied().collect();
-    let polygon = Polygon { outer: outline.to_vec(), holes: holes.iter().map(clockwise).collect() };
-    grainpath::shape::prism(&polygon.into(), low, high, mesh).expect("our own outlines do not cross");
 }
 
 #[cfg(test)]

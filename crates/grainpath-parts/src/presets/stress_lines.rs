@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use grainpath_core::{DVec2, DVec3, TriMesh};
 
-use super::{ExampleFile, arc, prism, stl};
+use super::{ExampleFile, stl};
+use crate::shapes::{arc, prism};
 use crate::test_pieces::{TEST_PIECES, TestPiece};
 
 /// GB/T 1040 (ISO 527) type 1A bar with a central hole of 3 mm: the test piece `s2-tension`.

@@ -10,14 +10,13 @@ use serde::Serialize;
 use grainpath_core::line_points::LinePoints;
 use grainpath_core::poly::length_mm;
 use grainpath_imaging::canny::{CannySettings, Edges, canny};
+use grainpath_imaging::metric::MetricImage;
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::photo::corners::{CornersNotFound, find_corners};
 use grainpath_imaging::photo::curves::{CurveSettings, along_grain, edge_curves};
 use grainpath_imaging::photo::markers::{Sheet, find_markers};
 use grainpath_imaging::photo::orientation::oriented;
-use grainpath_imaging::photo::warp::{
-    CornerError, MetricImage, Shrinking, check_corners, native_px_mm, rectify,
-};
+use grainpath_imaging::photo::warp::{CornerError, Shrinking, check_corners, native_px_mm, rectify};
 use grainpath_imaging::raster::Grey;
 use grainpath_imaging::scan::texture::{
     AxisVolume, ShownSlice, TextureReport, TextureSettings, read_texture,

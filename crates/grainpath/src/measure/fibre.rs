@@ -5,7 +5,7 @@ use grainpath_gcode::{Bead, BeadLayer, Program};
 use serde::Serialize;
 
 use crate::fibre::turns;
-use crate::measure::report::DirectionError;
+use crate::measure::DirectionError;
 
 /// The fibre of one layer.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -11,9 +11,9 @@ use serde_json::Value;
 
 use crate::guide::grain::PhotoReport;
 use crate::guide::{Degenerate, Guide};
-use crate::measure::Planned;
 use crate::measure::fibre::FibreReport;
 use crate::measure::strength::StrengthReport;
+use crate::measure::{DirectionError, Planned};
 use crate::support::Support;
 use grainpath_imaging::scan::texture::TextureReport;
 
@@ -387,11 +387,6 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
     }
     report
 }
-
-/// Of the height of a layer's middle, mm, and the ends of a straight piece of bead, in part coordinates: the angle
-/// between it and the axis the guide asks for there, degrees from 0 to 90, and how much that matters, 0 to 1. `None`
-/// outside the part and for points.
-pub type DirectionError<'a> = dyn Fn(f64, [DVec2; 2]) -> Option<(f64, f64)> + 'a;
 
 /// How far beads are off what the guide of a plan asks for; `None` without a guide.
 pub fn direction_error(planned: &Planned) -> Option<Box<DirectionError<'_>>> {

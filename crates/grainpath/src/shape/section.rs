@@ -12,7 +12,8 @@
 //! the same bits. Contours of all shells are united by winding number: overlapping bodies do not cancel and cavities stay.
 //! Cost: linear in the crossed triangles, but for joining open chains, which is quadratic in their number.
 
-use grainpath_core::poly::{Bounds2, FillRule, simplify_contour};
+use grainpath_core::Bounds2;
+use grainpath_core::poly::{FillRule, simplify_contour};
 use grainpath_core::{Contour, DVec2, Diagnostics, Region, TriMesh, WarningId};
 
 use super::SliceSettings;

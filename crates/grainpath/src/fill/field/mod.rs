@@ -22,8 +22,43 @@ pub(super) mod stripes;
 pub(super) mod widths;
 
 pub use seed_lines::SeedLines;
-pub use streamlines::Streamlines;
-pub use stripes::Stripes;
+
+use grainpath_core::math::direction;
+use grainpath_core::{DVec2, DVec3, DirectionField, Polygon, Toolpath};
+
+use super::{FillContext, Infill};
+
+/// Lines along the field: evenly spaced streamlines, and stripes where the fill is dense.
+pub struct Streamlines;
+
+/// Dense stripes along the field, and streamlines where the fill is sparse.
+pub struct Stripes;
+
+impl Infill for Streamlines {
+    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+        along_field(context, room, out);
+    }
+}
+
+impl Infill for Stripes {
+    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+        along_field(context, room, out);
+    }
+}
+
+/// Both patterns differ in their names alone until streamlines reach full density by themselves.
+fn along_field(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+    if context.density.is_dense() {
+        stripes::dense(context, room, out)
+    } else {
+        streamlines::sparse(context, room, out)
+    }
+}
+
+/// The field's axis at a point of the layer.
+pub fn axis_of(field: &dyn DirectionField, context: &FillContext<'_>, p: DVec2) -> DVec2 {
+    direction(field.sample(DVec3::new(p.x, p.y, context.z_mid_mm)).axis_rad)
+}
 
 #[cfg(test)]
 mod tests;

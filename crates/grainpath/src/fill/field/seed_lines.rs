@@ -18,7 +18,8 @@
 use grainpath_core::poly::{Join, LineClipper, simplify_line};
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 
-use super::stripes::{Bead, axis_of, joined};
+use super::axis_of;
+use super::stripes::{Bead, joined};
 use super::widths::{Line, Neighbours};
 use crate::fill::{FillContext, Infill};
 use grainpath_core::streamlines::{LineSettings, Seeding, TracedLine, evenly_spaced};

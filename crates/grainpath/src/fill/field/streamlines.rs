@@ -5,49 +5,42 @@
 //! where the field converges and begin where it diverges. All beads have the nominal width.
 //!
 //! Limits: lines end as soon as they are too close, so the density of a converging field comes out a little low; the
-//! separation is 0.94 of the nominal one to make up for it on average. At full density [`Stripes`](super::Stripes) take over.
+//! separation is 0.94 of the nominal one to make up for it on average. At full density [`super::stripes`] take over.
 //! Cost: linear in the length of all lines. The first seed is the middle of the region's bounds.
 
 use grainpath_core::poly::LineClipper;
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 
-use super::stripes::axis_of;
-use crate::fill::{FillContext, Infill};
+use super::axis_of;
+use crate::fill::FillContext;
 use grainpath_core::streamlines::{LineSettings, Seeding, evenly_spaced};
-
-/// Evenly spaced lines along the field, of one bead's width.
-pub struct Streamlines;
 
 /// A line ends where the next one comes nearer than this share of the distance wanted.
 const END_SHARE: f64 = 0.55;
 /// Lines shorter than this share of the distance are left out.
 const SHORTEST_SHARE: f64 = 1.5;
 
-impl Infill for Streamlines {
-    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        if context.density.is_dense() {
-            return super::Stripes.fill(context, room, out);
-        }
-        let (Some(field), Some(bounds)) = (context.field, room.bounds()) else { return };
-        let inside = LineClipper::new(&Region::from(room.clone()));
-        let axis = |p: DVec2| inside.contains(p).then(|| axis_of(field, context, p));
-        // Lines that converge end and leave gaps: on average the distance is a little more than asked for.
-        let separation = 0.94 * context.spacing_mm() / context.density.fraction();
-        let same = |_: DVec2| separation;
-        let seeding = Seeding {
-            separation_mm: &same,
-            end_share: END_SHARE,
-            shortest_mm: SHORTEST_SHARE * separation,
-            whole: false,
-        };
-        let settings = LineSettings {
-            tolerance_mm: 0.005,
-            step_mm: (0.5 * separation).min(2.0),
-            longest_mm: 20.0 * bounds.size().element_sum(),
-        };
-        for line in evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &settings) {
-            let points = grainpath_core::poly::simplify_line(&line.points, 0.01);
-            out.push(Toolpath::new(points, context.bead_width_mm, context.role, line.closed));
-        }
+/// Evenly spaced lines along the field, of one bead's width.
+pub fn sparse(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+    let (Some(field), Some(bounds)) = (context.field, room.bounds()) else { return };
+    let inside = LineClipper::new(&Region::from(room.clone()));
+    let axis = |p: DVec2| inside.contains(p).then(|| axis_of(field, context, p));
+    // Lines that converge end and leave gaps: on average the distance is a little more than asked for.
+    let separation = 0.94 * context.spacing_mm() / context.density.fraction();
+    let same = |_: DVec2| separation;
+    let seeding = Seeding {
+        separation_mm: &same,
+        end_share: END_SHARE,
+        shortest_mm: SHORTEST_SHARE * separation,
+        whole: false,
+    };
+    let settings = LineSettings {
+        tolerance_mm: 0.005,
+        step_mm: (0.5 * separation).min(2.0),
+        longest_mm: 20.0 * bounds.size().element_sum(),
+    };
+    for line in evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &settings) {
+        let points = grainpath_core::poly::simplify_line(&line.points, 0.01);
+        out.push(Toolpath::new(points, context.bead_width_mm, context.role, line.closed));
     }
 }

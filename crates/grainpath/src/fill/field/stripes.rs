@@ -17,22 +17,20 @@
 //! Held by tests on spirals, disks, rings and defects: nothing crosses, gap and overlap stay within stated bounds.
 
 use grainpath_core::buckets::{Buckets, CellGrid};
-use grainpath_core::math::{cross, direction};
+use grainpath_core::math::cross;
 use grainpath_core::poly::{FillRule, Join, LineClipper, distance2_to_segment, edges};
 use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
-use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DVec3, DirectionField, Polygon, Region, Toolpath};
+use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DirectionField, Polygon, Region, Toolpath};
 
+use super::axis_of;
 use super::levels::trace;
 use super::phase::{PhaseInput, STEPS, drift, solve, turns};
 use super::widths::{Line, Neighbours, resampled, smooth};
-use crate::fill::{FillContext, Infill};
+use crate::fill::FillContext;
 use crate::order::NearestEnds;
 use crate::wall::single_beads;
 use grainpath_core::field_mesh::FieldMesh;
 use grainpath_core::mask::{Grid, Mask};
-
-/// Beads along the field, evenly spaced over the whole infill region, with ends where the field forces them.
-pub struct Stripes;
 
 /// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle of 0.4 mm lays widths
 /// within a factor of about 2; 0.6 to 1.6 keeps that factor with a margin where beads are only seldom wide.
@@ -51,47 +49,38 @@ const THINNINGS: usize = 2;
 /// is about 0.55 of the spacing wide, and cells of 0.33 have a centre in every gap of that width, however it lies.
 const GAP_CELL: f64 = 0.33;
 
-impl Infill for Stripes {
-    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        if !context.density.is_dense() {
-            return super::Streamlines.fill(context, room, out);
-        }
-        let Some(field) = context.field else { return };
-        let spacing = context.spacing_mm();
-        let room = Region::from(room.clone());
-        let border = room.offset(context.border_mm, Join::Miter(2.0));
-        let Some(mesh) = FieldMesh::over(&border, 1.1 * spacing) else { return };
-        let levels = {
-            let input = phase_input(&mesh, field, context, &border);
-            let turns = turns(&mesh, &input);
-            let phase = solve(&mesh, &input, &turns, &STEPS);
-            trace(&mesh, &turns, &phase)
-        };
-        let clipper = LineClipper::new(&room);
-        let mut lines = Vec::new();
-        for level in levels {
-            let mut points = resampled(&level.points, level.closed, 0.75 * spacing);
-            smooth(&mut points, level.closed, 3);
-            push_inside(&clipper, points, level.closed, spacing, &mut lines);
-        }
-        for _ in 0..CENTRINGS {
-            centre(&mut lines, &border, spacing);
-        }
-        lines = lines
-            .into_iter()
-            .flat_map(|l| {
-                let mut inside = Vec::new();
-                push_inside(&clipper, l.points, l.closed, spacing, &mut inside);
-                inside
-            })
-            .collect();
-        lay(without_crowded(lines, &border, context), &border, context, out);
+/// Beads along the field, evenly spaced over the whole infill region, with ends where the field forces them.
+pub fn dense(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+    let Some(field) = context.field else { return };
+    let spacing = context.spacing_mm();
+    let room = Region::from(room.clone());
+    let border = room.offset(context.border_mm, Join::Miter(2.0));
+    let Some(mesh) = FieldMesh::over(&border, 1.1 * spacing) else { return };
+    let levels = {
+        let input = phase_input(&mesh, field, context, &border);
+        let turns = turns(&mesh, &input);
+        let phase = solve(&mesh, &input, &turns, &STEPS);
+        trace(&mesh, &turns, &phase)
+    };
+    let clipper = LineClipper::new(&room);
+    let mut lines = Vec::new();
+    for level in levels {
+        let mut points = resampled(&level.points, level.closed, 0.75 * spacing);
+        smooth(&mut points, level.closed, 3);
+        push_inside(&clipper, points, level.closed, spacing, &mut lines);
     }
-}
-
-/// The field's axis at a point of the layer.
-pub fn axis_of(field: &dyn DirectionField, context: &FillContext<'_>, p: DVec2) -> DVec2 {
-    direction(field.sample(DVec3::new(p.x, p.y, context.z_mid_mm)).axis_rad)
+    for _ in 0..CENTRINGS {
+        centre(&mut lines, &border, spacing);
+    }
+    lines = lines
+        .into_iter()
+        .flat_map(|l| {
+            let mut inside = Vec::new();
+            push_inside(&clipper, l.points, l.closed, spacing, &mut inside);
+            inside
+        })
+        .collect();
+    lay(without_crowded(lines, &border, context), &border, context, out);
 }
 
 fn phase_input(
