@@ -81,7 +81,10 @@ fn outside_crates_stay_where_they_are_wrapped(sources: &[Source]) -> Vec<String>
 fn only_front_ends_open_files(sources: &[Source]) -> Vec<String> {
     let system = [["std", "fs"], ["std", "net"], ["std", "process"], ["std", "env"]];
     let mut broken = Vec::new();
-    for source in sources.iter().filter(|s| OPENS_NO_FILE.contains(&s.package.as_str())) {
+    // What draws the failing region of a test writes its picture; no other code calls it.
+    let draws_for_tests = |s: &Source| s.module == ["failure_svg"];
+    let libraries = sources.iter().filter(|s| OPENS_NO_FILE.contains(&s.package.as_str()));
+    for source in libraries.filter(|s| !draws_for_tests(s)) {
         for (path, line) in paths(source) {
             if system.iter().any(|s| path.starts_with(&s.map(str::to_owned))) {
                 broken.push(format!("{}:{line} names {}", source.path, path.join("::")));

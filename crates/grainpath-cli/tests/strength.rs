@@ -240,7 +240,7 @@ fn what_cannot_be_tested_is_said_in_a_line() {
             2,
             "load 1 (box) contains nothing of",
         ),
-        (&["strength", "great.toml"], 2, "numbers of at most 1e12"),
+        (&["strength", "great.toml"], 2, "should be from -1e12 to 1e12"),
         (&["compare", "along.toml", "nowhere.toml"], 2, "nowhere.toml: no such file"),
         (
             &["compare", "along.toml", "nowhere.gcode", "--job", "along.toml"],

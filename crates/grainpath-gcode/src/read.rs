@@ -158,7 +158,12 @@ fn number(bytes: &[u8]) -> (Option<f64>, usize) {
     let Some((value, n)) = leading_number(&bytes[space..], Exponent::NotAllowed) else { return (None, 0) };
     let n_whole =
         bytes[space..space + n].iter().skip_while(|b| !b.is_ascii_digit()).take_while(|b| b.is_ascii_digit());
-    ((n_whole.count() <= MAX_WHOLE_DIGITS).then_some(value), space + n)
+    // Digits that are left over mark the line as damaged.
+    if n_whole.count() > MAX_WHOLE_DIGITS {
+        (None, space + MAX_WHOLE_DIGITS)
+    } else {
+        (Some(value), space + n)
+    }
 }
 
 #[cfg(test)]

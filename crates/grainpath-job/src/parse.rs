@@ -482,7 +482,7 @@ mod tests {
             ),
             (
                 format!("[[guide.load]]\n{on}\nforce_n = [1e200, 0, 0]\n"),
-                "job.toml:3: guide.load[1].force_n should be from -1000000000000 to 1000000000000, is 1",
+                "job.toml:3: guide.load[1].force_n should be from -1e12 to 1e12, is 1e200",
             ),
             (
                 "[[guide.load]]\non = { facets = [1], sphere = 2 }\nforce_n = [1, 0, 0]\n".into(),

@@ -68,13 +68,18 @@ pub enum Step {
     Key(String),
 }
 
+/// A number as people write it: large ones with their exponent.
+fn short(v: f64) -> String {
+    if v.abs() >= 1e9 { format!("{v:e}") } else { v.to_string() }
+}
+
 /// Why a value is refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum Problem {
     #[error("should be {expected}, is {found}")]
     Kind { expected: &'static str, found: String },
-    #[error("should be from {low} to {high}, is {found}")]
+    #[error("should be from {} to {}, is {}", short(*low), short(*high), short(*found))]
     Range { low: f64, high: f64, found: f64 },
     #[error("should be one of {}, is {found:?}", names(words))]
     Word { words: &'static [Word], found: String },

@@ -316,7 +316,7 @@ mod tests {
         assert_eq!(slices[3][(7 - 1 - 1) * 9 + 2], grey(stored) as f32);
         let (info, slices) = turned([0.0, 0.0, 180.0]);
         assert_eq!(info.size, [9, 8, 7]);
-        assert_eq!(slices[4][8 + 2], grey(DVec3::new(6.0 * 0.5, 6.0 * 0.4, 4.0 * 0.8)) as f32);
+        assert_eq!(slices[4][9 + 2], grey(DVec3::new(6.0 * 0.5, 6.0 * 0.4, 4.0 * 0.8)) as f32);
     }
 
     #[test]

@@ -450,7 +450,7 @@ fn packed_data_that_cannot_hold_the_voxels_are_refused_at_once() {
         |nz: usize| format!("NRRD0004\ntype: uchar\nsizes: 1000 1000 {nz}\nencoding: gzip\n\n").into_bytes();
     says(single(&[("a.nrrd", [head(100_000), gzip(&[0; 4000])].concat())]), "a.nrrd", "cannot hold as many");
     let mut bomb = nifti();
-    bomb[42..48].copy_from_slice(&[0xff, 0x7f, 0xff, 0x7f, 0x10, 0x00]);
+    bomb[42..48].copy_from_slice(&[0x00, 0x10, 0x00, 0x10, 0xff, 0x7f]);
     says(single(&[("a.nii.gz", gzip(&bomb))]), "a.nii.gz", "cannot hold as many");
 }
 

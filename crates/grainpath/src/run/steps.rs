@@ -379,7 +379,9 @@ impl<'a> Steps<'a> {
         let layer = &self.stack.layers()[layer_idx];
         FillContext {
             z_mid_mm: self.z_mid_mm(layer_idx),
-            height_mm: layer.height_mm(),
+            // Heights are differences of tops and carry their rounding: without it equal layers give equal beads, whether
+            // they are copied or laid again in another window.
+            height_mm: (layer.height_mm() * 1e9).round() / 1e9,
             bead_width_mm: self.settings.walls.bead_width_mm,
             density,
             angle_rad: self.angle_rad(layer_idx, density),
