@@ -1,8 +1,8 @@
 //! Dependencies may have the licences and come from the registries that `deny.toml` lists.
 //!
 //! `cargo deny check` reads the same file and checks more (duplicates, advisories); the GitHub workflow runs it. Here
-//! the crate `spdx` reads the expressions, so that this check needs no tool that would have to be built first:
-//! `cargo install cargo-deny` compiles several hundred crates, more than the whole of grainpath has.
+//! the crate `spdx` reads the expressions, so that this check needs no tool that would have to be built first. What
+//! building cargo-deny would cost a clean checkout has not been measured.
 
 use std::fs;
 

@@ -38,7 +38,7 @@ pub const SPECIMENS: [Specimen; 4] = [
 ];
 
 /// Angles of the first row of the calibration piece and of its rows in steps of one degree.
-/// Source: Table 1 of [Shen2016] in `docs/references.bib`, which prints 0 to 90 in tens and 30 to 49 in ones.
+/// Source: Table 1 of `Shen2016` in `docs/references.bib`, which prints 0 to 90 in tens and 30 to 49 in ones.
 const COARSE_DEG: [u32; 10] = [0, 10, 20, 30, 40, 50, 60, 70, 80, 90];
 const FINE_DEG: std::ops::RangeInclusive<u32> = 30..=49;
 /// Angles of the short piece: around the angles at which common materials begin to sag.
@@ -157,7 +157,7 @@ fn number(mesh: &mut TriMesh, value: u32, at: DVec3) {
     }
 }
 
-/// A ball of radius 10 mm whose lowest point hangs 50 mm above a small plate: the first case of [Shen2016].
+/// A ball of radius 10 mm whose lowest point hangs 50 mm above a small plate: the first case of `Shen2016`.
 pub fn hanging_ball() -> TriMesh {
     let mut mesh = TriMesh::default();
     cuboid(&mut mesh, DVec3::new(-30.0, -2.0, 0.0), DVec3::new(-26.0, 2.0, 0.6));
@@ -191,7 +191,7 @@ fn sphere(mesh: &mut TriMesh, centre: DVec3, radius: f64) {
 }
 
 /// A horseshoe tray as dentists print them, leaning by 30 degrees, its lowest point 4 mm above the plate beside a
-/// small plate: the second case of [Shen2016].
+/// small plate: the second case of `Shen2016`.
 pub fn dental_tray() -> TriMesh {
     let mut mesh = TriMesh::default();
     // A channel, open above, swept along a parabola-like arch: outline of its section, counter-clockwise along it.

@@ -114,7 +114,7 @@ impl SliceSource for Upright {
     }
 }
 
-/// Bytes of slices that are held at a time where the stored slices do not come in the order of the height. Measured: a
+/// Bytes of slices that are held at a time where the stored slices do not come in the order of the height. Derived: a
 /// volume of 512 x 512 x 512 voxels is then read twice; see [`cost`].
 const HELD_BYTES: usize = 256 << 20;
 
