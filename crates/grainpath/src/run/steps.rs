@@ -314,7 +314,7 @@ impl<'a> Steps<'a> {
     }
 
     /// Plans the whole part in windows of `n_layers` layers, from the bed upwards, and hands on each layer as soon as it
-    /// is planned. The layers are the same for every window size.
+    /// is planned. The layers are the same for every window size, up to the last bits where heights of layers are rounded.
     ///
     /// # Errors
     /// [`Interrupted`] when a stop was asked for.
@@ -379,9 +379,7 @@ impl<'a> Steps<'a> {
         let layer = &self.stack.layers()[layer_idx];
         FillContext {
             z_mid_mm: self.z_mid_mm(layer_idx),
-            // Heights are differences of tops and carry their rounding: without it equal layers give equal beads, whether
-            // they are copied or laid again in another window.
-            height_mm: (layer.height_mm() * 1e9).round() / 1e9,
+            height_mm: layer.height_mm(),
             bead_width_mm: self.settings.walls.bead_width_mm,
             density,
             angle_rad: self.angle_rad(layer_idx, density),
