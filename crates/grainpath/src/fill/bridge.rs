@@ -1,9 +1,10 @@
 //! The direction of a bridge: along the short way between its supports.
 //!
-//! Twelve directions in steps of 15 degrees are tried, and those along and across the four longest edges, because bridges
-//! mostly span two parallel walls. For each, the share of line length is found that is held at both ends by the layer below;
-//! among the directions that hold the most, within 1 %, the one with the shortest mean free span wins. A bridge that nothing
-//! holds keeps the direction of the fill around it.
+//! Tried are twelve directions in steps of 15 degrees, and the directions along and across the four
+//! longest edges, because most bridges span two parallel walls. For each direction the score is the
+//! share of line length whose both ends lie on the layer below. Among the directions within 1 % of
+//! the best share, the one with the shortest mean free span wins. A bridge that no direction
+//! supports keeps the raster angle of the fill around it.
 //!
 //! Cost: at most 20 directions times the lines of the bridge, each clipped once.
 
@@ -41,6 +42,8 @@ pub fn bridge_angle_rad(bridge: &Polygon, below: &Region, spacing_mm: f64) -> Op
 
 /// Share of line length held at both ends, and the mean free span of a line, mm.
 fn score(bridge: &Polygon, hold: &LineClipper, angle_rad: f64, spacing_mm: f64) -> (f64, f64) {
+    // Every other bead is enough to compare directions and halves the cost of twenty trials.
+    // The odd offset of 0.37 keeps lines off edges at round coordinates.
     let step_mm = 2.0 * spacing_mm;
     let hatch = Hatch::new(bridge, Lines { angle_rad, first_mm: 0.37 * step_mm, step_mm });
     let along = direction(angle_rad);
@@ -48,6 +51,9 @@ fn score(bridge: &Polygon, hold: &LineClipper, angle_rad: f64, spacing_mm: f64) 
     for line in hatch.paths(&Joints { longest_mm: 0.0, bulge_mm: 0.0 }) {
         let (a, b) = (line[0], line[line.len() - 1]);
         let length = a.distance(b);
+        // The end of a line lies on the border of the bridge, where "inside the layer below" is
+        // decided by rounding. The test point is moved 0.3 mm outwards, clearly onto the wall that
+        // has to hold the line.
         let step = if (b - a).dot(along) > 0.0 { along } else { -along } * 0.3;
         all += length;
         if hold.contains(a + step) && hold.contains(b - step) {
@@ -58,5 +64,6 @@ fn score(bridge: &Polygon, hold: &LineClipper, angle_rad: f64, spacing_mm: f64) 
         free += length - over;
         n += 1.0;
     }
+    // A region with no line at all must lose against every other direction, also in the span.
     if all > 0.0 { (held / all, free / n) } else { (0.0, f64::INFINITY) }
 }

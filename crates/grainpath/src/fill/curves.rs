@@ -1,12 +1,13 @@
 //! Beads along given curves, and new lines between them until no gap is left that a bead fits in.
-//!
-//! Used for the edges of a photograph (the S1 method): curves come in their order of importance, each is cut where it comes
-//! nearer to an earlier one than beads may lie, and what is left open is filled with lines that follow the flow, seeded a
-//! spacing beside every line and then in the remaining gaps (after (`Jobard1997`)). At full density each bead is as wide as the
-//! space it has, between `STRIP` of the spacing; below it, spacing follows the density and, if asked for, the darkness.
-//!
-//! Lines keep apart because every point of a new one is looked up among the points of all others before it is kept. Cost:
-//! linear in the points laid; a lookup is a few buckets.
+//! | Preset `woodgrain` lays the edges of a photograph with it. Curves come in order of importance.
+//! A curve is cut where it comes nearer to an earlier one than two beads may lie. The open area
+//! between is filled with lines that follow the flow, seeded one spacing beside every line and then
+//! in the remaining gaps (`Jobard1997`). At full density each bead is as wide as the space it has,
+//! within `STRIP` of the spacing. Below full density the spacing follows the density and, if asked
+//! for, the darkness of the picture.
+//! | Lines keep apart because every point of a new line is looked up among the points of all others
+//! before it is kept. Lengths are in mm. Cost: linear in the points laid; a lookup visits a few
+//! buckets.
 
 use std::f64::consts::PI;
 
@@ -18,21 +19,22 @@ use grainpath_core::{BeadWidth, Bounds2, DVec2, Polygon, Region, Toolpath};
 
 use crate::fill::FillContext;
 
-/// A new line begins only this share of the spacing asked for away from all others, so two are never farther apart
-/// than twice that.
+/// Least distance of a new line's seed from all other lines, as a share of the spacing. Two lines
+/// are then at most twice that share apart, because a wider gap would still take a seed.
 const CLOSEST: f64 = 0.75;
-/// It goes on until it is this share of that away from one: lines may run together a little before they end.
+/// A line is followed until it is this share of the closest distance from another one. The share
+/// lies below 1, so that converging lines run side by side for a while before one of them ends.
 const GO_ON: f64 = 0.72;
 /// Distance of neighbouring points of a line, as a share of the closest distance.
 const STEP: f64 = 0.33;
-/// However sparse the lines, they bend as finely as this.
+/// Longest step along a line, mm: sparse lines bend as finely as dense ones.
 const LONGEST_STEP_MM: f64 = 0.25;
-/// Beads may be this much narrower and wider than nominal, as shares of the spacing.
+/// Narrowest and widest strip of a bead, as shares of the spacing.
 const STRIP: [f64; 2] = [0.6, 1.5];
-/// Lines off by less than this, mm, are taken as straight.
+/// Points off a chord by less than this are dropped, mm.
 const STRAIGHT_MM: f64 = 0.008;
 
-/// What lines follow between the curves.
+/// What lines follow in the area between the given curves.
 pub struct Flow<'a> {
     /// The direction; only its axis counts, not its sign.
     pub axis: &'a dyn Fn(DVec2) -> DVec2,
@@ -40,7 +42,8 @@ pub struct Flow<'a> {
     pub sparseness: Option<&'a dyn Fn(DVec2) -> f64>,
 }
 
-/// Fills a room with curves: those given, in their order of importance, and lines along the flow between them.
+/// Fills an infill region with the given curves, in their order of importance, and with lines along
+/// the flow between them.
 pub fn lay_curves(
     context: &FillContext<'_>,
     room: &Polygon,
@@ -64,7 +67,11 @@ pub fn lay_curves(
         border: BorderDistance::new(room, spacing_mm),
         off_border_mm: if context.density.is_dense() { 0.0 } else { 0.5 * spacing_mm },
     };
+    // Shorter lines cost a start and a stop each and hardly show. Sparse fill can drop longer ones,
+    // because its density is made up by the bead width in `sparse_paths`.
     let least_mm = if context.density.is_dense() { 1.5 * spacing_mm } else { 2.0 * spacing_mm };
+    // Given curves first: a line of the flow must give way to the edges of the picture, never the
+    // other way round.
     layer.take(curves, 2.0 * spacing_mm);
     layer.beside_lines(spacing_mm, least_mm);
     layer.in_gaps(bounds, least_mm);
@@ -81,7 +88,8 @@ pub fn lay_curves(
 struct Line {
     points: Vec<DVec2>,
     closed: bool,
-    /// What is added to the index of a point among the near ones to find it in the line.
+    /// Added to a point's number in `near`, it gives the point's index in `points`: points laid
+    /// backwards from the seed have negative numbers.
     first: i32,
 }
 
@@ -93,17 +101,22 @@ struct Layout<'a> {
     lines: Vec<Line>,
     near: LinePoints,
     border: BorderDistance,
-    /// New lines begin this far from the border: along it there is a wall already.
+    /// Least distance of a seed from the border, mm: below full density a wall already runs along
+    /// the border.
     off_border_mm: f64,
 }
 
 impl Layout<'_> {
     /// The closest distance of lines at a point, mm.
     fn closest_at(&self, p: DVec2) -> f64 {
+        // The range bounds the contrast of the picture: a black patch may not pull lines closer
+        // than beads can lie, nor a white one leave a visible hole.
         self.closest_mm * self.flow.sparseness.map_or(1.0, |s| s(p).clamp(0.4, 2.5))
     }
 
-    /// How many steps back a line is no neighbour to itself: a turn of the tightest loop that leaves room inside.
+    /// Number of steps back along a line within which it does not count as its own neighbour: the
+    /// circumference of a circle whose diameter is 1.6 times the closest distance, the tightest
+    /// loop that leaves space inside.
     fn lag(&self) -> usize {
         (1.6 * PI * self.closest_mm / self.step_mm).ceil() as usize
     }
@@ -114,6 +127,9 @@ impl Layout<'_> {
             for piece in self.clipper.clip(curve) {
                 let points = resampled(&piece.points, self.step_mm);
                 let mut run: Vec<DVec2> = Vec::new();
+                // Two thresholds, as in Canny's hysteresis: a run starts only where the curve is
+                // clear of all others (2), but goes on through places that are a little too close
+                // (1). One threshold would chop a curve at every wobble of its neighbour.
                 let reach = |p: DVec2| {
                     let closest = self.closest_at(p);
                     if self.near.open(p, 0.95 * closest, |_, _| true) {
@@ -172,6 +188,9 @@ impl Layout<'_> {
                 let tangent = (points[(k + 1).min(n - 1)] - points[k.saturating_sub(1)]).normalize_or_zero();
                 let p = points[k];
                 for side in [tangent.perp(), -tangent.perp()] {
+                    // A seed lies a full spacing away, although the closest distance would do: a
+                    // line then starts at the spacing wanted, and only converging fields bring it
+                    // nearer.
                     let apart = self.closest_at(p) / CLOSEST;
                     self.seed(p + apart * side, least_mm);
                 }
@@ -186,6 +205,8 @@ impl Layout<'_> {
         let count = |mm: f64| (mm / step) as usize + 1;
         let (nx, ny) = (count(bounds.size().x), count(bounds.size().y));
         let first = self.lines.len();
+        // The raster is 0.6 of the closest distance; a place for a line smaller than that may be
+        // missed.
         for j in 0..ny {
             for i in 0..nx {
                 self.seed(bounds.min + step * DVec2::new(i as f64 + 0.5, j as f64 + 0.5), least_mm);
@@ -204,6 +225,8 @@ impl Layout<'_> {
             return;
         }
         let id = self.lines.len() as u32;
+        // The seed is entered before the line is followed, so that both halves see the beginning of
+        // their own line.
         self.near.insert(p, id, 0);
         let (ahead, closed) = self.follow(p, start, 0, 1);
         let back = if closed { Vec::new() } else { self.follow(p, -start, 0, -1).0 };
@@ -212,12 +235,14 @@ impl Layout<'_> {
         if points.len() > 1 && length_mm(&points) >= least_mm {
             self.lines.push(Line { points, closed, first });
         } else {
+            // A line given up must not keep others out of the place it tried.
             points.iter().for_each(|&q| self.near.remove(q, id));
         }
     }
 
-    /// Follows the axis from `p` until the room ends, another line or its own beginning is near, or it comes round.
-    /// Points are numbered from `from` at `p`, by `count`: 1 ahead, -1 backwards.
+    /// Follows the axis from `p` until it meets the region's border, another line or its own
+    /// beginning, or closes on itself. Returned are the points and whether the line closed. Points
+    /// are numbered from `from` at `p`, in steps of `count`: 1 ahead, -1 backwards.
     fn follow(&mut self, p: DVec2, heading: DVec2, from: i32, count: i32) -> (Vec<DVec2>, bool) {
         let h = self.step_mm;
         let flow = self.flow;
@@ -231,18 +256,25 @@ impl Layout<'_> {
         let (mut at, mut heading) = (p, heading);
         let mut out: Vec<DVec2> = Vec::new();
         for k in 1..MAX_STEPS {
+            // Midpoint rule, second order: with Euler's steps a closed line of a circular field
+            // would spiral outwards.
             let half = along(at, heading);
             let step = along(at + 0.5 * h * half, half);
-            // Round a point without direction the axis may turn at once: a bead cannot.
+            // Around a singular point of the field the axis may turn by more than 60 degrees within
+            // a step. A bead cannot follow that.
             if step.dot(heading) < 0.5 {
                 break;
             }
             let next = at + h * step;
             let index = from + count * k as i32;
             let own = |i: i32| (i - index).abs() > lag;
+            // The line ends exactly on the border, so that it touches the wall whatever the step.
+            // That last point is left out where it would crowd another line or nearly coincide with
+            // the point before.
             if let Some(hit) = self.clipper.crossings(at, next).first() {
                 let edge = at.lerp(next, hit.t);
                 let room = GO_ON * self.closest_mm;
+                // Points of this same line count too, unless they are its recent ones.
                 if edge.distance(at) > 0.05 * h && self.near.open(edge, room, |line, i| line != id || own(i))
                 {
                     out.push(edge);
@@ -250,7 +282,8 @@ impl Layout<'_> {
                 }
                 break;
             }
-            // From a point on the border itself nothing is crossed on the way out.
+            // A seed on the border itself crosses no edge on the way out, so the first point is
+            // tested by itself.
             let b = self.near.bounds();
             let left = next.cmplt(b.min).any() || next.cmpgt(b.max).any();
             if left || (k == 1 && !self.clipper.contains(next)) {
@@ -261,6 +294,8 @@ impl Layout<'_> {
             }
             let came_round =
                 k as i32 > 2 * lag && next.distance(p) < 1.05 * self.closest_mm && step.dot(start) > 0.8;
+            // Only the first half of a line, followed ahead from its seed, can close: the other
+            // half would meet the first.
             if came_round && count > 0 && from == 0 {
                 return (out, true);
             }
@@ -289,6 +324,8 @@ impl Layout<'_> {
                 let d = q - p;
                 let across = cross(tangent, d);
                 let side = usize::from(across > 0.0);
+                // Points ahead or behind on the neighbour are seen at a slant. Only those within 45
+                // degrees of the normal measure the distance across.
                 if d.dot(tangent).abs() < across.abs() {
                     sides[side] = sides[side].min(share * across.abs());
                 }
@@ -304,14 +341,18 @@ impl Layout<'_> {
             });
             let edge = self.border.distance(p);
             if edge < most {
-                // The border has no side to look at: it is where no line is.
+                // The border is known by its distance alone, without a side. It takes the side on
+                // which the nearest line is farther away.
                 let side = usize::from(sides[1] > sides[0]);
                 sides[side] = sides[side].min(edge + border_mm);
             }
+            // Each side is bounded by itself: a bead is laid about its centreline, so space on one
+            // side cannot be used by the other.
             sides[0].max(least) + sides[1].max(least)
         };
         let raw: Vec<f64> = (0..n).map(of_point).collect();
-        // A bead cannot change its width at once.
+        // Melt pressure follows a change of flow slowly, so the width is averaged over seven
+        // points.
         (0..n)
             .map(|k| {
                 let r = 3.min(k).min(n - 1 - k);
@@ -321,7 +362,8 @@ impl Layout<'_> {
     }
 }
 
-/// No line has more points.
+/// Bound on the points of one line, against fields that never end a line. Source: derived: 100 000
+/// steps of 0.25 mm are 25 m, which fills 11 000 mm2 at a spacing of 0.45 mm with a single line.
 const MAX_STEPS: usize = 100_000;
 
 /// Distance to the border of a room, for points near it.
@@ -336,6 +378,9 @@ impl BorderDistance {
         let mut near = LinePoints::new(bounds, reach_mm);
         for contour in room.contours() {
             for (a, b) in grainpath_core::poly::edges(contour) {
+                // Points a fifth of the reach apart. The nearest of them is at most a tenth of the
+                // reach off along the border, which makes a distance of half the reach wrong by 2
+                // %.
                 let n = (a.distance(b) / (0.2 * reach_mm)).ceil().clamp(1.0, 1e5) as usize;
                 (0..n).for_each(|k| near.insert(a.lerp(b, k as f64 / n as f64), 0, 0));
             }
@@ -351,8 +396,10 @@ impl BorderDistance {
     }
 }
 
-/// Volume of what is to be filled: the room and the strips around it.
+/// Volume wanted: that of the region and the half strips around it.
 fn wanted_mm3(context: &FillContext<'_>, room: &Polygon) -> f64 {
+    // Source: derived: a rectangle grown by b on all sides gains its perimeter times b and four
+    // corners of b x b. Other regions differ in the corners alone.
     let area = room.area_mm2() + context.border_mm * (room.perimeter_mm() + 4.0 * context.border_mm);
     area * context.height_mm * context.density.fraction()
 }
@@ -373,6 +420,8 @@ fn dense_paths(
         (0..n).map(|k| mean(k) * length(k)).sum::<f64>()
     };
     let laid: f64 = lines.iter().zip(&strips).map(each).sum::<f64>() * height;
+    // The correction evens out the rounding of many strips. A factor outside the range means that
+    // lines are missing, and wider beads elsewhere would not mend that.
     let factor = (wanted_mm3(context, room) / laid.max(1e-9)).clamp(0.96, 1.08);
     for (line, strips) in lines.into_iter().zip(strips) {
         let widths: Vec<f64> = strips.iter().map(|s| bead_width_mm(factor * s, height)).collect();
@@ -395,7 +444,8 @@ fn sparse_paths(context: &FillContext<'_>, room: &Polygon, lines: Vec<Line>, out
         let points = kept.iter().map(|&k| line.points[k]).collect();
         out.push(Toolpath::new(points, context.bead_width_mm, context.role, line.closed));
     }
-    // Curves come and go whole; their width makes up for what that leaves of the density asked for.
+    // Lines are laid whole or not at all, so the length laid misses the density by a little. The
+    // bead width makes up for it, within 15 %.
     let laid: f64 = out[first..].iter().map(|p| p.volume_mm3(context.height_mm)).sum();
     let factor = (wanted_mm3(context, room) / laid.max(1e-9)).clamp(0.85, 1.15);
     let spacing = factor * context.spacing_mm();
@@ -403,7 +453,8 @@ fn sparse_paths(context: &FillContext<'_>, room: &Polygon, lines: Vec<Line>, out
     out[first..].iter_mut().for_each(|p| p.width = width.clone());
 }
 
-/// The points that matter, for place and width: Douglas and Peucker's choice in both.
+/// Indices of the points to keep: the line simplification of `douglas1973` for position and width
+/// together.
 fn kept(points: &[DVec2], widths: &[f64]) -> Vec<usize> {
     let n = points.len();
     let mut keep = vec![false; n];
@@ -419,6 +470,8 @@ fn kept(points: &[DVec2], widths: &[f64]) -> Vec<usize> {
                 0.0
             };
             let aside = p.distance(a + t * d);
+            // Width counts 0.3 as much as position: half of a width's error lies on each side of
+            // the bead, and no part's outline depends on it.
             let wider = 0.3 * (widths[k] - widths[lo] - t * (widths[hi] - widths[lo])).abs();
             let off = aside.max(wider);
             if off > best.0 { (off, k) } else { best }

@@ -4,9 +4,10 @@
 //! layer they turn into each other, so no straight line of weakness runs through the part. For a given `z` the equation is
 //! solved for the coordinate across in closed form (two branches), 24 points a period.
 //!
-//! The density fixes the period: the mean length of all waves in a unit of area, over all heights, is integrated once
-//! numerically, and the period is chosen so that length times bead area is the density asked for. Source of the surface:
-//! (`Schoen1970`). Cost: linear in the length of the waves.
+//! The density fixes the period: the mean length of all waves in a unit of area, over all heights,
+//! is integrated once numerically. The period is then chosen so that length times bead area is the
+//! density asked for. Source of the surface: `Schoen1970`. Lengths are in mm, phases in radians.
+//! Cost: linear in the length of the waves.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
@@ -20,18 +21,23 @@ use super::{FillContext, Infill};
 /// Slices of `sin x cos y + sin y cos z + sin z cos x = 0`.
 pub struct Gyroid;
 
-/// Points of a wave in one period.
+/// Points of a wave in one period. Source: derived: on a sine of unit amplitude a chord over 2 pi /
+/// 24 is off by (2 pi / 24)^2 / 8 = 0.0086 of the length unit, which is 8 um at a density of 20 %
+/// and beads of 0.45 mm.
 const POINTS: usize = 24;
 
 impl Infill for Gyroid {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
         let Some(bounds) = room.bounds() else { return };
+        // Length per area falls as 1 / unit, so the unit of the phase is a bead's spacing times the
+        // length density, over the density asked for.
         let unit_mm = context.spacing_mm() * length_density() / context.density.fraction();
         let clipper = LineClipper::new(&Region::from(room.clone()));
         let z = context.z_mid_mm / unit_mm;
         for wave in waves(bounds.grown(0.1), unit_mm, z) {
             for piece in clipper.clip(&wave) {
                 let path = Toolpath::new(piece.points, context.bead_width_mm, context.role, false);
+                // A piece shorter than it is wide is a dot.
                 if path.length_mm() > context.bead_width_mm {
                     out.push(path);
                 }
@@ -40,7 +46,8 @@ impl Infill for Gyroid {
     }
 }
 
-/// The curves of the slice at phase `z` as functions of x, or of y where they run that way, over the bounds.
+/// The curves of the section at phase `z` over the bounds: functions of x, or of y where the waves
+/// run upright.
 fn waves(bounds: Bounds2, unit_mm: f64, z: f64) -> Vec<Vec<DVec2>> {
     let (sz, cz) = sin_cos(z);
     let upright = sz.abs() > cz.abs();
@@ -59,6 +66,8 @@ fn waves(bounds: Bounds2, unit_mm: f64, z: f64) -> Vec<Vec<DVec2>> {
                 (if upright { DVec2::new(v, u) } else { DVec2::new(u, v) }) * unit_mm
             })
             .collect();
+        // Every other wave runs backwards, so that the travel from the end of one to the start of
+        // the next is short.
         out.push(if k.rem_euclid(2) == 0 { curve } else { curve.into_iter().rev().collect() });
     }
     out
@@ -68,6 +77,8 @@ fn waves(bounds: Bounds2, unit_mm: f64, z: f64) -> Vec<Vec<DVec2>> {
 fn branch(u: f64, sz: f64, cz: f64, upright: bool, second: bool) -> f64 {
     // a sin v + b cos v + c = 0
     let (a, b, c) = if upright { (cos(u), sz, sin(u) * cz) } else { (cz, sin(u), sz * cos(u)) };
+    // Where a and b vanish together every coordinate solves the equation; the floor only keeps the
+    // division finite.
     let r = (a * a + b * b).sqrt().max(1e-12);
     let angle = asin((-c / r).clamp(-1.0, 1.0));
     // The phase is kept continuous along the curve: it wanders within a half turn of where cz or sz puts it.
@@ -85,6 +96,8 @@ fn branch(u: f64, sz: f64, cz: f64, upright: bool, second: bool) -> f64 {
 fn length_density() -> f64 {
     static DENSITY: OnceLock<f64> = OnceLock::new();
     *DENSITY.get_or_init(|| {
+        // | Heights of the midpoint rule. Measured: with 64 heights and 256 points a period the
+        // length is 0.39089, with 512 and 1024 it is 0.39131, 0.1 % more.
         const N: usize = 64;
         let mut sum = 0.0;
         for k in 0..N {

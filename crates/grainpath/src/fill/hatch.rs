@@ -47,7 +47,7 @@ pub struct Hatch {
     ends: Vec<End>,
 }
 
-/// Which joints between lines may be made.
+/// Which joints between lines are allowed.
 #[derive(Debug, Clone, Copy)]
 pub struct Joints {
     /// The longest piece of border followed, mm.
@@ -68,11 +68,13 @@ impl Hatch {
             for (e, (a, b)) in grainpath_core::poly::edges(contour).enumerate() {
                 let (row_a, row_b) =
                     ((a.y - lines.first_mm) / lines.step_mm, (b.y - lines.first_mm) / lines.step_mm);
-                // Half-open: an end on a line counts for the edge that leaves it upwards.
+                // Half-open interval: a vertex on a row counts for the edge that leaves it upwards.
                 let (low, high) = (row_a.min(row_b).ceil(), row_a.max(row_b).ceil());
                 let mut line = low;
                 while line < high {
                     let y = lines.first_mm + line * lines.step_mm;
+                    // Rounding may put the share a little outside of the edge; the clamp keeps the
+                    // end on the border.
                     let t = ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0);
                     let x = a.x + t * (b.x - a.x);
                     ends.push(End {
@@ -86,6 +88,8 @@ impl Hatch {
                 }
             }
         }
+        // Pieces are ends two by two of a row, from left to right. Ties are broken by contour and
+        // place, so that the order is the same on every platform.
         ends.sort_by(|a, b| {
             let by_line = a.line.cmp(&b.line).then(a.x.total_cmp(&b.x));
             by_line.then(a.contour.cmp(&b.contour)).then(a.at.total_cmp(&b.at))
@@ -132,10 +136,13 @@ impl Hatch {
                 continue;
             }
             let mut path = Vec::new();
-            // The first piece of all is walked rightwards; after a joint, away from where the path came.
+            // The first piece is walked to the right. After a joint the path enters the next piece
+            // at the end it reached.
             let mut enter = 2 * first;
             loop {
                 used[enter / 2] = true;
+                // Ends of a piece are numbered 2k and 2k + 1, so the other end is the one with the
+                // last bit flipped.
                 let leave = enter ^ 1;
                 path.push(self.place(&self.ends[enter]));
                 path.push(self.place(&self.ends[leave]));
@@ -144,6 +151,7 @@ impl Hatch {
                     None => break,
                 }
             }
+            // A joint of no length, where two rows meet in a corner, would repeat a point.
             path.dedup_by(|a, b| a.distance_squared(*b) < 1e-12);
             if path.len() > 1 {
                 out.push(path.into_iter().map(|p| rotated(p, self.axis)).collect());
@@ -157,6 +165,8 @@ impl Hatch {
         let end = &self.ends[leave];
         let candidates = [1usize, 0].map(|forwards| {
             let next = end.along[forwards] as usize;
+            // A neighbour two rows away means that the border skips a row: the joint would cross
+            // that row's bead.
             if next == leave || used[next / 2] {
                 return None;
             }
@@ -173,7 +183,8 @@ impl Hatch {
                 from = p;
             }
             let allowed = length <= joints.longest_mm && (other.line != end.line || bulge <= joints.bulge_mm);
-            // Upwards first: the sweep began at the bottom. Then the shorter way.
+            // Upwards before downwards, because the sweep begins at the lowest row; among equals
+            // the shorter way.
             allowed.then_some((other.line <= end.line, length, next, between))
         });
         let best = candidates.into_iter().flatten().min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))?;

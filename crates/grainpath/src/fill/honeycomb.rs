@@ -23,8 +23,9 @@ pub struct Honeycomb;
 impl Infill for Honeycomb {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
         let s = context.spacing_mm();
-        // A wave is 4 sides long on 3 sides' width; waves are a rise and a spacing apart.
+        // A wave is 4 sides long over a width of 3 sides. Waves are one rise and one spacing apart.
         let side = (4.0 / (3.0 * context.density.fraction()) - 1.0) * s * 2.0 / 3f64.sqrt();
+        // Cells smaller than a bead cannot be told from solid infill.
         if side < s {
             return super::Rectilinear.fill(context, room, out);
         }
@@ -32,6 +33,8 @@ impl Infill for Honeycomb {
         let pitch = rise + s;
         let axis = direction(context.angle_rad);
         let back = DVec2::new(axis.x, -axis.y);
+        // The raster is anchored at the part's centre, so that the hexagons of all layers lie on
+        // each other.
         let centre = rotated(context.part.centre(), back);
         let local = Bounds2::of(room.outer.iter().map(|&p| rotated(p, back) - centre));
         let Some(bounds) = local else { return };
@@ -42,7 +45,7 @@ impl Infill for Honeycomb {
             ((bounds.min.x / (3.0 * side)).floor() as i64 - 1, (bounds.max.x / (3.0 * side)).ceil() as i64);
         for k in low..=high {
             let y = k as f64 * pitch;
-            // Odd waves stand on their heads, so that flats meet flats.
+            // Odd waves are mirrored, so that flats meet flats.
             let (up, down) = if k.rem_euclid(2) == 0 { (0.0, rise) } else { (rise, 0.0) };
             let mut wave = Vec::new();
             for period in first..=last {
@@ -51,6 +54,7 @@ impl Infill for Honeycomb {
                     wave.push(rotated(DVec2::new(x + dx, y + dy) + centre, axis));
                 }
             }
+            // Every other wave runs backwards: the next one then starts where this one ends.
             if k.rem_euclid(2) == 1 {
                 wave.reverse();
             }

@@ -1,7 +1,7 @@
 //! Fill: beads inside the walls.
 //!
-//! A pattern is told where centrelines may lie and lays paths there; it never looks at other layers. Density is
-//! volume of beads over volume of the place they fill.
+//! A pattern gets the area in which centrelines may lie and lays paths there; it never looks at
+//! other layers. Density is the volume of the beads over the volume of the area they fill.
 
 mod bridge;
 mod concentric;
@@ -25,7 +25,7 @@ pub use gyroid::Gyroid;
 pub use honeycomb::Honeycomb;
 pub use rectilinear::{Crossed, Rectilinear, Solid};
 
-/// What a pattern needs to know of the layer.
+/// What a pattern has to know about the layer.
 #[derive(Clone, Copy)]
 pub struct FillContext<'a> {
     /// Middle of the layer above the plate, mm.
@@ -34,7 +34,7 @@ pub struct FillContext<'a> {
     pub height_mm: f64,
     /// Full width of a bead, mm.
     pub bead_width_mm: f64,
-    /// Density; a fraction is over 0.
+    /// Density; a fraction lies above 0.
     pub density: Density,
     /// Direction of the lines from +X, radians.
     pub angle_rad: f64,
@@ -42,9 +42,10 @@ pub struct FillContext<'a> {
     pub part: Bounds2,
     /// What the paths are for.
     pub role: Role,
-    /// How far what is to be filled reaches beyond the room, mm: to the edge of the strips around it.
+    /// How far the area to be filled reaches beyond the area for centrelines, mm: to the edge of
+    /// the strips around it.
     pub border_mm: f64,
-    /// What the beads follow, where the pattern follows anything.
+    /// Direction field for the patterns that follow one.
     pub field: Option<&'a dyn DirectionField>,
 }
 
@@ -57,15 +58,17 @@ impl FillContext<'_> {
 
 /// Fills one polygon of one layer with paths whose centrelines stay inside it.
 ///
-/// Pure: same polygon and context, same paths. What needs other layers (bridges, skins) is decided before.
+/// The result depends on the polygon and the context alone. Whatever needs other layers, such as
+/// bridges and skins, is decided before.
 pub trait Infill: Send + Sync {
     /// Adds paths to `out`; none where nothing fits.
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>);
 }
 
-/// The code that lays a pattern. `rectilinear` and `aligned` differ only in the angles that the caller gives.
+/// The implementation of a pattern.
 pub fn infill(pattern: Pattern) -> &'static dyn Infill {
     match pattern {
+        // The two differ only in the raster angles that the caller gives layer by layer.
         Pattern::Rectilinear | Pattern::Aligned => &Rectilinear,
         Pattern::Grid => &Crossed { directions: 2 },
         Pattern::Triangles => &Crossed { directions: 3 },

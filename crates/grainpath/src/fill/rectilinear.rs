@@ -25,8 +25,9 @@ pub struct Crossed {
     pub directions: usize,
 }
 
-/// Lines that fill the room: at its borders where they run along them, evenly spaced between, the width following
-/// the spacing so that the volume is the room's.
+/// Lines that fill an infill region: the outermost lie along its borders where those run with the
+/// lines, the others evenly between. The bead width follows the spacing, so that the volume laid is
+/// the volume of the region.
 pub struct Solid;
 
 impl Infill for Rectilinear {
@@ -53,12 +54,16 @@ impl Infill for Crossed {
     }
 }
 
-/// Lines whose place depends only on the part, not on the room.
+/// Lines whose position depends on the part alone, whatever the region.
 fn sparse(context: &FillContext<'_>, room: &Polygon, angle_rad: f64, step_mm: f64, out: &mut Vec<Toolpath>) {
     let centre = context.part.centre();
     let back = direction(-angle_rad);
+    // A row passes through the middle of the part in every layer, so the rows of a direction lie on
+    // each other.
     let first_mm = rotated(centre, back).y;
     let hatch = Hatch::new(room, Lines { angle_rad, first_mm, step_mm });
+    // Along a steep border two rows are joined by about one step; 1.8 steps allow borders down to
+    // 34 degrees from the lines. A longer joint would double the wall's bead for nothing.
     let joints = Joints { longest_mm: 1.8 * step_mm, bulge_mm: 0.5 * step_mm };
     let width = context.bead_width_mm;
     out.extend(
@@ -73,9 +78,12 @@ impl Infill for Solid {
         };
         let joints = Joints { longest_mm: 4.0 * step_mm, bulge_mm: 0.5 * step_mm };
         let paths = Hatch::new(room, lines).paths(&joints);
-        // What is laid is what there is room for: where joints and line ends lie on each other the beads get a little
-        // thinner. They are wider than their spacing, so nothing opens between them.
+        // The volume laid is the volume of the region. Joints and line ends overlap their
+        // neighbours, so the beads get a little thinner. Beads are wider than their spacing, so no
+        // gap opens between them.
         let length: f64 = paths.iter().flat_map(|p| p.windows(2)).map(|w| w[0].distance(w[1])).sum();
+        // Source: derived: a rectangle grown by b on all sides gains its perimeter times b and four
+        // corners of b x b.
         let area = room.area_mm2() + context.border_mm * (room.perimeter_mm() + 4.0 * context.border_mm);
         let strip_mm = (area / length.max(1e-9)).clamp(0.9 * step_mm, 1.05 * step_mm);
         let width = bead_width_mm(strip_mm, context.height_mm);

@@ -47,6 +47,10 @@ pub fn trace(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Level> {
         let full = count;
         let most = (0..3).fold(0, |m, k| if count[k] > count[m] { k } else { m });
         let others = count[(most + 1) % 3] + count[(most + 2) % 3];
+        // A count of lines around a corner is half a difference of the counts on the sides. It is
+        // whole and not negative only if no side has more crossings than the other two together,
+        // and if the sum is even. Where that fails the longest side gives up crossings: those are
+        // the ends of lines.
         if count[most] > others {
             count[most] = others;
         } else if (count[most] + others) % 2 == 1 {
@@ -54,10 +58,14 @@ pub fn trace(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Level> {
         }
         for corner in 0..3 {
             let sides = [(corner + 1) % 3, (corner + 2) % 3];
+            // Crossings on the two sides that meet at the corner, less those on the opposite side,
+            // half of them each.
             let around = (count[sides[0]] + count[sides[1]] - count[corner]) / 2;
             for p in 0..around {
                 let [a, b] = sides.map(|side| {
                     let e = t.edges[side] as usize;
+                    // Crossings are stored from the first end of an edge onwards; around a corner
+                    // they are counted from the corner.
                     let from_first = mesh.edges[e].ends[0] == t.corners[corner];
                     starts[e] + if from_first { p } else { full[side] - 1 - p }
                 });
@@ -80,10 +88,14 @@ fn crossings(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> (Vec<u32>, Vec<
         let first = phase[a] + hair(a);
         let second = if turn.mirrored { -(phase[b] + hair(b)) } else { phase[b] + hair(b) };
         let off = second - first - turn.grown_rad;
+        // The phases are known up to whole turns. Of all ways to grow from one end to the other,
+        // the one nearest to the growth that the field asks for is meant.
         let grown = turn.grown_rad + off - TAU * (off / TAU).round();
         let (low, high) = (first.min(first + grown), first.max(first + grown));
         let mut levels: Vec<f64> = Vec::new();
         let mut k = (low / TAU).floor() + 1.0;
+        // The bound of 64 holds for phases that are not finite as well: one edge is about one bead
+        // long and crosses one or two levels.
         while k * TAU <= high && levels.len() < 64 {
             levels.push((k * TAU - first) / grown);
             k += 1.0;
@@ -109,6 +121,8 @@ fn chains(joined: &[[u32; 2]], points: &[DVec2]) -> Vec<Level> {
             used[at as usize] = true;
             line.push(points[at as usize]);
             let [a, b] = joined[at as usize];
+            // A joint knows no direction. The walk takes the slot that does not lead back; at the
+            // start of a line there is only one.
             let next = if a == from && from != NONE { b } else { a };
             (from, at) = (at, next);
         }

@@ -32,15 +32,16 @@ use grainpath_core::math::{atan2, cross, sin_cos};
 
 use grainpath_core::field_mesh::{FieldMesh, GridMatrix, conjugate_gradients};
 
-/// What the phase is made from, node by node.
+/// Input of the phase, one entry a node.
 pub struct PhaseInput {
     /// Unit vectors along the field; the sign does not matter.
     pub axes: Vec<DVec2>,
     /// Turns per mm across it.
     pub frequency: Vec<f64>,
-    /// How much the field matters, above 0: where it does little the phase misses turns first.
+    /// Weight of the field, above 0: the phase misses turns first where the weight is small.
     pub strength: Vec<f64>,
-    /// Phase wanted here, with the sign of the node's normal, and how strongly; weight 0 for none.
+    /// Phase wanted at the node, radians, with the sign of the node's normal, and its weight;
+    /// weight 0 where no phase is wanted.
     pub wanted: Vec<(f64, f64)>,
 }
 

@@ -44,6 +44,7 @@ impl Infill for SeedLines {
         let separation = |_: DVec2| SEED_SPACING * step;
         let seeding = Seeding {
             separation_mm: &separation,
+            // A seed line may run on until it is one bead away from another one.
             end_share: 1.0 / SEED_SPACING,
             shortest_mm: SHORTEST * step,
             whole: true,
@@ -51,6 +52,8 @@ impl Infill for SeedLines {
         let settings = LineSettings {
             tolerance_mm: 0.005,
             step_mm: step,
+            // A field without an end could circle for ever: twenty times the sum of both sides is
+            // far more than any line of the region.
             longest_mm: 20.0 * bounds.size().element_sum(),
         };
         let seeds = evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &settings);
@@ -64,7 +67,8 @@ impl Infill for SeedLines {
             Bead { widths: vec![context.bead_width_mm; points.len()], points, closed: l.closed }
         };
         let line = |l: &TracedLine| Line { points: l.points.clone(), closed: l.closed };
-        // The seed lines come first, then what fills the regions between them; each joined at its ends, across nothing.
+        // Seed lines are joined first, then the offsets between them. Each joint is refused where
+        // it would cross a line laid before.
         let mut others: Vec<Line> = seeds.iter().chain(&offsets).map(line).collect();
         for (rank, lines) in [(0, &seeds), (1, &offsets)] {
             let neighbours = Neighbours::new(&others, &border, 1.5 * context.spacing_mm());
@@ -78,19 +82,22 @@ impl Infill for SeedLines {
     }
 }
 
-/// What is within `r_mm` of a line.
+/// The area within `r_mm` of a line.
 fn around(line: &TracedLine, r_mm: f64) -> Region {
     Region::around_line(&simplify_line(&line.points, 0.005), line.closed, r_mm)
 }
 
-/// Where offsets' centrelines may lie: the room less a bead around each seed line.
+/// The area for the centrelines of offsets: the infill region less one bead around each seed line.
 fn parted(room: &Region, seeds: &[TracedLine], step: f64) -> Region {
+    // The band is a little narrower than a bead, so that the first offset, one bead away, lies
+    // inside the part and not on its border.
     let taken = seeds.iter().fold(Region::default(), |sum, l| sum.union(&around(l, 0.98 * step)));
     room.difference(&taken)
 }
 
 /// Offsets in one region, from the seed line that borders it lowest and leftmost, until it is full.
 fn fill_region(region: &Region, seeds: &[TracedLine], step: f64) -> Vec<TracedLine> {
+    // A little wider than the band that was cut away, so that a seed touches the parts beside it.
     let touching = |l: &&TracedLine| !around(l, 1.02 * step).intersection(region).is_empty();
     let place = |l: &TracedLine| {
         let least = |a: DVec2, b: DVec2| if (a.y + a.x) <= (b.y + b.x) { a } else { b };
@@ -110,6 +117,8 @@ fn fill_region(region: &Region, seeds: &[TracedLine], step: f64) -> Vec<TracedLi
         let distance = k as f64 * step;
         let band = around(seed, distance);
         for contour in band.contours() {
+            // A contour is a ring, a clipped line is open: the first point is repeated so that the
+            // last edge is clipped too.
             let mut ring = contour.clone();
             ring.extend(contour.first().copied());
             for piece in clipper.clip(&ring) {
@@ -119,6 +128,8 @@ fn fill_region(region: &Region, seeds: &[TracedLine], step: f64) -> Vec<TracedLi
                 }
             }
         }
+        // What is filled grows by half a bead beyond the offset's centreline, the other half of its
+        // strip.
         rest = rest.difference(&around(seed, distance + 0.5 * step));
         if rest.is_empty() {
             break;

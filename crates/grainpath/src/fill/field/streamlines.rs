@@ -1,8 +1,9 @@
 //! Sparse fill along a field: evenly spaced streamlines at the distance that the density asks for.
 //!
-//! Method: evenly spaced streamlines (`Jobard1997` in docs/references.bib). A line starts at a point that is at least the separation away from all others, follows the field in
-//! both directions, and ends where it comes nearer to another line than a share of the separation. Lines therefore end
-//! where the field converges and begin where it diverges. All beads have the nominal width.
+//! Method: evenly spaced streamlines (`Jobard1997`). A line starts at a point that is at least the
+//! separation away from all others and follows the field in both directions. It ends where it comes
+//! nearer to another line than a share of the separation. Lines therefore end where the field
+//! converges and begin where it diverges. All beads have the nominal width.
 //!
 //! Limits: lines end as soon as they are too close, so the density of a converging field comes out a little low; the
 //! separation is 0.94 of the nominal one to make up for it on average. At full density [`super::stripes`] take over.
@@ -25,7 +26,8 @@ pub fn sparse(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>
     let (Some(field), Some(bounds)) = (context.field, room.bounds()) else { return };
     let inside = LineClipper::new(&Region::from(room.clone()));
     let axis = |p: DVec2| inside.contains(p).then(|| axis_of(field, context, p));
-    // Lines that converge end and leave gaps: on average the distance is a little more than asked for.
+    // Lines that converge end and leave gaps, so the mean distance is a little more than the
+    // separation.
     let separation = 0.94 * context.spacing_mm() / context.density.fraction();
     let same = |_: DVec2| separation;
     let seeding = Seeding {

@@ -37,11 +37,12 @@ use grainpath_core::mask::{Grid, Mask};
 const NARROWEST: f64 = 0.6;
 /// The widest bead, in the same share and from the same source.
 const WIDEST: f64 = 1.6;
-/// Shorter pieces are not worth their start, in beads.
+/// Shorter pieces are left out, in beads: each would cost a start and a stop.
 const SHORTEST: f64 = 2.0;
-/// Ends further apart than this are not joined, in beads.
+/// Ends farther apart than this are not joined, in beads.
 const LONGEST_JOINT: f64 = 2.0;
-/// Rounds of moving beads to the middle between their neighbours.
+/// Rounds of moving beads to the middle between their neighbours. Each round moves a bead by at
+/// most 0.2 of the spacing.
 const CENTRINGS: usize = 3;
 /// Rounds of taking crowded beads away.
 const THINNINGS: usize = 2;
@@ -55,6 +56,8 @@ pub fn dense(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>)
     let spacing = context.spacing_mm();
     let room = Region::from(room.clone());
     let border = room.offset(context.border_mm, Join::Miter(2.0));
+    // The mesh has to resolve the field, not the beads: growth along an edge comes from the field,
+    // so an edge may cross a level or two.
     let Some(mesh) = FieldMesh::over(&border, 1.1 * spacing) else { return };
     let levels = {
         let input = phase_input(&mesh, field, context, &border);
@@ -64,6 +67,8 @@ pub fn dense(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>)
     };
     let clipper = LineClipper::new(&room);
     let mut lines = Vec::new();
+    // Level lines carry the zigzag of the triangulation. Resampling and three rounds of smoothing
+    // remove it.
     for level in levels {
         let mut points = resampled(&level.points, level.closed, 0.75 * spacing);
         smooth(&mut points, level.closed, 3);
@@ -72,6 +77,8 @@ pub fn dense(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>)
     for _ in 0..CENTRINGS {
         centre(&mut lines, &border, spacing);
     }
+    // Centring may push points of a line out of the area for centrelines, so lines are clipped once
+    // more.
     lines = lines
         .into_iter()
         .flat_map(|l| {
@@ -99,14 +106,15 @@ fn phase_input(
     PhaseInput { axes, frequency, strength, wanted }
 }
 
-/// Where the field runs along the border, beads should too, half a bead away.
+/// Phase wanted near the border: where the field runs along the border, the outermost bead should
+/// too, half a bead away.
 pub struct NearBorder {
     edges: Vec<(DVec2, DVec2)>,
     buckets: Buckets,
 }
 
 impl NearBorder {
-    /// For places within a cell of the border.
+    /// For places within one cell of the border; `cell_mm` is the reach.
     pub fn new(border: &Region, cell_mm: f64) -> Self {
         let edges: Vec<(DVec2, DVec2)> = border.contours().flat_map(|c| edges(c)).collect();
         let bounds = border.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
@@ -126,6 +134,8 @@ impl NearBorder {
         {
             let (a, b) = self.edges[k as usize];
             let distance = distance2_to_segment(p, a, b).sqrt();
+            // Of two edges at the same distance, for instance at a corner, the first one counts, so
+            // that the result does not depend on the order in the buckets.
             if distance < best.0 || (distance == best.0 && k < best.1) {
                 best = (distance, k);
             }
@@ -141,6 +151,8 @@ impl NearBorder {
         let inwards = DVec2::new(-along.y, along.x);
         let depth = if inwards.dot(p - a) < 0.0 { -distance } else { distance };
         let parallel = along.dot(axis).abs();
+        // Full weight where field and border are parallel, none beyond 23 degrees (0.92 is its
+        // cosine): there beads end on the border and no phase on it is better than another.
         let weight = ((parallel - 0.92) / 0.08).clamp(0.0, 1.0);
         let normal = DVec2::new(-axis.y, axis.x);
         let sign = if normal.dot(inwards) < 0.0 { -1.0 } else { 1.0 };
@@ -161,6 +173,8 @@ fn push_inside(
         line.extend(line.first().copied());
     }
     let mut pieces = clipper.clip(&line);
+    // Coordinates are compared exactly on purpose: the clipper returns the points of a piece it
+    // left whole unchanged.
     let whole = pieces.len() == 1
         && pieces[0].points.len() == line.len()
         && pieces[0].points[0] == line[0]
@@ -191,7 +205,7 @@ fn push_inside(
     }
 }
 
-/// Moves every bead towards the middle of its room.
+/// Moves every bead towards the middle of the space it has.
 fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
     let neighbours = Neighbours::new(lines, border, 1.5 * spacing_mm);
     let moved: Vec<Vec<DVec2>> = lines
@@ -200,9 +214,13 @@ fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
         .map(|(l, line)| {
             let shift = |v: usize| {
                 let r = neighbours.reach(lines, l, v, 1.8 * spacing_mm, 0.5 * spacing_mm);
+                // Half the difference of the reaches goes half the way to the middle, because the
+                // neighbours move in the same round. The bound keeps beads from changing places.
                 0.5 * (r.left_mm - r.right_mm).clamp(-0.4 * spacing_mm, 0.4 * spacing_mm)
             };
             let mut shifts: Vec<f64> = (0..line.points.len()).map(shift).collect();
+            // Neighbouring points see different segments of the next bead. Unsmoothed shifts would
+            // print that as ripples.
             smooth(&mut shifts, line.closed, 4);
             let to = |(v, &p): (usize, &DVec2)| {
                 let t = line.tangent(v);
@@ -226,7 +244,8 @@ fn strips(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64) -> Vec<Vec<f
         let mut widths: Vec<f64> = (0..line.points.len()).map(strip).collect();
         let n = widths.len();
         if !line.closed && n > 3 {
-            // At its very end a line looks along the border, not across to its neighbour.
+            // At its very end a line looks along the border, not across to its neighbour. The next
+            // point's strip is taken instead.
             (widths[0], widths[n - 1]) = (widths[1], widths[n - 2]);
         }
         smooth(&mut widths, line.closed, 1);
@@ -235,7 +254,7 @@ fn strips(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64) -> Vec<Vec<f
     lines.iter().enumerate().map(of_line).collect()
 }
 
-/// Lines with their room.
+/// Lines with the space that each has.
 struct Roomed {
     lines: Vec<Line>,
     neighbours: Neighbours,
@@ -243,7 +262,7 @@ struct Roomed {
     strips: Vec<Vec<f64>>,
 }
 
-/// Takes beads away where there is no room for them: their neighbours then widen.
+/// Takes beads out where they have less space than the narrowest bead; their neighbours then widen.
 fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<'_>) -> Roomed {
     let spacing = context.spacing_mm();
     let least = bead_spacing_mm(NARROWEST * context.bead_width_mm, context.height_mm);
@@ -257,7 +276,9 @@ fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<
         }
         round += 1;
         let mut kept = Vec::with_capacity(lines.len());
-        // Every other crowded line at the most: when one goes, the next has room.
+        // All crowded stretches of a round go at once, also those of two lines beside each other.
+        // The space goes to the strips of the lines that stay and, where it is wide enough, to
+        // single beads.
         for (line, widths) in lines.into_iter().zip(strips) {
             if !widths.iter().any(crowded) {
                 kept.push(line);
@@ -280,8 +301,8 @@ fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<
     }
 }
 
-/// Turns lines into beads as wide as their room, joined at their ends where the way is short, and puts single beads
-/// where a gap is left.
+/// Turns lines into beads as wide as the space they have, joins ends where the way is short, and
+/// puts single beads where a gap is left.
 fn lay(roomed: Roomed, border: &Region, context: &FillContext<'_>, out: &mut Vec<Toolpath>) {
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
     let width = |strip: f64| bead_width_mm(strip, h).clamp(NARROWEST * nominal, WIDEST * nominal);
@@ -300,7 +321,7 @@ fn lay(roomed: Roomed, border: &Region, context: &FillContext<'_>, out: &mut Vec
     let left = gaps(border, &out[first..], h, GAP_CELL * context.spacing_mm());
     let mut singles = Vec::new();
     single_beads(&left, nominal, NARROWEST * nominal, h, context.role, &mut singles);
-    // Where branches of a gap meet, their beads may cross: the later one gives way.
+    // Where branches of a gap meet, their beads may cross. The later one is dropped.
     let mut laid: Vec<[DVec2; 2]> = Vec::new();
     for single in singles.into_iter().filter(|p| p.length_mm() > nominal) {
         let segments: Vec<[DVec2; 2]> =
@@ -318,29 +339,30 @@ fn meets([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
     sides(a, b, c, d) < 0.0 && sides(c, d, a, b) < 0.0
 }
 
-/// What of a room the strips of beads leave open, where that is wider than about a cell and a half.
-///
-/// Looked for cell by cell and cut out exactly only where cells are open: a union of all strips costs more than all
-/// the rest of the fill.
+/// The area that the beads' strips leave open, where it is wider than about a cell and a half.
+/// | Open places are found on a raster and cut out exactly only there: a union of all strips costs
+/// more than the rest of the fill together.
 fn gaps(room: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64) -> Region {
     let Some(bounds) = room.bounds() else { return Region::default() };
     let grid = Grid::exactly(bounds, cell_mm);
     let mut filled = Mask::empty(grid);
     let strips: Vec<Contour> = beads.iter().flat_map(|b| strips_of(b, height_mm)).collect();
     strips.iter().for_each(|s| filled.add_convex(s));
-    // A bead's gap is more than one cell long; what is not is left between strips that do not quite touch.
+    // A gap worth a bead is more than one cell long. Lone cells lie between strips that do not
+    // quite touch.
     let open = Mask::of(grid, room).and_not(&filled).without_lone();
     if open.is_empty() {
         return Region::default();
     }
-    // Far enough around that what narrows down to nothing is whole.
+    // The window reaches four cells beyond the open ones, so that a gap that narrows down to
+    // nothing is cut out whole.
     let near = open.grown(4);
     let window = Region::from_contours(&near.contours(), FillRule::NonZero).intersection(room);
     let there = strips.iter().filter(|s| near.meets_convex(s));
     window.difference(&Region::from_contours(there, FillRule::NonZero))
 }
 
-/// What the strips of beads fill.
+/// The area that the strips of beads fill.
 #[cfg(test)]
 pub fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
     let strips: Vec<Contour> = beads.iter().flat_map(|b| strips_of(b, height_mm)).collect();
@@ -369,7 +391,8 @@ pub(super) struct Bead {
 }
 
 impl Bead {
-    /// How much of its last segment, or its first, remains with `by_mm` taken off; all of one that is hardly longer.
+    /// The end of the last segment, or of the first, with `by_mm` taken off, and the share of the
+    /// segment that remains. A segment not longer than 1.5 times that is kept whole.
     fn rest(&self, first: bool, by_mm: f64) -> (DVec2, f64) {
         let n = self.points.len();
         let (a, b) =
@@ -394,8 +417,8 @@ impl Bead {
     }
 }
 
-/// Joins open beads end to end along the border: from each end to the nearest free one, if it is not far and the
-/// way stays inside.
+/// Joins open beads end to end along the border: each end to the nearest free one, if that is near
+/// and the way stays inside the region.
 pub(super) fn joined(
     beads: Vec<Bead>,
     neighbours: &Neighbours,
@@ -411,6 +434,8 @@ pub(super) fn joined(
     let index = NearestEnds::new(&ends);
     let mut beads: Vec<Option<Bead>> = beads.into_iter().map(Some).collect();
     let mut out = Vec::new();
+    // Beads are tried in the order of the level lines, which the mesh fixes: the same region gives
+    // the same joints for any number of threads.
     for first in 0..beads.len() {
         let Some(mut bead) = beads[first].take_if(|_| !used[first]) else { continue };
         used[first] = true;
@@ -422,6 +447,8 @@ pub(super) fn joined(
                 let to = ends[next][usize::from(second)];
                 let other = beads[next].as_ref().map(|b| b.rest(!second, retreat_mm).0);
                 let joint = [bead.rest(false, retreat_mm).0, other.unwrap_or(to)];
+                // The direct way and the joint half a bead inside the border are both tested,
+                // because another bead may lie across either of them.
                 if at.distance(to) > LONGEST_JOINT * spacing_mm
                     || !inside.segment_inside(at, to)
                     || neighbours.between(at, to, [at, to])
@@ -449,7 +476,7 @@ pub(super) fn joined(
     out
 }
 
-/// So many vertices at most are looked at together.
+/// Vertices that are simplified together at most.
 const PIECE: usize = 256;
 
 /// Drops vertices that lie within 5 um of the line without them and whose width lies within 10 um.
@@ -459,6 +486,8 @@ pub fn simplified(points: &[DVec2], widths: &[f64], closed: bool) -> (Vec<DVec2>
     keep[n - 1] = true;
     // Piece by piece, so that the time a long bead takes grows with its length alone.
     let mut stack: Vec<(usize, usize)> = Vec::new();
+    // A ring is cut in two at least: its first and last points are neighbours, and distances from
+    // that short chord would say nothing.
     let most = if closed { PIECE.min(n / 2).max(1) } else { PIECE };
     for a in (0..n - 1).step_by(most) {
         keep[a] = true;
@@ -469,6 +498,8 @@ pub fn simplified(points: &[DVec2], widths: &[f64], closed: bool) -> (Vec<DVec2>
         let off = |i: usize| {
             let t = ((points[i] - p).dot(d) / d.length_squared().max(1e-18)).clamp(0.0, 1.0);
             let w = widths[a] + t * (widths[b] - widths[a]);
+            // Both errors are divided by their tolerance, 5 um aside and 10 um of width, so the
+            // worse one decides.
             (points[i].distance(p + t * d) / 0.005).max((widths[i] - w).abs() / 0.01)
         };
         let worst = (a + 1..b).map(|i| (off(i), i)).fold((1.0, 0), |m, o| if o.0 > m.0 { o } else { m });

@@ -1,6 +1,7 @@
 //! How wide a bead may be: the space between its neighbours.
 //!
-//! Beads and the border of the place they fill are kept as segments in square buckets. From a point of a bead a ray goes to
+//! Beads and the border of the area they fill are kept as segments in square buckets. From a point
+//! of a bead a ray goes to
 //! the left and to the right, at right angles to it. A neighbouring bead shares the distance, the border gives all of it:
 //!
 //! ```text
@@ -59,14 +60,14 @@ impl Line {
     }
 }
 
-/// The space of a bead at a point: how far it may reach to its left and right, mm.
+/// The space of a bead at a point: its reach to the left and to the right, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reach {
     pub left_mm: f64,
     pub right_mm: f64,
 }
 
-/// What a ray meets.
+/// The first segment that a ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     pub distance_mm: f64,
@@ -93,14 +94,14 @@ fn pieces_of(l: usize, line: &Line) -> impl Iterator<Item = Piece> + '_ {
     })
 }
 
-/// All beads of an infill region and its border, for asking what lies beside a bead.
+/// The beads of an infill region and its border, searchable for the neighbours of a bead.
 pub struct Neighbours {
     pieces: Vec<Piece>,
     buckets: Buckets,
 }
 
 impl Neighbours {
-    /// Beads as `lines`, and the edge of the place they are to fill.
+    /// From all `lines` and the border of the region they fill; cells are `cell_mm` wide.
     pub fn new(lines: &[Line], border: &Region, cell_mm: f64) -> Self {
         let mut pieces = Vec::with_capacity(lines.iter().map(Line::n_segments).sum());
         lines.iter().enumerate().for_each(|(l, line)| pieces.extend(pieces_of(l, line)));
@@ -110,10 +111,13 @@ impl Neighbours {
         Self::of(pieces, cell_mm)
     }
 
-    /// Of these beads only what lies within about `reach_mm` of those that `chosen` names.
+    /// Only those segments of `lines` that lie within about `reach_mm` of the beads that `chosen`
+    /// names.
     pub fn around(lines: &[Line], chosen: impl Fn(usize) -> bool, reach_mm: f64, cell_mm: f64) -> Self {
         let points = lines.iter().flat_map(|l| l.points.iter().copied());
         let bounds = Bounds2::of(points).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+        // Coarse cells of the size of the reach: a segment counts as near if it passes one of the
+        // nine cells around a chosen bead.
         let cells = CellGrid::covering(bounds, reach_mm, 4000);
         let mut is_near = vec![false; cells.nx * cells.ny];
         for (l, line) in lines.iter().enumerate().filter(|l| chosen(l.0)) {
@@ -135,7 +139,9 @@ impl Neighbours {
         Self::of(pieces, cell_mm)
     }
 
-    /// Of the same beads, moved a little since, those within two cells of these places.
+    /// A copy with those segments that lie within two cells of `places`, at the positions that
+    /// `lines` have now. The cells are those of the old positions, so lines may have moved by less
+    /// than a cell.
     pub fn near(&self, lines: &[Line], places: &[DVec2]) -> Self {
         let cells = &self.buckets.cells;
         let mut is_near = vec![false; self.pieces.len()];
@@ -145,6 +151,8 @@ impl Neighbours {
             }
         }
         let moved = |p: &Piece| {
+            // The border stays; bead segments are read anew, because the lines were moved after the
+            // cells were filled.
             if p.line == BORDER {
                 return *p;
             }
@@ -164,14 +172,17 @@ impl Neighbours {
         Self { pieces, buckets }
     }
 
-    /// Distance from `p` along the unit vector `way` to the next bead or border, and whether it is the border.
-    /// Segments of `line` within `near` of `segment` do not count.
+    /// Distance from `p` along the unit vector `way` to the next bead or border within `far_mm`,
+    /// and whether it is the border.
+    /// | `own` is line, segment and count: segments of that line within that count of that segment
+    /// are skipped, because a bead is no neighbour to itself nearby.
     pub fn ray(&self, p: DVec2, way: DVec2, far_mm: f64, own: (usize, usize, usize)) -> Option<(f64, bool)> {
         let skips = |line: usize, segment: usize| line == own.0 && segment.abs_diff(own.1) <= own.2;
         self.hit(p, way, far_mm, skips).map(|h| (h.distance_mm, h.line.is_none()))
     }
 
-    /// What the ray from `p` along the unit vector `way` meets first, segments that `skips` names left out.
+    /// The first segment that the ray from `p` along the unit vector `way` meets within `far_mm`.
+    /// Segments for which `skips` is true are left out.
     pub fn hit(
         &self,
         p: DVec2,
@@ -186,11 +197,14 @@ impl Neighbours {
                 let piece = &self.pieces[m as usize];
                 let d = piece.b - piece.a;
                 let to = piece.a - p;
-                // Most are missed: divided only where both lie within.
+                // Most segments are missed by the ray, so the division waits until both parameters
+                // are known to be in range.
                 let det = cross(way, d);
                 let (size, sign) = (det.abs(), det.signum());
                 let (t, u) = (sign * cross(to, d), sign * cross(to, way));
                 let nearest = best.map_or(far_mm, |b| b.0);
+                // The tolerance at the ends of a segment keeps a ray from slipping through the
+                // vertex between two segments.
                 let hit = u >= -1e-9 * size && u <= (1.0 + 1e-9) * size && t > 0.0 && t <= nearest * size;
                 if hit && (piece.line == BORDER || !skips(piece.line as usize, piece.segment as usize)) {
                     let t = t / size;
@@ -210,7 +224,8 @@ impl Neighbours {
         })
     }
 
-    /// Whether a bead lies across the straight way from `a` to `b`; segments that end at one of `own` do not count.
+    /// Whether a bead crosses the straight way from `a` to `b`; segments that end at one of the
+    /// `own` points are skipped.
     pub fn between(&self, a: DVec2, b: DVec2, own: [DVec2; 2]) -> bool {
         let way = b - a;
         let mut blocked = false;
@@ -223,6 +238,8 @@ impl Neighbours {
                 }
                 let d = piece.b - piece.a;
                 let sides = |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e, p - o) * cross(e, q - o);
+                // Touching counts as crossing: a joint through the end of another bead would be
+                // laid on top of it.
                 blocked |= sides(a, way, piece.a, piece.b) <= 0.0 && sides(piece.a, d, a, b) <= 0.0;
             }
         });
@@ -233,7 +250,7 @@ impl Neighbours {
     pub fn crossings(&self) -> Vec<[(usize, usize); 2]> {
         let mut out = Vec::new();
         let cells = &self.buckets.cells;
-        // Of a cell's pieces those met before, with their bounds.
+        // Segments of the same cell seen before, each with its bounds.
         let mut met: Vec<(Piece, DVec2, DVec2)> = Vec::new();
         for cell in 0..cells.nx * cells.ny {
             met.clear();
@@ -245,6 +262,7 @@ impl Neighbours {
                 let (low, high) = (p.a.min(p.b), p.a.max(p.b));
                 for (q, q_low, q_high) in &met {
                     let apart = high.x < q_low.x || q_high.x < low.x || high.y < q_low.y || q_high.y < low.y;
+                    // A segment and its successor share a point on purpose.
                     let follows = p.line == q.line && (p.a == q.b || p.b == q.a);
                     if apart || follows {
                         continue;
@@ -258,22 +276,25 @@ impl Neighbours {
                 met.push((p, low, high));
             }
         }
+        // A pair that shares several cells is found in each of them.
         out.sort_unstable();
         out.dedup();
         out
     }
 
-    /// The space of a bead at a vertex: to the border, or half way to the next bead. Where there is neither within
-    /// `far_mm`, `free_mm`.
+    /// The space of a bead at a vertex: all of the distance to the border, half of the distance to
+    /// the next bead. `free_mm` stands in where neither is met within `far_mm`.
     pub fn reach(&self, lines: &[Line], line: usize, vertex: usize, far_mm: f64, free_mm: f64) -> Reach {
         let l = &lines[line];
         let t = l.tangent(vertex);
         let left = DVec2::new(-t.y, t.x);
-        // A closed line's last segments touch its first vertex.
+        // The last segments of a closed line touch its first vertex, so near the seam the whole
+        // line is skipped.
         let n = l.n_segments();
         let near = if l.closed && (vertex < 3 || vertex + 3 > n) { n } else { 3 };
         let ray = |way: DVec2, far_mm: f64| self.ray(l.points[vertex], way, far_mm, (line, vertex, near));
-        // Most neighbours are much nearer, and a short way passes few cells.
+        // Most neighbours are much nearer than `far_mm`, and a short ray passes few cells. The long
+        // ray is tried only where the short one finds no segment.
         let side = |way: DVec2| match ray(way, 0.7 * far_mm).or_else(|| ray(way, far_mm)) {
             Some((d, true)) => d,
             Some((d, false)) => 0.5 * d,
@@ -290,6 +311,7 @@ pub fn resampled(points: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
         line.extend(points.first());
     }
     let length: f64 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
+    // The step is stretched so that a whole number of steps fits and the last one is no stub.
     let n = ((length / step_mm).round() as usize).max(1);
     let step = length / n as f64;
     if line.len() < 2 || length <= 0.0 {
@@ -306,6 +328,7 @@ pub fn resampled(points: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
         }
         walked += d;
     }
+    // On a closed line the last point would repeat the first.
     if !closed {
         out.push(line[line.len() - 1]);
     }
