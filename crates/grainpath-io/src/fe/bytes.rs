@@ -34,6 +34,8 @@ impl Scalar {
             ($t:ty, $n:literal) => {{
                 let mut a = [0u8; $n];
                 a.copy_from_slice(&b[..$n]);
+                // A 64-bit integer above 2^53 loses digits as f64. Such numbers occur only as node
+                // labels, and a label that is not exact is refused where it is used.
                 (if big { <$t>::from_be_bytes(a) } else { <$t>::from_le_bytes(a) }) as f64
             }};
         }
@@ -51,7 +53,7 @@ impl Scalar {
         }
     }
 
-    /// All whole numbers of this type in `bytes`.
+    /// All numbers of this type in `bytes`; a rest shorter than one number is dropped.
     pub(crate) fn all(self, bytes: &[u8], big: bool) -> Vec<f64> {
         bytes.chunks_exact(self.bytes()).map(|b| self.take(b, big)).collect()
     }
@@ -76,7 +78,8 @@ impl<'a> Raw<'a> {
     }
 }
 
-/// Decodes base64 that may be broken into lines and padded in the middle, as VTK pads headers apart from data.
+/// Decodes base64 that may be broken into lines. VTK encodes the header and the data of an array apart,
+/// so padding may stand in the middle.
 /// Stops after `limit` bytes or at the first character that is not base64.
 pub(crate) fn base64(text: &[u8], limit: usize) -> Vec<u8> {
     let value = |c: u8| match c {
@@ -87,6 +90,7 @@ pub(crate) fn base64(text: &[u8], limit: usize) -> Vec<u8> {
         b'/' => Some(63),
         _ => None,
     };
+    // The capacity follows from the text alone: a `limit` from a damaged header must not reserve memory.
     let mut out = Vec::with_capacity((text.len() / 4 * 3).min(limit));
     let (mut word, mut n, mut pad) = (0u32, 0, 0);
     for &c in text {
@@ -94,6 +98,8 @@ pub(crate) fn base64(text: &[u8], limit: usize) -> Vec<u8> {
             continue;
         }
         let bits = match value(c) {
+            // RFC 4648, section 4: `=` may stand only in the last two places of a group of four, and no
+            // letter may follow it inside the group.
             Some(v) if pad == 0 => u32::from(v),
             None if c == b'=' && n >= 2 => {
                 pad += 1;
@@ -104,6 +110,7 @@ pub(crate) fn base64(text: &[u8], limit: usize) -> Vec<u8> {
         word = word << 6 | bits;
         n += 1;
         if n == 4 {
+            // Three bytes of the word are data. Each padding character takes one byte away.
             out.extend_from_slice(&word.to_be_bytes()[1..4 - pad]);
             (word, n, pad) = (0, 0, 0);
             if out.len() >= limit {
@@ -126,11 +133,13 @@ pub(crate) enum Compression {
     Lz4,
 }
 
-/// The xz decoder may take this much memory, KiB. The largest dictionary that a preset of xz asks for is 64 MiB;
-/// a header may ask for 4 GiB.
+/// Memory limit of the xz decoder, KiB. A larger dictionary is refused, since a header may ask for 4 GiB.
+/// Source: xz(1), table of presets; the largest dictionary of a preset is 64 MiB and its decoder takes 65
+/// MiB.
 const XZ_MEMORY_KIB: u32 = 80 << 10;
 
-/// Decompresses a block to exactly `size` bytes and appends them. Never makes room for more.
+/// Decompresses a block and appends it; the block must hold exactly `size` bytes. Never reserves more
+/// than that.
 pub(crate) fn decompress(
     packed: &[u8],
     compression: Compression,
@@ -138,6 +147,7 @@ pub(crate) fn decompress(
     out: &mut Vec<u8>,
 ) -> Result<(), String> {
     let before = out.len();
+    // One byte more than expected is read, so that a block that is too long is noticed.
     let limit = size as u64 + 1;
     let read = match compression {
         Compression::Zlib => flate2::read::ZlibDecoder::new(packed).take(limit).read_to_end(out),
@@ -145,7 +155,9 @@ pub(crate) fn decompress(
             lzma_rust2::XzReader::new_mem_limit(packed, false, XZ_MEMORY_KIB).take(limit).read_to_end(out)
         }
         Compression::Lz4 => {
-            // No block of LZ4 grows by more than 255 bytes for each of its own.
+            // A length in LZ4 grows by at most 255 for each byte that encodes it (LZ4 block format,
+            // "Literals" and "Match"), so a longer claim is false. Without this test `resize` below would
+            // reserve what the header claims.
             if size / 255 > packed.len() {
                 return Err(format!("a block of {} bytes cannot hold {size}", packed.len()));
             }
@@ -165,12 +177,12 @@ pub(crate) fn decompress(
     }
 }
 
-/// Turns the numbers a file gives its nodes or elements into indices.
+/// Maps the numbers that a file gives its nodes or elements to indices from 0.
 #[derive(Debug, Default)]
 pub(crate) struct Numbers {
-    /// Number to index, while numbers are small beside their count.
+    /// Index by number, for numbers that are small beside the count of entries.
     table: Vec<u32>,
-    /// The others.
+    /// Index of all other numbers.
     rest: HashMap<i64, u32>,
     len: u32,
 }
@@ -185,6 +197,8 @@ impl Numbers {
         }
         let index = self.len;
         match usize::try_from(number) {
+            // The table grows only up to eight times the entries read so far: one node with number 2 000
+            // 000 000 must not allocate 8 GB. Numbers beyond that go to the hash map.
             Ok(n) if n < 64 + 8 * index as usize => {
                 if self.table.len() <= n {
                     self.table.resize(n + 1, Self::NONE);

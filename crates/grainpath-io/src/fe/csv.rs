@@ -1,4 +1,4 @@
-//! CSV: one point with its stress a line. The header names the columns.
+//! CSV: one point with its stress in each line. The header names the columns.
 //!
 //! Columns are separated by commas, semicolons or tabs, and numbers may have decimal commas where the separator is another
 //! character. Coordinates may be named as ParaView writes them (`Points:0`). Limits: 256
@@ -7,7 +7,8 @@
 use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
 use grainpath_core::number::number;
 
-/// Columns beyond this are not a table of stresses.
+/// Header columns that are read; a wider file is not a table of stresses. The bound keeps a line without
+/// line breaks from becoming millions of names.
 const MAX_COLUMNS: usize = 256;
 
 /// Whether the first line is a header with coordinates and a stress.
@@ -18,6 +19,8 @@ pub(crate) fn looks_like(head: &[u8]) -> bool {
     axis(&names, 0).is_some() && axis(&names, 1).is_some() && names.len() >= 4
 }
 
+// The comma comes last, because it is the decimal sign in files that separate columns by semicolons or
+// tabs.
 fn separator(line: &[u8]) -> Option<u8> {
     [b';', b'\t', b','].into_iter().find(|s| line.contains(s))
 }
@@ -56,6 +59,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
             "the header should name columns x and y; it is the only place that says what is what",
         ));
     };
+    // A table without z is plane; its points get z = 0.
     let z = axis(&names, 2);
     let columns: Vec<usize> = (0..names.len()).filter(|&i| i != x && i != y && Some(i) != z).collect();
     let mut file = FeFile::empty(FeFormat::Csv);
@@ -68,16 +72,19 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
             continue;
         }
         row.clear();
+        // Fields beyond the header have no name and cannot be assigned; they are skipped.
         for (k, field) in line.split(|&b| b == separator).enumerate().take(names.len()) {
             let text = field.trim_ascii();
             let comma = || {
-                // Decimal commas, where something else parts the columns.
+                // A decimal comma, as spreadsheets of many European locales write it. The separator is
+                // another character then.
                 let point: Vec<u8> = text.iter().map(|&b| if b == b',' { b'.' } else { b }).collect();
                 number(&point)
             };
+            // An empty cell means that there is no value; NaN keeps that apart from zero stress.
             let v = if text.is_empty() { Some(f64::NAN) } else { number(text).or_else(comma) };
             let needed = k == x || k == y || Some(k) == z;
-            // A column of words (names, dates) has no numbers; coordinates must.
+            // Columns of words (names, dates) become NaN; a coordinate must be a number.
             let v = v.or((!needed).then_some(f64::NAN)).ok_or_else(|| {
                 let shown = String::from_utf8_lossy(&text[..text.len().min(40)]).into_owned();
                 invalid(place(), format!("found {shown:?} where a number should be, column {}", k + 1))
@@ -97,6 +104,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
         }
     }
     for (values, k) in values.into_iter().zip(columns) {
+        // Columns without a single number would only lengthen the list of arrays shown to the user.
         if values.iter().any(|v| !v.is_nan()) {
             file.arrays.push(FeArray {
                 name: names[k].clone(),

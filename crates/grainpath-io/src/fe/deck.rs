@@ -1,4 +1,4 @@
-//! What an INP deck says beyond its mesh: sets, material, sections, supports and loads.
+//! The contents of an INP deck besides its mesh: sets, material, sections, supports and loads.
 
 use std::collections::BTreeMap;
 
@@ -39,13 +39,13 @@ pub enum Elastic {
 pub struct Material {
     /// Its name.
     pub name: String,
-    /// Its constants, where given in a way that is read.
+    /// Its elastic constants; `None` where the deck gives them in a form that is not read.
     pub elastic: Option<Elastic>,
     /// Mass per volume in the deck's units.
     pub density: Option<f64>,
 }
 
-/// Which elements are of which material.
+/// Assigns a material to a set of elements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
     /// Name of the element set.
@@ -63,7 +63,7 @@ pub struct Fixed {
     pub node: u32,
     /// 0, 1, 2 for x, y, z; 3 to 5 for rotations.
     pub axis: u8,
-    /// How far, in the deck's unit of length.
+    /// Prescribed displacement or rotation, in the deck's units.
     pub value: f64,
 }
 
@@ -94,7 +94,7 @@ pub struct FaceLoad {
 pub struct BodyLoad {
     /// Index of the element.
     pub element: u32,
-    /// Acceleration (times density) in the deck's units.
+    /// Acceleration in the deck's units. The load is this times the density of the element's material.
     pub acceleration: [f64; 3],
 }
 
@@ -140,7 +140,7 @@ pub struct Deck {
     pub fixed: Vec<Fixed>,
     /// Steps.
     pub steps: Vec<Step>,
-    /// Keywords that change the result and are not read, each once.
+    /// Keywords that change the result and are not supported; each is named once.
     pub ignored: Vec<String>,
 }
 
@@ -150,6 +150,8 @@ impl Deck {
         let holds = |s: &&Section| {
             self.element_sets.get(&s.elements).is_some_and(|set| set.binary_search(&element).is_ok())
         };
+        // Abaqus and CalculiX let a later section overwrite an earlier one, so the search runs from the
+        // end.
         let section = self.sections.iter().rev().find(holds)?;
         let material = self.materials.iter().find(|m| m.name == section.material)?;
         Some((material, section.thickness))

@@ -1,11 +1,12 @@
-//! Element kinds: node numbering, shape functions, faces.
+//! Element kinds: node numbering, shape functions and faces.
 //!
-//! Nodes are numbered as VTK numbers them: corners first, then the middles of edges; for hexahedra and wedges the
-//! edges of the lower face, of the upper face, then the upright ones. Readers turn other numberings into this one.
+//! Nodes are numbered as VTK numbers them: corners first, then the middles of edges. Hexahedra and wedges
+//! list the edges of the lower face, then of the upper face, then the upright ones. Readers convert other
+//! numberings to this one.
 
 use grainpath_core::DVec3;
 
-/// Most nodes an element has.
+/// Largest number of nodes of an element. Source: `Hex20`, the largest kind that is read.
 pub const MAX_NODES: usize = 20;
 
 /// A kind of element that results are interpolated in.
@@ -26,7 +27,7 @@ pub enum ElementKind {
     Hex20,
 }
 
-/// What the natural coordinates range over.
+/// Range of the natural coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Domain {
     /// `r, s >= 0`, `r + s <= 1`.
@@ -62,9 +63,13 @@ impl Shape {
 
 /// Corners of the square in natural coordinates.
 const SQUARE: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+// Source: Kitware, *VTK File Formats*, figure of the non-linear cell types, VTK_QUADRATIC_QUAD.
 const QUAD_EDGES: [[usize; 2]; 4] = [[0, 1], [1, 2], [2, 3], [3, 0]];
+// Source: the same figure, VTK_QUADRATIC_TETRA.
 const TET_EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+// Source: the same figure, VTK_QUADRATIC_WEDGE.
 const WEDGE_EDGES: [[usize; 2]; 9] = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]];
+// Source: the same figure, VTK_QUADRATIC_HEXAHEDRON.
 const HEX_EDGES: [[usize; 2]; 12] =
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
 
@@ -140,6 +145,7 @@ impl ElementKind {
     /// Number VTK gives the kind.
     pub const fn vtk_type(self) -> u8 {
         match self {
+            // Source: *VTK File Formats*, cell types (vtkCellType.h).
             Self::Tri3 => 5,
             Self::Tri6 => 22,
             Self::Quad4 => 9,
@@ -207,6 +213,8 @@ impl ElementKind {
 
     /// How far natural coordinates lie outside the element; 0 or less inside.
     pub(crate) fn outside(self, x: DVec3) -> f64 {
+        // Each domain is convex, so the largest violation of its bounding planes says how far a point is
+        // outside.
         let triangle = (-x.x).max(-x.y).max(x.x + x.y - 1.0);
         let square = x.x.abs().max(x.y.abs()) - 1.0;
         match self.domain() {
@@ -226,17 +234,21 @@ impl ElementKind {
             Domain::Triangle => triangle_clamped(x).with_z(0.0),
             Domain::Square => DVec3::new(square(x.x), square(x.y), 0.0),
             Domain::Tetrahedron => tetrahedron_clamped(x),
+            // Not the exact nearest point, but one inside the element; the pyramid is a unit cube
+            // collapsed at t = 1.
             Domain::Pyramid => DVec3::new(square(x.x), square(x.y), x.z.clamp(0.0, 1.0)),
             Domain::Prism => triangle_clamped(x).with_z(square(x.z)),
             Domain::Cube => DVec3::new(square(x.x), square(x.y), square(x.z)),
         }
     }
 
-    /// Gauss points and weights that give the volume (area) of the element well.
+    /// Gauss points and weights for the volume (area) of the element.
     pub(crate) fn quadrature(self) -> Vec<(DVec3, f64)> {
+        // Two points on a line, exact to degree 3.
         let g = (1.0f64 / 3.0).sqrt();
         let line = [(-g, 1.0), (g, 1.0)];
-        // Three points inside the triangle, exact to degree 2.
+        // Three points inside the triangle, exact to degree 2; each weighs a third of the triangle's area
+        // of 1/2.
         let triangle = [(1.0 / 6.0, 1.0 / 6.0), (2.0 / 3.0, 1.0 / 6.0), (1.0 / 6.0, 2.0 / 3.0)];
         let mut points = Vec::new();
         match self.domain() {
@@ -247,6 +259,8 @@ impl ElementKind {
                 }
             }
             Domain::Tetrahedron => {
+                // Four points, exact to degree 2: a = (5 + 3 sqrt 5)/20 and b = (5 - sqrt 5)/20. Each
+                // weighs a quarter of the volume of 1/6.
                 let (a, b) = (0.585_410_196_624_968_5, 0.138_196_601_125_010_5);
                 let corners = [[b, b, b], [a, b, b], [b, a, b], [b, b, a]];
                 points.extend(corners.map(|c| (DVec3::from(c), 1.0 / 24.0)));
@@ -259,6 +273,7 @@ impl ElementKind {
             Domain::Pyramid | Domain::Cube => {
                 let half = self.domain() == Domain::Pyramid;
                 for (t, _) in line {
+                    // The pyramid's t runs over 0..1, half the cube's range.
                     let (t, w) = if half { (0.5 + 0.5 * t, 0.5) } else { (t, 1.0) };
                     for (s, _) in line {
                         points.extend(line.map(|(r, _)| (DVec3::new(r, s, t), w)));
@@ -269,9 +284,11 @@ impl ElementKind {
         points
     }
 
-    /// Weights of the nodes at natural coordinates: [`ElementKind::shape`] without derivatives.
+    /// Weights of the nodes at natural coordinates, as in `shape` but without derivatives.
     pub fn weights(self, x: DVec3) -> [f64; MAX_NODES] {
         let mut n = [0.0; MAX_NODES];
+        // Tetrahedra are nearly all elements of a mesh and are evaluated for every sample, so they skip
+        // the derivatives.
         let l = [1.0 - x.x - x.y - x.z, x.x, x.y, x.z];
         match self {
             Self::Tet4 => n[..4].copy_from_slice(&l),
@@ -317,6 +334,8 @@ impl ElementKind {
             Self::Pyramid5 => {
                 for (i, [a, b]) in SQUARE.into_iter().enumerate() {
                     let (u, v, w) = (1.0 + a * r, 1.0 + b * s, 0.25 * (1.0 - t));
+                    // A unit cube whose upper face is collapsed: each corner function fades linearly to
+                    // the apex.
                     f.set(i, w * u * v, w * a * v, w * b * u, -0.25 * u * v);
                 }
                 f.set(4, t, 0.0, 0.0, 1.0);
@@ -344,7 +363,7 @@ impl ElementKind {
     }
 }
 
-/// Quadratic triangles and tetrahedra out of the linear ones.
+/// Quadratic triangles and tetrahedra from the linear ones: l (2 l - 1) at corners, 4 l_i l_j on edges.
 fn simplex_quadratic(f: &mut Shape, linear: &Shape, n_corners: usize, edges: &[[usize; 2]]) {
     for i in 0..n_corners {
         let l = linear.n[i];
@@ -358,6 +377,7 @@ fn simplex_quadratic(f: &mut Shape, linear: &Shape, n_corners: usize, edges: &[[
 }
 
 fn quad8(f: &mut Shape, r: f64, s: f64) {
+    // Serendipity functions: a corner vanishes on the line through its two neighbouring middles.
     for (i, [a, b]) in SQUARE.into_iter().enumerate() {
         let (p, q) = (a * r, b * s);
         let (u, v) = (1.0 + p, 1.0 + q);
@@ -370,6 +390,7 @@ fn quad8(f: &mut Shape, r: f64, s: f64) {
         );
     }
     for (k, [i, j]) in QUAD_EDGES.into_iter().enumerate() {
+        // The middle of an edge has one natural coordinate 0; along that one the function is a parabola.
         let a = 0.5 * (SQUARE[i][0] + SQUARE[j][0]);
         let b = 0.5 * (SQUARE[i][1] + SQUARE[j][1]);
         if a == 0.0 {
@@ -397,6 +418,7 @@ fn quad9(f: &mut Shape, r: f64, s: f64) {
     let l =
         |x: f64| [(0.5 * x * (x - 1.0), x - 0.5), (1.0 - x * x, -2.0 * x), (0.5 * x * (x + 1.0), x + 0.5)];
     let (lr, ls) = (l(r), l(s));
+    // Index of the polynomial along r and s for corners, middles and the centre, in VTK's order.
     let at = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1], [1, 1]];
     for (i, [p, q]) in at.into_iter().enumerate() {
         let ((a, da), (b, db)) = (lr[p], ls[q]);
@@ -408,6 +430,7 @@ fn wedge15(f: &mut Shape, x: DVec3) {
     let (base, t) = (ElementKind::Tri3.shape(x), x.z);
     for i in 0..6 {
         let (l, d, c) = (base.n[i % 3], base.d[i % 3], if i < 3 { -1.0 } else { 1.0 });
+        // Corner functions lose half the bubble of the upright edge, so that they vanish at its middle.
         let (h, bubble) = (1.0 + c * t, 1.0 - t * t);
         let n = 0.5 * l * ((2.0 * l - 1.0) * h - bubble);
         let by_l = 0.5 * ((4.0 * l - 1.0) * h - bubble);
@@ -444,7 +467,7 @@ fn hex20(f: &mut Shape, x: DVec3) {
     }
     for (k, [i, j]) in HEX_EDGES.into_iter().enumerate() {
         let c = 0.5 * (corner(i) + corner(j));
-        // Along the edge the function is a parabola, across it linear.
+        // Along its edge the function is a parabola; across the edge it is linear.
         let factor = |c: f64, x: f64| if c == 0.0 { (1.0 - x * x, -2.0 * x) } else { (1.0 + c * x, c) };
         let (u, v, w) = (factor(c.x, x.x), factor(c.y, x.y), factor(c.z, x.z));
         f.set(
@@ -459,6 +482,7 @@ fn hex20(f: &mut Shape, x: DVec3) {
 
 fn triangle_clamped(x: DVec3) -> DVec3 {
     let (r, s) = (x.x, x.y);
+    // The point is beyond the hypotenuse and in front of it: project at a right angle.
     let over = 0.5 * (r + s - 1.0);
     if over > 0.0 && (r - s).abs() <= 1.0 {
         return DVec3::new(r - over, s - over, x.z);
@@ -469,13 +493,14 @@ fn triangle_clamped(x: DVec3) -> DVec3 {
     DVec3::new(r.clamp(0.0, 1.0), s.clamp(0.0, 1.0), x.z)
 }
 
-/// The nearest point of the unit tetrahedron: onto the slanted face, then onto the three others.
+/// The nearest point of the unit tetrahedron.
 fn tetrahedron_clamped(x: DVec3) -> DVec3 {
     let low = x.max(DVec3::ZERO);
     if low.x + low.y + low.z <= 1.0 {
         return low;
     }
-    // Projection onto the simplex: subtract what makes the positive parts sum to 1.
+    // Projection onto the simplex: the same amount is subtracted from all coordinates, so that the
+    // positive ones sum to 1. Sorting finds which of them stay positive.
     let mut sorted = x.to_array();
     sorted.sort_by(|a, b| b.total_cmp(a));
     let (mut sum, mut over) = (0.0, 0.0);

@@ -16,11 +16,15 @@ use super::model::Element;
 use super::result::FeResult;
 use super::result::free_faces;
 
-/// Natural coordinates may lie outside by this much and the point still counts as inside.
+/// Tolerance of the inside test, in natural coordinates (which run over 1 or 2). A larger value lets
+/// points outside be extrapolated; with 0, points on shared faces fall between the elements through
+/// rounding.
 const INSIDE: f64 = 1e-9;
-/// Elements whose sides are taken as straight, or that were rounded when written, leave gaps of less than this.
+/// Tolerance for gaps between elements, in natural coordinates. Gaps come from curved sides taken as
+/// straight and from rounding when a file was written. A point that is outside by less is moved into the
+/// nearest element.
 const BETWEEN: f64 = 1e-3;
-/// Points without a mesh: how many neighbours are averaged.
+/// Number of neighbours that are averaged where a result has points and no mesh.
 const NEIGHBOURS: usize = 8;
 
 /// Where a point is in the mesh.
@@ -34,14 +38,15 @@ pub struct Location {
     pub distance_mm: f64,
 }
 
-/// A result that can be asked anywhere. Asking is pure: the answer depends on the point alone, so any number of
-/// threads get the same bits.
+/// A stress field that can be evaluated at any point. The answer depends on the point alone, so any
+/// number of threads gets the same bits.
 #[derive(Debug, Clone)]
 pub struct StressField {
     result: FeResult,
     maps: Vec<Map>,
     elements: Grid,
-    /// Free faces cut into triangles (free edges of plane meshes twice the same corner), and whose they are.
+    /// Free faces cut into triangles, each with the index of its element. A free edge of a plane mesh is
+    /// a triangle whose last two corners coincide.
     rim: Vec<([u32; 3], u32)>,
     rim_tree: Tree,
     /// Nodes with a stress, for results without elements.
@@ -54,18 +59,19 @@ pub struct StressField {
 enum Map {
     /// A simplex with straight sides: its first corner and the rows of the inverse.
     Straight(DVec3, [DVec3; 3]),
-    /// By steps; nothing outside this box is in the element.
+    /// Found by Newton steps. No point outside this box is in the element.
     Curved(DVec3, DVec3),
 }
 
 impl StressField {
-    /// Prepares a result for being asked.
+    /// Builds the search structures of a result.
     pub fn new(result: FeResult) -> Self {
         let node_box = |e: &Element| box_of(e.nodes().iter().map(|&i| result.nodes[i as usize]));
         let map = |e: &Element| {
             straight(e, &result).unwrap_or_else(|| {
                 let (lo, hi) = node_box(e);
-                // Curved sides bulge beyond their nodes by less than this.
+                // Curved sides bulge beyond the box of their nodes. A parabola does so by an eighth at most, with
+                // its middle node at one end; elements that can be computed with stay below a tenth.
                 let room = DVec3::splat((0.1 * (hi - lo)).max_element());
                 Map::Curved(lo - room, hi + room)
             })
@@ -80,6 +86,8 @@ impl StressField {
         let rim_boxes = rim.iter().map(|(t, _)| box_of(t.iter().map(|&i| result.nodes[i as usize])));
         let rim_tree = Tree::new(&rim_boxes.collect::<Vec<_>>());
         let mut points = Vec::new();
+        // The tree of points is needed only for a table without a mesh; it would double the memory of a
+        // large mesh.
         if result.elements.is_empty() {
             let known = |i: &u32| result.stress[*i as usize].iter().all(|v| v.is_finite());
             points = (0..result.nodes.len() as u32).filter(known).collect();
@@ -89,7 +97,7 @@ impl StressField {
         Self { result, maps, elements, rim, rim_tree, points, point_tree }
     }
 
-    /// The result that is asked.
+    /// The result that the field evaluates.
     pub fn result(&self) -> &FeResult {
         &self.result
     }
@@ -97,6 +105,7 @@ impl StressField {
     /// The element that holds `p` (mm), or the nearest point of the mesh. `None` when there are no elements.
     pub fn locate(&self, p: DVec3) -> Option<Location> {
         let p = self.in_plane(p);
+        // A shell in space has no inside. Every point goes to the nearest element instead.
         let shell = !self.result.plane && self.result.elements.first()?.kind.dimension() == 2;
         if !shell {
             let mut best: Option<(f64, Location)> = None;
@@ -109,9 +118,12 @@ impl StressField {
                 let Some(natural) = self.natural(element, p) else { continue };
                 let kind = self.result.elements[element as usize].kind;
                 let outside = kind.outside(natural);
+                // Buckets list elements in ascending order, so a point on a shared face always belongs to
+                // the element with the lowest index, on every run.
                 if outside <= INSIDE {
                     return Some(Location { element, natural, distance_mm: 0.0 });
                 }
+                // The point lies in a gap: remember the element that it misses by the least.
                 if outside <= BETWEEN && best.as_ref().is_none_or(|b| outside < b.0) {
                     best = Some((
                         outside,
@@ -129,7 +141,9 @@ impl StressField {
         })?;
         let element = self.rim[index as usize].1;
         let kind = self.result.elements[element as usize].kind;
-        // The free face is flat here but may be curved there: the better of two ways down to it.
+        // Free faces are cut into flat triangles, while the element's face may be curved. Two natural
+        // positions are tried, from the foot point on the triangle and from the point itself; the nearer
+        // one counts.
         let place = |of: DVec3| {
             let natural = kind.clamped(self.natural(element, of).unwrap_or(kind.centre()));
             Location { element, natural, distance_mm: p.distance(self.position(element, natural)) }
@@ -138,7 +152,8 @@ impl StressField {
         Some(if b.distance_mm < a.distance_mm { b } else { a })
     }
 
-    /// Stress at `p` (mm) in MPa, components xx, yy, zz, xy, yz, zx. Outside the mesh that of its nearest point.
+    /// Stress at `p` (mm) in MPa, components xx, yy, zz, xy, yz, zx. A point outside the mesh gets the
+    /// stress of the nearest point of the mesh.
     pub fn sample(&self, p: DVec3) -> [f64; 6] {
         match self.locate(p) {
             Some(at) => self.stress_at(&at),
@@ -167,6 +182,7 @@ impl StressField {
         Some(e.nodes().iter().zip(e.kind.weights(at.natural)).map(|(&i, w)| w * u[i as usize]).sum())
     }
 
+    // A plane mesh says nothing about z: the stress is the same through the thickness.
     fn in_plane(&self, p: DVec3) -> DVec3 {
         match self.result.nodes.first() {
             Some(n) if self.result.plane => p.with_z(n.z),
@@ -185,6 +201,8 @@ impl StressField {
             let d = p - *origin;
             return Some(DVec3::new(rows[0].dot(d), rows[1].dot(d), rows[2].dot(d)));
         }
+        // Newton's method on x(natural) = p. It converges quadratically for elements that are not folded;
+        // 25 steps are far more than such an element needs, and an element that needs more is folded.
         let e = &self.result.elements[element as usize];
         let mut x = e.kind.centre();
         for _ in 0..25 {
@@ -201,6 +219,8 @@ impl StressField {
             let rows = inverse(columns, e.kind)?;
             let r = p - q;
             let mut step = DVec3::new(rows[0].dot(r), rows[1].dot(r), rows[2].dot(r));
+            // The third column is the normal of a surface. A step along it would only measure the
+            // distance from the surface.
             if e.kind.dimension() == 2 {
                 step.z = 0.0;
             }
@@ -208,7 +228,8 @@ impl StressField {
             if !longest.is_finite() {
                 return None;
             }
-            // Far from the element the map folds over: no step goes further than the element is wide.
+            // Far from the element the map may fold over. No step goes further than the element is wide,
+            // which is 2 in natural coordinates.
             if longest > 2.0 {
                 step *= 2.0 / longest;
             }
@@ -216,10 +237,13 @@ impl StressField {
             if longest < 1e-12 {
                 return Some(x);
             }
+            // Ten half-widths away the point is certainly outside. Going on would only find a second
+            // solution of the folded map.
             if x.abs().max_element() > 10.0 {
                 return None;
             }
-            // The apex of a pyramid has no inverse.
+            // The Jacobian of a pyramid is singular at its apex (t = 1), so the iteration stays just
+            // below it.
             if e.kind == ElementKind::Pyramid5 {
                 x.z = x.z.min(1.0 - 1e-9);
             }
@@ -229,6 +253,8 @@ impl StressField {
 
     /// Mean of the nearest points, weighted by the inverse square of their distance.
     fn between_points(&self, p: DVec3) -> [f64; 6] {
+        // Ties in distance are ordered by index, so the neighbours do not depend on the order of the
+        // tree.
         let mut near: Vec<(f64, u32)> = Vec::with_capacity(NEIGHBOURS + 1);
         self.point_tree.around(p, |i| {
             let d = p.distance_squared(self.result.nodes[self.points[i as usize] as usize]);
@@ -237,14 +263,18 @@ impl StressField {
                 near.insert(at, (d, i));
                 near.truncate(NEIGHBOURS);
             }
+            // The search radius stays infinite until there are enough neighbours.
             if near.len() < NEIGHBOURS { f64::INFINITY } else { near[NEIGHBOURS - 1].0 }
         });
         let mut sum = [0.0; 6];
         let mut total = 0.0;
         let smallest = near.first().map_or(0.0, |n| n.0).max(1e-300);
         for (d, i) in near {
-            // Relative to the nearest: no overflow on a point.
+            // Weights are relative to the nearest point, so that the inverse of a tiny distance cannot
+            // overflow.
             let w = smallest / d.max(smallest * 1e-12).max(1e-300);
+            // A point on a sample takes the sample's stress alone; 1e24 outweighs all others within
+            // double precision.
             let w = if d == 0.0 { 1e24 } else { w };
             total += w;
             for (to, v) in sum.iter_mut().zip(self.result.stress[self.points[i as usize] as usize]) {
@@ -263,6 +293,8 @@ fn box_of(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
 /// Rows of the inverse of the matrix with these columns. Surfaces get their normal as the third column.
 fn inverse(columns: [DVec3; 3], kind: ElementKind) -> Option<[DVec3; 3]> {
     let [a, b, mut c] = columns;
+    // With the unit normal as third column the matrix is square, and the first two rows are the inverse
+    // within the surface.
     if kind.dimension() == 2 {
         c = a.cross(b).normalize_or_zero();
     }
@@ -280,7 +312,8 @@ fn straight(e: &Element, result: &FeResult) -> Option<Map> {
     }
     let p = |i: usize| result.nodes[e.nodes()[i] as usize];
     let (lo, hi) = box_of(e.corners().iter().map(|&i| result.nodes[i as usize]));
-    // Files in single precision round middles by about a millionth of the part.
+    // Single precision rounds the middle nodes by about a millionth of the part, so exact equality would
+    // call every such element curved and slow.
     let tolerance = 1e-5 * (hi - lo).max_element();
     let n = e.kind.n_corners();
     let even = e
@@ -296,7 +329,7 @@ fn straight(e: &Element, result: &FeResult) -> Option<Map> {
     inverse([p(1) - p(0), p(2) - p(0), third], e.kind).map(|rows| Map::Straight(p(0), rows))
 }
 
-/// Faces that only one element has, as triangles; of shells in space, every element itself.
+/// Faces that belong to one element only, as triangles. Of shells in space, every element itself.
 fn rim(result: &FeResult) -> Vec<([u32; 3], u32)> {
     let mut out = Vec::new();
     let mut fan = |corners: &[u32], e: u32| match *corners {
@@ -325,6 +358,8 @@ fn nearest_on_triangle(p: DVec3, a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let n = ab.cross(ac);
     let nn = n.length_squared();
+    // A triangle thinner than this (sine of its corner below 1e-14) has no usable normal; its edges give
+    // the nearest point.
     if nn > 1e-28 * ab.length_squared() * ac.length_squared() && nn > 0.0 {
         let v = ap.cross(ac).dot(n) / nn;
         let w = ab.cross(ap).dot(n) / nn;
@@ -332,12 +367,15 @@ fn nearest_on_triangle(p: DVec3, a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
             return a + v * ab + w * ac;
         }
     }
+    // Outside the triangle's prism the nearest point lies on an edge.
     let on = |s: DVec3, e: DVec3| {
         let d = e - s;
         let len = d.length_squared();
         if len > 0.0 { s + d * ((p - s).dot(d) / len).clamp(0.0, 1.0) } else { s }
     };
     let candidates = [on(a, b), on(b, c), on(c, a)];
+    // Ties go to the first edge, so that the result does not depend on the platform's rounding of equal
+    // values.
     let d = candidates.map(|q| q.distance_squared(p));
     let best = if d[0] <= d[1] && d[0] <= d[2] {
         0
@@ -349,14 +387,15 @@ fn nearest_on_triangle(p: DVec3, a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
     candidates[best]
 }
 
-/// Boxes sorted into the cells of a regular grid: quicker than a tree for what holds a point.
+/// Boxes sorted into the cells of a regular grid. A grid answers which boxes hold a point faster than a
+/// tree does.
 #[derive(Debug, Clone)]
 struct Grid {
     lo: DVec3,
-    /// Cells to a mm along each axis.
+    /// Cells per mm along each axis.
     scale: DVec3,
     dims: [usize; 3],
-    /// Where each cell's items begin.
+    /// First index into `items` of each cell.
     starts: Vec<u32>,
     items: Vec<u32>,
 }
@@ -369,11 +408,14 @@ impl Grid {
             return grid;
         };
         grid.lo = lo;
+        // Four cells for each box keep about one box in a cell; 5e7 cells (200 MB of starts) are the
+        // limit of memory.
         let mut wanted = (4.0 * boxes.len() as f64).clamp(1.0, 5e7);
         loop {
             grid.divide(hi - lo, wanted);
             let cells = |b: &(DVec3, DVec3)| grid.range(b).iter().map(|r| r.1 - r.0 + 1).product::<usize>();
-            // Long thin boxes across many cells: fewer, larger cells.
+            // Long thin boxes that run across many cells would each be listed in all of them. Fewer,
+            // larger cells bound the list at 64 entries for each box.
             if boxes.iter().map(cells).sum::<usize>() <= 64 * boxes.len() || wanted <= 1.0 {
                 break;
             }
@@ -381,6 +423,8 @@ impl Grid {
         }
         let n_cells = grid.dims.iter().product::<usize>();
         let mut starts = vec![0u32; n_cells + 1];
+        // Counting sort: count the boxes of each cell, sum to starts, then fill. Boxes stay in ascending
+        // order within a cell.
         for b in boxes {
             grid.each(b, |cell| starts[cell + 1] += 1);
         }
@@ -400,6 +444,8 @@ impl Grid {
 
     /// Cuts a box of this size into about `wanted` cells that are nearly cubes.
     fn divide(&mut self, size: DVec3, wanted: f64) {
+        // A plane mesh has no extent in z. Such an axis gets one cell and does not count for the side
+        // length.
         let flat = 1e-9 * size.max_element();
         let wide: Vec<f64> = size.to_array().into_iter().filter(|&s| s > flat).collect();
         let side = math::pow(wide.iter().product::<f64>() / wanted, 1.0 / wide.len().max(1) as f64);
@@ -434,14 +480,15 @@ impl Grid {
         }
     }
 
-    /// What may hold `p`, ascending.
+    /// Boxes that may hold `p`, ascending by index.
     fn at(&self, p: DVec3) -> &[u32] {
         let c = self.number([0, 1, 2].map(|k| self.index(k, p[k])));
         &self.items[self.starts[c] as usize..self.starts[c + 1] as usize]
     }
 }
 
-/// Boxes in a binary tree: for what is nearest. Built and asked in the same order always.
+/// A binary tree of boxes for nearest-neighbour searches. The order of construction and search is fixed,
+/// so ties are decided alike on every run.
 #[derive(Debug, Clone, Default)]
 struct Tree {
     nodes: Vec<TreeNode>,
@@ -452,9 +499,10 @@ struct Tree {
 struct TreeNode {
     lo: DVec3,
     hi: DVec3,
-    /// A leaf: where its items begin. Else the second child; the first one follows its parent.
+    /// In a leaf, the index of its first item; otherwise the second child. The first child follows its
+    /// parent directly.
     link: u32,
-    /// How many items; 0 for no leaf.
+    /// Number of items in a leaf; 0 for an inner node.
     n_items: u32,
 }
 
@@ -464,7 +512,7 @@ impl TreeNode {
     }
 }
 
-/// Boxes in a leaf.
+/// Boxes in a leaf. The value changes speed alone, never the answer.
 const LEAF: usize = 4;
 
 impl Tree {
@@ -486,10 +534,13 @@ impl Tree {
         if n_items <= LEAF {
             return;
         }
+        // Twice the centre: the factor does not change the order.
         let middle = |i: u32| boxes[i as usize].0 + boxes[i as usize].1;
         let (low, high) = box_of(items.iter().map(|&i| middle(i)));
         let axis = (high - low).max_position();
         let half = n_items / 2;
+        // The index breaks ties, so that equal centres are split the same way everywhere. A split at the
+        // median keeps the depth at log2(n), which the stack of `around` relies on.
         items.select_nth_unstable_by(half, |&a, &b| {
             middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(&b))
         });
@@ -499,7 +550,8 @@ impl Tree {
         self.build(boxes, start + half, end);
     }
 
-    /// The item whose point nearest to `p`, which `f` gives, is nearest of all. The lowest index wins a tie.
+    /// The item with the nearest point, where `f` gives the nearest point of each item. The lowest index
+    /// wins a tie.
     fn nearest(&self, p: DVec3, f: impl Fn(u32) -> DVec3) -> Option<(u32, DVec3)> {
         let mut best: Option<(f64, u32, DVec3)> = None;
         self.around(p, |i| {
@@ -513,9 +565,12 @@ impl Tree {
         best.map(|(_, i, q)| (i, q))
     }
 
-    /// Visits items, near ones first, until none left can be nearer than the squared distance that `f` gives back.
+    /// Visits items from near to far. Stops when every remaining box is farther than the squared distance
+    /// that `f` returned last.
     fn around(&self, p: DVec3, mut f: impl FnMut(u32) -> f64) {
         let mut limit = f64::INFINITY;
+        // Each level leaves one sibling on the stack and the depth is at most 32 for u32 indices, so 64
+        // entries suffice.
         let mut stack = [(0.0f64, 0u32); 64];
         let mut depth = usize::from(!self.nodes.is_empty());
         while depth > 0 {
@@ -534,6 +589,8 @@ impl Tree {
             let of = |i: u32| (self.nodes[i as usize].distance_squared(p), i);
             let (a, b) = (of(at + 1), of(node.link));
             let (near, far) = if a.0 <= b.0 { (a, b) } else { (b, a) };
+            // The nearer child goes on top: its items shrink the limit before the farther child is looked
+            // at.
             stack[depth] = far;
             stack[depth + 1] = near;
             depth += 2;

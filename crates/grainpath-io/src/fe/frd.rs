@@ -9,7 +9,8 @@ use super::element::ElementKind;
 use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, array_room, invalid, position};
 use grainpath_core::number::{number, whole};
 
-/// Numbers in a record of a line.
+/// Values in one line of a record. Source: *CalculiX GraphiX User's Manual*, "Nodal Results Block",
+/// format `6E12.5`.
 const PER_LINE: usize = 6;
 
 struct Frd<'a> {
@@ -33,6 +34,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
         step: 1,
     };
     while let Some(line) = frd.next() {
+        // The key of a record block fills the first six columns, for example `    2C` for the nodes.
         let key = field(line, 0, 6).trim_ascii();
         match key {
             b"2C" => frd.nodes(line)?,
@@ -43,6 +45,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
                 let step = line.get(48..).map(<[u8]>::trim_ascii).and_then(whole);
                 frd.step = step.and_then(|s| usize::try_from(s).ok()).unwrap_or(1).max(1);
             }
+            // `9999` is the end record; anything behind it is no part of the model.
             b"9999" => break,
             _ => {}
         }
@@ -80,11 +83,14 @@ impl<'a> Frd<'a> {
         invalid(self.place(), "the file ends in the middle of a block")
     }
 
-    /// The number of records and the format of a block, from its first line.
+    /// Reads the number of records and the layout of a block from its first line.
     fn block(&self, line: &[u8], count_at: usize) -> Result<(usize, Layout), FeError> {
         let count = field(line, count_at, 12);
+        // The limit refuses a count that would be damage. Memory is taken only as records arrive.
         let n = whole(count.trim_ascii()).and_then(|n| u64::try_from(n).ok()).filter(|&n| n <= MAX_COUNT);
         let n = n.ok_or_else(|| self.wrong(count, "a number of records"))?;
+        // The format flag in columns 74 and 75: 0 short ASCII (node numbers in 5 columns), 1 long ASCII
+        // (10 columns), 2 and 3 binary with 4 and 8 bytes. Old files leave it empty and are long.
         let layout = match field(line, 73, 2).trim_ascii() {
             b"0" => Layout::Short,
             b"1" | b"" => Layout::Long,
@@ -110,6 +116,7 @@ impl<'a> Frd<'a> {
         mut each: impl FnMut(&mut Self, i64, &[f64]) -> Result<(), FeError>,
     ) -> Result<(), FeError> {
         let mut values = vec![0.0; n_values];
+        // Binary records have no -1 and -3 marks, so the count of the header is all there is.
         if let Layout::Single | Layout::Double = layout {
             let scalar = if layout == Layout::Single { Scalar::F32 } else { Scalar::F64 };
             for _ in 0..n {
@@ -123,7 +130,8 @@ impl<'a> Frd<'a> {
             return Ok(());
         }
         let width = if layout == Layout::Short { 5 } else { 10 };
-        // Counts in the header are not always right (CalculiX expands 2D elements); the block ends with -3.
+        // The count in the header is not always right: CalculiX expands plane elements to solids after it
+        // has written the header. An ASCII block ends with -3.
         let mut line = self.next().ok_or_else(|| self.ends())?;
         loop {
             match field(line, 0, 3) {
@@ -136,6 +144,7 @@ impl<'a> Frd<'a> {
             let node = node.ok_or_else(|| self.wrong(number_field, "a node's number"))?;
             let mut column = 3 + width;
             for (k, v) in values.iter_mut().enumerate() {
+                // More than six values go on in lines that begin with -2.
                 if k > 0 && k % PER_LINE == 0 {
                     line = self.next().ok_or_else(|| self.ends())?;
                     if field(line, 0, 3) != b" -2" {
@@ -156,6 +165,7 @@ impl<'a> Frd<'a> {
         let (n, layout) = self.block(line, 24)?;
         self.records(n, layout, 3, |frd, node, p| {
             let p = position([p[0], p[1], p[2]], || format!("node {node}"))?;
+            // A second node of the same number would make every reference to it ambiguous.
             if frd.numbers.insert(node).is_none() {
                 return Err(invalid(format!("node {node}"), "is there twice"));
             }
@@ -168,6 +178,7 @@ impl<'a> Frd<'a> {
         let (n, layout) = self.block(line, 24)?;
         if let Layout::Single | Layout::Double = layout {
             for _ in 0..n {
+                // A binary element begins with four 32-bit integers: number, type, group and material.
                 let mut raw = Raw { bytes: self.take(16)?, big: false };
                 let element = raw.number(Scalar::I32).unwrap_or_default() as i64;
                 let kind = raw.number(Scalar::I32).unwrap_or_default() as i64;
@@ -198,6 +209,8 @@ impl<'a> Frd<'a> {
                     return Err(self.wrong(field(rest, 0, 3), "an element's nodes (-2)"));
                 }
                 let before = nodes.len();
+                // Node numbers stand side by side in fixed columns without space, so words cannot be
+                // split at blanks.
                 for chunk in rest[3..].chunks(width) {
                     if let (Some(node), true) = (whole(chunk.trim_ascii()), nodes.len() < n_nodes) {
                         nodes.push(node);
@@ -212,6 +225,8 @@ impl<'a> Frd<'a> {
         }
     }
 
+    // Element types as the manual numbers them: he8, pe6, tet4, he20, pe15, tet10, tr3, tr6, qu4, qu8,
+    // be2, be3.
     fn n_nodes(&self, kind: i64) -> Result<usize, FeError> {
         Ok(match kind {
             1 => 8,
@@ -242,7 +257,7 @@ impl<'a> Frd<'a> {
             2 => Ok(ElementKind::Wedge6),
             3 => Ok(ElementKind::Tet4),
             4 => {
-                // FRD lists the upright edges before those of the upper face.
+                // FRD lists the upright edges before those of the upper face; VTK lists them after.
                 nodes[12..20].rotate_left(4);
                 Ok(ElementKind::Hex20)
             }
@@ -268,6 +283,8 @@ impl<'a> Frd<'a> {
             return Err(self.wrong(head, "the name of a result (-4)"));
         }
         let name = String::from_utf8_lossy(field(head, 5, 8).trim_ascii()).into_owned();
+        // The bound refuses damage before `n_components` lines are expected; no result of CalculiX comes
+        // near 200.
         let n_components = whole(field(head, 13, 5).trim_ascii()).filter(|c| (1..=200).contains(c));
         let n_components = n_components.ok_or_else(|| self.wrong(head, "a number of components"))?;
         let mut component_names = Vec::new();
@@ -276,12 +293,15 @@ impl<'a> Frd<'a> {
             if field(line, 0, 3) != b" -5" {
                 return Err(self.wrong(line, "a component (-5)"));
             }
-            // The seventh column says that readers work the component out themselves, as the sum ALL.
+            // A 1 in the column IEXIST says that the component is not in the file but derived by the
+            // reader, as the sum `ALL`.
             if field(line, 33, 5).trim_ascii() != b"1" {
                 component_names.push(String::from_utf8_lossy(field(line, 5, 8).trim_ascii()).into_owned());
             }
         }
         let components = component_names.len();
+        // An array is as long as the mesh even if it has few records, so a small file with many results
+        // could claim much memory.
         let room = self.file.nodes.len() * components;
         self.array_room = self.array_room.checked_sub(room).ok_or_else(|| {
             invalid(self.place(), "the results are far larger than the file; refused as a bomb")
@@ -303,7 +323,7 @@ impl<'a> Frd<'a> {
         Ok(())
     }
 
-    /// With one step only, steps are no news.
+    /// With a single step, arrays carry no step: the user need not choose.
     fn merge_steps(&mut self) {
         let several = self.file.arrays.iter().any(|a| a.step != Some(1));
         if !several {

@@ -12,7 +12,8 @@ use super::model::{FeArray, FeError, FeFile, FeFormat, Group, MAX_COUNT, On, arr
 use crate::text::Words;
 use grainpath_core::number::whole;
 
-/// Sections of results beyond this are damage or malice.
+/// Limit on the sections of results. Each takes memory for the whole mesh, and a file with more is
+/// damaged or malicious.
 const MAX_SECTIONS: usize = 100_000;
 
 /// A kind of element as Gmsh numbers it.
@@ -20,17 +21,22 @@ struct Kind {
     n_nodes: usize,
     dimension: u8,
     kind: Result<ElementKind, &'static str>,
-    /// Where our nodes are among Gmsh's; empty when in the same order.
+    /// Position of each of our nodes among Gmsh's; empty where the order is the same.
     order: &'static [usize],
 }
 
+// Source: *Gmsh Reference Manual*, "Node ordering", against VTK's order of quadratic cells. Gmsh orders
+// the edges by their lower corner, VTK by lower face, upper face and uprights.
 const HEX20: [usize; 20] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15];
+// Source: *Gmsh Reference Manual*, "Node ordering", Prism15.
 const WEDGE15: [usize; 15] = [0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11];
+// Source: *Gmsh Reference Manual*, "Node ordering", Tetrahedron10: the last two edges are swapped.
 const TET10: [usize; 10] = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8];
 
 fn kind(number: i64) -> Option<Kind> {
     use ElementKind::{Hex8, Hex20, Pyramid5, Quad4, Quad8, Quad9, Tet4, Tet10, Tri3, Tri6, Wedge6, Wedge15};
     const NONE: &[usize] = &[];
+    // Numbers of "MSH file format", elm-type.
     let (n_nodes, dimension, kind, order) = match number {
         15 => (1, 0, Err("points"), NONE),
         1 => (2, 1, Err("lines"), NONE),
@@ -47,7 +53,8 @@ fn kind(number: i64) -> Option<Kind> {
         29 => (20, 3, Err("of higher order"), NONE),
         5 => (8, 3, Ok(Hex8), NONE),
         17 => (20, 3, Ok(Hex20), &HEX20[..]),
-        // Nodes inside faces and the volume carry nothing that the others do not give closely.
+        // Nodes in the middle of faces and of the volume are dropped; the 20-node element interpolates
+        // closely without them.
         12 => (27, 3, Ok(Hex20), &HEX20[..]),
         6 => (6, 3, Ok(Wedge6), NONE),
         18 => (15, 3, Ok(Wedge15), &WEDGE15[..]),
@@ -102,6 +109,7 @@ impl<'a> Msh<'a> {
         while let Some(word) = self.words.word() {
             match word {
                 b"$MeshFormat" => self.format()?,
+                // Version 1 has no $MeshFormat and begins with $NOD.
                 b"$NOD" => return Err(self.unsupported("1.0")),
                 b"$PhysicalNames" => self.physical_names()?,
                 b"$Entities" => self.entities()?,
@@ -133,11 +141,14 @@ impl<'a> Msh<'a> {
             other => return Err(self.unsupported(&String::from_utf8_lossy(&other[..other.len().min(20)]))),
         };
         self.binary = self.words.count("0 or 1, ASCII or binary")? == 1;
+        // The manual fixes data-size to sizeof(double) = 8; another value would shift every binary
+        // record.
         if self.words.count("the size of a number")? != 8 {
             return Err(invalid(self.words.place(), "numbers should be of 8 bytes"));
         }
         if self.binary {
             self.words.next_line();
+            // A binary file stores the integer 1 to show its byte order.
             let one = self.words.raw(4).unwrap_or_default();
             self.big = match one {
                 [1, 0, 0, 0] => false,
@@ -148,7 +159,7 @@ impl<'a> Msh<'a> {
         Ok(())
     }
 
-    /// Goes behind the end of a section that is not used.
+    /// Skips a section that is not used, up to its end mark.
     fn skip(&mut self, section: &[u8]) {
         if !section.starts_with(b"$") || section.starts_with(b"$End") {
             return;
@@ -161,7 +172,7 @@ impl<'a> Msh<'a> {
         }
     }
 
-    /// One number: a word, or bytes.
+    /// Reads one number, from a word in ASCII files and from bytes in binary ones.
     fn number(&mut self, scalar: Scalar, wanted: &'static str) -> Result<f64, FeError> {
         if self.binary {
             let raw = self.words.raw(scalar.bytes());
@@ -173,9 +184,10 @@ impl<'a> Msh<'a> {
         Ok(self.words.number(wanted)?)
     }
 
-    /// A whole number that says which.
+    /// Reads a whole number that identifies something.
     fn tag(&mut self, scalar: Scalar, wanted: &'static str) -> Result<i64, FeError> {
         let value = self.number(scalar, wanted)?;
+        // Numbers pass through f64, which is exact for integers below 2^53, about 9.007e15.
         if value.fract() == 0.0 && value.abs() < 9e15 {
             return Ok(value as i64);
         }
@@ -202,6 +214,7 @@ impl<'a> Msh<'a> {
 
     fn physical_names(&mut self) -> Result<(), FeError> {
         let n = self.words.count("the number of names")?;
+        // The loop ends with the file, so a false count costs no memory.
         for _ in 0..n.min(MAX_COUNT) {
             let dimension = self.words.count("a dimension")?;
             let tag = self.words.word().and_then(whole).unwrap_or(0);
@@ -219,11 +232,13 @@ impl<'a> Msh<'a> {
         self.begin_data();
         let mut counts = [0; 4];
         for c in &mut counts {
+            // Points, curves, surfaces and volumes, in this order.
             *c = self.count(Scalar::U64, "the number of entities")?;
         }
         for (dimension, n) in counts.into_iter().enumerate() {
             for _ in 0..n {
                 let tag = self.tag(Scalar::I32, "an entity")?;
+                // A point has a position, every other entity a bounding box of two corners.
                 for _ in 0..if dimension == 0 { 3 } else { 6 } {
                     self.number(Scalar::F64, "a coordinate")?;
                 }
@@ -254,7 +269,7 @@ impl<'a> Msh<'a> {
 
     fn add_node(&mut self, tag: i64, p: [f64; 3]) -> Result<(), FeError> {
         let p = position(p, || format!("node {tag}"))?;
-        // Gmsh repeats the mesh before each result it appends to a file.
+        // Gmsh repeats the mesh before each result it appends to a file, so the same node may come again.
         match self.node_numbers.get(tag) {
             Some(i) if self.file.nodes[i as usize] == p => return Ok(()),
             Some(_) => return Err(invalid(format!("node {tag}"), "is there twice, at different places")),
@@ -280,6 +295,7 @@ impl<'a> Msh<'a> {
     fn nodes_4(&mut self) -> Result<(), FeError> {
         self.begin_data();
         let blocks = self.count(Scalar::U64, "the number of blocks")?;
+        // Total count, lowest and highest tag. They only help to allocate and are not trusted.
         for _ in 0..3 {
             self.tag(Scalar::U64, "a count of nodes")?;
         }
@@ -290,10 +306,13 @@ impl<'a> Msh<'a> {
             let n = self.count(Scalar::U64, "the number of nodes")?;
             let mut tags = Vec::new();
             for _ in 0..n {
+                // Version 4.1 lists all tags of a block before its coordinates.
                 tags.push(self.tag(Scalar::U64, "a node's number")?);
             }
             for tag in tags {
                 self.node(tag)?;
+                // Parametric coordinates on the entity follow the position; their number is the entity's
+                // dimension.
                 for _ in 0..if parametric { dimension.min(3) } else { 0 } {
                     self.number(Scalar::F64, "a parameter")?;
                 }
@@ -305,11 +324,13 @@ impl<'a> Msh<'a> {
     /// One element whose nodes follow. `groups` are the physical groups it is in.
     fn element(&mut self, tag: i64, kind: &Kind, scalar: Scalar, groups: &[i64]) -> Result<(), FeError> {
         let mut nodes = [0u32; 27];
+        // The largest element that is read, Hexahedron27, has 27 nodes.
         for slot in &mut nodes[..kind.n_nodes] {
             let number = self.tag(scalar, "a node's number")?;
             let index = self.node_numbers.get(number);
             *slot = index.ok_or_else(|| FeError::NoSuchNode { element: tag.to_string(), node: number })?;
         }
+        // Groups of elements become groups of nodes: supports and loads are stated on nodes.
         for &g in groups {
             self.physical.entry((kind.dimension, g)).or_default().extend(&nodes[..kind.n_nodes]);
         }
@@ -318,12 +339,14 @@ impl<'a> Msh<'a> {
             *to = nodes[from];
         }
         let ours = &ours[..if kind.order.is_empty() { kind.n_nodes } else { kind.order.len() }];
+        // The mesh may be repeated before each result; the same element is added once.
         let known = self.element_numbers.get(tag).and_then(|i| self.file.elements.get(i as usize));
         if known.is_some_and(|e| kind.kind == Ok(e.kind) && e.nodes() == &ours[..e.nodes().len()]) {
             return Ok(());
         }
         let taken = self.file.add(kind.kind, ours);
-        // Twice the same number: results on elements go to the first.
+        // Another element with a number in use: results go to the first one. A number far below any real
+        // tag keeps indices in step.
         if taken && self.element_numbers.insert(tag).is_none() {
             let free = -1 - self.file.elements.len() as i64 - (1 << 60);
             self.element_numbers.insert(free);
@@ -347,6 +370,8 @@ impl<'a> Msh<'a> {
         let mut done = 0;
         let mut tags = Vec::new();
         while done < n {
+            // In binary files a header of type, count and number of tags stands before each run of
+            // elements; in ASCII files each line has its own.
             let (number, block, n_tags) = if self.binary {
                 let number = self.tag(Scalar::I32, "an element type")?;
                 let block = self.count(Scalar::I32, "a count of elements")?;
@@ -380,6 +405,7 @@ impl<'a> Msh<'a> {
     fn elements_4(&mut self) -> Result<(), FeError> {
         self.begin_data();
         let blocks = self.count(Scalar::U64, "the number of blocks")?;
+        // Total count, lowest and highest tag, as for nodes.
         for _ in 0..3 {
             self.tag(Scalar::U64, "a count of elements")?;
         }
@@ -388,6 +414,7 @@ impl<'a> Msh<'a> {
             let entity = self.tag(Scalar::I32, "an entity")?;
             let number = self.tag(Scalar::I32, "an element type")?;
             let kind = self.kind(number)?;
+            // Version 4 puts groups on entities, not on elements.
             let groups = self.entities.get(&(dimension.min(9) as u8, entity)).cloned().unwrap_or_default();
             for _ in 0..self.count(Scalar::U64, "the number of elements")? {
                 let tag = self.tag(Scalar::U64, "an element's number")?;
@@ -402,6 +429,8 @@ impl<'a> Msh<'a> {
         if self.sections > MAX_SECTIONS {
             return Err(FeError::TooMany { what: "sections of results", limit: MAX_SECTIONS as u64 });
         }
+        // The head of a result has three lists: texts (the first is the name), reals (time) and integers
+        // (step, components, count).
         let mut name = String::new();
         for i in 0..self.words.count("the number of texts")?.min(MAX_COUNT) {
             self.words.next_line();
@@ -427,12 +456,15 @@ impl<'a> Msh<'a> {
                 _ => {}
             }
         }
+        // Gmsh writes scalars (1), vectors (3) and tensors (9); more would be damage.
         if !(1..=9).contains(&components) || n > MAX_COUNT {
             let problem = format!("{components} components for {n} tuples; 1 to 9 should be");
             return Err(invalid(self.words.place(), problem));
         }
         self.begin_data();
         let tuples = if on == On::Nodes { self.file.nodes.len() } else { self.file.elements.len() };
+        // The array is as long as the mesh however few tuples the section holds. Without this bound many
+        // small sections would exhaust memory.
         let room = tuples * components;
         self.array_room = self.array_room.checked_sub(room).ok_or_else(|| {
             invalid(self.words.place(), "the results are far larger than the file; refused as a bomb")
@@ -461,7 +493,8 @@ impl<'a> Msh<'a> {
         Ok(())
     }
 
-    /// Values at the nodes of each element: averaged at the nodes by the size of the elements.
+    /// Values at the nodes of each element, averaged at each node with the size of the elements as
+    /// weight.
     fn element_nodes(&mut self, values: &mut [f64], components: usize, n: u64) -> Result<(), FeError> {
         let mut weights = vec![0.0; self.file.nodes.len()];
         for _ in 0..n {
@@ -469,8 +502,10 @@ impl<'a> Msh<'a> {
             let n_nodes = self.count(Scalar::I32, "a number of nodes")?;
             let element =
                 self.element_numbers.get(tag).and_then(|i| self.file.elements.get(i as usize)).copied();
+            // A flat element still counts, otherwise its nodes would divide zero by zero.
             let weight = element.map_or(0.0, |e| e.size(&self.file.nodes).max(f64::MIN_POSITIVE));
-            // Nodes beyond the corners are in Gmsh's order; only kinds in the same order carry them on.
+            // Values come in Gmsh's node order. Kinds whose middle nodes are renumbered keep only the
+            // values at their corners, where both orders agree.
             let same = element.is_some_and(|e| {
                 !matches!(e.kind, ElementKind::Tet10 | ElementKind::Wedge15 | ElementKind::Hex20)
             });
@@ -505,6 +540,8 @@ impl<'a> Msh<'a> {
             let name = name.unwrap_or_else(|| format!("group {tag} of dimension {dimension}"));
             self.file.groups.push(Group { name, nodes });
         }
+        // A result may be followed by more mesh, so earlier arrays are lengthened here. The bound covers
+        // that growth too.
         let (n_nodes, n_elements) = (self.file.nodes.len(), self.file.elements.len());
         let components: usize = self.file.arrays.iter().map(|a| a.components).sum();
         if components.saturating_mul(n_nodes.max(n_elements)) > room {

@@ -13,7 +13,7 @@ use super::model::{FeError, FeFile, FeFormat, Group, array_room, invalid, positi
 use grainpath_core::number::{number, whole};
 use grainpath_core::{Warning, WarningId};
 
-/// Keywords that say nothing about the linear problem.
+/// Keywords that do not change the linear problem, so that they need no warning.
 const HARMLESS: [&str; 34] = [
     "NODEFILE",
     "ELFILE",
@@ -82,18 +82,19 @@ fn shown(bytes: &[u8]) -> String {
     String::from_utf8_lossy(&bytes[..bytes.len().min(60)]).trim().to_owned()
 }
 
-/// Fields of a line, without those behind the last comma.
+/// Fields of a line. A comma at the end of the line opens no further field.
 fn fields(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     let trimmed = line.trim_ascii();
     let trimmed = trimmed.strip_suffix(b",").unwrap_or(trimmed);
     trimmed.split(|&b| b == b',').map(<[u8]>::trim_ascii)
 }
 
-/// A number as Fortran or C writes it; an empty field is 0.
+/// A number as Fortran or C writes it. An empty field means 0, the default in both manuals.
 fn value(line: usize, field: &[u8]) -> Result<f64, FeError> {
     if field.is_empty() {
         return Ok(0.0);
     }
+    // Fortran writes double precision as `1.5D+03`.
     let fortran = || {
         let text: Vec<u8> = field.iter().map(|b| if matches!(b, b'd' | b'D') { b'e' } else { *b }).collect();
         number(&text)
@@ -108,8 +109,9 @@ fn integer(line: usize, field: &[u8]) -> Result<i64, FeError> {
     })
 }
 
-/// Adds to a set and keeps it ascending, at no cost for blocks that follow each other.
+/// Adds to a set and keeps it ascending. Blocks that follow each other are appended without sorting.
 fn join(set: &mut Vec<u32>, more: Vec<u32>) {
+    // Sets are searched by bisection in `section_of`, so they stay sorted and without duplicates.
     let follows = more.is_sorted_by(|a, b| a < b) && set.last() < more.first();
     set.extend(more);
     if !follows {
@@ -124,9 +126,9 @@ struct Inp {
     deck: Deck,
     nodes: Numbers,
     elements: Numbers,
-    /// Entries that sets and loads may still have.
+    /// Entries that sets and loads may still take.
     room: usize,
-    /// Material that constants belong to.
+    /// The material to which ELASTIC and DENSITY belong.
     material: Option<usize>,
     in_step: bool,
     parts: usize,
@@ -146,6 +148,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
     let mut lines = bytes.split(|&b| b == b'\n').enumerate().map(|(i, l)| (i + 1, l.trim_ascii()));
     let mut block: Option<Block<'_>> = None;
     while let Some((n, line)) = lines.next() {
+        // Empty lines and comments may stand anywhere, also inside data.
         if line.is_empty() || line.starts_with(b"**") {
             continue;
         }
@@ -159,7 +162,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
             inp.block(&b)?;
         }
         let mut text = String::from_utf8_lossy(&line[1..]).into_owned();
-        // A keyword goes on behind a comma at the end of its line.
+        // A keyword line that ends in a comma goes on in the next line.
         while text.trim_end().ends_with(',') {
             match lines.next() {
                 Some((_, more)) if !more.is_empty() && more[0] != b'*' => {
@@ -178,6 +181,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
 
 fn keyword(text: &str, line: usize) -> Block<'static> {
     let mut parts = text.split(',');
+    // Blanks and case do not count: `*Node File` and `*NODEFILE` are the same keyword.
     let squeeze = |s: &str| s.chars().filter(|c| !c.is_whitespace()).collect::<String>().to_ascii_uppercase();
     let keyword = squeeze(parts.next().unwrap_or_default());
     let parameter = |p: &str| {
@@ -200,6 +204,8 @@ impl Inp {
             "MATERIAL" => {
                 let name = b.name("NAME").unwrap_or_default();
                 self.material = Some(self.deck.materials.len());
+                // The lines of ELASTIC and DENSITY come in keywords of their own and belong to the last
+                // MATERIAL.
                 self.deck.materials.push(Material { name, elastic: None, density: None });
             }
             "ELASTIC" => self.elastic(b)?,
@@ -219,12 +225,14 @@ impl Inp {
                     }
                     None => None,
                 };
+                // For solids the first number is an attribute that is not a thickness; solids ignore it.
                 self.deck.sections.push(Section {
                     elements: b.name("ELSET").unwrap_or_default(),
                     material: b.name("MATERIAL").unwrap_or_default(),
                     thickness,
                 });
                 if b.has("ORIENTATION") {
+                    // Orthotropic constants would be used along the wrong axes, so the user is warned.
                     self.ignore("ORIENTATION");
                 }
             }
@@ -242,6 +250,7 @@ impl Inp {
             | "HEATTRANSFER"
             | "VISCO"
             | "COUPLEDTEMPERATURE-DISPLACEMENT" => {
+                // The procedure is stored because only a linear static step can be compared.
                 if let Some(step) = self.deck.steps.last_mut() {
                     step.procedure = b.keyword.clone();
                 }
@@ -252,15 +261,19 @@ impl Inp {
             "DSLOAD" => self.dsload(b)?,
             "INCLUDE" => {
                 let what = format!("{}: *INCLUDE", place(b.line));
+                // A second file would have to be opened, and readers work on bytes alone.
                 return Err(FeError::Unsupported { what, reads: "decks in one file" });
             }
             "PART" => {
                 self.parts += 1;
                 if self.parts > 1 {
+                    // Each part numbers its nodes from 1, so two parts in one list would mix them up.
                     let what = format!("{}: a second *PART", place(b.line));
                     return Err(FeError::Unsupported { what, reads: "decks of one part" });
                 }
             }
+            // An instance with data lines is moved or rotated, and the mesh is read where its part
+            // stands.
             "INSTANCE" if !b.data.is_empty() => self.ignore("INSTANCE (its place)"),
             k if HARMLESS.contains(&k) => {}
             other => self.ignore(other),
@@ -269,12 +282,13 @@ impl Inp {
     }
 
     fn ignore(&mut self, keyword: &str) {
+        // A hundred names are more than anyone reads; the bound keeps the warning finite.
         if !self.deck.ignored.iter().any(|k| k == keyword) && self.deck.ignored.len() < 100 {
             self.deck.ignored.push(keyword.chars().take(60).collect());
         }
     }
 
-    /// Takes room for `n` entries of sets or loads.
+    /// Takes from the budget for entries of sets and loads.
     fn take_room(&mut self, n: usize, line: usize) -> Result<(), FeError> {
         self.room = self.room.checked_sub(n).ok_or_else(|| {
             invalid(place(line), "sets and loads are far larger than the file; refused as a bomb")
@@ -289,6 +303,7 @@ impl Inp {
             let mut all = fields(line);
             let node = integer(n, all.next().unwrap_or_default())?;
             let mut p = [0.0; 3];
+            // Missing coordinates are 0; a plane deck may leave z out.
             for (c, f) in p.iter_mut().zip(all) {
                 *c = value(n, f)?;
             }
@@ -299,7 +314,7 @@ impl Inp {
                     self.deck.node_numbers.push(node);
                     index
                 }
-                // A node given again is moved.
+                // Both manuals let a node that is given again replace the first one.
                 None => {
                     let index = self.nodes.get(node).ok_or(FeError::NoNodes)?;
                     self.file.nodes[index as usize] = p;
@@ -334,6 +349,8 @@ impl Inp {
             for f in all {
                 read(n, f)?;
             }
+            // Elements with many nodes go on in further lines. For a kind that is not read the number of
+            // nodes is unknown, so the comma at the end of the line decides.
             let mut goes_on = line.ends_with(b",");
             let wanted = kind.map(ElementKind::n_nodes).unwrap_or(0);
             while nodes.len() < wanted || (wanted == 0 && goes_on) {
@@ -356,6 +373,7 @@ impl Inp {
                     format!("element {element} has {} nodes; {kind_name} has {wanted}", nodes.len());
                 return Err(invalid(place(n), problem));
             }
+            // Elements that are not read get no index: loads and sets that name them skip them.
             if self.file.add(kind, &nodes) {
                 let Some(index) = self.elements.insert(element) else {
                     return Err(invalid(place(n), format!("element {element} is there twice")));
@@ -379,6 +397,7 @@ impl Inp {
         let mut found = Vec::new();
         for &(n, line) in &b.data {
             let all: Vec<&[u8]> = fields(line).filter(|f| !f.is_empty()).collect();
+            // GENERATE lists first, last and step of a range of numbers.
             if b.has("GENERATE") {
                 let low = integer(n, all.first().copied().unwrap_or_default())?;
                 let high = integer(n, all.get(1).copied().unwrap_or_default())?;
@@ -389,6 +408,8 @@ impl Inp {
                     (&self.deck.element_numbers, &self.elements)
                 };
                 let before = found.len();
+                // A range may span far more numbers than exist (1 to 10^9). The shorter of both lists is
+                // walked.
                 if high.saturating_sub(low) / step <= numbers.len() as i64 {
                     let mut at = low;
                     while at <= high {
@@ -404,13 +425,16 @@ impl Inp {
             }
             for f in all {
                 match whole(f) {
-                    // Sets may name nodes of no element, and elements that were left out.
+                    // Unknown numbers are skipped: a set may name nodes of no element and elements that
+                    // were not read.
                     Some(v) => found.extend(if of_nodes { self.nodes.get(v) } else { self.elements.get(v) }),
                     None => {
                         let sets = if of_nodes { &self.deck.node_sets } else { &self.deck.element_sets };
+                        // A set may hold other sets, which must come first.
                         let other = sets.get(&shown(f).to_ascii_uppercase());
                         let other = other
                             .ok_or_else(|| invalid(place(n), format!("no set {:?} before here", shown(f))))?;
+                        // Sets of sets double with each line, so their size counts against the budget.
                         found.extend_from_slice(other);
                         let taken = other.len();
                         self.take_room(taken, n)?;
@@ -425,6 +449,7 @@ impl Inp {
 
     fn surface(&mut self, b: &Block<'_>) -> Result<(), FeError> {
         let name = b.name("NAME").unwrap_or_default();
+        // A surface of nodes is a node set: it has no faces that a pressure could act on.
         if b.name("TYPE").is_some_and(|t| t == "NODE") {
             let mut nodes = Vec::new();
             for &(n, line) in &b.data {
@@ -437,6 +462,8 @@ impl Inp {
         for &(n, line) in &b.data {
             let mut all = fields(line);
             let elements = self.elements_named(n, all.next().unwrap_or_default())?;
+            // Without a label Abaqus takes all free faces; pressures on such surfaces are rare and not
+            // read.
             let Some(label) = all.next() else { continue };
             for e in elements {
                 faces.push((e, self.face(n, e, label)?));
@@ -446,7 +473,7 @@ impl Inp {
         Ok(())
     }
 
-    /// Index of the face that `S3` or `P3` names.
+    /// Index of the face that a label such as `S3` or `P3` names.
     fn face(&self, line: usize, element: u32, label: &[u8]) -> Result<u8, FeError> {
         let kind = self.file.elements[element as usize].kind;
         let n = label.get(1..).and_then(whole).filter(|&n| n >= 1 && n as usize <= kind.faces().len());
@@ -488,6 +515,8 @@ impl Inp {
     fn elastic(&mut self, b: &Block<'_>) -> Result<(), FeError> {
         let kind = b.name("TYPE").unwrap_or_else(|| "ISO".into()).replace(' ', "");
         let mut all = Vec::new();
+        // Engineering constants take two lines: eight values, then the ninth. Further lines are other
+        // temperatures.
         for &(n, line) in b.data.iter().take(2) {
             for f in fields(line) {
                 all.push(value(n, f)?);
@@ -519,6 +548,8 @@ impl Inp {
             let all: Vec<&[u8]> = fields(line).collect();
             let nodes = self.nodes_named(n, all[0])?;
             let word = all.get(1).copied().unwrap_or_default();
+            // Named supports as the Abaqus manual defines them: XSYMM is symmetry about a plane of
+            // constant x, so it holds x and the rotations about y and z.
             let (axes, v): (Vec<u8>, f64) = match word.to_ascii_uppercase().as_slice() {
                 b"ENCASTRE" => ((0..6).collect(), 0.0),
                 b"PINNED" => (vec![0, 1, 2], 0.0),
@@ -532,7 +563,7 @@ impl Inp {
                         _ => first,
                     };
                     let v = all.get(3).map_or(Ok(0.0), |f| value(n, f))?;
-                    // Temperatures and other fields have numbers of their own.
+                    // Degrees of freedom above 6 are temperatures and other fields, which carry no force.
                     (((first.max(1))..=last.min(6)).map(|d| (d - 1) as u8).collect(), v)
                 }
             };
@@ -541,6 +572,7 @@ impl Inp {
                 nodes.iter().flat_map(|&node| axes.iter().map(move |&axis| Fixed { node, axis, value: v })),
             );
         }
+        // Supports before the first step hold in all steps.
         match self.deck.steps.last_mut() {
             Some(step) if self.in_step => step.fixed.extend(fixed),
             _ => self.deck.fixed.extend(fixed),
@@ -560,6 +592,7 @@ impl Inp {
             let all: Vec<&[u8]> = fields(line).collect();
             let nodes = self.nodes_named(n, all[0])?;
             let axis = integer(n, all.get(1).copied().unwrap_or_default())?;
+            // Other numbers are fluxes and temperatures.
             if !(1..=6).contains(&axis) {
                 continue;
             }
@@ -578,12 +611,14 @@ impl Inp {
             let label = all.get(1).copied().unwrap_or_default().to_ascii_uppercase();
             let number_at = |i: usize| value(n, all.get(i).copied().unwrap_or_default());
             match label.as_slice() {
+                // GRAV: magnitude, then a direction whose length counts.
                 b"GRAV" => {
                     let g = number_at(2)?;
                     let direction = [number_at(3)?, number_at(4)?, number_at(5)?];
                     let acceleration = direction.map(|c| c * g);
                     bodies.extend(elements.into_iter().map(|element| BodyLoad { element, acceleration }));
                 }
+                // `P` and the number of a face. `PFILM` and the like are no pressures.
                 [b'P', rest @ ..] if !rest.is_empty() && rest.iter().all(u8::is_ascii_digit) => {
                     let pressure = number_at(2)?;
                     for element in elements {
@@ -609,6 +644,7 @@ impl Inp {
                 return Err(invalid(place(n), format!("no surface {name:?}")));
             };
             self.take_room(faces.len(), n)?;
+            // Other labels are tractions with directions of their own.
             if !all.get(1).is_some_and(|l| l.eq_ignore_ascii_case(b"P")) {
                 self.ignore("DSLOAD other than P");
                 continue;
@@ -621,6 +657,7 @@ impl Inp {
     }
 
     fn finish(mut self) -> FeFile {
+        // Supports in a job may name these sets.
         for (name, nodes) in &self.deck.node_sets {
             self.file.groups.push(Group { name: name.clone(), nodes: nodes.clone() });
         }
@@ -633,9 +670,11 @@ impl Inp {
     }
 }
 
-/// The kind of an element by the name Abaqus gives it: family, number of nodes, variant.
+/// The kind of an element from its Abaqus name: family, number of nodes, variant (`C3D10R` is a solid
+/// with 10 nodes).
 fn element_kind(name: &str) -> (Result<ElementKind, &'static str>, Behaviour) {
     use ElementKind::{Hex8, Hex20, Pyramid5, Quad4, Quad8, Quad9, Tet4, Tet10, Tri3, Tri6, Wedge6, Wedge15};
+    // Longer prefixes come before `S`, which would match `SC8R` and `SFM3D4` too.
     const FAMILIES: [(&str, Behaviour); 11] = [
         ("C3D", Behaviour::Solid),
         ("DC3D", Behaviour::Solid),
@@ -655,6 +694,7 @@ fn element_kind(name: &str) -> (Result<ElementKind, &'static str>, Behaviour) {
         Some((*b, rest[..digits].parse::<usize>().ok()?))
     });
     let Some((behaviour, n)) = family else {
+        // These have two or three nodes and no cross-section in the mesh; they are counted as lines are.
         let beam = ["B2", "B3", "T2", "T3", "PIPE"].iter().any(|b| name.starts_with(b));
         let what = if beam { "beams and trusses" } else { "of kinds grainpath does not read" };
         return (Err(what), Behaviour::Solid);
@@ -666,6 +706,7 @@ fn element_kind(name: &str) -> (Result<ElementKind, &'static str>, Behaviour) {
         (Behaviour::Solid, 8) => Ok(Hex8),
         (Behaviour::Solid, 10) => Ok(Tet10),
         (Behaviour::Solid, 15) => Ok(Wedge15),
+        // C3D27 begins with the nodes of C3D20; nodes inside faces and the volume are dropped.
         (Behaviour::Solid, 20 | 27) => Ok(Hex20),
         (Behaviour::Solid, _) => Err("of kinds grainpath does not read"),
         (_, 3) => Ok(Tri3),

@@ -35,15 +35,19 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
                 continue;
             }
             b"End" => break,
+            // Edges and points carry no stress; they are counted and left out.
             b"Edges" => (Err("lines"), 2),
             b"Triangles" => (Ok(ElementKind::Tri3), 3),
             b"Quadrilaterals" => (Ok(ElementKind::Quad4), 4),
             b"Tetrahedra" => (Ok(ElementKind::Tet4), 4),
             b"Pyramids" => (Ok(ElementKind::Pyramid5), 5),
             b"Prisms" => (Ok(ElementKind::Wedge6), 6),
+            // Many programs write the misspelled `Hexaedra`; both are in the wild.
             b"Hexahedra" | b"Hexaedra" => (Ok(ElementKind::Hex8), 8),
             other => {
-                // Corners, ridges, normals: numbers to pass over.
+                // Sections without elements (corners, ridges, normals) consist of words and numbers,
+                // which are skipped one by one. Bytes beyond ASCII mean that the file is binary or
+                // damaged.
                 if whole(other).is_none() && number(other).is_none() && !other.is_ascii() {
                     return Err(words.wrong(other, "a section of a Medit mesh").into());
                 }
@@ -54,6 +58,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
             let mut nodes = [0u32; 8];
             for slot in &mut nodes[..n_nodes] {
                 let node = words.count("a vertex number")? as i64;
+                // Vertices count from 1, and the section of vertices must come before that of elements.
                 let known = node >= 1 && node as usize <= file.nodes.len();
                 if !known {
                     return Err(FeError::NoSuchNode {

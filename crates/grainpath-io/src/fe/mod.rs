@@ -47,6 +47,7 @@ pub fn sniff_fe(bytes: &[u8], name: Option<&str>) -> Option<FeFormat> {
     let extension = name.and_then(|n| n.rsplit_once('.')).map(|(_, e)| e.to_ascii_lowercase());
     let is = |e: &str| extension.as_deref() == Some(e);
     let text = skip_space(bytes);
+    // The first 4096 bytes hold the signature of every format; the rest may be gigabytes.
     let head = &text[..text.len().min(4096)];
     let has = |word: &str| head.windows(word.len()).any(|w| w.eq_ignore_ascii_case(word.as_bytes()));
     let starts = |word: &str| head.get(..word.len()).is_some_and(|h| h.eq_ignore_ascii_case(word.as_bytes()));
@@ -56,15 +57,18 @@ pub fn sniff_fe(bytes: &[u8], name: Option<&str>) -> Option<FeFormat> {
     if starts("# vtk DataFile") {
         return Some(FeFormat::Vtk);
     }
+    // A Gmsh file may begin with comments (`$Comments`) before its format.
     if starts("$MeshFormat") || starts("$NOD") || (starts("$") && (has("$MeshFormat") || is("msh"))) {
         return Some(FeFormat::Gmsh);
     }
     if starts("MeshVersionFormatted") {
         return Some(FeFormat::Medit);
     }
+    // STEP is recognised so that the user learns why it is refused, instead of reading "unknown format".
     if starts("ISO-10303-21") {
         return Some(FeFormat::Step);
     }
+    // An FRD file begins with the record `    1C`, written in fixed columns.
     if is("frd") || bytes.starts_with(b"    1C") || bytes.starts_with(b"    1U") {
         return Some(FeFormat::Frd);
     }
@@ -72,10 +76,13 @@ pub fn sniff_fe(bytes: &[u8], name: Option<&str>) -> Option<FeFormat> {
         return Some(FeFormat::AnsysRst);
     }
     let keyword = ["*NODE", "*HEADING", "*ELEMENT", "*PART", "*INCLUDE", "*MATERIAL", "*NSET", "*ELSET"];
+    // A deck may begin with comments; then one of the usual keywords has to follow within the first 4096
+    // bytes.
     let deck = keyword.iter().any(|k| starts(k)) || (starts("**") && keyword.iter().any(|k| has(k)));
     if deck || (is("inp") && starts("*")) {
         return Some(FeFormat::Inp);
     }
+    // CSV has no signature and is asked last: its header test accepts any two columns named x and y.
     (is("csv") || csv::looks_like(head)).then_some(FeFormat::Csv)
 }
 
@@ -89,6 +96,8 @@ fn is_ansys_rst(bytes: &[u8], named_rst: bool) -> bool {
         Some(u32::from_le_bytes(b))
     };
     let is_binary = bytes.iter().take(400).any(|&b| b == 0);
+    // Writers differ by one word in where the kind of the file stands. The extension decides where
+    // neither place has it.
     is_binary && word(0) == Some(100) && (word(2) == Some(12) || word(3) == Some(12) || named_rst)
 }
 

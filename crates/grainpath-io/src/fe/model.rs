@@ -58,7 +58,8 @@ pub struct Element {
 }
 
 impl Element {
-    /// An element over these nodes (indices); `None` when there are too few. More than the kind has are passed over.
+    /// An element over these node indices; `None` where there are fewer than the kind has. Further
+    /// indices are ignored.
     pub fn new(kind: ElementKind, nodes: &[u32]) -> Option<Self> {
         let mut all = [0; MAX_NODES];
         all[..kind.n_nodes()].copy_from_slice(nodes.get(..kind.n_nodes())?);
@@ -89,7 +90,7 @@ impl Element {
             let [r, s, t] = columns;
             weight * if self.kind.dimension() == 2 { r.cross(s).length() } else { r.cross(s).dot(t) }
         };
-        // Signed until here: an element wound the other way round is no smaller for it.
+        // The sum is signed up to here: an element wound the other way round has the same size.
         self.kind.quadrature().into_iter().map(measure).sum::<f64>().abs()
     }
 }
@@ -128,7 +129,7 @@ pub struct Group {
     pub nodes: Vec<u32>,
 }
 
-/// A file as it is.
+/// A file as it was read, in its own units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeFile {
     /// What it was read as.
@@ -141,11 +142,11 @@ pub struct FeFile {
     pub arrays: Vec<FeArray>,
     /// Named groups of nodes.
     pub groups: Vec<Group>,
-    /// Elements that were not taken, by what they are.
+    /// Elements that are not read, counted by kind.
     pub left_out: Vec<(String, usize)>,
     /// Material, supports and loads of an INP deck.
     pub deck: Option<Box<Deck>>,
-    /// What was odd but could be read.
+    /// Warnings about contents that are odd but readable.
     pub warnings: Vec<Warning>,
 }
 
@@ -163,7 +164,7 @@ impl FeFile {
         }
     }
 
-    /// Counts an element that is not taken.
+    /// Counts an element that is not read.
     pub(super) fn leave_out(&mut self, what: &str) {
         match self.left_out.iter_mut().find(|(name, _)| name == what) {
             Some((_, n)) => *n += 1,
@@ -171,9 +172,7 @@ impl FeFile {
         }
     }
 
-    /// Adds an element, or counts it when there is no kind for it.
-    ///
-    /// True when it was taken.
+    /// Adds an element, or counts it where there is no kind for it. Returns whether it was added.
     pub(super) fn add(&mut self, kind: Result<ElementKind, &str>, nodes: &[u32]) -> bool {
         match kind.map(|k| Element::new(k, nodes)) {
             Ok(Some(element)) => {
@@ -194,6 +193,7 @@ impl FeFile {
     /// Lowest and highest corner of the box around the nodes that elements use (all nodes where there are none).
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let of = |(lo, hi): (DVec3, DVec3), p: DVec3| (lo.min(p), hi.max(p));
+        // Unused nodes are common (centres of arcs, reference points) and would inflate the box.
         let used = self.elements.iter().flat_map(|e| e.nodes()).map(|&i| self.nodes[i as usize]);
         let start = |p: DVec3| (p, p);
         if self.elements.is_empty() {
@@ -255,7 +255,8 @@ pub(super) fn invalid(place: impl Into<String>, problem: impl Into<String>) -> F
     FeError::Invalid { place: place.into(), problem: problem.into() }
 }
 
-/// No file may have more nodes, elements or groups than this.
+/// Limit on nodes, elements and groups of a file. Indices are 32 bits wide, and a mesh of this size takes
+/// about 20 GB, more than any solver of parts needs.
 pub(super) const MAX_COUNT: u64 = 200_000_000;
 
 /// Checks a position as mesh readers do.
@@ -263,7 +264,8 @@ pub(super) fn position(p: [f64; 3], place: impl Fn() -> String) -> Result<DVec3,
     Ok(crate::position::checked(p, place)?)
 }
 
-/// How many numbers all arrays of a file of this size may have together, once nodes left out are filled in.
+/// Numbers that all arrays of a file of this size may hold together, after missing tuples are filled with
+/// NaN. Eight numbers a byte leave room for sparse results and bound the memory at 64 times the file.
 pub(super) fn array_room(n_bytes: usize) -> usize {
     n_bytes.saturating_mul(8).max(1 << 20)
 }

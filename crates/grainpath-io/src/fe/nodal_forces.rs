@@ -11,8 +11,9 @@ use super::element::ElementKind;
 use super::model::{Element, FeError, FeFile, invalid};
 
 impl FeFile {
-    /// The forces of a deck's step on every node, in the deck's unit of force: forces on nodes as they are, pressures
-    /// and gravity by the shape functions. Moments are left out; the nodes of solids do not turn.
+    /// Forces on every node in a step of the deck, in the deck's unit of force. Forces on nodes are taken
+    /// as they are; pressures and gravity are distributed by the shape functions. Moments are left out,
+    /// because nodes of solids do not rotate.
     ///
     /// # Errors
     /// No such step, axisymmetric elements, or a plane element without thickness under load.
@@ -22,13 +23,15 @@ impl FeFile {
             .and_then(|d| Some((d, d.steps.get(step)?)))
             .ok_or_else(|| invalid(format!("step {}", step + 1), "the file has no such step"))?;
         let mut forces = vec![DVec3::ZERO; self.nodes.len()];
+        // Axes 3 to 5 are moments.
         for load in step.point_loads.iter().filter(|l| l.axis < 3) {
             forces[load.node as usize][load.axis as usize] += load.value;
         }
         for load in &step.face_loads {
             let e = &self.elements[load.element as usize];
             let Some((kind, nodes)) = face_of(e, load.face as usize) else { continue };
-            // An element wound the other way round has its outside on the other side.
+            // A positive pressure pushes inwards, against the outward normal. An element wound the other
+            // way round has its outside on the other side.
             let sign = -load.pressure * self.thickness(deck, load.element)? * self.winding(e);
             for (x, weight) in kind.quadrature() {
                 let shape = kind.shape(x);
@@ -46,7 +49,8 @@ impl FeFile {
             let Some(nodes) = edge_of(e, load.face as usize) else { continue };
             let sign = -load.pressure * self.thickness(deck, load.element)? * self.winding(e);
             let p = |k: usize| self.nodes[nodes[k] as usize];
-            // Three points along a parabola, exact to degree 5.
+            // Gauss-Legendre quadrature with three points on -1..1, exact to degree 5: enough for a
+            // quadratic edge.
             let far = 0.6f64.sqrt();
             for (t, weight) in [(-far, 5.0 / 9.0), (0.0, 8.0 / 9.0), (far, 5.0 / 9.0)] {
                 let (n, d) = if nodes.len() == 3 {
@@ -55,6 +59,8 @@ impl FeFile {
                     ([0.5 * (1.0 - t), 0.5 * (1.0 + t), 0.0], [-0.5, 0.5, 0.0])
                 };
                 let along = (0..nodes.len()).map(|k| d[k] * p(k)).sum::<DVec3>();
+                // The edge is turned by a quarter to the right: outwards for an element numbered
+                // counter-clockwise.
                 let normal = DVec3::new(along.y, -along.x, 0.0);
                 for (k, &i) in nodes.iter().enumerate() {
                     forces[i as usize] += sign * weight * n[k] * normal;
@@ -64,8 +70,10 @@ impl FeFile {
         for load in &step.body_loads {
             let e = &self.elements[load.element as usize];
             let density = deck.section_of(load.element).and_then(|(m, _)| m.density).unwrap_or(0.0);
+            // The mass of the element; gravity acts on the mass.
             let size = e.size(&self.nodes) * density * self.thickness(deck, load.element)?;
-            // Weights of the middle of each Gauss point, by its share of the volume.
+            // Each Gauss point takes its share of the element's mass. Dividing by the sum of the weights
+            // keeps the total mass exact.
             let points = e.kind.quadrature();
             let whole: f64 = points.iter().map(|p| p.1).sum();
             for (x, weight) in points {
@@ -87,13 +95,14 @@ impl FeFile {
                 reads: "plane and solid elements",
             }),
             _ => match deck.section_of(element) {
+                // Abaqus and CalculiX take a plane element without a stated thickness as 1 thick.
                 Some((_, thickness)) => Ok(thickness.unwrap_or(1.0)),
                 None => Err(invalid(place(), "has no section")),
             },
         }
     }
 
-    /// 1 where the nodes run as they should, -1 where the other way round.
+    /// 1 where the nodes are numbered as the format asks, -1 where they run the other way round.
     fn winding(&self, e: &Element) -> f64 {
         let shape = e.kind.shape(e.kind.centre());
         let column = |k: usize| {
@@ -113,6 +122,7 @@ fn face_of(e: &Element, face: usize) -> Option<(ElementKind, Vec<u32>)> {
     let corners = e.kind.faces().get(face)?;
     let n = corners.len();
     let mut nodes: Vec<u32> = corners.iter().map(|&i| e.nodes()[i]).collect();
+    // Middle nodes follow the corners, as in every surface element.
     nodes.extend((0..n).filter_map(|i| middle(e, corners[i], corners[(i + 1) % n])));
     let kind = match nodes.len() {
         3 => ElementKind::Tri3,

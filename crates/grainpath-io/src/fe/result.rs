@@ -12,11 +12,12 @@ use grainpath_core::{DVec3, Warning, WarningId};
 use super::model::{Element, FeArray, FeError, FeFile, FeFormat, On, invalid};
 use grainpath_core::tensor::von_mises;
 
-/// Peak stresses above this, in MPa, are no printed part's: the unit is wrong.
+/// Peak stress in MPa above which the unit is doubted. No printed part bears as much; only a warning
+/// depends on the value.
 const LIKELY_MAX_MPA: f64 = 5000.0;
-/// Parts larger than this, in mm, are no printed part's.
+/// Size in mm above which the unit is doubted; only a warning depends on the value.
 const LIKELY_MAX_MM: f64 = 5000.0;
-/// Parts smaller than this, in mm, are likely in metres.
+/// Size in mm below which the part is likely in metres; only a warning depends on the value.
 const LIKELY_MIN_MM: f64 = 1.0;
 
 /// A unit of stress a file may be in.
@@ -44,6 +45,8 @@ impl StressUnit {
             Self::Pascal => 1e-6,
             Self::Kilopascal => 1e-3,
             Self::Gigapascal => 1e3,
+            // 1 psi = 1 lbf/in2 = 4.448 221 615 260 5 N / (25.4 mm)2, both exact by definition (NIST SP
+            // 811).
             Self::Psi => 6.894_757_293_168e-3,
             Self::Ksi => 6.894_757_293_168,
         }
@@ -98,7 +101,7 @@ impl Order {
         [Self::Vtk, Self::Abaqus, Self::Voigt].into_iter().find(|o| o.name().eq_ignore_ascii_case(name))
     }
 
-    /// Where xx, yy, zz, xy, yz, zx are.
+    /// Positions of xx, yy, zz, xy, yz, zx in this order.
     const fn places(self) -> [usize; 6] {
         match self {
             Self::Vtk => [0, 1, 2, 3, 4, 5],
@@ -108,7 +111,8 @@ impl Order {
     }
 }
 
-/// How the stress of a file is to be understood. `None` means what the file states, or else the default named here.
+/// How the stress of a file is to be read. `None` means what the file states, or else the default named
+/// here.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FeOptions {
     /// Unit of positions and displacements; mm when not given.
@@ -136,11 +140,11 @@ pub struct FeResult {
     pub stress: Vec<[f64; 6]>,
     /// Displacement of each node, mm, where the file has one.
     pub displacement: Option<Vec<DVec3>>,
-    /// Whether all lies in a plane of constant z: then z does not count where the stress is asked for.
+    /// Whether all nodes lie in a plane of constant z. The z of a sampled point is ignored then.
     pub plane: bool,
     /// What the stress was taken from.
     pub stress_array: String,
-    /// What is odd, for the user.
+    /// Warnings for the user.
     pub warnings: Vec<Warning>,
 }
 
@@ -161,15 +165,15 @@ impl FeResult {
     }
 }
 
-/// Where the six components come from: the array of each (by index) and the component in it.
+/// Source of each of the six components: an array (by index) and a component in it.
 struct Choice {
     label: String,
     on: On,
     /// xx, yy, zz, xy, yz, zx; `None` for a component that is zero (plane stress).
     from: [Option<(usize, usize)>; 6],
-    /// A second place for each shear, of tensors with nine components.
+    /// Second source of each shear, for tensors with nine components.
     mirror: [Option<(usize, usize)>; 6],
-    /// Whether the order was told by the file.
+    /// Whether the file itself states the order of the components.
     by_name: bool,
 }
 
@@ -181,6 +185,7 @@ impl FeFile {
     pub fn result(&self, options: &FeOptions) -> Result<FeResult, FeError> {
         let choice = self.choose(options)?;
         let mut warnings = self.warnings.clone();
+        // Points and lines carry no stress in any mesh, so their absence is not worth a warning.
         let lost = self.left_out.iter().filter(|(what, _)| what != "points" && what != "lines");
         warnings.extend(lost.map(|(what, n)| {
             Warning::new(WarningId::FeLeftOut, format!("{n} elements are left out: {what}"))
@@ -198,16 +203,21 @@ impl FeFile {
         let tensor = |i: usize| -> [f64; 6] {
             std::array::from_fn(|k| {
                 let v = value(choice.from[k], i);
+                // A tensor with nine components holds each shear twice. The mean removes the
+                // antisymmetric part that interpolation in other programs may leave.
                 let v = if choice.mirror[k].is_some() { 0.5 * (v + value(choice.mirror[k], i)) } else { v };
                 v * mpa
             })
         };
         let mut stress: Vec<[f64; 6]> = (0..n_tuples).map(tensor).collect();
+        // A solid mesh often holds its surface as triangles too. Only elements of the highest dimension
+        // are interpolated.
         let top = self.elements.iter().map(|e| e.kind.dimension()).max().unwrap_or(0);
         let mut elements: Vec<Element> = Vec::with_capacity(self.elements.len());
         if choice.on == On::Elements {
             stress = self.averaged(&nodes, &stress, top);
         }
+        // This comes after averaging: then both kinds of result reach the middle nodes.
         fill_middles(&self.elements, &mut stress);
         let whole = |s: &[f64; 6]| s.iter().all(|v| v.is_finite());
         let mut without = 0;
@@ -233,6 +243,7 @@ impl FeFile {
         }
         let displacement = self.displacement(options.step).map(|a| {
             let c = a.components;
+            // Two components are displacements in the plane.
             let p = |i: usize| {
                 let t = &a.values[i * c..(i + 1) * c];
                 DVec3::new(t[0], t[1], t.get(2).copied().unwrap_or(0.0)) * mm
@@ -270,7 +281,7 @@ impl FeFile {
                 }
             }
         }
-        // 0 / 0 is NaN: no stress there.
+        // A node of no averaged element divides 0 by 0. The NaN means that there is no stress.
         sum.iter().zip(weight).map(|(s, w)| s.map(|v| v / w)).collect()
     }
 
@@ -288,7 +299,7 @@ impl FeFile {
         format!("; its arrays (components) are {}{tail}", names.join(", "))
     }
 
-    /// Whether an array is of the step asked for: the last of its name when none is.
+    /// Whether an array is of the requested step, or of the last one where none is requested.
     fn of_step(&self, index: usize, step: Option<usize>) -> bool {
         let a = &self.arrays[index];
         match (step, a.step) {
@@ -305,6 +316,7 @@ impl FeFile {
             && !self.arrays.iter().any(|a| a.step == Some(step))
         {
             let last = self.arrays.iter().filter_map(|a| a.step).max().unwrap_or(1);
+            // A file with one step may leave its arrays without a number; step 1 is that one.
             if step != 1 || last != 1 {
                 return Err(invalid(format!("step {step}"), format!("there are steps 1 to {last}")));
             }
@@ -312,7 +324,8 @@ impl FeFile {
         let named = options.stress_array.as_deref();
         let usable = |a: &FeArray| match a.components {
             6 | 9 => true,
-            // Plane tensors only when asked for by name: three numbers are mostly a vector.
+            // Plane tensors are taken only where the user names the array: three numbers are usually a
+            // vector.
             3 | 4 => named.is_some(),
             _ => false,
         };
@@ -321,6 +334,7 @@ impl FeFile {
         let pick = |test: &dyn Fn(&FeArray) -> bool| {
             let on =
                 |on: On| whole.iter().copied().find(|&i| self.arrays[i].on == on && test(&self.arrays[i]));
+            // Values on nodes are preferred: averaging element values smooths peaks.
             on(On::Nodes).or_else(|| on(On::Elements))
         };
         if let Some(name) = named {
@@ -335,6 +349,7 @@ impl FeFile {
         }
         let usual = ["s", "stress", "stresses", "sigma", "cauchy_stress", "cauchy stress", "stress tensor"];
         let exact = usual.iter().find_map(|u| pick(&|a| a.name.eq_ignore_ascii_case(u)));
+        // Names such as `stress_error` or `plastic strain energy` contain the word and are no stress.
         let strain =
             |n: &str| n.contains("strain") || n.contains("error") || n == "e" || n == "le" || n == "pe";
         let like = || {
@@ -362,17 +377,20 @@ impl FeFile {
         let named: Vec<Option<usize>> = a.component_names.iter().map(|n| component(n)).collect();
         let place = |k: usize| named.iter().position(|c| *c == Some(k));
         match a.components {
+            // Row-major 3 x 3: the diagonal is 0, 4, 8; xy, yz, zx and their mirror images are off the
+            // diagonal.
             9 => {
                 from = [0, 4, 8, 1, 5, 6].map(at);
                 (mirror[3], mirror[4], mirror[5]) = (at(3), at(7), at(2));
                 by_name = true;
             }
+            // Named components beat the default order, and an order given by the user beats the names.
             6 if options.order.is_none() && (0..6).all(|k| place(k).is_some()) => {
                 from = std::array::from_fn(|k| place(k).and_then(at));
                 by_name = true;
             }
             6 => from = options.order.unwrap_or(Order::Vtk).places().map(at),
-            // xx, yy, zz, xy and xx, yy, xy.
+            // Four components are xx, yy, zz, xy (plane strain); three are xx, yy, xy (plane stress).
             4 => (from[0], from[1], from[2], from[3]) = (at(0), at(1), at(2), at(3)),
             _ => (from[0], from[1], from[3]) = (at(0), at(1), at(2)),
         }
@@ -398,6 +416,8 @@ impl FeFile {
             }
             let stems: Vec<String> = match &wanted {
                 Some(w) => vec![w.clone()],
+                // The empty stem stands for bare names such as `xx`; it comes last because it fits almost
+                // anything.
                 None => ["s", "stress", "sigma", "sig", "stresstensor", "t", ""].map(str::to_owned).to_vec(),
             };
             for stem in stems {
@@ -405,7 +425,7 @@ impl FeFile {
                 for (_, k, i) in found.iter().filter(|(s, ..)| *s == stem) {
                     from[*k] = from[*k].or(Some((*i, 0)));
                 }
-                // A plane tensor has xx, yy and xy; the others are zero.
+                // A plane tensor needs xx, yy and xy. The missing components are zero.
                 if from[0].is_some() && from[1].is_some() && from[3].is_some() {
                     let label = from.iter().flatten().map(|&(i, _)| self.arrays[i].name.as_str());
                     let label = label.collect::<Vec<_>>().join(", ");
@@ -441,9 +461,13 @@ impl FeFile {
         warnings: &mut Vec<Warning>,
     ) {
         let peak = result.max_von_mises_mpa();
+        // A wrong unit is a warning and not an error: principal directions, which guide the fill, do not
+        // depend on it.
         if peak > LIKELY_MAX_MPA {
             let text = format!("the peak von Mises stress is {peak:.3e} MPa, more than any plastic bears");
             let warning = Warning::new(WarningId::FeUnitDoubtful, text);
+            // Stress in Pa would still exceed 1e-4 MPa after conversion; a smaller value would be noise
+            // in any unit.
             let in_pa = options.stress_unit.is_none() && peak * 1e-6 > 1e-4;
             warnings.push(if in_pa {
                 warning.with_remedy("if it is in Pa, set guide.import_stress_unit = \"Pa\"")
@@ -498,6 +522,8 @@ impl FeFile {
                 total += theirs.abs();
             }
         }
+        // Averaging at nodes and rounding differ by a few per cent between programs; swapped components
+        // differ by far more.
         if off > 0.1 * total {
             let text = format!(
                 "the stress does not give the von Mises stress of array {:?} (off by {:.0} % on average)",
@@ -553,6 +579,7 @@ fn box_of(nodes: &[DVec3]) -> Option<(DVec3, DVec3)> {
 
 fn is_plane(nodes: &[DVec3], elements: &[Element]) -> bool {
     let Some((lo, hi)) = box_of(nodes) else { return false };
+    // The nodes of a plane mesh may differ in z by rounding.
     let flat = hi.z - lo.z <= 1e-9 * (hi - lo).max_element();
     flat && elements.first().is_none_or(|e| e.kind.dimension() == 2)
 }
@@ -579,7 +606,7 @@ fn better_order(result: &FeResult, stated: Option<Order>) -> Option<(Order, f64,
             continue;
         }
         let n = area / size;
-        // As the file has them: the stated order undone.
+        // The components in the order of the file: the stated order is undone before others are tried.
         let places = stated.places();
         let mut raw = [0.0; 6];
         for &i in face {
@@ -596,11 +623,14 @@ fn better_order(result: &FeResult, stated: Option<Order>) -> Option<(Order, f64,
             );
             *sum += size * t.length();
         }
+        // The Frobenius norm counts each shear twice.
         let norm = raw.iter().enumerate().map(|(k, v)| if k < 3 { v * v } else { 2.0 * v * v }).sum::<f64>();
         total += size * norm.sqrt();
     }
     let share = |o: Order| across[o as usize] / total;
     let best = all.into_iter().min_by(|a, b| share(*a).total_cmp(&share(*b)))?;
+    // Noise must not raise the warning: the better order has to reduce the traction by 30 %, and the
+    // traction has to be more than 5 % of the stress. Both values decide only whether the user is warned.
     (share(best) < 0.7 * share(stated) && share(stated) > 0.05).then(|| (best, share(stated), share(best)))
 }
 
@@ -609,6 +639,7 @@ pub(crate) fn free_faces(elements: &[Element]) -> Vec<(u32, u8)> {
     let mut faces: Vec<([u32; 4], u32, u8)> = Vec::new();
     for (i, e) in elements.iter().enumerate() {
         for (f, face) in e.kind.faces().iter().enumerate() {
+            // Faces of three corners keep u32::MAX in the fourth place, which no index reaches.
             let mut key = [u32::MAX; 4];
             for (k, &c) in key.iter_mut().zip(*face) {
                 *k = e.nodes()[c];
@@ -617,6 +648,8 @@ pub(crate) fn free_faces(elements: &[Element]) -> Vec<(u32, u8)> {
             faces.push((key, i as u32, f as u8));
         }
     }
+    // Sorting brings the two copies of an inner face together; free faces stay single. A hash map would
+    // use more memory and return them in no fixed order.
     faces.sort_unstable();
     let single = faces.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() == 1);
     single.map(|c| (c[0].1, c[0].2)).collect()

@@ -11,17 +11,17 @@ use crate::text::Words;
 use grainpath_core::number::number;
 use grainpath_core::{Warning, WarningId};
 
-/// Cells as VTK lists them; nodes count from `first_node` of the file.
+/// Cells as VTK lists them. Their nodes count from `first_node` of the file.
 pub(crate) struct Cells<'a> {
     pub(crate) first_node: usize,
     pub(crate) n_nodes: usize,
     pub(crate) connectivity: &'a [f64],
-    /// Where each cell's nodes end in `connectivity`.
+    /// End of each cell's nodes in `connectivity`.
     pub(crate) ends: &'a [f64],
     pub(crate) types: &'a [f64],
 }
 
-/// Adds cells as elements. Gives the indices of those taken.
+/// Adds cells as elements. Returns the indices of the cells that were added.
 pub(crate) fn add_cells(file: &mut FeFile, cells: Cells<'_>) -> Result<Vec<usize>, FeError> {
     let mut kept = Vec::with_capacity(cells.types.len());
     let mut start = 0usize;
@@ -35,6 +35,7 @@ pub(crate) fn add_cells(file: &mut FeFile, cells: Cells<'_>) -> Result<Vec<usize
         start = end as usize;
         nodes.clear();
         for &n in all {
+            // The comparison is written so that NaN fails it.
             if !(n >= 0.0 && n < cells.n_nodes as f64) {
                 return Err(FeError::NoSuchNode { element: element(), node: n as i64 });
             }
@@ -48,12 +49,14 @@ pub(crate) fn add_cells(file: &mut FeFile, cells: Cells<'_>) -> Result<Vec<usize
     Ok(kept)
 }
 
-/// The kind of a VTK cell, its nodes put into our order.
+/// Kind of a VTK cell. Reorders `nodes` where VTK's order of that cell differs from ours.
 fn kind_of(vtk: u8, nodes: &mut [u32]) -> Result<ElementKind, &'static str> {
     Ok(match vtk {
         5 => ElementKind::Tri3,
-        // Biquadratic triangles and quadratic-linear cells lose only nodes inside.
+        // Biquadratic and quadratic-linear cells begin with the nodes of the quadratic cell. Their
+        // further nodes lie inside and are dropped.
         22 | 34 => ElementKind::Tri6,
+        // VTK_PIXEL: corners in the order of an image, so the last two are swapped.
         8 => {
             if let [_, _, c, d, ..] = nodes {
                 std::mem::swap(c, d);
@@ -65,6 +68,7 @@ fn kind_of(vtk: u8, nodes: &mut [u32]) -> Result<ElementKind, &'static str> {
         28 => ElementKind::Quad9,
         10 => ElementKind::Tet4,
         24 => ElementKind::Tet10,
+        // VTK_VOXEL: two pixels, one above the other.
         11 => {
             if let [_, _, c, d, _, _, g, h, ..] = nodes {
                 std::mem::swap(c, d);
@@ -73,6 +77,8 @@ fn kind_of(vtk: u8, nodes: &mut [u32]) -> Result<ElementKind, &'static str> {
             ElementKind::Hex8
         }
         12 => ElementKind::Hex8,
+        // Types 29 and 33 are the triquadratic and biquadratic hexahedra; both begin with the 20 nodes of
+        // type 25.
         25 | 29 | 33 => ElementKind::Hex20,
         13 => ElementKind::Wedge6,
         26 | 32 => ElementKind::Wedge15,
@@ -100,6 +106,7 @@ struct Vtk<'a> {
 
 pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
     let mut words = Words::new(bytes, None);
+    // Two lines of free text come first: the version and a title.
     words.next_line();
     words.next_line();
     let style = words.word().unwrap_or_default();
@@ -142,6 +149,8 @@ impl Vtk<'_> {
                 b"CELLS" => self.cells()?,
                 b"CELL_TYPES" => {
                     let n = self.count("the number of cells")?;
+                    // Binary cell types are 32-bit integers in every version, even when connectivity is
+                    // not.
                     self.types = self.numbers(Scalar::I32, n)?;
                 }
                 b"POINT_DATA" => self.on = Some((On::Nodes, self.count("the number of points")?)),
@@ -154,6 +163,7 @@ impl Vtk<'_> {
     }
 
     fn finish(mut self) -> Result<FeFile, FeError> {
+        // Sections may come in any order, so cells become elements at the end of the file.
         let n_cells = self.types.len();
         if self.ends.len() != n_cells {
             return Err(invalid("CELLS", format!("{} cells, but {n_cells} types", self.ends.len())));
@@ -172,6 +182,8 @@ impl Vtk<'_> {
             let n = if a.on == On::Nodes { n_nodes } else { n_cells };
             if a.values.len() != n * a.components {
                 let text = format!("array {:?} does not fit its mesh; left out", a.name);
+                // A result of the wrong length would be assigned to the wrong nodes. It is dropped, and
+                // the rest of the file stays usable.
                 warnings.push(Warning::new(WarningId::FeLeftOut, text));
                 return false;
             }
@@ -214,11 +226,14 @@ impl Vtk<'_> {
     /// The next `n` numbers, as words or bytes.
     fn numbers(&mut self, scalar: Scalar, n: usize) -> Result<Vec<f64>, FeError> {
         if self.binary {
+            // Binary data begin right behind the line break of the keyword's line; skipping all space
+            // would eat bytes of data.
             self.words.next_line();
             let raw = n.checked_mul(scalar.bytes()).and_then(|n| self.words.raw(n));
             let raw = raw.ok_or_else(|| {
                 invalid(self.words.place(), format!("{n} numbers should follow, the file ends before"))
             })?;
+            // Legacy VTK is always big endian.
             return Ok(scalar.all(raw, true));
         }
         let mut all = Vec::new();
@@ -233,7 +248,8 @@ impl Vtk<'_> {
         let size = self.count("the size of the list of cells")?;
         self.ends.clear();
         if self.word_after_is(b"OFFSETS") {
-            // Since version 5.1: n is the number of offsets, one more than cells.
+            // Since version 5.1 the first number is the count of offsets, one more than the count of
+            // cells. The first offset is 0 and is dropped.
             self.words.word();
             let scalar = self.scalar()?;
             self.ends = self.numbers(scalar, n)?;
@@ -249,6 +265,7 @@ impl Vtk<'_> {
             return Ok(());
         }
         let all = self.numbers(Scalar::I32, size)?;
+        // Before version 5.1 each cell is its number of nodes, followed by these nodes.
         let mut at = 0;
         for i in 0..n {
             let count = all.get(at).copied().unwrap_or(-1.0);
@@ -267,7 +284,7 @@ impl Vtk<'_> {
         self.words.peek().is_some_and(|w| w.eq_ignore_ascii_case(wanted))
     }
 
-    /// Passes over what VTK 9 writes behind arrays: until an empty line.
+    /// Skips the metadata that VTK 9 writes behind arrays, up to an empty line.
     fn metadata(&mut self) {
         self.words.next_line();
         while !self.words.at_end() && !self.words.rest_of_line().is_empty() {
@@ -278,7 +295,8 @@ impl Vtk<'_> {
     /// An attribute of points or cells.
     fn data(&mut self, keyword: &[u8], word: &[u8]) -> Result<(), FeError> {
         let Some((on, n)) = self.on else {
-            // A field before all data belongs to the whole.
+            // A field before POINT_DATA or CELL_DATA belongs to the file as a whole, for example the
+            // time.
             return if keyword == b"FIELD" {
                 self.field(None)
             } else {
@@ -291,6 +309,7 @@ impl Vtk<'_> {
             b"TENSORS" => 9,
             b"TENSORS6" => 6,
             b"FIELD" => return self.field(Some((on, n))),
+            // Colours are no result. They are read over, so that the sections behind them are found.
             b"COLOR_SCALARS" => {
                 self.words.word();
                 let c = self.count("the number of colours")?;
@@ -313,8 +332,10 @@ impl Vtk<'_> {
         let mut components = components;
         if keyword == b"SCALARS" {
             if let Some(word) = self.words.word_on_line() {
+                // The number of components is optional and defaults to 1.
                 components = number(word).filter(|c| (1.0..=4.0).contains(c)).unwrap_or(1.0) as usize;
             }
+            // `LOOKUP_TABLE default` follows in most files, although the format calls it required.
             if self.word_after_is(b"LOOKUP_TABLE") {
                 self.words.word();
                 self.words.word();
@@ -345,6 +366,7 @@ impl Vtk<'_> {
                 self.metadata();
             }
             let name = self.name();
+            // A field array states its own size; it is kept only where the size fits the mesh.
             let components = self.count("the number of components")?;
             let tuples = self.count("the number of tuples")?;
             let string = self.word_after_is(b"string");

@@ -18,10 +18,13 @@ use super::vtk::{Cells, add_cells};
 use crate::text::skip_space;
 use grainpath_core::number::number;
 
-/// All arrays of a file together may hold this many numbers, and this many for every byte of the file.
+/// Numbers that all arrays together may hold whatever the file's size. The bound stops compressed bombs;
+/// a mesh of 100 000 nodes with 80 components fits.
 const NUMBERS_ALWAYS: usize = 8 << 20;
+// More numbers for every byte of the file. Stress fields compress to about a third; only constant arrays
+// compress further.
 const NUMBERS_A_BYTE: usize = 16;
-/// No more pieces and no more arrays in a piece are read.
+/// Limits on pieces and on arrays in a piece; parallel solvers write a piece for each process.
 const MAX_PIECES: usize = 100_000;
 const MAX_ARRAYS: usize = 2000;
 
@@ -33,7 +36,7 @@ struct Style {
     compression: Option<Compression>,
 }
 
-/// Part of a piece that an array is in.
+/// The part of a piece in which an array stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Section {
     Other,
@@ -70,7 +73,7 @@ struct Appended<'a> {
 struct Vtu<'a> {
     style: Style,
     appended: Option<Appended<'a>>,
-    /// Numbers that arrays may still hold.
+    /// Numbers that further arrays may hold.
     numbers_left: usize,
     numbers_most: usize,
     file: FeFile,
@@ -103,13 +106,16 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
     Ok(vtu.file)
 }
 
-/// Parts the XML from the appended data, which is not XML.
+/// Separates the XML from the appended data, which is not XML.
 fn split(bytes: &[u8]) -> Result<(&[u8], Option<Appended<'_>>), FeError> {
     let word = b"<AppendedData";
+    // The appended section may be gigabytes of raw bytes, which an XML parser would reject or scan in
+    // vain.
     let Some(at) = bytes.windows(word.len()).position(|w| w == word) else { return Ok((bytes, None)) };
     let rest = &bytes[at..];
     let broken = || invalid("AppendedData", "no `_` before the data");
     let end = rest.iter().position(|&b| b == b'>').ok_or_else(broken)?;
+    // The attribute `encoding` is raw unless it says base64.
     let raw = !rest[..end].windows(6).any(|w| w == b"base64");
     let start = rest[end..].iter().position(|&b| b == b'_').ok_or_else(broken)? + end + 1;
     Ok((&bytes[..at], Some(Appended { raw, bytes: &rest[start..] })))
@@ -122,6 +128,7 @@ fn attribute(e: &BytesStart<'_>, name: &str) -> Option<String> {
 impl<'a> Vtu<'a> {
     fn walk(&mut self, head: &'a [u8]) -> Result<(), FeError> {
         let mut xml = Reader::from_reader(head);
+        // The XML ends before the appended data, so the closing tags are missing.
         xml.config_mut().check_end_names = false;
         let mut buffer = Vec::new();
         let mut section = Section::Other;
@@ -135,6 +142,7 @@ impl<'a> Vtu<'a> {
             match event {
                 Event::Eof => return Ok(()),
                 Event::DocType(_) => {
+                    // A document type could define entities that expand without bound.
                     return Err(invalid("VTU", "a document type definition, which VTU has not"));
                 }
                 Event::Start(e) => {
@@ -145,6 +153,7 @@ impl<'a> Vtu<'a> {
                     }
                 }
                 Event::Empty(e) => {
+                    // An empty section, `<PointData/>`, has no end tag that would reset it.
                     let was = section;
                     self.start(&e, &mut section)?;
                     section = was;
@@ -155,7 +164,8 @@ impl<'a> Vtu<'a> {
                         self.end_piece()?;
                     }
                 }
-                // What stands inside information keys is no data; data comes in one run before them.
+                // A DataArray may hold InformationKey elements with text of their own. Data come in one
+                // run before them.
                 Event::Text(t)
                     if open.is_some() && section != Section::Other && skip_space(&text).is_empty() =>
                 {
@@ -181,6 +191,7 @@ impl<'a> Vtu<'a> {
     fn start(&mut self, e: &BytesStart<'_>, section: &mut Section) -> Result<(), FeError> {
         match e.local_name().as_ref() {
             "VTKFile" => self.header(e)?,
+            // Counts above the limit are refused before memory depends on them.
             "Piece" => {
                 let count = |name: &str| {
                     let text = attribute(e, name).unwrap_or_default();
@@ -231,6 +242,7 @@ impl<'a> Vtu<'a> {
     /// Decodes an array of the current piece.
     fn array(&mut self, section: Section, head: Head, text: &[u8]) -> Result<(), FeError> {
         let place = || format!("array {:?}", head.name);
+        // Arrays of strings hold no numbers and are skipped.
         let Some(scalar) = head.scalar else { return Ok(()) };
         let values = match head.format.as_str() {
             "ascii" => {
@@ -255,6 +267,7 @@ impl<'a> Vtu<'a> {
                 };
                 let bytes: &'a [u8] = appended.bytes;
                 let raw = appended.raw;
+                // Offsets count from the byte behind the underscore.
                 let bytes = bytes.get(offset..).ok_or_else(|| {
                     invalid(place(), format!("begins at {offset}, behind the end of the file"))
                 })?;
@@ -277,11 +290,13 @@ impl<'a> Vtu<'a> {
     /// The bytes of an array behind its header.
     fn decode(&mut self, place: &str, scalar: Scalar, source: Source<'_>) -> Result<Vec<u8>, FeError> {
         let style = self.style;
+        // Every array draws on the same budget, so many small bombs count as one large one.
         let limit = self.numbers_left.saturating_mul(scalar.bytes());
         let bomb = || invalid(place, "with it the arrays are far larger than the file; refused as a bomb");
         let word = if style.wide_header { Scalar::U64 } else { Scalar::U32 };
         let cut = || invalid(place, "the data end in the middle");
-        // A header is at least one number; base64 of it ends anywhere inside the first four.
+        // A header is at least one number. In base64 the data may follow in the same group of four
+        // characters, so more than the header may be decoded.
         let take = |source: Source<'_>, n: usize| match source {
             Source::Raw(bytes) => bytes[..n.min(bytes.len())].to_vec(),
             Source::Base64(text) => base64(text, n),
@@ -296,6 +311,7 @@ impl<'a> Vtu<'a> {
                 Source::Raw(bytes) => bytes.len(),
                 Source::Base64(text) => text.len(),
             };
+            // A length beyond the end of the file is damage; the test comes before memory is reserved.
             if n > held {
                 return Err(cut());
             }
@@ -304,7 +320,7 @@ impl<'a> Vtu<'a> {
             }
             self.numbers_left -= n / scalar.bytes();
             let all = match source {
-                // Never more room than the file can fill.
+                // Reserves no more than the file can fill.
                 Source::Raw(bytes) => bytes.get(word.bytes()..).map(|b| b[..n.min(b.len())].to_vec()),
                 Source::Base64(text) => {
                     let mut all = base64(text, n.saturating_add(word.bytes()));
@@ -314,6 +330,8 @@ impl<'a> Vtu<'a> {
             let all = all.ok_or_else(cut)?;
             return if all.len() == n { Ok(all) } else { Err(cut()) };
         };
+        // A compressed array begins with three numbers: blocks, size of a full block, size of the last
+        // block (0 if it is full).
         let first = take(source, 3 * word.bytes());
         let mut header = Raw { bytes: &first, big: style.big };
         let mut next = || header.number(word).map(|v| v as usize).ok_or_else(cut);
@@ -328,7 +346,8 @@ impl<'a> Vtu<'a> {
         let all: &[u8] = match source {
             Source::Raw(bytes) => bytes,
             Source::Base64(text) => {
-                // Sizes of the blocks first: what follows belongs to other arrays.
+                // The sizes of the blocks are decoded first. Their sum says how much belongs to this
+                // array; the text behind it belongs to others.
                 let header = base64(text, header_bytes);
                 let sizes =
                     header.get(3 * word.bytes()..).map(|b| word.all(b, style.big)).unwrap_or_default();
@@ -344,6 +363,7 @@ impl<'a> Vtu<'a> {
         for (i, size) in sizes.iter().enumerate() {
             let (packed, rest) = data.split_at_checked(*size as usize).ok_or_else(cut)?;
             data = rest;
+            // A last size of 0 means that the last block is full too.
             let full = if i + 1 == n_blocks && last > 0 { last } else { block };
             if full > limit - out.len() {
                 return Err(bomb());
@@ -374,6 +394,7 @@ impl<'a> Vtu<'a> {
                 self.file.nodes.push(position([p[0], p[1], p[2]], || format!("point {i}"))?);
             }
         }
+        // Pieces without cells may leave the section out.
         let cells = |name: &str| find(Section::Cells, name).map_or(&[][..], |a| &a.values);
         let (connectivity, offsets, types) = (cells("connectivity"), cells("offsets"), cells("types"));
         if self.n_cells as usize != offsets.len() || offsets.len() != types.len() {
@@ -393,6 +414,8 @@ impl<'a> Vtu<'a> {
                 _ => continue,
             };
             let c = array.components;
+            // A result of the wrong length would be assigned to the wrong nodes. It is dropped with a
+            // warning.
             if array.values.len() != n_tuples.saturating_mul(c) {
                 let text = format!(
                     "array {:?} has {} numbers where {} should be; left out",
@@ -403,6 +426,7 @@ impl<'a> Vtu<'a> {
                 self.file.warnings.push(Warning::new(WarningId::FeLeftOut, text));
                 continue;
             }
+            // Cells that were not read take their values with them.
             let values = if on == On::Nodes || kept.len() == n_tuples {
                 array.values
             } else {
@@ -419,12 +443,14 @@ impl<'a> Vtu<'a> {
             };
             join(&mut self.file.arrays, new, before);
         }
+        // Pieces may have different arrays, and each array is filled up to the whole mesh. The bound
+        // covers that growth.
         let tuples: usize = self.file.arrays.iter().map(|a| a.components).sum();
         let most = self.file.nodes.len().max(n_elements);
         if self.file.arrays.len() > MAX_ARRAYS || tuples.saturating_mul(most) > self.numbers_most {
             return Err(invalid("VTU", "its pieces have too many different arrays"));
         }
-        // Arrays that this piece lacks have no numbers on it.
+        // An array that this piece does not have is NaN on it.
         for a in &mut self.file.arrays {
             let n = if a.on == On::Nodes { self.file.nodes.len() } else { n_elements };
             a.values.resize(n * a.components, f64::NAN);
@@ -433,7 +459,7 @@ impl<'a> Vtu<'a> {
     }
 }
 
-/// Appends an array to the one of the same name in pieces before; `before` tuples lie in those.
+/// Appends an array to the one of the same name from earlier pieces, which hold `before` tuples.
 fn join(arrays: &mut Vec<FeArray>, new: FeArray, before: usize) {
     let same = |a: &&mut FeArray| a.name == new.name && a.on == new.on && a.components == new.components;
     match arrays.iter_mut().find(same) {
@@ -441,7 +467,7 @@ fn join(arrays: &mut Vec<FeArray>, new: FeArray, before: usize) {
             a.values.resize(before * a.components, f64::NAN);
             a.values.extend(new.values);
         }
-        // Two arrays of one name in one piece: the first counts.
+        // A second array of the same name in one piece is ignored: nothing tells the two apart.
         Some(_) => {}
         None => {
             let mut values = vec![f64::NAN; before * new.components];
@@ -471,17 +497,20 @@ fn head_of(e: &BytesStart<'_>) -> Result<Head, FeError> {
         "UInt64" => Some(Scalar::U64),
         "Float32" => Some(Scalar::F32),
         "Float64" => Some(Scalar::F64),
+        // No numbers, so no scalar type.
         "String" => None,
         other => {
             return Err(invalid(format!("array {name:?}"), format!("type {other:?} is not one of VTK's")));
         }
     };
     let text = attribute(e, "NumberOfComponents").unwrap_or_else(|| "1".into());
+    // 10 000 components bound what a damaged attribute can claim.
     let components = text.trim().parse::<usize>().ok().filter(|n| (1..=10_000).contains(n));
     let components = components.ok_or_else(|| {
         invalid(format!("array {name:?}"), format!("NumberOfComponents = {text:?} should be from 1 to 10000"))
     })?;
     let named = |i: usize| attribute(e, &format!("ComponentName{i}"));
+    // Only tensors of up to nine components are told apart by name.
     let component_names: Vec<String> = (0..components.min(9)).map_while(named).collect();
     let offset = attribute(e, "offset").and_then(|o| o.trim().parse().ok());
     let format = attribute(e, "format").unwrap_or_else(|| "ascii".into());

@@ -9,17 +9,18 @@ use grainpath_core::DVec3;
 use super::model::Element;
 use grainpath_core::tensor::{principal, von_mises};
 
-/// Bytes of a block that is packed by itself, as VTK does.
+/// Bytes of a block that is compressed by itself. Source: VTK, `vtkXMLWriter::BlockSize`, 32 768 by
+/// default.
 const BLOCK: usize = 1 << 15;
 
 /// How arrays are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Encoding {
-    /// Text: large, for people.
+    /// Text: large, but readable in an editor.
     Ascii,
-    /// Bytes behind the XML.
+    /// Raw bytes in an appended section behind the XML.
     Raw,
-    /// Bytes packed by zlib behind the XML.
+    /// Bytes compressed by zlib, in an appended section behind the XML.
     #[default]
     Zlib,
 }
@@ -70,6 +71,7 @@ pub fn stress_point_data(stress: &[[f64; 6]], displacement: Option<&[DVec3]>) ->
     data.push(PointData {
         name: "S".into(),
         components: 6,
+        // ParaView shows these names. Without them a reader would have to guess the order of the shears.
         component_names: ["XX", "YY", "ZZ", "XY", "YZ", "XZ"].map(str::to_owned).to_vec(),
         values: stress.iter().flatten().copied().collect(),
     });
@@ -144,6 +146,7 @@ pub fn write_vtu(
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let n = mesh.nodes.len();
+    // An array of the wrong length makes ParaView refuse the whole file, so nothing is written.
     if let Some(bad) = data.iter().find(|d| d.values.len() != n * d.components) {
         let text = format!("array {} has {} numbers for {n} nodes", bad.name, bad.values.len());
         return Err(io::Error::new(io::ErrorKind::InvalidInput, text));
@@ -156,6 +159,8 @@ pub fn write_vtu(
     )?;
     writeln!(out, "<UnstructuredGrid>")?;
     writeln!(out, "<Piece NumberOfPoints=\"{n}\" NumberOfCells=\"{}\">", mesh.elements.len())?;
+    // Offsets of appended arrays are known only as the arrays are encoded, so their bytes are collected
+    // and written last.
     let mut body = Body { encoding, appended: Vec::new() };
     writeln!(out, "<Points>")?;
     let points: Vec<f64> = mesh.nodes.iter().flat_map(|p| p.to_array()).collect();
@@ -163,6 +168,7 @@ pub fn write_vtu(
     writeln!(out, "</Points>\n<Cells>")?;
     let nodes = mesh.elements.iter().flat_map(|e| e.nodes());
     body.array(out, "connectivity", 1, &[], &Numbers::I64(nodes.map(|&i| i64::from(i)).collect()))?;
+    // VTK's offsets are the ends of the cells, not their beginnings.
     let mut end = 0i64;
     let ends = mesh.elements.iter().map(|e| {
         end += e.nodes().len() as i64;
@@ -177,6 +183,7 @@ pub fn write_vtu(
     }
     writeln!(out, "</PointData>\n</Piece>\n</UnstructuredGrid>")?;
     if encoding != Encoding::Ascii {
+        // The underscore marks the first byte of appended data and belongs to none of them.
         write!(out, "<AppendedData encoding=\"raw\">\n_")?;
         out.write_all(&body.appended)?;
         writeln!(out, "\n</AppendedData>")?;
@@ -214,6 +221,7 @@ impl Body {
             Encoding::Raw => {
                 writeln!(out, " format=\"appended\" offset=\"{}\"/>", self.appended.len())?;
                 let bytes = numbers.bytes();
+                // The header of an uncompressed array is its length in bytes, here in 64 bits.
                 self.appended.extend((bytes.len() as u64).to_le_bytes());
                 self.appended.extend(bytes);
                 Ok(())
@@ -227,15 +235,20 @@ impl Body {
 
     fn pack(&mut self, bytes: &[u8]) -> io::Result<()> {
         let blocks: Vec<&[u8]> = bytes.chunks(BLOCK).collect();
+        // 0 where the last block is full, as VTK's own reader expects.
         let last = bytes.len() % BLOCK;
         for word in [blocks.len(), BLOCK, last] {
             self.appended.extend((word as u64).to_le_bytes());
         }
+        // Compressed sizes stand before the blocks but are known after them: room is reserved here and
+        // filled in below.
         let mut sizes = self.appended.len();
         self.appended.resize(sizes + 8 * blocks.len(), 0);
         for block in blocks {
             let before = self.appended.len();
             let mut encoder =
+                // Level 5 is the default of VTK's writers. A fixed level keeps the bytes of the file
+                // the same from run to run.
                 flate2::write::ZlibEncoder::new(&mut self.appended, flate2::Compression::new(5));
             encoder.write_all(block)?;
             encoder.finish()?;
