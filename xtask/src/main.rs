@@ -4,6 +4,7 @@
 
 mod arrows;
 mod bench;
+mod bench_constants;
 mod bench_continuous;
 mod bench_ct;
 mod bench_fea;
@@ -43,6 +44,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench quality    gap, spill, overlap and travel beside the same
   bench photo      a photograph of 12 megapixels to curves, beside OpenCV
   bench continuous one path a layer: angle, gap, and time up to a million cells
+  bench constants [--write] [NAME...]  quality over five values or more of each constant that was chosen by measurement
   bench paths      fill along the stress held against CalculiX's principal stresses
   bench strength [PART...]  the virtual strength test: of a bar and of a bracket (time), the papers' comparisons
                    beside theirs (s1 s2), other slicers' programs (slicers); `all` adds what takes long
@@ -59,6 +61,7 @@ fn main() -> ExitCode {
         ["count", words @ ..] => count::run(words),
         ["hashes", words @ ..] => hashes::run(words),
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
+        ["bench", "constants", words @ ..] => bench_constants::run(words),
         ["bench", "continuous"] => bench_continuous::run(),
         ["bench", "paths"] => bench_paths::run(),
         ["bench", "strength", parts @ ..] => bench_strength::run(parts),

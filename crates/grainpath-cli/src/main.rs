@@ -61,6 +61,10 @@ impl From<grainpath::Error> for Failure {
 }
 
 fn main() -> ExitCode {
+    #[cfg(feature = "sweep")]
+    if let Ok(constant) = std::env::var("GRAINPATH_SWEEP") {
+        grainpath_core::tuned::sweep(&constant);
+    }
     let args = Args::parse();
     let json = args.command.json();
     let outcome = match args.command {

@@ -29,6 +29,7 @@ pub mod streamlines;
 pub mod tensor;
 pub mod toolpath;
 pub mod triangulation;
+pub mod tuned;
 pub mod units;
 pub mod warning;
 

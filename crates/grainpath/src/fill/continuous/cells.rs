@@ -17,18 +17,32 @@
 //! and mm in the code. Cost: linear in the length of all strips.
 
 use grainpath_core::DVec2;
+use grainpath_core::tuned::Tuned;
 
 use super::rings::{Facing, Rings, Side, Walk, bracket};
 
-/// How far beads may face each other for a cut across a strip, in beads.
-const ACROSS: [f64; 2] = [0.55, 1.5];
-/// The same for neighbours over an edge along the field.
-const BESIDE: [f64; 2] = [0.5, 1.7];
+/// Two beads that face each other at this distance or more may be joined by a cut across a strip, in beads.
+/// Measured: row `fill.continuous.cells.ACROSS_MIN` of `cargo xtask bench constants`.
+static ACROSS_MIN: Tuned<f64> = Tuned::new("fill.continuous.cells.ACROSS_MIN", 0.55);
+/// Two beads that face each other at this distance or less may be joined by a cut across a strip, in beads.
+/// Measured: row `fill.continuous.cells.ACROSS_MAX` of `cargo xtask bench constants`.
+static ACROSS_MAX: Tuned<f64> = Tuned::new("fill.continuous.cells.ACROSS_MAX", 1.5);
+/// Neighbours over an edge along the field lie at least this far apart, in beads.
+/// Measured: row `fill.continuous.cells.BESIDE_MIN` of `cargo xtask bench constants`.
+static BESIDE_MIN: Tuned<f64> = Tuned::new("fill.continuous.cells.BESIDE_MIN", 0.5);
+/// Neighbours over an edge along the field lie at most this far apart, in beads.
+/// Measured: row `fill.continuous.cells.BESIDE_MAX` of `cargo xtask bench constants`.
+static BESIDE_MAX: Tuned<f64> = Tuned::new("fill.continuous.cells.BESIDE_MAX", 1.7);
 
-/// Places beside strips are looked at this far apart, in beads: closely in a room of few of them, where each tells.
-const PLACE_BEADS: [f64; 2] = [1.0, 4.0];
-/// More of them than this lie further apart.
-const MANY_PLACES: f64 = 20_000.0;
+/// Places beside strips are tried at this distance along a small region's strips, in beads.
+/// Measured: row `fill.continuous.cells.PLACE_MIN` of `cargo xtask bench constants`.
+static PLACE_MIN: Tuned<f64> = Tuned::new("fill.continuous.cells.PLACE_MIN", 1.0);
+/// Places beside strips are tried at no more than this distance, however large the region, in beads.
+/// Measured: row `fill.continuous.cells.PLACE_MAX` of `cargo xtask bench constants`.
+static PLACE_MAX: Tuned<f64> = Tuned::new("fill.continuous.cells.PLACE_MAX", 4.0);
+/// About so many places are tried in a region; in a larger one they lie further apart.
+/// Measured: row `fill.continuous.cells.MANY_PLACES` of `cargo xtask bench constants`.
+static MANY_PLACES: Tuned<f64> = Tuned::new("fill.continuous.cells.MANY_PLACES", 20_000.0);
 
 /// Two cells and the edge between them.
 #[derive(Debug, Clone, Copy)]
@@ -130,7 +144,7 @@ pub fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) ->
         let length = rings.length_mm(ring);
         let mut at = near.next_free(ring, 0.5 * length_mm);
         while at < length - 0.5 * spacing_mm {
-            let found = rings.stretches(ring, at, Side::Left, ACROSS, None);
+            let found = rings.stretches(ring, at, Side::Left, [ACROSS_MIN.value(), ACROSS_MAX.value()], None);
             if let Some(f) = found.filter(|f| near.fits(f, 0.0) && taken.fits(f, 0.6 * spacing_mm)) {
                 near.take_both(&f, 0.8 * length_mm);
                 taken.take_both(&f, 0.6 * spacing_mm);
@@ -159,15 +173,17 @@ pub fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) ->
         }
     }
     let all_mm: f64 = (0..rings.lines.len()).map(|r| rings.length_mm(r)).sum();
-    let [least, most] = PLACE_BEADS.map(|beads| beads * spacing_mm);
-    let place_mm = (all_mm / MANY_PLACES).clamp(least, most);
+    let [least, most] = [PLACE_MIN.value(), PLACE_MAX.value()].map(|beads| beads * spacing_mm);
+    let place_mm = (all_mm / MANY_PLACES.value()).clamp(least, most);
     for ring in 0..rings.lines.len() {
         let length = rings.length_mm(ring);
         let n = (length / place_mm).floor().max(1.0);
         let (mut walk, mut own, mut others) = (Walk::default(), 0, (usize::MAX, 0));
         for k in 0..n as usize {
             let at_mm = length * (k as f64 + 0.5) / n;
-            let Some((other, points)) = rings.facing(ring, at_mm, Side::Right, BESIDE, &mut walk) else {
+            let Some((other, points)) =
+                rings.facing(ring, at_mm, Side::Right, [BESIDE_MIN.value(), BESIDE_MAX.value()], &mut walk)
+            else {
                 continue;
             };
             let a = cell_of[ends.after(ring, at_mm, &mut own)];
@@ -187,7 +203,13 @@ pub fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) ->
 /// The exchange at an edge beside strips.
 pub fn beside(rings: &Rings, edge: &Edge) -> Option<Facing> {
     let facing = edge.facing.map(|v| v as usize);
-    rings.stretches(edge.ring as usize, edge.at_mm, Side::Right, BESIDE, Some(facing.into()))
+    rings.stretches(
+        edge.ring as usize,
+        edge.at_mm,
+        Side::Right,
+        [BESIDE_MIN.value(), BESIDE_MAX.value()],
+        Some(facing.into()),
+    )
 }
 
 /// The ends of cuts on each ring, in order.

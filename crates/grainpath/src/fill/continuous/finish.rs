@@ -10,6 +10,7 @@
 
 use grainpath_core::math::cross;
 use grainpath_core::poly::{Join, LineClipper, perimeter_mm};
+use grainpath_core::tuned::Tuned;
 use grainpath_core::units::bead_width_mm;
 use grainpath_core::{BeadWidth, DVec2, Polygon, Region, Toolpath};
 
@@ -21,30 +22,44 @@ use crate::fill::FillContext;
 /// The narrowest bead, as a share of the nominal one. Source: as in [`stripes`](super::super::field::stripes), from
 /// `Kuipers2020`.
 const NARROWEST: f64 = 0.6;
-/// The widest bead, in the same share and from the same source.
+/// The widest bead, as a share of the nominal one. Source: `Kuipers2020`, as for the narrowest.
 const WIDEST: f64 = 1.6;
-/// Rounds of moving beads to the middle of their room.
-const ROUNDS: usize = 2;
-/// A turn whose cosine is below this is a corner and stays one (50 degrees).
-const CORNER: f64 = 0.64;
-/// Most neighbours are nearer than this, in beads, and nothing further than that is one.
-const NEAR: f64 = 1.2;
-const FAR: f64 = 2.6;
-/// Further than this from the next bead there is a gap, if it is as wide as it is deep, in beads.
-const GAP: f64 = 1.3;
-const GAP_WIDTH: f64 = 1.5;
-/// As far from a corner points lie close, in beads.
-const AT_CORNERS: f64 = 5.0;
-/// Sides that differ by more than this are evened out, in beads.
-const UNEVEN: f64 = 0.08;
-/// How far out of its room a line may lie and still count as in it, mm.
-const ON_EDGE_MM: f64 = 0.002;
-/// A line may lose a loop over itself up to this long, in beads.
-const SMALL_LOOP: f64 = 5.0;
-/// A line that turns back on itself within this distance is cut short, mm.
-const SPIKE_MM: f64 = 0.005;
-/// Of two points closer than this one goes, in beads.
-const CLOSEST: f64 = 0.015;
+/// Rounds of moving beads to the middle of the space between their neighbours.
+/// Measured: row `fill.continuous.finish.ROUNDS` of `cargo xtask bench constants`.
+static ROUNDS: Tuned<usize> = Tuned::new("fill.continuous.finish.ROUNDS", 2);
+/// A turn whose cosine is below this is a corner and stays one (0.64: 50 degrees).
+/// Measured: row `fill.continuous.finish.CORNER` of `cargo xtask bench constants`.
+static CORNER: Tuned<f64> = Tuned::new("fill.continuous.finish.CORNER", 0.64);
+/// Neighbours are looked for up to this distance first, in beads: nearly all lie nearer.
+/// Measured: row `fill.continuous.finish.NEAR` of `cargo xtask bench constants`.
+static NEAR: Tuned<f64> = Tuned::new("fill.continuous.finish.NEAR", 1.2);
+/// Neighbours are looked for up to this distance where none lies nearer, in beads.
+/// Measured: row `fill.continuous.finish.FAR` of `cargo xtask bench constants`.
+static FAR: Tuned<f64> = Tuned::new("fill.continuous.finish.FAR", 2.6);
+/// A gap begins where the next bead is further away than this, in beads.
+/// Measured: row `fill.continuous.finish.GAP` of `cargo xtask bench constants`.
+static GAP: Tuned<f64> = Tuned::new("fill.continuous.finish.GAP", 1.3);
+/// A gap is filled by wider beads only where it is at most this wide, in beads.
+/// Measured: row `fill.continuous.finish.GAP_WIDTH` of `cargo xtask bench constants`.
+static GAP_WIDTH: Tuned<f64> = Tuned::new("fill.continuous.finish.GAP_WIDTH", 1.5);
+/// Points lie close together up to this distance from a corner, in beads.
+/// Measured: row `fill.continuous.finish.AT_CORNERS` of `cargo xtask bench constants`.
+static AT_CORNERS: Tuned<f64> = Tuned::new("fill.continuous.finish.AT_CORNERS", 5.0);
+/// A bead is moved where the free space on its two sides differs by more than this, in beads.
+/// Measured: row `fill.continuous.finish.UNEVEN` of `cargo xtask bench constants`.
+static UNEVEN: Tuned<f64> = Tuned::new("fill.continuous.finish.UNEVEN", 0.08);
+/// A line that lies this far outside its infill region counts as inside, mm.
+/// Measured: row `fill.continuous.finish.ON_EDGE_MM` of `cargo xtask bench constants`.
+static ON_EDGE_MM: Tuned<f64> = Tuned::new("fill.continuous.finish.ON_EDGE_MM", 0.002);
+/// A loop of a line over itself up to this length is cut off, in beads.
+/// Measured: row `fill.continuous.finish.SMALL_LOOP` of `cargo xtask bench constants`.
+static SMALL_LOOP: Tuned<f64> = Tuned::new("fill.continuous.finish.SMALL_LOOP", 5.0);
+/// A line that returns to within this distance of itself at once is cut short there, mm.
+/// Measured: row `fill.continuous.finish.SPIKE_MM` of `cargo xtask bench constants`.
+static SPIKE_MM: Tuned<f64> = Tuned::new("fill.continuous.finish.SPIKE_MM", 0.005);
+/// One of two points of a line that lie closer than this is dropped, in beads.
+/// Measured: row `fill.continuous.finish.CLOSEST` of `cargo xtask bench constants`.
+static CLOSEST: Tuned<f64> = Tuned::new("fill.continuous.finish.CLOSEST", 0.015);
 
 /// The space beside a segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,16 +117,16 @@ pub fn lay(
     let spacing = context.spacing_mm() / context.density.fraction();
     let laid: Vec<Line> = rings
         .into_iter()
-        .map(|points| without_near(&points, CLOSEST * spacing))
+        .map(|points| without_near(&points, CLOSEST.value() * spacing))
         .filter(|points| points.len() > 2)
         .map(|points| Line { points: dense_at_corners(&points, spacing), closed: true })
         .collect();
     let inside = LineClipper::new(&Region::from(room.clone()));
-    let neighbours = |lines: &[Line]| Neighbours::new(lines, border, SEEN_BEADS * spacing);
+    let neighbours = |lines: &[Line]| Neighbours::new(lines, border, SEEN_BEADS.value() * spacing);
     let first = neighbours(&laid);
     let mut sides = rooms(&laid, &first, spacing, None);
     let mut lines = Vec::new();
-    for round in 0..ROUNDS {
+    for round in 0..ROUNDS.value() {
         let from = if round == 0 { &laid } else { &lines };
         if round > 0 {
             let uneven = uneven(&sides, spacing);
@@ -122,7 +137,7 @@ pub fn lay(
     }
     drop(first);
     // What lies on the room's edge is not to count as out.
-    let grown = LineClipper::new(&Region::from(room.clone()).offset(ON_EDGE_MM, Join::Miter(2.0)));
+    let grown = LineClipper::new(&Region::from(room.clone()).offset(ON_EDGE_MM.value(), Join::Miter(2.0)));
     let settled = undo_trouble(&laid, &mut lines, &grown, &neighbours).unwrap_or_else(|| {
         let changed = cut_small_loops(&mut lines, spacing);
         let settled = neighbours(&lines);
@@ -172,7 +187,7 @@ fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
         let mut out = vec![false; n];
         for (k, s) in sides.iter().enumerate() {
             let [left, right] = s.map(|r| r.mm().unwrap_or(0.5 * spacing_mm));
-            if (left - right).abs() > UNEVEN * spacing_mm {
+            if (left - right).abs() > UNEVEN.value() * spacing_mm {
                 (0..7.min(n)).for_each(|j| out[(k + n + j - 3.min(n)) % n] = true);
             }
         }
@@ -208,7 +223,7 @@ fn rooms(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64, known: Option
                         continue;
                     }
                     let (p, q) = lines[other].segment(o);
-                    if let Some(d) = beside(middle, look, p, q).filter(|d| *d < CLOSE * spacing_mm) {
+                    if let Some(d) = beside(middle, look, p, q).filter(|d| *d < CLOSE.value() * spacing_mm) {
                         *last = Some((other, o));
                         return Room::Bead(0.5 * d);
                     }
@@ -216,13 +231,13 @@ fn rooms(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64, known: Option
             }
             *last = None;
             let sees = |far: f64| neighbours.hit(middle, look, far * spacing_mm, |k, o| k == l && near(o));
-            let Some(hit) = sees(NEAR).or_else(|| sees(FAR)) else { return Room::Open };
+            let Some(hit) = sees(NEAR.value()).or_else(|| sees(FAR.value())) else { return Room::Open };
             let Some(other) = hit.line else { return Room::Border(hit.distance_mm) };
             *last = Some((other, hit.segment));
-            if hit.distance_mm > GAP * spacing_mm {
+            if hit.distance_mm > GAP.value() * spacing_mm {
                 // Along the way between two beads one sees far too, but nothing is missing there.
                 let inside = middle + 0.5 * hit.distance_mm * look;
-                let far = GAP_WIDTH * spacing_mm;
+                let far = GAP_WIDTH.value() * spacing_mm;
                 let free = |way: DVec2| {
                     neighbours.hit(inside, way, far, |_, _| false).map_or(far, |h| h.distance_mm)
                 };
@@ -263,7 +278,7 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
             (b - a).normalize_or(DVec2::X)
         })
         .collect();
-    let is_corner: Vec<bool> = (0..n).map(|v| ways[(v + n - 1) % n].dot(ways[v]) < CORNER).collect();
+    let is_corner: Vec<bool> = (0..n).map(|v| ways[(v + n - 1) % n].dot(ways[v]) < CORNER.value()).collect();
     let moved: Vec<DVec2> = (0..n)
         .map(|v| {
             let [p, q] = [(v + n - 1) % n, v].map(|s| shifts[s] * DVec2::new(-ways[s].y, ways[s].x));
@@ -352,7 +367,7 @@ fn segments_of(lines: &[Line]) -> impl Iterator<Item = (usize, usize)> + '_ {
 fn cut_small_loops(lines: &mut [Line], spacing_mm: f64) -> bool {
     let mut changed = false;
     for _ in 0..8 {
-        let pairs = Neighbours::new(lines, &Region::default(), SEEN_BEADS * spacing_mm).crossings();
+        let pairs = Neighbours::new(lines, &Region::default(), SEEN_BEADS.value() * spacing_mm).crossings();
         let mut done: Vec<usize> = Vec::new();
         for [(l, i), (m, j)] in pairs {
             // Numbers of segments change with the first loop taken out.
@@ -369,7 +384,7 @@ fn cut_small_loops(lines: &mut [Line], spacing_mm: f64) -> bool {
             let outer = || line.points[j + 1..].iter().chain(&line.points[..=i]).copied().chain([at]);
             let length = |points: Vec<DVec2>| perimeter_mm(&points);
             let (inside, outside) = (length(inner().collect()), length(outer().collect()));
-            if inside.min(outside) < SMALL_LOOP * spacing_mm {
+            if inside.min(outside) < SMALL_LOOP.value() * spacing_mm {
                 let kept = if inside < outside { outer().collect() } else { inner().collect() };
                 lines[l].points = kept;
                 changed = true;
@@ -388,10 +403,10 @@ fn dense_at_corners(points: &[DVec2], spacing_mm: f64) -> Vec<DVec2> {
     let step = |s: usize| points[(s + 1) % n] - points[s];
     let turns = |v: usize| {
         let (a, b) = (step((v + n - 1) % n), step(v));
-        a.dot(b) < CORNER * a.length() * b.length()
+        a.dot(b) < CORNER.value() * a.length() * b.length()
     };
     let mut near = vec![false; n];
-    let reach = AT_CORNERS * spacing_mm;
+    let reach = AT_CORNERS.value() * spacing_mm;
     for v in (0..n).filter(|&v| turns(v)) {
         for way in [1, n - 1] {
             let (mut s, mut walked) = (if way == 1 { v } else { (v + n - 1) % n }, 0.0);
@@ -430,7 +445,7 @@ fn without_near(points: &[DVec2], near_mm: f64) -> Vec<DVec2> {
 
 /// Takes spikes out of a closed line, and their widths.
 fn leave_out_spikes(points: &mut Vec<DVec2>, widths: &mut Vec<f64>) {
-    let keep = unspiked(points, SPIKE_MM);
+    let keep = unspiked(points, SPIKE_MM.value());
     let each = || keep.iter().copied();
     let (mut of_points, mut of_widths) = (each(), each());
     points.retain(|_| of_points.next().unwrap_or(true));

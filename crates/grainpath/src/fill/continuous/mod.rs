@@ -32,6 +32,7 @@ mod verify;
 
 use grainpath_core::math::direction;
 use grainpath_core::poly::{Join, LineClipper, perimeter_mm};
+use grainpath_core::tuned::Tuned;
 use grainpath_core::{DVec2, Density, Polygon, Region, Toolpath};
 
 use super::{FillContext, Infill};
@@ -57,11 +58,14 @@ impl Continuous {
 }
 
 /// Rings shorter than this are left out, in bead spacings: a start and an end would take longer than the ring.
-const MIN_RING_BEADS: f64 = 6.0;
+/// Measured: row `fill.continuous.MIN_RING_BEADS` of `cargo xtask bench constants`.
+static MIN_RING_BEADS: Tuned<f64> = Tuned::new("fill.continuous.MIN_RING_BEADS", 6.0);
 /// Smallest weight of the field, so that cells still prefer it where the stress is nearly zero.
-const MIN_WEIGHT: f64 = 0.02;
+/// Measured: row `fill.continuous.MIN_WEIGHT` of `cargo xtask bench constants`.
+static MIN_WEIGHT: Tuned<f64> = Tuned::new("fill.continuous.MIN_WEIGHT", 0.02);
 /// Samples along the longer side of a region when estimating how strongly the field constrains it.
-const FIELD_SAMPLES: f64 = 32.0;
+/// Measured: row `fill.continuous.FIELD_SAMPLES` of `cargo xtask bench constants`.
+static FIELD_SAMPLES: Tuned<f64> = Tuned::new("fill.continuous.FIELD_SAMPLES", 32.0);
 
 impl Infill for Continuous {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
@@ -83,7 +87,7 @@ impl<'a> Pull<'a> {
         let Some(bounds) = region.bounds() else { return pull };
         let inside = LineClipper::new(&region);
         let size = bounds.size();
-        let step = size.max_element() / FIELD_SAMPLES;
+        let step = size.max_element() / FIELD_SAMPLES.value();
         let [nx, ny] = [size.x, size.y].map(|mm| (mm / step).ceil().max(1.0) as usize);
         let place = |i: usize, j: usize| bounds.min + step * DVec2::new(i as f64 + 0.5, j as f64 + 0.5);
         let places = (0..ny).flat_map(|j| (0..nx).map(move |i| place(i, j)));
@@ -101,7 +105,7 @@ impl<'a> Pull<'a> {
         let there = field.sample(p.extend(self.context.z_mid_mm));
         // What turning out of the axis gives up, where the stress is known.
         let matters = there.principal_mpa.map_or(there.strength, |[along, across]| (along - across).abs());
-        (direction(there.axis_rad), (matters / self.much).max(MIN_WEIGHT))
+        (direction(there.axis_rad), (matters / self.much).max(MIN_WEIGHT.value()))
     }
 }
 
@@ -131,7 +135,8 @@ impl Continuous {
         let mut rings = self.joined(context, room, spacing);
         // The path first; what could not be joined to it and is more than a crumb after it.
         rings.sort_by(|a, b| perimeter_mm(b).total_cmp(&perimeter_mm(a)));
-        let kept = rings.iter().skip(1).take_while(|p| perimeter_mm(p) > MIN_RING_BEADS * spacing).count();
+        let kept =
+            rings.iter().skip(1).take_while(|p| perimeter_mm(p) > MIN_RING_BEADS.value() * spacing).count();
         rings.truncate(1 + kept);
         let border = Region::from(room.clone()).offset(context.border_mm, Join::Miter(3.0));
         let beads = finish::lay(rings, room, &border, self.variable, context);
@@ -169,7 +174,7 @@ impl Continuous {
             let rest = tree::join_rest(&rings, spacing);
             joined = rings.exchanged(&rest);
             // Crumbs are dropped; they are not worth another look.
-            let left = joined.iter().filter(|r| perimeter_mm(r) > MIN_RING_BEADS * spacing).count();
+            let left = joined.iter().filter(|r| perimeter_mm(r) > MIN_RING_BEADS.value() * spacing).count();
             apart = if rest.is_empty() { 0 } else { left };
         }
         joined

@@ -17,14 +17,17 @@
 
 use grainpath_core::math::{cross, direction, rotated};
 use grainpath_core::poly::LineClipper;
+use grainpath_core::tuned::Tuned;
 use grainpath_core::{DVec2, Polygon, Region};
 
 use super::super::field::widths::{Line, Neighbours};
 
-/// Nearer than this nothing lies between a bead and what was its neighbour a step before, in beads.
-pub const CLOSE: f64 = 1.1;
-/// Side of the squares that lines are sorted into to be found, in beads.
-pub const SEEN_BEADS: f64 = 2.0;
+/// Two beads nearer than this have nothing between them, in beads. The neighbour found a step before is then kept.
+/// Measured: row `fill.continuous.rings.CLOSE` of `cargo xtask bench constants`.
+pub static CLOSE: Tuned<f64> = Tuned::new("fill.continuous.rings.CLOSE", 1.1);
+/// Side of the squares of the grid that segments are sorted into, in beads.
+/// Measured: row `fill.continuous.rings.SEEN_BEADS` of `cargo xtask bench constants`.
+pub static SEEN_BEADS: Tuned<f64> = Tuned::new("fill.continuous.rings.SEEN_BEADS", 2.0);
 
 /// A place on a ring, seen from another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -128,10 +131,12 @@ pub fn bracket(n: usize, guess: usize, below: impl Fn(usize) -> bool) -> usize {
     low
 }
 
-/// Rings that face each other run against each other, this much at least: the cosine.
-const AGAINST: f64 = 0.7;
-/// Further than this nothing is looked for from rings that are apart, in beads.
-const FURTHEST: f64 = 5.0;
+/// Rings run against each other where the cosine between them is below the negative of this.
+/// Measured: row `fill.continuous.rings.AGAINST` of `cargo xtask bench constants`.
+static AGAINST: Tuned<f64> = Tuned::new("fill.continuous.rings.AGAINST", 0.7);
+/// Rings that lie apart are joined over at most this distance, in beads.
+/// Measured: row `fill.continuous.rings.FURTHEST` of `cargo xtask bench constants`.
+static FURTHEST: Tuned<f64> = Tuned::new("fill.continuous.rings.FURTHEST", 5.0);
 
 fn longest(arcs: &[Vec<f64>]) -> usize {
     let length = |r: usize| arcs[r].last().copied().unwrap_or(0.0);
@@ -159,7 +164,7 @@ impl Rings {
     pub fn around_short(outlines: Vec<Vec<DVec2>>, room: &Polygon, spacing_mm: f64) -> Self {
         Self::seeing(outlines, room, spacing_mm, |lines, arcs, cell_mm| {
             let longest = longest(arcs);
-            Neighbours::around(lines, |l| l != longest, FURTHEST * spacing_mm, cell_mm)
+            Neighbours::around(lines, |l| l != longest, FURTHEST.value() * spacing_mm, cell_mm)
         })
     }
 
@@ -181,7 +186,7 @@ impl Rings {
             all
         };
         let arcs: Vec<Vec<f64>> = lines.iter().map(arc).collect();
-        let neighbours = neighbours(&lines, &arcs, SEEN_BEADS * spacing_mm);
+        let neighbours = neighbours(&lines, &arcs, SEEN_BEADS.value() * spacing_mm);
         let room = LineClipper::new(&Region::from(room.clone()));
         Self { lines, arcs, neighbours, room, spacing_mm }
     }
@@ -262,14 +267,14 @@ impl Rings {
         (ring, before): (usize, usize),
     ) -> Option<Place> {
         let look = side.of(way);
-        let [least, most] = [range[0], CLOSE].map(|beads| beads * self.spacing_mm);
+        let [least, most] = [range[0], CLOSE.value()].map(|beads| beads * self.spacing_mm);
         let n = self.lines[ring].n_segments();
         [before, before + n - 1, before + 1].into_iter().find_map(|segment| {
             let segment = segment % n;
             let (a, b) = self.lines[ring].segment(segment);
             let distance_mm = beside(p, look, a, b).filter(|d| *d > least && *d < most)?;
             let at_mm = self.arcs[ring][segment] + a.distance(p + distance_mm * look);
-            ((b - a).dot(way) < -AGAINST * a.distance(b)).then_some(Place {
+            ((b - a).dot(way) < -AGAINST.value() * a.distance(b)).then_some(Place {
                 ring,
                 segment,
                 at_mm,
@@ -292,7 +297,7 @@ impl Rings {
         let hit = self.neighbours.hit(p, look, range[1] * self.spacing_mm, skips)?;
         let other = hit.line?;
         let (a, b) = self.lines[other].segment(hit.segment);
-        let against = (b - a).normalize_or(DVec2::X).dot(way) < -AGAINST;
+        let against = (b - a).normalize_or(DVec2::X).dot(way) < -AGAINST.value();
         if !against || hit.distance_mm < range[0] * self.spacing_mm {
             return None;
         }

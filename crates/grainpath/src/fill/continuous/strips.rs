@@ -30,26 +30,49 @@ use super::super::field::widths::{resampled, smooth};
 use super::Pull;
 use crate::fill::FillContext;
 use grainpath_core::field_mesh::FieldMesh;
+use grainpath_core::tuned::Tuned;
 
 const NONE: u32 = u32::MAX;
 
-/// Squares of the grid that the phase is found on, in beads: fine for a room of few of them, coarser for a large one.
-const MESH_BEADS: [f64; 2] = [1.0, 6.0];
-/// More nodes than this make the grid coarser.
-const MANY_NODES: f64 = 20_000.0;
-/// Places of a room narrower than this are strips by themselves, in beads.
-const THIN_BEADS: f64 = 1.5;
-/// Where strips touch they are cut back this far, in beads.
-const PARTED_BEADS: f64 = 0.25;
-/// Steps of the outlines, in beads.
-const STEP_BEADS: f64 = 1.0;
-/// Where a line is straight its points lie further apart: as many steps, and this far off it, in beads.
-const LONGEST_STEPS: usize = 3;
-const STRAIGHT_BEADS: f64 = 0.005;
-/// Where the field matters least and most it counts this much.
-const WEIGHTS: [f64; 2] = [0.1, 1.0];
-/// Steps of diffusion of the phase: widths in squares of the grid, and how often.
-const STEPS: [(f64, usize); 4] = [(60.0, 3), (25.0, 3), (8.0, 3), (3.0, 3)];
+/// Finest square of the grid that the phase is found on, in beads.
+/// Measured: row `fill.continuous.strips.MESH_MIN` of `cargo xtask bench constants`.
+static MESH_MIN: Tuned<f64> = Tuned::new("fill.continuous.strips.MESH_MIN", 1.0);
+/// Coarsest square of the grid that the phase is found on, in beads, however large the region.
+/// Measured: row `fill.continuous.strips.MESH_MAX` of `cargo xtask bench constants`.
+static MESH_MAX: Tuned<f64> = Tuned::new("fill.continuous.strips.MESH_MAX", 6.0);
+/// The grid has at most about so many nodes; a larger region gets coarser squares.
+/// Measured: row `fill.continuous.strips.MANY_NODES` of `cargo xtask bench constants`.
+static MANY_NODES: Tuned<f64> = Tuned::new("fill.continuous.strips.MANY_NODES", 20_000.0);
+/// Parts of a region narrower than this are strips by themselves, in beads.
+/// Measured: row `fill.continuous.strips.THIN_BEADS` of `cargo xtask bench constants`.
+static THIN_BEADS: Tuned<f64> = Tuned::new("fill.continuous.strips.THIN_BEADS", 1.5);
+/// Strips that touch are cut back by this much, in beads.
+/// Measured: row `fill.continuous.strips.PARTED_BEADS` of `cargo xtask bench constants`.
+static PARTED_BEADS: Tuned<f64> = Tuned::new("fill.continuous.strips.PARTED_BEADS", 0.25);
+/// Distance of the points of a strip's outline, in beads.
+/// Measured: row `fill.continuous.strips.STEP_BEADS` of `cargo xtask bench constants`.
+static STEP_BEADS: Tuned<f64> = Tuned::new("fill.continuous.strips.STEP_BEADS", 1.0);
+/// So many steps of an outline at most become one where the outline is straight.
+/// Measured: row `fill.continuous.strips.LONGEST_STEPS` of `cargo xtask bench constants`.
+static LONGEST_STEPS: Tuned<usize> = Tuned::new("fill.continuous.strips.LONGEST_STEPS", 3);
+/// An outline is straight where its points lie nearer to the chord than this, in beads.
+/// Measured: row `fill.continuous.strips.STRAIGHT_BEADS` of `cargo xtask bench constants`.
+static STRAIGHT_BEADS: Tuned<f64> = Tuned::new("fill.continuous.strips.STRAIGHT_BEADS", 0.005);
+/// Least weight of the field, where the stress is nearly zero; the largest is 1.
+/// Measured: row `fill.continuous.strips.LEAST_WEIGHT` of `cargo xtask bench constants`.
+static LEAST_WEIGHT: Tuned<f64> = Tuned::new("fill.continuous.strips.LEAST_WEIGHT", 0.1);
+/// Rounds of diffusion of the phase at each of the widths.
+/// Measured: row `fill.continuous.strips.DIFFUSION_ROUNDS` of `cargo xtask bench constants`.
+static DIFFUSION_ROUNDS: Tuned<usize> = Tuned::new("fill.continuous.strips.DIFFUSION_ROUNDS", 3);
+/// Factor on the widths of diffusion.
+/// Measured: row `fill.continuous.strips.DIFFUSION_SCALE` of `cargo xtask bench constants`.
+static DIFFUSION_SCALE: Tuned<f64> = Tuned::new("fill.continuous.strips.DIFFUSION_SCALE", 1.0);
+
+/// Steps of diffusion of the phase: the width of each in squares of the grid, and its rounds. Wide steps arrange the
+/// strips of the whole region, narrow ones their borders.
+fn diffusion_steps() -> [(f64, usize); 4] {
+    [60.0, 25.0, 8.0, 3.0].map(|width| (width * DIFFUSION_SCALE.value(), DIFFUSION_ROUNDS.value()))
+}
 
 /// The outlines of all strips of a room at this distance of beads: closed, the strip on their left, inside the room.
 /// Together with the room's own contour where a strip ends there.
@@ -64,14 +87,14 @@ pub fn outlines(
     if context.field.is_none() {
         return whole();
     }
-    let cell_mm = (room.area_mm2() / MANY_NODES).sqrt();
-    let cell_mm = cell_mm.clamp(MESH_BEADS[0] * spacing_mm, MESH_BEADS[1] * spacing_mm);
+    let cell_mm = (room.area_mm2() / MANY_NODES.value()).sqrt();
+    let cell_mm = cell_mm.clamp(MESH_MIN.value() * spacing_mm, MESH_MAX.value() * spacing_mm);
     let Some(mesh) = FieldMesh::over(&region, cell_mm) else { return Vec::new() };
     let (axes, strength): (Vec<DVec2>, Vec<f64>) = mesh
         .nodes
         .iter()
         .map(|&p| pull.at(p))
-        .map(|(axis, w)| (axis, w.clamp(WEIGHTS[0], WEIGHTS[1])))
+        .map(|(axis, w)| (axis, w.clamp(LEAST_WEIGHT.value(), 1.0)))
         .unzip();
     let frequency = drift(&mesh, &axes).into_iter().map(|f| f / (2.0 * spacing_mm)).collect();
     let near = NearBorder::new(&region, 3.2 * spacing_mm);
@@ -83,12 +106,12 @@ pub fn outlines(
         .collect();
     let input = PhaseInput { axes, frequency, strength, wanted };
     let turns = turns(&mesh, &input);
-    let phase = solve(&mesh, &input, &turns, &STEPS);
+    let phase = solve(&mesh, &input, &turns, &diffusion_steps());
     let mut lines = sign_changes(&mesh, &turns, &phase);
     for line in &mut lines {
-        line.points = resampled(&line.points, line.closed, STEP_BEADS * spacing_mm);
+        line.points = resampled(&line.points, line.closed, STEP_BEADS.value() * spacing_mm);
         smooth(&mut line.points, line.closed, 1);
-        line.points = sparse(&line.points, line.closed, STRAIGHT_BEADS * spacing_mm);
+        line.points = sparse(&line.points, line.closed, STRAIGHT_BEADS.value() * spacing_mm);
     }
     let loops = cut_by(&region, &lines).unwrap_or_else(whole);
     with_thin(&region, loops, spacing_mm).into_iter().filter(|l| l.len() > 2).collect()
@@ -107,7 +130,7 @@ fn sparse(points: &[DVec2], closed: bool, off_mm: f64) -> Vec<DVec2> {
             let most = off_mm * d.length();
             (at + 1..to).all(|k| cross(d, points[k] - a).abs() < most && d.dot(points[k] - a) > 0.0)
         };
-        let furthest = (at + 2..=(at + LONGEST_STEPS).min(end)).take_while(|&to| straight(to)).last();
+        let furthest = (at + 2..=(at + LONGEST_STEPS.value()).min(end)).take_while(|&to| straight(to)).last();
         at = furthest.unwrap_or(at + 1);
     }
     if !closed {
@@ -119,7 +142,7 @@ fn sparse(points: &[DVec2], closed: bool, off_mm: f64) -> Vec<DVec2> {
 /// Places too thin for strips beside each other are strips themselves, whatever the field says: a bead there and
 /// one back along their sides.
 fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Vec<DVec2>> {
-    let thick = region.opened(0.5 * THIN_BEADS * spacing_mm);
+    let thick = region.opened(0.5 * THIN_BEADS.value() * spacing_mm);
     let mut thin = region.difference(&thick);
     // Corners are thin too; of small places only those count that lie between thick ones.
     thin.polygons.retain(|p| {
@@ -141,7 +164,7 @@ fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Ve
 
 /// Strips that meet at these places, taken apart there.
 pub fn parted(loops: &[Vec<DVec2>], at: &[DVec2], spacing_mm: f64) -> Vec<Vec<DVec2>> {
-    let half = DVec2::splat(PARTED_BEADS * spacing_mm);
+    let half = DVec2::splat(PARTED_BEADS.value() * spacing_mm);
     let squares = at.iter().flat_map(|&p| Region::rectangle(p - half, p + half).polygons);
     let squares: Vec<Vec<DVec2>> = squares.map(|p| p.outer).collect();
     let all = Region::from_contours(loops, FillRule::Positive)

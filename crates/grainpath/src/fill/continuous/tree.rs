@@ -14,6 +14,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross};
+use grainpath_core::tuned::Tuned;
 
 use super::cells::{Cells, Edge, Taken, beside};
 use super::rings::{Facing, Rings, Side};
@@ -175,17 +176,19 @@ pub fn join(
         for (k, i) in beside_of {
             let pair = between(&mut strips, i);
             let first = others.partition_point(|o| o.0 < pair);
-            let same = others[first..].iter().take_while(|o| o.0 == pair).take(TRIED).map(|o| o.1);
+            let same = others[first..].iter().take_while(|o| o.0 == pair).take(TRIED.value()).map(|o| o.1);
             flip(rings, cells, same, &mut exchanges[k], spacing_mm, axis, taken);
         }
     }
     exchanges
 }
 
-/// As many other places are tried for a passage between two strips.
-const TRIED: usize = 12;
-/// What a place must seem to gain to be tried: of the turn of a bead, radians times beads.
-const WORTH: f64 = 0.05;
+/// So many other places at most are tried for the passage between two strips.
+/// Measured: row `fill.continuous.tree.TRIED` of `cargo xtask bench constants`.
+static TRIED: Tuned<usize> = Tuned::new("fill.continuous.tree.TRIED", 12);
+/// A place is tried if it promises to save at least this much turning, in radians times beads.
+/// Measured: row `fill.continuous.tree.WORTH` of `cargo xtask bench constants`.
+static WORTH: Tuned<f64> = Tuned::new("fill.continuous.tree.WORTH", 0.05);
 
 /// Moves the passage between two strips to another place along them if beads turn less there. The two are joined
 /// once as before, so it stays one ring.
@@ -200,7 +203,7 @@ fn flip(
 ) {
     let mut best = (cost(passage, axis) - 1e-6, None);
     for other in others {
-        if other.weight() > best.0 - WORTH * spacing_mm {
+        if other.weight() > best.0 - WORTH.value() * spacing_mm {
             break;
         }
         let Some(f) = beside(rings, &cells.edges[other.edge()]) else { continue };

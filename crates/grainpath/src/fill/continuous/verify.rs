@@ -6,6 +6,7 @@
 //! search covers every pair of segments that share a bucket, with exact comparisons of sides.
 
 use grainpath_core::poly::{Join, LineClipper};
+use grainpath_core::tuned::Tuned;
 use grainpath_core::{DVec2, Polygon, Region, Toolpath, Warning, WarningId};
 
 use super::super::field::widths::{Line, Neighbours};
@@ -61,8 +62,9 @@ impl Note {
     }
 }
 
-/// Paths may lie this far outside their room, mm: rounding and thinning of points.
-const SLACK_MM: f64 = 0.01;
+/// Paths may lie this far outside their infill region, mm: coordinates are rounded and points thinned.
+/// Measured: row `fill.continuous.verify.SLACK_MM` of `cargo xtask bench constants`.
+static SLACK_MM: Tuned<f64> = Tuned::new("fill.continuous.verify.SLACK_MM", 0.01);
 
 /// Looks at the paths of a room: what lies apart from the first one, crossings, and what lies outside.
 pub fn check(paths: &[Toolpath], room: &Polygon, spacing_mm: f64) -> Vec<Note> {
@@ -72,12 +74,14 @@ pub fn check(paths: &[Toolpath], room: &Polygon, spacing_mm: f64) -> Vec<Note> {
     }
     let lines: Vec<Line> =
         paths.iter().map(|p| Line { points: p.points.clone(), closed: p.closed }).collect();
-    for [(line, segment), _] in
-        Neighbours::new(&lines, &Region::default(), SEEN_BEADS * spacing_mm).crossings().into_iter().take(3)
+    for [(line, segment), _] in Neighbours::new(&lines, &Region::default(), SEEN_BEADS.value() * spacing_mm)
+        .crossings()
+        .into_iter()
+        .take(3)
     {
         notes.push(Note { at_mm: lines[line].points[segment], what: Problem::Crossing });
     }
-    let inside = LineClipper::new(&Region::from(room.clone()).offset(SLACK_MM, Join::Miter(2.0)));
+    let inside = LineClipper::new(&Region::from(room.clone()).offset(SLACK_MM.value(), Join::Miter(2.0)));
     let leaves = |l: &Line| {
         let out = l.points.first().is_some_and(|&p| !inside.contains(p));
         let crossing = || (0..l.n_segments()).map(|s| l.segment(s)).find(|s| inside.meets(s.0, s.1));

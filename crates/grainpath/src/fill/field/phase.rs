@@ -31,6 +31,7 @@ use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross, sin_cos};
 
 use grainpath_core::field_mesh::{FieldMesh, GridMatrix, conjugate_gradients};
+use grainpath_core::tuned::Tuned;
 
 /// Input of the phase, one entry a node.
 pub struct PhaseInput {
@@ -54,22 +55,33 @@ pub struct Turn {
     pub mirrored: bool,
 }
 
-/// Steps of diffusion, widest first: how wide each is, in squares of the grid, and how often it is done. Wide steps
-/// settle the pattern of the whole region, narrow ones its details.
-pub const STEPS: [(f64, usize); 3] = [(60.0, 6), (25.0, 6), (8.0, 6)];
-/// The spacing may drift from the nominal one by this factor before beads end or begin. Chosen: well inside the widths
+/// Rounds of diffusion at each of the widths.
+/// Measured: row `fill.field.phase.DIFFUSION_ROUNDS` of `cargo xtask bench constants`.
+static DIFFUSION_ROUNDS: Tuned<usize> = Tuned::new("fill.field.phase.DIFFUSION_ROUNDS", 6);
+/// Factor on the widths of diffusion.
+/// Measured: row `fill.field.phase.DIFFUSION_SCALE` of `cargo xtask bench constants`.
+static DIFFUSION_SCALE: Tuned<f64> = Tuned::new("fill.field.phase.DIFFUSION_SCALE", 1.0);
+
+/// Steps of diffusion, widest first: the width of each in squares of the grid, and its rounds. Wide steps settle the
+/// pattern of the whole region, narrow ones its details.
+pub fn diffusion_steps() -> [(f64, usize); 3] {
+    [60.0, 25.0, 8.0].map(|width| (width * DIFFUSION_SCALE.value(), DIFFUSION_ROUNDS.value()))
+}
+/// The spacing may drift from the nominal one by this factor before beads end or begin: well inside the widths
 /// that a nozzle can lay, 0.6 to 1.6 of the nominal one.
-const MAX_DRIFT: f64 = 1.22;
+/// Measured: row `fill.field.phase.MAX_DRIFT` of `cargo xtask bench constants`.
+static MAX_DRIFT: Tuned<f64> = Tuned::new("fill.field.phase.MAX_DRIFT", 1.22);
 /// Length over which the spacing returns to the nominal one, mm.
-const DRIFT_MM: f64 = 12.0;
+/// Measured: row `fill.field.phase.DRIFT_MM` of `cargo xtask bench constants`.
+static DRIFT_MM: Tuned<f64> = Tuned::new("fill.field.phase.DRIFT_MM", 12.0);
 
 /// How much closer or wider the beads should be at every node so that as few as possible have to end: the factor on
-/// the frequency, within [`MAX_DRIFT`].
+/// the frequency, within `MAX_DRIFT`.
 pub fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
     let n = mesh.nodes.len();
     let cell2 = mesh.cell_mm * mesh.cell_mm;
     let mut matrix = GridMatrix::zero(mesh, true);
-    matrix.own.fill(cell2 / (DRIFT_MM * DRIFT_MM));
+    matrix.own.fill(cell2 / (DRIFT_MM.value() * DRIFT_MM.value()));
     // A little smoothing across the lines too.
     matrix.add_springs(0.02);
     let mut rhs = vec![0.0; n];
@@ -103,7 +115,7 @@ pub fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
         }
     }
     let x = matrix.solve(vec![0.0; n], &rhs, 1e-3, 300);
-    let limit = MAX_DRIFT - 1.0;
+    let limit = MAX_DRIFT.value() - 1.0;
     x.into_iter().map(|v| 1.0 + v / (1.0 + (v / limit).powi(2)).sqrt()).collect()
 }
 

@@ -23,16 +23,20 @@ use super::stripes::{Bead, joined};
 use super::widths::{Line, Neighbours};
 use crate::fill::{FillContext, Infill};
 use grainpath_core::streamlines::{LineSettings, Seeding, TracedLine, evenly_spaced};
+use grainpath_core::tuned::Tuned;
 
 /// Seed lines and offsets.
 pub struct SeedLines;
 
-/// Distance of seed lines where they are chosen, in beads.
-const SEED_SPACING: f64 = 8.0;
-/// Shorter pieces are left out, in beads.
-const SHORTEST: f64 = 2.0;
-/// Offsets of one seed line, at the most.
-const MAX_OFFSETS: usize = 2000;
+/// Distance between seed lines where the planner places them, in beads.
+/// Measured: row `fill.field.seed_lines.SEED_SPACING` of `cargo xtask bench constants`.
+static SEED_SPACING: Tuned<f64> = Tuned::new("fill.field.seed_lines.SEED_SPACING", 8.0);
+/// Pieces shorter than this are dropped, in beads.
+/// Measured: row `fill.field.seed_lines.SHORTEST` of `cargo xtask bench constants`.
+static SHORTEST: Tuned<f64> = Tuned::new("fill.field.seed_lines.SHORTEST", 2.0);
+/// So many offsets of one seed line at most.
+/// Measured: row `fill.field.seed_lines.MAX_OFFSETS` of `cargo xtask bench constants`.
+static MAX_OFFSETS: Tuned<usize> = Tuned::new("fill.field.seed_lines.MAX_OFFSETS", 2000);
 
 impl Infill for SeedLines {
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
@@ -41,12 +45,12 @@ impl Infill for SeedLines {
         let room = Region::from(room.clone());
         let inside = LineClipper::new(&room);
         let axis = |p: DVec2| inside.contains(p).then(|| axis_of(field, context, p));
-        let separation = |_: DVec2| SEED_SPACING * step;
+        let separation = |_: DVec2| SEED_SPACING.value() * step;
         let seeding = Seeding {
             separation_mm: &separation,
             // A seed line may run on until it is one bead away from another one.
-            end_share: 1.0 / SEED_SPACING,
-            shortest_mm: SHORTEST * step,
+            end_share: 1.0 / SEED_SPACING.value(),
+            shortest_mm: SHORTEST.value() * step,
             whole: true,
         };
         let settings = LineSettings {
@@ -113,7 +117,7 @@ fn fill_region(region: &Region, seeds: &[TracedLine], step: f64) -> Vec<TracedLi
         return out;
     };
     let mut rest = region.clone();
-    for k in 1..=MAX_OFFSETS {
+    for k in 1..=MAX_OFFSETS.value() {
         let distance = k as f64 * step;
         let band = around(seed, distance);
         for contour in band.contours() {
@@ -123,7 +127,7 @@ fn fill_region(region: &Region, seeds: &[TracedLine], step: f64) -> Vec<TracedLi
             ring.extend(contour.first().copied());
             for piece in clipper.clip(&ring) {
                 let length: f64 = piece.points.windows(2).map(|w| w[0].distance(w[1])).sum();
-                if length > SHORTEST * step {
+                if length > SHORTEST.value() * step {
                     out.push(TracedLine { points: piece.points, closed: false });
                 }
             }

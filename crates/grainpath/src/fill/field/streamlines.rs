@@ -15,11 +15,14 @@ use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 use super::axis_of;
 use crate::fill::FillContext;
 use grainpath_core::streamlines::{LineSettings, Seeding, evenly_spaced};
+use grainpath_core::tuned::Tuned;
 
 /// A line ends where the next one comes nearer than this share of the distance wanted.
-const END_SHARE: f64 = 0.55;
+/// Measured: row `fill.field.streamlines.END_SHARE` of `cargo xtask bench constants`.
+static END_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.END_SHARE", 0.55);
 /// Lines shorter than this share of the distance are left out.
-const SHORTEST_SHARE: f64 = 1.5;
+/// Measured: row `fill.field.streamlines.SHORTEST_SHARE` of `cargo xtask bench constants`.
+static SHORTEST_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.SHORTEST_SHARE", 1.5);
 
 /// Evenly spaced lines along the field, of one bead's width.
 pub fn sparse(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
@@ -32,8 +35,8 @@ pub fn sparse(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>
     let same = |_: DVec2| separation;
     let seeding = Seeding {
         separation_mm: &same,
-        end_share: END_SHARE,
-        shortest_mm: SHORTEST_SHARE * separation,
+        end_share: END_SHARE.value(),
+        shortest_mm: SHORTEST_SHARE.value() * separation,
         whole: false,
     };
     let settings = LineSettings {

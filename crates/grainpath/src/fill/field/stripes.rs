@@ -24,29 +24,33 @@ use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DirectionField, Polygon
 
 use super::axis_of;
 use super::levels::trace;
-use super::phase::{PhaseInput, STEPS, drift, solve, turns};
+use super::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
 use super::widths::{Line, Neighbours, resampled, smooth};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
 use crate::wall::single_beads;
 use grainpath_core::field_mesh::FieldMesh;
 use grainpath_core::mask::{Grid, Mask};
+use grainpath_core::tuned::Tuned;
 
 /// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle of 0.4 mm lays widths
 /// within a factor of about 2; 0.6 to 1.6 keeps that factor with a margin where beads are only seldom wide.
 const NARROWEST: f64 = 0.6;
-/// The widest bead, in the same share and from the same source.
+/// The widest bead, as a share of the nominal one. Source: `Kuipers2020`, as for the narrowest.
 const WIDEST: f64 = 1.6;
-/// Shorter pieces are left out, in beads: each would cost a start and a stop.
-const SHORTEST: f64 = 2.0;
-/// Ends farther apart than this are not joined, in beads.
-const LONGEST_JOINT: f64 = 2.0;
-/// Rounds of moving beads to the middle between their neighbours. Each round moves a bead by at
-/// most 0.2 of the spacing.
-const CENTRINGS: usize = 3;
-/// Rounds of taking crowded beads away.
-const THINNINGS: usize = 2;
-/// Side of the cells that gaps are looked for with, as a share of the spacing. Derived: the strip of the narrowest bead
+/// Pieces shorter than this are dropped, in beads: their start and end would cost more than they fill.
+/// Measured: row `fill.field.stripes.SHORTEST` of `cargo xtask bench constants`.
+static SHORTEST: Tuned<f64> = Tuned::new("fill.field.stripes.SHORTEST", 2.0);
+/// Two ends are joined if they lie no further apart than this, in beads.
+/// Measured: row `fill.field.stripes.LONGEST_JOINT` of `cargo xtask bench constants`.
+static LONGEST_JOINT: Tuned<f64> = Tuned::new("fill.field.stripes.LONGEST_JOINT", 2.0);
+/// Rounds of moving beads to the middle between their neighbours.
+/// Measured: row `fill.field.stripes.CENTRINGS` of `cargo xtask bench constants`.
+static CENTRINGS: Tuned<usize> = Tuned::new("fill.field.stripes.CENTRINGS", 3);
+/// Rounds of removing beads that lie too close to their neighbours.
+/// Measured: row `fill.field.stripes.THINNINGS` of `cargo xtask bench constants`.
+static THINNINGS: Tuned<usize> = Tuned::new("fill.field.stripes.THINNINGS", 2);
+/// Side of the cells that gaps are looked for with, as a share of the spacing. Source: derived; the strip of the narrowest bead
 /// is about 0.55 of the spacing wide, and cells of 0.33 have a centre in every gap of that width, however it lies.
 const GAP_CELL: f64 = 0.33;
 
@@ -62,7 +66,7 @@ pub fn dense(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>)
     let levels = {
         let input = phase_input(&mesh, field, context, &border);
         let turns = turns(&mesh, &input);
-        let phase = solve(&mesh, &input, &turns, &STEPS);
+        let phase = solve(&mesh, &input, &turns, &diffusion_steps());
         trace(&mesh, &turns, &phase)
     };
     let clipper = LineClipper::new(&room);
@@ -74,7 +78,7 @@ pub fn dense(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>)
         smooth(&mut points, level.closed, 3);
         push_inside(&clipper, points, level.closed, spacing, &mut lines);
     }
-    for _ in 0..CENTRINGS {
+    for _ in 0..CENTRINGS.value() {
         centre(&mut lines, &border, spacing);
     }
     // Centring may push points of a line out of the area for centrelines, so lines are clipped once
@@ -198,7 +202,7 @@ fn push_inside(
     }
     for piece in pieces {
         let length: f64 = piece.points.windows(2).map(|w| w[0].distance(w[1])).sum();
-        if length > SHORTEST * spacing_mm {
+        if length > SHORTEST.value() * spacing_mm {
             let points = resampled(&piece.points, false, 0.75 * spacing_mm);
             out.push(Line { points, closed: false });
         }
@@ -271,7 +275,7 @@ fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<
     loop {
         let neighbours = Neighbours::new(&lines, border, 1.5 * spacing);
         let strips = strips(&lines, &neighbours, spacing);
-        if round == THINNINGS || !strips.iter().flatten().any(crowded) {
+        if round == THINNINGS.value() || !strips.iter().flatten().any(crowded) {
             return Roomed { lines, neighbours, strips };
         }
         round += 1;
@@ -288,7 +292,7 @@ fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<
             let mut flush = |run: &mut Vec<DVec2>| {
                 let points = std::mem::take(run);
                 let length: f64 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
-                if length > SHORTEST * spacing {
+                if length > SHORTEST.value() * spacing {
                     kept.push(Line { points, closed: false });
                 }
             };
@@ -449,7 +453,7 @@ pub(super) fn joined(
                 let joint = [bead.rest(false, retreat_mm).0, other.unwrap_or(to)];
                 // The direct way and the joint half a bead inside the border are both tested,
                 // because another bead may lie across either of them.
-                if at.distance(to) > LONGEST_JOINT * spacing_mm
+                if at.distance(to) > LONGEST_JOINT.value() * spacing_mm
                     || !inside.segment_inside(at, to)
                     || neighbours.between(at, to, [at, to])
                     || neighbours.between(joint[0], joint[1], [at, to])
@@ -476,8 +480,9 @@ pub(super) fn joined(
     out
 }
 
-/// Vertices that are simplified together at most.
-const PIECE: usize = 256;
+/// A straight piece is tried over so many vertices at most, which bounds the work to this many times their number.
+/// Measured: row `fill.field.stripes.PIECE` of `cargo xtask bench constants`.
+static PIECE: Tuned<usize> = Tuned::new("fill.field.stripes.PIECE", 256);
 
 /// Drops vertices that lie within 5 um of the line without them and whose width lies within 10 um.
 pub fn simplified(points: &[DVec2], widths: &[f64], closed: bool) -> (Vec<DVec2>, Vec<f64>) {
@@ -488,7 +493,7 @@ pub fn simplified(points: &[DVec2], widths: &[f64], closed: bool) -> (Vec<DVec2>
     let mut stack: Vec<(usize, usize)> = Vec::new();
     // A ring is cut in two at least: its first and last points are neighbours, and distances from
     // that short chord would say nothing.
-    let most = if closed { PIECE.min(n / 2).max(1) } else { PIECE };
+    let most = if closed { PIECE.value().min(n / 2).max(1) } else { PIECE.value() };
     for a in (0..n - 1).step_by(most) {
         keep[a] = true;
         stack.push((a, (a + most).min(n - 1)));

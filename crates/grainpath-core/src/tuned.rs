@@ -1,0 +1,77 @@
+//! Numbers that were chosen by measurement, and the means to measure them again.
+//!
+//! Some constants of a fill, of a support or of the strength test follow from no formula and stand in no paper: they
+//! were chosen because the prints came out best. Such a constant is a [`Tuned`] number. It has a name, and
+//! `cargo xtask bench constants NAME` plans the same pieces with five or more values of it and prints gap, overlap,
+//! angle, paths and printing time of each, so that anyone can see how much hangs on the choice.
+//!
+//! Ordinary builds read the value that stands in the source and nothing else. In builds with the feature `sweep`, which
+//! the bench makes for itself, the command line hands over the environment variable `GRAINPATH_SWEEP`
+//! (`fill.continuous.finish.GAP=1.5`).
+//!
+//! ```
+//! use grainpath_core::tuned::Tuned;
+//!
+//! /// Rounds of smoothing. Measured: row `example.ROUNDS` of `cargo xtask bench constants`.
+//! static ROUNDS: Tuned<usize> = Tuned::new("example.ROUNDS", 3);
+//! assert_eq!(ROUNDS.value(), 3);
+//! ```
+
+/// A number chosen by measurement, with the name of its row in `cargo xtask bench constants`.
+#[derive(Debug)]
+pub struct Tuned<T> {
+    name: &'static str,
+    value: T,
+    #[cfg(feature = "sweep")]
+    swept: std::sync::OnceLock<Option<T>>,
+}
+
+impl<T: Copy + std::str::FromStr> Tuned<T> {
+    /// A number with its name in the bench: modules and the constant, parted by dots.
+    #[must_use]
+    pub const fn new(name: &'static str, value: T) -> Self {
+        Self {
+            name,
+            value,
+            #[cfg(feature = "sweep")]
+            swept: std::sync::OnceLock::new(),
+        }
+    }
+
+    /// The name of its row in the bench.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// The value to compute with.
+    #[inline]
+    #[must_use]
+    pub fn value(&self) -> T {
+        #[cfg(feature = "sweep")]
+        if let Some(swept) = self.swept.get_or_init(|| swept(self.name)) {
+            return *swept;
+        }
+        self.value
+    }
+}
+
+/// Name and value of the one constant that is swept.
+#[cfg(feature = "sweep")]
+static SWEPT: std::sync::OnceLock<(String, String)> = std::sync::OnceLock::new();
+
+/// Takes another value for one constant from here on: `name=value`. The first call counts, and it has to come before the
+/// constant is read.
+#[cfg(feature = "sweep")]
+pub fn sweep(text: &str) {
+    if let Some((name, value)) = text.split_once('=') {
+        SWEPT.get_or_init(|| (name.to_owned(), value.to_owned()));
+    }
+}
+
+/// The value that was set for the constant of this name.
+#[cfg(feature = "sweep")]
+fn swept<T: std::str::FromStr>(name: &str) -> Option<T> {
+    let (swept, value) = SWEPT.get()?;
+    (swept == name).then(|| value.parse().ok()).flatten()
+}
