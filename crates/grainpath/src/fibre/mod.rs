@@ -1,7 +1,8 @@
-//! Continuous fibre: which fill is laid with it, where it would turn too sharply, and what came of it.
-//!
-//! A pattern lays paths; what is long enough becomes fibre of one width, with its turns rounded to the least radius
-//! where there is room. The rest stays matrix.
+//! Continuous fibre: which fill paths are laid with it, how turns below the least radius are
+//! treated, and how much became fibre.
+//! | A pattern lays paths. Paths that are long enough become fibre of one width, and their turns
+//! are rounded to the least radius where there is space. All others stay matrix. Lengths are in mm,
+//! layers count from 1 in settings and from 0 in the code.
 
 mod turns;
 
@@ -17,25 +18,25 @@ pub use turns::{Turn, rounded, sharp_turns, turns};
 /// How fibre is laid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FibreSettings {
-    /// First and last layer with fibre, from 1; none for all.
+    /// First and last layer with fibre, counted from 1; empty for all layers.
     pub layers: Vec<[usize; 2]>,
-    /// Every how many of these.
+    /// Period: 2 lays fibre in every other one of these layers.
     pub every: usize,
-    /// Where fill is fibre, in part coordinates on the plate, mm; none for everywhere.
+    /// Where fill is fibre, in part coordinates on the plate, mm; empty for everywhere.
     pub boxes: Vec<[DVec3; 2]>,
     /// Width of a bead with fibre, mm.
     pub bead_width_mm: f64,
     /// Least radius of a turn, mm.
     pub min_radius_mm: f64,
-    /// What is done about sharper ones.
+    /// Treatment of sharper turns.
     pub turns: FibreTurns,
-    /// Shorter paths are matrix, mm.
+    /// Shorter paths are laid as matrix, mm.
     pub min_length_mm: f64,
     /// Where closed paths begin.
     pub start: FibreStart,
 }
 
-/// Why no fibre can be laid as asked.
+/// Why fibre cannot be laid as the settings ask.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum FibreError {
@@ -59,7 +60,7 @@ pub enum FibreError {
     NoFill,
 }
 
-/// What became of paths that were to be fibre.
+/// Outcome for the paths that were to become fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tally {
     /// Paths laid without fibre because they are short.
@@ -73,7 +74,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Both together.
+    /// The sum of both.
     pub fn and(self, other: Self) -> Self {
         Self {
             short: self.short + other.short,
@@ -85,12 +86,14 @@ impl Tally {
 }
 
 impl FibreSettings {
-    /// Refuses what cannot be met by this part.
+    /// Refuses settings that this part cannot meet.
     ///
     /// # Errors
-    /// [`FibreError`] for radii, layers and boxes that do not go with it.
+    /// [`FibreError`] for a radius, layer or box outside the part.
     pub fn check(&self, stack: &LayerStack, part: Bounds2) -> Result<(), FibreError> {
         let size_mm = part.size().max_element();
+        // A full turn is two radii wide; where even the part's longer side is less, no path could
+        // turn.
         if 2.0 * self.min_radius_mm > size_mm {
             return Err(FibreError::Radius { radius_mm: self.min_radius_mm, size_mm });
         }
@@ -121,6 +124,8 @@ impl FibreSettings {
         diagnostics: &Diagnostics,
     ) -> Result<(), FibreError> {
         if !any {
+            // Two causes with different remedies: paths that are all too short, and layers without
+            // any fill.
             return Err(if all.longest_mm > 0.0 {
                 FibreError::TooShort { longest_mm: all.longest_mm, needed_mm: self.min_length_mm }
             } else {
@@ -146,20 +151,24 @@ impl FibreSettings {
             None if self.layers.is_empty() => 0,
             None => return false,
         };
+        // The period is counted from the first layer of each range, so that every range begins with
+        // fibre.
         (i - first).is_multiple_of(self.every.max(1))
     }
 
-    /// The boxes that a height lies in.
+    /// The boxes that contain a height.
     fn boxes_at(&self, z_mm: f64) -> impl Iterator<Item = usize> + '_ {
         (0..self.boxes.len()).filter(move |&k| (self.boxes[k][0].z..self.boxes[k][1].z).contains(&z_mm))
     }
 
-    /// Whether fibre lies in the same places in two layers with the same room.
+    /// Whether fibre lies in the same places in two layers with the same infill regions; each is
+    /// given by its index and height, mm.
     pub fn same(&self, a: (usize, f64), b: (usize, f64)) -> bool {
         self.in_layer(a.0) == self.in_layer(b.0) && self.boxes_at(a.1).eq(self.boxes_at(b.1))
     }
 
-    /// The parts of a room for centrelines of fibre, and of matrix beads of `matrix_mm`.
+    /// The parts of an infill region for centrelines of fibre, and for matrix beads of width
+    /// `matrix_mm`.
     pub fn split(
         &self,
         layer: (usize, f64),
@@ -171,7 +180,7 @@ impl FibreSettings {
             return (Vec::new(), vec![room.clone()]);
         }
         let room = Region::from(room.clone());
-        // The room is where beads of the matrix fit.
+        // The region was made for the centrelines of matrix beads; fibre beads have another width.
         let fits = |r: &Region| r.offset(0.5 * (matrix_mm - self.bead_width_mm), Join::Miter(3.0)).polygons;
         if self.boxes.is_empty() {
             return (fits(&room), Vec::new());
@@ -181,15 +190,16 @@ impl FibreSettings {
             Region::rectangle(low.truncate(), high.truncate())
         };
         let chosen = self.boxes_at(layer.1).map(rectangle).fold(Region::default(), |a, b| a.union(&b));
-        // Both keep half a bead from where they meet.
+        // Each side keeps half a bead from the border of the box.
         let half = |w: f64| 0.5 * bead_spacing_mm(w, height_mm);
         let with = chosen.offset(-half(matrix_mm), Join::Miter(3.0)).intersection(&room);
         let without = room.difference(&chosen.offset(half(matrix_mm), Join::Miter(3.0)));
         (fits(&with), without.polygons)
     }
 
-    /// Makes fibre of the paths that fill laid in these rooms; `load` is how much a place carries. With `keep_closed`
-    /// closed paths stay so and begin wherever their order wants.
+    /// Turns the paths laid in `rooms` into fibre where they are long enough. `load` is the load at
+    /// a point, for the choice of the start. With `keep_closed` closed paths stay closed, and the
+    /// print order chooses their start.
     pub fn lay(
         &self,
         paths: Vec<Toolpath>,
@@ -199,6 +209,7 @@ impl FibreSettings {
         out: &mut Vec<Toolpath>,
     ) -> Tally {
         let mut tally = Tally::default();
+        // Grown by 2 um, because paths may lie exactly on the edge of the region.
         let grown = rooms.offset(2e-3, Join::Miter(3.0));
         let clipper = LineClipper::new(&grown);
         let inside = |a: DVec2, b: DVec2| clipper.segment_inside(a, b);
@@ -206,6 +217,7 @@ impl FibreSettings {
             path.width = BeadWidth::Constant(self.bead_width_mm);
             let length = path.length_mm();
             tally.longest_mm = tally.longest_mm.max(length);
+            // Tested before turns are rounded: rounding only shortens a path.
             if length < self.min_length_mm || path.points.len() < 2 {
                 tally.short += 1;
                 tally.short_mm += length;
@@ -227,7 +239,7 @@ impl FibreSettings {
         tally
     }
 
-    /// A path with its sharp turns dealt with, in one piece or several.
+    /// A path whose sharp turns are rounded or cut, in one piece or several.
     fn turned(
         &self,
         mut path: Toolpath,
@@ -235,7 +247,8 @@ impl FibreSettings {
         tally: &mut Tally,
     ) -> Vec<Toolpath> {
         if path.closed {
-            // Seen as open from the middle of its longest piece, which no turn reaches.
+            // The path is opened at the middle of its longest straight piece, which the rounding of
+            // no turn reaches.
             begin_straight(&mut path);
             let first = path.points[0];
             path.points.push(first);
@@ -270,12 +283,12 @@ impl FibreSettings {
         };
         match self.start {
             FibreStart::Nearest => return,
-            // Where it was opened to look at its turns.
+            // The start is already the point at which the path was opened above.
             FibreStart::Straight => {}
             FibreStart::Calm => path.rotate_to(least(load)),
             FibreStart::Rear => path.rotate_to(least(&|p| -p.y)),
         }
-        // Open with both ends in one place, so that its order leaves the beginning alone.
+        // Opened with both ends at the same point. The print order then leaves the start as it is.
         path.points.push(path.points[0]);
         path.closed = false;
     }
@@ -294,8 +307,8 @@ fn begin_straight(path: &mut Toolpath) {
     path.rotate_to(i + 1);
 }
 
-/// A path cut at its sharp turns. Crumbs between two of them are left out. Each piece begins half a bead after the cut
-/// before it, so that both are not taken for one.
+/// A path cut at its sharp turns. Pieces shorter than a bead's width are left out. Each piece
+/// begins half a bead after the previous cut, so that the two do not read as one path.
 fn cut(path: &Toolpath, sharp: &[Turn], width_mm: f64) -> Vec<Toolpath> {
     let mut pieces = Vec::new();
     let mut from = 0;
@@ -313,7 +326,7 @@ fn cut(path: &Toolpath, sharp: &[Turn], width_mm: f64) -> Vec<Toolpath> {
     pieces
 }
 
-/// Takes a length off the beginning of a line that is longer.
+/// Shortens a line at its beginning. The line has to be longer than `by_mm`.
 fn shorten_start(points: &mut Vec<DVec2>, mut by_mm: f64) {
     while points.len() > 1 {
         let l = points[0].distance(points[1]);

@@ -1,4 +1,5 @@
-//! What holds the first layer down or starts the flow: brim and skirt.
+//! Brim and skirt: loops around the first layer that hold it down or start the flow.
+//! | Distances are in mm. Cost: one polygon offset a loop.
 
 use grainpath_core::poly::Join;
 use grainpath_core::units::bead_spacing_mm;
@@ -20,14 +21,14 @@ pub struct AdhesionSettings {
 }
 
 impl AdhesionSettings {
-    /// How far all of it reaches beyond the part, mm.
+    /// How far brim and skirt together reach beyond the part, mm.
     pub fn reach_mm(&self) -> f64 {
         let loops = self.skirt_loops as f64 * bead_spacing_mm(self.bead_width_mm, self.height_mm);
         self.brim_width_mm + if self.skirt_loops > 0 { self.skirt_distance_mm + loops } else { 0.0 }
     }
 }
 
-/// Brim loops from the outside in, so that the last one joins the part; holes get none.
+/// Brim loops from the outside in, so that the last one touches the part. Holes get none.
 pub fn brim(first_layer: &Region, settings: &AdhesionSettings) -> Vec<Toolpath> {
     let s = bead_spacing_mm(settings.bead_width_mm, settings.height_mm);
     let solid = outlines(first_layer);
@@ -38,10 +39,11 @@ pub fn brim(first_layer: &Region, settings: &AdhesionSettings) -> Vec<Toolpath> 
     (0..n).rev().flat_map(ring).collect()
 }
 
-/// Skirt loops from the outside in, around everything that stands on the plate taken together.
+/// Skirt loops from the outside in, around all islands of the first layer together.
 pub fn skirt(first_layer: &Region, settings: &AdhesionSettings) -> Vec<Toolpath> {
     let s = bead_spacing_mm(settings.bead_width_mm, settings.height_mm);
-    // Gaps between islands close, so that one loop runs around near neighbours.
+    // Growing and shrinking by 5 mm closes the gaps between near islands, so that one loop runs
+    // around them.
     let around = settings.brim_width_mm + settings.skirt_distance_mm;
     let near = outlines(&outlines(first_layer).offset(around + 5.0, Join::Round)).offset(-5.0, Join::Round);
     let ring = |k: usize| {
@@ -54,7 +56,7 @@ pub fn skirt(first_layer: &Region, settings: &AdhesionSettings) -> Vec<Toolpath>
 fn outlines(region: &Region) -> Region {
     let filled = |p: &Polygon| Polygon { outer: p.outer.clone(), holes: Vec::new() };
     let flat = Region { polygons: region.polygons.iter().map(filled).collect() };
-    // An island in another's hole is part of that one now.
+    // An island in the hole of another one is now inside that one's outline.
     Region::from_contours(
         &flat.contours().cloned().collect::<Vec<_>>(),
         grainpath_core::poly::FillRule::NonZero,

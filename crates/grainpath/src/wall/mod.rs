@@ -1,10 +1,13 @@
-//! Walls: closed beads along the section's contours, and single beads where a pair of walls does not fit.
-//!
-//! Beads are laid as strips: a bead of width `w` in a layer of height `h` fills a strip of
-//! `s = bead_spacing_mm(w, h)`, and neighbouring strips touch without overlap. The outermost bead is the exception:
-//! its full width touches the contour, so that the part has its size. Where the part, or what a wall leaves of it,
-//! is too thin for a loop (both sides of the loop would lie on each other), the loop is taken away and one bead of
-//! varying width runs along the medial axis instead; the volume is that of the place it fills.
+//! Walls: closed beads along the section's contours, and single beads where a pair of walls does
+//! not fit.
+//! | Beads are laid as strips: a bead of width `w` in a layer of height `h` fills a strip of `s =
+//! bead_spacing_mm(w, h)`, and neighbouring strips touch without overlap. The outermost bead is the
+//! exception: its full width touches the contour, so that the part has its size. Where the part, or
+//! the area inside a wall, is too thin for a loop, both sides of the loop would lie on each other.
+//! There the loop is left out and one bead of varying width runs along the medial axis instead,
+//! with the volume of the area it fills.
+//! | Lengths are in mm. Cost: one polygon offset a wall where the polygon shrinks smoothly, about
+//! six otherwise.
 
 pub mod adhesion;
 pub mod skin;
@@ -15,7 +18,7 @@ use grainpath_core::poly::{Join, edges};
 use grainpath_core::units::{self, bead_spacing_mm};
 use grainpath_core::{BeadWidth, Polygon, Region, Role, Toolpath};
 
-/// What walls are made of.
+/// Settings of the walls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WallSettings {
     /// Number of walls; 0 for none.
@@ -24,13 +27,13 @@ pub struct WallSettings {
     pub bead_width_mm: f64,
     /// Height of the layer, mm.
     pub height_mm: f64,
-    /// Whether parts thinner than two walls get one bead of varying width.
+    /// Whether places thinner than two walls get one bead of varying width.
     pub thin_walls: bool,
     /// Whether gaps between walls, and between walls and fill, get one bead of varying width.
     pub gap_fill: bool,
     /// The narrowest bead laid, mm.
     pub min_bead_width_mm: f64,
-    /// How far fill runs into the innermost wall, as a share of its spacing.
+    /// Overlap of the fill with the innermost wall, as a share of the spacing.
     pub fill_overlap: f64,
 }
 
@@ -43,28 +46,29 @@ pub struct Wall {
     pub depth: usize,
 }
 
-/// The walls of one polygon of a section and what they leave.
+/// The walls of one polygon of a section, and the area for its fill.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Walls {
     /// From the outermost inwards.
     pub loops: Vec<Wall>,
     /// Single beads in thin places.
     pub singles: Vec<Toolpath>,
-    /// Where the centrelines of fill may lie.
+    /// Area for the centrelines of the fill.
     pub fill: Region,
 }
 
-/// Contours meet at sharp corners; a tip further than this many offsets away is cut.
+/// Corners of offsets are sharp; a tip farther away than this many offsets is cut off.
 const MITER: Join = Join::Miter(3.0);
-/// Two sides of a wall may come closer than their spacing by this share before the loop gives way to one bead.
+/// Share of their spacing by which the two sides of a wall may come closer before one bead replaces
+/// the loop.
 const MAX_SQUEEZE: f64 = 0.15;
-/// Leftovers smaller than this are left, mm2.
+/// Gaps smaller than this are not filled, mm2.
 const MIN_GAP_MM2: f64 = 0.01;
-/// Thin walls are found where the part is thinner than this share of two beads lets it be.
+/// Shorter loops are left out, mm.
 const MIN_LOOP_MM: f64 = 0.3;
 
-/// The outermost wall stays this far inside, mm: about half the last digit of the coordinates written, so that rounding
-/// does not put it outside.
+/// Distance that the outermost wall keeps from its exact position, mm: about half the last digit of
+/// the coordinates written, so that rounding does not move it outside.
 const ROUNDING_MM: f64 = 3e-4;
 
 /// Lays the walls of one polygon.
@@ -76,6 +80,7 @@ pub fn lay_walls(polygon: &Polygon, settings: &WallSettings) -> Walls {
     let fill_depth =
         if settings.n_walls == 0 { 0.5 * w } else { depth_mm(settings.n_walls) - settings.fill_overlap * s };
     let fill = region.offset(-fill_depth, MITER);
+    // The common case: nothing is too thin, and each wall is a single offset of the polygon.
     if shrinks_smoothly(polygon, &fill, fill_depth) {
         let mut walls = Walls { fill, ..Walls::default() };
         for k in 0..settings.n_walls {
@@ -91,6 +96,8 @@ pub fn lay_walls(polygon: &Polygon, settings: &WallSettings) -> Walls {
 /// area lost follows from perimeter and corners alone (Steiner's formula for sharp corners).
 fn shrinks_smoothly(polygon: &Polygon, inset: &Region, d_mm: f64) -> bool {
     let [only] = inset.polygons.as_slice() else { return false };
+    // A hole that vanished or merged with the outline shows in the number of contours; a neck that
+    // closed shows in the area.
     if only.holes.len() != polygon.holes.len() {
         return false;
     }
@@ -100,7 +107,8 @@ fn shrinks_smoothly(polygon: &Polygon, inset: &Region, d_mm: f64) -> bool {
     (predicted - only.area_mm2()).abs() < 0.02 + 5e-4 * area
 }
 
-/// Sum of tan(turn / 2) over the corners of a closed line; a full reversal counts as a square end.
+/// Sum of tan(turn / 2) over the corners of a closed line. A turn beyond 154 degrees counts as one
+/// of 126 degrees, which is about where the mitre limit cuts a tip off.
 fn corner_sum(contour: &[grainpath_core::DVec2]) -> f64 {
     let mut previous = None;
     let mut first = None;
@@ -109,6 +117,7 @@ fn corner_sum(contour: &[grainpath_core::DVec2]) -> f64 {
         let (c, d) = (cross(u, v), u.dot(v));
         let scale = (u.length_squared() * v.length_squared()).sqrt();
         // tan(turn/2) = sin / (1 + cos)
+        // Close to a full reversal the quotient divides two small numbers.
         let denominator = scale + d;
         sum +=
             if denominator > 0.1 * scale { c / denominator } else { tan(0.5 * atan2(c, d).clamp(-2.2, 2.2)) };
@@ -131,18 +140,22 @@ fn corner_sum(contour: &[grainpath_core::DVec2]) -> f64 {
     sum
 }
 
-/// Walls where some do not fit: level by level, each with the places it cannot reach.
+/// Walls of a polygon that is too thin for them in places: wall by wall, each with single beads
+/// where it does not fit.
 fn lay_crowded_walls(region: Region, settings: &WallSettings, s: f64) -> Walls {
     let (w, h) = (settings.bead_width_mm, settings.height_mm);
     let mut walls = Walls::default();
-    // What is still to be filled; its border is the edge of the strips laid so far.
+    // The area still to be filled; its border is the edge of the strips laid so far.
     let mut rest = region;
     for k in 0..settings.n_walls {
         // The outermost bead shows its full width; the strip of every other one touches its neighbour's.
         let half = if k == 0 { 0.5 * w } else { 0.5 * s };
         let squeeze = 0.5 * s * (1.0 - MAX_SQUEEZE);
+        // Opening: shrunk farther than the wall needs and grown back. Places too thin for both
+        // sides of the loop vanish for good, all others return to the wall's centreline.
         let centre = rest.offset(-(half + squeeze), MITER).offset(squeeze, MITER);
         if (k == 0 && settings.thin_walls) || (k > 0 && settings.gap_fill) {
+            // The single beads get the area that the strips of this wall do not reach.
             let left = rest.difference(&centre.offset(half, MITER));
             lay_singles(&left, settings, k == 0, h, &mut walls.singles);
         }
@@ -157,6 +170,7 @@ fn lay_crowded_walls(region: Region, settings: &WallSettings, s: f64) -> Walls {
         }
     }
     let half = if settings.n_walls == 0 { 0.5 * w } else { 0.5 * s };
+    // Places up to 15 % narrower than one strip still get fill, by the same share as walls.
     let room = half * (1.0 - MAX_SQUEEZE);
     let core = rest.offset(-room, MITER);
     if settings.gap_fill && settings.n_walls > 0 {
@@ -184,8 +198,9 @@ fn lay_singles(left: &Region, settings: &WallSettings, outer: bool, h: f64, out:
     single_beads(left, settings.bead_width_mm, settings.min_bead_width_mm, h, role, out);
 }
 
-/// One bead along the middle of each leftover that is thinner than two beads. Where the leftover is the part itself
-/// ([`Role::ThinWall`]), the bead's full width is the part's thickness; between strips, the bead's strip is.
+/// One bead along the middle of each leftover that is thinner than two beads. Where the leftover is
+/// the part itself ([`Role::ThinWall`]), the bead is as wide as the part is thick. Between strips,
+/// the bead's strip is.
 pub fn single_beads(
     left: &Region,
     bead_width_mm: f64,

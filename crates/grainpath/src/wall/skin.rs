@@ -1,8 +1,8 @@
-//! Skins: which part of a layer's fill is seen from above or below, which spans air, and which is inside.
-//!
-//! A place is inside when it is covered by all of the next `top_layers` sections above and `bottom_layers` below.
-//! That is asked of masks, not of polygons: the answer needs no more than a cell's accuracy, because skins reach a
-//! little way under what covers them anyway, and polygons would cost ten booleans a layer.
+//! Skins: which part of a layer's fill is seen from above or below, which spans air, and which is
+//! inside.
+//! | A place is inside when all of the next `top_layers` sections above and `bottom_layers` below
+//! cover it. The question is put to masks instead of polygons. A cell's accuracy is enough, because
+//! skins reach two cells under their cover anyway, and polygons would cost ten booleans a layer.
 
 use std::ops::Range;
 
@@ -19,16 +19,17 @@ pub struct SkinSettings {
     pub top_layers: usize,
     /// Dense layers over a bottom surface.
     pub bottom_layers: usize,
-    /// Spacing of the beads, mm; sets the grid and how far skins reach under cover.
+    /// Spacing of the beads, mm. It sets the size of the cells and how far skins reach under their
+    /// cover.
     pub spacing_mm: f64,
-    /// Whether the inside is dense too, so that only bridges and top surfaces need telling apart.
+    /// Whether the inside is dense too. Then only bridges and top surfaces are told apart.
     pub dense: bool,
 }
 
 /// A polygon of fill and the island it belongs to.
 pub type IslandPolygon = (usize, Polygon);
 
-/// The fill of one layer divided by what it needs. The parts do not overlap.
+/// The fill of one layer divided by use. The parts do not overlap.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SkinSplit {
     /// Seen from above.
@@ -43,11 +44,12 @@ pub struct SkinSplit {
     pub below: Option<Mask>,
 }
 
-/// Layers whose masks are made together; the masks of the layers around them are made once more.
+/// Layers whose masks are made together. The masks of the layers around them are made once more by
+/// the next chunk.
 const CHUNK: usize = 16;
-/// Bridges smaller than this are printed as any other fill, mm2.
+/// Smaller bridges are printed as any other fill, mm2.
 const MIN_BRIDGE_MM2: f64 = 1.5;
-/// A change of surface smaller than this is not worth a border in the fill, mm2.
+/// Smaller changes of the surface get no border in the fill, mm2.
 const MIN_SPLIT_MM2: f64 = 4.0;
 
 /// Divides the fill of a window of layers and hands each layer's skins to `each`, whose results come back in order.
@@ -67,12 +69,15 @@ pub fn split_window<T: Send>(
     diagnostics: &Diagnostics,
     each: impl Fn(usize, SkinSplit) -> T + Sync,
 ) -> Result<Vec<T>, Interrupted> {
+    // Cells of half a bead: finer ones would resolve details that no bead can follow.
     let grid = Grid::over(bounds, 0.5 * settings.spacing_mm);
     let chunks: Vec<usize> = window.clone().step_by(CHUNK).collect();
     let results: Vec<Result<Vec<T>, Interrupted>> = chunks
         .into_par_iter()
         .map(|first| {
             let end = (first + CHUNK).min(window.end);
+            // At least one layer below and above, because bridges and top surfaces need them even
+            // where no skins are asked for.
             let lowest = first.saturating_sub(settings.bottom_layers.max(1));
             let highest = (end + settings.top_layers.max(1)).min(sections.len());
             let masks: Vec<Mask> =
@@ -105,10 +110,11 @@ struct Window {
     n_layers: usize,
 }
 
-/// What lies over and under a layer.
+/// The masks of the sections over and under a layer.
 struct Cover {
     grid: Grid,
-    /// Cells covered by all the layers that close the part; `None` when nothing can be (near top and plate).
+    /// Cells covered by all layers that close the part. `None` near the top and the plate, where no
+    /// cell can be.
     inside: Option<Mask>,
     above: Option<Mask>,
     below: Option<Mask>,
@@ -140,10 +146,13 @@ fn split(fill: &[IslandPolygon], cover: Cover, settings: &SkinSettings) -> SkinS
         _ if settings.dense => (fill.to_vec(), Vec::new()),
         None => (fill.to_vec(), Vec::new()),
         Some(inside) => {
-            // Skins reach two cells under cover, and what sparse fill would be left in slivers is filled.
+            // Skins reach two cells under their cover. Slivers of sparse fill, little more than
+            // walls, become dense.
             let exposed = cells.clone().and_not(inside).grown(2);
             let sparse = cells.clone().and_not(&exposed).opened(3);
             let dense = cells.clone().and_not(&sparse);
+            // The zone is grown by three cells, but never into sparse fill: the polygon's own edge
+            // then lies inside the zone and is not cut along the coarse edge of the mask.
             cut(fill.to_vec(), &dense.grown(3).and_not(&sparse))
         }
     };
@@ -172,7 +181,8 @@ fn cut(polygons: Vec<IslandPolygon>, cells: &Mask) -> (Vec<IslandPolygon>, Vec<I
                     };
                     cells.contours().into_iter().filter_map(ring).collect()
                 });
-                // Only what is near: a layer may have a thousand islands.
+                // Only polygons of the zone nearby are cut with: a layer may have a thousand
+                // islands.
                 let Some(around) = polygon.bounds() else { continue };
                 let near = zone.iter().filter(|(b, _)| b.meets(around)).map(|(_, p)| p.clone());
                 let zone = &Region { polygons: near.collect() };
@@ -185,13 +195,14 @@ fn cut(polygons: Vec<IslandPolygon>, cells: &Mask) -> (Vec<IslandPolygon>, Vec<I
     (inside, outside)
 }
 
-/// What of the dense fill hangs over air, with a millimetre of hold on its sides, and the rest.
+/// The dense fill that spans air, with one millimetre of support on its sides, and the rest.
 fn bridges(
     dense: Vec<IslandPolygon>,
     cells: &Mask,
     cover: &Cover,
 ) -> (Vec<IslandPolygon>, Vec<IslandPolygon>) {
     let Some(below) = &cover.below else { return (Vec::new(), dense) };
+    // Two cells of opening drop the narrow strips over air that slopes leave in every layer.
     let air = cells.clone().and_not(below).opened(2);
     if air.area_mm2() < MIN_BRIDGE_MM2 || dense.is_empty() {
         return (Vec::new(), dense);
@@ -200,13 +211,14 @@ fn bridges(
     cut(dense, &air.grown(hold))
 }
 
-/// What of the solid fill is seen from above, and the rest.
+/// The solid fill that is seen from above, and the rest.
 fn tops(solid: Vec<IslandPolygon>, cells: &Mask, cover: &Cover) -> (Vec<IslandPolygon>, Vec<IslandPolygon>) {
     let Some(above) = &cover.above else { return (solid, Vec::new()) };
     if solid.is_empty() {
         return (Vec::new(), solid);
     }
     let dense = cells_of(cover.grid, &solid).and(cells);
+    // One cell of opening drops narrow strips, such as the steps of steep walls.
     let seen = dense.clone().and_not(above).opened(1);
     if seen.area_mm2() < MIN_SPLIT_MM2 {
         return (Vec::new(), solid);

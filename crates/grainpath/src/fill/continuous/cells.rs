@@ -12,9 +12,10 @@
 //!    ======+=======+=====
 //! ```
 //!
-//! Cutting is left to the tree: a cut that it does not use is where a strip ends in two caps. [`Taken`] keeps which lengths
-//! of the outlines are spoken for, because two joints must not share a stretch. Distances are in bead spacings in constants
-//! and mm in the code. Cost: linear in the length of all strips.
+//! Which cuts are made is left to the tree: at a cut that it does not use, a strip ends in two
+//! caps. [`Taken`] keeps which lengths of the outlines are in use, because two joints must not
+//! share a stretch. Constants are in bead spacings, the code in mm. Cost: linear in the length of
+//! all strips.
 
 use grainpath_core::DVec2;
 use grainpath_core::tuned::Tuned;
@@ -59,17 +60,18 @@ pub struct Edge {
     pub ends: [DVec2; 2],
 }
 
-/// The cells of a room.
+/// The cells of an infill region.
 pub struct Cells {
     pub n: usize,
-    /// Where strips are cut across. Left as they are the strip stays whole; exchanged, it ends in two caps.
+    /// Where strips can be cut across. Without an exchange the strip stays whole; with one it ends
+    /// in two caps.
     pub cuts: Vec<Facing>,
     pub edges: Vec<Edge>,
-    /// How far apart the places beside strips are.
+    /// Distance of the places beside strips, mm.
     pub place_mm: f64,
 }
 
-/// Which lengths of the rings are spoken for.
+/// Which lengths of the rings are in use.
 pub struct Taken {
     step_mm: f64,
     starts: Vec<usize>,
@@ -91,11 +93,13 @@ impl Taken {
         let (start, n) = (self.starts[ring], (self.starts[ring + 1] - self.starts[ring]) as i64);
         let index = |mm: f64| (mm / self.step_mm).floor() as i64;
         let (i, j) = (index(from_mm), index(to_mm));
+        // Indices within the ring are taken as they are; the costly modulo is for stretches that
+        // pass the ring's first point.
         let at = move |k: i64| if (0..n).contains(&k) { k } else { k.rem_euclid(n) };
         (i..=j.min(i + n - 1)).map(move |k| start + at(k) as usize)
     }
 
-    /// The first place of a ring from this one on that is free.
+    /// The first free place of a ring at or after `at_mm`; the ring's length where there is none.
     fn next_free(&self, ring: usize, at_mm: f64) -> f64 {
         let first = (at_mm / self.step_mm) as usize;
         let marks = &self.marks[self.starts[ring]..self.starts[ring + 1]];
@@ -113,7 +117,7 @@ impl Taken {
         }
     }
 
-    /// Both stretches of an exchange, with `margin_mm` around them.
+    /// Both stretches of an exchange, `half_mm` to either side of their middles.
     fn stretches(f: &Facing, half_mm: f64) -> [(usize, f64, f64); 2] {
         [
             (f.one_ring, f.one[1] - half_mm, f.one[1] + half_mm),
@@ -129,7 +133,8 @@ impl Taken {
         Self::stretches(f, half_mm).into_iter().for_each(|s| self.set(s, true));
     }
 
-    /// Only for stretches that were taken as they are: none other overlaps them.
+    /// Frees both stretches. Call it only for stretches that were taken with the same `half_mm`: no
+    /// other joint overlaps those.
     pub fn release_both(&mut self, f: &Facing, half_mm: f64) {
         Self::stretches(f, half_mm).into_iter().for_each(|s| self.set(s, false));
     }
@@ -138,6 +143,8 @@ impl Taken {
 /// Cuts strips into cells of about `length_mm`; `taken` then holds the stretches at the cuts.
 pub fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) -> Cells {
     let step = 0.25 * spacing_mm;
+    // Two sets of marks: `near` spaces the cuts a cell's length apart on both sides of the strip,
+    // `taken` keeps only the stretches themselves, which later joints have to avoid.
     let mut near = Taken::new(rings, step);
     let mut cuts: Vec<Facing> = Vec::new();
     for ring in 0..rings.lines.len() {
@@ -159,7 +166,8 @@ pub fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) ->
     let mut edges = Vec::new();
     for (k, f) in cuts.iter().enumerate() {
         let [a, b] = [2 * k, 2 * k + 1].map(|c| cell_of[c]);
-        // Each cut parts what comes before its first stretch from what comes after it.
+        // A cut separates the stretch before its first end from the stretch after it. Both may
+        // belong to one cell where another way around joins them.
         if a != b {
             let (p, q) = (rings.point(f.one_ring, f.one[0]).0, rings.point(f.one_ring, f.one[2]).0);
             edges.push(Edge {
@@ -187,6 +195,8 @@ pub fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) ->
                 continue;
             };
             let a = cell_of[ends.after(ring, at_mm, &mut own)];
+            // The count of ends before the facing place changes slowly along a ring, so the search
+            // starts from the previous one.
             if others.0 != other.ring {
                 others = (other.ring, ends.likely(other.ring, other.at_mm));
             }
@@ -200,7 +210,8 @@ pub fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) ->
     Cells { n, cuts, edges, place_mm }
 }
 
-/// The exchange at an edge beside strips.
+/// The exchange at an edge between two strips; `None` where the stretches there are not straight
+/// enough.
 pub fn beside(rings: &Rings, edge: &Edge) -> Option<Facing> {
     let facing = edge.facing.map(|v| v as usize);
     rings.stretches(
@@ -231,13 +242,14 @@ impl<'a> Ends<'a> {
         Self { rings, all, n_cuts: cuts.len() }
     }
 
-    /// How many ends probably lie before a place: cells are about equally long.
+    /// A guess of the number of ends before a place, since cells are about equally long.
     fn likely(&self, ring: usize, at_mm: f64) -> usize {
         (at_mm / self.rings.length_mm(ring).max(1e-12) * self.all[ring].len() as f64) as usize
     }
 
-    /// The stretch of ring that a place lies in: named by the end it follows, or the ring where it has none. `before` is
-    /// about how many ends lie before it, and then how many do.
+    /// The stretch of ring on which a place lies: the number of the cut end before it, or a number
+    /// of its own for a ring without cuts. `before` is a guess of the number of ends before the
+    /// place, and holds the true number afterwards.
     fn after(&self, ring: usize, at_mm: f64, before: &mut usize) -> usize {
         let ends = &self.all[ring];
         *before = bracket(ends.len(), *before, |k| ends[k].0 <= at_mm);
@@ -247,7 +259,8 @@ impl<'a> Ends<'a> {
         }
     }
 
-    /// The cell of each stretch of ring, and how many cells there are: with all cuts exchanged each ring is one.
+    /// The cell of each stretch of ring, and the number of cells: with all cuts exchanged each ring
+    /// is one cell.
     fn cells(&self) -> (Vec<u32>, usize) {
         let mut next = vec![0u32; 2 * self.n_cuts];
         for ends in &self.all {
@@ -264,6 +277,8 @@ impl<'a> Ends<'a> {
             }
             while cell_of[at] == u32::MAX {
                 cell_of[at] = n;
+                // An exchange leads from the end of one stretch to the partner of the next end,
+                // which has the last bit flipped.
                 at = next[at] as usize ^ 1;
             }
             n += 1;

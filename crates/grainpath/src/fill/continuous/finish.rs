@@ -1,9 +1,11 @@
 //! From joined rings to beads: moved to the middle of their space, smoothed, and given their widths.
 //!
-//! Joining leaves corners, and strips at even phase leave beads that are not quite in the middle between their neighbours.
-//! Each point looks to the left and right ([`Neighbours`]) and moves half the difference; corners stay corners, straight
-//! stretches are smoothed. Moves that make a line cross or leave the infill region are undone around the place, and small
-//! loops that a line makes over itself are cut off. With variable width each bead then becomes as wide as the space it has.
+//! Joining leaves corners, and strips of even phase leave beads that are not quite in the middle
+//! between their neighbours. Each segment measures the space to its left and right ([`Neighbours`])
+//! and moves by half the difference. Corners stay corners, straight stretches are smoothed. Moves
+//! after which a line crosses or leaves the infill region are undone around that place, and small
+//! loops that a line makes over itself are cut off. With variable width each bead then becomes as
+//! wide as the space it has.
 //!
 //! Constants are in bead spacings unless they end in `_MM`. They bound how far a bead may move at once, and which distances
 //! count as a neighbour, a gap, or a corner. Cost: linear in the points, a few rays each.
@@ -64,11 +66,11 @@ static CLOSEST: Tuned<f64> = Tuned::new("fill.continuous.finish.CLOSEST", 0.015)
 /// The space beside a segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Room {
-    /// Nothing runs along here.
+    /// No bead and no border runs along here.
     Open,
-    /// Half way to the next bead, mm.
+    /// Half the distance to the next bead, mm.
     Bead(f64),
-    /// To the border, mm.
+    /// Distance to the border, mm.
     Border(f64),
 }
 
@@ -84,15 +86,15 @@ impl Room {
 /// The space to the left and right of a segment's middle.
 type Sides = [Room; 2];
 
-/// A bead that closes on itself.
+/// A closed bead.
 pub struct Bead {
     line: Line,
-    /// At each point, mm; none where all are of the nominal width.
+    /// Width at each point, mm; `None` where all have the nominal width.
     widths: Option<Vec<f64>>,
 }
 
 impl Bead {
-    /// As a path; `thinned` leaves out spikes and points that lie on the line without them.
+    /// The bead as a path; `thinned` leaves out spikes and points on a straight line.
     pub fn path(&self, thinned: bool, context: &FillContext<'_>) -> Toolpath {
         let nominal = context.bead_width_mm;
         let mut points = self.line.points.clone();
@@ -106,7 +108,8 @@ impl Bead {
     }
 }
 
-/// Lays rings that do not cross as beads. `room` holds their centrelines, `border` what they are to fill.
+/// Lays rings that do not cross as beads. `room` is the area for centrelines, `border` the area to
+/// be filled.
 pub fn lay(
     rings: Vec<Vec<DVec2>>,
     room: &Polygon,
@@ -128,6 +131,8 @@ pub fn lay(
     let mut lines = Vec::new();
     for round in 0..ROUNDS.value() {
         let from = if round == 0 { &laid } else { &lines };
+        // Only segments with uneven sides are measured again: the others hardly moved, and each
+        // costs two rays.
         if round > 0 {
             let uneven = uneven(&sides, spacing);
             let near = first.near(from, &marked(from, &uneven));
@@ -136,7 +141,7 @@ pub fn lay(
         lines = from.iter().zip(&sides).map(|(line, sides)| centred(line, sides, &inside, spacing)).collect();
     }
     drop(first);
-    // What lies on the room's edge is not to count as out.
+    // A point exactly on the region's edge counts as inside.
     let grown = LineClipper::new(&Region::from(room.clone()).offset(ON_EDGE_MM.value(), Join::Miter(2.0)));
     let settled = undo_trouble(&laid, &mut lines, &grown, &neighbours).unwrap_or_else(|| {
         let changed = cut_small_loops(&mut lines, spacing);
@@ -149,7 +154,7 @@ pub fn lay(
     if !variable || !context.density.is_dense() {
         return lines.into_iter().map(|line| Bead { line, widths: None }).collect();
     }
-    // What was even lies as it lay.
+    // Segments with even sides keep the widths measured before.
     let uneven = uneven(&sides, spacing);
     let near = settled.near(&lines, &marked(&lines, &uneven));
     let sides = rooms(&lines, &near, spacing, Some((sides, uneven)));
@@ -163,13 +168,13 @@ pub fn lay(
     lines.into_iter().zip(sides).map(bead).collect()
 }
 
-/// How wide a bead is in its room.
+/// The width of a bead in the space it has.
 fn width(sides: &Sides, spacing_mm: f64, context: &FillContext<'_>) -> f64 {
     let nominal = context.bead_width_mm;
     let strip: f64 = sides.iter().map(|r| r.mm().unwrap_or(0.5 * spacing_mm)).sum();
     let mut width = bead_width_mm(strip, context.height_mm);
     for side in sides {
-        // Over the border it may not reach; there a bead of the nominal width just touches.
+        // A bead may not reach over the border. A bead of the nominal width just touches it.
         if let Room::Border(mm) = *side {
             width = width.min(2.0 * mm.max(context.border_mm));
         }
@@ -177,10 +182,10 @@ fn width(sides: &Sides, spacing_mm: f64, context: &FillContext<'_>) -> f64 {
     width.clamp(NARROWEST * nominal, WIDEST * nominal)
 }
 
-/// Rooms as they were, and which of them are to be looked at again, by line and segment.
+/// Sides as measured before, and which of them are measured again, by line and segment.
 type Known = (Vec<Vec<Sides>>, Vec<Vec<bool>>);
 
-/// Segments whose sides differ, and those around them.
+/// Marks segments whose sides differ, and three segments before and after each.
 fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
     let of_line = |sides: &Vec<Sides>| {
         let n = sides.len();
@@ -196,7 +201,7 @@ fn uneven(sides: &[Vec<Sides>], spacing_mm: f64) -> Vec<Vec<bool>> {
     sides.iter().map(of_line).collect()
 }
 
-/// Where the segments are that are to be looked at again.
+/// The points of the segments that are marked.
 fn marked(lines: &[Line], uneven: &[Vec<bool>]) -> Vec<DVec2> {
     let of_line = |(line, marks): (&Line, &Vec<bool>)| {
         let at = |s: usize| marks[s].then(|| line.points[s]);
@@ -205,8 +210,8 @@ fn marked(lines: &[Line], uneven: &[Vec<bool>]) -> Vec<DVec2> {
     lines.iter().zip(uneven).flat_map(of_line).collect()
 }
 
-/// The room beside every segment: half way to the next bead along it, or to the border. With `known`, only that of
-/// the segments marked is sought anew.
+/// The space beside every segment: half of the distance to the next bead along it, or the distance
+/// to the border. With `known`, only marked segments are measured anew.
 fn rooms(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64, known: Option<Known>) -> Vec<Vec<Sides>> {
     let of_line = |(l, line): (usize, &Line)| {
         let n = line.n_segments();
@@ -235,7 +240,8 @@ fn rooms(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64, known: Option
             let Some(other) = hit.line else { return Room::Border(hit.distance_mm) };
             *last = Some((other, hit.segment));
             if hit.distance_mm > GAP.value() * spacing_mm {
-                // Along the way between two beads one sees far too, but nothing is missing there.
+                // A ray that runs along the gap between two beads also goes far before it meets
+                // one. A real gap is open across the ray too.
                 let inside = middle + 0.5 * hit.distance_mm * look;
                 let far = GAP_WIDTH.value() * spacing_mm;
                 let free = |way: DVec2| {
@@ -248,7 +254,7 @@ fn rooms(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64, known: Option
             let along = (q - p).normalize_or(DVec2::X).dot(way).abs() > 0.6;
             if along { Room::Bead(0.5 * hit.distance_mm) } else { Room::Open }
         };
-        // Along a bead its neighbour mostly goes on as it did.
+        // Along a bead the neighbour mostly stays the same.
         let mut last = [None; 2];
         let sought = |s: usize| match &known {
             Some((sides, marked)) if !marked[l][s] => sides[l][s],
@@ -259,12 +265,12 @@ fn rooms(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64, known: Option
     lines.iter().enumerate().map(of_line).collect()
 }
 
-/// A line moved towards the middle of its room, and smoothed between its corners.
+/// A line moved towards the middle of its space and smoothed between its corners.
 fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) -> Line {
     let n = line.points.len();
     let most = 0.25 * spacing_mm;
-    // Shift of each segment across its way. A side without a neighbour pushes nothing away: there a bead only follows
-    // a gap on its other side.
+    // Shift of each segment across its direction. A side without a neighbour does not push the bead
+    // away; the bead only follows a gap on its other side.
     let shift = |s: &Sides| match s.map(Room::mm) {
         [Some(left), Some(right)] => 0.5 * (left - right).clamp(-most, most),
         [Some(left), None] => (left - 0.5 * spacing_mm).clamp(0.0, most),
@@ -290,14 +296,15 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
         if is_corner[v] {
             return p;
         }
-        // Towards the middle of its neighbours, across the line only, so that steps stay even.
+        // Towards the middle of both neighbours, across the line only, so that the steps along it
+        // stay even.
         let across = (b - a).perp().normalize_or_zero();
         p + 0.35 * (a.midpoint(b) - p).dot(across) * across
     };
     let points = (0..n)
         .map(|v| {
             let p = smooth(v);
-            // Between other beads there is nothing to leave.
+            // A point between other beads is far from the border and needs no test.
             let enclosed =
                 [v, (v + n - 1) % n].iter().all(|&s| sides[s].iter().all(|r| matches!(r, Room::Bead(_))));
             if enclosed || inside.segment_inside(line.points[v], p) { p } else { line.points[v] }
@@ -306,8 +313,8 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
     Line { points, closed: true }
 }
 
-/// Takes moves back where lines cross, or leave the room, because of them: the lines about as they lie then; `None`
-/// where some cross all the same.
+/// Undoes moves after which lines cross or leave the region. Returned are the neighbours of the
+/// lines as they then lie; `None` where some lines cross all the same.
 fn undo_trouble(
     before: &[Line],
     after: &mut [Line],
@@ -316,7 +323,7 @@ fn undo_trouble(
 ) -> Option<Neighbours> {
     let all = neighbours(after);
     let mut pairs = all.crossings();
-    // Segments to look at: all at first, then what was moved back.
+    // All segments in the first round, afterwards those that were moved back.
     let mut touched: Option<Vec<(usize, usize)>> = None;
     let mut stuck = false;
     for round in 0..8 {
@@ -328,7 +335,7 @@ fn undo_trouble(
             let (a, b) = after[l].segment(s);
             room.meets(a, b)
         };
-        // What lies as it did cannot be helped by taking it back.
+        // A segment at its old place cannot be improved by undoing.
         let leaving = |at: &(usize, usize)| is_moved(at) && leaves(at);
         let mut trouble: Vec<(usize, usize)> = match &touched {
             Some(touched) => touched.iter().copied().filter(leaving).collect(),
@@ -342,6 +349,8 @@ fn undo_trouble(
         let mut back = Vec::new();
         for (l, s) in trouble {
             let n = after[l].points.len();
+            // The stretch that is moved back doubles with each round, so that eight rounds reach
+            // 128 points to either side.
             let reach = (1 << round).min(n / 2);
             for k in 0..2 * reach {
                 let v = (s + n + 1 + k - reach) % n;
@@ -355,6 +364,7 @@ fn undo_trouble(
         pairs = all.near(after, &places).crossings();
         touched = Some(back);
     }
+    // Still crossing after eight rounds: all moves of all lines are undone.
     after.iter_mut().zip(before).for_each(|(a, b)| a.points.clone_from(&b.points));
     None
 }
@@ -363,14 +373,15 @@ fn segments_of(lines: &[Line]) -> impl Iterator<Item = (usize, usize)> + '_ {
     lines.iter().enumerate().flat_map(|(l, line)| (0..line.n_segments()).map(move |s| (l, s)))
 }
 
-/// Takes out short loops that a line makes over itself, and spikes; whether there were any.
+/// Cuts off short loops that a line makes over itself, and spikes. Returned is whether there were
+/// any.
 fn cut_small_loops(lines: &mut [Line], spacing_mm: f64) -> bool {
     let mut changed = false;
     for _ in 0..8 {
         let pairs = Neighbours::new(lines, &Region::default(), SEEN_BEADS.value() * spacing_mm).crossings();
         let mut done: Vec<usize> = Vec::new();
         for [(l, i), (m, j)] in pairs {
-            // Numbers of segments change with the first loop taken out.
+            // Cutting a loop renumbers the segments of its line, so each line is cut once a round.
             if l != m || done.contains(&l) {
                 continue;
             }
@@ -397,7 +408,7 @@ fn cut_small_loops(lines: &mut [Line], spacing_mm: f64) -> bool {
     changed
 }
 
-/// A closed line with points at most about a bead apart near its corners, where beads are to move most.
+/// A closed line with points at most about one bead apart near its corners, where beads move most.
 fn dense_at_corners(points: &[DVec2], spacing_mm: f64) -> Vec<DVec2> {
     let n = points.len();
     let step = |s: usize| points[(s + 1) % n] - points[s];
@@ -428,7 +439,7 @@ fn dense_at_corners(points: &[DVec2], spacing_mm: f64) -> Vec<DVec2> {
     out
 }
 
-/// A closed line without points that lie on each other.
+/// A closed line without points that coincide with their predecessor.
 fn without_near(points: &[DVec2], near_mm: f64) -> Vec<DVec2> {
     let mut out: Vec<DVec2> = Vec::with_capacity(points.len());
     for &p in points {
@@ -443,7 +454,7 @@ fn without_near(points: &[DVec2], near_mm: f64) -> Vec<DVec2> {
     out.iter().zip(keep).filter_map(|(&p, k)| k.then_some(p)).collect()
 }
 
-/// Takes spikes out of a closed line, and their widths.
+/// Takes the tips of spikes out of a closed line, together with their widths.
 fn leave_out_spikes(points: &mut Vec<DVec2>, widths: &mut Vec<f64>) {
     let keep = unspiked(points, SPIKE_MM.value());
     let each = || keep.iter().copied();
@@ -452,7 +463,7 @@ fn leave_out_spikes(points: &mut Vec<DVec2>, widths: &mut Vec<f64>) {
     widths.retain(|_| of_widths.next().unwrap_or(true));
 }
 
-/// Which points of a closed line are more than the tip of a way there and back along itself.
+/// Which points of a closed line are kept: all but the tips where the line turns back along itself.
 fn unspiked(points: &[DVec2], thin_mm: f64) -> Vec<bool> {
     let n = points.len();
     let is_spike = |v: usize| {

@@ -1,8 +1,8 @@
 //! One closed path through a whole infill region, along the field where it can.
 //!
-//! Method: spanning tree coverage (`Gabriely2001`) on cells that follow a field, after the S5 patent's idea of joining loops
-//! along a tree weighted by stress (`ContinuousPath`). A loop around a tree's cells is one closed path, because a tree has no
-//! cycles. The steps:
+//! Method: spanning tree coverage (`Gabriely2001`) on cells that follow a field, after the idea of
+//! a patent application to join loops along a tree weighted by stress (`ContinuousPath`). A loop
+//! around the cells of a tree is one closed path, because a tree has no cycles. The steps:
 //!
 //! 1. [`strips`] cuts the region into strips two beads wide along the field: one bead there, one back;
 //! 2. [`cells`] cuts the strips across at even lengths;
@@ -17,9 +17,10 @@
 //!    +-----------+ +-----------+          +-----------+ +-----------+
 //! ```
 //!
-//! Closed paths lay an even number of beads across any place, so a place of three bead widths cannot be filled at one
-//! width; [`Problem`] names what could not be joined. Related work: controllable space-filling curves (`Bedel2022`) improve a
-//! cycle by local moves; here the tree is chosen once and single joints are moved afterwards.
+//! A closed path lays an even number of beads across any place, so a place three beads wide cannot
+//! be filled at one width. [`Problem`] names what could not be joined. Related work: controllable
+//! space-filling curves (`Bedel2022`) improve a cycle by local moves; here the tree is chosen once
+//! and single joints are moved afterwards.
 //!
 //! Cost: near linear; 100 000 cells take about 1 s and 110 MB, a million 11 s and 1.07 GB (`cargo xtask bench continuous`).
 
@@ -48,7 +49,7 @@ pub struct Continuous {
     pub tree: TreeKind,
     /// Length of a cell, in its widths.
     pub aspect: f64,
-    /// Whether beads widen and narrow to fill what room there is.
+    /// Whether beads widen and narrow to fill the space they have.
     pub variable: bool,
 }
 
@@ -73,10 +74,11 @@ impl Infill for Continuous {
     }
 }
 
-/// The field's axis, and how much it matters beside the rest of the room: 1 is much.
+/// The field's axis and its weight at a point. Weight 1 is that of the places where directions
+/// matter much in this region.
 struct Pull<'a> {
     context: &'a FillContext<'a>,
-    /// What is much, in what the field tells.
+    /// The field's strength that gets weight 1.
     much: f64,
 }
 
@@ -92,9 +94,10 @@ impl<'a> Pull<'a> {
         let place = |i: usize, j: usize| bounds.min + step * DVec2::new(i as f64 + 0.5, j as f64 + 0.5);
         let places = (0..ny).flat_map(|j| (0..nx).map(move |i| place(i, j)));
         let mut all: Vec<f64> = places.filter(|&p| inside.contains(p)).map(|p| pull.at(p).1).collect();
+        // The ninth decile, so that stress peaks at corners do not push the rest of the region to
+        // the smallest weight. With hardly a sample inside the region the scale stays 1.
         let at = all.len() * 9 / 10;
         if at > 0 {
-            // Peaks at corners do not count.
             pull.much = all.select_nth_unstable_by(at, f64::total_cmp).1.max(f64::MIN_POSITIVE);
         }
         pull
@@ -103,14 +106,15 @@ impl<'a> Pull<'a> {
     fn at(&self, p: DVec2) -> (DVec2, f64) {
         let Some(field) = self.context.field else { return (DVec2::X, 1.0) };
         let there = field.sample(p.extend(self.context.z_mid_mm));
-        // What turning out of the axis gives up, where the stress is known.
+        // The difference of the principal stresses is what a bead across the axis gives up. Fields
+        // without stresses give their own strength.
         let matters = there.principal_mpa.map_or(there.strength, |[along, across]| (along - across).abs());
         (direction(there.axis_rad), (matters / self.much).max(MIN_WEIGHT.value()))
     }
 }
 
 impl Continuous {
-    /// Lays the rooms of one island, and notes what kept them from being one path.
+    /// Lays the infill regions of one island, and notes what kept them from being one path.
     pub fn lay_island(
         &self,
         context: &FillContext<'_>,
@@ -118,22 +122,24 @@ impl Continuous {
         out: &mut Vec<Toolpath>,
         notes: &mut Vec<Note>,
     ) {
-        // Below full density the outermost bead keeps its distance from the wall.
+        // Below full density the outermost bead keeps half of the wider spacing from the wall.
         let keep_mm = match context.density {
             Density::Dense => 0.0,
             Density::Sparse(fraction) => 0.5 * context.spacing_mm() / fraction,
         };
         let whole = Region { polygons: rooms.iter().map(|&r| r.clone()).collect() };
+        // The distance may part a region into several; each part becomes a path of its own.
         let rooms = whole.offset(-keep_mm, Join::Miter(3.0)).polygons;
         verify::necks(&rooms, context.bead_width_mm, notes);
         rooms.iter().for_each(|room| self.lay(context, room, out, notes));
     }
 
-    /// Lays one room.
+    /// Lays one infill region.
     fn lay(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>, notes: &mut Vec<Note>) {
         let spacing = context.spacing_mm() / context.density.fraction();
         let mut rings = self.joined(context, room, spacing);
-        // The path first; what could not be joined to it and is more than a crumb after it.
+        // The longest ring is the path. Rings that could not be joined to it follow, unless they
+        // are too short to print.
         rings.sort_by(|a, b| perimeter_mm(b).total_cmp(&perimeter_mm(a)));
         let kept =
             rings.iter().skip(1).take_while(|p| perimeter_mm(p) > MIN_RING_BEADS.value() * spacing).count();
@@ -146,18 +152,21 @@ impl Continuous {
         };
         let (mut paths, mut found) = checked(beads.iter().map(|b| b.path(true, context)).collect());
         if found.iter().any(|n| matches!(n.what, Problem::Crossing | Problem::Outside)) {
-            // Where beads all but touch, leaving out points is too much.
+            // Beads that all but touch may cross once points are left out: then every point is
+            // kept.
             (paths, found) = checked(beads.iter().map(|b| b.path(false, context)).collect());
         }
         notes.extend(found);
         out.extend(paths);
     }
 
-    /// The loops of all cells of a room, joined: one ring, where that can be.
+    /// The loops of all cells of a region, joined to a single ring where that is possible.
     fn joined(&self, context: &FillContext<'_>, room: &Polygon, spacing: f64) -> Vec<Vec<DVec2>> {
         let pull = Pull::new(context, room);
         let axis = |p: DVec2| pull.at(p);
         let mut rings = Rings::new(strips::outlines(context, room, &pull, spacing), room, spacing);
+        // Crossing outlines cannot be exchanged: a joint would tie a knot. Squares cut out at the
+        // crossings part them.
         let touching = rings.crossings();
         if !touching.is_empty() {
             let loops: Vec<Vec<DVec2>> = rings.lines.into_iter().map(|l| l.points).collect();
@@ -167,13 +176,14 @@ impl Continuous {
         let cells = cells::cut(&rings, 2.0 * self.aspect * spacing, spacing, &mut taken);
         let exchanges = tree::join(&rings, &cells, self.tree, spacing, &axis, &mut taken);
         let mut joined = rings.exchanged(&exchanges);
-        // What a joint takes up of a small ring is free for the next one when it is part of a large one.
+        // A small ring has little room for joints. Once it is part of a large ring, the stretches
+        // it took up are free again, so the search is repeated until nothing more is joined.
         let mut apart = joined.len();
         while apart > 1 {
             let rings = Rings::around_short(joined, room, spacing);
             let rest = tree::join_rest(&rings, spacing);
             joined = rings.exchanged(&rest);
-            // Crumbs are dropped; they are not worth another look.
+            // Rings too short to print are dropped later and need no joint.
             let left = joined.iter().filter(|r| perimeter_mm(r) > MIN_RING_BEADS.value() * spacing).count();
             apart = if rest.is_empty() { 0 } else { left };
         }

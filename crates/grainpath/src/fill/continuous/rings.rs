@@ -40,7 +40,7 @@ pub struct Place {
     pub distance_mm: f64,
 }
 
-/// Where a walk along a ring stands.
+/// State of a walk along a ring.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Walk {
     /// The segment of the ring.
@@ -49,8 +49,9 @@ pub struct Walk {
     facing: Option<(usize, usize)>,
 }
 
-/// Two stretches, a bead long, that face each other a bead apart and run against each other. Exchanging them for the
-/// two ways between their ends makes one ring of two, or two of one, with no line crossed.
+/// Two stretches of about one bead's length that face each other about a bead apart and run in
+/// opposite directions. Exchanging them for the two ways between their ends makes one ring of two,
+/// or two of one, without a crossing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facing {
     /// Start, middle and end of the one, mm along its ring.
@@ -72,7 +73,7 @@ impl Facing {
         [[a0, b1], [b0, a1]]
     }
 
-    /// Whether a way of the one crosses a way of the other.
+    /// Whether one of the two ways crosses one of the ways of `other`.
     pub fn crosses(&self, other: &Self) -> bool {
         self.ways().iter().any(|w| other.ways().iter().any(|o| meet(*w, *o)))
     }
@@ -84,7 +85,7 @@ fn meet([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
     sides(a, b, c, d) <= 0.0 && sides(c, d, a, b) <= 0.0
 }
 
-/// On which side of a ring to look: the strip is on its left.
+/// Side of a ring; the strip lies on its left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     Left,
@@ -92,16 +93,18 @@ pub enum Side {
 }
 
 impl Side {
-    /// The direction to look in from a ring that runs this way.
+    /// The unit vector towards this side of a ring that runs along `way`.
     fn of(self, way: DVec2) -> DVec2 {
         if self == Self::Left { DVec2::new(-way.y, way.x) } else { DVec2::new(way.y, -way.x) }
     }
 }
 
-/// How far the segment from `p` to `q` is from `at` in the direction `look`, where it runs across it.
+/// Distance from `at` along `look` to the segment from `p` to `q`; `None` where the ray misses it
+/// or meets it at less than 37 degrees.
 pub fn beside(at: DVec2, look: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
     let d = q - p;
     let det = cross(look, d);
+    // 0.6 is the sine of 37 degrees. At flatter angles the two beads do not run side by side.
     if det.abs() < 0.6 * d.length() {
         return None;
     }
@@ -110,8 +113,8 @@ pub fn beside(at: DVec2, look: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
     ((0.0..=1.0).contains(&u) && t > 0.0).then_some(t)
 }
 
-/// How many of the first of `n` are `below`, sought outwards from a guess: things at about even steps are mostly found
-/// where they would then be, or next to it.
+/// The number of leading entries out of `n` for which `below` holds. The search starts from a guess
+/// and widens outwards; for entries at about even steps the guess is mostly right or one off.
 pub fn bracket(n: usize, guess: usize, below: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (0, n);
     let (mut at, mut step) = (guess.min(n.saturating_sub(1)), 1);
@@ -160,7 +163,8 @@ impl Rings {
         })
     }
 
-    /// For looking around from all rings but the longest: only what lies near them is seen.
+    /// Rings for a search from all of them but the longest: only segments near the shorter ones are
+    /// kept.
     pub fn around_short(outlines: Vec<Vec<DVec2>>, room: &Polygon, spacing_mm: f64) -> Self {
         Self::seeing(outlines, room, spacing_mm, |lines, arcs, cell_mm| {
             let longest = longest(arcs);
@@ -191,12 +195,12 @@ impl Rings {
         Self { lines, arcs, neighbours, room, spacing_mm }
     }
 
-    /// The longest of them; the first of equals.
+    /// The longest ring; the first one among equals.
     pub fn longest(&self) -> usize {
         longest(&self.arcs)
     }
 
-    /// Where rings cross or touch themselves or each other.
+    /// Points where rings cross or touch themselves or each other.
     pub fn crossings(&self) -> Vec<DVec2> {
         self.neighbours.crossings().into_iter().map(|[a, b]| self.meeting(a, b)).collect()
     }
@@ -220,18 +224,18 @@ impl Rings {
         (at_mm / arc[n].max(1e-12) * n as f64) as usize
     }
 
-    /// A place brought into the ring's length.
+    /// A position brought into the range from 0 to the ring's length.
     pub fn wrapped(&self, ring: usize, at_mm: f64) -> f64 {
         at_mm.rem_euclid(self.length_mm(ring).max(1e-12))
     }
 
-    /// The point there, the direction of the ring, and the segment.
+    /// The point at a position, the direction of the ring there, and the segment.
     pub fn point(&self, ring: usize, at_mm: f64) -> (DVec2, DVec2, usize) {
         let at_mm = self.wrapped(ring, at_mm);
         self.point_near(ring, at_mm, self.likely_segment(ring, at_mm))
     }
 
-    /// The same for a place within the ring's length that lies near this segment.
+    /// The same for a position within the ring's length, near `segment`.
     fn point_near(&self, ring: usize, at_mm: f64, segment: usize) -> (DVec2, DVec2, usize) {
         let arc = &self.arcs[ring];
         let s = bracket(arc.len(), segment + 1, |k| arc[k] <= at_mm).saturating_sub(1).min(arc.len() - 2);
@@ -240,8 +244,9 @@ impl Rings {
         (a + (at_mm - self.arcs[ring][s]) * way, way, s)
     }
 
-    /// The place that faces this one at about a bead's distance, and the points at both. `walk` is where a walk along the
-    /// ring stands: along a bead its neighbour mostly goes on as it did.
+    /// The place that faces a position at about a bead's distance, and the points at both. `walk`
+    /// carries the neighbour from one call to the next, because along a bead it mostly stays the
+    /// same.
     pub fn facing(
         &self,
         ring: usize,
@@ -257,7 +262,7 @@ impl Rings {
         place.map(|other| (other, [p, p + other.distance_mm * side.of(way)]))
     }
 
-    /// What faces a place if it is the ring and about the segment that faced the place before.
+    /// The facing place, if it lies on the same ring and near the same segment as the one before.
     fn still_facing(
         &self,
         p: DVec2,
@@ -269,6 +274,8 @@ impl Rings {
         let look = side.of(way);
         let [least, most] = [range[0], CLOSE.value()].map(|beads| beads * self.spacing_mm);
         let n = self.lines[ring].n_segments();
+        // The same segment first, then its two neighbours: a walk moves by at most one or two
+        // segments at a time.
         [before, before + n - 1, before + 1].into_iter().find_map(|segment| {
             let segment = segment % n;
             let (a, b) = self.lines[ring].segment(segment);
@@ -305,8 +312,8 @@ impl Rings {
         Some(Place { ring: other, segment: hit.segment, at_mm, distance_mm: hit.distance_mm })
     }
 
-    /// The stretches around a place and what faces it, where both are straight enough. `known` is the ring and segment
-    /// that is known to face it.
+    /// The stretches around a position and around the place that faces it, where both are straight
+    /// enough. `known` is the ring and segment known to face it.
     pub fn stretches(
         &self,
         ring: usize,
@@ -323,10 +330,13 @@ impl Rings {
         let mut ends = [(middle, DVec2::ZERO, DVec2::ZERO); 2];
         for (end, by) in ends.iter_mut().zip([-half, half]) {
             let (q, along, segment) = self.point_near(ring, self.wrapped(ring, at_mm + by), middle_segment);
+            // Beyond 37 degrees within half a bead the stretch is a bend, and the joint would cut
+            // its corner.
             if along.dot(way) < 0.8 {
                 return None;
             }
-            // Looking across the middle's way keeps both looks parallel. A strip may end between, so all is looked at.
+            // All rays look across the direction at the middle, so that they stay parallel. A strip
+            // may end between two of them, so both ends are looked at anew.
             let place = self.facing_along(ring, q, way, segment, side, range)?;
             *end = (place, q, q + place.distance_mm * look);
         }
@@ -337,6 +347,7 @@ impl Rings {
             return None;
         }
         let (d0, d1) = (ahead(after.at_mm, middle.at_mm), ahead(middle.at_mm, before.at_mm));
+        // A facing stretch much shorter or longer than ours lies at a slant or has a bend.
         let fits = |d: f64| d > 0.3 * half && d < 1.8 * half;
         if !fits(d0) || !fits(d1) {
             return None;
@@ -348,7 +359,8 @@ impl Rings {
                 return None;
             }
         }
-        // A hole may lie between, where no ring runs around it. The ends may lie on the room's edge.
+        // A hole without a ring around it may lie between the two beads. The ends themselves may
+        // lie on the border, so 2 % are left out at either end.
         let free = |a: DVec2, b: DVec2| {
             let (a, b) = (a.lerp(b, 0.02), b.lerp(a, 0.02));
             self.room.contains(a) && !self.room.meets(a, b)
@@ -367,8 +379,9 @@ impl Rings {
         })
     }
 
-    /// Short stretches around a place and around what is seen from it at any angle on another ring, where the two ways
-    /// between their ends are free. For rings that nowhere run along each other.
+    /// Short stretches around a position and around whatever is seen from it at any angle on
+    /// another ring, where the two ways between their ends are free. For rings that run along each
+    /// other nowhere.
     pub fn slanted(&self, ring: usize, at_mm: f64, far: f64) -> Vec<Facing> {
         let (p, way, segment) = self.point(ring, at_mm);
         let mut out = Vec::new();
@@ -408,16 +421,18 @@ impl Rings {
         out
     }
 
-    /// Whether the straight way between two points of rings meets no ring and stays in the room.
+    /// Whether the straight way between two points of rings meets no ring and stays inside the
+    /// region.
     fn is_free(&self, a: DVec2, b: DVec2) -> bool {
         let (p, q) = (a.lerp(b, 0.02), b.lerp(a, 0.02));
         let way = (q - p).normalize_or_zero();
         self.room.segment_inside(p, q) && self.neighbours.hit(p, way, p.distance(q), |_, _| false).is_none()
     }
 
-    /// Exchanges all these stretches, and gives the rings that come of it.
+    /// The rings after exchanging all these stretches.
     pub fn exchanged(&self, swaps: &[Facing]) -> Vec<Vec<DVec2>> {
-        // Where each ring is left, and where the way goes on: (ring, from, point there, swap end to go to).
+        // For each ring its cuts: start and end of the stretch given up, and the number of the
+        // exchange's end.
         let mut cuts: Vec<Vec<(f64, f64, usize)>> = vec![Vec::new(); self.lines.len()];
         for (k, s) in swaps.iter().enumerate() {
             cuts[s.one_ring].push((s.one[0], s.one[2], 2 * k));
@@ -450,7 +465,8 @@ impl Rings {
                 ring.push(corner(cut, 1));
                 self.between(r, from, to, &mut ring);
                 ring.push(corner(next, 0));
-                // From the start of one stretch the way goes to the end of its partner, and on from there.
+                // From the start of one stretch the path crosses to the end of its partner and
+                // follows that ring.
                 cut = next ^ 1;
             }
             if !ring.is_empty() {
@@ -467,6 +483,7 @@ impl Rings {
         let n = points.len();
         let first = arc.partition_point(|&a| a <= from_mm);
         let end = arc.partition_point(|&a| a < to_mm);
+        // The kept part passes the ring's first point.
         let wraps = to_mm <= from_mm;
         let range = if wraps { first..end + n } else { first..end };
         out.extend(range.map(|i| points[i % n]));

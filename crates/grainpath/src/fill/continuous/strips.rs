@@ -74,8 +74,9 @@ fn diffusion_steps() -> [(f64, usize); 4] {
     [60.0, 25.0, 8.0, 3.0].map(|width| (width * DIFFUSION_SCALE.value(), DIFFUSION_ROUNDS.value()))
 }
 
-/// The outlines of all strips of a room at this distance of beads: closed, the strip on their left, inside the room.
-/// Together with the room's own contour where a strip ends there.
+/// The outlines of all strips of a region at this bead spacing: closed, inside the region, with the
+/// strip on their left. Where a strip ends at the border, the outline follows the region's own
+/// contour.
 pub fn outlines(
     context: &FillContext<'_>,
     room: &Polygon,
@@ -96,12 +97,15 @@ pub fn outlines(
         .map(|&p| pull.at(p))
         .map(|(axis, w)| (axis, w.clamp(LEAST_WEIGHT.value(), 1.0)))
         .unzip();
+    // One turn of the phase is a whole strip, two beads wide.
     let frequency = drift(&mesh, &axes).into_iter().map(|f| f / (2.0 * spacing_mm)).collect();
     let near = NearBorder::new(&region, 3.2 * spacing_mm);
     let wanted = mesh
         .nodes
         .iter()
         .zip(&axes)
+        // A quarter turn at the border: the cosine changes sign there, so the outermost bead
+        // follows the border.
         .map(|(&p, axis)| near.wanted(p, *axis, 2.0 * spacing_mm, 0.25))
         .collect();
     let input = PhaseInput { axes, frequency, strength, wanted };
@@ -109,6 +113,8 @@ pub fn outlines(
     let phase = solve(&mesh, &input, &turns, &diffusion_steps());
     let mut lines = sign_changes(&mesh, &turns, &phase);
     for line in &mut lines {
+        // The triangulation's zigzag is smoothed once only: stronger smoothing would pull the caps
+        // of strips inwards.
         line.points = resampled(&line.points, line.closed, STEP_BEADS.value() * spacing_mm);
         smooth(&mut line.points, line.closed, 1);
         line.points = sparse(&line.points, line.closed, STRAIGHT_BEADS.value() * spacing_mm);
@@ -117,7 +123,7 @@ pub fn outlines(
     with_thin(&region, loops, spacing_mm).into_iter().filter(|l| l.len() > 2).collect()
 }
 
-/// A line without the points it does not need.
+/// A line without the points that lie straight between their neighbours.
 fn sparse(points: &[DVec2], closed: bool, off_mm: f64) -> Vec<DVec2> {
     let n = points.len();
     let mut out = Vec::with_capacity(n / 2 + 2);
@@ -139,12 +145,13 @@ fn sparse(points: &[DVec2], closed: bool, off_mm: f64) -> Vec<DVec2> {
     out
 }
 
-/// Places too thin for strips beside each other are strips themselves, whatever the field says: a bead there and
-/// one back along their sides.
+/// Adds the parts too thin for strips side by side as strips of their own, whatever the field says:
+/// one bead there and one back along their sides.
 fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Vec<DVec2>> {
     let thick = region.opened(0.5 * THIN_BEADS.value() * spacing_mm);
     let mut thin = region.difference(&thick);
-    // Corners are thin too; of small places only those count that lie between thick ones.
+    // Corners of any region are thin in this sense. Small parts count only where they connect two
+    // thick ones.
     thin.polygons.retain(|p| {
         let is_neck = || {
             let grown = Region::from(p.clone()).offset(0.1 * spacing_mm, Join::Miter(2.0));
@@ -156,13 +163,15 @@ fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Ve
         return loops;
     }
     let strips = Region::from_contours(&loops, FillRule::Positive);
+    // The parts are grown a little so that they overlap the strips they touch and become one with
+    // them.
     let thin = thin.offset(0.1 * spacing_mm, Join::Miter(2.0)).intersection(region);
     let mut all = strips.union(&thin);
     all.polygons.retain(|p| p.area_mm2() > 0.1 * spacing_mm * spacing_mm);
     all.contours().cloned().collect()
 }
 
-/// Strips that meet at these places, taken apart there.
+/// Outlines of strips, taken apart at the places `at` where they meet.
 pub fn parted(loops: &[Vec<DVec2>], at: &[DVec2], spacing_mm: f64) -> Vec<Vec<DVec2>> {
     let half = DVec2::splat(PARTED_BEADS.value() * spacing_mm);
     let squares = at.iter().flat_map(|&p| Region::rectangle(p - half, p + half).polygons);
@@ -172,7 +181,8 @@ pub fn parted(loops: &[Vec<DVec2>], at: &[DVec2], spacing_mm: f64) -> Vec<Vec<DV
     all.contours().filter(|l| l.len() > 2).cloned().collect()
 }
 
-/// Where the cosine changes sign: strips are on its left. Open lines end outside the region.
+/// A line on which the cosine changes sign, with the strip on its left. Open lines end outside the
+/// region.
 struct Line {
     points: Vec<DVec2>,
     closed: bool,
@@ -182,7 +192,7 @@ fn sign_changes(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Line> {
     let mut starts = Vec::with_capacity(mesh.edges.len() + 1);
     let (mut points, mut edge_of) = (Vec::new(), Vec::new());
     starts.push(0u32);
-    // A hair off, so that no node lies on a line.
+    // A tiny offset, different from node to node, keeps every node off the lines.
     let at = |i: usize| phase[i] + 1e-6 * (1.0 + (i % 97) as f64 / 97.0);
     for (e, (edge, turn)) in mesh.edges.iter().zip(turns).enumerate() {
         let [a, b] = edge.ends.map(|k| k as usize);
@@ -192,6 +202,7 @@ fn sign_changes(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Line> {
         let grown = turn.grown_rad + off - TAU * (off / TAU).round();
         let (low, high) = (first.min(first + grown), first.max(first + grown));
         let mut levels: Vec<f64> = Vec::new();
+        // Sign changes of the cosine lie at odd multiples of a quarter turn.
         let mut k = (low / PI - 0.5).floor() + 1.0;
         while (k + 0.5) * PI <= high && levels.len() < 64 {
             levels.push(((k + 0.5) * PI - first) / grown);
@@ -218,7 +229,8 @@ fn sign_changes(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Line> {
             let [a, b] = joined[at as usize];
             (from, at) = (at, if a == from && from != NONE { b } else { a });
         }
-        // Two points on different sides of one triangle tell on which side the strip is.
+        // The first pair of points on different edges of a triangle shows on which side the strip
+        // lies.
         let Some(w) = line.windows(2).find(|w| edge_of[w[0] as usize] != edge_of[w[1] as usize]) else {
             return;
         };
@@ -228,6 +240,8 @@ fn sign_changes(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Line> {
         let [p, q] = [points[w[0] as usize], points[w[1] as usize]];
         let left = cross(q - p, mesh.nodes[end as usize] - p) > 0.0;
         let mut points: Vec<DVec2> = line.iter().map(|&k| points[k as usize]).collect();
+        // Between the edge's first node and the point there may be other sign changes; each of them
+        // flips the side.
         if left != (is_strip(end) ^ odd) {
             points.reverse();
         }
@@ -244,8 +258,9 @@ fn sign_changes(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Line> {
     out
 }
 
-/// Which points follow each other. The cosine changes sign an even number of times around a triangle, so that none
-/// is left alone: where the phase misses a turn, neighbours on one side are joined and a strip, or a way, ends.
+/// Which points follow each other. The cosine changes sign an even number of times around a
+/// triangle, so no point is left alone. Where the phase misses a turn, neighbours on the same side
+/// are joined: a strip ends, or a gap between two strips does.
 fn joints(mesh: &FieldMesh, starts: &[u32], n: usize) -> Vec<[u32; 2]> {
     let mut joined = vec![[NONE; 2]; n];
     let mut join = |a: u32, b: u32| {
@@ -266,6 +281,8 @@ fn joints(mesh: &FieldMesh, starts: &[u32], n: usize) -> Vec<[u32; 2]> {
         };
         for corner in 0..3 {
             let sides = [(corner + 1) % 3, (corner + 2) % 3];
+            // One side has more points than the other two together: those take what they can, and
+            // the surplus is joined in pairs along the side.
             let around = if count[most] > others {
                 if corner == most { 0 } else { count[3 - corner - most] }
             } else {
@@ -286,7 +303,7 @@ fn joints(mesh: &FieldMesh, starts: &[u32], n: usize) -> Vec<[u32; 2]> {
     joined
 }
 
-/// Where a piece of a line meets the region's border.
+/// A point where a piece of a line meets the region's border.
 struct Meeting {
     contour: usize,
     edge: usize,
@@ -297,7 +314,8 @@ struct Meeting {
     leaves: bool,
 }
 
-/// What lies left of the lines and inside the region, as closed lines; `None` where rounding has made that unclear.
+/// The area left of the lines and inside the region, as closed outlines; `None` where rounding
+/// makes the arrangement unclear.
 fn cut_by(region: &Region, lines: &[Line]) -> Option<Vec<Vec<DVec2>>> {
     let clipper = LineClipper::new(region);
     let contours: Vec<&Vec<DVec2>> = region.contours().collect();
@@ -340,10 +358,12 @@ fn cut_by(region: &Region, lines: &[Line]) -> Option<Vec<Vec<DVec2>>> {
             }
             continue;
         }
+        // An open line that ends inside, or a closed one that left without coming back: one
+        // crossing was missed by rounding.
         if !(line.closed && starts_inside) {
             return None;
         }
-        // The last piece goes on with the first.
+        // A closed line's last piece continues in its first one.
         let head = &mut pieces[first_piece];
         rest.pop();
         rest.append(head);
@@ -353,12 +373,14 @@ fn cut_by(region: &Region, lines: &[Line]) -> Option<Vec<Vec<DVec2>>> {
     }
     let key = |m: &Meeting| (m.contour, m.edge);
     meetings.sort_by(|a, b| key(a).cmp(&key(b)).then(a.along_mm.total_cmp(&b.along_mm)));
-    // After each piece: the way along the contour to the next one.
+    // From the end of each piece the outline follows the contour to the start of the next piece.
     let mut next: Vec<Option<(usize, Vec<DVec2>)>> = pieces.iter().map(|_| None).collect();
     for group in meetings.chunk_by(|a, b| a.contour == b.contour) {
         let contour = contours[group[0].contour];
         for (k, m) in group.iter().enumerate().filter(|(_, m)| m.leaves) {
             let to = &group[(k + 1) % group.len()];
+            // Along a contour ends and starts alternate, unless two crossings were told apart
+            // wrongly.
             if to.leaves {
                 return None;
             }
@@ -392,6 +414,7 @@ fn cut_by(region: &Region, lines: &[Line]) -> Option<Vec<Vec<DVec2>>> {
         }
         loops.push(ring);
     }
+    // Contours that no line touches lie in a strip or in a gap as a whole.
     let touched: Vec<usize> = meetings.iter().map(|m| m.contour).collect();
     for (c, contour) in contours.iter().enumerate() {
         if touched.binary_search(&c).is_err() && in_strip(contour[0], lines) {
@@ -401,7 +424,7 @@ fn cut_by(region: &Region, lines: &[Line]) -> Option<Vec<Vec<DVec2>>> {
     Some(loops)
 }
 
-/// Whether a point lies left of the nearest line; where there are none all is one strip.
+/// Whether a point lies left of the nearest line. Without lines the whole region is one strip.
 fn in_strip(p: DVec2, lines: &[Line]) -> bool {
     let mut best = (f64::INFINITY, true);
     for line in lines {

@@ -1,14 +1,16 @@
 //! The tree that joins cells: which edges are passed, and where strips are cut.
 //!
-//! Method: Kruskal's minimum spanning tree (`Kruskal1956`) over the cells; the weight of an edge is the angle that its joint
-//! adds to the path, weighted by how much the field matters there, times length. Two rules of the S5 patent
-//! (`ContinuousPath`) hold: along the field where that is possible, and not across an edge that is the shortest of both its
-//! cells, unless nothing else joins them. Afterwards every joint between two strips is moved along them to the place where
-//! beads turn least; the two strips stay joined once, so the path stays one.
+//! Method: Kruskal's minimum spanning tree (`Kruskal1956`) over the cells. The weight of an edge is
+//! the angle that its joint adds to the path, times length and the field's weight at that place.
+//! Two rules of the published method (`ContinuousPath`) hold: along the field where that is
+//! possible, and not across an edge that is the shortest of both its cells, unless nothing else
+//! joins them. Afterwards every joint between two strips is moved along them to the place where
+//! beads turn least. The two strips stay joined once, so the path stays one.
 //!
-//! [`TreeKind::Undirected`] gives every edge a number from a hash instead of a weight: the baseline that the directed tree is
-//! measured against (20 to 92 % better on ten sections, `cargo xtask bench continuous`). Equal weights are told apart by the
-//! number of the edge, so the tree does not depend on the order of threads. Cost: sorting the edges, n log n.
+//! [`TreeKind::Undirected`] gives every edge a number from a hash instead of a weight. It is the
+//! baseline for the directed tree (20 to 92 % better on ten sections, `cargo xtask bench
+//! continuous`). Edges of equal weight are ordered by their number, so the tree does not depend on
+//! threads. Cost: sorting the edges, n log n.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -25,11 +27,11 @@ pub enum TreeKind {
     /// By how far beads are turned out of the field's direction where they pass.
     #[default]
     Directed,
-    /// By nothing: a tree like any other on these cells.
+    /// By a hash: any tree on these cells, as a baseline for comparison.
     Undirected,
 }
 
-/// The axis of the field at a point, and how much it matters there.
+/// The axis of the field at a point, and its weight there.
 pub type Axis<'a> = &'a dyn Fn(DVec2) -> (DVec2, f64);
 
 /// Angle between an undirected axis and a way, radians, times the way's length.
@@ -37,15 +39,17 @@ fn turned(axis: DVec2, way: DVec2) -> f64 {
     atan2(cross(axis, way).abs(), axis.dot(way).abs()) * way.length()
 }
 
-/// What an exchange adds to the path's angle to the field, times length.
+/// The angle to the field that an exchange adds to the path: radians times mm, weighted.
 pub fn cost(f: &Facing, axis: Axis<'_>) -> f64 {
     let [a0, a1, b0, b1] = f.corners;
     let (u, weight) = axis(0.25 * (a0 + a1 + b0 + b1));
     weight * (turned(u, b1 - a0) + turned(u, a1 - b0) - turned(u, a1 - a0) - turned(u, b1 - b0))
 }
 
-/// The same, guessed from the middles of both beads at an edge.
+/// An estimate of the same from the middles of both beads at an edge, without looking for the
+/// stretches.
 fn guess(e: &Edge, spacing_mm: f64, axis: Axis<'_>) -> f64 {
+    // Called for every edge of the region, most of which the tree never uses.
     let way = e.ends[1] - e.ends[0];
     let (u, weight) = axis(0.5 * (e.ends[0] + e.ends[1]));
     // The angle to within 0.004: with t the smaller over the larger part, pi/4 t + 0.273 t (1 - t) is its tangent's.
@@ -53,10 +57,11 @@ fn guess(e: &Edge, spacing_mm: f64, axis: Axis<'_>) -> f64 {
     let t = across.min(along) / across.max(along).max(f64::MIN_POSITIVE);
     let small = t * (FRAC_PI_4 + 0.273 * (1.0 - t));
     let angle = if across > along { FRAC_PI_2 - small } else { small };
+    // Two ways across are added and two stretches along, one spacing long each, are removed.
     2.0 * weight * (angle * way.length() - (FRAC_PI_2 - angle) * spacing_mm)
 }
 
-/// Numbers in [0, 1) that look like chance and are always the same.
+/// Numbers in [0, 1) without a pattern, the same in every run: the mixing of `steele2014`.
 fn shuffled(i: usize) -> f64 {
     let mut x = (i as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -64,18 +69,21 @@ fn shuffled(i: usize) -> f64 {
     ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// Two numbers in one, whichever comes first.
+/// Two numbers as one, the smaller one first.
 fn pair([a, b]: [u32; 2]) -> u64 {
     u64::from(a.min(b)) << 32 | u64::from(a.max(b))
 }
 
-/// An edge and its weight as one number that sorts: those that are asked last, then by weight, then by place.
+/// An edge and its weight as one number for sorting: edges that are used last, then by weight, then
+/// by number.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Ranked(u64);
 
 impl Ranked {
     fn new(last: bool, weight: f64, edge: usize) -> Self {
         let bits = (weight as f32).to_bits();
+        // The bits of a float sort like an integer once negative ones are flipped and positive ones
+        // get the sign bit.
         let ordered = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };
         Self(u64::from(last) << 63 | u64::from(ordered) << 31 | edge as u64)
     }
@@ -112,10 +120,10 @@ impl Sets {
     }
 }
 
-/// Joins all cells as a tree of least weight, after the two rules of the published method: along the field where
-/// that can be, and not across an edge that is the shortest of both its cells. The second does not hold for edges
-/// across a strip: cells here are long, and their short edges are the very ones that the field passes through. Nor
-/// where nothing else joins two cells.
+/// Joins all cells as a tree of least weight, after the two rules of the published method: along
+/// the field where that is possible, and not across an edge that is the shortest of both its cells.
+/// The second rule leaves out edges across a strip, because cells here are long and the field
+/// passes through their short edges. It also gives way where nothing else joins two cells.
 pub fn join(
     rings: &Rings,
     cells: &Cells,
@@ -134,7 +142,7 @@ pub fn join(
     let mut order: Vec<Ranked> = cells.edges.iter().enumerate().map(rank).collect();
     order.sort_unstable();
     let mut sets = Sets((0..cells.n as u32).collect());
-    // Strips: cells that hang together along the field.
+    // Strips: sets of cells that are connected along the field.
     let mut strips = Sets((0..cells.n as u32).collect());
     let mut exchanges = Vec::new();
     let mut beside_of: Vec<(usize, usize)> = Vec::new();
@@ -143,6 +151,8 @@ pub fn join(
         let [a, b] = e.cells;
         match e.cut {
             Some(k) => {
+                // A cut inside the tree leaves the strip whole there, which needs no exchange. The
+                // exchange is made where the tree does not pass.
                 if sets.join(a, b) {
                     strips.join(a, b);
                 } else {
@@ -150,6 +160,7 @@ pub fn join(
                 }
             }
             None => {
+                // A second joint between the same two sets would split the ring in two again.
                 if sets.root(a) == sets.root(b) {
                     continue;
                 }
@@ -165,7 +176,8 @@ pub fn join(
         let between = |strips: &mut Sets, i: usize| pair(cells.edges[i].cells.map(|c| strips.root(c)));
         let mut passed: Vec<u64> = beside_of.iter().map(|&(_, i)| between(&mut strips, i)).collect();
         passed.sort_unstable();
-        // Only places between strips that are joined are of use, the cheapest guesses of a pair of strips first.
+        // Only places between two strips that are already joined are candidates, in the order of
+        // their estimates.
         let mut others: Vec<(u64, Ranked)> = order
             .iter()
             .filter(|o| cells.edges[o.edge()].cut.is_none() && !o.is_last())
@@ -190,8 +202,8 @@ static TRIED: Tuned<usize> = Tuned::new("fill.continuous.tree.TRIED", 12);
 /// Measured: row `fill.continuous.tree.WORTH` of `cargo xtask bench constants`.
 static WORTH: Tuned<f64> = Tuned::new("fill.continuous.tree.WORTH", 0.05);
 
-/// Moves the passage between two strips to another place along them if beads turn less there. The two are joined
-/// once as before, so it stays one ring.
+/// Moves the joint between two strips to another place along them if beads turn less there. The
+/// strips stay joined once, so the path stays one ring.
 fn flip(
     rings: &Rings,
     cells: &Cells,
@@ -203,6 +215,7 @@ fn flip(
 ) {
     let mut best = (cost(passage, axis) - 1e-6, None);
     for other in others {
+        // Places come in the order of their estimates, so none of the rest can gain more.
         if other.weight() > best.0 - WORTH.value() * spacing_mm {
             break;
         }
@@ -219,12 +232,13 @@ fn flip(
     }
 }
 
-/// For each edge beside strips, whether it is the shortest of both its cells.
+/// For each edge between two strips, whether it is the shortest of both its cells.
 fn shortest_of_both(cells: &Cells, spacing_mm: f64) -> Vec<bool> {
     let mut by_pair: Vec<(u64, u32)> =
         cells.edges.iter().enumerate().map(|(i, e)| (pair(e.cells), i as u32)).collect();
     by_pair.sort_unstable();
-    // Edges beside strips are known by the places found along them, from both sides.
+    // An edge between two strips is found once for each place along it, from both sides: half the
+    // number of places is its length.
     let length = |group: &[(u64, u32)]| {
         let across = group.iter().any(|&(_, i)| cells.edges[i as usize].cut.is_some());
         if across { 2.0 * spacing_mm } else { 0.5 * cells.place_mm * group.len() as f64 }
@@ -246,8 +260,8 @@ fn shortest_of_both(cells: &Cells, spacing_mm: f64) -> Vec<bool> {
     out
 }
 
-/// Where rings that are still apart may be joined, sought more closely and further; as many as it takes. What faces
-/// the longest ring sees it: it need not look for itself.
+/// Joints for rings that are still apart, with closer and wider searches until nothing is left or
+/// nothing helps. The longest ring is not searched from: it is seen from all others.
 pub fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
     let n = rings.lines.len();
     let longest = rings.longest();
@@ -266,7 +280,8 @@ pub fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
             }
         }
     };
-    // Where long rings run beside others any place will do.
+    // First with long steps, because any place will do where long rings run beside each other. Then
+    // closer steps and wider ranges, and at last slanted joints.
     let near = [0.5, 1.6];
     for (range, step) in
         [(Some(near), 4.0), (Some(near), 0.4), (Some([0.35, 2.3]), 0.4), (Some([0.2, 3.2]), 0.4), (None, 0.4)]
@@ -275,7 +290,8 @@ pub fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
             let length = rings.length_mm(ring);
             let steps = (length / (step * spacing_mm)).ceil().max(1.0);
             for k in 0..steps as usize {
-                // What is joined to the longest is seen by what is not.
+                // A ring joined to the longest one needs no further joint; rings still apart will
+                // see it.
                 if sets.root(ring as u32) == sets.root(longest as u32) {
                     break;
                 }

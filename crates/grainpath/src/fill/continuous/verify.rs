@@ -1,9 +1,10 @@
 //! The last check of a continuous path: what is wrong with it, and where.
 //!
-//! Every path is looked through for crossings with itself and others, for leaving its infill region, and every island for
-//! necks that are too narrow for a bead there and one back. What is found is a [`Note`]; the planner turns notes into
-//! warnings with the layer and the place, once for each kind of trouble. Finding nothing means the paths are sound: the
-//! search covers every pair of segments that share a bucket, with exact comparisons of sides.
+//! Every path is searched for crossings with itself and with others and for leaving its infill
+//! region, and every island for necks that are too narrow for a bead there and one back. A finding
+//! is a [`Note`]; the planner turns notes into warnings with layer and place, once for each kind.
+//! No finding means that the paths are sound: the search covers every pair of segments that share a
+//! bucket, and compares sides exactly.
 
 use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::tuned::Tuned;
@@ -12,31 +13,32 @@ use grainpath_core::{DVec2, Polygon, Region, Toolpath, Warning, WarningId};
 use super::super::field::widths::{Line, Neighbours};
 use super::rings::SEEN_BEADS;
 
-/// Something that kept a layer's island from being one sound path.
+/// A reason why a layer's island is not one sound path.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Note {
-    /// Where, in part coordinates.
+    /// Place, in part coordinates.
     pub at_mm: DVec2,
-    /// What.
+    /// Kind of problem.
     pub what: Problem,
 }
 
 /// What can be wrong with a path.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Problem {
-    /// The place between two rooms of an island holds no bead there and back.
+    /// Two infill regions of an island are connected by a neck too narrow for a bead there and one
+    /// back.
     Neck {
-        /// The narrowest place that would do, mm.
+        /// The least width that would do, mm.
         needed_mm: f64,
     },
-    /// A ring that nothing runs along closely enough to join it.
+    /// A ring with no other ring close enough to be joined to.
     Apart {
         /// Its length, mm.
         length_mm: f64,
     },
     /// A path crosses itself or another one.
     Crossing,
-    /// A path leaves its room.
+    /// A path leaves its infill region.
     Outside,
 }
 
@@ -66,7 +68,7 @@ impl Note {
 /// Measured: row `fill.continuous.verify.SLACK_MM` of `cargo xtask bench constants`.
 static SLACK_MM: Tuned<f64> = Tuned::new("fill.continuous.verify.SLACK_MM", 0.01);
 
-/// Looks at the paths of a room: what lies apart from the first one, crossings, and what lies outside.
+/// Checks the paths of a region: rings apart from the first one, crossings, and points outside.
 pub fn check(paths: &[Toolpath], room: &Polygon, spacing_mm: f64) -> Vec<Note> {
     let mut notes = Vec::new();
     for path in paths.iter().skip(1) {
@@ -91,7 +93,8 @@ pub fn check(paths: &[Toolpath], room: &Polygon, spacing_mm: f64) -> Vec<Note> {
     notes
 }
 
-/// The necks that part the rooms of one island: each room's nearest way to those before it.
+/// The necks between the infill regions of one island: from each region the nearest point to those
+/// before it.
 pub fn necks(rooms: &[Polygon], bead_width_mm: f64, notes: &mut Vec<Note>) {
     let nearest = |k: usize| {
         let mut best = (f64::INFINITY, DVec2::ZERO);
