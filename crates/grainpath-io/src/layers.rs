@@ -10,6 +10,7 @@ use grainpath_core::{Bounds2, Contour, DVec2, LayerStack};
 
 /// Decimals of coordinates: tenths of a micrometre, the grid that sections lie on.
 fn number(mm: f64) -> String {
+    // Adding 0.0 turns -0.0 into 0.0, so that no "-0" is written.
     let text = format!("{:.4}", mm + 0.0);
     let short = text.trim_end_matches('0').trim_end_matches('.');
     if short == "-0" { "0".into() } else { short.to_owned() }
@@ -17,6 +18,7 @@ fn number(mm: f64) -> String {
 
 fn bounds(stack: &LayerStack) -> Bounds2 {
     let all = stack.layers().iter().filter_map(|l| l.region().bounds());
+    // An empty stack gets an empty box: both formats need numbers there.
     all.reduce(Bounds2::union).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO })
 }
 
@@ -49,7 +51,9 @@ pub fn write_cli(stack: &LayerStack, out: &mut dyn Write) -> io::Result<()> {
     for layer in stack.layers() {
         writeln!(out, "$$LAYER/{}", number(layer.z_top_mm()))?;
         for contour in layer.region().contours() {
+            // CLI 2.0, section POLYLINE: direction 0 is clockwise (hole), 1 counter-clockwise (outline).
             let direction = u8::from(signed_area_mm2(contour) > 0.0);
+            // The count includes the repeated first point.
             write!(out, "$$POLYLINE/1,{direction},{}", contour.len() + 1)?;
             for p in contour.iter().chain(contour.first()) {
                 write!(out, ",{},{}", number(p.x), number(p.y))?;
@@ -73,6 +77,7 @@ pub fn write_cli(stack: &LayerStack, out: &mut dyn Write) -> io::Result<()> {
 /// ```
 pub fn write_svg_layers(stack: &LayerStack, out: &mut dyn Write) -> io::Result<()> {
     let b = bounds(stack);
+    // SVG's y points down. Every y is negated, so the view box begins at minus the greatest y.
     let (size, [x, y]) = (b.size(), [b.min.x, -b.max.y].map(number));
     let [w, h] = [size.x, size.y].map(number);
     writeln!(
@@ -82,6 +87,7 @@ pub fn write_svg_layers(stack: &LayerStack, out: &mut dyn Write) -> io::Result<(
     for (i, layer) in stack.layers().iter().enumerate() {
         let z = number(layer.z_top_mm());
         write!(out, "<g id=\"layer{}\" data-z-mm=\"{z}\" fill=\"#888\" fill-rule=\"evenodd\">", i + 1)?;
+        // One path for each polygon: the even-odd rule cuts its holes out.
         for polygon in &layer.region().polygons {
             let path = |c: &Contour| {
                 let points: Vec<String> =

@@ -34,9 +34,11 @@ pub fn parse_mesh(bytes: &[u8], name: Option<&str>) -> Result<MeshFile, MeshErro
         MeshFormat::Off => off::read(bytes)?,
         MeshFormat::ThreeMf => threemf::read(bytes)?,
     };
+    // Empty objects are common in 3MF (placeholders) and must not reach the slicer.
     file.bodies.retain(|b| !b.mesh.triangles.is_empty());
     if file.bodies.is_empty() {
         return Err(MeshError::NoTriangles {
+            // The reader's warnings say why there is nothing: surfaces left out, an empty build.
             hints: file.warnings.iter().map(|w| format!("; {w}")).collect(),
         });
     }
@@ -46,6 +48,7 @@ pub fn parse_mesh(bytes: &[u8], name: Option<&str>) -> Result<MeshFile, MeshErro
 /// Recognises formats of parts that are not read, to refuse them by name.
 fn known_and_not_read(bytes: &[u8]) -> Option<MeshError> {
     let text = skip_space(bytes);
+    // 1024 bytes are enough for an XML declaration, a comment and the root element.
     let head = &text[..text.len().min(1024)];
     let has = |word: &[u8]| head.windows(word.len()).any(|w| w.eq_ignore_ascii_case(word));
     if text.starts_with(b"ISO-10303-21") {
@@ -77,6 +80,7 @@ pub fn sniff_mesh(bytes: &[u8], name: Option<&str>) -> Option<MeshFormat> {
     let is = |e: &str| extension.as_deref() == Some(e);
     let starts =
         |word: &str| bytes.get(..word.len()).is_some_and(|b| b.eq_ignore_ascii_case(word.as_bytes()));
+    // Every ZIP archive is taken for 3MF; a missing model part is then the error.
     if starts("PK\x03\x04") {
         return Some(MeshFormat::ThreeMf);
     }

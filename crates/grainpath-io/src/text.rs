@@ -12,19 +12,19 @@ pub enum TextError {
     UnexpectedEnd { place: String, expected: &'static str },
 }
 
-/// The bytes from the first that is not white space; a byte order mark is white space.
+/// The bytes from the first one that is not white space. A byte order mark counts as white space.
 pub(crate) fn skip_space(bytes: &[u8]) -> &[u8] {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let start = bytes.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(bytes.len());
     &bytes[start..]
 }
 
-/// Walks through text word by word and knows the line it is on. CR, LF and CRLF end lines.
+/// Splits text into words and counts lines. CR, LF and CRLF all end a line.
 pub(crate) struct Words<'a> {
     bytes: &'a [u8],
     at: usize,
     line: usize,
-    /// Begins a comment that ends with the line.
+    /// The byte that begins a comment, which ends with its line.
     comment: Option<u8>,
 }
 
@@ -38,17 +38,17 @@ impl<'a> Words<'a> {
         format!("line {}", self.line)
     }
 
-    /// The line reading stands on, from 1.
+    /// The current line, counted from 1.
     pub(crate) fn line(&self) -> usize {
         self.line
     }
 
-    /// Where reading stands, in bytes.
+    /// The current position, in bytes.
     pub(crate) fn offset(&self) -> usize {
         self.at
     }
 
-    /// Steps over white space and comments; within the line if asked. True when a word follows.
+    /// Skips white space and comments, within the line if asked. Returns whether a word follows.
     fn step_to_word(&mut self, same_line: bool) -> bool {
         while let Some(&b) = self.bytes.get(self.at) {
             match b {
@@ -59,7 +59,7 @@ impl<'a> Words<'a> {
                     self.end_line();
                 }
                 b if b.is_ascii_whitespace() => self.at += 1,
-                // OBJ writes a backslash where a line goes on.
+                // A backslash at the end of a line continues it (OBJ).
                 b'\\' if matches!(self.bytes.get(self.at + 1), Some(b'\n' | b'\r')) => {
                     self.at += 1;
                     self.end_line();
@@ -72,6 +72,7 @@ impl<'a> Words<'a> {
     }
 
     fn end_line(&mut self) {
+        // CR and LF together are one line end; otherwise line numbers of Windows files would double.
         let crlf = self.bytes[self.at] == b'\r' && self.bytes.get(self.at + 1) == Some(&b'\n');
         self.at += 1 + usize::from(crlf);
         self.line += 1;
@@ -107,7 +108,7 @@ impl<'a> Words<'a> {
         self.step_to_word(true).then(|| self.take())
     }
 
-    /// The rest of this line without the white space around it.
+    /// The rest of this line, trimmed.
     pub(crate) fn rest_of_line(&mut self) -> &'a [u8] {
         let start = self.at;
         self.skip_to_line_end();
@@ -122,7 +123,7 @@ impl<'a> Words<'a> {
         word
     }
 
-    /// The next `n` bytes as they are; `None` when there are fewer. Lines are not counted in them.
+    /// The next `n` bytes as they are; `None` where there are fewer. Line ends in them are not counted.
     pub(crate) fn raw(&mut self, n: usize) -> Option<&'a [u8]> {
         let raw = self.bytes.get(self.at..)?.get(..n)?;
         self.at += n;
@@ -135,6 +136,7 @@ impl<'a> Words<'a> {
     }
 
     pub(crate) fn wrong(&self, found: &[u8], expected: &'static str) -> TextError {
+        // Forty bytes are enough to find the place and keep a binary file out of the message.
         let found: String = String::from_utf8_lossy(&found[..found.len().min(40)]).into_owned();
         TextError::Syntax { place: self.place(), found, expected }
     }

@@ -9,7 +9,7 @@ struct Header {
     height: usize,
     top_down: bool,
     bits: usize,
-    /// Where red, green and blue are in a pixel of 16 or 32 bits.
+    /// Masks of red, green and blue in a pixel of 16 or 32 bits.
     masks: [u32; 3],
     palette: Vec<[u8; 3]>,
     data: usize,
@@ -17,15 +17,18 @@ struct Header {
 
 pub fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
     let h = header(bytes, max_pixels)?;
+    // Rows are padded to 32 bits.
     let stride = (h.width * h.bits).div_ceil(32) * 4;
     let needed = stride.checked_mul(h.height).and_then(|n| n.checked_add(h.data));
     let Some(rows) = needed.and_then(|end| bytes.get(h.data..end)) else {
         return Err(ImageError::Truncated(FORMAT));
     };
+    // A palette of greys is a grey image; one channel takes a third of the memory.
     let grey = !h.palette.is_empty() && h.palette.iter().all(|[r, g, b]| r == g && g == b);
     let channels = if grey { 1 } else { 3 };
     let mut out = Vec::with_capacity(h.width * h.height * channels);
     for y in 0..h.height {
+        // Rows are stored from the bottom up unless the height is negative.
         let row = if h.top_down { y } else { h.height - 1 - y };
         let row = &rows[row * stride..(row + 1) * stride];
         for x in 0..h.width {
@@ -43,15 +46,19 @@ fn pixel(h: &Header, row: &[u8], x: usize) -> Result<[u8; 3], ImageError> {
                 return 0;
             }
             let value = (v & mask) >> mask.trailing_zeros();
+            // Scaled with rounding, so that the largest value of a mask of 5 bits becomes 255 and not
+            // 248.
             ((u64::from(value) * 255 + u64::from(largest / 2)) / u64::from(largest)) as u8
         })
     };
     Ok(match h.bits {
+        // BMP stores blue first.
         24 => [row[3 * x + 2], row[3 * x + 1], row[3 * x]],
         32 => masked(u32::from_le_bytes([row[4 * x], row[4 * x + 1], row[4 * x + 2], row[4 * x + 3]])),
         16 => masked(u16::from_le_bytes([row[2 * x], row[2 * x + 1]]).into()),
         bits => {
             let byte = row[x * bits / 8];
+            // Pixels of fewer than 8 bits begin at the high bit of a byte.
             let index = usize::from(byte >> (8 - bits - x * bits % 8)) & ((1 << bits) - 1);
             let colour = h.palette.get(index);
             *colour.ok_or_else(|| malformed(FORMAT, format!("colour {index} is not in its palette")))?
@@ -65,7 +72,9 @@ fn header(bytes: &[u8], max_pixels: u64) -> Result<Header, ImageError> {
     let u32_at =
         |i: usize| bytes.get(i..i + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).ok_or_else(cut);
     let (data, info) = (u32_at(10)? as usize, u32_at(14)? as usize);
+    // 12 bytes: BITMAPCOREHEADER of OS/2, with 16-bit sizes and no compression field.
     let old = info == 12;
+    // 40 bytes is BITMAPINFOHEADER; later versions are longer, up to 124.
     if !old && !(40..=1024).contains(&info) {
         return Err(malformed(FORMAT, format!("a header of {info} bytes")));
     }
@@ -83,19 +92,22 @@ fn header(bytes: &[u8], max_pixels: u64) -> Result<Header, ImageError> {
         return Err(malformed(FORMAT, format!("{bits} bits a pixel")));
     }
     let compression = if old { 0 } else { u32_at(30)? };
+    // 3 is BI_BITFIELDS, 6 BI_ALPHABITFIELDS.
     let fields = matches!(compression, 3 | 6) && bits >= 16;
     if compression != 0 && !fields {
         let what = format!("compression {compression}");
         return Err(ImageError::Unsupported { format: FORMAT, what, instead: "uncompressed BMP or PNG" });
     }
     let masks = match (fields, bits) {
-        // The masks follow the 40 bytes of the header, whichever version it is.
+        // The masks follow the first 40 bytes of the header in every version.
         (true, _) => [u32_at(54)?, u32_at(58)?, u32_at(62)?],
+        // Without masks 16 bits are 5-5-5.
         (false, 16) => [0x7c00, 0x03e0, 0x001f],
         (false, _) => [0x00ff_0000, 0xff00, 0xff],
     };
     let mut palette = Vec::new();
     if bits <= 8 {
+        // 0 colours mean a full palette.
         let asked = if old { 0 } else { u32_at(46)? as usize };
         let n = if asked == 0 { 1 << bits } else { asked.min(1 << bits) };
         let (start, size) = (14 + info, if old { 3 } else { 4 });

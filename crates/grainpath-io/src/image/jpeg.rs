@@ -9,7 +9,8 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 use super::{Colours, Image, ImageError, ImageFormat, Samples, check_size, malformed};
 
 const FORMAT: ImageFormat = ImageFormat::Jpeg;
-/// More passes over an image than any program writes.
+/// Limit on the scans of a progressive image: each is a pass over all pixels. Encoders write about ten; a
+/// file with thousands would take hours to decode.
 const MAX_SCANS: usize = 128;
 
 pub(super) fn read(bytes: &[u8], max_pixels: u64, colours: Colours) -> Result<Image, ImageError> {
@@ -26,6 +27,8 @@ pub(super) fn read(bytes: &[u8], max_pixels: u64, colours: Colours) -> Result<Im
     if is_cut_short(bytes) {
         return Err(ImageError::Truncated(FORMAT));
     }
+    // YCbCr keeps brightness in a channel of its own. RGB and CMYK files do not, so they are decoded
+    // whole.
     let grey = match decoder.input_colorspace() {
         Some(ColorSpace::Luma) => true,
         Some(ColorSpace::YCbCr) => colours == Colours::LumaWhereApart,
@@ -44,17 +47,21 @@ pub(super) fn read(bytes: &[u8], max_pixels: u64, colours: Colours) -> Result<Im
     Ok(Image { format: FORMAT, width, height, channels, samples: Samples::U8(samples) })
 }
 
-/// Whether the end marker is missing. The decoder fills what is not there with grey, and a grey strip would pass for
-/// wood without grain. Bytes after the marker do no harm: some cameras append a preview.
+/// Whether the end marker (EOI) is missing. The decoder fills missing rows with grey, and a grey strip
+/// would pass for wood without grain. Bytes behind the marker are harmless: some cameras append a preview
+/// there.
 fn is_cut_short(bytes: &[u8]) -> bool {
     !bytes.windows(2).rev().any(|w| w == [0xff, 0xd9]) || ends_inside_scan(bytes)
 }
 
-/// Walks the markers: true when the last scan's data end with the file instead of with a marker.
+/// Walks along the markers. True when the data of the last scan end with the file instead of with a
+/// marker.
 fn ends_inside_scan(bytes: &[u8]) -> bool {
     let mut i = 2;
     loop {
-        // To the next marker; 0xff00 and restarts belong to a scan's data. Most stretches have no 0xff at all.
+        // Finds the next marker. 0xff00 (a stuffed byte) and the restarts 0xd0 to 0xd7 belong to a scan's
+        // data (ITU T.81, B.1.1.5). Most blocks of 64 bytes hold no 0xff, so whole blocks are skipped
+        // first.
         loop {
             let rest = bytes.get(i..).unwrap_or_default();
             let plain = 64 * rest.chunks_exact(64).take_while(|some| !some.contains(&0xff)).count();
@@ -68,6 +75,7 @@ fn ends_inside_scan(bytes: &[u8]) -> bool {
         if bytes[i + 1] == 0xd9 {
             return false;
         }
+        // A segment's length counts its own two bytes.
         let Some(&[high, low]) = bytes.get(i + 2..i + 4) else { return true };
         i += 2 + usize::from(u16::from_be_bytes([high, low]));
     }
@@ -87,6 +95,7 @@ fn error(e: DecodeErrors) -> ImageError {
 
 /// The orientation tag (0x0112) of the first directory of EXIF data; `None` when there is none or it is damaged.
 fn orientation(exif: &[u8]) -> Option<u16> {
+    // EXIF holds a TIFF file behind six bytes (EXIF 2.3, APP1).
     let tiff = exif.strip_prefix(b"Exif\0\0").unwrap_or(exif);
     let little = match tiff.get(..2)? {
         b"II" => true,
@@ -103,20 +112,23 @@ fn orientation(exif: &[u8]) -> Option<u16> {
     };
     let directory = u32_at(4)? as usize;
     let n = usize::from(u16_at(directory)?);
+    // A directory entry has 12 bytes: tag, type, count, value.
     let entry = (0..n).map(|k| directory + 2 + 12 * k).find(|&e| u16_at(e) == Some(0x0112))?;
     u16_at(entry + 8).filter(|o| (1..=8).contains(o))
 }
 
-/// The image as it should be looked at. `turned` is the EXIF orientation, 1 to 8.
+/// Turns the image as EXIF orientation `turned` (1 to 8) says, so that it stands upright.
 fn upright(w: usize, h: usize, channels: usize, data: Vec<u8>, turned: u16) -> (usize, usize, Vec<u8>) {
     if turned <= 1 {
         return (w, h, data);
     }
+    // Orientations 5 to 8 exchange rows and columns.
     let swapped = turned >= 5;
     let (nw, nh) = if swapped { (h, w) } else { (w, h) };
     let mut out = Vec::with_capacity(data.len());
     for y in 0..nh {
         for x in 0..nw {
+            // Place in the stored image of the upright pixel (x, y).
             let (sx, sy) = match turned {
                 2 => (w - 1 - x, y),
                 3 => (w - 1 - x, h - 1 - y),

@@ -5,7 +5,7 @@ mod jpeg;
 mod png;
 pub(crate) mod tiff;
 
-/// A format images are read from.
+/// An image format that is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum ImageFormat {
@@ -27,7 +27,7 @@ impl ImageFormat {
     }
 }
 
-/// The samples of an image as the file has them.
+/// The samples of an image as the file stores them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Samples {
     /// 1 to 8 bits in the file; fewer than 8 are spread over 0 to 255.
@@ -47,7 +47,7 @@ impl Samples {
         }
     }
 
-    /// What white is: 255, 65535, or 1 for floats.
+    /// The sample that means white: 255, 65535, or 1 for floats.
     pub const fn full_scale(&self) -> f32 {
         match self {
             Self::U8(_) => 255.0,
@@ -57,7 +57,7 @@ impl Samples {
     }
 }
 
-/// An image, upright, rows from the top, channels side by side.
+/// An upright image: rows from the top, channels side by side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
     /// What it was read as.
@@ -73,8 +73,8 @@ pub struct Image {
 }
 
 impl Image {
-    /// Brightness of each pixel in the samples' own unit ([`Samples::full_scale`] is white), row-major: the luma of
-    /// JPEG and television, 0.299 R + 0.587 G + 0.114 B. Alpha is left aside.
+    /// Brightness of each pixel in the unit of the samples ([`Samples::full_scale`] is white), row-major.
+    /// It is the luma of ITU-R BT.601, 0.299 R + 0.587 G + 0.114 B, as JPEG has it. Alpha is ignored.
     pub fn to_grey_f32(&self) -> Vec<f32> {
         match &self.samples {
             Samples::U8(v) => grey(v, self.channels, f32::from),
@@ -113,7 +113,8 @@ pub enum ImageError {
     Unsupported { format: ImageFormat, what: String, instead: &'static str },
 }
 
-/// [`decode`] reads no image with more pixels.
+/// Largest number of pixels that [`decode`] reads. An image of this size takes 750 MB as RGB; phone
+/// cameras give up to 200 million pixels.
 pub const MAX_PIXELS: u64 = 250_000_000;
 
 /// Reads an image of any of the formats, told from its first bytes. A TIFF gives its first page; the orientation that
@@ -125,7 +126,7 @@ pub fn decode(bytes: &[u8]) -> Result<Image, ImageError> {
     decode_within(bytes, MAX_PIXELS)
 }
 
-/// [`decode`] with a limit of one's own on the pixels.
+/// Like [`decode`], with a limit on the pixels that the caller sets.
 ///
 /// # Errors
 /// As [`decode`].
@@ -133,7 +134,8 @@ pub fn decode_within(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError>
     read(bytes, max_pixels, Colours::All)
 }
 
-/// [`decode`] for those who want brightness only: JPEGs keep it apart from colour and give it in half the time.
+/// Like [`decode`], for brightness alone. A JPEG stores brightness apart from colour and decodes in half
+/// the time.
 ///
 /// # Errors
 /// As [`decode`].
@@ -141,7 +143,7 @@ pub fn decode_luma(bytes: &[u8]) -> Result<Image, ImageError> {
     read(bytes, MAX_PIXELS, Colours::LumaWhereApart)
 }
 
-/// What of the colours is wanted.
+/// Which channels the caller needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Colours {
     All,
@@ -171,6 +173,7 @@ pub fn sniff_image(bytes: &[u8]) -> Option<ImageFormat> {
         Some(ImageFormat::Jpeg)
     } else if [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|m| starts(*m)) {
         Some(ImageFormat::Tiff)
+    // Two letters prove little: the smallest header has to fit too.
     } else if starts(b"BM") && bytes.len() >= 26 {
         Some(ImageFormat::Bmp)
     } else {
@@ -178,7 +181,7 @@ pub fn sniff_image(bytes: &[u8]) -> Option<ImageFormat> {
     }
 }
 
-/// Refuses what has no pixels or too many.
+/// Refuses an image without pixels or with too many.
 fn check_size(format: ImageFormat, width: u64, height: u64, limit: u64) -> Result<(), ImageError> {
     if width == 0 || height == 0 {
         return Err(malformed(format, format!("an image of {width} x {height} pixels")));

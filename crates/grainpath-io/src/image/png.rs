@@ -7,14 +7,18 @@ use super::{Image, ImageError, ImageFormat, Samples, check_size, malformed};
 const FORMAT: ImageFormat = ImageFormat::Png;
 
 pub fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
+    // The decoder may hold 64 MiB besides the pixels: palettes and ICC profiles inflate too.
     let limits = Limits { bytes: 64 << 20 };
     let mut decoder = Decoder::new_with_limits(std::io::Cursor::new(bytes), limits);
+    // EXPAND turns palettes into RGB and 1, 2 and 4 bits into 8, but leaves 16 bits as they are.
     decoder.set_transformations(Transformations::EXPAND);
+    // Text chunks inflate without bound and say nothing about the pixels.
     decoder.set_ignore_text_chunk(true);
     let (width, height) = {
         let info = decoder.read_header_info().map_err(error)?;
         (info.width, info.height)
     };
+    // Before `read_info`, which reserves memory for rows.
     check_size(FORMAT, width.into(), height.into(), max_pixels)?;
     let mut reader = decoder.read_info().map_err(error)?;
     let size = reader.output_buffer_size().ok_or_else(|| malformed(FORMAT, "no size"))?;
@@ -29,6 +33,7 @@ pub fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
     };
     let samples = match info.bit_depth {
         BitDepth::Sixteen => {
+            // PNG stores 16-bit samples big endian (PNG specification, section 7.1).
             Samples::U16(data.chunks_exact(2).map(|b| u16::from_be_bytes([b[0], b[1]])).collect())
         }
         _ => Samples::U8(data),

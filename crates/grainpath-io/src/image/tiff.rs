@@ -13,14 +13,15 @@ pub fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
     let (width, height) = decoder.dimensions().map_err(error)?;
     check_size(FORMAT, width.into(), height.into(), max_pixels)?;
     let mut limits = Limits::default();
-    // Four channels of eight bytes are the most a pixel can have.
+    // A pixel has at most four channels of eight bytes. The decoder's limit follows from the size that
+    // was checked above.
     let most = (u64::from(width) * u64::from(height)).saturating_mul(32);
     limits.decoding_buffer_size = usize::try_from(most).unwrap_or(usize::MAX);
     limits.intermediate_buffer_size = limits.decoding_buffer_size.max(1 << 20);
     read_page(&mut decoder.with_limits(limits), max_pixels)
 }
 
-/// The page a decoder stands at; its limits are the caller's.
+/// Reads the page that the decoder stands at. The caller has set the limits.
 pub fn read_page<R: std::io::Read + std::io::Seek>(
     decoder: &mut Decoder<R>,
     max_pixels: u64,
@@ -36,6 +37,8 @@ pub fn read_page<R: std::io::Read + std::io::Seek>(
         other => return Err(unsupported(format!("{other:?}"))),
     };
     let planar: Option<u16> = decoder.find_tag_unsigned(Tag::PlanarConfiguration).map_err(error)?;
+    // Planes would have to be interleaved; cameras and scanners write chunky pixels (PlanarConfiguration
+    // 1).
     if channels > 1 && planar == Some(2) {
         return Err(unsupported("one plane a channel".into()));
     }
@@ -45,12 +48,15 @@ pub fn read_page<R: std::io::Read + std::io::Seek>(
     };
     let (w, h) = (width as usize, height as usize);
     let samples = match decoder.read_image().map_err(error)? {
+        // The decoder leaves fewer than 8 bits packed.
         DecodingResult::U8(v) if colour.bit_depth() < 8 => {
+            // Palette indices must keep their values; grey values are stretched to 0 to 255.
             let spread = palette.is_empty();
             Samples::U8(unpack(&v, w * channels, h, colour.bit_depth(), spread)?)
         }
         DecodingResult::U8(v) => Samples::U8(v),
         DecodingResult::U16(v) => Samples::U16(v),
+        // Floats and signed integers keep their values as f32. Scans use them for densities below zero.
         DecodingResult::F16(v) => Samples::F32(v.into_iter().map(f32::from).collect()),
         DecodingResult::F32(v) => Samples::F32(v),
         DecodingResult::F64(v) => Samples::F32(v.into_iter().map(|s| s as f32).collect()),
@@ -69,7 +75,7 @@ pub fn read_page<R: std::io::Read + std::io::Seek>(
     Ok(Image { format: FORMAT, width: w, height: h, channels, samples })
 }
 
-/// Samples of fewer than 8 bits, each row padded to whole bytes.
+/// Unpacks samples of fewer than 8 bits; each row is padded to whole bytes.
 fn unpack(packed: &[u8], row: usize, rows: usize, bits: u8, spread: bool) -> Result<Vec<u8>, ImageError> {
     let bits = usize::from(bits);
     if ![1, 2, 4].contains(&bits) {
@@ -93,6 +99,7 @@ fn coloured(w: usize, h: usize, samples: &Samples, palette: &[u16], bits: u8) ->
     if palette.len() < 3 * n {
         return Err(malformed(FORMAT, "its palette is cut short"));
     }
+    // ColorMap holds all reds, then all greens, then all blues (TIFF 6.0, section 5).
     let colour = |&i: &u8| [0, n, 2 * n].map(|first| palette[first + usize::from(i).min(n - 1)]);
     let samples = Samples::U16(indices.iter().flat_map(colour).collect());
     Ok(Image { format: FORMAT, width: w, height: h, channels: 3, samples })

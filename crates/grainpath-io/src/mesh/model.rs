@@ -7,7 +7,7 @@ use grainpath_core::{DVec3, TriMesh, Warning};
 use crate::position::BadCoordinate;
 use crate::text::TextError;
 
-/// A format meshes are read from.
+/// A mesh format that is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum MeshFormat {
@@ -75,11 +75,11 @@ impl PaintedSupports {
 /// The bodies of a part, as a mesh file holds them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshFile {
-    /// At least one, each with triangles.
+    /// At least one body, each with triangles.
     pub bodies: Vec<MeshBody>,
-    /// The unit the file states; `None` where the format has none.
+    /// The unit that the file states; `None` where the format has none.
     pub unit: Option<LengthUnit>,
-    /// What was odd but could be read.
+    /// Warnings about contents that are odd but readable.
     pub warnings: Vec<Warning>,
 }
 
@@ -116,9 +116,10 @@ pub enum MeshError {
     Invalid { place: String, problem: String },
 }
 
-/// No reader makes more vertices or triangles than this.
+/// Limit on vertices and on triangles of every reader. Indices have 32 bits; a mesh of this size takes
+/// about 7 GB.
 pub(crate) const MAX_ELEMENTS: u64 = 200_000_000;
-/// Builds a body out of triangles given by their corners, merging equal ones.
+/// Builds a body from triangles given by their corners, and merges corners with equal coordinates.
 pub(crate) struct SoupBuilder {
     welder: VertexWelder,
     triangles: Vec<[u32; 3]>,
@@ -126,7 +127,7 @@ pub(crate) struct SoupBuilder {
 
 impl SoupBuilder {
     pub(crate) fn with_capacity(n_triangles: usize) -> Self {
-        // A closed mesh has about half as many vertices as triangles.
+        // Euler's formula: a closed mesh has about half as many vertices as triangles.
         Self {
             welder: VertexWelder::with_capacity(n_triangles / 2 + 4),
             triangles: Vec::with_capacity(n_triangles),
@@ -151,9 +152,11 @@ impl SoupBuilder {
     }
 }
 
-/// A body out of indexed faces as OFF and PLY have them, equal vertices merged.
+/// Makes a body of indexed faces, as OFF and PLY have them, and merges equal vertices.
 pub(super) fn merge(mesh: TriMesh) -> Result<MeshBody, MeshError> {
     let mut soup = SoupBuilder::with_capacity(mesh.triangles.len());
+    // Many exporters write each face with corners of its own. Without merging no edge would be shared and
+    // every mesh would count as open.
     let merged = mesh.vertices.iter().map(|&p| soup.index(p)).collect::<Result<Vec<u32>, MeshError>>()?;
     for t in mesh.triangles {
         soup.push(t.map(|i| merged[i as usize]))?;
@@ -161,13 +164,14 @@ pub(super) fn merge(mesh: TriMesh) -> Result<MeshBody, MeshError> {
     Ok(soup.finish(None))
 }
 
-/// Cuts a face with any number of corners into triangles: a fan for convex ones, ears else.
+/// Cuts a face with any number of corners into triangles by ear clipping. Where no ear is found, the rest
+/// becomes a fan.
 pub(crate) fn triangulate(corners: &[u32], position: impl Fn(u32) -> DVec3, mut emit: impl FnMut([u32; 3])) {
     if let &[a, b, c] = corners {
         return emit([a, b, c]);
     }
     let n = corners.len();
-    // Newell's normal: right for any planar face, convex or not.
+    // Newell's normal (`ericson2005`), which is right for every planar face, convex or not.
     let normal = (0..n).fold(DVec3::ZERO, |sum, i| {
         let (p, q) = (position(corners[i]), position(corners[(i + 1) % n]));
         sum + (p - q).cross(p + q)
@@ -177,9 +181,11 @@ pub(crate) fn triangulate(corners: &[u32], position: impl Fn(u32) -> DVec3, mut 
         (b - a).cross(c - b).dot(normal)
     };
     let mut ring: Vec<u32> = corners.to_vec();
-    // Faces of a few hundred corners and more are cut as fans: ear clipping is quadratic.
+    // Ear clipping takes quadratic time, so faces of more than 256 corners become fans. Such faces are
+    // discs and caps, which are convex.
     while ring.len() > 3 && n <= 256 {
         let m = ring.len();
+        // An ear is a convex corner whose triangle holds no other corner.
         let ear = (0..m).find(|&i| {
             let (a, b, c) = (ring[(i + m - 1) % m], ring[i], ring[(i + 1) % m]);
             let inside = |&p: &u32| {
@@ -192,6 +198,8 @@ pub(crate) fn triangulate(corners: &[u32], position: impl Fn(u32) -> DVec3, mut 
             };
             turn(a, b, c) > 0.0 && !ring.iter().any(inside)
         });
+        // A face that crosses itself may have no ear; the fan below keeps the surface closed all the
+        // same.
         let Some(i) = ear else { break };
         emit([ring[(i + m - 1) % m], ring[i], ring[(i + 1) % m]]);
         ring.remove(i);

@@ -12,8 +12,10 @@ use grainpath_core::number::whole;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut words = Words::new(bytes, Some(b'#'));
-    // Vertices by the file's numbering -> merged ones.
+    // Index of the merged vertex for each vertex of the file.
     let mut merged: Vec<u32> = Vec::new();
+    // A vertex line takes about 30 bytes and a face line as many, so a triangle takes at least 45; 64
+    // reserves a little too few rather than too many.
     let mut soup = SoupBuilder::with_capacity(bytes.len() / 64);
     let mut positions = Vec::new();
     let mut face = Vec::new();
@@ -26,6 +28,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
                 }
                 let p = checked(words.position()?, || words.place())?;
                 let index = soup.index(p)?;
+                // A new vertex. Others have been merged into an earlier one.
                 if index as usize == positions.len() {
                     positions.push(p);
                 }
@@ -40,11 +43,14 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
                 if face.len() < 3 || face.len() > 65535 {
                     return Err(MeshError::BadFace { place: words.place(), n: face.len() as u64 });
                 }
+                // Triangles are collected first, because the builder cannot be borrowed while it
+                // triangulates.
                 triangulate(&face, |i| positions[i as usize], |t| triangles.push(t));
                 for t in triangles.drain(..) {
                     soup.push(t)?;
                 }
             }
+            // Normals, texture coordinates, groups and materials do not change the shape.
             _ => words.next_line(),
         }
     }
@@ -56,6 +62,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
 fn vertex(corner: &[u8], merged: &[u32], words: &Words<'_>) -> Result<u32, MeshError> {
     let number = corner.split(|&b| b == b'/').next().unwrap_or_default();
     let index = whole(number).ok_or_else(|| words.wrong(corner, "a vertex number"))?;
+    // OBJ counts from 1; -1 is the vertex before this line.
     let at = if index < 0 { merged.len() as i64 + index } else { index - 1 };
     usize::try_from(at).ok().and_then(|i| merged.get(i)).copied().ok_or_else(|| MeshError::NoSuchVertex {
         place: words.place(),

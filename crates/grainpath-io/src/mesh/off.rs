@@ -14,11 +14,13 @@ use grainpath_core::number::whole;
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut words = Words::new(bytes, Some(b'#'));
     let header = words.word().ok_or(MeshError::Empty)?;
+    // `COFF`, `NOFF` and `CNOFF` end in the same letters; what they add stands behind the coordinates.
     if header.get(header.len().saturating_sub(3)..).is_none_or(|h| !h.eq_ignore_ascii_case(b"OFF")) {
         return Err(words.wrong(header, "`OFF`").into());
     }
     let n_vertices = words.count("the number of vertices")?;
     let n_faces = words.count("the number of faces")?;
+    // The manual requires the number of edges and does not use it.
     words.count("the number of edges")?;
     for (what, n) in [("vertices", n_vertices), ("faces", n_faces)] {
         if n > MAX_ELEMENTS {
@@ -26,7 +28,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         }
     }
     words.next_line();
-    // A count is a claim; room is made for what the file can hold.
+    // A count is only a claim. A row takes at least four bytes, so no more memory is reserved than the
+    // file can fill.
     let room = |n: u64| (n as usize).min(bytes.len() / 4);
     let mut mesh = TriMesh {
         vertices: Vec::with_capacity(room(n_vertices)),
@@ -35,6 +38,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     for _ in 0..n_vertices {
         let p = words.position()?;
         mesh.vertices.push(checked(p, || words.place())?);
+        // Normals and colours may follow on the line.
         words.next_line();
     }
     let mut face = Vec::new();

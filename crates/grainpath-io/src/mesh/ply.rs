@@ -18,7 +18,7 @@ enum Encoding {
     Big,
 }
 
-/// A scalar type: size in bytes, whether it is a float, whether it has a sign.
+/// A scalar type: size in bytes, whether it is a float, whether it is signed.
 #[derive(Clone, Copy)]
 struct Scalar {
     size: usize,
@@ -28,7 +28,7 @@ struct Scalar {
 
 struct Property {
     name: String,
-    /// Type of the length, for a list.
+    /// Type of the length of a list; `None` for a single value.
     list: Option<Scalar>,
     scalar: Scalar,
 }
@@ -41,6 +41,7 @@ struct Element {
 
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut words = Words::new(bytes, None);
+    // The first line is the magic word `ply`, which recognised the format.
     words.next_line();
     let (encoding, elements) = header(&mut words)?;
     let mut data = Data { encoding, words, bytes, at: 0, element: String::new(), row: 0 };
@@ -54,6 +55,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
             data.row = row;
             match element.name.as_str() {
                 "vertex" => {
+                    // A missing coordinate stays NaN and is refused by `checked`.
                     let mut p = [f64::NAN; 3];
                     for property in &element.properties {
                         let value = data.value(property)?;
@@ -65,6 +67,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
                 }
                 "face" => {
                     for property in &element.properties {
+                        // `vertex_indices` and `vertex_index` are both in use; Turk's text has the
+                        // latter.
                         if property.list.is_some() && property.name.starts_with("vertex_ind") {
                             let before = faces.len();
                             data.face(property, &mut faces)?;
@@ -83,6 +87,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         }
     }
     let n_vertices = mesh.vertices.len();
+    // Faces may come before vertices, so indices are checked when all elements have been read.
     if let Some(&bad) = faces.iter().find(|&&i| i as usize >= n_vertices) {
         return Err(MeshError::NoSuchVertex {
             place: "element face".into(),
@@ -124,6 +129,7 @@ fn header(words: &mut Words<'_>) -> Result<(Encoding, Vec<Element>), MeshError> 
             b"element" => {
                 let name = String::from_utf8_lossy(words.word_on_line().unwrap_or_default()).into_owned();
                 let count = words.count("the number of elements")?;
+                // The count is a claim of the header; memory is taken only as rows arrive.
                 if count > MAX_ELEMENTS {
                     return Err(MeshError::TooMany { what: "elements", limit: MAX_ELEMENTS });
                 }
@@ -158,10 +164,11 @@ fn header(words: &mut Words<'_>) -> Result<(Encoding, Vec<Element>), MeshError> 
         }
         words.next_line();
     }
+    // Binary data begin right behind the line break of `end_header`.
     words.next_line();
     let encoding = encoding
         .ok_or_else(|| MeshError::Invalid { place: "header".into(), problem: "no `format` line".into() })?;
-    // Rows without any property take no bytes: a count alone could keep the reader busy for ever.
+    // Rows without a property take no bytes, so a count alone could keep the reader busy without end.
     if let Some(e) = elements.iter().find(|e| e.properties.is_empty() && e.count > 0) {
         let problem = format!("element {} has {} rows and no properties", e.name, e.count);
         return Err(MeshError::Invalid { place: "header".into(), problem });
@@ -211,6 +218,7 @@ impl Data<'_> {
             return Err(TextError::UnexpectedEnd { place: self.place(), expected: "a number" }.into());
         };
         self.at += scalar.size;
+        // All sizes are widened to eight little-endian bytes, so that one conversion serves every type.
         let mut wide = [0u8; 8];
         if self.encoding == Encoding::Little {
             wide[..scalar.size].copy_from_slice(raw);
@@ -224,6 +232,7 @@ impl Data<'_> {
             (true, 4) => f64::from(f32::from_bits(bits as u32)),
             (true, _) => f64::from_bits(bits),
             (false, size) if scalar.signed => {
+                // Sign extension: shift the value to the top and back as a signed number.
                 let unused = 64 - 8 * size as u32;
                 ((bits << unused) as i64 >> unused) as f64
             }
@@ -231,7 +240,7 @@ impl Data<'_> {
         })
     }
 
-    /// A property's value; a list's is read and dropped.
+    /// Reads the value of a property. A list is read and dropped.
     fn value(&mut self, property: &Property) -> Result<f64, MeshError> {
         let Some(length) = property.list else { return self.scalar(property.scalar) };
         let n = self.scalar(length)?;
@@ -244,11 +253,13 @@ impl Data<'_> {
     fn face(&mut self, property: &Property, out: &mut Vec<u32>) -> Result<(), MeshError> {
         let length = property.list.unwrap_or(property.scalar);
         let n = self.scalar(length)?;
+        // The comparison also refuses NaN; 65 535 corners bound the work of a damaged length.
         if !(3.0..=65535.0).contains(&n) {
             return Err(MeshError::BadFace { place: self.place(), n: n.max(0.0) as u64 });
         }
         for _ in 0..n as u64 {
             let index = self.scalar(property.scalar)?;
+            // Indices are stored in 32 bits.
             if !(0.0..4e9).contains(&index) {
                 return Err(MeshError::NoSuchVertex {
                     place: self.place(),

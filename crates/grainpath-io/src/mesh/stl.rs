@@ -17,7 +17,9 @@ use super::model::{MeshBody, MeshError, MeshFile, SoupBuilder};
 use crate::position::checked;
 use crate::text::{TextError, Words};
 
+// Source: 3D Systems, *StereoLithography Interface Specification*: 80 bytes of text and a 32-bit count.
 const HEADER: usize = 84;
+// Source: the same: 12 floats of 4 bytes and 2 bytes of attributes.
 const FACET: usize = 50;
 
 fn promised(bytes: &[u8]) -> Option<u64> {
@@ -25,16 +27,20 @@ fn promised(bytes: &[u8]) -> Option<u64> {
     Some(u64::from(u32::from_le_bytes(n)))
 }
 
-/// Whether the size is that of a binary STL with the number of facets its header states. Some programs pad the end.
+/// Whether the size of the file is that of a binary STL with the number of facets that its header states.
+/// Up to 4095 bytes of padding are accepted.
 pub(crate) fn has_binary_size(bytes: &[u8]) -> bool {
     promised(bytes).is_some_and(|n| {
         let size = HEADER as u64 + FACET as u64 * n;
         let spare = (bytes.len() as u64).checked_sub(size);
+        // A text that begins with `solid` can have the right size by chance only within the padding, so
+        // padding is accepted for other headers alone.
         n > 0 && spare.is_some_and(|s| s == 0 || (s < 4096 && !bytes[..80].starts_with(b"solid")))
     })
 }
 
-/// Whether the bytes look like a binary STL whose end is missing: not text, and a header that promises more.
+/// Whether the bytes look like a binary STL whose end is missing: not text, and fewer facets than the
+/// header states.
 pub(crate) fn is_cut_short(bytes: &[u8], named_stl: bool) -> bool {
     let n = promised(bytes).unwrap_or(0);
     let size = HEADER as u64 + FACET as u64 * n;
@@ -52,6 +58,7 @@ pub(crate) fn read_binary(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     }
     let n = promised as usize;
     let mut soup = SoupBuilder::with_capacity(n);
+    // Twelve bytes of normal come first and are skipped; the corners give the normal.
     for (i, facet) in bytes[HEADER..].chunks_exact(FACET).take(n).enumerate() {
         let float =
             |k: usize| f64::from(f32::from_le_bytes([facet[k], facet[k + 1], facet[k + 2], facet[k + 3]]));
@@ -84,10 +91,12 @@ pub(crate) fn read_ascii(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     while let Some(word) = words.word() {
         let is = |w: &str| word.eq_ignore_ascii_case(w.as_bytes());
         if is("solid") {
+            // A `solid` without `endsolid` before it ends the last body.
             bodies.extend(solid.take().map(|(s, name)| s.finish(name)));
             let name = String::from_utf8_lossy(words.rest_of_line()).into_owned();
             solid = Some((SoupBuilder::with_capacity(0), (!name.is_empty()).then_some(name)));
         } else if is("facet") {
+            // Some programs omit the `solid` line.
             let (soup, _) = solid.get_or_insert_with(|| (SoupBuilder::with_capacity(0), None));
             let corners = facet(&mut words)?;
             let mut triangle = [0; 3];
@@ -110,6 +119,7 @@ pub(crate) fn read_ascii(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         }
     }
     if let Some((soup, name)) = solid {
+        // All facets so far are sound, so the mesh is read and the user is told.
         let text = "`endsolid` is missing: the file may be cut short";
         warnings.push(Warning::new(WarningId::MeshFileDamaged, text));
         bodies.push(soup.finish(name));
@@ -117,10 +127,11 @@ pub(crate) fn read_ascii(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     Ok(MeshFile { bodies, unit: None, warnings })
 }
 
-/// What follows the word `facet`.
+/// Reads the rest of a facet behind the word `facet`.
 fn facet(words: &mut Words<'_>) -> Result<[DVec3; 3], MeshError> {
     keyword(words, "normal", "`normal`")?;
-    // Normals are worked out anew, so whatever stands there is passed over: programs write nan, inf and worse.
+    // Normals are computed from the corners, so whatever stands here is skipped: programs write nan, inf
+    // and worse.
     let mut passed = 0;
     while !words
         .word()
@@ -128,6 +139,7 @@ fn facet(words: &mut Words<'_>) -> Result<[DVec3; 3], MeshError> {
         .eq_ignore_ascii_case(b"outer")
     {
         passed += 1;
+        // More than three words are no normal; stopping here keeps the line number in the message right.
         if passed > 3 {
             return Err(words.wrong(b"a normal of more than 3 numbers", "`outer loop`").into());
         }
@@ -141,6 +153,7 @@ fn facet(words: &mut Words<'_>) -> Result<[DVec3; 3], MeshError> {
     }
     keyword(words, "endloop", "`endloop` (a facet has 3 vertices)")?;
     let line = words.line();
+    // Only words in the line of `endloop` may come before `endfacet`. Elsewhere the file is damaged.
     loop {
         let word = words
             .word()
@@ -179,13 +192,16 @@ fn keyword(words: &mut Words<'_>, word: &str, expected: &'static str) -> Result<
 pub fn write_stl(mesh: &TriMesh, out: &mut dyn Write) -> io::Result<()> {
     let n =
         u32::try_from(mesh.triangles.len()).map_err(|_| io::Error::other("too many triangles for STL"))?;
+    // The header must not begin with `solid`, or readers would take the file for ASCII.
     let mut header = [0u8; 80];
     header[..9].copy_from_slice(b"grainpath");
     out.write_all(&header)?;
     out.write_all(&n.to_le_bytes())?;
     for t in &mesh.triangles {
         let [a, b, c] = t.map(|i| mesh.vertices[i as usize]);
+        // A degenerate triangle gets the normal 0 0 0, which readers recompute.
         let normal = (b - a).cross(c - a).normalize_or_zero();
+        // The last two bytes, the attribute count, stay 0.
         let mut facet = [0u8; FACET];
         let numbers = [normal, a, b, c].into_iter().flat_map(|v| v.to_array());
         for (bytes, number) in facet.chunks_exact_mut(4).zip(numbers) {

@@ -6,24 +6,24 @@ use grainpath_core::{Contour, DVec2, Region, Warning, WarningId};
 
 use crate::text::TextError;
 
-/// How a drawing is read.
+/// Options for reading a drawing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutlineOptions {
-    /// What one of the drawing's units is; `None` goes by what the file says.
+    /// Unit of the drawing; `None` takes what the file states.
     pub unit: Option<LengthUnit>,
-    /// Curves are cut into straight pieces that lie this close, mm.
+    /// Largest distance between a curve and the chords that replace it, mm.
     pub tolerance_mm: f64,
-    /// All closed lines count together, each other one inwards a hole, however shapes are filled. Those of a DXF
-    /// always do.
+    /// Whether all closed lines count together by the even-odd rule, however shapes are filled: every
+    /// second one inwards is a hole. Lines of a DXF always count so.
     pub even_odd: bool,
 }
 
-/// What was read.
+/// The result of reading a drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     /// The part, mm: x to the right and y up from the lower left corner of an SVG's page, from the origin of a DXF.
     pub region: Region,
-    /// What was odd but could be read.
+    /// Warnings about contents that are odd but readable.
     pub warnings: Vec<Warning>,
 }
 
@@ -53,17 +53,19 @@ pub enum OutlineError {
     Invalid { place: String, problem: String },
 }
 
-/// Drawings with more points are not read.
+/// Limit on the points of a drawing; they take 64 MB. A drawing with more is a hatching or a traced
+/// photograph.
 pub(super) const MAX_POINTS: usize = 4_000_000;
-/// Coordinates beyond this are damage, mm.
+/// Limit on coordinates, mm. A part 1 km wide comes from a wrong unit or damage.
 const MAX_MM: f64 = 1e6;
-/// Smaller pieces of the part are rounding, mm2.
+/// Pieces of the part with a smaller area are dropped, mm2. They come from rounding where shapes touch; a
+/// bead 0.4 mm wide covers as much in 3 um of length.
 const SMALLEST_MM2: f64 = 1e-3;
 
 /// One shape of a drawing: closed lines, mm.
 pub(super) struct Shape {
     pub(super) rings: Vec<Contour>,
-    /// `None` where only the line is drawn.
+    /// The fill rule; `None` where only the line is drawn.
     pub(super) filled: Option<FillRule>,
 }
 
@@ -72,13 +74,13 @@ pub(super) struct Shape {
 pub(super) struct Drawing {
     pub(super) shapes: Vec<Shape>,
     pub(super) n_points: usize,
-    /// Open lines that bound nothing.
+    /// Number of open lines, which bound no area.
     pub(super) dropped: usize,
     pub(super) warnings: Vec<Warning>,
 }
 
 impl Drawing {
-    /// Adds a shape's lines; those of unfilled shapes count only when they are closed.
+    /// Adds the lines of a shape. An unfilled open line is counted as dropped.
     pub(super) fn add(&mut self, lines: Vec<Line>, filled: Option<FillRule>) -> Result<(), OutlineError> {
         let mut rings = Vec::with_capacity(lines.len());
         for Line { mut points, closed } in lines {
@@ -86,13 +88,17 @@ impl Drawing {
             if self.n_points > MAX_POINTS {
                 return Err(OutlineError::TooManyPoints);
             }
+            // Written so that NaN fails the comparison too.
             if let Some(p) = points.iter().find(|p| !p.abs().cmple(DVec2::splat(MAX_MM)).all()) {
                 return Err(invalid("", format!("the point ({}, {}) mm lies beyond {MAX_MM} mm", p.x, p.y)));
             }
             let meets = points.len() > 2 && points[0].distance(points[points.len() - 1]) < SAME_MM;
             if meets {
+                // A contour does not repeat its first point.
                 points.pop();
             }
+            // Fill closes an open path without drawing the last side (SVG 1.1, section 11.3), so filled
+            // shapes need no closing line.
             if filled.is_none() && !closed && !meets {
                 self.dropped += 1;
             } else if points.len() > 2 {
@@ -105,7 +111,7 @@ impl Drawing {
         Ok(())
     }
 
-    /// Says something once.
+    /// Adds a warning once. Fifty different ones are more than anyone reads.
     pub(super) fn warn(&mut self, id: WarningId, text: impl Into<String>) {
         let warning = Warning::new(id, text);
         if self.warnings.len() < 50 && !self.warnings.contains(&warning) {
@@ -118,17 +124,20 @@ impl Drawing {
         let mut lines: Vec<Contour> = Vec::new();
         for shape in &self.shapes {
             match shape.filled {
+                // Each filled shape becomes a region by its own rule before the shapes are united.
                 Some(rule) if !even_odd => {
                     all.extend(Region::from_contours(&shape.rings, rule).contours().cloned());
                 }
                 _ => lines.extend(shape.rings.iter().cloned()),
             }
         }
-        // Sound regions wind once around what is theirs: where anything winds is their union.
+        // The regions overlap but each winds once around its own area, so the non-zero rule gives their
+        // union.
         let filled = Region::from_contours(&all, FillRule::NonZero);
         let mut region = if lines.is_empty() {
             filled
         } else {
+            // A closed line inside filled material cuts a hole, a line outside adds material.
             Region::from_contours(filled.contours().chain(&lines), FillRule::EvenOdd)
         };
         region.polygons.retain(|p| p.area_mm2() > SMALLEST_MM2);
@@ -143,5 +152,5 @@ pub(super) struct Line {
     pub(super) closed: bool,
 }
 
-/// Ends nearer than this are the same place, mm.
+/// Points nearer than this are the same point, mm. Files round their coordinates.
 pub(super) const SAME_MM: f64 = 1e-3;

@@ -7,7 +7,8 @@ use grainpath_core::number::{Exponent, leading_number};
 use super::drawing::{Line, MAX_POINTS, OutlineError, invalid};
 use crate::text::TextError;
 
-/// Walks through numbers parted by space and commas, or by nothing where that is plain.
+/// Reads numbers that are separated by space and commas, or by nothing where a sign or point begins the
+/// next (`1-2.5.5`).
 pub(super) struct Numbers<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -38,7 +39,7 @@ impl<'a> Numbers<'a> {
         }
     }
 
-    /// Whether anything is left.
+    /// Whether only separators are left.
     pub(super) fn is_done(&mut self) -> bool {
         self.peek().is_none()
     }
@@ -58,6 +59,7 @@ impl<'a> Numbers<'a> {
     fn flag(&mut self) -> Result<bool, TextError> {
         let flag = match self.peek() {
             Some(b'0') => false,
+            // Flags need no separator: `a1 1 0 01 2 2` is legal (SVG 1.1, section 8.3.9).
             Some(b'1') => true,
             _ => return Err(self.wrong("0 or 1")),
         };
@@ -66,7 +68,7 @@ impl<'a> Numbers<'a> {
     }
 }
 
-/// The lines of path data; curves lie within `tolerance` of their pieces, in the path's own units.
+/// The lines of path data. Chords lie within `tolerance` of their curve, in the path's own unit.
 pub(super) fn lines(data: &str, tolerance: f64) -> Result<Vec<Line>, OutlineError> {
     let mut words = Numbers::new(data);
     let mut pen =
@@ -76,6 +78,7 @@ pub(super) fn lines(data: &str, tolerance: f64) -> Result<Vec<Line>, OutlineErro
         if next.is_ascii_alphabetic() {
             command = next;
             words.at += 1;
+        // Numbers behind Z belong to no command.
         } else if command.eq_ignore_ascii_case(&b'z') {
             return Err(words.wrong("a command").into());
         }
@@ -87,7 +90,7 @@ pub(super) fn lines(data: &str, tolerance: f64) -> Result<Vec<Line>, OutlineErro
         if pen.n_points > MAX_POINTS {
             return Err(OutlineError::TooManyPoints);
         }
-        // Further pairs after a move are lines.
+        // Further pairs behind a move are lines (SVG 1.1, section 8.3.2).
         command = match command {
             b'M' => b'L',
             b'm' => b'l',
@@ -100,9 +103,9 @@ pub(super) fn lines(data: &str, tolerance: f64) -> Result<Vec<Line>, OutlineErro
 struct Pen {
     lines: Vec<Line>,
     at: DVec2,
-    /// Where the line began.
+    /// The beginning of the current line, to which Z returns.
     start: DVec2,
-    /// The last control point, and whether the curve was cubic, for those that go on smoothly.
+    /// The last control point and whether its curve was cubic; the commands S and T mirror it.
     control: Option<(DVec2, bool)>,
     tolerance: f64,
     n_points: usize,
@@ -111,8 +114,11 @@ struct Pen {
 impl Pen {
     fn draw(&mut self, command: u8, words: &mut Numbers<'_>) -> Result<(), TextError> {
         let base = if command.is_ascii_lowercase() { self.at } else { DVec2::ZERO };
+        // Only a curve directly before counts for mirroring, so every command clears the point.
         let (from, control) = (self.at, self.control.take());
         let mirrored = |cubic: bool| match control {
+            // S after Q or T after C has no point to mirror and begins at the current point (section
+            // 8.3.6).
             Some((c, kind)) if kind == cubic => 2.0 * from - c,
             _ => from,
         };
@@ -170,7 +176,7 @@ impl Pen {
     }
 
     fn line_to(&mut self, to: DVec2) {
-        // After Z a line begins anew where the last one began.
+        // After Z, a line begins anew where the last one began.
         if self.lines.last().is_none_or(|l| l.closed) {
             self.lines.push(Line { points: vec![self.at], closed: false });
         }
@@ -183,14 +189,17 @@ impl Pen {
 
     fn quadratic(&mut self, control: DVec2, to: DVec2) {
         let from = self.at;
+        // Degree elevation: the cubic with these control points is the same curve.
         self.cubic(from + 2.0 / 3.0 * (control - from), to + 2.0 / 3.0 * (control - to), to);
         self.control = Some((control, false));
     }
 
     fn cubic(&mut self, a: DVec2, b: DVec2, to: DVec2) {
         let from = self.at;
-        // A chord over 1/n of the curve is off by at most 1/8 of the second derivative over n squared.
+        // A chord over 1/n of a cubic is off by at most 6 bend / (8 n^2), where the second derivative is
+        // at most 6 bend.
         let bend = (from - 2.0 * a + b).length().max((a - 2.0 * b + to).length());
+        // 1000 chords bound the work on a curve of absurd size.
         let n = (0.75 * bend / self.tolerance).sqrt().ceil().clamp(1.0, 1000.0) as usize;
         for k in 1..n {
             let t = k as f64 / n as f64;
@@ -200,13 +209,15 @@ impl Pen {
         self.line_to(to);
     }
 
-    /// An arc as SVG gives it, by its ends: implementation notes F.6 of SVG 1.1.
+    /// An arc given by its ends. Source: SVG 1.1, implementation notes F.6.
     fn arc(&mut self, radii: DVec2, turn: f64, large: bool, sweep: bool, to: DVec2) {
         let from = self.at;
         let mut radii = radii.abs();
+        // F.6.2: an arc of no length is left out.
         if from == to {
             return;
         }
+        // F.6.2: a zero radius makes it a straight line.
         if !radii.cmpgt(DVec2::ZERO).all() {
             return self.line_to(to);
         }
@@ -214,11 +225,13 @@ impl Pen {
         let into = |p: DVec2| DVec2::new(cos * p.x + sin * p.y, cos * p.y - sin * p.x);
         let half = into(0.5 * (from - to));
         let excess = (half / radii).length_squared();
+        // F.6.6: radii too small to reach are scaled up.
         if excess > 1.0 {
             radii *= excess.sqrt();
         }
-        // On the unit circle.
+        // From here on the ellipse is the unit circle.
         let h = half / radii;
+        // F.6.5, step 2; `max` removes a negative square of rounding size.
         let away = (1.0 / h.length_squared() - 1.0).max(0.0).sqrt() * if large == sweep { -1.0 } else { 1.0 };
         let middle = away * DVec2::new(h.y, -h.x);
         let (first, last) = (h - middle, -h - middle);
@@ -235,6 +248,7 @@ impl Pen {
             let p = direction(begin + angle * k as f64 / n as f64) * radii;
             self.line_to(centre + out(p, sin, cos));
         }
+        // The given end point is used, not the computed one, so that lines meet exactly.
         self.line_to(to);
     }
 }
@@ -243,14 +257,16 @@ fn out(p: DVec2, sin: f64, cos: f64) -> DVec2 {
     DVec2::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y)
 }
 
-/// Into how many pieces an arc is cut so that they lie within `tolerance` of it.
+/// Number of chords of an arc that lie within `tolerance` of it.
 pub(super) fn pieces(radius: f64, angle: f64, tolerance: f64) -> usize {
+    // The sagitta of a chord over the angle s is r (1 - cos(s/2)).
     let step = 2.0 * acos((1.0 - tolerance / radius).clamp(0.0, 1.0));
     (angle / step.max(1e-3)).ceil().clamp(1.0, 10_000.0) as usize
 }
 
-/// A whole ellipse.
+/// A whole ellipse as a closed line.
 pub(super) fn ellipse(centre: DVec2, radii: DVec2, tolerance: f64) -> Line {
+    // Eight chords at least: a tiny circle should not become a triangle.
     let n = pieces(radii.max_element(), std::f64::consts::TAU, tolerance).max(8);
     let point = |k: usize| centre + direction(std::f64::consts::TAU * k as f64 / n as f64) * radii;
     Line { points: (0..n).map(point).collect(), closed: true }

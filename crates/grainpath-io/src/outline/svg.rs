@@ -28,12 +28,12 @@ use super::path::{Numbers, ellipse, lines};
 
 use crate::xml::attribute;
 
-/// A CSS pixel, mm.
+/// A CSS pixel, mm. Source: CSS 2.1, section 4.3.2: 1 px is 0.75 pt and 1 pt is 1/72 inch.
 const PIXEL_MM: f64 = 25.4 / 96.0;
-/// Groups may be nested this deep.
+/// Limit on the nesting of groups; each level keeps a state, so a damaged file must not nest without end.
 const MAX_DEPTH: usize = 1000;
 
-/// The plane map `(x, y) -> x a + y b + c`.
+/// The affine map `(x, y) -> x a + y b + c`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Map {
     a: DVec2,
@@ -54,18 +54,18 @@ impl Map {
         p.x * self.a + p.y * self.b
     }
 
-    /// This map after `first`.
+    /// The map that applies `first` and then this one.
     fn after(&self, first: &Self) -> Self {
         Self { a: self.turned(first.a), b: self.turned(first.b), c: self.at(first.c) }
     }
 
-    /// No length grows by more than this factor.
+    /// Upper bound on the factor by which the map lengthens anything: the Frobenius norm of its matrix.
     fn stretch(&self) -> f64 {
         (self.a.length_squared() + self.b.length_squared()).sqrt()
     }
 }
 
-/// What groups hand on to what is in them.
+/// Properties that a group passes on to its contents.
 #[derive(Debug, Clone, Copy)]
 struct State {
     map: Map,
@@ -79,11 +79,13 @@ type ClassRule = (String, String);
 
 pub(super) fn read(text: &str, options: &OutlineOptions) -> Result<Drawing, OutlineError> {
     let mut xml = Reader::from_str(text);
+    // A missing end tag would apply a group's transform to what follows.
     xml.config_mut().check_end_names = true;
     let mut svg = Svg { drawing: Drawing::default(), stack: Vec::new(), classes: Vec::new(), options };
     let mut in_style = false;
     loop {
         let at = xml.buffer_position();
+        // Errors from deeper levels have no place; the byte of the element is added here.
         let place = |e: OutlineError| match e {
             OutlineError::Invalid { place, problem } if place.is_empty() => {
                 invalid(format!("byte {at}"), problem)
@@ -120,12 +122,14 @@ struct Svg<'a> {
 }
 
 impl Svg<'_> {
-    /// Keeps the rules of a style sheet that name single classes.
+    /// Stores the rules of a style sheet that name a single class. Drawing programs export colours in
+    /// this form.
     fn sheet(&mut self, text: &str) {
         for rule in text.split('}') {
             let Some((names, declarations)) = rule.split_once('{') else { continue };
             for name in names.split(',') {
                 if let Some(class) = name.trim().strip_prefix('.')
+                    // Ten thousand rules bound the time to look a class up.
                     && self.classes.len() < 10_000
                 {
                     self.classes.push((class.to_owned(), declarations.to_owned()));
@@ -139,6 +143,7 @@ impl Svg<'_> {
         let name = name.as_ref();
         let outer = match self.stack.last() {
             Some(state) => *state,
+            // Fill black with the non-zero rule is the initial state (SVG 1.1, section 11.3).
             None if name == "svg" => {
                 State { map: self.page(e)?, filled: true, rule: FillRule::NonZero, hidden: false }
             }
@@ -153,15 +158,18 @@ impl Svg<'_> {
         }
         match name {
             "svg" | "g" | "a" | "switch" | "title" | "desc" | "metadata" | "style" | "namedview" => {}
+            // These elements draw nothing themselves.
             "defs" | "symbol" | "clipPath" | "mask" | "pattern" | "marker" | "linearGradient"
             | "radialGradient" | "filter" => state.hidden = true,
             "text" | "image" | "use" | "foreignObject" if !state.hidden => {
+                // Each of these changes the outline, so the user is told.
                 self.drawing.warn(WarningId::OutlineNotRead, format!("<{name}> is not read; make it a path"));
                 state.hidden = true;
             }
             _ if state.hidden => {}
             _ => self.shape(name, e, &state)?,
         }
+        // A nested <svg> has its own origin.
         if name == "svg" && !self.stack.is_empty() {
             let at = DVec2::new(self.length(e, "x")?.unwrap_or(0.0), self.length(e, "y")?.unwrap_or(0.0));
             state.map.c = state.map.at(at);
@@ -175,7 +183,7 @@ impl Svg<'_> {
         Ok(())
     }
 
-    /// The page's units to mm, y up from its lower edge.
+    /// The map from the page's unit to mm, with y up from the lower edge.
     fn page(&mut self, e: &BytesStart<'_>) -> Result<Map, OutlineError> {
         let view = match attribute(e, "viewBox") {
             None => None,
@@ -190,11 +198,15 @@ impl Svg<'_> {
         };
         let (width, height) = (physical(e, "width"), physical(e, "height"));
         let view_size = view.map_or(DVec2::ONE, |v| v.1);
+        // Width and height over the view box: mm for each user unit.
         let scales = [(width, view_size.x), (height, view_size.y)].map(|(l, v)| l.map(|l| l / v));
         let mm = match (self.options.unit, view, scales) {
             (Some(unit), ..) => unit.mm(),
-            // Without a view box the page's unit is a pixel, whatever the page measures.
+            // Without a view box, user units are pixels, whatever the size of the page (SVG 1.1, section
+            // 7.10).
             (None, None, [Some(_), _] | [_, Some(_)]) => PIXEL_MM,
+            // Different scales mean that the drawing is fitted into the page; the smaller one is used
+            // (`meet`).
             (None, Some(_), [Some(x), Some(y)]) => x.min(y),
             (None, Some(_), [Some(s), None] | [None, Some(s)]) => s,
             _ => {
@@ -206,6 +218,7 @@ impl Svg<'_> {
             }
         };
         let low = view.map_or(DVec2::ZERO, |v| v.0);
+        // The lower edge becomes y = 0.
         let lower_edge = match (view, height) {
             (Some((low, size)), _) => low.y + size.y,
             (None, Some(h)) => h / mm,
@@ -214,7 +227,8 @@ impl Svg<'_> {
         Ok(Map::new([mm, 0.0, 0.0, -mm, -mm * low.x, mm * lower_edge]))
     }
 
-    /// Fill, fill rule and whether it is shown; a style attribute is stronger than a class, a class than an attribute.
+    /// Applies fill, fill rule and visibility. A `style` attribute beats a class, and a class beats an
+    /// attribute.
     fn styled(&self, mut state: State, e: &BytesStart<'_>) -> State {
         for key in ["fill", "fill-rule", "display", "visibility"] {
             if let Some(value) = attribute(e, key) {
@@ -234,16 +248,18 @@ impl Svg<'_> {
         state
     }
 
-    /// A length in the drawing's unit.
+    /// A length in the drawing's user unit.
     fn length(&self, e: &BytesStart<'_>, key: &str) -> Result<Option<f64>, OutlineError> {
         let Some(text) = attribute(e, key) else { return Ok(None) };
         let wrong = || invalid("", format!("{key} = {text:?} should be a length"));
         let (value, unit) = split_length(&text).ok_or_else(wrong)?;
+        // A user unit is one pixel, so physical units are converted to pixels.
         Ok(Some(value * if unit.is_empty() { 1.0 } else { unit_mm(unit).ok_or_else(wrong)? / PIXEL_MM }))
     }
 
     fn shape(&mut self, name: &str, e: &BytesStart<'_>, state: &State) -> Result<(), OutlineError> {
-        // Half for the map, half for the grid that regions lie on.
+        // The tolerance in mm is divided by the stretch of the map, so that it holds after the map is
+        // applied.
         let tolerance = self.options.tolerance_mm / state.map.stretch().max(1e-12);
         let length = |key: &str| self.length(e, key);
         let size = |key: &str| match length(key)? {
@@ -262,6 +278,8 @@ impl Svg<'_> {
                 let (low, w, h) = (point("x", "y")?, size("width")?, size("height")?);
                 let size_ = DVec2::new(w.unwrap_or(0.0), h.unwrap_or(0.0));
                 let (rx, ry) = (size("rx")?, size("ry")?);
+                // One missing radius takes the value of the other, and both stop at half the side (SVG
+                // 1.1, section 9.2).
                 let radii = DVec2::new(rx.or(ry).unwrap_or(0.0), ry.or(rx).unwrap_or(0.0)).min(0.5 * size_);
                 if size_.min_element() > 0.0 {
                     vec![rectangle(low, size_, radii, tolerance)]
@@ -285,10 +303,11 @@ impl Svg<'_> {
                 while !words.is_done() {
                     points.push(words.point().map_err(|e| invalid("", format!("<{name}> points: {e}")))?);
                 }
+                // Fill closes a polyline; without fill it stays open.
                 vec![Line { points, closed: name == "polygon" }]
             }
             "line" => vec![Line { points: vec![point("x1", "y1")?, point("x2", "y2")?], closed: false }],
-            // What other programs put there for themselves draws nothing.
+            // Elements of other programs (guides, layers, previews) draw nothing.
             _ => return Ok(()),
         };
         for p in found.iter_mut().flat_map(|l| &mut l.points) {
@@ -301,6 +320,7 @@ impl Svg<'_> {
 impl State {
     fn declare(&mut self, key: &str, value: &str) {
         match (key, value.trim()) {
+            // Gradients and patterns fill the shape as colours do.
             ("fill", value) if value != "inherit" => self.filled = !matches!(value, "none" | "transparent"),
             ("fill-rule", "evenodd") => self.rule = FillRule::EvenOdd,
             ("fill-rule", "nonzero") => self.rule = FillRule::NonZero,
@@ -324,10 +344,11 @@ fn rectangle(low: DVec2, size: DVec2, radii: DVec2, tolerance: f64) -> Line {
             closed: true,
         };
     }
-    // A quarter of an ellipse in each corner.
+    // Each corner takes a quarter of the ellipse.
     let round = ellipse(DVec2::ZERO, radii, tolerance).points;
     let n = round.len().div_ceil(4);
     let corners = [
+        // Centres of the corner ellipses, in the order of their angles.
         high - radii,
         DVec2::new(low.x + radii.x, high.y - radii.y),
         low + radii,
@@ -342,7 +363,7 @@ fn rectangle(low: DVec2, size: DVec2, radii: DVec2, tolerance: f64) -> Line {
     Line { points: corners.iter().enumerate().flat_map(quarter).collect(), closed: true }
 }
 
-/// Number and unit.
+/// Splits a length into its number and its unit.
 fn split_length(text: &str) -> Option<(f64, &str)> {
     let text = text.trim();
     let end = text
@@ -350,6 +371,7 @@ fn split_length(text: &str) -> Option<(f64, &str)> {
         .find(|&(i, c)| {
             c == '%'
                 || c.is_ascii_alphabetic()
+                    // `e` begins an exponent only if a digit or sign follows: `1em` is one em.
                     && !(matches!(c, 'e' | 'E')
                         && text[i + 1..].starts_with(|n: char| n.is_ascii_digit() || n == '-' || n == '+'))
         })
@@ -371,14 +393,15 @@ fn unit_mm(unit: &str) -> Option<f64> {
     })
 }
 
-/// The page's width or height in mm, where it is one.
+/// Width or height of the page in mm, where a physical unit is stated. Percentages are not.
 fn physical(e: &BytesStart<'_>, key: &str) -> Option<f64> {
     let text = attribute(e, key)?;
     let (value, unit) = split_length(&text)?;
     unit_mm(unit).map(|mm| value * mm).filter(|&mm| mm > 0.0)
 }
 
-/// A list of transforms as one map, the last applied first.
+/// Combines a list of transforms into one map. The last in the list is applied first (SVG 1.1, section
+/// 7.6).
 fn transform(text: &str) -> Result<Map, OutlineError> {
     let mut map = Map::new([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
     let mut rest = text.trim();
@@ -388,6 +411,8 @@ fn transform(text: &str) -> Result<Map, OutlineError> {
         let (arguments, after) = after.split_once(')').ok_or_else(wrong)?;
         let mut words = Numbers::new(arguments);
         let mut v = Vec::new();
+        // A matrix has six numbers; a seventh shows that the list is wrong, and no more are needed for
+        // that.
         while !words.is_done() && v.len() < 7 {
             v.push(words.number()?);
         }
@@ -404,6 +429,7 @@ fn transform(text: &str) -> Result<Map, OutlineError> {
             }
             ("rotate", &[deg, x, y]) => {
                 let (s, c) = turn(deg);
+                // Rotation about (x, y).
                 [c, s, -s, c, x - c * x + s * y, y - s * x - c * y]
             }
             ("skewX", &[deg]) => [1.0, 0.0, grainpath_core::math::tan(deg.to_radians()), 1.0, 0.0, 0.0],

@@ -30,9 +30,10 @@ use package::Package;
 use part::{Component, Content, ObjectType, Part};
 use transform::Transform;
 
-/// Components nested deeper than this are damage or malice.
+/// Limit on the nesting of components. The specification forbids circles; a deeper nesting is damage or
+/// malice.
 const MAX_DEPTH: usize = 32;
-/// The assembly of bodies gives no more warnings than this.
+/// Limit on warnings while bodies are assembled.
 const MAX_WARNINGS: usize = 50;
 
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
@@ -40,6 +41,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut warnings = Vec::new();
     let root_path = package.root_model(&mut warnings)?;
     let mut parts: BTreeMap<String, Part> = BTreeMap::new();
+    // Parts may refer to parts (production extension). Each is read once, whatever the number of
+    // references.
     let mut wanted = vec![root_path.clone()];
     while let Some(path) = wanted.pop() {
         if parts.contains_key(&path) {
@@ -56,12 +59,15 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let root = &parts[&root_path];
     let mut assembly = Assembly { parts: &parts, bodies: Vec::new(), n_triangles: 0, warnings: Vec::new() };
     for item in &root.items {
+        // One body for each build item, as slicers show them; components of an item are merged into it.
         let mut body = MeshBody::default();
         assembly.add(item, &root_path, Transform::IDENTITY, 0, &mut body)?;
         assembly.bodies.push(body);
     }
     let bodies = assembly.bodies;
     warnings.extend(assembly.warnings);
+    // A build without items is legal, but nothing would be printed and the error would otherwise name no
+    // cause.
     if root.items.is_empty() {
         let text = "the build has no items, so nothing is to be printed (3MF core 3.4.3)";
         warnings.push(Warning::new(WarningId::ThreemfRule, text));
@@ -94,6 +100,7 @@ impl Assembly<'_> {
         depth: usize,
         body: &mut MeshBody,
     ) -> Result<(), MeshError> {
+        // Without a path of its own a component refers to the part it stands in.
         let path = use_of.path.as_deref().unwrap_or(path);
         let id = use_of.object;
         if depth > MAX_DEPTH {
@@ -109,6 +116,7 @@ impl Assembly<'_> {
             })?;
         match object.kind {
             ObjectType::Solid => {}
+            // Supports of other programs are dropped; grainpath generates its own.
             ObjectType::Support => return Ok(()),
             ObjectType::Surface => {
                 self.warn(
@@ -124,6 +132,7 @@ impl Assembly<'_> {
             }
         }
         let place = use_of.transform.then(&place);
+        // The facets have no volume left; the slicer would find nothing.
         if place.is_singular() {
             self.warn(path, format!("a transform presses object {id} flat (3MF core 3.3)"));
         }
@@ -133,6 +142,7 @@ impl Assembly<'_> {
         match &object.content {
             Content::Mesh(mesh, painted) => {
                 let all = [mesh, &painted.enforcers, &painted.blockers];
+                // Ten levels of ten components each are 10^10 copies of one triangle, so copies count.
                 self.n_triangles += all.iter().map(|m| m.triangles.len() as u64).sum::<u64>();
                 if self.n_triangles > MAX_ELEMENTS / 4 {
                     return Err(MeshError::TooMany {
@@ -148,7 +158,8 @@ impl Assembly<'_> {
                 append(&mut body.mesh, mesh, &place, path)
             }
             Content::Components(components) => {
-                // Each level may multiply; the sum of all uses is bounded through the triangles, and empty ones here.
+                // Each level may multiply the one below. Triangles bound the number of uses, and this
+                // counts uses of empty objects.
                 self.n_triangles += 1;
                 components.iter().try_for_each(|c| self.add(c, path, place, depth + 1, body))
             }
@@ -167,6 +178,7 @@ fn append(to: &mut TriMesh, mesh: &TriMesh, place: &Transform, path: &str) -> Re
             format!("{path}, after its transform")
         })?);
     }
+    // A mirroring transform turns facets inside out, so two corners are exchanged.
     let mirrors = place.mirrors();
     to.triangles.extend(mesh.triangles.iter().map(|t| {
         let [a, b, c] = t.map(|i| i + first as u32);

@@ -11,9 +11,11 @@ use zip::ZipArchive;
 use crate::mesh::model::MeshError;
 use crate::xml::attribute;
 
-/// All parts together may inflate to this.
+/// Limit on the inflated size of all parts together. A mesh of 5 million triangles is about 400 MB of
+/// XML.
 const MAX_INFLATED: u64 = 1 << 30;
-/// A part that inflates to more than this must not be more than this many times its packed size.
+/// A part that inflates to more than `BOMB_SIZE` may be at most `BOMB_RATIO` times its packed size.
+/// Deflate alone reaches 1032; XML of a mesh is mostly digits, which stays far below 100.
 const BOMB_SIZE: u64 = 32 << 20;
 const BOMB_RATIO: u64 = 100;
 
@@ -44,7 +46,7 @@ impl<'a> Package<'a> {
         Ok(Self { zip, inflated: 0 })
     }
 
-    /// Runs `f` over the inflating bytes of a part; names are compared without regard to case.
+    /// Runs `f` over the inflating bytes of a part. OPC compares part names without regard to case.
     pub(crate) fn read<T>(
         &mut self,
         path: &str,
@@ -57,10 +59,12 @@ impl<'a> Package<'a> {
         let file = self.zip.by_name(&exact).map_err(|e| invalid(path, e.to_string()))?;
         let ratio_limit = (file.compressed_size().saturating_mul(BOMB_RATIO)).max(BOMB_SIZE);
         let limit = ratio_limit.min(MAX_INFLATED.saturating_sub(self.inflated));
+        // Bytes are counted while they inflate: the sizes in the ZIP directory may lie.
         let mut counted = Counted { inner: file, left: limit, read: 0 };
         let result = f(Box::new(BufReader::with_capacity(1 << 16, &mut counted)));
         let (read, left) = (counted.read, counted.left);
         self.inflated += read;
+        // The reader's own error would only say that the XML ends early, so this one comes first.
         if left == 0 {
             return Err(invalid(path, format!("inflates to more than {limit} bytes; refused as a zip bomb")));
         }
@@ -80,6 +84,7 @@ impl<'a> Package<'a> {
         let path = model.target.clone();
         self.check_relationships(ROOT_RELATIONSHIPS, "/", &relationships, warnings);
         self.check_content_types(&path, warnings);
+        // OPC puts the relationships of `/3D/a.model` into `/3D/_rels/a.model.rels`.
         let (folder, name) = path.rsplit_once('/').unwrap_or(("", &path));
         let of_model = format!("{folder}/_rels/{name}.rels");
         // A model part without relationships has no such file.
@@ -146,10 +151,13 @@ impl<'a> Package<'a> {
             if !pairs.insert((&r.kind, &r.target)) {
                 complain("core 2.1.1", format!("two relationships of one type name the part {:?}", r.target));
             }
+            // An external target is never opened.
             if r.is_external {
                 complain("core 2.1.1", format!("the part {:?} lies outside the package", r.target));
                 continue;
             }
+            // Other relationships belong to extensions, whose parts may be missing without harm to the
+            // shape.
             let needed = [MODEL_TYPE, TICKET_TYPE, THUMBNAIL_TYPE].contains(&r.kind.as_str());
             let target = if r.target.starts_with('/') {
                 r.target.clone()
@@ -179,6 +187,8 @@ impl<'a> Package<'a> {
                     attribute(e, key).is_some_and(|v| v.eq_ignore_ascii_case(wanted))
                 };
                 match e.local_name().as_ref() {
+                    // OPC: an Override for the part's name wins over the Default of its extension, in any
+                    // order.
                     "Override" if names("PartName", model) => content_type = attribute(e, "ContentType"),
                     "Default" if content_type.is_none() && names("Extension", &extension) => {
                         content_type = attribute(e, "ContentType");
@@ -210,7 +220,7 @@ struct Relationship {
     is_external: bool,
 }
 
-/// Stops reading after `left` bytes.
+/// A reader that stops after `left` bytes.
 struct Counted<R> {
     inner: R,
     left: u64,
@@ -219,6 +229,7 @@ struct Counted<R> {
 
 impl<R: Read> Read for Counted<R> {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        // An error and not an end of file: the XML parser would take an end for a short but whole part.
         if self.left == 0 {
             return Err(std::io::Error::other("too long"));
         }
@@ -230,7 +241,7 @@ impl<R: Read> Read for Counted<R> {
     }
 }
 
-/// What an XML part tells, one element at a time.
+/// Reads the events of an XML part, one at a time. Memory stays bounded by the longest element.
 pub(crate) fn events(
     reader: impl BufRead,
     path: &str,
@@ -248,6 +259,7 @@ pub(crate) fn events(
         match &event {
             Event::Start(_) => depth += 1,
             Event::End(_) => depth -= 1,
+            // Document types could define entities that expand without bound.
             Event::DocType(_) => {
                 return Err(invalid(path, "a document type definition, which 3MF forbids (3MF core 2.3.2)"));
             }
@@ -255,6 +267,7 @@ pub(crate) fn events(
             Event::Eof => return Ok(()),
             _ => {}
         }
+        // Errors from deeper levels have no place; the byte of the event is the best there is.
         each(&event).map_err(|e| match e {
             MeshError::Invalid { place, problem } if place.is_empty() => {
                 invalid(&format!("{path}, byte {at}"), problem)

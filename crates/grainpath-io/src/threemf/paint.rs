@@ -12,14 +12,17 @@ use crate::mesh::model::PaintedSupports;
 /// Names of the attribute, with and without prefix, among the slicers that write it.
 pub(super) const ATTRIBUTES: [&str; 3] = ["slic3rpe:custom_supports", "paint_supports", "custom_supports"];
 
-/// Adds what is painted on a triangle to the marks; `None` when the digits do not say it whole.
+/// Adds the painted facets of a triangle to `painted`. Returns `None` where the digits end early or go on
+/// too long.
 pub(super) fn decode(digits: &[u8], corners: [DVec3; 3], painted: &mut PaintedSupports) -> Option<()> {
     let mut digits = digits.iter().rev().map(|&d| char::from(d).to_digit(16));
+    // Pieces wait on a stack, so the last one is read first, as the encoding has it.
     let mut left = vec![corners];
     while let Some(triangle) = left.pop() {
         let digit = digits.next()??;
         let (halved, high) = (digit & 3, digit >> 2);
         if halved == 0 {
+            // 3 is an escape: the paint is then the next digit plus 3, which stands for colours.
             let mark = if high == 3 { digits.next()?? + 3 } else { high };
             let to = match mark {
                 1 => &mut painted.enforcers,
@@ -31,14 +34,17 @@ pub(super) fn decode(digits: &[u8], corners: [DVec3; 3], painted: &mut PaintedSu
             to.triangles.push([first, first + 1, first + 2]);
             continue;
         }
+        // The side at which the division begins is brought to the front.
         let [a, b, c] = [0, 1, 2].map(|k| triangle[(high as usize + k) % 3]);
         let [ab, bc, ca] = [a.midpoint(b), b.midpoint(c), c.midpoint(a)];
+        // One, two or three sides are halved; the triangle falls into two, three or four pieces.
         match halved {
             1 => left.extend([[a, b, bc], [bc, c, a]]),
             2 => left.extend([[a, ab, ca], [ab, b, ca], [b, c, ca]]),
             _ => left.extend([[a, ab, ca], [ab, b, bc], [bc, c, ca], [ab, bc, ca]]),
         }
     }
+    // Digits left over mean that the division was misread.
     digits.next().is_none().then_some(())
 }
 

@@ -45,7 +45,7 @@ const KNOWN_EXTENSIONS: [&str; 5] = [
     CORE,
 ];
 
-/// A part keeps no more warnings than this: a damaged file could give one for each triangle.
+/// Limit on warnings of a part. A damaged file could otherwise give one for each triangle.
 const MAX_WARNINGS: usize = 50;
 
 /// A use of an object, by a component or a build item.
@@ -128,7 +128,7 @@ struct Builder {
     current: Option<Current>,
 }
 
-/// The object being read.
+/// The object that is being read.
 struct Current {
     id: u32,
     name: Option<String>,
@@ -140,9 +140,9 @@ struct Current {
     vertices: Vec<u32>,
     soup: SoupBuilder,
     n_triangles: u64,
-    /// Triangles whose attributes break a rule, by rule.
+    /// Number of triangles that break a rule, for each rule.
     broken: BrokenTriangles,
-    /// Triangles with the digits of what is painted on them.
+    /// Painted triangles with the digits that describe the paint.
     painted: Vec<([u32; 3], Vec<u8>)>,
     components: Vec<Component>,
 }
@@ -168,6 +168,7 @@ impl Builder {
                     && self.is_core(e.name())
                     && e.local_name().as_ref() == "object"
                 {
+                    // `<object/>` has no end tag, so its object is complete at once.
                     self.end_object();
                 }
             }
@@ -176,6 +177,7 @@ impl Builder {
             }
             Event::Decl(decl) => {
                 let encoding = decl.encoding().and_then(Result::ok);
+                // The text is decoded as UTF-8 whatever is declared.
                 if encoding.is_some_and(|e| !e.eq_ignore_ascii_case("utf-8")) {
                     self.warn("core 2.3.2", "an XML encoding other than UTF-8 is declared");
                 }
@@ -208,6 +210,7 @@ impl Builder {
             "object" => self.start_object(e)?,
             "component" => {
                 let component = component(e)?;
+                // The core specification asks for definition before use, so that readers can stream.
                 if component.path.is_none() && !self.objects.contains_key(&component.object) {
                     let id = component.object;
                     self.warn(
@@ -221,6 +224,8 @@ impl Builder {
             }
             "item" => {
                 let item = component(e)?;
+                // `printable="0"` is an attribute of slicers for objects that stay on the plate and are
+                // not printed.
                 if attribute(e, "printable").is_none_or(|p| p != "0") {
                     self.items.push(item);
                 }
@@ -233,6 +238,7 @@ impl Builder {
             }
             "vertices" | "triangles" | "metadatagroup" => {}
             "basematerials" | "base" => self.property(name, e),
+            // Many programs write elements of the materials extension without its prefix.
             other => {
                 let known = self.property_of_extension(other, e);
                 if !known {
@@ -246,13 +252,16 @@ impl Builder {
 
     fn model(&mut self, e: &BytesStart<'_>) -> Result<(), MeshError> {
         self.n_models += 1;
+        // Core 3.4: `unit` defaults to millimeter.
         let unit = attribute(e, "unit").unwrap_or_else(|| "millimeter".into());
         self.unit = LengthUnit::from_name(&unit);
         if self.unit.is_none() {
+            // An unknown unit would scale the part wrongly without a visible sign.
             return Err(invalid("", format!("unit {unit:?} is not one of 3MF's")));
         }
         for a in e.attributes().with_checks(false).filter_map(Result::ok) {
             let key: &str = a.key.as_ref();
+            // Prefixes are free in XML; only their URIs identify an extension.
             if let Some(prefix) = key.strip_prefix("xmlns:") {
                 self.namespaces.insert(prefix.to_owned(), a.value.trim().to_owned());
             } else if key == "xmlns" && a.value.trim() != CORE {
@@ -296,6 +305,7 @@ impl Builder {
         if !declared && let Some(prefix) = e.name().prefix() {
             self.warn("core 2.3.3.1", format!("the prefix {:?} is used and not declared", prefix.as_ref()));
         }
+        // Without its beams the printed part would lack most of its volume.
         if name == "beamlattice" {
             self.push(WarningId::ThreemfNotRead, "a beam lattice; grainpath reads triangles alone".into());
         }
@@ -331,7 +341,8 @@ impl Builder {
             }
             _ => {}
         }
-        // Objects and items have metadata of their own; those of the model come before the resources.
+        // Objects and items have metadata of their own, which may repeat. Those of the model come before
+        // the resources.
         if self.n_resources == 0 && !self.metadata.insert(name.clone()) {
             self.warn("core 3.4.1", format!("metadata named {name:?} is given twice"));
         }
@@ -344,6 +355,7 @@ impl Builder {
 
     fn push(&mut self, id: WarningId, text: String) {
         let warning = Warning::new(id, text).in_file(self.path.clone());
+        // The second test keeps a rule that is broken a thousand times from filling the list.
         if self.warnings.len() < MAX_WARNINGS && !self.warnings.contains(&warning) {
             self.warnings.push(warning);
         }
@@ -387,6 +399,7 @@ impl Builder {
         self.warn_all(broken);
         let id = id.ok_or_else(|| invalid("", "an object without an id"))?;
         let kind = match attribute(e, "type").unwrap_or_default().as_str() {
+            // Core 4: `type` defaults to model.
             "" | "model" | "solidsupport" => ObjectType::Solid,
             "support" => ObjectType::Support,
             "surface" => ObjectType::Surface,
@@ -399,6 +412,7 @@ impl Builder {
                 ObjectType::Other
             }
         };
+        // A number that cannot be read becomes one that no group has, and is reported as such.
         let index = |key: &str| attribute(e, key).map(|t| t.trim().parse::<u32>().unwrap_or(u32::MAX));
         let (pid, pindex) = (index("pid"), index("pindex"));
         match pid.map(|pid| self.resources.check(pid, pindex)) {
@@ -436,11 +450,14 @@ impl Builder {
         let mut painted = PaintedSupports::default();
         for (triangle, digits) in &current.painted {
             let corners = triangle.map(|i| body.mesh.vertices[i as usize]);
+            // Paint only guides supports. The shape is whole without it, so this is a warning.
             if paint::decode(digits, corners, &mut painted).is_none() {
                 let text = "a triangle whose painted supports cannot be read";
                 self.push(WarningId::ThreemfNotRead, text.into());
             }
         }
+        // An object has a mesh or components. Where it has both, components win, since they usually refer
+        // to the same mesh.
         let content = if current.components.is_empty() {
             Content::Mesh(body.mesh, painted)
         } else {
@@ -473,7 +490,9 @@ impl Builder {
                     format!("object {id} has {} vertices; a mesh needs 3", current.vertices.len()),
                 );
             }
-            // An extension that the file requires may put something else in the place of triangles.
+            // An extension that the file requires may define the shape by other means than triangles
+            // (beams, volumetric data).
+            // A tetrahedron is the smallest closed solid.
             if current.n_triangles < 4 && current.kind == ObjectType::Solid && !self.requires_unread {
                 let n = current.n_triangles;
                 self.warn("core 4.1.4", format!("object {id} has {n} triangles; a solid needs 4"));
@@ -498,6 +517,7 @@ impl Builder {
 
     fn vertex(&mut self, e: &BytesStart<'_>) -> Result<(), MeshError> {
         let Some(current) = &mut self.current else { return Ok(()) };
+        // A missing or unreadable coordinate stays NaN and is refused by `checked`.
         let mut p = [f64::NAN; 3];
         for a in e.attributes().with_checks(false).filter_map(Result::ok) {
             if let [axis @ b'x'..=b'z'] = a.key.as_ref().as_bytes() {
@@ -512,6 +532,7 @@ impl Builder {
 
     fn triangle(&mut self, e: &BytesStart<'_>) -> Result<(), MeshError> {
         let Some(current) = &mut self.current else { return Ok(()) };
+        // -1 stands for a missing or unreadable index, which no vertex has.
         let mut corners = [-1i64; 3];
         let mut digits = Vec::new();
         let (mut pid, mut indices) = (None, [None; 3]);
@@ -523,6 +544,7 @@ impl Builder {
                 }
                 [b'p', k @ b'1'..=b'3'] => indices[usize::from(k - b'1')] = Some(index(&a.value)),
                 b"pid" => pid = Some(index(&a.value)),
+                // The attribute names of the slicers that write painted supports.
                 _ if paint::ATTRIBUTES.contains(&a.key.as_ref()) => {
                     digits = a.value.as_bytes().trim_ascii().to_vec();
                 }
@@ -545,6 +567,7 @@ impl Builder {
             current.painted.push((triangle, digits));
         }
         let [a, b, c] = corners;
+        // Compared by the file's indices: merged vertices may coincide in sound files too.
         current.broken.repeated_corner += u64::from(a == b || b == c || c == a);
         current.broken.count_properties(pid, current.pid, indices, &self.resources);
         Ok(())
@@ -558,6 +581,7 @@ impl Builder {
             _ => return fail("more than one <model> element (3MF core 3.4)"),
         }
         match self.n_resources {
+            // Without resources there is no object that the build could use.
             0 => return fail("no <resources> element (3MF core 3.4)"),
             1 => {}
             n => self.warn("core 3.4", format!("{n} <resources> elements; a model has one")),
@@ -598,6 +622,7 @@ impl BrokenTriangles {
             self.index_without_group += 1;
             return;
         };
+        // The first check is of the group alone, the others of each index into it.
         let references = [None, indices[0], indices[1], indices[2]].map(|index| resources.check(pid, index));
         if references.contains(&Reference::NoGroup) {
             self.no_such_group += 1;
@@ -605,6 +630,8 @@ impl BrokenTriangles {
             self.no_such_member += 1;
         }
         let first = indices[0];
+        // The core specification forbids different base materials on one triangle: a mixture of two
+        // materials has no meaning there.
         let gradient = indices[1..].iter().any(|i| i.is_some() && *i != first);
         self.gradient += u64::from(gradient && first.is_some() && resources.is_base_materials(pid));
     }

@@ -44,7 +44,7 @@ pub(super) enum Reference {
 }
 
 impl Resources {
-    /// Registers the resource that an element defines; its id, where it has a usable one.
+    /// Registers the resource that an element defines. Returns its id, where that can be used.
     pub(super) fn define(&mut self, kind: &str, e: &BytesStart<'_>, broken: &mut Vec<Broken>) -> Option<u32> {
         self.open = None;
         let Some(id) = attribute(e, "id").and_then(|t| t.trim().parse().ok()) else {
@@ -65,7 +65,8 @@ impl Resources {
         match (self.by_id.get(&pid), index) {
             (Some(r), _) if r.kind == "object" || r.kind == "texture2d" => Reference::NoGroup,
             (None, _) => Reference::NoGroup,
-            // Groups of extensions that are not read have members that are not counted.
+            // Members of groups from extensions that are not read are not counted, so no index into them
+            // can be judged.
             (Some(r), Some(i)) if i >= r.n_members && is_property_group(&r.kind) => Reference::NoMember,
             _ => Reference::Good,
         }
@@ -84,6 +85,8 @@ impl Resources {
         match name {
             "base" | "color" | "tex2coord" | "composite" | "multi" => {
                 if let Some(group) = self.open.and_then(|id| self.by_id.get_mut(&id)) {
+                    // A file can hold more members than u32 counts only if it is damaged; the count then
+                    // stays at its limit.
                     group.n_members = group.n_members.saturating_add(1);
                 }
                 if name == "color" && attribute(e, "color").is_none() {
@@ -118,6 +121,7 @@ impl Resources {
                     "multiproperties" => self.multiproperties(&ids("pids"), broken),
                     _ => {}
                 }
+                // Members follow as children of this element until the next group begins.
                 self.open = own;
             }
         }
@@ -125,6 +129,7 @@ impl Resources {
 
     fn multiproperties(&self, pids: &[u32], broken: &mut Vec<Broken>) {
         let kinds: Vec<&str> = pids.iter().filter_map(|id| Some(self.by_id.get(id)?.kind.as_str())).collect();
+        // Materials extension, section 5: at most one material and one colour group, and no nesting.
         let count = |wanted: &[&str]| kinds.iter().filter(|k| wanted.contains(k)).count();
         let mut complain = |text: &str| broken.push(("materials 5", text.to_owned()));
         if kinds.len() < pids.len() {

@@ -2,7 +2,7 @@
 
 use grainpath_core::DVec3;
 
-/// An affine map as 3MF writes it: rows of `(x y z 1)` times the matrix.
+/// An affine map as 3MF writes it: the row vector `(x y z 1)` times a 4 x 3 matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Transform([f64; 12]);
 
@@ -15,6 +15,7 @@ impl Transform {
         for value in &mut m {
             *value = grainpath_core::number::number(words.next()?).filter(|v| v.is_finite())?;
         }
+        // Thirteen numbers are as wrong as eleven.
         words.next().is_none().then_some(Self(m))
     }
 
@@ -24,8 +25,9 @@ impl Transform {
         row(0) * p.x + row(3) * p.y + row(6) * p.z + row(9)
     }
 
-    /// First `self`, then `after`.
+    /// The map that applies `self` first and `after` second.
     pub(super) fn then(&self, after: &Self) -> Self {
+        // The first three rows are directions, which are not translated.
         let linear = Self({
             let mut m = after.0;
             m[9..].fill(0.0);
@@ -48,7 +50,8 @@ impl Transform {
     /// Whether the map presses every shape flat.
     pub(super) fn is_singular(&self) -> bool {
         let lengths = self.0[..9].chunks_exact(3).map(|r| DVec3::new(r[0], r[1], r[2]).length());
-        // Rounding alone leaves no more than this of a volume that should be none.
+        // A flat map leaves a determinant of rounding size, which is compared with the product of its row
+        // lengths.
         self.determinant().abs() <= 1e-12 * lengths.product::<f64>()
     }
 

@@ -29,7 +29,7 @@ const RELATIONS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 /// ```
 pub fn write_3mf(bodies: &[&TriMesh], out: &mut dyn Write) -> io::Result<()> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    // No date: it would differ from run to run.
+    // No date is stored: it would differ from run to run.
     let options = SimpleFileOptions::default()
         .compression_method(zip::CompressionMethod::Deflated)
         .last_modified_time(zip::DateTime::default())
@@ -51,10 +51,12 @@ fn model(bodies: &[&TriMesh], out: &mut dyn Write) -> io::Result<()> {
 <model unit="millimeter" xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">
 <resources>"#
     )?;
+    // An object without triangles would break core 4.1.4, so empty bodies are left out of both lists.
     let shown = || bodies.iter().enumerate().filter(|(_, b)| !b.triangles.is_empty());
     for (i, body) in shown() {
         writeln!(out, r#"<object id="{}" type="model"><mesh><vertices>"#, i + 1)?;
         for p in &body.vertices {
+            // Five decimals are 10 nm, finer than every printer and the grid of sections.
             writeln!(out, r#"<vertex x="{:.5}" y="{:.5}" z="{:.5}"/>"#, p.x, p.y, p.z)?;
         }
         writeln!(out, "</vertices><triangles>")?;

@@ -1,4 +1,4 @@
-//! Lines and arcs drawn one by one, joined to closed lines.
+//! Joins lines and arcs that were drawn one by one to closed lines.
 
 use std::collections::BTreeMap;
 
@@ -6,39 +6,46 @@ use grainpath_core::{Bounds2, DVec2};
 
 use crate::outline::drawing::{Line, SAME_MM};
 
-/// Ends of lines and arcs nearer than this are joined, mm.
+/// Ends of lines and arcs that are nearer than this are joined, mm. A smaller value leaves contours open
+/// where coordinates are rounded; a larger one would close gaps that were drawn on purpose, such as slots
+/// of a laser cut.
 pub(super) const JOINED_MM: f64 = 0.01;
 
-/// The first and the last point.
+/// The first and the last point of a line.
 pub(super) fn ends(points: &[DVec2]) -> [DVec2; 2] {
     [points[0], points[points.len() - 1]]
 }
 
-/// Ends and bounds, rounded: the same for a line that was drawn twice, whichever way.
+/// A key of ends and bounds, rounded to `SAME_MM`. It is equal for a line that was drawn twice, in either
+/// direction.
 pub(super) fn likeness(line: &Line) -> Option<[i64; 9]> {
     let bounds = Bounds2::of(line.points.iter().copied())?;
     let [a, b] = ends(&line.points);
     let round = |p: DVec2| [(p.x / SAME_MM).round() as i64, (p.y / SAME_MM).round() as i64];
     let (a, b, low, high) = (round(a), round(b), round(bounds.min), round(bounds.max));
+    // A closed line may begin anywhere, so its bounds stand for its ends.
     let (a, b) = if line.closed { (low, high) } else { (a.min(b), a.max(b)) };
     Some([a[0], a[1], b[0], b[1], low[0], low[1], high[0], high[1], i64::from(line.closed)])
 }
 
-/// Open lines joined at ends that meet; those that come back to where they began are closed.
+/// Joins open lines at ends that meet. Lines that return to their beginning are closed.
 pub(super) fn joined(lines: Vec<Vec<DVec2>>) -> Vec<Line> {
     let cell = |p: DVec2| {
+        // Cells of half the joining distance: two points in the same cell are always near enough, and a
+        // match in a neighbouring cell is at most 1.4 times the distance away.
         let q = (p / (0.5 * JOINED_MM)).floor();
         (q.x as i64, q.y as i64)
     };
-    // Ends by cell, those of the first lines last: twice the line's number, and one more for its last point.
+    // Ends by cell, in reverse order, so that `pop` takes the first line first. An entry is twice the
+    // line's index, plus one for its last point.
     let mut at: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
     for (i, line) in lines.iter().enumerate().rev() {
         for (side, p) in ends(line).into_iter().enumerate() {
             at.entry(cell(p)).or_default().push(2 * i + side);
         }
     }
-    // An end in the cell of `p` or, if there is none, in one beside it. What is used is looked at once, however many
-    // lines meet in a point.
+    // Finds an end in the cell of `p` or else in one of the eight around it. Used ends are removed as
+    // they are met, so each is looked at once however many lines meet in a point.
     let mut take = |p: DVec2, used: &[bool]| {
         let (x, y) = cell(p);
         let beside = [0, -1, 1].into_iter().flat_map(|j| [0, -1, 1].map(|i| (i, j)));
@@ -59,7 +66,8 @@ pub(super) fn joined(lines: Vec<Vec<DVec2>>) -> Vec<Line> {
         }
         let mut points = lines[first].clone();
         let mut closed = false;
-        // Onwards from its last point, then from its first.
+        // First the line is extended from its last point; then it is reversed and extended from its
+        // first.
         for _ in 0..2 {
             while !closed {
                 let [start, end] = ends(&points);

@@ -27,10 +27,10 @@ use super::path::pieces;
 use crate::text::TextError;
 use crate::text::skip_space;
 
-/// Whether these bytes begin like a DXF drawing as text.
+/// Whether these bytes begin like an ASCII DXF.
 pub(super) fn sniff(bytes: &[u8]) -> bool {
     let mut pairs = Pairs { bytes: skip_space(bytes), line: 0 };
-    // Comments may come first.
+    // Comments (code 999) may come first. A hundred are enough to tell a DXF from another text.
     let first = (0..100).find_map(|_| match pairs.next() {
         Some(Ok(Pair { code: 999, .. })) => None,
         other => Some(other),
@@ -38,7 +38,7 @@ pub(super) fn sniff(bytes: &[u8]) -> bool {
     matches!(first, Some(Some(Ok(Pair { code: 0, value: b"SECTION", .. }))))
 }
 
-/// Whether these bytes are the binary kind, which is not read.
+/// Whether these bytes are a binary DXF, which is not read.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     bytes.starts_with(b"AutoCAD Binary DXF")
 }
@@ -64,10 +64,11 @@ pub(super) fn read(bytes: &[u8], options: &OutlineOptions) -> Result<Drawing, Ou
                 }
             }
             (_, b"ENDSEC") => section = b"",
-            // Frozen, or switched off: then its colour is negative.
+            // Bit 1 of code 70 is frozen; a negative colour (code 62) means that the layer is off.
             (b"TABLES", b"LAYER") if record.whole(70)? & 1 == 1 || record.or(62, 1.0)? < 0.0 => {
                 dxf.hidden.insert(record.text(2));
             }
+            // Sections before this one define layers and units, so they are known by now.
             (b"ENTITIES", _) => dxf.entity(&record, &mut drawing)?,
             _ => {}
         }
@@ -75,7 +76,7 @@ pub(super) fn read(bytes: &[u8], options: &OutlineOptions) -> Result<Drawing, Ou
     dxf.finish(drawing)
 }
 
-/// A code and its value.
+/// A group code and its value.
 struct Pair<'a> {
     line: usize,
     code: i32,
@@ -85,7 +86,7 @@ struct Pair<'a> {
 /// The pairs of a file.
 struct Pairs<'a> {
     bytes: &'a [u8],
-    /// Lines read.
+    /// Number of lines read so far.
     line: usize,
 }
 
@@ -108,6 +109,7 @@ impl<'a> Iterator for Pairs<'a> {
 
     fn next(&mut self) -> Option<Self::Item> {
         let code = self.text_line()?;
+        // Empty lines at the end of the file are no pair.
         if code.is_empty() && self.bytes.trim_ascii().is_empty() {
             return None;
         }
@@ -127,7 +129,7 @@ fn syntax(line: usize, found: &[u8], expected: &'static str) -> OutlineError {
     TextError::Syntax { place: format!("line {line}"), found, expected }.into()
 }
 
-/// What follows a code 0, up to the next.
+/// A record: everything from a code 0 up to the next one.
 struct Record<'a> {
     kind: &'a [u8],
     line: usize,
@@ -135,7 +137,7 @@ struct Record<'a> {
 }
 
 impl<'a> Record<'a> {
-    /// The last text of a code, empty when there is none.
+    /// The last text with this code; empty where there is none.
     fn text(&self, code: i32) -> &'a [u8] {
         self.pairs.iter().rfind(|p| p.code == code).map_or(b"", |p| p.value)
     }
@@ -148,7 +150,7 @@ impl<'a> Record<'a> {
         Ok(self.number(code)?.unwrap_or(other))
     }
 
-    /// A whole number, 0 when it is not given.
+    /// A whole number; 0 where it is missing, the default of every flag in the format.
     fn whole(&self, code: i32) -> Result<i64, OutlineError> {
         Ok(self.or(code, 0.0)? as i64)
     }
@@ -165,7 +167,7 @@ impl<'a> Record<'a> {
         Ok(DVec2::new(self.needed(code, expected)?, self.needed(code + 10, expected)?))
     }
 
-    /// All values of codes that come again and again.
+    /// All values of a code that occurs more than once.
     fn numbers(&self, code: i32) -> Result<Vec<f64>, OutlineError> {
         self.pairs.iter().filter(|p| p.code == code).map(Pair::number).collect()
     }
@@ -207,11 +209,12 @@ impl<'a> Records<'a> {
     }
 }
 
-/// What one unit of the drawing is, where its header says so.
+/// Unit of the drawing, where its header states it.
 fn unit(header: &Record<'_>) -> Result<Option<LengthUnit>, OutlineError> {
     let Some(at) = header.pairs.iter().position(|p| p.code == 9 && p.value == b"$INSUNITS") else {
         return Ok(None);
     };
+    // Source: *DXF Reference*, "HEADER section", $INSUNITS.
     let Some(value) = header.pairs.get(at + 1).filter(|p| p.code == 70) else { return Ok(None) };
     Ok(match value.number()? as i64 {
         1 => Some(LengthUnit::Inch),
@@ -224,31 +227,32 @@ fn unit(header: &Record<'_>) -> Result<Option<LengthUnit>, OutlineError> {
     })
 }
 
-/// A vertex of a polyline and how far the side after it bulges: the tangent of a quarter of its arc's angle.
+/// A vertex of a polyline and the bulge of the side behind it: the tangent of a quarter of its arc's
+/// angle.
 type Vertex = (DVec2, f64);
 
-/// A POLYLINE whose vertices are being read.
+/// A POLYLINE whose VERTEX records are being read.
 struct Polyline {
     vertices: Vec<Vertex>,
     closed: bool,
     mirrored: bool,
-    /// Whether it is one that is not read.
+    /// Whether the polyline is of a kind that is not read.
     skipped: bool,
 }
 
 struct Dxf<'a> {
     options: &'a OutlineOptions,
     unit: Option<LengthUnit>,
-    /// Layers that are not shown.
+    /// Layers that are off or frozen.
     hidden: BTreeSet<&'a [u8]>,
     polyline: Option<Polyline>,
-    /// In the drawing's unit.
+    /// Lines in the drawing's unit.
     lines: Vec<Line>,
     n_points: usize,
 }
 
 impl Dxf<'_> {
-    /// One of the drawing's units, mm.
+    /// Length of the drawing's unit, mm.
     fn mm(&self) -> f64 {
         self.options.unit.or(self.unit).map_or(1.0, LengthUnit::mm)
     }
@@ -256,14 +260,14 @@ impl Dxf<'_> {
     fn entity(&mut self, record: &Record<'_>, drawing: &mut Drawing) -> Result<(), OutlineError> {
         match (record.kind, &mut self.polyline) {
             (b"VERTEX", Some(polyline)) => {
-                // Points of the frame around a smoothed line are not on it.
+                // Flag 16 marks control points of a smoothed polyline, which do not lie on it.
                 if !polyline.skipped && record.whole(70)? & 16 == 0 {
                     polyline.vertices.push((record.point(10, "a place")?, record.or(42, 0.0)?));
                 }
                 return Ok(());
             }
             (b"SEQEND" | b"VERTEX", None) => return Ok(()),
-            // One that is not ended by SEQEND is ended by what follows.
+            // A polyline that lacks its SEQEND ends at the next entity.
             (_, Some(_)) => {
                 if let Some(p) = self.polyline.take().filter(|p| !p.skipped) {
                     self.polygon(&p.vertices, p.closed, p.mirrored)?;
@@ -274,14 +278,16 @@ impl Dxf<'_> {
             }
             _ => {}
         }
+        // Code 60 is invisible, 67 paper space, 8 the layer.
         let unseen = record.whole(60)? == 1 || record.whole(67)? == 1 || self.hidden.contains(record.text(8));
+        // The extrusion direction. Coordinates of flat entities are in the plane across it.
         let up = [record.or(210, 0.0)?, record.or(220, 0.0)?, record.or(230, 1.0)?];
         let tilted = up[0].abs().max(up[1].abs()) > 1e-6 * up[2].abs();
         let mirrored = up[2] < 0.0;
         match record.kind {
             b"POLYLINE" => {
                 let flags = record.whole(70)?;
-                // Meshes of surfaces.
+                // Flags 16 and 64 are meshes of surfaces, not outlines.
                 let skipped = unseen || tilted || flags & (16 | 64) != 0;
                 let closed = flags & 1 == 1;
                 self.polyline = Some(Polyline { vertices: Vec::new(), closed, mirrored, skipped });
@@ -289,6 +295,7 @@ impl Dxf<'_> {
             _ if unseen => {}
             b"LINE" => {
                 let (a, b) = (record.point(10, "a start")?, record.point(11, "an end")?);
+                // Ends of a LINE are world coordinates, so a mirrored extrusion does not change them.
                 self.push(vec![a, b], false, false)?;
             }
             b"LWPOLYLINE" | b"ARC" | b"CIRCLE" | b"ELLIPSE" if tilted => {
@@ -301,6 +308,7 @@ impl Dxf<'_> {
             b"LWPOLYLINE" => {
                 let mut vertices: Vec<Vertex> = Vec::new();
                 for pair in &record.pairs {
+                    // Codes 10, 20 and 42 repeat for each vertex; 42 belongs to the vertex before it.
                     match (pair.code, vertices.last_mut()) {
                         (10, _) => vertices.push((DVec2::new(pair.number()?, 0.0), 0.0)),
                         (20, Some(v)) => v.0.y = pair.number()?,
@@ -321,7 +329,8 @@ impl Dxf<'_> {
                 self.ellipse(record.point(10, "a centre")?, x, y, angles.map(f64::to_radians), mirrored)?;
             }
             b"ELLIPSE" => {
-                // Places and the greater radius are those of space, so mirrored is only the way round.
+                // Centre and major axis are world coordinates, so a mirrored extrusion only reverses the
+                // direction of rotation.
                 let x = record.point(11, "a greater radius")?;
                 let y = record.needed(40, "a ratio")? * DVec2::new(-x.y, x.x);
                 let y = if mirrored { -y } else { y };
@@ -345,6 +354,8 @@ impl Dxf<'_> {
         if self.n_points > MAX_POINTS {
             return Err(OutlineError::TooManyPoints);
         }
+        // The arbitrary axis algorithm of the *DXF Reference* gives (-1, 0, 0) as x axis for the
+        // extrusion (0, 0, -1).
         if mirrored {
             points.iter_mut().for_each(|p| p.x = -p.x);
         }
@@ -356,7 +367,8 @@ impl Dxf<'_> {
         self.options.tolerance_mm / self.mm()
     }
 
-    /// An arc from an angle counter-clockwise to another, `x` and `y` its radii; a whole one closes.
+    /// Adds an arc from one angle counter-clockwise to another, with `x` and `y` as its semi-axes. A full
+    /// turn closes.
     fn ellipse(
         &mut self,
         centre: DVec2,
@@ -366,6 +378,7 @@ impl Dxf<'_> {
         mirrored: bool,
     ) -> Result<(), OutlineError> {
         let turn = (to - from).rem_euclid(TAU);
+        // Equal angles mean a full turn; rounding may leave a little less.
         let whole = !(1e-9..=TAU - 1e-9).contains(&turn);
         let turn = if whole { TAU } else { turn };
         let radius = x.length().max(y.length());
@@ -380,20 +393,23 @@ impl Dxf<'_> {
         self.push((0..n + usize::from(!whole)).map(at).collect(), whole, mirrored)
     }
 
-    /// Straight sides and arcs.
+    /// Adds a polyline of straight sides and arcs.
     fn polygon(&mut self, vertices: &[Vertex], closed: bool, mirrored: bool) -> Result<(), OutlineError> {
         let mut points = Vec::with_capacity(vertices.len());
         for (k, &(p, bulge)) in vertices.iter().enumerate() {
             points.push(p);
             let last = k + 1 == vertices.len();
+            // An open polyline has no side behind its last vertex.
             if bulge == 0.0 || (last && !closed) {
                 continue;
             }
             let chord = vertices[(k + 1) % vertices.len()].0 - p;
-            // From the middle of the side to the left lies the centre of an arc that turns left.
+            // The centre lies on the perpendicular bisector of the chord, to its left for an arc that
+            // turns left.
             let away = DVec2::new(-chord.y, chord.x) * ((1.0 - bulge * bulge) / (4.0 * bulge));
             let centre = p + 0.5 * chord + away;
             let (radius, turn) = (p.distance(centre), 4.0 * atan2(bulge, 1.0));
+            // A bulge so small that the radius overflows is a straight side.
             if !radius.is_finite() || radius <= 0.0 {
                 continue;
             }
@@ -413,6 +429,7 @@ impl Dxf<'_> {
         let (knots, weights) = (record.numbers(40)?, record.numbers(41)?);
         let (xs, ys) = (record.numbers(10)?, record.numbers(20)?);
         let points: Vec<DVec2> = xs.iter().zip(&ys).map(|(x, y)| DVec2::new(*x, *y)).collect();
+        // Fit points alone do not determine the curve; each program interpolates them differently.
         if points.is_empty() {
             drawing
                 .warn(WarningId::OutlineNotRead, "a SPLINE given only by the points it passes is left out");
@@ -446,7 +463,7 @@ impl Dxf<'_> {
         self.push(line, false, false)
     }
 
-    /// Joins lines to closed ones and hands all over, in mm.
+    /// Joins lines to closed ones and passes all of them on, in mm.
     fn finish(self, mut drawing: Drawing) -> Result<Drawing, OutlineError> {
         if self.options.unit.or(self.unit).is_none() {
             drawing.warn(
@@ -457,6 +474,8 @@ impl Dxf<'_> {
         let mm = self.mm();
         let mut seen = BTreeSet::new();
         let (mut all, mut open, mut twice) = (Vec::new(), Vec::new(), 0);
+        // Drawings often hold the same line twice (copied layers). Under even-odd two equal contours
+        // would cancel out.
         for mut line in self.lines {
             line.points.iter_mut().for_each(|p| *p *= mm);
             line.points.dedup_by(|a, b| a.distance(*b) < 1e-9);
@@ -465,6 +484,7 @@ impl Dxf<'_> {
                 twice += 1;
                 continue;
             }
+            // A line whose ends meet is closed whether or not the flag says so.
             let meets =
                 line.points.len() > 2 && ends(&line.points)[0].distance(ends(&line.points)[1]) < JOINED_MM;
             if line.closed || meets {

@@ -1,29 +1,33 @@
-//! Rational B-splines, cut into straight pieces.
+//! Rational B-splines, divided into chords.
 
 use grainpath_core::DVec2;
 
-/// No spline of use has a higher degree.
+/// Limit on the degree. CAD programs write cubic and quintic splines; the bound keeps the table of de
+/// Boor's algorithm on the stack.
 pub(super) const MAX_DEGREE: usize = 15;
-/// A spline's pieces between knots are halved this often at most.
+/// Limit on the halvings of a piece between two knots: 1024 chords for each of four quarters. It stops
+/// the recursion where a weight makes the curve turn within rounding.
 const MAX_HALVINGS: usize = 10;
 
 /// A rational B-spline.
 pub(super) struct Spline<'a> {
     pub(super) degree: usize,
     pub(super) knots: &'a [f64],
-    /// Weighted: x w, y w, w.
+    /// Control points in homogeneous form: x w, y w, w.
     pub(super) control: &'a [[f64; 3]],
     pub(super) tolerance: f64,
 }
 
 impl Spline<'_> {
-    /// Points on it, pieces between them within the tolerance; `None` for more than `most`.
+    /// Points on the curve whose chords lie within the tolerance; `None` for more than `most`.
     pub(super) fn points(&self, most: usize) -> Option<Vec<DVec2>> {
         let spans = self.degree..self.control.len();
         let mut out = vec![self.at(self.degree, self.knots[self.degree])];
+        // Repeated knots leave spans of no length.
         for span in spans.filter(|&s| self.knots[s] < self.knots[s + 1]) {
             let (a, b) = (self.knots[span], self.knots[span + 1]);
-            // Four pieces first: the middle of an S lies on its chord.
+            // Four pieces to begin with: the middle of an S lies on its chord, and one piece would seem
+            // straight.
             for k in 0..4 {
                 let t = |k: usize| a + (b - a) * k as f64 / 4.0;
                 let (from, to) = (t(k), t(k + 1));
@@ -57,6 +61,7 @@ impl Spline<'_> {
     fn at(&self, span: usize, t: f64) -> DVec2 {
         let p = self.degree;
         let mut d = [[0.0; 3]; MAX_DEGREE + 1];
+        // Homogeneous coordinates make the rational curve a polynomial one; the division comes last.
         d[..=p].copy_from_slice(&self.control[span - p..=span]);
         for r in 1..=p {
             for j in (r..=p).rev() {
