@@ -1,7 +1,7 @@
-//! One path for all that is printed of an island: loops are taken into their neighbours where they touch.
-//!
-//! Two loops side by side become one where a stretch of each, as long as they are apart, is exchanged for the two ways
-//! across. As much is laid as before, and nothing twice:
+//! One path for a whole island: loops are joined to their neighbours where they touch.
+//! | Two loops side by side become one where a stretch of each, as long as the gap between them, is
+//! exchanged for two ways across the gap. The length laid stays the same, and no place is laid
+//! twice:
 //!
 //! ```text
 //!     ====== loop 1 ======            ====+  +====
@@ -9,21 +9,22 @@
 //!     ====== loop 2 ======            ====+  +====
 //! ```
 //!
-//! A loop is joined where it comes nearest to the chain; what lies farther away than a stated reach begins a chain of its
-//! own. The next layer begins where this one ended, so that a part of one island is a single path without a travel.
-//! Cost: places of the chain lie in square cells as wide as the reach, so a loop looks at few of them.
+//! A loop is joined where it comes nearest to the chain. Paths farther away than a stated reach
+//! begin a chain of their own. The next layer begins where this one ended, so that a part of one
+//! island is a single path without a travel. Lengths are in mm. Cost: points of the chain lie in
+//! square cells as wide as the reach, so a loop looks at few of them.
 
 use std::collections::BTreeMap;
 
 use grainpath_core::{BeadWidth, DVec2, Toolpath};
 
-/// Paths that follow each other without a way between.
+/// Paths that follow each other without a travel between them.
 struct Chain {
     pieces: Vec<Toolpath>,
     closed: bool,
 }
 
-/// A place on a path: which, how far along it, and where that is.
+/// A point on a path: index of the path, length along it, coordinates.
 #[derive(Clone, Copy)]
 struct Place {
     piece: usize,
@@ -31,15 +32,17 @@ struct Place {
     at: DVec2,
 }
 
-/// Puts paths in order as chains, each beginning as near as may be to where the one before ended; `reach_mm` is how
-/// far apart neighbours are at the most. `at` is where the nozzle stands, and then where it ends.
+/// Puts paths in order as chains, each beginning as near as possible to the end of the one before.
+/// `reach_mm` is the greatest distance of neighbours. `at` is the nozzle's position before and
+/// after.
 pub fn chained(paths: Vec<Toolpath>, reach_mm: f64, at: &mut DVec2, out: &mut Vec<Toolpath>) {
     let mut rest: Vec<Toolpath> = paths.into_iter().filter(|p| p.n_segments() > 0).collect();
     let mut chains = Vec::new();
     while !rest.is_empty() {
-        // The longest path takes in its neighbours, and theirs.
+        // The longest path is the root, because it has most places to join others.
         let length = |p: &Toolpath| p.length_mm();
         let longest = (0..rest.len())
+            // Of equally long paths the first one wins; `max_by` alone would take the last.
             .max_by(|&i, &j| length(&rest[i]).total_cmp(&length(&rest[j])).then(j.cmp(&i)))
             .unwrap_or(0);
         let root = rest.remove(longest);
@@ -54,7 +57,7 @@ pub fn chained(paths: Vec<Toolpath>, reach_mm: f64, at: &mut DVec2, out: &mut Ve
             .and_then(|i| chains[i].take());
         let Some(mut chain) = next else { return };
         chain.begin_near(*at);
-        // A short way is printed, as part of the chain.
+        // A gap within reach is printed as a part of the chain.
         let start = chain.pieces[0].start();
         if let Some(last) = out.last_mut()
             && last.role == chain.pieces[0].role
@@ -116,7 +119,7 @@ fn part(path: &Toolpath, from_mm: f64, to_mm: f64) -> Toolpath {
     Toolpath { points, width, ..path.clone() }
 }
 
-/// Places along an open path, no further apart than a step.
+/// Points along an open path, at most `step_mm` apart.
 fn places(path: &Toolpath, piece: usize, step_mm: f64) -> Vec<Place> {
     let mut out = Vec::new();
     let mut done = 0.0;
@@ -140,6 +143,7 @@ impl Chain {
     /// Takes in closed paths that lie within reach, the nearest first, until none does.
     fn take_in(&mut self, rest: &mut Vec<Toolpath>, reach_mm: f64) {
         loop {
+            // The cells are rebuilt after every join, because lengths along the cut path change.
             let cells = self.cells(reach_mm);
             let found = (0..rest.len()).filter_map(|i| Some((i, self.join(&cells, &rest[i], reach_mm)?)));
             let nearest = found.min_by(|a, b| a.1.0.total_cmp(&b.1.0).then(a.0.cmp(&b.0)));
@@ -159,8 +163,8 @@ impl Chain {
         cells
     }
 
-    /// Where a loop comes nearest to the chain, with room on both for what is exchanged: how near, the place on the
-    /// chain, and how far along the loop.
+    /// The place where a loop comes nearest to the chain, with enough length on both for the
+    /// exchange: the distance, the point on the chain, and the length along the loop.
     fn join(
         &self,
         cells: &BTreeMap<(i64, i64), Vec<Place>>,
@@ -178,6 +182,8 @@ impl Chain {
             let (i, j) = cell(there.at, reach_mm);
             for key in (-1..=1).flat_map(|x| (-1..=1).map(move |y| (i + x, j + y))) {
                 for here in cells.get(&key).into_iter().flatten() {
+                    // The exchanged stretches are as long as the gap. Half of one on either side
+                    // has to fit between the ends of the path.
                     let d = here.at.distance(there.at);
                     let room = |along: f64, all: f64| along > d && along + d < all;
                     if d <= reach_mm
@@ -194,13 +200,13 @@ impl Chain {
         best
     }
 
-    /// Takes a loop into the chain.
+    /// Joins a loop to the chain.
     fn graft(&mut self, here: Place, path: Toolpath, there_mm: f64, gap_mm: f64) {
         let piece = self.pieces.remove(here.piece);
         let (whole, around) = (piece.length_mm(), path.length_mm());
         let before = part(&piece, 0.0, here.along_mm - 0.5 * gap_mm);
         let after = part(&piece, here.along_mm + 0.5 * gap_mm, whole);
-        // All of the loop but what is exchanged.
+        // The whole loop except the stretch that is exchanged.
         let mut taken = part(&path, there_mm + 0.5 * gap_mm, around);
         let rest = part(&path, 0.0, there_mm - 0.5 * gap_mm);
         taken.points.extend(rest.points.iter().skip(1));
@@ -208,6 +214,7 @@ impl Chain {
             w.extend(v.iter().skip(1));
         }
         let (from, to) = (before.end(), after.start());
+        // Of the two directions of the loop, the one whose ways across do not cross is the shorter.
         let straight = from.distance(taken.start()) + to.distance(taken.end());
         if from.distance(taken.end()) + to.distance(taken.start()) < straight {
             taken.reverse();
@@ -222,7 +229,7 @@ impl Chain {
         self.pieces.splice(here.piece..here.piece, [before, taken, after]);
     }
 
-    /// The place nearest to a point, and how near; of an open chain one of its ends.
+    /// The point of the chain nearest to `at`, and its distance; for an open chain one of its ends.
     fn nearest(&self, at: DVec2) -> (Place, f64) {
         let last = self.pieces.len() - 1;
         let ends = [
@@ -249,7 +256,7 @@ impl Chain {
         (best, best.at.distance(at))
     }
 
-    /// Lets the chain begin as near to a point as it comes.
+    /// Makes the chain begin as near to a point as possible.
     fn begin_near(&mut self, at: DVec2) {
         let (place, _) = self.nearest(at);
         if place.piece > 0 && place.along_mm.is_infinite() {
@@ -262,6 +269,8 @@ impl Chain {
             }
             return;
         }
+        // A closed chain can begin anywhere: it is cut at the nearest point, and the part before
+        // the cut moves to its end.
         let piece = &self.pieces[place.piece];
         let whole = piece.length_mm();
         let (first, second) = if place.along_mm < 1e-6 {

@@ -1,9 +1,10 @@
 //! Travels: kept inside the part where possible, with the filament drawn back elsewhere.
 //!
-//! A straight travel inside the island oozes onto what will be covered. Where the straight way crosses the border, the
-//! travel follows the crossed contour, the shorter way round, at a stated clearance, and is then pulled tight: points are
-//! left out as long as the way stays inside. A detour longer than a stated multiple of the straight way is not worth it; the
-//! nozzle then goes straight, drawn back and, if the job says so, lifted.
+//! A straight travel inside the island oozes onto places that will be covered. Where the straight
+//! way crosses the border, the travel follows the crossed contour on its shorter side at a stated
+//! clearance. It is then pulled tight: points are left out as long as the way stays inside. A
+//! detour longer than a stated multiple of the straight way is refused; the nozzle then goes
+//! straight, with the filament drawn back and, if the job says so, lifted.
 //!
 //! Cost: linear in the vertices of the contour for a travel that crosses the border, constant for one that does not.
 
@@ -15,15 +16,16 @@ use grainpath_core::{DVec2, PlannedPath, Polygon, Region, Toolpath, Travel};
 pub struct CombSettings {
     /// Whether travels are kept inside the part.
     pub comb: bool,
-    /// Shorter travels never draw back, mm.
+    /// Shorter travels never retract, mm.
     pub retract_min_mm: f64,
-    /// A way round holes may be this many times the straight one, plus a few millimetres.
+    /// Longest detour, as a multiple of the straight way; a few millimetres more are always
+    /// allowed.
     pub max_detour: f64,
-    /// How far from the border a way round it keeps, mm.
+    /// Distance of a detour from the border, mm.
     pub clearance_mm: f64,
 }
 
-/// Finds the way to each path of an island; `from` is where the nozzle stands, and then where it ends.
+/// Plans the travel to each path of an island; `from` is the nozzle's position before and after.
 pub fn plan_travels(
     outline: Option<&Polygon>,
     paths: Vec<Toolpath>,
@@ -36,7 +38,7 @@ pub fn plan_travels(
         let to = path.start();
         let length = from.distance(to);
         let mut travel = Travel { via: Vec::new(), retract: length > settings.retract_min_mm };
-        // The first way comes from another island.
+        // The first travel comes from another island, so it has to leave this one's outline anyway.
         if let (true, Some(outline), true) = (travel.retract && i > 0, outline, settings.comb) {
             let inside = inside.get_or_insert_with(|| Inside::new(outline, settings.clearance_mm));
             if let Some(via) = inside.way(*from, to, settings.max_detour) {
@@ -63,17 +65,22 @@ impl<'a> Inside<'a> {
         if i == 0 { &self.outline.outer } else { &self.outline.holes[i - 1] }
     }
 
-    /// Points to pass between `a` and `b` so that the border is not crossed; `None` when that is too far round.
+    /// Points to pass between `a` and `b` so that the border is not crossed; `None` where no such
+    /// way is short enough.
     fn way(&self, a: DVec2, b: DVec2, max_detour: f64) -> Option<Vec<DVec2>> {
         let crossings = self.clipper.crossings(a, b);
         if crossings.is_empty() {
             return Some(Vec::new());
         }
+        // Crossings come in pairs, out and in again. An odd number means that an end lies outside
+        // the island. The bound of 24 limits the time for combs with many teeth.
         if crossings.len() > 24 || crossings.len() % 2 == 1 {
             return None;
         }
         let mut way = vec![a];
         for pair in crossings.chunks_exact(2) {
+            // Leaving through one contour and coming back through another needs a search for a way,
+            // which is not worth it for a travel.
             if pair[0].contour != pair[1].contour {
                 return None;
             }
@@ -88,10 +95,13 @@ impl<'a> Inside<'a> {
         self.pull_tight(&mut way);
         let length: f64 = way.windows(2).map(|w| w[0].distance(w[1])).sum();
         let inside = way.windows(2).all(|w| self.clipper.crossings(w[0], w[1]).is_empty());
+        // 5 mm are allowed in any case: for a short travel a retraction takes longer than a detour
+        // of that length.
         (inside && length <= max_detour * a.distance(b) + 5.0).then(|| way[1..way.len() - 1].to_vec())
     }
 
-    /// The shorter way along a contour between two of its edges, kept clear of it on the inside.
+    /// The shorter way along a contour between two of its edges, at the clearance inside the
+    /// border.
     fn along(&self, contour: usize, from: (usize, DVec2), to: (usize, DVec2), way: &mut Vec<DVec2>) {
         let points = self.contour(contour);
         let n = points.len();
@@ -109,6 +119,9 @@ impl<'a> Inside<'a> {
             let (u, v) = ((here - before).normalize_or_zero(), (after - here).normalize_or_zero());
             // The inside is on the left of every contour.
             let normal = DVec2::new(-u.y - v.y, u.x + v.x);
+            // The normal of a corner is the sum of two unit normals, with the length 2 cos(turn /
+            // 2). Dividing by half its square gives the mitred offset. At sharp corners the offset
+            // would shoot far off, so the corner itself is kept.
             let reach = normal.length_squared() / 2.0;
             here + if reach > 0.2 { normal * (self.clearance_mm / reach) } else { DVec2::ZERO }
         }));
@@ -119,7 +132,8 @@ impl<'a> Inside<'a> {
         let mut kept = vec![way[0]];
         let mut i = 0;
         while i + 1 < way.len() {
-            // The furthest point in sight; halving, since a way along a round hole has many.
+            // The farthest point in sight. The jump shrinks by a quarter while it is long, because
+            // a way along a round hole has many points.
             let mut jump = way.len() - 1 - i;
             while jump > 1 && !self.clipper.crossings(way[i], way[i + jump]).is_empty() {
                 jump = if jump > 8 { jump * 3 / 4 } else { jump - 1 };

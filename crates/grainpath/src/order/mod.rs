@@ -1,7 +1,8 @@
-//! The order of printing: islands, walls, fill; where closed paths begin; how the nozzle gets from one to the next.
-//!
-//! Which path comes next depends on where the last one ended, so layers are ordered one after the other; the ways
-//! between paths, which cost more, are meanwhile found for the layers already ordered.
+//! The order of printing: islands, walls, fill; the start of closed paths; the travels between
+//! them.
+//! | Which path comes next depends on where the last one ended, so layers are ordered one after the
+//! other. Travels cost more and depend on their own layer alone, so they are planned in parallel
+//! for the layers already ordered.
 
 mod chain;
 mod comb;
@@ -32,11 +33,11 @@ pub struct OrderSettings {
     pub comb: CombSettings,
     /// Whether fibre comes after everything else of a layer, so that tools are changed once.
     pub fibre_last: bool,
-    /// An island is laid as one path where its paths lie no further apart than this, mm.
+    /// If set, an island is laid as one path wherever its paths lie no farther apart than this, mm.
     pub chain_mm: Option<f64>,
 }
 
-/// What is printed in one connected piece of a layer.
+/// Paths of one connected piece of a layer.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Island {
     /// Walls from the outermost inwards.
@@ -45,7 +46,7 @@ pub struct Island {
     pub fills: Vec<Toolpath>,
 }
 
-/// What is printed in a layer, in no order yet.
+/// Paths of a layer, not yet in order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LayerPaths {
     /// Skirt and brim: printed first, in this order.
@@ -56,7 +57,8 @@ pub struct LayerPaths {
     pub islands: Vec<Island>,
 }
 
-/// The paths of an island in printing order, and which polygon of the section it is; none for adhesion.
+/// The paths of an island in printing order, and the index of its polygon in the section; `None`
+/// for adhesion and supports.
 struct Ordered {
     island: Option<usize>,
     paths: Vec<Toolpath>,
@@ -123,9 +125,12 @@ pub fn order_window(
         diagnostics.advance(1);
         Ok((layer_idx, LayerPlan { z_top_mm: layer.z_top_mm(), height_mm: layer.height_mm(), paths }))
     };
-    // The bridge asks for one layer at a time, in order, while others are planned.
+    // Ordering hands the nozzle's position and the seams from layer to layer. Travels start from
+    // the recorded position, so they can be planned in any order. The bridge takes one layer at a
+    // time from the sequence, while other threads plan travels.
     let mut plans: Vec<(usize, LayerPlan)> =
         ordered.par_bridge().map(plan).collect::<Result<_, Interrupted>>()?;
+    // Threads finish in any order; the layer index restores it.
     plans.sort_unstable_by_key(|p| p.0);
     Ok(plans.into_iter().map(|p| p.1).collect())
 }
@@ -148,12 +153,15 @@ fn order_layer(
     }
     let first =
         |i: &Island| i.walls.first().map(|w| &w.path).or(i.fills.first()).map_or(DVec2::ZERO, |p| p.start());
+    // A support island is entered wherever its first path starts, so one point stands for both
+    // ends.
     let places: Vec<[DVec2; 2]> = layer.supports.iter().map(|i| [first(i); 2]).collect();
     let mut supports: Vec<Option<Island>> = layer.supports.into_iter().map(Some).collect();
     for (i, _) in sequence::tour(&places, *at, None) {
         let Some(island) = supports[i].take() else { continue };
         let mut paths = Vec::with_capacity(island.walls.len() + island.fills.len());
-        // Where a branch's bead begins is nobody's business but the travel's.
+        // The starts of support beads are not visible, so they are chosen for short travels,
+        // whatever the seam setting.
         sequence::walls(
             island.walls,
             settings.wall_order,
@@ -166,9 +174,11 @@ fn order_layer(
     }
     let mut islands: Vec<Option<Island>> = layer.islands.into_iter().map(Some).collect();
     let middle = |p: &Polygon| p.bounds().map_or(DVec2::ZERO, Bounds2::centre);
+    // An island is represented by the middle of its bounds: where it is entered is known only once
+    // its paths are in order.
     let places: Vec<[DVec2; 2]> = outlines.iter().take(islands.len()).map(|p| [middle(p); 2]).collect();
     let mut fibre: Vec<Vec<Toolpath>> = vec![Vec::new(); islands.len()];
-    // A chain goes on in the island where the one below ended.
+    // A chain continues in the island in which the one below ended.
     let here = settings.chain_mm.and_then(|_| nearest_outline(&outlines[..places.len()], *at));
     let tour = sequence::tour(&places, here.map_or(*at, |i| places[i][0]), None);
     for (stop, &(i, _)) in tour.iter().enumerate() {
@@ -182,7 +192,8 @@ fn order_layer(
         match settings.chain_mm {
             Some(reach_mm) => {
                 let walls = island.walls.into_iter().map(|w| w.path);
-                // Fibre is not cut open to take in what is none.
+                // A chain cuts loops open to take in others. Fibre and matrix are chained apart, so
+                // that no fibre is cut for a matrix bead.
                 let all = walls.chain(island.fills);
                 let (last, first): (Vec<_>, Vec<_>) = all.partition(|p| p.role == Role::Fibre);
                 chain::chained(first, reach_mm, at, &mut paths);
@@ -207,7 +218,7 @@ fn order_layer(
     out
 }
 
-/// The outline that a point lies in, or else nearest to.
+/// The outline that contains a point, or else the nearest one.
 fn nearest_outline(outlines: &[Polygon], at: DVec2) -> Option<usize> {
     let off = |p: &Polygon| {
         let to = |(a, b): (DVec2, DVec2)| distance2_to_segment(at, a, b);

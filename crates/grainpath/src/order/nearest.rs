@@ -1,16 +1,16 @@
-//! The nearest of many path ends, while paths are taken away.
+//! The nearest of many path ends, while paths are removed one by one.
+//! | Ends lie in a square grid with about one end a cell. A search visits rings of cells around a
+//! point and stops when no end of a farther ring can be nearer. Among equally near ends the lowest
+//! number wins, so that the order of printing depends on the paths alone. Owners that are removed
+//! stay in their cells and are skipped.
 //!
-//! Ends lie in a square grid with about one end a cell. A search looks at rings of cells around a place and stops when no
-//! end of a farther ring can be nearer. Equally near ends are told apart by their number, so that the order of printing does
-//! not depend on anything but the paths. Owners that are taken away stay in their cells
-//! and are skipped.
-//!
-//! Why not a tree: a grid needs no rebalancing while owners disappear one by one. Cost: constant while many ends are left;
-//! a search among the last few looks through most of the grid. Held against a plain search by a property test.
+//! A grid needs no rebalancing while owners disappear, which a tree does. Cost: constant while many
+//! ends are left; a search among the last few visits most of the grid. A property test compares it
+//! with a plain search.
 
 use grainpath_core::{Bounds2, DVec2};
 
-/// Points in a grid; each belongs to an owner that is taken away as a whole.
+/// Points in a grid; each belongs to an owner, and owners are removed as a whole.
 pub struct NearestEnds {
     points: Vec<(DVec2, u32)>,
     starts: Vec<u32>,
@@ -27,6 +27,8 @@ impl NearestEnds {
         let bounds = Bounds2::of(all()).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let size = bounds.size().max(DVec2::splat(1e-3));
         let n = (2 * ends.len()).max(1) as f64;
+        // At most 1000 cells along the longer side: ends on one line would otherwise make a long
+        // grid of empty cells.
         let cell_mm = (size.x * size.y / n * 2.0).sqrt().max(size.max_element() / 1000.0);
         let (nx, ny) = ((size.x / cell_mm) as i64 + 1, (size.y / cell_mm) as i64 + 1);
         let cell = |p: DVec2| {
@@ -51,20 +53,21 @@ impl NearestEnds {
         Self { points, starts, origin: bounds.min, cell_mm, nx, ny }
     }
 
-    /// The end nearest to `at` whose owner is not taken, and whether it is the owner's second. Of equally near ones
-    /// the lowest numbered.
+    /// The end nearest to `at` whose owner is not taken, and whether it is the owner's second end.
+    /// Among equally near ends the one with the lowest number.
     pub fn nearest(&self, at: DVec2, taken: &[bool]) -> Option<(usize, bool)> {
         let c = (at - self.origin) / self.cell_mm;
         let (cx, cy) =
             ((c.x.floor() as i64).clamp(0, self.nx - 1), (c.y.floor() as i64).clamp(0, self.ny - 1));
         let mut best = (f64::INFINITY, u32::MAX);
         for ring in 0..self.nx.max(self.ny) {
-            // Everything in rings further out is at least this far away.
+            // Every end in this ring and beyond is at least this far away.
             let reach = (ring - 1) as f64 * self.cell_mm;
             if best.1 != u32::MAX && reach > 0.0 && reach * reach > best.0 {
                 break;
             }
             for y in (cy - ring).max(0)..=(cy + ring).min(self.ny - 1) {
+                // Inner rows of a ring have only their first and last cell in it.
                 let rim = y == cy - ring || y == cy + ring;
                 let step = if rim { 1 } else { (2 * ring).max(1) };
                 let mut x = cx - ring;

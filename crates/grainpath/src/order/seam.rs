@@ -1,4 +1,7 @@
-//! Where a closed outer wall begins.
+//! Seams: the start of closed outer walls.
+//! | A seam is a visible mark, so its place is a choice: nearest to the nozzle, at the rear, at
+//! random, or aligned over the one in the layer below. Coordinates are in mm. Cost: vertices of the
+//! wall, times the seams below where they are aligned.
 
 use grainpath_core::math::{atan2, cross};
 use grainpath_core::{DVec2, Toolpath};
@@ -9,12 +12,12 @@ pub struct Seams {
     rule: Seam,
     layer_idx: usize,
     n_walls: usize,
-    /// Seams of the layer below, and of this one so far.
+    /// Seams of the layer below; `here` holds those of this layer so far.
     below: Vec<DVec2>,
     here: Vec<DVec2>,
 }
 
-/// A seam follows the one below when it can stay this near, mm.
+/// A seam follows the one below if a vertex of the wall lies within this distance of it, mm.
 const FOLLOW_MM: f64 = 3.0;
 
 impl Seams {
@@ -39,6 +42,8 @@ impl Seams {
             Seam::Nearest => best(&|i| points[i].distance_squared(at)),
             Seam::Rear => best(&|i| -points[i].y),
             Seam::Random => {
+                // A hash of layer and wall instead of a generator: the seam of a layer then does
+                // not depend on which layers were planned before.
                 (hash(self.layer_idx as u64, self.n_walls as u64) % points.len().max(1) as u64) as usize
             }
             Seam::Aligned => {
@@ -48,7 +53,8 @@ impl Seams {
                 if near(points[follow]) < FOLLOW_MM * FOLLOW_MM {
                     follow
                 } else {
-                    // Nothing below: the sharpest corner, of equal ones the one furthest back.
+                    // No seam below: the sharpest corner hides the seam best. The small term in y
+                    // prefers the rear among equal corners.
                     best(&|i| -corner(points, i).abs() - 1e-3 * points[i].y)
                 }
             }

@@ -1,13 +1,13 @@
 //! Sequences of paths with little travel between them.
 //!
-//! Method: nearest neighbour, then 2-opt (turn a stretch round) and Or-opt (move up to three stops) until nothing improves
-//! (`Croes1958`, `Or1976`); tours of up to [`MAX_SHAKEN`] stops are then shaken by exchanging neighbouring stretches and improved
-//! again, keeping what became shorter (iterated local search (`Lourenco2003`)). A stop is a path that may be entered at either
-//! end. Stops beside which nothing changed are not looked at again.
-//!
-//! Everything is deterministic: ties go to the lower number, and the exchanges come from a fixed sequence. Tours of up to 6
-//! stops are held against all orders by a test. Cost: one search for the nearest end a stop, then [`REACH`] neighbours for
-//! every stop and pass.
+//! Method: nearest neighbour, then 2-opt (reverse a stretch) and Or-opt (move up to three stops)
+//! until nothing improves (`Croes1958`, `Or1976`). Tours of up to [`MAX_SHAKEN`] stops are then
+//! perturbed by exchanging neighbouring stretches and improved again, and the shorter tour is kept
+//! (iterated local search, `Lourenco2003`). A stop is a path that may be entered at either end.
+//! Stops beside which nothing changed are not visited again.
+//! | Everything is deterministic: ties go to the lower number, and the exchanges come from a fixed
+//! sequence. A test compares tours of up to 6 stops with all orders. Cost: one search for the
+//! nearest end for each stop, then [`REACH`] neighbours for every stop and pass.
 
 use grainpath_core::poly::signed_area_mm2;
 use grainpath_core::{Bounds2, DVec2, Toolpath};
@@ -17,17 +17,17 @@ use super::nearest::NearestEnds;
 use super::seam::Seams;
 use crate::wall::Wall;
 
-/// How far 2-opt looks for an exchange, and how far a stretch is moved.
+/// Number of stops over which 2-opt looks for an exchange, and over which Or-opt moves a stretch.
 const REACH: usize = 100;
-/// Passes of 2-opt and Or-opt at the most.
+/// Largest number of passes of 2-opt and Or-opt.
 const PASSES: usize = 8;
-/// Tours up to this long are shaken, once for every stop.
+/// Largest number of stops of a tour that is perturbed, once for every stop.
 const MAX_SHAKEN: usize = 64;
 
-/// Visits every owner once, entering at one of its ends and leaving at the other: nearest next, then improved by
-/// turning round stretches (2-opt) and moving them (Or-opt), and for short tours by exchanging neighbouring stretches
-/// and improving again (iterated local search, Lourenco, Martin, Stuetzle 2003). `to` is where the way goes on, if that
-/// is known. Gives owners and whether each is entered at its second end.
+/// Visits every owner once, entering at one of its ends and leaving at the other. `at` is where the
+/// tour begins; `to` is where the way goes on, if that is known. Returned are the owners in order,
+/// and whether each is entered at its second end.
+/// | The method is described in the module's text.
 pub fn tour(ends: &[[DVec2; 2]], at: DVec2, to: Option<DVec2>) -> Vec<(usize, bool)> {
     let mut taken = vec![false; ends.len()];
     let index = NearestEnds::new(ends);
@@ -40,6 +40,7 @@ pub fn tour(ends: &[[DVec2; 2]], at: DVec2, to: Option<DVec2>) -> Vec<(usize, bo
     }
     let mut tour = Tour { ends, at, to, order, look: vec![true; ends.len()] };
     tour.improve();
+    // Fewer than four stops leave hardly two stretches to exchange.
     if (4..=MAX_SHAKEN).contains(&ends.len()) {
         tour.shake();
     }
@@ -52,7 +53,7 @@ struct Tour<'a> {
     at: DVec2,
     to: Option<DVec2>,
     order: Vec<(usize, bool)>,
-    /// The owners beside which something changed since no improvement was found there.
+    /// Whether something changed beside an owner since the last search there without success.
     look: Vec<bool>,
 }
 
@@ -72,7 +73,7 @@ impl Tour<'_> {
         if k == 0 { self.at } else { self.leave(k - 1) }
     }
 
-    /// Where gap `k` ends; nowhere after the last stop when nothing is known of what follows.
+    /// End of gap `k`; `None` after the last stop where it is unknown what follows.
     fn after(&self, k: usize) -> Option<DVec2> {
         if k < self.order.len() { Some(self.enter(k)) } else { self.to }
     }
@@ -95,7 +96,7 @@ impl Tour<'_> {
         self.order.get(stop).is_some_and(|o| self.look[o.0])
     }
 
-    /// Asks for another look at both sides of gap `k`.
+    /// Marks the stops on both sides of gap `k` for another search.
     fn changed(&mut self, k: usize) {
         for stop in [k.checked_sub(1), Some(k)].into_iter().flatten() {
             if let Some(o) = self.order.get(stop) {
@@ -109,7 +110,7 @@ impl Tour<'_> {
         self.order[a..b].iter_mut().for_each(|o| o.1 = !o.1);
     }
 
-    /// Turns round stretches where that shortens the way (2-opt); whether it did.
+    /// Reverses stretches where that shortens the way (2-opt). Returned is whether it did.
     fn turn_stretches(&mut self) -> bool {
         let n = self.order.len();
         let mut improved = false;
@@ -118,6 +119,7 @@ impl Tour<'_> {
                 continue;
             }
             let way = way_mm(self.before(k), self.after(k));
+            // Ends that coincide cannot come closer; most gaps of a zigzag are of this kind.
             if way < 1e-6 {
                 continue;
             }
@@ -129,6 +131,7 @@ impl Tour<'_> {
                 let old = way + way_mm(self.before(other), self.after(other));
                 let new =
                     way_mm(self.before(a), Some(self.leave(b - 1))) + way_mm(self.enter(a), self.after(b));
+                // Gains below a nanometre are rounding and could repeat for ever.
                 if new < old - 1e-6 {
                     self.turn(a, b);
                     self.changed(a);
@@ -141,8 +144,9 @@ impl Tour<'_> {
         improved
     }
 
-    /// Moves stretches of up to three elsewhere where that shortens the way (Or-opt); whether it did. What was looked at
-    /// in vain is not looked at again until something changes beside it.
+    /// Moves stretches of up to three stops elsewhere where that shortens the way (Or-opt).
+    /// Returned is whether it did. Stops searched without success are skipped until something
+    /// changes beside them.
     fn move_stretches(&mut self) -> bool {
         let n = self.order.len();
         let looked = self.look.clone();
@@ -195,8 +199,8 @@ impl Tour<'_> {
         improved
     }
 
-    /// Exchanges two neighbouring stretches, improves, and keeps what became shorter; the places come from a fixed
-    /// sequence.
+    /// Exchanges two neighbouring stretches, improves, and keeps the result if it is shorter. The
+    /// cuts come from a fixed pseudorandom sequence.
     fn shake(&mut self) {
         let n = self.order.len();
         let mut state = n as u64;
@@ -212,6 +216,8 @@ impl Tour<'_> {
             if a == b || b == c {
                 continue;
             }
+            // This exchange is the double bridge of iterated local search: neither 2-opt nor Or-opt
+            // can undo it in one step.
             self.order[a..c].rotate_left(b - a);
             self.look.fill(false);
             [a, a + c - b, c].into_iter().for_each(|seam| self.changed(seam));
@@ -248,7 +254,7 @@ struct Ring {
     walls: Vec<Wall>,
 }
 
-/// Puts walls in order: contour by contour, each from the inside out or the other way.
+/// Puts walls in order: contour by contour, each from the inside out or from the outside in.
 pub fn walls(walls: Vec<Wall>, order: WallOrder, seams: &mut Seams, at: &mut DVec2, out: &mut Vec<Toolpath>) {
     let mut rings: Vec<Ring> = Vec::new();
     for wall in walls {
@@ -256,6 +262,8 @@ pub fn walls(walls: Vec<Wall>, order: WallOrder, seams: &mut Seams, at: &mut DVe
         let Some(bounds) = Bounds2::of(wall.path.points.iter().copied()) else { continue };
         let offset = |r: &Ring| r.bounds.centre().distance_squared(bounds.centre());
         let home = rings
+            // The outermost wall opens a ring; inner walls follow the contour whose middle is
+            // nearest and which runs the same way round.
             .iter_mut()
             .filter(|r| wall.depth > 0 && r.is_hole == is_hole)
             .min_by(|a, b| offset(a).total_cmp(&offset(b)));
@@ -284,13 +292,15 @@ pub fn walls(walls: Vec<Wall>, order: WallOrder, seams: &mut Seams, at: &mut DVe
     }
 }
 
-/// Puts single beads and fill in order: by rank, and within a rank by short ways. `to` is where the way goes on.
+/// Puts single beads and fill in order: by rank, and within a rank by short travels. `to` is where
+/// the way goes on.
 pub fn fills(mut fills: Vec<Toolpath>, at: &mut DVec2, to: Option<DVec2>, out: &mut Vec<Toolpath>) {
     fills.sort_by_key(|p| p.rank);
     while let Some(rank) = fills.first().map(|p| p.rank) {
         let later = fills.split_off(fills.partition_point(|p| p.rank == rank));
         let ends: Vec<[DVec2; 2]> = fills.iter().map(|p| [p.start(), p.end()]).collect();
         let mut stops: Vec<Option<Toolpath>> = fills.into_iter().map(Some).collect();
+        // Only the last rank knows what follows; the others are followed by the next rank.
         for (i, second) in tour(&ends, *at, to.filter(|_| later.is_empty())) {
             let Some(mut path) = stops[i].take() else { continue };
             if path.closed {

@@ -3,7 +3,7 @@
 //! The steps, each counted in a warning:
 //!
 //! 1. vertices that lie together are merged, but only where edges are open, so that intended gaps stay;
-//! 2. facets are turned so that neighbours agree, beginning at the lowest facet of each shell;
+//! 2. facets are turned so that neighbours agree, beginning at the first facet of each shell;
 //! 3. shells of negative volume are turned as a whole, unless they may be cavities: a larger shell of positive volume
 //!    has them inside its bounds (one of the 200 largest, so that thousands of specks do not cost their square);
 //! 4. holes that remain stay in the mesh and are closed in each section ([`super::section`]).
@@ -18,9 +18,10 @@ use grainpath_core::{DVec3, Diagnostics, TriMesh, WarningId};
 use super::ShapeError;
 pub use grainpath_job::choices::Repair;
 
-/// Joins bodies into one mesh that is wound outward as far as it can be. Near vertices are merged where edges are
-/// open, shells wound against themselves are turned face by face, shells inside out are turned whole unless they
-/// are cavities; what is still open is closed in the sections. Every change is counted in a warning.
+/// Joins bodies into one mesh that is wound outward as far as possible. Near vertices are merged
+/// where edges are open. Shells with inconsistent winding are turned face by face, and shells
+/// inside out are turned whole unless they are cavities. Holes that remain are closed in the
+/// sections. Every change is counted in a warning.
 ///
 /// # Errors
 /// [`ShapeError::Defects`] under [`Repair::Strict`]; [`ShapeError::NoVolume`] when most edges are open.
@@ -41,7 +42,7 @@ pub fn mend(bodies: Vec<TriMesh>, repair: Repair, diagnostics: &Diagnostics) -> 
     if whole.triangles.is_empty() { Err(ShapeError::Empty) } else { Ok(whole) }
 }
 
-/// What was found in all bodies.
+/// Counts over all bodies.
 #[derive(Default)]
 struct Found {
     welded: usize,
@@ -76,12 +77,16 @@ fn mend_body(mut mesh: TriMesh, repair: Repair, found: &mut Found) -> Result<Tri
     if health.open_edges > 0 {
         let open = health.open_edges;
         let (low, high) = health.bounds;
+        // A millionth of the size: single-precision coordinates of a file are rounded by about a
+        // sixteenth of that.
         let welded = weld_within(&mesh, 1e-6 * (high - low).max_element());
+        // Merging is kept only if it closes edges; otherwise it would only move vertices.
         if let Some(better) = diagnose(&welded).filter(|h| h.open_edges < open) {
             found.welded += open - better.open_edges;
             (mesh, health) = (welded, better);
         }
     }
+    // Each triangle has three edges, each shared by two triangles unless it is open.
     let n_edges = (3 * health.n_triangles + health.open_edges) / 2;
     if 2 * health.open_edges > n_edges {
         return Err(ShapeError::NoVolume { open_edges: health.open_edges, n_edges });
@@ -93,6 +98,7 @@ fn mend_body(mut mesh: TriMesh, repair: Repair, found: &mut Found) -> Result<Tri
     found.nonmanifold += health.nonmanifold_edges;
     let edges = EdgeUses::of(&mesh);
     let shells = Shells::of(&mesh, &edges);
+    // The shells are found before facets are turned: turning changes no adjacency.
     if health.badly_wound_edges > 0 {
         found.turned_facets += wind_alike(&mut mesh, &edges);
     }
@@ -118,10 +124,10 @@ pub(crate) fn defects(health: &MeshHealth) -> String {
     parts.join(", ")
 }
 
-/// Turns facets so that neighbours over edges of two faces agree, beginning at each shell's lowest facet. Returns how
-/// many were turned.
+/// Turns facets so that neighbours over edges of two faces agree, beginning at the lowest-numbered
+/// facet of each shell. Returned is the number of facets turned.
 fn wind_alike(mesh: &mut TriMesh, edges: &EdgeUses) -> usize {
-    // For each facet up to three neighbours, with whether the two are wound alike as they are now.
+    // Up to three neighbours of each facet, and whether both are wound alike at present.
     let mut neighbours = vec![[(u32::MAX, true); 3]; mesh.triangles.len()];
     let mut add = |t: usize, other: usize, alike: bool| {
         if let Some(slot) = neighbours[t].iter_mut().find(|s| s.0 == u32::MAX) {
@@ -129,6 +135,7 @@ fn wind_alike(mesh: &mut TriMesh, edges: &EdgeUses) -> usize {
         }
     };
     for mut edge in edges.edges() {
+        // Edges of one or of more than two faces say nothing about winding.
         let (Some((a, down_a)), Some((b, down_b)), None) = (edge.next(), edge.next(), edge.next()) else {
             continue;
         };
@@ -163,7 +170,8 @@ fn wind_alike(mesh: &mut TriMesh, edges: &EdgeUses) -> usize {
     n
 }
 
-/// Turns shells of negative volume that lie in no shell of positive volume. Returns how many.
+/// Turns shells of negative volume that do not lie in a shell of positive volume. Returned is their
+/// number.
 fn turn_outward(mesh: &mut TriMesh, shells: &Shells) -> usize {
     struct Shell {
         id: usize,
@@ -181,6 +189,8 @@ fn turn_outward(mesh: &mut TriMesh, shells: &Shells) -> usize {
         }
         let [a, b, c] = triangle.map(|i| mesh.vertices[i as usize]);
         let shell = &mut all[slot[id] as usize];
+        // Signed volume of the tetrahedron with the origin; over a closed shell the parts outside
+        // cancel.
         shell.volume += a.dot(b.cross(c)) / 6.0;
         shell.low = shell.low.min(a).min(b).min(c);
         shell.high = shell.high.max(a).max(b).max(c);
@@ -189,7 +199,8 @@ fn turn_outward(mesh: &mut TriMesh, shells: &Shells) -> usize {
         outer.low.cmple(inner.low).all() && outer.high.cmpge(inner.high).all() && outer.volume > -inner.volume
     };
     let mut outer: Vec<usize> = (0..all.len()).filter(|&i| all[i].volume > 0.0).collect();
-    // Only the largest can hold others; a bound keeps thousands of specks from costing their square.
+    // Only the largest shells can contain others. The bound keeps thousands of specks from costing
+    // the square of their number.
     outer.sort_by(|&i, &j| all[j].volume.total_cmp(&all[i].volume).then(i.cmp(&j)));
     outer.truncate(200);
     let inverted = |s: &&Shell| s.volume < 0.0 && !outer.iter().any(|&o| hold(&all[o], s));

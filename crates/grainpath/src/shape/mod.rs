@@ -1,4 +1,6 @@
-//! Shapes: from meshes and CT scans to the [`LayerStack`] that everything after works on.
+//! Shapes: from meshes, drawings and photographs to the [`LayerStack`] on which every later step
+//! works. | The steps are `place` (unit, rotation, plate), `mend` (repair) and `slice` (sections).
+//! Lengths are in mm, z = 0 is the plate.
 
 mod heights;
 mod mend;
@@ -68,10 +70,11 @@ pub enum ShapeError {
     Interrupted(#[from] Interrupted),
 }
 
-/// Cuts placed and mended meshes into layers, each at the middle of its height. A vertex on the plane counts as
-/// above it, so every crossed edge gives exactly one point, the same for both its triangles.
-///
-/// Contours of all meshes are united by winding number: bodies that overlap or touch do not cancel, cavities stay.
+/// Cuts placed and mended meshes into layers, each at the middle of its height. A vertex on the
+/// plane counts as above it, so every crossed edge gives exactly one point, the same for both its
+/// triangles.
+/// | Contours of all meshes are united by winding number: bodies that overlap or touch do not
+/// cancel, and cavities stay.
 ///
 /// # Errors
 /// [`ShapeError`]: too flat, too many layers, nothing left, interrupted.
@@ -83,6 +86,8 @@ pub fn slice(
     let slicer = Slicer::new(mesh, settings)?;
     diagnostics.begin(Stage::Slice, slicer.n_layers());
     let mut layers = slicer.sections(0..slicer.n_layers(), diagnostics)?;
+    // Sections at the top may be empty, for instance where only specks were left. Empty layers
+    // inside the part stay.
     while layers.last().is_some_and(|l| l.region().is_empty()) {
         layers.pop();
     }

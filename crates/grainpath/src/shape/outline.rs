@@ -1,4 +1,5 @@
-//! Flat parts: an outline with holes, as thick as it is.
+//! Flat parts: an outline with holes, extruded to a thickness.
+//! | Lengths are in mm. Cost: that of triangulating the region.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +10,7 @@ use grainpath_io::{MeshBody, MeshFile, Outline};
 
 use super::ShapeError;
 
-/// A drawing as the body it is the section of, `thickness_mm` high.
+/// Extrudes a drawing from z = 0 to `thickness_mm`.
 ///
 /// # Errors
 /// [`ShapeError::Outline`] for lines that cross each other where the grid of sections rounds them.
@@ -23,7 +24,8 @@ pub fn extruded(outline: Outline, thickness_mm: f64) -> Result<MeshFile, ShapeEr
     })
 }
 
-/// Adds the body between two heights over a region: closed, as long as the region's contours meet in no point.
+/// Adds the prism between two heights over a region. It is closed if the region's contours do not
+/// touch each other.
 ///
 /// # Errors
 /// As [`Triangulation::plain`].
@@ -38,10 +40,13 @@ pub fn prism(
     for z in [low_mm, high_mm] {
         mesh.vertices.extend(cap.points.iter().map(|p| p.extend(z)));
     }
+    // A side of a triangle without its reverse is on the border of the region; only there the prism
+    // has a wall.
     let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, c), (c, a)];
     let all: BTreeSet<(u32, u32)> = cap.triangles.iter().flat_map(sides).collect();
     for triangle in &cap.triangles {
         let [a, b, c] = triangle.map(|i| first + i);
+        // The lower cap is turned over, so that its normal points down.
         mesh.triangles.extend([[a, c, b], [a + n, b + n, c + n]]);
         for (a, b) in sides(triangle).into_iter().filter(|&(a, b)| !all.contains(&(b, a))) {
             let (a, b) = (first + a, first + b);

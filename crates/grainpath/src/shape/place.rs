@@ -1,4 +1,4 @@
-//! Bringing a mesh into millimetres, turned and standing on the plate.
+//! Placement: a mesh in millimetres, rotated and standing on the plate.
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::LengthUnit;
@@ -13,15 +13,15 @@ pub struct Placement {
     pub unit: LengthUnit,
     /// Further factor on all lengths.
     pub scale: f64,
-    /// Turns about X, then Y, then Z, radians.
+    /// Rotations about X, then Y, then Z, radians.
     pub rotate_rad: [f64; 3],
 }
 
-/// Parts larger than this are taken for damage.
+/// Larger parts are taken for damaged files, mm.
 const MAX_SIZE_MM: f64 = 10_000.0;
 
-/// Scales and turns bodies and stands them together on z = 0, which lowers them by what is returned, mm. X and Y stay
-/// where the file has them.
+/// Scales and rotates bodies and moves them together down to z = 0. Returned is the height they
+/// were lowered by, mm. X and Y stay as in the file.
 ///
 /// # Errors
 /// [`ShapeError::Empty`], or [`ShapeError::TooLarge`] beyond 10 m.
@@ -30,6 +30,7 @@ pub fn place(bodies: &mut [TriMesh], placement: &Placement) -> Result<f64, Shape
     let turns = placement.rotate_rad.map(direction);
     for p in bodies.iter_mut().flat_map(|b| &mut b.vertices) {
         let mut v = *p * factor;
+        // A rotation by zero is skipped, so that coordinates of an unrotated part keep their bits.
         if placement.rotate_rad[0] != 0.0 {
             let q = rotated(DVec2::new(v.y, v.z), turns[0]);
             v = DVec3::new(v.x, q.x, q.y);
@@ -43,6 +44,7 @@ pub fn place(bodies: &mut [TriMesh], placement: &Placement) -> Result<f64, Shape
         }
         *p = v;
     }
+    // One shift for all bodies: they keep their positions relative to each other.
     let bounds = bodies.iter().filter_map(TriMesh::bounds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     let (low, high) = bounds.ok_or(ShapeError::Empty)?;
     let size_mm = (high - low).max_element();
@@ -53,9 +55,11 @@ pub fn place(bodies: &mut [TriMesh], placement: &Placement) -> Result<f64, Shape
     Ok(low.z)
 }
 
-/// The unit a mesh is likely in, judged by its longest extent in the file's numbers: things people print are between
-/// a centimetre and a metre.
+/// The likely unit of a mesh, judged by its longest extent in the file's numbers: printed things
+/// are between a centimetre and a metre long.
 pub fn likely_unit(longest: f64) -> LengthUnit {
+    // A part of 0.6 mm is unlikely, one of 0.6 m is not. Between 0.6 and 8 the numbers are taken
+    // for inches: 15 to 200 mm.
     if longest < 0.6 {
         LengthUnit::Metre
     } else if longest < 8.0 {

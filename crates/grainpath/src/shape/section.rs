@@ -5,8 +5,9 @@
 //! gives closed contours without comparing coordinates. A vertex on the plane counts as above it, so a plane never meets a
 //! vertex, an edge or a face exactly.
 //!
-//! Damaged meshes leave open chains. They are joined end to start, nearest first; a chain is closed on itself only when no
-//! other start is nearer than its own. Everything that had to be closed is counted ([`Mended`]) and warned of.
+//! Damaged meshes leave open chains. They are joined end to start, nearest first. A chain is closed
+//! on itself only when no other start is nearer than its own. Every gap that is closed is counted
+//! ([`Mended`]) and reported in a warning.
 //!
 //! The point where an edge crosses the plane is computed from its lower vertex to its higher one, so both its triangles get
 //! the same bits. Contours of all shells are united by winding number: overlapping bodies do not cancel and cavities stay.
@@ -18,7 +19,7 @@ use grainpath_core::{Contour, DVec2, Diagnostics, Region, TriMesh, WarningId};
 
 use super::SliceSettings;
 
-/// Which triangles each plane crosses.
+/// The triangles that each plane crosses.
 pub struct Buckets {
     starts: Vec<usize>,
     triangles: Vec<u32>,
@@ -33,6 +34,8 @@ impl Buckets {
             let (low, high) = (a.min(b).min(c), a.max(b).max(c));
             (planes.partition_point(|&p| p <= low), planes.partition_point(|&p| p <= high))
         };
+        // Two passes over the triangles, counting and then filling, need no growing list for each
+        // plane.
         let mut counts = vec![0usize; planes.len() + 1];
         for t in &mesh.triangles {
             let (first, end) = range(t);
@@ -62,7 +65,7 @@ impl Buckets {
     }
 }
 
-/// What had to be closed in sections.
+/// Gaps that were closed in sections.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Mended {
     gaps: usize,
@@ -78,7 +81,7 @@ impl Mended {
         self.widest_mm = self.widest_mm.max(other.widest_mm);
     }
 
-    /// Says so.
+    /// Warns if any gap was closed.
     pub fn warn(&self, diagnostics: &Diagnostics) {
         if self.gaps > 0 {
             diagnostics.warn(
@@ -92,11 +95,11 @@ impl Mended {
     }
 }
 
-/// Where a directed triangle side crosses the plane: named by the mesh edge, so that both its triangles agree.
+/// The mesh edge on which a triangle's side crosses the plane; both its triangles use the same key.
 type EdgeKey = u64;
 
-/// A piece of contour inside one triangle, from the side that goes down through the plane to the one that goes up:
-/// then the inside is on the left.
+/// A piece of contour inside one triangle. It runs from the side that goes down through the plane
+/// to the side that goes up, so that the inside lies on the left.
 struct Segment {
     from: EdgeKey,
     to: EdgeKey,
@@ -116,12 +119,14 @@ pub fn section(mesh: &TriMesh, triangles: &[u32], z: f64, settings: &SliceSettin
         return (Region::default(), mended);
     }
     let mut region = Region::from_contours(&contours, FillRule::NonZero);
+    // Areas below a thousandth of a square millimetre cannot hold a bead and are mostly slivers
+    // between bodies that touch.
     region.polygons.retain(|p| p.area_mm2() > 1e-3);
     (region, mended)
 }
 
-/// Small holes and screws keep their form: a contour is not simplified by more than this share of its extent, since
-/// what is cut from a round outline is always on the same side.
+/// Largest tolerance of simplification as a share of a contour's extent. Simplifying cuts a round
+/// outline always on the same side, so small holes and screws would lose their size.
 const MAX_SIMPLIFY_SHARE: f64 = 1e-3;
 
 fn simplified(contour: &[DVec2], tolerance_mm: f64) -> Contour {
@@ -152,13 +157,15 @@ fn crossing(mesh: &TriMesh, a: u32, b: u32, z: f64) -> (EdgeKey, DVec2) {
     (u64::from(low) << 32 | u64::from(high), p.truncate().lerp(q.truncate(), t))
 }
 
-/// Follows segments from edge to edge. Closed lines, and open chains where a neighbour is missing.
+/// Follows segments from edge to edge. Returned are closed contours, and open chains where a
+/// neighbour is missing.
 fn chain(segments: &[Segment]) -> (Vec<Contour>, Vec<Contour>) {
     let starts = Starts::new(segments);
     let ends = |s: &Segment| starts.find(s.to, |_| true).is_some();
     let mut used = vec![false; segments.len()];
     let (mut closed, mut open) = (Vec::new(), Vec::new());
-    // Chains that begin at a hole in the mesh come first, or they would be met in their middle.
+    // Open chains are followed from their first segment. A closed walk could otherwise enter them
+    // in the middle and split them.
     let mut follow = |seed: usize, used: &mut Vec<bool>| {
         let mut line = vec![segments[seed].start];
         let mut at = seed;
@@ -196,7 +203,8 @@ fn chain(segments: &[Segment]) -> (Vec<Contour>, Vec<Contour>) {
     (closed, open)
 }
 
-/// Segments by the edge they start at: open addressing, several of one key side by side.
+/// Segments by the edge they start at: a hash table with open addressing, in which several segments
+/// may share a key.
 struct Starts<'a> {
     segments: &'a [Segment],
     slots: Vec<u32>,
@@ -216,6 +224,7 @@ impl<'a> Starts<'a> {
     }
 
     fn slot(&self, key: EdgeKey) -> usize {
+        // The odd constant of Fibonacci hashing spreads keys that differ in a few low bits.
         let h = key.wrapping_mul(0x9e37_79b9_7f4a_7c15);
         (h >> 32) as usize & (self.slots.len() - 1)
     }
@@ -232,12 +241,13 @@ impl<'a> Starts<'a> {
     }
 }
 
-/// Joins open chains end to start, nearest first, until all are closed. A chain is closed on itself only when no
-/// other start is nearer than its own.
+/// Joins open chains end to start, nearest first, until all are closed. A chain is closed on itself
+/// only when no other start is nearer than its own.
 fn join(mut open: Vec<Contour>, gap_closing_mm: f64, closed: &mut Vec<Contour>) -> Mended {
     let mut mended = Mended::default();
     open.retain(|c| c.len() > 1);
-    // Crumbs shorter than what is closed anyway say nothing and would only cost pairs.
+    // In heavily damaged sections, chains shorter than the gaps that are closed anyway are dropped,
+    // and the number of the others is bounded: the search for pairs is quadratic.
     if open.len() > 200 {
         open.retain(|c| c[0].distance(c[c.len() - 1]) > gap_closing_mm);
         open.truncate(2000);

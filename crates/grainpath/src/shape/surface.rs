@@ -1,12 +1,14 @@
-//! The surface of a stack of layers: closed and manifold whatever branches, joins or ends.
-//!
-//! Between the middles of neighbouring layers the signed distances of both sections are mixed linearly, on cells of about
-//! `cell_mm`. Each cell is cut into six tetrahedra along its diagonal (Kuhn's cut), and the zero level is traced in each
-//! (marching tetrahedra (`Doi1991`)). Tetrahedra have no ambiguous case, so the surface is closed and manifold by
-//! construction; the ends are flat. Values very close to zero are moved off it, so that no two vertices coincide.
-//!
-//! Used where a solver or the supports need a surface and the shape is a scan or a photograph. Sharp edges in plan come out
-//! rounded over about a cell. Cost: the signed distances take all cells of a layer, tracing those that the border passes.
+//! The surface of a stack of layers, closed and manifold wherever the shape branches, joins or
+//! ends.
+//! | Between the middles of neighbouring layers the signed distances of both sections are
+//! interpolated linearly, on cells of about `cell_mm`. Each cell is cut into six tetrahedra along
+//! its diagonal (Kuhn's cut), and the zero level is traced in each (marching tetrahedra,
+//! `Doi1991`). Tetrahedra have no ambiguous case, so the surface is closed and manifold by
+//! construction. The ends are flat. Values very close to zero are moved away from it, so that no
+//! two vertices coincide.
+//! | A solver or the supports use it where the shape is a scan or a photograph. Sharp edges in plan
+//! are rounded over about one cell. Cost: the signed distances visit all cells of a layer, the
+//! tracing those that the border passes.
 
 use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, Region, TriMesh};
 use rayon::prelude::*;
@@ -14,18 +16,19 @@ use rayon::prelude::*;
 use super::ShapeError;
 use grainpath_imaging::distance::{Raster, signed_distance};
 
-/// Surfaces with more triangles are not made.
+/// Largest number of triangles of a surface.
 const MAX_TRIANGLES: usize = 60_000_000;
-/// Height over which the ends are closed, mm; put back onto the end planes.
+/// Height over which the ends are closed, mm. The vertices are then moved back onto the end planes.
 const END_MM: f64 = 1e-3;
-/// Values closer to zero than this share of a cell are moved off it: no two vertices coincide.
+/// Smallest distance from zero, in cells; values closer to zero are set to it, so that no two
+/// vertices coincide.
 const LEAST: f32 = 0.02;
 
-/// Lofts the sections of a stack: between their middles by signed distances on cells of about `cell_mm`, cut into six
-/// tetrahedra each, so that the result is closed and manifold by construction. The ends are flat.
+/// Lofts the sections of a stack: signed distances are interpolated between their middles on cells
+/// of about `cell_mm`. The result is closed and manifold by construction, with flat ends.
 ///
 /// # Errors
-/// [`ShapeError`]: nothing there, too many triangles, interrupted.
+/// [`ShapeError`]: no area, too many triangles, interrupted.
 pub fn surface(stack: &LayerStack, cell_mm: f64, diagnostics: &Diagnostics) -> Result<TriMesh, ShapeError> {
     let layers = stack.layers();
     let bounds = layers.iter().filter_map(|l| l.region().bounds()).reduce(Bounds2::union);
@@ -34,9 +37,12 @@ pub fn surface(stack: &LayerStack, cell_mm: f64, diagnostics: &Diagnostics) -> R
     let raster = Raster::over(bounds, glam(cell_mm));
     let mut loft = Loft::new(raster, top);
     let n = raster.nx * raster.ny;
-    // Not the mirrored values: slanted edges would be crossed straight above level ones, and vertices fall together.
+    // Values of the closing planes below and above. The mirrored values would not do: slanted edges
+    // would be crossed straight above level ones, and vertices would coincide.
     let outside = |inside: &[f32]| inside.iter().map(|v| -v.abs() - 0.7).collect::<Vec<f32>>();
     let mut before: Option<(Vec<f32>, f64)> = None;
+    // Distances of a batch of layers are computed in parallel; two for each thread bound the
+    // memory, whatever the number of layers.
     for batch in layers.chunks(2 * rayon::current_num_threads()) {
         diagnostics.check()?;
         let fields: Vec<Vec<f32>> = batch.par_iter().map(|l| field(l.region(), &raster)).collect();
@@ -64,7 +70,7 @@ fn glam(cell_mm: f64) -> grainpath_core::DVec2 {
     grainpath_core::DVec2::splat(cell_mm)
 }
 
-/// Signed distance in cells, nowhere near zero.
+/// Signed distance in cells, nowhere closer to zero than `LEAST`.
 fn field(region: &Region, raster: &Raster) -> Vec<f32> {
     if region.is_empty() {
         return vec![-1.0; raster.nx * raster.ny];
@@ -78,7 +84,7 @@ fn field(region: &Region, raster: &Raster) -> Vec<f32> {
     values
 }
 
-/// Edges of the six tetrahedra of a cell by their direction: 1 is x, 2 is y, 4 is z.
+/// Directions of the edges of the six tetrahedra of a cell, as bits: 1 is x, 2 is y, 4 is z.
 const DIRECTIONS: usize = 8;
 const NONE: u32 = u32::MAX;
 
@@ -86,9 +92,9 @@ struct Loft {
     raster: Raster,
     top: f64,
     mesh: TriMesh,
-    /// Vertices on the edges that begin at a point of the lower plane, by direction.
+    /// Vertices on the edges that begin at a point of the lower plane, by point and direction.
     lower: Vec<u32>,
-    /// Those within the upper plane.
+    /// Vertices on the edges within the upper plane.
     upper: Vec<u32>,
 }
 
@@ -98,9 +104,11 @@ impl Loft {
         Self { raster, top, mesh: TriMesh::default(), lower: vec![NONE; n], upper: vec![NONE; n] }
     }
 
-    /// Adds the surface between two planes; slabs come from below.
+    /// Adds the surface between two planes. Slabs have to come from the plate upwards.
     fn slab(&mut self, low: &[f32], z_low: f64, high: &[f32], z_high: f64) -> Result<(), ShapeError> {
         let (nx, ny) = (self.raster.nx, self.raster.ny);
+        // The upper plane of the last slab is the lower plane of this one; its vertices are reused,
+        // which is what closes the surface.
         std::mem::swap(&mut self.lower, &mut self.upper);
         self.upper.fill(NONE);
         for j in 0..ny - 1 {
@@ -115,7 +123,8 @@ impl Loft {
                     continue;
                 }
                 let v: [f32; 8] = std::array::from_fn(corner);
-                // Kuhn's cut: every way from corner 0 to corner 7, one axis after another.
+                // Kuhn's cut: one tetrahedron for every order of the three axes on the way from
+                // corner 0 to corner 7.
                 for [a, b] in [[1, 3], [1, 5], [2, 3], [2, 6], [4, 5], [4, 6]] {
                     self.tetrahedron([0, a, b, 7], &v, [i, j], [z_low, z_high]);
                 }
@@ -141,7 +150,8 @@ impl Loft {
             (&[a, b], &[p, q]) => vec![[(a, p), (a, q), (b, q)], [(a, p), (b, q), (b, p)]],
             _ => return,
         };
-        // Which way round does not depend on where on their edges the vertices lie: the middles tell.
+        // The orientation of a triangle does not depend on the positions of its vertices along
+        // their edges, so it is found from the edges' middles.
         let place = |c: usize| DVec3::new((c & 1) as f64, (c >> 1 & 1) as f64, (c >> 2) as f64);
         let sum = |cs: &[usize]| cs.iter().map(|&c| place(c)).sum::<DVec3>() / cs.len() as f64;
         let out = sum(&without) - sum(&within);
@@ -171,6 +181,7 @@ impl Loft {
         };
         let p = place(a).lerp(place(b), t);
         *slot = self.mesh.vertices.len() as u32;
+        // The end slabs reach `END_MM` beyond the part; the clamp makes the ends flat.
         self.mesh.vertices.push(DVec3::new(p.x, p.y, p.z.clamp(0.0, self.top)));
         *slot
     }
