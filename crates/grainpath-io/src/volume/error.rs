@@ -1,4 +1,4 @@
-//! Why a volume cannot be read.
+//! Errors of volume readers.
 
 use grainpath_core::slices::{SampleType, SliceError};
 
@@ -126,17 +126,18 @@ pub(crate) fn error(file: impl Into<String>, problem: impl Into<VolumeProblem>) 
 }
 
 pub(crate) fn io_error(file: &str, e: &std::io::Error) -> VolumeError {
+    // The system's message ends in "(os error 2)", which means nothing to a user.
     let text = e.to_string();
     let reason = text.split(" (os error").next().unwrap_or(&text).to_lowercase();
     error(file, VolumeProblem::Unreadable { reason })
 }
 
-/// A part of the file that is not what its format says.
+/// An error for a part of the file that is not what its format requires.
 pub(super) fn damaged(file: &str, part: impl Into<String>, reason: impl ToString) -> VolumeError {
     error(file, VolumeProblem::Damaged { part: part.into(), reason: reason.to_string() })
 }
 
-/// Something the format allows and these readers do not take.
+/// An error for something that the format allows and these readers do not support.
 pub(super) fn unsupported(file: &str, what: impl Into<String>, instead: impl Into<String>) -> VolumeError {
     error(file, VolumeProblem::Unsupported { what: what.into(), instead: instead.into() })
 }

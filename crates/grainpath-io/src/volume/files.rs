@@ -1,4 +1,4 @@
-//! The files of a volume, and how they are opened.
+//! The files of a volume and how they are opened.
 
 use std::cmp::Ordering;
 use std::io::{self, BufReader, Cursor, Read, Seek};
@@ -6,13 +6,13 @@ use std::sync::{Arc, Mutex};
 
 use super::{VolumeError, VolumeProblem, damaged, error, io_error};
 
-/// What a volume is read from.
+/// What a volume is read from: any source that can be read and sought.
 pub trait ReadSeek: Read + Seek + Send {}
 impl<T: Read + Seek + Send> ReadSeek for T {}
 
 type Open = dyn Fn(&str) -> io::Result<Box<dyn ReadSeek>> + Send + Sync;
 
-/// Names of files and the way to open them. A file may name others beside it.
+/// Names of files and a function that opens them. A header file may name other files beside it.
 #[derive(Clone)]
 pub struct Files {
     place: String,
@@ -23,7 +23,7 @@ pub struct Files {
 }
 
 impl Files {
-    /// One file, opened by `open`, which may be asked for others that the file names, relative to it.
+    /// A single file. `open` may be asked for other files that its header names, relative to it.
     pub fn single(
         name: impl Into<String>,
         open: impl Fn(&str) -> io::Result<Box<dyn ReadSeek>> + Send + Sync + 'static,
@@ -38,7 +38,7 @@ impl Files {
         }
     }
 
-    /// A folder with these files, in any order; they come in natural order.
+    /// A folder with these files. They are put into natural order.
     pub fn folder(
         place: impl Into<String>,
         mut names: Vec<String>,
@@ -48,7 +48,7 @@ impl Files {
         Self { place: place.into(), names, folder: true, outside_allowed: false, open: Arc::new(open) }
     }
 
-    /// What errors call the whole.
+    /// The name of the whole in messages.
     pub fn place(&self) -> &str {
         &self.place
     }
@@ -64,6 +64,7 @@ impl Files {
 
     pub(crate) fn open(&self, name: &str) -> Result<BufReader<Box<dyn ReadSeek>>, VolumeError> {
         let reader = (self.open)(name).map_err(|e| io_error(name, &e))?;
+        // Network and archive readers are slow for small reads, so 64 KiB are read at a time.
         Ok(BufReader::with_capacity(1 << 16, reader))
     }
 
@@ -84,16 +85,19 @@ impl Files {
         Ok(bytes)
     }
 
-    /// Lets headers name files outside their own folder.
+    /// Allows headers to name files outside their own folder.
     #[must_use]
     pub fn allowing_outside(mut self, allowed: bool) -> Self {
         self.outside_allowed = allowed;
         self
     }
 
-    /// The file that the header `name` calls `other`: beside it, or below its folder.
+    /// The path of the file that the header `name` calls `other`. It must lie in the header's folder or
+    /// below.
     pub(crate) fn sibling(&self, name: &str, other: &str) -> Result<String, VolumeError> {
         let mut parts = other.split(['/', '\\']);
+        // A volume from the internet must not make the program read any file of the user. Drive letters
+        // count as absolute.
         let absolute = other.starts_with(['/', '\\']) || other.get(1..2) == Some(":");
         if !self.outside_allowed && (absolute || parts.any(|part| part == "..")) {
             return Err(error(name, VolumeProblem::Outside { name: other.to_owned() }));
@@ -105,13 +109,16 @@ impl Files {
     }
 }
 
-/// Entries of an archive are slices; larger ones are not taken.
+/// Limit on a file that is read whole, such as a slice in an archive. It is four times the largest slice
+/// of floats that is read.
 pub(super) const MAX_FILE: u64 = 1 << 30;
 
 /// The files in a ZIP archive.
 pub(super) fn zip_files(files: &Files, name: &str) -> Result<Files, VolumeError> {
     let damaged = |e: zip::result::ZipError| damaged(name, "ZIP archive", e);
     let archive = zip::ZipArchive::new(files.open(name)?).map_err(damaged)?;
+    // The archive's own names are shown with the archive before them, so that messages name a place the
+    // user knows.
     let inside: Vec<String> = archive
         .file_names()
         .filter_map(|n| n.ok().map(std::borrow::Cow::into_owned))
@@ -122,27 +129,31 @@ pub(super) fn zip_files(files: &Files, name: &str) -> Result<Files, VolumeError>
     let shown: Vec<String> = inside.iter().map(|n| format!("{prefix}{n}")).collect();
     let open = move |path: &str| -> io::Result<Box<dyn ReadSeek>> {
         let entry = path.strip_prefix(&prefix).unwrap_or(path);
+        // A ZIP reader has one position, so entries are inflated one at a time.
         let mut archive = archive.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let file = archive.by_name(entry).map_err(io::Error::other)?;
         let mut bytes = Vec::new();
-        // Grown as the data comes: the stated size proves nothing.
+        // The vector grows as data arrive: the size in the directory may be false.
         file.take(MAX_FILE).read_to_end(&mut bytes)?;
         Ok(Box::new(Cursor::new(bytes)))
     };
     Ok(Files::folder(name, shown, open))
 }
 
-/// Orders names as people do: numbers in them by value.
+/// Orders names as people do: numbers in them by value, so that slice9 comes before slice10.
 pub fn natural_order(a: &str, b: &str) -> Ordering {
     let (mut x, mut y) = (a.as_bytes(), b.as_bytes());
     loop {
         match (x.first(), y.first()) {
+            // Names that differ only in leading zeros still need a fixed order.
             (None, None) => return a.cmp(b),
             (None, _) => return Ordering::Less,
             (_, None) => return Ordering::Greater,
             (Some(p), Some(q)) if p.is_ascii_digit() && q.is_ascii_digit() => {
                 let (m, n) = (digits(x), digits(y));
                 let (u, v) = (without_zeros(&x[..m]), without_zeros(&y[..n]));
+                // Without leading zeros the longer number is the greater one, so numbers of any length
+                // compare without overflow.
                 match u.len().cmp(&v.len()).then(u.cmp(v)) {
                     Ordering::Equal => (x, y) = (&x[m..], &y[n..]),
                     other => return other,

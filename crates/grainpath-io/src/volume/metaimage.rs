@@ -1,4 +1,4 @@
-//! MetaImage: MHD with its data beside it, or MHA with both in one.
+//! MetaImage: MHD with its voxels in a file beside it, or MHA with both in one file.
 
 use grainpath_core::slices::SliceSource;
 use grainpath_core::units::LengthUnit;
@@ -10,11 +10,13 @@ use super::{Files, SampleType, VolumeError, VolumeInfo, VolumeProblem, error, sp
 
 const FORMAT: &str = "MetaImage";
 
+// Limit on the header, bytes. ElementDataFile ends the header and comes long before.
 const MAX_HEADER: u64 = 1 << 16;
 
 pub(super) fn is(head: &[u8]) -> bool {
     let text = String::from_utf8_lossy(&head[..head.len().min(256)]);
     text.lines().next().is_some_and(|l| {
+        // MetaIO writes one of these keys first.
         l.split_once('=').is_some_and(|(k, _)| ["ObjectType", "NDims", "Comment"].contains(&k.trim()))
     })
 }
@@ -23,7 +25,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     let head = files.head(name, MAX_HEADER)?;
     let mut fields: Vec<(String, String)> = Vec::new();
     let mut at = 0;
-    // The data file is named last; in an MHA its voxels follow that line.
+    // ElementDataFile is the last field. In an MHA the voxels follow its line.
     while let Some(end) = head[at..]
         .iter()
         .position(|c| *c == b'\n')
@@ -75,6 +77,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         Some("cm") => LengthUnit::Centimetre.mm(),
         Some(other) => return Err(wrong("DistanceUnits", other.to_owned(), "um, mm and cm")),
     };
+    // ElementSize is the extent of a voxel, which equals the spacing in files that give it alone.
     if let Some(text) = get("elementspacing").or(get("elementsize")) {
         let values = text.split_whitespace().map(|w| w.parse::<f64>().unwrap_or(0.0));
         values.take(3).enumerate().for_each(|(k, mm)| info.spacing_mm[k] = spacing(mm * unit_mm));
@@ -86,11 +89,13 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     let skip: i64 = get("headersize").and_then(|v| v.parse().ok()).unwrap_or(0);
     let (file, offset) = match data {
         "LOCAL" | "Local" | "local" => (name.to_owned(), at as u64),
+        // A printf pattern or LIST names one file for each slice.
         f if f.contains('%') || f.starts_with("LIST") => {
             return Err(unsupported(name, "data in several files", "keep the voxels in one file"));
         }
         f => (files.sibling(name, f)?, skip.max(0) as u64),
     };
+    // -1 asks the reader to find the voxels from the end of the file.
     if skip < 0 {
         return Err(wrong("HeaderSize", skip.to_string(), "a number of bytes"));
     }
@@ -103,8 +108,8 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     }
 }
 
-/// Where the header says the voxels lie, in LPS as ITK has it. `TransformMatrix` lists the direction of one axis after
-/// another and counts before `AnatomicalOrientation`.
+/// Where the header says that the voxels lie, in LPS as ITK has it. `TransformMatrix` lists the direction
+/// of one axis after another and wins over `AnatomicalOrientation`.
 fn placement_of<'a>(
     name: &str,
     get: &dyn Fn(&str) -> Option<&'a str>,
@@ -117,6 +122,7 @@ fn placement_of<'a>(
     };
     let numbers = |text: &str| text.split_whitespace().map(|w| w.parse().ok()).collect::<Option<Vec<f64>>>();
     let matrix = get("transformmatrix").or(get("orientation")).or(get("rotation"));
+    // `???` is written where the orientation is not known.
     let letters = get("anatomicalorientation").filter(|text| !text.contains('?'));
     let directions = match (matrix, letters) {
         (Some(text), _) => {
@@ -125,6 +131,8 @@ fn placement_of<'a>(
             [0, 3, 6].map(|k| DVec3::new(m[k], m[k + 1], m[k + 2]))
         }
         (None, Some(text)) => {
+            // MetaIO's documentation and ITK disagree on whether a letter is the beginning or the end of
+            // an axis; most files come from ITK.
             let told = format!(
                 "AnatomicalOrientation = {text} is read as ITK writes it: each letter is the side where an axis begins"
             );
@@ -146,10 +154,11 @@ fn placement_of<'a>(
     Ok(Some(Placement { origin_mm: origin * unit_mm, step_mm, stated }))
 }
 
-/// The directions of three axes that begin at the sides that the letters name, in LPS.
+/// The directions of three axes in LPS. Each letter names the side at which its axis begins.
 fn directions_from(letters: &str) -> Option<[DVec3; 3]> {
     let direction = |letter: char| {
         Some(match letter {
+            // An axis that begins at the right runs to the left, which is +x in LPS.
             'R' => DVec3::X,
             'L' => DVec3::NEG_X,
             'A' => DVec3::Y,

@@ -27,9 +27,9 @@ use grainpath_core::slices::{SampleType, SliceError, SliceSource, VolumeInfo};
 use error::{damaged, unsupported};
 pub(crate) use error::{error, io_error};
 
-/// Slices with more pixels are not read.
+/// Limit on the pixels of a slice: 8192 x 8192. A slice is held as f32, 256 MiB at this size.
 const MAX_PIXELS: usize = 1 << 26;
-/// Nor volumes with more slices.
+/// Limit on the slices of a volume. A stack of as many micrometre slices is one metre high.
 const MAX_SLICES: usize = 1 << 20;
 
 fn check_size(file: &str, size: [usize; 3]) -> Result<(), VolumeError> {
@@ -43,9 +43,10 @@ fn check_size(file: &str, size: [usize; 3]) -> Result<(), VolumeError> {
     Ok(())
 }
 
-/// A spacing out of a file: finite, positive, of a size voxels can have.
+/// A spacing from a file. `None` unless it is finite, positive and of a size that voxels can have.
 fn spacing(mm: f64) -> Option<f64> {
     let mm = mm.abs();
+    // From 0.1 nm to 10 m. Axes may run backwards, so the sign was dropped above.
     (1e-7..1e4).contains(&mm).then_some(mm)
 }
 
@@ -58,12 +59,14 @@ pub fn open_volume(files: Files, raw: Option<&RawHeader>) -> Result<Box<dyn Slic
     let Some(first) = files.names().first().cloned() else {
         return Err(error(files.place(), VolumeProblem::NoFiles));
     };
+    // A header given by the user wins over the content, which may look like any format by chance.
     if let Some(header) = raw {
         return Ok(Box::new(raw::open(&files, &first, header)?));
     }
     if files.is_folder() {
         return series::open(files);
     }
+    // 512 bytes hold every signature below, up to NIfTI's at byte 344.
     let head = files.head(&first, 512)?;
     let starts = |magic: &[u8]| head.starts_with(magic);
     if starts(b"PK\x03\x04") {
@@ -75,12 +78,14 @@ pub fn open_volume(files: Files, raw: Option<&RawHeader>) -> Result<Box<dyn Slic
     if starts(b"II*\0") || starts(b"MM\0*") || starts(b"II+\0") || starts(b"MM\0+") {
         return Ok(Box::new(tiff_pages::open(&files, &first)?));
     }
+    // Gzip is taken for NIfTI (.nii.gz): NRRD and MetaImage compress only their voxels.
     if starts(b"\x1f\x8b") || nifti::is(&head) {
         return nifti::open(&files, &first);
     }
     if head.get(128..132) == Some(b"DICM") {
         return series::open(files);
     }
+    // MetaImage has no signature, only keys, and is asked after the formats that have one.
     if metaimage::is(&head) {
         return metaimage::open(&files, &first);
     }

@@ -20,6 +20,7 @@ pub(super) fn is(head: &[u8]) -> bool {
 }
 
 pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, VolumeError> {
+    // 540 bytes are the header of NIfTI-2; NIfTI-1 has 348.
     let plain = files.head(name, 540)?;
     let packed = plain.starts_with(b"\x1f\x8b");
     let mut head = plain;
@@ -36,11 +37,14 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         error(name, VolumeProblem::Field { format: FORMAT, field, found, expected: expected.to_owned() })
     };
     let second = head.get(4..7) == Some(b"n+2");
+    // A NIfTI-1 file may end before byte 540; the fields beyond are never asked of it.
     head.resize(540, 0);
+    // The first field is the size of the header, in the byte order of the file.
     let big_endian = head[..4] == if second { 540i32.to_be_bytes() } else { 348i32.to_be_bytes() };
     let h = Header { bytes: &head, big_endian, second };
     let dims: Vec<i64> =
         (0..8).map(|i| if second { h.i64(16 + 8 * i) } else { i64::from(h.i16(40 + 2 * i)) }).collect();
+    // Axes 4 to 7 are time and other series. An extent of 1 is no series.
     let more = (4..8).any(|k| (k as i64) <= dims[0] && dims[k] > 1);
     if !(2..=7).contains(&dims[0]) || more {
         let n_axes = usize::try_from(dims[0]).unwrap_or(0);
@@ -48,6 +52,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     }
     let size = [1, 2, 3].map(|k| if k as i64 > dims[0] { 1 } else { usize::try_from(dims[k]).unwrap_or(0) });
     let code = h.i16(if second { 12 } else { 70 });
+    // Source: `nifti1.h`, datatype codes.
     let sample = match code {
         2 => SampleType::U8,
         256 => SampleType::I8,
@@ -62,6 +67,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         }
     };
     let mut info = VolumeInfo::new(FORMAT, size, sample);
+    // The low three bits of xyzt_units are the unit of space, the others that of time.
     let units = if second { h.i32(500) } else { i32::from(head[123]) } & 7;
     let unit_mm = match units {
         1 => Some(1e3),
@@ -76,12 +82,14 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         let text = "the file states no unit of length; its spacing is taken for mm";
         info.warnings.push(Warning::new(WarningId::UnitAssumed, text).in_file(name));
     }
+    // NIfTI-1 stores vox_offset as a float.
     let offset = if second { h.i64(168) as f64 } else { f64::from(h.f32(108)) };
     if !(0.0..1e9).contains(&offset) {
         return Err(wrong("vox_offset", offset.to_string(), "a place within 1 GB"));
     }
     let (slope, intercept) =
         if second { (h.f64(176) as f32, h.f64(184) as f32) } else { (h.f32(112), h.f32(116)) };
+    // `nifti1.h`: a slope of 0 means that values are not scaled.
     let sound = slope != 0.0 && slope.is_finite() && intercept.is_finite();
     let voxels = RawSource::new(
         files,
@@ -89,6 +97,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         Layout {
             file: name.to_owned(),
             offset: offset as u64,
+            // In a packed file the offset counts unpacked bytes.
             inside: packed,
             packing: if packed { Packing::Gzip } else { Packing::None },
             big_endian,
@@ -109,6 +118,8 @@ fn placement_of(name: &str, h: &Header, mm: f64, info: &mut VolumeInfo) -> Optio
     let (qform, sform) = (h.qform(mm), h.sform(mm));
     match (qform, sform) {
         (Some(q), Some(s)) => {
+            // The two maps are compared at the eight corners, where a difference of affine maps is
+            // greatest.
             let last = info.size.map(|n| (n - 1) as f64);
             let corner = |p: &Placement, bits: usize| {
                 let along =
@@ -116,7 +127,7 @@ fn placement_of(name: &str, h: &Header, mm: f64, info: &mut VolumeInfo) -> Optio
                 p.origin_mm + along(0) + along(1) + along(2)
             };
             let apart_mm = (0..8).map(|b| corner(&q, b).distance(corner(&s, b))).fold(0.0, f64::max);
-            // Half a voxel: less is the rounding of the quaternion.
+            // Half a voxel: smaller differences come from rounding of the quaternion.
             if apart_mm > 0.5 * s.step_mm.iter().map(|v| v.length()).fold(f64::INFINITY, f64::min) {
                 let text =
                     format!("sform and qform place voxels up to {apart_mm:.3} mm apart; the sform is taken");
@@ -149,7 +160,8 @@ impl Header<'_> {
         }
         b
     }
-    /// A real number, which stands at one place in NIfTI-1 (single precision) and another in NIfTI-2 (double).
+    /// A real number. It stands at one offset in NIfTI-1 (single precision) and at another in NIfTI-2
+    /// (double).
     fn real(&self, first: usize, second: usize, index: usize) -> f64 {
         if self.second { self.f64(second + 8 * index) } else { f64::from(self.f32(first + 4 * index)) }
     }
@@ -167,10 +179,11 @@ impl Header<'_> {
         if self.code(252, 344) <= 0 {
             return None;
         }
+        // Only three parts of the unit quaternion are stored; the fourth follows from its length.
         let [b, c, d] = [0, 1, 2].map(|i| self.real(256, 352, i));
         let squares = b * b + c * c + d * d;
-        // In single precision a half turn has an `a` of up to 3e-4 instead of 0; below this limit it is rounding.
-        // Source: `nifti_quatern_to_mat44` of the reference library, which has the same limit.
+        // In single precision a half turn has an `a` of up to 3e-4 instead of 0; below the limit it is
+        // rounding. Source: `nifti_quatern_to_mat44` of the reference library, which has the same limit.
         let (a, shrink) =
             if 1.0 - squares < 1e-7 { (0.0, 1.0 / squares.sqrt()) } else { ((1.0 - squares).sqrt(), 1.0) };
         let (b, c, d) = (b * shrink, c * shrink, d * shrink);
@@ -179,6 +192,7 @@ impl Header<'_> {
             DVec3::new(2.0 * (b * c - a * d), a * a + c * c - b * b - d * d, 2.0 * (c * d + a * b)),
             DVec3::new(2.0 * (b * d + a * c), 2.0 * (c * d - a * b), a * a + d * d - b * b - c * c),
         ];
+        // pixdim[0] holds qfac, -1 for a left-handed order; 0 counts as 1.
         let handedness = if self.pixdim(0) < 0.0 { -1.0 } else { 1.0 };
         let length_mm = [1.0, 1.0, handedness];
         let step_mm = [0, 1, 2].map(|k| rotation[k] * (self.pixdim(k + 1) * length_mm[k] * mm));

@@ -14,7 +14,7 @@ use super::{
 
 const FORMAT: &str = "NRRD";
 
-/// Headers are short; a file without a blank line early on is damaged.
+/// Limit on the header, bytes. Headers are short; a file without an empty line early on is damaged.
 const MAX_HEADER: usize = 1 << 16;
 
 pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, VolumeError> {
@@ -29,12 +29,14 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         read += n;
         let text = String::from_utf8_lossy(&line);
         let text = text.trim();
+        // An empty line ends the header. A detached header may end with the file instead.
         if n == 0 || text.is_empty() {
             break;
         }
         if read >= MAX_HEADER {
             return Err(damaged(name, "NRRD header", "no blank line ends it within 64 kB"));
         }
+        // Fields are `key: value`, key-value pairs `key:=value`, comments begin with #.
         if let Some((key, value)) = text.split_once(':').filter(|_| !text.starts_with('#')) {
             fields.push((key.trim().to_ascii_lowercase(), value.trim_start_matches('=').trim().to_owned()));
         }
@@ -64,6 +66,8 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         "gzip" | "gz" => Packing::Gzip,
         _ => return Err(wrong("encoding", encoding.to_owned(), "raw and gzip")),
     };
+    // A byte skip of -1 means that the voxels stand at the end of the file; it cannot be resolved in a
+    // packed stream.
     let skip: i64 = get(&["byte skip", "byteskip"]).and_then(|v| v.parse().ok()).unwrap_or(0);
     if skip < 0 || get(&["line skip", "lineskip"]).is_some_and(|v| v != "0") {
         return Err(unsupported(
@@ -72,6 +76,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
             "give the number of bytes as byte skip",
         ));
     }
+    // Without a data file the voxels follow the header in the same file.
     let (file, at) = match get(&["data file", "datafile"]) {
         None => (name.to_owned(), offset),
         Some(f) if f.contains('%') || f.to_ascii_uppercase().starts_with("LIST") => {
@@ -87,6 +92,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
         ));
     }
     let big_endian = get(&["endian"]).is_some_and(|e| e.eq_ignore_ascii_case("big"));
+    // The format counts a byte skip after unpacking, so in packed data it is skipped while inflating.
     let (offset, inside) =
         if packing == Packing::Gzip && skip > 0 { (skip as u64, true) } else { (at + skip as u64, false) };
     let layout = Layout { file, offset, inside, packing, big_endian, scale: (1.0, 0.0) };
@@ -97,7 +103,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     }
 }
 
-/// Where the header says the voxels lie. Without `space directions` only the spacing is known.
+/// Where the header says that the voxels lie. Without `space directions` only the spacing is known.
 fn placement_of<'a>(
     name: &str,
     get: &dyn Fn(&[&str]) -> Option<&'a str>,
@@ -118,20 +124,22 @@ fn placement_of<'a>(
     let three = "three vectors of three numbers";
     let vectors: Option<Vec<DVec3>> = split_vectors(directions).map(vector).collect();
     let vectors = vectors.ok_or_else(|| wrong("space directions", directions, three))?;
+    // `none` stands for an axis that is not spatial, such as colour; such volumes are refused.
     let &[a, b, c] = vectors.as_slice() else { return Err(wrong("space directions", directions, three)) };
     let origin = match get(&["space origin"]) {
         None => DVec3::ZERO,
         Some(text) => vector(text).ok_or_else(|| wrong("space origin", text, "a vector of three numbers"))?,
     };
     let space = get(&["space"]);
-    // To LPS. A left-handed space is turned over along y, so that its z stays up.
+    // Factors that convert the space to LPS. A left-handed space is mirrored along y, so that its z stays
+    // up.
     let to_lps = match space.map(str::to_ascii_lowercase).as_deref() {
         None | Some("left-posterior-superior" | "lps" | "scanner-xyz" | "3d-right-handed") => [1.0, 1.0, 1.0],
         Some("right-anterior-superior" | "ras") => [-1.0, -1.0, 1.0],
         Some("left-anterior-superior" | "las" | "3d-left-handed") => [1.0, -1.0, 1.0],
         Some(other) => return Err(wrong("space", other, "a space of three axes, such as LPS or RAS,")),
     };
-    // Patient spaces are in mm by custom where no unit is stated.
+    // Patient spaces are in mm by convention where no unit is stated.
     let unit_mm = match (get(&["space units"]), space) {
         (None, Some(_)) => [1.0; 3],
         (units, _) => units_mm(name, units, info),
@@ -144,7 +152,7 @@ fn placement_of<'a>(
     }))
 }
 
-/// The words of `space directions`: `(1,0,0)` or `none`, each in one piece.
+/// The words of `space directions`, `(1,0,0)` or `none`, each as one piece.
 fn split_vectors(text: &str) -> impl Iterator<Item = &str> {
     text.split_inclusive(')').map(str::trim).filter(|word| !word.is_empty())
 }
@@ -156,14 +164,16 @@ fn vector(text: &str) -> Option<DVec3> {
     Some(DVec3::new(x, y, z))
 }
 
-/// The units of three axes in mm, with a warning where one is assumed.
+/// Length in mm of the units of three axes. Warns where a unit is assumed.
 fn units_mm(name: &str, units: Option<&str>, info: &mut VolumeInfo) -> [f64; 3] {
     let words: Vec<&str> =
         units.unwrap_or("").split('"').map(str::trim).filter(|word| !word.is_empty()).collect();
     let mut unknown = words.is_empty().then(|| "no unit".to_owned());
     let unit_mm = [0, 1, 2].map(|axis| {
+        // A single unit counts for all axes.
         let Some(word) = words.get(axis).or(words.last()) else { return 1.0 };
         match (*word, LengthUnit::from_name(word)) {
+            // The micro sign and the Greek letter mu look alike and are both in use.
             ("\u{b5}m" | "\u{3bc}m" | "microns" | "micrometer", _) => LengthUnit::Micron.mm(),
             (_, Some(unit)) => unit.mm(),
             _ => {
@@ -181,6 +191,7 @@ fn units_mm(name: &str, units: Option<&str>, info: &mut VolumeInfo) -> [f64; 3] 
 
 fn sample(name: &str) -> Option<SampleType> {
     Some(match name.to_ascii_lowercase().as_str() {
+        // Names of types as the format lists them, section "type".
         "uchar" | "unsigned char" | "uint8" | "uint8_t" => SampleType::U8,
         "signed char" | "int8" | "int8_t" => SampleType::I8,
         "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => SampleType::U16,
@@ -199,6 +210,7 @@ trait TakeLine {
 
 impl TakeLine for &mut dyn BufRead {
     fn take_line(&mut self, limit: usize, line: &mut Vec<u8>) -> std::io::Result<usize> {
+        // The limit keeps a file without line breaks from being read into one line.
         std::io::Read::take(&mut **self, limit as u64).read_until(b'\n', line)
     }
 }

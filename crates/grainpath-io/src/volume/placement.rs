@@ -1,4 +1,4 @@
-//! Where a file says its voxels lie, and how its slices are brought into a right-handed, upright order.
+//! Computes where a file says its voxels lie, and brings its slices into a right-handed, upright order.
 //!
 //! # Frames
 //! A header gives the world position of the centre of voxel `(i, j, k)` as `origin + i a + j b + k c`, in mm. The world
@@ -69,13 +69,16 @@ impl Placement {
         let [a, b, c] = self.step_mm;
         let finite = self.origin_mm.is_finite() && self.step_mm.iter().all(|v| v.is_finite());
         let volume = a.dot(b.cross(c));
-        // A millionth of a box of these edges: far below any shear that MAX_LEAN_DEG lets pass.
+        // Relative to a box with these edges. The bound is far below the volume of any shear that
+        // MAX_LEAN_DEG accepts.
         if !finite || volume.abs() <= 1e-6 * a.length() * b.length() * c.length() {
             return Err(error(file, VolumeProblem::FlatAxes { step_mm: self.step_mm.map(|v| v.to_array()) }));
         }
         let x = a.normalize();
         let y = (b - x * b.dot(x)).normalize();
         let normal = x.cross(y);
+        // A negative volume means that the stored order shows a mirror image; z then points backwards and
+        // `q` is left-handed.
         let z = if volume > 0.0 { normal } else { -normal };
         let r = DMat3::from_cols(
             DVec3::new(a.length(), 0.0, 0.0),
@@ -89,7 +92,8 @@ impl Placement {
     }
 }
 
-/// The signed permutation of `det` +1 or -1 that brings the columns of `q` nearest to the world's axes.
+/// The signed permutation that brings the columns of `q` nearest to the world's axes. Its determinant has
+/// the sign of that of `q`.
 fn nearest_order(q: &DMat3) -> [StoredAxis; 3] {
     const ORDERS: [([usize; 3], f64); 6] = [
         ([0, 1, 2], 1.0),
@@ -105,11 +109,13 @@ fn nearest_order(q: &DMat3) -> [StoredAxis; 3] {
         for signs in 0..8u8 {
             let reversed = [0, 1, 2].map(|axis| signs >> axis & 1 == 1);
             let sign = |axis: usize| if reversed[axis] { -1.0 } else { 1.0 };
+            // Only permutations of the same handedness make `Q M` a rotation, so the part is never
+            // mirrored.
             if parity * sign(0) * sign(1) * sign(2) != handedness {
                 continue;
             }
             let trace: f64 = (0..3).map(|axis| sign(axis) * q.col(order[axis])[axis]).sum();
-            // Of equally near orders the first is taken, whatever the last bits say.
+            // Among equally near permutations the first is taken, independent of rounding.
             if trace > best_trace + 1e-6 {
                 best_trace = trace;
                 best = [0, 1, 2].map(|axis| StoredAxis { axis: order[axis], reversed: reversed[axis] });
@@ -119,7 +125,8 @@ fn nearest_order(q: &DMat3) -> [StoredAxis; 3] {
     best
 }
 
-/// Brings the slices of `source`, stored as `placement` says, upright and into the order of the world's axes.
+/// Brings the slices of `source`, which are stored as `placement` says, upright and into the order of the
+/// world's axes.
 ///
 /// # Errors
 /// [`VolumeError`] for axes that do not span a volume, lean too far, or cannot be exchanged.
@@ -133,6 +140,7 @@ pub(super) fn oriented(
     info.spacing_mm = [Some(r.x_axis.x), Some(r.y_axis.y), Some(r.z_axis.z)];
     let mut source: Box<dyn SliceSource> = Box::new(source);
     let mut origin_mm = placement.origin_mm;
+    // The shear comes first: it is defined by the stored axes.
     if let Some(shear) = Shear::of(&r, &info, file)? {
         info.warnings.push(Warning::new(WarningId::ScanSheared, shear.told(&info)).in_file(file));
         info.size = shear.size;
@@ -145,6 +153,7 @@ pub(super) fn oriented(
         let direction = q.col(o.axis);
         (if o.reversed { -direction } else { direction }).to_array()
     }));
+    // A reversed axis begins at its other end.
     for stored in order.iter().filter(|o| o.reversed) {
         let length_mm = match (stored.axis, info.z_mm.last()) {
             (2, Some(top)) => *top,
@@ -152,6 +161,7 @@ pub(super) fn oriented(
         };
         origin_mm += q.col(stored.axis) * length_mm;
     }
+    // The rotation angle follows from the trace of a rotation matrix: 1 + 2 cos.
     let turned_deg = acos((0.5 * (axes.x_axis.x + axes.y_axis.y + axes.z_axis.z - 1.0)).clamp(-1.0, 1.0));
     let turned_deg = turned_deg.to_degrees();
     if turned_deg > OBLIQUE_DEG {
@@ -162,6 +172,7 @@ pub(super) fn oriented(
     }
     info.world = Some(WorldFrame { origin_mm, axes });
     let across = order[2].axis != 2;
+    // Rows and columns have an even pitch. Exchanging them with uneven slices would lose the positions.
     if across && !info.z_mm.is_empty() {
         return Err(unsupported(
             file,
@@ -175,6 +186,7 @@ pub(super) fn oriented(
     }
     info.size = order.map(|o| info.size[o.axis]);
     info.spacing_mm = order.map(|o| info.spacing_mm[o.axis].filter(|_| placement.stated[o.axis]));
+    // Without a spacing the world positions are unknown.
     if placement.stated != [true; 3] {
         info.world = None;
     }
@@ -194,6 +206,7 @@ impl Shear {
         let (pixel_x, pixel_y, rise_mm) = (r.x_axis.x, r.y_axis.y, r.z_axis.z);
         let columns_per_row = r.y_axis.x / pixel_x;
         let per_slice = [r.z_axis.x / pixel_x, r.z_axis.y / pixel_y];
+        // Uneven slices shift in proportion to their height, not to their number.
         let steps = |k: usize| info.z_mm.get(k).map_or(k as f64, |z| z / rise_mm);
         let slice_shift_px: Vec<[f64; 2]> = (0..nz).map(|k| per_slice.map(|px| px * steps(k))).collect();
         let last = slice_shift_px[nz - 1];
@@ -210,7 +223,7 @@ impl Shear {
         }
         let low = [last[0].min(0.0) + row_px.min(0.0), last[1].min(0.0)];
         let high = [last[0].max(0.0) + row_px.max(0.0), last[1].max(0.0)];
-        // Whole pixels, so that slices that are not moved are not blurred either.
+        // Shifts are whole pixels where possible, so that slices that are not moved are not blurred.
         let first_px = low.map(f64::floor);
         let grown = |axis: usize, n: usize| n.saturating_add((high[axis].ceil() - first_px[axis]) as usize);
         Ok(Some(Self {
@@ -224,8 +237,8 @@ impl Shear {
         }))
     }
 
-    /// What was done and what it costs. Linear interpolation between pixels at a fraction `f` is a filter of variance
-    /// `f (1 - f)`, at most a quarter of a square pixel.
+    /// Describes for the user what was done and what it costs. Linear interpolation at a fraction `f`
+    /// between two pixels is a filter of variance `f (1 - f)`, at most a quarter of a square pixel.
     fn told(&self, info: &VolumeInfo) -> String {
         let last = self.slice_shift_px[self.slice_shift_px.len() - 1];
         let what = if self.row_lean_deg > self.lean_deg {

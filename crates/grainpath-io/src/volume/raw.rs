@@ -1,4 +1,5 @@
-//! Voxels one after another, perhaps compressed: what NRRD, MetaImage, NIfTI and raw files hold after their headers.
+//! Voxels in a row, plain or compressed: what NRRD, MetaImage, NIfTI and raw files hold behind their
+//! headers.
 
 use grainpath_core::{Warning, WarningId};
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
@@ -11,7 +12,7 @@ use super::{
     error, io_error, sample,
 };
 
-/// The header of a file that has none.
+/// Header values of a file that has no header, given by the user.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawHeader {
     /// Columns, rows, slices.
@@ -40,13 +41,13 @@ pub(super) enum Packing {
 pub(super) struct Layout {
     /// The file with the voxels.
     pub file: String,
-    /// Bytes before them, within the packed data if `packed_offset`.
+    /// Bytes before the voxels; unpacked bytes if `inside`.
     pub offset: u64,
-    /// Whether the offset counts unpacked bytes.
+    /// Whether `offset` counts unpacked bytes.
     pub inside: bool,
     pub packing: Packing,
     pub big_endian: bool,
-    /// Value = slope * stored + intercept.
+    /// Slope and intercept: value = slope * stored + intercept.
     pub scale: (f32, f32),
 }
 
@@ -104,7 +105,7 @@ impl RawSource {
         Ok(source)
     }
 
-    /// A file that is too short is found before any work is done, packed or not.
+    /// Checks that the file can hold the voxels, before any work is done.
     fn check_length(&mut self) -> Result<(), VolumeError> {
         let needed = (self.slice_bytes() as u64).saturating_mul(self.info.size[2] as u64);
         let (file, offset) = (&self.layout.file, self.layout.offset);
@@ -113,6 +114,7 @@ impl RawSource {
             let mut packed = self.files.open(file)?;
             let length = packed.seek(SeekFrom::End(0)).map_err(|e| io_error(file, &e))?;
             let before = if self.layout.inside { offset } else { 0 };
+            // A packed stream has no known length, but deflate has a greatest ratio.
             if before.saturating_add(needed) > length.saturating_mul(MAX_DEFLATE_RATIO) {
                 return Err(error(file, VolumeProblem::CannotHold { size, sample, needed, length }));
             }
@@ -123,6 +125,7 @@ impl RawSource {
         if end < offset.saturating_add(needed) {
             return Err(error(file, VolumeProblem::TooShort { size, sample, needed, offset, length: end }));
         }
+        // More bytes than voxels often mean a wrong size or type in the header, so the user is told.
         if end > offset.saturating_add(needed) {
             let more = end - offset - needed;
             let text = format!("{more} bytes after the last voxel are not read");
@@ -153,6 +156,7 @@ fn start(files: &Files, layout: &Layout) -> Result<Stream, VolumeError> {
         Packing::Gzip => Stream::Packed(Box::new(BufReader::new(MultiGzDecoder::new(reader)))),
         Packing::Zlib => Stream::Packed(Box::new(BufReader::new(ZlibDecoder::new(reader)))),
     };
+    // A packed stream cannot be sought; the bytes are inflated and dropped.
     if layout.inside {
         let skipped = std::io::copy(&mut stream.reader().take(layout.offset), &mut std::io::sink());
         skipped.map_err(|e| io_error(file, &e))?;
@@ -177,7 +181,8 @@ impl SliceSource for RawSource {
         if self.next == self.info.size[2] {
             return Ok(false);
         }
-        // In pieces, so that a header cannot ask for more memory than there is data.
+        // Reads in pieces of 1 MiB, so that a header cannot make the program reserve more than the file
+        // holds.
         let mut left = self.slice_bytes();
         while left > 0 {
             let n = left.min(1 << 20);
@@ -192,9 +197,11 @@ impl SliceSource for RawSource {
             left -= n;
         }
         let (slope, intercept) = self.layout.scale;
+        // Most files are not scaled and need no second pass over the slice.
         if (slope, intercept) != (1.0, 0.0) {
             out.iter_mut().for_each(|v| *v = *v * slope + intercept);
         }
+        // Only floats and scaled values can be NaN or infinite.
         let floats = matches!(self.info.sample, SampleType::F32 | SampleType::F64);
         if floats || (slope, intercept) != (1.0, 0.0) {
             self.not_finite.replace_in(out);

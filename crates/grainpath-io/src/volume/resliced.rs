@@ -1,23 +1,24 @@
-//! Slices moved upright ([`Upright`]), and slices with their axes exchanged or reversed ([`Reordered`]), both while they
-//! are read.
+//! Slices moved upright ([`Upright`]), and slices with exchanged or reversed axes ([`Reordered`]). Both
+//! work while the volume is read.
 
 use grainpath_core::slices::{SliceError, SliceSource, VolumeInfo};
 
-/// Which stored axis an axis of the slices is, and whether it runs backwards.
+/// A stored axis that serves as an axis of the slices, and whether it runs backwards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct StoredAxis {
     pub axis: usize,
     pub reversed: bool,
 }
 
-/// How far slices and rows are moved in the plane, in columns and rows.
+/// How far slices and rows are moved within their plane, in columns and rows.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Shear {
     /// Columns that a row is moved by, per row.
     pub columns_per_row: f64,
     /// Columns and rows that each slice is moved by.
     pub slice_shift_px: Vec<[f64; 2]>,
-    /// The place of the first column and row of the upright slices, in columns and rows of the stored first slice.
+    /// Position of the first column and row of the upright slices, in columns and rows of the first
+    /// stored slice.
     pub first_px: [f64; 2],
     /// The same in mm along the upright axes.
     pub first_mm: [f64; 2],
@@ -29,8 +30,9 @@ pub(super) struct Shear {
     pub row_lean_deg: f64,
 }
 
-/// Slices that are moved, and whose rows are moved, within their plane. Values between pixels are interpolated linearly;
-/// outside the stored slice stands its least value, which is air.
+/// Slices that are moved within their plane, with rows that are moved within the slice. Values between
+/// pixels are interpolated linearly. Outside the stored slice the value is the lowest of the slice, which
+/// is air.
 pub(super) struct Upright {
     inner: Box<dyn SliceSource>,
     info: VolumeInfo,
@@ -44,7 +46,7 @@ impl Upright {
         Self { inner, info, shear, stored: Vec::new(), next: 0 }
     }
 
-    /// The upright slice made of `self.stored`, slice `k`.
+    /// Computes the upright slice `k` from `self.stored`.
     fn moved(&self, k: usize, out: &mut Vec<f32>) {
         let [nx, ny, _] = self.inner.info().size;
         let [columns, rows, _] = self.info.size;
@@ -54,8 +56,9 @@ impl Upright {
         out.reserve(columns * rows);
         for row in 0..rows {
             let y = row as f64 + self.shear.first_px[1] - shift[1];
+            // The shift of a row counts rows of the stored slice, so it depends on y and not on `row`.
             let x0 = self.shear.first_px[0] - shift[0] - self.shear.columns_per_row * y;
-            // Within a pixel of the border the border's value stands, as a pixel is an area.
+            // A pixel is an area, so within a pixel of the border the border's value holds.
             if y <= -1.0 || y >= ny as f64 {
                 out.extend(std::iter::repeat_n(outside, columns));
                 continue;
@@ -114,15 +117,16 @@ impl SliceSource for Upright {
     }
 }
 
-/// Bytes of slices that are held at a time where the stored slices do not come in the order of the height. Derived: a
-/// volume of 512 x 512 x 512 voxels is then read twice; see [`cost`].
+/// Bytes of slices that are held at a time where stored slices do not come in the order of the height.
+/// Derived: a volume of 512 x 512 x 512 voxels is then read twice; see [`cost`].
 const HELD_BYTES: usize = 256 << 20;
 
 fn slices_held(info: &VolumeInfo) -> usize {
     (HELD_BYTES / (4 * info.size[0] * info.size[1])).clamp(1, info.size[2])
 }
 
-/// What it costs that slices are not stored in the order of the height, where it is more than memory for one pass.
+/// Describes the cost of slices that are not stored in the order of the height. `None` where memory
+/// suffices for one pass.
 pub(super) fn cost(info: &VolumeInfo, order: [StoredAxis; 3]) -> Option<String> {
     let held = slices_held(info);
     let mib = (4 * info.size[0] * info.size[1] * held).div_ceil(1 << 20);
@@ -139,18 +143,18 @@ pub(super) fn cost(info: &VolumeInfo, order: [StoredAxis; 3]) -> Option<String> 
     })
 }
 
-/// Slices whose axes are exchanged and reversed. Where the stored slices come in the order of the height, they are
-/// turned one by one; otherwise a block of slices is gathered in each pass over the file.
+/// Slices whose axes are exchanged or reversed. Where stored slices come in the order of the height they
+/// are turned one by one; otherwise a block of slices is gathered in each pass over the file.
 pub(super) struct Reordered {
     inner: Box<dyn SliceSource>,
     info: VolumeInfo,
     order: [StoredAxis; 3],
     stored: Vec<f32>,
-    /// Consecutive slices that were gathered, and the number of the first.
+    /// Consecutive slices that were gathered.
     block: Vec<f32>,
     block_start: usize,
     next: usize,
-    /// Voxels that are not finite, in earlier passes over the file.
+    /// Voxels that were not finite in earlier passes over the file.
     not_finite_before: u64,
 }
 
@@ -173,7 +177,7 @@ impl Reordered {
         self.order[2] == StoredAxis { axis: 2, reversed: false }
     }
 
-    /// Where the values of an axis stand in a stored volume: the place of the first, and the step to the next.
+    /// Offset of the first value of an axis in a stored volume, and the step to the next value.
     fn walk(&self, axis: usize) -> (usize, isize) {
         let StoredAxis { axis: stored, reversed } = self.order[axis];
         let size = self.inner.info().size;
@@ -181,12 +185,12 @@ impl Reordered {
         if reversed { ((size[stored] - 1) * step as usize, -step) } else { (0, step) }
     }
 
-    /// Puts the stored slice `k` where it belongs among the slices from `self.block_start` on.
+    /// Copies the stored slice `k` to its place among the slices from `self.block_start` on.
     fn scatter(&mut self, k: usize, n_block: usize) {
         let [columns, rows, _] = self.info.size;
         let area = columns * rows;
         let n_stored = self.inner.info().size[2];
-        // Of the three axes one is the stored slices': it stands still while the other two run.
+        // One of the three axes is that of the stored slices; it is fixed here while the other two run.
         let walks = [0, 1, 2].map(|axis| self.walk(axis));
         let across = self.order.iter().position(|o| o.axis == 2).unwrap_or(2);
         let place = if self.order[across].reversed { n_stored - 1 - k } else { k };
@@ -210,20 +214,23 @@ impl Reordered {
         }
     }
 
-    /// Reads what the slices from `self.next` on need; `false` where the file ends early.
+    /// Reads everything that the slices from `self.next` on need. Returns `false` where the file ends
+    /// early.
     fn gather(&mut self) -> Result<bool, SliceError> {
         let n_block = slices_held(&self.info).min(self.info.size[2] - self.next);
         self.block_start = self.next;
         self.block.clear();
         self.block.resize(n_block * self.info.size[0] * self.info.size[1], 0.0);
         let n_stored = self.inner.info().size[2];
-        // Upside down, the block is a run of stored slices; across, every stored slice has a part of it.
+        // For a stack stored upside down the block is a run of stored slices; across, every stored slice
+        // has a part of the block.
         let needed = if self.order[2].axis == 2 {
             n_stored - self.block_start - n_block..n_stored - self.block_start
         } else {
             0..n_stored
         };
-        // Across, every pass meets every voxel; upside down, each pass meets others.
+        // Across, every pass meets every voxel, so one pass counts all; upside down, each pass meets
+        // other voxels.
         self.not_finite_before = match self.order[2].axis {
             2 if self.next > 0 => self.n_not_finite(),
             _ => 0,
@@ -258,6 +265,7 @@ impl SliceSource for Reordered {
 
     fn restart(&mut self) -> Result<(), SliceError> {
         self.next = 0;
+        // A gathered block stays valid, so a restart costs no pass over the file.
         if self.streams() { self.inner.restart() } else { Ok(()) }
     }
 
@@ -266,6 +274,7 @@ impl SliceSource for Reordered {
         if self.next >= self.info.size[2] {
             return Ok(false);
         }
+        // Nothing is exchanged: the slice is passed through without a copy.
         if self.streams() && [0, 1].iter().all(|&a| self.order[a] == StoredAxis { axis: a, reversed: false })
         {
             let more = self.inner.next_slice(out)?;

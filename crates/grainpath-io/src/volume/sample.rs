@@ -1,27 +1,28 @@
-//! Stored voxels to grey values.
+//! Converts stored voxels to grey values.
 
 use grainpath_core::slices::SampleType;
 
-/// Voxels that are NaN or infinite in the file, counted and replaced.
+/// Counts and replaces voxels that are NaN or infinite in the file.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct NotFinite {
     /// How many there were since the last restart.
     pub n_voxels: u64,
-    /// The least finite value of the slices read so far.
+    /// The lowest finite value of the slices read so far.
     least: Option<f32>,
 }
 
 impl NotFinite {
-    /// Starts counting again; what is known of the values stays.
+    /// Starts counting again. The lowest value is kept.
     pub(super) fn restart(&mut self) {
         self.n_voxels = 0;
     }
 
-    /// Replaces what is not finite by the least value of the slice. A slice without any gets the least value so far,
-    /// or 0 where none is known yet.
+    /// Replaces values that are not finite by the lowest value of the slice, which is air. A slice
+    /// without finite values gets the lowest value so far, or 0 where none is known yet.
     pub(super) fn replace_in(&mut self, slice: &mut [f32]) {
         let least = slice.iter().copied().filter(|v| v.is_finite()).reduce(f32::min);
         let all = self.least.into_iter().chain(least).reduce(f32::min);
+        // The lowest value and not 0: in Hounsfield units 0 is water, which would add material.
         let air = least.or(all).unwrap_or(0.0);
         for v in slice.iter_mut().filter(|v| !v.is_finite()) {
             *v = air;
@@ -31,7 +32,7 @@ impl NotFinite {
     }
 }
 
-/// Appends the voxels in `bytes`, a whole number of them, as they are: floats may be NaN.
+/// Appends the voxels in `bytes`, which holds a whole number of them. Floats may be NaN.
 pub(super) fn decode(sample: SampleType, bytes: &[u8], big_endian: bool, out: &mut Vec<f32>) {
     fn each<const N: usize>(bytes: &[u8], big: bool, out: &mut Vec<f32>, f: impl Fn([u8; N]) -> f32) {
         let values = bytes.chunks_exact(N).map(|c| {
@@ -48,6 +49,7 @@ pub(super) fn decode(sample: SampleType, bytes: &[u8], big_endian: bool, out: &m
         SampleType::I8 => out.extend(bytes.iter().map(|&b| f32::from(b as i8))),
         SampleType::U16 => each(bytes, big_endian, out, |b| f32::from(u16::from_le_bytes(b))),
         SampleType::I16 => each(bytes, big_endian, out, |b| f32::from(i16::from_le_bytes(b))),
+        // Integers above 2^24 lose digits as f32; grey values need far fewer.
         SampleType::U32 => each(bytes, big_endian, out, |b| u32::from_le_bytes(b) as f32),
         SampleType::I32 => each(bytes, big_endian, out, |b| i32::from_le_bytes(b) as f32),
         SampleType::F32 => each(bytes, big_endian, out, f32::from_le_bytes),

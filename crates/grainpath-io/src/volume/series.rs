@@ -1,4 +1,4 @@
-//! Folders with a file a slice.
+//! Folders with one file for each slice.
 
 use super::files::MAX_FILE;
 use super::sample::NotFinite;
@@ -8,9 +8,10 @@ use super::{
 use crate::image::{Image, Samples, decode_within};
 use grainpath_core::{Warning, WarningId};
 
-/// Opens a folder: DICOM where there is any, else images in natural order.
+/// Opens a folder: as a DICOM series where any file is DICOM, otherwise as images in natural order.
 pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
     let name_of = |path: &str| path.rsplit(['/', '\\']).next().unwrap_or(path).to_owned();
+    // Index files of DICOM media and hidden files of macOS are no slices.
     let visible =
         |n: &&String| !name_of(n).starts_with('.') && name_of(n) != "DICOMDIR" && !n.contains("__MACOSX");
     let names: Vec<String> = files.names().iter().filter(visible).cloned().collect();
@@ -21,6 +22,7 @@ pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
     let mut others = Vec::new();
     let mut dicoms = Vec::new();
     for name in names.iter().filter(|n| !image(n)) {
+        // DICOM files often have no extension, so their content decides.
         let head = files.head(name, 132)?;
         if head.get(128..132) == Some(b"DICM") {
             dicoms.push(name.clone())
@@ -34,8 +36,10 @@ pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
     if images.is_empty() {
         return Err(error(files.place(), VolumeProblem::NoSlices));
     }
+    // Both checks come before any pixel is decoded, because a gap would shift all slices above it.
     check_names(&images)?;
     check_numbers(&images)?;
+    // The first slice fixes size and depth of all; each later slice is compared when it is read.
     let first = read(&files, &images[0])?;
     let format = match first.format {
         crate::image::ImageFormat::Png => "PNG series",
@@ -110,7 +114,7 @@ pub(super) fn sample_of(samples: &Samples) -> SampleType {
     }
 }
 
-/// The grey values of a slice whose depth must be that of the first.
+/// Converts a slice to grey values. Its depth must be that of the first slice.
 pub(super) fn take_grey(
     image: Image,
     info: &VolumeInfo,
@@ -118,6 +122,7 @@ pub(super) fn take_grey(
     out: &mut Vec<f32>,
     not_finite: &mut NotFinite,
 ) -> Result<(), VolumeError> {
+    // A change of depth would change the scale of grey values between two slices.
     let found = sample_of(&image.samples);
     if found != info.sample {
         let (found, expected) = (found.name(), info.sample.name());
@@ -130,8 +135,10 @@ pub(super) fn take_grey(
     Ok(())
 }
 
-/// Finds a name that differs from the others in more than its numbers: a slice of another series, a thumbnail.
+/// Finds a name that differs from the others in more than its numbers, such as a slice of another series
+/// or a thumbnail.
 fn check_names(names: &[String]) -> Result<(), VolumeError> {
+    // The text parts of a name without its numbers; equal for all slices of a series.
     let shape = |name: &String| {
         let runs = name.split(|c: char| c.is_ascii_digit()).filter(|part| !part.is_empty());
         runs.map(str::to_ascii_lowercase).collect::<Vec<_>>()
@@ -139,11 +146,11 @@ fn check_names(names: &[String]) -> Result<(), VolumeError> {
     let shapes: Vec<Vec<String>> = names.iter().map(shape).collect();
     let mut counts = std::collections::BTreeMap::new();
     shapes.iter().for_each(|s| *counts.entry(s).or_insert(0usize) += 1);
-    // Of equally common ones the first in the folder is the series.
+    // Where several kinds of names are equally common, the first in the folder counts as the series.
     let n = counts.values().copied().max().unwrap_or(0);
     let usual = shapes.iter().position(|s| counts[s] == n).unwrap_or(0);
     match shapes.iter().position(|s| *s != shapes[usual]) {
-        // Names that are all different may be anything.
+        // Names that all differ follow no pattern that one of them could break.
         Some(stranger) if n > 1 => {
             let problem = VolumeProblem::OtherName { like: names[usual].clone(), n_like: n - 1 };
             Err(error(&names[stranger], problem))
@@ -152,7 +159,7 @@ fn check_names(names: &[String]) -> Result<(), VolumeError> {
     }
 }
 
-/// The last number in a name and what is around it.
+/// The last number in a name, with the text before and behind it.
 fn number(name: &str) -> Option<(&str, u64, &str)> {
     let stem_end = name.rfind('.').unwrap_or(name.len());
     let end = name[..stem_end].rfind(|c: char| c.is_ascii_digit())? + 1;
@@ -162,17 +169,20 @@ fn number(name: &str) -> Option<(&str, u64, &str)> {
     Some((&name[..begin], name[begin..end].parse().ok()?, &name[end..]))
 }
 
-/// Finds a gap in the numbering, where the names are numbered at all.
+/// Finds a gap in the numbers of the names, where the names are numbered.
 fn check_numbers(names: &[String]) -> Result<(), VolumeError> {
     let numbers: Option<Vec<_>> = names.iter().map(|n| number(n)).collect();
+    // Two names have one distance, which shows no gap.
     let Some(numbers) = numbers.filter(|n| n.len() > 2) else { return Ok(()) };
     if numbers.iter().any(|n| n.0 != numbers[0].0) {
         return Ok(());
     }
     let steps: Vec<u64> = numbers.windows(2).map(|w| w[1].1.wrapping_sub(w[0].1)).collect();
+    // Series may count in steps of 2 or 10, so the smallest step is the regular one.
     let step = steps.iter().copied().min().unwrap_or(1).max(1);
     match steps.iter().position(|&s| s != step) {
-        // Some numbering that says nothing: times, sizes.
+        // A distance that is no multiple of the smallest step means that the numbers count something
+        // else, such as times or sizes.
         Some(i) if steps[i].is_multiple_of(step) => {
             let problem = VolumeProblem::GapInNumbers { from: numbers[i].1, to: numbers[i + 1].1, step };
             Err(error(&names[i], problem))

@@ -1,4 +1,4 @@
-//! Multipage TIFF and BigTIFF: a page a slice.
+//! Multipage TIFF and BigTIFF, with one page for each slice.
 
 use std::io::BufReader;
 
@@ -25,6 +25,8 @@ pub(super) struct TiffSource {
 }
 
 pub(super) fn open(files: &Files, name: &str) -> Result<TiffSource, VolumeError> {
+    // The size is read with small limits first. Only then are limits of that size set, since the decoder
+    // needs them before it decodes.
     let mut decoder = start(files, name, [1, 1])?;
     let (width, height) = decoder.dimensions().map_err(|e| damaged(name, 0, &e))?;
     let (nx, ny) = (width as usize, height as usize);
@@ -34,6 +36,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<TiffSource, VolumeError>
     let mut info = VolumeInfo::new("multipage TIFF", [nx, ny, 1], sample_of(&first.samples));
     spacing_of(&mut decoder, &mut info);
     let mut n = 1;
+    // Pages are linked one after another, so counting them means walking through the file.
     while decoder.more_images() {
         decoder.next_image().map_err(|e| damaged(name, n, &e))?;
         n += 1;
@@ -60,18 +63,21 @@ fn damaged(name: &str, page: usize, e: &tiff::TiffError) -> VolumeError {
 fn start(files: &Files, name: &str, size: [usize; 2]) -> Result<Pages, VolumeError> {
     let decoder = Decoder::new(files.open(name)?).map_err(|e| damaged(name, 0, &e))?;
     let mut limits = Limits::default();
+    // Four channels of eight bytes are the most that a pixel has.
     limits.decoding_buffer_size = (size[0] * size[1] * 32).max(1 << 20);
     limits.intermediate_buffer_size = limits.decoding_buffer_size;
     Ok(decoder.with_limits(limits))
 }
 
-/// Resolution tags in inch or cm, and what `ImageJ` writes into the description.
+/// Reads the voxel size from the resolution tags (per inch or cm) and from what `ImageJ` writes into the
+/// description.
 fn spacing_of(decoder: &mut Pages, info: &mut VolumeInfo) {
     let description = decoder.get_tag_ascii_string(Tag::ImageDescription).unwrap_or_default();
     let said = |key: &str| {
         let line = description.lines().find_map(|l| l.strip_prefix(key)?.strip_prefix('='));
         line.map(|v| v.trim().to_owned())
     };
+    // ImageJ gives the unit in the description and leaves ResolutionUnit at none.
     let imagej = description.starts_with("ImageJ");
     let unit_mm = match said("unit").as_deref() {
         Some("mm") => Some(1.0),
@@ -79,6 +85,7 @@ fn spacing_of(decoder: &mut Pages, info: &mut VolumeInfo) {
         Some("micron" | "um" | "\\u00B5m" | "µm") => Some(1e-3),
         Some("inch") => Some(25.4),
         _ => match decoder.find_tag_unsigned::<u16>(Tag::ResolutionUnit) {
+            // TIFF 6.0: 2 is inch, 3 is centimetre.
             Ok(Some(2)) if !imagej => Some(25.4),
             Ok(Some(3)) if !imagej => Some(10.0),
             _ => None,
@@ -87,13 +94,14 @@ fn spacing_of(decoder: &mut Pages, info: &mut VolumeInfo) {
     let Some(unit_mm) = unit_mm else { return };
     for (k, tag) in [Tag::XResolution, Tag::YResolution].into_iter().enumerate() {
         if let Ok(Some(tiff::decoder::ifd::Value::Rational(a, b))) = decoder.find_tag(tag) {
-            // 72 and 96 dots an inch are what programs write that know nothing.
+            // 1, 72 and 96 dots an inch are defaults of programs that do not know the size.
             let per_unit = f64::from(a) / f64::from(b);
             if ![1.0, 72.0, 96.0].contains(&per_unit) || imagej {
                 info.spacing_mm[k] = spacing(unit_mm / per_unit);
             }
         }
     }
+    // Only ImageJ states the distance between slices.
     info.spacing_mm[2] =
         said("spacing").and_then(|v| v.parse::<f64>().ok()).and_then(|s| spacing(s * unit_mm));
 }
@@ -128,6 +136,7 @@ impl SliceSource for TiffSource {
         let place = format!("{} page {}", self.name, self.next + 1);
         let size = self.decoder.dimensions().map_err(|e| damaged(&self.name, self.next, &e))?;
         let (nx, ny) = (size.0 as usize, size.1 as usize);
+        // Thumbnails and previews may stand among the pages.
         if [nx, ny] != self.info.size[..2] {
             let [x, y, _] = self.info.size;
             let first = "the first page".to_owned();
