@@ -1,4 +1,4 @@
-//! Spatial indices: what lies near a point or along a line.
+//! Spatial indices: the points near a place, the cells along a line.
 //!
 //! - [`CellGrid`]: square cells over a box; which cell a point is in, which cells a segment passes, rings of cells.
 //! - [`Buckets`]: numbered things sorted once into the cells of a grid; compact and fast to read.
@@ -38,7 +38,7 @@ impl CellGrid {
         Self { origin: bounds.min, cell_mm, nx: count(size.x), ny: count(size.y) }
     }
 
-    /// Column and row of the cell at `p`; of the nearest one outside.
+    /// Column and row of the cell at `p`; outside the grid, of the nearest cell.
     pub fn cell_of(&self, p: DVec2) -> [usize; 2] {
         let q = (p - self.origin) / self.cell_mm;
         [(q.x.max(0.0) as usize).min(self.nx - 1), (q.y.max(0.0) as usize).min(self.ny - 1)]
@@ -81,6 +81,8 @@ impl CellGrid {
 
     /// The least distance from a point in a cell to a point in a cell `ring` columns or rows away, mm.
     pub fn ring_distance_mm(&self, ring: usize) -> f64 {
+        // A point may lie on the near side of its own cell, so the first ring gives no distance at
+        // all.
         ring.saturating_sub(1) as f64 * self.cell_mm
     }
 
@@ -89,12 +91,15 @@ impl CellGrid {
         self.nx.max(self.ny)
     }
 
-    /// Calls `each` with the numbers of the cells that a segment passes, and with some that it misses by a millionth of
-    /// a cell. The part of the segment outside the grid is left out.
+    /// Calls `each` with the numbers of the cells that a segment passes, and with some that it
+    /// misses by a millionth of a cell. The part of the segment outside the grid is left out.
     pub fn for_each_passed(&self, a: DVec2, b: DVec2, mut each: impl FnMut(usize)) {
         let cell = |p: DVec2| (p - self.origin) / self.cell_mm;
         let (a, b) = (cell(a), cell(b));
         let (low, high) = if a.y <= b.y { (a, b) } else { (b, a) };
+        // Margin in cells around the segment. Source: derived: cell coordinates below 1e4 are
+        // rounded to about 1e-12, so a margin of 1e-6 never misses a cell that is passed and hardly
+        // ever adds one.
         const HAIR: f64 = 1e-6;
         // Rounded down, within the grid and one cell around it.
         let down = |v: f64, n: usize| (v.clamp(-1.0, n as f64) + 1.0) as i64 - 1;
@@ -102,6 +107,7 @@ impl CellGrid {
         let column = |x: f64| down(x, self.nx);
         let (first, last) = (row_of(low.y - HAIR).max(0), row_of(high.y + HAIR).min(self.ny as i64 - 1));
         let (left, right) = (column(a.x.min(b.x) - HAIR), column(a.x.max(b.x) + HAIR));
+        // A segment within one row or column, the usual case, needs no slope.
         if first == last || left == right {
             let (left, right) = (left.max(0), right.min(self.nx as i64 - 1));
             for row in first..=last {
@@ -111,6 +117,7 @@ impl CellGrid {
         }
         let slope = if high.y > low.y { (high.x - low.x) / (high.y - low.y) } else { 0.0 };
         for row in first..=last {
+            // The clamp keeps steep extrapolation out: beyond its ends the segment has no x.
             let x_at = |y: f64| low.x + (y.clamp(low.y, high.y) - low.y) * slope;
             let (x0, x1) = if high.y > low.y {
                 (x_at(row as f64 - HAIR), x_at(row as f64 + 1.0 + HAIR))
@@ -147,11 +154,14 @@ pub struct Buckets {
 }
 
 impl Buckets {
-    /// Sorts `n` things: `places` calls its second argument with the number of each cell that the thing is in. In a cell
-    /// things keep their order.
+    /// Sorts `n` things into cells. `places` calls its second argument with the number of each cell
+    /// that the thing is in. Within a cell things keep their order.
     pub fn new(cells: CellGrid, n: usize, places: impl Fn(usize, &mut dyn FnMut(usize))) -> Self {
+        // A counting sort: counts become start positions, then each thing is written to the next
+        // free place of its cells.
         let mut starts = vec![0u32; cells.nx * cells.ny + 1];
-        // Cells of all things one after the other, and where those of each end.
+        // The cells of all things one after the other, and the end of each thing's cells: `places`
+        // is called only once.
         let (mut all, mut ends) = (Vec::with_capacity(2 * n), Vec::with_capacity(n));
         for i in 0..n {
             places(i, &mut |cell| {
@@ -188,7 +198,8 @@ impl Buckets {
     }
 }
 
-/// No grid of points has more cells in a direction. Bounds its memory: 2000 x 2000 empty cells are 96 MB.
+/// Largest number of cells along a side of a grid of points. Source: derived: an empty cell takes
+/// 24 bytes, so 2000 x 2000 take 96 MB.
 const MAX_CELLS_PER_SIDE: usize = 2000;
 
 /// Points in the plane, each with a value, that can be added, removed and asked for by place.
@@ -231,6 +242,7 @@ impl<T: Copy + Ord> PointGrid2<T> {
     /// Removes the point with this place and value that was added last; false when there is none.
     pub fn remove(&mut self, p: DVec2, value: T) -> bool {
         let cell = self.cell(p);
+        // From the back: points are mostly removed soon after they were added.
         let found = self.points[cell].iter().rposition(|&(q, v)| q == p && v == value);
         if let Some(i) = found {
             self.points[cell].remove(i);
@@ -253,6 +265,8 @@ impl<T: Copy + Ord> PointGrid2<T> {
         let middle = self.cells.cell_of(p);
         let mut best: Option<(f64, DVec2, T)> = None;
         for ring in 0..self.cells.n_rings() {
+            // Equal distances must still be searched, because a farther ring may hold a lower
+            // value; hence `>` and not `>=`.
             let reach = self.cells.ring_distance_mm(ring);
             if best.is_some_and(|b| reach * reach > b.0) {
                 break;
@@ -314,11 +328,12 @@ impl<T: Copy + Ord> PointGrid3<T> {
         found.is_some()
     }
 
-    /// The points at most `radius_mm` from `p` with their distances, in no particular order.
+    /// The points at most `radius_mm` away from `p`, with their distances, in no particular order.
     pub fn within(&self, p: DVec3, radius_mm: f64) -> impl Iterator<Item = (f64, T)> + '_ {
         let ([x0, y0, z0], [x1, y1, z1]) = (self.key(p - radius_mm), self.key(p + radius_mm));
         (x0..=x1)
             .flat_map(move |x| (y0..=y1).map(move |y| (x, y)))
+            // In the map's order z varies fastest, so a column of cells is one range.
             .flat_map(move |(x, y)| self.cells.range([x, y, z0]..=[x, y, z1]))
             .flat_map(|(_, points)| points)
             .map(move |&(q, value)| (q.distance(p), value))

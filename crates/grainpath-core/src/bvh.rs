@@ -1,7 +1,12 @@
-//! Boxes around triangles: closest point, ray hits and winding number of a mesh, in one tree.
+//! A tree of boxes around triangles: closest point, ray hits and winding number of a mesh.
 //!
-//! The tree depends on the mesh alone (median splits, ties by triangle index), so every answer is the same for any
-//! number of threads. Triangles without area are kept: they have closest points, though no hits and no winding.
+//! The tree depends on the mesh alone (median splits, ties by triangle index), so every answer is
+//! the same for any number of threads. Triangles without area are kept: they have closest points,
+//! but no ray hits them and they add nothing to the winding number.
+//!
+//! Winding numbers follow `barill2018`: a group of triangles far away counts as a single dipole.
+//! Lengths are in the unit of the mesh. Cost: n log n to build; a query visits a number of nodes
+//! that grows with the logarithm of n, and with the number of hits.
 
 use std::f64::consts::PI;
 
@@ -11,9 +16,10 @@ use crate::{TriMesh, math};
 
 /// Triangles in a leaf.
 const LEAF: usize = 4;
-/// A group of triangles counts as one dipole when seen from this many times its radius.
+/// A group of triangles counts as one dipole when it is seen from farther away than this many times
+/// its radius.
 const FAR: f64 = 2.3;
-/// Below this many triangles a subtree is built on the thread that has it.
+/// Subtrees with fewer triangles are built without a further thread.
 const SERIAL: usize = 4096;
 
 /// A tree over the triangles of a mesh. Owns copies of their corners: about 130 bytes a triangle.
@@ -72,6 +78,8 @@ pub struct RayHit {
 }
 
 /// Tree nodes over `n` and over `n + 1` triangles; splitting in halves, only two sizes occur on each level.
+// Needed before the tree exists: the nodes of both halves are written in parallel into one array,
+// so the left half's size has to be known.
 fn tree_sizes(n: usize) -> (usize, usize) {
     if n < LEAF {
         return (1, 1);
@@ -105,7 +113,7 @@ impl Bvh {
         Self { nodes, corners, ids }
     }
 
-    /// Whether there is nothing in it.
+    /// Whether the tree holds no triangle.
     pub fn is_empty(&self) -> bool {
         self.ids.is_empty()
     }
@@ -120,10 +128,12 @@ impl Bvh {
         if self.is_empty() {
             return None;
         }
+        // Squared distances throughout the search; the root is taken once at the end.
         let mut best = ClosestPoint { point: q, distance: reach * reach, triangle: u32::MAX };
         let mut stack = Stack::new();
         stack.push((0, self.nodes[0].distance_squared(q)));
         while let Some((at, d)) = stack.pop() {
+            // Pushed when the best point was still farther away.
             if d > best.distance {
                 continue;
             }
@@ -141,6 +151,8 @@ impl Bvh {
             let (l, r) = (at + 1, node.first);
             let (dl, dr) =
                 (self.nodes[l as usize].distance_squared(q), self.nodes[r as usize].distance_squared(q));
+            // The nearer child is pushed last and so visited first: its best point lets most of the
+            // other one be skipped.
             if dl <= dr {
                 stack.push((r, dr));
                 stack.push((l, dl));
@@ -157,6 +169,7 @@ impl Bvh {
     pub fn first_hit(&self, from: DVec3, along: DVec3, range: (f64, f64)) -> Option<RayHit> {
         let mut best: Option<RayHit> = None;
         self.for_hits(from, along, range, |hit, end| {
+            // Shortening the ray at every hit leaves out boxes behind it.
             if best.is_none_or(|b| (hit.t, hit.triangle) < (b.t, b.triangle)) {
                 best = Some(hit);
                 *end = hit.t;
@@ -210,7 +223,8 @@ impl Bvh {
     }
 
     /// How often the mesh winds around a point: 1 inside and 0 outside a closed mesh, in between near holes; 2 where
-    /// bodies overlap. Groups far away count as dipoles (Barill et al. 2018); the error stays under about 0.02.
+    /// bodies overlap. Groups far away count as dipoles (`barill2018`); the error stays under about
+    /// 0.02.
     pub fn winding_number(&self, q: DVec3) -> f64 {
         if self.is_empty() {
             return 0.0;
@@ -222,6 +236,8 @@ impl Bvh {
             let node = &self.nodes[at as usize];
             let away = node.centre - q;
             let d2 = away.length_squared();
+            // The dipole term is the first one of the far-field expansion. Near groups are opened,
+            // leaves summed exactly.
             if d2 > (FAR * node.radius).powi(2) {
                 dipoles += away.dot(node.dipole) / (d2 * d2.sqrt());
             } else if node.count > 0 {
@@ -236,12 +252,14 @@ impl Bvh {
 
     /// Whether a point is inside: winding number over one half.
     pub fn contains(&self, q: DVec3) -> bool {
+        // A point outside the box of the mesh is outside the mesh, and costs no sum.
         let inside_box = self.nodes.first().is_some_and(|n| q.cmpge(n.lo).all() && q.cmple(n.hi).all());
         inside_box && self.winding_number(q) > 0.5
     }
 }
 
-/// A stack on the stack: depth is bounded as every split halves.
+/// A stack without allocation. Every split halves, so a tree of 2^32 triangles is at most 33 levels
+/// deep, and each level leaves one node behind.
 struct Stack {
     items: [(u32, f64); 72],
     len: usize,
@@ -275,6 +293,7 @@ impl Node {
     fn meets_ray(&self, from: DVec3, inverse: DVec3, range: (f64, f64)) -> bool {
         let (mut near, mut far) = range;
         for axis in 0..3 {
+            // A ray parallel to the faces: both quotients would be infinite or, on a face, NaN.
             if inverse[axis].is_infinite() {
                 if from[axis] < self.lo[axis] || from[axis] > self.hi[axis] {
                     return false;
@@ -300,7 +319,7 @@ fn build(
 ) {
     let n = items.len();
     if n <= LEAF {
-        // Within a leaf by index, so that a mesh of few triangles keeps its order.
+        // Ordered by index within a leaf, so that a mesh of few triangles keeps its order.
         items.sort_unstable_by_key(|&(_, i)| i);
         nodes[0] = leaf(items, item_start, corners);
         return;
@@ -308,6 +327,7 @@ fn build(
     let (lo, hi) =
         items.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), &(c, _)| (lo.min(c), hi.max(c)));
     let extent = hi - lo;
+    // The longest side of the centres' box: splits across it keep the boxes compact.
     let axis = (0..3).fold(0, |best, a| if extent[a] > extent[best] { a } else { best });
     let half = n / 2;
     items.select_nth_unstable_by(half, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
@@ -341,6 +361,7 @@ fn leaf(items: &[(DVec3, u32)], first: u32, corners: &impl Fn(u32) -> [DVec3; 3]
         weight += normal.length();
         middle += c;
     }
+    // A leaf whose triangles are all lines has no area; its middle keeps the radius finite.
     node.centre = if weight > 0.0 { node.centre / weight } else { middle / items.len() as f64 };
     let far = items.iter().flat_map(|&(_, i)| corners(i)).map(|p| p.distance(node.centre));
     node.radius = far.fold(0.0, f64::max);
@@ -349,7 +370,8 @@ fn leaf(items: &[(DVec3, u32)], first: u32, corners: &impl Fn(u32) -> [DVec3; 3]
 
 fn joined(a: &Node, b: &Node) -> Node {
     let (lo, hi) = (a.lo.min(b.lo), a.hi.max(b.hi));
-    // The weight of a side is its box's half surface: close to its area and never zero for both unless both are points.
+    // The weight of a child is half the surface of its box. It is close to the child's area, and
+    // zero for both only if both are points.
     let weight = |n: &Node| {
         let e = n.hi - n.lo;
         e.x * e.y + e.y * e.z + e.z * e.x
@@ -358,6 +380,8 @@ fn joined(a: &Node, b: &Node) -> Node {
     let share = if wa + wb > 0.0 { wa / (wa + wb) } else { 0.5 };
     let centre = a.centre * share + b.centre * (1.0 - share);
     let box_radius = (centre - lo).max(hi - centre).length();
+    // Two bounds of the radius, one through the children and one through the box. Neither is always
+    // the tighter one.
     let radius = (centre.distance(a.centre) + a.radius).max(centre.distance(b.centre) + b.radius);
     Node { lo, hi, centre, dipole: a.dipole + b.dipole, radius: radius.min(box_radius), first: 0, count: 0 }
 }
@@ -379,12 +403,15 @@ pub fn closest_on_triangle(q: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
     if d6 >= 0.0 && d5 <= d6 {
         return c;
     }
+    // Inside, all three barycentric weights are positive. The threshold sends slivers, whose
+    // weights are all rounding, to their sides.
     let (va, vb, vc) = (d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2);
     let total = va + vb + vc;
     if va > 0.0 && vb > 0.0 && vc > 0.0 && total > 1e-14 * ab.length_squared() * ac.length_squared() {
         return a + ab * (vb / total) + ac * (vc / total);
     }
-    // On a side; rounding may leave more than one candidate, or for a sliver none.
+    // The nearest point lies on a side. Rounding may leave several candidates, or for a sliver
+    // none, so all three sides are tried.
     let on = |p: DVec3, along: DVec3| {
         let length2 = along.length_squared();
         let t = if length2 > 0.0 { (along.dot(q - p) / length2).clamp(0.0, 1.0) } else { 0.0 };
@@ -397,8 +424,9 @@ pub fn closest_on_triangle(q: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
 }
 
 fn ray_triangle(from: DVec3, along: DVec3, &[a, b, c]: &[DVec3; 3]) -> Option<(f64, bool)> {
-    // The volumes that the ray spans with each side have one sign inside. Each is computed from its side alone, in
-    // the order of the positions, so that two triangles share the very same number at their common side.
+    // The volumes that the ray spans with each side have the same sign inside. Each is computed
+    // from its side alone, in the order of the positions, so that two triangles get the same number
+    // at their common side and no ray slips between them.
     let (pa, pb, pc) = (a - from, b - from, c - from);
     let side = |p: DVec3, q: DVec3| {
         if (p.x, p.y, p.z) <= (q.x, q.y, q.z) { along.dot(p.cross(q)) } else { -along.dot(q.cross(p)) }
@@ -413,12 +441,14 @@ fn ray_triangle(from: DVec3, along: DVec3, &[a, b, c]: &[DVec3; 3]) -> Option<(f
     Some((at.dot(along) / along.length_squared(), total > 0.0))
 }
 
-/// Half the signed solid angle of a triangle (Van Oosterom and Strackee 1983).
+/// Half the signed solid angle of a triangle (`vanoosterom1983`).
 fn half_solid_angle(q: DVec3, corners: &[DVec3; 3]) -> f64 {
     let [a, b, c] = corners.map(|p| p - q);
     let (la, lb, lc) = (a.length(), b.length(), c.length());
     let volume = a.dot(b.cross(c));
     let rest = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    // With the query in the plane of the triangle the angle jumps between 0 and a full half-turn; 0
+    // is its mean over both sides.
     if volume == 0.0 { 0.0 } else { math::atan2(volume, rest) }
 }
 

@@ -23,7 +23,7 @@ pub trait CgValue: Copy + Send + Sync {
     fn plus(self, factor: f64, other: Self) -> Self;
 }
 
-/// Eight sums side by side: the order is fixed, and none waits for another.
+/// Eight sums side by side: their order is fixed, and no addition waits for the one before.
 fn dot_of<T: Copy + Into<f64>>(a: &[T], b: &[T]) -> f64 {
     let mut sums = [0.0; 8];
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
@@ -96,13 +96,13 @@ pub trait CgSystem<T> {
         out.copy_from_slice(residual);
     }
 
-    /// Whether to give up, asked before every step.
+    /// Whether to stop; called before every step.
     fn cancelled(&self) -> bool {
         false
     }
 }
 
-/// What is measured to decide that the solution is good enough.
+/// The measure that decides whether the solution is good enough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CgGoal {
     /// The length of the residual, in the unit of the right side.
@@ -111,14 +111,14 @@ pub enum CgGoal {
     Energy(f64),
 }
 
-/// When to stop, and which direction to take.
+/// When to stop, and which formula gives the direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CgSettings {
     /// The solution is good enough at or below this.
     pub goal: CgGoal,
-    /// Steps at most.
+    /// Largest number of steps.
     pub max_steps: usize,
-    /// The preconditioner is not the same linear map in every step.
+    /// Whether the preconditioner changes from step to step.
     pub flexible: bool,
 }
 
@@ -131,11 +131,12 @@ pub enum CgEnd {
     MaxSteps,
     /// The operator is not positive definite, or a value is not finite.
     NotPositive,
-    /// [`CgSystem::cancelled`] said so.
+    /// [`CgSystem::cancelled`] returned true.
     Cancelled,
 }
 
-/// Solves for the right side `b`, starting from the values in `x`; gives the number of steps and why it ended.
+/// Solves for the right side `b`, starting from the values in `x`. Returned are the number of steps
+/// and why the iteration ended.
 ///
 /// ```
 /// use grainpath_core::conjugate_gradients::{CgEnd, CgGoal, CgSettings, CgSystem, conjugate_gradients};
@@ -170,6 +171,8 @@ pub fn conjugate_gradients<T: CgValue>(
     system.apply(x, &mut image);
     let mut residual: Vec<T> = b.iter().zip(&image).map(|(b, q)| b.plus(-1.0, *q)).collect();
     let mut better = vec![T::ZERO; n];
+    // The residual after preconditioning; the name stands for "a better direction than the
+    // residual".
     let mut direction = vec![T::ZERO; n];
     let mut before = if settings.flexible { vec![T::ZERO; n] } else { Vec::new() };
     let mut energy = 1.0;
@@ -177,6 +180,7 @@ pub fn conjugate_gradients<T: CgValue>(
         if matches!(settings.goal, CgGoal::Residual(goal) if T::dot(&residual, &residual) <= goal * goal) {
             return (step, CgEnd::Converged);
         }
+        // Preconditioned before the second test, because the energy goal is measured with it.
         system.precondition(&residual, &mut better);
         let now = T::dot(&residual, &better);
         if matches!(settings.goal, CgGoal::Energy(goal) if now <= goal) {
@@ -188,6 +192,8 @@ pub fn conjugate_gradients<T: CgValue>(
         if system.cancelled() {
             return (step, CgEnd::Cancelled);
         }
+        // Fletcher and Reeves' formula, or Polak and Ribiere's where the preconditioner changes: it
+        // subtracts what the old residual still has in common with the new direction.
         let share = match (step, settings.flexible) {
             (0, _) => 0.0,
             (_, false) => now / energy,
@@ -197,6 +203,8 @@ pub fn conjugate_gradients<T: CgValue>(
         direction.iter_mut().zip(&better).for_each(|(p, z)| *p = z.plus(share, *p));
         system.apply(&direction, &mut image);
         let stiffness = T::dot(&direction, &image);
+        // Zero stiffness means a direction that the operator does not hold, for instance a rigid
+        // motion.
         if stiffness.is_nan() || stiffness <= 0.0 || !energy.is_finite() {
             return (step, CgEnd::NotPositive);
         }

@@ -16,7 +16,8 @@
 /// 2e-15 for ten unknowns. At 1e-9 it is still known to 2e-6 of itself.
 pub const RANK_TOLERANCE: f64 = 1e-9;
 
-/// The sum of products, in four sums side by side: a single one would wait for each of its own additions.
+/// The sum of products, in four sums side by side: in a single sum each addition would wait for the
+/// one before.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
@@ -38,10 +39,14 @@ pub fn cholesky_in_place(a: &mut [f64], n: usize) {
         let (above, own) = a.split_at_mut(i * n);
         let own = &mut own[..n];
         let whole = own[i];
+        // Row by row, each entry from the rows above: only finished rows are read, so the factor
+        // replaces the matrix in place.
         for j in 0..i {
             let other = &above[j * n..j * n + n];
             let pivot = other[j];
             let sum = own[j] - dot(&own[..j], &other[..j]);
+            // A row above without a pivot stands for an unknown that was left out; it must not
+            // contribute.
             own[j] = if pivot > 0.0 { sum / pivot } else { 0.0 };
         }
         let rest = whole - dot(&own[..i], &own[..i]);
@@ -56,6 +61,7 @@ pub fn cholesky_in_place(a: &mut [f64], n: usize) {
 /// When `factor` is shorter than `n * n` with `n = x.len()`.
 pub fn cholesky_solve(factor: &[f64], x: &mut [f64]) {
     let n = x.len();
+    // Forwards with the lower triangle, then backwards with its transpose.
     for i in 0..n {
         let row = &factor[i * n..i * n + i + 1];
         let sum = x[i] - dot(&row[..i], &x[..i]);

@@ -1,4 +1,7 @@
-//! What a run says along the way: warnings, progress, and whether to stop.
+//! Messages of a run on its way: warnings, progress, and whether to stop.
+//!
+//! One `Diagnostics` is shared by all threads of a run. Warnings are sorted before they are read,
+//! so they do not depend on the number of threads.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -47,7 +50,7 @@ impl Stage {
     }
 }
 
-/// Where progress goes. Called from any thread, often; must be cheap.
+/// Receiver of progress. It is called often and from any thread, so it has to be cheap.
 pub trait Progress: Send + Sync {
     /// `stage` begins, with `total` steps (0 when unknown).
     fn begin(&self, stage: Stage, total: usize);
@@ -92,7 +95,9 @@ impl Diagnostics {
 
     /// Adds a warning with a place or a remedy of its own. The same warning is kept once.
     pub fn push(&self, warning: Warning) {
+        // A panic of another thread while it held the lock must not hide the warnings.
         let mut rows = self.warnings.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        // A linear search: each warning is kept once, so a run has some dozens of them.
         if !rows.contains(&warning) {
             rows.push(warning);
         }
@@ -119,12 +124,14 @@ impl Diagnostics {
         }
     }
 
-    /// Asks the run to stop at the next check.
+    /// Makes the run stop at its next check.
     pub fn stop(&self) {
+        // Relaxed is enough: the flag carries no other data, and a layer more or less makes no
+        // difference.
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Err once a stop was asked for. Long loops call this once a layer.
+    /// Fails once a stop was asked for. Long loops call it once a layer.
     ///
     /// # Errors
     /// [`Interrupted`] after [`Diagnostics::stop`].

@@ -43,6 +43,8 @@ impl DisjointSets {
     pub fn lowest(&mut self, member: usize) -> usize {
         let mut member = member as u32;
         while self.parent[member as usize] != member {
+            // Path halving: every visited member is linked to its grandparent, so paths get shorter
+            // with each query.
             let above = self.parent[self.parent[member as usize] as usize];
             self.parent[member as usize] = above;
             member = above;
@@ -53,6 +55,7 @@ impl DisjointSets {
     /// Unites the sets of `a` and `b`. True when they were two sets before.
     pub fn union(&mut self, a: usize, b: usize) -> bool {
         let (a, b) = (self.lowest(a), self.lowest(b));
+        // Linking to the lower root keeps the lowest member as the name of the set.
         self.parent[a.max(b)] = a.min(b) as u32;
         a != b
     }

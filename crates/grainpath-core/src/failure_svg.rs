@@ -61,21 +61,24 @@ impl FailurePicture {
         self.shapes.push((label.to_owned(), Shape::Point(point)));
     }
 
-    /// The SVG text: millimetres with y upwards, a legend of labels, and a title a shape with its coordinates' range.
+    /// The SVG text: millimetres with y upwards, and a legend of the labels.
     pub fn svg(&self) -> String {
         let points = self.shapes.iter().flat_map(|(_, shape)| match shape {
             Shape::Area(contours) => contours.iter().flatten().copied().collect::<Vec<_>>(),
             Shape::Line(points) => points.clone(),
             Shape::Point(p) => vec![*p],
         });
+        // A NaN is often the failure itself; it must not make the whole picture unreadable.
         let finite = points.filter(|p| p.is_finite());
         let bounds = Bounds2::of(finite).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
+        // A single point has no extent, and the scale below divides by it.
         let margin = 0.05 * bounds.size().max_element().max(1e-6);
         let bounds = bounds.grown(margin);
         let scale = SIDE_PX / bounds.size().max_element();
         let size = bounds.size() * scale;
         let place = |p: DVec2| {
             let q = (p - bounds.min) * scale;
+            // SVG counts y downwards.
             format!("{:.3},{:.3}", q.x, size.y - q.y)
         };
         let path = |points: &[DVec2]| points.iter().map(|&p| place(p)).collect::<Vec<_>>().join(" ");
@@ -102,6 +105,7 @@ impl FailurePicture {
                     format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"5\" fill=\"none\" stroke=\"{colour}\"/>")
                 }
             };
+            // Labels may hold expressions with `<`, which would end the XML.
             let label = label.replace('&', "&amp;").replace('<', "&lt;");
             let y = 16 * (i + 1);
             let _ = writeln!(
@@ -113,8 +117,9 @@ impl FailurePicture {
         out
     }
 
-    /// Passes `condition` on and draws the picture when it is false: for property tests, which report failures without
-    /// a panic. The picture that remains is that of the smallest failing case.
+    /// Returns `condition`, and draws the picture if it is false. Property tests need this, because
+    /// they report failures without a panic. The picture that remains is that of the smallest
+    /// failing case.
     pub fn holds(&self, condition: bool) -> bool {
         if !condition {
             self.write();

@@ -1,4 +1,9 @@
-//! A grid of right triangles over a region: where direction fields and phases are solved for.
+//! A grid of right triangles over a region, on which direction fields and phases are solved for.
+//!
+//! Nodes lie on a square grid, lengths are in mm. Edges come in three kinds, stored one after the
+//! other: sides to the right, sides upwards, diagonals. Within a kind they are sorted row by row,
+//! so that most products of a matrix with a vector run over arrays without gaps
+//! (`FieldMesh::runs`). Cost and memory: linear in the nodes, which are at most about 400 000.
 
 use std::ops::{Add, Mul, Range, Sub};
 
@@ -7,7 +12,7 @@ use crate::{DVec2, Region};
 
 /// No node here.
 const NONE: u32 = u32::MAX;
-/// More nodes than this and the grid gets coarser.
+/// Number of nodes above which the grid becomes coarser.
 const MAX_NODES: f64 = 400_000.0;
 
 /// Two nodes that share a side.
@@ -15,7 +20,8 @@ const MAX_NODES: f64 = 400_000.0;
 pub struct Edge {
     /// Its nodes.
     pub ends: [u32; 2],
-    /// Across a square of the grid; carries no weight in a Laplacian of right triangles.
+    /// Whether it crosses a square of the grid. Diagonals carry no weight in a Laplacian of right
+    /// triangles.
     pub diagonal: bool,
 }
 
@@ -31,15 +37,18 @@ pub struct FieldMesh {
     ny: usize,
     /// Node at each place of the grid, row by row.
     index: Vec<u32>,
-    /// Each once: those to the right, those upwards, then the diagonals; each kind row by row.
+    /// Every edge once: those to the right, those upwards, then the diagonals; each kind row by
+    /// row.
     pub edges: Vec<Edge>,
-    /// The edges that are sides of squares, in rows without a break.
+    /// The edges that are sides of squares, in stretches whose edges and nodes are numbered without
+    /// a gap.
     runs: Vec<Run>,
     /// Halves of the squares, row by row.
     pub triangles: Vec<Triangle>,
 }
 
-/// Edges one after the other, from nodes one after the other to nodes one after the other.
+/// A stretch of edges with consecutive numbers, whose first nodes and whose second nodes are
+/// consecutive too.
 #[derive(Debug, Clone, Copy)]
 struct Run {
     edge: u32,
@@ -47,7 +56,7 @@ struct Run {
     n: u32,
 }
 
-/// Places of a run's edges and of their first and second nodes in arrays.
+/// Index ranges of a run's edges and of their first and second nodes.
 #[derive(Debug, Clone)]
 pub struct RunOf {
     /// Edges.
@@ -68,14 +77,19 @@ pub struct Triangle {
 }
 
 impl FieldMesh {
-    /// Covers the region; `None` when it is empty.
+    /// Covers the region with a margin of one and a half cells; `None` for an empty region.
     pub fn over(region: &Region, cell_mm: f64) -> Option<Self> {
         let bounds = region.bounds()?;
         let size = bounds.size();
+        // The first bound is on the places of the bounding box, of which a thin diagonal region
+        // fills few. The second is on the nodes themselves.
         let cell_mm = cell_mm.max((size.x * size.y / (4.0 * MAX_NODES)).sqrt());
         let cell_mm = cell_mm.max((region.area_mm2() / MAX_NODES).sqrt());
+        // With a margin, every point of the region lies in a square whose four corners are nodes.
         let covered = region.offset(1.5 * cell_mm, Join::Miter(2.0));
         let inside = LineClipper::new(&covered);
+        // Two cells more on each side than the bounds, so that the margin's nodes have neighbours
+        // in the array.
         let origin = bounds.min - 2.0 * cell_mm;
         let count = |mm: f64| (mm / cell_mm).ceil() as usize + 5;
         let (nx, ny) = (count(size.x), count(size.y));
@@ -106,10 +120,11 @@ impl FieldMesh {
         })
     }
 
-    /// The nodes around a point and their shares of it, nodes outside the mesh left out; far outside, the nearest
-    /// node alone.
+    /// The nodes around a point and their weights, which add up to 1. Nodes outside the mesh are
+    /// left out; far outside, the nearest node stands alone.
     pub fn around(&self, p: DVec2) -> ([u32; 4], [f64; 4]) {
         let q = (p - self.origin) / self.cell_mm;
+        // A little below the last node, so that the square's upper corners still exist.
         let clamp = |v: f64, n: usize| v.clamp(0.0, n as f64 - 1.001);
         let q = DVec2::new(clamp(q.x, self.nx), clamp(q.y, self.ny));
         let (i, j) = (q.x as usize, q.y as usize);
@@ -130,13 +145,15 @@ impl FieldMesh {
                 sum += share;
             }
         }
+        // The weights that remain are scaled up, so the value near the border is an average of the
+        // nodes there.
         if sum > 1e-9 {
             return (nodes, shares.map(|s| s / sum));
         }
         ([self.nearest(i, j), 0, 0, 0], [1.0, 0.0, 0.0, 0.0])
     }
 
-    /// The node nearest to a place of the grid, looked for in growing squares.
+    /// The node nearest to a place of the grid, searched in growing squares.
     fn nearest(&self, i: usize, j: usize) -> u32 {
         for ring in 1..self.nx.max(self.ny) {
             let mut best = (usize::MAX, NONE);
@@ -162,13 +179,14 @@ impl FieldMesh {
         let at = |i: usize, j: usize| index[j * nx + i];
         // Edges of the node at (i, j): to the right, upwards, and the diagonal of the square to its upper right.
         let mut of_node = vec![[NONE; 3]; nx * ny];
+        // Kind by kind, so that edges of a kind are numbered without gaps.
         for kind in 0..3 {
             for j in 0..ny - 1 {
                 for i in 0..nx - 1 {
                     let [a, b] = match kind {
                         0 => [at(i, j), at(i + 1, j)],
                         1 => [at(i, j), at(i, j + 1)],
-                        // Diagonals alternate, so that no direction is favoured.
+                        // Diagonals alternate, so that no direction is preferred.
                         _ if (i + j) % 2 == 0 => [at(i, j), at(i + 1, j + 1)],
                         _ => [at(i + 1, j), at(i, j + 1)],
                     };
@@ -178,6 +196,8 @@ impl FieldMesh {
                     let edge = self.edges.len() as u32;
                     of_node[j * nx + i][kind] = edge;
                     self.edges.push(Edge { ends: [a, b], diagonal: kind == 2 });
+                    // A run ends where a node is missing: then the numbers of the two rows no
+                    // longer advance together.
                     match self.runs.last_mut() {
                         _ if kind == 2 => {}
                         Some(r) if r.ends[0] + r.n == a && r.ends[1] + r.n == b => r.n += 1,
@@ -208,23 +228,23 @@ impl FieldMesh {
     }
 }
 
-/// A symmetric matrix over the nodes of a grid: nodes that share no edge do not meet in it.
+/// A symmetric matrix over the nodes of a grid, with entries only for nodes that share an edge.
 pub struct GridMatrix<'a> {
     mesh: &'a FieldMesh,
-    /// At the nodes.
+    /// Diagonal entries, one a node.
     pub own: Vec<f64>,
-    /// At the edges, the diagonals left out or not.
+    /// Off-diagonal entries, one an edge; those of the grid's diagonals may be left out.
     pub beside: Vec<f64>,
 }
 
 impl<'a> GridMatrix<'a> {
-    /// Zero, with room for the sides of squares or for all edges.
+    /// The zero matrix, with entries for the sides of squares or for all edges.
     pub fn zero(mesh: &'a FieldMesh, diagonals: bool) -> Self {
         let n_edges = mesh.edges.iter().filter(|e| diagonals || !e.diagonal).count();
         Self { mesh, own: vec![0.0; mesh.nodes.len()], beside: vec![0.0; n_edges] }
     }
 
-    /// Adds a spring along every side of a square.
+    /// Adds a spring along every side of a square, which pulls its two nodes to the same value.
     pub fn add_springs(&mut self, stiffness: f64) {
         for (edge, beside) in self.mesh.edges.iter().zip(&mut self.beside).filter(|e| !e.0.diagonal) {
             *beside -= stiffness;
@@ -252,15 +272,16 @@ impl<'a> GridMatrix<'a> {
         }
     }
 
-    /// Solves for a right side, to a residual of `tolerance` times its length; the matrix must be positive definite.
+    /// Solves for a right side to a residual of `tolerance` times its length. The matrix has to be
+    /// positive definite.
     pub fn solve(&self, x: Vec<f64>, rhs: &[f64], tolerance: f64, max_steps: usize) -> Vec<f64> {
         conjugate_gradients(x, rhs, |x, y| self.times(x, y), tolerance, max_steps)
     }
 }
 
-/// A number to calculate with.
+/// A floating-point number: `f64`, or `f32` where memory traffic limits the speed.
 pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Into<f64> {
-    /// The nearest one.
+    /// The nearest number of this type.
     fn near(value: f64) -> Self;
 }
 
@@ -289,6 +310,7 @@ pub fn conjugate_gradients<T: Real>(
     let mut r: Vec<T> = rhs.iter().zip(&q).map(|(b, q)| *b - *q).collect();
     let mut p = r.clone();
     let mut rr = dot(&r, &r);
+    // Relative to the right side, so that the tolerance does not depend on the units.
     let enough = tolerance * tolerance * dot(rhs, rhs);
     for _ in 0..max_steps {
         if rr <= enough {
@@ -306,7 +328,8 @@ pub fn conjugate_gradients<T: Real>(
     x
 }
 
-/// The sum of products, in eight sums side by side: one alone would wait for itself.
+/// The sum of products, in eight sums side by side: in a single sum each addition would wait for
+/// the one before.
 fn dot<T: Real>(a: &[T], b: &[T]) -> f64 {
     let mut sums = [0.0; 8];
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());

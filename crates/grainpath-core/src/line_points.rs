@@ -1,8 +1,11 @@
 //! Points of lines in square buckets.
+//!
+//! Fills ask here whether a new point of a line comes too near to others. Coordinates and radii are
+//! in mm. Cost: the points in the buckets within the radius.
 
 use crate::{Bounds2, DVec2};
 
-/// Points of lines in square buckets, for finding those near a place.
+/// Points of lines in square buckets, searchable by place.
 pub struct LinePoints {
     bounds: Bounds2,
     cell_mm: f64,
@@ -16,6 +19,8 @@ impl LinePoints {
     pub fn new(bounds: Bounds2, cell_mm: f64) -> Self {
         // At most a few million cells, whatever the bounds.
         let cell_mm = cell_mm.max(bounds.size().max_element() / 2000.0);
+        // One empty cell around the bounds, so that points just outside do not crowd the border's
+        // cells.
         let count = |mm: f64| (mm / cell_mm) as usize + 3;
         let (nx, ny) = (count(bounds.size().x), count(bounds.size().y));
         Self { bounds, cell_mm, nx, ny, cells: vec![Vec::new(); nx * ny] }
@@ -31,7 +36,7 @@ impl LinePoints {
         near
     }
 
-    /// What the buckets cover.
+    /// The bounds that the buckets cover.
     pub fn bounds(&self) -> Bounds2 {
         self.bounds
     }
@@ -48,7 +53,7 @@ impl LinePoints {
         self.cells[j * self.nx + i].push((p, line, index));
     }
 
-    /// Calls `see` with every point within `r_mm`.
+    /// Calls `see` with every point nearer than `r_mm`.
     pub fn each(&self, p: DVec2, r_mm: f64, mut see: impl FnMut(DVec2, u32, i32)) {
         let (i, j) = self.cell(p);
         let reach = (r_mm / self.cell_mm).ceil() as usize;
@@ -63,7 +68,7 @@ impl LinePoints {
         }
     }
 
-    /// Takes the last point at a place out again, if it is of this line.
+    /// Removes the point that was added last to the cell of `p`, if it belongs to this line.
     pub fn remove(&mut self, p: DVec2, line: u32) {
         let (i, j) = self.cell(p);
         let cell = &mut self.cells[j * self.nx + i];
@@ -72,7 +77,8 @@ impl LinePoints {
         }
     }
 
-    /// Whether none of the points that matter is within `r_mm`. What matters is told by line and index.
+    /// Whether no point that `matters` lies within `r_mm`; `matters` gets the line and the index of
+    /// a point.
     pub fn open(&self, p: DVec2, r_mm: f64, matters: impl Fn(u32, i32) -> bool) -> bool {
         let (i, j) = self.cell(p);
         let reach = (r_mm / self.cell_mm).ceil() as usize;
@@ -82,6 +88,7 @@ impl LinePoints {
             self.cells[columns]
                 .iter()
                 .flatten()
+                // The distance is tested first: `matters` is a closure and costs more.
                 .all(|&(q, line, index)| q.distance_squared(p) >= r_mm * r_mm || !matters(line, index))
         })
     }

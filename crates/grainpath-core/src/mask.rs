@@ -1,10 +1,14 @@
-//! Regions as bits on a square grid: what is covered by what, over many layers, at the cost of a few instructions
-//! per 64 cells. Where a border matters to a bead's width it is taken from the polygons, not from here.
+//! Regions as bits on a square grid: which cells are covered, over many layers, at the cost of a
+//! few instructions for 64 cells. Borders that decide the width of a bead are taken from the
+//! polygons instead.
+//!
+//! Rows run upwards in y, and a word holds 64 cells of a row, the lowest bit leftmost. Cost: linear
+//! in the words for sets and growth, in the border's length for filling.
 
 use crate::poly::{edges, simplify_contour};
 use crate::{Bounds2, Contour, DVec2, Polygon, Region};
 
-/// Where the cells are. Two masks can be combined only on the same grid.
+/// Position and size of the cells. Two masks can be combined only if they have the same grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
     origin: DVec2,
@@ -23,7 +27,7 @@ impl Grid {
         Self::exactly(bounds, cell_mm.max(coarsest))
     }
 
-    /// The same with cells of just this width: an eighth of a byte each.
+    /// The same, but with cells of exactly this width; they take an eighth of a byte each.
     pub fn exactly(bounds: Bounds2, cell_mm: f64) -> Self {
         let size = bounds.size();
         let margin = 8.0 * cell_mm;
@@ -48,14 +52,16 @@ impl Grid {
         self.origin
     }
 
-    /// For each row of centres that a convex shape grown by `slack` cells covers any of: the row, the first and the
-    /// last of them.
+    /// Calls `each` for every row with centres covered by a convex shape grown by `slack` cells:
+    /// the row, its first and its last covered column.
     fn convex_rows(&self, corners: &[DVec2], slack: f64, mut each: impl FnMut(usize, usize, usize)) {
         // In cells, with centres at whole numbers.
         let place = |p: DVec2| (p - self.origin) / self.cell_mm - 0.5;
         let low = corners.iter().map(|p| place(*p).y).fold(f64::INFINITY, f64::min) - slack;
         let high = corners.iter().map(|p| place(*p).y).fold(f64::NEG_INFINITY, f64::max) + slack;
         for row in low.ceil().max(0.0) as usize..=high.floor().clamp(-1.0, self.ny as f64 - 1.0) as usize {
+            // A convex shape covers one run of cells in a row, from its leftmost to its rightmost
+            // crossing.
             let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
             for (a, b) in edges(corners) {
                 let (a, b) = (place(a), place(b));
@@ -65,6 +71,8 @@ impl Grid {
                         let t = if b.y > a.y { ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0) } else { 0.0 };
                         a.x + t * (b.x - a.x)
                     };
+                    // With slack, the row is widened as well: a slanted edge reaches farther out at
+                    // the row's upper or lower rim.
                     for y in [row as f64 - slack, row as f64 + slack] {
                         from = from.min(at(y));
                         to = to.max(at(y));
@@ -133,6 +141,8 @@ impl Mask {
     /// The cells whose centres lie inside closed lines by even-odd count.
     pub fn of_contours<'a>(grid: Grid, contours: impl IntoIterator<Item = &'a Contour>) -> Self {
         let mut mask = Self::empty(grid);
+        // Even-odd filling without sorting: each edge flips one bit a row, and a running parity
+        // turns flips into runs.
         for (a, b) in contours.into_iter().flat_map(|c| edges(c)) {
             mask.toggle_right_of(a, b);
         }
@@ -141,6 +151,8 @@ impl Mask {
             let mut carry = 0u64;
             for word in row {
                 let mut w = *word;
+                // Prefix parity of a word in six steps: after the step with shift s each bit holds
+                // the parity of 2 s bits.
                 for shift in [1, 2, 4, 8, 16, 32] {
                     w ^= w << shift;
                 }
@@ -156,6 +168,8 @@ impl Mask {
     pub fn touched(grid: Grid, region: &Region) -> Self {
         let mut mask = Self::of(grid, region);
         for (a, b) in region.contours().flat_map(|c| edges(c)) {
+            // Half a cell between samples: no cell that the border crosses over more than half a
+            // cell's length is missed.
             let n = (a.distance(b) / (0.5 * grid.cell_mm)).ceil().max(1.0);
             for i in 0..n as usize {
                 let c = (a.lerp(b, i as f64 / n) - grid.origin) / grid.cell_mm;
@@ -193,6 +207,7 @@ impl Mask {
         // In cells, with centres at whole numbers.
         let (a, b) = ((a - g.origin) / g.cell_mm - 0.5, (b - g.origin) / g.cell_mm - 0.5);
         let (lo, hi) = if a.y < b.y { (a, b) } else { (b, a) };
+        // Half-open in y: a vertex on a row of centres counts for one of its two edges.
         let (first, end) = (lo.y.ceil().max(0.0) as usize, hi.y.ceil().clamp(0.0, g.ny as f64) as usize);
         let slope = (hi.x - lo.x) / (hi.y - lo.y);
         for row in first..end {
@@ -219,7 +234,8 @@ impl Mask {
         self.count() as f64 * self.grid.cell_mm * self.grid.cell_mm
     }
 
-    /// How much of a polygon lies in the cells, give or take two of them; costs as much as the polygon is large.
+    /// How much of a polygon the cells cover, with a tolerance of two cells. Cost: linear in the
+    /// cells of the polygon's bounds.
     pub fn coverage(&self, polygon: &Polygon) -> Coverage {
         let Some(bounds) = polygon.bounds() else { return Coverage::None };
         let (window, word, row) = self.grid.window(bounds);
@@ -275,7 +291,8 @@ impl Mask {
         self.zip(other, |a, b| a & !b)
     }
 
-    /// Writes the cells left and right of cells to `out`, with those themselves if asked.
+    /// Writes the cells left and right of set cells to `out`, and the cells themselves if `own` is
+    /// true.
     fn sideways(&self, own: bool, out: &mut Self) {
         let words = self.grid.words;
         let beside = |[left, word, right]: [u64; 3]| {
@@ -305,7 +322,7 @@ impl Mask {
         }
     }
 
-    /// Without cells that touch no other along a side.
+    /// The cells without those that touch no other cell along a side.
     pub fn without_lone(&self) -> Self {
         let mut neighbours = Self::empty(self.grid);
         self.sideways(false, &mut neighbours);
@@ -317,6 +334,8 @@ impl Mask {
     pub fn grown(&self, n: usize) -> Self {
         let mut grown = self.clone();
         let mut sideways = Self::empty(self.grid);
+        // Four and eight neighbours in turn approximate a disc by an octagon; either alone would
+        // grow a diamond or a square.
         for i in 0..n {
             grown.sideways(true, &mut sideways);
             if i % 2 == 1 {
@@ -333,10 +352,11 @@ impl Mask {
     /// Shrunk by `n` cells all round.
     pub fn shrunk(&self, n: usize) -> Self {
         let inverse = |m: &Self| Self { grid: m.grid, bits: m.bits.iter().map(|w| !w).collect() };
+        // Shrinking is growing the complement.
         inverse(&inverse(self).grown(n))
     }
 
-    /// Without what is thinner than about `2 n` cells.
+    /// Without parts that are thinner than about `2 n` cells.
     pub fn opened(&self, n: usize) -> Self {
         self.shrunk(n).grown(n)
     }
@@ -350,6 +370,8 @@ impl Mask {
             for i in 0..self.grid.words {
                 let here = self.bits[y * self.grid.words + i];
                 let below = if y > 0 { self.bits[(y - 1) * self.grid.words + i] } else { 0 };
+                // A contour is found at the lower edge of its lowest cells; lower edges already
+                // walked are marked in `seen`.
                 let mut starts = here & !below & !seen.bits[y * self.grid.words + i];
                 while starts != 0 {
                     let x = i * 64 + starts.trailing_zeros() as usize;
@@ -358,6 +380,7 @@ impl Mask {
                     if !smooth.is_empty() {
                         out.push(smooth);
                     }
+                    // The walk may have passed other starts in this same word.
                     starts = here & !below & !seen.bits[y * self.grid.words + i];
                 }
             }
@@ -383,6 +406,8 @@ impl Mask {
                 set((corner.0 - 1).div_euclid(2), (corner.1 - 1).div_euclid(2))
             };
             let left = (-d.1, d.0);
+            // Left is tested first: where two cells touch at a corner alone the walk turns away, so
+            // they stay separate contours.
             let turned = if !cell(left) {
                 left
             } else if cell((d.1, -d.0)) {

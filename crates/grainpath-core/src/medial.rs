@@ -1,8 +1,12 @@
-//! The middle of thin places: where a single bead runs, and how wide it must be there.
+//! The medial axis of thin places: where a single bead runs, and how wide it has to be.
 //!
-//! The chordal axis: the region is triangulated, and the midpoints of the triangles' inner sides are joined. In a
-//! strip it is the medial axis itself; branches that only reach into corners are cut off. It needs no Voronoi
-//! diagram, and its cost is that of a triangulation of the border's samples.
+//! Method: the chordal axis (`prasad1997`). The region is triangulated from samples of its border,
+//! and the midpoints of the triangles' inner sides are joined. In a strip of constant width this is
+//! the medial axis itself. Branches that only reach into a corner are cut off.
+//!
+//! Lengths are in mm. Cost: a triangulation of the border's samples, n log n; at most 100 000
+//! samples a polygon. Degenerate cases: slivers and polygons that cannot be triangulated give no
+//! path; a place with a single chord gives a short bead across it.
 
 use glam::DVec2;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
@@ -23,14 +27,16 @@ pub struct MedialPath {
     pub closed: bool,
 }
 
-/// The medial paths of a region whose thickness is nowhere much over `max_width_mm`. Where it is thinner than
-/// `min_width_mm` there is no path. Polygons without a path, and those too broken to triangulate, give none.
+/// The medial paths of a region whose thickness is hardly anywhere above `max_width_mm`. Places
+/// thinner than `min_width_mm` have no path. Polygons without a path, and polygons that cannot be
+/// triangulated, give none.
 pub fn medial_axis(region: &Region, min_width_mm: f64, max_width_mm: f64) -> Vec<MedialPath> {
     let mut out = Vec::new();
     for polygon in &region.polygons {
         let area = polygon.area_mm2();
         let thickness = 2.0 * area / polygon.perimeter_mm();
-        // No place of a sliver this thin reaches the least width: its mean is far below.
+        // Twice area over perimeter is the mean thickness of a strip. With a fifth of the least
+        // width as its mean, a sliver reaches that width nowhere.
         if area < 1e-4 || thickness < 0.2 * min_width_mm {
             continue;
         }
@@ -48,9 +54,9 @@ pub fn medial_axis(region: &Region, min_width_mm: f64, max_width_mm: f64) -> Vec
 #[derive(Debug, Clone, Copy)]
 struct Node {
     at: DVec2,
-    /// The chord; zero at the middle of a triangle where branches meet.
+    /// The chord, mm; zero at the centre of a triangle in which branches meet.
     chord: DVec2,
-    /// Neighbours, `NONE` where there are fewer than three.
+    /// Neighbours; `NONE` fills the places of missing ones.
     next: [u32; 3],
 }
 
@@ -60,10 +66,11 @@ struct Graph {
     nodes: Vec<Node>,
 }
 
-/// Border vertices with the border cut into steps.
+/// Adds the vertices of a contour and points between them, at most `step_mm` apart.
 fn sampled(contour: &[DVec2], step_mm: f64, out: &mut Vec<Point2<f64>>, sides: &mut Vec<[usize; 2]>) {
     let first = out.len();
     for (a, b) in edges(contour) {
+        // The bound keeps a single long edge from filling the memory.
         let n = (a.distance(b) / step_mm).ceil().clamp(1.0, 5000.0) as usize;
         out.extend((0..n).map(|i| a.lerp(b, i as f64 / n as f64)).map(|p| Point2::new(p.x, p.y)));
     }
@@ -74,7 +81,7 @@ fn sampled(contour: &[DVec2], step_mm: f64, out: &mut Vec<Point2<f64>>, sides: &
 impl Graph {
     fn of(polygon: &Polygon, step_mm: f64) -> Option<Self> {
         let (mut points, mut sides) = (Vec::new(), Vec::new());
-        // A long border is sampled no finer than keeps its number of points in bounds.
+        // The number of samples of a long border is bounded by a coarser step.
         let step_mm = step_mm.max(polygon.contours().map(|c| perimeter_mm(c)).sum::<f64>() / 100_000.0);
         for contour in polygon.contours() {
             sampled(contour, step_mm, &mut points, &mut sides);
@@ -87,6 +94,8 @@ impl Graph {
         for face in cdt.inner_faces() {
             let corners = face.positions().map(|p| DVec2::new(p.x, p.y));
             let centre = (corners[0] + corners[1] + corners[2]) / 3.0;
+            // The triangulation covers the convex hull; triangles in holes and notches are left
+            // out.
             if !inside[face.fix().index()] {
                 continue;
             }
@@ -104,6 +113,8 @@ impl Graph {
                     *slot
                 })
                 .collect();
+            // One inner side: an ear in a corner, where the axis ends. Two: a strip passes. Three:
+            // a fork.
             match *inner {
                 [a, b] => graph.join(a, b),
                 [a, b, c] => {
@@ -130,7 +141,7 @@ impl Graph {
         self.nodes[n as usize].next.iter().filter(|&&s| s != NONE).count()
     }
 
-    /// The way from `n`, coming from `from`, up to and including the next end or fork.
+    /// The nodes from `n`, coming from `from`, up to the next end or fork.
     fn branch(&self, from: u32, n: u32) -> Vec<u32> {
         let (mut before, mut at, mut way) = (from, n, vec![n]);
         while self.degree(at) == 2 && at != from {
@@ -152,8 +163,11 @@ impl Graph {
         }
     }
 
-    /// Cuts branches that only reach into a corner: those shorter than the place is thick where they leave.
+    /// Cuts branches that only reach into a corner: they are shorter than the region is thick where
+    /// they leave.
     fn prune(&mut self) {
+        // Twice, because cutting a branch may turn a fork next to it into the end of another short
+        // branch.
         for _ in 0..2 {
             let forks: Vec<u32> = (0..self.nodes.len() as u32).filter(|&n| self.degree(n) == 3).collect();
             for fork in forks {
@@ -176,6 +190,7 @@ impl Graph {
                         short.push((length, first));
                     }
                 }
+                // The shortest first; a fork keeps at least one branch.
                 short.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
                 for (_, first) in short {
                     if self.degree(fork) > 1 {
@@ -188,11 +203,13 @@ impl Graph {
         }
     }
 
-    /// All branches as lines of nodes; at a fork the two that go straightest on are one line.
+    /// All branches as lines of nodes. At a fork the two branches that continue most nearly
+    /// straight become one line.
     fn into_paths(mut self) -> Vec<(Vec<Node>, bool)> {
         self.split_forks();
         let mut used = vec![false; self.nodes.len()];
         let mut out = Vec::new();
+        // Lines from their ends first. Nodes that are left then lie on closed lines.
         let ends_first = (0..self.nodes.len() as u32).filter(|&n| self.degree(n) == 1);
         let starts: Vec<u32> = ends_first.chain(0..self.nodes.len() as u32).collect();
         for start in starts {
@@ -215,7 +232,7 @@ impl Graph {
         out
     }
 
-    /// Takes the branch that turns most off each fork; it ends there in a node of its own.
+    /// Separates the branch that turns most from each fork; it ends there in a node of its own.
     fn split_forks(&mut self) {
         for fork in 0..self.nodes.len() as u32 {
             if self.degree(fork) != 3 {
@@ -223,6 +240,8 @@ impl Graph {
             }
             let node = self.nodes[fork as usize];
             let toward = node.next.map(|n| {
+                // The direction over four nodes: a single chord is too short to tell it from the
+                // zigzag of the triangles.
                 let way = self.branch(fork, n);
                 (self.nodes[way[way.len().min(4) - 1] as usize].at - node.at).normalize_or_zero()
             });
@@ -234,7 +253,8 @@ impl Graph {
     }
 }
 
-/// Gives a line of nodes its widths, reaches out to the region's ends, and cuts what is too thin.
+/// Gives a line of nodes its widths, extends it to the region's ends, and cuts it where it is too
+/// thin.
 fn finish(
     (nodes, closed): (Vec<Node>, bool),
     clipper: &LineClipper,
@@ -242,6 +262,7 @@ fn finish(
     max_mm: f64,
     out: &mut Vec<MedialPath>,
 ) {
+    // Centres of triangles have no chord, and so no width of their own.
     let nodes: Vec<Node> = nodes.into_iter().filter(|n| n.chord != DVec2::ZERO).collect();
     let n = nodes.len();
     if n < 2 {
@@ -253,7 +274,7 @@ fn finish(
         if closed { j.rem_euclid(n as isize) as usize } else { j.clamp(0, n as isize - 1) as usize }
     };
     let tangent = |i: usize| (points[around(i, 2)] - points[around(i, -2)]).normalize_or_zero();
-    // A chord crosses the strip aslant; across the line it measures the thickness.
+    // A chord crosses the strip at a slant. Its component across the line is the thickness.
     let raw: Vec<f64> = (0..n).map(|i| cross(tangent(i), nodes[i].chord).abs()).collect();
     let mut widths: Vec<f64> =
         (0..n).map(|i| 0.25 * (raw[around(i, -1)] + 2.0 * raw[i] + raw[around(i, 1)])).collect();
@@ -261,6 +282,8 @@ fn finish(
         let (first, last) = (-tangent(0), tangent(n - 1));
         let reach = |p: DVec2, d: DVec2, w: f64| {
             let free = clipper.crossings(p, p + d * 3.0 * max_mm).first().map_or(0.0, |c| c.t * 3.0 * max_mm);
+            // The bead's round end reaches farther than its last point, so the line stops 0.4
+            // widths before the border.
             p + d * (free - 0.4 * w).max(0.0)
         };
         let (a, b) = (reach(points[0], first, widths[0]), reach(points[n - 1], last, widths[n - 1]));
@@ -275,7 +298,7 @@ fn finish(
     emit(&points, &widths, closed, min_mm, out);
 }
 
-/// A place so short that its axis is one chord: a bead along its longer direction.
+/// A place so short that its axis is a single chord: one bead across the chord.
 fn lone(nodes: &[Node], clipper: &LineClipper, min_mm: f64, max_mm: f64, out: &mut Vec<MedialPath>) {
     let [node] = nodes else { return };
     let along = DVec2::new(-node.chord.y, node.chord.x).normalize_or_zero();
@@ -289,7 +312,7 @@ fn lone(nodes: &[Node], clipper: &LineClipper, min_mm: f64, max_mm: f64, out: &m
     }
 }
 
-/// Cuts a path where it is too thin and thins out points that say nothing.
+/// Cuts a path where it is too thin, and leaves out points that change neither line nor width.
 fn emit(points: &[DVec2], widths: &[f64], closed: bool, min_mm: f64, out: &mut Vec<MedialPath>) {
     let wide: Vec<bool> = widths.iter().map(|&w| w >= min_mm).collect();
     if closed && wide.iter().all(|&w| w) {
@@ -316,7 +339,8 @@ fn thinned(points: &[DVec2], widths: &[f64], closed: bool) -> MedialPath {
     for i in 1..n {
         let last = kept[kept.len() - 1];
         let next = points[(i + 1) % n];
-        // A point is kept where the line bends by more than 5 um, the width changes, or half a millimetre has passed.
+        // A point is kept where the line bends by more than 5 um, where the width changes by more
+        // than 20 um, or after half a millimetre.
         let off = cross(next - last, points[i] - last).abs() / next.distance(last).max(1e-9);
         let width_off = (widths[i] - kept_widths[kept.len() - 1]).abs();
         let far = last.distance(points[i]) > 0.5;

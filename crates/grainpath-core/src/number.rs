@@ -39,7 +39,7 @@ pub enum Exponent {
     NotAllowed,
 }
 
-/// The number at the beginning of `bytes` and how many bytes it takes; what follows is not looked at.
+/// The number at the beginning of `bytes` and its length in bytes; the rest is ignored.
 ///
 /// For formats that put numbers side by side: `X10Y-.5` of G-code, `M.5.5-1e1` of SVG.
 ///
@@ -64,6 +64,7 @@ pub fn leading_number(bytes: &[u8], exponent: Exponent) -> Option<(f64, usize)> 
     if !has_digits {
         return None;
     }
+    // `e` without digits after it is no exponent: in SVG and G-code it may be the next letter.
     if exponent == Exponent::Allowed && matches!(byte(end), b'e' | b'E') {
         let sign = usize::from(matches!(byte(end + 1), b'+' | b'-'));
         let first = end + 1 + sign;

@@ -43,6 +43,7 @@ pub fn resampled(line: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
     if line.len() < 2 || length <= 0.0 {
         return line.to_vec();
     }
+    // The bound keeps a tiny step from filling the memory.
     let n = (length / step_mm).round().clamp(1.0, 1e6) as usize;
     let corner = |i: usize| line[if i == line.len() { 0 } else { i }];
     let n_segments = line.len() - usize::from(!closed);
@@ -50,6 +51,8 @@ pub fn resampled(line: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
     out.push(line[0]);
     let (mut walked, mut i) = (0.0, 0);
     for k in 1..n {
+        // Each target is computed from the length, not from the one before, so rounding errors do
+        // not add up.
         let target = length * k as f64 / n as f64;
         let mut segment = corner(i).distance(corner(i + 1));
         while i + 1 < n_segments && walked + segment < target {
@@ -68,9 +71,10 @@ pub fn resampled(line: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
 /// Which vertices of an open polyline Douglas and Peucker's method keeps: the ends, and in each stretch the vertex that
 /// is farthest off as long as `off` is above 1.
 ///
-/// `off(i, a, b)` says how far vertex `i` is from the line from vertex `a` to vertex `b`, as a share of what is
-/// tolerated; it may compare data of the vertices too. The line is first cut into pieces of at most `max_piece`
-/// segments, so that the time a long line takes grows with its length alone.
+/// `off(i, a, b)` is the distance of vertex `i` from the line between vertices `a` and `b`, as a
+/// share of the tolerance; it may compare data of the vertices too. The line is first cut into
+/// pieces of at most `max_piece` segments, so that the time grows with the length of the line
+/// alone.
 ///
 /// ```
 /// use grainpath_core::polyline::kept_vertices;
@@ -138,6 +142,7 @@ pub fn simplified_with(
         let distance = line[i].distance(line[a] + share * (line[b] - line[a]));
         (distance / tolerance_mm).max((values[i] - value).abs() / value_tolerance)
     };
+    // A ring's first and last points are neighbours, so its whole chord is no line to measure from.
     let max_piece = if closed { MAX_PIECE.min(line.len() / 2).max(1) } else { MAX_PIECE };
     let keep = kept_vertices(line.len(), max_piece, off);
     let kept = || (0..line.len()).filter(|&i| keep[i]);

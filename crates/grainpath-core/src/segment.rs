@@ -33,8 +33,9 @@ pub fn distance_squared_mm2(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     p.distance_squared(closest_point(p, a, b))
 }
 
-/// Which way the corner `a`, `b`, `c` turns: positive to the left, negative to the right, zero when the three points lie
-/// on one line. The sign is exact; the value is about twice the area of the triangle, mm².
+/// The direction in which the corner `a`, `b`, `c` turns: positive to the left, negative to the
+/// right, zero for three points on one line. The sign is exact; the value is about twice the area
+/// of the triangle, mm².
 pub fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     let coord = |p: DVec2| robust::Coord { x: p.x, y: p.y };
     robust::orient2d(coord(a), coord(b), coord(c))
@@ -63,13 +64,16 @@ pub enum Meeting {
 /// ```
 pub fn meeting([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> Meeting {
     let bounds = |p: DVec2, q: DVec2| Bounds2 { min: p.min(q), max: p.max(q) };
-    // Exact, and cheaper than a turn; on one line the boxes decide everything.
+    // Comparing boxes is exact and cheaper than a turn. For segments on one line the boxes decide
+    // alone.
     if !bounds(a, b).meets(bounds(c, d)) {
         return Meeting::Apart;
     }
     let opposite = |s: f64, t: f64| (s > 0.0 && t < 0.0) || (s < 0.0 && t > 0.0);
     let same = |s: f64, t: f64| (s > 0.0 && t > 0.0) || (s < 0.0 && t < 0.0);
     let (of_c, of_d) = (turn(a, b, c), turn(a, b, d));
+    // Both ends on the same side: no common point. A zero means that an end lies on the line and is
+    // left to the rest.
     if same(of_c, of_d) {
         return Meeting::Apart;
     }

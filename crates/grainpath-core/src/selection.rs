@@ -1,8 +1,11 @@
-//! Places of a part, for fixtures and loads.
+//! Selections: the places of a part where fixtures and loads act.
+//!
+//! Coordinates are in mm in part coordinates. Cost: constant for simple shapes, linear in the
+//! triangles for lists of facets.
 
 use crate::DVec3;
 
-/// Everything of a part's surface that lies in a shape, mm, part coordinates.
+/// The part of a surface that lies in a shape, mm, part coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Selection {
     /// Between two corners.
@@ -18,18 +21,18 @@ pub enum Selection {
         point: DVec3,
         /// Unit normal.
         normal: DVec3,
-        /// How far off still counts, mm.
+        /// Greatest distance from the plane, mm.
         tolerance_mm: f64,
     },
     /// Within a radius of an axis: the wall of a bolt hole, the contact of a roller.
     Cylinder {
-        /// A point of the axis; where a length is given, the middle of it.
+        /// A point of the axis; with a length given, the middle of the cylinder.
         point: DVec3,
         /// Unit vector along it.
         axis: DVec3,
         /// Points up to this far from the axis count, mm.
         radius_mm: f64,
-        /// How long the cylinder is, mm; endless when not given.
+        /// Length of the cylinder, mm; `None` for an endless one.
         length_mm: Option<f64>,
     },
     /// Within a radius of a point.
@@ -43,19 +46,21 @@ pub enum Selection {
     Triangles(Vec<[DVec3; 3]>),
     /// Near these triangles.
     Near {
-        /// The triangles.
+        /// The triangles of the list.
         triangles: Vec<[DVec3; 3]>,
-        /// How far off still counts, mm.
+        /// Greatest distance from a triangle, mm.
         within_mm: f64,
     },
 }
 
-/// How far off a listed triangle a point may lie, mm.
+/// Greatest distance of a selected point from a listed triangle, mm.
 const ON_TRIANGLE_MM: f64 = 0.02;
 
 impl Selection {
     /// Whether a point of the part is selected.
     pub fn contains(&self, p: DVec3) -> bool {
+        // A nanometre of tolerance: coordinates typed in a job select the faces that lie on them,
+        // whatever the rounding.
         let hair = 1e-6;
         match self {
             Self::Box { low, high } => (*low - hair).cmple(p).all() && p.cmple(*high + hair).all(),
@@ -75,7 +80,7 @@ impl Selection {
         }
     }
 
-    /// The same with everything within `by_mm` of it.
+    /// The same selection and everything within `by_mm` of it.
     #[must_use]
     pub fn grown(&self, by_mm: f64) -> Self {
         let mut wide = self.clone();
@@ -91,13 +96,14 @@ impl Selection {
             Self::Sphere { radius_mm, .. } => *radius_mm += by_mm,
             Self::Near { within_mm, .. } => *within_mm += by_mm,
             Self::Triangles(all) => {
+                // The list has no distance of its own to enlarge, so it becomes a list with one.
                 wide = Self::Near { triangles: std::mem::take(all), within_mm: ON_TRIANGLE_MM + by_mm };
             }
         }
         wide
     }
 
-    /// What it is called in errors.
+    /// The name used in errors.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Box { .. } => "box",
@@ -116,6 +122,8 @@ fn distance_to_triangle(p: DVec3, [a, b, c]: &[DVec3; 3]) -> f64 {
     let n2 = n.length_squared();
     if n2 > 0.0 {
         let (s, t) = (w.cross(v).dot(n) / n2, u.cross(w).dot(n) / n2);
+        // Inside the triangle's prism the nearest point is the projection; elsewhere it lies on a
+        // side.
         if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
             return w.dot(n).abs() / n2.sqrt();
         }

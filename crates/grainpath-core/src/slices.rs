@@ -57,7 +57,7 @@ impl SampleType {
     }
 }
 
-/// What is known of a volume before its slices are read.
+/// What a file's header states about a volume.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VolumeInfo {
     /// The format's name for people.
@@ -70,9 +70,9 @@ pub struct VolumeInfo {
     pub spacing_mm: [Option<f64>; 3],
     /// Heights of the slices where their distances differ, mm, rising from 0; otherwise empty.
     pub z_mm: Vec<f64>,
-    /// Where the voxels lie in the world the file speaks of, if it speaks of one.
+    /// Position of the voxels in the file's world, if the file states one.
     pub world: Option<WorldFrame>,
-    /// What was odd about the file but could be read.
+    /// Oddities of the file that did not keep it from being read.
     pub warnings: Vec<crate::Warning>,
 }
 
@@ -109,7 +109,8 @@ impl VolumeInfo {
         }
     }
 
-    /// The world position in mm of a voxel's centre; `None` where the file states no world or no spacing.
+    /// The world position of a voxel's centre, mm; `None` where the file states no world or no
+    /// spacing.
     ///
     /// ```
     /// use grainpath_core::slices::{SampleType, VolumeInfo, WorldFrame};
@@ -123,12 +124,14 @@ impl VolumeInfo {
     pub fn world_mm(&self, voxel: [usize; 3]) -> Option<DVec3> {
         let world = self.world?;
         let along = |axis: usize| Some(voxel[axis] as f64 * self.spacing_mm[axis]?);
+        // Uneven slices have heights of their own; the mean spacing would misplace all but the
+        // ends.
         let z_mm = if self.z_mm.is_empty() { along(2)? } else { *self.z_mm.get(voxel[2])? };
         Some(world.origin_mm + world.axes * DVec3::new(along(0)?, along(1)?, z_mm))
     }
 }
 
-/// Why a source cannot give its next slice. The reader's own error stands inside, as the message and as
+/// Why a source cannot give its next slice. It holds the reader's own error, as the message and as
 /// [`Error::source`].
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
@@ -186,7 +189,7 @@ impl SliceError {
 /// # Ok::<(), SliceError>(())
 /// ```
 pub trait SliceSource: Send {
-    /// What is known before the slices are read.
+    /// The header, known before the slices are read.
     fn info(&self) -> &VolumeInfo;
 
     /// Goes back to the first slice.
@@ -207,8 +210,9 @@ pub trait SliceSource: Send {
     /// As [`SliceSource::next_slice`].
     fn skip_slice(&mut self) -> Result<bool, SliceError>;
 
-    /// How many of the voxels given since the last restart are NaN or infinite in the file. All voxels given are finite:
-    /// these come as the least grey value of their slice, which is air.
+    /// How many of the voxels given since the last restart are NaN or infinite in the file. All
+    /// voxels given are finite: such voxels come as the least grey value of their slice, which is
+    /// air.
     fn n_not_finite(&self) -> u64 {
         0
     }
@@ -218,6 +222,7 @@ impl<S: SliceSource + ?Sized> SliceSource for &mut S {
     fn info(&self) -> &VolumeInfo {
         (**self).info()
     }
+    // Forwarding, so that a caller may lend a source instead of giving it away.
     fn restart(&mut self) -> Result<(), SliceError> {
         (**self).restart()
     }

@@ -1,18 +1,24 @@
-//! Lines along a field: one at a time, and evenly spaced.
+//! Streamlines of a field: one at a time, and evenly spaced.
+//!
+//! Lines are traced with the embedded Runge-Kutta pair of `dormand1980`, fifth order with a
+//! fourth-order error estimate, so steps are long where the field is smooth. A field of axes has no
+//! sign: at every stage the sign is taken that continues the heading. Even spacing follows
+//! `Jobard1997`. Lengths are in mm. Cost: seven samples of the field a step; spacing looks up the
+//! points in a few cells.
 
 use std::collections::VecDeque;
 
 use crate::math::pow;
 use crate::{Bounds2, DVec2};
 
-/// How a line is traced.
+/// Accuracy and length of a traced line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineSettings {
-    /// Error allowed in a step, mm.
+    /// Largest error of a step, mm.
     pub tolerance_mm: f64,
-    /// The longest step, mm.
+    /// Longest step, mm.
     pub step_mm: f64,
-    /// Lines end here, mm.
+    /// Longest line, mm; lines end there.
     pub longest_mm: f64,
 }
 
@@ -21,7 +27,7 @@ pub struct LineSettings {
 pub struct TracedLine {
     /// Its points, mm.
     pub points: Vec<DVec2>,
-    /// Whether it came back to where it began; the first point is not repeated then.
+    /// Whether the line returned to its beginning. The first point is then not repeated.
     pub closed: bool,
 }
 
@@ -34,7 +40,8 @@ impl TracedLine {
     }
 }
 
-/// Dormand and Prince's coefficients.
+/// Coefficients of the stages. Source: `dormand1980`, the pair RK5(4)7M; the last row is the
+/// fifth-order result.
 const A: [[f64; 6]; 6] = [
     [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
@@ -43,12 +50,14 @@ const A: [[f64; 6]; 6] = [
     [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
     [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
-/// Fifth order less fourth.
+/// Weights of the error estimate: the fifth-order result less the fourth-order one. Source:
+/// `dormand1980`.
 const ERROR: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
 
-/// Traces the line through `seed` both ways. `axis` gives the field's axis as a unit vector of either sign, `None`
-/// where the line should end; `stop` may end it too, told each new point and how far it is along.
+/// Traces the line through `seed` in both directions. `axis` gives the field's axis as a unit
+/// vector of either sign, or `None` where the line has to end. `stop` may end the line too; it gets
+/// each new point and the length so far.
 pub fn trace_line(
     seed: DVec2,
     axis: &dyn Fn(DVec2) -> Option<DVec2>,
@@ -66,7 +75,7 @@ pub fn trace_line(
     TracedLine { points, closed: false }
 }
 
-/// One half of a line, and whether it came back to its beginning.
+/// One half of a line, and whether it returned to its beginning.
 fn half(
     seed: DVec2,
     heading: DVec2,
@@ -77,18 +86,21 @@ fn half(
     let mut points = vec![seed];
     let (mut at, mut heading) = (seed, heading);
     let first = heading;
+    // A cautious first step: the error estimate then finds the right one.
     let mut step = 0.25 * settings.step_mm;
     let mut length = 0.0;
+    // Below a thousandth of the step the line is as good as at the border.
     let least = 1e-3 * settings.step_mm;
     let along = |p: DVec2, heading: DVec2| -> Option<DVec2> {
         let a = axis(p)?;
-        // A line that would turn by a right angle has come to a degenerate point.
+        // Nearly at right angles to the heading: the line has come to a degenerate point, and
+        // either sign would be arbitrary.
         let c = a.dot(heading);
         (c.abs() > 0.2).then_some(if c < 0.0 { -a } else { a })
     };
     while length < settings.longest_mm {
         let Some(next) = attempt(at, heading, step, &along) else {
-            // Up to the edge of what is there, in ever smaller steps.
+            // A stage fell outside the field. Halving the step leads up to its edge.
             step *= 0.5;
             if step < least {
                 break;
@@ -97,17 +109,21 @@ fn half(
         };
         let (to, onward, error) = next;
         let ratio = settings.tolerance_mm / error.max(1e-12);
+        // Usual step control for a method of fifth order: the safety factor of 0.9 avoids rejected
+        // steps, the bounds avoid oscillation.
         let factor = (0.9 * fifth_root(ratio)).clamp(0.3, 2.0);
+        // A step at the least size is accepted whatever its error, or the line would never end.
         if ratio < 1.0 && step > least {
             step *= factor;
             continue;
         }
         length += at.distance(to);
-        // Back at the beginning, going the same way?
+        // The line closes if it passes its beginning in the same direction.
         if length > 4.0 * settings.step_mm && onward.dot(first) > 0.8 {
             let d = to - at;
             let t = ((seed - at).dot(d) / d.length_squared().max(1e-300)).clamp(0.0, 1.0);
             if seed.distance(at + t * d) < 0.1 * settings.step_mm {
+                // A last point close to the first would make a stub.
                 if seed.distance(points[points.len() - 1]) < 0.2 * settings.step_mm {
                     points.pop();
                 }
@@ -129,7 +145,8 @@ fn fifth_root(x: f64) -> f64 {
     pow(x, 0.2)
 }
 
-/// One step: where it leads, the heading there, and the error estimated.
+/// One step: its end, the heading there, and the estimated error; `None` where a stage leaves the
+/// field.
 fn attempt(
     at: DVec2,
     heading: DVec2,
@@ -140,6 +157,8 @@ fn attempt(
     k[0] = along(at, heading)?;
     for stage in 0..6 {
         let p = at + step * (0..=stage).map(|j| A[stage][j] * k[j]).sum::<DVec2>();
+        // Every stage is aligned with the first one, so that all derivatives of the step have the
+        // same sign.
         k[stage + 1] = along(p, k[0])?;
     }
     let to = at + step * (0..6).map(|j| A[5][j] * k[j]).sum::<DVec2>();
@@ -147,7 +166,7 @@ fn attempt(
     Some((to, k[6], error))
 }
 
-/// How lines are spread.
+/// Spacing of evenly spaced lines.
 pub struct Seeding<'a> {
     /// Distance wanted between lines at a point, mm.
     pub separation_mm: &'a dyn Fn(DVec2) -> f64,
@@ -155,11 +174,11 @@ pub struct Seeding<'a> {
     pub end_share: f64,
     /// Lines shorter than this are not kept, mm.
     pub shortest_mm: f64,
-    /// Whether a line that would have to end is dropped instead of cut.
+    /// Whether a line that comes too near to another is dropped as a whole instead of cut.
     pub whole: bool,
 }
 
-/// Points of lines, for asking what is near.
+/// Points of lines, searchable for neighbours.
 struct Near {
     bounds: Bounds2,
     cell_mm: f64,
@@ -195,8 +214,9 @@ impl Near {
     }
 }
 
-/// Lines at the distances asked for, everywhere in `bounds` where the field is (Jobard and Lefer): each line offers
-/// seeds to both its sides. The first seeds tried are `seeds`, then a grid, so that no place is forgotten.
+/// Lines at the given distances, everywhere in `bounds` where the field exists (`Jobard1997`): each
+/// line offers seeds on both its sides. The first seeds are `seeds`; places of a grid follow, so
+/// that no area is forgotten.
 pub fn evenly_spaced(
     seeds: &[DVec2],
     bounds: Bounds2,
@@ -224,9 +244,12 @@ pub fn evenly_spaced(
             continue;
         }
         let separation = (seeding.separation_mm)(seed);
+        // Seeds lie exactly one separation away from their line; two per cent less lets rounding
+        // pass.
         if near.any_within(seed, 0.98 * separation) {
             continue;
         }
+        // `stop` is a shared closure, so the result leaves it through a cell.
         let met = std::cell::Cell::new(false);
         let stop = |p: DVec2, _: f64| {
             let hit = near.any_within(p, seeding.end_share * (seeding.separation_mm)(p));
@@ -243,10 +266,13 @@ pub fn evenly_spaced(
         for k in 0..segments {
             let (a, b) = (line.points[k], line.points[(k + 1) % n]);
             let length = a.distance(b);
+            // Points at a quarter of the separation: the distance to the nearest one is then nearly
+            // the distance to the line.
             let steps = (length / (0.25 * separation)).ceil().max(1.0) as usize;
             for s in 0..steps {
                 near.add(a.lerp(b, s as f64 / steps as f64));
             }
+            // One pair of seeds for each separation along the line; more would be refused anyway.
             since += length;
             if since > separation {
                 since = 0.0;
@@ -260,7 +286,8 @@ pub fn evenly_spaced(
     }
 }
 
-/// A line that winds past itself nearer than `d_mm`, cut where it does.
+/// A line that winds past itself nearer than `d_mm` is cut where it does so; spirals into a centre
+/// end this way.
 fn cut_at_itself(line: TracedLine, d_mm: f64) -> TracedLine {
     if line.closed || line.points.len() < 8 {
         return line;
@@ -273,7 +300,8 @@ fn cut_at_itself(line: TracedLine, d_mm: f64) -> TracedLine {
         if k > 0 {
             length += p.distance(line.points[k - 1]);
         }
-        // Its own last stretch is always near.
+        // The last stretch of the line is always near. It is entered only once the line has moved
+        // on by three distances.
         while waiting.front().is_some_and(|w| length - w.1 > 3.0 * d_mm) {
             if let Some((q, _)) = waiting.pop_front() {
                 near.add(q);

@@ -1,4 +1,9 @@
-//! One stress tensor: von Mises, principal values and axes. Components xx, yy, zz, xy, yz, zx.
+//! One stress tensor: von Mises stress, principal values and axes.
+//!
+//! Components come in the order xx, yy, zz, xy, yz, zx, in MPa, without a factor of two on shear.
+//! Method of the principal values: cyclic Jacobi sweeps (`golub2013`, section 8.5), which find the
+//! axes of equal values as accurately as all others; the closed form through a cubic loses half its
+//! digits there.
 
 use glam::DVec3;
 
@@ -15,6 +20,7 @@ pub struct Principal {
 pub fn von_mises(s: &[f64; 6]) -> f64 {
     let [xx, yy, zz, xy, yz, zx] = *s;
     let (a, b, c) = (xx - yy, yy - zz, zz - xx);
+    // Rounding may make a tensor of equal principal values slightly negative.
     (0.5 * (a * a + b * b + c * c) + 3.0 * (xy * xy + yz * yz + zx * zx)).max(0.0).sqrt()
 }
 
@@ -24,8 +30,11 @@ pub fn principal(s: &[f64; 6]) -> Principal {
     let mut a = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]];
     let mut v = [DVec3::X, DVec3::Y, DVec3::Z];
     let size = a.iter().flatten().map(|x| x * x).sum::<f64>();
+    // Convergence is quadratic, so a few sweeps are enough; the bound ends the loop for NaN as
+    // well.
     for _ in 0..32 {
         let off = a[0][1] * a[0][1] + a[0][2] * a[0][2] + a[1][2] * a[1][2];
+        // Off-diagonal entries below the rounding of the whole.
         if !off.is_finite() || off <= 1e-32 * size {
             break;
         }
@@ -34,12 +43,15 @@ pub fn principal(s: &[f64; 6]) -> Principal {
                 continue;
             }
             let theta = 0.5 * (a[q][q] - a[p][p]) / a[p][q];
+            // The smaller of the two roots: a rotation by less than 45 degrees keeps the axes near
+            // where they were.
             let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
             let c = 1.0 / (t * t + 1.0).sqrt();
             let s = t * c;
             let (app, aqq, apq) = (a[p][p], a[q][q], a[p][q]);
             let r = 3 - p - q;
             let (arp, arq) = (a[r][p], a[r][q]);
+            // Both formulas use the old off-diagonal entry alone, which loses no digits.
             a[p][p] = app - t * apq;
             a[q][q] = aqq + t * apq;
             (a[p][q], a[q][p]) = (0.0, 0.0);

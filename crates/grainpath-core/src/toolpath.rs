@@ -1,4 +1,4 @@
-//! Paths of beads in printing order, in part coordinates: what the planner makes and the G-code writer takes.
+//! Paths of beads in printing order, in part coordinates: made by the planner, written as G-code.
 //!
 //! A [`Toolpath`] is one bead, a [`LayerPlan`] the paths of a layer with the travels between them, a [`Plan`] all layers.
 //! Lengths are mm; widths are full widths of the bead.
@@ -7,10 +7,10 @@ use glam::{DVec2, DVec3};
 
 use crate::units::bead_area_mm2;
 
-/// What a bead is for. The names in G-code are those existing viewers colour by.
+/// The purpose of a bead. Existing viewers colour by the names in G-code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Role {
-    /// The wall one sees.
+    /// The wall that is seen.
     OuterWall,
     /// Any wall behind it.
     InnerWall,
@@ -80,18 +80,18 @@ impl Role {
         matches!(self, Self::OuterWall | Self::InnerWall | Self::ThinWall)
     }
 
-    /// Whether the bead is part of what was asked for, not skirt, brim or support.
+    /// Whether the bead belongs to the part, in contrast to skirt, brim and support.
     pub const fn is_part(self) -> bool {
         !matches!(self, Self::Skirt | Self::Brim | Self::Support | Self::SupportInterface)
     }
 
-    /// Whether the bead is of the part and no wall.
+    /// Whether the bead belongs to the part and is not a wall.
     pub const fn is_fill(self) -> bool {
         self.is_part() && !self.is_wall()
     }
 }
 
-/// Which of the process's speeds a path is printed at, where its role does not decide alone.
+/// Speed of a path, where its role does not decide alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum SpeedClass {
     /// The speed of the path's role.
@@ -101,16 +101,16 @@ pub enum SpeedClass {
     SmallWall,
     /// A wall that hangs over air.
     Overhang,
-    /// Over air, as bridges are printed.
+    /// Fill over air.
     Bridge,
 }
 
 /// Bead width along a path, mm.
 #[derive(Debug, Clone, PartialEq)]
 pub enum BeadWidth {
-    /// The same all along.
+    /// The same width all along.
     Constant(f64),
-    /// One per vertex; linear between vertices.
+    /// One width for each vertex, linear between them.
     PerVertex(Vec<f64>),
 }
 
@@ -136,15 +136,17 @@ pub struct Toolpath {
     pub points: Vec<DVec2>,
     /// Full width of the bead.
     pub width: BeadWidth,
-    /// Material laid per bead, as a factor of the stadium's section (bridges may be thinner than they are wide).
+    /// Factor on the stadium's section for the material laid (bridges may be thinner than they are
+    /// wide).
     pub flow: f64,
-    /// What the bead is for.
+    /// Purpose of the bead.
     pub role: Role,
-    /// How fast it is printed.
+    /// Speed of printing.
     pub speed: SpeedClass,
     /// Whether the last point joins the first.
     pub closed: bool,
-    /// Fill of lower rank is printed first, island by island; 0 unless a pattern has an order of its own.
+    /// Fill of lower rank is printed first, island by island; 0 unless a pattern prescribes an
+    /// order.
     pub rank: u8,
 }
 
@@ -182,25 +184,28 @@ impl Toolpath {
     /// Volume laid in a layer of this height, mm3.
     pub fn volume_mm3(&self, height_mm: f64) -> f64 {
         let segments = (0..self.n_segments()).map(|i| self.segment(i));
+        // Volume is linear in the mean width, except for beads narrower than they are high; there
+        // it is off by a term of second order in the change of width.
         segments.map(|(a, b, w)| a.distance(b) * bead_area_mm2(w, height_mm)).sum::<f64>() * self.flow
     }
 
-    /// Where printing starts.
+    /// The point where printing starts.
     pub fn start(&self) -> DVec2 {
         self.points[0]
     }
 
-    /// Where printing ends: the start again for a closed path.
+    /// The point where printing ends: the start again for a closed path.
     pub fn end(&self) -> DVec2 {
         if self.closed { self.points[0] } else { self.points[self.points.len() - 1] }
     }
 
-    /// The same path walked the other way. A closed path keeps its start.
+    /// Reverses the path. A closed path keeps its start.
     pub fn reverse(&mut self) {
         self.points.reverse();
         if let BeadWidth::PerVertex(w) = &mut self.width {
             w.reverse();
         }
+        // Reversing moves the start of a closed path to the end of the list.
         if self.closed {
             self.rotate_to(self.points.len().saturating_sub(1));
         }
@@ -215,21 +220,21 @@ impl Toolpath {
     }
 }
 
-/// How the nozzle gets to the start of a path without printing.
+/// The way of the nozzle to the start of a path, without printing.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Travel {
     /// Points passed on the way, without the path's start.
     pub via: Vec<DVec2>,
-    /// Whether the filament is drawn back for it.
+    /// Whether the filament is retracted for it.
     pub retract: bool,
 }
 
-/// A path and the way to it.
+/// A path and the travel to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedPath {
-    /// From the end of the path before.
+    /// Travel from the end of the path before.
     pub travel: Travel,
-    /// What is printed.
+    /// The path that is printed.
     pub path: Toolpath,
 }
 
@@ -240,7 +245,7 @@ pub struct LayerPlan {
     pub z_top_mm: f64,
     /// Thickness of the layer, mm.
     pub height_mm: f64,
-    /// In printing order.
+    /// The paths, in printing order.
     pub paths: Vec<PlannedPath>,
 }
 
@@ -268,7 +273,8 @@ pub struct LayerPlan {
 pub struct Plan {
     /// Lowest first.
     pub layers: Vec<LayerPlan>,
-    /// Where the part stands: plate coordinates = part coordinates + this. Applied once, when G-code is written;
-    /// the layers' heights are above the plate already, so z is for the header only.
+    /// Position of the part: plate coordinates are part coordinates plus this. It is added once,
+    /// when G-code is written. Heights of layers are above the plate already, so z serves the
+    /// header alone.
     pub plate_from_part_mm: DVec3,
 }

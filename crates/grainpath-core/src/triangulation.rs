@@ -1,4 +1,9 @@
-//! Triangles of good shape that fill a region.
+//! Triangulations of a region: with triangles of good shape for finite elements, or over its
+//! corners alone for caps of bodies.
+//!
+//! Method: constrained Delaunay triangulation, refined after `ruppert1995`. Lengths are in mm.
+//! Cost: n log n in the points. Degenerate cases: an empty region, contours that cross, and sides
+//! so short that memory would not do are errors.
 
 use glam::DVec2;
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation as _};
@@ -15,24 +20,24 @@ pub struct Triangulation {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// How fine a region is cut.
+/// Fineness of a triangulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TriangleSize {
     /// No side is much longer than this, mm.
     pub longest_mm: f64,
-    /// Closed lines get at least this many sides, so that triangles are small around small holes.
+    /// Least number of sides of a closed contour, so that triangles are small around small holes.
     pub sides_of_hole: usize,
-    /// No side of a contour is cut shorter than this, mm.
+    /// Shortest side that a contour is cut into, mm.
     pub shortest_mm: f64,
 }
 
 /// Why a region cannot be cut into triangles.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TriangulationError {
-    /// There is nothing to cut.
+    /// The region has no area.
     #[error("the region is empty")]
     Empty,
-    /// Contours meet in a way that cannot be repaired.
+    /// Contours cross each other.
     #[error("the region's contours cross each other")]
     Crossing,
     /// Good triangles would be too many.
@@ -40,13 +45,13 @@ pub enum TriangulationError {
     TooMany(usize),
 }
 
-/// More points than this and the sides are too short for what was given.
+/// Largest number of points; a triangulation with more needs longer sides.
 const MAX_POINTS: usize = 3_000_000;
-/// No angle is smaller, degrees, but where the region's own corners are.
+/// Smallest angle of a triangle, degrees, except at the region's own corners.
 const LEAST_ANGLE_DEG: f64 = 25.0;
 
 impl Triangulation {
-    /// Cuts a region; `extra` are points to put corners at, which makes triangles small around them.
+    /// Triangulates a region. `extra` are further corners, around which triangles become small.
     ///
     /// # Errors
     /// [`TriangulationError`] for an empty region, crossing contours, and sides too short for memory.
@@ -54,6 +59,8 @@ impl Triangulation {
         if region.is_empty() {
             return Err(TriangulationError::Empty);
         }
+        // An estimate of the number of triangles: one with sides of this length covers about 0.4 of
+        // their square. The test comes before any memory is taken.
         let estimate = region.area_mm2() / (0.4 * size.longest_mm * size.longest_mm);
         if estimate > MAX_POINTS as f64 {
             return Err(TriangulationError::TooMany(MAX_POINTS));
@@ -76,9 +83,12 @@ impl Triangulation {
             RefinementParameters::new()
                 .exclude_outer_faces(true)
                 .with_angle_limit(AngleLimit::from_deg(LEAST_ANGLE_DEG))
+                // 0.433 is the area of an equilateral triangle of side 1: larger triangles are
+                // divided.
                 .with_max_allowed_area(0.433 * size.longest_mm * size.longest_mm)
                 .with_max_additional_vertices(MAX_POINTS),
         );
+        // The refinement stops without an error when its number of vertices is used up.
         if !result.refinement_complete {
             return Err(TriangulationError::TooMany(MAX_POINTS));
         }
@@ -90,7 +100,8 @@ impl Triangulation {
         Ok(Self { points, triangles }.compacted())
     }
 
-    /// Cuts a region into triangles over the corners of its contours alone, whatever their shape.
+    /// Triangulates a region over the corners of its contours alone, whatever the shape of the
+    /// triangles.
     ///
     /// # Errors
     /// [`TriangulationError`] for an empty region and crossing contours.
@@ -109,7 +120,7 @@ impl Triangulation {
         Ok(Self { points, triangles }.compacted())
     }
 
-    /// Without points that no triangle uses.
+    /// The triangulation without points that no triangle uses.
     fn compacted(self) -> Self {
         let mut number = vec![u32::MAX; self.points.len()];
         let mut points = Vec::new();
@@ -133,6 +144,7 @@ fn constrain(cdt: &mut Cdt, ring: impl IntoIterator<Item = DVec2>) -> Result<(),
     let mut handles = Vec::new();
     for p in ring {
         let handle = cdt.insert(Point2::new(p.x, p.y)).map_err(|_| TriangulationError::Crossing)?;
+        // Two points that coincide share a vertex, and a side between them would have no length.
         if handles.last() != Some(&handle) {
             handles.push(handle);
         }
@@ -149,15 +161,16 @@ fn constrain(cdt: &mut Cdt, ring: impl IntoIterator<Item = DVec2>) -> Result<(),
     Ok(())
 }
 
-/// Which faces lie inside: those reached from outside over an odd number of border edges. Told by edges alone,
-/// since a face between samples of one straight border is as flat as rounding makes it.
+/// For each face whether it lies inside: it is reached from outside over an odd number of border
+/// edges. Only edges are counted, because a face between samples of one straight border is flat,
+/// and no point of it could be tested.
 pub(crate) fn inside_faces(cdt: &Cdt) -> Vec<bool> {
     let mut side: Vec<Option<bool>> = vec![None; cdt.num_all_faces()];
     let outer = cdt.outer_face();
     side[outer.fix().index()] = Some(false);
     let mut stack = Vec::new();
     for edge in cdt.convex_hull() {
-        // Hull edges face outward; their other side is the triangulation's rim.
+        // Edges of the hull face outwards; on their other side lies the rim of the triangulation.
         let (face, crossed) = (edge.rev().face(), edge.is_constraint_edge());
         if side[face.fix().index()].is_none() {
             side[face.fix().index()] = Some(crossed);

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-/// A unit of length found in a mesh file or asked for in a job.
+/// A unit of length, stated in a mesh file or in a job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum LengthUnit {
     /// Micrometre.
@@ -20,7 +20,7 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
-    /// How many millimetres one of this unit is.
+    /// Length of this unit, mm.
     pub const fn mm(self) -> f64 {
         match self {
             Self::Micron => 1e-3,
@@ -60,8 +60,9 @@ impl LengthUnit {
 
 /// Cross-section of a bead in mm2: a stadium, `h (w - h (1 - pi/4))`.
 ///
-/// `width_mm` is the full width, `height_mm` the layer height. Where the bead is narrower than it is high the
-/// formula would go wrong, so the section never falls below that of the ellipse inscribed in `w` x `h`.
+/// `width_mm` is the full width, `height_mm` the layer height. For a bead narrower than it is high
+/// the formula has no meaning, so the section never falls below that of the ellipse inscribed in
+/// `w` x `h`.
 ///
 /// ```
 /// use grainpath_core::units::{bead_area_mm2, bead_spacing_mm};
@@ -71,6 +72,8 @@ impl LengthUnit {
 /// ```
 pub fn bead_area_mm2(width_mm: f64, height_mm: f64) -> f64 {
     let stadium = height_mm * (width_mm - height_mm * (1.0 - PI / 4.0));
+    // At w = h both formulas give the circle's area, so the change from one to the other is
+    // continuous.
     stadium.max(PI / 4.0 * width_mm * height_mm)
 }
 
@@ -79,13 +82,15 @@ pub fn bead_spacing_mm(width_mm: f64, height_mm: f64) -> f64 {
     bead_area_mm2(width_mm, height_mm) / height_mm
 }
 
-/// Width in mm of the bead that fills a strip of this width exactly; the inverse of [`bead_spacing_mm`].
+/// Width of the bead that fills a strip of this width exactly, mm; the inverse of
+/// [`bead_spacing_mm`].
 pub fn bead_width_mm(spacing_mm: f64, height_mm: f64) -> f64 {
     let stadium = spacing_mm + height_mm * (1.0 - PI / 4.0);
+    // Below w = h the ellipse takes over, as in `bead_area_mm2`.
     if stadium >= height_mm { stadium } else { spacing_mm * 4.0 / PI }
 }
 
-/// A number rounded to so many decimals, for reports.
+/// A number rounded to the given number of decimals, for reports.
 ///
 /// ```
 /// assert_eq!(grainpath_core::units::rounded(2.34567, 2), 2.35);

@@ -110,6 +110,7 @@ impl LayerStack {
         let mut layers: Vec<Layer> = Vec::new();
         for _ in 0..n_layers {
             let layer = reader.layer()?;
+            // `LayerStack::new` would check the same, but without the position in the bytes.
             if layers.last().is_some_and(|below| below.z_top_mm >= layer.z_top_mm) {
                 return Err(reader.invalid("a layer that does not end above the one below it"));
             }
@@ -141,13 +142,18 @@ const fn unzigzag(value: u64) -> i64 {
 /// The number of grid steps whose product with the grid has the bits of `v`.
 fn steps(v: f64) -> Option<i64> {
     let steps = (v / GRID_MM).round();
-    // Up to here steps are exact and the difference of two fits.
+    // Below this bound steps are exact in an `f64`, and the difference of two of them fits an
+    // `i64`.
     let small = steps.abs() < (1u64 << 53) as f64;
+    // The test is on bits, because -0.0 and values off the grid by one rounding would compare equal
+    // or nearly so.
     (small && (steps as i64 as f64 * GRID_MM).to_bits() == v.to_bits()).then_some(steps as i64)
 }
 
 fn put_contour(out: &mut Vec<u8>, contour: &[DVec2]) {
     put_varint(out, contour.len() as u64);
+    // One coordinate off the grid makes the whole contour raw; mixed contours would need a mode for
+    // each point.
     let on_grid: Option<Vec<[i64; 2]>> = contour.iter().map(|p| Some([steps(p.x)?, steps(p.y)?])).collect();
     match on_grid {
         Some(points) => {
@@ -187,6 +193,7 @@ impl Reader<'_> {
         for shift in (0..64).step_by(7) {
             let byte = self.byte(wanted)?;
             let bits = u64::from(byte & 0x7f);
+            // The tenth byte has room for one bit of a 64-bit number.
             if shift == 63 && bits > 1 {
                 break;
             }
@@ -208,6 +215,8 @@ impl Reader<'_> {
     fn layer(&mut self) -> Result<Layer, LayerStackError> {
         let z_top_mm = self.float("the height of a layer's top")?;
         let height_mm = self.float("the height of a layer")?;
+        // No memory is reserved from counts in the file: hostile bytes may promise any number, but
+        // each polygon costs them at least one byte.
         let n_polygons = self.varint("a number of polygons")?;
         let mut polygons = Vec::new();
         for _ in 0..n_polygons {
@@ -238,6 +247,8 @@ impl Reader<'_> {
                 ON_GRID => {
                     for v in &mut at {
                         let step = unzigzag(self.varint(POINT)?);
+                        // Overflow needs hostile bytes; wrapping would give another valid-looking
+                        // point.
                         *v = v.checked_add(step).ok_or_else(|| self.invalid("a point beyond all bounds"))?;
                     }
                     DVec2::new(at[0] as f64 * GRID_MM, at[1] as f64 * GRID_MM)

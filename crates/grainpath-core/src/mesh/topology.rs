@@ -1,17 +1,20 @@
-//! What is wrong with a mesh: shells, open, non-manifold and badly wound edges, triangles without area.
+//! Defects of a mesh: shells, open, non-manifold and badly wound edges, triangles without area.
+//!
+//! Edges are found by sorting the sides of all triangles, so the cost is n log n and does not
+//! depend on how the mesh is connected.
 
 use glam::DVec3;
 
 use super::TriMesh;
 
-/// What a mesh is and what is wrong with it; edges are counted after merging equal vertices.
+/// Size and defects of a mesh. Edges are counted after equal vertices were merged.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshHealth {
     /// Number of triangles.
     pub n_triangles: usize,
     /// Number of different vertices in use.
     pub n_vertices: usize,
-    /// Groups of triangles that hang together by edges of two faces; bodies that only touch are apart.
+    /// Groups of triangles connected over edges of two faces; bodies that only touch are separate.
     pub shells: usize,
     /// Edges with one face.
     pub open_edges: usize,
@@ -34,7 +37,7 @@ impl MeshHealth {
     }
 }
 
-/// One undirected edge and the uses triangles make of it.
+/// The use of an undirected edge by one triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Use {
     low: u32,
@@ -69,7 +72,7 @@ impl EdgeUses {
     }
 }
 
-/// Triangles grouped by what hangs together over edges of two faces.
+/// Triangles grouped into shells, which are connected over edges of two faces.
 pub struct Shells(Vec<u32>);
 
 impl Shells {
@@ -77,12 +80,15 @@ impl Shells {
     pub fn of(mesh: &TriMesh, edges: &EdgeUses) -> Self {
         let mut shells = Self((0..mesh.triangles.len() as u32).collect());
         for mut edge in edges.edges() {
-            // Where more than two faces meet, bodies touch; which face goes on into which is anybody's guess.
+            // Where more than two faces meet, bodies touch, and it is unknown which face continues
+            // into which.
             let (Some((first, _)), Some((other, _)), None) = (edge.next(), edge.next(), edge.next()) else {
                 continue;
             };
             let (a, b) = (shells.root(first), shells.root(other));
             let (low, high) = (a.min(b), a.max(b));
+            // The lowest triangle names the shell, so names do not depend on the order of the
+            // edges.
             shells.0[high] = low as u32;
         }
         for t in 0..shells.0.len() {
@@ -123,10 +129,12 @@ pub fn diagnose(mesh: &TriMesh) -> Option<MeshHealth> {
         }
         open += usize::from(up + down == 1);
         nonmanifold += usize::from(up + down > 2);
+        // In a sound mesh each edge is used once in either direction.
         badly_wound += usize::from(up > 1) + usize::from(down > 1);
     }
     let extent = (bounds.1 - bounds.0).max_element();
     let v = |i: u32| mesh.vertices[i as usize];
+    // Twice the area is compared, hence 2e-12 for a limit of 1e-12.
     let flat = |&&[a, b, c]: &&[u32; 3]| (v(b) - v(a)).cross(v(c) - v(a)).length() < 2e-12 * extent * extent;
     let mut used = vec![false; mesh.vertices.len()];
     for &i in mesh.triangles.iter().flatten() {

@@ -1,4 +1,4 @@
-//! Merging equal vertices while a file is read, and near ones where a mesh has open edges.
+//! Merging vertices: equal ones while a file is read, near ones where a mesh has open edges.
 
 use glam::DVec3;
 
@@ -34,7 +34,11 @@ impl VertexWelder {
 
     /// The index of this position, which is new or one given before. `None` after 2^32 - 2 different positions.
     pub fn index(&mut self, p: DVec3) -> Option<u32> {
+        // Adding zero turns -0 into 0, which compare equal but have different bits and would hash
+        // apart.
         let p = p + DVec3::ZERO; // -0 + 0 = 0
+        // At most three quarters full: in a table with open addressing longer runs would make every
+        // search slow.
         if self.vertices.len() * 4 > self.slots.len() * 3 {
             self.grow();
         }
@@ -75,8 +79,8 @@ impl VertexWelder {
     }
 }
 
-/// Merges vertices closer than `tolerance_mm` and drops the triangles that become points or lines. Each vertex moves
-/// to the lowest-numbered one within reach, so the result does not depend on anything but the mesh.
+/// Merges vertices closer than `tolerance_mm` and drops triangles that become points or lines. Each
+/// vertex moves to the lowest-numbered one within reach, so the result depends on the mesh alone.
 pub fn weld_within(mesh: &TriMesh, tolerance_mm: f64) -> TriMesh {
     let n = mesh.vertices.len();
     let key = |p: DVec3| (p / tolerance_mm).floor();
@@ -85,6 +89,7 @@ pub fn weld_within(mesh: &TriMesh, tolerance_mm: f64) -> TriMesh {
         let k = key(mesh.vertices[i as usize]);
         (k.x as i64, k.y as i64, k.z as i64)
     };
+    // Sorted by cell, the 27 cells around a vertex are nine ranges of the array.
     order.sort_by_cached_key(|&i| (cell(i), i));
     let keys: Vec<(i64, i64, i64)> = order.iter().map(|&i| cell(i)).collect();
     let mut target: Vec<u32> = (0..n as u32).collect();
@@ -98,6 +103,8 @@ pub fn weld_within(mesh: &TriMesh, tolerance_mm: f64) -> TriMesh {
                 if *k > (cx + dx, cy + dy, cz + 1) {
                     break;
                 }
+                // Only vertices that stay themselves may be targets, or chains of near vertices
+                // would collapse into one point.
                 let free = target[j as usize] == j;
                 if j < best && free && mesh.vertices[j as usize].distance(p) <= tolerance_mm {
                     best = j;
@@ -106,7 +113,8 @@ pub fn weld_within(mesh: &TriMesh, tolerance_mm: f64) -> TriMesh {
         }
         target[i as usize] = best;
     }
-    // A vertex may have gone to one that went on: only ever to a lower one that stayed, so one step is enough.
+    // A target is always lower than its vertex and stays in place itself, so one step leads to the
+    // final vertex.
     let mapped = mesh.triangles.iter().map(|t| t.map(|i| target[i as usize]));
     let triangles = mapped.filter(|[a, b, c]| a != b && b != c && c != a).collect();
     TriMesh { vertices: mesh.vertices.clone(), triangles }

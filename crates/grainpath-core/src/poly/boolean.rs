@@ -1,4 +1,7 @@
 //! Booleans of regions.
+//!
+//! The work is done by a sweep over integer coordinates of `GRID_MM`; results are polygons with
+//! holes whose vertices lie on that grid. Cost: n log n in the vertices and crossings.
 
 use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule as OverlayFill;
@@ -8,14 +11,14 @@ use i_overlay::i_float::int::point::IntPoint;
 
 use super::{Contour, GRID_MM, Polygon, Region};
 
-/// Which points lie inside a set of closed lines that may overlap.
+/// The rule that decides which points lie inside closed lines that may overlap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FillRule {
-    /// Those around which the lines wind an odd number of times.
+    /// Points around which the lines wind an odd number of times.
     EvenOdd,
-    /// Those around which they wind at all.
+    /// Points around which they wind at all.
     NonZero,
-    /// Those around which they wind counter-clockwise more often than clockwise.
+    /// Points around which they wind counter-clockwise more often than clockwise.
     Positive,
 }
 
@@ -36,6 +39,8 @@ fn run<'a>(
     fill: OverlayFill,
     capacity: usize,
 ) -> Region {
+    // The library drops small areas by default. Here even slivers are kept: whether they matter is
+    // for the caller to decide.
     let options = IntOverlayOptions { min_output_area: 0, ..IntOverlayOptions::default() };
     let mut overlay =
         Overlay::<i64>::new_custom(capacity, options, i_overlay::core::solver::Solver::default());
@@ -66,11 +71,12 @@ impl Region {
     }
 
     fn with(&self, other: &Self, rule: OverlayRule) -> Self {
+        // All three rules agree for regions without overlap.
         let capacity = self.n_vertices() + other.n_vertices();
         run(self.contours(), other.contours(), rule, OverlayFill::NonZero, capacity)
     }
 
-    /// What is in either.
+    /// The area in either of both.
     pub fn union(&self, other: &Self) -> Self {
         if self.is_empty() {
             return other.clone();
@@ -81,15 +87,16 @@ impl Region {
         self.with(other, OverlayRule::Union)
     }
 
-    /// What is in both.
+    /// The area in both.
     pub fn intersection(&self, other: &Self) -> Self {
         match (self.bounds(), other.bounds()) {
+            // Boxes apart need no sweep; most pairs of islands are of this kind.
             (Some(a), Some(b)) if a.meets(b) => self.with(other, OverlayRule::Intersect),
             _ => Self::default(),
         }
     }
 
-    /// What is in this and not in `other`.
+    /// The area in this and not in `other`.
     pub fn difference(&self, other: &Self) -> Self {
         match (self.bounds(), other.bounds()) {
             (Some(a), Some(b)) if a.meets(b) => self.with(other, OverlayRule::Difference),

@@ -1,4 +1,8 @@
-//! Clipping open lines by a region, and asking what a straight line meets.
+//! Clipping open lines by a region, and finding where a straight line crosses its border.
+//!
+//! Signs are exact (`shewchuk1997`), and a point on a line counts as on its right. Crossings
+//! therefore alternate between in and out, which clipping relies on. Lengths are in mm. Cost: a
+//! line visits the buckets along it, each with about one edge.
 
 use glam::DVec2;
 
@@ -11,7 +15,8 @@ use crate::math::cross;
 pub struct ClippedLine {
     /// The piece, in the direction of the line it was cut from.
     pub points: Vec<DVec2>,
-    /// For each point, where on the line it was: vertex index plus fraction of the following segment.
+    /// For each point its position on the line: vertex index plus fraction of the following
+    /// segment.
     pub at: Vec<f64>,
 }
 
@@ -20,9 +25,9 @@ pub struct ClippedLine {
 pub struct Crossing {
     /// Share of the line's length.
     pub t: f64,
-    /// Which contour, as [`Region::contours`] counts them.
+    /// Number of the contour, as [`Region::contours`] counts them.
     pub contour: usize,
-    /// Which edge of it: from vertex `edge` to the next.
+    /// Number of the edge in the contour: from vertex `edge` to the next one.
     pub edge: usize,
 }
 
@@ -54,6 +59,7 @@ impl LineClipper {
         }
         let bounds = region.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let size = bounds.size().max(DVec2::splat(1e-6));
+        // About one edge a cell balances empty cells against crowded ones.
         let cell_mm = (size.x * size.y / edges.len().max(1) as f64).sqrt();
         let cells = CellGrid::covering(Bounds2 { min: bounds.min, max: bounds.min + size }, cell_mm, 2000);
         let buckets =
@@ -61,11 +67,12 @@ impl LineClipper {
         Self { edges, bounds, buckets }
     }
 
-    /// Everything the segment's border crossings tell, in order along it. By the half-open rule a line through a
-    /// vertex crosses the border once or not at all.
+    /// All crossings of the segment with the border, in order along it. By the half-open rule a
+    /// line through a vertex crosses the border once or not at all.
     pub fn crossings(&self, a: DVec2, b: DVec2) -> Vec<Crossing> {
         let mut near: Vec<u32> = Vec::new();
         self.buckets.cells.for_each_passed(a, b, |cell| near.extend(self.buckets.members(cell)));
+        // An edge lies in every bucket it passes; each crossing may count only once.
         near.sort_unstable();
         near.dedup();
         let mut out: Vec<Crossing> = near
@@ -76,6 +83,8 @@ impl LineClipper {
                 Some(Crossing { t, contour: e.contour as usize, edge: e.index as usize })
             })
             .collect();
+        // Of crossings at the same place the edge of lower number comes first, because the sort is
+        // stable.
         out.sort_by(|x, y| x.t.total_cmp(&y.t));
         out
     }
@@ -93,13 +102,14 @@ impl LineClipper {
         met
     }
 
-    /// Whether `p` is inside the region: crossings of a ray to the left, by even-odd count.
+    /// Whether `p` is inside the region: the number of edges left of it is odd.
     pub fn contains(&self, p: DVec2) -> bool {
         if self.edges.is_empty() || !self.bounds.meets(Bounds2 { min: p, max: p }) {
             return false;
         }
         let cells = &self.buckets.cells;
         let [column, row] = cells.cell_of(p);
+        // Only buckets of the row to the left can hold edges that a ray to the left crosses.
         let mut near =
             self.buckets.members_of_run(cells.index([0, row]), cells.index([column, row])).to_vec();
         near.sort_unstable();
@@ -137,6 +147,7 @@ impl LineClipper {
                 piece.at.push((i + 1) as f64);
             }
         }
+        // A line that ends exactly on the border leaves a piece of a single point.
         out.extend(current.filter(|p| p.points.len() > 1));
         out.retain(|p| p.points.len() > 2 || p.points[0] != p.points[1]);
         out
@@ -150,6 +161,8 @@ fn crossing(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
         robust::orient2d(c(u), c(v), c(w))
     };
     let (sp, sq) = (side(a, b, p), side(a, b, q));
+    // Equal signs: the segment does not cross the line. Points on the line have a definite side by
+    // the half-open rule.
     if (sp > 0.0) == (sq > 0.0) {
         return None;
     }
@@ -157,6 +170,8 @@ fn crossing(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
     if (sa > 0.0) == (sb > 0.0) {
         return None;
     }
+    // Both segments cross, so they are parallel only by rounding; the middle is as good as any
+    // point.
     let d = cross(b - a, q - p);
     Some(if d == 0.0 { 0.5 } else { (cross(p - a, q - p) / d).clamp(0.0, 1.0) })
 }

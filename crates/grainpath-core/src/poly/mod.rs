@@ -1,4 +1,4 @@
-//! Polygons with holes: booleans, offsets, clipping. The only place that names a clipping library.
+//! Polygons with holes: booleans, offsets, clipping. Clipping libraries are named here alone.
 //!
 //! Coordinates are mm as `f64` in every signature. Inside, booleans and offsets run on integers of
 //! [`GRID_MM`], so a result is reproducible to the bit and its vertices lie on that grid.
@@ -20,7 +20,8 @@ pub use simplify::{distance2_to_segment, simplify_contour, simplify_line};
 
 use crate::math::cross;
 
-/// The grid that booleans and offsets round to, mm.
+/// The grid that booleans and offsets round to, mm. Source: derived: a tenth of the last digit of a
+/// G-code coordinate, 1 um, so that rounding to the grid does not show in a program.
 pub const GRID_MM: f64 = 1e-4;
 
 /// A closed line without its first point repeated.
@@ -44,17 +45,21 @@ pub fn edges(contour: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> + '_ {
     (0..n).map(move |i| (contour[i], contour[if i + 1 == n { 0 } else { i + 1 }]))
 }
 
-/// Whether `p` is inside the closed lines taken together, by even-odd crossing count; half-open, so that of two
-/// polygons that share an edge exactly one holds a point on it.
+/// Whether `p` is inside the closed lines taken together, by even-odd crossing count. The count is
+/// half-open: of two polygons that share an edge exactly one contains a point on it.
 pub fn even_odd_contains<'a>(contours: impl IntoIterator<Item = &'a Contour>, p: DVec2) -> bool {
     crossings_left_are_odd(contours.into_iter().flat_map(|c| edges(c)), p)
 }
 
-/// Whether an odd number of edges passes left of `p`; any edges further left may be left out in pairs.
+/// Whether an odd number of edges passes left of `p`. Edges farther to the left may be left out in
+/// pairs.
 fn crossings_left_are_odd(edges: impl Iterator<Item = (DVec2, DVec2)>, p: DVec2) -> bool {
     let mut odd = false;
     for (a, b) in edges {
+        // Half-open in y, so a vertex at the height of `p` counts for one of its two edges.
         if (a.y > p.y) != (b.y > p.y) {
+            // From the lower end to the upper one: two polygons that share an edge compute the very
+            // same product.
             let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
             odd ^= cross(high - low, p - low) < 0.0;
         }
@@ -106,7 +111,7 @@ impl Polygon {
     }
 }
 
-/// Polygons that do not overlap: the section of a part, or what is to be filled.
+/// Polygons that do not overlap: the section of a part, or an area to be filled.
 ///
 /// ```
 /// use grainpath_core::{DVec2, Region, poly::Join};
@@ -137,7 +142,7 @@ impl Region {
         Polygon { outer, holes: Vec::new() }.into()
     }
 
-    /// Whether there is nothing in it.
+    /// Whether the region has no polygon.
     pub fn is_empty(&self) -> bool {
         self.polygons.is_empty()
     }
@@ -157,7 +162,7 @@ impl Region {
         self.polygons.iter().map(Polygon::perimeter_mm).sum()
     }
 
-    /// The box around it; `None` when empty.
+    /// The box around the region; `None` for an empty one.
     pub fn bounds(&self) -> Option<Bounds2> {
         Bounds2::of(self.polygons.iter().flat_map(|p| p.outer.iter().copied()))
     }

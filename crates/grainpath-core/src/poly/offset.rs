@@ -1,26 +1,33 @@
-//! Growing and shrinking regions.
+//! Growing and shrinking regions by a distance.
+//!
+//! Coordinates are rounded to `GRID_MM` on the way in. Offsets may overlap themselves, so every
+//! result passes through a boolean. Cost: n log n in the vertices. Degenerate cases: an empty
+//! region and a distance of zero give the region itself; a region thinner than twice a negative
+//! distance vanishes.
 
 use clipper2_rust as c2;
 use glam::DVec2;
 
 use super::{Contour, FillRule, GRID_MM, Region};
 
-/// How an offset rounds corners it opens.
+/// The shape of an offset at the corners it opens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Join {
     /// Arcs, as polylines within 0.005 mm.
     Round,
-    /// Sharp corners, cut where the tip would lie further than this many offsets away.
+    /// Sharp corners, cut off where the tip would lie farther away than this many offsets.
     Miter(f64),
 }
 
 /// Largest error of a polyline that stands for an arc, mm.
 const ARC_TOLERANCE_MM: f64 = 0.005;
-/// Vertices closer than this to the line without them are dropped from an offset: repeated offsets stay small.
+/// Vertices nearer than this to the line without them are dropped, mm, so that repeated offsets do
+/// not collect vertices.
 const SIMPLIFY_MM: f64 = 0.002;
 
 impl Region {
-    /// Everything within `delta_mm` of the region; for a negative one, what lies deeper than that inside.
+    /// The area within `delta_mm` of the region. For a negative distance, the area deeper than that
+    /// inside it.
     pub fn offset(&self, delta_mm: f64, join: Join) -> Self {
         if self.is_empty() || delta_mm == 0.0 {
             return self.clone();
@@ -37,14 +44,16 @@ impl Region {
             join,
             c2::EndType::Polygon,
             limit,
+            // The library measures the tolerance in its own coordinates.
             ARC_TOLERANCE_MM / GRID_MM,
         );
         let from = |p: &c2::Point64| DVec2::new(p.x as f64 * GRID_MM, p.y as f64 * GRID_MM);
         let contours: Vec<Contour> = grown.iter().map(|c| c.iter().map(from).collect()).collect();
+        // Offsets of neighbouring contours may cross; non-zero winding unites them.
         Self::from_contours(&contours, FillRule::NonZero).simplified(SIMPLIFY_MM)
     }
 
-    /// Everything within `r_mm` of a line.
+    /// The area within `r_mm` of a line.
     pub fn around_line(line: &[DVec2], closed: bool, r_mm: f64) -> Self {
         let to = |p: &DVec2| c2::Point64::new((p.x / GRID_MM).round() as i64, (p.y / GRID_MM).round() as i64);
         let path: Vec<c2::Point64> = line.iter().map(to).collect();
@@ -57,12 +66,13 @@ impl Region {
         Self::from_contours(&contours, FillRule::NonZero).simplified(SIMPLIFY_MM)
     }
 
-    /// What a disc of radius `r_mm` that stays inside the region can reach: thin places fall away.
+    /// The part of the region that a disc of radius `r_mm` inside it can cover: thin places vanish.
     pub fn opened(&self, r_mm: f64) -> Self {
         self.offset(-r_mm, Join::Round).offset(r_mm, Join::Round)
     }
 
-    /// What a disc of radius `r_mm` that stays outside the region cannot reach: thin gaps close.
+    /// The region together with all places that a disc of radius `r_mm` outside it cannot reach:
+    /// thin gaps close.
     pub fn closed(&self, r_mm: f64) -> Self {
         self.offset(r_mm, Join::Round).offset(-r_mm, Join::Round)
     }

@@ -1,4 +1,7 @@
-//! Dropping vertices that do not matter.
+//! Simplification: leaving out vertices that hardly change a line (`douglas1973`).
+//!
+//! Tolerances are in mm. Cost: n log n for usual lines, n squared at worst. Degenerate cases: lines
+//! of fewer than three points stay; a contour whose area vanishes becomes empty.
 
 use glam::DVec2;
 
@@ -14,6 +17,7 @@ pub fn distance2_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
 
 /// Marks the vertices of `line[lo..=hi]` that Douglas-Peucker keeps, ends excluded.
 fn mark(line: &[DVec2], lo: usize, hi: usize, tolerance2: f64, keep: &mut [bool]) {
+    // A stack instead of recursion: a spiral may be as deep as it has vertices.
     let mut stack = vec![(lo, hi)];
     while let Some((lo, hi)) = stack.pop() {
         let far = (lo + 1..hi)
@@ -44,7 +48,8 @@ pub fn simplify_contour(contour: &[DVec2], tolerance_mm: f64) -> Contour {
     if contour.len() < 3 {
         return Vec::new();
     }
-    // The lexicographically lowest vertex and the one farthest from it are corners of the hull and stay.
+    // The method needs two fixed vertices. The lexicographically lowest one and the one farthest
+    // from it are corners of the convex hull, whatever the starting point of the contour.
     let least = |a: DVec2, b: DVec2| (a.x, a.y) < (b.x, b.y);
     let start = (1..contour.len()).fold(0, |s, i| if least(contour[i], contour[s]) { i } else { s });
     let mut line: Vec<DVec2> = contour[start..].iter().chain(&contour[..=start]).copied().collect();
@@ -58,6 +63,7 @@ pub fn simplify_contour(contour: &[DVec2], tolerance_mm: f64) -> Contour {
     keep[far.1] = true;
     let tolerance2 = tolerance_mm * tolerance_mm;
     mark(&line, 0, far.1, tolerance2, &mut keep);
+    // Both halves share their ends, so the contour stays closed.
     mark(&line, far.1, last, tolerance2, &mut keep);
     let mut kept = keep.into_iter();
     line.retain(|_| kept.next() == Some(true));
@@ -65,7 +71,7 @@ pub fn simplify_contour(contour: &[DVec2], tolerance_mm: f64) -> Contour {
 }
 
 impl Region {
-    /// The region with the vertices dropped that lie within `tolerance_mm` of what remains. Contours are
+    /// The region without the vertices that lie within `tolerance_mm` of what remains. Contours are
     /// simplified one by one, so two that come closer than the tolerance may touch.
     pub fn simplified(&self, tolerance_mm: f64) -> Self {
         let polygon = |p: &Polygon| {

@@ -1,7 +1,8 @@
 //! Continuous fibre: which fill paths are laid with it, how turns below the least radius are
 //! treated, and how much became fibre.
-//! | A pattern lays paths. Paths that are long enough become fibre of one width, and their turns
-//! are rounded to the least radius where there is space. All others stay matrix. Lengths are in mm,
+//!
+//! A pattern lays paths. Paths that are long enough become fibre of one width, and their turns are
+//! rounded to the least radius where there is space. All others stay matrix. Lengths are in mm,
 //! layers count from 1 in settings and from 0 in the code.
 
 mod turns;

@@ -1,11 +1,13 @@
 //! Beads along given curves, and new lines between them until no gap is left that a bead fits in.
-//! | Preset `woodgrain` lays the edges of a photograph with it. Curves come in order of importance.
-//! A curve is cut where it comes nearer to an earlier one than two beads may lie. The open area
+//!
+//! Preset `woodgrain` lays the edges of a photograph with it. Curves come in order of importance. A
+//! curve is cut where it comes nearer to an earlier one than two beads may lie. The open area
 //! between is filled with lines that follow the flow, seeded one spacing beside every line and then
 //! in the remaining gaps (`Jobard1997`). At full density each bead is as wide as the space it has,
 //! within `STRIP` of the spacing. Below full density the spacing follows the density and, if asked
 //! for, the darkness of the picture.
-//! | Lines keep apart because every point of a new line is looked up among the points of all others
+//!
+//! Lines keep apart because every point of a new line is looked up among the points of all others
 //! before it is kept. Lengths are in mm. Cost: linear in the points laid; a lookup visits a few
 //! buckets.
 

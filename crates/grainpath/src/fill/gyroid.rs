@@ -96,7 +96,7 @@ fn branch(u: f64, sz: f64, cz: f64, upright: bool, second: bool) -> f64 {
 fn length_density() -> f64 {
     static DENSITY: OnceLock<f64> = OnceLock::new();
     *DENSITY.get_or_init(|| {
-        // | Heights of the midpoint rule. Measured: with 64 heights and 256 points a period the
+        // Heights of the midpoint rule. Measured: with 64 heights and 256 points a period the
         // length is 0.39089, with 512 and 1024 it is 0.39131, 0.1 % more.
         const N: usize = 64;
         let mut sum = 0.0;

@@ -1,5 +1,6 @@
 //! One path for a whole island: loops are joined to their neighbours where they touch.
-//! | Two loops side by side become one where a stretch of each, as long as the gap between them, is
+//!
+//! Two loops side by side become one where a stretch of each, as long as the gap between them, is
 //! exchanged for two ways across the gap. The length laid stays the same, and no place is laid
 //! twice:
 //!

@@ -1,6 +1,7 @@
 //! The order of printing: islands, walls, fill; the start of closed paths; the travels between
 //! them.
-//! | Which path comes next depends on where the last one ended, so layers are ordered one after the
+//!
+//! Which path comes next depends on where the last one ended, so layers are ordered one after the
 //! other. Travels cost more and depend on their own layer alone, so they are planned in parallel
 //! for the layers already ordered.
 

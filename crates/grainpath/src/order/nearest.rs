@@ -1,5 +1,6 @@
 //! The nearest of many path ends, while paths are removed one by one.
-//! | Ends lie in a square grid with about one end a cell. A search visits rings of cells around a
+//!
+//! Ends lie in a square grid with about one end a cell. A search visits rings of cells around a
 //! point and stops when no end of a farther ring can be nearer. Among equally near ends the lowest
 //! number wins, so that the order of printing depends on the paths alone. Owners that are removed
 //! stay in their cells and are skipped.

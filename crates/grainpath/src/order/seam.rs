@@ -1,5 +1,6 @@
 //! Seams: the start of closed outer walls.
-//! | A seam is a visible mark, so its place is a choice: nearest to the nozzle, at the rear, at
+//!
+//! A seam is a visible mark, so its place is a choice: nearest to the nozzle, at the rear, at
 //! random, or aligned over the one in the layer below. Coordinates are in mm. Cost: vertices of the
 //! wall, times the seams below where they are aligned.
 

@@ -5,7 +5,8 @@
 //! perturbed by exchanging neighbouring stretches and improved again, and the shorter tour is kept
 //! (iterated local search, `Lourenco2003`). A stop is a path that may be entered at either end.
 //! Stops beside which nothing changed are not visited again.
-//! | Everything is deterministic: ties go to the lower number, and the exchanges come from a fixed
+//!
+//! Everything is deterministic: ties go to the lower number, and the exchanges come from a fixed
 //! sequence. A test compares tours of up to 6 stops with all orders. Cost: one search for the
 //! nearest end for each stop, then [`REACH`] neighbours for every stop and pass.
 
@@ -27,7 +28,8 @@ const MAX_SHAKEN: usize = 64;
 /// Visits every owner once, entering at one of its ends and leaving at the other. `at` is where the
 /// tour begins; `to` is where the way goes on, if that is known. Returned are the owners in order,
 /// and whether each is entered at its second end.
-/// | The method is described in the module's text.
+///
+/// The method is described in the module's text.
 pub fn tour(ends: &[[DVec2; 2]], at: DVec2, to: Option<DVec2>) -> Vec<(usize, bool)> {
     let mut taken = vec![false; ends.len()];
     let index = NearestEnds::new(ends);

@@ -73,8 +73,9 @@ pub enum ShapeError {
 /// Cuts placed and mended meshes into layers, each at the middle of its height. A vertex on the
 /// plane counts as above it, so every crossed edge gives exactly one point, the same for both its
 /// triangles.
-/// | Contours of all meshes are united by winding number: bodies that overlap or touch do not
-/// cancel, and cavities stay.
+///
+/// Contours of all meshes are united by winding number: bodies that overlap or touch do not cancel,
+/// and cavities stay.
 ///
 /// # Errors
 /// [`ShapeError`]: too flat, too many layers, nothing left, interrupted.

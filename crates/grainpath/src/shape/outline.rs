@@ -1,5 +1,6 @@
 //! Flat parts: an outline with holes, extruded to a thickness.
-//! | Lengths are in mm. Cost: that of triangulating the region.
+//!
+//! Lengths are in mm. Cost: that of triangulating the region.
 
 use std::collections::BTreeSet;
 

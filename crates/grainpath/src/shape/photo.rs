@@ -1,6 +1,7 @@
 //! The board of a photograph: a rectangle of constant thickness, with holes inclined like its
 //! knots.
-//! | Lengths are in mm. Cost: one polygon difference for each hole and layer.
+//!
+//! Lengths are in mm. Cost: one polygon difference for each hole and layer.
 
 use grainpath_core::math::direction;
 use grainpath_core::{DVec2, Layer, LayerStack, Polygon, Region, TriMesh};

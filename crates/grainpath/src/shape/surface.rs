@@ -1,12 +1,14 @@
 //! The surface of a stack of layers, closed and manifold wherever the shape branches, joins or
 //! ends.
-//! | Between the middles of neighbouring layers the signed distances of both sections are
+//!
+//! Between the middles of neighbouring layers the signed distances of both sections are
 //! interpolated linearly, on cells of about `cell_mm`. Each cell is cut into six tetrahedra along
 //! its diagonal (Kuhn's cut), and the zero level is traced in each (marching tetrahedra,
 //! `Doi1991`). Tetrahedra have no ambiguous case, so the surface is closed and manifold by
 //! construction. The ends are flat. Values very close to zero are moved away from it, so that no
 //! two vertices coincide.
-//! | A solver or the supports use it where the shape is a scan or a photograph. Sharp edges in plan
+//!
+//! A solver or the supports use it where the shape is a scan or a photograph. Sharp edges in plan
 //! are rounded over about one cell. Cost: the signed distances visit all cells of a layer, the
 //! tracing those that the border passes.
 

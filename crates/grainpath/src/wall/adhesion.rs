@@ -1,5 +1,6 @@
 //! Brim and skirt: loops around the first layer that hold it down or start the flow.
-//! | Distances are in mm. Cost: one polygon offset a loop.
+//!
+//! Distances are in mm. Cost: one polygon offset a loop.
 
 use grainpath_core::poly::Join;
 use grainpath_core::units::bead_spacing_mm;

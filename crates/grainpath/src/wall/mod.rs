@@ -1,13 +1,15 @@
 //! Walls: closed beads along the section's contours, and single beads where a pair of walls does
 //! not fit.
-//! | Beads are laid as strips: a bead of width `w` in a layer of height `h` fills a strip of `s =
+//!
+//! Beads are laid as strips: a bead of width `w` in a layer of height `h` fills a strip of `s =
 //! bead_spacing_mm(w, h)`, and neighbouring strips touch without overlap. The outermost bead is the
 //! exception: its full width touches the contour, so that the part has its size. Where the part, or
 //! the area inside a wall, is too thin for a loop, both sides of the loop would lie on each other.
 //! There the loop is left out and one bead of varying width runs along the medial axis instead,
 //! with the volume of the area it fills.
-//! | Lengths are in mm. Cost: one polygon offset a wall where the polygon shrinks smoothly, about
-//! six otherwise.
+//!
+//! Lengths are in mm. Cost: one polygon offset a wall where the polygon shrinks smoothly, about six
+//! otherwise.
 
 pub mod adhesion;
 pub mod skin;

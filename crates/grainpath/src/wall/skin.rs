@@ -1,6 +1,7 @@
 //! Skins: which part of a layer's fill is seen from above or below, which spans air, and which is
 //! inside.
-//! | A place is inside when all of the next `top_layers` sections above and `bottom_layers` below
+//!
+//! A place is inside when all of the next `top_layers` sections above and `bottom_layers` below
 //! cover it. The question is put to masks instead of polygons. A cell's accuracy is enough, because
 //! skins reach two cells under their cover anyway, and polygons would cost ten booleans a layer.
 

@@ -344,7 +344,8 @@ fn meets([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
 }
 
 /// The area that the beads' strips leave open, where it is wider than about a cell and a half.
-/// | Open places are found on a raster and cut out exactly only there: a union of all strips costs
+///
+/// Open places are found on a raster and cut out exactly only there: a union of all strips costs
 /// more than the rest of the fill together.
 fn gaps(room: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64) -> Region {
     let Some(bounds) = room.bounds() else { return Region::default() };
