@@ -1,21 +1,24 @@
-//! Canny's edges: gradients by Sobel, only the crest of each slope, two thresholds.
+//! Canny's edge detector (`canny1986` in docs/references.bib): Sobel gradients, non-maximum suppression,
+//! hysteresis between two thresholds.
 //!
-//! Our own because it works on brightnesses of any depth, and because curves need the crest between pixels.
+//! No library is used, because images may have any depth and because curves need the position of the edge
+//! between pixels.
 
 use rayon::prelude::*;
 
 use super::raster::{Grey, mix, quantile, three};
 
-/// Thresholds on the slope, as shares of the steepest hundredth of all slopes; `None` chooses by the picture.
+/// Thresholds on the gradient, as shares of its 99th percentile among edge candidates; `None` chooses
+/// them from the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CannySettings {
-    /// Slopes above this begin an edge.
+    /// Gradients above this begin an edge.
     pub high: Option<f64>,
-    /// Slopes above this go on with one; 0.4 of `high` when left out.
+    /// Gradients above this continue an edge; 0.4 of `high` where not given.
     pub low: Option<f64>,
 }
 
-/// Where brightness changes fastest.
+/// The edge pixels of a picture, with what is needed to place edges between pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Edges {
     /// Pixels in a row.
@@ -24,13 +27,13 @@ pub struct Edges {
     pub height: usize,
     /// Which pixels are on an edge.
     pub mask: Vec<bool>,
-    /// The thresholds used: low and high, brightness per pixel.
+    /// The thresholds that were used: low and high, brightness per pixel.
     pub thresholds: [f32; 2],
     slopes: Grey,
     smooth: Grey,
 }
 
-/// Finds edges in a picture that has been smoothed already. A blank picture has none.
+/// Finds the edges of a picture that has been smoothed already. A blank picture has none.
 pub fn canny(smooth: &Grey, settings: &CannySettings) -> Edges {
     let (w, h) = (smooth.width, smooth.height);
     let slopes = slopes(smooth);
@@ -40,7 +43,7 @@ pub fn canny(smooth: &Grey, settings: &CannySettings) -> Edges {
     Edges { width: w, height: h, mask, thresholds, slopes, smooth: smooth.clone() }
 }
 
-/// The length of [`gradient`] at every pixel.
+/// Magnitude of [`gradient`] at every pixel.
 fn slopes(smooth: &Grey) -> Grey {
     let w = smooth.width;
     let mut out = Grey::filled(w, smooth.height, 0.0);
@@ -54,7 +57,7 @@ fn slopes(smooth: &Grey) -> Grey {
     out
 }
 
-/// Sobel's gradient along row `y`, grey steps a pixel; the border repeats.
+/// Sobel gradient along row `y`, in grey values per pixel. Beyond the border the outermost pixel repeats.
 pub(crate) fn gradient_row(smooth: &Grey, y: usize, gx: &mut [f32], gy: &mut [f32]) {
     let w = smooth.width;
     let row = |y: usize| &smooth.data[y * w..(y + 1) * w];
@@ -63,7 +66,10 @@ pub(crate) fn gradient_row(smooth: &Grey, y: usize, gx: &mut [f32], gy: &mut [f3
     let ([al, am, ar], [bl, _, br], [cl, cm, cr]) = (three(a), three(b), three(c));
     let inner = w.min(1)..w.min(1) + n;
     let (inner_x, inner_y) = (&mut gx[inner.clone()], &mut gy[inner]);
+    // The inner pixels need no bounds checks, so the compiler processes several at a time; the two border
+    // pixels follow below.
     for k in 0..n {
+        // The weights 1, 2, 1 over two pixels sum to 8, so 1/8 gives the slope per pixel.
         inner_x[k] = 0.125 * ((ar[k] - al[k]) + 2.0 * (br[k] - bl[k]) + (cr[k] - cl[k]));
         inner_y[k] = 0.125 * ((cl[k] - al[k]) + 2.0 * (cm[k] - am[k]) + (cr[k] - ar[k]));
     }
@@ -72,7 +78,7 @@ pub(crate) fn gradient_row(smooth: &Grey, y: usize, gx: &mut [f32], gy: &mut [f3
     }
 }
 
-/// Sobel's gradient, brightness per pixel; the border repeats.
+/// Sobel gradient of one pixel, brightness per pixel. Beyond the border the outermost pixel repeats.
 fn gradient(grey: &Grey, x: usize, y: usize) -> [f32; 2] {
     let w = grey.width;
     let (l, r) = (x.saturating_sub(1), (x + 1).min(w - 1));
@@ -83,16 +89,19 @@ fn gradient(grey: &Grey, x: usize, y: usize) -> [f32; 2] {
     [gx / 8.0, gy / 8.0]
 }
 
-/// Gentler slopes than this are none, brightness per pixel.
+/// Gradients below this count as zero, brightness per pixel. It is above the rounding of `f32` near 1
+/// (6e-8) and far below the lowest threshold (4e-4).
 const FLAT: f32 = 1e-5;
 
-/// The slope where it is steepest up and down the slope, zero at all other pixels.
+/// The gradient magnitude where it is greatest along the gradient's direction, zero at all other pixels
+/// (non-maximum suppression).
 fn crests(smooth: &Grey, slopes: &Grey) -> Grey {
     let (w, h) = (smooth.width, smooth.height);
     let mut out = Grey::filled(w, h, 0.0);
     out.data.par_chunks_mut(w.max(1)).enumerate().for_each_init(
         || [(); 2].map(|()| vec![0.0f32; w]),
         |[gx, gy], (y, out)| {
+            // Border pixels have no neighbour on one side and are never edges.
             if y == 0 || y + 1 >= h {
                 return;
             }
@@ -102,20 +111,21 @@ fn crests(smooth: &Grey, slopes: &Grey) -> Grey {
             let [[al, am, ar], [bl, bm, br], [cl, cm, cr]] = [y - 1, y, y + 1].map(|y| three(row(y)));
             let inner = w.min(1)..w.min(1) + n;
             let (gx, gy, out) = (&gx[inner.clone()], &gy[inner.clone()], &mut out[inner]);
-            // Without branches, so that the compiler takes several pixels at a time.
+            // The loop has no branches, so that the compiler processes several pixels at a time.
             for x in 0..n {
                 let (ax, ay, same) = (gx[x].abs(), gy[x].abs(), gx[x] * gy[x] >= 0.0);
                 let level = ax >= ay;
                 let (least, most) = if level { (ay, ax) } else { (ax, ay) };
                 let t = least / most.max(f32::MIN_POSITIVE);
-                // Neighbours straight along the axis nearest to the gradient, and diagonally: the slope one step along
-                // the gradient lies between them.
+                // The neighbour along the nearer axis and the diagonal neighbour: the magnitude one step
+                // along the gradient is interpolated between them.
                 let (ahead, behind) = if same { (br[x], bl[x]) } else { (bl[x], br[x]) };
                 let (ahead, behind) = if level { (ahead, behind) } else { (cm[x], am[x]) };
                 let (down, up) = if same { (cr[x], al[x]) } else { (cl[x], ar[x]) };
                 let (forth, back) = (mix(ahead, down, t), mix(behind, up, t));
                 let here = bm[x];
-                // On a plateau of two equal slopes the first is the crest.
+                // Of two equal magnitudes side by side the first is the edge, so that a plateau gives one
+                // line and not two.
                 let is_crest = (here >= FLAT) & (here > back) & (here >= forth);
                 out[x] = if is_crest { here } else { 0.0 };
             }
@@ -126,18 +136,22 @@ fn crests(smooth: &Grey, slopes: &Grey) -> Grey {
 
 fn thresholds(crests: &Grey, settings: &CannySettings) -> [f32; 2] {
     let mut values: Vec<f32> = crests.data.iter().copied().filter(|v| *v > 0.0).collect();
+    // The 99th percentile instead of the maximum: a single bright scratch must not set the scale.
     let steepest = quantile(&mut values, 0.99);
+    // Without a setting the strongest 40 % of candidates begin edges.
     let high = settings.high.map_or_else(|| quantile(&mut values, 0.6), |h| h as f32 * steepest);
     let low = settings.low.map_or(0.4 * high, |l| l as f32 * steepest);
-    // Below this there is nothing to see, whatever the picture.
+    // A gradient of a thousandth of white is a quarter of an 8-bit step, so it is noise in every
+    // photograph.
     let high = high.max(1e-3);
     [low.clamp(4e-4, high), high]
 }
 
-/// Crests above the high threshold, and those above the low one that hang together with them.
+/// Candidates above the high threshold, and those above the low one that are connected with them.
 fn hysteresis(crests: &Grey, [low, high]: [f32; 2]) -> Vec<bool> {
     let (w, h) = (crests.width, crests.height);
     let mut mask = vec![false; w * h];
+    // An explicit stack: an edge may be millions of pixels long.
     let mut stack = Vec::new();
     for k in 0..w * h {
         if crests.data[k] >= high && !mask[k] {
@@ -177,8 +191,8 @@ impl Edges {
         self.mask.iter().filter(|m| **m).count()
     }
 
-    /// The crest near the centre of an edge pixel, in pixels ((0.5, 0.5) is the centre of the first), and the
-    /// direction along the edge.
+    /// The edge near the centre of an edge pixel, in pixels ((0.5, 0.5) is the centre of the first), and
+    /// the direction along the edge.
     pub fn crest(&self, k: usize) -> ([f64; 2], [f64; 2]) {
         let (x, y) = (k % self.width, k / self.width);
         let [gx, gy] = gradient(&self.smooth, x, y).map(f64::from);
@@ -186,13 +200,15 @@ impl Edges {
         let (ux, uy) = (gx / length, gy / length);
         let (cx, cy) = (x as f64 + 0.5, y as f64 + 0.5);
         let at = |t: f64| f64::from(self.slopes.sample(cx + t * ux, cy + t * uy));
+        // The vertex of a parabola through three magnitudes along the gradient.
         let (back, here, forth) = (at(-1.0), at(0.0), at(1.0));
         let bend = back - 2.0 * here + forth;
+        // Beyond 0.6 pixels the vertex belongs to the neighbouring pixel, which has a point of its own.
         let shift = if bend < -1e-9 { (0.5 * (back - forth) / bend).clamp(-0.6, 0.6) } else { 0.0 };
         ([cx + shift * ux, cy + shift * uy], [-uy, ux])
     }
 
-    /// The edge pixels' crests in the order of rows.
+    /// The points of all edge pixels, row by row.
     pub fn crests(&self) -> Vec<[f64; 2]> {
         let pixels: Vec<usize> = (0..self.mask.len()).filter(|&k| self.mask[k]).collect();
         pixels.par_iter().with_min_len(1024).map(|&k| self.crest(k).0).collect()

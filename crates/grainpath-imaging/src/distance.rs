@@ -1,9 +1,10 @@
-//! Signed distance from a region's border on a grid: positive inside.
+//! Signed distance from the border of a region on a grid: positive inside.
 //!
 //! # Method
 //! Vector distance transform by sweeps (`danielsson1980` in docs/references.bib), with edges instead of points: each pixel
-//! takes over from its neighbours which edge is nearest to them and measures itself to that edge; four sweeps carry an edge
-//! everywhere. The sign comes from counting the crossings of each row with the border.
+//! adopts the nearest edge of a neighbour if that is nearer than its own and measures itself to that
+//! edge. Four sweeps carry an edge everywhere. The sign comes from counting the crossings of each row
+//! with the border.
 //!
 //! # Units, cost and limits
 //! mm, row-major, `(ny, nx)`. Linear in pixels, plus the pixels beside each edge. Exact next to the border; a pixel far away
@@ -13,7 +14,7 @@
 use grainpath_core::poly::edges;
 use grainpath_core::{Bounds2, DVec2, Region};
 
-/// Where the pixels of a grid lie.
+/// A grid of pixels in mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Raster {
     /// The middle of the first pixel, mm.
@@ -26,13 +27,15 @@ pub struct Raster {
     pub ny: usize,
 }
 
-/// Grids with more pixels are made coarser.
+/// Limit on pixels; larger grids are made coarser. A grid takes 8 bytes for each pixel, 32 MB at the
+/// limit.
 const MAX_PIXELS: f64 = 4e6;
 
 impl Raster {
-    /// A grid over a box, grown by two pixels on every side.
+    /// A grid over a box, with two pixels more on every side.
     pub fn over(bounds: Bounds2, pixel_mm: DVec2) -> Self {
         let n = bounds.size() / pixel_mm;
+        // The factor is the ratio of sides, hence the square root of the ratio of areas.
         let pixel_mm = pixel_mm * ((n.x + 4.0) * (n.y + 4.0) / MAX_PIXELS).sqrt().max(1.0);
         let n = (bounds.size() / pixel_mm).ceil();
         let (nx, ny) = (n.x as usize + 5, n.y as usize + 5);
@@ -51,8 +54,8 @@ impl Raster {
 
 /// Signed distance in mm at every pixel, row-major.
 ///
-/// Each pixel hears from its neighbours which edge is nearest to them and measures itself to it; four sweeps carry an
-/// edge everywhere. Off by less than a hundredth of a pixel near the border, where it matters.
+/// Each pixel adopts the nearest edge of a neighbour if that edge is nearer than its own; four sweeps
+/// carry an edge everywhere. The error is below a hundredth of a pixel near the border, where it matters.
 pub fn signed_distance(region: &Region, raster: &Raster) -> Vec<f32> {
     let (nx, ny) = (raster.nx, raster.ny);
     let segments: Vec<(DVec2, DVec2)> = region.contours().flat_map(|c| edges(c)).collect();
@@ -65,6 +68,7 @@ pub fn signed_distance(region: &Region, raster: &Raster) -> Vec<f32> {
         let t = if l > 0.0 { ((p - a).dot(d) / l).clamp(0.0, 1.0) } else { 0.0 };
         p.distance_squared(a + t * d) as f32
     };
+    // Pixels beside an edge are measured exactly before the sweeps spread it.
     for (s, (a, b)) in segments.iter().enumerate() {
         let cell = |p: DVec2| (p - raster.origin) / raster.pixel_mm;
         let (low, high) = (cell(a.min(*b)) - 1.0, cell(a.max(*b)) + 2.0);
@@ -93,6 +97,8 @@ pub fn signed_distance(region: &Region, raster: &Raster) -> Vec<f32> {
             }
         }
     };
+    // Upward and downward sweeps, each with a pass to the right and one to the left: together they carry
+    // an edge in all eight directions.
     for j in 0..ny {
         for i in 0..nx {
             hear(i, j, [(-1, 0), (-1, -1), (0, -1), (1, -1)]);
@@ -109,10 +115,13 @@ pub fn signed_distance(region: &Region, raster: &Raster) -> Vec<f32> {
             hear(i, j, [(-1, 0), (-1, 1), (0, 1), (1, 1)]);
         }
     }
+    // The sign by even-odd counting along rows: exact for any set of closed contours, and independent of
+    // their winding.
     let mut crossings: Vec<Vec<f64>> = vec![Vec::new(); ny];
     for &(a, b) in &segments {
         let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
         let row = |y: f64| ((y - raster.origin.y) / raster.pixel_mm.y).ceil().clamp(0.0, ny as f64) as usize;
+        // A half-open range of rows counts a vertex on a row once.
         for j in row(low.y)..row(high.y) {
             let y = raster.at(0, j).y;
             crossings[j].push(low.x + (high.x - low.x) * (y - low.y) / (high.y - low.y));
@@ -127,6 +136,8 @@ pub fn signed_distance(region: &Region, raster: &Raster) -> Vec<f32> {
                 passed += 1;
             }
             let d = &mut best[j * nx + i];
+            // A region without edges leaves all pixels at infinity; a finite number keeps later mixing
+            // free of NaN.
             *d = if d.is_finite() { d.sqrt() } else { f32::MAX.sqrt() };
             if passed % 2 == 0 {
                 *d = -*d;

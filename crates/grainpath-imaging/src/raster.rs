@@ -3,8 +3,8 @@
 use grainpath_core::math::exp;
 use rayon::prelude::*;
 
-/// A grey picture, row-major. Which way rows run is the user's: photographs begin at the top, rectified pictures at
-/// the bottom, so that y grows with the row.
+/// A grey picture, row-major. The direction of rows is the user's choice: photographs begin at the top,
+/// rectified pictures at the bottom, so that y grows with the row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grey {
     /// Pixels in a row.
@@ -35,8 +35,8 @@ impl Grey {
         self.data[y * self.width + x]
     }
 
-    /// Brightness at a point in pixels, linear between the centres of pixels; (0.5, 0.5) is the centre of the first.
-    /// Outside, the nearest pixel's.
+    /// Brightness at a point in pixels, linear between the centres of pixels; (0.5, 0.5) is the centre of
+    /// the first. Outside the picture, that of the nearest pixel.
     pub fn sample(&self, x: f64, y: f64) -> f32 {
         let place = |v: f64, n: usize| {
             let v = (v - 0.5).clamp(0.0, n as f64 - 1.0);
@@ -44,6 +44,7 @@ impl Grey {
             (i, (v - i as f64) as f32)
         };
         let ((i, u), (j, v)) = (place(x, self.width), place(y, self.height));
+        // A picture one pixel wide or high has no neighbour to interpolate with.
         let right = usize::from(self.width > 1);
         let up = if self.height > 1 { self.width } else { 0 };
         let k = j * self.width + i;
@@ -57,8 +58,9 @@ impl Grey {
         half(&self.data, [self.width, self.height], 0.25, |[a, b, c, d]| (a + b) + (c + d))
     }
 
-    /// Row `y` of this picture enlarged: what [`Grey::sample`] finds at the centres of the larger picture's pixels.
-    /// `columns` and `row` are its [`enlarging`] tables; `between` is room for one row of this picture.
+    /// Row `y` of this picture enlarged: the values that [`Grey::sample`] has at the pixel centres of the
+    /// larger picture. `columns` and `row` are its [`enlarging`] tables; `between` is a buffer for one
+    /// row of this picture.
     pub(crate) fn enlarged_row(
         &self,
         columns: &[(u32, f32)],
@@ -72,20 +74,23 @@ impl Grey {
         between.extend(
             row(j).iter().zip(row((j + 1).min(self.height - 1))).map(|(low, high)| mix(*low, *high, t)),
         );
-        // One more, so that the last pixel has a right neighbour.
+        // One value more, so that the last pixel has a right neighbour.
         between.push(between[self.width - 1]);
         out.clear();
         out.extend(columns.iter().map(|&(i, u)| mix(between[i as usize], between[i as usize + 1], u)));
     }
 
-    /// Smoothed by a Gaussian of this standard deviation in pixels; the border repeats.
+    /// Smoothed by a Gaussian of this standard deviation in pixels. Beyond the border the outermost pixel
+    /// repeats.
     pub fn blurred(&self, sigma_px: f64) -> Self {
+        // Such a Gaussian has weight 1 at its centre within single precision.
         if sigma_px < 0.05 || self.data.is_empty() {
             return self.clone();
         }
         let taps = gaussian_taps(sigma_px);
         let r = taps.len() - 1;
         let (w, h) = (self.width, self.height);
+        // The Gaussian is separable: two passes of 2 r + 1 taps instead of one of their square.
         let mut across = Self::filled(w, h, 0.0);
         across.data.par_chunks_mut(w).zip(self.data.par_chunks(w)).for_each_init(
             || vec![0.0f32; w + 2 * r],
@@ -110,8 +115,8 @@ impl Grey {
         out
     }
 
-    /// The median of the square of `2 radius + 1` pixels around each; the border repeats. Takes specks out and
-    /// leaves edges where they are.
+    /// The median of the square of `2 radius + 1` pixels around each pixel. Beyond the border the
+    /// outermost pixel repeats. Removes specks and leaves edges in place.
     pub fn median(&self, radius: usize) -> Self {
         if radius == 0 || self.data.is_empty() {
             return self.clone();
@@ -119,6 +124,7 @@ impl Grey {
         if radius == 1 {
             return self.median_of_nine();
         }
+        // At most 15 x 15 pixels, which fit the window below.
         let r = radius.min(7) as isize;
         let place = |v: usize, d: isize, n: usize| (v as isize + d).clamp(0, n as isize - 1) as usize;
         Self::from_fn(self.width, self.height, |x, y| {
@@ -135,8 +141,9 @@ impl Grey {
         })
     }
 
-    /// Columns of three are sorted once for all windows they are in: the median of nine is the middle one of the
-    /// largest low, the middle middle and the smallest high of three columns.
+    /// The median of 3 x 3 from sorted columns, each of which serves three windows. The median of nine is
+    /// the middle one of three: the largest of the lows, the middle of the middles and the smallest of
+    /// the highs.
     fn median_of_nine(&self) -> Self {
         let (w, h) = (self.width, self.height);
         let mut out = Self::filled(w, h, 0.0);
@@ -147,6 +154,7 @@ impl Grey {
                 let (a, b, c) = (row(y.saturating_sub(1)), row(y), row((y + 1).min(h - 1)));
                 let sorted = [&mut *low, &mut *middle, &mut *high].map(|v| &mut v[1..=w]);
                 let [l, m, t] = sorted;
+                // Each column is sorted by three comparisons without branches.
                 for x in 0..w {
                     let (p, q) = (lesser(a[x], b[x]), greater(a[x], b[x]));
                     let r = lesser(q, c[x]);
@@ -167,9 +175,9 @@ impl Grey {
         out
     }
 
-    /// About how far apart these shares of the pixels lie in brightness, from some ten thousand of them.
+    /// Estimates the distance in brightness between two quantiles from about ten thousand pixels.
     pub fn spread(&self, low: f64, high: f64) -> f32 {
-        // A stride that shares no factor with the width sees every column.
+        // A stride that divides the width would see the same columns in every row.
         let mut stride = (self.data.len() / 16_384).max(1);
         while stride > 1 && self.width.is_multiple_of(stride) {
             stride += 1;
@@ -184,7 +192,7 @@ impl Grey {
     }
 }
 
-/// The value below which this share of the values lies; 0 of none. Reorders them.
+/// The value below which this share of the values lies; 0 for an empty slice. Reorders the values.
 pub fn quantile(values: &mut [f32], share: f64) -> f32 {
     if values.is_empty() {
         return 0.0;
@@ -193,8 +201,8 @@ pub fn quantile(values: &mut [f32], share: f64) -> f32 {
     *values.select_nth_unstable_by(k, f32::total_cmp).1
 }
 
-/// For each of `n` pixels the one of `n_small` before it in a picture `factor` times smaller, and how far it is on the
-/// way from that to the next.
+/// For each of `n` pixels, the pixel of a picture `factor` times smaller that lies before it, and the
+/// fraction of the way to the next.
 pub(crate) fn enlarging(n: usize, factor: f64, n_small: usize) -> Vec<(u32, f32)> {
     let place = |v: usize| {
         let v = ((v as f64 + 0.5) / factor - 0.5).clamp(0.0, n_small as f64 - 1.0);
@@ -204,7 +212,7 @@ pub(crate) fn enlarging(n: usize, factor: f64, n_small: usize) -> Vec<(u32, f32)
     (0..n).map(place).collect()
 }
 
-/// A picture of half the size: `sum` of four pixels, the border repeated, times `share`.
+/// A picture of half the size: `sum` of four pixels times `share`. An odd border pixel is repeated.
 pub(crate) fn half<T: Copy + Sync>(
     data: &[T],
     [width, height]: [usize; 2],
@@ -228,21 +236,21 @@ pub(crate) fn half<T: Copy + Sync>(
     out
 }
 
-/// From `a` to `b`, `t` of the way.
+/// Linear interpolation from `a` to `b` by the fraction `t`.
 #[inline]
 pub(crate) fn mix(a: f32, b: f32, t: f32) -> f32 {
     a + t * (b - a)
 }
 
-/// The left neighbours, the pixels and the right neighbours of a row's inner pixels: slices of one length, so that the
-/// compiler checks no step and takes several at a time.
+/// The left neighbours, the pixels and the right neighbours of a row's inner pixels. Slices of one length
+/// let the compiler drop bounds checks and process several pixels at a time.
 #[inline]
 pub(crate) fn three(row: &[f32]) -> [&[f32]; 3] {
     let n = row.len().saturating_sub(2);
     [0, 1, 2].map(|k| &row[k.min(row.len() - n)..][..n])
 }
 
-// Unlike `f32::min` these are one instruction: no pixel is NaN.
+// No pixel is NaN, so these compile to one instruction each, unlike `f32::min`.
 #[inline]
 fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
@@ -266,8 +274,9 @@ fn add_pair(out: &mut [f32], a: &[f32], b: &[f32], t: f32) {
     out.iter_mut().zip(a).zip(b).for_each(|((o, a), b)| *o += t * (a + b));
 }
 
-/// Weights of a Gaussian from its middle outwards, summing to one over both sides.
+/// Weights of a Gaussian from its centre outwards. They sum to one over both sides.
 pub(crate) fn gaussian_taps(sigma_px: f64) -> Vec<f32> {
+    // Three standard deviations hold 99.7 % of the weight; the rest is restored by the division.
     let r = (3.0 * sigma_px).ceil().max(1.0) as usize;
     let weight = |k: usize| exp(-0.5 * (k as f64 / sigma_px) * (k as f64 / sigma_px));
     let sum: f64 = (0..=r).map(|k| if k == 0 { 1.0 } else { 2.0 * weight(k) }).sum();

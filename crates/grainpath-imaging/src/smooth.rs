@@ -1,7 +1,7 @@
-//! Noise taken out of a slice before its contours are traced.
+//! Smoothing of a slice before its contours are traced.
 //!
-//! - A Gaussian draws every bent edge inwards; use it where edges are blurred anyway.
-//! - The median of 3 x 3 pixels takes single bright pixels out and leaves straight edges.
+//! - A Gaussian moves every bent edge inwards; it suits scans whose edges are blurred anyway.
+//! - The median of 3 x 3 pixels removes single bright pixels and leaves straight edges in place.
 //! - Diffusion that stops at edges (`perona1990` in docs/references.bib, its second conductance 1 / (1 + (d / step)^2)): six
 //!   steps of 0.2, which is within the stability limit of 0.25 in two dimensions. `step` is the grey step that counts as an
 //!   edge.
@@ -10,10 +10,10 @@
 
 use crate::raster::Grey;
 
-/// How.
+/// A method of smoothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Smoothing {
-    /// Not at all.
+    /// No smoothing.
     None,
     /// Gaussian of this standard deviation, px.
     Gaussian(f64),
@@ -23,7 +23,7 @@ pub enum Smoothing {
     Edges(f64),
 }
 
-/// A slice, smoothed.
+/// Returns the slice smoothed by the given method.
 pub fn smoothed(mut values: Vec<f32>, nx: usize, ny: usize, how: Smoothing) -> Vec<f32> {
     let grey = |data| Grey { width: nx, height: ny, data };
     match how {
@@ -36,7 +36,9 @@ pub fn smoothed(mut values: Vec<f32>, nx: usize, ny: usize, how: Smoothing) -> V
 }
 
 fn diffuse(values: &mut [f32], nx: usize, ny: usize, step: f32) {
+    // Explicit steps read the old values only, so the result does not depend on the order of pixels.
     let old = values.to_vec();
+    // A step of 0 would divide by zero; the smallest float switches diffusion off instead.
     let scale = 1.0 / step.max(f32::MIN_POSITIVE);
     let flow = |d: f32| d / (1.0 + (d * scale) * (d * scale));
     for j in 0..ny {
@@ -45,6 +47,7 @@ fn diffuse(values: &mut [f32], nx: usize, ny: usize, step: f32) {
             let v = old[j * nx + i];
             let (left, right) = (old[j * nx + i.saturating_sub(1)], old[j * nx + (i + 1).min(nx - 1)]);
             let sum = flow(left - v) + flow(right - v) + flow(old[up + i] - v) + flow(old[down + i] - v);
+            // 0.2 of the sum over four neighbours; the scheme is stable up to 0.25.
             values[j * nx + i] = v + 0.2 * sum;
         }
     }

@@ -1,8 +1,9 @@
 //! The direction of the grain: structure tensor, coherence, smoothing.
 //!
-//! The gradient of a picture of grain points across the grain. Its outer product with itself, averaged over a
-//! neighbourhood, has no sign and so does not cancel over a line with two flanks; its weak axis is the grain. All
-//! averages are of the doubled angle, for which an axis and its opposite are the same.
+//! The gradient of a picture of grain points across the grain. Its outer product with itself has no sign,
+//! so its average over a neighbourhood does not cancel over a line with two flanks. The weak axis of that
+//! average is the grain. All averages are of the doubled angle, for which an axis and its opposite are
+//! the same.
 
 use std::f64::consts::PI;
 
@@ -13,14 +14,14 @@ use rayon::prelude::*;
 use super::raster::{Grey, enlarging, half, quantile, three};
 use crate::metric::MetricImage;
 
-/// How a direction is read out of a picture.
+/// Scales on which a direction is read from a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TensorSettings {
     /// Standard deviation of the Gaussian before gradients are taken, mm.
     pub gradient_mm: f64,
     /// Standard deviation of the neighbourhood over which they are averaged, mm.
     pub integration_mm: f64,
-    /// Over about this length clear places give their direction to unclear ones, mm.
+    /// Length over which clear places pass their direction to unclear ones, mm.
     pub smooth_mm: f64,
 }
 
@@ -37,18 +38,19 @@ pub struct AxisGrid {
     pub ny: usize,
     /// Cosine and sine of twice the angle, unit length.
     pub double: Vec<[f32; 2]>,
-    /// How clear the axis is, 0 to 1: the coherence of the tensor.
+    /// Coherence of the tensor, 0 to 1: how clear the axis is.
     pub coherence: Vec<f32>,
-    /// The mean coherence over a neighbourhood three times as wide: noise has hardly any, wood nearly as much.
+    /// Mean coherence over a neighbourhood three times as wide. Noise has hardly any, wood nearly as much
+    /// as on the narrow scale.
     pub wide_coherence: f64,
-    /// How much darker than its surroundings the picture is here, 0 to 1.
+    /// How much darker the picture is here than around, 0 to 1.
     pub darkness: Vec<f32>,
 }
 
-/// What [`AxisGrid::sample`] finds.
+/// The result of [`AxisGrid::sample`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct AxisSample {
-    /// Cosine and sine of twice the angle, not scaled: shorter where neighbours disagree.
+    /// Cosine and sine of twice the angle, not normalised: shorter where neighbours disagree.
     pub double: [f64; 2],
     /// 0 to 1.
     pub coherence: f64,
@@ -62,7 +64,7 @@ impl AxisSample {
         (0.5 * atan2(self.double[1], self.double[0])).rem_euclid(PI)
     }
 
-    /// Between this one and another, `t` of the way.
+    /// Linear interpolation to another sample by the fraction `t`.
     pub fn towards(self, other: Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| a + t * (b - a);
         Self {
@@ -79,10 +81,11 @@ impl AxisGrid {
         self.min_mm + self.step_mm * DVec2::new(i as f64, j as f64)
     }
 
-    /// The axis at a point, linear between nodes; outside, the nearest.
+    /// The axis at a point, linear between nodes. Outside the grid, that of the nearest node.
     pub fn sample(&self, p: DVec2) -> AxisSample {
         let at = (p - self.min_mm) / self.step_mm;
         let place = |v: f64, n: usize| {
+            // NaN would pass through clamp and index the first node anyway; this states it.
             let v = if v.is_nan() { 0.0 } else { v.clamp(0.0, n as f64 - 1.0) };
             let i = (v as usize).min(n.saturating_sub(2));
             (i, v - i as f64)
@@ -112,26 +115,28 @@ impl AxisGrid {
     }
 }
 
-/// What smoothing starts from: doubled angles and how much each is to be trusted.
+/// Input of the smoothing: doubled angles and the weight of each.
 pub(crate) struct Evidence {
     pub(crate) double: Vec<[f32; 2]>,
     pub(crate) weight: Vec<f32>,
 }
 
-/// Pixels that differ less than this from their surroundings show nothing, as a share of white.
+/// Contrast below which pixels count as blank, as a share of white. It is half a step of an 8-bit image;
+/// a larger value loses faint grain, a smaller one reads quantisation as grain.
 pub(crate) const FAINT: f32 = 2e-3;
 
-/// A Gaussian this wide, in pixels, leaves nothing that half as many pixels a side would not show.
+/// Standard deviation in pixels from which a Gaussian leaves nothing that an image of half the size would
+/// not show. At 2.4 px its gain at the Nyquist frequency of the smaller image is below 0.1 %.
 const HALVED_FROM_PX: f64 = 2.4;
 
-/// The grain of a picture, one node about every third of the integration scale.
+/// The axes of the grain in a picture, with a node about every third of the integration scale.
 pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
     let mut px = image.px_mm;
     let mut sigma_px = (settings.gradient_mm / px).max(0.7);
     let mut small: Option<Grey> = None;
     while sigma_px >= HALVED_FROM_PX && image.grey.width.min(image.grey.height) > 16 {
         small = Some(small.as_ref().unwrap_or(&image.grey).halved());
-        // A mean of two pixels is a Gaussian of half a pixel, to the second order.
+        // Averaging two pixels acts as a Gaussian of half a pixel, to second order.
         sigma_px = 0.5 * (sigma_px * sigma_px - 0.25).sqrt();
         px *= 2.0;
     }
@@ -139,6 +144,8 @@ pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
         small.as_ref().unwrap_or(&image.grey).blurred(sigma_px),
         3.0 * settings.integration_mm / px,
     );
+    // The tensor is smoothed over the integration scale, so 2.5 nodes for each standard deviation lose
+    // nothing.
     let cell = ((settings.integration_mm / px / 2.5).floor() as usize).max(1);
     let (nx, ny) = ((flat.width / cell).max(1), (flat.height / cell).max(1));
     let mut sums = vec![[0.0f32; 4]; nx * ny];
@@ -152,6 +159,7 @@ pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
     let [xx, xy, yy] = [layer(0), layer(1), layer(2)];
     let dark = layer(3);
     let energy: Vec<f32> = xx.data.iter().zip(&yy.data).map(|(a, b)| a + b).collect();
+    // The median energy is the contrast of ordinary wood; a knot or a scratch must not outweigh the rest.
     let typical = quantile(&mut energy.clone(), 0.5).max(FAINT * FAINT);
     let wide_coherence =
         mean_coherence(&xx.blurred(3.0 * sigma), &xy.blurred(3.0 * sigma), &yy.blurred(3.0 * sigma));
@@ -167,13 +175,15 @@ pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
     };
     let mut weight = Vec::with_capacity(nx * ny);
     for (k, e) in energy.into_iter().enumerate() {
-        // The gradient's axis doubled, turned by half a turn: the grain's.
+        // The doubled axis of the gradient, turned by 180 degrees, is the doubled axis of the grain.
         let (c, s) = (yy.data[k] - xx.data[k], -2.0 * xy.data[k]);
         let (length, e) = ((c * c + s * s).sqrt(), e.max(1e-12));
         grid.coherence[k] = (length / (e + FAINT * FAINT)).min(1.0);
         if length > 0.0 {
             grid.double[k] = [c / length, s / length];
         }
+        // Coherence counts twice, and energy saturates at the typical one: a strong border should not
+        // dominate.
         weight.push(grid.coherence[k] * grid.coherence[k] * e / (e + 0.25 * typical));
     }
     spread_darkness(&mut grid.darkness);
@@ -183,7 +193,7 @@ pub fn grain_axes(image: &MetricImage, settings: &TensorSettings) -> AxisGrid {
     grid
 }
 
-/// The mean over all nodes of the difference of a tensor's eigenvalues over their sum.
+/// The mean over all nodes of the tensor's coherence: difference of eigenvalues over their sum.
 fn mean_coherence(xx: &Grey, xy: &Grey, yy: &Grey) -> f64 {
     let each = |k: usize| {
         let (c, s) = (yy.data[k] - xx.data[k], 2.0 * xy.data[k]);
@@ -192,10 +202,10 @@ fn mean_coherence(xx: &Grey, xy: &Grey, yy: &Grey) -> f64 {
     (0..xx.data.len()).map(each).sum::<f64>() / xx.data.len().max(1) as f64
 }
 
-/// The picture with slow changes of brightness and contrast taken out: uneven light, stains.
+/// The picture without slow changes of brightness and contrast, which come from uneven light and stains.
 fn flattened(mut grey: Grey, sigma_px: f64) -> Grey {
     let (w, h) = (grey.width, grey.height);
-    // A slow average needs no fine picture.
+    // A slow average can be computed on a smaller picture.
     let shrunk = |sum: fn([f32; 4]) -> f32, grey: &Grey| {
         let (mut small, mut level) = (half(&grey.data, [w, h], 0.25, sum), 2.0);
         while sigma_px / level > 6.0 && small.width > 16 && small.height > 16 {
@@ -216,15 +226,15 @@ fn flattened(mut grey: Grey, sigma_px: f64) -> Grey {
     };
     apply(&mut grey, &small.blurred(sigma_px / level), |v, mean| v - mean);
     let (squares, _) = shrunk(|[a, b, c, d]| (a * a + b * b) + (c * c + d * d), &grey);
-    // Contrast is evened out, but noise in a blank place is not blown up.
+    // Contrast is equalised. The constant 0.01 keeps noise in a blank place from being amplified.
     apply(&mut grey, &squares.blurred(2.0 * sigma_px / level), |v, square| {
         v * (0.1 / (square.max(0.0).sqrt() + 0.01))
     });
     grey
 }
 
-/// Gradients of row `j` of squares of pixels: means of their products, and of the brightness. `columns` is room for
-/// the sums of the squares' columns, as long as a row of pixels.
+/// Mean products of gradients, and mean brightness, over the cells of row `j`. `columns` is a buffer for
+/// the sums of pixel columns, as long as a row of pixels.
 fn cell_tensors(flat: &Grey, j: usize, cell: usize, columns: &mut [Vec<f32>; 4], out: &mut [[f32; 4]]) {
     let (w, h) = (flat.width, flat.height);
     columns.iter_mut().for_each(|c| c.fill(0.0));
@@ -233,6 +243,8 @@ fn cell_tensors(flat: &Grey, j: usize, cell: usize, columns: &mut [Vec<f32>; 4],
         let row = |y: usize| &flat.data[y * w..(y + 1) * w];
         let rows = [row(y.saturating_sub(1)), row(y), row((y + 1).min(h - 1))];
         let [xx, xy, yy, light] = columns.each_mut();
+        // Border pixels repeat their neighbours; they are added apart so that the inner loop has no
+        // conditions.
         let mut add = |x: usize, a: [f32; 3], b: [f32; 3], c: [f32; 3]| {
             let (gx, gy) = scharr(a, b, c);
             xx[x] += gx * gx;
@@ -262,7 +274,7 @@ fn cell_tensors(flat: &Grey, j: usize, cell: usize, columns: &mut [Vec<f32>; 4],
     }
 }
 
-/// The gradient by Scharr's weights: its direction is right to a tenth of a degree.
+/// The gradient by Scharr's weights 3, 10, 3, whose direction is right to a tenth of a degree.
 #[inline]
 fn scharr(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> (f32, f32) {
     let gx = 3.0 * ((a[2] - a[0]) + (c[2] - c[0])) + 10.0 * (b[2] - b[0]);
@@ -270,7 +282,8 @@ fn scharr(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> (f32, f32) {
     (gx / 32.0, gy / 32.0)
 }
 
-/// From flattened brightness to 0 (light) to 1 (dark), between the brightest and the darkest twentieth.
+/// Converts equalised brightness to 0 (light) to 1 (dark), between the lightest and the darkest
+/// twentieth.
 pub(crate) fn spread_darkness(values: &mut [f32]) {
     let mut copy = values.to_vec();
     let (low, high) = (quantile(&mut copy, 0.05), quantile(&mut copy, 0.95));
@@ -278,15 +291,16 @@ pub(crate) fn spread_darkness(values: &mut [f32]) {
     values.iter_mut().for_each(|v| *v = ((high - *v) / range).clamp(0.0, 1.0));
 }
 
-/// The axes that differ least from the evidence and from each other: one linear system for the doubled angles,
-/// solved by conjugate gradients in a fixed order. `reach` is the length, in nodes of `n` in x, y and z, over which
-/// evidence of weight 1 holds against its neighbours.
+/// The axes that differ least from the evidence and from each other: one linear system for the doubled
+/// angles, solved by conjugate gradients (`hestenes1952`) in a fixed order. `reach` is the length, in
+/// nodes of `n` along x, y and z, over which evidence of weight 1 holds against its neighbours.
 pub(crate) fn smoothed(n: [usize; 3], evidence: &Evidence, reach: [f64; 3]) -> Vec<[f32; 2]> {
     let [nx, ny, nz] = n;
     let all = nx * ny * nz;
     let stiff = reach.map(|r| (r * r).max(1e-3) as f32);
+    // The small constant keeps the system regular where there is no evidence.
     let weight: Vec<f32> = evidence.weight.iter().map(|w| w + 1e-4).collect();
-    // Row by row: neighbours in y and z are whole rows, which are added one after the other.
+    // Neighbours along y and z are whole rows, which are added one after another.
     let rows_beside = |row: usize| {
         let (j, l) = (row % ny, row / ny);
         [
@@ -315,6 +329,7 @@ pub(crate) fn smoothed(n: [usize; 3], evidence: &Evidence, reach: [f64; 3]) -> V
             }
         });
     };
+    // Jacobi preconditioner: weights differ by orders of magnitude, which the diagonal removes.
     let mut diagonal = weight.clone();
     for (row, out) in diagonal.chunks_mut(nx).enumerate() {
         let beside: f32 = rows_beside(row).into_iter().flatten().map(|(_, stiff)| stiff).sum();
@@ -322,7 +337,8 @@ pub(crate) fn smoothed(n: [usize; 3], evidence: &Evidence, reach: [f64; 3]) -> V
             *d += beside + stiff[0] * (f32::from(x > 0) + f32::from(x + 1 < nx));
         }
     }
-    // Eight sums side by side: the order is fixed, and none waits for another.
+    // Eight running sums: their order is fixed, so the result is the same on every run, and none has to
+    // wait for another.
     let dot = |a: &[[f32; 2]], b: &[[f32; 2]]| -> f64 {
         let (a, b) = (a.as_flattened().chunks_exact(8), b.as_flattened().chunks_exact(8));
         let ends = a.remainder().iter().zip(b.remainder());
@@ -335,7 +351,7 @@ pub(crate) fn smoothed(n: [usize; 3], evidence: &Evidence, reach: [f64; 3]) -> V
         }
         sums.iter().sum::<f64>() + end
     };
-    // `a` plus `t` times `b`.
+    // Adds `t` times `b` to `a`.
     let add = |a: &mut [[f32; 2]], t: f32, b: &[[f32; 2]]| {
         a.as_flattened_mut().iter_mut().zip(b.as_flattened()).for_each(|(a, b)| *a += t * b);
     };
@@ -348,6 +364,7 @@ pub(crate) fn smoothed(n: [usize; 3], evidence: &Evidence, reach: [f64; 3]) -> V
         evidence.double.iter().zip(&weight).map(|(d, w)| [w * d[0], w * d[1]]).collect();
     let (mut image, mut z) = (Vec::new(), Vec::new());
     scale(&right, &mut z);
+    // The test is on squares: a residual of 1e-3 of the doubled angle is 0.03 degrees of the axis.
     let stop = 1e-6 * dot(&right, &z);
     apply(&x, &mut image);
     let mut residual = right;
@@ -355,6 +372,7 @@ pub(crate) fn smoothed(n: [usize; 3], evidence: &Evidence, reach: [f64; 3]) -> V
     scale(&residual, &mut z);
     let mut direction = z.clone();
     let mut rz = dot(&residual, &z);
+    // The limit stops a system without evidence, whose solution is constant and found slowly.
     for _ in 0..200 {
         if rz <= stop {
             break;
@@ -373,22 +391,23 @@ pub(crate) fn smoothed(n: [usize; 3], evidence: &Evidence, reach: [f64; 3]) -> V
     x.into_iter()
         .map(|[c, s]| {
             let length = (c * c + s * s).sqrt();
+            // Where the doubled angles cancel there is no axis; any unit vector is as good.
             if length > 1e-9 { [c / length, s / length] } else { [1.0, 0.0] }
         })
         .collect()
 }
 
-/// A line that axes are to follow, and how strongly.
+/// A line that axes are to follow, with its weight.
 pub struct Guideline<'a> {
     /// The line, mm.
     pub points: &'a [DVec2],
     /// Whether its end joins its start.
     pub closed: bool,
-    /// Weight beside evidence of weight up to 1.
+    /// Weight relative to evidence, whose weight is at most 1.
     pub weight: f32,
 }
 
-/// The axes of `grid` bent to follow lines near them. `keep` is the weight of what was there.
+/// The axes of `grid`, bent to follow lines near them. `keep` is the weight of the axes that were there.
 pub fn along_lines(grid: &AxisGrid, lines: &[Guideline<'_>], keep: f32, reach_mm: f64) -> AxisGrid {
     let mut sums = vec![[0.0f32; 3]; grid.nx * grid.ny];
     for line in lines {
@@ -423,22 +442,26 @@ fn add_segment(grid: &AxisGrid, a: DVec2, b: DVec2, weight: f32, sums: &mut [[f3
         return;
     }
     let double = [(d.x * d.x - d.y * d.y) / (length * length), 2.0 * d.x * d.y / (length * length)];
+    // Two samples for each node distance, so that no node along the line is missed.
     let n = (2.0 * length / grid.step_mm).ceil().clamp(1.0, 1e5) as usize;
     for k in 0..n {
         let p = (a + d * ((k as f64 + 0.5) / n as f64) - grid.min_mm) / grid.step_mm;
         let (i, j) = (p.x.round(), p.y.round());
         if i >= 0.0 && j >= 0.0 && (i as usize) < grid.nx && (j as usize) < grid.ny {
             let s = &mut sums[j as usize * grid.nx + i as usize];
+            // Weight is proportional to length, so a line cut into short segments counts no more than a
+            // long one.
             let w = weight * (length / (n as f64 * grid.step_mm)) as f32;
             *s = [s[0] + w * double[0] as f32, s[1] + w * double[1] as f32, s[2] + w];
         }
     }
 }
 
-/// Borders are followed whatever the picture shows there.
+/// Weight of borders. Against evidence of at most 1 it makes axes follow the border whatever the picture
+/// shows there.
 const BORDER_WEIGHT: f32 = 200.0;
 
-/// Which borders of the part the grain is bent along.
+/// Borders of the part along which the grain is bent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tangent {
     /// None: the picture alone decides.
@@ -466,7 +489,7 @@ pub fn border_lines(region: &Region, tangent: Tangent) -> Vec<Guideline<'_>> {
     lines
 }
 
-/// The angle between two undirected axes, radians from 0 to a right angle.
+/// Angle between two undirected axes, from 0 to a right angle, radians.
 pub fn axis_difference_rad(a: f64, b: f64) -> f64 {
     let (s, c) = sin_cos(2.0 * (a - b));
     0.5 * atan2(s, c).abs()

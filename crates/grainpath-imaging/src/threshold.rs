@@ -1,10 +1,10 @@
-//! Grey values counted, and thresholds found from them.
+//! Histograms of grey values and thresholds derived from them.
 //!
 //! # Method
 //! - The histogram has bins of one width. The width doubles whenever the range outgrows the bins, so a scan of any size is
 //!   counted in one pass and at most 2^14 bins; whole numbers have a bin each as long as they fit.
 //! - Otsu's threshold (`otsu1979` in docs/references.bib) splits the bins so that the variance between the two groups is
-//!   greatest. It is drawn towards the smaller group, so it is a start and not a measure.
+//! greatest. It is pulled towards the smaller group, so it is a first estimate and not a measure.
 //! - ISO-50 lies halfway between the grey values of air and material. A blurred straight edge crosses it where the sharp
 //!   edge was, whatever the blur, so sizes are truest there. The two grey values are the modes of the voxels that differ
 //!   least from their neighbours: in a thin wall hardly a voxel is all material.
@@ -13,27 +13,29 @@
 //! Two materials at a time. Of three, the threshold separates the two that Otsu's split separates. Cost: a few operations
 //! a voxel; at most 2^17 samples are kept for the modes.
 
-/// Counts of grey values in bins of one width, which doubles as the range grows.
+/// A histogram with bins of one width, which doubles as the range grows.
 #[derive(Debug, Clone, Default)]
 pub struct Histogram {
     low: f64,
     width: f64,
     counts: Vec<u64>,
     range: Option<(f32, f32)>,
-    /// Grey values of pixels spread over all slices, and how far they differ from their neighbours.
+    /// Grey values of pixels spread over all slices, each with its squared difference from its
+    /// neighbours.
     samples: Vec<(f32, f32)>,
-    /// One of so many pixels is in `samples`.
+    /// One pixel in so many is sampled.
     stride: usize,
     slices: usize,
 }
 
-/// Never more bins than this.
+/// Limit on the bins; 16-bit scans get bins of up to eight grey values. More bins cost memory and change
+/// Otsu's threshold by less than a bin.
 const MAX_BINS: usize = 1 << 14;
-/// Nor more samples.
+/// Limit on the samples for the modes: 1 MiB. The number bounds the time to sort them.
 const MAX_SAMPLES: usize = 1 << 17;
 
 impl Histogram {
-    /// Counts a slice's values, all finite, in rows of `nx`.
+    /// Adds the values of a slice, all finite, in rows of `nx`.
     pub fn add(&mut self, values: &[f32], nx: usize) {
         let Some(&first) = values.first() else { return };
         let (low, high) = values.iter().fold((first, first), |(l, h), &v| (l.min(v), h.max(v)));
@@ -54,13 +56,15 @@ impl Histogram {
         for (j, row) in values.chunks_exact(nx).enumerate() {
             let above = &values[j.saturating_sub(1) * nx..];
             let below = &values[((j + 1) * nx).min(values.len() - nx)..];
-            // Other columns in every row and slice.
+            // The offset changes with row and slice, so that a stride cannot fall on the same columns of
+            // a regular pattern.
             let first = (13 * j + 29 * self.slices) % self.stride;
             for i in (first..nx).step_by(self.stride) {
                 let (x, y) = (row[(i + 1).min(nx - 1)] - row[i.saturating_sub(1)], below[i] - above[i]);
                 self.samples.push((row[i], x * x + y * y));
             }
         }
+        // Keeping every second sample halves the density evenly over all slices read so far.
         while self.samples.len() > MAX_SAMPLES {
             self.samples = self.samples.iter().copied().step_by(2).collect();
             self.stride *= 2;
@@ -69,13 +73,14 @@ impl Histogram {
 
     fn make_room(&mut self, low: f64, high: f64) {
         if self.counts.is_empty() {
-            // Whole numbers get a bin each as long as there are not too many.
+            // Whole numbers get a bin each while they fit; then counts are exact.
             self.width = if high - low > 16.0 { 1.0 } else { ((high - low) / 4096.0).max(1e-12) };
             self.low = low - 0.5 * self.width;
             self.counts = vec![0];
         }
         while (high - self.low.min(low)) / self.width >= (MAX_BINS - 2) as f64 {
             self.width *= 2.0;
+            // Pairs of bins are added, so no count is lost when the width doubles.
             self.counts = self.counts.chunks(2).map(|c| c.iter().sum()).collect();
         }
         if low < self.low {
@@ -89,12 +94,12 @@ impl Histogram {
         }
     }
 
-    /// The least and the greatest value.
+    /// The lowest and the highest value.
     pub fn range(&self) -> Option<(f32, f32)> {
         self.range
     }
 
-    /// Counts in `n` bins over the range.
+    /// The counts in `n` bins over the range.
     pub fn binned(&self, n: usize) -> Vec<u64> {
         let mut out = vec![0; n];
         let total = self.counts.len().max(1);
@@ -110,16 +115,18 @@ impl Histogram {
 
     /// Otsu's threshold, a grey value between two bins; see [`otsu_split`].
     pub fn otsu(&self) -> f64 {
+        // The split lies between two bins, half a bin below the centre of the next.
         self.value(otsu_split(&self.counts) - 0.5)
     }
 
-    /// The commonest grey values below and above the Otsu threshold, away from edges: air and material.
+    /// The most frequent grey values below and above Otsu's threshold, away from edges: air and material.
     pub fn materials(&self) -> (f64, f64) {
         let split = self.otsu();
         let (mut low, mut high): (Vec<_>, Vec<_>) =
             self.samples.iter().copied().partition(|s| f64::from(s.0) < split);
-        // Voxels that are partly air pull both means towards the split, and pile up where faces lie along the voxels:
-        // materials are looked for from halfway to the means outwards.
+        // Voxels that are partly air pull both means towards the threshold, and many of them are alike
+        // where faces run along the voxels. The modes are therefore sought outside the halfway points
+        // between threshold and means.
         let outer = |side: &[(f32, f32)]| {
             let mean = side.iter().map(|s| f64::from(s.0)).sum::<f64>() / side.len().max(1) as f64;
             0.5 * (split + mean)
@@ -127,6 +134,8 @@ impl Histogram {
         let (low_end, high_start) = (outer(&low), outer(&high));
         low.retain(|s| f64::from(s.0) <= low_end);
         high.retain(|s| f64::from(s.0) >= high_start);
+        // The mode is the densest window of 4 % of the range: narrower ones follow the noise, wider ones
+        // reach into the partly filled voxels.
         let width = self.range.map_or(0.0, |(a, b)| b - a) * 0.04;
         let of = |side: Vec<(f32, f32)>| commonest(away_from_edges(side), width).unwrap_or(split);
         (of(low), of(high))
@@ -151,11 +160,14 @@ pub fn otsu_split(counts: &[u64]) -> f64 {
         below += c as f64;
         below_sum += i as f64 * c as f64;
         let above = all - below;
+        // A split with an empty side has no variance between groups.
         if below == 0.0 || above == 0.0 {
             continue;
         }
         let d = below_sum / below - (sum - below_sum) / above;
         let variance = below * above * d * d;
+        // Splits within a run of empty bins are equal up to rounding; the tolerance keeps both ends of
+        // the run.
         if variance > best * (1.0 + 1e-12) {
             (best, first, last) = (variance, i, i);
         } else if variance >= best * (1.0 - 1e-12) {
@@ -165,8 +177,8 @@ pub fn otsu_split(counts: &[u64]) -> f64 {
     0.5 * (first + last) as f64 + 1.0
 }
 
-/// The tenth that differs least from its neighbours, or a few hundred if that is more: in a thin wall hardly a voxel has
-/// the full grey value, and these are the nearest to it.
+/// Returns the tenth of the values that differ least from their neighbours, or a few hundred if that is
+/// more. In a thin wall hardly any voxel has the full grey value, and these come nearest to it.
 fn away_from_edges(mut side: Vec<(f32, f32)>) -> Vec<f32> {
     let wanted = (side.len() / 10).max(300);
     let slope = if wanted < side.len() {
@@ -177,7 +189,7 @@ fn away_from_edges(mut side: Vec<(f32, f32)>) -> Vec<f32> {
     side.into_iter().filter(|s| s.1 <= slope).map(|s| s.0).collect()
 }
 
-/// The middle of the most values that lie within `width`.
+/// The middle of the window of this width that holds the most values.
 fn commonest(mut values: Vec<f32>, width: f32) -> Option<f64> {
     values.sort_by(f32::total_cmp);
     let within = |from: f64, to: f64| {
@@ -187,6 +199,7 @@ fn commonest(mut values: Vec<f32>, width: f32) -> Option<f64> {
     let reach = 0.5 * f64::from(width);
     let mut middle = f64::from(*values.first()?);
     let (mut most, mut start) = (0, 0);
+    // A window slides over the sorted values, so the search is linear after sorting.
     for (end, &v) in values.iter().enumerate() {
         while v - values[start] > width {
             start += 1;
@@ -195,7 +208,8 @@ fn commonest(mut values: Vec<f32>, width: f32) -> Option<f64> {
             (most, middle) = (end - start, 0.5 * (f64::from(v) + f64::from(values[start])));
         }
     }
-    // From one value to the next, the best window hardly differs: the mean of what it holds settles.
+    // Neighbouring windows hold nearly the same number of values, so the best one is partly chance. The
+    // mean of its values, recomputed, settles on the peak.
     for _ in 0..20 {
         let held = within(middle - reach, middle + reach + f64::MIN_POSITIVE);
         if !held.is_empty() {

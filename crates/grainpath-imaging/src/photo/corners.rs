@@ -1,4 +1,4 @@
-//! The corners of a board on a plain ground.
+//! Finds the corners of a board that lies on a plain ground.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::cross;
@@ -25,23 +25,27 @@ pub enum CornersNotFound {
     Ratio { found: f64, asked: f64 },
 }
 
-/// Pictures are searched at about this size.
+/// Longest side of the picture that is searched is at most twice this. Corners are refined in the full
+/// picture afterwards, so a finer search would only cost time.
 const SEARCH_PX: usize = 700;
 
-/// The corners of the largest thing that differs from the ground along the picture's border: upper left, upper right,
-/// lower right, lower left.
+/// The corners of the largest object that differs from the ground along the picture's border: upper left,
+/// upper right, lower right, lower left.
 ///
-/// The ground is learnt from the border; what differs is made into a mask, its largest piece's hull is fitted with
-/// four lines, and each line is moved to where the brightness changes fastest across it.
+/// The ground is estimated from the border. Pixels that differ become a mask, the convex hull of its
+/// largest piece is reduced to four sides, and each side is moved to where brightness changes fastest
+/// across it.
 ///
 /// # Errors
 /// [`CornersNotFound`] when nothing stands out, when it touches the border, or when it is not four-sided.
 pub fn find_corners(photo: &Grey) -> Result<[DVec2; 4], CornersNotFound> {
     let wrong = |problem| CornersNotFound::Outline { problem };
     let (small, level) = shrunk(photo);
+    // The median removes grain and knots, the Gaussian the steps between pixels.
     let small = small.median(2).blurred(1.0);
     let mask = foreground(&small).ok_or(wrong("nothing stands out from the ground"))?;
     let piece = largest_piece(&mask, small.width, small.height);
+    // Smaller than 2 % of the picture: a stain or a tool, not the board.
     if piece.len() < small.data.len() / 50 {
         return Err(wrong("what stands out is too small"));
     }
@@ -49,12 +53,14 @@ pub fn find_corners(photo: &Grey) -> Result<[DVec2; 4], CornersNotFound> {
         let (x, y) = (k % small.width, k / small.width);
         x == 0 || y == 0 || x + 1 == small.width || y + 1 == small.height
     };
+    // A few pixels may touch by noise. More mean that the board is cut off and has no corner there.
     if piece.iter().filter(|k| touches(k)).count() > 4 {
         return Err(wrong("it reaches the photograph's border"));
     }
     let hull = hull(&piece, small.width);
     let rough = four_sides(&hull).ok_or(wrong("what stands out is not four-sided"))?;
     let area = 0.5 * cross(rough[2] - rough[0], rough[3] - rough[1]).abs();
+    // The hull of an L or a disc also has four sides in the end, but its piece fills less of them.
     if (piece.len() as f64) < 0.9 * area {
         return Err(wrong("what stands out is not four-sided"));
     }
@@ -62,7 +68,7 @@ pub fn find_corners(photo: &Grey) -> Result<[DVec2; 4], CornersNotFound> {
     Ok(sorted(refined(photo, corners, 4.0 * level)))
 }
 
-/// A picture of a size to search in, and how much smaller it is.
+/// The picture halved until it is small enough to be searched, and the factor by which it was shrunk.
 pub(super) fn shrunk(photo: &Grey) -> (Grey, f64) {
     let (mut small, mut level) = (photo.clone(), 1.0);
     while small.width.max(small.height) > 2 * SEARCH_PX {
@@ -72,8 +78,8 @@ pub(super) fn shrunk(photo: &Grey) -> (Grey, f64) {
     (small, level)
 }
 
-/// What differs from the ground: brightness off by more than the border's own spread, by Otsu's split of the
-/// differences. `None` when there is no split.
+/// A mask of the pixels whose brightness differs from the ground by more than the border itself varies.
+/// Otsu's threshold splits the differences. `None` where there is no clear split.
 fn foreground(grey: &Grey) -> Option<Vec<bool>> {
     let (w, h) = (grey.width, grey.height);
     if w < 16 || h < 16 {
@@ -81,30 +87,36 @@ fn foreground(grey: &Grey) -> Option<Vec<bool>> {
     }
     let mut border: Vec<f32> = (0..w).flat_map(|x| [grey.at(x, 0), grey.at(x, h - 1)]).collect();
     border.extend((0..h).flat_map(|y| [grey.at(0, y), grey.at(w - 1, y)]));
+    // The median of the border: a board that reaches into it in one place must not shift the ground.
     let ground = crate::raster::quantile(&mut border, 0.5);
     let off: Vec<f32> = grey.data.iter().map(|v| (v - ground).abs()).collect();
     let mut spread: Vec<f32> = border.iter().map(|v| (v - ground).abs()).collect();
     let rough = crate::raster::quantile(&mut spread, 0.95);
+    // 1.3 times the 95th percentile of the border's own deviation keeps shadows and textured ground out
+    // of the mask.
     let threshold = otsu(&off).max(1.3 * rough);
     let n = off.iter().filter(|v| **v > threshold).count();
+    // Between 2 % and 98 % of the picture, and at least 2 % of white apart. Beyond that there is no board
+    // or no ground.
     let stands_out = threshold > 0.02 && n > off.len() / 50 && n < off.len() * 49 / 50;
     stands_out.then(|| off.iter().map(|v| *v > threshold).collect())
 }
 
-/// Otsu's threshold of numbers from 0 to 1.
+/// Otsu's threshold of values from 0 to 1.
 fn otsu(values: &[f32]) -> f32 {
+    // A byte's worth of bins: photographs have 8 bits, and a finer split would only follow noise.
     const BINS: usize = 256;
     let mut counts = [0u64; BINS];
     values.iter().for_each(|v| counts[((v * BINS as f32) as usize).min(BINS - 1)] += 1);
     (otsu_split(&counts) / BINS as f64) as f32
 }
 
-/// The pixels of the largest connected piece of a mask.
+/// The pixels of the largest connected piece of a mask. Of equal pieces the first counts.
 pub(super) fn largest_piece(mask: &[bool], w: usize, h: usize) -> Vec<usize> {
     pieces(mask, w, h).into_iter().fold(Vec::new(), |best, p| if p.len() > best.len() { p } else { best })
 }
 
-/// The connected pieces of a mask.
+/// The connected pieces of a mask; neighbours share a side.
 pub(super) fn pieces(mask: &[bool], w: usize, h: usize) -> Vec<Vec<usize>> {
     let mut left = mask.to_vec();
     let mut out = Vec::new();
@@ -113,6 +125,7 @@ pub(super) fn pieces(mask: &[bool], w: usize, h: usize) -> Vec<Vec<usize>> {
             continue;
         }
         left[start] = false;
+        // The piece serves as its own queue, so no recursion depends on its size.
         let (mut piece, mut next) = (vec![start], 0);
         while next < piece.len() {
             let k = piece[next];
@@ -136,11 +149,12 @@ pub(super) fn pieces(mask: &[bool], w: usize, h: usize) -> Vec<Vec<usize>> {
     out
 }
 
-/// The convex hull of pixels' centres, clockwise as seen (rows downwards).
+/// The convex hull of the pixels' centres, clockwise as seen (rows downwards).
 pub(super) fn hull(pixels: &[usize], w: usize) -> Vec<DVec2> {
     let mut points: Vec<DVec2> =
         pixels.iter().map(|k| DVec2::new((k % w) as f64 + 0.5, (k / w) as f64 + 0.5)).collect();
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    // Andrew's monotone chain: lower and upper half of the sorted points.
     let half = |points: &mut dyn Iterator<Item = DVec2>| {
         let mut chain: Vec<DVec2> = Vec::new();
         for p in points {
@@ -160,13 +174,14 @@ pub(super) fn hull(pixels: &[usize], w: usize) -> Vec<DVec2> {
     out
 }
 
-/// The corners of the quadrilateral that a hull is nearly: sides are taken away, cheapest first, and their
-/// neighbours lengthened until they meet.
+/// Reduces a hull to four corners. The side whose removal adds the least area goes first; its neighbours
+/// are extended until they meet.
 pub(super) fn four_sides(hull: &[DVec2]) -> Option<[DVec2; 4]> {
     let mut ring = hull.to_vec();
     while ring.len() > 4 {
         let n = ring.len();
         let cost = |i: usize| {
+            // Removing the side b-c extends a-b and d-c to the tip where they meet.
             let [a, b, c, d] = [ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n], ring[(i + 2) % n]];
             let tip = meet(a, b, c, d)?;
             Some((0.5 * cross(tip - b, c - b).abs(), tip))
@@ -184,19 +199,24 @@ pub(super) fn four_sides(hull: &[DVec2]) -> Option<[DVec2; 4]> {
     ring.try_into().ok()
 }
 
-/// Where the lines a-b and d-c, lengthened beyond b and c, meet.
+/// The point where the lines a-b and d-c meet beyond b and c.
 fn meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<DVec2> {
     let (u, v) = (b - a, c - d);
     let denominator = cross(u, v);
+    // Parallel neighbours never meet, so the side between them cannot be removed.
     if denominator.abs() < 1e-9 * u.length() * v.length() {
         return None;
     }
     let t = cross(d - a, v) / denominator;
+    // Before b the neighbours would have to be shortened, which cuts area off instead of adding it.
     (t >= 1.0).then(|| a + t * u)
 }
 
-/// Moves each side to where the brightness changes fastest across it, and gives where they meet then.
+/// Moves each side to where brightness changes fastest across it and returns the points where the sides
+/// then meet.
 pub(super) fn refined(photo: &Grey, corners: [DVec2; 4], reach: f64) -> [DVec2; 4] {
+    // Points along a side. The line is fitted through all of them, so its error falls with their square
+    // root; 60 leave enough where a third is hidden.
     const SAMPLES: usize = 60;
     let side = |k: usize| -> (DVec2, DVec2) {
         let (a, b) = (corners[k], corners[(k + 1) % 4]);
@@ -204,10 +224,12 @@ pub(super) fn refined(photo: &Grey, corners: [DVec2; 4], reach: f64) -> [DVec2; 
         let normal = DVec2::new(-along.y, along.x);
         let mut found = Vec::new();
         for i in 0..SAMPLES {
+            // The ends of a side are left out, since the change across them belongs to the neighbouring
+            // side.
             let p = a.lerp(b, 0.06 + 0.88 * (i as f64 + 0.5) / SAMPLES as f64);
             let at = |t: f64| f64::from(photo.sample(p.x + t * normal.x, p.y + t * normal.y));
             let steps = (2.0 * reach) as i32 * 2;
-            // Slopes over three pixels, every half pixel.
+            // Slopes over three pixels, at every half pixel.
             let slope = |k: i32| {
                 let t = f64::from(k) * 0.5;
                 (at(t + 1.5) + at(t + 0.75) - at(t - 0.75) - at(t - 1.5)).abs()
@@ -219,10 +241,12 @@ pub(super) fn refined(photo: &Grey, corners: [DVec2; 4], reach: f64) -> [DVec2; 
             let (before, after) = (slope(best.1 - 1), slope(best.1 + 1));
             let bend = before - 2.0 * best.0 + after;
             let shift = if bend < -1e-9 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
+            // A weaker change is grain or noise, not the border of the board.
             if best.0 > 0.05 {
                 found.push(p + 0.5 * (f64::from(best.1) + shift) * normal);
             }
         }
+        // Too few points: the side stays where the hull has it.
         fit_line(&found).unwrap_or((a, b))
     };
     let sides = [side(0), side(1), side(2), side(3)];
@@ -234,7 +258,8 @@ pub(super) fn refined(photo: &Grey, corners: [DVec2; 4], reach: f64) -> [DVec2; 
     })
 }
 
-/// Two points of the line nearest to these, those farthest off left out three times. `None` for too few.
+/// Two points on the line nearest to the given points, with the farthest left out in three rounds. `None`
+/// for too few points.
 fn fit_line(points: &[DVec2]) -> Option<(DVec2, DVec2)> {
     let mut kept = points.to_vec();
     let mut line = None;
@@ -247,24 +272,28 @@ fn fit_line(points: &[DVec2]) -> Option<(DVec2, DVec2)> {
         for d in kept.iter().map(|p| *p - centre) {
             (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
         }
+        // The direction of greatest variance is the eigenvector of the covariance, found in closed form.
         let angle = 0.5 * grainpath_core::math::atan2(2.0 * xy, xx - yy);
         let along = grainpath_core::math::direction(angle);
         line = Some((centre, centre + along));
         let off = |p: &DVec2| cross(along, *p - centre).abs();
         let mut all: Vec<f64> = kept.iter().map(off).collect();
         all.sort_by(f64::total_cmp);
+        // 2.5 times the median distance removes knots and shadows; 0.3 pixels keeps a perfect line from
+        // shedding its own rounding.
         let limit = (2.5 * all[all.len() / 2]).max(0.3);
         kept.retain(|p| off(p) <= limit);
     }
     line
 }
 
-/// Four corners as upper left, upper right, lower right, lower left.
+/// Orders four corners as upper left, upper right, lower right, lower left.
 pub(super) fn sorted(mut corners: [DVec2; 4]) -> [DVec2; 4] {
+    // A negative cross product of the diagonals means counter-clockwise.
     if cross(corners[2] - corners[0], corners[3] - corners[1]) < 0.0 {
         corners.reverse();
     }
-    // The upper left one is nearest to the picture's upper left corner.
+    // The upper left corner is the one nearest to that of the picture.
     let first = (0..4).fold(0, |best, k| {
         let sum = |k: usize| corners[k].x + corners[k].y;
         if sum(k) < sum(best) { k } else { best }
@@ -273,7 +302,7 @@ pub(super) fn sorted(mut corners: [DVec2; 4]) -> [DVec2; 4] {
     corners
 }
 
-/// Where the points of a unit square lie in a quadrilateral, for drawing and reading what is on it.
+/// The map from a unit square to a quadrilateral, for reading and drawing inside it.
 pub(super) fn square_to(corners: [DVec2; 4]) -> Option<Homography> {
     Homography::from_points([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(DVec2::from), corners)
 }

@@ -1,4 +1,4 @@
-//! Edge points to curves.
+//! Joins edge points to curves.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::cos;
@@ -8,23 +8,23 @@ use crate::canny::Edges;
 use crate::metric::MetricImage;
 use crate::tensor::AxisGrid;
 
-/// How edge points become curves.
+/// How edge points are joined to curves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Join {
     /// Along the edges, from neighbour to neighbour in the direction of the edge.
     Trace,
-    /// From each point to the nearest that is left, wherever that lies: the published method.
+    /// From each point to the nearest unused one, wherever that lies, as published.
     Nearest,
 }
 
-/// What is kept of the curves.
+/// Which curves are kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurveSettings {
     /// How points are joined.
     pub join: Join,
     /// Curves are cut where they turn by more than this in a step, radians.
     pub max_turn_rad: f64,
-    /// Ends that face each other over gaps up to this are joined, mm.
+    /// Ends that face each other over gaps up to this are joined, mm; 0 joins none.
     pub bridge_mm: f64,
     /// Shorter curves are dropped, mm.
     pub min_length_mm: f64,
@@ -42,7 +42,8 @@ pub fn edge_curves(edges: &Edges, image: &MetricImage, settings: &CurveSettings)
             curves.push(piece.into_iter().map(|p| image.place(p.x, p.y)).collect());
         }
     }
-    // What is shorter than a few pixels has no direction to go on in.
+    // A curve of a few pixels has no reliable direction in which it could be extended.
+    // A quarter of the final length: short pieces may still be joined to longer curves below.
     curves.retain(|c| length_mm(c) > (0.25 * settings.min_length_mm).max(3.0 * image.px_mm));
     let mut curves: Vec<Vec<DVec2>> =
         bridged(curves, settings.bridge_mm).iter().map(|c| softened(c, image.px_mm)).collect();
@@ -51,14 +52,14 @@ pub fn edge_curves(edges: &Edges, image: &MetricImage, settings: &CurveSettings)
     curves
 }
 
-/// A curve with points every 1.5 pixels or 0.15 mm, and what is shorter than a few of them smoothed away.
+/// Resamples a curve at 1.5 pixels or 0.15 mm, whichever is more, and smooths away waves of a few points.
 fn softened(curve: &[DVec2], px_mm: f64) -> Vec<DVec2> {
     let even = resampled(curve, (1.5 * px_mm).max(0.15));
     (0..3).fold(even, |line, _| smoothed(&line))
 }
 
-/// Cuts curves where they leave the grain: where it is clear and its axis is more than `off_rad` from theirs. Pieces
-/// shorter than `min_length_mm` are dropped; the longest come first.
+/// Cuts curves where they leave the grain: where the grain is clear and its axis differs by more than
+/// `off_rad` from theirs. Pieces shorter than `min_length_mm` are dropped; the longest come first.
 pub fn along_grain(
     curves: Vec<Vec<DVec2>>,
     axes: &AxisGrid,
@@ -70,9 +71,11 @@ pub fn along_grain(
     for curve in curves {
         let n = curve.len();
         let strays = |k: usize| {
+            // Three points to both sides: a single step follows the pixels more than the grain.
             let d = curve[(k + 3).min(n - 1)] - curve[k.saturating_sub(3)];
             let s = axes.sample(curve[k]);
-            // Of doubled angles the cosine is enough.
+            // Both axes as doubled angles, so that opposite directions agree. The comparison needs the
+            // cosine alone.
             let [x, y] = s.double;
             let along = x * (d.x * d.x - d.y * d.y) + y * 2.0 * d.x * d.y;
             s.coherence > CLEAR && along < near * (x * x + y * y).sqrt() * d.length_squared()
@@ -98,10 +101,11 @@ fn longest_first(curves: &mut Vec<Vec<DVec2>>) {
     curves.extend(lengths.into_iter().map(|(_, c)| c));
 }
 
-/// From this coherence on the grain's axis is clear.
+/// Coherence from which the grain's axis counts as clear. A higher value lets curves cross the grain in
+/// weak places; a lower one cuts them along noise.
 const CLEAR: f64 = 0.3;
 
-/// Follows every edge from pixel to pixel, both ways from where it is met first, as straight as it can.
+/// Follows every edge from pixel to pixel in both directions, as straight as possible.
 fn trace(edges: &Edges) -> Vec<Vec<DVec2>> {
     let mut done = vec![false; edges.mask.len()];
     let mut out = Vec::new();
@@ -116,6 +120,7 @@ fn trace(edges: &Edges) -> Vec<Vec<DVec2>> {
         line.reverse();
         line.push(p);
         line.extend(walk(edges, start, along, &mut done));
+        // Shorter lines are noise and could not be smoothed.
         if line.len() > 3 {
             out.push(line);
         }
@@ -123,7 +128,8 @@ fn trace(edges: &Edges) -> Vec<Vec<DVec2>> {
     out
 }
 
-/// Turns sharper than this end a walk: the cosine of the angle to where it was going.
+/// Cosine of the sharpest turn that a walk takes (66 degrees). Two steps of a pixel may turn by 45
+/// degrees without a corner.
 const STRAIGHT: f64 = 0.4;
 
 fn walk(edges: &Edges, start: usize, heading: DVec2, done: &mut [bool]) -> Vec<DVec2> {
@@ -142,7 +148,8 @@ fn walk(edges: &Edges, start: usize, heading: DVec2, done: &mut [bool]) -> Vec<D
             return out;
         }
         done[next] = true;
-        // Pixels beside the step belong to the same edge where it is two pixels thick.
+        // Where an edge is two pixels thick, the pixels beside the step belong to it and would otherwise
+        // begin a second curve.
         let beside: Vec<usize> = edges
             .next_to(at)
             .filter(|&n| !done[n] && centre(n).distance_squared(centre(next)) < 1.5 && step(n) > STRAIGHT)
@@ -152,15 +159,18 @@ fn walk(edges: &Edges, start: usize, heading: DVec2, done: &mut [bool]) -> Vec<D
         out.push(DVec2::from(p));
         let along = DVec2::from(along);
         let along = if along.dot(heading) < 0.0 { -along } else { along };
-        // The edge's own direction, and some of where the walk came from, against noise.
+        // The mean of the edge's direction and the previous heading, so that noise in one pixel cannot
+        // turn the walk.
         heading = (0.5 * along + 0.5 * heading).normalize_or_zero();
         at = next;
     }
 }
 
-/// Joins each point to the nearest that is left, until none is left.
+/// Joins each point to the nearest unused one, until none is left.
 fn join_nearest(points: &[DVec2]) -> Vec<Vec<DVec2>> {
+    // Side of a search cell, pixels. It changes speed alone.
     const CELL: f64 = 4.0;
+    // Longest step, pixels. Longer ones join unrelated edges and are cut again below.
     const FAR: f64 = 12.0;
     let Some(bounds) = grainpath_core::Bounds2::of(points.iter().copied()) else { return Vec::new() };
     let count = |v: f64| (v / CELL) as usize + 1;
@@ -185,7 +195,8 @@ fn join_nearest(points: &[DVec2]) -> Vec<Vec<DVec2>> {
             let reach = (FAR / CELL) as usize;
             let mut best = (FAR * FAR, usize::MAX);
             for r in 0..=reach {
-                // A ring of cells at a time: once something is nearer than the ring, no further one matters.
+                // Rings of cells, nearest first. The search ends once a point is nearer than the next
+                // ring can be.
                 if best.0.sqrt() < (r as f64 - 1.0) * CELL {
                     break;
                 }
@@ -194,6 +205,8 @@ fn join_nearest(points: &[DVec2]) -> Vec<Vec<DVec2>> {
                         if i.abs_diff(x).max(j.abs_diff(y)) != r {
                             continue;
                         }
+                        // Used points are removed as they are met, so that dense areas do not become
+                        // slow.
                         cells[j * nx + i].retain(|&k| left[k as usize]);
                         for &k in &cells[j * nx + i] {
                             let d = points[k as usize].distance_squared(points[at]);
@@ -216,7 +229,7 @@ fn join_nearest(points: &[DVec2]) -> Vec<Vec<DVec2>> {
     out
 }
 
-/// The mean of five points for each, the ends left where they are: takes out what is left of the pixels.
+/// The mean of five points for each, with the ends kept. Removes the steps of the pixels.
 fn smoothed(line: &[DVec2]) -> Vec<DVec2> {
     let n = line.len();
     (0..n)
@@ -228,17 +241,18 @@ fn smoothed(line: &[DVec2]) -> Vec<DVec2> {
         .collect()
 }
 
-/// Longer steps than this, in pixels, are jumps from one edge to another.
+/// Longest step within an edge, pixels. Longer steps jump from one edge to another.
 const JUMP_PX: f64 = 3.0;
 
-/// Cuts a line where it jumps or turns back on itself.
+/// Cuts a line where it jumps or turns back.
 fn cut_strays(line: &[DVec2], max_turn_rad: f64) -> Vec<Vec<DVec2>> {
     let straight = cos(max_turn_rad);
     let mut out = Vec::new();
     let mut piece: Vec<DVec2> = Vec::new();
     for &p in line {
         let jumps = piece.last().is_some_and(|q| q.distance(p) > JUMP_PX);
-        // The heading over several points: one step of a pixel turns by 45 degrees at every stair.
+        // The heading is taken over several points: single steps between pixels turn by 45 degrees at
+        // every stair.
         let turns = piece.len() > 6 && {
             let n = piece.len();
             let before = (piece[n - 1] - piece[n - 6]).normalize_or_zero();
@@ -255,7 +269,7 @@ fn cut_strays(line: &[DVec2], max_turn_rad: f64) -> Vec<Vec<DVec2>> {
     out
 }
 
-/// Where a curve ends and where it was going.
+/// An end of a curve and the direction in which it was going.
 struct End {
     curve: usize,
     at_start: bool,
@@ -270,6 +284,7 @@ fn bridged(curves: Vec<Vec<DVec2>>, gap_mm: f64) -> Vec<Vec<DVec2>> {
     }
     let mut ends = Vec::with_capacity(2 * curves.len());
     for (curve, c) in curves.iter().enumerate() {
+        // The direction of an end comes from its last eight points.
         let back = 8.min(c.len() - 1);
         let (first, last) = (c[0], c[c.len() - 1]);
         ends.push(End { curve, at_start: true, p: first, outwards: (first - c[back]).normalize_or_zero() });
@@ -277,11 +292,13 @@ fn bridged(curves: Vec<Vec<DVec2>>, gap_mm: f64) -> Vec<Vec<DVec2>> {
         ends.push(End { curve, at_start: false, p: last, outwards: (last - inner).normalize_or_zero() });
     }
     let mut pairs = facing_pairs(&ends, gap_mm);
+    // Equal costs are ordered by index, so that the result is the same on every run.
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
     let mut partner = vec![usize::MAX; ends.len()];
     let mut group: Vec<usize> = (0..curves.len()).collect();
     for (_, a, b) in pairs {
         let (ga, gb) = (root(&mut group, ends[a].curve), root(&mut group, ends[b].curve));
+        // A pair within one chain would close it to a ring, which the loops below could not walk.
         if partner[a] == usize::MAX && partner[b] == usize::MAX && ga != gb {
             (partner[a], partner[b]) = (b, a);
             group[ga.max(gb)] = ga.min(gb);
@@ -294,7 +311,7 @@ fn bridged(curves: Vec<Vec<DVec2>>, gap_mm: f64) -> Vec<Vec<DVec2>> {
         if used[first] {
             continue;
         }
-        // To one end of the chain, then along it.
+        // First walk to one end of the chain, then along the whole of it.
         let mut end = 2 * first;
         while partner[end] != usize::MAX {
             end = partner[end] ^ 1;
@@ -327,12 +344,13 @@ fn root(group: &mut [usize], mut k: usize) -> usize {
     k
 }
 
-/// Pairs of ends near each other that look at each other, with a cost that grows with distance and bend.
+/// Pairs of nearby ends that face each other, with a cost that grows with distance and bend.
 fn facing_pairs(ends: &[End], gap_mm: f64) -> Vec<(f64, usize, usize)> {
     let mut order: Vec<usize> = (0..ends.len()).collect();
     order.sort_by(|&a, &b| ends[a].p.x.total_cmp(&ends[b].p.x).then(a.cmp(&b)));
     let mut pairs = Vec::new();
     for (i, &a) in order.iter().enumerate() {
+        // Ends are sorted by x, so only those within the gap are compared.
         for &b in order[i + 1..].iter().take_while(|&&b| ends[b].p.x - ends[a].p.x <= gap_mm) {
             let (ea, eb) = (&ends[a], &ends[b]);
             let d = eb.p - ea.p;
@@ -343,6 +361,8 @@ fn facing_pairs(ends: &[End], gap_mm: f64) -> Vec<(f64, usize, usize)> {
             let opposite = -ea.outwards.dot(eb.outwards);
             let u = if gap > 1e-9 { d / gap } else { ea.outwards };
             let ahead = ea.outwards.dot(u).min(-eb.outwards.dot(u));
+            // 0.85 is the cosine of 32 degrees: the ends must face each other and lie ahead of each
+            // other.
             if opposite > 0.85 && ahead > 0.85 {
                 pairs.push((gap * (2.0 - ahead), a.min(b), a.max(b)));
             }

@@ -34,7 +34,7 @@ use crate::raster::Grey;
 /// Side of a marker, mm. Rim and white ring are a sixth of it wide, the inner square is a third.
 pub const MARKER_MM: f64 = 12.0;
 
-/// Which of the two sheets a photograph shows.
+/// The sheet that a photograph shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sheet {
     /// All four markers differ: corners and handedness are certain.
@@ -43,18 +43,19 @@ pub enum Sheet {
     OneWhite,
 }
 
-/// What [`find_markers`] finds.
+/// The result of [`find_markers`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FoundMarkers {
     /// Corners of the rectangle between the markers, px: upper left, upper right, lower right, lower left of the sheet.
     pub corners: [DVec2; 4],
-    /// Which sheet it is.
+    /// The sheet that was recognised.
     pub sheet: Sheet,
 }
 
 /// The sheet for a board of this size, as SVG with the millimetre as its unit. The inner corners of the four markers
 /// are the corners of a rectangle of `size_mm`: `corners = "markers"` reads the picture between them.
 pub fn marker_sheet_svg(size_mm: DVec2) -> String {
+    // 5 mm of white around the markers: office printers cannot print closer to the edge of the page.
     let margin = MARKER_MM + 5.0;
     let (w, h) = (size_mm.x + 2.0 * margin, size_mm.y + 2.0 * margin);
     let mut out = format!(
@@ -106,6 +107,7 @@ pub fn marker_sheet_pdf(size_mm: DVec2) -> Vec<u8> {
     let mut out = "%PDF-1.4\n".to_owned();
     let mut places = Vec::new();
     for (k, object) in objects.iter().enumerate() {
+        // The cross-reference table lists the byte offset of every object.
         places.push(out.len());
         let _ = write!(out, "{} 0 obj\n{object}\nendobj\n", k + 1);
     }
@@ -126,12 +128,13 @@ struct Patch {
     black: bool,
 }
 
-/// Black stripes of the inner square of each marker, as shares of its width from and to: upper left, upper right,
-/// lower right, lower left.
+/// Black stripes of the inner square of each marker, as shares of its width from and to: upper left,
+/// upper right, lower right, lower left. Source: the shares 0, 1/3, 1 and 2/3 of the module text, the
+/// farthest apart that four values can be.
 const STRIPES: [&[[f64; 2]]; 4] =
     [&[], &[[1.0 / 3.0, 2.0 / 3.0]], &[[0.0, 1.0]], &[[0.0, 1.0 / 3.0], [2.0 / 3.0, 1.0]]];
 
-/// The rectangles that make up the four markers, later ones over earlier ones.
+/// The rectangles that make up the four markers. Later ones cover earlier ones.
 fn patches(size_mm: DVec2) -> Vec<Patch> {
     let m = MARKER_MM;
     let places = [
@@ -153,12 +156,12 @@ fn patches(size_mm: DVec2) -> Vec<Patch> {
     out
 }
 
-/// A marker in a photograph.
+/// A marker found in a photograph.
 #[derive(Clone, Copy)]
 struct Seen {
     /// Clockwise as seen, px.
     corners: [DVec2; 4],
-    /// Corner of the sheet it names, from 0 at the upper left, clockwise.
+    /// The corner of the sheet that the marker names, from 0 at the upper left, clockwise.
     index: usize,
 }
 
@@ -183,19 +186,20 @@ pub fn find_markers(photo: &Grey) -> Result<FoundMarkers, CornersNotFound> {
             let mut ring = all;
             ring.sort_by_key(|m| m.index);
             let [a, b, c, d] = ring.map(|m| m.centre());
-            // Rows run downwards, so a positive turn is clockwise as seen.
+            // Rows run downwards, so a positive cross product is clockwise as seen.
             if cross(c - a, d - b) < 0.0 {
                 return Err(CornersNotFound::Mirrored);
             }
             (ring, Sheet::FourShares)
         }
+        // One white and three black squares: the older sheet. Its corners are known by their order alone.
         [1, 0, 3, 0] => (clockwise_from_first(all), Sheet::OneWhite),
         _ => return Err(wrong),
     };
     let centres = markers.map(|m| m.centre());
     let corners = std::array::from_fn(|k| {
-        // The corner towards both neighbouring markers, measured along the sides of the sheet as seen, so that neither
-        // perspective nor a long sheet picks another one.
+        // The corner that points to both neighbouring markers. It is measured along the sides of the
+        // sheet as seen, so that neither perspective nor a long sheet selects another corner.
         let (origin, u, v) =
             (centres[k], centres[(k + 1) % 4] - centres[k], centres[(k + 3) % 4] - centres[k]);
         let det = cross(u, v);
@@ -206,19 +210,23 @@ pub fn find_markers(photo: &Grey) -> Result<FoundMarkers, CornersNotFound> {
     Ok(FoundMarkers { corners, sheet })
 }
 
-/// Everything in a photograph that reads as a marker.
+/// All pieces of a photograph that read as a marker.
 fn seen_markers(photo: &Grey) -> Vec<Seen> {
     let (small, level) = shrunk(photo);
+    // The surroundings: a Gaussian a fortieth of the picture wide, several markers across, follows uneven
+    // light.
     let local = small.blurred(small.width.max(small.height) as f64 / 40.0);
     let dark: Vec<bool> = small.data.iter().zip(&local.data).map(|(v, l)| *v < 0.75 * l).collect();
     let (w, h) = (small.width, small.height);
+    // The rim of a marker ten pixels wide has about 60 pixels. The rings of a smaller one cannot be told
+    // apart.
     let least = (w * h / 20_000).max(60);
     let mut found = Vec::new();
     for piece in pieces(&dark, w, h).into_iter().filter(|p| p.len() > least) {
         let Some(corners) = four_sides(&hull(&piece, w)) else { continue };
         let corners = sorted(corners);
         if let Some(index) = reads_as_marker(&small, corners) {
-            // The rim of a marker is a sixth of its side: a finer look must not reach the next ring.
+            // The rim of a marker is a sixth of its side, so the refinement must not reach the next ring.
             let shortest =
                 (0..4).map(|k| corners[k].distance(corners[(k + 1) % 4])).fold(f64::INFINITY, f64::min);
             let reach = (shortest / 14.0).min(3.0);
@@ -229,7 +237,7 @@ fn seen_markers(photo: &Grey) -> Vec<Seen> {
     found
 }
 
-/// The markers clockwise as seen, the one with the white inner square first.
+/// The markers clockwise as seen, beginning with the white inner square.
 fn clockwise_from_first(mut markers: [Seen; 4]) -> [Seen; 4] {
     let middle = markers.iter().map(Seen::centre).sum::<DVec2>() * 0.25;
     let angle = |m: &Seen| {
@@ -242,14 +250,15 @@ fn clockwise_from_first(mut markers: [Seen; 4]) -> [Seen; 4] {
     markers
 }
 
-/// The corner of the sheet that a square names, if its rings are those of a marker.
+/// The corner of the sheet that a square names; `None` if its rings are not those of a marker.
 fn reads_as_marker(photo: &Grey, corners: [DVec2; 4]) -> Option<usize> {
     let map = square_to(corners)?;
     let at = |u: f64, v: f64| {
         let p = map.map(DVec2::new(u, v));
         photo.sample(p.x, p.y)
     };
-    // Means around the rings, a twelfth and a quarter of the way in.
+    // Mean brightness around the rings, a twelfth and a quarter of the way in: the middles of the black
+    // rim and of the white ring.
     let ring = |inset: f64| {
         let line = |k: usize| inset + (1.0 - 2.0 * inset) * (k as f64 + 0.5) / 8.0;
         let each = (0..8).map(|k| {
@@ -258,12 +267,13 @@ fn reads_as_marker(photo: &Grey, corners: [DVec2; 4]) -> Option<usize> {
         each.sum::<f32>() / 32.0
     };
     let (black, white) = (ring(1.0 / 12.0), ring(0.25));
-    // Relative, so that a marker in the shade counts as one in the light.
+    // The comparison is relative, so that a marker in the shade counts as much as one in the light.
     if white - black < 0.3 * white || white < 0.05 {
         return None;
     }
-    // The inner square, as two profiles: one along each side, each a mean over the middle half across it. The whole
-    // square would mix in the white ring of a blurred photograph. Stripes show in the profile that varies more.
+    // The inner square as two profiles, one along each side, each a mean over the middle half across it.
+    // The whole square would mix in the white ring of a blurred photograph. Stripes show in the profile
+    // that varies more.
     let n = 12;
     let place = |k: usize| (1.0 + (k as f64 + 0.5) / n as f64) / 3.0;
     let profile = |turned: bool| {
@@ -276,7 +286,7 @@ fn reads_as_marker(photo: &Grey, corners: [DVec2; 4]) -> Option<usize> {
     let (along, across) = (profile(false), profile(true));
     let mean = if along.0 > across.0 { along.1 } else { across.1 };
     let share = (white - mean) / (white - black);
-    // Nearest of the shares 0, 1/3, 2/3 and 1, as the corners carry them.
+    // The nearest of the shares 0, 1/3, 2/3 and 1, each of which names a corner.
     Some(match share {
         s if s < 1.0 / 6.0 => 0,
         s if s < 0.5 => 1,

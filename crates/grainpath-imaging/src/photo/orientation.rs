@@ -1,4 +1,4 @@
-//! Which side of a rectangle is its width, told from a photograph of it.
+//! Finds which side of a photographed rectangle is its width.
 //!
 //! Four corners found in a photograph say where a board is, not how it was turned. The ratio of its sides does, when it
 //! is known beforehand: it is found from the four corners by the geometry of a pinhole camera with square pixels and
@@ -31,7 +31,8 @@ const FOCAL_RANGE: [f64; 2] = [0.3, 4.6];
 /// 45 degrees tilted come out within 1.03 with the usual focal length. With twice that focal length they are off by up
 /// to 1.26, where one pair of sides is parallel in the picture and the focal length cannot be found.
 const RATIO_TOLERANCE: f64 = 1.35;
-/// Sides closer than this factor do not tell which is which.
+/// Sides whose ratio is below this do not show which is which. The error of the ratio (see
+/// `RATIO_TOLERANCE`) would decide.
 const NEARLY_SQUARE: f64 = 1.15;
 
 /// Corners in the order of a board of known size.
@@ -43,20 +44,25 @@ pub struct Oriented {
     pub is_guess: bool,
 }
 
-/// Width over height of the rectangle whose corners are seen at `corners` (clockwise as seen, rows downwards) in a
-/// picture of `size_px`.
+/// Ratio of width to height of the rectangle whose corners appear at `corners` (clockwise as seen, rows
+/// downwards) in a picture of `size_px`.
 pub fn side_ratio(corners: [DVec2; 4], size_px: DVec2) -> f64 {
     let diagonal = size_px.length();
-    // Units of the diagonal, from the middle of the picture.
+    // Coordinates from the centre of the picture, in units of its diagonal.
     let point = |k: usize| ((corners[k] - 0.5 * size_px) / diagonal).extend(1.0);
     let [upper_left, upper_right, lower_right, lower_left] = [point(0), point(1), point(2), point(3)];
+    // Section 3.2 of `ZhangHe2007`: scale factors of two corners, then the directions of the sides in
+    // camera coordinates.
     let across = upper_left.cross(lower_right);
     let k_right = across.dot(lower_left) / upper_right.cross(lower_right).dot(lower_left);
     let k_down = across.dot(upper_right) / lower_left.cross(lower_right).dot(upper_right);
     let right = k_right * upper_right - upper_left;
     let down = k_down * lower_left - upper_left;
+    // The product of the two depths is zero where one pair of sides is parallel in the picture; the focal
+    // length then drops out.
     let vanishing = right.z * down.z;
     let focal = if vanishing.abs() > 1e-4 {
+        // The sides of a rectangle are perpendicular, which fixes the focal length.
         let squared = -(right.x * down.x + right.y * down.y) / vanishing;
         squared.max(0.0).sqrt().clamp(FOCAL_RANGE[0], FOCAL_RANGE[1])
     } else {
@@ -74,6 +80,7 @@ pub fn side_ratio(corners: [DVec2; 4], size_px: DVec2) -> f64 {
 pub fn oriented(corners: [DVec2; 4], size_mm: DVec2, size_px: DVec2) -> Result<Oriented, CornersNotFound> {
     let found = side_ratio(corners, size_px);
     let asked = size_mm.x / size_mm.y;
+    // Ratios are compared by their logarithms, so that 2 : 1 and 1 : 2 are equally far from 1 : 1.
     let off = |ratio: f64| ln(ratio / asked).abs();
     let (as_found, turned) = (off(found), off(1.0 / found));
     if as_found.min(turned) > ln(RATIO_TOLERANCE) {
@@ -82,7 +89,8 @@ pub fn oriented(corners: [DVec2; 4], size_mm: DVec2, size_px: DVec2) -> Result<O
     let is_guess = ln(asked).abs() < ln(NEARLY_SQUARE);
     let mut corners = corners;
     if turned < as_found && !is_guess {
-        // Of the two quarter turns the one that keeps the first corner nearer to the upper left.
+        // Of the two quarter turns, the one that keeps the first corner nearer to the upper left of the
+        // picture.
         let distance = |c: DVec2| c.x + c.y;
         let quarter = if distance(corners[1]) < distance(corners[3]) { 1 } else { 3 };
         corners.rotate_left(quarter);

@@ -11,27 +11,28 @@ use crate::raster::{Grey, half};
 /// A photograph as it was taken, in grey, rows from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Photo {
-    /// What errors and reports call it.
+    /// The name in errors and reports.
     pub name: String,
     light: Light,
 }
 
-/// Brightness as the file has it: a large photograph is shrunk next, and a quarter of the memory takes a quarter of
-/// the time.
+/// Brightness as the file stores it. A large photograph is halved next, and bytes take a quarter of the
+/// memory and time of floats.
 #[derive(Debug, Clone, PartialEq)]
 enum Light {
-    /// Pixels in a row, rows, and their brightness: 0 black to 255 white.
+    /// Pixels in a row, number of rows, and brightness from 0 (black) to 255 (white).
     Bytes([usize; 2], Vec<u8>),
     Floats(Grey),
 }
 
 impl Photo {
-    /// A photograph of a grey picture.
+    /// A photograph from a grey picture.
     pub fn new(name: String, grey: Grey) -> Self {
         Self { name, light: Light::Floats(grey) }
     }
 
-    /// The grey of an image; floats are stretched from their least to their largest value.
+    /// Converts an image to grey. Floats are stretched so that the lowest value is black and the highest
+    /// white.
     pub fn of(name: String, image: Image) -> Self {
         let (width, height) = (image.width, image.height);
         let samples = match image.samples {
@@ -43,11 +44,13 @@ impl Photo {
         let image = Image { samples, ..image };
         let mut data = image.to_grey_f32();
         let (mut low, mut high) = (0.0, image.samples.full_scale());
+        // Floats have no agreed white, so their own range is used.
         if matches!(image.samples, Samples::F32(_)) {
             let finite = || data.iter().copied().filter(|v| v.is_finite());
             (low, high) =
                 (finite().fold(f32::INFINITY, f32::min), finite().fold(f32::NEG_INFINITY, f32::max));
         }
+        // A blank image has no range; 1 avoids a division by zero and leaves it black.
         let range = if high > low { high - low } else { 1.0 };
         data.par_iter_mut().for_each(|v| *v = if v.is_finite() { (*v - low) / range } else { 0.0 });
         Self { name, light: Light::Floats(Grey { width, height, data }) }

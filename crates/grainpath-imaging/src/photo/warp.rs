@@ -1,4 +1,4 @@
-//! Rectification: a photograph in perspective to a picture in millimetres.
+//! Rectification: converts a photograph in perspective to a picture in millimetres.
 
 use std::borrow::Cow;
 
@@ -14,11 +14,12 @@ use crate::raster::{Grey, mix};
 pub struct Homography([f64; 9]);
 
 impl Homography {
-    /// The map that takes four points to four others; `None` when three of them lie on a line.
+    /// The map that takes four points to four others. `None` where three of them lie on a line.
     pub fn from_points(from: [DVec2; 4], to: [DVec2; 4]) -> Option<Self> {
         let mut rows = [[0.0; 9]; 8];
         for k in 0..4 {
             let (p, q) = (from[k], to[k]);
+            // Two linear equations for each pair of points, with the last coefficient fixed at 1.
             rows[2 * k] = [p.x, p.y, 1.0, 0.0, 0.0, 0.0, -p.x * q.x, -p.y * q.x, q.x];
             rows[2 * k + 1] = [0.0, 0.0, 0.0, p.x, p.y, 1.0, -p.x * q.y, -p.y * q.y, q.y];
         }
@@ -26,21 +27,22 @@ impl Homography {
         Some(Self([h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], 1.0]))
     }
 
-    /// Where a point goes.
+    /// The image of a point.
     pub fn map(&self, p: DVec2) -> DVec2 {
         let h = &self.0;
         let w = h[6] * p.x + h[7] * p.y + h[8];
         DVec2::new(h[0] * p.x + h[1] * p.y + h[2], h[3] * p.x + h[4] * p.y + h[5]) / w
     }
 
-    /// The homogeneous image, scaled, of the point (0, y), and how it changes with x.
+    /// The homogeneous image of (0, y), scaled, and its change with x. Both are linear in x, so a row
+    /// needs one division for each pixel.
     fn along_row(&self, y: f64, scale: f64) -> [DVec3; 2] {
         let h = &self.0;
         let at = |k: usize| DVec3::new(scale * h[k], scale * h[k + 3], h[k + 6]);
         [at(1) * y + at(2), at(0)]
     }
 
-    /// The larger stretch at a point: units there for one here.
+    /// The greater of the two stretches at a point: lengths in the image for a length of 1 here.
     fn stretch(&self, p: DVec2, d: f64) -> f64 {
         let o = self.map(p);
         let (u, v) = (self.map(p + DVec2::new(d, 0.0)), self.map(p + DVec2::new(0.0, d)));
@@ -48,15 +50,17 @@ impl Homography {
     }
 }
 
-/// Gaussian elimination with the largest pivot; each row ends with its right side.
+/// Gauss-Jordan elimination with partial pivoting. The last entry of each row is its right-hand side.
 fn solve(mut rows: [[f64; 9]; 8]) -> Option<[f64; 8]> {
-    // Unknowns have very different sizes (mm, pixels): rows are scaled before pivots are compared.
+    // Unknowns have very different sizes (mm, pixels), so rows are scaled before pivots are compared.
     for row in &mut rows {
         let largest = row.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         row.iter_mut().for_each(|v| *v /= largest.max(1e-300));
     }
     for k in 0..8 {
         let pivot = (k..8).fold(k, |best, i| if rows[i][k].abs() > rows[best][k].abs() { i } else { best });
+        // After scaling, entries are about 1; a pivot at rounding level means that three points lie on a
+        // line.
         if rows[pivot][k].abs() < 1e-13 {
             return None;
         }
@@ -70,7 +74,7 @@ fn solve(mut rows: [[f64; 9]; 8]) -> Option<[f64; 8]> {
     Some(std::array::from_fn(|k| rows[k][8] / rows[k][k]))
 }
 
-/// What is wrong with four corners.
+/// Reasons why four corners cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum CornerError {
@@ -84,7 +88,8 @@ pub enum CornerError {
     TooSmall { area_px: f64, least_px: f64 },
 }
 
-/// Fewer pixels inside the corners show no grain.
+/// Smallest area inside the corners, px2: 32 x 32 pixels. Grain a few pixels wide needs several periods
+/// to have a direction.
 const LEAST_AREA_PX: f64 = 1024.0;
 
 /// Checks corners in pixels (upper left, upper right, lower right, lower left as seen in the photograph, rows
@@ -103,6 +108,7 @@ pub fn check_corners(corners: [DVec2; 4], width: usize, height: usize) -> Result
         let [a, b, c] = [corners[k], corners[(k + 1) % 4], corners[(k + 2) % 4]];
         cross((b - a).normalize_or_zero(), (c - b).normalize_or_zero())
     };
+    // 0.02 is an angle of about one degree: three corners on a line leave the map undetermined.
     if (0..4).any(|k| turn(k) < 0.02) {
         return Err(CornerError::Crossed);
     }
@@ -113,19 +119,19 @@ pub fn check_corners(corners: [DVec2; 4], width: usize, height: usize) -> Result
     Ok(())
 }
 
-/// The size in millimetres that one pixel of the photograph has on the board, on average.
+/// Mean size on the board of a pixel of the photograph, mm.
 pub fn native_px_mm(corners: [DVec2; 4], size_mm: DVec2) -> f64 {
     let area_px = 0.5 * cross(corners[2] - corners[0], corners[3] - corners[1]).abs();
     (size_mm.x * size_mm.y / area_px.max(1.0)).sqrt()
 }
 
-/// A photograph that can be had smaller.
+/// A photograph that can be halved.
 pub trait Shrinking {
     /// Pixels in a row, and rows.
     fn size(&self) -> [usize; 2];
-    /// As it is.
+    /// The picture in full size.
     fn whole(&self) -> Cow<'_, Grey>;
-    /// With its sides halved once.
+    /// The picture with its sides halved once.
     fn halved(&self) -> Grey;
 }
 
@@ -143,8 +149,9 @@ impl Shrinking for Grey {
     }
 }
 
-/// The photograph (rows downwards) between four corners as a picture of `size_mm`, lower left corner at zero, pixels
-/// of about `px_mm` (made to fit the width). Where it shrinks, what falls together is averaged.
+/// The photograph (rows downwards) between four corners as a picture of `size_mm`. Its lower left corner
+/// is at zero, and its pixels are about `px_mm`, adjusted to fit the width. Where it shrinks, pixels that
+/// fall together are averaged.
 ///
 /// The corners must have passed [`check_corners`].
 pub fn rectify(photo: &impl Shrinking, corners: [DVec2; 4], size_mm: DVec2, px_mm: f64) -> MetricImage {
@@ -152,10 +159,12 @@ pub fn rectify(photo: &impl Shrinking, corners: [DVec2; 4], size_mm: DVec2, px_m
     let px_mm = size_mm.x / columns as f64;
     let rows = (size_mm.y / px_mm).round().max(8.0) as usize;
     let (right, top) = (columns as f64, size_mm.y / px_mm);
+    // Pixel coordinates of the result grow upwards, so the upper left corner is at the greatest y.
     let target = [(0.0, top), (right, top), (right, 0.0), (0.0, 0.0)];
     let map = Homography::from_points(target.map(DVec2::from), corners).expect("checked corners are convex");
     let stretch = target.map(|c| map.stretch(DVec2::from(c), 0.5)).into_iter().fold(0.0, f64::max);
-    // Pictures of half the size until a step is less than two pixels; what remains is averaged point by point.
+    // The source is halved until a step is less than two pixels, as in a mipmap. What remains is averaged
+    // from several samples for each pixel.
     let mut level = 1.0;
     let mut smaller: Option<Grey> = None;
     let [width, height] = photo.size();
@@ -164,12 +173,13 @@ pub fn rectify(photo: &impl Shrinking, corners: [DVec2; 4], size_mm: DVec2, px_m
         level *= 2.0;
     }
     let source = smaller.map_or_else(|| photo.whole(), Cow::Owned);
+    // Below 1.15 source pixels for a step one sample is enough; above, 2 x 2 samples prevent aliasing.
     let n = if stretch / level > 1.15 { 2 } else { 1 };
     let mut grey = Grey::filled(columns, rows, 0.0);
     let share = 1.0 / n as f64;
     grey.data.par_chunks_mut(columns).enumerate().for_each(|(y, row)| {
         for j in 0..n {
-            // Along a row numerators and denominator of the map are straight lines.
+            // Along a row, numerator and denominator of the map are linear.
             let [at, step] = map.along_row(y as f64 + (j as f64 + 0.5) * share, 1.0 / level);
             for i in 0..n {
                 add_along(&source, at + (i as f64 + 0.5) * share * step, step, row);
@@ -181,10 +191,12 @@ pub fn rectify(photo: &impl Shrinking, corners: [DVec2; 4], size_mm: DVec2, px_m
     MetricImage { grey, min_mm: DVec2::ZERO, px_mm }
 }
 
-/// Places worked out before any is looked up: the compiler takes several at a time.
+/// Positions computed before any of them is looked up, so that the compiler processes several at a time.
+/// The value changes speed alone.
 const AT_ONCE: usize = 64;
 
-/// Adds to the k-th of `out` what [`Grey::sample`] finds at the homogeneous pixel `at + k step`.
+/// Adds to the k-th entry of `out` the value that [`Grey::sample`] has at the homogeneous pixel `at + k
+/// step`.
 fn add_along(source: &Grey, at: DVec3, step: DVec3, out: &mut [f32]) {
     let (w, h) = (source.width, source.height);
     let place = |k: usize| {
@@ -199,7 +211,7 @@ fn add_along(source: &Grey, at: DVec3, step: DVec3, out: &mut [f32]) {
         });
         return;
     }
-    // A thousandth of a pixel is left of single precision at the far end of the largest photographs.
+    // Single precision leaves a thousandth of a pixel at the far end of the largest photographs.
     let inside = |v: f64, n: usize| ((v - 0.5) as f32).clamp(0.0, n as f32 - 1.0);
     let (mut xs, mut ys) = ([0.0f32; AT_ONCE], [0.0f32; AT_ONCE]);
     for (chunk, out) in out.chunks_mut(AT_ONCE).enumerate() {
@@ -210,6 +222,7 @@ fn add_along(source: &Grey, at: DVec3, step: DVec3, out: &mut [f32]) {
         for ((out, &x), &y) in out.iter_mut().zip(&xs).zip(&ys) {
             let (i, j) = ((x as i32 as usize).min(w - 2), (y as i32 as usize).min(h - 2));
             let (u, v) = (x - i as f32, y - j as f32);
+            // One slice for both rows: a single bounds check covers the four pixels.
             let low = &source.data[j * w + i..][..w + 2];
             *out += mix(mix(low[0], low[1], u), mix(low[w], low[w + 1], u), v);
         }
