@@ -1,6 +1,6 @@
-//! Which point of one contour becomes which point of another.
+//! Pairs the points of two contours.
 //!
-//! Two ways, both for closed contours wound alike:
+//! There are two methods, both for closed contours of the same winding:
 //! - [`dynamic`]: the cheapest cyclic pairing over the distance of points and the angle between the contours' directions, by
 //!   dynamic programming (`fuchs1977` in docs/references.bib). Every point has a partner and the order is kept; a point may
 //!   have several partners. Time and memory grow with the product of the numbers of points, so contours of more than 700
@@ -15,28 +15,31 @@ use grainpath_core::{Contour, DVec2};
 
 use super::trace::simplified_in_place;
 
-/// Two contours with as many points each; the points of one index belong together.
+/// Two contours with the same number of points; points of equal index belong together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pairing {
-    /// Points of the lower contour, some twice.
+    /// Points of the lower contour; some occur twice.
     pub from: Contour,
-    /// Points of the upper contour, some twice.
+    /// Points of the upper contour; some occur twice.
     pub to: Contour,
 }
 
 impl Pairing {
-    /// The contour at `t` of the way.
+    /// The contour at the fraction `t` of the way.
     pub fn at(&self, t: f64) -> Contour {
         self.from.iter().zip(&self.to).map(|(p, q)| p.lerp(*q, t)).collect()
     }
 }
 
-/// More points of a contour are not matched.
+/// Limit on the points of a contour that are matched. The table of steps takes the product of both
+/// numbers, 0.5 MB at the limit. Longer contours are thinned, so their details below perimeter / 700 are
+/// lost.
 const MAX_POINTS: f64 = 700.0;
 
-/// The contour with points no further apart than `step_mm`, corners kept.
+/// The contour with points at most `step_mm` apart and its corners kept.
 fn dense(contour: &Contour, step_mm: f64) -> Contour {
     let step = step_mm.max(perimeter_mm(contour) / MAX_POINTS);
+    // Points within a twentieth of the step are rounding of the grid and would only cost time.
     let simple = simplified_in_place(contour, 0.05 * step);
     let simple = if simple.len() > 2 { &simple } else { contour };
     let mut out = Contour::new();
@@ -47,17 +50,20 @@ fn dense(contour: &Contour, step_mm: f64) -> Contour {
     out
 }
 
-/// The closest pair of points whose contours run the same way there.
+/// The closest pair of points at which both contours run the same way.
 fn anchor(p: &[DVec2], q: &[DVec2], shift: DVec2) -> (usize, usize) {
     let way =
         |c: &[DVec2], i: usize| (c[(i + 1) % c.len()] - c[(i + c.len() - 1) % c.len()]).normalize_or_zero();
     let mut best = (f64::INFINITY, 0, 0);
+    // 64 starting points find a close pair; the dynamic programming corrects the rest.
     let stride = (p.len() / 64).max(1);
     for i in (0..p.len()).step_by(stride) {
         let along = way(p, i);
         for (j, b) in q.iter().enumerate() {
             let d = (p[i] + shift).distance_squared(*b);
             if d < best.0 {
+                // A pair that runs the opposite way counts twice its squared distance; otherwise the two
+                // sides of a thin wall would be paired.
                 let cost = d * (1.5 - 0.5 * along.dot(way(q, j))) + 1e-12;
                 if cost < best.0 {
                     best = (cost, i, j);
@@ -68,27 +74,32 @@ fn anchor(p: &[DVec2], q: &[DVec2], shift: DVec2) -> (usize, usize) {
     (best.1, best.2)
 }
 
-/// Pairs two contours of the same sense by dynamic programming: the way through all pairs, forward on both, with the
-/// least sum of squared distances and of turning apart (Fuchs, Kedem & Uselton 1977). `step_mm` is how far apart
-/// points lie at most; where the contours do not overlap, `shift` brings the first over the second.
+/// Pairs two contours of the same winding by dynamic programming (`fuchs1977`): the path through all
+/// pairs, forward on both contours, with the least sum of squared distances and of differences in
+/// direction. Points lie at most `step_mm` apart. Where the contours do not overlap, `shift` moves the
+/// first over the second.
 pub fn dynamic(lower: &Contour, upper: &Contour, step_mm: f64, shift: DVec2) -> Pairing {
     let (p, q) = (dense(lower, step_mm), dense(upper, step_mm));
     let (i0, j0) = anchor(&p, &q, shift);
     let (n, m) = (p.len(), q.len());
     let turned =
         |c: &[DVec2], k: usize| -> Vec<DVec2> { (0..=c.len()).map(|i| c[(i + k) % c.len()]).collect() };
+    // A cyclic pairing is opened at the anchor, which both contours pass at the beginning and at the end.
     let (p, q) = (turned(&p, i0), turned(&q, j0));
     let ways = |c: &[DVec2]| -> Vec<DVec2> {
         let n = c.len() - 1;
         (0..=n).map(|i| (c[(i + 1) % n] - c[(i + n - 1) % n]).normalize_or_zero()).collect()
     };
     let (along_p, along_q) = (ways(&p), ways(&q));
+    // A right angle between directions costs as much as a distance of two steps.
     let weight = 4.0 * step_mm * step_mm;
     let cost = |i: usize, j: usize| {
         (p[i] + shift).distance_squared(q[j]) + weight * (1.0 - along_p[i].dot(along_q[j]))
     };
-    // 1: forward on p, 2: on q, 3: on both.
+    // Steps: 1 forward on p, 2 forward on q, 3 forward on both.
     let mut steps = vec![0u8; (n + 1) * (m + 1)];
+    // One row of costs suffices, since a pair depends on the row before alone. The steps are kept whole
+    // for the way back.
     let mut row = vec![0.0; m + 1];
     row[0] = cost(0, 0);
     for j in 1..=m {
@@ -102,7 +113,8 @@ pub fn dynamic(lower: &Contour, upper: &Contour, step_mm: f64, shift: DVec2) -> 
         for j in 1..=m {
             let (up, left) = (row[j], row[j - 1]);
             let c = cost(i, j);
-            // A step on both covers two edges at once; it is favoured only for the pair it saves.
+            // A step on both contours replaces two single steps, so its pair counts one and a half times.
+            // Counted once, it would always win; counted twice, it would gain nothing.
             let (best, step) = [(diagonal + 1.5 * c, 3), (up + c, 1), (left + c, 2)]
                 .into_iter()
                 .fold((f64::INFINITY, 0), |best, s| if s.0 < best.0 { s } else { best });
@@ -111,6 +123,7 @@ pub fn dynamic(lower: &Contour, upper: &Contour, step_mm: f64, shift: DVec2) -> 
             diagonal = up;
         }
     }
+    // Backwards from the end along the steps taken.
     let (mut i, mut j) = (n, m);
     let mut out = Pairing { from: Vec::new(), to: Vec::new() };
     while i > 0 || j > 0 {
@@ -125,17 +138,18 @@ pub fn dynamic(lower: &Contour, upper: &Contour, step_mm: f64, shift: DVec2) -> 
     out
 }
 
-/// What makes a point of a contour a feature point, as in the paper.
+/// Conditions for a feature point of a contour, as in the paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Features {
-    /// Least signed curvature, either sign, as a multiple of the contour's mean.
+    /// Least magnitude of the signed curvature, as a multiple of the contour's mean.
     pub curvature: f64,
-    /// Least length of the edges on both sides, mm: a single jagged pixel is no corner.
+    /// Least length of the edges on both sides, mm. It keeps a single jagged pixel from counting as a
+    /// corner.
     pub min_edge_mm: f64,
 }
 
-/// Signed curvature at every point, 1/mm: turning over length, positive to the left. The sign is that of the cross
-/// product of the edges around it.
+/// Signed curvature at every point, 1/mm: the turning angle over the length, positive to the left. The
+/// sign is that of the cross product of the two edges.
 fn curvatures(c: &[DVec2]) -> Vec<f64> {
     let n = c.len();
     (0..n)
@@ -147,7 +161,7 @@ fn curvatures(c: &[DVec2]) -> Vec<f64> {
         .collect()
 }
 
-/// Indices of feature points with their curvature, in order.
+/// Indices and curvatures of the feature points, in order.
 pub fn feature_points(contour: &[DVec2], settings: Features) -> Vec<(usize, f64)> {
     let k = curvatures(contour);
     let n = contour.len();
@@ -157,8 +171,8 @@ pub fn feature_points(contour: &[DVec2], settings: Features) -> Vec<(usize, f64)
     (0..n).filter(|&i| k[i].abs() > settings.curvature * mean && long(i)).map(|i| (i, k[i])).collect()
 }
 
-/// Pairs two contours as the paper does: feature points matched by place and signed curvature, the points of the
-/// fragments between them by their number, `[i n/m]`.
+/// Pairs two contours as the paper does. Feature points are matched by position and signed curvature; the
+/// points between two of them are paired by number, `[i n/m]`.
 pub fn by_features(
     lower: &Contour,
     upper: &Contour,
@@ -166,13 +180,13 @@ pub fn by_features(
     features: Features,
     shift: DVec2,
 ) -> Pairing {
-    // Feature points need edges longer than pixels.
+    // Feature points need edges longer than a pixel, so they are sought on a coarser contour.
     let coarse = |c: &Contour| {
         let simple = simplify_contour(c, 0.35 * step_mm);
         if simple.len() > 2 { simple } else { c.clone() }
     };
     let (p, q) = (dense(lower, step_mm), dense(upper, step_mm));
-    // The coarse contour's points are some of the fine one's.
+    // The coarse contour keeps points of the fine one, so each can be found there again.
     let found = |fine: &Contour| -> Vec<(usize, f64)> {
         let rough = coarse(fine);
         let place = |at: DVec2| fine.iter().position(|p| *p == at);
@@ -185,6 +199,7 @@ pub fn by_features(
     };
     let (fp, fq) = (found(&p), found(&q));
     let mut marks = match_features(&p, &fp, &q, &fq, step_mm, shift);
+    // Circles have no corners; one pair of points then opens the contours.
     if marks.is_empty() {
         let (i, j) = anchor(&p, &q, shift);
         marks.push((i, j));
@@ -203,7 +218,7 @@ pub fn by_features(
     out
 }
 
-/// The points from `i` to before `end`, around if need be, evenly spaced.
+/// The points from `i` up to `end`, around the beginning if need be, evenly spaced.
 fn fragment(c: &[DVec2], i: usize, end: usize, step_mm: f64) -> Vec<DVec2> {
     let n = c.len();
     let count = if end > i { end - i } else { end + n - i };
@@ -216,7 +231,7 @@ fn fragment(c: &[DVec2], i: usize, end: usize, step_mm: f64) -> Vec<DVec2> {
     out
 }
 
-/// Feature points that belong together, in order around both contours.
+/// Pairs of feature points, in order around both contours.
 fn match_features(
     p: &[DVec2],
     fp: &[(usize, f64)],
@@ -225,11 +240,13 @@ fn match_features(
     step_mm: f64,
     shift: DVec2,
 ) -> Vec<(usize, usize)> {
+    // A corner that moved by more than a twelfth of the perimeter is taken for another corner.
     let reach = (perimeter_mm(p).min(perimeter_mm(q)) / 12.0).max(3.0 * step_mm);
     let mut all: Vec<(f64, usize, usize)> = Vec::new();
     for (a, &(i, kp)) in fp.iter().enumerate() {
         for (b, &(j, kq)) in fq.iter().enumerate() {
             let d = (p[i] + shift).distance(q[j]);
+            // Curvatures of different sign are a convex and a concave corner.
             if d < reach && kp * kq > 0.0 {
                 let bend = (kp - kq).abs() / (kp.abs() + kq.abs());
                 all.push((d * (1.0 + bend), a, b));
@@ -237,7 +254,7 @@ fn match_features(
         }
     }
     all.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
-    // The best first; one that would cross those taken is left out.
+    // The best pairs first. A pair that would cross those already taken is left out.
     let mut taken: Vec<(usize, usize)> = Vec::new();
     for (_, a, b) in all.into_iter().take(4000) {
         if taken.iter().any(|t| t.0 == a || t.1 == b) {
@@ -246,6 +263,7 @@ fn match_features(
         let mut with = taken.clone();
         let at = with.partition_point(|t| t.0 < a);
         with.insert(at, (a, b));
+        // In cyclic order the partners may decrease once, where the numbering begins again.
         let falls = (0..with.len()).filter(|&k| with[(k + 1) % with.len()].1 < with[k].1).count();
         if falls <= 1 {
             taken = with;

@@ -18,40 +18,46 @@ use grainpath_core::{Contour, DVec2};
 use crate::canny::gradient_row;
 use crate::raster::Grey;
 
-/// How edges are found.
+/// Parameters of the edge detection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CannySettings {
     /// Standard deviation of the Gaussian before the gradients, px.
     pub sigma_px: f64,
-    /// Grey steps a pixel over which edges go on, and begin.
+    /// Gradient from which edges continue, grey values per pixel.
     pub low: f64,
-    /// See `low`.
+    /// Gradient from which edges begin, grey values per pixel.
     pub high: f64,
 }
 
-/// How far from the iso-contour its edge is looked for, px.
+/// Distance from the iso-contour within which its edge is sought, px. A larger reach catches edges of
+/// neighbouring structures; a smaller one misses edges where the threshold is not halfway between the
+/// grey values.
 pub(super) const REACH_PX: f64 = 1.5;
-/// So many points on both sides tell where a point without an edge goes.
+/// Half width, in points, of the window that interpolates the shift of contour points without an edge.
+/// Points farther from an edge than this stay on the iso-contour.
 const BRIDGED: usize = 5;
-/// Pixels around the picture, so that what runs out of it has an edge there.
+/// Pixels added around the picture, so that a part that extends beyond it has an edge there. The Gaussian
+/// and the gradients need two of them.
 const MARGIN: usize = 4;
 
 struct Edges {
     smooth: Grey,
     gx: Vec<f32>,
     gy: Vec<f32>,
-    /// 2: an edge, 0: none.
+    /// 2 for an edge, 0 for none; 1 for a candidate during the search.
     mark: Vec<u8>,
     magnitude: Vec<f32>,
-    /// Of all smoothing along an edge, px2.
+    /// Variance of all smoothing along an edge, px2.
     variance: f64,
 }
 
-/// The iso-contours of a slice in pixels (the middle of the first is (0.5, 0.5)), their points moved onto the edges.
+/// Moves the points of a slice's iso-contours (in pixels, the centre of the first is (0.5, 0.5)) onto the
+/// edges.
 ///
-/// Contours along which there is no edge are noise, and left out, unless `clear` says that what they enclose is plainly
-/// material or plainly air: in the first and last slice of a dome the faces lean so far that no edge shows. Also how many
-/// points there are, and how many of them have no edge within reach: they go as far as their neighbours do, or stay.
+/// A contour without any edge is noise and is left out, unless `clear` says that it encloses pixels that
+/// are plainly material or plainly air: in the first and last slice of a dome the faces lean so far that
+/// no edge shows. Also returns the number of points and how many of them have no edge within reach; those
+/// move as far as their neighbours do, or stay.
 pub fn on_edges(
     contours: Vec<Contour>,
     values: &[f32],
@@ -63,6 +69,7 @@ pub fn on_edges(
     if contours.is_empty() {
         return (contours, [0; 2]);
     }
+    // The frame is as dark as the darkest pixel, which is air.
     let dark = values.iter().copied().fold(f32::INFINITY, f32::min);
     let (w, h) = (nx + 2 * MARGIN, ny + 2 * MARGIN);
     let mut framed = Grey::filled(w, h, dark);
@@ -85,7 +92,8 @@ pub fn on_edges(
     (contours.into_iter().filter_map(moved).collect(), points)
 }
 
-/// The ways of all points: of those that have none, what their neighbours go, fading where these are far.
+/// The shifts of all points. A point without an edge takes the mean shift of its neighbours, with weights
+/// that fall with distance.
 fn bridged(ways: &[Option<DVec2>]) -> Vec<DVec2> {
     let n = ways.len();
     let way = |i: usize| {
@@ -98,17 +106,21 @@ fn bridged(ways: &[Option<DVec2>]) -> Vec<DVec2> {
                     weights += weight;
                 }
             }
+            // With few or far neighbours the shift fades towards zero instead of being taken over in
+            // full.
             sum / f64::max(weights, 0.5)
         })
     };
     (0..n).map(way).collect()
 }
 
-/// Neighbours scatter against each other by what noise does to their gradients: evened out without shrinking (Taubin
-/// 1995), which leaves bows of many points as they are.
+/// Evens out the scatter that noise causes between neighbouring points, without shrinking (`taubin1995`).
+/// Bows of many points keep their shape.
 fn evened(contour: &Contour) -> Contour {
     let n = contour.len();
     let mut c = contour.clone();
+    // A smoothing step and a slightly larger step back: 1/0.5 - 1/0.53 = 0.11 is the pass band, near the
+    // 0.1 that the paper proposes.
     for share in [0.5, -0.53] {
         let old = c.clone();
         for i in 0..n {
@@ -130,10 +142,12 @@ impl Edges {
             gradient_row(&smooth, j, gx, gy);
             magnitude[row].iter_mut().zip(gx).zip(gy).for_each(|((m, x), y)| *m = (*x * *x + *y * *y).sqrt());
         }
-        // The Gaussian's, Sobel's, which is 1/2 along the axes and 5/12 between them, and 1/6 of values between four pixels.
+        // Variances add: the Gaussian's, Sobel's (1/2 along the axes and 5/12 between them, mean 11/24),
+        // and 1/6 for values interpolated between four pixels.
         let variance = s.sigma_px * s.sigma_px + 11.0 / 24.0 + 1.0 / 6.0;
         let mut edges = Self { smooth, gx, gy, mark: vec![0; n], magnitude, variance };
         let mut stack = Vec::new();
+        // Two pixels of the frame are left out, because `beside` reads one pixel farther.
         for j in 2..ny - 2 {
             for i in 2..nx - 2 {
                 let k = j * nx + i;
@@ -145,17 +159,19 @@ impl Edges {
                 }
             }
         }
+        // Hysteresis: from strong candidates along connected weak ones.
         while let Some(k) = stack.pop() {
             if std::mem::replace(&mut edges.mark[k], 2) == 2 {
                 continue;
             }
             stack.extend(edges.around(k).into_iter().filter(|&m| edges.mark[m] == 1));
         }
+        // Candidates that were never reached are noise.
         edges.mark.iter_mut().filter(|m| **m == 1).for_each(|m| *m = 0);
         edges
     }
 
-    /// Gradients along the gradient's direction on both sides of a pixel.
+    /// Gradient magnitudes one pixel before and behind a pixel, along its gradient.
     fn beside(&self, k: usize) -> (f32, f32) {
         let (x, y) = (self.gx[k], self.gy[k]);
         let m = self.magnitude[k].max(f32::MIN_POSITIVE);
@@ -182,7 +198,7 @@ impl Edges {
         [k + 1, k + w, k - 1, k - w, k + w + 1, k + w - 1, k - w - 1, k - w + 1]
     }
 
-    /// The gradient between pixels.
+    /// The gradient at a point between pixels, interpolated linearly.
     fn gradient(&self, p: DVec2) -> DVec2 {
         let (i, j) = (p.x.floor(), p.y.floor());
         let (a, b) = (p.x - i, p.y - j);
@@ -196,8 +212,9 @@ impl Edges {
         DVec2::new(between(&self.gx), between(&self.gy))
     }
 
-    /// From a point along its gradient to where that is steepest, which must be an edge and within reach: the top of a
-    /// parabola through three slopes, until it is in the middle; moved back by what blur moved it.
+    /// The shift from a point along its gradient to where that is steepest, which must be an edge within
+    /// reach. The steepest place is the vertex of a parabola through three slopes, found by steps until
+    /// it lies in the middle; the displacement by blur is added.
     fn way_to_crest(&self, p: DVec2) -> Option<DVec2> {
         let up = self.gradient(p).try_normalize()?;
         let slopes = |s: f64| [s - 1.0, s, s + 1.0].map(|s| self.gradient(p + s * up).dot(up));
@@ -205,6 +222,7 @@ impl Edges {
         for _ in 0..6 {
             let [a, b, c] = slopes(s);
             let bend = a - 2.0 * b + c;
+            // Without a maximum between the three slopes, go towards the greater one.
             let top = if bend < 0.0 { 0.5 * (a - c) / bend } else { f64::INFINITY.copysign(c - a) };
             let step = top.clamp(-0.5, 0.5);
             s += step;
@@ -217,12 +235,14 @@ impl Edges {
         }
         let at = (p + s * up).round();
         let k = at.y as usize * self.smooth.width + at.x as usize;
+        // Rounding may put the place one pixel beside the marked one.
         let is_edge = self.mark[k] == 2 || self.around(k).into_iter().any(|m| self.mark[m] == 2);
         is_edge.then(|| (s + self.drawn_inwards(k)) * up)
     }
 
-    /// How far up the gradient the edge lay before it was smoothed, px: where an edge is bent, smoothing along it draws its
-    /// steepest place towards the centre of the bend by half the curvature times its variance (Verbeek & van Vliet 1994).
+    /// Distance up the gradient from which smoothing has moved the edge, px. Where an edge is bent,
+    /// smoothing along it moves its steepest place towards the centre of the bend by half the curvature
+    /// times the variance (`verbeek1994`).
     fn drawn_inwards(&self, k: usize) -> f64 {
         let w = self.smooth.width as isize;
         let v = |dx: isize, dy: isize| self.smooth.data[k.wrapping_add_signed(dy * w + dx)];
@@ -230,9 +250,10 @@ impl Edges {
         let (ux, uy) = (self.gx[k] / m, self.gy[k] / m);
         let (xx, yy) = (v(1, 0) - 2.0 * v(0, 0) + v(-1, 0), v(0, 1) - 2.0 * v(0, 0) + v(0, -1));
         let xy = 0.25 * (v(1, 1) - v(1, -1) - v(-1, 1) + v(-1, -1));
-        // Of the line of equal grey through here, positive where it bends around what is dark.
+        // Curvature of the line of equal grey at this place, positive where it bends around dark.
         let curvature = (xx * uy * uy - 2.0 * xy * ux * uy + yy * ux * ux) / m;
-        // A bend as tight as the smoothing is wide is a corner, of which this says nothing.
+        // A bend as tight as the smoothing is wide is a corner, for which the formula does not hold; a
+        // quarter of a pixel is the limit.
         (0.5 * f64::from(curvature) * self.variance).clamp(-0.25, 0.25)
     }
 }

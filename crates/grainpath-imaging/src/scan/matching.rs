@@ -1,4 +1,5 @@
-//! Two neighbouring slices as one: entities matched, contours paired, what begins, ends and branches.
+//! Combines two neighbouring slices: matches entities, pairs contours, and finds which entities begin,
+//! end or branch.
 //!
 //! An *entity* is an island of a section: an outline with its holes. Where slices lie far apart, the layers between two
 //! slices are made by moving the contours of the lower slice to those of the upper one.
@@ -36,14 +37,14 @@ use super::split::split;
 use super::trace::Grid;
 use crate::distance::{Raster, signed_distance};
 
-/// How neighbouring slices are matched.
+/// Parameters for matching neighbouring slices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MatchSettings {
-    /// Least share of an entity that its partner must cover.
+    /// Share of an entity that its partner must cover at least.
     pub overlap: f64,
     /// Distance of pixels, mm.
     pub pixel_mm: DVec2,
-    /// Points paired by features, as in the paper, instead of by dynamic programming.
+    /// Whether points are paired by features, as in the paper, instead of by dynamic programming.
     pub features: bool,
 }
 
@@ -57,7 +58,7 @@ impl MatchSettings {
     }
 }
 
-/// Which entities of two slices belong together.
+/// Entities of two slices that belong together.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Group {
     /// Entities of the lower slice.
@@ -66,14 +67,14 @@ pub struct Group {
     pub upper: Vec<usize>,
 }
 
-/// What happened between two slices, counted.
+/// Counts of what happens between two slices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Events {
     /// Entities that begin.
     pub births: usize,
     /// Entities that end.
     pub deaths: usize,
-    /// Entities that fall into several or grow together from several.
+    /// Entities that divide into several or merge from several.
     pub branches: usize,
 }
 
@@ -81,16 +82,16 @@ pub struct Events {
 #[derive(Debug, Clone, Default)]
 pub struct Slab {
     moving: Vec<Pairing>,
-    /// Contours that stay as they are from one share of the way to another.
+    /// Contours that stay as they are, with the fractions of the way at which each begins and ends.
     still: Vec<(Contour, f64, f64)>,
     blends: Vec<Blend>,
-    /// Gaps up to twice this between the pieces of what branches close, mm.
+    /// Half width of the gaps between the pieces of branches that are closed, mm.
     heal_mm: f64,
     /// What happened.
     pub events: Events,
 }
 
-/// A group too entangled for pairing: signed distances, mixed.
+/// A group whose contours cannot be paired: the signed distances of both sections are mixed.
 #[derive(Debug, Clone)]
 struct Blend {
     raster: Raster,
@@ -114,7 +115,7 @@ impl Blend {
 }
 
 impl Slab {
-    /// The section at `t` of the way from the lower slice to the upper.
+    /// The section at the fraction `t` of the way from the lower slice to the upper one.
     pub fn at(&self, t: f64) -> Region {
         let mut contours: Vec<Contour> = self.moving.iter().map(|p| p.at(t)).collect();
         contours.extend(self.still.iter().filter(|s| s.1 <= t && t < s.2).map(|s| s.0.clone()));
@@ -123,8 +124,9 @@ impl Slab {
         if self.heal_mm > 0.0 { region.closed(self.heal_mm) } else { region }
     }
 
-    /// Whether more is inside halfway than at either end, holes left out: outlines that each were carried over well,
-    /// a C and the outside of a ring, and what lies between them filled.
+    /// Whether the area halfway exceeds that at both ends, without holes. It does where each outline was
+    /// paired well but the pairs do not belong together, such as a C and the outside of a ring, so that
+    /// the space between them is filled.
     fn swells(&self, a: &[&Polygon], b: &[&Polygon], step_mm: f64) -> bool {
         let area = |ps: &[&Polygon]| ps.iter().map(|p| p.area_mm2()).sum::<f64>();
         let moving: f64 = self.moving.iter().map(|p| signed_area_mm2(&p.at(0.5))).sum();
@@ -133,8 +135,9 @@ impl Slab {
         middle > most_mm2(area(a), area(b), step_mm)
     }
 
-    /// Matches two slices. `change` tells at which share of the way the part of the plane inside a contour changes
-    /// sides, from the grey values; the flag says whether it is the lower slice's.
+    /// Matches two slices. `change` returns the fraction of the way at which the inside of a contour
+    /// changes between material and air, from the grey values; the flag tells whether the contour is the
+    /// lower slice's.
     pub fn between(
         lower: &Region,
         upper: &Region,
@@ -149,6 +152,7 @@ impl Slab {
             slab.events.deaths += usize::from(b.is_empty());
             slab.events.births += usize::from(a.is_empty());
             slab.events.branches += usize::from(a.len() + b.len() > 2);
+            // The group is built apart, so that a failure leaves nothing behind in the slab.
             let mut part = Self::default();
             let carried = builder.group(&a, &b, &mut part).is_some();
             if !carried || part.swells(&a, &b, settings.step_mm()) {
@@ -160,7 +164,8 @@ impl Slab {
             slab.still.append(&mut part.still);
             slab.blends.append(&mut part.blends);
         }
-        // Next to the slice that was cut, the pieces lie closer together than any scan could tell.
+        // Near the slice that was cut, the pieces lie closer together than the scan resolves, and the cut
+        // would print as a gap.
         if slab.events.branches > 0 && !settings.features {
             slab.heal_mm = 0.5 * settings.step_mm();
         }
@@ -168,8 +173,10 @@ impl Slab {
     }
 }
 
-/// What may be inside halfway between two areas.
+/// Largest plausible area halfway between two areas, mm2.
 fn most_mm2(a: f64, b: f64, step_mm: f64) -> f64 {
+    // 5 % and a pixel cover the rounding of the contours; a paired outline interpolates between both
+    // areas.
     1.05 * a.max(b) + step_mm * step_mm
 }
 
@@ -179,7 +186,7 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Pairs the contours of a group; `None` where its shape is not carried over by pairing.
+    /// Pairs the contours of a group. `None` where pairing does not reproduce its shape.
     fn group(&self, a: &[&Polygon], b: &[&Polygon], slab: &mut Slab) -> Option<()> {
         match (a, b) {
             (_, []) => {
@@ -191,6 +198,7 @@ impl Builder<'_> {
             }
             ([], _) => {
                 for p in b {
+                    // An entity that begins has no end within the slab; infinity includes t = 1.
                     let begin = (self.change)(&p.outer, false);
                     slab.still.extend(p.contours().map(|c| (c.clone(), begin, f64::INFINITY)));
                 }
@@ -222,12 +230,13 @@ impl Builder<'_> {
         Some(())
     }
 
-    /// One entity on each side: outlines are paired, and holes matched like entities.
+    /// One entity on each side: outlines are paired, and holes are matched like entities.
     fn entity(&self, p: &Polygon, q: &Polygon, slab: &mut Slab) -> Option<()> {
         self.pair(&p.outer, &q.outer, slab)?;
         if p.holes.is_empty() && q.holes.is_empty() {
             return Some(());
         }
+        // Holes are reversed to outlines, so that the same matching serves both.
         let solid = |holes: &[Contour]| -> Vec<Polygon> {
             let turned =
                 |h: &Contour| Polygon { outer: h.iter().rev().copied().collect(), holes: Vec::new() };
@@ -237,7 +246,8 @@ impl Builder<'_> {
         for group in match_entities(&a, &b, self.settings.overlap) {
             let lower: Vec<&Polygon> = group.lower.iter().map(|&i| &a[i]).collect();
             let upper: Vec<&Polygon> = group.upper.iter().map(|&j| &b[j]).collect();
-            // A hole that ends not under material but outside has opened: that is no matter of holes alone.
+            // A hole that ends outside the other outline, not under material, has opened. Then holes
+            // alone cannot describe the change.
             let opens = |hole: &Polygon, other: &Polygon| {
                 let hole = Region::from(hole.clone());
                 let covered = Region::from(Polygon { outer: other.outer.clone(), holes: Vec::new() });
@@ -265,7 +275,7 @@ impl Builder<'_> {
     fn pair(&self, p: &Contour, q: &Contour, slab: &mut Slab) -> Option<()> {
         let (bp, bq) = (Bounds2::of(p.iter().copied())?, Bounds2::of(q.iter().copied())?);
         let apart = bq.centre() - bp.centre();
-        // Contours that do not lie over each other, or that move more than they grow, are brought together first.
+        // Contours that do not overlap, or that move more than they grow, are brought together first.
         let over = apart.abs().cmplt(0.5 * (bp.size().min(bq.size()))).all();
         let moves = apart.abs().cmpgt((bq.size() - bp.size()).abs());
         let shift = if over { DVec2::select(moves, apart, DVec2::ZERO) } else { apart };
@@ -275,12 +285,13 @@ impl Builder<'_> {
         } else {
             dynamic(p, q, step, shift)
         };
-        // A pairing that folds over itself halfway has failed: its signed area is not what it covers. So has one that
-        // covers more than either end: it has slid along the contour.
+        // A pairing that folds over itself halfway has failed: its signed area differs from the area it
+        // covers. So has one that covers more than both ends: it has slid along the contour.
         let middle = pairing.at(0.5);
         let covered: f64 = Region::from_contours(std::iter::once(&middle), FillRule::NonZero).area_mm2();
         let signed = signed_area_mm2(&middle);
         let (a, b) = (signed_area_mm2(p), signed_area_mm2(q));
+        // 2 % and a pixel: folds of that size vanish when contours are united.
         let unlike = (covered - signed).abs() > 0.02 * signed + step * step;
         if signed < 0.5 * a.min(b) || signed > most_mm2(a, b, step) || unlike {
             return None;
@@ -290,8 +301,8 @@ impl Builder<'_> {
     }
 }
 
-/// Groups entities of two slices: those of which one covers at least `overlap` of the other belong together, and
-/// leftovers of like size that lie next to each other.
+/// Groups the entities of two slices. Entities belong together where one covers at least `overlap` of the
+/// other; leftovers of similar size that lie side by side are added.
 pub fn match_entities(lower: &[Polygon], upper: &[Polygon], overlap: f64) -> Vec<Group> {
     let n = lower.len();
     let mut root: Vec<usize> = (0..n + upper.len()).collect();
@@ -315,13 +326,14 @@ pub fn match_entities(lower: &[Polygon], upper: &[Polygon], overlap: f64) -> Vec
         for j in (0..upper.len()).filter(|&j| bl[i].meets(bu[j])) {
             let (a, b) = (Region::from(lower[i].clone()), Region::from(upper[j].clone()));
             let shared = a.intersection(&b).area_mm2();
+            // Either share counts, so that a small branch belongs to a large trunk.
             if shared > overlap * al[i] || shared > overlap * au[j] {
                 join(&mut root, i, j);
                 (free_l[i], free_u[j]) = (false, false);
             }
         }
     }
-    // What moved by more than its own thickness from slice to slice: the nearest of like size.
+    // Entities that moved by more than their own thickness between slices: the nearest of similar size.
     let mut near: Vec<(f64, usize, usize)> = Vec::new();
     for i in (0..n).filter(|&i| free_l[i]) {
         for j in (0..upper.len()).filter(|&j| free_u[j]) {
@@ -332,6 +344,7 @@ pub fn match_entities(lower: &[Polygon], upper: &[Polygon], overlap: f64) -> Vec
             }
         }
     }
+    // Ties in distance are ordered by index.
     near.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
     for (_, i, j) in near {
         if free_l[i] && free_u[j] {
@@ -341,6 +354,7 @@ pub fn match_entities(lower: &[Polygon], upper: &[Polygon], overlap: f64) -> Vec
     }
     let mut slots = vec![usize::MAX; root.len()];
     let mut out: Vec<Group> = Vec::new();
+    // Groups are numbered by their first entity, so the order does not depend on how sets were joined.
     for k in 0..root.len() {
         let r = find(&mut root, k);
         if slots[r] == usize::MAX {

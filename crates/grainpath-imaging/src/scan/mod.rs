@@ -11,7 +11,8 @@
 //!    Canny's edges, as published.
 //! 3. Between two slices: grey values are mixed where slices lie as close as pixels, otherwise contours are matched and
 //!    moved (`matching`, `correspond`, `split`), or signed distances are mixed.
-//! 4. Specks go by the area of their section, crumbs by the volume of the loose piece (`pieces`).
+//! 4. Small islands and holes are dropped by the area of their section, loose pieces by their volume
+//! (`pieces`).
 //!
 //! # Units and frame
 //! Columns are x, rows y, slices z, right-handed; mm from the lower face of the first voxel taken. Grey values are `f32` in
@@ -60,48 +61,48 @@ use turned::Turned;
 /// Where the part's border lies among the grey values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Threshold {
-    /// By the histogram, Otsu 1979.
+    /// Otsu's threshold of the histogram (`otsu1979`).
     Otsu,
-    /// Halfway between the two commonest materials, found or given.
+    /// Halfway between the grey values of air and material, found or given.
     Iso50(Option<[f64; 2]>),
-    /// From this grey value up.
+    /// Material from this grey value up.
     Value(f64),
-    /// Between these.
+    /// Material between these grey values.
     Range(f64, f64),
 }
 
-/// How noise is taken out; see [`Smoothing`].
+/// How noise is removed; see [`Smoothing`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Denoise {
-    /// Not at all.
+    /// No smoothing.
     None,
-    /// Gaussian, px.
+    /// Gaussian of this standard deviation, px.
     Gaussian(f64),
     /// Median of 3 x 3.
     Median,
-    /// Keeps edges.
+    /// Diffusion that stops at edges.
     Edges,
 }
 
 /// How contours are found in a slice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tracing {
-    /// Where the grey value crosses the threshold, between pixels.
+    /// Contours where the grey value crosses the threshold, between pixels.
     Iso,
-    /// Canny's edges, as in the paper.
+    /// Contours on Canny's edges, as in the paper.
     Canny,
 }
 
-/// What lies between slices.
+/// How layers between two slices are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interpolation {
-    /// Grey values where slices lie as close as pixels, else matched contours.
+    /// Grey values where slices lie as close as pixels, otherwise matched contours.
     Auto,
-    /// Grey values, mixed.
+    /// Grey values, interpolated.
     Grey,
     /// Contours, matched and moved.
     Matched,
-    /// Signed distances, mixed.
+    /// Signed distances, interpolated.
     Distance,
 }
 
@@ -117,12 +118,12 @@ impl Interpolation {
     }
 }
 
-/// How a scan becomes layers.
+/// Settings for converting a scan to layers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CtSettings {
-    /// The section of the job these come from, for messages.
+    /// The section of the job that holds these settings, for messages.
     pub section: &'static str,
-    /// Distance of voxels in x, y, z where it is not the file's, mm.
+    /// Distance of voxels along x, y, z, mm; `None` takes that of the file.
     pub spacing_mm: [Option<f64>; 3],
     /// Factor on all lengths.
     pub scale: f64,
@@ -130,19 +131,20 @@ pub struct CtSettings {
     pub window: Option<[usize; 2]>,
     /// First column, first row, last column, last row that are taken, counted from 0.
     pub crop_px: Option<[usize; 4]>,
-    /// Mirror x, y, z.
+    /// Whether x, y and z are mirrored.
     pub flip: [bool; 3],
-    /// Turns about x, then y, then z, after cropping and mirroring, rad.
+    /// Rotations about x, then y, then z, after cropping and mirroring, rad.
     pub rotate_rad: [f64; 3],
-    /// Where the border lies.
+    /// Where the border of the part lies among the grey values.
     pub threshold: Threshold,
-    /// Noise.
+    /// How noise is removed.
     pub denoise: Denoise,
     /// How contours are found.
     pub tracing: Tracing,
-    /// Canny's thresholds, as shares of the step from air to material a pixel, and its Gaussian in px.
+    /// Canny's low and high threshold, as shares of the step from air to material per pixel, and the
+    /// standard deviation of its Gaussian in px.
     pub canny: [f64; 3],
-    /// What lies between slices.
+    /// How layers between two slices are made.
     pub interpolation: Interpolation,
     /// Least overlap of entities that belong together.
     pub overlap: f64,
@@ -156,12 +158,12 @@ pub struct CtSettings {
     pub layer_height_mm: f64,
     /// Thickness of the first layer, mm.
     pub first_layer_height_mm: f64,
-    /// Contours are simplified to within this, mm, or within a tenth of a pixel where that is more.
+    /// Largest distance of simplified contours from the original, mm; at least a tenth of a pixel.
     pub simplify_mm: f64,
 }
 
 impl CtSettings {
-    /// The settings for a scan that was cropped, mirrored, scaled and turned already.
+    /// The settings for a scan that has been cropped, mirrored, scaled and rotated already.
     fn as_turned(&self) -> Self {
         Self {
             spacing_mm: [None; 3],
@@ -175,48 +177,49 @@ impl CtSettings {
     }
 }
 
-/// What was found in a scan.
+/// Measures of a scan.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct CtReport {
     /// Columns, rows, slices taken.
     pub voxels: [usize; 3],
     /// Distance of voxels, mm.
     pub spacing_mm: [f64; 3],
-    /// Grey value of the border; two for a range.
+    /// Grey value of the border; two values for a range.
     pub threshold: Vec<f64>,
-    /// How the layers between slices were made.
+    /// How layers between slices were made.
     pub interpolation: &'static str,
     /// Where the part begins above the lower face of the first voxel that is taken, mm.
     pub bottom_mm: f64,
     /// Size of the part in x, y and z, mm.
     pub size_mm: [f64; 3],
-    /// Islands of sections that were too small.
+    /// Islands of sections below the least area, which were dropped.
     pub dropped_islands: usize,
-    /// Loose pieces of the part that were too small.
+    /// Loose pieces below the least volume, which were dropped.
     pub dropped_pieces: usize,
-    /// Holes of sections that were too small.
+    /// Holes of sections below the least area, which were filled.
     pub filled_pores: usize,
-    /// Entities that begin between slices, where contours are matched.
+    /// Entities that begin between slices; 0 where contours are not matched.
     pub births: usize,
     /// Entities that end.
     pub deaths: usize,
-    /// Entities that part or grow together.
+    /// Entities that divide or merge.
     pub branches: usize,
 }
 
-/// The layers of a scan and what was found.
+/// The layers of a scan with their report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CtStack {
     /// The layers.
     pub stack: LayerStack,
-    /// What was found.
+    /// Measures of the scan.
     pub report: CtReport,
 }
 
-/// A pixel is plainly material or air beyond the threshold by this share of the step between them. Derived: at a threshold
-/// halfway, noise of 10 % of the step must be off by six standard deviations to get there.
+/// A pixel is plainly material or plainly air where it lies beyond the threshold by this share of the
+/// step between both. Derived: at a threshold halfway, noise of 10 % of the step must be off by six
+/// standard deviations to get there.
 const CLEAR: f64 = 0.1;
-/// No print has more layers.
+/// Limit on the layers. At 0.05 mm it is a part 10 m high.
 const MAX_LAYERS: f64 = 200_000.0;
 /// Cuts a scan into layers at the printer's heights. Holds a few slices at a time.
 ///
@@ -231,11 +234,13 @@ pub fn slice_scan(
     let info = source.info().clone();
     info.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
     let lattice = Lattice::new(&info, settings)?;
+    // The rotated scan is a source of slices like any other, so everything below is the same for it.
     if settings.rotate_rad != [0.0; 3] {
         let mut turned = Turned::new(source, lattice, settings.rotate_rad)?;
         return slice_scan(&mut turned, &settings.as_turned(), diagnostics);
     }
-    // Bends of less than a tenth of a pixel are noise, and every point is cut and offset.
+    // Bends of less than a tenth of a pixel are noise, and every point costs time when sections are
+    // offset.
     let simplify_mm = settings.simplify_mm.max(0.1 * lattice.pixel_mm().min_element());
     let settings = &CtSettings { simplify_mm, ..settings.clone() };
     let survey = Survey::of(source, &lattice, settings, diagnostics)?;
@@ -251,14 +256,14 @@ pub fn slice_scan(
     Ok(made)
 }
 
-/// The slices of a scan one after another, cropped and mirrored as a job asks.
+/// The slices of a scan one after another, cropped and mirrored as the job states.
 pub struct Slices<'a> {
     source: Box<dyn SliceSource + 'a>,
     lattice: Lattice,
 }
 
 impl<'a> Slices<'a> {
-    /// From the first slice that is taken.
+    /// Starts at the first slice that is taken.
     ///
     /// # Errors
     /// [`ScanError`]: no voxel size, a window or crop outside the scan, files that can no longer be read.
@@ -288,8 +293,8 @@ impl<'a> Slices<'a> {
         self.lattice.spacing_mm
     }
 
-    /// Heights of the slices' middles above the lowest voxel's lower face in the order they come, which is falling
-    /// where z is mirrored; mm.
+    /// Heights of the centres of the slices above the lower face of the lowest voxel, mm. They are in the
+    /// order of reading, which is falling where z is mirrored.
     pub fn heights_mm(&self) -> Vec<f64> {
         self.lattice.z_mm.iter().map(|z| z + self.lattice.ends_mm[0]).collect()
     }
@@ -307,23 +312,23 @@ impl<'a> Slices<'a> {
     }
 }
 
-/// A slice ready for tracing.
+/// A slice that is ready for tracing.
 struct Prepared {
-    /// Positive inside, zero at the border.
+    /// Signed difference to the threshold: positive inside, zero at the border.
     signed: Vec<f32>,
-    /// Its section, where layers are made of sections.
+    /// The section, where layers are made from sections.
     region: Option<Region>,
     inside: usize,
     range: (f32, f32),
     lost: Lost,
 }
 
-/// What was too small.
+/// Counts of what was too small.
 #[derive(Debug, Clone, Copy, Default)]
 struct Lost {
     islands: usize,
     pores: usize,
-    /// Of Canny's contours, and those of them that have no edge.
+    /// Points of Canny's contours, and how many of them have no edge.
     points: [usize; 2],
 }
 
@@ -342,10 +347,10 @@ struct Job<'a> {
     mode: Interpolation,
 }
 
-/// What a slab gave: its layers by number, what was lost, what happened.
+/// The result of a slab: its layers by number, what was dropped, and events.
 type SlabLayers = (Vec<(usize, Region)>, Lost, Events);
 
-/// Two neighbouring slices and the heights they stand at.
+/// Two neighbouring slices and their heights.
 struct Between {
     lower: Arc<Prepared>,
     upper: Arc<Prepared>,
@@ -370,12 +375,13 @@ impl Job<'_> {
             return Err(ScanError::TooFlat { height_mm: height, first_layer_mm });
         }
         diagnostics.begin(Stage::Slice, expected.ceil() as usize);
-        // Enough for every thread, within a bound for huge slices.
+        // Enough slices for every thread, and at most 256 MiB of them.
         let batch =
             (2 * rayon::current_num_threads()).clamp(2, 64).min(((256 << 20) / (4 * l.nx * l.ny)).max(1));
         let mut all = Collected { start_mm: self.survey.bottom_mm, ..Collected::default() };
+        // Reading is often slower than tracing (packed files, network drives), so it runs beside it.
         std::thread::scope(|scope| -> Result<(), ScanError> {
-            // The reader is ahead by a slice or two, and ends when nobody listens any more.
+            // The reader is ahead by two slices at most. It ends when the receiver is gone.
             let (send, receive) = sync_channel::<Result<Vec<f32>, SliceError>>(2);
             scope.spawn(move || {
                 let read = |source: &mut dyn SliceSource| -> Result<(), SliceError> {
@@ -403,6 +409,7 @@ impl Job<'_> {
                 while raw.len() < batch.min(n - k) {
                     raw.push(receive.recv().map_err(|_| wrong("the reader ended early".into()))??);
                 }
+                // Collected in order, so that the result is the same for any number of threads.
                 let ready: Vec<Arc<Prepared>> =
                     raw.into_par_iter().map(|values| Arc::new(self.prepare(values))).collect();
                 let mut slabs = Vec::with_capacity(ready.len() + 2);
@@ -410,6 +417,8 @@ impl Job<'_> {
                     all.count(&slice);
                     let z = l.z_mm[k];
                     match last.take() {
+                        // The first slice also fills the half slice below it, the last one the half slice
+                        // above.
                         None => slabs.push(self.end_slab(&slice, 0, true)),
                         Some(lower) => {
                             slabs.push(Between { lower, upper: Arc::clone(&slice), z: [l.z_mm[k - 1], z] });
@@ -428,11 +437,11 @@ impl Job<'_> {
         self.finish(all, diagnostics)
     }
 
-    /// The half slice below the first or above the last.
+    /// The half slice below the first slice or above the last one.
     fn end_slab(&self, slice: &Arc<Prepared>, k: usize, first: bool) -> Between {
         let l = self.lattice;
         let z = l.z_mm[k];
-        // Upside down, the first slice read is the highest.
+        // In a scan taken upside down, the first slice read is the highest.
         let below = first != l.flip[2];
         let end = if below { z - l.ends_mm[0] } else { z + l.ends_mm[1] };
         Between { lower: Arc::clone(slice), upper: Arc::clone(slice), z: [z, end] }
@@ -444,6 +453,8 @@ impl Job<'_> {
             Denoise::None => Smoothing::None,
             Denoise::Gaussian(px) => Smoothing::Gaussian(px),
             Denoise::Median => Smoothing::Median,
+            // 15 % of the step from air to material counts as an edge: noise is usually below, a face
+            // above.
             Denoise::Edges => Smoothing::Edges(0.15 * self.survey.contrast),
         };
         let values = crate::smooth::smoothed(values, nx, ny, how);
@@ -451,10 +462,11 @@ impl Job<'_> {
         let signed: Vec<f32> = values.iter().map(|&v| self.survey.signed(v)).collect();
         let inside = signed.iter().filter(|v| **v > 0.0).count();
         let mut lost = Lost::default();
+        // For interpolated grey values sections are made per layer, so none is needed here.
         let region = (self.mode != Interpolation::Grey).then(|| {
             let step = self.survey.contrast as f32;
             let mut contours = Grid::of(&signed, nx, ny).with_flats(|_| step).contours();
-            // Kept finer than the last simplification: pairing wants the points.
+            // Points are kept denser than in the result, because pairing needs them.
             let mut simplify_mm = 0.2 * self.settings.simplify_mm;
             if self.settings.tracing == Tracing::Canny {
                 let [low, high, sigma_px] = self.settings.canny;
@@ -465,7 +477,7 @@ impl Job<'_> {
                 };
                 (contours, lost.points) =
                     edges::on_edges(contours, &values, nx, ny, &canny, |c| self.is_clear(c, &signed));
-                // Scattered by noise, most points say nothing, and all would be cut and offset.
+                // Points scattered by noise carry no shape, and all of them would be offset later.
                 simplify_mm = self.settings.simplify_mm;
             }
             self.without_specks(self.section(contours, simplify_mm), &mut lost)
@@ -473,7 +485,7 @@ impl Job<'_> {
         Prepared { signed, region, inside, range, lost }
     }
 
-    /// Whether a contour in pixels encloses a pixel that is plainly material, or as a hole plainly air.
+    /// Whether a contour in pixels encloses a pixel that is plainly material or, for a hole, plainly air.
     fn is_clear(&self, contour: &Contour, signed: &[f32]) -> bool {
         let (nx, ny) = (self.lattice.nx, self.lattice.ny);
         let Some(bounds) = grainpath_core::Bounds2::of(contour.iter().copied()) else { return false };
@@ -488,10 +500,10 @@ impl Job<'_> {
         })
     }
 
-    /// What contours in pixels enclose.
+    /// The region that contours in pixels enclose, in mm.
     fn section(&self, contours: Vec<Contour>, simplify_mm: f64) -> Region {
         let contours = contours.into_iter().map(|c| self.lattice.to_mm(c));
-        // Slivers of less than a hundredth of a voxel come from exact zeros.
+        // Slivers below a hundredth of a pixel come from values of exactly zero.
         let least = 0.01 * self.lattice.spacing_mm[0] * self.lattice.spacing_mm[1];
         let contours: Vec<Contour> = contours
             .filter(|c| signed_area_mm2(c).abs() > least)
@@ -525,7 +537,7 @@ impl Job<'_> {
         })
     }
 
-    /// Makes the layers whose middles lie in these slabs.
+    /// Makes the layers whose centres lie in these slabs.
     fn layers_of(
         &self,
         slabs: Vec<Between>,
@@ -556,7 +568,8 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// Where the part begins if it begins in this slab: where most of what is in the upper slice comes up.
+    /// Height at which the part begins, if it begins in this slab: where most of the upper slice's
+    /// material appears.
     fn start(&self, slab: &Between) -> Option<f64> {
         let least = self.settings.min_island_mm2 / (self.lattice.spacing_mm[0] * self.lattice.spacing_mm[1]);
         if (slab.upper.inside as f64) < least.max(1.0) {
@@ -569,12 +582,14 @@ impl Job<'_> {
         if Arc::ptr_eq(&slab.lower, &slab.upper) {
             return Some(slab.z[0].min(slab.z[1]));
         }
+        // Specks beside the part must not move its bottom.
         let largest = region.polygons.iter().max_by(|a, b| a.area_mm2().total_cmp(&b.area_mm2()))?;
         let share = self.change_share(slab, &largest.outer, false);
         Some(slab.z[0] + share * (slab.z[1] - slab.z[0]))
     }
 
-    /// The share of the way at which the plane inside a contour changes sides: the median over its pixels.
+    /// Fraction of the way at which the inside of a contour changes between air and material: the median
+    /// over its pixels.
     fn change_share(&self, slab: &Between, contour: &Contour, of_lower: bool) -> f64 {
         let l = self.lattice;
         let Some(bounds) = grainpath_core::Bounds2::of(contour.iter().copied()) else { return 0.5 };
@@ -583,7 +598,7 @@ impl Job<'_> {
         let index = |v: f64, n: usize| v.clamp(0.0, (n - 1) as f64) as usize;
         let (i0, i1) = (index(low.x.ceil(), l.nx), index(high.x.floor(), l.nx));
         let (j0, j1) = (index(low.y.ceil(), l.ny), index(high.y.floor(), l.ny));
-        // About a thousand pixels tell as much as all.
+        // A few thousand pixels give the median as well as all of them.
         let pixels = (j1 + 1).saturating_sub(j0) * (i1 + 1).saturating_sub(i0);
         let stride = (pixels as f64 / 4000.0).sqrt().ceil().max(1.0) as usize;
         let mut shares = Vec::new();
@@ -594,6 +609,8 @@ impl Job<'_> {
                 let p = DVec2::new(i as f64 + 0.5, j as f64 + 0.5) * size;
                 let changes = if of_lower { a > 0.0 && b <= 0.0 } else { a <= 0.0 && b > 0.0 };
                 if changes && grainpath_core::poly::even_odd_contains([contour], p) {
+                    // The signed values cross zero at this fraction of a straight line between both
+                    // slices.
                     shares.push(f64::from(a / (a - b)));
                 }
             }
@@ -605,9 +622,11 @@ impl Job<'_> {
     fn slab_layers(&self, slab: &Between, start: f64) -> SlabLayers {
         let s = self.settings;
         let (first, h) = (s.first_layer_height_mm, s.layer_height_mm);
+        // Layers are cut at their centres, so that faces that lean are neither too large nor too small on
+        // average.
         let middle = |i: usize| if i == 0 { 0.5 * first } else { first + (i as f64 - 0.5) * h };
         let (low, high) = (slab.z[0].min(slab.z[1]) - start, slab.z[0].max(slab.z[1]) - start);
-        // The first layer whose middle is above `z`.
+        // Number of the first layer whose centre is above `z`.
         let above = |z: f64| {
             if z < 0.5 * first { 0 } else { (((z - first) / h + 0.5).floor() + 1.0).max(1.0) as usize }
         };
@@ -628,6 +647,7 @@ impl Job<'_> {
             return (range.map(layer).collect(), lost, Events::default());
         }
         let (lower, upper) = (self.region(&slab.lower), self.region(&slab.upper));
+        // In a half slice at an end there is one slice alone, whose section holds all the way.
         if Arc::ptr_eq(&slab.lower, &slab.upper) {
             let layer = |i: usize| (i, trace::region_in_place(&lower, s.simplify_mm));
             return (range.map(layer).collect(), lost, Events::default());
@@ -662,7 +682,8 @@ impl Job<'_> {
         let raster = Raster::over(bounds, self.lattice.pixel_mm());
         let distance = |r: &Region, other: &Region| {
             if r.is_empty() {
-                // What ends, ends halfway at its middle: a plane as deep below as the other is thick.
+                // Where one slice is empty, its distance is a plane as deep as the other part is thick,
+                // so that the part ends halfway at its thickest place.
                 let deepest = signed_distance(other, &raster).into_iter().fold(0.0, f32::max);
                 vec![-deepest; raster.nx * raster.ny]
             } else {
@@ -697,6 +718,7 @@ impl Job<'_> {
         if all.inside == total {
             return Err(wrong(format!("a threshold of {at} leaves everything; {values}")));
         }
+        // In a mirrored scan slabs arrive from the top.
         all.layers.sort_by_key(|l| l.0);
         let (first, h) = (self.settings.first_layer_height_mm, self.settings.layer_height_mm);
         let least_mm3 = self.settings.min_piece_mm3;
@@ -705,6 +727,8 @@ impl Job<'_> {
             let height_mm = |layer: usize| if layer == 0 { first } else { h };
             dropped_pieces = pieces::drop_loose(&mut all.layers, height_mm, least_mm3);
         }
+        // Empty layers inside the part stay, since they keep the heights; above it they would be printed
+        // as air.
         while all.layers.last().is_some_and(|l| l.1.is_empty()) {
             all.layers.pop();
         }
@@ -731,12 +755,14 @@ impl Job<'_> {
             )));
         };
         let z_max = layers.last().map_or(0.0, Layer::z_top_mm);
+        // Layers have fixed heights, so a part is printed to the nearest layer; 5 % is worth a warning.
         if let Some(true_mm) = scan_height_mm.filter(|mm| (z_max / mm - 1.0).abs() > 0.05) {
             let text = format!("the scan is {true_mm:.3} mm high and is printed {z_max:.3} mm high");
             diagnostics.warn(WarningId::ScanHeightRounded, text);
         }
         let size = bounds.size();
         let longest = size.max_element().max(z_max);
+        // Voxel sizes in wrong units (um for mm) are the usual cause.
         if !(2.0..=2000.0).contains(&longest) {
             let text = format!("the scanned part measures {longest:.3} mm");
             diagnostics.push(
@@ -744,6 +770,7 @@ impl Job<'_> {
                     .with_remedy("check shape.ct.pixel_mm and shape.ct.slice_mm, or set shape.scale"),
             );
         }
+        // One point in twenty without an edge is normal at corners.
         if 20 * bare > points {
             diagnostics.warn(WarningId::ScanEdgesMissing, format!(
                 "Canny: along {:.0} % of the contours there is no edge within {} pixels; there they lie where the \
@@ -771,7 +798,7 @@ impl Job<'_> {
     }
 }
 
-/// What has come together so far.
+/// The results collected so far.
 struct Collected {
     start_mm: Option<f64>,
     layers: Vec<(usize, Region)>,
@@ -798,7 +825,8 @@ impl Default for Collected {
 }
 
 impl Collected {
-    /// The height of a part that reaches from the lowest to the highest slice, mm.
+    /// Height of a part that fills the scan from the lowest to the highest slice, mm; `None` where it
+    /// ends inside.
     fn cut_height_mm(&self, lattice: &Lattice) -> Option<f64> {
         let (low, high) =
             lattice.z_mm.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &z| (l.min(z), h.max(z)));

@@ -1,8 +1,8 @@
-//! Loose pieces: what hangs together over the layers, and the crumbs among it.
+//! Loose pieces: volumes connected over the layers, and the small ones among them that are dropped.
 
 use grainpath_core::{DisjointSets, Region};
 
-/// Drops pieces of less than `least_mm3` from a stack of sections; gives how many were dropped.
+/// Drops pieces of less than `least_mm3` from a stack of sections. Returns how many were dropped.
 ///
 /// Two islands of neighbouring layers belong to one piece where they overlap. The volume of a piece is the sum of its
 /// islands' areas (without holes) times the thickness of their layers, `height_mm(layer)`. Cost: one intersection for each
@@ -12,6 +12,7 @@ pub(super) fn drop_loose(
     height_mm: impl Fn(usize) -> f64,
     least_mm3: f64,
 ) -> usize {
+    // Islands of all layers are numbered through; `starts` holds the first number of each layer.
     let starts: Vec<usize> = layers
         .iter()
         .scan(0, |n, (_, region)| {
@@ -23,6 +24,7 @@ pub(super) fn drop_loose(
     let n_islands: usize = layers.iter().map(|(_, region)| region.polygons.len()).sum();
     let mut pieces = DisjointSets::new(n_islands);
     for (k, pair) in layers.windows(2).enumerate() {
+        // Layers without a section are missing from the list, and nothing connects across them.
         if pair[1].0 != pair[0].0 + 1 {
             continue;
         }
@@ -33,6 +35,8 @@ pub(super) fn drop_loose(
                     .bounds()
                     .is_none_or(|b| b.min.cmpgt(box_low.max).any() || b.max.cmplt(box_low.min).any());
                 let (a, b) = (starts[k] + i, starts[k + 1] + j);
+                // |Intersections are the cost of this function, so islands already connected are not
+                // intersected again.
                 if apart || pieces.lowest(a) == pieces.lowest(b) {
                     continue;
                 }

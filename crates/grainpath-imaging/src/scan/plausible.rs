@@ -1,31 +1,33 @@
-//! Whether grey values can be those of a scan, before a minute is spent on tracing noise.
+//! Decides whether grey values can be those of a scan, before time is spent on tracing noise.
 //!
 //! # Method
 //! In a scan neighbouring voxels are alike. The roughness of a volume is `E[(a - b)^2] / (2 Var)` over neighbours `a`, `b`
 //! within slices: 1 where neighbours are unrelated, close to 0 where the image is smooth (von Neumann's ratio, halved).
-//! Bytes read in the wrong order turn the small steps of a smooth image into large ones; the values with their bytes
-//! exchanged then tell which order is right. Cost: one pass over the sampled slices.
+//! Bytes read in the wrong order turn the small steps of a smooth image into large ones. The values with
+//! their bytes exchanged then show which order is right. Cost: one pass over the sampled slices.
 //!
 //! # Limits
 //! Only samples of 2 bytes, and floats, can be exchanged; larger integers have lost their lower bits in `f32`.
 
 use grainpath_core::slices::SampleType;
 
-/// Rougher volumes are looked at with their bytes exchanged. Measured on nine scans (bolt, bone, cranium, engine,
-/// fibre preform, nut, weave, cement, DICOM phantom): 0.008 to 0.076 as stored. The two of 16 bits, exchanged: 0.68 and 0.24.
+/// Roughness from which a volume is tested with its bytes exchanged. Measured on nine scans (bolt, bone,
+/// cranium, engine, fibre preform, nut, weave, cement, DICOM phantom): 0.008 to 0.076 as stored. The two
+/// of 16 bits, exchanged: 0.68 and 0.24.
 const SUSPICIOUS: f64 = 0.15;
-/// The exchanged bytes are the right ones where they are smoother by this factor. Derived: 0.03 on both scans of 16 bits, from the roughness above.
+/// The exchanged bytes are right where their roughness is below this share of the stored one. Derived:
+/// 0.03 on both scans of 16 bits, from the roughness above.
 const SMOOTHER: f64 = 0.25;
-/// Rougher volumes are noise. Derived: a scan of half material has 0.9 when the noise has 1.5 times the contrast, and no
-/// threshold tells material from air in that.
+/// Roughness from which a volume is noise. Derived: a scan that is half material has 0.9 when the noise
+/// has 1.5 times the contrast, and no threshold separates material from air in that.
 const NOISE: f64 = 0.9;
 
-/// What is wrong with the grey values.
+/// Faults of the grey values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Implausible {
-    /// With the bytes of every voxel exchanged the volume is smooth.
+    /// The volume is smooth when the bytes of every voxel are exchanged.
     ByteOrder,
-    /// Neighbours are unrelated.
+    /// Neighbouring voxels are unrelated.
     Noise,
 }
 
@@ -56,18 +58,19 @@ impl Roughness {
 
     fn ratio(&self) -> f64 {
         let mean = self.sum / self.n;
+        // Sums of squares in f64 keep enough digits for 16-bit values of any number of voxels.
         let variance = self.squares / self.n - mean * mean;
         if variance > 0.0 && self.n_steps > 0.0 { self.steps / self.n_steps / (2.0 * variance) } else { 0.0 }
     }
 }
 
-/// Looks at slices as they come.
+/// Collects the roughness of slices as they are read.
 #[derive(Debug, Clone)]
 pub(super) struct Plausibility {
     sample: SampleType,
     stored: Roughness,
     exchanged: Roughness,
-    /// Whether every value could be exchanged so far.
+    /// Whether all values so far could be exchanged.
     exchangeable: bool,
 }
 
@@ -79,12 +82,13 @@ impl Plausibility {
 
     /// Looks at a slice of rows of `nx`.
     pub(super) fn add(&mut self, slice: &[f32], nx: usize) {
-        // 256 rows tell as much as all; of a small slice every row counts, for a thin wall may lie in any.
+        // 256 rows estimate the roughness well enough. Of a small slice every row counts, since a thin
+        // wall may lie in any of them.
         let every = (slice.len() / nx.max(1) / 256).max(1);
         for row in slice.chunks_exact(nx).step_by(every) {
             self.stored.add(row.iter().map(|v| f64::from(*v)));
             if self.exchangeable {
-                // A rescaled value is no longer the stored one, and cannot be exchanged.
+                // A rescaled value is not the stored one and cannot be exchanged.
                 let exchanged: Option<Vec<f64>> = row.iter().map(|v| exchanged(self.sample, *v)).collect();
                 match exchanged {
                     Some(values) => self.exchanged.add(values.into_iter()),
@@ -94,7 +98,7 @@ impl Plausibility {
         }
     }
 
-    /// What is wrong, if anything is.
+    /// The fault, if there is one.
     pub(super) fn verdict(&self) -> Option<Implausible> {
         let roughness = self.stored.ratio();
         if self.exchangeable && roughness > SUSPICIOUS && self.exchanged.ratio() < SMOOTHER * roughness {
@@ -104,7 +108,7 @@ impl Plausibility {
     }
 }
 
-/// A value with its bytes in the other order.
+/// The value with its bytes in the opposite order; `None` where it cannot be the stored value.
 fn exchanged(sample: SampleType, v: f32) -> Option<f64> {
     let whole = |low: f32, high: f32| v.fract() == 0.0 && (low..=high).contains(&v);
     match sample {
@@ -112,7 +116,8 @@ fn exchanged(sample: SampleType, v: f32) -> Option<f64> {
         SampleType::I16 if whole(-32768.0, 32767.0) => Some(f64::from((v as i16).swap_bytes())),
         SampleType::F32 => {
             let other = f32::from_bits(v.to_bits().swap_bytes());
-            // The bytes of a good float make tiny, huge and broken ones: those of no size count as 0.
+            // Exchanged bytes of a sound float give tiny, huge and invalid numbers. Those of no plausible
+            // size count as 0.
             Some(if other.is_finite() && other.abs() < 1e12 { f64::from(other) } else { 0.0 })
         }
         _ => None,

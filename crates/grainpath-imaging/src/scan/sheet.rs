@@ -1,12 +1,13 @@
 //! A contact sheet: slices of a scan side by side.
 
-/// At most so many slices are shown, in rows of this many.
+/// Slices in a row of the sheet, and slices shown at most. Twenty tiles fit a screen without scrolling;
+/// only the picture depends on the values.
 const COLUMNS: usize = 5;
 const SHOWN: usize = 20;
-/// Longest side of a slice on the sheet, px.
+/// Longest side of a slice on the sheet, px. Only the picture depends on it.
 const TILE_PX: usize = 240;
 
-/// Slices of a scan, made small as they come.
+/// Slices of a scan, shrunk as they arrive.
 #[derive(Debug, Clone)]
 pub struct ContactSheet {
     size: [usize; 3],
@@ -15,8 +16,9 @@ pub struct ContactSheet {
 }
 
 impl ContactSheet {
-    /// For a scan of columns, rows, slices.
+    /// A sheet for a scan of this size: columns, rows, slices.
     pub fn new(size: [usize; 3]) -> Self {
+        // A whole factor, so that every pixel of a tile is the mean of as many voxels.
         let shrink = size[0].max(size[1]).div_ceil(TILE_PX).max(1);
         Self { size, shrink, tiles: Vec::new() }
     }
@@ -25,10 +27,11 @@ impl ContactSheet {
         (self.size[0].div_ceil(self.shrink), self.size[1].div_ceil(self.shrink))
     }
 
-    /// Offers slice `k`; evenly spread ones are kept.
+    /// Offers slice `k`. Evenly spaced slices are kept.
     pub fn add(&mut self, k: usize, values: &[f32]) {
         let n = self.size[2];
         let shown = SHOWN.min(n);
+        // The slices in the middle of `shown` equal parts; the first and last are often empty.
         if self.tiles.len() >= shown || k != (2 * self.tiles.len() + 1) * n / (2 * shown) {
             return;
         }
@@ -46,12 +49,13 @@ impl ContactSheet {
         self.tiles.push(tile);
     }
 
-    /// The sheet as PNG, `low` black and `high` white, the first slice at the top left.
+    /// The sheet as PNG with `low` as black and `high` as white. The first slice is at the top left.
     pub fn png(&self, low: f32, high: f32) -> Vec<u8> {
         let (w, h) = self.tile();
         let columns = COLUMNS.min(self.tiles.len()).max(1);
         let rows = self.tiles.len().div_ceil(columns).max(1);
         let (width, height) = (columns * (w + 4) + 4, rows * (h + 4) + 4);
+        // A dark grey shows the border of tiles that are black at their edges.
         let mut pixels = vec![40u8; width * height];
         let scale = 255.0 / (high - low).max(f32::MIN_POSITIVE);
         for (k, tile) in self.tiles.iter().enumerate() {
@@ -59,6 +63,7 @@ impl ContactSheet {
             for (j, row) in tile.chunks_exact(w).enumerate() {
                 let at = (y0 + j) * width + x0;
                 for (out, v) in pixels[at..at + w].iter_mut().zip(row) {
+                    // `as` saturates, so values outside the range become black or white.
                     *out = ((v - low) * scale) as u8;
                 }
             }

@@ -1,4 +1,4 @@
-//! An entity that falls into several is cut where they will part.
+//! Cuts an entity that divides into several, where its parts will separate.
 //!
 //! The method is that of the published pipeline (`tan2020` in docs/references.bib). Between two children the dividing edge
 //! passes through the point `e` of the shortest line `ab` between them that divides it as the children are thick behind
@@ -12,14 +12,14 @@ use grainpath_core::{DVec2, Polygon, Region};
 
 use super::correspond::{Features, feature_points};
 
-/// Width of a cut, mm: a few steps of the grid that booleans round to.
+/// Width of a cut, mm: four steps of the grid of 1e-4 mm to which boolean operations round. A narrower
+/// cut may vanish, a wider one removes material.
 const CUT_MM: f64 = 4e-4;
 
-/// Cuts `parent` into a piece for each child by dividing edges, `None` where that cannot be done: the children hang
-/// together in more than one place, or one is left without a piece.
+/// Cuts `parent` into one piece for each child by dividing edges. `None` where that fails: children are
+/// connected in more than one place, or one is left without a piece.
 ///
-/// Between two children the edge passes through the point `e` of the shortest line `ab` between them that divides it
-/// as the children are thick behind it, `ae / eb = ac / bd`; its ends move to feature points of the parent near by.
+/// The point `e` of a dividing edge and its direction are those of the module text.
 pub fn split(parent: &Polygon, children: &[&Polygon], features: Features) -> Option<Vec<Region>> {
     let clipper = LineClipper::new(&Region::from(parent.clone()));
     let mut cuts = Vec::new();
@@ -28,6 +28,8 @@ pub fn split(parent: &Polygon, children: &[&Polygon], features: Features) -> Opt
         let along = if apart.length() > 1e-9 {
             apart.normalize()
         } else {
+            // Children that touch have no shortest line; the line through their centres gives the
+            // direction.
             (middle(children[j])? - middle(children[i])?).normalize_or_zero()
         };
         let thick = |k: usize, from: DVec2, way: DVec2| thickness(children[k], from, way);
@@ -45,6 +47,7 @@ pub fn split(parent: &Polygon, children: &[&Polygon], features: Features) -> Opt
         let shares: Vec<f64> =
             children.iter().map(|c| region.intersection(&Region::from((*c).clone())).area_mm2()).collect();
         let best = (0..children.len()).max_by(|&x, &y| shares[x].total_cmp(&shares[y]).then(y.cmp(&x)))?;
+        // A piece that meets no child goes to the nearest one: all of the parent has to be printed.
         let belongs = if shares[best] > 0.0 {
             best
         } else {
@@ -52,7 +55,7 @@ pub fn split(parent: &Polygon, children: &[&Polygon], features: Features) -> Opt
             let far = |k: usize| nearest_point(children[k], p).distance(p);
             (0..children.len()).min_by(|&x, &y| far(x).total_cmp(&far(y)))?
         };
-        // A piece that reaches well into two children was not divided.
+        // A piece that holds more than a quarter of two children was not divided.
         let reached = (0..children.len()).filter(|&k| shares[k] > 0.25 * children[k].area_mm2()).count();
         if reached > 1 {
             return None;
@@ -62,7 +65,7 @@ pub fn split(parent: &Polygon, children: &[&Polygon], features: Features) -> Opt
     out.iter().all(|r| r.area_mm2() > 0.0).then_some(out)
 }
 
-/// The shortest lines that tie all children together: which two, and from where to where.
+/// The shortest lines that connect all children: which two, and from where to where.
 fn links(children: &[&Polygon]) -> Option<Vec<(usize, usize, DVec2, DVec2)>> {
     let n = children.len();
     let mut all = Vec::new();
@@ -77,6 +80,7 @@ fn links(children: &[&Polygon]) -> Option<Vec<(usize, usize, DVec2, DVec2)>> {
     });
     let mut group: Vec<usize> = (0..n).collect();
     let mut out = Vec::new();
+    // Kruskal's algorithm (`Kruskal1956`): the shortest line first, none that closes a ring.
     for link in all {
         let (x, y) = (group[link.0], group[link.1]);
         if x != y {
@@ -106,8 +110,9 @@ fn nearest_point(polygon: &Polygon, p: DVec2) -> DVec2 {
     )
 }
 
-/// The closest points of two outlines: from every vertex of each to the other.
+/// The closest points of two outlines, measured from the vertices of each to the other.
 fn closest(a: &Polygon, b: &Polygon) -> Option<(DVec2, DVec2)> {
+    // 300 vertices of each outline bound the time; the dividing edge is moved to feature points anyway.
     let thin =
         |p: &Polygon| p.outer.iter().copied().step_by((p.outer.len() / 300).max(1)).collect::<Vec<_>>();
     let from_a = thin(a).into_iter().map(|p| (p, nearest_point(b, p)));
@@ -115,7 +120,7 @@ fn closest(a: &Polygon, b: &Polygon) -> Option<(DVec2, DVec2)> {
     from_a.chain(from_b).min_by(|x, y| x.0.distance_squared(x.1).total_cmp(&y.0.distance_squared(y.1)))
 }
 
-/// How far a ray from a child's border runs in it.
+/// Length that a ray from the border of a child runs inside it.
 fn thickness(child: &Polygon, from: DVec2, way: DVec2) -> f64 {
     let mut hits: Vec<f64> = child
         .contours()
@@ -124,6 +129,7 @@ fn thickness(child: &Polygon, from: DVec2, way: DVec2) -> f64 {
             let d = cross(way, q - p);
             let s = cross(p - from, way) / d;
             let t = cross(p - from, q - p) / d;
+            // The point itself lies on the border and is no hit.
             (d.abs() > 1e-15 && (0.0..=1.0).contains(&s) && t > 1e-4).then_some(t)
         })
         .collect();
@@ -131,7 +137,7 @@ fn thickness(child: &Polygon, from: DVec2, way: DVec2) -> f64 {
     hits.first().copied().unwrap_or(0.0)
 }
 
-/// The line through `e` across the parent, its ends at feature points where there are any near.
+/// The line through `e` across the parent. Its ends move to feature points where there are any nearby.
 fn dividing_edge(
     parent: &Polygon,
     clipper: &LineClipper,
@@ -139,15 +145,18 @@ fn dividing_edge(
     way: DVec2,
     features: Features,
 ) -> Option<(DVec2, DVec2)> {
+    // Between a C's arms the point may lie outside, where nothing can be cut.
     if !clipper.contains(e) {
         return None;
     }
     let far = parent.bounds()?.size().length() * way;
     let end = |to: DVec2| clipper.crossings(e, e + to).first().map(|c| e + to * c.t);
     let (p, q) = (end(far)?, end(-far)?);
+    // A corner within a third of the cut's length may take its end; farther ones belong to other details.
     let reach = 0.35 * p.distance(q);
     let corners: Vec<DVec2> = parent
         .contours()
+        // Only concave corners, where material narrows, are natural ends of a cut.
         .flat_map(|c| feature_points(c, features).into_iter().filter(|f| f.1 < 0.0).map(|f| c[f.0]))
         .collect();
     let snap = |end: DVec2, other: DVec2| {
@@ -155,12 +164,12 @@ fn dividing_edge(
         near.min_by(|x, y| x.distance_squared(end).total_cmp(&y.distance_squared(end))).unwrap_or(end)
     };
     let snapped = (snap(p, q), snap(q, p));
-    // A corner round the bend would cut something else.
+    // A snapped line that leaves the parent would cut something else.
     let inside = (1..8).all(|k| clipper.contains(snapped.0.lerp(snapped.1, f64::from(k) / 8.0)));
     Some(if inside { snapped } else { (p, q) })
 }
 
-/// A cut as a thin strip that reaches a hair beyond its ends.
+/// A cut as a thin strip that extends slightly beyond its ends, so that it separates the border too.
 fn strip((p, q): (DVec2, DVec2)) -> Vec<DVec2> {
     let along = (q - p).normalize_or_zero() * 2.0 * CUT_MM;
     let side = DVec2::new(-along.y, along.x) * 0.25;

@@ -1,4 +1,4 @@
-//! Which voxels are taken, and what their grey values say before any layer is made.
+//! Determines which voxels are taken and what their grey values show, before any layer is made.
 
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::{SliceSource, VolumeInfo};
@@ -8,15 +8,17 @@ use super::error::wrong;
 use super::plausible::{Implausible, Plausibility};
 use super::{CtSettings, Denoise, Histogram, Interpolation, ScanError, Threshold, Tracing};
 
-/// Slices no further apart than this many pixels are mixed by their grey values: the edge's own blur then reaches from
-/// slice to slice.
+/// Slices that are at most this many pixels apart are interpolated by their grey values: the blur of an
+/// edge then reaches from slice to slice. With slices farther apart, a flank between them would show as
+/// steps.
 const GREY_RATIO: f64 = 1.6;
-/// At most about so many slices are looked at for the histogram.
+/// Slices that are sampled for the histogram, at most. The modes of air and material need a fair sample;
+/// reading every slice would double the time to read a scan.
 const SAMPLED: usize = 48;
-/// At most about so many are looked at where only their plausibility is asked for.
+/// Slices that are sampled where only their plausibility is checked, at most.
 const PLAUSIBLE: usize = 6;
 
-/// Which voxels are taken, and where they lie.
+/// The voxels that are taken, and where they lie.
 #[derive(Debug, Clone)]
 pub(super) struct Lattice {
     pub(super) file_nx: usize,
@@ -25,9 +27,10 @@ pub(super) struct Lattice {
     pub(super) nx: usize,
     pub(super) ny: usize,
     pub(super) first: usize,
-    /// Height of every slice taken, rising unless flipped; mm.
+    /// Height of every slice taken, mm; rising unless flipped.
     pub(super) z_mm: Vec<f64>,
-    /// Half the distance of the outermost slices, mm: the part reaches as far beyond them.
+    /// Half the distance of the outermost slices, mm. The part extends by as much beyond them, since a
+    /// voxel is a volume and not a point.
     pub(super) ends_mm: [f64; 2],
     pub(super) spacing_mm: [f64; 3],
 }
@@ -52,6 +55,7 @@ impl Lattice {
         }
         let mut spacing_mm = [0.0; 3];
         for k in 0..3 {
+            // A value from the job wins over that of the file: headers are often wrong.
             let Some(mm) = s.spacing_mm[k].or(info.spacing_mm[k]) else {
                 let (key, what) =
                     if k == 2 { ("slice_mm", "distance of slices") } else { ("pixel_mm", "size of pixels") };
@@ -60,14 +64,18 @@ impl Lattice {
             spacing_mm[k] = mm * s.scale;
         }
         let count = last - first + 1;
+        // A slice distance from the job replaces uneven positions too.
         let even = s.spacing_mm[2].is_some() || info.z_mm.is_empty();
         let mut z_mm: Vec<f64> = if even {
             (0..count).map(|k| k as f64 * spacing_mm[2]).collect()
         } else {
             info.z_mm[first..=last].iter().map(|z| (z - info.z_mm[first]) * s.scale).collect()
         };
+        // A single slice has no neighbour; its thickness is the slice distance.
         let gap = |k: usize| z_mm.get(k + 1).map_or(spacing_mm[2], |z| z - z_mm[k]);
         let mut ends_mm = [0.5 * gap(0), 0.5 * gap(count.saturating_sub(2))];
+        // Heights are mirrored and slices stay in the order of the file, because reading backwards would
+        // cost a pass for each block.
         if s.flip[2] {
             let top = z_mm[count - 1];
             z_mm.iter_mut().for_each(|z| *z = top - *z);
@@ -94,6 +102,7 @@ impl Lattice {
     pub(super) fn mode(&self, s: &CtSettings) -> Interpolation {
         let near = self.spacing_mm[2] <= GREY_RATIO * self.spacing_mm[0].min(self.spacing_mm[1]);
         match (s.tracing, s.interpolation) {
+            // Canny gives contours and no grey values between slices, so contours are matched.
             (Tracing::Canny, Interpolation::Auto | Interpolation::Grey) => Interpolation::Matched,
             (_, Interpolation::Auto) if near => Interpolation::Grey,
             (_, Interpolation::Auto) => Interpolation::Matched,
@@ -105,9 +114,10 @@ impl Lattice {
         DVec2::new(self.spacing_mm[0], self.spacing_mm[1])
     }
 
-    /// A whole slice cut down to what is taken.
+    /// Cuts a slice down to the voxels that are taken.
     pub(super) fn cropped(&self, whole: Vec<f32>) -> Vec<f32> {
         let [x0, y0, x1, y1] = self.crop;
+        // Without crop and mirror the slice is passed on without a copy.
         if whole.len() == self.nx * self.ny && !self.flip[0] && !self.flip[1] {
             return whole;
         }
@@ -126,14 +136,14 @@ impl Lattice {
     }
 }
 
-/// What the grey values say before any layer is made.
+/// What the grey values show before any layer is made.
 pub(super) struct Survey {
     pub(super) low: f64,
-    /// Infinite unless a range is taken.
+    /// Upper threshold; infinite unless the job states a range.
     pub(super) high: f64,
-    /// From air to material.
+    /// Difference between the grey values of air and material.
     pub(super) contrast: f64,
-    /// Where a scan that is taken upside down begins, mm.
+    /// Height at which a scan that is taken upside down begins, mm.
     pub(super) bottom_mm: Option<f64>,
 }
 
@@ -149,10 +159,11 @@ impl Survey {
         let n = lattice.z_mm.len();
         let mut histogram = Histogram::default();
         let mut plausibility = Plausibility::new(source.info().sample);
-        // A given threshold needs no histogram, and a few slices show whether the values are a scan's.
+        // A given threshold needs no histogram; a few slices show whether the values are those of a scan.
         let sampled = if found || contrast { SAMPLED } else { PLAUSIBLE };
         diagnostics.begin(Stage::Read, n);
-        // Where slices cannot be reached without unpacking those before, passing over them saves little.
+        // Every slice is passed, since packed slices cannot be reached without unpacking those before
+        // them.
         let stride = n.div_ceil(sampled).max(1);
         let (mut slice, mut n_voxels) = (Vec::new(), 0);
         source.restart()?;
@@ -162,6 +173,7 @@ impl Survey {
         let not_finite_before = source.n_not_finite();
         for k in 0..n {
             diagnostics.check()?;
+            // The middle of each stride, so that the often empty first and last slices do not dominate.
             if k % stride == stride / 2 || n < 3 {
                 source.next_slice(&mut slice)?;
                 n_voxels += slice.len() as u64;
@@ -175,6 +187,7 @@ impl Survey {
             }
             diagnostics.advance(1);
         }
+        // All values not finite: the sample type is almost certainly wrong.
         if n_voxels > 0 && source.n_not_finite() - not_finite_before == n_voxels {
             return Err(wrong(format!(
                 "none of {n_voxels} voxels looked at is a number (all are NaN or infinite); check the sample type and \
@@ -189,6 +202,7 @@ impl Survey {
                     s.section
                 )));
             }
+            // A user who smooths has seen the noise and means this scan.
             Some(Implausible::Noise) if s.denoise == Denoise::None => {
                 return Err(wrong(format!(
                     "the grey values are noise: neighbouring voxels are unrelated; check the size, the sample type and \
@@ -203,6 +217,7 @@ impl Survey {
             _ if found || contrast => histogram.materials(),
             _ => (0.0, 0.0),
         };
+        // A blank scan has no two groups, and every threshold would be arbitrary.
         if let Some((low, _)) = histogram.range().filter(|(l, h)| l == h) {
             return Err(wrong(format!("every voxel has the grey value {low}: nothing to tell from air")));
         }
@@ -220,7 +235,7 @@ impl Survey {
         Ok(survey)
     }
 
-    /// The lower end of the last slice with anything in it.
+    /// Height of the lower end of the last slice with material.
     fn find_bottom(
         &self,
         source: &mut dyn SliceSource,
@@ -236,6 +251,7 @@ impl Survey {
         for (k, z) in lattice.z_mm.iter().enumerate() {
             source.next_slice(&mut slice)?;
             let inside = slice.iter().filter(|&&v| self.signed(v) > 0.0).count();
+            // Specks below the plate would otherwise lift the part.
             if inside as f64 > least.max(1.0) {
                 let below = lattice.z_mm.get(k + 1).map_or(lattice.ends_mm[0], |next| 0.5 * (z - next));
                 bottom = Some(z - below);
@@ -244,9 +260,10 @@ impl Survey {
         Ok(bottom)
     }
 
-    /// Positive inside.
+    /// Signed difference to the threshold: positive inside.
     pub(super) fn signed(&self, v: f32) -> f32 {
         let v = f64::from(v);
+        // For a range the nearer of the two thresholds counts, so that both borders lie at zero.
         (v - self.low).min(self.high - v) as f32
     }
 }

@@ -1,8 +1,9 @@
 //! The direction of a scan's texture: the structure tensor of the volume, slice by slice.
 //!
-//! Of a fibre along `v` the tensor is `I - v v'`, of a plate across `n` it is `n n'`. Beads lie in a layer's plane: what
-//! they can follow is the fibre's projection or the plate's section, each as clear as its eigenvalue stands apart and as
-//! far as it lies in the plane. Fibres that stand upright give nothing to follow, and count for nothing.
+//! For a fibre along `v` the tensor is `I - v v'`; for a plate with normal `n` it is `n n'`. Beads lie in
+//! the plane of a layer, so they can follow the projection of the fibre or the section of the plate. Each
+//! is as clear as its eigenvalue is distinct, times the share that lies in the plane. Fibres that stand
+//! upright have no direction in the plane and get no weight.
 
 use std::collections::VecDeque;
 
@@ -16,43 +17,44 @@ use super::{CtSettings, ScanError, Slices};
 use crate::raster::{Grey, gaussian_taps, quantile};
 use crate::tensor::{AxisSample, Evidence, FAINT, smoothed, spread_darkness};
 
-/// How a scan's texture is read, and where it lies on the part.
+/// How the texture of a scan is read, and where the scan lies on the part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TextureSettings {
-    /// Which voxels are taken and how large they are; what is said of contours does not matter.
+    /// The voxels that are taken and their size. Settings for contours have no effect.
     pub scan: CtSettings,
-    /// What reports call it.
+    /// The name in reports.
     pub name: String,
-    /// Where the lower left corner of the lowest voxel taken lies on the part, mm; `None` puts the scan's middle over
-    /// the part's, its bottom on the plate.
+    /// Position on the part of the lower left corner of the lowest voxel taken, mm. `None` puts the
+    /// centre of the scan over that of the part, with its bottom on the plate.
     pub origin_mm: Option<DVec3>,
-    /// Turned about that corner, counter-clockwise, radians.
+    /// Rotation about that corner, counter-clockwise, radians.
     pub rotate_rad: f64,
-    /// Neighbourhood over which the direction is averaged, mm; at least two pixels are taken.
+    /// Neighbourhood over which the direction is averaged, mm; at least two pixels.
     pub integration_mm: f64,
-    /// Over about this length clear places give their direction to unclear ones, mm.
+    /// Length over which clear places pass their direction to unclear ones, mm.
     pub smooth_mm: f64,
     /// How much closer lines lie where the scan is dense.
     pub darkness: f64,
     /// Whether pictures are wanted.
     pub pictures: bool,
-    /// The part, and its height in mm.
+    /// Bounds of the part, and its height in mm.
     pub part: (Bounds2, f64),
 }
 
-/// What was found in a scan's texture.
+/// Measures of a scan's texture.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct TextureReport {
     pub file: String,
     pub voxels: [usize; 3],
-    /// Distance of the nodes that directions are kept at, mm.
+    /// Distance of the nodes at which directions are stored, mm.
     pub cell_mm: [f64; 3],
-    /// Mean coherence in the layers' plane, 0 to 1, weighted by contrast.
+    /// Mean coherence in the plane of the layers, 0 to 1, weighted by contrast.
     pub coherence: f64,
-    /// Share of the nodes where it is over 0.3.
+    /// Share of nodes whose coherence is above 0.3.
     pub clear_share: f64,
-    /// How far the texture's own axis leans out of the layers' plane, in the mean where it has one, degrees.
+    /// Mean angle between the texture's own axis and the plane of the layers, degrees, over places where
+    /// it has an axis.
     pub lean_deg: f64,
 }
 
@@ -70,7 +72,8 @@ pub struct AxisVolume {
 }
 
 impl AxisVolume {
-    /// The axis at a point in the scan's own millimetres, linear between nodes; outside, the nearest.
+    /// The axis at a point in the scan's own millimetres, linear between nodes. Outside the scan, that of
+    /// the nearest node.
     pub fn sample(&self, p: DVec3) -> AxisSample {
         let place = |v: f64, n: usize| {
             let v = if v.is_nan() { 0.0 } else { v.clamp(0.0, n as f64 - 1.0) };
@@ -80,6 +83,7 @@ impl AxisVolume {
         let [nx, ny, nz] = self.n;
         let at = (p.truncate() - self.min_mm) / self.step_mm;
         let ((i, u), (j, v)) = (place(at.x, nx), place(at.y, ny));
+        // Heights may be uneven, so the node above is found by bisection.
         let above = self.z_mm.partition_point(|z| *z <= p.z).clamp(1, nz.max(2) - 1).min(nz - 1);
         let l = above.saturating_sub(1);
         let rise = self.z_mm[above] - self.z_mm[l];
@@ -104,7 +108,7 @@ impl AxisVolume {
     }
 }
 
-/// A slice that is kept to be drawn with the directions found over it.
+/// A slice that is kept for a picture with the directions found on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShownSlice {
     /// Its number in the scan, from 0.
@@ -117,7 +121,7 @@ pub struct ShownSlice {
     pub grey: Grey,
 }
 
-/// What [`read_texture`] gives.
+/// The result of [`read_texture`].
 pub struct Texture {
     /// The axes, in the scan's own millimetres.
     pub axes: AxisVolume,
@@ -127,11 +131,12 @@ pub struct Texture {
     pub shown: Vec<ShownSlice>,
 }
 
-/// No more nodes are kept, whatever the size of the scan: with all they need about 150 bytes each while they are made.
+/// Limit on the nodes. A node takes about 150 bytes while all of them are computed, 300 MB at the limit.
 const MAX_NODES: usize = 2_000_000;
-/// Standard deviation of the Gaussian before gradients are taken, pixels.
+/// Standard deviation of the Gaussian before gradients are taken, pixels. One pixel suppresses noise
+/// between neighbouring voxels and keeps fibres two voxels wide; a larger value loses thin fibres.
 const GRADIENT_PX: f64 = 1.0;
-/// Less coherence than this over a wide neighbourhood is hardly a texture.
+/// Coherence over a wide neighbourhood below which the user is warned that there is hardly any texture.
 const LEAST_COHERENCE: f64 = 0.2;
 
 /// Reads the texture of a scan, a few slices at a time.
@@ -158,11 +163,14 @@ pub fn read_texture(
         let mut grey = each[6].clone();
         (quantile(&mut grey, 0.98) - quantile(&mut grey, 0.02)).abs()
     };
+    // The sums are the largest arrays; they go before the next ones are made.
     drop(each);
-    // What is fainter than this share of the greys' range shows nothing.
+    // Contrast below this share of the range of grey values counts as blank.
     let floor = FAINT * FAINT * range * range;
     let found: Vec<Node> =
         (0..near[0].len()).into_par_iter().with_min_len(4096).map(|k| Node::of(&near, k, floor)).collect();
+    // Noise is coherent over a few voxels by chance, and texture over many: three times the neighbourhood
+    // tells them apart.
     let wide = {
         let wide: Vec<Vec<f32>> =
             near[..6].iter().map(|c| blurred(c, nodes, sigma.map(|s| 3.0 * s))).collect();
@@ -181,6 +189,7 @@ pub fn read_texture(
         double: found.iter().map(|f| f.double).collect(),
         weight: found
             .iter()
+            // As in photographs: coherence counts twice, and energy saturates at the typical one.
             .map(|f| f.coherence * f.coherence * f.energy / (f.energy + 0.25 * typical as f32 + 1e-30))
             .collect(),
     };
@@ -191,6 +200,7 @@ pub fn read_texture(
     let mut axes = AxisVolume {
         min_mm: 0.5 * DVec2::new(spacing[0], spacing[1]) * cell[0] as f64,
         step_mm: DVec2::new(spacing[0], spacing[1]) * cell[0] as f64,
+        // A cell's height is the mean of its slices.
         z_mm: heights.chunks_exact(cell[2]).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect(),
         n: nodes,
         double: smoothed(nodes, &evidence, reach),
@@ -199,7 +209,7 @@ pub fn read_texture(
     };
     axes.z_mm.truncate(nodes[2]);
     if axes.z_mm.first() > axes.z_mm.last() {
-        // A scan taken upside down comes from the top.
+        // A scan taken upside down arrives from the top.
         axes.z_mm.reverse();
         let plane = nodes[0] * nodes[1];
         axes.double = axes.double.chunks_exact(plane).rev().flatten().copied().collect();
@@ -223,20 +233,23 @@ pub fn read_texture(
     Ok(Texture { axes, report, shown })
 }
 
-/// Voxels of a cell in x, y and z: fine enough for the neighbourhood, and no more cells than [`MAX_NODES`].
+/// Voxels of a cell along x, y and z: fine enough for the neighbourhood, and at most [`MAX_NODES`] cells.
 fn cells(n: [usize; 3], spacing_mm: [f64; 3], integration_mm: f64) -> [usize; 3] {
+    // The tensor is smoothed over the neighbourhood, so 2.5 cells for each standard deviation lose
+    // nothing.
     let fine = |k: usize| ((integration_mm / spacing_mm[k] / 2.5).floor() as usize).clamp(1, n[k]);
     let mut plane = fine(0).min(n[1]);
     let mut depth = fine(2);
     while (n[0] / plane) * (n[1] / plane) * (n[2] / depth) > MAX_NODES {
         let wider = plane < n[0].min(n[1]);
+        // The shorter side of a cell grows, so that cells stay nearly cubes.
         let deeper = depth < n[2] && (!wider || depth as f64 * spacing_mm[2] < plane as f64 * spacing_mm[0]);
         if deeper { depth += 1 } else { plane += 1 }
     }
     [plane, plane, depth]
 }
 
-/// Sums over cells.
+/// Means over cells.
 struct Sums {
     n: [usize; 3],
     /// Products xx, yy, zz, xy, yz, zx of the gradient, and the grey value: means over each cell.
@@ -256,9 +269,11 @@ fn sums(
     let spacing = slices.spacing_mm();
     let pixel = 0.5 * (spacing[0] + spacing[1]);
     let shown_at: Vec<usize> =
+        // The quarters of the height; the first and last slices show little.
         if pictures { vec![size[2] / 4, size[2] / 2, 3 * size[2] / 4] } else { Vec::new() };
     let mut smoother = Smoother {
         size,
+        // The same length across slices as within them, and at least 0.3 slices against noise.
         taps: gaussian_taps((GRADIENT_PX * pixel / spacing[2]).max(0.3)),
         held: VecDeque::new(),
         first: 0,
@@ -267,7 +282,7 @@ fn sums(
         shown: Vec::new(),
         slices,
     };
-    // Of all directions in the same unit: per pixel.
+    // Converts all directions to the same unit, a step per pixel.
     let per_px = [pixel / spacing[0], pixel / spacing[1], pixel / spacing[2]].map(|s| s as f32);
     let mut window: VecDeque<Vec<f32>> = VecDeque::new();
     let mut first = 0;
@@ -276,6 +291,7 @@ fn sums(
     let last = size[2] - 1;
     for k in 0..n[2] * cell[2] {
         diagnostics.check()?;
+        // Differences of the fourth order need two slices below and above.
         while first + window.len() <= (k + 2).min(last) {
             window.push_back(smoother.next()?);
         }
@@ -306,22 +322,22 @@ fn sums(
     Ok(Sums { n, each, shown: smoother.shown })
 }
 
-/// Slices smoothed in all three directions, one after the other.
+/// Slices smoothed in all three directions, one after another.
 struct Smoother<'a, 'b> {
     slices: &'a mut Slices<'b>,
     size: [usize; 3],
     taps: Vec<f32>,
-    /// Slices smoothed in their plane, from number `first` on.
+    /// Slices smoothed in their own plane, from number `first` on.
     held: VecDeque<Grey>,
     first: usize,
-    /// The slice that comes next.
+    /// Number of the slice that comes next.
     number: usize,
     shown_at: Vec<usize>,
     shown: Vec<(usize, Grey)>,
 }
 
 impl Smoother<'_, '_> {
-    /// The next one. Must not be asked for more than there are.
+    /// The next slice. The caller asks for no more slices than there are.
     fn next(&mut self) -> Result<Vec<f32>, ScanError> {
         let [width, height, nz] = self.size;
         let r = self.taps.len() - 1;
@@ -341,6 +357,7 @@ impl Smoother<'_, '_> {
         }
         let plane = |i: usize| &self.held[i - self.first].data;
         let mut out = vec![0.0f32; width * height];
+        // Pieces of a slice that fit the cache, however many slices the Gaussian spans.
         let chunk = 1 << 14;
         out.par_chunks_mut(chunk).enumerate().for_each(|(c, out)| {
             let part = |i: usize| &plane(i)[c * chunk..c * chunk + out.len()];
@@ -356,8 +373,8 @@ impl Smoother<'_, '_> {
     }
 }
 
-/// Derivatives in x, y and z along a row, one after the other in `out`: central differences exact to the fourth order,
-/// because those of the second turn steep directions by degrees.
+/// Derivatives along x, y and z for a row, one after another in `out`. They are central differences of
+/// fourth order, because those of second order turn steep directions by degrees.
 fn gradients(planes: &[&[f32]; 5], [nx, ny, _]: [usize; 3], y: usize, per_px: [f32; 3], out: &mut [f32]) {
     let row = |d: isize| {
         let y = (y as isize + d).clamp(0, ny as isize - 1) as usize;
@@ -369,6 +386,7 @@ fn gradients(planes: &[&[f32]; 5], [nx, ny, _]: [usize; 3], y: usize, per_px: [f
     let (gy, gz) = rest.split_at_mut(nx);
     let middle = row(0);
     let at = |x: usize, d: isize| middle[(x as isize + d).clamp(0, nx as isize - 1) as usize];
+    // Two pixels at each end repeat the border; the loop below needs no conditions.
     for x in (0..nx.min(2)).chain(nx.saturating_sub(2)..nx) {
         gx[x] = slope(at(x, -2), at(x, -1), at(x, 1), at(x, 2)) * per_px[0];
     }
@@ -387,7 +405,7 @@ fn gradients(planes: &[&[f32]; 5], [nx, ny, _]: [usize; 3], y: usize, per_px: [f
     }
 }
 
-/// Adds a row's products and greys to its cells.
+/// Adds the products and grey values of a row to its cells.
 fn add_row(gradients: &[f32], grey: &[f32], cell: usize, cells: &mut [[f32; 7]]) {
     let nx = grey.len();
     let [gx, gy, gz] = [0, 1, 2].map(|k| &gradients[k * nx..(k + 1) * nx]);
@@ -401,13 +419,14 @@ fn add_row(gradients: &[f32], grey: &[f32], cell: usize, cells: &mut [[f32; 7]])
     }
 }
 
-/// Smoothed in space by a Gaussian of these standard deviations, in nodes, in the plane and across it.
+/// Smoothed by a Gaussian of these standard deviations, in nodes, within the plane and across it.
 fn blurred(values: &[f32], [nx, ny, nz]: [usize; 3], [plane, depth]: [f64; 2]) -> Vec<f32> {
     let mut flat = Vec::with_capacity(values.len());
     for l in 0..nz {
         let data = values[l * nx * ny..(l + 1) * nx * ny].to_vec();
         flat.extend(Grey { width: nx, height: ny, data }.blurred(plane).data);
     }
+    // A narrower Gaussian has all its weight at its centre.
     if depth < 0.05 {
         return flat;
     }
@@ -424,14 +443,14 @@ fn blurred(values: &[f32], [nx, ny, nz]: [usize; 3], [plane, depth]: [f64; 2]) -
     out
 }
 
-/// What the tensor says at a node.
+/// The tensor's result at a node.
 #[derive(Debug, Clone, Copy)]
 struct Node {
     /// Cosine and sine of twice the angle of the axis in the layers' plane, unit length.
     double: [f32; 2],
     coherence: f32,
     energy: f32,
-    /// How far the texture's own axis leans out of the plane, radians, and how clear that axis is in space.
+    /// Angle between the texture's own axis and the plane, radians.
     lean_rad: f32,
     line: f32,
 }
@@ -441,11 +460,14 @@ impl Node {
         let tensor: [f64; 6] = std::array::from_fn(|c| f64::from(each[c][k]));
         let floor = f64::from(floor) + 1e-30;
         let e = eigenvalues(tensor);
-        // A fibre from where the middle value is halfway between the others; plates that bend have some of it too.
+        // A fibre where the middle eigenvalue is at least halfway between the others; curved plates have
+        // some of that too.
         let fibrous = (2.0 * (e[1] - e[2]) / (e[0] - e[2] + floor)).min(1.0);
         let line = fibrous * (e[1] - e[2]) / (e[1] + e[2].max(0.0) + floor);
         let plate = (1.0 - fibrous) * (e[0] - e[1]) / (e[0] + e[1].max(0.0) + floor);
         let (v, n) = (eigenvector(tensor, e[2]), eigenvector(tensor, e[0]));
+        // Doubled angles of both candidates are added with their weights; the plate's line is at a right
+        // angle to its normal.
         let c = line * (v.x * v.x - v.y * v.y) + plate * (n.y * n.y - n.x * n.x);
         let s = 2.0 * (line * v.x * v.y - plate * n.x * n.y);
         let length = (c * c + s * s).sqrt();
@@ -477,12 +499,13 @@ fn weighted(nodes: &[Node], of: impl Fn(&Node) -> (f32, f32)) -> f64 {
     if weight > 0.0 { sum / weight } else { 0.0 }
 }
 
-/// Eigenvalues of a symmetric tensor xx, yy, zz, xy, yz, zx, falling. The closed form (Smith 1961) loses half the digits
-/// where two are equal, which no angle here feels.
+/// Eigenvalues of a symmetric tensor xx, yy, zz, xy, yz, zx, in descending order. The closed form (Smith
+/// 1961) loses half its digits where two are equal. The angles here do not depend on those digits.
 fn eigenvalues([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> [f64; 3] {
     let mean = (xx + yy + zz) / 3.0;
     let (a, b, c) = (xx - mean, yy - mean, zz - mean);
     let p = ((a * a + b * b + c * c + 2.0 * (xy * xy + yz * yz + zx * zx)) / 6.0).sqrt();
+    // A multiple of the identity has no axes; the division below would be by zero.
     if p <= 1e-15 * mean.abs() {
         return [mean; 3];
     }
@@ -493,9 +516,10 @@ fn eigenvalues([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> [f64; 3] {
     [first, 3.0 * mean - first - last, last]
 }
 
-/// The axis of an eigenvalue, unit length; zero where another one is equal.
+/// The unit axis of an eigenvalue; zero where another eigenvalue is equal.
 fn eigenvector([xx, yy, zz, xy, yz, zx]: [f64; 6], value: f64) -> DVec3 {
-    // It is across every row of what is left of the tensor: the two rows that are farthest from parallel tell it best.
+    // The axis is perpendicular to every row of the tensor minus the eigenvalue. The two rows that are
+    // farthest from parallel give it best.
     let rows =
         [DVec3::new(xx - value, xy, zx), DVec3::new(xy, yy - value, yz), DVec3::new(zx, yz, zz - value)];
     let across = [rows[0].cross(rows[1]), rows[1].cross(rows[2]), rows[2].cross(rows[0])];

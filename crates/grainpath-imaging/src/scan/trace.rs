@@ -7,26 +7,27 @@
 //! the contour out by the area that was cut, so that a section keeps its size.
 //!
 //! # Units, cost and limits
-//! Contours are in pixels, the middle of the first at (0.5, 0.5), outlines counter-clockwise and holes clockwise. Linear in the
-//! number of pixels. A part that runs out of the picture ends half a pixel outside. A face that lies in the plane of the
-//! slice has values near zero over an area; `with_flats` makes it present or absent as a whole instead of torn by noise.
+//! Contours are in pixels, with the centre of the first at (0.5, 0.5); outlines run counter-clockwise and
+//! holes clockwise. Cost is linear in the number of pixels. A part that extends beyond the picture ends
+//! half a pixel outside. A face that lies in the plane of the slice has values near zero over an area;
+//! `with_flats` makes it present or absent as a whole instead of torn by noise.
 
 use grainpath_core::math::{atan2, cross};
 use grainpath_core::poly::simplify_contour;
 use grainpath_core::{Contour, DVec2, Polygon, Region};
 
-/// A picture whose zero line is the part's border: positive inside.
+/// An image whose zero line is the border of the part: positive inside.
 #[derive(Debug, Clone)]
 pub struct Grid {
-    /// `(rows, columns)`, row-major, with a border of one pixel all around that is never inside.
+    /// `(rows, columns)`, row-major, with a frame of one pixel that is never inside.
     values: Vec<f32>,
     nx: usize,
     ny: usize,
 }
 
 impl Grid {
-    /// A grid of `nx` x `ny` values, mixed of two: `(1 - t) a + t b`. A part that runs out of the picture ends half a
-    /// pixel outside.
+    /// A grid of `nx` x `ny` values, mixed of two: `(1 - t) a + t b`. A part that extends beyond the
+    /// picture ends half a pixel outside.
     pub fn mixed(a: &[f32], b: &[f32], t: f32, nx: usize, ny: usize) -> Self {
         let w = nx + 2;
         let mut values = vec![0.0; w * (ny + 2)];
@@ -46,17 +47,19 @@ impl Grid {
         Self { values, nx, ny }
     }
 
-    /// The grid with noise taken out where a face of the part lies in the plane: there the grey value changes
-    /// from slice to slice, and is near zero over an area instead of along a line. `step` is that change by pixel.
+    /// Removes noise where a face of the part lies in the plane of the slice. There the grey value
+    /// changes from slice to slice and is near zero over an area instead of along a line. `step` is the
+    /// change between slices at a pixel.
     pub fn with_flats(mut self, step: impl Fn(usize) -> f32) -> Self {
         const REACH: usize = 2;
         let (w, nx) = (self.nx + 2, self.nx);
         let flat = |k: usize| {
             let v = self.values[(k / nx + 1) * w + k % nx + 1];
+            // A value below 12 % of the change means that the face lies within 12 % of a slice distance.
             v.abs() < 0.12 * step(k)
         };
         let found: Vec<usize> = (0..nx * self.ny).filter(|&k| flat(k)).collect();
-        // A few such pixels are chance.
+        // A few such pixels occur along every contour by chance.
         if found.len() < 25 {
             return self;
         }
@@ -72,6 +75,8 @@ impl Grid {
                     }
                 }
             }
+            // Nearly half of the 5 x 5 neighbourhood: along a contour only a line of five pixels is near
+            // zero.
             if n > 10 {
                 settled.push((k, sum / n as f32));
             }
@@ -86,14 +91,16 @@ impl Grid {
         Self::mixed(values, values, 0.0, nx, ny)
     }
 
-    /// The contours of what is inside, in pixels: the middle of the first pixel is (0.5, 0.5). What is inside lies to
-    /// the left. Where a saddle leaves it open, the mean of its four corners decides.
+    /// The contours of the inside, in pixels: the centre of the first pixel is (0.5, 0.5). The inside
+    /// lies to the left. At a saddle the mean of the four corners decides.
     pub fn contours(&self) -> Vec<Contour> {
         let w = self.nx + 2;
+        // Each grid edge is left by at most one segment, so an array of successors holds all contours.
         let mut next = vec![NONE; 2 * self.values.len()];
         let mut starts = Vec::new();
         for j in 0..=self.ny {
             let (low, high) = (&self.values[j * w..(j + 1) * w], &self.values[(j + 1) * w..(j + 2) * w]);
+            // The code of a cell moves along the row: two of its four bits come from the cell before.
             let mut code = usize::from(low[0] > 0.0) << 1 | usize::from(high[0] > 0.0) << 2;
             for i in 0..=self.nx {
                 code = (code >> 1 & 1)
@@ -104,7 +111,8 @@ impl Grid {
                     continue;
                 }
                 let p = (j * w + i) as u32;
-                // Edges by the pixel they begin at: even ones run along x, odd ones along y.
+                // Edges are numbered by the pixel at which they begin: even ones run along x, odd ones
+                // along y.
                 let (bottom, left) = (2 * p, 2 * p + 1);
                 let (top, right) = (2 * (p + w as u32), 2 * (p + 1) + 1);
                 let mut link = |from: u32, to: u32| {
@@ -125,6 +133,7 @@ impl Grid {
                     12 => link(left, right),
                     13 => link(bottom, right),
                     14 => link(left, bottom),
+                    // Cases 5 and 10 are saddles: two corners across a diagonal are inside.
                     5 if joined() => {
                         link(bottom, right);
                         link(top, left);
@@ -145,6 +154,7 @@ impl Grid {
             }
         }
         let mut out = Vec::new();
+        // Following successors uses them up, so each contour is found once.
         for start in starts {
             let mut at = start;
             let mut contour = Vec::new();
@@ -152,6 +162,7 @@ impl Grid {
                 contour.push(self.point(at));
                 at = std::mem::replace(&mut next[at as usize], NONE);
             }
+            // A value of exactly zero puts two crossings on the same pixel.
             contour.dedup();
             if contour.len() > 2 {
                 out.push(contour);
@@ -160,20 +171,22 @@ impl Grid {
         out
     }
 
-    /// Where an edge crosses zero.
+    /// The point where an edge crosses zero.
     fn point(&self, edge: u32) -> DVec2 {
         let w = self.nx + 2;
         let p = (edge / 2) as usize;
         let q = if edge.is_multiple_of(2) { p + 1 } else { p + w };
         let (a, b) = (f64::from(self.values[p]), f64::from(self.values[q]));
+        // The two signs differ, so the denominator is never zero.
         let t = a / (a - b);
         let at = DVec2::new((p % w) as f64 - 0.5, (p / w) as f64 - 0.5);
         if edge.is_multiple_of(2) { at + DVec2::new(t, 0.0) } else { at + DVec2::new(0.0, t) }
     }
 }
 
-/// Gives every connected patch that is level, within `tolerance` from end to end, its mean: a face that lies in the
-/// plane to a hair is there as a whole or not at all. `patch` goes by pixel number.
+/// Gives every connected patch that is level, within `tolerance` between its halves, its mean value. A
+/// face that lies in the plane almost exactly is then present as a whole or not at all. Entries of
+/// `patch` are ordered by pixel number.
 fn level(patch: &mut [(usize, f32)], nx: usize, tolerance: impl Fn(usize) -> f32) {
     let mut free = vec![true; patch.len()];
     for seed in 0..patch.len() {
@@ -198,7 +211,7 @@ fn level(patch: &mut [(usize, f32)], nx: usize, tolerance: impl Fn(usize) -> f32
             continue;
         }
         let mean = |part: &[usize]| part.iter().map(|&i| patch[i].1).sum::<f32>() / part.len() as f32;
-        // Halves by column and by row: a patch that leans differs between them.
+        // The halves by column and by row: a patch that leans has different means on its two sides.
         let halves = |key: &dyn Fn(usize) -> usize| {
             let mut sorted = members.clone();
             sorted.sort_by_key(|&i| (key(patch[i].0), patch[i].0));
@@ -215,18 +228,22 @@ fn level(patch: &mut [(usize, f32)], nx: usize, tolerance: impl Fn(usize) -> f32
 
 const NONE: u32 = u32::MAX;
 
+// The frame mirrors the border's value with a negative sign, so a part that leaves the picture crosses
+// zero half a pixel outside.
 fn outside(inside: f32) -> f32 {
     -inside.abs().max(f32::MIN_POSITIVE)
 }
 
-/// A contour simplified so that it keeps its size: leaving vertices out cuts every bow on its inner side, by two thirds
-/// of the tolerance in the mean, so what is left is moved out by the area that was cut off beside it.
+/// Simplifies a contour so that it keeps its size. Dropping vertices cuts every bow on its inner side, by
+/// two thirds of the tolerance on average, so what is left is moved out by the area that was cut off
+/// beside it.
 pub(super) fn simplified_in_place(contour: &[DVec2], tolerance_mm: f64) -> Contour {
     resized(contour, tolerance_mm, |_| 0.0)
 }
 
-/// As [`simplified_in_place`], of a contour fresh from the pixels: its sides are chords, and what bows out between their
-/// ends belongs to it as well. A side of length l between turns that are a in the mean has l2 a / 12 outside.
+/// Like [`simplified_in_place`], for a contour fresh from the pixels. Its sides are chords, and the area
+/// between chord and bow belongs to it as well. A side of length l between turns that average a has l2 a
+/// / 12 outside.
 pub(super) fn traced_in_place(contour: &[DVec2], tolerance_mm: f64) -> Contour {
     let n = contour.len();
     let side = |k: usize| contour[(k + 1) % n] - contour[k % n];
@@ -237,14 +254,14 @@ pub(super) fn traced_in_place(contour: &[DVec2], tolerance_mm: f64) -> Contour {
     })
 }
 
-/// Simplified, and moved out by what is cut off together with what lies outside of each side.
+/// Simplifies, and moves each side out by the area that was cut off together with the area outside of it.
 fn resized(contour: &[DVec2], tolerance_mm: f64, outside_mm2: impl Fn(usize) -> f64) -> Contour {
     let kept = simplify_contour(contour, tolerance_mm);
     let n = kept.len();
     if n < 3 {
         return kept;
     }
-    // Both run the same way round, and the vertices kept are the contour's own.
+    // Both contours run the same way, and the vertices that are kept are vertices of the original.
     let Some(start) = contour.iter().position(|p| *p == kept[0]) else { return kept };
     let mut at = start;
     let mut cut = Vec::with_capacity(n);
@@ -253,6 +270,7 @@ fn resized(contour: &[DVec2], tolerance_mm: f64, outside_mm2: impl Fn(usize) -> 
         let mut area = 0.0;
         loop {
             let next = (at + 1) % contour.len();
+            // The shoelace sum of the cut-off polygon, relative to the side's first point.
             area += 0.5 * cross(contour[at] - a, contour[next] - a) + outside_mm2(at);
             at = next;
             if contour[at] == b || at == start {
@@ -264,15 +282,16 @@ fn resized(contour: &[DVec2], tolerance_mm: f64, outside_mm2: impl Fn(usize) -> 
     let moved = |k: usize| {
         let (before, after) = (kept[(k + n - 1) % n], kept[(k + 1) % n]);
         let ((a, la), (b, lb)) = (cut[(k + n - 1) % n], cut[k]);
-        // Positive areas lie to the right of a side that runs forwards: outside of what is filled.
+        // A positive area lies to the right of a side, which is outside the material.
         let out = (kept[k] - before).normalize_or_zero() + (after - kept[k]).normalize_or_zero();
+        // The mean height of the cut-off area over both sides. The clamp bounds it where sides are tiny.
         let step = ((a + b) / (la + lb)).clamp(-tolerance_mm, tolerance_mm);
         kept[k] + step * DVec2::new(out.y, -out.x).normalize_or_zero()
     };
     (0..n).map(moved).collect()
 }
 
-/// All contours of a region as [`simplified_in_place`]; those that vanish are left out.
+/// All contours of a region through [`simplified_in_place`]. Contours that vanish are left out.
 pub(super) fn region_in_place(region: &Region, tolerance_mm: f64) -> Region {
     let polygon = |p: &Polygon| {
         let outer = simplified_in_place(&p.outer, tolerance_mm);

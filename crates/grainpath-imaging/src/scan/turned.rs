@@ -1,4 +1,4 @@
-//! A scan turned about its axes before it is cut into layers.
+//! Rotates a scan about its axes before it is cut into layers.
 //!
 //! # Method
 //! The voxels of the turned scan fill the box around the turned stack. Each takes the grey value of its place in the stored
@@ -21,15 +21,15 @@ use super::ScanError;
 use super::error::wrong;
 use super::survey::Lattice;
 
-/// Bytes of turned slices that are made at a time.
+/// Bytes of rotated slices that are made at a time. Larger blocks mean fewer passes over the file.
 const BLOCK_BYTES: usize = 256 << 20;
 
-/// A scan turned by a rotation. Its slices have even distances and no world.
+/// A scan rotated about its centre. Its slices have even distances, and it has no world frame.
 pub(super) struct Turned<S> {
     stored: S,
     lattice: Lattice,
     info: VolumeInfo,
-    /// Place of the first turned voxel among the stored, and the steps along columns, rows and slices, in stored voxels.
+    /// Position of the first rotated voxel among the stored ones, in stored voxels.
     first: DVec3,
     step: [DVec3; 3],
     block: Vec<f32>,
@@ -38,13 +38,14 @@ pub(super) struct Turned<S> {
     air: f32,
 }
 
-/// The rotation about x, then y, then z, by these angles; quarter turns are exact.
+/// The rotation about x, then y, then z, by these angles. Quarter turns are exact.
 pub(super) fn rotation(rotate_rad: [f64; 3]) -> DMat3 {
     let about = |axis: DVec3, angle_rad: f64| {
         let (s, c) = sin_cos(angle_rad);
-        // What differs from 0 and 1 by less than the sine's rounding is a quarter turn.
+        // A sine that differs from 0 or 1 by less than its rounding means a quarter turn.
         let clean = |v: f64| if (v - v.round()).abs() < 1e-12 { v.round() } else { v };
         let (s, c) = (clean(s), clean(c));
+        // Rodrigues' formula for a unit axis.
         let turned = |v: DVec3| v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1.0 - c));
         DMat3::from_cols(turned(DVec3::X), turned(DVec3::Y), turned(DVec3::Z))
     };
@@ -52,7 +53,7 @@ pub(super) fn rotation(rotate_rad: [f64; 3]) -> DMat3 {
 }
 
 impl<S: SliceSource> Turned<S> {
-    /// Turns the voxels that a job takes of a scan, cropped and mirrored, about x, then y, then z.
+    /// Rotates the cropped and mirrored voxels of a job about x, then y, then z.
     ///
     /// # Errors
     /// [`ScanError`] for slices at uneven distances, and turned slices of too many pixels.
@@ -61,6 +62,7 @@ impl<S: SliceSource> Turned<S> {
         let spacing_mm = lattice.spacing_mm;
         let stored_size = lattice.size();
         let even = |pair: &[f64]| ((pair[1] - pair[0]).abs() / spacing_mm[2] - 1.0).abs() < 1e-3;
+        // Slices at uneven distances would have to be resampled twice.
         if !lattice.z_mm.windows(2).all(even) {
             return Err(wrong("slices at uneven distances cannot be turned; resample the scan first".into()));
         }
@@ -71,19 +73,22 @@ impl<S: SliceSource> Turned<S> {
         let turned_spacing = if quarter {
             columns.iter().zip(spacing_mm).map(|(c, mm)| c.abs() * mm).sum()
         } else {
+            // Cubes with the smallest stored distance lose no detail in any direction.
             DVec3::splat(spacing.min_element())
         };
-        // Half the box around the turned box: each of its axes adds its own reach.
+        // Half the size of the box around the rotated box: the reaches of its three axes add up.
         let reach_mm: DVec3 = columns.iter().zip(half_mm.to_array()).map(|(c, half)| c.abs() * half).sum();
+        // The small constant keeps rounding from adding an empty row to quarter turns.
         let size = (2.0 * reach_mm / turned_spacing - 1e-9).ceil().max(DVec3::ONE);
         let to_stored = rotation.transpose();
         let n = size.to_array();
-        // Both boxes have their middles at one place; voxel centres lie half a voxel inside their boxes.
+        // Both boxes have the same centre. Voxel centres lie half a voxel inside their boxes.
         let first_mm = -0.5 * (size - DVec3::ONE) * turned_spacing;
         let middle = 0.5 * (half_mm * 2.0 / spacing - DVec3::ONE);
         let mut first = to_stored * first_mm / spacing + middle;
         let mut step =
             [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_stored * (axis * turned_spacing) / spacing);
+        // Mirroring in z is part of the map, so slices are read in the order of the file.
         if lattice.flip[2] {
             first.z = (stored_size[2] - 1) as f64 - first.z;
             step.iter_mut().for_each(|s| s.z = -s.z);
@@ -120,9 +125,10 @@ impl<S: SliceSource> Turned<S> {
         let n_block = (BLOCK_BYTES / (4 * self.area())).clamp(1, n_slices - self.next);
         self.block_start = self.next;
         self.block.clear();
+        // NaN marks voxels that no stored slice has reached; they become air at the end.
         self.block.resize(n_block * self.area(), f32::NAN);
         let [_, _, n_stored] = self.lattice.size();
-        // The stored slices that the block's corners reach to.
+        // The stored slices that lie between the corners of the block.
         let height = |x: usize, y: usize, z: usize| {
             (self.first + self.step[0] * x as f64 + self.step[1] * y as f64 + self.step[2] * z as f64).z
         };
@@ -163,23 +169,24 @@ impl<S: SliceSource> Turned<S> {
         Ok(slice)
     }
 
-    /// Fills the block's voxels that lie between the stored slices `k` and `k + 1`.
+    /// Fills the voxels of the block that lie between the stored slices `k` and `k + 1`.
     fn mix(&mut self, lower: &[f32], upper: &[f32], k: usize) {
         let [nx, ny, nz] = self.lattice.size();
         let [columns, rows, _] = self.info.size;
         let area = self.area();
-        // The outermost slices reach half a voxel further.
+        // A voxel is a volume, so the outermost slices reach half a voxel farther.
         let bottom = if k == 0 { -0.5 - EDGE } else { k as f64 };
         let top = if k + 2 >= nz { nz as f64 - 0.5 + EDGE } else { (k + 1) as f64 };
         for n in 0..self.block.len() / columns {
             let (z, y) = (self.block_start + n * columns / area, n % rows);
             let start = self.first + self.step[1] * y as f64 + self.step[2] * z as f64;
             let step = self.step[0];
+            // Along a row z changes linearly, so the columns between both slices form one range.
             let range = if step.z == 0.0 {
                 if (bottom..top).contains(&start.z) { 0..columns } else { 0..0 }
             } else {
                 let (a, b) = ((bottom - start.z) / step.z, (top - start.z) / step.z);
-                // A voxel more on each side: the test below decides.
+                // One voxel more on each side; the exact test follows below.
                 let bound = |v: f64| v.clamp(0.0, columns as f64) as usize;
                 bound(a.min(b).floor() - 1.0)..bound(a.max(b).ceil() + 2.0)
             };
@@ -208,9 +215,9 @@ impl<S: SliceSource> Turned<S> {
     }
 }
 
-/// Turned slices with more pixels are not made.
+/// Limit on the pixels of a rotated slice, as for stored slices.
 const MAX_PIXELS: f64 = (1u64 << 26) as f64;
-/// Rounding allowed at the faces of the stored stack, voxels.
+/// Rounding accepted at the faces of the stored stack, in voxels.
 const EDGE: f64 = 1e-9;
 
 impl<S: SliceSource> SliceSource for Turned<S> {
