@@ -11,7 +11,7 @@ use grainpath_core::DVec3;
 
 use grainpath_core::selection::Selection;
 
-/// Everything that a part is computed under.
+/// Fixtures, load cases and density: everything that acts on a part.
 ///
 /// ```
 /// use grainpath_core::DVec3;
@@ -45,9 +45,9 @@ use grainpath_core::selection::Selection;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoundaryConditions {
-    /// What is held, the same in every case.
+    /// Fixtures, the same in every case.
     pub fixtures: Vec<Fixture>,
-    /// Loads that act together, case by case.
+    /// Load cases; the loads of one case act together.
     pub cases: Vec<LoadCase>,
     /// Density of the material, t/mm3, for accelerations.
     pub density_t_mm3: f64,
@@ -57,16 +57,17 @@ pub struct BoundaryConditions {
     pub high: DVec3,
 }
 
-/// A place of the surface that is held.
+/// A place of the surface that is fixed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fixture {
-    /// What messages call it: "fixture 1".
+    /// Name in messages: "fixture 1".
     pub name: String,
-    /// Where it holds.
+    /// The surface that it holds.
     pub on: Selection,
-    /// Which motions it prevents.
+    /// The motions that it prevents.
     pub held: Held,
-    /// Displacement that is prescribed along the held directions, mm; zero for a fixture that stays where it is.
+    /// Prescribed displacement along the held directions, mm; zero for a fixture that does not
+    /// move.
     pub displacement_mm: DVec3,
 }
 
@@ -82,9 +83,9 @@ pub enum Held {
 /// Loads that act at the same time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadCase {
-    /// What reports call it.
+    /// Name in reports.
     pub name: String,
-    /// How much it counts beside the other cases; positive.
+    /// Weight beside the other cases; positive.
     pub weight: f64,
     /// Its loads.
     pub loads: Vec<Load>,
@@ -93,13 +94,13 @@ pub struct LoadCase {
 /// One load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Load {
-    /// What messages call it: "load 1".
+    /// Name in messages: "load 1".
     pub name: String,
-    /// What it does, and where.
+    /// Kind of load, and the surface it acts on.
     pub action: Action,
 }
 
-/// What a load does.
+/// Kind of a load.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Action {
     /// A force, spread evenly over the selected area.
@@ -131,7 +132,7 @@ pub enum Action {
 }
 
 impl Action {
-    /// Where it acts; `None` for what acts on the whole volume.
+    /// The surface on which the load acts; `None` for loads on the whole volume.
     pub fn on(&self) -> Option<&Selection> {
         match self {
             Self::Force { on, .. } | Self::Pressure { on, .. } | Self::Moment { on, .. } => Some(on),
@@ -139,9 +140,11 @@ impl Action {
         }
     }
 
-    /// Whether it leaves a plate in the xy plane flat: a force in the plane, a moment about z, any pressure on the
-    /// plate's edge. Components up to 1e-9 of the vector count as rounding.
+    /// Whether the load leaves a plate in the xy plane flat: a force in the plane, a moment about
+    /// z, any pressure on the plate's edge. Components up to 1e-9 of the vector count as rounding.
     pub fn is_in_plane(&self) -> bool {
+        // Source: derived: turning a vector about several axes rounds its components by about 1e-15
+        // of its length; 1e-9 is far above that and far below any load that matters.
         const ROUNDING: f64 = 1e-9;
         let flat = |v: &DVec3| v.z.abs() <= ROUNDING * v.length();
         match self {
@@ -169,6 +172,7 @@ impl BoundaryConditions {
     /// The index of the case with the largest weight, the first of equal ones; `None` without cases.
     pub fn heaviest_case(&self) -> Option<usize> {
         let by_weight = |a: &usize, b: &usize| self.cases[*a].weight.total_cmp(&self.cases[*b].weight);
+        // `max_by` takes the last of equal values; in reverse order that is the first case.
         (0..self.cases.len()).rev().max_by(by_weight)
     }
 
@@ -178,7 +182,7 @@ impl BoundaryConditions {
     }
 }
 
-/// A fixture or load whose selection contains nothing of the part.
+/// A fixture or load whose selection contains no part of the surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
     "{name} ({shape}) contains nothing of {searched}; the part lies from ({:.2}, {:.2}, {:.2}) to ({:.2}, {:.2}, {:.2}) mm",

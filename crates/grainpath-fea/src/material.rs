@@ -1,4 +1,7 @@
-//! Linear elasticity: stiffness from engineering constants.
+//! Linear elasticity: stiffness matrices from engineering constants, and their rotation.
+//!
+//! Components come in the order xx, yy, zz, xy, yz, zx with engineering (doubled) shear strains;
+//! moduli are in MPa. Formulas: `jones1999`, chapter 2.
 
 use grainpath_core::math::sin_cos;
 
@@ -16,13 +19,13 @@ pub struct Orthotropic {
     pub g_mpa: [f64; 3],
 }
 
-/// A material that would give energy away.
+/// Elastic constants of a material that would release energy under load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the elastic constants are not those of a stable material")]
 pub struct Unstable;
 
 impl Orthotropic {
-    /// The same in all directions.
+    /// A material with the same constants in all directions.
     pub fn isotropic(e_mpa: f64, nu: f64) -> Self {
         Self { e_mpa: [e_mpa; 3], nu: [nu; 3], g_mpa: [e_mpa / (2.0 * (1.0 + nu)); 3] }
     }
@@ -34,6 +37,8 @@ impl Orthotropic {
     pub fn stiffness(&self) -> Result<Stiffness, Unstable> {
         let [e1, e2, e3] = self.e_mpa;
         let [n12, n23, n13] = self.nu;
+        // Normal strains from normal stresses. The inverse of this compliance is the upper left
+        // part of the stiffness; shear is uncoupled in the material's axes.
         let mut s = [
             [1.0 / e1, -n12 / e1, -n13 / e1],
             [-n12 / e1, 1.0 / e2, -n23 / e2],
@@ -43,6 +48,8 @@ impl Orthotropic {
         if !all.clone().all(|m| *m > 0.0 && m.is_finite()) || !invert3(&mut s) {
             return Err(Unstable);
         }
+        // Sylvester's criterion: all leading minors positive. Poisson's ratios that are each
+        // plausible may still be impossible together.
         let minors = [s[0][0], s[0][0] * s[1][1] - s[0][1] * s[1][0]];
         if !(minors[0] > 0.0 && minors[1] > 0.0 && determinant3(&s) > 0.0) {
             return Err(Unstable);
@@ -55,20 +62,22 @@ impl Orthotropic {
         Ok(c)
     }
 
-    /// Stresses xx, yy, xy from strains in a layer whose beads run at `angle_rad` from x, nothing pressing on it
-    /// from above (plane stress).
+    /// Stresses xx, yy, xy from strains in a layer whose beads run at `angle_rad` from x, with no
+    /// stress on its faces (plane stress).
     ///
     /// # Errors
     /// [`Unstable`] when the constants do not make a positive definite matrix.
     pub fn plane_stress(&self, angle_rad: f64) -> Result<[[f64; 3]; 3], Unstable> {
         let c = self.stiffness()?;
+        // Static condensation: the strain across the layer is whatever makes the stress zz vanish.
         let condensed = |i: usize, j: usize| c[i][j] - c[i][2] * c[2][j] / c[2][2];
         let (c11, c12, c22, c66) = (condensed(0, 0), condensed(0, 1), condensed(1, 1), c[3][3]);
         Ok(rotated_plane(&[[c11, c12, 0.0], [c12, c22, 0.0], [0.0, 0.0, c66]], angle_rad))
     }
 }
 
-/// A plane stiffness turned by an angle: `T C T'` with the transformation of engineering components.
+/// A plane stiffness rotated by an angle: `T C T'`. `T` transforms stresses, its transpose
+/// engineering strains.
 pub fn rotated_plane(c: &[[f64; 3]; 3], angle_rad: f64) -> [[f64; 3]; 3] {
     let (s, k) = sin_cos(angle_rad);
     // Stresses in x, y from those in the material's axes.
@@ -86,7 +95,8 @@ pub fn rotated_plane(c: &[[f64; 3]; 3], angle_rad: f64) -> [[f64; 3]; 3] {
     out
 }
 
-/// A stiffness turned about z: `T C T'` with the transformation of engineering components.
+/// A stiffness rotated about z: `T C T'`. `T` transforms stresses, its transpose engineering
+/// strains.
 pub fn rotated_about_z(c: &Stiffness, angle_rad: f64) -> Stiffness {
     let (s, k) = sin_cos(angle_rad);
     // Stresses in x, y, z from those in the material's axes; order xx, yy, zz, xy, yz, zx.

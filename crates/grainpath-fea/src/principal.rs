@@ -1,4 +1,7 @@
 //! Principal stresses in the plane and their axes.
+//!
+//! Closed form from Mohr's circle: the values are its centre plus and minus its radius. Stresses
+//! are in MPa, tension positive; angles in radians from x.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, direction};
@@ -20,16 +23,19 @@ pub struct PlanePrincipal {
 pub fn plane_principal([xx, yy, xy]: PlaneTensor) -> PlanePrincipal {
     let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
     let radius = (half * half + xy * xy).sqrt();
+    // Without a radius every axis is principal, and the arctangent of two zeros would depend on
+    // their signs.
     let axis_rad = if radius > 0.0 { (0.5 * atan2(xy, half)).rem_euclid(std::f64::consts::PI) } else { 0.0 };
     PlanePrincipal { values_mpa: [mean + radius, mean - radius], axis_rad }
 }
 
 /// Equivalent stress after von Mises of a plane tensor, MPa.
 pub fn von_mises_plane([xx, yy, xy]: PlaneTensor) -> f64 {
+    // Rounding may make equal stresses slightly negative under the root.
     (xx * xx - xx * yy + yy * yy + 3.0 * xy * xy).max(0.0).sqrt()
 }
 
-/// Normal stress along a direction in the plane.
+/// Normal stress along a direction in the plane, MPa.
 pub fn along([xx, yy, xy]: PlaneTensor, axis_rad: f64) -> f64 {
     let DVec2 { x, y } = direction(axis_rad);
     xx * x * x + yy * y * y + 2.0 * xy * x * y

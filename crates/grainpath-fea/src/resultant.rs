@@ -1,8 +1,9 @@
-//! What loads and fixtures come to on a mesh: areas, resultant forces and moments, and their balance.
+//! Resultants of loads and fixtures on a mesh: areas, forces and moments, and their balance.
 //!
-//! A selection catches whole faces of a mesh, so what it caught is known only once there is one. Loads are summed from
-//! the forces at the nodes; reactions are the forces with which fixtures hold the nodes of a solution. In equilibrium the
-//! two cancel, up to the residual of the solver: a check on the assembly of loads, supports and stiffness at once.
+//! A selection catches whole faces of a mesh, so the area that it covers is known only once the
+//! mesh exists. Loads are summed from the forces at the nodes. Reactions are the forces with which
+//! fixtures hold the nodes of a solution. In equilibrium the two cancel, up to the residual of the
+//! solver. The sum checks the assembly of loads, supports and stiffness at once.
 //!
 //! Units: mm, mm2, N, N mm; vectors in part coordinates.
 
@@ -13,7 +14,7 @@ use grainpath_core::DVec3;
 pub struct Resultant {
     /// The load or fixture: "load 1".
     pub name: String,
-    /// Area of the faces that were caught, mm2; 0 for what acts on the volume.
+    /// Area of the selected faces, mm2; 0 for loads on the volume.
     pub area_mm2: f64,
     /// Centroid of that area, or of the volume, mm: the point that the moment is taken about.
     pub centroid_mm: DVec3,
@@ -67,15 +68,16 @@ impl Resultant {
 pub struct CaseBalance {
     /// The load case.
     pub case: String,
-    /// What each load came to.
+    /// Resultant of each load.
     pub loads: Vec<Resultant>,
-    /// What each fixture holds against them.
+    /// Reaction of each fixture.
     pub reactions: Vec<Resultant>,
 }
 
 impl CaseBalance {
-    /// How far loads and reactions are from cancelling: the larger of the unbalanced force over the sum of all forces,
-    /// and the unbalanced moment over the sum of all moments about the same point. 0 where nothing acts.
+    /// Relative imbalance of loads and reactions: the larger of the unbalanced force over the sum
+    /// of all forces, and the unbalanced moment over the sum of all moments about the same point. 0
+    /// where no load acts.
     pub fn imbalance(&self) -> f64 {
         let all = || self.loads.iter().chain(&self.reactions);
         let Some(first) = all().next() else { return 0.0 };
@@ -85,7 +87,8 @@ impl CaseBalance {
                 .fold((DVec3::ZERO, 0.0), |(sum, size), r| (sum + vectors(r), size + vectors(r).length()));
             if size > 0.0 { sum.length() / size } else { 0.0 }
         };
-        // Moments are measured against the forces on their arms as well, since they may all be near zero.
+        // Moments are compared with forces times their arms as well, because all moments about this
+        // point may be near zero.
         let arm = all().map(|r| r.centroid_mm.distance(point)).fold(0.0, f64::max);
         let (moment, size) = all().fold((DVec3::ZERO, 0.0), |(sum, size), r| {
             let about = r.moment_about_nmm(point);

@@ -13,16 +13,16 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Accum, Conj, MatMut, Par, Side};
 
-/// Bytes in a MiB, the unit of every memory limit in this crate.
+/// Bytes in a MiB, the unit of every memory limit in this crate. Source: definition, 2^20.
 pub(crate) const BYTES_PER_MIB: f64 = 1_048_576.0;
 
-/// Why a system has no solution here.
+/// Why a system cannot be solved.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum SparseError {
-    /// The factor would not fit.
+    /// The factor would exceed the memory limit.
     #[error("the solver would need {needed_mib:.0} MiB, more than the {limit_mib:.0} MiB allowed")]
     Memory {
-        /// What the factor needs, MiB.
+        /// Memory of the factor, MiB.
         needed_mib: f64,
         /// The limit, MiB.
         limit_mib: f64,
@@ -56,6 +56,7 @@ impl Symmetric {
             for k in self.starts[j]..self.starts[j + 1] {
                 let (i, a) = (self.rows[k], self.values[k]);
                 y[i] += a * x[j];
+                // Only the lower half is stored; an entry off the diagonal stands for two.
                 if i != j {
                     y[j] += a * x[i];
                 }
@@ -72,14 +73,16 @@ pub struct Cholesky {
 }
 
 impl Cholesky {
-    /// Factors a positive definite matrix; `order`, where given, says which row is eliminated when. The factor's
-    /// size is known, and refused above `max_mib`, before it is taken.
+    /// Factors a positive definite matrix. `order`, where given, is the order of elimination. The
+    /// factor's size is known before memory is taken, and a size above `max_mib` is refused.
     ///
     /// # Errors
     /// [`SparseError`] when the factor would be too large or the matrix is not positive definite.
     pub fn new(a: &Symmetric, order: Option<&[usize]>, max_mib: f64) -> Result<Self, SparseError> {
         let n = a.n();
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &a.starts, None, &a.rows);
+        // An order of our own comes from the geometry (nested dissection); minimum degree is the
+        // fallback.
         let custom = order.map(|forward| {
             let mut inverse = vec![0; n];
             forward.iter().enumerate().for_each(|(k, &i)| inverse[i] = k);
@@ -91,6 +94,8 @@ impl Cholesky {
             supernodal_flop_ratio_threshold: SupernodalThreshold::AUTO,
             ..Default::default()
         };
+        // The symbolic step finds the factor's pattern, and with it the memory, without computing a
+        // number.
         let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, ordering, params)
             .map_err(|_| SparseError::Memory { needed_mib: f64::INFINITY, limit_mib: max_mib })?;
         let needed_mib = symbolic.len_val() as f64 * 8.0 / BYTES_PER_MIB;
@@ -103,12 +108,13 @@ impl Cholesky {
         Ok(factor)
     }
 
-    /// Factors a matrix with the same entries of other values.
+    /// Factors a matrix with the same pattern and other values.
     ///
     /// # Errors
     /// [`SparseError::Singular`] when the matrix is not positive definite.
     pub fn refactor(&mut self, a: &Symmetric) -> Result<(), SparseError> {
         let pattern = SymbolicSparseColMatRef::new_checked(a.n(), a.n(), &a.starts, None, &a.rows);
+        // One thread: the sums of a parallel factorization would depend on the number of threads.
         let scratch = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         self.symbolic
             .factorize_numeric_llt(
@@ -144,11 +150,12 @@ impl Cholesky {
     }
 }
 
-/// Eliminates the first unknowns of a dense symmetric matrix, `(size, size)` by columns, lower half: their columns become
-/// those of the factor, the rest what is left for the others.
+/// Eliminates the first unknowns of a dense symmetric matrix, `(size, size)` by columns, lower
+/// half. Their columns become those of the factor; the rest becomes the Schur complement for the
+/// other unknowns.
 ///
 /// # Errors
-/// [`SparseError::Singular`] when that part is not positive definite.
+/// [`SparseError::Singular`] when the eliminated part is not positive definite.
 pub fn eliminate(whole: &mut [f64], size: usize, first: usize) -> Result<(), SparseError> {
     let matrix = MatMut::from_column_major_slice_mut(whole, size, size);
     let (mut own, _, mut below, rest) = matrix.split_at_mut(first, first);
@@ -157,7 +164,9 @@ pub fn eliminate(whole: &mut [f64], size: usize, first: usize) -> Result<(), Spa
     let stack = MemStack::new(&mut scratch);
     cholesky_in_place(own.rb_mut(), Default::default(), Par::Seq, stack, Default::default())
         .map_err(|_| SparseError::Singular)?;
+    // L21 = A21 / L11', written as a solve with the transposes.
     solve_lower_triangular_in_place(own.rb(), below.rb_mut().transpose_mut(), Par::Seq);
+    // The Schur complement: A22 - L21 L21', lower half.
     matmul(
         rest,
         BlockStructure::TriangularLower,

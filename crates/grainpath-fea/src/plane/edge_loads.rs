@@ -1,12 +1,15 @@
-//! Loads of a plate as forces at its nodes.
+//! Loads of a plate as consistent forces at its nodes.
+//!
+//! A traction or body force is integrated against the shape functions, so a constant traction gives
+//! the middle node of a side four times the force of an end. Forces are in N.
 
 use grainpath_core::DVec2;
 
 use super::plane_mesh::PlaneMesh;
 use super::quadratic_triangle as element;
 
-/// Forces at the nodes from a traction in MPa on sides of the border; `traction` is told the point and the outward
-/// unit normal.
+/// Forces at the nodes from a traction in MPa on sides of the border. `traction` gets the point and
+/// the outward unit normal.
 pub fn traction_n(
     mesh: &PlaneMesh,
     sides: &[[u32; 3]],
@@ -16,11 +19,14 @@ pub fn traction_n(
     let mut forces = vec![DVec2::ZERO; mesh.nodes.len()];
     for side in sides {
         let [a, b, m] = side.map(|i| mesh.nodes[i as usize]);
+        // Three points integrate a quadratic traction times a quadratic shape function exactly.
         for (xi, weight) in element::GAUSS_3 {
             let shape = [0.5 * xi * (xi - 1.0), 0.5 * xi * (xi + 1.0), 1.0 - xi * xi];
             let slope = [xi - 0.5, xi + 0.5, -2.0 * xi];
+            // Sides may be curved: point and normal follow the quadratic.
             let p = shape[0] * a + shape[1] * b + shape[2] * m;
             let along = slope[0] * a + slope[1] * b + slope[2] * m;
+            // The material lies on the left of a side, so outwards is to the right.
             let normal = DVec2::new(along.y, -along.x) / along.length();
             let f = traction(p, normal) * (weight * along.length() * thickness_mm);
             side.iter().zip(shape).for_each(|(&i, s)| forces[i as usize] += s * f);

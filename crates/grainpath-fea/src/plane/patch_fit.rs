@@ -1,4 +1,10 @@
-//! Stress at the nodes from stress inside the elements (superconvergent patch recovery).
+//! Stress at the nodes from stress inside the elements: superconvergent patch recovery
+//! (`zienkiewicz1992`).
+//!
+//! Around each corner node a quadratic is fitted by least squares to the stresses at the
+//! integration points of the elements there, where they are most accurate. Stresses are in MPa,
+//! components xx, yy, xy. Cost: linear in the elements. Degenerate cases: patches with few samples
+//! borrow the elements around them; directions that the samples do not determine stay zero.
 
 use grainpath_core::DVec2;
 use rayon::prelude::*;
@@ -7,11 +13,12 @@ use super::plane_problem::PlaneProblem;
 use super::quadratic_triangle::{self as element, POINTS};
 use crate::principal::PlaneTensor;
 
-/// Patches with fewer samples than this borrow the elements around them: a quadratic has six coefficients.
+/// Samples below which a patch borrows the elements around it. Source: derived: a quadratic in the
+/// plane has six coefficients; twice as many samples keep a single one from deciding a coefficient.
 const ENOUGH: usize = 12;
 
-/// Stress at every node: around each corner a quadratic is fitted to the stresses at the integration points, where
-/// they are most exact, and read at the corner and half way to its neighbours.
+/// Stress at every node, and at the integration points of every element. Each corner's quadratic is
+/// evaluated at the corner and at the middles of its sides.
 pub fn recover(problem: &PlaneProblem<'_>, u: &[DVec2]) -> (Vec<PlaneTensor>, Vec<[PlaneTensor; 3]>) {
     let mesh = problem.mesh;
     let samples: Vec<[(DVec2, PlaneTensor); 3]> = mesh
@@ -28,6 +35,7 @@ pub fn recover(problem: &PlaneProblem<'_>, u: &[DVec2]) -> (Vec<PlaneTensor>, Ve
             })
         })
         .collect();
+    // A counting sort of the elements by their corners.
     let mut starts = vec![0u32; mesh.nodes.len() + 1];
     let corners = || mesh.elements.iter().enumerate().flat_map(|(t, e)| e[..3].iter().map(move |&i| (t, i)));
     corners().for_each(|(_, i)| starts[i as usize + 1] += 1);
@@ -46,6 +54,8 @@ pub fn recover(problem: &PlaneProblem<'_>, u: &[DVec2]) -> (Vec<PlaneTensor>, Ve
             if patch.is_empty() {
                 return None;
             }
+            // Three rings at most: a corner that belongs to a single element starts with three
+            // samples.
             for _ in 0..3 {
                 if 3 * patch.len() >= ENOUGH {
                     break;
@@ -72,6 +82,7 @@ pub fn recover(problem: &PlaneProblem<'_>, u: &[DVec2]) -> (Vec<PlaneTensor>, Ve
             add(i, fit.at(mesh.nodes[i]));
         }
     }
+    // The middle of a side gets the mean of the quadratics of both its ends.
     for e in &mesh.elements {
         for k in 0..3 {
             for end in [k, (k + 1) % 3] {
@@ -85,7 +96,7 @@ pub fn recover(problem: &PlaneProblem<'_>, u: &[DVec2]) -> (Vec<PlaneTensor>, Ve
     (nodal, samples.into_iter().map(|s| s.map(|(_, stress)| stress)).collect())
 }
 
-/// A quadratic in x and y around a point, one for each component.
+/// A quadratic in x and y around a point for each component.
 struct Fit {
     origin: DVec2,
     scale: f64,
@@ -94,6 +105,8 @@ struct Fit {
 
 impl Fit {
     fn of(origin: DVec2, samples: impl Iterator<Item = (DVec2, PlaneTensor)> + Clone) -> Self {
+        // Coordinates are divided by the size of the patch, so that the terms of the normal
+        // equations are of the same order.
         let scale = samples.clone().map(|(p, _)| p.distance(origin)).fold(1e-12, f64::max);
         let mut normal = [[0.0; 6]; 6];
         let mut rhs = [[0.0; 3]; 6];
@@ -121,9 +134,10 @@ fn terms(p: DVec2) -> [f64; 6] {
     [1.0, p.x, p.y, p.x * p.x, p.x * p.y, p.y * p.y]
 }
 
-/// Cholesky of six equations; directions the samples say nothing of stay zero.
+/// Gauss elimination of six equations; unknowns that the samples do not determine stay zero.
 fn solve(mut a: [[f64; 6]; 6], mut b: [[f64; 3]; 6]) -> [PlaneTensor; 6] {
     let trace: f64 = (0..6).map(|i| a[i][i]).sum();
+    // Rounding leaves about 1e-16 of the trace in a pivot that should be zero.
     let least = 1e-10 * trace.max(1e-300);
     for k in 0..6 {
         let pivot = a[k][k];

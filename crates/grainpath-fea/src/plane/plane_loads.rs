@@ -1,7 +1,8 @@
 //! Fixtures and loads of a part on the plate that its section makes.
 //!
-//! Selections are asked at the mid-height of the plate: a node of the mesh, or the midpoint of a border side, is caught
-//! when the point above or below it there lies in the selection. Loads act on caught sides of the border.
+//! Selections are evaluated at the mid-height of the plate. A node of the mesh, or the midpoint of
+//! a side of the border, is selected when its point at that height lies in the selection. Loads act
+//! on selected sides of the border.
 
 use std::collections::BTreeMap;
 
@@ -40,7 +41,7 @@ impl<'a> Plate<'a> {
         p.extend(0.5 * (self.conditions.low.z + self.conditions.high.z))
     }
 
-    /// What the fixtures hold.
+    /// The directions in which nodes are held.
     ///
     /// # Errors
     /// [`CatchesNothing`] for a fixture without a node, or without a side of the border where it holds along the normal.
@@ -56,6 +57,8 @@ impl<'a> Plate<'a> {
             }
             match fixture.held {
                 Held::Normal => {
+                    // Along the normal only the border can hold: nodes inside the plate have no
+                    // normal.
                     let normals = self.normals(&fixture.on);
                     if normals.is_empty() {
                         return Err(nothing());
@@ -105,7 +108,7 @@ impl<'a> Plate<'a> {
         })
     }
 
-    /// What a load comes to.
+    /// Force, moment, area and centroid of a load.
     ///
     /// # Errors
     /// [`CatchesNothing`] for a load without a side of the border.
@@ -117,6 +120,7 @@ impl<'a> Plate<'a> {
                 (self.mesh.border_length_mm(&sides) * self.thickness_mm(), self.centroid(&sides))
             }
             None => {
+                // The centre of parallel forces: about this point they have no moment.
                 let along = forces_n.iter().sum::<DVec2>().normalize_or_zero();
                 let total: f64 = forces_n.iter().map(|f| f.dot(along)).sum();
                 let sum: DVec2 = self.mesh.nodes.iter().zip(&forces_n).map(|(p, f)| *p * f.dot(along)).sum();
@@ -128,8 +132,9 @@ impl<'a> Plate<'a> {
         Ok(Resultant::new(&load.name, area_mm2, self.at_mid_height(centroid), forces))
     }
 
-    /// What each fixture holds, of the reactions at the nodes, N, `(n_nodes)`. A node that several fixtures hold counts
-    /// for the first of them. Moments are about the mean of the fixture's nodes.
+    /// The reaction of each fixture, from the reactions at the nodes, N, `(n_nodes)`. A node that
+    /// several fixtures hold counts for the first of them. Moments are about the mean of the
+    /// fixture's nodes.
     pub fn reactions(&self, reactions_n: &[DVec2]) -> Vec<Resultant> {
         let mut rest = reactions_n.to_vec();
         let of_fixture = |fixture: &Fixture| {
@@ -153,8 +158,8 @@ impl<'a> Plate<'a> {
         if length > 0.0 { sum / length } else { DVec2::ZERO }
     }
 
-    /// Forces of a moment about z, N mm: tractions around the centroid of the sides that grow with the distance from
-    /// it.
+    /// Forces of a moment about z, N mm: tractions around the centroid of the sides, in proportion
+    /// to the distance from it.
     fn moment_n(&self, sides: &[[u32; 3]], moment_nmm: f64) -> Vec<DVec2> {
         let ends = || {
             sides.iter().map(|s| {
@@ -167,10 +172,12 @@ impl<'a> Plate<'a> {
         let turned = |p: DVec2| DVec2::new(-(p - centroid).y, (p - centroid).x);
         let unit = traction_n(self.mesh, sides, self.thickness_mm(), &|p, _| turned(p));
         let sum: f64 = unit.iter().zip(&self.mesh.nodes).map(|(f, p)| cross(*p - centroid, *f)).sum();
+        // Scaled by the moment that the discrete forces have, so that the total is exact on any
+        // mesh.
         unit.into_iter().map(|f| f * (moment_nmm / sum)).collect()
     }
 
-    /// Sides of the border whose midpoint is selected.
+    /// Sides of the border whose midpoint lies in the selection.
     fn sides(&self, on: &Selection) -> Vec<[u32; 3]> {
         let caught = |s: &&[u32; 3]| on.contains(self.at_mid_height(self.mesh.nodes[s[2] as usize]));
         self.mesh.border.iter().filter(caught).copied().collect()

@@ -1,4 +1,7 @@
-//! Meshes of quadratic triangles.
+//! Meshes of quadratic triangles for plates.
+//!
+//! Lengths are in mm. Sides are straight; the middle nodes lie half way between the corners. Cost:
+//! sorting the sides.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +15,8 @@ pub struct PlaneMesh {
     pub nodes: Vec<DVec2>,
     /// Node indices, `(n_elements, 6)`, counter-clockwise.
     pub elements: Vec<[u32; 6]>,
-    /// Sides with one element: both ends and the middle, the material on the left.
+    /// Sides that belong to one element: both ends and the middle node, with the material on the
+    /// left.
     pub border: Vec<[u32; 3]>,
 }
 
@@ -27,6 +31,7 @@ impl PlaneMesh {
                 sides.push((a.min(b), a.max(b), t as u32, k as u32));
             }
         }
+        // Sorted by their ends, the two copies of a shared side lie next to each other.
         sides.sort_unstable();
         let mut elements: Vec<[u32; 6]> =
             triangles.triangles.iter().map(|&[a, b, c]| [a, b, c, 0, 0, 0]).collect();
@@ -45,7 +50,7 @@ impl PlaneMesh {
         Self { nodes, elements, border }
     }
 
-    /// Which connected piece each node belongs to, and how many there are.
+    /// The connected piece of each node, and the number of pieces.
     pub fn pieces(&self) -> (Vec<u32>, usize) {
         let mut parent: Vec<u32> = (0..self.nodes.len() as u32).collect();
         fn root(parent: &mut [u32], mut i: u32) -> u32 {
@@ -61,6 +66,7 @@ impl PlaneMesh {
                 parent[a.max(b) as usize] = a.min(b);
             }
         }
+        // Pieces are numbered in the order of their first node, whatever the order of the unions.
         let mut number = BTreeMap::new();
         let piece: Vec<u32> = (0..self.nodes.len() as u32)
             .map(|i| {
@@ -86,6 +92,7 @@ pub fn mesh_region(
     longest_mm: f64,
     shortest_mm: f64,
 ) -> Result<PlaneMesh, TriangulationError> {
+    // 72 sides cut a circle into steps of 5 degrees, so that small holes get small triangles.
     let size = TriangleSize { longest_mm, sides_of_hole: 72, shortest_mm };
     Ok(PlaneMesh::quadratic(&Triangulation::of(region, &size, &[])?))
 }

@@ -1,4 +1,6 @@
-//! A plate with what holds it, and whether that is enough.
+//! A plate with its fixtures, and the test whether these hold it.
+//!
+//! Lengths are in mm, stresses in MPa.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::cross;
@@ -12,11 +14,11 @@ pub type PlaneStiffness = [[f64; 3]; 3];
 /// A node held in one direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hold {
-    /// Which node.
+    /// The node.
     pub node: u32,
-    /// Unit vector along which it is held.
+    /// Unit vector of the held direction.
     pub along: DVec2,
-    /// Where it is held, mm from where it was.
+    /// Prescribed displacement along it, mm.
     pub displacement_mm: f64,
 }
 
@@ -26,11 +28,11 @@ pub enum PlaneError {
     /// A piece of the part moves freely.
     #[error("the piece around ({x:.2}, {y:.2}) mm is free to {how}; hold it with another fixture")]
     Free {
-        /// Where a node of the piece is.
+        /// x of a node of the piece, mm.
         x: f64,
-        /// Where a node of the piece is.
+        /// y of a node of the piece, mm.
         y: f64,
-        /// "move along x" and the like.
+        /// The free motion: "move along x" and the like.
         how: &'static str,
     },
     /// The equations could not be solved.
@@ -55,7 +57,7 @@ pub struct PlaneProblem<'a> {
     pub max_mib: f64,
 }
 
-/// Refuses pieces that can move as a whole.
+/// Refuses a plate of which a piece can move as a whole.
 pub(super) fn check_held(problem: &PlaneProblem<'_>) -> Result<(), PlaneError> {
     let mesh = problem.mesh;
     let (piece, n_pieces) = mesh.pieces();
@@ -64,8 +66,11 @@ pub(super) fn check_held(problem: &PlaneProblem<'_>) -> Result<(), PlaneError> {
     for p in 0..n_pieces {
         let centre = mesh.nodes[first[p]];
         let members = || (0..piece.len()).filter(|&i| piece[i] as usize == p);
+        // Arms are divided by the size of the piece, so that the turn has the same scale as the
+        // shifts.
         let size = members().map(|i| mesh.nodes[i].distance(centre)).fold(1e-12, f64::max);
-        // What each hold says of the two shifts and the turn: the Gram matrix must have full rank.
+        // The row of each hold in terms of two shifts and a turn. The piece is held if the Gram
+        // matrix of all rows has full rank.
         let mut gram = [[0.0; 3]; 3];
         for hold in problem.holds.iter().filter(|h| piece[h.node as usize] as usize == p) {
             let r = (mesh.nodes[hold.node as usize] - centre) / size;
@@ -81,7 +86,8 @@ pub(super) fn check_held(problem: &PlaneProblem<'_>) -> Result<(), PlaneError> {
     Ok(())
 }
 
-/// The first motion that a Gram matrix of holds leaves free, by elimination in the order x, y, turn.
+/// The first rigid motion that a Gram matrix of holds leaves free, by elimination in the order x,
+/// y, turn.
 pub(crate) fn loose(gram: &mut [[f64; 3]; 3]) -> Option<&'static str> {
     let scale = (gram[0][0] + gram[1][1] + gram[2][2]).max(1e-30);
     for k in 0..3 {

@@ -1,4 +1,8 @@
-//! Stress over a plate.
+//! The stress field of a plate, and its values at any point.
+//!
+//! Stresses at the nodes are recovered (`zienkiewicz1992`); their difference from the stresses
+//! inside the elements estimates the error of the mesh (`zienkiewicz1987`). Between nodes,
+//! components are linear. Stresses are in MPa, lengths in mm. Cost: a query visits a few buckets.
 
 use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::math::cross;
@@ -10,13 +14,13 @@ use super::plane_problem::PlaneProblem;
 use super::quadratic_triangle::POINTS;
 use crate::principal::{PlaneTensor, von_mises_plane};
 
-/// Stress at the nodes of a plate, and where they are: for asking at any point.
+/// Stress at the nodes of a plate, searchable by position.
 #[derive(Debug, Clone)]
 pub struct PlaneStress {
     mesh: PlaneMesh,
     /// Stress at every node, MPa.
     nodal: Vec<PlaneTensor>,
-    /// Estimated share of the energy norm that the mesh misses (Zienkiewicz and Zhu).
+    /// Estimated share of the energy norm that the mesh misses (`zienkiewicz1987`).
     error: f64,
     buckets: Buckets,
 }
@@ -31,6 +35,8 @@ impl PlaneStress {
             let area = 0.5 * cross(b - a, c - a);
             for ((l, _), inside) in POINTS.iter().zip(stresses) {
                 let smooth = interpolated(&nodal, e, *l);
+                // The norm of the stress instead of the energy: it needs no compliance and differs
+                // by a bounded factor.
                 let square = |t: PlaneTensor| t[0] * t[0] + t[1] * t[1] + 2.0 * t[2] * t[2];
                 let off = [0, 1, 2].map(|k| smooth[k] - inside[k]);
                 missed += area * square(off);
@@ -41,7 +47,7 @@ impl PlaneStress {
         Self::of(mesh, nodal, error)
     }
 
-    /// Stress given at the nodes.
+    /// A field from stresses given at the nodes.
     pub fn of(mesh: PlaneMesh, nodal: Vec<PlaneTensor>, error: f64) -> Self {
         let bounds = Bounds2::of(mesh.nodes.iter().copied());
         let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
@@ -62,7 +68,7 @@ impl PlaneStress {
         &self.mesh
     }
 
-    /// Stress at every node of the mesh, MPa.
+    /// Stress at every node of the mesh, MPa, `(n_nodes)`.
     pub fn nodal_mpa(&self) -> &[PlaneTensor] {
         &self.nodal
     }
@@ -72,23 +78,26 @@ impl PlaneStress {
         self.error
     }
 
-    /// The greatest equivalent stress at any node, MPa.
+    /// Greatest von Mises stress at any node, MPa.
     pub fn max_von_mises_mpa(&self) -> f64 {
         self.nodal.iter().map(|t| von_mises_plane(*t)).fold(0.0, f64::max)
     }
 
-    /// Stress at a point, components interpolated; outside, that of the nearest place of the plate.
+    /// Stress at a point, MPa, components interpolated; outside the plate, that of its nearest
+    /// point.
     pub fn at(&self, p: DVec2) -> PlaneTensor {
         let Some((t, l)) = self.locate(p) else { return [0.0; 3] };
         interpolated(&self.nodal, &self.mesh.elements[t], l)
     }
 
-    /// The element at a point and the area coordinates in it; the nearest place where it is in none.
+    /// The element at a point and the area coordinates in it; outside the plate, those of its
+    /// nearest point.
     pub fn locate(&self, p: DVec2) -> Option<(usize, [f64; 3])> {
         let cells = &self.buckets.cells;
         let own = cells.cell_of(p);
         let mut best: Option<(f64, usize, [f64; 3])> = None;
         for ring in 0..cells.nx.max(cells.ny) {
+            // Every element in this ring or beyond is at least this far away.
             let reach = ring.saturating_sub(1) as f64 * cells.cell_mm;
             if best.is_some_and(|b| ring > 0 && b.0 <= reach * reach) {
                 break;
@@ -112,11 +121,13 @@ impl PlaneStress {
     }
 }
 
-/// The point of a triangle nearest to `p`: its distance squared, 0 inside, and its area coordinates.
+/// The point of a triangle nearest to `p`: its squared distance (0 inside) and its area
+/// coordinates.
 fn nearest_in(c: [DVec2; 3], p: DVec2) -> (f64, [f64; 3]) {
     let double = cross(c[1] - c[0], c[2] - c[0]);
     let l = [cross(c[1] - p, c[2] - p) / double, cross(c[2] - p, c[0] - p) / double];
     let l = [l[0], l[1], 1.0 - l[0] - l[1]];
+    // Points on a shared side belong to both elements in spite of rounding.
     if l.iter().all(|v| *v >= -1e-12) {
         return (0.0, l.map(|v| v.max(0.0)));
     }
@@ -134,8 +145,8 @@ fn nearest_in(c: [DVec2; 3], p: DVec2) -> (f64, [f64; 3]) {
     best
 }
 
-/// Components between the nodes: linear in the four triangles that the middles of the sides make, so that nothing
-/// overshoots.
+/// Components between the nodes. They are linear in the four triangles between corners and middles
+/// of sides, so that no value overshoots those of the nodes.
 fn interpolated(nodal: &[PlaneTensor], e: &[u32; 6], l: [f64; 3]) -> PlaneTensor {
     let (at, w): ([usize; 3], [f64; 3]) = if l[0] >= 0.5 {
         ([0, 3, 5], [2.0 * l[0] - 1.0, 2.0 * l[1], 2.0 * l[2]])

@@ -1,17 +1,23 @@
-//! The quadratic triangle.
+//! The quadratic triangle with six nodes: shape functions, stiffness, stress.
+//!
+//! Nodes: three corners, then the middles of sides 01, 12 and 20. Area coordinates `l` sum to 1.
+//! Stresses are in MPa, components xx, yy, xy.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::cross;
 
 use super::plane_problem::PlaneStiffness;
 
-/// Integration points in area coordinates with weights that sum to 1/2: exact to degree 2.
+/// Integration points in area coordinates, with weights that sum to 1/2: exact to degree 2. Source:
+/// derived: with three symmetric points, 2/3 and 1/6 are the values that integrate L1^2 and L1 L2
+/// exactly.
 pub const POINTS: [([f64; 3], f64); 3] = {
     let (a, b, w) = (2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0);
     [([a, b, b], w), ([b, a, b], w), ([b, b, a], w)]
 };
 
-/// Gauss points and weights on [-1, 1].
+/// Gauss points and weights on [-1, 1]. Source: roots of the Legendre polynomial of degree 3, 0 and
+/// the square root of 3/5; exact to degree 5.
 pub const GAUSS_3: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
@@ -30,6 +36,7 @@ pub fn shape(p: &[DVec2; 6], l: [f64; 3]) -> ([f64; 6], f64) {
 
 /// Derivatives of the shape functions in the first two area coordinates.
 fn slopes(l: [f64; 3]) -> [[f64; 2]; 6] {
+    // The third area coordinate is 1 - l0 - l1, hence the negative terms.
     [
         [4.0 * l[0] - 1.0, 0.0],
         [0.0, 4.0 * l[1] - 1.0],
@@ -57,8 +64,10 @@ pub fn gradients(p: &[DVec2; 6], l: [f64; 3]) -> ([DVec2; 6], f64) {
     (s.map(|[a, b]| a * du + b * dv), det)
 }
 
-/// Stiffness in N/mm, degrees of freedom node by node; `None` for an element turned inside out.
+/// Stiffness in N/mm, `(12, 12)`, degrees of freedom node by node; `None` for an element turned
+/// inside out.
 pub fn stiffness(p: &[DVec2; 6], c: &PlaneStiffness, thickness_mm: f64) -> Option<[[f64; 12]; 12]> {
+    // For straight sides the integrand is of degree 2, so three points are exact.
     let mut k = [[0.0; 12]; 12];
     for (l, weight) in POINTS {
         let (g, det) = gradients(p, l);
@@ -82,7 +91,7 @@ pub fn stiffness(p: &[DVec2; 6], c: &PlaneStiffness, thickness_mm: f64) -> Optio
     Some(k)
 }
 
-/// Stress at area coordinates from the displacements of the nodes.
+/// Stress at area coordinates from the displacements of the nodes, MPa.
 pub fn stress(p: &[DVec2; 6], u: &[DVec2; 6], c: &PlaneStiffness, l: [f64; 3]) -> [f64; 3] {
     let (g, _) = gradients(p, l);
     let strain = (0..6).fold([0.0; 3], |e, i| {
@@ -91,7 +100,7 @@ pub fn stress(p: &[DVec2; 6], u: &[DVec2; 6], c: &PlaneStiffness, l: [f64; 3]) -
     c.map(|row| row[0] * strain[0] + row[1] * strain[1] + row[2] * strain[2])
 }
 
-/// Writes the rows and columns of node `a` in a frame whose first axis is `axis`.
+/// Rotates the rows and columns of node `a` into a frame whose first axis is `axis`.
 pub fn turn(k: &mut [[f64; 12]; 12], a: usize, axis: DVec2) {
     let (c, s) = (axis.x, axis.y);
     let (i, j) = (2 * a, 2 * a + 1);

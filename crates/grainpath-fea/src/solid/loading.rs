@@ -1,7 +1,8 @@
 //! Fixtures and loads of a part on the tetrahedra that fill it.
 //!
-//! A face of the boundary is caught when the point of the part's surface nearest to its middle lies in the selection,
-//! so a load keeps to one side of an edge that the elements round off.
+//! A face of the boundary is selected when the point of the part's surface nearest to its middle
+//! lies in the selection. A load therefore stays on its side of an edge, although the elements
+//! round the edge off.
 
 use std::collections::BTreeMap;
 
@@ -17,9 +18,10 @@ use grainpath_core::selection::Selection;
 
 const SEARCHED: &str = "the part's surface";
 
-/// Cosine between a boundary face and the facet of the part below it, under which the face does not hold along its
-/// normal: it bevels a sharp edge and would hold the part askew. 0.94 is 20 degrees, less than half of the 45 degrees
-/// by which a face bevels a right-angled edge.
+/// Least cosine between a boundary face and the facet of the part below it for the face to hold
+/// along its normal. A face below that bevels a sharp edge, and would hold the part at a slant.
+/// Source: derived: 0.94 is 20 degrees, less than half of the 45 degrees by which a face bevels a
+/// right-angled edge.
 const MIN_COS_TO_FACET: f64 = 0.94;
 
 /// A meshed part under its boundary conditions.
@@ -36,7 +38,7 @@ impl<'a> LoadedSolid<'a> {
         Self { mesh, surface, conditions }
     }
 
-    /// What the fixtures hold.
+    /// The fixtures as supports of the nodes.
     ///
     /// # Errors
     /// [`SolidError::CatchesNothing`] for a fixture without a face, [`SolidError::Contradiction`] where two fixtures
@@ -47,6 +49,8 @@ impl<'a> LoadedSolid<'a> {
             let faces = self.caught(&fixture.name, &fixture.on)?;
             match fixture.held {
                 Held::Normal => {
+                    // At a node between several faces the normals are added by area, so small faces
+                    // hardly turn the direction.
                     for (node, normal) in self.normals(&faces) {
                         let normal = normal.normalize_or_zero();
                         let value_mm = fixture.displacement_mm.dot(normal);
@@ -90,7 +94,7 @@ impl<'a> LoadedSolid<'a> {
         Ok(())
     }
 
-    /// What a load comes to.
+    /// Force, moment, area and centroid of a load.
     ///
     /// # Errors
     /// [`CatchesNothing`] for a load without a face.
@@ -107,12 +111,13 @@ impl<'a> LoadedSolid<'a> {
         Ok(Resultant::new(&load.name, area_mm2, centroid, pairs(&self.mesh.nodes, &forces_n)))
     }
 
-    /// What each fixture holds, of the reactions at the nodes, N, `(n_nodes)`. A node that several fixtures hold counts
-    /// for the first of them.
+    /// The reaction of each fixture, from the reactions at the nodes, N, `(n_nodes)`. A node that
+    /// several fixtures hold counts for the first of them.
     ///
     /// # Errors
     /// [`CatchesNothing`] for a fixture without a face.
     pub fn reactions(&self, reactions_n: &[DVec3]) -> Result<Vec<Resultant>, CatchesNothing> {
+        // Taking a node's reaction out of the rest counts it once.
         let mut rest = reactions_n.to_vec();
         let mut all = Vec::with_capacity(self.conditions.fixtures.len());
         for fixture in &self.conditions.fixtures {
@@ -127,7 +132,7 @@ impl<'a> LoadedSolid<'a> {
         Ok(all)
     }
 
-    /// The boundary faces in a selection.
+    /// The boundary faces in a selection; an error where there are none.
     fn caught(&self, name: &str, on: &Selection) -> Result<Vec<usize>, CatchesNothing> {
         let faces = self.mesh.faces_in(on);
         match faces.is_empty() {
@@ -136,7 +141,8 @@ impl<'a> LoadedSolid<'a> {
         }
     }
 
-    /// Nodes of faces that lie along the part's surface, with their normals, of any length.
+    /// Nodes of the faces that lie along the part's surface, with the sums of their normals (not of
+    /// unit length).
     fn normals(&self, faces: &[usize]) -> BTreeMap<u32, DVec3> {
         let mut normals = BTreeMap::new();
         for &f in faces {
@@ -160,7 +166,7 @@ fn pairs<'a>(nodes: &'a [DVec3], forces: &'a [DVec3]) -> impl Iterator<Item = (D
     nodes.iter().copied().zip(forces.iter().copied())
 }
 
-/// The point about which parallel forces have no moment; the origin where they cancel.
+/// The point about which parallel forces have no moment; the origin where the forces cancel.
 fn parallel_centre(nodes: &[DVec3], forces: &[DVec3]) -> DVec3 {
     let along = forces.iter().sum::<DVec3>().normalize_or_zero();
     let (sum, size) = pairs(nodes, forces)

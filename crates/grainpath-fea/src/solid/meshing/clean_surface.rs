@@ -1,11 +1,12 @@
 //! Takes shells without volume out of a surface before it is meshed.
 //!
-//! Converted CAD files hold stray facets, sheets of two sides that lie on each other, and specks beside the body. They
-//! enclose nothing that could carry a load, but rays measure a wall of no thickness at them. A shell is what hangs
-//! together over edges, whatever number of facets meets there, so that a flap on the body stays with it.
+//! Converted CAD files hold stray facets, sheets of two sides that lie on each other, and specks
+//! beside the body. They enclose no volume that could carry a load, but rays measure a wall of no
+//! thickness at them. A shell is a set of facets connected over edges, whatever number of facets
+//! meets there, so that a flap on the body stays with it.
 //!
-//! Lengths in mm; cost is sorting three edges a facet. A surface whose facets share no vertices (a soup) falls into
-//! shells of one facet each: then nothing is taken out.
+//! Lengths are in mm; the cost is sorting three edges a facet. A surface whose facets share no
+//! vertices (a soup) falls into shells of one facet each; it is left as it is.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -38,7 +39,7 @@ impl CleanSurface<'_> {
     }
 }
 
-/// What is summed over a shell.
+/// Sums over a shell.
 #[derive(Default, Clone, Copy)]
 struct Shell {
     /// Volume between the facets and the shell's first vertex, mm3.
@@ -46,13 +47,14 @@ struct Shell {
     open: bool,
 }
 
-/// Takes out shells that enclose practically nothing.
+/// The surface without shells that enclose next to no volume.
 pub(super) fn without_flat_shells(surface: &TriMesh) -> CleanSurface<'_> {
     let unchanged = || CleanSurface { mesh: Cow::Borrowed(surface), n_removed: 0, original: Vec::new() };
     let shell_of = shells(surface);
     let mut shells: BTreeMap<u32, Shell> = BTreeMap::new();
     for (t, &shell) in shell_of.iter().enumerate() {
-        // Seen from a vertex of the shell itself, so that a flat shell far from the origin has no volume.
+        // Volumes are measured from a vertex of the shell itself, so that a flat shell far from the
+        // origin has none.
         let from = surface.vertices[surface.triangles[shell as usize][0] as usize];
         let [a, b, c] = surface.triangles[t].map(|i| surface.vertices[i as usize] - from);
         shells.entry(shell).or_default().volume_mm3 += a.cross(b).dot(c) / 6.0;
@@ -73,7 +75,11 @@ pub(super) fn without_flat_shells(surface: &TriMesh) -> CleanSurface<'_> {
     };
     let removed_mm3: f64 = shells.values().filter(|s| is_flat(s)).map(|s| s.volume_mm3.abs()).sum();
     let n_removed = shells.values().filter(|s| is_flat(s)).count();
+    // In a soup every facet is a shell: the volumes from their own vertices are zero, but the whole
+    // has one.
     let is_soup = surface.signed_volume().abs() > 2.0 * total;
+    // Removing more than a hundredth of the volume would change the part; then the shells are no
+    // debris.
     if n_removed == 0 || n_removed == shells.len() || is_soup || removed_mm3 > 0.01 * total {
         return unchanged();
     }
@@ -84,7 +90,7 @@ pub(super) fn without_flat_shells(surface: &TriMesh) -> CleanSurface<'_> {
     CleanSurface { mesh: Cow::Owned(mesh), n_removed, original }
 }
 
-/// For each facet the lowest one that it hangs together with over edges.
+/// For each facet the lowest facet that it is connected to over edges.
 fn shells(surface: &TriMesh) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..surface.triangles.len() as u32).collect();
     for mut edge in EdgeUses::of(surface).edges() {

@@ -1,11 +1,15 @@
-//! What is sharp on a surface: edges, corners, and the smooth patches between them.
+//! Sharp features of a surface: edges, corners, and the smooth patches between them.
+//!
+//! Two facets meet in a sharp edge if their normals differ by more than 40 degrees; facets
+//! connected without a sharp edge form a patch. Cost: sorting the edges, and a tree over the sharp
+//! ones.
 
 use std::collections::BTreeMap;
 
 use grainpath_core::mesh::EdgeUses;
 use grainpath_core::{Bvh, DVec3, TriMesh};
 
-/// Facets that turn by more than this (40 degrees) meet in a sharp edge.
+/// Cosine of the turn (40 degrees) above which two facets meet in a sharp edge.
 const SHARP_COS: f64 = 0.766;
 
 /// The sharp edges of a mesh.
@@ -31,7 +35,10 @@ impl Features {
         for uses in EdgeUses::of(mesh).edges() {
             let uses: Vec<(usize, bool)> = uses.collect();
             let &[(s, s_down), (t, t_down)] = uses.as_slice() else { continue };
+            // Facets wound against each other have normals of opposite sign.
             let turned = normal(s).dot(normal(t)) * if s_down == t_down { -1.0 } else { 1.0 };
+            // A facet without area has no normal and joins its neighbours, or it would cut the
+            // patch in two.
             if turned > SHARP_COS || normal(s) == DVec3::ZERO || normal(t) == DVec3::ZERO {
                 let (a, b) = (root(&mut patch, s as u32), root(&mut patch, t as u32));
                 patch[a.max(b) as usize] = a.min(b);
@@ -51,6 +58,8 @@ impl Features {
             at.entry(a).or_default().push((b, sides));
             at.entry(b).or_default().push((a, sides));
         }
+        // Two sharp edges at a point make a corner only if the line turns there; one or more than
+        // two always do.
         let is_corner = |p: u32, ways: &[(u32, [u32; 2])]| match ways {
             [(q, _), (r, _)] => {
                 (v(p) - v(*q)).normalize_or_zero().dot((v(*r) - v(p)).normalize_or_zero()) < SHARP_COS
@@ -68,7 +77,7 @@ impl Features {
         Self { patch, edges, corners, tree }
     }
 
-    /// The nearest point on a sharp edge within reach, and the edge.
+    /// The nearest point on a sharp edge within `reach`, and the edge's index.
     pub(super) fn nearest(&self, p: DVec3, reach: f64) -> Option<(DVec3, usize)> {
         self.tree.closest_point(p, reach).map(|c| (c.point, c.triangle as usize))
     }
@@ -76,6 +85,7 @@ impl Features {
 
 fn segments(edges: &[([DVec3; 2], [u32; 2])]) -> Bvh {
     let vertices = edges.iter().flat_map(|e| e.0).collect();
+    // Segments are stored as triangles with a repeated corner, so that one tree serves both.
     let triangles = (0..edges.len() as u32).map(|i| [2 * i, 2 * i + 1, 2 * i + 1]).collect();
     Bvh::new(&TriMesh { vertices, triangles })
 }

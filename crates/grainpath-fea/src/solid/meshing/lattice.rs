@@ -1,5 +1,10 @@
-//! The body-centred cubic lattice over a part, finer where walls and gaps are thin: its tetrahedra, which of its points
-//! are inside, and where its edges cut the surface.
+//! The body-centred cubic lattice over a part, finer where walls and gaps are thin: its tetrahedra,
+//! the sign of its points, and the points where its edges cut the surface.
+//!
+//! Method: the background grid of isosurface stuffing (`labelle2007`), graded by an octree whose
+//! neighbouring cells differ by one level at most. Lengths are in mm; points are named by whole
+//! numbers in units of a sixteenth of a cell, so that equal points are equal without tolerance.
+//! Cost: linear in the cells near the surface; signs of distant points come in blocks.
 
 use std::collections::BTreeSet;
 
@@ -10,23 +15,26 @@ use super::wall_thickness;
 use crate::solid::model::error::SolidError;
 use crate::solid::model::tet_shape;
 
-/// Cells of a block along each axis; blocks are worked on in parallel.
+/// Cells of a block along each axis. Blocks are processed in parallel.
 const BLOCK: i32 = 8;
-/// Lattice points at most: 9 bytes each.
+/// Largest number of lattice points.
 const MOST_POINTS: f64 = 4e8;
-/// Cells along an axis at most: what the key of a point has room for.
+/// Largest number of cells along an axis. Source: derived: 65 000 cells of 16 units are 1.04e6,
+/// less than the 2^20 values of the 20 bits that a point's key has for an axis.
 const MOST_CELLS: f64 = 65_000.0;
-/// A cell is halved so many times at most.
+/// Largest number of times that a cell is halved.
 pub(super) const DEEPEST: u32 = 3;
-/// Edge of a cell that was not halved, in the units in which points are named: the centres of the smallest are whole.
+/// Edge of an undivided cell in the units in which points are named; the centres of the smallest
+/// cells are whole numbers.
 const CELL: i32 = 2 << DEEPEST;
-/// Lattice planes are at most 0.71 cells apart, so a wall this much thinner than its cells still holds points.
+/// A wall this many times thinner than its cells still holds lattice points. Source: derived: the
+/// lattice planes that lie farthest apart, of type (110), are 1 / sqrt 2 = 0.71 cells apart.
 pub(super) const CELLS_PER_WALL: f64 = 1.41;
 
-/// A cube of the lattice: how many times it was halved, and its lowest corner.
+/// A cube of the lattice: the number of halvings, and the lowest corner.
 type Octant = (u32, [i32; 3]);
 
-/// Cells of a regular grid, and which of them are divided into eight, and those again.
+/// Cells of a regular grid, and which of them are divided into eight, in several levels.
 pub(super) struct Lattice {
     origin: DVec3,
     /// Half a cell, mm.
@@ -35,7 +43,7 @@ pub(super) struct Lattice {
     n: IVec3,
     /// 1 inside, -1 outside, at the corners and centres of the cells of the grid.
     sign: Vec<i8>,
-    /// What is divided.
+    /// The cubes that are divided.
     split: BTreeSet<Octant>,
 }
 
@@ -44,21 +52,22 @@ pub(super) struct Background {
     pub(super) points: Vec<DVec3>,
     /// 1 inside, -1 outside, for each point.
     pub(super) sign: Vec<i8>,
-    /// Edge of the smallest cell at each point, mm.
+    /// Edge of the smallest cell around each point, mm.
     pub(super) size_mm: Vec<f64>,
-    /// Points by which warps and cuts are told apart: corners, then centres of the grid, then what is finer.
+    /// Corners of the tetrahedra. Corners of the grid come first, then its centres, then finer
+    /// points; warps and cuts break ties by this order.
     pub(super) tets: Vec<[u32; 4]>,
-    /// Where the edges cut the surface, sorted by their ends.
+    /// Cuts of edges with the surface, sorted by their ends.
     pub(super) cuts: Vec<Cut>,
 }
 
-/// Where an edge of the lattice meets the surface.
+/// The point where an edge of the lattice meets the surface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cut {
     /// The points at the ends, the lower first.
     pub(super) ends: [u32; 2],
     pub(super) at: DVec3,
-    /// The way out there: the normal of the surface, zero where the surface has a hole.
+    /// Outward normal of the surface; zero in a hole of the surface.
     pub(super) normal: DVec3,
     /// Whether the edge runs from the centre of a cell to a corner of it: the short ones.
     pub(super) short: bool,
@@ -71,11 +80,12 @@ impl Lattice {
         let cells = ((hi - lo) / size_mm).round().max(DVec3::ONE);
         let points = 2.0 * (cells + 2.0).element_product();
         let longest = cells.max_element() / MOST_CELLS;
+        // Checked before memory is taken. The message names the smallest size that fits.
         if points.is_nan() || points > MOST_POINTS || longest > 1.0 {
             let size_mm = size_mm * (points / MOST_POINTS).cbrt().max(longest);
             return Err(SolidError::TooFine { points, least_mm: size_mm });
         }
-        // A part thinner than a cell across keeps cubes: flat ones would be bad tetrahedra.
+        // A part thinner than a cell across keeps cubic cells: flat ones would give bad tetrahedra.
         let step = ((hi - lo) / cells).max(DVec3::splat(0.6 * size_mm));
         let spare = step * cells - (hi - lo);
         let n = cells.as_ivec3() + 2;
@@ -89,7 +99,7 @@ impl Lattice {
         p.cmpge(IVec3::ZERO).all() && p.cmple(last).all()
     }
 
-    /// Of a corner or centre of the grid, in half cells: all even or all odd.
+    /// Index of a corner or centre of the grid; `p` is in half cells, all even or all odd.
     fn index(&self, p: IVec3) -> usize {
         let (q, m, start) =
             if p.x & 1 == 0 { (p / 2, self.n + 1, 0) } else { (p / 2, self.n, corner_count(self.n)) };
@@ -100,12 +110,12 @@ impl Lattice {
         self.origin + self.half * p.as_dvec3()
     }
 
-    /// The place of a point in the finest units.
+    /// Position of a point given in the finest units, mm.
     fn fine_position(&self, p: IVec3) -> DVec3 {
         self.origin + self.half * p.as_dvec3() * (2.0 / f64::from(CELL))
     }
 
-    /// Decides for every point whether it is inside. Only blocks near the surface are looked into.
+    /// Finds the sign of every point. Only blocks near the surface are examined point by point.
     pub(super) fn classify(&mut self, bvh: &Bvh, closed: bool) {
         let blocks = (self.n + 1 + BLOCK - 1) / BLOCK;
         let of = |b: i32| IVec3::new(b % blocks.x, b / blocks.x % blocks.y, b / (blocks.x * blocks.y));
@@ -133,8 +143,8 @@ impl Lattice {
         }
     }
 
-    /// Divides the cells at the surface whose walls or gaps are thin against them, and what must follow so that
-    /// neighbours over faces and edges differ by one division at most.
+    /// Divides the cells at the surface where walls or gaps are thin compared with them. Further
+    /// cells are divided until neighbours over faces and edges differ by one level at most.
     pub(super) fn refine(&mut self, surface: &TriMesh, bvh: &Bvh, deepest: u32) {
         let found: Vec<Vec<Octant>> = (0..self.n.z)
             .into_par_iter()
@@ -150,6 +160,8 @@ impl Lattice {
             })
             .collect();
         self.split = found.into_iter().flatten().collect();
+        // From fine to coarse: a division demanded by balance may itself demand one on the next
+        // coarser level.
         for level in (1..deepest).rev() {
             let here: Vec<Octant> =
                 self.split.range((level, [i32::MIN; 3])..(level + 1, [i32::MIN; 3])).copied().collect();
@@ -157,6 +169,8 @@ impl Lattice {
                 for i in 0..27 {
                     let step = IVec3::new(i % 3, i / 3 % 3, i / 9) - 1;
                     let near = IVec3::from_array(lo) + step * (CELL >> level);
+                    // Neighbours over faces and edges only; tetrahedra do not meet over corners of
+                    // cubes.
                     if step.abs().element_sum() < 3 && self.covers(near) {
                         self.split.insert(parent(level, near));
                     }
@@ -165,7 +179,8 @@ impl Lattice {
         }
     }
 
-    /// Lists a cell, and what it is divided into, as long as a wall or gap asks for it.
+    /// Lists a cell, and the cells that it is divided into, as long as a wall or gap is thin
+    /// compared with them.
     fn divide(&self, surface: &TriMesh, bvh: &Bvh, cell: Octant, deepest: u32, out: &mut Vec<Octant>) {
         let (level, lo) = cell;
         if level == deepest {
@@ -173,7 +188,7 @@ impl Lattice {
         }
         let edge = CELL >> level;
         let (lo, edge_mm) = (IVec3::from_array(lo), self.edge_mm(level));
-        // The whole cell first: most are far from the surface.
+        // The whole cell is tested first, because most cells are far from the surface.
         let middle = self.fine_position(lo + edge / 2);
         if bvh.closest_point(middle, 0.9 * edge_mm).is_none() {
             return;
@@ -200,7 +215,7 @@ impl Lattice {
         p.cmpge(IVec3::ZERO).all() && p.cmplt(self.n * CELL).all()
     }
 
-    /// How many cells are divided.
+    /// Number of divided cells.
     pub(super) fn n_split(&self) -> usize {
         self.split.len()
     }
@@ -209,9 +224,10 @@ impl Lattice {
         self.split.contains(&(level, lo.to_array()))
     }
 
-    /// The tetrahedra with a corner inside. Between cells of one size they stand around the line of both centres, one
-    /// on each edge of the face, halved where the edge is divided; between unlike ones on the eight or two triangles
-    /// of the face (Labelle and Shewchuk 2007, graded by an octree).
+    /// The tetrahedra with a corner inside. Between cells of one size they stand around the line
+    /// between both centres, one on each edge of the face, halved where the edge is divided.
+    /// Between cells of different size they stand on the eight or two triangles of the face
+    /// (`labelle2007`).
     pub(super) fn background(&self, surface: &TriMesh, bvh: &Bvh, closed: bool) -> Background {
         let slabs: Vec<Vec<(i32, [IVec3; 4])>> = (0..self.n.z)
             .into_par_iter()
@@ -226,6 +242,8 @@ impl Lattice {
             })
             .collect();
         let tets = slabs.concat();
+        // Points are numbered by sorting their keys: no hash table, and the same numbers for any
+        // number of threads.
         let mut keys: Vec<u64> = tets.iter().flat_map(|t| t.1).map(key).collect();
         keys.par_sort_unstable();
         keys.dedup();
@@ -241,6 +259,7 @@ impl Lattice {
         let mut kept = Vec::new();
         for (edge, corners) in &tets {
             let t = corners.map(id);
+            // Tetrahedra without a corner inside cannot contribute to the part.
             if t.iter().any(|&i| sign[i as usize] > 0) {
                 for i in t {
                     let s = &mut size[i as usize];
@@ -252,6 +271,8 @@ impl Lattice {
         let mut crossed: Vec<[u32; 2]> = kept
             .iter()
             .flat_map(|t| tet_shape::EDGES.map(|(i, j)| [t[i].min(t[j]), t[i].max(t[j])]))
+            // An edge between a point inside and one outside meets the surface; each edge is kept
+            // once.
             .filter(|&[a, b]| sign[a as usize] != sign[b as usize])
             .collect();
         crossed.par_sort_unstable();
@@ -259,6 +280,8 @@ impl Lattice {
         let points: Vec<DVec3> = keys.iter().map(|&k| self.fine_position(unpack(k))).collect();
         let cut = |&ends: &[u32; 2]| {
             let along = unpack(keys[ends[0] as usize]) - unpack(keys[ends[1] as usize]);
+            // Short edges run along the cube's diagonal, from a corner to a centre: they differ in
+            // all three coordinates.
             let short = along.cmpne(IVec3::ZERO).all();
             Cut { ends, at: DVec3::ZERO, normal: DVec3::ZERO, short }
         };
@@ -274,7 +297,8 @@ impl Lattice {
         if key(p) >> 60 < 2 { self.sign[self.index(p / half)] } else { side.sign(self.fine_position(p)) }
     }
 
-    /// Tetrahedra of a cell that is not divided, or of its parts, with the edge of the smaller cell they are of.
+    /// Adds the tetrahedra of an undivided cell, or of the parts of a divided one, each with the
+    /// edge of the smaller cell that it belongs to.
     fn leaves(&self, level: u32, lo: IVec3, out: &mut Vec<(i32, [IVec3; 4])>) {
         let edge = CELL >> level;
         if self.is_split(level, lo) {
@@ -297,6 +321,7 @@ impl Lattice {
                 }
                 let face = centre + e / 2;
                 let ring = [u + v, v - u, -u - v, u - v];
+                // The neighbour is finer: two triangles on each quarter of the face.
                 if self.is_split(level, next) {
                     let middles = [v, -u, -v, u];
                     for i in 0..4 {
@@ -305,6 +330,8 @@ impl Lattice {
                         out.push((edge / 2, [centre, face, corner, b]));
                     }
                 } else if level > 0 && !self.split.contains(&parent(level, next)) {
+                    // The neighbour is coarser: two triangles on this quarter, split through the
+                    // corner at the middle of the large face.
                     let (_, whole) = parent(level, lo);
                     let middle = IVec3::from_array(whole) + edge;
                     let inner = ring.iter().position(|&r| {
@@ -316,9 +343,11 @@ impl Lattice {
                     out.push((edge, [centre, at(0), at(1), at(2)]));
                     out.push((edge, [centre, at(0), at(2), at(3)]));
                 } else if e[axis] > 0 {
+                    // Equal neighbours share their tetrahedra; the lower one makes them.
                     for i in 0..4 {
                         let (a, b) = (face + ring[i], face + ring[(i + 1) % 4]);
-                        // Two more cells share this edge.
+                        // Two more cells share this edge. If one of them is divided, the edge has a
+                        // middle point.
                         let beyond = ring[i] + ring[(i + 1) % 4];
                         let divided =
                             self.is_split(level, lo + beyond) || self.is_split(level, next + beyond);
@@ -335,7 +364,8 @@ impl Lattice {
         }
     }
 
-    /// Whether nothing of a whole cell and its neighbours over faces is inside; never true beside a divided one.
+    /// Whether a whole cell and its neighbours over faces have no point inside; never true beside a
+    /// divided cell.
     fn is_outside(&self, lo: IVec3) -> bool {
         let centre = lo / (CELL / 2) + 1;
         let inside = |p: IVec3| self.has(p) && self.sign[self.index(p)] > 0;
@@ -349,7 +379,7 @@ impl Lattice {
 }
 
 impl Background {
-    /// Finds where edges cut the surface whose ends were moved.
+    /// Finds the cuts anew on edges of which an end was moved.
     pub(super) fn cut_again(&mut self, surface: &TriMesh, bvh: &Bvh, moved: &[bool]) {
         let Self { points, sign, cuts, .. } = self;
         cuts.par_iter_mut().filter(|c| c.ends.iter().any(|&i| moved[i as usize])).for_each(|cut| {
@@ -357,26 +387,27 @@ impl Background {
             let (inside, outside) = if sign[cut.ends[0] as usize] > 0 { (a, b) } else { (b, a) };
             let (at, facet) = crossing(bvh, inside, outside);
             let out = facet.map_or(DVec3::ZERO, |t| wall_thickness::normal(surface, t));
-            // Where facets overlap or are wound the wrong way, the edge knows better.
+            // Where facets overlap or are wound the wrong way, the direction of the edge decides.
             let normal = if out.dot(outside - inside) < 0.0 { -out } else { out };
             (cut.at, cut.normal) = (at, normal);
         });
     }
 
-    /// How far along its edge a cut is, from the lower end.
+    /// Position of a cut along its edge, as a share from the lower end.
     pub(super) fn share(&self, cut: &Cut) -> f64 {
         let [a, b] = cut.ends.map(|i| self.points[i as usize]);
         a.distance(cut.at) / a.distance(b)
     }
 }
 
-/// What a cell is a part of.
+/// The cube of which a cell is an eighth.
 fn parent(level: u32, lo: IVec3) -> Octant {
     let whole = CELL >> (level - 1);
     (level - 1, (lo / whole * whole).to_array())
 }
 
-/// Sorts corners of the grid first, then its centres, then what is finer; each by place.
+/// A number that sorts corners of the grid first, then its centres, then finer points; within each
+/// class by position.
 fn key(p: IVec3) -> u64 {
     let of = |m: i32| (p % CELL).cmpeq(IVec3::splat(m)).all();
     let class = if of(0) {
@@ -403,14 +434,15 @@ pub(super) fn is_closed(mesh: &TriMesh) -> bool {
     mesh::diagnose(mesh).is_some_and(|h| h.is_closed())
 }
 
-/// Where the way out of the part leaves it, and through which facet.
+/// The point where the way out leaves the part, and the facet there.
 fn crossing(bvh: &Bvh, inside: DVec3, outside: DVec3) -> (DVec3, Option<u32>) {
     let along = outside - inside;
     let hits = bvh.hits(inside, along, (-1e-9, 1.0 + 1e-9));
     let at = |t: f64| inside + along * t.clamp(0.0, 1.0);
     match hits.as_slice() {
         [] => {
-            // A hole in the mesh: find where the winding number falls below one half.
+            // A hole in the mesh: the point where the winding number falls below one half is taken
+            // instead.
             let (mut near, mut far) = (0.0, 1.0);
             for _ in 0..16 {
                 let middle = 0.5 * (near + far);
@@ -420,6 +452,8 @@ fn crossing(bvh: &Bvh, inside: DVec3, outside: DVec3) -> (DVec3, Option<u32>) {
         }
         [only] => (at(only.t), Some(only.triangle)),
         several => {
+            // Several hits: facets that overlap, or a thin gap on the way. The way leaves the part
+            // at the first gap whose middle is outside.
             let gaps = several.windows(2).filter(|w| w[1].t - w[0].t > 1e-9);
             let out = gaps.into_iter().find(|w| !bvh.contains(at(0.5 * (w[0].t + w[1].t))));
             let hit = out.map_or(several[several.len() - 1], |w| w[0]);
@@ -436,11 +470,11 @@ struct Block<'a> {
     side: Side<'a>,
 }
 
-/// On which side of the surface points are.
+/// Finds the side of the surface on which points lie.
 struct Side<'a> {
     bvh: &'a Bvh,
     closed: bool,
-    /// The point whose side was found last.
+    /// The last point and its sign.
     last: Option<(DVec3, i8)>,
 }
 
@@ -449,6 +483,7 @@ impl Block<'_> {
         let from = self.lattice.position(lo * 2);
         let to = self.lattice.position((lo + size) * 2 - 1);
         let middle = 0.5 * (from + to);
+        // No surface within the block: one sign serves all its points.
         if self.side.bvh.closest_point(middle, 1.001 * middle.distance(to)).is_none() {
             let sign = self.side.sign(middle);
             for i in 0..size.pow(3) {
@@ -473,8 +508,8 @@ impl Block<'_> {
 }
 
 impl Side<'_> {
-    /// 1 inside and -1 outside, as the winding number says; where nothing lies between this point and the last, it is
-    /// on the same side.
+    /// 1 inside and -1 outside, by the winding number. A point with no surface between itself and
+    /// the last point is on the same side.
     fn sign(&mut self, p: DVec3) -> i8 {
         let same = self
             .last

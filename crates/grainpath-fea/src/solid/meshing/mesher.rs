@@ -1,4 +1,10 @@
 //! From a surface to quadratic tetrahedra.
+//!
+//! The steps: shells without volume are removed, the cell size is chosen from the thinnest walls
+//! and the memory limit, the lattice is stuffed (`labelle2007`), sharp edges are restored, and
+//! middle nodes are moved onto the surface. Lengths are in mm. Cost: linear in the tetrahedra, but
+//! for the trees over the facets. Degenerate cases: walls thinner than the elements are refused
+//! with a size that would do; pieces of less than a thousandth of the volume are left out.
 
 use std::collections::BTreeMap;
 
@@ -19,32 +25,35 @@ use crate::solid::model::point_location::Sampler;
 use crate::solid::model::tet_mesh::{Face, Piece, TetMesh};
 use crate::solid::model::tet_shape::{self, MeshQuality};
 
-/// Unknowns of a mesh for each of its tetrahedra, about; in the middle of a lattice they are 4.
+/// Unknowns for each tetrahedron, about; in the interior of a lattice there are 4.
 const DOFS_PER_TET: f64 = 4.6;
-/// Unknowns that come with the division of a cell at the surface, about: half of its eight parts are inside.
+/// Unknowns added by dividing a cell at the surface, about: half of its eight parts are inside.
 const DOFS_PER_SPLIT: f64 = 200.0;
 
-/// A size found by itself grows so often at most until the unknowns are as many as they may be.
+/// Number of times that a size chosen automatically may grow until the unknowns are within their
+/// limit.
 const COARSENINGS: usize = 2;
 
 /// Share of the volume that may be missing from the mesh in thin walls; more is refused.
 /// Derived: the mean stiffness is then off by about as much, less than the moduli of printed plastics vary.
 const MAX_LOST_SHARE: f64 = 0.03;
-/// Halved cells at thin walls at most double the unknowns of even ones.
+/// Factor on the unknowns of an even lattice that halved cells at thin walls may cost.
 const MAX_REFINEMENT: f64 = 2.0;
-/// A size that fits the memory limit is sought in steps of this factor, as often as leads to cells eight times as large.
+/// Factor between the sizes tried in the search for one that fits the memory limit.
 const SIZE_STEP: f64 = 1.06;
+/// Number of sizes tried. Source: derived: 1.06^36 is 8.1, the range that three halvings of a cell
+/// cover.
 const SIZES_TRIED: usize = 36;
 
-/// How fine to mesh.
+/// Fineness of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshSettings {
-    /// Edge of a lattice cell, mm, down to an eighth where walls and gaps are thin; `None` to take it from the thinnest
-    /// walls and the part's size.
+    /// Edge of a lattice cell, mm; cells at thin walls and gaps are up to eight times smaller.
+    /// `None` chooses the size from the thinnest walls and the part's size.
     pub size_mm: Option<f64>,
-    /// Unknowns that a size found by itself may lead to.
+    /// Limit on the unknowns for a size chosen automatically.
     pub max_dofs: usize,
-    /// Memory limit of the solution that the mesh is made for, MiB: sizes that a refusal names fit it.
+    /// Memory limit of the later solution, MiB. A refusal names a size that fits it.
     pub max_mib: f64,
 }
 
@@ -54,40 +63,42 @@ impl Default for MeshSettings {
     }
 }
 
-/// A mesh and what is to be known about it.
+/// A mesh and its properties.
 #[derive(Debug, Clone)]
 pub struct Meshed {
     /// The elements.
     pub mesh: TetMesh,
     /// Edge of a lattice cell, mm.
     pub size_mm: f64,
-    /// Thickness that the walls of all but two percent of the volume have at least, mm.
+    /// Thickness that the walls of all but two percent of the volume exceed, mm.
     pub wall_mm: f64,
-    /// Share of the volume in walls that the elements were too large for and that are missing; worth a warning.
+    /// Share of the volume in walls that are missing because the elements were too large for them;
+    /// a warning is due.
     pub lost_share: f64,
-    /// Shells without volume that were taken out of the surface first.
+    /// Number of shells without volume that were removed from the surface.
     pub n_flat_shells: usize,
     /// Shape of the elements.
     pub quality: MeshQuality,
     /// Volume of the elements with their curved sides, mm3.
     pub volume_mm3: f64,
-    /// Volume within the surface, mm3; counts twice where bodies overlap.
+    /// Volume within the surface, mm3; overlaps of bodies count twice.
     pub surface_mm3: f64,
-    /// What hangs together over faces.
+    /// Pieces connected over faces.
     pub pieces: Vec<Piece>,
-    /// Pieces of less than a thousandth of the volume that were left out.
+    /// Number of pieces left out because they hold less than a thousandth of the volume.
     pub n_crumbs: usize,
 }
 
-/// Unknowns to expect: inside a cell of the lattice has 16 nodes; the surface adds its own.
+/// Expected number of unknowns: a cell of the lattice has 16 nodes inside, and the surface adds its
+/// own.
 pub fn expected_dofs(volume_mm3: f64, area_mm2: f64, size_mm: f64) -> f64 {
     3.0 * (16.0 * volume_mm3 / size_mm.powi(3) + 8.0 * area_mm2 / size_mm.powi(2))
 }
 
-/// Meshes what a surface encloses.
+/// Meshes the volume that a surface encloses.
 ///
 /// # Errors
-/// Walls thinner than the elements, a lattice too fine for memory, or nothing enclosed.
+/// Walls thinner than the elements, a lattice too fine for memory, or no enclosed volume.
 pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidError> {
     let clean = clean_surface::without_flat_shells(surface);
     let surface: &TriMesh = &clean.mesh;
@@ -101,13 +112,14 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
         if settings.size_mm.is_some() || over < 1.1 {
             break;
         }
-        // Finer cells at thin walls have taken what was meant for the rest.
+        // Finer cells at thin walls used up the unknowns, so all cells grow.
         size_mm *= over.cbrt();
         tets = fill(surface, &bvh, size_mm, settings.max_dofs)?;
     }
     let n_crumbs = separate(&mut tets);
     if tets.tets.is_empty() {
         let thin = thin_walls(surface, wall_mm, size_mm, settings);
+        // No tetrahedron at all: either every wall was too thin, or the surface encloses no volume.
         return Err(if wall_mm < size_mm { thin } else { SolidError::NothingInside });
     }
     let features = Features::of(surface);
@@ -136,12 +148,14 @@ pub fn mesh(surface: &TriMesh, settings: &MeshSettings) -> Result<Meshed, SolidE
     })
 }
 
-/// Cuts the inside of a surface into tetrahedra, finer where walls and gaps are thin, as long as that takes no more
-/// than twice the unknowns of even cells or what a size found by itself may lead to.
+/// Cuts the inside of a surface into tetrahedra, finer where walls and gaps are thin. The
+/// refinement is limited to twice the unknowns of an even lattice, or to the limit for automatic
+/// sizes.
 fn fill(surface: &TriMesh, bvh: &Bvh, size_mm: f64, max_dofs: usize) -> Result<Tets, SolidError> {
     let mut lattice = Lattice::over(surface, size_mm)?;
     let even = expected_dofs(surface.signed_volume().abs(), area_mm2(surface), size_mm);
     let most = (2.0 * even).max(max_dofs as f64);
+    // From the deepest refinement to none, until the expected unknowns fit.
     for deepest in (0..=DEEPEST).rev() {
         lattice.refine(surface, bvh, deepest);
         if DOFS_PER_SPLIT * lattice.n_split() as f64 <= most {
@@ -151,6 +165,8 @@ fn fill(surface: &TriMesh, bvh: &Bvh, size_mm: f64, max_dofs: usize) -> Result<T
     let closed = is_closed(surface);
     lattice.classify(bvh, closed);
     let mut background = lattice.background(surface, bvh, closed);
+    // The lattice and the tetrahedra made from it are each among the largest objects; only one is
+    // needed from here on.
     drop(lattice);
     let stays = thin_gaps::centre(&mut background, surface, bvh);
     Ok(stuffing::stuff(&background, &stays, |p| bvh.contains(p)))
@@ -166,16 +182,18 @@ fn choose_size(surface: &TriMesh, walls: &Walls, settings: &MeshSettings) -> Res
     let (area, volume) = (area_mm2(surface), surface.signed_volume().abs());
     let dofs = |size: f64| expected_dofs(volume, area, size);
     let size_mm = settings.size_mm.unwrap_or_else(|| {
+        // A fortieth of the diagonal resolves bending of a plain part; thinner walls ask for more.
         let wanted = walls.thickness_mm().min((hi - lo).length() / 40.0);
         let (mut fine, mut coarse) = (1e-6 * wanted, 1e6 * wanted);
+        // Bisection on a logarithmic scale: the unknowns fall steadily with the size.
         for _ in 0..60 {
             let middle = (fine * coarse).sqrt();
             if dofs(middle) > settings.max_dofs as f64 { fine = middle } else { coarse = middle }
         }
         wanted.max(coarse)
     });
-    // Cells are finer where walls are thinner, within limits: what the walls come to is looked at when the mesh is
-    // there.
+    // Cells are finer at thin walls, within limits. Whether the walls are resolved is tested on the
+    // finished mesh.
     let thickness_mm = walls.decisive_thickness_mm();
     if size_mm.is_nan() || size_mm > max_size_mm(thickness_mm) {
         return Err(thin_walls(surface, thickness_mm, size_mm, settings));
@@ -183,13 +201,15 @@ fn choose_size(surface: &TriMesh, walls: &Walls, settings: &MeshSettings) -> Res
     Ok(size_mm)
 }
 
-/// The largest cell that, halved as often as cells are, still has lattice planes within a wall, mm.
+/// The largest cell whose smallest parts still have lattice planes within a wall of this thickness,
+/// mm.
 fn max_size_mm(wall_mm: f64) -> f64 {
     f64::from(1 << DEEPEST) * CELLS_PER_WALL * wall_mm
 }
 
-/// The refusal of walls that are too thin, with the size that would do. Cells that need not be halved are sure to
-/// resolve the walls; where they do not fit the memory limit, the smallest that fit may do, halved in places.
+/// The error for walls that are too thin, with a size that would do. A size without halved cells is
+/// certain to resolve the walls. If that does not fit the memory limit, the smallest size that fits
+/// is named; it may do with halved cells.
 fn thin_walls(surface: &TriMesh, thickness_mm: f64, size_mm: f64, settings: &MeshSettings) -> SolidError {
     let (area, volume) = (area_mm2(surface), surface.signed_volume().abs());
     let fits = |size: f64| {
@@ -203,17 +223,21 @@ fn thin_walls(surface: &TriMesh, thickness_mm: f64, size_mm: f64, settings: &Mes
     SolidError::ThinWalls { thickness_mm, size_mm, fitting_mm, limit_mib: settings.max_mib }
 }
 
-/// The share of the volume in walls that are not in the mesh, or of the surface where that is less.
+/// The share of the volume in walls that are missing from the mesh, or their share of the surface
+/// if that is less.
 fn lost_walls(mesh: &TetMesh, walls: &Walls, size_mm: f64) -> f64 {
+    // Walls of one and a half cells and more are resolved; only thinner ones are tested.
     let thin: Vec<(DVec3, f64)> = walls.middles_under(1.5 * size_mm).collect();
     let Some(sampler) = Sampler::new(mesh).filter(|_| !thin.is_empty()) else { return 0.0 };
+    // A little outside an element still counts: the middle of a wall may lie just beyond a flat
+    // face.
     let inside = |p: DVec3| sampler.at(p).is_some_and(|spot| spot.depth > -0.05);
     let lost: Vec<f64> = thin.par_iter().filter(|(p, _)| !inside(*p)).map(|(_, share)| *share).collect();
     walls.share_of_surface(lost.len()).min(lost.iter().sum())
 }
 
-/// Leaves crumbs out and gives pieces that touch in a corner or along an edge vertices of their own: such a hinge
-/// would have no stiffness. Returns how many crumbs there were.
+/// Leaves out tiny pieces, and gives pieces that touch at a corner or along an edge vertices of
+/// their own: such a hinge would have no stiffness. Returned is the number of pieces left out.
 fn separate(mesh: &mut Tets) -> usize {
     let piece = pieces_of(&mesh.tets);
     let mut volume: BTreeMap<u32, f64> = BTreeMap::new();
@@ -237,7 +261,8 @@ fn separate(mesh: &mut Tets) -> usize {
     volume.values().filter(|&&v| v <= least).count()
 }
 
-/// Mid-side nodes: halfway, and on the surface for sides that lie on it, where no element suffers.
+/// Adds the middle nodes: half way, or on the surface for sides that lie on it, unless an element
+/// would suffer.
 fn quadratic(tets: &Tets, bounds: &[Bound], features: &Features, bvh: &Bvh) -> TetMesh {
     let mut mesh = TetMesh::straight(&tets.vertices, &tets.tets);
     let mut sides: Vec<[u32; 3]> = mesh
@@ -251,6 +276,8 @@ fn quadratic(tets: &Tets, bounds: &[Bound], features: &Features, bvh: &Bvh) -> T
     sides.sort_unstable();
     sides.dedup();
     let curved = |&[a, b, m]: &[u32; 3]| {
+        // A side lies on the surface if both its ends share a patch: one patch on a smooth surface,
+        // two along a sharp edge.
         let shared = bounds[a as usize].patches().iter().filter(|p| bounds[b as usize].patches().contains(p));
         let shared: Vec<u32> = shared.copied().collect();
         let (p, q) = (mesh.nodes[a as usize], mesh.nodes[b as usize]);
@@ -278,6 +305,7 @@ fn quadratic(tets: &Tets, bounds: &[Bound], features: &Features, bvh: &Bvh) -> T
     for (face, foot) in mesh.faces.iter_mut().zip(feet) {
         (face.facet, face.foot) = (foot.map_or(0, |c| c.triangle), foot.map(|c| c.point));
     }
+    // Numbering by position keeps the nodes of an element close in memory, which the solver needs.
     mesh.sort_in_space();
     mesh
 }

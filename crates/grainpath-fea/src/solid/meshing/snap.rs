@@ -1,5 +1,8 @@
-//! Sharp edges for a stuffed mesh: its vertices near a sharp edge or corner move there where the tetrahedra around them
-//! stay good, and the vertices about that are moved to make room.
+//! Sharp edges for a stuffed mesh. Vertices near a sharp edge or corner move onto it where the
+//! tetrahedra around them stay good; neighbouring vertices give way if needed.
+//!
+//! The quality of a tetrahedron is its mean ratio (`liu1994`), 1 for a regular one. Lengths are in
+//! mm. Cost: linear in the vertices near sharp edges.
 
 use grainpath_core::{Bvh, DVec3, TriMesh};
 
@@ -8,13 +11,13 @@ use super::stuffing::Tets;
 use crate::solid::model::adjacency::{boundary, incidence};
 use crate::solid::model::tet_shape::mean_ratio;
 
-/// Mean ratio under which no move may take a tetrahedron; slivers of 10 degrees have about 0.25.
+/// Mean ratio that every move must leave; a sliver of 10 degrees has about 0.25.
 const LEAST_RATIO: f64 = 0.25;
-/// Tetrahedra under this are worth improving.
+/// Mean ratio below which tetrahedra are improved.
 const GOOD_RATIO: f64 = 0.5;
 const ROUNDS: usize = 3;
 
-/// What a vertex may do.
+/// Freedom of a vertex.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Bound {
     Free,
@@ -48,7 +51,8 @@ struct Snapper<'a> {
     boundary_edges: Vec<[u32; 2]>,
 }
 
-/// Moves vertices onto the sharp edges and corners of the surface; what holds each vertex then.
+/// Moves vertices onto the sharp edges and corners of the surface. Returned is the freedom that
+/// each vertex then has.
 pub(super) fn snap(mesh: &mut Tets, features: &Features, surface: &Bvh) -> Vec<Bound> {
     let faces = boundary(&mesh.tets);
     let sides = faces.iter().flat_map(|(f, _)| [[f[0], f[1]], [f[1], f[2]], [f[2], f[0]]]);
@@ -63,6 +67,8 @@ pub(super) fn snap(mesh: &mut Tets, features: &Features, surface: &Bvh) -> Vec<B
         bounds[v as usize] = Bound::Patch(features.patch[facet as usize]);
     }
     let mut snapper = Snapper { mesh, features, surface, bounds, start, around, boundary_edges: edges };
+    // Corners first, because each has only a few vertices near enough; edges then take what is
+    // left.
     snapper.corners();
     for _ in 0..ROUNDS {
         snapper.edges();
@@ -81,26 +87,31 @@ impl Snapper<'_> {
         self.around[range].iter().map(|&t| &self.mesh.tets[t as usize])
     }
 
-    /// The worst mean ratio around a vertex if it were at `p`.
+    /// The worst mean ratio around a vertex if it were at `p`; negative for a tetrahedron turned
+    /// inside out.
     fn worst(&self, v: u32, p: DVec3) -> f64 {
         let place = |i: u32| if i == v { p } else { self.mesh.vertices[i as usize] };
         self.tets_at(v).map(|t| mean_ratio(&t.map(place))).fold(f64::INFINITY, f64::min)
     }
 
-    /// Takes a vertex to a place on the surface, if its tetrahedra stay good; makes room first if that helps.
+    /// Moves a vertex to a point of the surface if its tetrahedra stay good. Neighbours give way
+    /// first if that helps.
     fn take(&mut self, v: u32, to: DVec3, bound: Bound) -> bool {
         let from = self.mesh.vertices[v as usize];
         let old = self.bounds[v as usize].clone();
+        // A bad neighbourhood may stay as bad as it was, but not get worse.
         let enough = LEAST_RATIO.min(self.worst(v, from));
         if self.worst(v, to) >= enough {
             self.mesh.vertices[v as usize] = to;
             self.bounds[v as usize] = bound;
             return true;
         }
+        // Far inside out: no smoothing of the neighbours repairs that.
         if self.worst(v, to) < -0.2 {
             return false;
         }
-        // Neighbours give way, one after the other, as long as that makes the worst better; else all is put back.
+        // Neighbours give way one after the other as long as the worst tetrahedron improves. If
+        // that is not enough, all of them are put back.
         let mut neighbours: Vec<u32> = self.tets_at(v).flatten().copied().filter(|&u| u != v).collect();
         neighbours.sort_unstable();
         neighbours.dedup();
@@ -137,7 +148,7 @@ impl Snapper<'_> {
         for (corner, patches) in &features.corners {
             let Some(near) = tree.closest_point(*corner, coarsest) else { continue };
             let first = surface[near.triangle as usize];
-            // The nearest first, then its neighbours on the surface by distance.
+            // The nearest vertex first, then its neighbours on the surface by distance.
             let mut tries: Vec<u32> = self
                 .tets_at(first)
                 .flatten()
@@ -156,7 +167,8 @@ impl Snapper<'_> {
         }
     }
 
-    /// Whether an edge of the boundary runs from one patch to another without passing a sharp edge.
+    /// Whether an edge of the boundary runs from one patch to another without a vertex on the sharp
+    /// edge between.
     fn crosses(&self, [a, b]: [u32; 2]) -> bool {
         let (a, b) = (self.bounds[a as usize].patches(), self.bounds[b as usize].patches());
         !a.iter().any(|p| b.contains(p))
@@ -171,6 +183,8 @@ impl Snapper<'_> {
                 }
             }
         }
+        // The shortest move first: it does least harm, and often makes the move of the other end
+        // unnecessary.
         crossing.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
         for (_, v, edge) in crossing {
             if self.crosses(edge)
@@ -181,7 +195,8 @@ impl Snapper<'_> {
         }
     }
 
-    /// Where a vertex on a smooth patch would go to stand on the sharp edge that its edge crosses.
+    /// The point, distance and patches to which a vertex on a smooth patch would move, to stand on
+    /// the sharp edge that its boundary edge crosses.
     fn target(&self, v: u32, edge: [u32; 2]) -> Option<(DVec3, f64, [u32; 2])> {
         let Bound::Patch(own) = self.bounds[v as usize] else { return None };
         let other = if edge[0] == v { edge[1] } else { edge[0] };
@@ -206,7 +221,8 @@ impl Snapper<'_> {
         }
     }
 
-    /// Moves one vertex, within what holds it, to where the worst of its tetrahedra is best: a short pattern search.
+    /// Moves a vertex, within its freedom, to where the worst of its tetrahedra is best, by a short
+    /// pattern search.
     fn improve_at(&mut self, v: u32) {
         if matches!(self.bounds[v as usize], Bound::Corner(_)) {
             return;
@@ -218,6 +234,8 @@ impl Snapper<'_> {
         }
         let n = self.start[v as usize + 1] - self.start[v as usize];
         let sum: DVec3 = self.tets_at(v).flatten().map(|&u| self.mesh.vertices[u as usize]).sum();
+        // The sum counts the vertex itself once in each tetrahedron, so this is part of the way to
+        // the mean of the neighbours.
         let to_middle = sum / f64::from(4 * n) - start;
         let mut step = 0.2 * self.mesh.size_mm[v as usize];
         let mut tries = vec![to_middle, 0.5 * to_middle];
@@ -235,7 +253,7 @@ impl Snapper<'_> {
         self.mesh.vertices[v as usize] = best;
     }
 
-    /// The nearest place that a vertex may have; none when the surface is another one there.
+    /// The nearest point allowed for a vertex; `None` where that point lies on another patch.
     fn held(&self, v: u32, p: DVec3) -> Option<DVec3> {
         match &self.bounds[v as usize] {
             Bound::Free => Some(p),

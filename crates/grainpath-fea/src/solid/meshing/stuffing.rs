@@ -1,5 +1,10 @@
-//! Isosurface stuffing (Labelle and Shewchuk 2007): lattice points near the surface move onto it, the tetrahedra that
-//! still cross it are cut, and every tetrahedron keeps dihedral angles far from 0 and 180 degrees.
+//! Isosurface stuffing (`labelle2007`): lattice points near the surface move onto it, the
+//! tetrahedra that still cross it are cut, and every tetrahedron keeps dihedral angles far from 0
+//! and 180 degrees.
+//!
+//! Cost: linear in the tetrahedra of the lattice. Limits: the safe shares are those for cells of
+//! one size. Where walls are as thin as the cells, or cells differ in size, a move may turn a
+//! tetrahedron inside out; it is then undone.
 
 use grainpath_core::DVec3;
 use rayon::prelude::*;
@@ -7,16 +12,18 @@ use rayon::prelude::*;
 use super::lattice::Background;
 use crate::solid::model::tet_shape::{mean_ratio, volume};
 
-/// Within these shares of a long and a short edge a lattice point is moved onto the surface; from the paper.
+/// A lattice point is moved onto the surface if the cut lies within this share of a long edge.
+/// Source: `labelle2007`.
 const WARP_LONG: f64 = 0.249_99;
+/// The same share for a short edge. Source: `labelle2007`.
 const WARP_SHORT: f64 = 0.411_89;
 
-/// Within this share of an edge a point is moved onto the surface.
+/// Share of an edge within which a point is moved onto the surface.
 pub(super) fn warp_limit(short: bool) -> f64 {
     if short { WARP_SHORT } else { WARP_LONG }
 }
 
-/// Mean ratio that moving points must leave a tetrahedron of the lattice.
+/// Mean ratio that the moves of points must leave to a tetrahedron of the lattice.
 const LEAST_RATIO: f64 = 0.1;
 
 /// Tetrahedra with flat sides.
@@ -28,10 +35,12 @@ pub(super) struct Tets {
     pub(super) tets: Vec<[u32; 4]>,
 }
 
-/// A corner of the tetrahedra that come out: a lattice point (index) or a cut (index plus the number of points).
+/// A corner of the resulting tetrahedra: the index of a lattice point, or that of a cut plus the
+/// number of points.
 type Corner = u32;
 
-/// Fills the inside of a lattice, of which some points have to stay where they are.
+/// Fills the inside of a lattice. Points for which `stays` is true are not moved; `keep` decides
+/// about tetrahedra whose corners all lie on the surface.
 pub(super) fn stuff(lattice: &Background, stays: &[bool], keep: impl Fn(DVec3) -> bool + Sync) -> Tets {
     let warp = Warped::of(lattice, stays);
     let parts: Vec<Vec<[Corner; 4]>> = lattice
@@ -48,7 +57,7 @@ pub(super) fn stuff(lattice: &Background, stays: &[bool], keep: impl Fn(DVec3) -
     number(&parts.concat(), &warp)
 }
 
-/// Gives the corners in use numbers in the order of their place and sets each tetrahedron right way round.
+/// Numbers the corners in use in the order of their position, and orients each tetrahedron.
 fn number(corners: &[[Corner; 4]], warp: &Warped<'_>) -> Tets {
     let mut used: Vec<Corner> = corners.iter().flatten().copied().collect();
     used.par_sort_unstable();
@@ -68,13 +77,13 @@ fn upright(t: [u32; 4], vertices: &[DVec3]) -> [u32; 4] {
 
 struct Warped<'a> {
     lattice: &'a Background,
-    /// Where a lattice point moved onto the surface.
+    /// The point of the surface onto which a lattice point moved.
     moved: Vec<Option<DVec3>>,
 }
 
 impl<'a> Warped<'a> {
-    /// Each point, in order, goes to the nearest cut that is too near to it, unless the edge of that cut has lost it
-    /// already because its other end went there, or the point has to stay.
+    /// Each point, in order, moves to the nearest cut that is too near to it. It stays where the
+    /// other end of the edge has moved onto that cut already, or where the point has to stay.
     fn of(lattice: &'a Background, stays: &[bool]) -> Self {
         let mut near: Vec<(u32, u32, usize, f64)> = Vec::new();
         for (i, cut) in lattice.cuts.iter().enumerate() {
@@ -99,8 +108,8 @@ impl<'a> Warped<'a> {
         warp
     }
 
-    /// Puts points back that turn a tetrahedron inside out: the limits are those for cells of one size, and where a
-    /// wall is as thin as the cells its sides draw at the same points.
+    /// Puts points back that turn a tetrahedron inside out. The limits hold for cells of one size;
+    /// where a wall is as thin as the cells, both its sides attract the same points.
     fn untangle(&mut self) {
         let points = &self.lattice.points;
         let mut suspects: Vec<u32> = (0..self.lattice.tets.len() as u32).collect();
@@ -114,6 +123,8 @@ impl<'a> Warped<'a> {
             let found: Vec<[u32; 4]> = suspects.par_iter().filter_map(tangled).collect();
             let mut back: Vec<u32> = Vec::new();
             for t in found {
+                // Of the four corners the one that moved farthest is put back: it is the most
+                // likely cause.
                 let far = |i: u32| self.moved[i as usize].map_or(0.0, |p| p.distance(points[i as usize]));
                 let farthest = t.into_iter().max_by(|&a, &b| far(a).total_cmp(&far(b)).then(b.cmp(&a)));
                 back.extend(farthest.filter(|&i| far(i) > 0.0));
@@ -166,7 +177,7 @@ fn cut_tet(points: [u32; 4], warp: &Warped<'_>, keep: &impl Fn(DVec3) -> bool, o
         (of(1).collect(), of(0).collect(), of(-1).collect());
     match (plus.as_slice(), minus.as_slice()) {
         ([], []) => {
-            // All corners on the surface: neither side is obvious.
+            // All corners lie on the surface, and the tetrahedron may be inside or outside.
             let middle = points.iter().map(|&p| warp.place(p)).sum::<DVec3>() / 4.0;
             if keep(middle) {
                 out.push(points);
@@ -174,6 +185,7 @@ fn cut_tet(points: [u32; 4], warp: &Warped<'_>, keep: &impl Fn(DVec3) -> bool, o
         }
         ([], _) => {}
         (_, []) => out.push(points),
+        // Outside corners are replaced by the cuts on their edges; corners on the surface stay.
         (&[p], outside) => {
             let mut tet = [p; 4];
             let rest = zero.iter().copied().chain(outside.iter().map(|&m| warp.cut(p, m)));
@@ -196,7 +208,7 @@ fn cut_tet(points: [u32; 4], warp: &Warped<'_>, keep: &impl Fn(DVec3) -> bool, o
     }
 }
 
-/// Quadrilaterals are split from their lowest corner, so that neighbours agree.
+/// A quadrilateral is split from its lowest corner, so that both its neighbours split it alike.
 fn pyramid(q: [Corner; 4], apex: Corner, out: &mut Vec<[Corner; 4]>) {
     if q[0].min(q[2]) < q[1].min(q[3]) {
         out.extend([[q[0], q[1], q[2], apex], [q[0], q[2], q[3], apex]]);
@@ -206,6 +218,8 @@ fn pyramid(q: [Corner; 4], apex: Corner, out: &mut Vec<[Corner; 4]>) {
 }
 
 fn prism(a: [Corner; 3], b: [Corner; 3], out: &mut Vec<[Corner; 4]>) {
+    // The prism is turned so that its lowest corner comes first; all three quadrilaterals are then
+    // split from their lowest corners.
     let lowest = (0..6).min_by_key(|&i| if i < 3 { a[i] } else { b[i - 3] }).unwrap_or(0);
     let (a, b) = if lowest < 3 { (a, b) } else { (b, a) };
     let turn = |t: [Corner; 3]| [0, 1, 2].map(|i| t[(i + lowest) % 3]);

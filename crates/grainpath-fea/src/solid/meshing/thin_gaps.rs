@@ -1,5 +1,7 @@
-//! Points of the lattice between the two sides of a thin wall or gap go to its middle: moved onto one side, as points
-//! near the surface are, they would no longer tell the sides apart.
+//! Lattice points in a thin wall or gap move to its middle. If they moved onto one of the two
+//! sides, as points near the surface otherwise do, the sides could no longer be told apart.
+//!
+//! Lengths are in mm. Cost: linear in the cuts.
 
 use grainpath_core::{Bvh, DVec3, TriMesh};
 
@@ -8,14 +10,17 @@ use super::stuffing::warp_limit;
 use crate::solid::model::adjacency::incidence;
 use crate::solid::model::tet_shape::mean_ratio;
 
-/// Sides of a wall or gap look apart: cosine between their normals.
+/// Cosine between the normals below which two surfaces face away from each other, as the sides of a
+/// wall or gap do.
 const OPPOSITE: f64 = -0.5;
-/// Mean ratio that no move may take a tetrahedron of the lattice under; cells of one size have 0.95, halves of them 0.6.
+/// Mean ratio that every move must leave to a tetrahedron of the lattice; cells of one size have
+/// 0.95, halved ones 0.6.
 const LEAST_RATIO: f64 = 0.2;
-/// A point this near to the surface, in shares of an edge, must go onto it all the same: slivers are worse.
+/// A point nearer to the surface than this share of an edge moves onto it all the same, because
+/// slivers are worse.
 const TOO_NEAR: f64 = 0.08;
 
-/// Moves such points; whether each point has to stay where it is now.
+/// Moves such points. Returned is for each point whether it has to stay where it now is.
 pub(super) fn centre(lattice: &mut Background, surface: &TriMesh, bvh: &Bvh) -> Vec<bool> {
     let wanted = between(lattice);
     if wanted.is_empty() {
@@ -35,6 +40,7 @@ pub(super) fn centre(lattice: &mut Background, surface: &TriMesh, bvh: &Bvh) -> 
             };
             tets.iter().map(ratio).fold(f64::INFINITY, f64::min)
         };
+        // The whole way first, then less: half way to the middle is still better than none.
         for part in [1.0, 0.75, 0.5, 0.25] {
             let at = lattice.points[i] + part * shift;
             if worst(lattice, at) > LEAST_RATIO && bvh.contains(at) == (lattice.sign[i] > 0) {
@@ -56,7 +62,8 @@ pub(super) fn centre(lattice: &mut Background, surface: &TriMesh, bvh: &Bvh) -> 
     stays
 }
 
-/// Points that would lose the other side if they went onto the nearer one, with the way to the middle.
+/// Points that would lose the other side if they moved onto the nearer one, with the vector to the
+/// middle.
 fn between(lattice: &Background) -> Vec<(u32, DVec3)> {
     let mut at: Vec<(u32, usize)> =
         lattice.cuts.iter().enumerate().flat_map(|(c, cut)| cut.ends.map(|p| (p, c))).collect();
@@ -71,6 +78,8 @@ fn between(lattice: &Background) -> Vec<(u32, DVec3)> {
         };
         let cuts = || own.iter().map(|&(_, c)| &lattice.cuts[c]);
         let near = cuts().min_by(|a, b| share(a).total_cmp(&share(b)))?;
+        // The other side is lost if it faces away from the nearer one and its cut is out of reach
+        // of the opposite end's move.
         let lost =
             |cut: &&Cut| cut.normal.dot(near.normal) < OPPOSITE && 1.0 - share(cut) > warp_limit(cut.short);
         let far = cuts().filter(lost).min_by(|a, b| depth(a).total_cmp(&depth(b)))?;

@@ -1,22 +1,24 @@
-//! How thin a part gets, measured by rays from its surface inwards.
+//! The thickness of a part's walls, measured by rays from its surface inwards.
 //!
-//! Four thousand points, spread evenly over the area, each look for the opposite side of the wall. Whether walls are too
-//! thin is judged by the volume they hold: a point that stands for the area `A` of a wall `t` thick stands for `A t / 2`
-//! of the material, since the wall is seen from both sides. Sheets without thickness and the tips of wedges hold next to
-//! nothing and so decide nothing.
+//! Four thousand points, spread evenly over the area, each find the opposite side of the wall.
+//! Walls are judged by the volume that they hold: a point that stands for the area `A` of a wall
+//! `t` thick stands for `A t / 2` of the material, because the wall is seen from both sides. Sheets
+//! without thickness and the tips of wedges hold next to no volume, and so have no weight.
 
 use grainpath_core::{Bvh, DVec3, TriMesh};
 use rayon::prelude::*;
 
-/// Points on the surface. Derived: a share of two percent rests on 80 of them, known to about a ninth.
+/// Number of points on the surface. Source: derived: a share of two percent rests on 80 of them, so
+/// it is known to 1 / sqrt 80, about a ninth.
 const SAMPLES: usize = 4000;
-/// Share of the surface, and of the volume, that may be thinner than what is reported: tips of wedges, engraved marks.
+/// Share of the surface, and of the volume, that may be thinner than the reported thickness: tips
+/// of wedges, engraved marks.
 const THIN_SHARE: f64 = 0.02;
 /// Walls that hold less than this share of the volume are sheets without thickness. Derived: two percent of the surface
 /// hold so little only where they are ten thousand times thinner than the part is on the mean.
 const SHEET_SHARE: f64 = 1e-6;
 
-/// Walls as found by rays: thickness, and the point in the middle, thinnest first.
+/// Walls found by rays: thickness and middle point, thinnest first.
 pub(super) struct Walls {
     found: Vec<(f64, DVec3)>,
     /// Area that a sample stands for, mm2.
@@ -27,9 +29,9 @@ pub(super) struct Walls {
 }
 
 impl Walls {
-    /// The thickness that the walls of all but two percent of the surface have at least, mm, for the choice of a size;
-    /// where sheets without thickness make up that much of the surface, [`Walls::bulk_thickness_mm`]. Infinite for a
-    /// surface without opposite sides.
+    /// The thickness that the walls of all but two percent of the surface exceed, mm, for the
+    /// choice of a size. Where sheets without thickness make up that much of the surface, it is
+    /// `bulk_thickness_mm`. Infinite for a surface without opposite sides.
     pub(super) fn thickness_mm(&self) -> f64 {
         let rank = (THIN_SHARE * self.n_samples as f64) as usize;
         let held: f64 = self.found.iter().take(rank + 1).map(|wall| self.share_of_volume(wall.0)).sum();
@@ -39,7 +41,7 @@ impl Walls {
         self.found.get(rank).map_or(f64::INFINITY, |wall| wall.0)
     }
 
-    /// The thickness that the walls of all but two percent of the volume have at least, mm.
+    /// The thickness that the walls of all but two percent of the volume exceed, mm.
     fn bulk_thickness_mm(&self) -> f64 {
         let mut held = 0.0;
         let mut thin_enough = self.found.iter().skip_while(|wall| {
@@ -54,24 +56,26 @@ impl Walls {
         0.5 * thickness_mm * self.sample_mm2 / self.volume_mm3.max(f64::MIN_POSITIVE)
     }
 
-    /// The thickness below which walls are too thin to be left out, mm: the larger of that by surface and by volume.
+    /// The thickness that the cells have to resolve, mm: the larger of the thicknesses by surface
+    /// and by volume.
     pub(super) fn decisive_thickness_mm(&self) -> f64 {
         self.thickness_mm().max(self.bulk_thickness_mm())
     }
 
-    /// Share of the surface that so many samples are.
+    /// Share of the surface that `n` samples stand for.
     pub(super) fn share_of_surface(&self, n: usize) -> f64 {
         n as f64 / self.n_samples.max(1) as f64
     }
 
-    /// Middles of the walls under a thickness, each with the share of the volume that it stands for.
+    /// Middles of the walls thinner than `thickness_mm`, each with the share of the volume that it
+    /// stands for.
     pub(super) fn middles_under(&self, thickness_mm: f64) -> impl Iterator<Item = (DVec3, f64)> {
         let thin = self.found.iter().take_while(move |w| w.0 < thickness_mm);
         thin.map(|w| (w.1, self.share_of_volume(w.0)))
     }
 }
 
-/// Measures walls where the way in meets a facet that faces back.
+/// Measures walls where the ray inwards meets a facet that faces back.
 pub(super) fn walls(mesh: &TriMesh, bvh: &Bvh) -> Walls {
     let corners = |t: &[u32; 3]| t.map(|i| mesh.vertices[i as usize]);
     let area_normal = |t: &[u32; 3]| {
@@ -83,7 +87,8 @@ pub(super) fn walls(mesh: &TriMesh, bvh: &Bvh) -> Walls {
         return Walls { found: Vec::new(), sample_mm2: 0.0, n_samples: 0, volume_mm3: 0.0 };
     };
     let skin = 1e-7 * (hi - lo).length();
-    // Facets hit by equal steps of area, each sampled inside by a low-discrepancy pair.
+    // Points at equal steps of area. Within a facet they follow the R2 low-discrepancy sequence,
+    // whose constants are the inverse powers of the plastic number (`roberts2018`).
     let mut picks = Vec::with_capacity(SAMPLES);
     let (mut seen, step) = (0.0, total / SAMPLES as f64);
     for t in &mesh.triangles {
@@ -91,6 +96,8 @@ pub(super) fn walls(mesh: &TriMesh, bvh: &Bvh) -> Walls {
         while picks.len() < SAMPLES && (picks.len() as f64 + 0.5) * step < seen {
             let k = picks.len() as f64;
             let (mut u, mut v) = ((k * 0.754_877_666).fract(), (k * 0.569_840_291).fract());
+            // Points beyond the diagonal are mirrored into the triangle, which keeps the density
+            // even.
             if u + v > 1.0 {
                 (u, v) = (1.0 - u, 1.0 - v);
             }
@@ -99,6 +106,8 @@ pub(super) fn walls(mesh: &TriMesh, bvh: &Bvh) -> Walls {
         }
     }
     let through = |&(p, normal): &(DVec3, DVec3)| {
+        // The ray starts below the surface by a ten-millionth of the size, so that it does not meet
+        // its own facet.
         let hit = bvh.first_hit(p - normal * skin, -normal, (0.0, f64::INFINITY))?;
         let faces_back = area_normal(&mesh.triangles[hit.triangle as usize]).normalize_or_zero().dot(normal);
         let wall = (hit.t + skin, p - normal * (0.5 * hit.t));
@@ -110,13 +119,14 @@ pub(super) fn walls(mesh: &TriMesh, bvh: &Bvh) -> Walls {
     Walls { found, sample_mm2, n_samples: picks.len(), volume_mm3: mesh.signed_volume().abs() }
 }
 
-/// The thinner of wall and gap at a point of a facet, mm; none where neither ends in a facet that faces back.
+/// The thinner of wall and gap at a point of a facet, mm; `None` where neither ray meets a facet
+/// that faces back.
 pub(super) fn least_at(mesh: &TriMesh, bvh: &Bvh, p: DVec3, facet: u32) -> Option<f64> {
     let out = normal(mesh, facet);
     let skin = 1e-7 * p.abs().max_element().max(1.0);
     let across = |along: DVec3, leaves: bool| {
         let hit = bvh.first_hit(p + along * skin, along, (0.0, f64::INFINITY))?;
-        // Sides of a wedge have no thickness; those of a wall are near parallel.
+        // The sides of a wedge have no thickness; those of a wall are nearly parallel.
         let is_wall = hit.leaves == leaves && normal(mesh, hit.triangle).dot(out) < -0.9;
         is_wall.then_some(hit.t + skin)
     };
