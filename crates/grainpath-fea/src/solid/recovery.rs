@@ -1,5 +1,11 @@
-//! Stresses at nodes, by fitting polynomials to the stresses inside the elements around each corner (superconvergent
-//! patch recovery, Zienkiewicz and Zhu 1992), and what they say about the error.
+//! Stresses at nodes, and an estimate of the error of a mesh: superconvergent patch recovery
+//! (`zienkiewicz1992`).
+//!
+//! Around each corner polynomials are fitted by least squares to the stresses at the integration
+//! points of the elements there. The difference between recovered and computed stresses, measured
+//! in energy, estimates the error (`zienkiewicz1987`). Stresses are in MPa. Cost: linear in the
+//! nodes. Degenerate cases: small patches fall back to linear or constant fits; patches do not
+//! reach across materials.
 
 use grainpath_core::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -24,13 +30,15 @@ pub struct Recovered {
     pub relative_error: f64,
 }
 
-/// Fits with ten terms want at least this many samples, with four terms this many.
+/// Least number of samples for a quadratic fit. Source: derived: three samples for each of its ten
+/// coefficients.
 const FOR_QUADRATIC: usize = 30;
 
-/// Stresses of a displacement. `initial_strain` is what no stress causes (heat), engineering shears.
+/// Stresses of a displacement. `initial_strain` is the strain that no stress causes (heat), with
+/// engineering shears.
 ///
 /// # Errors
-/// A material without a positive stiffness.
+/// A material whose stiffness is not positive definite.
 pub fn recover(
     model: &Model<'_>,
     displacement: &[DVec3],
@@ -68,6 +76,7 @@ pub fn recover(
             return None;
         }
         let mut patch = first.to_vec();
+        // Rings of elements are added, at most two, until the patch has enough samples.
         for _ in 0..2 {
             if 4 * patch.len() >= FOR_QUADRATIC {
                 break;
@@ -76,7 +85,7 @@ pub fn recover(
             patch.sort_unstable();
             patch.dedup();
         }
-        // Another material's stresses are another function.
+        // The stresses of another material follow another function.
         let own = model.material(first[0] as usize);
         if first.iter().all(|&t| model.material(t as usize) == own) {
             patch.retain(|&t| model.material(t as usize) == own);
@@ -95,6 +104,7 @@ pub fn recover(
         if let Some(fit) = &fits[i] {
             return fit.at(p);
         }
+        // A middle node takes the mean of the fits at both ends of its side.
         let mut sum = [0.0; 6];
         for fit in ends[i].iter().filter_map(|&e| fits.get(e as usize)?.as_ref()) {
             for (s, v) in sum.iter_mut().zip(fit.at(p)) {
@@ -107,6 +117,7 @@ pub fn recover(
     let inverses: Vec<[[f64; 6]; 6]> = model.materials.iter().map(inverse).collect();
     let energy = |t: usize| {
         let x = mesh.places(t);
+        // Energy needs strains; the compliance turns the recovered stresses into strains.
         let compliance = &inverses[model.material(t)];
         let mut sums = [0.0; 2];
         for ((l, w), (_, raw)) in STIFFNESS_RULE.iter().zip(&samples[t]) {
@@ -137,7 +148,7 @@ fn components(s: &DMat3) -> Stress {
     [s.x_axis.x, s.y_axis.y, s.z_axis.z, s.x_axis.y, s.y_axis.z, s.z_axis.x]
 }
 
-/// A polynomial for each component around a point.
+/// A polynomial around a point for each component.
 struct Fit {
     origin: DVec3,
     scale: f64,
@@ -152,9 +163,11 @@ fn powers(d: DVec3) -> [f64; 10] {
 impl Fit {
     fn of(origin: DVec3, samples: impl Iterator<Item = (DVec3, Stress)> + Clone) -> Self {
         let reach = samples.clone().map(|s| s.0.distance(origin)).fold(0.0, f64::max);
+        // Coordinates of at most 1 keep the terms of the normal equations of the same order.
         let scale = 1.0 / reach.max(f64::MIN_POSITIVE);
         let n_terms = match samples.clone().count() {
             n if n >= FOR_QUADRATIC => 10,
+            // Four terms need as many samples, and twice as many to be stable.
             n if n >= 8 => 4,
             _ => 1,
         };
@@ -181,7 +194,8 @@ impl Fit {
     }
 }
 
-/// Cholesky for the normal equations. Terms that the samples cannot tell from those before are left out.
+/// Cholesky factorization of the normal equations. Terms that the samples cannot distinguish from
+/// earlier ones are left out.
 fn solve_spd(mut m: [[f64; 10]; 10], mut b: [[f64; 6]; 10], n: usize) -> [[f64; 6]; 10] {
     for i in 0..n {
         let whole = m[i][i];

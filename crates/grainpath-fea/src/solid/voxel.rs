@@ -1,5 +1,12 @@
-//! Elasticity on a grid of equal box-shaped cells: eight-node elements applied without storing them, for parts too
-//! large or too intricate for tetrahedra, and for parts whose cells change stiffness from one solution to the next.
+//! Elasticity on a grid of equal box-shaped cells, by eight-node elements that are applied without
+//! being stored.
+//!
+//! It serves parts that are too large or too intricate for tetrahedra, and parts whose cells change
+//! stiffness from one solution to the next, as in a strength test. After a change only the nodes
+//! around it are corrected first (`easing`); the whole part is solved again where that is not
+//! enough. The preconditioner is the multigrid of the tetrahedra on grids of doubled cells. Lengths
+//! are in mm, forces in N, stresses in MPa. Cost: linear in the nodes in use. Limits: slanted
+//! surfaces are stair-stepped.
 
 use grainpath_core::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
@@ -18,12 +25,12 @@ use super::solver::system::System;
 use crate::material::Stiffness;
 use crate::sparse::BYTES_PER_MIB;
 
-/// The material of a cell without any.
+/// Material index of a void cell.
 pub const VOID: u16 = u16::MAX;
 const NONE: u32 = u32::MAX;
 const CHUNK: usize = 1024;
 
-/// Cells of a part.
+/// A part made of cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VoxelPart {
     /// Cells along x, y and z.
@@ -32,7 +39,7 @@ pub struct VoxelPart {
     pub origin: DVec3,
     /// Edges of a cell, mm.
     pub cell_mm: DVec3,
-    /// Stiffnesses in part coordinates, of any anisotropy.
+    /// Stiffnesses in part coordinates, with any anisotropy.
     pub palette: Vec<Stiffness>,
     /// Index into the palette for each cell, x fastest, or [`VOID`].
     pub material: Vec<u16>,
@@ -44,7 +51,7 @@ pub struct VoxelPart {
 pub struct VoxelSystem {
     cells: Cells,
     multigrid: Multigrid,
-    /// Iterations of the first solution since the preconditioner was made.
+    /// Number of iterations of the first solution since the preconditioner was made.
     usual: Option<usize>,
     stale: bool,
     prepared: usize,
@@ -57,28 +64,30 @@ pub struct VoxelSystem {
 struct Last {
     load: Vec<DVec3>,
     displacement: Vec<DVec3>,
-    /// What is left of the load, zero where held.
+    /// Residual forces; zero along supports.
     residual: Vec<DVec3>,
-    /// What that is measured by: the load with what prescribed displacements ask.
+    /// Size of the load that the residual is compared with, including the forces of prescribed
+    /// displacements.
     load_size: f64,
 }
 
-/// How a solution came from the one before.
+/// Effort of a solution that started from the one before.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Followed {
-    /// Iterations over the whole part; 0 where easing the nodes around what had changed was enough.
+    /// Iterations over the whole part; 0 where correcting the nodes around the changes was enough.
     pub iterations: usize,
-    /// Cells around nodes that moved; `None` for all.
+    /// Cells around nodes that moved; `None` for all cells.
     pub cells: Option<Vec<usize>>,
 }
 
-/// Nodes so many cells from what has changed are eased, but no more than about this share of all: thirty steps on them
-/// take as long as one iteration over the part.
+/// Nodes within this many cells of a change are corrected first, but no more than about `NEAR` of
+/// all nodes. With that share, thirty steps take as long as one iteration over the whole part.
 const REACH: usize = 20;
 const NEAR: f64 = 0.08;
-/// Steps at most.
+/// Largest number of steps of a correction.
 const MOST_EASING: usize = 60;
-/// Easing goes on to this share of what is asked: the rest is what it leaves around the nodes it moves.
+/// A correction goes on until the residual inside is this share of the goal; the rest is left for
+/// the rim.
 const EASED: f64 = 0.25;
 
 struct Cells {
@@ -86,24 +95,27 @@ struct Cells {
     supports: Supports,
     /// Element matrices of the palette: `[corner][corner]` blocks.
     elements: Vec<[[DMat3; 8]; 8]>,
-    /// What a node between eight equal cells feels from its 27 neighbours.
+    /// Coupling of a node between eight equal cells with its 27 neighbours.
     stencils: Vec<[DMat3; 27]>,
-    /// Number of a grid point among the nodes in use.
+    /// Number of each grid point among the nodes in use; `NONE` for the others.
     node_of: Vec<u32>,
     /// Grid points of the nodes.
     nodes: Vec<IVec3>,
-    /// The 27 nodes around each, x fastest; the node itself where there is none.
+    /// The 27 nodes around each node, x fastest; the node itself where there is none.
     around: Vec<[u32; 27]>,
-    /// The eight cells around each node when they are all alike: their material and scale.
+    /// Material and scale of the eight cells around each node, where all eight are alike.
     uniform: Vec<(u16, f32)>,
-    /// The matrix to seven digits, [`ROW`] numbers a node; empty where memory does not suffice.
+    /// The matrix in single precision, [`ROW`] numbers a node; empty where memory does not suffice.
     rough: Vec<f32>,
 }
 
-/// Three lines of 27 neighbours, each line filled up to a multiple of four.
+/// Numbers of a node's row: three lines, one for each component of the force. Source: derived from
+/// `LINE`.
 const ROW: usize = 3 * LINE;
+/// Numbers of a line, for 27 neighbours with three components. Source: derived: 81, filled up to a
+/// multiple of four, which one vector instruction takes.
 const LINE: usize = 84;
-/// Bytes a node, with and without the matrix to seven digits.
+/// Bytes a node, with and without the matrix in single precision.
 const NODE_BYTES: [usize; 2] = [810 + 4 * ROW, 810];
 
 fn corner(c: usize) -> IVec3 {
@@ -115,7 +127,7 @@ impl VoxelPart {
         IVec3::new(self.n[0] as i32, self.n[1] as i32, self.n[2] as i32)
     }
 
-    /// Where a cell lies in the grid.
+    /// Position of a cell in the grid.
     fn at(&self, cell: usize) -> IVec3 {
         let [nx, ny, _] = self.n;
         IVec3::new((cell % nx) as i32, (cell / nx % ny) as i32, (cell / nx / ny) as i32)
@@ -126,7 +138,7 @@ impl VoxelPart {
         inside.then(|| (c.z as usize * self.n[1] + c.y as usize) * self.n[0] + c.x as usize)
     }
 
-    /// Material and scale of a cell with stiffness.
+    /// Material and scale of a cell, if it has stiffness.
     fn solid(&self, c: IVec3) -> Option<(u16, f32)> {
         let i = self.cell(c)?;
         (self.material[i] != VOID && self.scale[i] > 0.0).then(|| (self.material[i], self.scale[i]))
@@ -138,10 +150,12 @@ impl VoxelPart {
 }
 
 impl VoxelSystem {
-    /// Prepares a part. `hold` names grid points (`0..=n` along each axis) with a direction and its displacement, mm.
+    /// Prepares a part. `hold` lists grid points (`0..=n` along each axis), each with a direction
+    /// and a displacement, mm.
     ///
     /// # Errors
-    /// Nothing solid, a bad palette, a contradiction, a piece that is not held, or more memory than allowed.
+    /// No solid cell, a bad palette, a contradiction, a piece that is not held, or more memory than
+    /// allowed.
     pub fn new(
         part: VoxelPart,
         hold: &[([usize; 3], DVec3, f64)],
@@ -152,15 +166,15 @@ impl VoxelSystem {
         Ok(Self { cells, multigrid, usual: None, stale: false, prepared: 1, last: None, changed: Vec::new() })
     }
 
-    /// How often the preconditioner was made.
+    /// Number of times that the preconditioner was made.
     pub fn prepared(&self) -> usize {
         self.prepared
     }
 
-    /// Adds a stiffness to the palette, for cells to change to.
+    /// Adds a stiffness to the palette, so that cells can change to it.
     ///
     /// # Errors
-    /// It is not that of a material, or there are too many.
+    /// The stiffness is not that of a material, or the palette is full.
     pub fn add(&mut self, stiffness: &Stiffness) -> Result<u16, SolidError> {
         let material = self.cells.elements.len();
         if material >= usize::from(VOID) {
@@ -179,7 +193,7 @@ impl VoxelSystem {
         self.cells.nodes.len()
     }
 
-    /// The node at a grid point, `None` where nothing solid touches it.
+    /// The node at a grid point; `None` where no solid cell touches it.
     pub fn node(&self, point: [usize; 3]) -> Option<usize> {
         let inside = (0..3).all(|a| point[a] <= self.cells.part.n[a]);
         let p = IVec3::new(point[0] as i32, point[1] as i32, point[2] as i32);
@@ -192,8 +206,8 @@ impl VoxelSystem {
         self.cells.nodes.iter().map(|&p| self.cells.place(p)).collect()
     }
 
-    /// Gives cells other materials and scales: (cell, material, scale). Cells that were void stay so, and a scale is
-    /// kept above a millionth, so that no node loses its hold.
+    /// Gives cells other materials and scales: (cell, material, scale). Void cells stay void. A
+    /// scale is kept above a millionth, so that every node keeps some stiffness.
     pub fn change(&mut self, changes: &[(usize, u16, f32)]) {
         let mut around = Vec::new();
         for &(cell, material, scale) in changes {
@@ -212,8 +226,8 @@ impl VoxelSystem {
         self.changed.extend(around);
     }
 
-    /// Solves for forces on the nodes, N. The preconditioner is made anew when cells have changed and it has become
-    /// slow.
+    /// Solves for forces on the nodes, N. The preconditioner is made anew when cells have changed
+    /// and convergence has become slow.
     ///
     /// # Errors
     /// No convergence.
@@ -222,9 +236,9 @@ impl VoxelSystem {
         self.iterated(load, None, settings)
     }
 
-    /// Moves the last solution on to where cells have changed to: first the nodes around them, with all others where
-    /// they are, then, where that leaves too much, all. The residual becomes `gain` of what the changes made it, and
-    /// no more than the tolerance times the load.
+    /// Updates the last solution after cells have changed: first the nodes around them, with all
+    /// others fixed, then, where too much residual remains, all nodes. The residual becomes `gain`
+    /// times what the changes made it, and no more than the tolerance times the load.
     ///
     /// # Errors
     /// No convergence.
@@ -234,6 +248,7 @@ impl VoxelSystem {
         gain: f64,
         settings: &SolveSettings,
     ) -> Result<Followed, SolidError> {
+        // Another load needs a solution of its own.
         let Some(mut last) = self.last.take().filter(|last| last.load == load) else {
             let iterations = self.iterated(load, None, settings)?.iterations;
             return Ok(Followed { iterations, cells: None });
@@ -245,10 +260,12 @@ impl VoxelSystem {
         easing::residual(cells, &changed, &last.displacement, load, &mut last.residual);
         let most = settings.tolerance * last.load_size;
         let size = |last: &Last| dot(&last.residual, &last.residual).sqrt();
+        // Never below a thousandth of the tolerance: small changes would otherwise ask for more
+        // digits than rounding leaves.
         let goal = most.min((gain * size(&last)).max(1e-3 * most));
         let most_near = (NEAR * load.len() as f64) as usize;
         let near = easing::within(cells, &changed, (REACH, most_near), load.len());
-        // Where much of a part has changed, all of it is solved.
+        // Where much of a part has changed, the whole part is solved at once.
         if near[0].len() < 2 * most_near {
             let (u, r) = (&mut last.displacement, &mut last.residual);
             easing::ease(cells, &near, load, u, r, (EASED * goal, MOST_EASING));
@@ -262,12 +279,12 @@ impl VoxelSystem {
         Ok(Followed { iterations, cells: None })
     }
 
-    /// Displacement of the nodes in the last solution, mm; none before the first.
+    /// Displacement of the nodes in the last solution, mm; empty before the first one.
     pub fn displacement(&self) -> &[DVec3] {
         self.last.as_ref().map_or(&[], |last| &last.displacement)
     }
 
-    /// Conjugate gradients from a displacement and its residual, or from none.
+    /// Conjugate gradients from a displacement and its residual, or from zero.
     fn iterated(
         &mut self,
         load: &[DVec3],
@@ -275,6 +292,8 @@ impl VoxelSystem {
         settings: &SolveSettings,
     ) -> Result<Solution, SolidError> {
         self.changed.clear();
+        // Up to twice the usual number of iterations, and ten, is tried before the preconditioner
+        // is made anew.
         let patience = self.usual.map_or(settings.max_iterations, |n| 2 * n + 10);
         let mut solved = None;
         if self.stale {
@@ -302,7 +321,7 @@ impl VoxelSystem {
         Ok(solution)
     }
 
-    /// Strain in the middle of a cell, order xx, yy, zz, xy, yz, zx; `None` for a void one.
+    /// Strain at the centre of a cell, in the order xx, yy, zz, xy, yz, zx; `None` for a void cell.
     pub fn strain(&self, displacement: &[DVec3], cell: usize) -> Option<[f64; 6]> {
         let part = &self.cells.part;
         let c = part.at(cell);
@@ -316,7 +335,7 @@ impl VoxelSystem {
         Some(element::strain(&grad))
     }
 
-    /// Stress and strain in the middle of a cell, MPa, order xx, yy, zz, xy, yz, zx; `None` for a void one.
+    /// Stress in MPa and strain at the centre of a cell, in the same order; `None` for a void cell.
     pub fn stress(&self, displacement: &[DVec3], cell: usize) -> Option<([f64; 6], [f64; 6])> {
         let strain = self.strain(displacement, cell)?;
         let part = &self.cells.part;
@@ -325,8 +344,9 @@ impl VoxelSystem {
     }
 }
 
-/// Stiffness of a box of eight nodes, by 2 x 2 x 2 points.
+/// Stiffness of a box with eight nodes, by 2 x 2 x 2 Gauss points.
 fn element_matrix(law: &Law, cell_mm: DVec3) -> [[DMat3; 8]; 8] {
+    // Gauss points at 1 / sqrt 3 integrate the stiffness of a box exactly.
     let g = 1.0 / 3.0f64.sqrt();
     let mut sums = [[DMat3::ZERO; 8]; 8];
     let weight = cell_mm.element_product() / 8.0;
@@ -390,7 +410,7 @@ impl Cells {
         if nodes.is_empty() {
             return Err(SolidError::NothingInside);
         }
-        // Vectors of both levels, the stencils of the coarse one, and the tables.
+        // Vectors of both levels, the stencils of the coarse one, and the tables of neighbours.
         let need_mib = |bytes: usize| (bytes * nodes.len() + 10 * n_cells) as f64 / BYTES_PER_MIB;
         let [roomy, tight] = NODE_BYTES.map(need_mib);
         if tight > settings.max_mib {
@@ -425,7 +445,7 @@ impl Cells {
         self.part.origin + self.part.cell_mm * p.as_dvec3()
     }
 
-    /// Cells hang together over faces.
+    /// Checks the supports of every piece; cells are connected over faces.
     fn check(&self) -> Result<(), SolidError> {
         let n = self.part.size();
         let at = |i: usize| self.part.at(i);
@@ -468,7 +488,8 @@ impl Cells {
         std::array::from_fn(|k| self.node_of[self.part.point_index(c + corner(k))])
     }
 
-    /// Finds again what is kept of the matrix at these nodes, after the cells around them have changed.
+    /// Recomputes the stored rows of the matrix at these nodes, after cells around them have
+    /// changed.
     fn update(&mut self, nodes: &[u32]) {
         let part = &self.part;
         let uniform = |&i: &u32| {
@@ -490,7 +511,7 @@ impl Cells {
         }
     }
 
-    /// What a node feels from its neighbours, three lines.
+    /// The row of a node: coupling with its neighbours, in three lines.
     fn row(&self, i: usize) -> [f32; ROW] {
         let p = self.nodes[i];
         let mut blocks = [DMat3::ZERO; 27];
@@ -512,6 +533,8 @@ impl Cells {
     fn force(&self, i: usize, u: &[DVec3]) -> DVec3 {
         let near = self.around[i].map(|j| u[j as usize]);
         let (material, scale) = self.uniform[i];
+        // Most nodes lie between eight equal cells, whose stencil is computed once for each
+        // material.
         if material != VOID {
             let stencil = &self.stencils[usize::from(material)];
             let sum: DVec3 = stencil.iter().zip(&near).map(|(block, u)| *block * *u).sum();
@@ -540,7 +563,7 @@ impl Cells {
         cells
     }
 
-    /// The block on the diagonal, of what is held the identity.
+    /// The diagonal block; for supported directions the identity.
     fn block(&self, i: usize) -> DMat3 {
         let p = self.nodes[i];
         let k = (0..8).fold(DMat3::ZERO, |s, a| match self.part.solid(p - corner(a)) {
@@ -558,6 +581,7 @@ impl Cells {
         }
         let row = &self.rough[ROW * i..][..ROW];
         let line = |k: usize| {
+            // Four sums side by side, as one vector instruction takes them.
             let mut sums = [0.0f32; 4];
             for (a, b) in row[LINE * k..][..LINE].chunks_exact(4).zip(near.chunks_exact(4)) {
                 (0..4).for_each(|j| sums[j] += a[j] * b[j]);
@@ -567,7 +591,8 @@ impl Cells {
         DVec3::new(line(0), line(1), line(2))
     }
 
-    /// Cells of twice the width below, their matrix by Galerkin's product from element to element, and grids below.
+    /// The preconditioner: cells of twice the width, with matrices by Galerkin's product from
+    /// element to element, and grids below.
     fn multigrid(&self) -> Multigrid {
         let coarse_n = (self.part.size() + 1) / 2;
         let points = coarse_n + 1;
@@ -615,14 +640,15 @@ impl Cells {
                 for x in 0..coarse_n.x {
                     let c = IVec3::new(x, y, z);
                     if (0..8).any(|k| self.part.solid(c * 2 + corner(k)).is_some()) {
-                        // The middle of the cell is a node of every child, so all eight corners are in use.
+                        // The centre of the coarse cell is a node of every child, so all eight
+                        // corners are in use.
                         hexes.push(std::array::from_fn(|k| id[index(c + corner(k))]));
                         origins.push(c * 2);
                     }
                 }
             }
         }
-        // Only of stiffnesses in use: broken cells leave many behind.
+        // Only stiffnesses in use are gathered: broken cells leave many unused ones behind.
         let mut used = vec![false; self.elements.len()];
         let in_use = self.part.material.iter().filter(|m| **m != VOID);
         in_use.for_each(|m| used[usize::from(*m)] = true);
@@ -639,6 +665,8 @@ impl Cells {
                 });
                 let mut own = &children[usize::from(material)][c];
                 let with_held;
+                // Supports change the element before it is gathered, so that the coarse level does
+                // not see supported motions.
                 if held.iter().any(Option::is_some) {
                     let mut k = self.elements[usize::from(material)];
                     for a in 0..8 {
@@ -667,7 +695,7 @@ impl Cells {
     }
 }
 
-/// An element matrix seen from the corners of the coarse cell whose child `c` it is.
+/// An element matrix in terms of the corners of the coarse cell whose child `c` it is.
 fn gathered(c: usize, k: &[[DMat3; 8]; 8]) -> [[DMat3; 8]; 8] {
     let half: [[DMat3; 8]; 8] = std::array::from_fn(|a| {
         std::array::from_fn(|q| (0..8).fold(DMat3::ZERO, |s, b| s + k[a][b] * weight(c, b, q)))
@@ -689,7 +717,8 @@ fn around(part: &VoxelPart, node_of: &[u32], nodes: &[IVec3]) -> Vec<[u32; 27]> 
     nodes.par_iter().enumerate().map(of).collect()
 }
 
-/// Which of the 27 neighbours of corner `a` of a cell its corner `b` is.
+/// For corners `a` and `b` of a cell, the position of `b` among the 27 neighbours of `a`. Source:
+/// derived, computed here.
 const BETWEEN: [[usize; 8]; 8] = {
     let mut out = [[0; 8]; 8];
     let mut i = 0;

@@ -1,10 +1,13 @@
-//! Which tetrahedra share faces and vertices.
+//! Adjacency of tetrahedra: shared faces and vertices, and connected pieces.
+//!
+//! Cost: sorting four faces a tetrahedron; the order of the results depends on the mesh alone.
 
 use rayon::slice::ParallelSliceMut;
 
 use super::tet_shape::FACES;
 
-/// Faces of one tetrahedron only, wound outwards, with that tetrahedron; in the order of their corners.
+/// Faces that belong to a single tetrahedron, wound outwards, with that tetrahedron; sorted by
+/// their corners.
 pub(crate) fn boundary(tets: &[[u32; 4]]) -> Vec<([u32; 3], u32)> {
     let single = |c: &[SortedFace]| (c.len() == 1).then(|| (FACES[c[0].2 as usize], c[0].1));
     let faces = sorted_faces(tets);
@@ -12,7 +15,7 @@ pub(crate) fn boundary(tets: &[[u32; 4]]) -> Vec<([u32; 3], u32)> {
     alone.map(|(f, t)| (f.map(|i| tets[t as usize][i]), t)).collect()
 }
 
-/// Corners from low to high, tetrahedron, and which of its faces.
+/// A face: its corners from low to high, the tetrahedron, and the number of the face in it.
 pub(crate) type SortedFace = ([u32; 3], u32, u8);
 
 /// All faces of all tetrahedra, sorted by their corners.
@@ -48,7 +51,7 @@ pub(crate) fn incidence<const N: usize>(n_vertices: usize, tets: &[[u32; N]]) ->
     (start, around)
 }
 
-/// For each tetrahedron the lowest one it hangs together with over faces.
+/// For each tetrahedron the lowest one that it is connected to over faces.
 pub(crate) fn pieces_of(tets: &[[u32; 4]]) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..tets.len() as u32).collect();
     fn root(parent: &mut [u32], mut i: u32) -> u32 {
@@ -59,6 +62,7 @@ pub(crate) fn pieces_of(tets: &[[u32; 4]]) -> Vec<u32> {
         i
     }
     let faces = sorted_faces(tets);
+    // A face of more than two tetrahedra would be a defect of the mesh; its first two are joined.
     for pair in faces.chunk_by(|a, b| a.0 == b.0).filter(|c| c.len() > 1) {
         let (a, b) = (root(&mut parent, pair[0].1), root(&mut parent, pair[1].1));
         parent[a.max(b) as usize] = a.min(b);

@@ -1,4 +1,8 @@
-//! What holds a part: prescribed displacements along any directions, and which motions they leave free.
+//! Supports of a part: prescribed displacements along any directions, and the rigid motions that
+//! they leave free.
+//!
+//! Displacements are in mm. At each node the prescribed directions are kept orthonormal
+//! (Gram-Schmidt), so planes and axes may meet at any angle. Cost: linear in the supported nodes.
 
 use grainpath_core::{DMat3, DVec3};
 
@@ -11,7 +15,7 @@ const NONE: u32 = u32::MAX;
 /// Prescribed displacements. Directions at a node are kept orthonormal, so any number of planes and axes may meet.
 #[derive(Debug, Clone, Default)]
 pub struct Supports {
-    /// For each node its place in `held`, or none.
+    /// For each node its index in `held`, or `NONE`.
     slot: Vec<u32>,
     held: Vec<Held>,
 }
@@ -20,7 +24,7 @@ pub struct Supports {
 struct Held {
     node: u32,
     directions: Vec<(DVec3, f64)>,
-    /// Takes the prescribed directions out of a vector.
+    /// Projection that removes the prescribed directions from a vector.
     free: DMat3,
 }
 
@@ -30,11 +34,11 @@ impl Supports {
         Self { slot: vec![NONE; n_nodes], held: Vec::new() }
     }
 
-    /// Prescribes the displacement of a node along a direction (of any length), mm. Leaves the other directions free:
-    /// along a normal, a roller or a plane of symmetry.
+    /// Prescribes the displacement of a node along a direction (of any length), mm. The other
+    /// directions stay free: along a normal this is a roller or a plane of symmetry.
     ///
     /// # Errors
-    /// When that direction has another value already.
+    /// When that direction already has another value.
     pub fn prescribe(
         &mut self,
         mesh: &TetMesh,
@@ -45,7 +49,7 @@ impl Supports {
         self.prescribe_at(node, mesh.nodes[node as usize], direction, value_mm)
     }
 
-    /// The same for a node at a place.
+    /// The same for a node at `p`.
     pub(crate) fn prescribe_at(
         &mut self,
         node: u32,
@@ -61,10 +65,14 @@ impl Supports {
         let held = &mut self.held[self.slot[i] as usize];
         let direction = direction.normalize_or_zero();
         let (mut rest, mut value) = (direction, value_mm);
+        // The part of the direction that is new, and what the known directions already contribute
+        // to its displacement.
         for &(d, v) in &held.directions {
             rest -= d * d.dot(direction);
             value -= v * d.dot(direction);
         }
+        // No new part: the direction is fixed already. The displacement asked for has to agree with
+        // it, within rounding.
         if rest.length() < 1e-6 {
             let known = held.directions.iter().map(|d| d.1.abs()).fold(value_mm.abs(), f64::max);
             if value.abs() > 1e-6 * known {
@@ -77,13 +85,14 @@ impl Supports {
         let unit = rest.normalize();
         held.directions.push((unit, value));
         held.free -= DMat3::from_cols(unit * unit.x, unit * unit.y, unit * unit.z);
+        // Three directions leave none; the difference of rounded matrices would leave a little.
         if held.directions.len() == 3 {
             held.free = DMat3::ZERO;
         }
         Ok(())
     }
 
-    /// Holds a node in all directions.
+    /// Fixes a node in all directions.
     ///
     /// # Errors
     /// When it is prescribed to move.
@@ -91,12 +100,12 @@ impl Supports {
         DVec3::AXES.iter().try_for_each(|&d| self.prescribe(mesh, node, d, 0.0))
     }
 
-    /// What a node may still do; `None` for any displacement.
+    /// Projection onto the free directions of a node; `None` for a node without supports.
     pub(crate) fn free(&self, node: usize) -> Option<&DMat3> {
         self.slot.get(node).filter(|&&s| s != NONE).map(|&s| &self.held[s as usize].free)
     }
 
-    /// Takes what is prescribed out of a field.
+    /// Removes the prescribed directions from a field.
     pub(crate) fn project(&self, field: &mut [DVec3]) {
         for held in &self.held {
             let v = &mut field[held.node as usize];
@@ -104,7 +113,7 @@ impl Supports {
         }
     }
 
-    /// For each held node the node and the part of a field that is prescribed there.
+    /// For each supported node its index, and the part of a field along the prescribed directions.
     pub(crate) fn held_part<'a>(&'a self, field: &'a [DVec3]) -> impl Iterator<Item = (usize, DVec3)> + 'a {
         self.held.iter().map(|h| {
             let v = field[h.node as usize];
@@ -112,7 +121,8 @@ impl Supports {
         })
     }
 
-    /// The displacement that has what is prescribed and nothing else, and whether it is other than zero.
+    /// The displacement with the prescribed values and zero elsewhere, and whether any value
+    /// differs from zero.
     pub(crate) fn prescribed(&self) -> (Vec<DVec3>, bool) {
         let mut u = vec![DVec3::ZERO; self.slot.len()];
         for held in &self.held {
@@ -127,7 +137,8 @@ impl Supports {
         self.held.iter().map(|h| h.directions.len()).sum()
     }
 
-    /// Refuses a part of which a piece can move as a rigid body, and says which piece and how.
+    /// Refuses a part of which a piece can move as a rigid body, and names the piece and the
+    /// motion.
     ///
     /// # Errors
     /// [`SolidError::Free`] for the first such piece.
@@ -143,7 +154,8 @@ impl Supports {
         self.check_pieces(&mesh.nodes, &of_node, &pieces)
     }
 
-    /// The same for nodes with the names of their pieces, and the pieces: name, lowest and highest corner.
+    /// The same for nodes with the names of their pieces; each piece is given by its name and its
+    /// lowest and highest corner.
     pub(crate) fn check_pieces(
         &self,
         nodes: &[DVec3],
@@ -155,6 +167,8 @@ impl Supports {
             let radius = (0.5 * (hi - lo).length()).max(f64::MIN_POSITIVE);
             let mut rows: Vec<[f64; 6]> = Vec::new();
             for held in self.held.iter().filter(|h| of_node[h.node as usize] == name) {
+                // Arms are divided by the size of the piece, so that rotations and translations
+                // have the same scale.
                 let arm = (nodes[held.node as usize] - middle) / radius;
                 for &(d, _) in &held.directions {
                     let turn = arm.cross(d);
@@ -172,10 +186,11 @@ impl Supports {
     }
 }
 
-/// A basis of the rigid motions (translation, then rotation) that no row resists, each with as many zeros as can be.
+/// A basis of the rigid motions (translation, then rotation) that no row prevents, each with as
+/// many zeros as possible.
 fn free_motions(rows: &[[f64; 6]]) -> Vec<[f64; 6]> {
-    // Row echelon form of the rows with full pivoting from rotations back to translations, so that a motion that can
-    // be told as a translation is.
+    // Reduced row echelon form, with pivots from the rotations back to the translations. A motion
+    // that can be described as a translation then is described as one.
     let mut rows = rows.to_vec();
     let mut pivots: Vec<usize> = Vec::new();
     for column in (0..6).rev() {
@@ -196,6 +211,7 @@ fn free_motions(rows: &[[f64; 6]]) -> Vec<[f64; 6]> {
         }
         pivots.push(column);
     }
+    // One free column gives one motion: 1 there, and the pivots follow from the rows.
     let motion = |free: usize| {
         let mut m = [0.0; 6];
         m[free] = 1.0;

@@ -1,4 +1,4 @@
-//! What can go wrong with a solid.
+//! Errors of meshing and solving a solid.
 
 use thiserror::Error;
 
@@ -7,7 +7,7 @@ use crate::load_case::CatchesNothing;
 /// Why a part could not be meshed or solved.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SolidError {
-    /// The lattice caught nothing of the part.
+    /// The lattice has no point inside the part.
     #[error("the mesh encloses nothing to compute on; a closed surface is needed")]
     NothingInside,
     /// More lattice points than are allowed.
@@ -26,7 +26,7 @@ pub enum SolidError {
         advice(*thickness_mm, *fitting_mm, *limit_mib)
     )]
     ThinWalls {
-        /// Thickness that the walls of all but two percent of the volume have at least, mm.
+        /// Thickness that the walls of all but two percent of the volume exceed, mm.
         thickness_mm: f64,
         /// Element size, mm.
         size_mm: f64,
@@ -40,7 +40,7 @@ pub enum SolidError {
         "{what} would take {need_mib:.0} MiB of the {limit_mib:.0} MiB allowed; elements of {fitting_mm:.2} mm fit"
     )]
     Memory {
-        /// The step that would take it.
+        /// The step that would need it.
         what: &'static str,
         /// Estimate, MiB.
         need_mib: f64,
@@ -52,7 +52,7 @@ pub enum SolidError {
     /// A fixture or load without a face.
     #[error(transparent)]
     CatchesNothing(#[from] CatchesNothing),
-    /// Not held.
+    /// The part is not held.
     #[error("piece {piece} of {pieces} (around {around}) is not held: it is free to {free}")]
     Free {
         /// Which piece, from 1.
@@ -72,7 +72,7 @@ pub enum SolidError {
         /// Its place, as text in mm.
         at: String,
     },
-    /// A material that is not one.
+    /// A stiffness that no material has.
     #[error("the stiffness of material {material} is not symmetric and positive")]
     Material {
         /// Its index.
@@ -91,7 +91,7 @@ pub enum SolidError {
     },
 }
 
-/// What to do about walls that elements are too large for.
+/// The remedy for walls that are too thin for the elements.
 fn advice(thickness_mm: f64, fitting_mm: Option<f64>, limit_mib: f64) -> String {
     match fitting_mm {
         Some(size_mm) => format!("elements of {size_mm:.2} mm resolve them within {limit_mib:.0} MiB"),

@@ -1,4 +1,4 @@
-//! How much memory a solution takes, known before it is taken.
+//! The memory of a solution, estimated before it is allocated.
 
 use crate::sparse::BYTES_PER_MIB;
 
@@ -6,13 +6,14 @@ use crate::sparse::BYTES_PER_MIB;
 /// Measured: 1250 bytes a node at the peak of a solution with the iterative solver.
 const BYTES_PER_NODE: f64 = 1250.0;
 
-/// Memory that an iterative solution takes, MiB.
+/// Memory of an iterative solution, MiB.
 pub(crate) fn solving_mib(n_nodes: f64) -> f64 {
     BYTES_PER_NODE * n_nodes / BYTES_PER_MIB
 }
 
-/// The length of an element's edge with which a step fits, mm: its memory grows at least with the square of the number
-/// of elements along an edge, as that of a thin shell does; that of a solid grows with the cube and leaves room.
+/// The edge of an element with which a step fits, mm. The memory of a thin shell grows with the
+/// square of the number of elements along an edge; that of a solid grows with the cube, so the
+/// estimate is on the safe side.
 pub(crate) fn fitting_edge_mm(edge_mm: f64, need_mib: f64, limit_mib: f64) -> f64 {
     edge_mm * (need_mib / limit_mib).sqrt()
 }

@@ -1,4 +1,8 @@
-//! Loads as consistent nodal forces, N.
+//! Loads as consistent nodal forces, N: tractions and body forces integrated against the shape
+//! functions.
+//!
+//! Lengths are in mm, stresses in MPa. Faces are curved, so points, normals and areas come from the
+//! quadratic map.
 
 use grainpath_core::{DMat3, DVec3};
 
@@ -7,13 +11,20 @@ use super::material_map::Model;
 use super::quadratic_tet::{self as element, FINE_RULE, STIFFNESS_RULE};
 use super::tet_mesh::TetMesh;
 
-/// Radon's seven points, exact for degree 5; weights add up to one half.
+/// Quadrature of a triangle with seven points, exact for degree 5; the weights add up to one half.
+/// Source: `radon1948`.
 const FACE_RULE: [([f64; 3], f64); 7] = {
+    // Source: `radon1948`: (6 - sqrt 15) / 21.
     const A: f64 = 0.101_286_507_323_456_3;
+    // Source: `radon1948`: (9 + 2 sqrt 15) / 21.
     const B: f64 = 0.797_426_985_353_087_3;
+    // Source: `radon1948`: (6 + sqrt 15) / 21.
     const C: f64 = 0.470_142_064_105_115_1;
+    // Source: `radon1948`: (9 - 2 sqrt 15) / 21.
     const D: f64 = 0.059_715_871_789_769_8;
+    // Source: `radon1948`: (155 - sqrt 15) / 2400.
     const W: f64 = 0.062_969_590_272_413_6;
+    // Source: `radon1948`: (155 + sqrt 15) / 2400.
     const V: f64 = 0.066_197_076_394_253_1;
     [
         ([1.0 / 3.0; 3], 0.1125),
@@ -26,7 +37,7 @@ const FACE_RULE: [([f64; 3], f64); 7] = {
     ]
 };
 
-/// Shape functions and their slopes by the second and third barycentric coordinates.
+/// Shape functions, and their derivatives by the second and third barycentric coordinates.
 fn face_shapes([a, b, c]: [f64; 3]) -> ([f64; 6], [[f64; 2]; 6]) {
     let n = [
         a * (2.0 * a - 1.0),
@@ -61,6 +72,8 @@ fn over_faces(mesh: &TetMesh, faces: &[usize], mut at: impl FnMut(&[u32; 6], &[f
                 sides[0] += q * slopes[k][0];
                 sides[1] += q * slopes[k][1];
             }
+            // The cross product of both tangents is the area per unit of the reference triangle.
+            // That triangle has the area one half, as the weights add up to.
             at(nodes, &n, p, sides[0].cross(sides[1]) * *w);
         }
     }
@@ -83,7 +96,7 @@ pub fn centroid_mm(mesh: &TetMesh, faces: &[usize]) -> DVec3 {
     if area > 0.0 { sum / area } else { DVec3::ZERO }
 }
 
-/// Adds the forces of any traction: MPa at a point with its outward normal.
+/// Adds the forces of a traction, which gets a point and its outward unit normal and returns MPa.
 pub fn add_traction(
     forces: &mut [DVec3],
     mesh: &TetMesh,
@@ -111,8 +124,8 @@ pub fn add_force(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], force_n:
     }
 }
 
-/// Adds a pure moment in N mm about the middle of the faces: tractions that grow with the distance from the axis.
-/// Nothing is added where the faces have no extent to take it.
+/// Adds a pure moment in N mm about the middle of the faces, by tractions that grow with the
+/// distance from the axis. No force is added where the faces are too small to carry a moment.
 pub fn add_moment(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], moment_nmm: DVec3) {
     let (mut area, mut middle) = (0.0, DVec3::ZERO);
     over_faces(mesh, faces, |_, _, p, a| {
@@ -120,6 +133,8 @@ pub fn add_moment(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], moment_
         middle += p * a.length();
     });
     middle /= area;
+    // The area's inertia tensor relates the moment to the rotation whose displacements serve as
+    // tractions.
     let mut inertia = DMat3::ZERO;
     over_faces(mesh, faces, |_, _, p, a| {
         let r = p - middle;
@@ -127,6 +142,7 @@ pub fn add_moment(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], moment_
         inertia += (DMat3::from_diagonal(DVec3::splat(r.length_squared())) - square) * a.length();
     });
     let turn = inertia.inverse() * moment_nmm;
+    // Faces without extent make the tensor singular.
     if turn.is_finite() {
         add_traction(forces, mesh, faces, |p, _| turn.cross(p - middle));
     }
@@ -148,11 +164,11 @@ pub fn add_body_force(forces: &mut [DVec3], mesh: &TetMesh, force_n_mm3: impl Fn
     }
 }
 
-/// Adds the forces with which strains that no stress causes (heat, shrinkage) press on their surroundings. The strains
-/// are given at a point, order xx, yy, zz, xy, yz, zx, engineering shears.
+/// Adds the forces of strains that no stress causes, such as heat or shrinkage. The strains are
+/// given at a point, in the order xx, yy, zz, xy, yz, zx with engineering shears.
 ///
 /// # Errors
-/// A material without a positive stiffness.
+/// A material whose stiffness is not positive definite.
 pub fn add_initial_strain(
     forces: &mut [DVec3],
     model: &Model<'_>,

@@ -1,11 +1,14 @@
-//! Which element is at a point.
+//! The element at a point.
+//!
+//! A grid of cells lists the elements whose bounds reach into each cell. Lengths are in mm. Cost: a
+//! query visits one cell, or 27 for points outside.
 
 use grainpath_core::{DMat3, DVec3, IVec3};
 
 use super::quadratic_tet as element;
 use super::tet_mesh::TetMesh;
 
-/// Cells at most.
+/// Largest number of cells. Source: derived: offsets of 4 bytes make 16 MB.
 const MOST_CELLS: f64 = 4e6;
 
 /// A grid of cells over a mesh, each with the elements that reach into it.
@@ -26,7 +29,7 @@ pub struct Spot {
     pub tet: usize,
     /// Weights of its ten nodes.
     pub weights: [f64; 10],
-    /// Smallest barycentric coordinate: negative by how far (in heights) the point was outside.
+    /// Smallest barycentric coordinate; negative for a point outside, in heights of the element.
     pub depth: f64,
 }
 
@@ -37,6 +40,8 @@ impl<'m> Sampler<'m> {
         let (lo, hi) = mesh.nodes.iter().fold((first, first), |(lo, hi), &p| (lo.min(p), hi.max(p)));
         let mean = (mesh.volume_mm3().abs() / mesh.tets.len() as f64).cbrt();
         let box_volume = (hi - lo).max(DVec3::splat(mean)).element_product();
+        // Cells one and a half elements wide hold a few elements each; the second bound is for
+        // sparse parts in large boxes.
         let width = (1.5 * mean).max((box_volume / MOST_CELLS).cbrt());
         let n = ((hi - lo) / width).as_ivec3() + 1;
         let mut sampler = Self { mesh, origin: lo, width, n, start: Vec::new(), tets: Vec::new() };
@@ -73,8 +78,8 @@ impl<'m> Sampler<'m> {
         (c.z as usize * self.n.y as usize + c.y as usize) * self.n.x as usize + c.x as usize
     }
 
-    /// The element at a point, or for a point outside the one that it is least outside of, when within about a cell.
-    /// There the point's place in it is pulled to its rim.
+    /// The element at a point. For a point outside, within about a cell, the element that it is
+    /// least outside of; its position is then moved onto the element's border.
     pub fn at(&self, p: DVec3) -> Option<Spot> {
         let middle = self.cell(p);
         let best = |cells: &mut dyn Iterator<Item = IVec3>| {
@@ -87,6 +92,8 @@ impl<'m> Sampler<'m> {
                     let l = map * (p - x[0]);
                     let l = [1.0 - l.x - l.y - l.z, l.x, l.y, l.z];
                     let depth = l.iter().copied().fold(f64::INFINITY, f64::min);
+                    // The tiny margin makes the lower number win between elements that share a
+                    // face.
                     if best.is_none_or(|b| depth > b.0 + 1e-12) {
                         best = Some((depth, t, l));
                     }
@@ -95,6 +102,7 @@ impl<'m> Sampler<'m> {
             best
         };
         let own = best(&mut std::iter::once(middle));
+        // Only a point outside needs the neighbouring cells.
         let found = own.filter(|b| b.0 > -1e-9).or_else(|| {
             let around = (0..27).map(|i| middle + IVec3::new(i % 3, i / 3 % 3, i / 9) - 1);
             best(&mut around.filter(|c| c.cmpge(IVec3::ZERO).all() && c.cmplt(self.n).all()))
@@ -105,7 +113,7 @@ impl<'m> Sampler<'m> {
         Some(Spot { tet: tet as usize, weights: element::shapes(&l.map(|v| v / sum)), depth })
     }
 
-    /// A nodal field of six components at a point; `None` far outside.
+    /// Value of a nodal field of six components at a point; `None` far outside.
     pub fn value(&self, field: &[[f64; 6]], p: DVec3) -> Option<[f64; 6]> {
         let spot = self.at(p)?;
         let mut sum = [0.0; 6];

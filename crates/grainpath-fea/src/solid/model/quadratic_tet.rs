@@ -1,31 +1,48 @@
-//! The ten-node tetrahedron.
+//! The ten-node tetrahedron: shape functions, quadrature, stiffness and material law.
+//!
+//! Nodes: four corners, then the middles of the edges in the order of `EDGES`. Barycentric
+//! coordinates `l` add up to 1. Stresses are in MPa.
 
 use grainpath_core::{DMat3, DVec3};
 
 use super::tet_shape::EDGES;
 use crate::material::Stiffness;
 
-/// A point of a quadrature rule: barycentric coordinates and weight; weights add up to one sixth.
+/// A point of a quadrature rule: barycentric coordinates and weight; the weights add up to one
+/// sixth.
 pub(crate) type Point = ([f64; 4], f64);
 
-/// Exact for polynomials of degree 2: enough for the stiffness of straight-sided elements.
+/// Quadrature with four points, exact for degree 2: enough for the stiffness of straight-sided
+/// elements. Source: `hammer1956`.
 pub(crate) const STIFFNESS_RULE: [Point; 4] = {
+    // Source: `hammer1956`: (5 + 3 sqrt 5) / 20.
     const A: f64 = 0.585_410_196_624_968_5;
+    // Source: `hammer1956`: (5 - sqrt 5) / 20.
     const B: f64 = 0.138_196_601_125_010_5;
+    // Source: `hammer1956`: four equal weights of the volume 1/6.
     const W: f64 = 1.0 / 24.0;
     [([A, B, B, B], W), ([B, A, B, B], W), ([B, B, A, B], W), ([B, B, B, A], W)]
 };
 
-/// Exact for polynomials of degree 5 (Keast 1986).
+/// Quadrature with fifteen points, exact for degree 5. Source: `keast1986`.
 pub(crate) const FINE_RULE: [Point; 15] = {
+    // Source: `keast1986`: the centroids of the faces.
     const T: f64 = 1.0 / 3.0;
+    // Source: `keast1986`: points between the centroid and the corners.
     const E: f64 = 1.0 / 11.0;
+    // Source: `keast1986`: 1 - 3 / 11.
     const F: f64 = 8.0 / 11.0;
+    // Source: `keast1986`: points between the centroid and the middles of the edges.
     const A: f64 = 0.066_550_153_573_664_3;
+    // Source: `keast1986`: 1/2 less the coordinate above.
     const B: f64 = 0.433_449_846_426_335_7;
+    // Source: `keast1986`: weight of the centroid.
     const W0: f64 = 0.030_283_678_097_089;
+    // Source: `keast1986`: weight of the faces' centroids.
     const W1: f64 = 0.006_026_785_714_286;
+    // Source: `keast1986`: weight of the points towards the corners.
     const W2: f64 = 0.011_645_249_086_029;
+    // Source: `keast1986`: weight of the points towards the edges.
     const W3: f64 = 0.010_949_141_561_386;
     [
         ([0.25; 4], W0),
@@ -57,7 +74,8 @@ pub(crate) fn shapes(l: &[f64; 4]) -> [f64; 10] {
     })
 }
 
-/// Derivatives of the ten shape functions by the last three barycentric coordinates.
+/// Derivatives of the ten shape functions by the last three barycentric coordinates; the first is 1
+/// less their sum.
 pub(crate) fn shape_slopes(l: &[f64; 4]) -> [DVec3; 10] {
     const BY: [DVec3; 4] = [DVec3::NEG_ONE, DVec3::X, DVec3::Y, DVec3::Z];
     std::array::from_fn(|a| match a {
@@ -92,7 +110,8 @@ pub(crate) fn volume(x: &[DVec3; 10]) -> f64 {
     STIFFNESS_RULE.iter().map(|(l, w)| w * jacobian(x, &shape_slopes(l)).determinant()).sum()
 }
 
-/// The smallest determinant of the map at the nodes and the points of the rule, over that of the straight element.
+/// The smallest determinant of the map at the nodes and at the points of the rule, relative to that
+/// of the straight element.
 pub(crate) fn least_jacobian(x: &[DVec3; 10]) -> f64 {
     let corner = |i: usize| std::array::from_fn(|k| f64::from(u8::from(k == i)));
     let middle = |(i, j): (usize, usize)| std::array::from_fn(|k| if k == i || k == j { 0.5 } else { 0.0 });
@@ -102,7 +121,8 @@ pub(crate) fn least_jacobian(x: &[DVec3; 10]) -> f64 {
     least / (x[1] - x[0]).cross(x[2] - x[0]).dot(x[3] - x[0])
 }
 
-/// What the strain energy couples: `k[a][b]` is the 3 x 3 block of nodes a and b, for b <= a.
+/// Stiffness of an element from its products of gradients: `k[a][b]` is the 3 x 3 block of nodes a
+/// and b, for b <= a.
 pub(crate) fn stiffness<const N: usize>(sums: &[[DMat3; N]; N], law: &Law) -> [[DMat3; N]; N] {
     let mut k = [[DMat3::ZERO; N]; N];
     for a in 0..N {
@@ -113,7 +133,7 @@ pub(crate) fn stiffness<const N: usize>(sums: &[[DMat3; N]; N], law: &Law) -> [[
     k
 }
 
-/// The blocks on the diagonal alone.
+/// The diagonal blocks alone.
 pub(crate) fn diagonal(x: &[DVec3; 10], law: &Law) -> [DMat3; 10] {
     let mut sums = [DMat3::ZERO; 10];
     for (l, w) in &STIFFNESS_RULE {
@@ -125,7 +145,8 @@ pub(crate) fn diagonal(x: &[DVec3; 10], law: &Law) -> [DMat3; 10] {
     sums.map(|s| law.couple(&s))
 }
 
-/// Integrals of the products of gradients, `sums[a][b]` = sum of grad a times grad b transposed, for b <= a.
+/// Integrals of the products of gradients: `sums[a][b]` is the integral of grad a times grad b
+/// transposed, for b <= a.
 pub(crate) fn gradient_products(x: &[DVec3; 10]) -> [[DMat3; 10]; 10] {
     let mut sums = [[DMat3::ZERO; 10]; 10];
     for (l, w) in &STIFFNESS_RULE {
@@ -157,20 +178,21 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-/// A stiffness made ready for elements.
+/// A stiffness prepared for elements.
 #[derive(Debug, Clone)]
 pub(crate) enum Law {
     /// Lame's constants.
     Isotropic { lambda: f64, mu: f64 },
-    /// All components, and them as a map of second-order tensors by columns: `c[3 l + j][3 k + i]` = C_ikjl.
+    /// All components, and the same as a linear map of second-order tensors by columns: `c[3 l +
+    /// j][3 k + i]` = C_ikjl.
     General { d: Box<Stiffness>, c: Box<[[f64; 9]; 9]> },
 }
 
-/// Component of a pair of axes.
+/// Index of a pair of axes in the order xx, yy, zz, xy, yz, zx. Source: definition of that order.
 const VOIGT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
 impl Law {
-    /// `None` unless symmetric and positive definite.
+    /// Prepares a stiffness; `None` unless it is symmetric and positive definite.
     pub(crate) fn new(d: &Stiffness) -> Option<Self> {
         let top = d.iter().flatten().fold(0.0f64, |m, v| m.max(v.abs()));
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * top;
@@ -184,6 +206,7 @@ impl Law {
             (false, false) if i == j => mu,
             _ => 0.0,
         };
+        // Isotropic laws need a handful of multiplications instead of 81, and most parts have one.
         if (0..6).all(|i| (0..6).all(|j| near(d[i][j], isotropic(i, j)))) {
             return Some(Self::Isotropic { lambda, mu });
         }
@@ -195,7 +218,7 @@ impl Law {
         Some(Self::General { d: Box::new(*d), c: Box::new(c) })
     }
 
-    /// Stress from the gradient of the displacement (columns: by x, y, z).
+    /// Stress from the gradient of the displacement (columns: derivatives by x, y, z).
     pub(crate) fn stress(&self, grad: &DMat3) -> DMat3 {
         match self {
             Self::Isotropic { lambda, mu } => {
@@ -209,7 +232,7 @@ impl Law {
         }
     }
 
-    /// Stress of a strain with engineering shears.
+    /// Stress of a strain given with engineering shears.
     pub(crate) fn stress_of_strain(&self, e: &[f64; 6]) -> DMat3 {
         let half = e.map(|v| 0.5 * v);
         self.stress(&DMat3::from_cols_array(&[
@@ -217,7 +240,7 @@ impl Law {
         ]))
     }
 
-    /// Block of the stiffness from the sum of products of gradients: K_ij = C_ikjl G_kl.
+    /// Block of the stiffness from the integrated products of gradients: K_ij = C_ikjl G_kl.
     fn couple(&self, g: &DMat3) -> DMat3 {
         match self {
             Self::Isotropic { lambda, mu } => {
@@ -244,7 +267,7 @@ impl Law {
     }
 }
 
-/// Engineering strain from the gradient of the displacement.
+/// Engineering strain from the gradient of the displacement, in the order xx, yy, zz, xy, yz, zx.
 pub(crate) fn strain(g: &DMat3) -> [f64; 6] {
     [
         g.x_axis.x,

@@ -1,4 +1,6 @@
-//! Quadratic tetrahedra and their boundary.
+//! Meshes of ten-node tetrahedra and their boundary.
+//!
+//! Lengths are in mm. The order of nodes is that of VTK and Abaqus.
 
 use grainpath_core::DVec3;
 use rayon::prelude::*;
@@ -13,9 +15,9 @@ use grainpath_core::selection::Selection;
 pub struct TetMesh {
     /// Node positions, mm.
     pub nodes: Vec<DVec3>,
-    /// Four corners of positive volume, then the nodes between corners 01, 12, 20, 03, 13, 23 (as VTK and Abaqus).
+    /// Four corners of positive volume, then the nodes between corners 01, 12, 20, 03, 13, 23.
     pub tets: Vec<[u32; 10]>,
-    /// Faces with an element on one side only.
+    /// Faces that belong to a single element.
     pub faces: Vec<Face>,
 }
 
@@ -26,17 +28,18 @@ pub struct Face {
     pub nodes: [u32; 6],
     /// The element it belongs to.
     pub tet: u32,
-    /// The facet of the meshed surface that it lies on; 0 where the mesh did not come from a surface.
+    /// The facet of the meshed surface on which it lies; 0 where the mesh did not come from a
+    /// surface.
     pub facet: u32,
-    /// The point of that surface nearest to its middle. Where a sharp edge is rounded off the face stands on a slant;
-    /// this says which of the sides it stands for.
+    /// The point of that surface nearest to the face's middle. A face that rounds off a sharp edge
+    /// lies at a slant; this point tells to which side of the edge it belongs.
     pub foot: Option<DVec3>,
 }
 
-/// Elements that hang together over faces.
+/// Elements connected over faces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Piece {
-    /// Its elements' count and volume in mm3.
+    /// Number of its elements.
     pub n_tets: usize,
     /// Volume, mm3.
     pub volume_mm3: f64,
@@ -49,8 +52,8 @@ pub struct Piece {
 }
 
 impl TetMesh {
-    /// Ten-node elements with straight sides over four-node ones, and their boundary (facet 0). Elements are turned
-    /// to positive volume.
+    /// Ten-node elements with straight sides over four-node ones, and their boundary (facet 0).
+    /// Elements of negative volume are turned over.
     pub fn straight(vertices: &[DVec3], tets: &[[u32; 4]]) -> Self {
         let upright = |t: &[u32; 4]| {
             let v = shape::volume(&t.map(|i| vertices[i as usize]));
@@ -64,6 +67,7 @@ impl TetMesh {
                 sides.push((u64::from(a) << 32 | u64::from(b), (6 * t + e) as u32));
             }
         }
+        // Sorted by their ends, the copies of a side lie next to each other and get one node.
         sides.par_sort_unstable();
         let mut nodes = vertices.to_vec();
         let mut all: Vec<[u32; 10]> =
@@ -80,7 +84,7 @@ impl TetMesh {
         mesh
     }
 
-    /// Finds the boundary anew; facets are lost.
+    /// Finds the boundary anew; the facets of the faces are lost.
     pub fn find_faces(&mut self) {
         let corners: Vec<[u32; 4]> = self.tets.iter().map(|t| [t[0], t[1], t[2], t[3]]).collect();
         let face = |(f, t): ([u32; 3], u32)| {
@@ -95,7 +99,8 @@ impl TetMesh {
         self.faces = boundary(&corners).into_iter().map(face).collect();
     }
 
-    /// The faces whose foot on the surface a selection has; their middle, where the mesh did not come from a surface.
+    /// The faces whose nearest point of the surface lies in a selection. Without a surface the
+    /// middle of the face is tested.
     pub fn faces_in(&self, selection: &Selection) -> Vec<usize> {
         let middle = |f: &Face| f.nodes[3..].iter().map(|&m| self.nodes[m as usize]).sum::<DVec3>() / 3.0;
         (0..self.faces.len())
@@ -103,7 +108,7 @@ impl TetMesh {
             .collect()
     }
 
-    /// The nodes of some faces, each once, rising.
+    /// The nodes of some faces, each once, in ascending order.
     pub fn nodes_of(&self, faces: &[usize]) -> Vec<u32> {
         let mut nodes: Vec<u32> = faces.iter().flat_map(|&f| self.faces[f].nodes).collect();
         nodes.sort_unstable();
@@ -131,8 +136,8 @@ impl TetMesh {
         self.tets.iter().map(|t| element::volume(&t.map(|i| self.nodes[i as usize]))).sum()
     }
 
-    /// Edge of the cubes of a body-centred lattice whose tetrahedra are as large as the mean of these, mm: a cube has
-    /// the volume of twelve.
+    /// Edge of the cubes of a body-centred lattice whose tetrahedra have the mean volume of these,
+    /// mm. A cube has the volume of twelve tetrahedra.
     pub fn mean_cell_mm(&self) -> f64 {
         (12.0 * self.volume_mm3().abs() / self.tets.len().max(1) as f64).cbrt()
     }
@@ -158,13 +163,13 @@ impl TetMesh {
         }
     }
 
-    /// For each element the lowest one it hangs together with over faces.
+    /// For each element the lowest one that it is connected to over faces.
     pub fn piece_of_tets(&self) -> Vec<u32> {
         let corners: Vec<[u32; 4]> = self.tets.iter().map(|t| [t[0], t[1], t[2], t[3]]).collect();
         pieces_of(&corners)
     }
 
-    /// What hangs together over faces, the piece of the lowest element first.
+    /// The pieces connected over faces, the piece of the lowest element first.
     pub fn pieces(&self) -> Vec<Piece> {
         self.pieces_from(&self.piece_of_tets())
     }
@@ -189,7 +194,7 @@ impl TetMesh {
         pieces
     }
 
-    /// Moves mid-side nodes; back again where an element would be bent too much.
+    /// Moves middle nodes. Moves are undone where they would bend an element too much.
     pub(crate) fn curve(&mut self, moves: &[(u32, DVec3)]) {
         let mut from: Vec<(u32, DVec3)> = moves.iter().map(|&(m, _)| (m, self.nodes[m as usize])).collect();
         from.sort_unstable_by_key(|f| f.0);
@@ -201,6 +206,8 @@ impl TetMesh {
             (0..self.tets.len()).filter(|&t| self.tets[t][4..].iter().any(is_curved)).collect();
         let (start, around) = incidence(self.nodes.len(), &self.tets);
         while !bent.is_empty() {
+            // A quarter of the straight element's Jacobian: below that the inverse map distorts
+            // stresses.
             let bad = |&t: &usize| element::least_jacobian(&self.places(t)) < 0.25;
             let mut back: Vec<u32> = bent.into_iter().filter(bad).flat_map(|t| self.tets[t]).collect();
             back.retain(is_curved);
@@ -211,7 +218,8 @@ impl TetMesh {
             for &m in &back {
                 self.nodes[m as usize] = home(m);
             }
-            // Neighbours of what went back are looked at once more: their other curved sides may not fit now.
+            // The neighbours of nodes that moved back are tested again, because their other curved
+            // sides may no longer fit.
             let at = |m: u32| &around[start[m as usize] as usize..start[m as usize + 1] as usize];
             bent = back.iter().flat_map(|&m| at(m)).map(|&t| t as usize).collect();
             bent.sort_unstable();
@@ -219,10 +227,12 @@ impl TetMesh {
         }
     }
 
-    /// Numbers nodes and elements along a space-filling curve, so that neighbours are near in memory.
+    /// Numbers nodes and elements along a space-filling curve (Morton's), so that neighbours are
+    /// near each other in memory.
     pub(crate) fn sort_in_space(&mut self) {
         let Some(&first) = self.nodes.first() else { return };
         let fold = self.nodes.iter().fold((first, first), |(lo, hi), &p| (lo.min(p), hi.max(p)));
+        // 21 bits for each axis fill a 64-bit code.
         let scale = 2_097_151.0 / (fold.1 - fold.0).max_element().max(f64::MIN_POSITIVE);
         let code = |p: DVec3| {
             let q = (p - fold.0) * scale;
@@ -251,7 +261,7 @@ impl TetMesh {
     }
 }
 
-/// Sets two zero bits between the 21 low bits of a number.
+/// Inserts two zero bits after each of the 21 low bits of a number.
 fn spread(mut x: u64) -> u64 {
     x &= 0x1f_ffff;
     for (shift, mask) in [

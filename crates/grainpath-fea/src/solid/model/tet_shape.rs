@@ -1,8 +1,8 @@
-//! How good a tetrahedron is.
+//! Shape measures of a tetrahedron: dihedral angles, aspect, mean ratio.
 
 use grainpath_core::{DVec3, math};
 
-/// Shape of one tetrahedron, of its straight-sided corners.
+/// Shape of one tetrahedron, measured on its four corners.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TetQuality {
     /// Smallest and largest angle between two faces, degrees; 70.5 all round for a regular one.
@@ -13,7 +13,7 @@ pub struct TetQuality {
     pub aspect: f64,
 }
 
-/// The worst over a mesh.
+/// The worst shapes of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeshQuality {
     /// Smallest and largest angle between two faces of any tetrahedron, degrees.
@@ -24,22 +24,28 @@ pub struct MeshQuality {
     pub aspect_max: f64,
     /// See `aspect_max`.
     pub aspect_mean: f64,
-    /// Tetrahedra with a dihedral angle under 10 or over 165 degrees.
+    /// Tetrahedra with a dihedral angle below 10 or above 165 degrees.
     pub n_poor: usize,
 }
 
+/// Pairs of corners in the order of the middle nodes. Source: definition, the order of VTK and
+/// Abaqus.
 pub(crate) const EDGES: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)];
-/// Corners of the face opposite to each corner, counter-clockwise seen from outside.
+/// Corners of the face opposite to each corner, counter-clockwise seen from outside. Source:
+/// derived from the positive volume of the corners in order.
 pub(crate) const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
 pub(crate) fn volume(p: &[DVec3; 4]) -> f64 {
     (p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]) / 6.0
 }
 
-/// Mean ratio: 1 for a regular tetrahedron, 0 for a flat one, negative for one inside out.
+/// Mean ratio (`liu1994`): 1 for a regular tetrahedron, 0 for a flat one, negative for one turned
+/// inside out.
 pub(crate) fn mean_ratio(p: &[DVec3; 4]) -> f64 {
     let squares: f64 = EDGES.iter().map(|&(i, j)| p[i].distance_squared(p[j])).sum();
     let v = 3.0 * volume(p);
+    // The volume's two thirds over the sum of the squared edges, which makes the measure
+    // independent of size.
     12.0 * (v.abs() * v.abs()).cbrt().copysign(v) / squares
 }
 

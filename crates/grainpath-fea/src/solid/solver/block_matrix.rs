@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::operator::CHUNK;
 use crate::solid::model::adjacency::incidence;
 
-/// Rows of blocks; columns of a row rise.
+/// A matrix by rows of blocks; the columns of a row are ascending.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Blocks {
     pub(crate) start: Vec<u32>,
@@ -60,6 +60,8 @@ pub(crate) fn assemble<const N: usize>(
 ) -> Blocks {
     let (start, around) = incidence(n_nodes, tets);
     let at = |i: usize| &around[start[i] as usize..start[i + 1] as usize];
+    // Rows assembled by one task: enough to share the elements between them, few enough to spread
+    // over the threads.
     const ROWS: usize = 4096;
     let parts: Vec<(Vec<u32>, Vec<u32>, Vec<DMat3>)> = (0..n_nodes.div_ceil(ROWS))
         .into_par_iter()
@@ -78,6 +80,8 @@ pub(crate) fn assemble<const N: usize>(
                 counts.push(row.len() as u32);
                 starts.push(columns.len());
             }
+            // Each element of these rows is computed once here, and once more by every other task
+            // whose rows it touches.
             let mut used: Vec<u32> = rows.clone().flat_map(at).copied().collect();
             used.sort_unstable();
             used.dedup();
@@ -107,7 +111,8 @@ pub(crate) fn assemble<const N: usize>(
     blocks
 }
 
-/// Sum of products, by chunks of fixed size.
+/// Sum of products, by chunks of fixed size: the order of additions does not depend on the number
+/// of threads.
 pub(crate) fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
     let chunk = |(a, b): (&[DVec3], &[DVec3])| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
     let sums: Vec<f64> = a.par_chunks(CHUNK).zip(b.par_chunks(CHUNK)).map(chunk).collect();

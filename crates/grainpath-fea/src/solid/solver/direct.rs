@@ -1,4 +1,8 @@
 //! Small systems with many loads: the stiffness is stored and factored once.
+//!
+//! Method: sparse Cholesky factorization, ordered by nested dissection (`george1973`) of the nodes'
+//! positions. Forces are in N, displacements in mm. Cost: memory grows with the 4/3rd power of the
+//! nodes; a load takes two triangular solves.
 
 use grainpath_core::{DMat3, DVec3};
 
@@ -13,7 +17,7 @@ use crate::solid::model::memory::fitting_edge_mm;
 use crate::solid::model::quadratic_tet as element;
 use crate::sparse::{Cholesky, SparseError, Symmetric};
 
-/// Nodes that are ordered without cutting further.
+/// Number of nodes that are ordered without further division.
 const LEAF: usize = 48;
 
 /// A factored stiffness.
@@ -27,6 +31,8 @@ impl Direct {
         let blocks = assemble(mesh.nodes.len(), &mesh.tets, |t| {
             let mut k =
                 element::stiffness(&element::gradient_products(&mesh.places(t)), &laws[model.material(t)]);
+            // Supported directions are projected out of rows and columns; the diagonal gets the
+            // identity there, so the matrix stays positive definite.
             for (a, &i) in mesh.tets[t].iter().enumerate() {
                 for (b, &j) in mesh.tets[t].iter().enumerate().take(a + 1) {
                     if let Some(p) = supports.free(i as usize) {
@@ -57,19 +63,19 @@ impl Direct {
         Ok(Self { factor })
     }
 
-    /// What the factor takes.
+    /// Bytes of the factor.
     pub(crate) fn bytes(&self) -> usize {
         self.factor.bytes()
     }
 
-    /// One load.
+    /// The solution for one load.
     pub(crate) fn solve(&self, operator: &Operator<'_>, load: &[DVec3]) -> Solution {
         let supports = operator.supports();
         let (mut u, _) = supports.prescribed();
         let mut scratch = operator.scratch();
         let mut rest = vec![DVec3::ZERO; load.len()];
         let mut goal = 0.0;
-        // The second pass takes off what rounding left of the first.
+        // The second pass solves for the residual that rounding left in the first.
         for pass in 0..2 {
             operator.forces(&u, &mut rest, &mut scratch);
             for (r, f) in rest.iter_mut().zip(load) {
@@ -81,6 +87,7 @@ impl Direct {
             }
             let mut x: Vec<f64> = rest.iter().flat_map(|v| v.to_array()).collect();
             self.factor.solve(&mut x);
+            // Rounding may leave a trace of motion along supported directions.
             let mut step: Vec<DVec3> = x.chunks_exact(3).map(DVec3::from_slice).collect();
             supports.project(&mut step);
             add(&mut u, 1.0, &step);
@@ -116,7 +123,7 @@ fn lower_half(blocks: &Blocks, supports: &Supports) -> Symmetric {
     out
 }
 
-/// Nested dissection by place: halves along the longest side, then what lies between them.
+/// Nested dissection by position: both halves along the longest side, then the nodes between them.
 fn dissected(places: &[DVec3], blocks: &Blocks) -> Vec<u32> {
     let mut order = Vec::with_capacity(places.len());
     let mut side = vec![0u32; places.len()];
@@ -154,6 +161,8 @@ fn dissect(
     let (left, right) = nodes.split_at_mut(half);
     *mark += 1;
     left.iter().for_each(|&i| side[i as usize] = *mark);
+    // The separator is the set of nodes of the right half that are coupled to the left one. Ordered
+    // last, it keeps both halves independent.
     let touches = |i: &u32| blocks.row(*i as usize).any(|(j, _)| side[j] == *mark);
     let (separator, mut rest): (Vec<u32>, Vec<u32>) = right.iter().copied().partition(touches);
     dissect(left, places, blocks, side, mark, order);

@@ -1,4 +1,9 @@
-//! A solution after a few cells have changed: what that moves lies around them, and all else stays for the time being.
+//! Local correction of a solution after a few cells have changed: only nodes around them move, all
+//! others stay where they are.
+//!
+//! Method: conjugate gradients with the block diagonal as preconditioner (`hestenes1952`), on the
+//! nodes within some steps of the change. The residual is kept exact on all nodes that the motion
+//! affects, so the caller sees what remains.
 
 use grainpath_core::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -9,15 +14,15 @@ const CHUNK: usize = 256;
 
 /// A stiffness row by row.
 pub(crate) trait Rows: Sync {
-    /// The nodes that a node feels, itself among them.
+    /// The nodes that are coupled to a node, itself included.
     fn around(&self, node: usize) -> &[u32];
-    /// The force on a node, as if nothing were held.
+    /// The force on a node as if no node were supported.
     fn row(&self, node: usize, u: &[DVec3]) -> DVec3;
     /// [`Rows::row`] to a few digits, where that is cheaper.
     fn rough_row(&self, node: usize, u: &[DVec3]) -> DVec3;
-    /// Inverse of the block on the diagonal, of what is held the identity.
+    /// Inverse of the diagonal block; for supported directions the identity.
     fn inverse_block(&self, node: usize) -> DMat3;
-    /// What a node may do; `None` for any displacement.
+    /// Projection onto the free directions of a node; `None` for a node without supports.
     fn free(&self, node: usize) -> Option<&DMat3>;
 }
 
@@ -25,8 +30,8 @@ fn freed(rows: &dyn Rows, node: u32, force: DVec3) -> DVec3 {
     rows.free(node as usize).map_or(force, |free| *free * force)
 }
 
-/// Nodes within so many steps of some, in order, and those one step further; `n` nodes in all. Fewer steps where they
-/// lead to more than `most` nodes.
+/// Nodes within a number of steps of some, in ascending order, and those one step farther; `n` is
+/// the number of all nodes. Fewer steps are made where they would lead to more than `most` nodes.
 pub(crate) fn within(
     rows: &dyn Rows,
     from: &[u32],
@@ -54,15 +59,15 @@ pub(crate) fn within(
     [inside, rim]
 }
 
-/// What a displacement leaves of the load at some nodes.
+/// Updates the residual of a displacement at some nodes.
 pub(crate) fn residual(rows: &dyn Rows, nodes: &[u32], u: &[DVec3], load: &[DVec3], residual: &mut [DVec3]) {
     let of = |&i: &u32| freed(rows, i, load[i as usize] - rows.row(i as usize, u));
     let new: Vec<DVec3> = nodes.par_iter().map(of).collect();
     nodes.iter().zip(new).for_each(|(&i, r)| residual[i as usize] = r);
 }
 
-/// Moves nodes inside, with all others where they are, until what is left of the load on them is below the goal or so
-/// many steps are done. `left` is the residual of `u` on all nodes, before and after.
+/// Moves the nodes inside, with all others fixed, until the residual on them is below the goal or
+/// the number of steps is reached. `left` is the residual of `u` on all nodes, before and after.
 pub(crate) fn ease(
     rows: &dyn Rows,
     [inside, rim]: &[Vec<u32>; 2],
@@ -73,7 +78,7 @@ pub(crate) fn ease(
 ) {
     let mut r: Vec<DVec3> = inside.iter().map(|&i| left[i as usize]).collect();
     let inverse: Vec<DMat3> = inside.par_iter().map(|&i| rows.inverse_block(i as usize)).collect();
-    // Of all nodes, zero outside.
+    // The direction lives on all nodes, so that rows can be applied to it; it is zero outside.
     let mut p = vec![DVec3::ZERO; u.len()];
     let mut q = vec![DVec3::ZERO; inside.len()];
     let mut rz = 1.0;
@@ -90,6 +95,7 @@ pub(crate) fn ease(
             q.iter_mut().zip(inside).for_each(|(q, &i)| *q = freed(rows, i, rows.rough_row(i as usize, &p)));
         });
         let along: f64 = inside.iter().zip(&q).map(|(&i, q)| p[i as usize].dot(*q)).sum();
+        // Zero or negative curvature: rounding has taken over, and further steps would not help.
         if along.is_nan() || along <= 0.0 {
             break;
         }
@@ -97,6 +103,8 @@ pub(crate) fn ease(
         inside.iter().for_each(|&i| u[i as usize] += p[i as usize] * alpha);
         r.iter_mut().zip(&q).for_each(|(r, q)| *r -= *q * alpha);
     }
+    // Computed anew instead of carried along, because rows were applied roughly. The rim feels the
+    // motion too.
     for nodes in [inside, rim] {
         residual(rows, nodes, u, load, left);
     }

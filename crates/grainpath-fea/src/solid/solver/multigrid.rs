@@ -1,8 +1,11 @@
-//! A preconditioner for quadratic tetrahedra: their linear elements, then grids of doubling width over the part, then
-//! a dense factorization of what is left.
+//! A multigrid preconditioner for quadratic tetrahedra. The levels are the quadratic elements,
+//! their linear elements, grids of doubling width over the part, and a dense factorization of the
+//! last one.
 //!
-//! Grids interpolate trilinearly at the nodes, so that rigid motions and uniform strains stay exact on every level;
-//! their matrices are the Galerkin products. Smoothing is by Chebyshev polynomials of the block-diagonal scaling.
+//! Grids interpolate trilinearly at the nodes, so that rigid motions and uniform strains stay exact
+//! on every level. Their matrices are the Galerkin products. Levels are smoothed by Chebyshev
+//! polynomials of the matrix scaled by its block diagonal (`adams2003`), which need no order of the
+//! unknowns and so give the same result for any number of threads. Cost: linear in the nodes.
 
 use grainpath_core::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
@@ -16,26 +19,26 @@ use crate::solid::model::material_map::Model;
 use crate::solid::model::tet_mesh::TetMesh;
 use crate::solid::model::{quadratic_tet as element, tet_shape};
 
-/// How a level is smoothed.
+/// Smoothing of a level.
 #[derive(Clone, Copy)]
 pub(crate) struct Smoothing {
     /// Applications of the matrix.
     steps: usize,
-    /// It acts on eigenvalues down to the largest over this.
+    /// The polynomial damps eigenvalues from the largest down to the largest divided by this.
     band: f64,
 }
 
 const FINEST: Smoothing = Smoothing { steps: 3, band: 25.0 };
-/// The first grid is as wide as the longest side, and so many times as wide as elements that were halved at thin walls:
-/// four times the band, as well damped by twice the steps.
+/// The first grid is as wide as the longest side, which is several times the width of elements
+/// halved at thin walls. A band four times as wide is damped as well by twice the steps.
 const LINEAR: Smoothing = Smoothing { steps: 8, band: 100.0 };
-/// For grids of doubling width.
+/// For grids, each twice as wide as the one before.
 pub(crate) const GRID: Smoothing = Smoothing { steps: 4, band: 25.0 };
-/// Nodes at most of the level that is factorized.
+/// Largest number of nodes of the level that is factorized.
 const DENSE_NODES: usize = 250;
 
 enum Matrix {
-    /// The one that is handed over with every call.
+    /// The matrix that is passed with every call.
     Finest,
     Stored(Blocks),
 }
@@ -54,7 +57,7 @@ struct Level {
     inverse_diagonal: Vec<DMat3>,
     top: f64,
     smoothing: Smoothing,
-    /// From the next coarser level to this one.
+    /// Transfer from the next coarser level to this one.
     transfer: Transfer,
     x: Vec<DVec3>,
     r: Vec<DVec3>,
@@ -70,7 +73,7 @@ pub(crate) struct Transfer {
     pub(crate) coarse: Vec<u32>,
     pub(crate) weight: Vec<f64>,
     pub(crate) n_coarse: usize,
-    /// What a held fine node may still do.
+    /// Projections onto the free directions of supported fine nodes.
     pub(crate) held: Vec<(u32, DMat3)>,
 }
 
@@ -90,7 +93,7 @@ impl Transfer {
         }
     }
 
-    /// Adds what a coarse correction is on the fine level; `t` is scratch.
+    /// Adds a coarse correction to the fine level; `t` is scratch.
     fn prolong(&self, coarse: &[DVec3], fine: &mut [DVec3], t: &mut [DVec3]) {
         t.par_chunks_mut(CHUNK).enumerate().for_each(|(c, chunk)| {
             for (i, t) in (c * CHUNK..).zip(chunk) {
@@ -101,7 +104,7 @@ impl Transfer {
         add(fine, 1.0, t);
     }
 
-    /// The transposed. `fine` is taken to be scratch afterwards.
+    /// The transposed transfer. `fine` serves as scratch and is overwritten.
     fn restrict(&self, fine: &mut [DVec3], coarse: &mut [DVec3]) {
         self.hold(fine);
         coarse.fill(DVec3::ZERO);
@@ -113,7 +116,7 @@ impl Transfer {
     }
 }
 
-/// The levels, finest first, and the factor of the coarsest.
+/// The levels, finest first, and the factor of the coarsest one.
 pub(crate) struct Multigrid {
     levels: Vec<Level>,
     dense: Dense,
@@ -129,7 +132,7 @@ impl Multigrid {
     ) -> Result<Self, SolidError> {
         let laws = model.laws()?;
         let mesh = model.mesh;
-        // Corners alone, numbered in the order of all nodes.
+        // The corners alone, numbered in the order of all nodes.
         let mut id = vec![u32::MAX; mesh.nodes.len()];
         for t in &mesh.tets {
             t[..4].iter().for_each(|&v| id[v as usize] = 0);
@@ -164,7 +167,8 @@ impl Multigrid {
         });
         let longest = longest.reduce(|| 0.0, f64::max);
         let volume: f64 = (0..tets.len()).map(|t| tet_shape::volume(&mesh.corners(t))).sum();
-        // Inside a body-centred lattice of width a there are two corners in a cell; the grid is twice as wide.
+        // A cell of a body-centred lattice of width a holds two corners; the grid is twice as wide
+        // as such a cell.
         let width = longest.max(2.0 * (2.0 * volume / places.len() as f64).cbrt());
         let held: Vec<(u32, DMat3)> =
             (0..corners.len()).filter_map(|i| free(i).map(|p| (i as u32, *p))).collect();
@@ -187,7 +191,8 @@ impl Multigrid {
             levels.push(Level::new(finest, Matrix::Stored(matrix), diagonal, transfer, smoothing));
             (matrix, smoothing) = (coarse, GRID);
             let places: Vec<DVec3> = cells.iter().map(|c| c.as_dvec3()).collect();
-            // Not around the corner of the finer grid's first node: halves fall on nodes.
+            // Grids below start at the origin of the finer one, so that every second node
+            // coincides.
             (transfer, cells) = Grid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
         }
         let dense = Dense::new(&matrix);
@@ -212,7 +217,7 @@ impl Multigrid {
         sizes
     }
 
-    /// An approximate solution `z` for the forces `r`.
+    /// An approximate solution `z` for the residual forces `r`: one V-cycle.
     pub(crate) fn apply(&mut self, finest: &dyn System, r: &[DVec3], z: &mut [DVec3]) {
         self.levels[0].r.copy_from_slice(r);
         self.cycle(finest, 0);
@@ -223,12 +228,13 @@ impl Multigrid {
         let (upper, below) = self.levels.split_at_mut(at + 1);
         let level = &mut upper[at];
         level.smooth_first(finest);
-        // The residual goes to the scratch vector, for the right-hand side is needed again.
+        // The residual goes to the scratch vector, because the right side is needed again after the
+        // coarse correction.
         level.matrix.apply(finest, &level.x, &mut level.t, &mut level.scratch);
         for_each(&mut level.t, &level.r, |t, r| *t = *r - *t);
         if let Some(next) = below.first_mut() {
             level.transfer.restrict(&mut level.t, &mut next.r);
-            // A held corner must not follow the free nodes between it and others.
+            // A supported corner must not follow free middle nodes beside it.
             next.transfer.hold(&mut next.r);
             self.cycle(finest, at + 1);
             let (upper, below) = self.levels.split_at_mut(at + 1);
@@ -272,14 +278,17 @@ impl Level {
         };
         let (x, r, d, t) = (zero(), zero(), zero(), zero());
         let mut level = Self { matrix, inverse_diagonal, top: 1.0, smoothing, transfer, x, r, d, t, scratch };
+        // Power iteration approaches the largest eigenvalue from below; 1.2 keeps the true one
+        // within the polynomial's range.
         level.top = 1.2 * level.largest_eigenvalue(finest);
         level
     }
 
-    /// Power iteration on the scaled matrix.
+    /// Largest eigenvalue of the scaled matrix, by power iteration.
     fn largest_eigenvalue(&mut self, finest: &dyn System) -> f64 {
         let n = self.x.len();
-        // Any start with all frequencies does; this one is the same everywhere.
+        // A pseudorandom start contains all eigenvectors; the fixed seed makes it the same
+        // everywhere.
         let mut state = 0x9e37_79b9_7f4a_7c15u64;
         let mut next = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -311,7 +320,7 @@ impl Level {
         self.chebyshev(finest);
     }
 
-    /// Chebyshev iteration from `x` whose residual is in `t`.
+    /// Chebyshev iteration from `x`, whose residual is in `t`.
     fn chebyshev(&mut self, finest: &dyn System) {
         let (high, low) = (self.top, self.top / self.smoothing.band);
         let (middle, half) = (0.5 * (high + low), 0.5 * (high - low));
@@ -342,8 +351,9 @@ fn scaled(d: &mut [DVec3], r: &[DVec3], inverse: &[DMat3], keep: f64, take: f64)
     });
 }
 
-/// Corners keep their value; nodes between them get the linear field of an element at their place. On a straight side
-/// that is the mean of its ends; on a curved one the mean would bend rigid rotations.
+/// Transfer from the corners to all nodes. Corners keep their value; a middle node gets the linear
+/// field of an element at its position. On a straight side that is the mean of both ends. On a
+/// curved side the mean would not reproduce rigid rotations.
 fn from_linear(mesh: &TetMesh, id: &[u32], n_coarse: usize, supports: &Supports) -> Transfer {
     let n = mesh.nodes.len();
     let mut tet_of = vec![u32::MAX; n];
@@ -378,7 +388,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// Trilinear weights of the grid's nodes at some places, and the nodes in use.
+    /// Trilinear weights of the grid's nodes at some places, and the grid nodes in use.
     pub(crate) fn over(&self, places: &[DVec3], held: Vec<(u32, DMat3)>) -> (Transfer, Vec<IVec3>) {
         let weights = |&p: &DVec3| {
             let q = (p - self.origin) / self.width;
@@ -408,13 +418,15 @@ impl Grid {
     }
 }
 
-/// Steps between coupled nodes of a grid reach this far along each axis, as no side is longer than the grid is wide.
+/// Greatest distance between coupled nodes of a grid along each axis: no side is longer than the
+/// grid is wide.
 const REACH: i32 = 2;
+/// Number of places of a node's coupled nodes. Source: derived: (2 x 2 + 1)^3.
 const STENCIL: usize = 125;
 
 /// The product of transposed transfer, matrix and transfer.
 fn galerkin(fine: &Blocks, transfer: &Transfer, cells: &[IVec3]) -> Blocks {
-    // For each coarse node the fine ones that it has weight at.
+    // For each coarse node the fine nodes at which it has weight.
     let mut start = vec![0u32; transfer.n_coarse + 1];
     for &c in &transfer.coarse {
         start[c as usize + 1] += 1;
@@ -431,6 +443,7 @@ fn galerkin(fine: &Blocks, transfer: &Transfer, cells: &[IVec3]) -> Blocks {
         }
     }
     let row = |c: usize| {
+        // A full cube of slots instead of a search: coupled nodes are at most two steps apart.
         let mut sums = [DMat3::ZERO; STENCIL];
         let mut used = [u32::MAX; STENCIL];
         for &(i, wi) in &support[start[c] as usize..start[c + 1] as usize] {
@@ -452,8 +465,8 @@ fn galerkin(fine: &Blocks, transfer: &Transfer, cells: &[IVec3]) -> Blocks {
     Blocks::from_rows((0..transfer.n_coarse).into_par_iter().map(row).collect())
 }
 
-/// Cholesky factor of the coarsest matrix. Directions without stiffness (nodes whose weights depend on others, or with
-/// nothing free below them) are left out instead of failing.
+/// Cholesky factor of the coarsest matrix. Directions without stiffness are left out instead of
+/// failing: nodes whose weights depend on others, or that have no free node below them.
 struct Dense {
     n: usize,
     /// Lower triangle by rows.
@@ -484,6 +497,7 @@ impl Dense {
                 own[j] = if pivot > 0.0 { sum / pivot } else { 0.0 };
             }
             let rest = whole - product(&own[..i], &own[..i]);
+            // What is left of the diagonal is rounding: the direction depends on those before it.
             own[i] = if rest > 1e-9 * whole { rest.sqrt() } else { 0.0 };
         }
         Self { n, factor: a }

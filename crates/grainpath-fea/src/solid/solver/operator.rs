@@ -1,7 +1,8 @@
 //! The stiffness of quadratic tetrahedra applied without storing it.
 //!
-//! Elements are taken in groups that gather their nodes, work in the cache, and leave their forces in places of their
-//! own; each node then adds up its groups in order. So the last bit does not depend on the number of threads.
+//! Elements are processed in groups. A group gathers its nodes, works in the cache, and writes its
+//! forces to places of its own. Each node then adds up the places of its groups in a fixed order,
+//! so the result has the same bits for any number of threads.
 
 use grainpath_core::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -13,7 +14,9 @@ use crate::solid::model::material_map::Model;
 use crate::solid::model::quadratic_tet::{self as element, Law, STIFFNESS_RULE};
 use crate::solid::model::tet_shape::EDGES;
 
+/// Elements of a group; their nodes are numbered with 16 bits.
 const GROUP: usize = 1024;
+/// Nodes that one task processes.
 pub(crate) const CHUNK: usize = 4096;
 
 pub(crate) struct Operator<'a> {
@@ -21,7 +24,7 @@ pub(crate) struct Operator<'a> {
     laws: Vec<Law>,
     supports: &'a Supports,
     groups: Vec<Group>,
-    /// Where the groups left the forces on each node: `places[start[i]..start[i + 1]]`.
+    /// Places where the groups left the forces on each node: `places[start[i]..start[i + 1]]`.
     start: Vec<u32>,
     places: Vec<u32>,
 }
@@ -62,7 +65,7 @@ impl<'a> Operator<'a> {
         Ok(Self { model, laws, supports, groups, start, places })
     }
 
-    /// Bytes that it and its scratch take.
+    /// Bytes of the operator and its scratch.
     pub(crate) fn bytes(&self) -> usize {
         let tets = self.model.mesh.tets.len() * size_of::<Tet>();
         tets + self.places.len() * (8 + size_of::<DVec3>()) + 4 * self.start.len()
@@ -137,7 +140,7 @@ impl System for Operator<'_> {
     }
 }
 
-/// The inverse of a block, of one nearly singular that of one a little stiffer.
+/// The inverse of a block. A nearly singular block is made slightly stiffer first.
 pub(crate) fn inverse(k: DMat3) -> DMat3 {
     let trace = k.x_axis.x + k.y_axis.y + k.z_axis.z;
     if trace <= 0.0 {
@@ -161,6 +164,7 @@ fn group(model: &Model<'_>, g: usize) -> Group {
     let tet = |t: usize| {
         let x = mesh.places(t);
         let longest = EDGES.iter().map(|&(i, j)| x[i].distance(x[j])).fold(0.0, f64::max);
+        // Within rounding of the straight middle: then the cheaper formula below is exact.
         let straight = |(m, &(i, j)): (usize, &(usize, usize))| {
             x[4 + m].distance(0.5 * (x[i] + x[j])) < 1e-12 * (longest + x[i].length())
         };
@@ -182,12 +186,14 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-/// With straight sides the gradient of the displacement is linear over the element, so its values at the corners and
-/// the mass matrix of linear functions give the forces exactly. At corner i it is the sum over l of w_il times the
-/// gradient of coordinate l, where w_il = 4 u_(middle of i, l) - u_l, and w_ii = 3 u_i.
+/// Forces of an element with straight sides. The gradient of the displacement is linear over it, so
+/// its values at the corners and the mass matrix of linear functions give the forces exactly. At
+/// corner i the gradient is the sum over l of w_il times the gradient of coordinate l, with w_il =
+/// 4 u_(middle of i, l) - u_l and w_ii = 3 u_i.
 fn straight_forces(tet: &Tet, law: &Law, u: &[DVec3; 10]) -> [DVec3; 10] {
     let [gb, gc, gd] = tet.slopes;
-    // Node between corners i and l; `MIDDLE[i][i]` is not used.
+    // Node between corners i and l; the diagonal is not used. Source: definition, the order of the
+    // middle nodes.
     const MIDDLE: [[usize; 4]; 4] = [[0, 4, 6, 7], [4, 1, 5, 8], [6, 5, 2, 9], [7, 8, 9, 3]];
     let mut stress = [DMat3::ZERO; 4];
     let mut sum = DMat3::ZERO;
@@ -199,6 +205,7 @@ fn straight_forces(tet: &Tet, law: &Law, u: &[DVec3; 10]) -> [DVec3; 10] {
         sum += stress[i];
     }
     let mut f = [DVec3::ZERO; 10];
+    // The mass matrix of linear functions on a tetrahedron is volume / 20 times (1 + identity).
     let scale = tet.volume / 20.0;
     for i in 0..4 {
         let t = (sum + stress[i]) * scale;

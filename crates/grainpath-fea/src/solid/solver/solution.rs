@@ -1,11 +1,11 @@
-//! What solving takes and gives.
+//! Settings and results of a solution.
 
 use grainpath_core::DVec3;
 
-/// Which solver.
+/// Choice of the solver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
-    /// A factorization for small parts with many loads, iteration otherwise.
+    /// A factorization for small parts with many loads, otherwise iteration.
     #[default]
     Auto,
     /// Sparse Cholesky factorization: its memory grows with the 4/3rd power of the part.
@@ -14,16 +14,16 @@ pub enum Method {
     Iterative,
 }
 
-/// How to solve.
+/// Settings of a solution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolveSettings {
-    /// Residual over the load at which the iteration ends.
+    /// Residual relative to the load at which the iteration ends.
     pub tolerance: f64,
-    /// Iterations at most.
+    /// Largest number of iterations.
     pub max_iterations: usize,
-    /// Memory that may be taken, MiB.
+    /// Memory limit, MiB.
     pub max_mib: f64,
-    /// Which solver.
+    /// The solver.
     pub method: Method,
 }
 
@@ -33,23 +33,23 @@ impl Default for SolveSettings {
     }
 }
 
-/// What a load does.
+/// Displacements and reactions under a load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
     /// Displacement of each node, mm.
     pub displacement: Vec<DVec3>,
-    /// What holds each node against the load, N; zero where nothing is prescribed.
+    /// Force of the supports on each node, N; zero where no displacement is prescribed.
     pub reaction: Vec<DVec3>,
-    /// Residual over the load, of the displacement given.
+    /// Residual of the displacement, relative to the load.
     pub residual: f64,
     /// Iterations made; 0 for a direct solution.
     pub iterations: usize,
 }
 
-/// How it was solved.
+/// How a system was solved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolveInfo {
-    /// Unknowns: three for each node less what is prescribed.
+    /// Number of unknowns: three for each node less the prescribed ones.
     pub n_free: usize,
     /// Name of the method.
     pub solver: &'static str,

@@ -1,4 +1,8 @@
 //! Displacements for given loads and supports.
+//!
+//! Small systems with many loads are factored, all others are solved by conjugate gradients with a
+//! multigrid preconditioner. Forces are in N, displacements in mm. Memory is estimated and refused
+//! before it is allocated.
 
 use grainpath_core::DVec3;
 
@@ -14,14 +18,15 @@ use crate::solid::model::material_map::Model;
 use crate::solid::model::memory::{fitting_edge_mm, solving_mib};
 use crate::sparse::BYTES_PER_MIB;
 
-/// A factorization pays up to so many unknowns, from so many loads on.
+/// Largest number of unknowns, and least number of loads, for which a factorization pays.
 const DIRECT_DOFS: usize = 60_000;
 const DIRECT_LOADS: usize = 6;
 
 /// Solves for several loads (forces on each node, N) with one preparation.
 ///
 /// # Errors
-/// A piece that is not held, a material that is none, memory over the limit, or no convergence.
+/// A piece that is not held, a material whose stiffness is not positive, memory above the limit, or
+/// no convergence.
 pub fn solve(
     model: &Model<'_>,
     supports: &Supports,
@@ -60,7 +65,8 @@ pub fn solve(
     Ok((solutions, info))
 }
 
-/// A solution, what is left of the load at each node, zero where held, and the size of the load that it is measured by.
+/// A solution, its residual at each node (zero along supports), and the size of the load that the
+/// residual is compared with.
 pub(crate) struct Solved {
     pub(crate) solution: Solution,
     pub(crate) residual: Vec<DVec3>,
@@ -82,6 +88,8 @@ pub(crate) fn iterate(
     let (prescribed, moved) = supports.prescribed();
     let mut q = zero();
     let mut first = load.to_vec();
+    // A prescribed displacement acts as a load: the forces that it causes at free nodes move to the
+    // right side.
     if moved {
         operator.forces(&prescribed, &mut q, &mut scratch);
         add(&mut first, -1.0, &q);
@@ -94,7 +102,8 @@ pub(crate) fn iterate(
     let (mut size, mut rz, mut iterations) = (dot(&r, &r).sqrt(), 1.0, 0);
     while size > goal && iterations < settings.max_iterations {
         multigrid.apply(operator, &r, &mut z);
-        // The preconditioner is symmetric but for rounding; taking the change of the residual keeps rounding out.
+        // The preconditioner is symmetric but for rounding. Polak and Ribiere's formula, which uses
+        // the change of the residual, tolerates that (`notay2000`).
         add(&mut before, -1.0, &r);
         let beta = if iterations == 0 { 0.0 } else { -dot(&before, &z) / rz };
         rz = dot(&r, &z);
@@ -116,7 +125,8 @@ pub(crate) fn iterate(
         let residual = size / load_size;
         return Err(SolidError::NotConverged { residual, iterations });
     }
-    // The residual that is reported is that of the result, not the one that the iteration carried along.
+    // The reported residual is computed from the result, not the one carried along by the
+    // iteration.
     operator.forces(&u, &mut q, &mut scratch);
     let mut rest = q;
     add(&mut rest, -1.0, load);

@@ -1,32 +1,33 @@
-//! What the iteration and its preconditioner ask of a stiffness.
+//! The interface between a stiffness and the iteration with its preconditioner.
 
 use grainpath_core::{DMat3, DVec3};
 
 use crate::solid::model::constraints::Supports;
 
-/// A stiffness that is applied, not stored.
+/// A stiffness that is applied without being stored.
 pub(crate) trait System: Sync {
     /// Number of nodes.
     fn n_nodes(&self) -> usize;
 
-    /// What holds it.
+    /// Its supports.
     fn supports(&self) -> &Supports;
 
     /// The scratch that `forces` needs.
     fn scratch(&self) -> Vec<DVec3>;
 
-    /// Forces of a displacement, as if nothing were held.
+    /// Forces of a displacement, as if no node were supported.
     fn forces(&self, u: &[DVec3], f: &mut [DVec3], scratch: &mut [DVec3]);
 
-    /// [`System::forces`] to a few digits, where that is cheaper: what a preconditioner needs.
+    /// `forces` to a few digits, where that is cheaper; a preconditioner needs no more.
     fn rough_forces(&self, u: &[DVec3], f: &mut [DVec3], scratch: &mut [DVec3]) {
         self.forces(u, f, scratch);
     }
 
-    /// Inverses of the blocks on the diagonal, of what is held the identity.
+    /// Inverses of the diagonal blocks; for supported directions the identity.
     fn inverse_diagonal(&self) -> Vec<DMat3>;
 
-    /// Forces of a displacement that is zero where held, with the held parts of rows replaced by the identity.
+    /// Forces of a displacement that is zero along supports. The supported parts of rows are
+    /// replaced by the identity.
     fn apply(&self, u: &[DVec3], f: &mut [DVec3], scratch: &mut [DVec3]) {
         self.forces(u, f, scratch);
         self.hold(u, f);
@@ -38,7 +39,7 @@ pub(crate) trait System: Sync {
         self.hold(u, f);
     }
 
-    /// Replaces the held parts of rows by the identity.
+    /// Replaces the supported parts of rows by the identity.
     fn hold(&self, u: &[DVec3], f: &mut [DVec3]) {
         self.supports().project(f);
         for (i, held) in self.supports().held_part(u) {
