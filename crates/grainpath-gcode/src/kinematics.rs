@@ -1,8 +1,8 @@
-//! How long moves take: trapezoids of speed with limits at the corners between them.
+//! Estimates how long moves take: trapezoidal speed profiles with speed limits at corners.
 
 use std::collections::VecDeque;
 
-/// How fast a corner may be taken.
+/// Model of the speed allowed at corners.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Corner {
     /// Jump in speed allowed for each axis x, y, z, e, mm/s (Marlin's classic jerk, RepRapFirmware's instantaneous
@@ -14,7 +14,7 @@ pub enum Corner {
     SquareCorner(f64),
 }
 
-/// What the axes can do.
+/// Speed and acceleration limits of the axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Highest speed of x, y, z, e, mm/s.
@@ -23,9 +23,9 @@ pub struct Limits {
     pub acceleration_mm_s2: f64,
     /// Acceleration of travels, mm/s2.
     pub travel_acceleration_mm_s2: f64,
-    /// Acceleration of the filament alone, mm/s2.
+    /// Acceleration of moves of the filament alone, mm/s2.
     pub retract_acceleration_mm_s2: f64,
-    /// At corners.
+    /// Limit at corners.
     pub corner: Corner,
 }
 
@@ -46,7 +46,7 @@ impl Default for Limits {
 pub struct Move {
     /// Distance in x, y, z and filament, mm.
     pub delta_mm: [f64; 4],
-    /// Speed asked for, mm/s.
+    /// Requested speed, mm/s.
     pub speed_mm_s: f64,
 }
 
@@ -55,22 +55,23 @@ struct Block {
     length: f64,
     speed: f64,
     acceleration: f64,
-    /// Highest speed at its beginning.
+    /// Highest speed at the beginning of the move.
     entry_limit: f64,
     unit: [f64; 4],
 }
 
-/// Adds up the time of moves, looking ahead as firmware does.
+/// Sums the time of moves and looks ahead as firmware does.
 #[derive(Debug, Clone)]
 pub struct TimeEstimator {
     limits: Limits,
     queue: VecDeque<Block>,
-    /// Speed at which the first block of the queue is entered.
+    /// Speed at the beginning of the first block of the queue.
     entry: f64,
     done_s: f64,
 }
 
-/// Moves looked at together; when as many wait, the older half is settled.
+/// Moves that are planned together. When that many are waiting, the older half is final. Marlin looks
+/// ahead by 16 moves; with more moves the estimate changes only where a ramp spans all of them.
 const LOOK_AHEAD: usize = 256;
 
 impl TimeEstimator {
@@ -79,16 +80,19 @@ impl TimeEstimator {
         Self { limits, queue: VecDeque::with_capacity(LOOK_AHEAD), entry: 0.0, done_s: 0.0 }
     }
 
-    /// Adds a move. One without length takes no time.
+    /// Adds a move. A move without length takes no time.
     pub fn push(&mut self, m: &Move) {
         let [x, y, z, e] = m.delta_mm;
         let travel = (x * x + y * y + z * z).sqrt();
+        // As in firmware, the speed of a move with travel is that of the nozzle, and E follows; a move of
+        // E alone has E's speed.
         let length = if travel > 1e-9 { travel } else { e.abs() };
         if !(length > 1e-9 && length.is_finite() && m.speed_mm_s > 0.0) {
             return;
         }
         let unit = m.delta_mm.map(|d| d / length);
         let mut speed = m.speed_mm_s;
+        // An axis moves with its share of the speed, and none may exceed its own limit.
         for (u, max) in unit.iter().zip(self.limits.max_speed_mm_s) {
             if u.abs() > 1e-9 {
                 speed = speed.min(max / u.abs());
@@ -101,6 +105,7 @@ impl TimeEstimator {
         } else {
             self.limits.travel_acceleration_mm_s2
         };
+        // The first move has no corner before it and begins at rest.
         let entry_limit = match self.queue.back() {
             Some(before) => self.corner_speed(before, &unit, speed, acceleration),
             None => speed.min(self.rest_speed(&unit)),
@@ -111,15 +116,18 @@ impl TimeEstimator {
         }
     }
 
-    /// A stop of this many seconds.
+    /// Adds a stop of this many seconds.
     pub fn dwell(&mut self, seconds: f64) {
+        // Motion ends at rest before a pause.
         self.settle(usize::MAX);
         self.done_s += seconds.max(0.0);
     }
 
-    /// The speed a move may begin or end with from rest.
+    /// Highest speed at which a move may begin from rest or end at rest.
     fn rest_speed(&self, unit: &[f64; 4]) -> f64 {
         match self.limits.corner {
+            // Marlin allows half the jerk from rest: the axis changes between 0 and the speed, not
+            // between two opposite ones.
             Corner::Jerk(jerk) => within(unit, &jerk, 0.5),
             _ => 0.0,
         }
@@ -132,15 +140,17 @@ impl TimeEstimator {
             Corner::Jerk(jerk) => top.min(within(&turn, &jerk, 1.0)),
             Corner::Deviation(d) => top.min(deviation_speed(before, unit, acceleration, d)),
             Corner::SquareCorner(v) => {
+                // Klipper converts its square corner velocity to a junction deviation with this formula;
+                // at a right angle both give the same speed.
                 let d = v * v * (std::f64::consts::SQRT_2 - 1.0) / acceleration;
                 top.min(deviation_speed(before, unit, acceleration, d))
             }
         }
     }
 
-    /// Plans the queue as far as it goes and adds up the time of its first `n` moves.
+    /// Plans the whole queue and adds the time of its first `n` moves.
     fn settle(&mut self, n: usize) {
-        // Backwards: each move must be slow enough at its start to come down to the next one's.
+        // Backward pass: each move must begin slowly enough to reach the entry speed of the next one.
         let mut entries = vec![0.0; self.queue.len() + 1];
         if let Some(last) = self.queue.back() {
             entries[self.queue.len()] = self.rest_speed(&last.unit).min(last.speed);
@@ -153,11 +163,13 @@ impl TimeEstimator {
         for i in 0..n.min(self.queue.len()) {
             let Some(b) = self.queue.pop_front() else { break };
             let (v0, a) = (entries[i], b.acceleration);
+            // Forward pass: no move ends faster than it can accelerate from its beginning.
             let v1 = entries[i + 1].min((v0 * v0 + 2.0 * a * b.length).sqrt());
             entries[i + 1] = v1;
-            // The top speed if there were no limit.
+            // The peak speed of the triangle profile without a speed limit.
             let peak = (0.5 * (v0 * v0 + v1 * v1) + a * b.length).sqrt();
             let top = peak.min(b.speed).max(v0.max(v1));
+            // Both ramps together; what is left of the length is driven at the top speed.
             let ramps = (top * top - v0 * v0 + top * top - v1 * v1) / (2.0 * a);
             self.done_s += (2.0 * top - v0 - v1) / a + (b.length - ramps).max(0.0) / top;
             self.entry = v1;
@@ -167,7 +179,7 @@ impl TimeEstimator {
         }
     }
 
-    /// Time of all moves so far, s; the last one ends at rest.
+    /// Time of all moves so far, s. The last move ends at rest.
     pub fn seconds(&self) -> f64 {
         let mut rest = self.clone();
         rest.settle(usize::MAX);
@@ -175,18 +187,21 @@ impl TimeEstimator {
     }
 }
 
-/// The speed at which no axis changes by more than its share of the jerk.
+/// The highest speed at which no axis changes its speed by more than `share` of its jerk.
 fn within(change: &[f64; 4], jerk: &[f64; 4], share: f64) -> f64 {
     let allowed = change.iter().zip(jerk).filter(|(c, _)| c.abs() > 1e-9).map(|(c, j)| share * j / c.abs());
     allowed.fold(f64::INFINITY, f64::min)
 }
 
-/// The speed of a circle through the corner that stays within `d` of it.
+/// The speed on the circle through a corner that stays within `d` of it. Source: the junction deviation
+/// of Grbl and Marlin.
 fn deviation_speed(before: &Block, unit: &[f64; 4], acceleration: f64, d: f64) -> f64 {
     let cos = -(0..3).map(|k| before.unit[k] * unit[k]).sum::<f64>();
+    // A straight continuation has no corner; the formula would divide by zero.
     if cos < -0.999_999 {
         return f64::INFINITY;
     }
+    // Half-angle identity: sin(theta/2), where theta is the angle between the two moves.
     let sin_half = (0.5 * (1.0 - cos.min(0.999_999))).sqrt();
     (acceleration * d * sin_half / (1.0 - sin_half)).sqrt()
 }

@@ -1,11 +1,11 @@
-//! What the writer needs to know of printer, material and speeds. Plain numbers; where they come from is the
-//! planner's business.
+//! Properties of printer, material and speeds that the writer needs. They are plain numbers; the planner
+//! decides where they come from.
 
 use grainpath_core::{Role, SpeedClass};
 
 use crate::kinematics::Limits;
 
-/// The dialect a firmware speaks.
+/// The G-code dialect of a firmware.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Flavour {
     /// Marlin and most others.
@@ -41,7 +41,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Lowest and highest corner a nozzle may reach, x and y.
+    /// Lowest and highest corner that a nozzle can reach, in x and y.
     pub fn bed_bounds_mm(&self) -> ([f64; 2], [f64; 2]) {
         let [x, y, _] = self.bed_mm;
         if self.origin_at_centre { ([-0.5 * x, -0.5 * y], [0.5 * x, 0.5 * y]) } else { ([0.0; 2], [x, y]) }
@@ -67,12 +67,12 @@ pub struct Speeds {
     pub adhesion: f64,
     pub travel: f64,
     pub travel_z: f64,
-    /// Everything printed in the first layer is no faster than this.
+    /// Highest speed of everything printed in the first layer.
     pub first_layer: f64,
 }
 
 impl Speeds {
-    /// The speed of a path.
+    /// The speed of a path: that of its role, limited by its class and by the first layer.
     pub fn of(&self, role: Role, class: SpeedClass, first_layer: bool) -> f64 {
         let by_role = match role {
             Role::OuterWall => self.outer_wall,
@@ -88,6 +88,7 @@ impl Speeds {
             Role::Support => self.support,
             Role::SupportInterface => self.support_interface,
         };
+        // A class only slows down: a support over air must not become faster because bridges are fast.
         let speed = match class {
             SpeedClass::Normal => by_role,
             SpeedClass::SmallWall => by_role.min(self.small_wall),
@@ -98,83 +99,84 @@ impl Speeds {
     }
 }
 
-/// Fan and layer time.
+/// Fan speeds and layer times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cooling {
-    /// Fan where a layer takes long, 0 to 1.
+    /// Fan speed in layers that take long, 0 to 1.
     pub fan_min: f64,
-    /// Fan where it is short.
+    /// Fan speed in short layers.
     pub fan_max: f64,
-    /// Fan over air.
+    /// Fan speed over air.
     pub fan_bridge: f64,
-    /// Least fan while support is printed.
+    /// Lowest fan speed while support is printed.
     pub fan_support: f64,
-    /// Layers from the plate without fan.
+    /// Number of layers above the bed that are printed without fan.
     pub fan_off_layers: usize,
-    /// Layers faster than this are slowed down, s.
+    /// Layers that take less time are slowed down, s.
     pub min_layer_time_s: f64,
-    /// Layers faster than this get more than the least fan, s.
+    /// Layers that take less time get more than the lowest fan speed, s.
     pub fan_below_layer_time_s: f64,
-    /// Slowing down ends here, mm/s.
+    /// Speed below which layers are not slowed down, mm/s.
     pub min_speed_mm_s: f64,
 }
 
-/// Drawing the filament back for travels.
+/// Retraction of the filament for travel moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Retraction {
-    /// How far, mm of filament; 0 for never.
+    /// Length of filament that is drawn back, mm; 0 for no retraction.
     pub length_mm: f64,
-    /// How fast back, mm/s.
+    /// Speed of drawing back, mm/s.
     pub speed_mm_s: f64,
-    /// How fast forward again, mm/s.
+    /// Speed of pushing forward again, mm/s.
     pub unretract_speed_mm_s: f64,
-    /// The nozzle is lifted by this for it, mm.
+    /// Height by which the nozzle is lifted meanwhile, mm.
     pub z_hop_mm: f64,
 }
 
-/// What is printed with.
+/// Properties of a material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
-    /// Its name, for the header.
+    /// Its name, for the header of the program.
     pub name: String,
     /// g/cm3.
     pub density_g_cm3: f64,
-    /// Nozzle, degC.
+    /// Nozzle temperature, degC.
     pub nozzle_temp_c: f64,
-    /// Nozzle in the first layer, degC.
+    /// Nozzle temperature in the first layer, degC.
     pub first_layer_nozzle_temp_c: f64,
-    /// Bed, degC.
+    /// Bed temperature, degC.
     pub bed_temp_c: f64,
-    /// Bed in the first layer, degC.
+    /// Bed temperature in the first layer, degC.
     pub first_layer_bed_temp_c: f64,
     /// Factor on all extrusion.
     pub flow: f64,
     /// Pressure or linear advance, in the firmware's unit.
     pub pressure_advance: Option<f64>,
-    /// The most that melts, mm3/s.
+    /// Highest volume flow that the nozzle melts, mm3/s.
     pub max_volumetric_mm3_s: f64,
 }
 
-/// A tool that lays continuous fibre, and what it lays.
+/// A tool for continuous fibre and its material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FibreTool {
-    /// The tool's number where fibre has a nozzle of its own; the other is 0. `None` where fibre joins the matrix in
-    /// one nozzle.
+    /// Number of the tool where fibre has a nozzle of its own; the matrix is tool 0. `None` where fibre
+    /// and matrix share one nozzle.
     pub tool: Option<usize>,
-    /// Program that changes to `{tool}`.
+    /// G-code that changes to `{tool}`.
     pub tool_change_gcode: String,
-    /// Program that brings the fibre from the cutter to the nozzle, where a path begins.
+    /// G-code that feeds fibre from the cutter to the nozzle at the beginning of a path.
     pub feed_gcode: String,
-    /// Program that cuts.
+    /// G-code that cuts the fibre.
     pub cut_gcode: String,
-    /// Length of fibre between cutter and nozzle, mm: it is cut so much before a path's end.
+    /// Length of fibre between cutter and nozzle, mm. The fibre is cut at this distance before the end of
+    /// a path.
     pub cutter_mm: f64,
-    /// The first of a path sticks to what is below while this much is laid, mm.
+    /// Length at the beginning of a path that is laid slowly so that it sticks, mm.
     pub anchor_mm: f64,
-    /// Speed for that, mm/s.
+    /// Speed over that length, mm/s.
     pub anchor_speed_mm_s: f64,
-    /// Diameter of what the tool is fed with, mm.
+    /// Diameter of the filament that the tool is fed with, mm.
     pub filament_mm: f64,
-    /// What is laid.
+    /// The material that is laid.
     pub material: Material,
 }

@@ -1,8 +1,8 @@
-//! How well beads fill the part: gap, spill, overlap, by lines drawn across the layer.
+//! Measures how well beads fill the part: gap, spill and overlap, by scan lines across the layer.
 //!
-//! Every bead is a capsule: a straight piece with round ends. A line across the layer meets each capsule in one
-//! interval and the section in some; covered and uncovered lengths follow exactly, and the sum over evenly spaced
-//! lines is the area. Lines run aslant, so that no fill lies along them.
+//! Every bead is a capsule: a straight piece with round ends. A scan line crosses each capsule in one
+//! interval and the section in some intervals. Covered and uncovered lengths follow exactly, and the sum
+//! over evenly spaced lines approximates the area. Lines are oblique, so that no infill runs along them.
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::{DVec2, Region};
@@ -10,32 +10,35 @@ use rayon::prelude::*;
 
 use crate::simulate::{Bead, BeadLayer, Program};
 
-/// What a print measures up to; shares of the part's area in the layers looked at.
+/// Measures of a print, as shares of the part's area in the measured layers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Quality {
-    /// Part that no bead covers.
+    /// Share of the part that no bead covers.
     pub gap: f64,
-    /// Sum of bead areas over their union.
+    /// Area that beads cover more than once.
     pub overlap: f64,
-    /// Beads outside the part.
+    /// Area of beads outside the part.
     pub spill: f64,
-    /// The largest gap of a layer.
+    /// Largest gap of a single layer.
     pub worst_layer_gap: f64,
-    /// Bead widths that 1, 50 and 99 % of the printed length stay under, mm.
+    /// Bead widths below which 1, 50 and 99 % of the printed length lie, mm.
     pub bead_width_mm: [f64; 3],
-    /// Most paths in a layer.
+    /// Largest number of paths in a layer.
     pub paths_per_layer_max: usize,
-    /// Layers looked at.
+    /// Number of measured layers.
     pub layers: usize,
 }
 
-/// Direction of the lines; no common raster angle is near.
+/// Direction of the scan lines, rad (31.7 degrees). No common raster angle is near: lines along beads
+/// would see all of a gap or nothing of it.
 const ASLANT_RAD: f64 = 0.5533;
-/// Crossings looked at in one layer, about.
+/// Approximate number of crossings that are computed in a layer. The error of the area falls with the
+/// line spacing; more crossings cost time in proportion.
 const CROSSINGS: f64 = 150_000.0;
 
-/// Measures a program against the sections of its part. `section` gives the part's section at a height above the
-/// plate, in the machine's coordinates; layers are picked as the outside check picks them.
+/// Measures a program against the sections of its part. `section` returns the part's section at a height
+/// above the plate, in the machine's coordinates. A `sample` above 0 is the number of evenly spaced
+/// layers to measure; the outside check selects the same ones.
 pub fn quality(program: &Program, section: impl Fn(f64) -> Option<Region> + Sync, sample: usize) -> Quality {
     let n = program.layers.len();
     let with_part: Vec<&BeadLayer> =
@@ -48,6 +51,7 @@ pub fn quality(program: &Program, section: impl Fn(f64) -> Option<Region> + Sync
     };
     let measured: Vec<Areas> = picks
         .into_par_iter()
+        // The section halfway up the layer, where the slicer cuts it.
         .filter_map(|layer| Some(measure(layer, &section(layer.z_mm - 0.5 * layer.height_mm)?)))
         .collect();
     let mut q = Quality { layers: measured.len(), bead_width_mm: widths(&with_part), ..Quality::default() };
@@ -60,6 +64,7 @@ pub fn quality(program: &Program, section: impl Fn(f64) -> Option<Region> + Sync
         q.gap += (a.part - a.inside) / part;
         q.spill += (a.union - a.inside) / part;
         q.overlap += (a.beads - a.union) / part;
+        // The share of a tip smaller than 1 mm2 is dominated by the width of a bead.
         if a.part > 1.0 {
             q.worst_layer_gap = q.worst_layer_gap.max(1.0 - a.inside / a.part);
         }
@@ -90,7 +95,9 @@ fn measure(layer: &BeadLayer, section: &Region) -> Areas {
         .flat_map(|c| grainpath_core::poly::edges(c))
         .map(|(a, b)| (turn(a), turn(b)))
         .collect();
+    // The number of crossings is the total height of the beads over the spacing of lines.
     let tall: f64 = beads.iter().map(|(a, b, r)| (a.y - b.y).abs() + 2.0 * r).sum();
+    // At most 0.3 mm, so that thin gaps are met; at least 0.01 mm, below which f32 positions blur.
     let step = (tall / CROSSINGS).clamp(0.01, 0.3);
     let mut areas = Areas {
         part: section.area_mm2(),
@@ -106,6 +113,7 @@ fn measure(layer: &BeadLayer, section: &Region) -> Areas {
         let first = ((lo - low) / step - 0.5).ceil().max(0.0) as usize;
         first..(((hi - low) / step - 0.5).floor() + 1.0).clamp(0.0, rows as f64) as usize
     };
+    // Intervals as f32 take half the memory; 1e-5 mm on a bed of 200 mm is far below the spacing.
     let mut covered: Vec<Vec<(f32, f32)>> = vec![Vec::new(); rows];
     for &(a, b, r) in &beads {
         for row in row_range(a.y.min(b.y) - r, a.y.max(b.y) + r) {
@@ -120,7 +128,7 @@ fn measure(layer: &BeadLayer, section: &Region) -> Areas {
         let (lo, hi) = if a.y < b.y { (a, b) } else { (b, a) };
         for row in row_range(lo.y, hi.y) {
             let y = low + (row as f64 + 0.5) * step;
-            // Half-open, so that every line leaves what it enters.
+            // Half-open, so that a line leaves every contour that it enters.
             if lo.y <= y && y < hi.y {
                 borders[row].push((lo.x + (y - lo.y) / (hi.y - lo.y) * (hi.x - lo.x)) as f32);
             }
@@ -135,7 +143,7 @@ fn measure(layer: &BeadLayer, section: &Region) -> Areas {
         areas.inside += inside * step;
         part += border.chunks_exact(2).map(|p| f64::from(p[1] - p[0])).sum::<f64>() * step;
     }
-    // What the lines leave of the part's area is their own error; it must not look like a gap or a spill.
+    // The scan lines' own error in the area of the part must not appear as a gap or spill.
     if part > 0.0 {
         let exact = areas.part / part;
         areas.inside *= exact;
@@ -144,8 +152,10 @@ fn measure(layer: &BeadLayer, section: &Region) -> Areas {
     areas
 }
 
-/// Where the line at height `y` enters and leaves a capsule.
+/// The interval in which the line at height `y` crosses a capsule.
 fn capsule(a: DVec2, b: DVec2, r: f64, y: f64) -> Option<(f64, f64)> {
+    // A capsule is convex, so its lowest and highest crossing are the interval: two discs and two
+    // straight sides.
     let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut take = |x: f64| {
         lo = lo.min(x);
@@ -170,7 +180,7 @@ fn capsule(a: DVec2, b: DVec2, r: f64, y: f64) -> Option<(f64, f64)> {
     (lo < hi).then_some((lo, hi))
 }
 
-/// Length of the union of sorted intervals, and of what of it lies between pairs of borders.
+/// Length of the union of sorted intervals, and the part of it that lies between pairs of borders.
 fn lengths(intervals: &[(f32, f32)], borders: &[f32]) -> (f64, f64) {
     let (mut union, mut inside) = (0.0, 0.0);
     let mut pairs = borders.chunks_exact(2).peekable();
@@ -205,9 +215,10 @@ fn lengths(intervals: &[(f32, f32)], borders: &[f32]) -> (f64, f64) {
     (union, inside)
 }
 
-/// Widths by printed length: 1, 50 and 99 %.
+/// Widths at 1, 50 and 99 % of the printed length.
 fn widths(layers: &[&BeadLayer]) -> [f64; 3] {
     let of = |l: &&BeadLayer| -> Vec<(f64, f64)> {
+        // Very short beads are the ends of paths, whose width is rounding.
         let long = |b: &&Bead| b.role.is_part() && b.start().distance(b.end()) > 0.05;
         l.beads.iter().filter(long).map(|b| (b.width_mm(l.height_mm), b.start().distance(b.end()))).collect()
     };

@@ -1,29 +1,30 @@
-//! G-code as lines of a command, words and a comment. Nothing is kept between lines; any bytes are survived.
+//! Reads G-code as lines, each with a command, words and a comment. No state is kept between lines, and
+//! any bytes are accepted.
 
 use grainpath_core::number::{Exponent, leading_number};
 
-/// Words kept of one line; more are damage.
+/// Words that are kept of a line; a line with more is damaged. Real commands have at most about ten.
 const MAX_WORDS: usize = 16;
 
 /// One line of a program.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line<'a> {
-    /// From 1.
+    /// Number of the line, from 1.
     pub number: usize,
     /// Letter and number times ten of the command: `('G', 10)` for G1, `('G', 292)` for G29.2; `None` for a line without.
     pub command: Option<(u8, u32)>,
     words: [(u8, f64); MAX_WORDS],
     n_words: usize,
-    /// What follows `;`, without the space around it.
+    /// The text after `;`, trimmed.
     pub comment: &'a [u8],
-    /// The line without comment, for commands that are not letters and numbers.
+    /// The line without its comment, for commands that are not a letter with a number.
     pub text: &'a [u8],
-    /// Whether something on the line could not be understood.
+    /// Whether a part of the line could not be read.
     pub broken: bool,
 }
 
 impl Line<'_> {
-    /// The number after a letter (upper case); `None` where there is none.
+    /// The number after a letter (upper case); `None` where the letter is missing.
     pub fn word(&self, letter: u8) -> Option<f64> {
         self.words[..self.n_words].iter().find(|w| w.0 == letter).map(|w| w.1)
     }
@@ -50,7 +51,7 @@ pub struct Lines<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// Of these bytes.
+    /// The lines of these bytes.
     pub fn new(bytes: &'a [u8]) -> Self {
         Self { rest: bytes, number: 0 }
     }
@@ -66,6 +67,7 @@ impl<'a> Iterator for Lines<'a> {
         self.number += 1;
         let end = self.rest.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(self.rest.len());
         let text = &self.rest[..end];
+        // CR and LF together end one line; bare CR comes from old Mac editors.
         let crlf = self.rest.get(end) == Some(&b'\r') && self.rest.get(end + 1) == Some(&b'\n');
         self.rest = &self.rest[(end + 1 + usize::from(crlf)).min(self.rest.len())..];
         Some(parse(text, self.number))
@@ -74,7 +76,7 @@ impl<'a> Iterator for Lines<'a> {
 
 fn parse(line: &[u8], number: usize) -> Line<'_> {
     let (text, comment) = match line.iter().position(|&b| b == b';') {
-        // A semicolon inside quotes is text, not a comment.
+        // A semicolon inside quotes belongs to a text, such as the name of a file.
         Some(i) if line[..i].iter().filter(|&&b| b == b'"').count() % 2 == 0 => (&line[..i], &line[i + 1..]),
         _ => (line, &line[line.len()..]),
     };
@@ -88,7 +90,8 @@ fn parse(line: &[u8], number: usize) -> Line<'_> {
         text,
         broken: false,
     };
-    // Klipper's extended commands: two letters or more, then anything.
+    // Klipper's extended commands begin with a word of two letters or more; their parameters have a
+    // syntax of their own.
     let extended = text.len() > 1 && text[..2].iter().all(|b| b.is_ascii_alphabetic() || *b == b'_');
     if !extended {
         words(text, &mut out);
@@ -102,9 +105,10 @@ fn words(mut rest: &[u8], out: &mut Line<'_>) {
         let Some((&first, after)) = rest.split_first() else { return };
         match first {
             b'(' => {
-                // A comment in brackets; one that does not end takes the rest of the line.
+                // A comment in parentheses. Without an end it takes the rest of the line.
                 rest = after.iter().position(|&b| b == b')').map_or(&[], |end| &after[end + 1..]);
             }
+            // `*` begins a checksum; `%` frames programs of CNC machines.
             b'*' | b'%' => return,
             b'"' => {
                 rest = after.iter().position(|&b| b == b'"').map_or(&[], |end| &after[end + 1..]);
@@ -114,16 +118,19 @@ fn words(mut rest: &[u8], out: &mut Line<'_>) {
                 rest = &after[used..];
                 let letter = letter.to_ascii_uppercase();
                 let Some(value) = value else {
-                    // A letter alone is a flag (G28 X); one before a text in quotes names it.
+                    // A letter alone is a flag (`G28 X`); before a text in quotes it names the text.
                     push(out, letter, 0.0);
                     continue;
                 };
                 match out.command {
+                    // `N` with a number before the command is the line number of serial protocols.
                     _ if letter == b'N' && out.command.is_none() && out.n_words == 0 => {}
                     None if matches!(letter, b'G' | b'M' | b'T') => {
+                        // Codes are stored times ten, so that G29.2 and G29 stay apart without floats.
                         let code = (value * 10.0).round();
                         out.broken |= !(0.0..1e6).contains(&code);
                         out.command = Some((letter, code.clamp(0.0, 1e6) as u32));
+                        // M117, M118, M23, M28, M30 and M32 are followed by a message or a file name.
                         if letter == b'M'
                             && matches!(out.command, Some((_, 1170 | 1180 | 230 | 280 | 300 | 320)))
                         {
@@ -150,15 +157,16 @@ fn push(out: &mut Line<'_>, letter: u8, value: f64) {
     }
 }
 
-/// The number after a letter, spaces before it included, and how many bytes both take.
+/// The number after a letter, with the spaces before it, and the number of bytes that both take.
 fn number(bytes: &[u8]) -> (Option<f64>, usize) {
-    /// A number with more digits before its point than this is no coordinate.
+    /// Digits before the point that a coordinate can have. A number with more digits is damage; as f64 it
+    /// would lose digits.
     const MAX_WHOLE_DIGITS: usize = 18;
     let space = bytes.iter().take_while(|&&b| b == b' ').count();
     let Some((value, n)) = leading_number(&bytes[space..], Exponent::NotAllowed) else { return (None, 0) };
     let n_whole =
         bytes[space..space + n].iter().skip_while(|b| !b.is_ascii_digit()).take_while(|b| b.is_ascii_digit());
-    // Digits that are left over mark the line as damaged.
+    // The digits that are left over mark the line as damaged.
     if n_whole.count() > MAX_WHOLE_DIGITS {
         (None, space + MAX_WHOLE_DIGITS)
     } else {

@@ -1,4 +1,5 @@
-//! Running a machine program in mind: beads layer by layer, and what they add up to.
+//! A G-code interpreter: replays a program and collects its beads layer by layer, with length, volume and
+//! time.
 
 use std::collections::BTreeMap;
 
@@ -9,30 +10,30 @@ use grainpath_core::{DVec2, Role, Warning, WarningId};
 use crate::kinematics::{Limits, Move, TimeEstimator};
 use crate::read::{Line, Lines};
 
-/// A straight piece of bead; 32 bytes a move.
+/// A straight piece of bead. It takes 32 bytes, since a program has millions of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bead {
-    /// Where it begins, mm, in the machine's coordinates.
+    /// Its beginning, mm, in the machine's coordinates.
     pub a: [f32; 2],
-    /// Where it ends.
+    /// Its end.
     pub b: [f32; 2],
-    /// Volume laid, mm3.
+    /// Extruded volume, mm3.
     pub volume_mm3: f32,
-    /// Speed asked for, mm/s.
+    /// Requested speed, mm/s.
     pub speed_mm_s: f32,
-    /// What it is for; outer wall where the program does not say.
+    /// Its role; outer wall where the program does not state one.
     pub role: Role,
-    /// Whether a path begins with it.
+    /// Whether a path begins with this bead.
     pub starts: bool,
 }
 
 impl Bead {
-    /// Where it begins.
+    /// Its beginning, mm.
     pub fn start(&self) -> DVec2 {
         DVec2::new(f64::from(self.a[0]), f64::from(self.a[1]))
     }
 
-    /// Where it ends.
+    /// Its end, mm.
     pub fn end(&self) -> DVec2 {
         DVec2::new(f64::from(self.b[0]), f64::from(self.b[1]))
     }
@@ -44,29 +45,29 @@ impl Bead {
     }
 }
 
-/// All that is printed at one height.
+/// Everything that is printed at one height.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BeadLayer {
     /// Height of the nozzle, mm.
     pub z_mm: f64,
     /// Distance to the layer below, mm.
     pub height_mm: f64,
-    /// In printing order.
+    /// Beads in printing order.
     pub beads: Vec<Bead>,
-    /// Straight moves in plan without printing.
+    /// Straight moves in plan that print nothing.
     pub travels: Vec<[[f32; 2]; 2]>,
     /// Number of paths.
     pub paths: usize,
     /// Pieces of continuous fibre that begin here.
     pub fibre_starts: usize,
-    /// Where fibre is cut.
+    /// Places where fibre is cut.
     pub cuts: Vec<[f32; 2]>,
 }
 
-/// What a program does.
+/// The result of replaying a program.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Program {
-    /// The program that wrote it, where a comment says so.
+    /// Name of the program that wrote the G-code, where a comment states it.
     pub generator: Option<String>,
     /// Layers by height.
     pub layers: Vec<BeadLayer>,
@@ -76,34 +77,34 @@ pub struct Program {
     pub travel_mm: f64,
     /// Volume of all beads, mm3.
     pub extruded_mm3: f64,
-    /// Filament for it, mm.
+    /// Length of filament that was used, mm.
     pub filament_mm: f64,
-    /// Times the filament is drawn back.
+    /// Number of retractions.
     pub retractions: usize,
-    /// Time by trapezoids, s.
+    /// Estimated time, s.
     pub time_s: f64,
     /// Number of lines with a command.
     pub commands: usize,
-    /// Arcs among them.
+    /// Number of arcs among them.
     pub arcs: usize,
-    /// Highest nozzle and bed temperatures set, degC.
+    /// Highest nozzle temperature set, degC.
     pub nozzle_temp_c: f64,
     /// Highest bed temperature set, degC.
     pub bed_temp_c: f64,
-    /// Sizes of the pictures embedded, pixels.
+    /// Sizes of the embedded thumbnails, pixels.
     pub thumbnails: Vec<[u32; 2]>,
-    /// What could not be understood, the first few with their line.
+    /// Warnings about lines that could not be read; the first few name their line.
     pub warnings: Vec<Warning>,
 }
 
-/// Diameters that are taken for those of a filament.
+/// Diameters that a filament can have, mm. Other numbers are damage or another unit.
 const FILAMENTS_MM: std::ops::RangeInclusive<f64> = 0.01..=10.0;
 
 fn section_mm2(diameter_mm: f64) -> f64 {
     std::f64::consts::PI * diameter_mm * diameter_mm / 4.0
 }
 
-/// Why a program cannot be run in mind.
+/// Reasons why a program cannot be replayed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum SimulateError {
@@ -115,7 +116,8 @@ pub enum SimulateError {
     NoCommands { lines: usize },
 }
 
-/// Runs a program. `filament_mm` is the filament's diameter; `limits` are the printer's, for the time.
+/// Replays a program. `filament_mm` is the diameter of the filament; `limits` are those of the printer,
+/// for the time.
 ///
 /// # Errors
 /// [`SimulateError`] when there is nothing to run. A program that prints nothing is no error; it has no layers.
@@ -147,16 +149,16 @@ struct Machine {
     scale: f64,
     role: Role,
     filament_mm2: f64,
-    /// Whether E counts mm3 and not mm of filament, as M200 asks, and the section of the filament it means.
+    /// Whether E counts mm3 and not mm of filament (M200).
     volumetric: bool,
     volumetric_mm2: f64,
-    /// Section of what the fibre's tool is fed with, where the program says so.
+    /// Cross-section of the fibre tool's filament, where the program states it.
     fibre_mm2: Option<f64>,
     path_open: bool,
     /// Layers by height in tenths of a micrometre.
     layers: BTreeMap<i64, BeadLayer>,
     travels: Vec<[[f32; 2]; 2]>,
-    /// Pieces of fibre begun since the last bead.
+    /// Pieces of fibre that began since the last bead.
     fibre_starts: usize,
     time: TimeEstimator,
     program: Program,
@@ -169,6 +171,8 @@ impl Machine {
         Self {
             at: [0.0; 3],
             e: 0.0,
+            // Firmware starts with a default feed rate too; programs state their own before the first
+            // move.
             feed: 25.0,
             absolute: true,
             absolute_e: true,
@@ -199,17 +203,23 @@ impl Machine {
         self.program.commands += 1;
         match (letter, code) {
             (b'G', 0 | 10 | 20 | 30) => self.motion(line, code / 10),
+            // G4: S counts seconds, P milliseconds. A pause of more than an hour is a printer waiting for
+            // its user.
             (b'G', 40) => {
                 let s = line.word(b'S').unwrap_or(0.0) + line.word(b'P').unwrap_or(0.0) * 1e-3;
                 self.time.dwell(s.min(3600.0));
             }
+            // G20 and G21: inches and millimetres.
             (b'G', 200) => self.scale = 25.4,
             (b'G', 210) => self.scale = 1.0,
+            // G28 homes all axes or some; positions afterwards are those of the end stops, here 0.
             (b'G', 280) => self.at = [0.0; 3],
+            // G90 and G91 set E as well; M82 and M83 set E alone.
             (b'G', 900) => (self.absolute, self.absolute_e) = (true, true),
             (b'G', 910) => (self.absolute, self.absolute_e) = (false, false),
             (b'M', 820) => self.absolute_e = true,
             (b'M', 830) => self.absolute_e = false,
+            // G92 sets positions without motion; without words it sets all to 0.
             (b'G', 920) => {
                 let all = line.words().is_empty();
                 for (k, axis) in [b'X', b'Y', b'Z'].into_iter().enumerate() {
@@ -220,6 +230,7 @@ impl Machine {
                 self.e = e.unwrap_or(if all { 0.0 } else { self.e });
             }
             (b'M', 2000) => self.volume(line),
+            // M104, M109, M140, M190. The highest value counts, since programs cool down at their end.
             (b'M', 1040 | 1090) => {
                 self.program.nozzle_temp_c = self.program.nozzle_temp_c.max(line.word(b'S').unwrap_or(0.0));
             }
@@ -232,6 +243,7 @@ impl Machine {
 
     fn broken(&mut self, line: &Line<'_>) {
         self.n_broken += 1;
+        // Five examples show the kind of damage; a binary file would give thousands.
         if self.n_broken <= 5 {
             let text = String::from_utf8_lossy(&line.text[..line.text.len().min(60)]).into_owned();
             let text = format!("cannot understand {text:?}");
@@ -240,8 +252,8 @@ impl Machine {
         }
     }
 
-    /// M200 as Marlin reads it: a diameter lets E count mm3, D0 and S0 end that. Which tool is meant makes no
-    /// difference to volumes.
+    /// M200 as Marlin reads it: a diameter makes E count mm3, and D0 or S0 ends that. Volumes do not
+    /// depend on which tool is meant.
     fn volume(&mut self, line: &Line<'_>) {
         let asked = line.word(b'S').map(|s| s != 0.0);
         self.volumetric = match line.word(b'D').map(|d| d * self.scale) {
@@ -255,7 +267,7 @@ impl Machine {
         };
     }
 
-    /// What a number of E is multiplied with: in inches E counts inches, or cubic inches.
+    /// Factor on numbers of E. In inch mode E counts inches or cubic inches.
     fn e_scale(&self) -> f64 {
         if self.volumetric { self.scale.powi(3) } else { self.scale }
     }
@@ -263,19 +275,23 @@ impl Machine {
     fn comment(&mut self, comment: &[u8]) {
         let Ok(text) = std::str::from_utf8(comment) else { return };
         let after = |key: &str| {
+            // `get` and not slicing: a comment may end inside a character.
             let head = text.get(..key.len())?;
             head.eq_ignore_ascii_case(key).then(|| text[key.len()..].trim())
         };
+        // PrusaSlicer and OrcaSlicer write TYPE, Bambu Studio FEATURE, Simplify3D feature.
         if let Some(name) = after("TYPE:").or(after("FEATURE:")).or(after("feature ")) {
             self.role = role_named(name);
         } else if let Some(name) = plain_role(text) {
             self.role = name;
+        // Only the first such comment is from the program itself; later ones may be quoted settings.
         } else if self.program.generator.is_none() {
             let said = after("generated by ").or(after("generated with ")).or(after("Generated with "));
             let said = said.or_else(|| text.starts_with("G-Code generated by ").then(|| &text[20..]));
             self.program.generator = said.map(|s| s.chars().take(80).collect());
         }
         match text {
+            // Marks of our own writer; no firmware reads them.
             "FIBRE_START" => self.fibre_starts += 1,
             "FIBRE_CUT" => {
                 let [x, y, z] = self.at;
@@ -283,6 +299,7 @@ impl Machine {
             }
             _ => {}
         }
+        // The fibre's filament may be thinner than the matrix's, and volumes follow from it.
         if let Some(d) = after("fibre_filament_mm =").and_then(|d| d.parse::<f64>().ok())
             && FILAMENTS_MM.contains(&d)
         {
@@ -332,15 +349,17 @@ impl Machine {
     }
 
     fn advance(&mut self, start: DVec2, points: &[DVec2], length: f64, z: f64, dz: f64, de: f64) {
+        // Retraction during a travel (wipe) has a negative E and prints nothing.
         let prints = de > 0.0 && length > 0.0;
         let single = |p: DVec2| [p.x as f32, p.y as f32];
-        // What one of E is of filament, and of volume.
+        // Filament length (mm) and volume (mm3) for each unit of E.
         let (mm, mm3) = if self.volumetric {
             (1.0 / self.volumetric_mm2, 1.0)
         } else {
             let fibre = self.fibre_mm2.filter(|_| self.role == Role::Fibre);
             (1.0, fibre.unwrap_or(self.filament_mm2))
         };
+        // E alone, backwards: a retraction. With firmware retraction (G10) nothing is counted.
         if length == 0.0 && dz == 0.0 {
             self.program.retractions += usize::from(de < 0.0);
         } else if !prints {
@@ -349,6 +368,7 @@ impl Machine {
         }
         let mut p = start;
         for &q in points {
+            // Along an arc, E and z are shared out by length.
             let share = if length > 0.0 { p.distance(q) / length } else { 1.0 };
             let delta_mm = [q.x - p.x, q.y - p.y, dz * share, de * share * mm];
             self.time.push(&Move { delta_mm, speed_mm_s: self.feed });
@@ -360,6 +380,7 @@ impl Machine {
                 let layer = self.layers.entry(key(z)).or_default();
                 layer.fibre_starts += std::mem::take(&mut self.fibre_starts);
                 layer.paths += usize::from(!self.path_open);
+                // Travels belong to the layer of the bead that follows them.
                 layer.travels.append(&mut self.travels);
                 layer.beads.push(Bead {
                     a: single(p),
@@ -381,6 +402,7 @@ impl Machine {
         let mut below = 0.0;
         for (key, mut layer) in std::mem::take(&mut self.layers) {
             layer.z_mm = key as f64 * 1e-4;
+            // The layer below in height, not in time: objects printed one after another share heights.
             layer.height_mm = layer.z_mm - below;
             below = layer.z_mm;
             self.program.layers.push(layer);
@@ -394,14 +416,16 @@ impl Machine {
     }
 }
 
-/// A height in tenths of a micrometre.
+/// A height in tenths of a micrometre, as a key. Rounding joins heights that differ by the writer's
+/// rounding.
 fn key(z_mm: f64) -> i64 {
     (z_mm * 1e4).round() as i64
 }
 
-/// The points of an arc after its start, as the outside check divides it.
+/// The points of an arc after its start, divided as the outside check divides it.
 fn arc(from: DVec2, to: DVec2, line: &Line<'_>, scale: f64, clockwise: bool) -> Vec<DVec2> {
     let centre = match line.word(b'R') {
+        // The R form: the centre lies on the perpendicular bisector. A negative R means the longer arc.
         Some(r) => {
             let (r, d) = (r * scale, to - from);
             let length = d.length().max(1e-12);
@@ -416,12 +440,15 @@ fn arc(from: DVec2, to: DVec2, line: &Line<'_>, scale: f64, clockwise: bool) -> 
     let start = atan2(u.y, u.x);
     let mut sweep = atan2(v.y, v.x) - start;
     let turn = std::f64::consts::TAU;
+    // Equal ends mean a full circle, not an empty arc (NIST RS274/NGC, section 3.5.3).
     if clockwise && sweep >= -1e-12 {
         sweep -= turn;
     }
     if !clockwise && sweep <= 1e-12 {
         sweep += turn;
     }
+    // Chords of 0.1 mm; at least two, so that a half circle does not become a line, and at most 20 000 on
+    // a damaged radius.
     let steps = ((sweep.abs() * r / 0.1) as usize).clamp(2, 20_000);
     let point = |i: usize| {
         let (s, c) = sin_cos(start + sweep * i as f64 / steps as f64);
@@ -430,19 +457,21 @@ fn arc(from: DVec2, to: DVec2, line: &Line<'_>, scale: f64, clockwise: bool) -> 
     (1..steps).map(point).chain([to]).collect()
 }
 
-/// The role that PrusaSlicer and its kin, or Cura, call by this name.
+/// The role that PrusaSlicer, its relatives or Cura call by this name.
 fn role_named(name: &str) -> Role {
     if let Some(role) = Role::ALL.into_iter().find(|r| r.gcode_name() == name) {
         return role;
     }
     let lower = name.to_ascii_lowercase();
     let has = |word: &str| lower.contains(word);
+    // The order matters: "support interface" contains "support", and "solid infill" contains "fill".
     if has("support") {
         if has("interface") { Role::SupportInterface } else { Role::Support }
     } else if has("skirt") || has("prime") || has("custom") || has("wipe") || has("raft") {
         Role::Skirt
     } else if has("brim") {
         Role::Brim
+    // Internal bridges are solid infill inside the part.
     } else if has("bridge") && !has("internal") {
         Role::Bridge
     } else if has("gap") {
@@ -466,7 +495,7 @@ fn role_named(name: &str) -> Role {
     }
 }
 
-/// Simplify3D, and PrusaSlicer before it wrote `;TYPE:`, name features as plain comments.
+/// Role of a plain comment, as Simplify3D and old versions of PrusaSlicer write it.
 fn plain_role(text: &str) -> Option<Role> {
     Some(match text {
         "outer perimeter" => Role::OuterWall,

@@ -23,7 +23,7 @@ pub struct Histogram {
     /// Grey values of pixels spread over all slices, each with its squared difference from its
     /// neighbours.
     samples: Vec<(f32, f32)>,
-    /// One pixel in so many is sampled.
+    /// Distance between sampled pixels of a row.
     stride: usize,
     slices: usize,
 }

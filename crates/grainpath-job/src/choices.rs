@@ -21,7 +21,7 @@ use grainpath_core::units::LengthUnit;
 pub struct Word {
     /// The word in a job file.
     pub name: &'static str,
-    /// What it means, as the end of a sentence; empty where the word says it all.
+    /// Its meaning, as the end of a sentence; empty where the word explains itself.
     pub help: &'static str,
 }
 
@@ -45,7 +45,7 @@ pub trait Choice: Copy + PartialEq + 'static {
     }
 }
 
-/// Makes an enum and its words from one list.
+/// Generates an enum and its words from one list, so that they cannot differ.
 macro_rules! choices {
     ($( $(#[$about:meta])* enum $name:ident { $( $variant:ident = $word:literal, $help:literal; )* } )*) => {
         $(
@@ -82,6 +82,7 @@ choices! {
     }
     /// Axes along which a scan is mirrored (`flip`).
     enum Flip {
+        // The empty word is the default: no axis.
         None = "", "";
         X = "x", "";
         Y = "y", "";
@@ -267,6 +268,7 @@ choices! {
 impl Pattern {
     /// Whether the pattern needs directions from a guide. `continuous` can do without.
     pub const fn follows_field(self) -> bool {
+        // All patterns are listed, so that a new one makes the compiler ask here.
         match self {
             Self::Stripes | Self::Streamlines | Self::SeedLines | Self::Continuous => true,
             Self::Rectilinear
@@ -296,6 +298,7 @@ impl Flip {
     }
 }
 
+// Units need no sentence of help.
 const fn plain_word(name: &'static str) -> Word {
     Word { name, help: "" }
 }

@@ -1,11 +1,14 @@
-//! Checks that concern several settings at once.
+//! Checks of settings against each other.
 
 use crate::choices::{Choice, FibreStart, FibreToolKind, GrainMode, GuideKind, Pattern};
 use crate::settings::{MaterialSection, Settings};
 
-/// Checks all settings of a job against each other; the error says what does not fit together.
+/// Checks all settings of a job against each other. The error names the settings that do not fit
+/// together.
 pub fn check(s: &Settings) -> Result<(), String> {
     let p = &s.process;
+    // A bead is wider than high: its section is a rectangle with round ends, which needs a width of at
+    // least the height.
     if p.bead_width_mm < p.layer_height_mm || p.bead_width_mm < p.first_layer_height_mm {
         return Err(format!(
             "process.bead_width_mm ({}) should not be less than the layer height ({})",
@@ -22,16 +25,19 @@ pub fn check(s: &Settings) -> Result<(), String> {
     if p.adaptive_layers && p.adaptive_min_mm > p.adaptive_max_mm {
         return Err("process.adaptive_min_mm should not be more than adaptive_max_mm".into());
     }
+    // Sections with several conditions have functions of their own; the first error ends the check.
     check_outline(s)?;
     check_photos(s)?;
     check_fibre(s)?;
     let bounds = strengths(&s.material);
+    // Tests run with low, nominal and high strength; exchanged values would reverse their meaning.
     if let Some((key, Some([a, b, c]))) =
         bounds.iter().find(|(_, v)| v.is_some_and(|[low, mid, high]| low > mid || mid > high))
     {
         return Err(format!("material.{key} should rise: low, nominal, high; is [{a}, {b}, {c}]"));
     }
     if !s.ct.path.is_empty() {
+        // The height of layers comes from the mesh's surface, which a scan does not have.
         for (set, what) in [
             (!s.shape.mesh.is_empty(), "shape.mesh and shape.ct: exactly one shape is printed"),
             (p.adaptive_layers, "process.adaptive_layers = true is for meshes, not for shape.ct"),
@@ -42,6 +48,7 @@ pub fn check(s: &Settings) -> Result<(), String> {
             }
         }
     }
+    // `continuous` can do without directions; the other patterns have none of their own.
     let needs_guide = s.fill.pattern.follows_field() && s.fill.pattern != Pattern::Continuous;
     if needs_guide && s.guide.kind == GuideKind::None {
         return Err(format!(
@@ -49,13 +56,14 @@ pub fn check(s: &Settings) -> Result<(), String> {
             s.fill.pattern.name()
         ));
     }
+    // Layers take the angles in turn, and a turn over nothing does not exist.
     if s.fill.angles_deg.is_empty() {
         return Err("fill.angles_deg should have at least one angle".into());
     }
     Ok(())
 }
 
-/// Drawings: what must be given together.
+/// Checks the settings of drawings.
 fn check_outline(s: &Settings) -> Result<(), String> {
     let shape = &s.shape;
     let others = [
@@ -72,7 +80,7 @@ fn check_outline(s: &Settings) -> Result<(), String> {
     Err(problem)
 }
 
-/// Continuous fibre: a tool for it, and settings that go together.
+/// Checks the settings of continuous fibre: the printer's tool, and values that belong together.
 fn check_fibre(s: &Settings) -> Result<(), String> {
     let (f, p) = (&s.fibre, &s.printer);
     if !f.enabled {
@@ -84,6 +92,7 @@ fn check_fibre(s: &Settings) -> Result<(), String> {
                 .into(),
         );
     }
+    // Without it the first piece of fibre would run through the whole print.
     if p.fibre_cut_gcode.trim().is_empty() {
         return Err(
             "fibre.enabled = true needs printer.fibre_cut_gcode, the program that cuts the fibre".into()
@@ -101,6 +110,7 @@ fn check_fibre(s: &Settings) -> Result<(), String> {
     if let Some(b) = f.boxes_mm.iter().find(|[low, high]| (0..3).any(|k| low[k] >= high[k])) {
         return Err(format!("fibre.boxes_mm should be [lowest corner, highest corner], has {b:?}"));
     }
+    // The same rule as for other beads.
     let width = f.bead_width_mm.unwrap_or(s.process.bead_width_mm);
     if width < s.process.layer_height_mm || width < s.process.first_layer_height_mm {
         return Err(format!("fibre.bead_width_mm ({width}) should not be less than the layer height"));
@@ -108,6 +118,7 @@ fn check_fibre(s: &Settings) -> Result<(), String> {
     if f.start == FibreStart::Calm && s.guide.kind != GuideKind::Stress {
         return Err("fibre.start = \"calm\" needs [guide] kind = \"stress\"".into());
     }
+    // Fibre is laid in the infill, so there must be some.
     if s.fill.density.fraction() == 0.0 {
         return Err("fibre.enabled = true needs fill.density above 0".into());
     }
@@ -117,7 +128,7 @@ fn check_fibre(s: &Settings) -> Result<(), String> {
     Ok(())
 }
 
-/// Photographs: what must be given together.
+/// Checks the settings of photographs.
 fn check_photos(s: &Settings) -> Result<(), String> {
     let photo = !s.photo.files.is_empty();
     for (other, path) in [("shape.mesh", &s.shape.mesh), ("shape.ct", &s.ct.path)] {
@@ -135,6 +146,7 @@ fn check_photos(s: &Settings) -> Result<(), String> {
     if image && volume {
         return Err("guide.image and guide.volume: exactly one gives the grain".into());
     }
+    // The grain may come from the part's own photographs, from others, or from a scan.
     if s.guide.kind == GuideKind::Grain && !photo && !image {
         if !volume && s.ct.path.is_empty() {
             return Err(
@@ -152,6 +164,7 @@ fn check_photos(s: &Settings) -> Result<(), String> {
         ("shape.photo", &s.photo.files, &s.photo.corners_px, &s.photo.heights_mm),
         ("guide.image", &s.image.files, &s.image.corners_px, &s.image.heights_mm),
     ] {
+        // Four corners for all files suit a fixed camera; otherwise each file needs its own.
         if ![0, 4, 4 * files.len()].contains(&corners.len()) {
             return Err(format!(
                 "{section}.corners_px should have 4 corners, or 4 for each of the {} files; it has {}",
@@ -166,6 +179,7 @@ fn check_photos(s: &Settings) -> Result<(), String> {
                 heights.len()
             ));
         }
+        // Grain between two photographs is interpolated in this order.
         if heights.windows(2).any(|w| w[0] >= w[1]) {
             return Err(format!("{section}.heights_mm should rise from file to file"));
         }
@@ -173,7 +187,7 @@ fn check_photos(s: &Settings) -> Result<(), String> {
     Ok(())
 }
 
-/// The strengths of a material card.
+/// The strengths of a material card, by key.
 pub(super) fn strengths(m: &MaterialSection) -> [(&'static str, Option<[f64; 3]>); 9] {
     [
         ("xt_mpa", m.xt_mpa),

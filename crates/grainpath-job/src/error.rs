@@ -5,12 +5,13 @@ use std::fmt;
 use crate::profiles::PROFILES;
 use crate::value::ValueError;
 
-/// A file and a line in it, or the command line.
+/// A place in a file, or the command line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Location {
     /// Name of the file; `--set` for an argument.
     pub file: String,
-    /// Line in the file, from 1; `None` for an argument, and where a problem concerns the whole file.
+    /// Line in the file, from 1. `None` for an argument of the command line, and where a problem concerns
+    /// the whole file.
     pub line: Option<usize>,
 }
 
@@ -35,7 +36,7 @@ impl fmt::Display for Location {
     }
 }
 
-/// What is wrong with a job. Its text says where, what, and what would be right.
+/// An error in a job. Its text says where it is, what is wrong, and what would be right.
 ///
 /// ```
 /// use grainpath_job::{JobError, parse_job};
@@ -78,7 +79,7 @@ pub enum JobError {
     Combination { location: Location, problem: String },
 }
 
-/// The names of all shipped profiles of a kind.
+/// Names of all shipped profiles of a kind, for the message.
 fn profile_names(kind: &str) -> String {
     PROFILES.iter().filter(|p| p.kind == kind).map(|p| p.name).collect::<Vec<_>>().join(", ")
 }

@@ -33,14 +33,14 @@ pub enum Place {
     Facets(Vec<usize>),
 }
 
-/// A place that cannot move freely.
+/// A place whose motion is prescribed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fixture {
     /// The place.
     pub on: Place,
-    /// Whether x, y and z are fixed.
+    /// Whether motion along x, y and z is prescribed.
     pub fixed: [bool; 3],
-    /// Whether the surface cannot move along its normal: a roller or a plane of symmetry.
+    /// Whether motion along the surface normal is prevented: a roller or a plane of symmetry.
     pub normal: bool,
     /// Prescribed displacement of the fixed directions, mm.
     pub displacement_mm: DVec3,
@@ -68,7 +68,7 @@ pub struct Load {
     pub push: Push,
 }
 
-/// Loads that act together.
+/// Loads that act at the same time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
     /// Its name in reports.
@@ -79,23 +79,25 @@ pub struct Case {
     pub loads: Vec<Load>,
 }
 
-/// Larger numbers are typing errors, and their squares would overflow.
+/// Largest number that is accepted. Larger ones are typing errors. Below it, squares and their sums stay
+/// far from overflow.
 const MAX_NUMBER: f64 = 1e12;
 
-/// The keys that say what a load is.
+/// The keys that state the kind of a load.
 const LOAD_KINDS: &str = "force_n, pressure_mpa, moment_nmm, acceleration_mm_s2";
-/// The keys that say where something acts.
+/// The keys that state a place.
 const PLACES: &str = "on = { box_mm, plane, cylinder, sphere or facets }";
 
-/// A table whose entries are read one by one; errors name the entry.
+/// Reads the entries of a table one by one. Errors name the entry.
 struct Reader<'a>(&'a Table);
 
 impl<'a> Reader<'a> {
-    /// The table in `value`, which has no other keys than `known`.
+    /// The table in `value`. Keys that are not in `known` are an error.
     fn new(value: &'a Value, expected: &'static str, known: &[&str]) -> Result<Self, ValueError> {
         let wrong = || Problem::Kind { expected, found: value.to_string() };
         let table = value.as_table().ok_or_else(wrong)?;
         if let Some(key) = table.keys().find(|k| !known.contains(&k.as_str())) {
+            // A misspelled key would otherwise be ignored and leave a load out.
             let nearest = nearest(key, known.iter().copied()).to_owned();
             return Err(Problem::UnknownKey { key: key.clone(), nearest }.into());
         }
@@ -130,7 +132,7 @@ impl<'a> Reader<'a> {
         v.try_normalize().ok_or_else(|| ValueError::from(Problem::NoDirection).in_key(key))
     }
 
-    /// Where the fixture or load acts.
+    /// The place where the fixture or load acts.
     fn place(&self) -> Result<Place, ValueError> {
         place(needed(self.0.get("on"), PLACES)?).map_err(|e| e.in_key("on"))
     }
@@ -145,6 +147,7 @@ fn place(value: &Value) -> Result<Place, ValueError> {
     let known = ["box_mm", "plane", "cylinder", "sphere", "facets"];
     let Reader(on) = Reader::new(value, "a table in { }", &known)?;
     let mut entries = on.iter();
+    // Exactly one kind: two would leave open which of them counts.
     let (Some((kind, value)), None) = (entries.next(), entries.next()) else {
         return Err(Problem::SeveralKinds { keys }.into());
     };
@@ -160,6 +163,7 @@ fn place(value: &Value) -> Result<Place, ValueError> {
 
 fn read_box(value: &Value) -> Result<Selection, ValueError> {
     let [a, b] = <[[f64; 3]; 2]>::from_toml(value)?.map(DVec3::from);
+    // Corners may be given in any order.
     Ok(Selection::Box { low: a.min(b), high: a.max(b) })
 }
 
@@ -168,6 +172,7 @@ fn read_plane(value: &Value) -> Result<Selection, ValueError> {
     Ok(Selection::Plane {
         point: needed(t.vector("point_mm")?, "point_mm")?,
         normal: t.direction("normal")?,
+        // 0.01 mm accepts the rounding of mesh files and separates parallel faces of any printed part.
         tolerance_mm: t.length("tolerance_mm")?.unwrap_or(0.01),
     })
 }
@@ -261,6 +266,7 @@ impl SettingValue for Fixture {
     const KIND: &'static str = "object";
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
         let t = Reader::new(value, "a table: on = ..., fix = \"xyz\"", &["on", "fix", "displacement_mm"])?;
+        // Without `fix` a fixture would hold nothing, which nobody means.
         let fix = needed(t.0.get("fix"), "fix = \"xyz\", some of x, y and z, or \"normal\"")?;
         let word = fix.as_str().unwrap_or_default();
         let normal = word == "normal";
@@ -304,12 +310,15 @@ impl SettingValue for Load {
             t.vector("moment_nmm")?.map(Push::Moment),
             t.vector("acceleration_mm_s2")?.map(Push::Acceleration),
         ];
+        // Exactly one kind of load in each table, so that every load has one place and one unit.
         let mut given = kinds.into_iter().flatten();
         let push = needed(given.next(), "force_n, pressure_mpa, moment_nmm or acceleration_mm_s2")?;
         if given.next().is_some() {
             return Err(Problem::SeveralKinds { keys: LOAD_KINDS }.into());
         }
         let on = match push {
+            // Gravity acts on the whole part; with a place it would mean something else than what is
+            // computed.
             Push::Acceleration(_) if !t.0.contains_key("on") => None,
             Push::Acceleration(_) => return Err(Problem::PlaceOfAcceleration.into()),
             Push::Force(_) | Push::Pressure(_) | Push::Moment(_) => Some(t.place()?),
@@ -350,7 +359,9 @@ impl SettingValue for Case {
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
         let t = Reader::new(value, "a table: name, weight, load", &["name", "weight", "load"])?;
         let any = (f64::NEG_INFINITY, f64::INFINITY);
+        // A single case needs no name.
         let name = t.get::<String>("name", any)?.unwrap_or_else(|| "case".to_owned());
+        // A weight of 0 would be a case that is computed and not used.
         let weight = t.get::<f64>("weight", (f64::MIN_POSITIVE, MAX_NUMBER))?.unwrap_or(1.0);
         let loads = needed(t.get::<Vec<Load>>("load", any)?, "loads: [[guide.case.load]]")?;
         Ok(Self { name, weight, loads })

@@ -17,8 +17,8 @@ pub const FORMAT: i64 = 1;
 
 /// Reads a job.
 ///
-/// `name` is the file's name in errors and warnings. `sets` are arguments of the form `section.key=value`, stronger
-/// than the file. `load` reads a profile that the job names by its path.
+/// `name` is the name of the file in errors and warnings. `sets` are arguments of the form
+/// `section.key=value`, which overrule the file. `load` reads a profile that the job names by its path.
 ///
 /// # Errors
 /// [`JobError`] with file and line: TOML syntax, unknown keys (with the nearest known one), values that are not allowed,
@@ -41,11 +41,13 @@ pub fn parse_job(
 ) -> Result<Settings, JobError> {
     let job = Source::parse(text, name)?;
     check_format(&job)?;
+    // Arguments are parsed first: one of them may name a profile, which is applied before the file.
     let sets: Vec<Argument> = sets.iter().map(|s| Argument::parse(s)).collect::<Result<_, _>>()?;
     let mut settings = Settings::default();
     for (kind, default) in KINDS {
         apply_profile(&mut settings, kind, default, &job, &sets, load)?;
     }
+    // Kept for comparison: the job may replace some strengths of the profile and leave others.
     let profile_card = settings.material.clone();
     apply_file(&mut settings, &job)?;
     for set in sets.iter().filter(|s| !is_profile(&s.section, &s.key)) {
@@ -57,12 +59,13 @@ pub fn parse_job(
     if settings.fibre.enabled {
         settings.fibre_material = fibre_material(&mut settings, &job, load)?;
     }
+    // Combinations are checked last, when every source of settings has been applied.
     let wrong = |problem| JobError::Combination { location: Location::file(name), problem };
     combinations::check(&settings).map_err(wrong)?;
     Ok(settings)
 }
 
-/// Refuses files of a newer format. Files without `format` are older than 0.1.0 and read as format 1.
+/// Refuses files of a newer format. Files without `format` are older than 0.1.0 and are read as format 1.
 fn check_format(job: &Source<'_>) -> Result<(), JobError> {
     let Some(value) = job.table.get("format") else { return Ok(()) };
     let location = job.location(&["format"], &[]);
@@ -76,7 +79,7 @@ fn check_format(job: &Source<'_>) -> Result<(), JobError> {
     }
 }
 
-/// An argument `section.key=value`.
+/// An argument of the form `section.key=value`.
 struct Argument {
     section: String,
     key: String,
@@ -84,11 +87,12 @@ struct Argument {
 }
 
 impl Argument {
-    /// A value that is not TOML is taken as text, so that words need no quotes.
+    /// Parses an argument. A value that is not TOML is taken as text, so that words need no quotes.
     fn parse(argument: &str) -> Result<Self, JobError> {
         let wrong = || JobError::SetArgument { argument: argument.to_owned() };
         let (path, value) = argument.split_once('=').ok_or_else(wrong)?;
         let path = path.trim();
+        // Section names may hold a dot (`shape.ct`), keys do not.
         let (section, key) = match path.rsplit_once('.') {
             Some((inner, key)) if Settings::SECTIONS.contains(&inner) => (inner, key),
             _ => path.split_once('.').ok_or_else(wrong)?,
@@ -103,7 +107,8 @@ fn is_profile(section: &str, key: &str) -> bool {
     key == "profile" && KINDS.iter().any(|(k, _)| *k == section)
 }
 
-/// Applies the profile of a section: the one named by `--set`, else by the job, else the default one.
+/// Applies the profile of a section: the one named by `--set`, otherwise by the job, otherwise the
+/// default one.
 fn apply_profile(
     settings: &mut Settings,
     kind: &'static str,
@@ -112,6 +117,7 @@ fn apply_profile(
     sets: &[Argument],
     load: &dyn Fn(&str) -> Result<String, String>,
 ) -> Result<(), JobError> {
+    // The last argument wins, as for all other keys.
     let by_set = sets.iter().rev().find(|s| s.section == kind && s.key == "profile").map(|s| &s.value);
     let by_job = job.table.get(kind).and_then(|s| s.get("profile"));
     let location = if by_set.is_some() { Location::set() } else { job.location(&[kind, "profile"], &[]) };
@@ -132,7 +138,7 @@ fn apply_profile(
     apply_table(settings, kind, &source.table, &source, &[])
 }
 
-/// The text of a profile and its name in errors.
+/// The text of a profile, and its name in errors.
 fn profile_text(
     kind: &'static str,
     chosen: &str,
@@ -142,6 +148,8 @@ fn profile_text(
     if let Some(p) = profile(kind, chosen) {
         return Ok((p.text.to_owned(), format!("profile {chosen}")));
     }
+    // A path is recognised by its form, so that a missing file is reported as a file and not as an
+    // unknown profile.
     if chosen.ends_with(".toml") || chosen.contains('/') {
         let text = load(chosen).map_err(|message| JobError::ProfileFile { location, message })?;
         return Ok((text, chosen.to_owned()));
@@ -162,6 +170,7 @@ fn apply_file(settings: &mut Settings, job: &Source<'_>) -> Result<(), JobError>
             let location = job.location(&[section], &[]);
             return Err(JobError::NotASection { location, name: section.clone() });
         };
+        // `[shape.ct]` is a table inside `shape` in TOML and a section of its own here.
         let is_inner = |key: &str| Settings::SECTIONS.contains(&format!("{section}.{key}").as_str());
         let mut own = Table::new();
         for (key, value) in rows.iter().filter(|(k, _)| !is_profile(section, k)) {
@@ -178,7 +187,7 @@ fn apply_file(settings: &mut Settings, job: &Source<'_>) -> Result<(), JobError>
     Ok(())
 }
 
-/// Applies the keys of one table, which stands below `keys` in its file.
+/// Applies the keys of a table, which stands below `keys` in its file.
 fn apply_table(
     settings: &mut Settings,
     section: &str,
@@ -189,6 +198,7 @@ fn apply_table(
     for (key, value) in rows {
         let keys: Vec<&str> = keys.iter().copied().chain([key.as_str()]).collect();
         let location = |steps: &[Step]| source.location(&keys, steps);
+        // With both names present it is not clear which value is meant.
         if let Some(new) = new_key(section, key).filter(|new| rows.contains_key(*new)) {
             let (old, new) = (format!("{section}.{key}"), format!("{section}.{new}"));
             return Err(JobError::BothNames { location: location(&[]), old, new });
@@ -198,7 +208,7 @@ fn apply_table(
     Ok(())
 }
 
-/// Sets one key; a renamed one under its new name, with a warning.
+/// Sets one key. A renamed key is set under its new name, with a warning.
 fn apply(
     settings: &mut Settings,
     section: &str,
@@ -244,6 +254,7 @@ fn unknown_key(section: &str, key: &str, location: Location) -> JobError {
     let params = Settings::params();
     let in_section: Vec<&'static str> =
         params.iter().filter(|p| p.section == section).map(|p| p.key).collect();
+    // A key without a known section is better explained as an unknown section.
     if in_section.is_empty() {
         let nearest = nearest(section, Settings::SECTIONS);
         return JobError::UnknownSection { location, section: section.to_owned(), nearest };
@@ -261,17 +272,19 @@ fn fibre_material(
     let location = job.location(&["fibre", "material"], &[]);
     let (text, name) = profile_text("material", &settings.fibre.material, load, location)?;
     let source = Source::parse(&text, &name)?;
+    // A material of its own: the keys of the matrix must not leak into the fibre.
     let mut own = Settings::default();
     apply_table(&mut own, "material", &source.table, &source, &[])?;
     settings.warnings.append(&mut own.warnings);
     Ok(own.material)
 }
 
-/// A density on the command line replaces the mass of the job file; a mass of 0 is no mass.
+/// A density on the command line replaces the mass of the job file. A mass of 0 means none.
 fn resolve_mass(settings: &mut Settings, sets: &[Argument]) {
     let last = |key: &str| sets.iter().rposition(|s| s.section == "fill" && s.key == key);
     let mass_g = settings.fill.mass_g.filter(|m| *m > 0.0);
     settings.fill.mass_g = mass_g;
+    // The one given last on the command line wins; the job file alone prefers the mass.
     if let (Some(mass_g), Some(density)) = (mass_g, last("density"))
         && last("mass_g").is_none_or(|mass| mass < density)
     {
@@ -282,8 +295,8 @@ fn resolve_mass(settings: &mut Settings, sets: &[Argument]) {
     }
 }
 
-/// Where a job gives some strengths itself and leaves the others to the profile, names the origin of each: in the
-/// source of the strengths, which reports print, and in a warning.
+/// Names the origin of each strength where a job gives some itself and leaves others to the profile. The
+/// names go into the source of the strengths, which reports print, and into a warning.
 fn name_origins_of_strengths(
     settings: &mut Settings,
     profile_card: &MaterialSection,
@@ -296,6 +309,7 @@ fn name_origins_of_strengths(
     let own: Vec<&str> = all.iter().filter(|(key, _)| by_job(key)).map(|(key, _)| *key).collect();
     let rest: Vec<&str> =
         all.iter().filter(|(key, v)| v.is_some() && !by_job(key)).map(|(key, _)| *key).collect();
+    // All from one source: its own description is right.
     if own.is_empty() || rest.is_empty() {
         return;
     }

@@ -1,34 +1,35 @@
-//! Profiles that come with the program, as data.
+//! Profiles that are shipped with the program, as data.
 
-/// One profile: a table of keys of its section.
+/// A profile: TOML with keys of one section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Profile {
-    /// printer, material or process.
+    /// Its section: `printer`, `material` or `process`.
     pub kind: &'static str,
-    /// What a job calls it.
+    /// Its name in job files.
     pub name: &'static str,
-    /// Its keys as TOML; the first comment line says what it is for.
+    /// Its keys as TOML. The first line is a comment that says what the profile is for.
     pub text: &'static str,
 }
 
 impl Profile {
-    /// What it is for.
+    /// Its purpose, from its first line.
     pub fn about(&self) -> &'static str {
         self.text.lines().next().unwrap_or_default().trim_start_matches(['#', ' '])
     }
 }
 
-/// Kinds of profiles, and which one is taken when a job names none.
+/// Sections that have profiles, each with the profile that is used when a job names none.
 pub(super) const KINDS: [(&str, &str); 3] =
     [("printer", "generic-0.4"), ("material", "pla"), ("process", "standard")];
 
+// The files are embedded at compile time, so that the program runs without any data directory.
 macro_rules! shipped {
     ($($kind:literal $name:literal),* $(,)?) => {
         [$(Profile { kind: $kind, name: $name, text: include_str!(concat!("../profiles/", $kind, "/", $name, ".toml")) }),*]
     };
 }
 
-/// All that come with the program.
+/// All profiles that are shipped.
 pub const PROFILES: [Profile; 17] = shipped![
     "printer" "generic-0.4",
     "printer" "generic-0.6",

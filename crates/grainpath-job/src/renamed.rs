@@ -1,4 +1,4 @@
-//! Keys and words that have a new name; files with the old name are still read.
+//! Keys and words that were renamed. Files with the old names are still read.
 
 /// A key or a word with a new name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,7 +25,7 @@ pub enum Renamed {
     },
 }
 
-/// Everything that was renamed. Rows are never removed.
+/// Everything that was renamed. Rows are never removed, because old job files stay readable.
 ///
 /// ```
 /// use grainpath_job::parse_job;
@@ -36,11 +36,11 @@ pub enum Renamed {
 /// assert_eq!(settings.warnings[0].text, "guide.memory_mb is now called guide.memory_mib");
 /// ```
 pub const RENAMED: &[Renamed] = &[
-    // It always counted units of 1024 x 1024 bytes.
+    // The setting always counted units of 1024 x 1024 bytes.
     Renamed::Key { section: "guide", old: "memory_mb", new: "memory_mib" },
 ];
 
-/// The present name of a key, where it has a new one.
+/// The present name of a key, where it was renamed.
 pub(super) fn new_key(section: &str, key: &str) -> Option<&'static str> {
     RENAMED.iter().find_map(|r| match r {
         Renamed::Key { section: s, old, new } if (*s, *old) == (section, key) => Some(*new),
@@ -48,7 +48,7 @@ pub(super) fn new_key(section: &str, key: &str) -> Option<&'static str> {
     })
 }
 
-/// The present form of a word, where it has a new one.
+/// The present form of a word, where it was renamed.
 pub(super) fn new_word(section: &str, key: &str, word: &str) -> Option<&'static str> {
     RENAMED.iter().find_map(|r| match r {
         Renamed::Word { section: s, key: k, old, new } if (*s, *k, *old) == (section, key, word) => {

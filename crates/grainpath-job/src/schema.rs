@@ -1,4 +1,4 @@
-//! Descriptions of all settings, made from their rows: the JSON Schema and the reference page.
+//! Descriptions of all settings, generated from their rows: the JSON Schema and the reference page.
 
 use std::fmt::Write;
 
@@ -19,6 +19,7 @@ pub fn json_schema() -> Value {
     let mut sections = Map::new();
     for section in Settings::SECTIONS {
         let mut keys = Map::new();
+        // `profile` is read before all other keys and has no row of its own.
         if ["printer", "material", "process"].contains(&section) {
             let about =
                 "Name of a shipped profile, or a path ending in .toml; its keys are the section's defaults.";
@@ -27,10 +28,11 @@ pub fn json_schema() -> Value {
         for p in Settings::params().iter().filter(|p| p.section == section) {
             keys.insert(p.key.into(), schema_of(p));
         }
+        // Unknown keys are errors in the parser, so editors should mark them too.
         let table = json!({ "type": "object", "additionalProperties": false, "properties": keys });
         match section.split_once('.') {
             None => drop(sections.insert(section.into(), table)),
-            // A table within a table; for a scan its path alone may stand for it.
+            // A nested table. A scan may be written as its path alone.
             Some((outer, "ct")) => {
                 sections[outer]["properties"]["ct"] = json!({ "oneOf": [table, { "type": "string" }] });
             }
@@ -62,9 +64,11 @@ fn schema_of(p: &Param) -> Value {
         limit_numbers(&mut row, low, high);
     }
     if !p.words.is_empty() {
+        // `enum` serves validators, `oneOf` editors that show the meaning of a word.
         row["enum"] = p.words.iter().map(|w| json!(w.name)).collect();
         row["oneOf"] = p.words.iter().map(|w| json!({ "const": w.name, "description": w.help })).collect();
     }
+    // The default stands in the row as TOML; parsing it gives the value with its type.
     let default = format!("v = {}", p.default).parse::<toml::Table>().ok().and_then(|mut t| t.remove("v"));
     if let Some(value) = default.and_then(|v| serde_json::to_value(v).ok()) {
         row["default"] = value;
@@ -72,7 +76,7 @@ fn schema_of(p: &Param) -> Value {
     row
 }
 
-/// Puts the range on every number of a schema: on the value itself, or on the entries of its lists.
+/// Applies a range to every number of a schema: to the value itself, or to the entries of its lists.
 fn limit_numbers(schema: &mut Value, low: f64, high: f64) {
     let kinds: Vec<&str> = match &schema["type"] {
         Value::String(kind) => vec![kind],
@@ -112,6 +116,7 @@ pub fn markdown() -> String {
                 Check::Any => p.words.iter().map(|w| w.name).collect::<Vec<_>>().join(", "),
                 Check::Range(low, high) => format!("{low} to {high}"),
             };
+            // A line break or a bar would break the table.
             let default = p.default.replace('\n', "\\n").replace('|', "\\|");
             let default = if default.is_empty() { String::new() } else { format!("`{default}`") };
             let mut help = p.help.to_owned();

@@ -18,7 +18,7 @@ use crate::choices::{
 };
 use Check::{Any, Range};
 
-/// Declares sections: their structs with defaults, their rows, and how one key is set.
+/// Declares sections: their structs with defaults, their rows, and how a single key is set.
 macro_rules! sections {
     ($( $(#[$about:meta])* $section:ident $name:literal {
         $( $key:ident : $type:ty = $default:expr, $unit:literal, $check:expr, $help:literal; )*
@@ -37,7 +37,7 @@ macro_rules! sections {
             }
 
             impl $section {
-                /// Sets one key; `None` when there is no such key.
+                /// Sets one key; `None` where there is no such key.
                 pub(super) fn set(&mut self, key: &str, value: &Value) -> Option<Result<(), ValueError>> {
                     match key {
                         $( stringify!($key) => Some(read::<$type>(value, $check).map(|v| self.$key = v)), )*
@@ -60,7 +60,7 @@ macro_rules! sections {
                     }, )* ]
                 }
 
-                /// Keys and values as they are now, for reports.
+                /// Keys and their present values, for reports.
                 pub fn rows(&self) -> Vec<(String, String)> {
                     vec![ $( (format!("{}.{}", $name, stringify!($key)), self.$key.to_text()), )* ]
                 }
@@ -74,6 +74,7 @@ sections! {
     ShapeSection "shape" {
         mesh: String = String::new(), "", Any, "Mesh to print: an STL, OBJ, PLY, OFF or 3MF file.";
         outline: String = String::new(), "", Any, "Drawing of a flat part, printed instead of a mesh: an SVG or ASCII DXF file.";
+        // 0 stands for a thickness that is not given; `combinations` refuses it where one is needed.
         thickness_mm: f64 = 0.0, "mm", Range(0.0, 1e4), "Thickness of the part of an outline.";
         outline_rule: OutlineRule = OutlineRule::File, "", Any, "What counts as material in a drawing.";
         unit: FileUnit = FileUnit(None), "", Any, "Unit of the mesh or drawing.";
@@ -81,6 +82,8 @@ sections! {
         rotate_deg: [f64; 3] = [0.0; 3], "deg", Range(-3600.0, 3600.0), "Rotations about the X, Y and Z axis, made in this order.";
         position_mm: Option<[f64; 2]> = None, "mm", Range(-1e5, 1e5), "Position of the part's centre on the bed; unset: the centre of the bed.";
         repair: Repair = Repair::Auto, "", Any, "What happens to defects of the mesh.";
+        // Wide enough for the cracks of meshes whose faces do not quite meet, and far below the gap
+        // between two walls.
         gap_closing_mm: f64 = 0.05, "mm", Range(0.0, 100.0), "Gaps in a section that are at most this wide are closed.";
     }
     /// A board to print from one or more photographs of it.
@@ -106,12 +109,14 @@ sections! {
         materials: Option<[f64; 2]> = None, "", Any, "Grey values of the two materials for threshold = \"iso50\"; unset: the commonest value on either side of Otsu's threshold.";
         smooth: Denoise = Denoise::None, "", Any, "Noise filter of the slices.";
         smooth_px: f64 = 0.7, "px", Range(0.0, 20.0), "Standard deviation of the blur for smooth = \"gaussian\".";
+        // About the area of one bead 0.45 mm wide and as long: smaller islands cannot be printed.
         min_island_mm2: f64 = 0.2, "mm2", Range(0.0, 1e6), "Islands of a section that are smaller than this are removed and counted.";
         min_piece_mm3: f64 = 0.0, "mm3", Range(0.0, 1e9), "Loose pieces of the part with less volume than this are removed and counted; 0 keeps all.";
         min_pore_mm2: f64 = 0.1, "mm2", Range(0.0, 1e6), "Holes of a section that are smaller than this are filled and counted.";
         interpolate: Interpolate = Interpolate::Auto, "", Any, "How layers between two slices are made.";
         overlap: f64 = 0.2, "", Range(0.0, 1.0), "Two contours of neighbouring slices are matched if they overlap by at least this fraction of their area.";
         contours: Contours = Contours::Iso, "", Any, "How contours are found in a slice.";
+        // The thresholds count in steps from air to material, so they hold for scans of any grey scale.
         canny_low: f64 = 0.04, "", Range(0.0, 1.0), "Lower threshold of the Canny filter, as a fraction of the step from air to material: edges are followed down to this gradient per pixel.";
         canny_high: f64 = 0.1, "", Range(0.0, 1.0), "Upper threshold of the Canny filter, as a fraction of the same step: edges start above this gradient per pixel.";
         canny_sigma_px: f64 = 1.0, "px", Range(0.0, 10.0), "Standard deviation of the blur before the Canny filter.";
@@ -133,9 +138,11 @@ sections! {
         acceleration_mm_s2: f64 = 1500.0, "mm/s2", Range(1.0, 100000.0), "Acceleration while printing.";
         travel_acceleration_mm_s2: f64 = 2000.0, "mm/s2", Range(1.0, 100000.0), "Acceleration of travel moves.";
         retract_acceleration_mm_s2: f64 = 2000.0, "mm/s2", Range(1.0, 100000.0), "Acceleration of moves of the extruder alone.";
+        // Three models of corner speed are in use; the ones that are set replace jerk.
         jerk_mm_s: [f64; 4] = [8.0, 8.0, 0.4, 4.0], "mm/s", Range(0.0, 100.0), "Speed change allowed at corners without slowing down, for x, y, z and the extruder.";
         square_corner_mm_s: Option<f64> = None, "mm/s", Range(0.0, 100.0), "Klipper's square_corner_velocity: speed at a right angle. Replaces jerk where it is set.";
         junction_deviation_mm: Option<f64> = None, "mm", Range(0.0, 1.0), "Marlin's junction deviation. Replaces jerk where it is set.";
+        // Relative E needs no resets and survives moved lines; some old firmware wants absolute E.
         relative_e: bool = true, "", Any, "true: E words are distances (M83); false: positions (M82).";
         retract_mm: f64 = 0.8, "mm", Range(0.0, 20.0), "Length of filament that is retracted before a travel move that leaves the part.";
         retract_speed_mm_s: f64 = 35.0, "mm/s", Range(0.1, 500.0), "Speed of retraction.";
@@ -149,6 +156,7 @@ sections! {
         fibre_cut_gcode: String = String::new(), "", Any, "G-code that cuts the fibre.";
         tool_change_gcode: String = "T{tool}".into(), "", Any, "G-code that changes to `{tool}`, for fibre_tool = \"separate\".";
         thumbnails_px: Vec<[usize; 2]> = Vec::new(), "px", Range(8.0, 2000.0), "Widths and heights of the thumbnails in the G-code.";
+        // Bed first, since it takes longest; homing while it heats; then wait for both.
         start_gcode: String = "M140 S{first_layer_bed_temp_c}\nM104 S{first_layer_nozzle_temp_c}\nG28\nM190 S{first_layer_bed_temp_c}\nM109 S{first_layer_nozzle_temp_c}".into(), "", Any, "G-code before the print, with `{placeholders}` as in docs/gcode.md.";
         end_gcode: String = "M104 S0\nM140 S0\nG1 Z{z_park_mm} F600\nG28 X\nM84".into(), "", Any, "G-code after the print.";
     }
@@ -170,10 +178,13 @@ sections! {
         min_layer_time_s: f64 = 8.0, "s", Range(0.0, 1000.0), "Layers that take less time than this are slowed down.";
         fan_below_layer_time_s: f64 = 20.0, "s", Range(0.0, 1000.0), "Below this layer time the fan speed rises from fan_min to fan_max.";
         min_speed_mm_s: f64 = 10.0, "mm/s", Range(0.1, 1000.0), "Layers are not slowed down below this speed.";
+        // Source: the row `elastic_source`; the constants are those of printed PLA, not of the filament.
         e_mpa: [f64; 3] = [2669.0, 2583.0, 2208.0], "MPa", Range(1e-3, 1e7), "Young's moduli of printed material: along the bead, across it in the layer, and across layers.";
         nu: [f64; 3] = [0.43, 0.37, 0.37], "", Range(-1.0, 1.0), "Poisson's ratios 12, 23 and 13. Axis 1 is along the bead, 2 across it in the layer, 3 across layers.";
         g_mpa: [f64; 3] = [919.0, 844.0, 844.0], "MPa", Range(1e-3, 1e7), "Shear moduli 12, 23 and 13.";
         elastic_source: String = "Li, Xu, Fang, Thin-Walled Structures 199:111800 (2024), PLA by FFF".into(), "", Any, "Source of the elastic constants.";
+        // Strengths have no default: a wrong one would be believed. The test refuses materials without
+        // them.
         xt_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Tensile strength along the beads: low, nominal, high.";
         yt_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Tensile strength across the beads in the layer: low, nominal, high.";
         zt_mpa: Option<[f64; 3]> = None, "MPa", Range(1e-3, 1e6), "Tensile strength across layers: low, nominal, high.";
@@ -203,6 +214,8 @@ sections! {
         gap_fill: bool = true, "", Any, "Lay one bead of variable width in gaps between walls, and between walls and infill.";
         top_layers: usize = 5, "", Range(0.0, 10000.0), "Number of dense layers below top surfaces.";
         bottom_layers: usize = 4, "", Range(0.0, 10000.0), "Number of dense layers above bottom surfaces.";
+        // One microstep of common belt drives (80 steps per mm): finer points cost time and cannot be
+        // printed.
         simplify_mm: f64 = 0.0125, "mm", Range(0.0, 1.0), "Contours are simplified within this distance; small contours within a thousandth of their size.";
         outer_wall_speed_mm_s: f64 = 40.0, "mm/s", Range(0.1, 2000.0), "Speed of outer walls.";
         inner_wall_speed_mm_s: f64 = 60.0, "mm/s", Range(0.1, 2000.0), "Speed of inner walls.";
@@ -236,6 +249,7 @@ sections! {
         element_mm: Option<f64> = None, "mm", Range(0.01, 1000.0), "Longest edge of a finite element; unset: chosen from the size of the part.";
         elasticity: Elasticity = Elasticity::Isotropic, "", Any, "Elastic model of the stress analysis.";
         elasticity_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Direction of the beads for elasticity = \"orthotropic\", counter-clockwise from +X.";
+        // Unset and not a number, because the right default depends on pattern and fibre.
         smoothing_mm: Option<f64> = None, "mm", Range(0.001, 100.0), "Length over which directions are smoothed where the principal stresses differ most; it is longer where they differ less. Unset: 0.5, or 0.25 for one continuous path along the stress without fibre.";
         tangent: bool = true, "", Any, "Align directions with free borders, along which one principal stress always runs.";
         fixture: Vec<Fixture> = Vec::new(), "", Any, "[[guide.fixture]]: a place `on` = { box_mm, plane, cylinder, sphere or facets }, the directions that it fixes as `fix` = \"xyz\", some of x, y and z, or \"normal\", and a prescribed displacement_mm.";
@@ -246,6 +260,8 @@ sections! {
         import_order: Option<ComponentOrder> = None, "", Any, "Order of the stress components in the imported file; unset: by their names, else vtk.";
         import_stress_unit: Option<StressUnit> = None, "", Any, "Unit of the imported stress; unset: MPa.";
         import_length_unit: Option<LengthUnit> = None, "", Any, "Unit of the imported positions; unset: mm.";
+        // Half of the memory of a computer with 8 GiB. A larger job is refused with the size that it
+        // needs.
         memory_mib: usize = 4096, "MiB", Range(16.0, 1e6), "Memory limit of the stress analysis and of the strength test. A job that would exceed it is refused before solving.";
         mode: GrainMode = GrainMode::Field, "", Any, "What of the grain infill follows.";
         pixel_mm: Option<f64> = None, "mm", Range(1e-3, 10.0), "Pixel size of the rectified photograph; unset: the photograph's own resolution.";
@@ -299,6 +315,7 @@ sections! {
     /// Support of overhangs.
     SupportSection "support" {
         style: SupportStyle = SupportStyle::None, "", Any, "Kind of support.";
+        // The limit depends on printer and material; the specimen measures it.
         critical_angle_deg: f64 = 40.0, "deg", Range(0.0, 89.0), "Facets that lean more than this from the vertical are supported. Measure it on a print of `grainpath specimen critical-angle`.";
         branch_angle_deg: Option<f64> = None, "deg", Range(5.0, 80.0), "Largest angle between a branch and the vertical; unset: the critical angle.";
         max_unsupported_mm: f64 = 10.0, "mm", Range(0.5, 200.0), "Longest span L that the printer bridges without support. Contacts stand L/2 apart, and every point of an overhang is within L/2 of one.";
@@ -375,7 +392,7 @@ sections! {
     }
 }
 
-/// The settings of a job, checked: no stage checks them again.
+/// The settings of a job. They are checked, and no stage checks them again.
 ///
 /// ```
 /// use grainpath_core::Density;
@@ -404,12 +421,13 @@ pub struct Settings {
     pub volume: VolumeSection,
     pub fill: FillSection,
     pub fibre: FibreSection,
-    /// The profile that `fibre.material` names.
+    /// The material that `fibre.material` names.
     pub fibre_material: MaterialSection,
     pub support: SupportSection,
     pub strength: StrengthSection,
     pub output: OutputSection,
-    /// What was assumed or overruled while the job was read. A run passes them on with its own warnings.
+    /// Warnings about what was assumed or overruled while the job was read. A run passes them on with its
+    /// own.
     pub warnings: Vec<Warning>,
 }
 
@@ -423,7 +441,7 @@ impl Settings {
         self.guide.smoothing_mm.unwrap_or(if one_path { 0.25 } else { 0.5 })
     }
 
-    /// Names of the sections, in the order they are shown.
+    /// Names of the sections, in the order in which they are shown.
     pub const SECTIONS: [&'static str; 14] = [
         "shape",
         "shape.photo",
@@ -441,7 +459,7 @@ impl Settings {
         "output",
     ];
 
-    /// Sets one key; `None` when there is no such section or key.
+    /// Sets one key; `None` where there is no such section or key.
     pub(super) fn set(&mut self, section: &str, key: &str, value: &Value) -> Option<Result<(), ValueError>> {
         match section {
             "shape" => self.shape.set(key, value),
@@ -462,7 +480,7 @@ impl Settings {
         }
     }
 
-    /// Every setting.
+    /// Descriptions of all settings.
     pub fn params() -> Vec<Param> {
         let all = [
             ShapeSection::params(),
@@ -483,10 +501,11 @@ impl Settings {
         all.into_iter().flatten().collect()
     }
 
-    /// All keys and values as they are now.
+    /// All keys and their present values.
     pub fn rows(&self) -> Vec<(String, String)> {
         let all = [
             self.shape.rows(),
+            // Sections that are not in use would only lengthen the report.
             if self.photo.files.is_empty() { Vec::new() } else { self.photo.rows() },
             if self.ct.path.is_empty() { Vec::new() } else { self.ct.rows() },
             self.printer.rows(),

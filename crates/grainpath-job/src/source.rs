@@ -1,4 +1,4 @@
-//! A TOML file as values, and the line of each of them.
+//! A TOML file as values, with the line of each value.
 
 use std::ops::Range;
 
@@ -8,29 +8,32 @@ use toml::de::{DeTable, DeValue};
 use crate::error::{JobError, Location};
 use crate::value::Step;
 
-/// A parsed file.
+/// A parsed TOML file.
 pub struct Source<'a> {
     name: &'a str,
     text: &'a str,
     spans: DeTable<'a>,
-    /// Its values.
+    /// The values of the file.
     pub table: Table,
 }
 
 impl<'a> Source<'a> {
-    /// Parses `text`; errors call the file `name`.
+    /// Parses `text`. Errors call the file `name`.
     pub fn parse(text: &'a str, name: &'a str) -> Result<Self, JobError> {
         let syntax = |e: &toml::de::Error| {
             let line = e.span().map_or(1, |s| line_at(text, s.start));
             let location = Location { file: name.to_owned(), line: Some(line) };
             JobError::Syntax { location, message: e.message().replace('\n', "; ") }
         };
+        // The file is parsed twice: values for reading, spans for lines. Both are small, and only the
+        // second parser keeps positions.
         let table = text.parse::<Table>().map_err(|e| syntax(&e))?;
         let spans = DeTable::parse(text).map_err(|e| syntax(&e))?.into_inner();
         Ok(Self { name, text, spans, table })
     }
 
-    /// The line of a value, reached by keys and then by steps into it; of the innermost part that stands in the file.
+    /// The line of a value that is reached by `keys` and then by `steps` into it. Where the file does not
+    /// hold all of the way, the line of the innermost part that it holds.
     pub fn location(&self, keys: &[&str], steps: &[Step]) -> Location {
         let keys = keys.iter().map(|k| Step::Key((*k).to_owned()));
         let mut steps = keys.chain(steps.iter().cloned());
@@ -45,6 +48,7 @@ impl<'a> Source<'a> {
                 (Step::Index(i), None, Some(DeValue::Array(a))) => a.get(*i).map(|v| (v.span(), v.get_ref())),
                 (Step::Key(_) | Step::Index(_), _, _) => None,
             };
+            // A problem may concern a missing key, which has no line; the table around it has one.
             let Some((span, inner)) = next else { break };
             found = Some(span);
             table = inner.as_table();
@@ -54,7 +58,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// The line of a byte, from 1.
+/// The line of a byte, counted from 1.
 fn line_at(text: &str, byte: usize) -> usize {
     text.bytes().take(byte).filter(|b| *b == b'\n').count() + 1
 }

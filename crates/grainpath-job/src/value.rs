@@ -15,16 +15,16 @@ use crate::choices::{
     StrengthTier, StressUnit, SupportStyle, SupportSurface, Threshold, WallOrder, Word,
 };
 
-/// The values a number may have.
+/// The numbers that a setting accepts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Check {
-    /// Every value of the type.
+    /// Every number of the type.
     Any,
-    /// From the first to the second number, both included. In a list this holds for every number.
+    /// Numbers from the first to the second, both included. In a list every number is checked.
     Range(f64, f64),
 }
 
-/// Describes one setting.
+/// Description of one setting.
 ///
 /// ```
 /// use grainpath_job::{Check, Settings};
@@ -45,15 +45,15 @@ pub struct Param {
     pub key: &'static str,
     /// Its unit; empty for numbers without a unit and for other types.
     pub unit: &'static str,
-    /// JSON Schema type: `number`, `integer`, `boolean`, `string`, `array`, or several with `|` between them.
+    /// JSON Schema type: `number`, `integer`, `boolean`, `string`, `array`, or several separated by `|`.
     pub kind: &'static str,
     /// Default value as TOML; empty for a setting that is unset by default.
     pub default: String,
-    /// Allowed numbers.
+    /// Numbers that are accepted.
     pub check: Check,
-    /// Allowed words; empty for settings that are not a choice.
+    /// Words that are accepted; empty for settings that are not a choice.
     pub words: &'static [Word],
-    /// What it does and when to change it.
+    /// What the setting does and when to change it.
     pub help: &'static str,
     /// JSON Schema of the value, without range and description.
     pub schema: serde_json::Value,
@@ -68,12 +68,12 @@ pub enum Step {
     Key(String),
 }
 
-/// A number as people write it: large ones with their exponent.
+/// A number as people write it: with an exponent where it is large.
 fn short(v: f64) -> String {
     if v.abs() >= 1e9 { format!("{v:e}") } else { v.to_string() }
 }
 
-/// Why a value is refused.
+/// Reasons why a value is refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum Problem {
@@ -103,27 +103,27 @@ fn names(words: &[Word]) -> String {
     words.iter().map(|w| w.name).collect::<Vec<_>>().join(", ")
 }
 
-/// What is wrong with a value, and in which part of it.
+/// A refused value: the reason, and the part of the value that is wrong.
 ///
 /// Printed after the name of the setting: `[2].force_n should be a list in [ ], is 3`. Entries of lists are counted
 /// from 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValueError {
-    /// The way from the setting to the wrong part; empty for the value itself.
+    /// The path from the setting to the wrong part; empty for the value itself.
     pub path: Vec<Step>,
     /// What is wrong.
     pub problem: Problem,
 }
 
 impl ValueError {
-    /// The same error seen from one level further out.
+    /// The same error, seen from one level further out.
     #[must_use]
     pub fn inside(mut self, step: Step) -> Self {
         self.path.insert(0, step);
         self
     }
 
-    /// The same error seen from the table that holds the value as `key`.
+    /// The same error, seen from the table that holds the value as `key`.
     #[must_use]
     pub fn in_key(self, key: &str) -> Self {
         self.inside(Step::Key(key.to_owned()))
@@ -140,6 +140,7 @@ impl fmt::Display for ValueError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for step in &self.path {
             match step {
+                // People count from 1.
                 Step::Index(i) => write!(f, "[{}]", i + 1)?,
                 Step::Key(key) => write!(f, ".{key}")?,
             }
@@ -150,7 +151,7 @@ impl fmt::Display for ValueError {
 
 impl std::error::Error for ValueError {}
 
-/// A type a setting can have.
+/// A type that a setting can have.
 pub trait SettingValue: Sized {
     /// JSON Schema type.
     const KIND: &'static str;
@@ -181,6 +182,8 @@ fn wrong_kind(expected: &'static str, found: &Value) -> ValueError {
 impl SettingValue for f64 {
     const KIND: &'static str = "number";
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
+        // TOML tells 1 from 1.0; for a user both are numbers. NaN and infinity are legal TOML and no
+        // setting.
         let number = value.as_float().or_else(|| value.as_integer().map(|i| i as Self));
         number.filter(|n| n.is_finite()).ok_or_else(|| wrong_kind("a number", value))
     }
@@ -208,6 +211,7 @@ impl SettingValue for Density {
 impl SettingValue for usize {
     const KIND: &'static str = "integer";
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
+        // A negative count has no meaning anywhere.
         let whole = value.as_integer().and_then(|i| Self::try_from(i).ok());
         whole.ok_or_else(|| wrong_kind("a whole number from 0", value))
     }
@@ -235,11 +239,12 @@ impl SettingValue for String {
         value.as_str().map(str::to_owned).ok_or_else(|| wrong_kind("a text in quotes", value))
     }
     fn to_text(&self) -> String {
+        // TOML's own writer quotes and escapes, so that the text can be read back.
         Value::String(self.clone()).to_string()
     }
 }
 
-/// Reads and prints choices as their word.
+/// Reads and prints each choice as its word.
 macro_rules! choice_values {
     ($($name:ty),* $(,)?) => {$(
         impl SettingValue for $name {
@@ -308,6 +313,7 @@ impl SettingValue for Pair {
         }
     }
     fn to_text(&self) -> String {
+        // Printed as the user wrote it in most cases: one number for both.
         if self.0[0] == self.0[1] { self.0[0].to_text() } else { self.0.to_text() }
     }
     fn numbers(&self) -> Vec<f64> {
@@ -321,12 +327,14 @@ impl SettingValue for Pair {
 impl SettingValue for Threshold {
     const KIND: &'static str = "string|number|array";
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
+        // Accepts several kinds of values, so the message lists them all.
         let expected = "\"otsu\", \"iso50\", a grey value or [low, high]";
         match value {
             Value::String(s) if s == "otsu" => Ok(Self::Otsu),
             Value::String(s) if s == "iso50" => Ok(Self::Iso50(None)),
             Value::Array(_) => {
                 let [low, high] = <[f64; 2]>::from_toml(value)?;
+                // A range whose ends are exchanged would select nothing.
                 if low >= high {
                     return Err(Problem::Falling { found: value.to_string() }.into());
                 }
@@ -356,7 +364,8 @@ impl SettingValue for Threshold {
 /// The word that unsets an optional setting, so that the command line can undo what a job file sets.
 pub(super) const UNSET: &str = "none";
 
-/// Whether [`UNSET`] unsets a setting of this type: not where the word could be a name.
+/// Whether [`UNSET`] unsets a setting of this type. A free text cannot be unset, because "none" may be a
+/// name.
 fn can_be_unset<T: SettingValue>() -> bool {
     T::KIND != "string" || !T::WORDS.is_empty()
 }
@@ -387,7 +396,7 @@ impl<T: SettingValue> SettingValue for Option<T> {
     }
 }
 
-/// Schema of a list: its type, the schema of an entry, and how many there are.
+/// Schema of a list: its type, the schema of an entry, and the number of entries.
 fn list_schema(kind: &str, item: &serde_json::Value, n: Option<usize>) -> serde_json::Value {
     let kinds: Vec<&str> = kind.split('|').collect();
     let kind = if kinds.len() > 1 { json!(kinds) } else { json!(kind) };
@@ -401,6 +410,7 @@ impl<T: SettingValue> SettingValue for Vec<T> {
     const KIND: &'static str = "array";
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
         let items = value.as_array().ok_or_else(|| wrong_kind("a list in [ ]", value))?;
+        // The error names the entry, counted from 1 when printed.
         let entry = |(i, v)| T::from_toml(v).map_err(|e: ValueError| e.inside(Step::Index(i)));
         items.iter().enumerate().map(entry).collect()
     }
@@ -437,6 +447,7 @@ impl<T: SettingValue, const N: usize> SettingValue for [T; N] {
 pub(super) fn read<T: SettingValue>(value: &Value, check: Check) -> Result<T, ValueError> {
     let read = T::from_toml(value)?;
     if let Check::Range(low, high) = check
+        // The first number outside is reported; a list may hold several.
         && let Some(found) = read.numbers().into_iter().find(|n| !(low..=high).contains(n))
     {
         return Err(Problem::Range { low, high, found }.into());

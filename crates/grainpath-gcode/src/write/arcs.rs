@@ -1,14 +1,14 @@
-//! Runs of points that lie on a circle.
+//! Finds runs of points that lie on a circle.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross};
 
-/// An arc that stands for the points from one to a later one.
+/// An arc that replaces the points from a start to `end`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arc {
-    /// Index of the last point it reaches.
+    /// Index of the last point that it replaces.
     pub end: usize,
-    /// Its centre.
+    /// Its centre, in the frame of the points.
     pub centre: DVec2,
     /// Whether it turns left (G3).
     pub counter_clockwise: bool,
@@ -16,16 +16,20 @@ pub struct Arc {
     pub length_mm: f64,
 }
 
-/// Fewer points than this are not worth an arc.
+/// Fewest points of an arc. Three points lie on a circle by chance, and an arc of a few chords saves no
+/// lines.
 const MIN_POINTS: usize = 5;
+// Radii of arcs, mm. A smaller arc has too few chords to be replaced. A larger one has its centre far
+// outside the bed, where firmware in single precision loses accuracy.
 const RADIUS_MM: std::ops::RangeInclusive<f64> = 0.3..=1000.0;
-/// Firmware loses its way on arcs that are almost whole circles.
+/// Largest sweep of an arc, rad (315 degrees). Firmware confuses an almost complete circle with an almost
+/// empty arc through rounding.
 const MAX_SWEEP: f64 = 5.5;
 
 /// The longest arc from point `start` within `tolerance_mm` of the points and of the chords between them.
 ///
-/// Longer and longer runs are tried, each twice the one before, then halfway between the last that fits and the
-/// first that does not: n log n looks at n points instead of n squared.
+/// Runs are tried with twice the length each time, then by bisection between the last that fits and the
+/// first that does not. That is n log n distance tests for n points instead of n squared.
 pub fn arc_from(points: &[DVec2], start: usize, tolerance_mm: f64) -> Option<Arc> {
     let points = &points[start..];
     let try_run = |n: usize| {
@@ -36,6 +40,7 @@ pub fn arc_from(points: &[DVec2], start: usize, tolerance_mm: f64) -> Option<Arc
     let mut best = try_run(fits)?;
     let mut fails = points.len() + 1;
     while fits + 1 < fails {
+        // Doubling stops at the midpoint to the first failure, which turns the search into bisection.
         let n = (2 * fits).min(fits.midpoint(fails)).max(fits + 1);
         match try_run(n) {
             Some(arc) => (fits, best) = (n, arc),
@@ -46,6 +51,7 @@ pub fn arc_from(points: &[DVec2], start: usize, tolerance_mm: f64) -> Option<Arc
 }
 
 fn fit(points: &[DVec2], tolerance: f64) -> Option<(DVec2, bool, f64)> {
+    // A circle through the first, the middle and the last point: these are the least sensitive to noise.
     let (a, m, b) = (points[0], points[points.len() / 2], points[points.len() - 1]);
     let centre = centre(a, m, b)?;
     let r = centre.distance(a);
@@ -54,11 +60,14 @@ fn fit(points: &[DVec2], tolerance: f64) -> Option<(DVec2, bool, f64)> {
     }
     let left = cross(m - a, b - m) > 0.0;
     let mut sweep = 0.0;
+    // All points lie near the circle by now. The chords between them must do so too, and must all turn
+    // the same way.
     for w in points.windows(2) {
         let (u, v) = (w[0] - centre, w[1] - centre);
         let turn = atan2(cross(u, v), u.dot(v)) * if left { 1.0 } else { -1.0 };
-        // How far the arc bulges over the chord.
+        // Distance between the arc and the chord at its middle.
         let bulge = r - (0.5 * (w[0] + w[1])).distance(centre);
+        // A chord over more than a radian would be a corner of the path.
         if turn <= 0.0 || turn > 1.0 || bulge > tolerance {
             return None;
         }
@@ -67,7 +76,7 @@ fn fit(points: &[DVec2], tolerance: f64) -> Option<(DVec2, bool, f64)> {
     (sweep <= MAX_SWEEP).then_some((centre, left, sweep * r))
 }
 
-/// The centre of the circle through three points.
+/// The centre of the circle through three points; `None` where they lie on a line.
 fn centre(a: DVec2, b: DVec2, c: DVec2) -> Option<DVec2> {
     let (u, v) = (b - a, c - a);
     let d = 2.0 * cross(u, v);

@@ -1,7 +1,8 @@
-//! Continuous fibre: fed where a run begins, cut so far before its end that the rest of it is just laid.
+//! Continuous fibre. It is fed where a run begins and cut at the cutter's distance before the end of the
+//! run, so that the rest of it is just laid.
 //!
-//! A run is what is laid of one piece of fibre: a path, or several that follow each other without a way between,
-//! over layers too.
+//! A run is laid with one piece of fibre. It is a path, or several paths that follow each other without a
+//! travel between them, over layers too.
 
 use grainpath_core::PlannedPath;
 
@@ -11,7 +12,7 @@ use super::template::{self, Values};
 use super::{GcodeError, WriteConfig};
 use crate::machine::FibreTool;
 
-/// Checks the fibre tool's programs, before anything is written.
+/// Checks the templates of the fibre tool, before anything is written.
 pub fn check(config: &WriteConfig, n_layers: usize, top_mm: f64) -> Result<(), GcodeError> {
     let Some(tool) = &config.fibre else { return Ok(()) };
     let values = values(config, tool, n_layers, top_mm, 0, 0.0);
@@ -43,6 +44,7 @@ fn values(
         ("feed_mm", format!("{:.3}", tool.cutter_mm)),
         ("fibre_mm", format!("{run_mm:.3}")),
         ("fibre_nozzle_temp_c", tool.material.nozzle_temp_c.to_string()),
+        // The tool that is taken may be either, so its temperature depends on the number.
         ("tool_nozzle_temp_c", {
             let m = if Some(number) == tool.tool { &tool.material } else { &config.material };
             m.nozzle_temp_c.to_string()
@@ -52,7 +54,7 @@ fn values(
 }
 
 impl Writer<'_> {
-    /// Takes the tool that a path wants.
+    /// Changes to the tool that a path needs.
     pub(super) fn take_tool(&mut self, fibre: bool) {
         let config = self.config;
         let Some(tool) = config.fibre.as_ref() else { return };
@@ -61,42 +63,46 @@ impl Writer<'_> {
         } else {
             (config.machine.filament_mm, &config.material)
         };
+        // With one nozzle too, the material and its diameter change with the path.
         self.filament_mm2 = 0.25 * std::f64::consts::PI * filament * filament;
         self.material = material;
         let Some(number) = tool.tool else { return };
         if fibre == self.fibre_tool {
             return;
         }
-        // The nozzle left behind must not drip; the fibre's has been cut.
+        // The nozzle that is left must not drip. The fibre's nozzle needs no retraction, since fibre is
+        // cut.
         if fibre {
             self.retract();
         }
         self.fibre_tool = fibre;
         self.program(&tool.tool_change_gcode, "tool_change_gcode", if fibre { number } else { 0 }, 0.0);
-        // Changers park the head where they like.
+        // A tool changer may leave the head anywhere.
         self.at = [None; 3];
     }
 
-    /// Writes one of the tool's programs.
+    /// Writes one of the fibre tool's templates.
     fn program(&mut self, text: &str, name: &'static str, number: usize, run_mm: f64) {
         let config = self.config;
         let Some(tool) = config.fibre.as_ref() else { return };
-        // They were checked before anything was written.
+        // All templates were checked before anything was written, so this cannot fail.
         let values = values(config, tool, self.n_layers, self.top_mm, number, run_mm);
         if let Ok(text) = values.filled(name, text)
             && !text.trim().is_empty()
         {
             self.line(text.trim_end());
         }
+        // The template may have moved E by an unknown length.
         if !self.config.machine.relative_e {
             self.line("G92 E0");
             self.e_reset = self.e_steps;
         }
-        // Whatever the program did with feed and acceleration, the next move says its own.
+        // The template may have changed feed rate and acceleration, so the next move states its own.
         (self.feed, self.acceleration) = (0, 0.0);
     }
 
-    /// Lays a path of fibre: slowly where it is anchored, and cut where what is left reaches its end.
+    /// Lays a path of fibre. It is slow where the fibre is anchored, and the fibre is cut where the rest
+    /// reaches the end.
     pub(super) fn lay_fibre(&mut self, planned: &PlannedPath, run: InRun, height_mm: f64, speed: f64) {
         let config = self.config;
         let Some(tool) = config.fibre.as_ref() else { return };
@@ -109,7 +115,8 @@ impl Writer<'_> {
             self.line(";FIBRE_START");
             self.program(&tool.feed_gcode, "fibre_feed_gcode", number, run_mm);
         }
-        // From the path's own start. A run shorter than the cutter's distance is cut where it begins.
+        // Measured from the start of the path. A run shorter than the cutter's distance is cut where it
+        // begins.
         let from_start = length + run.after_mm - tool.cutter_mm;
         let cut = if run.begins { from_start.max(0.0) } else { from_start };
         let anchored = tool.anchor_mm - run.before_mm;
@@ -122,13 +129,14 @@ impl Writer<'_> {
             let l = a.distance(b);
             let area = grainpath_core::units::bead_area_mm2(width, height_mm);
             let mut at = a;
-            // Where within the segment something changes.
+            // Positions within the segment where the speed changes or the fibre is cut.
             let mut stops: Vec<f64> =
                 [anchored - done, cut - done].into_iter().filter(|s| *s >= 0.0 && *s < l).collect();
             stops.sort_by(f64::total_cmp);
             for stop in stops {
                 let to = a + (b - a) * (stop / l.max(1e-12));
                 let v = if done + stop <= anchored + 1e-9 { slow } else { speed };
+                // A stop that rounds to the same place writes no move.
                 if micro(to.x) != micro(at.x) || micro(to.y) != micro(at.y) {
                     self.extrude(at, to, at.distance(to), area * per_mm, v);
                     at = to;

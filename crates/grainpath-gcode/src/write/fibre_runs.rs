@@ -1,25 +1,28 @@
-//! Runs of fibre: which paths are laid of one piece, and where each lies in it.
+//! Runs of fibre: paths that are laid with one piece of fibre, and the position of each path in its run.
 //!
-//! The writer feeds fibre where a run begins and cuts it so far before the end that the rest of it is just laid, so it has
-//! to know for every path how much of its run lies before and after it.
+//! The writer feeds fibre where a run begins. It cuts the fibre at the cutter's distance before the end,
+//! so that the rest is just laid. Hence it has to know for every path how much of its run lies before and
+//! after it.
 
 use grainpath_core::{Plan, PlannedPath, Role};
 
-/// Where a path lies in its run.
+/// Position of a path in its run.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct InRun {
-    /// Whether the run begins with the path.
+    /// Whether the run begins with this path.
     pub begins: bool,
     /// Length of the run before the path, mm.
     pub before_mm: f64,
-    /// Length of the run after it, mm.
+    /// Length of the run after the path, mm.
     pub after_mm: f64,
 }
 
-/// Where every path of a plan lies in its run; paths that are no fibre in none.
+/// The position of every path of a plan in its run. Paths without fibre belong to no run and get the
+/// default.
 pub fn runs(plan: &Plan) -> Vec<Vec<InRun>> {
     let mut all: Vec<Vec<InRun>> =
         plan.layers.iter().map(|l| vec![InRun::default(); l.paths.len()]).collect();
+    // Paths without a segment write nothing and must not separate two pieces.
     let printed = |p: &&PlannedPath| p.path.n_segments() > 0;
     let order: Vec<(usize, usize)> = (plan.layers.iter().enumerate())
         .flat_map(|(i, l)| (0..l.paths.len()).map(move |k| (i, k)))
@@ -32,6 +35,8 @@ pub fn runs(plan: &Plan) -> Vec<Vec<InRun>> {
             at += 1;
             continue;
         }
+        // A run continues where the next path is fibre, begins where the last one ended (within the
+        // writer's rounding to 1 um) and needs no travel.
         let goes_on = |k: &usize| {
             let (last, next) = (path(*k - 1), path(*k));
             next.path.role == Role::Fibre

@@ -1,4 +1,4 @@
-//! A plan as a machine program.
+//! Writes a plan as a G-code program.
 
 mod arcs;
 mod fibre;
@@ -13,39 +13,39 @@ use grainpath_core::{BeadWidth, Plan, PlannedPath};
 
 use crate::machine::{Cooling, FibreTool, Machine, Material, Retraction, Speeds};
 
-/// How a plan is written.
+/// Everything the writer needs besides the plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WriteConfig {
     /// The printer.
     pub machine: Machine,
-    /// What is printed with.
+    /// The material of the matrix.
     pub material: Material,
-    /// How fast.
+    /// Speeds of all roles.
     pub speeds: Speeds,
-    /// Fan and layer time.
+    /// Fan speeds and layer times.
     pub cooling: Cooling,
-    /// For travels.
+    /// Retraction for travel moves.
     pub retraction: Retraction,
-    /// What lays paths of fibre; without it they are printed as any other.
+    /// The tool for paths of fibre. Without it they are printed like all others.
     pub fibre: Option<FibreTool>,
-    /// Arcs are written as G2 and G3 where they come this near to the path, mm.
+    /// Largest distance between an arc (G2, G3) and the path that it replaces, mm; `None` writes no arcs.
     pub arc_tolerance_mm: Option<f64>,
     /// Lines for the header, without the semicolon.
     pub header: Vec<String>,
 }
 
-/// A picture for the printer's screen.
+/// A picture for the screen of the printer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Thumbnail {
-    /// Pixels.
+    /// Width, pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height, pixels.
     pub height: u32,
-    /// The file.
+    /// The PNG file.
     pub png: Vec<u8>,
 }
 
-/// What was written.
+/// Totals of the program that was written.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Written {
     /// Length of all beads, mm.
@@ -54,25 +54,25 @@ pub struct Written {
     pub travel_mm: f64,
     /// Volume of all beads, mm3.
     pub extruded_mm3: f64,
-    /// Length of filament for it, mm.
+    /// Length of filament used, mm.
     pub filament_mm: f64,
     /// Its mass, g.
     pub mass_g: f64,
     /// Estimated time, s.
     pub time_s: f64,
-    /// Times the filament is drawn back.
+    /// Number of retractions.
     pub retractions: usize,
     /// Number of paths.
     pub toolpaths: usize,
     /// Length of fibre laid, mm.
     pub fibre_mm: f64,
-    /// Pieces of fibre.
+    /// Number of pieces of fibre.
     pub fibre_runs: usize,
-    /// Times it is cut.
+    /// Number of cuts.
     pub cuts: usize,
 }
 
-/// Why a plan cannot be written.
+/// Reasons why a plan cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum GcodeError {
@@ -97,6 +97,7 @@ pub fn check_fits(plan: &Plan, machine: &Machine) -> Result<(), GcodeError> {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     let mut top = 0.0f64;
     for layer in &plan.layers {
+        // The comparison is written so that NaN fails it.
         if !(shift.is_finite()
             && layer.z_top_mm.is_finite()
             && layer.height_mm.is_finite()
@@ -106,6 +107,7 @@ pub fn check_fits(plan: &Plan, machine: &Machine) -> Result<(), GcodeError> {
         }
         top = top.max(layer.z_top_mm);
         for planned in &layer.paths {
+            // A bead reaches half its width beyond its centre line.
             let half = 0.5 * widest_sound(planned).ok_or(GcodeError::NotANumber { z_mm: layer.z_top_mm })?;
             for p in planned.path.points.iter().chain(&planned.travel.via) {
                 for (k, c) in [p.x + shift.x, p.y + shift.y].into_iter().enumerate() {
@@ -123,9 +125,11 @@ pub fn check_fits(plan: &Plan, machine: &Machine) -> Result<(), GcodeError> {
         ('Y', high[1], bed_low[1], bed_high[1]),
         ('Z', top, 0.0, machine.bed_mm[2]),
     ];
+    // The axis that is farthest out, so that moving the part once is enough.
     let mut worst: Option<(f64, GcodeError)> = None;
     for (axis, at_mm, low_mm, high_mm) in reaches {
         let out = (at_mm - high_mm).max(low_mm - at_mm);
+        // A plan without paths has no extent; 1e-6 mm is rounding.
         if at_mm.is_finite() && out > 1e-6 && worst.as_ref().is_none_or(|(most, _)| out > *most) {
             worst = Some((out, GcodeError::OutsideBed { axis, at_mm, low_mm, high_mm }));
         }
@@ -133,12 +137,14 @@ pub fn check_fits(plan: &Plan, machine: &Machine) -> Result<(), GcodeError> {
     worst.map_or(Ok(()), |(_, error)| Err(error))
 }
 
-/// The greatest width of a path, mm; `None` where any number of it, or of the way to it, is none.
+/// The greatest width of a path, mm. `None` where a coordinate, width or flow of the path or of its
+/// travel is not a sound number.
 fn widest_sound(planned: &PlannedPath) -> Option<f64> {
     let path = &planned.path;
     let points = path.points.iter().chain(&planned.travel.via);
     let widths = match &path.width {
         BeadWidth::Constant(w) => std::slice::from_ref(w),
+        // A width for each vertex, or the writer would read past the list.
         BeadWidth::PerVertex(w) if w.len() == path.points.len() => w.as_slice(),
         BeadWidth::PerVertex(_) => return None,
     };
@@ -149,7 +155,7 @@ fn widest_sound(planned: &PlannedPath) -> Option<f64> {
     sound.then(|| widths.iter().copied().fold(0.0, f64::max))
 }
 
-/// Writes a plan. Same plan and settings, same bytes.
+/// Writes a plan. The same plan and settings give the same bytes.
 ///
 /// # Errors
 /// [`GcodeError`]: off the bed, an unknown placeholder, numbers that are none, or the writer's own.
@@ -162,6 +168,7 @@ pub fn write_gcode(
     check_fits(plan, &config.machine)?;
     let top = plan.layers.last().map_or(0.0, |l| l.z_top_mm);
     let values = template::values(config, plan.layers.len(), top);
+    // All templates are checked before the first byte is written: half a program is worse than none.
     let start = values.filled("start_gcode", &config.machine.start_gcode)?;
     let end = values.filled("end_gcode", &config.machine.end_gcode)?;
     fibre::check(config, plan.layers.len(), top)?;

@@ -1,8 +1,10 @@
-//! Fixed-point numbers, written without trailing zeros and never as minus nothing.
+//! Fixed-point numbers without trailing zeros and without "-0". Floats are not formatted in the inner
+//! loop, because integers are faster and round the same way everywhere.
 
 /// Appends `value * 10^-decimals`.
 pub fn push_fixed(out: &mut Vec<u8>, value: i64, decimals: u32) {
     let scale = 10u64.pow(decimals);
+    // `unsigned_abs` also covers the lowest i64.
     let magnitude = value.unsigned_abs();
     if value < 0 {
         out.push(b'-');
@@ -21,6 +23,7 @@ pub fn push_fixed(out: &mut Vec<u8>, value: i64, decimals: u32) {
 }
 
 fn push_whole(out: &mut Vec<u8>, value: u64) {
+    // Twenty digits hold every u64; they are filled from the end.
     let mut digits = [0u8; 20];
     let mut i = digits.len();
     let mut rest = value;

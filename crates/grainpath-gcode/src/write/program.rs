@@ -1,4 +1,4 @@
-//! The program, move by move.
+//! Writes the program, move by move.
 
 use std::fmt::Write as _;
 use std::io;
@@ -14,9 +14,10 @@ use super::{GcodeError, Thumbnail, WriteConfig, Written};
 use crate::kinematics::{Limits, Move, TimeEstimator};
 use crate::machine::{Flavour, Material};
 
-/// Filament is counted in whole steps of this, so that rounding never adds up.
+/// Step in which filament is counted, mm. Source: E has five decimals in the G-code. Whole steps keep
+/// rounding from adding up over a print.
 const E_STEP_MM: f64 = 1e-5;
-/// Bytes are handed on in pieces of about this size.
+/// Bytes that are collected before they are passed on. The value changes speed alone.
 const CHUNK: usize = 1 << 16;
 
 pub struct Writer<'a> {
@@ -24,21 +25,22 @@ pub struct Writer<'a> {
     out: &'a mut dyn io::Write,
     buffer: Vec<u8>,
     shift: DVec2,
-    /// Section of what the tool in use is fed with, and what that is.
+    /// Cross-section of the filament of the tool in use, mm2.
     pub(super) filament_mm2: f64,
     pub(super) material: &'a Material,
     /// Whether the fibre's own tool is in use.
     pub(super) fibre_tool: bool,
     pub(super) n_layers: usize,
     pub(super) top_mm: f64,
-    /// Where the nozzle is, in thousandths of a mm; none before the first move and after a change of tools.
+    /// Position of the nozzle in thousandths of a mm; `None` before the first move and after a change of
+    /// tools.
     pub(super) at: [Option<i64>; 3],
-    /// Where it was last.
+    /// Last known position of the nozzle.
     stood: DVec2,
-    /// Filament laid so far, exactly, and in steps written.
+    /// Filament laid so far, exact.
     e_exact_mm: f64,
     pub(super) e_steps: i64,
-    /// Position of E since the last reset, for absolute E.
+    /// Position of E at the last reset, for absolute E.
     pub(super) e_reset: i64,
     pub(super) feed: i64,
     role: Option<Role>,
@@ -52,13 +54,13 @@ pub struct Writer<'a> {
     pub(super) written: Written,
 }
 
-/// A layer's own speeds.
+/// Speed and cooling of a layer.
 struct Pace {
     first_layer: bool,
-    /// Factor on printing speeds for the least layer time.
+    /// Factor on printing speeds that reaches the least layer time.
     slow_down: f64,
     fan: f64,
-    /// Whether the fan may run at all.
+    /// Whether the fan may run in this layer.
     fan_allowed: bool,
 }
 
@@ -69,6 +71,7 @@ impl<'a> Writer<'a> {
             config,
             out,
             buffer: Vec::with_capacity(CHUNK + 4096),
+            // Paths are in the part's frame; the program is in that of the plate.
             shift: plan.plate_from_part_mm.truncate(),
             filament_mm2: std::f64::consts::PI * r * r,
             material: &config.material,
@@ -102,11 +105,13 @@ impl<'a> Writer<'a> {
     ) -> Result<Written, GcodeError> {
         self.head(plan, thumbnails);
         self.line(start.trim_end());
+        // After the start G-code, which may change modes.
         self.set_up();
         let runs = if self.config.fibre.is_some() { fibre_runs(plan) } else { Vec::new() };
         for (i, layer) in plan.layers.iter().enumerate() {
             self.layer(i, layer, runs.get(i).map_or(&[], Vec::as_slice))?;
         }
+        // The end G-code is written for the matrix's nozzle.
         self.take_tool(false);
         self.retract();
         self.line(";TYPE:Custom");
@@ -145,6 +150,8 @@ impl<'a> Writer<'a> {
         for t in thumbnails {
             let text = base64::engine::general_purpose::STANDARD.encode(&t.png);
             self.line(&format!(";\n; thumbnail begin {}x{} {}", t.width, t.height, text.len()));
+            // Lines of 78 characters, as PrusaSlicer writes them; firmware that shows thumbnails expects
+            // that.
             for piece in text.as_bytes().chunks(78) {
                 self.buffer.extend_from_slice(b"; ");
                 self.buffer.extend_from_slice(piece);
@@ -154,11 +161,11 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// What is said once before the first layer.
+    /// Writes the modes and limits that hold for the whole print.
     fn set_up(&mut self) {
         self.line("G21 ; mm");
         self.line("G90 ; positions are absolute");
-        // After G90, which makes some firmware take E as positions too.
+        // After G90, because some firmware lets G90 set E to absolute too.
         self.line(if self.config.machine.relative_e {
             "M83 ; extrusion is relative"
         } else {
@@ -171,7 +178,7 @@ impl<'a> Writer<'a> {
                 self.line(&format!("M204 P{print} R{} T{travel}", l.retract_acceleration_mm_s2));
             }
             Flavour::RepRapFirmware => self.line(&format!("M204 P{print} T{travel}")),
-            // Klipper has one acceleration for all moves; it is set where it changes.
+            // Klipper has one acceleration for all moves, which is set where it changes.
             Flavour::Klipper => {}
         }
         if let Some(k) = self.config.material.pressure_advance {
@@ -188,6 +195,7 @@ impl<'a> Writer<'a> {
         let mut head = String::from(";LAYER_CHANGE\n");
         let _ = write!(head, ";Z:{}\n;HEIGHT:{}", trimmed(layer.z_top_mm), trimmed(layer.height_mm));
         self.line(&head);
+        // M104 and M140 do not wait: the second layer begins while the temperature settles.
         if i == 1 {
             let m = &self.config.material;
             let (nozzle, bed) = (m.nozzle_temp_c, m.bed_temp_c);
@@ -199,9 +207,12 @@ impl<'a> Writer<'a> {
             }
         }
         if !self.config.machine.relative_e {
+            // Absolute E grows with the print, and firmware keeps it in single precision. A reset in each
+            // layer keeps it small.
             self.line("G92 E0");
             self.e_reset = self.e_steps;
         }
+        // Viewers that jump to a layer need its type and width restated.
         self.role = None;
         self.width_mm = 0.0;
         let pace = self.pace(i, layer);
@@ -214,7 +225,7 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    /// How much a layer is slowed down and cooled, from the time it would take at full speed.
+    /// Slow-down and fan speed of a layer, from the time that it would take at full speed.
     fn pace(&self, i: usize, layer: &LayerPlan) -> Pace {
         let first_layer = i == 0;
         let c = &self.config.cooling;
@@ -228,9 +239,11 @@ impl<'a> Writer<'a> {
             moving += at.distance(p.path.start()) / self.config.speeds.travel;
             at = p.path.end();
         }
+        // Travel is not slowed down, so printing alone has to fill the least time.
         let short = c.min_layer_time_s - moving;
         let slow_down = if printing > 0.0 && short > printing { printing / short } else { 1.0 };
         let time = printing / slow_down + moving;
+        // Between the two layer times the fan speed rises linearly.
         let span = (c.fan_below_layer_time_s - c.min_layer_time_s).max(1e-9);
         let share = ((c.fan_below_layer_time_s - time) / span).clamp(0.0, 1.0);
         let fan_allowed = i >= c.fan_off_layers;
@@ -238,9 +251,10 @@ impl<'a> Writer<'a> {
         Pace { first_layer, slow_down, fan, fan_allowed }
     }
 
-    /// Speed of a path before any slowing down: its role's, and no more than melts.
+    /// Speed of a path before any slowing down: that of its role, limited by the melting rate.
     fn speed(&self, path: &Toolpath, height_mm: f64, first_layer: bool) -> f64 {
         let speed = self.config.speeds.of(path.role, path.speed, first_layer);
+        // The widest place decides, because the speed is the same along the path.
         let widest = match &path.width {
             grainpath_core::BeadWidth::Constant(w) => *w,
             grainpath_core::BeadWidth::PerVertex(w) => w.iter().copied().fold(0.0, f64::max),
@@ -262,6 +276,7 @@ impl<'a> Writer<'a> {
         self.travel(planned);
         self.announce(path, pace);
         let full = self.speed(path, height_mm, pace.first_layer);
+        // A path that is slower than the least speed by its role stays so.
         let slow = (full * pace.slow_down).max(self.config.cooling.min_speed_mm_s.min(full));
         self.written.toolpaths += 1;
         if path.role == Role::Fibre && self.config.fibre.is_some() {
@@ -269,6 +284,7 @@ impl<'a> Writer<'a> {
         }
         let per_mm = path.flow * self.material.flow / self.filament_mm2;
         let constant = matches!(path.width, grainpath_core::BeadWidth::Constant(_));
+        // Arcs carry one extrusion rate, so only beads of constant width become arcs.
         if let (Some(tolerance), true) = (self.config.arc_tolerance_mm, constant) {
             return self.arcs(path, height_mm, per_mm, slow, tolerance);
         }
@@ -293,11 +309,11 @@ impl<'a> Writer<'a> {
         let mut i = 0;
         while i + 1 < points.len() {
             if let Some(arc) = arc_from(&points, i, tolerance) {
-                // The volume is that of the chords: the arc stands for them.
+                // The volume is that of the chords, which the arc replaces.
                 let chords: f64 = points[i..=arc.end].windows(2).map(|w| w[0].distance(w[1])).sum();
                 self.accelerate(self.config.machine.limits.acceleration_mm_s2);
                 let to = points[arc.end] + self.shift;
-                // The centre counts from where the machine is, which is rounded.
+                // I and J count from the machine's position, which is rounded.
                 let from = self.here().unwrap_or(points[i] + self.shift);
                 self.buffer.extend_from_slice(if arc.counter_clockwise { b"G3" } else { b"G2" });
                 self.xyz([Some(to.x), Some(to.y), None]);
@@ -307,6 +323,8 @@ impl<'a> Writer<'a> {
                     push_fixed(&mut self.buffer, (c * 1e3).round() as i64, 3);
                 }
                 self.e(chords * rate, speed);
+                // Time and length are counted by chords too, so that they do not depend on the setting
+                // for arcs.
                 for w in points[i..=arc.end].windows(2) {
                     let length = w[0].distance(w[1]);
                     self.count(length, length * rate, speed, w[1] - w[0]);
@@ -320,7 +338,7 @@ impl<'a> Writer<'a> {
         self.settle();
     }
 
-    /// Pushes what a path's last moves, too small to write, have left over.
+    /// Pushes the filament that the last moves of a path, too short to write, have left over.
     fn settle(&mut self) {
         if self.e_owed() != 0 {
             self.buffer.extend_from_slice(b"G1");
@@ -328,12 +346,12 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Steps of filament not yet pushed.
+    /// Steps of filament that are not pushed yet.
     fn e_owed(&self) -> i64 {
         (self.e_exact_mm / E_STEP_MM).round() as i64 - self.e_steps
     }
 
-    /// Comments, fan and width for a path.
+    /// Writes type, width and fan speed for a path, where they change.
     fn announce(&mut self, path: &Toolpath, pace: &Pace) {
         if self.role != Some(path.role) {
             self.role = Some(path.role);
@@ -361,6 +379,7 @@ impl<'a> Writer<'a> {
     }
 
     fn width(&mut self, width_mm: f64) {
+        // Widths are comments for viewers; 5 um is below what they show.
         if (width_mm - self.width_mm).abs() > 0.005 {
             self.width_mm = width_mm;
             let text = format!(";WIDTH:{}", trimmed(width_mm));
@@ -371,20 +390,21 @@ impl<'a> Writer<'a> {
     fn travel(&mut self, planned: &PlannedPath) {
         let to = planned.path.start() + self.shift;
         let z = self.z_mm;
-        // After a change of tools the whole place is said.
+        // After a change of tools the full position is written.
         let far = self.here().is_none_or(|p| p.distance(to) > 0.0011);
         let rises = self.at[2] != Some(micro(z));
         if far && planned.travel.retract {
             self.retract();
         }
         let limits: Limits = self.config.machine.limits;
+        // Upwards before the travel, so that the nozzle does not drag through the layer.
         if rises && !self.hopped {
             self.move_z(z);
         }
         if far {
             self.accelerate(limits.travel_acceleration_mm_s2);
             for p in planned.travel.via.iter().map(|p| *p + self.shift).chain([to]).collect::<Vec<_>>() {
-                // The first travel comes from home.
+                // The first travel starts at the home position.
                 let from = self.here().unwrap_or(self.stood);
                 self.buffer.extend_from_slice(b"G1");
                 self.xyz([Some(p.x), Some(p.y), None]);
@@ -400,7 +420,7 @@ impl<'a> Writer<'a> {
             self.hopped = false;
             self.move_z(z);
         }
-        // The nozzle beside the fibre's stays drawn back.
+        // While the fibre's tool is in use, the matrix's nozzle stays retracted.
         if self.retracted && !self.fibre_tool {
             self.retracted = false;
             let r = self.config.retraction;
@@ -408,7 +428,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Where the nozzle is in plan, once it has been sent anywhere.
+    /// Position of the nozzle in plan; `None` before the first move.
     fn here(&self) -> Option<DVec2> {
         let (x, y) = (self.at[0]?, self.at[1]?);
         Some(DVec2::new(x as f64 * 1e-3, y as f64 * 1e-3))
@@ -425,7 +445,8 @@ impl<'a> Writer<'a> {
 
     pub(super) fn retract(&mut self) {
         let r = self.config.retraction;
-        // Fibre is cut, not drawn back.
+        // Fibre is cut and not drawn back.
+        // Before the first extrusion there is nothing to draw back.
         if self.retracted || self.fibre_tool || r.length_mm <= 0.0 || self.e_steps == 0 {
             return;
         }
@@ -439,7 +460,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Moves the filament alone; what goes back comes forward again, so it is no part of the sum.
+    /// Moves the filament alone. Retracted filament returns, so it is not counted as used.
     fn filament(&mut self, mm: f64, speed_mm_s: f64) {
         self.buffer.extend_from_slice(b"G1");
         let steps = (mm / E_STEP_MM).round() as i64;
@@ -453,7 +474,7 @@ impl<'a> Writer<'a> {
     pub(super) fn extrude(&mut self, a: DVec2, b: DVec2, length: f64, filament_per_mm: f64, speed: f64) {
         let to = b + self.shift;
         let filament = length * filament_per_mm;
-        // A move that rounds to nothing leaves its filament to the next.
+        // A move that rounds to nothing leaves its filament to the next one.
         if self.at[0] == Some(micro(to.x)) && self.at[1] == Some(micro(to.y)) {
             self.e_exact_mm += filament;
             self.count(length, filament, speed, b - a);
@@ -490,7 +511,7 @@ impl<'a> Writer<'a> {
         push_fixed(&mut self.buffer, value, 5);
     }
 
-    /// Writes the coordinates that change.
+    /// Writes the coordinates that change; the unchanged ones are implied.
     fn xyz(&mut self, to: [Option<f64>; 3]) {
         for (k, letter) in [b'X', b'Y', b'Z'].into_iter().enumerate() {
             let Some(mm) = to[k].map(micro) else { continue };
@@ -505,7 +526,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// For firmware that does not tell printing from travelling.
+    /// Sets the acceleration for firmware that has one for printing and travel.
     fn accelerate(&mut self, acceleration: f64) {
         if self.config.machine.flavour == Flavour::Klipper && acceleration != self.acceleration {
             self.acceleration = acceleration;
@@ -514,8 +535,9 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Ends a line with its feed where that changes.
+    /// Ends a line with its feed rate where that changes.
     fn end_with_feed(&mut self, speed: f64) {
+        // F counts mm/min.
         let feed = (speed * 60.0).round() as i64;
         if feed != self.feed {
             self.feed = feed;
@@ -544,14 +566,14 @@ pub(super) fn micro(mm: f64) -> i64 {
     (mm * 1e3).round() as i64
 }
 
-/// Up to three decimals, no trailing zeros.
+/// A number with up to three decimals and no trailing zeros.
 fn trimmed(mm: f64) -> String {
     let mut out = Vec::new();
     push_fixed(&mut out, micro(mm), 3);
     String::from_utf8(out).unwrap_or_default()
 }
 
-/// As slicers write times: `1d 2h 3m 4s`, from the first unit that is not nothing.
+/// A time as slicers write it, `1d 2h 3m 4s`, from the first unit above 0.
 pub(super) fn duration(seconds: f64) -> String {
     let s = seconds.round().max(0.0) as u64;
     let (d, h, m) = (s / 86400, s / 3600 % 24, s / 60 % 60);

@@ -1,11 +1,11 @@
-//! Programs with placeholders.
+//! Fills placeholders into the printer's own G-code.
 
 use super::{GcodeError, WriteConfig};
 
-/// Placeholders and what stands for them.
+/// Placeholders and their values.
 pub struct Values(Vec<(&'static str, String)>);
 
-/// What every program may hold.
+/// The placeholders that every template may use.
 pub fn values(config: &WriteConfig, n_layers: usize, z_max_mm: f64) -> Values {
     let (machine, material) = (&config.machine, &config.material);
     Values(vec![
@@ -17,6 +17,7 @@ pub fn values(config: &WriteConfig, n_layers: usize, z_max_mm: f64) -> Values {
         ("bed_y_mm", machine.bed_mm[1].to_string()),
         ("bed_z_mm", machine.bed_mm[2].to_string()),
         ("z_max_mm", format!("{z_max_mm:.3}")),
+        // 10 mm above the part, so that the nozzle leaves it, but within the printer's height.
         ("z_park_mm", format!("{:.3}", (z_max_mm + 10.0).min(machine.bed_mm[2]))),
         ("nozzle_mm", machine.nozzle_mm.to_string()),
         ("filament_mm", machine.filament_mm.to_string()),
@@ -31,7 +32,7 @@ impl Values {
         self.0.extend(more);
     }
 
-    /// Fills `{placeholders}` in; braces around anything but a name are left alone.
+    /// Fills `{placeholders}` in. Braces around anything but a name are left as they are.
     pub fn filled(&self, template: &'static str, text: &str) -> Result<String, GcodeError> {
         let mut out = String::with_capacity(text.len());
         let mut rest = text;
@@ -39,12 +40,14 @@ impl Values {
             out.push_str(&rest[..open]);
             rest = &rest[open..];
             let name = rest.find('}').map_or("", |close| &rest[1..close]);
+            // Klipper's macros have braces with expressions of their own.
             let is_name = !name.is_empty() && name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
             if !is_name {
                 out.push('{');
                 rest = &rest[1..];
                 continue;
             }
+            // A misspelled placeholder would reach the printer as text and be ignored there.
             let Some((_, value)) = self.0.iter().find(|(n, _)| *n == name) else {
                 let nearest = grainpath_core::spelling::nearest(name, self.0.iter().map(|(n, _)| *n));
                 return Err(GcodeError::UnknownPlaceholder {

@@ -45,7 +45,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
                 let step = line.get(48..).map(<[u8]>::trim_ascii).and_then(whole);
                 frd.step = step.and_then(|s| usize::try_from(s).ok()).unwrap_or(1).max(1);
             }
-            // `9999` is the end record; anything behind it is no part of the model.
+            // `9999` is the end record; anything after it is no part of the model.
             b"9999" => break,
             _ => {}
         }

@@ -535,7 +535,7 @@ impl FeFile {
     }
 }
 
-/// Name without a unit behind it: `S11 [MPa]`, `sxx_mpa`.
+/// Name without a unit after it: `S11 [MPa]`, `sxx_mpa`.
 fn unit_off(name: &str) -> &str {
     let bare = name.split(['[', '(']).next().unwrap_or(name).trim_end();
     match bare.rsplit_once(['_', ' ']) {

@@ -226,7 +226,7 @@ impl Vtk<'_> {
     /// The next `n` numbers, as words or bytes.
     fn numbers(&mut self, scalar: Scalar, n: usize) -> Result<Vec<f64>, FeError> {
         if self.binary {
-            // Binary data begin right behind the line break of the keyword's line; skipping all space
+            // Binary data begin right after the line break of the keyword's line; skipping all space
             // would eat bytes of data.
             self.words.next_line();
             let raw = n.checked_mul(scalar.bytes()).and_then(|n| self.words.raw(n));
@@ -284,7 +284,7 @@ impl Vtk<'_> {
         self.words.peek().is_some_and(|w| w.eq_ignore_ascii_case(wanted))
     }
 
-    /// Skips the metadata that VTK 9 writes behind arrays, up to an empty line.
+    /// Skips the metadata that VTK 9 writes after arrays, up to an empty line.
     fn metadata(&mut self) {
         self.words.next_line();
         while !self.words.at_end() && !self.words.rest_of_line().is_empty() {
@@ -309,7 +309,7 @@ impl Vtk<'_> {
             b"TENSORS" => 9,
             b"TENSORS6" => 6,
             b"FIELD" => return self.field(Some((on, n))),
-            // Colours are no result. They are read over, so that the sections behind them are found.
+            // Colours are no result. They are read over, so that the sections after them are found.
             b"COLOR_SCALARS" => {
                 self.words.word();
                 let c = self.count("the number of colours")?;

@@ -267,7 +267,7 @@ impl<'a> Vtu<'a> {
                 };
                 let bytes: &'a [u8] = appended.bytes;
                 let raw = appended.raw;
-                // Offsets count from the byte behind the underscore.
+                // Offsets count from the byte after the underscore.
                 let bytes = bytes.get(offset..).ok_or_else(|| {
                     invalid(place(), format!("begins at {offset}, behind the end of the file"))
                 })?;
@@ -287,10 +287,10 @@ impl<'a> Vtu<'a> {
         Ok(())
     }
 
-    /// The bytes of an array behind its header.
+    /// The bytes of an array after its header.
     fn decode(&mut self, place: &str, scalar: Scalar, source: Source<'_>) -> Result<Vec<u8>, FeError> {
         let style = self.style;
-        // Every array draws on the same budget, so many small bombs count as one large one.
+        // Every array draws on the same budget, so that many small bombs count as one large one.
         let limit = self.numbers_left.saturating_mul(scalar.bytes());
         let bomb = || invalid(place, "with it the arrays are far larger than the file; refused as a bomb");
         let word = if style.wide_header { Scalar::U64 } else { Scalar::U32 };
@@ -347,7 +347,7 @@ impl<'a> Vtu<'a> {
             Source::Raw(bytes) => bytes,
             Source::Base64(text) => {
                 // The sizes of the blocks are decoded first. Their sum says how much belongs to this
-                // array; the text behind it belongs to others.
+                // array; the text after it belongs to others.
                 let header = base64(text, header_bytes);
                 let sizes =
                     header.get(3 * word.bytes()..).map(|b| word.all(b, style.big)).unwrap_or_default();

@@ -18,9 +18,9 @@ const BLOCK: usize = 1 << 15;
 pub enum Encoding {
     /// Text: large, but readable in an editor.
     Ascii,
-    /// Raw bytes in an appended section behind the XML.
+    /// Raw bytes in an appended section after the XML.
     Raw,
-    /// Bytes compressed by zlib, in an appended section behind the XML.
+    /// Bytes compressed by zlib, in an appended section after the XML.
     #[default]
     Zlib,
 }

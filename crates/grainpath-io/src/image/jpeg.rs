@@ -48,7 +48,7 @@ pub(super) fn read(bytes: &[u8], max_pixels: u64, colours: Colours) -> Result<Im
 }
 
 /// Whether the end marker (EOI) is missing. The decoder fills missing rows with grey, and a grey strip
-/// would pass for wood without grain. Bytes behind the marker are harmless: some cameras append a preview
+/// would pass for wood without grain. Bytes after the marker are harmless: some cameras append a preview
 /// there.
 fn is_cut_short(bytes: &[u8]) -> bool {
     !bytes.windows(2).rev().any(|w| w == [0xff, 0xd9]) || ends_inside_scan(bytes)
@@ -95,7 +95,7 @@ fn error(e: DecodeErrors) -> ImageError {
 
 /// The orientation tag (0x0112) of the first directory of EXIF data; `None` when there is none or it is damaged.
 fn orientation(exif: &[u8]) -> Option<u16> {
-    // EXIF holds a TIFF file behind six bytes (EXIF 2.3, APP1).
+    // An EXIF segment is a TIFF file after a prefix of six bytes (EXIF 2.3, APP1).
     let tiff = exif.strip_prefix(b"Exif\0\0").unwrap_or(exif);
     let little = match tiff.get(..2)? {
         b"II" => true,

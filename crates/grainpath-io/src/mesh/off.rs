@@ -1,7 +1,7 @@
 //! OFF and its relatives COFF and NOFF.
 //!
 //! Source: Geomview manual, section "OFF Files". The header has the numbers of vertices, faces and edges; then follow one
-//! vertex and one face a line. Colours and normals behind the coordinates are skipped. Faces may have 3 to 65535 corners.
+//! vertex and one face a line. Colours and normals after the coordinates are skipped. Faces may have 3 to 65535 corners.
 //! Units: the format has none. Binary OFF and 4OFF are not read.
 
 use grainpath_core::TriMesh;
@@ -14,7 +14,7 @@ use grainpath_core::number::whole;
 pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut words = Words::new(bytes, Some(b'#'));
     let header = words.word().ok_or(MeshError::Empty)?;
-    // `COFF`, `NOFF` and `CNOFF` end in the same letters; what they add stands behind the coordinates.
+    // `COFF`, `NOFF` and `CNOFF` end in the same letters; what they add stands after the coordinates.
     if header.get(header.len().saturating_sub(3)..).is_none_or(|h| !h.eq_ignore_ascii_case(b"OFF")) {
         return Err(words.wrong(header, "`OFF`").into());
     }

@@ -164,7 +164,7 @@ fn header(words: &mut Words<'_>) -> Result<(Encoding, Vec<Element>), MeshError> 
         }
         words.next_line();
     }
-    // Binary data begin right behind the line break of `end_header`.
+    // Binary data begin right after the line break of `end_header`.
     words.next_line();
     let encoding = encoding
         .ok_or_else(|| MeshError::Invalid { place: "header".into(), problem: "no `format` line".into() })?;

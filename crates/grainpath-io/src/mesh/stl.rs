@@ -6,7 +6,7 @@
 //!
 //! Units: the format has none. Normals are computed from the corners, because programs write zeros, `nan` and wrong ones.
 //! Corners with equal coordinates become one vertex. The two kinds are told apart by the size of the file: many binary
-//! headers begin with the word `solid`. A binary file that ends early is refused; one with up to 4095 bytes behind its last
+//! headers begin with the word `solid`. A binary file that ends early is refused; one with up to 4095 bytes after its last
 //! facet is read with a warning.
 
 use std::io::{self, Write};
@@ -106,7 +106,7 @@ pub(crate) fn read_ascii(bytes: &[u8]) -> Result<MeshFile, MeshError> {
             soup.push(triangle)?;
             facet_ended = words.line();
         } else if facet_ended == words.line() && !is("endsolid") {
-            // Words behind `endfacet` on its line mean nothing; some programs leave notes there.
+            // Words after `endfacet` on its line mean nothing; some programs leave notes there.
         } else if is("endsolid") {
             bodies.extend(solid.take().map(|(s, name)| s.finish(name)));
             words.rest_of_line();
@@ -127,7 +127,7 @@ pub(crate) fn read_ascii(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     Ok(MeshFile { bodies, unit: None, warnings })
 }
 
-/// Reads the rest of a facet behind the word `facet`.
+/// Reads the rest of a facet after the word `facet`.
 fn facet(words: &mut Words<'_>) -> Result<[DVec3; 3], MeshError> {
     keyword(words, "normal", "`normal`")?;
     // Normals are computed from the corners, so whatever stands here is skipped: programs write nan, inf

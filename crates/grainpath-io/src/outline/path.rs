@@ -78,7 +78,7 @@ pub(super) fn lines(data: &str, tolerance: f64) -> Result<Vec<Line>, OutlineErro
         if next.is_ascii_alphabetic() {
             command = next;
             words.at += 1;
-        // Numbers behind Z belong to no command.
+        // Numbers that follow Z belong to no command.
         } else if command.eq_ignore_ascii_case(&b'z') {
             return Err(words.wrong("a command").into());
         }
@@ -90,7 +90,7 @@ pub(super) fn lines(data: &str, tolerance: f64) -> Result<Vec<Line>, OutlineErro
         if pen.n_points > MAX_POINTS {
             return Err(OutlineError::TooManyPoints);
         }
-        // Further pairs behind a move are lines (SVG 1.1, section 8.3.2).
+        // Further pairs after a move are lines (SVG 1.1, section 8.3.2).
         command = match command {
             b'M' => b'L',
             b'm' => b'l',

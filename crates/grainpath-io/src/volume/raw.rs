@@ -1,4 +1,4 @@
-//! Voxels in a row, plain or compressed: what NRRD, MetaImage, NIfTI and raw files hold behind their
+//! Voxels in a row, plain or compressed: what NRRD, MetaImage, NIfTI and raw files hold after their
 //! headers.
 
 use grainpath_core::{Warning, WarningId};

@@ -159,7 +159,7 @@ fn check_names(names: &[String]) -> Result<(), VolumeError> {
     }
 }
 
-/// The last number in a name, with the text before and behind it.
+/// The last number in a name, with the text before and after it.
 fn number(name: &str) -> Option<(&str, u64, &str)> {
     let stem_end = name.rfind('.').unwrap_or(name.len());
     let end = name[..stem_end].rfind(|c: char| c.is_ascii_digit())? + 1;

@@ -227,7 +227,7 @@ fn unit(header: &Record<'_>) -> Result<Option<LengthUnit>, OutlineError> {
     })
 }
 
-/// A vertex of a polyline and the bulge of the side behind it: the tangent of a quarter of its arc's
+/// A vertex of a polyline and the bulge of the side after it: the tangent of a quarter of its arc's
 /// angle.
 type Vertex = (DVec2, f64);
 
@@ -399,7 +399,7 @@ impl Dxf<'_> {
         for (k, &(p, bulge)) in vertices.iter().enumerate() {
             points.push(p);
             let last = k + 1 == vertices.len();
-            // An open polyline has no side behind its last vertex.
+            // An open polyline has no side after its last vertex.
             if bulge == 0.0 || (last && !closed) {
                 continue;
             }
