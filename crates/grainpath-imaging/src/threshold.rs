@@ -4,7 +4,7 @@
 //! - The histogram has bins of one width. The width doubles whenever the range outgrows the bins, so a scan of any size is
 //!   counted in one pass and at most 2^14 bins; whole numbers have a bin each as long as they fit.
 //! - Otsu's threshold (`otsu1979` in docs/references.bib) splits the bins so that the variance between the two groups is
-//! greatest. It is pulled towards the smaller group, so it is a first estimate and not a measure.
+//!   greatest. It is pulled towards the smaller group, so it is a first estimate and not a measure.
 //! - ISO-50 lies halfway between the grey values of air and material. A blurred straight edge crosses it where the sharp
 //!   edge was, whatever the blur, so sizes are truest there. The two grey values are the modes of the voxels that differ
 //!   least from their neighbours: in a thin wall hardly a voxel is all material.

@@ -12,7 +12,7 @@
 //! 3. Between two slices: grey values are mixed where slices lie as close as pixels, otherwise contours are matched and
 //!    moved (`matching`, `correspond`, `split`), or signed distances are mixed.
 //! 4. Small islands and holes are dropped by the area of their section, loose pieces by their volume
-//! (`pieces`).
+//!    (`pieces`).
 //!
 //! # Units and frame
 //! Columns are x, rows y, slices z, right-handed; mm from the lower face of the first voxel taken. Grey values are `f32` in
