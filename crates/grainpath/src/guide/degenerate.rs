@@ -1,12 +1,14 @@
-//! Degenerate points: where both principal stresses are equal.
+//! Degenerate points, where both principal stresses are equal.
 //!
-//! There no direction is better than another, and around them the principal lines turn: by half a turn around a *wedge*
-//! (index +1/2), by half a turn the other way around a *trisector* (index -1/2) (`Delmarcelle1994`). On a free border the
-//! stress across it is zero, so a point where the stress along it changes sign is degenerate too.
+//! At such a point no direction is better than another, and the principal lines turn around it: by
+//! half a turn around a *wedge* (index +1/2), by half a turn in the opposite sense around a
+//! *trisector* (index -1/2) (`Delmarcelle1994`). On a free border the stress across it is zero, so
+//! a point where the stress along it changes sign is degenerate too.
 //!
-//! Method: the deviator (half the difference of the normal stresses, and the shear stress) is linear inside an element. It
-//! passes zero where the three deviators at the corners surround the origin; the sense in which they do is the index. Pairs
-//! of a wedge and a trisector within a few cells of each other come and go with the noise of the solution and are taken out.
+//! Method: the deviator (half the difference of the normal stresses, and the shear stress) is
+//! linear inside an element. It passes zero if the three deviators at the corners surround the
+//! origin, and their sense of rotation is the index. Pairs of a wedge and a trisector within a few
+//! cells of each other come and go with the noise of the solution; they are removed.
 //!
 //! Units: MPa, mm. Limits: stresses below [`NOISE`] of the greatest count as zero. Held by tests on linear fields, Kirsch's
 //! hole (four points on its edge) and a ring. Cost: linear in the elements.
@@ -33,12 +35,12 @@ pub enum Degenerate {
 /// Degenerate points of a section.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Degenerates {
-    /// What and where, mm.
+    /// Kind and position, mm.
     pub points: Vec<(Degenerate, DVec2)>,
 }
 
 impl Degenerates {
-    /// How many there are of a kind.
+    /// Number of points of a kind.
     pub fn count(&self, kind: Degenerate) -> usize {
         self.points.iter().filter(|p| p.0 == kind).count()
     }
@@ -48,8 +50,8 @@ impl Degenerates {
 /// this share away from corners (docs/verification.md).
 const NOISE: f64 = 5e-3;
 
-/// Finds the degenerate points: inside elements from the stress at their corners, and on the border where the stress
-/// along it passes zero while that across it is zero already.
+/// Finds the degenerate points: inside elements from the stress at their corners, and on the border
+/// where the stress along it passes zero and the stress across it is zero already.
 pub fn degenerate_points(stress: &PlaneStress) -> Degenerates {
     let mesh = stress.mesh();
     let nodal = stress.nodal_mpa();
@@ -58,6 +60,7 @@ pub fn degenerate_points(stress: &PlaneStress) -> Degenerates {
     let mut points = Vec::new();
     for e in &mesh.elements {
         let corners = [e[0], e[1], e[2]];
+        // Where all corners are nearly free of stress, the deviator's zero is noise.
         let strong = corners.iter().any(|&i| von_mises_plane(nodal[i as usize]) > NOISE * greatest);
         if let Some((kind, s, t)) = within(corners.map(deviator), greatest).filter(|_| strong) {
             let p = corners.map(|i| mesh.nodes[i as usize]);
@@ -74,6 +77,8 @@ pub fn degenerate_points(stress: &PlaneStress) -> Degenerates {
         };
         let ((first, across), (second, other)) = (parts(a), parts(b));
         let change = (first - second).abs();
+        // On a free border the stress across is zero but for the error of recovery, which grows
+        // with the gradient along it.
         let free = across.abs().max(other.abs()) < 0.25 * change + NOISE * greatest;
         if first * second < 0.0 && free && change > NOISE * greatest {
             points.push((Degenerate::Border, p.lerp(q, first / (first - second))));
@@ -86,11 +91,12 @@ fn deviator([xx, yy, xy]: PlaneTensor) -> DVec2 {
     DVec2::new(0.5 * (xx - yy), xy)
 }
 
-/// Where in a counter-clockwise triangle the deviators at its corners, MPa, pass zero: the shares of the second and
-/// the third corner.
+/// The point of a counter-clockwise triangle where the deviators at its corners, MPa, pass zero:
+/// the shares of the second and the third corner.
 fn within(d: [DVec2; 3], greatest_mpa: f64) -> Option<(Degenerate, f64, f64)> {
     let (u, v) = (d[1] - d[0], d[2] - d[0]);
     let det = cross(u, v);
+    // Nearly parallel deviators: the zero, if any, is ill-determined.
     if det.abs() < (1e-3 * greatest_mpa).powi(2) * 1e-3 {
         return None;
     }
@@ -99,14 +105,14 @@ fn within(d: [DVec2; 3], greatest_mpa: f64) -> Option<(Degenerate, f64, f64)> {
     (s > 0.0 && t > 0.0 && s + t < 1.0).then_some((kind, s, t))
 }
 
-/// Pairs of a wedge and a trisector nearer than so many cells annul each other: they come and go with the noise of the
-/// stress and no bead can tell them apart.
+/// A wedge and a trisector nearer than this number of cells annul each other. Such pairs come and
+/// go with the noise of the stress, and no bead can follow them.
 const PAIR_CELLS: f64 = 4.0;
-/// Stress along a border below this share of the greatest has no sign.
+/// Stress along a border below this share of the greatest stress has no certain sign.
 const BORDER_NOISE: f64 = 0.02;
 
-/// The degenerate points of a section of a solid: of the in-plane stress at the nodes of a grid, within the section,
-/// and along its free border.
+/// The degenerate points of a section of a solid: within the section from the in-plane stress at
+/// the nodes of a grid, and along its free border.
 pub(super) fn of_section(
     grid: &FieldMesh,
     nodal_mpa: &[PlaneTensor],
@@ -116,12 +122,15 @@ pub(super) fn of_section(
 ) -> Degenerates {
     let inside = LineClipper::new(region);
     let mises = |i: u32| von_mises_plane(nodal_mpa[i as usize]);
+    // The grid reaches beyond the section; stress there is extrapolated and does not count.
     let own = (0..grid.nodes.len() as u32).filter(|&i| inside.contains(grid.nodes[i as usize]));
     let greatest = own.map(mises).fold(0.0, f64::max);
     let mut points = Vec::new();
     for triangle in &grid.triangles {
         let mut corners = triangle.corners;
         let mut p = corners.map(|i| grid.nodes[i as usize]);
+        // Triangles of the grid come in both senses, and the sign of the index depends on the
+        // sense.
         if cross(p[1] - p[0], p[2] - p[0]) < 0.0 {
             corners.swap(1, 2);
             p.swap(1, 2);
@@ -146,7 +155,8 @@ pub(super) fn of_section(
                 along.push((p, if free(p) { stress } else { f64::NAN }));
             }
         }
-        // Round the contour once, from its last clear sign; what is held or pushed has none.
+        // Once around the contour, starting from its last certain sign. Held or loaded parts of the
+        // border have no sign.
         let clear = |v: f64| v.abs() > BORDER_NOISE * greatest;
         let mut last = along.iter().rposition(|a| clear(a.1)).map(|i| along[i]);
         for &(p, v) in &along {
@@ -163,7 +173,7 @@ pub(super) fn of_section(
     Degenerates { points }
 }
 
-/// Takes out wedges with the nearest trisector within reach, nearest pairs first.
+/// Removes pairs of a wedge and a trisector within reach of each other, the nearest pairs first.
 fn annul_pairs(points: &mut Vec<(Degenerate, DVec2)>, reach_mm: f64) {
     let mut pairs = Vec::new();
     for (i, (kind, p)) in points.iter().enumerate() {

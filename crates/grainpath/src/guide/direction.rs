@@ -1,4 +1,10 @@
 //! The directions of one layer.
+//!
+//! At every node the axis wanted is the principal direction of the stress, weighted by the
+//! difference of both principal stresses: that is what a bead in another direction gives up. A
+//! smooth field is fitted to these wishes by least squares (a screened Poisson problem in double
+//! angles, in which an axis has no sign). Cost: a sparse solve by conjugate gradients, linear in
+//! the nodes for each iteration.
 
 use grainpath_core::math::{atan2, sin_cos};
 use grainpath_core::poly::edges;
@@ -10,24 +16,24 @@ use super::degenerate::{Degenerates, of_section};
 use grainpath_core::field_mesh::{FieldMesh, GridMatrix};
 pub use grainpath_job::choices::Follow;
 
-/// How stress becomes direction.
+/// Settings for turning stress into directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionSettings {
-    /// Which principal stress.
+    /// Which principal stress beads follow.
     pub follow: Follow,
     /// Whether this layer follows the other family.
     pub across: bool,
-    /// Directions are evened out over this length where the stress cares most, mm.
+    /// Length over which directions are smoothed where the principal stresses differ most, mm.
     pub smoothing_mm: f64,
-    /// Whether free borders draw directions along them.
+    /// Whether directions are aligned with free borders.
     pub tangent: bool,
-    /// Distance of the field's nodes, mm.
+    /// Distance between the field's nodes, mm.
     pub cell_mm: f64,
-    /// Whether to look for the degenerate points of the layer.
+    /// Whether to find the degenerate points of the layer.
     pub find_degenerate: bool,
 }
 
-/// The directions of one layer, smooth where the stress does not care.
+/// The directions of one layer, smoothed where both principal stresses are nearly equal.
 ///
 /// At the nodes the axis is kept as the vector `(cos 2a, sin 2a)`, which has no sign to choose.
 pub struct LayerField {
@@ -38,14 +44,15 @@ pub struct LayerField {
     degenerate: Degenerates,
 }
 
-/// Below this relative difference of the two principal stresses' amounts, either may be followed.
+/// Relative difference of the two principal stresses, by amount, below which either may be
+/// followed.
 const EITHER: f64 = 0.25;
-/// How much a free border counts beside stress.
+/// Weight of a free border relative to that of a large stress.
 const BORDER_WEIGHT: f64 = 0.2;
 
 impl LayerField {
-    /// The field of a section at height `z_mm` under all cases. `free` tells whether a point of the border is neither
-    /// held nor pushed.
+    /// The field of a section at height `z_mm` under all cases. `free` is true for points of the
+    /// border that are neither held nor loaded.
     pub fn new(
         region: &Region,
         z_mm: f64,
@@ -65,8 +72,8 @@ impl LayerField {
         let stresses: Vec<Vec<[f64; 3]>> =
             mesh.nodes.iter().map(|p| cases.iter().map(|c| c.stress.at(p.extend(z_mm))).collect()).collect();
         let border = if settings.tangent { tangents(&mesh, region, z_mm, free) } else { Vec::new() };
-        // What each direction would lose: the sum over cases of |s1 - s2| sin2 of the angle off, which is one vector
-        // in double angles.
+        // The loss of a direction is the sum over cases of |s1 - s2| times the squared sine of the
+        // angle to the principal axis. In double angles that sum is a single vector.
         let wanted = |near: Option<&[DVec2]>| -> Vec<(DVec2, f64)> {
             let node = |(i, tensors): (usize, &Vec<[f64; 3]>)| {
                 tensors.iter().zip(cases).fold((DVec2::ZERO, 0.0), |(sum, all), (tensor, case)| {
@@ -81,6 +88,8 @@ impl LayerField {
         let first = wanted(None);
         let scale = typical(first.iter().map(|w| w.1));
         let mut double = settle(&mesh, &first, scale, &border, settings, None);
+        // Where both principal stresses are about equal in amount the choice depends on the
+        // neighbourhood: two more rounds let it follow the field found so far.
         if matches!(settings.follow, Follow::MaxAbs | Follow::Alternate) {
             for _ in 0..2 {
                 double = settle(&mesh, &wanted(Some(&double)), scale, &border, settings, Some(&double));
@@ -88,10 +97,11 @@ impl LayerField {
         }
         double.iter_mut().for_each(|q| *q = q.normalize_or(DVec2::X));
         let strength = first.iter().map(|w| (w.1 / scale).min(1.0)).collect();
+        // Negating double angles turns every axis by 90 degrees.
         if settings.across {
             double.iter_mut().for_each(|q| *q = -*q);
         }
-        // Of several cases the heaviest speaks for the stress along and across.
+        // The stresses along and across are those of the case with the largest weight.
         let main =
             (0..cases.len()).max_by(|&a, &b| cases[a].weight.total_cmp(&cases[b].weight).then(b.cmp(&a)));
         let principal_mpa = stresses
@@ -111,7 +121,8 @@ impl LayerField {
         Self { mesh: Some(mesh), double, strength, principal_mpa, degenerate: degenerate.unwrap_or_default() }
     }
 
-    /// Where the principal stresses of the case that counts most are equal, if that was looked for.
+    /// The points where the principal stresses of the case with the largest weight are equal, if
+    /// they were looked for.
     pub fn degenerate(&self) -> &Degenerates {
         &self.degenerate
     }
@@ -122,6 +133,7 @@ impl DirectionField for LayerField {
         let Some(mesh) = &self.mesh else {
             return DirectionSample { axis_rad: 0.0, strength: 0.0, principal_mpa: None };
         };
+        // Double angles are interpolated: the mean of axes at 1 and 179 degrees then is 0, not 90.
         let (nodes, shares) = mesh.around(p.truncate());
         let mut q = DVec2::ZERO;
         let (mut strength, mut principal) = (0.0, [0.0; 2]);
@@ -136,8 +148,8 @@ impl DirectionField for LayerField {
     }
 }
 
-/// The axis to follow in double angles, and how certain it is. Where both principal stresses are about as great, the
-/// one nearer to `near` is taken.
+/// The axis to follow in double angles, and its certainty. Where both principal stresses are about
+/// equal in amount, the axis nearer to `near` is taken.
 fn followed(tensor: [f64; 3], follow: Follow, near: Option<DVec2>) -> (DVec2, f64) {
     let p = plane_principal(tensor);
     let [a, b] = p.values_mpa;
@@ -155,12 +167,14 @@ fn followed(tensor: [f64; 3], follow: Follow, near: Option<DVec2>) -> (DVec2, f6
     }
     match near {
         Some(q) => (if greater.dot(q) >= 0.0 { greater } else { -greater }, 1.0),
+        // Without a neighbourhood the certainty falls to zero where both are equal, so that other
+        // nodes decide.
         None => (axis, (apart / EITHER).powi(2)),
     }
 }
 
-/// The axis that stress alone asks for at a point, as a vector in double angles, and how much it matters in MPa: the
-/// sum over all cases of |s1 - s2| along what is followed.
+/// The axis that stress alone asks for at a point, as a vector in double angles, and its weight in
+/// MPa: the sum over all cases of |s1 - s2| along the followed axis.
 pub fn asked(cases: &[CaseStress], follow: Follow, p: DVec3) -> (DVec2, f64) {
     let sum = cases.iter().fold(DVec2::ZERO, |sum, case| {
         let tensor = case.stress.at(p);
@@ -176,7 +190,8 @@ pub fn asked(cases: &[CaseStress], follow: Follow, p: DVec3) -> (DVec2, f64) {
     (sum.normalize_or(DVec2::X), sum.length())
 }
 
-/// A size that most are below: peaks at corners and edges of loads do not count.
+/// The ninth decile: a typical size in which peaks at corners and at the edges of loads do not
+/// count.
 fn typical(values: impl Iterator<Item = f64>) -> f64 {
     let mut all: Vec<f64> = values.collect();
     let at = all.len() * 9 / 10;
@@ -187,8 +202,9 @@ fn typical(values: impl Iterator<Item = f64>) -> f64 {
     value.max(1e-9)
 }
 
-/// The smoothest field that keeps to what is wanted: `sum |q_i - q_j|^2 + (cell / smoothing)^2 sum w |q - wanted|^2`.
-/// Sought from the field `before` on, if there is one. Shorter than unit vectors where wishes disagree.
+/// The smoothest field close to the wishes: it minimises `sum |q_i - q_j|^2 + (cell / smoothing)^2
+/// sum w |q - wanted|^2`. The iteration starts from `before` where that is given. Vectors are
+/// shorter than 1 where wishes disagree.
 fn settle(
     mesh: &FieldMesh,
     wanted: &[(DVec2, f64)],
@@ -199,11 +215,12 @@ fn settle(
 ) -> Vec<DVec2> {
     let n = mesh.nodes.len();
     let keep = (mesh.cell_mm / settings.smoothing_mm).powi(2);
+    // The tiny weight keeps the matrix positive definite where no stress acts at all.
     let mut weight = vec![1e-7; n];
     let mut pull = vec![DVec2::ZERO; n];
     for (i, (q, all)) in wanted.iter().enumerate() {
         let w = keep * (all / scale).min(1.0);
-        // A sum of cases that disagree, or one that is not certain, pulls less.
+        // Cases that disagree, or an uncertain choice, have less weight.
         let length = q.length();
         let certain = if *all > 0.0 { (length / all).min(1.0) } else { 0.0 };
         weight[i] += w * certain;
@@ -228,7 +245,7 @@ fn settle(
     x.into_iter().zip(y).map(|(x, y)| DVec2::new(x, y)).collect()
 }
 
-/// Nodes next to the free border, with its tangent in double angles.
+/// Nodes next to the free border, each with the border's tangent in double angles.
 fn tangents(mesh: &FieldMesh, region: &Region, z_mm: f64, free: &dyn Fn(DVec3) -> bool) -> Vec<(u32, DVec2)> {
     let mut sums: std::collections::BTreeMap<u32, DVec2> = std::collections::BTreeMap::new();
     for contour in region.contours() {
@@ -243,6 +260,8 @@ fn tangents(mesh: &FieldMesh, region: &Region, z_mm: f64, free: &dyn Fn(DVec3) -
                     continue;
                 }
                 let (nodes, shares) = mesh.around(p);
+                // A node with less than a fifth of the weight is too far from the border to be
+                // aligned with it.
                 for (&i, share) in nodes.iter().zip(shares).filter(|(_, s)| *s > 0.2) {
                     *sums.entry(i).or_insert(DVec2::ZERO) += share * double * (d.length() / steps as f64);
                 }

@@ -1,4 +1,9 @@
-//! From photographs or a scan to a guide: what every layer's grain is, as directions and as curves.
+//! The grain of photographs or of a scan as a guide: directions and curves for every layer.
+//!
+//! A photograph is rectified, its directions come from the structure tensor and its curves from
+//! edges (crate `grainpath-imaging`). Between photographs of several heights directions are
+//! interpolated and curves are moved. Three frames are in use: pixels of the photograph,
+//! millimetres of the rectified picture (from its lower left corner), and millimetres of the part.
 
 use std::f64::consts::PI;
 
@@ -26,70 +31,73 @@ use grainpath_imaging::tensor::{
     AxisGrid, AxisSample, Guideline, Tangent, TensorSettings, along_lines, border_lines, grain_axes,
 };
 
-/// Where the corners of the board are in a photograph.
+/// Position of the board's corners in a photograph.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Corners {
-    /// At these pixels: upper left, upper right, lower right, lower left; one set for all photographs or one for each.
+    /// At these pixels: upper left, upper right, lower right, lower left; one set for all
+    /// photographs, or one for each.
     Given(Vec<[DVec2; 4]>),
-    /// The photograph's own: it shows the board and nothing else.
+    /// The corners of the photograph, which shows the board alone.
     Image,
-    /// The board's outline on a plain ground.
+    /// The corners of the board's outline on a plain background.
     Outline,
     /// The markers of a printed sheet.
     Markers,
 }
 
-/// Which lines are laid.
+/// Lines that are laid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
     /// Along the directions of the grain.
     Field,
-    /// The edges of the picture themselves, and more between them.
+    /// Along the edges of the picture, with further lines between them.
     Edges,
 }
 
-/// How photographs are read.
+/// Settings for reading photographs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrainSettings {
-    /// Where the board is in them.
+    /// Position of the board in them.
     pub corners: Corners,
-    /// Width and height of what is between the corners, mm.
+    /// Width and height of the area between the corners, mm.
     pub size_mm: DVec2,
-    /// Where the lower left corner lies on the part, mm.
+    /// Position of the lower left corner on the part, mm.
     pub origin_mm: DVec2,
-    /// Turned about that corner, counter-clockwise, radians.
+    /// Rotation about that corner, counter-clockwise, radians.
     pub rotate_rad: f64,
-    /// Left and right changed over, before turning.
+    /// Whether left and right are exchanged before the rotation.
     pub mirror: bool,
-    /// The height each photograph shows, mm above the plate, rising.
+    /// Height that each photograph shows, mm above the plate, ascending.
     pub heights_mm: Vec<f64>,
-    /// How far the grain moves sideways for a millimetre upwards: the knot's inclination.
+    /// Horizontal displacement of the grain for each millimetre upwards: the knot's inclination.
     pub shift_mm_per_mm: DVec2,
-    /// What is laid.
+    /// Which lines are laid.
     pub mode: Mode,
-    /// Side of a pixel of the rectified picture, mm; `None` takes the photograph's.
+    /// Side of a pixel of the rectified picture, mm; `None` takes that of the photograph.
     pub pixel_mm: Option<f64>,
-    /// Standard deviation of the Gaussian against noise, mm; `None` for 1.3 pixels, at least 0.12 mm.
+    /// Standard deviation of the Gaussian filter against noise, mm; `None` for 1.3 pixels, at least
+    /// 0.12 mm.
     pub blur_mm: Option<f64>,
-    /// Radius of the median against specks, pixels.
+    /// Radius of the median filter against specks, pixels.
     pub median_px: usize,
     /// Thresholds of the edges.
     pub canny: CannySettings,
-    /// How edges become curves.
+    /// Settings for making curves of edges.
     pub curves: CurveSettings,
     /// Neighbourhood over which the direction is averaged, mm.
     pub integration_mm: f64,
-    /// Over about this length clear places give their direction to unclear ones, mm.
+    /// Length over which unclear places take the direction of clear ones, mm.
     pub smooth_mm: f64,
-    /// Which borders the grain is bent along.
+    /// Borders along which the grain is bent.
     pub tangent: Tangent,
-    /// How much closer lines lie where the picture is dark: 0 not at all, 1 twice as close as on average.
+    /// How much closer lines lie where the picture is dark: 0 for no effect, 1 for twice as close
+    /// as on average.
     pub darkness: f64,
     /// Whether pictures of the steps are wanted.
     pub pictures: bool,
 }
 
-/// What cannot be read from a photograph.
+/// Why a photograph cannot be read.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum GrainError {
@@ -103,7 +111,7 @@ pub enum GrainError {
     Blank { spread: f32 },
 }
 
-/// What was found in a photograph.
+/// Findings in a photograph.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct PhotoReport {
@@ -113,13 +121,13 @@ pub struct PhotoReport {
     pub pixel_mm: f64,
     /// Mean coherence of the structure tensor, 0 to 1.
     pub coherence: f64,
-    /// Share of the board where it is over 0.3.
+    /// Share of the board where the coherence is above 0.3.
     pub clear_share: f64,
     pub curves: usize,
     pub curves_mm: f64,
 }
 
-/// The grain at one height, in the picture's own millimetres.
+/// The grain at one height, in millimetres of the picture.
 struct Slice {
     z_mm: f64,
     axes: AxisGrid,
@@ -127,7 +135,7 @@ struct Slice {
     near: LinePoints,
 }
 
-/// What directions are read out of.
+/// Source of the directions.
 enum Seen {
     /// Photographs, lowest first; at least one once they are read.
     Photos(Vec<Slice>),
@@ -144,19 +152,19 @@ pub struct GrainGuide {
     mirror_mm: Option<f64>,
     shift_mm_per_mm: DVec2,
     darkness: f64,
-    /// What is laid.
+    /// Which lines are laid.
     pub mode: Mode,
     /// What was found in each photograph.
     pub photos: Vec<PhotoReport>,
     /// What was found in a scan.
     pub texture: Option<TextureReport>,
-    /// What was found on the way in each photograph, if pictures were asked for.
+    /// Steps of each photograph, if pictures were asked for.
     pub photo_steps: Vec<PhotoSteps>,
     /// Slices of a scan to draw its directions over, if pictures were asked for.
     pub shown_slices: Vec<ShownSlice>,
 }
 
-/// The steps from a photograph to directions and curves, kept to be drawn.
+/// The steps from a photograph to directions and curves, kept for pictures.
 pub struct PhotoSteps {
     /// The photograph as taken, in grey, rows from the top.
     pub photo: Grey,
@@ -164,9 +172,9 @@ pub struct PhotoSteps {
     pub corners: [DVec2; 4],
     /// The board, rectified.
     pub image: MetricImage,
-    /// The same with its noise taken out.
+    /// The rectified board without noise.
     pub denoised: MetricImage,
-    /// Edges, where they were looked for.
+    /// Edges, where they were computed.
     pub edges: Option<Edges>,
     /// Directions.
     pub axes: AxisGrid,
@@ -174,19 +182,20 @@ pub struct PhotoSteps {
     pub curves: Vec<Vec<DVec2>>,
 }
 
-/// Less coherence than this over a wide neighbourhood is hardly grain.
+/// Coherence over a wide neighbourhood below which a warning says that there is hardly any grain.
 const LEAST_COHERENCE: f64 = 0.2;
-/// Less spread of brightness than this is no picture.
+/// Spread of brightness, as a share of white, below which a picture is blank.
 const LEAST_SPREAD: f32 = 0.004;
-/// Curves that leave the grain by more than this are something else: cracks, nails, saw marks.
+/// Curves that turn away from the grain by more than this are left out, radians: cracks, nails, saw
+/// marks.
 const STRAY_RAD: f64 = 0.6;
-/// Standard deviation of the Gaussian against noise where none is given, mm.
+/// Standard deviation of the Gaussian filter where none is given, mm.
 const BLUR_MM: f64 = 0.12;
-/// The rectified picture has at most this many pixels when its pixel size is not given.
+/// Largest number of pixels of the rectified picture when its pixel size is not given.
 const MAX_PIXELS: f64 = 16e6;
 
-/// Reads photographs, which must be as many as there are heights, at least one. `section` gives the part's section at
-/// a height, for borders that bend the grain.
+/// Reads photographs, one for each height and at least one. `section` gives the part's section at a
+/// height, for borders that bend the grain.
 ///
 /// # Errors
 /// The photograph's index and [`GrainError`].
@@ -214,6 +223,8 @@ pub fn read_grain(
     let mut slices = Vec::new();
     for (k, (photo, &z_mm)) in photos.iter().zip(&settings.heights_mm).enumerate() {
         let read = read_photo(photo, k, settings, diagnostics).map_err(|e| (k, e))?;
+        // Borders are moved into the picture instead of the picture onto the part: the directions
+        // are computed there.
         let borders = guide.in_picture(&section(z_mm), guide.shift_at(z_mm, settings.heights_mm[0]));
         let axes = guided_axes(&read, &borders, settings);
         let coherence = read.axes.mean_coherence();
@@ -244,7 +255,7 @@ pub fn read_grain(
                 curves: read.curves.clone(),
             });
         }
-        // Only looked at on the way to another photograph.
+        // Needed only for moving curves towards another photograph.
         let near = LinePoints::of_lines(if photos.len() > 1 { &read.curves } else { &[] }, 1.0);
         slices.push(Slice { z_mm, axes, curves: read.curves, near });
     }
@@ -252,7 +263,7 @@ pub fn read_grain(
     Ok(guide)
 }
 
-/// Reads the grain of a part out of a scan's texture.
+/// Reads the grain of a part from a scan's texture.
 ///
 /// # Errors
 /// As [`read_texture`], and [`ScanError`] for a window or crop outside the scan.
@@ -269,6 +280,7 @@ pub fn read_scan(
     let turn = direction(settings.rotate_rad);
     let (part, height) = settings.part;
     let middle = part.centre() - rotated(0.5 * size, turn);
+    // Without an origin the scan is centred on the part and stands on its bottom.
     let origin = settings.origin_mm.unwrap_or(middle.extend(0.0));
     let guide = GrainGuide {
         seen: Seen::Texture(texture.axes, origin.z),
@@ -287,11 +299,13 @@ pub fn read_scan(
     let corners =
         [part.min, part.max, DVec2::new(part.min.x, part.max.y), DVec2::new(part.max.x, part.min.y)];
     let outside = corners.map(|c| {
+        // Distance of a corner of the part outside the scan, negative inside.
         let p = guide.to_picture(c);
         (-p).max(p - size).max_element()
     });
     let upright = (origin.z).max(height - origin.z - top);
     let beyond = outside.into_iter().fold(upright, f64::max);
+    // Less than a voxel is rounding of the scan's size.
     if beyond > spacing[0].max(spacing[2]) {
         diagnostics.warn(
             WarningId::ScanTooSmall,
@@ -309,7 +323,7 @@ fn round(v: f64, digits: i32) -> f64 {
     (v * scale).round() / scale
 }
 
-/// A photograph, step by step.
+/// A photograph after all steps.
 struct Read {
     corners: [DVec2; 4],
     image: MetricImage,
@@ -362,10 +376,12 @@ fn read_photo(
     check_corners(corners, w, h)?;
     let native = native_px_mm(corners, s.size_mm);
     let coarsest = (s.size_mm.x * s.size_mm.y / MAX_PIXELS).sqrt();
-    // Finer than half of what is blurred away next shows nothing more.
+    // A pixel finer than half of the filter that follows shows nothing more.
     let needed = 0.5 * s.blur_mm.unwrap_or(BLUR_MM).max(0.02);
     let pixel_mm = s.pixel_mm.unwrap_or(native.max(coarsest).max(needed));
     let image = rectify(photo, corners, s.size_mm, pixel_mm);
+    // From the second to the 98th percentile: a few specks must not make a blank picture look like
+    // grain.
     let spread = image.grey.spread(0.02, 0.98);
     if spread < LEAST_SPREAD {
         return Err(GrainError::Blank { spread });
@@ -379,7 +395,8 @@ fn read_photo(
     let cleaned = of(image.grey.median(s.median_px));
     let blur_px = s.blur_mm.map_or((BLUR_MM / image.px_mm).max(1.3), |mm| mm / image.px_mm);
     let wanted = s.mode == Mode::Edges || s.pictures;
-    // Following curves is work for one thread, and so is much of the axes.
+    // Tracing curves uses one thread, and so does much of the directions, so both run at the same
+    // time.
     let (axes, (denoised, edges, curves)) = rayon::join(
         || grain_axes(&cleaned, &tensor),
         || {
@@ -393,7 +410,7 @@ fn read_photo(
     Ok(Read { corners, image, denoised, axes, edges, curves })
 }
 
-/// The axes, bent along what was asked for: the curves themselves when those are laid, and borders.
+/// The axes, bent along the curves where those are laid, and along borders.
 fn guided_axes(read: &Read, borders: &Region, s: &GrainSettings) -> AxisGrid {
     let mut lines = border_lines(borders, s.tangent);
     if s.mode == Mode::Edges {
@@ -402,6 +419,8 @@ fn guided_axes(read: &Read, borders: &Region, s: &GrainSettings) -> AxisGrid {
     if lines.is_empty() {
         return read.axes.clone();
     }
+    // Where curves are laid the lines between have to follow them closely, so the axes of the
+    // picture keep a fifth of their weight.
     along_lines(&read.axes, &lines, if s.mode == Mode::Edges { 0.2 } else { 1.0 }, s.smooth_mm.max(0.3))
 }
 
@@ -410,14 +429,14 @@ impl GrainGuide {
         (z_mm - from_mm) * self.shift_mm_per_mm
     }
 
-    /// A point of the part, grain shifted back, in the picture.
+    /// A point of the part in the picture, after the grain's shift was taken back.
     pub fn to_picture(&self, p: DVec2) -> DVec2 {
         let back = DVec2::new(self.turn.x, -self.turn.y);
         let p = rotated(p - self.origin_mm, back);
         self.mirror_mm.map_or(p, |w| DVec2::new(w - p.x, p.y))
     }
 
-    /// A point of the rectified picture on the part, grain not shifted.
+    /// A point of the rectified picture on the part, without the grain's shift.
     pub fn to_part(&self, p: DVec2) -> DVec2 {
         let p = self.mirror_mm.map_or(p, |w| DVec2::new(w - p.x, p.y));
         rotated(p, self.turn) + self.origin_mm
@@ -432,7 +451,7 @@ impl GrainGuide {
         out
     }
 
-    /// The axis over a slice of the scan, at a place in the scan's own millimetres.
+    /// The axis of the scan at a position in the scan's own millimetres; `None` for photographs.
     pub fn scan_axis(&self, p: DVec3) -> Option<AxisSample> {
         match &self.seen {
             Seen::Texture(axes, _) => Some(axes.sample(p)),
@@ -455,7 +474,8 @@ impl GrainGuide {
         }
     }
 
-    /// How much farther apart than on average lines lie at a point, for lines that follow the picture's darkness.
+    /// Distance of lines at a point, relative to the mean, for lines that follow the picture's
+    /// darkness.
     pub fn sparseness(&self, p: DVec3) -> f64 {
         if self.darkness <= 0.0 {
             return 1.0;
@@ -464,8 +484,8 @@ impl GrainGuide {
         grainpath_core::math::pow(1.0 + self.darkness, 1.0 - 2.0 * dark)
     }
 
-    /// The axis the picture alone asks for at a point of the part, radians, and its coherence; nothing where that is
-    /// below 0.3.
+    /// The axis that the picture alone asks for at a point of the part, radians, and its coherence;
+    /// 0 where that is below 0.3.
     pub fn asked(&self, p: DVec3) -> (f64, f64) {
         let s = self.sample(p);
         (s.axis_rad, if s.strength > 0.3 { s.strength } else { 0.0 })
@@ -481,8 +501,8 @@ impl GrainGuide {
         self.darkness > 0.0
     }
 
-    /// The curves of a height, on the part, longest first: those of a photograph, or between two photographs the lower
-    /// one's moved towards the upper one's. A scan has none.
+    /// The curves at a height, on the part, longest first: those of a photograph, or between two
+    /// photographs those of the nearer one, moved towards the other. A scan has none.
     pub fn curves(&self, z_mm: f64) -> Vec<Vec<DVec2>> {
         let Seen::Photos(slices) = &self.seen else { return Vec::new() };
         let shift = self.shift_at(z_mm, slices[0].z_mm);
@@ -494,7 +514,7 @@ impl GrainGuide {
     }
 }
 
-/// The slices below and above a height, and how far it is between them.
+/// The slices below and above a height, and its position between them from 0 to 1.
 fn around(slices: &[Slice], z_mm: f64) -> (&Slice, &Slice, f64) {
     let above = slices.partition_point(|s| s.z_mm <= z_mm);
     let last = slices.len() - 1;
@@ -508,16 +528,17 @@ impl DirectionField for GrainGuide {
     fn sample(&self, p: DVec3) -> DirectionSample {
         let s = self.sample_seen(p);
         let own = s.axis_rad();
+        // Mirroring reverses the sense of angles; the rotation is applied after it.
         let axis = if self.mirror_mm.is_some() { -own } else { own } + self.rotate_rad;
         DirectionSample { axis_rad: axis.rem_euclid(PI), strength: s.coherence, principal_mpa: None }
     }
 }
 
-/// Curves of neighbouring photographs farther apart than this are not the same growth line, mm.
+/// Curves of neighbouring photographs farther apart than this are different growth lines, mm.
 const SAME_MM: f64 = 3.0;
 
-/// Curves between two heights: each of the nearer photograph's that has a partner in the other is moved part of the
-/// way to it; the others stay where they are.
+/// Curves between two heights. Each curve of the nearer photograph that has a partner in the other
+/// one is moved part of the way to it; the others stay.
 fn between(low: &Slice, high: &Slice, t: f64) -> Vec<Vec<DVec2>> {
     let (from, to, share) = if t < 0.5 { (low, high, t) } else { (high, low, 1.0 - t) };
     from.curves.iter().map(|curve| moved(curve, to, share)).collect()
@@ -535,7 +556,7 @@ fn moved(curve: &[DVec2], to: &Slice, share: f64) -> Vec<DVec2> {
         best.1
     };
     let found: Vec<Option<(u32, DVec2)>> = curve.iter().map(|&p| nearest(p)).collect();
-    // The partner is the line that most points are nearest to.
+    // The partner is the line to which most points are nearest.
     let mut lines: Vec<u32> = found.iter().flatten().map(|(line, _)| *line).collect();
     lines.sort_unstable();
     let runs = lines.chunk_by(|a, b| a == b).map(|run| (run.len(), run[0]));
@@ -547,10 +568,11 @@ fn moved(curve: &[DVec2], to: &Slice, share: f64) -> Vec<DVec2> {
     ) else {
         return curve.to_vec();
     };
+    // Fewer than three in five points near the partner: the curves are not the same growth line.
     if 5 * n < 3 * curve.len() {
         return curve.to_vec();
     }
-    // Steps to the partner, evened out along the curve so that it bends and does not break.
+    // Displacements towards the partner, averaged along the curve so that it stays smooth.
     let steps: Vec<Option<DVec2>> =
         found.iter().map(|f| f.filter(|(l, _)| *l == partner).map(|(_, d)| d)).collect();
     let reach = 20;

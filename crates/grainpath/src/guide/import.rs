@@ -1,4 +1,6 @@
 //! Stress that another program solved for.
+//!
+//! Lengths are in mm, stresses in MPa. The file's coordinates have to be those of the part's mesh.
 
 use std::sync::Arc;
 
@@ -8,10 +10,10 @@ use grainpath_io::fe::StressField;
 
 use super::{CaseStress, GuideError, GuidedPart, InPlaneStress, ResultMesh, Solved, StressSummary};
 
-/// A result moved to where the part stands.
+/// An imported result at the position of the part.
 struct Imported {
     field: Arc<StressField>,
-    /// From part coordinates to the file's, mm.
+    /// Vector from part coordinates to those of the file, mm.
     shift: DVec3,
 }
 
@@ -22,11 +24,11 @@ impl InPlaneStress for Imported {
     }
 }
 
-/// Results may stand off the part by this share of its size before they are taken for another part's.
+/// Share of the part's size by which a result may lie elsewhere before it is refused.
 const SAME_PLACE: f64 = 0.05;
 
-/// The stress of a file as the only case. The file's coordinates are those of the mesh, in mm; the part is lowered to
-/// the plate by `lowered_mm`, and the result with it.
+/// The stress of a file as the only case. The file has the coordinates of the mesh, in mm. The part
+/// was lowered to the plate by `lowered_mm`, so the result is lowered as well.
 pub(super) fn solved(
     field: Arc<StressField>,
     part: &GuidedPart<'_>,
@@ -38,6 +40,7 @@ pub(super) fn solved(
     let shift = DVec3::new(0.0, 0.0, lowered_mm);
     let (part_low, part_high) = part.mesh.bounds().unwrap_or((DVec3::ZERO, DVec3::ZERO));
     let size = (part_high - part_low).max_element();
+    // A plane result has no height of its own.
     let axes = if result.plane { 2 } else { 3 };
     let off = |k: usize| {
         (low[k] - (part_low + shift)[k]).abs().max((high[k] - (part_high + shift)[k]).abs())

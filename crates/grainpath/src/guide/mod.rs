@@ -1,4 +1,9 @@
 //! Guides: from loads to a direction at every point of every layer.
+//!
+//! A guide solves the loads of a job on the section (a plate) or on the part (a solid), or takes an
+//! imported stress. The principal stresses in the plane of each layer give directions, which are
+//! smoothed where the stress is nearly the same in all directions. Lengths are in mm, stresses in
+//! MPa.
 
 mod degenerate;
 mod direction;
@@ -65,7 +70,7 @@ pub enum GuideError {
 }
 
 impl GuideError {
-    /// Whether the job asks for something that is not there, rather than for something that has no solution.
+    /// Whether the error is in the job, in contrast to a job that has no solution.
     pub fn is_usage(&self) -> bool {
         matches!(
             self,
@@ -81,7 +86,7 @@ impl GuideError {
 
 /// In-plane stress xx, yy, xy in MPa at any point of the part.
 pub trait InPlaneStress: Send + Sync {
-    /// The stress at `p`; outside the part that of the nearest place.
+    /// The stress at `p`; outside the part, that of its nearest point.
     fn at(&self, p: DVec3) -> PlaneTensor;
 }
 
@@ -93,36 +98,37 @@ impl InPlaneStress for PlaneStress {
 
 /// The stress of one load case.
 pub struct CaseStress {
-    /// What the case is called.
+    /// Name of the case.
     pub name: String,
-    /// How much it counts.
+    /// Weight of the case.
     pub weight: f64,
-    /// Where it is asked.
+    /// Its stress field.
     pub stress: Box<dyn InPlaneStress>,
 }
 
-/// What solving took and found.
+/// Size, solver and main results of an analysis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StressSummary {
     /// Unknowns solved for.
     pub dofs: usize,
-    /// How.
+    /// Name of the solver.
     pub solver: String,
-    /// Elements.
+    /// Number of elements.
     pub elements: usize,
-    /// Length of the residual over that of the loads, the worst case's.
+    /// Largest residual of a case, relative to its loads.
     pub residual: f64,
-    /// The greatest equivalent stress of any case, MPa.
+    /// Greatest equivalent stress of any case, MPa.
     pub max_von_mises_mpa: f64,
-    /// The greatest displacement of any case, mm.
+    /// Greatest displacement of any case, mm.
     pub max_displacement_mm: f64,
-    /// Estimated share of the stress that the mesh misses, the worst case's.
+    /// Largest estimate of a case for the share of the stress that the mesh misses.
     pub error_estimate: f64,
-    /// What the loads and reactions of each case come to; empty for imported stress.
+    /// Loads and reactions of each case; empty for imported stress.
     pub balance: Vec<CaseBalance>,
-    /// Shape and size of the elements, where they fill a volume.
+    /// Shape and size of the elements, for solids.
     pub mesh: Option<String>,
-    /// Where the two principal stresses of the first case of a plate are equal; of other parts every layer has its own.
+    /// Degenerate points of the first case of a plate, where both principal stresses are equal; in
+    /// other parts every layer has its own.
     pub degenerate: Option<Degenerates>,
 }
 
@@ -130,11 +136,11 @@ pub struct StressSummary {
 pub struct Guide {
     layers: Vec<Arc<LayerField>>,
     follow: Follow,
-    /// What solving took and found.
+    /// Size, solver and main results.
     pub summary: StressSummary,
-    /// The cases' stresses.
+    /// Stress fields of the cases.
     pub cases: Vec<CaseStress>,
-    /// What was solved for, case by case.
+    /// Results on the mesh, case by case.
     pub results: Vec<ResultMesh>,
 }
 
@@ -159,47 +165,49 @@ impl Guide {
         &*self.layers[i]
     }
 
-    /// The axis that stress alone asks for at a point of a layer, before any smoothing: radians, and how much it
-    /// matters in MPa.
+    /// The axis that stress alone asks for at a point of a layer, before any smoothing, in radians,
+    /// and its weight in MPa.
     pub fn asked(&self, layer: usize, p: DVec3) -> (f64, f64) {
         let (double, weight) = direction::asked(&self.cases, self.follow, p);
+        // A sign change in double angles is a turn by 90 degrees: odd layers follow the other
+        // family.
         let double = if self.follow == Follow::Alternate && layer % 2 == 1 { -double } else { double };
         (0.5 * grainpath_core::math::atan2(double.y, double.x), weight)
     }
 
-    /// The stress of the case that counts most.
+    /// The stress of the case with the largest weight.
     pub fn main_case(&self) -> &dyn InPlaneStress {
         let better = |a: &&CaseStress, b: &&CaseStress| a.weight.total_cmp(&b.weight);
-        // Of equal ones the first.
+        // The first one among equals.
         let main = self.cases.iter().rev().max_by(better);
         &*main.expect("a guide has a case").stress
     }
 
-    /// Where the two principal stresses in the plane of a layer are equal: in the case that counts most, or in the first
-    /// of a plate.
+    /// The points where both principal stresses in the plane of a layer are equal: in the case with
+    /// the largest weight, or in the first case of a plate.
     pub fn degenerate(&self, layer: usize) -> &Degenerates {
         self.summary.degenerate.as_ref().unwrap_or(self.layers[layer].degenerate())
     }
 
-    /// How many degenerate points of a kind there are: in a plate, or in all layers of another part.
+    /// Number of degenerate points of a kind: in a plate, or in all layers of another part.
     pub fn count_degenerate(&self, kind: Degenerate) -> usize {
         let layers = if self.summary.degenerate.is_some() { 1 } else { self.layers.len() };
         (0..layers).map(|i| self.degenerate(i).count(kind)).sum()
     }
 
-    /// The largest equivalent stress at a node of any case, MPa, and the place of that node, mm.
+    /// The largest equivalent stress at a node of any case, MPa, and the position of that node, mm.
     pub fn peak_stress(&self) -> Option<(f64, DVec3)> {
         trust::peak_stress(&self.results)
     }
 
-    /// Whether two layers have one field.
+    /// Whether two layers share one field.
     pub fn same(&self, i: usize, j: usize) -> bool {
         Arc::ptr_eq(&self.layers[i], &self.layers[j])
     }
 }
 
-/// The fixtures and loads of a job, resolved against its part: the loads of each `[[guide.case]]`, and those outside
-/// as a first case of their own. Either list may be empty.
+/// The fixtures and loads of a job, resolved against its part. The loads of each `[[guide.case]]`
+/// form a case; loads outside cases form a first case of their own. Either list may be empty.
 ///
 /// # Errors
 /// [`GuideError::NoFacet`] for a list of facets that the mesh does not have.
@@ -237,7 +245,7 @@ fn resolved_loads(loads: &[loads::Load], mesh: &TriMesh, of_case: &str) -> Resul
             (Push::Force(total_n), Some(on)) => Action::Force { on, total_n },
             (Push::Pressure(mpa), Some(on)) => Action::Pressure { on, mpa },
             (Push::Moment(total_nmm), Some(on)) => Action::Moment { on, total_nmm },
-            // The job's reader refuses a load on the surface that does not say where.
+            // The job's reader refuses a load on the surface without a place.
             (_, None) => continue,
         };
         all.push(Load { name, action });
@@ -260,13 +268,13 @@ fn resolved(place: &Place, mesh: &TriMesh, name: &str) -> Result<Selection, Guid
     }
 }
 
-/// A part as the guide wants it.
+/// The part as the guide needs it.
 pub struct GuidedPart<'a> {
     /// Placed and mended.
     pub mesh: &'a TriMesh,
     /// Its layers.
     pub stack: &'a LayerStack,
-    /// How far it was lowered to stand on the plate, mm.
+    /// Distance by which it was lowered to stand on the plate, mm.
     pub lowered_mm: f64,
 }
 
@@ -312,10 +320,12 @@ pub struct StressSettings {
     pub is_moved: bool,
 }
 
-/// Solves the loads of a job, or takes the imported stress, and lays the directions of every layer.
+/// Solves the loads of a job, or takes the imported stress, and computes the directions of every
+/// layer.
 ///
 /// # Errors
-/// [`GuideError`] for missing or misplaced fixtures and loads, for parts that move freely and for what is too large.
+/// [`GuideError`] for missing or misplaced fixtures and loads, for parts that move freely, and for
+/// analyses that exceed the memory limit.
 pub fn build(
     settings: &StressSettings,
     part: &GuidedPart<'_>,
@@ -357,7 +367,8 @@ fn solve(
         Analysis::Plane => plane::solve(settings, part, conditions),
         Analysis::Solid => solid::solve(settings, part, conditions, diagnostics),
         Analysis::Auto => match plane::solve(settings, part, conditions) {
-            // A load or fixture above or below mid-height catches nothing of a plate.
+            // A plate is sought at mid-height, so a load or fixture above or below it is not found
+            // there; the solid finds it.
             Err(GuideError::NotPlane(_) | GuideError::CatchesNothing(_)) => {
                 solid::solve(settings, part, conditions, diagnostics)
             }
@@ -366,7 +377,7 @@ fn solve(
     }
 }
 
-/// What a solver gives.
+/// Result of a solver.
 struct Solved {
     cases: Vec<CaseStress>,
     results: Vec<ResultMesh>,
@@ -383,12 +394,14 @@ fn lay_directions(
     diagnostics: &Diagnostics,
 ) -> Result<Vec<Arc<LayerField>>, GuideError> {
     let layers = part.stack.layers();
+    // A border is free where no fixture or load acts. Only there the stress across it is zero.
     let free = |p: DVec3| !conditions.places().any(|s| s.contains(p));
     let follow = settings.follow;
     let turns = follow == Follow::Alternate;
-    // A layer whose field is that of an earlier one is not made again.
+    // The earlier layer whose field a layer shares; its own index where it has its own.
     let like: Vec<usize> = (0..layers.len())
         .map(|i| {
+            // With alternating families a layer compares with the one two below.
             let step = if turns { 2 } else { 1 };
             let same = |k: usize| layers[k].region() == layers[i].region();
             if solved.constant && i >= step && same(i - step) { i - step } else { i }
@@ -401,6 +414,7 @@ fn lay_directions(
             diagnostics.check()?;
             diagnostics.advance(1);
             if like[i] != i {
+                // Shared fields are filled in afterwards, once their originals exist.
                 return Ok(None);
             }
             let layer = &layers[i];

@@ -1,4 +1,6 @@
-//! Loads in the plane of the layers: the section solved as a plate.
+//! Loads in the plane of the layers: the section is solved as a plate in plane stress.
+//!
+//! Lengths are in mm, forces in N, stresses in MPa.
 
 use std::sync::Arc;
 
@@ -13,9 +15,9 @@ use super::{
     degenerate_points,
 };
 
-/// Sections may differ by this share of their area and still count as the same.
+/// Share of their area by which sections may differ and still count as equal.
 const SAME_SECTION: f64 = 2e-3;
-/// Sides of the section are simplified to within this before meshing, mm.
+/// Tolerance to which the section is simplified before meshing, mm.
 const SIMPLIFY_MM: f64 = 0.02;
 
 impl InPlaneStress for Arc<PlaneStress> {
@@ -24,14 +26,16 @@ impl InPlaneStress for Arc<PlaneStress> {
     }
 }
 
-/// The section that all layers have, if they do.
+/// The section that all layers share, if they do.
 pub(crate) fn constant_section(stack: &LayerStack) -> Option<&Region> {
+    // The middle layer is the reference, because first and last layers are most often special.
     let layers = stack.layers();
     let middle = layers.get(layers.len() / 2)?.region();
     let area = middle.area_mm2();
     let mut last: Option<&Region> = None;
     for layer in layers {
         let region = layer.region();
+        // Identical neighbours are the rule, and comparing is much cheaper than a boolean.
         if region == middle || last == Some(region) {
             continue;
         }
@@ -54,6 +58,7 @@ pub(super) fn solve(
     if !conditions.cases.iter().all(LoadCase::is_in_plane) {
         return Err(GuideError::NotPlane("a load has a part out of the layers' plane"));
     }
+    // Slices carry many short edges, each of which would force small triangles.
     let section = section.simplified(SIMPLIFY_MM);
     let longest = settings.element_mm.unwrap_or_else(|| default_element_mm(&section));
     let mesh = mesh_region(&section, longest, 0.05 * longest)?;
@@ -82,6 +87,7 @@ pub(super) fn solve(
         for load in &case.loads {
             forces.iter_mut().zip(plate.forces_n(load)?).for_each(|(sum, f)| *sum += f);
         }
+        // One factorization serves all cases.
         let solution = system.solve(&forces);
         let stress = Arc::new(system.stress(&solution));
         summary.balance.push(CaseBalance {
@@ -110,7 +116,7 @@ pub(super) fn solve(
     Ok(Solved { cases: stresses, results, summary, constant: true })
 }
 
-/// About ten thousand triangles for a plain section.
+/// An edge length that gives about ten thousand triangles for a plain section.
 fn default_element_mm(section: &Region) -> f64 {
     (section.area_mm2() / 4000.0).sqrt().max(0.02)
 }

@@ -1,4 +1,4 @@
-//! What a stress guide gives besides directions: results as VTU, and principal stress lines.
+//! Results of a stress guide besides directions: VTU files and principal stress lines.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -11,23 +11,25 @@ use grainpath_io::fe::{Encoding, PointData, VtuMesh, stress_point_data, write_vt
 
 use super::Guide;
 
-/// Lines of both families across the longer side of the part.
+/// Number of lines of each family across the longer side of the part.
 const LINES_ACROSS: f64 = 60.0;
 
-/// Evenly spaced principal stress lines of a layer: those of the greater and of the smaller principal stress.
+/// Evenly spaced principal stress lines of a layer: the families of the greater and of the smaller
+/// principal stress.
 pub type Families = [Vec<TracedLine>; 2];
 
 impl Guide {
     /// Stress, displacement and principal vectors of every case, as VTU.
     ///
     /// # Errors
-    /// Never for writing into memory; what the writer says otherwise.
+    /// None for writing into memory; otherwise those of the writer.
     pub fn vtu(&self) -> std::io::Result<Vec<u8>> {
         let mut out = Vec::new();
         let Some(first) = self.results.first() else { return Ok(out) };
         let mut data: Vec<PointData> = Vec::new();
         for result in &self.results {
             let mut arrays = stress_point_data(&result.stress, result.displacement.as_deref());
+            // Arrays of several cases need different names in one file.
             if self.results.len() > 1 {
                 arrays.iter_mut().for_each(|a| a.name = format!("{} {}", result.name, a.name));
             }
@@ -43,6 +45,7 @@ impl Guide {
         let Some(bounds) = region.bounds() else { return Families::default() };
         let inside = LineClipper::new(region);
         let size = bounds.size();
+        // At least six lines across the shorter side, so that a slender part shows its lines too.
         let separation = (size.max_element() / LINES_ACROSS).min(size.min_element() / 6.0).max(1e-3);
         let same = |_: DVec2| separation;
         let seeding =
@@ -60,6 +63,7 @@ impl Guide {
                 }
                 let principal = plane_principal(stress.at(p.extend(z_mm)));
                 let apart = principal.values_mpa[0] - principal.values_mpa[1];
+                // Where both stresses are equal there is no direction to follow.
                 (apart > 1e-9).then(|| direction(principal.axis_rad + turn))
             };
             evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &settings)

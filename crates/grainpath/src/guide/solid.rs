@@ -1,4 +1,7 @@
-//! Loads in three dimensions.
+//! Loads in three dimensions: the part is meshed with tetrahedra and solved as a solid.
+//!
+//! Lengths are in mm, forces in N, stresses in MPa. Directions use the in-plane components of the
+//! stress.
 
 use grainpath_core::{DVec3, Diagnostics, WarningId};
 use grainpath_fea::load_case::BoundaryConditions;
@@ -53,6 +56,7 @@ pub(super) fn solve(
         forces.push(sum);
     }
     let solve_settings = SolveSettings { max_mib: settings.max_mib, ..SolveSettings::default() };
+    // All cases are solved with one preparation of the solver.
     let (solutions, info) = solve_solid(&model, &supports, &forces, &solve_settings)?;
     diagnostics.check()?;
     let mut solved = Solved {
@@ -106,7 +110,7 @@ pub(super) fn solve(
     Ok(solved)
 }
 
-/// The mesh in words, for the report.
+/// Description of the mesh for the report.
 fn words_on(meshed: &Meshed) -> String {
     let q = &meshed.quality;
     format!(
@@ -119,7 +123,7 @@ fn words_on(meshed: &Meshed) -> String {
     )
 }
 
-/// Stiffness in part coordinates: beads lie in layers, turned about z.
+/// Stiffness in part coordinates; beads lie in the layers, so the material is rotated about z.
 fn stiffness(settings: &StressSettings) -> Result<Stiffness, GuideError> {
     let c = settings.material.stiffness()?;
     let angle = settings.bead_axis_rad;

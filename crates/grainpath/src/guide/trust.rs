@@ -67,7 +67,7 @@ pub(super) fn warn(
     }
 }
 
-/// The largest equivalent stress of all cases, MPa, and the node where it is.
+/// The largest equivalent stress of all cases, MPa, and the position of its node.
 pub(super) fn peak_stress(results: &[ResultMesh]) -> Option<(f64, DVec3)> {
     let all = results.iter().flat_map(|r| r.stress.iter().zip(&r.nodes));
     all.map(|(stress, place)| (von_mises(stress), *place)).max_by(|a, b| a.0.total_cmp(&b.0))

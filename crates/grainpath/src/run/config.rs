@@ -44,6 +44,8 @@ use grainpath_job::{MaterialSection, Settings};
 pub fn outline(s: &Settings) -> OutlineOptions {
     OutlineOptions {
         unit: s.shape.unit.0,
+        // The tolerance holds for the part in its final size, so the scale is taken out before the
+        // drawing is flattened.
         tolerance_mm: OUTLINE_TOLERANCE_MM / s.shape.scale,
         even_odd: s.shape.outline_rule == OutlineRule::EvenOdd,
     }
@@ -58,6 +60,7 @@ pub fn outline_thickness_mm(s: &Settings) -> f64 {
 const OUTLINE_TOLERANCE_MM: f64 = 0.005;
 
 fn placement(s: &Settings) -> Placement {
+    // A drawing brings its own unit and is in mm by now; the setting must not be applied twice.
     let unit = s.shape.unit.0.filter(|_| s.shape.outline.is_empty());
     Placement {
         unit: unit.unwrap_or(LengthUnit::Millimetre),
@@ -71,6 +74,8 @@ pub fn placing(s: &Settings) -> PlaceSettings {
     PlaceSettings {
         placement: placement(s),
         unit_of_file: s.shape.unit == FileUnit(None),
+        // Supports need height below the part; without supports a lifted part would hang in the
+        // air.
         lift_mm: match s.support.style {
             SupportStyle::None => 0.0,
             SupportStyle::Tree | SupportStyle::Columns | SupportStyle::Box => s.support.lift_mm,
@@ -102,6 +107,7 @@ pub(crate) fn photo_board(s: &Settings) -> PhotoBoard {
     PhotoBoard {
         size_mm: p.size_mm.into(),
         thickness_mm: p.thickness_mm,
+        // Entries with a radius of zero are no holes.
         holes: p.holes_mm.iter().filter(|h| h[2] > 0.0).map(hole).collect(),
         shift_mm_per_mm: p.shift_mm_per_mm.into(),
         shown_mm: p.heights_mm.first().copied().unwrap_or(0.0),
@@ -112,6 +118,7 @@ pub(crate) fn photo_board(s: &Settings) -> PhotoBoard {
 /// `guide.image`, or of `shape.photo` where that names none.
 pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> GrainSettings {
     let (g, image, photo) = (&s.guide, &s.image, &s.photo);
+    // Two places may name photographs; those of `guide.image` come first.
     let own = !image.files.is_empty();
     let rotate_rad = if own { image.rotate_deg.to_radians() } else { 0.0 };
     let size_mm = match (own, image.size_mm) {
@@ -119,6 +126,7 @@ pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> Gr
         (true, Some(size)) => DVec2::from(size) * image.scale,
         (true, None) => part.size() * image.scale,
     };
+    // Without an origin the picture is centred on the part.
     let middle = part.centre() - rotated(0.5 * size_mm, direction(rotate_rad));
     let origin_mm = if own { image.origin_mm.map_or(middle, DVec2::from) } else { DVec2::ZERO };
     let (found_by, given, heights, shift) = if own {
@@ -135,6 +143,8 @@ pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> Gr
             BoardCorners::Markers => Corners::Markers,
         }
     };
+    // Several photographs without heights are spread evenly: each shows the middle of its share of
+    // the height.
     let heights_mm = match (heights.is_empty(), n) {
         (false, _) => heights.clone(),
         (true, 1) => vec![0.0],
@@ -174,6 +184,7 @@ pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> Gr
             Bend::Both => Tangent::Both,
         },
         darkness: g.darkness,
+        // Pictures hold whole images in memory, so they are kept only where a page shows them.
         pictures: !s.output.preview.is_empty() || !s.output.report.is_empty(),
     }
 }
@@ -189,6 +200,8 @@ pub(crate) fn texture(
     let (g, v) = (&s.guide, &s.volume);
     let other = !v.path.is_empty();
     let mut scan = scan(s);
+    // Another scan than the shape has its own spacing and place; its rotation is applied to
+    // directions, not to voxels.
     if other {
         let [x, y] = v.pixel_mm.map_or([None; 2], |p| p.0.map(Some));
         scan = CtSettings {
@@ -205,6 +218,7 @@ pub(crate) fn texture(
     TextureSettings {
         scan,
         name: if other { v.path.clone() } else { s.ct.path.clone() },
+        // The shape's own scan was lowered to the plate, and its texture with it.
         origin_mm: match own {
             Some(own) if !other => Some(DVec3::new(0.0, 0.0, -own.bottom_mm)),
             _ => v.origin_mm.map(DVec3::from),
@@ -229,6 +243,8 @@ pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> 
         SupportStyle::Box => Style::Box,
     };
     let (low, high) = machine(s).bed_bounds_mm();
+    // Support feet stay a base radius inside the bed; on a small bed no more than a quarter of its
+    // shorter side.
     let room = u.base_radius_mm.min(0.25 * (high[0] - low[0]).min(high[1] - low[1]));
     let bed = Bounds2 {
         min: DVec2::new(low[0], low[1]) - plate_from_part + room,
@@ -239,6 +255,8 @@ pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> 
     Some(SupportSettings {
         style,
         critical_angle_rad: u.critical_angle_deg.to_radians(),
+        // A branch may lean as far as an overhang prints without support. The bounds keep branches
+        // from lying down or standing bolt upright.
         branch_angle_rad: u.branch_angle_deg.unwrap_or(u.critical_angle_deg.clamp(5.0, 80.0)).to_radians(),
         max_unsupported_mm: u.max_unsupported_mm,
         min_overhang_mm: u.min_overhang_mm,
@@ -332,7 +350,7 @@ pub fn stress(s: &Settings) -> Option<StressSettings> {
         element_mm: g.element_mm,
         material: match g.elasticity {
             Elasticity::Orthotropic => Orthotropic { e_mpa: m.e_mpa, nu: m.nu, g_mpa: m.g_mpa },
-            // The bounds keep the isotropic law stable for any card.
+            // The bounds keep the isotropic law stable for any material card.
             Elasticity::Isotropic => Orthotropic::isotropic(m.e_mpa[0], m.nu[0].clamp(-0.9, 0.49)),
         },
         elasticity: g.elasticity,
@@ -343,6 +361,7 @@ pub fn stress(s: &Settings) -> Option<StressSettings> {
         smoothing_mm: s.smoothing_mm(),
         tangent: g.tangent,
         cell_mm: s.process.bead_width_mm,
+        // An imported result lies in the coordinates of the file.
         is_moved: s.shape.rotate_deg != [0.0; 3] || s.shape.scale != 1.0,
     })
 }
@@ -358,7 +377,9 @@ pub fn loads(s: &Settings) -> TypedLoads<'_> {
 pub(crate) fn continuous(s: &Settings) -> Continuous {
     let isotropic = s.guide.kind == GuideKind::None;
     Continuous {
-        // Without a guide no direction is better than another: cells are square, and joined without regard to direction.
+        // Cells of length 1 are square.
+        // Without a guide no direction is better than another, so cells are square and joined
+        // without regard to direction.
         tree: match s.fill.tree {
             CellTree::Directed if !isotropic => TreeKind::Directed,
             CellTree::Directed | CellTree::Undirected => TreeKind::Undirected,
@@ -372,7 +393,7 @@ pub(crate) fn continuous(s: &Settings) -> Continuous {
 /// The steps from sections to paths.
 pub fn steps(s: &Settings) -> StepSettings {
     let (p, f, u) = (&s.process, &s.fill, &s.support);
-    // The height of each layer replaces this one.
+    // Replaced by the height of each layer.
     let height_mm = p.layer_height_mm;
     StepSettings {
         walls: WallSettings {
@@ -388,6 +409,7 @@ pub fn steps(s: &Settings) -> StepSettings {
             top_layers: p.top_layers,
             bottom_layers: p.bottom_layers,
             spacing_mm: bead_spacing_mm(p.bead_width_mm, height_mm),
+            // A mass to be met is met by sparse infill, so skins are needed then.
             dense: f.density.is_dense() && f.mass_g.is_none(),
         },
         infill: infill(s),
@@ -412,7 +434,8 @@ pub fn steps(s: &Settings) -> StepSettings {
     }
 }
 
-/// Columns and boxes are never hollow: their walls alone would not carry the layers of the part above.
+/// Least density of columns and boxes: their walls alone would not carry the layers of the part
+/// above.
 const BASELINE_MIN_DENSITY: f64 = 0.15;
 
 fn infill(s: &Settings) -> InfillSettings {
@@ -450,6 +473,8 @@ pub fn order(s: &Settings) -> OrderSettings {
             max_detour: 2.0,
             clearance_mm: p.bead_width_mm,
         },
+        // With one tool, fibre comes in the order of the shortest travel; with two, a change of
+        // tool costs more than any travel.
         fibre_last: s.fibre.enabled && s.printer.fibre_tool == FibreToolKind::Separate,
         chain_mm: p.chain.then_some(2.0 * p.bead_width_mm),
     }
@@ -463,6 +488,8 @@ pub fn limits(s: &Settings) -> Limits {
         acceleration_mm_s2: p.acceleration_mm_s2,
         travel_acceleration_mm_s2: p.travel_acceleration_mm_s2,
         retract_acceleration_mm_s2: p.retract_acceleration_mm_s2,
+        // Three firmware conventions for speed at corners; the job may state any of them, and the
+        // first one stated in this order counts.
         corner: match (p.square_corner_mm_s, p.junction_deviation_mm) {
             (Some(v), _) => Corner::SquareCorner(v),
             (None, Some(d)) => Corner::Deviation(d),
@@ -523,6 +550,8 @@ pub(crate) fn fibre(s: &Settings) -> Option<FibreSettings> {
 /// Width of beads with fibre where the whole part is to be dense, mm: there the width decides how much stays unfilled.
 pub fn dense_fibre_width_mm(s: &Settings) -> Option<f64> {
     let f = &s.fibre;
+    // Fibre in some layers or places only: then the width matters just where the matrix is dense
+    // too.
     let everywhere = f.layers.is_empty() && f.boxes_mm.is_empty() && f.every == 1;
     let dense = s.fill.density.is_dense() && (everywhere || f.matrix_density.is_dense());
     (f.enabled && dense).then(|| f.bead_width_mm.unwrap_or(s.process.bead_width_mm))

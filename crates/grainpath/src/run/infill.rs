@@ -1,4 +1,8 @@
-//! Infill of one layer: dense and sparse, straight, along a field or the grain, with fibre.
+//! Infill of one layer: dense and sparse, straight, along a field or along the grain, with and
+//! without fibre.
+//!
+//! Lengths are in mm. Skins over sparse infill are always straight lines without fibre; a part that
+//! is dense throughout is filled by its own pattern.
 
 use grainpath_core::math::direction;
 use grainpath_core::units::bead_spacing_mm;
@@ -13,7 +17,7 @@ use crate::guide::grain::GrainGuide;
 use crate::guide::grain::Mode;
 use crate::wall::skin::{IslandPolygon, SkinSplit};
 
-/// How an infill region is to be filled.
+/// Fill of an infill region.
 struct RegionFill<'a> {
     density: Density,
     role: Role,
@@ -22,8 +26,9 @@ struct RegionFill<'a> {
 }
 
 impl Steps<'_> {
-    /// How far the strips of infill beads reach beyond the region of their centrelines, mm: to the strips of the walls, and
-    /// a little further for what the round edge of the outer wall leaves out, so that the layer has the part's volume.
+    /// Distance from the region of centrelines to the edge of the area to be filled, mm: to the
+    /// strips of the walls, and a little farther for the area that the round edge of the outer wall
+    /// leaves out, so that the layer has the part's volume.
     pub(super) fn border_mm(&self, layer: &Layer) -> f64 {
         let walls = &self.settings.walls;
         let w = walls.bead_width_mm;
@@ -31,6 +36,8 @@ impl Steps<'_> {
         if walls.n_walls == 0 {
             return 0.5 * w;
         }
+        // Half a strip less the overlap, and half of what the outer wall's full width exceeds its
+        // strip by.
         (0.5 - walls.fill_overlap) * s + 0.5 * (w - s)
     }
 
@@ -54,10 +61,11 @@ impl Steps<'_> {
             | Pattern::Continuous => density.is_dense(),
         };
         let angles = &infill.angles_rad;
+        // Patterns that do not turn keep the first angle, so that their cells lie on each other.
         angles[if turns { layer_idx % angles.len() } else { 0 }]
     }
 
-    /// Lays skins and bridges, and infill where the whole part is dense.
+    /// Lays skins and bridges, and all infill where the whole part is dense.
     pub(super) fn dense_fill(
         &self,
         i: usize,
@@ -74,6 +82,8 @@ impl Steps<'_> {
         for (polygons, role) in [(&split.solid, Role::SolidFill), (&split.top, Role::TopSkin)] {
             let pattern = self.dense_pattern(infill.pattern);
             let asked = RegionFill { density: Density::Dense, role, pattern, grain };
+            // All regions of an island are filled together: the continuous pattern reports the
+            // necks between them.
             for regions in polygons.chunk_by(|a, b| a.0 == b.0) {
                 tally = tally.and(self.fill_island(i, regions, &asked, fibre, &mut paths));
                 paths.drain(..).for_each(|p| add(regions[0].0, p));
@@ -94,6 +104,7 @@ impl Steps<'_> {
         add: &mut dyn FnMut(usize, Toolpath),
     ) -> Tally {
         let mut tally = Tally::default();
+        // A density of zero is a hollow part.
         if density.fraction() <= 0.0 {
             return tally;
         }
@@ -108,7 +119,8 @@ impl Steps<'_> {
         tally
     }
 
-    /// Fills the infill regions of an island, with fibre where the job wants it and matrix around it.
+    /// Fills the infill regions of an island: with fibre where the job asks for it, with matrix
+    /// elsewhere.
     fn fill_island(
         &self,
         i: usize,
@@ -133,6 +145,7 @@ impl Steps<'_> {
         }
         let f = &self.settings.infill;
         let density = f.matrix_density;
+        // A matrix density of zero leaves the places without fibre empty.
         if density.fraction() > 0.0 {
             let (matrix, role) = match density {
                 Density::Dense => (self.dense_pattern(f.matrix_pattern), asked.role),
@@ -142,7 +155,10 @@ impl Steps<'_> {
             without.iter().for_each(|region| matrix.fill(&context, region, out));
         }
         context.bead_width_mm = fibre.bead_width_mm;
+        // Fibre beads have another width than the matrix, so their centrelines keep another
+        // distance from the area's edge.
         context.border_mm += 0.5 * (fibre.bead_width_mm - matrix_mm);
+        // The load decides where closed paths start; without a guide all points are equal.
         let load = |p: DVec2| self.guide.map_or(0.0, |guide| guide.asked(i, p.extend(z_mm)).1);
         let mut paths = Vec::new();
         self.fill_regions(i, &context, &with.iter().collect::<Vec<_>>(), asked, &mut paths);
@@ -172,8 +188,9 @@ impl Steps<'_> {
         }
     }
 
-    /// Fills a region along the grain: with the edges of the picture, or with the job's pattern if that follows a field.
-    /// Other patterns become stripes where infill is dense, and evenly spaced lines where it is sparse.
+    /// Fills a region along the grain: with the edges of the picture, or with the job's pattern if
+    /// that follows a field. For other patterns stripes are laid where infill is dense, and evenly
+    /// spaced lines where it is sparse.
     fn along_grain(
         &self,
         grain: &GrainGuide,
@@ -196,7 +213,9 @@ impl Steps<'_> {
 
     fn bridge(&self, i: usize, polygon: &Polygon, out: &mut Vec<Toolpath>) {
         let mut context = self.context(i, Density::Dense, Role::Bridge);
+        // The first layer has no bridges, so there is a layer below.
         let below = self.stack.layers()[i - 1].region();
+        // Where no direction is supported at both ends the raster angle of the layer stays.
         if let Some(angle) = bridge_angle_rad(polygon, below, context.spacing_mm()) {
             context.angle_rad = angle;
         }
@@ -208,7 +227,7 @@ impl Steps<'_> {
         }
     }
 
-    /// The code that lays sparse infill in this pattern.
+    /// The implementation of this pattern for sparse infill.
     fn pattern(&self, pattern: Pattern) -> &dyn Infill {
         match pattern {
             Pattern::Continuous => &self.settings.infill.continuous,
@@ -225,8 +244,8 @@ impl Steps<'_> {
         }
     }
 
-    /// The code that lays dense regions in this pattern. Straight lines fill skins over sparse infill; a part that is
-    /// dense throughout, or has a guide, is filled by its own pattern.
+    /// The implementation of this pattern for dense regions. Straight lines fill skins over sparse
+    /// infill. A part that is dense throughout, or has a guide, is filled by its own pattern.
     fn dense_pattern(&self, pattern: Pattern) -> &dyn Infill {
         match pattern {
             Pattern::Continuous => &self.settings.infill.continuous,

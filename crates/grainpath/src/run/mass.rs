@@ -1,10 +1,11 @@
 //! Finds the infill density that gives a part a required mass.
 //!
-//! Walls, skins and bridges have a mass that does not depend on the density, so it is summed once. The mass of sparse infill
-//! is nearly proportional to density: up to six proportional steps find it to 0.25 %. It also jumps where a line appears or
-//! disappears; where these steps fail, up to 14 bisections take the density with the nearest mass. Each try lays the
-//! sparse infill of all layers. The result does not depend on the number of threads, because masses are added in the order
-//! of the layers. A mass outside what the pattern can give is refused with the range that it can give.
+//! Walls, skins and bridges have a mass that does not depend on the density, so it is summed once.
+//! The mass of sparse infill is nearly proportional to the density: up to six proportional steps
+//! find it to 0.25 %. It also jumps where a line appears or disappears. Where the steps fail, up to
+//! 14 bisections take the density with the nearest mass. Each try lays the sparse infill of all
+//! layers. Masses are added in the order of the layers, so the result does not depend on the number
+//! of threads. A mass that the pattern cannot give is refused, with the range that it can give.
 
 use grainpath_core::{Density, Role, Toolpath};
 use rayon::prelude::*;
@@ -14,12 +15,14 @@ use crate::error::Error;
 use crate::wall::skin::SkinSplit;
 
 impl Steps<'_> {
-    /// The density of the job, or the one that gives the mass that it asks for. `walls` and `skins` are those of all layers.
+    /// The density of the job, or the density that gives the required mass. `walls` and `skins` are
+    /// those of all layers.
     ///
     /// # Errors
     /// [`Error::Mass`] where no density gives the mass.
     pub fn density(&self, walls: &[LayerWalls], skins: &[SkinSplit]) -> Result<Density, Error> {
         let density = self.density_of_mass(walls, skins);
+        // Notes of densities that were only tried do not concern the print.
         self.discard_notes();
         density
     }
@@ -71,10 +74,13 @@ impl Steps<'_> {
                 return Ok(Density::new(density));
             }
             density *= (asked_g - fixed) / (found - fixed).max(1e-9);
+            // Outside this range the proportion no longer holds: a line appears or the infill turns
+            // dense.
             if !(0.01..0.95).contains(&density) {
                 break;
             }
         }
+        // Half a percent is accepted without bisection: the steps then circle around a jump.
         if nearest.0 < 5e-3 * asked_g {
             return Ok(Density::new(nearest.1));
         }

@@ -1,9 +1,10 @@
 //! Plans a job: from a shape and settings to ordered paths.
 //!
-//! A run is a pipeline of stages. Each stage takes values and returns new ones: place and repair the mesh, slice it, find
-//! the guide, plan supports, then lay walls, skins and infill, and order the paths. The stages from sections to ordered
-//! paths are public functions over a window of layers ([`Steps`]); [`plan_job`], [`plan_photo`] and [`plan_scan`] call the
-//! same functions with the whole part as one window. [`config`] makes the settings of each stage from the job.
+//! A run is a pipeline of stages. Each stage takes values and returns new ones: place and repair
+//! the mesh, slice it, compute the guide, plan supports, then lay walls, skins and infill, and
+//! order the paths. The stages from sections to ordered paths are public functions over a window of
+//! layers ([`Steps`]). [`plan_job`], [`plan_photo`] and [`plan_scan`] call the same functions with
+//! the whole part as one window. [`config`] makes the settings of each stage from the job.
 
 pub mod config;
 mod mass;
@@ -89,6 +90,7 @@ pub fn plan_photo(
         source,
     };
     let stack = board.slice(&config::slicing(settings)).map_err(shape_error)?;
+    // Lofting a surface costs more than the sections, so it is made only where a stage needs it.
     let mesh = if wants_surface(settings) {
         shape::surface(&stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
     } else {
@@ -99,9 +101,9 @@ pub fn plan_photo(
     plan_stack(settings, sliced, None, GrainSource { photos, scan: None }, clock, diagnostics)
 }
 
-/// Plans a job whose shape is a scan, of which a few slices are held at a time. `path` is what errors call it;
-/// `stress` was solved elsewhere, in the scan's own place with its lowest point on the plate; `texture` is the scan of
-/// `guide.volume`.
+/// Plans a job whose shape is a scan; a few slices are in memory at a time. `path` is the scan's
+/// name in errors. `stress` was solved elsewhere, in the scan's own position with its lowest point
+/// on the plate. `texture` is the scan of `guide.volume`.
 ///
 /// # Errors
 /// As [`plan_job`], and for files that cannot be read and scans that give no layers.
@@ -139,13 +141,14 @@ fn wants_surface(settings: &Settings) -> bool {
         || settings.strength.enabled
 }
 
-/// Where grain is read from: photographs, or a scan where there are none.
+/// Source of the grain: photographs, or a scan where there are none.
 struct GrainSource<'a> {
     photos: &'a [Photo],
     scan: Option<&'a mut dyn SliceSource>,
 }
 
-/// The grain that infill follows; `None` for other guides. `own` is what was found in the scan that is the shape.
+/// The grain that infill follows; `None` for other guides. `own` is the report of the scan that is
+/// the shape.
 fn grain(
     settings: &Settings,
     stack: &LayerStack,
@@ -167,6 +170,7 @@ fn grain(
     }
     let grain = config::grain(settings, photos.len(), part, top);
     let section = |z_mm: f64| {
+        // A height on the border of two layers belongs to the lower one.
         let above = layers.partition_point(|l| l.z_top_mm() < z_mm).min(layers.len().saturating_sub(1));
         layers.get(above).map(|l| l.region().clone()).unwrap_or_default()
     };
@@ -189,15 +193,20 @@ fn plan_stack(
     mut clock: Clock,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
+    // First of all, so that warnings about the job stand even if the run fails later.
     settings.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
     let Sliced { stack, mesh, lowered_mm, painted, scan } = sliced;
     let part = part_bounds(&stack);
     let config = config::writing(settings);
     let plate_from_part_mm = plate_from_part(&config.machine, settings.shape.position_mm, part);
+    // Checked before any costly stage.
     check_bed(&config.machine, &stack, part, plate_from_part_mm)?;
     let fibre = config::fibre(settings);
     fibre.iter().try_for_each(|f| f.check(&stack, part))?;
+    // Resolved once: the guide and the strength test have to mean the same places by the same
+    // words.
     let conditions = guide::boundary_conditions(&config::loads(settings), &mesh)?;
+    // The test runs on the finished program. Its setup keeps what it needs of the mesh.
     let test = || TestSetup::of(settings, &mesh, &stack, conditions.clone());
     let test = settings.strength.enabled.then(test).transpose()?;
     let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
@@ -219,6 +228,8 @@ fn plan_stack(
     if support.is_some() {
         clock.stop(Stage::Support);
     }
+    // The mesh is among the largest objects and is kept only where a picture shows the supports on
+    // it.
     let supported_mesh = (support.is_some() && drawn).then_some(mesh);
     let (step_settings, order) = (config::steps(settings), config::order(settings));
     let steps = Steps::new(&step_settings, &stack)
@@ -237,11 +248,13 @@ fn plan_stack(
         fibre.report_outcome(&filled.fibre, any, diagnostics)?;
     }
     steps.report_notes(diagnostics);
+    // Skins hold polygons of all layers and are not needed for the order.
     drop(skins);
     clock.stop(Stage::Fill);
     let layers = order_stack(&stack, filled.layers, &order, diagnostics)?;
     clock.stop(Stage::Order);
     let plan = Plan { layers, plate_from_part_mm };
+    // Skirt, brim and supports reach beyond the part, so the finished plan is checked again.
     check_fits(&plan, &config.machine).map_err(|e| outside_bed(e, &stack, part))?;
     let stages_s = clock.stages;
     Ok(Planned { plan, stack, config, stages_s, support, supported_mesh, density, grain, guide, test, scan })

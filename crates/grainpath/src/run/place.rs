@@ -15,7 +15,7 @@ pub struct Sliced {
     pub stack: LayerStack,
     /// Its surface; empty where no stage needs it.
     pub mesh: TriMesh,
-    /// How far it was lowered to stand on the plate, mm.
+    /// Distance by which it was lowered to stand on the plate, mm.
     pub lowered_mm: f64,
     /// Support enforcers and blockers painted on its surface.
     pub painted: PaintedSupports,
@@ -31,7 +31,7 @@ pub struct PlaceSettings {
     pub unit_of_file: bool,
     /// Height by which the part is lifted off the bed, mm.
     pub lift_mm: f64,
-    /// What happens to defects.
+    /// Treatment of defects.
     pub repair: Repair,
     /// Layer heights and sections.
     pub slicing: SliceSettings,
@@ -47,6 +47,7 @@ pub fn mesh_and_layers(
     diagnostics: &Diagnostics,
 ) -> Result<Sliced, shape::ShapeError> {
     let (mut bodies, mut lowered_mm) = place_bodies(settings, file, diagnostics)?;
+    // The painted facets were placed with the bodies, as the last two of them.
     let blockers = bodies.pop().unwrap_or_default();
     let enforcers = bodies.pop().unwrap_or_default();
     let mut painted = PaintedSupports { enforcers, blockers };
@@ -78,12 +79,15 @@ fn place_bodies(
         }
         bodies.push(body.mesh);
     }
+    // Placed together with the bodies, so that paint stays on its facets.
     bodies.extend([painted.enforcers, painted.blockers]);
     let mut placement = settings.placement;
     let bounds = bodies.iter().filter_map(TriMesh::bounds);
     let all = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(shape::ShapeError::Empty)?;
     if settings.unit_of_file {
         placement.unit = file.unit.unwrap_or(LengthUnit::Millimetre);
+        // The longest extent in the file's own numbers tells a likely unit: a part of 0.1 is hardly
+        // 0.1 mm.
         let longest = (all.1 - all.0).max_element() * settings.placement.scale;
         let likely = shape::likely_unit(longest);
         if file.unit.is_none() && likely != LengthUnit::Millimetre {
@@ -101,13 +105,15 @@ pub(super) fn part_bounds(stack: &LayerStack) -> Bounds2 {
     all.reduce(Bounds2::union).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO })
 }
 
-/// Where the part's origin is on the bed: `position_mm` is that of the part's centre, else it is the bed's centre.
+/// Position of the part's origin on the bed: `position_mm` is that of the part's centre; without
+/// it, the bed's centre.
 pub(super) fn plate_from_part(machine: &Machine, position_mm: Option<[f64; 2]>, part: Bounds2) -> DVec3 {
     let (low, high) = machine.bed_bounds_mm();
     let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
     let target = position_mm.unwrap_or(middle);
     let centre = part.centre();
-    // Whole micrometres: moving the part does not change how its coordinates are rounded in the G-code.
+    // Whole micrometres: moving the part then does not change how its coordinates are rounded in
+    // the G-code.
     let whole = |mm: f64| (mm * 1e3).round() * 1e-3;
     DVec3::new(whole(target[0] - centre.x), whole(target[1] - centre.y), 0.0)
 }
@@ -140,10 +146,13 @@ pub(super) fn check_bed(
     }
 }
 
-/// Rounding of coordinates may move the part by this much, mm.
+/// Distance by which rounding of coordinates may move the part beyond the bed, mm. Source: derived:
+/// the part's position and the coordinates in the program are both rounded to micrometres, by half
+/// of one each.
 const BED_TOLERANCE_MM: f64 = 1e-3;
 
-/// The error of a print that leaves the bed, with the size of the part: skirt, brim and supports may reach further.
+/// The error of a print that leaves the bed, with the size of the part: skirt, brim and supports
+/// may reach farther.
 pub(super) fn outside_bed(source: GcodeError, stack: &LayerStack, part: Bounds2) -> Error {
     let height_mm = stack.layers().last().map_or(0.0, Layer::z_top_mm);
     let size = part.size();

@@ -1,8 +1,9 @@
 //! The steps from sections to the paths of each layer: walls, skins, infill, supports, skirt and brim.
 //!
-//! Each step is a function over a window of layers, a range of layer numbers. It returns one result for each layer of the
-//! window, in order, so that a caller can plan a part of any height with the paths of a few layers in memory, spread the
-//! windows over several machines, or plan again only the layers that a changed setting concerns.
+//! Each step is a function over a window of layers, which is a range of layer indices. It returns
+//! one result for each layer of the window, in order. A caller can plan a part of any height with
+//! the paths of a few layers in memory, spread windows over several machines, or plan again only
+//! the layers that a changed setting concerns.
 //!
 //! | step | needs of other layers |
 //! |---|---|
@@ -50,12 +51,12 @@ const OVERHANG_SHARE: f64 = 0.25;
 /// Infill of one layer, each path with the number of its island.
 type IslandPaths = Vec<(usize, Toolpath)>;
 
-/// The walls of one layer, and where its infill may lie.
+/// The walls of one layer, and the area for its infill.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LayerWalls {
     /// The islands of the layer, in the order of its section's polygons.
     pub islands: Vec<Island>,
-    /// Where the centrelines of infill may lie.
+    /// Areas for the centrelines of infill.
     pub fill: Vec<IslandPolygon>,
 }
 
@@ -83,23 +84,23 @@ pub struct StepSettings {
 pub struct InfillSettings {
     /// The pattern.
     pub pattern: Pattern,
-    /// The density that the job states; replaced where it asks for a mass.
+    /// Density of the job; replaced where the job asks for a mass.
     pub density: Density,
-    /// The mass that the part is to have, g.
+    /// Required mass of the part, g.
     pub mass_g: Option<f64>,
-    /// Mass of what is extruded.
+    /// Properties of the extruded material.
     pub material: ExtrudedMass,
-    /// Mass of beads with fibre.
+    /// Properties of beads with fibre.
     pub fibre_material: ExtrudedMass,
     /// Raster angles, used in turn from layer to layer.
     pub angles_rad: Vec<f64>,
     /// The direction of all infill, where the guide is one angle.
     pub guide_angle_rad: Option<f64>,
-    /// The direction that patterns along a field follow, where no guide gives any.
+    /// Direction for patterns that follow a field, where no guide gives one.
     pub field_axis_rad: f64,
     /// Factor on the extrusion of bridges.
     pub bridge_flow: f64,
-    /// Whether fibre begins where it ended in the layer below.
+    /// Whether fibre begins at the point where it ended in the layer below.
     pub chain: bool,
     /// Pattern of infill without fibre, in layers and places with fibre.
     pub matrix_pattern: Pattern,
@@ -109,7 +110,7 @@ pub struct InfillSettings {
     pub continuous: Continuous,
 }
 
-/// What turns extruded volume into mass.
+/// Density and flow, which turn the volume of a path into its mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExtrudedMass {
     /// Mass density, g/cm3.
@@ -151,18 +152,18 @@ pub struct Steps<'a> {
     pub(super) grain: Option<&'a GrainGuide>,
     /// Settings of fibre, for jobs with fibre.
     pub(super) fibre: Option<&'a FibreSettings>,
-    /// The field of patterns that follow directions, where no other guide gives any.
+    /// Constant field for patterns that follow directions, where no guide gives one.
     uniform: UniformField,
-    /// Why islands could not be laid as one path, by layer and role.
+    /// Reasons why islands could not be laid as one path, by layer and role.
     notes: Mutex<BTreeMap<(usize, Role), Vec<Note>>>,
 }
 
 /// The paths of a window of layers.
 #[derive(Debug, Default)]
 pub struct FilledLayers {
-    /// The paths of each layer, in no order yet.
+    /// The paths of each layer, not yet in order.
     pub layers: Vec<LayerPaths>,
-    /// What became of the paths that were to carry fibre.
+    /// Outcome for the paths that were to carry fibre.
     pub fibre: Tally,
 }
 
@@ -200,7 +201,7 @@ impl<'a> Steps<'a> {
         Self { fibre, ..self }
     }
 
-    /// The walls of a window of layers, and where their infill may lie.
+    /// The walls of a window of layers, and the areas for their infill.
     ///
     /// # Errors
     /// [`Interrupted`] when a stop was asked for.
@@ -219,6 +220,7 @@ impl<'a> Steps<'a> {
                 fill.extend(walls.fill.polygons.into_iter().map(|p| (i, p)));
                 islands.push(Island { walls: walls.loops, fills: walls.singles });
             }
+            // Small loops cool badly and ring at high speed.
             for wall in islands.iter_mut().flat_map(|i: &mut Island| &mut i.walls) {
                 if wall.path.length_mm() < SMALL_WALL_MM {
                     wall.path.speed = SpeedClass::SmallWall;
@@ -227,13 +229,14 @@ impl<'a> Steps<'a> {
             diagnostics.advance(1);
             Ok(LayerWalls { islands, fill })
         };
+        // At least two layers a task: walls of one layer take too little time to be worth a task.
         let all: Vec<Result<_, Interrupted>> =
             self.stack.layers()[window].par_iter().with_min_len(2).map(lay).collect();
         all.into_iter().collect()
     }
 
-    /// Divides the infill regions of a window of layers into skins, bridges and sparse infill, and marks walls over air.
-    /// `walls` are those of the window. Each [`LayerWalls::fill`] is used up.
+    /// Divides the infill regions of a window of layers into skins, bridges and sparse infill, and
+    /// marks walls over air. `walls` are those of the window; each [`LayerWalls::fill`] is emptied.
     ///
     /// # Errors
     /// [`Interrupted`] when a stop was asked for.
@@ -253,7 +256,10 @@ impl<'a> Steps<'a> {
             if whole {
                 split = SkinSplit { solid: fills[k].clone(), below: split.below, ..SkinSplit::default() };
             }
+            // The mask below is needed for overhangs only and dropped afterwards: kept for all
+            // layers it would take much memory.
             if let Some(below) = split.below.take() {
+                // The lock is never contended; it lets parallel layers write to their own walls.
                 let mut islands = islands[k].lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 let walls = islands.iter_mut().flat_map(|i| &mut i.walls);
                 walls.for_each(|w| mark_overhang(&mut w.path, &below));
@@ -280,6 +286,8 @@ impl<'a> Steps<'a> {
             diagnostics.check()?;
             let mut paths = Vec::new();
             let mut tally = Tally::default();
+            // A layer with the same region and field as an earlier one is copied after all others
+            // are laid.
             if duplicate_of[k] == k {
                 let mut add = |island, path| paths.push((island, path));
                 tally = self.dense_fill(first + k, &skins[k], &mut add);
@@ -290,11 +298,13 @@ impl<'a> Steps<'a> {
         };
         let laid: Vec<Result<(IslandPaths, Tally), Interrupted>> = (0..walls.len())
             .into_par_iter()
+            // A field makes layers costly, so each is a task of its own.
             .with_min_len(if self.guide.is_some() { 1 } else { 2 })
             .map(lay)
             .collect();
         let (mut laid, tallies): (Vec<_>, Vec<_>) =
             laid.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        // In ascending order: a duplicate points to a layer that was laid, never to another copy.
         for k in 0..laid.len() {
             if duplicate_of[k] != k {
                 laid[k] = laid[duplicate_of[k]].clone();
@@ -313,8 +323,9 @@ impl<'a> Steps<'a> {
         Ok(FilledLayers { layers, fibre })
     }
 
-    /// Plans the whole part in windows of `n_layers` layers, from the bed upwards, and hands on each layer as soon as it
-    /// is planned. The layers are the same for every window size, up to the last bits where heights of layers are rounded.
+    /// Plans the whole part in windows of `n_layers` layers, from the bed upwards, and hands on
+    /// each layer as soon as it is planned. The layers are the same for every window size, up to
+    /// rounding of layer heights in the last bits.
     ///
     /// # Errors
     /// [`Interrupted`] when a stop was asked for.
@@ -342,12 +353,14 @@ impl<'a> Steps<'a> {
         Ok(fibre)
     }
 
-    /// For each layer of a window the lowest layer of the window that has the same infill region and the same field, where
-    /// infill depends on nothing else; its own number where there is none. Only patterns that follow a field are compared.
+    /// For each layer of a window the lowest layer of the window that has the same infill region
+    /// and the same field, if infill depends on nothing else; its own index where there is none.
+    /// Only patterns that follow a field are compared.
     fn duplicates(&self, first: usize, skins: &[SkinSplit]) -> Vec<usize> {
         let layers = self.stack.layers();
         let guided = self.grain.is_some() || self.settings.infill.pattern.follows_field();
         let mut duplicate_of: Vec<usize> = (0..skins.len()).collect();
+        // Other patterns are cheap, and their raster angle changes from layer to layer.
         if !guided {
             return duplicate_of;
         }
@@ -356,13 +369,14 @@ impl<'a> Steps<'a> {
             let same = |&other: &usize| {
                 let j = first + other;
                 (layers[i].height_mm() - layers[j].height_mm()).abs() < 1e-9
+                    // A bridge depends on the layer below as well.
                     && skins[k].bridge.is_empty()
                     && skins[k] == skins[other]
                     && self.guide.is_none_or(|g| g.same(i, j))
                     && self.grain.is_none_or(GrainGuide::is_upright)
                     && self.fibre.is_none_or(|f| f.same((i, self.z_mid_mm(i)), (j, self.z_mid_mm(j))))
             };
-            // The layer below, or with directions that alternate the one below that.
+            // The layer below, or the one below that where directions alternate.
             if let Some(other) = (k.saturating_sub(2)..k).rev().find(same) {
                 duplicate_of[k] = duplicate_of[other];
             }
@@ -394,7 +408,7 @@ impl<'a> Steps<'a> {
         }
     }
 
-    /// Keeps what was noted about an island of a layer.
+    /// Keeps the notes about an island of a layer.
     pub(super) fn note(&self, layer_idx: usize, role: Role, notes: Vec<Note>) {
         if !notes.is_empty() {
             let mut all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -407,7 +421,8 @@ impl<'a> Steps<'a> {
         self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clear();
     }
 
-    /// Warns once for each kind of note, with its first place and the number of further layers that have it.
+    /// Warns once for each kind of note, with its first place and the number of further layers
+    /// concerned.
     pub(super) fn report_notes(&self, diagnostics: &Diagnostics) {
         let all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let mut reported = Vec::new();
@@ -439,16 +454,18 @@ impl<'a> Steps<'a> {
         support::beads::lay(layer, &context, dense, &self.settings.supports)
     }
 
-    /// Skirt and brim of the layers of a window that have any, from its first layer on.
+    /// Skirt and brim of those layers of a window that have any, beginning with its first layer.
     fn adhesion(&self, window: &Range<usize>) -> Vec<Vec<Toolpath>> {
         let settings = &self.settings.adhesion;
         let n_layers = self.stack.layers().len();
+        // The brim lies in the first layer alone; the skirt may be several layers high.
         let n = if settings.skirt_loops > 0 { self.settings.skirt_layers.min(n_layers) } else { 1 };
         let Some(first) = self.stack.layers().first() else { return Vec::new() };
         if window.start >= n {
             return Vec::new();
         }
         let settings = AdhesionSettings { height_mm: first.height_mm(), ..*settings };
+        // Supports stand on the plate too, so the skirt runs around them.
         let standing = match self.support {
             Some(s) => first.region().union(&s.cut.layers[0].region),
             None => first.region().clone(),
@@ -462,7 +479,7 @@ impl<'a> Steps<'a> {
     }
 }
 
-/// Sets the speed of overhangs for a wall that lies over air.
+/// Sets the speed of overhangs for a wall of which too much lies over air.
 fn mark_overhang(path: &mut Toolpath, below: &Mask) {
     let (mut free, mut all) = (0.0, 0.0);
     for i in 0..path.n_segments() {
