@@ -1,4 +1,5 @@
-//! Parts made by our own code: presets with their jobs, specimens, test pieces of standards, synthetic boards.
+//! Parts that our own code makes: presets with their jobs, specimens, test pieces of standards, and
+//! synthetic boards.
 
 pub mod board;
 pub mod presets;

@@ -1,4 +1,4 @@
-//! Outlines and prisms that parts are made of.
+//! Outlines and prisms of which parts are made.
 
 use grainpath_core::math::direction;
 use grainpath_core::{DVec2, Polygon, TriMesh};
@@ -11,6 +11,8 @@ pub(crate) fn arc(
     n_quarters: i32,
     per_quarter: i32,
 ) -> Vec<DVec2> {
+    // A part of a circle includes its last point; a whole circle leaves it out, because it is the first
+    // again.
     let whole = i32::from(n_quarters < 4);
     (0..n_quarters * per_quarter + whole)
         .map(|i| {
@@ -20,8 +22,10 @@ pub(crate) fn arc(
         .collect()
 }
 
-/// Adds a prism over an outline with holes, all given counter-clockwise.
+/// Adds a prism over an outline with holes; all rings are given counter-clockwise.
 pub(crate) fn prism(outline: &[DVec2], holes: &[Vec<DVec2>], low: f64, high: f64, mesh: &mut TriMesh) {
+    // Polygons want holes clockwise. Callers give counter-clockwise rings throughout, so that one arc
+    // function serves both.
     let clockwise = |hole: &Vec<DVec2>| hole.iter().rev().copied().collect();
     let polygon = Polygon { outer: outline.to_vec(), holes: holes.iter().map(clockwise).collect() };
     grainpath::shape::prism(&polygon.into(), low, high, mesh).expect("our own outlines do not cross");

@@ -5,11 +5,11 @@ use grainpath_core::{DVec2, DVec3, TriMesh};
 
 /// A piece that `grainpath specimen` writes.
 pub struct Specimen {
-    /// What it is called.
+    /// Name of the piece.
     pub name: &'static str,
-    /// What it is for, in a line.
+    /// One line that says what the piece is for.
     pub about: &'static str,
-    /// Makes it, in mm, standing on z = 0.
+    /// Makes the piece, mm, standing on z = 0.
     pub mesh: fn() -> TriMesh,
 }
 
@@ -37,25 +37,30 @@ pub const SPECIMENS: [Specimen; 4] = [
     },
 ];
 
-/// Angles of the first row of the calibration piece and of its rows in steps of one degree.
-/// Source: Table 1 of `Shen2016` in `docs/references.bib`, which prints 0 to 90 in tens and 30 to 49 in ones.
+/// Angles of the first row of the calibration piece and of its rows in steps of one degree. Source:
+/// Table 1 of `Shen2016` in `docs/references.bib`, which prints 0 to 90 in tens and 30 to 49 in ones.
 const COARSE_DEG: [u32; 10] = [0, 10, 20, 30, 40, 50, 60, 70, 80, 90];
 const FINE_DEG: std::ops::RangeInclusive<u32> = 30..=49;
-/// Angles of the short piece: around the angles at which common materials begin to sag.
+/// Angles of the short piece: the range in which the piece of `Shen2016` is printed in ones, widened,
+/// in steps of five. A material whose limit lies outside needs the whole piece.
 const SHORT_DEG: [u32; 10] = [25, 30, 35, 40, 45, 50, 55, 60, 65, 70];
-/// Length of a branch of the whole and of the short piece, mm.
+/// Length of a branch of the whole and of the short piece, mm. Short branches sag less, so the short
+/// piece can show a limit that is too high.
 const LENGTH_MM: f64 = 15.0;
 const SHORT_LENGTH_MM: f64 = 8.0;
-/// Radius of a branch, mm.
+/// Radius of a branch, mm. A diameter of 3 mm takes about seven beads of 0.4 mm, so a branch has
+/// walls and a middle as real overhangs do.
 const RADIUS_MM: f64 = 1.5;
-/// Distance of neighbouring branches, mm.
+/// Distance of neighbouring branches, mm; it must exceed the width of two digits.
 const PITCH_MM: f64 = 9.0;
-/// Height of the posts that lift the branches off the plate, mm.
+/// Height of the posts that lift the branches off the plate, mm. Branches at 90 degrees would lie on
+/// the plate without them.
 const POST_MM: f64 = 6.0;
 
-/// The calibration piece for the critical angle: a plate with a row of branches that lean by 0 to 90 degrees from the
-/// vertical in steps of 10, and rows in steps of 1 from 30 to 49; each has its angle in raised digits before it.
-/// Stands on z = 0; several overlapping bodies, which slicing unites.
+/// The calibration piece for the critical angle: a plate with one row of branches that lean by 0 to
+/// 90 degrees from the vertical in steps of 10, and rows in steps of 1 from 30 to 49. Raised digits
+/// before each branch give its angle. The piece stands on z = 0 and consists of overlapping bodies, which
+/// slicing unites.
 pub fn critical_angle() -> TriMesh {
     let fine: Vec<u32> = FINE_DEG.collect();
     let mut rows: Vec<&[u32]> = vec![&COARSE_DEG];
@@ -71,17 +76,23 @@ pub fn critical_angle_short() -> TriMesh {
 /// Rows of at most ten branches on a plate, each with its angle in degrees before it.
 fn leaning_branches(rows: &[&[u32]], length_mm: f64) -> TriMesh {
     let mut mesh = TriMesh::default();
+    // Rows are one branch, a number and a gap deep, so a branch at 90 degrees ends before the next row's
+    // number.
     let depth = length_mm + 14.0;
     let size = DVec2::new(10.0 * PITCH_MM + 4.0, rows.len() as f64 * depth);
+    // Six layers of 0.2 mm: a plate that peels off whole and bends little.
     cuboid(&mut mesh, DVec3::ZERO, size.extend(1.2));
     for (j, row) in rows.iter().enumerate() {
         for (i, &angle) in row.iter().enumerate() {
             let x = 2.0 + PITCH_MM * (i as f64 + 0.5);
             let y = j as f64 * depth + 9.0;
+            // Posts start inside the plate and reach past the knee, so that the bodies overlap by a
+            // volume. Bodies that only touch would slice into two contours.
             let post = DVec3::new(x, y, 0.6);
             let knee = DVec3::new(x, y, POST_MM);
             let (s, c) = sin_cos(f64::from(angle).to_radians());
             tube(&mut mesh, post, knee + DVec3::Z * 0.5);
+            // Branches lean along +y, away from their numbers.
             tube(&mut mesh, knee, knee + DVec3::new(0.0, s, c) * length_mm);
             number(&mut mesh, angle, DVec3::new(x, y - 6.5, 0.8));
         }
@@ -89,10 +100,13 @@ fn leaning_branches(rows: &[&[u32]], length_mm: f64) -> TriMesh {
     mesh
 }
 
-/// A round bar with 24 sides from `a` to `b`.
+/// A round bar from `a` to `b`.
 fn tube(mesh: &mut TriMesh, a: DVec3, b: DVec3) {
+    // A polygon of 24 sides departs from the circle by 0.9 per cent of the radius, 0.013 mm here: a small
+    // part of a layer's height.
     const SIDES: u32 = 24;
     let along = (b - a).normalize_or(DVec3::Z);
+    // Any axis that is not nearly parallel to the bar gives a well-conditioned cross product.
     let u = if along.x.abs() > 0.9 { DVec3::Y } else { DVec3::X };
     let v = along.cross(u).normalize();
     let u = v.cross(along);
@@ -103,6 +117,7 @@ fn tube(mesh: &mut TriMesh, a: DVec3, b: DVec3) {
             mesh.vertices.push(end + u * d.x + v * d.y);
         }
     }
+    // The caps are fans about their centres, wound so that every normal points outwards.
     let (centre_a, centre_b) = (first + 2 * SIDES, first + 2 * SIDES + 1);
     mesh.vertices.extend([a, b]);
     for i in 0..SIDES {
@@ -118,21 +133,25 @@ fn cuboid(mesh: &mut TriMesh, low: DVec3, high: DVec3) {
         let pick = |k: usize| if i >> k & 1 == 1 { high[k] } else { low[k] };
         mesh.vertices.push(DVec3::new(pick(0), pick(1), pick(2)));
     }
+    // Bits 0, 1 and 2 of a corner's number choose x, y and z; each face is wound counter-clockwise from
+    // outside.
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     for [a, b, c, d] in quads.map(|q: [u32; 4]| q.map(|i| i + first)) {
         mesh.triangles.extend([[a, b, c], [a, c, d]]);
     }
 }
 
-/// Which of seven strokes a digit has: top, upper left, upper right, middle, lower left, lower right, bottom.
+/// Strokes of each digit on a seven-segment display, from the highest bit: top, upper left, upper
+/// right, middle, lower left, lower right, bottom. Source: the common seven-segment shapes.
 const DIGITS: [u8; 10] = [
     0b1110111, 0b0010010, 0b1011101, 0b1011011, 0b0111010, 0b1101011, 0b1101111, 0b1010010, 0b1111111,
     0b1111011,
 ];
 
-/// A number in raised strokes, its middle at `at`.
+/// A number in raised strokes, centred on `at`.
 fn number(mesh: &mut TriMesh, value: u32, at: DVec3) {
     let text = value.to_string();
+    // Strokes are 0.6 mm wide, more than one bead of a 0.4 mm nozzle; thinner strokes could be dropped.
     let (w, h, t, rise) = (2.0, 4.0, 0.6, 1.0);
     let step = w + 1.2;
     let left = at.x - 0.5 * (text.len() as f64 * step - 1.2);
@@ -150,6 +169,8 @@ fn number(mesh: &mut TriMesh, value: u32, at: DVec3) {
         ];
         for (bit, (x0, y0, x1, y1)) in strokes.into_iter().enumerate() {
             if DIGITS[usize::from(digit - b'0')] >> (6 - bit) & 1 == 1 {
+                // Each stroke starts a little lower than the one before. Strokes of one digit overlap,
+                // and shared faces would make the union depend on rounding.
                 let low = DVec3::new(x + x0 - 0.5 * t, y + y0 - 0.5 * t, at.z - 0.02 * bit as f64);
                 cuboid(mesh, low, DVec3::new(x + x1 + 0.5 * t, y + y1 + 0.5 * t, at.z + rise));
             }
@@ -157,7 +178,9 @@ fn number(mesh: &mut TriMesh, value: u32, at: DVec3) {
     }
 }
 
-/// A ball of radius 10 mm whose lowest point hangs 50 mm above a small plate: the first case of `Shen2016`.
+/// A ball of radius 10 mm whose lowest point hangs 50 mm above a small plate: the first case of
+/// `Shen2016`. The plate beside the ball puts the lowest point of the file on z = 0, since a part is set
+/// down on its lowest point.
 pub fn hanging_ball() -> TriMesh {
     let mut mesh = TriMesh::default();
     cuboid(&mut mesh, DVec3::new(-30.0, -2.0, 0.0), DVec3::new(-26.0, 2.0, 0.6));
@@ -165,6 +188,8 @@ pub fn hanging_ball() -> TriMesh {
     mesh
 }
 
+// Rings from pole to pole, each of `SIDES` vertices: with 32 and 64 the chord error is 0.012 mm on a
+// radius of 10 mm.
 fn sphere(mesh: &mut TriMesh, centre: DVec3, radius: f64) {
     const RINGS: u32 = 32;
     const SIDES: u32 = 64;
@@ -178,6 +203,7 @@ fn sphere(mesh: &mut TriMesh, centre: DVec3, radius: f64) {
         }
     }
     mesh.vertices.push(centre + DVec3::Z * radius);
+    // The modulus closes each ring: its last quad joins the first vertex.
     let at = |i: u32, j: u32| first + 1 + (i - 1) * SIDES + j % SIDES;
     let top = first + 1 + (RINGS - 1) * SIDES;
     for j in 0..SIDES {
@@ -190,13 +216,14 @@ fn sphere(mesh: &mut TriMesh, centre: DVec3, radius: f64) {
     }
 }
 
-/// A horseshoe tray as dentists print them, leaning by 30 degrees, its lowest point 4 mm above the plate beside a
-/// small plate: the second case of `Shen2016`.
+/// A horseshoe tray as dentists print them, the second case of `Shen2016`. The tray leans by 30
+/// degrees and its lowest point hangs 4 mm above the plate, beside a small plate.
 pub fn dental_tray() -> TriMesh {
     let mut mesh = TriMesh::default();
-    // A channel, open above, swept along a parabola-like arch: outline of its section, counter-clockwise along it.
+    // A channel, open above, swept along a parabola. The section is listed counter-clockwise.
     let section: [(f64, f64); 8] =
         [(-6.0, 0.0), (6.0, 0.0), (6.0, 9.0), (4.2, 9.0), (4.2, 1.8), (-4.2, 1.8), (-4.2, 9.0), (-6.0, 9.0)];
+    // Sixty-four steps over an arch of about 90 mm: the chord error at the apex is 0.01 mm.
     const STEPS: u32 = 64;
     let arch = |t: f64| DVec2::new(26.0 * t, 34.0 * (1.0 - t * t));
     let (s, c) = sin_cos(30f64.to_radians());
@@ -204,6 +231,7 @@ pub fn dental_tray() -> TriMesh {
     let n = section.len() as u32;
     for i in 0..=STEPS {
         let t = 2.0 * f64::from(i) / f64::from(STEPS) - 1.0;
+        // The section stays perpendicular to the arch, or its walls would thin where the arch is steep.
         let along = (arch(t + 1e-3) - arch(t - 1e-3)).normalize();
         let across = DVec2::new(along.y, -along.x);
         for (x, z) in section {
@@ -217,7 +245,8 @@ pub fn dental_tray() -> TriMesh {
             mesh.triangles.extend([[p, r, q], [p, s, r]]);
         }
     }
-    // Both ends: the section is three rectangles.
+    // Both ends are closed by the three rectangles of the section; at the far end the winding is
+    // reversed.
     for (base, flip) in [(0, false), (STEPS * n, true)] {
         for [a, b, c] in [[0, 1, 4], [0, 4, 5], [1, 2, 3], [1, 3, 4], [0, 5, 6], [0, 6, 7]] {
             let t = [a, b, c].map(|i| i + base);

@@ -1,4 +1,4 @@
-//! Standard test pieces: the shape, where it is gripped and pulled, a ready job, and a drawing.
+//! Standard test pieces: the shape of each, its grips or rollers, a ready job, and a drawing.
 
 use std::fmt::Write;
 
@@ -10,35 +10,37 @@ use crate::shapes::{arc, prism};
 /// How a piece is tested.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Loading {
-    /// Gripped at both ends over this length from each, mm, and pulled.
+    /// The grips hold this length at each end, mm, and pull.
     Tension { grip_mm: f64 },
-    /// On two rollers this far apart, mm, a nose pressing on the middle.
+    /// Two rollers stand this far apart, mm; a nose presses on the middle.
     Bending { span_mm: f64 },
 }
 
 /// A test piece.
 pub struct TestPiece {
-    /// What it is called.
+    /// Name of the piece, as `grainpath specimen` takes it.
     pub name: &'static str,
-    /// What it is, in a line.
+    /// One line that says what the piece is.
     pub about: &'static str,
     shape: fn() -> Flat,
     loading: Loading,
-    /// Dimensions for the drawing.
+    /// Dimensions for the drawing, with the letters of the standard.
     sizes: &'static [&'static str],
 }
 
-/// An outline with holes, extruded; holes may lean along x.
+/// An outline with holes, extruded along z; the holes may lean along x.
 struct Flat {
     outline: Vec<DVec2>,
     holes: Vec<Vec<DVec2>>,
     thickness_mm: f64,
-    /// How far the holes move along x for each mm of height.
+    /// Shift of the holes along x for each mm of height: the tangent of the lean.
     lean: f64,
 }
 
 /// Every test piece.
 pub const TEST_PIECES: [TestPiece; 8] = [
+    // Source: ISO 527-2:2012, Table 1, type 1A. The standard sets the grips 115 mm apart, so each grip
+    // holds (170 - 115) / 2 mm.
     TestPiece {
         name: "iso527-1a",
         about: "ISO 527-2 type 1A tensile bar (GB/T 1040), 170 x 20 x 4 mm",
@@ -46,6 +48,7 @@ pub const TEST_PIECES: [TestPiece; 8] = [
         loading: Loading::Tension { grip_mm: 27.5 },
         sizes: &["l3 170", "l1 80", "b1 10", "b2 20", "r 24", "h 4", "grips 115 apart"],
     },
+    // Source: ISO 527-2:2012, Table 1, type 1B, which is for machined pieces.
     TestPiece {
         name: "iso527-1b",
         about: "ISO 527-2 type 1B tensile bar, 150 x 20 x 4 mm",
@@ -53,6 +56,9 @@ pub const TEST_PIECES: [TestPiece; 8] = [
         loading: Loading::Tension { grip_mm: 17.5 },
         sizes: &["l3 150", "l1 60", "b1 10", "b2 20", "r 60", "h 4", "grips 115 apart"],
     },
+    // Source: ISO 178, preferred specimen 80 x 10 x 4 mm and a span of 16 thicknesses. The bar lies on
+    // its 4 mm side, so that the load presses within the plane of the layers, where beads can follow the
+    // stress.
     TestPiece {
         name: "iso178",
         about: "ISO 178 bending bar (GB/T 9341), 80 x 4 mm, printed on its side, 10 mm tall; span 64 mm",
@@ -66,6 +72,7 @@ pub const TEST_PIECES: [TestPiece; 8] = [
             "rollers R5, here as lines",
         ],
     },
+    // Source: ASTM D638, Figure 1, type I.
     TestPiece {
         name: "d638-i",
         about: "ASTM D638 type I tensile bar, 165 x 19 x 3.2 mm",
@@ -73,6 +80,8 @@ pub const TEST_PIECES: [TestPiece; 8] = [
         loading: Loading::Tension { grip_mm: 25.0 },
         sizes: &["LO 165", "L 57", "W 13", "WO 19", "R 76", "T 3.2", "grips 115 apart"],
     },
+    // Source: ASTM D5766, whose width is six hole diameters. The standard divides the load by the gross
+    // section; a strength on the net section must not be compared with it.
     TestPiece {
         name: "d5766",
         about: "ASTM D5766 open-hole tension, 200 x 36 x 2.5 mm, hole 6 mm",
@@ -87,6 +96,8 @@ pub const TEST_PIECES: [TestPiece; 8] = [
             "strength on the gross section",
         ],
     },
+    // A case of our own: a hole of one diameter in every layer whose place moves with the height. The
+    // number is the tangent of 20 degrees.
     TestPiece {
         name: "s1-box",
         about: "box with an oblique hole as of a knot, 100 x 30 x 10 mm, hole 8 mm leaning by 20 degrees",
@@ -101,6 +112,7 @@ pub const TEST_PIECES: [TestPiece; 8] = [
             "grips 60 apart",
         ],
     },
+    // Source: `PrincipalStressLines`, the tensile bar; the bar itself is type 1A above.
     TestPiece {
         name: "s2-tension",
         about: "GB/T 1040 tensile bar with a central hole of 3 mm, 170 x 20 x 4 mm",
@@ -111,6 +123,7 @@ pub const TEST_PIECES: [TestPiece; 8] = [
         loading: Loading::Tension { grip_mm: 27.5 },
         sizes: &["l3 170", "l1 80", "b1 10", "b2 20", "r 24", "h 4", "hole 3", "grips 115 apart"],
     },
+    // Source: `PrincipalStressLines`, the bending bar.
     TestPiece {
         name: "s2-bending",
         about: "three-point bending over a span of 160 mm, 200 x 10 x 10 mm, printed on its side",
@@ -120,17 +133,21 @@ pub const TEST_PIECES: [TestPiece; 8] = [
     },
 ];
 
-/// A bar with a narrower middle, its shoulders arcs: whole length, length of the narrow part, narrow and full width,
-/// radius and thickness, mm. Lies along x from 0, in the middle of y.
+/// A bar with a narrow middle whose shoulders are arcs: overall length, length of the narrow part,
+/// narrow and full width, radius and thickness, mm. The bar lies along x from 0 and is centred on y = 0.
 fn waisted(length: f64, narrow: f64, b1: f64, b2: f64, radius: f64, thickness_mm: f64) -> Flat {
+    // An arc tangent to the narrow part rises by `rise` to the full width over `run`. Where it meets the
+    // full width it has turned by `turn`, so the edge has a corner there, as the standards draw it.
     let rise = 0.5 * (b2 - b1);
     let run = (radius * radius - (radius - rise) * (radius - rise)).sqrt();
     let turn = asin(run / radius);
     let (from, to) = (0.5 * (length - narrow), 0.5 * (length + narrow));
     let half = std::f64::consts::FRAC_PI_2;
+    // Twelve chords for each arc; the drawing, the mesh and the solver all see the same chords.
     let shoulder = |x: f64, y: f64, a: f64, b: f64| {
         (0..=12).map(move |k| DVec2::new(x, y) + direction(a + (b - a) * f64::from(k) / 12.0) * radius)
     };
+    // Arcs are centred outside the bar, one radius from the narrow edge.
     let off = 0.5 * b1 + radius;
     let mut outline = vec![DVec2::new(0.0, -0.5 * b2)];
     outline.extend(shoulder(from, -off, half + turn, half));
@@ -142,7 +159,7 @@ fn waisted(length: f64, narrow: f64, b1: f64, b2: f64, radius: f64, thickness_mm
     Flat { outline, holes: Vec::new(), thickness_mm, lean: 0.0 }
 }
 
-/// A plain bar, with a hole of this radius in its middle.
+/// A plain bar; `hole_mm` is the radius of a hole in its middle.
 fn plain(length: f64, width: f64, thickness_mm: f64, hole_mm: Option<f64>, lean: f64) -> Flat {
     let y = 0.5 * width;
     let outline = [(0.0, -y), (length, -y), (length, y), (0.0, y)].map(DVec2::from).to_vec();
@@ -151,11 +168,13 @@ fn plain(length: f64, width: f64, thickness_mm: f64, hole_mm: Option<f64>, lean:
 }
 
 impl TestPiece {
-    /// The piece, standing on z = 0.
+    /// Mesh of the piece, which stands on z = 0.
     pub fn mesh(&self) -> TriMesh {
         let flat = (self.shape)();
         let mut mesh = TriMesh::default();
         prism(&flat.outline, &flat.holes, 0.0, flat.thickness_mm, &mut mesh);
+        // Only vertices on the rim of a hole move, about mid height, so the hole's middle stays in the
+        // middle of the bar. Comparison is exact because the prism copies the outline's coordinates.
         if flat.lean != 0.0 {
             for v in &mut mesh.vertices {
                 if flat.holes.iter().flatten().any(|h| *h == v.truncate()) {
@@ -166,16 +185,19 @@ impl TestPiece {
         mesh
     }
 
-    /// A job that prints and tests it; `file` is the name of the files without ending.
+    /// A job that prints and tests the piece; `file` is the name of its files without an extension.
     pub fn job(&self, file: &str) -> String {
         let flat = (self.shape)();
         let (low, high) = bounds(&flat.outline);
         let top = flat.thickness_mm;
+        // Layers of a leaning hole differ, for which `auto` takes the model of a solid; this piece is
+        // tested as a plate, and the job says so.
         let plane = if flat.lean == 0.0 {
             ""
         } else {
             "fidelity = \"plane\"           # layers differ: homogenised through the thickness\n"
         };
+        // Values of the loads are nominal: the strength test scales them until the piece gives way.
         let loads = match self.loading {
             Loading::Tension { grip_mm } => format!(
                 "[[guide.fixture]]             # the left grip
@@ -195,6 +217,8 @@ force_n = [500, 0, 0]
                 high.x,
                 high.y
             ),
+            // A cylinder whose axis lies on the bar is a roller. One roller leaves x free, or the held
+            // ends would carry the bar as an arch.
             Loading::Bending { span_mm } => {
                 let middle = 0.5 * (low.x + high.x);
                 format!(
@@ -249,13 +273,15 @@ report = \"{file}.html\"
         )
     }
 
-    /// A drawing in mm as SVG: the outline, where it is held and pushed, and its sizes.
+    /// A drawing in mm as SVG: the outline, the places that are held and loaded, and the dimensions.
     pub fn drawing(&self) -> String {
         let flat = (self.shape)();
         let (low, high) = bounds(&flat.outline);
         let size = high - low;
+        // A margin for the arrows above and beside the piece and for two lines of text below.
         let rim = (0.12 * size.x).max(12.0);
         let (w, h) = (size.x + 2.0 * rim, size.y + 3.0 * rim);
+        // y points down in SVG and up in the part.
         let x = |p: f64| p - low.x + rim;
         let y = |p: f64| high.y - p + rim;
         let mut out = format!(
@@ -273,6 +299,7 @@ report = \"{file}.html\"
             format!("M{}Z", points.join("L"))
         };
         let mut d = path(&flat.outline, 0.0);
+        // Holes are drawn solid at the top face and dashed at the bottom face, as hidden edges are.
         flat.holes.iter().for_each(|r| d += &path(r, 0.5 * flat.lean * flat.thickness_mm));
         let _ = writeln!(
             out,
@@ -338,6 +365,7 @@ report = \"{file}.html\"
                 );
             }
         }
+        // The dimension line of the overall length.
         let base = y(low.y) + 0.55 * rim;
         let _ = writeln!(
             out,

@@ -1,4 +1,4 @@
-//! A wheel hub as a scanner would see it, with its true dimensions.
+//! A wheel hub as a CT scanner would image it, with its true dimensions.
 
 use std::f64::consts::TAU;
 
@@ -8,15 +8,19 @@ use rayon::prelude::*;
 
 /// Side of the scanned square, mm.
 const SIDE_MM: f64 = 102.4;
-/// Height of the scan, mm; the part stands 4 mm above its bottom.
+/// Height of the scan, mm. The part stands 4 mm above the bottom of the scan, so that air surrounds
+/// it on every side.
 const HEIGHT_MM: f64 = 40.0;
 const BOTTOM_MM: f64 = 4.0;
+// Inner and outer radius of the rim and of the hub. The rim is the tallest part, so its height is the
+// height of the whole. All sizes are choices of ours; the truth is written from the same constants.
 const RIM_MM: [f64; 2] = [38.0, 46.0];
 const RIM_HEIGHT_MM: f64 = 32.0;
 const HUB_MM: [f64; 2] = [7.5, 15.0];
 const HUB_HEIGHT_MM: f64 = 26.0;
 const SPOKE_WIDTH_MM: f64 = 8.0;
 const SPOKE_HEIGHT_MM: f64 = 12.0;
+// Bolt holes lie halfway between the hub's two radii, where walls on both sides are equal.
 const BOLT_RADIUS_MM: f64 = 2.0;
 const BOLT_CIRCLE_MM: f64 = 11.25;
 
@@ -26,18 +30,22 @@ pub fn lattice(n: usize) -> ([usize; 3], f64) {
     ([n, n, (HEIGHT_MM / mm).round() as usize], mm)
 }
 
-/// How deep a point of the scan is in the part, mm; negative outside.
+/// Depth of a point of the scan below the part's surface, mm; negative outside.
 fn depth(p: DVec2, z: f64) -> f64 {
     let p = p - 0.5 * SIDE_MM;
     let (r, z) = (p.length(), z - BOTTOM_MM);
+    // A union is the greatest depth and a cut is the smallest. The value is the distance to the surface
+    // near a face, and near an edge only its bound; the blur reaches one voxel, so this is enough.
     let ring = |[inner, outer]: [f64; 2], height: f64| (outer - r).min(r - inner).min(height - z);
     let mut d = ring(RIM_MM, RIM_HEIGHT_MM).max(ring(HUB_MM, HUB_HEIGHT_MM));
     for k in 0..5 {
         let way = direction(f64::from(k) / 5.0 * TAU);
         let (along, aside) = (p.dot(way), cross(way, p).abs());
+        // Spokes begin inside the hub and end inside the rim, so that the unions leave no gap.
         let spoke = (0.5 * SPOKE_WIDTH_MM - aside).min(along - 11.0).min(42.0 - along);
         d = d.max(spoke.min(SPOKE_HEIGHT_MM - z));
     }
+    // Bolts stand between spokes.
     for k in 0..5 {
         let bolt = direction((f64::from(k) + 0.5) / 5.0 * TAU) * BOLT_CIRCLE_MM;
         d = d.min(p.distance(bolt) - BOLT_RADIUS_MM);
@@ -45,31 +53,34 @@ fn depth(p: DVec2, z: f64) -> f64 {
     d.min(z)
 }
 
-/// Slice `k` of the scan: air at 6000, metal at 40000, edges blurred over a voxel, noise of 400.
+/// Slice `k` of the scan: air at 6000, metal at 40000, edges blurred over one voxel, noise of 400.
 pub fn slice(n: usize, k: usize) -> Vec<u16> {
     let (_, mm) = lattice(n);
     let z = (k as f64 + 0.5) * mm;
     let pixel = |p: usize| {
         let (i, j) = (p % n, p / n);
         let d = depth(DVec2::new(i as f64 + 0.5, j as f64 + 0.5) * mm, z) / (0.8 * mm);
-        // The logistic curve that is closest to the integral of a Gaussian.
+        // A logistic curve approximates the integral of a Gaussian; with the factor 1.702 the greatest
+        // difference is below 0.01. The clamp keeps the exponential finite.
         let share = 1.0 / (1.0 + exp(-1.702 * d.clamp(-20.0, 20.0)));
         (6000.0 + 34000.0 * share + 400.0 * noise(i, j, k)).clamp(0.0, 65535.0).round() as u16
     };
     (0..n * n).into_par_iter().with_min_len(n).map(pixel).collect()
 }
 
-/// Noise of deviation 1 that is the same on every run: four hashed bytes summed.
+/// Noise of deviation 1 that is the same on each run: the sum of four hashed bytes.
 fn noise(i: usize, j: usize, k: usize) -> f64 {
     let mut h = (i as u64) << 42 ^ (j as u64) << 21 ^ k as u64;
+    // Source: `steele2014`, the increment and the first multiplier of SplitMix64.
     h = (h ^ h >> 31).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     h = (h ^ h >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     h ^= h >> 32;
     let sum: f64 = (0..4).map(|b| (h >> (8 * b) & 255) as f64 - 127.5).sum();
+    // A uniform byte has a deviation of 73.9, the sum of four twice that.
     sum / 147.8
 }
 
-/// Its true dimensions, as `shape.ct.truth` reads them.
+/// True dimensions of the hub, as `shape.ct.truth` reads them.
 pub fn truth() -> String {
     let c = 0.5 * SIDE_MM;
     let circle = |name: &str, kind: &str, centre: [f64; 2], diameter: f64, z: f64| {
@@ -86,6 +97,7 @@ pub fn truth() -> String {
     out += &circle("hub, outside", "outside", [c, c], 2.0 * HUB_MM[1], 20.0);
     out += &circle("bore, low", "bore", [c, c], 2.0 * HUB_MM[0], 4.0);
     out += &circle("bore, high", "bore", [c, c], 2.0 * HUB_MM[0], 22.0);
+    // Widths of spokes are taken between points one width to each side, which lie in air.
     for k in 0..5 {
         let at = direction((f64::from(k) + 0.5) / 5.0 * TAU) * BOLT_CIRCLE_MM + c;
         out += &circle(&format!("bolt hole {}", k + 1), "bore", [at.x, at.y], 2.0 * BOLT_RADIUS_MM, 18.0);

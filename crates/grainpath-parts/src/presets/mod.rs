@@ -1,4 +1,4 @@
-//! Examples made by our own code.
+//! Examples that our own code makes.
 
 mod continuous;
 mod hub;
@@ -12,7 +12,7 @@ use grainpath_core::{DVec2, TriMesh};
 
 use crate::shapes::{arc, prism};
 
-/// A file of an example: its name and its content.
+/// A file of an example: name and content.
 pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
 
 /// Names that [`preset`] knows.
@@ -34,9 +34,10 @@ pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
     }
 }
 
-/// The wheel hub scanned with `n` x `n` pixels a slice, its true dimensions, and the job.
+/// The wheel hub scanned with `n` x `n` pixels a slice, the true dimensions, and the job.
 pub fn ct(n: usize) -> Vec<ExampleFile> {
     let (size, mm) = hub::lattice(n);
+    // Two bytes a voxel, and about 400 bytes of directory for each slice of the TIFF.
     let mut tif = Vec::with_capacity(size.iter().product::<usize>() * 2 + size[2] * 400);
     grainpath_io::volume::write_tiff_stack(size, [mm; 3], |k| hub::slice(n, k), &mut tif)
         .expect("memory takes all that is written");
@@ -66,7 +67,8 @@ pub fn plate() -> TriMesh {
     holes.push(slot.chain(arc(DVec2::new(30.0, 25.0), 5.0, 1, 2, 12)).collect());
     let mut mesh = TriMesh::default();
     prism(&corners, &holes, 0.0, 6.0, &mut mesh);
-    // The rib reaches into the plate: bodies that overlap are united.
+    // The rib reaches 1 mm into the plate: bodies that overlap are united, bodies that touch may leave
+    // a seam.
     let rib = [(20.0, 34.0), (60.0, 34.0), (60.0, 35.2), (20.0, 35.2)].map(DVec2::from);
     prism(&rib, &[], 5.0, 12.0, &mut mesh);
     mesh

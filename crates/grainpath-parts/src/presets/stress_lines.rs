@@ -1,4 +1,4 @@
-//! The two specimens of the principal stress line paper, and a bracket.
+//! The two specimens of `PrincipalStressLines`, and a bracket.
 
 use std::fmt::Write;
 
@@ -29,16 +29,19 @@ fn bracket() -> TriMesh {
     prism(&shelf, &[arc(DVec2::new(42.0, 20.0), 5.0, 0, 4, 12)], 0.0, 8.0, &mut mesh);
     let wall = [(0.0, 0.0), (8.0, 0.0), (8.0, 40.0), (0.0, 40.0)].map(DVec2::from);
     prism(&wall, &[], 0.0, 45.0, &mut mesh);
-    // The rib is drawn in x and z and given its thickness along y.
+    // The rib is drawn in x and z and extruded along y; `prism` extrudes along z, so the axes are
+    // exchanged below.
     let rib = [(4.0, 4.0), (32.0, 4.0), (32.0, 8.0), (8.0, 40.0), (4.0, 40.0)].map(DVec2::from);
     let mut standing = TriMesh::default();
     prism(&rib, &[], -23.0, -17.0, &mut standing);
     let first = mesh.vertices.len() as u32;
+    // (x, y, z) to (x, -z, y) is a rotation, so normals still point outwards.
     mesh.vertices.extend(standing.vertices.iter().map(|v| DVec3::new(v.x, -v.z, v.y)));
     mesh.triangles.extend(standing.triangles.iter().map(|t| t.map(|i| i + first)));
     mesh
 }
 
+// Grips 115 mm apart, as ISO 527-2, Table 1, sets them for type 1A.
 const TENSION: &str = "
 [[guide.fixture]]             # the left grip
 on = { box_mm = [[0, -10, 0], [27.5, 10, 4]] }
@@ -49,6 +52,7 @@ on = { box_mm = [[142.5, -10, 0], [170, 10, 4]] }
 force_n = [500, 0, 0]
 ";
 
+// Rollers have a radius of 5 mm, but the model holds a line: the axis of a cylinder that lies on the bar.
 const BENDING: &str = "
 [[guide.fixture]]             # the left roller, 5 mm in radius
 on = { cylinder = { point_mm = [20, 0, 0], axis = [0, 0, 1], radius_mm = 0.8 } }
@@ -138,8 +142,10 @@ pub fn files() -> Vec<ExampleFile> {
     let seeds = "pattern = \"seed-lines\"        # the paper's: seed lines and their offsets\ndensity = 1.0";
     let aligned = |deg: &str| format!("pattern = \"aligned\"\ndensity = 1.0\nangles_deg = [{deg}]");
     let mut files = Vec::new();
-    // Lines fan out of the middle of a beam's height; evened out over a few beads, fewer end where it is drawn most.
+    // Lines fan out from the neutral axis of a beam. Smoothing over a few bead widths lets fewer lines
+    // end in the border in tension, where the stress is greatest.
     let even = format!("{stress}\nsmoothing_mm = 2           # fewer lines end in the border that is drawn");
+    // Only the bending bar is smoothed.
     for (part, about, loads, guide) in [
         ("tension", "GB/T 1040 bar with a central hole in tension", TENSION, stress),
         ("bending", "Three-point bending over a span of 160 mm", BENDING, &even),

@@ -1,9 +1,9 @@
-//! The first two cases of the critical-angle paper on pieces of our own, each with trees and with the baselines.
+//! The first two cases of `Shen2016` on pieces of our own, each with trees and with two baselines.
 
 use super::{ExampleFile, stl};
 use crate::specimen::{dental_tray, hanging_ball};
 
-/// The files; the first is the job to try first.
+/// Files of the example; the first is the job to try first.
 pub(super) fn files() -> Vec<ExampleFile> {
     let mut files: Vec<ExampleFile> = Vec::new();
     let pieces = [
@@ -11,6 +11,8 @@ pub(super) fn files() -> Vec<ExampleFile> {
         ("tray", "A horseshoe tray that leans by 30 degrees", dental_tray()),
     ];
     for (name, what, mesh) in pieces {
+        // The job without a suffix is the tree, since it is the one to try; baselines print the same
+        // part.
         let styles = [
             ("tree", "", "on branching trees"),
             ("columns", "-columns", "on straight walls, to compare"),
@@ -55,6 +57,7 @@ critical_angle_deg = 40       # what leans further from the vertical is held; `g
 max_unsupported_mm = 10       # the longest stretch that prints over air
 "
     );
+    // Only trees have branches and a support mesh of their own.
     if style == "tree" {
         text += "branch_angle_deg = 40         # branches lean no further\n";
     }

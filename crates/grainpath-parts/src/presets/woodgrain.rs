@@ -1,11 +1,11 @@
-//! The woodgrain example: a photograph of a board with a live knot, made by our own code, and jobs that compare fills.
+//! The woodgrain example: a photograph of a board with a live knot, and jobs that compare fills.
 
 use grainpath_core::DVec2;
 
 use super::ExampleFile;
 use crate::board::{Board, Knot, wood_rgb};
 
-/// Its files.
+/// Files of the example.
 pub fn files() -> Vec<ExampleFile> {
     let mut files: Vec<ExampleFile> = vec![("job.toml".into(), WOODGRAIN.as_bytes().to_vec())];
     for pattern in ["grid", "triangles", "rectilinear"] {
@@ -19,6 +19,8 @@ const WOODGRAIN: &str = include_str!("../../jobs/woodgrain.toml");
 
 /// The woodgrain job with another fill in place of the grain.
 fn variant(pattern: &str) -> String {
+    // The text of the job is edited, and not written anew, so that the compared jobs cannot drift apart
+    // in other settings.
     let (head, rest) = WOODGRAIN.split_once("[shape.photo]").unwrap_or_default();
     debug_assert!(!head.is_empty());
     let mut out = format!(
@@ -47,8 +49,10 @@ fn woodgrain_board() -> Board {
     }
 }
 
-/// Its photograph: in perspective, on a dark cloth.
+/// Photograph of the board: in perspective, on a dark cloth.
 fn board_png() -> Vec<u8> {
+    // Corners as an oblique camera sees them: no two edges are parallel, so that the example exercises
+    // the rectification.
     let corners = [(52.0, 58.0), (842.0, 44.0), (868.0, 258.0), (34.0, 244.0)].map(DVec2::from);
     let photo = woodgrain_board().photograph(900, 300, corners);
     let rgb = wood_rgb(&photo);
