@@ -1,4 +1,4 @@
-//! What can go wrong in a run, and whose mistake it is.
+//! Errors of a run, and who has to act on them.
 
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::slices::SliceError;
@@ -59,16 +59,17 @@ pub enum Error {
 }
 
 impl Error {
-    /// Whose mistake it is.
+    /// Who has to act on the error.
     pub fn kind(&self) -> ErrorKind {
         match self {
+            // An interruption keeps its kind, whichever stage it passes through.
             Self::Shape { source: ShapeError::Interrupted(_), .. }
             | Self::Scan { source: ScanError::Interrupted(_), .. }
             | Self::Guide(GuideError::Interrupted(_))
             | Self::Interrupted(_) => ErrorKind::Interrupted,
             Self::Strength(e) => e.kind(),
             Self::Guide(e) if e.is_usage() => ErrorKind::Job,
-            // Corners that are given come from the job.
+            // Corners of a photograph are stated in the job.
             Self::Grain { source: GrainError::Corners(_), .. }
             | Self::Job(_)
             | Self::Dimension(_)

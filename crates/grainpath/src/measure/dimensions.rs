@@ -1,4 +1,7 @@
-//! Dimensions of a part measured on what was printed, beside the true ones.
+//! Known dimensions of a part, measured on the beads of a program.
+//!
+//! Edges of beads are used, half a width beside their centrelines. Lengths are in mm. Cost: linear
+//! in the outer walls of the layers concerned.
 
 use grainpath_core::math::cross;
 use grainpath_core::{DVec2, Role};
@@ -6,20 +9,21 @@ use grainpath_gcode::{Bead, BeadLayer, Program};
 use serde::Serialize;
 use toml::{Table, Value};
 
-/// What is measured. Heights are above the part's lowest point; places are the shape's own.
+/// Kind and place of a dimension. Heights are above the part's lowest point; positions are in the
+/// shape's own coordinates.
 #[derive(Debug, Clone, PartialEq)]
 enum Kind {
     /// Diameter of a round outline.
     Outside { centre: DVec2, z_mm: f64 },
     /// Diameter of a round hole.
     Bore { centre: DVec2, z_mm: f64 },
-    /// Thickness along a straight line between two points in the air on both sides.
+    /// Thickness along a straight line between two points outside the part.
     Width { from: DVec2, to: DVec2, z_mm: f64 },
-    /// Height of the whole.
+    /// Height of the whole part.
     Height,
 }
 
-/// A dimension one knows.
+/// A dimension whose true value is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dimension {
     name: String,
@@ -27,14 +31,14 @@ pub struct Dimension {
     true_mm: f64,
 }
 
-/// A dimension found in what was printed.
+/// A dimension measured on the printed beads.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measured {
     /// Its name.
     pub name: String,
-    /// What it should be, mm.
+    /// True value, mm.
     pub true_mm: f64,
-    /// What was found, mm; left out where nothing is there to measure.
+    /// Measured value, mm; left out where no wall was found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub printed_mm: Option<f64>,
     /// Printed over true, less 1, in %.
@@ -42,12 +46,12 @@ pub struct Measured {
     pub error_percent: Option<f64>,
 }
 
-/// All of them.
+/// All dimensions of a file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Dimensions {
-    /// Mean of the errors' sizes, %.
+    /// Mean of the absolute errors, %.
     pub mean_error_percent: f64,
-    /// Each, as the file has them.
+    /// Each dimension, in the order of the file.
     pub each: Vec<Measured>,
 }
 
@@ -57,7 +61,7 @@ pub struct Dimensions {
 pub struct DimensionError {
     /// The file.
     pub file: String,
-    /// What is wrong and what would be right.
+    /// The problem, and what would be right.
     pub problem: String,
 }
 
@@ -112,11 +116,12 @@ pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, DimensionError> {
         .collect()
 }
 
-/// Where the shape's origin stands on the plate in a program of any slicer: its outer walls' box has its middle where
-/// the file of true dimensions says that the part's is, `middle_mm`.
+/// Position of the shape's origin on the plate in a program of any slicer: the centre of its outer
+/// walls' box is taken to lie where the file of true dimensions says that the part's centre is
+/// (`middle_mm`).
 ///
 /// # Errors
-/// [`DimensionError`] where the file does not say, or the program has no outer walls.
+/// [`DimensionError`] where the file does not state `middle_mm`, or the program has no outer walls.
 pub fn shift_of(text: &str, name: &str, program: &Program) -> Result<DVec2, DimensionError> {
     let error = |problem: &str| DimensionError { file: name.to_owned(), problem: problem.to_owned() };
     let table: Table = text.parse().map_err(|e: toml::de::Error| error(&e.message().replace('\n', "; ")))?;
@@ -132,8 +137,10 @@ pub fn shift_of(text: &str, name: &str, program: &Program) -> Result<DVec2, Dime
     Ok(bounds.centre() - DVec2::new(x, y))
 }
 
-/// Measures dimensions on the beads of a program; `shift` is where the shape's origin stands on the plate.
+/// Measures dimensions on the beads of a program; `shift` is the position of the shape's origin on
+/// the plate.
 pub fn measure(dimensions: &[Dimension], program: &Program, shift: DVec2) -> Dimensions {
+    // Layers rise, so the first one whose top lies above the height contains it.
     let at = |z: f64| program.layers.iter().find(|l| z < l.z_mm + 1e-6);
     let each: Vec<Measured> = dimensions
         .iter()
@@ -166,10 +173,11 @@ fn outer(layer: &BeadLayer) -> impl Iterator<Item = &Bead> {
     layer.beads.iter().filter(|b| b.role == Role::OuterWall)
 }
 
-/// Diameter of the round wall about `centre` nearest to the true one: the mean over its length of the beads' edges,
-/// half a width outside (`side` 1) or inside (-1) of their middles.
+/// Diameter of the round wall about `centre` that is nearest to the true one: the mean, weighted by
+/// length, of the beads' edges, half a width outside (`side` 1) or inside (-1) of their
+/// centrelines.
 fn diameter(layer: &BeadLayer, centre: DVec2, true_mm: f64, side: f64) -> Option<f64> {
-    // Wider, and walls near by would be taken for this one.
+    // A larger reach would take neighbouring walls for this one.
     let reach = (0.1 * true_mm).min(0.6);
     let (mut sum, mut length) = (0.0, 0.0);
     for b in outer(layer) {
@@ -177,17 +185,19 @@ fn diameter(layer: &BeadLayer, centre: DVec2, true_mm: f64, side: f64) -> Option
         let half = 0.5 * side * b.width_mm(layer.height_mm);
         let r = |p: DVec2| p.distance(centre) + half;
         let along = (q - p).normalize_or_zero().dot((0.5 * (p + q) - centre).normalize_or_zero()).abs();
-        // Straight walls that pass by are no part of the circle.
+        // Straight walls that pass by do not belong to the circle.
         if (r(p) - 0.5 * true_mm).abs() < reach && (r(q) - 0.5 * true_mm).abs() < reach && along < 0.3 {
             let l = p.distance(q);
+            // Simpson's rule along the chord, whose middle lies nearer to the centre than its ends.
             sum += l * (r(p) + 4.0 * r(0.5 * (p + q)) + r(q)) / 6.0;
             length += l;
         }
     }
+    // With less than a sixth of the circle found, the centre or the diameter is wrong.
     (length > 0.5 * true_mm).then(|| 2.0 * sum / length)
 }
 
-/// Thickness between the first and the last outer wall that the line crosses.
+/// Thickness between the first and the last outer wall that cross the line.
 fn width(layer: &BeadLayer, from: DVec2, to: DVec2) -> Option<f64> {
     let way = (to - from).normalize_or_zero();
     let mut ends: Option<(f64, f64)> = None;
@@ -199,6 +209,7 @@ fn width(layer: &BeadLayer, from: DVec2, to: DVec2) -> Option<f64> {
         }
         let at = way.dot(p.lerp(q, u / (u - v)) - from);
         if (0.0..=from.distance(to)).contains(&at) {
+            // A bead that crosses the line at a slant is wider along the line.
             let slant = cross(way, (q - p).normalize_or_zero()).abs().max(0.2);
             let half = 0.5 * b.width_mm(layer.height_mm) / slant;
             let (low, high) = (at - half, at + half);

@@ -1,4 +1,6 @@
-//! What fibre a program lays, layer by layer, measured on the program itself.
+//! Fibre of a program, layer by layer, measured on the program itself.
+//!
+//! Lengths are in mm, positions in part coordinates. Cost: linear in the beads with fibre.
 
 use grainpath_core::{DVec2, Role, Warning, WarningId};
 use grainpath_gcode::{Bead, BeadLayer, Program};
@@ -10,27 +12,28 @@ use crate::measure::DirectionError;
 /// The fibre of one layer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FibreLayer {
-    /// Which, from 1.
+    /// Number of the layer, from 1.
     pub layer: usize,
     /// Height of the nozzle, mm.
     pub z_mm: f64,
-    /// Length laid, mm.
+    /// Length of fibre, mm.
     pub length_mm: f64,
-    /// Pieces of it: paths without a way between.
+    /// Number of paths without a travel between them.
     pub paths: usize,
-    /// The shortest, mm.
+    /// Length of the shortest path, mm.
     pub shortest_mm: f64,
-    /// Times it is cut.
+    /// Number of cuts.
     pub cuts: usize,
-    /// Smallest radius of a turn, mm; left out where all is straight.
+    /// Smallest radius of a turn, mm; left out where all paths are straight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_radius_mm: Option<f64>,
-    /// Where that is, in part coordinates, mm.
+    /// Position of that turn, in part coordinates, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sharpest_mm: Option<[f64; 2]>,
-    /// Turns below the radius asked for: x, y in part coordinates and the radius, mm.
+    /// Turns below the required radius: x, y in part coordinates and the radius, mm.
     pub sharp_turns: Vec<[f64; 3]>,
-    /// Share of the length within 15 degrees of what the guide asks for, weighted by how much it matters.
+    /// Share of the length within 15 degrees of the guide's direction, weighted by the guide's
+    /// strength.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub within_15_deg: Option<f64>,
 }
@@ -38,29 +41,30 @@ pub struct FibreLayer {
 /// The fibre of a program.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FibreReport {
-    /// Length laid, mm.
+    /// Length of fibre, mm.
     pub length_mm: f64,
-    /// Its mass, g.
+    /// Mass of the beads with fibre, g.
     pub mass_g: f64,
-    /// Pieces of fibre: from feed to cut, over layers too.
+    /// Number of pieces of fibre, from feed to cut; a piece may pass through several layers.
     pub pieces: usize,
-    /// Times it is cut.
+    /// Number of cuts.
     pub cuts: usize,
-    /// Least radius asked for, mm.
+    /// Required least radius, mm.
     pub asked_radius_mm: f64,
-    /// Smallest radius of a turn, mm; left out where all is straight.
+    /// Smallest radius of a turn, mm; left out where all paths are straight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub min_radius_mm: Option<f64>,
-    /// Turns below the radius asked for.
+    /// Number of turns below the required radius.
     pub sharp_turns: usize,
-    /// Share of the length within 15 degrees of what the guide asks for, weighted by how much it matters.
+    /// Share of the length within 15 degrees of the guide's direction, weighted by the guide's
+    /// strength.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub within_15_deg: Option<f64>,
-    /// Layer by layer; those without fibre are left out.
+    /// Layer by layer; layers without fibre are left out.
     pub layers: Vec<FibreLayer>,
 }
 
-/// Measures the fibre of a program. `shift` is where the part stands on the plate.
+/// Measures the fibre of a program. `shift` is the position of the part on the plate.
 pub fn measure(
     program: &Program,
     shift: DVec2,
@@ -90,9 +94,13 @@ pub fn measure(
         let mut sharpest: Option<(f64, DVec2)> = None;
         let mut sharp_turns = Vec::new();
         for path in &paths {
+            // Coordinates of a program are rounded to micrometres, so the ends of a closed path may
+            // differ by two of them.
             let closed = path.len() > 3 && path[0].distance(path[path.len() - 1]) < 2e-3;
             let points = if closed { &path[..path.len() - 1] } else { &path[..] };
             for t in turns(points, closed) {
+                // The same tolerance as in planning: turns written in chords measure a little less
+                // than their circle.
                 if t.radius_mm < 0.98 * asked_radius_mm {
                     sharp_turns.push([round(t.at.x, 2), round(t.at.y, 2), round(t.radius_mm, 3)]);
                 }
@@ -104,6 +112,7 @@ pub fn measure(
         let z_mid = layer.z_mm - 0.5 * layer.height_mm;
         let (mut near, mut all) = (0.0, 0.0);
         if let Some(off) = off {
+            // The direction of each piece is compared with the guide at its middle.
             for w in paths.iter().flat_map(|p| p.windows(2)) {
                 let Some((deg, weight)) = off(z_mid, [w[0], w[1]]) else { continue };
                 let length = weight * w[0].distance(w[1]);
@@ -150,7 +159,8 @@ fn fibre(layer: &BeadLayer) -> impl Iterator<Item = &Bead> {
     layer.beads.iter().filter(|b| b.role == Role::Fibre)
 }
 
-/// Polylines of fibre in part coordinates.
+/// Polylines of fibre in part coordinates; a new one begins where the program starts a bead or
+/// jumps.
 fn fibre_paths(layer: &BeadLayer, shift: DVec2) -> Vec<Vec<DVec2>> {
     let mut paths: Vec<Vec<DVec2>> = Vec::new();
     for bead in fibre(layer) {
@@ -164,7 +174,7 @@ fn fibre_paths(layer: &BeadLayer, shift: DVec2) -> Vec<Vec<DVec2>> {
 }
 
 impl FibreReport {
-    /// In a line.
+    /// One line for a terminal.
     pub fn summary(&self) -> String {
         let radius =
             self.min_radius_mm.map_or("straight".to_owned(), |r| format!("smallest radius {r:.2} mm"));
@@ -180,7 +190,7 @@ impl FibreReport {
         )
     }
 
-    /// What the user should know of turns.
+    /// A warning about turns that are too sharp, if there are any.
     pub fn warning(&self) -> Option<Warning> {
         let sharpest = self.layers.iter().filter(|l| !l.sharp_turns.is_empty());
         let worst = sharpest

@@ -1,13 +1,16 @@
-//! A plan as JSON, for those who want to look at or change every path.
+//! A plan as JSON, for programs that examine or change every path.
 
 use std::fmt::Write;
 
 use grainpath_core::{BeadWidth, Plan};
 
-/// Layers, paths, points and widths. Coordinates are the part's, mm, to the micrometre.
+/// Layers, paths, points and widths as JSON. Coordinates are those of the part, in mm, rounded to
+/// the micrometre.
 pub fn plan_json(plan: &Plan) -> String {
     let p = plan.plate_from_part_mm;
+    // Written by hand: a JSON tree of every point would take many times the memory of the plan.
     let mut out = format!("{{\"plate_from_part_mm\":[{},{},{}],\"layers\":[", p.x, p.y, p.z);
+    // Adding zero turns -0 into 0, which reads better and is the same number.
     let micro = |v: f64| (v * 1e3).round() * 1e-3 + 0.0;
     for (i, layer) in plan.layers.iter().enumerate() {
         let comma = if i > 0 { ",\n" } else { "\n" };

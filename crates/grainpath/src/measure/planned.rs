@@ -12,26 +12,26 @@ use crate::support::Support;
 
 /// A planned job.
 pub struct Planned {
-    /// What is printed.
+    /// The paths of all layers.
     pub plan: Plan,
-    /// The sections it was made from.
+    /// The sections that it was made from.
     pub stack: LayerStack,
-    /// How it is written.
+    /// How it is written as G-code.
     pub config: WriteConfig,
-    /// Seconds of each stage so far.
+    /// Seconds of each stage, in the order of the run.
     pub stages_s: Vec<(Stage, f64)>,
-    /// The supports, where asked for.
+    /// The supports, for jobs with supports.
     pub support: Option<Support>,
-    /// The part's surface, kept to be drawn with its supports where pictures are asked for.
+    /// The part's surface, kept for pictures of the supports.
     pub supported_mesh: Option<TriMesh>,
-    /// The density of the inside: the one asked for, or the one found for a mass.
+    /// Density of sparse infill: that of the job, or the one found for a required mass.
     pub density: Density,
-    /// The grain it follows, where it does.
+    /// The grain that infill follows, for jobs with such a guide.
     pub grain: Option<GrainGuide>,
-    /// Directions and the stress they come from, for jobs that have loads.
+    /// Directions, and the stress that they come from, for jobs with loads.
     pub guide: Option<Guide>,
-    /// What a strength test needs to know of the part, for jobs that want one.
+    /// The part's side of a strength test, for jobs that ask for one.
     pub test: Option<TestSetup>,
-    /// What was found in a scan, where the shape is one.
+    /// Report of the scan, where the shape is one.
     pub scan: Option<CtReport>,
 }

@@ -1,4 +1,5 @@
-//! Everything measured along the way: one structure for JSON, the report page and the terminal.
+//! The report of a run: all measurements in one structure, for JSON, the report page and the
+//! terminal.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +18,7 @@ use crate::measure::{DirectionError, Planned};
 use crate::support::Support;
 use grainpath_imaging::scan::texture::TextureReport;
 
-/// The report of a run; keys that do not apply are left out.
+/// The report of a run. Keys that do not apply are left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct Report {
@@ -57,7 +58,7 @@ pub struct Report {
     pub outputs: BTreeMap<&'static str, String>,
 }
 
-/// What solving for the stress took and found.
+/// Size, solver and main results of a stress analysis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct StressReport {
@@ -71,13 +72,13 @@ pub struct StressReport {
     pub max_von_mises_mpa: f64,
     pub max_displacement_mm: f64,
     pub error_estimate: f64,
-    /// Where the peak of `max_von_mises_mpa` is, part coordinates.
+    /// Position of the peak of `max_von_mises_mpa`, part coordinates.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak_at_mm: Option<[f64; 3]>,
-    /// What each load of each case caught.
+    /// Resultant of each load of each case.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<ResultantReport>,
-    /// What each fixture holds in each case.
+    /// Reaction of each fixture in each case.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub reactions: Vec<ResultantReport>,
     /// The largest share, over the cases, by which loads and reactions fail to cancel.
@@ -117,6 +118,7 @@ impl ResultantReport {
 impl From<&Guide> for StressReport {
     fn from(guide: &Guide) -> Self {
         let s = &guide.summary;
+        // Five significant digits; further ones would only make reports differ between compilers.
         let digits = |v: f64| format!("{v:.4e}").parse().unwrap_or(v);
         let resultants = |which: &dyn Fn(&CaseBalance) -> &Vec<Resultant>| -> Vec<ResultantReport> {
             let of_case = |b| which(b).iter().map(|r| ResultantReport::new(&b.case, r)).collect::<Vec<_>>();
@@ -143,28 +145,29 @@ impl From<&Guide> for StressReport {
     }
 }
 
-/// How well the beads fill the part, by the definitions of `docs/quality.md`.
+/// How well the beads fill the part, as defined in `docs/quality.md`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct QualityReport {
     pub gap: f64,
     pub overlap: f64,
     pub spill: f64,
-    /// Angle between fill and what the stress, or the grain, asks for, weighted by length and by how much it matters.
+    /// Angle between fill and the direction of the stress or the grain, weighted by length and by
+    /// the guide's strength.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment_mean_deg: Option<f64>,
-    /// 95 % of the weighted length lies closer than this.
+    /// 95 % of the weighted length deviates by less than this.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alignment_p95_deg: Option<f64>,
     pub paths_per_layer_max: usize,
     pub bead_width_mm: [f64; 3],
 }
 
-/// What fibre leaves open of a part that it was to fill, before it is worth a warning: a share of its area.
+/// Unfilled share of the part's area above which a fibre job is warned about.
 const MUCH_OPEN: f64 = 0.08;
 
 impl QualityReport {
-    /// Warns where beads with fibre of this width, which is constant, leave much of a dense part unfilled.
+    /// Warns if beads with fibre, whose width is constant, leave much of a dense part unfilled.
     pub fn fibre_warning(&self, width_mm: f64) -> Option<Warning> {
         (self.gap > MUCH_OPEN).then(|| {
             let text = format!(
@@ -176,7 +179,7 @@ impl QualityReport {
     }
 }
 
-/// What the supports are; see `docs/support.md`.
+/// Size and outcome of the supports; see `docs/support.md`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct SupportReport {
@@ -191,14 +194,14 @@ pub struct SupportReport {
     pub steepest_deg: f64,
     /// Largest distance of an overhang from its contact.
     pub farthest_mm: f64,
-    /// Contacts too near the plate to need anything.
+    /// Contacts so near to the plate that they need no support.
     pub near_plate: usize,
-    /// Overhangs no branch could reach: x, y, z in mm and area in plan in mm2.
+    /// Overhangs that no branch could reach: x, y, z in mm and area in plan in mm2.
     pub unreached: Vec<[f64; 4]>,
 }
 
 impl SupportReport {
-    /// Of planned supports; `volume_mm3` is that of their beads.
+    /// The report of planned supports; `volume_mm3` is the volume of their beads.
     pub fn new(support: &Support, volume_mm3: f64, density_g_cm3: f64) -> Self {
         let round = |v: f64| (v * 1e3).round() / 1e3;
         Self {
@@ -220,7 +223,7 @@ impl SupportReport {
         }
     }
 
-    /// In a line.
+    /// One line for a terminal.
     pub fn summary(&self) -> String {
         format!(
             "support: {:.2} g in {} trees at {} contacts, {} overhangs not reached",
@@ -273,6 +276,7 @@ impl Report {
             grain: planned.grain.as_ref().filter(|g| g.texture.is_none()).map(|g| g.photos.clone()),
             texture: planned.grain.as_ref().and_then(|g| g.texture.clone()),
             support: planned.support.as_ref().map(|support| {
+                // Counted in the plan, whose roles tell supports from the part.
                 let of_layer = |l: &grainpath_core::LayerPlan| -> f64 {
                     let paths = l.paths.iter().map(|p| &p.path);
                     paths
@@ -294,7 +298,7 @@ impl Report {
         }
     }
 
-    /// As JSON.
+    /// The report as JSON.
     pub fn to_json(&self) -> Value {
         serde_json::to_value(self).unwrap_or(Value::Null)
     }
@@ -351,7 +355,7 @@ impl Report {
     }
 }
 
-/// Hours and minutes, or minutes and seconds.
+/// A duration in hours and minutes, or in minutes and seconds.
 pub fn hours(seconds: f64) -> String {
     let s = seconds.round() as u64;
     if s >= 3600 {
@@ -361,11 +365,12 @@ pub fn hours(seconds: f64) -> String {
     }
 }
 
-/// Measures written G-code against the sections it was made from.
+/// Measures written G-code against the sections that it was made from.
 pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
     let shift = planned.plan.plate_from_part_mm.truncate();
     let layers = planned.stack.layers();
     let section = |z_mid: f64| {
+        // A height on the border of two layers belongs to the lower one.
         let i = layers.partition_point(|l| l.z_top_mm() < z_mid);
         let layer = layers.get(i)?;
         let mut region: Region = layer.region().clone();
@@ -375,10 +380,12 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
             .flat_map(|p| std::iter::once(&mut p.outer).chain(&mut p.holes))
             .flatten()
         {
+            // The program is in plate coordinates, the sections are in part coordinates.
             *p += shift;
         }
         Some(region)
     };
+    // Cost is linear in the layers measured, so at most twelve of them are sampled.
     let mut report = QualityReport::from(quality(program, section, 12));
     if let Some(off) = direction_error(planned) {
         let (mean, p95) = alignment(&*off, program, shift);
@@ -388,7 +395,8 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
     report
 }
 
-/// How far beads are off what the guide of a plan asks for; `None` without a guide.
+/// The angle between beads and the direction that the guide of a plan asks for; `None` without a
+/// guide.
 pub fn direction_error(planned: &Planned) -> Option<Box<DirectionError<'_>>> {
     let layers = planned.stack.layers();
     let (stress, grain) = (planned.guide.as_ref(), planned.grain.as_ref());
@@ -402,13 +410,15 @@ pub fn direction_error(planned: &Planned) -> Option<Box<DirectionError<'_>>> {
             return None;
         }
         let at = (0.5 * (a + b)).extend(z_mid_mm);
+        // Compared with the stress itself, not with the smoothed field that the beads follow.
         let (axis, weight) = stress.map(|g| g.asked(i, at)).or_else(|| grain.map(|g| g.asked(at)))?;
         let u = direction(axis);
         Some((atan2(cross(u, d).abs(), u.dot(d).abs()).to_degrees(), weight))
     }))
 }
 
-/// Measures the fibre of written G-code against the smallest turning radius of the job; `None` for jobs without fibre.
+/// Measures the fibre of written G-code against the least turning radius of the job; `None` for
+/// jobs without fibre.
 pub fn measure_fibre(min_radius_mm: f64, planned: &Planned, program: &Program) -> Option<FibreReport> {
     let tool = planned.config.fibre.as_ref()?;
     let shift = planned.plan.plate_from_part_mm.truncate();
@@ -417,9 +427,10 @@ pub fn measure_fibre(min_radius_mm: f64, planned: &Planned, program: &Program) -
     Some(crate::measure::fibre::measure(program, shift, min_radius_mm, density, off.as_deref()))
 }
 
-/// Mean and 95th percentile of the angle in degrees between fill and the guide's own axis.
+/// Mean and 95th percentile of the angle in degrees between fill and the guide's axis.
 fn alignment(off: &DirectionError<'_>, program: &Program, plate_from_part_mm: DVec2) -> (f64, f64) {
-    // Equal steps of the angle hold the weights: exact to a hundredth of a degree, in little memory.
+    // A histogram in steps of a hundredth of a degree: exact enough for a percentile, in little
+    // memory.
     let mut bins = vec![0.0; 9001];
     let mut sum = 0.0;
     for layer in &program.layers {

@@ -1,4 +1,6 @@
-//! A job's fixtures and loads on the bricks of a part that is no plate.
+//! Fixtures and loads of a job on the bricks of a solid test.
+//!
+//! Lengths are in mm, forces in N. Cost: linear in the grid's points.
 
 use grainpath_core::selection::Selection;
 use grainpath_core::{DVec3, TriMesh};
@@ -13,13 +15,14 @@ use rayon::prelude::*;
 use super::StrengthError;
 use super::setup::{TestSetup, UNBREAKABLE_MM};
 
-/// Cells filled less are left out: they would only make the answer slow.
+/// Cells filled to a smaller share are left out, because they slow the solution without carrying
+/// load.
 const LEAST_FILLED: f32 = 0.06;
 
 /// Forces at points of the grid, N.
 type Forces = Vec<([usize; 3], DVec3)>;
 
-/// A part as bricks, held and loaded.
+/// A part as bricks, with supports and loads.
 pub(super) struct PreparedSolid {
     pub bricks: Bricks,
     pub active: Vec<bool>,
@@ -27,12 +30,12 @@ pub(super) struct PreparedSolid {
     forces_n: Forces,
     pub load_n: f64,
     unbreakable: Vec<bool>,
-    /// Share of the material that hangs together with nothing held.
+    /// Share of the material that is not connected to a fixture.
     pub lost: f64,
 }
 
 impl PreparedSolid {
-    /// Draws it until it breaks.
+    /// Loads the part until it fails.
     pub fn run(&self, card: &StrengthCard, max_mib: f64) -> Result<Outcome, TestError> {
         let test = SolidTest {
             bricks: &self.bricks,
@@ -48,11 +51,11 @@ impl PreparedSolid {
     }
 }
 
-/// Corners of bricks, with the material around each.
+/// Corners of bricks, with the material around each of them.
 struct Points<'a> {
     bricks: &'a Bricks,
     weight: Vec<f32>,
-    /// How many of the eight cells around it are elements.
+    /// Number of elements among the eight cells around it.
     around: Vec<u8>,
 }
 
@@ -86,8 +89,10 @@ impl<'a> Points<'a> {
         self.bricks.origin + self.bricks.cell_mm * DVec3::new(x, y, z)
     }
 
-    /// Points with material that a shape holds. Lists of facets are asked at the surface only.
+    /// Points with material that a shape selects. Lists of facets select points of the surface
+    /// alone.
     fn chosen(&self, on: &Selection) -> Vec<usize> {
+        // Facets lie on the surface, and inner points within reach of them would be held too.
         let listed = matches!(on, Selection::Triangles(_) | Selection::Near { .. });
         (0..self.weight.len())
             .into_par_iter()
@@ -97,7 +102,7 @@ impl<'a> Points<'a> {
             .collect()
     }
 
-    /// The point with material nearest to a place, within two cells.
+    /// The point with material nearest to a position, within two cells.
     fn nearest(&self, p: DVec3) -> Option<usize> {
         let q = ((p - self.bricks.origin) / self.bricks.cell_mm).round();
         let n = self.bricks.n;
@@ -127,10 +132,10 @@ fn corner(bricks: &Bricks, cell: usize, k: usize) -> [usize; 3] {
 }
 
 impl TestSetup {
-    /// Bricks, holds and forces of a test.
+    /// Bricks, supports and forces of a test.
     ///
     /// # Errors
-    /// [`StrengthError`] when a fixture or load catches nothing that hangs together with what is held.
+    /// [`StrengthError`] when a fixture or load meets no material that is connected to a fixture.
     pub(super) fn prepared_solid(
         &self,
         sheets: &[BeadSheet],
@@ -148,7 +153,7 @@ impl TestSetup {
                 return Err(self.nothing(&fixture.name, &fixture.on));
             }
         }
-        // Only what hangs together with what is held can carry a load.
+        // Only material connected to a fixture can carry a load.
         let (piece, n_pieces) = connected_cells(bricks.n, &active);
         let mut is_held = vec![false; points.weight.len()];
         caught.iter().flatten().for_each(|i| is_held[*i] = true);
@@ -164,10 +169,12 @@ impl TestSetup {
             }
         }
         let lost = lost / bricks.laid_mm3;
+        // Counted again, because loose cells no longer add material to their corners.
         let points = Points::new(&bricks, &active);
         let mut marked = vec![false; points.weight.len()];
         let mut holds = Vec::new();
         for (fixture, caught) in self.conditions.fixtures.iter().zip(&caught) {
+            // A point whose cells were all loose has no stiffness to hold.
             for &i in caught.iter().filter(|i| points.weight[**i] > 0.0) {
                 marked[i] = true;
                 let p = points.place(i);
@@ -227,6 +234,8 @@ impl TestSetup {
                     let centre = chosen.iter().map(|&i| points.place(i) * weight(i)).sum::<DVec3>() / sum;
                     let Some(axis) = m.try_normalize() else { continue };
                     let turned = |i: usize| axis.cross(points.place(i) - centre);
+                    // Forces in proportion to the distance from the axis; the sum of their moments
+                    // is scaled to the load.
                     let arm: f64 = chosen.iter().map(|&i| weight(i) * turned(i).length_squared()).sum();
                     for &i in &chosen {
                         forces[i] += turned(i) * (weight(i) * m.length() / f64::max(arm, 1e-30));
@@ -245,14 +254,14 @@ impl TestSetup {
     }
 }
 
-/// Where a fixture holds bricks. A cylinder whose axis lies in the material is a roller and holds a line; one around
-/// a hole holds the hole's wall.
+/// The points of bricks that a fixture holds. A cylinder whose axis lies in the material is a
+/// roller and holds a line of points. A cylinder around a hole holds the hole's wall.
 fn contact(on: &Selection, points: &Points<'_>, cell_mm: f64, reach: f64) -> Selection {
     let wide = on.grown(reach);
     let mut line = wide.clone();
     if let Selection::Cylinder { radius_mm, .. } = &mut line {
         *radius_mm = cell_mm;
-        // The bottom of a blind hole is not a roller.
+        // The bottom of a blind hole also lies on the axis, but has few points; it is no roller.
         if 20 * points.chosen(&line).len() > points.chosen(&wide).len() {
             return line;
         }
@@ -260,7 +269,8 @@ fn contact(on: &Selection, points: &Points<'_>, cell_mm: f64, reach: f64) -> Sel
     wide
 }
 
-/// Pressure on the surface: each small piece of it pushes on the nearest point. Whether any was caught.
+/// Pressure on the surface: each small piece of it acts on the nearest point. Returned is whether
+/// any point was found.
 fn press(
     mpa: f64,
     on: &Selection,
@@ -279,7 +289,8 @@ fn press(
         let piece = u.cross(v) * (0.5 / (n * n) as f64);
         for i in 0..n {
             for j in 0..n - i {
-                // A triangle upright, and one upside down beside it but for the last.
+                // The small triangles of a divided facet stand upright or upside down; the last of
+                // a row has no partner.
                 for (third, is_one) in [(1.0 / 3.0, true), (2.0 / 3.0, i + j + 1 < n)] {
                     let p = a + (u * (i as f64 + third) + v * (j as f64 + third)) / n as f64;
                     let at = if is_one && on.contains(p) { points.nearest(p) } else { None };
@@ -295,7 +306,7 @@ fn press(
     any
 }
 
-/// Cells near held or loaded points.
+/// Cells near held or loaded points; they cannot fail.
 fn unbreakable(points: &Points<'_>, active: &[bool], marked: &[bool]) -> Vec<bool> {
     let bricks = points.bricks;
     let [nx, ny, nz] = bricks.n;

@@ -1,8 +1,8 @@
-//! The virtual strength test of a plan, or of anybody's G-code.
+//! The virtual strength test of a plan, or of any other G-code.
 //!
-//! Beads of a machine program become plies of a plate or bricks of a solid ([`grainpath_fea::strength`]); fixtures
-//! and loads are the job's. The answer is given with the interval that the material's card leaves, and with how far it depends on the
-//! size of the cells.
+//! Beads of a program become plies of a plate or bricks of a solid (`grainpath_fea::strength`);
+//! fixtures and loads are those of the job. The peak load comes with the interval that the bounds
+//! of the material's strengths allow, and with its change when the cells are halved.
 
 mod brick_setup;
 mod setup;
@@ -79,7 +79,7 @@ pub enum StrengthError {
 }
 
 impl StrengthError {
-    /// Whose mistake it is.
+    /// Who has to act on the error.
     pub fn kind(&self) -> ErrorKind {
         match self {
             Self::NothingPrinted
@@ -93,16 +93,17 @@ impl StrengthError {
     }
 }
 
-/// A corner of a material's card: which of low, nominal and high is taken along the beads and for the rest.
+/// A corner of a material's card: the choice of low, nominal or high along the beads and for all
+/// other strengths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Corner {
-    /// What it is called.
+    /// Name in reports.
     pub name: &'static str,
     along: usize,
     rest: usize,
 }
 
-/// Corners, the nominal one first.
+/// The corners that are tested, the nominal one first.
 pub const CORNERS: [Corner; 5] = [
     Corner { name: "nominal", along: 1, rest: 1 },
     Corner { name: "low", along: 0, rest: 0 },
@@ -111,7 +112,7 @@ pub const CORNERS: [Corner; 5] = [
     Corner { name: "weak along, strong across", along: 0, rest: 2 },
 ];
 
-/// The materials at a corner of their cards: what the part is printed with, and its fibre where it has any.
+/// The materials at a corner of their cards: that of the part, and its fibre where it has any.
 ///
 /// # Errors
 /// [`StrengthError::NoCard`] naming every strength that is missing.
@@ -137,6 +138,7 @@ fn card(m: &MaterialSection, corner: Corner) -> Result<StrengthCard, StrengthErr
         return Err(StrengthError::NoCard(missing.join(", ")));
     }
     let value = |k: usize| {
+        // The first three act along the beads, all others across them or between layers.
         let at = if k < 3 { corner.along } else { corner.rest };
         given[k].1.map_or(0.0, |bounds| bounds[at])
     };
@@ -154,7 +156,7 @@ fn card(m: &MaterialSection, corner: Corner) -> Result<StrengthCard, StrengthErr
     })
 }
 
-/// What a test found; the contract's keys first.
+/// Result of a test; the documented keys come first.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct StrengthReport {
@@ -162,14 +164,14 @@ pub struct StrengthReport {
     pub low_n: f64,
     pub high_n: f64,
     pub stiffness_n_per_mm: f64,
-    /// Load at which the first ply begins to break.
+    /// Load at which the first ply begins to fail.
     pub first_n: f64,
     pub peak_displacement_mm: f64,
-    /// Load of the job that was scaled up to the peak.
+    /// The load of the job, which was scaled up to the peak.
     pub job_load_n: f64,
     pub case: String,
     pub mode: &'static str,
-    /// Share of the energy spent by each mode.
+    /// Share of the dissipated energy in each failure mode.
     pub modes: BTreeMap<&'static str, f64>,
     pub weakest: Weakest,
     /// Peak load at each corner of the material's card.
@@ -178,10 +180,10 @@ pub struct StrengthReport {
     pub load_per_gram_n_g: f64,
     pub fidelity: &'static str,
     pub cell_mm: f64,
-    /// Share by which the answer moved when cells were halved to this size.
+    /// Relative change of the peak load when the cells were halved to this size.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_change: Option<f64>,
-    /// Share by which the cells' volume differs from what was extruded.
+    /// Relative difference between the cells' volume and the extruded volume.
     pub volume_error: f64,
     pub dofs: usize,
     pub solutions: usize,
@@ -192,7 +194,7 @@ pub struct StrengthReport {
     pub curve: Vec<[f64; 2]>,
 }
 
-/// Where a part breaks.
+/// The place where a part fails.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct Weakest {
@@ -206,15 +208,15 @@ pub struct Weakest {
 
 /// A finished test.
 pub struct Tested {
-    /// What it found.
+    /// Its result.
     pub report: StrengthReport,
-    /// What happened to every element.
+    /// History of every element.
     pub outcome: Outcome,
-    /// Where the elements lie.
+    /// Position of the elements.
     pub map: Map,
 }
 
-/// Where the elements of a test lie.
+/// Position of the elements of a test.
 pub enum Map {
     /// Elements of a plate.
     Plane(grainpath_fea::strength::elements::PlateElements),
@@ -231,7 +233,7 @@ pub enum Map {
     },
 }
 
-/// A part held and loaded.
+/// A part with supports and loads.
 enum Body {
     Plane(Prepared),
     Voxels(PreparedSolid),
@@ -286,19 +288,20 @@ impl Body {
     }
 }
 
-/// The most cells taken when a job does not say how large they are: of a plate, and of a solid.
+/// Largest number of cells where a job does not state their size: of a plate, and of a solid.
 const CELLS: f64 = 150_000.0;
 const CELLS_SOLID: f64 = 500_000.0;
-/// A program that lays more than this many times the part's volume means something else by its E words.
+/// Extruded volume over the part's volume above which the program's E words must mean something
+/// else.
 const MOST_LAID: f64 = 1.6;
-/// Answers that move by more than this when cells are halved are not final.
+/// Relative change of the peak load on halving the cells above which the result is not final.
 const CONVERGED: f64 = 0.03;
 
-/// Tests a program. `plate_from_part` is where the part stands in it, where known.
+/// Tests a program. `plate_from_part` is the position of the part in it, where it is known.
 ///
 /// # Errors
-/// [`StrengthError`] for cards without strengths, programs of another part, loads that catch nothing, and parts that
-/// are not held.
+/// [`StrengthError`] for cards without strengths, programs of another part, loads that meet no
+/// material, and parts that are not held.
 pub fn test(
     settings: &Settings,
     setup: &TestSetup,
@@ -307,6 +310,7 @@ pub fn test(
     diagnostics: &Diagnostics,
 ) -> Result<Tested, StrengthError> {
     let start = Instant::now();
+    // Checked first: a missing strength must not be found after minutes of work.
     let nominal = cards(settings, CORNERS[0])?;
     diagnostics.begin(grainpath_core::diagnostics::Stage::Strength, 0);
     let sheets = setup.sheets(program, plate_from_part)?;
@@ -316,6 +320,8 @@ pub fn test(
         return Err(StrengthError::TooMuch { laid_mm3, part_mm3, filament_mm });
     }
     let bead = settings.process.bead_width_mm;
+    // Cells of half a bead resolve single beads in a plate. In a solid that would be too many, so
+    // cells are as wide as a bead.
     let own = match setup.fidelity {
         Fidelity::Plane => (0.5 * bead).max((setup.section.area_mm2() / CELLS).sqrt()),
         Fidelity::Voxels => bead.max((setup.volume_mm3 / CELLS_SOLID).cbrt()),
@@ -325,6 +331,8 @@ pub fn test(
     let s = &settings.strength;
     let corners = if s.corners { &CORNERS[..] } else { &CORNERS[..1] };
     let coarse = s.check || s.corners;
+    // The coarse run serves twice: as the other end of the mesh comparison, and for the corners of
+    // the card.
     let (fine, others) = rayon::join(
         || {
             let prepared = Body::of(setup, &sheets, cell_mm)?;
@@ -334,7 +342,7 @@ pub fn test(
     );
     let (outcome, prepared) = fine?;
     let others = others?;
-    // The interval of the card is found with the larger cells and carried over as a ratio.
+    // The interval of the card is computed with the coarse cells and carried over as a ratio.
     let ratio = |k: usize| if others.len() > k { others[k] / others[0] } else { 1.0 };
     let peaks: BTreeMap<&'static str, f64> =
         corners.iter().enumerate().map(|(k, c)| (c.name, digits(outcome.peak_load_n * ratio(k)))).collect();
@@ -358,6 +366,7 @@ pub fn test(
             .iter()
             .zip(outcome.mode_shares)
             .filter(|m| m.1 > 5e-4)
+            // Modes with less than a twentieth of a percent are rounding.
             .map(|(m, s)| (m.name(), digits(s)))
             .collect(),
         weakest: weakest(setup, &outcome),
@@ -409,7 +418,7 @@ fn run(prepared: &Prepared, cards: &[StrengthCard], max_mib: f64) -> Result<Outc
     test.run()
 }
 
-/// Peak loads at the corners of the card, nominal first; none for cells of no size.
+/// Peak loads at the corners of the card, the nominal one first; empty for a cell size of zero.
 fn at_corners(
     settings: &Settings,
     setup: &TestSetup,
@@ -446,6 +455,7 @@ fn warn(
         let remedy = format!("set strength.cell_mm = {:.3}", 0.5 * cell_mm);
         diagnostics.push(Warning::new(WarningId::StrengthNotConverged, text).with_remedy(remedy));
     }
+    // One percent of loose material: a few detached beads are normal and carry no load.
     if prepared.lost() > 0.01 {
         diagnostics.warn(
             WarningId::StrengthLooseMaterial,
@@ -463,7 +473,7 @@ fn warn(
     }
 }
 
-/// Where a part breaks, in words.
+/// The place where a part fails, in words.
 fn weakest(setup: &TestSetup, outcome: &Outcome) -> Weakest {
     let p = outcome.weakest;
     let size = setup.high - setup.low;
@@ -502,7 +512,7 @@ fn weakest(setup: &TestSetup, outcome: &Outcome) -> Weakest {
     Weakest { x_mm, y_mm, z_mm: None, words }
 }
 
-/// What a place of a plate lies beside.
+/// The feature of a plate beside which a point lies.
 fn beside(setup: &TestSetup, p: DVec2) -> String {
     let mut near = (f64::INFINITY, "border", DVec2::ZERO);
     for polygon in &setup.section.polygons {
@@ -526,13 +536,13 @@ fn beside(setup: &TestSetup, p: DVec2) -> String {
     if off < 1.0 { format!("at {whose}") } else { format!("{off:.1} mm from {whose}") }
 }
 
-/// Five digits: as many as anyone may believe.
+/// Five significant digits, more than a test can promise.
 fn digits(v: f64) -> f64 {
     format!("{v:.4e}").parse().unwrap_or(v)
 }
 
 impl StrengthReport {
-    /// The interval of the peak load in words.
+    /// The interval of the peak load, in words.
     pub fn over(&self) -> String {
         match self.corners.len() {
             0 | 1 => "nominal card alone".to_owned(),

@@ -1,4 +1,9 @@
-//! A job's fixtures and loads on the cells of a test.
+//! Fixtures and loads of a job on the cells of a plate test, and the beads of a program in part
+//! coordinates.
+//!
+//! A program of any slicer may be tested, so it is first compared with the part: its size, its
+//! height, and how much of it lies outside the part's sections. Lengths are in mm, forces in N.
+//! Cost: linear in beads and cells.
 
 use grainpath_core::math::cross;
 use grainpath_core::poly::Join;
@@ -14,17 +19,19 @@ use grainpath_job::choices;
 use super::{CORNERS, StrengthError, cards};
 use crate::guide::constant_section;
 
-/// Cells with less of their height filled are left out.
+/// Cells filled to a smaller share of their height are left out.
 const LEAST_FILLED: f64 = 0.02;
-/// Another slicer's beads may lie this far outside the part, mm; of a program that has more than this share farther
-/// out it is another part, or one turned. So many layers are looked at.
+/// Distance outside the part up to which another slicer's beads still belong to it, mm. The next
+/// constants are the share of a program beyond that distance above which it is of another or a
+/// rotated part, and the number of layers that are sampled.
 const OUTSIDE_MM: f64 = 1.0;
 const MOST_OUTSIDE: f64 = 0.05;
 const SECTIONS: usize = 9;
-/// Around grips and rollers nothing breaks within this, mm: what happens there is the machine's doing.
+/// Distance from grips and rollers within which elements cannot fail, mm: stress there depends on
+/// the machine's contact and not on the part.
 pub(super) const UNBREAKABLE_MM: f64 = 1.5;
 
-/// What a part is taken for.
+/// The model of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fidelity {
     /// A plate: layers homogenised through the thickness.
@@ -42,19 +49,19 @@ impl Fidelity {
     }
 }
 
-/// What a test must know of a part beside its beads.
+/// The part's side of a test: everything besides its beads.
 pub struct TestSetup {
     pub(super) low: DVec3,
     pub(super) high: DVec3,
     /// The section in the middle of the part's height.
     pub(super) section: Region,
-    /// Some sections with their height, mm, to hold another slicer's beads against.
+    /// Sampled sections with their heights, mm, for comparing another slicer's beads.
     sections: Vec<(f64, Region)>,
-    /// Volume of the part, mm3, and number of its layers.
+    /// Volume of the part, mm3; the number of its layers follows.
     pub(super) volume_mm3: f64,
     pub(super) n_layers: usize,
     pub(super) fidelity: Fidelity,
-    /// The surface, for solids under pressure.
+    /// The surface, for solids under pressure; otherwise empty.
     pub(super) mesh: TriMesh,
     pub(super) conditions: BoundaryConditions,
     /// The index of the load case that is tested.
@@ -64,11 +71,11 @@ pub struct TestSetup {
 }
 
 impl TestSetup {
-    /// Of several load cases the one with the largest weight is tested.
+    /// Makes the setup. Of several load cases the one with the largest weight is tested.
     ///
     /// # Errors
-    /// [`StrengthError`] where a fixture, a load or a strength of the material is missing, or a load is not in the
-    /// layers' plane for a test in it.
+    /// [`StrengthError`] where a fixture, a load or a strength of the material is missing, or where
+    /// a plate test has a load out of the layers' plane.
     pub fn of(
         settings: &Settings,
         mesh: &TriMesh,
@@ -86,6 +93,7 @@ impl TestSetup {
         let fidelity = match settings.strength.fidelity {
             choices::Fidelity::Plane if !flat => return Err(StrengthError::NotFlat),
             choices::Fidelity::Plane => Fidelity::Plane,
+            // Fibre is modelled in plates alone, so it makes the choice where a plate is possible.
             choices::Fidelity::Auto if flat && (same.is_some() || settings.fibre.enabled) => Fidelity::Plane,
             choices::Fidelity::Auto | choices::Fidelity::Voxels => Fidelity::Voxels,
         };
@@ -104,6 +112,7 @@ impl TestSetup {
             if fixture.displacement_mm != DVec3::ZERO {
                 return Err(StrengthError::Moved(what));
             }
+            // Other shapes have no normal of their own.
             let has_normal = matches!(fixture.on, Selection::Plane { .. } | Selection::Cylinder { .. });
             if fixture.held == Held::Normal && !has_normal {
                 return Err(StrengthError::NoNormal { what, shape: fixture.on.name() });
@@ -111,6 +120,7 @@ impl TestSetup {
         }
         let is_pressure = |a: &Action| matches!(a, Action::Pressure { .. });
         let pressed = conditions.cases[case].loads.iter().any(|l| is_pressure(&l.action));
+        // The mesh may be large and is needed for pressures alone.
         let mesh = if pressed { mesh.clone() } else { TriMesh::default() };
         let volume_mm3 = layers.iter().map(|l| l.region().area_mm2() * l.height_mm()).sum();
         let n_layers = layers.len();
@@ -134,7 +144,7 @@ impl TestSetup {
         &self.conditions.cases[self.case]
     }
 
-    /// What the user should know.
+    /// A warning about load cases that are not tested.
     pub(super) fn warnings(&self) -> Option<String> {
         let n_cases = self.conditions.cases.len();
         (n_cases > 1).then(|| {
@@ -150,11 +160,11 @@ impl TestSetup {
         self.conditions.catches_nothing(what, on, "what is printed and held").into()
     }
 
-    /// The beads of the part in its own coordinates. Where it stands on the plate is known for a program of our own,
-    /// and found by the middle of what is printed otherwise.
+    /// The beads of the part in part coordinates. For a program of our own the part's position on
+    /// the plate is known; otherwise the centre of the printed beads gives it.
     ///
     /// # Errors
-    /// [`StrengthError`] when nothing is printed or it has another size than the part.
+    /// [`StrengthError`] when no part is printed or its size differs from the job's part.
     pub(super) fn sheets(
         &self,
         program: &Program,
@@ -162,12 +172,14 @@ impl TestSetup {
     ) -> Result<Vec<BeadSheet>, StrengthError> {
         let of_part = |l: &&BeadLayer| l.beads.iter().any(|b| b.role.is_part());
         let layers: Vec<&BeadLayer> = program.layers.iter().filter(of_part).collect();
-        // A first layer far above the plate stands on a raft or on supports, which are none of the part.
+        // A first layer far above the plate stands on a raft or on supports, which are not tested.
         let first = match layers.as_slice() {
             [a, b, ..] if a.z_mm > 3.0 * (b.z_mm - a.z_mm) => a.z_mm - a.height_mm,
             _ => 0.0,
         };
         let mut below = first;
+        // Heights come from the differences of nozzle heights, because other slicers do not state
+        // them.
         let heights: Vec<f64> = layers
             .iter()
             .map(|l| {
@@ -185,14 +197,17 @@ impl TestSetup {
             }
             bounds
         };
-        // Purge lines of other slicers lie in the first layer and have no role of their own.
+        // Purge lines of other slicers lie in the first layer and cannot be told from the part by
+        // their role.
         let skipped = usize::from(layers.len() > 2);
         let boxes = layers.iter().zip(&heights).skip(skipped).map(|(l, h)| box_of(l, *h));
         let found = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).ok_or(StrengthError::NothingPrinted)?;
         let (size, part) = (found.1 - found.0, (self.high - self.low).truncate());
         let tall = below - first;
+        // Another slicer may scale or simplify a little; 3 % or 1.5 mm more is another part.
         let far = |a: f64, b: f64| (a - b).abs() > f64::max(1.5, 0.03 * b);
-        // Another slicer's layers may end up to one of them above or below; more is missing from a program cut off.
+        // Another slicer may end up to one layer above or below. If more is missing, the program
+        // was cut off.
         let layer = heights.iter().copied().fold(0.0, f64::max);
         let (height, most) = (self.high.z - self.low.z, f64::max(1.01 * layer, 0.01 * tall));
         if far(size.x, part.x) || far(size.y, part.y) || (tall - height).abs() > most {
@@ -201,6 +216,7 @@ impl TestSetup {
         }
         let shift =
             plate_from_part.unwrap_or(0.5 * (found.0 + found.1) - 0.5 * (self.low + self.high).truncate());
+        // Beads far from the box of the upper layers are purge lines.
         let near = |p: DVec2| (p - found.0).min(found.1 - p).min_element() > -2.0;
         let sheet = |(l, h): (&&BeadLayer, &f64)| BeadSheet {
             height_mm: *h,
@@ -215,6 +231,7 @@ impl TestSetup {
                 .collect(),
         };
         let sheets: Vec<BeadSheet> = layers.iter().zip(&heights).map(sheet).collect();
+        // For a program of our own the position is exact and needs no test.
         let share = if plate_from_part.is_some() { 0.0 } else { self.outside(&sheets) };
         if share > MOST_OUTSIDE {
             return Err(StrengthError::Outside { percent: 100.0 * share });
@@ -222,7 +239,8 @@ impl TestSetup {
         Ok(sheets)
     }
 
-    /// The share of the beads' length that lies outside the part, of the layers that its sections are in.
+    /// The share of the beads' length that lies outside the part, in the layers of the sampled
+    /// sections.
     fn outside(&self, sheets: &[BeadSheet]) -> f64 {
         let (mut all, mut outside) = (0.0, 0.0);
         for (z_mm, section) in &self.sections {
@@ -235,7 +253,7 @@ impl TestSetup {
             for b in at.iter().flat_map(|s| &s.beads) {
                 let length = b.a.distance(b.b);
                 all += length;
-                // Every two millimetres of a long bead are asked.
+                // A long bead is sampled every two millimetres.
                 let n = (0.5 * length).ceil().clamp(1.0, 1000.0) as usize;
                 let place = |k: usize| b.a.lerp(b.b, (k as f64 + 0.5) / n as f64);
                 let without = (0..n).filter(|k| !room.contains(place(*k))).count();
@@ -245,10 +263,10 @@ impl TestSetup {
         outside / f64::max(all, 1e-12)
     }
 
-    /// Cells, holds and forces of a test.
+    /// Cells, supports and forces of a test.
     ///
     /// # Errors
-    /// [`StrengthError`] when a fixture or load catches nothing or a piece moves freely.
+    /// [`StrengthError`] when a fixture or load meets no material, or a piece can move freely.
     pub(super) fn prepared(&self, sheets: &[BeadSheet], cell_mm: f64) -> Result<Prepared, StrengthError> {
         let laminate = Laminate::from_layers(sheets, cell_mm)?;
         let grid = laminate.grid;
@@ -256,7 +274,9 @@ impl TestSetup {
         let least = LEAST_FILLED * laminate.height_mm;
         let mut taken: Vec<bool> = (0..n).map(|c| laminate.thickness_mm(c) > least).collect();
         let (piece, n_pieces) = connected_cells(&grid, &taken);
-        // Only what hangs together with what is held can carry a load.
+        // Only material connected to a fixture can carry a load.
+        // Nodes lie up to half a cell from the true border, diagonally more: the selection is grown
+        // by that.
         let reach = 0.75 * cell_mm;
         let mut holds_of = vec![Vec::new(); n_pieces];
         let elements = PlateElements::from_cells(&grid, &taken);
@@ -284,6 +304,7 @@ impl TestSetup {
             }
         }
         for holds in holds_of.iter().filter(|h| !h.is_empty()) {
+            // A piece that is held but can still turn or slide would make the stiffness singular.
             if let Some(how) = free_motion(holds) {
                 let at = holds[0].0;
                 return Err(StrengthError::Free { x: at.x, y: at.y, how });
@@ -292,6 +313,7 @@ impl TestSetup {
         let elements = PlateElements::from_cells(&grid, &taken);
         let nodes: Vec<DVec2> = (0..elements.places.len()).map(|i| elements.node(i)).collect();
         let mut marked = vec![false; nodes.len()];
+        // The elements have new node numbers now that loose cells are gone.
         let mut holds = Vec::new();
         for (i, p) in nodes.iter().enumerate() {
             for along in self.directions(&wide, *p) {
@@ -306,7 +328,7 @@ impl TestSetup {
         Ok(Prepared { laminate, elements, holds, forces_n, load_n, unbreakable, lost })
     }
 
-    /// The directions in which a place is held.
+    /// The directions in which a point is held.
     fn directions(&self, wide: &[Selection], p: DVec2) -> impl Iterator<Item = DVec2> + use<> {
         let mut all = [None; 6];
         let mut n = 0;
@@ -361,6 +383,7 @@ impl TestSetup {
             chosen.iter().for_each(|&i| marked[i] = true);
             match load.action {
                 Action::Force { total_n: f, .. } => {
+                    // Spread by the material at each node, so that every ligament gets its share.
                     greatest = greatest.max(f.truncate().length());
                     chosen.iter().for_each(|&i| forces[i] += f.truncate() * (weight[i] / sum));
                 }
@@ -379,6 +402,8 @@ impl TestSetup {
                 Action::Acceleration { .. } => {}
             }
         }
+        // Without a force the sum of opposite forces, counted once, stands for the load: two equal
+        // pressures make one pull.
         let pulled: f64 = 0.5 * forces.iter().map(|f| f.length()).sum::<f64>();
         let load_n = if greatest > 0.0 { greatest } else { pulled };
         if load_n <= 0.0 {
@@ -387,7 +412,7 @@ impl TestSetup {
         Ok((forces, load_n))
     }
 
-    /// Pressure on the border: each short piece of it pushes on the nearest node.
+    /// Pressure on the border: each short piece of it acts on the nearest node.
     fn press(
         &self,
         mpa: f64,
@@ -421,7 +446,7 @@ impl TestSetup {
     }
 }
 
-/// A part as cells, held and loaded.
+/// A part as cells, with supports and loads.
 pub(super) struct Prepared {
     pub laminate: Laminate,
     pub elements: PlateElements,
@@ -429,13 +454,13 @@ pub(super) struct Prepared {
     pub forces_n: Vec<DVec2>,
     pub load_n: f64,
     pub unbreakable: Vec<bool>,
-    /// Share of the material that hangs together with nothing held.
+    /// Share of the material that is not connected to a fixture.
     pub lost: f64,
 }
 
-/// Where a fixture holds the nodes of a grid. A cylinder whose axis lies in the material is a roller: it holds the
-/// node next to its axis, for two of them would keep the part from turning there. One around a hole holds the hole's
-/// wall.
+/// The nodes of a grid that a fixture holds. A cylinder whose axis lies in the material is a
+/// roller: it holds the one node next to its axis, because two nodes would prevent the part from
+/// turning there. A cylinder around a hole holds the hole's wall.
 fn contact(on: &Selection, elements: &PlateElements, reach: f64) -> Selection {
     let mut wide = on.grown(reach);
     let Selection::Cylinder { point: axis_at, axis, .. } = on else { return wide };
@@ -450,13 +475,14 @@ fn contact(on: &Selection, elements: &PlateElements, reach: f64) -> Selection {
     wide
 }
 
-/// Width of the strip a bead fills in its layer, mm.
+/// Width of the strip that a bead fills in its layer, mm.
 fn strip_mm(bead: &Bead, height_mm: f64) -> f64 {
     let length = bead.start().distance(bead.end()).max(1e-9);
+    // The bound keeps a blob, extruded without motion, from making an enormous strip.
     (f64::from(bead.volume_mm3) / (length * height_mm)).min(5.0)
 }
 
-/// Material around each node, as a share of its elements' thickness.
+/// Material around each node, as a share of the thickness of its elements.
 fn weights(laminate: &Laminate, elements: &PlateElements) -> Vec<f64> {
     let mut weight = vec![0.0; elements.places.len()];
     for (cell, corners) in elements.cells.iter().zip(&elements.corners) {
@@ -466,7 +492,7 @@ fn weights(laminate: &Laminate, elements: &PlateElements) -> Vec<f64> {
     weight
 }
 
-/// PlateElements near held or loaded nodes.
+/// Elements near held or loaded nodes; they cannot fail.
 fn unbreakable(grid: &CellGrid, elements: &PlateElements, nodes: &[DVec2], marked: &[bool]) -> Vec<bool> {
     let mut near = vec![false; grid.nx * grid.ny];
     let radius = UNBREAKABLE_MM + grid.cell_mm;
