@@ -1,4 +1,4 @@
-//! The steps from photograph or scan to curves, as pictures.
+//! The steps from a photograph or scan to curves, as pictures.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::direction;
@@ -12,14 +12,15 @@ use grainpath_imaging::tensor::AxisSample;
 use crate::layer::encode_png;
 use crate::page::Picture;
 
-/// Pictures are no larger than this.
+/// Longest side of a picture, pixels; larger photographs are shrunk to it and small ones enlarged.
 const LONGEST_PX: f64 = 1600.0;
 
-/// File names and pictures of everything that was kept on the way to a guide.
+/// File names and pictures of all steps that a guide kept.
 pub fn pictures(guide: &GrainGuide) -> Vec<(String, Picture)> {
     let n = guide.photo_steps.len();
     let mut out = Vec::new();
     for (k, found) in guide.photo_steps.iter().enumerate() {
+        // One photograph is the usual case and keeps short file names.
         let prefix = if n > 1 { format!("photo{}_", k + 1) } else { String::new() };
         out.extend(steps(found).into_iter().map(|(name, p)| (format!("{prefix}{name}"), p)));
     }
@@ -27,7 +28,8 @@ pub fn pictures(guide: &GrainGuide) -> Vec<(String, Picture)> {
     out
 }
 
-/// The steps from a photograph to directions and curves, in their order.
+/// The steps from a photograph to directions and curves, in their order; the numbers in the file names
+/// keep it in a listing.
 fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
     let PhotoSteps { photo, corners, image, denoised, edges, axes, curves } = found;
     let mut out = Vec::new();
@@ -50,6 +52,7 @@ fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
         };
         put("4_edges", "Edges", Canvas::of(&mask, 1.0, true));
     }
+    // Places on the part have y upwards in mm, pictures have rows from the top.
     let to_px = |p: DVec2| {
         let q = image.pixel(p);
         DVec2::new(q.x, image.grey.height as f64 - q.y)
@@ -57,9 +60,11 @@ fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
     let canvas = with_strokes(&image.grey, &|p| axes.sample(image.place(p.x, p.y)));
     put("5_field", "Directions: yellow clear, violet unclear", canvas);
     if !curves.is_empty() {
+        // Half the brightness lets the coloured curves stand out.
         let mut canvas = Canvas::of(&image.grey, 0.5, true);
         for (k, curve) in curves.iter().enumerate() {
             let line: Vec<DVec2> = curve.iter().map(|&p| to_px(p)).collect();
+            // Four hues in turn, so that neighbouring curves differ.
             let hue = [[255, 200, 60], [90, 220, 255], [140, 255, 120], [255, 130, 180]][k % 4];
             canvas.line(&line, 1.3, hue);
         }
@@ -71,6 +76,8 @@ fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
 /// A slice of a scan and the directions found over it.
 fn texture(guide: &GrainGuide, slice: &ShownSlice) -> (String, Picture) {
     let ShownSlice { index, height_mm, pixel_mm, grey } = slice;
+    // A few very bright or dark voxels would flatten the contrast of all others, hence the range from 0.5
+    // to 99.5 per cent.
     let (low, high) = (grey.quantile(0.005), grey.quantile(0.995));
     let range = (high - low).max(f32::MIN_POSITIVE);
     let data = grey.data.iter().map(|v| ((v - low) / range).clamp(0.0, 1.0)).collect();
@@ -81,7 +88,8 @@ fn texture(guide: &GrainGuide, slice: &ShownSlice) -> (String, Picture) {
     (format!("texture_{:04}.png", index + 1), Picture { title, png, of_test: false })
 }
 
-/// A darkened picture, rows from the bottom, with a stroke along the axis every dozen pixels. `axis` takes pixels.
+/// A darkened picture, rows from the bottom, with strokes along the axis, 14 pixels of the drawing apart.
+/// `axis` takes pixels of `grey`.
 fn with_strokes(grey: &Grey, axis: &dyn Fn(DVec2) -> AxisSample) -> Canvas {
     let mut canvas = Canvas::of(grey, 0.55, true);
     let every = 14.0 / canvas.scale;
@@ -91,6 +99,7 @@ fn with_strokes(grey: &Grey, axis: &dyn Fn(DVec2) -> AxisSample) -> Canvas {
             let p = every * DVec2::new(i as f64 + 0.5, j as f64 + 0.5);
             let s = axis(p);
             let half = direction(s.axis_rad()) * 0.42 * every;
+            // Yellow and violet stay apart for colour-blind readers, which red and green would not.
             let c = (s.coherence * 255.0) as u8;
             canvas.line(&[turned(p - half), turned(p + half)], 1.6, [255, c, 255 - c]);
         }
@@ -100,21 +109,23 @@ fn with_strokes(grey: &Grey, axis: &dyn Fn(DVec2) -> AxisSample) -> Canvas {
 
 struct Canvas {
     pixels: Pixmap,
-    /// Pixels here for one of the picture.
+    /// Pixels of the drawing for one pixel of the picture.
     scale: f64,
 }
 
 impl Canvas {
-    /// A grey picture, shrunk to fit; `upwards` for one whose rows begin at the bottom.
+    /// A grey picture, scaled to fit. `upwards` is for a picture whose rows begin at the bottom.
     fn of(grey: &Grey, brightness: f32, upwards: bool) -> Self {
         let longest = grey.width.max(grey.height).max(1) as f64;
-        // Small pictures are blown up, so that lines on them can be told apart.
+        // Small pictures are enlarged, up to six times, so that lines on them can be told apart.
         let scale = (LONGEST_PX / longest).min(6.0);
         let size = |n: usize| ((n as f64 * scale).round() as u32).max(1);
         let (w, h) = (size(grey.width), size(grey.height));
         let mut pixels = Pixmap::new(w, h).expect("a size from 1 to 1600 pixels");
         let mut small = grey.clone();
         let mut level = 1.0;
+        // Halving before sampling averages the pixels that one pixel of the drawing covers; samples alone
+        // would alias the grain into false stripes.
         while scale * level < 0.6 {
             small = small.halved();
             level *= 2.0;
@@ -129,9 +140,10 @@ impl Canvas {
         Self { pixels, scale }
     }
 
-    /// The numbers 1 to 4 beside the corners of a board, towards its middle.
+    /// The numbers 1 to 4 beside the corners of a board, shifted towards its middle.
     fn number_corners(&mut self, corners: [DVec2; 4]) {
-        // Strokes of the digits in a box of 0.6 by 1, rows from the top.
+        // Strokes of the digits in a box of 0.6 by 1, rows from the top. Drawn by hand: a font would be a
+        // dependency for four characters.
         const DIGITS: [&[[f64; 2]]; 4] = [
             &[[0.1, 0.2], [0.35, 0.0], [0.35, 1.0]],
             &[[0.0, 0.2], [0.15, 0.0], [0.45, 0.0], [0.6, 0.2], [0.6, 0.4], [0.0, 1.0], [0.6, 1.0]],
@@ -139,18 +151,20 @@ impl Canvas {
             &[[0.45, 1.0], [0.45, 0.0], [0.0, 0.7], [0.6, 0.7]],
         ];
         let middle = corners.iter().copied().sum::<DVec2>() * 0.25;
-        // As high as a sixteenth of the longer diagonal, so that they can be read on any photograph.
+        // Digits are a sixteenth of the longer diagonal high, so that they can be read on any photograph.
         let height = corners[0].distance(corners[2]).max(corners[1].distance(corners[3])) / 16.0;
         for (corner, strokes) in corners.into_iter().zip(DIGITS) {
             let centre = corner + 1.2 * height * (middle - corner).normalize_or_zero();
             let place = |p: &[f64; 2]| centre + height * (DVec2::from(*p) - DVec2::new(0.3, 0.5));
             let points: Vec<DVec2> = strokes.iter().map(place).collect();
+            // A white stroke under the red one keeps the digit legible on any wood.
             self.line(&points, 6.0, [255, 255, 255]);
             self.line(&points, 3.0, [255, 60, 40]);
         }
     }
 
-    /// A line in the picture's pixels, rows from the top.
+    /// A line through points of the picture in pixels, rows from the top; the width is in pixels of the
+    /// drawing.
     fn line(&mut self, points: &[DVec2], width: f32, [r, g, b]: [u8; 3]) {
         let mut builder = PathBuilder::new();
         for (k, p) in points.iter().enumerate() {

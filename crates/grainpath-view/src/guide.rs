@@ -1,4 +1,4 @@
-//! Pictures of a guide: stress, principal stress lines, directions.
+//! Pictures of a guide: stress, principal stress lines, directions of the fill.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt::Write;
@@ -12,8 +12,8 @@ use grainpath_fea::principal::von_mises_plane;
 
 use crate::layer::{Canvas, Ramp};
 
-/// The equivalent stress over a layer's section as a picture, with both families of lines over it and its degenerate
-/// points: rings around wedges, triangles around trisectors, squares on borders.
+/// The von Mises stress over a section of the part as a picture, with the lines of both families over it
+/// and its degenerate points: rings around wedges, triangles around trisectors, squares on the border.
 pub fn stress_png(
     guide: &Guide,
     layer: usize,
@@ -33,14 +33,19 @@ pub fn stress_png(
         .inspect(|v| values.extend(v))
         .collect();
     values.sort_by(f64::total_cmp);
-    // Peaks at corners would leave no colour for the rest.
+    // The scale ends at 99.5 per cent of the pixels: the stress at a re-entrant corner has no bound, and
+    // its peak would leave one colour for all other places.
     let high = values.get(values.len() * 995 / 1000).copied().unwrap_or(1.0);
     let ramp = Ramp { low: 0.0, high };
     canvas.paint(all.into_iter().map(|v| v.map(|v| ramp.colour(v))));
+    // Lines of the greater principal stress are white, of the smaller nearly black: both show on every
+    // colour of the ramp.
     for (lines, colour) in families.iter().zip([[255, 255, 255], [20, 20, 30]]) {
         lines.iter().for_each(|l| canvas.line(&closed_points(l), 1.2, colour, 190));
     }
+    // Marks scale with the part, so that they are as large on every picture.
     let radius = bounds.size().max_element() / 130.0;
+    // A trisector is drawn with as many corners as lines meet in it.
     for (kind, p) in &guide.degenerate(layer).points {
         let sides = match kind {
             Degenerate::Wedge => 24,
@@ -54,7 +59,8 @@ pub fn stress_png(
     canvas.png()
 }
 
-/// The directions that fill follows in a layer, as short strokes: longer where they matter more.
+/// The directions that the fill follows in a layer, as short strokes. A longer stroke has a greater
+/// weight.
 pub fn field_png(guide: &Guide, layer: usize, region: &Region, z_mm: f64, size_px: u32) -> Vec<u8> {
     let Some(bounds) = region.bounds() else { return Vec::new() };
     let mut canvas = Canvas::over(bounds, size_px);
@@ -64,8 +70,11 @@ pub fn field_png(guide: &Guide, layer: usize, region: &Region, z_mm: f64, size_p
         ring.extend(contour.first().copied());
         canvas.line(&ring, 1.5, [200, 204, 210], 255);
     }
+    // Ninety strokes along the longer side: 18 pixels each on a picture of 1600.
     let pitch = (bounds.size().max_element() / 90.0).max(1e-3);
     let field = guide.layer(layer);
+    // Angles from 0 to 180 degrees use the whole ramp. Its ends differ in colour although they are one
+    // direction; the stroke itself shows the angle.
     let ramp = Ramp { low: 0.0, high: std::f64::consts::PI };
     let Bounds2 { min, max } = bounds;
     let mut y = min.y + 0.5 * pitch;
@@ -75,6 +84,8 @@ pub fn field_png(guide: &Guide, layer: usize, region: &Region, z_mm: f64, size_p
             let p = DVec2::new(x, y);
             if inside.contains(p) {
                 let sample = field.sample(p.extend(z_mm));
+                // A stroke without weight keeps a visible length, and one of full weight reaches a little
+                // past its cell.
                 let half = direction(sample.axis_rad) * (pitch * (0.15 + 0.4 * sample.strength));
                 canvas.line(&[p - half, p + half], 2.0, ramp.colour(sample.axis_rad), 255);
             }
@@ -86,6 +97,7 @@ pub fn field_png(guide: &Guide, layer: usize, region: &Region, z_mm: f64, size_p
 }
 
 fn closed_points(line: &TracedLine) -> Vec<DVec2> {
+    // A closed line lists its first point once; a drawing needs it at the end too.
     let mut points = line.points.clone();
     if line.closed {
         points.extend(line.points.first().copied());
@@ -93,8 +105,9 @@ fn closed_points(line: &TracedLine) -> Vec<DVec2> {
     points
 }
 
-/// Both families as SVG: the lines of the greater principal stress red, of the smaller blue. Units are mm.
+/// Both families as SVG in mm: lines of the greater principal stress red, of the smaller blue.
 pub fn lines_svg(region: &Region, families: &Families) -> String {
+    // A window without size would be an SVG that viewers refuse.
     let bounds = region.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE }).grown(1.0);
     let size = bounds.size();
     let mut out = format!(
@@ -105,6 +118,7 @@ pub fn lines_svg(region: &Region, families: &Families) -> String {
         let mut d = String::new();
         for (i, p) in points.iter().enumerate() {
             let letter = if i == 0 { 'M' } else { 'L' };
+            // y is turned over, since SVG counts it downwards.
             let _ = write!(d, "{letter}{:.4} {:.4}", p.x - bounds.min.x, bounds.max.y - p.y);
         }
         if closed {
@@ -124,8 +138,9 @@ pub fn lines_svg(region: &Region, families: &Families) -> String {
     out + "</svg>\n"
 }
 
-/// Both families as VTP (PolyData, text), at height `z_mm`: lines with their `family`, 1 for the greater principal
-/// stress and 2 for the smaller, and at each point the angle of the line in degrees.
+/// Both families as VTP (VTK's PolyData in XML, ASCII) at height `z_mm`. Each line has its `family`, 1
+/// for the greater principal stress and 2 for the smaller; each point has the angle of the line in
+/// degrees.
 pub fn lines_vtp(families: &Families, z_mm: f64) -> String {
     let (mut points, mut angles, mut nodes, mut offsets, mut family) =
         (String::new(), String::new(), String::new(), String::new(), String::new());
@@ -134,6 +149,8 @@ pub fn lines_vtp(families: &Families, z_mm: f64) -> String {
         for line in lines {
             let first = n;
             let count = line.points.len();
+            // The angle at a point is that of the segment after it; the last point takes the segment
+            // before it.
             for (i, p) in line.points.iter().enumerate() {
                 let next = line.points[(i + 1).min(count - 1)];
                 let d = if next == *p && i > 0 { *p - line.points[i - 1] } else { next - *p };
@@ -142,6 +159,8 @@ pub fn lines_vtp(families: &Families, z_mm: f64) -> String {
                 let _ = write!(nodes, "{n} ");
                 n += 1;
             }
+            // VTK's offsets give the end of each cell in the list of nodes, not its beginning. A closed
+            // line repeats its first node there, while its point is written once.
             end += count;
             if line.closed {
                 let _ = write!(nodes, "{first} ");
@@ -152,6 +171,8 @@ pub fn lines_vtp(families: &Families, z_mm: f64) -> String {
             let _ = write!(family, "{} ", f + 1);
         }
     }
+    // Source: VTK File Formats (Kitware), serial XML files, PolyData. The piece names all five counts,
+    // zero or not.
     format!(
         "<?xml version=\"1.0\"?>
 <VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\">

@@ -1,4 +1,4 @@
-//! The report page: one file, no network.
+//! The report page: one file that needs no network.
 
 use std::fmt::Write;
 
@@ -6,17 +6,20 @@ use base64::Engine;
 
 use grainpath::measure::report::{Report, hours};
 
-/// A picture of the page.
+/// A picture on the page.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Picture {
-    /// What it shows.
+    /// What the picture shows.
     pub title: String,
-    /// The file.
+    /// The PNG file.
     pub png: Vec<u8>,
-    /// Whether it stands beside the answer of the strength test rather than among the layers.
+    /// Whether the picture belongs to the strength test and stands beside its results; otherwise it
+    /// stands among the layers.
     pub of_test: bool,
 }
 
+// Fonts and colours come from the reader's system, light or dark, so that the page stays one file of a
+// few kilobytes besides its pictures.
 const STYLE: &str = "
 :root{color-scheme:light dark;--fg:#1d2025;--bg:#fff;--line:#d9dce1;--soft:#f4f5f7;--warn:#8a4b00}
 @media(prefers-color-scheme:dark){:root{--fg:#e7e9ec;--bg:#16181c;--line:#33373e;--soft:#20242a;--warn:#ffb866}}
@@ -39,6 +42,8 @@ figure{margin:0}figure img{width:100%;border-radius:.4rem}figcaption{font-size:.
 ";
 
 fn escaped(text: &str) -> String {
+    // Names of dimensions, settings and warnings hold text of the user's; all five characters are
+    // replaced, because the text also stands in attributes.
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -53,7 +58,8 @@ fn escaped(text: &str) -> String {
     out
 }
 
-/// The page: the first picture on top, then numbers, warnings, the other pictures, stages and settings.
+/// The page in its order: the first picture and the numbers, warnings, results of tests, the other
+/// pictures, dimensions, stages and settings.
 pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[Picture]) -> String {
     let mut out = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
@@ -61,6 +67,7 @@ pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[P
          <title>grainpath report</title><style>{STYLE}</style></head><body>\n<h1>grainpath report</h1>\n<div class=\"top\">\n"
     );
     let mut put = |text: String| out.push_str(&text);
+    // The first picture is the part itself, by the caller's order; all others belong to a section.
     if let Some(part) = pictures.first() {
         put(image(part));
     }
@@ -69,6 +76,7 @@ pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[P
         put(format!("<div><b>{}</b><span>{}</span></div>", escaped(&value), escaped(what)));
     }
     put("</div></div>\n".into());
+    // Warnings stand before the results of tests, so that no result is read without them.
     if !report.warnings.is_empty() {
         put("<h2>Warnings</h2>\n<ul class=\"warnings\">".into());
         report.warnings.iter().for_each(|w| put(format!("<li>{}</li>", escaped(&w.to_string()))));
@@ -117,6 +125,7 @@ pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[P
 }
 
 fn fibre_table(f: &grainpath::measure::fibre::FibreReport) -> String {
+    // One row for each layer: the totals hide a layer whose paths are too short or too sharp.
     let mut out = String::from(
         "<table><tr><th>layer</th><th>z mm</th><th>length mm</th><th>paths</th><th>shortest mm</th><th>cuts</th>\
          <th>smallest radius mm</th><th>sharper turns</th><th>within 15 degrees</th></tr>",
@@ -150,6 +159,7 @@ fn strength_rows(s: &grainpath::measure::strength::StrengthReport) -> Vec<(&'sta
         ("modes, by energy", modes.join(", ")),
         ("corners of the card", corners.join(", ")),
         (
+            // Without a second run on larger cells nothing is said about the influence of the mesh.
             "cells",
             s.mesh_change.map_or(format!("{}, {} mm", s.fidelity, s.cell_mm), |c| {
                 let moved = 100.0 * c;
@@ -189,9 +199,10 @@ fn numbers(r: &Report) -> Vec<(String, &'static str)> {
     all
 }
 
-/// Which colour is what.
+/// The legend of the colours of roles.
 fn key() -> String {
     let mut out = String::from("<div class=\"key\">");
+    // Roles outside the part are left out, except support.
     for role in
         grainpath_core::Role::ALL.into_iter().filter(|r| r.is_part() || *r == grainpath_core::Role::Support)
     {
@@ -210,6 +221,7 @@ fn figure(p: &Picture) -> String {
 }
 
 fn image(p: &Picture) -> String {
+    // Pictures are embedded as base64, so that the file can be sent by itself.
     let data = base64::engine::general_purpose::STANDARD.encode(&p.png);
     format!("<img alt=\"{}\" src=\"data:image/png;base64,{data}\"/>", escaped(&p.title))
 }

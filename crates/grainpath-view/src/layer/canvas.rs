@@ -6,12 +6,12 @@ use tiny_skia::{Color, Pixmap};
 use super::colour::{Rgb, ramp};
 use super::raster::{draw_line, png};
 
-/// Values to colours, blue through green and yellow to red.
+/// A colour scale: blue through green and yellow to red.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ramp {
-    /// What is blue.
+    /// The value that is blue.
     pub low: f64,
-    /// What is red.
+    /// The value that is red.
     pub high: f64,
 }
 
@@ -22,7 +22,7 @@ impl Ramp {
     }
 }
 
-/// A picture of a window of the plane, Y up.
+/// A picture of a window of the plane in mm, y upwards.
 pub struct Canvas {
     window: Bounds2,
     scale: f64,
@@ -30,10 +30,13 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// A dark picture of `bounds` and a rim around it, its longer side `size_px`.
+    /// A dark picture of `bounds` and a margin around it; the longer side has `size_px`.
     pub fn over(bounds: Bounds2, size_px: u32) -> Self {
+        // A margin of two per cent and 0.2 mm keeps lines on the rim inside.
         let window = bounds.grown(0.02 * bounds.size().max_element() + 0.2);
         let scale = f64::from(size_px) / window.size().max_element().max(1e-9);
+        // Rounding up could give one pixel too many, and a part without extent none; the clamp prevents
+        // both.
         let pixels = |mm: f64| ((mm * scale).ceil() as u32).clamp(1, size_px.max(1));
         let (w, h) = (pixels(window.size().x), pixels(window.size().y));
         let mut pixels = Pixmap::new(w, h).expect("the size is between 1 and what was asked for");
@@ -41,7 +44,7 @@ impl Canvas {
         Self { window, scale, pixels }
     }
 
-    /// The middle of every pixel, row by row from the top, mm.
+    /// The centre of each pixel, row by row from the top, mm.
     pub fn pixels(&self) -> impl Iterator<Item = DVec2> + use<> {
         let (w, h) = (self.pixels.width(), self.pixels.height());
         let (window, scale) = (self.window, self.scale);
@@ -52,7 +55,7 @@ impl Canvas {
         (0..h).flat_map(move |j| (0..w).map(move |i| at(i, j)))
     }
 
-    /// Colours of all pixels in the order of [`Canvas::pixels`]; `None` leaves what is there.
+    /// Colours for all pixels, in the order of `Canvas::pixels`; `None` leaves a pixel unchanged.
     pub fn paint(&mut self, colours: impl Iterator<Item = Option<Rgb>>) {
         for (pixel, colour) in self.pixels.data_mut().chunks_exact_mut(4).zip(colours) {
             if let Some(rgb) = colour {
@@ -71,7 +74,7 @@ impl Canvas {
         }
     }
 
-    /// As a file.
+    /// The picture as a PNG file.
     pub fn png(&self) -> Vec<u8> {
         png(self.pixels.width(), self.pixels.height(), self.pixels.data())
     }

@@ -1,20 +1,21 @@
-//! What colours mean.
+//! The meaning of colours.
 
 use grainpath_core::Role;
 
 use super::{Bead, LayerPicture};
 
-/// What the colour of a bead tells.
+/// The quantity that the colour of a bead shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColourBy {
-    /// What it is for.
+    /// The role of the bead.
     #[default]
     Role,
-    /// Its width.
+    /// The width of the bead.
     Width,
-    /// Its speed.
+    /// The speed of the bead.
     Speed,
-    /// How far it is off the direction asked for: blue along it, red from 45 degrees on.
+    /// The angle between the bead and the direction of the guide: blue at 0 degrees, red from 45 degrees
+    /// on.
     Direction,
 }
 
@@ -34,10 +35,11 @@ impl ColourBy {
 /// A colour, red green blue.
 pub type Rgb = [u8; 3];
 
-/// What was asked for no direction.
+/// Colour of beads where the guide asks for no direction: a grey that is not on the ramp, so that it
+/// cannot be read as a value.
 pub const UNASKED: Rgb = [88, 92, 100];
 
-/// The colour of a role: warm for walls, cool for fill, as slicers' previews have it.
+/// The colour of a role: warm for walls and cool for fill, as previews of slicers have it.
 pub fn of_role(role: Role) -> Rgb {
     match role {
         Role::OuterWall => [242, 120, 45],
@@ -55,7 +57,7 @@ pub fn of_role(role: Role) -> Rgb {
     }
 }
 
-/// Values to colours: from the lowest to the highest in the picture.
+/// A scale from values to colours, over the range of one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
     by: ColourBy,
@@ -68,6 +70,8 @@ pub struct Scale {
 impl Scale {
     /// The scale of a layer.
     pub fn of(picture: &LayerPicture, by: ColourBy) -> Self {
+        // A fixed range for directions makes layers and jobs comparable. At 45 degrees a bead is as much
+        // across as along.
         if by == ColourBy::Direction {
             return Self { by, low: 0.0, high: 45.0 };
         }
@@ -92,8 +96,10 @@ impl Scale {
     }
 }
 
-/// Blue through green and yellow to red; the middle colour when there is no span.
+/// Blue through green and yellow to red; the colour in the middle where the range is empty.
 pub fn ramp(value: f64, low: f64, high: f64) -> Rgb {
+    // Five colours in even steps, chosen so that neighbours differ and the bead's darker rim still shows
+    // on each. Only looks depend on them; no value is read back from a picture.
     const STOPS: [[f64; 3]; 5] = [
         [60.0, 80.0, 200.0],
         [50.0, 160.0, 200.0],
@@ -104,6 +110,7 @@ pub fn ramp(value: f64, low: f64, high: f64) -> Rgb {
     let span = high - low;
     let t = if span > 1e-9 { ((value - low) / span).clamp(0.0, 1.0) } else { 0.5 };
     let x = t * (STOPS.len() - 1) as f64;
+    // The greatest value belongs to the last interval; without the bound it would index past the end.
     let i = (x as usize).min(STOPS.len() - 2);
     let f = x - i as f64;
     std::array::from_fn(|k| (STOPS[i][k] * (1.0 - f) + STOPS[i + 1][k] * f).round() as u8)

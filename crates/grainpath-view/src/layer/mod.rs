@@ -1,6 +1,7 @@
 //! Pictures: a layer as it would be printed, and the whole part.
 //!
-//! Pictures are drawn from beads, wherever they come from (a plan or anybody's G-code), with their true widths.
+//! Pictures are drawn from beads with their true widths. The beads may come from a plan or from any
+//! G-code.
 
 mod canvas;
 mod colour;
@@ -17,26 +18,28 @@ pub(crate) use raster::png as encode_png;
 pub use svg::layer_svg;
 pub use thumbnail::thumbnail_png;
 
-/// A straight piece of bead.
+/// A straight piece of a bead.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bead {
-    /// Where it begins, mm.
+    /// Start, mm.
     pub a: DVec2,
-    /// Where it ends, mm.
+    /// End, mm.
     pub b: DVec2,
-    /// Its full width, mm.
+    /// Full width, mm.
     pub width_mm: f64,
-    /// What it is for.
+    /// Role of the bead.
     pub role: Role,
-    /// Speed asked for, mm/s.
+    /// Nominal speed, mm/s.
     pub speed_mm_s: f64,
-    /// Angle to the direction asked for, degrees from 0 to 90; `None` where none is asked.
+    /// Angle to the direction of the guide, degrees from 0 to 90; `None` where the guide asks for none.
     pub off_deg: Option<f64>,
 }
 
 impl Bead {
-    /// Whether `next` goes on where this ends and looks the same, so that both are one stroke.
+    /// Whether `next` continues this piece and looks the same, so that both are drawn as one stroke.
     fn goes_on_as(&self, next: &Self) -> bool {
+        // A thousandth of a millimetre is the usual resolution of coordinates in G-code. The other
+        // tolerances lie below what a picture shows; equal speeds are written with equal digits.
         self.b.distance_squared(next.a) < 1e-6
             && self.role == next.role
             && (self.width_mm - next.width_mm).abs() < 5e-3
@@ -46,22 +49,23 @@ impl Bead {
     }
 }
 
-/// What is drawn of a layer.
+/// The content of a picture of a layer.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LayerPicture {
     /// Height of the nozzle, mm.
     pub z_mm: f64,
     /// Thickness of the layer, mm.
     pub height_mm: f64,
-    /// In printing order.
+    /// Pieces of beads, in printing order.
     pub beads: Vec<Bead>,
-    /// Straight moves without printing; drawn as thin lines.
+    /// Straight moves without extrusion; drawn as thin lines.
     pub travels: Vec<[DVec2; 2]>,
-    /// Where fibre is cut; drawn as crosses.
+    /// Places where fibre is cut; drawn as crosses.
     pub cuts: Vec<DVec2>,
 }
 
-/// Half the size of the cross that marks a cut, mm.
+/// Half the size of the cross that marks a cut, mm: 1.6 mm across, so that the cross is wider than a bead
+/// of fibre. Only looks depend on it.
 const CUT_MM: f64 = 0.8;
 
 /// The two strokes of a cross.
@@ -71,23 +75,23 @@ fn cross_at(p: DVec2) -> [[DVec2; 2]; 2] {
 }
 
 impl LayerPicture {
-    /// The box around everything printed.
+    /// The box around all beads, with their widths.
     pub fn bounds(&self) -> Option<Bounds2> {
         let around = |b: &Bead| Bounds2 { min: b.a.min(b.b), max: b.a.max(b.b) }.grown(0.5 * b.width_mm);
         self.beads.iter().map(around).reduce(Bounds2::union)
     }
 }
 
-/// How pictures are drawn.
+/// Choices for a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PictureOptions {
-    /// What the colour tells.
+    /// Quantity that the colour shows.
     pub colour_by: ColourBy,
     /// Longest side of a PNG, pixels.
     pub size_px: u32,
     /// Whether travels are drawn.
     pub travels: bool,
-    /// What is shown, mm; `None` for all that is printed.
+    /// The part of the plane that is shown, mm; `None` for all beads.
     pub window: Option<Bounds2>,
 }
 

@@ -6,8 +6,8 @@ use tiny_skia::{Color, LineCap, LineJoin, Paint, PathBuilder, Pixmap, Stroke, Tr
 use super::colour::Rgb;
 use super::{Bead, LayerPicture, PictureOptions, Scale};
 
-/// Draws a layer: every bead at its true width with a darker rim, so that one sees where beads touch, overlap or
-/// leave a gap. Y points up. An empty layer gives an empty picture.
+/// Draws a layer, y upwards: each bead at its true width with a darker rim, which shows where beads
+/// touch, overlap or leave a gap. An empty layer gives an empty picture.
 pub fn layer_png(picture: &LayerPicture, options: &PictureOptions) -> Vec<u8> {
     let window = options.window.or(picture.bounds()).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ONE });
     let size = window.grown(0.02 * window.size().max_element() + 0.2);
@@ -18,14 +18,17 @@ pub fn layer_png(picture: &LayerPicture, options: &PictureOptions) -> Vec<u8> {
     canvas.fill(Color::from_rgba8(28, 30, 34, 255));
     let at = |p: DVec2| (((p.x - size.min.x) * scale) as f32, ((size.max.y - p.y) * scale) as f32);
     let colours = Scale::of(picture, options.colour_by);
+    // Beads outside a small window would cost time in the rasteriser and draw nothing.
     let visible =
         |b: &&Bead| Bounds2 { min: b.a.min(b.b), max: b.a.max(b.b) }.grown(0.5 * b.width_mm).meets(size);
     let beads: Vec<&Bead> = picture.beads.iter().filter(visible).collect();
+    // One stroke for a run of pieces: separate strokes would show a rim at each joint.
     for run in beads.chunk_by(|x, y| x.goes_on_as(y)) {
         let base = colours.colour(run[0]);
         let rim: Rgb = base.map(|c| (f64::from(c) * 0.55) as u8);
         let width = (run[0].width_mm * scale) as f32;
         draw(&mut canvas, run, &at, width, rim);
+        // The rim is one pixel on each side, and a tenth of the width where a bead has few pixels.
         draw(&mut canvas, run, &at, (width - 2.0).max(width * 0.8), base);
     }
     if options.travels {
@@ -33,6 +36,7 @@ pub fn layer_png(picture: &LayerPicture, options: &PictureOptions) -> Vec<u8> {
             draw_line(&mut canvas, &[at(a), at(b)], 1.0, [110, 190, 255], 150);
         }
     }
+    // Cuts are drawn last: they are few, and must not be hidden by beads.
     for [a, b] in picture.cuts.iter().flat_map(|&p| super::cross_at(p)) {
         draw_line(&mut canvas, &[at(a), at(b)], (0.25 * scale) as f32, [255, 70, 70], 255);
     }
@@ -54,6 +58,7 @@ pub(super) fn draw_line(canvas: &mut Pixmap, points: &[(f32, f32)], width: f32, 
     let mut paint = Paint { anti_alias: true, ..Paint::default() };
     paint.set_color_rgba8(r, g, b, alpha);
     let stroke = Stroke {
+        // Below half a pixel a line fades away.
         width: width.max(0.5),
         line_cap: LineCap::Round,
         line_join: LineJoin::Round,
@@ -62,7 +67,7 @@ pub(super) fn draw_line(canvas: &mut Pixmap, points: &[(f32, f32)], width: f32, 
     canvas.stroke_path(&path, &paint, &stroke, Transform::identity(), None);
 }
 
-/// Encodes opaque RGBA.
+/// Encodes opaque RGBA as PNG.
 pub(crate) fn png(width: u32, height: u32, rgba: &[u8]) -> Vec<u8> {
     let mut out = Vec::new();
     let mut encoder = png::Encoder::new(&mut out, width, height);

@@ -5,18 +5,21 @@ use grainpath_core::{Bounds2, DVec2, DVec3, Role};
 use super::raster::png;
 use super::{Bead, LayerPicture};
 
-/// The part's colour.
+/// Colour of the part at full light: only looks depend on it.
 const BODY: [f64; 3] = [236.0, 146.0, 62.0];
-/// Where the light comes from, towards the part's upper front left.
+/// Direction towards the light: left of the part, in front of it and above. Tops are then lightest and
+/// the two visible sides differ, which shows the edges.
 const LIGHT: DVec3 = DVec3::new(-0.35, -0.60, 0.72);
 
-/// Draws all layers from the front right and above. Walls stand as strips of the layer's height, fill lies on top;
-/// the nearest wins. A print without beads gives an empty picture.
+/// Draws all layers from the front right and above. Walls are drawn as strips of the layer's height, and
+/// the fill as flat strips on top; the nearest surface is visible. A print without beads gives an empty
+/// picture.
 pub fn thumbnail_png(layers: &[LayerPicture], width: u32, height: u32) -> Vec<u8> {
     let (w, h) = (width.max(1) as usize, height.max(1) as usize);
     let mut canvas = Canvas { w, h, depth: vec![f32::NEG_INFINITY; w * h], shade: vec![f32::NAN; w * h] };
     if let Some(view) = View::around(layers, w, h) {
         for layer in layers {
+            // Skirt, brim and interfaces of supports are not drawn: they would hide faces of the part.
             for bead in layer.beads.iter().filter(|b| b.role.is_part() || matches!(b.role, Role::Support)) {
                 canvas.bead(&view, layer, bead);
             }
@@ -24,6 +27,7 @@ pub fn thumbnail_png(layers: &[LayerPicture], width: u32, height: u32) -> Vec<u8
     }
     let mut rgba = vec![0u8; w * h * 4];
     for (pixel, shade) in rgba.chunks_exact_mut(4).zip(&canvas.shade) {
+        // Pixels without a bead stay transparent.
         if !shade.is_nan() {
             for (c, body) in pixel.iter_mut().zip(BODY) {
                 *c = (body * f64::from(*shade)).clamp(0.0, 255.0) as u8;
@@ -34,15 +38,19 @@ pub fn thumbnail_png(layers: &[LayerPicture], width: u32, height: u32) -> Vec<u8
     png(width.max(1), height.max(1), &rgba)
 }
 
-/// An orthographic look from the front right and above.
+/// An orthographic view from the front right and above.
 struct View {
     scale: f64,
     shift: DVec2,
 }
 
 impl View {
-    /// Turned 35 deg about the vertical, tilted 30 deg: (right, up, towards the eye).
+    /// A point turned by 35 degrees about the vertical and tilted by 30 degrees: right, up, towards the
+    /// eye.
     fn turned(p: DVec3) -> DVec3 {
+        // Source: cosine and sine of 35 degrees; below, cosine of 30 degrees. Written out because a
+        // constant cannot call the functions, and the same on every machine. Other angles change the view
+        // only.
         const C: f64 = 0.819_152_044_288_991_8;
         const S: f64 = 0.573_576_436_351_046;
         let (x, y) = (C * p.x + S * p.y, C * p.y - S * p.x);
@@ -62,12 +70,13 @@ impl View {
         };
         let b = layers.iter().filter_map(corners).reduce(Bounds2::union)?;
         let size = b.size().max(DVec2::splat(1e-6));
+        // Three per cent of margin on each side.
         let scale = 0.94 * (w as f64 / size.x).min(h as f64 / size.y);
         let shift = DVec2::new(w as f64, h as f64) * 0.5 - b.centre() * scale;
         Some(Self { scale, shift })
     }
 
-    /// Pixel (y up) and depth.
+    /// Pixel (y up) and nearness to the eye.
     fn at(&self, p: DVec3) -> DVec3 {
         let t = Self::turned(p);
         (t.truncate() * self.scale + self.shift).extend(t.z)
@@ -85,6 +94,7 @@ impl Canvas {
     fn bead(&mut self, view: &View, layer: &LayerPicture, bead: &Bead) {
         let along = bead.b - bead.a;
         let length = along.length();
+        // A piece without length has no side.
         if length < 1e-9 {
             return;
         }
@@ -94,6 +104,7 @@ impl Canvas {
         let flat = |p: DVec2, z: f64| view.at(p.extend(z));
         let top = [bead.a + half, bead.b + half, bead.b - half, bead.a - half].map(|p| flat(p, high));
         self.quad(top, shade(DVec3::Z));
+        // Sides of fill are hidden behind walls, so only walls get strips; this halves the work.
         if bead.role.is_wall() {
             for (offset, normal) in [(half, side), (-half, -side)] {
                 let (a, b) = (bead.a + offset, bead.b + offset);
@@ -116,6 +127,7 @@ impl Canvas {
         if area == 0.0 || !area.is_finite() {
             return;
         }
+        // A pixel is covered when its centre is, hence the half.
         let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
         let range = |lo: f64, hi: f64, n: usize| {
             (lo - 0.5).ceil().max(0.0) as usize..((hi + 0.5).floor().max(0.0) as usize).min(n)
@@ -123,6 +135,8 @@ impl Canvas {
         for y in range(lo.y, hi.y, self.h) {
             for x in range(lo.x, hi.x, self.w) {
                 let (px, py) = (x as f64 + 0.5, y as f64 + 0.5);
+                // Barycentric weights. Dividing by the signed area accepts both orders of corners, so
+                // that sides seen from behind are drawn too.
                 let (u, v) = (edge(b, c, px, py) / area, edge(c, a, px, py) / area);
                 let t = 1.0 - u - v;
                 if u < -1e-9 || v < -1e-9 || t < -1e-9 {
@@ -130,6 +144,8 @@ impl Canvas {
                 }
                 let depth = (u * a.z + v * b.z + t * c.z) as f32;
                 let i = (self.h - 1 - y) * self.w + x;
+                // The first of two equal depths wins; the order is that of printing and so the same on
+                // each run.
                 if depth > self.depth[i] {
                     self.depth[i] = depth;
                     self.shade[i] = shade;
@@ -140,5 +156,7 @@ impl Canvas {
 }
 
 fn shade(normal: DVec3) -> f64 {
+    // Ambient light of 0.38 keeps faces that are turned away from becoming black; the sum may exceed 1,
+    // which the conversion clamps.
     0.38 + 0.66 * normal.dot(LIGHT.normalize()).max(0.0)
 }
