@@ -1,13 +1,15 @@
 //! Spatial indices: the points near a place, the cells along a line.
 //!
-//! - [`CellGrid`]: square cells over a box; which cell a point is in, which cells a segment passes, rings of cells.
+//! - [`CellGrid`]: square cells over a box; which cell a point is in, which cells a segment passes,
+//!   rings of cells.
 //! - [`Buckets`]: numbered things sorted once into the cells of a grid; compact and fast to read.
 //! - [`PointGrid2`] and [`PointGrid3`]: points that come and go, in the plane and in space.
 //!
-//! Lengths are mm. Answers never depend on the size of the cells or on the order in which points came: the nearest of
-//! equally near points is the one with the lowest value. Building is linear, a query costs the points in the cells it
-//! looks at: with cells of about the radius of the query these are a small multiple of the answer. Points outside the box
-//! of a grid belong to the nearest cell at its border, so they are found as surely but less quickly.
+//! Lengths are mm. Answers never depend on the size of the cells or on the order in which points
+//! came: the nearest of equally near points is the one with the lowest value. Building is linear, a
+//! query costs the points in the cells it looks at: with cells of about the radius of the query
+//! these are a small multiple of the answer. Points outside the box of a grid belong to the nearest
+//! cell at its border, so they are found as surely but less quickly.
 
 use std::collections::BTreeMap;
 
@@ -29,7 +31,8 @@ pub struct CellGrid {
 }
 
 impl CellGrid {
-    /// Cells that cover `bounds`, at most `max_per_side` in either direction: larger ones where it would be more.
+    /// Cells that cover `bounds`, at most `max_per_side` in either direction: larger ones where it
+    /// would be more.
     pub fn covering(bounds: Bounds2, cell_mm: f64, max_per_side: usize) -> Self {
         let size = bounds.size();
         // A box without size has one cell, whatever was asked for.
@@ -285,8 +288,8 @@ impl<T: Copy + Ord> PointGrid2<T> {
     }
 }
 
-/// Points in space, each with a value, that can be added, removed and asked for by place. Needs no bounds: only cells
-/// with points take memory.
+/// Points in space, each with a value, that can be added, removed and asked for by place. Needs no
+/// bounds: only cells with points take memory.
 ///
 /// ```
 /// use grainpath_core::{DVec3, buckets::PointGrid3};
@@ -353,8 +356,8 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Both kinds of grid answer as a search through all points does, whatever the size of the cells, after some
-        /// points were removed, and for points outside the bounds.
+        /// Both kinds of grid answer as a search through all points does, whatever the size of the
+        /// cells, after some points were removed, and for points outside the bounds.
         #[test]
         fn grids_answer_as_a_search_through_all_points(
             points in prop::collection::vec(prop::array::uniform3(-8i32..8), 1..60),

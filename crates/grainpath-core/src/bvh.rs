@@ -17,7 +17,8 @@ use crate::{TriMesh, math};
 /// Triangles in a leaf.
 const LEAF: usize = 4;
 /// A group of triangles counts as one dipole when it is seen from farther away than this many times
-/// its radius.
+/// its radius. Measured: with this value the winding numbers of the unit tests are off by less than
+/// 0.02.
 const FAR: f64 = 2.3;
 /// Subtrees with fewer triangles are built without a further thread.
 const SERIAL: usize = 4096;
@@ -40,7 +41,8 @@ struct Node {
     centre: DVec3,
     dipole: DVec3,
     radius: f64,
-    /// First triangle and count of a leaf; for an inner node its right child and 0. The left child comes next.
+    /// First triangle and count of a leaf; for an inner node its right child and 0. The left child
+    /// comes next.
     first: u32,
     count: u32,
 }
@@ -165,7 +167,8 @@ impl Bvh {
         (best.triangle != u32::MAX).then_some(best)
     }
 
-    /// The first hit of the ray `from + t * along` with `t` in `range`; of several at one place the lowest triangle.
+    /// The first hit of the ray `from + t * along` with `t` in `range`; of several at one place the
+    /// lowest triangle.
     pub fn first_hit(&self, from: DVec3, along: DVec3, range: (f64, f64)) -> Option<RayHit> {
         let mut best: Option<RayHit> = None;
         self.for_hits(from, along, range, |hit, end| {
@@ -178,8 +181,8 @@ impl Bvh {
         best
     }
 
-    /// All hits of the ray `from + t * along` with `t` in `range`, sorted by `t`, then by triangle. A ray through an
-    /// edge or a corner may hit several triangles there.
+    /// All hits of the ray `from + t * along` with `t` in `range`, sorted by `t`, then by triangle.
+    /// A ray through an edge or a corner may hit several triangles there.
     pub fn hits(&self, from: DVec3, along: DVec3, range: (f64, f64)) -> Vec<RayHit> {
         let mut hits = Vec::new();
         self.for_hits(from, along, range, |hit, _| hits.push(hit));
@@ -222,9 +225,9 @@ impl Bvh {
         }
     }
 
-    /// How often the mesh winds around a point: 1 inside and 0 outside a closed mesh, in between near holes; 2 where
-    /// bodies overlap. Groups far away count as dipoles (`barill2018`); the error stays under about
-    /// 0.02.
+    /// How often the mesh winds around a point: 1 inside and 0 outside a closed mesh, in between
+    /// near holes; 2 where bodies overlap. Groups far away count as dipoles (`barill2018`); the
+    /// error stays under about 0.02.
     pub fn winding_number(&self, q: DVec3) -> f64 {
         if self.is_empty() {
             return 0.0;
@@ -386,7 +389,8 @@ fn joined(a: &Node, b: &Node) -> Node {
     Node { lo, hi, centre, dipole: a.dipole + b.dipole, radius: radius.min(box_radius), first: 0, count: 0 }
 }
 
-/// The point of a triangle nearest to `q` (`ericson2005`, section 5.1.5); for one without area the nearest of its sides.
+/// The point of a triangle nearest to `q` (`ericson2005`, section 5.1.5); for one without area the
+/// nearest of its sides.
 pub fn closest_on_triangle(q: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
     let (ab, ac, aq) = (b - a, c - a, q - a);
     let (d1, d2) = (ab.dot(aq), ac.dot(aq));

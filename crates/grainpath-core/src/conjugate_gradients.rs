@@ -1,13 +1,15 @@
 //! Conjugate gradients for a symmetric positive definite operator that is known by its products alone.
 //!
-//! The method of Hestenes and Stiefel (1952, `hestenes1952` in docs/references.bib) with a preconditioner; with
-//! [`CgSettings::flexible`] the direction follows Polak and Ribière's formula, which stays conjugate when the
-//! preconditioner differs a little from step to step (Notay 2000, `notay2000`). A step costs one product, one
-//! preconditioning, two sums of products and three updates; the memory is four vectors.
+//! The method of Hestenes and Stiefel (1952, `hestenes1952` in docs/references.bib) with a
+//! preconditioner; with [`CgSettings::flexible`] the direction follows Polak and Ribière's formula,
+//! which stays conjugate when the preconditioner differs a little from step to step (Notay 2000,
+//! `notay2000`). A step costs one product, one preconditioning, two sums of products and three
+//! updates; the memory is four vectors.
 //!
-//! Sums run in a fixed order whatever the number of threads, so the same system gives the same bits. The residual is
-//! carried along, not computed anew: below about 1e-12 of the right side it is smaller than the true one. An operator
-//! with a direction of no or negative stiffness ends the run with [`CgEnd::NotPositive`]; the values found so far remain.
+//! Sums run in a fixed order whatever the number of threads, so the same system gives the same
+//! bits. The residual is carried along, not computed anew: below about 1e-12 of the right side it
+//! is smaller than the true one. An operator with a direction of no or negative stiffness ends the
+//! run with [`CgEnd::NotPositive`]; the values found so far remain.
 
 use glam::DVec3;
 
@@ -88,7 +90,8 @@ pub trait CgSystem<T> {
     /// Puts the operator's product with `x` into `out`.
     fn apply(&self, x: &[T], out: &mut [T]);
 
-    /// Puts an approximate solution for the right side `residual` into `out`; without one the residual is copied.
+    /// Puts an approximate solution for the right side `residual` into `out`; without one the
+    /// residual is copied.
     fn precondition(&self, residual: &[T], out: &mut [T])
     where
         T: Copy,

@@ -1,19 +1,22 @@
-//! Small dense systems with a symmetric positive definite matrix: Cholesky factors with one rule for lost rank.
+//! Small dense systems with a symmetric positive definite matrix: Cholesky factors with one rule
+//! for lost rank.
 //!
-//! Fits by least squares and coarse levels of solvers end in such systems, some of them rank deficient: samples on one
-//! line do not determine a plane. The factor leaves out each unknown that the unknowns before it determine already, and
-//! the solution has zero there. An unknown is left out when what remains of its diagonal entry falls below
-//! [`RANK_TOLERANCE`] times the entry.
+//! Fits by least squares and coarse levels of solvers end in such systems, some of them rank
+//! deficient: samples on one line do not determine a plane. The factor leaves out each unknown that
+//! the unknowns before it determine already, and the solution has zero there. An unknown is left
+//! out when what remains of its diagonal entry falls below [`RANK_TOLERANCE`] times the entry.
 //!
-//! Storage: row-major, `n * n`, of which the lower triangle is read. Cost: n³ / 6 multiplications for the factor and n²
-//! for a solution. Degenerate: an all-zero matrix gives the zero solution; entries that are not finite give results that
-//! are not finite. A matrix that is not positive definite counts as one without rank from the row on where that shows.
+//! Storage: row-major, `n * n`, of which the lower triangle is read. Cost: n³ / 6 multiplications
+//! for the factor and n² for a solution. Degenerate: an all-zero matrix gives the zero solution;
+//! entries that are not finite give results that are not finite. A matrix that is not positive
+//! definite counts as one without rank from the row on where that shows.
 
 /// What must remain of a diagonal entry, as a share of it, for its unknown to be kept.
 ///
-/// Source: error bound. The remainder is the squared sine of the angle between a column and those before it. Rounding
-/// changes it by about n times 2.2e-16 (Higham 2002, theorem 10.3, `higham2002` in docs/references.bib), which is
-/// 2e-15 for ten unknowns. At 1e-9 it is still known to 2e-6 of itself.
+/// Source: error bound. The remainder is the squared sine of the angle between a column and those
+/// before it. Rounding changes it by about n times 2.2e-16 (Higham 2002, theorem 10.3, `higham2002`
+/// in docs/references.bib), which is 2e-15 for ten unknowns. At 1e-9 it is still known to 2e-6 of
+/// itself.
 pub const RANK_TOLERANCE: f64 = 1e-9;
 
 /// The sum of products, in four sums side by side: in a single sum each addition would wait for the
@@ -54,8 +57,8 @@ pub fn cholesky_in_place(a: &mut [f64], n: usize) {
     }
 }
 
-/// Solves for one right side with the factor of [`cholesky_in_place`]; `x` holds the right side before and the solution
-/// after.
+/// Solves for one right side with the factor of [`cholesky_in_place`]; `x` holds the right side
+/// before and the solution after.
 ///
 /// # Panics
 /// When `factor` is shorter than `n * n` with `n = x.len()`.
@@ -107,7 +110,8 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Normal equations of rows with a known rank: the fitted values are those of the full least-squares problem.
+        /// Normal equations of rows with a known rank: the fitted values are those of the full
+        /// least-squares problem.
         #[test]
         fn fits_of_any_rank_reproduce_what_can_be_fitted(
             rows in prop::collection::vec(prop::array::uniform4(-1.0f64..1.0), 1..9),

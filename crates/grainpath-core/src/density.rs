@@ -2,8 +2,9 @@
 
 /// Density of infill: dense, or a fraction of the volume.
 ///
-/// Dense infill is laid by other rules than sparse infill: bead widths and spacings are fitted to the region, so that
-/// it leaves no gaps. A density is therefore not a number that stages compare with 1, but one of two cases.
+/// Dense infill is laid by other rules than sparse infill: bead widths and spacings are fitted to
+/// the region, so that it leaves no gaps. A density is therefore not a number that stages compare
+/// with 1, but one of two cases.
 ///
 /// ```
 /// use grainpath_core::Density;
@@ -20,7 +21,8 @@ pub enum Density {
     Sparse(f64),
 }
 
-/// From this fraction on infill is dense, so that a number written as 0.9999 or found by a search up to 1 counts as 1.
+/// From this fraction on infill is dense, so that a number written as 0.9999 or found by a search
+/// up to 1 counts as 1.
 const DENSE_FROM: f64 = 0.999;
 
 impl Density {

@@ -103,7 +103,8 @@ impl Diagnostics {
         }
     }
 
-    /// All warnings so far: those about the whole run first, then layer by layer, whatever the number of threads.
+    /// All warnings so far: those about the whole run first, then layer by layer, whatever the
+    /// number of threads.
     pub fn warnings(&self) -> Vec<Warning> {
         let mut rows = self.warnings.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
         rows.sort_by(Warning::order);

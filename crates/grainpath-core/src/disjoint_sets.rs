@@ -1,9 +1,10 @@
 //! Disjoint sets: which of `n` things are connected, while connections are added one by one.
 //!
-//! Union by lowest member with path halving (Tarjan and van Leeuwen 1984, `tarjan1984` in docs/references.bib). A set is
-//! named by its lowest member, so names depend neither on the order of the unions nor on the number of threads. Union by
-//! lowest member gives up the inverse-Ackermann bound of union by rank; path halving alone costs O(log n) amortised per
-//! call. Memory: 4 bytes a thing.
+//! Union by lowest member with path halving (Tarjan and van Leeuwen 1984, `tarjan1984` in
+//! docs/references.bib). A set is named by its lowest member, so names depend neither on the order
+//! of the unions nor on the number of threads. Union by lowest member gives up the
+//! inverse-Ackermann bound of union by rank; path halving alone costs O(log n) amortised per call.
+//! Memory: 4 bytes a thing.
 
 /// A partition of the numbers below `n` into sets.
 ///

@@ -1,8 +1,8 @@
 //! Pictures of failing geometry tests.
 //!
-//! A polygon test that fails prints coordinates that nobody can read. [`FailurePicture`] collects what the test looked
-//! at and, when it is dropped while the test panics, writes an SVG below `target/failures/` and prints its path. A test
-//! that passes writes nothing.
+//! A polygon test that fails prints coordinates that nobody can read. [`FailurePicture`] collects
+//! what the test looked at and, when it is dropped while the test panics, writes an SVG below
+//! `target/failures/` and prints its path. A test that passes writes nothing.
 //!
 //! ```
 //! use grainpath_core::{DVec2, Region, failure_svg::FailurePicture};
@@ -137,8 +137,8 @@ impl FailurePicture {
         }
     }
 
-    /// The folder of pictures: `failures` below the target folder of the running test binary, or below the temporary
-    /// folder where there is none.
+    /// The folder of pictures: `failures` below the target folder of the running test binary, or
+    /// below the temporary folder where there is none.
     fn folder() -> PathBuf {
         let binary = std::env::current_exe().unwrap_or_default();
         let target = binary.ancestors().find(|p| p.ends_with("target")).map(PathBuf::from);

@@ -1,7 +1,7 @@
 //! Direction fields: the axis that beads are to follow, from a stress, the grain of wood or a rule.
 //!
-//! A direction has no sign: an axis and its opposite are the same, so angles are in `[0, pi)`. Fields are asked at points
-//! in part coordinates (mm) and answer everywhere, outside the part too.
+//! A direction has no sign: an axis and its opposite are the same, so angles are in `[0, pi)`.
+//! Fields are asked at points in part coordinates (mm) and answer everywhere, outside the part too.
 
 use glam::DVec3;
 

@@ -177,7 +177,8 @@ impl FieldMesh {
         let (nx, ny) = (self.nx, self.ny);
         let index = std::mem::take(&mut self.index);
         let at = |i: usize, j: usize| index[j * nx + i];
-        // Edges of the node at (i, j): to the right, upwards, and the diagonal of the square to its upper right.
+        // Edges of the node at (i, j): to the right, upwards, and the diagonal of the square to its
+        // upper right.
         let mut of_node = vec![[NONE; 3]; nx * ny];
         // Kind by kind, so that edges of a kind are numbered without gaps.
         for kind in 0..3 {

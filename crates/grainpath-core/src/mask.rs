@@ -19,8 +19,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// A grid over `bounds` with an empty margin of 8 cells all round. Cells are `cell_mm` wide, or as much wider
-    /// as keeps their number below 600,000.
+    /// A grid over `bounds` with an empty margin of 8 cells all round. Cells are `cell_mm` wide, or
+    /// as much wider as keeps their number below 600,000.
     pub fn over(bounds: Bounds2, cell_mm: f64) -> Self {
         let size = bounds.size();
         let coarsest = (size.x * size.y / 6e5).sqrt().max(size.max_element() / 60_000.0);
@@ -361,8 +361,8 @@ impl Mask {
         self.shrunk(n).grown(n)
     }
 
-    /// The borders as closed lines: counter-clockwise around cells, clockwise around holes, the staircase smoothed
-    /// to within a cell. Cells that touch only at a corner are apart.
+    /// The borders as closed lines: counter-clockwise around cells, clockwise around holes, the
+    /// staircase smoothed to within a cell. Cells that touch only at a corner are apart.
     pub fn contours(&self) -> Vec<Contour> {
         let mut seen = Self::empty(self.grid);
         let mut out = Vec::new();
@@ -388,7 +388,8 @@ impl Mask {
         out
     }
 
-    /// Walks the border with the cells on its left, from the lower edge of cell (x, y), marking lower edges seen.
+    /// Walks the border with the cells on its left, from the lower edge of cell (x, y), marking
+    /// lower edges seen.
     fn trace(&self, x: usize, y: usize, seen: &mut Self) -> Contour {
         let set = |x: i64, y: i64| x >= 0 && y >= 0 && self.get(x as usize, y as usize);
         let start = (x as i64, y as i64);

@@ -1,7 +1,8 @@
 //! Elementary functions that give the same bits on every platform.
 //!
-//! `f64::sin` and friends call the system's libm, whose last bit differs between platforms; one differing bit is
-//! enough to send a path the other way round. Everything here is pure Rust. `clippy.toml` bans the originals.
+//! `f64::sin` and friends call the system's libm, whose last bit differs between platforms; one
+//! differing bit is enough to send a path the other way round. Everything here is pure Rust.
+//! `clippy.toml` bans the originals.
 
 pub use libm::{acos, asin, atan, atan2, cos, exp, hypot, log as ln, pow, sin, tan};
 

@@ -1,12 +1,13 @@
 //! Decimal numbers in text, for every reader of files.
 //!
-//! The standard library parses them: its result is the nearest `f64` for any number of digits (Eisel-Lemire with a slow
-//! path, so at most about 800 digits are looked at). Readers differ only in where a number ends, which
-//! [`leading_number`] finds.
+//! The standard library parses them: its result is the nearest `f64` for any number of digits
+//! (Eisel-Lemire with a slow path, so at most about 800 digits are looked at). Readers differ only
+//! in where a number ends, which [`leading_number`] finds.
 //!
-//! Measured: a parser of our own with one division for up to 15 digits took 14 to 16 ns for numbers with 3 and 6 decimals,
-//! 21 ns for `%.9e` and 34 ns for shortest `f64`; the standard library took 22, 25, 23 and 25 ns (user time of 10^7
-//! numbers each). Nine nanoseconds are a tenth of a second in an ASCII STL of 100 MB, so there is no second parser.
+//! Measured: a parser of our own with one division for up to 15 digits took 14 to 16 ns for numbers
+//! with 3 and 6 decimals, 21 ns for `%.9e` and 34 ns for shortest `f64`; the standard library took
+//! 22, 25, 23 and 25 ns (user time of 10^7 numbers each). Nine nanoseconds are a tenth of a second
+//! in an ASCII STL of 100 MB, so there is no second parser.
 
 /// The number that a whole word is, sign and exponent included; `None` for anything else.
 ///

@@ -1,9 +1,10 @@
 //! Polylines in the plane: length, equal steps, and dropping vertices that do not matter.
 //!
-//! A polyline is a slice of points in mm. `closed` says that the last point is joined to the first, which is not
-//! repeated. Cost: [`length_mm`] and [`resampled`] are linear; [`simplified_with`] (Douglas and Peucker 1973,
-//! `douglas1973` in docs/references.bib) is O(n log n) for usual lines and O(n²) at worst, O(n) with pieces of limited
-//! length. Degenerate lines: without a point the result is empty; a line of no length keeps its points.
+//! A polyline is a slice of points in mm. `closed` says that the last point is joined to the first,
+//! which is not repeated. Cost: [`length_mm`] and [`resampled`] are linear; [`simplified_with`]
+//! (Douglas and Peucker 1973, `douglas1973` in docs/references.bib) is O(n log n) for usual lines
+//! and O(n²) at worst, O(n) with pieces of limited length. Degenerate lines: without a point the
+//! result is empty; a line of no length keeps its points.
 
 use glam::DVec2;
 
@@ -26,8 +27,8 @@ pub fn length_mm(line: &[DVec2], closed: bool) -> f64 {
     }
 }
 
-/// The polyline with points at equal steps of about `step_mm`. An open line keeps both ends; a closed one its first
-/// point.
+/// The polyline with points at equal steps of about `step_mm`. An open line keeps both ends; a
+/// closed one its first point.
 ///
 /// Corners between two steps are cut off. At most 10⁶ points are made.
 ///
@@ -68,8 +69,8 @@ pub fn resampled(line: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
     out
 }
 
-/// Which vertices of an open polyline Douglas and Peucker's method keeps: the ends, and in each stretch the vertex that
-/// is farthest off as long as `off` is above 1.
+/// Which vertices of an open polyline Douglas and Peucker's method keeps: the ends, and in each
+/// stretch the vertex that is farthest off as long as `off` is above 1.
 ///
 /// `off(i, a, b)` is the distance of vertex `i` from the line between vertices `a` and `b`, as a
 /// share of the tolerance; it may compare data of the vertices too. The line is first cut into
@@ -110,12 +111,13 @@ pub fn kept_vertices(n: usize, max_piece: usize, off: impl Fn(usize, usize, usiz
     keep
 }
 
-/// Stretches that are compared at once, segments. Bounds the time of a long line; the price is one vertex that is kept
-/// every 256 segments although the line is straight there.
+/// Stretches that are compared at once, segments. Bounds the time of a long line; the price is one
+/// vertex that is kept every 256 segments although the line is straight there.
 const MAX_PIECE: usize = 256;
 
-/// A polyline and its numbers (one a vertex) without the vertices that lie within `tolerance_mm` of the line through
-/// what remains and whose number lies within `value_tolerance` of the interpolated one.
+/// A polyline and its numbers (one a vertex) without the vertices that lie within `tolerance_mm` of
+/// the line through what remains and whose number lies within `value_tolerance` of the interpolated
+/// one.
 ///
 /// A closed line is cut into at least two pieces, so that it never collapses to a point.
 ///
@@ -162,7 +164,8 @@ mod tests {
     }
 
     proptest! {
-        /// Steps are equal along the line, so no chord is longer than a step, and every new point is on the old line.
+        /// Steps are equal along the line, so no chord is longer than a step, and every new point
+        /// is on the old line.
         #[test]
         fn steps_are_equal_and_on_the_line(line in lines(), closed in any::<bool>(), step in 0.05f64..2.0) {
             let out = resampled(&line, closed, step);

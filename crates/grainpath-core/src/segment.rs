@@ -1,8 +1,8 @@
 //! Straight segments in the plane: the closest point, the distance, and whether two of them cross.
 //!
 //! Lengths are mm. Signs of areas are exact ([`robust::orient2d`], Shewchuk 1997, `shewchuk1997` in
-//! docs/references.bib), so that three nearly collinear points are never told to turn both ways. A segment of no length
-//! is a point; every function accepts it.
+//! docs/references.bib), so that three nearly collinear points are never told to turn both ways. A
+//! segment of no length is a point; every function accepts it.
 
 use glam::DVec2;
 
@@ -100,8 +100,8 @@ mod tests {
             let [ax, ay, bx, by, cx, cy, dx, dy] = n;
             let p = |x: i64, y: i64| DVec2::new(x as f64 * 0.1, y as f64 * 0.1);
             let found = meeting([p(ax, ay), p(bx, by)], [p(cx, cy), p(dx, dy)]);
-            // Points in common at shares s = k / n and t with n the least common multiple of small denominators:
-            // a + s (b - a) lies on c-d exactly when the whole numbers below say so.
+            // Points in common at shares s = k / n and t with n the least common multiple of small
+            // denominators: a + s (b - a) lies on c-d exactly when the whole numbers below say so.
             let side = |(ox, oy): (i64, i64), (ex, ey): (i64, i64), (px, py): (i64, i64)| {
                 ((ex - ox) * (py - oy) - (ey - oy) * (px - ox)).signum()
             };

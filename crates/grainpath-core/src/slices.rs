@@ -1,9 +1,10 @@
-//! Scans as a sequence of slices: the waist between the readers of volume files and whatever consumes grey values.
+//! Scans as a sequence of slices: the waist between the readers of volume files and whatever
+//! consumes grey values.
 //!
-//! A [`SliceSource`] hands out one slice after another, so a consumer holds a few slices and never the whole volume.
-//! Columns run along x, rows along y, slices along z, all counted from 0. A slice is row-major: the value of column `i`
-//! and row `j` is `slice[j * n_columns + i]`. The axes are right-handed: a part cut from the slices is never the mirror
-//! image of what was scanned.
+//! A [`SliceSource`] hands out one slice after another, so a consumer holds a few slices and never
+//! the whole volume. Columns run along x, rows along y, slices along z, all counted from 0. A slice
+//! is row-major: the value of column `i` and row `j` is `slice[j * n_columns + i]`. The axes are
+//! right-handed: a part cut from the slices is never the mirror image of what was scanned.
 
 use std::error::Error;
 
@@ -78,8 +79,8 @@ pub struct VolumeInfo {
 
 /// Where a volume lies in the coordinates of the scanner, mm.
 ///
-/// The world is LPS as in DICOM: x to the patient's left, y to the back, z to the head. Files in other worlds (NIfTI is
-/// RAS) are converted.
+/// The world is LPS as in DICOM: x to the patient's left, y to the back, z to the head. Files in
+/// other worlds (NIfTI is RAS) are converted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WorldFrame {
     /// The world position of the centre of the first voxel, mm.

@@ -1,7 +1,7 @@
 //! The name that was meant by a misspelled one.
 
-/// The name with the smallest edit distance (Levenshtein) to `word`; of equal ones the first in the alphabet. Empty
-/// without names.
+/// The name with the smallest edit distance (Levenshtein) to `word`; of equal ones the first in the
+/// alphabet. Empty without names.
 ///
 /// ```
 /// use grainpath_core::spelling::nearest;

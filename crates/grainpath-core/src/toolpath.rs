@@ -1,7 +1,7 @@
 //! Paths of beads in printing order, in part coordinates: made by the planner, written as G-code.
 //!
-//! A [`Toolpath`] is one bead, a [`LayerPlan`] the paths of a layer with the travels between them, a [`Plan`] all layers.
-//! Lengths are mm; widths are full widths of the bead.
+//! A [`Toolpath`] is one bead, a [`LayerPlan`] the paths of a layer with the travels between them,
+//! a [`Plan`] all layers. Lengths are mm; widths are full widths of the bead.
 
 use glam::{DVec2, DVec3};
 

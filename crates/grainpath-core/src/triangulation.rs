@@ -47,7 +47,9 @@ pub enum TriangulationError {
 
 /// Largest number of points; a triangulation with more needs longer sides.
 const MAX_POINTS: usize = 3_000_000;
-/// Smallest angle of a triangle, degrees, except at the region's own corners.
+/// Smallest angle of a triangle, degrees, except at the region's own corners. Source: refinement is
+/// proved to end for angles up to 20.7 degrees (`ruppert1995`) and ends in practice up to about 33
+/// (`shewchuk2002`).
 const LEAST_ANGLE_DEG: f64 = 25.0;
 
 impl Triangulation {

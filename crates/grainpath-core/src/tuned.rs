@@ -1,13 +1,14 @@
 //! Numbers that were chosen by measurement, and the means to measure them again.
 //!
-//! Some constants of a fill, of a support or of the strength test follow from no formula and stand in no paper: they
-//! were chosen because the prints came out best. Such a constant is a [`Tuned`] number. It has a name, and
-//! `cargo xtask bench constants NAME` plans the same pieces with five or more values of it and prints gap, overlap,
-//! angle, paths and printing time of each, so that anyone can see how much hangs on the choice.
+//! Some constants of a fill, of a support or of the strength test follow from no formula and stand
+//! in no paper: they were chosen because the prints came out best. Such a constant is a [`Tuned`]
+//! number. It has a name, and `cargo xtask bench constants NAME` plans the same pieces with five or
+//! more values of it and prints gap, overlap, angle, paths and printing time of each, so that
+//! anyone can see how much hangs on the choice.
 //!
-//! Ordinary builds read the value that stands in the source and nothing else. In builds with the feature `sweep`, which
-//! the bench makes for itself, the command line hands over the environment variable `GRAINPATH_SWEEP`
-//! (`fill.continuous.finish.GAP=1.5`).
+//! Ordinary builds read the value that stands in the source and nothing else. In builds with the
+//! feature `sweep`, which the bench makes for itself, the command line hands over the environment
+//! variable `GRAINPATH_SWEEP` (`fill.continuous.finish.GAP=1.5`).
 //!
 //! ```
 //! use grainpath_core::tuned::Tuned;
@@ -60,8 +61,8 @@ impl<T: Copy + std::str::FromStr> Tuned<T> {
 #[cfg(feature = "sweep")]
 static SWEPT: std::sync::OnceLock<(String, String)> = std::sync::OnceLock::new();
 
-/// Takes another value for one constant from here on: `name=value`. The first call counts, and it has to come before the
-/// constant is read.
+/// Takes another value for one constant from here on: `name=value`. The first call counts, and it
+/// has to come before the constant is read.
 #[cfg(feature = "sweep")]
 pub fn sweep(text: &str) {
     if let Some((name, value)) = text.split_once('=') {

@@ -1,7 +1,8 @@
 //! Warnings: what was assumed, repaired or left out, with a stable id, the place and a remedy.
 //!
-//! A warning is data. A front end prints it, a program filters it by id, and `--strict` refuses a run that has any. The
-//! table in this file is the only list of ids; `docs/warnings.md` repeats it, and a test compares the two.
+//! A warning is data. A front end prints it, a program filters it by id, and `--strict` refuses a
+//! run that has any. The table in this file is the only list of ids; `docs/warnings.md` repeats it,
+//! and a test compares the two.
 //!
 //! ```
 //! use grainpath_core::{Diagnostics, Warning, WarningId};
@@ -262,7 +263,8 @@ impl fmt::Display for Place {
 
 /// One warning: what happened, where, and what helps.
 ///
-/// In JSON it is `{ "id", "text", "place", "remedy" }`; `place` is left out where the warning concerns the whole run.
+/// In JSON it is `{ "id", "text", "place", "remedy" }`; `place` is left out where the warning
+/// concerns the whole run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Warning {
     /// Its kind, with a stable name.
@@ -329,8 +331,8 @@ impl Warning {
         self.place.get_or_insert_default()
     }
 
-    /// The order of a list: the whole run first, then layer by layer, then by text; a total order, so that the order in
-    /// which threads arrive never shows.
+    /// The order of a list: the whole run first, then layer by layer, then by text; a total order,
+    /// so that the order in which threads arrive never shows.
     pub(crate) fn order(&self, other: &Self) -> Ordering {
         let layer = |w: &Self| w.place.as_ref().and_then(|p| p.layer);
         let point = |w: &Self| w.place.as_ref().map_or_else(Vec::new, |p| p.point_mm.clone());

@@ -1,7 +1,8 @@
 //! Elasticity for printed parts: meshes, solvers, recovered stress.
 //!
-//! Nothing here knows a job file, a printer or a toolpath. Lengths in mm, forces in N, stresses in MPa; tensors in
-//! the component order xx, yy, zz, xy, yz, zx (plane: xx, yy, xy), shear strains doubled (engineering).
+//! Nothing here knows a job file, a printer or a toolpath. Lengths in mm, forces in N, stresses in
+//! MPa; tensors in the component order xx, yy, zz, xy, yz, zx (plane: xx, yy, xy), shear strains
+//! doubled (engineering).
 
 pub mod load_case;
 pub mod material;

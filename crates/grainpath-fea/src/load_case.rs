@@ -1,11 +1,12 @@
 //! Fixtures and loads of a part, resolved against its surface.
 //!
-//! A job names places in several ways (shapes, facets, later faces). Whoever reads the job resolves them once into
-//! the types here; plates ([`crate::plane`]), solids ([`crate::solid`]) and both strength tests read only these, so
-//! that a load means the same everywhere.
+//! A job names places in several ways (shapes, facets, later faces). Whoever reads the job resolves
+//! them once into the types here; plates ([`crate::plane`]), solids ([`crate::solid`]) and both
+//! strength tests read only these, so that a load means the same everywhere.
 //!
-//! Units: mm, N, N mm, MPa, t/mm3 (1 g/cm3 is 1e-9 t/mm3, so that density times mm/s2 is N/mm3). Places and vectors
-//! are in part coordinates. A fixture holds in every load case; the loads of one case act together.
+//! Units: mm, N, N mm, MPa, t/mm3 (1 g/cm3 is 1e-9 t/mm3, so that density times mm/s2 is N/mm3).
+//! Places and vectors are in part coordinates. A fixture holds in every load case; the loads of one
+//! case act together.
 
 use grainpath_core::DVec3;
 

@@ -8,7 +8,8 @@ use grainpath_core::math::sin_cos;
 /// Stresses from strains, `(6, 6)`, MPa, order xx, yy, zz, xy, yz, zx with doubled shear strains.
 pub type Stiffness = [[f64; 6]; 6];
 
-/// An orthotropic material in its own axes: 1 along the beads, 2 across them in the layer, 3 from layer to layer.
+/// An orthotropic material in its own axes: 1 along the beads, 2 across them in the layer, 3 from
+/// layer to layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Orthotropic {
     /// Young's moduli along 1, 2 and 3, MPa.

@@ -14,8 +14,8 @@ pub type PlaneTensor = [f64; 3];
 pub struct PlanePrincipal {
     /// The greater and the smaller one, MPa.
     pub values_mpa: [f64; 2],
-    /// Angle of the greater one's axis from x, radians in `[0, pi)`. Where both are equal every axis is principal
-    /// and this is 0.
+    /// Angle of the greater one's axis from x, radians in `[0, pi)`. Where both are equal every
+    /// axis is principal and this is 0.
     pub axis_rad: f64,
 }
 

@@ -32,7 +32,8 @@ pub enum SparseError {
     Singular,
 }
 
-/// A symmetric matrix, its lower half by columns: `rows[starts[j]..starts[j + 1]]` rise from the diagonal `j`.
+/// A symmetric matrix, its lower half by columns: `rows[starts[j]..starts[j + 1]]` rise from the
+/// diagonal `j`.
 #[derive(Debug, Clone, Default)]
 pub struct Symmetric {
     /// `(n + 1)`

@@ -2,7 +2,8 @@
 //!
 //! It opens no file: front ends read bytes, call [`run::plan_job`], and write what comes back.
 //!
-//! Modules stand in reading order, from the whole run down to the stages it calls; a module uses only those below it.
+//! Modules stand in reading order, from the whole run down to the stages it calls; a module uses
+//! only those below it.
 
 pub mod run;
 pub mod error;

@@ -1,8 +1,8 @@
 //! Layer stacks as bytes: compact, exact and the same for the same stack, for files and for other machines.
 //!
-//! Format, version 1. Numbers called *varint* are LEB128: seven bits a byte, lowest first, the highest bit set on all
-//! bytes but the last; signed ones are zigzag-coded before (0, -1, 1, -2, ... become 0, 1, 2, 3, ...). An *f64* is eight
-//! bytes, little-endian.
+//! Format, version 1. Numbers called *varint* are LEB128: seven bits a byte, lowest first, the
+//! highest bit set on all bytes but the last; signed ones are zigzag-coded before (0, -1, 1, -2,
+//! ... become 0, 1, 2, 3, ...). An *f64* is eight bytes, little-endian.
 //!
 //! ```text
 //! stack    "GPLS"  version: u8 = 1  n_layers: varint  layer*
@@ -13,12 +13,13 @@
 //!          mode 1: x and y as steps of GRID_MM (1e-4 mm), signed varints, each less that of the point before
 //! ```
 //!
-//! Sections that went through a boolean lie on the grid, so nearly every contour has mode 1: a vertex takes 4 to 6 bytes
-//! instead of 16. Mode 1 is used only where multiplying the steps by [`GRID_MM`] gives back the very bits, so a decoded
-//! stack equals the encoded one in every bit and a plan made from it has the same G-code.
+//! Sections that went through a boolean lie on the grid, so nearly every contour has mode 1: a
+//! vertex takes 4 to 6 bytes instead of 16. Mode 1 is used only where multiplying the steps by
+//! [`GRID_MM`] gives back the very bits, so a decoded stack equals the encoded one in every bit and
+//! a plan made from it has the same G-code.
 //!
-//! Reading costs time and memory in proportion to the bytes given (at most 48 bytes of memory a byte), whatever counts
-//! they promise.
+//! Reading costs time and memory in proportion to the bytes given (at most 48 bytes of memory a
+//! byte), whatever counts they promise.
 
 use glam::DVec2;
 
@@ -318,7 +319,8 @@ mod tests {
             prop_assert_eq!(back.to_bytes(), bytes);
         }
 
-        /// No cut and no changed byte panics or takes more memory than the bytes allow; every cut is an error.
+        /// No cut and no changed byte panics or takes more memory than the bytes allow; every cut
+        /// is an error.
         #[test]
         fn damaged_bytes_are_refused_or_give_a_sound_stack(
             stack in stack(), cut in 0.0f64..1.0, at in 0.0f64..1.0, byte in any::<u8>(),

@@ -1,8 +1,9 @@
 //! The part as a stack of plane sections, whatever it was read from.
 //!
-//! A mesh, a scan, a drawing and a photograph all become a [`LayerStack`]; walls, fills and supports know nothing else of
-//! the part. Heights are mm above the plate, regions are in part coordinates (mm). The stack can be kept or sent to
-//! another machine as bytes: [`LayerStack::to_bytes`], format in [`encoding`].
+//! A mesh, a scan, a drawing and a photograph all become a [`LayerStack`]; walls, fills and
+//! supports know nothing else of the part. Heights are mm above the plate, regions are in part
+//! coordinates (mm). The stack can be kept or sent to another machine as bytes:
+//! [`LayerStack::to_bytes`], format in [`encoding`].
 
 pub mod encoding;
 
@@ -28,8 +29,9 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// A layer that ends at `z_top_mm` above the plate and is `height_mm` high; `None` unless both are finite,
-    /// the height is positive and the layer starts at or above the plate (within 1e-6 mm).
+    /// A layer that ends at `z_top_mm` above the plate and is `height_mm` high; `None` unless both
+    /// are finite, the height is positive and the layer starts at or above the plate (within 1e-6
+    /// mm).
     pub fn new(z_top_mm: f64, height_mm: f64, region: Region) -> Option<Self> {
         let sound = z_top_mm.is_finite() && height_mm > 0.0 && z_top_mm - height_mm > -1e-6;
         sound.then_some(Self { z_top_mm, height_mm, region })

@@ -8,7 +8,8 @@ use glam::DVec3;
 pub use topology::{EdgeUses, MeshHealth, Shells, diagnose};
 pub use weld::{VertexWelder, weld_within};
 
-/// Triangles over shared vertices, in mm once read. The mesh may be open or wound either way; [`diagnose`] says so.
+/// Triangles over shared vertices, in mm once read. The mesh may be open or wound either way;
+/// [`diagnose`] says so.
 ///
 /// ```
 /// use grainpath_core::{DVec3, TriMesh, mesh::diagnose};
@@ -34,7 +35,8 @@ impl TriMesh {
         self.triangles.iter().map(|&[a, b, c]| v(a).dot(v(b).cross(v(c))) / 6.0).sum()
     }
 
-    /// Lowest and highest corner of the box around all vertices that a triangle uses; `None` for an empty mesh.
+    /// Lowest and highest corner of the box around all vertices that a triangle uses; `None` for an
+    /// empty mesh.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let mut points = self.triangles.iter().flatten().map(|&i| self.vertices[i as usize]);
         let first = points.next()?;

@@ -6,8 +6,8 @@ use super::TriMesh;
 
 /// Gives equal positions one index: exact to the bit, with -0 taken as 0.
 ///
-/// An open-addressing table of indices into the vertices themselves: 4 bytes a slot, so that a soup of triangles
-/// never needs to be stored.
+/// An open-addressing table of indices into the vertices themselves: 4 bytes a slot, so that a soup
+/// of triangles never needs to be stored.
 #[derive(Debug, Clone)]
 pub struct VertexWelder {
     vertices: Vec<DVec3>,
@@ -32,7 +32,8 @@ impl VertexWelder {
         Self { vertices: Vec::with_capacity(n_vertices), slots: vec![EMPTY; slots] }
     }
 
-    /// The index of this position, which is new or one given before. `None` after 2^32 - 2 different positions.
+    /// The index of this position, which is new or one given before. `None` after 2^32 - 2
+    /// different positions.
     pub fn index(&mut self, p: DVec3) -> Option<u32> {
         // Adding zero turns -0 into 0, which compare equal but have different bits and would hash
         // apart.

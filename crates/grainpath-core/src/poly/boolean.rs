@@ -121,8 +121,9 @@ mod tests {
     }
 
     proptest! {
-        /// Union and intersection together have the area of both; a difference is what the intersection leaves; and no
-        /// result has more than its operands. Areas are right to half a grid step along all edges.
+        /// Union and intersection together have the area of both; a difference is what the
+        /// intersection leaves; and no result has more than its operands. Areas are right to half a
+        /// grid step along all edges.
         #[test]
         fn areas_of_booleans_add_up(
             a in prop::collection::vec(0.5f64..8.0, 3..20),

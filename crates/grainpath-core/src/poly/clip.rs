@@ -123,8 +123,8 @@ impl LineClipper {
         self.contains(a) && self.contains(b) && !self.meets(a, b)
     }
 
-    /// The pieces of `line` inside the region, in order. A piece that runs exactly along an edge counts as inside
-    /// on one side only (half-open rule).
+    /// The pieces of `line` inside the region, in order. A piece that runs exactly along an edge
+    /// counts as inside on one side only (half-open rule).
     pub fn clip(&self, line: &[DVec2]) -> Vec<ClippedLine> {
         let mut out: Vec<ClippedLine> = Vec::new();
         let Some(&first) = line.first() else { return out };

@@ -31,8 +31,8 @@ fn mark(line: &[DVec2], lo: usize, hi: usize, tolerance2: f64, keep: &mut [bool]
     }
 }
 
-/// An open polyline with the vertices dropped that lie within `tolerance_mm` of what remains (Douglas-Peucker).
-/// The ends stay.
+/// An open polyline with the vertices dropped that lie within `tolerance_mm` of what remains
+/// (Douglas-Peucker). The ends stay.
 pub fn simplify_line(line: &[DVec2], tolerance_mm: f64) -> Vec<DVec2> {
     if line.len() < 3 {
         return line.to_vec();

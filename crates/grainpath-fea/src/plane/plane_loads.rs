@@ -183,7 +183,8 @@ impl<'a> Plate<'a> {
         self.mesh.border.iter().filter(caught).copied().collect()
     }
 
-    /// Nodes of selected sides with their outward normals, weighted by the lengths of the sides that meet there.
+    /// Nodes of selected sides with their outward normals, weighted by the lengths of the sides
+    /// that meet there.
     fn normals(&self, on: &Selection) -> Vec<(u32, DVec2)> {
         let mut sums = BTreeMap::new();
         for side in self.sides(on) {

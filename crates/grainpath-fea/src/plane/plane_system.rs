@@ -26,7 +26,8 @@ pub struct PlaneSolution {
 }
 
 const NONE: usize = usize::MAX;
-/// Elements whose stiffness matrices are in memory at once.
+/// Elements whose stiffness matrices are in memory at once. Source: derived: 4096 matrices of 144
+/// numbers take 4.7 MB. The result does not depend on it.
 const CHUNK: usize = 4096;
 
 /// A factored plate, ready for any number of load cases.

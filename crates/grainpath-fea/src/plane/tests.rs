@@ -154,7 +154,8 @@ fn graded(t: f64, ratio: f64) -> f64 {
     (libm::pow(ratio, t) - 1.0) / (ratio - 1.0)
 }
 
-/// Greatest stress over the mean stress of the whole width, at a central hole of `ratio` of the width, load along x.
+/// Greatest stress over the mean stress of the whole width, at a central hole of `ratio` of the
+/// width, load along x.
 fn hole_factor(ratio: f64, c: PlaneStiffness, long: f64, n: usize) -> f64 {
     let (w, r) = (1.0, 0.5 * ratio);
     let mesh = mapped(n, n, |u, v| {

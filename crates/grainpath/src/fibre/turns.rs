@@ -1,8 +1,9 @@
 //! How sharply a path turns, and rounding it to a least radius.
 //!
-//! A polyline stands for a curve: at a vertex that turns by `a` between pieces of length `p` and `q` the curve has
-//! the radius `(p + q) / 4 / tan(a / 2)`, that of the circle which touches both pieces. Long pieces would make a sharp
-//! corner look wide, so the circle may not leave the corner by more than [`CORNER_MM`].
+//! A polyline stands for a curve: at a vertex that turns by `a` between pieces of length `p` and
+//! `q` the curve has the radius `(p + q) / 4 / tan(a / 2)`, that of the circle which touches both
+//! pieces. Long pieces would make a sharp corner look wide, so the circle may not leave the corner
+//! by more than [`CORNER_MM`].
 
 use grainpath_core::math::{acos, atan2, cos, cross, direction, rotated, tan};
 use grainpath_core::poly::simplify_line;
@@ -61,7 +62,8 @@ fn radius_mm(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     touching.min(near)
 }
 
-/// Every turn of a path whose radius is less than this, in order; a closed path does not repeat its first point.
+/// Every turn of a path whose radius is less than this, in order; a closed path does not repeat its
+/// first point.
 pub fn sharp_turns(points: &[DVec2], closed: bool, least_mm: f64) -> Vec<Turn> {
     let all = turns(points, closed);
     all.into_iter().filter(|t| t.radius_mm < SHY * least_mm).collect()

@@ -16,14 +16,15 @@ use grainpath_core::{DVec2, Polygon, Region};
 
 use super::hatch::{Hatch, Joints, Lines};
 
-/// The direction in which most of a bridge's lines are held at both ends by what lies below, and among those the one
-/// with the shortest free spans. `None` when nothing holds any line.
+/// The direction in which most of a bridge's lines are held at both ends by what lies below, and
+/// among those the one with the shortest free spans. `None` when nothing holds any line.
 ///
 /// `below` is the section of the layer under the bridge.
 pub fn bridge_angle_rad(bridge: &Polygon, below: &Region, spacing_mm: f64) -> Option<f64> {
     let hold = LineClipper::new(below);
     let mut angles: Vec<f64> = (0..12).map(|k| f64::from(k) * PI / 12.0).collect();
-    // The directions of the longer edges: bridges between parallel walls run square to them, or along their ends.
+    // The directions of the longer edges: bridges between parallel walls run square to them, or
+    // along their ends.
     let mut long: Vec<(f64, DVec2)> =
         bridge.contours().flat_map(|c| edges(c)).map(|(a, b)| (a.distance(b), b - a)).collect();
     long.sort_by(|a, b| b.0.total_cmp(&a.0));

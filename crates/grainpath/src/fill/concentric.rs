@@ -1,9 +1,10 @@
 //! Concentric infill: loops parallel to the border, from outside inwards.
 //!
-//! Each loop is an offset of the infill region by one more step; below full density the step is the bead spacing over the
-//! density. Offsets are mitred like walls. Loops follow holes too, and the middle that is left over between them stays open
-//! where it is narrower than a bead. Every loop starts anew: [`Continuous`](super::Continuous) opens them into one path.
-//! Cost: one polygon offset a loop.
+//! Each loop is an offset of the infill region by one more step; below full density the step is the
+//! bead spacing over the density. Offsets are mitred like walls. Loops follow holes too, and the
+//! middle that is left over between them stays open where it is narrower than a bead. Every loop
+//! starts anew: [`Continuous`](super::Continuous) opens them into one path. Cost: one polygon
+//! offset a loop.
 
 use grainpath_core::poly::Join;
 use grainpath_core::{Polygon, Region, Toolpath};

@@ -311,8 +311,8 @@ impl Layout<'_> {
         (out, false)
     }
 
-    /// For each point of a line, the width of the strip that is its own, mm: half way to the next line on either side,
-    /// or to the border of what is to be filled.
+    /// For each point of a line, the width of the strip that is its own, mm: half way to the next
+    /// line on either side, or to the border of what is to be filled.
     fn strips(&self, i: usize, spacing_mm: f64, border_mm: f64) -> Vec<f64> {
         let line = &self.lines[i];
         let n = line.points.len();

@@ -1,8 +1,9 @@
 //! Gyroid infill: sections of the surface `sin x cos y + sin y cos z + sin z cos x = 0`.
 //!
-//! At a height `z` the section consists of waves that run along x or along y, whichever the phase favours; from layer to
-//! layer they turn into each other, so no straight line of weakness runs through the part. For a given `z` the equation is
-//! solved for the coordinate across in closed form (two branches), 24 points a period.
+//! At a height `z` the section consists of waves that run along x or along y, whichever the phase
+//! favours; from layer to layer they turn into each other, so no straight line of weakness runs
+//! through the part. For a given `z` the equation is solved for the coordinate across in closed
+//! form (two branches), 24 points a period.
 //!
 //! The density fixes the period: the mean length of all waves in a unit of area, over all heights,
 //! is integrated once numerically. The period is then chosen so that length times bead area is the

@@ -1,9 +1,9 @@
 //! Parallel lines in a polygon, and the pieces of border that join their ends.
 //!
-//! Lines are rows of equal distance in a turned frame. Each edge of the polygon is cut by the rows it spans; the cuts of a
-//! row, sorted along it, are the ends of its pieces two by two. Along the border the ends are linked to their neighbours, so
-//! a zigzag follows a piece to its end, the border to the next free end if that is near enough ([`Joints`]), and the next
-//! piece back.
+//! Lines are rows of equal distance in a turned frame. Each edge of the polygon is cut by the rows
+//! it spans; the cuts of a row, sorted along it, are the ends of its pieces two by two. Along the
+//! border the ends are linked to their neighbours, so a zigzag follows a piece to its end, the
+//! border to the next free end if that is near enough ([`Joints`]), and the next piece back.
 //!
 //! ```text
 //!    +--------+         A joint may not be longer than stated, nor bulge towards the
@@ -12,8 +12,8 @@
 //!    |========|
 //! ```
 //!
-//! Exact comparisons decide which row an edge spans, so that a row through a vertex is cut once. Cost: linear in edges and
-//! ends, but for sorting the ends of each row.
+//! Exact comparisons decide which row an edge spans, so that a row through a vertex is cut once.
+//! Cost: linear in edges and ends, but for sorting the ends of each row.
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::{DVec2, Polygon};

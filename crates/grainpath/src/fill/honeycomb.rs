@@ -1,7 +1,8 @@
 //! Honeycomb infill: regular hexagons, the same in every layer.
 //!
-//! Each path is a wave of flats and ramps; neighbouring waves lie mirrored, so that their flats lie side by side as one wall
-//! two beads thick and their ramps bound the hexagons. Printed as waves the pattern has no stops and no crossing:
+//! Each path is a wave of flats and ramps; neighbouring waves lie mirrored, so that their flats lie
+//! side by side as one wall two beads thick and their ramps bound the hexagons. Printed as waves
+//! the pattern has no stops and no crossing:
 //!
 //! ```text
 //!     __      __            __      __
@@ -9,7 +10,8 @@
 //!    \__/  \_\__/  \_
 //! ```
 //!
-//! The side of a hexagon follows from the density, counting the double walls once each. Cost: linear in the waves.
+//! The side of a hexagon follows from the density, counting the double walls once each. Cost:
+//! linear in the waves.
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::poly::LineClipper;

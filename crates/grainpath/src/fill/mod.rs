@@ -148,7 +148,8 @@ mod tests {
             for (outline, region) in outlines() {
                 for density in [0.1, 0.2, 0.4] {
                     let found = volume_share(infill(pattern), &region, density);
-                    // What joins lines along the border comes on top, and counts for more the wider the spacing.
+                    // What joins lines along the border comes on top, and counts for more the wider
+                    // the spacing.
                     if (found - density).abs() > 0.036_f64.max(0.12 * density) {
                         wrong.push(format!("{} on {outline} at {density}: {found:.3}", pattern.name()));
                     }

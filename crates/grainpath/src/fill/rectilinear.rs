@@ -1,11 +1,13 @@
 //! Straight lines: sparse in one or several directions, and dense.
 //!
-//! Sparse lines lie on a raster of the whole part, so that islands and layers line up; their distance is the bead spacing
-//! over the density, in `n` directions `n` times that. Dense lines are placed region by region ([`spaced`]) and their width
-//! follows the spacing, so that the volume laid is the volume of the region. Neighbouring lines are joined at their ends along
-//! the border where that is short ([`Joints`]), which turns a raster into few zigzag paths.
+//! Sparse lines lie on a raster of the whole part, so that islands and layers line up; their
+//! distance is the bead spacing over the density, in `n` directions `n` times that. Dense lines are
+//! placed region by region ([`spaced`]) and their width follows the spacing, so that the volume
+//! laid is the volume of the region. Neighbouring lines are joined at their ends along the border
+//! where that is short ([`Joints`]), which turns a raster into few zigzag paths.
 //!
-//! Units: mm, radians from +X. Cost: linear in the lines; a line is clipped by a scan over the edges of the region.
+//! Units: mm, radians from +X. Cost: linear in the lines; a line is clipped by a scan over the
+//! edges of the region.
 
 use std::f64::consts::PI;
 

@@ -1,9 +1,11 @@
-//! Offset and spacing of solid infill lines, so that edges parallel to them are neither under- nor over-filled.
+//! Offset and spacing of solid infill lines, so that edges parallel to them are neither under- nor
+//! over-filled.
 //!
-//! Straight lines that fill a region evenly leave a part of a bead open along edges that run with them, wherever the region
-//! is not a whole number of beads high. The outermost two edges can always be met by spacing the lines evenly between them.
-//! Where a region has steps, other pairs of edges are tried: each pair fixes offset and spacing for a number of lines, and
-//! the pair wins that leaves the least area open or laid twice along all edges.
+//! Straight lines that fill a region evenly leave a part of a bead open along edges that run with
+//! them, wherever the region is not a whole number of beads high. The outermost two edges can
+//! always be met by spacing the lines evenly between them. Where a region has steps, other pairs of
+//! edges are tried: each pair fixes offset and spacing for a number of lines, and the pair wins
+//! that leaves the least area open or laid twice along all edges.
 //!
 //! ```text
 //!    +------------------+   edges of a tensile bar: grips (outer pair) and gauge (inner pair);
@@ -11,9 +13,10 @@
 //!    |   |          |   |
 //! ```
 //!
-//! Spacing moves by at most [`PLAY`], so widths stay within that of the nominal bead. Measured (CHANGELOG 0.1.0): gap of the
-//! tensile bar of ISO 527 at 0 degrees 1.53 % before, 0.12 % after. Cost: pairs of the [`MOST`] longest edges times a few
-//! spacings. Degenerate cases: a region without height gives `None`; one narrower than two beads gets a single line.
+//! Spacing moves by at most [`PLAY`], so widths stay within that of the nominal bead. Measured
+//! (CHANGELOG 0.1.0): gap of the tensile bar of ISO 527 at 0 degrees 1.53 % before, 0.12 % after.
+//! Cost: pairs of the [`MOST`] longest edges times a few spacings. Degenerate cases: a region
+//! without height gives `None`; one narrower than two beads gets a single line.
 
 use grainpath_core::Polygon;
 use grainpath_core::math::{direction, rotated};

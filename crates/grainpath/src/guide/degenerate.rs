@@ -10,8 +10,8 @@
 //! origin, and their sense of rotation is the index. Pairs of a wedge and a trisector within a few
 //! cells of each other come and go with the noise of the solution; they are removed.
 //!
-//! Units: MPa, mm. Limits: stresses below [`NOISE`] of the greatest count as zero. Held by tests on linear fields, Kirsch's
-//! hole (four points on its edge) and a ring. Cost: linear in the elements.
+//! Units: MPa, mm. Limits: stresses below [`NOISE`] of the greatest count as zero. Held by tests on
+//! linear fields, Kirsch's hole (four points on its edge) and a ring. Cost: linear in the elements.
 
 use grainpath_core::math::cross;
 use grainpath_core::poly::{LineClipper, edges};
@@ -46,8 +46,8 @@ impl Degenerates {
     }
 }
 
-/// Stresses below this share of the greatest are noise. Measured: recovered stresses of the test plates are wrong by about
-/// this share away from corners (docs/verification.md).
+/// Stresses below this share of the greatest are noise. Measured: recovered stresses of the test
+/// plates are wrong by about this share away from corners (docs/verification.md).
 const NOISE: f64 = 5e-3;
 
 /// Finds the degenerate points: inside elements from the stress at their corners, and on the border

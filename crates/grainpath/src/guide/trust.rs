@@ -1,14 +1,15 @@
 //! Warnings about a stress result: whether its numbers can be trusted.
 //!
-//! A stress far beyond the strength is a load or a unit gone wrong. A large mesh error hides the peak. Loads and
-//! reactions that do not cancel mean a broken model. A large displacement breaks the assumption of small strains.
+//! A stress far beyond the strength is a load or a unit gone wrong. A large mesh error hides the
+//! peak. Loads and reactions that do not cancel mean a broken model. A large displacement breaks
+//! the assumption of small strains.
 
 use super::{ResultMesh, StressSettings, StressSummary};
 use grainpath_core::tensor::von_mises;
 use grainpath_core::{DVec3, Diagnostics, TriMesh, Warning, WarningId};
 
-/// A peak above this multiple of the strength along the beads is a slip in the loads or in a unit, or a singular corner.
-/// Source: issue 22, item 12.
+/// A peak above this multiple of the strength along the beads is a slip in the loads or in a unit,
+/// or a singular corner. Source: issue 22, item 12.
 const MAX_STRENGTH_MULTIPLE: f64 = 2.0;
 /// Estimated share of the stress that the mesh may miss. Source: issue 22, item 12.
 const MAX_MESH_ERROR: f64 = 0.1;

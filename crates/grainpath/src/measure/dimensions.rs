@@ -65,8 +65,8 @@ pub struct DimensionError {
     pub problem: String,
 }
 
-/// Reads a file of true dimensions: `[[dimension]]` with `name`, `kind` ("outside", "bore", "width", "height"),
-/// `true_mm`, and `z_mm` with `centre_mm` or `from_mm` and `to_mm`.
+/// Reads a file of true dimensions: `[[dimension]]` with `name`, `kind` ("outside", "bore",
+/// "width", "height"), `true_mm`, and `z_mm` with `centre_mm` or `from_mm` and `to_mm`.
 ///
 /// # Errors
 /// [`DimensionError`] that names the file and the dimension.

@@ -11,7 +11,7 @@ pub use planned::Planned;
 
 use grainpath_core::DVec2;
 
-/// Of the height of a layer's middle, mm, and the ends of a straight piece of bead, in part coordinates: the angle
-/// between it and the axis the guide asks for there, degrees from 0 to 90, and how much that matters, 0 to 1. `None`
-/// outside the part and for points.
+/// Of the height of a layer's middle, mm, and the ends of a straight piece of bead, in part
+/// coordinates: the angle between it and the axis the guide asks for there, degrees from 0 to 90,
+/// and how much that matters, 0 to 1. `None` outside the part and for points.
 pub type DirectionError<'a> = dyn Fn(f64, [DVec2; 2]) -> Option<(f64, f64)> + 'a;

@@ -90,7 +90,8 @@ pub struct StressReport {
     pub border_points: usize,
 }
 
-/// A load or a reaction of a case: the area it acts on, its force, and its moment about the centroid of that area.
+/// A load or a reaction of a case: the area it acts on, its force, and its moment about the
+/// centroid of that area.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct ResultantReport {

@@ -6,7 +6,8 @@
 //! detour longer than a stated multiple of the straight way is refused; the nozzle then goes
 //! straight, with the filament drawn back and, if the job says so, lifted.
 //!
-//! Cost: linear in the vertices of the contour for a travel that crosses the border, constant for one that does not.
+//! Cost: linear in the vertices of the contour for a travel that crosses the border, constant for
+//! one that does not.
 
 use grainpath_core::poly::LineClipper;
 use grainpath_core::{DVec2, PlannedPath, Polygon, Region, Toolpath, Travel};

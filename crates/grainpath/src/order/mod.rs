@@ -93,9 +93,9 @@ pub fn order_stack(
     order_window(stack.layers(), window, layers, settings, &mut OrderState::new(settings), diagnostics)
 }
 
-/// Orders a window of layers. `sections` are those of the whole part; `layers` has one entry for each layer of the
-/// window. The order of a layer depends on the layer below through `state`, so windows must be given from the plate
-/// upwards without a gap.
+/// Orders a window of layers. `sections` are those of the whole part; `layers` has one entry for
+/// each layer of the window. The order of a layer depends on the layer below through `state`, so
+/// windows must be given from the plate upwards without a gap.
 ///
 /// # Errors
 /// [`Interrupted`] when a stop was asked for.

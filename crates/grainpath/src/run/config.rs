@@ -1,7 +1,8 @@
 //! Makes the settings of each stage from the settings of a job.
 //!
-//! This is the only module of the planner that reads a job. Every choice is matched exhaustively, so that a new word in
-//! `grainpath_job::choices` does not compile until it is handled here. Units change here too: degrees become radians.
+//! This is the only module of the planner that reads a job. Every choice is matched exhaustively,
+//! so that a new word in `grainpath_job::choices` does not compile until it is handled here. Units
+//! change here too: degrees become radians.
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::{LengthUnit, bead_spacing_mm};
@@ -189,8 +190,9 @@ pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> Gr
     }
 }
 
-/// How the texture of a scan is read, for a part with these bounds and this height. The scan is that of `guide.volume`, or
-/// of `shape.ct` where that names none; `own` is what was found in the latter.
+/// How the texture of a scan is read, for a part with these bounds and this height. The scan is
+/// that of `guide.volume`, or of `shape.ct` where that names none; `own` is what was found in the
+/// latter.
 pub(crate) fn texture(
     s: &Settings,
     own: Option<&CtReport>,
@@ -232,8 +234,8 @@ pub(crate) fn texture(
     }
 }
 
-/// How supports are made; `None` for jobs without support. `plate_from_part` is the position of the part's origin on the
-/// bed, mm.
+/// How supports are made; `None` for jobs without support. `plate_from_part` is the position of the
+/// part's origin on the bed, mm.
 pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> {
     let u = &s.support;
     let style = match u.style {
@@ -547,7 +549,8 @@ pub(crate) fn fibre(s: &Settings) -> Option<FibreSettings> {
     })
 }
 
-/// Width of beads with fibre where the whole part is to be dense, mm: there the width decides how much stays unfilled.
+/// Width of beads with fibre where the whole part is to be dense, mm: there the width decides how
+/// much stays unfilled.
 pub fn dense_fibre_width_mm(s: &Settings) -> Option<f64> {
     let f = &s.fibre;
     // Fibre in some layers or places only: then the width matters just where the matrix is dense

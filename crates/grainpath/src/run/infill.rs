@@ -41,7 +41,8 @@ impl Steps<'_> {
         (0.5 - walls.fill_overlap) * s + 0.5 * (w - s)
     }
 
-    /// The direction of a layer's lines. Patterns that cross within a layer, and `aligned`, use the first raster angle.
+    /// The direction of a layer's lines. Patterns that cross within a layer, and `aligned`, use the
+    /// first raster angle.
     pub(super) fn angle_rad(&self, layer_idx: usize, density: Density) -> f64 {
         let infill = &self.settings.infill;
         if let Some(angle_rad) = infill.guide_angle_rad {
@@ -76,7 +77,8 @@ impl Steps<'_> {
         let mut tally = Tally::default();
         let infill = &self.settings.infill;
         let all_dense = infill.density.is_dense();
-        // Skins over sparse infill close the part: they are straight lines without fibre, whatever the pattern.
+        // Skins over sparse infill close the part: they are straight lines without fibre, whatever
+        // the pattern.
         let grain = self.grain.filter(|_| all_dense);
         let fibre = self.fibre.filter(|_| all_dense);
         for (polygons, role) in [(&split.solid, Role::SolidFill), (&split.top, Role::TopSkin)] {

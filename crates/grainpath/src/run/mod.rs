@@ -134,7 +134,8 @@ pub fn plan_scan(
     plan_stack(settings, sliced, stress, grain, clock, diagnostics)
 }
 
-/// Whether the job needs the surface of the part: for a stress analysis, for supports or for the strength test.
+/// Whether the job needs the surface of the part: for a stress analysis, for supports or for the
+/// strength test.
 fn wants_surface(settings: &Settings) -> bool {
     settings.guide.kind == GuideKind::Stress
         || settings.support.style != SupportStyle::None

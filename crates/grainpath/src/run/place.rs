@@ -61,8 +61,8 @@ pub fn mesh_and_layers(
     Ok(Sliced { stack, mesh, lowered_mm, painted, scan: None })
 }
 
-/// The bodies of a file in millimetres, standing on the bed, followed by the painted support enforcers and blockers; and
-/// the distance in mm by which they were lowered.
+/// The bodies of a file in millimetres, standing on the bed, followed by the painted support
+/// enforcers and blockers; and the distance in mm by which they were lowered.
 fn place_bodies(
     settings: &PlaceSettings,
     file: MeshFile,

@@ -13,11 +13,12 @@
 //! | infill ([`Steps::infill`]) | the section below, for bridges |
 //! | order ([`crate::order::order_window`]) | the nozzle and the seams of the layer below, in an `OrderState` |
 //!
-//! Sections are compact and are kept for the whole part. Two things are found for the whole part before any window: the
-//! guide, and the density of a job that asks for a mass.
+//! Sections are compact and are kept for the whole part. Two things are found for the whole part
+//! before any window: the guide, and the density of a job that asks for a mass.
 //!
-//! Cost: each step is linear in the number of layers, except that a window makes the masks of its neighbouring sections
-//! once more. Layers run in parallel within a window, so very small windows use fewer threads.
+//! Cost: each step is linear in the number of layers, except that a window makes the masks of its
+//! neighbouring sections once more. Layers run in parallel within a window, so very small windows
+//! use fewer threads.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -268,7 +269,8 @@ impl<'a> Steps<'a> {
         })
     }
 
-    /// Lays the infill, the supports, skirt and brim of a window of layers. `walls` and `skins` are those of the window.
+    /// Lays the infill, the supports, skirt and brim of a window of layers. `walls` and `skins` are
+    /// those of the window.
     ///
     /// # Errors
     /// [`Interrupted`] when a stop was asked for.

@@ -4,13 +4,15 @@
 //!
 //! 1. vertices that lie together are merged, but only where edges are open, so that intended gaps stay;
 //! 2. facets are turned so that neighbours agree, beginning at the first facet of each shell;
-//! 3. shells of negative volume are turned as a whole, unless they may be cavities: a larger shell of positive volume
+//! 3. shells of negative volume are turned as a whole, unless they may be cavities: a larger shell
+//!    of positive volume
 //!    has them inside its bounds (one of the 200 largest, so that thousands of specks do not cost their square);
 //! 4. holes that remain stay in the mesh and are closed in each section ([`super::section`]).
 //!
-//! No triangle is invented: closing holes in sections needs no surface, and a wrong cap would be cut like a true one.
-//! A mesh most of whose edges are open has no volume and is refused. [`Repair::Strict`] refuses every defect.
-//! Cost: linear in the triangles, and shells of negative volume times 200.
+//! No triangle is invented: closing holes in sections needs no surface, and a wrong cap would be
+//! cut like a true one. A mesh most of whose edges are open has no volume and is refused.
+//! [`Repair::Strict`] refuses every defect. Cost: linear in the triangles, and shells of negative
+//! volume times 200.
 
 use grainpath_core::mesh::{EdgeUses, MeshHealth, Shells, diagnose, weld_within};
 use grainpath_core::{DVec3, Diagnostics, TriMesh, WarningId};

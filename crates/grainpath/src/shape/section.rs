@@ -1,17 +1,19 @@
 //! One section of a mesh: from crossed triangles to a region.
 //!
-//! Every triangle that crosses the plane gives one segment, from the side that goes down through the plane to the one that
-//! goes up, so that the inside lies on its left. Segments are named by the mesh edges at their ends; following equal names
-//! gives closed contours without comparing coordinates. A vertex on the plane counts as above it, so a plane never meets a
-//! vertex, an edge or a face exactly.
+//! Every triangle that crosses the plane gives one segment, from the side that goes down through
+//! the plane to the one that goes up, so that the inside lies on its left. Segments are named by
+//! the mesh edges at their ends; following equal names gives closed contours without comparing
+//! coordinates. A vertex on the plane counts as above it, so a plane never meets a vertex, an edge
+//! or a face exactly.
 //!
 //! Damaged meshes leave open chains. They are joined end to start, nearest first. A chain is closed
 //! on itself only when no other start is nearer than its own. Every gap that is closed is counted
 //! ([`Mended`]) and reported in a warning.
 //!
-//! The point where an edge crosses the plane is computed from its lower vertex to its higher one, so both its triangles get
-//! the same bits. Contours of all shells are united by winding number: overlapping bodies do not cancel and cavities stay.
-//! Cost: linear in the crossed triangles, but for joining open chains, which is quadratic in their number.
+//! The point where an edge crosses the plane is computed from its lower vertex to its higher one,
+//! so both its triangles get the same bits. Contours of all shells are united by winding number:
+//! overlapping bodies do not cancel and cavities stay. Cost: linear in the crossed triangles, but
+//! for joining open chains, which is quadratic in their number.
 
 use grainpath_core::Bounds2;
 use grainpath_core::poly::{FillRule, simplify_contour};
@@ -148,8 +150,8 @@ fn segment(mesh: &TriMesh, triangle: [u32; 3], z: f64) -> Option<Segment> {
     Some(Segment { from, to, start, end })
 }
 
-/// The edge between two vertices and the point where it crosses the plane, computed from the lower index to the
-/// higher so that the bits do not depend on the triangle.
+/// The edge between two vertices and the point where it crosses the plane, computed from the lower
+/// index to the higher so that the bits do not depend on the triangle.
 fn crossing(mesh: &TriMesh, a: u32, b: u32, z: f64) -> (EdgeKey, DVec2) {
     let (low, high) = (a.min(b), a.max(b));
     let (p, q) = (mesh.vertices[low as usize], mesh.vertices[high as usize]);

@@ -94,8 +94,9 @@ pub fn lay_walls(polygon: &Polygon, settings: &WallSettings) -> Walls {
     lay_crowded_walls(region, settings, s)
 }
 
-/// Whether a polygon keeps its shape when shrunk by `d_mm` to `inset`: no hole, neck or tail was swallowed. Then the
-/// area lost follows from perimeter and corners alone (Steiner's formula for sharp corners).
+/// Whether a polygon keeps its shape when shrunk by `d_mm` to `inset`: no hole, neck or tail was
+/// swallowed. Then the area lost follows from perimeter and corners alone (Steiner's formula for
+/// sharp corners).
 fn shrinks_smoothly(polygon: &Polygon, inset: &Region, d_mm: f64) -> bool {
     let [only] = inset.polygons.as_slice() else { return false };
     // A hole that vanished or merged with the outline shows in the number of contours; a neck that

@@ -53,11 +53,12 @@ const MIN_BRIDGE_MM2: f64 = 1.5;
 /// Smaller changes of the surface get no border in the fill, mm2.
 const MIN_SPLIT_MM2: f64 = 4.0;
 
-/// Divides the fill of a window of layers and hands each layer's skins to `each`, whose results come back in order.
+/// Divides the fill of a window of layers and hands each layer's skins to `each`, whose results
+/// come back in order.
 ///
-/// `sections` are those of the whole part, since the skins of a layer depend on the `top_layers` sections above and the
-/// `bottom_layers` below it. `fills` holds where infill may lie, for the layers of the window. `each` gets the number of
-/// the layer in the window.
+/// `sections` are those of the whole part, since the skins of a layer depend on the `top_layers`
+/// sections above and the `bottom_layers` below it. `fills` holds where infill may lie, for the
+/// layers of the window. `each` gets the number of the layer in the window.
 ///
 /// # Errors
 /// [`Interrupted`] when a stop was asked for.

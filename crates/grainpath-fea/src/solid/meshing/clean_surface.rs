@@ -16,11 +16,12 @@ use grainpath_core::mesh::EdgeUses;
 
 use super::features::root;
 
-/// A closed shell with less than this share of the volume is taken out. Derived: a millionth of the volume is a body a
-/// hundredth of the part's size across, while pieces of up to a thousandth are left out of the elements anyway.
+/// A closed shell with less than this share of the volume is taken out. Source: derived: a
+/// millionth of the volume is a body a hundredth of the part's size across, while pieces of up to a
+/// thousandth are left out of the elements anyway.
 const MAX_CLOSED_SHARE: f64 = 1e-6;
-/// An open shell with less than this share of the volume is taken out, since what it encloses is unknown. Derived: the
-/// share below which pieces are left out of the elements.
+/// An open shell with less than this share of the volume is taken out, since what it encloses is
+/// unknown. Source: derived: the share below which pieces are left out of the elements.
 const MAX_OPEN_SHARE: f64 = 1e-3;
 
 /// A surface without its flat shells.

@@ -14,8 +14,9 @@ const SAMPLES: usize = 4000;
 /// Share of the surface, and of the volume, that may be thinner than the reported thickness: tips
 /// of wedges, engraved marks.
 const THIN_SHARE: f64 = 0.02;
-/// Walls that hold less than this share of the volume are sheets without thickness. Derived: two percent of the surface
-/// hold so little only where they are ten thousand times thinner than the part is on the mean.
+/// Walls that hold less than this share of the volume are sheets without thickness. Source:
+/// derived: two percent of the surface hold so little only where they are ten thousand times
+/// thinner than the part is on the mean.
 const SHEET_SHARE: f64 = 1e-6;
 
 /// Walls found by rays: thickness and middle point, thinnest first.

@@ -12,7 +12,8 @@ use super::tet_mesh::TetMesh;
 /// No support.
 const NONE: u32 = u32::MAX;
 
-/// Prescribed displacements. Directions at a node are kept orthonormal, so any number of planes and axes may meet.
+/// Prescribed displacements. Directions at a node are kept orthonormal, so any number of planes and
+/// axes may meet.
 #[derive(Debug, Clone, Default)]
 pub struct Supports {
     /// For each node its index in `held`, or `NONE`.

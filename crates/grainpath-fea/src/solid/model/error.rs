@@ -30,7 +30,8 @@ pub enum SolidError {
         thickness_mm: f64,
         /// Element size, mm.
         size_mm: f64,
-        /// Largest of the sizes that resolve the walls and fit the memory limit, mm; `None` where no size does both.
+        /// Largest of the sizes that resolve the walls and fit the memory limit, mm; `None` where
+        /// no size does both.
         fitting_mm: Option<f64>,
         /// Memory limit, MiB.
         limit_mib: f64,

@@ -58,7 +58,8 @@ fn face_shapes([a, b, c]: [f64; 3]) -> ([f64; 6], [[f64; 2]; 6]) {
     (n, slopes)
 }
 
-/// Calls `at(face nodes, shape values, position, outward area vector)` at every point of the rule on some faces.
+/// Calls `at(face nodes, shape values, position, outward area vector)` at every point of the rule
+/// on some faces.
 fn over_faces(mesh: &TetMesh, faces: &[usize], mut at: impl FnMut(&[u32; 6], &[f64; 6], DVec3, DVec3)) {
     for &f in faces {
         let nodes = &mesh.faces[f].nodes;

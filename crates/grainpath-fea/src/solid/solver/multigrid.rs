@@ -34,7 +34,8 @@ const FINEST: Smoothing = Smoothing { steps: 3, band: 25.0 };
 const LINEAR: Smoothing = Smoothing { steps: 8, band: 100.0 };
 /// For grids, each twice as wide as the one before.
 pub(crate) const GRID: Smoothing = Smoothing { steps: 4, band: 25.0 };
-/// Largest number of nodes of the level that is factorized.
+/// Largest number of nodes of the level that is factorized. Source: derived: 750 unknowns make a
+/// factor of 4.5 MB and 70 million multiplications.
 const DENSE_NODES: usize = 250;
 
 enum Matrix {
@@ -176,7 +177,8 @@ impl Multigrid {
         Ok(Self::below(operator, first, (matrix, LINEAR), grid.over(&places, held)))
     }
 
-    /// From a finest level, the transfer to it, the matrix below and how it is smoothed, and the grid below that.
+    /// From a finest level, the transfer to it, the matrix below and how it is smoothed, and the
+    /// grid below that.
     pub(crate) fn below(
         finest: &dyn System,
         first: Transfer,

@@ -14,9 +14,11 @@ use crate::solid::model::material_map::Model;
 use crate::solid::model::quadratic_tet::{self as element, Law, STIFFNESS_RULE};
 use crate::solid::model::tet_shape::EDGES;
 
-/// Elements of a group; their nodes are numbered with 16 bits.
+/// Elements of a group; their nodes are numbered with 16 bits. Source: derived: 1024 elements of
+/// ten nodes have at most 10 240 different ones.
 const GROUP: usize = 1024;
-/// Nodes that one task processes.
+/// Nodes that one task processes. Source: derived: 4096 vectors take 98 KB, which fits the second
+/// cache of a core.
 pub(crate) const CHUNK: usize = 4096;
 
 pub(crate) struct Operator<'a> {

@@ -1,8 +1,9 @@
 //! Cells: strips cut across at even lengths, and which cells share an edge.
 //!
-//! A strip is a closed outline with one bead on each of its long sides. Cutting it across at even lengths gives cells about
-//! as long as [`Continuous::aspect`](super::Continuous) strips are wide. Two cells share an edge across a cut, or beside a
-//! strip where two strips face each other a bead apart.
+//! A strip is a closed outline with one bead on each of its long sides. Cutting it across at even
+//! lengths gives cells about as long as [`Continuous::aspect`](super::Continuous) strips are wide.
+//! Two cells share an edge across a cut, or beside a strip where two strips face each other a bead
+//! apart.
 //!
 //! ```text
 //!    ====+========+======   strip A     + cut across: edge between two cells of A

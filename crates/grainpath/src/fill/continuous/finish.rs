@@ -7,8 +7,9 @@
 //! loops that a line makes over itself are cut off. With variable width each bead then becomes as
 //! wide as the space it has.
 //!
-//! Constants are in bead spacings unless they end in `_MM`. They bound how far a bead may move at once, and which distances
-//! count as a neighbour, a gap, or a corner. Cost: linear in the points, a few rays each.
+//! Constants are in bead spacings unless they end in `_MM`. They bound how far a bead may move at
+//! once, and which distances count as a neighbour, a gap, or a corner. Cost: linear in the points,
+//! a few rays each.
 
 use grainpath_core::math::cross;
 use grainpath_core::poly::{Join, LineClipper, perimeter_mm};
@@ -21,8 +22,8 @@ use super::super::field::widths::{Line, Neighbours};
 use super::rings::{CLOSE, SEEN_BEADS, beside};
 use crate::fill::FillContext;
 
-/// The narrowest bead, as a share of the nominal one. Source: as in [`stripes`](super::super::field::stripes), from
-/// `Kuipers2020`.
+/// The narrowest bead, as a share of the nominal one. Source: as in
+/// [`stripes`](super::super::field::stripes), from `Kuipers2020`.
 const NARROWEST: f64 = 0.6;
 /// The widest bead, as a share of the nominal one. Source: `Kuipers2020`, as for the narrowest.
 const WIDEST: f64 = 1.6;

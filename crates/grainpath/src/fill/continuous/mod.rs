@@ -7,9 +7,11 @@
 //! 1. [`strips`] cuts the region into strips two beads wide along the field: one bead there, one back;
 //! 2. [`cells`] cuts the strips across at even lengths;
 //! 3. [`tree`] joins cells that share an edge, those first whose joint turns beads least out of the field;
-//! 4. [`rings`] exchanges two stretches that face each other for the two ways between their ends: two loops become one;
+//! 4. [`rings`] exchanges two stretches that face each other for the two ways between their ends:
+//!    two loops become one;
 //! 5. [`finish`] moves the beads to the middle of the space they have and gives them their widths;
-//! 6. [`verify`] looks for crossings, for places left apart and for necks too narrow for a bead there and back.
+//! 6. [`verify`] looks for crossings, for places left apart and for necks too narrow for a bead
+//!    there and back.
 //!
 //! ```text
 //!    +-----------+ +-----------+          +-----------+-+-----------+
@@ -22,7 +24,8 @@
 //! space-filling curves (`Bedel2022`) improve a cycle by local moves; here the tree is chosen once
 //! and single joints are moved afterwards.
 //!
-//! Cost: near linear; 100 000 cells take about 1 s and 110 MB, a million 11 s and 1.07 GB (`cargo xtask bench continuous`).
+//! Cost: near linear; 100 000 cells take about 1 s and 110 MB, a million 11 s and 1.07 GB (`cargo
+//! xtask bench continuous`).
 
 mod cells;
 mod finish;
@@ -58,8 +61,8 @@ impl Continuous {
     pub const DEFAULT: Self = Self { tree: TreeKind::Directed, aspect: 2.5, variable: true };
 }
 
-/// Rings shorter than this are left out, in bead spacings: a start and an end would take longer than the ring.
-/// Measured: row `fill.continuous.MIN_RING_BEADS` of `cargo xtask bench constants`.
+/// Rings shorter than this are left out, in bead spacings: a start and an end would take longer
+/// than the ring. Measured: row `fill.continuous.MIN_RING_BEADS` of `cargo xtask bench constants`.
 static MIN_RING_BEADS: Tuned<f64> = Tuned::new("fill.continuous.MIN_RING_BEADS", 6.0);
 /// Smallest weight of the field, so that cells still prefer it where the stress is nearly zero.
 /// Measured: row `fill.continuous.MIN_WEIGHT` of `cargo xtask bench constants`.

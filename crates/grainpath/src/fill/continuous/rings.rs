@@ -1,7 +1,8 @@
 //! Closed lines with positions along them, and places where two of them face each other.
 //!
-//! A joint takes two stretches, one bead long, that face each other a bead apart and run against each other. Exchanging
-//! them for the two ways between their ends makes one ring of two rings, or two of one, and crosses nothing:
+//! A joint takes two stretches, one bead long, that face each other a bead apart and run against
+//! each other. Exchanging them for the two ways between their ends makes one ring of two rings, or
+//! two of one, and crosses nothing:
 //!
 //! ```text
 //!     ----->----->-----            ----->  +  ----->
@@ -9,11 +10,13 @@
 //!     -----<-----<-----            -----<--+  +-<----
 //! ```
 //!
-//! Stretches must be straight enough (the cosine of their turn), nearly parallel, and the two new ways must lie inside the
-//! infill region. What faces a place is found by a ray in square buckets ([`Neighbours`]); a walk along a ring first asks
-//! whether the neighbour it had a step before is still there, which answers most questions without a ray.
+//! Stretches must be straight enough (the cosine of their turn), nearly parallel, and the two new
+//! ways must lie inside the infill region. What faces a place is found by a ray in square buckets
+//! ([`Neighbours`]); a walk along a ring first asks whether the neighbour it had a step before is
+//! still there, which answers most questions without a ray.
 //!
-//! Positions are mm along a ring from its first point. Cost: constant for a place whose neighbour stays the same.
+//! Positions are mm along a ring from its first point. Cost: constant for a place whose neighbour
+//! stays the same.
 
 use grainpath_core::math::{cross, direction, rotated};
 use grainpath_core::poly::LineClipper;
@@ -22,8 +25,9 @@ use grainpath_core::{DVec2, Polygon, Region};
 
 use super::super::field::widths::{Line, Neighbours};
 
-/// Two beads nearer than this have nothing between them, in beads. The neighbour found a step before is then kept.
-/// Measured: row `fill.continuous.rings.CLOSE` of `cargo xtask bench constants`.
+/// Two beads nearer than this have nothing between them, in beads. The neighbour found a step
+/// before is then kept. Measured: row `fill.continuous.rings.CLOSE` of `cargo xtask bench
+/// constants`.
 pub static CLOSE: Tuned<f64> = Tuned::new("fill.continuous.rings.CLOSE", 1.1);
 /// Side of the squares of the grid that segments are sorted into, in beads.
 /// Measured: row `fill.continuous.rings.SEEN_BEADS` of `cargo xtask bench constants`.

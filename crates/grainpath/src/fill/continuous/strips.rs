@@ -1,9 +1,10 @@
 //! Strips two beads wide along the field, as closed outlines half a bead inside their edges.
 //!
-//! A phase ([`phase`](super::super::field::phase)) turns once per two beads across the field. Where its cosine is negative
-//! lies the inside of a strip's outline: the two beads of a strip run where the cosine changes sign, and the gap between
-//! neighbouring strips is where it is positive. The cosine does not care which way the axis points, so outlines close around
-//! every singular point of the field.
+//! A phase ([`phase`](super::super::field::phase)) turns once per two beads across the field. Where
+//! its cosine is negative lies the inside of a strip's outline: the two beads of a strip run where
+//! the cosine changes sign, and the gap between neighbouring strips is where it is positive. The
+//! cosine does not care which way the axis points, so outlines close around every singular point of
+//! the field.
 //!
 //! ```text
 //!    cos > 0   between strips
@@ -13,10 +14,10 @@
 //!    cos > 0   between strips
 //! ```
 //!
-//! Outlines are cut at the border of the infill region by an arrangement of polylines and contours ([`cut_by`]); places too
-//! thin for two strips side by side become strips of their own, whatever the field says. Where rounding makes the
-//! arrangement unclear the whole region becomes one strip. Cost: the phase on at most [`MANY_NODES`] nodes, then linear in
-//! the outlines.
+//! Outlines are cut at the border of the infill region by an arrangement of polylines and contours
+//! ([`cut_by`]); places too thin for two strips side by side become strips of their own, whatever
+//! the field says. Where rounding makes the arrangement unclear the whole region becomes one strip.
+//! Cost: the phase on at most [`MANY_NODES`] nodes, then linear in the outlines.
 
 use std::f64::consts::{PI, TAU};
 
@@ -68,8 +69,8 @@ static DIFFUSION_ROUNDS: Tuned<usize> = Tuned::new("fill.continuous.strips.DIFFU
 /// Measured: row `fill.continuous.strips.DIFFUSION_SCALE` of `cargo xtask bench constants`.
 static DIFFUSION_SCALE: Tuned<f64> = Tuned::new("fill.continuous.strips.DIFFUSION_SCALE", 1.0);
 
-/// Steps of diffusion of the phase: the width of each in squares of the grid, and its rounds. Wide steps arrange the
-/// strips of the whole region, narrow ones their borders.
+/// Steps of diffusion of the phase: the width of each in squares of the grid, and its rounds. Wide
+/// steps arrange the strips of the whole region, narrow ones their borders.
 fn diffusion_steps() -> [(f64, usize); 4] {
     [60.0, 25.0, 8.0, 3.0].map(|width| (width * DIFFUSION_SCALE.value(), DIFFUSION_ROUNDS.value()))
 }

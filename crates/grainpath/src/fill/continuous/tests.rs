@@ -182,7 +182,8 @@ fn polygon() -> impl Strategy<Value = Region> {
     })
 }
 
-/// Whether two segments of a path that do not follow each other have a point in common, found by looking at all.
+/// Whether two segments of a path that do not follow each other have a point in common, found by
+/// looking at all.
 fn crosses_itself(path: &Toolpath) -> bool {
     let n = path.n_segments();
     let side = |o: DVec2, e: DVec2, p: DVec2| cross(e - o, p - o);

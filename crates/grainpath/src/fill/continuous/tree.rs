@@ -52,7 +52,8 @@ fn guess(e: &Edge, spacing_mm: f64, axis: Axis<'_>) -> f64 {
     // Called for every edge of the region, most of which the tree never uses.
     let way = e.ends[1] - e.ends[0];
     let (u, weight) = axis(0.5 * (e.ends[0] + e.ends[1]));
-    // The angle to within 0.004: with t the smaller over the larger part, pi/4 t + 0.273 t (1 - t) is its tangent's.
+    // The angle to within 0.004: with t the smaller over the larger part, pi/4 t + 0.273 t (1 - t)
+    // is its tangent's.
     let (across, along) = (cross(u, way).abs(), u.dot(way).abs());
     let t = across.min(along) / across.max(along).max(f64::MIN_POSITIVE);
     let small = t * (FRAC_PI_4 + 0.273 * (1.0 - t));

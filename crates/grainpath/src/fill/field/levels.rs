@@ -1,8 +1,9 @@
 //! Level lines of a phase: where it completes a turn.
 //!
-//! On every edge of the mesh the phase grows linearly from one end to the other; whole turns on it are points of lines.
-//! Inside a triangle the points on its three sides are joined around its corners, so level lines never cross. Where the
-//! phase misses a turn around a triangle the numbers of points do not match; the point left over is the end of a line.
+//! On every edge of the mesh the phase grows linearly from one end to the other; whole turns on it
+//! are points of lines. Inside a triangle the points on its three sides are joined around its
+//! corners, so level lines never cross. Where the phase misses a turn around a triangle the numbers
+//! of points do not match; the point left over is the end of a line.
 //!
 //! ```text
 //!         c                 sides with 2, 2 and 2 points: two lines around a corner each,
@@ -13,8 +14,9 @@
 //!    a---------b
 //! ```
 //!
-//! Source: the tracing of `Knoppel2015`, section 5, for two-valued axes. Points are exact to rounding; the phase is moved by
-//! up to 1e-6 radians per node so that no node lies on a line. Cost: linear in the triangles and in the points.
+//! Source: the tracing of `Knoppel2015`, section 5, for two-valued axes. Points are exact to
+//! rounding; the phase is moved by up to 1e-6 radians per node so that no node lies on a line.
+//! Cost: linear in the triangles and in the points.
 
 use std::f64::consts::TAU;
 
@@ -76,7 +78,8 @@ pub fn trace(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Level> {
     chains(&joined, &points)
 }
 
-/// The points where edges meet whole turns: the range of each edge, and the points from its first end onwards.
+/// The points where edges meet whole turns: the range of each edge, and the points from its first
+/// end onwards.
 fn crossings(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> (Vec<u32>, Vec<DVec2>) {
     let mut starts = Vec::with_capacity(mesh.edges.len() + 1);
     let mut points = Vec::new();

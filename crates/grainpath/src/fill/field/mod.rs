@@ -1,18 +1,23 @@
 //! Fills that follow a direction field.
 //!
-//! Dense fill is a *stripe pattern* (`Knoppel2015`): a phase is found over the infill region that turns once for every bead
-//! across the field, and each bead runs where the phase completes a turn. Even spacing is then a property of the whole
-//! region and not of the order in which lines are drawn, which is what streamline seeding lacks. The steps:
+//! Dense fill is a *stripe pattern* (`Knoppel2015`): a phase is found over the infill region that
+//! turns once for every bead across the field, and each bead runs where the phase completes a turn.
+//! Even spacing is then a property of the whole region and not of the order in which lines are
+//! drawn, which is what streamline seeding lacks. The steps:
 //!
-//! 1. [`FieldMesh`](grainpath_core::field_mesh::FieldMesh) covers the region with right triangles about one bead wide;
-//! 2. [`phase`] finds the phase; where the field diverges, a bead has to end, and the phase misses a turn there;
+//! 1. [`FieldMesh`](grainpath_core::field_mesh::FieldMesh) covers the region with right triangles
+//!    about one bead wide;
+//! 2. [`phase`] finds the phase; where the field diverges, a bead has to end, and the phase misses
+//!    a turn there;
 //! 3. [`levels`] traces the lines on which the phase completes a turn;
-//! 4. [`stripes`] moves the lines to the middle of the space they have, takes crowded ones out, joins ends along the
+//! 4. [`stripes`] moves the lines to the middle of the space they have, takes crowded ones out,
+//!    joins ends along the
 //!    border and puts single beads into what is left open;
 //! 5. [`widths`] measures the space of each bead between its neighbours, which becomes its width.
 //!
-//! Sparse fill ([`streamlines`]) places evenly spaced streamlines (`Jobard1997`); [`seed_lines`] is the published principal
-//! stress line method, kept for comparison. Lengths are in mm, phases in radians; the sign of the axis carries no meaning.
+//! Sparse fill ([`streamlines`]) places evenly spaced streamlines (`Jobard1997`); [`seed_lines`] is
+//! the published principal stress line method, kept for comparison. Lengths are in mm, phases in
+//! radians; the sign of the axis carries no meaning.
 
 mod levels;
 pub(super) mod phase;

@@ -1,13 +1,14 @@
 //! A phase that turns once per bead across the field.
 //!
-//! Every node of the mesh carries a unit complex number whose argument is the phase. Along an edge the phase should grow
-//! by the edge's length across the field, in beads. A field with curl cannot be followed everywhere: somewhere the phase
-//! misses a turn around a point, and a bead ends there.
+//! Every node of the mesh carries a unit complex number whose argument is the phase. Along an edge
+//! the phase should grow by the edge's length across the field, in beads. A field with curl cannot
+//! be followed everywhere: somewhere the phase misses a turn around a point, and a bead ends there.
 //!
-//! Method: stripe patterns (`Knoppel2015`) with the sign of the axis free at every node, so that across an edge whose ends
-//! disagree the number is conjugated. The energy is not minimised by an eigenvalue problem as in the paper, but by
-//! alternating one implicit step of diffusion with scaling every number back to unit length (Merriman, Bence and Osher's
-//! scheme for Ginzburg-Landau energies (`Viertel2019`)). The scaling keeps every place equal; the eigenvector of the paper
+//! Method: stripe patterns (`Knoppel2015`) with the sign of the axis free at every node, so that
+//! across an edge whose ends disagree the number is conjugated. The energy is not minimised by an
+//! eigenvalue problem as in the paper, but by alternating one implicit step of diffusion with
+//! scaling every number back to unit length (Merriman, Bence and Osher's scheme for Ginzburg-Landau
+//! energies (`Viertel2019`)). The scaling keeps every place equal; the eigenvector of the paper
 //! fades where the field is hard to follow, and beads there would be decided by rounding.
 //!
 //! ```text
@@ -18,11 +19,13 @@
 //!             ================   level 0   phase 0
 //! ```
 //!
-//! Before the phase, [`drift`] lets the spacing change slowly along the field so that fewer beads have to end.
+//! Before the phase, [`drift`] lets the spacing change slowly along the field so that fewer beads
+//! have to end.
 //!
-//! Units: nodes in mm, frequency in turns per mm, phase in radians. Cost: about 20 diffusion steps of at most 60 conjugate
-//! gradient iterations in `f32`; each is linear in the nodes. Degenerate cases: a region in several pieces is swept piece by
-//! piece; a node whose numbers cancel keeps its last phase. Same input, same bits: no step depends on the threads.
+//! Units: nodes in mm, frequency in turns per mm, phase in radians. Cost: about 20 diffusion steps
+//! of at most 60 conjugate gradient iterations in `f32`; each is linear in the nodes. Degenerate
+//! cases: a region in several pieces is swept piece by piece; a node whose numbers cancel keeps its
+//! last phase. Same input, same bits: no step depends on the threads.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -62,21 +65,21 @@ static DIFFUSION_ROUNDS: Tuned<usize> = Tuned::new("fill.field.phase.DIFFUSION_R
 /// Measured: row `fill.field.phase.DIFFUSION_SCALE` of `cargo xtask bench constants`.
 static DIFFUSION_SCALE: Tuned<f64> = Tuned::new("fill.field.phase.DIFFUSION_SCALE", 1.0);
 
-/// Steps of diffusion, widest first: the width of each in squares of the grid, and its rounds. Wide steps settle the
-/// pattern of the whole region, narrow ones its details.
+/// Steps of diffusion, widest first: the width of each in squares of the grid, and its rounds. Wide
+/// steps settle the pattern of the whole region, narrow ones its details.
 pub fn diffusion_steps() -> [(f64, usize); 3] {
     [60.0, 25.0, 8.0].map(|width| (width * DIFFUSION_SCALE.value(), DIFFUSION_ROUNDS.value()))
 }
-/// The spacing may drift from the nominal one by this factor before beads end or begin: well inside the widths
-/// that a nozzle can lay, 0.6 to 1.6 of the nominal one.
-/// Measured: row `fill.field.phase.MAX_DRIFT` of `cargo xtask bench constants`.
+/// The spacing may drift from the nominal one by this factor before beads end or begin: well inside
+/// the widths that a nozzle can lay, 0.6 to 1.6 of the nominal one. Measured: row
+/// `fill.field.phase.MAX_DRIFT` of `cargo xtask bench constants`.
 static MAX_DRIFT: Tuned<f64> = Tuned::new("fill.field.phase.MAX_DRIFT", 1.22);
 /// Length over which the spacing returns to the nominal one, mm.
 /// Measured: row `fill.field.phase.DRIFT_MM` of `cargo xtask bench constants`.
 static DRIFT_MM: Tuned<f64> = Tuned::new("fill.field.phase.DRIFT_MM", 12.0);
 
-/// How much closer or wider the beads should be at every node so that as few as possible have to end: the factor on
-/// the frequency, within `MAX_DRIFT`.
+/// How much closer or wider the beads should be at every node so that as few as possible have to
+/// end: the factor on the frequency, within `MAX_DRIFT`.
 pub fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
     let n = mesh.nodes.len();
     let cell2 = mesh.cell_mm * mesh.cell_mm;
@@ -170,8 +173,8 @@ impl Carried {
         if backwards { [c * x + s * y, w * (c * y - s * x)] } else { [c * x - s * w * y, s * x + c * w * y] }
     }
 
-    /// Takes `width` times the numbers at the other ends of all sides from `y`, which like `x` holds the real parts of
-    /// all nodes and then the imaginary ones.
+    /// Takes `width` times the numbers at the other ends of all sides from `y`, which like `x`
+    /// holds the real parts of all nodes and then the imaginary ones.
     fn take_neighbours(&self, mesh: &FieldMesh, width: f32, x: &[f32], y: &mut [f32]) {
         let n = mesh.nodes.len();
         let ((x_re, x_im), (y_re, y_im)) = (x.split_at(n), y.split_at_mut(n));
@@ -196,7 +199,8 @@ impl Carried {
     }
 }
 
-/// The phase at every node, radians, after these steps of diffusion: width in squares of the grid, and how often.
+/// The phase at every node, radians, after these steps of diffusion: width in squares of the grid,
+/// and how often.
 pub fn solve(mesh: &FieldMesh, input: &PhaseInput, turns: &[Turn], steps: &[(f64, usize)]) -> Vec<f64> {
     let n = mesh.nodes.len();
     let carried = Carried::new(mesh, turns, &input.strength);

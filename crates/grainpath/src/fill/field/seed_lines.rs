@@ -1,8 +1,9 @@
 //! Dense fill from seed lines and their offsets: the principal stress line method as published.
 //!
-//! Method: the S2 paper in docs/references.bib (`PrincipalStressLines`). Some streamlines of the field are chosen that come
-//! nowhere nearer to each other than a bead. They part the infill region; each part is filled with offsets of the seed line at
-//! its lower left, one bead apart, until it is full.
+//! Method: the S2 paper in docs/references.bib (`PrincipalStressLines`). Some streamlines of the
+//! field are chosen that come nowhere nearer to each other than a bead. They part the infill
+//! region; each part is filled with offsets of the seed line at its lower left, one bead apart,
+//! until it is full.
 //!
 //! ```text
 //!    seed 2  ___________________
@@ -11,9 +12,10 @@
 //!    seed 1  ___________________
 //! ```
 //!
-//! Bead width is constant, so wherever neighbouring seeds diverge a wedge stays open, and offsets drift from the field the
-//! farther they lie from their seed. [`Stripes`](super::Stripes) have neither fault; this fill is kept so that the paper can be
-//! reproduced. Cost: an offset is a polygon offset of its part, so it grows with the number of offsets times their length.
+//! Bead width is constant, so wherever neighbouring seeds diverge a wedge stays open, and offsets
+//! drift from the field the farther they lie from their seed. [`Stripes`](super::Stripes) have
+//! neither fault; this fill is kept so that the paper can be reproduced. Cost: an offset is a
+//! polygon offset of its part, so it grows with the number of offsets times their length.
 
 use grainpath_core::poly::{Join, LineClipper, simplify_line};
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};

@@ -5,9 +5,10 @@
 //! nearer to another line than a share of the separation. Lines therefore end where the field
 //! converges and begin where it diverges. All beads have the nominal width.
 //!
-//! Limits: lines end as soon as they are too close, so the density of a converging field comes out a little low; the
-//! separation is 0.94 of the nominal one to make up for it on average. At full density [`super::stripes`] take over.
-//! Cost: linear in the length of all lines. The first seed is the middle of the region's bounds.
+//! Limits: lines end as soon as they are too close, so the density of a converging field comes out
+//! a little low; the separation is 0.94 of the nominal one to make up for it on average. At full
+//! density [`super::stripes`] take over. Cost: linear in the length of all lines. The first seed is
+//! the middle of the region's bounds.
 
 use grainpath_core::poly::LineClipper;
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};

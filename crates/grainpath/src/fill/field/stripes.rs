@@ -4,17 +4,21 @@
 //!
 //! 1. lines are clipped to where centrelines may lie, and pieces too short to be worth a start are left out;
 //! 2. every bead moves towards the middle between its neighbours, a few rounds over;
-//! 3. a bead with less space than the narrowest that can be printed is taken out there, and its neighbours widen;
+//! 3. a bead with less space than the narrowest that can be printed is taken out there, and its
+//!    neighbours widen;
 //! 4. ends that lie close together on the border are joined, so that the beads become few long paths;
-//! 5. what the strips of all beads leave open, and is wide enough, gets a single bead of varying width along its medial axis
+//! 5. what the strips of all beads leave open, and is wide enough, gets a single bead of varying
+//!    width along its medial axis
 //!    ([`single_beads`]).
 //!
-//! Along the border the phase is asked to be half a bead from it where the field runs along it, so that the outermost bead
-//! touches the walls. Method: stripe patterns (`Knoppel2015`); joining ends as in hatching. Cost: linear in the length of all
-//! beads but for the phase. Degenerate cases: a region narrower than a bead gets no line and is left to step 5; a field
-//! that crosses the border at a right angle ends its beads there and joins them by short turns, which are off the field.
+//! Along the border the phase is asked to be half a bead from it where the field runs along it, so
+//! that the outermost bead touches the walls. Method: stripe patterns (`Knoppel2015`); joining ends
+//! as in hatching. Cost: linear in the length of all beads but for the phase. Degenerate cases: a
+//! region narrower than a bead gets no line and is left to step 5; a field that crosses the border
+//! at a right angle ends its beads there and joins them by short turns, which are off the field.
 //!
-//! Held by tests on spirals, disks, rings and defects: nothing crosses, gap and overlap stay within stated bounds.
+//! Held by tests on spirals, disks, rings and defects: nothing crosses, gap and overlap stay within
+//! stated bounds.
 
 use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::math::cross;
@@ -33,8 +37,9 @@ use grainpath_core::field_mesh::FieldMesh;
 use grainpath_core::mask::{Grid, Mask};
 use grainpath_core::tuned::Tuned;
 
-/// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle of 0.4 mm lays widths
-/// within a factor of about 2; 0.6 to 1.6 keeps that factor with a margin where beads are only seldom wide.
+/// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle
+/// of 0.4 mm lays widths within a factor of about 2; 0.6 to 1.6 keeps that factor with a margin
+/// where beads are only seldom wide.
 const NARROWEST: f64 = 0.6;
 /// The widest bead, as a share of the nominal one. Source: `Kuipers2020`, as for the narrowest.
 const WIDEST: f64 = 1.6;
@@ -50,8 +55,9 @@ static CENTRINGS: Tuned<usize> = Tuned::new("fill.field.stripes.CENTRINGS", 3);
 /// Rounds of removing beads that lie too close to their neighbours.
 /// Measured: row `fill.field.stripes.THINNINGS` of `cargo xtask bench constants`.
 static THINNINGS: Tuned<usize> = Tuned::new("fill.field.stripes.THINNINGS", 2);
-/// Side of the cells that gaps are looked for with, as a share of the spacing. Source: derived; the strip of the narrowest bead
-/// is about 0.55 of the spacing wide, and cells of 0.33 have a centre in every gap of that width, however it lies.
+/// Side of the cells that gaps are looked for with, as a share of the spacing. Source: derived; the
+/// strip of the narrowest bead is about 0.55 of the spacing wide, and cells of 0.33 have a centre
+/// in every gap of that width, however it lies.
 const GAP_CELL: f64 = 0.33;
 
 /// Beads along the field, evenly spaced over the whole infill region, with ends where the field forces them.
@@ -128,8 +134,8 @@ impl NearBorder {
         Self { edges, buckets }
     }
 
-    /// The phase at `p` that makes it `at_border` turns on the border and grow by one turn a spacing inwards, and how
-    /// much that is wanted.
+    /// The phase at `p` that makes it `at_border` turns on the border and grow by one turn a
+    /// spacing inwards, and how much that is wanted.
     pub fn wanted(&self, p: DVec2, axis: DVec2, spacing_mm: f64, at_border: f64) -> (f64, f64) {
         let cells = &self.buckets.cells;
         let mut best = (f64::INFINITY, u32::MAX);
@@ -481,8 +487,8 @@ pub(super) fn joined(
     out
 }
 
-/// A straight piece is tried over so many vertices at most, which bounds the work to this many times their number.
-/// Measured: row `fill.field.stripes.PIECE` of `cargo xtask bench constants`.
+/// A straight piece is tried over so many vertices at most, which bounds the work to this many
+/// times their number. Measured: row `fill.field.stripes.PIECE` of `cargo xtask bench constants`.
 static PIECE: Tuned<usize> = Tuned::new("fill.field.stripes.PIECE", 256);
 
 /// Drops vertices that lie within 5 um of the line without them and whose width lies within 10 um.

@@ -1,8 +1,8 @@
 //! How wide a bead may be: the space between its neighbours.
 //!
 //! Beads and the border of the area they fill are kept as segments in square buckets. From a point
-//! of a bead a ray goes to
-//! the left and to the right, at right angles to it. A neighbouring bead shares the distance, the border gives all of it:
+//! of a bead a ray goes to the left and to the right, at right angles to it. A neighbouring bead
+//! shares the distance, the border gives all of it:
 //!
 //! ```text
 //!    ------------------------- neighbour
@@ -12,9 +12,10 @@
 //!    ######################### border
 //! ```
 //!
-//! The sum of both reaches is the width of the bead's strip; [`bead_width_mm`](grainpath_core::units::bead_width_mm) turns it
-//! into the width that is printed. Exact for parallel beads; where beads converge at an angle the ray overestimates the
-//! space by the cosine of half of it. Cost: a ray passes a few buckets, whatever the size of the region.
+//! The sum of both reaches is the width of the bead's strip;
+//! [`bead_width_mm`](grainpath_core::units::bead_width_mm) turns it into the width that is printed.
+//! Exact for parallel beads; where beads converge at an angle the ray overestimates the space by
+//! the cosine of half of it. Cost: a ray passes a few buckets, whatever the size of the region.
 
 use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::math::cross;
