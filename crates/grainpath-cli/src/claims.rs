@@ -1,8 +1,8 @@
-//! Which files a command reads and writes, checked against each other before anything starts.
+//! The files that a command reads and writes, checked against each other before anything starts.
 //!
-//! An output never replaces an input, and no two outputs share a file. Paths are compared by the file they lead to, so
-//! `part.stl`, `./part.stl`, a link to it and a second name of it count as one. Devices and pipes are no files in this
-//! sense: several outputs may go to `/dev/null`.
+//! An output never replaces an input, and no two outputs share a file. Paths are compared by the file
+//! they lead to, so `part.stl`, `./part.stl`, a symbolic link and a hard link to it count as one. Devices
+//! and pipes are not compared: several outputs may go to `/dev/null`.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -10,10 +10,10 @@ use std::{env, fs};
 
 use crate::Failure;
 
-/// The identity of a place in the file system.
+/// The identity of a file or of the place of one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Identity {
-    /// A file that exists: its device and number.
+    /// A file that exists: its device and inode.
     #[cfg(unix)]
     File { device: u64, inode: u64 },
     /// A file that does not exist yet, or any file on systems without file numbers: the real path of its folder, and
@@ -21,8 +21,9 @@ enum Identity {
     Place(PathBuf, OsString),
 }
 
-/// The identity of a path; `None` for what is no regular file or folder.
+/// The identity of a path; `None` for devices, pipes and sockets.
 fn identity(path: &Path) -> Option<Identity> {
+    // `metadata` follows links, so a link has the identity of its target.
     if let Ok(metadata) = fs::metadata(path) {
         if !metadata.is_file() && !metadata.is_dir() {
             return None;
@@ -33,6 +34,7 @@ fn identity(path: &Path) -> Option<Identity> {
             return Some(Identity::File { device: metadata.dev(), inode: metadata.ino() });
         }
     }
+    // A link to a file that does not exist yet: writing follows it, so the target counts.
     let path =
         fs::read_link(path).map_or_else(|_| path.to_owned(), |to| path.parent().unwrap_or(path).join(to));
     let name = path.file_name()?.to_owned();
@@ -58,7 +60,7 @@ struct Claim {
     identity: Identity,
 }
 
-/// What a command reads and writes.
+/// All files that a command reads and writes.
 #[derive(Default)]
 pub struct Claims {
     read: Vec<Claim>,
@@ -66,7 +68,7 @@ pub struct Claims {
 }
 
 impl Claims {
-    /// Adds a file that is read, or a folder whose files are. An empty path is none.
+    /// Adds a file that is read, or a folder whose files are read. An empty path is ignored.
     pub fn read(&mut self, what: impl Into<String>, path: &Path) {
         if !path.as_os_str().is_empty() {
             self.read.extend(claim(what, path));
@@ -78,7 +80,7 @@ impl Claims {
         self.written.extend(claim(what, path));
     }
 
-    /// Compares everything that is written with all else.
+    /// Compares each output with all inputs and all other outputs.
     ///
     /// # Errors
     /// Exit code 2 for an output that is an input, that lies among the slices of a scan under the name of one, or that
@@ -90,6 +92,7 @@ impl Claims {
                 continue;
             }
             let path = out.path.display();
+            // Inputs first: losing an input is the greater damage, and its message is the one to show.
             if let Some(input) = self.read.iter().find(|r| r.identity == out.identity || holds(r, out)) {
                 return Err(Failure::usage(format!(
                     "{}: {path} is the input {}; an output never replaces an input, so give it another name",
@@ -111,7 +114,8 @@ fn claim(what: impl Into<String>, path: &Path) -> Option<Claim> {
     identity(path).map(|identity| Claim { what: what.into(), path: path.to_owned(), identity })
 }
 
-/// Whether an output would replace a file inside a folder that is read.
+/// Whether an output would replace a file inside a folder that is read: the slices of a scan are inputs,
+/// although only their folder is named.
 fn holds(input: &Claim, output: &Claim) -> bool {
     if !input.path.is_dir() || !output.path.exists() {
         return false;

@@ -1,8 +1,8 @@
-//! Files: read whole with a limit, written beside their place and renamed.
+//! Files: read whole with a limit, written under a temporary name in their folder and renamed.
 //!
-//! A file is written under a temporary name in its folder and renamed when it is complete, so that a reader never sees
-//! half of it. Links are followed and the mode of a file that is replaced stays. What is no regular file (a device, a
-//! pipe) is written through instead: renaming would replace the device itself.
+//! A file is written under a temporary name in its folder and renamed when it is complete, so that a
+//! reader never sees half of it. Links are followed, and a file that is replaced keeps its mode. Devices
+//! and pipes are written directly: renaming would replace the device itself.
 
 use std::fs::{self, OpenOptions};
 use std::io::{self, BufWriter, Read, Write};
@@ -12,9 +12,11 @@ use std::time::Duration;
 
 use crate::Failure;
 
-/// Larger files are not read. Chosen: a third of a machine with 24 GiB, since a mesh takes about twice its file.
+/// Size limit of a file that is read whole. Chosen: a third of a machine with 24 GiB, since a mesh takes
+/// about twice its file. A larger limit risks that the system ends the process without a message.
 const MAX_BYTES: u64 = 8 << 30;
-/// More than this is not read from a pipe or a device, whose size nobody knows beforehand.
+/// Size limit of a pipe or a device, whose size is not known beforehand. `/dev/zero` has no end, and
+/// without a limit would fill the memory.
 const MAX_STREAM_BYTES: u64 = 1 << 30;
 
 /// Reads a file; `-` is standard input.
@@ -43,6 +45,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>, Failure> {
 /// Reads a pipe or a device to its end, up to a limit.
 fn read_stream(stream: &mut dyn Read) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
+    // One byte more than the limit tells a stream that ends there from one that goes on.
     stream.take(MAX_STREAM_BYTES + 1).read_to_end(&mut bytes).map_err(|e| plain(&e))?;
     if bytes.len() as u64 > MAX_STREAM_BYTES {
         return Err(format!(
@@ -53,24 +56,24 @@ fn read_stream(stream: &mut dyn Read) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// Reads a text.
+/// Reads a text file.
 ///
 /// # Errors
-/// As [`read`], but with exit code 2: texts are jobs and profiles.
+/// As `read`, but with exit code 2: texts are jobs and profiles.
 pub fn read_text(path: &Path) -> Result<String, Failure> {
     let usage = |f: Failure| Failure::usage(f.message);
     let bytes = read(path).map_err(usage)?;
     String::from_utf8(bytes).map_err(|_| Failure::usage(format!("{}: is not UTF-8 text", path.display())))
 }
 
-/// The system's words without its numbers.
+/// The system's message without its error number.
 pub fn plain(error: &io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()
 }
 
-/// Writes a file through `fill`: into a temporary one beside it, which takes its name when all went well. On an error
-/// nothing is left behind. Links are followed; devices and pipes are written through.
+/// Writes a file through `fill` into a temporary file beside it, which takes its name when all went well.
+/// On an error the temporary file is removed. Links are followed; devices and pipes are written directly.
 ///
 /// # Errors
 /// What `fill` says, or exit code 2 when the place cannot be written.
@@ -83,7 +86,8 @@ pub fn write_atomically<T>(
     if there.as_ref().is_some_and(fs::Metadata::is_dir) {
         return Err(Failure::usage(format!("cannot write {}: it is a folder", path.display())));
     }
-    // Descriptors lie below these folders: `/dev/stdout` may be a regular file and still must not be renamed.
+    // Descriptors lie below these folders: `/dev/stdout` may be a regular file and still must not be
+    // replaced by a rename.
     let is_descriptor = ["/dev", "/proc"].iter().any(|folder| path.starts_with(folder));
     if there.as_ref().is_some_and(|m| is_descriptor || !m.is_file()) {
         let stream = OpenOptions::new().write(true).open(path).map_err(|e| wrong(&e))?;
@@ -92,6 +96,7 @@ pub fn write_atomically<T>(
         writer.flush().map_err(|e| wrong(&e))?;
         return Ok(result);
     }
+    // Renaming onto a link would replace the link, so its target is resolved first.
     let target = followed(path).map_err(|e| wrong(&e))?;
     let folder = match target.parent() {
         Some(p) if !p.as_os_str().is_empty() => p.to_owned(),
@@ -99,6 +104,7 @@ pub fn write_atomically<T>(
     };
     fs::create_dir_all(&folder).map_err(|e| wrong(&e))?;
     remove_leftovers(&folder);
+    // The number of the process in the name tells a later run whether the writer still lives.
     let prefix = format!("{TEMPORARY}{}-", std::process::id());
     let mut builder = tempfile::Builder::new();
     builder.prefix(&prefix);
@@ -106,6 +112,7 @@ pub fn write_atomically<T>(
         builder.permissions(permissions);
     }
     let mut temporary = builder.tempfile_in(&folder).map_err(|e| wrong(&e))?;
+    // The file must be complete before the rename, so the buffer is flushed and dropped first.
     let mut writer = BufWriter::with_capacity(1 << 17, temporary.as_file_mut());
     let result = fill(&mut writer)?;
     writer.flush().map_err(|e| wrong(&e))?;
@@ -118,11 +125,12 @@ pub fn write_atomically<T>(
     Ok(result)
 }
 
-/// Beginning of the names of temporary files; the number of the process follows.
+/// Prefix of the names of temporary files; the number of the process follows.
 const TEMPORARY: &str = ".grainpath-";
-/// Links are followed this far. Source: Linux follows 40 (`path_resolution(7)`).
+/// Limit on links that are followed. Source: Linux follows 40 (`path_resolution(7)`).
 const MAX_LINKS: usize = 40;
-/// Where it cannot be told whether a process still runs, its temporary files are left alone for this long.
+/// Age at which a temporary file counts as left over where no list of processes can be read. No write
+/// takes a day; a shorter time could remove the file of a run in progress.
 const LEFTOVER_AGE: Duration = Duration::from_secs(24 * 3600);
 
 /// The file at the end of a chain of links; it need not exist.
@@ -135,7 +143,7 @@ fn followed(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("too many links"))
 }
 
-/// Removes temporary files that killed runs have left in a folder; once a folder in each run.
+/// Removes temporary files that killed runs have left in a folder; each run looks once at each folder.
 fn remove_leftovers(folder: &Path) {
     static LOOKED_AT: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
     let mut looked_at = LOOKED_AT.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
@@ -149,7 +157,8 @@ fn remove_leftovers(folder: &Path) {
         let process = name.to_str().and_then(|n| n.strip_prefix(TEMPORARY)).and_then(|n| n.split('-').next());
         let Some(process) = process.and_then(|p| p.parse::<u32>().ok()) else { continue };
         if process != std::process::id() && has_ended(process, &entry) {
-            // Somebody else may have removed it, or may not let us.
+            // Another run may have removed the file, or the permissions may forbid it; neither concerns
+            // this run.
             let _ = fs::remove_file(entry.path());
         }
     }
@@ -157,6 +166,7 @@ fn remove_leftovers(folder: &Path) {
 
 /// Whether the process that made a temporary file has ended.
 fn has_ended(process: u32, entry: &fs::DirEntry) -> bool {
+    // A number may belong to a new process by now; the file then stays until that one ends.
     let processes = Path::new("/proc");
     if processes.join("self").exists() {
         return !processes.join(process.to_string()).exists();
@@ -165,8 +175,9 @@ fn has_ended(process: u32, entry: &fs::DirEntry) -> bool {
     written.ok().and_then(|t| t.elapsed().ok()).is_some_and(|age| age > LEFTOVER_AGE)
 }
 
-/// The permissions of a new file: those of the one it replaces, else what the process's mask leaves of 0666. Temporary
-/// files are private by default.
+/// The permissions of a new file: those of the file it replaces, else 0666 less the process's umask.
+/// Temporary files are private by default, and a G-code file must be readable by the program that prints
+/// it.
 #[cfg(unix)]
 fn permissions(replaced: Option<&fs::Metadata>) -> Option<fs::Permissions> {
     use std::os::unix::fs::PermissionsExt;
@@ -178,7 +189,7 @@ fn permissions(_replaced: Option<&fs::Metadata>) -> Option<fs::Permissions> {
     None
 }
 
-/// Why standard output could not be written, the first time it could not.
+/// The first error in writing standard output.
 static LOST_OUTPUT: Mutex<Option<String>> = Mutex::new(None);
 
 /// Prints to standard output. A reader that has gone is no error; any other failure ends the command with
@@ -186,6 +197,7 @@ static LOST_OUTPUT: Mutex<Option<String>> = Mutex::new(None);
 pub fn print(text: &str) {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        // `grainpath ... | head` closes the pipe on purpose.
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
             let mut lost = LOST_OUTPUT.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             lost.get_or_insert(plain(&e));
@@ -194,7 +206,7 @@ pub fn print(text: &str) {
     }
 }
 
-/// What kept standard output from being written, if anything did.
+/// The failure of a command whose standard output could not be written.
 pub fn lost_output() -> Option<Failure> {
     let lost = LOST_OUTPUT.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
     lost.map(|why| Failure::usage(format!("cannot write standard output: {why}")))

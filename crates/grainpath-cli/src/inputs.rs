@@ -1,4 +1,4 @@
-//! What commands read: job files and their inputs, with the settings they give.
+//! Inputs of commands: job files and the files they name, with their settings.
 
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -25,7 +25,7 @@ pub fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Resul
     parse_job(text, name, sets, &load).map_err(|e| Failure::usage(e.to_string()))
 }
 
-/// A job's settings, the file of its shape, and the folder its paths are relative to.
+/// The settings of a job, the file of its shape, and the folder to which its paths are relative.
 pub fn read_job(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf, PathBuf), Failure> {
     let text = files::read_text(job)?;
     let folder = job.parent().map(Path::to_owned).unwrap_or_default();
@@ -43,7 +43,7 @@ pub fn read_job(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf, PathB
     Ok((settings, shape, folder))
 }
 
-/// Adds every file that a job reads beside the job itself.
+/// Adds all files that a job reads, except the job itself.
 pub fn claim_inputs(settings: &Settings, shape: &Path, base: &Path, claims: &mut Claims) {
     claims.read("of [shape]", shape);
     let photos = settings.photo.files.iter().map(|f| ("of shape.photo.files", f));
@@ -58,7 +58,7 @@ pub fn claim_inputs(settings: &Settings, shape: &Path, base: &Path, claims: &mut
     }
 }
 
-/// Reads a job's inputs and plans it; with the seconds that reading took.
+/// Reads a job's inputs and plans it; the number is the time for reading, in seconds.
 pub fn plan(
     settings: &Settings,
     shape: &Path,
@@ -69,6 +69,7 @@ pub fn plan(
     let start = std::time::Instant::now();
     let photos = read_photos(settings, base, diagnostics)?;
     let photos_s = start.elapsed().as_secs_f64();
+    // `shape.photo` gives the shape itself, so no mesh is read.
     if !settings.photo.files.is_empty() {
         return Ok((grainpath::plan_photo(settings, &photos, diagnostics)?, photos_s));
     }
@@ -78,6 +79,7 @@ pub fn plan(
         let inputs = grainpath::Inputs { mesh, path, stress, photos, texture };
         return Ok((grainpath::plan_job(settings, inputs, diagnostics)?, read_s + photos_s));
     }
+    // A scan is read slice by slice while it is planned, so only opening it counts as reading.
     let mut source =
         open_scan(shape, grainpath::run::config::raw_header(settings).as_ref(), settings.ct.outside_folder)?;
     let (stress, texture) = (read_stress(settings, base)?, read_texture(settings, base)?);
@@ -86,9 +88,11 @@ pub fn plan(
     Ok((planned, read_s))
 }
 
-/// Limits the threads, where asked for.
+/// Sets the number of threads of the pool, if one is given.
 pub fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
     let Some(n) = threads else { return Ok(()) };
+    // Zero would mean all cores to the pool, which is what leaving the option out means already. More
+    // than 1024 is taken for a mistake.
     if n == 0 || n > 1024 {
         return Err(Failure::usage(format!("--threads {n} should be from 1 to 1024")));
     }
@@ -96,7 +100,8 @@ pub fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
     pool.map_err(|e| Failure::usage(format!("--threads {n}: {e}")))
 }
 
-/// Reads a mesh, or the body of an outline where the job has one; its bodies and the seconds it took.
+/// Reads a mesh, or the body of an outline where the job has one; gives its bodies and the time in
+/// seconds.
 pub fn read_body(
     settings: &Settings,
     path: &Path,
@@ -117,7 +122,7 @@ pub fn read_body(
     Ok((file, start.elapsed().as_secs_f64()))
 }
 
-/// The photographs whose grain the job follows; none when it follows none.
+/// The photographs whose grain the job follows; empty for jobs without one.
 pub fn read_photos(
     settings: &Settings,
     base: &Path,
@@ -127,6 +132,8 @@ pub fn read_photos(
         return Ok(Vec::new());
     }
     diagnostics.begin(Stage::Read, 0);
+    // Photographs of the guide take precedence: the shape's photograph gives the outline, and only
+    // without others the grain.
     let own = if settings.image.files.is_empty() { &settings.photo.files } else { &settings.image.files };
     let read = |file: &String| {
         let path = base.join(file);
@@ -139,7 +146,7 @@ pub fn read_photos(
     own.iter().map(read).collect()
 }
 
-/// The scan named by `guide.volume`, where its texture is followed.
+/// The scan of `guide.volume`, where its texture guides the fill.
 pub fn read_texture(settings: &Settings, base: &Path) -> Result<Option<Box<dyn SliceSource>>, Failure> {
     let path = &settings.volume.path;
     if settings.guide.kind != GuideKind::Grain || path.is_empty() {
@@ -148,7 +155,7 @@ pub fn read_texture(settings: &Settings, base: &Path) -> Result<Option<Box<dyn S
     open_scan(&base.join(path), None, settings.ct.outside_folder).map(Some)
 }
 
-/// The result named by `guide.import`.
+/// The result file of `guide.import`.
 pub fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressField>, Failure> {
     if settings.guide.import.is_empty() {
         return Ok(None);
@@ -161,8 +168,8 @@ pub fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressFiel
     Ok(Some(StressField::new(result)))
 }
 
-/// Opens a file of a scan. What is no regular file is refused before it is opened: a named pipe would wait for ever, and a
-/// device has no end.
+/// Opens a file of a scan. Only regular files are opened: a named pipe would wait for ever, and a device
+/// has no end.
 fn open_file(name: &str) -> io::Result<Box<dyn ReadSeek>> {
     if !fs::metadata(name)?.is_file() {
         return Err(io::Error::new(
@@ -173,7 +180,8 @@ fn open_file(name: &str) -> io::Result<Box<dyn ReadSeek>> {
     Ok(Box::new(fs::File::open(name)?))
 }
 
-/// Opens a scan: a folder's files are its slices. With `outside_folder` its header may name a file elsewhere.
+/// Opens a scan: the files of a folder are its slices. With `outside_folder` a header may name a file in
+/// another folder.
 pub fn open_scan(
     path: &Path,
     raw: Option<&RawHeader>,
@@ -196,10 +204,11 @@ pub fn open_scan(
     open_volume(all.allowing_outside(outside_folder), raw).map_err(|e| grainpath::Error::from(e).into())
 }
 
-/// Diameter of the filament taken for G-code that does not say, mm.
+/// Diameter of the filament for G-code that does not state one, mm. Source: the nominal diameter of the
+/// common filament; the other, 2.85 mm, would make all volumes 2.7 times as large.
 pub const FILAMENT_MM: f64 = 1.75;
 
-/// Reads a G-code file and replays it.
+/// Reads a G-code file and simulates it.
 pub fn read_program(path: &Path) -> Result<Program, Failure> {
     let bytes = files::read(path)?;
     simulate(&bytes, FILAMENT_MM, &Limits::default())

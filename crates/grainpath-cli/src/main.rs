@@ -17,14 +17,14 @@ use grainpath_core::Warning;
 
 use args::{Args, Command};
 
-/// What ends a command early: a line for the user and the exit code.
+/// The reason why a command ends early: a line for the user and the exit code.
 #[derive(Debug)]
 pub struct Failure {
-    /// What, where, and what would be right.
+    /// What is wrong, where, and what would be right.
     pub message: String,
-    /// 2 usage or job file; 3 an input file; 4 the physics; 130 interrupted.
+    /// Exit code: 2 usage or job file; 3 an input file; 4 the physics; 130 interrupted.
     pub code: i32,
-    /// Warnings that made it a failure.
+    /// Warnings that count as a failure under `--strict`.
     pub warnings: Vec<Warning>,
 }
 
@@ -34,7 +34,7 @@ impl Failure {
         Self { message: message.into(), code: 2, warnings: Vec::new() }
     }
 
-    /// Warnings where none were allowed; `written` says whether outputs are there.
+    /// Warnings under `--strict`; `written` says whether the outputs exist.
     pub fn strict(warnings: Vec<Warning>, written: bool) -> Self {
         let ids: Vec<&str> = warnings.iter().map(|w| w.id.name()).collect();
         let outcome = if written { "the outputs were written" } else { "nothing was written" };
@@ -54,6 +54,7 @@ impl From<grainpath::Error> for Failure {
             ErrorKind::Job => 2,
             ErrorKind::Input => 3,
             ErrorKind::Physics => 4,
+            // Source: the shell's convention, 128 plus the number of the signal; SIGINT is 2.
             ErrorKind::Interrupted => 130,
         };
         Self { message: error.to_string(), code, warnings: Vec::new() }
@@ -66,6 +67,7 @@ fn main() -> ExitCode {
         grainpath_core::tuned::sweep(&constant);
     }
     let args = Args::parse();
+    // Asked before the command takes its arguments, since a failure has to answer in JSON too.
     let json = args.command.json();
     let outcome = match args.command {
         Command::Run(a) => commands::run::run(&a),
@@ -81,10 +83,13 @@ fn main() -> ExitCode {
         Command::Schema(a) => commands::schema::schema(&a),
         Command::Profiles(a) => commands::profiles::profiles(&a),
     };
+    // A full disk behind a redirection fails only here: a command that could not say its result has
+    // failed.
     let outcome = outcome.and_then(|()| files::lost_output().map_or(Ok(()), Err));
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
+            // One line, so that a script can read the last line of standard error.
             let line = failure.message.replace('\n', " ");
             if json {
                 let mut report = serde_json::json!({ "ok": false, "error": line, "code": failure.code });

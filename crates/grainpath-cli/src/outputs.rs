@@ -1,4 +1,4 @@
-//! What a run writes.
+//! Outputs of a run.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ use grainpath_view::strength::{damage_png, index_png};
 use crate::claims::Claims;
 use crate::{Failure, files, memory};
 
-/// Where things go.
+/// The places of the outputs.
 pub struct Paths {
     gcode: PathBuf,
     report: Option<PathBuf>,
@@ -40,6 +40,7 @@ impl Paths {
     pub fn of(settings: &Settings, mesh: &Path, out: &Path) -> Result<Self, Failure> {
         let o = &settings.output;
         let given = |text: &String| (!text.is_empty()).then(|| out.join(text));
+        // The program is always written; without a name it takes that of the shape.
         let gcode = given(&o.gcode).unwrap_or_else(|| {
             let name =
                 mesh.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_else(|| "part".into());
@@ -57,6 +58,7 @@ impl Paths {
             stress: given(&o.stress),
             lines: given(&o.lines),
         };
+        // Endings are checked here, before planning: a slip in a name must not cost the time of a plan.
         if let Some(path) = &paths.support {
             MeshEnding::of(path)?;
         }
@@ -68,12 +70,12 @@ impl Paths {
         Ok(paths)
     }
 
-    /// Whether the program goes to standard output.
+    /// Whether the program goes to standard output, which must then hold nothing else.
     pub fn is_standard_output(&self) -> bool {
         ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| self.gcode == Path::new(name))
     }
 
-    /// Adds every file that is written.
+    /// Adds all files that are written.
     pub fn claim(&self, claims: &mut Claims) {
         let all = [
             ("output.gcode", Some(&self.gcode)),
@@ -93,7 +95,7 @@ impl Paths {
     }
 }
 
-/// Writes everything a job asks for and gives the report.
+/// Writes the outputs of a job and returns the report.
 pub fn write(
     settings: &Settings,
     mut planned: Planned,
@@ -106,6 +108,8 @@ pub fn write(
     let start = Instant::now();
     diagnostics.begin(Stage::Write, planned.plan.layers.len());
     let thumbnails = thumbnails(settings, &planned)?;
+    // The program is parsed back only where something is measured on it: the copy and its beads take
+    // several times its size.
     let special = planned.test.is_some() || planned.config.fibre.is_some() || truth.is_some();
     let wanted = measured || special || paths.report.is_some() || paths.preview.is_some();
     let mut copy = Vec::new();
@@ -116,7 +120,8 @@ pub fn write(
         let written = written.map_err(|e| Failure::from(grainpath::Error::from(e)))?;
         diagnostics.check().map_err(|e| Failure::from(grainpath::Error::from(e)))?;
         write_s = start.elapsed().as_secs_f64();
-        // A program that cannot be tested replaces none that could.
+        // The test runs before the rename: a program that cannot be tested must not replace one that
+        // could.
         program = wanted.then(|| read_back(settings, &std::mem::take(&mut copy))).transpose()?;
         if let (Some(setup), Some(program)) = (&planned.test, &program) {
             tested = Some(strength(settings, &planned, setup, program, diagnostics)?);
@@ -132,6 +137,8 @@ pub fn write(
     report.stages_s.insert(Stage::Write.name(), seconds(write_s));
     report.outputs.insert("gcode", paths.gcode.display().to_string());
     if let Some(program) = program {
+        // Everything is measured on the program that was written, not on the plan, so that errors of the
+        // writer are seen too.
         report.quality = Some(measure(&planned, &program));
         report.fibre = measure_fibre(settings.fibre.min_radius_mm, &planned, &program);
         report.fibre.iter().filter_map(|f| f.warning()).for_each(|w| diagnostics.push(w));
@@ -159,6 +166,7 @@ pub fn write(
         }));
         previews(settings, &program, &drawn, paths, diagnostics, &mut report)?;
     }
+    // Files for other programs do not depend on the copy of the program.
     guide_files(&planned, paths, &mut report)?;
     if let Some(path) = &paths.plan {
         let text = grainpath::measure::plan_json::plan_json(&planned.plan);
@@ -169,18 +177,20 @@ pub fn write(
         let (layers, method) = (&support.cut.layers, settings.support.solid);
         let mesh = grainpath::support::surface(layers, &planned.stack, method, diagnostics)
             .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
+        // Without overhangs there is no support; an empty STL would look like a failure.
         if !mesh.triangles.is_empty() {
             write_mesh(path, &[&mesh])?;
             report.outputs.insert("support", path.display().to_string());
         }
     }
     shapes(&planned, paths, settings.output.surface_cell_mm, diagnostics, &mut report)?;
+    // Last, because each of the outputs above may add a warning.
     report.warnings = diagnostics.warnings();
     report.peak_rss_mb = memory::peak_rss_mb();
     Ok(report)
 }
 
-/// Writes what the job asks for of the sections themselves.
+/// Writes the layers and the surface of the part, where the job asks for them.
 fn shapes(
     planned: &Planned,
     paths: &Paths,
@@ -208,7 +218,7 @@ fn shapes(
     Ok(())
 }
 
-/// Writes to a file and, if asked for, keeps what was written.
+/// Writes to a file and, where wanted, keeps a copy.
 struct Tee<'a> {
     file: &'a mut dyn Write,
     copy: Option<&'a mut Vec<u8>>,
@@ -216,6 +226,7 @@ struct Tee<'a> {
 
 impl Write for Tee<'_> {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        // All bytes go to the file before the copy grows, so the copy never holds what the file lacks.
         self.file.write_all(bytes)?;
         if let Some(copy) = &mut self.copy {
             copy.extend_from_slice(bytes);
@@ -233,11 +244,13 @@ fn read_back(settings: &Settings, gcode: &[u8]) -> Result<Program, Failure> {
     simulate(gcode, settings.printer.filament_mm, &limits).map_err(|e| Failure::input(e.to_string()))
 }
 
-/// Pictures for the printer's screen, from what would be written.
+/// Thumbnails for the printer's screen, drawn from the program that will be written.
 fn thumbnails(settings: &Settings, planned: &Planned) -> Result<Vec<Thumbnail>, Failure> {
     if settings.printer.thumbnails_px.is_empty() {
         return Ok(Vec::new());
     }
+    // Thumbnails stand at the top of the program, so it is written once without them, to have what they
+    // show.
     let mut plain = Vec::new();
     write_gcode(&planned.plan, &planned.config, &[], &mut plain)
         .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
@@ -250,7 +263,7 @@ fn thumbnails(settings: &Settings, planned: &Planned) -> Result<Vec<Thumbnail>, 
     Ok(settings.printer.thumbnails_px.iter().map(draw).collect())
 }
 
-/// A layer of a program as a picture wants it.
+/// A layer of a program as input of a picture.
 pub fn picture(layer: &BeadLayer) -> LayerPicture {
     let beads = layer.beads.iter().map(|b| Bead {
         a: b.start(),
@@ -258,6 +271,7 @@ pub fn picture(layer: &BeadLayer) -> LayerPicture {
         width_mm: b.width_mm(layer.height_mm),
         role: b.role,
         speed_mm_s: f64::from(b.speed_mm_s),
+        // Directions are known to a plan only; `render --job` fills them in.
         off_deg: None,
     });
     let point = |p: [f32; 2]| DVec2::new(f64::from(p[0]), f64::from(p[1]));
@@ -270,10 +284,12 @@ pub fn picture(layer: &BeadLayer) -> LayerPicture {
     }
 }
 
-/// Layers worth a look: the first, quarters, and the last.
+/// Layers for the report: the first, the quarters, and the last. Problems of the first layer and of the
+/// top differ from those between.
 fn shown(n: usize) -> Vec<usize> {
     let mut layers: Vec<usize> =
         [0, n / 4, n / 2, 3 * n / 4, n.saturating_sub(1)].into_iter().filter(|&i| i < n).collect();
+    // Parts of few layers would show the same one twice.
     layers.dedup();
     layers
 }
@@ -299,6 +315,7 @@ fn previews(
     }
     if let Some(folder) = &paths.preview {
         save(&folder.join("part.png"), &pictures[0].png)?;
+        // The first picture is the part, so layers start at the second.
         for (i, p) in shown(all.len()).into_iter().zip(&pictures[1..]) {
             save(&folder.join(format!("layer_{:04}.png", i + 1)), &p.png)?;
             save(&folder.join(format!("layer_{:04}.svg", i + 1)), layer_svg(&all[i], &options).as_bytes())?;
@@ -308,6 +325,7 @@ fn previews(
         }
         report.outputs.insert("preview", folder.display().to_string());
     }
+    // The page is written last and lists the other outputs, so warnings and memory are taken now.
     if let Some(path) = &paths.report {
         report.warnings = diagnostics.warnings();
         report.outputs.insert("report", path.display().to_string());
@@ -318,7 +336,7 @@ fn previews(
     Ok(())
 }
 
-/// Tests what is written, for jobs that want it; with the seconds it took.
+/// Tests the program; the number is the time in seconds.
 fn strength(
     settings: &Settings,
     planned: &Planned,
@@ -333,7 +351,7 @@ fn strength(
     Ok((tested, start.elapsed().as_secs_f64()))
 }
 
-/// What broke, and how near the rest was.
+/// Pictures of the damage and of the failure index.
 pub fn strength_pictures(tested: &Tested) -> Vec<(String, page::Picture)> {
     let picture = |title: &str, (png, where_is): (Vec<u8>, String)| page::Picture {
         title: format!("{title}{where_is}"),
@@ -352,7 +370,8 @@ pub fn strength_pictures(tested: &Tested) -> Vec<(String, page::Picture)> {
     ]
 }
 
-/// Pixels of the longer side of a picture of stress or directions.
+/// Pixels of the longer side of a picture of stress or directions: as `PictureOptions` has for layers, so
+/// that pictures of one layer have one size.
 const GUIDE_PX: u32 = 1600;
 
 /// Pictures of stress, lines and directions, with their file names.
@@ -362,6 +381,7 @@ fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, page::Pictur
         return Vec::new();
     };
     let layers = planned.stack.layers();
+    // Fields are taken at mid height of a layer, where its section is cut as well.
     let z_mid = |i: usize| layers[i].z_top_mm() - 0.5 * layers[i].height_mm();
     let mut drawn = Vec::new();
     // Layers that share a field share their pictures.
@@ -389,7 +409,7 @@ fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, page::Pictur
     drawn
 }
 
-/// Stress and lines for other programs.
+/// Stress and principal lines as files for other programs.
 fn guide_files(planned: &Planned, paths: &Paths, report: &mut Report) -> Result<(), Failure> {
     let Some(guide) = &planned.guide else { return Ok(()) };
     if let Some(path) = &paths.stress {
@@ -398,6 +418,7 @@ fn guide_files(planned: &Planned, paths: &Paths, report: &mut Report) -> Result<
         report.outputs.insert("stress", path.display().to_string());
     }
     if let Some(path) = &paths.lines {
+        // One section stands for the part: the middle layer, away from the bed and the top.
         let middle = &planned.stack.layers()[planned.stack.layers().len() / 2];
         let z = middle.z_top_mm() - 0.5 * middle.height_mm();
         let families = guide.lines(middle.region(), z);
@@ -409,14 +430,14 @@ fn guide_files(planned: &Planned, paths: &Paths, report: &mut Report) -> Result<
     Ok(())
 }
 
-/// Writes bytes as a file.
+/// Writes bytes to a file.
 pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     files::write_atomically(path, |w| {
         w.write_all(bytes).map_err(|e| Failure::usage(format!("cannot write {}: {e}", path.display())))
     })
 }
 
-/// What a mesh is written as.
+/// The file format of a mesh.
 #[derive(Clone, Copy)]
 pub enum MeshEnding {
     Stl,
@@ -424,7 +445,7 @@ pub enum MeshEnding {
 }
 
 impl MeshEnding {
-    /// By the file's ending.
+    /// The format for the ending of a file name.
     pub fn of(path: &Path) -> Result<Self, Failure> {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("stl") => Ok(Self::Stl),
@@ -441,13 +462,15 @@ impl MeshEnding {
 pub fn write_mesh(path: &Path, bodies: &[&TriMesh]) -> Result<(), Failure> {
     let format = MeshEnding::of(path)?;
     let wrong = |e: std::io::Error| Failure::usage(format!("cannot write {}: {e}", path.display()));
+    // STL knows no bodies, so they are joined; 3MF keeps them apart, and a slicer can then print the
+    // support with other settings.
     files::write_atomically(path, |out| match format {
         MeshEnding::Stl => grainpath_io::write_stl(&joined(bodies), out).map_err(wrong),
         MeshEnding::ThreeMf => grainpath_io::write_3mf(bodies, out).map_err(wrong),
     })
 }
 
-/// All bodies as one mesh.
+/// All bodies as one mesh; vertices are copied and not merged, since bodies may touch.
 fn joined(bodies: &[&TriMesh]) -> TriMesh {
     let mut all = TriMesh::default();
     for body in bodies {

@@ -1,4 +1,4 @@
-//! A progress line on a terminal, nothing elsewhere; and Ctrl-C.
+//! A progress line on a terminal, and Ctrl-C.
 
 use std::io::IsTerminal;
 use std::sync::Arc;
@@ -30,6 +30,7 @@ impl Progress for Bar {
     }
 }
 
+// Clearing the line leaves the terminal to the result that follows.
 impl Drop for Bar {
     fn drop(&mut self) {
         self.0.finish_and_clear();
@@ -38,6 +39,7 @@ impl Drop for Bar {
 
 /// Diagnostics that show progress when standard error is a terminal, and stop on Ctrl-C.
 pub fn diagnostics() -> Arc<Diagnostics> {
+    // A log file would hold a line for each redraw, hence the test for a terminal.
     let diagnostics = Arc::new(if std::io::stderr().is_terminal() {
         let style = ProgressStyle::with_template("{msg:<15} {wide_bar} {pos}/{len} layers {eta}");
         let bar = ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -46,7 +48,7 @@ pub fn diagnostics() -> Arc<Diagnostics> {
         Diagnostics::default()
     });
     let for_handler = Arc::clone(&diagnostics);
-    // A second handler cannot be set; a command runs once.
+    // Only one handler can be set; a process runs one command, so a failure here means it is already set.
     let _ = ctrlc::set_handler(move || for_handler.stop());
     diagnostics
 }

@@ -14,7 +14,7 @@ use crate::{Failure, files, memory, outputs};
 /// `grainpath compare`
 pub fn compare(args: &Compare) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
-    // A slip in the last name is told before the first is tested.
+    // All names are checked before the first test, which may take minutes.
     for input in &args.inputs {
         read_job(job_of(input, args.job.as_deref())?, &args.common.sets)?;
         std::fs::metadata(input)
@@ -22,6 +22,8 @@ pub fn compare(args: &Compare) -> Result<(), Failure> {
     }
     let mut all: Vec<Done> = Vec::new();
     for input in &args.inputs {
+        // The mass of the first is the mark for the others: strength of parts compares at equal mass.
+        // G-code cannot be changed, so it keeps its own.
         let mass_g = all.first().filter(|_| args.same_mass && is_job(input)).map(|d| d.tested.report.mass_g);
         let done = test_one(input, args.job.as_deref(), &args.common, mass_g)?;
         if let Some(folder) = &args.preview {
@@ -42,9 +44,12 @@ pub fn compare(args: &Compare) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Peak loads over those of the first, corner by corner: nominal, lowest, highest.
+/// Ratios of the peak load to that of the first: nominal, and the least and greatest over the corners of
+/// the material card.
 fn ratios(of: &StrengthReport, to: &StrengthReport) -> [f64; 3] {
     let nominal = of.peak_load_n / to.peak_load_n;
+    // Corner by corner: uncertainty of the card that acts on both parts alike cancels. The quotient of
+    // the two intervals would be much wider.
     let each = of.corners.iter().filter_map(|(k, v)| to.corners.get(k).map(|w| v / w));
     each.fold([nominal; 3], |[n, low, high], r| [n, low.min(r), high.max(r)])
 }
@@ -63,6 +68,7 @@ fn row(done: &Done, first: &StrengthReport) -> Value {
 }
 
 fn table(all: &[Done], rows: &[Value]) -> String {
+    // Names are counted in characters, which is near enough to columns on a terminal.
     let width = all.iter().map(|d| d.name.chars().count()).max().unwrap_or(4).max(4);
     let mut out = format!(
         "{:<width$}  {:>7}  {:>9}  {:>17}  {:>8}  {:>6}  {:>18}  fails mostly\n",

@@ -1,4 +1,4 @@
-//! `grainpath inspect`: what a file is, with its defects.
+//! `grainpath inspect`: the kind of a file, its content, and its defects.
 
 use std::path::Path;
 
@@ -31,6 +31,7 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     args.truth.iter().for_each(|path| claims.read("--truth", path));
     args.sheet.iter().for_each(|path| claims.write("--sheet", path));
     claims.check()?;
+    // Scans first: they can be larger than the memory, and all other kinds are read whole.
     if raw.is_some() || scan::is(&args.file)? {
         let value = scan::inspect(args, raw.as_ref())?;
         files::print(&if args.json { format!("{value}\n") } else { table(&value) });
@@ -39,7 +40,11 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     let bytes = files::read(&args.file)?;
     let name = args.file.display().to_string();
     let lower = name.to_ascii_lowercase();
+    // G-code has no signature and may begin with a comment that looks like another format, so its name
+    // decides.
     let named_gcode = [".gcode", ".g", ".gco", ".nc", ".bgcode"].iter().any(|e| lower.ends_with(e));
+    // Formats with a signature are tried before those without. G-code, which any text can be, is the
+    // last.
     let value = if sniff_outline(&bytes) && !named_gcode {
         outline_json(&name, &bytes)?
     } else if sniff_image(&bytes).is_some() && !named_gcode {
@@ -73,8 +78,9 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Whether bytes that begin like nothing known are no text either. `lower` is the file's name in lower case.
+/// Whether bytes without a known signature are binary. `lower` is the file's name in lower case.
 fn is_raw(bytes: &[u8], lower: &str) -> bool {
+    // Text holds no zero bytes; voxels in 16 bits nearly always do.
     [".raw", ".vol"].iter().any(|e| lower.ends_with(e)) || bytes.iter().take(65_536).any(|b| *b == 0)
 }
 
@@ -93,7 +99,8 @@ fn mesh_json(name: &str, format: &str, file: &MeshFile) -> Value {
     let low = all.iter().map(|h| h.bounds.0).reduce(|a, b| a.min(b)).unwrap_or_default();
     let high = all.iter().map(|h| h.bounds.1).reduce(|a, b| a.max(b)).unwrap_or_default();
     let open = sum(&|h| h.open_edges);
-    // Open edges that close when vertices a millionth of the size apart are taken as one are only seams.
+    // Open edges may be seams only: they close when vertices within a millionth of the size are merged.
+    // The count after merging tells a seam from a hole.
     let tolerance = 1e-6 * (high - low).max_element();
     let open_after = if open == 0 {
         0
@@ -121,8 +128,8 @@ fn mesh_json(name: &str, format: &str, file: &MeshFile) -> Value {
     })
 }
 
-/// The volume of a mesh in the cube of its unit, with facets and shells that are inside out turned as slicing turns them.
-/// The text says that they were, or why there is no volume.
+/// The volume of a mesh in the cube of its unit. Facets and shells that are inside out are turned first,
+/// as slicing does. The text says so, or why there is no volume.
 fn volume(file: &MeshFile) -> (Option<f64>, Option<String>) {
     let as_read: f64 = file.bodies.iter().map(|b| b.mesh.signed_volume()).sum();
     let bodies = file.bodies.iter().map(|b| b.mesh.clone()).collect();
@@ -137,7 +144,8 @@ fn volume(file: &MeshFile) -> (Option<f64>, Option<String>) {
         return (None, Some(text));
     }
     let volume = mended.signed_volume();
-    // Turning changes the volume by that of a shell; merging vertices by rounding.
+    // Turning a shell changes the sign of its volume; merging vertices changes the volume by rounding
+    // only.
     let turned = (volume - as_read).abs() > 1e-6 * volume.abs();
     let text =
         "facets or shells are inside out; the volume is that after they are turned, as slicing turns them";
@@ -145,6 +153,7 @@ fn volume(file: &MeshFile) -> (Option<f64>, Option<String>) {
 }
 
 fn outline_json(name: &str, bytes: &[u8]) -> Result<Value, Failure> {
+    // The default tolerance of `shape.outline`, so that the counts are those of a job without settings.
     let options = OutlineOptions { unit: None, tolerance_mm: 0.005, even_odd: false };
     let outline = parse_outline(bytes, &options);
     let outline = outline.map_err(|source| grainpath::Error::Outline { path: name.to_owned(), source })?;
@@ -171,12 +180,15 @@ fn image_json(name: &str, image: &Image) -> Value {
     json!({
         "ok": true, "file": name, "kind": "image", "format": image.format.name(),
         "width": image.width, "height": image.height, "channels": image.channels, "samples": sample,
+        // One per cent at each end is left to dust and highlights, which would hide a picture of low
+        // contrast.
         "darkest": round(grey.quantile(0.01)), "median": round(grey.quantile(0.5)),
         "brightest": round(grey.quantile(0.99)),
     })
 }
 
-/// Whether a file is a finite-element mesh or result. A table is one only when named so: G-code may begin alike.
+/// Whether a file is a finite-element mesh or result. A table counts only with its ending `.csv`, since
+/// G-code may begin alike.
 fn is_fe(bytes: &[u8], name: &str) -> bool {
     sniff_fe(bytes, Some(name))
         .is_some_and(|f| f != FeFormat::Csv || name.to_ascii_lowercase().ends_with(".csv"))
@@ -218,6 +230,7 @@ fn fe_json(name: &str, file: &FeFile) -> Value {
             value["plane"] = json!(result.plane);
             value["max_von_mises"] = json!((peak * 1e6).round() / 1e6);
             value["likely_stress_unit"] =
+                // No common plastic or metal stands 10 GPa, so a greater number can only be in Pa.
                 json!(if peak > 1e4 { "Pa (by its size)" } else { "MPa (by its size)" });
             if let Some(u) = &result.displacement {
                 let longest = u.iter().map(|u| u.length()).filter(|l| l.is_finite()).fold(0.0, f64::max);
@@ -225,6 +238,7 @@ fn fe_json(name: &str, file: &FeFile) -> Value {
             }
             warnings = result.warnings;
         }
+        // A mesh without stress is a valid file; there is only less to show.
         Err(FeError::NoStress { .. }) => {}
         Err(e) => warnings.push(Warning::new(WarningId::FeLeftOut, e.to_string())),
     }
@@ -249,6 +263,7 @@ fn gcode_json(name: &str, p: &Program) -> Value {
         "ok": true, "file": name, "kind": "gcode", "generator": p.generator,
         "commands": p.commands, "arcs": p.arcs, "layers": p.layers.len(),
         "z_max_mm": p.layers.last().map_or(0.0, |l| l.z_mm),
+        // The median: the first layer and variable heights would shift a mean.
         "layer_height_mm": sorted.get(sorted.len() / 2).copied().map(round),
         "printed_mm": round(p.printed_mm), "travel_mm": round(p.travel_mm), "extruded_mm3": round(p.extruded_mm3),
         "filament_mm": round(p.filament_mm), "retractions": p.retractions, "time_s": round(p.time_s),
@@ -258,7 +273,7 @@ fn gcode_json(name: &str, p: &Program) -> Value {
     })
 }
 
-/// The fibre of a program, where it lays any.
+/// The fibre of a program; null for programs without fibre.
 fn fibre_json(p: &Program) -> Value {
     let fibre = grainpath::measure::fibre::measure(p, grainpath_core::DVec2::ZERO, 0.0, 0.0, None);
     if fibre.layers.is_empty() {
@@ -271,7 +286,7 @@ fn fibre_json(p: &Program) -> Value {
     })
 }
 
-/// Keys and values, one a line.
+/// Keys and values, one pair a line.
 fn table(value: &Value) -> String {
     let Some(rows) = value.as_object() else { return String::new() };
     let shown = |v: &Value| match v {
@@ -283,6 +298,7 @@ fn table(value: &Value) -> String {
         other => other.to_string(),
     };
     let line = |(k, v): (&String, &Value)| format!("{:<26} {}\n", k.replace('_', " "), shown(v));
+    // Empty values are left out of the table for people; JSON keeps them, since programs expect the keys.
     let skip = |v: &Value| {
         v.is_null() || v.as_array().is_some_and(Vec::is_empty) || v.as_object().is_some_and(|o| o.is_empty())
     };

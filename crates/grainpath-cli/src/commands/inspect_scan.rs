@@ -12,7 +12,7 @@ use crate::args::Inspect;
 use crate::inputs::open_scan;
 use crate::{Failure, outputs};
 
-/// Whether a path is a scan rather than a mesh or a program: a folder, or a file that begins like a volume.
+/// Whether a path is a scan: a folder, or a file with the ending of a volume format.
 pub fn is(path: &Path) -> Result<bool, Failure> {
     if path.is_dir() {
         return Ok(true);
@@ -22,7 +22,7 @@ pub fn is(path: &Path) -> Result<bool, Failure> {
     Ok(named.iter().any(|e| name.ends_with(e)))
 }
 
-/// The header given on the command line for a file without one.
+/// The header from the command line, for a file without one.
 pub fn raw_header(args: &Inspect) -> Result<Option<RawHeader>, Failure> {
     let Some(size) = &args.size else { return Ok(None) };
     let &[x, y, z] = size.as_slice() else {
@@ -32,10 +32,12 @@ pub fn raw_header(args: &Inspect) -> Result<Option<RawHeader>, Failure> {
     Ok(Some(RawHeader { size: [x, y, z], sample, big_endian: false, offset_bytes: 0 }))
 }
 
-/// What a scan is: read once from end to end.
+/// Properties of a scan, which is read once from end to end.
 pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
     let mut source = open_scan(&args.file, raw, false)?;
     let info = source.info().clone();
+    // Histogram and contact sheet are collected slice by slice, so that a scan larger than the memory can
+    // be inspected.
     let mut histogram = Histogram::default();
     let mut sheet = args.sheet.is_some().then(|| ContactSheet::new(info.size));
     let mut slice = Vec::new();
@@ -54,11 +56,15 @@ pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure
         outputs::save(path, &sheet.png(low, high))?;
     }
     let round = |v: f64| (v * 1e4).round() / 1e4;
+    // Nine decimals of a millimetre are a picometre: rounding removes the noise of binary fractions and
+    // nothing else.
     let spacing_mm = info.spacing_mm.map(|mm| mm.map(|mm| (mm * 1e9).round() / 1e9));
     let size_mm: Vec<Option<f64>> =
         (0..3).map(|i| info.spacing_mm[i].map(|mm| round(mm * info.size[i] as f64))).collect();
     let world = info.world.map(|w| {
         let vector = |v: DVec3| v.to_array().map(|c| (c * 1e9).round() / 1e9);
+        // Source: DICOM PS3.3, C.7.6.2: x to the left, y to the back, z to the head. All readers convert
+        // to this frame.
         json!({ "frame": "LPS", "origin_mm": vector(w.origin_mm), "columns": vector(w.axes.x_axis),
                 "rows": vector(w.axes.y_axis), "slices": vector(w.axes.z_axis) })
     });
@@ -67,6 +73,8 @@ pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure
         "voxels": info.size, "sample": info.sample.name(), "spacing_mm": spacing_mm, "size_mm": size_mm,
         "world": world, "not_finite": not_finite,
         "grey": [low, high], "otsu": round(histogram.otsu()), "materials": [round(air), round(material)],
+        // Both thresholds that `shape.ct.threshold` can name are listed, so that the user can choose
+        // beforehand.
         "iso50": round(0.5 * (air + material)), "histogram": histogram.binned(32),
         "sheet": args.sheet.as_ref().map(|p| p.display().to_string()), "warnings": info.warnings,
     }))

@@ -22,6 +22,7 @@ pub fn new(args: &New) -> Result<(), Failure> {
         )));
     };
     let folder = args.dir.clone().unwrap_or_else(|| PathBuf::from(&args.preset));
+    // All names are checked before the first is written, so that a refusal leaves the folder as it was.
     if let Some((name, _)) = example.iter().find(|(name, _)| folder.join(&**name).exists() && !args.force) {
         let there = folder.join(&**name);
         return Err(Failure::usage(format!("{} is there already; --force writes over it", there.display())));
@@ -32,6 +33,7 @@ pub fn new(args: &New) -> Result<(), Failure> {
             w.write_all(content).map_err(|e| Failure::usage(format!("cannot write {}: {e}", path.display())))
         })?;
     }
+    // The next command to type.
     files::print(&format!("grainpath run {}\n", folder.join(&*example[0].0).display()));
     Ok(())
 }

@@ -13,6 +13,8 @@ pub fn profiles(args: &Profiles) -> Result<(), Failure> {
             return Err(Failure::usage(format!("no profile {name:?}; did you mean {near:?}?")));
         };
         let json = serde_json::json!({ "kind": p.kind, "name": p.name, "toml": p.text });
+        // The text of the profile is printed as it is, comments included, to be copied into a file of
+        // one's own.
         files::print(&if args.json { format!("{json}\n") } else { p.text.to_owned() });
         return Ok(());
     }

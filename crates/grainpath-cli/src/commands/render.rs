@@ -29,6 +29,7 @@ pub fn render(args: &Render) -> Result<(), Failure> {
         let layers: Vec<_> = program.layers.iter().map(outputs::picture).collect();
         thumbnail_png(&layers, args.size, args.size * 3 / 4)
     } else {
+        // The middle layer shows the fill; the first and the last show brims and skins.
         let layer = args.layer.unwrap_or(n.div_ceil(2));
         if layer == 0 || layer > n {
             return Err(Failure::usage(format!("--layer {layer} should be from 1 to {n}")));
@@ -59,8 +60,8 @@ pub fn render(args: &Render) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Tells fill how far it is off the direction that a job asks for. The program may be any slicer's: the middle of what it
-/// prints is taken for the part's.
+/// Gives each piece of fill its angle to the direction that a job asks for. The program may come from any
+/// slicer, so the centre of what it prints is taken as the centre of the part.
 fn tell_directions(picture: &mut LayerPicture, program: &Program, job: &Path) -> Result<(), Failure> {
     let (settings, shape, folder) = read_job(job, &[])?;
     let diagnostics = progress::diagnostics();
@@ -71,6 +72,7 @@ fn tell_directions(picture: &mut LayerPicture, program: &Program, job: &Path) ->
             job.display()
         )));
     };
+    // Skirts and supports lie outside the part and would shift its centre.
     let printed = program.layers.iter().flat_map(|l| &l.beads).filter(|b| b.role.is_part());
     let printed = Bounds2::of(printed.flat_map(|b| [b.start(), b.end()]));
     let part = planned.stack.layers().iter().filter_map(|l| l.region().bounds()).reduce(Bounds2::union);

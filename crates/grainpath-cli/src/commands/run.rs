@@ -28,8 +28,8 @@ pub fn run(args: &Run) -> Result<(), Failure> {
     execute(&settings, &shape, &folder, &out, truth.as_deref(), claims, &args.common)
 }
 
-/// Plans and writes a job. `base` is what input paths are relative to, `out` output paths; `claims` holds what was read
-/// before.
+/// Plans and writes a job. Input paths are relative to `base`, output paths to `out`; `claims` holds the
+/// files that were read before.
 pub fn execute(
     settings: &Settings,
     shape: &Path,
@@ -46,6 +46,8 @@ pub fn execute(
     paths.claim(&mut claims);
     claims.check()?;
     let (planned, read_s) = plan(settings, shape, base, &diagnostics)?;
+    // Warnings of planning refuse the job before anything is written; those of writing can only be told
+    // afterwards.
     if common.strict {
         let warnings = diagnostics.warnings();
         if !warnings.is_empty() {
@@ -53,16 +55,17 @@ pub fn execute(
         }
     }
     let report = outputs::write(settings, planned, &paths, read_s, common.json, truth, &diagnostics)?;
-    // The progress line goes before anything is printed.
+    // The progress line is cleared before anything is printed.
     drop(diagnostics);
     let refused = common.strict && !report.warnings.is_empty();
     if common.json {
-        // A refusal is one object of its own, which holds the warnings.
+        // A refusal is printed as one JSON object, with the warnings; a report before it would be a
+        // second.
         if !refused {
             files::print(&format!("{}\n", report.to_json()));
         }
     } else {
-        // A program that goes to standard output has it for itself.
+        // A program on standard output leaves no room for the summary there.
         if paths.is_standard_output() {
             eprintln!("{}", report.summary());
         } else {

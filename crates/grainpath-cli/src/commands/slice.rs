@@ -12,11 +12,13 @@ fn has_ending(path: &Path, endings: &[&str]) -> bool {
     path.extension().is_some_and(|e| endings.iter().any(|d| e.eq_ignore_ascii_case(d)))
 }
 
-/// The job of a file that is sliced without one. A photograph is a board whose infill follows its grain.
+/// The job of a file that is sliced without one. A photograph is taken as a board whose fill follows its
+/// grain.
 fn job_of(model: &Path) -> String {
     if !has_ending(model, &["png", "jpg", "jpeg", "bmp"]) {
         return String::new();
     }
+    // JSON strings are TOML strings too, so a path with quotes or backslashes is escaped correctly.
     let file = serde_json::Value::from(model.display().to_string());
     format!("[shape.photo]\nfiles = [{file}]\n[guide]\nkind = \"grain\"\n")
 }
@@ -31,6 +33,7 @@ pub fn slice(args: &Slice) -> Result<(), Failure> {
     settings.output.gcode = output.display().to_string();
     if has_ending(&args.model, &["svg", "dxf"]) {
         settings.shape.outline = args.model.display().to_string();
+        // A drawing has no height, and any default would be a guess.
         if settings.shape.thickness_mm == 0.0 {
             return Err(Failure::usage("an outline needs --set shape.thickness_mm=N"));
         }

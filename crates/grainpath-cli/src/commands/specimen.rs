@@ -34,9 +34,10 @@ pub fn specimen(args: &Specimen) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A test piece with a job that tests it and a drawing, beside the mesh.
+/// Writes a test piece, with a drawing and a job that tests it beside the mesh.
 fn test_piece(piece: &TestPiece, output: &Path) -> Result<(), Failure> {
     write_mesh(output, &[&piece.mesh()])?;
+    // The job names the mesh, so both follow the name the user gave.
     let file = output.file_stem().map_or_else(|| piece.name.into(), |s| s.to_string_lossy().into_owned());
     let (job, drawing) = (output.with_extension("toml"), output.with_extension("svg"));
     outputs::save(&job, piece.job(&file).as_bytes())?;

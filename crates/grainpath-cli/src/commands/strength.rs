@@ -1,4 +1,4 @@
-//! `grainpath strength`: how much a part carries until it breaks.
+//! `grainpath strength`: the load that a part carries until it breaks.
 
 use std::path::Path;
 
@@ -15,17 +15,17 @@ use crate::args::{Common, Strength};
 use crate::inputs::{plan, read_body, read_job, set_threads};
 use crate::{Failure, files, memory, outputs, progress};
 
-/// A tested input.
+/// A tested job or program.
 pub struct Done {
-    /// The file's name without its ending.
+    /// File name without its extension.
     pub name: String,
     /// The test.
     pub tested: Tested,
     /// Layers of the program.
     pub layers: usize,
-    /// How long it prints, s.
+    /// Printing time, s.
     pub time_s: f64,
-    /// Everything that was warned of.
+    /// All warnings.
     pub warnings: Vec<Warning>,
 }
 
@@ -58,12 +58,12 @@ pub fn strength(args: &Strength) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Whether a path is named like a job file.
+/// Whether a path has the ending of a job file.
 pub fn is_job(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
 }
 
-/// The job an input is, or that a program is tested with.
+/// The job of an input: the input itself, or the job a program is tested with.
 pub fn job_of<'a>(input: &'a Path, job: Option<&'a Path>) -> Result<&'a Path, Failure> {
     let none = || {
         Failure::usage(format!(
@@ -74,7 +74,8 @@ pub fn job_of<'a>(input: &'a Path, job: Option<&'a Path>) -> Result<&'a Path, Fa
     if is_job(input) { Ok(input) } else { job.ok_or_else(none) }
 }
 
-/// Tests a job, or a program with the job it belongs to. `mass_g` is what a job's part is to weigh.
+/// Tests a job, or a program with the job it belongs to. `mass_g` is the mass that a job's part should
+/// have.
 pub fn test_one(
     input: &Path,
     job: Option<&Path>,
@@ -88,7 +89,11 @@ pub fn test_one(
     let diagnostics = progress::diagnostics();
     let failed = |e: grainpath::measure::strength::StrengthError| Failure::from(grainpath::Error::from(e));
     let theirs = if is_job(input) { None } else { Some(read(&settings, &files::read(input)?, input)?) };
+    // A photograph or a scan has its shape only after planning, so those jobs are planned even for a
+    // program of another slicer.
     let solid = !settings.shape.mesh.is_empty() || !settings.shape.outline.is_empty();
+    // For a program of another slicer the fill need not be planned: section, fixtures and loads are
+    // enough.
     let (tested, program) = if let (Some(program), true) = (&theirs, solid) {
         let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
         let (file, _) = read_body(&settings, &shape, &diagnostics)?;
@@ -98,6 +103,8 @@ pub fn test_one(
         let conditions = boundary_conditions(&grainpath::run::config::loads(&settings), &mesh)
             .map_err(|e| failed(e.into()))?;
         let setup = TestSetup::of(&settings, &mesh, &stack, conditions).map_err(failed)?;
+        // Without a shift the test finds the part on the bed by itself, since another slicer may have
+        // placed it anywhere.
         let tested = test(&settings, &setup, program, None, &diagnostics);
         (tested.map_err(|e| named(input, failed(e)))?, theirs)
     } else {
@@ -109,6 +116,8 @@ pub fn test_one(
             (tested.map_err(|e| named(input, failed(e)))?, theirs)
         } else {
             let mut bytes = Vec::new();
+            // The plan is written and read back, so that the test sees the rounding of the program as for
+            // any other.
             write_gcode(&planned.plan, &planned.config, &[], &mut bytes)
                 .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
             let program = read(&settings, &bytes, input)?;

@@ -1,4 +1,4 @@
-//! `grainpath support`: the support of a mesh, alone.
+//! `grainpath support`: the support of a mesh by itself.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -22,11 +22,13 @@ use crate::{Failure, files, memory, outputs, progress};
 /// `grainpath support`
 pub fn support(args: &Support) -> Result<(), Failure> {
     let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
+    // The default of a job is no support; whoever calls this command wants some.
     if settings.support.style == SupportStyle::None {
         settings.support.style = SupportStyle::Tree;
     }
     set_threads(args.common.threads)?;
     let output = args.output.clone().unwrap_or_else(|| default_output(&args.model));
+    // A wrong ending is refused before the work.
     MeshEnding::of(&output)?;
     let mut claims = Claims::default();
     claims.read("model", &args.model);
@@ -44,7 +46,8 @@ pub fn support(args: &Support) -> Result<(), Failure> {
             .map_err(|source| Error::Shape { path: shown, source })?;
     stages.insert("slice", start.elapsed().as_secs_f64());
     let start = Instant::now();
-    // The bed limits jobs, which know where the part stands on it.
+    // The bed limits jobs only, which know where the part stands on it; here the part stands where its
+    // file says.
     let wanted =
         config::support(&settings, DVec2::ZERO).map(|w| support::SupportSettings { bed: None, painted, ..w });
     let wanted = wanted.ok_or_else(|| Failure::usage("support.style should be tree, columns or box"))?;
@@ -59,6 +62,8 @@ pub fn support(args: &Support) -> Result<(), Failure> {
     } else {
         let mut bodies = vec![&body];
         if args.with_model {
+            // Both bodies keep the coordinates of the sliced part, so that they fit together in another
+            // slicer.
             bodies.push(&mesh);
         }
         write_mesh(&output, &bodies)?;
