@@ -35,7 +35,7 @@ impl CellGrid {
     /// would be more.
     pub fn covering(bounds: Bounds2, cell_mm: f64, max_per_side: usize) -> Self {
         let size = bounds.size();
-        // A box without size has one cell, whatever was asked for.
+        // A box without size has one cell, whatever the size wanted.
         let cell_mm = cell_mm.max(size.max_element() / max_per_side as f64).max(f64::MIN_POSITIVE);
         let count = |mm: f64| (mm / cell_mm) as usize + 1;
         Self { origin: bounds.min, cell_mm, nx: count(size.x), ny: count(size.y) }
@@ -150,7 +150,7 @@ impl CellGrid {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Buckets {
-    /// Where the cells are.
+    /// Position and size of the cells.
     pub cells: CellGrid,
     starts: Vec<u32>,
     members: Vec<u32>,
@@ -205,7 +205,7 @@ impl Buckets {
 /// 24 bytes, so 2000 x 2000 take 96 MB.
 const MAX_CELLS_PER_SIDE: usize = 2000;
 
-/// Points in the plane, each with a value, that can be added, removed and asked for by place.
+/// Points in the plane, each with a value. They can be added, removed and searched by position.
 ///
 /// ```
 /// use grainpath_core::{Bounds2, DVec2, buckets::PointGrid2};
@@ -288,8 +288,8 @@ impl<T: Copy + Ord> PointGrid2<T> {
     }
 }
 
-/// Points in space, each with a value, that can be added, removed and asked for by place. Needs no
-/// bounds: only cells with points take memory.
+/// Points in space, each with a value. They can be added, removed and searched by position. No
+/// bounds are needed: only cells with points take memory.
 ///
 /// ```
 /// use grainpath_core::{DVec3, buckets::PointGrid3};

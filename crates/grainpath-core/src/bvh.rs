@@ -68,7 +68,7 @@ pub struct ClosestPoint {
     pub triangle: u32,
 }
 
-/// Where a ray meets a triangle.
+/// A point where a ray meets a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayHit {
     /// Position along the ray in lengths of its direction vector.
@@ -225,7 +225,7 @@ impl Bvh {
         }
     }
 
-    /// How often the mesh winds around a point: 1 inside and 0 outside a closed mesh, in between
+    /// Winding number of the mesh around a point: 1 inside and 0 outside a closed mesh, in between
     /// near holes; 2 where bodies overlap. Groups far away count as dipoles (`barill2018`); the
     /// error stays under about 0.02.
     pub fn winding_number(&self, q: DVec3) -> f64 {

@@ -11,7 +11,7 @@
 //! entries that are not finite give results that are not finite. A matrix that is not positive
 //! definite counts as one without rank from the row on where that shows.
 
-/// What must remain of a diagonal entry, as a share of it, for its unknown to be kept.
+/// Share of a diagonal entry that has to remain for its unknown to be kept.
 ///
 /// Source: error bound. The remainder is the squared sine of the angle between a column and those
 /// before it. Rounding changes it by about n times 2.2e-16 (Higham 2002, theorem 10.3, `higham2002`

@@ -1,4 +1,4 @@
-//! How densely an infill region is filled.
+//! The density of an infill region.
 
 /// Density of infill: dense, or a fraction of the volume.
 ///

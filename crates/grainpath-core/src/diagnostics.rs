@@ -132,7 +132,7 @@ impl Diagnostics {
         self.stop.store(true, Ordering::Relaxed);
     }
 
-    /// Fails once a stop was asked for. Long loops call it once a layer.
+    /// Fails once the run was asked to stop. Long loops call it once a layer.
     ///
     /// # Errors
     /// [`Interrupted`] after [`Diagnostics::stop`].

@@ -33,7 +33,7 @@ enum Shape {
     Point(DVec2),
 }
 
-/// What a test looks at; drawn when the test fails.
+/// The geometry that a test examines; it is drawn when the test fails.
 pub struct FailurePicture {
     name: String,
     shapes: Vec<(String, Shape)>,

@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-/// What a direction field says at a point.
+/// The value of a direction field at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionSample {
     /// Angle of the undirected axis from +X in the layer's plane, radians in `[0, pi)`.

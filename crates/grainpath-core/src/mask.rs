@@ -109,14 +109,14 @@ impl Grid {
     }
 }
 
-/// How much of a polygon a mask covers.
+/// The share of a polygon that a mask covers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coverage {
-    /// Next to nothing.
+    /// At most two cells.
     None,
     /// Some.
     Part,
-    /// Next to everything.
+    /// All but two cells, or more.
     All,
 }
 
@@ -164,7 +164,8 @@ impl Mask {
         mask
     }
 
-    /// The same with every cell that a border passes through: nothing thin slips between the cells' centres.
+    /// The same, and every cell that a border passes through, so that thin parts between the cells'
+    /// centres are not lost.
     pub fn touched(grid: Grid, region: &Region) -> Self {
         let mut mask = Self::of(grid, region);
         for (a, b) in region.contours().flat_map(|c| edges(c)) {
@@ -234,8 +235,8 @@ impl Mask {
         self.count() as f64 * self.grid.cell_mm * self.grid.cell_mm
     }
 
-    /// How much of a polygon the cells cover, with a tolerance of two cells. Cost: linear in the
-    /// cells of the polygon's bounds.
+    /// The share of a polygon that the cells cover, with a tolerance of two cells. Cost: linear in
+    /// the cells of the polygon's bounds.
     pub fn coverage(&self, polygon: &Polygon) -> Coverage {
         let Some(bounds) = polygon.bounds() else { return Coverage::None };
         let (window, word, row) = self.grid.window(bounds);

@@ -21,7 +21,7 @@ use crate::{Polygon, Region};
 pub struct MedialPath {
     /// The line, mm.
     pub points: Vec<DVec2>,
-    /// How thick the region is at each point, mm, between the limits asked for.
+    /// Thickness of the region at each point, mm, within the limits given.
     pub widths_mm: Vec<f64>,
     /// Whether the last point joins the first.
     pub closed: bool,

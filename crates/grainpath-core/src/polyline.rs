@@ -69,7 +69,7 @@ pub fn resampled(line: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
     out
 }
 
-/// Which vertices of an open polyline Douglas and Peucker's method keeps: the ends, and in each
+/// The vertices of an open polyline that Douglas and Peucker's method keeps: the ends, and in each
 /// stretch the vertex that is farthest off as long as `off` is above 1.
 ///
 /// `off(i, a, b)` is the distance of vertex `i` from the line between vertices `a` and `b`, as a

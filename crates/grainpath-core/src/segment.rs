@@ -1,8 +1,8 @@
 //! Straight segments in the plane: the closest point, the distance, and whether two of them cross.
 //!
 //! Lengths are mm. Signs of areas are exact ([`robust::orient2d`], Shewchuk 1997, `shewchuk1997` in
-//! docs/references.bib), so that three nearly collinear points are never told to turn both ways. A
-//! segment of no length is a point; every function accepts it.
+//! docs/references.bib), so three nearly collinear points have one sense of turn, in whatever order
+//! they are compared. A segment of no length is a point; every function accepts it.
 
 use glam::DVec2;
 

@@ -10,7 +10,7 @@ use std::error::Error;
 
 use crate::{DMat3, DVec3};
 
-/// How a file stores one voxel.
+/// The number type of a voxel in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum SampleType {
@@ -65,7 +65,7 @@ pub struct VolumeInfo {
     pub format: &'static str,
     /// Columns, rows, slices.
     pub size: [usize; 3],
-    /// How the file stores a voxel.
+    /// Number type of a voxel.
     pub sample: SampleType,
     /// Distance between voxel centres in x, y and z, mm; `None` where the file does not state it.
     pub spacing_mm: [Option<f64>; 3],
@@ -77,7 +77,7 @@ pub struct VolumeInfo {
     pub warnings: Vec<crate::Warning>,
 }
 
-/// Where a volume lies in the coordinates of the scanner, mm.
+/// Position of a volume in the coordinates of the scanner, mm.
 ///
 /// The world is LPS as in DICOM: x to the patient's left, y to the back, z to the head. Files in
 /// other worlds (NIfTI is RAS) are converted.
@@ -211,7 +211,7 @@ pub trait SliceSource: Send {
     /// As [`SliceSource::next_slice`].
     fn skip_slice(&mut self) -> Result<bool, SliceError>;
 
-    /// How many of the voxels given since the last restart are NaN or infinite in the file. All
+    /// Number of voxels given since the last restart that are NaN or infinite in the file. All
     /// voxels given are finite: such voxels come as the least grey value of their slice, which is
     /// air.
     fn n_not_finite(&self) -> u64 {

@@ -23,7 +23,7 @@ pub struct Triangulation {
 /// Fineness of a triangulation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TriangleSize {
-    /// No side is much longer than this, mm.
+    /// Greatest length of a side, mm, which a few sides exceed slightly.
     pub longest_mm: f64,
     /// Least number of sides of a closed contour, so that triangles are small around small holes.
     pub sides_of_hole: usize,

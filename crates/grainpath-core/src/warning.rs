@@ -271,10 +271,10 @@ pub struct Warning {
     pub id: WarningId,
     /// What happened, with numbers; without the place.
     pub text: String,
-    /// Where.
+    /// Place that it concerns.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub place: Option<Place>,
-    /// What the user can do about it.
+    /// Remedy for the user.
     pub remedy: Cow<'static, str>,
 }
 

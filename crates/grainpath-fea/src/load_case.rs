@@ -194,7 +194,7 @@ pub struct CatchesNothing {
     pub name: String,
     /// The kind of selection: "box".
     pub shape: &'static str,
-    /// What the selection was compared with: "the part's surface".
+    /// The geometry that was searched: "the part's surface".
     pub searched: &'static str,
     /// Lowest corner of the part's bounding box, mm.
     pub low: DVec3,

@@ -1,13 +1,14 @@
 //! Kinds of errors, the same for all stages.
 
-/// Whose mistake an error is, for front ends that answer differently to each.
+/// Who has to act on an error. Front ends answer differently to each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorKind {
-    /// The job asks for something that is not there or makes no sense.
+    /// The job names something that does not exist, or contradicts itself.
     Job,
     /// An input file cannot be used.
     Input,
-    /// What was asked for is impossible: off the bed, no such mass, no solution.
+    /// The job cannot be met: the part is off the bed, no density gives the mass, or there is no
+    /// solution.
     Physics,
     /// The user stopped the run.
     Interrupted,

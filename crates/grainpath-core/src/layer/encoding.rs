@@ -51,15 +51,15 @@ pub enum LayerStackError {
     Truncated {
         /// Number of bytes read.
         offset: usize,
-        /// What should follow.
+        /// The value that should follow.
         wanted: &'static str,
     },
     /// A value that no stack has.
     #[error("the layer stack has {found} at byte {offset}")]
     Invalid {
-        /// Where the value ends.
+        /// Position behind the value.
         offset: usize,
-        /// What is wrong.
+        /// Description of the value.
         found: &'static str,
     },
 }

@@ -73,7 +73,7 @@ impl VertexWelder {
         self.slots = slots;
     }
 
-    /// The different positions, in the order they first came.
+    /// The different positions, in the order of their first appearance.
     pub fn into_vertices(mut self) -> Vec<DVec3> {
         self.vertices.shrink_to_fit();
         self.vertices

@@ -20,7 +20,7 @@ pub struct ClippedLine {
     pub at: Vec<f64>,
 }
 
-/// Where a straight line meets a region's border.
+/// A point where a straight line crosses a region's border.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
     /// Share of the line's length.
@@ -154,7 +154,8 @@ impl LineClipper {
     }
 }
 
-/// Where along `a`-`b` it crosses `p`-`q`, with exact signs: a point on the line counts as on its right.
+/// The share of `a`-`b` at which it crosses `p`-`q`, with exact signs: a point on the line counts
+/// as on its right.
 fn crossing(a: DVec2, b: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
     let side = |u: DVec2, v: DVec2, w: DVec2| {
         let c = |p: DVec2| robust::Coord { x: p.x, y: p.y };

@@ -43,7 +43,7 @@ pub fn simplify_line(line: &[DVec2], tolerance_mm: f64) -> Vec<DVec2> {
     line.iter().zip(keep).filter_map(|(&p, k)| k.then_some(p)).collect()
 }
 
-/// A closed line simplified likewise; empty when nothing with an area remains.
+/// A closed line simplified in the same way; empty if no area remains.
 pub fn simplify_contour(contour: &[DVec2], tolerance_mm: f64) -> Contour {
     if contour.len() < 3 {
         return Vec::new();

@@ -43,7 +43,7 @@ pub enum PlaneError {
     Inverted(usize),
 }
 
-/// A plate, held and loaded.
+/// A plate with its supports.
 pub struct PlaneProblem<'a> {
     /// Its mesh.
     pub mesh: &'a PlaneMesh,
@@ -51,7 +51,7 @@ pub struct PlaneProblem<'a> {
     pub thickness_mm: f64,
     /// Stiffness at a point.
     pub stiffness: &'a (dyn Fn(DVec2) -> PlaneStiffness + Sync),
-    /// Where it is held.
+    /// Its supports.
     pub holds: &'a [Hold],
     /// Memory limit of the factorization, MiB.
     pub max_mib: f64,

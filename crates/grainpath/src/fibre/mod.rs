@@ -16,14 +16,15 @@ use grainpath_core::{
 pub use grainpath_job::choices::{FibreStart, FibreTurns};
 pub use turns::{Turn, rounded, sharp_turns, turns};
 
-/// How fibre is laid.
+/// Settings of continuous fibre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FibreSettings {
     /// First and last layer with fibre, counted from 1; empty for all layers.
     pub layers: Vec<[usize; 2]>,
     /// Period: 2 lays fibre in every other one of these layers.
     pub every: usize,
-    /// Where fill is fibre, in part coordinates on the plate, mm; empty for everywhere.
+    /// Boxes in which fill is laid with fibre, in part coordinates on the plate, mm; empty for the
+    /// whole part.
     pub boxes: Vec<[DVec3; 2]>,
     /// Width of a bead with fibre, mm.
     pub bead_width_mm: f64,
@@ -33,7 +34,7 @@ pub struct FibreSettings {
     pub turns: FibreTurns,
     /// Shorter paths are laid as matrix, mm.
     pub min_length_mm: f64,
-    /// Where closed paths begin.
+    /// Choice of the start of closed paths.
     pub start: FibreStart,
 }
 

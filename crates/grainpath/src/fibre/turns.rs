@@ -1,4 +1,4 @@
-//! How sharply a path turns, and rounding it to a least radius.
+//! Radii of a path's turns, and rounding turns to a least radius.
 //!
 //! A polyline stands for a curve: at a vertex that turns by `a` between pieces of length `p` and
 //! `q` the curve has the radius `(p + q) / 4 / tan(a / 2)`, that of the circle which touches both
@@ -36,7 +36,7 @@ const WIDER: f64 = 1.03;
 pub struct Turn {
     /// The vertex.
     pub vertex: usize,
-    /// Where it is, mm.
+    /// Its position, mm.
     pub at: DVec2,
     /// Its radius, mm.
     pub radius_mm: f64,
@@ -158,7 +158,7 @@ pub fn rounded(line: &[DVec2], least_mm: f64, inside: &dyn Fn(DVec2, DVec2) -> b
 /// An arc in place of some vertices.
 struct Arc {
     points: Vec<DVec2>,
-    /// How many points already laid it replaces.
+    /// Number of points already laid that it replaces.
     back: usize,
     /// The last vertex that it replaces.
     last: usize,

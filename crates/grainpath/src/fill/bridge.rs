@@ -16,8 +16,8 @@ use grainpath_core::{DVec2, Polygon, Region};
 
 use super::hatch::{Hatch, Joints, Lines};
 
-/// The direction in which most of a bridge's lines are held at both ends by what lies below, and
-/// among those the one with the shortest free spans. `None` when nothing holds any line.
+/// The direction in which most of a bridge's lines lie on the layer below at both ends, and among
+/// such directions the one with the shortest free spans. `None` if no direction has such lines.
 ///
 /// `below` is the section of the layer under the bridge.
 pub fn bridge_angle_rad(bridge: &Polygon, below: &Region, spacing_mm: f64) -> Option<f64> {
@@ -41,7 +41,7 @@ pub fn bridge_angle_rad(bridge: &Polygon, below: &Region, spacing_mm: f64) -> Op
     best.map(|(_, _, angle)| angle)
 }
 
-/// Share of line length held at both ends, and the mean free span of a line, mm.
+/// Share of the line length that is supported at both ends, and the mean free span of a line, mm.
 fn score(bridge: &Polygon, hold: &LineClipper, angle_rad: f64, spacing_mm: f64) -> (f64, f64) {
     // Every other bead is enough to compare directions and halves the cost of twenty trials.
     // The odd offset of 0.37 keeps lines off edges at round coordinates.

@@ -36,11 +36,11 @@ const STRIP: [f64; 2] = [0.6, 1.5];
 /// Points off a chord by less than this are dropped, mm.
 const STRAIGHT_MM: f64 = 0.008;
 
-/// What lines follow in the area between the given curves.
+/// The field that lines follow between the given curves.
 pub struct Flow<'a> {
     /// The direction; only its axis counts, not its sign.
     pub axis: &'a dyn Fn(DVec2) -> DVec2,
-    /// How much farther apart than on average lines lie; matters only below full density.
+    /// Factor on the mean distance of lines; it has an effect only below full density.
     pub sparseness: Option<&'a dyn Fn(DVec2) -> f64>,
 }
 
@@ -154,7 +154,7 @@ impl Layout<'_> {
         }
     }
 
-    /// Whether a line comes back to where it was, more than a few steps ago.
+    /// Whether a line returns to a place that it passed more than a few steps ago.
     fn meets_itself(&self, run: &[DVec2], p: DVec2) -> bool {
         let lag = self.lag();
         // Rows are short: a curve of a photograph seldom has more than a few thousand points.
@@ -217,7 +217,7 @@ impl Layout<'_> {
         debug_assert!(first <= self.lines.len());
     }
 
-    /// A new line through `p`, if there is room for one.
+    /// Lays a new line through `p` if it keeps its distance from all others.
     fn seed(&mut self, p: DVec2, least_mm: f64) {
         if !self.clipper.contains(p) || !self.near.open(p, self.closest_at(p), |_, _| true) {
             return;
@@ -368,7 +368,7 @@ impl Layout<'_> {
 /// steps of 0.25 mm are 25 m, which fills 11 000 mm2 at a spacing of 0.45 mm with a single line.
 const MAX_STEPS: usize = 100_000;
 
-/// Distance to the border of a room, for points near it.
+/// Distance to the border of an infill region, for points near it.
 struct BorderDistance {
     near: LinePoints,
     reach_mm: f64,

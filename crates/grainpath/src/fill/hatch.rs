@@ -26,7 +26,7 @@ pub struct Lines {
     pub step_mm: f64,
 }
 
-/// Where a line meets the border.
+/// A point where a line meets the border.
 #[derive(Debug, Clone, Copy)]
 struct End {
     line: i32,

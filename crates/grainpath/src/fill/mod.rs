@@ -25,7 +25,7 @@ pub use gyroid::Gyroid;
 pub use honeycomb::Honeycomb;
 pub use rectilinear::{Crossed, Rectilinear, Solid};
 
-/// What a pattern has to know about the layer.
+/// The layer as a pattern needs it.
 #[derive(Clone, Copy)]
 pub struct FillContext<'a> {
     /// Middle of the layer above the plate, mm.
@@ -40,10 +40,10 @@ pub struct FillContext<'a> {
     pub angle_rad: f64,
     /// The whole part in plan, so that lines of different islands and layers line up.
     pub part: Bounds2,
-    /// What the paths are for.
+    /// Role of the paths.
     pub role: Role,
-    /// How far the area to be filled reaches beyond the area for centrelines, mm: to the edge of
-    /// the strips around it.
+    /// Distance from the area for centrelines to the edge of the area to be filled, mm: to the
+    /// strips around it.
     pub border_mm: f64,
     /// Direction field for the patterns that follow one.
     pub field: Option<&'a dyn DirectionField>,
@@ -61,7 +61,7 @@ impl FillContext<'_> {
 /// The result depends on the polygon and the context alone. Whatever needs other layers, such as
 /// bridges and skins, is decided before.
 pub trait Infill: Send + Sync {
-    /// Adds paths to `out`; none where nothing fits.
+    /// Adds paths to `out`; none where no path fits.
     fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>);
 }
 

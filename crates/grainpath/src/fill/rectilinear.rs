@@ -23,7 +23,7 @@ pub struct Rectilinear;
 
 /// Lines in two (grid) or three (triangles) directions, each with its share of the density.
 pub struct Crossed {
-    /// How many directions.
+    /// Number of directions.
     pub directions: usize,
 }
 

@@ -58,9 +58,9 @@ pub fn lines(room: &Polygon, angle_rad: f64, s_mm: f64) -> Option<(Lines, f64)> 
     if low >= high {
         return None;
     }
-    // The beads' strips reach half a spacing beyond the room on both sides; they share that height evenly.
-    // The surplus of 0.02 lets a region that lacks a fiftieth of a bead through rounding keep its
-    // last line.
+    // The strips reach half a spacing beyond the region on both sides, and share that height
+    // evenly. The surplus of 0.02 lets a region that lacks a fiftieth of a bead through rounding
+    // keep its last line.
     let n = ((high - low + s_mm) / s_mm + 0.02).floor().max(1.0);
     if n < 2.0 {
         let middle = Lines { angle_rad, first_mm: 0.5 * (low + high), step_mm: 2.0 * (high - low) };

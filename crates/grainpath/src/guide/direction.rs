@@ -19,7 +19,7 @@ pub use grainpath_job::choices::Follow;
 /// Settings for turning stress into directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectionSettings {
-    /// Which principal stress beads follow.
+    /// The principal stress that beads follow.
     pub follow: Follow,
     /// Whether this layer follows the other family.
     pub across: bool,

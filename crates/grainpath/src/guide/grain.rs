@@ -154,9 +154,9 @@ pub struct GrainGuide {
     darkness: f64,
     /// Which lines are laid.
     pub mode: Mode,
-    /// What was found in each photograph.
+    /// Findings in each photograph.
     pub photos: Vec<PhotoReport>,
-    /// What was found in a scan.
+    /// Findings in a scan.
     pub texture: Option<TextureReport>,
     /// Steps of each photograph, if pictures were asked for.
     pub photo_steps: Vec<PhotoSteps>,

@@ -253,7 +253,7 @@ fn resolved_loads(loads: &[loads::Load], mesh: &TriMesh, of_case: &str) -> Resul
     Ok(all)
 }
 
-/// The selection that a place of the job stands for; facets are looked up in the mesh.
+/// The selection that a place of the job names; facets are looked up in the mesh.
 fn resolved(place: &Place, mesh: &TriMesh, name: &str) -> Result<Selection, GuideError> {
     match place {
         Place::Shape(shape) => Ok(shape.clone()),
@@ -308,7 +308,7 @@ pub struct StressSettings {
     pub max_mib: f64,
     /// Tensile strength along the beads, MPa, where the material has one: peaks far above it are warned of.
     pub strength_mpa: Option<f64>,
-    /// Which principal stress beads follow.
+    /// The principal stress that beads follow.
     pub follow: Follow,
     /// Length over which directions are smoothed, mm.
     pub smoothing_mm: f64,

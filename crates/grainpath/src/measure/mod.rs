@@ -1,4 +1,4 @@
-//! What is known once a job is planned, and what is measured on the program that was written.
+//! Results: the planned job, and measurements on the written program.
 
 pub mod dimensions;
 pub mod fibre;

@@ -16,7 +16,7 @@ pub struct Planned {
     pub plan: Plan,
     /// The sections that it was made from.
     pub stack: LayerStack,
-    /// How it is written as G-code.
+    /// Settings for writing it as G-code.
     pub config: WriteConfig,
     /// Seconds of each stage, in the order of the run.
     pub stages_s: Vec<(Stage, f64)>,

@@ -12,7 +12,7 @@
 use grainpath_core::poly::LineClipper;
 use grainpath_core::{DVec2, PlannedPath, Polygon, Region, Toolpath, Travel};
 
-/// How travels are made.
+/// Settings of travels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CombSettings {
     /// Whether travels are kept inside the part.

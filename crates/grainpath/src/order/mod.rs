@@ -23,14 +23,14 @@ pub use comb::CombSettings;
 pub use grainpath_job::choices::{Seam, WallOrder};
 pub(crate) use nearest::NearestEnds;
 
-/// How paths are put in order.
+/// Settings of the printing order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrderSettings {
-    /// Which wall comes first.
+    /// Order of the walls of a contour.
     pub wall_order: WallOrder,
-    /// Where outer walls begin.
+    /// Choice of the start of outer walls.
     pub seam: Seam,
-    /// How travels are made.
+    /// Settings of travels.
     pub comb: CombSettings,
     /// Whether fibre comes after everything else of a layer, so that tools are changed once.
     pub fibre_last: bool,
@@ -65,7 +65,8 @@ struct Ordered {
     paths: Vec<Toolpath>,
 }
 
-/// What the order of a layer takes over from the layers below: where the nozzle is, and where seams lie.
+/// State that a layer's order takes over from the layers below: the positions of the nozzle and of
+/// the seams.
 pub struct OrderState {
     nozzle: DVec2,
     seams: seam::Seams,

@@ -70,7 +70,7 @@ impl Tour<'_> {
         self.ends[i][usize::from(!second)]
     }
 
-    /// Where gap `k` begins.
+    /// Start of gap `k`.
     fn before(&self, k: usize) -> DVec2 {
         if k == 0 { self.at } else { self.leave(k - 1) }
     }

@@ -41,7 +41,7 @@ use grainpath_job::choices::{
 };
 use grainpath_job::{MaterialSection, Settings};
 
-/// How the drawing of `shape.outline` is read, its unit included.
+/// Settings for reading the drawing of `shape.outline`, its unit included.
 pub fn outline(s: &Settings) -> OutlineOptions {
     OutlineOptions {
         unit: s.shape.unit.0,
@@ -70,7 +70,7 @@ fn placement(s: &Settings) -> Placement {
     }
 }
 
-/// How a mesh is placed, repaired and sliced.
+/// Settings for placing, repairing and slicing a mesh.
 pub fn placing(s: &Settings) -> PlaceSettings {
     PlaceSettings {
         placement: placement(s),
@@ -115,8 +115,8 @@ pub(crate) fn photo_board(s: &Settings) -> PhotoBoard {
     }
 }
 
-/// How the `n` photographs of a job are read, for a part with these bounds and this height. They are those of
-/// `guide.image`, or of `shape.photo` where that names none.
+/// Settings for reading the `n` photographs of a job, for a part with these bounds and this height.
+/// The photographs are those of `guide.image`, or of `shape.photo` where that names none.
 pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> GrainSettings {
     let (g, image, photo) = (&s.guide, &s.image, &s.photo);
     // Two places may name photographs; those of `guide.image` come first.
@@ -190,9 +190,9 @@ pub(crate) fn grain(s: &Settings, n: usize, part: Bounds2, height_mm: f64) -> Gr
     }
 }
 
-/// How the texture of a scan is read, for a part with these bounds and this height. The scan is
-/// that of `guide.volume`, or of `shape.ct` where that names none; `own` is what was found in the
-/// latter.
+/// Settings for reading the texture of a scan, for a part with these bounds and this height. The
+/// scan is that of `guide.volume`, or of `shape.ct` where that names none; `own` is what was found
+/// in the latter.
 pub(crate) fn texture(
     s: &Settings,
     own: Option<&CtReport>,
@@ -234,7 +234,7 @@ pub(crate) fn texture(
     }
 }
 
-/// How supports are made; `None` for jobs without support. `plate_from_part` is the position of the
+/// Settings of supports; `None` for jobs without support. `plate_from_part` is the position of the
 /// part's origin on the bed, mm.
 pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> {
     let u = &s.support;
@@ -288,7 +288,7 @@ pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> 
     })
 }
 
-/// How a scan becomes layers.
+/// Settings for slicing a scan.
 pub fn scan(s: &Settings) -> CtSettings {
     let (c, p) = (&s.ct, &s.process);
     let [x, y] = c.pixel_mm.map_or([None; 2], |p| p.0.map(Some));
@@ -533,7 +533,7 @@ fn material(m: &MaterialSection) -> Material {
     }
 }
 
-/// How fibre is laid; `None` for jobs without fibre.
+/// Settings of continuous fibre; `None` for jobs without fibre.
 pub(crate) fn fibre(s: &Settings) -> Option<FibreSettings> {
     let f = &s.fibre;
     f.enabled.then(|| FibreSettings {

@@ -22,7 +22,7 @@ pub struct Sliced {
     pub(super) scan: Option<grainpath_imaging::scan::CtReport>,
 }
 
-/// How a mesh is placed on the bed, repaired and sliced.
+/// Settings for placing a mesh on the bed, repairing and slicing it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaceSettings {
     /// Unit, scale and rotation.

@@ -1,4 +1,4 @@
-//! Where layers begin and end.
+//! The heights at which layers begin and end.
 //!
 //! Uniform layers all have the height of the job, the first one excepted. Adaptive layers follow
 //! the slopes. A layer on a face whose normal has the vertical component `n_z` leaves stairs that
@@ -66,7 +66,7 @@ pub fn layer_heights(
     }
 }
 
-/// How steep the part's faces are, by height.
+/// Slopes of the part's faces, by height.
 struct Slopes {
     settings: Adaptive,
     /// Height of a bin, mm.

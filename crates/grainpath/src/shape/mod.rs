@@ -25,14 +25,14 @@ pub use photo::{Hole, PhotoBoard};
 pub use place::{Placement, likely_unit, place};
 pub use surface::surface;
 
-/// How a mesh is cut into layers.
+/// Settings for cutting a mesh into layers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SliceSettings {
     /// Thickness of every layer but the first, mm.
     pub layer_height_mm: f64,
     /// Thickness of the first layer, mm.
     pub first_layer_height_mm: f64,
-    /// Layer heights that follow the slopes, if asked for.
+    /// Layer heights that follow the slopes; `None` for uniform layers.
     pub adaptive: Option<Adaptive>,
     /// Open chains of a section are joined over gaps up to this in any case, mm.
     pub gap_closing_mm: f64,
@@ -77,8 +77,7 @@ pub enum ShapeError {
 /// Contours of all meshes are united by winding number: bodies that overlap or touch do not cancel,
 /// and cavities stay.
 ///
-/// # Errors
-/// [`ShapeError`]: too flat, too many layers, nothing left, interrupted.
+/// # Errors [`ShapeError`]: too flat, too many layers, no layer with an area, interrupted.
 pub fn slice(
     mesh: &TriMesh,
     settings: &SliceSettings,

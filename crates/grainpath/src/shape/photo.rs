@@ -52,8 +52,7 @@ impl PhotoBoard {
 
     /// The layers of the board.
     ///
-    /// # Errors
-    /// [`ShapeError`]: too flat, too many layers, nothing left.
+    /// # Errors [`ShapeError`]: too flat, too many layers, no layer with an area.
     pub fn slice(&self, settings: &SliceSettings) -> Result<LayerStack, ShapeError> {
         let tops = layer_heights(&TriMesh::default(), self.thickness_mm, settings)?;
         let mut layers = Vec::with_capacity(tops.len());

@@ -6,7 +6,7 @@ use grainpath_core::{DVec2, DVec3, TriMesh};
 
 use super::ShapeError;
 
-/// How a mesh is brought into part coordinates.
+/// Unit, scale and rotation of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
     /// The unit its coordinates are in.

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use grainpath_core::mask::{Coverage, Grid, Mask};
 
-/// How many layers close a part.
+/// Settings of skins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkinSettings {
     /// Dense layers under a top surface.

@@ -29,7 +29,7 @@ pub(super) struct CleanSurface<'a> {
     pub(super) mesh: Cow<'a, TriMesh>,
     /// Number of shells taken out.
     pub(super) n_removed: usize,
-    /// For each facet its number in the surface that was given; empty when nothing was taken out.
+    /// For each facet its number in the given surface; empty if no shell was removed.
     original: Vec<u32>,
 }
 

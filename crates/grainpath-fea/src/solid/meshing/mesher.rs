@@ -34,8 +34,9 @@ const DOFS_PER_SPLIT: f64 = 200.0;
 /// limit.
 const COARSENINGS: usize = 2;
 
-/// Share of the volume that may be missing from the mesh in thin walls; more is refused.
-/// Derived: the mean stiffness is then off by about as much, less than the moduli of printed plastics vary.
+/// Share of the volume that may be missing from the mesh in thin walls; more is refused. The mean
+/// stiffness is then wrong by about as much, which is less than the moduli of printed plastics
+/// vary.
 const MAX_LOST_SHARE: f64 = 0.03;
 /// Factor on the unknowns of an even lattice that halved cells at thin walls may cost.
 const MAX_REFINEMENT: f64 = 2.0;

@@ -56,11 +56,11 @@ pub enum SolidError {
     /// The part is not held.
     #[error("piece {piece} of {pieces} (around {around}) is not held: it is free to {free}")]
     Free {
-        /// Which piece, from 1.
+        /// Number of the piece, from 1.
         piece: usize,
         /// Number of pieces.
         pieces: usize,
-        /// Where it is, as text in mm.
+        /// Its position, as text in mm.
         around: String,
         /// The motions left, as text.
         free: String,

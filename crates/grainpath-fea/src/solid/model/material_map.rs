@@ -12,7 +12,7 @@ pub struct Model<'m> {
     pub mesh: &'m TetMesh,
     /// Stiffnesses in part coordinates.
     pub materials: Vec<Stiffness>,
-    /// Which of them each element has; empty when all have the first.
+    /// Index of each element's stiffness; empty if all have the first.
     pub material_of_tet: Vec<u32>,
 }
 

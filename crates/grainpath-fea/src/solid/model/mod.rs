@@ -1,4 +1,4 @@
-//! What a solid is computed as: tetrahedra with their materials, what holds them and what pushes on them.
+//! The model of a solid: tetrahedra with their materials, supports and nodal forces.
 
 pub(crate) mod adjacency;
 pub(crate) mod constraints;

@@ -48,7 +48,7 @@ pub use verify::{Note, Problem};
 /// One closed path, along the field wherever it can.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Continuous {
-    /// How cells are joined.
+    /// The tree that joins the cells.
     pub tree: TreeKind,
     /// Length of a cell, in its widths.
     pub aspect: f64,

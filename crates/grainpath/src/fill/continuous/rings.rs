@@ -40,7 +40,7 @@ pub struct Place {
     pub segment: usize,
     /// From the ring's first point, mm.
     pub at_mm: f64,
-    /// How far it is, mm.
+    /// Its distance, mm.
     pub distance_mm: f64,
 }
 

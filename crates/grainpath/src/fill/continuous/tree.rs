@@ -21,7 +21,7 @@ use grainpath_core::tuned::Tuned;
 use super::cells::{Cells, Edge, Taken, beside};
 use super::rings::{Facing, Rings, Side};
 
-/// How edges are weighed.
+/// The weight of edges.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TreeKind {
     /// By how far beads are turned out of the field's direction where they pass.

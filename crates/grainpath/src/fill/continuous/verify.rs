@@ -22,7 +22,7 @@ pub struct Note {
     pub what: Problem,
 }
 
-/// What can be wrong with a path.
+/// Problems of a continuous path.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Problem {
     /// Two infill regions of an island are connected by a neck too narrow for a bead there and one

@@ -49,7 +49,7 @@ pub struct PhaseInput {
     pub wanted: Vec<(f64, f64)>,
 }
 
-/// How an edge turns the number of its first end into that of its second.
+/// The map from the number at an edge's first end to that at its second end.
 #[derive(Debug, Clone, Copy)]
 pub struct Turn {
     /// Phase grown from the first end to the second, in the frame of the first.
@@ -78,8 +78,8 @@ static MAX_DRIFT: Tuned<f64> = Tuned::new("fill.field.phase.MAX_DRIFT", 1.22);
 /// Measured: row `fill.field.phase.DRIFT_MM` of `cargo xtask bench constants`.
 static DRIFT_MM: Tuned<f64> = Tuned::new("fill.field.phase.DRIFT_MM", 12.0);
 
-/// How much closer or wider the beads should be at every node so that as few as possible have to
-/// end: the factor on the frequency, within `MAX_DRIFT`.
+/// Factor on the frequency at every node, so that as few beads as possible have to end: within
+/// `MAX_DRIFT`.
 pub fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
     let n = mesh.nodes.len();
     let cell2 = mesh.cell_mm * mesh.cell_mm;
@@ -122,7 +122,7 @@ pub fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
     x.into_iter().map(|v| 1.0 + v / (1.0 + (v / limit).powi(2)).sqrt()).collect()
 }
 
-/// What each edge does to a phase.
+/// The change of phase along each edge.
 pub fn turns(mesh: &FieldMesh, input: &PhaseInput) -> Vec<Turn> {
     let normal = |i: usize| {
         let t = input.axes[i];
@@ -138,12 +138,12 @@ pub fn turns(mesh: &FieldMesh, input: &PhaseInput) -> Vec<Turn> {
     mesh.edges.iter().map(|e| turn(e.ends)).collect()
 }
 
-/// How numbers are carried along the sides of squares, side by side.
+/// The maps along the sides of squares, one entry for each side.
 struct Carried {
     /// Times the weight.
     cos: Vec<f32>,
     sin: Vec<f32>,
-    /// How much the side counts.
+    /// Weight of the side.
     weight: Vec<f32>,
     /// -1 where the second end's number is mirrored, else 1.
     way: Vec<f32>,
@@ -204,7 +204,7 @@ impl Carried {
 pub fn solve(mesh: &FieldMesh, input: &PhaseInput, turns: &[Turn], steps: &[(f64, usize)]) -> Vec<f64> {
     let n = mesh.nodes.len();
     let carried = Carried::new(mesh, turns, &input.strength);
-    // What the border wants: parts times weight.
+    // The phase wanted at the border: real and imaginary part times weight.
     let mut wanted = vec![0.0f32; 2 * n];
     // Weights of all neighbours and of what is wanted.
     let mut around = vec![0.0f32; n];

@@ -1,4 +1,4 @@
-//! How wide a bead may be: the space between its neighbours.
+//! The space of a bead between its neighbours, which decides its width.
 //!
 //! Beads and the border of the area they fill are kept as segments in square buckets. From a point
 //! of a bead a ray goes to the left and to the right, at right angles to it. A neighbouring bead
