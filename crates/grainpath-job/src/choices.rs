@@ -33,6 +33,7 @@ pub trait Choice: Copy + PartialEq + 'static {
     const ALL: &'static [Self];
 
     /// The value of a word.
+    // Words are few, so a search through the list is as fast as a map and needs no second table.
     fn from_word(word: &str) -> Option<Self> {
         let i = Self::WORDS.iter().position(|w| w.name == word)?;
         Self::ALL.get(i).copied()
@@ -52,6 +53,8 @@ macro_rules! choices {
             $(#[$about])*
             #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
             pub enum $name {
+                // The sentence of the help is the documentation of the variant too, so the two cannot
+                // differ.
                 $( #[doc = concat!("`", $word, "`: ", $help)] $variant, )*
             }
 
@@ -323,6 +326,7 @@ pub struct FileUnit(
     pub Option<LengthUnit>,
 );
 
+// Written by hand: the macro makes enums, and these values wrap a type of another crate.
 impl Choice for FileUnit {
     const ALL: &'static [Self] = &[
         Self(None),
@@ -347,6 +351,7 @@ impl Choice for FileUnit {
     ];
 }
 
+// Names as in Rust and NumPy: kind of number and bits. A test compares them with the enum.
 impl Choice for SampleType {
     const ALL: &'static [Self] =
         &[Self::U8, Self::I8, Self::U16, Self::I16, Self::U32, Self::I32, Self::F32, Self::F64];

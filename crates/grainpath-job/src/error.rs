@@ -81,5 +81,6 @@ pub enum JobError {
 
 /// Names of all shipped profiles of a kind, for the message.
 fn profile_names(kind: &str) -> String {
+    // Only profiles of the same section are listed; a printer's name would be no help for a material.
     PROFILES.iter().filter(|p| p.kind == kind).map(|p| p.name).collect::<Vec<_>>().join(", ")
 }

@@ -106,6 +106,7 @@ impl<'a> Reader<'a> {
 
     fn get<T: SettingValue>(&self, key: &str, range: (f64, f64)) -> Result<Option<T>, ValueError> {
         let Some(value) = self.0.get(key) else { return Ok(None) };
+        // The range is checked number by number, so that the message can name the number that is outside.
         let read = T::from_toml(value).and_then(|read| {
             match read.numbers().into_iter().find(|n| !(range.0..=range.1).contains(n)) {
                 Some(found) => Err(Problem::Range { low: range.0, high: range.1, found }.into()),
@@ -128,6 +129,7 @@ impl<'a> Reader<'a> {
     }
 
     fn direction(&self, key: &'static str) -> Result<DVec3, ValueError> {
+        // Directions are normalised here; later stages may rely on unit vectors.
         let v = needed(self.vector(key)?, key)?;
         v.try_normalize().ok_or_else(|| ValueError::from(Problem::NoDirection).in_key(key))
     }
@@ -156,6 +158,7 @@ fn place(value: &Value) -> Result<Place, ValueError> {
         "plane" => read_plane(value).map(Place::Shape),
         "cylinder" => read_cylinder(value).map(Place::Shape),
         "sphere" => read_sphere(value).map(Place::Shape),
+        // The list of known keys above leaves only `facets` for this arm.
         _ => Vec::<usize>::from_toml(value).map(Place::Facets),
     };
     read.map_err(|e| e.in_key(kind))
@@ -216,6 +219,8 @@ fn place_text(place: &Place) -> String {
         Place::Shape(Selection::Sphere { centre, radius_mm }) => {
             format!("{{ sphere = {{ centre_mm = {}, radius_mm = {radius_mm} }} }}", v(centre))
         }
+        // Places of this kind come from other stages and have no spelling in a job file; the text is for
+        // reports.
         Place::Shape(Selection::Triangles(t) | Selection::Near { triangles: t, .. }) => {
             format!("{{ {} facets }}", t.len())
         }
@@ -281,12 +286,15 @@ impl SettingValue for Fixture {
         Ok(Self { on: t.place()?, fixed, normal, displacement_mm })
     }
     fn to_text(&self) -> String {
+        // Letters are printed in the order x, y, z whatever the order in the file, so that equal fixtures
+        // print alike.
         let fix: String = if self.normal {
             "normal".into()
         } else {
             ['x', 'y', 'z'].iter().zip(self.fixed).filter(|(_, f)| *f).map(|(c, _)| *c).collect()
         };
         let mut text = format!("{{ on = {}, fix = \"{fix}\"", place_text(&self.on));
+        // A displacement of zero is the default and is left out, as a user would.
         if self.displacement_mm != DVec3::ZERO {
             let _ = write!(text, ", displacement_mm = {}", vector_text(self.displacement_mm));
         }
@@ -346,6 +354,7 @@ impl SettingValue for Load {
             "moment_nmm": vector,
             "acceleration_mm_s2": vector,
         });
+        // The keys are optional one by one; `oneOf` demands exactly one of them, as the reader does.
         let mut schema = table_schema(&keys, &[]);
         let one = |key: &str| json!({ "required": [key] });
         schema["oneOf"] =

@@ -14,6 +14,7 @@ pub struct Profile {
 impl Profile {
     /// Its purpose, from its first line.
     pub fn about(&self) -> &'static str {
+        // The first comment line of each file is its description, so that it is written in one place.
         self.text.lines().next().unwrap_or_default().trim_start_matches(['#', ' '])
     }
 }

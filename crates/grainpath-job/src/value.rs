@@ -70,6 +70,7 @@ pub enum Step {
 
 /// A number as people write it: with an exponent where it is large.
 fn short(v: f64) -> String {
+    // From a thousand million on, digits are hard to count.
     if v.abs() >= 1e9 { format!("{v:e}") } else { v.to_string() }
 }
 
@@ -119,6 +120,7 @@ impl ValueError {
     /// The same error, seen from one level further out.
     #[must_use]
     pub fn inside(mut self, step: Step) -> Self {
+        // Errors are made innermost and passed outwards, so each level is put in front.
         self.path.insert(0, step);
         self
     }
@@ -170,6 +172,7 @@ pub trait SettingValue: Sized {
     }
     /// JSON Schema of the type.
     fn schema() -> serde_json::Value {
+        // A type that accepts several kinds separates them by `|`, for which JSON Schema wants a list.
         let kinds: Vec<&str> = Self::KIND.split('|').collect();
         if kinds.len() > 1 { json!({ "type": kinds }) } else { json!({ "type": Self::KIND }) }
     }
@@ -387,6 +390,8 @@ impl<T: SettingValue> SettingValue for Option<T> {
     }
     fn schema() -> serde_json::Value {
         let mut schema = T::schema();
+        // A choice lists its words in the schema already; other types accept the text "none" besides
+        // their own kind.
         if can_be_unset::<T>() && T::WORDS.is_empty() {
             let kinds: Vec<&str> = T::KIND.split('|').chain(["string"]).collect();
             schema["type"] = json!(kinds);
@@ -428,6 +433,7 @@ impl<T: SettingValue> SettingValue for Vec<T> {
 impl<T: SettingValue, const N: usize> SettingValue for [T; N] {
     const KIND: &'static str = "array";
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
+        // The length is checked after the entries, so that a wrong entry is reported first.
         let items = Vec::<T>::from_toml(value)?;
         let found = items.len();
         Ok(Self::try_from(items).map_err(|_| Problem::Count { expected: N, found })?)

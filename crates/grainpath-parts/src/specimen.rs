@@ -40,6 +40,7 @@ pub const SPECIMENS: [Specimen; 4] = [
 /// Angles of the first row of the calibration piece and of its rows in steps of one degree. Source:
 /// Table 1 of `Shen2016` in `docs/references.bib`, which prints 0 to 90 in tens and 30 to 49 in ones.
 const COARSE_DEG: [u32; 10] = [0, 10, 20, 30, 40, 50, 60, 70, 80, 90];
+// Source: the same table of `Shen2016`.
 const FINE_DEG: std::ops::RangeInclusive<u32> = 30..=49;
 /// Angles of the short piece: the range in which the piece of `Shen2016` is printed in ones, widened,
 /// in steps of five. A material whose limit lies outside needs the whole piece.

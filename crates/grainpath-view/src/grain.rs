@@ -12,7 +12,8 @@ use grainpath_imaging::tensor::AxisSample;
 use crate::layer::encode_png;
 use crate::page::Picture;
 
-/// Longest side of a picture, pixels; larger photographs are shrunk to it and small ones enlarged.
+/// Longest side of a picture, pixels; larger photographs are shrunk to it and small ones enlarged. Only
+/// the picture depends on it.
 const LONGEST_PX: f64 = 1600.0;
 
 /// File names and pictures of all steps that a guide kept.

@@ -21,7 +21,7 @@ pub struct StepPicture {
     pub png: Vec<u8>,
 }
 
-/// Longest side, pixels, including the margin.
+/// Longest side, pixels, including the margin. Only the picture depends on it.
 const SIZE: f64 = 1100.0;
 // Margin on every side, pixels: dots on the rim of the part stay inside the picture.
 const MARGIN: f64 = 24.0;

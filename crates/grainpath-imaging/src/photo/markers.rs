@@ -84,6 +84,7 @@ pub fn marker_sheet_svg(size_mm: DVec2) -> String {
 
 /// The same sheet as PDF, one page of its size.
 pub fn marker_sheet_pdf(size_mm: DVec2) -> Vec<u8> {
+    // Source: ISO 32000-1, 8.3.2.3: the unit of user space in PDF is 1/72 inch.
     const POINTS_PER_MM: f64 = 72.0 / 25.4;
     let margin = MARKER_MM + 5.0;
     let (w, h) = (size_mm.x + 2.0 * margin, size_mm.y + 2.0 * margin);

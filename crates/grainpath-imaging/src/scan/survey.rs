@@ -15,7 +15,8 @@ const GREY_RATIO: f64 = 1.6;
 /// Slices that are sampled for the histogram, at most. The modes of air and material need a fair sample;
 /// reading every slice would double the time to read a scan.
 const SAMPLED: usize = 48;
-/// Slices that are sampled where only their plausibility is checked, at most.
+/// Slices that are sampled at most where only their plausibility is checked. More slices cost time; fewer
+/// may all lie in the air above the part.
 const PLAUSIBLE: usize = 6;
 
 /// The voxels that are taken, and where they lie.

@@ -137,6 +137,7 @@ const MAX_NODES: usize = 2_000_000;
 /// between neighbouring voxels and keeps fibres two voxels wide; a larger value loses thin fibres.
 const GRADIENT_PX: f64 = 1.0;
 /// Coherence over a wide neighbourhood below which the user is warned that there is hardly any texture.
+/// Only the warning depends on the value.
 const LEAST_COHERENCE: f64 = 0.2;
 
 /// Reads the texture of a scan, a few slices at a time.

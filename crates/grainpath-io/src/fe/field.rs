@@ -24,7 +24,8 @@ const INSIDE: f64 = 1e-9;
 /// straight and from rounding when a file was written. A point that is outside by less is moved into the
 /// nearest element.
 const BETWEEN: f64 = 1e-3;
-/// Number of neighbours that are averaged where a result has points and no mesh.
+/// Number of neighbours that are averaged where a result has points and no mesh. More neighbours smooth
+/// peaks of stress; fewer let the spacing of the points show.
 const NEIGHBOURS: usize = 8;
 
 /// Where a point is in the mesh.

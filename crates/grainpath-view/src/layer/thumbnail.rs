@@ -52,6 +52,7 @@ impl View {
         // constant cannot call the functions, and the same on every machine. Other angles change the view
         // only.
         const C: f64 = 0.819_152_044_288_991_8;
+        // Source: sine of the same angle.
         const S: f64 = 0.573_576_436_351_046;
         let (x, y) = (C * p.x + S * p.y, C * p.y - S * p.x);
         DVec3::new(x, 0.5 * y + 0.866_025_403_784_438_6 * p.z, 0.5 * p.z - 0.866_025_403_784_438_6 * y)
