@@ -68,8 +68,14 @@ const S2: [Published; 2] = [
 const S1: Published = Published {
     what: "S1, sparse fills of equal mass around an oblique hole",
     example: "woodgrain",
-    plans: &[("job", "grain"), ("grid", "grid"), ("triangles", "triangles"), ("rectilinear", "rectilinear")],
-    paper: &[(0, 1, 115.0), (0, 2, 72.9), (0, 3, 64.4)],
+    plans: &[
+        ("job", "grain"),
+        ("grid", "grid"),
+        ("triangles", "triangles"),
+        ("rectilinear", "rectilinear"),
+        ("dense", "grain, beads that touch"),
+    ],
+    paper: &[(0, 1, 115.0), (0, 2, 72.9), (0, 3, 64.4), (4, 1, 115.0), (4, 2, 72.9), (4, 3, 64.4)],
 };
 
 /// The parts of the bench that are named, or all that fit into ten minutes; `all` adds the one that does not.

@@ -154,6 +154,9 @@ warning_ids! {
     FeZeroStress = "fe-zero-stress",
         "The stress of a finite-element file is zero everywhere.",
         "export a step in which the part is loaded";
+    FillLinesSeparate = "fill-lines-separate",
+        "Lines of sparse fill touch no other line, neither in their layer nor across layers.",
+        "raise fill.density or fill.mass_g until neighbours touch, or use a pattern whose lines cross";
     PathNeck = "path-neck",
         "A neck of a region is too narrow for one continuous path; its two sides are printed separately.",
         "widen the neck or print a narrower bead";

@@ -11,6 +11,7 @@ pub fn files() -> Vec<ExampleFile> {
     for pattern in ["grid", "triangles", "rectilinear"] {
         files.push((format!("{pattern}.toml").into(), variant(pattern).into_bytes()));
     }
+    files.push(("dense.toml".into(), dense().into_bytes()));
     files.push(("board.png".into(), board_png()));
     files
 }
@@ -37,6 +38,24 @@ fn variant(pattern: &str) -> String {
             "out/preview\"       # every step from photograph to curves, and layers",
             &format!("out/{pattern}\""),
         )
+}
+
+/// The woodgrain job with beads that touch, as the published specimens have them, in a board so thin that its mass is
+/// that of the sparse ones.
+fn dense() -> String {
+    let head = "# The woodgrain example with beads side by side along the grain, so that no curve stands alone, as \
+                published.\n# The board is thinner: 18 layers of 0.198 mm weigh as much as the sparse boards.\n\n";
+    let (_, rest) = WOODGRAIN.split_once("[shape.photo]").unwrap_or_default();
+    debug_assert!(!rest.is_empty());
+    let process = "[process]\nlayer_height_mm = 0.198\nfirst_layer_height_mm = 0.198";
+    format!("{head}[shape.photo]{rest}")
+        .replace("thickness_mm = 8", "thickness_mm = 3.564")
+        .replace("[process]", process)
+        .replace("mass_g = 15.7                 # as the comparison's other fills", "density = 1.0")
+        .replace(", 8]] }", ", 3.564]] }")
+        .replace("woodgrain.gcode", "dense.gcode")
+        .replace("out/report.html", "out/dense.html")
+        .replace("out/preview\"", "out/dense\"")
 }
 
 /// The board of the woodgrain example.

@@ -5,6 +5,7 @@ pub mod fibre;
 pub mod plan_json;
 mod planned;
 pub mod report;
+pub mod separate_lines;
 pub mod strength;
 
 pub use planned::Planned;

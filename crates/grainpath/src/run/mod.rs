@@ -27,12 +27,13 @@ use crate::error::Error;
 use crate::guide::grain::{GrainGuide, read_grain, read_scan};
 use crate::guide::{self, GuidedPart, StressSettings};
 pub use crate::measure::Planned;
+use crate::measure::separate_lines;
 use crate::measure::strength::TestSetup;
 use crate::order::order_stack;
 use crate::shape;
 use crate::support::{self, SupportSettings};
 use grainpath_job::Settings;
-use grainpath_job::choices::{GuideKind, SupportStyle};
+use grainpath_job::choices::{GuideKind, Pattern, SupportStyle};
 pub use place::{PlaceSettings, Sliced, mesh_and_layers};
 use place::{check_bed, outside_bed, part_bounds, plate_from_part};
 pub use steps::{ExtrudedMass, FilledLayers, InfillSettings, LayerWalls, StepSettings, Steps};
@@ -254,6 +255,10 @@ fn plan_stack(
     clock.stop(Stage::Fill);
     let layers = order_stack(&stack, filled.layers, &order, diagnostics)?;
     clock.stop(Stage::Order);
+    // Gyroids and honeycombs hold their lines by themselves, over several layers.
+    if !matches!(step_settings.infill.pattern, Pattern::Gyroid | Pattern::Honeycomb) {
+        separate_lines::check(&layers).into_iter().for_each(|warning| diagnostics.push(warning));
+    }
     let plan = Plan { layers, plate_from_part_mm };
     // Skirt, brim and supports reach beyond the part, so the finished plan is checked again.
     check_fits(&plan, &config.machine).map_err(|e| outside_bed(e, &stack, part))?;
