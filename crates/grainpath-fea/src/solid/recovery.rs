@@ -49,6 +49,7 @@ pub fn recover(
     let sample = |t: usize| -> [(DVec3, Stress); 4] {
         let x = mesh.places(t);
         let u = mesh.tets[t].map(|i| displacement[i as usize]);
+        // Stresses are sampled at the integration points, where elements give them most accurately.
         STIFFNESS_RULE.map(|(l, _)| {
             let (g, _) = element::gradients(&x, &l);
             let n = element::shapes(&l);
@@ -96,6 +97,7 @@ pub fn recover(
     let mut ends = vec![[u32::MAX; 2]; mesh.nodes.len()];
     for tet in &mesh.tets {
         for (e, &(i, j)) in EDGES.iter().enumerate() {
+            // Ends in ascending order: the sum below is the same whichever element comes last.
             ends[tet[4 + e] as usize] = [tet[i].min(tet[j]), tet[i].max(tet[j])];
         }
     }
@@ -129,6 +131,8 @@ pub fn recover(
                 }
             }
             let (_, det) = element::gradients(&x, l);
+            // The gap to the recovered stress estimates the error; the recovered stress gives the
+            // scale.
             let gap: Stress = std::array::from_fn(|k| smooth[k] - raw[k]);
             for (sum, s) in sums.iter_mut().zip([gap, smooth]) {
                 let e = element::multiply(compliance, &s);

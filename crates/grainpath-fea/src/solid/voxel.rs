@@ -212,6 +212,7 @@ impl VoxelSystem {
         let mut around = Vec::new();
         for &(cell, material, scale) in changes {
             let old = (self.cells.part.material[cell], self.cells.part.scale[cell]);
+            // Nodes were numbered when the part was prepared, so a void cell cannot gain stiffness.
             if old.0 == VOID || old.1 <= 0.0 || usize::from(material) >= self.cells.elements.len() {
                 continue;
             }
@@ -257,6 +258,7 @@ impl VoxelSystem {
         let mut changed = std::mem::take(&mut self.changed);
         changed.sort_unstable();
         changed.dedup();
+        // A change affects the rows of the nodes around it alone; all other residuals stay valid.
         easing::residual(cells, &changed, &last.displacement, load, &mut last.residual);
         let most = settings.tolerance * last.load_size;
         let size = |last: &Last| dot(&last.residual, &last.residual).sqrt();
@@ -298,6 +300,8 @@ impl VoxelSystem {
         let mut solved = None;
         if self.stale {
             let short = SolveSettings { max_iterations: patience.min(settings.max_iterations), ..*settings };
+            // The start is copied, because the attempt after a new preconditioner begins there
+            // again.
             match iterate(&self.cells, &mut self.multigrid, load, from.clone(), &short) {
                 Err(SolidError::NotConverged { .. } | SolidError::NotPositive) => {
                     self.multigrid = self.cells.multigrid();
@@ -312,6 +316,7 @@ impl VoxelSystem {
             Some(solved) => solved,
             None => {
                 let solved = iterate(&self.cells, &mut self.multigrid, load, from, settings)?;
+                // The first solution after a preparation is the measure for later ones.
                 self.usual.get_or_insert(solved.solution.iterations);
                 solved
             }
@@ -329,6 +334,8 @@ impl VoxelSystem {
         let mut grad = DMat3::ZERO;
         for k in 0..8 {
             let u = displacement[self.cells.node_of[part.point_index(c + corner(k))] as usize];
+            // Derivative of a trilinear shape function at the centre: d/dx of (1 + s xi)/2, with
+            // the other two factors at 1/2 and xi = 2 x / edge.
             let slope = (corner(k).as_dvec3() * 2.0 - 1.0) * 0.25 / part.cell_mm;
             grad += DMat3::from_cols(u * slope.x, u * slope.y, u * slope.z);
         }
@@ -365,11 +372,13 @@ fn element_matrix(law: &Law, cell_mm: DVec3) -> [[DMat3; 8]; 8] {
         }
     }
     let half = element::stiffness(&sums, law);
+    // Blocks above the diagonal follow from symmetry.
     std::array::from_fn(|a| std::array::from_fn(|b| if b <= a { half[a][b] } else { half[b][a].transpose() }))
 }
 
 /// Weight of coarse corner `k` at corner `a` of child `c` of a coarse cell.
 fn weight(c: usize, a: usize, k: usize) -> f64 {
+    // Corners of a child lie at 0, 1/2 or 1 along the edges of the coarse cell.
     let at = corner(c) + corner(a);
     (0..3)
         .map(|i| if corner(k)[i] == 1 { f64::from(at[i]) / 2.0 } else { 1.0 - f64::from(at[i]) / 2.0 })
@@ -400,6 +409,7 @@ impl Cells {
             for y in 0..points.y {
                 for x in 0..points.x {
                     let p = IVec3::new(x, y, z);
+                    // `p - corner(c)` runs over the eight cells around the point.
                     if (0..8).any(|c| part.solid(p - corner(c)).is_some()) {
                         node_of[part.point_index(p)] = nodes.len() as u32;
                         nodes.push(p);
@@ -421,6 +431,8 @@ impl Cells {
                 fitting_mm: fitting_edge_mm(part.cell_mm.max_element(), tight, settings.max_mib),
             });
         }
+        // Memory is saved here first: without the rough matrix the preconditioner is slower, not
+        // worse.
         let rough = if roomy > settings.max_mib { Vec::new() } else { vec![0.0; ROW * nodes.len()] };
         let uniform = vec![(VOID, 0.0); nodes.len()];
         let supports = Supports::new(nodes.len());
@@ -430,11 +442,13 @@ impl Cells {
             let inside = (0..3).all(|a| p[a] <= cells.part.n[a]);
             let p = IVec3::new(p[0] as i32, p[1] as i32, p[2] as i32);
             let node = if inside { cells.node_of[cells.part.point_index(p)] } else { NONE };
+            // A support beside the material holds nothing.
             if node != NONE {
                 let place = cells.place(p);
                 cells.supports.prescribe_at(node, place, direction, value)?;
             }
         }
+        // A free piece makes the matrix singular, and the iterations would end without convergence.
         cells.check()?;
         let all: Vec<u32> = (0..cells.nodes.len() as u32).collect();
         cells.update(&all);
@@ -467,6 +481,7 @@ impl Cells {
                 for k in 0..8 {
                     of_node[self.node_of[self.part.point_index(c + corner(k))] as usize] = start as u32;
                 }
+                // Cells that share only an edge form a hinge, which leaves a rotation free.
                 for step in IVec3::AXES.iter().flat_map(|&e| [e, -e]) {
                     if let Some(j) = self.part.cell(c + step)
                         && piece[j] == NONE
@@ -494,6 +509,7 @@ impl Cells {
         let part = &self.part;
         let uniform = |&i: &u32| {
             let p = self.nodes[i as usize];
+            // The cell with the node's own index is the upper one of the eight around the node.
             let first = part.solid(p).unwrap_or((VOID, 0.0));
             let alike = (1..8).all(|c| part.solid(p - corner(c)) == Some(first));
             if alike { first } else { (VOID, 0.0) }
@@ -503,6 +519,7 @@ impl Cells {
         if self.rough.is_empty() {
             return;
         }
+        // Chunks bound the memory of rows that wait to be copied: a megabyte for 1024 rows.
         for nodes in nodes.chunks(CHUNK) {
             let rows: Vec<[f32; ROW]> = nodes.par_iter().map(|&i| self.row(i as usize)).collect();
             for (&i, row) in nodes.iter().zip(&rows) {
@@ -531,6 +548,7 @@ impl Cells {
     }
 
     fn force(&self, i: usize, u: &[DVec3]) -> DVec3 {
+        // Places without a node repeat the node itself; their blocks are zero.
         let near = self.around[i].map(|j| u[j as usize]);
         let (material, scale) = self.uniform[i];
         // Most nodes lie between eight equal cells, whose stencil is computed once for each
@@ -574,6 +592,7 @@ impl Cells {
     }
 
     fn rough_force(&self, i: usize, u: &[DVec3]) -> DVec3 {
+        // The three numbers beyond 81 stay zero, as they do in the stored row.
         let mut near = [0.0; LINE];
         for (near, &j) in near.chunks_exact_mut(3).zip(&self.around[i]) {
             let u = u[j as usize];
@@ -594,6 +613,7 @@ impl Cells {
     /// The preconditioner: cells of twice the width, with matrices by Galerkin's product from
     /// element to element, and grids below.
     fn multigrid(&self) -> Multigrid {
+        // An odd number of cells leaves one half of the last coarse cell empty.
         let coarse_n = (self.part.size() + 1) / 2;
         let points = coarse_n + 1;
         let index =
@@ -601,6 +621,8 @@ impl Cells {
         let mut id = vec![NONE; points.as_u64vec3().element_product() as usize];
         let mut first = Transfer { start: vec![0], ..Transfer::default() };
         let weights = |p: IVec3| {
+            // Along each axis an even point lies on a coarse one, an odd point half-way between
+            // two.
             let (low, odd) = (p / 2, p - p / 2 * 2);
             let n = (0..8).filter(move |&k| (corner(k) - odd).cmple(IVec3::ZERO).all());
             let w = 0.5f64.powi(odd.x + odd.y + odd.z);
@@ -611,6 +633,7 @@ impl Cells {
                 id[index(q)] = 0;
             }
         }
+        // Coarse nodes are numbered by position, so that neighbours are near each other in memory.
         let mut places = Vec::new();
         for z in 0..points.z {
             for y in 0..points.y {

@@ -36,12 +36,14 @@ pub(super) fn solve(
     let mesh_settings =
         MeshSettings { size_mm: settings.element_mm, max_mib: settings.max_mib, ..MeshSettings::default() };
     let meshed = mesh(part.mesh, &mesh_settings)?;
+    // Such a shell, for example a facet and its mirror image, has no inside to mesh.
     if meshed.n_flat_shells > 0 {
         let n = meshed.n_flat_shells;
         let text =
             format!("{n} shells of the mesh enclose no volume and were left out of the stress analysis");
         diagnostics.warn(WarningId::MeshRepaired, text);
     }
+    // Meshing may take minutes, so a cancelled run stops here and not after the solution.
     diagnostics.check()?;
     let tets = &meshed.mesh;
     let loaded = LoadedSolid::new(tets, part.mesh, conditions);
@@ -49,6 +51,7 @@ pub(super) fn solve(
     let model = Model::uniform(tets, stiffness(settings)?);
     let mut forces = Vec::new();
     for case in &conditions.cases {
+        // Loads of a case act together, and their nodal forces add up.
         let mut sum = vec![DVec3::ZERO; tets.nodes.len()];
         for load in &case.loads {
             loaded.add_load(&mut sum, load)?;
@@ -80,6 +83,8 @@ pub(super) fn solve(
             loads: case.loads.iter().map(|load| loaded.resultant(load)).collect::<Result<_, _>>()?,
             reactions: loaded.reactions(&solution.reaction)?,
         });
+        // Patch recovery gives one stress for each node; stresses of elements jump between
+        // neighbours.
         let recovered = recover(&model, &solution.displacement, None)?;
         let result = FeResult {
             format: FeFormat::Vtu,
@@ -91,6 +96,7 @@ pub(super) fn solve(
             stress_array: String::new(),
             warnings: Vec::new(),
         };
+        // The summary covers all cases, so each entry is that of the worst one.
         let s = &mut solved.summary;
         s.residual = s.residual.max(solution.residual);
         s.error_estimate = s.error_estimate.max(recovered.relative_error);

@@ -274,6 +274,7 @@ impl Report {
             scan: planned.scan.clone(),
             dimensions: None,
             quality: None,
+            // A scan is reported under `texture`, because it has no photographs.
             grain: planned.grain.as_ref().filter(|g| g.texture.is_none()).map(|g| g.photos.clone()),
             texture: planned.grain.as_ref().and_then(|g| g.texture.clone()),
             support: planned.support.as_ref().map(|support| {
@@ -286,6 +287,7 @@ impl Report {
                         .sum()
                 };
                 let volume = planned.plan.layers.iter().map(of_layer).sum::<f64>();
+                // Paths have nominal volumes; flow scales what is extruded.
                 let material = &planned.config.material;
                 SupportReport::new(support, volume * material.flow, material.density_g_cm3)
             }),
@@ -390,6 +392,7 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
     let mut report = QualityReport::from(quality(program, section, 12));
     if let Some(off) = direction_error(planned) {
         let (mean, p95) = alignment(&*off, program, shift);
+        // Hundredths of a degree, as the bins of the histogram are.
         let round = |deg: f64| (deg * 100.0).round() / 100.0;
         (report.alignment_mean_deg, report.alignment_p95_deg) = (Some(round(mean)), Some(round(p95)));
     }
@@ -405,6 +408,7 @@ pub fn direction_error(planned: &Planned) -> Option<Box<DirectionError<'_>>> {
         return None;
     }
     Some(Box::new(move |z_mid_mm: f64, [a, b]: [DVec2; 2]| {
+        // A height on the border of two layers belongs to the lower one, as in `measure`.
         let i = layers.partition_point(|l| l.z_top_mm() < z_mid_mm);
         let d = b - a;
         if d == DVec2::ZERO || i >= layers.len() {
@@ -413,6 +417,7 @@ pub fn direction_error(planned: &Planned) -> Option<Box<DirectionError<'_>>> {
         let at = (0.5 * (a + b)).extend(z_mid_mm);
         // Compared with the stress itself, not with the smoothed field that the beads follow.
         let (axis, weight) = stress.map(|g| g.asked(i, at)).or_else(|| grain.map(|g| g.asked(at)))?;
+        // Axes have no sign, so the angle is folded into 0 to 90 degrees.
         let u = direction(axis);
         Some((atan2(cross(u, d).abs(), u.dot(d).abs()).to_degrees(), weight))
     }))
@@ -435,6 +440,7 @@ fn alignment(off: &DirectionError<'_>, program: &Program, plate_from_part_mm: DV
     let mut bins = vec![0.0; 9001];
     let mut sum = 0.0;
     for layer in &program.layers {
+        // Guides are read at mid-height of the layer, where its section was cut.
         let z_mid = layer.z_mm - 0.5 * layer.height_mm;
         for bead in layer.beads.iter().filter(|b| b.role.is_fill()) {
             let (a, b) = (bead.start() - plate_from_part_mm, bead.end() - plate_from_part_mm);

@@ -56,6 +56,7 @@ impl TetMesh {
     /// Elements of negative volume are turned over.
     pub fn straight(vertices: &[DVec3], tets: &[[u32; 4]]) -> Self {
         let upright = |t: &[u32; 4]| {
+            // Two corners change places; middle nodes come later and follow the new order.
             let v = shape::volume(&t.map(|i| vertices[i as usize]));
             if v < 0.0 { [t[0], t[2], t[1], t[3]] } else { *t }
         };
@@ -178,6 +179,7 @@ impl TetMesh {
         let mut pieces: Vec<Piece> = Vec::new();
         let mut slot = vec![usize::MAX; self.tets.len()];
         for (t, &first) in piece_of_tets.iter().enumerate() {
+            // `first` is the lowest element of its piece, so it is met before the others.
             if slot[first as usize] == usize::MAX {
                 slot[first as usize] = pieces.len();
                 let (lo, hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -214,6 +216,7 @@ impl TetMesh {
             back.sort_unstable();
             back.dedup();
             let home = |m: u32| from[from.binary_search_by_key(&m, |f| f.0).expect("a curved node")].1;
+            // Nodes that are back already are dropped; otherwise the loop would not end.
             back.retain(|&m| self.nodes[m as usize] != home(m));
             for &m in &back {
                 self.nodes[m as usize] = home(m);

@@ -149,6 +149,8 @@ impl Multigrid {
         let matrix = assemble(corners.len(), &tets, |t| {
             let products = element::linear_gradient_products(&mesh.corners(t));
             let mut k = element::stiffness(&products, &laws[model.material(t)]);
+            // Supports are projected out here as on the finest level, so that no correction from
+            // below moves a supported direction.
             for a in 0..4 {
                 for b in 0..=a {
                     if let Some(p) = free(tets[t][a] as usize) {
@@ -293,6 +295,7 @@ impl Level {
         // everywhere.
         let mut state = 0x9e37_79b9_7f4a_7c15u64;
         let mut next = || {
+            // Linear congruential generator with the multiplier and increment of Knuth's MMIX.
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 33) as f64 / f64::from(1u32 << 31) - 0.5
         };
@@ -324,6 +327,7 @@ impl Level {
 
     /// Chebyshev iteration from `x`, whose residual is in `t`.
     fn chebyshev(&mut self, finest: &dyn System) {
+        // The recurrence of `saad2003`, algorithm 12.1, for eigenvalues between `low` and `high`.
         let (high, low) = (self.top, self.top / self.smoothing.band);
         let (middle, half) = (0.5 * (high + low), 0.5 * (high - low));
         let sigma = middle / half;
@@ -331,6 +335,7 @@ impl Level {
         scaled(&mut self.d, &self.t, &self.inverse_diagonal, 0.0, 1.0 / middle);
         for step in 0..self.smoothing.steps {
             add(&mut self.x, 1.0, &self.d);
+            // The last step needs no new residual; this saves one product with the matrix.
             if step + 1 == self.smoothing.steps {
                 break;
             }
@@ -370,6 +375,7 @@ fn from_linear(mesh: &TetMesh, id: &[u32], n_coarse: usize, supports: &Supports)
         } else if tet_of[i] != u32::MAX {
             let tet = &mesh.tets[tet_of[i] as usize];
             let x = mesh.corners(tet_of[i] as usize);
+            // Barycentric coordinates of the node in the straight tetrahedron over its corners.
             let turn = DMat3::from_cols(x[1] - x[0], x[2] - x[0], x[3] - x[0]).inverse();
             let l = turn * (mesh.nodes[i] - x[0]);
             let weights = [1.0 - l.x - l.y - l.z, l.x, l.y, l.z];
@@ -378,6 +384,7 @@ fn from_linear(mesh: &TetMesh, id: &[u32], n_coarse: usize, supports: &Supports)
                 transfer.weight.push(w);
             }
         }
+        // The row of a node without an element is empty; its correction is zero.
         transfer.start.push(transfer.coarse.len() as u32);
     }
     transfer.held = (0..n).filter_map(|i| supports.free(i).map(|p| (i as u32, *p))).collect();
@@ -399,6 +406,7 @@ impl Grid {
             (0..8i32).filter_map(move |i| {
                 let bits = IVec3::new(i & 1, i >> 1 & 1, i >> 2);
                 let side = |axis: usize| if bits[axis] == 1 { part[axis] } else { 1.0 - part[axis] };
+                // Grid nodes of weight zero would only enlarge the coarse matrix.
                 let w = side(0) * side(1) * side(2);
                 (w > 1e-10).then_some((cell + bits, w))
             })
@@ -489,6 +497,7 @@ impl Dense {
             }
         }
         for i in 0..n {
+            // Row by row: a row of the factor depends on finished rows alone.
             let (above, own) = a.split_at_mut(i * n);
             let own = &mut own[..n];
             let whole = own[i];
@@ -524,6 +533,7 @@ impl Dense {
 }
 
 fn product(a: &[f64], b: &[f64]) -> f64 {
+    // Four running sums break the chain of additions, so that vector instructions apply.
     let mut sums = [0.0; 4];
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(a, b)| a * b).sum();

@@ -51,6 +51,7 @@ impl<'a> Operator<'a> {
         let n_groups = model.mesh.tets.len().div_ceil(GROUP);
         let groups: Vec<Group> = (0..n_groups).into_par_iter().map(|g| group(model, g)).collect();
         let n = model.mesh.nodes.len();
+        // A counting sort turns the groups' lists of nodes into each node's list of places.
         let mut start = vec![0u32; n + 1];
         for &i in groups.iter().flat_map(|g| &g.nodes) {
             start[i as usize + 1] += 1;
@@ -82,6 +83,7 @@ impl<'a> Operator<'a> {
             let f = if tet.volume > 0.0 {
                 straight_forces(tet, law, &v)
             } else {
+                // Only curved elements read positions; they lie at the surface and are few.
                 let x = tet.nodes.map(|i| self.model.mesh.nodes[group.nodes[i as usize] as usize]);
                 curved_forces(&x, law, &v)
             };
@@ -107,6 +109,7 @@ impl System for Operator<'_> {
 
     fn forces(&self, u: &[DVec3], f: &mut [DVec3], scratch: &mut [DVec3]) {
         let mut slices = Vec::with_capacity(self.groups.len());
+        // Every group writes to a slice of its own, so that threads need no locks.
         let mut rest = &mut *scratch;
         for group in &self.groups {
             let (own, others) = rest.split_at_mut(group.nodes.len());
@@ -127,6 +130,7 @@ impl System for Operator<'_> {
         let mesh = self.model.mesh;
         let of = |t: usize| element::diagonal(&mesh.places(t), &self.laws[self.model.material(t)]);
         let mut sum = vec![DMat3::ZERO; self.n_nodes()];
+        // Blocks of elements bound the memory: the ten matrices of an element take 720 bytes.
         for (c, tets) in mesh.tets.chunks(16 * GROUP).enumerate() {
             let first = c * 16 * GROUP;
             let blocks: Vec<[DMat3; 10]> = (first..first + tets.len()).into_par_iter().map(of).collect();
@@ -136,6 +140,7 @@ impl System for Operator<'_> {
                 }
             }
         }
+        // Supported directions get the identity, without which the block could not be inverted.
         let held =
             |i: usize, k: DMat3| self.supports.free(i).map_or(k, |p| *p * k * *p + (DMat3::IDENTITY - *p));
         sum.into_par_iter().enumerate().map(|(i, k)| inverse(held(i, k))).collect()
@@ -145,6 +150,7 @@ impl System for Operator<'_> {
 /// The inverse of a block. A nearly singular block is made slightly stiffer first.
 pub(crate) fn inverse(k: DMat3) -> DMat3 {
     let trace = k.x_axis.x + k.y_axis.y + k.z_axis.z;
+    // A node without stiffness: the identity passes its residual on unchanged.
     if trace <= 0.0 {
         return DMat3::IDENTITY;
     }
@@ -230,6 +236,7 @@ fn curved_forces(x: &[DVec3; 10], law: &Law, u: &[DVec3; 10]) -> [DVec3; 10] {
     for (l, w) in &STIFFNESS_RULE {
         let (g, det) = element::gradients(x, l);
         let grad = u.iter().zip(&g).fold(DMat3::ZERO, |m, (u, g)| m + outer(*u, *g));
+        // Force at a node: stress times the gradient of its shape function, summed over the rule.
         let stress = law.stress(&grad) * (w * det);
         for (f, g) in f.iter_mut().zip(&g) {
             *f += stress * *g;

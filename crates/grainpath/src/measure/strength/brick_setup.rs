@@ -67,6 +67,8 @@ impl<'a> Points<'a> {
         for cell in (0..active.len()).filter(|c| active[*c]) {
             for k in 0..8 {
                 let i = all.index(corner(bricks, cell, k));
+                // Each corner gets an eighth of the material, so that body forces add up to the
+                // part's weight.
                 all.weight[i] += 0.125 * bricks.filled[cell];
                 all.around[i] += 1;
             }
@@ -106,6 +108,7 @@ impl<'a> Points<'a> {
     fn nearest(&self, p: DVec3) -> Option<usize> {
         let q = ((p - self.bricks.origin) / self.bricks.cell_mm).round();
         let n = self.bricks.n;
+        // The stair-stepped surface of bricks lies up to about a cell beside the true one.
         let range = |k: usize| {
             let at = q[k] as i64;
             (at - 2).max(0)..=(at + 2).min(n[k] as i64)
@@ -244,6 +247,8 @@ impl TestSetup {
                 Action::Pressure { .. } | Action::Acceleration { .. } => {}
             }
         }
+        // For loads without a total force, such as moments and pressures: half the sum of all
+        // magnitudes counts two opposite forces once.
         let pulled: f64 = 0.5 * forces.iter().map(|f| f.length()).sum::<f64>();
         let load_n = if greatest > 0.0 { greatest } else { pulled };
         if load_n <= 0.0 {
@@ -285,6 +290,7 @@ fn press(
         let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
         let (u, v) = (b - a, c - a);
         let longest = u.length().max(v.length()).max((c - b).length());
+        // Pieces of half a cell reach every point; the limit bounds the work for a huge facet.
         let n = (longest / step).ceil().clamp(1.0, 2000.0) as usize;
         let piece = u.cross(v) * (0.5 / (n * n) as f64);
         for i in 0..n {

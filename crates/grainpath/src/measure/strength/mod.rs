@@ -133,6 +133,7 @@ fn card(m: &MaterialSection, corner: Corner) -> Result<StrengthCard, StrengthErr
         ("zt_mpa", m.zt_mpa),
         ("s_il_mpa", m.s_il_mpa),
     ];
+    // All missing strengths are named in one message, so that one edit of the job suffices.
     let missing: Vec<&str> = given.iter().filter(|g| g.1.is_none()).map(|g| g.0).collect();
     if !missing.is_empty() {
         return Err(StrengthError::NoCard(missing.join(", ")));
@@ -315,6 +316,7 @@ pub fn test(
     diagnostics.begin(grainpath_core::diagnostics::Stage::Strength, 0);
     let sheets = setup.sheets(program, plate_from_part)?;
     let laid_mm3: f64 = sheets.iter().flat_map(|s| &s.beads).map(|b| b.volume_mm3).sum();
+    // E words in mm3, read as mm of 1.75 mm filament, give 2.4 times the volume.
     if laid_mm3 > MOST_LAID * setup.volume_mm3 {
         let (part_mm3, filament_mm) = (setup.volume_mm3, settings.printer.filament_mm);
         return Err(StrengthError::TooMuch { laid_mm3, part_mm3, filament_mm });
@@ -346,10 +348,12 @@ pub fn test(
     let ratio = |k: usize| if others.len() > k { others[k] / others[0] } else { 1.0 };
     let peaks: BTreeMap<&'static str, f64> =
         corners.iter().enumerate().map(|(k, c)| (c.name, digits(outcome.peak_load_n * ratio(k)))).collect();
+    // Relative to the fine cells, whose peak is the one reported.
     let mesh_change = others.first().filter(|_| s.check).map(|o| (o / outcome.peak_load_n - 1.0).abs());
     warn(setup, &outcome, &prepared, mesh_change, cell_mm, diagnostics);
     let mass_g = part_g(program, settings);
     let fold = |f: fn(f64, f64) -> f64, from: f64| peaks.values().copied().fold(from, f);
+    // Displacement at the highest point, because the curve goes on while the part softens.
     let at_peak =
         outcome.curve.iter().max_by(|a, b| a.load_n.total_cmp(&b.load_n)).map_or(0.0, |p| p.displacement_mm);
     let report = StrengthReport {
@@ -430,6 +434,7 @@ fn at_corners(
     if cell_mm <= 0.0 {
         return Ok(Vec::new());
     }
+    // Geometry and loads do not depend on the strengths, so one body serves all corners.
     let prepared = Body::of(setup, sheets, cell_mm)?;
     let peak = |corner: &Corner| Ok(prepared.run(&cards(settings, *corner)?, max_mib)?.peak_load_n);
     let all: Vec<Result<f64, StrengthError>> = corners.par_iter().map(peak).collect();
@@ -488,6 +493,7 @@ fn weakest(setup: &TestSetup, outcome: &Outcome) -> Weakest {
     let round = |v: f64| (v * 100.0).round() * 0.01;
     let (x_mm, y_mm) = (round(p.x), round(p.y));
     if setup.fidelity == Fidelity::Voxels {
+        // Layers are counted from 1 at the bottom.
         let layer = (0.01 * share(2) * setup.n_layers as f64).ceil().clamp(1.0, setup.n_layers as f64);
         let words = format!(
             "x {:.1}, y {:.1}, z {:.1} mm ({:.0} % of the length, {:.0} % of the width, layer {layer:.0} of {}); it \
@@ -519,6 +525,7 @@ fn beside(setup: &TestSetup, p: DVec2) -> String {
         let contours =
             std::iter::once((&polygon.outer, "border")).chain(polygon.holes.iter().map(|h| (h, "hole")));
         for (contour, kind) in contours {
+            // The mean of the vertices only names the hole, so it need not be the centroid.
             let middle = contour.iter().copied().sum::<DVec2>() / contour.len().max(1) as f64;
             for (a, b) in grainpath_core::poly::edges(contour) {
                 let distance = grainpath_core::poly::distance2_to_segment(p, a, b).sqrt();
