@@ -12,7 +12,7 @@ const FEA: &str = "grainpath-fea";
 const JOB: &str = "grainpath-job";
 const IMAGING: &str = "grainpath-imaging";
 
-/// Each crate of ours and those of ours it may name.
+/// Each crate of ours and the crates of ours that it may name.
 const ALLOWED: [(&str, &[&str]); 11] = [
     ("grainpath-core", &[]),
     ("grainpath-io", &["grainpath-core"]),
@@ -32,7 +32,7 @@ const ALLOWED: [(&str, &[&str]); 11] = [
     ("xtask", &[]),
 ];
 
-/// Crates that only one crate of ours may name.
+/// Crates from outside that only one crate of ours may name, so that each can be replaced in one place.
 const KEPT_TO: [(&str, &str); 4] = [
     ("i_overlay", "grainpath-core"),
     ("clipper2-rust", "grainpath-core"),
@@ -48,6 +48,7 @@ pub fn check() -> Result<(), String> {
         let Some((_, allowed)) = ALLOWED.iter().find(|(n, _)| n == name) else {
             return Err(format!("crate {name} is not in the table of xtask/src/arrows.rs"));
         };
+        // The page explains the table; a crate that it leaves out has no explanation.
         if !page.contains(&format!("`{name}`")) {
             return Err(format!("ARCHITECTURE.md does not name the crate `{name}`"));
         }
@@ -60,6 +61,7 @@ pub fn check() -> Result<(), String> {
             }
         }
     }
+    // A row without a crate would go on allowing what nobody uses.
     if let Some((gone, _)) = ALLOWED.iter().find(|(n, _)| !packages.iter().any(|(p, _)| p == n)) {
         return Err(format!("crate {gone} is in the table of xtask/src/arrows.rs and is gone"));
     }
@@ -76,9 +78,10 @@ fn packages() -> Result<Vec<(String, Vec<String>)>, String> {
     Ok(list(&metadata["packages"]).iter().map(of).collect())
 }
 
-/// What `cargo metadata` says.
+/// The answer of `cargo metadata`.
 pub fn metadata(args: &[&str]) -> Result<Value, String> {
     let mut command = Command::new("cargo");
+    // `--locked` fails instead of changing the lock file: a check must not change what it checks.
     command.args(["metadata", "--format-version", "1", "--locked"]).args(args).current_dir(crate::root());
     serde_json::from_str(&crate::output(&mut command)?).map_err(|e| format!("cargo metadata: {e}"))
 }

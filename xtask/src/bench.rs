@@ -1,4 +1,5 @@
-//! Ours beside the peers: the same parts and settings, one after the other in one run, told as ratios.
+//! Our programs beside the peers: the same parts and settings, one after the other in one run, reported
+//! as ratios.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,7 +7,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-/// What one program took for one part.
+/// Cost of one program for one part.
 #[derive(Clone, Copy)]
 pub struct Cost {
     /// Wall time.
@@ -17,16 +18,19 @@ pub struct Cost {
     pub peak_mib: f64,
 }
 
-/// Runs a program once and says what it took.
+/// Runs a program once and measures it.
 pub fn timed(words: &[String], folder: &Path) -> Result<Cost, String> {
     timed_output(Command::new(&words[0]).args(&words[1..]), folder).map(|(cost, _)| cost)
 }
 
-/// Runs a command once; what it took and what it printed.
+/// Runs a command once; its cost and its output.
 pub fn timed_output(command: &mut Command, folder: &Path) -> Result<(Cost, String), String> {
     let timing = folder.join("time.txt");
+    // GNU time reads the peak memory from the system when the child ends; sampling from outside would
+    // miss short peaks.
     let mut time = Command::new("time");
     time.args(["-f", "%e %U %S %M", "-o"]).arg(&timing).arg(command.get_program()).args(command.get_args());
+    // The command is rebuilt as arguments of `time`, so environment and folder are carried over.
     for (key, value) in command.get_envs() {
         if let Some(value) = value {
             time.env(key, value);
@@ -39,6 +43,7 @@ pub fn timed_output(command: &mut Command, folder: &Path) -> Result<(Cost, Strin
     let text = String::from_utf8_lossy(&out.stdout).into_owned();
     if !out.status.success() {
         let said = format!("{text}\n{}", String::from_utf8_lossy(&out.stderr));
+        // Three lines name the error; peers print pages.
         let last = said.lines().rev().take(3).collect::<Vec<_>>().join(" | ");
         return Err(format!("{command:?} ended with {}: {last}", out.status));
     }
@@ -49,11 +54,12 @@ pub fn timed_output(command: &mut Command, folder: &Path) -> Result<(Cost, Strin
     Ok((Cost { wall_s, cpu_s: user_s + system_s, peak_mib: kib / 1024.0 }, text))
 }
 
-/// Programs in the order they are printed.
+/// Programs in the order of the tables.
 pub const PROGRAMS: [&str; 3] = ["grainpath", "prusa-slicer", "CuraEngine"];
+// Best of three: other programs on the machine only ever add time.
 const RUNS: usize = 3;
 
-/// Wall time and peak memory at 0.2 mm, 2 walls, 20 % grid.
+/// Wall time and peak memory with layers of 0.2 mm, 2 walls and 20 % grid.
 pub fn slicing(parts: &[&str]) -> Result<(), String> {
     let bench = Bench::prepare()?;
     let all = ["benchy", "bunny", "armadillo", "plate_holes", "skull"];
@@ -81,7 +87,7 @@ pub fn slicing(parts: &[&str]) -> Result<(), String> {
     Ok(())
 }
 
-/// Gap, spill and overlap at 100 % rectilinear, by the outside check.
+/// Gap, spill and overlap with 100 % rectilinear fill, measured by the outside check.
 pub fn quality() -> Result<(), String> {
     let bench = Bench::prepare()?;
     println!("\n100 % rectilinear; shares of the part's area in %.\n");
@@ -123,6 +129,7 @@ pub fn support(parts: &[&str]) -> Result<(), String> {
     println!("|---|---|---|---|---|---|---|");
     for &part in parts {
         for program in SUPPORTERS {
+            // The peers take many minutes for supports of the skull.
             if part == "skull" && program != "grainpath tree" {
                 continue;
             }
@@ -159,7 +166,7 @@ pub fn support(parts: &[&str]) -> Result<(), String> {
     Ok(())
 }
 
-/// What makes supports, in the order printed.
+/// Makers of supports, in the order of the tables.
 const SUPPORTERS: [&str; 5] =
     ["grainpath tree", "grainpath columns", "grainpath box", "prusa-slicer", "CuraEngine"];
 
@@ -191,7 +198,7 @@ impl Bench {
         self.folder.join("meshes").join(part).with_extension("stl")
     }
 
-    /// The command that slices a part, `None` when the program is not there.
+    /// The command that slices a part; `None` without the program.
     fn command(&self, program: &str, part: &str, density: f64, out: &Path) -> Option<Vec<String>> {
         let mesh = self.mesh(part).display().to_string();
         let out = out.display().to_string();
@@ -204,6 +211,8 @@ impl Bench {
                 if grid { "grid" } else { "rectilinear" }
             ),
             "prusa-slicer" => format!(
+                // Each peer is set to our layers, walls, widths and fill; skirts are off, so that only
+                // the part is compared.
                 "prusa-slicer --export-gcode --bed-shape 0x0,400x0,400x400,0x400 --max-print-height 400 \
                  --layer-height 0.2 --first-layer-height 0.2 --perimeters 2 --fill-density {}% --fill-pattern {} \
                  --nozzle-diameter 0.4 --top-solid-layers 5 --bottom-solid-layers 4 --skirts 0 -o {out} {mesh}",
@@ -224,6 +233,7 @@ impl Bench {
                      -l {mesh} -o {out}",
                     if grid { "grid" } else { "lines" },
                     100.0 * density,
+                    // A grid lays two families of lines, so each has twice the spacing of a single one.
                     if grid { 2.0 * 0.45 / density } else { 0.45 }
                 )
             }
@@ -233,11 +243,12 @@ impl Bench {
         there.then(|| text.split_whitespace().map(str::to_owned).collect())
     }
 
-    /// The command that slices a part with supports, `None` when the program is not there.
+    /// The command that slices a part with supports; `None` without the program.
     fn support_command(&self, program: &str, part: &str, out: &Path) -> Option<Vec<String>> {
         let (name, style) = program.split_once(' ').unwrap_or((program, ""));
         let more = match name {
             "grainpath" => format!("--set support.style={style}"),
+            // PrusaSlicer measures its threshold from the horizontal: 50 degrees are our 40.
             "prusa-slicer" => "--support-material --support-material-style snug --support-material-threshold 50".into(),
             _ => "-s support_enable=true -s support_structure=tree -s support_type=everywhere -s support_angle=40 \
                   -s support_line_width=0.45"
@@ -245,7 +256,7 @@ impl Bench {
         };
         let mut words = self.command(name, part, 0.15, out)?;
         words.retain(|w| w != "support_enable=false");
-        // Cura reads settings of a mesh only before its name.
+        // CuraEngine applies to a mesh the settings before its name only.
         let at = words.iter().position(|w| w == "-e0").unwrap_or(if name == "grainpath" {
             words.len()
         } else {
@@ -265,7 +276,7 @@ impl Bench {
         Some(tidy(words))
     }
 
-    /// Slices a part some times over; the best time and the highest peak, and the last G-code.
+    /// Slices a part several times; the best time, the highest peak, and the last G-code.
     pub fn cost(&self, program: &str, part: &str, density: f64) -> Result<Option<(Cost, PathBuf)>, String> {
         let out = self.folder.join(format!("{program}_{part}_{}.gcode", 100.0 * density));
         let Some(words) = self.command(program, part, density, &out) else { return Ok(None) };
@@ -281,7 +292,7 @@ impl Bench {
         Ok(Some((best, out)))
     }
 
-    /// What the outside check says of a G-code file.
+    /// Measurements of a G-code file by the outside check.
     fn measure(&self, gcode: &Path, mesh: Option<&Path>) -> Result<Value, String> {
         let mut command = crate::setup::python();
         command.arg(crate::setup::check("gcode_check.py")?).arg(gcode);

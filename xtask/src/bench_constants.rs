@@ -1,8 +1,9 @@
-//! What hangs on each constant that was chosen by measurement.
+//! The effect of each constant that was chosen by measurement.
 //!
-//! Every `Tuned` number of the sources has a row here: five values or more, its own among them, and the pieces that it
-//! acts on. The bench builds the program with the feature `sweep`, plans the pieces with each value and prints means
-//! over the pieces. A test compares the rows with the sources, so no tuned number is without one.
+//! Each `Tuned` number of the sources has a row here: five values or more, among them its own, and the
+//! pieces that it acts on. The bench builds the program with the feature `sweep`, plans the pieces with
+//! each value and prints means over the pieces. A test compares the rows with the sources, so that each
+//! tuned number has one.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -25,7 +26,8 @@ struct Row {
 const NO_FIBRE: &str = "fibre.enabled=false";
 const NOZZLE: &str = "printer.profile=generic-0.4";
 
-/// One path a layer along the stress: of a bar in tension and of one in bending, of a plate with a hole, of a hook.
+/// One path a layer along the stress: a bar in tension, a bar in bending, a plate with a hole, and a
+/// hook.
 const CONTINUOUS: &[Piece] = &[
     ("stress-lines", "tension", &["fill.pattern=continuous"]),
     ("stress-lines", "bending", &["fill.pattern=continuous"]),
@@ -34,7 +36,7 @@ const CONTINUOUS: &[Piece] = &[
     ("continuous", "plate", &[NO_FIBRE, NOZZLE, "fill.widths=constant"]),
 ];
 
-/// Dense beads along the stress, in the same parts.
+/// Dense beads along the stress in the same parts.
 const STRIPES: &[Piece] = &[
     ("stress-lines", "tension", &["fill.pattern=stripes"]),
     ("stress-lines", "bending", &["fill.pattern=stripes"]),
@@ -117,7 +119,8 @@ const ROWS: &[Row] = &[
 
 const HEADER: &str = "| value | gap % | overlap % | angle deg | 95 % deg | paths | printing s | planning s |\n|---|---|---|---|---|---|---|---|\n";
 
-/// Sweeps the constants whose names hold one of the words, or all; `--write` puts the tables into `docs/constants.md`.
+/// Sweeps the constants whose names hold one of the words, or all; `--write` puts the tables into
+/// `docs/constants.md`.
 pub fn run(words: &[&str]) -> Result<(), String> {
     let write = words.contains(&"--write");
     let names: Vec<&str> = words.iter().copied().filter(|w| *w != "--write").collect();
@@ -126,7 +129,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
     if rows.is_empty() {
         return Err(format!("no constant is named like {}", names.join(" or ")));
     }
-    // A folder of its own: the ordinary program stays as it is built.
+    // A target folder of its own keeps the ordinary program as it is built.
     let target = crate::target().join("sweep");
     let mut build = Command::new("cargo");
     build
@@ -185,6 +188,7 @@ fn sweep(grainpath: &Path, folder: &Path, row: &Row) -> Result<String, String> {
             seconds += start.elapsed().as_secs_f64();
         }
         let mark = if value == own { "**" } else { "" };
+        // A value that fails is a result as well: the row says so, and the others go on.
         if let Some(problem) = failed {
             let line = problem.lines().last().unwrap_or_default();
             writeln!(text, "| {mark}{value}{mark} | fails: {line} | | | | | | |").expect("text");
@@ -209,6 +213,7 @@ fn sweep(grainpath: &Path, folder: &Path, row: &Row) -> Result<String, String> {
 fn plan(grainpath: &Path, folder: &Path, piece: &Piece, name: &str, value: f64) -> Result<[f64; 6], String> {
     let (preset, job, more) = *piece;
     let mut command = Command::new(grainpath);
+    // Elements of 2 mm keep each plan short; all values see the same ones.
     command.args(["run", "--json", "--set", "process.skirt_loops=0", "--set", "guide.element_mm=2"]);
     for quiet in ["output.report=", "output.preview=", "output.lines=", "output.stress="] {
         command.args(["--set", quiet]);

@@ -1,4 +1,4 @@
-//! One path a layer: how near to the stress, how much it leaves open, and how its time grows with its cells.
+//! One path a layer: its angle to the stress, the gaps it leaves, and its time over the number of cells.
 
 use std::fs;
 use std::path::Path;
@@ -8,14 +8,15 @@ use serde_json::Value;
 
 use crate::bench_paths::{HEADER, field_of_bar, row};
 
-/// Cells of the plates that are timed.
+/// Numbers of cells of the plates that are timed.
 const CELLS: [f64; 4] = [1e3, 1e4, 1e5, 1e6];
 const BEAD_MM: f64 = 0.45;
 const HEIGHT_MM: f64 = 0.2;
 
-/// The tensile bar with beads of varying and of one width, and joined without looking at the field; the same with the
-/// sections of test meshes, beside `stripes` and what no closed path can go below; then the fill of one layer of plates
-/// from a thousand to a million cells, on one core.
+/// Three tables. The tensile bar with beads of varying and of constant width, and with cells joined
+/// without regard to the field. The same for sections of test meshes, beside `stripes` and the least
+/// angle that any closed path can have. The fill of one layer of plates of a thousand to a million cells
+/// on one core.
 pub fn run() -> Result<(), String> {
     crate::setup::bench()?;
     crate::setup::fea()?;
@@ -51,7 +52,7 @@ pub fn run() -> Result<(), String> {
     CELLS.iter().try_for_each(|&cells| plate(&grainpath, &folder, cells))
 }
 
-/// Sections of the test meshes, as the job's own report has them.
+/// Sections of the test meshes; the numbers are those of the job's own report.
 fn sections(grainpath: &Path, folder: &Path, smoothing_mm: &str) -> Result<(), String> {
     let meshes = match crate::setup::data() {
         Ok(data) => data.join("meshes"),
@@ -104,7 +105,10 @@ fn sections(grainpath: &Path, folder: &Path, smoothing_mm: &str) -> Result<(), S
 
 /// A square plate of one layer, held at one corner and pulled at its right side.
 fn plate(grainpath: &Path, folder: &Path, cells: f64) -> Result<(), String> {
+    // Source: the rounded bead of slicers: neighbours overlap by height (1 - pi / 4), so that the section
+    // equals the flow.
     let spacing = BEAD_MM - HEIGHT_MM * (1.0 - std::f64::consts::FRAC_PI_4);
+    // A cell is 2 x 5 beads, hence ten squares of the spacing.
     let side = (10.0 * spacing * spacing * cells).sqrt();
     let mesh = folder.join("square.stl");
     let script =

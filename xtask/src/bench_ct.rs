@@ -1,4 +1,5 @@
-//! Scans to G-code: ours, straight and as published, beside marching cubes to STL to `PrusaSlicer`, in one run.
+//! Scans to G-code in one run: directly, with the published method, and by marching cubes, STL and
+//! `PrusaSlicer`.
 
 use std::fs;
 use std::path::Path;
@@ -17,8 +18,8 @@ struct Scan {
     truth: Option<String>,
 }
 
-/// Time, peak memory and size error on the hub phantom (512 x 512 x 200) and the engine block, and time and memory on a
-/// stack that no program holds.
+/// Time, peak memory and size error on the hub phantom (512 x 512 x 200) and the engine block, and time
+/// and memory on a stack that is larger than the memory.
 pub fn run(wanted: &[&str]) -> Result<(), String> {
     let wanted = if wanted.is_empty() { &["hub", "engine", "large"][..] } else { wanted };
     crate::setup::scans()?;
@@ -33,6 +34,7 @@ pub fn run(wanted: &[&str]) -> Result<(), String> {
         name: "hub",
         path: hub.join("hub.tif").display().to_string(),
         voxel_mm: 0.2,
+        // Halfway between the air and the metal of the phantom.
         threshold: 23000.0,
         truth: Some(hub.join("truth.toml").display().to_string()),
     }];
@@ -74,12 +76,13 @@ pub fn run(wanted: &[&str]) -> Result<(), String> {
     Ok(())
 }
 
-/// Slices of the large stack.
+/// Number of slices of the large stack.
 const LARGE: usize = 2000;
 
 /// 2048 x 2048 x 2000 voxels of 16 bit to G-code: 17 GB read from a folder of slices.
 fn large(program: &str, folder: &Path) -> Result<Cost, String> {
     let slices = folder.join("large");
+    // Seventeen gigabytes are made once; the last slice tells that the stack is complete.
     if !slices.join(format!("slice_{:04}.tif", LARGE - 1)).is_file() {
         let script = crate::root().join("xtask/py/large_stack.py");
         crate::run(crate::setup::python().arg(script).arg(&slices).arg(LARGE.to_string()))?;
@@ -109,7 +112,7 @@ fn straight(program: &str, scan: &Scan, folder: &Path, contours: &str) -> Result
     Ok((cost, error(program, scan, &folder.join(gcode))?))
 }
 
-/// Both steps: times add up, the larger memory counts.
+/// Meshing and slicing: their times are added, and the greater memory counts.
 fn through_stl(program: &str, scan: &Scan, folder: &Path) -> Result<Outcome, String> {
     let script = crate::root().join("xtask/py/ct_to_stl.py").display().to_string();
     let stl = folder.join(format!("{}.stl", scan.name)).display().to_string();
@@ -143,7 +146,7 @@ fn through_stl(program: &str, scan: &Scan, folder: &Path) -> Result<Outcome, Str
     Ok((cost, error(program, scan, &gcode)?))
 }
 
-/// Mean size error of a G-code file's walls, %.
+/// Mean size error of the walls of a G-code file, %.
 fn error(program: &str, scan: &Scan, gcode: &Path) -> Result<Option<f64>, String> {
     let Some(truth) = &scan.truth else { return Ok(None) };
     let mut command = Command::new(program);

@@ -1,4 +1,4 @@
-//! Meshing and solving a solid beside gmsh and CalculiX, in one run.
+//! Meshing and solving of a solid beside gmsh and CalculiX, in one run.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -8,12 +8,12 @@ use std::process::Command;
 
 use crate::bench::{Cost, timed_output};
 
-/// The bracket with its end faces held and pulled, at about so many unknowns: gmsh's largest element and our size,
-/// which is halved at thin walls.
+/// Cases: about as many unknowns each, gmsh's largest element and our element size, mm; ours is halved at
+/// thin walls. The bracket's end faces are held and pulled.
 const CASES: [(&str, &str, &str); 2] = [("300 000", "2.55", "3.7"), ("1 000 000", "1.55", "2.3")];
 
-/// Bracket, 2 threads: gmsh (straight-sided second order) and CalculiX' iterative solver, its faster one here,
-/// against our mesher and solver to a residual of 1e-8.
+/// Bracket on 2 threads. The peers are gmsh (straight-sided second order) and CalculiX with its iterative
+/// solver, which is the faster one here; ours solves to a residual of 1e-8.
 pub fn run(cases: &[&str]) -> Result<(), String> {
     let root = crate::root();
     let data = crate::setup::data()?;
@@ -36,6 +36,7 @@ pub fn run(cases: &[&str]) -> Result<(), String> {
 
         let mesh = folder.join("gmsh.inp");
         let mut gmsh = Command::new("gmsh");
+        // Straight sides, as our mesher makes them.
         gmsh.arg(data.join("fea/bracket.step"))
             .args(["-3", "-order", "2", "-setnumber", "Mesh.SecondOrderLinear", "1", "-nt", "2"])
             .args(["-setnumber", "Mesh.SaveAll", "1", "-clmax", gmsh_size, "-format", "inp", "-o"])
@@ -67,7 +68,8 @@ fn after(text: &str, mark: &str) -> f64 {
     number.parse().unwrap_or(f64::NAN)
 }
 
-/// Writes a deck over gmsh's mesh: the face at least x held, 500 N down on the face at greatest x. Returns its dofs.
+/// Writes a deck over gmsh's mesh: the face at least x is held, 500 N act downwards on the face at
+/// greatest x. Returns the number of unknowns.
 fn deck(mesh: &Path, deck: &Path) -> Result<f64, String> {
     let text = fs::read_to_string(mesh).map_err(|e| format!("{}: {e}", mesh.display()))?;
     let (mut nodes, mut elements, mut tets) = (BTreeMap::new(), String::new(), Vec::new());
@@ -91,6 +93,7 @@ fn deck(mesh: &Path, deck: &Path) -> Result<f64, String> {
     }
     used.sort_unstable();
     used.dedup();
+    // gmsh saves nodes of the geometry that no element uses; each would be an unknown without stiffness.
     nodes.retain(|id, _| used.binary_search(id).is_ok());
     let x = || nodes.values().map(|n| n.0);
     let (low, high) = (x().fold(f64::INFINITY, f64::min), x().fold(f64::NEG_INFINITY, f64::max));
@@ -110,7 +113,8 @@ fn deck(mesh: &Path, deck: &Path) -> Result<f64, String> {
         put(&mut out, format_args!("{id},"))?;
     }
     out.push_str("*BOUNDARY\nFIX,1,3\n*STEP\n*STATIC,SOLVER=ITERATIVE CHOLESKY\n*CLOAD\n");
-    // Even pressure on a straight triangle of second order: a third of its force on each node between corners.
+    // Source: the shape functions of a straight triangle of second order: an even pressure puts a third
+    // of its force on each middle node and nothing on the corners.
     let place = |id: u64| -> Option<[f64; 3]> {
         let (_, text) = nodes.get(&id)?;
         let p: Vec<f64> = text.split(',').filter_map(|w| w.parse().ok()).collect();
@@ -119,6 +123,7 @@ fn deck(mesh: &Path, deck: &Path) -> Result<f64, String> {
     let (mut shares, mut total) = (BTreeMap::<u64, f64>::new(), 0.0);
     for tet in tets.iter().filter(|t| t.len() == 10) {
         for [a, b, c, ab, bc, ca] in
+            // Faces in the numbering of C3D10: three corners, then the middles between them.
             [[0, 1, 2, 4, 5, 6], [0, 3, 1, 7, 8, 4], [1, 3, 2, 8, 9, 5], [2, 3, 0, 9, 7, 6]]
         {
             let (Some(a), Some(b), Some(c)) = (place(tet[a]), place(tet[b]), place(tet[c])) else { continue };
@@ -139,11 +144,13 @@ fn deck(mesh: &Path, deck: &Path) -> Result<f64, String> {
     Ok(3.0 * nodes.len() as f64)
 }
 
-/// The largest displacement in a CalculiX result.
+/// The largest displacement in a result of CalculiX.
 fn largest_displacement(frd: &Path) -> Result<f64, String> {
     let text = fs::read_to_string(frd).map_err(|e| format!("{}: {e}", frd.display()))?;
     let (mut inside, mut most) = (false, 0.0f64);
     for line in text.lines() {
+        // Source: the FRD format of CalculiX: -4 starts a data set and names it, -1 starts a node's
+        // values in columns of 12.
         if line.starts_with(" -4") {
             inside = line.contains("DISP");
         } else if inside && line.starts_with(" -1") {

@@ -1,4 +1,4 @@
-//! Paths held against principal stresses that another solver found.
+//! Paths compared with principal stresses that another solver found.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,8 @@ use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-/// The machined bracket of the data, as its CalculiX result has it: held at least x, 500 N down at greatest x.
+/// The machined bracket of the data, with the conditions of its CalculiX result: held at least x, 500 N
+/// down at greatest x.
 const BRACKET: &str = "
 [process]
 walls = 1
@@ -25,11 +26,11 @@ force_n = [0, 0, -500]
 density = 1.0
 ";
 
-/// What [`row`] prints.
+/// Header of the table whose lines `row` prints.
 pub const HEADER: &str = "\n| part | fill | seconds | mean deg | within 15 deg | gap % | overlap % | spill % | widths mm |\n|---|---|---|---|---|---|---|---|---|";
 
-/// Runs the tensile bar and the bracket and prints how far their fill lies from CalculiX's principal stresses, with
-/// gap, overlap and spill as the outside check has them.
+/// Plans the tensile bar and the bracket, and prints the angles between their fill and CalculiX's
+/// principal stresses, with gap, overlap and spill from the outside check.
 pub fn run() -> Result<(), String> {
     let root = crate::root();
     let data = crate::setup::data()?;
@@ -66,6 +67,7 @@ pub fn run() -> Result<(), String> {
     let field = folder.join("bracket.npz");
     python(&["vtu".as_ref(), data.join("fea/bracket.vtu").as_path(), field.as_path()])?;
     let mesh = folder.join("bracket_mm.stl");
+    // The mesh of the data is in inches.
     let script = "import sys, trimesh; m = trimesh.load(sys.argv[1]); m.apply_scale(25.4); m.export(sys.argv[2]); \
                   print(m.bounds[0][0], m.bounds[1][0])";
     let bounds = crate::output(
@@ -86,11 +88,12 @@ pub fn run() -> Result<(), String> {
     Ok(())
 }
 
-/// Seconds of one core for a plate of 100 x 100 mm: stress, field and dense fill of one layer and of ten alike,
-/// beside rectilinear fill; and a solve of 200 000 unknowns.
+/// Seconds on one core for a plate of 100 x 100 mm: stress, field and dense fill of one layer and of ten
+/// equal layers, beside rectilinear fill; and a solve of 200 000 unknowns.
 fn speed(grainpath: &Path, folder: &Path) -> Result<(), String> {
     let script = "import sys, trimesh; m = trimesh.creation.box((100, 100, float(sys.argv[2]))); m.export(sys.argv[1])";
     println!("\n| job, one core | layers | unknowns | guide s | fill s |\n|---|---|---|---|---|");
+    // Ten equal layers show whether the stress and the field are computed once or ten times.
     for (layers, pattern, element) in [
         (1, "stripes", "2"),
         (10, "stripes", "2"),
@@ -122,7 +125,7 @@ fn speed(grainpath: &Path, folder: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// The principal stresses of the tensile bar by gmsh and CalculiX.
+/// The principal stresses of the tensile bar, from gmsh and CalculiX.
 pub fn field_of_bar(folder: &Path) -> Result<PathBuf, String> {
     let field = folder.join("bar.npz");
     python(&["bar".as_ref(), folder, field.as_path()])?;
@@ -133,7 +136,7 @@ fn python(args: &[&Path]) -> Result<(), String> {
     crate::run(crate::setup::python().arg(crate::root().join("xtask/py/principal_field.py")).args(args))
 }
 
-/// Seconds, angles and shares of one plan as the outside check has them.
+/// Seconds, angles and shares of one plan, as the outside check finds them.
 pub fn row(
     part: &str,
     fill: &str,

@@ -1,9 +1,10 @@
-//! Builds and briefly runs the fuzz targets, with the coverage passes of the installed compiler: no nightly needed.
+//! Builds the fuzz targets and runs them briefly. The coverage passes of the stable compiler are enough;
+//! no nightly compiler is needed.
 
 use std::fs;
 use std::process::Command;
 
-/// What libFuzzer needs of the compiler.
+/// Options of the compiler that libFuzzer needs.
 const FLAGS: &str = "--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
                      -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
                      -Cllvm-args=-sanitizer-coverage-trace-compares -Ccodegen-units=1 -Cdebug-assertions=on";

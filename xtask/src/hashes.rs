@@ -1,7 +1,7 @@
-//! Hashes of the G-code of small jobs: what shows that a change of the code changed no path.
+//! Hashes of the G-code of small jobs, which show whether a change of the code changed a path.
 //!
-//! Each job has two hashes: one of the file as written, and one of what is left of it without comments, which is
-//! what a machine acts on. Both stand in `xtask/hashes/gcode.txt`, a line for each job:
+//! Each job has two hashes. One is of the file as written, the other of the file without comments, which
+//! is what a machine acts on. Both stand in `xtask/hashes/gcode.txt`, a line for each job:
 //!
 //! ```text
 //! name  hash-of-the-file  hash-without-comments
@@ -23,7 +23,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use sha2::{Digest, Sha256};
 
-/// A job: its name, the job file below the folder of inputs, and the settings that differ from the file's.
+/// A job: its name, the job file below the folder of inputs, and the settings that differ from those in
+/// the file.
 type Job = (&'static str, &'static str, &'static [&'static str]);
 
 const PLATE: &str = "plate/job.toml";
@@ -189,6 +190,7 @@ fn compare(committed: &Table, made: &Table) -> Result<(), String> {
     for name in names {
         let what = match (committed.get(name), made.get(name)) {
             (Some(old), Some(new)) if old == new => continue,
+            // The second hash leaves comments out, so equal ones mean that a machine does the same.
             (Some(old), Some(new)) if old[1] == new[1] => "only comments differ",
             (Some(_), Some(_)) => "the program differs",
             (None, _) => "is not in the table",
@@ -223,18 +225,21 @@ fn read(text: &str) -> Table {
     text.lines().filter_map(line).collect()
 }
 
-/// Runs every job with as many at once as there are processors.
+/// Runs all jobs, as many at once as there are processors.
 fn hash_all(binary: &Path) -> Result<Table, String> {
     let folder = crate::target().join("hashes");
     prepare(binary, &folder)?;
     let (next, table, failed) = (AtomicUsize::new(0), Mutex::new(Table::new()), Mutex::new(Vec::new()));
-    // What one job writes and another reads comes first.
+    // The job whose output another job reads runs first.
     let first = |(name, ..): &&Job| *name == "stress-plane";
     let jobs: Vec<&Job> = JOBS.iter().filter(first).chain(JOBS.iter().filter(|j| !first(j))).collect();
     let work = || {
         loop {
+            // A shared counter gives each thread the next job, so that a long job holds up no others.
             let index = next.fetch_add(1, Ordering::SeqCst);
             let Some(job) = jobs.get(index) else { return };
+            // The number of threads follows from the place in the list, so a job has the same number on
+            // each machine.
             match hash(binary, &folder, job, 1 + index % 3) {
                 Ok(hashes) => {
                     table.lock().expect("no thread panics").insert(job.0.to_owned(), hashes);
@@ -246,7 +251,7 @@ fn hash_all(binary: &Path) -> Result<Table, String> {
         }
     };
     let n_workers = std::thread::available_parallelism().map_or(1, usize::from);
-    // The first job alone, the others side by side.
+    // The first job runs alone, the others side by side.
     match jobs.first() {
         Some(job) => {
             next.store(1, Ordering::SeqCst);
@@ -275,6 +280,7 @@ fn hash(binary: &Path, folder: &Path, job: &Job, n_threads: usize) -> Result<[St
     let mut command = Command::new(binary);
     command.current_dir(folder).arg("run").arg(file).arg("--out").arg(&made);
     command.args(["--threads", &n_threads.to_string(), "--set", "output.gcode=job.gcode"]);
+    // All outputs but the program are switched off; the one job's stress file is the input of another.
     let stress = if *name == "stress-plane" { "output.stress=tension.vtu" } else { "output.stress=" };
     for setting in QUIET.iter().chain([&stress]).chain(settings.iter()) {
         command.args(["--set", setting]);
@@ -299,14 +305,16 @@ fn without_comments(program: &[u8]) -> Vec<u8> {
 }
 
 fn digest(bytes: &[u8]) -> String {
+    // 128 bits are far more than chance or a mistake needs; the table stays narrow.
     Sha256::digest(bytes).iter().take(16).fold(String::new(), |mut text, byte| {
         write!(text, "{byte:02x}").expect("a string takes all that is written");
         text
     })
 }
 
-/// Makes every input anew.
+/// Makes all inputs anew.
 fn prepare(binary: &Path, folder: &Path) -> Result<(), String> {
+    // Inputs of an earlier version of the program would hide a change of the presets.
     match fs::remove_dir_all(folder) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
             return Err(format!("{}: {e}", folder.display()));
@@ -351,11 +359,14 @@ type Facets = Vec<[usize; 3]>;
 /// The points, each once, and the facets of a binary STL file.
 fn indexed(stl: &[u8]) -> (Points, Facets) {
     let (mut points, mut facets, mut index) = (Points::new(), Facets::new(), BTreeMap::new());
+    // Source: the binary STL layout: 80 bytes of header, a count of 4, then 50 bytes for each facet:
+    // normal, three corners, attribute.
     for facet in stl.get(84..).unwrap_or_default().chunks_exact(50) {
         let number = |at: usize| f32::from_le_bytes(facet[at..at + 4].try_into().expect("four bytes"));
         let corner = |corner: usize| [0, 1, 2].map(|axis| number(12 + 12 * corner + 4 * axis));
         facets.push([0, 1, 2].map(|k| {
             let point = corner(k);
+            // Corners are compared by their bits: STL repeats a corner exactly.
             *index.entry(point.map(f32::to_bits)).or_insert_with(|| {
                 points.push(point);
                 points.len() - 1
@@ -371,6 +382,7 @@ fn lines<const N: usize, T: ToString>(rows: &[[T; N]], before: &str) -> String {
 }
 
 fn obj(points: &Points, facets: &Facets) -> String {
+    // OBJ counts vertices from 1.
     let from_one: Facets = facets.iter().map(|f| f.map(|i| i + 1)).collect();
     format!("{}{}", lines(points, "v "), lines(&from_one, "f "))
 }

@@ -1,4 +1,4 @@
-//! Tests that are ignored by name, and why: those that need files or programs, and those that take long.
+//! Tests that are ignored by name, and why: tests that need files or programs, and tests that take long.
 //!
 //! The reason in `#[ignore = "..."]` is read: "needs" and words of [`crate::setup::NEEDS`], or "slow". Any other
 //! reason, or none, is an error.
@@ -21,7 +21,8 @@ pub fn find(files: &[TestFile]) -> Result<Vec<Ignored>, String> {
     Ok(found)
 }
 
-/// Those that can run here, and those that cannot with what they lack; slow ones are neither.
+/// The tests that can run here, and the tests that cannot, with what they lack. Slow tests are in neither
+/// list.
 pub fn split<'a>(tests: &'a [Ignored], setup: &Found) -> (Vec<&'a Ignored>, Vec<(&'a Ignored, String)>) {
     let (mut run, mut lacking) = (Vec::new(), Vec::new());
     for test in tests.iter().filter(|t| t.reason.starts_with("needs")) {
@@ -35,7 +36,7 @@ pub fn split<'a>(tests: &'a [Ignored], setup: &Found) -> (Vec<&'a Ignored>, Vec<
     (run, lacking)
 }
 
-/// Names of modules before a test's own: none in `tests/`, the path below `src/` otherwise.
+/// Modules before the name of a test: none in `tests/`, the path below `src/` otherwise.
 fn module_of(path: &str) -> Vec<String> {
     let Some((_, below)) = path.split_once("/src/") else { return Vec::new() };
     let below = below.trim_end_matches(".rs").trim_end_matches("/mod");
@@ -68,6 +69,8 @@ fn collect(
                 };
                 let known = reason.starts_with("slow")
                     || (reason.starts_with("needs ") && NEEDS.iter().any(|need| reason.contains(need)));
+                // A reason in free words could not be checked against this machine, and the test might
+                // never run anywhere.
                 if !known {
                     return Err(format!(
                         "{path}: {} is ignored for {reason:?}; reasons are \"slow: ...\" and \"needs ...\" with some \
@@ -76,6 +79,7 @@ fn collect(
                         NEEDS.join(", ")
                     ));
                 }
+                // The full name, since `--exact` compares whole names.
                 let name =
                     module.iter().cloned().chain([test.sig.ident.to_string()]).collect::<Vec<_>>().join("::");
                 found.push(Ignored { name, reason });

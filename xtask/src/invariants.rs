@@ -13,8 +13,8 @@ use syn::visit::Visit;
 
 use crate::source::{self, Source};
 
-/// Crates that compute with what they are given. `grainpath-io` opens scans, whose slices are read one by one, and
-/// `grainpath-cli` opens everything else.
+/// Crates that compute with what they are given. `grainpath-io` opens the files of scans, whose slices
+/// are read one by one; `grainpath-cli` opens all other files.
 const OPENS_NO_FILE: [&str; 8] = [
     "grainpath",
     "grainpath-core",
@@ -38,7 +38,7 @@ const KEPT_IN: [(&str, &[(&str, &str)]); 4] = [
 const UNITS: [&str; 12] =
     ["_mm", "_mm2", "_mm3", "_mm_s", "_mm_s2", "_um", "_rad", "_deg", "_mpa", "_nmm", "_g", "_s"];
 
-/// Functions whose last bits differ from platform to platform.
+/// Functions of the system's library, whose last bits differ between platforms.
 const PLATFORM_MATHS: [&str; 12] =
     ["sin", "cos", "tan", "sin_cos", "asin", "acos", "atan", "atan2", "hypot", "exp", "ln", "powf"];
 
@@ -67,6 +67,7 @@ fn outside_crates_stay_where_they_are_wrapped(sources: &[Source]) -> Vec<String>
         for (name, line) in first_names(source) {
             let Some((_, places)) = KEPT_IN.iter().find(|(kept, _)| *kept == name) else { continue };
             let is_allowed = |&(package, top): &(&str, &str)| {
+                // A module and the modules below it may name the crate.
                 source.package == package && (module == top || module.starts_with(&format!("{top}::")))
             };
             if !places.iter().any(is_allowed) {
@@ -77,11 +78,11 @@ fn outside_crates_stay_where_they_are_wrapped(sources: &[Source]) -> Vec<String>
     broken
 }
 
-/// No library of ours but the readers touches files, processes, sockets or the environment.
+/// Only the readers touch files, processes, sockets or the environment.
 fn only_front_ends_open_files(sources: &[Source]) -> Vec<String> {
     let system = [["std", "fs"], ["std", "net"], ["std", "process"], ["std", "env"]];
     let mut broken = Vec::new();
-    // What draws the failing region of a test writes its picture; no other code calls it.
+    // One module draws the failing region of a test into a file; no other code calls it.
     let draws_for_tests = |s: &Source| s.module == ["failure_svg"];
     let libraries = sources.iter().filter(|s| OPENS_NO_FILE.contains(&s.package.as_str()));
     for source in libraries.filter(|s| !draws_for_tests(s)) {
@@ -112,6 +113,7 @@ fn platform_maths_and_hash_order_are_banned() -> Result<Vec<String>, String> {
     let mut broken = Vec::new();
     let clippy = read("clippy.toml")?;
     for name in PLATFORM_MATHS {
+        // The list in clippy.toml does the work; this check makes sure that no entry is removed.
         if !clippy.contains(&format!("\"f64::{name}\"")) {
             broken.push(format!("clippy.toml does not ban f64::{name}"));
         }
@@ -175,7 +177,7 @@ fn paths(source: &Source) -> Vec<(Vec<String>, usize)> {
     paths.0
 }
 
-/// First segments of those paths, each once.
+/// First segments of those paths, each once for each line.
 fn first_names(source: &Source) -> BTreeSet<(String, usize)> {
     paths(source).into_iter().filter_map(|(path, line)| Some((path.first()?.clone(), line))).collect()
 }
@@ -183,7 +185,8 @@ fn first_names(source: &Source) -> BTreeSet<(String, usize)> {
 struct Paths(Vec<(Vec<String>, usize)>);
 
 impl Paths {
-    /// Runs of names joined by `::`; groups of a `use` are read as if what stands before them stood in each.
+    /// Sequences of names joined by `::`. Groups of a `use` are read as if the path before them stood
+    /// before each of their names.
     fn tokens(&mut self, tokens: TokenStream, before: &[String]) {
         let mut path = before.to_vec();
         let (mut colons, mut line) = (2, 0);
@@ -191,6 +194,7 @@ impl Paths {
         for tree in tokens {
             match tree {
                 TokenTree::Ident(name) => {
+                    // Two names without `::` between them belong to two paths.
                     if colons != 2 && !starts {
                         self.push(&path, before, line);
                         path = before.to_vec();
@@ -201,6 +205,7 @@ impl Paths {
                 }
                 TokenTree::Punct(p) if p.as_char() == ':' => colons += 1,
                 TokenTree::Group(group) => {
+                    // Only a group after `::` is a group of a `use`; other groups start afresh.
                     let inner = if colons == 2 && !starts { path.clone() } else { Vec::new() };
                     self.tokens(group.stream(), &inner);
                     self.push(&path, before, line);
@@ -218,6 +223,7 @@ impl Paths {
     }
 
     fn push(&mut self, path: &[String], before: &[String], line: usize) {
+        // A single name is a local variable as often as a path.
         if path.len() > before.len().max(1) {
             self.0.push((path.to_vec(), line));
         }
@@ -299,7 +305,7 @@ fn holds_integer(tokens: TokenStream) -> bool {
     let integers = ["i8", "i16", "i32", "i64", "i128", "isize", "u8", "u16", "u32", "u64", "u128", "usize"];
     tokens.into_iter().any(|tree| match tree {
         TokenTree::Ident(name) => integers.iter().any(|i| name == i),
-        // The length of an array is no coordinate.
+        // The length of an array has no unit.
         TokenTree::Group(group) if group.delimiter() == proc_macro2::Delimiter::Bracket => {
             let element = group.stream().into_iter();
             holds_integer(

@@ -1,8 +1,8 @@
 //! Dependencies may have the licences and come from the registries that `deny.toml` lists.
 //!
-//! `cargo deny check` reads the same file and checks more (duplicates, advisories); the GitHub workflow runs it. Here
-//! the crate `spdx` reads the expressions, so that this check needs no tool that would have to be built first. What
-//! building cargo-deny would cost a clean checkout has not been measured.
+//! `cargo deny check` reads the same file and checks more (duplicates, advisories); the GitHub workflow
+//! runs it. Here the crate `spdx` reads the expressions, so this check needs no tool that has to be built
+//! first. The time to build cargo-deny in a clean checkout has not been measured.
 
 use std::fs;
 
@@ -44,7 +44,7 @@ pub fn check() -> Result<(), String> {
 
 /// Whether an SPDX expression can be met with the licences allowed.
 fn allows(expression: &str, allowed: &[String]) -> bool {
-    // Old manifests join licences by a slash.
+    // Old manifests join licences by a slash, which the strict grammar of SPDX refuses.
     Expression::parse_mode(expression, ParseMode::LAX)
         .is_ok_and(|e| e.evaluate(|licence| allowed.iter().any(|a| *a == licence.to_string())))
 }

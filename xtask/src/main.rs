@@ -1,4 +1,4 @@
-//! The workshop: what checks, measures and maintains grainpath.
+//! The workshop: programs that check, measure and maintain grainpath.
 //!
 //! `cargo xtask test` is the whole of CI; `cargo xtask bench` holds our speed and quality against the peers'.
 
@@ -84,18 +84,18 @@ fn main() -> ExitCode {
     }
 }
 
-/// What went wrong, in a line.
+/// The result of a check; the error is one line.
 type Outcome = Result<(), String>;
 
-/// How `test` was asked to run.
+/// Options of `test`.
 struct TestOptions {
-    /// Leaves out fuzzers and what needs installing.
+    /// Leaves out fuzzers and all that needs installing.
     quick: bool,
     /// System packages may be installed.
     install: bool,
-    /// What cannot run here is no failure.
+    /// Checks that cannot run here are no failure.
     allow_missing: bool,
-    /// How long each fuzz target runs.
+    /// Time for each fuzz target, s.
     fuzz_seconds: u64,
 }
 
@@ -122,7 +122,7 @@ struct Checks {
 }
 
 impl Checks {
-    /// Runs a check; the first that fails ends the run.
+    /// Runs a check; the first failure ends the run.
     fn run(&mut self, name: &str, check: impl FnOnce() -> Outcome) -> Outcome {
         println!("\n== {name}");
         check()?;
@@ -130,7 +130,7 @@ impl Checks {
         Ok(())
     }
 
-    /// The last line, and the exit code.
+    /// Prints the last line and gives the result.
     fn finish(self, allow_missing: bool) -> Outcome {
         println!();
         for what in &self.not_run {
@@ -153,6 +153,7 @@ fn test(options: &TestOptions) -> Outcome {
             Some(setup::tests(options.install)?)
         }
     };
+    // In the order of their cost: a wrong format is told in seconds, a failed test after minutes.
     checks.run("format", || cargo(&["fmt", "--all", "--check"]))?;
     checks.run("dependencies between crates", arrows::check)?;
     checks.run("invariants", invariants::check)?;
@@ -170,6 +171,8 @@ fn test(options: &TestOptions) -> Outcome {
     checks.run("G-code hashes", || hashes::run(&[]))?;
     checks.run("tests", || tests(&[]))?;
     if let Some(found) = &found {
+        // Tests that need files run only where the files are; the others are listed by name, not skipped
+        // in silence.
         let ignored = ignored::find(&source::read(&root())?.tests)?;
         let (here, lacking) = ignored::split(&ignored, found);
         if !here.is_empty() {
@@ -184,16 +187,16 @@ fn test(options: &TestOptions) -> Outcome {
     checks.finish(options.allow_missing || options.quick)
 }
 
-/// All tests of the workspace, with these words for each test binary.
+/// All tests of the workspace, with these arguments for each test binary.
 fn tests(words: &[&str]) -> Outcome {
     let mut command = Command::new("cargo");
     command.args(["test", "--workspace", "--profile", "ci"]);
     if !words.is_empty() {
-        // Doc tests take none of the names.
+        // Doc tests have other names, and would fail on these.
         command.args(["--lib", "--bins", "--tests", "--"]).args(words);
     }
-    // The same cases of property tests on every run; `cargo test` alone draws others. Goldens are compared and not
-    // rewritten.
+    // A fixed seed makes property tests try the same cases on each run; `cargo test` alone draws new
+    // ones. Snapshots are compared and not rewritten.
     command.env("PROPTEST_RNG_SEED", "20").env("INSTA_UPDATE", "no");
     run(setup::export(&mut command))
 }

@@ -1,9 +1,10 @@
-//! Pages for those who work on grainpath: files that they name exist, and what a release needs is there.
+//! Pages for those who work on grainpath: the files that they name exist, and the files that a release
+//! needs are present.
 
 use std::fs;
 use std::process::Command;
 
-/// Pages whose names of files are checked.
+/// Pages whose file names are checked.
 const PAGES: [&str; 6] = [
     "CONTRIBUTING.md",
     "docs/contributing/format.md",
@@ -29,6 +30,7 @@ pub fn check() -> Result<(), String> {
         }
     }
     let manifest: toml::Table = read("Cargo.toml")?.parse().map_err(|e| format!("Cargo.toml: {e}"))?;
+    // The section of the version in the manifest must exist, or a release would have no notes.
     let version = manifest["workspace"]["package"]["version"].as_str().unwrap_or_default().to_owned();
     let changelog = read("CHANGELOG.md")?;
     for heading in ["## Unreleased".to_owned(), format!("## {version} ")] {
@@ -65,10 +67,13 @@ fn read(path: &str) -> Result<String, String> {
     fs::read_to_string(crate::root().join(path)).map_err(|e| format!("{path}: {e}"))
 }
 
-/// Paths between back-quotes: words with a slash or an ending of ours, and without blanks, `<` or `*`.
+/// Paths between back-quotes: words with a slash or one of our extensions, and without blanks, `<` or
+/// `*`.
 fn files_in(page: &str) -> Vec<String> {
     let is_file = |word: &&str| {
         let is_path = word.contains('/') || [".md", ".toml", ".rs"].iter().any(|end| word.ends_with(end));
+        // Words with these characters are patterns, addresses or code; a leading slash is a path of the
+        // system.
         is_path && !word.contains([' ', '<', '*', ':', '{', '"']) && !word.starts_with('/')
     };
     let quoted = page.lines().flat_map(|line| line.split('`').skip(1).step_by(2));

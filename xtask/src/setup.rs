@@ -1,5 +1,5 @@
-//! What tests and benches need beside Rust: found, named with the line that installs it, and installed where that
-//! needs no rights.
+//! Programs and packages that tests and benches need besides Rust. Each is looked for, named with the
+//! line that installs it, and installed where that needs no rights.
 //!
 //! Python packages go into a virtual environment below `target/venv`. System packages are installed by `apt-get`
 //! only where this runs as root or was asked to by `--install`; elsewhere the line to run is printed.
@@ -7,19 +7,19 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What scripts of tests and benches import, and what opens the VTU that is written.
+/// Python packages that scripts of tests and benches import; meshio opens the VTU files that we write.
 const PYTHON: [&str; 7] = ["numpy", "scipy", "shapely>=2", "trimesh", "networkx", "rtree", "meshio"];
 
-/// What tests can need; a test names it in `#[ignore = "needs ..."]`.
+/// Needs of tests; a test names its own in `#[ignore = "needs ..."]`.
 pub const NEEDS: [&str; 4] = ["GRAINPATH_DATA", "GRAINPATH_CHECK", "python", "vtk"];
 
-/// What is there of [`NEEDS`], and for each missing one how to get it.
+/// The needs that are missing, and how to meet each.
 pub struct Found {
     pub missing: Vec<(&'static str, String)>,
 }
 
 impl Found {
-    /// Names in `reason` of what is missing.
+    /// The missing needs that `reason` names.
     pub fn missing_of(&self, reason: &str) -> Vec<&'static str> {
         self.missing.iter().map(|m| m.0).filter(|need| reason.contains(need)).collect()
     }
@@ -63,12 +63,12 @@ pub fn check(script: &str) -> Result<PathBuf, String> {
 fn folder(variable: &str) -> Result<PathBuf, String> {
     let path = std::env::var_os(variable).ok_or_else(|| format!("{variable} is not set"))?;
     let path = PathBuf::from(path);
-    // Tests run in the folders of their crates.
+    // Tests run in the folders of their crates, so a relative path would lead elsewhere.
     let whole = path.canonicalize().map_err(|e| format!("{variable}: {}: {e}", path.display()))?;
     if whole.is_dir() { Ok(whole) } else { Err(format!("{variable}: {} is no folder", whole.display())) }
 }
 
-/// Sets for a command what the tests' helpers read.
+/// Sets the variables that helpers of tests read.
 pub fn export(command: &mut Command) -> &mut Command {
     for variable in ["GRAINPATH_DATA", "GRAINPATH_CHECK"] {
         if let Ok(path) = folder(variable) {
@@ -93,7 +93,7 @@ fn venv() -> PathBuf {
     crate::target().join("venv")
 }
 
-/// Whether these Python packages can be imported; a version after the name is not looked at.
+/// Whether these Python packages can be imported; versions are not compared.
 fn has(packages: &[&str]) -> bool {
     let names: Vec<&str> = packages.iter().map(|p| p.split(['>', '=']).next().unwrap_or(p)).collect();
     quiet(python().args(["-c", &format!("import {}", names.join(", "))]))
@@ -106,7 +106,8 @@ fn environment(install: bool, packages: &[&str]) -> Result<(), String> {
     }
     let folder = venv();
     if !folder.exists() && !quiet(Command::new("python3").args(["-m", "venv"]).arg(&folder)) {
-        // Debian's Python comes without the module.
+        // Debian's Python comes without the module `venv`; the half-made folder must go before the next
+        // attempt.
         let _ = std::fs::remove_dir_all(&folder);
         apt(&[("python3-venv-is-no-program", "python3-venv")], install)?;
         crate::run(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
@@ -148,7 +149,8 @@ pub fn scans() -> Result<(), String> {
     if has(&["skimage"]) { Ok(()) } else { environment(true, &["scikit-image"]) }
 }
 
-/// CuraEngine's definition files, unpacked from the package of its front end without installing that.
+/// CuraEngine's definition files. They are unpacked from the package of its front end, which itself is
+/// not installed.
 pub fn cura_definitions(folder: &Path) -> Option<PathBuf> {
     let definitions = folder.join("cura/usr/share/cura/resources/definitions");
     if !definitions.join("fdmprinter.def.json").exists() {
@@ -158,7 +160,8 @@ pub fn cura_definitions(folder: &Path) -> Option<PathBuf> {
     definitions.join("fdmprinter.def.json").exists().then_some(definitions)
 }
 
-/// Installs the packages whose program is missing, where this may; else an error with the line to run.
+/// Installs the packages whose programs are missing, where that is allowed; otherwise the error is the
+/// line to run.
 fn apt(programs: &[(&str, &str)], install: bool) -> Result<(), String> {
     let there = |program: &str| quiet(Command::new("sh").args(["-c", &format!("command -v {program}")]));
     let missing: Vec<&str> =
@@ -169,6 +172,7 @@ fn apt(programs: &[(&str, &str)], install: bool) -> Result<(), String> {
     let is_root = quiet(Command::new("sh").args(["-c", "test $(id -u) = 0"]));
     let sudo = if is_root { "" } else { "sudo " };
     let line = format!("{sudo}apt-get install -y --no-install-recommends {}", missing.join(" "));
+    // Without root or the user's word nothing on the system is changed.
     if !is_root && !install {
         return Err(line);
     }
@@ -181,7 +185,7 @@ fn apt(programs: &[(&str, &str)], install: bool) -> Result<(), String> {
     crate::run(Command::new("sh").args(["-c", &script])).map_err(|_| line)
 }
 
-/// Whether a command succeeds; what it prints is dropped.
+/// Whether a command succeeds; its output is discarded.
 pub fn quiet(command: &mut Command) -> bool {
     command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|s| s.success())
 }

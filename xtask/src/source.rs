@@ -1,4 +1,4 @@
-//! The sources of our crates as data: which files there are, what is a test, what each line holds.
+//! The sources of our crates as data: the files, which of them are tests, and the class of each line.
 //!
 //! Files are found as the compiler finds them: from `src/lib.rs` and `src/main.rs` along `mod name;`. What stands
 //! below `#[cfg(test)]` is a test, whether inline or in a file of its own. Lines are classed by the tokens on them:
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use syn::spanned::Spanned;
 
-/// What a line holds.
+/// The class of a line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Line {
     Blank,
@@ -41,20 +41,20 @@ pub struct Source {
 }
 
 impl Source {
-    /// How many lines of production code have this class.
+    /// Number of lines of production code of a class.
     pub fn count(&self, class: Line) -> usize {
         self.lines.iter().filter(|l| **l == Some(class)).count()
     }
 }
 
-/// A file with tests: of `tests/` of a crate, or of `src/` where `#[cfg(test)]` leads.
+/// A file with tests: from a crate's `tests/`, or from `src/` below `#[cfg(test)]`.
 pub struct TestFile {
     /// Path below the repository's top folder.
     pub path: String,
     pub items: Vec<syn::Item>,
 }
 
-/// All of our crates below a folder that holds `crates/`.
+/// All of our crates in a repository, whose top folder holds `crates/`.
 #[derive(Default)]
 pub struct Workspace {
     pub sources: Vec<Source>,
@@ -71,13 +71,15 @@ pub fn read(root: &Path) -> Result<Workspace, String> {
         let mut n_lines = 0;
         for path in rust_files(&package)? {
             let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+            // Test files count too: the share of a crate is a measure of how much there is to read.
             n_lines += text.lines().filter(|l| !l.trim().is_empty()).count();
         }
         workspace.lines.insert(name.clone(), n_lines);
         for top in ["lib.rs", "main.rs"] {
             let path = package.join("src").join(top);
             if path.exists() {
-                // A binary's modules are of another root than its library's.
+                // A binary names its modules from a root of its own; without a prefix they would mix with
+                // those of the library.
                 let module = if top == "main.rs" && package.join("src/lib.rs").exists() {
                     vec!["main".to_owned()]
                 } else {
@@ -116,6 +118,8 @@ impl Workspace {
             if is_test {
                 tests.push(item);
             } else if is_for_tests(attributes(&item)) {
+                // Lines of inline tests belong to no class, so that neither their code nor their comments
+                // change the densities.
                 for line in lines_of(&item) {
                     if let Some(class) = lines.get_mut(line - 1) {
                         *class = None;
@@ -156,7 +160,7 @@ impl Workspace {
         for item in items {
             let syn::Item::Mod(child) = item else { continue };
             let is_test = is_test || is_for_tests(&child.attrs);
-            // A file elsewhere, which tests of several crates share.
+            // A file in another folder, which tests of several crates share.
             if child.attrs.iter().any(|attr| attr.path().is_ident("path")) {
                 continue;
             }
@@ -177,7 +181,7 @@ impl Workspace {
     }
 }
 
-/// Where the files of a file's child modules lie.
+/// The folder in which the child modules of a file lie.
 fn folder_of_modules(path: &Path) -> PathBuf {
     let folder = path.parent().unwrap_or(Path::new(""));
     match path.file_stem().and_then(|s| s.to_str()) {
@@ -193,6 +197,7 @@ fn parse(path: &Path) -> Result<syn::File, String> {
 
 /// The class of each line of a Rust text.
 pub fn classes(text: &str) -> Vec<Line> {
+    // Comments leave no tokens, so each line counts as one until a token is found on it.
     let mut lines: Vec<Line> =
         text.lines().map(|l| if l.trim().is_empty() { Line::Blank } else { Line::Comment }).collect();
     if let Ok(tokens) = text.parse::<TokenStream>() {
@@ -205,6 +210,7 @@ fn mark(tokens: TokenStream, lines: &mut [Line]) {
     let mut put = |span: proc_macro2::Span, class: Line| {
         for line in span.start().line..=span.end().line {
             if let Some(seen) = lines.get_mut(line.wrapping_sub(1)) {
+                // A line with code and a doc comment after it is code.
                 *seen = if *seen == Line::Code { Line::Code } else { class };
             }
         }
@@ -234,7 +240,8 @@ fn mark(tokens: TokenStream, lines: &mut [Line]) {
     }
 }
 
-/// How many tokens at the front are one doc comment: `#`, a `!` for inner ones, and `[doc = ...]`; 0 for none.
+/// Number of tokens at the front that form one doc comment: `#`, a `!` for inner ones, and `[doc = ...]`;
+/// 0 for other tokens. The tokeniser turns doc comments into this form.
 fn doc_length(trees: &[TokenTree]) -> usize {
     let is =
         |tree: Option<&TokenTree>, c: char| matches!(tree, Some(TokenTree::Punct(p)) if p.as_char() == c);
@@ -280,6 +287,7 @@ pub fn attributes(item: &syn::Item) -> &[syn::Attribute] {
         syn::Item::Type(i) => &i.attrs,
         syn::Item::Union(i) => &i.attrs,
         syn::Item::Use(i) => &i.attrs,
+        // `syn` may add kinds of items, so its enum cannot be matched whole.
         _ => &[],
     }
 }
@@ -313,6 +321,7 @@ fn file_name(path: &Path) -> String {
 fn folders(path: &Path) -> Result<Vec<PathBuf>, String> {
     let entries = fs::read_dir(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let mut folders: Vec<PathBuf> = entries.flatten().map(|e| e.path()).filter(|p| p.is_dir()).collect();
+    // The order of a directory differs between file systems; lists must not.
     folders.sort();
     Ok(folders)
 }

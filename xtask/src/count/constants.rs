@@ -1,4 +1,4 @@
-//! Named numbers, and whether the source says where each comes from.
+//! Named numbers, and whether a comment says where each comes from.
 //!
 //! A *constant* is a `const` or `static`, at any depth outside tests, whose value holds a number of its own: an
 //! integer or a float other than 0, 1, -1 and 2 in its expression, not in its type. It has a *source* if the comments
@@ -12,7 +12,7 @@ use syn::visit::Visit;
 
 use crate::source::{self, Source};
 
-/// A constant: where it stands, its name, and whether its source is told.
+/// A constant: its place, its name, and whether it has a source.
 pub struct Constant {
     pub path: String,
     pub line: usize,
@@ -59,6 +59,7 @@ impl Look<'_> {
             line.starts_with("//") || line.starts_with("#[")
         };
         let above: Vec<&String> =
+            // Attributes may stand between a comment and its constant.
             self.source.text[..first.saturating_sub(1)].iter().rev().take_while(is_above).collect();
         let own = self.source.text.iter().skip(first - 1).take(last + 1 - first);
         let after = own.filter_map(|line| line.split_once("//").map(|(_, comment)| comment));
@@ -76,6 +77,7 @@ impl<'ast> Visit<'ast> for Look<'_> {
     }
 
     fn visit_item_const(&mut self, item: &'ast syn::ItemConst) {
+        // The expression of a constant may hold constants of its own.
         self.note(&item.ident, &item.expr, item.span());
         syn::visit::visit_item_const(self, item);
     }
@@ -93,6 +95,7 @@ impl<'ast> Visit<'ast> for Look<'_> {
 fn holds_number(tokens: TokenStream) -> bool {
     tokens.into_iter().any(|tree| match tree {
         TokenTree::Literal(literal) => match syn::Lit::new(literal) {
+            // 0, 1 and 2 are structure (empty, one, both, halves) and seldom a choice.
             syn::Lit::Int(n) => n.base10_parse::<u128>().map_or(true, |n| n > 2),
             syn::Lit::Float(x) => x.base10_parse::<f64>().map_or(true, |x| x != 0.0 && x != 1.0 && x != 2.0),
             _ => false,

@@ -5,9 +5,9 @@
 //! the file that defines them, so that a path through a parent's `pub use` depends on the child and not on the
 //! parent. `mod name;` is no dependency; tests are left out.
 //!
-//! A module's own file (`mod.rs`, or `name.rs` beside `name/`) and the files below it are one room: the module names
-//! its parts to call them, and the parts name what they share. Arrows between the two are therefore left out, and
-//! counted apart as cycles *with parents*.
+//! A module's own file (`mod.rs`, or `name.rs` beside `name/`) and the files below it belong together:
+//! the module names its parts to call them, and the parts name what they share. Arrows between the two
+//! are therefore left out, and counted separately as cycles *with parents*.
 //!
 //! A *file cycle* is a set of two or more files each of which reaches every other (a strongly connected component).
 //! A *folder cycle* is the same among the entries of one folder, of which at least one is a folder: files and
@@ -20,7 +20,7 @@ use syn::visit::Visit;
 
 use crate::source::{self, Source};
 
-/// What a file of a crate depends on: pairs of indices into `sources`, from and to.
+/// Dependencies of the files of a crate: pairs of indices into `sources`, from and to.
 pub type Arrows = BTreeSet<(usize, usize)>;
 
 /// Dependencies between files of the same crate.
@@ -29,6 +29,8 @@ pub fn arrows(sources: &[Source]) -> Arrows {
     let packages: BTreeSet<&str> = sources.iter().map(|s| s.package.as_str()).collect();
     for package in packages {
         let mut tree = Modules::default();
+        // All modules are declared before any name is resolved, since a file may name one that comes
+        // later.
         for (file, source) in sources.iter().enumerate().filter(|(_, s)| s.package == package) {
             let module = tree.module(&source.module);
             tree.nodes[module].file = Some(file);
@@ -69,7 +71,9 @@ pub fn of_folders(sources: &[Source], arrows: &Arrows) -> Vec<Vec<String>> {
     let mut by_folder: BTreeMap<Place, BTreeSet<(Place, Place)>> = BTreeMap::new();
     for (from, to) in arrows {
         let (from, to) = (&places[*from], &places[*to]);
+        // The two entries of a folder that the arrow joins are the first names in which the paths differ.
         let shared = from.iter().zip(to).take_while(|(a, b)| a == b).count();
+        // Within one entry there is nothing to compare at this level.
         if shared < from.len() && shared < to.len() {
             let pair = (from[..=shared].to_vec(), to[..=shared].to_vec());
             by_folder.entry(from[..shared].to_vec()).or_default().insert(pair);
@@ -83,6 +87,7 @@ pub fn of_folders(sources: &[Source], arrows: &Arrows) -> Vec<Vec<String>> {
         let inner: Arrows = pairs.iter().map(|(a, b)| (index(a), index(b))).collect();
         for cycle in components(entries.len(), &inner) {
             let is_folder = |entry: &usize| !entries[*entry].last().is_some_and(|n| n.ends_with(".rs"));
+            // A cycle of files alone is counted as a file cycle already.
             if cycle.iter().any(is_folder) {
                 cycles.push(cycle.iter().map(|e| entries[*e].join("/")).collect());
             }
@@ -91,8 +96,8 @@ pub fn of_folders(sources: &[Source], arrows: &Arrows) -> Vec<Vec<String>> {
     cycles
 }
 
-/// Pairs of top modules of a crate of which the first names the second, though `lib.rs` declares the second before it:
-/// there modules stand from the whole down to what it calls.
+/// Pairs of top modules of a crate of which the first names the second, although `lib.rs` declares the
+/// second before it. In `lib.rs` modules are declared from the whole down to what it calls.
 pub fn upwards(sources: &[Source], arrows: &Arrows, package: &str) -> Vec<String> {
     let Some(root) = sources.iter().find(|s| s.package == package && s.module.is_empty()) else {
         return Vec::new();
@@ -115,7 +120,8 @@ pub fn upwards(sources: &[Source], arrows: &Arrows, package: &str) -> Vec<String
     pairs.into_iter().map(|(from, to)| format!("{} names {}", declared[from], declared[to])).collect()
 }
 
-/// The folders a file lies in and its name; the own file of a module with child files is `mod.rs` in its folder.
+/// The folders of a file and its name. The own file of a module with child files is `mod.rs` in its
+/// folder.
 fn place(source: &Source, sources: &[Source]) -> Vec<String> {
     let mut place: Vec<String> = vec![source.package.clone()];
     place.extend(source.module.iter().cloned());
@@ -132,7 +138,7 @@ fn place(source: &Source, sources: &[Source]) -> Vec<String> {
     place
 }
 
-/// A crate's modules, inline ones too.
+/// The modules of a crate, inline ones too.
 #[derive(Default)]
 struct Modules {
     nodes: Vec<Module>,
@@ -144,7 +150,7 @@ struct Module {
     file: Option<usize>,
     children: BTreeMap<String, usize>,
     items: BTreeSet<String>,
-    /// Names that `use` brings in, with the path each stands for.
+    /// Names that `use` brings in, with the path of each.
     uses: Vec<(String, Vec<String>)>,
     /// Paths before `::*`.
     globs: Vec<Vec<String>>,
@@ -180,6 +186,8 @@ impl Modules {
                 syn::Item::Trait(i) => i.ident.to_string(),
                 syn::Item::Type(i) => i.ident.to_string(),
                 syn::Item::Union(i) => i.ident.to_string(),
+                // A macro may define items that only its expansion shows; the names in its arguments are
+                // a good guess.
                 syn::Item::Macro(i) => {
                     defined_in_macro(i.mac.tokens.clone(), &mut self.nodes[module].items);
                     continue;
@@ -196,6 +204,7 @@ impl Modules {
                 syn::Item::Mod(i) if !source::is_for_tests(&i.attrs) => {
                     let child = self.child(module, &i.ident.to_string());
                     if let Some((_, items)) = &i.content {
+                        // An inline module has no file of its own.
                         self.nodes[child].file = self.nodes[module].file;
                         self.declare(child, items);
                     }
@@ -207,7 +216,7 @@ impl Modules {
         }
     }
 
-    /// The file that defines what a path names, seen from a module; `None` for what is not of this crate.
+    /// The file that defines what a path names, seen from a module; `None` for names of other crates.
     fn file(&self, module: usize, path: &[String], depth: usize) -> Option<usize> {
         let (first, mut rest) = path.split_first()?;
         let mut here = match first.as_str() {
@@ -239,7 +248,7 @@ impl Modules {
 
     /// Follows a name that `use` brought into a module.
     fn through_use(&self, module: usize, name: &str, rest: &[String], depth: usize) -> Option<usize> {
-        // Re-exports can run in a circle.
+        // Re-exports can form a circle; eight steps are more than any honest path takes.
         if depth > 8 {
             return None;
         }
@@ -263,6 +272,7 @@ impl Modules {
         if let Some((_, path)) = node.uses.iter().find(|(n, _)| n == name) {
             return self.file(module, path, depth + 1);
         }
+        // Globs come last, as in the language: names that are declared or imported by name hide them.
         node.globs.iter().find_map(|glob| {
             let module = self.path_module(module, glob)?;
             self.item(module, name, depth + 1)
@@ -280,7 +290,7 @@ impl Modules {
     }
 }
 
-/// Each name that a `use` brings in with the path it stands for; `*` is a name here.
+/// Names that a `use` brings in, each with its path; `*` is a name here.
 fn flat(tree: &syn::UseTree) -> Vec<(String, Vec<String>)> {
     let before = |name: &syn::Ident, inner: Vec<(String, Vec<String>)>| {
         let put = |(alias, path): (String, Vec<String>)| {
@@ -345,6 +355,7 @@ impl Names<'_> {
         for tree in tokens {
             match tree {
                 TokenTree::Ident(name) => {
+                    // Only `::` joins two names; anything else starts a new path.
                     if colons != 2 {
                         self.finish(&mut path);
                     }
@@ -367,6 +378,7 @@ impl Names<'_> {
     }
 
     fn finish(&mut self, path: &mut Vec<String>) {
+        // One name alone may be a variable.
         if path.len() > 1 {
             self.path(path);
         }
@@ -413,7 +425,8 @@ impl<'ast> Visit<'ast> for Names<'_> {
     }
 }
 
-/// Strongly connected components of two or more nodes, sorted (Tarjan 1972).
+/// Strongly connected components of two or more nodes, sorted. Source: Tarjan, Depth-first search and
+/// linear graph algorithms, 1972.
 fn components(n_nodes: usize, arrows: &Arrows) -> Vec<Vec<usize>> {
     struct State<'a> {
         next: &'a [Vec<usize>],
@@ -436,10 +449,13 @@ fn components(n_nodes: usize, arrows: &Arrows) -> Vec<Vec<usize>> {
                     visit(s, next);
                     s.low[node] = s.low[node].min(s.low[next]);
                 }
+                // Nodes that left the stack belong to a component found before, and do not join this one.
                 Some(order) if s.on_stack[next] => s.low[node] = s.low[node].min(order),
                 Some(_) => {}
             }
         }
+        // A node that reaches nothing older than itself is the root of its component, which lies above it
+        // on the stack.
         if s.order[node] == Some(s.low[node]) {
             let mut component = Vec::new();
             while let Some(last) = s.stack.pop() {

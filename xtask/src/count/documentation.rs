@@ -4,7 +4,8 @@ use syn::visit::Visit;
 
 use crate::source::{self, Source};
 
-/// A module's text is long enough to explain an algorithm from this many lines on.
+/// Shortest text of a module that counts. Ten lines have room for what a reader of an algorithm needs:
+/// what it computes, method and source, units, cost, degenerate cases.
 const MIN_MODULE_TEXT_LINES: usize = 10;
 
 /// Files whose `//!` text has 10 lines or more; empty lines count.
@@ -12,8 +13,8 @@ pub fn module_texts(sources: &[Source]) -> usize {
     sources.iter().filter(|s| source::doc_text(&s.attrs).len() >= MIN_MODULE_TEXT_LINES).count()
 }
 
-/// Examples in doc comments that rustdoc compiles and runs: fenced blocks without a language or of `rust`, but
-/// those marked `ignore`, `no_run` or `compile_fail`.
+/// Examples in doc comments that rustdoc compiles and runs: fenced blocks without a language or of
+/// `rust`, except those marked `ignore`, `no_run` or `compile_fail`.
 pub fn examples(sources: &[Source]) -> usize {
     let mut look = Examples(0);
     for source in sources {
@@ -66,6 +67,7 @@ fn fenced(lines: &[String]) -> usize {
                 let runs = words.all(|w| w == "rust" || w == "should_panic" || w.starts_with("edition"));
                 n_examples += usize::from(runs);
             }
+            // A closing fence has no info text, so it would look like an example.
             open = !open;
         }
     }

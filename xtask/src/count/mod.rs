@@ -1,4 +1,4 @@
-//! Counts that say how readable and how well divided the code is, with limits that may only get better.
+//! Counts of how readable and how well divided the code is, with limits that may only improve.
 //!
 //! The review of commit ee21024 counted by hand-made scripts; by the rules here that commit has
 //!
@@ -31,14 +31,14 @@ use std::path::Path;
 
 use crate::source::{self, Line, Source, Workspace};
 
-/// Whether less or more of something is better.
+/// Whether fewer or more are better.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Better {
     Less,
     More,
 }
 
-/// The counts: name, which way is better, and what is counted.
+/// The counts: name, direction of improvement, and what is counted.
 const COUNTS: [(&str, Better, &str); 15] = [
     (
         "largest_crate_percent",
@@ -69,11 +69,11 @@ const COUNTS: [(&str, Better, &str); 15] = [
     ("empty_tests", Better::Less, "tests that can return early or assert nothing"),
 ];
 
-/// The folders whose constants decide what is printed or how strong it is.
+/// The folders whose constants decide what is printed or how strong the print is.
 const FOUR_FOLDERS: [&str; 4] =
     ["grainpath-fea/src/strength/", "src/fill/field/", "src/fill/continuous/", "grainpath/src/support/"];
 
-/// One count: its value, and the places that make it up.
+/// One count: its value, and the places that it counts.
 #[derive(Default)]
 struct Count {
     value: f64,
@@ -92,7 +92,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
         [] => check(&crate::root(), false),
         ["--tighten"] => check(&crate::root(), true),
         ["--list", name] => list(&crate::root(), name),
-        // Another state of the sources, for instance an older commit's.
+        // Another state of the sources, such as an older commit.
         ["--in", folder] => {
             let counts = count(&source::read(Path::new(folder))?);
             for (name, _, what) in COUNTS {
@@ -128,6 +128,7 @@ fn check(root: &Path, tighten: bool) -> Result<(), String> {
     for (name, better, what) in COUNTS {
         let value = counts[name].value;
         let limit = *limits.get(name).ok_or_else(|| format!("xtask/counts.toml has no {name}"))?;
+        // Equal is accepted: a limit is the state that was reached.
         let is_worse = if better == Better::Less { value > limit } else { value < limit };
         if is_worse {
             missed.push(name);
@@ -166,7 +167,7 @@ fn table(limits: &BTreeMap<String, f64>) -> String {
     text
 }
 
-/// Every count of a state of the sources.
+/// All counts of a state of the sources.
 fn count(workspace: &Workspace) -> BTreeMap<&'static str, Count> {
     let sources = &workspace.sources;
     let every_arrow = cycles::arrows(sources);
@@ -176,7 +177,7 @@ fn count(workspace: &Workspace) -> BTreeMap<&'static str, Count> {
     let words = words::find(sources);
     let place = |(path, line): (String, usize)| format!("{path}:{line}");
     let mut settings: Vec<String> = words.settings_compared.into_iter().map(place).collect();
-    // Lines, as the review counted.
+    // Several comparisons on a line count once, as in the review.
     settings.dedup();
     let constants = constants::find(sources);
     let in_four = |c: &constants::Constant| FOUR_FOLDERS.iter().any(|f| c.path.contains(f));
@@ -211,6 +212,7 @@ fn count(workspace: &Workspace) -> BTreeMap<&'static str, Count> {
 
 fn per_1000(sources: &[Source], class: Line) -> f64 {
     let sum = |class: Line| sources.iter().map(|s| s.count(class)).sum::<usize>() as f64;
+    // One decimal: the count of a large workspace should not change with each line.
     (1e4 * sum(class) / sum(Line::Code)).round() / 10.0
 }
 

@@ -1,4 +1,4 @@
-//! Tests that can pass without having looked at anything.
+//! Tests that can pass without having checked anything.
 //!
 //! A test is *empty* if it can end early without failing (a `return` without a value, or a `return Ok(())`, outside
 //! closures), or if neither it nor a function of its file or of the test's helpers that it calls can fail
@@ -11,14 +11,14 @@ use syn::visit::Visit;
 
 use crate::source::TestFile;
 
-/// An empty test: its file, its name, and what is wrong with it.
+/// An empty test: its file, its name, and the reason.
 pub struct Empty {
     pub path: String,
     pub name: String,
     pub what: &'static str,
 }
 
-/// The number of tests, and those that can pass empty.
+/// The number of tests, and the empty ones.
 pub fn find(files: &[TestFile]) -> (usize, Vec<Empty>) {
     let mut functions = Vec::new();
     for file in files {
@@ -27,11 +27,12 @@ pub fn find(files: &[TestFile]) -> (usize, Vec<Empty>) {
             collect.visit_item(item);
         }
     }
+    // Functions are known by name alone, so two of one name count as one: if either can fail, both can.
     let mut fails: BTreeMap<&str, bool> = BTreeMap::new();
     for function in &functions {
         *fails.entry(&function.name).or_default() |= function.fails;
     }
-    // Helpers of helpers: twice is as deep as they go, ten times costs nothing.
+    // Helpers may call helpers. Two levels are the deepest in use; ten rounds cost nothing.
     for _ in 0..10 {
         for function in &functions {
             if function.calls.iter().any(|c| fails.get(c.as_str()).copied().unwrap_or_default()) {
@@ -84,7 +85,8 @@ impl<'ast> Visit<'ast> for Collect<'_> {
     }
 
     fn visit_macro(&mut self, item: &'ast syn::Macro) {
-        // `proptest!` holds functions that cannot be parsed as such: each is a test with a name.
+        // The arguments of `proptest!` cannot be parsed as Rust, so their text is searched: the macro
+        // counts as one test.
         if item.path.is_ident("proptest") {
             let text = item.tokens.to_string();
             self.functions.push(Function {
@@ -114,7 +116,7 @@ impl<'ast> Visit<'ast> for Body {
     }
 
     fn visit_item_fn(&mut self, item: &'ast syn::ItemFn) {
-        // A function inside a function returns from itself.
+        // A `return` in an inner function ends that function and not the test.
         self.closures += 1;
         syn::visit::visit_item_fn(self, item);
         self.closures -= 1;
@@ -133,6 +135,7 @@ impl<'ast> Visit<'ast> for Body {
     }
 
     fn visit_expr_try(&mut self, expr: &'ast syn::ExprTry) {
+        // `?` ends the test with an error, which fails it; inside a closure the error may be dropped.
         self.fails |= self.closures == 0;
         syn::visit::visit_expr_try(self, expr);
     }
@@ -140,12 +143,14 @@ impl<'ast> Visit<'ast> for Body {
     fn visit_expr_method_call(&mut self, call: &'ast syn::ExprMethodCall) {
         let name = call.method.to_string();
         self.fails |=
+            // `success` and `failure` are assertions of the command-line tests.
             ["unwrap", "expect", "unwrap_err", "expect_err", "success", "failure"].contains(&name.as_str());
         self.calls.push(name);
         syn::visit::visit_expr_method_call(self, call);
     }
 
     fn visit_path(&mut self, path: &'ast syn::Path) {
+        // All names count as calls: a function passed by name is called elsewhere.
         self.calls.extend(path.segments.last().map(|s| s.ident.to_string()));
         syn::visit::visit_path(self, path);
     }

@@ -1,8 +1,8 @@
 //! Choices that travel as text: comparisons with string literals, and `_` arms that take an unknown word for a
 //! default.
 //!
-//! Looked at are the crates through which settings flow: all but the job's own (which turns words into types), the
-//! readers of files, and the vocabulary. Tests are left out.
+//! The crates through which settings flow are looked at. Left out are the job's own crate (which turns
+//! words into types), the readers of files, and the vocabulary. Tests are left out.
 
 use proc_macro2::{TokenStream, TokenTree};
 use quote::ToTokens;
@@ -10,13 +10,13 @@ use syn::visit::Visit;
 
 use crate::source::{self, Source};
 
-/// Crates whose texts are no choices: file formats and programs are made of words.
+/// Crates whose texts are no choices: file formats and programs consist of words.
 const TEXT_IS_INPUT: [&str; 4] = ["grainpath-core", "grainpath-io", "grainpath-gcode", "grainpath-job"];
 
 /// Where something was found: path and line.
 pub type Place = (String, usize);
 
-/// What is counted in one file.
+/// The comparisons found in the sources.
 #[derive(Default)]
 pub struct Found {
     /// A field other than `name`, `==` or `!=` a string literal, outside `job` and `config.rs`.
@@ -28,13 +28,13 @@ pub struct Found {
     pub wildcard_arms: Vec<Place>,
 }
 
-/// Looks through the crates in which settings are used.
+/// Searches the crates in which settings are used.
 pub fn find(sources: &[Source]) -> Found {
     let choices = choices(sources);
     let mut found = Found::default();
     for source in sources.iter().filter(|s| !TEXT_IS_INPUT.contains(&s.package.as_str())) {
         let mut look = Look { path: &source.path, choices: &choices, found: &mut found, settings: true };
-        // Where words are turned into types, while not every choice is a type from the job on.
+        // `config` turns words into types, as long as some choices of the job are still text.
         look.settings = source.module.last().is_none_or(|m| m != "config");
         if source.module.first().is_some_and(|m| m == "job") {
             continue;
@@ -142,7 +142,7 @@ impl<'ast> Visit<'ast> for Look<'_> {
                 }
             }
         }
-        // The conditions of `assert!` and the like are expressions.
+        // The arguments of `assert!` and similar macros are expressions, and are searched as such.
         if let Ok(arguments) =
             item.parse_body_with(syn::punctuated::Punctuated::<syn::Expr, syn::Token![,]>::parse_terminated)
         {
@@ -153,7 +153,7 @@ impl<'ast> Visit<'ast> for Look<'_> {
     }
 }
 
-/// An expression without references, brackets and `as_str()` or `as_ref()` around it.
+/// An expression without the references, brackets and `as_str()` or `as_ref()` around it.
 fn stripped(expr: &syn::Expr) -> &syn::Expr {
     match expr {
         syn::Expr::Reference(e) => stripped(&e.expr),
@@ -199,7 +199,8 @@ fn names_choice(pattern: &syn::Pat, choices: &[String]) -> bool {
     }
 }
 
-/// Whether an arm's body refuses: an error, `return`, `None`, `continue` or a panic, and no default.
+/// Whether an arm refuses the value: by an error, `return`, `None`, `continue` or a panic. Such an arm is
+/// no default.
 fn refuses(body: &syn::Expr) -> bool {
     match stripped(body) {
         syn::Expr::Return(_) | syn::Expr::Continue(_) => true,
