@@ -1,4 +1,4 @@
-//! Bad input: one line that says what and where, the right exit code, nothing left behind.
+//! Bad input: one line that names the fault and its place, the right exit code, and no file left over.
 
 mod support;
 
@@ -8,7 +8,8 @@ use std::process::{Command, Stdio};
 
 use support::{box_stl, folder, grainpath, json};
 
-/// Runs, and checks code, message and that no output or temporary file is there.
+/// Runs a command and checks exit code and message, and that neither an output nor a temporary file
+/// exists.
 fn fails(name: &str, args: &[&str], code: i32, says: &str) {
     let dir = folder(name);
     fs::write(dir.join("box.stl"), box_stl([10.0, 10.0, 5.0])).expect("a file");
@@ -20,11 +21,13 @@ fn fails(name: &str, args: &[&str], code: i32, says: &str) {
         .expect("a file");
     fs::write(dir.join("huge.stl"), box_stl([10.0, 10.0, 5.0]).replacen("vertex 10", "vertex 1e38", 1))
         .expect("a file");
+    // A binary STL that promises 12 facets and ends within the eighth.
     let mut binary = vec![0u8; 80];
     binary.extend(12u32.to_le_bytes());
     binary.extend(vec![1u8; 50 * 7 + 20]);
     fs::write(dir.join("cut.stl"), binary).expect("a file");
     fs::write(dir.join("bomb.3mf"), bomb()).expect("a file");
+    // Zero bytes tell voxels from text.
     for voxels in ["voxels.raw", "voxels.bin"] {
         fs::write(dir.join(voxels), [3u8, 200, 0, 71, 49, 10].repeat(64)).expect("a file");
     }
@@ -54,7 +57,7 @@ fn list(dir: &std::path::Path) -> Vec<String> {
     names
 }
 
-/// A 3MF whose model inflates to a thousand times its size.
+/// A 3MF whose model inflates to a thousand times its packed size.
 fn bomb() -> Vec<u8> {
     let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
     let options = zip::write::SimpleFileOptions::default();
@@ -166,7 +169,7 @@ fn usage_errors_exit_2() {
 #[test]
 fn ctrl_c_leaves_nothing_half_written() {
     let dir = folder("interrupt");
-    // Thousands of thin layers: seconds of work.
+    // Twelve thousand thin layers are seconds of work, so the signal comes while the program is busy.
     fs::write(dir.join("box.stl"), box_stl([200.0, 200.0, 240.0])).expect("a file");
     let mut child = Command::new(env!("CARGO_BIN_EXE_grainpath"))
         .args([
@@ -183,10 +186,12 @@ fn ctrl_c_leaves_nothing_half_written() {
         .stderr(Stdio::piped())
         .spawn()
         .expect("the program starts");
+    // Long enough for the handler to be set, and short against the whole job.
     std::thread::sleep(std::time::Duration::from_millis(400));
     let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
     assert!(killed.success());
     let status = child.wait().expect("the program ends");
+    // 128 plus the number of SIGINT.
     assert_eq!(status.code(), Some(130));
     assert_eq!(list(&dir), ["box.stl"]);
 }
@@ -194,7 +199,7 @@ fn ctrl_c_leaves_nothing_half_written() {
 #[test]
 fn strict_refuses_what_would_only_be_warned_of() {
     let dir = folder("strict");
-    // One triangle less: a hole, which is closed with a warning.
+    // A missing triangle leaves a hole, which is closed with a warning.
     let mesh = box_stl([10.0, 10.0, 5.0]);
     let (first, rest) = mesh.split_at(mesh.find("facet").expect("a facet"));
     let rest = rest.split_once("endfacet\n").expect("a facet").1;

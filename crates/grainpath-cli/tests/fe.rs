@@ -63,7 +63,7 @@ fn a_result_of_another_program_guides_fill() {
     assert_eq!(seen["ok"].as_bool(), Some(true), "{seen}");
     assert!((seen["stress"]["max_von_mises_mpa"].as_f64().expect("a stress") - 50.0).abs() < 0.01, "{seen}");
     let program = std::fs::read_to_string(dir.join("plate.gcode")).expect("G-code");
-    // Length printed within 2 degrees of the pull, over all the length of fill.
+    // Length printed within 2 degrees of the pull, over the length of all fill.
     let (mut along, mut all, mut at, mut fill) = (0.0, 0.0, (0.0f64, 0.0f64), false);
     for line in program.lines() {
         if let Some(kind) = line.strip_prefix(";TYPE:") {
@@ -82,16 +82,16 @@ fn a_result_of_another_program_guides_fill() {
         let length = (dx * dx + dy * dy).sqrt();
         if fill && length > 0.0 && word('E').is_some_and(|e| e > 0.0) {
             all += length;
-            // The sine of the angle between them.
+            // Sine of the angle between bead and pull.
             let off = (dx * 0.5 - dy * 0.75f64.sqrt()).abs() / length;
             along += if off < 0.035 { length } else { 0.0 };
         }
     }
-    // The rest joins line ends along the border.
+    // The other beads join ends of lines along the border.
     assert!(all > 1000.0 && along > 0.8 * all, "{along} of {all} mm follow the stress");
     let mean = seen["quality"]["alignment_mean_deg"].as_f64().expect("an angle");
     assert!(mean < 4.0, "the mean angle to the stress is {mean}");
-    // Left in mm and MPa, it is another part's.
+    // Read as mm and MPa, the result belongs to a part of another size.
     std::fs::write(dir.join("job.toml"), job.replace("import_length_unit = \"m\"\n", "")).expect("a job");
     let refused = grainpath(&dir, &["run", "job.toml"]);
     assert!(matches!(refused.status.code(), Some(3 | 4)), "{refused:?}");

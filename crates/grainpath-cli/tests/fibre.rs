@@ -1,4 +1,5 @@
-//! Continuous fibre: what is written is what was asked for, in every flavour; what cannot be is said in a line.
+//! Continuous fibre: the program holds what the job asks for, in each flavour; an impossible job is
+//! refused in one line.
 
 mod support;
 
@@ -61,13 +62,15 @@ fn every_flavour_feeds_anchors_and_cuts_and_is_read_back() {
         let pieces = fibre["pieces"].as_u64().expect("a count");
         assert!(pieces > 0 && fibre["cuts"] == fibre["pieces"], "{sets:?}: {fibre}");
         assert_eq!(gcode.matches(";FIBRE_CUT").count() as u64, pieces);
-        // Only the rings in the middle are too narrow to be rounded.
+        // Only the rings in the middle are too narrow for the radius; the middle of the plate is at y =
+        // 15.
         for turn in sharp_turns(fibre) {
             assert!((turn[1] - 15.0).abs() < 2.5, "{sets:?}: {turn:?}");
         }
         assert_eq!(fibre["layers"].as_array().map(Vec::len), Some(5));
         let seen = json(&grainpath(&dir, &["inspect", "out.gcode", "--json"]));
         assert_eq!(seen["fibre"]["cuts"], fibre["cuts"], "{sets:?}");
+        // Lengths and volumes agree to the rounding of coordinates and of E.
         let near =
             |a: &Value, b: &Value| assert!((number(a) / number(b) - 1.0).abs() < 2e-3, "{sets:?}: {a} {b}");
         near(&seen["fibre"]["length_mm"], &fibre["length_mm"]);
@@ -75,7 +78,7 @@ fn every_flavour_feeds_anchors_and_cuts_and_is_read_back() {
         near(&seen["printed_mm"], &report["printed_mm"]);
         let changes = gcode.lines().filter(|l| *l == "T1").count();
         assert_eq!(changes, if sets.iter().any(|s| s.contains("separate")) { 5 } else { 0 }, "{sets:?}");
-        // What is left after a cut is as long as from the cutter to the nozzle.
+        // The fibre between cutter and nozzle is laid after the cut, so the rest has that length.
         let cutter = if changes > 0 { 45.0 } else { 40.0 };
         for left in left_after_cuts(&gcode) {
             assert!((left - cutter).abs() < 0.05, "{sets:?}: {left} mm are laid after a cut");
@@ -83,7 +86,7 @@ fn every_flavour_feeds_anchors_and_cuts_and_is_read_back() {
     }
 }
 
-/// Every turn below the radius: x, y and radius, mm.
+/// Turns below the least radius: x, y and radius, mm.
 fn sharp_turns(fibre: &Value) -> Vec<Vec<f64>> {
     let layers = fibre["layers"].as_array().expect("layers").iter();
     let turns = layers.flat_map(|l| l["sharp_turns"].as_array().expect("a list"));
@@ -93,7 +96,7 @@ fn sharp_turns(fibre: &Value) -> Vec<Vec<f64>> {
     turns
 }
 
-/// Lengths printed from each cut to the next move that does not print.
+/// Length printed after each cut, up to the next move without printing.
 fn left_after_cuts(gcode: &str) -> Vec<f64> {
     let mut at = [0.0f64; 2];
     let (mut counting, mut out) = (false, Vec::new());
@@ -133,6 +136,7 @@ fn layers_boxes_and_length_leave_the_rest_to_the_matrix() {
     assert_eq!(layers, [2, 4]);
     let (half, _) = run(&dir, &["fibre.boxes_mm=[[[-1,-1,-1],[40,31,2]]]"]);
     let share = number(&half["fibre"]["length_mm"]) / number(&all["fibre"]["length_mm"]);
+    // The box covers half of the plate; the ends of cut rings shorten the fibre a little.
     assert!((0.4..0.55).contains(&share), "{share}");
     for report in [&all, &some, &half] {
         let quality = &report["quality"];
@@ -227,6 +231,8 @@ fn a_prismatic_part_prints_without_a_travel() {
         );
         assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
         let gcode = fs::read_to_string(dir.join("out/chained.gcode")).expect("G-code");
+        // The first layer begins with a travel from the start position; the layers above it must not have
+        // one.
         let after = gcode.splitn(3, ";LAYER_CHANGE").nth(2).expect("a second layer");
         let after = after.split(";TYPE:Custom").next().unwrap_or_default();
         let travels = after
@@ -234,7 +240,7 @@ fn a_prismatic_part_prints_without_a_travel() {
             .filter(|l| l.starts_with("G1") && (l.contains(" X") || l.contains(" Y")) && !l.contains(" E"))
             .count();
         assert_eq!(travels, 0, "{mesh} with {walls}");
-        // At the end, and nowhere else.
+        // One retraction ends the program; any other would stand before a travel.
         assert!(after.matches(" E-").count() <= 1, "{mesh} with {walls}: nothing is drawn back");
     }
 }

@@ -1,4 +1,5 @@
-//! Files that a command reads and writes: links, modes, pipes, devices, one name twice, leftovers of killed runs.
+//! Files that a command reads and writes: links, modes, pipes, devices, one file under two names,
+//! leftovers of killed runs.
 #![cfg(unix)]
 
 mod support;
@@ -52,6 +53,7 @@ fn pipes_and_devices_are_written_through() {
     let dir = part("files-pipes");
     let made = Command::new("mkfifo").arg(dir.join("pipe")).status().expect("mkfifo");
     assert!(made.success());
+    // Opening a pipe for writing waits for a reader.
     let reader = {
         let path = dir.join("pipe");
         std::thread::spawn(move || fs::read(path).expect("what was written"))
@@ -81,7 +83,7 @@ fn standard_input_is_a_file_named_with_a_dash() {
             .spawn()
             .expect("started");
         let bytes = fs::read(dir.join("part.stl")).expect("a mesh");
-        // A command that refuses its arguments does not read.
+        // A command that refuses its arguments does not read, and the write then fails.
         let _ = child.stdin.take().expect("a pipe").write_all(&bytes);
         child.wait_with_output().expect("ended")
     };
@@ -145,7 +147,7 @@ fn an_output_replaces_neither_an_input_nor_another_output() {
 #[test]
 fn leftovers_of_killed_runs_go_with_the_next() {
     let dir = part("files-leftovers");
-    // No process has the largest number a system gives.
+    // The number is above the largest that Linux gives to a process (2^22), so no process has it.
     let dead = dir.join(".grainpath-4194999-abc");
     let living = dir.join(format!(".grainpath-{}-abc", std::process::id()));
     for path in [&dead, &living] {

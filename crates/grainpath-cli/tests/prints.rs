@@ -1,4 +1,4 @@
-//! What comes out: the same bytes however it is run, and what the outside check measures.
+//! Programs as written: the same bytes on each run, and the measures of the outside check.
 
 mod support;
 
@@ -33,7 +33,7 @@ fn real_meshes_give_the_same_bytes_for_any_number_of_threads() {
     same_bytes(&folder("determinism of real meshes"), &real.map(|f| data(&format!("meshes/{f}"))));
 }
 
-/// Slices each model with 1, 2, 8 and 3 threads, and with 2 once more.
+/// Slices each model with 1, 2, 8 and 3 threads, and once more with 2.
 fn same_bytes(dir: &Path, models: &[PathBuf]) {
     for model in models {
         let model = model.display().to_string();
@@ -153,12 +153,12 @@ fn every_real_mesh_slices_or_says_why_not() {
     files.sort();
     for file in files.into_iter().filter(|f| f.is_file()) {
         let name = file.file_name().expect("a name").to_string_lossy().into_owned();
-        // The largest takes its time and is the bench's.
+        // The largest mesh takes minutes; the bench slices it.
         if name.starts_with("skull") {
             continue;
         }
         let path = file.display().to_string();
-        // Smaller than a layer as it is.
+        // This part is smaller than a layer at its own size.
         let scale = if name.starts_with("multibody") { "shape.scale=20" } else { "shape.scale=1" };
         let out = grainpath(
             &dir,
@@ -188,7 +188,7 @@ fn every_real_mesh_slices_or_says_why_not() {
     }
 }
 
-/// What `gcode_check.py` says.
+/// The measurements of `gcode_check.py`.
 fn outside(gcode: &Path, mesh: &Path) -> Value {
     let script = check("gcode_check.py");
     let out = python(|python| {
@@ -201,7 +201,7 @@ fn outside(gcode: &Path, mesh: &Path) -> Value {
 #[ignore = "needs GRAINPATH_DATA, GRAINPATH_CHECK and python"]
 fn gaps_spill_and_overlap_are_small_and_as_the_outside_check_measures() {
     let dir = folder("quality");
-    // Part, and the most allowed of gap, spill and overlap.
+    // Part, and the limits on gap, spill and overlap.
     for (file, limits) in [
         ("plate_holes.stl", [0.0005, 0.0005, 0.0014]),
         ("hinge_ascii.stl", [0.0040, 0.0018, 0.0116]),
@@ -275,9 +275,9 @@ fn a_drawing_is_printed_along_its_load() {
     };
     let expect = 40.0 * 16.0 - (4.0 - std::f64::consts::PI) * 4.0 - std::f64::consts::PI * 9.0;
     assert!((area("plate.svg") - expect).abs() < 0.05, "{}", area("plate.svg"));
-    // All three sections lie on each other in the drawing of the layers.
+    // The drawing of the layers holds three equal sections, one upon the other.
     assert!((area("layers.svg") - expect).abs() < 0.4, "{}", area("layers.svg"));
-    // The same plate as DXF, its sides drawn one by one, in inches.
+    // The same plate as DXF, its sides drawn separately, in inches.
     let inch = |mm: f64| mm / 25.4;
     let line = |a: [f64; 2], b: [f64; 2]| {
         let [x, y, u, v] = [a[0], a[1], b[0], b[1]].map(inch);
@@ -300,7 +300,7 @@ fn a_drawing_is_printed_along_its_load() {
     assert!((area("plate.dxf") - expect).abs() < 0.05, "{}", area("plate.dxf"));
     let report = json(&grainpath(&dir, &["slice", "plate.dxf", "--set", "shape.thickness_mm=0.4", "--json"]));
     assert_eq!(report["layers"], 2);
-    // Twice as large in the plane, as thick as asked for.
+    // Twice as large in the plane; the thickness is that of the job.
     let args = ["slice", "plate.svg", "--set", "shape.thickness_mm=0.4", "--set", "shape.scale=2", "--json"];
     let report = json(&grainpath(&dir, &args));
     assert_eq!(report["layers"], 2);

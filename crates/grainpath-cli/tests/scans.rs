@@ -1,4 +1,4 @@
-//! CT scans: the hub phantom's true sizes, real scans, exports, bad input.
+//! CT scans: true sizes of the hub phantom, real scans, exports, bad input.
 
 mod support;
 
@@ -34,7 +34,7 @@ fn the_hub_is_printed_in_its_true_sizes() {
     assert!(mean < 0.25, "{found}");
     assert!(found["each"].as_array().is_some_and(|e| e.iter().all(|d| d["printed_mm"].is_f64())), "{found}");
     assert_eq!((iso["layers"].as_u64(), iso["scan"]["interpolation"].as_str()), (Some(160), Some("grey")));
-    // A picture of the part, and what it was scanned as.
+    // A picture of the part, and pictures of the scan.
     assert!(dir.join("hub/out/preview/part.png").is_file());
     let seen = json(&grainpath(&dir, &["inspect", "hub/hub.tif", "--sheet", "sheet.png", "--json"]));
     assert_eq!(seen["voxels"], serde_json::json!([256, 256, 100]));
@@ -45,7 +45,7 @@ fn the_hub_is_printed_in_its_true_sizes() {
         json(&grainpath(&dir, &["inspect", "hub/out/hub.gcode", "--truth", "hub/truth.toml", "--json"]));
     let again = again["dimensions"]["mean_error_percent"].as_f64().expect("a mean");
     assert!((again - mean).abs() < 0.02, "{again} {mean}");
-    // As published, by Canny's edges and feature points.
+    // The published method: Canny's edges and feature points.
     let paper = ["--set", "shape.ct.contours=canny", "--set", "output.report=", "--set", "output.preview="];
     let paper =
         json(&grainpath(&dir, &[&["run", "hub/job.toml", "--json", "--out", "paper"], &paper[..]].concat()));
@@ -123,7 +123,7 @@ fn real_scans_run_and_give_the_same_bytes_for_any_number_of_threads() {
             run(&dir, name, &["--threads", "1"]);
             assert!(fs::read(dir.join(format!("{name}.gcode"))).expect("G-code") == two, "{name}");
         }
-        // As published, two metals or one: the same part.
+        // The published method gives the same part, whether of one metal or of two.
         if ["nut", "engine"].contains(&name) {
             let paper = run(&dir, name, &["--set", "shape.ct.contours=canny"]);
             let mass = |report: &Value| report["mass_g"].as_f64().expect("a mass");

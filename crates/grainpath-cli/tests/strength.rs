@@ -39,7 +39,7 @@ fn bar(dir: &Path) {
         .expect("written");
 }
 
-/// A program with E in mm3.
+/// A program with E in mm3 of filament, as volumetric extrusion has it.
 fn in_mm3(gcode: &Path) -> String {
     let text = fs::read_to_string(gcode).expect("G-code");
     let word = |w: &str| match w.strip_prefix('E').and_then(|e| e.parse::<f64>().ok()) {
@@ -62,7 +62,7 @@ fn a_bar_breaks_where_its_card_says_and_slower_across() {
     let along = json(&out);
     assert!(out.status.success(), "{along}");
     let s = &along["strength"];
-    // A plain bar: strength times section, less what the round border leaves out.
+    // A plain bar carries strength times section, less the corners that round bead ends leave open.
     let (peak, want) = (number(s, "peak_load_n"), 52.0 * 8.0);
     assert!((peak / want - 1.0).abs() < 0.06, "{peak} {want}");
     assert!(number(s, "low_n") < peak && peak < number(s, "high_n"));
@@ -77,12 +77,13 @@ fn a_bar_breaks_where_its_card_says_and_slower_across() {
     assert_eq!(number(&rows[0], "ratio"), 1.0);
     let (low, ratio, high) =
         (number(&rows[1], "ratio_low"), number(&rows[1], "ratio"), number(&rows[1], "ratio_high"));
-    // One wall runs along the bar, so that the ratio is above that of the card, 37 to 52.
+    // One wall runs along the bar, so the ratio is above that of the card, 37 to 52.
     assert!(ratio > 0.6 && ratio < 0.95 && low <= ratio && ratio <= high, "{low} {ratio} {high}");
 }
 
-/// Bars of one raster without walls, as those of NIST's AMB2018-03 that are cut from sheets: none carries as much as
-/// beads along the load. Its numbers are not at hand; off the axis Tsai and Hill's curve of the card is followed.
+/// Bars of one raster without walls, like the bars that NIST's AMB2018-03 cuts from sheets: none carries
+/// as much as beads along the load. The numbers of NIST are not at hand, so off the axis the bars are
+/// compared with Tsai and Hill's curve of the card.
 #[test]
 fn bars_of_one_raster_are_weaker_off_their_axis() {
     let dir = folder("strength raster");
@@ -101,6 +102,7 @@ fn bars_of_one_raster_are_weaker_off_their_axis() {
     let table = json(&grainpath(&dir, &args));
     let peaks: Vec<f64> = (0..3).map(|k| number(&table["rows"][k], "peak_load_n")).collect();
     let (x, y, s12) = (52.0f64, 37.0, 18.0);
+    // Tsai and Hill at 45 degrees, where the squares of sine and cosine are a half.
     let at_45 = (0.25 / (x * x) + 0.25 * (1.0 / (s12 * s12) - 1.0 / (x * x)) + 0.25 / (y * y)).sqrt().recip();
     for (peak, want) in peaks.iter().zip([x, at_45, y]) {
         assert!((peak / (8.0 * want) - 1.0).abs() < 0.05, "{peaks:?} N, {want} MPa");
@@ -117,7 +119,7 @@ fn g_code_is_tested_as_its_job_is_and_runs_can_test_themselves() {
         ["run", "along.toml", "--json", "--set", "strength.enabled=true", "--set", "output.report=bar.html"];
     let run = json(&grainpath(&dir, &args(&run)));
     let own = number(&run["strength"], "peak_load_n");
-    // The page tells the memory that the test took, as the terminal does.
+    // The page gives the memory with the test, as the terminal does.
     let page = fs::read_to_string(dir.join("bar.html")).expect("a report");
     let (_, told) = page.split_once("peak memory</th><td>").expect("memory");
     let told: f64 = told.split_once(" MiB").and_then(|t| t.0.parse().ok()).expect("a number");
@@ -135,7 +137,7 @@ fn g_code_is_tested_as_its_job_is_and_runs_can_test_themselves() {
         of(&["bar.gcode", "--threads", "2"]).to_bits(),
         "the same for any number of threads"
     );
-    // E in mm3, as the program says.
+    // E in mm3, as `M200` announces.
     fs::write(dir.join("mm3.gcode"), format!("M200 D1.75\n{}", in_mm3(&dir.join("bar.gcode"))))
         .expect("written");
     let volumes = of(&["mm3.gcode"]);
@@ -146,7 +148,7 @@ fn g_code_is_tested_as_its_job_is_and_runs_can_test_themselves() {
 fn solids_break_between_their_layers_and_plates_as_solids_as_plates_do() {
     let dir = folder("strength solid");
     bar(&dir);
-    // A post pulled along z: layers part, at the strength of the card from layer to layer.
+    // A post pulled along z: the layers part at the card's strength between layers.
     fs::write(dir.join("post.stl"), box_stl([6.0, 6.0, 20.0])).expect("written");
     let post = JOB
         .replace("bar.stl", "post.stl")
@@ -167,12 +169,12 @@ fn solids_break_between_their_layers_and_plates_as_solids_as_plates_do() {
     let z = number(&up["weakest"], "z_mm");
     assert!(z > 4.0 && z < 16.0, "{up}");
     assert!(dir.join("pictures").join("damage.png").is_file());
-    // The plate as a solid: the same answer within what cells of the border leave.
+    // The plate as a solid: the same load, within the effect of the cells on the border.
     let plane = number(&test(&["strength", "along.toml"]), "peak_load_n");
     let solid = test(&["strength", "along.toml", "--set", "strength.fidelity=\"voxels\""]);
     assert!((number(&solid, "peak_load_n") / plane - 1.0).abs() < 0.05, "{plane} {solid}");
     assert_eq!(solid["mode"], "along the beads");
-    // Lifted onto supports it is the same part.
+    // On supports it is the same part, 3 mm higher.
     let lift = ["--set", "support.style=tree", "--set", "support.lift_mm=3", "--set"];
     let raised = JOB
         .replace("0, 0, 0], [6, 8, 1]", "0, 0, 3], [6, 8, 4]")
@@ -197,7 +199,7 @@ fn what_cannot_be_tested_is_said_in_a_line() {
     assert!(grainpath(&dir, &["run", "along.toml", "--set", "output.gcode=bar.gcode"]).status.success());
     fs::write(dir.join("empty.gcode"), "G28\nG1 X10 Y10 F3000\nM84\n").expect("written");
     fs::write(dir.join("mm3.gcode"), in_mm3(&dir.join("bar.gcode"))).expect("written");
-    // A plus as wide and as high as the bar.
+    // A plus with the extents of the bar: sizes alone must not pass it.
     fs::write(
         dir.join("plus.toml"),
         JOB.replace("mesh = \"bar.stl\"", "outline = \"plus.svg\"\nthickness_mm = 1"),
@@ -225,7 +227,7 @@ fn what_cannot_be_tested_is_said_in_a_line() {
         (&["strength", "bar.gcode", "--job", "plus.toml"], 3, "lies outside the job's part"),
         (&["strength", "half.gcode", "--job", "along.toml"], 3, "x 8.0 x 0.6 mm, the job's part is 40.0"),
         (&["strength", "empty.gcode", "--job", "along.toml"], 3, "nothing of a part is printed"),
-        // E of a thicker filament, or in mm3 without a word about it.
+        // E for a thicker filament, or E in mm3 without `M200`.
         (
             &["strength", "bar.gcode", "--job", "along.toml", "--set", "printer.filament_mm=2.85"],
             3,
@@ -279,7 +281,7 @@ fn a_bar_on_two_rollers_is_as_stiff_as_a_beam_that_turns_freely_there() {
     let out = grainpath(&dir, &["strength", "beam.toml", "--json"]);
     let all = json(&out);
     assert!(out.status.success(), "{all}");
-    // Bending and shear of a beam of 80 x 5 x 1 mm; were its ends kept from turning it would be four times as stiff.
+    // Bending and shear of a beam of 80 x 5 x 1 mm. Clamped ends would make it four times as stiff.
     let (e, g) = (2669.0, 919.0);
     let bends = 80.0f64.powi(3) / (48.0 * e * 125.0 / 12.0);
     let want = 1.0 / (bends + 1.2 * 80.0 / (4.0 * g * 5.0));

@@ -4,7 +4,7 @@ mod support;
 
 use support::{box_stl, folder, grainpath, json};
 
-/// A leg with a top that overhangs it.
+/// A leg with a top that projects beyond it.
 fn write_table(at: &std::path::Path) {
     let out = grainpath(at, &["specimen", "dental-tray", "-o", "tray.stl"]);
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));

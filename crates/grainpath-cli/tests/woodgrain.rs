@@ -1,4 +1,4 @@
-//! Photographs to printed grain, as a user would.
+//! Photographs to printed grain, as a user would do it.
 
 mod support;
 
@@ -7,7 +7,7 @@ use std::path::Path;
 
 use support::{folder, grainpath, json};
 
-/// The example in a folder of its own, thin so that it is quick.
+/// The example in a folder for the test, thin and therefore quick.
 const THIN: [&str; 4] = ["--set", "shape.photo.thickness_mm=0.8", "--set", "fill.mass_g=1.57"];
 
 #[test]

@@ -1,4 +1,5 @@
-//! What loads come to on a mesh, and reactions against them, for a bar however it is turned, mirrored and scaled.
+//! Resultants of loads on a mesh, and reactions against them, for a bar in any position, mirrored and
+//! scaled.
 
 mod support;
 
@@ -22,7 +23,7 @@ fn block() -> TriMesh {
     TriMesh { vertices: (0..8).map(corner).collect(), triangles }
 }
 
-/// Maps of space, and whether each turns the surface inside out.
+/// Maps of space, and whether each reverses the orientation of the surface.
 fn maps() -> Vec<(&'static str, DMat3, bool)> {
     let (s, c) = sin_cos(37f64.to_radians());
     let about_z = DMat3::from_cols(DVec3::new(c, s, 0.0), DVec3::new(-s, c, 0.0), DVec3::Z);

@@ -1,4 +1,5 @@
-//! Surfaces as converters leave them: each is a sound bar with one kind of dirt, and bends as the sound bar does.
+//! Surfaces as converters leave them: each is a sound bar with one kind of defect, and must bend as the
+//! sound bar does.
 
 mod support;
 
@@ -9,7 +10,7 @@ use grainpath_fea::solid::{
 };
 use support::isotropic;
 
-/// 30 x 12 x 6 mm, 2160 mm3, each side cut into squares of 3 mm.
+/// A bar of 30 x 12 x 6 mm, 2160 mm3, each side divided into squares of 3 mm.
 const SIZE: DVec3 = DVec3::new(30.0, 12.0, 6.0);
 const VOLUME_MM3: f64 = 2160.0;
 const ELEMENT_MM: f64 = 3.0;
@@ -18,7 +19,7 @@ fn triangles_of(surface: &TriMesh) -> Vec<[DVec3; 3]> {
     surface.triangles.iter().map(|t| t.map(|v| surface.vertices[v as usize])).collect()
 }
 
-/// Triangles with equal corners merged, as a file is read.
+/// The surface of these triangles, with equal corners merged as a reader does.
 fn welded(triangles: &[[DVec3; 3]]) -> TriMesh {
     let mut welder = VertexWelder::with_capacity(triangles.len());
     let index = |p: DVec3, welder: &mut VertexWelder| welder.index(p).expect("finite");
@@ -54,7 +55,7 @@ fn bar() -> Vec<[DVec3; 3]> {
     block(DVec3::ZERO, SIZE, [10, 4, 2])
 }
 
-/// A number in 0..1 that looks random, the same on every run.
+/// A pseudo-random number in 0..1, the same on each run.
 fn noise(k: u32) -> f64 {
     (f64::from(k) * 0.618_033_988_749_895 + 0.37).fract()
 }
@@ -63,7 +64,7 @@ fn noise_point(k: u32) -> DVec3 {
     DVec3::new(noise(3 * k), noise(3 * k + 1), noise(3 * k + 2))
 }
 
-/// The kinds of dirt, each with the least number of shells that should be taken out.
+/// The kinds of defects, each with the least number of shells that should be removed.
 fn dirty() -> Vec<(&'static str, TriMesh, usize)> {
     let with = |more: Vec<[DVec3; 3]>| welded(&[bar(), more].concat());
     let flipped = |t: &[DVec3; 3]| [t[0], t[2], t[1]];
@@ -190,7 +191,7 @@ fn a_refusal_names_a_size_that_is_accepted() {
         let again = MeshSettings { size_mm: Some(fitting_mm), ..MeshSettings::default() };
         let found = mesh(&surface, &again).expect("the size that the refusal names");
         assert!((found.volume_mm3 / 1200.0 - 1.0).abs() < 0.02, "{}", found.volume_mm3);
-        // Under a limit that no size meets the refusal says so.
+        // The refusal names a limit that no size can meet.
         let refused = mesh(&surface, &coarse(0.5)).expect_err("walls of half a millimetre");
         assert!(matches!(refused, SolidError::ThinWalls { fitting_mm: None, .. }), "{refused}");
     }

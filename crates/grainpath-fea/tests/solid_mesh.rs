@@ -1,4 +1,4 @@
-//! Meshing of real and made parts.
+//! Meshing of parts made by the tests.
 
 mod support;
 
@@ -16,7 +16,7 @@ fn boxed(size: DVec3, turn: f64) -> TriMesh {
     boxed_at(DVec3::ZERO, size, turn)
 }
 
-/// About z and then about x.
+/// A rotation about z and then about x.
 fn turned(p: DVec3, turn: f64) -> DVec3 {
     let (s, c) = grainpath_core::math::sin_cos(turn);
     let p = DVec3::new(c * p.x - s * p.y, s * p.x + c * p.y, p.z);
@@ -51,7 +51,8 @@ fn a_box_however_turned_keeps_its_edges() {
             );
             assert_eq!((found.pieces.len(), found.n_crumbs), (1, 0));
             sound(&found.mesh);
-            // A corner of the mesh stands in each corner of the box, and each side is labelled as its two facets.
+            // A node of the mesh stands on each corner of the box, and each side is labelled with its two
+            // facets.
             for corner in &surface.vertices {
                 let near = found.mesh.nodes.iter().map(|p| p.distance(*corner)).fold(f64::INFINITY, f64::min);
                 assert!(near < 1e-9, "{near}");
@@ -75,7 +76,7 @@ fn thin_walls_and_slots_get_finer_elements() {
     let size = DVec3::new(30.0, 20.0, 12.0);
     let hollow = DVec3::new(8.0, 6.0, 6.0);
     for turn in [0.0, 0.3, 0.7] {
-        // A wall of 0.6 mm, and a slot of 0.6 mm within the solid rest, under elements of 2.5 mm.
+        // A wall of 0.6 mm, and a slot of 0.6 mm in the solid rest, with elements of 2.5 mm.
         let mut rooms = joined(&[
             boxed_at(DVec3::new(3.0, 13.4, 3.0), hollow, turn),
             boxed_at(DVec3::new(18.0, 4.0, 3.0), DVec3::new(8.0, 0.6, 6.0), turn),
@@ -102,6 +103,8 @@ fn thin_walls_and_slots_get_finer_elements() {
         }
         println!("{wrong} of 80 places in the middle of the wall and the slot on the wrong side");
         assert!(wrong <= 2, "{wrong}");
+        // Elements of one size, fine enough for the wall, would need four times as many unknowns at
+        // least.
         let even = expected_dofs(volume, 2.0 * (600.0 + 240.0 + 360.0), 0.6 * 1.41);
         assert!((found.mesh.n_dofs() as f64) < even / 4.0, "{even}");
     }
@@ -121,7 +124,7 @@ fn tell(what: &str, found: &Meshed, off: f64) {
     );
 }
 
-/// What holds for any mesh: faces fit together, the boundary is closed and encloses the elements' volume.
+/// Invariants of any mesh: faces fit together; the boundary is closed and encloses the elements' volume.
 fn sound(mesh: &TetMesh) {
     let mut faces: Vec<([u32; 3], bool)> = Vec::new();
     for t in &mesh.tets {
@@ -136,6 +139,7 @@ fn sound(mesh: &TetMesh) {
     faces.sort_unstable();
     let mut alone = 0;
     for same in faces.chunk_by(|a, b| a.0 == b.0) {
+        // Two elements see their common face from opposite sides.
         assert!(same.len() < 3 && (same.len() == 1 || same[0].1 != same[1].1), "{same:?}");
         alone += usize::from(same.len() == 1);
     }
@@ -150,7 +154,7 @@ fn sound(mesh: &TetMesh) {
         let count = |s: (u32, u32)| sides.partition_point(|&t| t <= s) - sides.partition_point(|&t| t < s);
         assert_eq!(count((a, b)), count((b, a)));
     }
-    // Divergence theorem over the curved faces.
+    // The divergence theorem over the curved faces gives the volume from the boundary alone.
     let all: Vec<usize> = (0..mesh.faces.len()).collect();
     let mut push = vec![DVec3::ZERO; mesh.nodes.len()];
     nodal_forces::add_traction(&mut push, mesh, &all, |p, normal| DVec3::X * p.dot(normal) / 3.0);
@@ -158,7 +162,7 @@ fn sound(mesh: &TetMesh) {
     assert!((enclosed / mesh.volume_mm3() - 1.0).abs() < 1e-6, "{enclosed}");
 }
 
-/// A ball from an octahedron divided so many times.
+/// A ball from an octahedron whose faces are divided `levels` times.
 fn ball(radius: f64, levels: usize, middle: DVec3) -> TriMesh {
     let corners = [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
     let mut faces: Vec<[DVec3; 3]> = Vec::new();
@@ -198,6 +202,7 @@ fn a_ball_is_curved_and_pieces_are_told_apart() {
     let found = mesh(&surface, &settings).expect("a ball");
     let off = found.volume_mm3 / found.surface_mm3 - 1.0;
     println!("ball: volume {:+.4} %, {:?}", 100.0 * off, found.quality);
+    // Straight elements of this size would lose about a per cent of the volume.
     assert!(off.abs() < 5e-4, "{off}");
     sound(&found.mesh);
     let mean: f64 = found
@@ -227,7 +232,7 @@ fn a_ball_is_curved_and_pieces_are_told_apart() {
     let text = error.to_string();
     assert!(text.contains("of 2 (around (18.0, ") && text.contains("move along x"), "{text}");
 
-    // Overlapping bodies are one.
+    // Overlapping bodies form one piece.
     let merged = joined(&[ball(10.0, 4, DVec3::ZERO), ball(6.0, 4, DVec3::new(10.0, 0.0, 0.0))]);
     let found = mesh(&merged, &settings).expect("a snowman");
     assert_eq!(found.pieces.len(), 1);
@@ -246,7 +251,7 @@ fn a_hollow_ball_under_pressure_from_surface_to_stress() {
     sound(&found.mesh);
     let mesh = &found.mesh;
     let model = Model::uniform(mesh, isotropic(1000.0, 0.3));
-    // Six supports that take no force.
+    // Six supports remove rigid motion and carry no force.
     let mut supports = Supports::new(mesh.nodes.len());
     let nearest = |p: DVec3| {
         let by = |i: &u32| mesh.nodes[*i as usize].distance(p);
@@ -277,10 +282,12 @@ fn a_hollow_ball_under_pressure_from_surface_to_stress() {
         "hollow ball: {} unknowns, hoop {hoop:.3} (7.143), radial {radial:.3} (-10), displacement {moved:.5} (0.04)",
         info.n_free
     );
+    // Source: Lamé's hollow sphere, radii 5 and 10 mm under 10 MPa: hoop p (a^3 (b^3 + 2 r^3)) / (2 r^3
+    // (b^3 - a^3)) at r = a.
     assert!((hoop / 7.143 - 1.0).abs() < 0.01 && (radial / -10.0 - 1.0).abs() < 0.04);
     assert!((moved / 0.04 - 1.0).abs() < 0.005);
 
-    // Values between nodes: a linear field comes back as it is, and far outside there is none.
+    // Between nodes a linear field is reproduced; far outside there is no value.
     let field: Vec<[f64; 6]> =
         mesh.nodes.iter().map(|p| [p.x, p.y, p.z, 1.0, p.x - p.y, 2.0 * p.z]).collect();
     let sampler = Sampler::new(mesh).expect("elements");
@@ -289,7 +296,7 @@ fn a_hollow_ball_under_pressure_from_surface_to_stress() {
         let z = f64::from(i) / 250.0 - 1.0;
         let p = DVec3::new(c * (1.0 - z * z).sqrt(), s * (1.0 - z * z).sqrt(), z) * (6.0 + f64::from(i % 4));
         let v = sampler.value(&field, p).expect("within the ball");
-        // In curved elements at the surface a place is known to a few hundredths.
+        // In curved elements at the surface the natural coordinates are known to a few hundredths.
         assert!((v[0] - p.x).abs() < 0.15 && (v[4] - p.x + p.y).abs() < 0.3, "{p} {v:?}");
         assert!((v[3] - 1.0).abs() < 1e-12);
     }
@@ -328,7 +335,7 @@ fn what_cannot_be_meshed_is_told() {
 
 #[test]
 fn any_surface_is_survived() {
-    // Boxes with facets taken out, turned over or doubled still mesh or are refused, and never panic.
+    // Boxes with facets removed, reversed or doubled are meshed or refused; none may panic.
     let whole = boxed(DVec3::new(10.0, 8.0, 6.0), 0.4);
     for i in 0..12 {
         let mut open = whole.clone();

@@ -1,4 +1,5 @@
-//! Three-dimensional elasticity against closed forms and published benchmarks. `docs/verification.md` has the numbers.
+//! Three-dimensional elasticity compared with closed forms and published benchmarks;
+//! `docs/verification.md` has the numbers.
 
 mod support;
 
@@ -15,6 +16,7 @@ use grainpath_fea::solid::{
 };
 use support::{Brick, isotropic, rotated};
 
+// Errors of the discretisation are to be seen, so the solver's own must be far below them.
 fn tight() -> SolveSettings {
     SolveSettings { tolerance: 1e-12, ..SolveSettings::default() }
 }
@@ -30,7 +32,7 @@ fn nearest(mesh: &TetMesh, p: DVec3) -> usize {
     nodes.min_by(|a, b| a.1.distance(p).total_cmp(&b.1.distance(p))).expect("nodes").0
 }
 
-/// MacNeal and Harder's cube with inner nodes, filled with tetrahedra between its hexahedra's corners.
+/// MacNeal and Harder's cube with inner nodes, whose hexahedra are divided into tetrahedra.
 fn patch_mesh() -> TetMesh {
     let inner = [
         [0.249, 0.342, 0.192],
@@ -56,7 +58,8 @@ fn patch_mesh() -> TetMesh {
     let faces = [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
     let mut hexes = vec![[0, 1, 2, 3, 4, 5, 6, 7]];
     hexes.extend(faces.map(|f| [f[0], f[1], f[2], f[3], f[0] + 8, f[1] + 8, f[2] + 8, f[3] + 8]));
-    // Each hexahedron around its lowest corner: the faces away from it, split from their lowest corner.
+    // Each hexahedron is divided from its lowest corner: the faces without that corner, each divided from
+    // its own lowest corner. Neighbours then divide their common face alike.
     let mut tets = Vec::new();
     for hex in hexes {
         let lowest = *hex.iter().min().expect("eight");
@@ -109,6 +112,7 @@ fn patch_test() {
             "patch test, {name}: displacement {off:.1e}, stress {stress_off:.1e}, estimate {:.1e}",
             found.relative_error
         );
+        // A linear field is in the element's space, so only rounding remains.
         assert!(off < 1e-9 && stress_off < 1e-9 && found.relative_error < 1e-9);
         if name == "isotropic" {
             assert!((want[0] - 2000.0).abs() < 1e-9 && (want[3] - 400.0).abs() < 1e-9);
@@ -116,7 +120,7 @@ fn patch_test() {
     }
 }
 
-/// LE10 and its like: the quarter of an elliptic plate.
+/// The quarter of an elliptic plate of LE10.
 fn ellipse_quarter(n: [usize; 3], thickness: f64) -> (Brick, TetMesh) {
     let brick = Brick::new(n, move |q| {
         let (s, c) = math::sin_cos(q.y * std::f64::consts::FRAC_PI_2);
@@ -160,12 +164,13 @@ fn nafems_le10_thick_plate() {
         last = found.stress_mpa[nearest(&mesh, DVec3::new(2.0, 0.0, 0.3))][1];
         println!("LE10 {n:?}: {last:.3} MPa (-5.38), estimate {:.4}", found.relative_error);
     }
+    // Source: NAFEMS LE10, target -5.38 MPa.
     assert!((last / -5.38 - 1.0).abs() < 0.01, "{last}");
 }
 
-/// Meridian of LE11 from bottom to top: the inner and the outer point.
+/// A meridian of LE11 from bottom to top: inner point (r, z) and outer point (r, z).
 fn le11_meridian(v: f64) -> (f64, f64, f64, f64) {
-    // Three stretches of the contour: sphere, taper, cylinder.
+    // The contour has three parts: sphere, taper, cylinder.
     let r = std::f64::consts::FRAC_1_SQRT_2;
     if v <= 1.0 {
         let (s, c) = math::sin_cos(v * std::f64::consts::FRAC_PI_4);
@@ -185,7 +190,7 @@ fn le11_meridian(v: f64) -> (f64, f64, f64, f64) {
 fn nafems_le11_thermal() {
     let mut last = 0.0;
     for m in [2, 4, 6] {
-        // A quarter around the axis.
+        // A quarter of the turn about the axis.
         let brick = Brick::new([m, 7 * m / 2, 2 * m], move |q| {
             let (ri, zi, ro, zo) = le11_meridian(3.0 * q.y);
             let (r, z) = (ri + (ro - ri) * q.x, zi + (zo - zi) * q.x);
@@ -205,6 +210,7 @@ fn nafems_le11_thermal() {
             }
         }
         let strain = |p: DVec3| {
+            // Source: NAFEMS LE11: temperature is r + z, the coefficient of expansion 2.3e-4.
             let e = 2.3e-4 * ((p.x * p.x + p.y * p.y).sqrt() + p.z);
             [e, e, e, 0.0, 0.0, 0.0]
         };
@@ -216,11 +222,13 @@ fn nafems_le11_thermal() {
         last = 0.5 * (a[0] + a[1]);
         println!("LE11 m = {m}: {last:.2} MPa (-105), both ends {a:?}, estimate {:.4}", found.relative_error);
     }
+    // Source: NAFEMS LE11, target -105 MPa.
     assert!((last / -105.0 - 1.0).abs() < 0.01, "{last}");
 }
 
 struct Lame {
-    /// Error of the displacement in the mean over the nodes, and of the stress in the energy norm, both relative.
+    /// Relative errors: of the displacement as a mean over the nodes, and of the stress in the energy
+    /// norm.
     displacement: f64,
     energy_norm: f64,
     hoop_mpa: f64,
@@ -228,7 +236,7 @@ struct Lame {
     found: Recovered,
 }
 
-/// A thick cylinder under inner pressure, in plane strain; a quarter of it, sides held along their normals.
+/// A quarter of a thick cylinder under inner pressure in plane strain; each cut is held along its normal.
 fn lame_cylinder(n: usize) -> Lame {
     let (a, b, p) = (10.0, 20.0, 10.0);
     let brick = Brick::new([n, 2 * n, 1], move |q| {
@@ -260,7 +268,7 @@ fn lame_cylinder(n: usize) -> Lame {
     nodal_forces::add_pressure(&mut load, &mesh, &inside, p);
     let solution = solved(&model, &supports, load.clone());
     let found = recover(&model, &solution.displacement, None).expect("positive");
-    // Error of the displacement in the mean over the nodes, against u = A r + B / r of plane strain.
+    // Error of the displacement as a mean over the nodes. Source: Lamé, u = A r + B / r for plane strain.
     let (e, nu) = (1000.0, 0.3);
     let k = p * a * a / (b * b - a * a);
     let exact = |r: f64| (1.0 + nu) / e * k * ((1.0 - 2.0 * nu) * r + b * b / r);
@@ -279,6 +287,8 @@ fn lame_cylinder(n: usize) -> Lame {
     let at = nearest(&mesh, DVec3::new(a, 0.0, 0.0));
     Lame {
         displacement: (squares / mesh.nodes.len() as f64).sqrt() / exact(a),
+        // Galerkin's solution does less work than the exact one, and the difference is the square of the
+        // error in the energy norm.
         energy_norm: (work / exact_work - 1.0).abs().sqrt(),
         hoop_mpa: found.stress_mpa[at][1],
         radial_mpa: found.stress_mpa[at][0],
@@ -301,8 +311,9 @@ fn lame_cylinder_and_orders_of_convergence() {
     assert!(
         (runs[2].hoop_mpa / 16.667 - 1.0).abs() < 0.01 && (runs[2].radial_mpa / -10.0 - 1.0).abs() < 0.01
     );
+    // Orders of quadratic elements: 3 for displacements, 2 for the energy norm.
     assert!((u - 3.0).abs() < 0.3 && (energy - 2.0).abs() < 0.3, "{u} {energy}");
-    // The estimate tells the size of the error.
+    // The estimate has the size of the error.
     assert!((0.5..2.0).contains(&(runs[2].found.relative_error / runs[2].energy_norm)));
 }
 
@@ -310,6 +321,7 @@ fn lame_cylinder_and_orders_of_convergence() {
 fn cantilever_bends_as_timoshenko_says() {
     let (l, w, h) = (100.0, 8.0, 10.0);
     let mesh = Brick::new([40, 3, 4], move |q| q * DVec3::new(l, w, h)).mesh();
+    // Without lateral strain the clamped end does not stiffen the beam, so beam theory applies.
     let (e, nu) = (2000.0, 0.0);
     let model = Model::uniform(&mesh, isotropic(e, nu));
     let mut supports = Supports::new(mesh.nodes.len());
@@ -334,12 +346,12 @@ fn cantilever_bends_as_timoshenko_says() {
     assert!((reaction - DVec3::new(0.0, 0.0, 10.0)).length() < 1e-6, "{reaction}");
 }
 
-/// Nodes, elements, sets of nodes and concentrated forces of a CalculiX deck of ten-node tetrahedra.
+/// A CalculiX deck of ten-node tetrahedra: mesh, sets of nodes, concentrated forces, and pressures.
 struct Deck {
     mesh: TetMesh,
     sets: BTreeMap<String, Vec<u32>>,
     forces: Vec<DVec3>,
-    /// Pressures on faces of elements: (element, face from 1, MPa).
+    /// Pressures on faces of elements: element, face from 1, MPa.
     pressures: Vec<(u32, usize, f64)>,
 }
 
@@ -400,8 +412,9 @@ fn calculix_bracket() {
     let most = solution.displacement.iter().map(|u| u.length()).fold(0.0, f64::max);
     let peak = found.stress_mpa.iter().map(grainpath_core::tensor::von_mises).fold(0.0, f64::max);
     println!("bracket: {most:.6} mm (CalculiX 0.028610), peak {peak:.2} MPa (43.6 averaged)");
-    // The same elements give the same displacement. Its peak is in a sharp inner corner of two or three elements, where
-    // the stress has no limit: what is recovered there and what is averaged need not agree closely.
+    // The same elements give the same displacement. The peak stress lies in a sharp inner corner of two
+    // or three elements, where the stress has no limit; recovered and averaged values need not agree
+    // closely there.
     assert!((most / 0.028_610_267 - 1.0).abs() < 1e-5);
     assert!((peak / 43.6 - 1.0).abs() < 0.15, "{peak}");
 }
@@ -417,7 +430,8 @@ fn calculix_plate_with_a_hole() {
     }
     let mut load = deck.forces;
     for (tet, side, pressure) in &deck.pressures {
-        // CalculiX: face 1 has corners 1 2 3, face 2 1 4 2, face 3 2 4 3, face 4 3 4 1.
+        // Source: the manual of CalculiX: face 1 has corners 1 2 3, face 2 1 4 2, face 3 2 4 3, face 4 3
+        // 4 1.
         let corners = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]][side - 1];
         let corners = corners.map(|c| deck.mesh.tets[*tet as usize][c]);
         let own = |f: &usize| {
@@ -493,7 +507,8 @@ fn a_moment_bends_and_gravity_pulls() {
     let mut hang = vec![DVec3::ZERO; mesh.nodes.len()];
     nodal_forces::add_body_force(&mut hang, &mesh, |_| DVec3::new(1e-3, 0.0, 0.0));
     let (found, _) = solve(&model, &supports, &[bend, hang], &tight()).expect("held");
-    // With no lateral strain both are exact in quadratic elements: M L^2 / 2 E I, and w L^2 / 2 E at the end.
+    // Without lateral strain quadratic elements are exact in both cases: M L^2 / 2 E I, and w L^2 / 2 E
+    // at the end.
     let middle = nearest(&mesh, DVec3::new(40.0, 3.0, 3.0));
     let w = found[0].displacement[middle].z;
     let want = -100.0 * 1600.0 / (2.0 * 1000.0 * 108.0);

@@ -22,7 +22,7 @@ fn block(n: [usize; 3], cell_mm: DVec3) -> VoxelPart {
     }
 }
 
-/// Every grid point with x = 0 held, those with x = n as given.
+/// Holds every grid point with x = 0.
 fn clamp(n: [usize; 3]) -> Vec<([usize; 3], DVec3, f64)> {
     let points = (0..=n[2]).flat_map(|z| (0..=n[1]).map(move |y| [0, y, z]));
     points.flat_map(|p| DVec3::AXES.map(|a| (p, a, 0.0))).collect()
@@ -62,6 +62,7 @@ fn patch_test_of_turned_materials_and_scales() {
     let (stress, strain) = system.stress(&solution.displacement, 3 * 20 + 2 * 5 + 2).expect("solid");
     let want = [2e-3, -1e-3, 1e-3, 1e-3, 1.5e-3, 1e-3];
     println!("voxel patch test: displacement {off:.1e}, {} iterations", solution.iterations);
+    // A linear field is in the element's space, so only rounding remains.
     assert!(off < 1e-11, "{off}");
     for k in 0..6 {
         let s: f64 = 0.25 * turned[k].iter().zip(want).map(|(c, e)| c * e).sum::<f64>();
@@ -78,6 +79,7 @@ fn a_cantilever_of_voxels_bends_as_beams_do() {
     let mut load = vec![DVec3::ZERO; system.n_nodes()];
     for z in 0..=8 {
         for y in 0..=8 {
+            // Consistent nodal forces of an even traction: half on edges, a quarter on corners.
             let share = if y % 8 == 0 { 0.5 } else { 1.0 } * if z % 8 == 0 { 0.5 } else { 1.0 } / 64.0;
             load[system.node([80, y, z]).expect("solid")] = DVec3::NEG_Z * share;
         }
@@ -117,7 +119,7 @@ fn voids_and_stiffness_that_fades_are_carried_and_solved_again() {
     let settings = SolveSettings::default();
     let first = system.solve(&load, &settings).expect("converges");
     assert!(first.iterations < 60 && first.residual < 1e-8, "{} {}", first.iterations, first.residual);
-    // A sheet of cells loses nearly all it had.
+    // A sheet of cells loses nearly all of its stiffness.
     let sheet: Vec<(usize, u16, f32)> =
         (0..33 * 10).map(|k| ((k / 33 * 33 + k % 33) * 48 + 12, 0, 0.001)).collect();
     system.change(&sheet);
@@ -132,10 +134,10 @@ fn voids_and_stiffness_that_fades_are_carried_and_solved_again() {
     );
     assert!(gap < 1e-5 * size, "{gap} of {size}");
     assert!(size > 1.02 * first.displacement.iter().map(|u| u.length()).fold(0.0, f64::max));
-    // Doing nothing costs nothing.
+    // Without a change there is no work.
     let nothing = system.follow(&load, 1e-3, &settings).expect("converges");
     assert_eq!((nothing.iterations, nothing.cells), (0, Some(Vec::new())));
-    // A few cells that change are eased where they are: what is asked is kept, and far nodes stay.
+    // A few changed cells are relaxed locally: the tolerance is met, and far nodes stay.
     let few: Vec<(usize, u16, f32)> =
         (0..6).map(|k| (((10 + k / 3) * 33 + 10 + k % 3) * 48 + 30, 0, 0.3)).collect();
     system.change(&few);

@@ -1,4 +1,5 @@
-//! The strength test against closed forms: strengths off axis, laminate stiffness, holes, and its own mesh.
+//! The strength test compared with closed forms: strengths off axis, stiffness of laminates, holes, and
+//! other meshes.
 
 use grainpath_core::math::{atan2, direction, sin_cos};
 use grainpath_core::{DVec2, DVec3};
@@ -12,7 +13,7 @@ use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellGrid, Laminate
 use grainpath_fea::strength::plate_strength::PlateTest;
 use grainpath_fea::strength::plate_system::PlateSystem;
 
-/// PLA, a raster as strong as data sheets say along its beads.
+/// PLA; the raster along its beads is as strong as data sheets say.
 fn pla() -> StrengthCard {
     StrengthCard {
         elastic: Orthotropic {
@@ -35,7 +36,7 @@ fn pla() -> StrengthCard {
 const BEAD_MM: f64 = 0.4;
 const HEIGHT_MM: f64 = 0.2;
 
-/// Straight beads at an angle that fill a box exactly, cut at its border.
+/// Straight beads at an angle that fill a box exactly and are cut at its border.
 fn raster(size: DVec2, deg: f64) -> BeadSheet {
     let d = direction(deg.to_radians());
     let n = DVec2::new(-d.y, d.x);
@@ -63,7 +64,7 @@ fn raster(size: DVec2, deg: f64) -> BeadSheet {
     BeadSheet { height_mm: HEIGHT_MM, beads }
 }
 
-/// Pulls a bar along x: the left end may move along y, so that it can shrink; one node is held there.
+/// Pulls a bar along x. The left end is free along y, so that it can contract; one node is held there.
 fn pull(sheets: &[BeadSheet], cell_mm: f64, card: &StrengthCard) -> (Outcome, Laminate) {
     let laminate = Laminate::from_layers(sheets, cell_mm).expect("beads");
     assert!(laminate.volume_error() < 1e-3, "{}", laminate.volume_error());
@@ -95,7 +96,8 @@ fn pull_laminate(laminate: &Laminate, card: &StrengthCard, within: &dyn Fn(DVec2
     }
     let sum: f64 = weights.iter().sum();
     let forces: Vec<DVec2> = weights.iter().map(|w| DVec2::X * (100.0 * w / sum)).collect();
-    // The ends, where the shear of beads off axis is held back, are the machine's.
+    // The ends belong to the machine and do not break: there the contraction and shear of beads off axis
+    // are restrained.
     let x = |c: &u32| *c as usize % grid.nx;
     let ends = (grid.nx / 6).max(2);
     let unbreakable =
@@ -113,7 +115,8 @@ fn pull_laminate(laminate: &Laminate, card: &StrengthCard, within: &dyn Fn(DVec2
     test.run().expect("an answer")
 }
 
-/// Pulls a bar cut out of larger rasters, so that beads off axis end cleanly at its sides; and its length and width.
+/// Pulls a bar that is cut from larger rasters, so that beads off axis end cleanly at its sides. Returns
+/// the outcome, and length and width.
 fn pull_cut(angles_deg: &[f64], card: &StrengthCard) -> (Outcome, DVec2) {
     let (size, cell) = (DVec2::new(60.0, 9.6), 0.25);
     let sheets: Vec<BeadSheet> = angles_deg.iter().map(|a| raster(size + 4.0, *a)).collect();
@@ -155,10 +158,10 @@ fn rasters_off_axis_follow_tsai_and_hill() {
             pla().hankinson_mpa(deg.to_radians())
         );
         assert!((first / want - 1.0).abs() < 0.001, "{deg}: {first} {want}");
-        // A crack along beads at 30 degrees goes up in steps on square cells, which hold it back a little.
+        // A crack along beads at 30 degrees has steps on square cells, which hold it back a little.
         let most = if deg == 30.0 { 0.05 } else { 0.002 };
         assert!((mpa / want - 1.0).abs() < most, "{deg}: {mpa} {want}");
-        // Hankinson knows no shear strength and is the upper bound here.
+        // Hankinson's formula has no shear strength and is the upper bound here.
         assert!(mpa < 1.01 * pla().hankinson_mpa(deg.to_radians()), "{deg}");
         if deg <= 45.0 {
             assert!(mpa < last);
@@ -167,7 +170,7 @@ fn rasters_off_axis_follow_tsai_and_hill() {
     }
 }
 
-/// Modulus along x of layers at these angles, all equally thick, by classical laminate theory.
+/// Modulus along x of equally thick layers at these angles, by classical laminate theory.
 fn laminate_mpa(card: &StrengthCard, angles_deg: &[f64]) -> f64 {
     let mut a = [[0.0; 3]; 3];
     for deg in angles_deg {
@@ -192,13 +195,14 @@ fn stiffness_is_that_of_laminate_theory() {
         ..pla()
     };
     for (card, name) in [(pla(), "PLA"), (carbon, "carbon")] {
-        // Brittle: how it breaks is not asked here.
+        // Brittle cards end the test soon after the first failure, since only the stiffness is of
+        // interest here.
         let card = StrengthCard { g_along_n_mm: 1e-6, g_across_n_mm: 1e-6, ..card };
         for angles in
             [&[0.0][..], &[90.0], &[45.0, -45.0], &[30.0, -30.0], &[0.0, 90.0], &[0.0, 45.0, -45.0, 90.0]]
         {
             let (outcome, cut) = pull_cut(angles, &card);
-            // Load over displacement of a bar with free sides: E A / L.
+            // Load over displacement of a bar with free sides is E A / L.
             let e = outcome.stiffness_n_per_mm * cut.x / (cut.y * HEIGHT_MM * angles.len() as f64);
             let want = laminate_mpa(&card, angles);
             println!("{name} {angles:?}: {e:.0} MPa, laminate theory {want:.0}");
@@ -207,8 +211,8 @@ fn stiffness_is_that_of_laminate_theory() {
     }
 }
 
-/// A plate with a round hole in the middle, cut exactly into cells, of plies at these angles. The grid is moved by this
-/// share of a cell against the middle.
+/// A plate with a round hole in the middle, cut exactly into cells, with plies at these angles. `moved`
+/// shifts the grid against the middle, as a share of a cell.
 fn plate_with_hole(
     size: DVec2,
     radius: f64,
@@ -241,8 +245,8 @@ fn plate_with_hole(
 
 #[test]
 fn stress_at_a_hole_is_lekhnitskiis() {
-    // Along the ligament the stress of an infinite plate falls off from the hole as Lekhnitskii says; cells see it in
-    // their middle, so that is where it is compared.
+    // On the ligament of an infinite plate the stress decreases away from the hole as Lekhnitskii found.
+    // Cells give the stress at their centres, so it is compared there.
     let card = pla();
     let (size, radius, cell) = (DVec2::new(48.0, 48.0), 2.0, 0.1);
     let laminate = plate_with_hole(size, radius, cell, DVec2::ZERO, &|_| 0.0);
@@ -290,8 +294,9 @@ fn stress_at_a_hole_is_lekhnitskiis() {
     assert!(worst > 0.0 && worst < 0.03, "{worst}");
 }
 
-/// Stress along x over that far away, on the line across an infinite orthotropic plate through the middle of its hole,
-/// after Konish and Whitney: exact at the hole, where it is Lekhnitskii's factor `k`, and for isotropic plates.
+/// Stress along x over the remote stress, on the line through the centre of a hole across an infinite
+/// orthotropic plate. Source: Konish and Whitney's approximation; at the hole it is exact, with
+/// Lekhnitskii's factor `k`, and for isotropic plates everywhere.
 fn beside_the_hole(k: f64, radius: f64, y: f64) -> f64 {
     let r2 = (radius / y) * (radius / y);
     0.5 * (2.0 + r2 + 3.0 * r2 * r2 - (k - 3.0) * (5.0 * r2.powi(3) - 7.0 * r2.powi(4)))
@@ -304,7 +309,8 @@ fn a_notched_bar_answers_alike_on_finer_cells_wherever_they_lie_and_the_same_twi
         pull_laminate(&plate, &pla(), &|_| true)
     };
     let coarse = load(0.5, 0.0);
-    // Two rows of cells beside the middle break alike, one in the middle, or none does: one crack in any case.
+    // The two rows of cells next to the middle may both break, or the one in the middle, or neither: one
+    // crack in each case.
     let all =
         [coarse.clone(), load(0.5, 0.25), load(0.5, 0.5), load(0.25, 0.0), load(0.25, 0.25), load(0.25, 0.5)];
     let peaks = all.each_ref().map(|o| o.peak_load_n);
@@ -314,7 +320,7 @@ fn a_notched_bar_answers_alike_on_finer_cells_wherever_they_lie_and_the_same_twi
     };
     assert!(spread(&peaks[..3]) < 1.04 && spread(&peaks[3..]) < 1.02 && spread(&peaks) < 1.04, "{peaks:?}");
     let fine = &all[3];
-    // Stronger than the peak of stress says, weaker than the section left beside the hole.
+    // The bar is stronger than the peak stress suggests, and weaker than the net section.
     let section = 8.0 * 52.0;
     assert!(fine.peak_load_n < section && fine.peak_load_n > 0.5 * section, "{}", fine.peak_load_n);
     assert_eq!(coarse, load(0.5, 0.0));
@@ -322,7 +328,8 @@ fn a_notched_bar_answers_alike_on_finer_cells_wherever_they_lie_and_the_same_twi
     assert!((high / fine.peak_load_n - 1.0).abs() < 1e-9 && fine.curve.len() > 3);
 }
 
-/// Direction of the greatest principal stress beside a hole of radius 1 in a wide plate pulled along x, after Kirsch.
+/// Direction of the greatest principal stress beside a hole of radius 1 in a wide plate pulled along x.
+/// Source: Kirsch.
 fn beside_a_hole_rad(place: DVec2) -> f64 {
     let (q, around) = (1.0 / place.length_squared(), atan2(place.y, place.x));
     let (s, c) = sin_cos(2.0 * around);
@@ -335,7 +342,8 @@ fn beside_a_hole_rad(place: DVec2) -> f64 {
 
 #[test]
 fn what_direction_alone_gains_at_a_hole() {
-    // The tensile bar of the stress-line paper without a print: no gap, no lap, directions alone.
+    // The tensile bar of `PrincipalStressLines` without its print: no gap and no overlap, directions
+    // only.
     let (size, radius, wall) = (DVec2::new(40.0, 10.0), 1.5, 0.45);
     let inside = |p: DVec2| p.length() > radius + wall && p.y.abs() < 0.5 * size.y - wall;
     let along_the_wall =
@@ -353,14 +361,14 @@ fn what_direction_alone_gains_at_a_hole() {
         "a wall around all: along the stress {follows:.1}, 0 degrees {straight:.1}, 90 degrees {across:.1} N"
     );
     println!("no wall: along the stress {bare_follows:.1}, 0 degrees {bare_straight:.1} N");
-    // Printed PLA is about as stiff across its beads as along them: the stress does not move, and beside the hole, where
-    // the bar breaks, straight beads run along it already.
+    // Printed PLA is about as stiff across its beads as along them, so directions hardly change the
+    // stress; and beside the hole, where the bar breaks, straight beads follow the stress already.
     assert!((follows / straight - 1.0).abs() < 0.03, "{follows} {straight}");
     assert!((bare_follows / bare_straight - 1.0).abs() < 0.05, "{bare_follows} {bare_straight}");
     assert!(follows / across > 1.15, "{follows} {across}");
 }
 
-/// Pulls a box made of bricks along an axis, its ends unbreakable; one end may shrink.
+/// Pulls a box of bricks along an axis. The ends do not break; one end is free to contract.
 fn pull_bricks(sheets: &[BeadSheet], cell_mm: f64, axis: usize, card: &StrengthCard) -> (Outcome, Bricks) {
     let bricks = Bricks::from_layers(sheets, cell_mm, 0.0).expect("beads");
     assert!(bricks.volume_error() < 1e-3, "{}", bricks.volume_error());
@@ -382,7 +390,7 @@ fn pull_bricks(sheets: &[BeadSheet], cell_mm: f64, axis: usize, card: &StrengthC
                 if p[others[0]] == middle[0] && p[others[1]] == middle[1] {
                     others.iter().for_each(|i| holds.push((p, DVec3::AXES[*i])));
                 }
-                // A second place, so that it does not turn about the axis.
+                // A second node prevents rotation about the axis.
                 if p[others[0]] == middle[0] + 1 && p[others[1]] == middle[1] {
                     holds.push((p, DVec3::AXES[others[1]]));
                 }
@@ -425,7 +433,7 @@ fn a_solid_bar_breaks_at_its_strength_times_its_section_along_across_and_upwards
         let e = outcome.stiffness_n_per_mm * 20.0 / 16.0;
         assert!((e / card.elastic.e_mpa[usize::from(deg == 90.0)] - 1.0).abs() < 0.02, "{deg}: {e}");
     }
-    // Upwards: crossed layers, whose directions do not matter.
+    // Pulled upwards: the directions of the crossed layers do not matter.
     let size = DVec2::new(4.0, 4.0);
     let tower: Vec<BeadSheet> = (0..60).map(|k| raster(size, f64::from(k % 2) * 90.0)).collect();
     let (outcome, _) = pull_bricks(&tower, 0.4, 2, &card);
@@ -433,7 +441,7 @@ fn a_solid_bar_breaks_at_its_strength_times_its_section_along_across_and_upwards
     println!("upwards: {:.1} N, wanted {want:.1}", outcome.peak_load_n);
     assert!((outcome.peak_load_n / want - 1.0).abs() < 0.01, "{} {want}", outcome.peak_load_n);
     assert_eq!(outcome.mode(), FailureMode::Layers);
-    // Bricks lean on the whole layer below them.
+    // Each brick rests on the whole layer below it.
     let (_, bricks) = pull_bricks(&tower, 0.4, 2, &card);
     let full = (0..bricks.filled.len()).filter(|c| bricks.filled[*c] > 0.99);
     assert!(full.clone().count() > 1000 && full.clone().all(|c| bricks.bond[c] > 0.99));
@@ -441,7 +449,8 @@ fn a_solid_bar_breaks_at_its_strength_times_its_section_along_across_and_upwards
 
 #[test]
 fn layers_that_touch_on_half_their_width_part_at_half_the_load() {
-    // Beads 0.4 wide and 0.8 apart; every other layer lies 0.2 aside of the one below, so that half of each touches.
+    // Beads are 0.4 mm wide and 0.8 mm apart. Each second layer is shifted by 0.2 mm, so that half of
+    // each bead touches.
     let card = pla();
     let layer = |k: usize| {
         let beads = (0..10).map(|i| {
@@ -463,7 +472,7 @@ fn layers_that_touch_on_half_their_width_part_at_half_the_load() {
         .collect();
     let mean = bonded.iter().sum::<f64>() / bonded.len() as f64;
     assert!((mean - 0.5).abs() < 0.05, "{mean}");
-    // What touches carries: ten beads of half their width.
+    // Only the touching area carries: ten beads of half their width.
     let want = card.zt_mpa * 10.0 * 0.5 * BEAD_MM * 4.0;
     println!("half touching: {:.1} N, wanted {want:.1}", outcome.peak_load_n);
     assert!((outcome.peak_load_n / want - 1.0).abs() < 0.15, "{} {want}", outcome.peak_load_n);

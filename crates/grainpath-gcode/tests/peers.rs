@@ -1,4 +1,4 @@
-//! G-code of other programs is read as they meant it.
+//! G-code of other programs is read with the meaning they gave it.
 
 #[path = "../../../tests/data.rs"]
 mod data;
@@ -22,7 +22,7 @@ fn prints_of_other_slicers() {
             p.layers.len()
         );
         assert!(p.generator.is_some() && p.warnings.is_empty(), "{file}: {:?}", p.warnings);
-        // PrusaSlicer 2.1 calls all walls alike.
+        // PrusaSlicer 2.1 has one name for all walls.
         let outer = file.contains("simplify3d").then_some(Role::OuterWall);
         for role in outer.into_iter().chain([Role::InnerWall, Role::SparseFill]) {
             assert!(p.layers.iter().any(|l| l.beads.iter().any(|b| b.role == role)), "{file}: no {role:?}");
@@ -62,7 +62,7 @@ fn inches_arcs_and_absolute_e() {
     assert!(simulate(b"hello\nworld\n", 1.75, &Limits::default()).is_err());
 }
 
-/// M200 as in Marlin: 10 mm3 three times, and 10 mm of filament once.
+/// `M200` as Marlin reads it: 10 mm3 three times, and 10 mm of filament once.
 #[test]
 fn e_counts_volume_where_the_program_says_so() {
     let mm3 = 10.0 * 0.25 * std::f64::consts::PI * 1.75 * 1.75;
@@ -75,7 +75,7 @@ fn e_counts_volume_where_the_program_says_so() {
         let p = run(on);
         assert!((p.extruded_mm3 - 10.0).abs() < 1e-9, "{on}: {}", p.extruded_mm3);
         assert!((p.filament_mm * mm3 - 100.0).abs() < 1e-9, "{on}: {}", p.filament_mm);
-        // Drawn back by 4 mm3, which is less filament and less time than 4 mm.
+        // Retracted by 4 mm3, which is less filament and less time than 4 mm.
         assert!(p.retractions == 1 && p.time_s < as_length.time_s, "{on}: {p:?}");
         assert!(p.warnings.is_empty(), "{on}: {:?}", p.warnings);
     }
@@ -88,7 +88,7 @@ fn e_counts_volume_where_the_program_says_so() {
         let p = run(off);
         assert!((p.extruded_mm3 - mm3).abs() < 1e-9 && (p.filament_mm - 10.0).abs() < 1e-9, "{off}: {p:?}");
     }
-    // No diameter at all leaves E as it was, and is said where it is a number.
+    // Without a diameter E keeps its meaning; a diameter that is no number is reported.
     for (hostile, said) in [
         ("M200 D-1.75", 1),
         ("M200 D1000000", 1),
@@ -101,7 +101,7 @@ fn e_counts_volume_where_the_program_says_so() {
         assert!((p.extruded_mm3 - mm3).abs() < 1e-9, "{hostile}: {}", p.extruded_mm3);
         assert_eq!(p.warnings.len(), said, "{hostile}: {:?}", p.warnings);
     }
-    // In inches E is cubic inches.
+    // In inches E counts cubic inches.
     let inches =
         simulate(b"G20\nM83\nM200 D0.07\nG1 X2 E0.001\n", 1.75, &Limits::default()).expect("a program");
     assert!((inches.extruded_mm3 - 16.387_064).abs() < 1e-9, "{}", inches.extruded_mm3);

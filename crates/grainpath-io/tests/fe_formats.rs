@@ -1,4 +1,5 @@
-//! Files made by the programs whose formats they are (`fe/make.py`) read as what was put in, in every encoding.
+//! Files made by the programs that own the formats (`fe/make.py`) are read with the values put in, in
+//! each encoding.
 
 use std::path::Path;
 
@@ -14,7 +15,7 @@ fn bytes(file: &str) -> Vec<u8> {
     std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// The field every file of `make.py` but the ccx ones holds.
+/// The stress field in all files of `make.py`, except those of CalculiX.
 fn stress(p: DVec3) -> [f64; 6] {
     std::array::from_fn(|k| {
         let k = k as f64 + 1.0;
@@ -26,6 +27,7 @@ fn near(a: &[f64; 6], b: &[f64; 6], tolerance: f64) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= tolerance)
 }
 
+// Source: the unit shapes of `make.py`: two hexahedra, two wedges, two tetrahedra, a pyramid.
 const VOLUMES: [f64; 7] = [1.0, 1.0, 0.5, 0.5, 1.0 / 6.0, 1.0 / 6.0, 1.0 / 3.0];
 
 #[test]
@@ -54,10 +56,10 @@ fn every_encoding_gives_the_same_field() {
         assert_eq!(file.nodes.len(), 68, "{name}");
         assert!(file.warnings.is_empty() && file.left_out.is_empty(), "{name}: {:?}", file.warnings);
         assert_eq!(file.elements.len(), 7, "{name}");
-        // Gmsh sorts by kind; the elements stand 2 apart along x.
+        // Gmsh sorts elements by kind; they stand 2 mm apart along x, so their place identifies them.
         let which = |e: &Element| (file.nodes[e.nodes()[0] as usize].x / 2.0).floor() as usize;
         for e in &file.elements {
-            // Middles of edges in the wrong place would bend the element.
+            // Mid-side nodes in a wrong order would bend the element and change its volume.
             let (v, expect) = (e.size(&file.nodes), VOLUMES[which(e)]);
             assert!((v - expect).abs() < 1e-6, "{name}: {} has volume {v}", e.kind.name());
         }
@@ -70,6 +72,7 @@ fn every_encoding_gives_the_same_field() {
             );
         }
         let result = file.result(&FeOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        // Files with single precision have seven digits.
         for (p, s) in result.nodes.iter().zip(&result.stress) {
             assert!(near(s, &stress(*p), 2e-5), "{name}: at {p} {s:?} should be {:?}", stress(*p));
         }
@@ -108,7 +111,7 @@ fn pieces_are_joined() {
 
 #[test]
 fn calculix_results_ascii_and_binary() {
-    // make.py prescribes u = G x, so the strain is the symmetric part of G everywhere.
+    // `make.py` prescribes u = G x, so the strain is the symmetric part of G everywhere.
     let g = [[1e-3, 2e-4, -3e-4], [4e-4, -2e-3, 5e-4], [1e-4, 7e-4, 3e-3]];
     let (e, nu): (f64, f64) = (2100.0, 0.3);
     let (mu, lambda) = (e / (2.0 * (1.0 + nu)), e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)));
@@ -155,7 +158,8 @@ fn what_is_written_is_read_back() {
         };
         let mises = array("von_Mises");
         assert!(mises.on == On::Nodes && (mises.values[3] - von_mises(&result.stress[3])).abs() < 1e-12);
-        // The principal vectors, squared and divided by their length, add up to the tensor.
+        // Each vector is a principal direction with the length of the principal stress. Signs are lost,
+        // so sums of the magnitudes bound the trace and the components from above.
         let vectors = ["principal_max", "principal_mid", "principal_min"].map(array);
         let s = result.stress[5];
         let (mut xx, mut trace) = (0.0, 0.0);
@@ -205,7 +209,7 @@ fn units_are_stated_and_doubted() {
 
 #[test]
 fn order_of_components_is_taken_and_doubted() {
-    // Torsion of a bar along x: only xy and zx, free sides. In Abaqus order zx comes before yz.
+    // Torsion of a bar along x: only xy and zx, free sides. In Abaqus's order zx comes before yz.
     let mut nodes = Vec::new();
     let mut text = String::from("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n");
     for i in 0..11 {
@@ -241,7 +245,7 @@ fn order_of_components_is_taken_and_doubted() {
         nodes.len()
     );
     for (i, p) in nodes.iter().enumerate() {
-        // Prandtl's function (1 - y^2)(1 - z^2): no stress across the sides.
+        // Prandtl's stress function (1 - y^2)(1 - z^2) leaves the sides free of stress.
         let (xy, zx) = (-2.0 * p.z * (1.0 - p.y * p.y), 2.0 * p.y * (1.0 - p.z * p.z));
         text += &format!("{} 0 0 0 {xy} {zx} 0\n", i + 1);
     }
@@ -272,7 +276,7 @@ fn a_stored_von_mises_shows_a_wrong_array() {
 
 #[test]
 fn values_at_corners_of_elements_are_averaged_by_size() {
-    // Two tetrahedra that share a face; the second is twice as large. Each has a constant stress of its own.
+    // Two tetrahedra share a face; the second is twice as large. Each has its own constant stress.
     let mut text = String::from(
         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0 0 -2\n$EndNodes\n\
          $Elements\n2\n7 4 0 1 2 3 4\n9 4 0 1 3 2 5\n$EndElements\n\
@@ -336,7 +340,7 @@ fn points_without_a_mesh_are_interpolated() {
 
 #[test]
 fn corners_alone_are_enough() {
-    // Nodes on edges without a value get the mean of their ends.
+    // Mid-side nodes without a value take the mean of their edge's ends.
     let (nodes, rest) = ("1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0.5 0 0\n5 0.5 0.5 0\n6 0 0.5 0\n", "1 2 3 4 5 6");
     let text = format!(
         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n{nodes}$EndNodes\n$Elements\n1\n1 9 0 {rest}\n$EndElements\n\

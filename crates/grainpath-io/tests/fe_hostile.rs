@@ -1,4 +1,5 @@
-//! What readers of finite-element files must survive, and what they must say.
+//! Damaged and malicious finite-element files: readers must not panic or run out of memory, and must name
+//! the fault.
 
 use std::path::Path;
 
@@ -136,6 +137,7 @@ fn damaged_blocks_of_every_compression_are_refused() {
         assert!(parse_fe(&good, None).is_ok(), "{name}");
         let start = good.windows(6).position(|w| w == b"<Piece").expect("a piece");
         let mut n_refused = 0;
+        // Seven bytes apart: each block of the file is hit, and the test stays short.
         for i in (start..good.len()).step_by(7) {
             let mut bytes = good.clone();
             bytes[i] ^= 0x15;
@@ -147,7 +149,7 @@ fn damaged_blocks_of_every_compression_are_refused() {
 
 #[test]
 fn an_xz_header_cannot_ask_for_more_memory_than_the_limit() {
-    // An xz stream whose block header asks for a dictionary of 4 GiB.
+    // An xz stream whose block header demands a dictionary of 4 GiB.
     let mut block = vec![0x02, 0x00, 0x21, 0x01, 40, 0x00, 0x00, 0x00];
     block.extend(crc32(&block).to_le_bytes());
     let mut stream = vec![0xfd, b'7', b'z', b'X', b'Z', 0x00];
@@ -170,7 +172,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 
 #[test]
 fn bombs_are_refused() {
-    // A zlib block of zeros that inflates a thousandfold, named by many arrays.
+    // A zlib block of zeros that inflates a thousandfold, referred to by many arrays.
     let mut data = Vec::new();
     let n = 32usize << 20;
     let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
@@ -187,7 +189,7 @@ fn bombs_are_refused() {
     text += "</PointData></Piece><AppendedData encoding=\"raw\">_";
     let told = error(&[text.as_bytes(), &data].concat(), "a.vtu");
     assert!(told.contains("bomb"), "{told}");
-    // Many sections of results without values, on many nodes.
+    // Many sections of results without values, for many nodes: each would take memory for all of them.
     let mut text = String::from("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n20000\n");
     for i in 0..20_000 {
         text += &format!("{i} {i} 0 0\n");
@@ -197,13 +199,13 @@ fn bombs_are_refused() {
         text += &format!("$NodeData\n1\n\"{i}\"\n0\n3\n0\n9\n0\n$EndNodeData\n");
     }
     assert!(error(text.as_bytes(), "a.msh").contains("bomb"));
-    // Sets of sets that double.
+    // Sets that contain themselves many times and would double with each line.
     let mut text = DECK.replace("*STEP\n", "");
     for _ in 0..200_000 {
         text += "*NSET, NSET=G\nN,N,N,N,N,N,N,N,N,N,N,N,N,N,N,N,N,N,N,N,N,N,N,N\n";
     }
     let _ = parse_fe(text.as_bytes(), Some("a.inp"));
-    // Counts that promise more than there is.
+    // Counts that promise more than the file holds.
     for (text, name) in [
         (
             "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 199999999 1 199999999\n2 1 0 199999999\n1\n",
@@ -228,7 +230,7 @@ fn fixtures_are_good() {
     }
 }
 
-/// Reads and, where something was read, asks.
+/// Reads the bytes and, if they could be read, evaluates the result.
 fn survive(bytes: &[u8], name: &str) {
     let Ok(file) = parse_fe(bytes, Some(name)) else { return };
     let _ = file.nodal_forces(0);

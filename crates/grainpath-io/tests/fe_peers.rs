@@ -1,4 +1,5 @@
-//! What is written opens in other programs with the same numbers: meshio, and VTK where it is there.
+//! Files that we write open in other programs with the same numbers: in meshio, and in VTK where it is
+//! installed.
 
 #[path = "../../../tests/data.rs"]
 mod data;
@@ -9,7 +10,8 @@ use grainpath_io::fe::{
     Element, ElementKind, Encoding, FeOptions, VtuMesh, parse_fe, stress_point_data, write_vtu,
 };
 
-/// Prints counts of cells, the sum of all stresses and of all principal vectors' squares.
+/// Prints the number of points and cells, the sum of all stresses, and the sum of the squares of all
+/// principal vectors.
 const MESHIO: &str = "
 import sys, meshio, numpy as np
 m = meshio.read(sys.argv[1])
@@ -42,20 +44,22 @@ fn vtu_opens_in_vtk() {
     opens_in("vtk", VTK);
 }
 
-/// Writes a result in each encoding and compares what a Python package reads with what was written.
+/// Writes a result in each encoding, and compares the numbers that a Python package reads with those
+/// written.
 fn opens_in(module: &str, script: &str) {
     let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fe/base64.vtu");
     let file = parse_fe(&std::fs::read(fixture).expect("a fixture"), None).expect("a good file");
     let result = file.result(&FeOptions::default()).expect("a stress");
     let data = stress_point_data(&result.stress, result.displacement.as_deref());
     let sum: f64 = result.stress.iter().flatten().sum();
-    // The squares of the principal stresses add up to those of the tensor.
+    // The squares of the principal stresses add up to the squares of the tensor's components, so one
+    // number checks all vectors.
     let squares: f64 = result
         .stress
         .iter()
         .flat_map(|s| (0..6).map(|k| if k < 3 { s[k] * s[k] } else { 2.0 * s[k] * s[k] }))
         .sum();
-    // meshio has no wedge of 15 nodes.
+    // meshio does not know the wedge of 15 nodes.
     let known = |e: &&Element| module != "meshio" || e.kind != ElementKind::Wedge15;
     let elements: Vec<Element> = result.elements.iter().filter(known).copied().collect();
     for (name, encoding) in [("ascii", Encoding::Ascii), ("raw", Encoding::Raw), ("zlib", Encoding::Zlib)] {

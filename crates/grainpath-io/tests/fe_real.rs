@@ -1,4 +1,4 @@
-//! Every real file of the shared data reads with the values its table tells, or says what is wrong.
+//! Each real file of the shared data is read with the values of its table, or refused with the reason.
 
 #[path = "../../../tests/data.rs"]
 mod data;
@@ -71,7 +71,7 @@ fn meshes_are_as_the_table_says() {
         let sizes: Vec<f64> = file.elements.iter().map(|e| e.size(&file.nodes)).collect();
         assert!(sizes.iter().all(|&v| v > 0.0), "{name}: an element without volume");
     }
-    // One mesh in three formats: the same area, that of the quarter ring between two ellipses.
+    // One mesh in three formats has one area: that of the quarter ring between two ellipses.
     let area = std::f64::consts::PI / 4.0 * (3.25 * 2.75 - 2.0);
     for name in ["nafems_le1.inp", "nafems_le1_v22.msh", "nafems_le1_v41.msh"] {
         let file = read(name);
@@ -88,8 +88,9 @@ fn le1_has_its_stress_at_point_d() {
     assert!(result.plane && result.displacement.is_some());
     let field = StressField::new(result);
     let s = field.sample(DVec3::new(2000.0, 0.0, 17.0));
+    // The value is CalculiX's own on this mesh; the target of NAFEMS is 92.7 MPa.
     assert!((s[1] - 93.2).abs() < 0.05, "SYY at D is {}", s[1]);
-    // Just outside the mesh it is the nearest point's.
+    // Just outside the mesh the value is that of the nearest point in it.
     let outside = field.sample(DVec3::new(1990.0, 0.0, 0.0));
     assert!((outside[1] - s[1]).abs() < 0.5, "{} {}", outside[1], s[1]);
 }
@@ -102,7 +103,7 @@ fn peaks_of_bracket_and_plate() {
     let plate = result("plate_hole_linear.vtu", &FeOptions::default());
     let sxx = plate.stress.iter().map(|s| s[0]).fold(0.0, f64::max);
     assert!((sxx - 578.0).abs() < 0.5, "{sxx}");
-    // At the hole's edge across the load, where Howland's solution for this width gives about the same.
+    // The edge of the hole across the load; Howland's solution for this width is about the same.
     let at = StressField::new(plate).sample(DVec3::new(0.0, 50.0, 5.0));
     assert!((at[0] - 560.0).abs() < 25.0, "{at:?}");
 }
@@ -127,7 +128,7 @@ fn decks_keep_material_supports_and_loads() {
     assert_eq!(material.elastic, Some(Elastic::Isotropic { e: 210_000.0, nu: 0.3 }));
     assert_eq!((thickness, deck.behaviours[0]), (Some(0.1), Behaviour::PlaneStress));
     assert_eq!((deck.fixed.len(), deck.steps.len(), deck.steps[0].face_loads.len()), (34, 1, 16));
-    // The pressure pulls on the outer ellipse.
+    // The pressure is negative and pulls on the outer ellipse.
     for load in &deck.steps[0].face_loads {
         let e = &file.elements[load.element as usize];
         for &corner in e.kind.faces()[load.face as usize] {
@@ -152,7 +153,8 @@ fn decks_keep_material_supports_and_loads() {
 #[test]
 #[ignore = "needs GRAINPATH_DATA"]
 fn loads_of_decks_add_up() {
-    // Pressure times area: 10 MPa pulling on the outer quarter ellipse, 0.1 m thick; 130 MPa on 200 x 10 mm.
+    // Pressure times area: 10 MPa on the outer quarter ellipse, 0.1 m thick, outwards; 130 MPa on 200 x
+    // 10 mm.
     let le1 = read("nafems_le1.inp");
     let forces = le1.nodal_forces(0).expect("a step");
     let sum: DVec3 = forces.iter().copied().sum();
@@ -176,7 +178,7 @@ fn every_node_of_a_curved_mesh_is_in_it() {
     let (plate, deck) =
         (result("plate_hole_linear.vtu", &FeOptions::default()), read("plate_hole_freecad.inp"));
     let field = StressField::new(plate);
-    // The result's nodes are rounded to 6 digits; the deck's are not.
+    // Nodes of the result are rounded to 6 digits, those of the deck are not.
     let outside: Vec<f64> = field
         .result()
         .nodes
@@ -202,7 +204,7 @@ fn sampling_is_fast_and_as_exact_as_the_nodes() {
         let off = found.iter().zip(s).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(off < 1e-4 * (1.0 + von_mises(s)), "at {p}: {found:?} {s:?}");
     }
-    // Rows of points, as layers ask for them; some are outside the part.
+    // Rows of points as layers sample them; some lie outside the part.
     let (lo, hi) = field
         .result()
         .nodes

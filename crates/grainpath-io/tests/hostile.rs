@@ -1,4 +1,4 @@
-//! What a reader must survive, and what it must say.
+//! Damaged and malicious meshes: readers must not panic or run out of memory, and must name the fault.
 
 use grainpath_core::{DVec3, TriMesh};
 use grainpath_io::{MeshError, parse_mesh, write_stl};

@@ -1,4 +1,4 @@
-//! Every real mesh reads as its table says, or fails where it must.
+//! Each real mesh is read with the counts of its table, or refused where it must be.
 
 #[path = "../../../tests/data.rs"]
 mod data;
@@ -41,7 +41,7 @@ fn every_mesh_of_the_table_is_as_it_says() {
                 continue;
             }
         };
-        // The table was counted after merging to 8 digits, and by a tool that drops triangles without area.
+        // The table was counted after merging to 8 digits, by a tool that drops triangles without area.
         let merged = |mesh: &grainpath_core::TriMesh| {
             let (lo, hi) = mesh.bounds()?;
             diagnose(&weld_within(mesh, 1e-7 * (hi - lo).max_element()))
@@ -63,7 +63,8 @@ fn every_mesh_of_the_table_is_as_it_says() {
             sum(&|h| h.nonmanifold_edges),
             sum(&|h| h.badly_wound_edges),
         ];
-        // Merged to 8 digits these lose slivers or close seams that the table's counts still show.
+        // Merging to 8 digits removes slivers or closes seams of these files, which the table still
+        // counts.
         let touched = [
             "3DBenchy.3mf",
             "frog_legs_thin_open.obj",
@@ -127,7 +128,7 @@ fn samples_of_the_3mf_consortium() {
         if !name.starts_with("MUSTFAIL")
             && (read.is_err() || (name.starts_with("MUSTPASS") && !told.is_empty()))
         {
-            // A lattice of beams alone has no triangles; that is said.
+            // A lattice of beams has no triangles; the warning says so.
             if name != "pyramid.3mf" || !told.contains("beam lattice") {
                 wrong.push(format!("{name}: {told}"));
             }

@@ -28,7 +28,7 @@ fn package(types: Option<&str>, relationships: &str, model: &str) -> Vec<u8> {
     zip.finish().expect("memory").into_inner()
 }
 
-/// All that is said of a package: its warnings, or why it is refused.
+/// All messages about a package: its warnings, or the reason why it is refused.
 fn told(bytes: &[u8]) -> Vec<String> {
     parse_mesh(bytes, Some("a.3mf"))
         .map_or_else(|e| vec![e.to_string()], |file| file.warnings.iter().map(ToString::to_string).collect())
@@ -42,6 +42,7 @@ fn a_package_that_keeps_the_rules_is_read_without_a_word() {
 #[test]
 fn each_broken_rule_of_the_model_names_its_section() {
     let second = "<object id=\"3\"><mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/></vertices><triangles/></mesh></object></resources>";
+    // Each row breaks one rule by one replacement, so the message can come from that rule only.
     for (from, to, section) in [
         ("encoding=\"UTF-8\"", "encoding=\"ISO-8859-1\"", "core 2.3.2"),
         ("<model ", "<!DOCTYPE model><model ", "core 2.3.2"),

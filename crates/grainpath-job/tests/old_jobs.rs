@@ -1,4 +1,4 @@
-//! Jobs of released versions are still read, and mean what they meant.
+//! Jobs of released versions can still be read and keep their meaning.
 
 use grainpath_core::WarningId;
 use grainpath_job::parse_job;
@@ -30,20 +30,20 @@ fn jobs_of_0_1_0_are_read() {
     }
 }
 
-/// The file that sets every key to its default of 0.1.0 gives the same settings as an empty job: no default and no
-/// meaning of a word has changed since.
+/// The file that sets each key to its default of 0.1.0 gives the settings of an empty job: neither a
+/// default nor the meaning of a word has changed since.
 #[test]
 fn defaults_of_0_1_0_are_still_the_defaults() {
     let no_files = |path: &str| Err(path.to_owned());
     let (name, text) = jobs("0.1.0").into_iter().find(|j| j.0 == "every-setting.toml").expect("the file");
-    // Profiles are weaker than the file, so the comparison is with the settings before any profile.
+    // Profiles are weaker than the file, so the comparison is with the settings without a profile.
     let mut written = parse_job(&text, &name, &[], &no_files).expect("a sound job");
     let old_names: Vec<&str> = written.warnings.iter().map(|w| w.text.as_str()).collect();
     assert_eq!(old_names, ["guide.memory_mb is now called guide.memory_mib"]);
     written.warnings.clear();
     let rows = |s: &grainpath_job::Settings| {
         let mut rows = s.rows();
-        // The profile of the default material states strengths; they have no default of their own.
+        // The profile of the default material gives strengths, which have no default of their own.
         rows.retain(|(key, _)| {
             !key.ends_with("_mpa") && !key.ends_with("_n_mm") && !key.ends_with("_source")
         });

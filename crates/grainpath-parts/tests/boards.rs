@@ -1,4 +1,5 @@
-//! What the imaging crate reads from photographs of synthetic boards, held against the truth that the boards know.
+//! Results of the imaging crate on photographs of synthetic boards, compared with the truth that the
+//! boards know.
 
 use std::f64::consts::PI;
 
@@ -17,8 +18,8 @@ use grainpath_parts::board::{Board, Knot};
 
 const CURVES: CurveSettings =
     CurveSettings { join: Join::Trace, max_turn_rad: 1.0, bridge_mm: 1.0, min_length_mm: 3.0 };
-/// What JPEG does to a picture at a quality from 1 to 100: blocks of eight, cosine transform, rounding with the
-/// table of its standard. For trying out how much of it a method bears.
+/// The damage that JPEG does to a picture at a quality from 1 to 100: blocks of eight, cosine transform,
+/// rounding with the standard's table. It shows how much of it a method bears.
 fn jpeg_like(grey: &Grey, quality: u32) -> Grey {
     const TABLE: [u16; 64] = [
         16, 11, 10, 16, 24, 40, 51, 61, 12, 12, 14, 19, 26, 58, 60, 55, 14, 13, 16, 24, 40, 57, 69, 56, 14,
@@ -58,7 +59,7 @@ fn jpeg_like(grey: &Grey, quality: u32) -> Grey {
     out
 }
 
-/// How much a picture is darkened towards its corners; for trying out.
+/// Darkens a picture towards its corners, to show how much of it a method bears.
 fn vignetted(grey: &Grey, strength: f64) -> Grey {
     let middle = DVec2::new(grey.width as f64, grey.height as f64) * 0.5;
     Grey::from_fn(grey.width, grey.height, |x, y| {
@@ -69,7 +70,7 @@ fn vignetted(grey: &Grey, strength: f64) -> Grey {
 
 const SETTINGS: TensorSettings = TensorSettings { gradient_mm: 0.15, integration_mm: 0.6, smooth_mm: 0.5 };
 
-/// Mean angle to the truth, degrees, over all points but those where there is none.
+/// Mean angle to the truth, degrees, over all points that have a true direction.
 fn mean_error_deg(board: &Board, photo: &Grey) -> f64 {
     let (w, h) = (photo.width as f64, photo.height as f64);
     let corners = [(0.0, 0.0), (w, 0.0), (w, h), (0.0, h)].map(DVec2::from);
@@ -181,7 +182,7 @@ fn curves_follow_the_grain_both_ways_of_joining() {
             }
         }
         println!("{join:?}: {} curves, {total:.0} mm, {:.2} deg", curves.len(), sum / weight);
-        // About 20 growth lines of 100 mm with two flanks, where both are sharp enough.
+        // About 20 growth lines of 100 mm with two flanks, where both flanks are sharp enough.
         assert!(total > 1200.0, "{join:?}: {total}");
         assert!(sum / weight < 6.0, "{join:?}: {}", sum / weight);
         assert!(jump < 2.0, "{join:?}: a jump of {jump}");
@@ -190,8 +191,8 @@ fn curves_follow_the_grain_both_ways_of_joining() {
     assert!(longest > 60.0, "{longest}");
 }
 
-/// The corners of a board in a portrait picture of 720 x 960 pixels, seen by a telephone's camera (focal length 0.62
-/// diagonals): turned in its plane, then tilted about an axis in the picture.
+/// The corners of a board in a portrait picture of 720 x 960 pixels from a telephone's camera (focal
+/// length 0.62 diagonals). The board is rotated in its plane, then tilted about an axis in the picture.
 fn portrait_view(size_mm: DVec2, turn_deg: f64, tilt_deg: f64, axis_deg: f64) -> [DVec2; 4] {
     let (s, c) = sin_cos(tilt_deg.to_radians());
     let axis = direction(axis_deg.to_radians());
@@ -214,7 +215,7 @@ fn the_outline_of_a_board_gives_its_width_from_every_side() {
             let found = find_corners(&photo).unwrap_or_else(|e| panic!("turned {turn}, tilted {tilt}: {e}"));
             let size_px = DVec2::new(720.0, 960.0);
             let corners = oriented(found, board.size_mm, size_px).expect("a board of this size").corners;
-            // A half turn cannot be told from an outline.
+            // An outline cannot show a half turn.
             let half_turned = [truth[2], truth[3], truth[0], truth[1]];
             let off =
                 |to: &[DVec2; 4]| corners.iter().zip(to).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! Decks of other programs, solved here: their results are met.
+//! Decks of other programs are solved here, and the results agree with theirs.
 
 #[path = "../../../tests/data.rs"]
 mod data;
@@ -14,8 +14,8 @@ fn read(file: &str) -> FeFile {
     parse_fe(&bytes, Some(file)).unwrap_or_else(|e| panic!("{file}: {e}"))
 }
 
-/// A deck's mesh of quads with 8 nodes as triangles with 6: every quad is cut into four about its middle. Nodes of the
-/// deck keep their indices.
+/// A deck's mesh of 8-node quads as 6-node triangles: each quad is divided into four about its centre.
+/// Nodes of the deck keep their indices.
 fn triangles(file: &FeFile) -> PlaneMesh {
     let mut nodes: Vec<DVec2> = file.nodes.iter().map(|p| p.truncate()).collect();
     let mut elements = Vec::new();
@@ -88,7 +88,7 @@ fn le1_meets_calculix() {
     let (deck, result) = (read("nafems_le1.inp"), read("nafems_le1.frd"));
     let result = result.result(&FeOptions::default()).expect("a stress");
     let (u, s) = solve_plane(&deck);
-    // The result has the deck's nodes in the deck's order.
+    // The result lists the deck's nodes in the deck's order.
     assert!(deck.nodes.iter().zip(&result.nodes).all(|(a, b)| (*a - *b).length() < 1e-5));
     let theirs = result.displacement.as_ref().expect("DISP");
     let longest = theirs.iter().map(|u| u.length()).fold(0.0, f64::max);
@@ -109,6 +109,7 @@ fn le1_meets_calculix() {
         result.stress[d][1],
         off / longest
     );
+    // Quads and the triangles cut from them differ a little in stiffness.
     assert!(off < 2e-3 * longest, "displacements differ by {off} of {longest}");
     assert!(
         (s[d][1] / 92.7 - 1.0).abs() < 0.02 && (s[d][1] / result.stress[d][1] - 1.0).abs() < 0.02,
@@ -121,7 +122,7 @@ fn le1_meets_calculix() {
 #[test]
 #[ignore = "needs GRAINPATH_DATA"]
 fn plates_of_calculix_carry_a_uniform_stress() {
-    // Four quads pulled by 100 MPa at one end, free at the sides.
+    // Four quads pulled by 100 MPa at one end, with free sides.
     let deck = read("ccx_planestress.inp");
     let (u, s) = solve_plane(&deck);
     for (p, s) in deck.nodes.iter().zip(&s) {
@@ -164,8 +165,8 @@ fn solve_solid(file: &FeFile) -> (Vec<DVec3>, Vec<[f64; 6]>) {
     (solutions[0].displacement.clone(), stress)
 }
 
-/// Largest difference of the displacements over the longest, median difference of von Mises stresses over their peak,
-/// and both peaks, at the nodes of the deck; the result may have others.
+/// Four numbers at the nodes of the deck: greatest difference of displacements over the longest, median
+/// difference of von Mises stresses over their peak, and both peaks. The result may have other nodes.
 fn compared(file: &FeFile, u: &[DVec3], s: &[[f64; 6]], theirs: &StressField) -> (f64, f64, f64, f64) {
     let (mut longest, mut off, mut their_peak) = (0.0f64, 0.0f64, 0.0f64);
     let mut differences = Vec::new();
@@ -200,6 +201,7 @@ fn solids_meet_calculix() {
         );
         assert!(off < 1e-4, "{deck}: displacements differ by {off}");
         assert!(stress_off < 0.02, "{deck}: stresses differ by {stress_off}");
+        // Peaks lie in sharp inner corners, where recovered and averaged stresses differ.
         assert!((peak / their_peak - 1.0).abs() < 0.15, "{deck}: {peak} {their_peak}");
     }
 }

@@ -1,4 +1,5 @@
-//! Paths along the grain of real photographs and scans, against independent structure tensors in numpy.
+//! Paths along the grain of real photographs and scans, compared with independent structure tensors in
+//! numpy.
 
 #[path = "../../../tests/data.rs"]
 mod data;
@@ -21,7 +22,7 @@ fn photo(name: &str) -> Photo {
     Photo::of(name.to_owned(), decode(&bytes).expect(name))
 }
 
-/// Angle from +X (rows downwards) and coherence at every pixel, rows from the top.
+/// Angle from +x (rows downwards) and coherence at each pixel, rows from the top.
 fn independent(photo: &Photo) -> Vec<f32> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
     let source = folder.join(format!("{}.in", photo.name));
@@ -41,8 +42,8 @@ fn independent(photo: &Photo) -> Vec<f32> {
     bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
 }
 
-/// Mean angle in degrees between the dense fill of the first layer and the axis (radians) that stands at each place, and
-/// the length in mm over which there is one.
+/// Mean angle in degrees between the dense fill of the first layer and the axis (radians) at each place,
+/// and the length in mm of the fill that has an axis.
 fn mean_off(planned: &grainpath::Planned, axis_rad: impl Fn(DVec2) -> Option<f64>) -> (f64, f64) {
     let (mut sum, mut length) = (0.0, 0.0);
     let paths = planned.plan.layers[0].paths.iter().map(|p| &p.path);
@@ -51,6 +52,7 @@ fn mean_off(planned: &grainpath::Planned, axis_rad: impl Fn(DVec2) -> Option<f64
             let n = (a.distance(b) / 0.1).ceil().max(1.0);
             for k in 0..n as usize {
                 let Some(axis) = axis_rad(a.lerp(b, (k as f64 + 0.5) / n)) else { continue };
+                // The doubled angle makes opposite directions equal.
                 let off = 2.0 * (atan2(b.y - a.y, b.x - a.x) - axis);
                 sum += 0.5 * atan2(sin(off), cos(off)).abs().to_degrees() * a.distance(b) / n;
                 length += a.distance(b) / n;
@@ -88,7 +90,8 @@ fn paths_agree_with_an_independent_structure_tensor() {
             let p = p * (w as f64 / WIDTH_MM);
             let (x, y) = ((p.x as usize).min(w - 1), h - 1 - (p.y as usize).min(h - 1));
             let i = y * w + x;
-            // The picture's rows run downwards, so its angle is the other way round.
+            // Rows of the picture run downwards, so its angle has the opposite sign.
+            // Below a coherence of 0.3 the independent tensor has no reliable direction.
             (truth[w * h + i] > 0.3).then(|| -f64::from(truth[i]))
         });
         let row = format!("{name}: {:.2} degrees over {length:.0} mm", mean);
@@ -105,7 +108,8 @@ fn paths_agree_with_an_independent_structure_tensor() {
 fn paths_along_a_scans_texture_agree_with_an_independent_tensor() {
     const VOXEL_MM: f64 = 0.25;
     let mut wrong = Vec::new();
-    // Trabeculae in this block are neither clearly fibres nor plates: we mix both, the other way takes the clearer one.
+    // Trabeculae in this block are neither clearly fibres nor clearly plates. Our tensor mixes both
+    // readings, the independent one takes the clearer.
     for (name, most_deg) in [("bone_128x128x128_u8.tif", 15.0), ("weave_150x150x150_u8.tif", 8.0)] {
         let path = data::data(&format!("ct/{name}"));
         let shown = path.display().to_string();
@@ -135,7 +139,8 @@ fn paths_along_a_scans_texture_agree_with_an_independent_tensor() {
         let bytes = std::fs::read(&to).expect("what the script wrote");
         let truth: Vec<f32> =
             bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-        // One layer at the height of the middle slice, filled along the scan: as wide as it, less a margin.
+        // One layer at the height of the middle slice, filled along the scan; as wide as the scan, less a
+        // margin.
         let (w, h) = (nx as f64 * VOXEL_MM, ny as f64 * VOXEL_MM);
         let job = format!(
             "[shape]\nmesh = \"a.stl\"\n[guide]\nkind = \"grain\"\nsmoothing_mm = 0.3\n[guide.volume]\npath = \"a\"\n\

@@ -1,4 +1,5 @@
-//! Photographs of synthetic boards as guides: where the grain lies on the part, and what is refused.
+//! Photographs of synthetic boards as guides: the place of the grain on the part, and the photographs
+//! that are refused.
 
 use grainpath::guide::grain::{Corners, GrainError, GrainGuide, GrainSettings, Mode, read_grain};
 use grainpath_core::{DVec2, DVec3, Diagnostics, DirectionField, Region};
@@ -99,7 +100,7 @@ fn no_photograph_of_wood_is_told() {
     let none = |_: f64| Region::default();
     let error = read_grain(std::slice::from_ref(&black), &s, &none, &Diagnostics::default()).err();
     assert!(matches!(error, Some((0, GrainError::Blank { .. }))), "{error:?}");
-    // Plain paper: noise and nothing else.
+    // Plain paper: noise without grain.
     let mixed = |i: usize| {
         let mut h = i as u32;
         for (shift, factor) in [(16, 0x7feb_352d_u32), (15, 0x846c_a68b)] {

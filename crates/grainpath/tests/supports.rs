@@ -1,5 +1,5 @@
-//! Supports of every real mesh: nothing floats, nothing cuts the part, no branch leans too far, every overhang is
-//! near a contact or listed.
+//! Supports of all real meshes: nothing floats, nothing cuts the part, no branch leans too far, and each
+//! overhang is near a contact or listed as not reached.
 
 #[path = "../../../tests/data.rs"]
 mod data;
@@ -39,7 +39,7 @@ fn supported(path: &Path, s: &Settings) -> Option<(Support, LayerStack, SupportS
     let mut s = s.clone();
     let longest = file.bodies.iter().filter_map(|b| b.mesh.bounds()).map(|(l, h)| (h - l).max_element());
     let longest = longest.fold(0.0, f64::max);
-    // Units are not told in most files; anything between a coin and a bucket will do.
+    // Most files state no unit, so sizes are scaled to lie between a coin's and a bucket's.
     s.shape.scale = if file.unit.is_some() {
         1.0
     } else if longest < 1.0 {
@@ -79,6 +79,7 @@ fn supports_of_every_real_mesh_stand_and_keep_off_the_part() {
             .into_par_iter()
             .map(|k| support.cut.layers[k].region.intersection(stack.layers()[k].region()).area_mm2())
             .collect();
+        // Areas below this come from rounding to the grid of the boolean operations.
         let cuts = cut.iter().filter(|&&a| a > 1e-3).count();
         let floating = count_floating(&support.cut.layers, &stack, &wanted);
         let steepest = support.forest.steepest_rad().to_degrees();
@@ -105,7 +106,7 @@ fn supports_of_every_real_mesh_stand_and_keep_off_the_part() {
     assert!(done == 0 || done > 40 || !all, "only {done} meshes could be tried");
 }
 
-/// Boxes that overlap, as one mesh; slicing unites them.
+/// Overlapping boxes as one mesh; slicing unites them.
 fn boxes(all: &[[[f64; 3]; 2]]) -> TriMesh {
     let mut mesh = TriMesh::default();
     for [low, high] in all {
@@ -140,7 +141,8 @@ fn planned(
     (support, stack, quiet.warnings())
 }
 
-/// A table: a leg and a top that overhangs it by 20 mm on all sides, 12 mm up, over a lower shelf on one side.
+/// A table: a leg, and a top 12 mm up that projects by 20 mm on all sides. With `shelf` a lower shelf
+/// lies below one side.
 fn table(shelf: bool) -> TriMesh {
     let mut all = vec![[[-2.0, -2.0, 0.0], [2.0, 2.0, 12.5]], [[-22.0, -22.0, 12.0], [22.0, 22.0, 14.0]]];
     if shelf {
@@ -196,7 +198,7 @@ fn boxes_and_facets_enforce_and_block() {
     let (blocked, ..) = planned(&table(false), |s| s.block = vec![half]);
     assert!(!blocked.overhangs.contacts.is_empty());
     assert!(blocked.overhangs.contacts.iter().all(|c| c.at.x < 0.01));
-    // A wall that leans by 30 degrees needs nothing unless it is asked for.
+    // A wall that leans by 30 degrees needs no support unless the settings demand it.
     let mut wedge = boxes(&[[[0.0; 3], [10.0, 10.0, 20.0]]]);
     wedge.vertices.iter_mut().for_each(|p| p.x += 0.577 * p.z);
     let (none, ..) = planned(&wedge, |_| ());
@@ -223,7 +225,7 @@ fn what_is_painted_overrides_angles_and_boxes() {
         TriMesh { vertices, triangles: vec![[0, 1, 2]] }
     };
     let everywhere = [DVec3::splat(-100.0), DVec3::splat(100.0)];
-    // Held only where painted, though boxes forbid all of it.
+    // Supported only where painted, although a box blocks all of the part.
     let held = |marks: PaintedSupports| {
         let (support, ..) = planned(&table(false), |s| {
             s.block = vec![everywhere];
@@ -235,11 +237,11 @@ fn what_is_painted_overrides_angles_and_boxes() {
     assert!(found.contacts.len() > 2);
     let inside = |p: DVec3| p.x > 4.99 && p.y > 4.99 && p.x + p.y < 22.01;
     assert!(found.samples.iter().all(|s| inside(s.at)), "{:?}", found.samples);
-    // A speck smaller than the grid of samples is not overlooked.
+    // A painted patch smaller than the spacing of samples is not missed.
     let speck = held(PaintedSupports { enforcers: patch([10.3, 10.3], 0.2), ..PaintedSupports::default() });
     assert_eq!(speck.contacts.len(), 1);
     assert!(speck.contacts[0].at.distance(DVec3::new(10.4, 10.4, 12.0)) < 0.2);
-    // Left free where painted, held elsewhere.
+    // Left free where painted, supported elsewhere.
     let (support, ..) = planned(&table(false), |s| s.painted.blockers = patch([5.0, 5.0], 12.0));
     let samples = &support.overhangs.samples;
     assert!(samples.len() > 100 && samples.iter().all(|s| s.at.x + s.at.y > 21.99 || !inside(s.at)));
@@ -259,7 +261,7 @@ fn gaps_pads_and_tips_are_as_asked() {
         s.interface_layers = 2;
         s.z_gap_mm = 0.3;
     });
-    // The top begins in the layer that ends at 12.2; two layers of 0.2 are free below it.
+    // The top begins in the layer that ends at 12.2 mm; two layers of 0.2 mm below it stay free.
     let top = support.cut.layers.iter().rposition(|l| !l.region.is_empty()).expect("support");
     assert!((stack.layers()[top].z_top_mm() - 11.6).abs() < 1e-9, "{}", stack.layers()[top].z_top_mm());
     let pads = |k: usize| support.cut.layers[k].interface.area_mm2();
@@ -279,7 +281,7 @@ fn baselines_stand_below_every_overhang() {
 
 #[test]
 fn cones_meet_at_their_highest_common_point() {
-    // By search: the highest point that both cones reach.
+    // The highest point that both cones reach, found by search.
     let slope = grainpath_core::math::tan(40f64.to_radians());
     for (p, q) in [
         ((0.0, 0.0, 30.0), (8.0, 3.0, 26.0)),

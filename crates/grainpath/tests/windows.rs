@@ -10,7 +10,8 @@ fn settings(sets: &[&str]) -> Settings {
     parse_job("", "job.toml", &sets, &|path| Err(path.to_owned())).expect("a sound job")
 }
 
-/// The mounting plate of the preset at a third of its size: holes, a slot, a thin rib, and a step in height.
+/// The mounting plate of the preset at a third of its size: it has holes, a slot, a thin rib, and a step
+/// in height.
 fn plate(settings: &Settings) -> LayerStack {
     let mut bytes = Vec::new();
     grainpath_io::write_stl(&grainpath_parts::presets::plate(), &mut bytes).expect("memory takes all");
@@ -32,8 +33,9 @@ fn planned(settings: &Settings, stack: &LayerStack, n_layers: usize) -> Vec<Laye
 
 #[test]
 fn windows_of_any_size_give_the_same_layers() {
-    // Heights of a quarter are exact, so equal layers are equal to the bit. Others differ by the rounding of their tops:
-    // whether a layer is copied from its equal or laid anew across the border of a window then shows in the last bits.
+    // Quarters are exact in binary, so equal layers are equal to the bit. Other heights differ by the
+    // rounding of their tops: the last bits then show whether a layer was copied from its equal or
+    // planned anew across the border of a window.
     let small = [
         "shape.scale=0.35",
         "process.layer_height_mm=0.25",
@@ -42,10 +44,10 @@ fn windows_of_any_size_give_the_same_layers() {
     ];
     for more in [
         &["fill.pattern=gyroid", "process.seam=random"][..],
-        // Seams and beginnings follow the layer below, across the borders of windows.
+        // Seams and starts of paths follow the layer below, across the borders of windows.
         &["fill.pattern=grid", "process.seam=aligned", "process.brim_width_mm=2"],
         &["fill.pattern=rectilinear", "process.chain=true", "process.top_layers=3"],
-        // Equal layers are laid once and copied.
+        // Equal layers are planned once and copied.
         &["fill.pattern=stripes", "guide.kind=angle", "guide.angle_deg=30"],
         &["fill.pattern=continuous", "guide.kind=angle"],
     ] {

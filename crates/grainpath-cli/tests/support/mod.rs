@@ -1,4 +1,4 @@
-//! Driving the program as a user would.
+//! Runs the program as a user would.
 #![allow(dead_code)]
 
 #[path = "../../../../tests/data.rs"]
@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-/// A folder of a test's own, empty at the start.
+/// A folder for one test, empty at the start.
 pub fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&folder);
@@ -23,14 +23,14 @@ pub fn grainpath(folder: &Path, args: &[&str]) -> Output {
     command.args(args).current_dir(folder).output().expect("the program starts")
 }
 
-/// The JSON object on standard output; nothing else may be there.
+/// The JSON object on standard output, which must hold nothing else.
 pub fn json(output: &Output) -> Value {
     let text = String::from_utf8_lossy(&output.stdout);
     assert_eq!(text.lines().count(), 1, "one object and nothing else: {text}");
     serde_json::from_str(&text).expect("JSON")
 }
 
-/// An ASCII STL of a box from the origin.
+/// A box with a corner at the origin, as ASCII STL.
 pub fn box_stl(size: [f64; 3]) -> String {
     let v = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 1 { size[k] } else { 0.0 });
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];

@@ -5,14 +5,15 @@ use grainpath_core::{DMat3, DVec3};
 use grainpath_fea::material::{Orthotropic, Stiffness};
 use grainpath_fea::solid::TetMesh;
 
-/// A block of cells, each of six tetrahedra, mapped to a shape: all ten nodes of an element lie on the map.
+/// A block of cells, each of six tetrahedra, mapped to a shape. All ten nodes of an element lie on the
+/// map.
 pub struct Brick {
     n: [usize; 3],
     map: Box<dyn Fn(DVec3) -> DVec3>,
 }
 
 impl Brick {
-    /// So many cells along each side of the unit cube.
+    /// Numbers of cells along the sides of the unit cube.
     pub fn new(n: [usize; 3], map: impl Fn(DVec3) -> DVec3 + 'static) -> Self {
         Self { n, map: Box::new(map) }
     }
@@ -41,7 +42,7 @@ impl Brick {
         for p in &mut mesh.nodes {
             *p = (self.map)(*p);
         }
-        // A map that mirrors turns all elements over.
+        // A map that mirrors reverses all elements.
         if mesh.volume_mm3() < 0.0 {
             for t in &mut mesh.tets {
                 *t = [t[0], t[2], t[1], t[3], t[6], t[5], t[4], t[7], t[9], t[8]];
@@ -52,12 +53,12 @@ impl Brick {
     }
 }
 
-/// The same in all directions.
+/// An isotropic stiffness.
 pub fn isotropic(e_mpa: f64, nu: f64) -> Stiffness {
     Orthotropic::isotropic(e_mpa, nu).stiffness().expect("stable")
 }
 
-/// A stiffness turned by an axis whose length is the angle, radians.
+/// A stiffness rotated by a vector: its direction is the axis, its length the angle in radians.
 pub fn rotated(c: &Stiffness, axis: DVec3) -> Stiffness {
     let q = DMat3::from_axis_angle(axis.normalize(), axis.length());
     const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
