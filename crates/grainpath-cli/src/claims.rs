@@ -54,7 +54,7 @@ fn identity(path: &Path) -> Option<Identity> {
 
 /// A file or folder that a command reads or writes.
 struct Claim {
-    /// How the user named it: a setting or an argument.
+    /// Name that the user gave it by: a setting or an argument.
     what: String,
     path: PathBuf,
     identity: Identity,

@@ -76,7 +76,7 @@ pub fn plain(error: &io::Error) -> String {
 /// On an error the temporary file is removed. Links are followed; devices and pipes are written directly.
 ///
 /// # Errors
-/// What `fill` says, or exit code 2 when the place cannot be written.
+/// Errors of `fill`, or exit code 2 when the place cannot be written.
 pub fn write_atomically<T>(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> Result<T, Failure>,

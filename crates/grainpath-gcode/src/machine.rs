@@ -20,7 +20,7 @@ pub enum Flavour {
 /// A printer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
-    /// What its firmware understands.
+    /// Dialect of the firmware.
     pub flavour: Flavour,
     /// Diameter of the nozzle, mm.
     pub nozzle_mm: f64,
@@ -30,7 +30,7 @@ pub struct Machine {
     pub bed_mm: [f64; 3],
     /// Whether x = y = 0 is the middle of the bed; else its front left corner.
     pub origin_at_centre: bool,
-    /// What the axes can do.
+    /// Limits of the axes.
     pub limits: Limits,
     /// Whether E words are distances (M83); else positions (M82).
     pub relative_e: bool,
@@ -123,20 +123,20 @@ pub struct Cooling {
 /// Retraction of the filament for travel moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Retraction {
-    /// Length of filament that is drawn back, mm; 0 for no retraction.
+    /// Length of filament that is retracted, mm; 0 for no retraction.
     pub length_mm: f64,
-    /// Speed of drawing back, mm/s.
+    /// Speed of the retraction, mm/s.
     pub speed_mm_s: f64,
-    /// Speed of pushing forward again, mm/s.
+    /// Speed of the unretraction, mm/s.
     pub unretract_speed_mm_s: f64,
-    /// Height by which the nozzle is lifted meanwhile, mm.
+    /// Lift of the nozzle between retraction and unretraction, mm.
     pub z_hop_mm: f64,
 }
 
 /// Properties of a material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
-    /// Its name, for the header of the program.
+    /// Name, for the header of the program.
     pub name: String,
     /// g/cm3.
     pub density_g_cm3: f64,
@@ -177,6 +177,6 @@ pub struct FibreTool {
     pub anchor_speed_mm_s: f64,
     /// Diameter of the filament that the tool is fed with, mm.
     pub filament_mm: f64,
-    /// The material that is laid.
+    /// Material of the fibre.
     pub material: Material,
 }

@@ -13,27 +13,27 @@ use crate::read::{Line, Lines};
 /// A straight piece of bead. It takes 32 bytes, since a program has millions of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bead {
-    /// Its beginning, mm, in the machine's coordinates.
+    /// Start, mm, in the machine's coordinates.
     pub a: [f32; 2],
-    /// Its end.
+    /// End, mm.
     pub b: [f32; 2],
     /// Extruded volume, mm3.
     pub volume_mm3: f32,
     /// Requested speed, mm/s.
     pub speed_mm_s: f32,
-    /// Its role; outer wall where the program does not state one.
+    /// Role; outer wall where the program does not state one.
     pub role: Role,
     /// Whether a path begins with this bead.
     pub starts: bool,
 }
 
 impl Bead {
-    /// Its beginning, mm.
+    /// Start of the bead, mm.
     pub fn start(&self) -> DVec2 {
         DVec2::new(f64::from(self.a[0]), f64::from(self.a[1]))
     }
 
-    /// Its end, mm.
+    /// End of the bead, mm.
     pub fn end(&self) -> DVec2 {
         DVec2::new(f64::from(self.b[0]), f64::from(self.b[1]))
     }
@@ -45,7 +45,7 @@ impl Bead {
     }
 }
 
-/// Everything that is printed at one height.
+/// Beads, travels and cuts at one height.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BeadLayer {
     /// Height of the nozzle, mm.

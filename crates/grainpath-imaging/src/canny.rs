@@ -25,7 +25,7 @@ pub struct Edges {
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Which pixels are on an edge.
+    /// Whether each pixel is on an edge.
     pub mask: Vec<bool>,
     /// The thresholds that were used: low and high, brightness per pixel.
     pub thresholds: [f32; 2],

@@ -35,7 +35,7 @@ impl Raster {
     /// A grid over a box, with two pixels more on every side.
     pub fn over(bounds: Bounds2, pixel_mm: DVec2) -> Self {
         let n = bounds.size() / pixel_mm;
-        // The factor is the ratio of sides, hence the square root of the ratio of areas.
+        // The factor is the ratio of sides, which is the square root of the ratio of areas.
         let pixel_mm = pixel_mm * ((n.x + 4.0) * (n.y + 4.0) / MAX_PIXELS).sqrt().max(1.0);
         let n = (bounds.size() / pixel_mm).ceil();
         let (nx, ny) = (n.x as usize + 5, n.y as usize + 5);

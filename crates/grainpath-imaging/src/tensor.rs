@@ -43,7 +43,7 @@ pub struct AxisGrid {
     /// Mean coherence over a neighbourhood three times as wide. Noise has hardly any, wood nearly as much
     /// as on the narrow scale.
     pub wide_coherence: f64,
-    /// How much darker the picture is here than around, 0 to 1.
+    /// Darkness of each place against its surroundings, 0 to 1.
     pub darkness: Vec<f32>,
 }
 

@@ -142,8 +142,9 @@ impl Histogram {
     }
 }
 
-/// Where a histogram falls into two groups, in bins from the lower end: the split with the greatest variance between the
-/// groups (Otsu 1979). Of equally good splits, which lie in a run of empty bins, the middle one is taken.
+/// Split of a histogram into two groups, in bins from the lower end: the split with the greatest variance
+/// between the groups (`otsu1979`). Of equally good splits, which lie in a run of empty bins, the middle
+/// one is taken.
 ///
 /// ```
 /// use grainpath_imaging::threshold::otsu_split;

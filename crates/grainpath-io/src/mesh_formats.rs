@@ -5,8 +5,8 @@ use crate::mesh::{obj, off, ply, stl};
 use crate::text::skip_space;
 use crate::threemf;
 
-/// Reads a mesh of any format. The format is told from the content; `name` (a file name) decides only between text
-/// formats that begin alike.
+/// Reads a mesh of any format. The content decides the format; `name` (a file name) decides only between
+/// text formats that begin alike.
 ///
 /// # Errors
 /// [`MeshError`] with what is wrong and where.
@@ -80,7 +80,7 @@ pub fn sniff_mesh(bytes: &[u8], name: Option<&str>) -> Option<MeshFormat> {
     let is = |e: &str| extension.as_deref() == Some(e);
     let starts =
         |word: &str| bytes.get(..word.len()).is_some_and(|b| b.eq_ignore_ascii_case(word.as_bytes()));
-    // Every ZIP archive is taken for 3MF; a missing model part is then the error.
+    // Every ZIP archive is read as 3MF; another archive then fails for its missing model part.
     if starts("PK\x03\x04") {
         return Some(MeshFormat::ThreeMf);
     }

@@ -83,7 +83,7 @@ impl<'a> Words<'a> {
         self.at += rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(rest.len());
     }
 
-    /// Goes to the beginning of the next line.
+    /// Moves to the beginning of the next line.
     pub(crate) fn next_line(&mut self) {
         self.skip_to_line_end();
         if self.at < self.bytes.len() {

@@ -21,7 +21,7 @@ use grainpath_core::units::LengthUnit;
 pub struct Word {
     /// The word in a job file.
     pub name: &'static str,
-    /// Its meaning, as the end of a sentence; empty where the word explains itself.
+    /// Meaning, as the end of a sentence; empty where the word explains itself.
     pub help: &'static str,
 }
 
@@ -67,17 +67,17 @@ macro_rules! choices {
 }
 
 choices! {
-    /// What counts as material in a drawing (`shape.outline_rule`).
+    /// Rule for the material in a drawing (`shape.outline_rule`).
     enum OutlineRule {
         File = "file", "filled shapes are material, and so is the inside of closed lines without fill.";
         EvenOdd = "even-odd", "every closed line counts; each line inside another one is a hole in it, and so on inwards.";
     }
-    /// What happens to defects of a mesh (`shape.repair`).
+    /// Treatment of defects of a mesh (`shape.repair`).
     enum Repair {
         Auto = "auto", "defects are repaired, and a warning counts them.";
         Strict = "strict", "a mesh with defects is refused.";
     }
-    /// How the board is found in a photograph (`corners`).
+    /// Method that finds the board in a photograph (`corners`).
     enum BoardCorners {
         Image = "image", "the board fills the whole image.";
         Outline = "outline", "the board is found by its outline on a plain background.";
@@ -102,14 +102,14 @@ choices! {
         Median = "median", "median of 3 x 3 pixels.";
         Edges = "edges", "smooths surfaces and keeps edges sharp.";
     }
-    /// What lies between the slices of a scan (`shape.ct.interpolate`).
+    /// Method that makes layers between the slices of a scan (`shape.ct.interpolate`).
     enum Interpolate {
         Auto = "auto", "`grey` where slices lie as close as pixels, else `matched`.";
         Grey = "grey", "grey values are interpolated.";
         Matched = "matched", "contours of neighbouring slices are matched and morphed.";
         Distance = "distance", "signed distances to the contours are interpolated.";
     }
-    /// How the contours of a scan are found (`shape.ct.contours`).
+    /// Method that finds the contours of a scan (`shape.ct.contours`).
     enum Contours {
         Iso = "iso", "where the grey value crosses the threshold, between pixels.";
         Canny = "canny", "Canny's edges with feature points, as published for CT-based printing.";
@@ -136,7 +136,7 @@ choices! {
         Coextruded = "coextruded", "one nozzle lays fibre and matrix together.";
         Separate = "separate", "the fibre has a nozzle of its own.";
     }
-    /// How well the strengths of a material are known (`material.strength_tier`).
+    /// Evidence for the strengths of a material (`material.strength_tier`).
     enum StrengthTier {
         T0 = "T0", "data sheets and literature.";
         T1 = "T1", "tests of coupons printed on this machine.";
@@ -147,21 +147,21 @@ choices! {
         InnerFirst = "inner-first", "from the fill outwards: cleaner overhangs.";
         OuterFirst = "outer-first", "the outer wall first: more exact dimensions.";
     }
-    /// Where outer walls begin and end (`process.seam`).
+    /// Place where outer walls begin and end (`process.seam`).
     enum Seam {
         Nearest = "nearest", "at the point nearest to the nozzle: least travel.";
         Aligned = "aligned", "above the seam of the layer below; a new seam begins at the sharpest corner.";
         Rear = "rear", "at the largest y.";
         Random = "random", "anywhere on the wall; the same place in every run.";
     }
-    /// What gives infill its direction (`guide.kind`).
+    /// Source of the infill's direction (`guide.kind`).
     enum GuideKind {
         None = "none", "the raster angles of `fill.angles_deg`.";
         Angle = "angle", "`guide.angle_deg`, for all infill.";
         Stress = "stress", "the principal stresses under the job's loads, or of `guide.import`.";
         Grain = "grain", "the grain of photographs, or the texture of a scan.";
     }
-    /// Which principal stress beads follow (`guide.follow`).
+    /// Principal stress that beads follow (`guide.follow`).
     enum Follow {
         MaxAbs = "max-abs", "the one of larger magnitude.";
         Tension = "tension", "the largest tension.";
@@ -194,12 +194,12 @@ choices! {
         Psi = "psi", "";
         Ksi = "ksi", "";
     }
-    /// What of the grain infill follows (`guide.mode`).
+    /// Property of the grain that infill follows (`guide.mode`).
     enum GrainMode {
         Field = "field", "lines along the grain's directions.";
         Edges = "edges", "the edges found in the picture, and more lines between them.";
     }
-    /// How edge points become curves (`guide.join`).
+    /// Method that joins edge points to curves (`guide.join`).
     enum CurveJoin {
         Trace = "trace", "each edge is traced from pixel to pixel.";
         Nearest = "nearest", "each point is joined to its nearest one, as published.";
@@ -230,7 +230,7 @@ choices! {
         Variable = "variable", "the width follows the distance to the neighbouring beads.";
         Constant = "constant", "one width everywhere, as continuous fibre needs.";
     }
-    /// How the pattern `continuous` joins its cells into one path (`fill.tree`).
+    /// Rule by which the pattern `continuous` joins its cells into one path (`fill.tree`).
     enum CellTree {
         Directed = "directed", "joins cells where beads turn least away from the guide.";
         Undirected = "undirected", "joins cells without regard to the guide, for comparison.";
@@ -242,18 +242,18 @@ choices! {
         Columns = "columns", "straight walls below every overhang, for comparison.";
         Box = "box", "a box around all overhangs, for comparison.";
     }
-    /// How branches become one surface (`support.solid`).
+    /// Method that makes one surface of the branches (`support.solid`).
     enum SupportSurface {
         Distance = "distance", "the zero level of a signed distance.";
         Poisson = "poisson", "Poisson reconstruction as published: slower, and it rounds tips off.";
     }
-    /// What happens where a fibre path turns too sharply (`fibre.turns`).
+    /// Treatment of turns that are too sharp for the fibre (`fibre.turns`).
     enum FibreTurns {
         Round = "round", "turns are rounded where there is room; the others are reported.";
         Report = "report", "turns are reported only.";
         Cut = "cut", "turns are rounded where there is room; at the others the fibre is cut.";
     }
-    /// Where a closed fibre path begins and ends (`fibre.start`).
+    /// Place where a closed fibre path begins and ends (`fibre.start`).
     enum FibreStart {
         Nearest = "nearest", "nearest to the end of the path before.";
         Straight = "straight", "in the middle of the longest straight piece.";

@@ -6,7 +6,8 @@
 //!
 //! [`parse_job`] reads a job in this order, each step stronger than the one before: defaults, the profiles of printer,
 //! material and process, the file, and the `--set` arguments. It then checks what must hold between settings. After
-//! that nobody checks a setting again. Errors name the file and the line, which come from the spans of the TOML parser.
+//! that no later stage checks a setting again. Errors name the file and the line, which come from the
+//! spans of the TOML parser.
 //!
 //! Old files stay readable: `format` is the version of the file format, and [`RENAMED`] lists keys that have a new
 //! name. A renamed key is read with a warning that names the new one.

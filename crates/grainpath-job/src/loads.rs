@@ -24,7 +24,7 @@ use toml::{Table, Value};
 
 use super::value::{Problem, SettingValue, ValueError};
 
-/// Where a fixture or load acts, as typed.
+/// Place where a fixture or load acts, as typed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Place {
     /// The part of the surface in a box, on a plane or on a cylinder, or within a sphere.
@@ -71,11 +71,11 @@ pub struct Load {
 /// Loads that act at the same time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
-    /// Its name in reports.
+    /// Name in reports.
     pub name: String,
-    /// Its weight where the directions of several cases are combined.
+    /// Weight where the directions of several cases are combined.
     pub weight: f64,
-    /// Its loads.
+    /// Loads of the case.
     pub loads: Vec<Load>,
 }
 
@@ -271,7 +271,7 @@ impl SettingValue for Fixture {
     const KIND: &'static str = "object";
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
         let t = Reader::new(value, "a table: on = ..., fix = \"xyz\"", &["on", "fix", "displacement_mm"])?;
-        // Without `fix` a fixture would hold nothing, which nobody means.
+        // Without `fix` a fixture would hold nothing, which is never intended.
         let fix = needed(t.0.get("fix"), "fix = \"xyz\", some of x, y and z, or \"normal\"")?;
         let word = fix.as_str().unwrap_or_default();
         let normal = word == "normal";

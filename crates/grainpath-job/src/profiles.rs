@@ -3,16 +3,16 @@
 /// A profile: TOML with keys of one section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Profile {
-    /// Its section: `printer`, `material` or `process`.
+    /// Section of the keys: `printer`, `material` or `process`.
     pub kind: &'static str,
-    /// Its name in job files.
+    /// Name in job files.
     pub name: &'static str,
-    /// Its keys as TOML. The first line is a comment that says what the profile is for.
+    /// Keys as TOML. The first line is a comment with the purpose of the profile.
     pub text: &'static str,
 }
 
 impl Profile {
-    /// Its purpose, from its first line.
+    /// Purpose of the profile, from its first line.
     pub fn about(&self) -> &'static str {
         // The first comment line of each file is its description, so that it is written in one place.
         self.text.lines().next().unwrap_or_default().trim_start_matches(['#', ' '])

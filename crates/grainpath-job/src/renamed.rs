@@ -25,7 +25,7 @@ pub enum Renamed {
     },
 }
 
-/// Everything that was renamed. Rows are never removed, because old job files stay readable.
+/// All keys and words that were renamed. Rows are never removed, because old job files stay readable.
 ///
 /// ```
 /// use grainpath_job::parse_job;

@@ -240,7 +240,7 @@ sections! {
         arcs: bool = false, "", Any, "Write circular arcs as G2 and G3.";
         arc_tolerance_mm: f64 = 0.01, "mm", Range(0.001, 1.0), "Largest distance between an arc and the path that it replaces.";
     }
-    /// What gives infill its direction.
+    /// Source of the infill's direction.
     GuideSection "guide" {
         kind: GuideKind = GuideKind::None, "", Any, "What gives infill its direction.";
         angle_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Direction of all infill for kind = \"angle\", counter-clockwise from +X.";

@@ -39,11 +39,11 @@ pub enum Check {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Param {
-    /// The table of the job file that holds it, as in `shape.ct`.
+    /// Table of the job file that holds the setting, as in `shape.ct`.
     pub section: &'static str,
-    /// Its key in that table.
+    /// Key in that table.
     pub key: &'static str,
-    /// Its unit; empty for numbers without a unit and for other types.
+    /// Unit; empty for numbers without a unit and for other types.
     pub unit: &'static str,
     /// JSON Schema type: `number`, `integer`, `boolean`, `string`, `array`, or several separated by `|`.
     pub kind: &'static str,
@@ -53,7 +53,7 @@ pub struct Param {
     pub check: Check,
     /// Words that are accepted; empty for settings that are not a choice.
     pub words: &'static [Word],
-    /// What the setting does and when to change it.
+    /// Effect of the setting, and when to change it.
     pub help: &'static str,
     /// JSON Schema of the value, without range and description.
     pub schema: serde_json::Value,
@@ -112,7 +112,7 @@ fn names(words: &[Word]) -> String {
 pub struct ValueError {
     /// The path from the setting to the wrong part; empty for the value itself.
     pub path: Vec<Step>,
-    /// What is wrong.
+    /// The reason.
     pub problem: Problem,
 }
 

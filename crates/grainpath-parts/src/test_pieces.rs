@@ -7,7 +7,7 @@ use grainpath_core::{DVec2, TriMesh};
 
 use crate::shapes::{arc, prism};
 
-/// How a piece is tested.
+/// Loading of a piece.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Loading {
     /// The grips hold this length at each end, mm, and pull.

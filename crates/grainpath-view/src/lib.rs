@@ -1,6 +1,6 @@
-//! What a person looks at: pictures of layers, stress, grain, supports and damage, and the report page.
+//! Pictures for people: layers, stress, grain, supports and damage, and the report page.
 //!
-//! Everything is drawn from data that the planner returns; nothing here decides where a bead lies.
+//! All pictures show data that the planner returns; this crate decides nothing about beads.
 
 pub mod grain;
 pub mod guide;

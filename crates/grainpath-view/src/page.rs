@@ -13,7 +13,7 @@ pub struct Picture {
     pub title: String,
     /// The PNG file.
     pub png: Vec<u8>,
-    /// Whether the picture belongs to the strength test and stands beside its results; otherwise it
+    /// Whether the picture belongs to the strength test and is shown with its results; otherwise it
     /// stands among the layers.
     pub of_test: bool,
 }

@@ -6,13 +6,13 @@ use grainpath_core::math::{atan2, cross};
 /// An arc that replaces the points from a start to `end`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arc {
-    /// Index of the last point that it replaces.
+    /// Index of the last point that the arc replaces.
     pub end: usize,
-    /// Its centre, in the frame of the points.
+    /// Centre, in the frame of the points.
     pub centre: DVec2,
-    /// Whether it turns left (G3).
+    /// Whether the arc turns left (G3).
     pub counter_clockwise: bool,
-    /// Its length, mm.
+    /// Length, mm.
     pub length_mm: f64,
 }
 

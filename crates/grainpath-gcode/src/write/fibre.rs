@@ -1,5 +1,5 @@
 //! Continuous fibre. It is fed where a run begins and cut at the cutter's distance before the end of the
-//! run, so that the rest of it is just laid.
+//! run, so that the rest of it is used up.
 //!
 //! A run is laid with one piece of fibre. It is a path, or several paths that follow each other without a
 //! travel between them, over layers too.

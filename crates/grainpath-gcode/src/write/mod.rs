@@ -13,7 +13,7 @@ use grainpath_core::{BeadWidth, Plan, PlannedPath};
 
 use crate::machine::{Cooling, FibreTool, Machine, Material, Retraction, Speeds};
 
-/// Everything the writer needs besides the plan.
+/// Input of the writer besides the plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WriteConfig {
     /// The printer.
@@ -56,7 +56,7 @@ pub struct Written {
     pub extruded_mm3: f64,
     /// Length of filament used, mm.
     pub filament_mm: f64,
-    /// Its mass, g.
+    /// Mass of that filament, g.
     pub mass_g: f64,
     /// Estimated time, s.
     pub time_s: f64,

@@ -37,7 +37,7 @@ pub struct Writer<'a> {
     pub(super) at: [Option<i64>; 3],
     /// Last known position of the nozzle.
     stood: DVec2,
-    /// Filament laid so far, exact.
+    /// Filament extruded up to now, exact.
     e_exact_mm: f64,
     pub(super) e_steps: i64,
     /// Position of E at the last reset, for absolute E.
@@ -445,8 +445,7 @@ impl<'a> Writer<'a> {
 
     pub(super) fn retract(&mut self) {
         let r = self.config.retraction;
-        // Fibre is cut and not drawn back.
-        // Before the first extrusion there is nothing to draw back.
+        // Fibre is cut and not retracted. Before the first extrusion there is nothing to draw back.
         if self.retracted || self.fibre_tool || r.length_mm <= 0.0 || self.e_steps == 0 {
             return;
         }

@@ -277,7 +277,7 @@ fn every_retraction_is_paired_and_every_hop_comes_down() {
         let at = |k: f64| [(k, f64::from(i)), (k + 1.0, f64::from(i))];
         let one =
             |k: f64, retract| planned(line(&at(k), BeadWidth::Constant(0.45), Role::SparseFill), retract);
-        // The second begins where the first ends: no travel, so nothing is drawn back.
+        // The second begins where the first ends: without a travel there is no retraction.
         layers.push(vec![one(0.0, true), one(1.0, true), one(10.0, true), one(20.0, false)]);
     }
     let config = config(Flavour::Marlin);
@@ -490,7 +490,7 @@ fn corners_lines_and_coarse_polygons_are_no_arcs() {
 }
 
 proptest! {
-    /// Whatever is taken for an arc, the points lie on it and it turns one way.
+    /// Points that are replaced by an arc lie on it, and the arc turns one way.
     #[test]
     fn arcs_stay_by_their_points(
         r in 0.5..80.0f64, n in 20usize..400, noise in 0.0..0.004f64, seed in 0usize..1000,

@@ -8,7 +8,7 @@ use crate::canny::Edges;
 use crate::metric::MetricImage;
 use crate::tensor::AxisGrid;
 
-/// How edge points are joined to curves.
+/// Method that joins edge points to curves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Join {
     /// Along the edges, from neighbour to neighbour in the direction of the edge.
@@ -17,10 +17,10 @@ pub enum Join {
     Nearest,
 }
 
-/// Which curves are kept.
+/// Rules for joining and keeping curves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurveSettings {
-    /// How points are joined.
+    /// Method that joins edge points.
     pub join: Join,
     /// Curves are cut where they turn by more than this in a step, radians.
     pub max_turn_rad: f64,

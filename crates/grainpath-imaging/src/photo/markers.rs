@@ -3,7 +3,7 @@
 //! A marker is a black square of 12 mm with a white ring in it (2 mm wide each) and an inner square of 4 mm. The share
 //! of the inner square that is black names the corner: 0 for the upper left one, then clockwise 1/3, 1 and 2/3. Shares
 //! do not change when a photograph is turned or mirrored, so each corner is known by itself; their order around the
-//! sheet then tells a mirrored photograph, whose grain would come out with the wrong hand.
+//! sheet then tells a mirrored photograph, whose grain would have the wrong hand.
 //!
 //! ```text
 //!   upper left      upper right     lower right     lower left      (#: black)
@@ -16,7 +16,8 @@
 //! ```
 //!
 //! Sheets printed before these shares existed have a white inner square at the upper left and three black ones. They
-//! are still read, but a mirrored photograph of them cannot be told; [`FoundMarkers::sheet`] says which sheet it was.
+//! are still read, but a mirrored photograph of them is not noticed; [`FoundMarkers::sheet`] says which
+//! sheet it was.
 //!
 //! Detection: pixels darker than 3/4 of their surroundings form pieces; the convex hull of a piece is reduced to four
 //! sides; brightness is read through the homography of those sides. Cost is linear in pixels of a picture shrunk to at
@@ -39,7 +40,7 @@ pub const MARKER_MM: f64 = 12.0;
 pub enum Sheet {
     /// All four markers differ: corners and handedness are certain.
     FourShares,
-    /// One white and three black inner squares: handedness cannot be told.
+    /// One white and three black inner squares: handedness is unknown.
     OneWhite,
 }
 

@@ -4,8 +4,8 @@
 //! is known beforehand: it is found from the four corners by the geometry of a pinhole camera with square pixels and
 //! its axis through the middle of the picture (Zhang and He 2007, *Whiteboard scanning and image enhancement*, section
 //! 3.2). Of the two turns the one whose ratio fits the size given is taken; where neither fits, the size is wrong or
-//! something else was found, and the photograph is refused. A half turn cannot be told: the first corner is then the
-//! one nearest to the picture's upper left.
+//! something else was found, and the photograph is refused. A half turn cannot be seen: the first corner
+//! is then the one nearest to the picture's upper left.
 //!
 //! Cost is constant. Where one pair of sides is parallel in the picture the focal length is not determined; it is then
 //! taken as `USUAL_FOCAL`, which matters little because such a view has little perspective.
@@ -39,7 +39,7 @@ const NEARLY_SQUARE: f64 = 1.15;
 /// Corners in the order of a board of known size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oriented {
-    /// Upper left, upper right, lower right, lower left of the board, px; a half turn is not told.
+    /// Upper left, upper right, lower right, lower left of the board, px; a half turn is not resolved.
     pub corners: [DVec2; 4],
     /// Whether the board is so nearly square that the turn is a guess.
     pub is_guess: bool,

@@ -240,7 +240,7 @@ fn match_features(
     step_mm: f64,
     shift: DVec2,
 ) -> Vec<(usize, usize)> {
-    // A corner that moved by more than a twelfth of the perimeter is taken for another corner.
+    // A corner that moved by more than a twelfth of the perimeter counts as another corner.
     let reach = (perimeter_mm(p).min(perimeter_mm(q)) / 12.0).max(3.0 * step_mm);
     let mut all: Vec<(f64, usize, usize)> = Vec::new();
     for (a, &(i, kp)) in fp.iter().enumerate() {

@@ -171,7 +171,7 @@ impl Edges {
         edges
     }
 
-    /// Gradient magnitudes one pixel before and behind a pixel, along its gradient.
+    /// Gradient magnitudes one pixel before and after a pixel, along its gradient.
     fn beside(&self, k: usize) -> (f32, f32) {
         let (x, y) = (self.gx[k], self.gy[k]);
         let m = self.magnitude[k].max(f32::MIN_POSITIVE);

@@ -1,4 +1,4 @@
-//! What can be wrong with a scan.
+//! Errors of scans.
 
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::slices::SliceError;

@@ -27,7 +27,7 @@
 //!
 //! Lengths are in mm in the plane of the slices; `t` runs from 0 at the lower slice to 1 at the upper one. Cost: pairing is
 //! quadratic in the points of a contour, of which at most 700 are matched. Limits: between slices a curved flank is
-//! replaced by its chords, so a torus in slices four pixels apart comes out 0.8 % too small (docs/ct.md).
+//! replaced by its chords, so a torus in slices four pixels apart becomes 0.8 % too small (docs/ct.md).
 
 use grainpath_core::poly::{FillRule, signed_area_mm2};
 use grainpath_core::{Bounds2, Contour, DVec2, Polygon, Region};
@@ -78,7 +78,7 @@ pub struct Events {
     pub branches: usize,
 }
 
-/// Everything between two slices.
+/// The matched contours between two slices.
 #[derive(Debug, Clone, Default)]
 pub struct Slab {
     moving: Vec<Pairing>,
@@ -87,7 +87,7 @@ pub struct Slab {
     blends: Vec<Blend>,
     /// Half width of the gaps between the pieces of branches that are closed, mm.
     heal_mm: f64,
-    /// What happened.
+    /// Births, deaths and branches between the slices.
     pub events: Events,
 }
 
@@ -136,7 +136,7 @@ impl Slab {
     }
 
     /// Matches two slices. `change` returns the fraction of the way at which the inside of a contour
-    /// changes between material and air, from the grey values; the flag tells whether the contour is the
+    /// changes between material and air, from the grey values; the flag says whether the contour is the
     /// lower slice's.
     pub fn between(
         lower: &Region,

@@ -58,7 +58,7 @@ use error::wrong;
 use survey::{Lattice, Survey};
 use turned::Turned;
 
-/// Where the part's border lies among the grey values.
+/// Rule that places the part's border among the grey values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Threshold {
     /// Otsu's threshold of the histogram (`otsu1979`).
@@ -71,7 +71,7 @@ pub enum Threshold {
     Range(f64, f64),
 }
 
-/// How noise is removed; see [`Smoothing`].
+/// Method that removes noise; see [`Smoothing`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Denoise {
     /// No smoothing.
@@ -84,7 +84,7 @@ pub enum Denoise {
     Edges,
 }
 
-/// How contours are found in a slice.
+/// Method that finds contours in a slice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tracing {
     /// Contours where the grey value crosses the threshold, between pixels.
@@ -93,7 +93,7 @@ pub enum Tracing {
     Canny,
 }
 
-/// How layers between two slices are made.
+/// Method that makes layers between two slices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interpolation {
     /// Grey values where slices lie as close as pixels, otherwise matched contours.
@@ -135,16 +135,16 @@ pub struct CtSettings {
     pub flip: [bool; 3],
     /// Rotations about x, then y, then z, after cropping and mirroring, rad.
     pub rotate_rad: [f64; 3],
-    /// Where the border of the part lies among the grey values.
+    /// Rule that places the part's border among the grey values.
     pub threshold: Threshold,
-    /// How noise is removed.
+    /// Method that removes noise.
     pub denoise: Denoise,
-    /// How contours are found.
+    /// Method that finds contours.
     pub tracing: Tracing,
     /// Canny's low and high threshold, as shares of the step from air to material per pixel, and the
     /// standard deviation of its Gaussian in px.
     pub canny: [f64; 3],
-    /// How layers between two slices are made.
+    /// Method that makes layers between two slices.
     pub interpolation: Interpolation,
     /// Least overlap of entities that belong together.
     pub overlap: f64,
@@ -186,9 +186,9 @@ pub struct CtReport {
     pub spacing_mm: [f64; 3],
     /// Grey value of the border; two values for a range.
     pub threshold: Vec<f64>,
-    /// How layers between slices were made.
+    /// Method that made layers between slices.
     pub interpolation: &'static str,
-    /// Where the part begins above the lower face of the first voxel that is taken, mm.
+    /// Height of the part's lowest point above the lower face of the first voxel taken, mm.
     pub bottom_mm: f64,
     /// Size of the part in x, y and z, mm.
     pub size_mm: [f64; 3],

@@ -174,7 +174,7 @@ mod tests {
         };
         (0..5).for_each(|_| seen.add(&(0..3600).map(|_| random()).collect::<Vec<f32>>(), 60));
         assert_eq!(seen.verdict(), Some(Implausible::Noise));
-        // One grey value is not noise: that has an error of its own.
+        // A scan of one grey value is not noise and has its own error.
         let mut flat = Plausibility::new(SampleType::U8);
         flat.add(&[3.0; 3600], 60);
         assert_eq!(flat.verdict(), None);

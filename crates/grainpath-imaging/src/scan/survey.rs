@@ -137,7 +137,7 @@ impl Lattice {
     }
 }
 
-/// What the grey values show before any layer is made.
+/// Properties of the grey values, found before any layer is made.
 pub(super) struct Survey {
     pub(super) low: f64,
     /// Upper threshold; infinite unless the job states a range.

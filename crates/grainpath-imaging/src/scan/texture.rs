@@ -17,12 +17,12 @@ use super::{CtSettings, ScanError, Slices};
 use crate::raster::{Grey, gaussian_taps, quantile};
 use crate::tensor::{AxisSample, Evidence, FAINT, smoothed, spread_darkness};
 
-/// How the texture of a scan is read, and where the scan lies on the part.
+/// Settings for reading the texture of a scan, and the position of the scan on the part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TextureSettings {
-    /// The voxels that are taken and their size. Settings for contours have no effect.
+    /// Voxels to take, and their size. Settings for contours have no effect.
     pub scan: CtSettings,
-    /// The name in reports.
+    /// Name of the scan in reports.
     pub name: String,
     /// Position on the part of the lower left corner of the lowest voxel taken, mm. `None` puts the
     /// centre of the scan over that of the part, with its bottom on the plate.
@@ -33,7 +33,7 @@ pub struct TextureSettings {
     pub integration_mm: f64,
     /// Length over which clear places pass their direction to unclear ones, mm.
     pub smooth_mm: f64,
-    /// How much closer lines lie where the scan is dense.
+    /// Strength of the effect that lines lie closer where the scan is dense.
     pub darkness: f64,
     /// Whether pictures are wanted.
     pub pictures: bool,
@@ -111,13 +111,13 @@ impl AxisVolume {
 /// A slice that is kept for a picture with the directions found on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShownSlice {
-    /// Its number in the scan, from 0.
+    /// Number of the slice in the scan, from 0.
     pub index: usize,
-    /// Its height in the scan, mm.
+    /// Height of the slice in the scan, mm.
     pub height_mm: f64,
     /// Sides of a pixel, mm.
     pub pixel_mm: DVec2,
-    /// Its grey values, smoothed, rows from the bottom.
+    /// Grey values of the slice, smoothed, rows from the bottom.
     pub grey: Grey,
 }
 
@@ -125,7 +125,7 @@ pub struct ShownSlice {
 pub struct Texture {
     /// The axes, in the scan's own millimetres.
     pub axes: AxisVolume,
-    /// What was found.
+    /// Statistics of the texture.
     pub report: TextureReport,
     /// Some of the slices, for pictures, if those were asked for.
     pub shown: Vec<ShownSlice>,

@@ -122,7 +122,7 @@ pub(crate) fn base64(text: &[u8], limit: usize) -> Vec<u8> {
     out
 }
 
-/// How blocks of bytes are compressed.
+/// Compression of blocks of bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Compression {
     /// A zlib stream.
@@ -180,7 +180,7 @@ pub(crate) fn decompress(
 /// Maps the numbers that a file gives its nodes or elements to indices from 0.
 #[derive(Debug, Default)]
 pub(crate) struct Numbers {
-    /// Index by number, for numbers that are small beside the count of entries.
+    /// Index by number, for numbers that are small against the count of entries.
     table: Vec<u32>,
     /// Index of all other numbers.
     rest: HashMap<i64, u32>,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// How elements carry load.
+/// Mechanical model of elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum Behaviour {
@@ -37,9 +37,9 @@ pub enum Elastic {
 /// A material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
-    /// Its name.
+    /// Name of the material.
     pub name: String,
-    /// Its elastic constants; `None` where the deck gives them in a form that is not read.
+    /// Elastic constants; `None` where the deck gives them in a form that is not read.
     pub elastic: Option<Elastic>,
     /// Mass per volume in the deck's units.
     pub density: Option<f64>,
@@ -124,7 +124,7 @@ pub struct Deck {
     pub node_numbers: Vec<i64>,
     /// The number the file gives each element.
     pub element_numbers: Vec<i64>,
-    /// How each element carries load.
+    /// Mechanical model of each element.
     pub behaviours: Vec<Behaviour>,
     /// Node sets by name (upper case), indices ascending.
     pub node_sets: BTreeMap<String, Vec<u32>>,

@@ -108,7 +108,7 @@ impl ElementKind {
         }
     }
 
-    /// How many nodes.
+    /// Number of nodes.
     pub const fn n_nodes(self) -> usize {
         match self {
             Self::Tri3 => 3,
@@ -123,7 +123,7 @@ impl ElementKind {
         }
     }
 
-    /// How many of the nodes are corners; they come first.
+    /// Number of corners; they come first among the nodes.
     pub const fn n_corners(self) -> usize {
         match self {
             Self::Tri3 | Self::Tri6 => 3,
@@ -211,7 +211,7 @@ impl ElementKind {
         }
     }
 
-    /// How far natural coordinates lie outside the element; 0 or less inside.
+    /// Distance of natural coordinates outside the element; 0 or less inside.
     pub(crate) fn outside(self, x: DVec3) -> f64 {
         // Each domain is convex, so the largest violation of its bounding planes says how far a point is
         // outside.

@@ -28,14 +28,14 @@ const BETWEEN: f64 = 1e-3;
 /// peaks of stress; fewer let the spacing of the points show.
 const NEIGHBOURS: usize = 8;
 
-/// Where a point is in the mesh.
+/// Position of a point in the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Location {
     /// Index into [`FeResult::elements`].
     pub element: u32,
-    /// Natural coordinates in it.
+    /// Natural coordinates in that element.
     pub natural: DVec3,
-    /// How far outside the mesh the point is, mm; 0 inside.
+    /// Distance of the point outside the mesh, mm; 0 inside.
     pub distance_mm: f64,
 }
 
@@ -55,7 +55,7 @@ pub struct StressField {
     point_tree: Tree,
 }
 
-/// How natural coordinates in an element are found.
+/// Map from positions to natural coordinates of an element.
 #[derive(Debug, Clone, Copy)]
 enum Map {
     /// A simplex with straight sides: its first corner and the rows of the inverse.

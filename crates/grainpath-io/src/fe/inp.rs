@@ -120,7 +120,7 @@ fn join(set: &mut Vec<u32>, more: Vec<u32>) {
     }
 }
 
-/// What is being read.
+/// State of the reader.
 struct Inp {
     file: FeFile,
     deck: Deck,
@@ -288,7 +288,7 @@ impl Inp {
         }
     }
 
-    /// Takes from the budget for entries of sets and loads.
+    /// Takes `n` entries of sets and loads from the budget.
     fn take_room(&mut self, n: usize, line: usize) -> Result<(), FeError> {
         self.room = self.room.checked_sub(n).ok_or_else(|| {
             invalid(place(line), "sets and loads are far larger than the file; refused as a bomb")

@@ -101,8 +101,8 @@ fn is_ansys_rst(bytes: &[u8], named_rst: bool) -> bool {
     is_binary && word(0) == Some(100) && (word(2) == Some(12) || word(3) == Some(12) || named_rst)
 }
 
-/// Reads a finite-element file of any format. The format is told from the content; `name` (a file name) helps only
-/// where the content leaves it open.
+/// Reads a finite-element file of any format. The content decides the format; `name` (a file name) helps
+/// only where the content leaves it open.
 ///
 /// # Errors
 /// [`FeError`] with what is wrong and where.

@@ -52,7 +52,7 @@ impl FeFormat {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Element {
-    /// What it is.
+    /// Kind of the element.
     pub kind: ElementKind,
     nodes: [u32; MAX_NODES],
 }
@@ -95,7 +95,7 @@ impl Element {
     }
 }
 
-/// What the tuples of an array belong to.
+/// Entities that the tuples of an array belong to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum On {
@@ -106,9 +106,9 @@ pub enum On {
 /// An array of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeArray {
-    /// What the file calls it.
+    /// Name in the file.
     pub name: String,
-    /// What its tuples belong to.
+    /// Entities that the tuples belong to.
     pub on: On,
     /// Numbers in a tuple.
     pub components: usize,
@@ -123,7 +123,7 @@ pub struct FeArray {
 /// A named group of nodes: a physical group, a set, a block.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Group {
-    /// Its name.
+    /// Name of the group.
     pub name: String,
     /// Indices of its nodes, ascending.
     pub nodes: Vec<u32>,
@@ -132,7 +132,7 @@ pub struct Group {
 /// A file as it was read, in its own units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeFile {
-    /// What it was read as.
+    /// Format of the file.
     pub format: FeFormat,
     /// Positions in the file's unit.
     pub nodes: Vec<DVec3>,
@@ -204,7 +204,8 @@ impl FeFile {
         Some(used.fold(start(first), of))
     }
 
-    /// How many elements of each kind, in the order of [`ElementKind::ALL`]; kinds that do not occur are left out.
+    /// Number of elements of each kind, in the order of [`ElementKind::ALL`]; kinds that do not occur are
+    /// left out.
     pub fn kinds(&self) -> Vec<(ElementKind, usize)> {
         let count = |k: ElementKind| (k, self.elements.iter().filter(|e| e.kind == k).count());
         ElementKind::ALL.into_iter().map(count).filter(|&(_, n)| n > 0).collect()

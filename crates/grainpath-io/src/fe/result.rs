@@ -38,7 +38,7 @@ impl StressUnit {
     /// Names in the order of the variants.
     pub const NAMES: [&str; 6] = ["MPa", "Pa", "kPa", "GPa", "psi", "ksi"];
 
-    /// How many MPa one of this unit is.
+    /// Size of this unit in MPa.
     pub const fn mpa(self) -> f64 {
         match self {
             Self::Megapascal => 1.0,
@@ -111,8 +111,8 @@ impl Order {
     }
 }
 
-/// How the stress of a file is to be read. `None` means what the file states, or else the default named
-/// here.
+/// Rules for reading the stress of a file. `None` takes the statement of the file, or else the default
+/// given here.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FeOptions {
     /// Unit of positions and displacements; mm when not given.
@@ -130,7 +130,7 @@ pub struct FeOptions {
 /// A result ready for use: positions in mm, stresses in MPa, components xx, yy, zz, xy, yz, zx.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeResult {
-    /// What it was read from.
+    /// Format of the file.
     pub format: FeFormat,
     /// Positions, mm.
     pub nodes: Vec<DVec3>,
@@ -142,7 +142,7 @@ pub struct FeResult {
     pub displacement: Option<Vec<DVec3>>,
     /// Whether all nodes lie in a plane of constant z. The z of a sampled point is ignored then.
     pub plane: bool,
-    /// What the stress was taken from.
+    /// Name of the array that the stress was read from.
     pub stress_array: String,
     /// Warnings for the user.
     pub warnings: Vec<Warning>,
@@ -544,7 +544,7 @@ fn unit_off(name: &str) -> &str {
     }
 }
 
-/// Which of xx, yy, zz, xy, yz, zx a name means by its end: `SXX`, `S11`, `xy`.
+/// Component (xx, yy, zz, xy, yz, zx) that the end of a name stands for: `SXX`, `S11`, `xy`.
 fn component(name: &str) -> Option<usize> {
     let lower = name.to_ascii_lowercase();
     let at = lower.len().checked_sub(2)?;
@@ -559,7 +559,7 @@ fn component(name: &str) -> Option<usize> {
     })
 }
 
-/// Where only corners have a stress, nodes on edges get the mean of their ends.
+/// Nodes on edges get the mean of their ends where only corners have a stress.
 fn fill_middles(elements: &[Element], stress: &mut [[f64; 6]]) {
     for e in elements {
         for (&node, &[i, j]) in e.nodes()[e.kind.n_corners()..].iter().zip(e.kind.edges()) {

@@ -100,7 +100,7 @@ struct Vtk<'a> {
     connectivity: Vec<f64>,
     ends: Vec<f64>,
     types: Vec<f64>,
-    /// What data sections belong to, and how many tuples.
+    /// Entities that the data sections belong to, and the number of tuples.
     on: Option<(On, usize)>,
 }
 

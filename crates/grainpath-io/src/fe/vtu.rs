@@ -28,7 +28,7 @@ const NUMBERS_A_BYTE: usize = 16;
 const MAX_PIECES: usize = 100_000;
 const MAX_ARRAYS: usize = 2000;
 
-/// How the arrays of a file are written.
+/// Encoding of the arrays of a file.
 #[derive(Clone, Copy, Default)]
 struct Style {
     big: bool,
@@ -467,7 +467,7 @@ fn join(arrays: &mut Vec<FeArray>, new: FeArray, before: usize) {
             a.values.resize(before * a.components, f64::NAN);
             a.values.extend(new.values);
         }
-        // A second array of the same name in one piece is ignored: nothing tells the two apart.
+        // A second array of the same name in one piece is ignored: the two cannot be distinguished.
         Some(_) => {}
         None => {
             let mut values = vec![f64::NAN; before * new.components];
@@ -510,7 +510,7 @@ fn head_of(e: &BytesStart<'_>) -> Result<Head, FeError> {
         invalid(format!("array {name:?}"), format!("NumberOfComponents = {text:?} should be from 1 to 10000"))
     })?;
     let named = |i: usize| attribute(e, &format!("ComponentName{i}"));
-    // Only tensors of up to nine components are told apart by name.
+    // Names distinguish tensors of up to nine components only.
     let component_names: Vec<String> = (0..components.min(9)).map_while(named).collect();
     let offset = attribute(e, "offset").and_then(|o| o.trim().parse().ok());
     let format = attribute(e, "format").unwrap_or_else(|| "ascii".into());

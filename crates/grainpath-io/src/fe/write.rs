@@ -13,7 +13,7 @@ use grainpath_core::tensor::{principal, von_mises};
 /// default.
 const BLOCK: usize = 1 << 15;
 
-/// How arrays are written.
+/// Encoding of arrays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Encoding {
     /// Text: large, but readable in an editor.
@@ -28,7 +28,7 @@ pub enum Encoding {
 /// An array on the nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointData {
-    /// Its name.
+    /// Name of the array.
     pub name: String,
     /// Numbers in a tuple.
     pub components: usize,
@@ -126,7 +126,7 @@ fn joined<T: ToString>(values: &[T]) -> String {
 /// Writes a VTU file. Arrays whose length does not fit the nodes are an error of the caller.
 ///
 /// # Errors
-/// What the writer says; [`io::ErrorKind::InvalidInput`] when an array does not fit.
+/// Errors of the writer; [`io::ErrorKind::InvalidInput`] when an array does not fit.
 ///
 /// ```
 /// use grainpath_core::DVec3;

@@ -60,13 +60,13 @@ impl Samples {
 /// An upright image: rows from the top, channels side by side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
-    /// What it was read as.
+    /// Format of the file.
     pub format: ImageFormat,
     /// Pixels in a row.
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// 1 grey, 2 grey and alpha, 3 red green blue, 4 with alpha.
+    /// Channels: 1 grey, 2 grey and alpha, 3 red green blue, 4 with alpha.
     pub channels: usize,
     /// `(height, width, channels)`, row-major.
     pub samples: Samples,
@@ -74,7 +74,8 @@ pub struct Image {
 
 impl Image {
     /// Brightness of each pixel in the unit of the samples ([`Samples::full_scale`] is white), row-major.
-    /// It is the luma of ITU-R BT.601, 0.299 R + 0.587 G + 0.114 B, as JPEG has it. Alpha is ignored.
+    /// Brightness is the luma of ITU-R BT.601, 0.299 R + 0.587 G + 0.114 B, as JPEG has it. Alpha is
+    /// ignored.
     pub fn to_grey_f32(&self) -> Vec<f32> {
         match &self.samples {
             Samples::U8(v) => grey(v, self.channels, f32::from),
@@ -117,8 +118,9 @@ pub enum ImageError {
 /// cameras give up to 200 million pixels.
 pub const MAX_PIXELS: u64 = 250_000_000;
 
-/// Reads an image of any of the formats, told from its first bytes. A TIFF gives its first page; the orientation that
-/// a camera wrote into a JPEG is applied. Memory is bounded by [`MAX_PIXELS`], checked before anything is decoded.
+/// Reads an image of any of the formats; the first bytes decide which. A TIFF gives its first page; the
+/// orientation that a camera wrote into a JPEG is applied. Memory is bounded by [`MAX_PIXELS`], checked
+/// before anything is decoded.
 ///
 /// # Errors
 /// [`ImageError`]; an image that is cut short is an error, never half an image.
@@ -143,7 +145,7 @@ pub fn decode_luma(bytes: &[u8]) -> Result<Image, ImageError> {
     read(bytes, MAX_PIXELS, Colours::LumaWhereApart)
 }
 
-/// Which channels the caller needs.
+/// Channels that the caller needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Colours {
     All,

@@ -5,9 +5,9 @@
 //! *StereoLithography Interface Specification*, 1989; there is no later standard.
 //!
 //! Units: the format has none. Normals are computed from the corners, because programs write zeros, `nan` and wrong ones.
-//! Corners with equal coordinates become one vertex. The two kinds are told apart by the size of the file: many binary
-//! headers begin with the word `solid`. A binary file that ends early is refused; one with up to 4095 bytes after its last
-//! facet is read with a warning.
+//! Corners with equal coordinates become one vertex. The size of the file tells the two kinds apart: many
+//! binary headers begin with the word `solid`. A binary file that ends early is refused; one with up to
+//! 4095 bytes after its last facet is read with a warning.
 
 use std::io::{self, Write};
 
@@ -178,7 +178,7 @@ fn keyword(words: &mut Words<'_>, word: &str, expected: &'static str) -> Result<
 /// Writes a mesh as binary STL; coordinates as they are, rounded to `f32`.
 ///
 /// # Errors
-/// Those of the writer; more than 2^32 - 1 triangles are refused as invalid input.
+/// Errors of the writer; `InvalidInput` for more than 2^32 - 1 triangles.
 ///
 /// ```
 /// use grainpath_core::{DVec3, TriMesh};

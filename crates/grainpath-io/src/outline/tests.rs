@@ -71,7 +71,7 @@ fn holes_follow_fill_rule_and_style() {
     let twice = "M0 0H80V60H0ZM20 20H40V40H20Z";
     near(area(&format!("<path d='{twice}'/>")), 1200.0);
     near(area(&format!("<g fill-rule='evenodd'><path d='{twice}'/></g>")), 1100.0);
-    // What is not drawn is not there.
+    // Elements that are not drawn give no outline.
     near(
         area(&format!(
             "{plate}<defs>{hole}</defs><g display='none'><rect x='100' width='9' height='9'/></g>"
@@ -93,7 +93,7 @@ fn places_are_those_of_the_page_with_y_up() {
         assert!((found - expect).abs() < 1e-3, "{b:?}");
     }
     assert!(outline.warnings.is_empty(), "{:?}", outline.warnings);
-    // Without a size the page's unit is taken for mm and that is said; a unit asked for wins.
+    // Without a size the page's unit is read as mm, with a warning; a unit in the options wins.
     let bare = "<svg viewBox='0 0 30 20'><rect width='30' height='20'/></svg>";
     let outline = read(bare).expect("a rectangle");
     assert_eq!((outline.region.area_mm2(), outline.warnings.len()), (600.0, 1));

@@ -7,7 +7,7 @@
 //! [`package`] opens the archive and finds the root model part, [`part`] reads a model part as a stream of XML events, and
 //! this module places the objects that the build refers to: transforms, nested components and several items become bodies
 //! in the unit that the file states. A rule of the specification that the file breaks is a warning with the section, or an
-//! error where the triangles cannot be told.
+//! error where the triangles remain unknown.
 //!
 //! Limits: 1 GiB of inflated data and a ratio of 100 (32 MiB are always allowed), 1000 model parts, components nested 32
 //! deep, 50 million triangles in all copies. Beam lattices, slices, volumetric data and encrypted parts are not read.

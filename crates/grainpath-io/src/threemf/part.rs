@@ -1,8 +1,8 @@
 //! One model part: its objects and its build, and the rules of the specification that it breaks.
 //!
 //! Source: 3MF Core Specification 1.4. A rule that is broken is a warning that names the section, as long as the
-//! triangles can be told from what is there; otherwise it is an error. Elements and attributes of namespaces other than
-//! core, materials and production are passed over, as section 2.3.3.1 demands.
+//! triangles are clear from what the file holds; otherwise it is an error. Elements and attributes of
+//! namespaces other than core, materials and production are passed over, as section 2.3.3.1 demands.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -62,7 +62,7 @@ pub(super) enum Content {
     Components(Vec<Component>),
 }
 
-/// What an object is for. Source: table of section 4, attribute `type`.
+/// Purpose of an object. Source: table of section 4, attribute `type`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ObjectType {
     /// `model` or `solidsupport`: printed as solid bodies.
@@ -147,7 +147,8 @@ struct Current {
     components: Vec<Component>,
 }
 
-/// How many triangles of an object break each rule: counted, so that a warning names a number and not each triangle.
+/// Counts of the triangles of an object that break each rule, so that a warning names a number and not
+/// each triangle.
 #[derive(Default)]
 struct BrokenTriangles {
     repeated_corner: u64,
@@ -532,7 +533,7 @@ impl Builder {
 
     fn triangle(&mut self, e: &BytesStart<'_>) -> Result<(), MeshError> {
         let Some(current) = &mut self.current else { return Ok(()) };
-        // -1 stands for a missing or unreadable index, which no vertex has.
+        // -1 marks a missing or unreadable index; no vertex has it.
         let mut corners = [-1i64; 3];
         let mut digits = Vec::new();
         let (mut pid, mut indices) = (None, [None; 3]);

@@ -12,10 +12,10 @@ const RELATIONS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="rel0" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>
 "#;
 
-/// Writes bodies as a 3MF package, each an object of its own, in mm. The same bodies give the same bytes.
+/// Writes bodies as a 3MF package in mm, one object for each body. The same bodies give the same bytes.
 ///
 /// # Errors
-/// Those of the writer and of the packer.
+/// Errors of the writer and of the packer.
 ///
 /// ```
 /// use grainpath_core::{DVec3, TriMesh};

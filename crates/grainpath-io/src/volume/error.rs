@@ -11,12 +11,12 @@ use crate::image::ImageError;
 pub struct VolumeError {
     /// The file, or the folder where no single file is to blame.
     pub file: String,
-    /// What is wrong and what would be right.
+    /// The fault, and what would be right.
     #[source]
     pub problem: VolumeProblem,
 }
 
-/// What is wrong with a volume file. Messages say what was found and what would be right.
+/// Faults of volume files. Messages give what was found and what would be right.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum VolumeProblem {

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 
 use super::{VolumeError, VolumeProblem, damaged, error, io_error};
 
-/// What a volume is read from: any source that can be read and sought.
+/// Source of a volume's bytes: any source that can be read and sought.
 pub trait ReadSeek: Read + Seek + Send {}
 impl<T: Read + Seek + Send> ReadSeek for T {}
 

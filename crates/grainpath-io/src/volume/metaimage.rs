@@ -108,8 +108,8 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     }
 }
 
-/// Where the header says that the voxels lie, in LPS as ITK has it. `TransformMatrix` lists the direction
-/// of one axis after another and wins over `AnatomicalOrientation`.
+/// Position of the voxels by the header, in LPS as ITK has it. `TransformMatrix` lists the direction of
+/// one axis after another and wins over `AnatomicalOrientation`.
 fn placement_of<'a>(
     name: &str,
     get: &dyn Fn(&str) -> Option<&'a str>,

@@ -78,7 +78,7 @@ pub fn open_volume(files: Files, raw: Option<&RawHeader>) -> Result<Box<dyn Slic
     if starts(b"II*\0") || starts(b"MM\0*") || starts(b"II+\0") || starts(b"MM\0+") {
         return Ok(Box::new(tiff_pages::open(&files, &first)?));
     }
-    // Gzip is taken for NIfTI (.nii.gz): NRRD and MetaImage compress only their voxels.
+    // Gzip is read as NIfTI (.nii.gz): NRRD and MetaImage compress only their voxels.
     if starts(b"\x1f\x8b") || nifti::is(&head) {
         return nifti::open(&files, &first);
     }

@@ -110,7 +110,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     }
 }
 
-/// Where the header says the voxels lie: by the sform where there is one, otherwise by the qform.
+/// Position of the voxels by the header: by the sform where there is one, otherwise by the qform.
 ///
 /// The standard lets both stand side by side and leaves the choice to the reader. The sform is the result of a
 /// registration where there was one, and ITK, `FSL` and `nibabel` prefer it too.

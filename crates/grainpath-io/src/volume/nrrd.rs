@@ -103,7 +103,7 @@ pub(super) fn open(files: &Files, name: &str) -> Result<Box<dyn SliceSource>, Vo
     }
 }
 
-/// Where the header says that the voxels lie. Without `space directions` only the spacing is known.
+/// Position of the voxels by the header. Without `space directions` only the spacing is known.
 fn placement_of<'a>(
     name: &str,
     get: &dyn Fn(&[&str]) -> Option<&'a str>,

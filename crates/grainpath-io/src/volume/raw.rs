@@ -17,7 +17,7 @@ use super::{
 pub struct RawHeader {
     /// Columns, rows, slices.
     pub size: [usize; 3],
-    /// How a voxel is stored.
+    /// Type of a voxel.
     pub sample: SampleType,
     /// Most significant byte first.
     pub big_endian: bool,
@@ -36,7 +36,7 @@ pub(super) enum Packing {
     Zlib,
 }
 
-/// Where voxels are and how they are stored.
+/// Place of the voxels in their file, and their type.
 #[derive(Debug, Clone)]
 pub(super) struct Layout {
     /// The file with the voxels.

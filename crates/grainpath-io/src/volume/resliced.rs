@@ -10,10 +10,10 @@ pub(super) struct StoredAxis {
     pub reversed: bool,
 }
 
-/// How far slices and rows are moved within their plane, in columns and rows.
+/// Shift of slices and of rows within their plane, in columns and rows.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Shear {
-    /// Columns that a row is moved by, per row.
+    /// Shift of each row against the one before, columns.
     pub columns_per_row: f64,
     /// Columns and rows that each slice is moved by.
     pub slice_shift_px: Vec<[f64; 2]>,

@@ -5,7 +5,7 @@ use grainpath_core::slices::SampleType;
 /// Counts and replaces voxels that are NaN or infinite in the file.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct NotFinite {
-    /// How many there were since the last restart.
+    /// Number of such voxels since the last restart.
     pub n_voxels: u64,
     /// The lowest finite value of the slices read so far.
     least: Option<f32>,

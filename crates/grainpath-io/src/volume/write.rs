@@ -6,7 +6,7 @@ use std::io::{self, Write};
 /// another. Only the slice that `slice` returns is held in memory.
 ///
 /// # Errors
-/// What `out` says; [`io::ErrorKind::InvalidInput`] for more than 4 GiB or a slice of another size.
+/// Errors of `out`; [`io::ErrorKind::InvalidInput`] for more than 4 GiB or a slice of another size.
 pub fn write_tiff_stack(
     size: [usize; 3],
     spacing_mm: [f64; 3],

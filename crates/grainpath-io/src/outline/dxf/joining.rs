@@ -1,4 +1,4 @@
-//! Joins lines and arcs that were drawn one by one to closed lines.
+//! Joins lines and arcs that were drawn separately to closed lines.
 
 use std::collections::BTreeMap;
 
@@ -31,8 +31,8 @@ pub(super) fn likeness(line: &Line) -> Option<[i64; 9]> {
 /// Joins open lines at ends that meet. Lines that return to their beginning are closed.
 pub(super) fn joined(lines: Vec<Vec<DVec2>>) -> Vec<Line> {
     let cell = |p: DVec2| {
-        // Cells of half the joining distance: two points in the same cell are always near enough, and a
-        // match in a neighbouring cell is at most 1.4 times the distance away.
+        // Cells of half the joining distance: two points in the same cell are always within the distance,
+        // and a match in a neighbouring cell is at most 1.4 times the distance away.
         let q = (p / (0.5 * JOINED_MM)).floor();
         (q.x as i64, q.y as i64)
     };

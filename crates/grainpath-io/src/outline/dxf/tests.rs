@@ -43,7 +43,7 @@ fn every_kind_of_entity_has_its_area() {
         (PLATE, 1200.0),
         ("0 CIRCLE 10 3 20 4 40 5", 25.0 * PI),
         ("0 CIRCLE 10 3 20 4 40 5 230 -1", 25.0 * PI),
-        // A half disc, its sides drawn in opposite ways.
+        // A half disc whose sides are drawn in opposite directions.
         ("0 ARC 10 0 20 0 40 6 50 0 51 180 0 LINE 10 6 20 0 11 -6 21 0", 18.0 * PI),
         ("0 ARC 10 0 20 0 40 6 50 270 51 90 0 LINE 10 0 20 6 11 0 21 -6", 18.0 * PI),
         // A slot: two straight sides and two half circles, once to the right and once to the left.
