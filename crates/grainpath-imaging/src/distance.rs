@@ -7,9 +7,9 @@
 //! with the border.
 //!
 //! # Units, cost and limits
-//! mm, row-major, `(ny, nx)`. Linear in pixels, plus the pixels beside each edge. Exact next to the border; a pixel far away
-//! may take the second nearest edge, because a sweep sees only neighbours, which changes the distance by a fraction of a
-//! pixel there.
+//! Distances are in mm, row-major, `(ny, nx)`. The cost is linear in the pixels, plus the pixels along
+//! each edge. Distances next to the border are exact. A pixel far away may take the second nearest edge,
+//! because a sweep sees only neighbours; the distance then changes by a fraction of a pixel.
 
 use grainpath_core::poly::edges;
 use grainpath_core::{Bounds2, DVec2, Region};

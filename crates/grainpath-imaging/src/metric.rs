@@ -1,4 +1,4 @@
-//! Grey images in millimetres.
+//! Grey images with a scale in millimetres.
 
 use grainpath_core::DVec2;
 

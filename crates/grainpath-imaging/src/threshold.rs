@@ -10,8 +10,8 @@
 //!   least from their neighbours: in a thin wall hardly a voxel is all material.
 //!
 //! # Limits
-//! Two materials at a time. Of three, the threshold separates the two that Otsu's split separates. Cost: a few operations
-//! a voxel; at most 2^17 samples are kept for the modes.
+//! The threshold separates two materials; of three, it separates the two groups of Otsu's split. The cost
+//! is a few operations per voxel; at most 2^17 samples are kept for the modes.
 
 /// A histogram with bins of one width, which doubles as the range grows.
 #[derive(Debug, Clone, Default)]

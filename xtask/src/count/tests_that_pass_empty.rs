@@ -1,9 +1,9 @@
 //! Tests that can pass without having checked anything.
 //!
-//! A test is *empty* if it can end early without failing (a `return` without a value, or a `return Ok(())`, outside
-//! closures), or if neither it nor a function of its file or of the test's helpers that it calls can fail
-//! (`assert!` and its family, `panic!`, `unwrap`, `expect`, `?`, `#[should_panic]`). Ignored tests count alike: when
-//! they are run, they must look at something.
+//! A test is *empty* if it can end early without failing (a `return` without a value, or a `return
+//! Ok(())`, outside closures). It is also empty if nothing in it can fail, nor in functions of its file
+//! or of the tests' helpers that it calls (`assert!` and its family, `panic!`, `unwrap`, `expect`, `?`,
+//! `#[should_panic]`). Ignored tests count alike: when they are run, they must look at something.
 
 use std::collections::BTreeMap;
 

@@ -1,9 +1,10 @@
 //! A sheet with four corner markers: print it, lay the board on it, photograph both.
 //!
-//! A marker is a black square of 12 mm with a white ring in it (2 mm wide each) and an inner square of 4 mm. The share
-//! of the inner square that is black names the corner: 0 for the upper left one, then clockwise 1/3, 1 and 2/3. Shares
-//! do not change when a photograph is turned or mirrored, so each corner is known by itself; their order around the
-//! sheet then tells a mirrored photograph, whose grain would have the wrong hand.
+//! A marker is a black square of 12 mm with a white ring in it (2 mm wide each) and an inner square of 4
+//! mm. The black share of the inner square names the corner: 0 for the upper left one, then clockwise
+//! 1/3, 1 and 2/3. Rotation and mirroring do not change a share, so each marker identifies its corner.
+//! The order of the corners around the sheet then reveals a mirrored photograph, whose grain would have
+//! the wrong hand.
 //!
 //! ```text
 //!   upper left      upper right     lower right     lower left      (#: black)
@@ -19,10 +20,11 @@
 //! are still read, but a mirrored photograph of them is not noticed; [`FoundMarkers::sheet`] says which
 //! sheet it was.
 //!
-//! Detection: pixels darker than 3/4 of their surroundings form pieces; the convex hull of a piece is reduced to four
-//! sides; brightness is read through the homography of those sides. Cost is linear in pixels of a picture shrunk to at
-//! most 1400 px; the corners are then refined in the full picture. Held by tests on level, turned, mirrored, blurred and
-//! half shaded views, and on views tilted by up to 60 degrees.
+//! Detection: pixels darker than 3/4 of their surroundings form pieces. The convex hull of a piece is
+//! reduced to four sides, and brightness is read through the homography of those sides. The cost is
+//! linear in the pixels of a picture shrunk to at most 1400 px; the corners are then refined in the full
+//! picture. Tests cover level, rotated, mirrored, blurred and half shaded views, and views tilted by up
+//! to 60 degrees.
 
 use std::fmt::Write;
 

@@ -1,11 +1,12 @@
 //! Finds which side of a photographed rectangle is its width.
 //!
-//! Four corners found in a photograph say where a board is, not how it was turned. The ratio of its sides does, when it
-//! is known beforehand: it is found from the four corners by the geometry of a pinhole camera with square pixels and
-//! its axis through the middle of the picture (Zhang and He 2007, *Whiteboard scanning and image enhancement*, section
-//! 3.2). Of the two turns the one whose ratio fits the size given is taken; where neither fits, the size is wrong or
-//! something else was found, and the photograph is refused. A half turn cannot be seen: the first corner
-//! is then the one nearest to the picture's upper left.
+//! Four corners in a photograph give the place of a board and not its rotation. The ratio of its sides
+//! gives the rotation, if it is known beforehand. The ratio follows from the four corners for a pinhole
+//! camera with square pixels and its axis through the middle of the picture (Zhang and He 2007,
+//! *Whiteboard scanning and image enhancement*, section 3.2). Of the two rotations, the one whose ratio
+//! fits the given size is taken. Where neither fits, the size is wrong or another object was found, and
+//! the photograph is refused. A half turn cannot be seen: the first corner is then the one nearest to the
+//! picture's upper left.
 //!
 //! Cost is constant. Where one pair of sides is parallel in the picture the focal length is not determined; it is then
 //! taken as `USUAL_FOCAL`, which matters little because such a view has little perspective.

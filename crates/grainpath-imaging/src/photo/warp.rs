@@ -1,4 +1,4 @@
-//! Rectification: converts a photograph in perspective to a picture in millimetres.
+//! Rectification: maps a photograph in perspective to a picture in millimetres.
 
 use std::borrow::Cow;
 

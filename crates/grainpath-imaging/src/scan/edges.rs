@@ -2,16 +2,18 @@
 //!
 //! # Method
 //! A Gaussian, Sobel's gradients, non-maximum suppression and two thresholds with hysteresis (`canny1986`) mark the edge
-//! pixels. Edges alone are no outlines: where three materials meet they fork, and where one fades they end. So the
-//! iso-contour says what hangs together, and each of its points moves along the gradient to the edge, if there is one within
-//! 1.5 pixels. The place between pixels is the vertex of a parabola through three gradient magnitudes. A Gaussian draws a
-//! bent edge inwards by half its variance over the radius (`verbeek1994`); contours are moved back by as much. Noise between
-//! neighbouring points is evened out without shrinking (`taubin1995`).
+//! pixels. Edges alone are not outlines: they fork where three materials meet, and end where one fades.
+//! The iso-contour therefore gives the connections, and each of its points moves along the gradient to
+//! the edge, if there is one within 1.5 pixels. The position between pixels is the vertex of a parabola
+//! through three gradient magnitudes. A Gaussian moves a curved edge inwards by half its variance over
+//! the radius (`verbeek1994`); contours are moved back by this amount. Noise between neighbouring points
+//! is smoothed without shrinking the contour (`taubin1995`).
 //!
 //! # Units, cost and limits
-//! Contours are in pixels, the middle of the first at (0.5, 0.5); thresholds are grey values a pixel. Cost: about ten passes
-//! over the slice. Points without an edge go with their neighbours or stay; the caller counts them. The photograph's edges
-//! (`crate::canny`) need only pixels and chain them; both share the gradient.
+//! Contours are in pixels, with the centre of the first at (0.5, 0.5); thresholds are grey values per
+//! pixel. The cost is about ten passes over the slice. Points without an edge move with their neighbours
+//! or stay; the caller counts them. Edges of photographs (`crate::canny`) use the same gradient, but are
+//! chained from pixels.
 
 use grainpath_core::{Contour, DVec2};
 

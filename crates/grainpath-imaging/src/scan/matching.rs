@@ -124,9 +124,9 @@ impl Slab {
         if self.heal_mm > 0.0 { region.closed(self.heal_mm) } else { region }
     }
 
-    /// Whether the area halfway exceeds that at both ends, without holes. It does where each outline was
-    /// paired well but the pairs do not belong together, such as a C and the outside of a ring, so that
-    /// the space between them is filled.
+    /// Whether the area halfway exceeds the areas at both ends, without holes. This shows pairs that do
+    /// not belong together although each outline was paired well, such as a C and the outside of a ring:
+    /// the space between them would be filled.
     fn swells(&self, a: &[&Polygon], b: &[&Polygon], step_mm: f64) -> bool {
         let area = |ps: &[&Polygon]| ps.iter().map(|p| p.area_mm2()).sum::<f64>();
         let moving: f64 = self.moving.iter().map(|p| signed_area_mm2(&p.at(0.5))).sum();

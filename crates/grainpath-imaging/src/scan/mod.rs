@@ -1,8 +1,9 @@
 //! CT scans to layers without a mesh in between.
 //!
-//! The pipeline is that of Tan et al. (`tan2020` in docs/references.bib): slices to contours, contours matched with those of
-//! the neighbouring slice, contours between slices at the printer's own heights. Slices are read one after another and
-//! released; a few for each thread are held at a time.
+//! The pipeline is that of Tan et al. (`tan2020` in docs/references.bib). Each slice gives contours,
+//! which are matched with those of the neighbouring slice; contours between the slices are then made at
+//! the heights of the print's layers. Slices are read one after another and released; a few for each
+//! thread are held at a time.
 //!
 //! # Steps
 //! 1. `survey`: which voxels are taken, whether they can be a scan at all (`plausible`), and the grey values of air and
@@ -20,8 +21,9 @@
 //!
 //! # Cost and limits
 //! Linear in voxels; slices are prepared in parallel and collected in order, so the result is the same for any number of
-//! threads. One threshold, or one range, separates material from air; parts of several materials are printed as one. A
-//! scanner's blur along a bent face draws it inwards by half the blur's variance over the radius; nothing here undoes that.
+//! threads. One threshold, or one range, separates material from air; parts of several materials are
+//! printed as one. The blur of a scanner moves a curved face inwards by half the blur's variance over the
+//! radius; this is not corrected.
 
 mod correspond;
 mod edges;

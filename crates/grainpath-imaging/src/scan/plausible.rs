@@ -1,10 +1,11 @@
 //! Decides whether grey values can be those of a scan, before time is spent on tracing noise.
 //!
 //! # Method
-//! In a scan neighbouring voxels are alike. The roughness of a volume is `E[(a - b)^2] / (2 Var)` over neighbours `a`, `b`
-//! within slices: 1 where neighbours are unrelated, close to 0 where the image is smooth (von Neumann's ratio, halved).
-//! Bytes read in the wrong order turn the small steps of a smooth image into large ones. The values with
-//! their bytes exchanged then show which order is right. Cost: one pass over the sampled slices.
+//! In a scan neighbouring voxels have similar values. The roughness of a volume is `E[(a - b)^2] / (2
+//! Var)` over neighbours `a`, `b` within slices: 1 where neighbours are unrelated, close to 0 where the
+//! image is smooth (von Neumann's ratio, halved). Bytes read in the wrong order turn the small steps of a
+//! smooth image into large ones. The values with their bytes exchanged then show which order is right.
+//! Cost: one pass over the sampled slices.
 //!
 //! # Limits
 //! Only samples of 2 bytes, and floats, can be exchanged; larger integers have lost their lower bits in `f32`.

@@ -1,9 +1,10 @@
 //! Cuts an entity that divides into several, where its parts will separate.
 //!
-//! The method is that of the published pipeline (`tan2020` in docs/references.bib). Between two children the dividing edge
-//! passes through the point `e` of the shortest line `ab` between them that divides it as the children are thick behind
-//! it, `ae / eb = ac / bd`, at right angles to that line; its ends move to feature points of the parent near by. Several
-//! children are tied by the shortest lines of a spanning tree, one cut for each. Lengths are in mm. A parent that is not
+//! The method is that of the published pipeline (`tan2020` in docs/references.bib). The cut between two
+//! children is perpendicular to the shortest line `ab` between them. It passes through the point `e` that
+//! divides this line in the ratio of the children's thicknesses along it, `ae / eb = ac / bd`. The ends
+//! of the cut move to feature points of the parent near by. Several children are connected by the
+//! shortest lines of a spanning tree, with one cut for each line. Lengths are in mm. A parent that is not
 //! separated by these cuts, such as a ring, is left to signed distances.
 
 use grainpath_core::math::cross;

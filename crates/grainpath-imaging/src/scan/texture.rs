@@ -1,9 +1,9 @@
 //! The direction of a scan's texture: the structure tensor of the volume, slice by slice.
 //!
 //! For a fibre along `v` the tensor is `I - v v'`; for a plate with normal `n` it is `n n'`. Beads lie in
-//! the plane of a layer, so they can follow the projection of the fibre or the section of the plate. Each
-//! is as clear as its eigenvalue is distinct, times the share that lies in the plane. Fibres that stand
-//! upright have no direction in the plane and get no weight.
+//! the plane of a layer, so they can follow the projection of the fibre or the section of the plate. The
+//! coherence of each is the distinctness of its eigenvalue times the share that lies in the plane.
+//! Upright fibres have no direction in the plane and get no weight.
 
 use std::collections::VecDeque;
 
@@ -632,7 +632,7 @@ mod tests {
             );
             assert!(worst < 3.0, "{deg} leaning {lean_deg}: {worst} degrees off");
             assert!((r.lean_deg - lean_deg).abs() < 3.0, "leans {} instead of {lean_deg}", r.lean_deg);
-            // What leans out of the plane has less to follow in it.
+            // Fibres that lean out of the plane are less coherent in it, by the square of the cosine.
             assert!((r.coherence - c * c).abs() < 0.2, "coherence {} for cos2 {}", r.coherence, c * c);
             assert!(warnings.is_empty(), "{warnings:?}");
         }

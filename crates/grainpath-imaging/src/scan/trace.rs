@@ -3,8 +3,8 @@
 //! # Method
 //! Each cell of four pixel centres whose signs differ gives one or two segments, whose ends lie where the linear
 //! interpolation along a side is zero (`lorensen1987` in two dimensions). At saddles the mean of the four values decides.
-//! Chords from crossing to crossing, and their simplification, would cut every bow on its inner side; `traced_in_place` moves
-//! the contour out by the area that was cut, so that a section keeps its size.
+//! Chords from crossing to crossing, and their simplification, would cut each arc on its inner side.
+//! `traced_in_place` moves the contour out by the area that was cut, so that a section keeps its size.
 //!
 //! # Units, cost and limits
 //! Contours are in pixels, with the centre of the first at (0.5, 0.5); outlines run counter-clockwise and
@@ -234,16 +234,16 @@ fn outside(inside: f32) -> f32 {
     -inside.abs().max(f32::MIN_POSITIVE)
 }
 
-/// Simplifies a contour so that it keeps its size. Dropping vertices cuts every bow on its inner side, by
-/// two thirds of the tolerance on average, so what is left is moved out by the area that was cut off
-/// beside it.
+/// Simplifies a contour so that it keeps its size. Chords cut each arc on its inner side, by two thirds
+/// of the tolerance on average. The sides that remain are therefore moved out by the area that was cut
+/// off.
 pub(super) fn simplified_in_place(contour: &[DVec2], tolerance_mm: f64) -> Contour {
     resized(contour, tolerance_mm, |_| 0.0)
 }
 
-/// Like [`simplified_in_place`], for a contour fresh from the pixels. Its sides are chords, and the area
-/// between chord and bow belongs to it as well. A side of length l between turns that average a has l2 a
-/// / 12 outside.
+/// Like [`simplified_in_place`], for a contour fresh from the pixels. Its sides are chords already, and
+/// the area between chord and arc is added as well: l^2 a / 12 for a side of length l between turns of
+/// mean angle a.
 pub(super) fn traced_in_place(contour: &[DVec2], tolerance_mm: f64) -> Contour {
     let n = contour.len();
     let side = |k: usize| contour[(k + 1) % n] - contour[k % n];
@@ -254,7 +254,8 @@ pub(super) fn traced_in_place(contour: &[DVec2], tolerance_mm: f64) -> Contour {
     })
 }
 
-/// Simplifies, and moves each side out by the area that was cut off together with the area outside of it.
+/// Simplifies a contour, and moves each side out by the area that was cut off there plus `outside_mm2` of
+/// the sides it replaces.
 fn resized(contour: &[DVec2], tolerance_mm: f64, outside_mm2: impl Fn(usize) -> f64) -> Contour {
     let kept = simplify_contour(contour, tolerance_mm);
     let n = kept.len();

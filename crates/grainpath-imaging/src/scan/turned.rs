@@ -1,17 +1,19 @@
 //! Rotates a scan about its axes before it is cut into layers.
 //!
 //! # Method
-//! The voxels of the turned scan fill the box around the turned stack. Each takes the grey value of its place in the stored
-//! scan, mixed linearly from the eight voxels around it; quarter turns meet the stored voxels and change nothing. Half a
-//! voxel beyond the outermost centres the outermost value stands; farther out stands the least value, which is air.
+//! The voxels of the rotated scan fill the box around the rotated stack. Each takes the grey value at its
+//! position in the stored scan, interpolated linearly from the eight voxels around it. Rotations by
+//! quarter turns map voxels onto voxels and change no value. Up to half a voxel beyond the outermost
+//! centres the outermost value is used, farther out the least value, which is air.
 //!
-//! Slices come in blocks of bounded memory. For a block, the stored slices are read once, two at a time, and along each row
-//! of the block the voxels that lie between the two are found by the row's own slope: all in all every voxel is met once.
+//! Slices come in blocks of bounded memory. For each block the stored slices are read once, two at a
+//! time. Along each row of the block the slope of the row gives the voxels between the two slices, so
+//! each voxel is visited once.
 //!
 //! # Limits
-//! Slices at uneven distances are refused. Where voxels are not cubes, the turned ones are, with the least distance of the
-//! stored (quarter turns keep the stored distances). Linear mixing at a fraction `f` has the variance `f (1 - f)` along each
-//! axis, at most a quarter of a square voxel.
+//! Slices at uneven distances are refused. The rotated voxels are cubes with the least stored distance as
+//! their side, except that quarter turns keep the stored distances. Linear interpolation at a fraction
+//! `f` blurs with the variance `f (1 - f)` along each axis, at most a quarter of a square voxel.
 
 use grainpath_core::math::sin_cos;
 use grainpath_core::slices::{SliceError, SliceSource, VolumeInfo};
