@@ -1,4 +1,17 @@
 //! Estimates how long moves take: trapezoidal speed profiles with speed limits at corners.
+//!
+//! # Method
+//! Each move accelerates, keeps its speed and decelerates. A backward pass over the queue limits each
+//! entry speed to what the move can still shed; a forward pass limits each exit speed to what it can
+//! reach. The planners of Marlin and Klipper work in this way. Corners are limited as the firmware does
+//! it: by the jump in speed of each axis (jerk), or by the speed on a circle that stays within the
+//! junction deviation, to which Klipper's square corner velocity is converted.
+//!
+//! # Units, cost and limits
+//! Lengths in mm, times in s. The cost is a few operations for each move; at most 256 moves are held. Not
+//! modelled are S-shaped acceleration, pressure advance, input shaping, the time to process a line, and
+//! heating. A move without length or speed takes no time; the first and the last move are at rest at
+//! their outer end.
 
 use std::collections::VecDeque;
 

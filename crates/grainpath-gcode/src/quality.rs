@@ -1,8 +1,16 @@
 //! Measures how well beads fill the part: gap, spill and overlap, by scan lines across the layer.
 //!
-//! Every bead is a capsule: a straight piece with round ends. A scan line crosses each capsule in one
-//! interval and the section in some intervals. Covered and uncovered lengths follow exactly, and the sum
-//! over evenly spaced lines approximates the area. Lines are oblique, so that no infill runs along them.
+//! # Method
+//! Each bead is a capsule: a straight piece with round ends. A scan line crosses each capsule in one
+//! interval and the section in some intervals. Covered and uncovered lengths on the line are exact, and
+//! the sum over evenly spaced lines approximates the area. Lines are oblique, so that no infill runs
+//! along them. The overlap is the volume of the beads over the layer's height, less the covered area.
+//!
+//! # Units, cost and limits
+//! Lengths in mm; results are shares of the part's area. The cost is that of sorting the crossings, about
+//! 150 000 in a layer. Lines lie 0.01 to 0.3 mm apart; a hole smaller than this may lie between two
+//! lines. The area of the section itself is known exactly and corrects the sums. A bead without length
+//! covers nothing; layers without the part are not measured.
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::{DVec2, Region};

@@ -1,8 +1,18 @@
 //! Canny's edge detector (`canny1986` in docs/references.bib): Sobel gradients, non-maximum suppression,
 //! hysteresis between two thresholds.
 //!
-//! No library is used, because images may have any depth and because curves need the position of the edge
-//! between pixels.
+//! # Method
+//! The caller smooths the picture. A pixel is a candidate where its gradient magnitude is greatest along
+//! the gradient; the magnitudes one step to both sides are interpolated between two neighbours.
+//! Candidates above the high threshold begin edges, those above the low one continue them. Without
+//! settings the thresholds follow from the candidates: the strongest 40 % begin edges. The edge lies
+//! between pixels at the vertex of a parabola through three magnitudes.
+//!
+//! # Units, cost and limits
+//! Pictures are `(height, width)`, row-major, brightness 0 to 1; gradients are brightness per pixel. The
+//! cost is linear in the pixels. Border pixels are never edges. A blank picture has no edges, because
+//! candidates below 1e-5 are ignored. No library is used, because images may have any depth and because
+//! curves need the position of the edge between pixels.
 
 use rayon::prelude::*;
 

@@ -1,4 +1,15 @@
-//! Finds runs of points that lie on a circle.
+//! Finds runs of points that lie on a circle, to be written as G2 or G3.
+//!
+//! # Method
+//! The circle through the first, the middle and the last point of a run is compared with all its points
+//! and chords. The run is doubled until it fails; bisection then finds the longest run that fits. The
+//! greedy search starts again where an arc ends.
+//!
+//! # Units, cost and limits
+//! Lengths in mm, angles in rad. The cost is n log n for n points in one arc. The points and the middles
+//! of the chords between them lie within the tolerance of the arc. Points on a line have no circle and
+//! stay lines. Arcs have 5 points at least, radii of 0.3 to 1000 mm, and less than a full turn; a chord
+//! that turns by more than a radian counts as a corner.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross};

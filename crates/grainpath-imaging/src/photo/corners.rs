@@ -1,4 +1,17 @@
 //! Finds the corners of a board that lies on a plain ground.
+//!
+//! # Method
+//! The ground is the median brightness along the border of the picture. Otsu's threshold (`otsu1979` in
+//! docs/references.bib) splits the differences from it, and the largest connected piece is the board. The
+//! convex hull of the piece (`andrew1979`) is reduced to four sides: the side whose removal adds the
+//! least area goes first. Each side is then fitted to the steepest changes of brightness across it in the
+//! full picture, and the sides meet in the corners.
+//!
+//! # Units, cost and limits
+//! Pixels, rows downwards; corners run from the upper left one clockwise. The search works on a picture
+//! of at most 1400 px and is linear in its pixels. The board must lie inside the picture, cover 2 to 98 %
+//! of it, differ from the ground by 2 % of white and be four-sided; everything else is refused with the
+//! reason. The outline cannot show a half turn; see `orientation` for quarter turns.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::cross;

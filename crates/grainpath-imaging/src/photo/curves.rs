@@ -1,4 +1,15 @@
 //! Joins edge points to curves.
+//!
+//! # Method
+//! Edges are followed from pixel to pixel in both directions, as straight as possible, or each point is
+//! joined to the nearest unused one, as published. Chains are smoothed and cut where they jump or turn
+//! back. Ends that face each other over a gap are then joined, nearest pairs first. The curves are
+//! resampled evenly, and curves that are too short are dropped.
+//!
+//! # Units, cost and limits
+//! Edge points are in pixels, curves in mm of the rectified picture. The cost is linear in the edge
+//! points; joining ends compares only ends within the gap along x. Equal costs are ordered by index, so
+//! the result is the same on each run. A ring is left open at its seam.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::cos;

@@ -1,4 +1,17 @@
 //! Rectification: maps a photograph in perspective to a picture in millimetres.
+//!
+//! # Method
+//! A homography takes the four corners of the board to the corners of the picture. Its eight coefficients
+//! solve two linear equations for each corner. Each pixel of the picture takes its brightness from its
+//! place in the photograph, interpolated linearly from four pixels. Where the photograph has more pixels
+//! than the picture, it is halved first, as in a mipmap, and several samples are averaged, so that fine
+//! grain does not alias.
+//!
+//! # Units, cost and limits
+//! Photographs are in pixels with rows downwards, the result in mm with its lower left corner at zero.
+//! The cost is linear in the pixels of both. The lens is taken as free of distortion: a barrel-shaped
+//! side stays curved. Corners on a line, in the wrong order, or with less than 32 x 32 pixels between
+//! them are refused.
 
 use std::borrow::Cow;
 

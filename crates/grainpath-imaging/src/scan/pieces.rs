@@ -1,4 +1,15 @@
 //! Loose pieces: volumes connected over the layers, and the small ones among them that are dropped.
+//!
+//! # Method
+//! Each island of a layer is an element of disjoint sets (`tarjan1984` in docs/references.bib). Islands
+//! of neighbouring layers that overlap are united. The volume of a piece is the sum of its islands'
+//! areas, without holes, times the thickness of their layers.
+//!
+//! # Units, cost and limits
+//! Areas in mm2, volumes in mm3. The cost is one intersection of regions for each pair of islands of
+//! neighbouring layers whose boxes overlap and that are not connected yet. Islands that touch in a point
+//! or along an edge are not connected. Layers without a section separate what is above them from what is
+//! below.
 
 use grainpath_core::{DisjointSets, Region};
 
@@ -35,7 +46,7 @@ pub(super) fn drop_loose(
                     .bounds()
                     .is_none_or(|b| b.min.cmpgt(box_low.max).any() || b.max.cmplt(box_low.min).any());
                 let (a, b) = (starts[k] + i, starts[k + 1] + j);
-                // |Intersections are the cost of this function, so islands already connected are not
+                // Intersections are the cost of this function, so islands already connected are not
                 // intersected again.
                 if apart || pieces.lowest(a) == pieces.lowest(b) {
                     continue;
