@@ -1,5 +1,19 @@
 //! A G-code interpreter: replays a program and collects its beads layer by layer, with length, volume and
 //! time.
+//!
+//! # Method
+//! The state of the machine (position, units, absolute or relative words, the meaning of E, the tool) is
+//! carried from line to line. A move with material is a bead; a move in plan without material is a
+//! travel. Arcs are divided into chords of 0.1 mm, and E and z are shared out by length. Comments of
+//! slicers give the roles. Layers are sorted by height, not by time, so that objects printed one after
+//! another share them. Source for the words: NIST RS274/NGC, and Marlin's documentation for M200, M82,
+//! M83 and temperatures.
+//!
+//! # Units, cost and limits
+//! Results are in mm, mm3 and s, whatever the units of the program; `kinematics` estimates the time. The
+//! cost is linear in the lines; a bead takes 32 bytes. Unknown commands change nothing. Lines that cannot
+//! be read are counted in a warning that shows the first five. Heights within the writer's rounding are
+//! one layer.
 
 use std::collections::BTreeMap;
 

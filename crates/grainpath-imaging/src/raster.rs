@@ -1,4 +1,16 @@
 //! A grey picture and the filters that remove its noise.
+//!
+//! # Method
+//! A Gaussian is two passes, along rows and along columns, with taps up to three standard deviations. The
+//! median of 3 x 3 pixels comes from sorted columns, each of which serves three windows; larger windows,
+//! up to 15 x 15, are searched as a whole. Halving averages four pixels. All filters repeat the outermost
+//! pixel beyond the border.
+//!
+//! # Units, cost and limits
+//! Pictures are `(height, width)`, row-major `f32`, 0 black to 1 white. Points are in pixels, with (0.5,
+//! 0.5) as the centre of the first. The cost is linear in the pixels, times the taps for a Gaussian and
+//! the window for a median. Rows are processed in parallel, and each result depends on its row alone, so
+//! it is the same for any number of threads. Pixels are never NaN; readers replace such values.
 
 use grainpath_core::math::exp;
 use rayon::prelude::*;

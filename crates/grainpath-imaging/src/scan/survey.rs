@@ -1,4 +1,16 @@
 //! Determines which voxels are taken and what their grey values show, before any layer is made.
+//!
+//! # Method
+//! Crop, mirroring and spacing of the job are applied to the header of the scan; values from the job win
+//! over those of the file. Up to 48 slices, the middles of equal strides, give the histogram, from which
+//! the threshold and the grey values of air and material follow (`crate::threshold`). With a given
+//! threshold, six slices suffice to decide whether the values are those of a scan at all (`plausible`).
+//! Slices at most 1.6 pixels apart are interpolated by grey values, others by contours.
+//!
+//! # Units, cost and limits
+//! Lengths in mm, grey values in the unit of the file. The cost is one pass over the scan, because packed
+//! slices cannot be reached without unpacking those before them. A blank scan, values that are all not
+//! finite, noise, and a crop outside the scan are refused with the reason.
 
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::{SliceSource, VolumeInfo};

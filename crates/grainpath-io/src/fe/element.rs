@@ -3,6 +3,12 @@
 //! Nodes are numbered as VTK numbers them: corners first, then the middles of edges. Hexahedra and wedges
 //! list the edges of the lower face, then of the upper face, then the upright ones. Readers convert other
 //! numberings to this one.
+//!
+//! Source: Kitware, *VTK File Formats*, for the numbering; the shape functions are the usual Lagrange and
+//! serendipity functions. Natural coordinates run from 0 to 1 in triangles and tetrahedra and from -1 to
+//! 1 in quads and hexahedra; a wedge combines both, and a pyramid is a cube collapsed at t = 1. Gauss
+//! points are exact for the volume of straight elements. Functions cost a few operations for each node.
+//! The gradient of a pyramid is not defined at its apex.
 
 use grainpath_core::DVec3;
 

@@ -1,4 +1,16 @@
 //! SVG path data and other lists of numbers, curves cut into straight pieces.
+//!
+//! # Method
+//! Source: SVG 1.1, chapter 8.3 and implementation notes F.6. All commands are read, absolute and
+//! relative. Quadratic curves become cubic ones by degree elevation. A cubic is divided into equal steps
+//! of its parameter, their number from a bound on its second derivative. Arcs given by their ends are
+//! converted to a centre and angles, and divided so that each chord's sagitta stays within the tolerance.
+//!
+//! # Units, cost and limits
+//! Coordinates and tolerance are in the path's own unit. The cost is linear in the chords. A cubic has at
+//! most 1000 of them. Radii that are too small are scaled up, zero radii make straight lines, and arcs
+//! without length are left out, as F.6 demands. Path data that do not begin with a move, and numbers
+//! without a command, are errors with their place.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::{acos, atan2, direction, sin_cos};

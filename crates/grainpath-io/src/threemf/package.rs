@@ -1,4 +1,14 @@
 //! The zip around the XML: parts, relationships, and limits against bombs.
+//!
+//! Source: 3MF Core Specification 1.4, chapter 2, and the Open Packaging Conventions. The relationships
+//! of the package name the root model part. Relationships of a model part stand in a file of their own
+//! beside it. Part names are compared without regard to case. Broken rules give warnings with their
+//! section; without a model part the package is refused.
+//!
+//! Parts are inflated as streams, so memory is bounded by the longest XML element. Bytes are counted
+//! while they inflate, because the sizes in the directory of the archive may be wrong: 1 GiB for all
+//! parts, and 100 times the packed size for a part of more than 32 MiB. Document type definitions are
+//! refused, since entities could expand without bound. External targets are never opened.
 
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Cursor, Read};

@@ -1,4 +1,16 @@
 //! DICOM series: sorted by position, rescaled, checked. Uncompressed and RLE pixel data.
+//!
+//! Source: DICOM PS3.3 (attributes), PS3.5 (data elements, transfer syntaxes, RLE) and PS3.10 (files).
+//! All headers are read before any pixel, so that a mixed folder is refused before work begins. The cross
+//! product of the row and column directions is the direction in which slices follow; the position along
+//! it orders them, and its median step is the spacing. A sideways drift along the stack comes from a
+//! tilted gantry and is kept as a shear. Values are rescaled by slope and intercept, to Hounsfield units
+//! for CT; MONOCHROME1 is inverted, so that dense material is bright.
+//!
+//! Positions are in mm in the patient's frame (LPS). The cost is a pass over the headers, then a slice at
+//! a time in memory. Uneven positions are kept with a warning. Missing slices, two slices at one
+//! position, slices of other series, sizes or depths, frames without their own positions and compressed
+//! pixels other than RLE are refused, each with its reason.
 
 use grainpath_core::{Warning, WarningId};
 use std::io::{BufRead, Read, Seek, SeekFrom};

@@ -1,4 +1,14 @@
 //! MetaImage: MHD with its voxels in a file beside it, or MHA with both in one file.
+//!
+//! Source: Kitware, *MetaIO documentation*, and ITK's reader where the two differ. The header has one
+//! `Key = value` in each line and ends with `ElementDataFile`. `TransformMatrix` lists the direction of
+//! one axis after another, and `Offset` is the position of the first voxel. Without a matrix
+//! `AnatomicalOrientation` gives the axes, with a warning, because MetaIO and ITK read its letters in
+//! opposite senses. Compressed data are zlib.
+//!
+//! The frame is LPS as in ITK, lengths in mm unless `DistanceUnits` says otherwise. A `HeaderSize` of -1
+//! takes the voxels from the end of the file. The cost is a slice at a time in memory. Several channels,
+//! and data in several files, are refused.
 
 use grainpath_core::slices::SliceSource;
 use grainpath_core::units::LengthUnit;

@@ -1,4 +1,14 @@
 //! NIfTI-1 and -2, in one file, plain or gzipped.
+//!
+//! Source: `nifti1.h` and `nifti2.h` of the NIfTI reference library. The size of the header in its first
+//! field gives version and byte order. The position of the voxels comes from the sform (method 3, an
+//! affine map), otherwise from the qform (method 2, a quaternion and spacings). Without both the axes are
+//! assumed to be right-handed, with a warning. Where both are given and differ by more than half a voxel,
+//! a warning says so. Values are scaled by slope and intercept unless the slope is 0.
+//!
+//! NIfTI's frame is RAS; it is converted to LPS. Lengths are converted to mm by `xyzt_units`. The cost is
+//! a slice at a time in memory. Pairs of files (.hdr and .img), time series, colours and complex values
+//! are refused.
 
 use grainpath_core::{Warning, WarningId};
 use std::io::Read;

@@ -1,4 +1,13 @@
 //! NRRD: a text header, a blank line, voxels; or voxels in a file of their own.
+//!
+//! Source: Teem, *Definition of NRRD File Format*. The header has fields `key: value`, key-value pairs
+//! and comments. `space directions` and `space origin` place the voxels in the space that `space` names;
+//! a left-handed space is mirrored along y, so that its z stays up. Encodings raw and gzip are read; a
+//! byte skip counts unpacked bytes.
+//!
+//! Lengths are converted to mm by `space units`; patient spaces without a unit are in mm. The cost is a
+//! slice at a time in memory. The header may take 64 kB. Axes that are not spatial, such as colours, data
+//! in several files, and a byte skip from the end of a packed file are refused.
 
 use std::io::{BufRead, Seek};
 

@@ -1,4 +1,13 @@
 //! Folders with one file for each slice.
+//!
+//! A folder is a DICOM series if any of its files is DICOM; the content decides, because such files often
+//! have no extension. Otherwise its images are the slices, in natural order: numbers within names are
+//! compared as numbers, so slice 10 follows slice 9. The first image fixes size and depth of all.
+//!
+//! Two checks come before any pixel is decoded. A name that differs from the others in more than its
+//! numbers belongs to another series. A number that is missing in a regular sequence is a missing slice,
+//! which would shift all slices above it. The voxel size is not known from images. The cost is one image
+//! at a time in memory; hidden files and index files of DICOM media are skipped.
 
 use super::files::MAX_FILE;
 use super::sample::NotFinite;

@@ -1,4 +1,14 @@
 //! Multipage TIFF and BigTIFF, with one page for each slice.
+//!
+//! Source: TIFF 6.0, and the description that `ImageJ` writes. Pages are linked one after another, so
+//! counting them means walking through the file once. The voxel size in the plane comes from the
+//! resolution tags, per inch or centimetre, or in the unit of the description. Only the description
+//! states the distance between slices. Resolutions of 1, 72 and 96 dots an inch are defaults of programs
+//! that do not know the size; they are ignored.
+//!
+//! Lengths are in mm. The cost is a page at a time in memory, and the decoder's limits follow from the
+//! size of the first page. A page of another size, such as a thumbnail, and a change of depth are
+//! refused.
 
 use std::io::BufReader;
 

@@ -1,4 +1,15 @@
 //! Rational B-splines, divided into chords.
+//!
+//! # Method
+//! Points come from de Boor's algorithm in homogeneous coordinates, which make the rational curve a
+//! polynomial one; the division comes last. Each span between two knots begins with four pieces, because
+//! the middle of an S lies on its chord and one piece would seem straight. A piece is halved until its
+//! middle lies within the tolerance of its chord.
+//!
+//! # Units, cost and limits
+//! Coordinates are in the unit of the drawing, as is the tolerance. The cost of a point is quadratic in
+//! the degree, which is 15 at most. Halving ends after ten steps, also where a weight makes the curve
+//! turn within rounding. Repeated knots give spans of no length, which are skipped.
 
 use grainpath_core::DVec2;
 
