@@ -139,6 +139,9 @@ warning_ids! {
     BoardTurnAssumed = "board-turn-assumed",
         "The outline of a board does not tell how the photograph is turned, so a turn was assumed.",
         "check the numbered corners in the picture of the photograph, or give corners_px";
+    PhotoHoleOutside = "photo-hole-outside",
+        "A hole of a photographed board lies outside the board and was not cut.",
+        "give x and y in mm from the lower left corner of the board";
     MarkerSheetOld = "marker-sheet-old",
         "The photograph shows an old marker sheet, on which a mirrored photograph cannot be told from a good one.",
         "print a new sheet with `grainpath markers`";

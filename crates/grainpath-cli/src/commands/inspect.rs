@@ -3,14 +3,18 @@
 use std::path::Path;
 
 use grainpath::shape::{Repair, mend};
+use grainpath_core::math::atan2;
 use grainpath_core::mesh::{MeshHealth, diagnose, weld_within};
 use grainpath_core::slices::SampleType;
-use grainpath_core::{Diagnostics, Warning, WarningId};
+use grainpath_core::{DVec2, Diagnostics, Warning, WarningId};
 use grainpath_gcode::{Limits, Program, simulate};
+use grainpath_imaging::metric::MetricImage;
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::photo::warp::Shrinking;
+use grainpath_imaging::raster::Grey;
+use grainpath_imaging::tensor::{TensorSettings, grain_axes};
 use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
-use grainpath_io::image::{decode, sniff_image};
+use grainpath_io::image::{decode, sniff_image, sniff_other_image};
 use grainpath_io::{
     Image, MeshFile, MeshFormat, OutlineOptions, Samples, parse_mesh, parse_outline, sniff_mesh,
     sniff_outline,
@@ -47,7 +51,7 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     // last.
     let value = if sniff_outline(&bytes) && !named_gcode {
         outline_json(&name, &bytes)?
-    } else if sniff_image(&bytes).is_some() && !named_gcode {
+    } else if (sniff_image(&bytes).is_some() || sniff_other_image(&bytes).is_some()) && !named_gcode {
         let image = decode(&bytes);
         image_json(&name, &image.map_err(|source| grainpath::Error::Image { path: name.clone(), source })?)
     } else if !named_gcode && is_fe(&bytes, &name) {
@@ -184,8 +188,43 @@ fn image_json(name: &str, image: &Image) -> Value {
         // contrast.
         "darkest": round(grey.quantile(0.01)), "median": round(grey.quantile(0.5)),
         "brightest": round(grey.quantile(0.99)),
+        "grain": grain_json(&grey),
     })
 }
+
+/// The grain that a plan would follow: its mean axis, how clear it is, and where it is clear. The size of the board is
+/// not known here, so lengths count in pixels of a picture with at most [`GRAIN_PX`] on its longer side.
+fn grain_json(grey: &Grey) -> Value {
+    let mut small = grey.clone();
+    while small.width.max(small.height) > GRAIN_PX && small.width.min(small.height) > 32 {
+        small = small.halved();
+    }
+    // Rows of a photograph begin at the top; the axis is told counter-clockwise from the picture's x.
+    let upright = Grey::from_fn(small.width, small.height, |x, y| small.at(x, small.height - 1 - y));
+    let picture = MetricImage { grey: upright, min_mm: DVec2::ZERO, px_mm: 1.0 };
+    // The ratio of the two scales is that of the job's defaults, 0.12 and 0.6 mm.
+    let axes =
+        grain_axes(&picture, &TensorSettings { gradient_mm: 1.0, integration_mm: 5.0, smooth_mm: 5.0 });
+    let weight = axes.coherence.iter().map(|&c| f64::from(c));
+    let sum = axes
+        .double
+        .iter()
+        .zip(weight.clone())
+        .fold(DVec2::ZERO, |sum, ([c, s], w)| sum + w * DVec2::new(f64::from(*c), f64::from(*s)));
+    let total: f64 = weight.sum();
+    let round = |v: f64| (v * 100.0).round() / 100.0;
+    let axis_deg = (0.5 * atan2(sum.y, sum.x)).to_degrees().rem_euclid(180.0);
+    json!({
+        "axis_deg": (axis_deg * 10.0).round() / 10.0,
+        "same_direction": round(if total > 0.0 { sum.length() / total } else { 0.0 }),
+        "coherence": round(axes.mean_coherence()),
+        "clear_share": round(axes.clear_share(0.3)),
+    })
+}
+
+/// Longer side of the picture that the grain is read from, pixels. Source: derived; rings of a board 100 mm wide are
+/// 1 mm apart or more, which is six pixels.
+const GRAIN_PX: usize = 640;
 
 /// Whether a file is a finite-element mesh or result. A table counts only with its ending `.csv`, since
 /// G-code may begin alike.
@@ -275,7 +314,7 @@ fn gcode_json(name: &str, p: &Program) -> Value {
 
 /// The fibre of a program; null for programs without fibre.
 fn fibre_json(p: &Program) -> Value {
-    let fibre = grainpath::measure::fibre::measure(p, grainpath_core::DVec2::ZERO, 0.0, 0.0, None);
+    let fibre = grainpath::measure::fibre::measure(p, DVec2::ZERO, 0.0, 0.0, None);
     if fibre.layers.is_empty() {
         return Value::Null;
     }

@@ -12,10 +12,14 @@ fn has_ending(path: &Path, endings: &[&str]) -> bool {
     path.extension().is_some_and(|e| endings.iter().any(|d| e.eq_ignore_ascii_case(d)))
 }
 
+/// Endings of pictures. The last seven are known and not read, so that the error names them.
+const PICTURES: [&str; 11] =
+    ["png", "jpg", "jpeg", "bmp", "heic", "heif", "webp", "avif", "gif", "jp2", "jxl"];
+
 /// The job of a file that is sliced without one. A photograph is taken as a board whose fill follows its
 /// grain.
 fn job_of(model: &Path) -> String {
-    if !has_ending(model, &["png", "jpg", "jpeg", "bmp"]) {
+    if !has_ending(model, &PICTURES) {
         return String::new();
     }
     // JSON strings are TOML strings too, so a path with quotes or backslashes is escaped correctly.

@@ -104,6 +104,8 @@ pub enum ImageError {
     Empty,
     #[error("not an image: neither PNG, JPEG, TIFF nor BMP")]
     Unknown,
+    #[error("{0} pictures are not read; save a copy as JPEG or PNG ({how})", how = how_to_convert(.0))]
+    OtherFormat(&'static str),
     #[error("{width} x {height} pixels; grainpath reads images of at most {limit} pixels")]
     TooLarge { width: u64, height: u64, limit: u64 },
     #[error("{format}: the image ends before its last row", format = .0.name())]
@@ -156,7 +158,8 @@ fn read(bytes: &[u8], max_pixels: u64, colours: Colours) -> Result<Image, ImageE
     if bytes.is_empty() {
         return Err(ImageError::Empty);
     }
-    let image = match sniff_image(bytes).ok_or(ImageError::Unknown)? {
+    let unknown = || sniff_other_image(bytes).map_or(ImageError::Unknown, ImageError::OtherFormat);
+    let image = match sniff_image(bytes).ok_or_else(unknown)? {
         ImageFormat::Png => png::read(bytes, max_pixels)?,
         ImageFormat::Jpeg => jpeg::read(bytes, max_pixels, colours)?,
         ImageFormat::Tiff => tiff::read(bytes, max_pixels)?,
@@ -180,6 +183,48 @@ pub fn sniff_image(bytes: &[u8]) -> Option<ImageFormat> {
         Some(ImageFormat::Bmp)
     } else {
         None
+    }
+}
+
+/// The name of a known image format that is not read, if these bytes begin like one.
+///
+/// ```
+/// use grainpath_io::image::sniff_other_image;
+///
+/// assert_eq!(sniff_other_image(b"RIFF\x24\0\0\0WEBPVP8 "), Some("WebP"));
+/// assert_eq!(sniff_other_image(b"\xff\xd8\xff\xe0"), None);
+/// ```
+pub fn sniff_other_image(bytes: &[u8]) -> Option<&'static str> {
+    let at = |from: usize, magic: &[u8]| bytes.get(from..).is_some_and(|rest| rest.starts_with(magic));
+    // Files of the ISO base media format name their brand behind the word "ftyp" (ISO/IEC 14496-12, 4.3).
+    if at(4, b"ftyp") {
+        let is = |brands: &[&[u8]]| brands.iter().any(|brand| at(8, brand));
+        if is(&[b"avif", b"avis"]) {
+            return Some("AVIF");
+        }
+        return is(&[b"heic", b"heix", b"hevc", b"heim", b"heis", b"mif1", b"msf1"]).then_some("HEIC");
+    }
+    if at(0, b"RIFF") && at(8, b"WEBP") {
+        return Some("WebP");
+    }
+    if at(0, b"GIF87a") || at(0, b"GIF89a") {
+        return Some("GIF");
+    }
+    if at(0, b"\0\0\0\x0cjP  \r\n\x87\n") || at(0, b"\xff\x4f\xff\x51") {
+        return Some("JPEG 2000");
+    }
+    (at(0, b"\0\0\0\x0cJXL \r\n\x87\n") || at(0, b"\xff\x0a")).then_some("JPEG XL")
+}
+
+/// A way to convert a picture of a format that is not read.
+fn how_to_convert(format: &str) -> &'static str {
+    match format {
+        // The two ways in which such files come about: from a phone's camera and from the web.
+        "HEIC" => {
+            "on an iPhone: Settings > Camera > Formats > Most Compatible; or `heif-convert in.heic out.jpg`"
+        }
+        "WebP" => "`dwebp in.webp -o out.png`",
+        _ => "`magick in out.png`",
     }
 }
 

@@ -119,3 +119,24 @@ fn real_photographs() {
         }
     }
 }
+
+#[test]
+fn known_formats_that_are_not_read_are_named_with_a_way_to_convert_them() {
+    for (bytes, name) in [
+        (&b"\0\0\0\x18ftypheic\0\0\0\0mif1heic"[..], "HEIC"),
+        (b"\0\0\0\x18ftypmif1\0\0\0\0mif1heic", "HEIC"),
+        (b"\0\0\0\x1cftypavif\0\0\0\0", "AVIF"),
+        (b"RIFF\x24\0\0\0WEBPVP8 ", "WebP"),
+        (b"GIF89a\x01\0\x01\0", "GIF"),
+        (b"\0\0\0\x0cjP  \r\n\x87\n\0\0\0\x14ftypjp2 ", "JPEG 2000"),
+        (b"\xff\x0a\x00", "JPEG XL"),
+    ] {
+        assert_eq!(decode(bytes), Err(ImageError::OtherFormat(name)));
+        let text = ImageError::OtherFormat(name).to_string();
+        assert!(text.contains(name) && text.contains("save a copy as JPEG or PNG"), "{text}");
+    }
+    // Files of the same container that hold no picture, and sound in the same wrapper.
+    for bytes in [&b"\0\0\0\x18ftypisom\0\0\0\0"[..], b"RIFF\x24\0\0\0WAVEfmt ", b"ftyp", b"RIFF"] {
+        assert_eq!(decode(bytes), Err(ImageError::Unknown));
+    }
+}

@@ -90,7 +90,7 @@ pub fn plan_photo(
         path: photos.first().map_or_else(|| "shape.photo".into(), |p| p.name.clone()),
         source,
     };
-    let stack = board.slice(&config::slicing(settings)).map_err(shape_error)?;
+    let stack = board.slice(&config::slicing(settings), diagnostics).map_err(shape_error)?;
     // Lofting a surface costs more than the sections, so it is made only where a stage needs it.
     let mesh = if wants_surface(settings) {
         shape::surface(&stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?

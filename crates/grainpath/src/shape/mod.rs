@@ -77,7 +77,8 @@ pub enum ShapeError {
 /// Contours of all meshes are united by winding number: bodies that overlap or touch do not cancel,
 /// and cavities stay.
 ///
-/// # Errors [`ShapeError`]: too flat, too many layers, no layer with an area, interrupted.
+/// # Errors
+/// [`ShapeError`]: too flat, too many layers, no layer with an area, interrupted.
 pub fn slice(
     mesh: &TriMesh,
     settings: &SliceSettings,

@@ -4,7 +4,7 @@
 //! Lengths are in mm. Cost: one polygon difference for each hole and layer.
 
 use grainpath_core::math::direction;
-use grainpath_core::{DVec2, Layer, LayerStack, Polygon, Region, TriMesh};
+use grainpath_core::{DVec2, Diagnostics, Layer, LayerStack, Polygon, Region, TriMesh, Warning, WarningId};
 
 use super::heights::layer_heights;
 use super::{ShapeError, SliceSettings};
@@ -50,10 +50,39 @@ impl PhotoBoard {
         })
     }
 
+    /// Warns of each hole that passes the board nowhere between its two faces.
+    fn report_holes_outside(&self, diagnostics: &Diagnostics) {
+        for (k, hole) in self.holes.iter().enumerate() {
+            // The hole's middle moves along a straight line, so it is nearest to the board at one of the faces or where
+            // it passes one of the edges; 64 heights are finer than any hole wider than a bead.
+            let inside = |z_mm: f64| {
+                let middle = hole.centre_mm + (z_mm - self.shown_mm) * self.shift_mm_per_mm;
+                let nearest = middle.clamp(DVec2::ZERO, self.size_mm);
+                nearest.distance(middle) < hole.radius_mm
+            };
+            if !(0..=64).any(|i| inside(self.thickness_mm * f64::from(i) / 64.0)) {
+                let text = format!(
+                    "hole {} of shape.photo.holes_mm lies outside the board of {} x {} mm and was not cut",
+                    k + 1,
+                    self.size_mm.x,
+                    self.size_mm.y
+                );
+                let warning = Warning::new(WarningId::PhotoHoleOutside, text);
+                diagnostics.push(warning.at_mm(hole.centre_mm.x, hole.centre_mm.y));
+            }
+        }
+    }
+
     /// The layers of the board.
     ///
-    /// # Errors [`ShapeError`]: too flat, too many layers, no layer with an area.
-    pub fn slice(&self, settings: &SliceSettings) -> Result<LayerStack, ShapeError> {
+    /// # Errors
+    /// [`ShapeError`]: too flat, too many layers, no layer with an area.
+    pub fn slice(
+        &self,
+        settings: &SliceSettings,
+        diagnostics: &Diagnostics,
+    ) -> Result<LayerStack, ShapeError> {
+        self.report_holes_outside(diagnostics);
         let tops = layer_heights(&TriMesh::default(), self.thickness_mm, settings)?;
         let mut layers = Vec::with_capacity(tops.len());
         let mut bottom = 0.0;
@@ -89,7 +118,9 @@ mod tests {
             gap_closing_mm: 0.0,
             simplify_mm: 0.0,
         };
-        let stack = board.slice(&settings).expect("layers");
+        let diagnostics = Diagnostics::default();
+        let stack = board.slice(&settings, &diagnostics).expect("layers");
+        assert!(diagnostics.warnings().is_empty());
         assert_eq!(stack.layers().len(), 20);
         let area = 3000.0 - std::f64::consts::PI * 16.0;
         for layer in stack.layers() {
@@ -99,5 +130,27 @@ mod tests {
             assert!((middle.x - 50.0 - 0.5 * z).abs() < 1e-3, "{middle} at {z}");
             assert!((layer.region().area_mm2() / area - 1.0).abs() < 1e-4);
         }
+    }
+
+    #[test]
+    fn a_hole_beside_the_board_is_told_of() {
+        let warnings = |x: f64, shift: f64| {
+            let board = PhotoBoard {
+                size_mm: DVec2::new(100.0, 30.0),
+                thickness_mm: 4.0,
+                holes: vec![Hole { centre_mm: DVec2::new(x, 15.0), radius_mm: 4.0 }],
+                shift_mm_per_mm: DVec2::new(shift, 0.0),
+                shown_mm: 0.0,
+            };
+            let diagnostics = Diagnostics::default();
+            board.report_holes_outside(&diagnostics);
+            diagnostics.warnings()
+        };
+        assert!(warnings(103.0, 0.0).is_empty(), "its rim cuts the edge");
+        assert!(warnings(106.0, -1.0).is_empty(), "it leans into the board");
+        let outside = warnings(106.0, 1.0);
+        assert_eq!(outside.len(), 1);
+        assert_eq!(outside[0].id, WarningId::PhotoHoleOutside);
+        assert_eq!(outside[0].place.as_ref().map(|p| p.point_mm.clone()), Some(vec![106.0, 15.0]));
     }
 }
