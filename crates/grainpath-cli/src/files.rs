@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Duration;
 
-use crate::Failure;
+use crate::{Failure, interrupt};
 
 /// Size limit of a file that is read whole. Chosen: a third of a machine with 24 GiB, since a mesh takes
 /// about twice its file. A larger limit risks that the system ends the process without a message.
@@ -111,7 +111,8 @@ pub fn write_atomically<T>(
     if let Some(permissions) = permissions(there.as_ref()) {
         builder.permissions(permissions);
     }
-    let mut temporary = builder.tempfile_in(&folder).map_err(|e| wrong(&e))?;
+    let created = interrupt::Temporary::create(|| builder.tempfile_in(&folder));
+    let (mut temporary, watched) = created.map_err(|e| wrong(&e))?;
     // The file must be complete before the rename, so the buffer is flushed and dropped first.
     let mut writer = BufWriter::with_capacity(1 << 17, temporary.as_file_mut());
     let result = fill(&mut writer)?;
@@ -121,7 +122,7 @@ pub fn write_atomically<T>(
         // The mode given at creation was cut down by the process's mask.
         temporary.as_file().set_permissions(m.permissions()).map_err(|e| wrong(&e))?;
     }
-    temporary.persist(&target).map_err(|e| wrong(&e.error))?;
+    watched.finish(|| temporary.persist(&target).map_err(|e| wrong(&e.error)))?;
     Ok(result)
 }
 

@@ -5,6 +5,7 @@ mod claims;
 mod commands;
 mod files;
 mod inputs;
+mod interrupt;
 mod memory;
 mod outputs;
 mod progress;
@@ -54,8 +55,7 @@ impl From<grainpath::Error> for Failure {
             ErrorKind::Job => 2,
             ErrorKind::Input => 3,
             ErrorKind::Physics => 4,
-            // Source: the shell's convention, 128 plus the number of the signal; SIGINT is 2.
-            ErrorKind::Interrupted => 130,
+            ErrorKind::Interrupted => interrupt::EXIT_CODE,
         };
         Self { message: error.to_string(), code, warnings: Vec::new() }
     }
@@ -69,6 +69,7 @@ fn main() -> ExitCode {
     let args = Args::parse();
     // Asked before the command takes its arguments, since a failure has to answer in JSON too.
     let json = args.command.json();
+    interrupt::set_json(json);
     let outcome = match args.command {
         Command::Run(a) => commands::run::run(&a),
         Command::Slice(a) => commands::slice::slice(&a),
@@ -88,6 +89,7 @@ fn main() -> ExitCode {
     let outcome = outcome.and_then(|()| files::lost_output().map_or(Ok(()), Err));
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
+        Err(failure) if failure.code == interrupt::EXIT_CODE => interrupt::end(),
         Err(failure) => {
             // One line, so that a script can read the last line of standard error.
             let line = failure.message.replace('\n', " ");

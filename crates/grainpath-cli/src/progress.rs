@@ -7,6 +7,8 @@ use grainpath_core::Diagnostics;
 use grainpath_core::diagnostics::{Progress, Stage};
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::interrupt;
+
 struct Bar(ProgressBar);
 
 impl Progress for Bar {
@@ -47,8 +49,6 @@ pub fn diagnostics() -> Arc<Diagnostics> {
     } else {
         Diagnostics::default()
     });
-    let for_handler = Arc::clone(&diagnostics);
-    // Only one handler can be set; a process runs one command, so a failure here means it is already set.
-    let _ = ctrlc::set_handler(move || for_handler.stop());
+    interrupt::watch(Arc::clone(&diagnostics));
     diagnostics
 }

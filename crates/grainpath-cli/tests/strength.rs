@@ -305,3 +305,34 @@ fn test_pieces_come_with_a_drawing_and_a_job() {
         }
     }
 }
+
+/// A strip 1 mm thick, held at one end and pushed out of its plane at the other: beam theory with the softening law of the
+/// card gives a moment of 1.6 times strength times section modulus (`tests/wall_bending.rs` of grainpath-fea).
+#[test]
+fn a_thin_strip_bends_as_beam_theory_says_or_is_refused() {
+    let dir = folder("strength strip");
+    let [length, width] = [30.0, 5.0];
+    fs::write(dir.join("strip.stl"), box_stl([length, width, 1.0])).expect("written");
+    let job = JOB
+        .replace("bar.stl", "strip.stl")
+        .replace("[6, 8, 1]", "[5, 5, 1]")
+        .replace("[[34, 0, 0], [40, 8, 1]]", "[[25, 0, 0], [30, 5, 1]]")
+        .replace("force_n = [100, 0, 0]", "force_n = [0, 0, 1]");
+    fs::write(dir.join("strip.toml"), job.replace("cell_mm = 0.4", "corners = false\ncheck = false"))
+        .expect("written");
+    let out = json(&grainpath(&dir, &["strength", "strip.toml", "--json"]));
+    let s = &out["strength"];
+    let (peak, cell) = (number(s, "peak_load_n"), number(s, "cell_mm"));
+    // From the load's middle to the first cells that can fail, 1.5 mm and a cell behind the grip.
+    let arm = length - 2.5 - (5.0 + 1.5 + 1.5 * cell);
+    let want = 1.6 * 52.0 * width / 6.0 / arm;
+    assert!(cell <= 0.25 + 1e-3, "{cell}");
+    assert!((peak / want - 1.0).abs() < 0.1, "{peak} {want}");
+    for cell in ["1.5", "0.9", "0.5"] {
+        let set = format!("strength.cell_mm={cell}");
+        let out = grainpath(&dir, &["strength", "strip.toml", "--set", &set]);
+        let text = String::from_utf8_lossy(&out.stderr).into_owned();
+        assert_eq!(out.status.code(), Some(4), "{cell}: {text}");
+        assert!(text.contains("set strength.cell_mm = 0."), "{cell}: {text}");
+    }
+}

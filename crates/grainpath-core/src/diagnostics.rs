@@ -3,8 +3,8 @@
 //! One `Diagnostics` is shared by all threads of a run. Warnings are sorted before they are read,
 //! so they do not depend on the number of threads.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
 use crate::warning::{Warning, WarningId};
 
@@ -63,6 +63,30 @@ pub trait Progress: Send + Sync {
 #[error("interrupted; nothing was written")]
 pub struct Interrupted;
 
+/// Whether a run was asked to stop. Copies share one flag, so that solvers which know no [`Diagnostics`] can hold one.
+///
+/// ```
+/// use grainpath_core::Diagnostics;
+///
+/// let diagnostics = Diagnostics::default();
+/// let flag = diagnostics.cancel_flag();
+/// assert!(flag.check().is_ok());
+/// diagnostics.stop();
+/// assert!(flag.check().is_err());
+/// ```
+#[derive(Debug, Clone, Default)]
+pub struct CancelFlag(Arc<AtomicBool>);
+
+impl CancelFlag {
+    /// Err once a stop was asked for. Long loops call this at least ten times a second.
+    ///
+    /// # Errors
+    /// [`Interrupted`] after [`Diagnostics::stop`].
+    pub fn check(&self) -> Result<(), Interrupted> {
+        if self.0.load(Ordering::Relaxed) { Err(Interrupted) } else { Ok(()) }
+    }
+}
+
 /// Collects warnings from every thread, passes progress on, and holds the cancellation flag.
 ///
 /// ```
@@ -79,7 +103,7 @@ pub struct Interrupted;
 pub struct Diagnostics {
     warnings: Mutex<Vec<Warning>>,
     progress: Option<Box<dyn Progress>>,
-    stop: AtomicBool,
+    cancel: CancelFlag,
 }
 
 impl Diagnostics {
@@ -129,7 +153,12 @@ impl Diagnostics {
     pub fn stop(&self) {
         // Relaxed is enough: the flag carries no other data, and a layer more or less makes no
         // difference.
-        self.stop.store(true, Ordering::Relaxed);
+        self.cancel.0.store(true, Ordering::Relaxed);
+    }
+
+    /// The flag that [`Diagnostics::stop`] sets.
+    pub fn cancel_flag(&self) -> CancelFlag {
+        self.cancel.clone()
     }
 
     /// Fails once the run was asked to stop. Long loops call it once a layer.
@@ -137,7 +166,7 @@ impl Diagnostics {
     /// # Errors
     /// [`Interrupted`] after [`Diagnostics::stop`].
     pub fn check(&self) -> Result<(), Interrupted> {
-        if self.stop.load(Ordering::Relaxed) { Err(Interrupted) } else { Ok(()) }
+        self.cancel.check()
     }
 }
 

@@ -199,12 +199,12 @@ warning_ids! {
     StressLargeDisplacement = "stress-large-displacement",
         "The part moves by more than a twentieth of its size, more than linear elasticity holds for.",
         "check the loads and the modulus of the material";
-    StrengthOneCase = "strength-one-case",
-        "The job has several load cases and the strength test used only one of them.",
-        "test the other load cases in jobs of their own";
     StrengthNotConverged = "strength-not-converged",
         "The peak load still changes when the cells of the strength test are halved.",
         "lower strength.cell_mm";
+    StrengthThinWalls = "strength-thin-walls",
+        "Thin walls bend and are fewer than four cells thick, so that the peak load is too high.",
+        "lower strength.cell_mm to a quarter of the thickness";
     StrengthLooseMaterial = "strength-loose-material",
         "Some printed material is not connected to a fixture and was left out of the strength test.",
         "check the fixtures and the gaps between beads";

@@ -30,6 +30,9 @@ pub enum SparseError {
     /// The matrix is not positive definite.
     #[error("the stiffness is singular: some part can move freely or has no stiffness")]
     Singular,
+    /// A stop was asked for.
+    #[error(transparent)]
+    Interrupted(#[from] grainpath_core::diagnostics::Interrupted),
 }
 
 /// A symmetric matrix, its lower half by columns: `rows[starts[j]..starts[j + 1]]` rise from the

@@ -1,6 +1,7 @@
 //! The strength test compared with closed forms: strengths off axis, stiffness of laminates, holes, and
 //! other meshes.
 
+use grainpath_core::diagnostics::CancelFlag;
 use grainpath_core::math::{atan2, direction, sin_cos};
 use grainpath_core::{DVec2, DVec3};
 use grainpath_fea::material::Orthotropic;
@@ -111,6 +112,7 @@ fn pull_laminate(laminate: &Laminate, card: &StrengthCard, within: &dyn Fn(DVec2
         unbreakable: &unbreakable,
         cards: std::slice::from_ref(card),
         max_mib: 1024.0,
+        cancel: CancelFlag::default(),
     };
     test.run().expect("an answer")
 }
@@ -414,6 +416,7 @@ fn pull_bricks(sheets: &[BeadSheet], cell_mm: f64, axis: usize, card: &StrengthC
         unbreakable: &unbreakable,
         card,
         max_mib: 1024.0,
+        cancel: CancelFlag::default(),
     };
     (test.run().expect("an answer"), bricks)
 }

@@ -25,7 +25,16 @@ pub fn compare(args: &Compare) -> Result<(), Failure> {
         // The mass of the first is the mark for the others: strength of parts compares at equal mass.
         // G-code cannot be changed, so it keeps its own.
         let mass_g = all.first().filter(|_| args.same_mass && is_job(input)).map(|d| d.tested.report.mass_g);
-        let done = test_one(input, args.job.as_deref(), &args.common, mass_g)?;
+        let name = input.display();
+        let note = |text: &str| {
+            if !args.common.json {
+                eprintln!("{name}: {text}");
+            }
+        };
+        note("planning");
+        let done = test_one(input, args.job.as_deref(), &args.common, mass_g, &note)?;
+        let report = &done.tested.report;
+        note(&format!("{:.0} N ({})", report.peak_load_n, report.over()));
         if let Some(folder) = &args.preview {
             for (name, picture) in outputs::strength_pictures(&done.tested) {
                 let path: PathBuf = folder.join(format!("{}-{name}", done.name));
@@ -44,24 +53,45 @@ pub fn compare(args: &Compare) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Ratios of the peak load to that of the first: nominal, and the least and greatest over the corners of
-/// the material card.
-fn ratios(of: &StrengthReport, to: &StrengthReport) -> [f64; 3] {
-    let nominal = of.peak_load_n / to.peak_load_n;
-    // Corner by corner: uncertainty of the card that acts on both parts alike cancels. The quotient of
-    // the two intervals would be much wider.
-    let each = of.corners.iter().filter_map(|(k, v)| to.corners.get(k).map(|w| v / w));
-    each.fold([nominal; 3], |[n, low, high], r| [n, low.min(r), high.max(r)])
+/// A ratio of two peak loads and its interval.
+struct Ratio {
+    nominal: f64,
+    low: f64,
+    high: f64,
+}
+
+impl Ratio {
+    /// The peak load of one part over that of another: corner by corner of the card, which both share, and wider on both
+    /// sides by the larger share that the grid moves either of them.
+    fn new(part: &StrengthReport, first: &StrengthReport) -> Self {
+        let nominal = part.peak_load_n / first.peak_load_n;
+        // Corner by corner: uncertainty of the card that acts on both parts alike cancels. The quotient of the two
+        // intervals would be much wider.
+        let corners = part.corners.iter().filter_map(|(k, v)| first.corners.get(k).map(|w| v / w));
+        let (low, high) = corners.fold((nominal, nominal), |(low, high), r| (low.min(r), high.max(r)));
+        let grid = part.grid_share.max(first.grid_share);
+        Self { nominal, low: low * (1.0 - grid), high: high * (1.0 + grid) }
+    }
+
+    /// Whether the interval leaves no doubt which part carries more.
+    fn is_decided(&self) -> bool {
+        self.low > 1.0 || self.high < 1.0
+    }
 }
 
 fn row(done: &Done, first: &StrengthReport) -> Value {
     let r = &done.tested.report;
-    let [ratio, low, high] = ratios(r, first).map(|v| (v * 1e4).round() / 1e4);
+    // The first part is not compared with itself.
+    let is_first = std::ptr::eq(r, first);
+    let ratio = if is_first { Ratio { nominal: 1.0, low: 1.0, high: 1.0 } } else { Ratio::new(r, first) };
+    let round = |v: f64| (v * 1e4).round() / 1e4;
+    let decided = if is_first { Value::Null } else { json!(ratio.is_decided()) };
     json!({
         "name": done.name, "mass_g": r.mass_g, "time_s": (done.time_s * 10.0).round() / 10.0,
         "peak_load_n": r.peak_load_n, "low_n": r.low_n, "high_n": r.high_n,
         "stiffness_n_per_mm": r.stiffness_n_per_mm, "load_per_gram_n_g": r.load_per_gram_n_g,
-        "ratio": ratio, "ratio_low": low, "ratio_high": high,
+        "ratio": round(ratio.nominal), "ratio_low": round(ratio.low), "ratio_high": round(ratio.high),
+        "decided": decided, "grid_share": r.grid_share,
         "mode": r.mode, "weakest": r.weakest, "corners": r.corners, "mesh_change": r.mesh_change,
         "warnings": done.warnings,
     })
@@ -79,7 +109,7 @@ fn table(all: &[Done], rows: &[Value]) -> String {
         let number = |key: &str| row[key].as_f64().unwrap_or(0.0);
         let _ = writeln!(
             out,
-            "{:<width$}  {:>7.2}  {:>9}  {:>5.0} ({:>4.0}-{:>4.0})  {:>8.0}  {:>6.1}  {:>5.3} ({:.3}-{:.3})  {}",
+            "{:<width$}  {:>7.2}  {:>9}  {:>5.0} ({:>4.0}-{:>4.0})  {:>8.0}  {:>6.1}  {:>5.3} ({:.3}-{:.3})  {}{}",
             d.name,
             r.mass_g,
             format!("{:.0} min", d.time_s / 60.0),
@@ -91,6 +121,7 @@ fn table(all: &[Done], rows: &[Value]) -> String {
             number("ratio"),
             number("ratio_low"),
             number("ratio_high"),
+            if row["decided"] == json!(false) { "not decided; " } else { "" },
             r.mode
         );
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use grainpath::guide::boundary_conditions;
-use grainpath::measure::strength::{TestSetup, Tested, test};
+use grainpath::measure::strength::{TestSetup, Tested, test_noting};
 use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath_core::{Diagnostics, Warning};
 use grainpath_gcode::{Program, simulate, write_gcode};
@@ -32,7 +32,7 @@ pub struct Done {
 /// `grainpath strength`
 pub fn strength(args: &Strength) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
-    let done = test_one(&args.input, args.job.as_deref(), &args.common, None)?;
+    let done = test_one(&args.input, args.job.as_deref(), &args.common, None, &|_| {})?;
     let mut written = Value::Null;
     if let Some(folder) = &args.preview {
         for (name, picture) in outputs::strength_pictures(&done.tested) {
@@ -74,13 +74,14 @@ pub fn job_of<'a>(input: &'a Path, job: Option<&'a Path>) -> Result<&'a Path, Fa
     if is_job(input) { Ok(input) } else { job.ok_or_else(none) }
 }
 
-/// Tests a job, or a program with the job it belongs to. `mass_g` is the mass that a job's part should
-/// have.
+/// Tests a job, or a program with the job it belongs to. `mass_g` is the mass that a job's part should have; `note`
+/// receives the first answer.
 pub fn test_one(
     input: &Path,
     job: Option<&Path>,
     common: &Common,
     mass_g: Option<f64>,
+    note: &(dyn Fn(&str) + Sync),
 ) -> Result<Done, Failure> {
     let job = job_of(input, job)?;
     let (mut settings, shape, folder) = read_job(job, &common.sets)?;
@@ -105,14 +106,14 @@ pub fn test_one(
         let setup = TestSetup::of(&settings, &mesh, &stack, conditions).map_err(failed)?;
         // Without a shift the test finds the part on the bed by itself, since another slicer may have
         // placed it anywhere.
-        let tested = test(&settings, &setup, program, None, &diagnostics);
+        let tested = test_noting(&settings, &setup, program, None, &diagnostics, note);
         (tested.map_err(|e| named(input, failed(e)))?, theirs)
     } else {
         let (planned, _) = plan(&settings, &shape, &folder, &diagnostics)?;
         let setup = planned.test.as_ref();
         let setup = setup.ok_or_else(|| Failure::usage("strength.enabled should be true"))?;
         if let Some(program) = &theirs {
-            let tested = test(&settings, setup, program, None, &diagnostics);
+            let tested = test_noting(&settings, setup, program, None, &diagnostics, note);
             (tested.map_err(|e| named(input, failed(e)))?, theirs)
         } else {
             let mut bytes = Vec::new();
@@ -122,7 +123,8 @@ pub fn test_one(
                 .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
             let program = read(&settings, &bytes, input)?;
             let shift = planned.plan.plate_from_part_mm.truncate();
-            (test(&settings, setup, &program, Some(shift), &diagnostics).map_err(failed)?, Some(program))
+            let tested = test_noting(&settings, setup, &program, Some(shift), &diagnostics, note);
+            (tested.map_err(failed)?, Some(program))
         }
     };
     let program = program.unwrap_or_default();

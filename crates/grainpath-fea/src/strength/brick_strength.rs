@@ -1,17 +1,29 @@
 //! The strength test of a solid: [`Bricks`] as elements, each with the damaged stiffness of its plies, loaded until they
 //! fail.
+//!
+//! Cells are boxes with incompatible modes ([`crate::solid::voxel`]), solved by conjugate gradients with multigrid. Cells
+//! share stiffnesses from a library, in which directions, bonds and damage are rounded; failure indices use the exact
+//! values. Damage in a section through a beam whose layers part, white to black, and load over displacement:
+//!
+#![doc = include_str!("figures/solid.svg")]
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use grainpath_core::diagnostics::CancelFlag;
 use grainpath_core::math::direction;
 use grainpath_core::{DVec3, IVec3};
+use rayon::prelude::*;
 
 use super::bricks::Bricks;
 use super::card::StrengthCard;
 use super::damage::{damaged_stiffness, remaining_shares};
 use super::load_stepping::{FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, run_to_failure};
 
+use super::wall_bending::{
+    BendingSample, CELLS_ACROSS, MAX_THIN_SHARE, MIN_CELLS_ACROSS, UnresolvedBending, highest_index,
+    unresolved_bending,
+};
 use super::{CRACK_NORMAL_COS, Outcome, TestError};
 use crate::material::{Orthotropic, Stiffness, rotated_about_z};
 use crate::solid::voxel::{VOID, VoxelPart, VoxelSystem};
@@ -38,6 +50,8 @@ pub struct SolidTest<'a> {
     pub card: &'a StrengthCard,
     /// Memory limit of the solver, MiB.
     pub max_mib: f64,
+    /// Stops the test.
+    pub cancel: CancelFlag,
 }
 
 /// Step control of solid tests. A solution costs more than that of a plate, so the load rises before a crack has come
@@ -57,6 +71,8 @@ const STEP_CONTROL: StepControl = StepControl {
 };
 /// Residual over the load at which the first solution ends.
 const FIRST_TOLERANCE: f64 = 1e-5;
+/// Residual over the load at which the solution for [`SolidTest::unresolved_bending`] ends.
+const PROBE_TOLERANCE: f64 = 1e-3;
 /// Residual over the load at which later solutions end. They start from the one before, see `RESIDUAL_GAIN`.
 const LATER_TOLERANCE: f64 = 1e-2;
 /// Later solutions also reduce the residual that new damage has caused to this share of it.
@@ -79,7 +95,59 @@ impl SolidTest<'_> {
         self.run_with(&STEP_CONTROL, LATER_TOLERANCE)
     }
 
+    /// How much bending of thin walls the cells miss. One solution for the unit load where there are thin walls, none
+    /// elsewhere.
+    ///
+    /// # Errors
+    /// [`TestError`] when the part moves freely, is too large for the memory allowed, or nothing is strained.
+    pub fn unresolved_bending(&self) -> Result<UnresolvedBending, TestError> {
+        if !self.has_thin_walls() {
+            return Ok(UnresolvedBending::default());
+        }
+        let mut solid = self.loaded(LATER_TOLERANCE)?;
+        solid.settings.tolerance = PROBE_TOLERANCE;
+        solid.solve()?;
+        let whole = PlyState::whole(&self.card.final_strains(1.0, 1.0));
+        unresolved_bending(&solid.bending(&vec![whole; solid.n_plies()]))
+    }
+
+    /// Full cells across the part at a cell along an axis, counted up to [`CELLS_ACROSS`] on either side.
+    fn cells_across(&self, cell: usize, axis: usize) -> f64 {
+        let bricks = self.bricks;
+        let stride = [1, bricks.n[0], bricks.n[0] * bricks.n[1]][axis];
+        let place = cell / stride % bricks.n[axis];
+        let sum = |cells: &mut dyn Iterator<Item = usize>| {
+            let filled = cells.take_while(|c| self.active[*c]).map(|c| f64::from(bricks.filled[c]));
+            filled.take(CELLS_ACROSS as usize).sum::<f64>()
+        };
+        let above = sum(&mut (place + 1..bricks.n[axis]).map(|k| cell + (k - place) * stride));
+        let below = sum(&mut (0..place).rev().map(|k| cell - (place - k) * stride));
+        f64::from(bricks.filled[cell]) + above + below
+    }
+
+    /// Whether more than a few cells lie in walls that are thin for their size.
+    fn has_thin_walls(&self) -> bool {
+        let cells =
+            (0..self.active.len()).into_par_iter().filter(|c| self.active[*c] && !self.unbreakable[*c]);
+        let thin =
+            cells.clone().filter(|c| (0..3).any(|axis| self.cells_across(*c, axis) < MIN_CELLS_ACROSS));
+        thin.count() as f64 > MAX_THIN_SHARE * cells.count() as f64
+    }
+
     fn run_with(&self, control: &StepControl, later_tolerance: f64) -> Result<Outcome, TestError> {
+        let mut solid = self.loaded(later_tolerance)?;
+        let size_mm = [self.bricks.cell_mm.x, self.bricks.cell_mm.z];
+        run_to_failure(
+            &mut solid,
+            std::slice::from_ref(self.card),
+            size_mm,
+            self.load_n,
+            control,
+            &self.cancel,
+        )
+    }
+
+    fn loaded(&self, later_tolerance: f64) -> Result<LoadedSolid<'_>, TestError> {
         let cells: Vec<u32> = (0..self.active.len()).filter(|&c| self.active[c]).map(|c| c as u32).collect();
         let mut starts = vec![0];
         let mut plies = Vec::new();
@@ -112,17 +180,17 @@ impl SolidTest<'_> {
             max_mib: self.max_mib,
             method: Method::Iterative,
         };
-        let system = VoxelSystem::new(part, &holds, &settings)?;
+        let mut system = VoxelSystem::new(part, &holds, &settings)?;
+        system.stop_on(self.cancel.clone());
         let mut forces = vec![DVec3::ZERO; system.n_nodes()];
         for (p, f) in self.forces_n {
             if let Some(i) = system.node(*p) {
                 forces[i] += *f;
             }
         }
-        let size_mm = [self.bricks.cell_mm.x, self.bricks.cell_mm.z];
         let mut element_of = vec![None; self.active.len()];
         cells.iter().enumerate().for_each(|(e, c)| element_of[*c as usize] = Some(e as u32));
-        let mut solid = LoadedSolid {
+        Ok(LoadedSolid {
             test: self,
             cells,
             element_of,
@@ -135,8 +203,7 @@ impl SolidTest<'_> {
             forces,
             solved: 0,
             iterations: 0,
-        };
-        run_to_failure(&mut solid, std::slice::from_ref(self.card), size_mm, self.load_n, control)
+        })
     }
 }
 
@@ -229,6 +296,81 @@ struct LoadedSolid<'a> {
     iterations: usize,
 }
 
+impl LoadedSolid<'_> {
+    /// Failure indices of an element under a strain, order xx, yy, zz, xy, yz, zx.
+    fn indices_of_strain(
+        &self,
+        element: usize,
+        strain: [f64; 6],
+        states: &[PlyState],
+    ) -> Vec<FailureIndices> {
+        let test = self.test;
+        let cell = self.cells[element] as usize;
+        let [xx, yy, zz, xy, yz, zx] = strain;
+        let bond = f64::from(test.bricks.bond[cell]).max(1.0 / SHARE_STEPS);
+        let each = |(k, p): (usize, usize)| {
+            let (s, c) = grainpath_core::math::sin_cos(test.bricks.plies[self.plies[p] as usize].angle_rad);
+            let own = [
+                c * c * xx + s * s * yy + s * c * xy,
+                s * s * xx + c * c * yy - s * c * xy,
+                zz,
+                2.0 * s * c * (yy - xx) + (c * c - s * s) * xy,
+                c * yz - s * zx,
+                s * yz + c * zx,
+            ];
+            let damage = states[p].damage();
+            let stiffness = damaged_stiffness(&test.card.elastic, damage, bond).unwrap_or_default();
+            // The stress of the area that still carries, as strengths are those of whole material.
+            let remaining = remaining_shares(damage, bond);
+            let stress: [f64; 6] = std::array::from_fn(|i| {
+                stiffness[i].iter().zip(own).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
+            });
+            let plane = [stress[0], stress[1], stress[3]];
+            let ([through, between], mode) = test.card.indices(plane);
+            let (apart, slides) = test.card.layer_index([stress[2], stress[4], stress[5]]);
+            // The plies of a brick part together from the layer below: the first one stands for both.
+            let apart = if k == 0 { apart } else { 0.0 };
+            FailureIndices {
+                index: [through, between, apart],
+                slides: [false, test.card.is_sliding(plane), slides],
+                mode,
+            }
+        };
+        self.plies(element).enumerate().map(each).collect()
+    }
+
+    /// The failure index of each element in its middle and on the faces of thin walls, see [`unresolved_bending`].
+    fn bending(&self, states: &[PlyState]) -> Vec<BendingSample> {
+        let sample = |element: usize| {
+            if self.is_unbreakable(element) {
+                return BendingSample::default();
+            }
+            let cell = self.cells[element] as usize;
+            let displacement = self.system.displacement();
+            let middle = self.system.strain(displacement, cell).unwrap_or_default();
+            let index = |strain: [f64; 6]| highest_index(&self.indices_of_strain(element, strain, states));
+            let mut sample = BendingSample { middle: index(middle), ..BendingSample::default() };
+            sample.face = sample.middle;
+            for axis in 0..3 {
+                let across = self.test.cells_across(cell, axis);
+                if across >= MIN_CELLS_ACROSS {
+                    continue;
+                }
+                let bending = self.system.bending_strain(displacement, cell, axis).unwrap_or_default();
+                let faces =
+                    [-1.0, 1.0].map(|side| index(std::array::from_fn(|k| middle[k] + side * bending[k])));
+                let face = faces[0].max(faces[1]);
+                if face > sample.face {
+                    sample.face = face;
+                    sample.wall_mm = across * self.test.bricks.cell_mm[axis];
+                }
+            }
+            sample
+        };
+        (0..self.cells.len()).into_par_iter().map(sample).collect()
+    }
+}
+
 impl LoadedPart for LoadedSolid<'_> {
     fn n_elements(&self) -> usize {
         self.cells.len()
@@ -287,40 +429,9 @@ impl LoadedPart for LoadedSolid<'_> {
     }
 
     fn failure_indices(&self, element: usize, states: &[PlyState]) -> Vec<FailureIndices> {
-        let test = self.test;
         let cell = self.cells[element] as usize;
         let strain = self.system.strain(self.system.displacement(), cell);
-        let [xx, yy, zz, xy, yz, zx] = strain.unwrap_or_default();
-        let bond = f64::from(test.bricks.bond[cell]).max(1.0 / SHARE_STEPS);
-        let each = |(k, p): (usize, usize)| {
-            let (s, c) = grainpath_core::math::sin_cos(test.bricks.plies[self.plies[p] as usize].angle_rad);
-            let own = [
-                c * c * xx + s * s * yy + s * c * xy,
-                s * s * xx + c * c * yy - s * c * xy,
-                zz,
-                2.0 * s * c * (yy - xx) + (c * c - s * s) * xy,
-                c * yz - s * zx,
-                s * yz + c * zx,
-            ];
-            let damage = states[p].damage();
-            let stiffness = damaged_stiffness(&test.card.elastic, damage, bond).unwrap_or_default();
-            // The stress of the area that still carries, as strengths are those of whole material.
-            let remaining = remaining_shares(damage, bond);
-            let stress: [f64; 6] = std::array::from_fn(|i| {
-                stiffness[i].iter().zip(own).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
-            });
-            let plane = [stress[0], stress[1], stress[3]];
-            let ([through, between], mode) = test.card.indices(plane);
-            let (apart, slides) = test.card.layer_index([stress[2], stress[4], stress[5]]);
-            // The plies of a brick part together from the layer below: the first one stands for both.
-            let apart = if k == 0 { apart } else { 0.0 };
-            FailureIndices {
-                index: [through, between, apart],
-                slides: [false, test.card.is_sliding(plane), slides],
-                mode,
-            }
-        };
-        self.plies(element).enumerate().map(each).collect()
+        self.indices_of_strain(element, strain.unwrap_or_default(), states)
     }
 
     fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError> {
@@ -472,6 +583,7 @@ mod tests {
             unbreakable: &unbreakable,
             card: &pla(),
             max_mib: 1024.0,
+            cancel: CancelFlag::default(),
         };
         [test.run().expect("an answer"), test.run_with(&SMALL, 1e-5).expect("an answer")]
     }

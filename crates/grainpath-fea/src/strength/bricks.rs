@@ -23,7 +23,7 @@ pub struct Bricks {
     pub n: [usize; 3],
     /// Lowest corner of the grid, mm.
     pub origin: DVec3,
-    /// Edges of a cell, mm; a whole number of layers high.
+    /// Edges of a cell, mm.
     pub cell_mm: DVec3,
     /// How full each cell is, 0 to 1.
     pub filled: Vec<f32>,
@@ -45,18 +45,27 @@ pub const MAX_BRICKS: usize = 24_000_000;
 const LEAST_SHARE: f64 = 0.12;
 
 impl Bricks {
-    /// Lays beads into cells of this width, as high as the number of layers that comes nearest to it. What stands on
+    /// Lays beads into cells of this width, as high as the number of layers, or the part of a layer, that comes nearest to it. What stands on
     /// the plate begins at `floor_mm`.
     ///
     /// # Errors
     /// [`CellError`] when there is no bead or there are too many cells.
     pub fn from_layers(sheets: &[BeadSheet], cell_mm: f64, floor_mm: f64) -> Result<Self, CellError> {
-        let (grid, laid_mm3) = CellGrid::over(sheets, cell_mm)?;
+        Self::moved(sheets, cell_mm, 0.0, floor_mm)
+    }
+
+    /// [`Bricks::from_layers`] on a grid that is moved by a share of a cell, 0 to 1, along x and y.
+    ///
+    /// # Errors
+    /// As [`Bricks::from_layers`].
+    pub fn moved(sheets: &[BeadSheet], cell_mm: f64, moved: f64, floor_mm: f64) -> Result<Self, CellError> {
+        let (grid, laid_mm3) = CellGrid::moved_over(sheets, cell_mm, moved)?;
         let tall: f64 = sheets.iter().map(|s| s.height_mm).sum();
         let mut heights: Vec<f64> = sheets.iter().map(|s| s.height_mm).collect();
         heights.sort_unstable_by(f64::total_cmp);
         let usual = heights[heights.len() / 2];
-        let per = (cell_mm / usual).round().max(1.0);
+        // A whole number of layers to a brick, or of bricks to a layer.
+        let per = if cell_mm < usual { 1.0 / (usual / cell_mm).round() } else { (cell_mm / usual).round() };
         let nz = (tall / (per * usual)).round().max(1.0) as usize;
         let n = [grid.nx, grid.ny, nz];
         let all = grid.nx as f64 * grid.ny as f64 * nz as f64;

@@ -1,13 +1,13 @@
 //! The strengths of printed material and how near a stress is to them.
 //!
 //! A ply is a sheet of parallel beads; its axes are 1 along the beads, 2 across them in the layer, 3 from layer to
-//! layer. Failure in the layer follows Tsai and Hill (Azzi and Tsai 1965), with the strength in tension or in
+//! layer. Failure in the layer follows Tsai and Hill (`azzi1965` in docs/references.bib), with the strength in tension or in
 //! compression by the sign of each stress. Layers part under tension and shear alone, by a quadratic criterion
-//! (Brewer and Lagace 1988). Indices are 1 at failure and grow in proportion to the stress, so that one linear solution
+//! (`brewer1988`). Indices are 1 at failure and grow in proportion to the stress, so that one linear solution
 //! gives them at every load.
 //!
 //! After failure a ply softens in a band one element wide. The strain at which nothing is left follows from the fracture
-//! energy and from the size of the element (crack band, Bazant and Oh 1983), so that a crack spends the same energy
+//! energy and from the size of the element (crack band, `bazant1983`), so that a crack spends the same energy
 //! on every grid.
 
 use grainpath_core::math::sin_cos;

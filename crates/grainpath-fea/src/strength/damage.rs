@@ -3,7 +3,7 @@
 //! Stress falls on a straight line from the strength at damage strain 1 to nothing at the final strain
 //! ([`FinalStrains`](super::card::FinalStrains)); unloading goes back to the origin (secant stiffness). A damage of `d`
 //! leaves `1 - d` of the modulus in its direction; Poisson's coupling compliances stay as they are, which keeps the
-//! stiffness positive definite (Matzenmiller, Lubliner and Taylor 1995).
+//! stiffness positive definite (`matzenmiller1995` in docs/references.bib).
 
 use crate::material::{Orthotropic, Stiffness, Unstable};
 use crate::plane::PlaneStiffness;

@@ -105,6 +105,22 @@ pub fn middle_strain(u: &[DVec2; 4], cell_mm: f64) -> [f64; 3] {
     [dx.x, dy.y, dx.y + dy.x]
 }
 
+/// How much the strain differs between the middle of a square and its side at the upper end of an axis, in a strip whose
+/// normal is that axis: strain along the strip changes as the corners say, the rest so that no stress acts on the side.
+pub fn bending_strain(u: &[DVec2; 4], cell_mm: f64, axis: usize, membrane: &PlaneStiffness) -> [f64; 3] {
+    let twist = (u[0] - u[1] + u[2] - u[3]) * (0.5 / cell_mm);
+    // Components along the strip, across it, and shear.
+    let (along, across, change) = if axis == 0 { (1, 0, twist.y) } else { (0, 1, twist.x) };
+    let mut strain = [0.0; 3];
+    strain[along] = change;
+    let rhs = [-membrane[across][along] * change, -membrane[2][along] * change];
+    let [a, b, c] = [membrane[across][across], membrane[across][2], membrane[2][2]];
+    let det = a * c - b * b;
+    strain[across] = (c * rhs[0] - b * rhs[1]) / det;
+    strain[2] = (a * rhs[1] - b * rhs[0]) / det;
+    strain
+}
+
 /// Stiffness of a square element, `(8, 8)`, N/mm, from membrane stiffness in N/mm: bilinear with Wilson's
 /// incompatible modes condensed, so that it bends without locking. The same for squares of any size.
 pub fn square(membrane: &PlaneStiffness) -> [[f64; 8]; 8] {

@@ -4,6 +4,8 @@
 //! between: a front is the dense matrix in which that is done, and hands what is left to the front of the line that
 //! cut it off. When elements lose stiffness, only their fronts and those up to the last line are made again.
 
+use grainpath_core::diagnostics::CancelFlag;
+
 use super::elements::PlateElements;
 use crate::sparse::{BYTES_PER_MIB, SparseError, eliminate};
 
@@ -15,6 +17,8 @@ pub(super) struct Fronts {
     fronts: Vec<Front>,
     /// Front in which each element is added.
     of_element: Vec<u32>,
+    /// Stops a factorization.
+    pub cancel: CancelFlag,
     /// Whether what fronts hand on is kept, so that only what changed is made again.
     keeps: bool,
 }
@@ -116,7 +120,12 @@ impl Fronts {
         if needed_mib > max_mib {
             return Err(SparseError::Memory { needed_mib, limit_mib: max_mib });
         }
-        Ok(Self { fronts, of_element, keeps: needed_mib + kept_mib <= max_mib })
+        Ok(Self {
+            fronts,
+            of_element,
+            cancel: CancelFlag::default(),
+            keeps: needed_mib + kept_mib <= max_mib,
+        })
     }
 
     /// Says that an element has another stiffness.
@@ -134,7 +143,7 @@ impl Fronts {
             let below = self.fronts[f].children(f).into_iter().flatten().any(|c| self.fronts[c].stale);
             self.fronts[f].stale |= below || stale;
         }
-        make(&mut self.fronts, stiffness, self.keeps)
+        make(&mut self.fronts, stiffness, self.keeps, &self.cancel)
     }
 
     /// Displacements, mm, of all unknowns; the factor must be up to date.
@@ -216,14 +225,21 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Factors the stale ones of fronts that end with the one that all others hand on to.
-fn make(fronts: &mut [Front], stiffness: &[Lower], keeps: bool) -> Result<(), SparseError> {
+fn make(
+    fronts: &mut [Front],
+    stiffness: &[Lower],
+    keeps: bool,
+    cancel: &CancelFlag,
+) -> Result<(), SparseError> {
     let Some((last, before)) = fronts.split_last_mut() else { return Ok(()) };
     if !last.stale {
         return Ok(());
     }
     let (first, second) = before.split_at_mut(last.halves[0]);
-    let (a, b) = rayon::join(|| make(first, stiffness, keeps), || make(second, stiffness, keeps));
+    let (a, b) =
+        rayon::join(|| make(first, stiffness, keeps, cancel), || make(second, stiffness, keeps, cancel));
     a.and(b)?;
+    cancel.check()?;
     last.make([first.last(), second.last()], stiffness)?;
     if !keeps {
         [first.last_mut(), second.last_mut()].into_iter().flatten().for_each(|f| f.rest = Vec::new());

@@ -140,6 +140,14 @@ impl CellGrid {
     /// # Errors
     /// [`CellError`] when there is no bead or there are too many cells.
     pub fn over(sheets: &[BeadSheet], cell_mm: f64) -> Result<(Self, f64), CellError> {
+        Self::moved_over(sheets, cell_mm, 0.0)
+    }
+
+    /// The same with the grid moved by a share of a cell, 0 to 1, towards lower x and y.
+    ///
+    /// # Errors
+    /// As [`CellGrid::over`].
+    pub fn moved_over(sheets: &[BeadSheet], cell_mm: f64, moved: f64) -> Result<(Self, f64), CellError> {
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         let mut laid_mm3 = 0.0;
         for s in sheets {
@@ -157,11 +165,14 @@ impl CellGrid {
         }
         // Corners on whole cells from the middle, so that symmetric parts stay so; rounding makes no cell of its own.
         let size = (high - low) / cell_mm - 1e-6;
-        let (nx, ny) = (size.x.ceil() + 2.0, size.y.ceil() + 2.0);
+        let more = if moved > 0.0 { 3.0 } else { 2.0 };
+        let (nx, ny) = (size.x.ceil() + more, size.y.ceil() + more);
         if nx * ny > MAX_CELLS as f64 {
             return Err(CellError::TooMany { nx, ny, cell_mm, most: MAX_CELLS });
         }
-        let low = 0.5 * (low + high) - 0.5 * cell_mm * DVec2::new(nx, ny);
+        // One more cell moves an even number of cells by half a cell already.
+        let off = if moved > 0.0 { 0.5 - moved } else { 0.0 };
+        let low = 0.5 * (low + high) - cell_mm * (0.5 * DVec2::new(nx, ny) - off);
         Ok((Self { low, cell_mm, nx: nx as usize, ny: ny as usize }, laid_mm3))
     }
 
@@ -246,7 +257,15 @@ impl Laminate {
     /// # Errors
     /// [`CellError`] when there is no bead or there are too many cells.
     pub fn from_layers(sheets: &[BeadSheet], cell_mm: f64) -> Result<Self, CellError> {
-        let (grid, laid_mm3) = CellGrid::over(sheets, cell_mm)?;
+        Self::moved(sheets, cell_mm, 0.0)
+    }
+
+    /// [`Laminate::from_layers`] on a grid that is moved by a share of a cell, 0 to 1.
+    ///
+    /// # Errors
+    /// As [`Laminate::from_layers`].
+    pub fn moved(sheets: &[BeadSheet], cell_mm: f64, moved: f64) -> Result<Self, CellError> {
+        let (grid, laid_mm3) = CellGrid::moved_over(sheets, cell_mm, moved)?;
         let all = sheets.iter().flat_map(|s| &s.beads);
         let n_fans = FANS * (1 + usize::from(all.map(|b| b.material).max().unwrap_or(0)));
         let layers: Vec<Vec<Share>> = sheets.par_iter().map(|s| layer(&grid, n_fans, s)).collect();

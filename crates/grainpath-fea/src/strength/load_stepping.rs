@@ -15,13 +15,14 @@
 //!
 //! The peak load is the largest load factor of any state that was solved. It is a lower bound that lies within one step
 //! of the peak: every state that counts was in equilibrium. This is a sequentially linear analysis with a secant
-//! stiffness (Rots 2001) on a crack band (Bazant and Oh 1983).
+//! stiffness (`rots2001` in docs/references.bib) on a crack band (`bazant1983`).
 //!
 //! Lengths are in mm, loads in N. The cost is one solution for each state, usually 20 to 200.
 
 use std::ops::Range;
 
 use grainpath_core::DVec3;
+use grainpath_core::diagnostics::CancelFlag;
 use rayon::prelude::*;
 
 use super::card::{FailureMode, FinalStrains, StrengthCard};
@@ -40,7 +41,7 @@ pub(super) struct PlyState {
 }
 
 impl PlyState {
-    fn whole(limits: &FinalStrains) -> Self {
+    pub fn whole(limits: &FinalStrains) -> Self {
         Self { damage_strain: [1.0; 3], final_strain: limits.opening, mode: FailureMode::Along }
     }
 
@@ -144,6 +145,7 @@ pub(super) fn run_to_failure(
     size_mm: [f64; 2],
     load_n: f64,
     control: &StepControl,
+    cancel: &CancelFlag,
 ) -> Result<Outcome, TestError> {
     let n = part.n_elements();
     let limits: Vec<FinalStrains> = cards.iter().map(|c| c.final_strains(size_mm[0], size_mm[1])).collect();
@@ -157,6 +159,7 @@ pub(super) fn run_to_failure(
     let (mut indices, mut weakest) = (vec![Vec::new(); n], vec![WeakestPly::NONE; n]);
     let (mut level, mut step) = (0.0, control.first_step);
     let past_peak = loop {
+        cancel.check()?;
         let UnitSolution { force_times_displacement: flexibility, changed } = part.solve()?;
         let changed = changed.unwrap_or_else(|| (0..n).collect());
         let evaluate = |&e: &usize| {

@@ -19,30 +19,54 @@ pub mod laminate;
 mod load_stepping;
 pub mod plate_strength;
 pub mod plate_system;
+mod wall_bending;
 
 use grainpath_core::DVec3;
+use grainpath_core::diagnostics::Interrupted;
 
 use crate::material::Unstable;
 use crate::solid::SolidError;
 use crate::sparse::SparseError;
 use card::FailureMode;
 pub use load_stepping::CurvePoint;
+pub use wall_bending::{CELLS_ACROSS, UnresolvedBending};
 
 /// Why a test has no answer.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TestError {
     /// The solver of plates failed.
     #[error(transparent)]
-    Sparse(#[from] SparseError),
+    Sparse(SparseError),
     /// The solver of solids failed.
     #[error(transparent)]
-    Solid(#[from] SolidError),
+    Solid(SolidError),
     /// The elastic constants of a card are not those of a stable material.
     #[error(transparent)]
     Material(#[from] Unstable),
+    /// A stop was asked for.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// The load strains nothing that can fail.
     #[error("the load strains nothing that can break")]
     Unloaded,
+}
+
+impl From<SparseError> for TestError {
+    fn from(error: SparseError) -> Self {
+        match error {
+            SparseError::Interrupted(e) => Self::Interrupted(e),
+            error => Self::Sparse(error),
+        }
+    }
+}
+
+impl From<SolidError> for TestError {
+    fn from(error: SolidError) -> Self {
+        match error {
+            SolidError::Interrupted(e) => Self::Interrupted(e),
+            error => Self::Solid(error),
+        }
+    }
 }
 
 /// The result of a test.

@@ -1,17 +1,29 @@
 //! The strength test of a plate: a [`Laminate`] under plane stress, loaded until it fails.
+//!
+//! Cells are square elements with incompatible modes, which bend without locking (`wilson1973` in
+//! docs/references.bib), solved exactly by fronts. Failure is judged in the middle of a cell; thin walls that bend
+//! in the plane need four cells across ([`PlateTest::unresolved_bending`]). Damage, white to black, and load over
+//! displacement:
+//!
+#![doc = include_str!("figures/plate.svg")]
 
 use std::ops::Range;
 
+use grainpath_core::diagnostics::CancelFlag;
 use grainpath_core::math::direction;
 use grainpath_core::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::card::StrengthCard;
 use super::damage::damaged_plane_stiffness;
-use super::elements::{GridHold, PlateElements, middle_strain, square};
+use super::elements::{GridHold, PlateElements, bending_strain, middle_strain, square};
 use super::laminate::Laminate;
 use super::load_stepping::{FailureIndices, LoadedPart, PlyState, StepControl, UnitSolution, run_to_failure};
 use super::plate_system::PlateSystem;
+use super::wall_bending::{
+    BendingSample, CELLS_ACROSS, MAX_THIN_SHARE, MIN_CELLS_ACROSS, UnresolvedBending, highest_index,
+    unresolved_bending,
+};
 use super::{CRACK_NORMAL_COS, Outcome, TestError};
 use crate::material::{Unstable, rotated_plane};
 use crate::plane::PlaneStiffness;
@@ -34,7 +46,12 @@ pub struct PlateTest<'a> {
     pub cards: &'a [StrengthCard],
     /// Memory limit of the solver, MiB.
     pub max_mib: f64,
+    /// Stops the test.
+    pub cancel: CancelFlag,
 }
+
+/// Cells filled less than this share of the height do not count as material across a wall.
+const MIN_FILL: f64 = 0.02;
 
 /// Step control of plate tests.
 const STEP_CONTROL: StepControl = StepControl {
@@ -55,6 +72,56 @@ impl PlateTest<'_> {
     /// # Errors
     /// [`TestError`] when it moves freely, is too large for the memory allowed, or nothing is strained.
     pub fn run(&self) -> Result<Outcome, TestError> {
+        let mut plate = self.loaded()?;
+        let cell_mm = self.elements.grid.cell_mm;
+        run_to_failure(&mut plate, self.cards, [cell_mm; 2], self.load_n, &STEP_CONTROL, &self.cancel)
+    }
+
+    /// How much bending of thin walls the cells miss. One solution for the unit load where there are thin walls, none
+    /// elsewhere.
+    ///
+    /// # Errors
+    /// [`TestError`] when the plate moves freely, is too large for the memory allowed, or nothing is strained.
+    pub fn unresolved_bending(&self) -> Result<UnresolvedBending, TestError> {
+        if !self.has_thin_walls() {
+            return Ok(UnresolvedBending::default());
+        }
+        let mut plate = self.loaded()?;
+        plate.solve()?;
+        let whole = |p: usize| PlyState::whole(&self.cards[self.material(p)].final_strains(1.0, 1.0));
+        let states: Vec<PlyState> = (0..plate.n_plies()).map(whole).collect();
+        let stiffness = |p: usize| damaged_plane_stiffness(&self.cards[self.material(p)].elastic, [0.0; 2]);
+        let membranes: Vec<PlaneStiffness> =
+            (0..plate.n_elements()).map(|e| self.membrane(e, stiffness)).collect::<Result<_, _>>()?;
+        unresolved_bending(&plate.bending(&states, &membranes))
+    }
+
+    /// Full cells across the plate at a cell along an axis, counted up to [`CELLS_ACROSS`] on either side.
+    fn cells_across(&self, cell: usize, axis: usize) -> f64 {
+        let laminate = self.laminate;
+        let grid = &laminate.grid;
+        let (stride, n) = [(1, grid.nx), (grid.nx, grid.ny)][axis];
+        let place = cell / stride % n;
+        let filled = |c: usize| (laminate.thickness_mm(c) / laminate.height_mm).min(1.0);
+        let sum = |cells: &mut dyn Iterator<Item = usize>| {
+            let filled = cells.map(filled).take_while(|f| *f > MIN_FILL);
+            filled.take(CELLS_ACROSS as usize).sum::<f64>()
+        };
+        let above = sum(&mut (place + 1..n).map(|k| cell + (k - place) * stride));
+        let below = sum(&mut (0..place).rev().map(|k| cell - (place - k) * stride));
+        filled(cell) + above + below
+    }
+
+    /// Whether more than a few elements lie in walls that are thin for the size of the cells.
+    fn has_thin_walls(&self) -> bool {
+        let cells = (self.elements.cells.par_iter().zip(self.unbreakable)).filter(|(_, u)| !**u);
+        let thin = cells
+            .clone()
+            .filter(|(c, _)| (0..2).any(|axis| self.cells_across(**c as usize, axis) < MIN_CELLS_ACROSS));
+        thin.count() as f64 > MAX_THIN_SHARE * cells.count() as f64
+    }
+
+    fn loaded(&self) -> Result<LoadedPlate<'_>, TestError> {
         let whole: Vec<PlaneStiffness> = self
             .cards
             .iter()
@@ -66,13 +133,12 @@ impl PlateTest<'_> {
             .map(|e| self.stiffness(e, |p| Ok(whole[self.material(p)])))
             .collect::<Result<_, _>>()?;
         let forces: Vec<f64> = self.forces_n.iter().flat_map(|f| [f.x, f.y]).collect();
-        let system = PlateSystem::new(self.elements, &|e| first[e], self.holds, &forces, self.max_mib)?;
+        let mut system = PlateSystem::new(self.elements, &|e| first[e], self.holds, &forces, self.max_mib)?;
+        system.stop_on(self.cancel.clone());
         drop(first);
-        let cell_mm = self.elements.grid.cell_mm;
         let mut element_of = vec![None; self.elements.grid.nx * self.elements.grid.ny];
         self.elements.cells.iter().enumerate().for_each(|(e, c)| element_of[*c as usize] = Some(e as u32));
-        let mut plate = LoadedPlate { test: self, system, forces, displacement: Vec::new(), element_of };
-        run_to_failure(&mut plate, self.cards, [cell_mm; 2], self.load_n, &STEP_CONTROL)
+        Ok(LoadedPlate { test: self, system, forces, displacement: Vec::new(), element_of })
     }
 
     fn material(&self, ply: usize) -> usize {
@@ -89,13 +155,22 @@ impl PlateTest<'_> {
         element: usize,
         own: impl Fn(usize) -> Result<PlaneStiffness, Unstable>,
     ) -> Result<[[f64; 8]; 8], Unstable> {
+        Ok(square(&self.membrane(element, own)?))
+    }
+
+    /// Stiffness of an element's plies together, N/mm.
+    fn membrane(
+        &self,
+        element: usize,
+        own: impl Fn(usize) -> Result<PlaneStiffness, Unstable>,
+    ) -> Result<PlaneStiffness, Unstable> {
         let mut sum: PlaneStiffness = [[0.0; 3]; 3];
         for p in self.range(element) {
             let ply = &self.laminate.plies[p];
             let c = rotated_plane(&own(p)?, ply.angle_rad);
             (0..9).for_each(|k| sum[k / 3][k % 3] += ply.thickness_mm * c[k / 3][k % 3]);
         }
-        Ok(square(&sum))
+        Ok(sum)
     }
 }
 
@@ -111,6 +186,78 @@ struct LoadedPlate<'a> {
 
 fn in_plane(damage: [f64; 3]) -> [f64; 2] {
     [damage[0], damage[1]]
+}
+
+impl LoadedPlate<'_> {
+    /// Displacements of an element's corners, mm.
+    fn corners(&self, element: usize) -> [DVec2; 4] {
+        let at =
+            |i: u32| DVec2::new(self.displacement[2 * i as usize], self.displacement[2 * i as usize + 1]);
+        self.test.elements.corners[element].map(at)
+    }
+
+    /// Failure indices of an element under a strain, order xx, yy, xy.
+    fn indices_of_strain(
+        &self,
+        element: usize,
+        strain: [f64; 3],
+        states: &[PlyState],
+    ) -> Vec<FailureIndices> {
+        let test = self.test;
+        let [xx, yy, xy] = strain;
+        let each = |p: usize| {
+            let (s, c) = grainpath_core::math::sin_cos(test.laminate.plies[p].angle_rad);
+            let own = [
+                c * c * xx + s * s * yy + s * c * xy,
+                s * s * xx + c * c * yy - s * c * xy,
+                2.0 * s * c * (yy - xx) + (c * c - s * s) * xy,
+            ];
+            let damage = in_plane(states[p].damage());
+            let card = &test.cards[test.material(p)];
+            let stiffness = damaged_plane_stiffness(&card.elastic, damage).unwrap_or_default();
+            // The stress of the area that still carries, as strengths are those of whole material.
+            let across = 1.0 - damage[1].max(damage[0]);
+            let remaining = [1.0 - damage[0], across, across];
+            let stress: [f64; 3] = std::array::from_fn(|i| {
+                stiffness[i].iter().zip(own).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
+            });
+            let ([through, between], mode) = card.indices(stress);
+            let slides = [false, card.is_sliding(stress), false];
+            FailureIndices { index: [through, between, 0.0], slides, mode }
+        };
+        self.plies(element).map(each).collect()
+    }
+
+    /// The failure index of each element in its middle and on the sides of thin walls, see [`unresolved_bending`].
+    fn bending(&self, states: &[PlyState], membranes: &[PlaneStiffness]) -> Vec<BendingSample> {
+        let sample = |element: usize| {
+            if self.is_unbreakable(element) {
+                return BendingSample::default();
+            }
+            let cell = self.test.elements.cells[element] as usize;
+            let u = self.corners(element);
+            let middle = middle_strain(&u, self.cell_mm());
+            let index = |strain: [f64; 3]| highest_index(&self.indices_of_strain(element, strain, states));
+            let mut sample = BendingSample { middle: index(middle), ..BendingSample::default() };
+            sample.face = sample.middle;
+            for axis in 0..2 {
+                let across = self.test.cells_across(cell, axis);
+                if across >= MIN_CELLS_ACROSS {
+                    continue;
+                }
+                let bending = bending_strain(&u, self.cell_mm(), axis, &membranes[element]);
+                let sides =
+                    [-1.0, 1.0].map(|side| index(std::array::from_fn(|k| middle[k] + side * bending[k])));
+                let face = sides[0].max(sides[1]);
+                if face > sample.face {
+                    sample.face = face;
+                    sample.wall_mm = across * self.cell_mm();
+                }
+            }
+            sample
+        };
+        (0..self.n_elements()).into_par_iter().map(sample).collect()
+    }
 }
 
 impl LoadedPart for LoadedPlate<'_> {
@@ -163,32 +310,8 @@ impl LoadedPart for LoadedPlate<'_> {
     }
 
     fn failure_indices(&self, element: usize, states: &[PlyState]) -> Vec<FailureIndices> {
-        let test = self.test;
-        let place =
-            |i: u32| DVec2::new(self.displacement[2 * i as usize], self.displacement[2 * i as usize + 1]);
-        let u = test.elements.corners[element].map(place);
-        let [xx, yy, xy] = middle_strain(&u, self.cell_mm());
-        let each = |p: usize| {
-            let (s, c) = grainpath_core::math::sin_cos(test.laminate.plies[p].angle_rad);
-            let own = [
-                c * c * xx + s * s * yy + s * c * xy,
-                s * s * xx + c * c * yy - s * c * xy,
-                2.0 * s * c * (yy - xx) + (c * c - s * s) * xy,
-            ];
-            let damage = in_plane(states[p].damage());
-            let card = &test.cards[test.material(p)];
-            let stiffness = damaged_plane_stiffness(&card.elastic, damage).unwrap_or_default();
-            // The stress of the area that still carries, as strengths are those of whole material.
-            let across = 1.0 - damage[1].max(damage[0]);
-            let remaining = [1.0 - damage[0], across, across];
-            let stress: [f64; 3] = std::array::from_fn(|i| {
-                stiffness[i].iter().zip(own).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
-            });
-            let ([through, between], mode) = card.indices(stress);
-            let slides = [false, card.is_sliding(stress), false];
-            FailureIndices { index: [through, between, 0.0], slides, mode }
-        };
-        self.plies(element).map(each).collect()
+        let strain = middle_strain(&self.corners(element), self.cell_mm());
+        self.indices_of_strain(element, strain, states)
     }
 
     fn update_stiffness(&mut self, elements: &[usize], states: &[PlyState]) -> Result<(), TestError> {

@@ -1,5 +1,7 @@
 //! The equations of a plate under plane stress: assembled, factored, and solved again as elements lose stiffness.
 
+use grainpath_core::diagnostics::CancelFlag;
+
 use super::elements::{GridHold, PlateElements};
 use super::fronts::{Fronts, Lower};
 use crate::sparse::SparseError;
@@ -73,6 +75,11 @@ impl PlateSystem {
         self.stiffness[element] = lower(stiffness);
         self.fronts.change(element);
         self.stale = true;
+    }
+
+    /// Lets a flag stop solutions.
+    pub fn stop_on(&mut self, cancel: CancelFlag) {
+        self.fronts.cancel = cancel;
     }
 
     /// Displacements of the unknowns, mm.

@@ -7,6 +7,9 @@ use crate::load_case::CatchesNothing;
 /// Why a part could not be meshed or solved.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SolidError {
+    /// A stop was asked for.
+    #[error(transparent)]
+    Interrupted(#[from] grainpath_core::diagnostics::Interrupted),
     /// The lattice has no point inside the part.
     #[error("the mesh encloses nothing to compute on; a closed surface is needed")]
     NothingInside,

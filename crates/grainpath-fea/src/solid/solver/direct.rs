@@ -59,6 +59,7 @@ impl Direct {
                 SolidError::Memory { what, need_mib: needed_mib, limit_mib, fitting_mm }
             }
             SparseError::Singular => SolidError::NotPositive,
+            SparseError::Interrupted(e) => SolidError::Interrupted(e),
         })?;
         Ok(Self { factor })
     }

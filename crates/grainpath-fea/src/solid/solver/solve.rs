@@ -101,6 +101,7 @@ pub(crate) fn iterate(
     let (mut z, mut p, mut before) = (zero(), zero(), zero());
     let (mut size, mut rz, mut iterations) = (dot(&r, &r).sqrt(), 1.0, 0);
     while size > goal && iterations < settings.max_iterations {
+        operator.check_cancelled()?;
         multigrid.apply(operator, &r, &mut z);
         // The preconditioner is symmetric but for rounding. Polak and Ribiere's formula, which uses
         // the change of the residual, tolerates that (`notay2000`).

@@ -9,11 +9,12 @@ use grainpath_fea::strength::brick_strength::{SolidHold, SolidTest, connected_ce
 use grainpath_fea::strength::bricks::Bricks;
 use grainpath_fea::strength::card::StrengthCard;
 use grainpath_fea::strength::laminate::BeadSheet;
-use grainpath_fea::strength::{Outcome, TestError};
+use grainpath_fea::strength::{Outcome, TestError, UnresolvedBending};
 use rayon::prelude::*;
 
-use super::StrengthError;
+use super::frame::Frame;
 use super::setup::{TestSetup, UNBREAKABLE_MM};
+use super::{Cells, Limits, StrengthError};
 
 /// Cells filled to a smaller share are left out, because they slow the solution without carrying
 /// load.
@@ -36,8 +37,21 @@ pub(super) struct PreparedSolid {
 
 impl PreparedSolid {
     /// Loads the part until it fails.
-    pub fn run(&self, card: &StrengthCard, max_mib: f64) -> Result<Outcome, TestError> {
-        let test = SolidTest {
+    pub fn run(&self, card: &StrengthCard, limits: &Limits) -> Result<Outcome, TestError> {
+        self.test(card, limits).run()
+    }
+
+    /// How much bending of thin walls its cells miss.
+    pub fn unresolved_bending(
+        &self,
+        card: &StrengthCard,
+        limits: &Limits,
+    ) -> Result<UnresolvedBending, TestError> {
+        self.test(card, limits).unresolved_bending()
+    }
+
+    fn test<'a>(&'a self, card: &'a StrengthCard, limits: &Limits) -> SolidTest<'a> {
+        SolidTest {
             bricks: &self.bricks,
             active: &self.active,
             holds: &self.holds,
@@ -45,25 +59,26 @@ impl PreparedSolid {
             load_n: self.load_n,
             unbreakable: &self.unbreakable,
             card,
-            max_mib,
-        };
-        test.run()
+            max_mib: limits.max_mib,
+            cancel: limits.cancel.clone(),
+        }
     }
 }
 
 /// Corners of bricks, with the material around each of them.
 struct Points<'a> {
     bricks: &'a Bricks,
+    frame: Frame,
     weight: Vec<f32>,
     /// Number of elements among the eight cells around it.
     around: Vec<u8>,
 }
 
 impl<'a> Points<'a> {
-    fn new(bricks: &'a Bricks, active: &[bool]) -> Self {
+    fn new(bricks: &'a Bricks, frame: Frame, active: &[bool]) -> Self {
         let [nx, ny, nz] = bricks.n;
         let n = (nx + 1) * (ny + 1) * (nz + 1);
-        let mut all = Self { bricks, weight: vec![0.0; n], around: vec![0; n] };
+        let mut all = Self { bricks, frame, weight: vec![0.0; n], around: vec![0; n] };
         for cell in (0..active.len()).filter(|c| active[*c]) {
             for k in 0..8 {
                 let i = all.index(corner(bricks, cell, k));
@@ -86,7 +101,12 @@ impl<'a> Points<'a> {
         [i % nx, i / nx % ny, i / nx / ny]
     }
 
+    /// Where a point is in the part, mm.
     fn place(&self, i: usize) -> DVec3 {
+        self.frame.to_part_3d(self.place_in_grid(i))
+    }
+
+    fn place_in_grid(&self, i: usize) -> DVec3 {
         let [x, y, z] = self.point(i).map(|v| v as f64);
         self.bricks.origin + self.bricks.cell_mm * DVec3::new(x, y, z)
     }
@@ -106,6 +126,7 @@ impl<'a> Points<'a> {
 
     /// The point with material nearest to a position, within two cells.
     fn nearest(&self, p: DVec3) -> Option<usize> {
+        let p = self.frame.to_grid_3d(p);
         let q = ((p - self.bricks.origin) / self.bricks.cell_mm).round();
         let n = self.bricks.n;
         // The stair-stepped surface of bricks lies up to about a cell beside the true one.
@@ -118,7 +139,7 @@ impl<'a> Points<'a> {
             for y in range(1) {
                 for x in range(0) {
                     let i = self.index([x as usize, y as usize, z as usize]);
-                    let d = self.place(i).distance_squared(p);
+                    let d = self.place_in_grid(i).distance_squared(p);
                     if self.weight[i] > 0.0 && best.is_none_or(|b| d < b.0) {
                         best = Some((d, i));
                     }
@@ -142,12 +163,13 @@ impl TestSetup {
     pub(super) fn prepared_solid(
         &self,
         sheets: &[BeadSheet],
-        cell_mm: f64,
+        cells: Cells,
     ) -> Result<PreparedSolid, StrengthError> {
-        let bricks = Bricks::from_layers(sheets, cell_mm, self.low.z)?;
+        let cell_mm = cells.size_mm;
+        let bricks = Bricks::moved(sheets, cell_mm, cells.moved, self.low.z)?;
         let mut active: Vec<bool> = bricks.filled.iter().map(|f| *f > LEAST_FILLED).collect();
         let reach = 0.75 * cell_mm;
-        let points = Points::new(&bricks, &active);
+        let points = Points::new(&bricks, self.frame, &active);
         let wide: Vec<Selection> =
             self.conditions.fixtures.iter().map(|f| contact(&f.on, &points, cell_mm, reach)).collect();
         let caught: Vec<Vec<usize>> = wide.iter().map(|w| points.chosen(w)).collect();
@@ -173,7 +195,7 @@ impl TestSetup {
         }
         let lost = lost / bricks.laid_mm3;
         // Counted again, because loose cells no longer add material to their corners.
-        let points = Points::new(&bricks, &active);
+        let points = Points::new(&bricks, self.frame, &active);
         let mut marked = vec![false; points.weight.len()];
         let mut holds = Vec::new();
         for (fixture, caught) in self.conditions.fixtures.iter().zip(&caught) {
@@ -187,10 +209,13 @@ impl TestSetup {
                     _ => DVec3::ZERO,
                 };
                 match fixture.held {
-                    Held::Normal => holds.extend(normal.try_normalize().map(|d| (points.point(i), d))),
+                    Held::Normal => {
+                        let along = normal.try_normalize().map(|d| self.frame.to_grid_3d(d));
+                        holds.extend(along.map(|d| (points.point(i), d)));
+                    }
                     Held::Axes(fixed) => {
                         let axes = DVec3::AXES.into_iter().zip(fixed).filter(|a| a.1);
-                        holds.extend(axes.map(|a| (points.point(i), a.0)));
+                        holds.extend(axes.map(|a| (points.point(i), self.frame.to_grid_3d(a.0))));
                     }
                 }
             }
@@ -255,7 +280,7 @@ impl TestSetup {
             return Err(StrengthError::Missing("a load that is not zero"));
         }
         let pushed = (0..forces.len()).filter(|i| forces[*i] != DVec3::ZERO);
-        Ok((pushed.map(|i| (points.point(i), forces[i])).collect(), load_n))
+        Ok((pushed.map(|i| (points.point(i), self.frame.to_grid_3d(forces[i]))).collect(), load_n))
     }
 }
 
@@ -319,7 +344,7 @@ fn unbreakable(points: &Points<'_>, active: &[bool], marked: &[bool]) -> Vec<boo
     let radius = UNBREAKABLE_MM + bricks.cell_mm.x;
     let mut near = vec![false; active.len()];
     for i in (0..marked.len()).filter(|i| marked[*i]) {
-        let p = points.place(i);
+        let p = points.place_in_grid(i);
         let cell =
             |q: DVec3, k: usize, n: usize| (q[k] / bricks.cell_mm[k]).clamp(0.0, n as f64 - 1.0) as usize;
         let (a, b) = (p - bricks.origin - radius, p - bricks.origin + radius);

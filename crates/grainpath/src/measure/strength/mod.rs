@@ -5,18 +5,21 @@
 //! of the material's strengths allow, and with its change when the cells are halved.
 
 mod brick_setup;
+mod frame;
 mod setup;
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
+use grainpath_core::diagnostics::CancelFlag;
 use grainpath_core::{DVec2, DVec3, Diagnostics, Role, Warning, WarningId};
 use grainpath_fea::load_case::CatchesNothing;
 use grainpath_fea::material::Orthotropic;
+use grainpath_fea::strength::bricks::MAX_BRICKS;
 use grainpath_fea::strength::card::{FailureMode, StrengthCard};
 use grainpath_fea::strength::laminate::{BeadSheet, CellError};
 use grainpath_fea::strength::plate_strength::PlateTest;
-use grainpath_fea::strength::{Outcome, TestError};
+use grainpath_fea::strength::{CELLS_ACROSS, Outcome, TestError, UnresolvedBending};
 use grainpath_gcode::{Bead, Program};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -24,6 +27,7 @@ use serde::Serialize;
 use crate::error_kind::ErrorKind;
 use crate::guide::GuideError;
 use brick_setup::PreparedSolid;
+use frame::Frame;
 use grainpath_job::choices::Choice;
 use grainpath_job::{MaterialSection, Settings};
 pub use setup::TestSetup;
@@ -70,6 +74,13 @@ pub enum StrengthError {
     TooMuch { laid_mm3: f64, part_mm3: f64, filament_mm: f64 },
     #[error("what is printed around ({x:.2}, {y:.2}) mm is free to {how}; hold it with another fixture")]
     Free { x: f64, y: f64, how: &'static str },
+    #[error(
+        "walls {wall_mm:.2} mm thick bend out of their plane and cells of {cell_mm:.3} mm cannot tell how much they carry: {}",
+        if *fit { format!("set strength.cell_mm = {needed_mm:.3} or leave it out") } else {
+            format!("cells of {needed_mm:.3} mm would be too many for the whole part; test a smaller piece of it, or set strength.cell_mm = {needed_mm:.3} and raise guide.memory_mib")
+        }
+    )]
+    ThinWalls { wall_mm: f64, cell_mm: f64, needed_mm: f64, fit: bool },
     #[error("{0}")]
     Cells(#[from] CellError),
     #[error("{0}")]
@@ -87,7 +98,8 @@ impl StrengthError {
             | Self::Outside { .. }
             | Self::TooMuch { .. }
             | Self::Cells(CellError::NoBeads) => ErrorKind::Input,
-            Self::Free { .. } | Self::Test(_) => ErrorKind::Physics,
+            Self::Test(TestError::Interrupted(_)) => ErrorKind::Interrupted,
+            Self::Free { .. } | Self::ThinWalls { .. } | Self::Test(_) => ErrorKind::Physics,
             _ => ErrorKind::Job,
         }
     }
@@ -184,6 +196,11 @@ pub struct StrengthReport {
     /// Relative change of the peak load when the cells were halved to this size.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh_change: Option<f64>,
+    /// Share by which size and place of the cells move the peak; the interval is wider by it on both sides.
+    pub grid_share: f64,
+    /// Every load case, where there are several; the rest of the report is that of the smallest factor.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cases: Vec<CasePeak>,
     /// Relative difference between the cells' volume and the extruded volume.
     pub volume_error: f64,
     pub dofs: usize,
@@ -193,6 +210,20 @@ pub struct StrengthReport {
     pub card_tier: &'static str,
     /// Displacement in mm and load in N.
     pub curve: Vec<[f64; 2]>,
+}
+
+/// The peak of one load case.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct CasePeak {
+    pub case: String,
+    pub peak_load_n: f64,
+    pub low_n: f64,
+    pub high_n: f64,
+    /// Load of the job in this case.
+    pub job_load_n: f64,
+    /// Peak over the job's load.
+    pub factor: f64,
 }
 
 /// The place where a part fails.
@@ -234,6 +265,25 @@ pub enum Map {
     },
 }
 
+/// What a test may take, and what stops it.
+struct Limits {
+    max_mib: f64,
+    cancel: CancelFlag,
+}
+
+/// The cells of a test: their size, and by which share of it the grid is moved along both axes.
+#[derive(Debug, Clone, Copy)]
+struct Cells {
+    size_mm: f64,
+    moved: f64,
+}
+
+impl Cells {
+    fn of(size_mm: f64) -> Self {
+        Self { size_mm, moved: 0.0 }
+    }
+}
+
 /// A part with supports and loads.
 enum Body {
     Plane(Prepared),
@@ -241,17 +291,28 @@ enum Body {
 }
 
 impl Body {
-    fn of(setup: &TestSetup, sheets: &[BeadSheet], cell_mm: f64) -> Result<Self, StrengthError> {
+    fn of(setup: &TestSetup, sheets: &[BeadSheet], cells: Cells) -> Result<Self, StrengthError> {
         Ok(match setup.fidelity {
-            Fidelity::Plane => Self::Plane(setup.prepared(sheets, cell_mm)?),
-            Fidelity::Voxels => Self::Voxels(setup.prepared_solid(sheets, cell_mm)?),
+            Fidelity::Plane => Self::Plane(setup.prepared(sheets, cells)?),
+            Fidelity::Voxels => Self::Voxels(setup.prepared_solid(sheets, cells)?),
         })
     }
 
-    fn run(&self, cards: &[StrengthCard], max_mib: f64) -> Result<Outcome, StrengthError> {
+    fn run(&self, cards: &[StrengthCard], limits: &Limits) -> Result<Outcome, StrengthError> {
         Ok(match self {
-            Self::Plane(p) => run(p, cards, max_mib)?,
-            Self::Voxels(p) => p.run(&cards[0], max_mib)?,
+            Self::Plane(p) => run(p, cards, limits)?,
+            Self::Voxels(p) => p.run(&cards[0], limits)?,
+        })
+    }
+
+    fn unresolved_bending(
+        &self,
+        cards: &[StrengthCard],
+        limits: &Limits,
+    ) -> Result<UnresolvedBending, StrengthError> {
+        Ok(match self {
+            Self::Plane(p) => plate_test(p, cards, limits).unresolved_bending()?,
+            Self::Voxels(p) => p.unresolved_bending(&cards[0], limits)?,
         })
     }
 
@@ -292,6 +353,83 @@ impl Body {
 /// Largest number of cells where a job does not state their size: of a plate, and of a solid.
 const CELLS: f64 = 150_000.0;
 const CELLS_SOLID: f64 = 500_000.0;
+/// Bending of thin walls that cells may miss, as a share of the failure index: walls four cells thick miss up to a third,
+/// and their peak is still that of beam theory (`tests/wall_bending.rs` of grainpath-fea).
+const RESOLVED: f64 = 0.35;
+/// A test is refused above this share: two cells across a wall, or one on the border of two, miss as much as they see.
+const MAX_UNRESOLVED: f64 = 0.9;
+/// How often cells are made smaller for walls that bend: the second time corrects the thickness that larger cells gave.
+const MAX_ROUNDS: usize = 3;
+/// Cells of the comparison over those of the test, in size; and where walls are only as many cells thick as they must be.
+const COARSE: f64 = 2.0;
+const COARSE_OF_WALLS: f64 = 4.0 / 3.0;
+
+/// The cells of a test, small enough for the walls that bend.
+struct ChosenCells {
+    cell_mm: f64,
+    body: Body,
+    /// Size of the larger cells that the answer is compared with, over `cell_mm`.
+    coarse: f64,
+    bending: UnresolvedBending,
+}
+
+impl ChosenCells {
+    /// Cells of the size given, or of a bead in a solid and half a bead in a plate, which resolves single beads and would
+    /// be too many in a solid. Where thin walls bend and the size is
+    /// not given, cells become a quarter of such a wall.
+    fn new(
+        setup: &TestSetup,
+        sheets: &[BeadSheet],
+        bead_mm: f64,
+        given_mm: Option<f64>,
+        cards: &[StrengthCard],
+        limits: &Limits,
+    ) -> Result<Self, StrengthError> {
+        let (usual_mm, smallest_mm) = match setup.fidelity {
+            Fidelity::Plane => (0.5 * bead_mm, (setup.section.area_mm2() / CELLS).sqrt()),
+            Fidelity::Voxels => {
+                // The grid also counts the empty cells of the part's box, and two around it.
+                let boxed = 1.1 * (setup.high - setup.low).element_product() / MAX_BRICKS as f64;
+                (bead_mm, (setup.volume_mm3 / CELLS_SOLID).max(boxed).cbrt())
+            }
+        };
+        let mut cell_mm = given_mm.unwrap_or(usual_mm.max(smallest_mm));
+        let mut coarse = COARSE;
+        // The thickness of a wall is found more exactly by the smaller cells.
+        let mut round = 0;
+        loop {
+            limits.cancel.check().map_err(TestError::from)?;
+            let body = Body::of(setup, sheets, Cells::of(cell_mm))?;
+            let bending = body.unresolved_bending(cards, limits)?;
+            let needed_mm = bending.wall_mm / CELLS_ACROSS;
+            let is_free = given_mm.is_none()
+                && needed_mm >= smallest_mm
+                && needed_mm < 0.95 * cell_mm
+                && round < MAX_ROUNDS;
+            if bending.share > RESOLVED && is_free {
+                (cell_mm, coarse) = (needed_mm, COARSE_OF_WALLS);
+                round += 1;
+                continue;
+            }
+            if bending.share > MAX_UNRESOLVED {
+                let fit = needed_mm >= smallest_mm;
+                return Err(StrengthError::ThinWalls { wall_mm: bending.wall_mm, cell_mm, needed_mm, fit });
+            }
+            return Ok(Self { cell_mm, body, coarse, bending });
+        }
+    }
+}
+
+/// What a test misses of thin walls, for people.
+fn thin_walls(bending: &UnresolvedBending, cell_mm: f64) -> String {
+    format!(
+        "strength: walls {:.2} mm thick bend and are only {:.1} cells of {cell_mm:.3} mm across; the peak may be up to {:.0} % too high",
+        bending.wall_mm,
+        bending.wall_mm / cell_mm,
+        100.0 * bending.share
+    )
+}
+
 /// Extruded volume over the part's volume above which the program's E words must mean something
 /// else.
 const MOST_LAID: f64 = 1.6;
@@ -310,11 +448,64 @@ pub fn test(
     plate_from_part: Option<DVec2>,
     diagnostics: &Diagnostics,
 ) -> Result<Tested, StrengthError> {
+    test_noting(settings, setup, program, plate_from_part, diagnostics, &|_| {})
+}
+
+/// [`test`] with a word to `note` as soon as there is a first answer, on larger cells.
+///
+/// # Errors
+/// As [`test`].
+pub fn test_noting(
+    settings: &Settings,
+    setup: &TestSetup,
+    program: &Program,
+    plate_from_part: Option<DVec2>,
+    diagnostics: &Diagnostics,
+    note: &(dyn Fn(&str) + Sync),
+) -> Result<Tested, StrengthError> {
+    let start = Instant::now();
+    let mut governing: Option<Tested> = None;
+    let mut cases = Vec::new();
+    for case in std::iter::once(setup).chain(&setup.others) {
+        let tested = test_case(settings, case, program, plate_from_part, diagnostics, note)?;
+        let report = &tested.report;
+        cases.push(CasePeak {
+            case: report.case.clone(),
+            peak_load_n: report.peak_load_n,
+            low_n: report.low_n,
+            high_n: report.high_n,
+            job_load_n: report.job_load_n,
+            factor: digits(report.peak_load_n / report.job_load_n),
+        });
+        let factor = |t: &Tested| t.report.peak_load_n / t.report.job_load_n;
+        if governing.as_ref().is_none_or(|g| factor(&tested) < factor(g)) {
+            governing = Some(tested);
+        }
+    }
+    let mut tested = governing.ok_or(StrengthError::Missing("a [[guide.load]]"))?;
+    if cases.len() > 1 {
+        tested.report.cases = cases;
+    }
+    tested.report.seconds = digits(start.elapsed().as_secs_f64());
+    Ok(tested)
+}
+
+/// Tests one load case.
+fn test_case(
+    settings: &Settings,
+    setup: &TestSetup,
+    program: &Program,
+    plate_from_part: Option<DVec2>,
+    diagnostics: &Diagnostics,
+    note: &(dyn Fn(&str) + Sync),
+) -> Result<Tested, StrengthError> {
     let start = Instant::now();
     // Checked first: a missing strength must not be found after minutes of work.
     let nominal = cards(settings, CORNERS[0])?;
     diagnostics.begin(grainpath_core::diagnostics::Stage::Strength, 0);
     let sheets = setup.sheets(program, plate_from_part)?;
+    let frame = Frame::new(&sheets);
+    let (setup, sheets) = (&setup.in_frame(frame), frame.beads(&sheets));
     let laid_mm3: f64 = sheets.iter().flat_map(|s| &s.beads).map(|b| b.volume_mm3).sum();
     // E words in mm3, read as mm of 1.75 mm filament, give 2.4 times the volume.
     if laid_mm3 > MOST_LAID * setup.volume_mm3 {
@@ -322,35 +513,41 @@ pub fn test(
         return Err(StrengthError::TooMuch { laid_mm3, part_mm3, filament_mm });
     }
     let bead = settings.process.bead_width_mm;
-    // Cells of half a bead resolve single beads in a plate. In a solid that would be too many, so
-    // cells are as wide as a bead.
-    let own = match setup.fidelity {
-        Fidelity::Plane => (0.5 * bead).max((setup.section.area_mm2() / CELLS).sqrt()),
-        Fidelity::Voxels => bead.max((setup.volume_mm3 / CELLS_SOLID).cbrt()),
-    };
-    let cell_mm = settings.strength.cell_mm.unwrap_or(own);
-    let max_mib = settings.guide.memory_mib as f64;
+    let limits = &Limits { max_mib: settings.guide.memory_mib as f64, cancel: diagnostics.cancel_flag() };
     let s = &settings.strength;
+    let chosen = ChosenCells::new(setup, &sheets, bead, s.cell_mm, &nominal, limits)?;
+    let cell_mm = chosen.cell_mm;
+    let prepared = chosen.body;
     let corners = if s.corners { &CORNERS[..] } else { &CORNERS[..1] };
-    let coarse = s.check || s.corners;
+    let coarse_mm = if s.check || s.corners { chosen.coarse * cell_mm } else { 0.0 };
+    let first = |peak_n: f64| {
+        let case = &setup.case().name;
+        note(&format!(
+            "{case}: about {peak_n:.0} N on cells of {coarse_mm:.3} mm; going on with {cell_mm:.3} mm"
+        ));
+    };
     // The coarse run serves twice: as the other end of the mesh comparison, and for the corners of
     // the card.
-    let (fine, others) = rayon::join(
-        || {
-            let prepared = Body::of(setup, &sheets, cell_mm)?;
-            prepared.run(&nominal, max_mib).map(|o| (o, prepared))
-        },
-        || at_corners(settings, setup, &sheets, if coarse { 2.0 * cell_mm } else { 0.0 }, corners, max_mib),
+    let (others, outcome) = rayon::join(
+        || at_corners(settings, setup, &sheets, coarse_mm, corners, limits, &first),
+        || prepared.run(&nominal, limits),
     );
-    let (outcome, prepared) = fine?;
-    let others = others?;
+    let mut outcome = outcome?;
+    outcome.weakest = frame.to_part_3d(outcome.weakest);
+    let CoarsePeaks { corners: others, moved_n } = others?;
     // The interval of the card is computed with the coarse cells and carried over as a ratio.
     let ratio = |k: usize| if others.len() > k { others[k] / others[0] } else { 1.0 };
     let peaks: BTreeMap<&'static str, f64> =
         corners.iter().enumerate().map(|(k, c)| (c.name, digits(outcome.peak_load_n * ratio(k)))).collect();
+    let placing_change = moved_n.zip(others.first()).map_or(0.0, |(moved, here)| (moved / here - 1.0).abs());
     // Relative to the fine cells, whose peak is the one reported.
     let mesh_change = others.first().filter(|_| s.check).map(|o| (o / outcome.peak_load_n - 1.0).abs());
-    warn(setup, &outcome, &prepared, mesh_change, cell_mm, diagnostics);
+    warn(&outcome, &prepared, mesh_change, cell_mm, diagnostics);
+    if chosen.bending.share > RESOLVED {
+        diagnostics.warn(WarningId::StrengthThinWalls, thin_walls(&chosen.bending, cell_mm));
+    }
+    let missed = if chosen.bending.share > RESOLVED { chosen.bending.share } else { 0.0 };
+    let grid_share = mesh_change.unwrap_or(0.0).max(placing_change).max(missed).min(0.99);
     let mass_g = part_g(program, settings);
     let fold = |f: fn(f64, f64) -> f64, from: f64| peaks.values().copied().fold(from, f);
     // Displacement at the highest point, because the curve goes on while the part softens.
@@ -358,8 +555,8 @@ pub fn test(
         outcome.curve.iter().max_by(|a, b| a.load_n.total_cmp(&b.load_n)).map_or(0.0, |p| p.displacement_mm);
     let report = StrengthReport {
         peak_load_n: digits(outcome.peak_load_n),
-        low_n: fold(f64::min, f64::INFINITY),
-        high_n: fold(f64::max, 0.0),
+        low_n: digits(fold(f64::min, f64::INFINITY) * (1.0 - grid_share)),
+        high_n: digits(fold(f64::max, 0.0) * (1.0 + grid_share)),
         stiffness_n_per_mm: digits(outcome.stiffness_n_per_mm),
         first_n: digits(outcome.first_failure_n),
         peak_displacement_mm: digits(at_peak),
@@ -380,6 +577,8 @@ pub fn test(
         fidelity: setup.fidelity.name(),
         cell_mm: digits(cell_mm),
         mesh_change: mesh_change.map(digits),
+        grid_share: digits(grid_share),
+        cases: Vec::new(),
         volume_error: digits(prepared.volume_error()),
         dofs: outcome.dofs,
         solutions: outcome.solutions,
@@ -408,8 +607,12 @@ fn part_g(program: &Program, settings: &Settings) -> f64 {
     beads.map(|b| f64::from(b.volume_mm3) * 1e-3 * density(b)).sum()
 }
 
-fn run(prepared: &Prepared, cards: &[StrengthCard], max_mib: f64) -> Result<Outcome, TestError> {
-    let test = PlateTest {
+fn run(prepared: &Prepared, cards: &[StrengthCard], limits: &Limits) -> Result<Outcome, TestError> {
+    plate_test(prepared, cards, limits).run()
+}
+
+fn plate_test<'a>(prepared: &'a Prepared, cards: &'a [StrengthCard], limits: &Limits) -> PlateTest<'a> {
+    PlateTest {
         laminate: &prepared.laminate,
         elements: &prepared.elements,
         holds: &prepared.holds,
@@ -417,9 +620,9 @@ fn run(prepared: &Prepared, cards: &[StrengthCard], max_mib: f64) -> Result<Outc
         load_n: prepared.load_n,
         unbreakable: &prepared.unbreakable,
         cards,
-        max_mib,
-    };
-    test.run()
+        max_mib: limits.max_mib,
+        cancel: limits.cancel.clone(),
+    }
 }
 
 /// Peak loads at the corners of the card, the nominal one first; empty for a cell size of zero.
@@ -429,29 +632,45 @@ fn at_corners(
     sheets: &[BeadSheet],
     cell_mm: f64,
     corners: &[Corner],
-    max_mib: f64,
-) -> Result<Vec<f64>, StrengthError> {
+    limits: &Limits,
+    first: &(dyn Fn(f64) + Sync),
+) -> Result<CoarsePeaks, StrengthError> {
     if cell_mm <= 0.0 {
-        return Ok(Vec::new());
+        return Ok(CoarsePeaks::default());
     }
     // Geometry and loads do not depend on the strengths, so one body serves all corners.
-    let prepared = Body::of(setup, sheets, cell_mm)?;
-    let peak = |corner: &Corner| Ok(prepared.run(&cards(settings, *corner)?, max_mib)?.peak_load_n);
-    let all: Vec<Result<f64, StrengthError>> = corners.par_iter().map(peak).collect();
-    all.into_iter().collect()
+    let prepared = Body::of(setup, sheets, Cells::of(cell_mm))?;
+    limits.cancel.check().map_err(TestError::from)?;
+    let peak = |corner: &Corner| Ok(prepared.run(&cards(settings, *corner)?, limits)?.peak_load_n);
+    let nominal = peak(&corners[0])?;
+    first(nominal);
+    let (rest, moved_n) = rayon::join(
+        || corners[1..].par_iter().map(peak).collect::<Vec<Result<f64, StrengthError>>>(),
+        || {
+            let moved = Body::of(setup, sheets, Cells { size_mm: cell_mm, moved: 0.5 })?;
+            Ok::<f64, StrengthError>(moved.run(&cards(settings, corners[0])?, limits)?.peak_load_n)
+        },
+    );
+    let corners = std::iter::once(Ok(nominal)).chain(rest).collect::<Result<_, _>>()?;
+    Ok(CoarsePeaks { corners, moved_n: Some(moved_n?) })
+}
+
+/// Peak loads on larger cells, N.
+#[derive(Default)]
+struct CoarsePeaks {
+    /// At the corners of the card, nominal first.
+    corners: Vec<f64>,
+    /// The nominal one with the grid moved by half a cell.
+    moved_n: Option<f64>,
 }
 
 fn warn(
-    setup: &TestSetup,
     outcome: &Outcome,
     prepared: &Body,
     mesh_change: Option<f64>,
     cell_mm: f64,
     diagnostics: &Diagnostics,
 ) {
-    if let Some(text) = setup.warnings() {
-        diagnostics.warn(WarningId::StrengthOneCase, text);
-    }
     if let Some(change) = mesh_change.filter(|c| *c > CONVERGED) {
         let text = format!(
             "strength: the peak load moved by {:.1} % when cells were halved to {cell_mm} mm",
@@ -553,7 +772,10 @@ impl StrengthReport {
     pub fn over(&self) -> String {
         match self.corners.len() {
             0 | 1 => "nominal card alone".to_owned(),
-            _ => format!("{:.0} to {:.0} N over the card of the material", self.low_n, self.high_n),
+            _ => format!(
+                "{:.0} to {:.0} N over the card of the material and the grid",
+                self.low_n, self.high_n
+            ),
         }
     }
 
@@ -562,10 +784,18 @@ impl StrengthReport {
         let mesh =
             self.mesh_change.map_or(String::new(), |c| format!(", {:.1} % moved by halving them", 100.0 * c));
         let over = self.over();
+        let cases: String = (self.cases.iter())
+            .map(|c| {
+                format!(
+                    "\nload case {:?}: {:.0} N ({:.0} to {:.0} N), {:.2} times the job's load",
+                    c.case, c.peak_load_n, c.low_n, c.high_n, c.factor
+                )
+            })
+            .collect();
         format!(
             "breaks at {:.0} N ({over}), stiffness {:.0} N/mm, {:.0} N per gram\n\
              fails mostly {}; weakest at {}\n\
-             {} test, cells of {} mm{mesh}; {} unknowns, {} solutions, {:.1} s",
+             {} test, cells of {} mm{mesh}; {} unknowns, {} solutions, {:.1} s{cases}",
             self.peak_load_n,
             self.stiffness_n_per_mm,
             self.load_per_gram_n_g,

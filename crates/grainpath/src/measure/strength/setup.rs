@@ -16,7 +16,8 @@ use grainpath_gcode::{Bead, BeadLayer, Program};
 use grainpath_job::Settings;
 use grainpath_job::choices;
 
-use super::{CORNERS, StrengthError, cards};
+use super::frame::Frame;
+use super::{CORNERS, Cells, StrengthError, cards};
 use crate::guide::constant_section;
 
 /// Cells filled to a smaller share of their height are left out.
@@ -50,6 +51,7 @@ impl Fidelity {
 }
 
 /// The part's side of a test: everything besides its beads.
+#[derive(Debug, Clone)]
 pub struct TestSetup {
     pub(super) low: DVec3,
     pub(super) high: DVec3,
@@ -64,14 +66,18 @@ pub struct TestSetup {
     /// The surface, for solids under pressure; otherwise empty.
     pub(super) mesh: TriMesh,
     pub(super) conditions: BoundaryConditions,
-    /// The index of the load case that is tested.
+    /// The index of the load case.
     case: usize,
+    /// The other load cases of the job.
+    pub(super) others: Vec<Self>,
+    /// The directions of the grid.
+    pub(super) frame: Frame,
     /// Whether fibre has a card of its own.
     fibre: bool,
 }
 
 impl TestSetup {
-    /// Makes the setup. Of several load cases the one with the largest weight is tested.
+    /// One test for every load case of the job, the one with the largest weight first.
     ///
     /// # Errors
     /// [`StrengthError`] where a fixture, a load or a strength of the material is missing, or where
@@ -83,7 +89,19 @@ impl TestSetup {
         conditions: BoundaryConditions,
     ) -> Result<Self, StrengthError> {
         cards(settings, CORNERS[0])?;
-        let case = conditions.heaviest_case().ok_or(StrengthError::Missing("a [[guide.load]]"))?;
+        let heaviest = conditions.heaviest_case().ok_or(StrengthError::Missing("a [[guide.load]]"))?;
+        let of_case = |case: usize| Self::of_case(settings, mesh, stack, conditions.clone(), case);
+        let others = (0..conditions.cases.len()).filter(|case| *case != heaviest).map(of_case);
+        Ok(Self { others: others.collect::<Result<_, _>>()?, ..of_case(heaviest)? })
+    }
+
+    fn of_case(
+        settings: &Settings,
+        mesh: &TriMesh,
+        stack: &LayerStack,
+        conditions: BoundaryConditions,
+        case: usize,
+    ) -> Result<Self, StrengthError> {
         if conditions.fixtures.is_empty() {
             return Err(StrengthError::Missing("a [[guide.fixture]]"));
         }
@@ -135,21 +153,20 @@ impl TestSetup {
             mesh,
             conditions,
             case,
+            others: Vec::new(),
+            frame: Frame::default(),
             fibre: settings.fibre.enabled,
         })
     }
 
-    /// The load case that is tested.
+    /// The load case.
     pub fn case(&self) -> &LoadCase {
         &self.conditions.cases[self.case]
     }
 
-    /// A warning about load cases that are not tested.
-    pub(super) fn warnings(&self) -> Option<String> {
-        let n_cases = self.conditions.cases.len();
-        (n_cases > 1).then(|| {
-            format!("strength: of {n_cases} load cases {:?}, which counts most, is tested", self.case().name)
-        })
+    /// The same load case with the directions of a grid.
+    pub(super) fn in_frame(&self, frame: Frame) -> Self {
+        Self { frame, others: Vec::new(), ..self.clone() }
     }
 
     fn at(&self, p: DVec2) -> DVec3 {
@@ -267,8 +284,9 @@ impl TestSetup {
     ///
     /// # Errors
     /// [`StrengthError`] when a fixture or load meets no material, or a piece can move freely.
-    pub(super) fn prepared(&self, sheets: &[BeadSheet], cell_mm: f64) -> Result<Prepared, StrengthError> {
-        let laminate = Laminate::from_layers(sheets, cell_mm)?;
+    pub(super) fn prepared(&self, sheets: &[BeadSheet], cells: Cells) -> Result<Prepared, StrengthError> {
+        let cell_mm = cells.size_mm;
+        let laminate = Laminate::moved(sheets, cell_mm, cells.moved)?;
         let grid = laminate.grid;
         let n = grid.nx * grid.ny;
         let least = LEAST_FILLED * laminate.height_mm;
@@ -281,17 +299,19 @@ impl TestSetup {
         let mut holds_of = vec![Vec::new(); n_pieces];
         let elements = PlateElements::from_cells(&grid, &taken);
         let wide: Vec<Selection> =
-            self.conditions.fixtures.iter().map(|f| contact(&f.on, &elements, reach)).collect();
+            self.conditions.fixtures.iter().map(|f| contact(&f.on, &elements, self.frame, reach)).collect();
         for (cell, corners) in elements.cells.iter().zip(&elements.corners) {
             let Some(p) = piece[*cell as usize] else { continue };
             for &node in corners {
-                let place = elements.node(node as usize);
+                let place = self.frame.to_part(elements.node(node as usize));
                 let along = self.directions(&wide, place);
                 holds_of[p as usize].extend(along.map(|a| (place, a)));
             }
         }
         for (fixture, wide) in self.conditions.fixtures.iter().zip(&wide) {
-            if !(0..elements.places.len()).any(|i| wide.contains(self.at(elements.node(i)))) {
+            if !(0..elements.places.len())
+                .any(|i| wide.contains(self.at(self.frame.to_part(elements.node(i)))))
+            {
                 return Err(self.nothing(&fixture.name, &fixture.on));
             }
         }
@@ -311,19 +331,22 @@ impl TestSetup {
             }
         }
         let elements = PlateElements::from_cells(&grid, &taken);
-        let nodes: Vec<DVec2> = (0..elements.places.len()).map(|i| elements.node(i)).collect();
+        let in_grid: Vec<DVec2> = (0..elements.places.len()).map(|i| elements.node(i)).collect();
+        let nodes: Vec<DVec2> = in_grid.iter().map(|p| self.frame.to_part(*p)).collect();
         let mut marked = vec![false; nodes.len()];
         // The elements have new node numbers now that loose cells are gone.
         let mut holds = Vec::new();
         for (i, p) in nodes.iter().enumerate() {
             for along in self.directions(&wide, *p) {
-                holds.push(GridHold { node: i as u32, along });
+                holds.push(GridHold { node: i as u32, along: self.frame.to_grid(along) });
                 marked[i] = true;
             }
         }
         let weight = weights(&laminate, &elements);
-        let (forces_n, load_n) = self.forces(&laminate, &elements, &nodes, &weight, reach, &mut marked)?;
-        let unbreakable = unbreakable(&grid, &elements, &nodes, &marked);
+        let (mut forces_n, load_n) =
+            self.forces(&laminate, &elements, &nodes, &weight, reach, &mut marked)?;
+        forces_n.iter_mut().for_each(|f| *f = self.frame.to_grid(*f));
+        let unbreakable = unbreakable(&grid, &elements, &in_grid, &marked);
         let lost = lost / laminate.laid_mm3;
         Ok(Prepared { laminate, elements, holds, forces_n, load_n, unbreakable, lost })
     }
@@ -461,16 +484,17 @@ pub(super) struct Prepared {
 /// The nodes of a grid that a fixture holds. A cylinder whose axis lies in the material is a
 /// roller: it holds the one node next to its axis, because two nodes would prevent the part from
 /// turning there. A cylinder around a hole holds the hole's wall.
-fn contact(on: &Selection, elements: &PlateElements, reach: f64) -> Selection {
+fn contact(on: &Selection, elements: &PlateElements, frame: Frame, reach: f64) -> Selection {
     let mut wide = on.grown(reach);
     let Selection::Cylinder { point: axis_at, axis, .. } = on else { return wide };
-    let off = |i: usize| elements.node(i).distance_squared(axis_at.truncate());
+    let place = |i: usize| frame.to_part(elements.node(i));
+    let off = |i: usize| place(i).distance_squared(axis_at.truncate());
     let nearest = (0..elements.places.len()).min_by(|a, b| off(*a).total_cmp(&off(*b)));
     let cell_mm = elements.grid.cell_mm;
     if let Selection::Cylinder { point, radius_mm, .. } = &mut wide
         && let Some(i) = nearest.filter(|i| axis.z.abs() > 0.99 && off(*i) <= cell_mm * cell_mm)
     {
-        (*point, *radius_mm) = (elements.node(i).extend(axis_at.z), 1e-3 * cell_mm);
+        (*point, *radius_mm) = (place(i).extend(axis_at.z), 1e-3 * cell_mm);
     }
     wide
 }

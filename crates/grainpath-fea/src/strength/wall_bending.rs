@@ -1,0 +1,76 @@
+//! Whether the cells of a test resolve the bending of thin walls.
+//!
+//! Failure indices are taken from the strain in the middle of a cell. In a wall one cell thick that strain is zero under
+//! pure bending, and the wall would seem unbreakable; with two cells across a wall carries a third too much, with four
+//! and more the sum over the cells is that of the section. So before a test, one linear solution says for each element
+//! with fewer than [`CELLS_ACROSS`] cells across the part along some axis how high the failure index is in the middle
+//! and on the faces of the wall. Where the faces are higher in the elements that fail first, bending governs and the
+//! cells are too large.
+//!
+//! The cost is one linear solution. Walls at an angle to the grid count as thicker than they are, by up to the square
+//! root of two in one plane.
+
+use super::TestError;
+use super::load_stepping::FailureIndices;
+
+/// Cells across a wall that resolve its bending. Derived: the moment of a section that yields is the sum over n cells of
+/// stress times lever arm; for even n it is exact, and for two cells the bending stiffness of each cell itself, which does not
+/// fail at its faces, adds a third.
+pub const CELLS_ACROSS: f64 = 4.0;
+/// Walls with fewer full cells across count as thin: a wall of [`CELLS_ACROSS`] cells that is a little underfilled does
+/// not.
+pub(super) const MIN_CELLS_ACROSS: f64 = CELLS_ACROSS - 0.5;
+/// The share of the elements that may lie in thin walls before these are looked at: rims and corners have some.
+pub(super) const MAX_THIN_SHARE: f64 = 0.01;
+/// The share of the elements that are most loaded, over which indices are averaged so that a single corner does not
+/// decide.
+const MOST_LOADED: f64 = 1e-3;
+
+/// Bending that the cells of a test miss.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct UnresolvedBending {
+    /// How much higher the failure index is on the faces of thin walls than in the middle of any cell, as a share: 0
+    /// where bending does not govern. May be infinite.
+    pub share: f64,
+    /// The thickness of the walls that bend most, mm; 0 where none does.
+    pub wall_mm: f64,
+}
+
+/// The failure index of an element at the unit load.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct BendingSample {
+    /// In the middle.
+    pub middle: f64,
+    /// The highest on the faces of a thin wall; that of the middle where the wall is not thin.
+    pub face: f64,
+    /// Thickness of that wall, mm; 0 where the middle is as high.
+    pub wall_mm: f64,
+}
+
+/// The highest failure index of an element's plies.
+pub(super) fn highest_index(indices: &[FailureIndices]) -> f64 {
+    indices.iter().flat_map(|i| i.index).fold(0.0, f64::max)
+}
+
+/// Compares the most loaded middles of elements with the most loaded faces.
+pub(super) fn unresolved_bending(samples: &[BendingSample]) -> Result<UnresolvedBending, TestError> {
+    let n = ((MOST_LOADED * samples.len() as f64).ceil() as usize).clamp(1, samples.len().max(1));
+    let highest = |value: fn(&BendingSample) -> f64| {
+        let mut sorted: Vec<&BendingSample> = samples.iter().collect();
+        sorted.sort_by(|a, b| value(b).total_cmp(&value(a)));
+        sorted.truncate(n);
+        sorted
+    };
+    let mean = |some: &[&BendingSample], value: fn(&BendingSample) -> f64| {
+        some.iter().map(|s| value(s)).sum::<f64>() / some.len().max(1) as f64
+    };
+    let faces = highest(|s| s.face);
+    let (face, middle) = (mean(&faces, |s| s.face), mean(&highest(|s| s.middle), |s| s.middle));
+    if face <= 0.0 {
+        return Err(TestError::Unloaded);
+    }
+    let mut walls: Vec<f64> = faces.iter().map(|s| s.wall_mm).filter(|w| *w > 0.0).collect();
+    walls.sort_by(f64::total_cmp);
+    let wall_mm = walls.get(walls.len() / 2).copied().unwrap_or(0.0);
+    Ok(UnresolvedBending { share: face / middle - 1.0, wall_mm })
+}

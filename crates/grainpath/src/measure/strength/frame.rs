@@ -1,0 +1,148 @@
+//! The direction of a test's grid: that of the part, so that a part turned on the plate has the same cells.
+//!
+//! Cells resolve a wall along the grid better than one across it, so a grid along the axes of the plate would give a
+//! turned part another peak load. The grid is laid along the direction of the longest straight sides of the convex
+//! hull of all beads (sides within half a degree of each other count together), and about the middle of the beads.
+//! Turning or moving all beads turns and moves the grid with them; only rounding differs. Cost: sorting all ends of
+//! beads. A round part has no such direction; one is chosen by the first of its sides.
+
+use grainpath_core::math::{atan2, cross, direction};
+use grainpath_core::{DVec2, DVec3};
+use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet};
+
+/// Sides of the hull whose directions differ by less than this are one direction, rad. Derived: G-code rounds both ends
+/// of a bead to 0.001 mm, which turns a side of 0.2 mm by up to 0.4 degrees.
+const SAME_DIRECTION_RAD: f64 = 0.0087;
+/// Smaller angles than this between grid and plate are left out, rad. Derived: over 200 mm such an angle moves a bead by
+/// 0.002 mm, about what G-code rounds.
+const MIN_ANGLE_RAD: f64 = 1e-5;
+
+/// The directions of a grid seen from the part: a turn about z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Frame {
+    /// Direction of the grid's first axis.
+    x: DVec2,
+}
+
+impl Default for Frame {
+    fn default() -> Self {
+        Self { x: DVec2::X }
+    }
+}
+
+impl Frame {
+    /// The frame of some beads.
+    pub fn new(sheets: &[BeadSheet]) -> Self {
+        let ends = sheets.iter().flat_map(|s| &s.beads).flat_map(|b| [b.a, b.b]);
+        let hull = convex_hull(ends.filter(|p| p.is_finite()).collect());
+        let sides: Vec<DVec2> = (0..hull.len()).map(|i| hull[(i + 1) % hull.len()] - hull[i]).collect();
+        let parallel = |side: &DVec2| {
+            let near = sides.iter().map(|s| if s.dot(*side) < 0.0 { -*s } else { *s });
+            near.filter(|s| cross(*side, *s).abs() <= SAME_DIRECTION_RAD * side.length() * s.length())
+                .sum::<DVec2>()
+        };
+        let longest = sides.iter().map(parallel).fold(DVec2::ZERO, |best, sum| {
+            // Rounding does not decide between sides of one direction.
+            if sum.length_squared() > (1.0 + 1e-9) * best.length_squared() { sum } else { best }
+        });
+        if longest == DVec2::ZERO {
+            return Self::default();
+        }
+        // A grid turned by a quarter is the same grid.
+        let quarter = std::f64::consts::FRAC_PI_2;
+        let angle = atan2(longest.y, longest.x);
+        let angle = angle - (angle / quarter).round() * quarter;
+        if angle.abs() < MIN_ANGLE_RAD { Self::default() } else { Self { x: direction(angle) } }
+    }
+
+    /// From the grid to the part.
+    pub fn to_part(self, p: DVec2) -> DVec2 {
+        self.x * p.x + self.x.perp() * p.y
+    }
+
+    /// From the part to the grid.
+    pub fn to_grid(self, p: DVec2) -> DVec2 {
+        DVec2::new(self.x.dot(p), self.x.perp().dot(p))
+    }
+
+    /// [`Frame::to_part`] in space.
+    pub fn to_part_3d(self, p: DVec3) -> DVec3 {
+        self.to_part(p.truncate()).extend(p.z)
+    }
+
+    /// [`Frame::to_grid`] in space.
+    pub fn to_grid_3d(self, p: DVec3) -> DVec3 {
+        self.to_grid(p.truncate()).extend(p.z)
+    }
+
+    /// Beads seen from the grid.
+    pub fn beads(self, sheets: &[BeadSheet]) -> Vec<BeadSheet> {
+        let bead = |b: &BeadPiece| BeadPiece { a: self.to_grid(b.a), b: self.to_grid(b.b), ..*b };
+        let sheet =
+            |s: &BeadSheet| BeadSheet { height_mm: s.height_mm, beads: s.beads.iter().map(bead).collect() };
+        if self == Self::default() { sheets.to_vec() } else { sheets.iter().map(sheet).collect() }
+    }
+}
+
+/// Corners of the convex hull, counter-clockwise (`andrew1979` in docs/references.bib).
+fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
+    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    points.dedup();
+    let mut hull: Vec<DVec2> = Vec::new();
+    let reversed: Vec<DVec2> = points.iter().rev().copied().collect();
+    for chain in [&points, &reversed] {
+        let first = hull.len();
+        for p in chain {
+            while hull.len() >= first + 2
+                && cross(hull[hull.len() - 1] - hull[hull.len() - 2], *p - hull[hull.len() - 1]) <= 0.0
+            {
+                hull.pop();
+            }
+            hull.push(*p);
+        }
+        hull.pop();
+    }
+    hull
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn outline(corners: &[DVec2]) -> Vec<BeadSheet> {
+        let n = corners.len();
+        let bead =
+            |i: usize| BeadPiece { a: corners[i], b: corners[(i + 1) % n], volume_mm3: 1.0, material: 0 };
+        vec![BeadSheet { height_mm: 0.2, beads: (0..n).map(bead).collect() }]
+    }
+
+    #[test]
+    fn a_turned_and_moved_part_has_the_same_beads_in_its_grid() {
+        let bar = [(0.0, 0.0), (150.0, 0.0), (150.0, 8.0), (149.0, 20.0), (1.0, 20.0), (0.0, 9.0)];
+        let bar = bar.map(|(x, y)| DVec2::new(x, y));
+        let straight = outline(&bar);
+        assert_eq!(Frame::new(&straight), Frame::default());
+        for deg in [0.0, 3.0, 37.0, 44.0, 61.0, 90.0, 143.0, 200.0f64] {
+            let turn = direction(deg.to_radians());
+            let moved = bar.map(|p| {
+                let q = turn * p.x + turn.perp() * p.y + DVec2::new(31.7, -12.3);
+                // As G-code rounds.
+                (q * 1000.0).round() / 1000.0
+            });
+            let frame = Frame::new(&outline(&moved));
+            let seen = frame.beads(&outline(&moved));
+            // Lengths along the axes are those of the straight bar, whichever way round.
+            let spans = |s: &[BeadSheet]| {
+                let ends = s[0].beads.iter().map(|b| b.a);
+                let (low, high) = (ends.clone().reduce(DVec2::min), ends.reduce(DVec2::max));
+                let size = high.expect("beads") - low.expect("beads");
+                [size.max_element(), size.min_element()]
+            };
+            for (a, b) in spans(&seen).into_iter().zip(spans(&straight)) {
+                assert!((a - b).abs() < 0.003, "{deg}: {a} {b}");
+            }
+            let p = DVec2::new(3.0, 4.0);
+            assert!(frame.to_part(frame.to_grid(p)).distance(p) < 1e-12);
+        }
+    }
+}
