@@ -13,7 +13,7 @@ use grainpath_core::diagnostics::Stage;
 use grainpath_core::{DVec2, Diagnostics, TriMesh};
 use grainpath_gcode::{BeadLayer, Program, Thumbnail, simulate, write_gcode};
 use grainpath_job::Settings;
-use grainpath_view::guide::{field_png, lines_svg, lines_vtp, stress_png};
+use grainpath_view::guide::{deformed_png, field_png, lines_svg, lines_vtp, stress_png};
 use grainpath_view::layer::{Bead, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png};
 use grainpath_view::page;
 use grainpath_view::strength::{damage_png, index_png};
@@ -399,12 +399,21 @@ fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, page::Pictur
         };
         let [rings, triangles, squares] = [Degenerate::Wedge, Degenerate::Trisector, Degenerate::Border]
             .map(|kind| guide.degenerate(i).count(kind));
+        let (png, scale) = stress_png(guide, i, region, z, &families, GUIDE_PX);
         let title = format!(
-            "Equivalent stress and principal lines (greater white, smaller dark), {at}; {rings} wedges (rings), \
-             {triangles} trisectors (triangles), {squares} changes of sign on free borders (squares)"
+            "Equivalent stress, blue 0 MPa to red {:.3} MPa and above, and principal lines (greater white, smaller dark), {at}; {rings} wedges (rings), \
+             {triangles} trisectors (triangles), {squares} changes of sign on free borders (squares)",
+            scale.high
         );
-        add("stress", title, stress_png(guide, i, region, z, &families, GUIDE_PX));
+        add("stress", title, png);
         add("field", format!("Directions that fill follows, {at}"), field_png(guide, i, region, z, GUIDE_PX));
+    }
+    if let Some(shape) = deformed_png(guide, GUIDE_PX) {
+        let title = format!(
+            "Deformed shape under case {}, seen along {}, drawn {:.3} times larger; blue 0 mm to red {:.4} mm, at rest grey",
+            shape.case, shape.view, shape.magnified, shape.max_mm
+        );
+        drawn.push(("deformed.png".into(), page::Picture { title, png: shape.png, of_test: false }));
     }
     drawn
 }

@@ -62,6 +62,14 @@ fn a_result_of_another_program_guides_fill() {
     let seen = json(&output);
     assert_eq!(seen["ok"].as_bool(), Some(true), "{seen}");
     assert!((seen["stress"]["max_von_mises_mpa"].as_f64().expect("a stress") - 50.0).abs() < 0.01, "{seen}");
+    // The file holds no displacement, and nothing was solved.
+    for unknown in ["dofs", "residual", "max_displacement_mm", "error_estimate"] {
+        assert!(seen["stress"][unknown].is_null(), "{unknown}: {seen}");
+    }
+    let told = grainpath(&dir, &["run", "job.toml"]);
+    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    assert!(told.contains("peak stress: 50.00 MPa"), "{told}");
+    assert!(["unknowns", "displacement", "mesh error"].iter().all(|w| !told.contains(w)), "{told}");
     let program = std::fs::read_to_string(dir.join("plate.gcode")).expect("G-code");
     // Length printed within 2 degrees of the pull, over the length of all fill.
     let (mut along, mut all, mut at, mut fill) = (0.0, 0.0, (0.0f64, 0.0f64), false);
@@ -99,4 +107,40 @@ fn a_result_of_another_program_guides_fill() {
     let refused = grainpath(&dir, &["run", "job.toml"]);
     let told = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(refused.status.code() == Some(3) && told.contains("no stress in the file; its arrays"), "{told}");
+}
+
+#[test]
+fn a_stress_report_tells_peak_reserve_displacement_mesh_error_and_what_holds_the_part() {
+    let dir = folder("fe-report");
+    std::fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 2.0])).expect("a mesh");
+    let job = "[shape]\nmesh = \"bar.stl\"\n[guide]\nkind = \"stress\"\n[fill]\npattern = \"stripes\"\ndensity = 1.0\n\
+        [output]\ngcode = \"bar.gcode\"\nreport = \"bar.html\"\npreview = \"pictures\"\n\
+        [[guide.fixture]]\non = { box_mm = [[0, 0, 0], [6, 8, 2]] }\nfix = \"xyz\"\n\
+        [[guide.load]]\non = { box_mm = [[34, 0, 0], [40, 8, 2]] }\nforce_n = [FORCE, 0, 0]\n";
+    let run = |force: &str| {
+        std::fs::write(dir.join("job.toml"), job.replace("FORCE", force)).expect("a job");
+        let seen = json(&grainpath(&dir, &["run", "job.toml", "--json"]));
+        assert_eq!(seen["ok"].as_bool(), Some(true), "{seen}");
+        let told = grainpath(&dir, &["run", "job.toml"]);
+        (seen, String::from_utf8_lossy(&told.stdout).into_owned())
+    };
+    let (seen, told) = run("100");
+    let stress = &seen["stress"];
+    let number = |key: &str| stress[key].as_f64().unwrap_or_else(|| panic!("{key}: {stress}"));
+    // 100 N over 16 mm2, more at the grips.
+    let peak = number("max_von_mises_mpa");
+    assert!(peak > 6.0 && peak < 30.0, "{stress}");
+    assert!((number("reserve") * peak / number("strength_mpa") - 1.0).abs() < 1e-3, "{stress}");
+    let page = std::fs::read_to_string(dir.join("bar.html")).expect("a report");
+    for what in
+        ["peak stress", "reserve", "largest displacement", "mesh error", "load", "reaction", "balance"]
+    {
+        assert!(told.lines().any(|line| line.starts_with(&format!("{what}: "))), "{what}: {told}");
+        assert!(page.contains(&format!("<tr><th>{what}</th><td>")), "{what}");
+    }
+    assert!(page.contains("blue 0 MPa to red") && page.contains("Deformed shape"));
+    assert!(dir.join("pictures").join("deformed.png").is_file());
+    // No reserve can be told where the peak is far above the strength.
+    let (seen, told) = run("100000");
+    assert!(seen["stress"]["reserve"].is_null() && told.contains("reserve: none stated"), "{told}");
 }

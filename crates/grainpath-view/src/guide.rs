@@ -7,13 +7,14 @@ use grainpath::guide::{Degenerate, Families, Guide};
 use grainpath_core::math::{atan2, direction};
 use grainpath_core::poly::LineClipper;
 use grainpath_core::streamlines::TracedLine;
-use grainpath_core::{Bounds2, DVec2, Region};
+use grainpath_core::{Bounds2, DVec2, DVec3, Region};
 use grainpath_fea::principal::von_mises_plane;
 
 use crate::layer::{Canvas, Ramp};
 
 /// The von Mises stress over a section of the part as a picture, with the lines of both families over it
 /// and its degenerate points: rings around wedges, triangles around trisectors, squares on the border.
+/// Also the scale of its colours, MPa.
 pub fn stress_png(
     guide: &Guide,
     layer: usize,
@@ -21,8 +22,8 @@ pub fn stress_png(
     z_mm: f64,
     families: &Families,
     size_px: u32,
-) -> Vec<u8> {
-    let Some(bounds) = region.bounds() else { return Vec::new() };
+) -> (Vec<u8>, Ramp) {
+    let Some(bounds) = region.bounds() else { return (Vec::new(), Ramp { low: 0.0, high: 0.0 }) };
     let mut canvas = Canvas::over(bounds, size_px);
     let inside = LineClipper::new(region);
     let stress = guide.main_case();
@@ -56,7 +57,62 @@ pub fn stress_png(
         let ring: Vec<DVec2> = (0..=sides).map(|k| *p + radius * direction(turn(k))).collect();
         canvas.line(&ring, 2.5, [255, 60, 220], 255);
     }
-    canvas.png()
+    (canvas.png(), ramp)
+}
+
+/// The part as it moves under its loads, seen along an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeformedPicture {
+    /// The picture: edges at rest grey, moved ones coloured by displacement.
+    pub png: Vec<u8>,
+    /// The load case that moves it most.
+    pub case: String,
+    /// Displacement of red edges, mm.
+    pub max_mm: f64,
+    /// How many times larger displacements are drawn.
+    pub magnified: f64,
+    /// The axis along which the part is seen.
+    pub view: char,
+}
+
+/// The largest displacement is drawn as this share of the part's longest side. Chosen: seen at a glance, and the shape
+/// stays readable.
+const DRAWN_DISPLACEMENT: f64 = 0.06;
+
+/// The deformed shape of the case that moves most, seen along the axis of least motion; `None` without displacements.
+pub fn deformed_png(guide: &Guide, size_px: u32) -> Option<DeformedPicture> {
+    let largest = |moved: &[DVec3]| moved.iter().map(|u| u.length()).fold(0.0, f64::max);
+    let moving = guide.results.iter().filter_map(|r| Some((r, r.displacement.as_deref()?)));
+    let (result, moved) = moving.max_by(|a, b| largest(a.1).total_cmp(&largest(b.1)))?;
+    let max_mm = largest(moved);
+    if max_mm <= 0.0 {
+        return None;
+    }
+    let motion = moved.iter().fold(DVec3::ZERO, |sum, u| sum + u.abs());
+    // Of equal ones the last: plates are seen from above.
+    let view = (0..3).rev().min_by(|a, b| motion[*a].total_cmp(&motion[*b]))?;
+    let [a, b] = [[1, 2], [0, 2], [0, 1]][view];
+    let flat = |p: DVec3| DVec2::new(p[a], p[b]);
+    let (low, high) = result
+        .nodes
+        .iter()
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+    let magnified = DRAWN_DISPLACEMENT * (high - low).max_element() / max_mm;
+    let grown = DVec2::splat(magnified * max_mm);
+    let mut canvas = Canvas::over(Bounds2 { min: flat(low) - grown, max: flat(high) + grown }, size_px);
+    let edges = result.surface_edges();
+    let ends = |edge: &[u32; 2]| edge.map(|i| i as usize);
+    for edge in &edges {
+        canvas.line(&ends(edge).map(|i| flat(result.nodes[i])), 1.0, [90, 94, 100], 160);
+    }
+    let ramp = Ramp { low: 0.0, high: max_mm };
+    for edge in &edges {
+        let [i, j] = ends(edge);
+        let colour = ramp.colour(0.5 * (moved[i].length() + moved[j].length()));
+        canvas.line(&[i, j].map(|k| flat(result.nodes[k] + magnified * moved[k])), 1.2, colour, 255);
+    }
+    let view = ['x', 'y', 'z'][view];
+    Some(DeformedPicture { png: canvas.png(), case: result.name.clone(), max_mm, magnified, view })
 }
 
 /// The directions that the fill follows in a layer, as short strokes. A longer stroke has a greater

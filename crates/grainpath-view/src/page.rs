@@ -82,6 +82,13 @@ pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[P
         report.warnings.iter().for_each(|w| put(format!("<li>{}</li>", escaped(&w.to_string()))));
         put("</ul>\n".into());
     }
+    if let Some(s) = &report.stress {
+        put("<h2>Stress</h2>\n<table>".into());
+        for (what, value) in s.rows() {
+            put(format!("<tr><th>{}</th><td>{}</td></tr>", escaped(&what), escaped(&value)));
+        }
+        put("</table>\n".into());
+    }
     if let Some(s) = &report.strength {
         put("<h2>Strength</h2>\n<div class=\"layers\"><div><table>".into());
         for (what, value) in strength_rows(s) {

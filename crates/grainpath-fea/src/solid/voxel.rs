@@ -349,8 +349,8 @@ impl VoxelSystem {
             let u = displacement[self.cells.node_of[part.point_index(c + corner(k))] as usize];
             let s = corner(k).as_dvec3() * 2.0 - 1.0;
             let f = DVec3::ONE + s * place;
-            // Derivative of a trilinear shape function, (1 + s xi) / 2 along each axis with xi = 2 x / edge; at the
-            // place along one axis, the other two factors stay.
+            // Derivative of a trilinear shape function: the product of (1 + s xi) / 2 over the axes, with
+            // xi = 2 x / edge.
             let slope = DVec3::new(s.x * f.y * f.z, s.y * f.x * f.z, s.z * f.x * f.y) * 0.25 / part.cell_mm;
             grad += DMat3::from_cols(u * slope.x, u * slope.y, u * slope.z);
         }

@@ -49,10 +49,12 @@ pub(super) fn solved(
     if (0..axes).any(off) {
         return Err(GuideError::ImportElsewhere { low, high });
     }
+    let lengths = result.displacement.iter().flatten().map(|u| u.length());
     let summary = StressSummary {
         solver: format!("imported, {} {}", result.format.name(), result.stress_array),
         elements: result.elements.len(),
         max_von_mises_mpa: result.max_von_mises_mpa(),
+        max_displacement_mm: lengths.fold(0.0, f64::max),
         ..StressSummary::default()
     };
     let results = vec![ResultMesh {

@@ -109,7 +109,7 @@ pub struct CaseStress {
 /// Size, solver and main results of an analysis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StressSummary {
-    /// Unknowns solved for.
+    /// Unknowns solved for; 0 for imported stress, whose residual and mesh error are not known either.
     pub dofs: usize,
     /// Name of the solver.
     pub solver: String,
@@ -123,6 +123,8 @@ pub struct StressSummary {
     pub max_displacement_mm: f64,
     /// Largest estimate of a case for the share of the stress that the mesh misses.
     pub error_estimate: f64,
+    /// Tensile strength of the material along the beads, MPa, where the job has one.
+    pub strength_mpa: Option<f64>,
     /// Loads and reactions of each case; empty for imported stress.
     pub balance: Vec<CaseBalance>,
     /// Shape and size of the elements, for solids.
@@ -198,6 +200,11 @@ impl Guide {
     /// The largest equivalent stress at a node of any case, MPa, and the position of that node, mm.
     pub fn peak_stress(&self) -> Option<(f64, DVec3)> {
         trust::peak_stress(&self.results)
+    }
+
+    /// Tensile strength over the peak stress; `None` without a strength, and where the peak cannot be trusted.
+    pub fn reserve(&self) -> Option<f64> {
+        trust::reserve(&self.summary)
     }
 
     /// Whether two layers share one field.
@@ -334,7 +341,7 @@ pub fn build(
     diagnostics: &Diagnostics,
 ) -> Result<Guide, GuideError> {
     diagnostics.begin(Stage::Guide, 0);
-    let solved = match imported {
+    let mut solved = match imported {
         Some(field) => {
             if settings.is_moved {
                 return Err(GuideError::ImportTurned);
@@ -344,6 +351,7 @@ pub fn build(
         }
         None => solve(settings, part, conditions, diagnostics)?,
     };
+    solved.summary.strength_mpa = settings.strength_mpa;
     trust::warn(settings, part.mesh, &solved.summary, &solved.results, diagnostics);
     diagnostics.check()?;
     let layers = lay_directions(settings, part, conditions, &solved, diagnostics)?;

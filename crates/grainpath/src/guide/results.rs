@@ -1,5 +1,6 @@
 //! Results of a stress guide besides directions: VTU files and principal stress lines.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::FRAC_PI_2;
 
 use grainpath_core::math::direction;
@@ -9,7 +10,7 @@ use grainpath_core::{DVec2, Region};
 use grainpath_fea::principal::plane_principal;
 use grainpath_io::fe::{Encoding, PointData, VtuMesh, stress_point_data, write_vtu};
 
-use super::Guide;
+use super::{Guide, ResultMesh};
 
 /// Number of lines of each family across the longer side of the part.
 const LINES_ACROSS: f64 = 60.0;
@@ -17,6 +18,43 @@ const LINES_ACROSS: f64 = 60.0;
 /// Evenly spaced principal stress lines of a layer: the families of the greater and of the smaller
 /// principal stress.
 pub type Families = [Vec<TracedLine>; 2];
+
+/// Faces of solid elements by the number of their corners, in the order of VTK; flat elements are a face of their own.
+fn faces(n_corners: usize, is_solid: bool) -> &'static [&'static [usize]] {
+    match (n_corners, is_solid) {
+        (3, false) => &[&[0, 1, 2]],
+        (4, false) => &[&[0, 1, 2, 3]],
+        (4, true) => &[&[0, 1, 2], &[0, 1, 3], &[0, 2, 3], &[1, 2, 3]],
+        (5, true) => &[&[0, 1, 2, 3], &[0, 1, 4], &[1, 2, 4], &[2, 3, 4], &[3, 0, 4]],
+        (6, true) => &[&[0, 1, 2], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2, 5, 4], &[2, 0, 3, 5]],
+        (8, true) => {
+            &[&[0, 1, 2, 3], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]]
+        }
+        _ => &[],
+    }
+}
+
+impl ResultMesh {
+    /// Edges on the surface of the mesh between corners of elements, each once, as pairs of nodes. A face that two
+    /// elements share lies inside.
+    pub fn surface_edges(&self) -> BTreeSet<[u32; 2]> {
+        let mut outer: BTreeMap<Vec<u32>, Option<Vec<u32>>> = BTreeMap::new();
+        for element in &self.elements {
+            let corners = element.corners();
+            for face in faces(corners.len(), element.kind.dimension() == 3) {
+                let face: Vec<u32> = face.iter().map(|k| corners[*k]).collect();
+                let mut key = face.clone();
+                key.sort_unstable();
+                outer.entry(key).and_modify(|other| *other = None).or_insert(Some(face));
+            }
+        }
+        let sides = |face: Vec<u32>| {
+            let next = |k: usize| face[(k + 1) % face.len()];
+            (0..face.len()).map(|k| [face[k].min(next(k)), face[k].max(next(k))]).collect::<Vec<_>>()
+        };
+        outer.into_values().flatten().flat_map(sides).collect()
+    }
+}
 
 impl Guide {
     /// Stress, displacement and principal vectors of every case, as VTU.

@@ -15,6 +15,10 @@ const MAX_STRENGTH_MULTIPLE: f64 = 2.0;
 const MAX_MESH_ERROR: f64 = 0.1;
 /// Share by which loads and reactions may fail to cancel. Source: issue 22, item 12.
 const MAX_IMBALANCE: f64 = 1e-3;
+/// No reserve is told above this multiple of the strength, nor above this estimated share of missed stress.
+/// Source: issue 22, item 12.
+const MAX_RESERVE_MULTIPLE: f64 = 5.0;
+const MAX_RESERVE_MESH_ERROR: f64 = 0.3;
 /// Displacement over the longest side of the part at which small displacements are no longer small.
 /// Source: issue 22, item 12.
 const MAX_DISPLACEMENT_SHARE: f64 = 0.05;
@@ -66,6 +70,15 @@ pub(super) fn warn(
         );
         diagnostics.warn(WarningId::StressLargeDisplacement, text);
     }
+}
+
+/// Strength over peak stress, where both are known and the peak can be trusted.
+pub(super) fn reserve(summary: &StressSummary) -> Option<f64> {
+    let (strength_mpa, peak_mpa) = (summary.strength_mpa?, summary.max_von_mises_mpa);
+    let is_trusted = peak_mpa > 0.0
+        && peak_mpa <= MAX_RESERVE_MULTIPLE * strength_mpa
+        && summary.error_estimate <= MAX_RESERVE_MESH_ERROR;
+    is_trusted.then(|| strength_mpa / peak_mpa)
 }
 
 /// The largest equivalent stress of all cases, MPa, and the position of its node.

@@ -58,20 +58,31 @@ pub struct Report {
     pub outputs: BTreeMap<&'static str, String>,
 }
 
-/// Size, solver and main results of a stress analysis.
+/// Size, solver and main results of a stress analysis. Imported stress has no unknowns, residual and mesh error, and a
+/// displacement only where its file holds one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct StressReport {
-    pub dofs: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dofs: Option<usize>,
     pub elements: usize,
     pub solver: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<String>,
     pub cases: usize,
-    pub residual: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub residual: Option<f64>,
     pub max_von_mises_mpa: f64,
-    pub max_displacement_mm: f64,
-    pub error_estimate: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_displacement_mm: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_estimate: Option<f64>,
+    /// Tensile strength of the material along the beads.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strength_mpa: Option<f64>,
+    /// That strength over the peak stress; left out where the peak cannot be trusted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reserve: Option<f64>,
     /// Position of the peak of `max_von_mises_mpa`, part coordinates.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak_at_mm: Option<[f64; 3]>,
@@ -125,16 +136,20 @@ impl From<&Guide> for StressReport {
             let of_case = |b| which(b).iter().map(|r| ResultantReport::new(&b.case, r)).collect::<Vec<_>>();
             s.balance.iter().flat_map(of_case).collect()
         };
+        let is_solved = s.dofs > 0;
+        let has_displacement = guide.results.iter().any(|r| r.displacement.is_some());
         Self {
-            dofs: s.dofs,
+            dofs: is_solved.then_some(s.dofs),
             elements: s.elements,
             solver: s.solver.clone(),
             mesh: s.mesh.clone(),
             cases: guide.cases.len(),
-            residual: digits(s.residual),
+            residual: is_solved.then(|| digits(s.residual)),
             max_von_mises_mpa: digits(s.max_von_mises_mpa),
-            max_displacement_mm: digits(s.max_displacement_mm),
-            error_estimate: digits(s.error_estimate),
+            max_displacement_mm: has_displacement.then(|| digits(s.max_displacement_mm)),
+            error_estimate: is_solved.then(|| digits(s.error_estimate)),
+            strength_mpa: s.strength_mpa.map(digits),
+            reserve: guide.reserve().map(digits),
             peak_at_mm: guide.peak_stress().map(|(_, place)| place.to_array().map(digits)),
             loads: resultants(&|b| &b.loads),
             reactions: resultants(&|b| &b.reactions),
@@ -143,6 +158,56 @@ impl From<&Guide> for StressReport {
             trisectors: guide.count_degenerate(Degenerate::Trisector),
             border_points: guide.count_degenerate(Degenerate::Border),
         }
+    }
+}
+
+impl StressReport {
+    /// Names and values for the terminal and the report page.
+    pub fn rows(&self) -> Vec<(String, String)> {
+        let mut rows: Vec<(String, String)> = Vec::new();
+        let mut add = |what: &str, value: String| rows.push((what.to_owned(), value));
+        let place =
+            self.peak_at_mm.map_or(String::new(), |[x, y, z]| format!(" at ({x:.2}, {y:.2}, {z:.2}) mm"));
+        add("peak stress", format!("{:.2} MPa (von Mises){place}", self.max_von_mises_mpa));
+        if let Some(strength) = self.strength_mpa {
+            add(
+                "reserve",
+                self.reserve.map_or_else(
+                    || {
+                        format!(
+                            "none stated: the peak cannot be trusted against the strength of {strength} MPa"
+                        )
+                    },
+                    |reserve| {
+                        format!("{reserve:.2}: strength of {strength} MPa along the beads over the peak")
+                    },
+                ),
+            );
+        }
+        if let Some(moved) = self.max_displacement_mm {
+            add("largest displacement", format!("{moved:.4} mm"));
+        }
+        if let Some(error) = self.error_estimate {
+            add("mesh error", format!("the elements miss about {:.1} % of the stress", 100.0 * error));
+        }
+        let dofs = self.dofs.map_or(String::new(), |n| format!(", {n} unknowns"));
+        add("stress from", format!("{}, {} elements{dofs}", self.solver, self.elements));
+        let several = self.cases > 1;
+        let resultant = |r: &ResultantReport| {
+            let [x, y, z] = r.force_n;
+            let [mx, my, mz] = r.moment_nmm;
+            let case = if several { format!(", case {}", r.case) } else { String::new() };
+            format!(
+                "{}{case}: force ({x:.3}, {y:.3}, {z:.3}) N, moment ({mx:.2}, {my:.2}, {mz:.2}) N mm, on {:.2} mm2",
+                r.name, r.area_mm2
+            )
+        };
+        self.loads.iter().for_each(|r| add("load", resultant(r)));
+        self.reactions.iter().for_each(|r| add("reaction", resultant(r)));
+        if let Some(imbalance) = self.imbalance {
+            add("balance", format!("loads and reactions cancel to {:.4} %", 100.0 * imbalance));
+        }
+        rows
     }
 }
 
@@ -337,15 +402,9 @@ impl Report {
                 t.file, t.coherence, 100.0 * t.clear_share, t.lean_deg
             ));
         }
-        if let Some(s) = &self.stress {
-            lines.push(format!(
-                "stress: {} unknowns, at most {:.2} MPa (von Mises), {:.3} mm of displacement, about {:.1} % missed by the mesh",
-                s.dofs,
-                s.max_von_mises_mpa,
-                s.max_displacement_mm,
-                100.0 * s.error_estimate
-            ));
-        }
+        lines.extend(
+            self.stress.iter().flat_map(StressReport::rows).map(|(what, value)| format!("{what}: {value}")),
+        );
         lines.extend(self.fibre.as_ref().map(FibreReport::summary));
         lines.extend(self.strength.as_ref().map(StrengthReport::summary));
         lines.extend(self.support.iter().map(SupportReport::summary));
