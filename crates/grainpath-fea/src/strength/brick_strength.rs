@@ -56,7 +56,8 @@ pub struct SolidTest<'a> {
 
 /// Step control of solid tests. A solution costs more than that of a plate, so the load rises before a crack has come
 /// quite to rest, a falling load is followed less far, and the peak is not searched in smaller steps. In return the
-/// overrelaxation is smaller, so that the test goes less far beyond the peak.
+/// overrelaxation is smaller, so that the test goes less far beyond the peak. Measured: peaks of a bar, notched bars and a
+/// layered beam lie within 1.7 % of those of steps of 1 % solved to rest (`long_steps_find_the_peak_that_small_ones_do`).
 const STEP_CONTROL: StepControl = StepControl {
     first_step: 0.05,
     min_step: 0.05,
@@ -69,21 +70,30 @@ const STEP_CONTROL: StepControl = StepControl {
     // A quarter of an hour on two cores.
     max_work: 1e9,
 };
-/// Residual over the load at which the first solution ends.
+/// Residual over the load at which the first solution ends. Measured: with it bars of one raster break within 0.1 % of
+/// strength times section (`tests/strength.rs`).
 const FIRST_TOLERANCE: f64 = 1e-5;
 /// Residual over the load at which the solution for [`SolidTest::unresolved_bending`] ends.
+/// Measured: with it walls of one and two cells are told from those of four and five (`tests/wall_bending.rs`).
 const PROBE_TOLERANCE: f64 = 1e-3;
 /// Residual over the load at which later solutions end. They start from the one before, see `RESIDUAL_GAIN`.
+/// Measured: see [`STEP_CONTROL`]; the small steps of that comparison end at 1e-5.
 const LATER_TOLERANCE: f64 = 1e-2;
-/// Later solutions also reduce the residual that new damage has caused to this share of it.
+/// Later solutions also reduce the residual that new damage has caused to this share of it. Measured: see
+/// [`STEP_CONTROL`].
 const RESIDUAL_GAIN: f64 = 0.1;
 /// Number of bead directions in half a turn for which there is a stiffness. Failure indices use the exact direction.
+/// Source: derived. A direction is rounded by 2.8 degrees at most, which changes a modulus by less than a twentieth of the
+/// difference between that along and that across the beads: 0.2 % for PLA.
 const DIRECTIONS: f64 = 32.0;
-/// Number of steps of the share of a second ply, and of the bond, for which there is a stiffness.
+/// Number of steps of the share of a second ply, and of the bond, for which there is a stiffness. Source: derived. A share
+/// is rounded by a sixteenth at most; that shifts a modulus by a sixteenth of the difference between along and across.
 const SHARE_STEPS: f64 = 8.0;
-/// Number of steps of damage for which there is a stiffness: sixteenths of an octave, down to a thousandth.
+/// Number of steps of damage for which there is a stiffness: sixteenths of an octave, down to a thousandth. Source:
+/// derived. Ten octaves are a factor of 1024; a step takes 4.2 % of what remains.
 const DAMAGE_STEPS: u64 = 160;
-/// The largest number of stiffnesses in the library.
+/// The largest number of stiffnesses in the library. Source: derived. Cells name them with 16 bits, the last of which is
+/// [`VOID`]; half of that are 138 MB of matrices of 24 x 24 numbers.
 const MAX_STIFFNESSES: usize = 30_000;
 
 impl SolidTest<'_> {
@@ -221,6 +231,7 @@ fn damage_step(loss: f64) -> u64 {
 }
 
 fn damage_of_step(step: u64) -> f64 {
+    // Source: derived, 2 to the power of -1/16.
     const ROOT: f64 = 0.957_603_280_698_573_6;
     1.0 - 0.5f64.powi((step / 16) as i32) * ROOT.powi((step % 16) as i32)
 }

@@ -124,6 +124,7 @@ pub fn bending_strain(u: &[DVec2; 4], cell_mm: f64, axis: usize, membrane: &Plan
 /// Stiffness of a square element, `(8, 8)`, N/mm, from membrane stiffness in N/mm: bilinear with Wilson's
 /// incompatible modes condensed, so that it bends without locking. The same for squares of any size.
 pub fn square(membrane: &PlaneStiffness) -> [[f64; 8]; 8] {
+    // Source: 1 / sqrt(3), the points of Gauss's rule of two.
     const GAUSS: f64 = 0.577_350_269_189_625_8;
     let mut k = [[0.0; 12]; 12];
     for (xi, eta) in [(-GAUSS, -GAUSS), (GAUSS, -GAUSS), (GAUSS, GAUSS), (-GAUSS, GAUSS)] {

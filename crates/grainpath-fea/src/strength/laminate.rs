@@ -60,7 +60,8 @@ struct Ribbon {
 const WIDEST: f64 = 10.0;
 /// Pieces are taken together where the bend between them is this near to their line, in widths of the bead.
 const WIGGLE: f64 = 0.1;
-/// Tangent of half the sharpest turn whose outer corner is filled: its tip is a bead's width from the path.
+/// Tangent of half the sharpest turn whose outer corner is filled: its tip is a bead's width from the path. Source: derived.
+/// The tip of a turn lies half a width over the cosine of half the turn away, which is 60 degrees then.
 const SHARPEST: f64 = 1.732;
 
 /// What the paths of a layer lay. A piece that begins where the one before it ended goes on from it.
@@ -194,7 +195,9 @@ impl CellGrid {
     }
 }
 
-/// Directions are kept apart in this many fans for each material, the first around x; a half turn has them all.
+/// Directions are kept apart in this many fans for each material, the first around x; a half turn has them all. Source:
+/// derived. Within a fan of 22.5 degrees directions are averaged; one at its edge is off by 11 degrees at most, which
+/// changes a modulus by 4 % of the difference between along and across at 0 degrees.
 pub(super) const FANS: usize = 8;
 
 /// All layers of one direction in one cell.
@@ -247,7 +250,8 @@ pub enum CellError {
     },
 }
 
-/// The most cells of a grid.
+/// The largest number of cells of a grid. Source: derived. Eight fans of three numbers of 4 bytes take 96 bytes
+/// a cell and layer in work: 144 MB.
 pub const MAX_CELLS: usize = 1_500_000;
 
 impl Laminate {

@@ -13,7 +13,7 @@
 use super::TestError;
 use super::load_stepping::FailureIndices;
 
-/// Cells across a wall that resolve its bending. Derived: the moment of a section that yields is the sum over n cells of
+/// Cells across a wall that resolve its bending. Source: derived. The moment of a section that yields is the sum over n cells of
 /// stress times lever arm; for even n it is exact, and for two cells the bending stiffness of each cell itself, which does not
 /// fail at its faces, adds a third.
 pub const CELLS_ACROSS: f64 = 4.0;
