@@ -87,12 +87,20 @@ fn job(
     walls: usize,
     loads: &str,
 ) -> ExampleFile {
+    // Cells of a bead and the nominal card: all three bars within a minute.
+    let compare = if ["tension", "bending"].contains(&part) {
+        format!(
+            "\n#   grainpath compare {part}-0.toml {part}-90.toml {part}.toml --set strength.cell_mm=0.45 --set strength.corners=false"
+        )
+    } else {
+        String::new()
+    };
     let mut text = String::new();
     let _ = write!(
         text,
         "# {about}
 #
-#   grainpath run {name}.toml
+#   grainpath run {name}.toml{compare}
 #
 # Every key may be left out; `docs/settings.md` lists them, `docs/stress.md` explains loads and fills.
 
