@@ -109,7 +109,6 @@ const ROWS: &[Row] = &[
     row("fill.field.stripes.LONGEST_JOINT", &[1.2, 1.6, 2.0, 2.5, 3.0], STRIPES),
     row("fill.field.stripes.CENTRINGS", &[0.0, 1.0, 3.0, 5.0, 8.0], STRIPES),
     row("fill.field.stripes.THINNINGS", &[0.0, 1.0, 2.0, 3.0, 5.0], STRIPES),
-    row("fill.field.stripes.PIECE", &[32.0, 64.0, 256.0, 512.0, 1024.0], STRIPES),
     row("fill.field.seed_lines.SEED_SPACING", &[3.0, 5.0, 8.0, 12.0, 20.0], SEED_LINES),
     row("fill.field.seed_lines.SHORTEST", &[1.0, 1.5, 2.0, 3.0, 5.0], SEED_LINES),
     row("fill.field.seed_lines.MAX_OFFSETS", &[10.0, 50.0, 500.0, 2000.0, 5000.0], SEED_LINES),

@@ -216,7 +216,7 @@ const MAX_CELLS_PER_SIDE: usize = 2000;
 /// grid.insert(DVec2::new(9.0, 1.0), "b");
 /// assert_eq!(grid.nearest(DVec2::new(6.0, 0.0), |_| true).map(|n| n.1), Some("b"));
 /// assert_eq!(grid.within(DVec2::new(1.5, 1.0), 1.0).count(), 1);
-/// assert!(grid.remove(DVec2::new(9.0, 1.0), "b"));
+/// assert!(grid.remove(DVec2::new(9.0, 1.0), |value| value == "b"));
 /// assert_eq!(grid.nearest(DVec2::new(6.0, 0.0), |_| true).map(|n| n.1), Some("a"));
 /// ```
 #[derive(Debug, Clone)]
@@ -242,11 +242,17 @@ impl<T: Copy + Ord> PointGrid2<T> {
         self.points[cell].push((p, value));
     }
 
-    /// Removes the point with this place and value that was added last; false when there is none.
-    pub fn remove(&mut self, p: DVec2, value: T) -> bool {
+    /// The grid of cells.
+    pub fn cells(&self) -> &CellGrid {
+        &self.cells
+    }
+
+    /// Removes the point at this very place that was added last of those whose value is accepted; false when there is
+    /// none.
+    pub fn remove(&mut self, p: DVec2, accept: impl Fn(T) -> bool) -> bool {
         let cell = self.cell(p);
         // From the back: points are mostly removed soon after they were added.
-        let found = self.points[cell].iter().rposition(|&(q, v)| q == p && v == value);
+        let found = self.points[cell].iter().rposition(|&(q, v)| q == p && accept(v));
         if let Some(i) = found {
             self.points[cell].remove(i);
         }
@@ -263,9 +269,14 @@ impl<T: Copy + Ord> PointGrid2<T> {
             .copied()
     }
 
+    /// The points in the cells `ring` columns or rows away from that of `p`, in the order of the cells.
+    pub fn ring(&self, p: DVec2, ring: usize) -> impl Iterator<Item = (DVec2, T)> + '_ {
+        let cells = self.cells.ring(self.cells.cell_of(p), ring);
+        cells.flat_map(|cell| &self.points[self.cells.index(cell)]).copied()
+    }
+
     /// The nearest point whose value is accepted; of equally near ones that of the lowest value.
     pub fn nearest(&self, p: DVec2, accept: impl Fn(T) -> bool) -> Option<(DVec2, T)> {
-        let middle = self.cells.cell_of(p);
         let mut best: Option<(f64, DVec2, T)> = None;
         for ring in 0..self.cells.n_rings() {
             // Equal distances must still be searched, because a farther ring may hold a lower
@@ -274,13 +285,11 @@ impl<T: Copy + Ord> PointGrid2<T> {
             if best.is_some_and(|b| reach * reach > b.0) {
                 break;
             }
-            for cell in self.cells.ring(middle, ring) {
-                for &(q, value) in &self.points[self.cells.index(cell)] {
-                    let d = q.distance_squared(p);
-                    let nearer = best.is_none_or(|b| d < b.0 || (d == b.0 && value < b.2));
-                    if nearer && accept(value) {
-                        best = Some((d, q, value));
-                    }
+            for (q, value) in self.ring(p, ring) {
+                let d = q.distance_squared(p);
+                let nearer = best.is_none_or(|b| d < b.0 || (d == b.0 && value < b.2));
+                if nearer && accept(value) {
+                    best = Some((d, q, value));
                 }
             }
         }
@@ -373,8 +382,8 @@ mod tests {
                 space.insert(*p, i);
             }
             for (i, p) in points.iter().enumerate().step_by(3) {
-                prop_assert!(flat.remove(p.truncate(), i) && space.remove(*p, i));
-                prop_assert!(!flat.remove(p.truncate(), i) && !space.remove(*p, i));
+                prop_assert!(flat.remove(p.truncate(), |v| v == i) && space.remove(*p, i));
+                prop_assert!(!flat.remove(p.truncate(), |v| v == i) && !space.remove(*p, i));
             }
             let left = || points.iter().enumerate().filter(|(i, _)| i % 3 != 0);
             let at = DVec3::from(at);

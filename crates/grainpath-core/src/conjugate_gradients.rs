@@ -60,11 +60,19 @@ impl CgValue for f32 {
     }
 }
 
+/// Products are rounded to `f32` before they are summed in `f64`.
 impl<const N: usize> CgValue for [f32; N] {
     const ZERO: Self = [0.0; N];
 
     fn dot(a: &[Self], b: &[Self]) -> f64 {
-        dot_of(a.as_flattened(), b.as_flattened())
+        let mut sums = [0.0; 8];
+        let ((a, a_rest), (b, b_rest)) =
+            (a.as_flattened().as_chunks::<8>(), b.as_flattened().as_chunks::<8>());
+        for (a, b) in a.iter().zip(b) {
+            (0..8).for_each(|k| sums[k] += f64::from(a[k] * b[k]));
+        }
+        let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| f64::from(a * b)).sum();
+        sums.iter().sum::<f64>() + rest
     }
 
     fn plus(self, factor: f64, other: Self) -> Self {
@@ -85,13 +93,16 @@ impl CgValue for DVec3 {
     }
 }
 
-/// A system by its products.
+/// A system by its products. A closure that multiplies is a system without a preconditioner.
 pub trait CgSystem<T> {
+    /// Whether [`CgSystem::precondition`] does more than copy.
+    const PRECONDITIONED: bool = false;
+
     /// Puts the operator's product with `x` into `out`.
     fn apply(&self, x: &[T], out: &mut [T]);
 
-    /// Puts an approximate solution for the right side `residual` into `out`; without one the
-    /// residual is copied.
+    /// Puts an approximate solution for the right side `residual` into `out`; called only where
+    /// [`CgSystem::PRECONDITIONED`] says so.
     fn precondition(&self, residual: &[T], out: &mut [T])
     where
         T: Copy,
@@ -102,6 +113,12 @@ pub trait CgSystem<T> {
     /// Whether to stop; called before every step.
     fn cancelled(&self) -> bool {
         false
+    }
+}
+
+impl<T, F: Fn(&[T], &mut [T])> CgSystem<T> for F {
+    fn apply(&self, x: &[T], out: &mut [T]) {
+        self(x, out);
     }
 }
 
@@ -125,6 +142,14 @@ pub struct CgSettings {
     pub flexible: bool,
 }
 
+impl CgSettings {
+    /// Until the residual is at most `tolerance` times as long as the right side.
+    pub fn relative<T: CgValue>(right_side: &[T], tolerance: f64, max_steps: usize) -> Self {
+        let length = T::dot(right_side, right_side).sqrt();
+        Self { goal: CgGoal::Residual(tolerance * length), max_steps, flexible: false }
+    }
+}
+
 /// Why the iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CgEnd {
@@ -142,29 +167,24 @@ pub enum CgEnd {
 /// and why the iteration ended.
 ///
 /// ```
-/// use grainpath_core::conjugate_gradients::{CgEnd, CgGoal, CgSettings, CgSystem, conjugate_gradients};
+/// use grainpath_core::conjugate_gradients::{CgEnd, CgGoal, CgSettings, conjugate_gradients};
 ///
-/// /// A chain of springs between two walls: 2 on the diagonal, -1 beside it.
-/// struct Chain;
-///
-/// impl CgSystem<f64> for Chain {
-///     fn apply(&self, x: &[f64], out: &mut [f64]) {
-///         for i in 0..x.len() {
-///             let beside = |k: Option<usize>| k.and_then(|k| x.get(k)).copied().unwrap_or(0.0);
-///             out[i] = 2.0 * x[i] - beside(i.checked_sub(1)) - beside(Some(i + 1));
-///         }
+/// // A chain of springs between two walls: 2 on the diagonal, -1 beside it.
+/// let chain = |x: &[f64], out: &mut [f64]| {
+///     for i in 0..x.len() {
+///         let beside = |k: Option<usize>| k.and_then(|k| x.get(k)).copied().unwrap_or(0.0);
+///         out[i] = 2.0 * x[i] - beside(i.checked_sub(1)) - beside(Some(i + 1));
 ///     }
-/// }
-///
+/// };
 /// let mut x = vec![0.0; 5];
 /// let settings = CgSettings { goal: CgGoal::Residual(1e-12), max_steps: 10, flexible: false };
-/// let (steps, end) = conjugate_gradients(&Chain, &[1.0; 5], &mut x, settings);
+/// let (steps, end) = conjugate_gradients(&chain, &[1.0; 5], &mut x, settings);
 /// assert_eq!(end, CgEnd::Converged);
 /// assert!(steps <= 3, "as many as there are different eigenvalues in play");
 /// assert!((x[2] - 4.5).abs() < 1e-9);
 /// ```
-pub fn conjugate_gradients<T: CgValue>(
-    system: &impl CgSystem<T>,
+pub fn conjugate_gradients<T: CgValue, S: CgSystem<T>>(
+    system: &S,
     b: &[T],
     x: &mut [T],
     settings: CgSettings,
@@ -173,19 +193,24 @@ pub fn conjugate_gradients<T: CgValue>(
     let mut image = vec![T::ZERO; n];
     system.apply(x, &mut image);
     let mut residual: Vec<T> = b.iter().zip(&image).map(|(b, q)| b.plus(-1.0, *q)).collect();
-    let mut better = vec![T::ZERO; n];
-    // The residual after preconditioning; the name stands for "a better direction than the
-    // residual".
+    let mut better = if S::PRECONDITIONED { vec![T::ZERO; n] } else { Vec::new() };
     let mut direction = vec![T::ZERO; n];
     let mut before = if settings.flexible { vec![T::ZERO; n] } else { Vec::new() };
     let mut energy = 1.0;
     for step in 0..=settings.max_steps {
-        if matches!(settings.goal, CgGoal::Residual(goal) if T::dot(&residual, &residual) <= goal * goal) {
+        let mut now = match settings.goal {
+            CgGoal::Energy(_) if S::PRECONDITIONED => f64::INFINITY,
+            _ => T::dot(&residual, &residual),
+        };
+        if matches!(settings.goal, CgGoal::Residual(goal) if now <= goal * goal) {
             return (step, CgEnd::Converged);
         }
-        // Preconditioned before the second test, because the energy goal is measured with it.
-        system.precondition(&residual, &mut better);
-        let now = T::dot(&residual, &better);
+        if S::PRECONDITIONED {
+            // Preconditioned before the second test, because the energy goal is measured with it.
+            system.precondition(&residual, &mut better);
+            now = T::dot(&residual, &better);
+        }
+        let better = if S::PRECONDITIONED { &better } else { &residual };
         if matches!(settings.goal, CgGoal::Energy(goal) if now <= goal) {
             return (step, CgEnd::Converged);
         }
@@ -200,10 +225,10 @@ pub fn conjugate_gradients<T: CgValue>(
         let share = match (step, settings.flexible) {
             (0, _) => 0.0,
             (_, false) => now / energy,
-            (_, true) => (now - T::dot(&before, &better)) / energy,
+            (_, true) => (now - T::dot(&before, better)) / energy,
         };
         energy = now;
-        direction.iter_mut().zip(&better).for_each(|(p, z)| *p = z.plus(share, *p));
+        direction.iter_mut().zip(better).for_each(|(p, z)| *p = z.plus(share, *p));
         system.apply(&direction, &mut image);
         let stiffness = T::dot(&direction, &image);
         // Zero stiffness means a direction that the operator does not hold, for instance a rigid
@@ -246,6 +271,8 @@ mod tests {
     }
 
     impl CgSystem<f64> for Uneven {
+        const PRECONDITIONED: bool = true;
+
         fn apply(&self, x: &[f64], out: &mut [f64]) {
             self.calls.set(self.calls.get() + 1);
             for i in 0..self.n {

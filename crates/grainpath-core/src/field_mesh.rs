@@ -5,8 +5,9 @@
 //! so that most products of a matrix with a vector run over arrays without gaps
 //! (`FieldMesh::runs`). Cost and memory: linear in the nodes, which are at most about 400 000.
 
-use std::ops::{Add, Mul, Range, Sub};
+use std::ops::Range;
 
+use crate::conjugate_gradients::{CgSettings, conjugate_gradients};
 use crate::poly::{Join, LineClipper};
 use crate::{DVec2, Region};
 
@@ -275,68 +276,9 @@ impl<'a> GridMatrix<'a> {
 
     /// Solves for a right side to a residual of `tolerance` times its length. The matrix has to be
     /// positive definite.
-    pub fn solve(&self, x: Vec<f64>, rhs: &[f64], tolerance: f64, max_steps: usize) -> Vec<f64> {
-        conjugate_gradients(x, rhs, |x, y| self.times(x, y), tolerance, max_steps)
+    pub fn solve(&self, mut x: Vec<f64>, rhs: &[f64], tolerance: f64, max_steps: usize) -> Vec<f64> {
+        let settings = CgSettings::relative(rhs, tolerance, max_steps);
+        conjugate_gradients(&|x: &[f64], y: &mut [f64]| self.times(x, y), rhs, &mut x, settings);
+        x
     }
-}
-
-/// A floating-point number: `f64`, or `f32` where memory traffic limits the speed.
-pub trait Real: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Into<f64> {
-    /// The nearest number of this type.
-    fn near(value: f64) -> Self;
-}
-
-impl Real for f64 {
-    fn near(value: f64) -> Self {
-        value
-    }
-}
-
-impl Real for f32 {
-    fn near(value: f64) -> Self {
-        value as Self
-    }
-}
-
-/// Solves a symmetric positive definite system to a residual of `tolerance` times the right side's length.
-pub fn conjugate_gradients<T: Real>(
-    mut x: Vec<T>,
-    rhs: &[T],
-    apply: impl Fn(&[T], &mut [T]),
-    tolerance: f64,
-    max_steps: usize,
-) -> Vec<T> {
-    let mut q = vec![T::near(0.0); x.len()];
-    apply(&x, &mut q);
-    let mut r: Vec<T> = rhs.iter().zip(&q).map(|(b, q)| *b - *q).collect();
-    let mut p = r.clone();
-    let mut rr = dot(&r, &r);
-    // Relative to the right side, so that the tolerance does not depend on the units.
-    let enough = tolerance * tolerance * dot(rhs, rhs);
-    for _ in 0..max_steps {
-        if rr <= enough {
-            break;
-        }
-        apply(&p, &mut q);
-        let alpha = T::near(rr / dot(&p, &q));
-        x.iter_mut().zip(&p).for_each(|(x, p)| *x = *x + alpha * *p);
-        r.iter_mut().zip(&q).for_each(|(r, q)| *r = *r - alpha * *q);
-        let new = dot(&r, &r);
-        let beta = T::near(new / rr);
-        rr = new;
-        p.iter_mut().zip(&r).for_each(|(p, r)| *p = *r + beta * *p);
-    }
-    x
-}
-
-/// The sum of products, in eight sums side by side: in a single sum each addition would wait for
-/// the one before.
-fn dot<T: Real>(a: &[T], b: &[T]) -> f64 {
-    let mut sums = [0.0; 8];
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
-    for (a, b) in a.iter().zip(b) {
-        (0..8).for_each(|k| sums[k] += a[k].into() * b[k].into());
-    }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| (*a).into() * (*b).into()).sum();
-    sums.iter().sum::<f64>() + rest
 }

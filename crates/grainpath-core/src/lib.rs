@@ -13,7 +13,6 @@ pub mod field;
 pub mod field_mesh;
 pub mod hash;
 pub mod layer;
-pub mod line_points;
 pub mod mask;
 pub mod math;
 pub mod medial;

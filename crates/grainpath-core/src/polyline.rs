@@ -46,22 +46,18 @@ pub fn resampled(line: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
     }
     // The bound keeps a tiny step from filling the memory.
     let n = (length / step_mm).round().clamp(1.0, 1e6) as usize;
-    let corner = |i: usize| line[if i == line.len() { 0 } else { i }];
-    let n_segments = line.len() - usize::from(!closed);
+    let step = length / n as f64;
+    let ends = line.windows(2).map(|w| (w[0], w[1]));
+    let closing = (line[line.len() - 1], line[0]);
     let mut out = Vec::with_capacity(n + 1);
-    out.push(line[0]);
-    let (mut walked, mut i) = (0.0, 0);
-    for k in 1..n {
-        // Each target is computed from the length, not from the one before, so rounding errors do
-        // not add up.
-        let target = length * k as f64 / n as f64;
-        let mut segment = corner(i).distance(corner(i + 1));
-        while i + 1 < n_segments && walked + segment < target {
-            walked += segment;
-            i += 1;
-            segment = corner(i).distance(corner(i + 1));
+    let (mut walked, mut next) = (0.0, 0.0);
+    for (a, b) in ends.chain(closed.then_some(closing)) {
+        let d = a.distance(b);
+        while next < walked + d && out.len() < n {
+            out.push(a + (next - walked) / d * (b - a));
+            next += step;
         }
-        out.push(corner(i).lerp(corner(i + 1), ((target - walked) / segment.max(1e-12)).clamp(0.0, 1.0)));
+        walked += d;
     }
     if !closed {
         out.push(line[line.len() - 1]);

@@ -8,6 +8,7 @@
 
 use std::collections::VecDeque;
 
+use crate::buckets::PointGrid2;
 use crate::math::pow;
 use crate::{Bounds2, DVec2};
 
@@ -178,42 +179,6 @@ pub struct Seeding<'a> {
     pub whole: bool,
 }
 
-/// Points of lines, searchable for neighbours.
-struct Near {
-    bounds: Bounds2,
-    cell_mm: f64,
-    nx: usize,
-    ny: usize,
-    cells: Vec<Vec<DVec2>>,
-}
-
-impl Near {
-    fn new(bounds: Bounds2, cell_mm: f64) -> Self {
-        let cell_mm = cell_mm.max(bounds.size().max_element() / 2000.0).max(1e-6);
-        let count = |mm: f64| (mm / cell_mm) as usize + 1;
-        let (nx, ny) = (count(bounds.size().x), count(bounds.size().y));
-        Self { bounds, cell_mm, nx, ny, cells: vec![Vec::new(); nx * ny] }
-    }
-
-    fn cell(&self, p: DVec2) -> (usize, usize) {
-        let q = (p - self.bounds.min) / self.cell_mm;
-        ((q.x.max(0.0) as usize).min(self.nx - 1), (q.y.max(0.0) as usize).min(self.ny - 1))
-    }
-
-    fn add(&mut self, p: DVec2) {
-        let (i, j) = self.cell(p);
-        self.cells[j * self.nx + i].push(p);
-    }
-
-    /// Whether a point lies nearer than `d_mm` to any line.
-    fn any_within(&self, p: DVec2, d_mm: f64) -> bool {
-        let ((i0, j0), (i1, j1)) = (self.cell(p - d_mm), self.cell(p + d_mm));
-        (j0..=j1).any(|j| {
-            (i0..=i1).any(|i| self.cells[j * self.nx + i].iter().any(|q| q.distance_squared(p) < d_mm * d_mm))
-        })
-    }
-}
-
 /// Lines at the given distances, everywhere in `bounds` where the field exists (`Jobard1997`): each
 /// line offers seeds on both its sides. The first seeds are `seeds`; places of a grid follow, so
 /// that no area is forgotten.
@@ -225,7 +190,7 @@ pub fn evenly_spaced(
     settings: &LineSettings,
 ) -> Vec<TracedLine> {
     let middle = (seeding.separation_mm)(bounds.centre());
-    let mut near = Near::new(bounds, middle);
+    let mut near = PointGrid2::new(bounds, middle);
     let mut lines: Vec<TracedLine> = Vec::new();
     let mut queue: VecDeque<DVec2> = seeds.iter().copied().collect();
     let size = bounds.size();
@@ -246,13 +211,13 @@ pub fn evenly_spaced(
         let separation = (seeding.separation_mm)(seed);
         // Seeds lie exactly one separation away from their line; two per cent less lets rounding
         // pass.
-        if near.any_within(seed, 0.98 * separation) {
+        if near.within(seed, 0.98 * separation).next().is_some() {
             continue;
         }
         // `stop` is a shared closure, so the result leaves it through a cell.
         let met = std::cell::Cell::new(false);
         let stop = |p: DVec2, _: f64| {
-            let hit = near.any_within(p, seeding.end_share * (seeding.separation_mm)(p));
+            let hit = near.within(p, seeding.end_share * (seeding.separation_mm)(p)).next().is_some();
             met.set(met.get() || hit);
             hit
         };
@@ -270,7 +235,7 @@ pub fn evenly_spaced(
             // the distance to the line.
             let steps = (length / (0.25 * separation)).ceil().max(1.0) as usize;
             for s in 0..steps {
-                near.add(a.lerp(b, s as f64 / steps as f64));
+                near.insert(a.lerp(b, s as f64 / steps as f64), ());
             }
             // One pair of seeds for each separation along the line; more would be refused anyway.
             since += length;
@@ -281,7 +246,7 @@ pub fn evenly_spaced(
                 queue.extend([a + across, a - across]);
             }
         }
-        near.add(line.points[n - 1]);
+        near.insert(line.points[n - 1], ());
         lines.push(line);
     }
 }
@@ -293,7 +258,7 @@ fn cut_at_itself(line: TracedLine, d_mm: f64) -> TracedLine {
         return line;
     }
     let Some(bounds) = Bounds2::of(line.points.iter().copied()) else { return line };
-    let mut near = Near::new(bounds, d_mm);
+    let mut near = PointGrid2::new(bounds, d_mm);
     let mut waiting: VecDeque<(DVec2, f64)> = VecDeque::new();
     let mut length = 0.0;
     for (k, &p) in line.points.iter().enumerate() {
@@ -304,10 +269,10 @@ fn cut_at_itself(line: TracedLine, d_mm: f64) -> TracedLine {
         // on by three distances.
         while waiting.front().is_some_and(|w| length - w.1 > 3.0 * d_mm) {
             if let Some((q, _)) = waiting.pop_front() {
-                near.add(q);
+                near.insert(q, ());
             }
         }
-        if near.any_within(p, d_mm) {
+        if near.within(p, d_mm).next().is_some() {
             return TracedLine { points: line.points[..k].to_vec(), closed: false };
         }
         waiting.push_back((p, length));

@@ -18,6 +18,7 @@
 
 use std::f64::consts::PI;
 
+use grainpath_core::conjugate_gradients::{CgGoal, CgSettings, CgSystem, CgValue, conjugate_gradients};
 use grainpath_core::math::{atan2, sin_cos};
 use grainpath_core::{DVec2, Region};
 use rayon::prelude::*;
@@ -302,103 +303,90 @@ pub(crate) fn spread_darkness(values: &mut [f32]) {
     values.iter_mut().for_each(|v| *v = ((high - *v) / range).clamp(0.0, 1.0));
 }
 
-/// The axes that differ least from the evidence and from each other: one linear system for the doubled
-/// angles, solved by conjugate gradients (`hestenes1952`) in a fixed order. `reach` is the length, in
-/// nodes of `n` along x, y and z, over which evidence of weight 1 holds against its neighbours.
-pub(crate) fn smoothed(n: [usize; 3], evidence: &Evidence, reach: [f64; 3]) -> Vec<[f32; 2]> {
-    let [nx, ny, nz] = n;
-    let all = nx * ny * nz;
-    let stiff = reach.map(|r| (r * r).max(1e-3) as f32);
-    // The small constant keeps the system regular where there is no evidence.
-    let weight: Vec<f32> = evidence.weight.iter().map(|w| w + 1e-4).collect();
-    // Neighbours along y and z are whole rows, which are added one after another.
-    let rows_beside = |row: usize| {
+/// The system for axes that differ little from the evidence and from each other, on a grid of nodes.
+struct Smoothing {
+    /// Nodes in x, y and z.
+    n: [usize; 3],
+    /// Weight of the evidence at each node.
+    weight: Vec<f32>,
+    /// Stiffness between neighbours in x, y and z.
+    stiff: [f32; 3],
+    /// The matrix's diagonal.
+    diagonal: Vec<f32>,
+}
+
+impl Smoothing {
+    fn new(n: [usize; 3], evidence: &Evidence, reach: [f64; 3]) -> Self {
+        let stiff = reach.map(|r| (r * r).max(1e-3) as f32);
+        // The small constant keeps the system regular where there is no evidence.
+        let weight: Vec<f32> = evidence.weight.iter().map(|w| w + 1e-4).collect();
+        let mut system = Self { n, diagonal: weight.clone(), weight, stiff };
+        let mut diagonal = std::mem::take(&mut system.diagonal);
+        for (row, out) in diagonal.chunks_mut(n[0]).enumerate() {
+            let beside: f32 = system.rows_beside(row).into_iter().flatten().map(|(_, stiff)| stiff).sum();
+            for (x, d) in out.iter_mut().enumerate() {
+                *d += beside + stiff[0] * (f32::from(x > 0) + f32::from(x + 1 < n[0]));
+            }
+        }
+        system.diagonal = diagonal;
+        system
+    }
+
+    /// The neighbouring rows of nodes in y and z, with the stiffness towards them.
+    fn rows_beside(&self, row: usize) -> [Option<(usize, f32)>; 4] {
+        let [_, ny, nz] = self.n;
         let (j, l) = (row % ny, row / ny);
         [
-            (j > 0).then(|| (row - 1, stiff[1])),
-            (j + 1 < ny).then(|| (row + 1, stiff[1])),
-            (l > 0).then(|| (row - ny, stiff[2])),
-            (l + 1 < nz).then(|| (row + ny, stiff[2])),
+            (j > 0).then(|| (row - 1, self.stiff[1])),
+            (j + 1 < ny).then(|| (row + 1, self.stiff[1])),
+            (l > 0).then(|| (row - ny, self.stiff[2])),
+            (l + 1 < nz).then(|| (row + ny, self.stiff[2])),
         ]
-    };
-    let apply = |v: &[[f32; 2]], out: &mut Vec<[f32; 2]>| {
-        out.resize(all, [0.0; 2]);
+    }
+}
+
+impl CgSystem<[f32; 2]> for Smoothing {
+    const PRECONDITIONED: bool = true;
+
+    /// Row by row: neighbours in y and z are whole rows, which are added one after the other.
+    fn apply(&self, x: &[[f32; 2]], out: &mut [[f32; 2]]) {
+        let nx = self.n[0];
         out.par_chunks_mut(nx).enumerate().with_min_len(4096usize.div_ceil(nx)).for_each(|(row, out)| {
-            let of = |row: usize| v[row * nx..(row + 1) * nx].as_flattened();
-            let own = of(row);
-            for ((o, v), w) in out.iter_mut().zip(&v[row * nx..]).zip(&weight[row * nx..]) {
+            let values = |row: usize| x[row * nx..(row + 1) * nx].as_flattened();
+            let own = values(row);
+            for ((o, v), w) in out.iter_mut().zip(&x[row * nx..]).zip(&self.weight[row * nx..]) {
                 *o = [w * v[0], w * v[1]];
             }
             let out = out.as_flattened_mut();
-            let pull = |out: &mut [f32], own: &[f32], beside: &[f32], stiff: f32| {
+            let add_difference = |out: &mut [f32], own: &[f32], beside: &[f32], stiff: f32| {
                 out.iter_mut().zip(own).zip(beside).for_each(|((o, v), n)| *o += stiff * (v - n));
             };
-            pull(&mut out[2..], &own[2..], own, stiff[0]);
-            pull(out, own, &own[2..], stiff[0]);
-            for (beside, stiff) in rows_beside(row).into_iter().flatten() {
-                pull(out, own, of(beside), stiff);
+            add_difference(&mut out[2..], &own[2..], own, self.stiff[0]);
+            add_difference(out, own, &own[2..], self.stiff[0]);
+            for (beside, stiff) in self.rows_beside(row).into_iter().flatten() {
+                add_difference(out, own, values(beside), stiff);
             }
         });
-    };
-    // Jacobi preconditioner: weights differ by orders of magnitude, which the diagonal removes.
-    let mut diagonal = weight.clone();
-    for (row, out) in diagonal.chunks_mut(nx).enumerate() {
-        let beside: f32 = rows_beside(row).into_iter().flatten().map(|(_, stiff)| stiff).sum();
-        for (x, d) in out.iter_mut().enumerate() {
-            *d += beside + stiff[0] * (f32::from(x > 0) + f32::from(x + 1 < nx));
-        }
     }
-    // Eight running sums: their order is fixed, so the result is the same on every run, and none has to
-    // wait for another.
-    let dot = |a: &[[f32; 2]], b: &[[f32; 2]]| -> f64 {
-        let (a, b) = (a.as_flattened().chunks_exact(8), b.as_flattened().chunks_exact(8));
-        let ends = a.remainder().iter().zip(b.remainder());
-        let end: f64 = ends.map(|(a, b)| f64::from(a * b)).sum();
-        let mut sums = [0.0f64; 8];
-        for (a, b) in a.zip(b) {
-            for (k, sum) in sums.iter_mut().enumerate() {
-                *sum += f64::from(a[k] * b[k]);
-            }
-        }
-        sums.iter().sum::<f64>() + end
-    };
-    // Adds `t` times `b` to `a`.
-    let add = |a: &mut [[f32; 2]], t: f32, b: &[[f32; 2]]| {
-        a.as_flattened_mut().iter_mut().zip(b.as_flattened()).for_each(|(a, b)| *a += t * b);
-    };
-    let scale = |r: &[[f32; 2]], out: &mut Vec<[f32; 2]>| {
-        out.clear();
-        out.extend(r.iter().zip(&diagonal).map(|(r, d)| [r[0] / d, r[1] / d]));
-    };
-    let mut x = evidence.double.clone();
+
+    fn precondition(&self, residual: &[[f32; 2]], out: &mut [[f32; 2]]) {
+        let scaled = residual.iter().zip(&self.diagonal).map(|(r, d)| [r[0] / d, r[1] / d]);
+        out.iter_mut().zip(scaled).for_each(|(o, z)| *o = z);
+    }
+}
+
+/// The axes that differ least from the evidence and from each other: one linear system for the doubled angles, solved by
+/// conjugate gradients. `reach` is the length, in nodes of `n` in x, y and z, over which evidence of weight 1 holds
+/// against its neighbours.
+pub(crate) fn smoothed(n: [usize; 3], evidence: &Evidence, reach: [f64; 3]) -> Vec<[f32; 2]> {
+    let system = Smoothing::new(n, evidence, reach);
     let right: Vec<[f32; 2]> =
-        evidence.double.iter().zip(&weight).map(|(d, w)| [w * d[0], w * d[1]]).collect();
-    let (mut image, mut z) = (Vec::new(), Vec::new());
-    scale(&right, &mut z);
-    // The test is on squares: a residual of 1e-3 of the doubled angle is 0.03 degrees of the axis.
-    let stop = 1e-6 * dot(&right, &z);
-    apply(&x, &mut image);
-    let mut residual = right;
-    add(&mut residual, -1.0, &image);
-    scale(&residual, &mut z);
-    let mut direction = z.clone();
-    let mut rz = dot(&residual, &z);
-    // The limit stops a system without evidence, whose solution is constant and found slowly.
-    for _ in 0..200 {
-        if rz <= stop {
-            break;
-        }
-        apply(&direction, &mut image);
-        let alpha = (rz / dot(&direction, &image).max(1e-30)) as f32;
-        add(&mut x, alpha, &direction);
-        add(&mut residual, -alpha, &image);
-        scale(&residual, &mut z);
-        let next = dot(&residual, &z);
-        let beta = (next / rz) as f32;
-        rz = next;
-        let flat = direction.as_flattened_mut().iter_mut();
-        flat.zip(z.as_flattened()).for_each(|(d, z)| *d = z + beta * *d);
-    }
+        evidence.double.iter().zip(&system.weight).map(|(d, w)| [w * d[0], w * d[1]]).collect();
+    let mut scaled = right.clone();
+    system.precondition(&right, &mut scaled);
+    let goal = CgGoal::Energy(1e-6 * CgValue::dot(&right, &scaled));
+    let mut x = evidence.double.clone();
+    conjugate_gradients(&system, &right, &mut x, CgSettings { goal, max_steps: 200, flexible: false });
     x.into_iter()
         .map(|[c, s]| {
             let length = (c * c + s * s).sqrt();

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, direction, exp, rotated, sin_cos};
-use grainpath_core::poly::length_mm;
+use grainpath_core::polyline::length_mm;
 use grainpath_imaging::canny::{CannySettings, canny};
 use grainpath_imaging::metric::MetricImage;
 use grainpath_imaging::photo::corners::find_corners;
@@ -170,7 +170,7 @@ fn curves_follow_the_grain_both_ways_of_joining() {
     let edges = canny(&image.grey, &CannySettings::default());
     for join in [Join::Trace, Join::Nearest] {
         let curves = edge_curves(&edges, &image, &CurveSettings { join, ..CURVES });
-        let total: f64 = curves.iter().map(|c| length_mm(c)).sum();
+        let total: f64 = curves.iter().map(|c| length_mm(c, false)).sum();
         let (mut sum, mut weight, mut jump) = (0.0, 0.0, 0.0f64);
         for w in curves.iter().flat_map(|c| c.windows(5)) {
             let d = w[4] - w[0];
@@ -187,7 +187,7 @@ fn curves_follow_the_grain_both_ways_of_joining() {
         assert!(sum / weight < 6.0, "{join:?}: {}", sum / weight);
         assert!(jump < 2.0, "{join:?}: a jump of {jump}");
     }
-    let longest = edge_curves(&edges, &image, &CURVES).first().map_or(0.0, |c| length_mm(c));
+    let longest = edge_curves(&edges, &image, &CURVES).first().map_or(0.0, |c| length_mm(c, false));
     assert!(longest > 60.0, "{longest}");
 }
 

@@ -6,6 +6,7 @@
 use glam::DVec3;
 
 use super::TriMesh;
+use crate::DisjointSets;
 
 /// Size and defects of a mesh. Edges are counted after equal vertices were merged.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,32 +79,14 @@ pub struct Shells(Vec<u32>);
 impl Shells {
     /// Groups the triangles of a mesh.
     pub fn of(mesh: &TriMesh, edges: &EdgeUses) -> Self {
-        let mut shells = Self((0..mesh.triangles.len() as u32).collect());
+        let mut shells = DisjointSets::new(mesh.triangles.len());
         for mut edge in edges.edges() {
-            // Where more than two faces meet, bodies touch, and it is unknown which face continues
-            // into which.
-            let (Some((first, _)), Some((other, _)), None) = (edge.next(), edge.next(), edge.next()) else {
-                continue;
-            };
-            let (a, b) = (shells.root(first), shells.root(other));
-            let (low, high) = (a.min(b), a.max(b));
-            // The lowest triangle names the shell, so names do not depend on the order of the
-            // edges.
-            shells.0[high] = low as u32;
+            // Where more than two faces meet, bodies touch; which face continues into which is undefined.
+            if let (Some((first, _)), Some((other, _)), None) = (edge.next(), edge.next(), edge.next()) {
+                shells.union(first, other);
+            }
         }
-        for t in 0..shells.0.len() {
-            shells.0[t] = shells.root(t) as u32;
-        }
-        shells
-    }
-
-    fn root(&mut self, mut t: usize) -> usize {
-        while self.0[t] as usize != t {
-            let above = self.0[self.0[t] as usize];
-            self.0[t] = above;
-            t = above as usize;
-        }
-        t
+        Self(shells.names())
     }
 
     /// The shell of a triangle, named by its lowest triangle.

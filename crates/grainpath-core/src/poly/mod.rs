@@ -6,7 +6,6 @@
 mod boolean;
 mod clip;
 mod offset;
-mod polyline;
 mod simplify;
 
 use crate::Bounds2;
@@ -15,8 +14,7 @@ use glam::DVec2;
 pub use boolean::FillRule;
 pub use clip::{ClippedLine, Crossing, LineClipper};
 pub use offset::Join;
-pub use polyline::{length_mm, resampled};
-pub use simplify::{distance2_to_segment, simplify_contour, simplify_line};
+pub use simplify::{simplify_contour, simplify_line};
 
 use crate::math::cross;
 

@@ -6,14 +6,7 @@
 use glam::DVec2;
 
 use super::{Contour, Polygon, Region, signed_area_mm2};
-
-/// Squared distance of `p` from the segment `a`-`b`, mm².
-pub fn distance2_to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
-    let d = b - a;
-    let len2 = d.length_squared();
-    let t = if len2 > 0.0 { ((p - a).dot(d) / len2).clamp(0.0, 1.0) } else { 0.0 };
-    p.distance_squared(a + t * d)
-}
+use crate::segment;
 
 /// Marks the vertices of `line[lo..=hi]` that Douglas-Peucker keeps, ends excluded.
 fn mark(line: &[DVec2], lo: usize, hi: usize, tolerance2: f64, keep: &mut [bool]) {
@@ -21,7 +14,7 @@ fn mark(line: &[DVec2], lo: usize, hi: usize, tolerance2: f64, keep: &mut [bool]
     let mut stack = vec![(lo, hi)];
     while let Some((lo, hi)) = stack.pop() {
         let far = (lo + 1..hi)
-            .map(|i| (distance2_to_segment(line[i], line[lo], line[hi]), i))
+            .map(|i| (segment::distance_squared_mm2(line[i], line[lo], line[hi]), i))
             .fold((tolerance2, usize::MAX), |best, d| if d.0 > best.0 { d } else { best });
         if far.1 != usize::MAX {
             keep[far.1] = true;

@@ -2,7 +2,7 @@
 
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross};
-use grainpath_core::poly::distance2_to_segment;
+use grainpath_core::segment;
 use rayon::prelude::*;
 
 /// A straight piece of bead.
@@ -92,7 +92,7 @@ fn evened(path: &[&BeadPiece], height_mm: f64) -> Vec<BeadPiece> {
             let (p, q) = if back { (before, short) } else { (short, after) };
             let whole = BeadPiece { b: q.b, volume_mm3: p.volume_mm3 + q.volume_mm3, ..*p };
             let length = p.a.distance(p.b) + q.a.distance(q.b);
-            if distance2_to_segment(q.a, p.a, q.b) > (WIGGLE * wide).powi(2)
+            if segment::distance_squared_mm2(q.a, p.a, q.b) > (WIGGLE * wide).powi(2)
                 || whole.a.distance(whole.b) < 0.5 * length
             {
                 break;

@@ -12,8 +12,9 @@
 //! the result is the same on each run. A ring is left open at its seam.
 
 use grainpath_core::DVec2;
+use grainpath_core::DisjointSets;
 use grainpath_core::math::cos;
-use grainpath_core::poly::{length_mm, resampled};
+use grainpath_core::polyline::{length_mm, resampled};
 
 use crate::canny::Edges;
 use crate::metric::MetricImage;
@@ -55,17 +56,17 @@ pub fn edge_curves(edges: &Edges, image: &MetricImage, settings: &CurveSettings)
     }
     // A curve of a few pixels has no reliable direction in which it could be extended.
     // A quarter of the final length: short pieces may still be joined to longer curves below.
-    curves.retain(|c| length_mm(c) > (0.25 * settings.min_length_mm).max(3.0 * image.px_mm));
+    curves.retain(|c| length_mm(c, false) > (0.25 * settings.min_length_mm).max(3.0 * image.px_mm));
     let mut curves: Vec<Vec<DVec2>> =
         bridged(curves, settings.bridge_mm).iter().map(|c| softened(c, image.px_mm)).collect();
-    curves.retain(|c| length_mm(c) >= settings.min_length_mm);
+    curves.retain(|c| length_mm(c, false) >= settings.min_length_mm);
     longest_first(&mut curves);
     curves
 }
 
 /// Resamples a curve at 1.5 pixels or 0.15 mm, whichever is more, and smooths away waves of a few points.
 fn softened(curve: &[DVec2], px_mm: f64) -> Vec<DVec2> {
-    let even = resampled(curve, (1.5 * px_mm).max(0.15));
+    let even = resampled(curve, false, (1.5 * px_mm).max(0.15));
     (0..3).fold(even, |line, _| smoothed(&line))
 }
 
@@ -101,13 +102,13 @@ pub fn along_grain(
         }
         out.push(piece);
     }
-    out.retain(|c| length_mm(c) >= min_length_mm);
+    out.retain(|c| length_mm(c, false) >= min_length_mm);
     longest_first(&mut out);
     out
 }
 
 fn longest_first(curves: &mut Vec<Vec<DVec2>>) {
-    let mut lengths: Vec<(f64, Vec<DVec2>)> = curves.drain(..).map(|c| (length_mm(&c), c)).collect();
+    let mut lengths: Vec<(f64, Vec<DVec2>)> = curves.drain(..).map(|c| (length_mm(&c, false), c)).collect();
     lengths.sort_by(|a, b| b.0.total_cmp(&a.0));
     curves.extend(lengths.into_iter().map(|(_, c)| c));
 }
@@ -306,13 +307,12 @@ fn bridged(curves: Vec<Vec<DVec2>>, gap_mm: f64) -> Vec<Vec<DVec2>> {
     // Equal costs are ordered by index, so that the result is the same on every run.
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
     let mut partner = vec![usize::MAX; ends.len()];
-    let mut group: Vec<usize> = (0..curves.len()).collect();
+    let mut chains = DisjointSets::new(curves.len());
     for (_, a, b) in pairs {
-        let (ga, gb) = (root(&mut group, ends[a].curve), root(&mut group, ends[b].curve));
         // A pair within one chain would close it to a ring, which the loops below could not walk.
-        if partner[a] == usize::MAX && partner[b] == usize::MAX && ga != gb {
+        let free = partner[a] == usize::MAX && partner[b] == usize::MAX;
+        if free && chains.union(ends[a].curve, ends[b].curve) {
             (partner[a], partner[b]) = (b, a);
-            group[ga.max(gb)] = ga.min(gb);
         }
     }
     // End 2k is the start of curve k, end 2k + 1 its last point.
@@ -345,14 +345,6 @@ fn bridged(curves: Vec<Vec<DVec2>>, gap_mm: f64) -> Vec<Vec<DVec2>> {
         out.push(line);
     }
     out
-}
-
-fn root(group: &mut [usize], mut k: usize) -> usize {
-    while group[k] != k {
-        group[k] = group[group[k]];
-        k = group[k];
-    }
-    k
 }
 
 /// Pairs of nearby ends that face each other, with a cost that grows with distance and bend.
@@ -402,7 +394,7 @@ mod tests {
         let image = MetricImage { grey, min_mm: DVec2::ZERO, px_mm: 1.0 };
         let edges = canny(&image.grey, &CannySettings::default());
         let curves = edge_curves(&edges, &image, &CurveSettings { bridge_mm: 4.0, ..SETTINGS });
-        assert_eq!(curves.len(), 2, "{:?}", curves.iter().map(|c| length_mm(c)).collect::<Vec<_>>());
-        assert!((length_mm(&curves[0]) - 60.0 * std::f64::consts::PI).abs() < 6.0);
+        assert_eq!(curves.len(), 2, "{:?}", curves.iter().map(|c| length_mm(c, false)).collect::<Vec<_>>());
+        assert!((length_mm(&curves[0], false) - 60.0 * std::f64::consts::PI).abs() < 6.0);
     }
 }

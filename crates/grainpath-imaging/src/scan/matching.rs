@@ -29,6 +29,7 @@
 //! quadratic in the points of a contour, of which at most 700 are matched. Limits: between slices a curved flank is
 //! replaced by its chords, so a torus in slices four pixels apart becomes 0.8 % too small (docs/ct.md).
 
+use grainpath_core::DisjointSets;
 use grainpath_core::poly::{FillRule, signed_area_mm2};
 use grainpath_core::{Bounds2, Contour, DVec2, Polygon, Region};
 
@@ -305,18 +306,7 @@ impl Builder<'_> {
 /// other; leftovers of similar size that lie side by side are added.
 pub fn match_entities(lower: &[Polygon], upper: &[Polygon], overlap: f64) -> Vec<Group> {
     let n = lower.len();
-    let mut root: Vec<usize> = (0..n + upper.len()).collect();
-    fn find(root: &mut [usize], mut i: usize) -> usize {
-        while root[i] != i {
-            root[i] = root[root[i]];
-            i = root[i];
-        }
-        i
-    }
-    let join = |root: &mut [usize], i: usize, j: usize| {
-        let (a, b) = (find(root, i), find(root, n + j));
-        root[a.max(b)] = a.min(b);
-    };
+    let mut groups = DisjointSets::new(n + upper.len());
     let bounds = |p: &Polygon| p.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
     let (bl, bu): (Vec<_>, Vec<_>) = (lower.iter().map(bounds).collect(), upper.iter().map(bounds).collect());
     let (al, au): (Vec<_>, Vec<_>) =
@@ -328,7 +318,7 @@ pub fn match_entities(lower: &[Polygon], upper: &[Polygon], overlap: f64) -> Vec
             let shared = a.intersection(&b).area_mm2();
             // Either share counts, so that a small branch belongs to a large trunk.
             if shared > overlap * al[i] || shared > overlap * au[j] {
-                join(&mut root, i, j);
+                groups.union(i, n + j);
                 (free_l[i], free_u[j]) = (false, false);
             }
         }
@@ -348,15 +338,15 @@ pub fn match_entities(lower: &[Polygon], upper: &[Polygon], overlap: f64) -> Vec
     near.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
     for (_, i, j) in near {
         if free_l[i] && free_u[j] {
-            join(&mut root, i, j);
+            groups.union(i, n + j);
             (free_l[i], free_u[j]) = (false, false);
         }
     }
-    let mut slots = vec![usize::MAX; root.len()];
+    let mut slots = vec![usize::MAX; n + upper.len()];
     let mut out: Vec<Group> = Vec::new();
     // Groups are numbered by their first entity, so the order does not depend on how sets were joined.
-    for k in 0..root.len() {
-        let r = find(&mut root, k);
+    for k in 0..n + upper.len() {
+        let r = groups.lowest(k);
         if slots[r] == usize::MAX {
             slots[r] = out.len();
             out.push(Group::default());

@@ -13,9 +13,10 @@
 
 use std::f64::consts::PI;
 
-use grainpath_core::line_points::LinePoints;
+use grainpath_core::buckets::PointGrid2;
 use grainpath_core::math::cross;
-use grainpath_core::poly::{LineClipper, length_mm, resampled};
+use grainpath_core::poly::LineClipper;
+use grainpath_core::polyline::{length_mm, resampled};
 use grainpath_core::units::bead_width_mm;
 use grainpath_core::{BeadWidth, Bounds2, DVec2, Polygon, Region, Toolpath};
 
@@ -65,7 +66,8 @@ pub fn lay_curves(
         closest_mm: CLOSEST * spacing_mm,
         step_mm: (STEP * CLOSEST * spacing_mm).min(LONGEST_STEP_MM),
         lines: Vec::new(),
-        near: LinePoints::new(bounds, CLOSEST * spacing_mm),
+        bounds,
+        near: PointGrid2::new(bounds, CLOSEST * spacing_mm),
         border: BorderDistance::new(room, spacing_mm),
         off_border_mm: if context.density.is_dense() { 0.0 } else { 0.5 * spacing_mm },
     };
@@ -101,7 +103,9 @@ struct Layout<'a> {
     closest_mm: f64,
     step_mm: f64,
     lines: Vec<Line>,
-    near: LinePoints,
+    bounds: Bounds2,
+    /// The points of all lines, each with its line and its index in it.
+    near: PointGrid2<(u32, i32)>,
     border: BorderDistance,
     /// Least distance of a seed from the border, mm: below full density a wall already runs along
     /// the border.
@@ -116,6 +120,11 @@ impl Layout<'_> {
         self.closest_mm * self.flow.sparseness.map_or(1.0, |s| s(p).clamp(0.4, 2.5))
     }
 
+    /// Whether no point of a line is nearer than `distance_mm`, of those that `counts` accepts by line and index.
+    fn open(&self, p: DVec2, distance_mm: f64, counts: impl Fn(u32, i32) -> bool) -> bool {
+        !self.near.within(p, distance_mm).any(|(_, (line, index))| counts(line, index))
+    }
+
     /// Number of steps back along a line within which it does not count as its own neighbour: the
     /// circumference of a circle whose diameter is 1.6 times the closest distance, the tightest
     /// loop that leaves space inside.
@@ -127,17 +136,17 @@ impl Layout<'_> {
     fn take(&mut self, curves: &[Vec<DVec2>], least_mm: f64) {
         for curve in curves {
             for piece in self.clipper.clip(curve) {
-                let points = resampled(&piece.points, self.step_mm);
+                let points = resampled(&piece.points, false, self.step_mm);
                 let mut run: Vec<DVec2> = Vec::new();
                 // Two thresholds, as in Canny's hysteresis: a run starts only where the curve is
                 // clear of all others (2), but goes on through places that are a little too close
                 // (1). One threshold would chop a curve at every wobble of its neighbour.
                 let reach = |p: DVec2| {
                     let closest = self.closest_at(p);
-                    if self.near.open(p, 0.95 * closest, |_, _| true) {
+                    if self.open(p, 0.95 * closest, |_, _| true) {
                         2
                     } else {
-                        u8::from(self.near.open(p, GO_ON * closest, |_, _| true))
+                        u8::from(self.open(p, GO_ON * closest, |_, _| true))
                     }
                 };
                 let free: Vec<u8> = points.iter().map(|&p| reach(p)).collect();
@@ -163,9 +172,9 @@ impl Layout<'_> {
     }
 
     fn keep(&mut self, points: Vec<DVec2>, least_mm: f64) {
-        if points.len() > 1 && length_mm(&points) >= least_mm {
+        if points.len() > 1 && length_mm(&points, false) >= least_mm {
             let id = self.lines.len() as u32;
-            points.iter().enumerate().for_each(|(k, &p)| self.near.insert(p, id, k as i32));
+            points.iter().enumerate().for_each(|(k, &p)| self.near.insert(p, (id, k as i32)));
             // A curve that ends in the open goes on along the grain.
             let n = points.len();
             let (first, last) = (points[0], points[n - 1]);
@@ -219,7 +228,7 @@ impl Layout<'_> {
 
     /// Lays a new line through `p` if it keeps its distance from all others.
     fn seed(&mut self, p: DVec2, least_mm: f64) {
-        if !self.clipper.contains(p) || !self.near.open(p, self.closest_at(p), |_, _| true) {
+        if !self.clipper.contains(p) || !self.open(p, self.closest_at(p), |_, _| true) {
             return;
         }
         let start = (self.flow.axis)(p).normalize_or_zero();
@@ -229,16 +238,18 @@ impl Layout<'_> {
         let id = self.lines.len() as u32;
         // The seed is entered before the line is followed, so that both halves see the beginning of
         // their own line.
-        self.near.insert(p, id, 0);
+        self.near.insert(p, (id, 0));
         let (ahead, closed) = self.follow(p, start, 0, 1);
         let back = if closed { Vec::new() } else { self.follow(p, -start, 0, -1).0 };
         let first = back.len() as i32;
         let points: Vec<DVec2> = back.into_iter().rev().chain([p]).chain(ahead).collect();
-        if points.len() > 1 && length_mm(&points) >= least_mm {
+        if points.len() > 1 && length_mm(&points, false) >= least_mm {
             self.lines.push(Line { points, closed, first });
         } else {
             // A line given up must not keep others out of the place it tried.
-            points.iter().for_each(|&q| self.near.remove(q, id));
+            points.iter().for_each(|&q| {
+                self.near.remove(q, |(line, _)| line == id);
+            });
         }
     }
 
@@ -277,21 +288,20 @@ impl Layout<'_> {
                 let edge = at.lerp(next, hit.t);
                 let room = GO_ON * self.closest_mm;
                 // Points of this same line count too, unless they are its recent ones.
-                if edge.distance(at) > 0.05 * h && self.near.open(edge, room, |line, i| line != id || own(i))
-                {
+                if edge.distance(at) > 0.05 * h && self.open(edge, room, |line, i| line != id || own(i)) {
                     out.push(edge);
-                    self.near.insert(edge, id, index);
+                    self.near.insert(edge, (id, index));
                 }
                 break;
             }
             // A seed on the border itself crosses no edge on the way out, so the first point is
             // tested by itself.
-            let b = self.near.bounds();
+            let b = self.bounds;
             let left = next.cmplt(b.min).any() || next.cmpgt(b.max).any();
             if left || (k == 1 && !self.clipper.contains(next)) {
                 break;
             }
-            if !self.near.open(next, GO_ON * self.closest_at(next), |line, _| line != id) {
+            if !self.open(next, GO_ON * self.closest_at(next), |line, _| line != id) {
                 break;
             }
             let came_round =
@@ -301,11 +311,11 @@ impl Layout<'_> {
             if came_round && count > 0 && from == 0 {
                 return (out, true);
             }
-            if !self.near.open(next, 0.95 * self.closest_mm, |line, i| line == id && own(i)) {
+            if !self.open(next, 0.95 * self.closest_mm, |line, i| line == id && own(i)) {
                 break;
             }
             out.push(next);
-            self.near.insert(next, id, index);
+            self.near.insert(next, (id, index));
             (at, heading) = (next, step);
         }
         (out, false)
@@ -333,7 +343,7 @@ impl Layout<'_> {
                 }
             };
             let lag = self.lag() as i32;
-            self.near.each(p, 2.0 * most, |q, other, index| {
+            self.near.within(p, 2.0 * most).for_each(|(q, (other, index))| {
                 let apart = (index + line.first - k as i32).abs();
                 // The ends of a closed line are neighbours.
                 let apart = if line.closed { apart.min(n as i32 - apart) } else { apart };
@@ -370,21 +380,21 @@ const MAX_STEPS: usize = 100_000;
 
 /// Distance to the border of an infill region, for points near it.
 struct BorderDistance {
-    near: LinePoints,
+    near: PointGrid2<()>,
     reach_mm: f64,
 }
 
 impl BorderDistance {
     fn new(room: &Polygon, reach_mm: f64) -> Self {
         let bounds = room.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
-        let mut near = LinePoints::new(bounds, reach_mm);
+        let mut near = PointGrid2::new(bounds, reach_mm);
         for contour in room.contours() {
             for (a, b) in grainpath_core::poly::edges(contour) {
                 // Points a fifth of the reach apart. The nearest of them is at most a tenth of the
                 // reach off along the border, which makes a distance of half the reach wrong by 2
                 // %.
                 let n = (a.distance(b) / (0.2 * reach_mm)).ceil().clamp(1.0, 1e5) as usize;
-                (0..n).for_each(|k| near.insert(a.lerp(b, k as f64 / n as f64), 0, 0));
+                (0..n).for_each(|k| near.insert(a.lerp(b, k as f64 / n as f64), ()));
             }
         }
         Self { near, reach_mm }
@@ -393,7 +403,7 @@ impl BorderDistance {
     /// The distance, or infinity beyond the reach.
     fn distance(&self, p: DVec2) -> f64 {
         let mut best = f64::INFINITY;
-        self.near.each(p, self.reach_mm, |q, _, _| best = best.min(q.distance_squared(p)));
+        self.near.within(p, self.reach_mm).for_each(|(q, ())| best = best.min(q.distance_squared(p)));
         best.sqrt()
     }
 }
@@ -585,6 +595,6 @@ mod tests {
         let line: Vec<DVec2> =
             (0..100).map(|i| DVec2::new(0.1 * f64::from(i), if i == 50 { 0.1 } else { 0.0 })).collect();
         assert_eq!(kept(&line, &[0.4; 100]), [0, 49, 50, 51, 99]);
-        assert_eq!(resampled(&line[..3], 0.05).len(), 5);
+        assert_eq!(resampled(&line[..3], false, 0.05).len(), 5);
     }
 }

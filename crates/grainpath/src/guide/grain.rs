@@ -9,11 +9,13 @@ use std::f64::consts::PI;
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::slices::SliceSource;
-use grainpath_core::{DVec2, DVec3, Diagnostics, DirectionField, DirectionSample, Region, WarningId};
+use grainpath_core::{
+    Bounds2, DVec2, DVec3, Diagnostics, DirectionField, DirectionSample, Region, WarningId,
+};
 use serde::Serialize;
 
-use grainpath_core::line_points::LinePoints;
-use grainpath_core::poly::length_mm;
+use grainpath_core::buckets::PointGrid2;
+use grainpath_core::polyline::length_mm;
 use grainpath_imaging::canny::{CannySettings, Edges, canny};
 use grainpath_imaging::metric::MetricImage;
 use grainpath_imaging::photo::Photo;
@@ -132,7 +134,7 @@ struct Slice {
     z_mm: f64,
     axes: AxisGrid,
     curves: Vec<Vec<DVec2>>,
-    near: LinePoints,
+    near: PointGrid2<u32>,
 }
 
 /// Source of the directions.
@@ -242,7 +244,7 @@ pub fn read_grain(
             coherence: round(coherence, 4),
             clear_share: round(read.axes.clear_share(0.3), 4),
             curves: read.curves.len(),
-            curves_mm: round(read.curves.iter().map(|c| length_mm(c)).sum(), 1),
+            curves_mm: round(read.curves.iter().map(|c| length_mm(c, false)).sum(), 1),
         });
         if settings.pictures {
             guide.photo_steps.push(PhotoSteps {
@@ -256,7 +258,7 @@ pub fn read_grain(
             });
         }
         // Needed only for moving curves towards another photograph.
-        let near = LinePoints::of_lines(if photos.len() > 1 { &read.curves } else { &[] }, 1.0);
+        let near = points_of_lines(if photos.len() > 1 { &read.curves } else { &[] }, 1.0);
         slices.push(Slice { z_mm, axes, curves: read.curves, near });
     }
     guide.seen = Seen::Photos(slices);
@@ -316,6 +318,17 @@ pub fn read_scan(
         );
     }
     Ok(guide)
+}
+
+/// The points of all lines, each with the number of its line.
+fn points_of_lines(lines: &[Vec<DVec2>], cell_mm: f64) -> PointGrid2<u32> {
+    let bounds = Bounds2::of(lines.iter().flatten().copied());
+    let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+    let mut grid = PointGrid2::new(bounds, cell_mm);
+    for (line, number) in lines.iter().zip(0..) {
+        line.iter().for_each(|&p| grid.insert(p, number));
+    }
+    grid
 }
 
 fn round(v: f64, digits: i32) -> f64 {
@@ -547,7 +560,7 @@ fn between(low: &Slice, high: &Slice, t: f64) -> Vec<Vec<DVec2>> {
 fn moved(curve: &[DVec2], to: &Slice, share: f64) -> Vec<DVec2> {
     let nearest = |p: DVec2| {
         let mut best = (SAME_MM * SAME_MM, None);
-        to.near.each(p, SAME_MM, |q, line, _| {
+        to.near.within(p, SAME_MM).for_each(|(q, line)| {
             let d = q.distance_squared(p);
             if d < best.0 {
                 best = (d, Some((line, q - p)));

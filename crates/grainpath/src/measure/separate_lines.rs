@@ -9,9 +9,9 @@
 //! touches if another line of the same layer lies within a bead's width of it, or if a line of the layer above or below
 //! passes there at an angle. Lengths are in mm. Cost: linear in the samples of those layers and their two neighbours.
 
-use grainpath_core::line_points::LinePoints;
+use grainpath_core::buckets::PointGrid2;
 use grainpath_core::polyline::resampled;
-use grainpath_core::{DVec2, LayerPlan, Role, Warning, WarningId};
+use grainpath_core::{Bounds2, DVec2, LayerPlan, Role, Warning, WarningId};
 
 /// So many layers at most are looked at. Source: derived; lines of a layer differ little from those of the layers beside
 /// it, and 12 layers of the largest plans take less than 1 % of the time of their fill.
@@ -56,7 +56,8 @@ fn has_sparse_lines(layer: &LayerPlan) -> bool {
 /// Samples of a layer's sparse lines: place, direction, and the number of the line.
 struct Samples {
     points: Vec<Vec<DVec2>>,
-    near: LinePoints,
+    /// The same points, each with its line and its index in it.
+    near: PointGrid2<(u32, u32)>,
     width_mm: f64,
 }
 
@@ -70,7 +71,11 @@ impl Samples {
             return None;
         }
         let points = lines().map(|p| resampled(&p.points, p.closed, 0.5 * width_mm)).collect::<Vec<_>>();
-        let near = LinePoints::of_lines(&points, TOUCHING * width_mm);
+        let bounds = Bounds2::of(points.iter().flatten().copied())?;
+        let mut near = PointGrid2::new(bounds, TOUCHING * width_mm);
+        for (line, points) in (0u32..).zip(&points) {
+            (0u32..).zip(points).for_each(|(k, &p)| near.insert(p, (line, k)));
+        }
         Some(Self { points, near, width_mm })
     }
 
@@ -83,22 +88,17 @@ impl Samples {
 
     /// Whether another line lies beside a sample, or the same one further along.
     fn touches(&self, line: usize, at: usize) -> bool {
-        let own = (OWN / 0.5) as i32;
-        let mut found = false;
-        self.near.each(self.points[line][at], TOUCHING * self.width_mm, |_, other, k| {
-            found |= other as usize != line || (k - at as i32).abs() > own;
-        });
-        found
+        let own = (OWN / 0.5) as u32;
+        let mut beside = self.near.within(self.points[line][at], TOUCHING * self.width_mm);
+        beside.any(|(_, (other, k))| other as usize != line || k.abs_diff(at as u32) > own)
     }
 
     /// Whether a line passes a place at an angle to a direction.
     fn crosses(&self, place: DVec2, direction: DVec2) -> bool {
-        let mut found = false;
-        self.near.each(place, 0.5 * self.width_mm, |_, other, k| {
-            let there = self.direction(other as usize, k as usize);
-            found |= there.dot(direction).abs() < CROSSING_COS;
-        });
-        found
+        let mut passing = self.near.within(place, 0.5 * self.width_mm);
+        passing.any(|(_, (line, k))| {
+            self.direction(line as usize, k as usize).dot(direction).abs() < CROSSING_COS
+        })
     }
 }
 

@@ -14,7 +14,8 @@ mod sequence;
 use std::ops::Range;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
-use grainpath_core::poly::{distance2_to_segment, edges};
+use grainpath_core::poly::edges;
+use grainpath_core::segment;
 use grainpath_core::{Bounds2, DVec2, Diagnostics, Layer, LayerPlan, LayerStack, Polygon, Role, Toolpath};
 use rayon::prelude::*;
 
@@ -223,7 +224,7 @@ fn order_layer(
 /// The outline that contains a point, or else the nearest one.
 fn nearest_outline(outlines: &[Polygon], at: DVec2) -> Option<usize> {
     let off = |p: &Polygon| {
-        let to = |(a, b): (DVec2, DVec2)| distance2_to_segment(at, a, b);
+        let to = |(a, b): (DVec2, DVec2)| segment::distance_squared_mm2(at, a, b);
         let edges = p.contours().flat_map(|c| edges(c));
         if p.contains(at) { 0.0 } else { edges.map(to).fold(f64::INFINITY, f64::min) }
     };

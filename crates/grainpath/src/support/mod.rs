@@ -11,6 +11,7 @@ pub mod poisson;
 pub mod solid;
 pub mod tree;
 
+use grainpath_core::buckets::PointGrid3;
 use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, TriMesh, Warning, WarningId};
 use grainpath_io::PaintedSupports;
@@ -193,16 +194,16 @@ impl Support {
 
     /// The largest distance of any overhang's sample from its nearest contact that is held, mm.
     pub fn farthest_mm(&self) -> f64 {
-        let mut index = overhang::Near::new(5.0);
+        let mut index = PointGrid3::new(5.0);
         let key = |p: DVec3| p.to_array().map(f64::to_bits);
         let lost: std::collections::BTreeSet<[u64; 3]> = self.unreached.iter().map(|u| key(u.at)).collect();
         for (i, c) in self.overhangs.contacts.iter().enumerate() {
-            index.insert(i, c.at);
+            index.insert(c.at, i);
         }
         let mut farthest: f64 = 0.0;
         for s in &self.overhangs.samples {
             // Nearly all are near; only what is not asks for a wide search.
-            let near = [5.0, 20.0, 100.0].into_iter().find_map(|r| index.nearest(s.at, r));
+            let near = [5.0, 20.0, 100.0].into_iter().find_map(|r| index.nearest_within(s.at, r));
             if let Some(i) = near {
                 let c = self.overhangs.contacts[i].at;
                 if !lost.contains(&key(c)) {

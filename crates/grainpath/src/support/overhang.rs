@@ -3,6 +3,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use grainpath_core::DisjointSets;
+use grainpath_core::buckets::PointGrid3;
 use grainpath_core::bvh::Bvh;
 use grainpath_core::math::sin;
 use grainpath_core::mesh::EdgeUses;
@@ -200,26 +202,14 @@ fn middle(mesh: &TriMesh, triangle: u32) -> DVec3 {
 
 /// Region growing over shared edges: each hanging facet gets the lowest number of its group.
 fn regions(mesh: &TriMesh, edges: &EdgeUses, hanging: &[bool]) -> Vec<u32> {
-    let mut parent: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
-    fn root(parent: &mut [u32], mut t: u32) -> u32 {
-        while parent[t as usize] != t {
-            parent[t as usize] = parent[parent[t as usize] as usize];
-            t = parent[t as usize];
-        }
-        t
-    }
+    let mut groups = DisjointSets::new(mesh.triangles.len());
     for edge in edges.edges() {
         let mut first = None;
         for (t, _) in edge.filter(|&(t, _)| hanging[t]) {
-            let r = root(&mut parent, t as u32);
-            if let Some(f) = first {
-                let f = root(&mut parent, f);
-                parent[r.max(f) as usize] = r.min(f);
-            }
-            first = Some(r);
+            groups.union(*first.get_or_insert(t), t);
         }
     }
-    (0..parent.len() as u32).map(|t| root(&mut parent, t)).collect()
+    groups.names()
 }
 
 /// Points of a region at every crossing of a grid in plan, at least one; `None` for a region smaller than what
@@ -397,25 +387,25 @@ fn place(samples: &[(u32, Reason, Sample)], settings: &SupportSettings) -> Vec<C
     // Small cells first: those at the rim of a region are the ones others can stand in for.
     let mut chosen: Vec<(usize, Vec<usize>)> = chosen.collect();
     chosen.sort_by_key(|(best, members)| (members.len(), *best));
-    let mut index = Near::new(d);
-    chosen.iter().for_each(|(best, _)| index.insert(*best, samples[*best].2.at));
+    let mut index = PointGrid3::new(d);
+    chosen.iter().for_each(|(best, _)| index.insert(samples[*best].2.at, *best));
     let near_mm = settings.thin_share * settings.max_unsupported_mm;
     let mut kept = Vec::new();
     for (best, members) in chosen {
         let others = |i: usize| {
             let p = samples[i].2.at;
-            index.any(p, near_mm, |j| j != best && samples[j].0 == samples[i].0)
+            index.within(p, near_mm).any(|(_, j)| j != best && samples[j].0 == samples[i].0)
         };
         if members.len() < 40 && members.iter().all(|&i| others(i)) {
-            index.remove(best, samples[best].2.at);
+            index.remove(samples[best].2.at, best);
         } else {
             kept.push(best);
         }
     }
     let reach = 0.49 * settings.max_unsupported_mm;
     for (i, (_, _, s)) in samples.iter().enumerate() {
-        if !index.any(s.at, reach, |_| true) {
-            index.insert(i, s.at);
+        if index.within(s.at, reach).next().is_none() {
+            index.insert(s.at, i);
             kept.push(i);
         }
     }
@@ -425,10 +415,10 @@ fn place(samples: &[(u32, Reason, Sample)], settings: &SupportSettings) -> Vec<C
         Contact { at: s.at, normal: s.normal, area_mm2: 0.0, reason }
     };
     let mut contacts: Vec<Contact> = kept.iter().map(|&i| contact(i)).collect();
-    let mut index = Near::new(d);
-    contacts.iter().enumerate().for_each(|(k, c)| index.insert(k, c.at));
+    let mut index = PointGrid3::new(d);
+    contacts.iter().enumerate().for_each(|(k, c)| index.insert(c.at, k));
     for (_, _, s) in samples {
-        if let Some(k) = index.nearest(s.at, 0.5 * settings.max_unsupported_mm) {
+        if let Some(k) = index.nearest_within(s.at, 0.5 * settings.max_unsupported_mm) {
             contacts[k].area_mm2 += s.area_mm2;
         }
     }
@@ -525,56 +515,4 @@ fn hold_mid_air(out: &mut Overhangs, stack: &LayerStack, settings: &SupportSetti
 
 fn mid_air_contact(at: DVec3, area_mm2: f64) -> Contact {
     Contact { at, normal: -DVec3::Z, area_mm2, reason: Reason::Lowest }
-}
-
-/// Points by cells of a cube grid, for questions about what is near.
-pub struct Near {
-    cell_mm: f64,
-    cells: BTreeMap<(i64, i64, i64), Vec<(usize, DVec3)>>,
-}
-
-impl Near {
-    /// A grid for questions of about this radius.
-    pub fn new(cell_mm: f64) -> Self {
-        Self { cell_mm, cells: BTreeMap::new() }
-    }
-
-    fn key(&self, p: DVec3) -> (i64, i64, i64) {
-        let c = (p / self.cell_mm).floor();
-        (c.x as i64, c.y as i64, c.z as i64)
-    }
-
-    /// Adds a point under a name.
-    pub fn insert(&mut self, name: usize, p: DVec3) {
-        let key = self.key(p);
-        self.cells.entry(key).or_default().push((name, p));
-    }
-
-    /// Takes the point of this name away again.
-    pub fn remove(&mut self, name: usize, p: DVec3) {
-        let key = self.key(p);
-        if let Some(cell) = self.cells.get_mut(&key) {
-            cell.retain(|c| c.0 != name);
-        }
-    }
-
-    fn around(&self, p: DVec3, radius_mm: f64) -> impl Iterator<Item = (f64, usize)> + '_ {
-        let (lo, hi) = (self.key(p - radius_mm), self.key(p + radius_mm));
-        let columns = (lo.0..=hi.0).flat_map(move |x| (lo.1..=hi.1).map(move |y| (x, y)));
-        let cells = columns.flat_map(move |(x, y)| self.cells.range((x, y, lo.2)..=(x, y, hi.2)));
-        cells
-            .flat_map(|(_, c)| c)
-            .map(move |&(i, q)| (q.distance(p), i))
-            .filter(move |&(d, _)| d <= radius_mm)
-    }
-
-    /// Whether any point within the radius will do.
-    pub fn any(&self, p: DVec3, radius_mm: f64, will_do: impl Fn(usize) -> bool) -> bool {
-        self.around(p, radius_mm).any(|(_, i)| will_do(i))
-    }
-
-    /// The nearest point within the radius; of equally near ones the one with the lowest name.
-    pub fn nearest(&self, p: DVec3, radius_mm: f64) -> Option<usize> {
-        self.around(p, radius_mm).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|n| n.1)
-    }
 }

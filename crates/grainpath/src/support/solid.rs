@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 
 use grainpath_core::diagnostics::Interrupted;
-use grainpath_core::poly::distance2_to_segment;
+use grainpath_core::segment;
 use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Region, TriMesh};
 use rayon::prelude::*;
 
@@ -149,7 +149,7 @@ impl PlaneGrid {
                 let hi = ((p.max(q) + far - self.origin) / self.cell_mm).floor();
                 for y in (lo.y.max(0.0) as usize).max(y0)..=(hi.y as usize).min(y1) {
                     for x in (lo.x.max(0.0) as usize).max(x0)..=(hi.x as usize).min(x1) {
-                        let d = distance2_to_segment(self.place(x, y), p, q).sqrt();
+                        let d = segment::distance_squared_mm2(self.place(x, y), p, q).sqrt();
                         let slot = &mut local[(y - y0) * w + x - x0];
                         *slot = slot.min(d);
                     }

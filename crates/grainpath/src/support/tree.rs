@@ -6,6 +6,7 @@
 
 use std::collections::BinaryHeap;
 
+use grainpath_core::buckets::PointGrid2;
 use grainpath_core::math::{direction, pow, sin, tan};
 use grainpath_core::{Bounds2, DVec2, DVec3};
 
@@ -117,7 +118,7 @@ pub fn grow(contacts: &[Contact], clearance: &Clearance, settings: &SupportSetti
         slope: tan(settings.branch_angle_rad) * 0.999,
         forest: Forest::default(),
         queue: BinaryHeap::new(),
-        index: Plan::over(bounds, contacts.len()),
+        index: grid_from_above(bounds, contacts.len()),
         state: Vec::new(),
     };
     for (i, contact) in contacts.iter().enumerate() {
@@ -140,51 +141,13 @@ enum State {
     Done,
 }
 
-/// Nodes in plan.
-struct Plan {
-    origin: DVec2,
-    cell_mm: f64,
-    nx: i64,
-    ny: i64,
-    cells: Vec<Vec<u32>>,
-}
-
-impl Plan {
-    fn over(bounds: Bounds2, n: usize) -> Self {
-        let bounds = bounds.grown(10.0);
-        let size = bounds.size();
-        let cell_mm =
-            (size.x * size.y / n.max(1) as f64).sqrt().clamp(2.0, 20.0).max(size.max_element() / 1000.0);
-        let (nx, ny) = ((size.x / cell_mm) as i64 + 1, (size.y / cell_mm) as i64 + 1);
-        Self { origin: bounds.min, cell_mm, nx, ny, cells: vec![Vec::new(); (nx * ny) as usize] }
-    }
-
-    fn cell(&self, p: DVec2) -> (i64, i64) {
-        let c = (p - self.origin) / self.cell_mm;
-        ((c.x.floor() as i64).clamp(0, self.nx - 1), (c.y.floor() as i64).clamp(0, self.ny - 1))
-    }
-
-    fn insert(&mut self, name: u32, p: DVec3) {
-        let (x, y) = self.cell(p.truncate());
-        self.cells[(y * self.nx + x) as usize].push(name);
-    }
-
-    fn remove(&mut self, name: u32, p: DVec3) {
-        let (x, y) = self.cell(p.truncate());
-        self.cells[(y * self.nx + x) as usize].retain(|&n| n != name);
-    }
-
-    /// The nodes in the cells at this many cells' distance.
-    fn ring(&self, p: DVec3, ring: i64) -> impl Iterator<Item = u32> + '_ {
-        let (cx, cy) = self.cell(p.truncate());
-        let rows = (cy - ring).max(0)..=(cy + ring).min(self.ny - 1);
-        rows.flat_map(move |y| {
-            let step = if y == cy - ring || y == cy + ring { 1 } else { (2 * ring).max(1) };
-            (cx - ring..=cx + ring).step_by(step as usize).map(move |x| (x, y))
-        })
-        .filter(|&(x, _)| (0..self.nx).contains(&x))
-        .flat_map(|(x, y)| self.cells[(y * self.nx + x) as usize].iter().copied())
-    }
+/// A grid for nodes seen from above: about one node a cell, of 2 to 20 mm.
+fn grid_from_above(bounds: Bounds2, n: usize) -> PointGrid2<u32> {
+    let bounds = bounds.grown(10.0);
+    let size = bounds.size();
+    let cell_mm =
+        (size.x * size.y / n.max(1) as f64).sqrt().clamp(2.0, 20.0).max(size.max_element() / 1000.0);
+    PointGrid2::new(bounds, cell_mm)
 }
 
 #[derive(PartialEq)]
@@ -227,7 +190,7 @@ struct Grower<'a> {
     slope: f64,
     forest: Forest,
     queue: BinaryHeap<Turn>,
-    index: Plan,
+    index: PointGrid2<u32>,
     state: Vec<State>,
 }
 
@@ -242,7 +205,7 @@ impl Grower<'_> {
         let name = self.forest.nodes.len() as u32 - 1;
         if let State::Waiting { .. } = state {
             self.queue.push(Turn { z: at.z, name });
-            self.index.insert(name, at);
+            self.index.insert(at.truncate(), name);
         }
         name
     }
@@ -255,7 +218,7 @@ impl Grower<'_> {
         let at = self.node(upper).at;
         self.forest.nodes[upper as usize].below = Some(lower);
         if self.state[upper as usize] != State::Done {
-            self.index.remove(upper, at);
+            self.index.remove(at.truncate(), |node| node == upper);
         }
         self.state[upper as usize] = State::Done;
     }
@@ -354,13 +317,13 @@ impl Grower<'_> {
         let cost = 1.0 / sin(self.s.branch_angle_rad) - 0.5 / self.slope;
         let mut out: Vec<Meeting> = Vec::new();
         let mut best = f64::NEG_INFINITY;
-        for ring in 0..self.index.nx.max(self.index.ny) {
-            let nearest = (ring - 1).max(0) as f64 * self.index.cell_mm;
+        for ring in 0..self.index.cells().n_rings() {
+            let nearest = self.index.cells().ring_distance_mm(ring);
             let bound = alone + FOOT_MM - cost * nearest;
             if bound < 0.0 || nearest > self.s.max_reach_mm || (out.len() >= TRIES && bound < best) {
                 break;
             }
-            for other in self.index.ring(p, ring) {
+            for (_, other) in self.index.ring(p.truncate(), ring) {
                 if other == name {
                     continue;
                 }
@@ -427,7 +390,7 @@ impl Grower<'_> {
         let state = if was == State::Trunk { State::Trunk } else { State::Waiting { plate } };
         let joint = self.add(m.at, carries, top, Kind::Join, state);
         if state == State::Trunk {
-            self.index.insert(joint, m.at);
+            self.index.insert(m.at.truncate(), joint);
         }
         self.link(name, joint);
         self.link(m.with, joint);

@@ -20,6 +20,7 @@
 
 use grainpath_core::math::{cross, direction, rotated};
 use grainpath_core::poly::LineClipper;
+use grainpath_core::segment::{self, Meeting};
 use grainpath_core::tuned::Tuned;
 use grainpath_core::{DVec2, Polygon, Region};
 
@@ -79,14 +80,8 @@ impl Facing {
 
     /// Whether one of the two ways crosses one of the ways of `other`.
     pub fn crosses(&self, other: &Self) -> bool {
-        self.ways().iter().any(|w| other.ways().iter().any(|o| meet(*w, *o)))
+        self.ways().iter().any(|w| other.ways().iter().any(|o| segment::meeting(*w, *o) != Meeting::Apart))
     }
-}
-
-/// Whether two segments touch.
-fn meet([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
-    let sides = |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e - o, p - o) * cross(e - o, q - o);
-    sides(a, b, c, d) <= 0.0 && sides(c, d, a, b) <= 0.0
 }
 
 /// Side of a ring; the strip lies on its left.
@@ -409,7 +404,8 @@ impl Rings {
                     let (one, facing) = (three(ring, at_mm), three(other, facing_mm));
                     let [a0, a1] = [one[0], one[2]].map(|v| self.point(ring, v).0);
                     let [b0, b1] = [facing[0], facing[2]].map(|v| self.point(other, v).0);
-                    if !meet([a0, b1], [b0, a1]) && self.is_free(a0, b1) && self.is_free(b0, a1) {
+                    let apart = segment::meeting([a0, b1], [b0, a1]) == Meeting::Apart;
+                    if apart && self.is_free(a0, b1) && self.is_free(b0, a1) {
                         out.push(Facing {
                             one,
                             one_ring: ring,

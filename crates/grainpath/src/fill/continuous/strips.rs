@@ -27,10 +27,11 @@ use grainpath_core::{DVec2, Polygon, Region};
 
 use super::super::field::phase::{PhaseInput, Turn, drift, solve, turns};
 use super::super::field::stripes::NearBorder;
-use super::super::field::widths::{resampled, smooth};
+use super::super::field::widths::smooth;
 use super::Pull;
 use crate::fill::FillContext;
 use grainpath_core::field_mesh::FieldMesh;
+use grainpath_core::polyline::resampled;
 use grainpath_core::tuned::Tuned;
 
 const NONE: u32 = u32::MAX;

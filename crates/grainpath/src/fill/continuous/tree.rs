@@ -15,6 +15,8 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use grainpath_core::DVec2;
+use grainpath_core::DisjointSets;
+use grainpath_core::hash;
 use grainpath_core::math::{atan2, cross};
 use grainpath_core::tuned::Tuned;
 
@@ -62,14 +64,6 @@ fn guess(e: &Edge, spacing_mm: f64, axis: Axis<'_>) -> f64 {
     2.0 * weight * (angle * way.length() - (FRAC_PI_2 - angle) * spacing_mm)
 }
 
-/// Numbers in [0, 1) without a pattern, the same in every run: the mixing of `steele2014`.
-fn shuffled(i: usize) -> f64 {
-    let mut x = (i as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
-    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((x ^ (x >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-}
-
 /// Two numbers as one, the smaller one first.
 fn pair([a, b]: [u32; 2]) -> u64 {
     u64::from(a.min(b)) << 32 | u64::from(a.max(b))
@@ -103,24 +97,6 @@ impl Ranked {
     }
 }
 
-struct Sets(Vec<u32>);
-
-impl Sets {
-    fn root(&mut self, mut i: u32) -> u32 {
-        while self.0[i as usize] != i {
-            self.0[i as usize] = self.0[self.0[i as usize] as usize];
-            i = self.0[i as usize];
-        }
-        i
-    }
-
-    fn join(&mut self, a: u32, b: u32) -> bool {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b) as usize] = a.min(b);
-        a != b
-    }
-}
-
 /// Joins all cells as a tree of least weight, after the two rules of the published method: along
 /// the field where that is possible, and not across an edge that is the shortest of both its cells.
 /// The second rule leaves out edges across a strip, because cells here are long and the field
@@ -135,16 +111,16 @@ pub fn join(
 ) -> Vec<Facing> {
     let short = shortest_of_both(cells, spacing_mm);
     let weight = |(i, e): (usize, &Edge)| match (kind, e.cut) {
-        (TreeKind::Undirected, _) => shuffled(i),
+        (TreeKind::Undirected, _) => hash::unit_interval(i as u64),
         (TreeKind::Directed, Some(k)) => -cost(&cells.cuts[k as usize], axis),
         (TreeKind::Directed, None) => guess(e, spacing_mm, axis),
     };
     let rank = |(i, e): (usize, &Edge)| Ranked::new(short[i], weight((i, e)), i);
     let mut order: Vec<Ranked> = cells.edges.iter().enumerate().map(rank).collect();
     order.sort_unstable();
-    let mut sets = Sets((0..cells.n as u32).collect());
+    let mut sets = DisjointSets::new(cells.n);
     // Strips: sets of cells that are connected along the field.
-    let mut strips = Sets((0..cells.n as u32).collect());
+    let mut strips = DisjointSets::new(cells.n);
     let mut exchanges = Vec::new();
     let mut beside_of: Vec<(usize, usize)> = Vec::new();
     for &ranked in &order {
@@ -154,27 +130,29 @@ pub fn join(
             Some(k) => {
                 // A cut inside the tree leaves the strip whole there, which needs no exchange. The
                 // exchange is made where the tree does not pass.
-                if sets.join(a, b) {
-                    strips.join(a, b);
+                if sets.union(a as usize, b as usize) {
+                    strips.union(a as usize, b as usize);
                 } else {
                     exchanges.push(cells.cuts[k as usize]);
                 }
             }
             None => {
                 // A second joint between the same two sets would split the ring in two again.
-                if sets.root(a) == sets.root(b) {
+                if sets.together(a as usize, b as usize) {
                     continue;
                 }
                 let Some(f) = beside(rings, e).filter(|f| taken.fits(f, 0.6 * spacing_mm)) else { continue };
                 taken.take_both(&f, 0.6 * spacing_mm);
-                sets.join(a, b);
+                sets.union(a as usize, b as usize);
                 beside_of.push((exchanges.len(), ranked.edge()));
                 exchanges.push(f);
             }
         }
     }
     if kind == TreeKind::Directed {
-        let between = |strips: &mut Sets, i: usize| pair(cells.edges[i].cells.map(|c| strips.root(c)));
+        let between = |strips: &mut DisjointSets, i: usize| {
+            pair(cells.edges[i].cells.map(|c| strips.lowest(c as usize) as u32))
+        };
         let mut passed: Vec<u64> = beside_of.iter().map(|&(_, i)| between(&mut strips, i)).collect();
         passed.sort_unstable();
         // Only places between two strips that are already joined are candidates, in the order of
@@ -266,21 +244,22 @@ fn shortest_of_both(cells: &Cells, spacing_mm: f64) -> Vec<bool> {
 pub fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
     let n = rings.lines.len();
     let longest = rings.longest();
-    let mut sets = Sets((0..n as u32).collect());
+    let mut sets = DisjointSets::new(n);
     let mut taken = Taken::new(rings, 0.25 * spacing_mm);
     let mut exchanges = Vec::new();
-    let look = |found: Vec<Facing>, sets: &mut Sets, taken: &mut Taken, exchanges: &mut Vec<Facing>| {
-        for f in found {
-            let [a, b] = [f.one_ring, f.other_ring].map(|r| sets.root(r as u32));
-            let around_mm = f.half_mm + 0.1 * spacing_mm;
-            let free = || taken.fits(&f, around_mm) && !exchanges.iter().any(|e| e.crosses(&f));
-            if a != b && free() {
-                taken.take_both(&f, around_mm);
-                sets.join(a, b);
-                exchanges.push(f);
+    let look =
+        |found: Vec<Facing>, sets: &mut DisjointSets, taken: &mut Taken, exchanges: &mut Vec<Facing>| {
+            for f in found {
+                let [a, b] = [f.one_ring, f.other_ring].map(|r| sets.lowest(r));
+                let around_mm = f.half_mm + 0.1 * spacing_mm;
+                let free = || taken.fits(&f, around_mm) && !exchanges.iter().any(|e| e.crosses(&f));
+                if a != b && free() {
+                    taken.take_both(&f, around_mm);
+                    sets.union(a, b);
+                    exchanges.push(f);
+                }
             }
-        }
-    };
+        };
     // First with long steps, because any place will do where long rings run beside each other. Then
     // closer steps and wider ranges, and at last slanted joints.
     let near = [0.5, 1.6];
@@ -291,9 +270,8 @@ pub fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
             let length = rings.length_mm(ring);
             let steps = (length / (step * spacing_mm)).ceil().max(1.0);
             for k in 0..steps as usize {
-                // A ring joined to the longest one needs no further joint; rings still apart will
-                // see it.
-                if sets.root(ring as u32) == sets.root(longest as u32) {
+                // What is joined to the longest is seen by what is not.
+                if sets.together(ring, longest) {
                     break;
                 }
                 let at_mm = length * (k as f64 + 0.5) / steps;

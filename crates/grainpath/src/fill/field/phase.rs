@@ -33,7 +33,8 @@ use std::f64::consts::TAU;
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross, sin_cos};
 
-use grainpath_core::field_mesh::{FieldMesh, GridMatrix, conjugate_gradients};
+use grainpath_core::conjugate_gradients::{CgSettings, conjugate_gradients};
+use grainpath_core::field_mesh::{FieldMesh, GridMatrix};
 use grainpath_core::tuned::Tuned;
 
 /// Input of the phase, one entry a node.
@@ -231,7 +232,8 @@ pub fn solve(mesh: &FieldMesh, input: &PhaseInput, turns: &[Turn], steps: &[(f64
         for _ in 0..times {
             let rhs: Vec<f32> = z.iter().zip(&wanted).map(|(z, want)| z + width * want).collect();
             // The next round evens out what this one leaves.
-            let x = conjugate_gradients(z.clone(), &rhs, apply, 1e-2, 60);
+            let mut x = z.clone();
+            conjugate_gradients(&apply, &rhs, &mut x, CgSettings::relative(&rhs, 1e-2, 60));
             for k in 0..n {
                 let length = (x[k] * x[k] + x[n + k] * x[n + k]).sqrt();
                 if length > 1e-6 {

@@ -21,21 +21,22 @@
 //! stated bounds.
 
 use grainpath_core::buckets::{Buckets, CellGrid};
-use grainpath_core::math::cross;
-use grainpath_core::poly::{FillRule, Join, LineClipper, distance2_to_segment, edges};
+use grainpath_core::field_mesh::FieldMesh;
+use grainpath_core::mask::{Grid, Mask};
+use grainpath_core::poly::{FillRule, Join, LineClipper, edges};
+use grainpath_core::polyline::{self, resampled};
+use grainpath_core::segment::{self, Meeting};
+use grainpath_core::tuned::Tuned;
 use grainpath_core::units::{bead_spacing_mm, bead_width_mm};
 use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DirectionField, Polygon, Region, Toolpath};
 
 use super::axis_of;
 use super::levels::trace;
 use super::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
-use super::widths::{Line, Neighbours, resampled, smooth};
+use super::widths::{Line, Neighbours, smooth};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
 use crate::wall::single_beads;
-use grainpath_core::field_mesh::FieldMesh;
-use grainpath_core::mask::{Grid, Mask};
-use grainpath_core::tuned::Tuned;
 
 /// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle
 /// of 0.4 mm lays widths within a factor of about 2; 0.6 to 1.6 keeps that factor with a margin
@@ -143,7 +144,7 @@ impl NearBorder {
             cells.neighbourhood(cells.cell_of(p), 1).flat_map(|at| self.buckets.members(cells.index(at)))
         {
             let (a, b) = self.edges[k as usize];
-            let distance = distance2_to_segment(p, a, b).sqrt();
+            let distance = segment::distance_squared_mm2(p, a, b).sqrt();
             // Of two edges at the same distance, for instance at a corner, the first one counts, so
             // that the result does not depend on the order in the buckets.
             if distance < best.0 || (distance == best.0 && k < best.1) {
@@ -336,17 +337,11 @@ fn lay(roomed: Roomed, border: &Region, context: &FillContext<'_>, out: &mut Vec
     for single in singles.into_iter().filter(|p| p.length_mm() > nominal) {
         let segments: Vec<[DVec2; 2]> =
             (0..single.n_segments()).map(|i| [single.segment(i).0, single.segment(i).1]).collect();
-        if !segments.iter().any(|s| laid.iter().any(|l| meets(*s, *l))) {
+        if !segments.iter().any(|s| laid.iter().any(|l| segment::meeting(*s, *l) == Meeting::Cross)) {
             laid.extend(segments);
             out.push(single);
         }
     }
-}
-
-/// Whether two segments cross.
-fn meets([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> bool {
-    let sides = |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e - o, p - o) * cross(e - o, q - o);
-    sides(a, b, c, d) < 0.0 && sides(c, d, a, b) < 0.0
 }
 
 /// The area that the beads' strips leave open, where it is wider than about a cell and a half.
@@ -464,7 +459,7 @@ pub(super) fn joined(
                     || !inside.segment_inside(at, to)
                     || neighbours.between(at, to, [at, to])
                     || neighbours.between(joint[0], joint[1], [at, to])
-                    || joints.iter().any(|j| meets(*j, joint))
+                    || joints.iter().any(|j| segment::meeting(*j, joint) == Meeting::Cross)
                 {
                     break;
                 }
@@ -487,39 +482,12 @@ pub(super) fn joined(
     out
 }
 
-/// A straight piece is tried over so many vertices at most, which bounds the work to this many
-/// times their number. Measured: row `fill.field.stripes.PIECE` of `cargo xtask bench constants`.
-static PIECE: Tuned<usize> = Tuned::new("fill.field.stripes.PIECE", 256);
+/// How far a vertex may lie off the line without it and stay dropped, mm. Half a step of most printers' motors.
+const SIMPLIFY_MM: f64 = 0.005;
+/// How much the width at a dropped vertex may differ from the width between its neighbours, mm.
+const SIMPLIFY_WIDTH_MM: f64 = 0.01;
 
-/// Drops vertices that lie within 5 um of the line without them and whose width lies within 10 um.
+/// Drops the vertices that matter neither for the line nor for its width.
 pub fn simplified(points: &[DVec2], widths: &[f64], closed: bool) -> (Vec<DVec2>, Vec<f64>) {
-    let n = points.len();
-    let mut keep = vec![false; n];
-    keep[n - 1] = true;
-    // Piece by piece, so that the time a long bead takes grows with its length alone.
-    let mut stack: Vec<(usize, usize)> = Vec::new();
-    // A ring is cut in two at least: its first and last points are neighbours, and distances from
-    // that short chord would say nothing.
-    let most = if closed { PIECE.value().min(n / 2).max(1) } else { PIECE.value() };
-    for a in (0..n - 1).step_by(most) {
-        keep[a] = true;
-        stack.push((a, (a + most).min(n - 1)));
-    }
-    while let Some((a, b)) = stack.pop() {
-        let (p, d) = (points[a], points[b] - points[a]);
-        let off = |i: usize| {
-            let t = ((points[i] - p).dot(d) / d.length_squared().max(1e-18)).clamp(0.0, 1.0);
-            let w = widths[a] + t * (widths[b] - widths[a]);
-            // Both errors are divided by their tolerance, 5 um aside and 10 um of width, so the
-            // worse one decides.
-            (points[i].distance(p + t * d) / 0.005).max((widths[i] - w).abs() / 0.01)
-        };
-        let worst = (a + 1..b).map(|i| (off(i), i)).fold((1.0, 0), |m, o| if o.0 > m.0 { o } else { m });
-        if worst.0 > 1.0 {
-            keep[worst.1] = true;
-            stack.extend([(a, worst.1), (worst.1, b)]);
-        }
-    }
-    let kept = || (0..n).filter(|&i| keep[i]);
-    (kept().map(|i| points[i]).collect(), kept().map(|i| widths[i]).collect())
+    polyline::simplified_with(points, widths, closed, SIMPLIFY_MM, SIMPLIFY_WIDTH_MM)
 }

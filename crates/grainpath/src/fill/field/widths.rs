@@ -20,6 +20,7 @@
 use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::math::cross;
 use grainpath_core::poly::edges;
+use grainpath_core::segment::{self, Meeting};
 use grainpath_core::{Bounds2, DVec2, Region};
 
 /// A bead being laid: its centreline at about equal steps.
@@ -229,7 +230,6 @@ impl Neighbours {
     /// Whether a bead crosses the straight way from `a` to `b`; segments that end at one of the
     /// `own` points are skipped.
     pub fn between(&self, a: DVec2, b: DVec2, own: [DVec2; 2]) -> bool {
-        let way = b - a;
         let mut blocked = false;
         self.buckets.cells.for_each_passed(a, b, |cell| {
             for &m in self.buckets.members(cell) {
@@ -238,11 +238,9 @@ impl Neighbours {
                 if piece.line == BORDER || own.iter().any(|p| ends.contains(p)) {
                     continue;
                 }
-                let d = piece.b - piece.a;
-                let sides = |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e, p - o) * cross(e, q - o);
                 // Touching counts as crossing: a joint through the end of another bead would be
                 // laid on top of it.
-                blocked |= sides(a, way, piece.a, piece.b) <= 0.0 && sides(piece.a, d, a, b) <= 0.0;
+                blocked |= segment::meeting([a, b], ends) != Meeting::Apart;
             }
         });
         blocked
@@ -252,8 +250,8 @@ impl Neighbours {
     pub fn crossings(&self) -> Vec<[(usize, usize); 2]> {
         let mut out = Vec::new();
         let cells = &self.buckets.cells;
-        // Segments of the same cell seen before, each with its bounds.
-        let mut met: Vec<(Piece, DVec2, DVec2)> = Vec::new();
+        // Segments of the same cell seen before.
+        let mut met: Vec<Piece> = Vec::new();
         for cell in 0..cells.nx * cells.ny {
             met.clear();
             for &i in self.buckets.members(cell) {
@@ -261,21 +259,14 @@ impl Neighbours {
                 if p.line == BORDER {
                     continue;
                 }
-                let (low, high) = (p.a.min(p.b), p.a.max(p.b));
-                for (q, q_low, q_high) in &met {
-                    let apart = high.x < q_low.x || q_high.x < low.x || high.y < q_low.y || q_high.y < low.y;
+                for q in &met {
                     // A segment and its successor share a point on purpose.
                     let follows = p.line == q.line && (p.a == q.b || p.b == q.a);
-                    if apart || follows {
-                        continue;
-                    }
-                    let sides =
-                        |o: DVec2, e: DVec2, p: DVec2, q: DVec2| cross(e - o, p - o) * cross(e - o, q - o);
-                    if sides(p.a, p.b, q.a, q.b) <= 0.0 && sides(q.a, q.b, p.a, p.b) <= 0.0 {
+                    if !follows && segment::meeting([p.a, p.b], [q.a, q.b]) != Meeting::Apart {
                         out.push([q, &p].map(|s| (s.line as usize, s.segment as usize)));
                     }
                 }
-                met.push((p, low, high));
+                met.push(p);
             }
         }
         // A pair that shares several cells is found in each of them.
@@ -304,37 +295,6 @@ impl Neighbours {
         };
         Reach { left_mm: side(left), right_mm: side(-left) }
     }
-}
-
-/// A line at steps of about `step_mm`.
-pub fn resampled(points: &[DVec2], closed: bool, step_mm: f64) -> Vec<DVec2> {
-    let mut line = points.to_vec();
-    if closed {
-        line.extend(points.first());
-    }
-    let length: f64 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
-    // The step is stretched so that a whole number of steps fits and the last one is no stub.
-    let n = ((length / step_mm).round() as usize).max(1);
-    let step = length / n as f64;
-    if line.len() < 2 || length <= 0.0 {
-        return points.to_vec();
-    }
-    let mut out = Vec::with_capacity(n + 1);
-    let (mut walked, mut next) = (0.0, 0.0);
-    for w in line.windows(2) {
-        let d = w[0].distance(w[1]);
-        while next < walked + d && out.len() < n {
-            let t = if d > 0.0 { (next - walked) / d } else { 0.0 };
-            out.push(w[0] + t * (w[1] - w[0]));
-            next += step;
-        }
-        walked += d;
-    }
-    // On a closed line the last point would repeat the first.
-    if !closed {
-        out.push(line[line.len() - 1]);
-    }
-    out
 }
 
 /// Values smoothed along a line, `times` over; ends of open lines stay.

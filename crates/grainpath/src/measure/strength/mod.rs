@@ -747,7 +747,7 @@ fn beside(setup: &TestSetup, p: DVec2) -> String {
             // The mean of the vertices only names the hole, so it need not be the centroid.
             let middle = contour.iter().copied().sum::<DVec2>() / contour.len().max(1) as f64;
             for (a, b) in grainpath_core::poly::edges(contour) {
-                let distance = grainpath_core::poly::distance2_to_segment(p, a, b).sqrt();
+                let distance = grainpath_core::segment::distance_squared_mm2(p, a, b).sqrt();
                 if distance < near.0 {
                     near = (distance, kind, middle);
                 }
