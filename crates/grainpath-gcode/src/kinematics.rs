@@ -1,17 +1,14 @@
-//! Estimates how long moves take: trapezoidal speed profiles with speed limits at corners.
+//! How long a program takes: speed profiles of moves with limits at the corners between them, as firmware plans them.
 //!
-//! # Method
-//! Each move accelerates, keeps its speed and decelerates. A backward pass over the queue limits each
-//! entry speed to what the move can still shed; a forward pass limits each exit speed to what it can
-//! reach. The planners of Marlin and Klipper work in this way. Corners are limited as the firmware does
-//! it: by the jump in speed of each axis (jerk), or by the speed on a circle that stays within the
-//! junction deviation, to which Klipper's square corner velocity is converted.
+//! Every move is a trapezoid: it accelerates, cruises and brakes. Look-ahead joins the trapezoids at corner speeds
+//! ([`Corner`]): a backward pass finds how fast each move may begin so that the moves after it can still brake, a forward
+//! pass what can be reached. With a *minimum cruise ratio* (Klipper) a second pair of passes with a lower, virtual
+//! acceleration finds the peak of every run of short moves, and the true profile stays below that peak.
 //!
-//! # Units, cost and limits
-//! Lengths in mm, times in s. The cost is a few operations for each move; at most 256 moves are held. Not
-//! modelled are S-shaped acceleration, pressure advance, input shaping, the time to process a line, and
-//! heating. A move without length or speed takes no time; the first and the last move are at rest at
-//! their outer end.
+//! Source: Klipper's documentation, pages "Kinematics" and "Config reference" (`klipper-docs` in docs/references.bib);
+//! for corners by deviation `jeon2011`; for jerk Marlin's documentation (`marlin-docs`). The formulation is our own.
+//! Units: mm, s. Cost: linear in the moves. Limits: pressure advance, input shaping and resonance change no times here;
+//! heating and the probing of start programs are not counted; accelerations that a program sets itself are not read.
 
 use std::collections::VecDeque;
 
@@ -40,7 +37,20 @@ pub struct Limits {
     pub retract_acceleration_mm_s2: f64,
     /// Limit at corners.
     pub corner: Corner,
+    /// Share of every run of moves that must be cruised, from 0 (included) to 1 (excluded); 0 for firmware without such
+    /// a rule. Klipper's `minimum_cruise_ratio`.
+    pub min_cruise_ratio: f64,
+    /// Length of the straight pieces into which firmware divides G2 and G3, mm.
+    pub arc_segment_mm: f64,
 }
+
+/// Klipper's default `minimum_cruise_ratio`. Source: klipper-docs, "Config reference", section [printer].
+pub const KLIPPER_MIN_CRUISE_RATIO: f64 = 0.5;
+/// Klipper's default `resolution` of arcs, mm. Source: klipper-docs, "Config reference", section [gcode_arcs].
+pub const KLIPPER_ARC_SEGMENT_MM: f64 = 1.0;
+/// Klipper's default `instantaneous_corner_velocity` of the extruder, mm/s of filament. Source: klipper-docs, "Config
+/// reference", section [extruder].
+const KLIPPER_FILAMENT_CORNER_MM_S: f64 = 1.0;
 
 impl Default for Limits {
     fn default() -> Self {
@@ -50,6 +60,8 @@ impl Default for Limits {
             travel_acceleration_mm_s2: 1000.0,
             retract_acceleration_mm_s2: 1500.0,
             corner: Corner::Jerk([8.0, 8.0, 0.4, 1.5]),
+            min_cruise_ratio: 0.0,
+            arc_segment_mm: 0.1,
         }
     }
 }
@@ -71,15 +83,36 @@ struct Block {
     /// Highest speed at the beginning of the move.
     entry_limit: f64,
     unit: [f64; 4],
+    /// Virtual acceleration of the minimum cruise ratio.
+    smooth_acceleration: f64,
 }
 
-/// Sums the time of moves and looks ahead as firmware does.
+impl Block {
+    /// Whether the head moves, not the filament alone.
+    fn moves_head(&self) -> bool {
+        self.unit[..3].iter().any(|u| u.abs() > 1e-9)
+    }
+}
+
+/// Adds up the time of moves, looking ahead as firmware does.
+///
+/// ```
+/// use grainpath_gcode::{Corner, Limits, Move, TimeEstimator};
+///
+/// let limits = Limits { corner: Corner::Deviation(0.0), ..Limits::default() };
+/// let mut time = TimeEstimator::new(limits);
+/// time.push(&Move { delta_mm: [100.0, 0.0, 0.0, 1.0], speed_mm_s: 50.0 });
+/// // At 1000 mm/s2: 0.05 s and 1.25 mm to speed up, the same to brake, 97.5 mm between.
+/// assert!((time.seconds() - (0.1 + 97.5 / 50.0)).abs() < 1e-9);
+/// ```
 #[derive(Debug, Clone)]
 pub struct TimeEstimator {
     limits: Limits,
     queue: VecDeque<Block>,
     /// Speed at the beginning of the first block of the queue.
     entry: f64,
+    /// The same of the profile with the virtual acceleration.
+    smooth_entry: f64,
     done_s: f64,
 }
 
@@ -90,7 +123,18 @@ const LOOK_AHEAD: usize = 256;
 impl TimeEstimator {
     /// Begins at rest.
     pub fn new(limits: Limits) -> Self {
-        Self { limits, queue: VecDeque::with_capacity(LOOK_AHEAD), entry: 0.0, done_s: 0.0 }
+        Self {
+            limits,
+            queue: VecDeque::with_capacity(LOOK_AHEAD),
+            entry: 0.0,
+            smooth_entry: 0.0,
+            done_s: 0.0,
+        }
+    }
+
+    /// The limits it was made with.
+    pub fn limits(&self) -> &Limits {
+        &self.limits
     }
 
     /// Adds a move. A move without length takes no time.
@@ -120,10 +164,16 @@ impl TimeEstimator {
         };
         // The first move has no corner before it and begins at rest.
         let entry_limit = match self.queue.back() {
-            Some(before) => self.corner_speed(before, &unit, speed, acceleration),
+            Some(before) => self.corner_speed(before, &unit, speed, length, acceleration),
             None => speed.min(self.rest_speed(&unit)),
         };
-        self.queue.push_back(Block { length, speed, acceleration, entry_limit, unit });
+        let cruise_share = 1.0 - self.limits.min_cruise_ratio;
+        let smooth_acceleration = if travel <= 1e-9 {
+            acceleration.min(self.limits.acceleration_mm_s2 * cruise_share)
+        } else {
+            acceleration * cruise_share
+        };
+        self.queue.push_back(Block { length, speed, acceleration, entry_limit, unit, smooth_acceleration });
         if self.queue.len() >= LOOK_AHEAD {
             self.settle(LOOK_AHEAD / 2);
         }
@@ -146,23 +196,41 @@ impl TimeEstimator {
         }
     }
 
-    fn corner_speed(&self, before: &Block, unit: &[f64; 4], speed: f64, acceleration: f64) -> f64 {
+    fn corner_speed(
+        &self,
+        before: &Block,
+        unit: &[f64; 4],
+        speed: f64,
+        length: f64,
+        acceleration: f64,
+    ) -> f64 {
         let top = before.speed.min(speed);
         let turn = std::array::from_fn(|k| unit[k] - before.unit[k]);
         match self.limits.corner {
             Corner::Jerk(jerk) => top.min(within(&turn, &jerk, 1.0)),
             Corner::Deviation(d) => top.min(deviation_speed(before, unit, acceleration, d)),
             Corner::SquareCorner(v) => {
+                let head_stops = !before.moves_head() || unit[..3].iter().all(|u| u.abs() <= 1e-9);
+                if head_stops {
+                    return 0.0;
+                }
                 // Klipper converts its square corner velocity to a junction deviation with this formula;
                 // at a right angle both give the same speed.
                 let d = v * v * (std::f64::consts::SQRT_2 - 1.0) / acceleration;
+                let filament = KLIPPER_FILAMENT_CORNER_MM_S / turn[3].abs().max(1e-12);
+                let reach = (length * acceleration).min(before.length * before.acceleration);
                 top.min(deviation_speed(before, unit, acceleration, d))
+                    .min(filament)
+                    .min(half_move_speed(before, unit, reach))
             }
         }
     }
 
     /// Plans the whole queue and adds the time of its first `n` moves.
     fn settle(&mut self, n: usize) {
+        if self.limits.min_cruise_ratio > 0.0 {
+            self.limit_peaks(n);
+        }
         // Backward pass: each move must begin slowly enough to reach the entry speed of the next one.
         let mut entries = vec![0.0; self.queue.len() + 1];
         if let Some(last) = self.queue.back() {
@@ -170,7 +238,8 @@ impl TimeEstimator {
         }
         for (i, b) in self.queue.iter().enumerate().rev() {
             let reachable = (entries[i + 1] * entries[i + 1] + 2.0 * b.acceleration * b.length).sqrt();
-            entries[i] = reachable.min(b.entry_limit);
+            let peak = if i > 0 { b.speed.min(self.queue[i - 1].speed) } else { b.speed };
+            entries[i] = reachable.min(b.entry_limit).min(peak);
         }
         entries[0] = if entries.len() > 1 { self.entry.min(entries[0]) } else { 0.0 };
         for i in 0..n.min(self.queue.len()) {
@@ -188,7 +257,48 @@ impl TimeEstimator {
             self.entry = v1;
         }
         if self.queue.is_empty() {
-            self.entry = 0.0;
+            (self.entry, self.smooth_entry) = (0.0, 0.0);
+        }
+    }
+
+    /// Lowers the speed of every move to the peak of its run under the virtual acceleration; the first `n` moves are
+    /// about to be settled.
+    ///
+    /// ```text
+    /// speed   ____            ____     asked for
+    ///        /    \   .--.   /    \
+    ///       / .--. \ /    \ / .--. \   peak with the virtual acceleration (lower slopes):
+    ///      /.'    '.X      X.'    '.\  the true profile is cut off there
+    /// ```
+    fn limit_peaks(&mut self, n: usize) {
+        let k = self.queue.len();
+        // Squared speeds at the corners, with the virtual acceleration.
+        let mut corner = vec![0.0; k + 1];
+        for (i, b) in self.queue.iter().enumerate().rev() {
+            corner[i] = (corner[i + 1] + 2.0 * b.smooth_acceleration * b.length).min(b.entry_limit.powi(2));
+        }
+        corner[0] = if k > 0 { self.smooth_entry.powi(2).min(corner[0]) } else { 0.0 };
+        let mut peaks = Vec::with_capacity(k);
+        for (i, b) in self.queue.iter().enumerate() {
+            let gain = 2.0 * b.smooth_acceleration * b.length;
+            corner[i + 1] = corner[i + 1].min(corner[i] + gain);
+            peaks.push((0.5 * (corner[i] + corner[i + 1] + gain)).min(b.speed * b.speed));
+        }
+        // A move that accelerates, or brakes, all along belongs to the run that peaks after, or before, it.
+        let steps = |i: usize| 2.0 * self.queue[i].smooth_acceleration * self.queue[i].length * (1.0 - 1e-9);
+        for i in (0..k.saturating_sub(1)).rev() {
+            if corner[i + 1] - corner[i] >= steps(i) {
+                peaks[i] = f64::max(peaks[i], peaks[i + 1]);
+            }
+        }
+        for i in 1..k {
+            if corner[i] - corner[i + 1] >= steps(i) {
+                peaks[i] = f64::max(peaks[i], peaks[i - 1]);
+            }
+        }
+        self.smooth_entry = corner[n.min(k)].sqrt();
+        for (b, peak) in self.queue.iter_mut().zip(peaks).take(n) {
+            b.speed = b.speed.min(peak.sqrt());
         }
     }
 
@@ -217,6 +327,26 @@ fn deviation_speed(before: &Block, unit: &[f64; 4], acceleration: f64, d: f64) -
     // Half-angle identity: sin(theta/2), where theta is the angle between the two moves.
     let sin_half = (0.5 * (1.0 - cos.min(0.999_999))).sqrt();
     (acceleration * d * sin_half / (1.0 - sin_half)).sqrt()
+}
+
+/// The speed of a circle through the corner that touches both moves no farther away than their middles. `reach` is the
+/// smaller of length times acceleration of the two moves, mm²/s².
+///
+/// A circle of radius R touches moves that meet at the angle t at a distance of R / tan(t / 2) from the corner.
+fn half_move_speed(before: &Block, unit: &[f64; 4], reach: f64) -> f64 {
+    let cos = -(0..3).map(|k| before.unit[k] * unit[k]).sum::<f64>();
+    let (sin_half, cos_half) = ((0.5 * (1.0 - cos)).max(0.0).sqrt(), (0.5 * (1.0 + cos)).max(0.0).sqrt());
+    if cos_half <= 1e-9 {
+        return f64::INFINITY;
+    }
+    (0.5 * reach * sin_half / cos_half).sqrt()
+}
+
+/// The straight pieces into which firmware divides an arc of this length; at least one.
+pub(crate) fn arc_pieces(length_mm: f64, arc_segment_mm: f64) -> usize {
+    // No arc has more pieces: bounds the work on hostile programs.
+    const MAX_PIECES: f64 = 20_000.0;
+    (length_mm / arc_segment_mm.max(1e-3)).clamp(1.0, MAX_PIECES) as usize
 }
 
 #[cfg(test)]
@@ -269,6 +399,55 @@ mod tests {
         let ramps = (2500.0 + 2500.0 - 25.0) / 2000.0;
         let each = (100.0 - 5.0) / 1000.0 + (50.0 - ramps) / 50.0;
         assert!((e.seconds() - 2.0 * each).abs() < 1e-6, "{} {}", e.seconds(), 2.0 * each);
+    }
+
+    fn klipper(min_cruise_ratio: f64) -> TimeEstimator {
+        TimeEstimator::new(Limits {
+            max_speed_mm_s: [500.0; 4],
+            acceleration_mm_s2: 3000.0,
+            corner: Corner::SquareCorner(5.0),
+            min_cruise_ratio,
+            ..Limits::default()
+        })
+    }
+
+    /// "A minimum_cruise_ratio of 0.5 would ensure that a standalone 1.5mm move would have a minimum cruising distance of
+    /// 0.75mm" (klipper-docs).
+    #[test]
+    fn half_of_a_short_move_is_cruised() {
+        let mut e = klipper(0.5);
+        e.push(&x(1.5, 500.0));
+        // 0.375 mm up, 0.75 mm at the peak, 0.375 mm down.
+        let peak = (2.0f64 * 3000.0 * 0.375).sqrt();
+        let wanted = 2.0 * peak / 3000.0 + 0.75 / peak;
+        assert!((e.seconds() - wanted).abs() < 1e-9, "{} {wanted}", e.seconds());
+        // The same in ten pieces along a line is one run.
+        let mut pieces = klipper(0.5);
+        (0..10).for_each(|_| pieces.push(&x(0.15, 500.0)));
+        assert!((pieces.seconds() - wanted).abs() < 1e-6, "{} {wanted}", pieces.seconds());
+        let mut free = klipper(0.0);
+        free.push(&x(1.5, 500.0));
+        assert!((free.seconds() - 2.0 * (1.5f64 / 3000.0).sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_long_move_is_as_fast_with_a_cruise_ratio() {
+        let time = |ratio| {
+            let mut e = klipper(ratio);
+            (0..600).for_each(|_| e.push(&Move { delta_mm: [0.5, 0.0, 0.0, 0.02], speed_mm_s: 100.0 }));
+            e.seconds()
+        };
+        assert!((time(0.5) - time(0.0)).abs() < 1e-6, "{} {}", time(0.5), time(0.0));
+    }
+
+    #[test]
+    fn the_head_stops_for_filament_alone() {
+        let mut e = klipper(0.0);
+        e.push(&x(50.0, 100.0));
+        e.push(&Move { delta_mm: [0.0, 0.0, 0.0, -1.0], speed_mm_s: 30.0 });
+        let head = 100.0 / 3000.0 + 50.0 / 100.0;
+        let filament = 30.0 / 1500.0 + 1.0 / 30.0;
+        assert!((e.seconds() - head - filament).abs() < 1e-9, "{} {}", e.seconds(), head + filament);
     }
 
     #[test]

@@ -1,15 +1,17 @@
 #![doc = include_str!("../README.md")]
 
 mod kinematics;
+mod layers;
 mod machine;
 mod quality;
 mod read;
 mod simulate;
 mod write;
 
-pub use kinematics::{Corner, Limits, Move, TimeEstimator};
+pub use kinematics::{Corner, KLIPPER_ARC_SEGMENT_MM, KLIPPER_MIN_CRUISE_RATIO, Limits, Move, TimeEstimator};
+pub use layers::{Bead, BeadLayer};
 pub use machine::{Cooling, FibreTool, Flavour, Machine, Material, Retraction, Speeds};
 pub use quality::{Quality, quality};
 pub use read::{Line, Lines};
-pub use simulate::{Bead, BeadLayer, Program, SimulateError, simulate};
+pub use simulate::{Program, SimulateError, simulate};
 pub use write::{GcodeError, Thumbnail, WriteConfig, Written, check_fits, write_gcode};

@@ -16,7 +16,8 @@ use grainpath_core::math::{direction, rotated};
 use grainpath_core::{DVec2, Region};
 use rayon::prelude::*;
 
-use crate::simulate::{Bead, BeadLayer, Program};
+use crate::layers::{Bead, BeadLayer};
+use crate::simulate::Program;
 
 /// Measures of a print, as shares of the part's area in the measured layers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

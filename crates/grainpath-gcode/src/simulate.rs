@@ -1,89 +1,33 @@
-//! A G-code interpreter: replays a program and collects its beads layer by layer, with length, volume and
-//! time.
+//! A G-code interpreter: replays a program and collects beads, filament and time.
 //!
-//! # Method
-//! The state of the machine (position, units, absolute or relative words, the meaning of E, the tool) is
-//! carried from line to line. A move with material is a bead; a move in plan without material is a
-//! travel. Arcs are divided into chords of 0.1 mm, and E and z are shared out by length. Comments of
-//! slicers give the roles. Layers are sorted by height, not by time, so that objects printed one after
-//! another share them. Source for the words: NIST RS274/NGC, and Marlin's documentation for M200, M82,
-//! M83 and temperatures.
+//! The interpreter keeps the position, the feed and the modes (absolute or relative, mm or inch, linear or volumetric E)
+//! of the machine and turns every move into beads or travels. Any bytes are survived; lines that cannot be understood are
+//! counted and the first five are warned of.
 //!
-//! # Units, cost and limits
-//! Results are in mm, mm3 and s, whatever the units of the program; `kinematics` estimates the time. The
-//! cost is linear in the lines; a bead takes 32 bytes. Unknown commands change nothing. Lines that cannot
-//! be read are counted in a warning that shows the first five. Heights within the writer's rounding are
-//! one layer.
-
-use std::collections::BTreeMap;
+//! *Layers.* Slicers mark where a layer begins: `;LAYER_CHANGE` (PrusaSlicer, SuperSlicer, OrcaSlicer), `; CHANGE_LAYER`
+//! (Bambu Studio), `;LAYER:n` (Cura, ideaMaker), `; layer n` (Simplify3D). The first kind found counts. Without marks,
+//! and where marked layers do not rise (objects printed one after the other), beads are grouped by their height. By height
+//! alone a spiral vase would have thousands of layers.
+//!
+//! *Time.* Moves go through the [`TimeEstimator`], arcs in the pieces into which the firmware divides them.
+//!
+//! Units: mm, mm³, s, in machine coordinates. Memory: 32 bytes a bead. Limits: tools other than the fibre's are not told
+//! apart; conditions and macros of firmware (Klipper's templates, RepRapFirmware's meta G-code) are not run; temperatures
+//! do not take time.
 
 use grainpath_core::math::{atan2, sin_cos};
-use grainpath_core::units::bead_width_mm;
 use grainpath_core::{DVec2, Role, Warning, WarningId};
 
-use crate::kinematics::{Limits, Move, TimeEstimator};
+use crate::kinematics::{Limits, Move, TimeEstimator, arc_pieces};
+use crate::layers::{Bead, BeadLayer, LayerCollector, LayerMark};
 use crate::read::{Line, Lines};
-
-/// A straight piece of bead. It takes 32 bytes, since a program has millions of them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bead {
-    /// Start, mm, in the machine's coordinates.
-    pub a: [f32; 2],
-    /// End, mm.
-    pub b: [f32; 2],
-    /// Extruded volume, mm3.
-    pub volume_mm3: f32,
-    /// Requested speed, mm/s.
-    pub speed_mm_s: f32,
-    /// Role; outer wall where the program does not state one.
-    pub role: Role,
-    /// Whether a path begins with this bead.
-    pub starts: bool,
-}
-
-impl Bead {
-    /// Start of the bead, mm.
-    pub fn start(&self) -> DVec2 {
-        DVec2::new(f64::from(self.a[0]), f64::from(self.a[1]))
-    }
-
-    /// End of the bead, mm.
-    pub fn end(&self) -> DVec2 {
-        DVec2::new(f64::from(self.b[0]), f64::from(self.b[1]))
-    }
-
-    /// Full width of the stadium in a layer of this height, mm.
-    pub fn width_mm(&self, height_mm: f64) -> f64 {
-        let length = self.start().distance(self.end()).max(1e-9);
-        bead_width_mm(f64::from(self.volume_mm3) / (length * height_mm), height_mm)
-    }
-}
-
-/// Beads, travels and cuts at one height.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct BeadLayer {
-    /// Height of the nozzle, mm.
-    pub z_mm: f64,
-    /// Distance to the layer below, mm.
-    pub height_mm: f64,
-    /// Beads in printing order.
-    pub beads: Vec<Bead>,
-    /// Straight moves in plan that print nothing.
-    pub travels: Vec<[[f32; 2]; 2]>,
-    /// Number of paths.
-    pub paths: usize,
-    /// Pieces of continuous fibre that begin here.
-    pub fibre_starts: usize,
-    /// Places where fibre is cut.
-    pub cuts: Vec<[f32; 2]>,
-}
 
 /// The result of replaying a program.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Program {
     /// Name of the program that wrote the G-code, where a comment states it.
     pub generator: Option<String>,
-    /// Layers by height.
+    /// Layers from the plate up.
     pub layers: Vec<BeadLayer>,
     /// Length of all beads, mm.
     pub printed_mm: f64,
@@ -130,11 +74,20 @@ pub enum SimulateError {
     NoCommands { lines: usize },
 }
 
-/// Replays a program. `filament_mm` is the diameter of the filament; `limits` are those of the printer,
-/// for the time.
+/// Replays a program. `filament_mm` is the filament's diameter; `limits` are the printer's, for the time.
 ///
 /// # Errors
-/// [`SimulateError`] when there is nothing to run. A program that prints nothing is no error; it has no layers.
+/// [`SimulateError`] when there is nothing to replay. A program that prints nothing is no error; it has no layers.
+///
+/// ```
+/// use grainpath_gcode::{Limits, simulate};
+///
+/// let text = ";LAYER_CHANGE\nG1 Z0.2 F600\nG1 X10 Y0 F1800\n;TYPE:Perimeter\nG1 X30 E0.75\n";
+/// let program = simulate(text.as_bytes(), 1.75, &Limits::default()).expect("G-code");
+/// assert_eq!((program.layers.len(), program.layers[0].beads.len()), (1, 1));
+/// assert!((program.printed_mm - 20.0).abs() < 1e-9 && (program.travel_mm - 10.0).abs() < 1e-9);
+/// assert!((program.filament_mm - 0.75).abs() < 1e-9);
+/// ```
 pub fn simulate(bytes: &[u8], filament_mm: f64, limits: &Limits) -> Result<Program, SimulateError> {
     if bytes.is_empty() {
         return Err(SimulateError::Empty);
@@ -169,8 +122,7 @@ struct Machine {
     /// Cross-section of the fibre tool's filament, where the program states it.
     fibre_mm2: Option<f64>,
     path_open: bool,
-    /// Layers by height in tenths of a micrometre.
-    layers: BTreeMap<i64, BeadLayer>,
+    layers: LayerCollector,
     travels: Vec<[[f32; 2]; 2]>,
     /// Pieces of fibre that began since the last bead.
     fibre_starts: usize,
@@ -197,7 +149,7 @@ impl Machine {
             volumetric_mm2: filament_mm2,
             fibre_mm2: None,
             path_open: false,
-            layers: BTreeMap::new(),
+            layers: LayerCollector::default(),
             travels: Vec::new(),
             fibre_starts: 0,
             time: TimeEstimator::new(limits),
@@ -287,7 +239,14 @@ impl Machine {
     }
 
     fn comment(&mut self, comment: &[u8]) {
-        let Ok(text) = std::str::from_utf8(comment) else { return };
+        // Names of files in comments may be in any encoding.
+        let text = String::from_utf8_lossy(comment);
+        let text = text.as_ref();
+        if let Some(kind) = LayerMark::of(text) {
+            self.layers.mark(kind);
+            self.path_open = false;
+            return;
+        }
         let after = |key: &str| {
             // `get` and not slicing: a comment may end inside a character.
             let head = text.get(..key.len())?;
@@ -309,7 +268,7 @@ impl Machine {
             "FIBRE_START" => self.fibre_starts += 1,
             "FIBRE_CUT" => {
                 let [x, y, z] = self.at;
-                self.layers.entry(key(z)).or_default().cuts.push([x as f32, y as f32]);
+                self.layers.layer_at(z).cuts.push([x as f32, y as f32]);
             }
             _ => {}
         }
@@ -346,11 +305,14 @@ impl Machine {
             de = if self.absolute_e { value - self.e } else { value };
             self.e = if self.absolute_e { value } else { self.e + value };
         }
-        let mut points = vec![DVec2::new(to[0], to[1])];
+        let end = DVec2::new(to[0], to[1]);
         let start = DVec2::new(from[0], from[1]);
+        let (mut points, mut timed) = (vec![end], vec![end]);
         if code >= 2 {
             self.program.arcs += 1;
-            points = arc(start, points[0], line, self.scale, code == 2);
+            let arc = Arc::new(start, end, line, self.scale, code == 2);
+            points = arc.points(((arc.length_mm() / ARC_CHORD_MM) as usize).clamp(2, 20_000));
+            timed = arc.points(arc_pieces(arc.length_mm(), self.time.limits().arc_segment_mm));
         }
         let mut length = 0.0;
         let mut p = start;
@@ -359,6 +321,7 @@ impl Machine {
             p = *q;
         }
         self.advance(start, &points, length, to[2], to[2] - from[2], de);
+        self.spend(start, &timed, to[2] - from[2], de);
         self.at = to;
     }
 
@@ -366,7 +329,7 @@ impl Machine {
         // Retraction during a travel (wipe) has a negative E and prints nothing.
         let prints = de > 0.0 && length > 0.0;
         let single = |p: DVec2| [p.x as f32, p.y as f32];
-        // Filament length (mm) and volume (mm3) for each unit of E.
+        // Filament length (mm) and volume (mm3) per unit of E.
         let (mm, mm3) = if self.volumetric {
             (1.0 / self.volumetric_mm2, 1.0)
         } else {
@@ -384,14 +347,13 @@ impl Machine {
         for &q in points {
             // Along an arc, E and z are shared out by length.
             let share = if length > 0.0 { p.distance(q) / length } else { 1.0 };
-            let delta_mm = [q.x - p.x, q.y - p.y, dz * share, de * share * mm];
-            self.time.push(&Move { delta_mm, speed_mm_s: self.feed });
             if prints && q != p {
                 let volume = de * share * mm3;
                 self.program.filament_mm += de * share * mm;
                 self.program.extruded_mm3 += volume;
                 self.program.printed_mm += p.distance(q);
-                let layer = self.layers.entry(key(z)).or_default();
+                self.layers.count(z, p.distance(q));
+                let layer = self.layers.layer_at(z);
                 layer.fibre_starts += std::mem::take(&mut self.fibre_starts);
                 layer.paths += usize::from(!self.path_open);
                 // Travels belong to the layer of the bead that follows them.
@@ -412,15 +374,20 @@ impl Machine {
         }
     }
 
-    fn finish(mut self) -> Program {
-        let mut below = 0.0;
-        for (key, mut layer) in std::mem::take(&mut self.layers) {
-            layer.z_mm = key as f64 * 1e-4;
-            // The layer below in height, not in time: objects printed one after another share heights.
-            layer.height_mm = layer.z_mm - below;
-            below = layer.z_mm;
-            self.program.layers.push(layer);
+    /// Counts the time of a move, in the pieces that the firmware makes of it.
+    fn spend(&mut self, start: DVec2, points: &[DVec2], dz: f64, de: f64) {
+        let de = if self.volumetric { de / self.volumetric_mm2 } else { de };
+        let share = 1.0 / points.len() as f64;
+        let mut p = start;
+        for &q in points {
+            let delta_mm = [q.x - p.x, q.y - p.y, dz * share, de * share];
+            self.time.push(&Move { delta_mm, speed_mm_s: self.feed });
+            p = q;
         }
+    }
+
+    fn finish(mut self) -> Program {
+        self.program.layers = std::mem::take(&mut self.layers).finish();
         if self.n_broken > 5 {
             let text = format!("{} lines cannot be understood", self.n_broken);
             self.program.warnings.push(Warning::new(WarningId::GcodeNotRead, text));
@@ -430,45 +397,58 @@ impl Machine {
     }
 }
 
-/// A height in tenths of a micrometre, as a key. Rounding joins heights that differ by the writer's
-/// rounding.
-fn key(z_mm: f64) -> i64 {
-    (z_mm * 1e4).round() as i64
+/// Chords into which the beads of an arc are divided, mm. A circle of 5 mm radius is off by 0.25 um.
+const ARC_CHORD_MM: f64 = 0.1;
+
+/// An arc of G2 or G3.
+struct Arc {
+    centre: DVec2,
+    radius_mm: f64,
+    /// Angle at which it begins, and how far it turns: positive counter-clockwise.
+    start_rad: f64,
+    sweep_rad: f64,
+    end: DVec2,
 }
 
-/// The points of an arc after its start, divided as the outside check divides it.
-fn arc(from: DVec2, to: DVec2, line: &Line<'_>, scale: f64, clockwise: bool) -> Vec<DVec2> {
-    let centre = match line.word(b'R') {
-        // The R form: the centre lies on the perpendicular bisector. A negative R means the longer arc.
-        Some(r) => {
-            let (r, d) = (r * scale, to - from);
-            let length = d.length().max(1e-12);
-            let h = (r * r - 0.25 * length * length).max(0.0).sqrt();
-            let side = if clockwise == (r > 0.0) { -1.0 } else { 1.0 };
-            from + 0.5 * d + DVec2::new(-d.y, d.x) * (side * h / length)
+impl Arc {
+    fn new(from: DVec2, to: DVec2, line: &Line<'_>, scale: f64, clockwise: bool) -> Self {
+        let centre = match line.word(b'R') {
+            // The R form: the centre lies on the perpendicular bisector. A negative R means the longer arc.
+            Some(r) => {
+                let (r, d) = (r * scale, to - from);
+                let length = d.length().max(1e-12);
+                let h = (r * r - 0.25 * length * length).max(0.0).sqrt();
+                let side = if clockwise == (r > 0.0) { -1.0 } else { 1.0 };
+                from + 0.5 * d + DVec2::new(-d.y, d.x) * (side * h / length)
+            }
+            None => from + DVec2::new(line.word(b'I').unwrap_or(0.0), line.word(b'J').unwrap_or(0.0)) * scale,
+        };
+        let (u, v) = (from - centre, to - centre);
+        let start_rad = atan2(u.y, u.x);
+        let mut sweep_rad = atan2(v.y, v.x) - start_rad;
+        let turn = std::f64::consts::TAU;
+        if clockwise && sweep_rad >= -1e-12 {
+            sweep_rad -= turn;
         }
-        None => from + DVec2::new(line.word(b'I').unwrap_or(0.0), line.word(b'J').unwrap_or(0.0)) * scale,
-    };
-    let (u, v) = (from - centre, to - centre);
-    let r = u.length();
-    let start = atan2(u.y, u.x);
-    let mut sweep = atan2(v.y, v.x) - start;
-    let turn = std::f64::consts::TAU;
-    // Equal ends mean a full circle, not an empty arc (NIST RS274/NGC, section 3.5.3).
-    if clockwise && sweep >= -1e-12 {
-        sweep -= turn;
+        // Equal ends mean a full circle, not an empty arc (NIST RS274/NGC, section 3.5.3).
+        if !clockwise && sweep_rad <= 1e-12 {
+            sweep_rad += turn;
+        }
+        Self { centre, radius_mm: u.length(), start_rad, sweep_rad, end: to }
     }
-    if !clockwise && sweep <= 1e-12 {
-        sweep += turn;
+
+    fn length_mm(&self) -> f64 {
+        self.sweep_rad.abs() * self.radius_mm
     }
-    // Chords of 0.1 mm; at least two, so that a half circle does not become a line, and at most 20 000 on
-    // a damaged radius.
-    let steps = ((sweep.abs() * r / 0.1) as usize).clamp(2, 20_000);
-    let point = |i: usize| {
-        let (s, c) = sin_cos(start + sweep * i as f64 / steps as f64);
-        centre + DVec2::new(c, s) * r
-    };
-    (1..steps).map(point).chain([to]).collect()
+
+    /// The ends of `n` equal pieces; the last is the arc's end as it was given.
+    fn points(&self, n: usize) -> Vec<DVec2> {
+        let point = |i: usize| {
+            let (s, c) = sin_cos(self.start_rad + self.sweep_rad * i as f64 / n as f64);
+            self.centre + DVec2::new(c, s) * self.radius_mm
+        };
+        (1..n).map(point).chain([self.end]).collect()
+    }
 }
 
 /// The role that PrusaSlicer, its relatives or Cura call by this name.

@@ -4,14 +4,15 @@ use std::fmt::Write as _;
 use std::io;
 
 use base64::Engine;
+use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::bead_area_mm2;
 use grainpath_core::{DVec2, LayerPlan, Plan, PlannedPath, Role, SpeedClass, Toolpath};
 
-use super::arcs::arc_from;
+use super::arcs::{Arc, arc_from};
 use super::fibre_runs::{InRun, runs as fibre_runs};
 use super::number::push_fixed;
 use super::{GcodeError, Thumbnail, WriteConfig, Written};
-use crate::kinematics::{Limits, Move, TimeEstimator};
+use crate::kinematics::{Limits, Move, TimeEstimator, arc_pieces};
 use crate::machine::{Flavour, Material};
 
 /// Step in which filament is counted, mm. Source: E has five decimals in the G-code. Whole steps keep
@@ -308,7 +309,9 @@ impl<'a> Writer<'a> {
         let rate = bead_area_mm2(path.width_at(0), height_mm) * per_mm;
         let mut i = 0;
         while i + 1 < points.len() {
-            if let Some(arc) = arc_from(&points, i, tolerance) {
+            let arc = arc_from(&points, i, tolerance);
+            let end = arc.map_or(i + 1, |arc| arc.end);
+            if let Some(arc) = arc.filter(|arc| self.arc_saves_time(&points[i..=end], arc, rate, speed)) {
                 // The volume is that of the chords, which the arc replaces.
                 let chords: f64 = points[i..=arc.end].windows(2).map(|w| w[0].distance(w[1])).sum();
                 self.accelerate(self.config.machine.limits.acceleration_mm_s2);
@@ -323,19 +326,68 @@ impl<'a> Writer<'a> {
                     push_fixed(&mut self.buffer, (c * 1e3).round() as i64, 3);
                 }
                 self.e(chords * rate, speed);
-                // Time and length are counted by chords too, so that they do not depend on the setting
-                // for arcs.
-                for w in points[i..=arc.end].windows(2) {
-                    let length = w[0].distance(w[1]);
-                    self.count(length, length * rate, speed, w[1] - w[0]);
+                self.sum_up(chords, chords * rate);
+                for m in self.arc_moves(&points[i..=arc.end], &arc, chords * rate, speed) {
+                    self.time.push(&m);
                 }
-                i = arc.end;
             } else {
-                self.extrude(points[i], points[i + 1], points[i].distance(points[i + 1]), rate, speed);
-                i += 1;
+                for w in points[i..=end].windows(2) {
+                    self.extrude(w[0], w[1], w[0].distance(w[1]), rate, speed);
+                }
             }
+            i = end;
         }
         self.settle();
+    }
+
+    /// The straight moves into which the firmware divides an arc over these points.
+    fn arc_moves(&self, points: &[DVec2], arc: &Arc, filament: f64, speed_mm_s: f64) -> Vec<Move> {
+        let n = arc_pieces(arc.length_mm, self.config.machine.limits.arc_segment_mm);
+        let first = points[0] - arc.centre;
+        let sweep = arc.length_mm / first.length() * if arc.counter_clockwise { 1.0 } else { -1.0 };
+        let place = |k: usize| match k {
+            0 => points[0],
+            k if k == n => points[points.len() - 1],
+            k => arc.centre + rotated(first, direction(sweep * k as f64 / n as f64)),
+        };
+        let piece = |k: usize| {
+            let d = place(k + 1) - place(k);
+            Move { delta_mm: [d.x, d.y, 0.0, filament / n as f64], speed_mm_s }
+        };
+        (0..n).map(piece).collect()
+    }
+
+    /// Whether the firmware is at least as fast along an arc as along the chords it stands for.
+    ///
+    /// Firmware that divides arcs coarsely turns at few, sharp corners: with Klipper's 1 mm a small arc takes longer than
+    /// its fine chords. Both are timed between straight ends along which the head speeds up and brakes.
+    fn arc_saves_time(&self, points: &[DVec2], arc: &Arc, rate: f64, speed_mm_s: f64) -> bool {
+        let limits = &self.config.machine.limits;
+        let chords: Vec<Move> = (points.windows(2))
+            .map(|w| {
+                let d = w[1] - w[0];
+                Move { delta_mm: [d.x, d.y, 0.0, d.length() * rate], speed_mm_s }
+            })
+            .collect();
+        let length: f64 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
+        let pieces = self.arc_moves(points, arc, length * rate, speed_mm_s);
+        let ramp = 0.5 * speed_mm_s * speed_mm_s / limits.acceleration_mm_s2.max(1.0) + 1.0;
+        let tangent = |radius: DVec2| {
+            let t = DVec2::new(-radius.y, radius.x).normalize_or_zero();
+            let d = if arc.counter_clockwise { t } else { -t } * ramp;
+            Move { delta_mm: [d.x, d.y, 0.0, ramp * rate], speed_mm_s }
+        };
+        let (lead_in, lead_out) =
+            (tangent(points[0] - arc.centre), tangent(points[points.len() - 1] - arc.centre));
+        let time = |moves: &[Move]| {
+            let mut time = TimeEstimator::new(*limits);
+            time.push(&lead_in);
+            moves.iter().for_each(|m| time.push(m));
+            time.push(&lead_out);
+            time.seconds()
+        };
+        // Equal but for rounding counts as saved: an arc is one line instead of many.
+        time(&pieces) <= time(&chords) * (1.0 + 1e-4)
     }
 
     /// Pushes the filament that the last moves of a path, too short to write, have left over.
@@ -487,12 +539,17 @@ impl<'a> Writer<'a> {
     }
 
     fn count(&mut self, length: f64, filament: f64, speed: f64, delta: DVec2) {
+        self.sum_up(length, filament);
+        self.time.push(&Move { delta_mm: [delta.x, delta.y, 0.0, filament], speed_mm_s: speed });
+    }
+
+    /// Adds a printing move to the sums.
+    fn sum_up(&mut self, length: f64, filament: f64) {
         self.written.printed_mm += length;
         let volume = filament * self.filament_mm2;
         self.written.extruded_mm3 += volume;
         self.written.filament_mm += filament;
         self.written.mass_g += volume * 1e-3 * self.material.density_g_cm3;
-        self.time.push(&Move { delta_mm: [delta.x, delta.y, 0.0, filament], speed_mm_s: speed });
     }
 
     /// Ends a printing move with its filament and speed.

@@ -9,7 +9,8 @@ use grainpath_core::units::{LengthUnit, bead_spacing_mm};
 use grainpath_core::{Bounds2, DVec2, DVec3, Density};
 use grainpath_fea::material::Orthotropic;
 use grainpath_gcode::{
-    Cooling, Corner, FibreTool, Flavour, Limits, Machine, Material, Retraction, Speeds, WriteConfig,
+    Cooling, Corner, FibreTool, Flavour, KLIPPER_ARC_SEGMENT_MM, KLIPPER_MIN_CRUISE_RATIO, Limits, Machine,
+    Material, Retraction, Speeds, WriteConfig,
 };
 use grainpath_io::OutlineOptions;
 use grainpath_io::fe::{FeOptions, Order, StressUnit};
@@ -485,7 +486,14 @@ pub fn order(s: &Settings) -> OrderSettings {
 /// Speeds and accelerations of the printer, for the time estimate.
 pub fn limits(s: &Settings) -> Limits {
     let p = &s.printer;
+    // The settings name no cruise ratio and no division of arcs, so the firmware's defaults hold.
+    let (min_cruise_ratio, arc_segment_mm) = match flavour(s) {
+        Flavour::Klipper => (KLIPPER_MIN_CRUISE_RATIO, KLIPPER_ARC_SEGMENT_MM),
+        Flavour::Marlin | Flavour::RepRapFirmware => (0.0, Limits::default().arc_segment_mm),
+    };
     Limits {
+        min_cruise_ratio,
+        arc_segment_mm,
         max_speed_mm_s: p.max_speed_mm_s,
         acceleration_mm_s2: p.acceleration_mm_s2,
         travel_acceleration_mm_s2: p.travel_acceleration_mm_s2,
@@ -500,14 +508,18 @@ pub fn limits(s: &Settings) -> Limits {
     }
 }
 
+fn flavour(s: &Settings) -> Flavour {
+    match s.printer.flavour {
+        choices::Flavour::Marlin => Flavour::Marlin,
+        choices::Flavour::Klipper => Flavour::Klipper,
+        choices::Flavour::Rrf => Flavour::RepRapFirmware,
+    }
+}
+
 pub(crate) fn machine(s: &Settings) -> Machine {
     let p = &s.printer;
     Machine {
-        flavour: match p.flavour {
-            choices::Flavour::Marlin => Flavour::Marlin,
-            choices::Flavour::Klipper => Flavour::Klipper,
-            choices::Flavour::Rrf => Flavour::RepRapFirmware,
-        },
+        flavour: flavour(s),
         nozzle_mm: p.nozzle_mm,
         filament_mm: p.filament_mm,
         bed_mm: p.bed_mm,

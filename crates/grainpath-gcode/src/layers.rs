@@ -1,0 +1,276 @@
+//! Beads, and the layer that each belongs to: by the marks that slicers write, or by height.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::units::bead_width_mm;
+use grainpath_core::{DVec2, Role};
+
+/// A straight piece of bead. It takes 32 bytes, since a program has millions of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bead {
+    /// Start, mm, in the machine's coordinates.
+    pub a: [f32; 2],
+    /// End, mm.
+    pub b: [f32; 2],
+    /// Extruded volume, mm3.
+    pub volume_mm3: f32,
+    /// Requested speed, mm/s.
+    pub speed_mm_s: f32,
+    /// Role; outer wall where the program does not state one.
+    pub role: Role,
+    /// Whether a path begins with this bead.
+    pub starts: bool,
+}
+
+impl Bead {
+    /// Start of the bead, mm.
+    pub fn start(&self) -> DVec2 {
+        DVec2::new(f64::from(self.a[0]), f64::from(self.a[1]))
+    }
+
+    /// End of the bead, mm.
+    pub fn end(&self) -> DVec2 {
+        DVec2::new(f64::from(self.b[0]), f64::from(self.b[1]))
+    }
+
+    /// Full width of the stadium in a layer of this height, mm.
+    pub fn width_mm(&self, height_mm: f64) -> f64 {
+        let length = self.start().distance(self.end()).max(1e-9);
+        bead_width_mm(f64::from(self.volume_mm3) / (length * height_mm), height_mm)
+    }
+}
+
+/// All that is printed in one layer.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BeadLayer {
+    /// Height of the nozzle in most of the layer, mm.
+    pub z_mm: f64,
+    /// Distance to the layer below, mm.
+    pub height_mm: f64,
+    /// Beads in printing order.
+    pub beads: Vec<Bead>,
+    /// Straight moves in plan that print nothing.
+    pub travels: Vec<[[f32; 2]; 2]>,
+    /// Number of paths.
+    pub paths: usize,
+    /// Pieces of continuous fibre that begin here.
+    pub fibre_starts: usize,
+    /// Places where fibre is cut.
+    pub cuts: Vec<[f32; 2]>,
+}
+
+/// A comment with which a slicer marks the beginning of a layer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum LayerMark {
+    /// `;LAYER_CHANGE`: PrusaSlicer, SuperSlicer, OrcaSlicer, grainpath.
+    LayerChange,
+    /// `; CHANGE_LAYER`: Bambu Studio.
+    ChangeLayer,
+    /// `;LAYER:12`: Cura, ideaMaker.
+    LayerNumber,
+    /// `; layer 12, Z = 2.4`: Simplify3D.
+    LayerText,
+}
+
+impl LayerMark {
+    /// The mark that this comment is, if it is one.
+    pub(crate) fn of(comment: &str) -> Option<Self> {
+        let number_after = |head: &str| {
+            let rest = comment.get(..head.len()).filter(|h| h.eq_ignore_ascii_case(head));
+            rest.is_some_and(|_| {
+                let rest = comment[head.len()..].trim_start_matches('-');
+                rest.starts_with(|c: char| c.is_ascii_digit())
+            })
+        };
+        match comment {
+            "LAYER_CHANGE" => Some(Self::LayerChange),
+            "CHANGE_LAYER" => Some(Self::ChangeLayer),
+            _ if number_after("LAYER:") => Some(Self::LayerNumber),
+            _ if number_after("layer ") => Some(Self::LayerText),
+            _ => None,
+        }
+    }
+}
+
+/// A height in tenths of a micrometre.
+fn key(z_mm: f64) -> i64 {
+    (z_mm * 1e4).round() as i64
+}
+
+/// What is printed after a mark, by height.
+#[derive(Default)]
+struct Marked {
+    /// The layer's parts: one a height.
+    parts: Vec<(i64, BeadLayer)>,
+    /// Length printed at each height, mm.
+    printed_mm: BTreeMap<i64, f64>,
+}
+
+impl Marked {
+    /// The height at which most is printed; where no height has half of the length, as in a spiral, the highest.
+    fn height(&self) -> Option<i64> {
+        let whole: f64 = self.printed_mm.values().sum();
+        let most = self.printed_mm.iter().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)))?;
+        if *most.1 >= 0.5 * whole { Some(*most.0) } else { self.printed_mm.keys().next_back().copied() }
+    }
+}
+
+/// Collects layers while a program is replayed.
+#[derive(Default)]
+pub(crate) struct LayerCollector {
+    /// The kind of mark that counts: the first that was found.
+    kind: Option<LayerMark>,
+    /// What comes before the first mark (a priming line) is the first.
+    marked: Vec<Marked>,
+    /// Whether nothing was printed before the first mark.
+    starts_marked: bool,
+}
+
+impl LayerCollector {
+    /// Notes a mark.
+    pub(crate) fn mark(&mut self, kind: LayerMark) {
+        self.starts_marked |= self.kind.is_none() && self.marked.is_empty();
+        if *self.kind.get_or_insert(kind) == kind {
+            self.marked.push(Marked::default());
+        }
+    }
+
+    fn current(&mut self) -> &mut Marked {
+        if self.marked.is_empty() {
+            self.marked.push(Marked::default());
+        }
+        let last = self.marked.len() - 1;
+        &mut self.marked[last]
+    }
+
+    /// Counts a bead of this length at a height.
+    pub(crate) fn count(&mut self, z_mm: f64, length_mm: f64) {
+        *self.current().printed_mm.entry(key(z_mm)).or_default() += length_mm;
+    }
+
+    /// What is printed at a height of the current layer.
+    pub(crate) fn layer_at(&mut self, z_mm: f64) -> &mut BeadLayer {
+        let parts = &mut self.current().parts;
+        // Heights change seldom, and a spiral never comes back to one.
+        if parts.last().is_none_or(|(k, _)| *k != key(z_mm)) {
+            parts.push((key(z_mm), BeadLayer::default()));
+        }
+        let last = parts.len() - 1;
+        &mut parts[last].1
+    }
+
+    /// Moves what is printed before the first mark into the first layer; the height of that layer stays.
+    fn join_priming(&mut self) {
+        if self.starts_marked {
+            return;
+        }
+        let priming = self.marked.remove(0);
+        self.marked[0].parts.splice(..0, priming.parts);
+    }
+
+    /// The layers from the plate up, with their heights.
+    pub(crate) fn finish(mut self) -> Vec<BeadLayer> {
+        self.marked.retain(|m| !m.parts.is_empty());
+        if self.kind.is_some() && self.marked.len() > 1 {
+            self.join_priming();
+        }
+        let heights: Vec<i64> = self.marked.iter().filter_map(Marked::height).collect();
+        let rising = heights.len() == self.marked.len() && heights.is_sorted_by(|a, b| a < b);
+        let mut layers: BTreeMap<i64, BeadLayer> = BTreeMap::new();
+        for marked in self.marked {
+            let own = marked.height();
+            for (at, part) in marked.parts {
+                let height = own.filter(|_| self.kind.is_some() && rising).unwrap_or(at);
+                layers.entry(height).or_default().append(part);
+            }
+        }
+        let mut below_mm = 0.0;
+        let finished = layers.into_iter().map(|(height, mut layer)| {
+            layer.z_mm = height as f64 * 1e-4;
+            layer.height_mm = layer.z_mm - below_mm;
+            below_mm = layer.z_mm;
+            layer
+        });
+        finished.collect()
+    }
+}
+
+impl BeadLayer {
+    fn append(&mut self, mut other: Self) {
+        self.beads.append(&mut other.beads);
+        self.travels.append(&mut other.travels);
+        self.cuts.append(&mut other.cuts);
+        self.paths += other.paths;
+        self.fibre_starts += other.fibre_starts;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write as _;
+
+    use crate::{Limits, simulate};
+
+    /// Squares of 10 mm at these heights, each after its mark.
+    fn squares(heights: &[f64], mark: impl Fn(usize) -> String) -> String {
+        let mut text = String::from("G21\nG90\nM83\n");
+        for (i, z) in heights.iter().enumerate() {
+            let _ = write!(
+                text,
+                "{}\nG1 Z{z} F600\nG1 X0 Y0\nG1 X10 E0.4\nG1 Y10 E0.4\nG1 X0 E0.4\nG1 Y0 E0.4\n",
+                mark(i)
+            );
+        }
+        text
+    }
+
+    fn heights_of(text: &str) -> Vec<f64> {
+        let program = simulate(text.as_bytes(), 1.75, &Limits::default()).expect("G-code");
+        program.layers.iter().map(|l| (l.z_mm * 1e3).round() * 1e-3).collect()
+    }
+
+    #[test]
+    fn marks_of_every_slicer_are_layers() {
+        let marks: [fn(usize) -> String; 5] = [
+            |_| ";LAYER_CHANGE\n;Z:0.2\n;HEIGHT:0.2".into(),
+            |_| "; CHANGE_LAYER\n; Z_HEIGHT: 0.2".into(),
+            |i| format!(";LAYER:{i}"),
+            |i| format!("; layer {}, Z = 0.2", i + 1),
+            |_| String::new(),
+        ];
+        for mark in marks {
+            assert_eq!(heights_of(&squares(&[0.2, 0.4, 0.6], mark)), [0.2, 0.4, 0.6], "{:?}", mark(0));
+        }
+    }
+
+    /// A spiral rises with every move; a short piece at another height is part of the layer around it.
+    #[test]
+    fn marks_keep_spirals_and_odd_heights_together() {
+        let mut spiral = String::from("G90\nM83\n");
+        for layer in 0..3 {
+            let _ = writeln!(spiral, ";LAYER_CHANGE");
+            for k in 1..=40 {
+                let z = 0.2 * f64::from(layer) + 0.2 * f64::from(k) / 40.0;
+                let _ = writeln!(spiral, "G1 X{} Y{} Z{z} E0.1 F1200", k % 7, k % 5);
+            }
+        }
+        assert_eq!(heights_of(&spiral), [0.2, 0.4, 0.6]);
+        let odd = squares(&[0.2, 0.4], |_| ";LAYER_CHANGE".into());
+        let odd = format!("{odd}G1 Z0.45\nG1 X1 E0.04\n");
+        assert_eq!(heights_of(&odd), [0.2, 0.4]);
+    }
+
+    /// Objects one after the other begin at the plate again: layers are by height.
+    #[test]
+    fn layers_that_do_not_rise_are_by_height() {
+        let text = squares(&[0.2, 0.4, 0.2, 0.4, 0.6], |i| format!(";LAYER:{i}"));
+        assert_eq!(heights_of(&text), [0.2, 0.4, 0.6]);
+    }
+
+    #[test]
+    fn priming_before_the_first_mark_is_part_of_the_first_layer() {
+        let text = squares(&[0.2, 0.4], |i| format!(";LAYER:{i}"));
+        let primed = format!("M83\nG1 Z0.28 F600\nG1 X100 E5\n{text}");
+        assert_eq!(heights_of(&primed), [0.2, 0.4]);
+    }
+}
