@@ -7,6 +7,7 @@
 //! polynomials of the matrix scaled by its block diagonal (`adams2003`), which need no order of the
 //! unknowns and so give the same result for any number of threads. Cost: linear in the nodes.
 
+use grainpath_core::dense::{cholesky_in_place, cholesky_solve};
 use grainpath_core::{DMat3, DVec3, IVec3};
 use rayon::prelude::*;
 
@@ -120,7 +121,7 @@ impl Transfer {
 /// The levels, finest first, and the factor of the coarsest one.
 pub(crate) struct Multigrid {
     levels: Vec<Level>,
-    dense: Dense,
+    dense: CoarsestFactor,
     dense_x: Vec<f64>,
 }
 
@@ -199,7 +200,7 @@ impl Multigrid {
             // coincides.
             (transfer, cells) = Grid { origin: DVec3::ZERO, width: 2.0 }.over(&places, Vec::new());
         }
-        let dense = Dense::new(&matrix);
+        let dense = CoarsestFactor::new(&matrix);
         let dense_x = vec![0.0; 3 * matrix.n()];
         Self { levels, dense, dense_x }
     }
@@ -475,15 +476,15 @@ fn galerkin(fine: &Blocks, transfer: &Transfer, cells: &[IVec3]) -> Blocks {
     Blocks::from_rows((0..transfer.n_coarse).into_par_iter().map(row).collect())
 }
 
-/// Cholesky factor of the coarsest matrix. Directions without stiffness are left out instead of
-/// failing: nodes whose weights depend on others, or that have no free node below them.
-struct Dense {
+/// Cholesky factor of the coarsest matrix. Directions without stiffness (nodes whose weights depend on others, or with
+/// nothing free below them) are left out, as [`cholesky_in_place`] does with unknowns that the others determine.
+struct CoarsestFactor {
     n: usize,
     /// Lower triangle by rows.
     factor: Vec<f64>,
 }
 
-impl Dense {
+impl CoarsestFactor {
     fn new(matrix: &Blocks) -> Self {
         let n = 3 * matrix.n();
         let mut a = vec![0.0; n * n];
@@ -496,53 +497,13 @@ impl Dense {
                 }
             }
         }
-        for i in 0..n {
-            // Row by row: a row of the factor depends on finished rows alone.
-            let (above, own) = a.split_at_mut(i * n);
-            let own = &mut own[..n];
-            let whole = own[i];
-            for j in 0..i {
-                let other = &above[j * n..j * n + n];
-                let pivot = other[j];
-                let sum = own[j] - product(&own[..j], &other[..j]);
-                own[j] = if pivot > 0.0 { sum / pivot } else { 0.0 };
-            }
-            let rest = whole - product(&own[..i], &own[..i]);
-            // What is left of the diagonal is rounding: the direction depends on those before it.
-            own[i] = if rest > 1e-9 * whole { rest.sqrt() } else { 0.0 };
-        }
+        cholesky_in_place(&mut a, n);
         Self { n, factor: a }
     }
 
     fn solve(&self, x: &mut [f64]) {
-        let n = self.n;
-        for i in 0..n {
-            let row = &self.factor[i * n..i * n + i + 1];
-            let sum = x[i] - product(&row[..i], &x[..i]);
-            x[i] = if row[i] > 0.0 { sum / row[i] } else { 0.0 };
-        }
-        for i in (0..n).rev() {
-            let row = &self.factor[i * n..i * n + i + 1];
-            x[i] = if row[i] > 0.0 { x[i] / row[i] } else { 0.0 };
-            let value = x[i];
-            for (x, l) in x[..i].iter_mut().zip(row) {
-                *x -= l * value;
-            }
-        }
+        cholesky_solve(&self.factor, x);
     }
-}
-
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    // Four running sums break the chain of additions, so that vector instructions apply.
-    let mut sums = [0.0; 4];
-    let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a4.zip(b4) {
-        for k in 0..4 {
-            sums[k] += a[k] * b[k];
-        }
-    }
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
 #[cfg(test)]
