@@ -90,6 +90,23 @@ impl Grid {
         }
     }
 
+    /// Calls `each` with the rows that an edge crosses and the first cell right of the crossing.
+    fn for_each_row(&self, a: DVec2, b: DVec2, mut each: impl FnMut(usize, usize)) {
+        // In cells, with centres at whole numbers.
+        let (a, b) = ((a - self.origin) / self.cell_mm - 0.5, (b - self.origin) / self.cell_mm - 0.5);
+        let (lo, hi) = if a.y < b.y { (a, b) } else { (b, a) };
+        // Half-open in y: a vertex on a row of centres counts for one of its two edges.
+        let (first, end) = (lo.y.ceil().max(0.0) as usize, hi.y.ceil().clamp(0.0, self.ny as f64) as usize);
+        let slope = (hi.x - lo.x) / (hi.y - lo.y);
+        for row in first..end {
+            let x = lo.x + (row as f64 - lo.y) * slope;
+            let column = x.ceil().max(0.0) as usize;
+            if column < self.nx {
+                each(row, column);
+            }
+        }
+    }
+
     /// The bits of a word that lie in a run of cells.
     fn run(word: usize, from: usize, to: usize) -> u64 {
         let first = if word == from / 64 { from % 64 } else { 0 };
@@ -164,6 +181,26 @@ impl Mask {
         mask
     }
 
+    /// The cells whose centres closed lines wind around (non-zero rule). The cost is that of the rows each edge crosses, and
+    /// does not depend on how often the lines cross.
+    pub fn wound<'a>(grid: Grid, contours: impl IntoIterator<Item = &'a Contour>) -> Self {
+        // How the winding number changes at each cell.
+        let mut turns = vec![0i32; grid.nx * grid.ny];
+        for (a, b) in contours.into_iter().flat_map(|c| edges(c)) {
+            let turn = if a.y < b.y { 1 } else { -1 };
+            grid.for_each_row(a, b, |row, column| turns[row * grid.nx + column] += turn);
+        }
+        let mut mask = Self::empty(grid);
+        for (row, turns) in turns.chunks(grid.nx).enumerate() {
+            let mut winding = 0;
+            for (column, turn) in turns.iter().enumerate() {
+                winding += turn;
+                mask.bits[row * grid.words + column / 64] |= u64::from(winding != 0) << (column % 64);
+            }
+        }
+        mask
+    }
+
     /// The same, and every cell that a border passes through, so that thin parts between the cells'
     /// centres are not lost.
     pub fn touched(grid: Grid, region: &Region) -> Self {
@@ -204,20 +241,9 @@ impl Mask {
 
     /// Flips, in every row that the edge crosses, the bit of the first cell right of the crossing.
     fn toggle_right_of(&mut self, a: DVec2, b: DVec2) {
-        let g = self.grid;
-        // In cells, with centres at whole numbers.
-        let (a, b) = ((a - g.origin) / g.cell_mm - 0.5, (b - g.origin) / g.cell_mm - 0.5);
-        let (lo, hi) = if a.y < b.y { (a, b) } else { (b, a) };
-        // Half-open in y: a vertex on a row of centres counts for one of its two edges.
-        let (first, end) = (lo.y.ceil().max(0.0) as usize, hi.y.ceil().clamp(0.0, g.ny as f64) as usize);
-        let slope = (hi.x - lo.x) / (hi.y - lo.y);
-        for row in first..end {
-            let x = lo.x + (row as f64 - lo.y) * slope;
-            let column = x.ceil().max(0.0) as usize;
-            if column < g.nx {
-                self.bits[row * g.words + column / 64] ^= 1 << (column % 64);
-            }
-        }
+        let words = self.grid.words;
+        self.grid
+            .for_each_row(a, b, |row, column| self.bits[row * words + column / 64] ^= 1 << (column % 64));
     }
 
     /// Whether no cell is set.
@@ -439,6 +465,18 @@ mod tests {
 
     fn square(lo: f64, hi: f64) -> Region {
         Region::rectangle(DVec2::splat(lo), DVec2::splat(hi))
+    }
+
+    /// Where even-odd counting leaves the overlap of two squares out, winding keeps it; a hole wound the other way stays.
+    #[test]
+    fn winding_keeps_overlaps_and_holes() {
+        let (a, b) = (square(5.0, 15.0), square(10.0, 20.0));
+        let mut hole = square(6.0, 8.0).polygons[0].outer.clone();
+        hole.reverse();
+        let contours = [a.polygons[0].outer.clone(), b.polygons[0].outer.clone(), hole];
+        let area = Mask::wound(grid(), &contours).area_mm2();
+        assert!((area - (175.0 - 4.0)).abs() < 1.0, "{area}");
+        assert!((Mask::of_contours(grid(), &contours).area_mm2() - (150.0 - 4.0)).abs() < 1.0);
     }
 
     #[test]

@@ -82,6 +82,9 @@ warning_ids! {
     MeshNonManifold = "mesh-non-manifold",
         "More than two faces meet at an edge of the mesh; overlapping sections were united.",
         "look at the layers concerned, or unite the bodies in the mesh";
+    MeshTangled = "mesh-tangled",
+        "The surface of the mesh crosses itself so often that sections were cut on a grid of cells instead of exactly.",
+        "repair the mesh where it was made; look at the layers concerned";
     ThreemfRule = "3mf-rule",
         "A 3MF file breaks a rule of the 3MF specification; its meshes could still be read.",
         "export the file again, or report the rule to the maker of the program that wrote it";

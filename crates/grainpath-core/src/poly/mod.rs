@@ -7,6 +7,7 @@ mod boolean;
 mod clip;
 mod offset;
 mod simplify;
+mod tangle;
 
 use crate::Bounds2;
 use glam::DVec2;
@@ -15,6 +16,7 @@ pub use boolean::FillRule;
 pub use clip::{ClippedLine, Crossing, LineClipper};
 pub use offset::Join;
 pub use simplify::{simplify_contour, simplify_line};
+pub use tangle::crosses_more_than;
 
 use crate::math::cross;
 
