@@ -19,8 +19,7 @@ const ALLOWED: [(&str, &[&str]); 11] = [
     ("grainpath-gcode", &["grainpath-core"]),
     ("grainpath-fea", &["grainpath-core"]),
     ("grainpath-job", &["grainpath-core"]),
-    // `grainpath-io` until the trait of slices stands in core.
-    ("grainpath-imaging", &["grainpath-core", "grainpath-io"]),
+    ("grainpath-imaging", &["grainpath-core"]),
     // `grainpath-parts` for tests alone: synthetic boards know the truth.
     ("grainpath", &[CORE, IO, GCODE, FEA, JOB, IMAGING, "grainpath-parts"]),
     ("grainpath-view", &[CORE, GCODE, FEA, IMAGING, "grainpath"]),

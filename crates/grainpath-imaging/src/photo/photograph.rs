@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use grainpath_io::image::{Image, Samples};
+use grainpath_core::image::{Image, Samples};
 use rayon::prelude::*;
 
 use super::warp::Shrinking;

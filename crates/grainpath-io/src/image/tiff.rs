@@ -66,7 +66,7 @@ pub fn read_page<R: std::io::Read + std::io::Seek>(
         DecodingResult::I32(v) => Samples::F32(v.into_iter().map(|s| s as f32).collect()),
         DecodingResult::U64(_) | DecodingResult::I64(_) => return Err(unsupported("64-bit integers".into())),
     };
-    if samples.len() != w * h * channels {
+    if samples.count() != w * h * channels {
         return Err(malformed(FORMAT, "it does not hold the pixels its header promises"));
     }
     if let ColorType::Palette(bits) = colour {
