@@ -98,6 +98,13 @@ const JOBS: &[Job] = &[
     ),
     ("stress-solid", "stress-lines/bracket.toml", &["guide.element_mm=6", "process.layer_height_mm=0.4"]),
     ("stress-imported", "imported.toml", &[]),
+    // Directions of the user's own.
+    ("field", "field/job.toml", &["process.layer_height_mm=0.4"]),
+    (
+        "field-turned",
+        "field/job.toml",
+        &["shape.rotate_deg=[0, 0, 37]", "fill.pattern=streamlines", "fill.density=0.4"],
+    ),
     // Continuous paths and fibre.
     ("fibre-plate", "continuous/plate.toml", &[]),
     ("fibre-hook-cut", "continuous/hook.toml", &["fibre.turns=cut", "fibre.start=calm"]),
@@ -323,7 +330,7 @@ fn prepare(binary: &Path, folder: &Path) -> Result<(), String> {
     }
     let grainpath =
         |args: &[&str]| crate::output(Command::new(binary).current_dir(folder).args(args)).map(|_| ());
-    for preset in ["plate", "stress-lines", "woodgrain", "tree-support", "continuous"] {
+    for preset in ["plate", "stress-lines", "field", "woodgrain", "tree-support", "continuous"] {
         grainpath(&["new", preset])?;
     }
     grainpath(&["new", "ct", "--pixels", "64"])?;

@@ -9,6 +9,7 @@ use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SliceSource;
 use grainpath_gcode::{Limits, Program, simulate};
 use grainpath_imaging::photo::Photo;
+use grainpath_io::directions::{DirectionOptions, DirectionSamples, parse_directions};
 use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
 use grainpath_io::volume::{Files, RawHeader, ReadSeek, open_volume};
@@ -52,6 +53,7 @@ pub fn claim_inputs(settings: &Settings, shape: &Path, base: &Path, claims: &mut
         ("of shape.ct.truth", &settings.ct.truth),
         ("of guide.import", &settings.guide.import),
         ("of guide.volume", &settings.volume.path),
+        ("of guide.field", &settings.field.path),
     ];
     for (what, file) in photos.chain(images).chain(others).filter(|(_, f)| !f.is_empty()) {
         claims.read(what, &base.join(file));
@@ -68,15 +70,16 @@ pub fn plan(
     let path = shape.display().to_string();
     let start = std::time::Instant::now();
     let photos = read_photos(settings, base, diagnostics)?;
+    let directions = read_directions(settings, base)?;
     let photos_s = start.elapsed().as_secs_f64();
     // `shape.photo` gives the shape itself, so no mesh is read.
     if !settings.photo.files.is_empty() {
-        return Ok((grainpath::plan_photo(settings, &photos, diagnostics)?, photos_s));
+        return Ok((grainpath::plan_photo(settings, &photos, directions, diagnostics)?, photos_s));
     }
     if settings.ct.path.is_empty() {
         let (mesh, read_s) = read_body(settings, shape, diagnostics)?;
         let (stress, texture) = (read_stress(settings, base)?, read_texture(settings, base)?);
-        let inputs = grainpath::Inputs { mesh, path, stress, photos, texture };
+        let inputs = grainpath::Inputs { mesh, path, stress, directions, photos, texture };
         return Ok((grainpath::plan_job(settings, inputs, diagnostics)?, read_s + photos_s));
     }
     // A scan is read slice by slice while it is planned, so only opening it counts as reading.
@@ -84,7 +87,16 @@ pub fn plan(
         open_scan(shape, grainpath::run::config::raw_header(settings).as_ref(), settings.ct.outside_folder)?;
     let (stress, texture) = (read_stress(settings, base)?, read_texture(settings, base)?);
     let read_s = start.elapsed().as_secs_f64();
-    let planned = grainpath::plan_scan(settings, &mut *source, &path, stress, &photos, texture, diagnostics)?;
+    let planned = grainpath::plan_scan(
+        settings,
+        &mut *source,
+        &path,
+        stress,
+        directions,
+        &photos,
+        texture,
+        diagnostics,
+    )?;
     Ok((planned, read_s))
 }
 
@@ -153,6 +165,33 @@ pub fn read_texture(settings: &Settings, base: &Path) -> Result<Option<Box<dyn S
         return Ok(None);
     }
     open_scan(&base.join(path), None, settings.ct.outside_folder).map(Some)
+}
+
+/// The directions of `guide.field`: a file, or the matrices in a folder of `vector_slicer`.
+pub fn read_directions(settings: &Settings, base: &Path) -> Result<Option<DirectionSamples>, Failure> {
+    if settings.guide.kind != GuideKind::Field {
+        return Ok(None);
+    }
+    let path = base.join(&settings.field.path);
+    directions(&path, &grainpath::run::config::directions(settings)).map(Some)
+}
+
+/// Reads directions from a file, or from the matrices in a folder.
+pub fn directions(path: &Path, options: &DirectionOptions) -> Result<DirectionSamples, Failure> {
+    let mut all = Vec::new();
+    if path.is_dir() {
+        for name in ["thetaField.csv", "theta_field.csv", "xField.csv", "yField.csv", "shape.csv"] {
+            let file = path.join(name);
+            if file.is_file() {
+                all.push((file.display().to_string(), files::read(&file)?));
+            }
+        }
+    } else {
+        all.push((path.display().to_string(), files::read(path)?));
+    }
+    let borrowed: Vec<(&str, &[u8])> = all.iter().map(|(name, bytes)| (name.as_str(), &bytes[..])).collect();
+    let read = parse_directions(&borrowed, options);
+    Ok(read.map_err(|source| grainpath::Error::Directions { path: path.display().to_string(), source })?)
 }
 
 /// The result file of `guide.import`.

@@ -36,6 +36,11 @@ pub struct DirectionSample {
 pub trait DirectionField: Send + Sync {
     /// The axis at `p`. Outside the part it is the nearest sensible value, never an error.
     fn sample(&self, p: DVec3) -> DirectionSample;
+
+    /// The distance of neighbouring beads that is asked for at `p`, mm; `None` where the density of the infill decides.
+    fn spacing_mm(&self, _p: DVec3) -> Option<f64> {
+        None
+    }
 }
 
 /// The same axis everywhere.

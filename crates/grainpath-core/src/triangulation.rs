@@ -6,7 +6,10 @@
 //! so short that memory would not do are errors.
 
 use glam::DVec2;
-use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation as _};
+use spade::{
+    AngleLimit, ConstrainedDelaunayTriangulation, DelaunayTriangulation, HasPosition, Point2,
+    RefinementParameters, Triangulation as _,
+};
 
 use crate::Region;
 use crate::poly::edges;
@@ -51,6 +54,43 @@ const MAX_POINTS: usize = 3_000_000;
 /// proved to end for angles up to 20.7 degrees (`ruppert1995`) and ends in practice up to about 33
 /// (`shewchuk2002`).
 const LEAST_ANGLE_DEG: f64 = 25.0;
+
+/// A point with its number.
+struct Numbered(Point2<f64>, u32);
+
+impl HasPosition for Numbered {
+    type Scalar = f64;
+
+    fn position(&self) -> Point2<f64> {
+        self.0
+    }
+}
+
+/// Coordinates nearer to 0 than this are 0 for a Delaunay triangulation, mm. Source: the library refuses numbers below
+/// 1.8e-43, whose products are no longer exact.
+const MIN_COORDINATE_MM: f64 = 1e-40;
+
+/// Delaunay triangles over finite points that differ, counter-clockwise, as indices of the points. There are none for fewer
+/// than three points and for points on one line.
+///
+/// ```
+/// use grainpath_core::{DVec2, triangulation::delaunay};
+///
+/// let square = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
+/// assert_eq!(delaunay(&square).len(), 2);
+/// assert!(delaunay(&[DVec2::ZERO, DVec2::X, 2.0 * DVec2::X]).is_empty());
+/// ```
+pub fn delaunay(points: &[DVec2]) -> Vec<[u32; 3]> {
+    let whole = |v: f64| if v.abs() < MIN_COORDINATE_MM { 0.0 } else { v };
+    let numbered = |(i, p): (usize, &DVec2)| Numbered(Point2::new(whole(p.x), whole(p.y)), i as u32);
+    let all = points.iter().enumerate().map(numbered).collect();
+    let Ok(triangulation) = DelaunayTriangulation::<Numbered>::bulk_load(all) else { return Vec::new() };
+    let mut triangles: Vec<[u32; 3]> =
+        triangulation.inner_faces().map(|f| f.vertices().map(|v| v.data().1)).collect();
+    // The order of the library's faces is no promise.
+    triangles.sort_unstable();
+    triangles
+}
 
 impl Triangulation {
     /// Triangulates a region. `extra` are further corners, around which triangles become small.

@@ -139,6 +139,21 @@ warning_ids! {
     GrainUnclear = "grain-unclear",
         "The image or the scan shows hardly any preferred direction.",
         "look at the picture of the directions; a larger guide.integration_mm may help";
+    FieldAssumed = "field-assumed",
+        "A file of directions does not state how it is meant, so one reading was chosen.",
+        "state it: guide.field.angle_unit, guide.field.axes or a header such as angle_deg";
+    FieldLeftOut = "field-left-out",
+        "Samples of a file of directions have no direction and were left out.",
+        "look at the samples concerned; directions around them are interpolated across";
+    FieldOneSample = "field-one-sample",
+        "A file of directions has samples at one place only.",
+        "use guide.kind = \"angle\" if one direction everywhere is meant";
+    FieldTooSmall = "field-too-small",
+        "The part reaches beyond the directions that guide it; those of the nearest place were used there.",
+        "give directions for the whole part, or check guide.field.frame and the unit of positions";
+    FieldStretched = "field-stretched",
+        "A grid of directions does not state its size and was stretched over the part by unequal factors.",
+        "set guide.field.cell_mm";
     BoardTurnAssumed = "board-turn-assumed",
         "The outline of a board does not tell how the photograph is turned, so a turn was assumed.",
         "check the numbered corners in the picture of the photograph, or give corners_px";

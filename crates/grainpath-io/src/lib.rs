@@ -1,8 +1,9 @@
-//! Bytes to meshes, outlines, images, CT volumes and finite-element results, and back.
+//! Bytes to meshes, outlines, images, CT volumes, directions and finite-element results, and back.
 //!
 //! No function opens a file. Every reader survives any bytes: it returns a value with warnings, or an error that names the
 //! place, in time and memory that the size of the input bounds.
 
+pub mod directions;
 pub mod fe;
 pub mod image;
 mod layers;

@@ -160,6 +160,23 @@ choices! {
         Angle = "angle", "`guide.angle_deg`, for all infill.";
         Stress = "stress", "the principal stresses under the job's loads, or of `guide.import`.";
         Grain = "grain", "the grain of photographs, or the texture of a scan.";
+        Field = "field", "your own directions, from the file of guide.field.";
+    }
+    /// Coordinates of the positions in a file of directions (`guide.field.frame`).
+    enum FieldFrame {
+        Part = "part", "those of the shape's file, in mm; directions turn and grow with the part.";
+        Plate = "plate", "those of the bed, as in the G-code.";
+    }
+    /// Unit of the angles in a file of directions (`guide.field.angle_unit`).
+    enum FieldAngleUnit {
+        Deg = "deg", "degrees.";
+        Rad = "rad", "radians.";
+    }
+    /// Order of the indices of a grid of directions (`guide.field.axes`).
+    enum FieldAxes {
+        Yx = "yx", "a[y][x]: rows rise with y, columns with x, as from `numpy.meshgrid`.";
+        Xy = "xy", "a[x][y]: rows rise with x, columns with y, as `vector_slicer` writes.";
+        Image = "image", "rows from the top downwards, columns rise with x.";
     }
     /// Principal stress that beads follow (`guide.follow`).
     enum Follow {

@@ -52,9 +52,12 @@ pub fn check(s: &Settings) -> Result<(), String> {
     let needs_guide = s.fill.pattern.follows_field() && s.fill.pattern != Pattern::Continuous;
     if needs_guide && s.guide.kind == GuideKind::None {
         return Err(format!(
-            "fill.pattern = {:?} needs a guide: [guide] kind = \"stress\" or \"angle\"",
+            "fill.pattern = {:?} needs a guide: [guide] kind = \"stress\", \"field\" or \"angle\"",
             s.fill.pattern.name()
         ));
+    }
+    if s.guide.kind == GuideKind::Field && s.field.path.is_empty() {
+        return Err("guide.kind = \"field\" needs a file of directions: guide.field = \"FILE\"".into());
     }
     // Layers take the angles in turn, and a turn over nothing does not exist.
     if s.fill.angles_deg.is_empty() {

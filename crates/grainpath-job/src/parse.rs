@@ -216,9 +216,12 @@ fn apply(
     value: &Value,
     location: &dyn Fn(&[Step]) -> Location,
 ) -> Result<(), JobError> {
-    // A scan may be written as its path alone.
-    let (section, key) =
-        if (section, key) == ("shape", "ct") { ("shape.ct", "path") } else { (section, key) };
+    // A scan and a file of directions may be written as their paths alone.
+    let (section, key) = match (section, key) {
+        ("shape", "ct") => ("shape.ct", "path"),
+        ("guide", "field") => ("guide.field", "path"),
+        other => other,
+    };
     let mut renamed = |old: String, new: String| {
         let place = location(&[]);
         let text = format!("{old} is now called {new}");

@@ -32,9 +32,9 @@ pub fn json_schema() -> Value {
         let table = json!({ "type": "object", "additionalProperties": false, "properties": keys });
         match section.split_once('.') {
             None => drop(sections.insert(section.into(), table)),
-            // A nested table. A scan may be written as its path alone.
-            Some((outer, "ct")) => {
-                sections[outer]["properties"]["ct"] = json!({ "oneOf": [table, { "type": "string" }] });
+            // A nested table. A scan and a file of directions may be written as their paths alone.
+            Some((outer, inner @ ("ct" | "field"))) => {
+                sections[outer]["properties"][inner] = json!({ "oneOf": [table, { "type": "string" }] });
             }
             Some((outer, inner)) => sections[outer]["properties"][inner] = table,
         }

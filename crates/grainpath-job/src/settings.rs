@@ -12,9 +12,9 @@ use super::loads::{Case, Fixture, Load};
 use super::value::{Check, Pair, Param, SettingValue, ValueError, read};
 use crate::choices::{
     Analysis, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, ComponentOrder, Contours,
-    CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns, Fidelity, FileUnit, Flavour, Flip,
-    Follow, GrainMode, GuideKind, Interpolate, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit,
-    SupportStyle, SupportSurface, Threshold, WallOrder,
+    CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns, Fidelity, FieldAngleUnit,
+    FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode, GuideKind, Interpolate, OutlineRule,
+    Pattern, Repair, Seam, StrengthTier, StressUnit, SupportStyle, SupportSurface, Threshold, WallOrder,
 };
 use Check::{Any, Range};
 
@@ -301,6 +301,17 @@ sections! {
         origin_mm: Option<[f64; 3]> = None, "mm", Range(-1e5, 1e5), "Position on the part of the lower left corner of the scan's lowest slice; unset: scan and part have the same centre, and the scan stands on the bed.";
         rotate_deg: f64 = 0.0, "deg", Range(-3600.0, 3600.0), "Rotation about that corner, counter-clockwise.";
     }
+    /// A file of directions for kind = "field"; its path alone may stand for the section.
+    FieldSection "guide.field" {
+        path: String = String::new(), "", Any, "Your own directions: a CSV table with a header (x, y, perhaps z, and an angle or a vector), .npy, .npz, a picture whose grey from 0 to the maximum is 0 to 180 degrees, a finite-element file with vectors, or a folder or matrix of vector_slicer.";
+        frame: FieldFrame = FieldFrame::Part, "", Any, "Coordinates of the positions.";
+        length_unit: Option<LengthUnit> = None, "", Any, "Unit of the positions; unset: as the header states, else mm.";
+        angle_unit: Option<FieldAngleUnit> = None, "", Any, "Unit of the angles; unset: as the header states, else assumed from their size, with a warning.";
+        axes: Option<FieldAxes> = None, "", Any, "Order of the indices of a grid; unset: yx for arrays, with a warning, and xy for matrices. Pictures have their first row at the top.";
+        array: Option<String> = None, "", Any, "Name of the array or of the vector with the directions; unset: found by the usual names.";
+        cell_mm: Option<f64> = None, "mm", Range(1e-4, 1e4), "Size of a cell of a grid or a pixel; unset: the grid covers the part.";
+        origin_mm: Option<[f64; 2]> = None, "mm", Range(-1e5, 1e5), "Lower left corner of the first cell of a grid; unset: grid and part have the same centre.";
+    }
     /// Infill.
     FillSection "fill" {
         pattern: Pattern = Pattern::Grid, "", Any, "Infill pattern.";
@@ -419,6 +430,7 @@ pub struct Settings {
     pub guide: GuideSection,
     pub image: ImageSection,
     pub volume: VolumeSection,
+    pub field: FieldSection,
     pub fill: FillSection,
     pub fibre: FibreSection,
     /// The material that `fibre.material` names.
@@ -442,7 +454,7 @@ impl Settings {
     }
 
     /// Names of the sections, in the order in which they are shown.
-    pub const SECTIONS: [&'static str; 14] = [
+    pub const SECTIONS: [&'static str; 15] = [
         "shape",
         "shape.photo",
         "shape.ct",
@@ -452,6 +464,7 @@ impl Settings {
         "guide",
         "guide.image",
         "guide.volume",
+        "guide.field",
         "fill",
         "fibre",
         "support",
@@ -471,6 +484,7 @@ impl Settings {
             "guide" => self.guide.set(key, value),
             "guide.image" => self.image.set(key, value),
             "guide.volume" => self.volume.set(key, value),
+            "guide.field" => self.field.set(key, value),
             "fill" => self.fill.set(key, value),
             "fibre" => self.fibre.set(key, value),
             "support" => self.support.set(key, value),
@@ -492,6 +506,7 @@ impl Settings {
             GuideSection::params(),
             ImageSection::params(),
             VolumeSection::params(),
+            FieldSection::params(),
             FillSection::params(),
             FibreSection::params(),
             SupportSection::params(),
@@ -514,6 +529,7 @@ impl Settings {
             self.guide.rows(),
             if self.image.files.is_empty() { Vec::new() } else { self.image.rows() },
             if self.volume.path.is_empty() { Vec::new() } else { self.volume.rows() },
+            if self.field.path.is_empty() { Vec::new() } else { self.field.rows() },
             self.fill.rows(),
             if self.fibre.enabled { self.fibre.rows() } else { Vec::new() },
             self.support.rows(),

@@ -10,9 +10,10 @@ use toml::Value;
 
 use crate::choices::{
     Analysis, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, Choice, ComponentOrder,
-    Contours, CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns, Fidelity, FileUnit,
-    Flavour, Flip, Follow, GrainMode, GuideKind, Interpolate, OutlineRule, Pattern, Repair, Seam,
-    StrengthTier, StressUnit, SupportStyle, SupportSurface, Threshold, WallOrder, Word,
+    Contours, CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns, Fidelity,
+    FieldAngleUnit, FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode, GuideKind,
+    Interpolate, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit, SupportStyle, SupportSurface,
+    Threshold, WallOrder, Word,
 };
 
 /// The numbers that a setting accepts.
@@ -282,6 +283,9 @@ choice_values!(
     FibreToolKind,
     FibreTurns,
     Fidelity,
+    FieldAngleUnit,
+    FieldAxes,
+    FieldFrame,
     FileUnit,
     Flavour,
     Flip,

@@ -4,6 +4,7 @@ use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::slices::SliceError;
 use grainpath_gcode::GcodeError;
 use grainpath_imaging::scan::ScanError;
+use grainpath_io::directions::DirectionError;
 use grainpath_io::volume::VolumeError;
 use grainpath_io::{ImageError, MeshError, OutlineError};
 use grainpath_job::JobError;
@@ -11,6 +12,7 @@ use grainpath_job::JobError;
 use crate::error_kind::ErrorKind;
 use crate::fibre::FibreError;
 use crate::guide::GuideError;
+use crate::guide::field::FieldError;
 use crate::guide::grain::GrainError;
 use crate::measure::dimensions::DimensionError;
 use crate::measure::strength::StrengthError;
@@ -42,6 +44,10 @@ pub enum Error {
     Grain { path: String, source: GrainError },
     #[error("guide: {0}")]
     Guide(#[from] GuideError),
+    #[error("{path}: {source}")]
+    Directions { path: String, source: DirectionError },
+    #[error("{path}: {source}")]
+    Field { path: String, source: FieldError },
     #[error(transparent)]
     Fibre(#[from] FibreError),
     #[error("strength: {0}")]
@@ -82,6 +88,8 @@ impl Error {
             | Self::Scan { .. }
             | Self::Image { .. }
             | Self::Grain { .. }
+            | Self::Directions { .. }
+            | Self::Field { .. }
             | Self::Shape { .. } => ErrorKind::Input,
             Self::Gcode(_) | Self::OutsideBed { .. } | Self::Mass { .. } | Self::Guide(_) => {
                 ErrorKind::Physics

@@ -85,7 +85,7 @@ fn paths_agree_with_an_independent_structure_tensor() {
         );
         let settings = parse_job(&job, "job.toml", &[], &|_| Err(String::new())).expect("a good job");
         let photos = std::slice::from_ref(&photo);
-        let planned = grainpath::plan_photo(&settings, photos, &Diagnostics::default()).expect(name);
+        let planned = grainpath::plan_photo(&settings, photos, None, &Diagnostics::default()).expect(name);
         let (mean, length) = mean_off(&planned, |p| {
             let p = p * (w as f64 / WIDTH_MM);
             let (x, y) = ((p.x as usize).min(w - 1), h - 1 - (p.y as usize).min(h - 1));
@@ -152,6 +152,7 @@ fn paths_along_a_scans_texture_agree_with_an_independent_tensor() {
         let body = grainpath_io::MeshBody { mesh: block, ..Default::default() };
         let mesh = grainpath_io::MeshFile { bodies: vec![body], unit: None, warnings: Vec::new() };
         let inputs = grainpath::Inputs {
+            directions: None,
             mesh,
             path: "a.stl".into(),
             stress: None,

@@ -13,6 +13,7 @@ use grainpath_imaging::photo::Photo;
 use grainpath_imaging::photo::warp::Shrinking;
 use grainpath_imaging::raster::Grey;
 use grainpath_imaging::tensor::{TensorSettings, grain_axes};
+use grainpath_io::directions::{DirectionOptions, DirectionSamples, sniff_directions};
 use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
 use grainpath_io::image::{decode, sniff_image, sniff_other_image};
 use grainpath_io::{
@@ -24,7 +25,7 @@ use serde_json::{Value, json};
 use super::inspect_scan as scan;
 use crate::args::Inspect;
 use crate::claims::Claims;
-use crate::inputs::FILAMENT_MM;
+use crate::inputs::{self, FILAMENT_MM};
 use crate::{Failure, files};
 
 /// Runs the command.
@@ -41,6 +42,12 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
         files::print(&if args.json { format!("{value}\n") } else { table(&value) });
         return Ok(());
     }
+    if is_vector_slicer(&args.file) {
+        let samples = inputs::directions(&args.file, &DirectionOptions::default())?;
+        let value = directions_json(&args.file.display().to_string(), &samples);
+        files::print(&if args.json { format!("{value}\n") } else { table(&value) });
+        return Ok(());
+    }
     let bytes = files::read(&args.file)?;
     let name = args.file.display().to_string();
     let lower = name.to_ascii_lowercase();
@@ -49,7 +56,9 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     let named_gcode = [".gcode", ".g", ".gco", ".nc", ".bgcode"].iter().any(|e| lower.ends_with(e));
     // Formats with a signature are tried before those without. G-code, which any text can be, is the
     // last.
-    let value = if sniff_outline(&bytes) && !named_gcode {
+    let value = if !named_gcode && sniff_directions(&bytes, &name) {
+        directions_json(&name, &inputs::directions(&args.file, &DirectionOptions::default())?)
+    } else if sniff_outline(&bytes) && !named_gcode {
         outline_json(&name, &bytes)?
     } else if (sniff_image(&bytes).is_some() || sniff_other_image(&bytes).is_some()) && !named_gcode {
         let image = decode(&bytes);
@@ -95,6 +104,26 @@ fn dimensions(path: &Path, program: &Program) -> Result<Value, Failure> {
     let shift = grainpath::measure::dimensions::shift_of(&text, &name, program).map_err(wrong)?;
     serde_json::to_value(grainpath::measure::dimensions::measure(&truth, program, shift))
         .map_err(|e| Failure::input(format!("{name}: {e}")))
+}
+
+/// Whether a folder is one of `vector_slicer`, with matrices of directions.
+fn is_vector_slicer(path: &Path) -> bool {
+    ["thetaField.csv", "theta_field.csv", "xField.csv"].iter().any(|name| path.join(name).is_file())
+}
+
+fn directions_json(name: &str, samples: &DirectionSamples) -> Value {
+    let s = samples.summary();
+    let bounds = samples.bounds();
+    let stated = |text: &str| if text.is_empty() { Value::Null } else { json!(text) };
+    json!({
+        "ok": true, "file": name, "kind": "directions", "format": s.format, "layout": s.layout,
+        "samples": s.samples, "without_direction": s.without_direction, "directions": s.directions,
+        "length_unit": stated(&s.length_unit), "axis_order": stated(&s.axis_order),
+        "frame": "that of the part, unless the job sets guide.field.frame = \"plate\"",
+        "strength": s.has_strength, "spacing": s.has_spacing,
+        "low_mm": bounds.map(|b| b.0.to_array()), "high_mm": bounds.map(|b| b.1.to_array()),
+        "warnings": samples.warnings(),
+    })
 }
 
 fn mesh_json(name: &str, format: &str, file: &MeshFile) -> Value {

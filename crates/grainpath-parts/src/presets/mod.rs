@@ -1,6 +1,7 @@
 //! Examples that our own code makes.
 
 mod continuous;
+mod field;
 mod hub;
 mod stress_lines;
 mod tree_support;
@@ -16,7 +17,8 @@ use crate::shapes::{arc, prism};
 pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
 
 /// Names that [`preset`] knows.
-pub const PRESETS: [&str; 6] = ["plate", "stress-lines", "ct", "woodgrain", "tree-support", "continuous"];
+pub const PRESETS: [&str; 7] =
+    ["plate", "stress-lines", "field", "ct", "woodgrain", "tree-support", "continuous"];
 
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
@@ -26,6 +28,7 @@ pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
             ("plate.stl".into(), stl(&plate())),
         ]),
         "stress-lines" => Some(stress_lines::files()),
+        "field" => Some(field::files()),
         "woodgrain" => Some(woodgrain::files()),
         "continuous" => Some(continuous::files()),
         "tree-support" => Some(tree_support::files()),

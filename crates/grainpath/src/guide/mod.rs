@@ -1,4 +1,5 @@
-//! Guides: from loads to a direction at every point of every layer.
+//! Guides: from loads, pictures or a user's own directions to a direction at every point of every
+//! layer.
 //!
 //! A guide solves the loads of a job on the section (a plate) or on the part (a solid), or takes an
 //! imported stress. The principal stresses in the plane of each layer give directions, which are
@@ -7,6 +8,7 @@
 
 mod degenerate;
 mod direction;
+pub mod field;
 pub mod grain;
 mod import;
 mod plane;

@@ -6,6 +6,7 @@ use grainpath_gcode::WriteConfig;
 use grainpath_imaging::scan::CtReport;
 
 use crate::guide::Guide;
+use crate::guide::field::FieldGuide;
 use crate::guide::grain::GrainGuide;
 use crate::measure::strength::TestSetup;
 use crate::support::Support;
@@ -28,6 +29,8 @@ pub struct Planned {
     pub density: Density,
     /// The grain that infill follows, for jobs with such a guide.
     pub grain: Option<GrainGuide>,
+    /// The user's own directions, for jobs that have them.
+    pub field: Option<FieldGuide>,
     /// Directions, and the stress that they come from, for jobs with loads.
     pub guide: Option<Guide>,
     /// The part's side of a strength test, for jobs that ask for one.

@@ -10,6 +10,7 @@ use grainpath_gcode::{Program, Quality, Written, quality};
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::guide::field::FieldReport;
 use crate::guide::grain::PhotoReport;
 use crate::guide::{Degenerate, Guide};
 use crate::measure::fibre::FibreReport;
@@ -48,6 +49,8 @@ pub struct Report {
     pub grain: Option<Vec<PhotoReport>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub texture: Option<TextureReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub field: Option<FieldReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strength: Option<StrengthReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -342,6 +345,7 @@ impl Report {
             // A scan is reported under `texture`, because it has no photographs.
             grain: planned.grain.as_ref().filter(|g| g.texture.is_none()).map(|g| g.photos.clone()),
             texture: planned.grain.as_ref().and_then(|g| g.texture.clone()),
+            field: planned.field.as_ref().map(|f| f.report.clone()),
             support: planned.support.as_ref().map(|support| {
                 // Counted in the plan, whose roles tell supports from the part.
                 let of_layer = |l: &grainpath_core::LayerPlan| -> f64 {
@@ -392,7 +396,13 @@ impl Report {
             if let (Some(mean), Some(p95)) = (q.alignment_mean_deg, q.alignment_p95_deg) {
                 lines.push(format!(
                     "fill along the {}: {mean:.1} degrees off in the mean, {p95:.1} for 95 %",
-                    if self.grain.is_some() || self.texture.is_some() { "grain" } else { "stress" }
+                    if self.field.is_some() {
+                        "given directions"
+                    } else if self.grain.is_some() || self.texture.is_some() {
+                        "grain"
+                    } else {
+                        "stress"
+                    }
                 ));
             }
         }
@@ -400,6 +410,12 @@ impl Report {
             lines.push(format!(
                 "texture of {}: coherence {:.2} in the layers, clear in {:.0} %, leaning {:.0} degrees out of them in the mean",
                 t.file, t.coherence, 100.0 * t.clear_share, t.lean_deg
+            ));
+        }
+        if let Some(f) = &self.field {
+            lines.push(format!(
+                "directions: {} of {}, {}, in the frame of the {}",
+                f.layout, f.format, f.directions, f.frame
             ));
         }
         lines.extend(
@@ -462,8 +478,8 @@ pub fn measure(planned: &Planned, program: &Program) -> QualityReport {
 /// guide.
 pub fn direction_error(planned: &Planned) -> Option<Box<DirectionError<'_>>> {
     let layers = planned.stack.layers();
-    let (stress, grain) = (planned.guide.as_ref(), planned.grain.as_ref());
-    if stress.is_none() && grain.is_none() {
+    let (stress, grain, field) = (planned.guide.as_ref(), planned.grain.as_ref(), planned.field.as_ref());
+    if stress.is_none() && grain.is_none() && field.is_none() {
         return None;
     }
     Some(Box::new(move |z_mid_mm: f64, [a, b]: [DVec2; 2]| {
@@ -475,7 +491,8 @@ pub fn direction_error(planned: &Planned) -> Option<Box<DirectionError<'_>>> {
         }
         let at = (0.5 * (a + b)).extend(z_mid_mm);
         // Compared with the stress itself, not with the smoothed field that the beads follow.
-        let (axis, weight) = stress.map(|g| g.asked(i, at)).or_else(|| grain.map(|g| g.asked(at)))?;
+        let asked = stress.map(|g| g.asked(i, at)).or_else(|| grain.map(|g| g.asked(at)));
+        let (axis, weight) = asked.or_else(|| field.map(|f| f.asked(at)))?;
         // Axes have no sign, so the angle is folded into 0 to 90 degrees.
         let u = direction(axis);
         Some((atan2(cross(u, d).abs(), u.dot(d).abs()).to_degrees(), weight))

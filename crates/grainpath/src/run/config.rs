@@ -13,11 +13,13 @@ use grainpath_gcode::{
     Material, Retraction, Speeds, WriteConfig,
 };
 use grainpath_io::OutlineOptions;
+use grainpath_io::directions::{AngleUnit, DirectionOptions, GridAxes};
 use grainpath_io::fe::{FeOptions, Order, StressUnit};
 use grainpath_io::volume::RawHeader;
 
 use crate::fibre::FibreSettings;
 use crate::fill::{Continuous, TreeKind};
+use crate::guide::field::FieldSettings;
 use crate::guide::grain::GrainSettings;
 use crate::guide::grain::{Corners, Mode};
 use crate::guide::{StressSettings, TypedLoads};
@@ -37,8 +39,8 @@ use grainpath_imaging::scan::{CtReport, CtSettings, Denoise, Interpolation, Thre
 use grainpath_imaging::tensor::Tangent;
 use grainpath_job::choices::{
     self, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, Choice, ComponentOrder, Contours,
-    CurveJoin, Elasticity, FibreToolKind, FileUnit, GrainMode, GuideKind, Interpolate, OutlineRule,
-    SupportStyle,
+    CurveJoin, Elasticity, FibreToolKind, FieldAngleUnit, FieldAxes, FileUnit, GrainMode, GuideKind,
+    Interpolate, OutlineRule, SupportStyle,
 };
 use grainpath_job::{MaterialSection, Settings};
 
@@ -453,7 +455,7 @@ fn infill(s: &Settings) -> InfillSettings {
         angles_rad: f.angles_deg.iter().map(|deg| deg.to_radians()).collect(),
         guide_angle_rad: match s.guide.kind {
             GuideKind::Angle => Some(s.guide.angle_deg.to_radians()),
-            GuideKind::None | GuideKind::Stress | GuideKind::Grain => None,
+            GuideKind::None | GuideKind::Stress | GuideKind::Grain | GuideKind::Field => None,
         },
         field_axis_rad: s.guide.angle_deg.to_radians(),
         bridge_flow: s.process.bridge_flow,
@@ -625,6 +627,39 @@ pub(crate) fn writing(s: &Settings) -> WriteConfig {
         }),
         arc_tolerance_mm: p.arcs.then_some(p.arc_tolerance_mm),
         header: header.iter().map(|(key, value)| format!("{key} = {value}")).collect(),
+    }
+}
+
+/// How the file of `guide.field` is read.
+pub fn directions(s: &Settings) -> DirectionOptions {
+    let f = &s.field;
+    DirectionOptions {
+        length_unit: f.length_unit,
+        angle_unit: f.angle_unit.map(|unit| match unit {
+            FieldAngleUnit::Deg => AngleUnit::Degree,
+            FieldAngleUnit::Rad => AngleUnit::Radian,
+        }),
+        axes: f.axes.map(|axes| match axes {
+            FieldAxes::Yx => GridAxes::Yx,
+            FieldAxes::Xy => GridAxes::Xy,
+            FieldAxes::Image => GridAxes::Image,
+        }),
+        array: f.array.clone(),
+    }
+}
+
+/// Where the directions of `guide.field` lie. Scans and photographs are turned and scaled before they are a part.
+pub(crate) fn field(s: &Settings, lowered_mm: f64, plate_from_part_mm: DVec3) -> FieldSettings {
+    let (f, shape) = (&s.field, &s.shape);
+    let is_file = s.ct.path.is_empty() && s.photo.files.is_empty();
+    FieldSettings {
+        frame: f.frame,
+        cell_mm: f.cell_mm,
+        origin_mm: f.origin_mm.map(DVec2::from),
+        scale: if is_file { shape.scale } else { 1.0 },
+        rotate_rad: if is_file { shape.rotate_deg.map(f64::to_radians) } else { [0.0; 3] },
+        lowered_mm,
+        plate_from_part_mm,
     }
 }
 

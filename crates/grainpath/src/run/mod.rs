@@ -21,9 +21,11 @@ use grainpath_gcode::check_fits;
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::scan::{CtReport, ScanError, slice_scan};
 use grainpath_io::MeshFile;
+use grainpath_io::directions::DirectionSamples;
 use grainpath_io::fe::StressField;
 
 use crate::error::Error;
+use crate::guide::field::FieldGuide;
 use crate::guide::grain::{GrainGuide, read_grain, read_scan};
 use crate::guide::{self, GuidedPart, StressSettings};
 pub use crate::measure::Planned;
@@ -46,6 +48,8 @@ pub struct Inputs {
     pub path: String,
     /// Stress solved elsewhere, for `guide.import`.
     pub stress: Option<StressField>,
+    /// The user's own directions, for `guide.kind = "field"`.
+    pub directions: Option<DirectionSamples>,
     /// Photographs whose grain the part is filled with, for `guide.kind = "grain"`.
     pub photos: Vec<Photo>,
     /// The scan whose texture it is filled along, for `guide.volume`.
@@ -71,17 +75,19 @@ pub fn plan_job(
         Some(other) => Some(&mut **other),
         None => None,
     };
-    let grain = GrainSource { photos: &inputs.photos, scan };
-    plan_stack(settings, sliced, inputs.stress, grain, clock, diagnostics)
+    let source =
+        GuideSource { stress: inputs.stress, directions: inputs.directions, photos: &inputs.photos, scan };
+    plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
-/// Plans a job whose shape is the board of its photographs.
+/// Plans a job whose shape is the board of its photographs; `directions` are those of `guide.field`.
 ///
 /// # Errors
 /// As [`plan_job`].
 pub fn plan_photo(
     settings: &Settings,
     photos: &[Photo],
+    directions: Option<DirectionSamples>,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
@@ -99,12 +105,14 @@ pub fn plan_photo(
     };
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack, mesh, ..Sliced::default() };
-    plan_stack(settings, sliced, None, GrainSource { photos, scan: None }, clock, diagnostics)
+    let source = GuideSource { stress: None, directions, photos, scan: None };
+    plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
 /// Plans a job whose shape is a scan; a few slices are in memory at a time. `path` is the scan's
 /// name in errors. `stress` was solved elsewhere, in the scan's own position with its lowest point
-/// on the plate. `texture` is the scan of `guide.volume`.
+/// on the plate. `texture` is the scan of `guide.volume`, and `directions` are those of
+/// `guide.field`.
 ///
 /// # Errors
 /// As [`plan_job`], and for files that cannot be read and scans that give no layers.
@@ -113,6 +121,7 @@ pub fn plan_scan(
     source: &mut dyn SliceSource,
     path: &str,
     stress: Option<StressField>,
+    directions: Option<DirectionSamples>,
     photos: &[Photo],
     mut texture: Option<Box<dyn SliceSource>>,
     diagnostics: &Diagnostics,
@@ -131,8 +140,8 @@ pub fn plan_scan(
         Some(other) => &mut **other,
         None => source,
     };
-    let grain = GrainSource { photos, scan: Some(texture) };
-    plan_stack(settings, sliced, stress, grain, clock, diagnostics)
+    let source = GuideSource { stress, directions, photos, scan: Some(texture) };
+    plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
 /// Whether the job needs the surface of the part: for a stress analysis, for supports or for the
@@ -143,8 +152,11 @@ fn wants_surface(settings: &Settings) -> bool {
         || settings.strength.enabled
 }
 
-/// Source of the grain: photographs, or a scan where there are none.
-struct GrainSource<'a> {
+/// What guides are made from: stress solved elsewhere, the user's own directions, and for grain photographs, or a scan
+/// where there are none.
+struct GuideSource<'a> {
+    stress: Option<StressField>,
+    directions: Option<DirectionSamples>,
     photos: &'a [Photo],
     scan: Option<&'a mut dyn SliceSource>,
 }
@@ -155,7 +167,7 @@ fn grain(
     settings: &Settings,
     stack: &LayerStack,
     own: Option<&CtReport>,
-    source: GrainSource<'_>,
+    source: (&[Photo], Option<&mut dyn SliceSource>),
     diagnostics: &Diagnostics,
 ) -> Result<Option<GrainGuide>, Error> {
     if settings.guide.kind != GuideKind::Grain {
@@ -164,7 +176,7 @@ fn grain(
     let layers = stack.layers();
     let top = layers.last().map_or(0.0, Layer::z_top_mm);
     let part = part_bounds(stack);
-    let GrainSource { photos, scan } = source;
+    let (photos, scan) = source;
     if let (true, Some(scan)) = (photos.is_empty(), scan) {
         let wanted = config::texture(settings, own, part, top);
         let read = read_scan(scan, &wanted, diagnostics);
@@ -190,8 +202,7 @@ fn scan_error(e: ScanError, path: &str) -> Error {
 fn plan_stack(
     settings: &Settings,
     sliced: Sliced,
-    stress: Option<StressField>,
-    grain_source: GrainSource<'_>,
+    source: GuideSource<'_>,
     mut clock: Clock,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
@@ -213,10 +224,14 @@ fn plan_stack(
     let test = settings.strength.enabled.then(test).transpose()?;
     let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
     let stress_settings = config::stress(settings);
-    let build = |s: &StressSettings| guide::build(s, &guided, &conditions, stress, diagnostics);
+    let build = |s: &StressSettings| guide::build(s, &guided, &conditions, source.stress, diagnostics);
     let guide = stress_settings.as_ref().map(build).transpose()?;
-    let grain = grain(settings, &stack, scan.as_ref(), grain_source, diagnostics)?;
-    if guide.is_some() || grain.is_some() {
+    let grain = grain(settings, &stack, scan.as_ref(), (source.photos, source.scan), diagnostics)?;
+    let place = config::field(settings, lowered_mm, plate_from_part_mm);
+    let lay = |samples| FieldGuide::new(samples, &place, &stack, diagnostics);
+    let field = source.directions.map(lay).transpose();
+    let field = field.map_err(|source| Error::Field { path: settings.field.path.clone(), source })?;
+    if guide.is_some() || grain.is_some() || field.is_some() {
         clock.stop(Stage::Guide);
     }
     let support = match config::support(settings, plate_from_part_mm.truncate()) {
@@ -237,6 +252,7 @@ fn plan_stack(
     let steps = Steps::new(&step_settings, &stack)
         .with_support(support.as_ref())
         .with_guide(guide.as_ref(), grain.as_ref())
+        .with_field(field.as_ref())
         .with_fibre(fibre.as_ref());
     let all = 0..stack.layers().len();
     diagnostics.begin(Stage::Fill, 2 * all.len());
@@ -263,7 +279,20 @@ fn plan_stack(
     // Skirt, brim and supports reach beyond the part, so the finished plan is checked again.
     check_fits(&plan, &config.machine).map_err(|e| outside_bed(e, &stack, part))?;
     let stages_s = clock.stages;
-    Ok(Planned { plan, stack, config, stages_s, support, supported_mesh, density, grain, guide, test, scan })
+    Ok(Planned {
+        plan,
+        stack,
+        config,
+        stages_s,
+        support,
+        supported_mesh,
+        density,
+        grain,
+        field,
+        guide,
+        test,
+        scan,
+    })
 }
 
 struct Clock {

@@ -27,8 +27,8 @@ use std::sync::Mutex;
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::mask::Mask;
 use grainpath_core::{
-    BeadWidth, Bounds2, Density, Diagnostics, Layer, LayerPlan, LayerStack, Role, SpeedClass, Toolpath,
-    UniformField, Warning,
+    BeadWidth, Bounds2, Density, Diagnostics, DirectionField, Layer, LayerPlan, LayerStack, Role, SpeedClass,
+    Toolpath, UniformField, Warning,
 };
 use grainpath_job::choices::Pattern;
 use rayon::prelude::*;
@@ -36,6 +36,7 @@ use rayon::prelude::*;
 use crate::fibre::{FibreSettings, Tally};
 use crate::fill::{Continuous, FillContext, Note};
 use crate::guide::Guide;
+use crate::guide::field::FieldGuide;
 use crate::guide::grain::GrainGuide;
 use crate::order::{Island, LayerPaths, OrderSettings, OrderState, order_window};
 use crate::support::beads::BeadSettings;
@@ -151,6 +152,7 @@ pub struct Steps<'a> {
     support: Option<&'a Support>,
     pub(super) guide: Option<&'a Guide>,
     pub(super) grain: Option<&'a GrainGuide>,
+    field: Option<&'a FieldGuide>,
     /// Settings of fibre, for jobs with fibre.
     pub(super) fibre: Option<&'a FibreSettings>,
     /// Constant field for patterns that follow directions, where no guide gives one.
@@ -178,6 +180,7 @@ impl<'a> Steps<'a> {
             support: None,
             guide: None,
             grain: None,
+            field: None,
             fibre: None,
             uniform: UniformField { axis_rad: settings.infill.field_axis_rad },
             notes: Mutex::default(),
@@ -194,6 +197,12 @@ impl<'a> Steps<'a> {
     #[must_use]
     pub fn with_guide(self, guide: Option<&'a Guide>, grain: Option<&'a GrainGuide>) -> Self {
         Self { guide, grain, ..self }
+    }
+
+    /// Guides infill by the user's own directions, where no other guide is given.
+    #[must_use]
+    pub fn with_field(self, field: Option<&'a FieldGuide>) -> Self {
+        Self { field, ..self }
     }
 
     /// Lays infill with continuous fibre.
@@ -376,6 +385,7 @@ impl<'a> Steps<'a> {
                     && skins[k] == skins[other]
                     && self.guide.is_none_or(|g| g.same(i, j))
                     && self.grain.is_none_or(GrainGuide::is_upright)
+                    && self.field.is_none_or(FieldGuide::is_upright)
                     && self.fibre.is_none_or(|f| f.same((i, self.z_mid_mm(i)), (j, self.z_mid_mm(j))))
             };
             // The layer below, or the one below that where directions alternate.
@@ -405,7 +415,7 @@ impl<'a> Steps<'a> {
             field: Some(match (self.guide, self.grain) {
                 (Some(guide), _) => guide.layer(layer_idx),
                 (None, Some(grain)) => grain,
-                (None, None) => &self.uniform,
+                (None, None) => self.field.map_or(&self.uniform as &dyn DirectionField, |field| field),
             }),
         }
     }

@@ -33,9 +33,11 @@ pub fn sparse(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>
     // Lines that converge end and leave gaps, so the mean distance is a little more than the
     // separation.
     let separation = 0.94 * context.spacing_mm() / context.density.fraction();
-    let same = |_: DVec2| separation;
+    // A field may ask for distances of its own; beads that would lie closer than side by side are not laid.
+    let asked = |p: DVec2| field.spacing_mm(p.extend(context.z_mid_mm));
+    let own = |p: DVec2| asked(p).map_or(separation, |mm| 0.94 * mm.max(context.spacing_mm()));
     let seeding = Seeding {
-        separation_mm: &same,
+        separation_mm: &own,
         end_share: END_SHARE.value(),
         shortest_mm: SHORTEST_SHARE.value() * separation,
         whole: false,

@@ -1,0 +1,129 @@
+//! What the readers of directions share: limits, options, errors, and what a sample says.
+
+use grainpath_core::units::LengthUnit;
+use grainpath_core::{DMat3, DVec2, DVec3};
+
+use crate::fe::FeError;
+use crate::image::ImageError;
+
+/// Grids have at most this many cells. Source: derived: 4096 x 4096 cells of 12 bytes are 200 MB.
+pub const MAX_CELLS: usize = 1 << 24;
+/// Tables have at most this many points. Source: derived: a point with its triangles takes about
+/// 400 bytes, so that this many take 1.6 GB.
+pub const MAX_POINTS: usize = 4_000_000;
+
+/// Unit of angles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum AngleUnit {
+    Degree,
+    Radian,
+}
+
+/// What the two indices of a grid's array mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GridAxes {
+    /// `a[y][x]`, both rising: numpy's `meshgrid` as it is.
+    Yx,
+    /// `a[x][y]`, both rising: `meshgrid` with `indexing="ij"`, and `vector_slicer`.
+    Xy,
+    /// `a[row][column]` with the first row at the top, as in a picture.
+    Image,
+}
+
+impl GridAxes {
+    /// What the order means, for people.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::Yx => "a[y][x]: rows rise with y, columns with x",
+            Self::Xy => "a[x][y]: rows rise with x, columns with y",
+            Self::Image => "rows from the top downwards, columns rise with x",
+        }
+    }
+}
+
+/// What a file does not state. `None` means: as stated in the file, or else the default named here.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DirectionOptions {
+    /// Unit of positions; mm.
+    pub length_unit: Option<LengthUnit>,
+    /// Unit of angles; degrees where an angle exceeds one turn in radians, else radians.
+    pub angle_unit: Option<AngleUnit>,
+    /// Order of the indices of an array; [`GridAxes::Yx`], and [`GridAxes::Xy`] for a CSV matrix.
+    pub axes: Option<GridAxes>,
+    /// Name of the array or of the vector; the only one, or the one with a usual name.
+    pub array: Option<String>,
+}
+
+/// Why directions cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum DirectionError {
+    #[error("the file is empty")]
+    Empty,
+    #[error("no file of directions: neither CSV, .npy, .npz, a picture nor a finite-element file")]
+    Unknown,
+    #[error("{0}")]
+    Mesh(#[from] FeError),
+    #[error("{0}")]
+    Picture(#[from] ImageError),
+    #[error("{place}: {problem}")]
+    Invalid { place: String, problem: String },
+    #[error("no directions: {0}")]
+    Missing(String),
+    #[error("all {0} samples are without a direction (NaN, zero vectors or strength 0)")]
+    NoDirection(usize),
+    #[error("{found} {what}; grainpath reads at most {limit}")]
+    TooMany { what: &'static str, found: u64, limit: usize },
+}
+
+pub(super) fn invalid(place: impl Into<String>, problem: impl Into<String>) -> DirectionError {
+    DirectionError::Invalid { place: place.into(), problem: problem.into() }
+}
+
+/// How directions were read, for `inspect` and the report.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct DirectionSummary {
+    /// The format of the file.
+    pub format: &'static str,
+    /// How the samples lie: a grid, points in the plane, a mesh.
+    pub layout: String,
+    /// Samples with a direction.
+    pub samples: usize,
+    /// Samples without one, which were left out.
+    pub without_direction: usize,
+    /// What the directions were read from, with their unit.
+    pub directions: String,
+    /// Unit of positions and who states it; empty for grids without positions.
+    pub length_unit: String,
+    /// Order of the indices of a grid; empty for the others.
+    pub axis_order: String,
+    /// Whether samples have strengths of their own.
+    pub has_strength: bool,
+    /// Whether samples have spacings of their own.
+    pub has_spacing: bool,
+}
+
+/// What the samples say at a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BlendedDirection {
+    /// `strength * d d^T` of the unit vector d, components xx, yy, zz, xy, yz, zx.
+    pub tensor: [f64; 6],
+    /// Distance of beads, mm, where the samples state one.
+    pub spacing_mm: Option<f64>,
+}
+
+impl BlendedDirection {
+    /// The direction in the plane z = 0 after turning it by `turn`: the axis in `[0, pi)` and its
+    /// strength, 0 to 1.
+    ///
+    /// Directions that disagree cancel, so that the strength falls to 0 in the core of a defect.
+    pub fn in_plane(&self, turn: &DMat3) -> (f64, f64) {
+        let [xx, yy, zz, xy, yz, zx] = self.tensor;
+        let tensor = DMat3::from_cols(DVec3::new(xx, xy, zx), DVec3::new(xy, yy, yz), DVec3::new(zx, yz, zz));
+        let turned = *turn * tensor * turn.transpose();
+        let double = DVec2::new(turned.x_axis.x - turned.y_axis.y, 2.0 * turned.x_axis.y);
+        let axis_rad = 0.5 * grainpath_core::math::atan2(double.y, double.x);
+        (axis_rad.rem_euclid(std::f64::consts::PI), double.length().min(1.0))
+    }
+}

@@ -1,0 +1,584 @@
+//! From the bytes of a file to samples, whatever its format.
+
+use grainpath_core::number::number;
+use grainpath_core::units::LengthUnit;
+use grainpath_core::{DVec2, DVec3, Warning, WarningId};
+
+use super::cloud::{Carrier, Cloud, Node, Sample, of_points, tensor};
+use super::grid::{Cell, Grid};
+use super::model::{
+    AngleUnit, DirectionError, DirectionOptions, DirectionSummary, GridAxes, MAX_CELLS, invalid,
+};
+use super::npy::{Array, MAGIC, read_npy, read_npz};
+use super::samples::DirectionSamples;
+use super::table::{
+    ANGLES, Column, angle_reading, angle_unit, axis_of_angle, from_columns, names_directions, strength_scale,
+};
+use crate::fe::{Element, FeArray, FeError, FeFile, FeFormat, On, parse_fe, sniff_fe};
+use crate::image::{Samples, decode_within, sniff_image};
+use crate::text::skip_space;
+
+/// Whether a file is certainly one of directions: an array of numpy, or a table whose header names
+/// a direction. Pictures and finite-element files may be much else.
+pub fn sniff_directions(bytes: &[u8], name: &str) -> bool {
+    let lower = name.to_ascii_lowercase();
+    bytes.starts_with(MAGIC)
+        || (bytes.starts_with(b"PK") && lower.ends_with(".npz"))
+        || header(bytes).is_some_and(|(names, _)| names_directions(&names))
+}
+
+/// Reads directions. One file is told by its content; several are the matrices of a `vector_slicer`
+/// folder, told by their names: `thetaField.csv`, or `xField.csv` and `yField.csv`, and perhaps
+/// `shape.csv`, whose zeros have no direction.
+///
+/// # Errors
+/// [`DirectionError`] with what is wrong and where.
+pub fn parse_directions(
+    files: &[(&str, &[u8])],
+    options: &DirectionOptions,
+) -> Result<DirectionSamples, DirectionError> {
+    let [(name, bytes)] = files else { return matrices(files, options) };
+    if bytes.is_empty() {
+        return Err(DirectionError::Empty);
+    }
+    if bytes.starts_with(MAGIC) {
+        return from_arrays("npy", vec![(String::new(), read_npy(bytes, name)?)], options, name);
+    }
+    if bytes.starts_with(b"PK") {
+        return from_arrays("npz", read_npz(bytes, name)?, options, name);
+    }
+    if sniff_image(bytes).is_some() {
+        return picture(bytes, name);
+    }
+    if sniff_fe(bytes, Some(name)).is_some_and(|f| f != FeFormat::Csv) {
+        return mesh(&parse_fe(bytes, Some(name))?, options);
+    }
+    if bytes.iter().take(4096).any(|b| *b == 0) {
+        return Err(DirectionError::Unknown);
+    }
+    match header(bytes) {
+        Some((names, separator)) => {
+            from_columns("CSV", &rows(bytes, &names, separator, name)?, options, name)
+        }
+        None => matrices(files, options),
+    }
+}
+
+// Tables.
+
+/// Most columns of a table. Source: the reader of stress tables, `fe::csv`.
+const MAX_COLUMNS: usize = 256;
+
+/// The names and the separator of the first line, unless it is made of numbers.
+fn header(bytes: &[u8]) -> Option<(Vec<String>, u8)> {
+    let text = skip_space(bytes);
+    let line = text[..text.len().min(1 << 16)].split(|b| matches!(b, b'\n' | b'\r')).next()?;
+    let separator = separator_of(line)?;
+    let name = |f: &[u8]| String::from_utf8_lossy(f.trim_ascii()).trim_matches(['"', '#', ' ']).to_owned();
+    let names: Vec<String> = cells(line.trim_ascii(), separator).take(MAX_COLUMNS).map(name).collect();
+    let is_number = |n: &String| n.is_empty() || number(n.as_bytes()).is_some();
+    (!names.iter().all(is_number)).then_some((names, separator))
+}
+
+fn separator_of(line: &[u8]) -> Option<u8> {
+    [b';', b'\t', b',', b' '].into_iter().find(|s| line.trim_ascii().contains(s))
+}
+
+/// The cells of a line; several spaces count as one.
+fn cells(line: &[u8], separator: u8) -> impl Iterator<Item = &[u8]> {
+    line.split(move |&b| b == separator).filter(move |f| separator != b' ' || !f.is_empty())
+}
+
+/// A number; NaN for a word and for an empty cell. Decimal commas are read where another character
+/// separates columns.
+fn cell(field: &[u8], separator: u8) -> f64 {
+    let text = field.trim_ascii();
+    let point = || {
+        let text: Vec<u8> = text.iter().map(|&b| if b == b',' { b'.' } else { b }).collect();
+        number(&text)
+    };
+    number(text).or_else(|| if separator == b',' { None } else { point() }).unwrap_or(f64::NAN)
+}
+
+fn rows(bytes: &[u8], names: &[String], separator: u8, place: &str) -> Result<Vec<Column>, DirectionError> {
+    let mut columns: Vec<Column> = names.iter().map(|n| (n.clone(), Vec::new())).collect();
+    for (i, line) in skip_space(bytes).split(|&b| b == b'\n').enumerate().skip(1) {
+        let line = line.trim_ascii();
+        if line.is_empty() || line.starts_with(b"#") {
+            continue;
+        }
+        let mut fields = cells(line, separator);
+        for (k, column) in columns.iter_mut().enumerate() {
+            let Some(field) = fields.next() else {
+                let problem = format!("{k} columns where the header has {}", names.len());
+                return Err(invalid(format!("{place}, line {}", i + 1), problem));
+            };
+            column.1.push(cell(field, separator));
+        }
+    }
+    Ok(columns)
+}
+
+// Arrays of numpy.
+
+/// Arrays of these names and two columns or three are positions or vectors.
+const POSITIONS: [&str; 6] = ["points", "positions", "p", "xy", "xyz", "coordinates"];
+const VECTORS: [&str; 6] = ["directions", "vectors", "director", "v", "d", "field"];
+
+fn from_arrays(
+    format: &'static str,
+    arrays: Vec<(String, Array)>,
+    options: &DirectionOptions,
+    place: &str,
+) -> Result<DirectionSamples, DirectionError> {
+    if arrays.is_empty() {
+        return Err(DirectionError::Missing("the archive holds no array (.npy)".into()));
+    }
+    // A structured array is a table.
+    if let [(_, array)] = &arrays[..]
+        && array.fields.len() > 1
+    {
+        return from_columns(format, &array.fields, options, place);
+    }
+    let flat = |a: &Array| a.shape.len() == 1;
+    let pairs = |a: &Array| a.shape.len() == 2 && [2, 3].contains(&a.shape[1]);
+    let is_position =
+        |name: &str, a: &Array| pairs(a) && POSITIONS.contains(&name.to_ascii_lowercase().as_str());
+    let table = arrays.iter().any(|(name, a)| is_position(name, a))
+        || (arrays.iter().filter(|(_, a)| flat(a)).count() > 2);
+    if table {
+        let mut columns: Vec<Column> = Vec::new();
+        for (name, array) in &arrays {
+            let lower = name.to_ascii_lowercase();
+            let values = |k: usize, n: usize| -> Vec<f64> {
+                array.fields[0].1.iter().skip(k).step_by(n).copied().collect()
+            };
+            let letters: &[&str] = if is_position(name, array) {
+                &["x", "y", "z"]
+            } else if pairs(array)
+                && (VECTORS.contains(&lower.as_str()) || options.array.as_ref() == Some(name))
+            {
+                &["vx", "vy", "vz"]
+            } else {
+                &[]
+            };
+            if flat(array) {
+                columns.push((name.clone(), array.fields[0].1.clone()));
+            } else if !letters.is_empty() {
+                let n = array.shape[1];
+                columns.extend((0..n).map(|k| (letters[k].to_owned(), values(k, n))));
+            }
+        }
+        let options = DirectionOptions { array: None, ..options.clone() };
+        return from_columns(format, &columns, &options, place);
+    }
+    let lower = |name: &str| name.to_ascii_lowercase();
+    let find = |names: &[&str]| {
+        arrays.iter().find(|(name, a)| a.shape.len() == 2 && names.contains(&split_base(name).as_str()))
+    };
+    let wanted = match &options.array {
+        Some(array) => arrays.iter().find(|(name, _)| lower(name) == lower(array)),
+        None => find(&ANGLES)
+            .or_else(|| arrays.iter().find(|(_, a)| a.shape.len() == 3))
+            .or_else(|| if arrays.len() == 1 { arrays.first() } else { None }),
+    };
+    let strength = find(&["strength", "weight", "confidence", "coherence", "mask", "shape"]).map(|(_, a)| a);
+    let spacing = find(&["spacing", "distance", "spacing_mm"]).map(|(_, a)| a);
+    if let (None, None, Some(x), Some(y)) =
+        (wanted, &options.array, find(&["vx", "ux", "dx", "nx", "u"]), find(&["vy", "uy", "dy", "ny", "v"]))
+    {
+        let read = GridNumbers { format, axes: None, unit: None, x: &x.1, y: Some(&y.1), strength, spacing };
+        return grid(&format!("vectors {}, {}", x.0, y.0), &read, options, place);
+    }
+    let Some((name, array)) = wanted else {
+        let names: Vec<&str> = arrays.iter().map(|(n, _)| n.as_str()).collect();
+        let problem =
+            format!("none of the arrays {} is known; name one with guide.field.array", names.join(", "));
+        return Err(DirectionError::Missing(problem));
+    };
+    let name = if name.is_empty() { "angles" } else { name };
+    let read = GridNumbers { format, axes: None, unit: None, x: array, y: None, strength, spacing };
+    grid(name, &read, options, place)
+}
+
+/// The name of an array without its unit.
+fn split_base(name: &str) -> String {
+    let lower = name.to_ascii_lowercase();
+    let base =
+        lower.rsplit_once('_').filter(|(_, unit)| angle_unit(unit).is_some()).map(|(b, _)| b.to_owned());
+    base.unwrap_or(lower)
+}
+
+/// The arrays of a grid: angles, vectors in the last index, or two arrays of components.
+struct GridNumbers<'a> {
+    /// Name of the format.
+    format: &'static str,
+    /// What the axes and the unit are where the job states none, if the format fixes them.
+    axes: Option<GridAxes>,
+    unit: Option<AngleUnit>,
+    x: &'a Array,
+    y: Option<&'a Array>,
+    strength: Option<&'a Array>,
+    spacing: Option<&'a Array>,
+}
+
+fn grid(
+    name: &str,
+    numbers: &GridNumbers<'_>,
+    options: &DirectionOptions,
+    place: &str,
+) -> Result<DirectionSamples, DirectionError> {
+    let shape = &numbers.x.shape;
+    let shown = || shape.iter().map(ToString::to_string).collect::<Vec<_>>().join(" x ");
+    let (n0, n1, parts) = match shape[..] {
+        [a, b] => (a, b, 1),
+        [a, b, c @ (2 | 3)] => (a, b, c),
+        _ => {
+            let problem = format!(
+                "{name} has the shape {}; a grid of angles has two indices, one of vectors three with 2 or 3 components \
+                 last, and a table has named columns",
+                shown()
+            );
+            return Err(invalid(place, problem));
+        }
+    };
+    if n0 == 0 || n1 == 0 {
+        return Err(DirectionError::Missing(format!("{name} has the shape {}", shown())));
+    }
+    if n0.saturating_mul(n1) > MAX_CELLS {
+        return Err(DirectionError::TooMany { what: "cells", found: (n0 * n1) as u64, limit: MAX_CELLS });
+    }
+    for other in [numbers.y, numbers.strength, numbers.spacing].into_iter().flatten() {
+        if other.shape[..] != [n0, n1] {
+            return Err(invalid(place, format!("the arrays of a grid differ in shape from {}", shown())));
+        }
+    }
+    let mut warnings = Vec::new();
+    let stated = options.axes.or(numbers.axes);
+    let axes = stated.unwrap_or(GridAxes::Yx);
+    if stated.is_none() && n0 > 1 && n1 > 1 {
+        let text = format!("the order of the indices of {name} was assumed: {}", axes.meaning());
+        warnings.push(Warning::new(WarningId::FieldAssumed, text).with_remedy("set guide.field.axes"));
+    }
+    let values = &numbers.x.fields[0].1;
+    let vectors = parts > 1 || numbers.y.is_some();
+    let reading = (!vectors).then(|| {
+        let unit = name.rsplit_once('_').and_then(|(_, unit)| angle_unit(unit));
+        angle_reading(name, unit.or(numbers.unit), options, values)
+    });
+    let (columns, rows) = if axes == GridAxes::Xy { (n0, n1) } else { (n1, n0) };
+    let index = |column: usize, row: usize| match axes {
+        GridAxes::Yx => row * n1 + column,
+        GridAxes::Xy => column * n1 + row,
+        GridAxes::Image => (n0 - 1 - row) * n1 + column,
+    };
+    let scale = match numbers.strength {
+        Some(s) => strength_scale(&s.fields[0].1, place)?,
+        None => 1.0,
+    };
+    let cell = |column: usize, row: usize| -> Cell {
+        let i = index(column, row);
+        let axis = match (&reading, numbers.y) {
+            (Some(reading), _) => axis_of_angle(values[i], reading.unit),
+            (None, Some(y)) => DVec3::new(values[i], y.fields[0].1[i], 0.0).normalize_or_zero(),
+            (None, None) => {
+                let part = |k: usize| if k < parts { values[i * parts + k] } else { 0.0 };
+                DVec3::new(part(0), part(1), part(2)).normalize_or_zero()
+            }
+        };
+        let strength = numbers.strength.map_or(1.0, |s| scale * s.fields[0].1[i]);
+        // A vector out of the plane counts as much as its part in the plane.
+        let strength = strength * axis.truncate().length_squared();
+        (strength.is_finite() && strength > 0.0)
+            .then(|| (DVec2::new(axis.x * axis.x - axis.y * axis.y, 2.0 * axis.x * axis.y), strength))
+    };
+    let known = (0..rows).flat_map(|r| (0..columns).map(move |c| (c, r)));
+    let samples = known.filter(|&(c, r)| cell(c, r).is_some()).count();
+    if samples == 0 {
+        return Err(DirectionError::NoDirection(columns * rows));
+    }
+    if columns * rows == 1 {
+        let text = "the grid has one cell, so the direction is the same everywhere";
+        warnings.push(Warning::new(WarningId::FieldOneSample, text));
+    }
+    let mut grid = Grid::new(columns, rows, cell);
+    if let Some(spacing) = numbers.spacing {
+        let unit = options.length_unit.unwrap_or(LengthUnit::Millimetre).mm();
+        let of = |(c, r): (usize, usize)| (unit * spacing.fields[0].1[index(c, r)]) as f32;
+        let all: Vec<f32> = (0..rows).flat_map(|r| (0..columns).map(move |c| (c, r))).map(of).collect();
+        if let Some(i) = all.iter().position(|s| !(s.is_finite() && *s > 0.0)) {
+            return Err(invalid(place, format!("the spacing of cell {} is not above 0", i + 1)));
+        }
+        grid = grid.with_spacing(all);
+    }
+    let directions = match &reading {
+        Some(reading) => reading.text.clone(),
+        None if parts > 1 => format!("vectors {name}"),
+        None => name.to_owned(),
+    };
+    warnings.extend(reading.and_then(|r| r.warning));
+    let summary = DirectionSummary {
+        format: numbers.format,
+        layout: format!("a grid of {columns} x {rows} cells (x, y)"),
+        samples,
+        without_direction: columns * rows - samples,
+        directions,
+        length_unit: String::new(),
+        axis_order: format!("{}{}", axes.meaning(), if stated.is_some() { "" } else { " (assumed)" }),
+        has_strength: numbers.strength.is_some(),
+        has_spacing: numbers.spacing.is_some(),
+    };
+    Ok(DirectionSamples::new(Carrier::Grid(grid), summary, warnings).with_count_warning())
+}
+
+// Matrices of vector_slicer.
+
+fn matrices(files: &[(&str, &[u8])], options: &DirectionOptions) -> Result<DirectionSamples, DirectionError> {
+    let read = |wanted: &str| -> Result<Option<Array>, DirectionError> {
+        let is = |name: &str| {
+            let file = name.rsplit(['/', '\\']).next().unwrap_or(name).to_ascii_lowercase();
+            file.replace('_', "") == wanted
+        };
+        let found = files.iter().find(|(name, _)| is(name));
+        found.map(|(name, bytes)| matrix(bytes, name)).transpose()
+    };
+    let (theta, shape) = match files {
+        [(name, bytes)] => (Some(matrix(bytes, name)?), None),
+        _ => (read("thetafield.csv")?, read("shape.csv")?),
+    };
+    let (x, y) = if theta.is_some() { (None, None) } else { (read("xfield.csv")?, read("yfield.csv")?) };
+    let place = files.first().map_or("the folder", |f| f.0);
+    let (name, x, y) = match (&theta, &x, &y) {
+        (Some(theta), _, _) => ("theta", theta, None),
+        (None, Some(x), Some(y)) => ("vectors xField, yField", x, Some(y)),
+        _ => {
+            let what = "a folder of vector_slicer has thetaField.csv, or xField.csv and yField.csv";
+            return Err(DirectionError::Missing(what.into()));
+        }
+    };
+    let (axes, unit) = (Some(GridAxes::Xy), Some(AngleUnit::Radian));
+    let strength = shape.as_ref();
+    let numbers = GridNumbers { format: "vector_slicer", axes, unit, x, y, strength, spacing: None };
+    grid(name, &numbers, options, place)
+}
+
+/// A CSV of numbers alone. Tables of two to six columns without a header are refused: they are
+/// hardly matrices.
+fn matrix(bytes: &[u8], place: &str) -> Result<Array, DirectionError> {
+    let text = skip_space(bytes);
+    let first = text.split(|&b| b == b'\n').next().unwrap_or_default();
+    let separator = separator_of(first).ok_or(DirectionError::Unknown)?;
+    let (mut values, mut columns, mut rows) = (Vec::new(), 0, 0);
+    for (i, line) in text.split(|&b| b == b'\n').enumerate() {
+        let line = line.trim_ascii();
+        // Some programs end every line with a separator.
+        let line = line.strip_suffix(&[separator]).unwrap_or(line);
+        if line.is_empty() || line.starts_with(b"#") {
+            continue;
+        }
+        let before = values.len();
+        for field in cells(line, separator) {
+            let v = cell(field, separator);
+            if v.is_nan() && !field.trim_ascii().eq_ignore_ascii_case(b"nan") {
+                let word: String = String::from_utf8_lossy(field).chars().take(40).collect();
+                return Err(invalid(
+                    format!("{place}, line {}", i + 1),
+                    format!("found {word:?} where a number of the matrix should be"),
+                ));
+            }
+            values.push(v);
+        }
+        let n = values.len() - before;
+        if rows == 0 {
+            columns = n;
+        } else if n != columns {
+            let problem = format!("{n} numbers where the first line has {columns}");
+            return Err(invalid(format!("{place}, line {}", i + 1), problem));
+        }
+        rows += 1;
+        if values.len() > MAX_CELLS {
+            return Err(DirectionError::TooMany {
+                what: "cells",
+                found: values.len() as u64,
+                limit: MAX_CELLS,
+            });
+        }
+    }
+    if columns <= 6 && rows > 10 * columns {
+        let problem = format!(
+            "{rows} lines of {columns} numbers without a header; name the columns, as in x_mm,y_mm,angle_deg"
+        );
+        return Err(invalid(place, problem));
+    }
+    Ok(Array { shape: vec![rows, columns], fields: vec![(String::new(), values)] })
+}
+
+// Pictures.
+
+/// Channels of a colour picture whose values differ by more than this share of white are no grey.
+/// Source: derived: half a step of eight bits, which rounding in a conversion may cost.
+const GREY_TOLERANCE: f32 = 0.6 / 255.0;
+
+fn picture(bytes: &[u8], place: &str) -> Result<DirectionSamples, DirectionError> {
+    let image = decode_within(bytes, MAX_CELLS as u64)?;
+    let scale = 1.0 / image.samples.full_scale();
+    let value = |i: usize| match &image.samples {
+        Samples::U8(v) => scale * f32::from(v[i]),
+        Samples::U16(v) => scale * f32::from(v[i]),
+        Samples::F32(v) => v[i],
+    };
+    let (n, colour, alpha) = match image.channels {
+        1 => (1, false, false),
+        2 => (2, false, true),
+        3 => (3, true, false),
+        _ => (4, true, true),
+    };
+    let coloured = |k: usize| {
+        let [r, g, b] = [value(n * k), value(n * k + 1), value(n * k + 2)];
+        (r - g).abs().max((g - b).abs()) > GREY_TOLERANCE
+    };
+    let (columns, rows) = (image.width, image.height);
+    if colour && (0..columns * rows).any(coloured) {
+        let problem =
+            "the picture has colours; an angle picture is grey, from 0 to the maximum for 0 to 180 degrees";
+        return Err(invalid(place, problem));
+    }
+    let cell = |column: usize, row: usize| -> Cell {
+        let k = n * ((rows - 1 - row) * columns + column);
+        let strength = if alpha { f64::from(value(k + n - 1)) } else { 1.0 };
+        let grey = f64::from(value(k));
+        (grey.is_finite() && strength > 0.0)
+            .then(|| (grainpath_core::math::direction(std::f64::consts::TAU * grey), strength.min(1.0)))
+    };
+    let all = || (0..rows).flat_map(|r| (0..columns).map(move |c| (c, r)));
+    let samples = all().filter(|&(c, r)| cell(c, r).is_some()).count();
+    if samples == 0 {
+        return Err(DirectionError::NoDirection(columns * rows));
+    }
+    let mut warnings = Vec::new();
+    if image.format == crate::ImageFormat::Jpeg {
+        let text = "a JPEG changes the grey values, and with them the angles";
+        warnings
+            .push(Warning::new(WarningId::FieldAssumed, text).with_remedy("save the angle picture as PNG"));
+    }
+    let grid = Grid::new(columns, rows, cell);
+    let summary = DirectionSummary {
+        format: image.format.name(),
+        layout: format!("a grid of {columns} x {rows} cells (x, y)"),
+        samples,
+        without_direction: columns * rows - samples,
+        directions: "grey 0 to maximum is 0 to 180 degrees counter-clockwise from x".into(),
+        length_unit: String::new(),
+        axis_order: GridAxes::Image.meaning().into(),
+        has_strength: alpha,
+        has_spacing: false,
+    };
+    // Pixels with alpha 0 are meant to have no direction.
+    Ok(DirectionSamples::new(Carrier::Grid(grid), summary, warnings))
+}
+
+// Meshes.
+
+/// Names that arrays of directions usually have, in lower case.
+const USUAL: [&str; 8] =
+    ["directions", "direction", "fibre", "fiber", "orientation", "orientations", "vectors", "director"];
+
+fn mesh(file: &FeFile, options: &DirectionOptions) -> Result<DirectionSamples, DirectionError> {
+    let vectors: Vec<&FeArray> = file.arrays.iter().filter(|a| [2, 3].contains(&a.components)).collect();
+    let names = || vectors.iter().map(|a| a.name.as_str()).collect::<Vec<_>>().join(", ");
+    let find = |name: &str| vectors.iter().find(|a| a.name.eq_ignore_ascii_case(name)).copied();
+    let array = match &options.array {
+        Some(name) => find(name).ok_or_else(|| {
+            DirectionError::Missing(format!("no array {name:?} of 2 or 3 components; there are: {}", names()))
+        })?,
+        None => match (USUAL.iter().find_map(|n| find(n)), &vectors[..]) {
+            (Some(array), _) => array,
+            (None, [only]) => only,
+            (None, []) => {
+                return Err(DirectionError::Missing("the file has no array of 2 or 3 components".into()));
+            }
+            (None, _) => {
+                let problem = format!("several vectors ({}); name one with guide.field.array", names());
+                return Err(DirectionError::Missing(problem));
+            }
+        },
+    };
+    let unit = options.length_unit.unwrap_or(LengthUnit::Millimetre);
+    let dimension = file.elements.iter().map(|e| e.kind.dimension()).max().unwrap_or(0);
+    let elements: Vec<Element> =
+        file.elements.iter().copied().filter(|e| e.kind.dimension() == dimension).collect();
+    let axis = |i: usize| {
+        let part = |k: usize| {
+            if k < array.components { array.values.get(i * array.components + k).copied() } else { Some(0.0) }
+        };
+        let v = DVec3::new(part(0)?, part(1)?, part(2)?).normalize_or_zero();
+        (v.is_finite() && v != DVec3::ZERO).then_some(v)
+    };
+    let mut sums = vec![([0.0; 6], 0.0); file.nodes.len()];
+    let mut add = |node: usize, axis: DVec3| {
+        let (sum, n) = &mut sums[node];
+        sum.iter_mut().zip(tensor(axis, 1.0)).for_each(|(to, v)| *to += v);
+        *n += 1.0;
+    };
+    let n = match array.on {
+        On::Nodes => {
+            (0..file.nodes.len()).filter_map(|i| Some((i, axis(i)?))).for_each(|(i, a)| add(i, a));
+            file.nodes.len()
+        }
+        On::Elements => {
+            for (e, element) in file.elements.iter().enumerate() {
+                if let Some(axis) = axis(e) {
+                    element.nodes().iter().for_each(|&i| add(i as usize, axis));
+                }
+            }
+            file.elements.len()
+        }
+    };
+    let samples = (0..n).filter(|&i| axis(i).is_some()).count();
+    if samples == 0 {
+        return Err(DirectionError::NoDirection(n));
+    }
+    let plane = file.nodes.iter().all(|p| p.z == file.nodes[0].z);
+    let who = if options.length_unit.is_some() { "the job says so" } else { "stated nowhere" };
+    let on = if array.on == On::Nodes { "nodes" } else { "elements" };
+    let layout = if elements.is_empty() {
+        format!("{} points", file.nodes.len())
+    } else {
+        format!(
+            "a mesh of {} elements{}",
+            elements.len(),
+            if plane { " in a plane, for all heights" } else { "" }
+        )
+    };
+    let carrier = if elements.is_empty() {
+        let sample = |i: usize| {
+            let axis = axis(i)?;
+            Some(Sample { place_mm: unit.mm() * file.nodes[i], axis, strength: 1.0, spacing_mm: 1.0 })
+        };
+        let all: Vec<Sample> = (0..file.nodes.len()).filter_map(sample).collect();
+        if all.is_empty() {
+            return Err(DirectionError::Mesh(FeError::NoNodes));
+        }
+        of_points(all, false)
+    } else {
+        let node = |(p, (sum, n)): (&DVec3, &([f64; 6], f64))| Node {
+            place_mm: unit.mm() * *p,
+            tensor: sum.map(|v| if *n > 0.0 { v / n } else { 0.0 }),
+            spacing_mm: 1.0,
+        };
+        let nodes = file.nodes.iter().zip(&sums).map(node).collect();
+        Carrier::Cloud(Box::new(Cloud::new(nodes, elements, false, plane)))
+    };
+    let summary = DirectionSummary {
+        format: file.format.name(),
+        layout,
+        samples,
+        without_direction: n - samples,
+        directions: format!("vectors {:?} on {on}", array.name),
+        length_unit: format!("{} ({who})", unit.name()),
+        axis_order: String::new(),
+        has_strength: false,
+        has_spacing: false,
+    };
+    Ok(DirectionSamples::new(carrier, summary, file.warnings.clone()).with_count_warning())
+}

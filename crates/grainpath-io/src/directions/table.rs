@@ -1,0 +1,297 @@
+//! Columns with names: which of them are positions, directions, spacing and strength.
+
+use grainpath_core::units::LengthUnit;
+use grainpath_core::{DVec3, Warning, WarningId};
+
+use super::cloud::{Sample, of_points};
+use super::model::{AngleUnit, DirectionError, DirectionOptions, DirectionSummary, MAX_POINTS, invalid};
+use super::samples::DirectionSamples;
+use crate::position::checked;
+
+/// A column: its name as the file has it, and a number for each row.
+pub(super) type Column = (String, Vec<f64>);
+
+/// A name without its unit, in lower case, and the unit.
+fn split_unit(name: &str) -> (String, String) {
+    let lower = name.trim().to_ascii_lowercase();
+    if let Some((base, rest)) = lower.split_once(['[', '(']) {
+        return (
+            base.trim().trim_end_matches('_').to_owned(),
+            rest.trim_end_matches([']', ')', ' ']).to_owned(),
+        );
+    }
+    match lower.rsplit_once('_') {
+        Some((base, unit)) if length_unit(unit).is_some() || angle_unit(unit).is_some() => {
+            (base.to_owned(), unit.to_owned())
+        }
+        _ => (lower, String::new()),
+    }
+}
+
+fn length_unit(word: &str) -> Option<LengthUnit> {
+    match word {
+        "mm" => Some(LengthUnit::Millimetre),
+        "cm" => Some(LengthUnit::Centimetre),
+        "m" => Some(LengthUnit::Metre),
+        "in" | "inch" => Some(LengthUnit::Inch),
+        "um" | "micron" => Some(LengthUnit::Micron),
+        "ft" | "foot" => Some(LengthUnit::Foot),
+        _ => None,
+    }
+}
+
+pub(super) fn angle_unit(word: &str) -> Option<AngleUnit> {
+    match word {
+        "deg" | "degree" | "degrees" => Some(AngleUnit::Degree),
+        "rad" | "radian" | "radians" => Some(AngleUnit::Radian),
+        _ => None,
+    }
+}
+
+/// Names of a single column that is an angle.
+pub(super) const ANGLES: [&str; 6] = ["angle", "theta", "phi", "orientation", "direction", "axis"];
+const SPACINGS: [&str; 2] = ["spacing", "distance"];
+const STRENGTHS: [&str; 4] = ["strength", "weight", "confidence", "coherence"];
+/// Names of the components of a vector without a common stem.
+const VECTORS: [[&str; 3]; 6] = [
+    ["vx", "vy", "vz"],
+    ["dx", "dy", "dz"],
+    ["ux", "uy", "uz"],
+    ["nx", "ny", "nz"],
+    ["tx", "ty", "tz"],
+    ["u", "v", "w"],
+];
+
+/// Whether a name is that of a coordinate: `x`, `X [mm]`, `coord_x`, or `Points:0` as ParaView
+/// writes.
+fn is_coordinate(base: &str, axis: usize) -> bool {
+    let letter = ["x", "y", "z"][axis];
+    base == letter
+        || ["coord_", "coord", "node_", "pos_", "position_"]
+            .iter()
+            .any(|stem| base == format!("{stem}{letter}"))
+        || [":", "_"].iter().any(|mark| base == format!("points{mark}{axis}"))
+}
+
+/// The stem and the component of a name such as `Fibre_x` or `Directions:1`, in lower case.
+fn component(base: &str) -> Option<(&str, usize)> {
+    let (stem, last) = base.rsplit_once(['_', ':', '.'])?;
+    let axis = match last {
+        "x" | "0" => 0,
+        "y" | "1" => 1,
+        "z" | "2" => 2,
+        _ => return None,
+    };
+    (!stem.is_empty() && !(0..3).any(|k| is_coordinate(base, k))).then_some((stem, axis))
+}
+
+/// The columns of a vector.
+struct VectorColumns {
+    name: String,
+    columns: [Option<usize>; 3],
+}
+
+fn vectors(bases: &[String]) -> Vec<VectorColumns> {
+    let find = |name: &str| bases.iter().position(|b| b == name);
+    let mut out = Vec::new();
+    for names in VECTORS {
+        if let (Some(x), Some(y)) = (find(names[0]), find(names[1])) {
+            out.push(VectorColumns {
+                name: names[..2].join(", "),
+                columns: [Some(x), Some(y), find(names[2])],
+            });
+        }
+    }
+    for (i, base) in bases.iter().enumerate() {
+        if let Some((stem, 0)) = component(base) {
+            let of = |axis| bases.iter().position(|b| component(b) == Some((stem, axis)));
+            if let Some(y) = of(1) {
+                out.push(VectorColumns { name: stem.to_owned(), columns: [Some(i), Some(y), of(2)] });
+            }
+        }
+    }
+    out
+}
+
+/// Whether a header names coordinates and a direction.
+pub(super) fn names_directions(names: &[String]) -> bool {
+    let bases: Vec<String> = names.iter().map(|n| split_unit(n).0).collect();
+    let has = |axis| bases.iter().any(|b| is_coordinate(b, axis));
+    has(0) && has(1) && (bases.iter().any(|b| ANGLES.contains(&b.as_str())) || !vectors(&bases).is_empty())
+}
+
+/// What the numbers of a direction are, in words, and the unit of its angle.
+pub(super) struct AngleReading {
+    pub unit: AngleUnit,
+    pub text: String,
+    pub warning: Option<Warning>,
+}
+
+/// The unit of angles: stated by the file or by the job, else assumed from their size.
+pub(super) fn angle_reading(
+    name: &str,
+    stated: Option<AngleUnit>,
+    options: &DirectionOptions,
+    values: &[f64],
+) -> AngleReading {
+    let word = |unit| if unit == AngleUnit::Degree { "degrees" } else { "radians" };
+    if let Some(unit) = options.angle_unit.or(stated) {
+        return AngleReading { unit, text: format!("{name} in {}", word(unit)), warning: None };
+    }
+    let max = values.iter().filter(|v| v.is_finite()).fold(0.0f64, |m, v| m.max(v.abs()));
+    let unit = if max > std::f64::consts::TAU { AngleUnit::Degree } else { AngleUnit::Radian };
+    let text = format!("{name} in {} (assumed)", word(unit));
+    let reason = format!(
+        "the unit of {name} is stated nowhere; it was taken for {}, since the largest value is {max:.4}",
+        word(unit)
+    );
+    AngleReading { unit, text, warning: Some(Warning::new(WarningId::FieldAssumed, reason)) }
+}
+
+/// The axis of an angle.
+pub(super) fn axis_of_angle(angle: f64, unit: AngleUnit) -> DVec3 {
+    let rad = if unit == AngleUnit::Degree { angle.to_radians() } else { angle };
+    grainpath_core::math::direction(rad).extend(0.0)
+}
+
+/// Strengths above 1 are shares of the largest one.
+pub(super) fn strength_scale(strengths: &[f64], place: &str) -> Result<f64, DirectionError> {
+    if let Some(row) = strengths.iter().position(|s| *s < 0.0) {
+        return Err(invalid(place, format!("the strength of sample {} is negative", row + 1)));
+    }
+    let max = strengths.iter().filter(|s| s.is_finite()).fold(1.0f64, |m, s| m.max(*s));
+    Ok(1.0 / max)
+}
+
+/// Samples from columns; all columns have the same number of rows.
+pub(super) fn from_columns(
+    format: &'static str,
+    columns: &[Column],
+    options: &DirectionOptions,
+    place: &str,
+) -> Result<DirectionSamples, DirectionError> {
+    let n = columns.first().map_or(0, |c| c.1.len());
+    if let Some((name, other)) = columns.iter().find(|c| c.1.len() != n) {
+        let first = &columns[0].0;
+        return Err(invalid(place, format!("{first} has {n} rows and {name} has {}", other.len())));
+    }
+    if n > MAX_POINTS {
+        return Err(DirectionError::TooMany { what: "points", found: n as u64, limit: MAX_POINTS });
+    }
+    let (bases, units): (Vec<String>, Vec<String>) = columns.iter().map(|c| split_unit(&c.0)).unzip();
+    let values = |i: usize| &columns[i].1;
+    let named = |names: &[&str]| bases.iter().position(|b| names.contains(&b.as_str()));
+    let coordinate = |axis| bases.iter().position(|b| is_coordinate(b, axis));
+    let all_names = || columns.iter().map(|c| c.0.as_str()).collect::<Vec<_>>().join(", ");
+    let (Some(x), Some(y)) = (coordinate(0), coordinate(1)) else {
+        return Err(DirectionError::Missing(format!("no columns x and y among {}", all_names())));
+    };
+    let z = coordinate(2);
+    let mut warnings = Vec::new();
+
+    // Positions.
+    let stated = length_unit(&units[x]);
+    let unit = options.length_unit.or(stated).unwrap_or(LengthUnit::Millimetre);
+    let who = if options.length_unit.is_some() {
+        "the job says so"
+    } else if stated.is_some() {
+        "the file says so"
+    } else {
+        "stated nowhere"
+    };
+    let place_of = |i: usize| {
+        let p = [values(x)[i], values(y)[i], z.map_or(0.0, |z| values(z)[i])].map(|v| v * unit.mm());
+        checked(p, || format!("{place}, sample {}", i + 1)).map_err(|e| invalid(place, e.to_string()))
+    };
+
+    // Directions.
+    let mut found = vectors(&bases);
+    if let Some(wanted) = &options.array {
+        let wanted = wanted.to_ascii_lowercase();
+        found.retain(|v| v.name == wanted || v.columns[0].is_some_and(|i| bases[i] == wanted));
+    }
+    let angle = match &options.array {
+        Some(wanted) => {
+            columns.iter().position(|c| c.0.eq_ignore_ascii_case(wanted)).filter(|_| found.is_empty())
+        }
+        None => named(&ANGLES),
+    };
+    if found.len() + usize::from(angle.is_some()) > 1 {
+        let mut names: Vec<String> = found.iter().map(|v| v.name.clone()).collect();
+        names.extend(angle.map(|i| columns[i].0.clone()));
+        let problem = format!("several directions ({}); name one with guide.field.array", names.join("; "));
+        return Err(invalid(place, problem));
+    }
+    let (directions, axis_of): (String, Box<dyn Fn(usize) -> DVec3 + '_>) = match (found.first(), angle) {
+        (Some(vector), _) => {
+            let at = vector.columns;
+            let part = move |k: usize, i: usize| at[k].map_or(0.0, |c| values(c)[i]);
+            let text = format!("vectors {}", vector.name);
+            (text, Box::new(move |i| DVec3::new(part(0, i), part(1, i), part(2, i)).normalize_or_zero()))
+        }
+        (None, Some(a)) => {
+            let reading = angle_reading(&columns[a].0, angle_unit(&units[a]), options, values(a));
+            warnings.extend(reading.warning);
+            (reading.text, Box::new(move |i| axis_of_angle(values(a)[i], reading.unit)))
+        }
+        (None, None) => {
+            let what = "neither an angle (angle_deg, theta_rad) nor a vector (vx, vy)";
+            return Err(DirectionError::Missing(format!("{what} among {}", all_names())));
+        }
+    };
+
+    // Strength and spacing.
+    let (strength, spacing) = (named(&STRENGTHS), named(&SPACINGS));
+    let scale = strength.map_or(Ok(1.0), |s| strength_scale(values(s), place))?;
+    let spacing_mm = spacing.map_or(1.0, |s| length_unit(&units[s]).unwrap_or(unit).mm());
+    let mut samples = Vec::with_capacity(n);
+    for i in 0..n {
+        let axis = axis_of(i);
+        let strength = strength.map_or(1.0, |s| scale * values(s)[i]);
+        let counts = strength.is_finite() && strength > 0.0;
+        if !axis.is_finite() || axis == DVec3::ZERO || !counts {
+            continue;
+        }
+        let spacing_mm = spacing.map_or(1.0, |s| spacing_mm * values(s)[i]);
+        if !(spacing_mm.is_finite() && spacing_mm > 0.0) {
+            return Err(invalid(place, format!("the spacing of sample {} is not above 0", i + 1)));
+        }
+        samples.push(Sample { place_mm: place_of(i)?, axis, strength, spacing_mm });
+    }
+    if n == 0 {
+        return Err(DirectionError::Missing("the table has no rows".into()));
+    }
+    if samples.is_empty() {
+        return Err(DirectionError::NoDirection(n));
+    }
+    let n_samples = samples.len();
+    let first = samples[0].place_mm;
+    if samples.iter().all(|s| s.place_mm == first) {
+        let text = "all samples are at one place, so the direction is the same everywhere";
+        warnings.push(Warning::new(WarningId::FieldOneSample, text));
+    }
+    let heights = of_heights(&samples);
+    let carrier = of_points(samples, spacing.is_some());
+    let summary = DirectionSummary {
+        format,
+        layout: heights,
+        samples: n_samples,
+        without_direction: n - n_samples,
+        directions,
+        length_unit: format!("{} ({who})", unit.name()),
+        axis_order: String::new(),
+        has_strength: strength.is_some(),
+        has_spacing: spacing.is_some(),
+    };
+    Ok(DirectionSamples::new(carrier, summary, warnings).with_count_warning())
+}
+
+fn of_heights(samples: &[Sample]) -> String {
+    let mut all: Vec<f64> = samples.iter().map(|s| s.place_mm.z).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    match all.len() {
+        1 => "points in a plane, for all heights".into(),
+        n => format!("points at {n} heights"),
+    }
+}

@@ -1,0 +1,215 @@
+//! A user's own directions as a guide: where they lie on the part, and how they turn with it.
+//!
+//! The reader, the interpolation and their limits are in [`grainpath_io::directions`]. This module
+//! maps a point of the part to the coordinates of the file. In the frame of the part these are the
+//! coordinates of the shape's file, so that unit, scale, rotation and lowering of the part are
+//! undone; a direction found there is turned as the part was. In the frame of the plate positions
+//! are those of the bed, and directions stay as they are.
+//!
+//! A grid without positions is centred on the part, and covers it where no cell size is given.
+//! Degenerate cases: samples that lie nowhere near the part are refused; a part that reaches beyond
+//! them is warned of.
+
+use grainpath_core::math::sin_cos;
+use grainpath_core::{
+    DMat3, DVec2, DVec3, Diagnostics, DirectionField, DirectionSample, LayerStack, Warning, WarningId,
+};
+use grainpath_io::directions::{DirectionSamples, DirectionSummary};
+use grainpath_job::choices::FieldFrame;
+use serde::Serialize;
+
+/// Where directions lie.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FieldSettings {
+    /// Coordinates of the positions.
+    pub frame: FieldFrame,
+    /// Size of a cell of a grid, mm.
+    pub cell_mm: Option<f64>,
+    /// Lower left corner of a grid, mm.
+    pub origin_mm: Option<DVec2>,
+    /// Factor by which the part was scaled, apart from the unit of its file.
+    pub scale: f64,
+    /// Turns of the part about x, then y, then z, radians.
+    pub rotate_rad: [f64; 3],
+    /// How far the part was lowered to stand on the plate, mm.
+    pub lowered_mm: f64,
+    /// Position of the part's origin on the bed, mm.
+    pub plate_from_part_mm: DVec3,
+}
+
+/// Why directions cannot guide a part.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum FieldError {
+    #[error(
+        "the directions lie from ({:.2}, {:.2}) to ({:.2}, {:.2}) mm and the part from ({:.2}, {:.2}) to ({:.2}, {:.2}); \
+         check guide.field.frame and guide.field.length_unit",
+        directions[0].x, directions[0].y, directions[1].x, directions[1].y, part[0].x, part[0].y, part[1].x, part[1].y
+    )]
+    Elsewhere { directions: [DVec3; 2], part: [DVec3; 2] },
+}
+
+/// How directions were read and laid, for the report.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct FieldReport {
+    pub format: &'static str,
+    pub layout: String,
+    pub samples: usize,
+    pub without_direction: usize,
+    pub directions: String,
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub length_unit: String,
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub axis_order: String,
+    pub frame: &'static str,
+    pub low_mm: [f64; 3],
+    pub high_mm: [f64; 3],
+}
+
+/// Directions laid on a part.
+pub struct FieldGuide {
+    samples: DirectionSamples,
+    /// Turns a direction of the file to the part.
+    turn: DMat3,
+    /// From part coordinates to the file's: `to_file * (p + shift_mm)`.
+    to_file: DMat3,
+    shift_mm: DVec3,
+    /// How the directions were read and laid.
+    pub report: FieldReport,
+}
+
+/// A grid may be stretched by factors that differ by this share before that is warned of. Source:
+/// derived: a direction at 45 degrees turns by half of it, 0.6 degrees, which is less than the
+/// angle between a plan's beads and its guide.
+const MAX_STRETCH: f64 = 0.02;
+
+impl FieldGuide {
+    /// Lays samples on the part that `stack` is cut from.
+    ///
+    /// # Errors
+    /// [`FieldError::Elsewhere`] for samples whose box does not meet the part's.
+    pub fn new(
+        mut samples: DirectionSamples,
+        settings: &FieldSettings,
+        stack: &LayerStack,
+        diagnostics: &Diagnostics,
+    ) -> Result<Self, FieldError> {
+        samples.warnings().iter().for_each(|w| diagnostics.push(w.clone()));
+        let [x, y, z] = settings.rotate_rad;
+        let (turn, to_file, shift_mm) = match settings.frame {
+            FieldFrame::Part => {
+                let turn = turn_about(2, z) * turn_about(1, y) * turn_about(0, x);
+                let back = turn.transpose() * (1.0 / settings.scale);
+                (turn, back, DVec3::new(0.0, 0.0, settings.lowered_mm))
+            }
+            FieldFrame::Plate => (DMat3::IDENTITY, DMat3::IDENTITY, settings.plate_from_part_mm),
+        };
+        let corners = stack.layers().iter().flat_map(|layer| {
+            let z = layer.z_top_mm() - 0.5 * layer.height_mm();
+            layer.region().contours().flatten().map(move |p| to_file * (p.extend(z) + shift_mm))
+        });
+        let (mut low, mut high) =
+            corners.fold((DVec3::MAX, DVec3::MIN), |(low, high), p| (low.min(p), high.max(p)));
+        if low.x > high.x {
+            (low, high) = (DVec3::ZERO, DVec3::ZERO);
+        }
+        if let Some([columns, rows]) = samples.unplaced_grid() {
+            let n = DVec2::new(columns as f64, rows as f64);
+            let part = (high - low).truncate();
+            let cell = settings.cell_mm.map_or(part / n, DVec2::splat).max(DVec2::splat(1e-6));
+            if settings.cell_mm.is_none() && (cell.x / cell.y - 1.0).abs() > MAX_STRETCH {
+                let text = format!(
+                    "the grid of {columns} x {rows} cells was stretched over the part: a cell measures {:.4} x {:.4} mm",
+                    cell.x, cell.y
+                );
+                diagnostics.warn(WarningId::FieldStretched, text);
+            }
+            let centred = 0.5 * (low + high).truncate() - 0.5 * cell * n;
+            samples.place_grid(settings.origin_mm.unwrap_or(centred), cell);
+        }
+        let bounds = samples.bounds().unwrap_or((DVec3::ZERO, DVec3::ZERO));
+        let summary = samples.summary().clone();
+        let guide =
+            Self { report: report(&summary, settings.frame, bounds), samples, turn, to_file, shift_mm };
+        guide.check_cover(bounds, (low, high), diagnostics)?;
+        Ok(guide)
+    }
+
+    /// Refuses samples beside the part, and warns of a part that reaches beyond them.
+    fn check_cover(
+        &self,
+        samples: (DVec3, DVec3),
+        part: (DVec3, DVec3),
+        diagnostics: &Diagnostics,
+    ) -> Result<(), FieldError> {
+        let axes = if self.samples.is_plane() { 2 } else { 3 };
+        let one_place = samples.0 == samples.1;
+        let beyond = |k: usize| (samples.0[k] - part.0[k]).max(part.1[k] - samples.1[k]);
+        let apart = |k: usize| samples.0[k] > part.1[k] || samples.1[k] < part.0[k];
+        if (0..axes).any(apart) {
+            return Err(FieldError::Elsewhere { directions: [samples.0, samples.1], part: [part.0, part.1] });
+        }
+        // Samples at the centres of cells end half a cell within the part.
+        let size = (samples.1 - samples.0).truncate();
+        let pitch = (size.x * size.y / self.samples.summary().samples as f64).sqrt();
+        let far = (0..axes).map(beyond).fold(0.0, f64::max);
+        if far > pitch && !one_place {
+            let text = format!(
+                "the part reaches {far:.2} mm beyond the directions; those of the nearest place were used there"
+            );
+            diagnostics.push(Warning::new(WarningId::FieldTooSmall, text));
+        }
+        Ok(())
+    }
+
+    /// Whether the directions are the same at every height of the part.
+    pub fn is_upright(&self) -> bool {
+        self.samples.is_plane() && self.turn.z_axis == DVec3::Z
+    }
+
+    /// The axis that the file asks for at a point of the part, radians, and its strength, 0 to 1.
+    pub fn asked(&self, p: DVec3) -> (f64, f64) {
+        self.samples.sample(self.to_file * (p + self.shift_mm)).in_plane(&self.turn)
+    }
+}
+
+impl DirectionField for FieldGuide {
+    fn sample(&self, p: DVec3) -> DirectionSample {
+        let (axis_rad, strength) = self.asked(p);
+        DirectionSample { axis_rad, strength, principal_mpa: None }
+    }
+
+    fn spacing_mm(&self, p: DVec3) -> Option<f64> {
+        self.samples.sample(self.to_file * (p + self.shift_mm)).spacing_mm
+    }
+}
+
+/// The turn about an axis, 0 to 2, by the right-hand rule.
+fn turn_about(axis: usize, angle_rad: f64) -> DMat3 {
+    let (s, c) = sin_cos(angle_rad);
+    match axis {
+        0 => DMat3::from_cols(DVec3::X, DVec3::new(0.0, c, s), DVec3::new(0.0, -s, c)),
+        1 => DMat3::from_cols(DVec3::new(c, 0.0, -s), DVec3::Y, DVec3::new(s, 0.0, c)),
+        _ => DMat3::from_cols(DVec3::new(c, s, 0.0), DVec3::new(-s, c, 0.0), DVec3::Z),
+    }
+}
+
+fn report(summary: &DirectionSummary, frame: FieldFrame, bounds: (DVec3, DVec3)) -> FieldReport {
+    let round = |p: DVec3| p.to_array().map(|v| (v * 1e4).round() / 1e4);
+    FieldReport {
+        format: summary.format,
+        layout: summary.layout.clone(),
+        samples: summary.samples,
+        without_direction: summary.without_direction,
+        directions: summary.directions.clone(),
+        length_unit: summary.length_unit.clone(),
+        axis_order: summary.axis_order.clone(),
+        frame: match frame {
+            FieldFrame::Part => "part",
+            FieldFrame::Plate => "plate",
+        },
+        low_mm: round(bounds.0),
+        high_mm: round(bounds.1),
+    }
+}
