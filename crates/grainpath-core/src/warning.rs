@@ -154,6 +154,12 @@ warning_ids! {
     FieldStretched = "field-stretched",
         "A grid of directions does not state its size and was stretched over the part by unequal factors.",
         "set guide.field.cell_mm";
+    GuideFar = "guide-far",
+        "The infill lies 15 degrees or more from the directions of its guide in the mean.",
+        "try fill.pattern = \"stripes\", or look at the place with `grainpath render --color direction`";
+    GuideTwoDirections = "guide-two-directions",
+        "In most of the part tension and compression of about equal amount cross, so that no single direction carries the load.",
+        "set guide.follow = \"alternate\": layers then follow tension and compression in turn";
     BoardTurnAssumed = "board-turn-assumed",
         "The outline of a board does not tell how the photograph is turned, so a turn was assumed.",
         "check the numbered corners in the picture of the photograph, or give corners_px";

@@ -46,7 +46,7 @@ pub struct LayerField {
 
 /// Relative difference of the two principal stresses, by amount, below which either may be
 /// followed.
-const EITHER: f64 = 0.25;
+pub(super) const EITHER: f64 = 0.25;
 /// Weight of a free border relative to that of a large stress.
 const BORDER_WEIGHT: f64 = 0.2;
 

@@ -25,7 +25,7 @@ use grainpath_core::{DVec3, Diagnostics, DirectionField, LayerStack, TriMesh};
 use grainpath_fea::load_case::{Action, BoundaryConditions, CatchesNothing, Fixture, Held, Load, LoadCase};
 use grainpath_fea::material::{Orthotropic, Unstable};
 use grainpath_fea::plane::{PlaneError, PlaneStress};
-use grainpath_fea::principal::PlaneTensor;
+use grainpath_fea::principal::{PlaneTensor, plane_principal};
 use grainpath_fea::resultant::CaseBalance;
 use grainpath_fea::solid::SolidError;
 use grainpath_io::fe::{Element, StressField};
@@ -185,6 +185,16 @@ impl Guide {
         // The first one among equals.
         let main = self.cases.iter().rev().max_by(better);
         &*main.expect("a guide has a case").stress
+    }
+
+    /// Whether tension and compression of about equal amount cross at a point, in the case that counts most; `None` for
+    /// guides that were told which of them to follow.
+    pub fn is_pure_shear(&self, p: DVec3) -> Option<bool> {
+        if self.follow != Follow::MaxAbs {
+            return None;
+        }
+        let [a, b] = plane_principal(self.main_case().at(p)).values_mpa;
+        Some(a * b < 0.0 && (a.abs() - b.abs()).abs() < direction::EITHER * (a.abs() + b.abs()))
     }
 
     /// The points where both principal stresses in the plane of a layer are equal: in the case with

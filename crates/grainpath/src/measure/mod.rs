@@ -1,5 +1,6 @@
 //! Results: the planned job, and measurements on the written program.
 
+pub mod alignment;
 pub mod dimensions;
 pub mod fibre;
 pub mod plan_json;

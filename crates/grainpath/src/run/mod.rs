@@ -29,6 +29,7 @@ use crate::guide::field::FieldGuide;
 use crate::guide::grain::{GrainGuide, read_grain, read_scan};
 use crate::guide::{self, GuidedPart, StressSettings};
 pub use crate::measure::Planned;
+use crate::measure::alignment::warn_if_far;
 use crate::measure::separate_lines;
 use crate::measure::strength::TestSetup;
 use crate::order::order_stack;
@@ -279,7 +280,7 @@ fn plan_stack(
     // Skirt, brim and supports reach beyond the part, so the finished plan is checked again.
     check_fits(&plan, &config.machine).map_err(|e| outside_bed(e, &stack, part))?;
     let stages_s = clock.stages;
-    Ok(Planned {
+    let planned = Planned {
         plan,
         stack,
         config,
@@ -292,7 +293,9 @@ fn plan_stack(
         guide,
         test,
         scan,
-    })
+    };
+    warn_if_far(&planned, settings.fill.pattern, diagnostics);
+    Ok(planned)
 }
 
 struct Clock {
