@@ -44,12 +44,12 @@ pub struct Limits {
     pub arc_segment_mm: f64,
 }
 
-/// Klipper's default `minimum_cruise_ratio`. Source: klipper-docs, "Config reference", section [printer].
+/// Klipper's default `minimum_cruise_ratio`. Source: klipper-docs, "Config reference", section `[printer]`.
 pub const KLIPPER_MIN_CRUISE_RATIO: f64 = 0.5;
-/// Klipper's default `resolution` of arcs, mm. Source: klipper-docs, "Config reference", section [gcode_arcs].
+/// Klipper's default `resolution` of arcs, mm. Source: klipper-docs, "Config reference", section `[gcode_arcs]`.
 pub const KLIPPER_ARC_SEGMENT_MM: f64 = 1.0;
 /// Klipper's default `instantaneous_corner_velocity` of the extruder, mm/s of filament. Source: klipper-docs, "Config
-/// reference", section [extruder].
+/// reference", section `[extruder]`.
 const KLIPPER_FILAMENT_CORNER_MM_S: f64 = 1.0;
 
 impl Default for Limits {

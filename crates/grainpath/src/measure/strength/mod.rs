@@ -451,10 +451,10 @@ pub fn test(
     test_noting(settings, setup, program, plate_from_part, diagnostics, &|_| {})
 }
 
-/// [`test`] with a word to `note` as soon as there is a first answer, on larger cells.
+/// [`test()`] with a word to `note` as soon as there is a first answer, on larger cells.
 ///
 /// # Errors
-/// As [`test`].
+/// As [`test()`].
 pub fn test_noting(
     settings: &Settings,
     setup: &TestSetup,
