@@ -10,6 +10,7 @@ mod bench_ct;
 mod bench_fea;
 mod bench_paths;
 mod bench_strength;
+mod campaign;
 mod count;
 mod fuzz;
 mod hashes;
@@ -30,7 +31,7 @@ const USAGE: &str = "usage: cargo xtask <command>
                    --install        installs system packages too
                    --allow-missing  what cannot run here is no failure
                    --quick          leaves out fuzzers and tests that need files or programs
-  nightly          all of test, slow tests, ten minutes of each fuzz target, benches that verify
+  nightly          all of test, slow tests, two minutes of each fuzz target, the campaign, benches that verify
   invariants       dependencies of crates and the invariants of ARCHITECTURE.md
   count [--tighten | --list NAME | --in FOLDER]  counts of the sources beside the limits of xtask/counts.toml
   hashes [--write] [--binary PATH]  G-code of small jobs beside the committed hashes
@@ -49,6 +50,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench strength [PART...]  the virtual strength test: of a bar and of a bracket (time), the papers' comparisons
                    beside theirs (s1 s2), other slicers' programs (slicers); `all` adds what takes long
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
+  campaign [MINUTES]  mutated files, kills and a full disk, against the program (default 10 minutes)
   setup            installs what tests and benches need (Python packages, the peers)";
 
 fn main() -> ExitCode {
@@ -70,6 +72,7 @@ fn main() -> ExitCode {
         ["bench", "support", parts @ ..] => bench::support(parts),
         ["bench", "quality"] => bench::quality(),
         ["bench", "photo"] => photo::bench(),
+        ["campaign", words @ ..] => campaign::run(words),
         ["fuzz"] => fuzz::run(20),
         ["fuzz", seconds] => seconds.parse().map_err(|_| USAGE.to_owned()).and_then(fuzz::run),
         ["setup"] => setup::tests(true).and_then(|_| setup::peers()),
@@ -101,7 +104,7 @@ struct TestOptions {
 
 impl TestOptions {
     fn parse(words: &[&str]) -> Result<Self, String> {
-        let mut options = Self { quick: false, install: false, allow_missing: false, fuzz_seconds: 8 };
+        let mut options = Self { quick: false, install: false, allow_missing: false, fuzz_seconds: 4 };
         for word in words {
             match *word {
                 "--quick" => options.quick = true,
@@ -204,7 +207,7 @@ fn tests(words: &[&str]) -> Outcome {
 /// Everything that takes too long for every change: all of `test`, slow tests, long fuzzing, and the benches whose
 /// numbers are compared with something.
 fn nightly() -> Outcome {
-    test(&TestOptions { quick: false, install: true, allow_missing: false, fuzz_seconds: 600 })?;
+    test(&TestOptions { quick: false, install: true, allow_missing: false, fuzz_seconds: 120 })?;
     let mut checks = Checks::default();
     let ignored = ignored::find(&source::read(&root())?.tests)?;
     let slow: Vec<&str> =
@@ -214,6 +217,7 @@ fn nightly() -> Outcome {
     checks.run("finite elements beside gmsh and CalculiX", || bench_fea::run(&["300000"]))?;
     checks.run("strength beside the papers", || bench_strength::run(&["s1", "s2"]))?;
     checks.run("scans beside marching cubes", || bench_ct::run(&["hub", "engine"]))?;
+    checks.run("mutated files, kills, full disk", || campaign::run(&[]))?;
     checks.run("quality beside the peers", bench::quality)?;
     pages::note_nightly()?;
     checks.finish(false)

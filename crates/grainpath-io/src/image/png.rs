@@ -21,6 +21,13 @@ pub fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
     // Before `read_info`, which reserves memory for rows.
     check_size(FORMAT, width.into(), height.into(), max_pixels)?;
     let mut reader = decoder.read_info().map_err(error)?;
+    // The decoder takes whole entries for granted (png 0.18.1, found by `cargo xtask campaign`).
+    if let Some(palette) = &reader.info().palette
+        && (palette.is_empty() || palette.len() % 3 != 0)
+    {
+        let problem = format!("its palette has {} bytes, and entries take three each", palette.len());
+        return Err(malformed(FORMAT, problem));
+    }
     let size = reader.output_buffer_size().ok_or_else(|| malformed(FORMAT, "no size"))?;
     let mut data = vec![0; size];
     let info = reader.next_frame(&mut data).map_err(error)?;

@@ -140,3 +140,21 @@ fn known_formats_that_are_not_read_are_named_with_a_way_to_convert_them() {
         assert_eq!(decode(bytes), Err(ImageError::Unknown));
     }
 }
+
+/// The decoder panics on such palettes (png 0.18.1).
+#[test]
+fn palettes_without_whole_entries_are_refused() {
+    for n_bytes in [0, 1, 2, 4, 5] {
+        let mut out = Vec::new();
+        let mut encoder = ::png::Encoder::new(&mut out, 4, 1);
+        encoder.set_color(::png::ColorType::Indexed);
+        encoder.set_palette(vec![7_u8; n_bytes]);
+        let written = encoder.write_header().and_then(|mut w| w.write_image_data(&[0; 4]));
+        if written.is_err() {
+            // The encoder refuses an empty palette.
+            assert_eq!(n_bytes, 0);
+            continue;
+        }
+        assert!(matches!(decode(&out), Err(ImageError::Malformed { .. })), "{n_bytes} bytes");
+    }
+}
