@@ -4,7 +4,9 @@
 //! runs it. Here the crate `spdx` reads the expressions, so this check needs no tool that has to be built
 //! first. The time to build cargo-deny in a clean checkout has not been measured.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
+use std::path::Path;
 
 use serde_json::Value;
 use spdx::{Expression, ParseMode};
@@ -35,11 +37,104 @@ pub fn check() -> Result<(), String> {
             refused.push(format!("{name} comes from {source}"));
         }
     }
-    if refused.is_empty() {
-        println!("{} packages, all with licences and sources of deny.toml", packages.len());
+    if !refused.is_empty() {
+        return Err(format!("not allowed by deny.toml: {}", refused.join(", ")));
+    }
+    println!("{} packages, all with licences and sources of deny.toml", packages.len());
+    let there = fs::read_to_string(crate::root().join(NOTICES)).unwrap_or_default();
+    if there == notices(&metadata)? {
         return Ok(());
     }
-    Err(format!("not allowed by deny.toml: {}", refused.join(", ")))
+    Err(format!("{NOTICES} is not what the libraries say; `cargo xtask licences` writes it"))
+}
+
+/// The file that `grainpath licences` prints.
+const NOTICES: &str = "crates/grainpath-cli/licences.txt";
+
+/// Writes the notices of the libraries again.
+pub fn write() -> Result<(), String> {
+    let text = notices(&crate::arrows::metadata(&[])?)?;
+    fs::write(crate::root().join(NOTICES), &text).map_err(|e| format!("{NOTICES}: {e}"))?;
+    println!("{NOTICES}: {} bytes", text.len());
+    Ok(())
+}
+
+/// Names, licences and licence texts of all libraries that the program is built with, on any system.
+fn notices(metadata: &Value) -> Result<String, String> {
+    let packages = metadata["packages"].as_array().cloned().unwrap_or_default();
+    let used = used_by("grainpath-cli", metadata)?;
+    let mut table = String::new();
+    // Equal texts are printed once, whatever names stand in their copyright lines.
+    let mut texts: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for package in packages.iter().filter(|p| used.contains(p["id"].as_str().unwrap_or_default())) {
+        let text = |key: &str| package[key].as_str().unwrap_or_default();
+        if text("source").is_empty() {
+            continue;
+        }
+        let name = format!("{} {}", text("name"), text("version"));
+        table += &format!("{name:<36} {}\n", text("license"));
+        let folder = Path::new(text("manifest_path")).parent().map(Path::to_owned).unwrap_or_default();
+        for file in licence_files(&folder)? {
+            let content = fs::read(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+            let content = String::from_utf8_lossy(&content).replace('\r', "");
+            let is_notice = |line: &&str| line.trim_start().to_lowercase().starts_with("copyright (c)");
+            let owners: Vec<&str> = content.lines().filter(is_notice).map(str::trim).collect();
+            let body: Vec<&str> = content.lines().filter(|l| !is_notice(l)).map(str::trim_end).collect();
+            let body = body.join("\n").trim().to_owned();
+            let owner =
+                if owners.is_empty() { name.clone() } else { format!("{name}: {}", owners.join("; ")) };
+            texts.entry(body).or_default().insert(owner);
+        }
+    }
+    let mut out = format!(
+        "grainpath is licensed under MIT or Apache-2.0, as you like. It is built with these libraries:\n\n{table}"
+    );
+    for (body, owners) in texts {
+        out += &format!("\n{}\n", "=".repeat(80));
+        owners.iter().for_each(|owner| out += &format!("{owner}\n"));
+        out += &format!("\n{body}\n");
+    }
+    Ok(out)
+}
+
+/// The licence texts in a library's folder. Where the library may be used under MIT, that text is enough.
+fn licence_files(folder: &Path) -> Result<Vec<std::path::PathBuf>, String> {
+    let entries = fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let mut files: Vec<_> = entries
+        .flatten()
+        .map(|e| e.path())
+        .filter(|p| {
+            let name = p.file_name().unwrap_or_default().to_string_lossy().to_uppercase();
+            let starts =
+                ["LICENSE", "LICENCE", "COPYING", "NOTICE", "UNLICENSE"].iter().any(|s| name.starts_with(s));
+            starts && p.is_file()
+        })
+        .collect();
+    files.sort();
+    let mit = files.iter().find(|p| p.to_string_lossy().to_uppercase().ends_with("MIT")).cloned();
+    Ok(mit.map_or(files, |file| vec![file]))
+}
+
+/// The packages that a package is built with, without those of its tests and build scripts.
+fn used_by(name: &str, metadata: &Value) -> Result<BTreeSet<String>, String> {
+    let nodes = metadata["resolve"]["nodes"].as_array().cloned().unwrap_or_default();
+    let packages = metadata["packages"].as_array().cloned().unwrap_or_default();
+    let root = packages.iter().find(|p| p["name"] == name).ok_or_else(|| format!("no package {name}"))?;
+    let mut open = vec![root["id"].as_str().unwrap_or_default().to_owned()];
+    let mut used = BTreeSet::new();
+    while let Some(id) = open.pop() {
+        if !used.insert(id.clone()) {
+            continue;
+        }
+        let node = nodes.iter().find(|n| n["id"] == id.as_str());
+        for dependency in node.and_then(|n| n["deps"].as_array()).into_iter().flatten() {
+            let normal = |kind: &Value| kind["kind"].is_null();
+            if dependency["dep_kinds"].as_array().is_some_and(|kinds| kinds.iter().any(normal)) {
+                open.push(dependency["pkg"].as_str().unwrap_or_default().to_owned());
+            }
+        }
+    }
+    Ok(used)
 }
 
 /// Whether an SPDX expression can be met with the licences allowed.

@@ -51,6 +51,7 @@ const USAGE: &str = "usage: cargo xtask <command>
                    beside theirs (s1 s2), other slicers' programs (slicers); `all` adds what takes long
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   campaign [MINUTES]  mutated files, kills and a full disk, against the program (default 10 minutes)
+  licences         writes what `grainpath licences` prints, after dependencies changed
   setup            installs what tests and benches need (Python packages, the peers)";
 
 fn main() -> ExitCode {
@@ -73,6 +74,7 @@ fn main() -> ExitCode {
         ["bench", "quality"] => bench::quality(),
         ["bench", "photo"] => photo::bench(),
         ["campaign", words @ ..] => campaign::run(words),
+        ["licences"] => licences::write(),
         ["fuzz"] => fuzz::run(20),
         ["fuzz", seconds] => seconds.parse().map_err(|_| USAGE.to_owned()).and_then(fuzz::run),
         ["setup"] => setup::tests(true).and_then(|_| setup::peers()),

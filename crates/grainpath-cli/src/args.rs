@@ -6,7 +6,14 @@ use clap::{Parser, Subcommand};
 
 /// Toolpaths for 3D printing that follow the load.
 #[derive(Debug, Parser)]
-#[command(version, about, disable_help_subcommand = true)]
+#[command(
+    name = "grainpath",
+    version,
+    about = "Toolpaths for 3D printing that follow the load",
+    after_help = "Start with `grainpath slice part.stl`, or with `grainpath new plate` and `grainpath run plate/job.toml`.\n\
+                  `grainpath COMMAND --help` shows examples of each command.",
+    disable_help_subcommand = true
+)]
 pub struct Args {
     /// What to do.
     #[command(subcommand)]
@@ -17,29 +24,77 @@ pub struct Args {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run a job file: slice, plan, write G-code, pictures and report
+    #[command(
+        after_help = "Examples:\n  grainpath run bracket.toml\n  grainpath run bracket.toml --set fill.density=0.4 --out trial --json"
+    )]
     Run(Run),
     /// Slice a mesh with default settings, without a job file
+    #[command(
+        after_help = "Examples:\n  grainpath slice part.stl\n  grainpath slice plate.svg --set shape.thickness_mm=4 -o plate.gcode"
+    )]
     Slice(Slice),
     /// Write a commented example job with its input
+    #[command(after_help = "Examples:\n  grainpath new plate\n  grainpath new stress-lines bars")]
     New(New),
     /// Grow supports for a mesh and write them as a mesh of their own
+    #[command(
+        after_help = "Examples:\n  grainpath support statue.stl\n  grainpath support statue.stl -o both.3mf --with-model --preview steps"
+    )]
     Support(Support),
     /// Write a piece to print and read: the critical angle's calibration and others
+    #[command(
+        after_help = "Examples:\n  grainpath specimen\n  grainpath specimen critical-angle -o angle.stl"
+    )]
     Specimen(Specimen),
     /// Say what a mesh, an image, a CT scan, a finite-element result or a G-code file is, with its defects
+    #[command(
+        after_help = "Examples:\n  grainpath inspect part.stl\n  grainpath inspect scan.nrrd --sheet slices.png"
+    )]
     Inspect(Inspect),
     /// Test how much a job's part, or a G-code file of it, carries until it breaks
+    #[command(
+        after_help = "Examples:\n  grainpath strength bracket.toml --preview damage\n  grainpath strength other-slicer.gcode --job bracket.toml --json"
+    )]
     Strength(Strength),
     /// Test several jobs or G-code files of one part, side by side
+    #[command(
+        after_help = "Examples:\n  grainpath compare along.toml across.toml --same-mass\n  grainpath compare ours.gcode theirs.gcode --job bracket.toml"
+    )]
     Compare(Compare),
     /// Draw a layer of a G-code file
+    #[command(
+        after_help = "Examples:\n  grainpath render part.gcode --layer 20 -o layer.svg\n  grainpath render part.gcode --part --size 2000"
+    )]
     Render(Render),
     /// Write a sheet of corner markers to photograph a board on, as SVG or PDF
+    #[command(
+        after_help = "Examples:\n  grainpath markers 200 150\n  grainpath markers 200 150 -o sheet.pdf"
+    )]
     Markers(Markers),
     /// Print the JSON Schema of job files
+    #[command(after_help = "Examples:\n  grainpath schema > job.schema.json\n  grainpath schema --markdown")]
     Schema(Schema),
     /// List the profiles that come with grainpath, or print one
+    #[command(
+        after_help = "Examples:\n  grainpath profiles\n  grainpath profiles prusa-mk3s > my-printer.toml"
+    )]
     Profiles(Profiles),
+    /// Say what this machine offers to grainpath: version, cores, memory, folders, other programs
+    #[command(after_help = "Examples:\n  grainpath doctor\n  grainpath doctor --json")]
+    Doctor(Doctor),
+    /// Print the licences of grainpath and of every library in it
+    #[command(after_help = "Examples:\n  grainpath licences\n  grainpath licences | less")]
+    Licences(Licences),
+    /// Print the completions of a shell
+    #[command(
+        after_help = "Examples:\n  grainpath completions bash > ~/.local/share/bash-completion/completions/grainpath\n  grainpath completions zsh > ~/.zfunc/_grainpath"
+    )]
+    Completions(Completions),
+    /// Write a manual page for each command
+    #[command(
+        after_help = "Examples:\n  grainpath man ~/.local/share/man/man1\n  grainpath man . && man ./grainpath-run.1"
+    )]
+    Man(Man),
 }
 
 impl Command {
@@ -53,7 +108,15 @@ impl Command {
             Self::Profiles(a) => a.json,
             Self::Strength(a) => a.common.json,
             Self::Compare(a) => a.common.json,
-            Self::New(_) | Self::Specimen(_) | Self::Render(_) | Self::Markers(_) | Self::Schema(_) => false,
+            Self::Doctor(a) => a.json,
+            Self::New(_)
+            | Self::Specimen(_)
+            | Self::Render(_)
+            | Self::Markers(_)
+            | Self::Schema(_)
+            | Self::Licences(_)
+            | Self::Completions(_)
+            | Self::Man(_) => false,
         }
     }
 }
@@ -254,4 +317,33 @@ pub struct Profiles {
     /// As one JSON object
     #[arg(long)]
     pub json: bool,
+}
+
+/// `grainpath doctor`
+#[derive(Debug, clap::Args)]
+pub struct Doctor {
+    /// As one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `grainpath licences`
+#[derive(Debug, clap::Args)]
+pub struct Licences {}
+
+/// `grainpath completions`
+#[derive(Debug, clap::Args)]
+pub struct Completions {
+    /// The shell
+    pub shell: clap_complete::Shell,
+}
+
+/// `grainpath man`
+#[derive(Debug, clap::Args)]
+pub struct Man {
+    /// Folder to write `grainpath.1` and a page for each command to
+    pub dir: PathBuf,
+    /// Write over files that are there
+    #[arg(long)]
+    pub force: bool,
 }

@@ -83,6 +83,10 @@ fn main() -> ExitCode {
         Command::Markers(a) => commands::markers::markers(&a),
         Command::Schema(a) => commands::schema::schema(&a),
         Command::Profiles(a) => commands::profiles::profiles(&a),
+        Command::Doctor(a) => commands::doctor::doctor(&a),
+        Command::Licences(a) => commands::licences::licences(&a),
+        Command::Completions(a) => commands::completions::completions(&a),
+        Command::Man(a) => commands::completions::man(&a),
     };
     // A full disk behind a redirection fails only here: a command that could not say its result has
     // failed.

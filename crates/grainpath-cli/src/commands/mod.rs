@@ -1,8 +1,11 @@
 //! One file for each command.
 
 pub mod compare;
+pub mod completions;
+pub mod doctor;
 pub mod inspect;
 mod inspect_scan;
+pub mod licences;
 pub mod markers;
 pub mod new;
 pub mod profiles;

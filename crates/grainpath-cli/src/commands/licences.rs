@@ -1,0 +1,13 @@
+//! `grainpath licences`: the notices that licences ask to be passed on with the program.
+
+use crate::args::Licences;
+use crate::{Failure, files};
+
+/// Made by `cargo xtask licences` from the manifests and licence files of the libraries; `cargo xtask test` compares.
+const NOTICES: &str = include_str!("../../licences.txt");
+
+/// `grainpath licences`
+pub fn licences(Licences {}: &Licences) -> Result<(), Failure> {
+    files::print(NOTICES);
+    Ok(())
+}

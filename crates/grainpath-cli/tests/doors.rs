@@ -1,0 +1,86 @@
+//! What a new user meets first: help with examples, completions, manual pages, the state of the machine.
+
+mod support;
+
+use std::process::Command;
+
+use support::{folder, grainpath, json};
+
+/// The commands that `grainpath --help` lists.
+fn commands() -> Vec<String> {
+    let help = grainpath(&folder("doors-help"), &["--help"]);
+    let text = String::from_utf8_lossy(&help.stdout).into_owned();
+    let listed = text.lines().skip_while(|l| *l != "Commands:").skip(1).take_while(|l| !l.is_empty());
+    let names: Vec<String> = listed.filter_map(|l| l.split_whitespace().next().map(str::to_owned)).collect();
+    assert!(names.len() > 12, "{text}");
+    names
+}
+
+#[test]
+fn every_command_shows_two_examples_of_itself() {
+    let dir = folder("doors-examples");
+    for name in commands() {
+        let help = grainpath(&dir, &[&name, "--help"]);
+        let text = String::from_utf8_lossy(&help.stdout).into_owned();
+        let examples = text.lines().skip_while(|l| *l != "Examples:").skip(1);
+        let own = examples.filter(|l| l.starts_with(&format!("  grainpath {name}"))).count();
+        assert!(own >= 2, "{name}: {text}");
+    }
+}
+
+#[test]
+fn completions_know_every_command_and_bash_accepts_them() {
+    let dir = folder("doors-completions");
+    for shell in ["bash", "zsh", "fish"] {
+        let script = grainpath(&dir, &["completions", shell]);
+        assert!(script.status.success());
+        let text = String::from_utf8_lossy(&script.stdout).into_owned();
+        for name in commands() {
+            assert!(text.contains(&name), "{shell} does not complete {name}");
+        }
+        if shell == "bash" {
+            let path = dir.join("completions.bash");
+            std::fs::write(&path, text).expect("written");
+            let checked = Command::new("bash").arg("-n").arg(&path).status();
+            assert!(checked.map_or(true, |s| s.success()), "bash refuses its completions");
+        }
+    }
+}
+
+#[test]
+fn there_is_a_manual_page_for_each_command_and_no_file_is_lost() {
+    let dir = folder("doors-man");
+    assert!(grainpath(&dir, &["man", "pages"]).status.success());
+    for name in commands() {
+        let page = std::fs::read_to_string(dir.join(format!("pages/grainpath-{name}.1"))).expect("a page");
+        assert!(page.contains(".TH") && page.contains("Examples"), "{name}: {page}");
+    }
+    assert!(dir.join("pages/grainpath.1").is_file());
+    let again = grainpath(&dir, &["man", "pages"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&again.stderr).contains("--force"));
+    assert!(grainpath(&dir, &["man", "pages", "--force"]).status.success());
+}
+
+#[test]
+fn the_doctor_names_the_machine_and_a_folder_that_cannot_be_written() {
+    let dir = folder("doors-doctor");
+    let value = json(&grainpath(&dir, &["doctor", "--json"]));
+    assert_eq!(value["version"], env!("CARGO_PKG_VERSION"));
+    assert!(value["threads"].as_u64().is_some_and(|n| n >= 1), "{value}");
+    assert!(value["working_folder"]["problem"].is_null(), "{value}");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_grainpath"));
+    let lost =
+        command.args(["doctor", "--json"]).current_dir(&dir).env("TMPDIR", dir.join("absent")).output();
+    let value = json(&lost.expect("the program starts"));
+    assert!(value["temporary_folder"]["problem"].is_string(), "{value}");
+}
+
+#[test]
+fn licences_name_the_libraries_and_their_owners() {
+    let text = grainpath(&folder("doors-licences"), &["licences"]);
+    let text = String::from_utf8_lossy(&text.stdout).into_owned();
+    for part in ["clap 4", "rayon 1", "Permission is hereby granted", "Copyright (c)"] {
+        assert!(text.contains(part), "{part}");
+    }
+}
