@@ -8,6 +8,7 @@ pub mod dense;
 pub mod density;
 pub mod diagnostics;
 pub mod disjoint_sets;
+pub mod faces;
 pub mod failure_svg;
 pub mod field;
 pub mod field_mesh;

@@ -83,6 +83,15 @@ impl VertexWelder {
 /// Merges vertices closer than `tolerance_mm` and drops triangles that become points or lines. Each
 /// vertex moves to the lowest-numbered one within reach, so the result depends on the mesh alone.
 pub fn weld_within(mesh: &TriMesh, tolerance_mm: f64) -> TriMesh {
+    let target = weld_targets(mesh, tolerance_mm);
+    let mapped = mesh.triangles.iter().map(|t| t.map(|i| target[i as usize]));
+    let triangles = mapped.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+    TriMesh { vertices: mesh.vertices.clone(), triangles }
+}
+
+/// The vertex that each vertex of a mesh becomes when those closer than `tolerance_mm` are merged:
+/// the lowest-numbered one within reach.
+pub fn weld_targets(mesh: &TriMesh, tolerance_mm: f64) -> Vec<u32> {
     let n = mesh.vertices.len();
     let key = |p: DVec3| (p / tolerance_mm).floor();
     let mut order: Vec<u32> = (0..n as u32).collect();
@@ -116,9 +125,7 @@ pub fn weld_within(mesh: &TriMesh, tolerance_mm: f64) -> TriMesh {
     }
     // A target is always lower than its vertex and stays in place itself, so one step leads to the
     // final vertex.
-    let mapped = mesh.triangles.iter().map(|t| t.map(|i| target[i as usize]));
-    let triangles = mapped.filter(|[a, b, c]| a != b && b != c && c != a).collect();
-    TriMesh { vertices: mesh.vertices.clone(), triangles }
+    target
 }
 
 #[cfg(test)]
