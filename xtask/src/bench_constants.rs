@@ -1,10 +1,12 @@
 //! The effect of each constant that was chosen by measurement.
 //!
 //! Each `Tuned` number of the sources has a row here: five values or more, among them its own, and the
-//! pieces that it acts on. The bench builds the program with the feature `sweep`, plans the pieces with
-//! each value and prints means over the pieces. A test compares the rows with the sources, so that each
-//! tuned number has one.
+//! pieces that it acts on. A row may also name a setting (`fill.cell_aspect`), whose default is swept.
+//! The bench builds the program with the feature `sweep`, runs the pieces with each value and prints one
+//! line for each value. Tests compare the rows with the sources and with `docs/constants.md`, so that
+//! each tuned number has a row and each row a table.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,33 +15,41 @@ use std::time::Instant;
 
 use serde_json::Value;
 
-/// A piece to plan: the preset that makes its folder, the job in it, and settings that differ from the job's.
+/// A piece to run: the preset that makes its folder, the job in it, and settings that differ from the job's.
 type Piece = (&'static str, &'static str, &'static [&'static str]);
 
-/// A constant: its name, the values to try, and the pieces that it acts on.
+/// A constant: its name, the values to try, the pieces that it acts on, and what is measured of them.
 struct Row {
     name: &'static str,
     values: &'static [f64],
     pieces: &'static [Piece],
+    measure: Measure,
+}
+
+/// What a table says about the pieces.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Measure {
+    /// The quality of a fill.
+    Fill,
+    /// The result of the strength test.
+    Strength,
+    /// The support of a specimen; `Piece` names the specimen and not a preset.
+    Support,
 }
 
 const NO_FIBRE: &str = "fibre.enabled=false";
 const NOZZLE: &str = "printer.profile=generic-0.4";
 
-/// One path a layer along the stress: a bar in tension, a bar in bending, a plate with a hole, and a
-/// hook.
+/// One path a layer along the stress: a bar in tension, a plate with a hole, and a hook.
 const CONTINUOUS: &[Piece] = &[
     ("stress-lines", "tension", &["fill.pattern=continuous"]),
-    ("stress-lines", "bending", &["fill.pattern=continuous"]),
     ("continuous", "plate", &[NO_FIBRE, NOZZLE]),
     ("continuous", "hook", &[NO_FIBRE, NOZZLE]),
-    ("continuous", "plate", &[NO_FIBRE, NOZZLE, "fill.widths=constant"]),
 ];
 
 /// Dense beads along the stress in the same parts.
 const STRIPES: &[Piece] = &[
     ("stress-lines", "tension", &["fill.pattern=stripes"]),
-    ("stress-lines", "bending", &["fill.pattern=stripes"]),
     ("continuous", "plate-stripes", &[NO_FIBRE, NOZZLE]),
     ("continuous", "hook-stripes", &[NO_FIBRE, NOZZLE]),
 ];
@@ -56,11 +66,51 @@ const STREAMLINES: &[Piece] = &[
     ("continuous", "hook-stripes", &[NO_FIBRE, NOZZLE, "fill.pattern=streamlines", "fill.density=0.4"]),
 ];
 
+/// The strength test takes a second or two with these: the nominal card, and cells of two beads.
+const PLATES: &[Piece] = &[
+    ("stress-lines", "tension", &[NOMINAL, UNCHECKED, "strength.cell_mm=0.9"]),
+    ("stress-lines", "bending", &[NOMINAL, UNCHECKED, "strength.cell_mm=0.9"]),
+    ("stress-lines", "tension-90", &[NOMINAL, UNCHECKED, "strength.cell_mm=0.9"]),
+];
+
+/// Plates, and the bar in tension as a solid.
+const PLATES_AND_SOLID: &[Piece] = &[
+    PLATES[0],
+    PLATES[1],
+    PLATES[2],
+    ("stress-lines", "tension", &[NOMINAL, UNCHECKED, "strength.cell_mm=1.33", "strength.fidelity=voxels"]),
+];
+
+/// Walls of one bead around open cells, which bend.
+const THIN_WALLS: &[Piece] = &[
+    ("stress-lines", "tension-0", &[NOMINAL, UNCHECKED, "strength.cell_mm=0.9", "fill.density=0.3", GRID]),
+    ("stress-lines", "bending-0", &[NOMINAL, UNCHECKED, "strength.cell_mm=0.9", "fill.density=0.3", GRID]),
+    ("stress-lines", "bending-0", &[NOMINAL, UNCHECKED, "strength.cell_mm=0.9", "fill.density=0.15", GRID]),
+];
+
+/// Trees below a ball far above the plate, and below a tray with many contacts.
+const TREES: &[Piece] = &[("hanging-ball", "", &[]), ("dental-tray", "", &[])];
+const TREES_BY_POISSON: &[Piece] =
+    &[("hanging-ball", "", &["support.solid=poisson"]), ("dental-tray", "", &["support.solid=poisson"])];
+
+const NOMINAL: &str = "strength.corners=false";
+const UNCHECKED: &str = "strength.check=false";
+const GRID: &str = "fill.pattern=grid";
+
 const fn row(name: &'static str, values: &'static [f64], pieces: &'static [Piece]) -> Row {
-    Row { name, values, pieces }
+    Row { name, values, pieces, measure: Measure::Fill }
+}
+
+const fn strength(name: &'static str, values: &'static [f64], pieces: &'static [Piece]) -> Row {
+    Row { name, values, pieces, measure: Measure::Strength }
+}
+
+const fn support(name: &'static str, values: &'static [f64], pieces: &'static [Piece]) -> Row {
+    Row { name, values, pieces, measure: Measure::Support }
 }
 
 const ROWS: &[Row] = &[
+    row("fill.cell_aspect", &[1.0, 1.5, 2.5, 4.0, 6.0], CONTINUOUS),
     row("fill.continuous.MIN_RING_BEADS", &[2.0, 4.0, 6.0, 9.0, 14.0], CONTINUOUS),
     row("fill.continuous.MIN_WEIGHT", &[0.002, 0.01, 0.02, 0.05, 0.2], CONTINUOUS),
     row("fill.continuous.FIELD_SAMPLES", &[8.0, 16.0, 32.0, 64.0, 128.0], CONTINUOUS),
@@ -114,12 +164,40 @@ const ROWS: &[Row] = &[
     row("fill.field.seed_lines.MAX_OFFSETS", &[10.0, 50.0, 500.0, 2000.0, 5000.0], SEED_LINES),
     row("fill.field.streamlines.END_SHARE", &[0.3, 0.45, 0.55, 0.7, 0.85], STREAMLINES),
     row("fill.field.streamlines.SHORTEST_SHARE", &[0.5, 1.0, 1.5, 2.5, 4.0], STREAMLINES),
+    support("support.clearance.CELL_MM", &[0.2, 0.3, 0.4, 0.6, 1.0], TREES),
+    support("support.clearance.SLAB_MM", &[0.2, 0.3, 0.4, 0.8, 1.6], TREES),
+    support("support.clearance.MAX_DEBT", &[10.0, 20.0, 40.0, 64.0, 100.0], TREES),
+    support("support.poisson.MARGIN", &[2.0, 4.0, 6.0, 10.0, 16.0], TREES_BY_POISSON),
+    support("support.poisson.SWEEPS", &[1.0, 2.0, 3.0, 5.0, 8.0], TREES_BY_POISSON),
+    support("support.poisson.CYCLES", &[3.0, 6.0, 12.0, 25.0, 50.0], TREES_BY_POISSON),
+    support("support.poisson.RESIDUAL", &[0.0002, 0.0006, 0.002, 0.006, 0.02], TREES_BY_POISSON),
+    support("support.solid.BATCH", &[1.0, 4.0, 16.0, 64.0, 256.0], TREES),
+    support("support.solid.EDGE_SHARE", &[0.0, 0.01, 0.04, 0.1, 0.2], TREES),
+    support("support.tree.TRIES", &[1.0, 4.0, 12.0, 24.0, 100.0], TREES),
+    support("support.tree.FOOT_MM", &[0.0, 4.0, 8.0, 16.0, 32.0], TREES),
+    strength("fea.strength.CRACK_NORMAL_COS", &[0.2, 0.4, 0.6, 0.8, 0.95], PLATES_AND_SOLID),
+    strength("fea.strength.fronts.LEAF", &[6.0, 12.0, 24.0, 48.0, 96.0], PLATES),
+    strength("fea.strength.fronts.MANY", &[4.0, 16.0, 64.0, 256.0, 1024.0], PLATES),
+    strength("fea.strength.laminate.WIDEST", &[1.0, 2.5, 5.0, 10.0, 20.0, 40.0], PLATES),
+    strength("fea.strength.laminate.WIGGLE", &[0.0, 0.05, 0.1, 0.2, 0.4], PLATES),
+    strength("fea.strength.laminate.PASSES", &[0.0, 3.0, 6.0, 12.0, 24.0], PLATES),
+    strength("fea.strength.load_stepping.FAILED_FLEXIBILITY", &[1.5, 2.0, 2.5, 3.5, 6.0], PLATES_AND_SOLID),
+    strength("fea.strength.load_stepping.STEP_REFINEMENT", &[2.0, 3.0, 4.0, 6.0, 10.0], PLATES_AND_SOLID),
+    strength("fea.strength.plate_system.LEAST", &[1e-14, 1e-12, 1e-10, 1e-8, 1e-6, 1e-4], PLATES),
+    strength("fea.strength.wall_bending.MAX_THIN_SHARE", &[0.0, 0.003, 0.01, 0.03, 0.1, 0.3], THIN_WALLS),
+    strength(
+        "fea.strength.wall_bending.MOST_LOADED",
+        &[0.0001, 0.0003, 0.001, 0.003, 0.01, 0.03],
+        THIN_WALLS,
+    ),
 ];
 
-const HEADER: &str = "| value | gap % | overlap % | angle deg | 95 % deg | paths | printing s | planning s |\n|---|---|---|---|---|---|---|---|\n";
+const FILL_HEADER: &str = "| value | gap % | overlap % | angle deg | 95 % deg | paths | printing s | planning s |\n|---|---|---|---|---|---|---|---|\n";
+const SUPPORT_HEADER: &str = "| value | mm3 | contacts | trees | steepest deg | farthest mm | unreached | triangles | support and write s |\n|---|---|---|---|---|---|---|---|---|\n";
+const STRENGTH_HEADER: &str = "| value | peak N | first failure N | bending missed % | solutions | planning and test s |\n|---|---|---|---|---|---|\n";
 
 /// Sweeps the constants whose names hold one of the words, or all; `--write` puts the tables into
-/// `docs/constants.md`.
+/// `docs/constants.md`, each as soon as it is measured.
 pub fn run(words: &[&str]) -> Result<(), String> {
     let write = words.contains(&"--write");
     let names: Vec<&str> = words.iter().copied().filter(|w| *w != "--write").collect();
@@ -128,119 +206,273 @@ pub fn run(words: &[&str]) -> Result<(), String> {
     if rows.is_empty() {
         return Err(format!("no constant is named like {}", names.join(" or ")));
     }
-    // A target folder of its own keeps the ordinary program as it is built.
+    // A target folder of its own keeps the ordinary program as it is built. What is measured is quality, so
+    // the profile that builds fastest will do.
     let target = crate::target().join("sweep");
     let mut build = Command::new("cargo");
     build
-        .args(["build", "--release", "-p", "grainpath-cli", "--features", "sweep", "--target-dir"])
+        .args(["build", "--profile", "ci", "-p", "grainpath-cli", "--features", "sweep", "--target-dir"])
         .arg(&target);
     crate::run(&mut build)?;
-    let grainpath = target.join("release/grainpath");
+    let grainpath = target.join("ci/grainpath");
     let folder = crate::target().join("bench/constants");
     fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     for preset in ["stress-lines", "continuous"] {
         let made = folder.join(preset);
         crate::output(Command::new(&grainpath).args(["new", "--force", preset]).arg(&made))?;
     }
-    let mut text = String::new();
+    let commit = crate::output(Command::new("git").args(["rev-parse", "--short", "HEAD"]))?;
+    let date = crate::output(Command::new("date").arg("+%Y-%m-%d"))?;
+    let mut owns = BTreeMap::new();
     for row in rows {
-        let table = sweep(&grainpath, &folder, row)?;
+        let table = sweep(&grainpath, &folder, row, &mut owns)?;
         println!("{table}");
-        text += &table;
-        text.push('\n');
-    }
-    if write {
-        let commit = crate::output(Command::new("git").args(["rev-parse", "--short", "HEAD"]))?;
-        let date = crate::output(Command::new("date").arg("+%Y-%m-%d"))?;
-        let page = format!("{PAGE}\nMeasured {} on commit `{}`.\n\n{text}", date.trim(), commit.trim());
-        let path = crate::root().join("docs/constants.md");
-        fs::write(&path, page.trim_end().to_owned() + "\n")
-            .map_err(|e| format!("{}: {e}", path.display()))?;
+        if write {
+            let measured = format!("{table}\nMeasured {} on commit `{}`.\n", date.trim(), commit.trim());
+            put(row.name, &measured)?;
+        }
     }
     Ok(())
 }
 
+/// The heading of the list of constants without a table.
+const NOT_MEASURED: &str = "## Not measured yet";
+
+/// The page of all tables.
+fn page_path() -> PathBuf {
+    crate::root().join("docs/constants.md")
+}
+
+/// Writes the page anew with one table in place of an older one. What was noted below a table in a
+/// paragraph that begins with "Note:" stays.
+fn put(name: &str, table: &str) -> Result<(), String> {
+    let old = fs::read_to_string(page_path()).unwrap_or_default();
+    let mut tables = tables(&old);
+    let note = tables.get(name).and_then(|old| old.split_once("\nNote: ")).map(|(_, note)| note.to_owned());
+    let note = note.map_or_else(String::new, |note| format!("\nNote: {note}\n"));
+    tables.insert(name.to_owned(), format!("{table}{note}"));
+    let mut text = PAGE.to_owned();
+    for row in ROWS {
+        if let Some(table) = tables.get(row.name) {
+            write!(text, "\n{}\n", table.trim_end()).expect("text");
+        }
+    }
+    let left: Vec<&str> = ROWS.iter().map(|r| r.name).filter(|name| !tables.contains_key(*name)).collect();
+    if !left.is_empty() {
+        write!(text, "\n{NOT_MEASURED}\n\n- `{}`\n", left.join("`\n- `")).expect("text");
+    }
+    fs::write(page_path(), text).map_err(|e| format!("{}: {e}", page_path().display()))
+}
+
+/// The tables of a page by the names of their constants, headings included.
+fn tables(page: &str) -> BTreeMap<String, String> {
+    let parts = page.split("\n## ").skip(1);
+    let named = |part: &str| {
+        let name = part.lines().next().unwrap_or_default().to_owned();
+        (name, format!("## {}\n", part.trim_end()))
+    };
+    parts.filter(|part| !NOT_MEASURED.ends_with(part.lines().next().unwrap_or_default())).map(named).collect()
+}
+
 const PAGE: &str = "# Constants chosen by measurement
 
-Some constants of the fills follow from no formula and stand in no paper. Each has a table here: the same pieces
-planned with five or more values of it. Numbers are means over the pieces; paths and seconds are sums. The value in
-the code is marked. `cargo xtask bench constants --write` makes this page, and `cargo xtask bench constants NAME` prints
-the tables of the constants whose name holds that word.
+Some constants of the fills, the supports and the strength test follow from no formula and stand in no paper. Each has
+a table here: the same pieces run with five or more values of it. The value in the code is in bold. `cargo xtask bench
+constants --write` makes this page, and `cargo xtask bench constants NAME` prints the tables of the constants whose name
+holds that word. `xtask/src/bench_constants.rs` lists the pieces of each. Seconds were measured beside other work and tell
+no more than the order of magnitude.
 
-A gap is the share of the area that should be filled and is open; overlap is the share that is filled twice. The angle
-is between bead and stress, and 95 % of the length lies within the fifth column.
+Fills: numbers are means over the pieces; paths and seconds are sums. A gap is the share of the area that should be
+filled and is open; overlap is the share that is filled twice, negative where less was laid than there is room for. The
+angle is between bead and stress, and 95 % of the length lies within the fifth column.
+
+Strength: peak load and load of the first failure of each piece. *Bending missed* is the share by which the peak may be
+too high because thin walls are too few cells across; *refused* where the test says that it cannot be done with these
+cells. Solutions and seconds are sums.
+
+Supports: volume, number of contacts and of trees, the largest lean of a branch from the vertical, the largest distance of
+an overhang from its nearest contact, overhangs that no branch reaches, and triangles of the surface, each for both
+specimens.
 ";
 
-/// The table of one constant.
-fn sweep(grainpath: &Path, folder: &Path, row: &Row) -> Result<String, String> {
-    let mut text = format!("## {}\n\n{HEADER}", row.name);
+/// The table of one constant. `owns` keeps what the pieces gave with the values in the sources.
+fn sweep(
+    grainpath: &Path,
+    folder: &Path,
+    row: &Row,
+    owns: &mut BTreeMap<(usize, usize), String>,
+) -> Result<String, String> {
+    let header = match row.measure {
+        Measure::Fill => FILL_HEADER,
+        Measure::Strength => STRENGTH_HEADER,
+        Measure::Support => SUPPORT_HEADER,
+    };
+    let mut text = format!("## {}\n\n{header}", row.name);
     let own = value_in_sources(row.name)?;
     for &value in row.values {
-        let (mut sums, mut seconds) = ([0.0; 6], 0.0);
-        let mut failed = None;
-        for piece in row.pieces {
-            let start = Instant::now();
-            match plan(grainpath, folder, piece, row.name, value) {
-                Ok(numbers) => sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number),
-                Err(problem) => failed = Some(problem),
-            }
-            seconds += start.elapsed().as_secs_f64();
-        }
-        let mark = if value == own { "**" } else { "" };
-        // A value that fails is a result as well: the row says so, and the others go on.
-        if let Some(problem) = failed {
-            let line = problem.lines().last().unwrap_or_default();
-            writeln!(text, "| {mark}{value}{mark} | fails: {line} | | | | | | |").expect("text");
+        // With its own value a constant leaves the program as it is, so rows of the same pieces share the line.
+        let kept = (row.pieces.as_ptr() as usize, row.measure as usize);
+        if let Some(line) = owns.get(&kept).filter(|_| value == own) {
+            writeln!(text, "| **{value}** | {line} |").expect("text");
             continue;
         }
-        let pieces = row.pieces.len() as f64;
-        let [gap, overlap, mean, most] = [0, 1, 2, 3].map(|i| sums[i] / pieces);
-        writeln!(
-            text,
-            "| {mark}{value}{mark} | {:.2} | {:.2} | {mean:.2} | {most:.1} | {} | {:.0} | {seconds:.1} |",
-            100.0 * gap,
-            100.0 * overlap,
-            sums[4],
-            sums[5]
-        )
-        .expect("text");
+        let start = Instant::now();
+        let line = match row.measure {
+            Measure::Fill => fill_line(grainpath, folder, row, value),
+            Measure::Strength => strength_line(grainpath, folder, row, value),
+            Measure::Support => support_line(grainpath, folder, row, value),
+        };
+        let seconds = start.elapsed().as_secs_f64();
+        let mark = if value == own { "**" } else { "" };
+        match line {
+            Ok(line) => {
+                let line = format!("{line} | {seconds:.1}");
+                writeln!(text, "| {mark}{value}{mark} | {line} |").expect("text");
+                if value == own {
+                    owns.insert(kept, line);
+                }
+            }
+            // A value that fails is a result as well: the row says so, and the others go on.
+            Err(problem) => {
+                let line = problem.lines().last().unwrap_or_default();
+                let empty = " |".repeat(header.lines().next().map_or(0, |l| l.matches('|').count() - 3));
+                writeln!(text, "| {mark}{value}{mark} | fails: {line} |{empty}").expect("text");
+            }
+        }
     }
     Ok(text)
 }
 
-/// Gap, overlap, mean angle, angle that 95 % of the length lie within, paths and printing time of a piece.
-fn plan(grainpath: &Path, folder: &Path, piece: &Piece, name: &str, value: f64) -> Result<[f64; 6], String> {
+/// Gap, overlap, mean angle, angle that 95 % of the length lie within, paths and printing time.
+fn fill_line(grainpath: &Path, folder: &Path, row: &Row, value: f64) -> Result<String, String> {
+    let mut sums = [0.0; 6];
+    for piece in row.pieces {
+        let mut command = command(grainpath, "run", folder, piece, row.name, value);
+        // Elements of 2 mm keep each plan short; all values see the same ones.
+        command.args(["--set", "process.skirt_loops=0", "--set", "guide.element_mm=2"]);
+        for quiet in ["output.report=", "output.preview=", "output.lines=", "output.stress="] {
+            command.args(["--set", quiet]);
+        }
+        let report = json(command.arg("--out").arg(folder.join("out")))?;
+        let quality = &report["quality"];
+        let numbers = [
+            &quality["gap"],
+            &quality["overlap"],
+            &quality["alignment_mean_deg"],
+            &quality["alignment_p95_deg"],
+            &report["toolpaths"],
+            &report["time_s"],
+        ];
+        for (sum, found) in sums.iter_mut().zip(numbers) {
+            *sum += number(found)?;
+        }
+    }
+    let pieces = row.pieces.len() as f64;
+    let [gap, overlap, mean, most] = [0, 1, 2, 3].map(|i| sums[i] / pieces);
+    Ok(format!(
+        "{:.2} | {:.2} | {mean:.2} | {most:.1} | {} | {:.0}",
+        100.0 * gap,
+        100.0 * overlap,
+        sums[4],
+        sums[5]
+    ))
+}
+
+/// Peak load and first failure of each piece, bending that the cells miss, and solutions.
+fn strength_line(grainpath: &Path, folder: &Path, row: &Row, value: f64) -> Result<String, String> {
+    let (mut peaks, mut first, mut missed, mut solutions) = (Vec::new(), Vec::new(), Vec::new(), 0.0);
+    for piece in row.pieces {
+        let mut command = command(grainpath, "strength", folder, piece, row.name, value);
+        command.args(["--set", "guide.element_mm=2"]);
+        let report = match json(&mut command) {
+            Ok(report) => report,
+            Err(problem) if problem.contains("bend out of their plane") => {
+                [&mut peaks, &mut first, &mut missed].map(|column| column.push("refused".to_owned()));
+                continue;
+            }
+            Err(problem) => return Err(problem),
+        };
+        let found = &report["strength"];
+        peaks.push(format!("{:.1}", number(&found["peak_load_n"])?));
+        first.push(format!("{:.1}", number(&found["first_n"])?));
+        solutions += number(&found["solutions"])?;
+        let warnings = report["warnings"].as_array().into_iter().flatten();
+        let thin = warnings.filter(|w| w["id"] == "strength-thin-walls").filter_map(|w| w["text"].as_str());
+        let share = thin.filter_map(|text| text.split("up to ").nth(1)?.split(" %").next()).next();
+        missed.push(share.unwrap_or("0").to_owned());
+    }
+    Ok(format!("{} | {} | {} | {solutions}", peaks.join(", "), first.join(", "), missed.join(", ")))
+}
+
+/// Volume, contacts, trees, lean and reach of each support, and the triangles of its surface.
+fn support_line(grainpath: &Path, folder: &Path, row: &Row, value: f64) -> Result<String, String> {
+    let mut columns: [Vec<String>; 7] = Default::default();
+    for piece in row.pieces {
+        let mesh = folder.join(piece.0).with_extension("stl");
+        crate::output(Command::new(grainpath).args(["specimen", piece.0, "-o"]).arg(&mesh))?;
+        let mut command = Command::new(grainpath);
+        command.args(["support", "--json", "-o"]).arg(folder.join("support.stl")).arg(&mesh);
+        for setting in piece.2 {
+            command.args(["--set", setting]);
+        }
+        let report = json(command.env("GRAINPATH_SWEEP", format!("{}={value}", row.name)))?;
+        let found = &report["support"];
+        let unreached = found["unreached"].as_array().map_or(0, Vec::len);
+        let numbers = [
+            format!("{:.1}", number(&found["volume_mm3"])?),
+            found["contacts"].to_string(),
+            found["trees"].to_string(),
+            format!("{:.2}", number(&found["steepest_deg"])?),
+            format!("{:.2}", number(&found["farthest_mm"])?),
+            unreached.to_string(),
+            report["triangles"].to_string(),
+        ];
+        columns.iter_mut().zip(numbers).for_each(|(column, number)| column.push(number));
+    }
+    Ok(columns.map(|column| column.join(", ")).join(" | "))
+}
+
+/// A command of the program for a piece, with one value for the constant.
+fn command(grainpath: &Path, verb: &str, folder: &Path, piece: &Piece, name: &str, value: f64) -> Command {
     let (preset, job, more) = *piece;
     let mut command = Command::new(grainpath);
-    // Elements of 2 mm keep each plan short; all values see the same ones.
-    command.args(["run", "--json", "--set", "process.skirt_loops=0", "--set", "guide.element_mm=2"]);
-    for quiet in ["output.report=", "output.preview=", "output.lines=", "output.stress="] {
-        command.args(["--set", quiet]);
-    }
+    let path: PathBuf = folder.join(preset).join(job).with_extension("toml");
+    command.args([verb, "--json"]).arg(path);
     for setting in more {
         command.args(["--set", setting]);
     }
-    command.arg("--out").arg(folder.join("out")).env("GRAINPATH_SWEEP", format!("{name}={value}"));
-    let path: PathBuf = folder.join(preset).join(job).with_extension("toml");
-    let text = crate::output(command.arg(path))?;
-    let report: Value = serde_json::from_str(&text).map_err(|e| format!("{job}: {e}"))?;
-    let number =
-        |value: &Value| value.as_f64().ok_or_else(|| format!("{job}: a number is missing in {text}"));
-    let quality = &report["quality"];
-    Ok([
-        number(&quality["gap"])?,
-        number(&quality["overlap"])?,
-        number(&quality["alignment_mean_deg"])?,
-        number(&quality["alignment_p95_deg"])?,
-        number(&report["toolpaths"])?,
-        number(&report["time_s"])?,
-    ])
+    // Names of settings are written small, those of constants are not.
+    if name.chars().any(char::is_uppercase) {
+        command.env("GRAINPATH_SWEEP", format!("{name}={value}"));
+    } else {
+        command.args(["--set", &format!("{name}={value}")]);
+    }
+    command
+}
+
+/// What a command says in JSON.
+fn json(command: &mut Command) -> Result<Value, String> {
+    let text = crate::output(command)?;
+    serde_json::from_str(&text).map_err(|e| format!("{command:?}: {e}"))
+}
+
+fn number(value: &Value) -> Result<f64, String> {
+    value.as_f64().ok_or_else(|| format!("{value} should be a number"))
 }
 
 /// The value that a tuned number has in the sources.
 fn value_in_sources(name: &str) -> Result<f64, String> {
     let found = tuned_in_sources()?.into_iter().find(|(known, _)| known == name);
-    found.map(|(_, value)| value).ok_or_else(|| format!("{name} is no tuned number of the sources"))
+    let value = found.map(|(_, value)| value).or_else(|| default_of(name));
+    value.ok_or_else(|| format!("{name} is no tuned number of the sources and no setting with a number"))
+}
+
+/// The default of a setting, as its row has it: `cell_aspect: f64 = 2.5,`.
+fn default_of(name: &str) -> Option<f64> {
+    let key = name.split_once('.')?.1;
+    let rows = fs::read_to_string(crate::root().join("crates/grainpath-job/src/settings.rs")).ok()?;
+    let start = rows.lines().find_map(|line| line.trim().strip_prefix(&format!("{key}: f64 = ")))?;
+    start.split(',').next()?.parse().ok()
 }
 
 /// Names and values of all tuned numbers, as `Tuned::new("name", value)` has them.
@@ -279,7 +511,30 @@ mod tests {
             assert!(rows[0].values.contains(value), "{name}: its own value {value} is missing in its row");
         }
         for row in ROWS {
-            assert!(tuned.iter().any(|(name, _)| name == row.name), "{} is no tuned number", row.name);
+            let known = tuned.iter().any(|(name, _)| name == row.name);
+            assert!(known || default_of(row.name).is_some(), "{} is no tuned number", row.name);
+        }
+    }
+
+    #[test]
+    fn every_row_has_a_table_that_marks_the_value_in_the_sources_or_is_listed() {
+        let page = fs::read_to_string(page_path()).expect("docs/constants.md");
+        let tables = tables(&page);
+        let listed = page.split_once(NOT_MEASURED).map_or("", |parts| parts.1);
+        for row in ROWS {
+            let Some(table) = tables.get(row.name) else {
+                assert!(listed.contains(&format!("\n- `{}`", row.name)), "{} is not on the page", row.name);
+                continue;
+            };
+            let own = value_in_sources(row.name).expect("a value");
+            assert!(table.contains(&format!("| **{own}** |")), "{}: its value is now {own}", row.name);
+            for value in row.values {
+                let line = [format!("\n| {value} |"), format!("\n| **{value}** |")];
+                assert!(line.iter().any(|l| table.contains(l)), "{}: no line for {value}", row.name);
+            }
+        }
+        for name in tables.keys() {
+            assert!(ROWS.iter().any(|row| row.name == name), "{name} has a table and no row");
         }
     }
 }

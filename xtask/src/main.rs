@@ -21,6 +21,7 @@ mod pages;
 mod photo;
 mod setup;
 mod source;
+mod texts;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -34,6 +35,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   nightly          all of test, slow tests, two minutes of each fuzz target, the campaign, benches that verify
   invariants       dependencies of crates and the invariants of ARCHITECTURE.md
   count [--tighten | --list NAME | --in FOLDER]  counts of the sources beside the limits of xtask/counts.toml
+  texts [SEED [COUNT]]  comments, messages and texts of settings drawn at random (40), to be read as by a stranger
   hashes [--write] [--binary PATH]  G-code of small jobs beside the committed hashes
   bench slicing [PART...]  time and memory beside PrusaSlicer and CuraEngine
                    (benchy bunny armadillo plate_holes skull; the skull takes the peers many minutes)
@@ -62,6 +64,7 @@ fn main() -> ExitCode {
         ["nightly"] => nightly(),
         ["invariants"] => arrows::check().and_then(|()| invariants::check()),
         ["count", words @ ..] => count::run(words),
+        ["texts", words @ ..] => texts::run(words),
         ["hashes", words @ ..] => hashes::run(words),
         ["bench", "slicing", parts @ ..] => bench::slicing(parts),
         ["bench", "constants", words @ ..] => bench_constants::run(words),

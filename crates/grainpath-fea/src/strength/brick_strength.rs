@@ -141,7 +141,7 @@ impl SolidTest<'_> {
             (0..self.active.len()).into_par_iter().filter(|c| self.active[*c] && !self.unbreakable[*c]);
         let thin =
             cells.clone().filter(|c| (0..3).any(|axis| self.cells_across(*c, axis) < MIN_CELLS_ACROSS));
-        thin.count() as f64 > MAX_THIN_SHARE * cells.count() as f64
+        thin.count() as f64 > MAX_THIN_SHARE.value() * cells.count() as f64
     }
 
     fn run_with(&self, control: &StepControl, later_tolerance: f64) -> Result<Outcome, TestError> {
@@ -419,7 +419,8 @@ impl LoadedPart for LoadedSolid<'_> {
             _ => DVec3::Z,
         };
         let around = self.test.bricks.around(self.cells[element] as usize);
-        let beside = around.filter(|(off, _)| off.dot(normal).abs() >= CRACK_NORMAL_COS * off.length());
+        let beside =
+            around.filter(|(off, _)| off.dot(normal).abs() >= CRACK_NORMAL_COS.value() * off.length());
         beside.filter_map(|(_, other)| self.element_of[other].map(|e| e as usize)).collect()
     }
 

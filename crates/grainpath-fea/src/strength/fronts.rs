@@ -1,10 +1,20 @@
-//! The factor of a plate's stiffness, kept in fronts so that what breaks costs only its own part anew.
+//! A multifrontal factorization of a plate's stiffness that is repeated only where elements changed.
 //!
-//! The grid is halved again and again by lines of nodes. Each half's unknowns are eliminated before those of the line
-//! between: a front is the dense matrix in which that is done, and hands what is left to the front of the line that
-//! cut it off. When elements lose stiffness, only their fronts and those up to the last line are made again.
+//! Method: the nodes are ordered by nested dissection (`george1973` in docs/references.bib) and eliminated in fronts
+//! (`duff1983`). A line of nodes divides the grid into two halves, further lines divide the halves, and so on. Both halves
+//! are eliminated before the line between them. A *front* is the dense matrix in which the nodes of one line are
+//! eliminated; what remains, the Schur complement on the nodes around, is added to the front of the next longer line,
+//! its parent. The fronts form a binary tree whose root is the first line.
+//!
+//! When elements lose stiffness, only the fronts that hold them and the fronts on the way from there to the root are
+//! factored again.
+//!
+//! Stiffnesses are in N/mm, displacements in mm. Cost for n nodes: n^1.5 operations and n log n numbers for a whole
+//! factorization. Where the memory limit does not allow keeping the Schur complements, every factorization is a whole
+//! one. A plate that can move freely is an error.
 
 use grainpath_core::diagnostics::CancelFlag;
+use grainpath_core::tuned::Tuned;
 
 use super::elements::PlateElements;
 use crate::sparse::{BYTES_PER_MIB, SparseError, eliminate};
@@ -12,51 +22,53 @@ use crate::sparse::{BYTES_PER_MIB, SparseError, eliminate};
 /// The lower half of an element's stiffness by columns, `(8, 8)`.
 pub(super) type Lower = [f64; 36];
 
-/// A factor in fronts, in an order in which each comes after those it was cut into.
+/// A factor in fronts; each comes after both of its children.
 pub(super) struct Fronts {
     fronts: Vec<Front>,
-    /// Front in which each element is added.
+    /// The front to which each element is added.
     of_element: Vec<u32>,
-    /// Stops a factorization.
+    /// Stops a factorization when it is set.
     pub cancel: CancelFlag,
-    /// Whether what fronts hand on is kept, so that only what changed is made again.
+    /// Whether Schur complements are kept, so that a factorization can be limited to what changed.
     keeps: bool,
 }
 
 #[derive(Default)]
 struct Front {
-    /// Nodes it knows, in the order of elimination; the first `own` are eliminated here.
+    /// Its nodes in the order of elimination. The first `own` are eliminated here, the others further up.
     nodes: Vec<u32>,
     own: usize,
-    /// Fronts of the first and of the second half, all of them with all that is in them, before this one.
+    /// Numbers of fronts in the first and in the second half; both stand directly before this one.
     halves: [usize; 2],
-    /// Where the nodes it hands on are among those of the front it hands them to.
+    /// Places of its other nodes among the nodes of its parent.
     up: Vec<u32>,
-    /// PlateElements added here and where their corners are among its nodes.
+    /// Elements added here, and the places of their corners among its nodes.
     elements: Vec<(u32, [u32; 4])>,
-    /// What holds, and what every node has: places among its unknowns (row, column), and values.
+    /// Stiffness of fixtures and of the weak springs at every node: row and column among its unknowns, and value.
     added: Vec<(u32, u32, f64)>,
     /// Columns of the factor, `(2 nodes, 2 own)`.
     factor: Vec<f64>,
-    /// What it hands on: the lower half by columns, in a square of `2 (nodes - own)`.
+    /// The Schur complement for the parent: the lower half by columns, in a square of `2 (nodes - own)`.
     rest: Vec<f64>,
-    /// Forces on the nodes it eliminates, N.
+    /// Forces on the nodes that are eliminated here, N.
     forces: Vec<f64>,
-    /// What is left of them after elimination, and what it hands on of them.
+    /// The forces after forward substitution: on its own nodes, then what the parent adds to its own.
     eased: Vec<f64>,
-    /// Displacements of the nodes it eliminates, mm.
+    /// Displacements of the nodes that are eliminated here, mm.
     found: Vec<f64>,
     stale: bool,
 }
 
-/// Nodes that are eliminated together at the latest.
-const LEAF: usize = 24;
-/// Halves with fewer fronts than this together are not worth two threads.
-const MANY: usize = 64;
+/// Halving ends at this number of nodes, which are eliminated in one front: the bookkeeping of smaller fronts costs more
+/// than they save. Measured: row `fea.strength.fronts.LEAF` of `cargo xtask bench constants`.
+static LEAF: Tuned<usize> = Tuned::new("fea.strength.fronts.LEAF", 24);
+/// Two halves with at most this number of fronts together are done by one thread, since a second one would cost more than
+/// it saves. Measured: row `fea.strength.fronts.MANY` of `cargo xtask bench constants`.
+static MANY: Tuned<usize> = Tuned::new("fea.strength.fronts.MANY", 64);
 
 impl Fronts {
-    /// Says in which order nodes go and what that needs; nothing is factored yet. `added` are stiffnesses between
-    /// unknowns of one node: row, column, value. `forces` act on the unknowns, N.
+    /// Orders the nodes and allocates the fronts; nothing is factored yet. `added` are stiffnesses between the unknowns
+    /// of one node: row, column, value. `forces` act on the unknowns, N.
     ///
     /// # Errors
     /// [`SparseError::Memory`] when the factor would take more than `max_mib` MiB.
@@ -128,15 +140,15 @@ impl Fronts {
         })
     }
 
-    /// Says that an element has another stiffness.
+    /// Notes that the stiffness of an element changed.
     pub fn change(&mut self, element: usize) {
         self.fronts[self.of_element[element] as usize].stale = true;
     }
 
-    /// Factors what changed.
+    /// Factors the fronts that are affected by changed elements.
     ///
     /// # Errors
-    /// [`SparseError::Singular`] when some part can move freely.
+    /// [`SparseError::Singular`] when a part of the plate can move freely.
     pub fn refactor(&mut self, stiffness: &[Lower]) -> Result<(), SparseError> {
         let stale = !self.keeps && self.fronts.iter().any(|f| f.stale);
         for f in 0..self.fronts.len() {
@@ -160,13 +172,13 @@ impl Fronts {
 }
 
 impl Front {
-    /// The fronts of the two halves, where this one is the `own`th.
+    /// The numbers of its two children, where this front has the number `own`.
     fn children(&self, own: usize) -> [Option<usize>; 2] {
         let [first, second] = self.halves;
         [(first > 0).then(|| own - 1 - second), (second > 0).then(|| own - 1)].map(|c| c.filter(|c| *c < own))
     }
 
-    /// Adds up what is its own and what its halves hand on, and eliminates its nodes.
+    /// Assembles its elements and the Schur complements of its children, and eliminates its nodes.
     fn make(&mut self, halves: [Option<&Self>; 2], stiffness: &[Lower]) -> Result<(), SparseError> {
         let (size, k) = (2 * self.nodes.len(), 2 * self.own);
         let mut whole = vec![0.0; size * size];
@@ -213,7 +225,7 @@ impl Front {
     }
 }
 
-/// Sum of products, in four sums so that they can run side by side.
+/// Sum of products, in four independent sums that the processor can compute at the same time.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (fours, others) = (a.chunks_exact(4), a.len() / 4 * 4);
@@ -224,7 +236,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
-/// Factors the stale ones of fronts that end with the one that all others hand on to.
+/// Factors the stale fronts of a subtree, whose root is the last one.
 fn make(
     fronts: &mut [Front],
     stiffness: &[Lower],
@@ -247,8 +259,7 @@ fn make(
     Ok(())
 }
 
-/// Finds the displacements of fronts that end with the one that all others hand on to, from those of the nodes of the
-/// front that it hands on to.
+/// Back substitution in a subtree, whose root is the last front. `above` are the displacements of the nodes of its parent.
 fn back(fronts: &mut [Front], above: &[f64]) {
     let Some((last, before)) = fronts.split_last_mut() else { return };
     let size = 2 * last.nodes.len();
@@ -259,7 +270,7 @@ fn back(fronts: &mut [Front], above: &[f64]) {
     }
     last.found.clear();
     last.found.extend_from_slice(&part[..2 * last.own]);
-    let many = before.len() > MANY;
+    let many = before.len() > MANY.value();
     let (first, second) = before.split_at_mut(last.halves[0]);
     if many {
         rayon::join(|| back(first, &part), || back(second, &part));
@@ -269,7 +280,7 @@ fn back(fronts: &mut [Front], above: &[f64]) {
     }
 }
 
-/// Halves nodes until few are left; adds the fronts of both halves and that of the line between.
+/// Orders nodes by nested dissection: adds the fronts of both halves, then that of the line between them.
 fn cut(elements: &PlateElements, nodes: &mut [u32], fronts: &mut Vec<Front>) {
     if nodes.is_empty() {
         return;
@@ -281,7 +292,7 @@ fn cut(elements: &PlateElements, nodes: &mut [u32], fronts: &mut Vec<Front>) {
     };
     let spans = [span(0), span(1)];
     let axis = usize::from(spans[1].1 - spans[1].0 > spans[0].1 - spans[0].0);
-    if nodes.len() <= LEAF || spans[axis].0 == spans[axis].1 {
+    if nodes.len() <= LEAF.value() || spans[axis].0 == spans[axis].1 {
         fronts.push(Front { nodes: nodes.to_vec(), ..Front::default() });
         return;
     }

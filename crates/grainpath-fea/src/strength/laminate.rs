@@ -1,18 +1,28 @@
-//! Beads as cells: how much material each cell of a grid holds, and which way it runs.
+//! From beads to a laminate: how much material each cell of a grid holds, and in which directions its beads run.
+//!
+//! Each bead is a ribbon as wide as its volume over its length and the layer's height. The area that a ribbon covers of a
+//! cell, times its height, is the material in that cell. Directions are sorted into eight fans of 22.5 degrees; within a
+//! fan the mean axis is found from the double angle, whose sum does not depend on the sign of an axis. The plies of all
+//! layers are added up, one for each fan and material.
+//!
+//! Real beads overlap at turns and at walls. A cell that would hold more than the layer's height gives the rest to its
+//! neighbours, as melt does that is pressed aside. Lengths are in mm, angles in radians. Cost: linear in the cells that
+//! ribbons cover.
 
 use grainpath_core::DVec2;
 use grainpath_core::math::{atan2, cross};
 use grainpath_core::segment;
+use grainpath_core::tuned::Tuned;
 use rayon::prelude::*;
 
 /// A straight piece of bead.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeadPiece {
-    /// Where it begins, mm.
+    /// Its first end, mm.
     pub a: DVec2,
-    /// Where it ends, mm.
+    /// Its second end, mm.
     pub b: DVec2,
-    /// What it holds, mm3.
+    /// Its volume, mm3.
     pub volume_mm3: f64,
     /// What it is made of: number of its card.
     pub material: u8,
@@ -46,25 +56,28 @@ fn usable(s: &BeadSheet, b: &BeadPiece) -> bool {
 
 /// A piece of the ribbon that a path lays.
 struct Ribbon {
-    /// Its corners, mm: right of where it begins, right and left of where it ends, left of where it begins.
+    /// Its corners, mm, counter-clockwise: right of its beginning, right of its end, left of its end, left of its
+    /// beginning.
     corners: [DVec2; 4],
     /// Unit vector along it.
     along: DVec2,
     volume_mm3: f64,
-    /// Area that its corners take up, mm2.
+    /// Its area, mm2.
     area_mm2: f64,
     material: u8,
 }
 
-/// Ribbons wider than this, mm, are blobs, laid while hardly moving.
-const WIDEST: f64 = 10.0;
-/// Pieces are taken together where the bend between them is this near to their line, in widths of the bead.
-const WIGGLE: f64 = 0.1;
+/// A bead counts as this wide at most, mm: more volume on its length is a blob, laid while hardly moving, and stands higher
+/// instead. Measured: row `fea.strength.laminate.WIDEST` of `cargo xtask bench constants`.
+static WIDEST: Tuned<f64> = Tuned::new("fea.strength.laminate.WIDEST", 10.0);
+/// Two pieces become one where the point between them lies at most this far from their common line, in widths of the
+/// bead. Measured: row `fea.strength.laminate.WIGGLE` of `cargo xtask bench constants`.
+static WIGGLE: Tuned<f64> = Tuned::new("fea.strength.laminate.WIGGLE", 0.1);
 /// Tangent of half the sharpest turn whose outer corner is filled: its tip is a bead's width from the path. Source: derived.
 /// The tip of a turn lies half a width over the cosine of half the turn away, which is 60 degrees then.
 const SHARPEST: f64 = 1.732;
 
-/// What the paths of a layer lay. A piece that begins where the one before it ended goes on from it.
+/// The ribbons of a layer. A piece that begins where the one before it ended continues the same path.
 fn ribbons(sheet: &BeadSheet) -> Vec<Ribbon> {
     let beads: Vec<&BeadPiece> = sheet.beads.iter().filter(|b| usable(sheet, b)).collect();
     let paths = beads.chunk_by(|p, q| p.b == q.a && p.material == q.material);
@@ -72,11 +85,11 @@ fn ribbons(sheet: &BeadSheet) -> Vec<Ribbon> {
 }
 
 fn width(b: &BeadPiece, height_mm: f64) -> f64 {
-    (b.volume_mm3 / (b.a.distance(b.b) * height_mm)).min(WIDEST)
+    (b.volume_mm3 / (b.a.distance(b.b) * height_mm)).min(WIDEST.value())
 }
 
-/// A path without wiggles and bends finer than a bead can follow: a piece too short for its turns is taken together
-/// with the neighbour it turns less to.
+/// A path without wiggles that are finer than the bead. A piece too short for the turns at its ends is merged with that
+/// neighbour whose direction differs less.
 fn evened(path: &[&BeadPiece], height_mm: f64) -> Vec<BeadPiece> {
     let mut out: Vec<BeadPiece> = Vec::with_capacity(path.len());
     for piece in path {
@@ -92,7 +105,7 @@ fn evened(path: &[&BeadPiece], height_mm: f64) -> Vec<BeadPiece> {
             let (p, q) = if back { (before, short) } else { (short, after) };
             let whole = BeadPiece { b: q.b, volume_mm3: p.volume_mm3 + q.volume_mm3, ..*p };
             let length = p.a.distance(p.b) + q.a.distance(q.b);
-            if segment::distance_squared_mm2(q.a, p.a, q.b) > (WIGGLE * wide).powi(2)
+            if segment::distance_squared_mm2(q.a, p.a, q.b) > (WIGGLE.value() * wide).powi(2)
                 || whole.a.distance(whole.b) < 0.5 * length
             {
                 break;
@@ -109,18 +122,18 @@ fn turn(from: DVec2, to: DVec2) -> f64 {
     (cross(from, to) / (1.0 + from.dot(to)).max(1e-9)).clamp(-SHARPEST, SHARPEST)
 }
 
-/// Pieces cut off where the path turns, along the line that halves the angle: what a piece has too little on the inner
-/// side it has too much on the outer one, so that its volume stays its own.
+/// The ribbons of one path. Where the path turns, both ribbons end at the bisector of the angle. Each loses on the inner
+/// side of the turn what it gains on the outer one, so its area stays the same.
 fn ribbon(path: &[BeadPiece], height_mm: f64) -> Vec<Ribbon> {
     let along: Vec<DVec2> = path.iter().map(|p| (p.b - p.a).normalize()).collect();
     let n = path.len();
-    let closed = n > 2 && path[0].a.distance(path[n - 1].b) < WIGGLE * width(&path[0], height_mm);
+    let closed = n > 2 && path[0].a.distance(path[n - 1].b) < WIGGLE.value() * width(&path[0], height_mm);
     let piece = |k: usize| {
         let (p, d) = (&path[k], along[k]);
         let (length, half) = (p.a.distance(p.b), 0.5 * width(p, height_mm));
         let mut at_a = if k > 0 || closed { turn(along[(k + n - 1) % n], d) } else { 0.0 };
         let mut at_b = if k + 1 < n || closed { turn(d, along[(k + 1) % n]) } else { 0.0 };
-        // The inner side of a short piece between sharp turns would end before it begins.
+        // Between two sharp turns the inner side of a short piece would have a negative length.
         let most = half * (at_a + at_b).abs();
         if most > length {
             at_a *= length / most;
@@ -136,7 +149,7 @@ fn ribbon(path: &[BeadPiece], height_mm: f64) -> Vec<Ribbon> {
 }
 
 impl CellGrid {
-    /// A grid over some beads with one empty cell all around, and what the beads hold, mm3.
+    /// A grid that covers all beads and one empty cell around them, and the volume of the beads, mm3.
     ///
     /// # Errors
     /// [`CellError`] when there is no bead or there are too many cells.
@@ -153,7 +166,7 @@ impl CellGrid {
         let mut laid_mm3 = 0.0;
         for s in sheets {
             for ribbon in ribbons(s) {
-                // Ribbons end where paths do: a margin there would leave cells at the ends half empty.
+                // Ribbons end where paths end. With a margin the cells there would be half empty.
                 for corner in ribbon.corners {
                     low = low.min(corner);
                     high = high.max(corner);
@@ -164,20 +177,21 @@ impl CellGrid {
         if !(low.is_finite() && high.is_finite()) {
             return Err(CellError::NoBeads);
         }
-        // Corners on whole cells from the middle, so that symmetric parts stay so; rounding makes no cell of its own.
+        // The grid is centred, so that a symmetric part gets symmetric cells. 1e-6 of a cell keeps rounding from adding
+        // a row.
         let size = (high - low) / cell_mm - 1e-6;
         let more = if moved > 0.0 { 3.0 } else { 2.0 };
         let (nx, ny) = (size.x.ceil() + more, size.y.ceil() + more);
         if nx * ny > MAX_CELLS as f64 {
             return Err(CellError::TooMany { nx, ny, cell_mm, most: MAX_CELLS });
         }
-        // One more cell moves an even number of cells by half a cell already.
+        // The third extra cell has already moved the grid by half a cell.
         let off = if moved > 0.0 { 0.5 - moved } else { 0.0 };
         let low = 0.5 * (low + high) - cell_mm * (0.5 * DVec2::new(nx, ny) - off);
         Ok((Self { low, cell_mm, nx: nx as usize, ny: ny as usize }, laid_mm3))
     }
 
-    /// The cells around one, those over its sides first, and which way they lie.
+    /// The neighbours of a cell and the directions to them; those that share a side come first.
     pub(super) fn around(&self, cell: usize) -> impl Iterator<Item = (DVec2, usize)> {
         let (nx, ny) = (self.nx, self.ny);
         let (i, j) = (cell % nx, cell / nx);
@@ -207,18 +221,18 @@ pub struct Ply {
     pub thickness_mm: f64,
     /// Mean direction of its beads, radians from x, without sign.
     pub angle_rad: f64,
-    /// 1 where its beads run alike, 0 where they run all ways.
+    /// How well the directions of its beads agree: 1 where they are equal, 0 where no direction prevails.
     pub coherence: f64,
-    /// What it is made of: number of its card.
+    /// Its material: the number of its card.
     pub material: u8,
 }
 
-/// A stack of layers seen from above: in every cell the plies of each direction.
+/// All layers, seen from above: the plies of each cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Laminate {
     /// The cells.
     pub grid: CellGrid,
-    /// `plies[starts[cell]..starts[cell + 1]]` are those of a cell.
+    /// The plies of a cell are `plies[starts[cell]..starts[cell + 1]]`.
     pub starts: Vec<u32>,
     /// Plies, cell by cell.
     pub plies: Vec<Ply>,
@@ -236,7 +250,7 @@ pub enum CellError {
     /// No bead of the part is in the program.
     #[error("no bead of the part is in the program")]
     NoBeads,
-    /// Too fine.
+    /// The cells are too small for the memory.
     #[error("{nx} x {ny} cells of {cell_mm} mm are more than {most}; take larger cells")]
     TooMany {
         /// Cells along x.
@@ -245,7 +259,7 @@ pub enum CellError {
         ny: f64,
         /// Side of a cell, mm.
         cell_mm: f64,
-        /// The most that are taken.
+        /// The largest number of cells.
         most: usize,
     },
 }
@@ -255,8 +269,7 @@ pub enum CellError {
 pub const MAX_CELLS: usize = 1_500_000;
 
 impl Laminate {
-    /// Lays beads into cells of this size. Each path is a ribbon as wide as its section over the layer's height, so
-    /// that the cells hold what was extruded; what a cell cannot hold flows to its neighbours.
+    /// The laminate of these beads on cells of this size. What a cell cannot hold flows to its neighbours.
     ///
     /// # Errors
     /// [`CellError`] when there is no bead or there are too many cells.
@@ -320,13 +333,13 @@ impl Laminate {
         self.plies_in(cell).iter().map(|p| p.thickness_mm).sum()
     }
 
-    /// Share of the laid volume that the cells miss or have too much.
+    /// Difference between the volume of the cells and that of the beads, as a share of the latter.
     pub fn volume_error(&self) -> f64 {
         (self.volume_mm3 / self.laid_mm3 - 1.0).abs()
     }
 }
 
-/// What a layer has in one fan of one cell: thickness, and thickness times cosine and sine of the double angle.
+/// The material of a layer in one fan of one cell: its thickness, and thickness times cosine and sine of the double angle.
 pub(super) struct Share {
     pub slot: u32,
     pub sum: [f32; 3],
@@ -344,7 +357,7 @@ pub(super) fn layer(grid: &CellGrid, n_fans: usize, sheet: &BeadSheet) -> Vec<Sh
         let fan = (half_turns * FANS as f64).round().rem_euclid(FANS as f64) as usize % FANS
             + FANS * usize::from(bead.material);
         let corners = bead.corners.map(|p| (p - grid.low) / grid.cell_mm);
-        // Blobs are narrower than their volume says: they are higher instead.
+        // The width of a blob is limited, so its height follows from its volume.
         let fill = bead.volume_mm3 / bead.area_mm2;
         covered_cells(&corners, grid, &mut |cell, area| {
             let t = area * fill;
@@ -360,12 +373,13 @@ pub(super) fn layer(grid: &CellGrid, n_fans: usize, sheet: &BeadSheet) -> Vec<Sh
     shares.map(|(slot, f)| Share { slot: slot as u32, sum: *f }).collect()
 }
 
-/// Passes in which overfull cells give to their neighbours.
-const PASSES: usize = 12;
+/// Passes in which overfull cells give to their neighbours. Measured: row `fea.strength.laminate.PASSES` of `cargo xtask
+/// bench constants`.
+static PASSES: Tuned<usize> = Tuned::new("fea.strength.laminate.PASSES", 12);
 
-/// Melt that finds its place taken flows on: to neighbours with room, in proportion to it.
+/// Moves the excess of overfull cells to their neighbours, in proportion to the room that each has.
 fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mut [[f32; 3]]) {
-    for _ in 0..PASSES {
+    for _ in 0..PASSES.value() {
         let over: Vec<usize> = (0..held.len()).filter(|&c| held[c] > full * 1.0005).collect();
         if over.is_empty() {
             return;
@@ -375,14 +389,14 @@ fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mu
             let mut near = [(0usize, 0f32); 8];
             let mut n = 0;
             for (_, other) in grid.around(cell) {
-                // Only where there is some of the part: melt does not leave it.
+                // Empty neighbours lie outside the part, and material does not leave it.
                 if held[other] > 0.0 {
                     near[n] = (other, (full - held[other]).max(0.0));
                     n += 1;
                 }
             }
             let room: f32 = near[..n].iter().map(|n| n.1).sum();
-            // Where nobody near has room it is handed on evenly, and finds some in a later pass.
+            // Where no neighbour has room, half of the excess goes to all of them evenly; a later pass moves it on.
             let even = room <= 0.0;
             let moved = if even { excess * 0.5 } else { excess.min(room) };
             if n == 0 || moved <= 0.0 {
@@ -449,8 +463,8 @@ impl Shape {
         self.cut(|p| at - p[axis])
     }
 
-    /// What lies where `off` is not negative. A convex shape gains one corner at most, and eight are enough for four
-    /// cuts of a quadrilateral.
+    /// The part where `off` is not negative. A cut adds one corner at most, so eight are enough for four cuts of a
+    /// quadrilateral.
     fn cut(&self, off: impl Fn(DVec2) -> f64) -> Self {
         let mut out = Self { points: [DVec2::ZERO; 8], n: 0 };
         for k in 0..self.n {

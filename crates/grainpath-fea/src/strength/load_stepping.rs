@@ -23,6 +23,7 @@ use std::ops::Range;
 
 use grainpath_core::DVec3;
 use grainpath_core::diagnostics::CancelFlag;
+use grainpath_core::tuned::Tuned;
 use rayon::prelude::*;
 
 use super::card::{FailureMode, FinalStrains, StrengthCard};
@@ -129,10 +130,12 @@ pub(super) struct StepControl {
     pub max_work: f64,
 }
 
-/// A part has failed when its flexibility is this multiple of the first one.
-const FAILED_FLEXIBILITY: f64 = 2.5;
-/// Steps become this many times smaller after the part has failed.
-const STEP_REFINEMENT: f64 = 4.0;
+/// A part has failed when its flexibility is this multiple of the first one. Measured: row
+/// `fea.strength.load_stepping.FAILED_FLEXIBILITY` of `cargo xtask bench constants`.
+static FAILED_FLEXIBILITY: Tuned<f64> = Tuned::new("fea.strength.load_stepping.FAILED_FLEXIBILITY", 2.5);
+/// Steps become this many times smaller after the part has failed. Measured: row
+/// `fea.strength.load_stepping.STEP_REFINEMENT` of `cargo xtask bench constants`.
+static STEP_REFINEMENT: Tuned<f64> = Tuned::new("fea.strength.load_stepping.STEP_REFINEMENT", 4.0);
 
 /// Raises the load on a part until it fails. `size_mm` is width and height of its elements; `load_n` is the load that
 /// a factor of 1 stands for.
@@ -186,7 +189,7 @@ pub(super) fn run_to_failure(
         }
         let collapsed = critical < control.collapse_load * history.max_factor()
             && flexibility > control.collapse_softening * equilibrium.flexibility;
-        let failed = collapsed || flexibility > FAILED_FLEXIBILITY * history.flexibilities[0];
+        let failed = collapsed || flexibility > FAILED_FLEXIBILITY.value() * history.flexibilities[0];
         let exhausted = part.n_solutions() >= control.max_solutions || part.solver_work() >= control.max_work;
         if exhausted || (failed && step <= control.min_step) {
             break !exhausted;
@@ -197,7 +200,7 @@ pub(super) fn run_to_failure(
             part.update_stiffness(&touched, &states)?;
             touched.clear();
             history.return_to(equilibrium.n_states);
-            step /= STEP_REFINEMENT;
+            step /= STEP_REFINEMENT.value();
             level = equilibrium.factor * (1.0 + step);
             continue;
         }

@@ -23,6 +23,7 @@ mod wall_bending;
 
 use grainpath_core::DVec3;
 use grainpath_core::diagnostics::Interrupted;
+use grainpath_core::tuned::Tuned;
 
 use crate::material::Unstable;
 use crate::solid::SolidError;
@@ -107,6 +108,7 @@ impl Outcome {
     }
 }
 
-/// Elements whose direction from a failing one lies within this cosine of the crack's normal are beside the crack;
-/// others are ahead of it.
-const CRACK_NORMAL_COS: f64 = 0.6;
+/// A neighbour of a failing element lies beside the crack where the cosine between its direction and the crack's normal
+/// is at least this, and ahead of the crack elsewhere. Measured: row `fea.strength.CRACK_NORMAL_COS` of `cargo xtask
+/// bench constants`.
+static CRACK_NORMAL_COS: Tuned<f64> = Tuned::new("fea.strength.CRACK_NORMAL_COS", 0.6);

@@ -1,25 +1,31 @@
 //! The equations of a plate under plane stress: assembled, factored, and solved again as elements lose stiffness.
+//!
+//! Fixtures are stiff springs along their directions (the penalty method), so that the pattern of the matrix does not
+//! depend on them. Stiffnesses are in N/mm, forces in N, displacements in mm. The factorization is that of [`Fronts`];
+//! its cost stands there.
 
 use grainpath_core::diagnostics::CancelFlag;
+use grainpath_core::tuned::Tuned;
 
 use super::elements::{GridHold, PlateElements};
 use super::fronts::{Fronts, Lower};
 use crate::sparse::SparseError;
 
-/// Holds are this much stiffer than the stiffest node. Source: derived. A held node gives way by a hundred-thousandth of
+/// Springs of fixtures are this much stiffer than the stiffest node. Source: derived. A held node gives way by a hundred-thousandth of
 /// what a free one would, and ten of the sixteen digits of the factor are left.
 const HOLD: f64 = 1e5;
-/// What every node has, of the stiffest: hinges at single corners do not make the matrix singular.
-const LEAST: f64 = 1e-10;
+/// A spring at every node, as a share of the stiffest node, so that parts that hang on a single corner do not make the
+/// matrix singular. Measured: row `fea.strength.plate_system.LEAST` of `cargo xtask bench constants`.
+static LEAST: Tuned<f64> = Tuned::new("fea.strength.plate_system.LEAST", 1e-10);
 
 /// The stiffness of a plate and how to solve it.
 pub struct PlateSystem {
     fronts: Fronts,
     stiffness: Vec<Lower>,
     dofs: usize,
-    /// Factorisations so far, of parts too.
+    /// Number of factorizations so far, whole or in part.
     pub factored: usize,
-    /// Solutions so far.
+    /// Number of solutions so far.
     pub solved: usize,
     stale: bool,
 }
@@ -37,10 +43,10 @@ fn lower(k: &[[f64; 8]; 8]) -> Lower {
 }
 
 impl PlateSystem {
-    /// Adds up and factors. `forces` act on the unknowns, N.
+    /// Assembles and factors the matrix. `forces` act on the unknowns, N.
     ///
     /// # Errors
-    /// [`SparseError`] when the factor would take more than `max_mib` MiB or the plate is not held.
+    /// [`SparseError`] when the factor would take more than `max_mib` MiB or the plate can move freely.
     pub fn new(
         elements: &PlateElements,
         stiffness: &dyn Fn(usize) -> [[f64; 8]; 8],
@@ -51,7 +57,8 @@ impl PlateSystem {
         let dofs = 2 * elements.places.len();
         let stiffness: Vec<Lower> = (0..elements.corners.len()).map(|e| lower(&stiffness(e))).collect();
         let stiffest = stiffness.iter().map(|k| k[0].max(k[8])).fold(0.0, f64::max);
-        let mut added: Vec<(usize, usize, f64)> = (0..dofs).map(|i| (i, i, LEAST * stiffest)).collect();
+        let mut added: Vec<(usize, usize, f64)> =
+            (0..dofs).map(|i| (i, i, LEAST.value() * stiffest)).collect();
         for hold in holds {
             let i = 2 * hold.node as usize;
             let (x, y) = (hold.along.x, hold.along.y);
@@ -71,14 +78,14 @@ impl PlateSystem {
         self.dofs
     }
 
-    /// Gives an element another stiffness.
+    /// Changes the stiffness of an element.
     pub fn change(&mut self, element: usize, stiffness: &[[f64; 8]; 8]) {
         self.stiffness[element] = lower(stiffness);
         self.fronts.change(element);
         self.stale = true;
     }
 
-    /// Lets a flag stop solutions.
+    /// Stops a factorization when this flag is set.
     pub fn stop_on(&mut self, cancel: CancelFlag) {
         self.fronts.cancel = cancel;
     }
@@ -86,7 +93,7 @@ impl PlateSystem {
     /// Displacements of the unknowns, mm.
     ///
     /// # Errors
-    /// [`SparseError`] when too little stiffness is left.
+    /// [`SparseError`] when so much stiffness is lost that a part of the plate can move freely.
     pub fn solve(&mut self) -> Result<Vec<f64>, SparseError> {
         if self.stale {
             self.fronts.refactor(&self.stiffness)?;

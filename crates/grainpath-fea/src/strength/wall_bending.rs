@@ -10,6 +10,8 @@
 //! The cost is one linear solution. Walls at an angle to the grid count as thicker than they are, by up to the square
 //! root of two in one plane.
 
+use grainpath_core::tuned::Tuned;
+
 use super::TestError;
 use super::load_stepping::FailureIndices;
 
@@ -17,14 +19,15 @@ use super::load_stepping::FailureIndices;
 /// stress times lever arm; for even n it is exact, and for two cells the bending stiffness of each cell itself, which does not
 /// fail at its faces, adds a third.
 pub const CELLS_ACROSS: f64 = 4.0;
-/// Walls with fewer full cells across count as thin: a wall of [`CELLS_ACROSS`] cells that is a little underfilled does
-/// not.
+/// Walls with fewer full cells across count as thin. Source: derived. Half a cell is the rounding to whole cells: a wall
+/// meant to be [`CELLS_ACROSS`] thick that is a little underfilled has at least this, and one of three cells has less.
 pub(super) const MIN_CELLS_ACROSS: f64 = CELLS_ACROSS - 0.5;
-/// The share of the elements that may lie in thin walls before these are looked at: rims and corners have some.
-pub(super) const MAX_THIN_SHARE: f64 = 0.01;
+/// The share of the elements that may lie in thin walls before these are looked at: rims and corners have some. Measured:
+/// row `fea.strength.wall_bending.MAX_THIN_SHARE` of `cargo xtask bench constants`.
+pub(super) static MAX_THIN_SHARE: Tuned<f64> = Tuned::new("fea.strength.wall_bending.MAX_THIN_SHARE", 0.01);
 /// The share of the elements that are most loaded, over which indices are averaged so that a single corner does not
-/// decide.
-const MOST_LOADED: f64 = 1e-3;
+/// decide. Measured: row `fea.strength.wall_bending.MOST_LOADED` of `cargo xtask bench constants`.
+static MOST_LOADED: Tuned<f64> = Tuned::new("fea.strength.wall_bending.MOST_LOADED", 1e-3);
 
 /// Bending that the cells of a test miss.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -54,7 +57,7 @@ pub(super) fn highest_index(indices: &[FailureIndices]) -> f64 {
 
 /// Compares the most loaded middles of elements with the most loaded faces.
 pub(super) fn unresolved_bending(samples: &[BendingSample]) -> Result<UnresolvedBending, TestError> {
-    let n = ((MOST_LOADED * samples.len() as f64).ceil() as usize).clamp(1, samples.len().max(1));
+    let n = ((MOST_LOADED.value() * samples.len() as f64).ceil() as usize).clamp(1, samples.len().max(1));
     let highest = |value: fn(&BendingSample) -> f64| {
         let mut sorted: Vec<&BendingSample> = samples.iter().collect();
         sorted.sort_by(|a, b| value(b).total_cmp(&value(a)));

@@ -1,22 +1,31 @@
-//! How far everything is from the part, slab by slab, and from where a branch can still reach the plate.
+//! The distance from the part at every place around it, and whether a branch can reach the plate from there.
 //!
-//! Taken from the sections, not from the facets: whatever was mended there holds here too, so damaged meshes get the
-//! same answers as sound ones.
+//! Layers are combined to slabs about 0.4 mm thick. In every slab a grid holds the horizontal distance of each cell from
+//! the part (exact on the grid: lower envelope of parabolas). From the plate upwards, a cell leads to the plate if one
+//! of the nine cells below it does and the branch angle allows the step between them. Steps on the grid are longer than
+//! a branch leans within one slab, so each cell keeps how far its way still has to go sideways: its *debt*.
+//!
+//! Everything comes from the sections and not from the facets. The sections are mended, so damaged meshes get the same
+//! answers as sound ones. Lengths are in mm. Distances are good to about half a cell. Cost: linear in the cells, of which
+//! there are 120 million at most, with two bytes each.
 
 use grainpath_core::math::tan;
+use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, DVec3, LayerStack};
 use rayon::prelude::*;
 
 use grainpath_core::mask::{Grid, Mask};
 
-/// A step of stored distances, mm; the farthest stored is 255 of them.
+/// A step of stored distances, mm. Source: derived. Distances between centres of cells of 0.4 mm are off by up to 0.28 mm
+/// (half a diagonal), so a fifth of that adds little; and 255 steps, 12.75 mm, are more than branches ever keep away.
 const STEP_MM: f64 = 0.05;
-/// Cells of all slabs together are kept below this: a byte for the distance and one for the ways down.
+/// Largest number of cells of all slabs together; a larger part gets larger cells. Source: derived. A byte for the distance
+/// and one for the ways down make 240 MB.
 const MAX_CELLS: f64 = 1.2e8;
-/// The finest cell, mm.
-const CELL_MM: f64 = 0.4;
-/// Slabs are about this thick, mm.
-const SLAB_MM: f64 = 0.4;
+/// The finest cell, mm. Measured: row `support.clearance.CELL_MM` of `cargo xtask bench constants`.
+static CELL_MM: Tuned<f64> = Tuned::new("support.clearance.CELL_MM", 0.4);
+/// Slabs are about this thick, mm. Measured: row `support.clearance.SLAB_MM` of `cargo xtask bench constants`.
+static SLAB_MM: Tuned<f64> = Tuned::new("support.clearance.SLAB_MM", 0.4);
 
 /// From here a branch can get to the plate within its angle.
 const TO_PLATE: u8 = 1;
@@ -24,9 +33,11 @@ const TO_PLATE: u8 = 1;
 const STRAIGHT_DOWN: u8 = 2;
 /// The rest of the byte: half the debt.
 const DEBT_SHIFT: u8 = 2;
-/// The highest debt a way may have: how far it may stray from the cells' centres, in the same units.
-const MAX_DEBT: u16 = 40;
-/// A cell's width in the units debts are counted in.
+/// The largest debt of a way, that is how far it may stray from the centres of its cells, in the units of [`CELL`]. At
+/// most 126, since half of it is stored in six bits. Measured: row `support.clearance.MAX_DEBT` of `cargo xtask bench constants`.
+static MAX_DEBT: Tuned<u16> = Tuned::new("support.clearance.MAX_DEBT", 40);
+/// A cell's width in the units debts are counted in. Source: derived. The diagonal is then 90.5 units, which 91 meets to
+/// half a percent, and debts of two cells fit the six bits that are left of a byte.
 const CELL: u16 = 64;
 /// A cell that cannot be passed.
 const BLOCKED: u8 = u8::MAX;
@@ -58,9 +69,9 @@ impl Clearance {
         let height = layers.last().map_or(0.0, grainpath_core::Layer::z_top_mm);
         let size = bounds.size();
         let mean = height / layers.len().max(1) as f64;
-        let per_slab = (SLAB_MM / mean.max(1e-9)).round().max(1.0) as usize;
+        let per_slab = (SLAB_MM.value() / mean.max(1e-9)).round().max(1.0) as usize;
         let n_slabs = layers.len().div_ceil(per_slab);
-        let cell_mm = CELL_MM.max((size.x * size.y * n_slabs as f64 / MAX_CELLS).sqrt());
+        let cell_mm = CELL_MM.value().max((size.x * size.y * n_slabs as f64 / MAX_CELLS).sqrt());
         let grid = Grid::over(bounds, cell_mm);
         let [nx, ny] = grid.size();
         let slabs: Vec<&[grainpath_core::Layer]> = layers.chunks(per_slab).collect();
@@ -125,7 +136,7 @@ impl Clearance {
                         }
                     }
                     let debt = debt.saturating_sub(credit);
-                    if debt <= MAX_DEBT {
+                    if debt <= MAX_DEBT.value() {
                         debts[x] = debt as u8;
                         ways[x] = TO_PLATE
                             | if straight[x] { STRAIGHT_DOWN } else { 0 }
@@ -258,7 +269,7 @@ impl Clearance {
     }
 }
 
-/// Steps to the cells around, and what they cost.
+/// Steps to the cells around, and what they cost. Source: derived, see [`CELL`]: 91 is the diagonal of 64.
 const NEIGHBOURS: [(isize, isize, u16); 9] = [
     (0, 0, 0),
     (1, 0, CELL),
@@ -278,6 +289,7 @@ fn bed_holds(bed: Bounds2, p: DVec2) -> bool {
 /// Exact distance of each cell's centre from the nearest set cell's centre (lower envelope of parabolas, rows after
 /// columns), in steps.
 fn distances(mask: &Mask, nx: usize, ny: usize, cell_mm: f64, out: &mut [u8]) {
+    // Source: derived. More than the square of any number of cells, and exact as a float.
     const FAR: f32 = 1e9;
     let mut columns = vec![FAR; nx * ny];
     for y in 0..ny {

@@ -1,27 +1,38 @@
-//! The support's surface by Poisson reconstruction, as the paper makes it: points on the sections with their normals,
-//! a function whose gradient fits them best, its level at the points.
+//! The surface of the support by Poisson reconstruction, as published (`Shen2016`), for comparison with the signed
+//! distance.
 //!
-//! A uniform grid and multigrid; every value depends on its neighbours in the round before, so that the number of
-//! threads does not show. Slower than the signed distance and blurs tips thinner than two cells: for comparison.
+//! Points with outward normals are sampled on the walls and the steps of all layers. A function is found whose gradient
+//! fits the normals best, and the surface is its level at the points. The function lives on a uniform grid and is solved
+//! by multigrid. Smoothing is of the Jacobi kind: every new value depends on old values alone, so the number of threads
+//! does not change the result.
+//!
+//! Lengths are in mm. Cost: linear in the cells, at most 12 million. It is slower than the signed distance of
+//! [`solid`](super::solid), and it rounds off tips thinner than two cells.
 
 use grainpath_core::diagnostics::Interrupted;
+use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Region, TriMesh};
 use rayon::prelude::*;
 
 use super::cut::SupportLayer;
 use super::solid::{Mesher, Plane, PlaneGrid};
 
-/// Cells at most.
+/// Largest number of cells; more of them become larger. Source: derived. Four arrays of four bytes, and a seventh more for
+/// the coarser grids, make 220 MB.
 const MAX_CELLS: f64 = 1.2e7;
-/// Empty cells around the support, so that the function can fade.
-const MARGIN: usize = 6;
-/// Coarser grids need their sizes to be multiples of this.
+/// Empty cells around the support, so that the function can fade. Measured: row `support.poisson.MARGIN` of `cargo xtask
+/// bench constants`.
+static MARGIN: Tuned<usize> = Tuned::new("support.poisson.MARGIN", 6);
+/// Sizes of the grid are multiples of this. Source: derived. Each coarser grid halves them, so 8 leaves three.
 const MULTIPLE: usize = 8;
-/// Rounds of smoothing before and after each coarser grid.
-const SWEEPS: usize = 3;
-/// V-cycles at most, and the residual at which they end.
-const CYCLES: usize = 25;
-const RESIDUAL: f64 = 2e-3;
+/// Rounds of smoothing before and after each coarser grid. Measured: row `support.poisson.SWEEPS` of `cargo xtask bench
+/// constants`.
+static SWEEPS: Tuned<usize> = Tuned::new("support.poisson.SWEEPS", 3);
+/// Largest number of V-cycles. Measured: row `support.poisson.CYCLES` of `cargo xtask bench constants`.
+static CYCLES: Tuned<usize> = Tuned::new("support.poisson.CYCLES", 25);
+/// V-cycles end at this residual, as a share of the largest entry of the right side. Measured: row
+/// `support.poisson.RESIDUAL` of `cargo xtask bench constants`.
+static RESIDUAL: Tuned<f64> = Tuned::new("support.poisson.RESIDUAL", 2e-3);
 
 /// The surface of support layers on cells of about `cell_mm`, or larger ones where there would be too many.
 ///
@@ -41,9 +52,9 @@ pub fn poisson(
     let height = stack.layers()[last].z_top_mm();
     let size = bounds.size();
     let cell_mm = cell_mm.max((size.x * size.y * height / MAX_CELLS).cbrt());
-    let count = |mm: f64| ((mm / cell_mm).ceil() as usize + 2 * MARGIN).next_multiple_of(MULTIPLE);
+    let count = |mm: f64| ((mm / cell_mm).ceil() as usize + 2 * MARGIN.value()).next_multiple_of(MULTIPLE);
     let n = [count(size.x), count(size.y), count(height)];
-    let low = (bounds.min - MARGIN as f64 * cell_mm).extend(-(MARGIN as f64) * cell_mm);
+    let low = (bounds.min - MARGIN.value() as f64 * cell_mm).extend(-(MARGIN.value() as f64) * cell_mm);
     let grid = Grid { n, low, cell_mm };
     let points = points(&regions, stack, last, &grid);
     diagnostics.check()?;
@@ -51,11 +62,11 @@ pub fn poisson(
     points.iter().for_each(|p| grid.spread(p, &mut right));
     let mut value = vec![0f32; grid.len()];
     let scale = right.iter().fold(0.0, |m: f64, &v| m.max(f64::from(v.abs()))).max(1e-30);
-    for _ in 0..CYCLES {
+    for _ in 0..CYCLES.value() {
         diagnostics.check()?;
         cycle(&mut value, &right, n);
         let worst = residual(&value, &right, n).into_iter().fold(0.0, |m: f64, r| m.max(f64::from(r.abs())));
-        if worst < RESIDUAL * scale {
+        if worst < RESIDUAL.value() * scale {
             break;
         }
     }
@@ -221,6 +232,8 @@ fn each(value: &[f32], right: &[f32], n: [usize; 3], f: impl Fn(f32, f32, f32) -
 }
 
 fn smooth(value: &mut Vec<f32>, right: &[f32], n: [usize; 3]) {
+    // Source: derived. What a coarser grid cannot show has eigenvalues of the scaled operator between 1/3 and 2, and
+    // steps of 2 / (1/3 + 2) damp both ends of that range equally.
     const DAMPING: f32 = 6.0 / 7.0;
     *value = each(value, right, n, |v, around, r| v + DAMPING * ((around + r) / 6.0 - v));
 }
@@ -236,7 +249,7 @@ fn cycle(value: &mut Vec<f32>, right: &[f32], n: [usize; 3]) {
         (0..40).for_each(|_| smooth(value, right, n));
         return;
     }
-    (0..SWEEPS).for_each(|_| smooth(value, right, n));
+    (0..SWEEPS.value()).for_each(|_| smooth(value, right, n));
     let left = residual(value, right, n);
     let mut down = vec![0f32; coarse[0] * coarse[1] * coarse[2]];
     down.par_chunks_mut(coarse[0] * coarse[1]).enumerate().for_each(|(z, plane)| {
@@ -261,7 +274,7 @@ fn cycle(value: &mut Vec<f32>, right: &[f32], n: [usize; 3]) {
             }
         }
     });
-    (0..SWEEPS).for_each(|_| smooth(value, right, n));
+    (0..SWEEPS.value()).for_each(|_| smooth(value, right, n));
 }
 
 /// A coarse grid's value at a fine cell: three quarters of the cell it lies in, one quarter of the next, each way.

@@ -1,14 +1,18 @@
 //! The support as one closed surface.
 //!
-//! The layers, not the branches, are what is made solid: they have been cut to keep off the part. Each gives a
-//! signed distance in its plane; between planes it is interpolated, in creases it is blended, and its zero is the
-//! surface. Every cube of the grid is divided into six tetrahedra, where the zero of a linear function is a plane:
-//! so the surface is closed and every edge has two faces, whatever the layers look like.
+//! The surface is made from the layers and not from the branches, because the layers have been cut to keep clear of the
+//! part. Each layer gives a signed distance in its plane, which is interpolated between planes and blended in creases.
+//! The surface is its zero level. Every cube of the grid is divided into six tetrahedra; in a tetrahedron the function is
+//! linear and its zero level a plane. So the surface is closed and each of its edges has two faces, whatever the layers
+//! look like.
+//!
+//! Lengths are in mm. Cost: linear in the cells near the surface. Tips thinner than a cell may be lost.
 
 use std::collections::HashMap;
 
 use grainpath_core::diagnostics::Interrupted;
 use grainpath_core::segment;
+use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, DVec3, Diagnostics, LayerStack, Region, TriMesh};
 use rayon::prelude::*;
 
@@ -19,7 +23,7 @@ use super::cut::SupportLayer;
 pub struct SolidSettings {
     /// Width of a grid cell, mm; made wider where the surface would have more triangles than asked for.
     pub cell_mm: f64,
-    /// About how many triangles there may be.
+    /// The approximate largest number of triangles.
     pub max_triangles: usize,
 }
 
@@ -29,12 +33,14 @@ impl Default for SolidSettings {
     }
 }
 
-/// Triangles per cell's face of surface, on average.
-const TRIANGLES_PER_FACE: f64 = 5.0;
-/// Planes worked on at once.
-const BATCH: usize = 16;
-/// Crossings keep this share of an edge's length from its ends, so that no triangle is without area.
-const EDGE_SHARE: f64 = 0.04;
+/// Triangles for each square of a cell's side that the surface covers. Measured: 6.3 for the support of the specimen
+/// `hanging-ball` and 7.4 for that of `dental-tray`, with cells of 0.25 mm.
+const TRIANGLES_PER_FACE: f64 = 7.4;
+/// Planes worked on at once. Measured: row `support.solid.BATCH` of `cargo xtask bench constants`.
+static BATCH: Tuned<usize> = Tuned::new("support.solid.BATCH", 16);
+/// Crossings keep this share of an edge's length from its ends, so that no triangle is without area. Measured: row
+/// `support.solid.EDGE_SHARE` of `cargo xtask bench constants`.
+static EDGE_SHARE: Tuned<f64> = Tuned::new("support.solid.EDGE_SHARE", 0.04);
 
 /// The closed surface of support layers; empty when there are none.
 ///
@@ -60,7 +66,7 @@ pub fn solid(
     let grid = PlaneGrid::over(bounds, settings.cell_mm.max(affordable));
     let mut mesher = Mesher::new(grid);
     let mut below: Option<Plane> = None;
-    for batch in planes.chunks(BATCH) {
+    for batch in planes.chunks(BATCH.value()) {
         diagnostics.check()?;
         let fields: Vec<Plane> =
             batch.par_iter().map(|&(z, k)| grid.plane(z, k.map(|k| regions[k]))).collect();
@@ -74,7 +80,8 @@ pub fn solid(
     Ok(mesher.mesh)
 }
 
-/// The heights at which the field is taken, and the layer each shows; an empty one closes the surface at each end.
+/// The heights of the grid's planes and the layer that each takes its distances from. A plane without a layer at either
+/// end closes the surface.
 fn planes(stack: &LayerStack, layers: &[SupportLayer], step_mm: f64) -> Vec<(f64, Option<usize>)> {
     let middle = |k: usize| stack.layers()[k].z_top_mm() - 0.5 * stack.layers()[k].height_mm();
     let last = layers.iter().rposition(|l| !l.region.is_empty()).unwrap_or(0);
@@ -100,11 +107,11 @@ pub(super) struct PlaneGrid {
     ny: usize,
 }
 
-/// The field in one plane.
+/// The signed distance in one plane.
 pub(super) struct Plane {
     z: f64,
     values: Vec<f32>,
-    /// Rows with anything inside, and where in them: first and last column.
+    /// The first and the last column of each row that hold anything of the support.
     spans: Vec<Option<(u32, u32)>>,
 }
 
@@ -183,7 +190,7 @@ impl PlaneGrid {
         Plane { z, values, spans }
     }
 
-    /// Fills creases: a value goes down to the mean around it, never up.
+    /// Blends creases: each value is lowered to the mean of its neighbours where that is less, and never raised.
     fn blend(&self, values: &mut [f32], spans: &[Option<(u32, u32)>]) {
         for _ in 0..2 {
             let old = values.to_vec();
@@ -202,7 +209,8 @@ impl PlaneGrid {
     }
 }
 
-/// The tetrahedra of a cube: ways from corner 0 to corner 7 along its edges.
+/// The tetrahedra of a cube: ways from corner 0 to corner 7 along its edges. Source: derived. The three edges of a way
+/// can be walked in six orders, and the six tetrahedra share faces with those of the next cube.
 const TETRAHEDRA: [[usize; 4]; 6] =
     [[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 4, 6, 7]];
 
@@ -211,7 +219,7 @@ fn corner(c: usize) -> [usize; 3] {
     [c & 1, c >> 1 & 1, c >> 2 & 1]
 }
 
-/// Makes the surface between one plane and the next.
+/// Builds the surface plane by plane.
 pub(super) struct Mesher {
     grid: PlaneGrid,
     pub(super) mesh: TriMesh,
@@ -220,7 +228,7 @@ pub(super) struct Mesher {
     on_edges: HashMap<u64, u32>,
 }
 
-/// A corner of a tetrahedron: its name in the two planes, place and value.
+/// A corner of a tetrahedron: its number within the two planes, its position and its value.
 #[derive(Clone, Copy)]
 struct Corner {
     name: u64,
@@ -307,7 +315,7 @@ impl Mesher {
         let key = a.name << 32 | b.name;
         let mesh = &mut self.mesh;
         *self.on_edges.entry(key).or_insert_with(|| {
-            let t = (a.value / (a.value - b.value)).clamp(EDGE_SHARE, 1.0 - EDGE_SHARE);
+            let t = (a.value / (a.value - b.value)).clamp(EDGE_SHARE.value(), 1.0 - EDGE_SHARE.value());
             mesh.vertices.push(a.at.lerp(b.at, t));
             mesh.vertices.len() as u32 - 1
         })

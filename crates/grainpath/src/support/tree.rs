@@ -1,13 +1,24 @@
-//! Trees: from the contacts down, two branches meet where their cones first do; what is left stands on the plate, or
-//! on the part where the plate cannot be reached.
+//! Grows support trees downwards from the contacts, after `Shen2016`.
 //!
-//! Every node leans at most by the branch angle from the one it stands on. The highest node is always next, so a node
-//! knows all that it will carry when its turn comes, and nothing is ever taken back.
+//! A branch may lean by the branch angle at most, so everything it can reach lies in a cone below its upper end. Two
+//! branches meet at the highest point that lies in both cones ([`cones_meet`]), which is where their length is least.
+//! The steps:
+//!
+//! 1. Every contact gets a short tip that leaves the part along the surface normal.
+//! 2. The highest node is taken. Among its neighbours it joins the one that saves most branch length.
+//! 3. A node without such a neighbour goes straight down, or round the part where the part is in the way. It ends on
+//!    the plate, or on the part where the plate cannot be reached.
+//! 4. Trunks that are too slender are braced to a neighbour.
+//!
+//! Nodes are taken in order of height, so all that a node carries is known when its turn comes, and no choice is ever
+//! undone. Lengths are in mm, angles in radians. Cost: about n log n for n contacts. Contacts with neither a way to the
+//! plate nor a place on the part below them are reported and left without support.
 
 use std::collections::BinaryHeap;
 
 use grainpath_core::buckets::PointGrid2;
 use grainpath_core::math::{direction, pow, sin, tan};
+use grainpath_core::tuned::Tuned;
 use grainpath_core::{Bounds2, DVec2, DVec3};
 
 use super::SupportSettings;
@@ -21,13 +32,13 @@ pub enum Kind {
     Contact(u32),
     /// The lower end of the short piece that leaves the part along its normal.
     Tip,
-    /// Two branches meet.
+    /// The point where two branches meet.
     Join,
-    /// A branch goes round the part.
+    /// A corner of a branch that goes round the part.
     Bend,
-    /// On the plate.
+    /// The lower end of a trunk, on the plate.
     Foot,
-    /// On the part.
+    /// The lower end of a trunk, on the part.
     Landing,
 }
 
@@ -64,7 +75,7 @@ pub struct Brace {
 /// All trees of a part.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Forest {
-    /// Every node; what one stands on has a higher index.
+    /// Every node; the node below it has a higher index.
     pub nodes: Vec<Node>,
     /// Struts between trunks.
     pub braces: Vec<Brace>,
@@ -78,7 +89,7 @@ impl Forest {
         self.nodes.iter().filter(|n| n.below.is_none() && n.carries > 0).count()
     }
 
-    /// The pieces of branch: upper and lower node.
+    /// The upper and the lower node of every piece of a branch.
     pub fn branches(&self) -> impl Iterator<Item = (&Node, &Node)> {
         self.nodes.iter().filter_map(|n| n.below.map(|b| (n, &self.nodes[b as usize])))
     }
@@ -130,18 +141,18 @@ pub fn grow(contacts: &[Contact], clearance: &Clearance, settings: &SupportSetti
     grower.forest
 }
 
-/// What is to become of a node.
+/// How far a node has been processed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
     /// Waiting for its turn; whether the plate can be reached from it.
     Waiting { plate: bool },
     /// Nothing below but the plate: a trunk that others may still join.
     Trunk,
-    /// Stands on another.
+    /// The node below it is known.
     Done,
 }
 
-/// A grid for nodes seen from above: about one node a cell, of 2 to 20 mm.
+/// A grid in plan that finds nodes near a point. Its cells are 2 to 20 mm wide, so that each holds about one node.
 fn grid_from_above(bounds: Bounds2, n: usize) -> PointGrid2<u32> {
     let bounds = bounds.grown(10.0);
     let size = bounds.size();
@@ -170,17 +181,18 @@ impl PartialOrd for Turn {
     }
 }
 
-/// A possible meeting.
+/// A joint that is possible, and the length of branch that it saves.
 struct Meeting {
     gain_mm: f64,
     with: u32,
     at: DVec3,
 }
 
-/// Candidates tried at most before a node goes on alone.
-const TRIES: usize = 24;
-/// What a foot costs, as a length of branch, mm.
-const FOOT_MM: f64 = 8.0;
+/// Candidates tried at most before a node goes on alone. Measured: row `support.tree.TRIES` of `cargo xtask bench
+/// constants`.
+static TRIES: Tuned<usize> = Tuned::new("support.tree.TRIES", 24);
+/// What a foot costs, as a length of branch, mm. Measured: row `support.tree.FOOT_MM` of `cargo xtask bench constants`.
+static FOOT_MM: Tuned<f64> = Tuned::new("support.tree.FOOT_MM", 8.0);
 /// The shortest piece of trunk left below a joint, mm.
 const STUMP_MM: f64 = 1.0;
 
@@ -297,7 +309,7 @@ impl Grower<'_> {
     fn meet(&mut self, name: u32, plate: bool) -> bool {
         let mut meetings = self.meetings(name, plate);
         meetings.sort_by(|a, b| b.gain_mm.total_cmp(&a.gain_mm).then(a.with.cmp(&b.with)));
-        for m in meetings.iter().take(TRIES) {
+        for m in meetings.iter().take(TRIES.value()) {
             if self.can_meet(name, m, plate) {
                 self.join(name, m, plate);
                 return true;
@@ -319,8 +331,8 @@ impl Grower<'_> {
         let mut best = f64::NEG_INFINITY;
         for ring in 0..self.index.cells().n_rings() {
             let nearest = self.index.cells().ring_distance_mm(ring);
-            let bound = alone + FOOT_MM - cost * nearest;
-            if bound < 0.0 || nearest > self.s.max_reach_mm || (out.len() >= TRIES && bound < best) {
+            let bound = alone + FOOT_MM.value() - cost * nearest;
+            if bound < 0.0 || nearest > self.s.max_reach_mm || (out.len() >= TRIES.value() && bound < best) {
                 break;
             }
             for (_, other) in self.index.ring(p.truncate(), ring) {
@@ -345,7 +357,7 @@ impl Grower<'_> {
                 }
                 let d = (p - q).truncate().length();
                 let at = q.with_z((p.z - d / self.slope).min(q.z));
-                (at, alone - p.distance(at) + FOOT_MM)
+                (at, alone - p.distance(at) + FOOT_MM.value())
             }
             State::Waiting { plate: to_plate } => {
                 if to_plate != plate {
@@ -355,7 +367,7 @@ impl Grower<'_> {
                 let other_alone = q.z - self.floor(q, plate);
                 let floor = self.floor(at, plate);
                 let together = p.distance(at) + q.distance(at) + (at.z - floor);
-                (at, alone + other_alone - together + FOOT_MM)
+                (at, alone + other_alone - together + FOOT_MM.value())
             }
         };
         let low = self.floor(at, plate) + STUMP_MM.max(if plate { self.s.base_height_mm } else { 0.0 });

@@ -482,9 +482,12 @@ pub(super) fn joined(
     out
 }
 
-/// How far a vertex may lie off the line without it and stay dropped, mm. Half a step of most printers' motors.
+/// How far a vertex may lie off the line without it and stay dropped, mm. Source: derived. A motor of 200 steps, divided
+/// by 16, on a belt of 40 mm a turn moves by 0.0125 mm, and a printer cannot show half of that.
 const SIMPLIFY_MM: f64 = 0.005;
-/// How much the width at a dropped vertex may differ from the width between its neighbours, mm.
+/// How much the width at a dropped vertex may differ from the width between its neighbours, mm. Source: derived. Around
+/// the vertex the volume of a bead of 0.4 mm changes by 1.2 % on average; a filament of 1.75 mm that is 0.02 mm too thick
+/// changes it by 2.3 %.
 const SIMPLIFY_WIDTH_MM: f64 = 0.01;
 
 /// Drops the vertices that matter neither for the line nor for its width.
