@@ -12,8 +12,8 @@ use std::time::Duration;
 
 use crate::{Failure, interrupt};
 
-/// Size limit of a file that is read whole. Chosen: a third of a machine with 24 GiB, since a mesh takes
-/// about twice its file. A larger limit risks that the system ends the process without a message.
+/// Size limit of a file that is read whole. Source: derived. A mesh takes about twice its file besides it, which
+/// fills a machine with 24 GiB. A larger limit risks that the system ends the process without a message.
 const MAX_BYTES: u64 = 8 << 30;
 /// Size limit of a pipe or a device, whose size is not known beforehand. `/dev/zero` has no end, and
 /// without a limit would fill the memory.

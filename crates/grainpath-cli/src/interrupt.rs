@@ -19,10 +19,10 @@ use tempfile::NamedTempFile;
 
 use crate::Failure;
 
-/// The time that a run gets to end by itself. Derived: a run is to end 0.2 s after the signal, and the system needs up
+/// The time that a run gets to end by itself. Source: derived. A run is to end 0.2 s after the signal, and the system needs up
 /// to 0.1 s to take back the memory of a large one.
 const GRACE: Duration = Duration::from_millis(60);
-/// The exit code of an interrupted run, 128 and the number of SIGINT.
+/// The exit code of an interrupted run. Source: shells add 128 to the number of the signal, and SIGINT is 2.
 pub const EXIT_CODE: i32 = 130;
 
 /// Whether a signal has arrived.

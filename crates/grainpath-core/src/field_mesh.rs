@@ -13,7 +13,8 @@ use crate::{DVec2, Region};
 
 /// No node here.
 const NONE: u32 = u32::MAX;
-/// Number of nodes above which the grid becomes coarser.
+/// Number of nodes above which the grid becomes coarser. Source: derived. A node, its three edges and two triangles take
+/// about 105 bytes, and the matrix and the vectors of a solution 65 more: 70 MB.
 const MAX_NODES: f64 = 400_000.0;
 
 /// Two nodes that share a side.

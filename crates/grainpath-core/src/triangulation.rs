@@ -48,7 +48,8 @@ pub enum TriangulationError {
     TooMany(usize),
 }
 
-/// Largest number of points; a triangulation with more needs longer sides.
+/// Largest number of points; a triangulation with more needs longer sides. Source: derived. For each point
+/// `spade` keeps a vertex, six half edges of four 32-bit numbers and two faces, about 140 bytes: 420 MB.
 const MAX_POINTS: usize = 3_000_000;
 /// Smallest angle of a triangle, degrees, except at the region's own corners. Source: refinement is
 /// proved to end for angles up to 20.7 degrees (`ruppert1995`) and ends in practice up to about 33

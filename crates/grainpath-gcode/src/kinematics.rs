@@ -116,8 +116,8 @@ pub struct TimeEstimator {
     done_s: f64,
 }
 
-/// Moves that are planned together. When that many are waiting, the older half is final. Marlin looks
-/// ahead by 16 moves; with more moves the estimate changes only where a ramp spans all of them.
+/// Moves that are planned together. When that many are waiting, the older half is final. Source: Marlin looks
+/// ahead by 16 moves (`marlin-docs`, BLOCK_BUFFER_SIZE); with more moves the estimate changes only where a ramp spans all of them.
 const LOOK_AHEAD: usize = 256;
 
 impl TimeEstimator {

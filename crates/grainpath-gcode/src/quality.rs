@@ -38,7 +38,7 @@ pub struct Quality {
     pub layers: usize,
 }
 
-/// Direction of the scan lines, rad (31.7 degrees). No common raster angle is near: lines along beads
+/// Direction of the scan lines, rad (31.7 degrees). Source: derived. No common raster angle is near: lines along beads
 /// would see all of a gap or nothing of it.
 const ASLANT_RAD: f64 = 0.5533;
 /// Approximate number of crossings that are computed in a layer. The error of the area falls with the

@@ -397,7 +397,8 @@ impl Machine {
     }
 }
 
-/// Chords into which the beads of an arc are divided, mm. A circle of 5 mm radius is off by 0.25 um.
+/// Chords into which the beads of an arc are divided, mm. Source: derived. A chord c is off its circle
+/// of radius r by c^2 / (8 r): 0.25 um for 5 mm, a quarter of what G-code rounds.
 const ARC_CHORD_MM: f64 = 0.1;
 
 /// An arc of G2 or G3.

@@ -99,7 +99,7 @@ fn gradient(grey: &Grey, x: usize, y: usize) -> [f32; 2] {
     [gx / 8.0, gy / 8.0]
 }
 
-/// Gradients below this count as zero, brightness per pixel. It is above the rounding of `f32` near 1
+/// Gradients below this count as zero, brightness per pixel. Source: derived. It is above the rounding of `f32` near 1
 /// (6e-8) and far below the lowest threshold (4e-4).
 const FLAT: f32 = 1e-5;
 

@@ -27,7 +27,7 @@ pub struct Raster {
     pub ny: usize,
 }
 
-/// Limit on pixels; larger grids are made coarser. A grid takes 8 bytes for each pixel, 32 MB at the
+/// Limit on pixels; larger grids are made coarser. Source: derived. A grid takes 8 bytes for each pixel, 32 MB at the
 /// limit.
 const MAX_PIXELS: f64 = 4e6;
 

@@ -133,12 +133,12 @@ pub(crate) struct Evidence {
     pub(crate) weight: Vec<f32>,
 }
 
-/// Contrast below which pixels count as blank, as a share of white. It is half a step of an 8-bit image;
+/// Contrast below which pixels count as blank, as a share of white. Source: derived. It is half a step of an 8-bit image;
 /// a larger value loses faint grain, a smaller one reads quantisation as grain.
 pub(crate) const FAINT: f32 = 2e-3;
 
 /// Standard deviation in pixels from which a Gaussian leaves nothing that an image of half the size would
-/// not show. At 2.4 px its gain at the Nyquist frequency of the smaller image is below 0.1 %.
+/// not show. Source: derived. At 2.4 px its gain at the Nyquist frequency of the smaller image is below 0.1 %.
 const HALVED_FROM_PX: f64 = 2.4;
 
 /// The axes of the grain in a picture, with a node about every third of the integration scale.
@@ -456,7 +456,7 @@ fn add_segment(grid: &AxisGrid, a: DVec2, b: DVec2, weight: f32, sums: &mut [[f3
     }
 }
 
-/// Weight of borders. Against evidence of at most 1 it makes axes follow the border whatever the picture
+/// Weight of borders. Source: derived. Against evidence of at most 1 it makes axes follow the border whatever the picture
 /// shows there.
 const BORDER_WEIGHT: f32 = 200.0;
 

@@ -11,7 +11,7 @@ pub struct BadCoordinate {
     pub value: f64,
 }
 
-/// Coordinates beyond this are damage in any unit. A part 1 km long has coordinates of 1e9 in micrometres, the smallest
+/// Coordinates beyond this are damage in any unit. Source: derived. A part 1 km long has coordinates of 1e9 in micrometres, the smallest
 /// unit that files use.
 const MAX_COORDINATE: f64 = 1e9;
 

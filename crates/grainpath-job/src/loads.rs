@@ -79,7 +79,7 @@ pub struct Case {
     pub loads: Vec<Load>,
 }
 
-/// Largest number that is accepted. Larger ones are typing errors. Below it, squares and their sums stay
+/// Largest number that is accepted. Source: derived. Larger ones are typing errors. Below it, squares and their sums stay
 /// far from overflow.
 const MAX_NUMBER: f64 = 1e12;
 

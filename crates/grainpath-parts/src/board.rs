@@ -51,7 +51,7 @@ impl Default for Board {
     }
 }
 
-/// Step of the central differences for slopes, mm: far below the spacing of growth lines, and far
+/// Step of the central differences for slopes, mm. Source: derived. It is far below the spacing of growth lines, and far
 /// above the rounding of coordinates in mm.
 const STEP_MM: f64 = 1e-3;
 

@@ -103,7 +103,7 @@ fn leaning_branches(rows: &[&[u32]], length_mm: f64) -> TriMesh {
 
 /// A round bar from `a` to `b`.
 fn tube(mesh: &mut TriMesh, a: DVec3, b: DVec3) {
-    // A polygon of 24 sides departs from the circle by 0.9 per cent of the radius, 0.013 mm here: a small
+    // Source: derived. A polygon of 24 sides departs from the circle by 0.9 per cent of the radius, 0.013 mm here: a small
     // part of a layer's height.
     const SIDES: u32 = 24;
     let along = (b - a).normalize_or(DVec3::Z);
@@ -224,7 +224,7 @@ pub fn dental_tray() -> TriMesh {
     // A channel, open above, swept along a parabola. The section is listed counter-clockwise.
     let section: [(f64, f64); 8] =
         [(-6.0, 0.0), (6.0, 0.0), (6.0, 9.0), (4.2, 9.0), (4.2, 1.8), (-4.2, 1.8), (-4.2, 9.0), (-6.0, 9.0)];
-    // Sixty-four steps over an arch of about 90 mm: the chord error at the apex is 0.01 mm.
+    // Source: derived. Sixty-four steps over an arch of about 90 mm: the chord error at the apex is 0.01 mm.
     const STEPS: u32 = 64;
     let arch = |t: f64| DVec2::new(26.0 * t, 34.0 * (1.0 - t * t));
     let (s, c) = sin_cos(30f64.to_radians());

@@ -18,7 +18,7 @@ use crate::buckets::{Buckets, CellGrid};
 use crate::segment::{Meeting, meeting};
 
 /// Pairs of edges tested for each crossing allowed: bounds the work where many edges share cells without crossing.
-/// Derived: two edges of random direction through one cell cross in it with a probability of about 0.2 to 0.5; so many
+/// Source: derived. Two edges of random direction through one cell cross in it with a probability of about 0.2 to 0.5; so many
 /// pairs without that many crossings are at least ten times rarer than in any tangle.
 const PAIRS_PER_CROSSING: usize = 50;
 /// Cells in a direction at most: bounds memory for contours of many edges.

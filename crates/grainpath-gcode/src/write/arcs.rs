@@ -33,7 +33,7 @@ const MIN_POINTS: usize = 5;
 // Radii of arcs, mm. A smaller arc has too few chords to be replaced. A larger one has its centre far
 // outside the bed, where firmware in single precision loses accuracy.
 const RADIUS_MM: std::ops::RangeInclusive<f64> = 0.3..=1000.0;
-/// Largest sweep of an arc, rad (315 degrees). Firmware confuses an almost complete circle with an almost
+/// Largest sweep of an arc, rad (315 degrees). Source: derived. Firmware confuses an almost complete circle with an almost
 /// empty arc through rounding.
 const MAX_SWEEP: f64 = 5.5;
 

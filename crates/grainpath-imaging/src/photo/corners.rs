@@ -117,7 +117,7 @@ fn foreground(grey: &Grey) -> Option<Vec<bool>> {
 
 /// Otsu's threshold of values from 0 to 1.
 fn otsu(values: &[f32]) -> f32 {
-    // A byte's worth of bins: photographs have 8 bits, and a finer split would only follow noise.
+    // A byte's worth of bins. Source: derived. Photographs have 8 bits, and a finer split would only follow noise.
     const BINS: usize = 256;
     let mut counts = [0u64; BINS];
     values.iter().for_each(|v| counts[((v * BINS as f32) as usize).min(BINS - 1)] += 1);
@@ -228,7 +228,7 @@ fn meet(a: DVec2, b: DVec2, c: DVec2, d: DVec2) -> Option<DVec2> {
 /// Moves each side to where brightness changes fastest across it and returns the points where the sides
 /// then meet.
 pub(super) fn refined(photo: &Grey, corners: [DVec2; 4], reach: f64) -> [DVec2; 4] {
-    // Points along a side. The line is fitted through all of them, so its error falls with their square
+    // Points along a side. Source: derived. The line is fitted through all of them, so its error falls with their square
     // root; 60 leave enough where a third is hidden.
     const SAMPLES: usize = 60;
     let side = |k: usize| -> (DVec2, DVec2) {

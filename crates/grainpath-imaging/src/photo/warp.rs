@@ -101,7 +101,7 @@ pub enum CornerError {
     TooSmall { area_px: f64, least_px: f64 },
 }
 
-/// Smallest area inside the corners, px2: 32 x 32 pixels. Grain a few pixels wide needs several periods
+/// Smallest area inside the corners, px2: 32 x 32 pixels. Source: derived. Grain a few pixels wide needs several periods
 /// to have a direction.
 const LEAST_AREA_PX: f64 = 1024.0;
 

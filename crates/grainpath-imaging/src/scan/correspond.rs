@@ -31,7 +31,7 @@ impl Pairing {
     }
 }
 
-/// Limit on the points of a contour that are matched. The table of steps takes the product of both
+/// Limit on the points of a contour that are matched. Source: derived. The table of steps takes the product of both
 /// numbers, 0.5 MB at the limit. Longer contours are thinned, so their details below perimeter / 700 are
 /// lost.
 const MAX_POINTS: f64 = 700.0;

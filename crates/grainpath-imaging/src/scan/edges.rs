@@ -38,7 +38,7 @@ pub(super) const REACH_PX: f64 = 1.5;
 /// Half width, in points, of the window that interpolates the shift of contour points without an edge.
 /// Points farther from an edge than this stay on the iso-contour.
 const BRIDGED: usize = 5;
-/// Pixels added around the picture, so that a part that extends beyond it has an edge there. The Gaussian
+/// Pixels added around the picture, so that a part that extends beyond it has an edge there. Source: derived. The Gaussian
 /// and the gradients need two of them.
 const MARGIN: usize = 4;
 

@@ -218,10 +218,10 @@ pub struct CtStack {
 }
 
 /// A pixel is plainly material or plainly air where it lies beyond the threshold by this share of the
-/// step between both. Derived: at a threshold halfway, noise of 10 % of the step must be off by six
+/// step between both. Source: derived. At a threshold halfway, noise of 10 % of the step must be off by six
 /// standard deviations to get there.
 const CLEAR: f64 = 0.1;
-/// Limit on the layers. At 0.05 mm it is a part 10 m high.
+/// Limit on the layers. Source: derived. At 0.05 mm it is a part 10 m high.
 const MAX_LAYERS: f64 = 200_000.0;
 /// Cuts a scan into layers at the printer's heights. Holds a few slices at a time.
 ///

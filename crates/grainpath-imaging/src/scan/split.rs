@@ -13,7 +13,7 @@ use grainpath_core::{DVec2, Polygon, Region};
 
 use super::correspond::{Features, feature_points};
 
-/// Width of a cut, mm: four steps of the grid of 1e-4 mm to which boolean operations round. A narrower
+/// Width of a cut, mm. Source: derived. Four steps of the grid of 1e-4 mm to which boolean operations round: a narrower
 /// cut may vanish, a wider one removes material.
 const CUT_MM: f64 = 4e-4;
 

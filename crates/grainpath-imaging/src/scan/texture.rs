@@ -139,7 +139,7 @@ pub struct Texture {
     pub shown: Vec<ShownSlice>,
 }
 
-/// Limit on the nodes. A node takes about 150 bytes while all of them are computed, 300 MB at the limit.
+/// Limit on the nodes. Source: derived. A node takes about 150 bytes while all of them are computed, 300 MB at the limit.
 const MAX_NODES: usize = 2_000_000;
 /// Standard deviation of the Gaussian before gradients are taken, pixels. One pixel suppresses noise
 /// between neighbouring voxels and keeps fibres two voxels wide; a larger value loses thin fibres.

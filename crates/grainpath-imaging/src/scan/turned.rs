@@ -217,9 +217,9 @@ impl<S: SliceSource> Turned<S> {
     }
 }
 
-/// Limit on the pixels of a rotated slice, as for stored slices.
+/// Limit on the pixels of a rotated slice. Source: derived. 256 MiB as `f32`, as for stored slices.
 const MAX_PIXELS: f64 = (1u64 << 26) as f64;
-/// Rounding accepted at the faces of the stored stack, in voxels. With 0 a voxel on a face could be taken
+/// Rounding accepted at the faces of the stored stack, in voxels. Source: derived. With 0 a voxel on a face could be taken
 /// for one outside; positions of 1e5 voxels round by 1e-11.
 const EDGE: f64 = 1e-9;
 

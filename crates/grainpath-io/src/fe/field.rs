@@ -16,7 +16,8 @@ use super::model::Element;
 use super::result::FeResult;
 use super::result::free_faces;
 
-/// Tolerance of the inside test, in natural coordinates (which run over 1 or 2). A larger value lets
+/// Tolerance of the inside test, in natural coordinates (which run over 1 or 2). Source: derived. Newton's iteration ends
+/// with errors of 1e-12 or less, and 1e-9 of an element of 10 mm is a hundredth of a nanometre. A larger value lets
 /// points outside be extrapolated; with 0, points on shared faces fall between the elements through
 /// rounding.
 const INSIDE: f64 = 1e-9;

@@ -256,7 +256,7 @@ pub(super) fn invalid(place: impl Into<String>, problem: impl Into<String>) -> F
     FeError::Invalid { place: place.into(), problem: problem.into() }
 }
 
-/// Limit on nodes, elements and groups of a file. Indices are 32 bits wide, and a mesh of this size takes
+/// Limit on nodes, elements and groups of a file. Source: derived. Indices are 32 bits wide, and a mesh of this size takes
 /// about 20 GB, more than any solver of parts needs.
 pub(super) const MAX_COUNT: u64 = 200_000_000;
 

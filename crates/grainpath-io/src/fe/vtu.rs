@@ -18,10 +18,10 @@ use super::vtk::{Cells, add_cells};
 use crate::text::skip_space;
 use grainpath_core::number::number;
 
-/// Numbers that all arrays together may hold whatever the file's size. The bound stops compressed bombs;
-/// a mesh of 100 000 nodes with 80 components fits.
+/// Numbers that all arrays together may hold whatever the file's size. The bound stops compressed bombs. Source:
+/// derived. A mesh of 100 000 nodes with 80 components fits.
 const NUMBERS_ALWAYS: usize = 8 << 20;
-// More numbers for every byte of the file. A number takes 4 or 8 bytes unpacked, so the file may inflate
+// More numbers for every byte of the file. Source: derived. A number takes 4 or 8 bytes unpacked, so the file may inflate
 // 64-fold or 128-fold.
 const NUMBERS_A_BYTE: usize = 16;
 /// Limits on pieces and on arrays in a piece; parallel solvers write a piece for each process.

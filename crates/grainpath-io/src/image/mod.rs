@@ -27,7 +27,7 @@ pub enum ImageError {
     Unsupported { format: ImageFormat, what: String, instead: &'static str },
 }
 
-/// Largest number of pixels that [`decode`] reads. An image of this size takes 750 MB as RGB; phone
+/// Largest number of pixels that [`decode`] reads. Source: derived. An image of this size takes 750 MB as RGB; phone
 /// cameras give up to 200 million pixels.
 pub const MAX_PIXELS: u64 = 250_000_000;
 

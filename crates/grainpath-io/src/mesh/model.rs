@@ -116,7 +116,7 @@ pub enum MeshError {
     Invalid { place: String, problem: String },
 }
 
-/// Limit on vertices and on triangles of every reader. Indices have 32 bits; a mesh of this size takes
+/// Limit on vertices and on triangles of every reader. Source: derived. Indices have 32 bits; a mesh of this size takes
 /// about 7 GB.
 pub(crate) const MAX_ELEMENTS: u64 = 200_000_000;
 /// Builds a body from triangles given by their corners, and merges corners with equal coordinates.

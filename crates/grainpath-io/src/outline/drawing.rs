@@ -53,13 +53,13 @@ pub enum OutlineError {
     Invalid { place: String, problem: String },
 }
 
-/// Limit on the points of a drawing; they take 64 MB. A drawing with more is a hatching or a traced
+/// Limit on the points of a drawing. Source: derived. They take 64 MB. A drawing with more is a hatching or a traced
 /// photograph.
 pub(super) const MAX_POINTS: usize = 4_000_000;
 /// Limit on coordinates, mm. A part 1 km wide comes from a wrong unit or damage.
 const MAX_MM: f64 = 1e6;
-/// Pieces of the part with a smaller area are dropped, mm2. They come from rounding where shapes touch; a
-/// bead 0.4 mm wide covers as much in 3 um of length.
+/// Pieces of the part with a smaller area are dropped, mm2. Source: derived. They come from rounding where shapes
+/// touch; a bead 0.4 mm wide covers as much in 3 um of length.
 const SMALLEST_MM2: f64 = 1e-3;
 
 /// One shape of a drawing: closed lines, mm.

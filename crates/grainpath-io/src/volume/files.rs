@@ -109,7 +109,7 @@ impl Files {
     }
 }
 
-/// Limit on a file that is read whole, such as a slice in an archive. It is four times the largest slice
+/// Limit on a file that is read whole, such as a slice in an archive. Source: derived. It is four times the largest slice
 /// of floats that is read.
 pub(super) const MAX_FILE: u64 = 1 << 30;
 

@@ -27,9 +27,9 @@ use grainpath_core::slices::{SampleType, SliceError, SliceSource, VolumeInfo};
 use error::{damaged, unsupported};
 pub(crate) use error::{error, io_error};
 
-/// Limit on the pixels of a slice: 8192 x 8192. A slice is held as f32, 256 MiB at this size.
+/// Limit on the pixels of a slice: 8192 x 8192. Source: derived. A slice is held as f32, 256 MiB at this size.
 const MAX_PIXELS: usize = 1 << 26;
-/// Limit on the slices of a volume. A stack of as many micrometre slices is one metre high.
+/// Limit on the slices of a volume. Source: derived. A stack of as many micrometre slices is one metre high.
 const MAX_SLICES: usize = 1 << 20;
 
 fn check_size(file: &str, size: [usize; 3]) -> Result<(), VolumeError> {

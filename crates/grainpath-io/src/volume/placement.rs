@@ -33,11 +33,11 @@ use super::{VolumeError, VolumeProblem, check_size, error, spacing, unsupported}
 /// Leans beyond this are refused: the upright slices would be mostly empty. Source: gantries tilt by up to 30 degrees;
 /// the rest is margin for hand-made headers.
 const MAX_LEAN_DEG: f64 = 60.0;
-/// A shear that moves no voxel by more than this over the whole volume is the header's rounding, px. Derived: decimals of
+/// A shear that moves no voxel by more than this over the whole volume is the header's rounding, px. Source: derived. Decimals of
 /// six places in DICOM and the single precision of NIfTI move the last of 1000 voxels by up to 0.001 px; contours are
 /// simplified to 0.1 px, so a smaller shear leaves no trace.
 const ROUNDING_PX: f64 = 0.1;
-/// A scan turned further than this out of the world's axes is worth a warning, degrees. Derived: 1 degree moves the end
+/// A scan turned further than this out of the world's axes is worth a warning, degrees. Source: derived. 1 degree moves the end
 /// of a part of 100 mm by 1.7 mm, which is visible.
 const OBLIQUE_DEG: f64 = 1.0;
 

@@ -118,7 +118,7 @@ impl SliceSource for Upright {
 }
 
 /// Bytes of slices that are held at a time where stored slices do not come in the order of the height.
-/// Derived: a volume of 512 x 512 x 512 voxels is then read twice; see [`cost`].
+/// Source: derived. A volume of 512 x 512 x 512 voxels is then read twice; see [`cost`].
 const HELD_BYTES: usize = 256 << 20;
 
 fn slices_held(info: &VolumeInfo) -> usize {

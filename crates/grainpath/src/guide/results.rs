@@ -12,7 +12,8 @@ use grainpath_io::fe::{Encoding, PointData, VtuMesh, stress_point_data, write_vt
 
 use super::{Guide, ResultMesh};
 
-/// Number of lines of each family across the longer side of the part.
+/// Number of lines of each family across the longer side of the part. Only the picture
+/// depends on it.
 const LINES_ACROSS: f64 = 60.0;
 
 /// Evenly spaced principal stress lines of a layer: the families of the greater and of the smaller

@@ -26,7 +26,7 @@ pub struct Adaptive {
     pub max_cusp_mm: f64,
 }
 
-/// Heights of adaptive layers are multiples of this, mm. Derived: a quarter of a full step of a leadscrew of 8 mm a turn
+/// Heights of adaptive layers are multiples of this, mm. Source: derived. A quarter of a full step of a leadscrew of 8 mm a turn
 /// with a motor of 200 steps (0.04 mm), which drivers that divide steps by four or more can place.
 const STEP_MM: f64 = 0.01;
 /// Largest ratio of the heights of an adaptive layer and the one below it.

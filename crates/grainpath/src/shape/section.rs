@@ -151,14 +151,14 @@ pub fn section(mesh: &TriMesh, triangles: &[u32], z: f64, settings: &SliceSettin
 
 /// The most crossings that a section of so many edges may have to be united exactly.
 ///
-/// Derived: where bodies overlap, the outlines of each two of them cross a few times. Twenty crossings for every edge are
+/// Source: derived. Where bodies overlap, the outlines of each two of them cross a few times. Twenty crossings for every edge are
 /// met only where the whole section lies under ten others. The constant lets small sections through, where even all pairs
 /// are little work.
 pub const fn crossing_limit(n_edges: usize) -> usize {
     20 * n_edges + 10_000
 }
 
-/// Side of the cells on which a tangled section is cut, mm. Derived: a quarter of the usual bead (0.4 mm), so that what is
+/// Side of the cells on which a tangled section is cut, mm. Source: derived. A quarter of the usual bead (0.4 mm), so that what is
 /// lost is narrower than what can be printed.
 const CELL_MM: f64 = 0.1;
 
@@ -285,7 +285,7 @@ impl<'a> Starts<'a> {
     }
 }
 
-/// Open chains of a section at most; the rest of a mesh that is torn into more is left out. Bounds time and memory: all
+/// Open chains of a section at most; the rest of a mesh that is torn into more is left out. Source: derived. All
 /// pairs of ends and starts are sorted, 16 bytes each.
 const MAX_OPEN_CHAINS: usize = 1000;
 

@@ -69,8 +69,8 @@ const MIN_GAP_MM2: f64 = 0.01;
 /// Shorter loops are left out, mm.
 const MIN_LOOP_MM: f64 = 0.3;
 
-/// Distance that the outermost wall keeps from its exact position, mm: about half the last digit of
-/// the coordinates written, so that rounding does not move it outside.
+/// Distance that the outermost wall keeps from its exact position, mm. Source: derived. About half the last
+/// digit of the coordinates written, so that rounding does not move it outside.
 const ROUNDING_MM: f64 = 3e-4;
 
 /// Lays the walls of one polygon.

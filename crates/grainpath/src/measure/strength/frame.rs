@@ -10,10 +10,10 @@ use grainpath_core::math::{atan2, cross, direction};
 use grainpath_core::{DVec2, DVec3};
 use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet};
 
-/// Sides of the hull whose directions differ by less than this are one direction, rad. Derived: G-code rounds both ends
+/// Sides of the hull whose directions differ by less than this are one direction, rad. Source: derived. G-code rounds both ends
 /// of a bead to 0.001 mm, which turns a side of 0.2 mm by up to 0.4 degrees.
 const SAME_DIRECTION_RAD: f64 = 0.0087;
-/// Smaller angles than this between grid and plate are left out, rad. Derived: over 200 mm such an angle moves a bead by
+/// Smaller angles than this between grid and plate are left out, rad. Source: derived. Over 200 mm such an angle moves a bead by
 /// 0.002 mm, about what G-code rounds.
 const MIN_ANGLE_RAD: f64 = 1e-5;
 

@@ -353,10 +353,11 @@ impl Body {
 /// Largest number of cells where a job does not state their size: of a plate, and of a solid.
 const CELLS: f64 = 150_000.0;
 const CELLS_SOLID: f64 = 500_000.0;
-/// Bending of thin walls that cells may miss, as a share of the failure index: walls four cells thick miss up to a third,
-/// and their peak is still that of beam theory (`tests/wall_bending.rs` of grainpath-fea).
+/// Bending of thin walls that cells may miss, as a share of the failure index. Measured: walls four cells thick miss up to
+/// a third, and their peak is still within 15 % of beam theory (`tests/wall_bending.rs` of grainpath-fea).
 const RESOLVED: f64 = 0.35;
-/// A test is refused above this share: two cells across a wall, or one on the border of two, miss as much as they see.
+/// A test is refused above this share. Source: derived. Two cells across a wall, or one on the border of two, miss as much
+/// as they see, which is a share of 1.
 const MAX_UNRESOLVED: f64 = 0.9;
 /// How often cells are made smaller for walls that bend: the second time corrects the thickness that larger cells gave.
 const MAX_ROUNDS: usize = 3;
