@@ -387,7 +387,9 @@ fn strength_line(grainpath: &Path, folder: &Path, row: &Row, value: f64) -> Resu
         let report = match json(&mut command) {
             Ok(report) => report,
             Err(problem) if problem.contains("bend out of their plane") => {
-                [&mut peaks, &mut first, &mut missed].map(|column| column.push("refused".to_owned()));
+                for column in [&mut peaks, &mut first, &mut missed] {
+                    column.push("refused".to_owned());
+                }
                 continue;
             }
             Err(problem) => return Err(problem),
