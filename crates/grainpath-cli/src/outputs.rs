@@ -14,7 +14,9 @@ use grainpath_core::{DVec2, Diagnostics, TriMesh};
 use grainpath_gcode::{BeadLayer, Program, Thumbnail, simulate, write_gcode};
 use grainpath_job::Settings;
 use grainpath_view::guide::{deformed_png, field_png, lines_svg, lines_vtp, stress_png};
-use grainpath_view::layer::{Bead, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png};
+use grainpath_view::layer::{
+    Bead, Ground, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png,
+};
 use grainpath_view::page;
 use grainpath_view::strength::{damage_png, index_png};
 
@@ -258,7 +260,7 @@ fn thumbnails(settings: &Settings, planned: &Planned) -> Result<Vec<Thumbnail>, 
     let layers: Vec<LayerPicture> = program.layers.iter().map(picture).collect();
     let draw = |&[w, h]: &[usize; 2]| {
         let (width, height) = (w as u32, h as u32);
-        Thumbnail { width, height, png: thumbnail_png(&layers, width, height) }
+        Thumbnail { width, height, png: thumbnail_png(&layers, width, height, Ground::Clear) }
     };
     Ok(settings.printer.thumbnails_px.iter().map(draw).collect())
 }
@@ -306,7 +308,7 @@ fn previews(
         return Ok(());
     }
     let all: Vec<LayerPicture> = program.layers.iter().map(picture).collect();
-    let part = thumbnail_png(&all, 800, 600);
+    let part = thumbnail_png(&all, 1200, 900, Ground::Paper);
     let mut pictures = vec![page::Picture { title: "The part".into(), png: part, of_test: false }];
     let options = PictureOptions::default();
     for i in shown(all.len()) {

@@ -13,7 +13,7 @@ use crate::{Failure, files, outputs, progress};
 
 /// `grainpath render`
 pub fn render(args: &Render) -> Result<(), Failure> {
-    use grainpath_view::layer::{ColourBy, PictureOptions, layer_png, layer_svg, thumbnail_png};
+    use grainpath_view::layer::{ColourBy, Ground, PictureOptions, layer_png, layer_svg, thumbnail_png};
     let program = read_program(&args.gcode)?;
     let n = program.layers.len();
     if n == 0 {
@@ -27,7 +27,7 @@ pub fn render(args: &Render) -> Result<(), Failure> {
     claims.check()?;
     let bytes = if args.part {
         let layers: Vec<_> = program.layers.iter().map(outputs::picture).collect();
-        thumbnail_png(&layers, args.size, args.size * 3 / 4)
+        thumbnail_png(&layers, args.size, args.size * 3 / 4, Ground::Paper)
     } else {
         // The middle layer shows the fill; the first and the last show brims and skins.
         let layer = args.layer.unwrap_or(n.div_ceil(2));

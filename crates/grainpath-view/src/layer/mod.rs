@@ -16,7 +16,7 @@ pub use colour::{ColourBy, Scale, of_role as role_colour};
 pub use raster::layer_png;
 pub(crate) use raster::png as encode_png;
 pub use svg::layer_svg;
-pub use thumbnail::thumbnail_png;
+pub use thumbnail::{Ground, thumbnail_png};
 
 /// A straight piece of a bead.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn a_thumbnail_shows_the_part_in_the_middle() {
         let layers: Vec<LayerPicture> = (1..40).map(|i| layer(0.2 * f64::from(i))).collect();
-        let png = thumbnail_png(&layers, 200, 150);
+        let png = thumbnail_png(&layers, 200, 150, Ground::Clear);
         assert_eq!(pixel(&png, 0.5, 0.5)[3], 255);
         assert_eq!(pixel(&png, 0.01, 0.01)[3], 0);
     }
@@ -177,6 +177,6 @@ mod tests {
         let empty = LayerPicture::default();
         assert!(!layer_png(&empty, &PictureOptions::default()).is_empty());
         assert!(layer_svg(&empty, &PictureOptions::default()).contains("</svg>"));
-        assert!(!thumbnail_png(&[], 32, 32).is_empty());
+        assert!(!thumbnail_png(&[], 32, 32, Ground::Paper).is_empty());
     }
 }
