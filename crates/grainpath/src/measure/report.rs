@@ -256,7 +256,12 @@ pub struct SupportReport {
     pub mass_g: f64,
     pub contacts: usize,
     pub trees: usize,
+    /// Beads that lie on air, counted on the beads that are printed; for the baselines pieces of layers.
     pub floating: usize,
+    /// Length of them that does.
+    pub floating_mm: f64,
+    /// Length of beads that were left out because nothing could be laid below them.
+    pub left_out_mm: f64,
     pub regions: usize,
     pub braces: usize,
     /// Largest lean of a branch from the vertical.
@@ -279,6 +284,8 @@ impl SupportReport {
             contacts: support.n_contacts(),
             trees: support.forest.n_trees(),
             floating: support.cut.floating,
+            floating_mm: round(support.cut.floating_mm),
+            left_out_mm: round(support.cut.left_out_mm),
             regions: support.overhangs.regions,
             braces: support.forest.braces.len(),
             steepest_deg: round(support.forest.steepest_rad().to_degrees()),

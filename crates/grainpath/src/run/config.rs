@@ -286,10 +286,26 @@ pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> 
         block: boxes(&u.block_mm),
         enforce_facets: facets(&u.enforce_facets),
         block_facets: facets(&u.block_facets),
+        beads: support_beads(s),
         first_layer_mm: s.process.first_layer_height_mm,
         bed: Some(bed),
         ..SupportSettings::default()
     })
+}
+
+/// How supports are laid.
+fn support_beads(s: &Settings) -> BeadSettings {
+    let (p, u) = (&s.process, &s.support);
+    BeadSettings {
+        bead_width_mm: p.bead_width_mm,
+        min_bead_width_mm: p.min_bead_width_mm,
+        walls: u.walls,
+        density: Density::new(match u.style {
+            SupportStyle::None | SupportStyle::Tree => u.density,
+            SupportStyle::Columns | SupportStyle::Box => u.density.max(BASELINE_MIN_DENSITY),
+        }),
+        dense_layers: u.dense_layers,
+    }
 }
 
 /// Settings for slicing a scan.
@@ -398,7 +414,7 @@ pub(crate) fn continuous(s: &Settings) -> Continuous {
 
 /// The steps from sections to paths.
 pub fn steps(s: &Settings) -> StepSettings {
-    let (p, f, u) = (&s.process, &s.fill, &s.support);
+    let (p, f) = (&s.process, &s.fill);
     // Replaced by the height of each layer.
     let height_mm = p.layer_height_mm;
     StepSettings {
@@ -419,16 +435,7 @@ pub fn steps(s: &Settings) -> StepSettings {
             dense: f.density.is_dense() && f.mass_g.is_none(),
         },
         infill: infill(s),
-        supports: BeadSettings {
-            bead_width_mm: p.bead_width_mm,
-            min_bead_width_mm: p.min_bead_width_mm,
-            walls: u.walls,
-            density: Density::new(match u.style {
-                SupportStyle::None | SupportStyle::Tree => u.density,
-                SupportStyle::Columns | SupportStyle::Box => u.density.max(BASELINE_MIN_DENSITY),
-            }),
-        },
-        dense_support_layers: u.dense_layers,
+        supports: support_beads(s),
         adhesion: AdhesionSettings {
             brim_width_mm: p.brim_width_mm,
             skirt_loops: p.skirt_loops,

@@ -73,8 +73,6 @@ pub struct StepSettings {
     pub infill: InfillSettings,
     /// Beads of supports.
     pub supports: BeadSettings,
-    /// Number of layers above the bed in which supports are dense.
-    pub dense_support_layers: usize,
     /// Skirt and brim; the height is replaced by that of the first layer.
     pub adhesion: AdhesionSettings,
     /// Number of layers with a skirt.
@@ -461,9 +459,17 @@ impl<'a> Steps<'a> {
     /// The beads of the support in a layer.
     fn supports(&self, layer_idx: usize) -> Vec<Island> {
         let Some(layer) = self.support.map(|s| &s.cut.layers[layer_idx]) else { return Vec::new() };
+        let settings = &self.settings.supports;
         let context = self.context(layer_idx, Density::Dense, Role::Support);
-        let dense = layer_idx < self.settings.dense_support_layers;
-        support::beads::lay(layer, &context, dense, &self.settings.supports)
+        let dense = layer_idx < settings.dense_layers;
+        let Some(mut islands) = layer.islands.clone() else {
+            return support::beads::lay(layer, &context, dense, settings);
+        };
+        // The beads of trees are known since their planning, but for what crosses their hollows.
+        if !dense && settings.density.fraction() > 0.0 {
+            islands.extend(support::beads::sparse(layer, &context, settings));
+        }
+        islands
     }
 
     /// Skirt and brim of those layers of a window that have any, beginning with its first layer.

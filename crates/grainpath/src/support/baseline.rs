@@ -45,7 +45,7 @@ pub fn layers(overhangs: &Overhangs, stack: &LayerStack, settings: &SupportSetti
         let part = stack.layers()[k].region();
         let mut region = areas[k].difference(&part.offset(settings.xy_gap_mm, Join::Round));
         region = region.opened(0.2);
-        SupportLayer { region, interface: Region::default() }
+        SupportLayer { region, ..SupportLayer::default() }
     };
     let mut out = Layers { layers: (0..areas.len()).into_par_iter().map(cut).collect(), ..Layers::default() };
     out.floating = count_floating(&out.layers, stack, settings);

@@ -21,6 +21,16 @@ pub struct BeadSettings {
     pub walls: usize,
     /// Density inside the walls.
     pub density: Density,
+    /// Number of layers above the bed that are dense.
+    pub dense_layers: usize,
+}
+
+impl Default for BeadSettings {
+    /// The defaults of a job.
+    fn default() -> Self {
+        let density = Density::new(0.0);
+        Self { bead_width_mm: 0.45, min_bead_width_mm: 0.2, walls: 1, density, dense_layers: 2 }
+    }
 }
 
 /// The beads of one layer, an island for each piece.
@@ -57,13 +67,33 @@ fn island(p: &Polygon, context: &FillContext, dense: bool, role: Role, settings:
     }
     let density = if dense { Density::Dense } else { settings.density };
     if density.fraction() > 0.0 {
-        let inset = 0.5 * w + settings.walls.max(1) as f64 * s;
-        let room = region.offset(-inset, Join::Round);
+        let room = inside(p, context, settings);
         let context = FillContext { density, role, bead_width_mm: w, ..*context };
         let pattern: &dyn Infill = if dense { &Concentric } else { &Rectilinear };
         room.polygons.iter().for_each(|r| pattern.fill(&context, r, &mut island.fills));
     }
     island
+}
+
+/// The area for centrelines inside the walls of a piece.
+fn inside(p: &Polygon, context: &FillContext, settings: &BeadSettings) -> Region {
+    let w = settings.bead_width_mm;
+    let inset = 0.5 * w + settings.walls.max(1) as f64 * bead_spacing_mm(w, context.height_mm);
+    Region::from(p.clone()).offset(-inset, Join::Round)
+}
+
+/// The sparse fill inside the walls of a layer.
+pub fn sparse(layer: &SupportLayer, context: &FillContext, settings: &BeadSettings) -> Vec<Island> {
+    let context =
+        FillContext { density: settings.density, bead_width_mm: settings.bead_width_mm, ..*context };
+    let of_piece = |p: &Polygon| {
+        let mut island = Island::default();
+        let room = inside(p, &context, settings);
+        room.polygons.iter().for_each(|r| Rectilinear.fill(&context, r, &mut island.fills));
+        island
+    };
+    let rest = layer.region.difference(&layer.interface);
+    rest.polygons.iter().map(of_piece).filter(|i| !i.fills.is_empty()).collect()
 }
 
 /// A short bead where no loop fits: along the longer side of the piece, as wide as the piece is.

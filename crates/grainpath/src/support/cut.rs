@@ -12,6 +12,7 @@ use super::SupportSettings;
 use super::clearance::Clearance;
 use super::overhang::Contact;
 use super::tree::{Forest, Kind};
+use crate::order::Island;
 
 /// The support in one layer.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -20,6 +21,15 @@ pub struct SupportLayer {
     pub region: Region,
     /// The part of it that is laid densely because it touches the part.
     pub interface: Region,
+    /// The beads of trees, without sparse fill; `None` for the baselines, whose beads are laid with the part's.
+    pub islands: Option<Vec<Island>>,
+}
+
+impl SupportLayer {
+    /// The beads of trees.
+    pub fn islands(&self) -> &[Island] {
+        self.islands.as_deref().unwrap_or_default()
+    }
 }
 
 /// The support as layers, one for each of the part's.
@@ -29,8 +39,12 @@ pub struct Layers {
     pub layers: Vec<SupportLayer>,
     /// Pieces that stood on nothing once cut to fit, and were taken away.
     pub dropped: usize,
-    /// Pieces that still stand on nothing: always 0.
+    /// Beads that lie on air, for the baselines pieces of layers: 0, counted afresh on what is left.
     pub floating: usize,
+    /// The length of them that does, mm.
+    pub floating_mm: f64,
+    /// Length of the beads that were left out because nothing could be laid below them, mm.
+    pub left_out_mm: f64,
     /// Contacts whose branch did not survive.
     pub lost: Vec<u32>,
 }
@@ -57,7 +71,7 @@ struct Disc {
 /// A disc's polygon lies within this of the circle, mm.
 const CHORD_MM: f64 = 0.01;
 /// A tip keeps this from the wall beside it, mm.
-const TOUCH_MM: f64 = 0.05;
+pub(super) const TOUCH_MM: f64 = 0.05;
 /// Pieces smaller than this are not printed, mm2.
 const CRUMB_MM2: f64 = 0.02;
 
@@ -100,6 +114,17 @@ impl Heights {
         let tops = layers.iter().map(|l| l.z_top_mm()).collect();
         let middles = layers.iter().map(|l| l.z_top_mm() - 0.5 * l.height_mm()).collect();
         Self { tops, middles }
+    }
+
+    /// Thickness of a layer.
+    pub(super) fn height_mm(&self, k: usize) -> f64 {
+        self.tops[k] - self.bottom(k)
+    }
+
+    /// The layers of the part on which a piece of layer `k` may lie, across the removal gap: from the highest down.
+    pub(super) fn below(&self, k: usize, gap_mm: f64) -> impl Iterator<Item = usize> + '_ {
+        let bottom = self.bottom(k);
+        (0..k).rev().take_while(move |&j| self.tops[j] > bottom - gap_mm - 1e-6)
     }
 
     fn bottom(&self, k: usize) -> f64 {
@@ -225,11 +250,11 @@ fn layer(
     }
     region.polygons.retain(|p| p.area_mm2() > CRUMB_MM2);
     let interface = if interface.is_empty() { interface } else { interface.intersection(&region) };
-    SupportLayer { region, interface }
+    SupportLayer { region, interface, islands: None }
 }
 
 /// The layers above `k` that begin less than the gap above its end.
-fn within(heights: &Heights, k: usize, gap_mm: f64) -> impl Iterator<Item = usize> + '_ {
+pub(super) fn within(heights: &Heights, k: usize, gap_mm: f64) -> impl Iterator<Item = usize> + '_ {
     let top = heights.tops[k];
     (k + 1..heights.tops.len()).take_while(move |&j| heights.bottom(j) < top + gap_mm - 1e-6)
 }
@@ -292,9 +317,8 @@ fn rests_on_part(
     heights: &Heights,
     settings: &SupportSettings,
 ) -> bool {
-    let bottom = heights.bottom(k);
-    let near = (0..k).rev().take_while(|&j| heights.tops[j] > bottom - settings.z_gap_mm - 1e-6);
-    near.into_iter()
+    heights
+        .below(k, settings.z_gap_mm)
         .any(|j| Region::from(p.clone()).intersection(stack.layers()[j].region()).area_mm2() > 1e-4)
 }
 

@@ -1,11 +1,12 @@
 //! Supports that grow like trees: overhangs and contacts ([`overhang`]), the room around the part ([`clearance`]),
-//! branches that meet where their cones do ([`tree`]), their layers ([`cut`]), their beads ([`beads`]) and the
-//! same as one closed surface ([`solid`], [`poisson`]).
+//! branches that meet where their cones do ([`tree`]), their layers ([`cut`]), their beads ([`beads`]), what holds
+//! each of those up ([`held`]) and the same as one closed surface ([`solid`], [`poisson`]).
 
 pub mod baseline;
 pub mod beads;
 pub mod clearance;
 pub mod cut;
+pub mod held;
 pub mod overhang;
 pub mod poisson;
 pub mod solid;
@@ -17,6 +18,7 @@ use grainpath_core::{Bounds2, DVec3, Diagnostics, LayerStack, TriMesh, Warning, 
 use grainpath_io::PaintedSupports;
 use grainpath_job::choices::SupportSurface;
 
+use beads::BeadSettings;
 use clearance::Clearance;
 use cut::{Layers, SupportLayer};
 use overhang::{Contact, Overhangs};
@@ -95,6 +97,8 @@ pub struct SupportSettings {
     pub block_facets: Vec<u32>,
     /// Support enforcers and blockers painted on the part, in part coordinates.
     pub painted: PaintedSupports,
+    /// How support is laid.
+    pub beads: BeadSettings,
     /// Thickness of the first layer.
     pub first_layer_mm: f64,
     /// Where feet may stand, part coordinates; `None` for no limit.
@@ -131,6 +135,7 @@ impl Default for SupportSettings {
             enforce_facets: Vec::new(),
             block_facets: Vec::new(),
             painted: PaintedSupports::default(),
+            beads: BeadSettings::default(),
             first_layer_mm: 0.2,
             bed: None,
         }
@@ -255,7 +260,8 @@ pub fn plan(
     let forest = tree::grow(&overhangs.contacts, &clearance, settings);
     diagnostics.check()?;
     diagnostics.advance(1);
-    let cut = cut::cut(&forest, &overhangs.contacts, stack, &clearance, settings);
+    let mut cut = cut::cut(&forest, &overhangs.contacts, stack, &clearance, settings);
+    held::stand(&mut cut, &forest, &overhangs.contacts, stack, settings);
     diagnostics.advance(1);
     let mut support = Support { overhangs, forest, cut, ..Support::default() };
     support.tell(stack, settings, diagnostics);

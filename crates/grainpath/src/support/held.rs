@@ -1,0 +1,443 @@
+//! Which support beads lie on something, and the beads added below those that do not.
+//!
+//! A section of a branch is filled by a ring along its rim, so a section that is held as an area need not be held as
+//! beads: the ring of a cone that narrows by more than a bead in a layer lies in the hollow of the ring below. Here
+//! the beads themselves are asked, in two passes.
+//!
+//! From the top down: a point of a bead is held when a bead of the next lower layer lies within [`REACH`] bead widths
+//! of it in plan, or when the part lies below it, across the removal gap. Below every stretch that is not held a bead
+//! is added, moved towards the nearest bead of its own layer as far as the upper one still rests on it, but not so far
+//! that the two overlap. Added beads are asked in turn, so that a bead far from a wall is carried by a corbel whose
+//! steps walk to the wall, one or two loops a layer, and not by filling all that is hollow down to the plate.
+//!
+//! From the plate up: what still lies on air, because the part is where a bead would have to be, is left out, and with
+//! it what stood on it. What is left is held by construction; [`on_air`] counts it afresh, as a judge would.
+//!
+//! Lengths are mm. Cost: one search in a grid of points for every [`STEP_MM`] of bead and pass; about a second for
+//! 100 m of support. Limits: the beads of the part are not known yet, so the part holds wherever its sections are;
+//! sparse fill inside branches (`support.density` above 0) bridges from wall to wall and is not asked.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::buckets::PointGrid2;
+use grainpath_core::math::direction;
+use grainpath_core::poly::{LineClipper, simplify_contour, simplify_line};
+use grainpath_core::segment;
+use grainpath_core::units::bead_spacing_mm;
+use grainpath_core::{Bounds2, DVec2, Density, LayerStack, Region, Role, Toolpath};
+use rayon::prelude::*;
+
+use super::SupportSettings;
+use super::beads::{self, BeadSettings};
+use super::cut::{Heights, Layers, SupportLayer, TOUCH_MM, within};
+use super::overhang::Contact;
+use super::tree::{Forest, Kind};
+use crate::order::Island;
+
+/// A point of a bead is held by a bead below whose centreline is this many of its widths away in plan: a seventh of
+/// the upper bead then lies on the lower one, the rest leans on what is beside it.
+///
+/// Source: the outside check that this was built against takes 0.95, on points up to 0.3 mm apart; 0.86 keeps within
+/// that wherever the points fall.
+pub const REACH: f64 = 0.86;
+/// The same when beads are left out: a little more, so that nothing is left out for rounding.
+///
+/// Source: at 0.89 that check finds beads on air, for its points lie up to 0.3 mm apart.
+const LEAVE: f64 = 0.87;
+/// How far a bead is moved towards its neighbours from the one it is to hold, in widths: less than [`REACH`], for
+/// corners of the line are cut by [`SMOOTH_MM`] and moved points spread.
+///
+/// Source: [`REACH`] less the 0.05 mm by which points a step apart may part on their way, in beads 0.45 mm wide.
+const WALK: f64 = 0.75;
+/// Beads are looked at every so many millimetres.
+///
+/// Source: at [`REACH`] of a bead 0.45 mm wide the error of a distance is then 0.003 mm (Pythagoras with half a step).
+const STEP_MM: f64 = 0.1;
+/// Corners of added lines are cut by at most this, mm.
+///
+/// Source: a fifth of the slack between [`WALK`] and [`REACH`] in beads 0.45 mm wide.
+const SMOOTH_MM: f64 = 0.01;
+/// No bead is added further from the nearest of its layer than the widest hollow of a trunk, `base_radius_mm`, and this
+/// much more, mm: what is further has nothing to walk to.
+///
+/// Source: four beads, for the foot of a trunk lies off its neighbours by as much.
+const FAR_MM: f64 = 2.0;
+/// The shortest bead that is laid, mm: less does not stick.
+///
+/// Source: the least loop that `beads::lay` lays.
+const SHORT_MM: f64 = 0.3;
+/// The part holds a bead whose centreline is this many widths outside its section: its wall's centreline lies half a
+/// bead inside the section.
+///
+/// Source: [`REACH`] and that half bead.
+const PART_REACH: f64 = REACH - 0.5;
+
+/// Lays the beads of all layers, adds what holds them, and leaves out what nothing can hold.
+pub fn stand(
+    out: &mut Layers,
+    forest: &Forest,
+    contacts: &[Contact],
+    stack: &LayerStack,
+    settings: &SupportSettings,
+) {
+    let heights = &Heights::of(stack);
+    let lay = |k: usize, layer: &SupportLayer| lay(layer, k, stack, &settings.beads);
+    let islands: Vec<Vec<Island>> =
+        out.layers.par_iter().enumerate().map(|(k, layer)| lay(k, layer)).collect();
+    for (layer, islands) in out.layers.iter_mut().zip(islands) {
+        layer.islands = Some(islands);
+    }
+    let mut part = Part::new(stack, heights, settings.z_gap_mm);
+    for k in (1..out.layers.len()).rev() {
+        let (low, high) = out.layers.split_at_mut(k);
+        hold(&high[0], &mut low[k - 1], k, &mut part, settings, heights);
+        part.forget_above(k);
+    }
+    let mut part = Part::new(stack, heights, settings.z_gap_mm);
+    let mut left_out_mm = 0.0;
+    for k in 1..out.layers.len() {
+        let (low, high) = out.layers.split_at_mut(k);
+        left_out_mm += leave_out(&mut high[0], &low[k - 1], k, &mut part);
+        part.forget_below(k);
+    }
+    out.left_out_mm = left_out_mm;
+    // A tip is about a bead wide, so its bead lies within a bead of the contact.
+    let reach_mm = settings.contact_radius_mm + settings.beads.bead_width_mm;
+    let bare = |&i: &u32| {
+        let c = &contacts[i as usize];
+        let end = heights.end_below(c.at.z, settings.z_gap_mm);
+        let near = |k: usize| any_within(&out.layers[k], c.at.truncate(), reach_mm);
+        !(end.saturating_sub(2)..end).any(near)
+    };
+    let tried = forest.nodes.iter().filter_map(|n| match n.kind {
+        Kind::Contact(i) => Some(i),
+        _ => None,
+    });
+    let mut lost: Vec<u32> = tried.filter(bare).chain(out.lost.iter().copied()).collect();
+    lost.sort_unstable();
+    lost.dedup();
+    out.lost = lost;
+    (out.floating, out.floating_mm) = on_air(&out.layers, stack, settings);
+}
+
+/// The beads of a layer without sparse fill.
+fn lay(layer: &SupportLayer, k: usize, stack: &LayerStack, settings: &BeadSettings) -> Vec<Island> {
+    if layer.region.is_empty() {
+        return Vec::new();
+    }
+    let settings = BeadSettings { density: Density::new(0.0), ..*settings };
+    let context = crate::fill::FillContext {
+        z_mid_mm: 0.0,
+        height_mm: stack.layers()[k].height_mm(),
+        bead_width_mm: settings.bead_width_mm,
+        density: Density::Dense,
+        angle_rad: 0.0,
+        part: Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO },
+        role: Role::Support,
+        border_mm: 0.0,
+        field: None,
+    };
+    beads::lay(layer, &context, k < settings.dense_layers, &settings)
+}
+
+/// Beads of the support that lie on air: their number, and the length that does, mm. Found afresh from the beads.
+pub fn on_air(layers: &[SupportLayer], stack: &LayerStack, settings: &SupportSettings) -> (usize, f64) {
+    let heights = Heights::of(stack);
+    let of_layer = |k: usize| -> (usize, f64) {
+        let mut part = Part::new(stack, &heights, settings.z_gap_mm);
+        let below = Beads::of(layers[k - 1].islands());
+        let air_mm = paths(layers[k].islands()).map(|path| {
+            let samples = samples(path);
+            let free = samples.iter().filter(|s| !held(s, &below, &mut part, k, LEAVE + 1e-6)).count();
+            free as f64 / samples.len().max(1) as f64 * path.length_mm()
+        });
+        air_mm.filter(|&mm| mm > 0.0).fold((0, 0.0), |(n, sum), mm| (n + 1, sum + mm))
+    };
+    let all: Vec<(usize, f64)> = (1..layers.len()).into_par_iter().map(of_layer).collect();
+    all.into_iter().fold((0, 0.0), |(n, sum), (m, mm)| (n + m, sum + mm))
+}
+
+/// Whether a bead of the layer lies within a distance of a point.
+pub fn any_within(layer: &SupportLayer, p: DVec2, reach_mm: f64) -> bool {
+    let near = |path: &Toolpath| {
+        let mut segments = (0..path.n_segments()).map(|i| path.segment(i));
+        segments.any(|(a, b, _)| segment::distance_squared_mm2(p, a, b) <= reach_mm * reach_mm)
+    };
+    paths(layer.islands()).any(near)
+}
+
+fn paths(islands: &[Island]) -> impl Iterator<Item = &Toolpath> {
+    islands.iter().flat_map(|i| i.walls.iter().map(|w| &w.path).chain(&i.fills))
+}
+
+/// A point of a bead and its width there.
+#[derive(Clone, Copy)]
+struct Sample {
+    at: DVec2,
+    width_mm: f64,
+}
+
+/// Points along a path, both ends included; the first is not repeated where the path is closed.
+fn samples(path: &Toolpath) -> Vec<Sample> {
+    let mut out = Vec::new();
+    for i in 0..path.n_segments() {
+        let (a, b, width_mm) = path.segment(i);
+        let n = ((a.distance(b) / STEP_MM).ceil() as usize).max(1);
+        out.extend((0..n).map(|j| Sample { at: a.lerp(b, j as f64 / n as f64), width_mm }));
+    }
+    if let (false, Some(&at)) = (path.closed, path.points.last()) {
+        out.push(Sample { at, width_mm: path.width_at(path.points.len() - 1) });
+    }
+    out
+}
+
+/// The beads of a layer, to be found by place; each knows its island.
+struct Beads(PointGrid2<u32>);
+
+impl Beads {
+    fn of(islands: &[Island]) -> Option<Self> {
+        let points = || paths(islands).flat_map(|p| p.points.iter().copied());
+        let bounds = Bounds2::of(points())?.grown(1.0);
+        let mut beads = Self(PointGrid2::new(bounds, 1.0));
+        for (i, island) in islands.iter().enumerate() {
+            paths(std::slice::from_ref(island)).for_each(|path| beads.add(path, i as u32));
+        }
+        Some(beads)
+    }
+
+    fn add(&mut self, path: &Toolpath, island: u32) {
+        samples(path).into_iter().for_each(|s| self.0.insert(s.at, island));
+    }
+
+    /// The nearest bead: where, how far, in which island.
+    fn nearest(&self, p: DVec2) -> Option<(DVec2, f64, u32)> {
+        self.0.nearest(p, |_| true).map(|(q, island)| (q, q.distance(p), island))
+    }
+}
+
+/// Sections of the part near the layer in work.
+struct Part<'a> {
+    stack: &'a LayerStack,
+    heights: &'a Heights,
+    gap_mm: f64,
+    clippers: BTreeMap<usize, LineClipper>,
+}
+
+impl<'a> Part<'a> {
+    fn new(stack: &'a LayerStack, heights: &'a Heights, gap_mm: f64) -> Self {
+        Self { stack, heights, gap_mm, clippers: BTreeMap::new() }
+    }
+
+    fn forget_above(&mut self, k: usize) {
+        self.clippers.retain(|&j, _| j <= k);
+    }
+
+    fn forget_below(&mut self, k: usize) {
+        self.clippers.retain(|&j, _| j + 8 >= k);
+    }
+
+    /// Whether a section lies within a distance of a point.
+    fn near(&mut self, layer: usize, p: DVec2, reach_mm: f64) -> bool {
+        let region = self.stack.layers()[layer].region();
+        let here = Bounds2 { min: p, max: p }.grown(reach_mm);
+        if !region.bounds().is_some_and(|b| b.meets(here)) {
+            return false;
+        }
+        let clipper = self.clippers.entry(layer).or_insert_with(|| LineClipper::new(region));
+        if clipper.contains(p) {
+            return true;
+        }
+        let across = |i: u32| direction(f64::from(i) * std::f64::consts::FRAC_PI_8) * reach_mm;
+        (0..8).any(|i| clipper.meets(p - across(i), p + across(i)))
+    }
+
+    /// Whether the part lies below a point of layer `k`, across the removal gap.
+    fn holds(&mut self, k: usize, p: DVec2, reach_mm: f64) -> bool {
+        let below = self.heights.below(k, self.gap_mm);
+        below.into_iter().any(|j| self.near(j, p, reach_mm))
+    }
+
+    /// Whether a bead may lie here in layer `k`.
+    fn leaves_room(&mut self, k: usize, p: DVec2, width_mm: f64) -> bool {
+        let above: Vec<usize> = within(self.heights, k, self.gap_mm).collect();
+        !self.near(k, p, 0.5 * width_mm + TOUCH_MM)
+            && above.into_iter().all(|j| !self.near(j, p, 0.5 * width_mm))
+    }
+}
+
+fn held(s: &Sample, below: &Option<Beads>, part: &mut Part<'_>, k: usize, reach: f64) -> bool {
+    let on_bead = |b: &Beads| b.0.within(s.at, reach * s.width_mm).next().is_some();
+    below.as_ref().is_some_and(on_bead) || part.holds(k, s.at, (PART_REACH + reach - REACH) * s.width_mm)
+}
+
+/// The stretches of a path whose samples are `wanted`; whether one is the whole closed path.
+fn stretches(samples: &[Sample], closed: bool, wanted: &[bool]) -> Vec<(Vec<Sample>, bool)> {
+    if wanted.iter().all(|&w| w) {
+        return vec![(samples.to_vec(), closed)];
+    }
+    // A closed path is read from behind a sample that is not wanted, so that no stretch is cut at its start.
+    let first = if closed { wanted.iter().position(|&w| !w).unwrap_or(0) } else { 0 };
+    let mut out: Vec<(Vec<Sample>, bool)> = Vec::new();
+    let mut open = false;
+    for i in (0..samples.len()).map(|i| (i + first) % samples.len()) {
+        if wanted[i] && !open {
+            out.push((Vec::new(), false));
+        }
+        open = wanted[i];
+        if let (true, Some(last)) = (open, out.last_mut()) {
+            last.0.push(samples[i]);
+        }
+    }
+    out
+}
+
+/// Adds beads to the layer below `upper` until it is held.
+fn hold(
+    upper: &SupportLayer,
+    lower: &mut SupportLayer,
+    k: usize,
+    part: &mut Part<'_>,
+    settings: &SupportSettings,
+    heights: &Heights,
+) {
+    let mut below = Beads::of(lower.islands());
+    if below.is_none() {
+        return;
+    }
+    let w = settings.beads.bead_width_mm;
+    let added = Added {
+        width_mm: w,
+        spacing_mm: bead_spacing_mm(w, heights.height_mm(k - 1)),
+        far_mm: settings.base_radius_mm + FAR_MM,
+    };
+    for path in paths(upper.islands()) {
+        let samples = samples(path);
+        let free: Vec<bool> = samples.iter().map(|s| !held(s, &below, part, k, REACH)).collect();
+        if !free.contains(&true) {
+            continue;
+        }
+        for (stretch, closed) in stretches(&samples, path.closed, &free) {
+            let Some(beads) = &mut below else { return };
+            for (points, closed, island) in carriers(&stretch, closed, k, beads, part, &added) {
+                let path = Toolpath::new(points, w, Role::Support, closed);
+                beads.add(&path, island);
+                if path.points.iter().any(|&p| !lower.region.contains(p)) {
+                    let around = Region::around_line(&path.points, closed, 0.5 * w);
+                    lower.region = lower.region.union(&around);
+                }
+                if let Some(islands) = &mut lower.islands {
+                    islands[island as usize].fills.push(path);
+                }
+            }
+        }
+    }
+}
+
+/// How beads are added.
+struct Added {
+    width_mm: f64,
+    /// Distance of the centrelines of beads that touch.
+    spacing_mm: f64,
+    /// The furthest from the nearest bead of the layer.
+    far_mm: f64,
+}
+
+/// Lines in layer `k - 1` that hold a stretch of a bead in layer `k`, whether each is closed, and the island it
+/// belongs to.
+fn carriers(
+    stretch: &[Sample],
+    closed: bool,
+    k: usize,
+    beads: &Beads,
+    part: &mut Part<'_>,
+    added: &Added,
+) -> Vec<(Vec<DVec2>, bool, u32)> {
+    let w = added.width_mm;
+    let mut lines: Vec<(Vec<DVec2>, u32)> = Vec::new();
+    let mut broken = true;
+    for s in stretch {
+        let found = beads.nearest(s.at).filter(|n| n.1 < added.far_mm).and_then(|(q, far_mm, island)| {
+            let towards = (q - s.at).normalize_or_zero();
+            let walk_mm = (WALK * s.width_mm).min(far_mm - added.spacing_mm).max(0.0);
+            let tries = [1.0, 0.5, 0.0].map(|share| s.at + towards * share * walk_mm);
+            let around = (0..8).map(|i| {
+                let way = direction(f64::from(i) * std::f64::consts::FRAC_PI_4);
+                s.at + way * WALK * s.width_mm
+            });
+            let mut places = tries.into_iter().chain(around);
+            places.find(|&p| part.leaves_room(k - 1, p, w)).map(|p| (p, island))
+        });
+        let Some((p, island)) = found else {
+            broken = true;
+            continue;
+        };
+        match lines.last_mut() {
+            // Points that part company have walked to different beads.
+            Some((line, _)) if !broken && line.last().is_some_and(|l| l.distance(p) < w) => line.push(p),
+            _ => lines.push((vec![p], island)),
+        }
+        broken = false;
+    }
+    let whole = closed && lines.len() == 1 && lines[0].0.len() == stretch.len();
+    let finish = |(mut line, island): (Vec<DVec2>, u32)| {
+        let ends_meet = line[0].distance(line[line.len() - 1]) < w;
+        let closed = whole && ends_meet && line.len() > 3;
+        if closed {
+            line = simplify_contour(&line, SMOOTH_MM);
+        } else {
+            line = simplify_line(&line, SMOOTH_MM);
+            lengthen(&mut line);
+        }
+        let enough = if closed { line.len() >= 3 } else { line.len() >= 2 };
+        enough.then_some((line, closed, island))
+    };
+    lines.into_iter().filter_map(finish).collect()
+}
+
+/// Makes a line as long as the shortest bead.
+fn lengthen(line: &mut Vec<DVec2>) {
+    let length: f64 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
+    let n = line.len();
+    if length >= SHORT_MM || n == 0 {
+        return;
+    }
+    let along = (line[n - 1] - line[0]).normalize_or(DVec2::X);
+    let middle = 0.5 * (line[0] + line[n - 1]);
+    *line = vec![middle - along * 0.5 * SHORT_MM, middle + along * 0.5 * SHORT_MM];
+}
+
+/// Takes out of a layer what lies on air above `lower`; the length taken, mm.
+fn leave_out(upper: &mut SupportLayer, lower: &SupportLayer, k: usize, part: &mut Part<'_>) -> f64 {
+    let below = Beads::of(lower.islands());
+    let mut lost_mm = 0.0;
+    let Some(islands) = &mut upper.islands else { return 0.0 };
+    for island in islands.iter_mut() {
+        let mut open: Vec<Toolpath> = Vec::new();
+        let mut keep = |path: &Toolpath| -> bool {
+            let samples = samples(path);
+            let on: Vec<bool> = samples.iter().map(|s| held(s, &below, part, k, LEAVE)).collect();
+            if !on.contains(&false) {
+                return true;
+            }
+            lost_mm += path.length_mm();
+            for (stretch, _) in stretches(&samples, path.closed, &on) {
+                let points: Vec<DVec2> = stretch.iter().map(|s| s.at).collect();
+                let mut rest = path.clone();
+                rest.points = simplify_line(&points, 0.1 * SMOOTH_MM);
+                rest.closed = false;
+                let width_mm = stretch.iter().map(|s| s.width_mm).fold(f64::INFINITY, f64::min);
+                rest.width = grainpath_core::BeadWidth::Constant(width_mm);
+                if rest.points.len() > 1 && rest.length_mm() >= SHORT_MM {
+                    lost_mm -= rest.length_mm();
+                    open.push(rest);
+                }
+            }
+            false
+        };
+        island.walls.retain(|w| keep(&w.path));
+        island.fills.retain(&mut keep);
+        island.fills.append(&mut open);
+    }
+    islands.retain(|i| !i.walls.is_empty() || !i.fills.is_empty());
+    lost_mm
+}
