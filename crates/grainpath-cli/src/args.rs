@@ -28,7 +28,7 @@ pub enum Command {
         after_help = "Examples:\n  grainpath run bracket.toml\n  grainpath run bracket.toml --set fill.density=0.4 --out trial --json"
     )]
     Run(Run),
-    /// Slice a mesh with default settings, without a job file
+    /// Slice a mesh, a drawing, a scan or a photograph with default settings, without a job file
     #[command(
         after_help = "Examples:\n  grainpath slice part.stl\n  grainpath slice plate.svg --set shape.thickness_mm=4 -o plate.gcode"
     )]
@@ -153,9 +153,9 @@ pub struct Run {
 /// `grainpath slice`
 #[derive(Debug, clap::Args)]
 pub struct Slice {
-    /// Mesh: STL, OBJ, PLY, OFF or 3MF
+    /// Mesh (STL, OBJ, PLY, OFF, 3MF), drawing (SVG, DXF), scan or photograph
     pub model: PathBuf,
-    /// G-code file [default: the mesh's name with .gcode]
+    /// G-code file [default: the model's name with .gcode]
     #[arg(short, long, value_name = "FILE.gcode")]
     pub output: Option<PathBuf>,
     #[command(flatten)]

@@ -84,3 +84,31 @@ fn licences_name_the_libraries_and_their_owners() {
         assert!(text.contains(part), "{part}");
     }
 }
+
+/// A block of bright voxels in noise-free air, as NRRD.
+fn scan(dir: &std::path::Path) {
+    let mut bytes = b"NRRD0005\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: 30 24 20\n\
+                      space directions: (0.5,0,0) (0,0.5,0) (0,0,0.5)\nencoding: raw\n\n"
+        .to_vec();
+    for (z, y, x) in (0..20).flat_map(|z| (0..24).flat_map(move |y| (0..30).map(move |x| (z, y, x)))) {
+        let inside = (3..17).contains(&z) && (4..20).contains(&y) && (5..25).contains(&x);
+        bytes.push(if inside { 200 } else { 10 });
+    }
+    std::fs::write(dir.join("block.nrrd"), bytes).expect("written");
+}
+
+#[test]
+fn slice_takes_a_scan_and_says_so() {
+    let dir = folder("doors-scan");
+    scan(&dir);
+    let told = grainpath(&dir, &["slice", "block.nrrd"]);
+    let text = String::from_utf8_lossy(&told.stdout).into_owned();
+    assert!(told.status.success() && text.contains("taken for a scan"), "{text}");
+    let value = json(&grainpath(&dir, &["slice", "block.nrrd", "--json", "-o", "again.gcode"]));
+    // 14 slices of 0.5 mm in layers of 0.2 mm.
+    assert!((value["z_max_mm"].as_f64().expect("a height") - 7.0).abs() <= 0.2, "{value}");
+    assert_eq!(
+        std::fs::read(dir.join("block.gcode")).expect("written"),
+        std::fs::read(dir.join("again.gcode")).expect("written")
+    );
+}

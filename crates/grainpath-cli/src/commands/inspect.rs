@@ -354,23 +354,78 @@ fn fibre_json(p: &Program) -> Value {
     })
 }
 
-/// Keys and values, one pair a line.
+/// Keys that people read under another name: lengths of a mesh are in its own unit, which the last row tells.
+const NAMES: [(&str, &str); 4] = [
+    ("volume", "volume (cubic units)"),
+    ("extents", "size (units)"),
+    ("low", "low corner (units)"),
+    ("high", "high corner (units)"),
+];
+/// Keys that the table does not show: the exit code tells the first, and the second stands below.
+const ELSEWHERE: [&str; 2] = ["ok", "warnings"];
+
+/// Keys and values, one pair a line, with the warnings below them as other commands print them.
 fn table(value: &Value) -> String {
     let Some(rows) = value.as_object() else { return String::new() };
-    let shown = |v: &Value| match v {
-        Value::String(s) => s.clone(),
-        Value::Array(a) if a.iter().all(Value::is_string) => {
-            a.iter().filter_map(Value::as_str).map(|s| format!("\n  {s}")).collect()
-        }
-        Value::Object(o) => o.iter().map(|(k, v)| format!("{v} {k}")).collect::<Vec<_>>().join(", "),
-        other => other.to_string(),
+    let name = |key: &str| {
+        let own = NAMES.iter().find(|(k, _)| *k == key);
+        own.map_or_else(|| key.replace('_', " "), |(_, name)| (*name).to_owned())
     };
-    let line = |(k, v): (&String, &Value)| format!("{:<26} {}\n", k.replace('_', " "), shown(v));
+    let line = |(k, v): (&String, &Value)| format!("{:<26} {}\n", name(k), shown(v));
     // Empty values are left out of the table for people; JSON keeps them, since programs expect the keys.
     let skip = |v: &Value| {
         v.is_null() || v.as_array().is_some_and(Vec::is_empty) || v.as_object().is_some_and(|o| o.is_empty())
     };
-    rows.iter().filter(|(k, v)| *k != "ok" && !skip(v)).map(line).collect()
+    let mut text: String =
+        rows.iter().filter(|(k, v)| !ELSEWHERE.contains(&k.as_str()) && !skip(v)).map(line).collect();
+    for warning in rows.get("warnings").and_then(Value::as_array).into_iter().flatten() {
+        match warning["text"].as_str() {
+            Some(told) => {
+                let id = warning["id"].as_str().unwrap_or_default();
+                text += &format!("warning: {told} [{id}]\n");
+                if let Some(remedy) = warning["remedy"].as_str() {
+                    text += &format!("  remedy: {remedy}\n");
+                }
+            }
+            None => text += &format!("warning: {}\n", shown(warning)),
+        }
+    }
+    text
+}
+
+/// A value for people: six digits, which is more than any of our inputs is measured to.
+fn shown(value: &Value) -> String {
+    match value {
+        Value::String(s) => s.clone(),
+        Value::Bool(true) => "yes".to_owned(),
+        Value::Bool(false) => "no".to_owned(),
+        Value::Number(n) if n.is_f64() => digits(n.as_f64().unwrap_or_default()),
+        Value::Array(a) if a.iter().all(Value::is_string) => {
+            a.iter().filter_map(Value::as_str).map(|s| format!("\n  {s}")).collect()
+        }
+        Value::Array(a) => a.iter().map(shown).collect::<Vec<_>>().join("  "),
+        Value::Object(o) => o
+            .iter()
+            .map(|(k, v)| format!("{} {}", k.replace('_', " "), shown(v)))
+            .collect::<Vec<_>>()
+            .join(", "),
+        other => other.to_string(),
+    }
+}
+
+/// A number with six significant digits; powers of ten where it is very small or large.
+fn digits(number: f64) -> String {
+    let size = number.abs();
+    if size == 0.0 {
+        return "0".to_owned();
+    }
+    if !(1e-4..1e9).contains(&size) {
+        return format!("{number:.5e}");
+    }
+    // Decimals that leave six digits; whole numbers keep all of theirs.
+    let decimals = (5 - size.max(1e-4).log10().floor() as i32).clamp(0, 9) as usize;
+    let text = format!("{number:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 #[cfg(test)]
@@ -394,6 +449,33 @@ mod tests {
     fn file(meshes: Vec<TriMesh>) -> MeshFile {
         let bodies = meshes.into_iter().map(|mesh| MeshBody { mesh, ..MeshBody::default() }).collect();
         MeshFile { bodies, unit: None, warnings: Vec::new() }
+    }
+
+    #[test]
+    fn people_read_six_digits_and_no_json() {
+        for (number, text) in [
+            (38.641143798828125, "38.6411"),
+            (3013.32599007147, "3013.33"),
+            (3.013325951231324e-6, "3.01333e-6"),
+            (0.4, "0.4"),
+            (20.0, "20"),
+            (-0.0, "0"),
+            (123_456_789.0, "123456789"),
+        ] {
+            assert_eq!(digits(number), text);
+        }
+        let value = json!({ "ok": true, "closed": true, "low_mm": [0.0, 1.5], "world": { "frame": "LPS" },
+            "warnings": [{ "id": "field-assumed", "text": "the order was assumed", "remedy": "set axes" }] });
+        assert_eq!(
+            table(&value).lines().map(str::trim).collect::<Vec<_>>(),
+            [
+                "closed                     yes",
+                "low mm                     0  1.5",
+                "world                      frame LPS",
+                "warning: the order was assumed [field-assumed]",
+                "remedy: set axes"
+            ]
+        );
     }
 
     #[test]

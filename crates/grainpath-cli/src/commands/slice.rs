@@ -1,12 +1,13 @@
-//! `grainpath slice`: a mesh, a drawing or a photograph with default settings.
+//! `grainpath slice`: a mesh, a drawing, a scan or a photograph with default settings.
 
 use std::path::Path;
 
-use crate::Failure;
 use crate::args::Slice;
 use crate::claims::Claims;
+use crate::commands::inspect_scan;
 use crate::commands::run::execute;
 use crate::inputs::settings;
+use crate::{Failure, files};
 
 fn has_ending(path: &Path, endings: &[&str]) -> bool {
     path.extension().is_some_and(|e| endings.iter().any(|d| e.eq_ignore_ascii_case(d)))
@@ -16,20 +17,31 @@ fn has_ending(path: &Path, endings: &[&str]) -> bool {
 const PICTURES: [&str; 11] =
     ["png", "jpg", "jpeg", "bmp", "heic", "heif", "webp", "avif", "gif", "jp2", "jxl"];
 
-/// The job of a file that is sliced without one. A photograph is taken as a board whose fill follows its
-/// grain.
-fn job_of(model: &Path) -> String {
-    if !has_ending(model, &PICTURES) {
-        return String::new();
-    }
+/// The job of a file that is sliced without one, and what it takes the file for, where that is more than its kind.
+fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
     // JSON strings are TOML strings too, so a path with quotes or backslashes is escaped correctly.
     let file = serde_json::Value::from(model.display().to_string());
-    format!("[shape.photo]\nfiles = [{file}]\n[guide]\nkind = \"grain\"\n")
+    if has_ending(model, &PICTURES) {
+        // Skins would hide the grain, and sparse lines along it would touch nothing beside them.
+        let job = format!(
+            "[shape.photo]\nfiles = [{file}]\n[guide]\nkind = \"grain\"\n[fill]\npattern = \"stripes\"\n\
+             density = 1\n[process]\ntop_layers = 0\nbottom_layers = 0\n"
+        );
+        let assumed = "a photograph of a whole board: dense stripes along its grain, no skins over them";
+        return Ok((job, Some(assumed)));
+    }
+    if model != Path::new("-") && inspect_scan::is(model)? {
+        let assumed =
+            "a scan: the part is what is brighter than Otsu's threshold, with spacing and unit of its header";
+        return Ok((format!("[shape]\nct = {file}\n"), Some(assumed)));
+    }
+    Ok((String::new(), None))
 }
 
 /// `grainpath slice`
 pub fn slice(args: &Slice) -> Result<(), Failure> {
-    let mut settings = settings(&job_of(&args.model), "--set", &args.common.sets, Path::new(""))?;
+    let (job, assumed) = job_of(&args.model)?;
+    let mut settings = settings(&job, "--set", &args.common.sets, Path::new(""))?;
     if args.model == Path::new("-") && args.output.is_none() {
         return Err(Failure::usage("a model from standard input needs -o FILE.gcode"));
     }
@@ -42,5 +54,11 @@ pub fn slice(args: &Slice) -> Result<(), Failure> {
             return Err(Failure::usage("an outline needs --set shape.thickness_mm=N"));
         }
     }
-    execute(&settings, &args.model, Path::new(""), Path::new(""), None, Claims::default(), &args.common)
+    execute(&settings, &args.model, Path::new(""), Path::new(""), None, Claims::default(), &args.common)?;
+    if let Some(assumed) = assumed
+        && !args.common.json
+    {
+        files::print(&format!("taken for {assumed} (--set changes it)\n"));
+    }
+    Ok(())
 }

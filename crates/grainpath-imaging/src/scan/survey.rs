@@ -227,8 +227,9 @@ impl Survey {
         }
         let materials = match s.threshold {
             Threshold::Iso50(Some([a, b])) => (a.min(b), a.max(b)),
-            _ if found || contrast => histogram.materials(),
-            _ => (0.0, 0.0),
+            Threshold::Otsu | Threshold::Iso50(None) | Threshold::Value(_) | Threshold::Range(..) => {
+                if found || contrast { histogram.materials() } else { (0.0, 0.0) }
+            }
         };
         // A blank scan has no two groups, and every threshold would be arbitrary.
         if let Some((low, _)) = histogram.range().filter(|(l, h)| l == h) {

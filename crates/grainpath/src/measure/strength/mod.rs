@@ -740,25 +740,25 @@ fn weakest(setup: &TestSetup, outcome: &Outcome) -> Weakest {
 
 /// The feature of a plate beside which a point lies.
 fn beside(setup: &TestSetup, p: DVec2) -> String {
-    let mut near = (f64::INFINITY, "border", DVec2::ZERO);
+    let mut near = (f64::INFINITY, false, DVec2::ZERO);
     for polygon in &setup.section.polygons {
         let contours =
-            std::iter::once((&polygon.outer, "border")).chain(polygon.holes.iter().map(|h| (h, "hole")));
-        for (contour, kind) in contours {
+            std::iter::once((&polygon.outer, false)).chain(polygon.holes.iter().map(|h| (h, true)));
+        for (contour, is_hole) in contours {
             // The mean of the vertices only names the hole, so it need not be the centroid.
             let middle = contour.iter().copied().sum::<DVec2>() / contour.len().max(1) as f64;
             for (a, b) in grainpath_core::poly::edges(contour) {
                 let distance = grainpath_core::segment::distance_squared_mm2(p, a, b).sqrt();
                 if distance < near.0 {
-                    near = (distance, kind, middle);
+                    near = (distance, is_hole, middle);
                 }
             }
         }
     }
-    let (off, kind, middle) = near;
-    let whose = match kind {
-        "hole" => format!("the hole around ({:.1}, {:.1})", middle.x, middle.y),
-        _ => "the border".to_owned(),
+    let (off, is_hole, middle) = near;
+    let whose = match is_hole {
+        true => format!("the hole around ({:.1}, {:.1})", middle.x, middle.y),
+        false => "the border".to_owned(),
     };
     if off < 1.0 { format!("at {whose}") } else { format!("{off:.1} mm from {whose}") }
 }
