@@ -199,9 +199,15 @@ fn numbers(r: &Report) -> Vec<(String, &'static str)> {
         all.push((q.paths_per_layer_max.to_string(), "most paths in a layer"));
     }
     if let Some(u) = &r.support {
-        all.push((format!("{:.2} g", u.mass_g), "of it support"));
+        if let Some(g) = u.mass_g {
+            all.push((format!("{g:.2} g"), "of it support, as printed"));
+        }
+        all.push((format!("{:.2} g", u.solid_mass_g), "support if it were solid"));
         all.push((format!("{} at {}", u.trees, u.contacts), "trees, at contacts"));
         all.push((u.unreached.len().to_string(), "overhangs not reached"));
+        if u.near_plate > 0 {
+            all.push((u.near_plate.to_string(), "contacts so near the plate that nothing fits below"));
+        }
     }
     all
 }

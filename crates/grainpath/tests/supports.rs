@@ -10,9 +10,10 @@ use grainpath::Settings;
 use grainpath::run::config;
 use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath::shape::{SliceSettings, slice};
+use grainpath::support::bending;
 use grainpath::support::cut::count_floating;
-use grainpath::support::tree::{Kind, cones_meet};
-use grainpath::support::{Style, Support, SupportSettings, plan};
+use grainpath::support::tree::{Forest, Kind, Node, cones_meet};
+use grainpath::support::{Style, Support, SupportSettings, plan, warn_of_mid_air};
 use grainpath_core::{DVec2, DVec3, Diagnostics, LayerStack, TriMesh};
 use grainpath_io::PaintedSupports;
 use rayon::prelude::*;
@@ -121,11 +122,7 @@ fn boxes(all: &[[[f64; 3]; 2]]) -> TriMesh {
     mesh
 }
 
-fn planned(
-    mesh: &TriMesh,
-    change: impl Fn(&mut SupportSettings),
-) -> (Support, LayerStack, Vec<grainpath_core::Warning>) {
-    let quiet = Diagnostics::default();
+fn layers(mesh: &TriMesh, diagnostics: &Diagnostics) -> LayerStack {
     let slicing = SliceSettings {
         layer_height_mm: 0.2,
         first_layer_height_mm: 0.2,
@@ -133,7 +130,15 @@ fn planned(
         gap_closing_mm: 0.05,
         simplify_mm: 0.0125,
     };
-    let stack = slice(mesh, &slicing, &quiet).expect("a sound mesh");
+    slice(mesh, &slicing, diagnostics).expect("a sound mesh")
+}
+
+fn planned(
+    mesh: &TriMesh,
+    change: impl Fn(&mut SupportSettings),
+) -> (Support, LayerStack, Vec<grainpath_core::Warning>) {
+    let quiet = Diagnostics::default();
+    let stack = layers(mesh, &quiet);
     let mut settings = SupportSettings::default();
     change(&mut settings);
     let support = plan(mesh, &stack, &settings, &quiet).expect("not stopped");
@@ -253,6 +258,59 @@ fn none_facing_down(mesh: &TriMesh) -> Vec<u32> {
     (0..mesh.triangles.len() as u32)
         .filter(|&t| (-0.9..-0.1).contains(&down(&mesh.triangles[t as usize])))
         .collect()
+}
+
+#[test]
+fn what_begins_in_mid_air_without_support_is_warned_of_once_with_its_place() {
+    let warned = |mesh: &TriMesh| {
+        let quiet = Diagnostics::default();
+        warn_of_mid_air(&layers(mesh, &quiet), &quiet);
+        quiet.warnings()
+    };
+    assert!(warned(&table(false)).is_empty());
+    let leg = [[0.0; 3], [4.0, 4.0, 20.0]];
+    // Two pieces hang beside a leg, one of them from its top, as a hook does.
+    let pieces = boxes(&[
+        leg,
+        [[8.0, 0.0, 6.0], [12.0, 4.0, 20.0]],
+        [[3.0, 0.0, 18.0], [9.0, 4.0, 20.0]],
+        [[-20.0, 0.0, 10.0], [-10.0, 4.0, 15.0]],
+    ]);
+    let all = warned(&pieces);
+    assert_eq!(all.len(), 1, "{all:?}");
+    assert_eq!(all[0].id, grainpath_core::WarningId::PartInMidAir);
+    assert!(all[0].text.contains("2 places") && all[0].text.contains("40.00 mm2"), "{}", all[0].text);
+    let at = all[0].place.as_ref().map(|p| p.point_mm.clone()).expect("a place");
+    assert!((at[0] + 15.0).abs() < 0.1 && (at[1] - 2.0).abs() < 0.1 && (at[2] - 10.0).abs() < 0.21, "{at:?}");
+}
+
+#[test]
+fn tips_move_as_beam_theory_says_and_no_further_than_allowed() {
+    let s = SupportSettings::default();
+    // A straight trunk of one radius: F L^3 / (3 E I).
+    let node = |z: f64, below: Option<u32>, kind: Kind| Node {
+        at: DVec3::new(0.0, 0.0, z),
+        radius_mm: 2.0,
+        carries: 1,
+        top_mm: 40.0,
+        below,
+        kind,
+        post: false,
+    };
+    let nodes = vec![node(40.0, Some(1), Kind::Contact(0)), node(0.0, None, Kind::Foot)];
+    let found = bending::of(&Forest { nodes, ..Forest::default() }, &s);
+    let wall = s.beads.bead_width_mm;
+    let second = 0.25 * std::f64::consts::PI * (2f64.powi(4) - (2.0 - wall).powi(4));
+    let exact = s.side_load_n * 40f64.powi(3) / (3.0 * s.stiffness_mpa * second);
+    assert!((found.worst_mm / exact - 1.0).abs() < 0.002, "{} and {exact}", found.worst_mm);
+    // A slender trunk is warned of, a stout one of little height is not.
+    let post =
+        |top: f64| boxes(&[[[0.0; 3], [4.0, 4.0, top + 3.0]], [[0.0, 0.0, top], [14.0, 4.0, top + 3.0]]]);
+    for (top, load_n, bends) in [(60.0, 1.0, true), (60.0, 0.0, false), (5.0, 0.01, false)] {
+        let (held, _, warnings) = planned(&post(top), |s| s.side_load_n = load_n);
+        assert_eq!(held.bending.over > 0, bends, "{top} mm, {load_n} N: {:?}", held.bending);
+        assert_eq!(warnings.iter().any(|w| w.id == grainpath_core::WarningId::SupportBends), bends);
+    }
 }
 
 #[test]

@@ -76,7 +76,8 @@ pub fn support(args: &Support) -> Result<(), Failure> {
         written.insert("preview", folder.display().to_string());
     }
     stages.insert("write", start.elapsed().as_secs_f64());
-    let report = SupportReport::new(&found, found.volume_mm3(&stack), settings.material.density_g_cm3);
+    let (beads, solid) = (found.beads_mm3(&stack), found.volume_mm3(&stack));
+    let report = SupportReport::new(&found, beads, solid, settings.material.density_g_cm3);
     let warnings = diagnostics.warnings();
     drop(diagnostics);
     if args.common.json {

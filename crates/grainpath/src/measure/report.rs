@@ -252,8 +252,14 @@ impl QualityReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct SupportReport {
-    pub volume_mm3: f64,
-    pub mass_g: f64,
+    /// Volume of the beads that are printed; `None` where only the solid is made of baselines.
+    pub volume_mm3: Option<f64>,
+    /// Their mass.
+    pub mass_g: Option<f64>,
+    /// Volume of the support as one closed surface, as another slicer would fill it densely.
+    pub solid_volume_mm3: f64,
+    /// Its mass.
+    pub solid_mass_g: f64,
     pub contacts: usize,
     pub trees: usize,
     /// Beads that lie on air, counted on the beads that are printed; for the baselines pieces of layers.
@@ -268,6 +274,8 @@ pub struct SupportReport {
     pub steepest_deg: f64,
     /// Largest distance of an overhang from its contact.
     pub farthest_mm: f64,
+    /// The furthest that a tip moves under the drag of the nozzle.
+    pub tip_moves_mm: f64,
     /// Contacts so near to the plate that they need no support.
     pub near_plate: usize,
     /// Overhangs that no branch could reach: x, y, z in mm and area in plan in mm2.
@@ -275,12 +283,15 @@ pub struct SupportReport {
 }
 
 impl SupportReport {
-    /// The report of planned supports; `volume_mm3` is the volume of their beads.
-    pub fn new(support: &Support, volume_mm3: f64, density_g_cm3: f64) -> Self {
+    /// The report of planned supports; `beads_mm3` is the volume of their beads, `solid_mm3` that of their layers.
+    pub fn new(support: &Support, beads_mm3: Option<f64>, solid_mm3: f64, density_g_cm3: f64) -> Self {
         let round = |v: f64| (v * 1e3).round() / 1e3;
+        let grams = |v: f64| (v * 1e-3 * density_g_cm3 * 1e4).round() / 1e4;
         Self {
-            volume_mm3: round(volume_mm3),
-            mass_g: (volume_mm3 * 1e-3 * density_g_cm3 * 1e4).round() / 1e4,
+            volume_mm3: beads_mm3.map(round),
+            mass_g: beads_mm3.map(grams),
+            solid_volume_mm3: round(solid_mm3),
+            solid_mass_g: grams(solid_mm3),
             contacts: support.n_contacts(),
             trees: support.forest.n_trees(),
             floating: support.cut.floating,
@@ -290,6 +301,7 @@ impl SupportReport {
             braces: support.forest.braces.len(),
             steepest_deg: round(support.forest.steepest_rad().to_degrees()),
             farthest_mm: round(support.farthest_mm()),
+            tip_moves_mm: round(support.bending.worst_mm),
             near_plate: support.near_plate,
             unreached: support
                 .unreached
@@ -301,9 +313,14 @@ impl SupportReport {
 
     /// One line for a terminal.
     pub fn summary(&self) -> String {
+        let printed = self.mass_g.map_or_else(String::new, |g| format!("{g:.2} g printed, "));
+        let near = match self.near_plate {
+            0 => String::new(),
+            n => format!("; {n} more so near the plate that nothing fits below"),
+        };
         format!(
-            "support: {:.2} g in {} trees at {} contacts, {} overhangs not reached",
-            self.mass_g,
+            "support: {printed}{:.2} g as a solid, in {} trees at {} contacts{near}, {} overhangs not reached",
+            self.solid_mass_g,
             self.trees,
             self.contacts,
             self.unreached.len()
@@ -365,7 +382,8 @@ impl Report {
                 let volume = planned.plan.layers.iter().map(of_layer).sum::<f64>();
                 // Paths have nominal volumes; flow scales what is extruded.
                 let material = &planned.config.material;
-                SupportReport::new(support, volume * material.flow, material.density_g_cm3)
+                let solid = support.volume_mm3(&planned.stack);
+                SupportReport::new(support, Some(volume * material.flow), solid, material.density_g_cm3)
             }),
             stress: planned.guide.as_ref().map(StressReport::from),
             strength: None,

@@ -276,6 +276,7 @@ pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> 
         interface_layers: u.interface_layers,
         interface_radius_mm: u.interface_radius_mm,
         load_per_contact_n: u.load_per_contact_n,
+        side_load_n: u.side_load_n,
         stiffness_mpa: u.stiffness_mpa,
         max_slenderness: u.max_slenderness,
         brace_slenderness: u.brace.then_some(u.brace_slenderness),

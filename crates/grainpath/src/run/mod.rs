@@ -240,7 +240,10 @@ fn plan_stack(
             let wanted = SupportSettings { painted, ..wanted };
             Some(support::plan(&mesh, &stack, &wanted, diagnostics)?)
         }
-        None => None,
+        None => {
+            support::warn_of_mid_air(&stack, diagnostics);
+            None
+        }
     };
     let drawn = !settings.output.report.is_empty() || !settings.output.preview.is_empty();
     if support.is_some() {

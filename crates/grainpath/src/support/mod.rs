@@ -2,6 +2,7 @@
 //! branches that meet where their cones do ([`tree`]), their layers ([`cut`]), their beads ([`beads`]), what holds
 //! each of those up ([`held`]) and the same as one closed surface ([`solid`], [`poisson`]).
 
+pub mod bending;
 pub mod baseline;
 pub mod beads;
 pub mod clearance;
@@ -19,9 +20,10 @@ use grainpath_io::PaintedSupports;
 use grainpath_job::choices::SupportSurface;
 
 use beads::BeadSettings;
+use bending::Bending;
 use clearance::Clearance;
 use cut::{Layers, SupportLayer};
-use overhang::{Contact, Overhangs};
+use overhang::{Contact, MidAir, Overhangs};
 use tree::Forest;
 
 /// A box, lowest and highest corner, mm.
@@ -75,6 +77,8 @@ pub struct SupportSettings {
     pub interface_radius_mm: f64,
     /// Load that one contact puts on its branch, safety included, N.
     pub load_per_contact_n: f64,
+    /// Drag of the nozzle on the tip of a branch, N.
+    pub side_load_n: f64,
     /// Stiffness of the printed branch, MPa.
     pub stiffness_mpa: f64,
     /// Highest length over diameter.
@@ -124,6 +128,7 @@ impl Default for SupportSettings {
             interface_layers: 0,
             interface_radius_mm: 1.2,
             load_per_contact_n: 1.0,
+            side_load_n: 0.1,
             stiffness_mpa: 2000.0,
             max_slenderness: 40.0,
             brace_slenderness: Some(25.0),
@@ -186,6 +191,8 @@ pub struct Support {
     pub cut: Layers,
     /// What could not be reached.
     pub unreached: Vec<Unreached>,
+    /// How far tips move under the drag of the nozzle.
+    pub bending: Bending,
     /// Contacts so near the plate that there is no room for support below them.
     pub near_plate: usize,
 }
@@ -195,6 +202,18 @@ impl Support {
     pub fn volume_mm3(&self, stack: &LayerStack) -> f64 {
         let of = |(s, l): (&SupportLayer, &grainpath_core::Layer)| s.region.area_mm2() * l.height_mm();
         self.cut.layers.iter().zip(stack.layers()).map(of).sum()
+    }
+
+    /// Volume of the beads of trees, mm3; `None` for the baselines, whose beads are laid with the part's.
+    pub fn beads_mm3(&self, stack: &LayerStack) -> Option<f64> {
+        let mut volume = 0.0;
+        for (layer, part) in self.cut.layers.iter().zip(stack.layers()) {
+            for island in layer.islands.as_ref()? {
+                let paths = island.walls.iter().map(|w| &w.path).chain(&island.fills);
+                volume += paths.map(|p| p.volume_mm3(part.height_mm())).sum::<f64>();
+            }
+        }
+        Some(volume)
     }
 
     /// The largest distance of any overhang's sample from its nearest contact that is held, mm.
@@ -263,9 +282,28 @@ pub fn plan(
     let mut cut = cut::cut(&forest, &overhangs.contacts, stack, &clearance, settings);
     held::stand(&mut cut, &forest, &overhangs.contacts, stack, settings);
     diagnostics.advance(1);
-    let mut support = Support { overhangs, forest, cut, ..Support::default() };
+    let bending = bending::of(&forest, settings);
+    let mut support = Support { overhangs, forest, cut, bending, ..Support::default() };
     support.tell(stack, settings, diagnostics);
     Ok(support)
+}
+
+/// Warns of a part without support that begins in mid-air.
+pub fn warn_of_mid_air(stack: &LayerStack, diagnostics: &Diagnostics) {
+    let all = overhang::mid_air(stack, |_| false);
+    let area = |m: &MidAir| m.polygon.area_mm2();
+    let Some(largest) = all.iter().max_by(|a, b| area(a).total_cmp(&area(b))) else { return };
+    let layer = &stack.layers()[largest.layer_idx];
+    let z_mm = layer.z_top_mm() - layer.height_mm();
+    let places = if all.len() == 1 { "1 place".into() } else { format!("{} places", all.len()) };
+    let text = format!(
+        "the part begins in mid-air in {places}, and there is no support; the largest piece has {:.2} mm2 at a height of \
+         {z_mm:.2} mm",
+        area(largest)
+    );
+    let at = overhang::inner_point(&largest.polygon).extend(z_mm);
+    let warning = Warning::new(WarningId::PartInMidAir, text).in_layer(largest.layer_idx, layer.z_top_mm());
+    diagnostics.push(warning.at_point_mm(at));
 }
 
 /// The surface of support layers, by the method of `support.solid`.
@@ -298,6 +336,16 @@ impl Support {
             } else {
                 self.unreached.push(Unreached { at: c.at, area_mm2: c.area_mm2 });
             }
+        }
+        if self.bending.over > 0 {
+            let Bending { worst_mm, at, over } = self.bending;
+            let text = format!(
+                "support: {over} tips move by more than {:.2} mm under a side load of {} N while they are printed, \
+                 the furthest by {worst_mm:.2} mm",
+                settings.tip_moves_at_most_mm(),
+                settings.side_load_n,
+            );
+            diagnostics.push(Warning::new(WarningId::SupportBends, text).at_point_mm(at));
         }
         for u in self.unreached.iter().take(20) {
             let text = format!("support: no way to the overhang of about {:.1} mm2", u.area_mm2);

@@ -137,7 +137,7 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
     out.regions = kept.len();
     out.contacts = place(&samples, settings);
     out.samples = samples.into_iter().map(|s| s.2).collect();
-    out.mid_air = mid_air(stack, settings);
+    out.mid_air = mid_air(stack, |p| settings.blocked(p));
     hold_mid_air(&mut out, stack, settings);
     out
 }
@@ -426,8 +426,8 @@ fn place(samples: &[(u32, Reason, Sample)], settings: &SupportSettings) -> Vec<C
     contacts
 }
 
-/// Pieces of layers that begin in mid-air.
-fn mid_air(stack: &LayerStack, settings: &SupportSettings) -> Vec<MidAir> {
+/// Pieces of layers that begin in mid-air, but for those in places that are to be left alone.
+pub fn mid_air(stack: &LayerStack, left_alone: impl Fn(DVec3) -> bool + Sync) -> Vec<MidAir> {
     let layers = stack.layers();
     let first = layers.iter().position(|l| !l.region().is_empty()).unwrap_or(0).max(1);
     let of_layer = |k: usize| -> Vec<MidAir> {
@@ -435,7 +435,7 @@ fn mid_air(stack: &LayerStack, settings: &SupportSettings) -> Vec<MidAir> {
         let clipper = LineClipper::new(below);
         let z = layers[k].z_top_mm() - layers[k].height_mm();
         let floats = |p: &&Polygon| {
-            if p.outer.iter().any(|&v| clipper.contains(v)) || settings.blocked(inner_point(p).extend(z)) {
+            if p.outer.iter().any(|&v| clipper.contains(v)) || left_alone(inner_point(p).extend(z)) {
                 return false;
             }
             Region::from((*p).clone()).intersection(below).area_mm2() < 1e-4
