@@ -13,7 +13,7 @@ const JOB: &str = "grainpath-job";
 const IMAGING: &str = "grainpath-imaging";
 
 /// Each crate of ours and the crates of ours that it may name.
-const ALLOWED: [(&str, &[&str]); 11] = [
+const ALLOWED: [(&str, &[&str]); 12] = [
     ("grainpath-core", &[]),
     ("grainpath-io", &["grainpath-core"]),
     ("grainpath-gcode", &["grainpath-core"]),
@@ -24,9 +24,22 @@ const ALLOWED: [(&str, &[&str]); 11] = [
     ("grainpath", &[CORE, IO, GCODE, FEA, JOB, IMAGING, "grainpath-parts"]),
     ("grainpath-view", &[CORE, GCODE, FEA, IMAGING, "grainpath"]),
     ("grainpath-parts", &[CORE, IO, JOB, IMAGING, "grainpath"]),
+    // The planner and `grainpath-io` for tests alone.
+    ("grainpath-studio", &[CORE, IO, GCODE, JOB, "grainpath"]),
     (
         "grainpath-cli",
-        &[CORE, IO, GCODE, FEA, JOB, IMAGING, "grainpath", "grainpath-view", "grainpath-parts"],
+        &[
+            CORE,
+            IO,
+            GCODE,
+            FEA,
+            JOB,
+            IMAGING,
+            "grainpath",
+            "grainpath-view",
+            "grainpath-parts",
+            "grainpath-studio",
+        ],
     ),
     ("xtask", &[]),
 ];

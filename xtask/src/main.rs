@@ -17,6 +17,7 @@ mod hashes;
 mod ignored;
 mod invariants;
 mod licences;
+mod page;
 mod pages;
 mod photo;
 mod setup;
@@ -51,6 +52,8 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench paths      fill along the stress held against CalculiX's principal stresses
   bench strength [PART...]  the virtual strength test: of a bar and of a bracket (time), the papers' comparisons
                    beside theirs (s1 s2), other slicers' programs (slicers); `all` adds what takes long
+  page [--write]   bundles the studio's page and compares it with the committed one, or renews that
+  page test [PATH] tests of the page in Chromium, of the program at PATH (default target/ci/grainpath)
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   campaign [MINUTES]  mutated files, kills and a full disk, against the program (default 10 minutes)
   licences         writes what `grainpath licences` prints, after dependencies changed
@@ -78,6 +81,11 @@ fn main() -> ExitCode {
         ["bench", "photo"] => photo::bench(),
         ["campaign", words @ ..] => campaign::run(words),
         ["licences"] => licences::write(),
+        ["page", "test"] => page::test_in_browser(&target().join("ci/grainpath")),
+        ["page", "test", path] => std::path::absolute(path)
+            .map_err(|e| format!("{path}: {e}"))
+            .and_then(|path| page::test_in_browser(&path)),
+        ["page", words @ ..] => page::run(words),
         ["fuzz"] => fuzz::run(20),
         ["fuzz", seconds] => seconds.parse().map_err(|_| USAGE.to_owned()).and_then(fuzz::run),
         ["setup"] => setup::tests(true).and_then(|_| setup::peers()),
@@ -188,6 +196,19 @@ fn test(options: &TestOptions) -> Outcome {
             checks.run(&format!("{} tests that need files or programs", here.len()), || {
                 tests(&[&["--ignored", "--exact"], names.as_slice()].concat())
             })?;
+        }
+        if page::has_npm() {
+            checks.run("the studio's page", || page::run(&[]))?;
+        } else {
+            checks.not_run.push("the studio's page lacks npm".to_owned());
+        }
+        if page::has_npm() && page::browser().is_some() {
+            checks.run("the studio in a browser", || {
+                cargo(&["build", "--profile", "ci", "-p", "grainpath-cli"])?;
+                page::test_in_browser(&target().join("ci/grainpath"))
+            })?;
+        } else {
+            checks.not_run.push("the studio in a browser lacks npm or Chromium".to_owned());
         }
         checks.not_run.extend(lacking.iter().map(|(test, what)| format!("{} lacks {what}", test.name)));
         checks.run("fuzz targets", || fuzz::run(options.fuzz_seconds))?;

@@ -95,6 +95,12 @@ pub enum Command {
         after_help = "Examples:\n  grainpath man ~/.local/share/man/man1\n  grainpath man . && man ./grainpath-run.1"
     )]
     Man(Man),
+    /// Open the studio: the web application on this computer
+    #[cfg(feature = "studio")]
+    #[command(
+        after_help = "Examples:\n  grainpath studio part.gcode\n  grainpath studio bracket.stl --root ~/models --no-open"
+    )]
+    Studio(Studio),
 }
 
 impl Command {
@@ -108,6 +114,8 @@ impl Command {
             Self::Profiles(a) => a.json,
             Self::Strength(a) => a.common.json,
             Self::Compare(a) => a.common.json,
+            #[cfg(feature = "studio")]
+            Self::Studio(_) => false,
             Self::Doctor(a) => a.json,
             Self::New(_)
             | Self::Specimen(_)
@@ -346,4 +354,27 @@ pub struct Man {
     /// Write over files that are there
     #[arg(long)]
     pub force: bool,
+}
+
+/// `grainpath studio`
+#[cfg(feature = "studio")]
+#[derive(Debug, clap::Args)]
+pub struct Studio {
+    /// Job file, mesh, outline or G-code of any slicer to open first
+    pub file: Option<PathBuf>,
+    /// Print the address and open no browser
+    #[arg(long)]
+    pub no_open: bool,
+    /// Path before every address, for a proxy that serves the studio below one
+    #[arg(long, value_name = "PATH", default_value = "")]
+    pub base: String,
+    /// A folder whose files may be read, besides the current one and that of FILE
+    #[arg(long = "root", value_name = "DIR")]
+    pub roots: Vec<PathBuf>,
+    /// A host name by which the studio may be asked for, besides 127.0.0.1, localhost and [::1]
+    #[arg(long = "allow-host", value_name = "NAME")]
+    pub hosts: Vec<String>,
+    /// Largest file that may be dropped on the page, bytes
+    #[arg(long, value_name = "BYTES", default_value_t = 1_000_000_000)]
+    pub max_upload: u64,
 }

@@ -65,19 +65,29 @@ struct Claim {
 pub struct Claims {
     read: Vec<Claim>,
     written: Vec<Claim>,
+    /// All paths that were given, devices too: read, and written.
+    paths: (Vec<PathBuf>, Vec<PathBuf>),
 }
 
 impl Claims {
     /// Adds a file that is read, or a folder whose files are read. An empty path is ignored.
     pub fn read(&mut self, what: impl Into<String>, path: &Path) {
         if !path.as_os_str().is_empty() {
+            self.paths.0.push(path.to_owned());
             self.read.extend(claim(what, path));
         }
     }
 
     /// Adds a file that is written.
     pub fn write(&mut self, what: impl Into<String>, path: &Path) {
+        self.paths.1.push(path.to_owned());
         self.written.extend(claim(what, path));
+    }
+
+    /// The paths that are read, and those that are written.
+    #[cfg_attr(not(feature = "studio"), allow(dead_code))]
+    pub fn paths(&self) -> (&[PathBuf], &[PathBuf]) {
+        (&self.paths.0, &self.paths.1)
     }
 
     /// Compares each output with all inputs and all other outputs.

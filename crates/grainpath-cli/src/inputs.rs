@@ -28,20 +28,32 @@ pub fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Resul
 
 /// The settings of a job, the file of its shape, and the folder to which its paths are relative.
 pub fn read_job(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf, PathBuf), Failure> {
+    let (settings, folder) = read_settings(job, sets)?;
+    let shape = shape_of(&settings, &folder).ok_or_else(|| no_shape(&job.display().to_string()))?;
+    Ok((settings, shape, folder))
+}
+
+/// The settings of a job, and the folder to which its paths are relative. The job need not have a shape.
+pub fn read_settings(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf), Failure> {
     let text = files::read_text(job)?;
     let folder = job.parent().map(Path::to_owned).unwrap_or_default();
-    let name = job.display().to_string();
-    let settings = settings(&text, &name, sets, &folder)?;
+    let settings = settings(&text, &job.display().to_string(), sets, &folder)?;
+    Ok((settings, folder))
+}
+
+/// The file of a job's shape, where the job has one.
+pub fn shape_of(settings: &Settings, folder: &Path) -> Option<PathBuf> {
     let shape = &settings.shape;
     let given =
         [&shape.mesh, &shape.outline, &settings.ct.path].into_iter().chain(settings.photo.files.first());
-    let Some(given) = given.into_iter().find(|p| !p.is_empty()) else {
-        return Err(Failure::usage(format!(
-            "{name}: [shape] needs mesh = \"FILE\", outline = \"FILE\", ct = \"SCAN\" or photo = {{ files = [\"FILE\"], ... }}"
-        )));
-    };
-    let shape = folder.join(given);
-    Ok((settings, shape, folder))
+    given.into_iter().find(|p| !p.is_empty()).map(|p| folder.join(p))
+}
+
+/// The failure of a job without a shape.
+pub fn no_shape(name: &str) -> Failure {
+    Failure::usage(format!(
+        "{name}: [shape] needs mesh = \"FILE\", outline = \"FILE\", ct = \"SCAN\" or photo = {{ files = [\"FILE\"], ... }}"
+    ))
 }
 
 /// Adds all files that a job reads, except the job itself.

@@ -57,6 +57,13 @@ pub fn watch(diagnostics: Arc<Diagnostics>) {
     });
 }
 
+/// Removes the temporary files of runs that the end of the program cuts off.
+#[cfg(feature = "studio")]
+pub fn remove_temporary() {
+    INTERRUPTED.store(true, Ordering::SeqCst);
+    outputs().temporary.drain(..).for_each(|path| drop(std::fs::remove_file(path)));
+}
+
 /// Removes temporary files, prints what was written before the signal, and ends the process.
 pub fn end() -> ! {
     // Held to the end: no file gets its name any more.

@@ -87,6 +87,8 @@ fn main() -> ExitCode {
         Command::Licences(a) => commands::licences::licences(&a),
         Command::Completions(a) => commands::completions::completions(&a),
         Command::Man(a) => commands::completions::man(&a),
+        #[cfg(feature = "studio")]
+        Command::Studio(a) => commands::studio::studio(&a),
     };
     // A full disk behind a redirection fails only here: a command that could not say its result has
     // failed.

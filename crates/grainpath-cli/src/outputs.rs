@@ -72,6 +72,12 @@ impl Paths {
         Ok(paths)
     }
 
+    /// The place of the program.
+    #[cfg(feature = "studio")]
+    pub fn gcode(&self) -> &Path {
+        &self.gcode
+    }
+
     /// Whether the program goes to standard output, which must then hold nothing else.
     pub fn is_standard_output(&self) -> bool {
         ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| self.gcode == Path::new(name))

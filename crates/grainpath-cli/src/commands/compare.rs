@@ -32,7 +32,9 @@ pub fn compare(args: &Compare) -> Result<(), Failure> {
             }
         };
         note("planning");
-        let done = test_one(input, args.job.as_deref(), &args.common, mass_g, &note)?;
+        let mut done = test_one(input, args.job.as_deref(), &args.common, mass_g, &note)?;
+        // Beads are the largest part of a program, and the table needs none.
+        done.program.layers = Vec::new();
         let report = &done.tested.report;
         note(&format!("{:.0} N ({})", report.peak_load_n, report.over()));
         if let Some(folder) = &args.preview {
@@ -87,7 +89,7 @@ fn row(done: &Done, first: &StrengthReport) -> Value {
     let round = |v: f64| (v * 1e4).round() / 1e4;
     let decided = if is_first { Value::Null } else { json!(ratio.is_decided()) };
     json!({
-        "name": done.name, "mass_g": r.mass_g, "time_s": (done.time_s * 10.0).round() / 10.0,
+        "name": done.name, "mass_g": r.mass_g, "time_s": (done.program.time_s * 10.0).round() / 10.0,
         "peak_load_n": r.peak_load_n, "low_n": r.low_n, "high_n": r.high_n,
         "stiffness_n_per_mm": r.stiffness_n_per_mm, "load_per_gram_n_g": r.load_per_gram_n_g,
         "ratio": round(ratio.nominal), "ratio_low": round(ratio.low), "ratio_high": round(ratio.high),
@@ -112,7 +114,7 @@ fn table(all: &[Done], rows: &[Value]) -> String {
             "{:<width$}  {:>7.2}  {:>9}  {:>5.0} ({:>4.0}-{:>4.0})  {:>8.0}  {:>6.1}  {:>5.3} ({:.3}-{:.3})  {}{}",
             d.name,
             r.mass_g,
-            format!("{:.0} min", d.time_s / 60.0),
+            format!("{:.0} min", d.program.time_s / 60.0),
             r.peak_load_n,
             r.low_n,
             r.high_n,

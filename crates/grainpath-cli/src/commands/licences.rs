@@ -9,5 +9,7 @@ const NOTICES: &str = include_str!("../../licences.txt");
 /// `grainpath licences`
 pub fn licences(Licences {}: &Licences) -> Result<(), Failure> {
     files::print(NOTICES);
+    #[cfg(feature = "studio")]
+    files::print(&format!("\n{}", grainpath_studio::LICENCES_OF_PAGE));
     Ok(())
 }

@@ -15,4 +15,6 @@ pub mod schema;
 pub mod slice;
 pub mod specimen;
 pub mod strength;
+#[cfg(feature = "studio")]
+pub mod studio;
 pub mod support;

@@ -1,18 +1,18 @@
 //! `grainpath strength`: the load that a part carries until it breaks.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use grainpath::guide::boundary_conditions;
-use grainpath::measure::strength::{TestSetup, Tested, test_noting};
+use grainpath::measure::strength::{PrintedPart, StrengthError, TestSetup, Tested, test_noting};
 use grainpath::run::{Sliced, mesh_and_layers};
-use grainpath_core::{Diagnostics, Warning};
+use grainpath_core::{DVec2, Diagnostics, Warning};
 use grainpath_gcode::{Program, simulate, write_gcode};
 use grainpath_job::Settings;
 use grainpath_view::strength::chart_svg;
 use serde_json::{Value, json};
 
 use crate::args::{Common, Strength};
-use crate::inputs::{plan, read_body, read_job, set_threads};
+use crate::inputs::{no_shape, plan, read_body, read_settings, set_threads, shape_of};
 use crate::{Failure, files, memory, outputs, progress};
 
 /// A tested job or program.
@@ -21,10 +21,8 @@ pub struct Done {
     pub name: String,
     /// The test.
     pub tested: Tested,
-    /// Layers of the program.
-    pub layers: usize,
-    /// Printing time, s.
-    pub time_s: f64,
+    /// The program that was tested.
+    pub program: Program,
     /// All warnings.
     pub warnings: Vec<Warning>,
 }
@@ -43,8 +41,8 @@ pub fn strength(args: &Strength) -> Result<(), Failure> {
     }
     if args.common.json {
         let mut value = json!({
-            "ok": true, "version": env!("CARGO_PKG_VERSION"), "layers": done.layers,
-            "mass_g": done.tested.report.mass_g, "time_s": (done.time_s * 10.0).round() / 10.0,
+            "ok": true, "version": env!("CARGO_PKG_VERSION"), "layers": done.program.layers.len(),
+            "mass_g": done.tested.report.mass_g, "time_s": (done.program.time_s * 10.0).round() / 10.0,
             "strength": done.tested.report, "peak_rss_mb": memory::peak_rss_mb(), "warnings": done.warnings,
         });
         if !written.is_null() {
@@ -84,54 +82,117 @@ pub fn test_one(
     note: &(dyn Fn(&str) + Sync),
 ) -> Result<Done, Failure> {
     let job = job_of(input, job)?;
-    let (mut settings, shape, folder) = read_job(job, &common.sets)?;
-    settings.strength.enabled = true;
+    let (mut settings, folder) = read_settings(job, &common.sets)?;
     settings.fill.mass_g = mass_g.or(settings.fill.mass_g);
     let diagnostics = progress::diagnostics();
-    let failed = |e: grainpath::measure::strength::StrengthError| Failure::from(grainpath::Error::from(e));
-    let theirs = if is_job(input) { None } else { Some(read(&settings, &files::read(input)?, input)?) };
-    // A photograph or a scan has its shape only after planning, so those jobs are planned even for a
-    // program of another slicer.
-    let solid = !settings.shape.mesh.is_empty() || !settings.shape.outline.is_empty();
-    // For a program of another slicer the fill need not be planned: section, fixtures and loads are
-    // enough.
-    let (tested, program) = if let (Some(program), true) = (&theirs, solid) {
-        let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
-        let (file, _) = read_body(&settings, &shape, &diagnostics)?;
-        let Sliced { mesh, stack, .. } =
-            mesh_and_layers(&grainpath::run::config::placing(&settings), file, &diagnostics)
-                .map_err(source)?;
-        let conditions = boundary_conditions(&grainpath::run::config::loads(&settings), &mesh)
-            .map_err(|e| failed(e.into()))?;
-        let setup = TestSetup::of(&settings, &mesh, &stack, conditions).map_err(failed)?;
-        // Without a shift the test finds the part on the bed by itself, since another slicer may have
-        // placed it anywhere.
-        let tested = test_noting(&settings, &setup, program, None, &diagnostics, note);
-        (tested.map_err(|e| named(input, failed(e)))?, theirs)
-    } else {
-        let (planned, _) = plan(&settings, &shape, &folder, &diagnostics)?;
-        let setup = planned.test.as_ref();
-        let setup = setup.ok_or_else(|| Failure::usage("strength.enabled should be true"))?;
-        if let Some(program) = &theirs {
-            let tested = test_noting(&settings, setup, program, None, &diagnostics, note);
-            (tested.map_err(|e| named(input, failed(e)))?, theirs)
-        } else {
-            let mut bytes = Vec::new();
-            // The plan is written and read back, so that the test sees the rounding of the program as for
-            // any other.
-            write_gcode(&planned.plan, &planned.config, &[], &mut bytes)
-                .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
-            let program = read(&settings, &bytes, input)?;
-            let shift = planned.plan.plate_from_part_mm.truncate();
-            let tested = test_noting(&settings, setup, &program, Some(shift), &diagnostics, note);
-            (tested.map_err(failed)?, Some(program))
+    let theirs = if is_job(input) { None } else { Some(files::read(input)?) };
+    let tested = TestedJob { settings, folder, name: job.display().to_string() };
+    tested.test(input, theirs.as_deref(), &diagnostics, note)
+}
+
+/// A job whose part is tested.
+pub struct TestedJob {
+    /// Its settings.
+    pub settings: Settings,
+    /// The folder to which its paths are relative.
+    pub folder: PathBuf,
+    /// Its name in errors.
+    pub name: String,
+}
+
+impl TestedJob {
+    /// Tests the part as the job prints it, or as the bytes of a program do. `input` is the job or the program.
+    pub fn test(
+        mut self,
+        input: &Path,
+        theirs: Option<&[u8]>,
+        diagnostics: &Diagnostics,
+        note: &(dyn Fn(&str) + Sync),
+    ) -> Result<Done, Failure> {
+        self.settings.strength.enabled = true;
+        let settings = &self.settings;
+        let program = theirs.map(|bytes| read(settings, bytes, input)).transpose()?;
+        let tested = match (program, shape_of(settings, &self.folder)) {
+            (Some(program), None) => {
+                let tested = test_printed(settings, &program, diagnostics, note);
+                tested.map(|t| (t, program)).map_err(|e| named(input, failed(e)))?
+            }
+            (Some(program), Some(shape)) => {
+                let setup = self.setup_for_program(&shape, diagnostics)?;
+                // Without a shift the test finds the part on the bed by itself, since another slicer may
+                // have placed it anywhere.
+                let tested = test_noting(settings, &setup, &program, None, diagnostics, note);
+                tested.map(|t| (t, program)).map_err(|e| named(input, failed(e)))?
+            }
+            (None, Some(shape)) => self.test_own(input, &shape, diagnostics, note)?,
+            (None, None) => return Err(no_shape(&self.name)),
+        };
+        let (tested, program) = tested;
+        let warnings = warnings(diagnostics, &program);
+        let name = input.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+        Ok(Done { name, tested, warnings, program })
+    }
+
+    /// The part's side of a test of another slicer's program.
+    fn setup_for_program(&self, shape: &Path, diagnostics: &Diagnostics) -> Result<TestSetup, Failure> {
+        let settings = &self.settings;
+        // A photograph or a scan has its shape only after planning, so those jobs are planned even for a
+        // program of another slicer.
+        if settings.shape.mesh.is_empty() && settings.shape.outline.is_empty() {
+            let (planned, _) = plan(settings, shape, &self.folder, diagnostics)?;
+            return planned.test.ok_or_else(not_enabled);
         }
-    };
-    let program = program.unwrap_or_default();
-    let warnings = warnings(&diagnostics, &program);
-    drop(diagnostics);
-    let name = input.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-    Ok(Done { name, tested, layers: program.layers.len(), time_s: program.time_s, warnings })
+        // For others the fill need not be planned: section, fixtures and loads are enough.
+        let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
+        let (file, _) = read_body(settings, shape, diagnostics)?;
+        let Sliced { mesh, stack, .. } =
+            mesh_and_layers(&grainpath::run::config::placing(settings), file, diagnostics).map_err(source)?;
+        let conditions = boundary_conditions(&grainpath::run::config::loads(settings), &mesh)
+            .map_err(|e| failed(e.into()))?;
+        TestSetup::of(settings, &mesh, &stack, conditions).map_err(failed)
+    }
+
+    /// Plans the job and tests the program that is written.
+    fn test_own(
+        &self,
+        input: &Path,
+        shape: &Path,
+        diagnostics: &Diagnostics,
+        note: &(dyn Fn(&str) + Sync),
+    ) -> Result<(Tested, Program), Failure> {
+        let (planned, _) = plan(&self.settings, shape, &self.folder, diagnostics)?;
+        let setup = planned.test.as_ref().ok_or_else(not_enabled)?;
+        let mut bytes = Vec::new();
+        // The plan is written and read back, so that the test sees the rounding of the program as for
+        // any other.
+        write_gcode(&planned.plan, &planned.config, &[], &mut bytes)
+            .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
+        let program = read(&self.settings, &bytes, input)?;
+        let shift = planned.plan.plate_from_part_mm.truncate();
+        let tested = test_noting(&self.settings, setup, &program, Some(shift), diagnostics, note);
+        Ok((tested.map_err(failed)?, program))
+    }
+}
+
+/// Tests a program of which no model is known: the part is what it prints, in its own coordinates.
+fn test_printed(
+    settings: &Settings,
+    program: &Program,
+    diagnostics: &Diagnostics,
+    note: &(dyn Fn(&str) + Sync),
+) -> Result<Tested, StrengthError> {
+    let part = PrintedPart::of(program)?;
+    let conditions = part.conditions(&grainpath::run::config::loads(settings))?;
+    let setup = TestSetup::of(settings, &part.mesh, &part.stack, conditions)?;
+    test_noting(settings, &setup, program, Some(DVec2::ZERO), diagnostics, note)
+}
+
+fn failed(error: StrengthError) -> Failure {
+    Failure::from(grainpath::Error::from(error))
+}
+
+fn not_enabled() -> Failure {
+    Failure::usage("strength.enabled should be true")
 }
 
 fn named(input: &Path, f: Failure) -> Failure {

@@ -6,6 +6,7 @@
 
 mod brick_setup;
 mod frame;
+mod printed;
 mod setup;
 
 use std::collections::BTreeMap;
@@ -30,6 +31,7 @@ use brick_setup::PreparedSolid;
 use frame::Frame;
 use grainpath_job::choices::Choice;
 use grainpath_job::{MaterialSection, Settings};
+pub use printed::PrintedPart;
 pub use setup::TestSetup;
 use setup::{Fidelity, Prepared};
 
@@ -59,6 +61,10 @@ pub enum StrengthError {
     CatchesNothing(#[from] CatchesNothing),
     #[error("nothing of a part is printed in the program")]
     NothingPrinted,
+    #[error(
+        "{0} needs the surface of the part, which a program does not have: state [shape], or use a box, a plane, a cylinder or a sphere with a force"
+    )]
+    NeedsSurface(String),
     #[error(
         "the program prints {:.1} x {:.1} x {:.1} mm, the job's part is {:.1} x {:.1} x {:.1} mm: not the same part",
         printed.x, printed.y, printed.z, part.x, part.y, part.z
@@ -246,6 +252,53 @@ pub struct Tested {
     pub outcome: Outcome,
     /// Position of the elements.
     pub map: Map,
+    /// The directions of their grid.
+    frame: Frame,
+    /// Program coordinates are part coordinates plus this, mm.
+    program_from_part_mm: DVec3,
+    /// Lowest height of the part and its height, mm.
+    heights_mm: [f64; 2],
+}
+
+/// An element that lost stiffness.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BrokenElement {
+    /// Its middle in the program's coordinates, mm.
+    pub at_mm: DVec3,
+    /// The share of its stiffness that is lost, 0 to 1.
+    pub lost: f32,
+}
+
+impl Tested {
+    /// The edges of an element, mm; those of plates are as high as the plate.
+    pub fn element_mm(&self) -> DVec3 {
+        match &self.map {
+            Map::Plane(e) => DVec3::new(e.grid.cell_mm, e.grid.cell_mm, self.heights_mm[1]),
+            Map::Voxels { cell_mm, .. } => *cell_mm,
+        }
+    }
+
+    /// The angle of the elements' first edge from the x axis, rad.
+    pub fn element_angle_rad(&self) -> f64 {
+        let x = self.frame.to_part(DVec2::X);
+        grainpath_core::math::atan2(x.y, x.x)
+    }
+
+    /// The elements that lost at least this share of their stiffness.
+    pub fn broken(&self, least: f32) -> Vec<BrokenElement> {
+        let size_mm = self.element_mm();
+        let (n, low, cells) = match &self.map {
+            Map::Plane(e) => ([e.grid.nx, e.grid.ny], e.grid.low.extend(self.heights_mm[0]), &e.cells),
+            Map::Voxels { n, low, cells, .. } => ([n[0], n[1]], *low, cells),
+        };
+        let place = |cell: u32| {
+            let (cell, [nx, ny]) = (cell as usize, n);
+            let index = DVec3::new((cell % nx) as f64, (cell / nx % ny) as f64, (cell / (nx * ny)) as f64);
+            self.frame.to_part_3d(low + (index + 0.5) * size_mm) + self.program_from_part_mm
+        };
+        let with = cells.iter().zip(&self.outcome.damage).filter(|(_, lost)| **lost >= least);
+        with.map(|(cell, lost)| BrokenElement { at_mm: place(*cell), lost: *lost }).collect()
+    }
 }
 
 /// Position of the elements of a test.
@@ -504,7 +557,7 @@ fn test_case(
     // Checked first: a missing strength must not be found after minutes of work.
     let nominal = cards(settings, CORNERS[0])?;
     diagnostics.begin(grainpath_core::diagnostics::Stage::Strength, 0);
-    let sheets = setup.sheets(program, plate_from_part)?;
+    let (sheets, program_from_part_mm) = setup.sheets(program, plate_from_part)?;
     let frame = Frame::new(&sheets);
     let (setup, sheets) = (&setup.in_frame(frame), frame.beads(&sheets));
     let laid_mm3: f64 = sheets.iter().flat_map(|s| &s.beads).map(|b| b.volume_mm3).sum();
@@ -595,7 +648,8 @@ fn test_case(
         card_tier: settings.material.strength_tier.name(),
         curve: outcome.curve.iter().map(|p| [p.displacement_mm, p.load_n].map(digits)).collect(),
     };
-    Ok(Tested { report, outcome, map: prepared.map() })
+    let heights_mm = [setup.low.z, setup.high.z - setup.low.z];
+    Ok(Tested { report, outcome, map: prepared.map(), frame, program_from_part_mm, heights_mm })
 }
 
 /// Mass of the part's beads, without skirt, brim and support, g.

@@ -76,6 +76,21 @@ pub struct TestSetup {
     fibre: bool,
 }
 
+/// The layers in which the part is printed, their heights, and the height at which they begin, mm.
+pub(super) fn layers_of_part(program: &Program) -> (Vec<&BeadLayer>, Vec<f64>, f64) {
+    let of_part = |l: &&BeadLayer| l.beads.iter().any(|b| b.role.is_part());
+    let layers: Vec<&BeadLayer> = program.layers.iter().filter(of_part).collect();
+    // A first layer far above the plate stands on a raft or on supports, which are not tested.
+    let first = match layers.as_slice() {
+        [a, b, ..] if a.z_mm > 3.0 * (b.z_mm - a.z_mm) => a.z_mm - a.height_mm,
+        _ => 0.0,
+    };
+    let mut below = first;
+    // Heights come from the differences of nozzle heights, because other slicers do not state them.
+    let heights = layers.iter().map(|l| l.z_mm - std::mem::replace(&mut below, l.z_mm)).collect();
+    (layers, heights, first)
+}
+
 impl TestSetup {
     /// One test for every load case of the job, the one with the largest weight first.
     ///
@@ -177,7 +192,7 @@ impl TestSetup {
         self.conditions.catches_nothing(what, on, "what is printed and held").into()
     }
 
-    /// The beads of the part in part coordinates. For a program of our own the part's position on
+    /// The beads of the part in part coordinates, and what leads from those to the program's. For a program of our own the part's position on
     /// the plate is known; otherwise the centre of the printed beads gives it.
     ///
     /// # Errors
@@ -186,25 +201,9 @@ impl TestSetup {
         &self,
         program: &Program,
         plate_from_part: Option<DVec2>,
-    ) -> Result<Vec<BeadSheet>, StrengthError> {
-        let of_part = |l: &&BeadLayer| l.beads.iter().any(|b| b.role.is_part());
-        let layers: Vec<&BeadLayer> = program.layers.iter().filter(of_part).collect();
-        // A first layer far above the plate stands on a raft or on supports, which are not tested.
-        let first = match layers.as_slice() {
-            [a, b, ..] if a.z_mm > 3.0 * (b.z_mm - a.z_mm) => a.z_mm - a.height_mm,
-            _ => 0.0,
-        };
-        let mut below = first;
-        // Heights come from the differences of nozzle heights, because other slicers do not state
-        // them.
-        let heights: Vec<f64> = layers
-            .iter()
-            .map(|l| {
-                let h = l.z_mm - below;
-                below = l.z_mm;
-                h
-            })
-            .collect();
+    ) -> Result<(Vec<BeadSheet>, DVec3), StrengthError> {
+        let (layers, heights, first) = layers_of_part(program);
+        let below = layers.last().map_or(first, |l| l.z_mm);
         let box_of = |l: &BeadLayer, h: f64| {
             let mut bounds = (DVec2::INFINITY, DVec2::NEG_INFINITY);
             for b in l.beads.iter().filter(|b| b.role.is_part()) {
@@ -253,7 +252,7 @@ impl TestSetup {
         if share > MOST_OUTSIDE {
             return Err(StrengthError::Outside { percent: 100.0 * share });
         }
-        Ok(sheets)
+        Ok((sheets, shift.extend(first - self.low.z)))
     }
 
     /// The share of the beads' length that lies outside the part, in the layers of the sampled

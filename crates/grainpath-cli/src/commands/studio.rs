@@ -1,0 +1,168 @@
+//! `grainpath studio`: the web application on this computer.
+//!
+//! The server is `grainpath-studio`; runs are done here by the code of `run` and `strength`, so that the page and the
+//! command line give the same bytes. Every file that a job names is checked against the studio's folders first.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Arc;
+
+use grainpath_core::Diagnostics;
+use grainpath_job::{Settings, parse_job};
+use grainpath_studio::roots::Roots;
+use grainpath_studio::{Damage, Engine, Finished, JobText, Options, Output, Refusal, serve};
+use serde_json::json;
+
+use super::strength::TestedJob;
+use crate::args::Studio;
+use crate::claims::Claims;
+use crate::inputs::{claim_inputs, no_shape, plan, read_program, shape_of};
+use crate::{Failure, files, interrupt, memory, outputs};
+
+/// Name of the folder below the current one that the studio writes to.
+const WORK: &str = "grainpath-studio";
+/// Share of its stiffness that an element must have lost to be shown as broken. Source: chosen; the softening law of
+/// `docs/strength.md` has spent a tenth of its energy there, and elements beside a crack keep less damage.
+const BROKEN: f32 = 0.3;
+
+/// `grainpath studio`
+pub fn studio(args: &Studio) -> Result<(), Failure> {
+    let here = PathBuf::from(".");
+    let options = Options {
+        work: here.join(WORK),
+        roots: std::iter::once(here).chain(args.roots.iter().cloned()).collect(),
+        file: args.file.clone(),
+        hosts: args.hosts.clone(),
+        base: args.base.clone(),
+        max_upload: args.max_upload,
+    };
+    let ready = |address: &str| {
+        files::print(&format!("{address}\n"));
+        eprintln!(
+            "grainpath: the studio is at this address until Ctrl-C; it can be opened from this computer alone"
+        );
+        if !args.no_open {
+            open(address);
+        }
+    };
+    let served = serve(&options, Arc::new(Commands), ready);
+    interrupt::remove_temporary();
+    served.map_err(|r| Failure { message: r.message, code: r.code, warnings: Vec::new() })
+}
+
+/// Opens an address in the user's browser.
+fn open(address: &str) {
+    let (program, before): (&str, &[&str]) = if cfg!(target_os = "macos") {
+        ("open", &[])
+    } else if cfg!(windows) {
+        ("rundll32", &["url.dll,FileProtocolHandler"])
+    } else {
+        ("xdg-open", &[])
+    };
+    let mut command = Command::new(program);
+    command.args(before).arg(address);
+    let started = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn();
+    if started.is_err() {
+        eprintln!("grainpath: no browser could be opened; open the address yourself");
+    }
+}
+
+/// The commands of this program as the studio's engine.
+struct Commands;
+
+fn refusal(failure: Failure) -> Refusal {
+    Refusal { message: failure.message.replace('\n', " "), code: failure.code }
+}
+
+/// The settings of a job whose files all lie where the studio may read.
+fn settings(job: &JobText, roots: &Roots) -> Result<Settings, Refusal> {
+    let load = |path: &str| {
+        let real = roots.readable(&job.folder.join(path)).map_err(|r| r.message)?;
+        files::read_text(&real).map_err(|f| f.message)
+    };
+    let settings = parse_job(&job.text, &job.name, &[], &load).map_err(|e| Refusal::usage(e.to_string()))?;
+    if settings.ct.outside_folder {
+        return Err(Refusal::usage(format!(
+            "{}: shape.ct.outside_folder lets a scan name files anywhere; the studio does not allow it",
+            job.name
+        )));
+    }
+    Ok(settings)
+}
+
+/// Checks all files that were claimed.
+fn allowed(claims: &Claims, roots: &Roots) -> Result<(), Refusal> {
+    let (read, written) = claims.paths();
+    read.iter().try_for_each(|path| roots.readable(path).map(drop))?;
+    written.iter().try_for_each(|path| roots.writable(path).map(drop))?;
+    claims.check().map_err(refusal)
+}
+
+impl Engine for Commands {
+    fn plan(
+        &self,
+        job: &JobText,
+        out: &Path,
+        roots: &Roots,
+        diagnostics: &Diagnostics,
+    ) -> Result<Finished, Refusal> {
+        let settings = settings(job, roots)?;
+        let shape = shape_of(&settings, &job.folder).ok_or_else(|| refusal(no_shape(&job.name)))?;
+        let paths = outputs::Paths::of(&settings, &shape, out).map_err(refusal)?;
+        let mut claims = Claims::default();
+        claims.read("the job file", Path::new(&job.name));
+        claim_inputs(&settings, &shape, &job.folder, &mut claims);
+        paths.claim(&mut claims);
+        allowed(&claims, roots)?;
+        let (planned, read_s) = plan(&settings, &shape, &job.folder, diagnostics).map_err(refusal)?;
+        let truth = None;
+        let report = outputs::write(&settings, planned, &paths, read_s, true, truth, diagnostics);
+        let report = report.map_err(refusal)?;
+        let program = read_program(paths.gcode()).map_err(refusal)?;
+        let outputs = report.outputs.iter().map(|(kind, path)| (*kind, PathBuf::from(path)));
+        let outputs = outputs.filter(|(_, path)| path.is_file());
+        Ok(Finished {
+            outputs: outputs.map(|(kind, path)| Output { kind: kind.to_owned(), path }).collect(),
+            report: report.to_json(),
+            program,
+            damage: None,
+            warnings: report.warnings,
+        })
+    }
+
+    fn strength(
+        &self,
+        job: &JobText,
+        program: Option<&Path>,
+        roots: &Roots,
+        diagnostics: &Diagnostics,
+    ) -> Result<Finished, Refusal> {
+        let settings = settings(job, roots)?;
+        let mut claims = Claims::default();
+        let shape = shape_of(&settings, &job.folder);
+        claim_inputs(&settings, shape.as_deref().unwrap_or(Path::new("")), &job.folder, &mut claims);
+        allowed(&claims, roots)?;
+        let bytes = program.map(|p| files::read(&roots.readable(p)?).map_err(refusal)).transpose()?;
+        let input = program.unwrap_or(Path::new(&job.name)).to_owned();
+        let tested = TestedJob { settings, folder: job.folder.clone(), name: job.name.clone() };
+        let done = tested.test(&input, bytes.as_deref(), diagnostics, &|_| {}).map_err(refusal)?;
+        let size_mm = done.tested.element_mm();
+        let cells = done.tested.broken(BROKEN);
+        Ok(Finished {
+            report: json!({
+                "ok": true, "version": env!("CARGO_PKG_VERSION"), "layers": done.program.layers.len(),
+                "mass_g": done.tested.report.mass_g, "time_s": done.program.time_s,
+                "strength": done.tested.report, "summary": done.tested.report.summary(),
+                "peak_rss_mb": memory::peak_rss_mb(),
+            }),
+            damage: Some(Damage {
+                cell_mm: size_mm.to_array(),
+                angle_rad: done.tested.element_angle_rad(),
+                cells: cells.iter().map(|c| (c.at_mm.as_vec3().to_array(), c.lost)).collect(),
+            }),
+            program: done.program,
+            outputs: Vec::new(),
+            warnings: done.warnings,
+        })
+    }
+}

@@ -1,0 +1,200 @@
+//! Who may ask: a token of this start, an allowed `Host`, and no foreign `Origin`.
+//!
+//! Every page that the user's browser shows can send requests to 127.0.0.1. Three checks keep such pages out. The token
+//! is random and made anew at each start; it travels in the address that is opened once and then in a cookie that scripts
+//! cannot read (`HttpOnly`, `SameSite=Strict`), or as `Authorization: Bearer`. `Host` must be this computer by name, which
+//! ends DNS rebinding, with any port, so that `ssh -L` works. `Origin`, where a browser sends it, must be the address of
+//! `Host`. No response allows another origin, and the content security policy lets the page load from here alone.
+
+use std::sync::Arc;
+
+use axum::body::Body;
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+use serde_json::json;
+
+use crate::Studio;
+
+/// Host names of this computer.
+const OWN_HOSTS: [&str; 3] = ["127.0.0.1", "localhost", "[::1]"];
+/// Bytes of a token. Source: 128 bits cannot be guessed (RFC 6819, section 5.1.4.2.2).
+const TOKEN_BYTES: usize = 16;
+/// What the page may load, and from where. `blob:` is for pictures and workers that the page makes itself.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
+                      connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// The checks of a server.
+#[derive(Debug, Clone)]
+pub struct Access {
+    token: String,
+    hosts: Vec<String>,
+}
+
+impl Access {
+    /// A new random token; `hosts` are names that are allowed besides those of this computer.
+    ///
+    /// # Errors
+    /// Where the system gives no random bytes.
+    pub fn new(hosts: &[String]) -> Result<Self, getrandom::Error> {
+        let mut bytes = [0; TOKEN_BYTES];
+        getrandom::fill(&mut bytes)?;
+        let token = bytes.iter().map(|b| format!("{b:02x}")).collect();
+        let own = OWN_HOSTS.iter().map(|h| (*h).to_owned());
+        let hosts = own.chain(hosts.iter().map(|h| h.to_ascii_lowercase())).collect();
+        Ok(Self { token, hosts })
+    }
+
+    /// The token.
+    pub fn token(&self) -> &str {
+        &self.token
+    }
+
+    /// Whether these are the bytes of the token. All are compared, so that the time tells nothing.
+    pub fn is_token(&self, given: &str) -> bool {
+        let differing = self.token.bytes().zip(given.bytes()).fold(0, |d, (a, b)| d | (a ^ b));
+        given.len() == self.token.len() && differing == 0
+    }
+
+    fn allows_host(&self, host: &str) -> bool {
+        let host = host.to_ascii_lowercase();
+        // A port follows the last colon; an IPv6 address has its colons in brackets.
+        let name = match host.rfind(':') {
+            Some(at) if !host[at..].contains(']') => &host[..at],
+            _ => &host,
+        };
+        self.hosts.iter().any(|h| h.as_str() == name)
+    }
+
+    /// Why a request with these headers is refused before its token is looked at.
+    fn foreign(&self, headers: &HeaderMap) -> Option<&'static str> {
+        let text = |name: HeaderName| headers.get(name).map(|v| v.to_str().unwrap_or_default());
+        let Some(host) = text(header::HOST).filter(|h| self.allows_host(h)) else {
+            return Some("this host name is not allowed; --allow-host NAME allows it");
+        };
+        let Some(origin) = text(header::ORIGIN) else { return None };
+        let authority = origin.strip_prefix("http://").or(origin.strip_prefix("https://"));
+        let is_own = authority.is_some_and(|a| a.eq_ignore_ascii_case(host));
+        (!is_own).then_some("requests of other pages are refused")
+    }
+
+    fn has_token(&self, headers: &HeaderMap, name: &str) -> bool {
+        let bearer = headers.get(header::AUTHORIZATION).and_then(|v| v.to_str().ok());
+        if bearer.and_then(|v| v.strip_prefix("Bearer ")).is_some_and(|t| self.is_token(t.trim())) {
+            return true;
+        }
+        let cookies = headers.get_all(header::COOKIE).iter().filter_map(|v| v.to_str().ok());
+        let mut pairs = cookies.flat_map(|c| c.split(';')).filter_map(|c| c.trim().split_once('='));
+        pairs.any(|(key, value)| key == name && self.is_token(value))
+    }
+
+    /// The name of the cookie. Cookies do not tell ports apart, so two studios need two names; the start of the token
+    /// is enough to tell them apart and gives nothing away that the cookie does not hold.
+    fn cookie(&self) -> String {
+        format!("grainpath_{}", &self.token[..4])
+    }
+}
+
+/// An error as JSON, with its status.
+pub(crate) fn refused(status: StatusCode, message: &str) -> Response {
+    (status, axum::Json(json!({ "ok": false, "error": message }))).into_response()
+}
+
+/// The value of `token` in a query.
+fn token_of(query: &str) -> Option<&str> {
+    query.split('&').find_map(|pair| pair.strip_prefix("token="))
+}
+
+/// Checks a request and adds the headers that every response has.
+pub(crate) async fn check(State(studio): State<Arc<Studio>>, request: Request, next: Next) -> Response {
+    let mut response = checked(&studio, request, next).await;
+    let headers = response.headers_mut();
+    let fixed = [
+        (header::CONTENT_SECURITY_POLICY, POLICY),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::REFERRER_POLICY, "no-referrer"),
+        (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
+        (HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
+    ];
+    for (name, value) in fixed {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
+    headers.entry(header::CACHE_CONTROL).or_insert(HeaderValue::from_static("no-store"));
+    response
+}
+
+async fn checked(studio: &Studio, request: Request, next: Next) -> Response {
+    let access = &studio.access;
+    if let Some(why) = access.foreign(request.headers()) {
+        return refused(StatusCode::FORBIDDEN, why);
+    }
+    let top = format!("{}/", studio.base);
+    // The address that was printed: its token becomes a cookie and leaves the address bar and the history.
+    let given = request.uri().query().and_then(token_of);
+    if let Some(token) = given.filter(|_| request.uri().path() == top && request.method() == "GET") {
+        if !access.is_token(token) {
+            return refused(StatusCode::UNAUTHORIZED, WRONG_TOKEN);
+        }
+        let cookie = format!("{}={token}; HttpOnly; SameSite=Strict; Path={top}", access.cookie());
+        let headers = [(header::SET_COOKIE, cookie), (header::LOCATION, top)];
+        return (StatusCode::SEE_OTHER, headers, Body::empty()).into_response();
+    }
+    if !access.has_token(request.headers(), &access.cookie()) {
+        return refused(StatusCode::UNAUTHORIZED, WRONG_TOKEN);
+    }
+    next.run(request).await
+}
+
+const WRONG_TOKEN: &str =
+    "the token of this start is missing; open the address that `grainpath studio` printed";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn headers(pairs: &[(&'static str, &str)]) -> HeaderMap {
+        let pair = |(name, value): &(&'static str, &str)| {
+            (HeaderName::from_static(name), HeaderValue::from_str(value).expect("a value"))
+        };
+        pairs.iter().map(pair).collect()
+    }
+
+    #[test]
+    fn hosts_of_this_computer_are_allowed_with_any_port() {
+        let access = Access::new(&["Lab.example".to_owned()]).expect("random bytes");
+        for host in
+            ["127.0.0.1", "127.0.0.1:8080", "localhost:1", "LOCALHOST", "[::1]:9", "[::1]", "lab.example:443"]
+        {
+            assert_eq!(access.foreign(&headers(&[("host", host)])), None, "{host}");
+        }
+        for host in
+            ["evil.example", "127.0.0.1.evil.example", "localhost.evil.example:80", "", "::1", "0.0.0.0"]
+        {
+            assert!(access.foreign(&headers(&[("host", host)])).is_some(), "{host}");
+        }
+        assert!(access.foreign(&HeaderMap::new()).is_some());
+    }
+
+    #[test]
+    fn origins_must_be_the_host() {
+        let access = Access::new(&[]).expect("random bytes");
+        let with = |origin| access.foreign(&headers(&[("host", "localhost:80"), ("origin", origin)]));
+        assert_eq!(with("http://localhost:80"), None);
+        for origin in ["http://evil.example", "null", "http://localhost:81", "http://127.0.0.1:80", "file://"]
+        {
+            assert!(with(origin).is_some(), "{origin}");
+        }
+    }
+
+    #[test]
+    fn tokens_are_new_and_compared_whole() {
+        let (a, b) = (Access::new(&[]).expect("random"), Access::new(&[]).expect("random"));
+        assert_ne!(a.token(), b.token());
+        assert_eq!(a.token().len(), 2 * TOKEN_BYTES);
+        assert!(a.is_token(a.token()));
+        for wrong in ["", b.token(), &a.token()[1..], &format!("{}0", a.token())] {
+            assert!(!a.is_token(wrong), "{wrong}");
+        }
+    }
+}

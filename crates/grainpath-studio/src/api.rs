@@ -1,0 +1,571 @@
+//! The HTTP interface, version 1: files, jobs, layers.
+//!
+//! Addresses below `/v1/` answer JSON, layers and damage binary. An error is `{"ok": false, "error": "..."}` with the
+//! sentence that the command line prints. `docs/studio.md` lists the addresses.
+
+use std::convert::Infallible;
+use std::path::{Path as FilePath, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Json;
+use axum::Router;
+use axum::body::Body;
+use axum::extract::rejection::{JsonRejection, QueryRejection};
+use axum::extract::{Path, Query, State};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::middleware;
+use axum::response::sse::{Event, KeepAlive, Sse};
+use axum::response::{IntoResponse, Response};
+use axum::routing::{MethodRouter, delete, get, post};
+use futures_util::Stream;
+use futures_util::stream::unfold;
+use grainpath_gcode::{Limits, simulate};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use crate::access::{check, refused};
+use crate::engine::{Finished, JobText, Refusal};
+use crate::openapi::{self, Route};
+use crate::roots::{Roots, plain, safe_name};
+use crate::runs::{Kind, Run, State as RunState};
+use crate::{Studio, assets, runs, uploads};
+
+/// Diameter of the filament for programs that do not state one, mm. Source: the nominal diameter of the common filament,
+/// as the command line takes it.
+const FILAMENT_MM: f64 = 1.75;
+/// Largest program that is read, bytes. Source: the limit of the command line, a third of a machine with 24 GiB.
+const MAX_PROGRAM_BYTES: u64 = 8 << 30;
+/// Time between two looks at the progress of a run. Source: chosen; ten events a second look continuous.
+const EVENT_INTERVAL: Duration = Duration::from_millis(100);
+/// Most layers in one answer. Source: chosen; a window of the page has fewer.
+const MOST_LAYERS: usize = 4096;
+
+type Shared = State<Arc<Studio>>;
+
+/// Every address of the interface: its row in the description, and what answers.
+fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
+    let upload = post(uploads::upload).layer(uploads::no_limit_of_axum());
+    vec![
+        (openapi::STATE, get(state)),
+        (openapi::FILES, get(files)),
+        (openapi::TEXT, get(text)),
+        (openapi::UPLOAD, upload),
+        (openapi::LIST, get(list)),
+        (openapi::BEGIN, post(add)),
+        (openapi::ONE, get(one)),
+        (openapi::CANCEL, delete(cancel)),
+        (openapi::EVENTS, get(events)),
+        (openapi::RESULT, get(result)),
+        (openapi::LAYERS, get(layer_index)),
+        (openapi::RECORDS, get(layer_records)),
+        (openapi::DAMAGE, get(damage)),
+        (openapi::OUTPUT, get(output)),
+        (openapi::SCHEMA, get(schema)),
+        (openapi::PROFILES, get(profiles)),
+        (openapi::OPENAPI, get(|| async { Json(description()) })),
+    ]
+}
+
+/// The interface in the form of OpenAPI 3.1.
+pub fn description() -> serde_json::Value {
+    let rows: Vec<Route> = routes().into_iter().map(|(route, _)| route).collect();
+    openapi::description(&rows)
+}
+
+/// All addresses of the studio, with the checks before them.
+pub fn router(studio: Arc<Studio>) -> Router {
+    let base = studio.base.clone();
+    let at = |path: &str| format!("{base}{path}");
+    let mut router = Router::new();
+    for (route, answers) in routes() {
+        router = router.route(&at(route.path), answers);
+    }
+    for asset in &assets::ALL {
+        let answer = move |headers: HeaderMap| async move { asset.answer(&headers) };
+        router = router.route(&at(asset.path), get(answer));
+    }
+    router
+        .fallback(|| async { refused(StatusCode::NOT_FOUND, "no such address; docs/studio.md lists them") })
+        .layer(middleware::from_fn_with_state(Arc::clone(&studio), check))
+        .with_state(studio)
+}
+
+/// An answer that is not the one asked for.
+pub(crate) struct Problem(StatusCode, String);
+
+impl Problem {
+    pub(crate) fn new(status: StatusCode, message: impl Into<String>) -> Self {
+        Self(status, message.into())
+    }
+
+    fn missing() -> Self {
+        Self::new(StatusCode::NOT_FOUND, "no such job; the studio keeps the last ones of this start")
+    }
+}
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        refused(self.0, &self.1)
+    }
+}
+
+impl From<Refusal> for Problem {
+    fn from(refusal: Refusal) -> Self {
+        Self(StatusCode::UNPROCESSABLE_ENTITY, refusal.message)
+    }
+}
+
+impl From<JsonRejection> for Problem {
+    fn from(rejection: JsonRejection) -> Self {
+        Self(rejection.status(), rejection.body_text())
+    }
+}
+
+impl From<QueryRejection> for Problem {
+    fn from(rejection: QueryRejection) -> Self {
+        Self(rejection.status(), rejection.body_text())
+    }
+}
+
+type Answer<T> = Result<T, Problem>;
+
+/// What a file is, by its ending.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum FileKind {
+    Job,
+    Mesh,
+    Outline,
+    Program,
+    Other,
+}
+
+/// Endings of files that the studio opens.
+const ENDINGS: [(&str, FileKind); 15] = [
+    ("toml", FileKind::Job),
+    ("stl", FileKind::Mesh),
+    ("obj", FileKind::Mesh),
+    ("ply", FileKind::Mesh),
+    ("off", FileKind::Mesh),
+    ("3mf", FileKind::Mesh),
+    ("svg", FileKind::Outline),
+    ("dxf", FileKind::Outline),
+    ("gcode", FileKind::Program),
+    ("gco", FileKind::Program),
+    ("g", FileKind::Program),
+    ("nc", FileKind::Program),
+    ("ngc", FileKind::Program),
+    ("tap", FileKind::Program),
+    ("bgcode", FileKind::Program),
+];
+
+impl FileKind {
+    fn of(path: &FilePath) -> Self {
+        let ending = path.extension().unwrap_or_default();
+        let found = ENDINGS.iter().find(|(e, _)| ending.eq_ignore_ascii_case(e));
+        found.map_or(Self::Other, |(_, kind)| *kind)
+    }
+}
+
+async fn state(State(studio): Shared) -> impl IntoResponse {
+    let shown = |p: &PathBuf| p.display().to_string();
+    let opened = studio.opened.as_ref().map(|p| json!({ "path": shown(p), "kind": FileKind::of(p) }));
+    Json(json!({
+        "ok": true, "version": env!("CARGO_PKG_VERSION"), "opened": opened,
+        "work": studio.roots.work().display().to_string(),
+        "roots": studio.roots.readable_folders().iter().map(shown).collect::<Vec<_>>(),
+        "max_upload_bytes": studio.max_upload,
+    }))
+}
+
+#[derive(Deserialize)]
+struct PathQuery {
+    path: String,
+}
+
+/// A row of a folder.
+#[derive(Serialize)]
+struct FileRow {
+    name: String,
+    path: String,
+    bytes: u64,
+    kind: FileKind,
+}
+
+/// Most rows of a folder that are sent. Source: chosen; the folder of a scan has some thousands.
+const MOST_ROWS: usize = 5000;
+
+fn listing(roots: &Roots, folder: &FilePath) -> Result<serde_json::Value, Refusal> {
+    let folder = roots.readable(folder)?;
+    let wrong = |e: std::io::Error| Refusal::input(format!("{}: {}", folder.display(), plain(&e)));
+    let (mut folders, mut files) = (Vec::new(), Vec::new());
+    for entry in std::fs::read_dir(&folder).map_err(wrong)?.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        // Hidden files are settings of other programs.
+        if name.starts_with('.') {
+            continue;
+        }
+        // `metadata` of the path follows links; what leads out of the roots is not listed.
+        let Ok(real) = roots.readable(&entry.path()) else { continue };
+        let Ok(metadata) = std::fs::metadata(&real) else { continue };
+        let path = entry.path().display().to_string();
+        if metadata.is_dir() {
+            folders.push((name, path));
+        } else if metadata.is_file() {
+            let kind = FileKind::of(&entry.path());
+            files.push(FileRow { name, path, bytes: metadata.len(), kind });
+        }
+    }
+    folders.sort();
+    files.sort_by(|a, b| a.name.cmp(&b.name));
+    let n = folders.len() + files.len();
+    folders.truncate(MOST_ROWS);
+    files.truncate(MOST_ROWS);
+    let parent = folder.parent().filter(|p| roots.readable(p).is_ok()).map(|p| p.display().to_string());
+    let folders: Vec<_> = folders.iter().map(|(name, path)| json!({ "name": name, "path": path })).collect();
+    Ok(json!({ "ok": true, "path": folder.display().to_string(), "parent": parent, "folders": folders,
+               "files": files, "left_out": n.saturating_sub(folders.len() + files.len()) }))
+}
+
+async fn files(
+    State(studio): Shared,
+    query: Result<Query<PathQuery>, QueryRejection>,
+) -> Answer<Json<serde_json::Value>> {
+    let Query(query) = query?;
+    let roots = Arc::clone(&studio.roots);
+    let read = tokio::task::spawn_blocking(move || listing(&roots, FilePath::new(&query.path))).await;
+    Ok(Json(read.map_err(fault)??))
+}
+
+fn fault(_: tokio::task::JoinError) -> Problem {
+    Problem::new(StatusCode::INTERNAL_SERVER_ERROR, "a fault of grainpath; the terminal shows where")
+}
+
+/// Largest job file that is read, bytes. Source: chosen; jobs have some kilobytes.
+const MAX_JOB_BYTES: u64 = 4 << 20;
+
+fn job_text(roots: &Roots, path: &FilePath) -> Result<JobText, Refusal> {
+    let real = roots.readable(path)?;
+    let shown = real.display().to_string();
+    let wrong = |what: &str| Refusal::usage(format!("{shown}: {what}"));
+    let metadata = std::fs::metadata(&real).map_err(|e| wrong(&plain(&e)))?;
+    if !metadata.is_file() {
+        return Err(wrong("is no file"));
+    }
+    if metadata.len() > MAX_JOB_BYTES {
+        return Err(wrong("is too large for a job file"));
+    }
+    let text = std::fs::read(&real).map_err(|e| wrong(&plain(&e)))?;
+    let text = String::from_utf8(text).map_err(|_| wrong("is not UTF-8 text"))?;
+    let folder = real.parent().map(FilePath::to_owned).unwrap_or_default();
+    Ok(JobText { text, name: shown, folder })
+}
+
+async fn text(
+    State(studio): Shared,
+    query: Result<Query<PathQuery>, QueryRejection>,
+) -> Answer<Json<serde_json::Value>> {
+    let Query(query) = query?;
+    let path = PathBuf::from(query.path);
+    if FileKind::of(&path) != FileKind::Job {
+        return Err(Refusal::usage(format!("{}: only job files (.toml) are shown", path.display())).into());
+    }
+    let job = job_text(&studio.roots, &path)?;
+    Ok(Json(json!({ "ok": true, "text": job.text, "folder": job.folder.display().to_string() })))
+}
+
+/// A run that the page asks for.
+#[derive(Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
+enum Wanted {
+    /// Reads a program.
+    View { file: String },
+    /// Plans a job: a file, or a text that is saved first, with a name for its folder.
+    Plan { file: Option<String>, text: Option<String>, name: Option<String> },
+    /// Tests the part of a job, or a program with the loads and the material of a job.
+    Strength { file: Option<String>, text: Option<String>, name: Option<String>, program: Option<String> },
+}
+
+/// A file's name without its ending.
+fn stem(path: &FilePath) -> String {
+    path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+/// Reads a program.
+fn view(file: &FilePath, diagnostics: &grainpath_core::Diagnostics) -> Result<Finished, Refusal> {
+    diagnostics.begin(grainpath_core::diagnostics::Stage::Read, 0);
+    let shown = file.display().to_string();
+    let wrong = |what: String| Refusal::input(format!("{shown}: {what}"));
+    let metadata = std::fs::metadata(file).map_err(|e| wrong(plain(&e)))?;
+    if !metadata.is_file() {
+        return Err(wrong("is a folder; a file is needed".to_owned()));
+    }
+    if metadata.len() > MAX_PROGRAM_BYTES {
+        return Err(wrong(format!(
+            "has {} bytes; more than {MAX_PROGRAM_BYTES} are not read",
+            metadata.len()
+        )));
+    }
+    let bytes = std::fs::read(file).map_err(|e| wrong(plain(&e)))?;
+    let program = simulate(&bytes, FILAMENT_MM, &Limits::default()).map_err(|e| wrong(e.to_string()))?;
+    diagnostics.check().map_err(|e| wrong(e.to_string()))?;
+    let report = json!({
+        "ok": true, "layers": program.layers.len(), "printed_mm": program.printed_mm,
+        "travel_mm": program.travel_mm, "extruded_mm3": program.extruded_mm3, "filament_mm": program.filament_mm,
+        "time_s": program.time_s, "generator": program.generator,
+    });
+    let warnings = program.warnings.clone();
+    Ok(Finished { report, program, warnings, ..Finished::default() })
+}
+
+/// A job, and the new folder of its run, in which its text is saved.
+fn job_and_folder(
+    roots: &Roots,
+    file: Option<&str>,
+    text: Option<String>,
+    name: Option<&str>,
+) -> Result<(JobText, PathBuf), Refusal> {
+    match (file, text) {
+        (Some(file), None) => {
+            let job = job_text(roots, FilePath::new(file))?;
+            let folder = roots.new_folder(&safe_name(&stem(FilePath::new(file))))?;
+            Ok((job, folder))
+        }
+        (None, Some(text)) => {
+            let folder = roots.new_folder(&safe_name(name.unwrap_or("job")))?;
+            let path = folder.join("job.toml");
+            std::fs::write(&path, &text)
+                .map_err(|e| Refusal::usage(format!("cannot write {}: {}", path.display(), plain(&e))))?;
+            // Paths in the text are relative to the saved file, so that the command line reads it alike.
+            Ok((JobText { text, name: path.display().to_string(), folder: folder.clone() }, folder))
+        }
+        (Some(_), Some(_)) | (None, None) => Err(Refusal::usage("a job needs either \"file\" or \"text\"")),
+    }
+}
+
+fn begin(studio: &Studio, wanted: Wanted) -> Result<Arc<Run>, Refusal> {
+    let roots = Arc::clone(&studio.roots);
+    let engine = Arc::clone(&studio.engine);
+    match wanted {
+        Wanted::View { file } => {
+            let file = roots.readable(FilePath::new(&file))?;
+            let title = file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+            studio.runs.add(Kind::View, title, Box::new(move |d| view(&file, d)))
+        }
+        Wanted::Plan { file, text, name } => {
+            let (job, out) = job_and_folder(&roots, file.as_deref(), text, name.as_deref())?;
+            let title = stem(&out);
+            studio.runs.add(Kind::Plan, title, Box::new(move |d| engine.plan(&job, &out, &roots, d)))
+        }
+        Wanted::Strength { file, text, name, program } => {
+            let program = program.map(|p| roots.readable(FilePath::new(&p))).transpose()?;
+            let (job, out) = job_and_folder(&roots, file.as_deref(), text, name.as_deref())?;
+            let work: runs::Work = Box::new(move |d| engine.strength(&job, program.as_deref(), &roots, d));
+            studio.runs.add(Kind::Strength, stem(&out), work)
+        }
+    }
+}
+
+async fn add(
+    State(studio): Shared,
+    wanted: Result<Json<Wanted>, JsonRejection>,
+) -> Answer<(StatusCode, Json<RunState>)> {
+    let Json(wanted) = wanted?;
+    let own = Arc::clone(&studio);
+    let run = tokio::task::spawn_blocking(move || begin(&own, wanted)).await.map_err(fault)??;
+    Ok((StatusCode::ACCEPTED, Json(studio.runs.state(&run))))
+}
+
+async fn list(State(studio): Shared) -> Json<serde_json::Value> {
+    let all: Vec<RunState> = studio.runs.all().iter().map(|r| studio.runs.state(r)).collect();
+    Json(json!({ "ok": true, "jobs": all }))
+}
+
+fn found(studio: &Studio, id: u64) -> Answer<Arc<Run>> {
+    studio.runs.get(id).ok_or_else(Problem::missing)
+}
+
+/// The result of a job that is done; otherwise why there is none.
+fn done(studio: &Studio, id: u64) -> Answer<Arc<runs::Result>> {
+    let run = found(studio, id)?;
+    run.result().ok_or_else(|| {
+        let state = studio.runs.state(&run);
+        let why = state.error.unwrap_or_else(|| "the job is not done yet".to_owned());
+        Problem::new(StatusCode::CONFLICT, why)
+    })
+}
+
+async fn one(State(studio): Shared, Path(id): Path<u64>) -> Answer<Json<RunState>> {
+    let run = found(&studio, id)?;
+    Ok(Json(studio.runs.state(&run)))
+}
+
+async fn cancel(State(studio): Shared, Path(id): Path<u64>) -> Answer<StatusCode> {
+    let run = found(&studio, id)?;
+    studio.runs.cancel(&run);
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// States of a run as events, until it is over. An event is sent where something changed since the last one.
+fn states(studio: Arc<Studio>, run: Arc<Run>) -> impl Stream<Item = Result<Event, Infallible>> {
+    let phases = run.phases();
+    unfold((studio, run, phases, None, 0_u64), |(studio, run, mut phases, last, n)| async move {
+        let is_over = |s: &RunState| s.phase.is_over();
+        if last.as_ref().is_some_and(is_over) {
+            return None;
+        }
+        let mut last = last;
+        loop {
+            let state = studio.runs.state(&run);
+            // The time alone is no news, once a second excepted: the page counts on by itself.
+            let news = |old: &RunState| {
+                let still = RunState { elapsed_s: old.elapsed_s, ..state.clone() } == *old;
+                !still || state.elapsed_s - old.elapsed_s >= 1.0
+            };
+            if last.as_ref().is_none_or(news) {
+                last = Some(state.clone());
+                let event = Event::default().id((n + 1).to_string()).json_data(&state);
+                // The state is numbers and texts, which always become JSON.
+                let event = event.unwrap_or_default();
+                return Some((Ok(event), (studio, run, phases, last, n + 1)));
+            }
+            tokio::select! {
+                _ = phases.changed() => {}
+                () = tokio::time::sleep(EVENT_INTERVAL) => {}
+            }
+        }
+    })
+}
+
+async fn events(State(studio): Shared, Path(id): Path<u64>) -> Answer<Response> {
+    let run = found(&studio, id)?;
+    let Ok(permit) = Arc::clone(&studio.streams).try_acquire_owned() else {
+        return Err(Problem::new(StatusCode::TOO_MANY_REQUESTS, "too many event streams; close a page"));
+    };
+    let stream = futures_util::StreamExt::map(states(studio, run), move |event| {
+        // The permit lives as long as the stream.
+        let _held = &permit;
+        event
+    });
+    Ok(Sse::new(stream).keep_alive(KeepAlive::default()).into_response())
+}
+
+async fn result(State(studio): Shared, Path(id): Path<u64>) -> Answer<Json<serde_json::Value>> {
+    let result = done(&studio, id)?;
+    let finished = &result.finished;
+    let outputs: Vec<_> = (finished.outputs.iter())
+        .map(|o| json!({ "kind": o.kind, "path": o.path.display().to_string() }))
+        .collect();
+    Ok(Json(json!({
+        "ok": true, "report": finished.report, "warnings": finished.warnings, "outputs": outputs,
+        "damage": finished.damage.as_ref().map(|d| json!({ "cell_mm": d.cell_mm, "angle_rad": d.angle_rad, "cells": d.cells.len() })),
+    })))
+}
+
+async fn layer_index(State(studio): Shared, Path(id): Path<u64>) -> Answer<Response> {
+    let result = done(&studio, id)?;
+    Ok(Json(result.records.index()).into_response())
+}
+
+/// Bytes of layers `a-b`, counted from 0, both included: one after the other, as the index counts them.
+async fn layer_records(
+    State(studio): Shared,
+    Path((id, range)): Path<(u64, String)>,
+    headers: HeaderMap,
+) -> Answer<Response> {
+    let result = done(&studio, id)?;
+    let n = result.finished.program.layers.len();
+    let wrong = || {
+        let wanted =
+            format!("layers are \"FIRST-LAST\" with numbers below {n}, at most {MOST_LAYERS} at a time");
+        Problem::new(StatusCode::BAD_REQUEST, wanted)
+    };
+    let parsed = range.split_once('-').and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    let (first, last): (usize, usize) = parsed.ok_or_else(wrong)?;
+    if first > last || last >= n || last - first >= MOST_LAYERS {
+        return Err(wrong());
+    }
+    let is_packed = accepts_gzip(&headers);
+    let bytes = tokio::task::spawn_blocking(move || {
+        let layers = &result.finished.program.layers[first..=last];
+        let bytes: Vec<u8> = layers.iter().flat_map(|l| result.records.layer(l)).collect();
+        if is_packed { packed(&bytes) } else { bytes }
+    });
+    let bytes = bytes.await.map_err(fault)?;
+    Ok(binary(bytes, is_packed))
+}
+
+/// Whether the other side unpacks gzip.
+pub(crate) fn accepts_gzip(headers: &HeaderMap) -> bool {
+    let given = headers.get(header::ACCEPT_ENCODING).and_then(|v| v.to_str().ok()).unwrap_or_default();
+    given.split(',').any(|word| word.trim().starts_with("gzip"))
+}
+
+/// Bytes as gzip.
+pub(crate) fn packed(bytes: &[u8]) -> Vec<u8> {
+    use std::io::Write;
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    // Writing to memory cannot fail.
+    let written = encoder.write_all(bytes).and_then(|()| encoder.finish());
+    written.unwrap_or_default()
+}
+
+fn binary(bytes: Vec<u8>, is_packed: bool) -> Response {
+    let mut response = ([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response();
+    if is_packed {
+        response.headers_mut().insert(header::CONTENT_ENCODING, header::HeaderValue::from_static("gzip"));
+    }
+    response
+}
+
+/// Broken elements: x, y, z in mm and the share of stiffness lost, as 32-bit floats.
+async fn damage(State(studio): Shared, Path(id): Path<u64>) -> Answer<Response> {
+    let result = done(&studio, id)?;
+    let none = || Problem::new(StatusCode::NOT_FOUND, "this job tested no strength");
+    let damage = result.finished.damage.as_ref().ok_or_else(none)?;
+    let bytes = damage.cells.iter().flat_map(|(at, lost)| [at[0], at[1], at[2], *lost]);
+    Ok(binary(bytes.flat_map(f32::to_le_bytes).collect(), false))
+}
+
+/// A file that a job wrote.
+async fn output(State(studio): Shared, Path((id, kind)): Path<(u64, String)>) -> Answer<Response> {
+    let result = done(&studio, id)?;
+    let output = result.finished.outputs.iter().find(|o| o.kind == kind);
+    let output = output.ok_or_else(|| Problem::new(StatusCode::NOT_FOUND, "the job wrote no such file"))?;
+    let real = studio.roots.readable(&output.path)?;
+    let wrong =
+        |e: std::io::Error| Problem::from(Refusal::input(format!("{}: {}", real.display(), plain(&e))));
+    let file = tokio::fs::File::open(&real).await.map_err(wrong)?;
+    let length = file.metadata().await.map_err(wrong)?.len();
+    let name = safe_name(&real.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default());
+    // Outside ASCII the name would need another form of the header; the browser then takes the address.
+    let name: String = name.chars().filter(char::is_ascii).collect();
+    let headers = [
+        (header::CONTENT_TYPE, "application/octet-stream".to_owned()),
+        (header::CONTENT_LENGTH, length.to_string()),
+        (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{name}\"")),
+    ];
+    let chunks = unfold(file, |mut file| async move {
+        use tokio::io::AsyncReadExt;
+        // Source: chosen; a quarter of a mebibyte a read keeps up with any disk.
+        let mut chunk = Vec::with_capacity(1 << 18);
+        match file.read_buf(&mut chunk).await {
+            Ok(0) => None,
+            Ok(_) => Some((Ok(chunk), file)),
+            Err(e) => Some((Err(e), file)),
+        }
+    });
+    Ok((headers, Body::from_stream(chunks)).into_response())
+}
+
+/// The schema of job files: what `grainpath schema` prints.
+async fn schema() -> Json<serde_json::Value> {
+    Json(grainpath_job::json_schema())
+}
+
+async fn profiles() -> Json<serde_json::Value> {
+    let rows = grainpath_job::PROFILES.iter();
+    let rows = rows.map(|p| json!({ "kind": p.kind, "name": p.name, "about": p.about(), "toml": p.text }));
+    Json(json!({ "ok": true, "profiles": rows.collect::<Vec<_>>() }))
+}

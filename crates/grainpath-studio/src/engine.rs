@@ -1,0 +1,104 @@
+//! What the studio asks of the command line: to plan a job, and to test a job or a program.
+
+use std::path::{Path, PathBuf};
+
+use grainpath_core::{Diagnostics, Warning};
+use grainpath_gcode::Program;
+use serde_json::Value;
+
+use crate::roots::Roots;
+
+/// Why a run did not end well, as the command line says it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{message}")]
+pub struct Refusal {
+    /// What is wrong, where, and what would be right: one line.
+    pub message: String,
+    /// Exit code of the command line: 2 usage or job, 3 an input file, 4 the physics, 130 interrupted.
+    pub code: i32,
+}
+
+impl Refusal {
+    /// Wrong usage, or a file that may not be read or written.
+    pub fn usage(message: impl Into<String>) -> Self {
+        Self { message: message.into(), code: 2 }
+    }
+
+    /// An input file that cannot be used.
+    pub fn input(message: impl Into<String>) -> Self {
+        Self { message: message.into(), code: 3 }
+    }
+}
+
+/// A job file: its text, its name in errors, and the folder to which its paths are relative.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct JobText {
+    /// TOML.
+    pub text: String,
+    /// Name in errors.
+    pub name: String,
+    /// Paths in the job are relative to it.
+    pub folder: PathBuf,
+}
+
+/// A file that a run wrote.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Output {
+    /// What it is: the key below `[output]`.
+    pub kind: String,
+    /// Where it is.
+    pub path: PathBuf,
+}
+
+/// The share of its stiffness that each element of a strength test has lost.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Damage {
+    /// Edges of an element, mm.
+    pub cell_mm: [f64; 3],
+    /// Angle of its first edge from the x axis, rad.
+    pub angle_rad: f64,
+    /// Middle of each broken element, mm, in the program's coordinates, and the share lost, 0 to 1.
+    pub cells: Vec<([f32; 3], f32)>,
+}
+
+/// What a run gives.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Finished {
+    /// What the command prints with `--json`.
+    pub report: Value,
+    /// The program that was written or tested.
+    pub program: Program,
+    /// What broke.
+    pub damage: Option<Damage>,
+    /// Files that were written.
+    pub outputs: Vec<Output>,
+    /// Warnings.
+    pub warnings: Vec<Warning>,
+}
+
+/// Does the work of runs. The implementation checks every file with [`Roots`] before it is read or written.
+pub trait Engine: Send + Sync {
+    /// Plans a job and writes its outputs below `out`.
+    ///
+    /// # Errors
+    /// [`Refusal`] with the sentence that the command line prints.
+    fn plan(
+        &self,
+        job: &JobText,
+        out: &Path,
+        roots: &Roots,
+        diagnostics: &Diagnostics,
+    ) -> Result<Finished, Refusal>;
+
+    /// Tests how much the part of a job, or a program with the loads of a job, carries.
+    ///
+    /// # Errors
+    /// As [`Engine::plan`].
+    fn strength(
+        &self,
+        job: &JobText,
+        program: Option<&Path>,
+        roots: &Roots,
+        diagnostics: &Diagnostics,
+    ) -> Result<Finished, Refusal>;
+}

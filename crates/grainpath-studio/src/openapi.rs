@@ -1,0 +1,267 @@
+//! The description of the interface for programs, as OpenAPI 3.1 (`GET /v1/openapi.json`).
+//!
+//! The router is made from the same rows, so that no address is missing here and none is here that is not answered. The
+//! committed `openapi.json` is what this module makes; a test compares them, and a change of the interface shows in it.
+
+use serde_json::{Map, Value, json};
+
+/// What an address answers.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Answers {
+    /// JSON of this schema.
+    Json(&'static str),
+    /// Bytes.
+    Bytes,
+    /// States of a job as server-sent events.
+    Events,
+    /// Nothing but the status.
+    Nothing,
+}
+
+/// What a request brings in its body.
+#[derive(Debug, Clone, Copy)]
+enum Takes {
+    Nothing,
+    /// JSON of this schema.
+    Json(&'static str),
+    /// Bytes.
+    Bytes,
+}
+
+/// Parts of addresses, and their types.
+const IN_PATH: [(&str, &str); 3] = [("id", "integer"), ("range", "string"), ("kind", "string")];
+
+/// An address of the interface.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Route {
+    pub path: &'static str,
+    method: &'static str,
+    /// The name of the operation.
+    name: &'static str,
+    about: &'static str,
+    /// Arguments of the query.
+    query: &'static [(&'static str, &'static str)],
+    body: Takes,
+    /// Status of success.
+    status: &'static str,
+    answers: Answers,
+}
+
+impl Route {
+    const fn get(path: &'static str, name: &'static str, about: &'static str, answers: Answers) -> Self {
+        Self { path, method: "get", name, about, query: &[], body: Takes::Nothing, status: "200", answers }
+    }
+}
+
+pub(crate) const STATE: Route = Route::get(
+    "/v1/state",
+    "state",
+    "Version, folders, the file that is opened first.",
+    Answers::Json("Studio"),
+);
+pub(crate) const FILES: Route = Route {
+    query: &[("path", "A folder below one of the roots.")],
+    ..Route::get("/v1/files", "files", "The files of a folder.", Answers::Json("Listing"))
+};
+pub(crate) const TEXT: Route = Route {
+    query: &[("path", "A job file (.toml).")],
+    ..Route::get("/v1/text", "text", "The text of a job file.", Answers::Json("JobText"))
+};
+pub(crate) const UPLOAD: Route = Route {
+    method: "post",
+    query: &[("name", "The name of the file; it is made plain and new.")],
+    body: Takes::Bytes,
+    ..Route::get("/v1/uploads", "upload", "Streams the body to a file.", Answers::Json("Upload"))
+};
+pub(crate) const LIST: Route =
+    Route::get("/v1/jobs", "jobs", "The states of all jobs, oldest first.", Answers::Json("States"));
+pub(crate) const BEGIN: Route = Route {
+    method: "post",
+    body: Takes::Json("Wanted"),
+    status: "202",
+    ..Route::get("/v1/jobs", "begin", "Puts a job into the queue.", Answers::Json("State"))
+};
+pub(crate) const ONE: Route =
+    Route::get("/v1/jobs/{id}", "job", "The state of a job.", Answers::Json("State"));
+pub(crate) const CANCEL: Route = Route {
+    method: "delete",
+    status: "204",
+    ..Route::get("/v1/jobs/{id}", "cancel", "Cancels a job.", Answers::Nothing)
+};
+pub(crate) const EVENTS: Route = Route::get(
+    "/v1/jobs/{id}/events",
+    "events",
+    "States of a job until it is over, at most ten a second.",
+    Answers::Events,
+);
+pub(crate) const RESULT: Route = Route::get(
+    "/v1/jobs/{id}/result",
+    "result",
+    "The report of the command line, warnings, files that were written.",
+    Answers::Json("Result"),
+);
+pub(crate) const LAYERS: Route = Route::get(
+    "/v1/jobs/{id}/layers",
+    "layers",
+    "The index of a program: layers, roles, speeds, the box of the part.",
+    Answers::Json("Index"),
+);
+pub(crate) const RECORDS: Route = Route::get(
+    "/v1/jobs/{id}/layers/{range}",
+    "records",
+    "Layers FIRST-LAST, counted from 0, one after the other: eight bytes a record.",
+    Answers::Bytes,
+);
+pub(crate) const DAMAGE: Route = Route::get(
+    "/v1/jobs/{id}/damage",
+    "damage",
+    "Elements that broke: x, y, z in mm and the share of stiffness lost, as 32-bit floats.",
+    Answers::Bytes,
+);
+pub(crate) const OUTPUT: Route =
+    Route::get("/v1/jobs/{id}/outputs/{kind}", "output", "A file that the job wrote.", Answers::Bytes);
+pub(crate) const SCHEMA: Route = Route::get(
+    "/v1/schema",
+    "schema",
+    "The JSON Schema of job files: what `grainpath schema` prints.",
+    Answers::Json("Object"),
+);
+pub(crate) const PROFILES: Route =
+    Route::get("/v1/profiles", "profiles", "Profiles with their text.", Answers::Json("Profiles"));
+pub(crate) const OPENAPI: Route =
+    Route::get("/v1/openapi.json", "openapi", "This description.", Answers::Json("Object"));
+
+fn reference(name: &str) -> Value {
+    json!({ "$ref": format!("#/components/schemas/{name}") })
+}
+
+fn content(kind: &str, schema: &Value) -> Value {
+    let mut content = Map::new();
+    content.insert(kind.to_owned(), json!({ "schema": schema }));
+    Value::Object(content)
+}
+
+fn operation(route: &Route) -> Value {
+    let bytes = json!({ "type": "string", "format": "binary" });
+    let success = match route.answers {
+        Answers::Json(schema) => {
+            json!({ "description": "Done.", "content": content("application/json", &reference(schema)) })
+        }
+        Answers::Bytes => {
+            json!({ "description": "Bytes.", "content": content("application/octet-stream", &bytes) })
+        }
+        Answers::Events => {
+            json!({ "description": "Each event is a state.", "content": content("text/event-stream", &reference("State")) })
+        }
+        Answers::Nothing => json!({ "description": "Done." }),
+    };
+    let mut responses = Map::new();
+    responses.insert(route.status.to_owned(), success);
+    for (status, words) in [
+        ("401", "The token is missing or wrong."),
+        ("403", "The host is not allowed, or another page asks."),
+        ("4XX", "The sentence that the command line prints."),
+    ] {
+        let schema = content("application/json", &reference("Error"));
+        responses.insert(status.to_owned(), json!({ "description": words, "content": schema }));
+    }
+    let is_in = |name: &str| route.path.contains(&format!("{{{name}}}"));
+    let in_path = IN_PATH.iter().filter(|(name, _)| is_in(name)).map(
+        |(name, kind)| json!({ "name": name, "in": "path", "required": true, "schema": { "type": kind } }),
+    );
+    let in_query = route.query.iter().map(|(name, about)| {
+        json!({ "name": name, "in": "query", "required": true, "description": about, "schema": { "type": "string" } })
+    });
+    let mut operation = json!({
+        "operationId": route.name, "summary": route.about,
+        "parameters": in_path.chain(in_query).collect::<Vec<Value>>(), "responses": responses,
+    });
+    let body = match route.body {
+        Takes::Nothing => return operation,
+        Takes::Json(schema) => content("application/json", &reference(schema)),
+        Takes::Bytes => content("application/octet-stream", &bytes),
+    };
+    operation["requestBody"] = json!({ "required": true, "content": body });
+    operation
+}
+
+/// The schemas of bodies and answers.
+fn schemas() -> Value {
+    let (text, number, whole) =
+        (json!({ "type": "string" }), json!({ "type": "number" }), json!({ "type": "integer" }));
+    let maybe = |kind: &str| json!({ "type": [kind, "null"] });
+    let list = |of: &Value| json!({ "type": "array", "items": of });
+    let object = |properties: Value| json!({ "type": "object", "properties": properties });
+    let job = |kind: &str, more: Value| {
+        let mut schema = object(json!({
+            "kind": { "const": kind },
+            "file": { "type": "string", "description": "A job file, run as it is." },
+            "text": { "type": "string", "description": "The text of a job, saved before it runs." },
+            "name": { "type": "string", "description": "Name of the folder of the run." },
+        }));
+        schema["required"] = json!(["kind"]);
+        schema["additionalProperties"] = json!(false);
+        for (key, value) in more.as_object().cloned().unwrap_or_default() {
+            schema["properties"][key] = value;
+        }
+        schema
+    };
+    json!({
+        "Error": object(json!({ "ok": { "const": false }, "error": text })),
+        "Object": { "type": "object" },
+        "Studio": object(json!({ "version": text, "work": text, "roots": list(&text), "max_upload_bytes": whole,
+            "opened": { "type": ["object", "null"], "properties": { "path": text, "kind": text } } })),
+        "Listing": object(json!({ "path": text, "parent": maybe("string"), "left_out": whole,
+            "folders": list(&object(json!({ "name": text, "path": text }))),
+            "files": list(&object(json!({ "name": text, "path": text, "bytes": whole,
+                "kind": { "enum": ["job", "mesh", "outline", "program", "other"] } }))) })),
+        "JobText": object(json!({ "text": text, "folder": text })),
+        "Upload": object(json!({ "path": text, "bytes": whole })),
+        "Wanted": { "oneOf": [
+            { "type": "object", "required": ["kind", "file"], "additionalProperties": false,
+              "properties": { "kind": { "const": "view" }, "file": text } },
+            job("plan", json!({})),
+            job("strength", json!({ "program": { "type": "string", "description": "G-code of any slicer." } })),
+        ] },
+        "State": object(json!({ "id": whole, "kind": { "enum": ["view", "plan", "strength"] }, "title": text,
+            "phase": { "enum": ["waiting", "running", "done", "failed", "cancelled"] }, "ahead": whole,
+            "stage": maybe("string"), "done": whole, "total": whole, "elapsed_s": number,
+            "error": maybe("string"), "code": maybe("integer") })),
+        "States": object(json!({ "jobs": list(&reference("State")) })),
+        "Result": object(json!({ "report": { "type": "object" }, "warnings": list(&json!({ "type": "object" })),
+            "outputs": list(&object(json!({ "kind": text, "path": text }))),
+            "damage": { "type": ["object", "null"], "properties":
+                { "cell_mm": list(&number), "angle_rad": number, "cells": whole } } })),
+        "Index": object(json!({ "origin_mm": list(&number), "step_mm": number, "classes": list(&text),
+            "speeds_mm_s": list(&number), "part_mm": list(&list(&number)), "widths_mm": list(&number), "records": whole,
+            "generator": maybe("string"), "time_s": number, "filament_mm": number,
+            "shares": list(&object(json!({ "beads": whole, "length_mm": number }))),
+            "layers": list(&object(json!({ "z_mm": number, "height_mm": number, "records": whole, "beads": whole,
+                "printed_mm": number, "volume_mm3": number }))) })),
+        "Profiles": object(json!({ "profiles":
+            list(&object(json!({ "kind": text, "name": text, "about": text, "toml": text }))) })),
+    })
+}
+
+/// The description of these addresses.
+pub(crate) fn description(routes: &[Route]) -> Value {
+    let mut paths = Map::new();
+    for route in routes {
+        let path = paths.entry(route.path).or_insert_with(|| json!({}));
+        path[route.method] = operation(route);
+    }
+    json!({
+        "openapi": "3.1.0",
+        "info": {
+            "title": "grainpath studio", "version": "1",
+            "description": "The local server of `grainpath studio`. Every request needs the token of its start.",
+            "license": { "name": "MIT OR Apache-2.0", "identifier": "MIT OR Apache-2.0" },
+        },
+        "security": [{ "token": [] }],
+        "paths": paths,
+        "components": {
+            "securitySchemes": { "token": { "type": "http", "scheme": "bearer" } },
+            "schemas": schemas(),
+        },
+    })
+}

@@ -1,0 +1,364 @@
+//! Toolpaths as the page draws them: eight bytes a segment, one chunk a layer.
+//!
+//! A layer is a line of records. Each record is a point and what was done on the way to it from the point before:
+//!
+//! | bytes | what |
+//! |---|---|
+//! | 0, 1 | x of the point, in steps from the origin of the program |
+//! | 2, 3 | y |
+//! | 4, 5 | width of the bead, um |
+//! | 6 | role of the bead in the order of [`Role::ALL`], or [`TRAVEL`], or [`START`] |
+//! | 7 | speed: its place in the program's table |
+//!
+//! Numbers are little-endian. The first record of a layer is a [`START`], which draws nothing. The page hands the bytes
+//! to the graphics card as they are: record k and record k + 1 are the two ends of a segment.
+//!
+//! Steps are the longer side of all moves over 65535: 5 um for a plate of 300 mm, which is finer than the 10 um that a
+//! printer's motors resolve. Cost: linear in beads. Limits: widths above 65.5 mm are cut to that; speeds are rounded to
+//! 0.1 mm/s, and to the 256 values of a program that are told apart.
+
+use grainpath_core::{Bounds2, DVec2, Role};
+use grainpath_gcode::{Bead, BeadLayer, Program};
+use serde::Serialize;
+
+/// Class of a move that prints nothing. Source: one more than the last role.
+pub const TRAVEL: u8 = Role::ALL.len() as u8;
+/// Class of the first record of a layer. Source: one more than travels.
+pub const START: u8 = TRAVEL + 1;
+/// Bytes of a record. Source: the table above.
+pub const RECORD_BYTES: usize = 8;
+/// Speeds that are told apart. Source: one byte.
+const SPEEDS: usize = 256;
+/// Distance below which two ends are one point, mm. Source: programs state coordinates to 0.001 mm.
+const SAME_MM: f32 = 2e-3;
+
+/// A layer of the index.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LayerEntry {
+    /// Height of the nozzle, mm.
+    pub z_mm: f64,
+    /// Thickness, mm.
+    pub height_mm: f64,
+    /// Records of the layer.
+    pub records: usize,
+    /// Beads among them.
+    pub beads: usize,
+    /// Printed length, mm.
+    pub printed_mm: f64,
+    /// Volume, mm3.
+    pub volume_mm3: f64,
+}
+
+/// What the page needs before the first layer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Index {
+    /// Origin of the records, mm.
+    pub origin_mm: [f64; 2],
+    /// Length of a step, mm.
+    pub step_mm: f64,
+    /// Names of the classes: roles as slicers write them, travels, starts.
+    pub classes: Vec<&'static str>,
+    /// Speeds, mm/s.
+    pub speeds_mm_s: Vec<f64>,
+    /// Lowest and highest corner of the part without skirt, brim, support and priming lines, mm.
+    pub part_mm: [[f64; 3]; 2],
+    /// Least and greatest width of the part's beads, mm, without the hundredth at either end.
+    pub widths_mm: [f64; 2],
+    /// Number of beads and printed length of each class, in the order of `classes`.
+    pub shares: Vec<Share>,
+    /// The layers.
+    pub layers: Vec<LayerEntry>,
+    /// Records of all layers.
+    pub records: usize,
+    /// The program that wrote the G-code, where it says so.
+    pub generator: Option<String>,
+    /// Estimated time, s.
+    pub time_s: f64,
+    /// Filament, mm.
+    pub filament_mm: f64,
+}
+
+/// What a class has of the program.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Share {
+    /// Beads.
+    pub beads: usize,
+    /// Length, mm.
+    pub length_mm: f64,
+}
+
+fn class(role: Role) -> u8 {
+    // `Role::ALL` is in the order of declaration; a test holds that.
+    role as u8
+}
+
+/// What is written of a layer, in the order of the moves.
+enum Step<'a> {
+    Start([f32; 2]),
+    Travel([f32; 2]),
+    Bead(&'a Bead),
+}
+
+fn far(a: [f32; 2], b: [f32; 2]) -> bool {
+    (a[0] - b[0]).abs() > SAME_MM || (a[1] - b[1]).abs() > SAME_MM
+}
+
+/// Walks a layer: beads, and between them the travels that lead from one to the next.
+fn walk<'a>(layer: &'a BeadLayer, mut step: impl FnMut(Step<'a>)) {
+    let mut travels = layer.travels.iter().peekable();
+    let first = travels.peek().map(|t| t[0]).or(layer.beads.first().map(|b| b.a));
+    let Some(mut at) = first else { return };
+    step(Step::Start(at));
+    for bead in &layer.beads {
+        // Travels are in the order of the program, so those before this bead come first; each goes on from the last.
+        while far(at, bead.a) {
+            let Some(travel) = travels.next_if(|t| !far(t[0], at)) else { break };
+            at = travel[1];
+            step(Step::Travel(at));
+        }
+        if far(at, bead.a) {
+            // No travel leads there: layers of marks may be put together from pieces.
+            step(Step::Travel(bead.a));
+        }
+        step(Step::Bead(bead));
+        at = bead.b;
+    }
+}
+
+/// Least and greatest point of beads and travels, and of the part.
+fn extents(program: &Program) -> (Bounds2, Option<Bounds2>) {
+    let mut all: Option<Bounds2> = None;
+    let mut part: Option<Bounds2> = None;
+    let to = |p: [f32; 2]| DVec2::new(f64::from(p[0]), f64::from(p[1]));
+    let add = |bounds: &mut Option<Bounds2>, p: DVec2, r: f64| {
+        let own = Bounds2 { min: p - r, max: p + r };
+        *bounds = Some(bounds.map_or(own, |b| b.union(own)));
+    };
+    let n_part = program.layers.iter().filter(|l| l.beads.iter().any(|b| b.role.is_part())).count();
+    // Priming lines lie in the first layer and have the role of walls.
+    let skipped = usize::from(n_part > 2);
+    let mut part_layers = 0;
+    for layer in &program.layers {
+        let is_part = layer.beads.iter().any(|b| b.role.is_part());
+        part_layers += usize::from(is_part);
+        for bead in &layer.beads {
+            for p in [to(bead.a), to(bead.b)] {
+                add(&mut all, p, 0.0);
+                if bead.role.is_part() && part_layers > skipped {
+                    add(&mut part, p, 0.5 * bead.width_mm(layer.height_mm));
+                }
+            }
+        }
+        for p in layer.travels.iter().flatten() {
+            add(&mut all, to(*p), 0.0);
+        }
+    }
+    let empty = Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO };
+    (all.unwrap_or(empty), part)
+}
+
+fn speed_key(speed_mm_s: f32) -> u32 {
+    (speed_mm_s.clamp(0.0, 1e5) * 10.0).round() as u32
+}
+
+/// The speeds of a program, at most as many as a byte tells apart.
+fn speeds(program: &Program) -> Vec<u32> {
+    let beads = program.layers.iter().flat_map(|l| &l.beads);
+    let all: std::collections::BTreeSet<u32> = beads.map(|b| speed_key(b.speed_mm_s)).collect();
+    let all: Vec<u32> = all.into_iter().collect();
+    if all.len() <= SPEEDS {
+        return all;
+    }
+    // Evenly among the values, so that common ranges keep most of them.
+    let at = |k: usize| all[k * (all.len() - 1) / (SPEEDS - 1)];
+    (0..SPEEDS).map(at).collect()
+}
+
+/// A program as the page sees it: the index, and the records of any layer.
+pub struct Records {
+    index: Index,
+    speed_keys: Vec<u32>,
+}
+
+impl Records {
+    /// Measures a program. Cost: two passes over its beads.
+    pub fn of(program: &Program) -> Self {
+        let (all, part) = extents(program);
+        let size = all.max - all.min;
+        let step_mm = (size.max_element() / f64::from(u16::MAX)).max(1e-6);
+        let speed_keys = speeds(program);
+        let classes = Role::ALL.iter().map(|r| r.gcode_name()).chain(["Travel", "Start"]).collect();
+        let mut shares = vec![Share::default(); usize::from(START) + 1];
+        let mut widths: Vec<f32> = Vec::new();
+        let mut layers = Vec::with_capacity(program.layers.len());
+        for layer in &program.layers {
+            let mut entry = LayerEntry {
+                z_mm: layer.z_mm,
+                height_mm: layer.height_mm,
+                records: 0,
+                beads: layer.beads.len(),
+                printed_mm: 0.0,
+                volume_mm3: 0.0,
+            };
+            walk(layer, |step| {
+                entry.records += 1;
+                if let Step::Bead(bead) = step {
+                    let length_mm = bead.start().distance(bead.end());
+                    let share = &mut shares[usize::from(class(bead.role))];
+                    share.beads += 1;
+                    share.length_mm += length_mm;
+                    entry.printed_mm += length_mm;
+                    entry.volume_mm3 += f64::from(bead.volume_mm3);
+                }
+            });
+            // A sample: the colour scale does not need every bead.
+            let sampled =
+                layer.beads.iter().filter(|b| b.role.is_part()).step_by(1 + layer.beads.len() / 200);
+            widths.extend(sampled.map(|b| b.width_mm(layer.height_mm) as f32));
+            layers.push(entry);
+        }
+        widths.sort_by(f32::total_cmp);
+        let share_of = |q: f64| widths.get(((widths.len() as f64 - 1.0) * q).max(0.0) as usize);
+        let width = |q: f64| share_of(q).map_or(0.0, |w| (f64::from(*w) * 1e3).round() / 1e3);
+        let part = part.unwrap_or(all);
+        let heights = program.layers.iter().filter(|l| l.beads.iter().any(|b| b.role.is_part()));
+        let (mut low_mm, mut high_mm) = (f64::INFINITY, 0.0_f64);
+        for layer in heights {
+            low_mm = low_mm.min(layer.z_mm - layer.height_mm);
+            high_mm = high_mm.max(layer.z_mm);
+        }
+        let round = |v: f64| (v * 1e3).round() / 1e3;
+        let records = layers.iter().map(|l| l.records).sum();
+        let index = Index {
+            origin_mm: [all.min.x, all.min.y],
+            step_mm,
+            classes,
+            speeds_mm_s: speed_keys.iter().map(|k| f64::from(*k) / 10.0).collect(),
+            part_mm: [
+                [part.min.x, part.min.y, low_mm.min(high_mm)].map(round),
+                [part.max.x, part.max.y, high_mm].map(round),
+            ],
+            widths_mm: [width(0.01), width(0.99)],
+            shares,
+            layers,
+            records,
+            generator: program.generator.clone(),
+            time_s: program.time_s,
+            filament_mm: program.filament_mm,
+        };
+        Self { index, speed_keys }
+    }
+
+    /// The index.
+    pub fn index(&self) -> &Index {
+        &self.index
+    }
+
+    /// The records of a layer.
+    pub fn layer(&self, layer: &BeadLayer) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(RECORD_BYTES * (layer.beads.len() + layer.travels.len() + 1));
+        let [x0, y0] = self.index.origin_mm;
+        let steps = |v: f32, from: f64| {
+            ((f64::from(v) - from) / self.index.step_mm).round().clamp(0.0, f64::from(u16::MAX)) as u16
+        };
+        let mut push = |p: [f32; 2], width_um: u16, class: u8, speed: u8| {
+            bytes.extend_from_slice(&steps(p[0], x0).to_le_bytes());
+            bytes.extend_from_slice(&steps(p[1], y0).to_le_bytes());
+            bytes.extend_from_slice(&width_um.to_le_bytes());
+            bytes.extend_from_slice(&[class, speed]);
+        };
+        walk(layer, |step| match step {
+            Step::Start(p) => push(p, 0, START, 0),
+            Step::Travel(p) => push(p, 0, TRAVEL, 0),
+            Step::Bead(bead) => {
+                let width_um = (bead.width_mm(layer.height_mm) * 1e3).round().clamp(0.0, f64::from(u16::MAX));
+                let key = speed_key(bead.speed_mm_s);
+                // The largest value of the table that is not greater.
+                let speed = self.speed_keys.partition_point(|k| *k <= key).saturating_sub(1);
+                push(bead.b, width_um as u16, class(bead.role), speed as u8);
+            }
+        });
+        bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_gcode::{Limits, simulate};
+
+    const TEXT: &str = ";LAYER_CHANGE\nM83\nG1 Z0.2 F600\nG1 X10 Y0 F6000\n;TYPE:External perimeter\nG1 X30 E0.75 F1800\n\
+                        G1 Y20 E0.75\nG1 X0 Y5 F6000\nG1 X5 Y5\n;TYPE:Internal infill\nG1 X25 E0.9 F3000\n;LAYER_CHANGE\nG1 Z0.4\n\
+                        G1 X10 Y0\n;TYPE:External perimeter\nG1 X30 E0.75 F1800\n";
+
+    fn number(record: &[u8], at: usize) -> f64 {
+        f64::from(u16::from_le_bytes([record[at], record[at + 1]]))
+    }
+
+    #[test]
+    fn classes_are_the_places_of_roles() {
+        for (k, role) in Role::ALL.into_iter().enumerate() {
+            assert_eq!(usize::from(class(role)), k, "{role:?}");
+        }
+    }
+
+    /// Points, widths, roles and speeds come back from the bytes.
+    #[test]
+    fn records_hold_the_beads_and_the_travels_between_them() {
+        let program = simulate(TEXT.as_bytes(), 1.75, &Limits::default()).expect("G-code");
+        let records = Records::of(&program);
+        let index = records.index();
+        let bytes = records.layer(&program.layers[0]);
+        assert_eq!(bytes.len(), RECORD_BYTES * index.layers[0].records);
+        let rows: Vec<&[u8]> = bytes.chunks(RECORD_BYTES).collect();
+        let classes: Vec<u8> = rows.iter().map(|r| r[6]).collect();
+        let (wall, fill) = (class(Role::OuterWall), class(Role::SparseFill));
+        assert_eq!(classes, [START, TRAVEL, wall, wall, TRAVEL, TRAVEL, fill]);
+        let points: Vec<[f64; 2]> = rows
+            .iter()
+            .map(|r| [0, 1].map(|k| index.origin_mm[k] + number(r, 2 * k) * index.step_mm))
+            .collect();
+        let expected =
+            [[0.0, 0.0], [10.0, 0.0], [30.0, 0.0], [30.0, 20.0], [0.0, 5.0], [5.0, 5.0], [25.0, 5.0]];
+        for (point, expected) in points.iter().zip(expected) {
+            assert!((point[0] - expected[0]).abs() <= index.step_mm, "{point:?} {expected:?}");
+            assert!((point[1] - expected[1]).abs() <= index.step_mm, "{point:?} {expected:?}");
+        }
+        let bead = &program.layers[0].beads[0];
+        assert!((number(rows[2], 4) * 1e-3 - bead.width_mm(0.2)).abs() < 1e-3);
+        assert_eq!(index.speeds_mm_s[usize::from(rows[2][7])], 30.0);
+        assert_eq!(index.speeds_mm_s[usize::from(rows[6][7])], 50.0);
+        assert_eq!(index.shares[usize::from(wall)].beads, 3);
+        assert!((index.shares[usize::from(wall)].length_mm - 60.0).abs() < 1e-4);
+    }
+
+    /// A program of many speeds keeps 256 of them, and no bead is put far from its own.
+    #[test]
+    fn many_speeds_share_a_table() {
+        use std::fmt::Write;
+        let mut text = String::from("M83\nG1 Z0.2\n");
+        for k in 0..1000 {
+            let _ = writeln!(text, "G1 X{} E0.05 F{}", k % 7, 600 + 6 * k);
+        }
+        let program = simulate(text.as_bytes(), 1.75, &Limits::default()).expect("G-code");
+        let records = Records::of(&program);
+        assert_eq!(records.index().speeds_mm_s.len(), 256);
+        let bytes = records.layer(&program.layers[0]);
+        let beads = bytes.chunks(RECORD_BYTES).filter(|r| r[6] < TRAVEL);
+        let mut compared = 0;
+        for (record, bead) in beads.zip(&program.layers[0].beads) {
+            let stated = records.index().speeds_mm_s[usize::from(record[7])];
+            assert!((stated - f64::from(bead.speed_mm_s)).abs() < 0.6, "{stated} {}", bead.speed_mm_s);
+            compared += 1;
+        }
+        assert_eq!(compared, program.layers[0].beads.len());
+    }
+
+    /// A program that prints nothing has an index without layers.
+    #[test]
+    fn empty_programs_have_no_layers() {
+        let program = simulate(b"G28\nM104 S0\n", 1.75, &Limits::default()).expect("G-code");
+        let records = Records::of(&program);
+        assert_eq!((records.index().layers.len(), records.index().records), (0, 0));
+    }
+}

@@ -1,0 +1,205 @@
+//! The files that a page may read and write.
+//!
+//! Paths come from the page and from job files. A path is read only where the file it leads to, with every link
+//! followed, lies below a root; it is written only below the working folder. Links made between the check and the use
+//! are the user's own: nobody else writes there.
+
+use std::path::{Component, Path, PathBuf};
+use std::{fs, io};
+
+use crate::engine::Refusal;
+
+/// Folders that may be read, and the one that may be written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Roots {
+    work: PathBuf,
+    readable: Vec<PathBuf>,
+}
+
+/// A message of the system without its number.
+pub(crate) fn plain(error: &io::Error) -> String {
+    let text = error.to_string();
+    text.split(" (os error").next().unwrap_or(&text).to_lowercase()
+}
+
+impl Roots {
+    /// `work` is made if it is missing; it and `readable` may be read.
+    ///
+    /// # Errors
+    /// [`Refusal`] for folders that are not there or cannot be made.
+    pub fn new(work: &Path, readable: &[PathBuf]) -> Result<Self, Refusal> {
+        let wrong = |path: &Path, e: &io::Error| Refusal::usage(format!("{}: {}", path.display(), plain(e)));
+        fs::create_dir_all(work).map_err(|e| wrong(work, &e))?;
+        let real = |path: &Path| fs::canonicalize(path).map_err(|e| wrong(path, &e));
+        let work = real(work)?;
+        let mut all = vec![];
+        for folder in readable {
+            let folder = real(folder)?;
+            if !folder.is_dir() {
+                return Err(Refusal::usage(format!("{}: is no folder", folder.display())));
+            }
+            if !all.contains(&folder) {
+                all.push(folder);
+            }
+        }
+        if !all.iter().any(|r| work.starts_with(r)) {
+            all.push(work.clone());
+        }
+        Ok(Self { work, readable: all })
+    }
+
+    /// The folder that is written to.
+    pub fn work(&self) -> &Path {
+        &self.work
+    }
+
+    /// The folders that may be read; they lie nowhere in each other unless they were given so.
+    pub fn readable_folders(&self) -> &[PathBuf] {
+        &self.readable
+    }
+
+    /// The real path of a file or folder that may be read.
+    ///
+    /// # Errors
+    /// [`Refusal`] for what is not there or lies outside the roots. Both have the same message, so that a page cannot
+    /// ask what exists elsewhere.
+    pub fn readable(&self, path: &Path) -> Result<PathBuf, Refusal> {
+        let missing = || {
+            let path = path.display();
+            Refusal::input(format!("{path}: not found below the folders of the studio; --root DIR adds one"))
+        };
+        let real = fs::canonicalize(path).map_err(|_| missing())?;
+        if self.readable.iter().any(|r| real.starts_with(r)) { Ok(real) } else { Err(missing()) }
+    }
+
+    /// The path of a file that may be written; it need not exist.
+    ///
+    /// # Errors
+    /// [`Refusal`] outside the working folder.
+    pub fn writable(&self, path: &Path) -> Result<PathBuf, Refusal> {
+        let outside = || {
+            let (path, work) = (path.display(), self.work.display());
+            Refusal::usage(format!("{path}: the studio writes only below {work}"))
+        };
+        // The part that exists is real; what follows must be plain names.
+        let (mut real, mut rest) = (path.to_owned(), Vec::new());
+        let real = loop {
+            match fs::canonicalize(&real) {
+                Ok(found) => break found,
+                Err(_) => {
+                    // A link that leads nowhere yet would be followed by writing.
+                    if fs::symlink_metadata(&real).is_ok() {
+                        return Err(outside());
+                    }
+                    rest.push(real.file_name().ok_or_else(outside)?.to_owned());
+                    real = real.parent().ok_or_else(outside)?.to_owned();
+                }
+            }
+        };
+        let whole = rest.into_iter().rev().fold(real, |p, name| p.join(name));
+        let is_plain = whole.components().all(|c| !matches!(c, Component::ParentDir));
+        if is_plain && whole.starts_with(&self.work) { Ok(whole) } else { Err(outside()) }
+    }
+
+    /// A new folder below the working folder: `name`, or `name-2` and so on.
+    ///
+    /// # Errors
+    /// [`Refusal`] where it cannot be made.
+    pub fn new_folder(&self, name: &str) -> Result<PathBuf, Refusal> {
+        let wrong = |e: io::Error| Refusal::usage(format!("{}: {}", self.work.display(), plain(&e)));
+        for k in 1.. {
+            let folder = self.work.join(if k == 1 { name.to_owned() } else { format!("{name}-{k}") });
+            match fs::create_dir(&folder) {
+                Ok(()) => return Ok(folder),
+                Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(e) => return Err(wrong(e)),
+            }
+        }
+        Err(Refusal::usage("no name is free"))
+    }
+}
+
+/// The last part of a name given by the page, without what a path or a shell could misread.
+pub fn safe_name(name: &str) -> String {
+    let last = name.rsplit(['/', '\\']).next().unwrap_or_default();
+    let kept: String =
+        last.chars().map(|c| if c.is_alphanumeric() || " .-_()+".contains(c) { c } else { '_' }).collect();
+    let kept = kept.trim_start_matches(['.', ' ', '-']).trim_end().to_owned();
+    // Source: file systems take names of 255 bytes; four bytes a character leave room for a number.
+    let kept: String = kept.chars().take(60).collect();
+    if kept.is_empty() { "upload".to_owned() } else { kept }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn roots() -> (tempfile::TempDir, Roots) {
+        let dir = tempfile::tempdir().expect("a folder");
+        fs::create_dir_all(dir.path().join("in/deep")).expect("a folder");
+        fs::create_dir_all(dir.path().join("secret")).expect("a folder");
+        fs::write(dir.path().join("in/part.stl"), "solid").expect("a file");
+        fs::write(dir.path().join("secret/key"), "key").expect("a file");
+        let roots =
+            Roots::new(&dir.path().join("in/studio"), &[dir.path().join("in")]).expect("they are there");
+        (dir, roots)
+    }
+
+    #[test]
+    fn files_are_read_below_the_roots_alone() {
+        let (dir, roots) = roots();
+        let at = |name: &str| dir.path().join(name);
+        assert!(roots.readable(&at("in/part.stl")).is_ok());
+        assert!(roots.readable(&at("in/deep/../part.stl")).is_ok());
+        for name in ["secret/key", "in/../secret/key", "in/nothing", "secret/nothing"] {
+            let error = roots.readable(&at(name)).expect_err(name);
+            assert!(error.message.contains("not found below the folders"), "{}", error.message);
+        }
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(at("secret"), at("in/link")).expect("a link");
+            assert!(roots.readable(&at("in/link/key")).is_err());
+        }
+    }
+
+    #[test]
+    fn files_are_written_below_the_working_folder_alone() {
+        let (dir, roots) = roots();
+        let at = |name: &str| dir.path().join(name);
+        assert!(roots.writable(&at("in/studio/a.gcode")).is_ok());
+        assert!(roots.writable(&at("in/studio/new/deep/a.gcode")).is_ok());
+        for name in [
+            "in/a.gcode",
+            "in/studio/../a.gcode",
+            "in/studio/new/../../../secret/a",
+            "secret/a",
+            "in/studio2/a",
+        ] {
+            assert!(roots.writable(&at(name)).is_err(), "{name}");
+        }
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(at("secret"), at("in/studio/link")).expect("a link");
+            std::os::unix::fs::symlink(at("secret/later"), at("in/studio/later")).expect("a link");
+            assert!(roots.writable(&at("in/studio/link/a")).is_err());
+            assert!(roots.writable(&at("in/studio/later")).is_err());
+        }
+    }
+
+    #[test]
+    fn names_of_uploads_are_plain() {
+        for (given, kept) in [
+            ("part.stl", "part.stl"),
+            ("../../etc/passwd", "passwd"),
+            ("C:\\parts\\a b.3mf", "a b.3mf"),
+            ("..", "upload"),
+            (".hidden", "hidden"),
+            ("-rf.stl", "rf.stl"),
+            ("a\u{0}\n<b>.stl", "a___b_.stl"),
+            ("", "upload"),
+        ] {
+            assert_eq!(safe_name(given), kept, "{given:?}");
+        }
+        assert!(safe_name(&"é".repeat(500)).len() <= 240);
+    }
+}

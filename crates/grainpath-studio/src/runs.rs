@@ -1,0 +1,423 @@
+//! The queue of runs: one is worked on, the others wait.
+//!
+//! Runs are done on a thread of their own and never on the server's, which answers meanwhile. The planner uses all cores
+//! by itself, so two runs at a time would only be slower. Progress is counted in atomics, since the planner counts from
+//! any thread and often; streams of events look at them ten times a second, so that their number does not depend on how
+//! often the planner counts. Cancelling sets the flag that every loop of the planner looks at.
+
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use grainpath_core::Diagnostics;
+use grainpath_core::diagnostics::{Progress, Stage};
+use serde::Serialize;
+use tokio::sync::watch;
+
+use crate::engine::{Finished, Refusal};
+use crate::records::Records;
+
+/// Most runs that wait. Source: chosen; a page that asks for more has gone wrong.
+const MOST_WAITING: usize = 64;
+/// Most finished runs that are kept; each holds its program. Source: chosen; 32 programs of 30 MB are 1 GB.
+const MOST_KEPT: usize = 32;
+
+/// Where a run stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Phase {
+    /// In the queue.
+    Waiting,
+    /// Being worked on.
+    Running,
+    /// Done; the result is there.
+    Done,
+    /// Ended with an error.
+    Failed,
+    /// Ended by the user.
+    Cancelled,
+}
+
+impl Phase {
+    /// Whether nothing more will happen.
+    pub fn is_over(self) -> bool {
+        matches!(self, Self::Done | Self::Failed | Self::Cancelled)
+    }
+}
+
+/// What a run does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// Reads a program.
+    View,
+    /// Plans a job.
+    Plan,
+    /// Tests strength.
+    Strength,
+}
+
+/// The state of a run as the page sees it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct State {
+    /// Its number.
+    pub id: u64,
+    /// What it does.
+    pub kind: Kind,
+    /// What it does it to.
+    pub title: String,
+    /// Where it stands.
+    pub phase: Phase,
+    /// Runs before it in the queue.
+    pub ahead: usize,
+    /// Stage of the planner.
+    pub stage: Option<&'static str>,
+    /// Steps done of the stage.
+    pub done: usize,
+    /// Steps of the stage; 0 where they are not known.
+    pub total: usize,
+    /// Time since it was begun, s.
+    pub elapsed_s: f64,
+    /// Why it failed: the sentence of the command line.
+    pub error: Option<String>,
+    /// Exit code of the command line.
+    pub code: Option<i32>,
+}
+
+/// Progress that is counted without locks.
+#[derive(Default)]
+struct Counted {
+    /// One more than the place of the stage in [`Stage::ALL`]; 0 before the first.
+    stage: AtomicUsize,
+    done: AtomicUsize,
+    total: AtomicUsize,
+}
+
+struct Counter(Arc<Counted>);
+
+impl Progress for Counter {
+    fn begin(&self, stage: Stage, total: usize) {
+        let place = Stage::ALL.iter().position(|s| *s == stage).map_or(0, |k| k + 1);
+        self.0.done.store(0, Ordering::Relaxed);
+        self.0.total.store(total, Ordering::Relaxed);
+        self.0.stage.store(place, Ordering::Relaxed);
+    }
+
+    fn advance(&self, n: usize) {
+        self.0.done.fetch_add(n, Ordering::Relaxed);
+    }
+}
+
+/// What a run gave, and its program as the page draws it.
+pub struct Result {
+    /// What the engine gave.
+    pub finished: Finished,
+    /// The index and records of its program.
+    pub records: Records,
+}
+
+/// The work of a run.
+pub type Work = Box<dyn FnOnce(&Diagnostics) -> std::result::Result<Finished, Refusal> + Send>;
+
+struct Ended {
+    at: Instant,
+    outcome: std::result::Result<Arc<Result>, Refusal>,
+}
+
+/// A run.
+pub struct Run {
+    id: u64,
+    kind: Kind,
+    title: String,
+    diagnostics: Diagnostics,
+    counted: Arc<Counted>,
+    phase: watch::Sender<Phase>,
+    begun: Mutex<Option<Instant>>,
+    ended: Mutex<Option<Ended>>,
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Run {
+    /// Its number.
+    pub fn id(&self) -> u64 {
+        self.id
+    }
+
+    /// Changes of its phase.
+    pub fn phases(&self) -> watch::Receiver<Phase> {
+        self.phase.subscribe()
+    }
+
+    /// What it gave, once it is done.
+    pub fn result(&self) -> Option<Arc<Result>> {
+        locked(&self.ended).as_ref().and_then(|e| e.outcome.as_ref().ok().map(Arc::clone))
+    }
+
+    /// Its warnings so far.
+    pub fn warnings(&self) -> Vec<grainpath_core::Warning> {
+        self.diagnostics.warnings()
+    }
+
+    fn end(&self, phase: Phase, outcome: std::result::Result<Arc<Result>, Refusal>) {
+        *locked(&self.ended) = Some(Ended { at: Instant::now(), outcome });
+        self.phase.send_replace(phase);
+    }
+}
+
+#[derive(Default)]
+struct Queue {
+    waiting: VecDeque<(Arc<Run>, Work)>,
+    all: VecDeque<Arc<Run>>,
+    is_closed: bool,
+}
+
+/// All runs of a studio.
+pub struct Runs {
+    shared: Arc<(Mutex<Queue>, Condvar)>,
+    last: AtomicU64,
+}
+
+impl Default for Runs {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Runs {
+    /// An empty queue and the thread that works on it.
+    pub fn new() -> Self {
+        let shared: Arc<(Mutex<Queue>, Condvar)> = Arc::default();
+        let own = Arc::clone(&shared);
+        std::thread::spawn(move || work(&own));
+        Self { shared, last: AtomicU64::new(0) }
+    }
+
+    /// Adds a run to the queue.
+    ///
+    /// # Errors
+    /// [`Refusal`] where too many wait.
+    pub fn add(&self, kind: Kind, title: String, work: Work) -> std::result::Result<Arc<Run>, Refusal> {
+        let counted: Arc<Counted> = Arc::default();
+        let diagnostics = Diagnostics::with_progress(Box::new(Counter(Arc::clone(&counted))));
+        let run = Arc::new(Run {
+            id: self.last.fetch_add(1, Ordering::Relaxed) + 1,
+            kind,
+            title,
+            diagnostics,
+            counted,
+            phase: watch::Sender::new(Phase::Waiting),
+            begun: Mutex::default(),
+            ended: Mutex::default(),
+        });
+        let (queue, changed) = &*self.shared;
+        let mut queue = locked(queue);
+        if queue.waiting.len() >= MOST_WAITING {
+            return Err(Refusal::usage(format!("{MOST_WAITING} runs wait already; cancel some of them")));
+        }
+        queue.waiting.push_back((Arc::clone(&run), work));
+        queue.all.push_back(Arc::clone(&run));
+        // The oldest that is over goes first; runs that are not over are never dropped.
+        while queue.all.len() > MOST_KEPT {
+            let Some(oldest) = queue.all.iter().position(|r| r.phase.borrow().is_over()) else { break };
+            queue.all.remove(oldest);
+        }
+        drop(queue);
+        changed.notify_all();
+        Ok(run)
+    }
+
+    /// The run of this number.
+    pub fn get(&self, id: u64) -> Option<Arc<Run>> {
+        locked(&self.shared.0).all.iter().find(|r| r.id == id).map(Arc::clone)
+    }
+
+    /// All runs, oldest first.
+    pub fn all(&self) -> Vec<Arc<Run>> {
+        locked(&self.shared.0).all.iter().map(Arc::clone).collect()
+    }
+
+    /// The state of a run.
+    pub fn state(&self, run: &Run) -> State {
+        let waiting = |q: &Queue| q.waiting.iter().position(|(r, _)| r.id == run.id);
+        let phase = *run.phase.borrow();
+        let ahead = if phase == Phase::Waiting {
+            let queue = locked(&self.shared.0);
+            let is_busy = queue.all.iter().any(|r| *r.phase.borrow() == Phase::Running);
+            waiting(&queue).map_or(0, |k| k + usize::from(is_busy))
+        } else {
+            0
+        };
+        let stage = run.counted.stage.load(Ordering::Relaxed).checked_sub(1).map(|k| Stage::ALL[k].name());
+        let begun = *locked(&run.begun);
+        let ended = locked(&run.ended);
+        let until = ended.as_ref().map_or_else(Instant::now, |e| e.at);
+        let elapsed_s = begun.map_or(0.0, |b| until.saturating_duration_since(b).as_secs_f64());
+        let refusal = ended.as_ref().and_then(|e| e.outcome.as_ref().err());
+        State {
+            id: run.id,
+            kind: run.kind,
+            title: run.title.clone(),
+            phase,
+            ahead,
+            stage,
+            done: run.counted.done.load(Ordering::Relaxed),
+            total: run.counted.total.load(Ordering::Relaxed),
+            elapsed_s: (elapsed_s * 1e3).round() / 1e3,
+            error: refusal.map(|r| r.message.clone()),
+            code: refusal.map(|r| r.code),
+        }
+    }
+
+    /// Ends a run: takes it from the queue, or asks it to stop.
+    pub fn cancel(&self, run: &Run) {
+        run.diagnostics.stop();
+        let mut queue = locked(&self.shared.0);
+        if let Some(at) = queue.waiting.iter().position(|(r, _)| r.id == run.id) {
+            queue.waiting.remove(at);
+            drop(queue);
+            run.end(Phase::Cancelled, Err(interrupted()));
+        }
+    }
+
+    /// Stops every run; no more are begun.
+    pub fn close(&self) {
+        let (queue, changed) = &*self.shared;
+        let mut queue = locked(queue);
+        queue.is_closed = true;
+        queue.waiting.clear();
+        queue.all.iter().for_each(|r| r.diagnostics.stop());
+        drop(queue);
+        changed.notify_all();
+    }
+}
+
+impl Drop for Runs {
+    fn drop(&mut self) {
+        self.close();
+    }
+}
+
+fn interrupted() -> Refusal {
+    // Source: the exit code of the command line for an interrupted run.
+    Refusal { message: "cancelled; nothing more was written".to_owned(), code: 130 }
+}
+
+/// Works on the queue until it is closed.
+fn work(shared: &(Mutex<Queue>, Condvar)) {
+    let (queue, changed) = shared;
+    loop {
+        let mut open = locked(queue);
+        let (run, work) = loop {
+            if open.is_closed {
+                return;
+            }
+            if let Some(next) = open.waiting.pop_front() {
+                // Set under the lock: no moment sees the run neither waiting nor running.
+                next.0.phase.send_replace(Phase::Running);
+                break next;
+            }
+            open = changed.wait(open).unwrap_or_else(PoisonError::into_inner);
+        };
+        drop(open);
+        *locked(&run.begun) = Some(Instant::now());
+        // A panic is a fault of ours. It ends the run and not the server, and the page says so.
+        let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| work(&run.diagnostics)));
+        let outcome = caught.unwrap_or_else(|_| {
+            let message = "the run failed by a fault of grainpath; the terminal shows where";
+            Err(Refusal { message: message.to_owned(), code: 1 })
+        });
+        let is_stopped = run.diagnostics.check().is_err();
+        match outcome {
+            Ok(finished) => {
+                let records = Records::of(&finished.program);
+                run.end(Phase::Done, Ok(Arc::new(Result { finished, records })));
+            }
+            Err(_) if is_stopped => run.end(Phase::Cancelled, Err(interrupted())),
+            Err(refusal) => run.end(Phase::Failed, Err(refusal)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    fn until(run: &Run, phase: Phase) {
+        let begun = Instant::now();
+        while *run.phase.borrow() != phase {
+            assert!(begun.elapsed() < Duration::from_secs(20), "{:?} is not {phase:?}", *run.phase.borrow());
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    fn endless() -> Work {
+        Box::new(|d| {
+            d.begin(Stage::Fill, 10);
+            d.advance(3);
+            while d.check().is_ok() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            Err(Refusal::input("stopped"))
+        })
+    }
+
+    #[test]
+    fn runs_wait_for_each_other_and_can_be_cancelled() {
+        let runs = Runs::new();
+        let first = runs.add(Kind::Plan, "a".into(), endless()).expect("room");
+        let second = runs.add(Kind::Plan, "b".into(), Box::new(|_| Ok(Finished::default()))).expect("room");
+        let third = runs.add(Kind::View, "c".into(), Box::new(|_| Ok(Finished::default()))).expect("room");
+        until(&first, Phase::Running);
+        while runs.state(&first).done < 3 {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let state = runs.state(&first);
+        assert_eq!((state.stage, state.done, state.total), (Some("fill"), 3, 10));
+        assert_eq!((runs.state(&second).ahead, runs.state(&third).ahead), (1, 2));
+        runs.cancel(&second);
+        assert_eq!(runs.state(&second).phase, Phase::Cancelled);
+        assert!(second.result().is_none());
+        runs.cancel(&first);
+        until(&third, Phase::Done);
+        assert_eq!(runs.state(&first).phase, Phase::Cancelled);
+        assert!(third.result().is_some());
+    }
+
+    #[test]
+    fn refusals_and_panics_end_a_run_and_not_the_queue() {
+        let runs = Runs::new();
+        let refused = runs
+            .add(Kind::View, "a".into(), Box::new(|_| Err(Refusal::input("a.stl: is empty"))))
+            .expect("room");
+        let broken = runs.add(Kind::View, "b".into(), Box::new(|_| panic!("a fault"))).expect("room");
+        let good = runs.add(Kind::View, "c".into(), Box::new(|_| Ok(Finished::default()))).expect("room");
+        until(&good, Phase::Done);
+        let state = runs.state(&refused);
+        assert_eq!((state.phase, state.code), (Phase::Failed, Some(3)));
+        assert_eq!(state.error.as_deref(), Some("a.stl: is empty"));
+        assert_eq!(runs.state(&broken).phase, Phase::Failed);
+    }
+
+    #[test]
+    fn old_runs_are_dropped_and_the_queue_has_an_end() {
+        let runs = Runs::new();
+        let hold = runs.add(Kind::Plan, "held".into(), endless()).expect("room");
+        until(&hold, Phase::Running);
+        let mut refused = 0;
+        for _ in 0..100 {
+            refused +=
+                usize::from(runs.add(Kind::View, "x".into(), Box::new(|_| Ok(Finished::default()))).is_err());
+        }
+        assert_eq!(refused, 100 - MOST_WAITING);
+        runs.cancel(&hold);
+        let last = runs.all().pop().expect("some");
+        until(&last, Phase::Done);
+        runs.add(Kind::View, "y".into(), Box::new(|_| Ok(Finished::default()))).expect("room");
+        assert!(runs.all().len() <= MOST_KEPT, "{}", runs.all().len());
+    }
+}

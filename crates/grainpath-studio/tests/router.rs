@@ -1,0 +1,971 @@
+//! The HTTP interface without a port: who may ask, which files may be named, and what is answered.
+
+mod support;
+
+use std::fs;
+
+use axum::body::Body;
+use axum::http::{Request, StatusCode};
+use serde_json::json;
+use support::{Bench, PROGRAM};
+
+fn bare(address: &str, headers: &[(&str, &str)]) -> Request<Body> {
+    let all =
+        headers.iter().fold(Request::builder().uri(address), |r, (name, value)| r.header(*name, *value));
+    all.body(Body::empty()).expect("a request")
+}
+
+const OWN: (&str, &str) = ("host", "127.0.0.1:4711");
+
+// ---- who may ask ----
+
+#[test]
+fn without_a_token_nothing_is_answered() {
+    let bench = Bench::new();
+    for address in ["/", "/app.js", "/v1/state", "/v1/files?path=/", "/v1/jobs", "/v1/nothing", "/nothing"] {
+        let answer = bench.raw(bare(address, &[OWN]));
+        assert_eq!(answer.status, StatusCode::UNAUTHORIZED, "{address}");
+        assert!(answer.error().contains("token"), "{address}");
+    }
+}
+
+#[test]
+fn a_wrong_token_is_no_token() {
+    let bench = Bench::new();
+    let cut = format!("Bearer {}", &bench.token[1..]);
+    let longer = format!("Bearer {}0", bench.token);
+    for given in ["Bearer 0123", "Bearer ", &cut, &longer, &bench.token] {
+        let answer = bench.raw(bare("/v1/state", &[OWN, ("authorization", given)]));
+        assert_eq!(answer.status, StatusCode::UNAUTHORIZED, "{given}");
+    }
+}
+
+#[test]
+fn the_token_in_the_address_becomes_a_cookie() {
+    let bench = Bench::new();
+    let opened = bench.raw(bare(&format!("/?token={}", bench.token), &[OWN]));
+    assert_eq!((opened.status, opened.header("location")), (StatusCode::SEE_OTHER, "/"));
+    let cookie = opened.header("set-cookie").to_owned();
+    for word in ["HttpOnly", "SameSite=Strict", "Path=/"] {
+        assert!(cookie.contains(word), "{cookie}");
+    }
+    let pair = cookie.split(';').next().expect("a pair");
+    let page = bench.raw(bare("/", &[OWN, ("cookie", &format!("other=1; {pair}"))]));
+    assert_eq!(page.status, StatusCode::OK);
+    assert!(String::from_utf8_lossy(&page.bytes).contains("<title>grainpath studio</title>"));
+}
+
+#[test]
+fn a_wrong_token_in_the_address_sets_no_cookie() {
+    let bench = Bench::new();
+    let answer = bench.raw(bare("/?token=0123", &[OWN]));
+    assert_eq!(answer.status, StatusCode::UNAUTHORIZED);
+    assert!(answer.headers.get("set-cookie").is_none());
+}
+
+#[test]
+fn the_token_in_the_address_opens_the_page_alone() {
+    let bench = Bench::new();
+    let address = format!("/v1/state?token={}", bench.token);
+    assert_eq!(bench.raw(bare(&address, &[OWN])).status, StatusCode::UNAUTHORIZED);
+}
+
+#[test]
+fn the_cookie_of_another_studio_is_refused() {
+    let (bench, other) = (Bench::new(), Bench::new());
+    let cookie = format!("grainpath_{}={}", &bench.token[..4], other.token);
+    assert_eq!(bench.raw(bare("/v1/state", &[OWN, ("cookie", &cookie)])).status, StatusCode::UNAUTHORIZED);
+}
+
+#[test]
+fn foreign_hosts_are_refused_with_the_token_too() {
+    let bench = Bench::new();
+    let bearer = format!("Bearer {}", bench.token);
+    for host in ["evil.example", "evil.example:4711", "127.0.0.1.evil.example", "192.168.0.7", ""] {
+        let answer = bench.raw(bare("/v1/state", &[("host", host), ("authorization", &bearer)]));
+        assert_eq!(answer.status, StatusCode::FORBIDDEN, "{host}");
+    }
+    let none = bench.raw(bare("/v1/state", &[("authorization", &bearer)]));
+    assert_eq!(none.status, StatusCode::FORBIDDEN);
+}
+
+#[test]
+fn hosts_of_this_computer_are_answered_at_any_port() {
+    let bench = Bench::new();
+    let bearer = format!("Bearer {}", bench.token);
+    for host in ["localhost:9000", "127.0.0.1", "[::1]:8080"] {
+        let answer = bench.raw(bare("/v1/state", &[("host", host), ("authorization", &bearer)]));
+        assert_eq!(answer.status, StatusCode::OK, "{host}");
+    }
+}
+
+#[test]
+fn hosts_given_by_the_user_are_answered() {
+    let bench = Bench::with(|o| o.hosts = vec!["lab.example".to_owned()]);
+    let bearer = format!("Bearer {}", bench.token);
+    let ask = |host| bench.raw(bare("/v1/state", &[("host", host), ("authorization", &bearer)])).status;
+    assert_eq!(ask("lab.example:443"), StatusCode::OK);
+    assert_eq!(ask("other.example"), StatusCode::FORBIDDEN);
+}
+
+#[test]
+fn requests_of_other_pages_are_refused() {
+    let bench = Bench::new();
+    let bearer = format!("Bearer {}", bench.token);
+    for origin in ["http://evil.example", "null", "http://127.0.0.1:1", "https://localhost:4711"] {
+        let answer = bench.raw(bare("/v1/state", &[OWN, ("authorization", &bearer), ("origin", origin)]));
+        assert_eq!(answer.status, StatusCode::FORBIDDEN, "{origin}");
+    }
+    let own = [OWN, ("authorization", bearer.as_str()), ("origin", "http://127.0.0.1:4711")];
+    assert_eq!(bench.raw(bare("/v1/state", &own)).status, StatusCode::OK);
+}
+
+#[test]
+fn no_answer_allows_another_origin() {
+    let bench = Bench::new();
+    let answer = bench.raw(bare("/v1/state", &[OWN, ("origin", "http://evil.example")]));
+    assert!(answer.headers.get("access-control-allow-origin").is_none());
+    let request = bench.request("OPTIONS", "/v1/jobs").header("access-control-request-method", "POST");
+    let answer = bench.raw(request.body(Body::empty()).expect("a request"));
+    assert!(answer.headers.get("access-control-allow-origin").is_none());
+}
+
+#[test]
+fn every_answer_has_the_policy() {
+    let bench = Bench::new();
+    let refused = bench.raw(bare("/", &[("host", "evil.example")]));
+    for answer in
+        [bench.get("/"), bench.get("/app.js"), bench.get("/v1/state"), bench.get("/nothing"), refused]
+    {
+        let policy = answer.header("content-security-policy");
+        for word in
+            ["default-src 'none'", "script-src 'self'", "connect-src 'self'", "frame-ancestors 'none'"]
+        {
+            assert!(policy.contains(word), "{policy}");
+        }
+        for word in ["unsafe", "http:", "https:", "*"] {
+            assert!(!policy.contains(word), "{policy}");
+        }
+        assert_eq!(answer.header("x-content-type-options"), "nosniff");
+        assert_eq!(answer.header("referrer-policy"), "no-referrer");
+    }
+}
+
+// ---- the page ----
+
+#[test]
+fn the_page_names_no_other_computer() {
+    let bench = Bench::new();
+    let page = String::from_utf8(bench.get("/").bytes).expect("text");
+    assert!(!page.contains("http:") && !page.contains("https:") && !page.contains("//"), "{page}");
+    // Relative addresses work below a path too.
+    assert!(page.contains("src=\"app.js\"") && page.contains("href=\"app.css\""), "{page}");
+    let style = String::from_utf8(bench.get("/app.css").bytes).expect("text");
+    assert!(!style.contains("url(") && !style.contains("@import"), "no other file is named");
+}
+
+#[test]
+fn the_page_has_no_inline_script_or_style() {
+    let page = String::from_utf8(Bench::new().get("/").bytes).expect("text");
+    assert!(!page.contains("style=") && !page.contains("<style") && !page.contains("onclick"), "{page}");
+    assert_eq!(page.matches("<script").count(), 1);
+}
+
+#[test]
+fn the_page_is_packed_and_known_again() {
+    let bench = Bench::new();
+    let plain = bench.get("/app.js");
+    let request = bench.request("GET", "/app.js").header("accept-encoding", "gzip, br");
+    let packed = bench.raw(request.body(Body::empty()).expect("a request"));
+    assert_eq!(packed.header("content-encoding"), "gzip");
+    assert!(packed.bytes.len() * 2 < plain.bytes.len());
+    let mut unpacked = Vec::new();
+    std::io::copy(&mut flate2::read::GzDecoder::new(&packed.bytes[..]), &mut unpacked).expect("gzip");
+    assert_eq!(unpacked, plain.bytes);
+    let request = bench.request("GET", "/app.js").header("if-none-match", plain.header("etag"));
+    assert_eq!(bench.raw(request.body(Body::empty()).expect("a request")).status, StatusCode::NOT_MODIFIED);
+}
+
+/// Measured: 158 kB of scripts, 2.6 kB of styles.
+#[test]
+fn the_page_is_smaller_than_300_kb_packed() {
+    let bench = Bench::new();
+    let length = |address| {
+        let request = bench.request("GET", address).header("accept-encoding", "gzip");
+        bench.raw(request.body(Body::empty()).expect("a request")).bytes.len()
+    };
+    let all = length("/app.js") + length("/app.css") + length("/");
+    assert!((50_000..300_000).contains(&all), "{all}");
+}
+
+#[test]
+fn licences_of_the_page_are_there() {
+    let text = String::from_utf8(Bench::new().get("/licences.txt").bytes).expect("text");
+    assert!(text.contains("three 0.") && text.contains("The MIT License"), "{text}");
+}
+
+#[test]
+fn below_a_path_everything_moves() {
+    let bench = Bench::with(|o| o.base = "/tools/grainpath/".to_owned());
+    assert_eq!(bench.get("/tools/grainpath/v1/state").status, StatusCode::OK);
+    assert_eq!(bench.get("/tools/grainpath/app.js").status, StatusCode::OK);
+    assert_eq!(bench.get("/v1/state").status, StatusCode::NOT_FOUND);
+    let opened = bench.raw(bare(&format!("/tools/grainpath/?token={}", bench.token), &[OWN]));
+    assert_eq!(opened.header("location"), "/tools/grainpath/");
+    assert!(opened.header("set-cookie").contains("Path=/tools/grainpath/"));
+}
+
+#[test]
+fn unknown_addresses_say_so() {
+    let answer = Bench::new().get("/v1/nothing");
+    assert_eq!(answer.status, StatusCode::NOT_FOUND);
+    assert!(answer.error().contains("no such address"));
+}
+
+#[test]
+fn unknown_methods_are_refused() {
+    let bench = Bench::new();
+    let request = bench.request("PUT", "/v1/jobs").body(Body::empty()).expect("a request");
+    assert_eq!(bench.raw(request).status, StatusCode::METHOD_NOT_ALLOWED);
+}
+
+// ---- files ----
+
+#[test]
+fn the_state_names_folders_and_limits() {
+    let bench = Bench::new();
+    let state = bench.get("/v1/state").json();
+    assert_eq!(state["max_upload_bytes"], 1_000_000);
+    assert_eq!(state["opened"], serde_json::Value::Null);
+    assert!(state["work"].as_str().expect("text").ends_with("files/studio"));
+    assert_eq!(state["version"], env!("CARGO_PKG_VERSION"));
+}
+
+#[test]
+fn the_file_of_the_command_line_is_opened_first() {
+    let mut shown = String::new();
+    let bench = Bench::with(|o| {
+        let file = o.roots[0].join("square.gcode");
+        shown = fs::canonicalize(&file).expect("there").display().to_string();
+        o.file = Some(file);
+    });
+    let state = bench.get("/v1/state").json();
+    assert_eq!(
+        (state["opened"]["path"].as_str(), state["opened"]["kind"].as_str()),
+        (Some(shown.as_str()), Some("program"))
+    );
+}
+
+#[test]
+fn folders_list_what_can_be_opened() {
+    let bench = Bench::new();
+    let listing = bench.get(&format!("/v1/files?path={}", bench.shown("files"))).json();
+    let names = |key: &str| -> Vec<String> {
+        let rows = listing[key].as_array().expect("rows");
+        rows.iter().map(|r| r["name"].as_str().expect("a name").to_owned()).collect()
+    };
+    assert_eq!(names("folders"), ["deep", "studio"]);
+    assert_eq!(names("files"), ["job.toml", "notes.txt", "part.stl", "square.gcode"]);
+    let kinds: Vec<&str> = listing["files"]
+        .as_array()
+        .expect("rows")
+        .iter()
+        .map(|r| r["kind"].as_str().expect("a kind"))
+        .collect();
+    assert_eq!(kinds, ["job", "other", "mesh", "program"]);
+    // The folder above is outside.
+    assert_eq!(listing["parent"], serde_json::Value::Null);
+}
+
+#[test]
+fn folders_below_have_a_way_up() {
+    let bench = Bench::new();
+    let listing = bench.get(&format!("/v1/files?path={}", bench.shown("files/deep"))).json();
+    assert!(listing["parent"].as_str().expect("a path").ends_with("files"));
+}
+
+#[test]
+fn folders_outside_are_not_listed() {
+    let bench = Bench::new();
+    let outside = ["secret", "files/../secret", "files/deep/../../secret", "", "nothing"];
+    for name in outside {
+        let answer = bench.get(&format!("/v1/files?path={}", bench.shown(name)));
+        assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY, "{name}");
+        assert!(answer.error().contains("not found below the folders"), "{name}");
+    }
+    for path in ["/", "/etc", "..", "%2e%2e%2f", "/proc/self", "~"] {
+        assert_eq!(
+            bench.get(&format!("/v1/files?path={path}")).status,
+            StatusCode::UNPROCESSABLE_ENTITY,
+            "{path}"
+        );
+    }
+}
+
+#[test]
+fn what_is_there_and_what_is_not_look_alike_outside() {
+    let bench = Bench::new();
+    let error = |name: &str| {
+        let shown = bench.shown(name);
+        bench.get(&format!("/v1/files?path={shown}")).error().replace(&shown, "X")
+    };
+    assert_eq!(error("secret"), error("nothing"));
+}
+
+#[cfg(unix)]
+#[test]
+fn links_out_of_the_folders_are_neither_listed_nor_read() {
+    let bench = Bench::new();
+    std::os::unix::fs::symlink(bench.path("secret"), bench.path("files/link")).expect("a link");
+    std::os::unix::fs::symlink(bench.path("secret/key.gcode"), bench.path("files/key.gcode"))
+        .expect("a link");
+    let listing = bench.get(&format!("/v1/files?path={}", bench.shown("files"))).json().to_string();
+    assert!(!listing.contains("link") && !listing.contains("key.gcode"), "{listing}");
+    for name in ["files/link/key.gcode", "files/key.gcode"] {
+        let answer = bench.post("/v1/jobs", &json!({ "kind": "view", "file": bench.shown(name) }));
+        assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY, "{name}");
+    }
+}
+
+#[test]
+fn a_folder_given_by_root_is_read() {
+    let bench = Bench::with(|o| {
+        let other = o.roots[0].parent().expect("a folder").join("secret");
+        o.roots.push(other);
+    });
+    let state = bench.run(&json!({ "kind": "view", "file": bench.shown("secret/key.gcode") }));
+    assert_eq!(state["phase"], "done");
+}
+
+#[test]
+fn a_query_without_a_path_is_refused() {
+    let answer = Bench::new().get("/v1/files");
+    assert_eq!(answer.status, StatusCode::BAD_REQUEST);
+    assert!(answer.error().contains("path"));
+}
+
+#[test]
+fn the_text_of_a_job_is_shown() {
+    let bench = Bench::new();
+    let text = bench.get(&format!("/v1/text?path={}", bench.shown("files/job.toml"))).json();
+    assert_eq!(text["text"], "[shape]\nmesh = \"part.stl\"\n");
+}
+
+#[test]
+fn texts_of_other_files_are_not_shown() {
+    let bench = Bench::new();
+    fs::write(bench.path("secret/other.toml"), "key = 1").expect("written");
+    fs::write(bench.path("files/bytes.toml"), [0xff, 0xfe, 0x00]).expect("written");
+    for name in
+        ["files/notes.txt", "files/square.gcode", "secret/other.toml", "files/bytes.toml", "files/none.toml"]
+    {
+        let answer = bench.get(&format!("/v1/text?path={}", bench.shown(name)));
+        assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY, "{name}");
+        assert!(!String::from_utf8_lossy(&answer.bytes).contains("key = 1"));
+    }
+}
+
+// ---- uploads ----
+
+fn send(bench: &Bench, name: &str, bytes: Vec<u8>) -> support::Answer {
+    let request = bench.request("POST", &format!("/v1/uploads?name={name}")).body(Body::from(bytes));
+    bench.raw(request.expect("a request"))
+}
+
+#[test]
+fn a_dropped_file_is_written_below_the_working_folder() {
+    let bench = Bench::new();
+    let answer = send(&bench, "square.gcode", PROGRAM.as_bytes().to_vec());
+    assert_eq!(answer.status, StatusCode::OK);
+    let path = answer.json()["path"].as_str().expect("a path").to_owned();
+    assert!(path.ends_with("files/studio/uploads/square.gcode"), "{path}");
+    assert_eq!(fs::read_to_string(&path).expect("there"), PROGRAM);
+    let state = bench.run(&json!({ "kind": "view", "file": path }));
+    assert_eq!(state["phase"], "done");
+}
+
+#[test]
+fn dropped_files_never_replace_each_other() {
+    let bench = Bench::new();
+    let path = |bytes: &[u8]| {
+        send(&bench, "a.gcode", bytes.to_vec()).json()["path"].as_str().expect("a path").to_owned()
+    };
+    let (first, second) = (path(b"one"), path(b"two"));
+    assert!(second.ends_with("a-2.gcode"), "{second}");
+    assert_eq!(fs::read(first).expect("there"), b"one");
+}
+
+#[test]
+fn names_of_dropped_files_lead_nowhere_else() {
+    let bench = Bench::new();
+    for name in ["..%2F..%2Fout.gcode", "%2Fetc%2Fpasswd", "..", "C%3A%5Cout.gcode", ".%2F.hidden"] {
+        let path = send(&bench, name, b"G1".to_vec()).json()["path"].as_str().expect("a path").to_owned();
+        assert!(path.contains("files/studio/uploads/"), "{name}: {path}");
+        assert!(!path.contains(".."), "{name}: {path}");
+    }
+    assert!(!bench.path("out.gcode").exists() && !bench.path("files/out.gcode").exists());
+}
+
+#[test]
+fn a_body_over_the_limit_leaves_nothing() {
+    let bench = Bench::with(|o| o.max_upload = 1000);
+    let announced = send(&bench, "a.gcode", vec![b'G'; 1001]);
+    assert_eq!(announced.status, StatusCode::PAYLOAD_TOO_LARGE);
+    assert!(announced.error().contains("--max-upload"));
+    // A stream states no length.
+    let chunks = (0..20).map(|_| Ok::<_, std::io::Error>(vec![b'G'; 100]));
+    let body = Body::from_stream(futures_util::stream::iter(chunks));
+    let request = bench.request("POST", "/v1/uploads?name=a.gcode").body(body).expect("a request");
+    assert_eq!(bench.raw(request).status, StatusCode::PAYLOAD_TOO_LARGE);
+    let left = fs::read_dir(bench.path("files/studio/uploads")).map_or(0, Iterator::count);
+    assert_eq!(left, 0);
+    assert_eq!(send(&bench, "a.gcode", vec![b'G'; 1000]).status, StatusCode::OK);
+}
+
+#[test]
+fn an_upload_that_breaks_off_leaves_nothing() {
+    let bench = Bench::new();
+    let chunks = [Ok(vec![b'G'; 100]), Err(std::io::Error::other("gone"))];
+    let body = Body::from_stream(futures_util::stream::iter(chunks));
+    let request = bench.request("POST", "/v1/uploads?name=a.gcode").body(body).expect("a request");
+    assert_eq!(bench.raw(request).status, StatusCode::BAD_REQUEST);
+    assert_eq!(fs::read_dir(bench.path("files/studio/uploads")).expect("made").count(), 0);
+}
+
+#[test]
+fn an_empty_upload_is_refused() {
+    let answer = send(&Bench::new(), "a.gcode", Vec::new());
+    assert_eq!(
+        (answer.status, answer.error().as_str()),
+        (StatusCode::UNPROCESSABLE_ENTITY, "the file is empty")
+    );
+}
+
+// ---- jobs ----
+
+#[test]
+fn a_program_is_read_and_measured() {
+    let bench = Bench::new();
+    let id = bench.square();
+    let result = bench.get(&format!("/v1/jobs/{id}/result")).json();
+    assert_eq!(result["report"]["layers"], 2);
+    assert_eq!(result["report"]["generator"], "Squares 1");
+    assert!(
+        (result["report"]["printed_mm"].as_f64().expect("a number") - 80.0 - 800.0_f64.sqrt()).abs() < 1e-3
+    );
+}
+
+#[test]
+fn every_error_of_a_program_is_the_sentence_of_the_command_line() {
+    let bench = Bench::new();
+    for (name, bytes, words) in [
+        ("empty.gcode", &b""[..], "the file is empty"),
+        ("packed.bgcode", b"GCDE\x01\x00\x00\x00", "binary G-code is not read; have it written as text"),
+        ("text.gcode", b"Dear Sir or Madam,\n", "not G-code: no line of 1 has a command"),
+    ] {
+        fs::write(bench.path(&format!("files/{name}")), bytes).expect("written");
+        let state = bench.run(&json!({ "kind": "view", "file": bench.shown(&format!("files/{name}")) }));
+        assert_eq!((state["phase"].as_str(), state["code"].as_i64()), (Some("failed"), Some(3)), "{state}");
+        assert!(state["error"].as_str().expect("a sentence").ends_with(words), "{state}");
+    }
+}
+
+#[test]
+fn a_folder_is_no_program() {
+    let bench = Bench::new();
+    let state = bench.run(&json!({ "kind": "view", "file": bench.shown("files/deep") }));
+    assert!(state["error"].as_str().expect("a sentence").contains("is a folder"), "{state}");
+}
+
+#[test]
+fn programs_outside_are_not_read() {
+    let bench = Bench::new();
+    for name in ["secret/key.gcode", "files/../secret/key.gcode"] {
+        let answer = bench.post("/v1/jobs", &json!({ "kind": "view", "file": bench.shown(name) }));
+        assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY, "{name}");
+    }
+}
+
+#[test]
+fn a_program_that_prints_nothing_has_no_layers() {
+    let bench = Bench::new();
+    fs::write(bench.path("files/idle.gcode"), "G28\nM104 S0\n").expect("written");
+    let state = bench.run(&json!({ "kind": "view", "file": bench.shown("files/idle.gcode") }));
+    assert_eq!(state["phase"], "done");
+    let index = bench.get(&format!("/v1/jobs/{}/layers", state["id"])).json();
+    assert_eq!(index["layers"], json!([]));
+    let answer = bench.get(&format!("/v1/jobs/{}/layers/0-0", state["id"]));
+    assert_eq!(answer.status, StatusCode::BAD_REQUEST);
+}
+
+#[test]
+fn a_job_file_is_planned_as_it_is() {
+    let bench = Bench::new();
+    let state = bench.run(&json!({ "kind": "plan", "file": bench.shown("files/job.toml") }));
+    assert_eq!(state["phase"], "done", "{state}");
+    let result = bench.get(&format!("/v1/jobs/{}/result", state["id"])).json();
+    let path = result["outputs"][0]["path"].as_str().expect("a path");
+    assert!(path.ends_with("files/studio/job/part.gcode"), "{path}");
+    let index = bench.get(&format!("/v1/jobs/{}/layers", state["id"])).json();
+    assert_eq!(index["layers"].as_array().expect("layers").len(), 10);
+}
+
+#[test]
+fn an_edited_job_is_saved_before_it_runs() {
+    let bench = Bench::new();
+    let text = format!("[shape]\nmesh = {:?}\n# kept\n[process]\nwalls = 3\n", bench.shown("files/part.stl"));
+    let state = bench.run(&json!({ "kind": "plan", "text": text, "name": "bracket" }));
+    assert_eq!(state["phase"], "done", "{state}");
+    let saved = fs::read_to_string(bench.path("files/studio/bracket/job.toml")).expect("saved");
+    assert_eq!(saved, text);
+}
+
+#[test]
+fn runs_of_one_name_have_folders_of_their_own() {
+    let bench = Bench::new();
+    for folder in ["job", "job-2", "job-3"] {
+        bench.run(&json!({ "kind": "plan", "file": bench.shown("files/job.toml") }));
+        assert!(bench.path(&format!("files/studio/{folder}/part.gcode")).exists(), "{folder}");
+    }
+}
+
+#[test]
+fn errors_of_a_job_name_the_line() {
+    let bench = Bench::new();
+    let state = bench.run(&json!({ "kind": "plan", "text": "[process]\nwals = 3\n" }));
+    let error = state["error"].as_str().expect("a sentence");
+    assert!(error.ends_with("job.toml:2: unknown key `wals` in [process]; did you mean `walls`?"), "{error}");
+    assert_eq!(state["code"], 2);
+}
+
+#[test]
+fn shapes_outside_are_not_read() {
+    let bench = Bench::new();
+    fs::write(bench.path("secret/part.stl"), support::box_stl([5.0, 5.0, 1.0])).expect("written");
+    for mesh in [bench.shown("secret/part.stl"), "../../../secret/part.stl".to_owned()] {
+        let state = bench.run(&json!({ "kind": "plan", "text": format!("[shape]\nmesh = {mesh:?}\n") }));
+        assert_eq!(state["phase"], "failed");
+        assert!(
+            state["error"].as_str().expect("a sentence").contains("not found below the folders"),
+            "{state}"
+        );
+    }
+}
+
+#[test]
+fn a_damaged_mesh_is_refused_with_its_sentence() {
+    let bench = Bench::new();
+    fs::write(bench.path("files/bad.stl"), "solid a\nfacet normal 0 0 1\nouter loop\nvertex a b c\n")
+        .expect("written");
+    let text = format!("[shape]\nmesh = {:?}\n", bench.shown("files/bad.stl"));
+    let state = bench.run(&json!({ "kind": "plan", "text": text }));
+    assert_eq!((state["phase"].as_str(), state["code"].as_i64()), (Some("failed"), Some(3)));
+    assert!(state["error"].as_str().expect("a sentence").contains("bad.stl"), "{state}");
+}
+
+/// A 3MF of a few kilobytes that unpacks to a gigabyte of spaces.
+#[test]
+fn a_packed_bomb_is_refused_and_not_unpacked() {
+    use std::io::Write;
+    let bench = Bench::new();
+    let mut zip = zip::ZipWriter::new(fs::File::create(bench.path("files/bomb.3mf")).expect("made"));
+    let options = zip::write::SimpleFileOptions::default();
+    zip.start_file("3D/3dmodel.model", options).expect("begun");
+    zip.write_all(b"<model unit=\"millimeter\"><resources>").expect("written");
+    let spaces = vec![b' '; 1 << 20];
+    for _ in 0..1024 {
+        zip.write_all(&spaces).expect("written");
+    }
+    zip.finish().expect("ended");
+    let packed = fs::metadata(bench.path("files/bomb.3mf")).expect("there").len();
+    assert!(packed < 4_000_000, "{packed}");
+    let text = format!("[shape]\nmesh = {:?}\n", bench.shown("files/bomb.3mf"));
+    let state = bench.run(&json!({ "kind": "plan", "text": text }));
+    assert_eq!((state["phase"].as_str(), state["code"].as_i64()), (Some("failed"), Some(3)), "{state}");
+}
+
+#[test]
+fn a_job_is_a_file_or_a_text() {
+    let bench = Bench::new();
+    for wanted in [
+        json!({ "kind": "plan" }),
+        json!({ "kind": "plan", "text": "", "file": bench.shown("files/job.toml") }),
+    ] {
+        let answer = bench.post("/v1/jobs", &wanted);
+        assert!(answer.error().contains("either \"file\" or \"text\""), "{wanted}");
+    }
+}
+
+#[test]
+fn malformed_requests_say_what_is_wrong() {
+    let bench = Bench::new();
+    for body in [
+        "",
+        "{",
+        "[]",
+        "{\"kind\": \"fly\"}",
+        "{\"kind\": \"view\"}",
+        "{\"kind\": \"view\", \"file\": 3}",
+        "{\"kind\": \"plan\", \"txt\": \"\"}",
+    ] {
+        let answer = bench.post_bytes("/v1/jobs", body.as_bytes().to_vec());
+        assert!(answer.status.is_client_error(), "{body}");
+        assert!(!answer.error().is_empty(), "{body}");
+    }
+    let request = bench.request("POST", "/v1/jobs").header("content-type", "text/plain");
+    let answer = bench.raw(request.body(Body::from("{}")).expect("a request"));
+    assert_eq!(answer.status, StatusCode::UNSUPPORTED_MEDIA_TYPE);
+}
+
+#[test]
+fn a_request_of_many_megabytes_is_refused() {
+    let bench = Bench::new();
+    let body = json!({ "kind": "plan", "text": "#".repeat(3_000_000) });
+    assert_eq!(bench.post("/v1/jobs", &body).status, StatusCode::PAYLOAD_TOO_LARGE);
+}
+
+#[test]
+fn unknown_jobs_say_so() {
+    let bench = Bench::new();
+    for address in [
+        "/v1/jobs/7",
+        "/v1/jobs/7/result",
+        "/v1/jobs/7/layers",
+        "/v1/jobs/7/layers/0-0",
+        "/v1/jobs/7/events",
+        "/v1/jobs/7/damage",
+        "/v1/jobs/7/outputs/gcode",
+    ] {
+        let answer = bench.get(address);
+        assert_eq!(answer.status, StatusCode::NOT_FOUND, "{address}");
+        assert!(answer.error().contains("no such job"), "{address}");
+    }
+    assert_eq!(bench.delete("/v1/jobs/7").status, StatusCode::NOT_FOUND);
+    assert!(bench.get("/v1/jobs/seven").status.is_client_error());
+}
+
+#[test]
+fn a_failed_job_gives_its_reason_instead_of_a_result() {
+    let bench = Bench::new();
+    let state = bench.run(&json!({ "kind": "plan", "text": "[process]\nwals = 3\n" }));
+    for what in ["result", "layers", "layers/0-0", "damage", "outputs/gcode"] {
+        let answer = bench.get(&format!("/v1/jobs/{}/{what}", state["id"]));
+        assert_eq!(answer.status, StatusCode::CONFLICT, "{what}");
+        assert!(answer.error().contains("wals"), "{what}");
+    }
+}
+
+#[test]
+fn jobs_are_listed_in_order() {
+    let bench = Bench::new();
+    let first = bench.square();
+    let second = bench.square();
+    let list = bench.get("/v1/jobs").json();
+    let ids: Vec<u64> =
+        list["jobs"].as_array().expect("jobs").iter().map(|j| j["id"].as_u64().expect("a number")).collect();
+    assert_eq!(ids, [first, second]);
+    assert_eq!(list["jobs"][0]["title"], "square.gcode");
+}
+
+/// A part that takes seconds to plan.
+fn slow(bench: &Bench) -> serde_json::Value {
+    fs::write(bench.path("files/large.stl"), support::box_stl([200.0, 200.0, 180.0])).expect("written");
+    let text = format!(
+        "[shape]\nmesh = {:?}\n[process]\nlayer_height_mm = 0.05\nfirst_layer_height_mm = 0.2\n[fill]\npattern = \"gyroid\"\n",
+        bench.shown("files/large.stl")
+    );
+    json!({ "kind": "plan", "text": text })
+}
+
+#[test]
+fn a_running_job_is_cancelled_and_writes_nothing() {
+    let bench = Bench::new();
+    let id = bench.post("/v1/jobs", &slow(&bench)).json()["id"].as_u64().expect("a number");
+    let waiting =
+        bench.post("/v1/jobs", &json!({ "kind": "view", "file": bench.shown("files/square.gcode") })).json();
+    assert_eq!(waiting["phase"], "waiting");
+    loop {
+        let state = bench.get(&format!("/v1/jobs/{id}")).json();
+        assert_ne!(state["phase"], "done", "the part is too small for this test");
+        if state["stage"] == "fill" {
+            break;
+        }
+    }
+    assert_eq!(bench.delete(&format!("/v1/jobs/{id}")).status, StatusCode::NO_CONTENT);
+    let state = bench.end(id);
+    assert_eq!((state["phase"].as_str(), state["code"].as_i64()), (Some("cancelled"), Some(130)), "{state}");
+    assert!(!bench.path("files/studio/job/part.gcode").exists());
+    // The next one goes on.
+    assert_eq!(bench.end(waiting["id"].as_u64().expect("a number"))["phase"], "done");
+}
+
+#[test]
+fn a_waiting_job_is_cancelled_at_once() {
+    let bench = Bench::new();
+    let id = bench.post("/v1/jobs", &slow(&bench)).json()["id"].as_u64().expect("a number");
+    let waiting = bench.post("/v1/jobs", &slow(&bench)).json()["id"].as_u64().expect("a number");
+    bench.delete(&format!("/v1/jobs/{waiting}"));
+    assert_eq!(bench.get(&format!("/v1/jobs/{waiting}")).json()["phase"], "cancelled");
+    bench.delete(&format!("/v1/jobs/{id}"));
+    assert_eq!(bench.end(id)["phase"], "cancelled");
+}
+
+#[test]
+fn cancelling_what_is_over_changes_nothing() {
+    let bench = Bench::new();
+    let id = bench.square();
+    assert_eq!(bench.delete(&format!("/v1/jobs/{id}")).status, StatusCode::NO_CONTENT);
+    assert_eq!(bench.get(&format!("/v1/jobs/{id}")).json()["phase"], "done");
+    assert_eq!(bench.get(&format!("/v1/jobs/{id}/layers")).status, StatusCode::OK);
+}
+
+#[test]
+fn events_end_with_the_job() {
+    let bench = Bench::new();
+    let id = bench.post("/v1/jobs", &json!({ "kind": "plan", "file": bench.shown("files/job.toml") })).json()
+        ["id"]
+        .clone();
+    let events = bench.get(&format!("/v1/jobs/{id}/events"));
+    assert_eq!(events.header("content-type"), "text/event-stream");
+    let text = String::from_utf8(events.bytes).expect("text");
+    let states: Vec<serde_json::Value> = text
+        .lines()
+        .filter_map(|l| l.strip_prefix("data: "))
+        .map(|l| serde_json::from_str(l).expect("a state"))
+        .collect();
+    assert_eq!(states.last().expect("a state")["phase"], "done", "{text}");
+    assert!(text.contains("id: 1"), "{text}");
+}
+
+#[test]
+fn events_of_what_is_over_are_one() {
+    let bench = Bench::new();
+    let id = bench.square();
+    let text = String::from_utf8(bench.get(&format!("/v1/jobs/{id}/events")).bytes).expect("text");
+    assert_eq!(text.matches("data: ").count(), 1, "{text}");
+}
+
+/// The planner counts thousands of steps; the page gets ten states a second at most.
+#[test]
+fn events_do_not_grow_with_the_steps_of_the_planner() {
+    let bench = Bench::new();
+    let id = bench.post("/v1/jobs", &slow(&bench)).json()["id"].as_u64().expect("a number");
+    std::thread::scope(|s| {
+        // Cancelled after a second, from another studio thread: the stream below holds this one.
+        let own = bench.router.clone();
+        let request =
+            bench.request("DELETE", &format!("/v1/jobs/{id}")).body(Body::empty()).expect("a request");
+        s.spawn(move || {
+            std::thread::sleep(std::time::Duration::from_secs(1));
+            let runtime =
+                tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+            runtime.block_on(async { tower::ServiceExt::oneshot(own, request).await.expect("an answer") });
+        });
+        let begun = std::time::Instant::now();
+        let text = String::from_utf8(bench.get(&format!("/v1/jobs/{id}/events")).bytes).expect("text");
+        let most = 10.0 * begun.elapsed().as_secs_f64() + 12.0;
+        let n = text.matches("data: ").count();
+        assert!(n > 1 && (n as f64) < most, "{n} events");
+    });
+}
+
+// ---- layers ----
+
+#[test]
+fn the_index_tells_layers_roles_and_the_box_of_the_part() {
+    let bench = Bench::new();
+    let id = bench.square();
+    let index = bench.get(&format!("/v1/jobs/{id}/layers")).json();
+    assert_eq!(index["layers"].as_array().expect("layers").len(), 2);
+    assert_eq!(
+        (index["layers"][0]["z_mm"].as_f64(), index["layers"][0]["beads"].as_u64()),
+        (Some(0.2), Some(4))
+    );
+    assert_eq!(index["speeds_mm_s"], json!([30.0, 50.0]));
+    assert_eq!(index["classes"].as_array().expect("classes").len(), 15);
+    assert_eq!(index["generator"], "Squares 1");
+    let part = &index["part_mm"];
+    // E 0.7 over 20 mm and 0.2 mm high is 0.464 mm wide.
+    assert!((part[0][0].as_f64().expect("a number") - (10.0 - 0.5 * 0.464)).abs() < 2e-3, "{part}");
+}
+
+#[test]
+fn layers_are_eight_bytes_a_record() {
+    let bench = Bench::new();
+    let id = bench.square();
+    let index = bench.get(&format!("/v1/jobs/{id}/layers")).json();
+    let records = |k: usize| index["layers"][k]["records"].as_u64().expect("a number") as usize;
+    let length = |range: &str| bench.get(&format!("/v1/jobs/{id}/layers/{range}")).bytes.len();
+    assert_eq!((length("0-0"), length("1-1")), (8 * records(0), 8 * records(1)));
+    let both = bench.get(&format!("/v1/jobs/{id}/layers/0-1")).bytes;
+    let apart: Vec<u8> =
+        ["0-0", "1-1"].iter().flat_map(|r| bench.get(&format!("/v1/jobs/{id}/layers/{r}")).bytes).collect();
+    assert_eq!(both, apart);
+}
+
+#[test]
+fn packed_layers_unpack_to_the_same() {
+    let bench = Bench::new();
+    let id = bench.square();
+    let plain = bench.get(&format!("/v1/jobs/{id}/layers/0-1"));
+    let request =
+        bench.request("GET", &format!("/v1/jobs/{id}/layers/0-1")).header("accept-encoding", "gzip");
+    let packed = bench.raw(request.body(Body::empty()).expect("a request"));
+    assert_eq!(packed.header("content-encoding"), "gzip");
+    let mut unpacked = Vec::new();
+    std::io::copy(&mut flate2::read::GzDecoder::new(&packed.bytes[..]), &mut unpacked).expect("gzip");
+    assert_eq!(unpacked, plain.bytes);
+}
+
+#[test]
+fn ranges_of_layers_are_checked() {
+    let bench = Bench::new();
+    let id = bench.square();
+    for range in ["1-0", "0-2", "0", "a-b", "-1-0", "0-99999999999999999999", "", "0-0-0"] {
+        let answer = bench.get(&format!("/v1/jobs/{id}/layers/{range}"));
+        assert!(answer.status.is_client_error(), "{range}");
+    }
+}
+
+/// A planned part of 200 x 100 mm: what the issue allows is 12 bytes a segment.
+#[test]
+fn a_planned_part_takes_at_most_twelve_bytes_a_segment() {
+    let bench = Bench::new();
+    fs::write(bench.path("files/plate.stl"), support::box_stl([100.0, 60.0, 3.0])).expect("written");
+    for pattern in ["grid", "gyroid", "rectilinear"] {
+        let text =
+            format!("[shape]\nmesh = {:?}\n[fill]\npattern = {pattern:?}\n", bench.shown("files/plate.stl"));
+        let state = bench.run(&json!({ "kind": "plan", "text": text }));
+        let index = bench.get(&format!("/v1/jobs/{}/layers", state["id"])).json();
+        let layers = index["layers"].as_array().expect("layers");
+        let beads: u64 = layers.iter().map(|l| l["beads"].as_u64().expect("a number")).sum();
+        let last = layers.len() - 1;
+        let address = format!("/v1/jobs/{}/layers/0-{last}", state["id"]);
+        let request = bench.request("GET", &address).header("accept-encoding", "gzip");
+        let bytes = bench.raw(request.body(Body::empty()).expect("a request")).bytes.len();
+        let each = bytes as f64 / beads as f64;
+        assert!(each > 1.0 && each <= 12.0, "{pattern}: {each} bytes a segment");
+    }
+}
+
+#[test]
+fn what_a_job_wrote_is_sent_as_a_file() {
+    let bench = Bench::new();
+    let state = bench.run(&json!({ "kind": "plan", "file": bench.shown("files/job.toml") }));
+    let answer = bench.get(&format!("/v1/jobs/{}/outputs/gcode", state["id"]));
+    assert_eq!(answer.bytes, fs::read(bench.path("files/studio/job/part.gcode")).expect("there"));
+    assert_eq!(answer.header("content-disposition"), "attachment; filename=\"part.gcode\"");
+    let none = bench.get(&format!("/v1/jobs/{}/outputs/report", state["id"]));
+    assert_eq!(none.status, StatusCode::NOT_FOUND);
+}
+
+#[test]
+fn a_job_without_a_test_has_no_damage() {
+    let bench = Bench::new();
+    let id = bench.square();
+    let answer = bench.get(&format!("/v1/jobs/{id}/damage"));
+    assert_eq!(
+        (answer.status, answer.error().as_str()),
+        (StatusCode::NOT_FOUND, "this job tested no strength")
+    );
+}
+
+#[test]
+fn the_schema_is_that_of_the_command_line() {
+    assert_eq!(Bench::new().get("/v1/schema").json(), grainpath_job::json_schema());
+}
+
+#[test]
+fn profiles_come_with_their_text() {
+    let list = Bench::new().get("/v1/profiles").json();
+    let rows = list["profiles"].as_array().expect("rows");
+    assert_eq!(rows.len(), grainpath_job::PROFILES.len());
+    let pla = rows.iter().find(|r| r["name"] == "pla").expect("pla");
+    assert!(pla["toml"].as_str().expect("text").contains("strength_tier"));
+}
+
+// ---- starting ----
+
+#[test]
+fn wrong_options_are_refused() {
+    use grainpath_studio::{Options, Studio};
+    use std::sync::Arc;
+    let dir = tempfile::tempdir().expect("a folder");
+    let good = Options { work: dir.path().join("studio"), ..Options::default() };
+    for (options, words) in [
+        (Options { base: "grainpath".into(), ..good.clone() }, "--base"),
+        (Options { base: "/a b".into(), ..good.clone() }, "--base"),
+        (Options { roots: vec![dir.path().join("none")], ..good.clone() }, "no such file"),
+        (Options { file: Some(dir.path().join("none.stl")), ..good.clone() }, "no such file"),
+    ] {
+        let refused = Studio::new(&options, Arc::new(support::Planner)).err().expect("refused");
+        assert!(refused.message.contains(words), "{}", refused.message);
+    }
+    assert!(Studio::new(&good, Arc::new(support::Planner)).is_ok());
+}
+
+// ---- the description ----
+
+/// `GRAINPATH_BLESS=1 cargo test -p grainpath-studio --test router openapi` writes it anew.
+#[test]
+fn openapi_is_what_is_committed() {
+    let made = format!("{:#}\n", Bench::new().get("/v1/openapi.json").json());
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/openapi.json");
+    if std::env::var_os("GRAINPATH_BLESS").is_some() {
+        fs::write(path, &made).expect("written");
+    }
+    assert_eq!(made, fs::read_to_string(path).expect("committed"), "the interface changed");
+}
+
+#[test]
+fn every_address_of_the_description_answers() {
+    let bench = Bench::new();
+    let id = bench.square();
+    let described = grainpath_studio::description();
+    let paths = described["paths"].as_object().expect("paths");
+    assert!(paths.len() >= 14, "{}", paths.len());
+    for (path, methods) in paths {
+        let address =
+            path.replace("{id}", &id.to_string()).replace("{range}", "0-0").replace("{kind}", "gcode");
+        for method in methods.as_object().expect("methods").keys() {
+            let request =
+                bench.request(&method.to_uppercase(), &address).body(Body::empty()).expect("a request");
+            let answer = bench.raw(request);
+            let text = String::from_utf8_lossy(&answer.bytes).into_owned();
+            assert!(
+                !text.contains("no such address") && answer.status != StatusCode::METHOD_NOT_ALLOWED,
+                "{method} {path}"
+            );
+        }
+    }
+}
+
+/// Answers hold the keys that the description gives them, and no others.
+#[test]
+fn answers_have_the_keys_of_the_description() {
+    let bench = Bench::new();
+    let id = bench.square();
+    let schemas = grainpath_studio::description()["components"]["schemas"].clone();
+    let keys = |name: &str| -> Vec<String> {
+        schemas[name]["properties"].as_object().unwrap_or_else(|| panic!("{name}")).keys().cloned().collect()
+    };
+    for (address, name) in [
+        ("/v1/state".to_owned(), "Studio"),
+        (format!("/v1/files?path={}", bench.shown("files")), "Listing"),
+        (format!("/v1/text?path={}", bench.shown("files/job.toml")), "JobText"),
+        ("/v1/jobs".to_owned(), "States"),
+        (format!("/v1/jobs/{id}"), "State"),
+        (format!("/v1/jobs/{id}/result"), "Result"),
+        (format!("/v1/jobs/{id}/layers"), "Index"),
+        ("/v1/profiles".to_owned(), "Profiles"),
+        ("/v1/nothing".to_owned(), "Error"),
+    ] {
+        let answer = bench.get(&address).json();
+        let mut found: Vec<String> =
+            answer.as_object().expect("an object").keys().filter(|k| *k != "ok").cloned().collect();
+        let mut wanted: Vec<String> = keys(name).into_iter().filter(|k| k != "ok").collect();
+        found.sort();
+        wanted.sort();
+        assert_eq!(found, wanted, "{address}");
+    }
+}

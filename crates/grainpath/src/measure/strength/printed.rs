@@ -1,0 +1,211 @@
+//! The part that a program prints, where no model of it is at hand.
+//!
+//! The test needs the part besides its beads: its box, for places and words; its sections, for telling plates from
+//! solids; its volume, for the size of cells. All three follow from the beads. The section of a layer is the union of
+//! the strips that its beads cover, without the voids of sparse fill: a void is a hole of the part if the ring of outer
+//! walls around it encloses nothing else, that is, if the hole of the walls' own union there is as large. Part coordinates
+//! are the program's, with z from the bottom of the first printed layer of the part.
+//!
+//! Cost: one union of all strips a layer, in parallel; 0.1 s for a thousand beads a layer and a hundred layers. Limits:
+//! programs without roles keep the voids of their fill in the section, which only makes the stated volume smaller. A
+//! priming line of the first layer counts for that layer's section and not for the box.
+
+use grainpath_core::poly::{FillRule, Join};
+use grainpath_core::{Bounds2, DVec2, DVec3, Layer, LayerStack, Polygon, Region, Role, TriMesh};
+use grainpath_fea::load_case::BoundaryConditions;
+use grainpath_gcode::{Bead, BeadLayer, Program};
+use grainpath_job::loads::{Place, Push};
+use rayon::prelude::*;
+
+use super::StrengthError;
+use super::setup::layers_of_part;
+use crate::guide::{TypedLoads, boundary_conditions};
+
+/// Widest strip that a bead is taken for, mm. Source: `WIDEST` of grainpath-fea's laminate: wider ones are blobs.
+const WIDEST_MM: f64 = 10.0;
+/// Gaps between strips that are closed, mm. Source: a tenth of the narrowest common bead; neighbouring strips share a
+/// border up to the rounding of the program.
+const SEAM_MM: f64 = 0.04;
+/// Area by which a void of a layer may be smaller than the hole of its walls and still be that hole. Source: gap fill and
+/// brims inside holes take less than a tenth; voids of fill are a small part of what their walls enclose.
+const HOLE_SHARE: f64 = 0.9;
+/// Share of their area by which layers of a plate may differ. Source: strips of beads end up to half a width from the
+/// section, at seams and in corners; the planner's own sections differ by 0.002 at most.
+const SAME_SHARE: f64 = 0.03;
+
+/// A part as its program shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PrintedPart {
+    /// Its layers, from z = 0.
+    pub stack: LayerStack,
+    /// Its box as a mesh.
+    pub mesh: TriMesh,
+    /// Height of z = 0 of the part above the plate, mm: that of a raft.
+    pub bottom_mm: f64,
+}
+
+fn strip(bead: &Bead, height_mm: f64) -> Option<Vec<DVec2>> {
+    let (a, b) = (bead.start(), bead.end());
+    let along = (b - a).normalize_or_zero();
+    let r = 0.5 * bead.width_mm(height_mm).min(WIDEST_MM);
+    // Strips reach over their ends by half of their width, as round ends of beads do on average.
+    let (over, side) = (0.5 * r * along, r * along.perp());
+    let corners = vec![a - over - side, b + over - side, b + over + side, a - over + side];
+    (along != DVec2::ZERO && r > 0.0).then_some(corners)
+}
+
+fn union_of<'a>(beads: impl Iterator<Item = &'a Bead>, height_mm: f64) -> Region {
+    let strips: Vec<Vec<DVec2>> = beads.filter_map(|b| strip(b, height_mm)).collect();
+    Region::from_contours(&strips, FillRule::NonZero)
+        .offset(SEAM_MM, Join::Miter(2.0))
+        .offset(-SEAM_MM, Join::Miter(2.0))
+}
+
+/// The section of a layer.
+fn section(layer: &BeadLayer, height_mm: f64) -> Region {
+    let of_part = || layer.beads.iter().filter(|b| b.role.is_part());
+    let all = union_of(of_part(), height_mm);
+    let walls = union_of(of_part().filter(|b| b.role == Role::OuterWall), height_mm);
+    let area = |contour: &[DVec2]| grainpath_core::poly::signed_area_mm2(contour).abs();
+    let holes: Vec<(f64, Polygon)> = (walls.polygons.iter())
+        .flat_map(|p| &p.holes)
+        .map(|h| (area(h), Polygon { outer: h.clone(), holes: Vec::new() }))
+        .collect();
+    let is_hole = |void: &Vec<DVec2>| {
+        let around = holes.iter().filter(|(_, h)| void.first().is_some_and(|p| h.contains(*p)));
+        // The smallest ring of walls around the void is its own.
+        let own = around.map(|(area, _)| *area).fold(f64::INFINITY, f64::min);
+        area(void) > HOLE_SHARE * own
+    };
+    let polygons = all
+        .polygons
+        .into_iter()
+        .map(|p| Polygon { holes: p.holes.into_iter().filter(&is_hole).collect(), outer: p.outer });
+    // Fill that touches no wall lies inside a void that was filled.
+    let contours: Vec<Vec<DVec2>> = polygons.flat_map(|p| std::iter::once(p.outer).chain(p.holes)).collect();
+    Region::from_contours(&contours, FillRule::NonZero)
+}
+
+/// A box as twelve triangles.
+fn box_mesh(low: DVec3, high: DVec3) -> TriMesh {
+    let corner = |k: usize| {
+        let pick = |axis: usize, low: f64, high: f64| if k >> axis & 1 == 1 { high } else { low };
+        DVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z))
+    };
+    // Bit 0 of a corner is x, bit 1 y, bit 2 z; each face is counter-clockwise from outside.
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    TriMesh {
+        vertices: (0..8).map(corner).collect(),
+        triangles: faces.iter().flat_map(|f| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]]).collect(),
+    }
+}
+
+impl PrintedPart {
+    /// The part of a program.
+    ///
+    /// # Errors
+    /// [`StrengthError::NothingPrinted`].
+    pub fn of(program: &Program) -> Result<Self, StrengthError> {
+        let (layers, heights, bottom_mm) = layers_of_part(program);
+        let below_mm = layers.last().map_or(bottom_mm, |l| l.z_mm);
+        let mut sections: Vec<Region> =
+            layers.par_iter().zip(&heights).map(|(l, h)| section(l, *h)).collect();
+        // Seams and fill move the borders of equal sections a little. A plate keeps its middle one.
+        if let Some(middle) = sections.get(sections.len() / 2).cloned() {
+            let off = |r: &Region| r.difference(&middle).area_mm2() + middle.difference(r).area_mm2();
+            // Priming lines lie in the first layer.
+            let most = SAME_SHARE * middle.area_mm2();
+            if sections.len() > 2 && sections[1..].par_iter().all(|r| off(r) <= most) {
+                sections.iter_mut().for_each(|r| r.clone_from(&middle));
+            }
+        }
+        let skipped = usize::from(layers.len() > 2);
+        let bounds = sections[skipped.min(sections.len())..].iter().filter_map(Region::bounds);
+        let bounds = bounds.reduce(Bounds2::union).ok_or(StrengthError::NothingPrinted)?;
+        let tops = layers.iter().map(|l| l.z_mm - bottom_mm);
+        let stack = tops.zip(&heights).zip(sections).map(|((top, h), region)| Layer::new(top, *h, region));
+        let stack = stack.collect::<Option<Vec<Layer>>>().and_then(LayerStack::new);
+        let stack = stack.ok_or(StrengthError::NothingPrinted)?;
+        let high = bounds.max.extend(below_mm - bottom_mm);
+        Ok(Self { stack, mesh: box_mesh(bounds.min.extend(0.0), high), bottom_mm })
+    }
+
+    /// The fixtures and loads of a job on this part.
+    ///
+    /// # Errors
+    /// [`StrengthError::NeedsSurface`] for lists of facets and pressures, which need the surface of the part.
+    pub fn conditions(&self, typed: &TypedLoads<'_>) -> Result<BoundaryConditions, StrengthError> {
+        let is_facets = |place: &Place| matches!(place, Place::Facets(_));
+        let loads = typed.loads.iter().chain(typed.cases.iter().flat_map(|c| &c.loads));
+        for (k, fixture) in typed.fixtures.iter().enumerate() {
+            if is_facets(&fixture.on) {
+                return Err(StrengthError::NeedsSurface(format!("fixture {}", k + 1)));
+            }
+        }
+        for (k, load) in loads.enumerate() {
+            let presses = matches!(load.push, Push::Pressure(_));
+            if presses || load.on.as_ref().is_some_and(is_facets) {
+                return Err(StrengthError::NeedsSurface(format!("load {}", k + 1)));
+            }
+        }
+        Ok(boundary_conditions(typed, &self.mesh)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write;
+
+    use grainpath_gcode::{Limits, simulate};
+
+    use super::*;
+
+    /// A plate of 40 x 20 mm with a hole of 8 x 8 mm, two layers of walls and sparse lines, after a priming line.
+    fn plate(n: usize) -> Program {
+        let mut text = String::from("M83\nG1 Z0.2 F600\n;TYPE:External perimeter\nG1 X-20 Y-20\nG1 X60 E3\n");
+        // 0.45 mm wide and 0.2 mm high: 0.0814 mm2, of filament of 2.405 mm2.
+        let e = |length: f64| length * 0.081_416 / 2.405_28;
+        let ring = |text: &mut String, r: f64, c: [f64; 2], size: [f64; 2]| {
+            let (w, h) = (size[0] - 2.0 * r, size[1] - 2.0 * r);
+            let (x, y) = (c[0] - 0.5 * w, c[1] - 0.5 * h);
+            let _ = writeln!(text, "G1 X{x} Y{y}");
+            for (dx, dy, l) in [(w, 0.0, w), (w, h, h), (0.0, h, w), (0.0, 0.0, h)] {
+                let _ = writeln!(text, "G1 X{} Y{} E{:.5}", x + dx, y + dy, e(l));
+            }
+        };
+        for k in 0..n {
+            let _ = writeln!(text, ";LAYER_CHANGE\nG1 Z{:.2}", 0.2 * (k + 1) as f64);
+            text.push_str(";TYPE:External perimeter\n");
+            ring(&mut text, 0.225, [20.0, 10.0], [40.0, 20.0]);
+            ring(&mut text, -0.225, [20.0, 10.0], [8.0, 8.0]);
+            text.push_str(";TYPE:Internal infill\n");
+            for line in [4.0, 8.0, 12.0, 28.0, 32.0, 36.0] {
+                let _ = writeln!(text, "G1 X{line} Y0.5\nG1 Y19.5 E{:.5}", e(19.0));
+            }
+        }
+        simulate(text.as_bytes(), 1.75, &Limits::default()).expect("G-code")
+    }
+
+    #[test]
+    fn voids_of_fill_are_part_and_holes_are_not() {
+        let part = PrintedPart::of(&plate(4)).expect("a part");
+        let layers = part.stack.layers();
+        assert_eq!(layers.len(), 4);
+        let section = layers[2].region();
+        let holes: usize = section.polygons.iter().map(|p| p.holes.len()).sum();
+        assert_eq!((section.polygons.len(), holes), (1, 1));
+        // 40 x 20 less 8 x 8 mm.
+        assert!((section.area_mm2() - 736.0).abs() < 3.0, "{}", section.area_mm2());
+        let (low, high) = part.mesh.bounds().expect("a box");
+        assert!((low - DVec3::ZERO).abs().max_element() < 0.02, "{low}");
+        assert!((high - DVec3::new(40.0, 20.0, 0.8)).abs().max_element() < 0.02, "{high}");
+        // The priming line is no part of the plate.
+        assert_eq!(layers[0].region(), section);
+    }
+
+    #[test]
+    fn nothing_printed_is_no_part() {
+        let program = simulate(b"G28\nG1 X10 Y10\n", 1.75, &Limits::default()).expect("G-code");
+        assert_eq!(PrintedPart::of(&program), Err(StrengthError::NothingPrinted));
+    }
+}

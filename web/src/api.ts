@@ -1,0 +1,102 @@
+// The server's answers. Every address is relative, so that the studio can be served below a path.
+
+import type { Schema } from "./settings";
+
+export type FileKind = "job" | "mesh" | "outline" | "program" | "other";
+export interface StudioState { version: string; opened: { path: string; kind: FileKind } | null; work: string; roots: string[]; max_upload_bytes: number }
+export interface Listing { path: string; parent: string | null; folders: { name: string; path: string }[]; files: { name: string; path: string; bytes: number; kind: FileKind }[]; left_out: number }
+export interface JobState { id: number; kind: "view" | "plan" | "strength"; title: string; phase: "waiting" | "running" | "done" | "failed" | "cancelled"; ahead: number; stage: string | null; done: number; total: number; elapsed_s: number; error: string | null; code: number | null }
+export interface LayerEntry { z_mm: number; height_mm: number; records: number; beads: number; printed_mm: number; volume_mm3: number }
+export interface Index {
+  origin_mm: [number, number]; step_mm: number; classes: string[]; speeds_mm_s: number[]; part_mm: [number[], number[]]; widths_mm: [number, number];
+  shares: { beads: number; length_mm: number }[]; layers: LayerEntry[]; records: number; generator: string | null; time_s: number; filament_mm: number;
+}
+export interface Warning { id: string; text: string; place?: string; remedy?: string }
+export interface StrengthReport {
+  peak_load_n: number; low_n: number; high_n: number; stiffness_n_per_mm: number; first_n: number; peak_displacement_mm: number; job_load_n: number; mode: string;
+  modes: Record<string, number>; weakest: { x_mm: number; y_mm: number; z_mm?: number; words: string }; mass_g: number; load_per_gram_n_g: number; fidelity: string; cell_mm: number;
+  card_source: string; card_tier: string; curve: [number, number][]; corners: Record<string, number>; seconds: number;
+}
+export interface Result { report: Record<string, unknown> & { strength?: StrengthReport; summary?: string }; warnings: Warning[]; outputs: { kind: string; path: string }[]; damage: { cell_mm: number[]; angle_rad: number; cells: number } | null }
+export interface Profile { kind: string; name: string; about: string; toml: string }
+
+/** The sentence of an error of the server. */
+export class Refused extends Error {}
+
+async function checked(answer: Response): Promise<Response> {
+  if (answer.ok) return answer;
+  let message = `the server answered ${answer.status}`;
+  try {
+    const body = (await answer.json()) as { error?: string };
+    if (body.error) message = body.error;
+  } catch {
+    // Not JSON: the status has to do.
+  }
+  throw new Refused(message);
+}
+
+async function json<T>(address: string, init?: RequestInit): Promise<T> {
+  let answer: Response;
+  try {
+    answer = await fetch(address, init);
+  } catch {
+    throw new Refused("the studio does not answer; was it ended in the terminal?");
+  }
+  return (await (await checked(answer)).json()) as T;
+}
+
+export const state = () => json<StudioState>("v1/state");
+export const files = (path: string) => json<Listing>(`v1/files?path=${encodeURIComponent(path)}`);
+export const text = (path: string) => json<{ text: string; folder: string }>(`v1/text?path=${encodeURIComponent(path)}`);
+export const schema = () => json<Schema>("v1/schema");
+export const profiles = () => json<{ profiles: Profile[] }>("v1/profiles");
+export const index = (id: number) => json<Index>(`v1/jobs/${id}/layers`);
+export const result = (id: number) => json<Result>(`v1/jobs/${id}/result`);
+
+export function begin(wanted: Record<string, unknown>): Promise<JobState> {
+  return json<JobState>("v1/jobs", { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(wanted) });
+}
+
+export async function cancel(id: number): Promise<void> {
+  await checked(await fetch(`v1/jobs/${id}`, { method: "DELETE" }));
+}
+
+export async function bytes(address: string, signal?: AbortSignal): Promise<ArrayBuffer> {
+  return (await checked(await fetch(address, signal ? { signal } : {}))).arrayBuffer();
+}
+
+/** Follows a job until it is over. The browser asks again by itself where the stream breaks off. */
+export function follow(id: number, each: (state: JobState) => void): Promise<JobState> {
+  return new Promise((resolve, reject) => {
+    const stream = new EventSource(`v1/jobs/${id}/events`);
+    stream.onmessage = (event) => {
+      const now = JSON.parse(event.data as string) as JobState;
+      each(now);
+      if (now.phase === "done" || now.phase === "failed" || now.phase === "cancelled") {
+        stream.close();
+        resolve(now);
+      }
+    };
+    stream.onerror = () => {
+      if (stream.readyState === EventSource.CLOSED) reject(new Refused("the studio does not answer; was it ended in the terminal?"));
+    };
+  });
+}
+
+/** Streams a file to the server's disk. */
+export function upload(file: File, each: (share: number) => void): Promise<{ path: string }> {
+  return new Promise((resolve, reject) => {
+    // `fetch` does not tell how much was sent.
+    const request = new XMLHttpRequest();
+    request.open("POST", `v1/uploads?name=${encodeURIComponent(file.name)}`);
+    request.responseType = "json";
+    request.upload.onprogress = (event) => each(event.loaded / Math.max(event.total, 1));
+    request.onload = () => {
+      const answer = request.response as { path?: string; error?: string } | null;
+      if (request.status === 200 && answer?.path) resolve({ path: answer.path });
+      else reject(new Refused(answer?.error ?? `the server answered ${request.status}`));
+    };
+    request.onerror = () => reject(new Refused("the upload broke off; drop the file again"));
+    request.send(file);
+  });
+}

@@ -1,0 +1,92 @@
+// The records of a program in the page: what the server sent, twelve bytes a segment.
+//
+// The server sends eight bytes a record (x, y, width, class and speed). Two more hold the layer, so that layers share a
+// buffer; two are padding to a multiple of four, which graphics cards want.
+
+import type { Index } from "./api";
+
+/** 16-bit numbers of a record in the page. */
+export const WORDS = 6;
+/** 16-bit numbers of a record on the wire. */
+const WIRE_WORDS = 4;
+
+export interface Bead {
+  record: number; layer: number; kind: number; a: [number, number]; b: [number, number]; width_mm: number; speed_mm_s: number; length_mm: number; angle_deg: number; flow_mm3_s: number;
+}
+
+export class Beads {
+  /** The first record of each layer, and the number of all. */
+  readonly first: Int32Array;
+  readonly words: Uint16Array<ArrayBuffer>;
+
+  constructor(readonly index: Index) {
+    this.first = new Int32Array(index.layers.length + 1);
+    index.layers.forEach((layer, k) => (this.first[k + 1] = this.first[k]! + layer.records));
+    this.words = new Uint16Array(WORDS * this.first[index.layers.length]!);
+    // What has not come yet draws nothing.
+    for (let at = 3; at < this.words.length; at += WORDS) this.words[at] = this.start;
+  }
+
+  get travel(): number { return this.index.classes.length - 2; }
+  get start(): number { return this.index.classes.length - 1; }
+
+  /** Takes layers `from` to `to`, both included, as the server sent them. */
+  take(from: number, to: number, bytes: ArrayBuffer): void {
+    const wire = new Uint16Array(bytes);
+    const [first, end] = [this.first[from]!, this.first[to + 1]!];
+    if (wire.length !== WIRE_WORDS * (end - first)) throw new Error(`layers ${from} to ${to} have another length than the index says`);
+    for (let layer = from; layer <= to; layer++) {
+      for (let record = this.first[layer]!; record < this.first[layer + 1]!; record++) {
+        const [source, target] = [WIRE_WORDS * (record - first), WORDS * record];
+        this.words[target] = wire[source]!;
+        this.words[target + 1] = wire[source + 1]!;
+        this.words[target + 2] = wire[source + 2]!;
+        this.words[target + 3] = wire[source + 3]!;
+        this.words[target + 4] = layer;
+      }
+    }
+  }
+
+  point(record: number): [number, number] {
+    const at = WORDS * record;
+    const { origin_mm: o, step_mm: s } = this.index;
+    return [o[0] + s * this.words[at]!, o[1] + s * this.words[at + 1]!];
+  }
+
+  /** What there is to say of a record: the bead from the point before it. */
+  bead(record: number): Bead {
+    const at = WORDS * record;
+    const [a, b] = [this.point(record - 1), this.point(record)];
+    const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+    const layer = this.words[at + 4]!;
+    const width_mm = this.words[at + 2]! * 1e-3;
+    const kind = this.words[at + 3]! & 255;
+    const speed_mm_s = this.index.speeds_mm_s[this.words[at + 3]! >> 8] ?? 0;
+    const h = this.index.layers[layer]!.height_mm;
+    let angle_deg = (Math.atan2(dy, dx) * 180) / Math.PI;
+    if (angle_deg < 0) angle_deg += 180;
+    if (angle_deg >= 179.95) angle_deg = 0;
+    // The section of a stadium.
+    const area = h * (width_mm - h * (1 - Math.PI / 4));
+    return { record, layer, kind, a, b, width_mm, speed_mm_s, length_mm: Math.hypot(dx, dy), angle_deg, flow_mm3_s: Math.max(area, 0) * speed_mm_s };
+  }
+
+  /** The bead of a layer under a point, among records `from` to `to`; the last one printed lies on top. */
+  under(layer: number, x: number, y: number, from: number, to: number, shown: (kind: number) => boolean): number {
+    const { origin_mm: o, step_mm: s } = this.index;
+    const [px, py] = [(x - o[0]) / s, (y - o[1]) / s];
+    const low = Math.max(this.first[layer]! + 1, from);
+    for (let record = Math.min(this.first[layer + 1]! - 1, to); record >= low; record--) {
+      const at = WORDS * record;
+      const kind = this.words[at + 3]! & 255;
+      if (kind >= this.travel || !shown(kind)) continue;
+      const r = (this.words[at + 2]! * 5e-4) / s;
+      const [ax, ay, bx, by] = [this.words[at - WORDS]!, this.words[at - WORDS + 1]!, this.words[at]!, this.words[at + 1]!];
+      if (px < Math.min(ax, bx) - r || px > Math.max(ax, bx) + r || py < Math.min(ay, by) - r || py > Math.max(ay, by) + r) continue;
+      const [dx, dy] = [bx - ax, by - ay];
+      const t = Math.min(Math.max(((px - ax) * dx + (py - ay) * dy) / Math.max(dx * dx + dy * dy, 1e-9), 0), 1);
+      if (Math.hypot(px - ax - t * dx, py - ay - t * dy) <= r) return record;
+    }
+    return -1;
+  }
+}

@@ -1,0 +1,437 @@
+// The page: what is open, the steps beside the view, and the keys.
+
+import * as api from "./api";
+import { Beads, type Bead } from "./beads";
+import { chooser } from "./chooser";
+import { COLOUR_BY, CLASS_COLOURS, circle, css, gradient, ramp, type ColourBy } from "./colours";
+import { byId, duration, el, fixed } from "./dom";
+import { JobPanel } from "./job";
+import { StrengthPanel } from "./strength";
+import { Viewer } from "./viewer";
+
+/** Records that are asked for at a time: 512 kB on the wire. */
+const BATCH_RECORDS = 65_536;
+
+const canvas = byId<HTMLCanvasElement>("view");
+const welcome = byId("welcome");
+let viewer: Viewer | null = null;
+let loading: AbortController | null = null;
+let current = 0;
+let colourBy: ColourBy = "role";
+
+/** What is open: a program, a job or a mesh, and the program that is on screen. */
+export interface Open { path: string; kind: api.FileKind; name: string }
+let opened: Open | null = null;
+
+const high = byId<HTMLInputElement>("high");
+const low = byId<HTMLInputElement>("low");
+const from = byId<HTMLInputElement>("from");
+const to = byId<HTMLInputElement>("to");
+
+const job = new JobPanel(byId("panel-job"), { run, say });
+const strength = new StrengthPanel(byId("panel-strength"), { run, say, viewer: () => viewer, job: () => job.text(), opened: () => opened, showPaths: () => tab("paths") });
+
+// ---- messages --------------------------------------------------------------------------------------------------
+
+function say(message: string, isError = false): void {
+  const box = byId("progress");
+  box.replaceChildren(el("span", isError ? { class: "error", role: "alert" } : {}, message), el("button", { type: "button", onclick: () => (box.hidden = true) }, "Close"));
+  box.hidden = false;
+}
+
+const STAGES: Record<string, string> = { read: "Reading", slice: "Slicing", guide: "Guide", fill: "Walls and fill", support: "Supports", order: "Ordering", write: "Writing", strength: "Strength test" };
+
+/** Begins a run, shows how far it is, and gives its state at the end; null where it failed or was cancelled, which is said. */
+async function run(wanted: Record<string, unknown>): Promise<api.JobState | null> {
+  const box = byId("progress");
+  try {
+    const begun = await api.begin(wanted);
+    const words = el("span");
+    const bar = el("progress", { "aria-label": "Progress" });
+    const stop = el("button", { type: "button", onclick: () => void api.cancel(begun.id).catch((e: Error) => say(e.message, true)) }, "Cancel");
+    box.replaceChildren(words, bar, stop);
+    box.hidden = false;
+    const shown = Date.now();
+    const since = setInterval(() => tell(), 200);
+    let last = begun;
+    const tell = () => {
+      const seconds = fixed((Date.now() - shown) / 1000, 1);
+      if (last.phase === "waiting") words.textContent = `Waits for ${last.ahead} other${last.ahead === 1 ? "" : "s"} · ${seconds} s`;
+      else words.textContent = `${STAGES[last.stage ?? ""] ?? "Starting"}${last.total > 0 ? ` ${last.done} of ${last.total}` : ""} · ${seconds} s`;
+      if (last.total > 0) { bar.max = last.total; bar.value = last.done; } else bar.removeAttribute("value");
+    };
+    tell();
+    const end = await api.follow(begun.id, (now) => { last = now; tell(); }).finally(() => clearInterval(since));
+    box.hidden = true;
+    if (end.phase === "failed") say(end.error ?? "the run failed", true);
+    if (end.phase === "cancelled") say("Cancelled. Nothing was changed.");
+    return end.phase === "done" ? end : null;
+  } catch (error) {
+    say((error as Error).message, true);
+    return null;
+  }
+}
+
+// ---- opening ---------------------------------------------------------------------------------------------------
+
+function ensureViewer(): Viewer | null {
+  if (viewer) return viewer;
+  try {
+    viewer = new Viewer(canvas);
+  } catch {
+    say("This browser shows no WebGL 2, so there is no view in three dimensions. Numbers and files are all here.", true);
+    return null;
+  }
+  viewer.onHover = tellBead;
+  viewer.onPick = (side) => strength.pick(side);
+  return viewer;
+}
+
+async function open(path: string, kind: api.FileKind): Promise<void> {
+  opened = { path, kind, name: path.split(/[/\\]/).pop() ?? path };
+  byId("title").textContent = path;
+  document.title = `${opened.name} – grainpath studio`;
+  welcome.hidden = true;
+  if (kind === "program") {
+    job.close();
+    tab("paths");
+    const end = await run({ kind: "view", file: path });
+    if (end) { await show(end.id); strength.forProgram(path); }
+  } else if (kind === "job" || kind === "mesh" || kind === "outline") {
+    await job.open(opened);
+    strength.forJob();
+    tab("job");
+  } else {
+    say(`${opened.name}: the studio opens job files (.toml), meshes (STL, OBJ, PLY, OFF, 3MF), outlines (SVG, DXF) and G-code`, true);
+  }
+}
+
+function kindOf(name: string): api.FileKind {
+  const ending = name.split(".").pop()?.toLowerCase() ?? "";
+  if (ending === "toml") return "job";
+  if (["stl", "obj", "ply", "off", "3mf"].includes(ending)) return "mesh";
+  if (["svg", "dxf"].includes(ending)) return "outline";
+  return ["gcode", "gco", "g", "nc", "ngc", "tap", "bgcode"].includes(ending) ? "program" : "other";
+}
+
+async function drop(data: DataTransfer | null): Promise<void> {
+  const item = data?.items[0];
+  const file = data?.files[0];
+  if (item?.webkitGetAsEntry?.()?.isDirectory) {
+    say("Folders are not sent through the browser. Press Open… and choose the folder on the server's side; --root DIR adds one.", true);
+    return;
+  }
+  if (!file) return;
+  const box = byId("progress");
+  const words = el("span");
+  box.replaceChildren(words);
+  box.hidden = false;
+  try {
+    const { path } = await api.upload(file, (share) => (words.textContent = `Sending ${file.name}: ${Math.round(100 * share)} %`));
+    box.hidden = true;
+    await open(path, kindOf(path));
+  } catch (error) {
+    say((error as Error).message, true);
+  }
+}
+
+// ---- the program on screen -------------------------------------------------------------------------------------
+
+/** Shows the program of a run: the index at once, layers as they come. */
+async function show(id: number): Promise<void> {
+  const view = ensureViewer();
+  loading?.abort();
+  const own = (loading = new AbortController());
+  const [index, result] = await Promise.all([api.index(id), api.result(id)]);
+  current = id;
+  if (index.layers.length === 0) { say("Nothing is printed in this program.", true); return; }
+  const beads = new Beads(index);
+  tellPaths(index, result);
+  for (const box of ["layers", "moves", "legend", "views"]) byId(box).hidden = false;
+  const last = index.layers.length - 1;
+  for (const input of [high, low]) input.max = String(last);
+  [high.value, low.value] = [String(last), "0"];
+  if (!view) return;
+  view.show(beads);
+  setColour(colourBy);
+  rangeChanged();
+  performance.mark("program");
+  try {
+    for (let layer = 0; layer <= last; ) {
+      let end = layer;
+      // The first answer is one layer, so that something is on screen at once.
+      while (layer > 0 && end < last && end - layer < 4000 && beads.first[end + 2]! - beads.first[layer]! < BATCH_RECORDS) end++;
+      beads.take(layer, end, await api.bytes(`v1/jobs/${id}/layers/${layer}-${end}`, own.signal));
+      if (own.signal.aborted) return;
+      view.refresh(layer, end);
+      if (layer === 0) performance.mark("first-layer");
+      layer = end + 1;
+    }
+    moveRange();
+    performance.mark("all-layers");
+    document.documentElement.dataset.shown = String(id);
+  } catch (error) {
+    if (!own.signal.aborted) say((error as Error).message, true);
+  }
+}
+
+function layerWords(k: number): string {
+  const layer = viewer?.beads?.index.layers[k];
+  return layer ? `${k + 1}\n${fixed(layer.z_mm, 2)} mm` : "";
+}
+
+/** The moves of the highest layer set the ends of the lower slider. */
+function moveRange(): void {
+  const beads = viewer?.beads;
+  if (!beads) return;
+  const n = beads.index.layers[Number(high.value)]!.records - 1;
+  for (const input of [from, to]) input.max = String(n);
+  [from.value, to.value] = ["0", String(n)];
+  movesChanged();
+}
+
+function rangeChanged(): void {
+  // Neither end passes the other.
+  if (Number(low.value) > Number(high.value)) {
+    if (document.activeElement === low) high.value = low.value; else low.value = high.value;
+  }
+  byId("layer-high").textContent = layerWords(Number(high.value));
+  byId("layer-low").textContent = layerWords(Number(low.value));
+  high.setAttribute("aria-valuetext", layerWords(Number(high.value)).replace("\n", " at "));
+  low.setAttribute("aria-valuetext", layerWords(Number(low.value)).replace("\n", " at "));
+  moveRange();
+}
+
+function movesChanged(): void {
+  if (Number(from.value) > Number(to.value)) {
+    if (document.activeElement === from) to.value = from.value; else from.value = to.value;
+  }
+  byId("move").textContent = `${to.value} of ${to.max}`;
+  viewer?.setRange({ low: Number(low.value), high: Number(high.value), from: Number(from.value), to: Number(to.value) });
+}
+
+let playing = 0;
+function play(): void {
+  const button = byId("play");
+  if (playing) { cancelAnimationFrame(playing); playing = 0; button.textContent = "▶"; button.setAttribute("aria-label", "Play the moves of the layer"); return; }
+  if (to.value === to.max) to.value = from.value;
+  button.textContent = "⏸";
+  button.setAttribute("aria-label", "Pause");
+  const n = Number(to.max);
+  let at = Number(to.value);
+  let before = performance.now();
+  const step = (now: number) => {
+    // A layer takes eight seconds, whatever its moves.
+    at += ((now - before) / 8000) * n;
+    before = now;
+    to.value = String(Math.min(Math.round(at), n));
+    movesChanged();
+    if (at >= n) { playing = 0; button.textContent = "▶"; return; }
+    playing = requestAnimationFrame(step);
+  };
+  playing = requestAnimationFrame(step);
+}
+
+// ---- colours and numbers ---------------------------------------------------------------------------------------
+
+function scaleOf(index: api.Index, by: ColourBy): [number, number] {
+  const speeds = index.speeds_mm_s;
+  const top = index.layers[index.layers.length - 1]!;
+  switch (by) {
+    case "speed": return [speeds[0] ?? 0, speeds[speeds.length - 1] ?? 1];
+    case "width": return index.widths_mm;
+    case "flow": {
+      const h = index.layers[Math.floor(index.layers.length / 2)]!.height_mm;
+      return [0, h * index.widths_mm[1] * (speeds[speeds.length - 1] ?? 1)];
+    }
+    case "height": return [0, top.z_mm];
+    case "role": case "angle": return [0, 180];
+  }
+}
+
+function setColour(by: ColourBy): void {
+  colourBy = by;
+  const index = viewer?.beads?.index;
+  if (!index || !viewer) return;
+  const scale = scaleOf(index, by);
+  viewer.setColour(by, scale);
+  const legend = byId("legend");
+  const [, name] = COLOUR_BY.find(([k]) => k === by)!;
+  if (by === "role") {
+    const rows = index.shares.map((share, k) => (share.beads > 0 ? el("div", {}, swatch(CLASS_COLOURS[k]!), index.classes[k]!) : null));
+    legend.replaceChildren(...rows.filter((r): r is HTMLDivElement => r !== null));
+  } else {
+    const bar = el("div", { class: "ramp" });
+    bar.style.background = gradient(by === "angle" ? circle : ramp);
+    const digits = by === "width" ? 2 : by === "angle" ? 0 : 1;
+    const unit = by === "angle" ? "°" : "";
+    legend.replaceChildren(el("div", {}, name), bar, el("div", { class: "ends" }, el("span", {}, fixed(scale[0], digits) + unit), el("span", {}, fixed(scale[1], digits) + unit)));
+  }
+}
+
+function swatch(colour: [number, number, number]): HTMLElement {
+  const box = el("span", { class: "swatch" });
+  box.style.background = css(colour);
+  return box;
+}
+
+function tellBead(bead: Bead | null): void {
+  const box = byId("bead");
+  box.hidden = bead === null;
+  const index = viewer?.beads?.index;
+  if (!bead || !index) return;
+  const parts = [
+    index.classes[bead.kind]!, `layer ${bead.layer + 1}`, `${fixed(bead.width_mm, 2)} mm wide`, `${fixed(index.layers[bead.layer]!.height_mm, 2)} mm high`,
+    `${fixed(bead.speed_mm_s, 1)} mm/s`, `${fixed(bead.flow_mm3_s, 1)} mm³/s`, `${fixed(bead.length_mm, 2)} mm long`, `${fixed(bead.angle_deg, 0)}°`, `at (${fixed(bead.b[0], 1)}, ${fixed(bead.b[1], 1)})`,
+  ];
+  box.textContent = parts.join(" · ");
+}
+
+function tellPaths(index: api.Index, result: api.Result): void {
+  const select = el("select", { id: "colour-by", onchange: () => setColour(select.value as ColourBy) }, ...COLOUR_BY.map(([k, name]) => el("option", { value: k, selected: k === colourBy }, name)));
+  const rows = index.shares.map((share, k) => {
+    const isTravel = k === index.classes.length - 2;
+    if (share.beads === 0 && !isTravel) return null;
+    const box = el("input", { type: "checkbox", id: `class-${k}`, checked: isTravel ? viewer?.isShown(k) ?? false : true, onchange: () => viewer?.setShown(k, box.checked) });
+    if (!isTravel) viewer?.setShown(k, true);
+    const label = el("label", { for: `class-${k}` }, swatch(CLASS_COLOURS[k]!), index.classes[k]!);
+    return el("tr", {}, el("td", {}, box), el("td", {}, label), el("td", { class: "n" }, isTravel ? "" : `${fixed(share.length_mm / 1000, 1)} m`));
+  });
+  const [a, b] = index.part_mm;
+  const size = [0, 1, 2].map((k) => fixed(b[k]! - a[k]!, 1)).join(" × ");
+  const fact = (name: string, value: string) => el("tr", {}, el("td", {}, name), el("td", { class: "n" }, value));
+  byId("panel-paths").replaceChildren(
+    el("h2", {}, "Colour"), el("div", { class: "row" }, el("label", {}, "by", select)),
+    el("h2", {}, "Show"), el("table", {}, ...rows),
+    el("h2", {}, "Program"),
+    el("table", {}, fact("Written by", index.generator ?? "not stated"), fact("Part", `${size} mm`), fact("Layers", String(index.layers.length)), fact("Beads", String(index.shares.reduce((n, s) => n + s.beads, 0))),
+      fact("Time, estimated", duration(index.time_s)), fact("Filament", `${fixed(index.filament_mm / 1000, 2)} m`)),
+    ...outputs(result), ...result.warnings.map(warning),
+    ...(opened?.kind === "program" ? [el("p", {}, el("button", { type: "button", class: "main", onclick: () => tab("strength") }, "Where does it break?"))] : []),
+  );
+}
+
+function outputs(result: api.Result): Node[] {
+  if (result.outputs.length === 0) return [];
+  const link = (o: { kind: string; path: string }) => el("li", {}, el("a", { href: `v1/jobs/${current}/outputs/${o.kind}`, download: o.path.split("/").pop() ?? "" }, `${o.kind}: ${o.path.split("/").pop()}`));
+  return [el("h2", {}, "Files"), el("ul", { class: "plain" }, ...result.outputs.map(link))];
+}
+
+export function warning(w: api.Warning): HTMLElement {
+  return el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`);
+}
+
+// ---- tabs, keys, theme -----------------------------------------------------------------------------------------
+
+const TABS = ["paths", "job", "strength"] as const;
+function tab(name: (typeof TABS)[number]): void {
+  for (const t of TABS) {
+    const button = byId(`tab-${t}`);
+    button.setAttribute("aria-selected", String(t === name));
+    button.tabIndex = t === name ? 0 : -1;
+    byId(`panel-${t}`).hidden = t !== name;
+  }
+  strength.setActive(name === "strength");
+}
+
+for (const t of TABS) {
+  byId(`tab-${t}`).addEventListener("click", () => tab(t));
+  byId(`tab-${t}`).addEventListener("keydown", (event) => {
+    const step = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
+    if (step === 0) return;
+    const next = TABS[(TABS.indexOf(t) + step + TABS.length) % TABS.length]!;
+    tab(next);
+    byId(`tab-${next}`).focus();
+  });
+}
+
+function shift(input: HTMLInputElement, by: number, then: () => void): void {
+  input.value = String(Number(input.value) + by);
+  then();
+}
+
+document.addEventListener("keydown", (event) => {
+  const target = event.target as HTMLElement;
+  if (event.ctrlKey || event.metaKey || event.altKey || ["INPUT", "TEXTAREA", "SELECT"].includes(target.tagName) || document.querySelector("dialog[open]")) return;
+  const views: Record<string, string> = { "1": "top", "2": "front", "3": "side", "4": "oblique" };
+  const pace = event.shiftKey ? 10 : 1;
+  if (event.key in views) viewer?.view(views[event.key]!);
+  else if (event.key === "ArrowUp") shift(high, pace, rangeChanged);
+  else if (event.key === "ArrowDown") shift(high, -pace, rangeChanged);
+  else if (event.key === "PageUp") shift(low, pace, rangeChanged);
+  else if (event.key === "PageDown") shift(low, -pace, rangeChanged);
+  else if (event.key === "ArrowRight" && target.getAttribute("role") !== "tab") shift(to, pace, movesChanged);
+  else if (event.key === "ArrowLeft" && target.getAttribute("role") !== "tab") shift(to, -pace, movesChanged);
+  else if (event.key === "l") { low.value = low.value === high.value ? "0" : high.value; rangeChanged(); }
+  else if (event.key === "c") { const k = COLOUR_BY.findIndex(([by]) => by === colourBy); setColour(COLOUR_BY[(k + 1) % COLOUR_BY.length]![0]); const select = document.getElementById("colour-by") as HTMLSelectElement | null; if (select) select.value = colourBy; }
+  else if (event.key === "t") { const box = document.getElementById(`class-${CLASS_COLOURS.length - 1}`); box?.click(); }
+  else if (event.key === "o") void choose();
+  else if (event.key === "?") help();
+  else if (event.key === " " && target.tagName !== "BUTTON") play();
+  else return;
+  event.preventDefault();
+});
+
+function help(): void {
+  const keys: [string, string][] = [
+    ["o", "open a file"], ["1 2 3 4", "look from the top, the front, the side, obliquely"], ["↑ ↓", "highest layer; with shift ten at a time"], ["PageUp PageDown", "lowest layer"],
+    ["← →", "moves of the highest layer"], ["space", "play the moves"], ["l", "one layer alone, and back"], ["c", "next way of colouring"], ["t", "travels"], ["?", "this page"],
+  ];
+  const dialog = byId<HTMLDialogElement>("keys");
+  dialog.replaceChildren(
+    el("h2", {}, "Keys"), el("table", {}, ...keys.map(([k, words]) => el("tr", {}, el("td", {}, ...k.split(" ").map((one) => el("kbd", {}, one))), el("td", {}, words)))),
+    el("h2", {}, "Pointer"), el("p", {}, "Drag turns, scroll zooms, drag with the right button moves. Rest on a bead for its numbers."),
+    el("p", {}, el("a", { href: "licences.txt", target: "_blank" }, "Licences of the page")),
+    el("p", {}, el("button", { type: "button", onclick: () => dialog.close() }, "Close")),
+  );
+  dialog.showModal();
+}
+
+function setTheme(theme: string): void {
+  document.documentElement.dataset.theme = theme;
+  try { localStorage.setItem("theme", theme); } catch { /* Kept for this visit alone. */ }
+}
+
+async function choose(): Promise<void> {
+  const chosen = await chooser(byId<HTMLDialogElement>("chooser"), current === 0 && !opened ? null : opened?.path ?? null);
+  if (chosen) await open(chosen.path, chosen.kind);
+}
+
+let saved: string | null = null;
+try { saved = localStorage.getItem("theme"); } catch { /* Private windows may refuse. */ }
+setTheme(saved ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light"));
+byId("theme").addEventListener("click", () => setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"));
+byId("open").addEventListener("click", () => void choose());
+byId("help").addEventListener("click", help);
+byId("play").addEventListener("click", play);
+for (const input of [high, low]) input.addEventListener("input", rangeChanged);
+for (const input of [from, to]) input.addEventListener("input", movesChanged);
+byId("views").addEventListener("click", (event) => {
+  const direction = (event.target as HTMLElement).dataset.view;
+  if (direction) viewer?.view(direction);
+});
+document.addEventListener("dragover", (event) => { event.preventDefault(); welcome.classList.add("over"); });
+document.addEventListener("dragleave", () => welcome.classList.remove("over"));
+document.addEventListener("drop", (event) => { event.preventDefault(); welcome.classList.remove("over"); void drop(event.dataTransfer); });
+
+byId("panel-paths").append(el("p", { class: "note" }, "Open a G-code file of any slicer to see its paths, or a job or a mesh to plan them."));
+
+async function start(): Promise<void> {
+  try {
+    const state = await api.state();
+    if (state.opened) { await open(state.opened.path, state.opened.kind); return; }
+    const picker = el("input", { type: "file", hidden: true, onchange: () => { if (picker.files?.[0]) { const data = new DataTransfer(); data.items.add(picker.files[0]); void drop(data); } } });
+    welcome.replaceChildren(el("div", {},
+      el("h2", {}, "Where does your print break?"),
+      el("p", {}, "Drop G-code of any slicer here: see its paths, pick where it is held and where it is loaded, and see at which load and where it breaks. Or drop a mesh (STL, OBJ, PLY, OFF, 3MF) or a job file to plan it."),
+      el("p", {}, el("button", { type: "button", class: "main", onclick: () => void choose() }, "Choose a file of this computer"), " ", el("button", { type: "button", onclick: () => picker.click() }, "Send one with the browser"), picker),
+      el("p", { class: "note" }, `Nothing leaves this computer. Results are written to ${state.work}.`)));
+  } catch (error) {
+    say((error as Error).message, true);
+  }
+}
+void start();
+
+// Tests look at the view through this; the page itself does not use it.
+Object.defineProperty(window, "studio", { get: () => ({ viewer, show, rendererName: viewer?.rendererName }) });
+document.addEventListener("planned", (event) => void show((event as CustomEvent<number>).detail).then(() => tab("paths")));

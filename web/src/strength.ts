@@ -1,0 +1,199 @@
+// Where a part breaks: two places, a load, and the answer.
+
+import * as api from "./api";
+import { chart } from "./chart";
+import { el, fixed } from "./dom";
+import type { Open } from "./main";
+import { quoted } from "./job";
+import type { Side, Slab, Viewer } from "./viewer";
+
+interface Parts {
+  run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void;
+  viewer: () => Viewer | null; job: () => string | null; opened: () => Open | null; showPaths: () => void;
+}
+
+const SIDES: [Side, string][] = [["x-", "left end (low x)"], ["x+", "right end (high x)"], ["y-", "front (low y)"], ["y+", "back (high y)"], ["z-", "bottom"], ["z+", "top"]];
+const DIRECTIONS: [string, string][] = [["away", "pull away"], ["towards", "push towards"], ["down", "down (−z)"], ["up", "up (+z)"], ["x", "+x"], ["-x", "−x"], ["y", "+y"], ["-y", "−y"]];
+const HELD = 0x2a74b2;
+const LOADED = 0xd65d20;
+
+export class StrengthPanel {
+  private program: string | null = null;
+  private hold: Side = "x-";
+  private load: Side = "x+";
+  private depth = 0;
+  private direction = "away";
+  private force = 100;
+  private material = "pla";
+  private profiles: api.Profile[] = [];
+  private mode: "hold" | "load" | null = null;
+  private isActive = false;
+
+  constructor(private readonly panel: HTMLElement, private readonly parts: Parts) {
+    this.empty("Open a G-code file to find where and at which load it breaks.");
+  }
+
+  private empty(words: string): void { this.panel.replaceChildren(el("p", { class: "note" }, words)); }
+
+  setActive(isActive: boolean): void { this.isActive = isActive; this.draw(); }
+
+  /** A job states its own places and loads. */
+  forJob(): void {
+    this.program = null;
+    const test = el("button", { type: "button", class: "main", onclick: () => {
+      const text = this.parts.job();
+      const opened = this.parts.opened();
+      if (text && opened) void this.test({ kind: "strength", text, name: `${opened.name.replace(/\.[^.]*$/, "")}-strength` });
+    } }, "Test the job's part");
+    this.panel.replaceChildren(el("p", { class: "note" }, "The job says where the part is held and loaded: [[guide.fixture]] and [[guide.load]] in its text."), test, el("div", { id: "answer" }));
+  }
+
+  /** A program of any slicer: the two places are chosen here. */
+  async forProgram(path: string): Promise<void> {
+    this.program = path;
+    const part = this.parts.viewer()?.beads?.index.part_mm;
+    if (!part) { this.empty("Nothing is printed in this program, so nothing can be tested."); return; }
+    // The longest side is the one that parts are pulled along.
+    const spans = [0, 1, 2].map((k) => part[1][k]! - part[0][k]!);
+    const axis = (["x", "y", "z"] as const)[spans.indexOf(Math.max(...spans))]!;
+    [this.hold, this.load] = [`${axis}-`, `${axis}+`];
+    this.depth = Number(fixed(Math.max(0.1 * Math.max(...spans), 1), 1));
+    try {
+      this.profiles = (await api.profiles()).profiles;
+    } catch (error) {
+      this.parts.say((error as Error).message, true);
+    }
+    this.build();
+    this.draw();
+  }
+
+  private build(): void {
+    const side = (name: "hold" | "load") => {
+      const select = el("select", { id: `${name}-side`, onchange: () => { this[name] = select.value as Side; this.draw(); } }, ...SIDES.map(([k, words]) => el("option", { value: k, selected: k === this[name] }, words)));
+      const pick = el("button", { type: "button", id: `${name}-pick`, "aria-pressed": "false", onclick: () => this.setMode(this.mode === name ? null : name) }, "Pick in the view");
+      return el("div", { class: "row" }, el("label", {}, name === "hold" ? "Held at" : "Loaded at", select), pick);
+    };
+    const number = (label: string, value: number, min: number, then: (v: number) => void) => {
+      const input = el("input", { type: "number", min, step: "any", value, oninput: () => { if (input.valueAsNumber >= min) { then(input.valueAsNumber); this.draw(); } } });
+      return el("label", {}, label, input);
+    };
+    const direction = el("select", { onchange: () => { this.direction = direction.value; this.draw(); } }, ...DIRECTIONS.map(([k, words]) => el("option", { value: k, selected: k === this.direction }, words)));
+    const cards = this.profiles.filter((p) => p.kind === "material");
+    const tier = el("p", { class: "note" });
+    const tell = () => {
+      const toml = cards.find((p) => p.name === this.material)?.toml ?? "";
+      const found = toml.match(/strength_tier\s*=\s*"([^"]*)"/)?.[1];
+      const words: Record<string, string> = { T0: "from data sheets and estimates", T1: "fitted to tests of others", T2: "measured on coupons" };
+      tier.textContent = found ? `Card tier ${found}${words[found] ? `: ${words[found]}` : ""}` : "This material has no strengths.";
+    };
+    const material = el("select", { onchange: () => { this.material = material.value; tell(); this.draw(); } }, ...cards.map((p) => el("option", { value: p.name, selected: p.name === this.material, title: p.about }, p.name)));
+    tell();
+    this.panel.replaceChildren(
+      el("h2", {}, "Material"), el("div", { class: "row" }, el("label", {}, "card", material)), tier,
+      el("h2", {}, "Places"), side("hold"), side("load"),
+      el("div", { class: "row" }, number("Depth of both, mm", this.depth, 0.1, (v) => (this.depth = v))),
+      el("h2", {}, "Load"), el("div", { class: "row" }, el("label", {}, "direction", direction), number("force, N", this.force, 0.001, (v) => (this.force = v))),
+      el("p", { class: "note" }, "The force is scaled up until the part breaks; its size matters for nothing but the reserve."),
+      el("div", { class: "row" }, el("button", { type: "button", class: "main", id: "break", onclick: () => { if (this.program) void this.test({ kind: "strength", text: this.job(), name: "strength", program: this.program }); } }, "Break it")),
+      el("details", {}, el("summary", {}, "The job file that is run"), el("pre", { id: "strength-job" })),
+      el("div", { id: "answer" }),
+    );
+  }
+
+  private setMode(mode: "hold" | "load" | null): void {
+    this.mode = mode;
+    for (const name of ["hold", "load"]) document.getElementById(`${name}-pick`)?.setAttribute("aria-pressed", String(mode === name));
+    const viewer = this.parts.viewer();
+    if (viewer) viewer.picking = mode !== null;
+    if (mode) this.parts.say(`Click the side of the part where it is ${mode === "hold" ? "held" : "loaded"}.`);
+  }
+
+  /** A side of the part was clicked. */
+  pick(side: Side): void {
+    if (!this.mode) return;
+    this[this.mode] = side;
+    const select = document.getElementById(`${this.mode}-side`) as HTMLSelectElement | null;
+    if (select) select.value = side;
+    document.getElementById("progress")!.hidden = true;
+    this.setMode(null);
+    this.draw();
+  }
+
+  private get vector(): [number, number, number] {
+    const axis = "xyz".indexOf(this.load[0]!);
+    const out = this.load[1] === "+" ? 1 : -1;
+    const unit: Record<string, [number, number, number]> = { down: [0, 0, -1], up: [0, 0, 1], x: [1, 0, 0], "-x": [-1, 0, 0], y: [0, 1, 0], "-y": [0, -1, 0] };
+    return unit[this.direction] ?? ([0, 1, 2].map((k) => (k === axis ? (this.direction === "away" ? out : -out) : 0)) as [number, number, number]);
+  }
+
+  /** The job that is run: what the command line gets with `grainpath strength FILE --job JOB`. */
+  private job(): string {
+    const viewer = this.parts.viewer();
+    if (!viewer) return "";
+    // A little more than the box of the part, so that the widths of beads at its border are inside.
+    // The test counts heights from the bottom of the part, which a raft lifts from the plate.
+    const bottom = viewer.beads?.index.part_mm[0][2] ?? 0;
+    const box = (side: Side) => {
+      const [a, b] = viewer.slab(side, this.depth);
+      const text = (p: number[], by: number) => `[${p.map((v, k) => fixed(v + by - (k === 2 ? bottom : 0), 3)).join(", ")}]`;
+      return `{ box_mm = [${text(a, -0.05)}, ${text(b, 0.05)}] }`;
+    };
+    const force = this.vector.map((v) => v * this.force);
+    return `format = 1\n\n[material]\nprofile = ${quoted(this.material)}\n\n[strength]\nenabled = true\n\n[[guide.fixture]]\non = ${box(this.hold)}\nfix = "xyz"\n\n[[guide.load]]\non = ${box(this.load)}\nforce_n = [${force.join(", ")}]\n`;
+  }
+
+  private draw(): void {
+    const viewer = this.parts.viewer();
+    if (!viewer?.beads) return;
+    const slabs: Slab[] = this.isActive && this.program ? [{ side: this.hold, depth_mm: this.depth, colour: HELD }, { side: this.load, depth_mm: this.depth, colour: LOADED, arrow: this.vector }] : [];
+    viewer.setPlaces(slabs);
+    const shown = document.getElementById("strength-job");
+    if (shown) shown.textContent = this.job();
+    if (!this.isActive) { this.setMode(null); viewer.setGhost(false); viewer.setBroken(null, [1, 1, 1], 0); }
+  }
+
+  private async test(wanted: Record<string, unknown>): Promise<void> {
+    if (this.program && this.hold === this.load) { this.parts.say("The part is held and loaded at the same place; choose another side for one of them.", true); return; }
+    const end = await this.parts.run(wanted);
+    if (!end) return;
+    try {
+      const result = await api.result(end.id);
+      const cells = result.damage ? new Float32Array(await api.bytes(`v1/jobs/${end.id}/damage`)) : null;
+      if (!this.program) document.dispatchEvent(new CustomEvent("planned", { detail: end.id }));
+      this.tell(result, cells);
+    } catch (error) {
+      this.parts.say((error as Error).message, true);
+    }
+  }
+
+  private tell(result: api.Result, cells: Float32Array | null): void {
+    const report = result.report.strength;
+    const answer = document.getElementById("answer");
+    if (!report || !answer) return;
+    const viewer = this.parts.viewer();
+    const show = el("input", { type: "checkbox", id: "show-crack", checked: true, onchange: () => crack() });
+    const crack = () => {
+      if (!viewer) return;
+      viewer.setGhost(show.checked);
+      viewer.setBroken(show.checked ? cells : null, result.damage?.cell_mm ?? [1, 1, 1], result.damage?.angle_rad ?? 0);
+    };
+    const fact = (name: string, value: string) => el("tr", {}, el("td", {}, name), el("td", { class: "n" }, value));
+    const modes = Object.entries(report.modes).sort((a, b) => b[1] - a[1]).map(([name, share]) => fact(name, `${fixed(100 * share, 0)} %`));
+    answer.replaceChildren(
+      el("h2", {}, "It breaks at"),
+      el("p", { class: "big", id: "peak" }, `${fixed(report.peak_load_n, 0)} N`),
+      el("p", { class: "note" }, `between ${fixed(report.low_n, 0)} and ${fixed(report.high_n, 0)} N over the card of the material (tier ${report.card_tier}) and the grid`),
+      el("p", { id: "weakest" }, `Weakest at ${report.weakest.words}.`),
+      el("label", { for: "show-crack" }, show, " show what broke"),
+      chart(report),
+      el("table", {}, fact("First bead fails at", `${fixed(report.first_n, 0)} N`), fact("Stiffness", `${fixed(report.stiffness_n_per_mm, 0)} N/mm`), fact("Displacement at the peak", `${fixed(report.peak_displacement_mm, 3)} mm`),
+        fact("Mass of the part", `${fixed(report.mass_g, 2)} g`), fact("Load over mass", `${fixed(report.load_per_gram_n_g, 0)} N/g`), fact("Over the load given", `${fixed(report.peak_load_n / report.job_load_n, 2)} ×`),
+        fact("Model", `${report.fidelity}, cells of ${report.cell_mm} mm`)),
+      el("h2", {}, "How it fails"), el("table", {}, ...modes),
+      ...result.warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`)),
+      el("details", {}, el("summary", {}, "Where the strengths come from"), el("p", { class: "note" }, report.card_source)),
+    );
+    crack();
+    answer.scrollIntoView({ block: "nearest" });
+  }
+}

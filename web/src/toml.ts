@@ -1,0 +1,105 @@
+// Reading and changing single values of a job's text, so that comments and the order of lines stay.
+//
+// This is no reader of TOML: the server reads jobs. It finds where the value of a key begins and ends, with strings,
+// comments, arrays and tables over several lines told apart.
+
+/** A key with its value: the table it is in, and the place of the value in the text. */
+export interface Entry { table: string; isList: boolean; key: string; from: number; to: number }
+
+/** The end of the value that begins at `at`: behind it comes a comment, the end of the line, or what closes around it. */
+function endOfValue(text: string, at: number): number {
+  let depth = 0;
+  for (let i = at; i < text.length; ) {
+    const c = text[i]!;
+    if (c === '"' || c === "'") {
+      const triple = c.repeat(3);
+      if (text.startsWith(triple, i)) {
+        const end = text.indexOf(triple, i + 3);
+        i = end < 0 ? text.length : end + 3;
+        continue;
+      }
+      i++;
+      while (i < text.length && text[i] !== c && text[i] !== "\n") i += c === '"' && text[i] === "\\" ? 2 : 1;
+      i++;
+      continue;
+    }
+    if (c === "[" || c === "{") depth++;
+    else if (c === "]" || c === "}") depth--;
+    else if (c === "#") {
+      if (depth === 0) return trimmed(text, at, i);
+      const line = text.indexOf("\n", i);
+      i = line < 0 ? text.length : line;
+      continue;
+    } else if (c === "\n" && depth <= 0) return trimmed(text, at, i);
+    i++;
+  }
+  return trimmed(text, at, text.length);
+}
+
+function trimmed(text: string, from: number, to: number): number {
+  while (to > from && /\s/.test(text[to - 1]!)) to--;
+  return to;
+}
+
+const unquoted = (key: string) => key.split(".").map((part) => part.trim().replace(/^(["'])(.*)\1$/, "$2")).join(".");
+
+/** All keys of the text, in order. */
+export function entries(text: string): Entry[] {
+  const found: Entry[] = [];
+  let table = "";
+  let isList = false;
+  for (let at = 0; at < text.length; ) {
+    const end = text.indexOf("\n", at) < 0 ? text.length : text.indexOf("\n", at);
+    const line = text.slice(at, end);
+    const header = line.match(/^\s*(\[\[?)\s*([^\]]+?)\s*\]\]?\s*(#.*)?$/);
+    const pair = line.match(/^(\s*([A-Za-z0-9_.\-"' ]+?)\s*=\s*)\S/);
+    if (header) {
+      table = unquoted(header[2]!);
+      isList = header[1] === "[[";
+    } else if (pair) {
+      const from = at + pair[1]!.length;
+      const to = endOfValue(text, from);
+      const whole = unquoted(pair[2]!).split(".");
+      const key = whole.pop()!;
+      found.push({ table: [table, ...whole].filter((p) => p).join("."), isList, key, from, to });
+      const rest = text.indexOf("\n", to);
+      at = rest < 0 ? text.length : rest + 1;
+      continue;
+    }
+    at = end + 1;
+  }
+  return found;
+}
+
+/** The value of a key as it is written, or null where the text does not state it. */
+export function get(text: string, table: string, key: string): string | null {
+  const found = entries(text).find((e) => !e.isList && e.table === table && e.key === key);
+  return found ? text.slice(found.from, found.to) : null;
+}
+
+/** The text with another value of a key; null takes the line away. */
+export function set(text: string, table: string, key: string, value: string | null): string {
+  const all = entries(text);
+  const found = all.find((e) => !e.isList && e.table === table && e.key === key);
+  if (found) {
+    if (value !== null) return text.slice(0, found.from) + value + text.slice(found.to);
+    const from = text.lastIndexOf("\n", found.from) + 1;
+    const rest = text.indexOf("\n", found.to);
+    return text.slice(0, from) + (rest < 0 ? "" : text.slice(rest + 1));
+  }
+  if (value === null) return text;
+  const line = `${key} = ${value}\n`;
+  // Behind the last key of the table, or behind its header.
+  const header = new RegExp(`^[ \\t]*\\[\\s*${table.replaceAll(".", "\\s*\\.\\s*")}\\s*\\][^\\n]*(\\n|$)`, "m").exec(text);
+  if (!header) return `${text}${text === "" || text.endsWith("\n") ? "" : "\n"}${text === "" ? "" : "\n"}[${table}]\n${line}`;
+  let at = header.index + header[0].length;
+  for (const e of all) {
+    if (e.from < at || e.isList || e.table !== table) continue;
+    const end = text.indexOf("\n", e.to);
+    // Keys of the same table behind another header are of a dotted key and not of this place.
+    if (/^\s*\[/m.test(text.slice(header.index + header[0].length, e.from).replace(/^[^\n]*=[^\n]*$/gm, ""))) break;
+    at = end < 0 ? text.length : end + 1;
+  }
+  const before = text.slice(0, at);
+  return `${before}${before.endsWith("\n") ? "" : "\n"}${line}${text.slice(at)}`;
+}

@@ -1,0 +1,469 @@
+// The view: beads as small roofs, the plate, places of fixtures and loads, and what broke.
+//
+// Beads are instances of one shape of four triangles, whose ends are two neighbouring records of one buffer. Layers lie in
+// few large chunks; where a window of few layers is shown, its records are copied into a chunk of their own, so that the
+// work depends on what is seen. A picture is drawn only when something changed.
+
+import {
+  BufferAttribute, BufferGeometry, Color, DataTexture, DoubleSide, FloatType, GLSL3, Group, InstancedBufferAttribute, InstancedBufferGeometry, InstancedInterleavedBuffer,
+  InterleavedBufferAttribute, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, NearestFilter, BoxGeometry, ConeGeometry, CylinderGeometry, PerspectiveCamera,
+  Quaternion, Raycaster, RedFormat, RGBAFormat, Scene, ShaderMaterial, Vector2, Vector3, WebGLRenderer, EdgesGeometry, RGFormat,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import type { Index } from "./api";
+import { Beads, WORDS, type Bead } from "./beads";
+import { CLASS_COLOURS, circle, ramp, table, type ColourBy } from "./colours";
+
+/** Records up to which a window gets a chunk of its own. */
+const WINDOW_RECORDS = 60_000;
+/** Chunks of a program at most, so that a picture takes few calls. */
+const CHUNKS = 12;
+/** Records whose beads are looked through for the one under the pointer. */
+const HOVER_RECORDS = 3_000_000;
+
+const VERTEX = `
+in vec2 a; in vec2 b; in vec4 meta;
+uniform vec2 origin; uniform float unit; uniform sampler2D heights; uniform float firstRecord; uniform vec2 range; uniform int by; uniform vec2 scale;
+uniform vec3 classColours[16]; uniform float classShown[16]; uniform sampler2D speeds; uniform sampler2D colours; uniform sampler2D circleColours; uniform float hovered; uniform float ghost;
+out vec3 colour; out vec3 side; out float lit;
+void main() {
+  float record = firstRecord + float(gl_InstanceID) + 1.0;
+  float kind = mod(meta.y, 256.0); float speedAt = floor(meta.y / 256.0);
+  int k = int(kind + 0.5);
+  vec2 h = texelFetch(heights, ivec2(int(meta.z) % 256, int(meta.z) / 256), 0).rg;
+  bool shown = record >= range.x && record <= range.y && k < 15 && classShown[k] > 0.5;
+  vec2 p = origin + unit * a; vec2 q = origin + unit * b; vec2 d = q - p; float len = length(d);
+  if (!shown || len < 1e-6) { gl_Position = vec4(2.0, 2.0, 2.0, 0.0); colour = vec3(0.0); side = vec3(0.0, 0.0, 1.0); lit = 0.0; return; }
+  vec2 along = d / len; vec2 across = vec2(-along.y, along.x);
+  bool travel = k == ${CLASS_COLOURS.length - 1};
+  float width = travel ? 0.12 : meta.x * 1e-3;
+  float over = travel ? 0.0 : 0.3 * width;
+  vec2 xy = mix(p - over * along, q + over * along, position.x) + across * width * 0.5 * position.y;
+  float z = h.r - (1.0 - position.z) * h.g * (travel ? 0.2 : 0.9);
+  float speed = texelFetch(speeds, ivec2(int(speedAt), 0), 0).r;
+  float value = 0.0;
+  if (by == 1) value = speed;
+  else if (by == 2) value = width;
+  else if (by == 4) value = max(h.g * (width - h.g * 0.2146), 0.0) * speed;
+  else if (by == 5) value = h.r;
+  if (by == 0 || travel) colour = classColours[k];
+  else if (by == 3) { float turn = atan(along.y, along.x) / 3.14159265; colour = texture(circleColours, vec2(turn - floor(turn), 0.5)).rgb; }
+  else colour = texture(colours, vec2(clamp((value - scale.x) / max(scale.y - scale.x, 1e-6), 0.002, 0.998), 0.5)).rgb;
+  colour = mix(colour, vec3(0.72, 0.75, 0.77), ghost);
+  if (abs(record - hovered) < 0.5) colour = vec3(1.0, 0.95, 0.35);
+  side = vec3(across * position.y, position.z);
+  lit = travel ? 0.0 : 1.0;
+  gl_Position = projectionMatrix * viewMatrix * vec4(xy, z, 1.0);
+}`;
+
+const FRAGMENT = `
+in vec3 colour; in vec3 side; in float lit; out vec4 result;
+void main() {
+  // Light from above and a little from the left: the ridge of a bead keeps its colour, its flanks are darker.
+  vec3 n = normalize(side);
+  float shade = mix(1.0, 0.52 + 0.48 * max(dot(n, vec3(0.0, 0.0, 1.0)), 0.0) + 0.10 * dot(n, vec3(-0.7, 0.5, 0.0)), lit);
+  result = vec4(colour * shade, 1.0);
+}`;
+
+export type Side = "x-" | "x+" | "y-" | "y+" | "z-" | "z+";
+export interface Slab { side: Side; depth_mm: number; colour: number; arrow?: [number, number, number] }
+
+export interface Shown { low: number; high: number; from: number; to: number }
+
+export class Viewer {
+  readonly renderer: WebGLRenderer;
+  readonly camera = new PerspectiveCamera(35, 1, 0.1, 10_000);
+  readonly controls: OrbitControls;
+  beads: Beads | null = null;
+  onHover: (bead: Bead | null) => void = () => {};
+  onPick: (side: Side) => void = () => {};
+  picking = false;
+  private readonly scene = new Scene();
+  private readonly plate = new Group();
+  private readonly chunks = new Group();
+  private readonly places = new Group();
+  private readonly broken = new Group();
+  private readonly window = new Group();
+  private material: ShaderMaterial;
+  private shown: Shown = { low: 0, high: 0, from: 0, to: 0 };
+  private isDirty = true;
+  private readonly classShown: number[] = new Array(16).fill(1) as number[];
+  private pointer: { x: number; y: number } | null = null;
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true,  });
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener("change", () => this.draw());
+    this.material = new ShaderMaterial({
+      glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, side: DoubleSide,
+      uniforms: {
+        origin: { value: new Vector2() }, unit: { value: 1 }, heights: { value: null }, firstRecord: { value: 0 }, range: { value: new Vector2(0, -1) }, by: { value: 0 },
+        scale: { value: new Vector2(0, 1) }, speeds: { value: null }, hovered: { value: -1 }, ghost: { value: 0 },
+        classColours: { value: Array.from({ length: 16 }, (_, k) => new Vector3(...(CLASS_COLOURS[k] ?? [0, 0, 0]).map((c) => c / 255))) },
+        classShown: { value: this.classShown },
+        colours: { value: palette(ramp) }, circleColours: { value: palette(circle) },
+      },
+    });
+    this.setShown(CLASS_COLOURS.length - 1, false);
+    this.scene.add(this.plate, this.chunks, this.window, this.places, this.broken);
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    canvas.addEventListener("pointermove", (event) => this.move(event));
+    canvas.addEventListener("pointerleave", () => { this.pointer = null; this.hover(-1); });
+    let down: [number, number] | null = null;
+    canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
+    canvas.addEventListener("pointerup", (event) => {
+      // A drag turns the view; a click picks.
+      if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < 4) this.pick(event);
+      down = null;
+    });
+    const frame = () => {
+      if (this.isDirty) { this.isDirty = false; this.renderer.render(this.scene, this.camera); }
+      requestAnimationFrame(frame);
+    };
+    requestAnimationFrame(frame);
+  }
+
+  /** Name of the graphics card or of the program that stands for it. */
+  get rendererName(): string {
+    const gl = this.renderer.getContext();
+    const info = gl.getExtension("WEBGL_debug_renderer_info");
+    return String(info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : gl.getParameter(gl.RENDERER));
+  }
+
+  draw(): void { this.isDirty = true; }
+
+  private resize(): void {
+    const { clientWidth: w, clientHeight: h } = this.canvas;
+    if (w === 0 || h === 0) return;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(w, h, false);
+    this.camera.aspect = w / h;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  /** Takes away the program that is shown and frees its memory. */
+  clear(): void {
+    for (const group of [this.chunks, this.window, this.plate, this.places, this.broken]) empty(group);
+    for (const name of ["heights", "speeds"]) {
+      (this.material.uniforms[name]!.value as DataTexture | null)?.dispose();
+      this.material.uniforms[name]!.value = null;
+    }
+    this.beads = null;
+    this.draw();
+  }
+
+  /** Shows a program whose records are still to come. */
+  show(beads: Beads): void {
+    this.clear();
+    this.beads = beads;
+    const { index } = beads;
+    const u = this.material.uniforms;
+    (u.origin!.value as Vector2).set(...index.origin_mm);
+    u.unit!.value = index.step_mm;
+    const rows = Math.max(1, Math.ceil(index.layers.length / 256));
+    const heights = new Float32Array(256 * rows * 2);
+    index.layers.forEach((layer, k) => heights.set([layer.z_mm, layer.height_mm], 2 * k));
+    u.heights!.value = texture(heights, 256, rows, RGFormat);
+    const speeds = new Float32Array(256);
+    speeds.set(index.speeds_mm_s.slice(0, 256));
+    u.speeds!.value = texture(speeds, 256, 1, RedFormat);
+    const n = beads.first[index.layers.length]!;
+    const least = Math.max(WINDOW_RECORDS, Math.ceil(n / CHUNKS));
+    let from = 0;
+    for (let layer = 0; layer < index.layers.length; layer++) {
+      const isLast = layer === index.layers.length - 1;
+      if (beads.first[layer + 1]! - beads.first[from]! >= least || isLast) {
+        this.chunks.add(this.chunk(beads.words.subarray(WORDS * beads.first[from]!, WORDS * beads.first[layer + 1]!), beads.first[from]!));
+        from = layer + 1;
+      }
+    }
+    this.drawPlate(index);
+    this.view("oblique");
+  }
+
+  private chunk(words: Uint16Array<ArrayBuffer>, first: number): Mesh {
+    const geometry = new InstancedBufferGeometry();
+    // Left foot, ridge, right foot at both ends.
+    const corners = new Float32Array([0, 1, 0, 0, 0, 1, 0, -1, 0, 1, 1, 0, 1, 0, 1, 1, -1, 0]);
+    geometry.setAttribute("position", new BufferAttribute(corners, 3));
+    geometry.setIndex([0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4]);
+    const buffer = new InstancedInterleavedBuffer(words, WORDS);
+    geometry.setAttribute("a", new InterleavedBufferAttribute(buffer, 2, 0));
+    geometry.setAttribute("b", new InterleavedBufferAttribute(buffer, 2, WORDS));
+    geometry.setAttribute("meta", new InterleavedBufferAttribute(buffer, 4, WORDS + 2));
+    geometry.instanceCount = Math.max(words.length / WORDS - 1, 0);
+    const mesh = new Mesh(geometry, this.material);
+    mesh.frustumCulled = false;
+    mesh.userData.first = first;
+    mesh.userData.end = first + words.length / WORDS;
+    mesh.onBeforeRender = () => {
+      this.material.uniforms.firstRecord!.value = first;
+      this.material.uniformsNeedUpdate = true;
+    };
+    return mesh;
+  }
+
+  /** Layers arrived: they go to the graphics card with the next picture. */
+  refresh(fromLayer: number, toLayer: number): void {
+    if (!this.beads) return;
+    const [first, end] = [this.beads.first[fromLayer]!, this.beads.first[toLayer + 1]!];
+    for (const mesh of this.chunks.children as Mesh[]) {
+      if ((mesh.userData.first as number) < end && (mesh.userData.end as number) > first) {
+        (mesh.geometry.getAttribute("a") as InterleavedBufferAttribute).data.needsUpdate = true;
+      }
+    }
+    this.setRange(this.shown);
+  }
+
+  /** Shows layers `low` to `high`, and of the highest one the moves `from` to `to`. */
+  setRange(shown: Shown): void {
+    this.shown = shown;
+    const beads = this.beads;
+    if (!beads) return;
+    const first = beads.first[shown.low]!;
+    const top = beads.first[shown.high]!;
+    const begin = shown.low === shown.high ? top + shown.from : first;
+    const last = top + shown.to;
+    (this.material.uniforms.range!.value as Vector2).set(begin, last);
+    empty(this.window);
+    const isWindow = last - first < WINDOW_RECORDS;
+    // A copy: what lies before the window is not drawn, and what lies behind it neither.
+    if (isWindow) this.window.add(this.chunk(beads.words.slice(WORDS * first, WORDS * (last + 1)), first));
+    for (const mesh of this.chunks.children) {
+      mesh.visible = !isWindow && (mesh.userData.first as number) <= last && (mesh.userData.end as number) > first;
+    }
+    this.draw();
+  }
+
+  setColour(by: ColourBy, scale: [number, number]): void {
+    this.material.uniforms.by!.value = ["role", "speed", "width", "angle", "flow", "height"].indexOf(by);
+    (this.material.uniforms.scale!.value as Vector2).set(...scale);
+    this.draw();
+  }
+
+  setShown(kind: number, isShown: boolean): void { this.classShown[kind] = isShown ? 1 : 0; this.draw(); }
+  isShown(kind: number): boolean { return this.classShown[kind]! > 0; }
+  setGhost(isGhost: boolean): void { this.material.uniforms.ghost!.value = isGhost ? 0.82 : 0; this.draw(); }
+
+  private get box(): [Vector3, Vector3] {
+    const part = this.beads?.index.part_mm ?? [[0, 0, 0], [100, 100, 10]];
+    return [new Vector3(...(part[0] as [number, number, number])), new Vector3(...(part[1] as [number, number, number]))];
+  }
+
+  private drawPlate(index: Index): void {
+    const [low, high] = this.box;
+    const span = Math.max(high.x - low.x, high.y - low.y, 10);
+    const step = span > 400 ? 50 : span > 80 ? 10 : span > 20 ? 5 : 1;
+    const margin = 2 * step;
+    const from = (v: number) => Math.floor((v - margin) / step) * step;
+    const to = (v: number) => Math.ceil((v + margin) / step) * step;
+    const points: number[] = [];
+    for (let x = from(low.x); x <= to(high.x); x += step) points.push(x, from(low.y), 0, x, to(high.y), 0);
+    for (let y = from(low.y); y <= to(high.y); y += step) points.push(from(low.x), y, 0, to(high.x), y, 0);
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(new Float32Array(points), 3));
+    const lines = new LineSegments(geometry, new LineBasicMaterial({ color: 0x8a969e, transparent: true, opacity: 0.45 }));
+    // Just below the first layer, so that beads hide it.
+    lines.position.z = Math.min(0, low.z) - 0.02;
+    this.plate.add(lines);
+    void index;
+  }
+
+  /** Looks from a side, so that the part fills the view. */
+  view(direction: string): void {
+    const [low, high] = this.box;
+    const middle = low.clone().add(high).multiplyScalar(0.5);
+    const size = high.clone().sub(low);
+    const from: Record<string, Vector3> = { top: new Vector3(0, -1e-4, 1), front: new Vector3(0, -1, 0), side: new Vector3(1, 0, 0), oblique: new Vector3(-0.55, -1.05, 0.95) };
+    const along = (from[direction] ?? from.oblique!).clone().normalize();
+    // The box as it is seen: its half widths across the view.
+    const right = new Vector3().crossVectors(new Vector3(0, 0, 1), along);
+    if (right.length() < 1e-3) right.set(1, 0, 0);
+    right.normalize();
+    const up = new Vector3().crossVectors(along, right);
+    const half = (v: Vector3) => 0.5 * (Math.abs(v.x) * size.x + Math.abs(v.y) * size.y + Math.abs(v.z) * size.z);
+    const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
+    const away = Math.max(half(up), half(right) / Math.max(this.camera.aspect, 0.1)) / tangent + half(along);
+    const distance = 1.18 * Math.max(away, 2);
+    this.controls.target.copy(middle);
+    this.camera.position.copy(middle).addScaledVector(along, distance);
+    this.camera.near = distance / 200;
+    this.camera.far = distance * 20;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Where a point of the part is on the screen, in pixels of the page. */
+  project(x: number, y: number, z: number): [number, number] {
+    this.camera.updateMatrixWorld();
+    const p = new Vector3(x, y, z).project(this.camera);
+    const box = this.canvas.getBoundingClientRect();
+    return [box.left + (0.5 + 0.5 * p.x) * box.width, box.top + (0.5 - 0.5 * p.y) * box.height];
+  }
+
+  private ray(event: { clientX: number; clientY: number }): Raycaster {
+    const box = this.canvas.getBoundingClientRect();
+    const at = new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+    const caster = new Raycaster();
+    this.camera.updateMatrixWorld();
+    caster.setFromCamera(at, this.camera);
+    return caster;
+  }
+
+  private move(event: PointerEvent): void {
+    if (event.buttons !== 0) return;
+    const isWaiting = this.pointer !== null;
+    this.pointer = { x: event.clientX, y: event.clientY };
+    if (isWaiting) return;
+    requestAnimationFrame(() => {
+      const at = this.pointer;
+      this.pointer = null;
+      if (at) this.hover(this.beadAt(at.x, at.y));
+    });
+  }
+
+  /** The record of the bead at a place of the page, or -1. */
+  beadAt(clientX: number, clientY: number): number {
+    const beads = this.beads;
+    if (!beads) return -1;
+    const { origin, direction } = this.ray({ clientX, clientY }).ray;
+    const { low, high } = this.shown;
+    const [first, last] = [(this.material.uniforms.range!.value as Vector2).x, (this.material.uniforms.range!.value as Vector2).y];
+    if (last - first > HOVER_RECORDS || Math.abs(direction.z) < 1e-6) return -1;
+    // Layers in the order in which the ray meets them.
+    const isFromAbove = direction.z < 0;
+    for (let k = 0; k <= high - low; k++) {
+      const layer = isFromAbove ? high - k : low + k;
+      const t = (beads.index.layers[layer]!.z_mm - origin.z) / direction.z;
+      if (t <= 0) continue;
+      const found = beads.under(layer, origin.x + t * direction.x, origin.y + t * direction.y, first, last, (kind) => this.isShown(kind));
+      if (found >= 0) return found;
+    }
+    return -1;
+  }
+
+  private hover(record: number): void {
+    if (this.material.uniforms.hovered!.value === record) return;
+    this.material.uniforms.hovered!.value = record;
+    this.onHover(record >= 0 && this.beads ? this.beads.bead(record) : null);
+    this.draw();
+  }
+
+  private pick(event: PointerEvent): void {
+    if (!this.picking || !this.beads) return;
+    const { origin, direction } = this.ray(event).ray;
+    const [low, high] = this.box;
+    let best: [number, Side] | null = null;
+    for (const axis of ["x", "y", "z"] as const) {
+      if (Math.abs(direction[axis]) < 1e-9) continue;
+      const isLow = direction[axis] > 0;
+      const t = ((isLow ? low : high)[axis] - origin[axis]) / direction[axis];
+      // The box is entered through the last of the planes that face the eye.
+      if (!best || t > best[0]) best = [t, `${axis}${isLow ? "-" : "+"}` as Side];
+    }
+    if (!best) return;
+    const hit = origin.clone().addScaledVector(direction, best[0]);
+    const slack = 0.05 * high.distanceTo(low);
+    const isInside = (["x", "y", "z"] as const).every((axis) => hit[axis] > low[axis] - slack && hit[axis] < high[axis] + slack);
+    if (isInside) this.onPick(best[1]);
+  }
+
+  /** The two corners of a slab at a side of the part. */
+  slab(side: Side, depth_mm: number): [[number, number, number], [number, number, number]] {
+    const [low, high] = this.box;
+    const axis = side[0] as "x" | "y" | "z";
+    if (side[1] === "-") high[axis] = Math.min(high[axis], low[axis] + depth_mm);
+    else low[axis] = Math.max(low[axis], high[axis] - depth_mm);
+    return [[low.x, low.y, low.z], [high.x, high.y, high.z]];
+  }
+
+  /** Draws where the part is held and loaded. */
+  setPlaces(slabs: Slab[]): void {
+    empty(this.places);
+    const [low, high] = this.box;
+    const reach = 0.22 * high.distanceTo(low);
+    for (const { side, depth_mm, colour, arrow } of slabs) {
+      const [a, b] = this.slab(side, depth_mm);
+      const size = [0, 1, 2].map((k) => Math.max(b[k]! - a[k]!, 0.05) + 0.6) as [number, number, number];
+      const shape = new BoxGeometry(...size);
+      const middle = new Vector3(...([0, 1, 2].map((k) => 0.5 * (a[k]! + b[k]!)) as [number, number, number]));
+      const face = new Mesh(shape, new MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.34, depthWrite: false }));
+      const edges = new LineSegments(new EdgesGeometry(shape), new LineBasicMaterial({ color: colour }));
+      face.position.copy(middle);
+      edges.position.copy(middle);
+      this.places.add(face, edges);
+      if (arrow) this.places.add(arrowMesh(middle, new Vector3(...arrow), reach, colour));
+    }
+    this.draw();
+  }
+
+  /** Draws broken elements: x, y, z and the share lost of each. */
+  setBroken(cells: Float32Array | null, size_mm: number[], angle_rad: number): void {
+    empty(this.broken);
+    if (cells && cells.length > 0) {
+      const geometry = new InstancedBufferGeometry();
+      // Elements of a plate are as high as the plate; they are drawn so.
+      const box = new BoxGeometry(...(size_mm as [number, number, number]));
+      box.rotateZ(angle_rad);
+      geometry.index = box.index;
+      geometry.setAttribute("position", box.getAttribute("position"));
+      geometry.setAttribute("normal", box.getAttribute("normal"));
+      geometry.setAttribute("cell", new InstancedBufferAttribute(cells, 4));
+      geometry.instanceCount = cells.length / 4;
+      const material = new ShaderMaterial({
+        glslVersion: GLSL3, transparent: true, depthTest: false,
+        vertexShader: `in vec4 cell; out float lost; out float shade; void main() { lost = cell.w; shade = 0.8 + 0.2 * normal.z + 0.1 * normal.x; gl_Position = projectionMatrix * viewMatrix * vec4(cell.xyz + position, 1.0); }`,
+        fragmentShader: `in float lost; in float shade; out vec4 result; void main() { result = vec4(mix(vec3(0.98, 0.72, 0.18), vec3(0.80, 0.05, 0.06), lost) * shade, 0.35 + 0.5 * lost); }`,
+      });
+      const mesh = new Mesh(geometry, material);
+      mesh.frustumCulled = false;
+      mesh.renderOrder = 2;
+      this.broken.add(mesh);
+    }
+    this.draw();
+  }
+}
+
+function arrowMesh(at: Vector3, direction: Vector3, length: number, colour: number): Group {
+  const arrow = new Group();
+  const material = new MeshBasicMaterial({ color: colour, depthTest: false, transparent: true });
+  const shaft = new Mesh(new CylinderGeometry(length * 0.03, length * 0.03, length * 0.75), material);
+  const tip = new Mesh(new ConeGeometry(length * 0.09, length * 0.25, 20), material);
+  shaft.position.y = length * 0.375;
+  tip.position.y = length * 0.875;
+  arrow.add(shaft, tip);
+  arrow.position.copy(at);
+  arrow.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 1, 0), direction.clone().normalize()));
+  arrow.renderOrder = 3;
+  arrow.children.forEach((c) => (c.renderOrder = 3));
+  return arrow;
+}
+
+function empty(group: Group): void {
+  group.traverse((child) => {
+    const mesh = child as Mesh;
+    mesh.geometry?.dispose();
+    // The material of beads is shared and stays.
+    if (mesh.material && !Array.isArray(mesh.material) && !("firstRecord" in ((mesh.material as ShaderMaterial).uniforms ?? {}))) mesh.material.dispose();
+  });
+  group.clear();
+}
+
+function texture(data: Float32Array<ArrayBuffer>, width: number, height: number, format: typeof RGFormat | typeof RedFormat): DataTexture {
+  const made = new DataTexture(data, width, height, format, FloatType);
+  made.minFilter = made.magFilter = NearestFilter;
+  made.needsUpdate = true;
+  return made;
+}
+
+function palette(colour: (t: number) => [number, number, number]): DataTexture {
+  const made = new DataTexture(table(colour), 256, 1, RGBAFormat);
+  made.minFilter = made.magFilter = NearestFilter;
+  made.needsUpdate = true;
+  return made;
+}
+
+export const toColour = (text: string) => new Color(text).getHex();

@@ -1,0 +1,155 @@
+// The page itself: sizes, light and dark, opening files, errors, access by keyboard and screen readers.
+
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { after, before, test } from "node:test";
+import { folder, launch, picture, shown, squares, studio, visit } from "./bench.mjs";
+
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+let files, server, browser;
+before(async () => {
+  files = folder({ "squares.gcode": squares(), "bad.gcode": "Dear Sir or Madam,\n", "notes.txt": "nothing" });
+  server = await studio(files.dir);
+  browser = await launch();
+});
+after(async () => { await browser?.close(); await server?.end(); files?.remove(); });
+
+/** Opens a file through the chooser, by keyboard alone. */
+async function choose(page, name) {
+  await page.keyboard.press("o");
+  await page.waitForSelector("#chooser .files button");
+  await page.focus(`#chooser .files button:has-text("${name}")`);
+  await page.keyboard.press("Enter");
+}
+
+test("an empty page says what to do", async () => {
+  const { page, wrong, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  assert.match(await page.textContent("#welcome"), /Drop G-code of any slicer here/);
+  assert.match(await page.textContent("#welcome"), /Nothing leaves this computer/);
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
+test("a file is chosen on the server's side by keyboard", async () => {
+  const { page, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  await choose(page, "squares.gcode");
+  await shown(page);
+  assert.match(await page.textContent("#title"), /squares\.gcode$/);
+  await close();
+});
+
+test("files that cannot be opened are listed and not offered", async () => {
+  const { page, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  await page.click("#open");
+  await page.waitForSelector("#chooser .files button");
+  assert.equal(await page.isDisabled('#chooser .files button:has-text("notes.txt")'), true);
+  assert.equal(await page.isDisabled('#chooser .files button:has-text("squares.gcode")'), false);
+  await page.keyboard.press("Escape");
+  assert.equal(await page.isVisible("#chooser"), false);
+  await close();
+});
+
+test("a file sent with the browser is shown", async () => {
+  const { page, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  await page.setInputFiles("#welcome input[type=file]", files.at("squares.gcode"));
+  await shown(page);
+  assert.match(await page.textContent("#title"), /uploads\/squares\.gcode$/);
+  await close();
+});
+
+test("an error is the sentence of the command line", async () => {
+  const { page, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  await choose(page, "bad.gcode");
+  await page.waitForSelector("#progress .error");
+  assert.match(await page.textContent("#progress .error"), /bad\.gcode: not G-code: no line of 1 has a command$/);
+  await close();
+});
+
+for (const [width, height] of [[360, 740], [768, 1024], [1280, 720], [3840, 2160]]) {
+  test(`nothing is cut off at ${width} x ${height}`, async () => {
+    const { page, close } = await visit(browser, server.address, { viewport: { width, height } });
+    await page.waitForSelector("#welcome h2");
+    await choose(page, "squares.gcode");
+    await shown(page);
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "no scrolling sideways");
+    for (const id of ["open", "theme", "help", "tab-strength", "high", "low", "to", "play", "view"]) {
+      const box = await page.locator(`#${id}`).boundingBox();
+      assert.ok(box && box.x >= 0 && box.x + box.width <= width && box.width > 8 && box.height > 8, `${id}: ${JSON.stringify(box)}`);
+    }
+    // Boxes over the view do not cover each other.
+    const boxes = await Promise.all(["layers", "moves", "legend", "views"].map(async (id) => [id, await page.locator(`#${id}`).boundingBox()]));
+    for (const [a, p] of boxes) for (const [b, q] of boxes) {
+      if (a < b) assert.ok(p.x + p.width <= q.x || q.x + q.width <= p.x || p.y + p.height <= q.y || q.y + q.height <= p.y, `${a} covers ${b}`);
+    }
+    await close();
+  });
+}
+
+for (const scheme of ["light", "dark"]) {
+  test(`no serious finding of axe, ${scheme}`, async () => {
+    const { page, close } = await visit(browser, server.address, { colorScheme: scheme });
+    await page.waitForSelector("#welcome h2");
+    await choose(page, "squares.gcode");
+    await shown(page);
+    for (const tab of ["paths", "job", "strength"]) {
+      await page.click(`#tab-${tab}`);
+      await page.evaluate(axe);
+      const found = await page.evaluate(() => window.axe.run().then((r) => r.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => `${v.id}: ${v.nodes[0].html} ${v.nodes[0].failureSummary}`)));
+      assert.deepEqual(found, [], tab);
+    }
+    await close();
+  });
+}
+
+test("dark is dark, light is light, and the choice is kept", async () => {
+  const { page, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  const brightness = async () => { const shot = await picture(page); const c = shot.at(640, 700); return (c[0] + c[1] + c[2]) / 3; };
+  const light = await brightness();
+  await page.click("#theme");
+  const dark = await brightness();
+  assert.ok(light > 200 && dark < 60, `${light} ${dark}`);
+  await page.reload();
+  await page.waitForSelector("#welcome h2");
+  assert.ok((await brightness()) < 60);
+  await close();
+});
+
+test("help lists the keys and closes by escape", async () => {
+  const { page, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  await page.keyboard.press("?");
+  assert.match(await page.textContent("#keys"), /look from the top/);
+  await page.keyboard.press("Escape");
+  assert.equal(await page.isVisible("#keys"), false);
+  await close();
+});
+
+test("another page cannot read the studio", async () => {
+  const { page, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  const origin = new URL(server.address).origin.replace("127.0.0.1", "localhost");
+  // The cookie is for 127.0.0.1; from localhost the same server is another origin without it.
+  const context = page.context();
+  const other = await context.newPage();
+  const answer = await other.goto(`${origin}/v1/state`);
+  assert.equal(answer.status(), 401);
+  await close();
+});
+
+test("Ctrl-C ends the studio within a second", async () => {
+  const own = await studio(files.dir);
+  const { page, close } = await visit(browser, own.address);
+  await page.waitForSelector("#welcome h2");
+  const { code, ms } = await own.end();
+  assert.equal(code, 0);
+  assert.ok(ms < 1000, `${ms} ms`);
+  await close();
+});

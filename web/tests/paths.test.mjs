@@ -1,0 +1,235 @@
+// Toolpaths on the screen: colours at places that follow from the program, each beside a control that must differ.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { colours, far, folder, launch, places, settle, shown, squares, studio, view, visit } from "./bench.mjs";
+
+const WALL = [214, 93, 32];
+const FILL = [86, 178, 171];
+const NEAR = 30;
+/** Middles of beads of the highest layer (6: lines along y), and a place between them. */
+const wallAt = [50, 60, 1.2];
+const fillAt = [52, 47, 1.2];
+const emptyAt = [54, 47, 1.2];
+
+let files, server, browser, visited, page;
+before(async () => {
+  files = folder({ "squares.gcode": squares() });
+  server = await studio(files.dir, "squares.gcode");
+  browser = await launch();
+  visited = await visit(browser, server.address);
+  page = visited.page;
+  await shown(page);
+  await view(page, "top");
+});
+after(async () => { await browser?.close(); await server?.end(); files?.remove(); });
+
+const slide = async (id, value) => { await page.$eval(`#${id}`, (input, v) => { input.focus(); input.value = String(v); input.dispatchEvent(new Event("input", { bubbles: true })); }, value); await settle(page); };
+const reset = async () => { await slide("high", 5); await slide("low", 0); await page.selectOption("#colour-by", "role"); };
+const near = (found, wanted, what) => assert.ok(far(found, wanted) < NEAR, `${what}: ${found} is not ${wanted}`);
+const unlike = (found, other, what) => assert.ok(far(found, other) > NEAR, `${what}: ${found} is ${other}`);
+
+test("WebGL is there and is named", async () => {
+  const name = await page.evaluate(() => window.studio.rendererName);
+  console.log(`renderer: ${name}`);
+  assert.match(name, /llvmpipe|SwiftShader|Mesa|NVIDIA|AMD|Intel|Apple/);
+  assert.equal(await page.evaluate(() => window.studio.viewer.renderer.getContext().isContextLost()), false);
+});
+
+test("walls and fill have the colours of their roles", async () => {
+  await reset();
+  const [wall, fill, empty] = await colours(page, [wallAt, fillAt, emptyAt]);
+  near(wall, WALL, "wall");
+  near(fill, FILL, "fill");
+  unlike(empty, FILL, "between lines of fill");
+});
+
+test("a role that is switched off is not drawn", async () => {
+  await reset();
+  await page.click("#class-0");
+  const [wall, fill] = await colours(page, [wallAt, fillAt]);
+  unlike(wall, WALL, "wall");
+  near(fill, FILL, "fill");
+  await page.click("#class-0");
+  near((await colours(page, [wallAt]))[0], WALL, "wall again");
+});
+
+test("the legend names the roles with their colours", async () => {
+  await reset();
+  assert.deepEqual(await page.$$eval("#legend div", (rows) => rows.map((r) => r.textContent)), ["External perimeter", "Internal infill"]);
+  const background = await page.$eval("#legend .swatch", (s) => getComputedStyle(s).backgroundColor);
+  assert.equal(background, `rgb(${WALL.join(", ")})`);
+});
+
+test("colour by speed is dark for slow walls and bright for fast fill", async () => {
+  await reset();
+  await page.selectOption("#colour-by", "speed");
+  const [wall, fill] = await colours(page, [wallAt, fillAt]);
+  near(wall, [68, 1, 84], "20 mm/s, the least");
+  near(fill, [253, 231, 37], "80 mm/s, the most");
+  assert.deepEqual(await page.$$eval("#legend .ends span", (s) => s.map((x) => x.textContent)), ["20.0", "80.0"]);
+});
+
+test("colour by width is bright for wide walls and dark for narrow fill", async () => {
+  await reset();
+  await page.selectOption("#colour-by", "width");
+  const [wall, fill] = await colours(page, [wallAt, fillAt]);
+  near(wall, [253, 231, 37], "0.8 mm");
+  near(fill, [68, 1, 84], "0.6 mm");
+});
+
+test("colour by angle tells directions apart and not the way along them", async () => {
+  await reset();
+  await page.selectOption("#colour-by", "angle");
+  const [along, back, up] = await colours(page, [[50, 40, 1.2], [50, 60, 1.2], fillAt]);
+  near(along, back, "the walls at both sides run along x");
+  unlike(up, along, "fill along y");
+});
+
+test("colour by flow and by height change the picture", async () => {
+  await reset();
+  await page.selectOption("#colour-by", "flow");
+  const [wall, fill] = await colours(page, [wallAt, fillAt]);
+  unlike(wall, fill, "flow");
+  await page.selectOption("#colour-by", "height");
+  near((await colours(page, [wallAt]))[0], [253, 231, 37], "the top");
+});
+
+test("a lower layer shows its own lines", async () => {
+  await reset();
+  await slide("high", 4);
+  const z = 1.0;
+  const [across, along] = await colours(page, [[47, 52, z], [52, 46, z]]);
+  near(across, FILL, "line along x of layer 5");
+  near(along, FILL, "line along y of layer 4 below it");
+  await slide("low", 4);
+  const [own, below] = await colours(page, [[47, 52, z], [52, 46, z]]);
+  near(own, FILL, "line along x of layer 5 alone");
+  unlike(below, FILL, "layer 4 is not shown");
+});
+
+test("the moves of the highest layer end where the slider says", async () => {
+  await reset();
+  await slide("low", 5);
+  const n = Number(await page.getAttribute("#to", "max"));
+  await slide("to", 4);
+  const [wall, fill] = await colours(page, [wallAt, fillAt]);
+  near(wall, WALL, "the wall is printed first");
+  unlike(fill, FILL, "the fill is not printed yet");
+  await slide("to", n);
+  near((await colours(page, [fillAt]))[0], FILL, "now it is");
+});
+
+test("the moves of the highest layer begin where the slider says", async () => {
+  await reset();
+  await slide("low", 5);
+  await slide("from", 6);
+  const [wall, fill] = await colours(page, [[50, 40, 1.2], fillAt]);
+  unlike(wall, WALL, "before the first move");
+  near(fill, FILL, "after it");
+});
+
+test("the ends of a slider do not pass each other", async () => {
+  await reset();
+  await slide("low", 3);
+  await slide("high", 1);
+  assert.equal(await page.inputValue("#low"), "1");
+  await slide("low", 4);
+  assert.equal(await page.inputValue("#high"), "4");
+});
+
+test("travels are drawn when asked for", async () => {
+  await reset();
+  await slide("low", 5);
+  // The travel from the end of one line of fill to the start of the next: (44, 59) to (48, 41).
+  const at = [[46, 50, 1.2]];
+  const [without] = await colours(page, at);
+  await page.click("#class-13");
+  const [where] = await places(page, at);
+  const hit = await page.evaluate(async ([x, y]) => x > 0 && y > 0, where);
+  assert.ok(hit);
+  const shades = await colours(page, [[46, 50, 1.2], [45.95, 50, 1.2], [46.05, 50, 1.2]]);
+  assert.ok(shades.some((c) => far(c, without) > 12), `${shades} beside ${without}`);
+  await page.click("#class-13");
+});
+
+test("the bead under the pointer tells its numbers", async () => {
+  await reset();
+  const [[x, y], [ex, ey]] = await places(page, [[52, 47, 1.2], [54, 47, 1.2]]);
+  await page.mouse.move(x, y);
+  await page.waitForFunction(() => !document.getElementById("bead").hidden);
+  const words = await page.textContent("#bead");
+  for (const word of ["Internal infill", "layer 6", "0.60 mm wide", "0.20 mm high", "80.0 mm/s", "18.00 mm long", "90°"]) assert.ok(words.includes(word), `${word} in ${words}`);
+  await slide("low", 5);
+  await page.mouse.move(ex, ey);
+  await page.waitForFunction(() => document.getElementById("bead").hidden);
+});
+
+test("the bead under the pointer is lit", async () => {
+  await reset();
+  const [[x, y]] = await places(page, [fillAt]);
+  await page.mouse.move(x, y);
+  await settle(page);
+  near((await colours(page, [[52, 55, 1.2]]))[0], [255, 242, 89], "another place of the same bead");
+  await page.mouse.move(5, 5);
+  await settle(page);
+  near((await colours(page, [[52, 55, 1.2]]))[0], FILL, "not lit any more");
+});
+
+test("keys move through layers, moves and views", async () => {
+  await reset();
+  await page.focus("#view");
+  await page.keyboard.press("ArrowDown");
+  assert.equal(await page.inputValue("#high"), "4");
+  await page.keyboard.press("ArrowUp");
+  assert.equal(await page.inputValue("#high"), "5");
+  await page.keyboard.press("l");
+  assert.equal(await page.inputValue("#low"), "5");
+  await page.keyboard.press("l");
+  assert.equal(await page.inputValue("#low"), "0");
+  const before = await places(page, [[50, 60, 1.2]]);
+  await page.keyboard.press("2");
+  await settle(page);
+  assert.notDeepEqual(await places(page, [[50, 60, 1.2]]), before);
+  await page.keyboard.press("1");
+  await page.keyboard.press("c");
+  assert.equal(await page.inputValue("#colour-by"), "speed");
+});
+
+test("numbers of the program stand beside it", async () => {
+  const text = await page.textContent("#panel-paths");
+  for (const word of ["Squares 1", "Layers6", "Beads48"]) assert.ok(text.includes(word), `${word} in ${text}`);
+});
+
+test("at most twenty draw calls, and none while nothing changes", async () => {
+  await view(page, "oblique");
+  const calls = await page.evaluate(() => window.studio.viewer.renderer.info.render.calls);
+  assert.ok(calls > 0 && calls <= 20, `${calls} calls`);
+  const frames = () => page.evaluate(() => window.studio.viewer.renderer.info.render.frame);
+  const before = await frames();
+  await settle(page);
+  await settle(page);
+  assert.equal(await frames(), before);
+  await view(page, "top");
+});
+
+test("no request leaves this computer and nothing goes wrong", async () => {
+  const own = new URL(server.address).origin;
+  assert.ok(visited.requests.length > 5);
+  assert.deepEqual(visited.requests.filter((r) => !r.startsWith(own) && !r.startsWith("blob:")), []);
+  assert.deepEqual(visited.wrong, []);
+});
+
+test("the token is not in the address after the start", async () => {
+  assert.ok(!page.url().includes("token"));
+});
+
+test("showing a program twenty times leaves nothing behind", async () => {
+  const once = () => page.evaluate(async () => { await window.studio.show(1); const m = window.studio.viewer.renderer.info.memory; return [m.geometries, m.textures]; });
+  await once();
+  await settle(page);
+  const before = await once();
+  for (let k = 0; k < 20; k++) await once();
+  await settle(page);
+  assert.deepEqual(await once(), before);
+});

@@ -1,0 +1,109 @@
+// Two whole stories, by mouse and keyboard alone, held against the command line.
+
+import assert from "node:assert/strict";
+import { createHash } from "node:crypto";
+import { readFileSync } from "node:fs";
+import { after, before, test } from "node:test";
+import { bar, boxStl, colours, command, far, folder, launch, places, settle, shown, studio, visit } from "./bench.mjs";
+
+let files, server, browser;
+before(async () => {
+  files = folder({ "bar.gcode": bar(), "bracket.stl": boxStl([30, 12, 3]) });
+  server = await studio(files.dir);
+  browser = await launch();
+});
+after(async () => { await browser?.close(); await server?.end(); files?.remove(); });
+
+const SHOTS = process.env.SHOTS;
+const shot = async (page, name) => { if (SHOTS) { await settle(page); await page.screenshot({ path: `${SHOTS}/${name}.png` }); } };
+
+async function choose(page, name) {
+  await page.waitForSelector("#welcome h2");
+  await page.click("#open");
+  await page.click(`#chooser .files button:has-text("${name}")`);
+}
+
+test("a program of another slicer, from its file to where it breaks", async () => {
+  const { page, wrong, close } = await visit(browser, server.address);
+  await choose(page, "bar.gcode");
+  await shown(page);
+  await page.click("text=Where does it break?");
+  // The ends of the longest side are proposed; the held one is chosen again by a click on the part.
+  await page.click("#views [data-view=side]");
+  await settle(page);
+  await page.click("#load-pick");
+  const [[x, y]] = await places(page, [[80, 24, 0.5]]);
+  await page.mouse.click(x, y);
+  assert.equal(await page.inputValue("#load-side"), "x+");
+  assert.equal(await page.inputValue("#hold-side"), "x-");
+  await page.click("#views [data-view=oblique]");
+  await settle(page);
+  await shot(page, "places");
+  await page.click("#break");
+  await page.waitForSelector("#peak", { timeout: 240_000 });
+  const peak = Number((await page.textContent("#peak")).replace(" N", ""));
+  await page.click("summary:has-text('The job file that is run')");
+  const job = await page.textContent("#strength-job");
+  const saved = readFileSync(files.at("grainpath-studio/strength/job.toml"), "utf8");
+  assert.equal(saved, job);
+  const theirs = JSON.parse(command(files.dir, "strength", "bar.gcode", "--job", "grainpath-studio/strength/job.toml", "--json"));
+  assert.equal(peak, Math.round(theirs.strength.peak_load_n));
+  // 8 mm2 of beads along the load, 50 to 57 MPa along a bead.
+  assert.ok(peak > 0.85 * 50 * 8 && peak < 1.05 * 57 * 8, `${peak} N`);
+  assert.ok((await page.textContent("#weakest")).includes(theirs.strength.weakest.words));
+  assert.match(await page.textContent("#panel-strength"), /tier T0/);
+  // What broke is drawn in the part, and can be taken away.
+  const damage = await page.evaluate(async () => { const list = (await (await fetch("v1/jobs")).json()).jobs; const id = list[list.length - 1].id; return [...new Float32Array(await (await fetch(`v1/jobs/${id}/damage`)).arrayBuffer())]; });
+  assert.ok(damage.length >= 4, "something broke");
+  let worst = 0;
+  for (let k = 0; k < damage.length; k += 4) if (damage[k + 3] > damage[worst + 3]) worst = k;
+  const at = [[damage[worst], damage[worst + 1], 1.0]];
+  await page.click("#views [data-view=top]");
+  await settle(page);
+  const [broken] = await colours(page, at);
+  await shot(page, "broken");
+  await page.click("#show-crack");
+  const [whole] = await colours(page, at);
+  assert.ok(broken[0] > broken[1] + 40 && far(broken, whole) > 40, `${broken} ${whole}`);
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
+test("holding and loading one place is refused with what to do", async () => {
+  const { page, close } = await visit(browser, server.address);
+  await choose(page, "bar.gcode");
+  await shown(page);
+  await page.click("#tab-strength");
+  await page.selectOption("#load-side", "x-");
+  await page.click("#break");
+  assert.match(await page.textContent("#progress"), /choose another side/);
+  await close();
+});
+
+test("a mesh, from its file to paths whose G-code is that of the command line", async () => {
+  const { page, wrong, close } = await visit(browser, server.address);
+  await choose(page, "bracket.stl");
+  await page.waitForSelector("#panel-job textarea");
+  await page.selectOption("#panel-job select >> nth=0", "prusa-mk3s");
+  assert.match(await page.inputValue("#panel-job textarea"), /\[printer\]\nprofile = "prusa-mk3s"/);
+  await page.click("text=Plan the paths");
+  await shown(page);
+  await shot(page, "planned");
+  const href = await page.getAttribute('#panel-paths a:has-text("gcode")', "href");
+  const sent = await page.evaluate(async (address) => [...new Uint8Array(await (await fetch(address)).arrayBuffer())], href);
+  command(files.dir, "run", "grainpath-studio/bracket/job.toml", "--out", "again");
+  const hash = (bytes) => createHash("sha256").update(bytes).digest("hex");
+  assert.equal(hash(Buffer.from(sent)), hash(readFileSync(files.at("again/bracket.gcode"))));
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
+test("an error in the text of a job names its line", async () => {
+  const { page, close } = await visit(browser, server.address);
+  await choose(page, "bracket.stl");
+  await page.fill("#panel-job textarea", "[process]\nwals = 3\n");
+  await page.click("text=Plan the paths");
+  await page.waitForSelector("#progress .error");
+  assert.match(await page.textContent("#progress .error"), /job\.toml:2: unknown key `wals` in \[process\]; did you mean `walls`\?/);
+  await close();
+});

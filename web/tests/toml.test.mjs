@@ -1,0 +1,77 @@
+// Values of a job's text are found and changed, and the rest of the text stays.
+
+import assert from "node:assert/strict";
+import { build } from "esbuild";
+import { test } from "node:test";
+import { fileURLToPath } from "node:url";
+
+const bundle = async (file) => {
+  const made = await build({ entryPoints: [fileURLToPath(new URL(`../src/${file}`, import.meta.url))], bundle: true, write: false, format: "esm", platform: "neutral" });
+  return import(`data:text/javascript;base64,${Buffer.from(made.outputFiles[0].text).toString("base64")}`);
+};
+const { entries, get, set } = await bundle("toml.ts");
+const { typed } = await bundle("settings.ts");
+
+const TEXT = `# a bracket
+[shape]
+mesh = "a # b.stl"   # the part
+rotate_deg = [
+  0, # about x
+  90, 0,
+]
+
+[guide]
+kind = "stress"
+[[guide.load]]
+on = { box_mm = [[0, 0, 0], [1, 1, 1]] }
+force_n = [1, 0, 0]
+
+[fill]
+density = 0.3
+"angles_deg" = [0, 90]
+`;
+
+test("values are found between comments, lists and strings", () => {
+  assert.equal(get(TEXT, "shape", "mesh"), '"a # b.stl"');
+  assert.equal(get(TEXT, "fill", "density"), "0.3");
+  assert.equal(get(TEXT, "fill", "angles_deg"), "[0, 90]");
+  assert.match(get(TEXT, "shape", "rotate_deg"), /^\[\n {2}0, # about x\n {2}90, 0,\n\]$/);
+  assert.equal(get(TEXT, "guide", "force_n"), null);
+  assert.equal(get(TEXT, "guide.load", "force_n"), null, "rows of a list are left to the text");
+  assert.equal(entries(TEXT).length, 7);
+});
+
+test("a changed value leaves every other character", () => {
+  const changed = set(TEXT, "fill", "density", "0.5");
+  assert.equal(changed, TEXT.replace("density = 0.3", "density = 0.5"));
+  assert.equal(set(TEXT, "shape", "mesh", '"c.stl"'), TEXT.replace('"a # b.stl"', '"c.stl"'));
+  assert.equal(set(set(TEXT, "fill", "density", "0.5"), "fill", "density", "0.3"), TEXT);
+});
+
+test("a new value goes into its table, a new table to the end", () => {
+  assert.equal(set(TEXT, "guide", "follow", '"tension"'), TEXT.replace('kind = "stress"\n', 'kind = "stress"\nfollow = "tension"\n'));
+  assert.ok(set(TEXT, "process", "walls", "3").endsWith("\n[process]\nwalls = 3\n"));
+  assert.equal(set("", "process", "walls", "3"), "[process]\nwalls = 3\n");
+  assert.equal(set("[process]", "process", "walls", "3"), "[process]\nwalls = 3\n");
+});
+
+test("a line is taken away whole", () => {
+  assert.equal(set(TEXT, "fill", "density", null), TEXT.replace("density = 0.3\n", ""));
+  assert.equal(set(TEXT, "fill", "pattern", null), TEXT);
+});
+
+test("dotted tables and keys", () => {
+  const text = "shape.ct.path = \"scan\"\n[shape.photo]\nfiles = [\"a.jpg\"]\n";
+  assert.equal(get(text, "shape.ct", "path"), '"scan"');
+  assert.equal(get(text, "shape.photo", "files"), '["a.jpg"]');
+});
+
+test("what is typed becomes TOML or is refused", () => {
+  const number = { type: "number", minimum: 0, maximum: 1 };
+  assert.deepEqual(["0.5", ".5", "1.", "2", "a", ""].map((t) => typed(number, t)), ["0.5", "0.5", "1.0", null, null, null]);
+  assert.deepEqual(["3", "3.5"].map((t) => typed({ type: "integer" }, t)), ["3", null]);
+  assert.deepEqual(["grid", "gird"].map((t) => typed({ type: "string", enum: ["grid"] }, t)), ['"grid"', null]);
+  assert.equal(typed({ type: "array", items: { type: "number" } }, "[0, 90]"), "[0, 90]");
+  assert.equal(typed({ type: "string" }, 'a "b"'), '"a \\"b\\""');
+  assert.equal(typed({ type: ["number", "string"] }, "none"), '"none"');
+});
