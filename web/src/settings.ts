@@ -50,7 +50,14 @@ function rowsOf(section: string, schema: Schema): Row[] {
 }
 
 /** A value as a field shows it. */
-const plain = (toml: string) => (/^".*"$/s.test(toml) ? (JSON.parse(toml) as string) : toml);
+export function plain(toml: string): string {
+  const long = toml.match(/^("""|''')\r?\n?([\s\S]*)\1$/);
+  if (long) return long[2]!;
+  if (/^'.*'$/.test(toml)) return toml.slice(1, -1);
+  if (!/^".*"$/.test(toml)) return toml;
+  // A few escapes of TOML are none of JSON; such a text is shown as it is written.
+  try { return JSON.parse(toml) as string; } catch { return toml; }
+}
 
 export class SettingsForm {
   readonly element: HTMLElement;
@@ -106,6 +113,8 @@ export class SettingsForm {
     } else if ([schema.type].flat().includes("boolean")) {
       input = el("select", { id }, el("option", { value: "true" }, "true"), el("option", { value: "false" }, "false"));
     } else input = el("input", { id, type: "text", spellcheck: "false" });
+    // Start and end programs have many lines, which a field of one line would lose.
+    const isLong = (value: string) => value.includes("\n");
     input.addEventListener("change", () => {
       const value = typed(schema, input.value);
       const range = schema.minimum !== undefined ? ` from ${schema.minimum} to ${schema.maximum}` : "";
@@ -122,7 +131,8 @@ export class SettingsForm {
       made.dataset.stated = stated === null ? "" : "yes";
       reset.hidden = stated === null;
       const value = plain(stated ?? other.value);
-      if (document.activeElement !== input) input.value = value;
+      input.disabled = isLong(value);
+      if (document.activeElement !== input) input.value = isLong(value) ? "(several lines: change it in the text)" : value;
       origin.textContent = stated === null ? `(${other.from})` : `(${other.from}: ${plain(other.value) || "none"})`;
     });
     return made;

@@ -10,7 +10,7 @@ const bundle = async (file) => {
   return import(`data:text/javascript;base64,${Buffer.from(made.outputFiles[0].text).toString("base64")}`);
 };
 const { entries, get, set } = await bundle("toml.ts");
-const { typed } = await bundle("settings.ts");
+const { plain, typed } = await bundle("settings.ts");
 
 const TEXT = `# a bracket
 [shape]
@@ -74,4 +74,8 @@ test("what is typed becomes TOML or is refused", () => {
   assert.equal(typed({ type: "array", items: { type: "number" } }, "[0, 90]"), "[0, 90]");
   assert.equal(typed({ type: "string" }, 'a "b"'), '"a \\"b\\""');
   assert.equal(typed({ type: ["number", "string"] }, "none"), '"none"');
+});
+
+test("values are shown as they are meant", () => {
+  assert.deepEqual(['"a"', "'C:\\\\a'", '"""\nG28\nG1"""', "0.5", '"\\e"'].map(plain), ["a", "C:\\\\a", "G28\nG1", "0.5", '"\\e"']);
 });

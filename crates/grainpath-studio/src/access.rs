@@ -73,7 +73,7 @@ impl Access {
         let Some(host) = text(header::HOST).filter(|h| self.allows_host(h)) else {
             return Some("this host name is not allowed; --allow-host NAME allows it");
         };
-        let Some(origin) = text(header::ORIGIN) else { return None };
+        let origin = text(header::ORIGIN)?;
         let authority = origin.strip_prefix("http://").or(origin.strip_prefix("https://"));
         let is_own = authority.is_some_and(|a| a.eq_ignore_ascii_case(host));
         (!is_own).then_some("requests of other pages are refused")

@@ -43,7 +43,8 @@ impl Studio {
     pub fn new(options: &Options, engine: Arc<dyn Engine>) -> Result<Self, Refusal> {
         let base = options.base.trim_end_matches('/');
         let is_plain = |c: char| c.is_ascii_alphanumeric() || "/-_.~".contains(c);
-        if !base.is_empty() && !(base.starts_with('/') && base.chars().all(is_plain)) {
+        let is_path = base.is_empty() || base.starts_with('/');
+        if !is_path || !base.chars().all(is_plain) {
             let given = &options.base;
             return Err(Refusal::usage(format!("--base {given:?} should be a path like /grainpath")));
         }
