@@ -83,7 +83,7 @@ export class StrengthPanel {
     const tell = () => {
       const toml = cards.find((p) => p.name === this.material)?.toml ?? "";
       const found = toml.match(/strength_tier\s*=\s*"([^"]*)"/)?.[1];
-      const words: Record<string, string> = { T0: "from data sheets and estimates", T1: "fitted to tests of others", T2: "measured on coupons" };
+      const words: Record<string, string> = { T0: "data sheets and literature", T1: "tests of coupons printed on this machine", T2: "T1, and confirmed by the test of a whole part" };
       tier.textContent = found ? `Card tier ${found}${words[found] ? `: ${words[found]}` : ""}` : "This material has no strengths.";
     };
     const material = el("select", { onchange: () => { this.material = material.value; tell(); this.draw(); } }, ...cards.map((p) => el("option", { value: p.name, selected: p.name === this.material, title: p.about }, p.name)));

@@ -286,7 +286,7 @@ export class Viewer {
     const half = (v: Vector3) => 0.5 * (Math.abs(v.x) * size.x + Math.abs(v.y) * size.y + Math.abs(v.z) * size.z);
     const tangent = Math.tan((this.camera.fov * Math.PI) / 360);
     const away = Math.max(half(up), half(right) / Math.max(this.camera.aspect, 0.1)) / tangent + half(along);
-    const distance = 1.18 * Math.max(away, 2);
+    const distance = 1.25 * Math.max(away, 2);
     this.controls.target.copy(middle);
     this.camera.position.copy(middle).addScaledVector(along, distance);
     this.camera.near = distance / 200;

@@ -6,25 +6,12 @@
 //! ends DNS rebinding, with any port, so that `ssh -L` works. `Origin`, where a browser sends it, must be the address of
 //! `Host`. No response allows another origin, and the content security policy lets the page load from here alone.
 
-use std::sync::Arc;
-
-use axum::body::Body;
-use axum::extract::{Request, State};
-use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
-use axum::middleware::Next;
-use axum::response::{IntoResponse, Response};
-use serde_json::json;
-
-use crate::Studio;
+use axum::http::{HeaderMap, HeaderName, header};
 
 /// Host names of this computer.
 const OWN_HOSTS: [&str; 3] = ["127.0.0.1", "localhost", "[::1]"];
 /// Bytes of a token. Source: 128 bits cannot be guessed (RFC 6819, section 5.1.4.2.2).
 const TOKEN_BYTES: usize = 16;
-/// What the page may load, and from where. `blob:` is for pictures and workers that the page makes itself.
-const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
-                      connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-
 /// The checks of a server.
 #[derive(Debug, Clone)]
 pub struct Access {
@@ -68,7 +55,7 @@ impl Access {
     }
 
     /// Why a request with these headers is refused before its token is looked at.
-    fn foreign(&self, headers: &HeaderMap) -> Option<&'static str> {
+    pub(crate) fn foreign(&self, headers: &HeaderMap) -> Option<&'static str> {
         let text = |name: HeaderName| headers.get(name).map(|v| v.to_str().unwrap_or_default());
         let Some(host) = text(header::HOST).filter(|h| self.allows_host(h)) else {
             return Some("this host name is not allowed; --allow-host NAME allows it");
@@ -79,7 +66,7 @@ impl Access {
         (!is_own).then_some("requests of other pages are refused")
     }
 
-    fn has_token(&self, headers: &HeaderMap, name: &str) -> bool {
+    pub(crate) fn has_token(&self, headers: &HeaderMap, name: &str) -> bool {
         let bearer = headers.get(header::AUTHORIZATION).and_then(|v| v.to_str().ok());
         if bearer.and_then(|v| v.strip_prefix("Bearer ")).is_some_and(|t| self.is_token(t.trim())) {
             return true;
@@ -91,66 +78,15 @@ impl Access {
 
     /// The name of the cookie. Cookies do not tell ports apart, so two studios need two names; the start of the token
     /// is enough to tell them apart and gives nothing away that the cookie does not hold.
-    fn cookie(&self) -> String {
+    pub(crate) fn cookie(&self) -> String {
         format!("grainpath_{}", &self.token[..4])
     }
 }
 
-/// An error as JSON, with its status.
-pub(crate) fn refused(status: StatusCode, message: &str) -> Response {
-    (status, axum::Json(json!({ "ok": false, "error": message }))).into_response()
-}
-
-/// The value of `token` in a query.
-fn token_of(query: &str) -> Option<&str> {
-    query.split('&').find_map(|pair| pair.strip_prefix("token="))
-}
-
-/// Checks a request and adds the headers that every response has.
-pub(crate) async fn check(State(studio): State<Arc<Studio>>, request: Request, next: Next) -> Response {
-    let mut response = checked(&studio, request, next).await;
-    let headers = response.headers_mut();
-    let fixed = [
-        (header::CONTENT_SECURITY_POLICY, POLICY),
-        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
-        (header::REFERRER_POLICY, "no-referrer"),
-        (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
-        (HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
-    ];
-    for (name, value) in fixed {
-        headers.insert(name, HeaderValue::from_static(value));
-    }
-    headers.entry(header::CACHE_CONTROL).or_insert(HeaderValue::from_static("no-store"));
-    response
-}
-
-async fn checked(studio: &Studio, request: Request, next: Next) -> Response {
-    let access = &studio.access;
-    if let Some(why) = access.foreign(request.headers()) {
-        return refused(StatusCode::FORBIDDEN, why);
-    }
-    let top = format!("{}/", studio.base);
-    // The address that was printed: its token becomes a cookie and leaves the address bar and the history.
-    let given = request.uri().query().and_then(token_of);
-    if let Some(token) = given.filter(|_| request.uri().path() == top && request.method() == "GET") {
-        if !access.is_token(token) {
-            return refused(StatusCode::UNAUTHORIZED, WRONG_TOKEN);
-        }
-        let cookie = format!("{}={token}; HttpOnly; SameSite=Strict; Path={top}", access.cookie());
-        let headers = [(header::SET_COOKIE, cookie), (header::LOCATION, top)];
-        return (StatusCode::SEE_OTHER, headers, Body::empty()).into_response();
-    }
-    if !access.has_token(request.headers(), &access.cookie()) {
-        return refused(StatusCode::UNAUTHORIZED, WRONG_TOKEN);
-    }
-    next.run(request).await
-}
-
-const WRONG_TOKEN: &str =
-    "the token of this start is missing; open the address that `grainpath studio` printed";
-
 #[cfg(test)]
 mod tests {
+    use axum::http::HeaderValue;
+
     use super::*;
 
     fn headers(pairs: &[(&'static str, &str)]) -> HeaderMap {

@@ -24,12 +24,15 @@ use grainpath_gcode::{Limits, simulate};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::access::{check, refused};
-use crate::engine::{Finished, JobText, Refusal};
+use crate::answers::{Problem, accepts_gzip, binary, fault, packed, refused};
+use crate::engine::{Finished, JobText};
+use crate::gate::check;
 use crate::openapi::{self, Route};
-use crate::roots::{Roots, plain, safe_name};
+use crate::refusal::{Refusal, plain};
+use crate::roots::{Roots, safe_name};
 use crate::runs::{Kind, Run, State as RunState};
-use crate::{Studio, assets, runs, uploads};
+use crate::studio::Studio;
+use crate::{assets, runs, uploads};
 
 /// Diameter of the filament for programs that do not state one, mm. Source: the nominal diameter of the common filament,
 /// as the command line takes it.
@@ -89,43 +92,6 @@ pub fn router(studio: Arc<Studio>) -> Router {
         .fallback(|| async { refused(StatusCode::NOT_FOUND, "no such address; docs/studio.md lists them") })
         .layer(middleware::from_fn_with_state(Arc::clone(&studio), check))
         .with_state(studio)
-}
-
-/// An answer that is not the one asked for.
-pub(crate) struct Problem(StatusCode, String);
-
-impl Problem {
-    pub(crate) fn new(status: StatusCode, message: impl Into<String>) -> Self {
-        Self(status, message.into())
-    }
-
-    fn missing() -> Self {
-        Self::new(StatusCode::NOT_FOUND, "no such job; the studio keeps the last ones of this start")
-    }
-}
-
-impl IntoResponse for Problem {
-    fn into_response(self) -> Response {
-        refused(self.0, &self.1)
-    }
-}
-
-impl From<Refusal> for Problem {
-    fn from(refusal: Refusal) -> Self {
-        Self(StatusCode::UNPROCESSABLE_ENTITY, refusal.message)
-    }
-}
-
-impl From<JsonRejection> for Problem {
-    fn from(rejection: JsonRejection) -> Self {
-        Self(rejection.status(), rejection.body_text())
-    }
-}
-
-impl From<QueryRejection> for Problem {
-    fn from(rejection: QueryRejection) -> Self {
-        Self(rejection.status(), rejection.body_text())
-    }
 }
 
 type Answer<T> = Result<T, Problem>;
@@ -236,10 +202,6 @@ async fn files(
     let roots = Arc::clone(&studio.roots);
     let read = tokio::task::spawn_blocking(move || listing(&roots, FilePath::new(&query.path))).await;
     Ok(Json(read.map_err(fault)??))
-}
-
-fn fault(_: tokio::task::JoinError) -> Problem {
-    Problem::new(StatusCode::INTERNAL_SERVER_ERROR, "a fault of grainpath; the terminal shows where")
 }
 
 /// Largest job file that is read, bytes. Source: chosen; jobs have some kilobytes.
@@ -494,29 +456,6 @@ async fn layer_records(
     });
     let bytes = bytes.await.map_err(fault)?;
     Ok(binary(bytes, is_packed))
-}
-
-/// Whether the other side unpacks gzip.
-pub(crate) fn accepts_gzip(headers: &HeaderMap) -> bool {
-    let given = headers.get(header::ACCEPT_ENCODING).and_then(|v| v.to_str().ok()).unwrap_or_default();
-    given.split(',').any(|word| word.trim().starts_with("gzip"))
-}
-
-/// Bytes as gzip.
-pub(crate) fn packed(bytes: &[u8]) -> Vec<u8> {
-    use std::io::Write;
-    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
-    // Writing to memory cannot fail.
-    let written = encoder.write_all(bytes).and_then(|()| encoder.finish());
-    written.unwrap_or_default()
-}
-
-fn binary(bytes: Vec<u8>, is_packed: bool) -> Response {
-    let mut response = ([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response();
-    if is_packed {
-        response.headers_mut().insert(header::CONTENT_ENCODING, header::HeaderValue::from_static("gzip"));
-    }
-    response
 }
 
 /// Broken elements: x, y, z in mm and the share of stiffness lost, as 32-bit floats.

@@ -6,7 +6,7 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use grainpath_core::hash::splitmix64;
 
-use crate::api::{accepts_gzip, packed};
+use crate::answers::{accepts_gzip, packed};
 
 /// A file of the page.
 pub(crate) struct Asset {

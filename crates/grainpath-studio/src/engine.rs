@@ -6,29 +6,8 @@ use grainpath_core::{Diagnostics, Warning};
 use grainpath_gcode::Program;
 use serde_json::Value;
 
+use crate::refusal::Refusal;
 use crate::roots::Roots;
-
-/// Why a run did not end well, as the command line says it.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{message}")]
-pub struct Refusal {
-    /// What is wrong, where, and what would be right: one line.
-    pub message: String,
-    /// Exit code of the command line: 2 usage or job, 3 an input file, 4 the physics, 130 interrupted.
-    pub code: i32,
-}
-
-impl Refusal {
-    /// Wrong usage, or a file that may not be read or written.
-    pub fn usage(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: 2 }
-    }
-
-    /// An input file that cannot be used.
-    pub fn input(message: impl Into<String>) -> Self {
-        Self { message: message.into(), code: 3 }
-    }
-}
 
 /// A job file: its text, its name in errors, and the folder to which its paths are relative.
 #[derive(Debug, Clone, PartialEq, Eq)]

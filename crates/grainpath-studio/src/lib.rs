@@ -10,48 +10,23 @@
 //! kept until the program ends or are dropped by the page.
 
 pub mod access;
+mod answers;
 mod api;
 mod assets;
 mod engine;
+mod gate;
 mod openapi;
 pub mod records;
+mod refusal;
 pub mod roots;
 pub mod runs;
 mod serve;
+mod studio;
 mod uploads;
 
 pub use api::{description, router};
 pub use assets::LICENCES_OF_PAGE;
-pub use engine::{Damage, Engine, Finished, JobText, Output, Refusal};
-pub use serve::{Options, serve};
-
-use std::path::PathBuf;
-use std::sync::Arc;
-
-use access::Access;
-use roots::Roots;
-use runs::Runs;
-use tokio::sync::Semaphore;
-
-/// Most streams of events at a time. Source: chosen; a page holds one, and a browser six connections to a host.
-const MOST_STREAMS: usize = 32;
-
-/// All that requests share.
-pub struct Studio {
-    /// Who may ask.
-    pub access: Access,
-    /// Which files may be read and written.
-    pub roots: Arc<Roots>,
-    /// The queue.
-    pub runs: Runs,
-    /// What does the work of runs.
-    pub engine: Arc<dyn Engine>,
-    /// Largest upload, bytes.
-    pub max_upload: u64,
-    /// The file that the page opens first.
-    pub opened: Option<PathBuf>,
-    /// Path before every address, without a slash at its end; empty for none.
-    pub base: String,
-    /// One permit for each stream of events.
-    pub streams: Arc<Semaphore>,
-}
+pub use engine::{Damage, Engine, Finished, JobText, Output};
+pub use refusal::Refusal;
+pub use serve::serve;
+pub use studio::{Options, Studio};

@@ -7,19 +7,13 @@
 use std::path::{Component, Path, PathBuf};
 use std::{fs, io};
 
-use crate::engine::Refusal;
+use crate::refusal::{Refusal, plain};
 
 /// Folders that may be read, and the one that may be written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Roots {
     work: PathBuf,
     readable: Vec<PathBuf>,
-}
-
-/// A message of the system without its number.
-pub(crate) fn plain(error: &io::Error) -> String {
-    let text = error.to_string();
-    text.split(" (os error").next().unwrap_or(&text).to_lowercase()
 }
 
 impl Roots {

@@ -15,8 +15,9 @@ use grainpath_core::diagnostics::{Progress, Stage};
 use serde::Serialize;
 use tokio::sync::watch;
 
-use crate::engine::{Finished, Refusal};
+use crate::engine::Finished;
 use crate::records::Records;
+use crate::refusal::Refusal;
 
 /// Most runs that wait. Source: chosen; a page that asks for more has gone wrong.
 const MOST_WAITING: usize = 64;

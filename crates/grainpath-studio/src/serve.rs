@@ -1,77 +1,20 @@
 //! The server from its start to its end.
 
 use std::net::{Ipv4Addr, SocketAddr};
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use tokio::net::TcpListener;
-use tokio::sync::Semaphore;
 
-use crate::access::Access;
-use crate::engine::{Engine, Refusal};
-use crate::roots::{Roots, plain};
-use crate::runs::{Phase, Runs};
-use crate::{MOST_STREAMS, Studio, router};
-
-/// How a studio is started.
-#[derive(Debug, Clone, Default)]
-pub struct Options {
-    /// The folder that is written to; it is made if it is missing.
-    pub work: PathBuf,
-    /// Folders that may be read.
-    pub roots: Vec<PathBuf>,
-    /// The file that the page opens first.
-    pub file: Option<PathBuf>,
-    /// Host names that are allowed besides those of this computer.
-    pub hosts: Vec<String>,
-    /// Path before every address, as `/grainpath`; empty for none.
-    pub base: String,
-    /// Largest upload, bytes.
-    pub max_upload: u64,
-}
+use crate::api::router;
+use crate::engine::Engine;
+use crate::refusal::{Refusal, plain};
+use crate::runs::Phase;
+use crate::studio::{Options, Studio};
 
 /// Time that a run gets to stop at the end. Source: measured for the command line, whose stages stop within 0.26 s in the
 /// median; the system takes back the memory of what is left.
 const GRACE: Duration = Duration::from_millis(300);
-
-impl Studio {
-    /// A studio with its checks and an empty queue.
-    ///
-    /// # Errors
-    /// [`Refusal`] for folders and files that are not there.
-    pub fn new(options: &Options, engine: Arc<dyn Engine>) -> Result<Self, Refusal> {
-        let base = options.base.trim_end_matches('/');
-        let is_plain = |c: char| c.is_ascii_alphanumeric() || "/-_.~".contains(c);
-        let is_path = base.is_empty() || base.starts_with('/');
-        if !is_path || !base.chars().all(is_plain) {
-            let given = &options.base;
-            return Err(Refusal::usage(format!("--base {given:?} should be a path like /grainpath")));
-        }
-        let mut folders = options.roots.clone();
-        let opened = match &options.file {
-            None => None,
-            Some(file) => {
-                let wrong = |e: std::io::Error| Refusal::input(format!("{}: {}", file.display(), plain(&e)));
-                let real = std::fs::canonicalize(file).map_err(wrong)?;
-                // Textures, profiles and results lie beside the file that names them.
-                folders.extend(real.parent().map(ToOwned::to_owned));
-                Some(real)
-            }
-        };
-        let random = |e: getrandom::Error| Refusal::usage(format!("the system gives no random bytes: {e}"));
-        Ok(Self {
-            access: Access::new(&options.hosts).map_err(random)?,
-            roots: Arc::new(Roots::new(&options.work, &folders)?),
-            runs: Runs::new(),
-            engine,
-            max_upload: options.max_upload,
-            opened,
-            base: base.to_owned(),
-            streams: Arc::new(Semaphore::new(MOST_STREAMS)),
-        })
-    }
-}
 
 /// Serves until Ctrl-C or SIGTERM. `ready` is called with the address to open, once it answers.
 ///

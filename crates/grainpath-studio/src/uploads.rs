@@ -15,10 +15,10 @@ use futures_util::StreamExt;
 use serde::Deserialize;
 use serde_json::json;
 
-use crate::Studio;
-use crate::api::Problem;
-use crate::engine::Refusal;
-use crate::roots::{plain, safe_name};
+use crate::answers::Problem;
+use crate::refusal::{Refusal, plain};
+use crate::roots::safe_name;
+use crate::studio::Studio;
 
 #[derive(Deserialize)]
 pub(crate) struct NameQuery {

@@ -1,0 +1,79 @@
+//! Answers that are not the one asked for, and bytes.
+
+use axum::extract::rejection::{JsonRejection, QueryRejection};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde_json::json;
+
+use crate::refusal::Refusal;
+
+/// An error as JSON, with its status.
+pub(crate) fn refused(status: StatusCode, message: &str) -> Response {
+    (status, axum::Json(json!({ "ok": false, "error": message }))).into_response()
+}
+
+/// An answer that is not the one asked for.
+pub(crate) struct Problem(StatusCode, String);
+
+impl Problem {
+    pub(crate) fn new(status: StatusCode, message: impl Into<String>) -> Self {
+        Self(status, message.into())
+    }
+
+    pub(crate) fn missing() -> Self {
+        Self::new(StatusCode::NOT_FOUND, "no such job; the studio keeps the last ones of this start")
+    }
+}
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        refused(self.0, &self.1)
+    }
+}
+
+impl From<Refusal> for Problem {
+    fn from(refusal: Refusal) -> Self {
+        Self(StatusCode::UNPROCESSABLE_ENTITY, refusal.message)
+    }
+}
+
+impl From<JsonRejection> for Problem {
+    fn from(rejection: JsonRejection) -> Self {
+        Self(rejection.status(), rejection.body_text())
+    }
+}
+
+impl From<QueryRejection> for Problem {
+    fn from(rejection: QueryRejection) -> Self {
+        Self(rejection.status(), rejection.body_text())
+    }
+}
+
+/// A thread that answered has panicked.
+pub(crate) fn fault(_: tokio::task::JoinError) -> Problem {
+    Problem::new(StatusCode::INTERNAL_SERVER_ERROR, "a fault of grainpath; the terminal shows where")
+}
+
+/// Whether the other side unpacks gzip.
+pub(crate) fn accepts_gzip(headers: &HeaderMap) -> bool {
+    let given = headers.get(header::ACCEPT_ENCODING).and_then(|v| v.to_str().ok()).unwrap_or_default();
+    given.split(',').any(|word| word.trim().starts_with("gzip"))
+}
+
+/// Bytes as gzip.
+pub(crate) fn packed(bytes: &[u8]) -> Vec<u8> {
+    use std::io::Write;
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    // Writing to memory cannot fail.
+    let written = encoder.write_all(bytes).and_then(|()| encoder.finish());
+    written.unwrap_or_default()
+}
+
+/// Bytes as they are, or packed.
+pub(crate) fn binary(bytes: Vec<u8>, is_packed: bool) -> Response {
+    let mut response = ([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response();
+    if is_packed {
+        response.headers_mut().insert(header::CONTENT_ENCODING, header::HeaderValue::from_static("gzip"));
+    }
+    response
+}

@@ -1,0 +1,90 @@
+//! What the requests of a studio share.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use tokio::sync::Semaphore;
+
+use crate::access::Access;
+use crate::engine::Engine;
+use crate::refusal::{Refusal, plain};
+use crate::roots::Roots;
+use crate::runs::Runs;
+
+/// Most streams of events at a time. Source: chosen; a page holds one, and a browser six connections to a host.
+const MOST_STREAMS: usize = 32;
+
+/// How a studio is started.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// The folder that is written to; it is made if it is missing.
+    pub work: PathBuf,
+    /// Folders that may be read.
+    pub roots: Vec<PathBuf>,
+    /// The file that the page opens first.
+    pub file: Option<PathBuf>,
+    /// Host names that are allowed besides those of this computer.
+    pub hosts: Vec<String>,
+    /// Path before every address, as `/grainpath`; empty for none.
+    pub base: String,
+    /// Largest upload, bytes.
+    pub max_upload: u64,
+}
+
+/// All that requests share.
+pub struct Studio {
+    /// Who may ask.
+    pub access: Access,
+    /// Which files may be read and written.
+    pub roots: Arc<Roots>,
+    /// The queue.
+    pub runs: Runs,
+    /// What does the work of runs.
+    pub engine: Arc<dyn Engine>,
+    /// Largest upload, bytes.
+    pub max_upload: u64,
+    /// The file that the page opens first.
+    pub opened: Option<PathBuf>,
+    /// Path before every address, without a slash at its end; empty for none.
+    pub base: String,
+    /// One permit for each stream of events.
+    pub streams: Arc<Semaphore>,
+}
+
+impl Studio {
+    /// A studio with its checks and an empty queue.
+    ///
+    /// # Errors
+    /// [`Refusal`] for folders and files that are not there.
+    pub fn new(options: &Options, engine: Arc<dyn Engine>) -> Result<Self, Refusal> {
+        let base = options.base.trim_end_matches('/');
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "/-_.~".contains(c);
+        let is_path = base.is_empty() || base.starts_with('/');
+        if !is_path || !base.chars().all(is_plain) {
+            let given = &options.base;
+            return Err(Refusal::usage(format!("--base {given:?} should be a path like /grainpath")));
+        }
+        let mut folders = options.roots.clone();
+        let opened = match &options.file {
+            None => None,
+            Some(file) => {
+                let wrong = |e: std::io::Error| Refusal::input(format!("{}: {}", file.display(), plain(&e)));
+                let real = std::fs::canonicalize(file).map_err(wrong)?;
+                // Textures, profiles and results lie beside the file that names them.
+                folders.extend(real.parent().map(ToOwned::to_owned));
+                Some(real)
+            }
+        };
+        let random = |e: getrandom::Error| Refusal::usage(format!("the system gives no random bytes: {e}"));
+        Ok(Self {
+            access: Access::new(&options.hosts).map_err(random)?,
+            roots: Arc::new(Roots::new(&options.work, &folders)?),
+            runs: Runs::new(),
+            engine,
+            max_upload: options.max_upload,
+            opened,
+            base: base.to_owned(),
+            streams: Arc::new(Semaphore::new(MOST_STREAMS)),
+        })
+    }
+}
