@@ -129,7 +129,7 @@ impl Command {
     }
 }
 
-/// What runs have in common.
+/// Options that every command with a job has.
 #[derive(Debug, clap::Args)]
 pub struct Common {
     /// Override a setting, stronger than the job file

@@ -34,7 +34,7 @@ pub fn principal(s: &[f64; 6]) -> Principal {
     // well.
     for _ in 0..32 {
         let off = a[0][1] * a[0][1] + a[0][2] * a[0][2] + a[1][2] * a[1][2];
-        // Off-diagonal entries below the rounding of the whole.
+        // Off-diagonal entries below this are rounding errors of the largest entry.
         if !off.is_finite() || off <= 1e-32 * size {
             break;
         }

@@ -76,7 +76,7 @@ pub fn crosses_more_than(contours: &[Contour], limit: usize) -> bool {
     false
 }
 
-/// Where two segments cross that do.
+/// The crossing of two segments that are known to cross.
 fn crossing([a, b]: [DVec2; 2], [c, d]: [DVec2; 2]) -> DVec2 {
     let (along, across) = (b - a, d - c);
     a + along * ((c - a).perp_dot(across) / along.perp_dot(across)).clamp(0.0, 1.0)

@@ -1,5 +1,12 @@
-//! Beads as box-shaped cells of a whole part: how full each is, which ways its beads run, and how much of it lies on
-//! the layer below.
+//! From beads to the box-shaped cells of a solid: how full each cell is, in which directions its beads run, and which
+//! share of it rests on the layer below.
+//!
+//! A cell is one bead wide or a multiple of it, and as high as a whole number of layers, or as a whole fraction of one.
+//! Each layer is laid as ribbons, as for a laminate ([`super::laminate`]), and what falls into a cell is added up. Of the
+//! directions in a cell the two with most material are kept. The share that rests on the layer below is found on cells of
+//! half the width; it scales the stiffness between layers.
+//!
+//! Lengths are in mm, angles in radians. Cost: linear in the cells that ribbons cover; at most [`MAX_BRICKS`] cells.
 
 use grainpath_core::DVec3;
 use grainpath_core::math::atan2;
@@ -47,8 +54,8 @@ pub const MAX_BRICKS: usize = 24_000_000;
 const LEAST_SHARE: f64 = 0.12;
 
 impl Bricks {
-    /// Lays beads into cells of this width, as high as the number of layers, or the part of a layer, that comes nearest to it. What stands on
-    /// the plate begins at `floor_mm`.
+    /// The cells of these beads, of this width and as high as the number of layers, or the fraction of a layer, that comes
+    /// nearest to the width. The first layer begins at `floor_mm`.
     ///
     /// # Errors
     /// [`CellError`] when there is no bead or there are too many cells.
@@ -76,7 +83,7 @@ impl Bricks {
             return Err(CellError::TooMany { nx, ny, cell_mm, most: MAX_BRICKS });
         }
         let high = tall / nz as f64;
-        // Quarters of cells know better what lies on what.
+        // The bond is found on quarters of cells, because a cell may rest on the layer below in part.
         let fine = CellGrid { cell_mm: 0.5 * cell_mm, nx: 2 * grid.nx, ny: 2 * grid.ny, ..grid };
         let mut bricks = Self {
             n,
@@ -174,7 +181,7 @@ impl Bricks {
 struct Slab {
     nx: usize,
     fans: Vec<[f32; 3]>,
-    /// What lies on the layer below, and what could.
+    /// The area that rests on the layer below, and the area that could.
     bond: Vec<[f32; 2]>,
 }
 

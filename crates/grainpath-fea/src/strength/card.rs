@@ -151,7 +151,7 @@ impl FailureMode {
     /// Every mode.
     pub const ALL: [Self; 5] = [Self::Along, Self::Across, Self::Shear, Self::Compression, Self::Layers];
 
-    /// What reports call it.
+    /// Its name in reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Along => "along the beads",

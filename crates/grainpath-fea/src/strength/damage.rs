@@ -1,4 +1,4 @@
-//! What is left of a ply's stiffness after it has failed.
+//! The stiffness that a ply keeps after it has failed.
 //!
 //! Stress falls on a straight line from the strength at damage strain 1 to nothing at the final strain
 //! ([`FinalStrains`](super::card::FinalStrains)); unloading goes back to the origin (secant stiffness). A damage of `d`

@@ -8,7 +8,7 @@ use crate::plane::PlaneStiffness;
 /// A node held along a direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridHold {
-    /// Which node.
+    /// The number of the node.
     pub node: u32,
     /// Unit vector along which it is held.
     pub along: DVec2,
@@ -51,7 +51,7 @@ impl PlateElements {
         Self { grid: *grid, cells, corners, places }
     }
 
-    /// Where a node is, mm.
+    /// The position of a node, mm.
     pub fn node(&self, i: usize) -> DVec2 {
         let [x, y] = self.places[i];
         self.grid.low + self.grid.cell_mm * DVec2::new(f64::from(x), f64::from(y))

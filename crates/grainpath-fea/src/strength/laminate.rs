@@ -24,7 +24,7 @@ pub struct BeadPiece {
     pub b: DVec2,
     /// Its volume, mm3.
     pub volume_mm3: f64,
-    /// What it is made of: number of its card.
+    /// Its material: the number of its card.
     pub material: u8,
 }
 

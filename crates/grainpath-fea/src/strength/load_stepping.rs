@@ -97,7 +97,7 @@ pub(super) trait LoadedPart: Sync {
     fn n_factorizations(&self) -> usize;
 }
 
-/// What a solution for the unit load gives.
+/// The result of a solution for the unit load.
 pub(super) struct UnitSolution {
     /// Sum of force times displacement, N mm: the flexibility, as the load is the unit load.
     pub force_times_displacement: f64,

@@ -138,7 +138,7 @@ pub fn native_px_mm(corners: [DVec2; 4], size_mm: DVec2) -> f64 {
     (size_mm.x * size_mm.y / area_px.max(1.0)).sqrt()
 }
 
-/// A photograph that can be halved.
+/// The brightness of a photograph, in full size and at half the size.
 pub trait Shrinking {
     /// Pixels in a row, and rows.
     fn size(&self) -> [usize; 2];

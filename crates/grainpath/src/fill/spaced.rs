@@ -24,7 +24,9 @@ use grainpath_core::math::{direction, rotated};
 use super::hatch::Lines;
 
 /// Largest change of the spacing, as a share: lines may lie this much closer or farther apart than
-/// beads that just touch, where that serves more borders than the outermost two.
+/// beads that just touch, where that serves more borders than the outermost two. Source:
+/// derived. Gap and overlap of 3 % are hardly more than the 2.3 % that a filament of 1.75 +- 0.02 mm
+/// causes.
 const PLAY: f64 = 0.03;
 /// A border runs with the lines if it rises by at most this share of the spacing over its length.
 const RISE: f64 = 0.1;

@@ -1,5 +1,17 @@
-//! What has to be held up, and where: facets beyond the critical angle, edges of slopes that need nothing themselves,
-//! and whatever begins in mid-air; then points of contact no further apart than the material allows.
+//! Finds overhangs and places the contacts that hold them, after `Shen2016`.
+//!
+//! Three things need support:
+//!
+//! 1. facets that lean from the vertical by more than the critical angle;
+//! 2. edges that lean by more than it between two facets that do not;
+//! 3. pieces of a layer with nothing below them.
+//!
+//! Connected facets form a region. Regions smaller than a bead or two are left out. The others are sampled on a grid, and
+//! contacts are placed so that no sample is further than half of L from one; L is the longest stretch that the material
+//! prints over air. Enforcers and blockers of the job, and those painted on the mesh, override the angles.
+//!
+//! Lengths are in mm, areas in plan in mm2. Cost: linear in the facets and in the samples. Samples
+//! that lie inside another body of the mesh, or stand on one, are left out.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,7 +30,7 @@ use super::SupportSettings;
 /// A point of an overhang, on the part's surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Where, mm.
+    /// Its position, mm.
     pub at: DVec3,
     /// The surface's outward normal there.
     pub normal: DVec3,
@@ -26,27 +38,27 @@ pub struct Sample {
     pub area_mm2: f64,
 }
 
-/// Why a contact is where it is.
+/// The kind of overhang that a contact holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reason {
-    /// Facets beyond the critical angle.
+    /// Facets that lean by more than the critical angle.
     Facets,
-    /// An edge that leans beyond it between facets that do not.
+    /// An edge that leans by more than it between facets that do not.
     Edge,
     /// The part begins here in mid-air.
     Lowest,
 }
 
-/// A point the support is to touch.
+/// A point at which the support touches the part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// Where, on the part, mm.
+    /// Its position on the part, mm.
     pub at: DVec3,
     /// The surface's outward normal there, unit length.
     pub normal: DVec3,
-    /// Area of overhang it is to hold, in plan, mm2.
+    /// Area of the overhang that it holds, in plan, mm2.
     pub area_mm2: f64,
-    /// Why it is there.
+    /// The kind of overhang that it holds.
     pub reason: Reason,
 }
 
@@ -59,20 +71,20 @@ pub struct MidAir {
     pub polygon: Polygon,
 }
 
-/// Everything found.
+/// The overhangs of a part and the contacts that hold them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Overhangs {
-    /// Facets beyond the critical angle, by index into the mended mesh.
+    /// Facets that lean by more than the critical angle, by index into the mended mesh.
     pub facets: Vec<u32>,
-    /// Connected groups of them that are held.
+    /// Number of connected groups of them that are held.
     pub regions: usize,
-    /// Groups left alone because they are smaller than a bead or two.
+    /// Number of groups that are left out because they are smaller than a bead or two.
     pub small: usize,
-    /// What is to be held.
+    /// Points of all overhangs that are held.
     pub samples: Vec<Sample>,
-    /// What begins in mid-air.
+    /// Pieces of layers with nothing below them.
     pub mid_air: Vec<MidAir>,
-    /// Where.
+    /// The contacts.
     pub contacts: Vec<Contact>,
 }
 
@@ -102,7 +114,7 @@ pub fn find(mesh: &TriMesh, stack: &LayerStack, settings: &SupportSettings) -> O
         high > plate_mm && wanted && normals[t].z < -0.02
     };
     let hanging: Vec<bool> = (0..mesh.triangles.len()).into_par_iter().map(hangs).collect();
-    // What is painted overrides what the facet is, point by point.
+    // Paint overrides the angle of the facet, point by point.
     let held_at = |t: u32, p: DVec3| {
         Painted::covers(&painted.enforcers, p)
             || (beyond(t as usize) && !Painted::covers(&painted.blockers, p))

@@ -25,7 +25,7 @@ use super::SupportSettings;
 use super::clearance::Clearance;
 use super::overhang::Contact;
 
-/// What a node is.
+/// The kind of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// The end at the part; the contact's index.
@@ -53,9 +53,9 @@ pub struct Node {
     pub carries: u32,
     /// Height of the highest of them, mm.
     pub top_mm: f64,
-    /// What it stands on; none for feet and landings.
+    /// The node that it stands on; none for feet and landings.
     pub below: Option<u32>,
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
     /// Whether the branch from here down is a last resort: a post that keeps no distance but is cut to fit.
     pub post: bool,
@@ -191,7 +191,7 @@ struct Meeting {
 /// Candidates tried at most before a node goes on alone. Measured: row `support.tree.TRIES` of `cargo xtask bench
 /// constants`.
 static TRIES: Tuned<usize> = Tuned::new("support.tree.TRIES", 24);
-/// What a foot costs, as a length of branch, mm. Measured: row `support.tree.FOOT_MM` of `cargo xtask bench constants`.
+/// Length of branch that a foot counts as when joints are weighed, mm. Measured: row `support.tree.FOOT_MM` of `cargo xtask bench constants`.
 static FOOT_MM: Tuned<f64> = Tuned::new("support.tree.FOOT_MM", 8.0);
 /// The shortest piece of trunk left below a joint, mm.
 const STUMP_MM: f64 = 1.0;

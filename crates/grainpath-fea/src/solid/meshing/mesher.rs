@@ -27,7 +27,8 @@ use crate::solid::model::tet_shape::{self, MeshQuality};
 
 /// Unknowns for each tetrahedron, about; in the interior of a lattice there are 4.
 const DOFS_PER_TET: f64 = 4.6;
-/// Unknowns added by dividing a cell at the surface, about: half of its eight parts are inside.
+/// Unknowns added by dividing a cell at the surface, about. Source: derived. Half of its eight parts are inside; each has
+/// 12 tetrahedra of 4.6 unknowns, less the 12 of the whole cell, of which half were inside.
 const DOFS_PER_SPLIT: f64 = 200.0;
 
 /// Number of times that a size chosen automatically may grow until the unknowns are within their

@@ -9,6 +9,12 @@
 //! are tilted out of the plane are left out with a warning; mirrored ones (normal along -Z) are read.
 //!
 //! Limits: 4 million points, splines up to degree 15. Binary DXF is refused.
+//!
+//! The reader is ours and not the crate `dxf` (0.6.2), which was measured beside it on 200 damaged drawings. Neither
+//! panicked. The crate read 10 drawings that are refused here: two that were cut short, coordinates that were NaN, beyond
+//! 1e46 or missing, and a spline with too few knots. It refused 6 that are read here, because of a damaged record in a
+//! table that says nothing about shapes. It would add 21 packages and 138 s of processor time to a build, and arcs,
+//! bulges and splines would still have to become polylines here. It also reads binary DXF.
 
 mod joining;
 mod spline;

@@ -54,7 +54,7 @@ static PARTED_BEADS: Tuned<f64> = Tuned::new("fill.continuous.strips.PARTED_BEAD
 /// Distance of the points of a strip's outline, in beads.
 /// Measured: row `fill.continuous.strips.STEP_BEADS` of `cargo xtask bench constants`.
 static STEP_BEADS: Tuned<f64> = Tuned::new("fill.continuous.strips.STEP_BEADS", 1.0);
-/// So many steps of an outline at most become one where the outline is straight.
+/// Largest number of steps of an outline that become one where the outline is straight.
 /// Measured: row `fill.continuous.strips.LONGEST_STEPS` of `cargo xtask bench constants`.
 static LONGEST_STEPS: Tuned<usize> = Tuned::new("fill.continuous.strips.LONGEST_STEPS", 3);
 /// An outline is straight where its points lie nearer to the chord than this, in beads.

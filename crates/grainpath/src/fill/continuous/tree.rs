@@ -174,7 +174,7 @@ pub fn join(
     exchanges
 }
 
-/// So many other places at most are tried for the passage between two strips.
+/// Largest number of other places that are tried for the passage between two strips.
 /// Measured: row `fill.continuous.tree.TRIED` of `cargo xtask bench constants`.
 static TRIED: Tuned<usize> = Tuned::new("fill.continuous.tree.TRIED", 12);
 /// A place is tried if it promises to save at least this much turning, in radians times beads.

@@ -36,7 +36,7 @@ static SEED_SPACING: Tuned<f64> = Tuned::new("fill.field.seed_lines.SEED_SPACING
 /// Pieces shorter than this are dropped, in beads.
 /// Measured: row `fill.field.seed_lines.SHORTEST` of `cargo xtask bench constants`.
 static SHORTEST: Tuned<f64> = Tuned::new("fill.field.seed_lines.SHORTEST", 2.0);
-/// So many offsets of one seed line at most.
+/// Largest number of offsets of a seed line.
 /// Measured: row `fill.field.seed_lines.MAX_OFFSETS` of `cargo xtask bench constants`.
 static MAX_OFFSETS: Tuned<usize> = Tuned::new("fill.field.seed_lines.MAX_OFFSETS", 2000);
 

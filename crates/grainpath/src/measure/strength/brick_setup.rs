@@ -101,7 +101,7 @@ impl<'a> Points<'a> {
         [i % nx, i / nx % ny, i / nx / ny]
     }
 
-    /// Where a point is in the part, mm.
+    /// The position of a point in the part, mm.
     fn place(&self, i: usize) -> DVec3 {
         self.frame.to_part_3d(self.place_in_grid(i))
     }

@@ -318,7 +318,7 @@ pub enum Map {
     },
 }
 
-/// What a test may take, and what stops it.
+/// The memory that a test may use, and the flag that stops it.
 struct Limits {
     max_mib: f64,
     cancel: CancelFlag,
@@ -412,10 +412,13 @@ const RESOLVED: f64 = 0.35;
 /// A test is refused above this share. Source: derived. Two cells across a wall, or one on the border of two, miss as much
 /// as they see, which is a share of 1.
 const MAX_UNRESOLVED: f64 = 0.9;
-/// How often cells are made smaller for walls that bend: the second time corrects the thickness that larger cells gave.
+/// How often cells are made smaller for walls that bend. Source: derived. The first time finds the thickness to within a
+/// larger cell, the second to within a quarter of the wall; the third confirms it.
 const MAX_ROUNDS: usize = 3;
-/// Cells of the comparison over those of the test, in size; and where walls are only as many cells thick as they must be.
+/// Cells of the comparison over those of the test, in size.
 const COARSE: f64 = 2.0;
+/// The same where walls are only four cells thick. Source: derived. They are three cells thick in the comparison; two are
+/// refused.
 const COARSE_OF_WALLS: f64 = 4.0 / 3.0;
 
 /// The cells of a test, small enough for the walls that bend.
@@ -474,7 +477,7 @@ impl ChosenCells {
     }
 }
 
-/// What a test misses of thin walls, for people.
+/// The warning about thin walls whose bending the cells miss.
 fn thin_walls(bending: &UnresolvedBending, cell_mm: f64) -> String {
     format!(
         "strength: walls {:.2} mm thick bend and are only {:.1} cells of {cell_mm:.3} mm across; the peak may be up to {:.0} % too high",
