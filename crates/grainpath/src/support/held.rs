@@ -260,7 +260,7 @@ impl<'a> Part<'a> {
     /// Whether a bead may lie here in layer `k`.
     fn leaves_room(&mut self, k: usize, p: DVec2, width_mm: f64) -> bool {
         let above: Vec<usize> = within(self.heights, k, self.gap_mm).collect();
-        !self.near(k, p, 0.5 * width_mm + TOUCH_MM)
+        !self.near(k, p, 0.5 * width_mm + TOUCH_MM.value())
             && above.into_iter().all(|j| !self.near(j, p, 0.5 * width_mm))
     }
 }
