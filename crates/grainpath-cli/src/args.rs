@@ -154,6 +154,9 @@ pub struct Run {
     /// Write outputs here instead of beside the job file
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Stop after the loads are solved: tell and draw what fixtures and loads caught, and write no G-code
+    #[arg(long)]
+    pub check: bool,
     #[command(flatten)]
     pub common: Common,
 }
@@ -221,6 +224,13 @@ pub struct Inspect {
     /// Write a contact sheet of a scan here
     #[arg(long, value_name = "FILE.png")]
     pub sheet: Option<PathBuf>,
+    /// List the faces of a mesh: planes, cylinders, cones and spheres, with names for fixtures and loads
+    #[arg(long)]
+    pub faces: bool,
+    /// Write a picture here: with --faces the faces, numbered as in the list; for a scan its histogram with
+    /// the thresholds
+    #[arg(long, value_name = "FILE.png")]
+    pub image: Option<PathBuf>,
     /// True dimensions to compare a G-code file with, as shape.ct.truth
     #[arg(long, value_name = "FILE.toml")]
     pub truth: Option<PathBuf>,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use grainpath::Planned;
-use grainpath::guide::Degenerate;
+use grainpath::guide::{Degenerate, Guide};
 use grainpath::measure::dimensions::Dimension;
 use grainpath::measure::report::{Report, measure, measure_fibre};
 use grainpath::measure::strength::{TestSetup, Tested, test};
@@ -13,7 +13,7 @@ use grainpath_core::diagnostics::Stage;
 use grainpath_core::{DVec2, Diagnostics, TriMesh};
 use grainpath_gcode::{BeadLayer, Program, Thumbnail, simulate, write_gcode};
 use grainpath_job::Settings;
-use grainpath_view::guide::{deformed_png, field_png, lines_svg, lines_vtp, stress_png};
+use grainpath_view::guide::{deformed_png, field_png, lines_svg, lines_vtp, loads_png, stress_png};
 use grainpath_view::layer::{
     Bead, Ground, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png,
 };
@@ -416,6 +416,18 @@ fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, page::Pictur
         add("stress", title, png);
         add("field", format!("Directions that fill follows, {at}"), field_png(guide, i, region, z, GUIDE_PX));
     }
+    drawn.extend(load_pictures(guide));
+    drawn
+}
+
+/// What holds and loads the part, and how it moves.
+fn load_pictures(guide: &Guide) -> Vec<(String, page::Picture)> {
+    let mut drawn = Vec::new();
+    if let Some(png) = loads_png(guide, GUIDE_PX) {
+        let title = "Forces of loads (red) and of fixtures (green), ending where they act and as long as they are large; moments \
+                     yellow with two heads; the nodes that each caught in its colour";
+        drawn.push(("loads.png".into(), page::Picture { title: title.into(), png, of_test: false }));
+    }
     if let Some(shape) = deformed_png(guide, GUIDE_PX) {
         let title = format!(
             "Deformed shape under case {}, seen along {}, drawn {:.3} times larger; blue 0 mm to red {:.4} mm, at rest grey",
@@ -424,6 +436,23 @@ fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, page::Pictur
         drawn.push(("deformed.png".into(), page::Picture { title, png: shape.png, of_test: false }));
     }
     drawn
+}
+
+/// Writes what a check of the loads shows: pictures and the stress, where the job names a place for them.
+pub fn write_check(guide: &Guide, paths: &Paths) -> Result<Vec<(&'static str, String)>, Failure> {
+    let mut written = Vec::new();
+    if let Some(folder) = &paths.preview {
+        for (name, picture) in load_pictures(guide) {
+            save(&folder.join(name), &picture.png)?;
+        }
+        written.push(("preview", folder.display().to_string()));
+    }
+    if let Some(path) = &paths.stress {
+        let vtu = guide.vtu().map_err(|e| Failure::usage(format!("cannot write {}: {e}", path.display())))?;
+        save(path, &vtu)?;
+        written.push(("stress", path.display().to_string()));
+    }
+    Ok(written)
 }
 
 /// Stress and principal lines as files for other programs.

@@ -99,6 +99,36 @@ fn a_result_of_another_program_guides_fill() {
     assert!(all > 1000.0 && along > 0.8 * all, "{along} of {all} mm follow the stress");
     let mean = seen["quality"]["alignment_mean_deg"].as_f64().expect("an angle");
     assert!(mean < 4.0, "the mean angle to the stress is {mean}");
+    // The result turns and grows with its part: the same angles between fill and stress, the same peak.
+    let turned = job.replace("[guide]", "rotate_deg = [0, 0, 50]\nscale = 1.5\n[guide]");
+    std::fs::write(dir.join("job.toml"), &turned).expect("a job");
+    let seen = json(&grainpath(&dir, &["run", "job.toml", "--json"]));
+    assert!((seen["stress"]["max_von_mises_mpa"].as_f64().expect("a stress") - 50.0).abs() < 0.01, "{seen}");
+    let mean = seen["quality"]["alignment_mean_deg"].as_f64().expect("an angle");
+    assert!(mean < 4.0, "turned by 50 degrees the mean angle to the stress is {mean}");
+    // The pull at 30 degrees is now one at 80: fill advances mostly along y.
+    let (mut x, mut y, mut at, mut fill) = (0.0, 0.0, (0.0f64, 0.0f64), false);
+    for line in std::fs::read_to_string(dir.join("plate.gcode")).expect("G-code").lines() {
+        if let Some(kind) = line.strip_prefix(";TYPE:") {
+            fill = kind.to_ascii_lowercase().contains("infill");
+        }
+        let word = |c: char| {
+            line.split_whitespace().find_map(|w| w.strip_prefix(c)).and_then(|w| w.parse::<f64>().ok())
+        };
+        if line.starts_with("G1") || line.starts_with("G0") {
+            let to = (word('X').unwrap_or(at.0), word('Y').unwrap_or(at.1));
+            if fill && word('E').is_some_and(|e| e > 0.0) {
+                (x, y) = (x + (to.0 - at.0).abs(), y + (to.1 - at.1).abs());
+            }
+            at = to;
+        }
+    }
+    assert!(x > 0.0 && y > 2.5 * x, "fill advances by {x} and {y} mm");
+    let upright = job.replace("[guide]", "rotate_deg = [90, 0, 0]\n[guide]");
+    std::fs::write(dir.join("job.toml"), upright).expect("a job");
+    let refused = grainpath(&dir, &["run", "job.toml"]);
+    let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(refused.status.code() == Some(2) && told.contains("turns about z alone"), "{told}");
     // Read as mm and MPa, the result belongs to a part of another size.
     std::fs::write(dir.join("job.toml"), job.replace("import_length_unit = \"m\"\n", "")).expect("a job");
     let refused = grainpath(&dir, &["run", "job.toml"]);

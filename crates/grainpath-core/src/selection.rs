@@ -1,9 +1,11 @@
 //! Selections: the places of a part where fixtures and loads act.
 //!
-//! Coordinates are in mm in part coordinates. Cost: constant for simple shapes, linear in the
+//! Coordinates are in mm in part coordinates. Cost: constant for simple shapes, logarithmic in the
 //! triangles for lists of facets.
 
-use crate::DVec3;
+use std::sync::Arc;
+
+use crate::{Bvh, DMat3, DVec3, TriMesh};
 
 /// The part of a surface that lies in a shape, mm, part coordinates.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,6 +16,15 @@ pub enum Selection {
         low: DVec3,
         /// Highest corner.
         high: DVec3,
+    },
+    /// Within a box that is turned.
+    TurnedBox {
+        /// Its middle.
+        centre: DVec3,
+        /// Half of its lengths along its own axes.
+        half: DVec3,
+        /// Unit vectors along its axes, as columns.
+        axes: DMat3,
     },
     /// Within a distance of a plane.
     Plane {
@@ -43,14 +54,50 @@ pub enum Selection {
         radius_mm: f64,
     },
     /// On these triangles.
-    Triangles(Vec<[DVec3; 3]>),
+    Triangles(Facets),
     /// Near these triangles.
     Near {
         /// The triangles of the list.
-        triangles: Vec<[DVec3; 3]>,
+        triangles: Facets,
         /// Greatest distance from a triangle, mm.
         within_mm: f64,
     },
+}
+
+/// A list of triangles that answers quickly how far a point is from them.
+#[derive(Debug, Clone)]
+pub struct Facets {
+    triangles: Arc<Vec<[DVec3; 3]>>,
+    search: Arc<Bvh>,
+}
+
+impl Facets {
+    /// The triangles with these corners.
+    pub fn new(triangles: Vec<[DVec3; 3]>) -> Self {
+        let mesh = TriMesh {
+            vertices: triangles.iter().flatten().copied().collect(),
+            triangles: (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+        };
+        Self { search: Arc::new(Bvh::new(&mesh)), triangles: Arc::new(triangles) }
+    }
+
+    /// The corners of each triangle.
+    pub fn triangles(&self) -> &[[DVec3; 3]] {
+        &self.triangles
+    }
+
+    /// Whether a point lies within a distance of a triangle.
+    fn is_near(&self, p: DVec3, within_mm: f64) -> bool {
+        // The search looks a little further than asked, so that rounding in it loses no point.
+        let found = self.search.closest_point(p, 1.001 * within_mm + f64::MIN_POSITIVE);
+        found.is_some_and(|found| found.distance <= within_mm)
+    }
+}
+
+impl PartialEq for Facets {
+    fn eq(&self, other: &Self) -> bool {
+        self.triangles == other.triangles
+    }
 }
 
 /// Greatest distance of a selected point from a listed triangle, mm. Source: derived. A tenth of a layer of 0.2 mm: more
@@ -65,6 +112,9 @@ impl Selection {
         let hair = 1e-6;
         match self {
             Self::Box { low, high } => (*low - hair).cmple(p).all() && p.cmple(*high + hair).all(),
+            Self::TurnedBox { centre, half, axes } => {
+                (axes.transpose() * (p - *centre)).abs().cmple(*half + hair).all()
+            }
             Self::Plane { point, normal, tolerance_mm } => {
                 (p - *point).dot(*normal).abs() <= *tolerance_mm + hair
             }
@@ -74,10 +124,8 @@ impl Selection {
                 off <= *radius_mm + hair && length_mm.is_none_or(|l| along.abs() <= 0.5 * l + hair)
             }
             Self::Sphere { centre, radius_mm } => p.distance(*centre) <= *radius_mm + hair,
-            Self::Triangles(all) => all.iter().any(|t| distance_to_triangle(p, t) <= ON_TRIANGLE_MM),
-            Self::Near { triangles, within_mm } => {
-                triangles.iter().any(|t| distance_to_triangle(p, t) <= *within_mm)
-            }
+            Self::Triangles(all) => all.is_near(p, ON_TRIANGLE_MM),
+            Self::Near { triangles, within_mm } => triangles.is_near(p, *within_mm),
         }
     }
 
@@ -87,6 +135,7 @@ impl Selection {
         let mut wide = self.clone();
         match &mut wide {
             Self::Box { low, high } => (*low, *high) = (*low - by_mm, *high + by_mm),
+            Self::TurnedBox { half, .. } => *half += by_mm,
             Self::Plane { tolerance_mm, .. } => *tolerance_mm += by_mm,
             Self::Cylinder { radius_mm, length_mm, .. } => {
                 *radius_mm += by_mm;
@@ -98,43 +147,60 @@ impl Selection {
             Self::Near { within_mm, .. } => *within_mm += by_mm,
             Self::Triangles(all) => {
                 // The list has no distance of its own to enlarge, so it becomes a list with one.
-                wide = Self::Near { triangles: std::mem::take(all), within_mm: ON_TRIANGLE_MM + by_mm };
+                wide = Self::Near { triangles: all.clone(), within_mm: ON_TRIANGLE_MM + by_mm };
             }
         }
         wide
     }
 
+    /// The selection that goes with a part which is scaled, turned by a rotation matrix, then shifted.
+    /// A box becomes a turned one where it is turned at all.
+    #[must_use]
+    pub fn moved(&self, scale: f64, rotation: DMat3, shift: DVec3) -> Self {
+        let at = |p: DVec3| rotation * (scale * p) + shift;
+        let listed = |all: &Facets| Facets::new(all.triangles().iter().map(|t| t.map(at)).collect());
+        match self {
+            Self::Box { low, high } if rotation == DMat3::IDENTITY => {
+                Self::Box { low: at(*low), high: at(*high) }
+            }
+            Self::Box { low, high } => Self::TurnedBox {
+                centre: at(0.5 * (*low + *high)),
+                half: 0.5 * scale * (*high - *low),
+                axes: rotation,
+            },
+            Self::TurnedBox { centre, half, axes } => {
+                Self::TurnedBox { centre: at(*centre), half: scale * *half, axes: rotation * *axes }
+            }
+            // The tolerance is one of coordinates, not of the part.
+            Self::Plane { point, normal, tolerance_mm } => {
+                Self::Plane { point: at(*point), normal: rotation * *normal, tolerance_mm: *tolerance_mm }
+            }
+            Self::Cylinder { point, axis, radius_mm, length_mm } => Self::Cylinder {
+                point: at(*point),
+                axis: rotation * *axis,
+                radius_mm: scale * radius_mm,
+                length_mm: length_mm.map(|l| scale * l),
+            },
+            Self::Sphere { centre, radius_mm } => {
+                Self::Sphere { centre: at(*centre), radius_mm: scale * radius_mm }
+            }
+            Self::Triangles(all) => Self::Triangles(listed(all)),
+            Self::Near { triangles, within_mm } => {
+                Self::Near { triangles: listed(triangles), within_mm: scale * within_mm }
+            }
+        }
+    }
+
     /// The name used in errors.
     pub fn name(&self) -> &'static str {
         match self {
-            Self::Box { .. } => "box",
+            Self::Box { .. } | Self::TurnedBox { .. } => "box",
             Self::Plane { .. } => "plane",
             Self::Cylinder { .. } => "cylinder",
             Self::Sphere { .. } => "sphere",
             Self::Triangles(_) | Self::Near { .. } => "list of facets",
         }
     }
-}
-
-/// Distance of a point from a triangle, mm.
-fn distance_to_triangle(p: DVec3, [a, b, c]: &[DVec3; 3]) -> f64 {
-    let (u, v, w) = (*b - *a, *c - *a, p - *a);
-    let n = u.cross(v);
-    let n2 = n.length_squared();
-    if n2 > 0.0 {
-        let (s, t) = (w.cross(v).dot(n) / n2, u.cross(w).dot(n) / n2);
-        // Inside the triangle's prism the nearest point is the projection; elsewhere it lies on a
-        // side.
-        if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
-            return w.dot(n).abs() / n2.sqrt();
-        }
-    }
-    let to_segment = |a: DVec3, b: DVec3| {
-        let d = b - a;
-        let t = ((p - a).dot(d) / d.length_squared().max(1e-300)).clamp(0.0, 1.0);
-        p.distance(a + t * d)
-    };
-    to_segment(*a, *b).min(to_segment(*b, *c)).min(to_segment(*c, *a))
 }
 
 #[cfg(test)]
@@ -157,8 +223,36 @@ mod tests {
         let plane = |tolerance_mm| Selection::Plane { point: DVec3::ZERO, normal: DVec3::X, tolerance_mm };
         assert!(plane(3.0).contains(p) && !plane(2.9).contains(p));
         let triangle = [DVec3::ZERO, DVec3::new(9.0, 0.0, 0.0), DVec3::new(0.0, 9.0, 0.0)];
-        let facets = Selection::Triangles(vec![triangle]);
+        let facets = Selection::Triangles(Facets::new(vec![triangle]));
         assert!(facets.contains(DVec3::new(2.0, 3.0, 0.01)) && !facets.contains(p));
         assert!(!facets.contains(DVec3::new(8.0, 8.0, 0.0)));
+    }
+
+    #[test]
+    fn selections_go_with_a_moved_part() {
+        let (scale, shift) = (2.0, DVec3::new(5.0, -3.0, 1.0));
+        let rotation = DMat3::from_cols(DVec3::new(0.8, 0.6, 0.0), DVec3::new(-0.6, 0.8, 0.0), DVec3::Z);
+        let facet = [DVec3::ZERO, DVec3::new(9.0, 0.0, 0.0), DVec3::new(0.0, 9.0, 0.0)];
+        let all = [
+            Selection::Box { low: DVec3::new(-1.0, 0.0, -1.0), high: DVec3::new(3.0, 2.0, 2.0) },
+            Selection::Plane { point: DVec3::X, normal: DVec3::X, tolerance_mm: 1e-4 },
+            Selection::Cylinder { point: DVec3::X, axis: DVec3::Y, radius_mm: 1.5, length_mm: Some(4.0) },
+            Selection::Sphere { centre: DVec3::Y, radius_mm: 1.7 },
+            Selection::Triangles(Facets::new(vec![facet])),
+        ];
+        for selection in all {
+            let moved = selection.moved(scale, rotation, shift);
+            let again = moved.moved(1.0, rotation, DVec3::ZERO);
+            let mut inside = 0;
+            for i in 0..4096u32 {
+                // A grid of points, some of them on the faces of every shape.
+                let p = DVec3::new(f64::from(i % 16), f64::from(i / 16 % 16), f64::from(i / 256)) * 0.5 - 2.0;
+                let q = rotation * (scale * p) + shift;
+                inside += usize::from(selection.contains(p));
+                assert_eq!(selection.contains(p), moved.contains(q), "{selection:?} at {p}");
+                assert_eq!(moved.contains(q), again.contains(rotation * q), "{selection:?} at {p}");
+            }
+            assert!(inside > 10, "{selection:?}");
+        }
     }
 }

@@ -125,6 +125,44 @@ pub enum Action {
         /// Its resultant, N mm.
         total_nmm: DVec3,
     },
+    /// A force of a pin or a bolt against the wall of a hole: a pressure over the half that it pushes
+    /// on, falling with the cosine of the angle from the force.
+    Bearing {
+        /// The wall of the hole.
+        on: Selection,
+        /// Its resultant, N.
+        total_n: DVec3,
+    },
+    /// A torque about an axis, by forces across the radius that grow with the distance from the axis.
+    Torque {
+        /// Where it acts.
+        on: Selection,
+        /// A point of the axis, mm.
+        point: DVec3,
+        /// Unit vector along the axis.
+        axis: DVec3,
+        /// Its moment, N mm; positive by the right-hand rule.
+        total_nmm: f64,
+    },
+    /// A force that acts at a point elsewhere and reaches the place through a rigid link that leaves it
+    /// free to deform.
+    RemoteForce {
+        /// The place at the part's end of the link.
+        on: Selection,
+        /// The force, N.
+        total_n: DVec3,
+        /// The point where it acts, mm.
+        at_mm: DVec3,
+    },
+    /// The inertia of a part that turns about an axis.
+    Centrifugal {
+        /// A point of the axis, mm.
+        point: DVec3,
+        /// Unit vector along the axis.
+        axis: DVec3,
+        /// Speed, rad/s.
+        rad_s: f64,
+    },
     /// An acceleration of the whole part: gravity is (0, 0, -9810).
     Acceleration {
         /// mm/s2.
@@ -136,8 +174,40 @@ impl Action {
     /// The surface on which the load acts; `None` for loads on the whole volume.
     pub fn on(&self) -> Option<&Selection> {
         match self {
-            Self::Force { on, .. } | Self::Pressure { on, .. } | Self::Moment { on, .. } => Some(on),
-            Self::Acceleration { .. } => None,
+            Self::Force { on, .. }
+            | Self::Pressure { on, .. }
+            | Self::Moment { on, .. }
+            | Self::Bearing { on, .. }
+            | Self::Torque { on, .. }
+            | Self::RemoteForce { on, .. } => Some(on),
+            Self::Centrifugal { .. } | Self::Acceleration { .. } => None,
+        }
+    }
+
+    /// The key of the load in a job.
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::Force { .. } => "force_n",
+            Self::Pressure { .. } => "pressure_mpa",
+            Self::Moment { .. } => "moment_nmm",
+            Self::Bearing { .. } => "bearing_n",
+            Self::Torque { .. } => "torque_nmm",
+            Self::RemoteForce { .. } => "at_mm",
+            Self::Centrifugal { .. } => "centrifugal",
+            Self::Acceleration { .. } => "acceleration_mm_s2",
+        }
+    }
+
+    /// Whether only the analysis of a solid takes the load.
+    pub fn is_for_solids(&self) -> bool {
+        match self {
+            Self::Bearing { .. }
+            | Self::Torque { .. }
+            | Self::RemoteForce { .. }
+            | Self::Centrifugal { .. } => true,
+            Self::Force { .. } | Self::Pressure { .. } | Self::Moment { .. } | Self::Acceleration { .. } => {
+                false
+            }
         }
     }
 
@@ -151,6 +221,11 @@ impl Action {
         match self {
             Self::Force { total_n: v, .. } | Self::Acceleration { mm_s2: v } => flat(v),
             Self::Pressure { .. } => true,
+            // These are solved as solids.
+            Self::Bearing { .. }
+            | Self::Torque { .. }
+            | Self::RemoteForce { .. }
+            | Self::Centrifugal { .. } => false,
             Self::Moment { total_nmm: m, .. } => m.truncate().length() <= ROUNDING * m.length(),
         }
     }
@@ -168,6 +243,12 @@ impl BoundaryConditions {
     pub fn places(&self) -> impl Iterator<Item = &Selection> {
         let loads = self.cases.iter().flat_map(|case| &case.loads);
         self.fixtures.iter().map(|fixture| &fixture.on).chain(loads.filter_map(|load| load.action.on()))
+    }
+
+    /// The selections that act in a case, each with its name: fixtures, then the loads of the case.
+    pub fn named_places<'a>(&'a self, case: &'a LoadCase) -> impl Iterator<Item = (&'a str, &'a Selection)> {
+        let loads = case.loads.iter().filter_map(|l| Some((l.name.as_str(), l.action.on()?)));
+        self.fixtures.iter().map(|f| (f.name.as_str(), &f.on)).chain(loads)
     }
 
     /// The index of the case with the largest weight, the first of equal ones; `None` without cases.

@@ -4,7 +4,7 @@
 mod support;
 
 use grainpath_core::math::sin_cos;
-use grainpath_core::selection::Selection;
+use grainpath_core::selection::{Facets, Selection};
 use grainpath_core::{DMat3, DVec2, DVec3, Region, TriMesh};
 use grainpath_fea::load_case::{Action, BoundaryConditions, Fixture, Held, Load, LoadCase};
 use grainpath_fea::material::Orthotropic;
@@ -41,7 +41,7 @@ fn maps() -> Vec<(&'static str, DMat3, bool)> {
 
 fn facets(surface: &TriMesh, ids: [usize; 2]) -> Selection {
     let corners = |t: usize| surface.triangles[t].map(|v| surface.vertices[v as usize]);
-    Selection::Triangles(ids.map(corners).to_vec())
+    Selection::Triangles(Facets::new(ids.map(corners).to_vec()))
 }
 
 #[test]

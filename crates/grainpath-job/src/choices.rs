@@ -162,6 +162,11 @@ choices! {
         Grain = "grain", "the grain of photographs, or the texture of a scan.";
         Field = "field", "your own directions, from the file of guide.field.";
     }
+    /// Coordinates of fixtures and loads (`guide.frame`).
+    enum LoadFrame {
+        Placed = "placed", "those of the part as `[shape]` scales and turns it, standing on z = 0.";
+        Part = "part", "those of the shape's file, in mm: places, forces, moments, accelerations and displacements turn with the part, and places grow with it.";
+    }
     /// Coordinates of the positions in a file of directions (`guide.field.frame`).
     enum FieldFrame {
         Part = "part", "those of the shape's file, in mm; directions turn and grow with the part.";

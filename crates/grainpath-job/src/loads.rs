@@ -16,9 +16,11 @@
 
 use std::fmt::Write as _;
 
-use grainpath_core::DVec3;
+use grainpath_core::faces::FaceName;
+use grainpath_core::math::sin_cos;
 use grainpath_core::selection::Selection;
 use grainpath_core::spelling::nearest;
+use grainpath_core::{DMat3, DVec3};
 use serde_json::json;
 use toml::{Table, Value};
 
@@ -31,6 +33,8 @@ pub enum Place {
     Shape(Selection),
     /// Triangles of the mesh, by their index in the file, from 0.
     Facets(Vec<usize>),
+    /// A face of the part, by the name that `grainpath inspect --faces` gives it.
+    Face(FaceName),
 }
 
 /// A place whose motion is prescribed.
@@ -55,6 +59,26 @@ pub enum Push {
     Pressure(f64),
     /// Moment in N mm about the centroid of the place.
     Moment(DVec3),
+    /// Force in N of a pin or bolt against the wall of a hole.
+    Bearing(DVec3),
+    /// Torque in N mm about the axis of the place.
+    Torque(f64),
+    /// A force in N that acts at a point elsewhere, mm.
+    Remote {
+        /// The force, N.
+        force_n: DVec3,
+        /// The point where it acts.
+        at_mm: DVec3,
+    },
+    /// The part turns about an axis.
+    Centrifugal {
+        /// A point of the axis.
+        point_mm: DVec3,
+        /// Unit vector along the axis.
+        axis: DVec3,
+        /// Speed, revolutions a minute.
+        speed_rpm: f64,
+    },
     /// Acceleration of the whole part in mm/s2: gravity is `[0, 0, -9810]`.
     Acceleration(DVec3),
 }
@@ -84,9 +108,10 @@ pub struct Case {
 const MAX_NUMBER: f64 = 1e12;
 
 /// The keys that state the kind of a load.
-const LOAD_KINDS: &str = "force_n, pressure_mpa, moment_nmm, acceleration_mm_s2";
+const LOAD_KINDS: &str =
+    "force_n, pressure_mpa, moment_nmm, bearing_n, torque_nmm, centrifugal, acceleration_mm_s2";
 /// The keys that state a place.
-const PLACES: &str = "on = { box_mm, plane, cylinder, sphere or facets }";
+const PLACES: &str = "on = { face, box_mm, turned_box, plane, cylinder, sphere or facets }";
 
 /// Reads the entries of a table one by one. Errors name the entry.
 struct Reader<'a>(&'a Table);
@@ -145,8 +170,8 @@ fn needed<T>(found: Option<T>, expected: &'static str) -> Result<T, ValueError> 
 }
 
 fn place(value: &Value) -> Result<Place, ValueError> {
-    let keys = "box_mm, plane, cylinder, sphere, facets";
-    let known = ["box_mm", "plane", "cylinder", "sphere", "facets"];
+    let keys = "face, box_mm, turned_box, plane, cylinder, sphere, facets";
+    let known = ["face", "box_mm", "turned_box", "plane", "cylinder", "sphere", "facets"];
     let Reader(on) = Reader::new(value, "a table in { }", &known)?;
     let mut entries = on.iter();
     // Exactly one kind: two would leave open which of them counts.
@@ -154,7 +179,9 @@ fn place(value: &Value) -> Result<Place, ValueError> {
         return Err(Problem::SeveralKinds { keys }.into());
     };
     let read = match kind.as_str() {
+        "face" => read_face(value).map(Place::Face),
         "box_mm" => read_box(value).map(Place::Shape),
+        "turned_box" => read_turned_box(value).map(Place::Shape),
         "plane" => read_plane(value).map(Place::Shape),
         "cylinder" => read_cylinder(value).map(Place::Shape),
         "sphere" => read_sphere(value).map(Place::Shape),
@@ -168,6 +195,54 @@ fn read_box(value: &Value) -> Result<Selection, ValueError> {
     let [a, b] = <[[f64; 3]; 2]>::from_toml(value)?.map(DVec3::from);
     // Corners may be given in any order.
     Ok(Selection::Box { low: a.min(b), high: a.max(b) })
+}
+
+fn read_centrifugal(value: &Value) -> Result<Push, ValueError> {
+    let t = Reader::new(value, "a table in { }", &["point_mm", "axis", "speed_rpm"])?;
+    Ok(Push::Centrifugal {
+        point_mm: needed(t.vector("point_mm")?, "point_mm")?,
+        axis: t.direction("axis")?,
+        speed_rpm: needed(t.number("speed_rpm")?, "speed_rpm")?,
+    })
+}
+
+fn read_face(value: &Value) -> Result<FaceName, ValueError> {
+    let wrong = || Problem::Kind {
+        expected: "a name as \"f:9c1e\", which `grainpath inspect FILE --faces` lists",
+        found: value.to_string(),
+    };
+    Ok(value.as_str().and_then(|text| text.parse().ok()).ok_or_else(wrong)?)
+}
+
+fn read_turned_box(value: &Value) -> Result<Selection, ValueError> {
+    let t = Reader::new(value, "a table in { }", &["centre_mm", "size_mm", "rotate_deg"])?;
+    let centre = needed(t.vector("centre_mm")?, "centre_mm")?;
+    let size = needed(t.get::<[f64; 3]>("size_mm", (0.0, MAX_NUMBER))?, "size_mm")?;
+    let turn = needed(t.get::<[f64; 3]>("rotate_deg", (-3600.0, 3600.0))?, "rotate_deg")?;
+    Ok(Selection::TurnedBox { centre, half: 0.5 * DVec3::from(size), axes: rotation(turn) })
+}
+
+/// The matrix of rotations about x, then y, then z, as in `shape.rotate_deg`.
+fn rotation(turn_deg: [f64; 3]) -> DMat3 {
+    let [x, y, z] = turn_deg.map(|deg| sin_cos(deg.to_radians()));
+    let about_x = DMat3::from_cols(DVec3::X, DVec3::new(0.0, x.1, x.0), DVec3::new(0.0, -x.0, x.1));
+    let about_y = DMat3::from_cols(DVec3::new(y.1, 0.0, -y.0), DVec3::Y, DVec3::new(y.0, 0.0, y.1));
+    let about_z = DMat3::from_cols(DVec3::new(z.1, z.0, 0.0), DVec3::new(-z.0, z.1, 0.0), DVec3::Z);
+    about_z * about_y * about_x
+}
+
+/// The rotations about x, y and z that make a matrix, in degrees.
+fn turn_deg(axes: &DMat3) -> [f64; 3] {
+    use grainpath_core::math::{asin, atan2};
+    let y = asin((-axes.x_axis.z).clamp(-1.0, 1.0));
+    let turn = if axes.x_axis.z.abs() < 1.0 - 1e-12 {
+        [atan2(axes.y_axis.z, axes.z_axis.z), y, atan2(axes.x_axis.y, axes.x_axis.x)]
+    } else {
+        // At a right angle about y the other two turn about one axis; all of it is given to x.
+        [atan2(-axes.z_axis.y, axes.y_axis.y), y, 0.0]
+    };
+    // A hundred millionth of a degree, so that 30 is printed as 30.
+    turn.map(|rad| (rad.to_degrees() * 1e8).round() / 1e8)
 }
 
 fn read_plane(value: &Value) -> Result<Selection, ValueError> {
@@ -201,7 +276,14 @@ fn read_sphere(value: &Value) -> Result<Selection, ValueError> {
 fn place_text(place: &Place) -> String {
     let v = |p: &DVec3| vector_text(*p);
     match place {
+        Place::Face(name) => format!("{{ face = \"{name}\" }}"),
         Place::Facets(f) => format!("{{ facets = {} }}", f.to_text()),
+        Place::Shape(Selection::TurnedBox { centre, half, axes }) => format!(
+            "{{ turned_box = {{ centre_mm = {}, size_mm = {}, rotate_deg = {} }} }}",
+            v(centre),
+            v(&(2.0 * *half)),
+            v(&DVec3::from(turn_deg(axes)))
+        ),
         Place::Shape(Selection::Box { low, high }) => format!("{{ box_mm = [{}, {}] }}", v(low), v(high)),
         Place::Shape(Selection::Plane { point, normal, tolerance_mm }) => format!(
             "{{ plane = {{ point_mm = {}, normal = {}, tolerance_mm = {tolerance_mm} }} }}",
@@ -222,7 +304,7 @@ fn place_text(place: &Place) -> String {
         // Places of this kind come from other stages and have no spelling in a job file; the text is for
         // reports.
         Place::Shape(Selection::Triangles(t) | Selection::Near { triangles: t, .. }) => {
-            format!("{{ {} facets }}", t.len())
+            format!("{{ {} facets }}", t.triangles().len())
         }
     }
 }
@@ -249,6 +331,7 @@ fn table_schema(properties: &serde_json::Value, required: &[&str]) -> serde_json
 /// Schema of a place.
 fn place_schema() -> serde_json::Value {
     let (vector, number) = (vector_schema(), f64::schema());
+    let turned_box = json!({ "centre_mm": vector, "size_mm": vector, "rotate_deg": vector });
     let plane = json!({ "point_mm": vector, "normal": vector, "tolerance_mm": number });
     let cylinder = json!({ "point_mm": vector, "axis": vector, "radius_mm": number, "length_mm": number });
     let sphere = json!({ "centre_mm": vector, "radius_mm": number });
@@ -258,7 +341,9 @@ fn place_schema() -> serde_json::Value {
         "minProperties": 1,
         "maxProperties": 1,
         "properties": {
+            "face": { "type": "string", "pattern": "^f:[0-9a-fA-F]{4,15}$" },
             "box_mm": <[[f64; 3]; 2]>::schema(),
+            "turned_box": table_schema(&turned_box, &["centre_mm", "size_mm", "rotate_deg"]),
             "plane": table_schema(&plane, &["point_mm", "normal"]),
             "cylinder": table_schema(&cylinder, &["point_mm", "axis", "radius_mm"]),
             "sphere": table_schema(&sphere, &["centre_mm", "radius_mm"]),
@@ -310,26 +395,57 @@ impl SettingValue for Fixture {
 impl SettingValue for Load {
     const KIND: &'static str = "object";
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
-        let known = ["on", "force_n", "pressure_mpa", "moment_nmm", "acceleration_mm_s2"];
+        let known = [
+            "on",
+            "force_n",
+            "at_mm",
+            "pressure_mpa",
+            "moment_nmm",
+            "bearing_n",
+            "torque_nmm",
+            "centrifugal",
+            "acceleration_mm_s2",
+        ];
         let t = Reader::new(value, "a table: on = ..., force_n = [x, y, z]", &known)?;
+        let at_mm = t.vector("at_mm")?;
+        let force = |force_n| match at_mm {
+            Some(at_mm) => Push::Remote { force_n, at_mm },
+            None => Push::Force(force_n),
+        };
         let kinds = [
-            t.vector("force_n")?.map(Push::Force),
+            t.vector("force_n")?.map(force),
             t.number("pressure_mpa")?.map(Push::Pressure),
             t.vector("moment_nmm")?.map(Push::Moment),
+            t.vector("bearing_n")?.map(Push::Bearing),
+            t.number("torque_nmm")?.map(Push::Torque),
+            t.0.get("centrifugal").map(read_centrifugal).transpose().map_err(|e| e.in_key("centrifugal"))?,
             t.vector("acceleration_mm_s2")?.map(Push::Acceleration),
         ];
         // Exactly one kind of load in each table, so that every load has one place and one unit.
         let mut given = kinds.into_iter().flatten();
-        let push = needed(given.next(), "force_n, pressure_mpa, moment_nmm or acceleration_mm_s2")?;
+        let push = needed(
+            given.next(),
+            "force_n, pressure_mpa, moment_nmm, bearing_n, torque_nmm, centrifugal or acceleration_mm_s2",
+        )?;
         if given.next().is_some() {
             return Err(Problem::SeveralKinds { keys: LOAD_KINDS }.into());
+        }
+        if at_mm.is_some() && !matches!(push, Push::Remote { .. }) {
+            return Err(Problem::Missing { expected: "force_n beside at_mm" }.into());
         }
         let on = match push {
             // Gravity acts on the whole part; with a place it would mean something else than what is
             // computed.
-            Push::Acceleration(_) if !t.0.contains_key("on") => None,
-            Push::Acceleration(_) => return Err(Problem::PlaceOfAcceleration.into()),
-            Push::Force(_) | Push::Pressure(_) | Push::Moment(_) => Some(t.place()?),
+            Push::Acceleration(_) | Push::Centrifugal { .. } if !t.0.contains_key("on") => None,
+            Push::Acceleration(_) | Push::Centrifugal { .. } => {
+                return Err(Problem::PlaceOfAcceleration.into());
+            }
+            Push::Force(_)
+            | Push::Pressure(_)
+            | Push::Moment(_)
+            | Push::Bearing(_)
+            | Push::Torque(_)
+            | Push::Remote { .. } => Some(t.place()?),
         };
         Ok(Self { on, push })
     }
@@ -338,6 +454,16 @@ impl SettingValue for Load {
             Push::Force(f) => format!("force_n = {}", vector_text(f)),
             Push::Pressure(p) => format!("pressure_mpa = {p}"),
             Push::Moment(m) => format!("moment_nmm = {}", vector_text(m)),
+            Push::Bearing(f) => format!("bearing_n = {}", vector_text(f)),
+            Push::Torque(t) => format!("torque_nmm = {t}"),
+            Push::Remote { force_n, at_mm } => {
+                format!("force_n = {}, at_mm = {}", vector_text(force_n), vector_text(at_mm))
+            }
+            Push::Centrifugal { point_mm, axis, speed_rpm } => format!(
+                "centrifugal = {{ point_mm = {}, axis = {}, speed_rpm = {speed_rpm} }}",
+                vector_text(point_mm),
+                vector_text(axis)
+            ),
             Push::Acceleration(a) => format!("acceleration_mm_s2 = {}", vector_text(a)),
         };
         match &self.on {
@@ -347,18 +473,23 @@ impl SettingValue for Load {
     }
     fn schema() -> serde_json::Value {
         let vector = vector_schema();
+        let turning = json!({ "point_mm": vector, "axis": vector, "speed_rpm": f64::schema() });
         let keys = json!({
             "on": place_schema(),
             "force_n": vector,
             "pressure_mpa": f64::schema(),
+            "at_mm": vector,
             "moment_nmm": vector,
+            "bearing_n": vector,
+            "torque_nmm": f64::schema(),
+            "centrifugal": table_schema(&turning, &["point_mm", "axis", "speed_rpm"]),
             "acceleration_mm_s2": vector,
         });
         // The keys are optional one by one; `oneOf` demands exactly one of them, as the reader does.
         let mut schema = table_schema(&keys, &[]);
         let one = |key: &str| json!({ "required": [key] });
-        schema["oneOf"] =
-            json!([one("force_n"), one("pressure_mpa"), one("moment_nmm"), one("acceleration_mm_s2")]);
+        let all: Vec<serde_json::Value> = LOAD_KINDS.split(", ").map(one).collect();
+        schema["oneOf"] = json!(all);
         schema
     }
 }

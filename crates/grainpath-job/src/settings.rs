@@ -13,8 +13,9 @@ use super::value::{Check, Pair, Param, SettingValue, ValueError, read};
 use crate::choices::{
     Analysis, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, ComponentOrder, Contours,
     CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns, Fidelity, FieldAngleUnit,
-    FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode, GuideKind, Interpolate, OutlineRule,
-    Pattern, Repair, Seam, StrengthTier, StressUnit, SupportStyle, SupportSurface, Threshold, WallOrder,
+    FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode, GuideKind, Interpolate, LoadFrame,
+    OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit, SupportStyle, SupportSurface, Threshold,
+    WallOrder,
 };
 use Check::{Any, Range};
 
@@ -252,8 +253,9 @@ sections! {
         // Unset and not a number, because the right default depends on pattern and fibre.
         smoothing_mm: Option<f64> = None, "mm", Range(0.001, 100.0), "Length over which directions are smoothed where the principal stresses differ most; it is longer where they differ less. Unset: 0.5, or 0.25 for one continuous path along the stress without fibre.";
         tangent: bool = true, "", Any, "Align directions with free borders, along which one principal stress always runs.";
-        fixture: Vec<Fixture> = Vec::new(), "", Any, "[[guide.fixture]]: a place `on` = { box_mm, plane, cylinder, sphere or facets }, the directions that it fixes as `fix` = \"xyz\", some of x, y and z, or \"normal\", and a prescribed displacement_mm.";
-        load: Vec<Load> = Vec::new(), "", Any, "[[guide.load]]: a place `on` as for fixtures, with force_n (spread over the area), pressure_mpa or moment_nmm; or acceleration_mm_s2 for the whole part.";
+        frame: LoadFrame = LoadFrame::Placed, "", Any, "Coordinates of fixtures and loads.";
+        fixture: Vec<Fixture> = Vec::new(), "", Any, "[[guide.fixture]]: a place `on` = { face, box_mm, turned_box, plane, cylinder, sphere or facets }, the directions that it fixes as `fix` = \"xyz\", some of x, y and z, or \"normal\", and a prescribed displacement_mm.";
+        load: Vec<Load> = Vec::new(), "", Any, "[[guide.load]]: a place `on` as for fixtures, with force_n (spread over the area; with at_mm a force that acts elsewhere), pressure_mpa, moment_nmm, bearing_n (a pin in a hole) or torque_nmm (about the axis of the place); or acceleration_mm_s2 or centrifugal = { point_mm, axis, speed_rpm } for the whole part.";
         case: Vec<Case> = Vec::new(), "", Any, "[[guide.case]]: loads that act together, with name, weight and [[guide.case.load]]. Loads outside cases form one more case.";
         import: String = String::new(), "", Any, "File of a stress result to use instead of solving: VTU, VTK, MSH 2.2 or 4.1, FRD or CSV, in the coordinates of the mesh file.";
         import_array: Option<String> = None, "", Any, "Name of the stress array in the imported file; unset: found by the usual names.";

@@ -12,8 +12,8 @@ use crate::choices::{
     Analysis, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, Choice, ComponentOrder,
     Contours, CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns, Fidelity,
     FieldAngleUnit, FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode, GuideKind,
-    Interpolate, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit, SupportStyle, SupportSurface,
-    Threshold, WallOrder, Word,
+    Interpolate, LoadFrame, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit, SupportStyle,
+    SupportSurface, Threshold, WallOrder, Word,
 };
 
 /// The numbers that a setting accepts.
@@ -294,6 +294,7 @@ choice_values!(
     GuideKind,
     Interpolate,
     LengthUnit,
+    LoadFrame,
     OutlineRule,
     Pattern,
     Repair,

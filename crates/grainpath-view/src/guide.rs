@@ -9,6 +9,7 @@ use grainpath_core::poly::LineClipper;
 use grainpath_core::streamlines::TracedLine;
 use grainpath_core::{Bounds2, DVec2, DVec3, Region};
 use grainpath_fea::principal::von_mises_plane;
+use grainpath_fea::resultant::Resultant;
 
 use crate::layer::{Canvas, Ramp};
 
@@ -113,6 +114,65 @@ pub fn deformed_png(guide: &Guide, size_px: u32) -> Option<DeformedPicture> {
     }
     let view = ['x', 'y', 'z'][view];
     Some(DeformedPicture { png: canvas.png(), case: result.name.clone(), max_mm, magnified, view })
+}
+
+/// Length of the arrow of the largest force, as a share of the part's longest side. Chosen: seen beside the
+/// part, and not longer than it. Source: derived: a margin of 1.3 arrows leaves half of the picture to the part.
+const ARROW: f64 = 0.22;
+/// Colours of loads, reactions and moments. Source: derived: apart for people who see red and green alike, by brightness.
+const ARROW_COLOURS: [[u8; 3]; 3] = [[255, 90, 80], [90, 220, 120], [255, 200, 70]];
+
+/// The loads and reactions of the first case as arrows at the places where they act, on the edges of the mesh, seen
+/// from the front and above: forces of loads red, of fixtures green, each ending where it acts and as long as it is
+/// large; moments yellow with two heads, along their axis. `None` where nothing was solved.
+pub fn loads_png(guide: &Guide, size_px: u32) -> Option<Vec<u8>> {
+    let (result, balance) = (guide.results.first()?, guide.summary.balance.first()?);
+    let towards = DVec3::new(0.5, -0.75, 0.43).normalize();
+    let right = DVec3::Z.cross(towards).normalize();
+    let up = towards.cross(right);
+    let flat = |p: DVec3| DVec2::new(p.dot(right), p.dot(up));
+    let bounds = result.nodes.iter().map(|p| flat(*p)).fold(None::<Bounds2>, |all, p| {
+        let here = Bounds2 { min: p, max: p };
+        Some(all.map_or(here, |b| b.union(here)))
+    })?;
+    let reach = ARROW * bounds.size().max_element();
+    let mut canvas = Canvas::over(bounds.grown(1.3 * reach), size_px);
+    for [i, j] in result.surface_edges() {
+        canvas.line(&[i, j].map(|k| flat(result.nodes[k as usize])), 1.0, [120, 124, 130], 110);
+    }
+    for (name, nodes) in &result.sets {
+        let is_load = balance.loads.iter().any(|l| l.name == *name);
+        let colour = ARROW_COLOURS[usize::from(!is_load)];
+        for p in nodes.iter().map(|n| flat(result.nodes[*n as usize])) {
+            canvas.line(&[p, p + DVec2::new(1e-3 * reach, 0.0)], 3.0, colour, 160);
+        }
+    }
+    let all = || balance.loads.iter().map(|r| (r, 0)).chain(balance.reactions.iter().map(|r| (r, 1)));
+    let largest = |size: fn(&Resultant) -> f64| all().map(|(r, _)| size(r)).fold(0.0, f64::max);
+    let (force, moment) = (largest(|r| r.force_n.length()), largest(|r| r.moment_nmm.length()));
+    for (r, kind) in all() {
+        let at = flat(r.centroid_mm);
+        // Below a hundredth of the largest there is nothing to see.
+        if force > 0.0 && r.force_n.length() > 0.01 * force {
+            arrow(&mut canvas, at, flat(r.force_n) * (reach / force), reach, 1, ARROW_COLOURS[kind]);
+        }
+        // Moments about a centroid that follow from an uneven force are told in the report alone.
+        if moment > 0.0 && r.moment_nmm.length() > 0.01 * moment && r.force_n.length() <= 1e-6 * force {
+            arrow(&mut canvas, at, flat(r.moment_nmm) * (reach / moment), reach, 2, ARROW_COLOURS[2]);
+        }
+    }
+    Some(canvas.png())
+}
+
+/// An arrow that ends at a point, with one head or two.
+fn arrow(canvas: &mut Canvas, end: DVec2, along: DVec2, reach: f64, heads: usize, colour: [u8; 3]) {
+    canvas.line(&[end - along, end], 3.0, colour, 255);
+    let Some(way) = along.try_normalize() else { return };
+    let (back, side) = (way * (0.12 * reach), way.perp() * (0.06 * reach));
+    for k in 0..heads {
+        let tip = end - back * k as f64;
+        canvas.line(&[tip - back + side, tip, tip - back - side], 3.0, colour, 255);
+    }
 }
 
 /// The directions that the fill follows in a layer, as short strokes. A longer stroke has a greater

@@ -2,8 +2,10 @@
 //!
 //! All pictures show data that the planner returns; this crate decides nothing about beads.
 
+pub mod faces;
 pub mod grain;
 pub mod guide;
+pub mod histogram;
 pub mod layer;
 pub mod page;
 pub mod strength;

@@ -22,7 +22,7 @@ use grainpath_io::{
 };
 use serde_json::{Value, json};
 
-use super::inspect_scan as scan;
+use super::{inspect_faces as faces, inspect_scan as scan};
 use crate::args::Inspect;
 use crate::claims::Claims;
 use crate::inputs::{self, FILAMENT_MM};
@@ -35,12 +35,22 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     claims.read("file", &args.file);
     args.truth.iter().for_each(|path| claims.read("--truth", path));
     args.sheet.iter().for_each(|path| claims.write("--sheet", path));
+    args.image.iter().for_each(|path| claims.write("--image", path));
     claims.check()?;
     // Scans first: they can be larger than the memory, and all other kinds are read whole.
+    if args.faces {
+        return faces::inspect(args);
+    }
     if raw.is_some() || scan::is(&args.file)? {
         let value = scan::inspect(args, raw.as_ref())?;
         files::print(&if args.json { format!("{value}\n") } else { table(&value) });
         return Ok(());
+    }
+    // Otherwise the option would be ignored without a word.
+    if args.image.is_some() {
+        return Err(Failure::usage(
+            "--image draws the faces of a mesh (with --faces) or the histogram of a scan",
+        ));
     }
     if is_vector_slicer(&args.file) {
         let samples = inputs::directions(&args.file, &DirectionOptions::default())?;

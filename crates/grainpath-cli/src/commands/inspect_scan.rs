@@ -6,11 +6,17 @@ use grainpath_core::DVec3;
 use grainpath_core::slices::SampleType;
 use grainpath_imaging::scan::{ContactSheet, Histogram};
 use grainpath_io::volume::RawHeader;
+use grainpath_view::histogram::{Mark, histogram_png};
 use serde_json::{Value, json};
 
 use crate::args::Inspect;
 use crate::inputs::open_scan;
 use crate::{Failure, outputs};
+
+/// Bars of the picture of a histogram, and its width in pixels. Source: derived: three pixels a bar.
+const HISTOGRAM_BINS: usize = 256;
+/// See [`HISTOGRAM_BINS`]. Source: derived, as there.
+const IMAGE_PX: u32 = 900;
 
 /// Whether a path is a scan: a folder, or a file with the ending of a volume format.
 pub fn is(path: &Path) -> Result<bool, Failure> {
@@ -55,6 +61,19 @@ pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure
     if let (Some(sheet), Some(path)) = (sheet, &args.sheet) {
         outputs::save(path, &sheet.png(low, high))?;
     }
+    let iso50 = 0.5 * (air + material);
+    if let Some(path) = &args.image {
+        let mark = |value, colour| Mark { value, colour };
+        // Air and material blue, the thresholds between them red and yellow.
+        let marks = [
+            mark(air, [90, 150, 255]),
+            mark(material, [90, 150, 255]),
+            mark(histogram.otsu(), [255, 200, 70]),
+            mark(iso50, [255, 90, 80]),
+        ];
+        let range = (f64::from(low), f64::from(high));
+        outputs::save(path, &histogram_png(&histogram.binned(HISTOGRAM_BINS), range, &marks, IMAGE_PX))?;
+    }
     let round = |v: f64| (v * 1e4).round() / 1e4;
     // Nine decimals of a millimetre are a picometre: rounding removes the noise of binary fractions and
     // nothing else.
@@ -75,7 +94,11 @@ pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure
         "grey": [low, high], "otsu": round(histogram.otsu()), "materials": [round(air), round(material)],
         // Both thresholds that `shape.ct.threshold` can name are listed, so that the user can choose
         // beforehand.
-        "iso50": round(0.5 * (air + material)), "histogram": histogram.binned(32),
-        "sheet": args.sheet.as_ref().map(|p| p.display().to_string()), "warnings": info.warnings,
+        "iso50": round(iso50), "histogram": histogram.binned(32),
+        "sheet": args.sheet.as_ref().map(|p| p.display().to_string()),
+        "image": args.image.as_ref().map(|p| format!(
+            "{}: counts on a logarithmic scale; iso50 red, otsu yellow, air and material blue", p.display()
+        )),
+        "warnings": info.warnings,
     }))
 }

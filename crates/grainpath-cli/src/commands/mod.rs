@@ -4,6 +4,7 @@ pub mod compare;
 pub mod completions;
 pub mod doctor;
 pub mod inspect;
+pub mod inspect_faces;
 mod inspect_scan;
 pub mod licences;
 pub mod markers;

@@ -145,9 +145,10 @@ impl TestedJob {
         // For others the fill need not be planned: section, fixtures and loads are enough.
         let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
         let (file, _) = read_body(settings, shape, diagnostics)?;
-        let Sliced { mesh, stack, .. } =
+        let Sliced { mesh, stack, lowered_mm, .. } =
             mesh_and_layers(&grainpath::run::config::placing(settings), file, diagnostics).map_err(source)?;
-        let conditions = boundary_conditions(&grainpath::run::config::loads(settings), &mesh)
+        let standing = grainpath::run::config::standing(settings, lowered_mm);
+        let conditions = boundary_conditions(&grainpath::run::config::loads(settings), &mesh, &standing)
             .map_err(|e| failed(e.into()))?;
         TestSetup::of(settings, &mesh, &stack, conditions).map_err(failed)
     }

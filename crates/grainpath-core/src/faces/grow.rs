@@ -61,9 +61,10 @@ const ALIKE: f64 = 1.6;
 /// Triangles of a piece above which it starts no patch: a plane. Source: derived: a strip of a curved
 /// surface has two triangles, or a few hundred when it was meshed anew.
 const MAX_OF_PIECE: usize = 256;
-/// Failed seeds after which the search ends. Measured: 20 000 failing seeds take 0.4 s in a release
-/// build, a fifth of the time allowed for a million triangles.
-const MAX_FAILED: usize = 20_000;
+/// Points looked at in vain after which the search ends. Source: derived: a step of a fit takes about
+/// 0.1 microseconds for each point and a fit 12 steps, so that this is half a second; the
+/// time allowed for a million triangles is two.
+const MAX_IN_VAIN: usize = 400_000;
 /// Vertices that a fit looks at. Source: derived: with 400 points the error of a fit is a twentieth of
 /// the rounding of one vertex.
 const FIT_POINTS: usize = 400;
@@ -85,23 +86,25 @@ const TURNED: f64 = 0.966;
 
 /// Labels the triangles of curved faces in `label`; the kinds are those of the labels.
 pub fn curved(graph: &Graph, pieces: &Pieces, label: &mut [u32]) -> Vec<Kind> {
-    let mut search = Search { graph, pieces, stamp: vec![0; graph.len()], now: 0 };
+    let mut search = Search { graph, pieces, stamp: vec![0; graph.len()], now: 0, looked_at: 0 };
     let mut kinds = Vec::new();
-    let mut failed = 0;
+    let mut in_vain = 0;
     for members in &pieces.members {
-        if failed >= MAX_FAILED {
+        if in_vain >= MAX_IN_VAIN {
             break;
         }
         let free = members.iter().all(|&t| label[t as usize] == NONE);
         if !free || members.len() > MAX_OF_PIECE || graph.area[members[0] as usize] <= 0.0 {
             continue;
         }
+        let before = search.looked_at;
         match search.around_seed(members[0], label) {
             Some((kind, region)) => {
                 region.iter().for_each(|&t| label[t as usize] = kinds.len() as u32);
                 kinds.push(kind);
             }
-            None => failed += 1,
+            // One more, so that seeds without neighbours count as well.
+            None => in_vain += search.looked_at - before + 1,
         }
     }
     join_chains(graph, label, &mut kinds);
@@ -185,6 +188,8 @@ struct Search<'a> {
     /// Triangles seen in growth number `now`.
     stamp: Vec<u32>,
     now: u32,
+    /// Points in all fits and triangles in all growths so far.
+    looked_at: usize,
 }
 
 /// A grown region.
@@ -292,8 +297,9 @@ impl Search<'_> {
     }
 
     /// The model of a kind on which all vertices of the triangles lie.
-    fn fit(&self, shape: Shape, triangles: &[u32]) -> Option<Model> {
+    fn fit(&mut self, shape: Shape, triangles: &[u32]) -> Option<Model> {
         let (points, normals) = self.samples(triangles);
+        self.looked_at += points.len();
         let unknowns = match shape {
             Shape::Sphere => 4,
             Shape::Cylinder => 5,

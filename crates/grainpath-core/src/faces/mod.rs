@@ -135,20 +135,27 @@ impl Faces {
     /// [`FaceError`] for text that is no name, and for names that mean no face or several; it lists the
     /// nearest ones.
     pub fn find(&self, text: &str) -> Result<usize, FaceError> {
-        let name: FaceName = text.parse()?;
+        self.find_name(&text.parse()?)
+    }
+
+    /// The face that a name means.
+    ///
+    /// # Errors
+    /// As [`Faces::find`].
+    pub fn find_name(&self, name: &FaceName) -> Result<usize, FaceError> {
         let mut near: Vec<(f64, usize)> =
             self.descriptions.iter().enumerate().map(|(i, d)| (name.distance(d), i)).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let first = near.first().copied().filter(|n| n.0 <= FOUND);
         let Some((distance, face)) = first else {
             let candidates = self.listed(near.iter().take(3).map(|n| n.1));
-            return Err(FaceError::NotFound { name: text.to_owned(), candidates });
+            return Err(FaceError::NotFound { name: name.to_string(), candidates });
         };
         let alike: Vec<usize> =
             near.iter().take_while(|n| n.0 < distance + CLEARER).take(4).map(|n| n.1).collect();
         if alike.len() > 1 {
             let candidates = self.listed(alike.into_iter());
-            return Err(FaceError::Doubtful { name: text.to_owned(), candidates });
+            return Err(FaceError::Doubtful { name: name.to_string(), candidates });
         }
         Ok(face)
     }

@@ -35,16 +35,18 @@ const N: usize = 8;
 /// Source: derived from a chord error of 0.2 mm on parts of 20 mm and more: centroids and radii move
 /// by less than 0.01 of the diagonal, areas of holes with eight facets shrink by 10 %. Normals of
 /// coarse half cylinders change by less than 0.15. The smallest area is that of a square of 0.03 %
-/// of the diagonal.
+/// of the diagonal. Ranges are half as long again as they have to be: 0 and the upper end, which
+/// symmetric parts are full of, then lie at one and two thirds, and a third is as far from the edges of
+/// its bin as can be, however often ranges are halved. Rounding therefore seldom shows in a name.
 const RANGES: [(f64, f64, f64); N] = [
-    (-0.5, 0.5, 0.01),
-    (-0.5, 0.5, 0.01),
-    (-0.5, 0.5, 0.01),
-    (-1.0, 1.0, 0.15),
-    (-1.0, 1.0, 0.15),
-    (-1.0, 1.0, 0.15),
+    (-0.5, 1.0, 0.01),
+    (-0.5, 1.0, 0.01),
+    (-0.5, 1.0, 0.01),
+    (-1.0, 2.0, 0.15),
+    (-1.0, 2.0, 0.15),
+    (-1.0, 2.0, 0.15),
     (-16.0, 4.0, 0.3),
-    (-0.5, 0.5, 0.01),
+    (-0.5, 1.0, 0.01),
 ];
 
 /// Fewest and most digits of a name. Source: derived: with 15 digits every interval is narrower than

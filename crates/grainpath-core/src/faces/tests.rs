@@ -430,6 +430,22 @@ fn names_survive_another_export() {
 }
 
 #[test]
+fn names_look_the_same_after_rounding() {
+    let (mut all, mut same) = (0, 0);
+    for (_, make) in PARTS {
+        let part = make(0.05, 1);
+        let inches = soup(&shuffled(&part, 5), |p, _| (p / 25.4).as_vec3().as_dvec3());
+        let (before, after) = (Faces::of(&part.mesh), Faces::of(&inches.mesh));
+        let (old, new) = (compared(&part, &before).0, compared(&inches, &after).0);
+        for (o, n) in old.into_iter().zip(new) {
+            all += 1;
+            same += u32::from(before.name(o) == after.name(n));
+        }
+    }
+    assert!(all > 60 && f64::from(same) >= 0.95 * f64::from(all), "{same} of {all}");
+}
+
+#[test]
 fn equal_and_missing_faces_are_refused_with_candidates() {
     // Two copies of one nut in one place: every face is there twice.
     let mut part = nut(0.05, 0);

@@ -105,6 +105,11 @@ impl<'a> Plate<'a> {
             }
             Action::Pressure { on, mpa } => traction_n(self.mesh, &caught(on)?, t, &|_, n| -*mpa * n),
             Action::Moment { on, total_nmm } => self.moment_n(&caught(on)?, total_nmm.z),
+            // Never in the plane, so plates are not asked for these.
+            Action::Bearing { .. }
+            | Action::Torque { .. }
+            | Action::RemoteForce { .. }
+            | Action::Centrifugal { .. } => vec![DVec2::ZERO; self.mesh.nodes.len()],
         })
     }
 
@@ -147,6 +152,12 @@ impl<'a> Plate<'a> {
             Resultant::new(&fixture.name, area_mm2, mean, forces)
         };
         self.conditions.fixtures.iter().map(of_fixture).collect()
+    }
+
+    /// The nodes in a selection, ascending.
+    pub fn nodes_on(&self, on: &Selection) -> Vec<u32> {
+        let is_on = |i: &u32| on.contains(self.at_mid_height(self.mesh.nodes[*i as usize]));
+        (0..self.mesh.nodes.len() as u32).filter(is_on).collect()
     }
 
     /// Centroid of straight sides of the border, mm.

@@ -81,6 +81,26 @@ impl<'a> LoadedSolid<'a> {
                 let density = self.conditions.density_t_mm3;
                 nodal_forces::add_body_force(forces_n, self.mesh, |_| density * *mm_s2);
             }
+            Action::Centrifugal { point, axis, rad_s } => {
+                let density = self.conditions.density_t_mm3;
+                nodal_forces::add_body_force(forces_n, self.mesh, |p| {
+                    let arm = (p - *point).reject_from_normalized(*axis);
+                    density * rad_s * rad_s * arm
+                });
+            }
+            Action::Bearing { on, total_n } => {
+                nodal_forces::add_bearing(forces_n, self.mesh, &caught(on)?, *total_n);
+            }
+            Action::Torque { on, point, axis, total_nmm } => {
+                let faces = caught(on)?;
+                nodal_forces::add_torque(forces_n, self.mesh, &faces, (*point, *axis), *total_nmm);
+            }
+            Action::RemoteForce { on, total_n, at_mm } => {
+                let faces = caught(on)?;
+                let arm = *at_mm - nodal_forces::centroid_mm(self.mesh, &faces);
+                nodal_forces::add_force(forces_n, self.mesh, &faces, *total_n);
+                nodal_forces::add_moment(forces_n, self.mesh, &faces, arm.cross(*total_n));
+            }
             Action::Force { on, total_n } => {
                 nodal_forces::add_force(forces_n, self.mesh, &caught(on)?, *total_n);
             }
@@ -130,6 +150,11 @@ impl<'a> LoadedSolid<'a> {
             all.push(Resultant::new(&fixture.name, area_mm2, centroid, own));
         }
         Ok(all)
+    }
+
+    /// The nodes of the boundary faces in a selection, ascending.
+    pub fn nodes_on(&self, on: &Selection) -> Vec<u32> {
+        self.mesh.nodes_of(&self.mesh.faces_in(on))
     }
 
     /// The boundary faces in a selection; an error where there are none.

@@ -4,9 +4,11 @@
 
 use std::sync::Arc;
 
-use grainpath_core::DVec3;
+use grainpath_core::{DMat3, DVec3};
 use grainpath_fea::principal::PlaneTensor;
-use grainpath_io::fe::StressField;
+use grainpath_io::fe::{FeResult, StressField};
+
+use crate::shape::Standing;
 
 use super::{CaseStress, GuideError, GuidedPart, InPlaneStress, ResultMesh, Solved, StressSummary};
 
@@ -27,13 +29,37 @@ impl InPlaneStress for Imported {
 /// Share of the part's size by which a result may lie elsewhere before it is refused.
 const SAME_PLACE: f64 = 0.05;
 
-/// The stress of a file as the only case. The file has the coordinates of the mesh, in mm. The part
-/// was lowered to the plate by `lowered_mm`, so the result is lowered as well.
-pub(super) fn solved(
-    field: Arc<StressField>,
-    part: &GuidedPart<'_>,
-    lowered_mm: f64,
-) -> Result<Solved, GuideError> {
+/// A result scaled and turned with its part. Stress keeps its size: it is that of a part of another size
+/// under the same pressures. Displacements grow with the part.
+fn moved(result: &FeResult, standing: &Standing) -> Result<FeResult, GuideError> {
+    let (r, scale) = (standing.rotation, standing.scale);
+    // The stress of a plane result out of its plane is not known.
+    if result.plane && (r.z_axis - DVec3::Z).length() > 1e-9 {
+        return Err(GuideError::ImportTurned);
+    }
+    let turned = |s: &[f64; 6]| {
+        let [xx, yy, zz, xy, yz, zx] = *s;
+        let tensor = DMat3::from_cols_array_2d(&[[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]);
+        let t = r * tensor * r.transpose();
+        [t.x_axis.x, t.y_axis.y, t.z_axis.z, t.x_axis.y, t.y_axis.z, t.x_axis.z]
+    };
+    let vectors = |all: &Vec<DVec3>| all.iter().map(|u| r * (scale * *u)).collect();
+    Ok(FeResult {
+        nodes: vectors(&result.nodes),
+        stress: result.stress.iter().map(turned).collect(),
+        displacement: result.displacement.as_ref().map(vectors),
+        ..result.clone()
+    })
+}
+
+/// The stress of a file as the only case. The file has the coordinates of the mesh, in mm; the result
+/// is scaled, turned and lowered with the part.
+pub(super) fn solved(field: StressField, part: &GuidedPart<'_>) -> Result<Solved, GuideError> {
+    let lowered_mm = part.standing.lowered_mm;
+    let field = Arc::new(match part.standing.is_as_in_file() {
+        true => field,
+        false => StressField::new(moved(field.result(), &part.standing)?),
+    });
     let result = field.result();
     let bounds = result.bounds();
     let (low, high) = bounds.ok_or(GuideError::ImportElsewhere { low: DVec3::ZERO, high: DVec3::ZERO })?;
@@ -63,6 +89,7 @@ pub(super) fn solved(
         elements: result.elements.clone(),
         stress: result.stress.clone(),
         displacement: result.displacement.clone(),
+        sets: Vec::new(),
     }];
     let constant = result.plane;
     let stress = Box::new(Imported { field, shift });

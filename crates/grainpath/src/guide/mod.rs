@@ -16,12 +16,14 @@ mod results;
 mod solid;
 mod trust;
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
-use grainpath_core::selection::Selection;
+use grainpath_core::faces::{FaceError, Faces, Surface};
+use grainpath_core::selection::{Facets, Selection};
 use grainpath_core::triangulation::TriangulationError;
-use grainpath_core::{DVec3, Diagnostics, DirectionField, LayerStack, TriMesh};
+use grainpath_core::{DMat3, DVec3, Diagnostics, DirectionField, LayerStack, TriMesh};
 use grainpath_fea::load_case::{Action, BoundaryConditions, CatchesNothing, Fixture, Held, Load, LoadCase};
 use grainpath_fea::material::{Orthotropic, Unstable};
 use grainpath_fea::plane::{PlaneError, PlaneStress};
@@ -33,9 +35,11 @@ use rayon::prelude::*;
 
 pub use degenerate::{Degenerate, Degenerates, degenerate_points};
 pub use direction::{DirectionSettings, Follow, LayerField};
-use grainpath_job::choices::{Analysis, Elasticity};
+use grainpath_job::choices::{Analysis, Elasticity, LoadFrame};
 use grainpath_job::loads::{self, Place, Push};
 pub(crate) use plane::constant_section;
+
+use crate::shape::Standing;
 pub use results::Families;
 
 /// Why a guide cannot be made.
@@ -56,9 +60,19 @@ pub enum GuideError {
     )]
     ImportElsewhere { low: DVec3, high: DVec3 },
     #[error(
-        "guide.import takes results in the mesh's own coordinates: shape.rotate_deg should be 0 and shape.scale 1"
+        "the imported result is a plane one, which turns about z alone; shape.rotate_deg should be [0, 0, ANGLE]"
     )]
     ImportTurned,
+    #[error("{what}: {source}")]
+    Face { what: String, source: FaceError },
+    #[error(
+        "{what}: torque_nmm needs a place with an axis: a cylinder, or a plane, cylinder or cone by its face; this is a {shape}"
+    )]
+    NoAxis { what: String, shape: &'static str },
+    #[error(
+        "{what} holds some of x, y and z, which do not fall on axes of the turned part (guide.frame = \"part\"); use fix = \"xyz\" or \"normal\""
+    )]
+    FixtureAslant { what: String },
     #[error("material: {0}")]
     Material(#[from] Unstable),
     #[error("the section cannot be meshed: {0}")]
@@ -80,6 +94,10 @@ impl GuideError {
                 | Self::CatchesNothing(_)
                 | Self::Solid(SolidError::CatchesNothing(_))
                 | Self::NoFacet { .. }
+                | Self::Face { .. }
+                | Self::FixtureAslant { .. }
+                | Self::NoAxis { .. }
+                | Self::ImportTurned
                 | Self::NotPlane(_)
                 | Self::Material(_)
         )
@@ -161,6 +179,8 @@ pub struct ResultMesh {
     pub stress: Vec<[f64; 6]>,
     /// Displacement, mm.
     pub displacement: Option<Vec<DVec3>>,
+    /// The nodes of each fixture and load, by its name.
+    pub sets: Vec<(String, Vec<u32>)>,
 }
 
 impl Guide {
@@ -229,22 +249,33 @@ impl Guide {
 /// form a case; loads outside cases form a first case of their own. Either list may be empty.
 ///
 /// # Errors
-/// [`GuideError::NoFacet`] for a list of facets that the mesh does not have.
-pub fn boundary_conditions(typed: &TypedLoads<'_>, mesh: &TriMesh) -> Result<BoundaryConditions, GuideError> {
+/// [`GuideError::NoFacet`] for a list of facets that the mesh does not have, [`GuideError::Face`] for the
+/// name of a face that it does not have or has several times.
+pub fn boundary_conditions(
+    typed: &TypedLoads<'_>,
+    mesh: &TriMesh,
+    standing: &Standing,
+) -> Result<BoundaryConditions, GuideError> {
+    let places = Places { mesh, standing, frame: typed.frame, faces: OnceCell::new() };
     let mut fixtures = Vec::with_capacity(typed.fixtures.len());
     for (k, fixture) in typed.fixtures.iter().enumerate() {
         let name = format!("fixture {}", k + 1);
-        let held = if fixture.normal { Held::Normal } else { Held::Axes(fixture.fixed) };
-        let on = resolved(&fixture.on, mesh, &name)?;
-        fixtures.push(Fixture { name, on, held, displacement_mm: fixture.displacement_mm });
+        let held = if fixture.normal {
+            Held::Normal
+        } else {
+            let aslant = || GuideError::FixtureAslant { what: name.clone() };
+            Held::Axes(places.axes(fixture.fixed).ok_or_else(aslant)?)
+        };
+        let on = places.resolved(&fixture.on, &name)?;
+        fixtures.push(Fixture { name, on, held, displacement_mm: places.vector(fixture.displacement_mm) });
     }
     let mut cases = Vec::with_capacity(typed.cases.len() + 1);
     if !typed.loads.is_empty() {
-        let loads = resolved_loads(typed.loads, mesh, "")?;
+        let loads = places.loads(typed.loads, "")?;
         cases.push(LoadCase { name: "loads".into(), weight: 1.0, loads });
     }
     for case in typed.cases {
-        let loads = resolved_loads(&case.loads, mesh, &format!(" of case {:?}", case.name))?;
+        let loads = places.loads(&case.loads, &format!(" of case {:?}", case.name))?;
         cases.push(LoadCase { name: case.name.clone(), weight: case.weight, loads });
     }
     let (low, high) = mesh.bounds().unwrap_or_default();
@@ -253,38 +284,146 @@ pub fn boundary_conditions(typed: &TypedLoads<'_>, mesh: &TriMesh) -> Result<Bou
     Ok(BoundaryConditions { fixtures, cases, density_t_mm3, low, high })
 }
 
-/// Loads as "load 1" and so on, each name followed by `of_case`.
-fn resolved_loads(loads: &[loads::Load], mesh: &TriMesh, of_case: &str) -> Result<Vec<Load>, GuideError> {
-    let mut all = Vec::with_capacity(loads.len());
-    for (k, load) in loads.iter().enumerate() {
-        let name = format!("load {}{of_case}", k + 1);
-        let on = load.on.as_ref().map(|on| resolved(on, mesh, &name)).transpose()?;
-        let action = match (load.push, on) {
-            (Push::Acceleration(mm_s2), _) => Action::Acceleration { mm_s2 },
-            (Push::Force(total_n), Some(on)) => Action::Force { on, total_n },
-            (Push::Pressure(mpa), Some(on)) => Action::Pressure { on, mpa },
-            (Push::Moment(total_nmm), Some(on)) => Action::Moment { on, total_nmm },
-            // The job's reader refuses a load on the surface without a place.
-            (_, None) => continue,
-        };
-        all.push(Load { name, action });
-    }
-    Ok(all)
+/// The part on which places are looked up.
+struct Places<'a> {
+    mesh: &'a TriMesh,
+    standing: &'a Standing,
+    frame: LoadFrame,
+    /// The faces of the mesh, found when the first name asks for them.
+    faces: OnceCell<Faces>,
 }
 
-/// The selection that a place of the job names; facets are looked up in the mesh.
-fn resolved(place: &Place, mesh: &TriMesh, name: &str) -> Result<Selection, GuideError> {
-    match place {
-        Place::Shape(shape) => Ok(shape.clone()),
-        Place::Facets(ids) => {
-            let triangle = |&id: &usize| {
-                let corners = mesh.triangles.get(id).map(|t| t.map(|v| mesh.vertices[v as usize]));
-                let n = mesh.triangles.len();
-                corners.ok_or_else(|| GuideError::NoFacet { what: name.to_owned(), facet: id, n })
+impl Places<'_> {
+    /// Loads as "load 1" and so on, each name followed by `of_case`.
+    fn loads(&self, loads: &[loads::Load], of_case: &str) -> Result<Vec<Load>, GuideError> {
+        let mut all = Vec::with_capacity(loads.len());
+        for (k, load) in loads.iter().enumerate() {
+            let name = format!("load {}{of_case}", k + 1);
+            let on = load.on.as_ref().map(|on| self.resolved(on, &name)).transpose()?;
+            let action = match (load.push, on) {
+                (Push::Acceleration(a), _) => Action::Acceleration { mm_s2: self.vector(a) },
+                (Push::Centrifugal { point_mm, axis, speed_rpm }, _) => Action::Centrifugal {
+                    point: self.point(point_mm),
+                    axis: self.vector(axis),
+                    rad_s: speed_rpm * std::f64::consts::TAU / 60.0,
+                },
+                (Push::Bearing(f), Some(on)) => Action::Bearing { on, total_n: self.vector(f) },
+                (Push::Torque(total_nmm), Some(on)) => {
+                    let (point, axis) = load
+                        .on
+                        .as_ref()
+                        .and_then(|place| self.axis_of(place, &on))
+                        .ok_or_else(|| GuideError::NoAxis { what: name.clone(), shape: on.name() })?;
+                    Action::Torque { on, point, axis, total_nmm }
+                }
+                (Push::Remote { force_n, at_mm }, Some(on)) => {
+                    Action::RemoteForce { on, total_n: self.vector(force_n), at_mm: self.point(at_mm) }
+                }
+                (Push::Force(f), Some(on)) => Action::Force { on, total_n: self.vector(f) },
+                (Push::Pressure(mpa), Some(on)) => Action::Pressure { on, mpa },
+                (Push::Moment(m), Some(on)) => Action::Moment { on, total_nmm: self.vector(m) },
+                // The job's reader refuses a load on the surface without a place.
+                (_, None) => continue,
             };
-            Ok(Selection::Triangles(ids.iter().map(triangle).collect::<Result<_, _>>()?))
+            all.push(Load { name, action });
+        }
+        Ok(all)
+    }
+
+    /// The selection that a place of the job names; facets and faces are looked up in the mesh.
+    fn resolved(&self, place: &Place, name: &str) -> Result<Selection, GuideError> {
+        let mesh = self.mesh;
+        let corners = |t: &[u32; 3]| t.map(|v| mesh.vertices[v as usize]);
+        match place {
+            Place::Shape(shape) => Ok(match self.frame {
+                LoadFrame::Placed => shape.clone(),
+                LoadFrame::Part => {
+                    let s = self.standing;
+                    shape.moved(s.scale, s.rotation, s.shift())
+                }
+            }),
+            Place::Facets(ids) => {
+                let triangle = |&id: &usize| {
+                    let found = mesh.triangles.get(id).map(corners);
+                    let n = mesh.triangles.len();
+                    found.ok_or_else(|| GuideError::NoFacet { what: name.to_owned(), facet: id, n })
+                };
+                let all: Vec<_> = ids.iter().map(triangle).collect::<Result<_, _>>()?;
+                Ok(Selection::Triangles(Facets::new(all)))
+            }
+            Place::Face(face) => {
+                let faces = self.faces.get_or_init(|| faces_as_in_file(mesh, self.standing));
+                let wrong = |source| GuideError::Face { what: name.to_owned(), source };
+                let found = &faces.all()[faces.find_name(face).map_err(wrong)?];
+                let all = found.triangles.iter().map(|&t| corners(&mesh.triangles[t as usize]));
+                Ok(Selection::Triangles(Facets::new(all.collect())))
+            }
         }
     }
+
+    /// A force, moment, acceleration or displacement of the job.
+    fn vector(&self, v: DVec3) -> DVec3 {
+        match self.frame {
+            // Vectors of an unturned part keep their bits.
+            LoadFrame::Part if !self.standing.is_as_in_file() => self.standing.rotation * v,
+            LoadFrame::Part | LoadFrame::Placed => v,
+        }
+    }
+
+    /// A point of the job.
+    fn point(&self, p: DVec3) -> DVec3 {
+        match self.frame {
+            LoadFrame::Part => self.standing.rotation * (self.standing.scale * p) + self.standing.shift(),
+            LoadFrame::Placed => p,
+        }
+    }
+
+    /// The axis of a cylinder, or of a round face: a point of it and its direction.
+    fn axis_of(&self, place: &Place, on: &Selection) -> Option<(DVec3, DVec3)> {
+        if let Selection::Cylinder { point, axis, .. } = on {
+            return Some((*point, *axis));
+        }
+        let Place::Face(face) = place else { return None };
+        let faces = self.faces.get()?;
+        let found = &faces.all()[faces.find_name(face).ok()?];
+        let (point, axis) = match found.surface {
+            Surface::Cylinder { point, axis, .. } | Surface::Cone { point, axis, .. } => (point, axis),
+            // A moment on a plane turns about its normal through the middle of the face.
+            Surface::Plane { normal } => (found.centroid, normal),
+            Surface::Sphere { .. } | Surface::Free => return None,
+        };
+        // Faces are measured on the part as it is turned in its file.
+        Some((self.standing.rotation * point + self.faces_shift(), self.standing.rotation * axis))
+    }
+
+    /// The shift from the mesh on which faces are measured to the part, after the rotation.
+    fn faces_shift(&self) -> DVec3 {
+        if self.standing.rotation == DMat3::IDENTITY { DVec3::ZERO } else { self.standing.shift() }
+    }
+
+    /// The axes that are held; `None` where an axis of the job's frame is none of the part.
+    fn axes(&self, fixed: [bool; 3]) -> Option<[bool; 3]> {
+        if self.frame == LoadFrame::Placed || fixed == [true; 3] {
+            return Some(fixed);
+        }
+        let mut held = [false; 3];
+        for (axis, _) in DVec3::AXES.into_iter().zip(fixed).filter(|a| a.1) {
+            let turned = (self.standing.rotation * axis).abs();
+            // Source: derived: sine and cosine of a right angle in radians are off by 1e-16.
+            held[(0..3).find(|&k| turned[k] > 1.0 - 1e-12)?] = true;
+        }
+        Some(held)
+    }
+}
+
+/// The faces of a part. Names describe the part as it is turned in its file, whichever way it stands.
+pub fn faces_as_in_file(mesh: &TriMesh, standing: &Standing) -> Faces {
+    if standing.rotation == DMat3::IDENTITY {
+        return Faces::of(mesh);
+    }
+    let back = standing.rotation.transpose();
+    let vertices = mesh.vertices.iter().map(|p| back * (*p - standing.shift())).collect();
+    Faces::of(&TriMesh { vertices, triangles: mesh.triangles.clone() })
 }
 
 /// The part as the guide needs it.
@@ -293,8 +432,8 @@ pub struct GuidedPart<'a> {
     pub mesh: &'a TriMesh,
     /// Its layers.
     pub stack: &'a LayerStack,
-    /// Distance by which it was lowered to stand on the plate, mm.
-    pub lowered_mm: f64,
+    /// Where it stands.
+    pub standing: Standing,
 }
 
 /// The fixtures and loads of a job, as typed.
@@ -308,6 +447,8 @@ pub struct TypedLoads<'a> {
     pub cases: &'a [loads::Case],
     /// Mass density of the material, g/cm3, for accelerations.
     pub density_g_cm3: f64,
+    /// Coordinates of places and vectors.
+    pub frame: LoadFrame,
 }
 
 /// Settings of a guide by stress.
@@ -335,8 +476,6 @@ pub struct StressSettings {
     pub tangent: bool,
     /// Distance between the nodes of a layer's field, mm.
     pub cell_mm: f64,
-    /// Whether the part is rotated or scaled, so that an imported result does not lie where the part is.
-    pub is_moved: bool,
 }
 
 /// Solves the loads of a job, or takes the imported stress, and computes the directions of every
@@ -353,22 +492,48 @@ pub fn build(
     diagnostics: &Diagnostics,
 ) -> Result<Guide, GuideError> {
     diagnostics.begin(Stage::Guide, 0);
+    let solved = solved_or_imported(settings, part, conditions, imported, diagnostics)?;
+    let layers = lay_directions(settings, part, conditions, &solved, diagnostics)?;
+    let Solved { cases, results, summary, .. } = solved;
+    Ok(Guide { layers, follow: settings.follow, summary, cases, results })
+}
+
+/// Solves the loads of a job, or takes the imported stress, without directions for its layers: to see
+/// what the loads and fixtures caught.
+///
+/// # Errors
+/// As [`build`].
+pub fn solved_only(
+    settings: &StressSettings,
+    part: &GuidedPart<'_>,
+    conditions: &BoundaryConditions,
+    imported: Option<StressField>,
+    diagnostics: &Diagnostics,
+) -> Result<Guide, GuideError> {
+    diagnostics.begin(Stage::Guide, 0);
+    let solved = solved_or_imported(settings, part, conditions, imported, diagnostics)?;
+    let Solved { cases, results, summary, .. } = solved;
+    Ok(Guide { layers: Vec::new(), follow: settings.follow, summary, cases, results })
+}
+
+fn solved_or_imported(
+    settings: &StressSettings,
+    part: &GuidedPart<'_>,
+    conditions: &BoundaryConditions,
+    imported: Option<StressField>,
+    diagnostics: &Diagnostics,
+) -> Result<Solved, GuideError> {
     let mut solved = match imported {
         Some(field) => {
-            if settings.is_moved {
-                return Err(GuideError::ImportTurned);
-            }
             field.result().warnings.iter().for_each(|w| diagnostics.push(w.clone()));
-            import::solved(Arc::new(field), part, part.lowered_mm)?
+            import::solved(field, part)?
         }
         None => solve(settings, part, conditions, diagnostics)?,
     };
     solved.summary.strength_mpa = settings.strength_mpa;
     trust::warn(settings, part.mesh, &solved.summary, &solved.results, diagnostics);
     diagnostics.check()?;
-    let layers = lay_directions(settings, part, conditions, &solved, diagnostics)?;
-    let Solved { cases, results, summary, .. } = solved;
-    Ok(Guide { layers, follow: settings.follow, summary, cases, results })
+    Ok(solved)
 }
 
 fn solve(

@@ -110,6 +110,10 @@ pub(super) fn solve(
             elements: elements.clone(),
             stress: stress.nodal_mpa().iter().map(|[xx, yy, xy]| [*xx, *yy, 0.0, *xy, 0.0, 0.0]).collect(),
             displacement: Some(solution.displacement_mm.iter().map(|u| u.extend(0.0)).collect()),
+            sets: conditions
+                .named_places(case)
+                .map(|(name, on)| (name.to_owned(), plate.nodes_on(on)))
+                .collect(),
         });
         stresses.push(CaseStress { name: case.name.clone(), weight: case.weight, stress: Box::new(stress) });
     }

@@ -68,6 +68,12 @@ impl Guide {
         let mut data: Vec<PointData> = Vec::new();
         for result in &self.results {
             let mut arrays = stress_point_data(&result.stress, result.displacement.as_deref());
+            // 1 on the nodes of a fixture or load, 0 elsewhere.
+            arrays.extend(result.sets.iter().map(|(name, nodes)| {
+                let mut values = vec![0.0; result.nodes.len()];
+                nodes.iter().for_each(|n| values[*n as usize] = 1.0);
+                PointData::scalars(&name.replace(' ', "_"), values)
+            }));
             // Arrays of several cases need different names in one file.
             if self.results.len() > 1 {
                 arrays.iter_mut().for_each(|a| a.name = format!("{} {}", result.name, a.name));

@@ -109,6 +109,10 @@ pub(super) fn solve(
             elements: result.elements.clone(),
             stress: result.stress.clone(),
             displacement: result.displacement.clone(),
+            sets: conditions
+                .named_places(case)
+                .map(|(name, on)| (name.to_owned(), loaded.nodes_on(on)))
+                .collect(),
         });
         let stress = Box::new(Solid(StressField::new(result)));
         solved.cases.push(CaseStress { name: case.name.clone(), weight: case.weight, stress });

@@ -26,7 +26,7 @@ use crate::guide::{StressSettings, TypedLoads};
 use crate::order::{CombSettings, OrderSettings};
 use crate::run::place::PlaceSettings;
 use crate::run::steps::{ExtrudedMass, InfillSettings, StepSettings};
-use crate::shape::{Adaptive, Hole, PhotoBoard, Placement, SliceSettings};
+use crate::shape::{Adaptive, Hole, PhotoBoard, Placement, SliceSettings, Standing};
 use crate::support::beads::BeadSettings;
 use crate::support::{Style, SupportSettings};
 use crate::wall::WallSettings;
@@ -384,8 +384,6 @@ pub fn stress(s: &Settings) -> Option<StressSettings> {
         smoothing_mm: s.smoothing_mm(),
         tangent: g.tangent,
         cell_mm: s.process.bead_width_mm,
-        // An imported result lies in the coordinates of the file.
-        is_moved: s.shape.rotate_deg != [0.0; 3] || s.shape.scale != 1.0,
     })
 }
 
@@ -393,7 +391,15 @@ pub fn stress(s: &Settings) -> Option<StressSettings> {
 pub fn loads(s: &Settings) -> TypedLoads<'_> {
     let g = &s.guide;
     let density_g_cm3 = s.material.density_g_cm3;
-    TypedLoads { fixtures: &g.fixture, loads: &g.load, cases: &g.case, density_g_cm3 }
+    TypedLoads { fixtures: &g.fixture, loads: &g.load, cases: &g.case, density_g_cm3, frame: g.frame }
+}
+
+/// Where the part stands that was lowered by `lowered_mm`. Scans and photographs are turned and scaled before
+/// they are a part.
+pub fn standing(s: &Settings, lowered_mm: f64) -> Standing {
+    let is_file = s.ct.path.is_empty() && s.photo.files.is_empty();
+    let turn = if is_file { s.shape.rotate_deg.map(f64::to_radians) } else { [0.0; 3] };
+    Standing::new(if is_file { s.shape.scale } else { 1.0 }, turn, lowered_mm)
 }
 
 /// The pattern `continuous`: one path through each infill region.

@@ -27,7 +27,7 @@ use grainpath_io::fe::StressField;
 use crate::error::Error;
 use crate::guide::field::FieldGuide;
 use crate::guide::grain::{GrainGuide, read_grain, read_scan};
-use crate::guide::{self, GuidedPart, StressSettings};
+use crate::guide::{self, Guide, GuidedPart, StressSettings};
 pub use crate::measure::Planned;
 use crate::measure::alignment::warn_if_far;
 use crate::measure::separate_lines;
@@ -79,6 +79,27 @@ pub fn plan_job(
     let source =
         GuideSource { stress: inputs.stress, directions: inputs.directions, photos: &inputs.photos, scan };
     plan_stack(settings, sliced, source, clock, diagnostics)
+}
+
+/// Solves the loads of a job whose shape is a mesh and stops there: what fixtures and loads caught,
+/// reactions and stress, without directions and paths.
+///
+/// # Errors
+/// As [`plan_job`], and for a job without loads.
+pub fn check_loads(settings: &Settings, inputs: Inputs, diagnostics: &Diagnostics) -> Result<Guide, Error> {
+    settings.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
+    // A job may have loads for the strength test alone; they are solved all the same.
+    let mut settings = settings.clone();
+    settings.guide.kind = GuideKind::Stress;
+    let Inputs { mesh, path, stress, .. } = inputs;
+    let sliced = mesh_and_layers(&config::placing(&settings), mesh, diagnostics)
+        .map_err(|source| Error::Shape { path, source })?;
+    let Sliced { stack, mesh, lowered_mm, .. } = sliced;
+    let standing = config::standing(&settings, lowered_mm);
+    let conditions = guide::boundary_conditions(&config::loads(&settings), &mesh, &standing)?;
+    let part = GuidedPart { mesh: &mesh, stack: &stack, standing };
+    let wanted = config::stress(&settings).expect("the kind is stress");
+    Ok(guide::solved_only(&wanted, &part, &conditions, stress, diagnostics)?)
 }
 
 /// Plans a job whose shape is the board of its photographs; `directions` are those of `guide.field`.
@@ -217,13 +238,14 @@ fn plan_stack(
     check_bed(&config.machine, &stack, part, plate_from_part_mm)?;
     let fibre = config::fibre(settings);
     fibre.iter().try_for_each(|f| f.check(&stack, part))?;
+    let standing = config::standing(settings, lowered_mm);
     // Resolved once: the guide and the strength test have to mean the same places by the same
     // words.
-    let conditions = guide::boundary_conditions(&config::loads(settings), &mesh)?;
+    let conditions = guide::boundary_conditions(&config::loads(settings), &mesh, &standing)?;
     // The test runs on the finished program. Its setup keeps what it needs of the mesh.
     let test = || TestSetup::of(settings, &mesh, &stack, conditions.clone());
     let test = settings.strength.enabled.then(test).transpose()?;
-    let guided = GuidedPart { mesh: &mesh, stack: &stack, lowered_mm };
+    let guided = GuidedPart { mesh: &mesh, stack: &stack, standing };
     let stress_settings = config::stress(settings);
     let build = |s: &StressSettings| guide::build(s, &guided, &conditions, source.stress, diagnostics);
     let guide = stress_settings.as_ref().map(build).transpose()?;

@@ -22,7 +22,7 @@ pub use mend::{Repair, mend};
 pub use outline::extruded;
 pub use outline::prism;
 pub use photo::{Hole, PhotoBoard};
-pub use place::{Placement, likely_unit, place};
+pub use place::{Placement, Standing, likely_unit, place};
 pub use surface::surface;
 
 /// Settings for cutting a mesh into layers.

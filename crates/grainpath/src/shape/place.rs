@@ -2,7 +2,7 @@
 
 use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::LengthUnit;
-use grainpath_core::{DVec2, DVec3, TriMesh};
+use grainpath_core::{DMat3, DVec2, DVec3, TriMesh};
 
 use super::ShapeError;
 
@@ -15,6 +15,38 @@ pub struct Placement {
     pub scale: f64,
     /// Rotations about X, then Y, then Z, radians.
     pub rotate_rad: [f64; 3],
+}
+
+/// Where a part stands: the way from the coordinates of its file, in mm, to those of the part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Standing {
+    /// Factor on all lengths.
+    pub scale: f64,
+    /// The rotation.
+    pub rotation: DMat3,
+    /// Height by which the turned part is lowered onto the plate, mm.
+    pub lowered_mm: f64,
+}
+
+impl Standing {
+    /// A part scaled, turned about x, then y, then z, and lowered.
+    pub fn new(scale: f64, rotate_rad: [f64; 3], lowered_mm: f64) -> Self {
+        let [x, y, z] = rotate_rad.map(direction);
+        let about_x = DMat3::from_cols(DVec3::X, DVec3::new(0.0, x.x, x.y), DVec3::new(0.0, -x.y, x.x));
+        let about_y = DMat3::from_cols(DVec3::new(y.x, 0.0, -y.y), DVec3::Y, DVec3::new(y.y, 0.0, y.x));
+        let about_z = DMat3::from_cols(DVec3::new(z.x, z.y, 0.0), DVec3::new(-z.y, z.x, 0.0), DVec3::Z);
+        Self { scale, rotation: about_z * about_y * about_x, lowered_mm }
+    }
+
+    /// Whether the part is as large and turned as in its file.
+    pub fn is_as_in_file(&self) -> bool {
+        self.scale == 1.0 && self.rotation == DMat3::IDENTITY
+    }
+
+    /// The shift after scale and rotation, mm.
+    pub fn shift(&self) -> DVec3 {
+        DVec3::new(0.0, 0.0, -self.lowered_mm)
+    }
 }
 
 /// Larger parts are taken for damaged files, mm.
@@ -83,6 +115,16 @@ mod tests {
         let (low, high) = bodies[0].bounds().expect("a triangle");
         assert!(low.z.abs() < 1e-12 && (high.z - 50.8).abs() < 1e-9, "{low} {high}");
         assert!((high.x - low.x - 101.6).abs() < 1e-9);
+        // The same way as a matrix.
+        let standing = Standing::new(2.0, [0.3, quarter, -1.1], 0.0);
+        let p = DVec3::new(1.0, 2.0, 3.0);
+        let mut one = [TriMesh { vertices: vec![p, p + 1.0, p * 2.0], triangles: vec![[0, 1, 2]] }];
+        let lowered_mm = place(
+            &mut one,
+            &Placement { unit: LengthUnit::Millimetre, scale: 2.0, rotate_rad: [0.3, quarter, -1.1] },
+        );
+        let shift = Standing { lowered_mm: lowered_mm.expect("small"), ..standing }.shift();
+        assert!((standing.rotation * (2.0 * p) + shift).distance(one[0].vertices[0]) < 1e-12);
         bodies[0].vertices[1].x = 1e6;
         assert!(matches!(place(&mut bodies, &placement), Err(ShapeError::TooLarge { .. })));
     }

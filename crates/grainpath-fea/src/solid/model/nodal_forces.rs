@@ -149,6 +149,50 @@ pub fn add_moment(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], moment_
     }
 }
 
+/// Adds the force of a pin against the wall of a hole, N: a pressure that falls with the cosine of the
+/// angle between the wall's normal and the force, over the half of the wall that the pin pushes on.
+/// What a pressure on this wall cannot carry, such as a force along the hole, is spread evenly.
+///
+/// Source: the peak of the pressure is `2 F / (pi r L)`, the usual bearing load of a pin without play
+/// (`shigley2015`).
+pub fn add_bearing(forces: &mut [DVec3], mesh: &TetMesh, faces: &[usize], force_n: DVec3) {
+    let Some(along) = force_n.try_normalize() else { return };
+    // The pin pushes where the outward normal of the part points against the force.
+    let unit = |_: DVec3, normal: DVec3| -normal * (-normal.dot(along)).max(0.0);
+    let mut shape = vec![DVec3::ZERO; forces.len()];
+    add_traction(&mut shape, mesh, faces, unit);
+    let carried: DVec3 = shape.iter().sum();
+    let size = force_n.length() / carried.dot(along);
+    if !size.is_finite() || size <= 0.0 {
+        add_force(forces, mesh, faces, force_n);
+        return;
+    }
+    forces.iter_mut().zip(&shape).for_each(|(f, s)| *f += *s * size);
+    // The mesh of the wall is not quite symmetric about the force.
+    add_force(forces, mesh, faces, force_n - carried * size);
+}
+
+/// Adds a torque in N mm about an axis (a point of it and a unit vector), by tractions across the radius
+/// that grow with the distance. A net force, which faces on one side of the axis would make, is taken
+/// out evenly.
+pub fn add_torque(
+    forces: &mut [DVec3],
+    mesh: &TetMesh,
+    faces: &[usize],
+    (point, axis): (DVec3, DVec3),
+    torque_nmm: f64,
+) {
+    let mut shape = vec![DVec3::ZERO; forces.len()];
+    add_traction(&mut shape, mesh, faces, |p, _| axis.cross(p - point));
+    let net: DVec3 = shape.iter().sum();
+    add_force(&mut shape, mesh, faces, -net);
+    let moment: f64 = shape.iter().zip(&mesh.nodes).map(|(f, p)| (*p - point).cross(*f).dot(axis)).sum();
+    // Faces that all lie on the axis carry no torque.
+    if moment > 0.0 {
+        forces.iter_mut().zip(&shape).for_each(|(f, s)| *f += *s * (torque_nmm / moment));
+    }
+}
+
 /// Adds a force per volume, N/mm3, at each point: gravity is density times acceleration, 1e-9 g/mm2 t/mm3.
 pub fn add_body_force(forces: &mut [DVec3], mesh: &TetMesh, force_n_mm3: impl Fn(DVec3) -> DVec3) {
     for tet in &mesh.tets {

@@ -269,7 +269,13 @@ impl TestSetup {
                         forces[i] += turned(i) * (weight(i) * m.length() / f64::max(arm, 1e-30));
                     }
                 }
-                Action::Pressure { .. } | Action::Acceleration { .. } => {}
+                // Pressures are done, and the rest was refused when the test was set up.
+                Action::Pressure { .. }
+                | Action::Acceleration { .. }
+                | Action::Bearing { .. }
+                | Action::Torque { .. }
+                | Action::RemoteForce { .. }
+                | Action::Centrifugal { .. } => {}
             }
         }
         // For loads without a total force, such as moments and pressures: half the sum of all

@@ -57,6 +57,10 @@ pub enum StrengthError {
     Moved(String),
     #[error("{what}: fix = \"normal\" needs a plane or a cylinder here, not a {shape}")]
     NoNormal { what: String, shape: &'static str },
+    #[error(
+        "{what}: {key} is no load of the strength test; use force_n, pressure_mpa, moment_nmm or acceleration_mm_s2"
+    )]
+    LoadOfSolids { what: String, key: &'static str },
     #[error(transparent)]
     CatchesNothing(#[from] CatchesNothing),
     #[error("nothing of a part is printed in the program")]

@@ -20,6 +20,7 @@ use rayon::prelude::*;
 use super::StrengthError;
 use super::setup::layers_of_part;
 use crate::guide::{TypedLoads, boundary_conditions};
+use crate::shape::Standing;
 
 /// Widest strip that a bead is taken for, mm. Source: `WIDEST` of grainpath-fea's laminate: wider ones are blobs.
 const WIDEST_MM: f64 = 10.0;
@@ -133,9 +134,9 @@ impl PrintedPart {
     /// The fixtures and loads of a job on this part.
     ///
     /// # Errors
-    /// [`StrengthError::NeedsSurface`] for lists of facets and pressures, which need the surface of the part.
+    /// [`StrengthError::NeedsSurface`] for faces, lists of facets and pressures, which need the surface of the part.
     pub fn conditions(&self, typed: &TypedLoads<'_>) -> Result<BoundaryConditions, StrengthError> {
-        let is_facets = |place: &Place| matches!(place, Place::Facets(_));
+        let is_facets = |place: &Place| matches!(place, Place::Facets(_) | Place::Face(_));
         let loads = typed.loads.iter().chain(typed.cases.iter().flat_map(|c| &c.loads));
         for (k, fixture) in typed.fixtures.iter().enumerate() {
             if is_facets(&fixture.on) {
@@ -148,7 +149,9 @@ impl PrintedPart {
                 return Err(StrengthError::NeedsSurface(format!("load {}", k + 1)));
             }
         }
-        Ok(boundary_conditions(typed, &self.mesh)?)
+        // Without a file of its own the part stands as it is printed.
+        let standing = Standing::new(1.0, [0.0; 3], 0.0);
+        Ok(boundary_conditions(typed, &self.mesh, &standing)?)
     }
 }
 

@@ -151,6 +151,11 @@ impl TestSetup {
                 return Err(StrengthError::NoNormal { what, shape: fixture.on.name() });
             }
         }
+        for load in conditions.cases.iter().flat_map(|case| &case.loads) {
+            if load.action.is_for_solids() {
+                return Err(StrengthError::LoadOfSolids { what: load.name.clone(), key: load.action.key() });
+            }
+        }
         let is_pressure = |a: &Action| matches!(a, Action::Pressure { .. });
         let pressed = conditions.cases[case].loads.iter().any(|l| is_pressure(&l.action));
         // The mesh may be large and is needed for pressures alone.
@@ -421,7 +426,12 @@ impl TestSetup {
                 Action::Pressure { mpa: p, .. } => {
                     self.press(p, on, elements, nodes, &mut forces);
                 }
-                Action::Acceleration { .. } => {}
+                // Refused when the test was set up.
+                Action::Acceleration { .. }
+                | Action::Bearing { .. }
+                | Action::Torque { .. }
+                | Action::RemoteForce { .. }
+                | Action::Centrifugal { .. } => {}
             }
         }
         // Without a force the sum of opposite forces, counted once, stands for the load: two equal

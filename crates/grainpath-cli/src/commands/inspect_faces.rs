@@ -1,0 +1,141 @@
+//! `grainpath inspect FILE --faces`: the faces of a mesh, with the line that selects each in a job.
+//!
+//! Coordinates are those of the file in mm. Names do not depend on unit, scale, rotation and place of a
+//! job, so the names listed here are those of every job on this file.
+
+use std::fmt::Write as _;
+
+use grainpath::shape::{Repair, mend};
+use grainpath_core::faces::{Face, Faces, Surface};
+use grainpath_core::units::LengthUnit;
+use grainpath_core::{DVec3, Diagnostics};
+use grainpath_io::parse_mesh;
+use grainpath_view::faces::faces_png;
+use serde_json::{Value, json};
+
+use crate::args::Inspect;
+use crate::{Failure, files};
+
+/// Faces that are listed; a mesh without flat and round faces may have one for each facet.
+/// Source: derived: a list that a person still reads to its end.
+const LISTED: usize = 200;
+/// Longer side of the picture, pixels. Source: derived: two views beside each other on a wide screen.
+const IMAGE_PX: u32 = 1600;
+
+/// Runs the command.
+pub fn inspect(args: &Inspect) -> Result<(), Failure> {
+    let name = args.file.display().to_string();
+    let bytes = files::read(&args.file)?;
+    let file = parse_mesh(&bytes, Some(&name));
+    let file = file.map_err(|source| grainpath::Error::Mesh { path: name.clone(), source })?;
+    let mm = file.unit.unwrap_or(LengthUnit::Millimetre).mm();
+    let unit = file.unit.map_or("mm (assumed)".to_owned(), |u| format!("{} (the file says so)", u.name()));
+    let bodies = file.bodies.into_iter().map(|mut body| {
+        body.mesh.vertices.iter_mut().for_each(|p| *p *= mm);
+        body.mesh
+    });
+    // Mended as a run mends it: facets that are inside out would have their normals reversed.
+    let mesh = mend(bodies.collect(), Repair::Auto, &Diagnostics::default())
+        .map_err(|source| grainpath::Error::Shape { path: name.clone(), source })?;
+    let faces = Faces::of(&mesh);
+    let shown = faces.len().min(LISTED);
+    let mut rows: Vec<Value> = (0..shown).map(|i| face_json(&faces, i)).collect();
+    if let Some(path) = &args.image {
+        let png = faces_png(&mesh, &faces, IMAGE_PX);
+        files::write_atomically(path, |out| out.write_all(&png).map_err(|e| Failure::usage(e.to_string())))?;
+    }
+    if args.json {
+        let value = json!({
+            "ok": true, "file": name, "kind": "faces", "unit_of_file": unit, "faces_in_all": faces.len(),
+            "faces": rows,
+        });
+        files::print(&format!("{value}\n"));
+        return Ok(());
+    }
+    let mut text = format!("{name}: {} faces, lengths in mm, unit of the file {unit}\n", faces.len());
+    for row in &mut rows {
+        text.push_str(&line(row));
+    }
+    if faces.len() > shown {
+        let _ = writeln!(text, "and {} smaller ones", faces.len() - shown);
+    }
+    files::print(&text);
+    Ok(())
+}
+
+/// One face; numbers count from 1, as in the picture.
+fn face_json(faces: &Faces, i: usize) -> Value {
+    let Face { surface, triangles, area_mm2, centroid } = &faces.all()[i];
+    let name = faces.name(i);
+    let mut row = json!({
+        "number": i + 1, "name": name, "kind": surface.word(), "area_mm2": rounded(*area_mm2),
+        "centre_mm": vector(*centroid), "triangles": triangles.len(),
+        "line": format!("on = {{ face = {name:?} }}"),
+        // Two faces that are alike have names that find neither.
+        "doubtful": faces.find(&name).is_err(),
+    });
+    let mut add = |key: &str, value: Value| row[key] = value;
+    match *surface {
+        Surface::Plane { normal } => add("normal", vector(normal)),
+        Surface::Cylinder { point, axis, radius_mm, hollow } => {
+            add("axis", vector(axis));
+            add("point_mm", vector(point));
+            add("radius_mm", json!(rounded(radius_mm)));
+            add("hollow", json!(hollow));
+        }
+        Surface::Cone { point, axis, radius_mm, half_angle_rad, hollow } => {
+            add("axis", vector(axis));
+            add("point_mm", vector(point));
+            add("radius_mm", json!(rounded(radius_mm)));
+            add("half_angle_deg", json!(rounded(half_angle_rad.to_degrees())));
+            add("hollow", json!(hollow));
+        }
+        Surface::Sphere { centre, radius_mm, hollow } => {
+            add("point_mm", vector(centre));
+            add("radius_mm", json!(rounded(radius_mm)));
+            add("hollow", json!(hollow));
+        }
+        Surface::Free => {}
+    }
+    row
+}
+
+/// A face as a line for people.
+fn line(row: &Value) -> String {
+    let word = |key: &str| row[key].as_str().unwrap_or_default().to_owned();
+    let mut measures = String::new();
+    for (key, shown) in [
+        ("radius_mm", "radius"),
+        ("half_angle_deg", "half angle"),
+        ("axis", "axis"),
+        ("normal", "normal"),
+        ("point_mm", "at"),
+        ("centre_mm", "centre"),
+    ] {
+        // The centre of a round face says less than a point of its axis.
+        let has_point = !row["point_mm"].is_null();
+        if !row[key].is_null() && !(key == "centre_mm" && has_point) {
+            let _ = write!(measures, ", {shown} {}", row[key]);
+        }
+    }
+    let hollow = if row["hollow"] == json!(true) { " (hollow)" } else { "" };
+    let doubtful =
+        if row["doubtful"] == json!(true) { "  # another face is alike: select it by its shape" } else { "" };
+    format!(
+        "{:>4}  {:<9}{hollow} {} mm2{measures}\n      {}{doubtful}\n",
+        row["number"],
+        word("kind"),
+        row["area_mm2"],
+        word("line")
+    )
+}
+
+/// To a tenth of a micrometre: more digits would be those of rounding.
+fn rounded(v: f64) -> f64 {
+    // Adding zero turns -0 into 0.
+    (v * 1e4).round() / 1e4 + 0.0
+}
+
+fn vector(v: DVec3) -> Value {
+    json!(v.to_array().map(rounded))
+}

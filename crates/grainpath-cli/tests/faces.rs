@@ -1,0 +1,162 @@
+//! Faces of a mesh on the command line: listed by `inspect`, named by a job.
+
+mod support;
+
+use serde_json::Value;
+use support::{box_stl, folder, grainpath, json};
+
+/// The names of the faces whose normal points along an axis: minus x, plus x and so on.
+fn names(listed: &Value) -> Vec<String> {
+    let normals = [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
+    let rows = listed["faces"].as_array().expect("faces");
+    let named = |n: &[i32; 3]| {
+        let is = |row: &&Value| {
+            (0..3).all(|k| (row["normal"][k].as_f64().expect("a number") - f64::from(n[k])).abs() < 1e-6)
+        };
+        rows.iter().find(is).expect("a face")["name"].as_str().expect("a name").to_owned()
+    };
+    normals.iter().map(named).collect()
+}
+
+#[test]
+fn faces_are_listed_with_a_line_and_a_picture() {
+    let dir = folder("faces-listed");
+    std::fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 2.0])).expect("a mesh");
+    let seen = json(&grainpath(&dir, &["inspect", "bar.stl", "--faces", "--image", "bar.png", "--json"]));
+    let rows = seen["faces"].as_array().expect("faces");
+    assert_eq!((rows.len(), seen["faces_in_all"].as_u64()), (6, Some(6)), "{seen}");
+    assert!(rows.iter().all(|r| r["kind"] == "plane" && r["doubtful"] == false), "{seen}");
+    assert_eq!(rows[0]["area_mm2"].as_f64(), Some(320.0));
+    let picture = std::fs::read(dir.join("bar.png")).expect("a picture");
+    assert_eq!(&picture[1..4], b"PNG");
+    let told = grainpath(&dir, &["inspect", "bar.stl", "--faces"]);
+    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    for row in rows {
+        assert!(told.contains(row["line"].as_str().expect("a line")), "{told}");
+    }
+    // The same part in inches, in another place and order, keeps its names.
+    let inches = box_stl([40.0 / 25.4, 8.0 / 25.4, 2.0 / 25.4]);
+    let mut facets: Vec<&str> = inches.split_inclusive("endfacet\n").collect();
+    let (first, end) = (facets.remove(0), facets.pop().expect("the end"));
+    let turned = format!("solid box\n{}{}{end}", facets.concat(), first.trim_start_matches("solid box\n"));
+    std::fs::write(dir.join("inches.stl"), turned).expect("a mesh");
+    let again = json(&grainpath(&dir, &["inspect", "inches.stl", "--faces", "--json"]));
+    assert_eq!(names(&seen), names(&again));
+}
+
+#[test]
+fn loads_on_faces_turn_with_the_part() {
+    let dir = folder("faces-job");
+    std::fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 2.0])).expect("a mesh");
+    let listed = json(&grainpath(&dir, &["inspect", "bar.stl", "--faces", "--json"]));
+    let names = names(&listed);
+    let job = |place: &str, end: &str, shape: &str| {
+        format!(
+            "[shape]\nmesh = \"bar.stl\"\n{shape}\n[guide]\nkind = \"stress\"\nframe = \"part\"\nanalysis = \"solid\"\nelement_mm = 2\n\
+             [fill]\npattern = \"stripes\"\ndensity = 1.0\n[output]\ngcode = \"bar.gcode\"\n\
+             [[guide.fixture]]\non = {place}\nfix = \"xyz\"\n[[guide.load]]\non = {end}\nforce_n = [0, 0, -5]\n"
+        )
+    };
+    let run = |place: &str, end: &str, shape: &str| {
+        std::fs::write(dir.join("job.toml"), job(place, end, shape)).expect("a job");
+        let seen = json(&grainpath(&dir, &["run", "job.toml", "--json"]));
+        assert_eq!(seen["ok"].as_bool(), Some(true), "{seen}");
+        seen["stress"].clone()
+    };
+    let face = |k: usize| format!("{{ face = {:?} }}", names[k]);
+    let plane = |x: f64| format!("{{ plane = {{ point_mm = [{x}, 0, 0], normal = [1, 0, 0] }} }}");
+    let by_plane = run(&plane(0.0), &plane(40.0), "");
+    let by_face = run(&face(0), &face(1), "");
+    assert_eq!(by_plane["loads"], by_face["loads"]);
+    assert_eq!(by_plane["max_von_mises_mpa"], by_face["max_von_mises_mpa"]);
+    // Set upright and twice as large: places and forces go with the part.
+    let shape = "rotate_deg = [0, -90, 0]\nscale = 2.0";
+    let (planes, faces) = (run(&plane(0.0), &plane(40.0), shape), run(&face(0), &face(1), shape));
+    assert_eq!(planes["loads"], faces["loads"]);
+    let load = &faces["loads"][0];
+    // Elements round edges off a little.
+    assert!((load["area_mm2"].as_f64().expect("an area") / 64.0 - 1.0).abs() < 0.06, "{faces}");
+    let force: Vec<f64> = (0..3).map(|k| load["force_n"][k].as_f64().expect("a force")).collect();
+    assert!((force[0] - 5.0).abs() < 1e-6 && force[1].abs() + force[2].abs() < 1e-6, "{faces}");
+    // A turned box is the plain box that it encloses.
+    let turned =
+        "{ turned_box = { centre_mm = [40, 4, 1], size_mm = [8.1, 0.1, 2.1], rotate_deg = [0, 0, 90] } }";
+    assert_eq!(run(&face(0), turned, "")["loads"], by_plane["loads"]);
+}
+
+#[test]
+fn names_that_mean_nothing_are_refused() {
+    let dir = folder("faces-refused");
+    std::fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 2.0])).expect("a mesh");
+    let run = |face: &str, fix: &str, shape: &str| {
+        let job = format!(
+            "[shape]\nmesh = \"bar.stl\"\n{shape}\n[guide]\nkind = \"stress\"\nframe = \"part\"\n\
+             [[guide.fixture]]\non = {{ face = {face:?} }}\nfix = {fix:?}\n\
+             [[guide.load]]\non = {{ face = {face:?} }}\nforce_n = [1, 0, 0]\n"
+        );
+        std::fs::write(dir.join("job.toml"), job).expect("a job");
+        let output = grainpath(&dir, &["run", "job.toml"]);
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, told) = run("f:0000000", "xyz", "");
+    assert!(
+        code == Some(2) && told.contains("fixture 1: f:0000000 is no face") && told.contains("mm2 at"),
+        "{told}"
+    );
+    let (code, told) = run("top", "xyz", "");
+    assert!(
+        code == Some(2) && told.contains("guide.fixture[1].on.face") && told.contains("--faces"),
+        "{told}"
+    );
+    let (code, told) = run("f:0000", "xy", "rotate_deg = [0, 0, 30]");
+    assert!(code == Some(2) && told.contains("fall on axes"), "{told}");
+}
+
+#[test]
+fn a_check_tells_what_the_loads_caught_and_writes_no_program() {
+    let dir = folder("faces-check");
+    std::fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 2.0])).expect("a mesh");
+    let job = |end: &str| {
+        format!(
+            "[shape]\nmesh = \"bar.stl\"\n[guide]\nanalysis = \"solid\"\nelement_mm = 2\n\
+             [output]\ngcode = \"bar.gcode\"\npreview = \"pictures\"\nstress = \"bar.vtu\"\n\
+             [[guide.fixture]]\non = {{ plane = {{ point_mm = [0, 0, 0], normal = [1, 0, 0] }} }}\nfix = \"xyz\"\n\
+             [[guide.load]]\non = {end}\nforce_n = [3, 0, -4]\n\
+             [[guide.load]]\non = {end}\nmoment_nmm = [0, 0, 7]\n"
+        )
+    };
+    std::fs::write(dir.join("job.toml"), job("{ plane = { point_mm = [40, 0, 0], normal = [1, 0, 0] } }"))
+        .expect("a job");
+    let seen = json(&grainpath(&dir, &["run", "job.toml", "--check", "--json"]));
+    let stress = &seen["stress"];
+    let vector = |v: &Value| [0, 1, 2].map(|k| v[k].as_f64().expect("a number"));
+    let near = |a: [f64; 3], b: [f64; 3]| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-6);
+    let (load, moment, held) = (&stress["loads"][0], &stress["loads"][1], &stress["reactions"][0]);
+    // Elements round edges off a little.
+    assert!((load["area_mm2"].as_f64().expect("an area") / 16.0 - 1.0).abs() < 0.06, "{stress}");
+    assert!(near(vector(&load["force_n"]), [3.0, 0.0, -4.0]), "{stress}");
+    let at = vector(&load["at_mm"]);
+    assert!((0..3).all(|k| (at[k] - [40.0, 4.0, 1.0][k]).abs() < 0.1), "{stress}");
+    assert!(
+        near(vector(&moment["force_n"]), [0.0; 3]) && near(vector(&moment["moment_nmm"]), [0.0, 0.0, 7.0])
+    );
+    let reaction = vector(&held["force_n"]);
+    assert!((0..3).all(|k| (reaction[k] + [3.0, 0.0, -4.0][k]).abs() < 1e-3), "{stress}");
+    assert!(stress["imbalance"].as_f64().expect("a balance") < 1e-5, "{stress}");
+    assert!(!dir.join("bar.gcode").exists());
+    assert_eq!(&std::fs::read(dir.join("pictures/loads.png")).expect("arrows")[1..4], b"PNG");
+    let arrays = json(&grainpath(&dir, &["inspect", "bar.vtu", "--json"]))["arrays"].to_string();
+    assert!(["fixture_1", "load_1", "load_2"].iter().all(|set| arrays.contains(set)), "{arrays}");
+    let told = grainpath(&dir, &["run", "job.toml", "--check"]);
+    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    assert!(
+        told.contains("load: load 1: force (3.000, 0.000, -4.000) N") && told.contains("balance: "),
+        "{told}"
+    );
+    // A place beside the part stops the check as it stops a run.
+    std::fs::write(dir.join("job.toml"), job("{ plane = { point_mm = [41, 0, 0], normal = [1, 0, 0] } }"))
+        .expect("a job");
+    let refused = grainpath(&dir, &["run", "job.toml", "--check"]);
+    assert_eq!(refused.status.code(), Some(2), "{refused:?}");
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("load 1"));
+}

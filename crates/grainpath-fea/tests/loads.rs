@@ -1,0 +1,224 @@
+//! Bearing loads, torques, remote forces and centrifugal loads against closed forms, on a bar and a tube.
+
+mod support;
+
+use std::f64::consts::{PI, TAU};
+
+use grainpath_core::math::sin_cos;
+use grainpath_core::selection::Selection;
+use grainpath_core::{DVec3, TriMesh};
+use grainpath_fea::load_case::{Action, BoundaryConditions, Fixture, Held, Load, LoadCase};
+use grainpath_fea::resultant::Resultant;
+use grainpath_fea::solid::{LoadedSolid, MeshSettings, Model, SolveSettings, mesh, solve};
+use support::isotropic;
+
+const E_MPA: f64 = 2000.0;
+const NU: f64 = 0.3;
+const DENSITY_T_MM3: f64 = 1.2e-9;
+
+/// A tube about z from z = 0, or a rod for an inner radius of 0.
+fn tube(inner: f64, outer: f64, length: f64, sides: u32) -> TriMesh {
+    let mut mesh = TriMesh::default();
+    let mut ring = |radius: f64, z: f64| {
+        let first = mesh.vertices.len() as u32;
+        for i in 0..sides {
+            let (s, c) = sin_cos(TAU * f64::from(i) / f64::from(sides));
+            mesh.vertices.push(DVec3::new(radius * c, radius * s, z));
+        }
+        first
+    };
+    let rings = [ring(outer, 0.0), ring(outer, length)];
+    let inside = if inner > 0.0 { Some([ring(inner, 0.0), ring(inner, length)]) } else { None };
+    let mut band = |low: u32, high: u32| {
+        for i in 0..sides {
+            let j = (i + 1) % sides;
+            mesh.triangles.push([low + i, low + j, high + j]);
+            mesh.triangles.push([low + i, high + j, high + i]);
+        }
+    };
+    band(rings[0], rings[1]);
+    match inside {
+        Some([low, high]) => {
+            band(high, low);
+            band(rings[1], high);
+            band(low, rings[0]);
+        }
+        None => {
+            let n = mesh.vertices.len() as u32;
+            mesh.vertices.extend([DVec3::ZERO, DVec3::Z * length]);
+            for i in 0..sides {
+                let j = (i + 1) % sides;
+                mesh.triangles.push([n, rings[0] + j, rings[0] + i]);
+                mesh.triangles.push([n + 1, rings[1] + i, rings[1] + j]);
+            }
+        }
+    }
+    mesh
+}
+
+fn plane(z: f64) -> Selection {
+    Selection::Plane { point: DVec3::Z * z, normal: DVec3::Z, tolerance_mm: 0.01 }
+}
+
+struct Solved {
+    load: Resultant,
+    reaction: Resultant,
+    /// Position and displacement of the nodes.
+    moved: Vec<(DVec3, DVec3)>,
+    volume_mm3: f64,
+}
+
+/// A part held at z = 0 under one load.
+fn solved(surface: &TriMesh, action: Action, size_mm: f64) -> Solved {
+    let held = Fixture {
+        name: "fixture 1".into(),
+        on: plane(0.0),
+        held: Held::Axes([true; 3]),
+        displacement_mm: DVec3::ZERO,
+    };
+    let (low, high) = surface.bounds().expect("a part");
+    let load = Load { name: "load 1".into(), action };
+    let conditions = BoundaryConditions {
+        fixtures: vec![held],
+        cases: vec![LoadCase { name: "one".into(), weight: 1.0, loads: vec![load.clone()] }],
+        density_t_mm3: DENSITY_T_MM3,
+        low,
+        high,
+    };
+    let meshed = mesh(surface, &MeshSettings { size_mm: Some(size_mm), ..MeshSettings::default() });
+    let meshed = meshed.expect("a part");
+    let loaded = LoadedSolid::new(&meshed.mesh, surface, &conditions);
+    let mut forces = vec![DVec3::ZERO; meshed.mesh.nodes.len()];
+    loaded.add_load(&mut forces, &load).expect("caught");
+    let model = Model::uniform(&meshed.mesh, isotropic(E_MPA, NU));
+    let supports = loaded.supports().expect("caught");
+    let (solutions, _) = solve(&model, &supports, &[forces], &SolveSettings::default()).expect("held");
+    let reaction = loaded.reactions(&solutions[0].reaction).expect("caught").remove(0);
+    let nodes = meshed.mesh.nodes.iter().copied();
+    Solved {
+        load: loaded.resultant(&load).expect("caught"),
+        reaction,
+        moved: nodes.zip(solutions[0].displacement.iter().copied()).collect(),
+        volume_mm3: meshed.volume_mm3,
+    }
+}
+
+/// Mean of a value over the nodes at a height.
+fn mean(solved: &Solved, z: f64, value: impl Fn(DVec3, DVec3) -> f64) -> f64 {
+    let at: Vec<f64> =
+        solved.moved.iter().filter(|(p, _)| (p.z - z).abs() < 0.01).map(|(p, u)| value(*p, *u)).collect();
+    assert!(at.len() > 8, "{} nodes at {z}", at.len());
+    at.iter().sum::<f64>() / at.len() as f64
+}
+
+#[test]
+fn a_torque_twists_a_rod_as_saint_venant_says() {
+    let (radius, length, torque) = (4.0, 30.0, 500.0);
+    let rod = tube(0.0, radius, length, 96);
+    let action = Action::Torque { on: plane(length), point: DVec3::ZERO, axis: DVec3::Z, total_nmm: torque };
+    let s = solved(&rod, action, 1.6);
+    assert!((s.load.moment_nmm - DVec3::Z * torque).length() < 1e-6 * torque, "{:?}", s.load);
+    assert!(s.load.force_n.length() < 1e-6 * torque / radius);
+    assert!((s.reaction.moment_nmm.z + torque).abs() < 1e-3 * torque, "{:?}", s.reaction);
+    // Twist between two sections away from the ends: T L / (G J). Nodes near the axis say little.
+    let twist = |z: f64| {
+        let near =
+            s.moved.iter().filter(|(p, _)| (p.z - z).abs() < 0.8 && p.truncate().length() > 0.5 * radius);
+        let (sum, n) = near.fold((0.0, 0.0), |(sum, n), (p, u)| {
+            let r = p.truncate();
+            // Each twist is brought to the middle section by its own height.
+            (sum + r.perp_dot(u.truncate()) / r.length_squared() / p.z, n + 1.0)
+        });
+        sum / n
+    };
+    let shear = E_MPA / (2.0 * (1.0 + NU));
+    // The polygon has a little less than the circle: its own moment of area is taken.
+    let side = TAU / 96.0;
+    let (sin, cos) = sin_cos(side);
+    let polar = 96.0 * radius.powi(4) * sin * (2.0 + cos) / 12.0;
+    let wanted = torque / (shear * polar);
+    assert!((twist(20.0) / wanted - 1.0).abs() < 0.01, "{} for {wanted} rad/mm", twist(20.0));
+}
+
+#[test]
+fn a_remote_force_bends_like_the_force_and_its_moment() {
+    let (radius, length, arm, force) = (4.0, 60.0, 40.0, 5.0);
+    let rod = tube(0.0, radius, length, 96);
+    let at_mm = DVec3::new(0.0, 0.0, length + arm);
+    let action = Action::RemoteForce { on: plane(length), total_n: DVec3::X * force, at_mm };
+    let s = solved(&rod, action, 1.8);
+    assert!((s.load.force_n - DVec3::X * force).length() < 1e-6 * force);
+    assert!((s.load.moment_nmm.y - force * arm).abs() < 1e-6 * force * arm, "{:?}", s.load);
+    let held = s.reaction.moment_about_nmm(DVec3::ZERO).y;
+    assert!((held + force * (length + arm)).abs() < 1e-3 * force * length, "{held}");
+    // Cantilever: F L^3 / 3 E I + M L^2 / 2 E I, and F L / (k G A) of shear (k = 0.9 for a circle).
+    let inertia = PI * radius.powi(4) / 4.0;
+    let shear = force * length / (0.9 * E_MPA / (2.0 * (1.0 + NU)) * PI * radius * radius);
+    let bent = (force * length.powi(3) / 3.0 + force * arm * length.powi(2) / 2.0) / (E_MPA * inertia);
+    let found = mean(&s, length, |_, u| u.x);
+    assert!((found / (bent + shear) - 1.0).abs() < 0.01, "{found} for {}", bent + shear);
+}
+
+#[test]
+fn a_turning_rod_pulls_at_its_root() {
+    let (radius, length, rad_s) = (3.0, 50.0, 400.0);
+    let rod = tube(0.0, radius, length, 64);
+    let action = Action::Centrifugal { point: DVec3::ZERO, axis: DVec3::X, rad_s };
+    let s = solved(&rod, action, 1.5);
+    // rho omega^2 A L^2 / 2, with the area of the mesh.
+    let area = s.volume_mm3 / length;
+    let pull = DENSITY_T_MM3 * rad_s * rad_s * area * length * length / 2.0;
+    assert!((s.load.force_n.z / pull - 1.0).abs() < 0.01, "{:?} for {pull}", s.load);
+    assert!((s.reaction.force_n.z / pull + 1.0).abs() < 0.01, "{:?} for {pull}", s.reaction);
+    // Its end moves by rho omega^2 L^3 / 3 E.
+    let wanted = DENSITY_T_MM3 * rad_s * rad_s * length.powi(3) / (3.0 * E_MPA);
+    let found = mean(&s, length, |_, u| u.z);
+    assert!((found / wanted - 1.0).abs() < 0.01, "{found} for {wanted} mm");
+}
+
+#[test]
+fn a_bearing_load_presses_one_half_of_a_hole_by_the_cosine() {
+    let (inner, outer, length, force) = (5.0, 10.0, 12.0, 80.0);
+    let eye = tube(inner, outer, length, 96);
+    let wall =
+        Selection::Cylinder { point: DVec3::ZERO, axis: DVec3::Z, radius_mm: inner + 0.05, length_mm: None };
+    let along = DVec3::new(0.6, 0.8, 0.0);
+    let s = solved(&eye, Action::Bearing { on: wall.clone(), total_n: along * force }, 1.4);
+    assert!((s.load.force_n - along * force).length() < 1e-6 * force, "{:?}", s.load);
+    assert!((s.reaction.force_n + along * force).length() < 1e-3 * force, "{:?}", s.reaction);
+    assert!((s.load.area_mm2 / (TAU * inner * length) - 1.0).abs() < 0.02, "{:?}", s.load);
+    // The part of the force on an arc, in closed form: the pressure 2 F / (pi r L) times the cosine
+    // pushes with F (2 a + sin 2 a) / pi along the force within an angle a on either side.
+    let surface = &eye;
+    let conditions = BoundaryConditions {
+        fixtures: Vec::new(),
+        cases: Vec::new(),
+        density_t_mm3: 0.0,
+        low: DVec3::ZERO,
+        high: DVec3::ONE,
+    };
+    let meshed =
+        mesh(surface, &MeshSettings { size_mm: Some(1.4), ..MeshSettings::default() }).expect("an eye");
+    let loaded = LoadedSolid::new(&meshed.mesh, surface, &conditions);
+    let mut forces = vec![DVec3::ZERO; meshed.mesh.nodes.len()];
+    let load = Load { name: "load 1".into(), action: Action::Bearing { on: wall, total_n: along * force } };
+    loaded.add_load(&mut forces, &load).expect("caught");
+    let within = |angle: f64| -> f64 {
+        let near = forces
+            .iter()
+            .zip(&meshed.mesh.nodes)
+            .filter(|(_, p)| p.truncate().normalize().dot(along.truncate()) > sin_cos(angle).1);
+        near.map(|(f, _)| f.dot(along)).sum()
+    };
+    let share = |a: f64| (2.0 * a + sin_cos(2.0 * a).0) / PI;
+    // The nodes at the end of an arc carry a part of what lies beyond it: half the width of a face.
+    for angle in [0.6, 0.9, 1.2] {
+        let (low, high) = (share(angle - 0.08), share(angle + 0.08));
+        let found = within(angle) / force;
+        assert!(found > low && found < high, "{found} within {angle}, between {low} and {high}");
+    }
+    assert!((within(PI / 2.0 + 0.15) / force - 1.0).abs() < 0.01);
+    // Nothing pulls at the other half.
+    let back = forces.iter().zip(&meshed.mesh.nodes).filter(|(_, p)| p.dot(along) < -1.0);
+    assert!(back.map(|(f, _)| f.length()).sum::<f64>() < 0.01 * force);
+}

@@ -1,0 +1,186 @@
+//! The faces of a part from two sides, numbered.
+//!
+//! Two parallel projections, one from the front and above, one from behind and below, so that every
+//! face that can be seen from outside is seen once. Triangles are drawn pixel by pixel with a depth
+//! for each pixel. Cost: linear in the pixels that the triangles cover.
+
+use grainpath_core::faces::Faces;
+use grainpath_core::{DVec2, DVec3, TriMesh};
+
+use crate::layer::encode_png as png;
+
+/// Digits of 3 by 5 pixels, rows from the top, three bits each. Drawn by hand: a font would be a
+/// dependency of its own. Source: drawn by hand.
+const DIGITS: [u16; 10] = [
+    0b111_101_101_101_111,
+    0b010_110_010_010_111,
+    0b111_001_111_100_111,
+    0b111_001_111_001_111,
+    0b101_101_111_001_001,
+    0b111_100_111_001_111,
+    0b111_100_111_101_111,
+    0b111_001_010_010_010,
+    0b111_101_111_101_111,
+    0b111_101_111_001_111,
+];
+/// Colour behind the part. Source: that of all pictures of layers.
+const BACKGROUND: [u8; 3] = [28, 30, 34];
+/// Share of a view left free on each side. Source: derived: a number at the rim stays inside.
+const MARGIN: f64 = 0.04;
+/// Pixels that a face has to have for a number. Source: derived: a number of two digits covers 100.
+const LEAST_PIXELS: usize = 120;
+
+/// A view: which face each pixel shows, and how bright it is.
+struct View {
+    face: Vec<Option<usize>>,
+    light: Vec<f64>,
+    size: usize,
+}
+
+/// A picture of the faces, `width_px` wide and half as high; numbers count from 1.
+pub fn faces_png(mesh: &TriMesh, faces: &Faces, width_px: u32) -> Vec<u8> {
+    let size = (width_px / 2).max(8) as usize;
+    let towards = DVec3::new(0.55, -0.7, 0.46).normalize();
+    let views = [towards, -towards].map(|t| view(mesh, faces, t, size));
+    let mut rgba = vec![255u8; 2 * size * size * 4];
+    for (side, view) in views.iter().enumerate() {
+        let place = |x: usize, y: usize| 4 * (y * 2 * size + side * size + x);
+        for (i, face) in view.face.iter().enumerate() {
+            let shade = |c: u8| (f64::from(c) * view.light[i]) as u8;
+            let colour = face.map_or(BACKGROUND, |f| colour(f).map(shade));
+            let at = place(i % size, i / size);
+            rgba[at..at + 3].copy_from_slice(&colour);
+        }
+        for (face, (x, y)) in numbered(view, faces.len()) {
+            let mut paint = |x: usize, y: usize, colour: [u8; 3]| {
+                if x < size && y < size {
+                    let at = place(x, y);
+                    rgba[at..at + 3].copy_from_slice(&colour);
+                }
+            };
+            number(face + 1, x, y, (size / 300).max(1), &mut paint);
+        }
+    }
+    png(2 * size as u32, size as u32, &rgba)
+}
+
+/// Colours a golden angle apart, so that neighbours in the list differ.
+fn colour(face: usize) -> [u8; 3] {
+    let hue = (face as f64 * 0.618_033_988_75).fract() * 6.0;
+    let part = |k: f64| {
+        let h = (hue + k).rem_euclid(6.0);
+        let value = (h - 3.0).abs() - 1.0;
+        (90.0 + 150.0 * value.clamp(0.0, 1.0)) as u8
+    };
+    [part(0.0), part(4.0), part(2.0)]
+}
+
+/// The part seen from a direction.
+fn view(mesh: &TriMesh, faces: &Faces, towards: DVec3, size: usize) -> View {
+    let right = DVec3::Z.cross(towards).normalize();
+    let up = towards.cross(right);
+    let flat: Vec<DVec3> =
+        mesh.vertices.iter().map(|p| DVec3::new(p.dot(right), p.dot(up), p.dot(towards))).collect();
+    let used = mesh.triangles.iter().flatten().map(|&v| flat[v as usize]);
+    let (low, high) = used.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+    let extent = (high - low).truncate().max_element().max(1e-9);
+    let scale = (1.0 - 2.0 * MARGIN) * size as f64 / extent;
+    let middle = 0.5 * (low + high).truncate();
+    let pixel = |p: DVec3| {
+        let q = (p.truncate() - middle) * scale;
+        DVec2::new(0.5 * size as f64 + q.x, 0.5 * size as f64 - q.y)
+    };
+    let mut view = View { face: vec![None; size * size], light: vec![0.0; size * size], size };
+    let mut depth = vec![f64::NEG_INFINITY; size * size];
+    for (i, t) in mesh.triangles.iter().enumerate() {
+        let Some(face) = faces.of_triangle(i) else { continue };
+        let corners = t.map(|v| flat[v as usize]);
+        let [a, b, c] = corners.map(pixel);
+        let twice = (b - a).perp_dot(c - a);
+        if !(twice.abs() > 0.0 && twice.is_finite()) {
+            continue;
+        }
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+        let light = 0.45 + 0.55 * normal.dot(DVec3::new(-0.3, 0.5, 0.81)).abs();
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let range = |low: f64, high: f64| {
+            (low - 0.5).ceil().max(0.0) as usize..(high + 0.5).floor().max(0.0) as usize
+        };
+        for y in range(low.y, high.y).take_while(|y| *y < size) {
+            for x in range(low.x, high.x).take_while(|x| *x < size) {
+                let p = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                let (u, v) = ((p - a).perp_dot(c - a) / twice, (b - a).perp_dot(p - a) / twice);
+                if u < 0.0 || v < 0.0 || u + v > 1.0 {
+                    continue;
+                }
+                let z = corners[0].z + u * (corners[1].z - corners[0].z) + v * (corners[2].z - corners[0].z);
+                let at = y * size + x;
+                if z > depth[at] {
+                    (depth[at], view.face[at], view.light[at]) = (z, Some(face), light);
+                }
+            }
+        }
+    }
+    view
+}
+
+/// The faces that are large enough in a view, each with the pixel of it nearest to the middle of what
+/// is seen of it.
+fn numbered(view: &View, n_faces: usize) -> Vec<(usize, (usize, usize))> {
+    let mut sums = vec![(0usize, 0usize, 0usize); n_faces];
+    let seen =
+        || view.face.iter().enumerate().filter_map(|(i, f)| Some((i % view.size, i / view.size, (*f)?)));
+    for (x, y, f) in seen() {
+        sums[f] = (sums[f].0 + 1, sums[f].1 + x, sums[f].2 + y);
+    }
+    let mut best = vec![(usize::MAX, (0, 0)); n_faces];
+    for (x, y, f) in seen().filter(|&(_, _, f)| sums[f].0 >= LEAST_PIXELS) {
+        let (n, sx, sy) = sums[f];
+        let far = (x * n).abs_diff(sx).pow(2) / n + (y * n).abs_diff(sy).pow(2) / n;
+        if far < best[f].0 {
+            best[f] = (far, (x, y));
+        }
+    }
+    best.into_iter().enumerate().filter(|(_, b)| b.0 != usize::MAX).map(|(f, b)| (f, b.1)).collect()
+}
+
+/// Draws a number about a pixel, dark on a light plate.
+fn number(value: usize, x: usize, y: usize, dot: usize, paint: &mut impl FnMut(usize, usize, [u8; 3])) {
+    let digits: Vec<usize> = value.to_string().bytes().map(|b| usize::from(b.saturating_sub(b'0'))).collect();
+    let (width, height) = ((4 * digits.len() + 1) * dot, 7 * dot);
+    let (left, top) = (x.saturating_sub(width / 2), y.saturating_sub(height / 2));
+    for j in 0..height {
+        for i in 0..width {
+            let (column, row) = (i / dot, j / dot);
+            let inside = column % 4 > 0 && (1..6).contains(&row);
+            let bit = || DIGITS[digits[column / 4]] >> (14 - (3 * (row - 1) + column % 4 - 1)) & 1 == 1;
+            let ink = inside && bit();
+            paint(left + i, top + j, if ink { [10, 10, 10] } else { [245, 245, 240] });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_face_of_a_cube_is_seen_once() {
+        let corner = |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * 10.0;
+        let sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        let triangles = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let cube = TriMesh { vertices: (0..8).map(corner).collect(), triangles };
+        let faces = Faces::of(&cube);
+        let towards = DVec3::new(0.55, -0.7, 0.46).normalize();
+        let seen = |t: DVec3| -> Vec<usize> {
+            numbered(&view(&cube, &faces, t, 200), faces.len()).into_iter().map(|n| n.0).collect()
+        };
+        let (front, back) = (seen(towards), seen(-towards));
+        assert_eq!((front.len(), back.len()), (3, 3));
+        assert!(front.iter().all(|f| !back.contains(f)), "{front:?} {back:?}");
+        // The number of a face lies on the face.
+        let shown = view(&cube, &faces, towards, 200);
+        assert!(numbered(&shown, 6).into_iter().all(|(f, (x, y))| shown.face[y * 200 + x] == Some(f)));
+        assert_eq!(&faces_png(&cube, &faces, 300)[1..4], b"PNG");
+    }
+}
