@@ -104,17 +104,16 @@ fn face_json(faces: &Faces, i: usize) -> Value {
 fn line(row: &Value) -> String {
     let word = |key: &str| row[key].as_str().unwrap_or_default().to_owned();
     let mut measures = String::new();
+    // The centre of a round face says less than a point of its axis.
+    let centre = if row["point_mm"].is_null() { "centre_mm" } else { "point_mm" };
     for (key, shown) in [
         ("radius_mm", "radius"),
         ("half_angle_deg", "half angle"),
         ("axis", "axis"),
         ("normal", "normal"),
-        ("point_mm", "at"),
-        ("centre_mm", "centre"),
+        (centre, "at"),
     ] {
-        // The centre of a round face says less than a point of its axis.
-        let has_point = !row["point_mm"].is_null();
-        if !row[key].is_null() && !(key == "centre_mm" && has_point) {
+        if !row[key].is_null() {
             let _ = write!(measures, ", {shown} {}", row[key]);
         }
     }
