@@ -120,6 +120,38 @@ fn every_flavour_pattern_and_option_prints_the_part() {
 }
 
 #[test]
+fn coverage_is_shown_for_dense_fill_and_never_below_zero() {
+    let dir = folder("coverage");
+    plate(&dir);
+    // Lines that stand alone, and dense fill.
+    let lines = ["fill.density=0.2", "fill.pattern=gyroid", "process.walls=0", "process.top_layers=0"];
+    let lines = [&lines[..], &["process.bottom_layers=0"]].concat();
+    for (sets, shown) in [(&lines[..], false), (&["fill.density=1"], true)] {
+        let density = sets[0];
+        let mut args =
+            vec!["slice", "plate/plate.stl", "-o", "out.gcode", "--set", "output.report=report.html"];
+        sets.iter().for_each(|set| args.extend(["--set", set]));
+        let out = grainpath(&dir, &args);
+        let text = String::from_utf8_lossy(&out.stdout).into_owned();
+        assert_eq!(text.contains("gap "), shown, "{density}: {text}");
+        assert_eq!(text.contains("overlap "), shown, "{density}: {text}");
+        assert!(text.contains("spill "), "{density}: {text}");
+        let page = fs::read_to_string(dir.join("report.html")).expect("the page");
+        assert_eq!(page.contains("laid twice"), shown, "{density}");
+        assert_eq!(page.contains("of the part not covered"), shown, "{density}");
+        let report = json(&grainpath(&dir, &[&args[..], &["--json"]].concat()));
+        for key in ["gap", "overlap", "spill"] {
+            let share = report["quality"][key].as_f64().expect("a share");
+            assert!(share.is_sign_positive() && share < 0.95, "{density}: {key} {share}");
+        }
+        // Beads without neighbours lay less than they cover; at full density little stays open.
+        let share = |key: &str| report["quality"][key].as_f64().expect("a share");
+        let sparse = share("overlap").to_bits() == 0 && share("gap") > 0.3;
+        assert_eq!(sparse, !shown, "{density}: {}", report["quality"]);
+    }
+}
+
+#[test]
 fn a_mass_is_met_within_one_percent() {
     let dir = folder("mass");
     plate(&dir);

@@ -4,7 +4,13 @@
 //! Each bead is a capsule: a straight piece with round ends. A scan line crosses each capsule in one
 //! interval and the section in some intervals. Covered and uncovered lengths on the line are exact, and
 //! the sum over evenly spaced lines approximates the area. Lines are oblique, so that no infill runs
-//! along them. The overlap is the volume of the beads over the layer's height, less the covered area.
+//! along them.
+//!
+//! The overlap is the volume of the beads over the layer's height, less the covered area. The sides of a
+//! bead are round: a bead of width `w` covers `w` in plan, but its volume fills only `w - h (1 - pi/4)` of
+//! the layer's height `h`. In dense fill neighbours cover each other by this difference and the overlap of
+//! an exact fill is 0. A bead without neighbours has no such excess, so for sparse fill the difference is
+//! below zero. Then nothing is laid twice on the whole, and the overlap is stated as 0.
 //!
 //! # Units, cost and limits
 //! Lengths in mm; results are shares of the part's area. The cost is that of sorting the crossings, about
@@ -24,7 +30,7 @@ use crate::simulate::Program;
 pub struct Quality {
     /// Share of the part that no bead covers.
     pub gap: f64,
-    /// Area that beads cover more than once.
+    /// Volume of the beads over the layer's height, beyond the area that they cover; at least 0.
     pub overlap: f64,
     /// Area of beads outside the part.
     pub spill: f64,
@@ -78,6 +84,9 @@ pub fn quality(program: &Program, section: impl Fn(f64) -> Option<Region> + Sync
             q.worst_layer_gap = q.worst_layer_gap.max(1.0 - a.inside / a.part);
         }
     }
+    // Sparse fill lays less than it covers (see the module's text); gap and spill can be below zero by rounding.
+    [q.gap, q.overlap, q.spill] =
+        [q.gap, q.overlap, q.spill].map(|share| if share > 0.0 { share } else { 0.0 });
     q
 }
 
@@ -242,4 +251,51 @@ fn widths(layers: &[&BeadLayer]) -> [f64; 3] {
         });
         at.or(all.last()).map_or(0.0, |w| w.0)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_core::units::bead_spacing_mm;
+    use grainpath_core::{Polygon, Role};
+
+    /// Quality of straight beads 20 mm long and 0.45 mm wide, in a layer of 0.2 mm, at these distances from the lower
+    /// edge of a part of 20 x 10 mm.
+    fn measured(places_mm: impl Iterator<Item = f64>) -> Quality {
+        let volume_mm3 = (20.0 * 0.2 * bead_spacing_mm(0.45, 0.2)) as f32;
+        let beads = places_mm.map(|y| Bead {
+            a: [0.0, y as f32],
+            b: [20.0, y as f32],
+            volume_mm3,
+            speed_mm_s: 50.0,
+            role: Role::SolidFill,
+            starts: true,
+        });
+        let layer = BeadLayer { z_mm: 0.2, height_mm: 0.2, beads: beads.collect(), ..BeadLayer::default() };
+        let program = Program { layers: vec![layer], ..Program::default() };
+        let corners = [(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (0.0, 10.0)];
+        let outer = corners.map(|(x, y)| DVec2::new(x, y)).to_vec();
+        let part = Region { polygons: vec![Polygon { outer, holes: Vec::new() }] };
+        quality(&program, |_| Some(part.clone()), 0)
+    }
+
+    #[test]
+    fn beads_without_neighbours_lay_nothing_twice() {
+        let q = measured((1..10).map(f64::from));
+        assert_eq!(q.overlap.to_bits(), 0.0f64.to_bits(), "{q:?}");
+        // Nine beads of 0.45 mm on 10 mm.
+        assert!((q.gap - (1.0 - 0.405)).abs() < 0.002, "{q:?}");
+    }
+
+    #[test]
+    fn beads_laid_twice_are_overlap() {
+        let once = |i: u32| 0.5 + f64::from(i) * bead_spacing_mm(0.45, 0.2);
+        let q = measured((0..22).map(once));
+        assert!(q.overlap < 0.001, "{q:?}");
+        let twice = measured((0..22).chain(0..11).map(once));
+        // Half of the beads, 20 mm x spacing each, on 200 mm2. Round sides and ends at the border of the fill cover
+        // 2 % that no bead fills.
+        let expected = 11.0 * 20.0 * bead_spacing_mm(0.45, 0.2) / 200.0;
+        assert!((twice.overlap - expected).abs() < 0.03, "{twice:?} should be {expected}");
+    }
 }

@@ -191,8 +191,10 @@ fn numbers(r: &Report) -> Vec<(String, &'static str)> {
         (format!("{:.1} %", 100.0 * r.density), "fill density"),
     ];
     if let Some(q) = &r.quality {
-        all.push((format!("{:.2} %", 100.0 * q.gap), "of the part not covered"));
-        all.push((format!("{:.2} %", 100.0 * q.overlap), "laid twice"));
+        if r.is_dense {
+            all.push((format!("{:.2} %", 100.0 * q.gap), "of the part not covered"));
+            all.push((format!("{:.2} %", 100.0 * q.overlap), "laid twice"));
+        }
         all.push((format!("{:.2} %", 100.0 * q.spill), "outside the part"));
         let [low, middle, high] = q.bead_width_mm;
         all.push((format!("{low:.2} / {middle:.2} / {high:.2} mm"), "bead width at 1, 50, 99 %"));

@@ -35,6 +35,10 @@ pub struct Report {
     pub mass_g: f64,
     pub time_s: f64,
     pub density: f64,
+    /// Whether the fill is to leave nothing open. Only then gap and overlap are faults of the print, and only
+    /// then people are shown them; the JSON holds them always.
+    #[serde(skip)]
+    pub is_dense: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scan: Option<grainpath_imaging::scan::CtReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -363,6 +367,7 @@ impl Report {
             mass_g: round(written.mass_g, 4),
             time_s: round(written.time_s, 1),
             density: round(planned.density.fraction(), 5),
+            is_dense: planned.density.is_dense(),
             scan: planned.scan.clone(),
             dimensions: None,
             quality: None,
@@ -412,12 +417,12 @@ impl Report {
         )];
         if let Some(q) = &self.quality {
             let percent = |v: f64| format!("{:.2} %", 100.0 * v);
-            lines.push(format!(
-                "gap {}, overlap {}, spill {}",
-                percent(q.gap),
-                percent(q.overlap),
-                percent(q.spill)
-            ));
+            let spill = format!("spill {}", percent(q.spill));
+            lines.push(if self.is_dense {
+                format!("gap {}, overlap {}, {spill}", percent(q.gap), percent(q.overlap))
+            } else {
+                spill
+            });
             if let (Some(mean), Some(p95)) = (q.alignment_mean_deg, q.alignment_p95_deg) {
                 lines.push(format!(
                     "fill along the {}: {mean:.1} degrees off in the mean, {p95:.1} for 95 %",
