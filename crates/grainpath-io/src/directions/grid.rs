@@ -25,12 +25,12 @@ pub(super) struct Grid {
 
 /// A cell as read: the vector of the doubled angle, of any length, and the strength; `None` without
 /// a direction.
-pub(super) type Cell = Option<(DVec2, f64)>;
+pub(super) type GridCell = Option<(DVec2, f64)>;
 
 impl Grid {
     /// A grid of `columns` x `rows` cells, at least one of which has a direction. `cell` gives a
     /// cell by column and row from the lower left.
-    pub fn new(columns: usize, rows: usize, cell: impl Fn(usize, usize) -> Cell) -> Self {
+    pub fn new(columns: usize, rows: usize, cell: impl Fn(usize, usize) -> GridCell) -> Self {
         let n = columns * rows;
         let (mut double, mut strength) = (vec![[0.0; 2]; n], vec![0.0f32; n]);
         for row in 0..rows {

@@ -5,7 +5,7 @@ use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec2, DVec3, Warning, WarningId};
 
 use super::cloud::{Carrier, Cloud, Node, Sample, of_points, tensor};
-use super::grid::{Cell, Grid};
+use super::grid::{Grid, GridCell};
 use super::model::{
     AngleUnit, DirectionError, DirectionOptions, DirectionSummary, GridAxes, MAX_CELLS, invalid,
 };
@@ -276,7 +276,7 @@ fn grid(
         Some(s) => strength_scale(&s.fields[0].1, place)?,
         None => 1.0,
     };
-    let cell = |column: usize, row: usize| -> Cell {
+    let cell = |column: usize, row: usize| -> GridCell {
         let i = index(column, row);
         let axis = match (&reading, numbers.y) {
             (Some(reading), _) => axis_of_angle(values[i], reading.unit),
@@ -443,7 +443,7 @@ fn picture(bytes: &[u8], place: &str) -> Result<DirectionSamples, DirectionError
             "the picture has colours; an angle picture is grey, from 0 to the maximum for 0 to 180 degrees";
         return Err(invalid(place, problem));
     }
-    let cell = |column: usize, row: usize| -> Cell {
+    let cell = |column: usize, row: usize| -> GridCell {
         let k = n * ((rows - 1 - row) * columns + column);
         let strength = if alpha { f64::from(value(k + n - 1)) } else { 1.0 };
         let grey = f64::from(value(k));

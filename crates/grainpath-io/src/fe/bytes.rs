@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::io::Read;
 
+use super::problem::FeProblem;
+
 /// A type of number in a binary array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scalar {
@@ -145,7 +147,7 @@ pub(crate) fn decompress(
     compression: Compression,
     size: usize,
     out: &mut Vec<u8>,
-) -> Result<(), String> {
+) -> Result<(), FeProblem> {
     let before = out.len();
     // One byte more than expected is read, so that a block that is too long is noticed.
     let limit = size as u64 + 1;
@@ -159,7 +161,7 @@ pub(crate) fn decompress(
             // "Literals" and "Match"), so a longer claim is false. Without this test `resize` below would
             // reserve what the header claims.
             if size / 255 > packed.len() {
-                return Err(format!("a block of {} bytes cannot hold {size}", packed.len()));
+                return Err(FeProblem::PackedTooShort { packed: packed.len(), size });
             }
             out.resize(before + size, 0);
             let n =
@@ -170,10 +172,13 @@ pub(crate) fn decompress(
             n
         }
     };
-    read.map_err(|e| format!("the {compression:?} block is damaged: {e}"))?;
+    let compression = format!("{compression:?}");
+    if let Err(e) = read {
+        return Err(FeProblem::PackedDamaged { compression, reason: e.to_string() });
+    }
     match out.len() - before {
         n if n == size => Ok(()),
-        n => Err(format!("a {compression:?} block of {n} bytes where {size} should be")),
+        found => Err(FeProblem::PackedLength { compression, found, size }),
     }
 }
 

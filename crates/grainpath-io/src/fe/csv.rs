@@ -5,6 +5,7 @@
 //! columns. A table has no elements; the stress between its points is an average of the nearest eight.
 
 use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
+use super::problem::FeProblem;
 use grainpath_core::number::number;
 
 /// Header columns that are read; a wider file is not a table of stresses. The bound keeps a line without
@@ -50,14 +51,10 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
     let bytes = crate::text::skip_space(bytes);
     let mut lines = bytes.split(|&b| b == b'\n').enumerate();
     let (_, header) = lines.next().unwrap_or_default();
-    let separator = separator(header)
-        .ok_or_else(|| invalid("line 1", "a header such as x,y,z,sxx,syy,szz,sxy,syz,szx should be here"))?;
+    let separator = separator(header).ok_or_else(|| invalid("line 1", FeProblem::NoHeader))?;
     let names = names(header.trim_ascii(), separator);
     let (Some(x), Some(y)) = (axis(&names, 0), axis(&names, 1)) else {
-        return Err(invalid(
-            "line 1",
-            "the header should name columns x and y; it is the only place that says what is what",
-        ));
+        return Err(invalid("line 1", FeProblem::NoXAndY));
     };
     // A table without z is plane; its points get z = 0.
     let z = axis(&names, 2);
@@ -87,12 +84,12 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
             // Columns of words (names, dates) become NaN; a coordinate must be a number.
             let v = v.or((!needed).then_some(f64::NAN)).ok_or_else(|| {
                 let shown = String::from_utf8_lossy(&text[..text.len().min(40)]).into_owned();
-                invalid(place(), format!("found {shown:?} where a number should be, column {}", k + 1))
+                invalid(place(), FeProblem::NotANumberInColumn { found: shown, column: k + 1 })
             })?;
             row.push(v);
         }
         if row.len() < names.len() {
-            let problem = format!("{} columns where the header has {}", row.len(), names.len());
+            let problem = FeProblem::Columns { found: row.len(), wanted: names.len() };
             return Err(invalid(place(), problem));
         }
         file.nodes.push(position([row[x], row[y], z.map_or(0.0, |z| row[z])], place)?);

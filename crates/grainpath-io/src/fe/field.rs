@@ -74,8 +74,8 @@ impl StressField {
                 let (lo, hi) = node_box(e);
                 // Curved sides bulge beyond the box of their nodes. A parabola does so by an eighth at most, with
                 // its middle node at one end; elements that can be computed with stay below a tenth.
-                let room = DVec3::splat((0.1 * (hi - lo)).max_element());
-                Map::Curved(lo - room, hi + room)
+                let margin = DVec3::splat((0.1 * (hi - lo)).max_element());
+                Map::Curved(lo - margin, hi + margin)
             })
         };
         let maps: Vec<Map> = result.elements.iter().map(map).collect();

@@ -6,7 +6,8 @@
 
 use super::bytes::{Numbers, Raw, Scalar};
 use super::element::ElementKind;
-use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, array_room, invalid, position};
+use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, array_capacity, invalid, position};
+use super::problem::FeProblem;
 use grainpath_core::number::{number, whole};
 
 /// Values in one line of a record. Source: *CalculiX GraphiX User's Manual*, "Nodal Results Block",
@@ -19,7 +20,7 @@ struct Frd<'a> {
     line: usize,
     file: FeFile,
     numbers: Numbers,
-    array_room: usize,
+    array_capacity: usize,
     step: usize,
 }
 
@@ -30,7 +31,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
         line: 0,
         file: FeFile::empty(FeFormat::Frd),
         numbers: Numbers::default(),
-        array_room: array_room(bytes.len()),
+        array_capacity: array_capacity(bytes.len()),
         step: 1,
     };
     while let Some(line) = frd.next() {
@@ -74,13 +75,13 @@ impl<'a> Frd<'a> {
         format!("line {}", self.line)
     }
 
-    fn wrong(&self, found: &[u8], wanted: &str) -> FeError {
+    fn wrong(&self, found: &[u8], wanted: &'static str) -> FeError {
         let shown = String::from_utf8_lossy(found.trim_ascii()).into_owned();
-        invalid(self.place(), format!("found {shown:?} where {wanted} should be"))
+        invalid(self.place(), FeProblem::not_a(shown, wanted))
     }
 
     fn ends(&self) -> FeError {
-        invalid(self.place(), "the file ends in the middle of a block")
+        invalid(self.place(), FeProblem::BlockEnds)
     }
 
     /// Reads the number of records and the layout of a block from its first line.
@@ -167,7 +168,7 @@ impl<'a> Frd<'a> {
             let p = position([p[0], p[1], p[2]], || format!("node {node}"))?;
             // A second node of the same number would make every reference to it ambiguous.
             if frd.numbers.insert(node).is_none() {
-                return Err(invalid(format!("node {node}"), "is there twice"));
+                return Err(invalid(format!("node {node}"), FeProblem::Twice));
             }
             frd.file.nodes.push(p);
             Ok(())
@@ -241,7 +242,7 @@ impl<'a> Frd<'a> {
             10 => 8,
             11 => 2,
             12 => 3,
-            _ => return Err(invalid(self.place(), format!("element type {kind}; types are 1 to 12"))),
+            _ => return Err(invalid(self.place(), FeProblem::ElementType(kind))),
         })
     }
 
@@ -302,11 +303,12 @@ impl<'a> Frd<'a> {
         let components = component_names.len();
         // An array is as long as the mesh even if it has few records, so a small file with many results
         // could claim much memory.
-        let room = self.file.nodes.len() * components;
-        self.array_room = self.array_room.checked_sub(room).ok_or_else(|| {
-            invalid(self.place(), "the results are far larger than the file; refused as a bomb")
-        })?;
-        let mut values = vec![f64::NAN; room];
+        let n_values = self.file.nodes.len() * components;
+        self.array_capacity = self
+            .array_capacity
+            .checked_sub(n_values)
+            .ok_or_else(|| invalid(self.place(), FeProblem::Bomb("the results")))?;
+        let mut values = vec![f64::NAN; n_values];
         self.records(n, layout, components, |frd, node, tuple| {
             if let Some(i) = frd.numbers.get(node) {
                 let i = i as usize * components;

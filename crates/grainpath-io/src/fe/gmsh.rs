@@ -8,7 +8,10 @@ use std::collections::BTreeMap;
 
 use super::bytes::{Numbers, Scalar};
 use super::element::ElementKind;
-use super::model::{FeArray, FeError, FeFile, FeFormat, Group, MAX_COUNT, On, array_room, invalid, position};
+use super::model::{
+    FeArray, FeError, FeFile, FeFormat, Group, MAX_COUNT, On, array_capacity, invalid, position,
+};
+use super::problem::FeProblem;
 use crate::text::Words;
 use grainpath_core::number::whole;
 
@@ -81,7 +84,7 @@ struct Msh<'a> {
     entities: BTreeMap<(u8, i64), Vec<i64>>,
     /// Nodes of physical groups.
     physical: BTreeMap<(u8, i64), Vec<u32>>,
-    array_room: usize,
+    array_capacity: usize,
     sections: usize,
 }
 
@@ -97,11 +100,11 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
         names: BTreeMap::new(),
         entities: BTreeMap::new(),
         physical: BTreeMap::new(),
-        array_room: array_room(bytes.len()),
+        array_capacity: array_capacity(bytes.len()),
         sections: 0,
     };
     msh.walk()?;
-    msh.finish(array_room(bytes.len()))
+    msh.finish(array_capacity(bytes.len()))
 }
 
 impl<'a> Msh<'a> {
@@ -118,7 +121,7 @@ impl<'a> Msh<'a> {
                 b"$Elements" if self.version == 2 => self.elements_2()?,
                 b"$Elements" if self.version == 4 => self.elements_4()?,
                 b"$Nodes" | b"$Elements" => {
-                    return Err(invalid(self.words.place(), "no $MeshFormat before it"));
+                    return Err(invalid(self.words.place(), FeProblem::NoMeshFormat));
                 }
                 b"$NodeData" => self.data(On::Nodes, false)?,
                 b"$ElementData" => self.data(On::Elements, false)?,
@@ -144,7 +147,7 @@ impl<'a> Msh<'a> {
         // The manual fixes data-size to sizeof(double) = 8; another value would shift every binary
         // record.
         if self.words.count("the size of a number")? != 8 {
-            return Err(invalid(self.words.place(), "numbers should be of 8 bytes"));
+            return Err(invalid(self.words.place(), FeProblem::NumberSize));
         }
         if self.binary {
             self.words.next_line();
@@ -153,7 +156,7 @@ impl<'a> Msh<'a> {
             self.big = match one {
                 [1, 0, 0, 0] => false,
                 [0, 0, 0, 1] => true,
-                _ => return Err(invalid("$MeshFormat", "the number 1 in binary is missing")),
+                _ => return Err(invalid("$MeshFormat", FeProblem::NoBinaryOne)),
             };
         }
         Ok(())
@@ -176,9 +179,7 @@ impl<'a> Msh<'a> {
     fn number(&mut self, scalar: Scalar, wanted: &'static str) -> Result<f64, FeError> {
         if self.binary {
             let raw = self.words.raw(scalar.bytes());
-            let raw = raw.ok_or_else(|| {
-                invalid(self.words.place(), format!("the file ends where {wanted} should be"))
-            })?;
+            let raw = raw.ok_or_else(|| invalid(self.words.place(), FeProblem::EndsBefore(wanted)))?;
             return Ok(scalar.all(raw, self.big)[0]);
         }
         Ok(self.words.number(wanted)?)
@@ -191,13 +192,13 @@ impl<'a> Msh<'a> {
         if value.fract() == 0.0 && value.abs() < 9e15 {
             return Ok(value as i64);
         }
-        Err(invalid(self.words.place(), format!("found {value} where {wanted} should be")))
+        Err(invalid(self.words.place(), FeProblem::Unexpected { found: value, wanted }))
     }
 
     fn count(&mut self, scalar: Scalar, wanted: &'static str) -> Result<usize, FeError> {
         let n = self.tag(scalar, wanted)?;
         if n < 0 {
-            return Err(invalid(self.words.place(), format!("found {n} where {wanted} should be")));
+            return Err(invalid(self.words.place(), FeProblem::Unexpected { found: n as f64, wanted }));
         }
         if n as u64 > MAX_COUNT {
             return Err(FeError::TooMany { what: wanted, limit: MAX_COUNT });
@@ -272,7 +273,7 @@ impl<'a> Msh<'a> {
         // Gmsh repeats the mesh before each result it appends to a file, so the same node may come again.
         match self.node_numbers.get(tag) {
             Some(i) if self.file.nodes[i as usize] == p => return Ok(()),
-            Some(_) => return Err(invalid(format!("node {tag}"), "is there twice, at different places")),
+            Some(_) => return Err(invalid(format!("node {tag}"), FeProblem::TwiceElsewhere)),
             None => {}
         }
         if self.node_numbers.insert(tag).is_none() {
@@ -435,7 +436,7 @@ impl<'a> Msh<'a> {
         for i in 0..self.words.count("the number of texts")?.min(MAX_COUNT) {
             self.words.next_line();
             if self.words.at_end() {
-                return Err(invalid(self.words.place(), "the file ends in the head of a result"));
+                return Err(invalid(self.words.place(), FeProblem::HeadEnds));
             }
             let text = self.words.rest_of_line();
             if i == 0 {
@@ -458,18 +459,19 @@ impl<'a> Msh<'a> {
         }
         // Gmsh writes scalars (1), vectors (3) and tensors (9); more would be damage.
         if !(1..=9).contains(&components) || n > MAX_COUNT {
-            let problem = format!("{components} components for {n} tuples; 1 to 9 should be");
+            let problem = FeProblem::Components { components, n };
             return Err(invalid(self.words.place(), problem));
         }
         self.begin_data();
         let tuples = if on == On::Nodes { self.file.nodes.len() } else { self.file.elements.len() };
         // The array is as long as the mesh however few tuples the section holds. Without this bound many
         // small sections would exhaust memory.
-        let room = tuples * components;
-        self.array_room = self.array_room.checked_sub(room).ok_or_else(|| {
-            invalid(self.words.place(), "the results are far larger than the file; refused as a bomb")
-        })?;
-        let mut values = vec![f64::NAN; room];
+        let n_values = tuples * components;
+        self.array_capacity = self
+            .array_capacity
+            .checked_sub(n_values)
+            .ok_or_else(|| invalid(self.words.place(), FeProblem::Bomb("the results")))?;
+        let mut values = vec![f64::NAN; n_values];
         if of_elements {
             self.element_nodes(&mut values, components, n)?;
         } else {
@@ -532,7 +534,7 @@ impl<'a> Msh<'a> {
         Ok(())
     }
 
-    fn finish(mut self, room: usize) -> Result<FeFile, FeError> {
+    fn finish(mut self, capacity: usize) -> Result<FeFile, FeError> {
         for ((dimension, tag), mut nodes) in std::mem::take(&mut self.physical) {
             nodes.sort_unstable();
             nodes.dedup();
@@ -544,8 +546,8 @@ impl<'a> Msh<'a> {
         // that growth too.
         let (n_nodes, n_elements) = (self.file.nodes.len(), self.file.elements.len());
         let components: usize = self.file.arrays.iter().map(|a| a.components).sum();
-        if components.saturating_mul(n_nodes.max(n_elements)) > room {
-            return Err(invalid("MSH", "the results are far larger than the file; refused as a bomb"));
+        if components.saturating_mul(n_nodes.max(n_elements)) > capacity {
+            return Err(invalid("MSH", FeProblem::Bomb("the results")));
         }
         for a in &mut self.file.arrays {
             let n = if a.on == On::Nodes { n_nodes } else { n_elements };

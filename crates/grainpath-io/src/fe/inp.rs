@@ -9,7 +9,8 @@
 use super::bytes::Numbers;
 use super::deck::{Behaviour, BodyLoad, Deck, Elastic, FaceLoad, Fixed, Material, PointLoad, Section, Step};
 use super::element::ElementKind;
-use super::model::{FeError, FeFile, FeFormat, Group, array_room, invalid, position};
+use super::model::{FeError, FeFile, FeFormat, Group, array_capacity, invalid, position};
+use super::problem::FeProblem;
 use grainpath_core::number::{number, whole};
 use grainpath_core::{Warning, WarningId};
 
@@ -100,13 +101,11 @@ fn value(line: usize, field: &[u8]) -> Result<f64, FeError> {
         number(&text)
     };
     let v = number(field).or_else(fortran).filter(|v| v.is_finite());
-    v.ok_or_else(|| invalid(place(line), format!("found {:?} where a number should be", shown(field))))
+    v.ok_or_else(|| invalid(place(line), FeProblem::not_a(shown(field), "a number")))
 }
 
 fn integer(line: usize, field: &[u8]) -> Result<i64, FeError> {
-    whole(field).ok_or_else(|| {
-        invalid(place(line), format!("found {:?} where a whole number should be", shown(field)))
-    })
+    whole(field).ok_or_else(|| invalid(place(line), FeProblem::not_a(shown(field), "a whole number")))
 }
 
 /// Adds to a set and keeps it ascending. Blocks that follow each other are appended without sorting.
@@ -127,7 +126,7 @@ struct Inp {
     nodes: Numbers,
     elements: Numbers,
     /// Entries that sets and loads may still take.
-    room: usize,
+    capacity: usize,
     /// The material to which ELASTIC and DENSITY belong.
     material: Option<usize>,
     in_step: bool,
@@ -140,7 +139,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
         deck: Deck::default(),
         nodes: Numbers::default(),
         elements: Numbers::default(),
-        room: array_room(bytes.len()),
+        capacity: array_capacity(bytes.len()),
         material: None,
         in_step: false,
         parts: 0,
@@ -289,10 +288,11 @@ impl Inp {
     }
 
     /// Takes `n` entries of sets and loads from the budget.
-    fn take_room(&mut self, n: usize, line: usize) -> Result<(), FeError> {
-        self.room = self.room.checked_sub(n).ok_or_else(|| {
-            invalid(place(line), "sets and loads are far larger than the file; refused as a bomb")
-        })?;
+    fn take_capacity(&mut self, n: usize, line: usize) -> Result<(), FeError> {
+        self.capacity = self
+            .capacity
+            .checked_sub(n)
+            .ok_or_else(|| invalid(place(line), FeProblem::Bomb("sets and loads")))?;
         Ok(())
     }
 
@@ -369,14 +369,14 @@ impl Inp {
                 goes_on = line.ends_with(b",");
             }
             if nodes.len() < wanted {
-                let problem =
-                    format!("element {element} has {} nodes; {kind_name} has {wanted}", nodes.len());
+                let (found, kind) = (nodes.len(), kind_name.to_string());
+                let problem = FeProblem::ElementNodes { element, found, kind, wanted };
                 return Err(invalid(place(n), problem));
             }
             // Elements that are not read get no index: loads and sets that name them skip them.
             if self.file.add(kind, &nodes) {
                 let Some(index) = self.elements.insert(element) else {
-                    return Err(invalid(place(n), format!("element {element} is there twice")));
+                    return Err(invalid(place(n), FeProblem::ElementTwice(element)));
                 };
                 self.deck.element_numbers.push(element);
                 self.deck.behaviours.push(behaviour);
@@ -392,7 +392,7 @@ impl Inp {
     fn set(&mut self, b: &Block<'_>, of_nodes: bool) -> Result<(), FeError> {
         let parameter = if of_nodes { "NSET" } else { "ELSET" };
         let Some(name) = b.name(parameter) else {
-            return Err(invalid(place(b.line), format!("*{parameter} needs {parameter}=NAME")));
+            return Err(invalid(place(b.line), FeProblem::NeedsName(parameter)));
         };
         let mut found = Vec::new();
         for &(n, line) in &b.data {
@@ -420,7 +420,7 @@ impl Inp {
                     let inside = |&(_, v): &(usize, &i64)| (low..=high).contains(v) && (v - low) % step == 0;
                     found.extend(numbers.iter().enumerate().filter(inside).map(|(i, _)| i as u32));
                 }
-                self.take_room(found.len() - before + 1, n)?;
+                self.take_capacity(found.len() - before + 1, n)?;
                 continue;
             }
             for f in all {
@@ -432,12 +432,12 @@ impl Inp {
                         let sets = if of_nodes { &self.deck.node_sets } else { &self.deck.element_sets };
                         // A set may hold other sets, which must come first.
                         let other = sets.get(&shown(f).to_ascii_uppercase());
-                        let other = other
-                            .ok_or_else(|| invalid(place(n), format!("no set {:?} before here", shown(f))))?;
+                        let other =
+                            other.ok_or_else(|| invalid(place(n), FeProblem::NoSetBefore(shown(f))))?;
                         // Sets of sets double with each line, so their size counts against the budget.
                         found.extend_from_slice(other);
                         let taken = other.len();
-                        self.take_room(taken, n)?;
+                        self.take_capacity(taken, n)?;
                     }
                 }
             }
@@ -480,22 +480,19 @@ impl Inp {
         let known = label.first().is_some_and(|c| matches!(c.to_ascii_uppercase(), b'S' | b'P'));
         match n {
             Some(n) if known => Ok((n - 1) as u8),
-            _ => Err(invalid(
-                place(line),
-                format!("found {:?} where a face of a {} should be", shown(label), kind.name()),
-            )),
+            _ => Err(invalid(place(line), FeProblem::NotAFace { found: shown(label), element: kind.name() })),
         }
     }
 
     fn nodes_named(&mut self, line: usize, field: &[u8]) -> Result<Vec<u32>, FeError> {
         let found = match whole(field) {
-            Some(v) => vec![self.nodes.get(v).ok_or_else(|| invalid(place(line), format!("no node {v}")))?],
+            Some(v) => vec![self.nodes.get(v).ok_or_else(|| invalid(place(line), FeProblem::NoNode(v)))?],
             None => {
                 let set = self.deck.node_sets.get(&shown(field).to_ascii_uppercase());
-                set.ok_or_else(|| invalid(place(line), format!("no node set {:?}", shown(field))))?.clone()
+                set.ok_or_else(|| invalid(place(line), FeProblem::no("node set", shown(field))))?.clone()
             }
         };
-        self.take_room(found.len(), line)?;
+        self.take_capacity(found.len(), line)?;
         Ok(found)
     }
 
@@ -505,10 +502,10 @@ impl Inp {
             Some(v) => self.elements.get(v).into_iter().collect(),
             None => {
                 let set = self.deck.element_sets.get(&shown(field).to_ascii_uppercase());
-                set.ok_or_else(|| invalid(place(line), format!("no element set {:?}", shown(field))))?.clone()
+                set.ok_or_else(|| invalid(place(line), FeProblem::no("element set", shown(field))))?.clone()
             }
         };
-        self.take_room(found.len(), line)?;
+        self.take_capacity(found.len(), line)?;
         Ok(found)
     }
 
@@ -567,7 +564,7 @@ impl Inp {
                     (((first.max(1))..=last.min(6)).map(|d| (d - 1) as u8).collect(), v)
                 }
             };
-            self.take_room(nodes.len() * axes.len(), n)?;
+            self.take_capacity(nodes.len() * axes.len(), n)?;
             fixed.extend(
                 nodes.iter().flat_map(|&node| axes.iter().map(move |&axis| Fixed { node, axis, value: v })),
             );
@@ -583,7 +580,7 @@ impl Inp {
     fn step(&mut self, b: &Block<'_>) -> Result<&mut Step, FeError> {
         let line = b.line;
         let keyword = &b.keyword;
-        self.deck.steps.last_mut().ok_or_else(|| invalid(place(line), format!("*{keyword} before any *STEP")))
+        self.deck.steps.last_mut().ok_or_else(|| invalid(place(line), FeProblem::BeforeStep(keyword.clone())))
     }
 
     fn cload(&mut self, b: &Block<'_>) -> Result<(), FeError> {
@@ -641,9 +638,9 @@ impl Inp {
             let all: Vec<&[u8]> = fields(line).collect();
             let name = shown(all[0]).to_ascii_uppercase();
             let Some(faces) = self.deck.surfaces.get(&name).cloned() else {
-                return Err(invalid(place(n), format!("no surface {name:?}")));
+                return Err(invalid(place(n), FeProblem::no("surface", name)));
             };
-            self.take_room(faces.len(), n)?;
+            self.take_capacity(faces.len(), n)?;
             // Other labels are tractions with directions of their own.
             if !all.get(1).is_some_and(|l| l.eq_ignore_ascii_case(b"P")) {
                 self.ignore("DSLOAD other than P");

@@ -5,6 +5,7 @@
 
 use super::element::ElementKind;
 use super::model::{FeError, FeFile, FeFormat, MAX_COUNT, invalid, position};
+use super::problem::FeProblem;
 use crate::text::Words;
 use grainpath_core::number::{number, whole};
 
@@ -19,7 +20,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
             b"Dimension" => {
                 dimension = words.count("a dimension")?;
                 if !(2..=3).contains(&dimension) {
-                    return Err(invalid(words.place(), format!("dimension {dimension} should be 2 or 3")));
+                    return Err(invalid(words.place(), FeProblem::Dimension(dimension)));
                 }
                 continue;
             }

@@ -27,6 +27,7 @@ mod inp;
 mod medit;
 mod model;
 mod nodal_forces;
+mod problem;
 mod result;
 mod vtk;
 mod vtu;
@@ -39,6 +40,7 @@ pub use element::{ElementKind, MAX_NODES, Shape};
 pub use field::{Location, StressField};
 pub use grainpath_core::tensor::{Principal, principal, von_mises};
 pub use model::{Element, FeArray, FeError, FeFile, FeFormat, Group, On};
+pub use problem::FeProblem;
 pub use result::{FeOptions, FeResult, Order, StressUnit};
 pub use write::{Encoding, PointData, VtuMesh, stress_point_data, write_vtu};
 

@@ -4,6 +4,7 @@ use grainpath_core::{DVec3, Warning};
 
 use super::deck::Deck;
 use super::element::{ElementKind, MAX_NODES};
+use super::problem::FeProblem;
 use crate::position::BadCoordinate;
 use crate::text::TextError;
 
@@ -237,7 +238,7 @@ pub enum FeError {
     #[error(transparent)]
     BadCoordinate(#[from] BadCoordinate),
     #[error("{place}: {problem}")]
-    Invalid { place: String, problem: String },
+    Invalid { place: String, problem: Box<FeProblem> },
     #[error("{what}: grainpath reads {reads}")]
     Unsupported { what: String, reads: &'static str },
     #[error("element {element}: node {node} does not exist")]
@@ -252,8 +253,8 @@ pub enum FeError {
     TooMany { what: &'static str, limit: u64 },
 }
 
-pub(super) fn invalid(place: impl Into<String>, problem: impl Into<String>) -> FeError {
-    FeError::Invalid { place: place.into(), problem: problem.into() }
+pub(super) fn invalid(place: impl Into<String>, problem: FeProblem) -> FeError {
+    FeError::Invalid { place: place.into(), problem: Box::new(problem) }
 }
 
 /// Limit on nodes, elements and groups of a file. Source: derived. Indices are 32 bits wide, and a mesh of this size takes
@@ -267,6 +268,6 @@ pub(super) fn position(p: [f64; 3], place: impl Fn() -> String) -> Result<DVec3,
 
 /// Numbers that all arrays of a file of this size may hold together, after missing tuples are filled with
 /// NaN. Eight numbers a byte leave room for sparse results and bound the memory at 64 times the file.
-pub(super) fn array_room(n_bytes: usize) -> usize {
+pub(super) fn array_capacity(n_bytes: usize) -> usize {
     n_bytes.saturating_mul(8).max(1 << 20)
 }

@@ -9,6 +9,7 @@ use grainpath_core::DVec3;
 use super::deck::{Behaviour, Deck};
 use super::element::ElementKind;
 use super::model::{Element, FeError, FeFile, invalid};
+use super::problem::FeProblem;
 
 impl FeFile {
     /// Forces on every node in a step of the deck, in the deck's unit of force. Forces on nodes are taken
@@ -21,7 +22,7 @@ impl FeFile {
         let deck = self.deck.as_deref();
         let (deck, step) = deck
             .and_then(|d| Some((d, d.steps.get(step)?)))
-            .ok_or_else(|| invalid(format!("step {}", step + 1), "the file has no such step"))?;
+            .ok_or_else(|| invalid(format!("step {}", step + 1), FeProblem::NoStep))?;
         let mut forces = vec![DVec3::ZERO; self.nodes.len()];
         // Axes 3 to 5 are moments.
         for load in step.point_loads.iter().filter(|l| l.axis < 3) {
@@ -97,7 +98,7 @@ impl FeFile {
             _ => match deck.section_of(element) {
                 // Abaqus and CalculiX take a plane element without a stated thickness as 1 thick.
                 Some((_, thickness)) => Ok(thickness.unwrap_or(1.0)),
-                None => Err(invalid(place(), "has no section")),
+                None => Err(invalid(place(), FeProblem::NoSection)),
             },
         }
     }

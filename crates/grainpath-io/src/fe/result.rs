@@ -10,6 +10,7 @@ use grainpath_core::units::LengthUnit;
 use grainpath_core::{DVec3, Warning, WarningId};
 
 use super::model::{Element, FeArray, FeError, FeFile, FeFormat, On, invalid};
+use super::problem::FeProblem;
 use grainpath_core::tensor::von_mises;
 
 /// Peak stress in MPa above which the unit is doubted. No printed part bears as much; only a warning
@@ -229,17 +230,14 @@ impl FeFile {
             }
         }
         if top > 0 && elements.is_empty() {
-            return Err(invalid(
-                format!("array {:?}", choice.label),
-                "no element has finite values at all its nodes",
-            ));
+            return Err(invalid(format!("array {:?}", choice.label), FeProblem::NoFiniteElement));
         }
         if without > 0 {
             let text = format!("{without} elements have no finite stress at some node and are left out");
             warnings.push(Warning::new(WarningId::FeLeftOut, text));
         }
         if top == 0 && !stress.iter().any(whole) {
-            return Err(invalid(format!("array {:?}", choice.label), "no point has finite values"));
+            return Err(invalid(format!("array {:?}", choice.label), FeProblem::NoFinitePoint));
         }
         let displacement = self.displacement(options.step).map(|a| {
             let c = a.components;
@@ -318,7 +316,7 @@ impl FeFile {
             let last = self.arrays.iter().filter_map(|a| a.step).max().unwrap_or(1);
             // A file with one step may leave its arrays without a number; step 1 is that one.
             if step != 1 || last != 1 {
-                return Err(invalid(format!("step {step}"), format!("there are steps 1 to {last}")));
+                return Err(invalid(format!("step {step}"), FeProblem::NoSuchStep { last }));
             }
         }
         let named = options.stress_array.as_deref();

@@ -7,12 +7,13 @@
 use super::bytes::Scalar;
 use super::element::ElementKind;
 use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
+use super::problem::FeProblem;
 use crate::text::Words;
 use grainpath_core::number::number;
 use grainpath_core::{Warning, WarningId};
 
 /// Cells as VTK lists them. Their nodes count from `first_node` of the file.
-pub(crate) struct Cells<'a> {
+pub(crate) struct VtkCells<'a> {
     pub(crate) first_node: usize,
     pub(crate) n_nodes: usize,
     pub(crate) connectivity: &'a [f64],
@@ -22,16 +23,15 @@ pub(crate) struct Cells<'a> {
 }
 
 /// Adds cells as elements. Returns the indices of the cells that were added.
-pub(crate) fn add_cells(file: &mut FeFile, cells: Cells<'_>) -> Result<Vec<usize>, FeError> {
+pub(crate) fn add_cells(file: &mut FeFile, cells: VtkCells<'_>) -> Result<Vec<usize>, FeError> {
     let mut kept = Vec::with_capacity(cells.types.len());
     let mut start = 0usize;
     let mut nodes = Vec::new();
     for (i, (&end, &kind)) in cells.ends.iter().zip(cells.types).enumerate() {
         let element = || format!("{i} (from 0)");
         let all = cells.connectivity.get(start..end as usize).filter(|_| end >= 0.0);
-        let all = all.ok_or_else(|| {
-            invalid(format!("cell {i}"), format!("its nodes {start} to {end} are not in the connectivity"))
-        })?;
+        let all = all
+            .ok_or_else(|| invalid(format!("cell {i}"), FeProblem::NotConnected { from: start, to: end }))?;
         start = end as usize;
         nodes.clear();
         for &n in all {
@@ -166,9 +166,12 @@ impl Vtk<'_> {
         // Sections may come in any order, so cells become elements at the end of the file.
         let n_cells = self.types.len();
         if self.ends.len() != n_cells {
-            return Err(invalid("CELLS", format!("{} cells, but {n_cells} types", self.ends.len())));
+            return Err(invalid(
+                "CELLS",
+                FeProblem::CellsAndTypes { cells: self.ends.len(), types: n_cells },
+            ));
         }
-        let cells = Cells {
+        let cells = VtkCells {
             first_node: 0,
             n_nodes: self.file.nodes.len(),
             connectivity: &self.connectivity,
@@ -230,9 +233,7 @@ impl Vtk<'_> {
             // would eat bytes of data.
             self.words.next_line();
             let raw = n.checked_mul(scalar.bytes()).and_then(|n| self.words.raw(n));
-            let raw = raw.ok_or_else(|| {
-                invalid(self.words.place(), format!("{n} numbers should follow, the file ends before"))
-            })?;
+            let raw = raw.ok_or_else(|| invalid(self.words.place(), FeProblem::NumbersMissing(n)))?;
             // Legacy VTK is always big endian.
             return Ok(scalar.all(raw, true));
         }
@@ -271,8 +272,7 @@ impl Vtk<'_> {
             let count = all.get(at).copied().unwrap_or(-1.0);
             let nodes =
                 all.get(at + 1..).and_then(|rest| rest.get(..count as usize)).filter(|_| count >= 0.0);
-            let nodes =
-                nodes.ok_or_else(|| invalid(format!("cell {i}"), "the list of cells ends before it"))?;
+            let nodes = nodes.ok_or_else(|| invalid(format!("cell {i}"), FeProblem::ListEnds))?;
             self.connectivity.extend_from_slice(nodes);
             self.ends.push(self.connectivity.len() as f64);
             at += 1 + nodes.len();

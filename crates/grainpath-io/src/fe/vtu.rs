@@ -14,7 +14,8 @@ use quick_xml::events::{BytesStart, Event};
 
 use super::bytes::{Compression, Raw, Scalar, base64, decompress};
 use super::model::{FeArray, FeError, FeFile, FeFormat, MAX_COUNT, On, invalid, position};
-use super::vtk::{Cells, add_cells};
+use super::problem::FeProblem;
+use super::vtk::{VtkCells, add_cells};
 use crate::text::skip_space;
 use grainpath_core::number::number;
 
@@ -38,7 +39,7 @@ struct Style {
 
 /// The part of a piece in which an array stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Section {
+enum ArrayPlace {
     Other,
     PointData,
     CellData,
@@ -57,7 +58,7 @@ struct Head {
 }
 
 struct Array {
-    section: Section,
+    section: ArrayPlace,
     name: String,
     components: usize,
     component_names: Vec<String>,
@@ -101,7 +102,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<FeFile, FeError> {
     };
     vtu.walk(head)?;
     if vtu.pieces == 0 {
-        return Err(invalid("VTU", "no <Piece> in it"));
+        return Err(invalid("VTU", FeProblem::NoPiece));
     }
     Ok(vtu.file)
 }
@@ -113,7 +114,7 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<Appended<'_>>), FeError> {
     // vain.
     let Some(at) = bytes.windows(word.len()).position(|w| w == word) else { return Ok((bytes, None)) };
     let rest = &bytes[at..];
-    let broken = || invalid("AppendedData", "no `_` before the data");
+    let broken = || invalid("AppendedData", FeProblem::NoUnderscore);
     let end = rest.iter().position(|&b| b == b'>').ok_or_else(broken)?;
     // The attribute `encoding` is raw unless it says base64.
     let raw = !rest[..end].windows(6).any(|w| w == b"base64");
@@ -131,19 +132,19 @@ impl<'a> Vtu<'a> {
         // The XML ends before the appended data, so the closing tags are missing.
         xml.config_mut().check_end_names = false;
         let mut buffer = Vec::new();
-        let mut section = Section::Other;
+        let mut section = ArrayPlace::Other;
         let mut open: Option<Head> = None;
         let mut text: Vec<u8> = Vec::new();
         loop {
             let at = xml.buffer_position();
             let event = xml
                 .read_event_into(&mut buffer)
-                .map_err(|e| invalid(format!("VTU, byte {at}"), e.to_string()))?;
+                .map_err(|e| invalid(format!("VTU, byte {at}"), FeProblem::Xml(e.to_string())))?;
             match event {
                 Event::Eof => return Ok(()),
                 Event::DocType(_) => {
                     // A document type could define entities that expand without bound.
-                    return Err(invalid("VTU", "a document type definition, which VTU has not"));
+                    return Err(invalid("VTU", FeProblem::DocumentType));
                 }
                 Event::Start(e) => {
                     self.start(&e, &mut section)?;
@@ -157,7 +158,7 @@ impl<'a> Vtu<'a> {
                     let was = section;
                     self.start(&e, &mut section)?;
                     section = was;
-                    if e.local_name().as_ref() == "DataArray" && section != Section::Other {
+                    if e.local_name().as_ref() == "DataArray" && section != ArrayPlace::Other {
                         self.array(section, head_of(&e)?, &[])?;
                     }
                     if e.local_name().as_ref() == "Piece" {
@@ -167,18 +168,20 @@ impl<'a> Vtu<'a> {
                 // A DataArray may hold InformationKey elements with text of their own. Data come in one
                 // run before them.
                 Event::Text(t)
-                    if open.is_some() && section != Section::Other && skip_space(&text).is_empty() =>
+                    if open.is_some() && section != ArrayPlace::Other && skip_space(&text).is_empty() =>
                 {
                     text.extend_from_slice(t.as_ref().as_bytes());
                 }
                 Event::End(e) => match e.local_name().as_ref() {
                     "DataArray" => {
-                        if let (Some(head), true) = (open.take(), section != Section::Other) {
+                        if let (Some(head), true) = (open.take(), section != ArrayPlace::Other) {
                             self.array(section, head, &text)?;
                         }
                         text.clear();
                     }
-                    "PointData" | "CellData" | "Points" | "Cells" | "FieldData" => section = Section::Other,
+                    "PointData" | "CellData" | "Points" | "Cells" | "FieldData" => {
+                        section = ArrayPlace::Other
+                    }
                     "Piece" => self.end_piece()?,
                     _ => {}
                 },
@@ -188,7 +191,7 @@ impl<'a> Vtu<'a> {
         }
     }
 
-    fn start(&mut self, e: &BytesStart<'_>, section: &mut Section) -> Result<(), FeError> {
+    fn start(&mut self, e: &BytesStart<'_>, section: &mut ArrayPlace) -> Result<(), FeError> {
         match e.local_name().as_ref() {
             "VTKFile" => self.header(e)?,
             // Counts above the limit are refused before memory depends on them.
@@ -196,7 +199,12 @@ impl<'a> Vtu<'a> {
                 let count = |name: &str| {
                     let text = attribute(e, name).unwrap_or_default();
                     let n = text.trim().parse::<u64>().ok().filter(|&n| n <= MAX_COUNT);
-                    n.ok_or_else(|| invalid("Piece", format!("{name} = {text:?} should be a count")))
+                    n.ok_or_else(|| {
+                        invalid(
+                            "Piece",
+                            FeProblem::NotACount { name: name.to_owned(), text: text.to_string() },
+                        )
+                    })
                 };
                 (self.n_points, self.n_cells) = (count("NumberOfPoints")?, count("NumberOfCells")?);
                 self.pieces += 1;
@@ -205,11 +213,11 @@ impl<'a> Vtu<'a> {
                 }
                 self.piece.clear();
             }
-            "PointData" => *section = Section::PointData,
-            "CellData" => *section = Section::CellData,
-            "Points" => *section = Section::Points,
-            "Cells" => *section = Section::Cells,
-            "FieldData" => *section = Section::Other,
+            "PointData" => *section = ArrayPlace::PointData,
+            "CellData" => *section = ArrayPlace::CellData,
+            "Points" => *section = ArrayPlace::Points,
+            "Cells" => *section = ArrayPlace::Cells,
+            "FieldData" => *section = ArrayPlace::Other,
             _ => {}
         }
         Ok(())
@@ -240,7 +248,7 @@ impl<'a> Vtu<'a> {
     }
 
     /// Decodes an array of the current piece.
-    fn array(&mut self, section: Section, head: Head, text: &[u8]) -> Result<(), FeError> {
+    fn array(&mut self, section: ArrayPlace, head: Head, text: &[u8]) -> Result<(), FeError> {
         let place = || format!("array {:?}", head.name);
         // Arrays of strings hold no numbers and are skipped.
         let Some(scalar) = head.scalar else { return Ok(()) };
@@ -250,7 +258,7 @@ impl<'a> Vtu<'a> {
                 let value = |w: &[u8]| {
                     number(w).ok_or_else(|| {
                         let shown = String::from_utf8_lossy(&w[..w.len().min(40)]).into_owned();
-                        invalid(place(), format!("found {shown:?} where a number should be"))
+                        invalid(place(), FeProblem::not_a(shown, "a number"))
                     })
                 };
                 words.map(value).collect::<Result<Vec<f64>, _>>()?
@@ -260,23 +268,21 @@ impl<'a> Vtu<'a> {
                 scalar.all(&decoded, self.style.big)
             }
             "appended" => {
-                let offset =
-                    head.offset.ok_or_else(|| invalid(place(), "appended, but without an offset"))?;
+                let offset = head.offset.ok_or_else(|| invalid(place(), FeProblem::NoOffset))?;
                 let Some(appended) = &self.appended else {
-                    return Err(invalid(place(), "appended, but the file has no AppendedData"));
+                    return Err(invalid(place(), FeProblem::NoAppendedData));
                 };
                 let bytes: &'a [u8] = appended.bytes;
                 let raw = appended.raw;
                 // Offsets count from the byte after the underscore.
-                let bytes = bytes.get(offset..).ok_or_else(|| {
-                    invalid(place(), format!("begins at {offset}, behind the end of the file"))
-                })?;
+                let bytes =
+                    bytes.get(offset..).ok_or_else(|| invalid(place(), FeProblem::BeginsBehind(offset)))?;
                 let source = if raw { Source::Raw(bytes) } else { Source::Base64(skip_space(bytes)) };
                 let decoded = self.decode(&place(), scalar, source)?;
                 scalar.all(&decoded, self.style.big)
             }
             other => {
-                return Err(invalid(place(), format!("format {other:?} is not ascii, binary or appended")));
+                return Err(invalid(place(), FeProblem::UnknownFormat(other.to_owned())));
             }
         };
         if self.piece.len() >= MAX_ARRAYS {
@@ -292,9 +298,9 @@ impl<'a> Vtu<'a> {
         let style = self.style;
         // Every array draws on the same budget, so that many small bombs count as one large one.
         let limit = self.numbers_left.saturating_mul(scalar.bytes());
-        let bomb = || invalid(place, "with it the arrays are far larger than the file; refused as a bomb");
+        let bomb = || invalid(place, FeProblem::Bomb("with it the arrays"));
         let word = if style.wide_header { Scalar::U64 } else { Scalar::U32 };
-        let cut = || invalid(place, "the data end in the middle");
+        let cut = || invalid(place, FeProblem::DataEnd);
         // A header is at least one number. In base64 the data may follow in the same group of four
         // characters, so more than the header may be decoded.
         let take = |source: Source<'_>, n: usize| match source {
@@ -305,7 +311,7 @@ impl<'a> Vtu<'a> {
             let header = take(source, word.bytes());
             let n = (Raw { bytes: &header, big: style.big })
                 .number(word)
-                .ok_or_else(|| if header.is_empty() { invalid(place, "no data") } else { cut() })?
+                .ok_or_else(|| if header.is_empty() { invalid(place, FeProblem::NoData) } else { cut() })?
                 as usize;
             let held = match source {
                 Source::Raw(bytes) => bytes.len(),
@@ -379,38 +385,44 @@ impl<'a> Vtu<'a> {
         let piece = std::mem::take(&mut self.piece);
         let first_node = self.file.nodes.len();
         let n = self.n_points as usize;
-        let find = |section: Section, name: &str| {
+        let find = |section: ArrayPlace, name: &str| {
             piece
                 .iter()
                 .find(|a| a.section == section && (name.is_empty() || a.name.eq_ignore_ascii_case(name)))
         };
         if n > 0 {
-            let points = find(Section::Points, "").ok_or_else(|| invalid("Piece", "has no Points"))?;
+            let points = find(ArrayPlace::Points, "").ok_or_else(|| invalid("Piece", FeProblem::NoPoints))?;
             if points.values.len() != 3 * n {
                 let found = points.values.len();
-                return Err(invalid("Points", format!("{found} numbers where {} should be", 3 * n)));
+                return Err(invalid("Points", FeProblem::Numbers { found, wanted: 3 * n }));
             }
             for (i, p) in points.values.chunks_exact(3).enumerate() {
                 self.file.nodes.push(position([p[0], p[1], p[2]], || format!("point {i}"))?);
             }
         }
         // Pieces without cells may leave the section out.
-        let cells = |name: &str| find(Section::Cells, name).map_or(&[][..], |a| &a.values);
+        let cells = |name: &str| find(ArrayPlace::Cells, name).map_or(&[][..], |a| &a.values);
         let (connectivity, offsets, types) = (cells("connectivity"), cells("offsets"), cells("types"));
         if self.n_cells as usize != offsets.len() || offsets.len() != types.len() {
             return Err(invalid(
                 "Cells",
-                format!("{} offsets and {} types for {} cells", offsets.len(), types.len(), self.n_cells),
+                FeProblem::OffsetsAndTypes {
+                    offsets: offsets.len(),
+                    types: types.len(),
+                    cells: self.n_cells,
+                },
             ));
         }
         let first_element = self.file.elements.len();
-        let kept =
-            add_cells(&mut self.file, Cells { first_node, n_nodes: n, connectivity, ends: offsets, types })?;
+        let kept = add_cells(
+            &mut self.file,
+            VtkCells { first_node, n_nodes: n, connectivity, ends: offsets, types },
+        )?;
         let n_elements = self.file.elements.len();
         for array in piece {
             let (on, n_tuples) = match array.section {
-                Section::PointData => (On::Nodes, n),
-                Section::CellData => (On::Elements, self.n_cells as usize),
+                ArrayPlace::PointData => (On::Nodes, n),
+                ArrayPlace::CellData => (On::Elements, self.n_cells as usize),
                 _ => continue,
             };
             let c = array.components;
@@ -448,7 +460,7 @@ impl<'a> Vtu<'a> {
         let tuples: usize = self.file.arrays.iter().map(|a| a.components).sum();
         let most = self.file.nodes.len().max(n_elements);
         if self.file.arrays.len() > MAX_ARRAYS || tuples.saturating_mul(most) > self.numbers_most {
-            return Err(invalid("VTU", "its pieces have too many different arrays"));
+            return Err(invalid("VTU", FeProblem::TooManyArrays));
         }
         // An array that this piece does not have is NaN on it.
         for a in &mut self.file.arrays {
@@ -500,15 +512,14 @@ fn head_of(e: &BytesStart<'_>) -> Result<Head, FeError> {
         // No numbers, so no scalar type.
         "String" => None,
         other => {
-            return Err(invalid(format!("array {name:?}"), format!("type {other:?} is not one of VTK's")));
+            return Err(invalid(format!("array {name:?}"), FeProblem::UnknownType(other.to_owned())));
         }
     };
     let text = attribute(e, "NumberOfComponents").unwrap_or_else(|| "1".into());
     // 10 000 components bound what a damaged attribute can claim.
     let components = text.trim().parse::<usize>().ok().filter(|n| (1..=10_000).contains(n));
-    let components = components.ok_or_else(|| {
-        invalid(format!("array {name:?}"), format!("NumberOfComponents = {text:?} should be from 1 to 10000"))
-    })?;
+    let components = components
+        .ok_or_else(|| invalid(format!("array {name:?}"), FeProblem::NumberOfComponents(text.to_string())))?;
     let named = |i: usize| attribute(e, &format!("ComponentName{i}"));
     // Names distinguish tensors of up to nine components only.
     let component_names: Vec<String> = (0..components.min(9)).map_while(named).collect();

@@ -161,7 +161,7 @@ pub fn write_vtu(
     writeln!(out, "<Piece NumberOfPoints=\"{n}\" NumberOfCells=\"{}\">", mesh.elements.len())?;
     // Offsets of appended arrays are known only as the arrays are encoded, so their bytes are collected
     // and written last.
-    let mut body = Body { encoding, appended: Vec::new() };
+    let mut body = ArrayWriter { encoding, appended: Vec::new() };
     writeln!(out, "<Points>")?;
     let points: Vec<f64> = mesh.nodes.iter().flat_map(|p| p.to_array()).collect();
     body.array(out, "Points", 3, &[], &Numbers::F64(points))?;
@@ -191,12 +191,12 @@ pub fn write_vtu(
     writeln!(out, "</VTKFile>")
 }
 
-struct Body {
+struct ArrayWriter {
     encoding: Encoding,
     appended: Vec<u8>,
 }
 
-impl Body {
+impl ArrayWriter {
     fn array(
         &mut self,
         out: &mut dyn Write,

@@ -113,7 +113,56 @@ pub enum MeshError {
     #[error("more than {limit} {what}; grainpath reads no more")]
     TooMany { what: &'static str, limit: u64 },
     #[error("{place}: {problem}")]
-    Invalid { place: String, problem: String },
+    Invalid { place: String, problem: Box<MeshProblem> },
+}
+
+/// What is wrong at the place that [`MeshError::Invalid`] names.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum MeshProblem {
+    // PLY.
+    #[error("a property before any element")]
+    PropertyFirst,
+    #[error("no `format` line")]
+    NoFormat,
+    #[error("element {element} has {rows} rows and no properties")]
+    NoProperties { element: String, rows: u64 },
+    // 3MF.
+    /// The ZIP or XML reader's own words.
+    #[error("{0}")]
+    Reader(String),
+    #[error("the archive has no such part")]
+    NoPart,
+    #[error("inflates to more than {limit} bytes; refused as a zip bomb")]
+    Bomb { limit: u64 },
+    #[error("no 3D model part is named (3MF core 2.1.1)")]
+    NoModelPart,
+    #[error("more than one 3D model part is named (3MF core 2.1.2)")]
+    ModelParts,
+    #[error("more than {0} relationships")]
+    Relationships(usize),
+    #[error("a document type definition, which 3MF forbids (3MF core 2.3.2)")]
+    DocumentType,
+    #[error("the XML ends in the middle")]
+    Ends,
+    #[error("unit {0:?} is not one of 3MF's")]
+    Unit(String),
+    #[error("an object without an id")]
+    ObjectWithoutId,
+    #[error("no <model> element (3MF core 3.4)")]
+    NoModel,
+    #[error("more than one <model> element (3MF core 3.4)")]
+    Models,
+    #[error("no <resources> element (3MF core 3.4)")]
+    NoResources,
+    #[error("no objectid where one is needed (3MF core 3.4.3.1, 4.2.1)")]
+    NoObjectId,
+    #[error("transform {0:?} is not 12 numbers (3MF core 3.3)")]
+    Transform(String),
+    #[error("components of object {id} are nested deeper than {max}, or in a circle (3MF core 3.4)")]
+    Nested { id: u32, max: usize },
+    #[error("object {0} is used and does not exist (3MF core 3.4.3.1, 4.2.1)")]
+    NoObject(u32),
 }
 
 /// Limit on vertices and on triangles of every reader. Source: derived. Indices have 32 bits; a mesh of this size takes

@@ -30,10 +30,10 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     words.next_line();
     // A count is only a claim. A row takes at least four bytes, so no more memory is reserved than the
     // file can fill.
-    let room = |n: u64| (n as usize).min(bytes.len() / 4);
+    let capacity = |n: u64| (n as usize).min(bytes.len() / 4);
     let mut mesh = TriMesh {
-        vertices: Vec::with_capacity(room(n_vertices)),
-        triangles: Vec::with_capacity(room(n_faces)),
+        vertices: Vec::with_capacity(capacity(n_vertices)),
+        triangles: Vec::with_capacity(capacity(n_faces)),
     };
     for _ in 0..n_vertices {
         let p = words.position()?;

@@ -7,7 +7,7 @@
 
 use grainpath_core::TriMesh;
 
-use super::model::{MAX_ELEMENTS, MeshError, MeshFile, merge, triangulate};
+use super::model::{MAX_ELEMENTS, MeshError, MeshFile, MeshProblem, merge, triangulate};
 use crate::position::checked;
 use crate::text::{TextError, Words};
 
@@ -152,7 +152,7 @@ fn header(words: &mut Words<'_>) -> Result<(Encoding, Vec<Element>), MeshError> 
                 let place = words.place();
                 let element = elements.last_mut().ok_or_else(|| MeshError::Invalid {
                     place,
-                    problem: "a property before any element".into(),
+                    problem: Box::new(MeshProblem::PropertyFirst),
                 })?;
                 element.properties.push(Property { name, list, scalar });
             }
@@ -166,11 +166,13 @@ fn header(words: &mut Words<'_>) -> Result<(Encoding, Vec<Element>), MeshError> 
     }
     // Binary data begin right after the line break of `end_header`.
     words.next_line();
-    let encoding = encoding
-        .ok_or_else(|| MeshError::Invalid { place: "header".into(), problem: "no `format` line".into() })?;
+    let encoding = encoding.ok_or_else(|| MeshError::Invalid {
+        place: "header".into(),
+        problem: Box::new(MeshProblem::NoFormat),
+    })?;
     // Rows without a property take no bytes, so a count alone could keep the reader busy without end.
     if let Some(e) = elements.iter().find(|e| e.properties.is_empty() && e.count > 0) {
-        let problem = format!("element {} has {} rows and no properties", e.name, e.count);
+        let problem = Box::new(MeshProblem::NoProperties { element: e.name.clone(), rows: e.count });
         return Err(MeshError::Invalid { place: "header".into(), problem });
     }
     Ok((encoding, elements))

@@ -27,8 +27,8 @@ pub struct Outline {
     pub warnings: Vec<Warning>,
 }
 
-pub(super) fn invalid(place: impl Into<String>, problem: impl Into<String>) -> OutlineError {
-    OutlineError::Invalid { place: place.into(), problem: problem.into() }
+pub(super) fn invalid(place: impl Into<String>, problem: OutlineProblem) -> OutlineError {
+    OutlineError::Invalid { place: place.into(), problem: Box::new(problem) }
 }
 
 /// Why an outline cannot be read. `place` is a line of a DXF, a byte of an SVG or a character of its path data.
@@ -50,7 +50,48 @@ pub enum OutlineError {
     #[error("more than {MAX_POINTS} points; grainpath reads no more")]
     TooManyPoints,
     #[error("{place}: {problem}")]
-    Invalid { place: String, problem: String },
+    Invalid { place: String, problem: Box<OutlineProblem> },
+}
+
+/// What is wrong at the place that [`OutlineError::Invalid`] names.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum OutlineProblem {
+    #[error("the drawing ends in the middle")]
+    Ends,
+    #[error("the point ({x}, {y}) mm lies beyond {MAX_MM} mm")]
+    Beyond { x: f64, y: f64 },
+    #[error("path data should begin with M")]
+    NoMove,
+    /// The XML reader's own words.
+    #[error("{0}")]
+    Xml(String),
+    #[error("<{0}> stands where <svg> should")]
+    NotSvg(String),
+    #[error("transform {text:?}: {source}")]
+    Transform { text: String, source: Box<OutlineError> },
+    #[error("groups are nested more than {0} deep")]
+    TooDeep(usize),
+    #[error("viewBox = {0:?} has no area")]
+    NoViewBox(String),
+    #[error("{key} = {text:?} should be a length")]
+    NotALength { key: String, text: String },
+    #[error("<{name}> has {key} {value}, less than nothing")]
+    Negative { name: String, key: String, value: f64 },
+    #[error("path data: {0}")]
+    Path(Box<OutlineError>),
+    #[error("<{name}> points: {source}")]
+    Points { name: String, source: TextError },
+    #[error("should be a list like translate(1 2) rotate(30)")]
+    NotATransform,
+    #[error("{kind} lacks {expected} (code {code})")]
+    Lacks { kind: String, expected: &'static str, code: i32 },
+    #[error("a SPLINE of degree {degree}; 1 to {max} are read")]
+    SplineDegree { degree: f64, max: usize },
+    #[error("a SPLINE of degree {degree} with {n} points and {m} knots: the numbers do not fit")]
+    SplineNumbers { degree: f64, n: usize, m: usize },
+    #[error("the knots of a SPLINE fall, or a weight is not positive")]
+    SplineKnots,
 }
 
 /// Limit on the points of a drawing. Source: derived. They take 64 MB. A drawing with more is a hatching or a traced
@@ -90,7 +131,7 @@ impl Drawing {
             }
             // Written so that NaN fails the comparison too.
             if let Some(p) = points.iter().find(|p| !p.abs().cmple(DVec2::splat(MAX_MM)).all()) {
-                return Err(invalid("", format!("the point ({}, {}) mm lies beyond {MAX_MM} mm", p.x, p.y)));
+                return Err(invalid("", OutlineProblem::Beyond { x: p.x, y: p.y }));
             }
             let meets = points.len() > 2 && points[0].distance(points[points.len() - 1]) < SAME_MM;
             if meets {

@@ -14,7 +14,7 @@ mod svg;
 #[cfg(test)]
 mod tests;
 
-pub use drawing::{Outline, OutlineError, OutlineOptions};
+pub use drawing::{Outline, OutlineError, OutlineOptions, OutlineProblem};
 
 /// Reads an outline from an SVG or an ASCII DXF drawing. Filled shapes are material by their own fill rule, united;
 /// closed lines without fill count together by even-odd, and turn what they lie on into its opposite. A DXF has lines

@@ -16,7 +16,7 @@ use grainpath_core::DVec2;
 use grainpath_core::math::{acos, atan2, direction, sin_cos};
 use grainpath_core::number::{Exponent, leading_number};
 
-use super::drawing::{Line, MAX_POINTS, OutlineError, invalid};
+use super::drawing::{Line, MAX_POINTS, OutlineError, OutlineProblem, invalid};
 use crate::text::TextError;
 
 /// Reads numbers that are separated by space and commas, or by nothing where a sign or point begins the
@@ -96,7 +96,7 @@ pub(super) fn lines(data: &str, tolerance: f64) -> Result<Vec<Line>, OutlineErro
         }
         if pen.lines.is_empty() && !command.eq_ignore_ascii_case(&b'm') {
             let place = format!("character {}", words.at);
-            return Err(invalid(place, "path data should begin with M"));
+            return Err(invalid(place, OutlineProblem::NoMove));
         }
         pen.draw(command, &mut words)?;
         if pen.n_points > MAX_POINTS {

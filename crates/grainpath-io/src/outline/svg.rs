@@ -23,7 +23,7 @@ use grainpath_core::{DVec2, WarningId};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 
-use super::drawing::{Drawing, Line, OutlineError, OutlineOptions, invalid};
+use super::drawing::{Drawing, Line, OutlineError, OutlineOptions, OutlineProblem, invalid};
 use super::path::{Numbers, ellipse, lines};
 
 use crate::xml::attribute;
@@ -88,11 +88,13 @@ pub(super) fn read(text: &str, options: &OutlineOptions) -> Result<Drawing, Outl
         // Errors from deeper levels have no place; the byte of the element is added here.
         let place = |e: OutlineError| match e {
             OutlineError::Invalid { place, problem } if place.is_empty() => {
-                invalid(format!("byte {at}"), problem)
+                invalid(format!("byte {at}"), *problem)
             }
             other => other,
         };
-        let event = xml.read_event().map_err(|e| invalid(format!("byte {at}"), e.to_string()))?;
+        let event = xml
+            .read_event()
+            .map_err(|e| invalid(format!("byte {at}"), OutlineProblem::Xml(e.to_string())))?;
         match &event {
             Event::Start(e) => {
                 in_style = e.local_name().as_ref() == "style";
@@ -106,7 +108,7 @@ pub(super) fn read(text: &str, options: &OutlineOptions) -> Result<Drawing, Outl
             Event::Text(t) if in_style => svg.sheet(t),
             Event::CData(t) if in_style => svg.sheet(t),
             Event::Eof if !svg.stack.is_empty() => {
-                return Err(invalid(format!("byte {at}"), "the drawing ends in the middle"));
+                return Err(invalid(format!("byte {at}"), OutlineProblem::Ends));
             }
             Event::Eof => return Ok(svg.drawing),
             _ => {}
@@ -147,12 +149,13 @@ impl Svg<'_> {
             None if name == "svg" => {
                 State { map: self.page(e)?, filled: true, rule: FillRule::NonZero, hidden: false }
             }
-            None => return Err(invalid("", format!("<{name}> stands where <svg> should"))),
+            None => return Err(invalid("", OutlineProblem::NotSvg(name.to_owned()))),
         };
         let mut state = self.styled(outer, e);
         if let Some(text) = attribute(e, "transform") {
             let own = transform(&text).map_err(|e| {
-                invalid("", format!("transform {:?}: {e}", text.chars().take(40).collect::<String>()))
+                let text = text.chars().take(40).collect();
+                invalid("", OutlineProblem::Transform { text, source: Box::new(e) })
             })?;
             state.map = state.map.after(&own);
         }
@@ -176,7 +179,7 @@ impl Svg<'_> {
         }
         if opens {
             if self.stack.len() == MAX_DEPTH {
-                return Err(invalid("", format!("groups are nested more than {MAX_DEPTH} deep")));
+                return Err(invalid("", OutlineProblem::TooDeep(MAX_DEPTH)));
             }
             self.stack.push(state);
         }
@@ -191,7 +194,7 @@ impl Svg<'_> {
                 let mut words = Numbers::new(&text);
                 let (low, size) = (words.point()?, words.point()?);
                 if !size.cmpgt(DVec2::ZERO).all() {
-                    return Err(invalid("", format!("viewBox = {text:?} has no area")));
+                    return Err(invalid("", OutlineProblem::NoViewBox(text.clone())));
                 }
                 Some((low, size))
             }
@@ -251,7 +254,7 @@ impl Svg<'_> {
     /// A length in the drawing's user unit.
     fn length(&self, e: &BytesStart<'_>, key: &str) -> Result<Option<f64>, OutlineError> {
         let Some(text) = attribute(e, key) else { return Ok(None) };
-        let wrong = || invalid("", format!("{key} = {text:?} should be a length"));
+        let wrong = || invalid("", OutlineProblem::NotALength { key: key.to_owned(), text: text.clone() });
         let (value, unit) = split_length(&text).ok_or_else(wrong)?;
         // A user unit is one pixel, so physical units are converted to pixels.
         Ok(Some(value * if unit.is_empty() { 1.0 } else { unit_mm(unit).ok_or_else(wrong)? / PIXEL_MM }))
@@ -263,7 +266,10 @@ impl Svg<'_> {
         let tolerance = self.options.tolerance_mm / state.map.stretch().max(1e-12);
         let length = |key: &str| self.length(e, key);
         let size = |key: &str| match length(key)? {
-            Some(v) if v < 0.0 => Err(invalid("", format!("<{name}> has {key} {v}, less than nothing"))),
+            Some(v) if v < 0.0 => Err(invalid(
+                "",
+                OutlineProblem::Negative { name: name.to_owned(), key: key.to_owned(), value: v },
+            )),
             v => Ok(v),
         };
         let point = |x: &str, y: &str| -> Result<DVec2, OutlineError> {
@@ -272,7 +278,7 @@ impl Svg<'_> {
         let mut found = match name {
             "path" => {
                 let data = attribute(e, "d").unwrap_or_default();
-                lines(&data, tolerance).map_err(|e| invalid("", format!("path data: {e}")))?
+                lines(&data, tolerance).map_err(|e| invalid("", OutlineProblem::Path(Box::new(e))))?
             }
             "rect" => {
                 let (low, w, h) = (point("x", "y")?, size("width")?, size("height")?);
@@ -301,7 +307,9 @@ impl Svg<'_> {
                 let mut words = Numbers::new(&text);
                 let mut points = Vec::new();
                 while !words.is_done() {
-                    points.push(words.point().map_err(|e| invalid("", format!("<{name}> points: {e}")))?);
+                    let wrong =
+                        |source| invalid("", OutlineProblem::Points { name: name.to_owned(), source });
+                    points.push(words.point().map_err(wrong)?);
                 }
                 // Fill closes a polyline; without fill it stays open.
                 vec![Line { points, closed: name == "polygon" }]
@@ -406,7 +414,7 @@ fn transform(text: &str) -> Result<Map, OutlineError> {
     let mut map = Map::new([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
     let mut rest = text.trim();
     while !rest.is_empty() {
-        let wrong = || invalid("", "should be a list like translate(1 2) rotate(30)");
+        let wrong = || invalid("", OutlineProblem::NotATransform);
         let (name, after) = rest.split_once('(').ok_or_else(wrong)?;
         let (arguments, after) = after.split_once(')').ok_or_else(wrong)?;
         let mut words = Numbers::new(arguments);

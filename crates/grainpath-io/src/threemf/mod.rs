@@ -25,7 +25,7 @@ use std::collections::BTreeMap;
 
 use grainpath_core::{TriMesh, Warning, WarningId};
 
-use crate::mesh::model::{MAX_ELEMENTS, MeshBody, MeshError, MeshFile};
+use crate::mesh::model::{MAX_ELEMENTS, MeshBody, MeshError, MeshFile, MeshProblem};
 use package::Package;
 use part::{Component, Content, ObjectType, Part};
 use transform::Transform;
@@ -104,16 +104,12 @@ impl Assembly<'_> {
         let path = use_of.path.as_deref().unwrap_or(path);
         let id = use_of.object;
         if depth > MAX_DEPTH {
-            let problem = format!(
-                "components of object {id} are nested deeper than {MAX_DEPTH}, or in a circle (3MF core 3.4)"
-            );
+            let problem = Box::new(MeshProblem::Nested { id, max: MAX_DEPTH });
             return Err(MeshError::Invalid { place: path.to_owned(), problem });
         }
-        let object =
-            self.parts.get(path).and_then(|p| p.objects.get(&id)).ok_or_else(|| MeshError::Invalid {
-                place: path.to_owned(),
-                problem: format!("object {id} is used and does not exist (3MF core 3.4.3.1, 4.2.1)"),
-            })?;
+        let object = self.parts.get(path).and_then(|p| p.objects.get(&id)).ok_or_else(|| {
+            MeshError::Invalid { place: path.to_owned(), problem: Box::new(MeshProblem::NoObject(id)) }
+        })?;
         match object.kind {
             ObjectType::Solid => {}
             // Supports of other programs are dropped; grainpath generates its own.

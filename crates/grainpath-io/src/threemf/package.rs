@@ -18,7 +18,7 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use zip::ZipArchive;
 
-use crate::mesh::model::MeshError;
+use crate::mesh::model::{MeshError, MeshProblem};
 use crate::xml::attribute;
 
 /// Limit on the inflated size of all parts together. Source: derived. A mesh of 5 million triangles is about 400 MB of
@@ -46,13 +46,14 @@ pub(crate) struct Package<'a> {
     inflated: u64,
 }
 
-pub(crate) fn invalid(place: &str, problem: impl Into<String>) -> MeshError {
-    MeshError::Invalid { place: place.to_owned(), problem: problem.into() }
+pub(crate) fn invalid(place: &str, problem: MeshProblem) -> MeshError {
+    MeshError::Invalid { place: place.to_owned(), problem: Box::new(problem) }
 }
 
 impl<'a> Package<'a> {
     pub(crate) fn open(bytes: &'a [u8]) -> Result<Self, MeshError> {
-        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|e| invalid("3MF archive", e.to_string()))?;
+        let zip = ZipArchive::new(Cursor::new(bytes))
+            .map_err(|e| invalid("3MF archive", MeshProblem::Reader(e.to_string())))?;
         Ok(Self { zip, inflated: 0 })
     }
 
@@ -65,8 +66,8 @@ impl<'a> Package<'a> {
         let name = path.trim_start_matches('/');
         let exact = self.zip.file_names().filter_map(Result::ok).find(|n| n.eq_ignore_ascii_case(name));
         let exact = exact.map(|n| n.into_owned());
-        let exact = exact.ok_or_else(|| invalid(path, "the archive has no such part"))?;
-        let file = self.zip.by_name(&exact).map_err(|e| invalid(path, e.to_string()))?;
+        let exact = exact.ok_or_else(|| invalid(path, MeshProblem::NoPart))?;
+        let file = self.zip.by_name(&exact).map_err(|e| invalid(path, MeshProblem::Reader(e.to_string())))?;
         let ratio_limit = (file.compressed_size().saturating_mul(BOMB_RATIO)).max(BOMB_SIZE);
         let limit = ratio_limit.min(MAX_INFLATED.saturating_sub(self.inflated));
         // Bytes are counted while they inflate: the sizes in the ZIP directory may lie.
@@ -76,7 +77,7 @@ impl<'a> Package<'a> {
         self.inflated += read;
         // The reader's own error would only say that the XML ends early, so this one comes first.
         if left == 0 {
-            return Err(invalid(path, format!("inflates to more than {limit} bytes; refused as a zip bomb")));
+            return Err(invalid(path, MeshProblem::Bomb { limit }));
         }
         result
     }
@@ -85,11 +86,9 @@ impl<'a> Package<'a> {
     pub(crate) fn root_model(&mut self, warnings: &mut Vec<Warning>) -> Result<String, MeshError> {
         let relationships = self.relationships(ROOT_RELATIONSHIPS)?;
         let mut models = relationships.iter().filter(|r| r.kind == MODEL_TYPE);
-        let model = models
-            .next()
-            .ok_or_else(|| invalid(ROOT_RELATIONSHIPS, "no 3D model part is named (3MF core 2.1.1)"))?;
+        let model = models.next().ok_or_else(|| invalid(ROOT_RELATIONSHIPS, MeshProblem::NoModelPart))?;
         if models.next().is_some() {
-            return Err(invalid(ROOT_RELATIONSHIPS, "more than one 3D model part is named (3MF core 2.1.2)"));
+            return Err(invalid(ROOT_RELATIONSHIPS, MeshProblem::ModelParts));
         }
         let path = model.target.clone();
         self.check_relationships(ROOT_RELATIONSHIPS, "/", &relationships, warnings);
@@ -122,7 +121,7 @@ impl<'a> Package<'a> {
             elements(r, path, |e| {
                 if e.local_name().as_ref() == "Relationship" {
                     if all.len() == MAX_RELATIONSHIPS {
-                        return Err(invalid(path, format!("more than {MAX_RELATIONSHIPS} relationships")));
+                        return Err(invalid(path, MeshProblem::Relationships(MAX_RELATIONSHIPS)));
                     }
                     let text = |key: &str| attribute(e, key).unwrap_or_default();
                     all.push(Relationship {
@@ -265,22 +264,22 @@ pub(crate) fn events(
         let at = xml.buffer_position();
         let event = xml
             .read_event_into(&mut buffer)
-            .map_err(|e| invalid(&format!("{path}, byte {at}"), e.to_string()))?;
+            .map_err(|e| invalid(&format!("{path}, byte {at}"), MeshProblem::Reader(e.to_string())))?;
         match &event {
             Event::Start(_) => depth += 1,
             Event::End(_) => depth -= 1,
             // Document types could define entities that expand without bound.
             Event::DocType(_) => {
-                return Err(invalid(path, "a document type definition, which 3MF forbids (3MF core 2.3.2)"));
+                return Err(invalid(path, MeshProblem::DocumentType));
             }
-            Event::Eof if depth > 0 => return Err(invalid(path, "the XML ends in the middle")),
+            Event::Eof if depth > 0 => return Err(invalid(path, MeshProblem::Ends)),
             Event::Eof => return Ok(()),
             _ => {}
         }
         // Errors from deeper levels have no place; the byte of the event is the best there is.
         each(&event).map_err(|e| match e {
             MeshError::Invalid { place, problem } if place.is_empty() => {
-                invalid(&format!("{path}, byte {at}"), problem)
+                invalid(&format!("{path}, byte {at}"), *problem)
             }
             other => other,
         })?;

@@ -15,7 +15,7 @@ use super::package::{Package, events, invalid};
 use super::paint;
 use super::properties::{Broken, Reference, Resources};
 use super::transform::Transform;
-use crate::mesh::model::{MeshError, PaintedSupports, SoupBuilder};
+use crate::mesh::model::{MeshError, MeshProblem, PaintedSupports, SoupBuilder};
 use crate::position::checked;
 use crate::xml::attribute;
 use grainpath_core::number::{number, whole};
@@ -258,7 +258,7 @@ impl Builder {
         self.unit = LengthUnit::from_name(&unit);
         if self.unit.is_none() {
             // An unknown unit would scale the part wrongly without a visible sign.
-            return Err(invalid("", format!("unit {unit:?} is not one of 3MF's")));
+            return Err(invalid("", MeshProblem::Unit(unit)));
         }
         for a in e.attributes().with_checks(false).filter_map(Result::ok) {
             let key: &str = a.key.as_ref();
@@ -398,7 +398,7 @@ impl Builder {
         let mut broken = Vec::new();
         let id = self.resources.define("object", e, &mut broken);
         self.warn_all(broken);
-        let id = id.ok_or_else(|| invalid("", "an object without an id"))?;
+        let id = id.ok_or_else(|| invalid("", MeshProblem::ObjectWithoutId))?;
         let kind = match attribute(e, "type").unwrap_or_default().as_str() {
             // Core 4: `type` defaults to model.
             "" | "model" | "solidsupport" => ObjectType::Solid,
@@ -575,15 +575,15 @@ impl Builder {
     }
 
     fn finish(mut self) -> Result<Part, MeshError> {
-        let fail = |problem: &str| Err(invalid(&self.path, problem));
+        let fail = |problem: MeshProblem| Err(invalid(&self.path, problem));
         match self.n_models {
-            0 => return fail("no <model> element (3MF core 3.4)"),
+            0 => return fail(MeshProblem::NoModel),
             1 => {}
-            _ => return fail("more than one <model> element (3MF core 3.4)"),
+            _ => return fail(MeshProblem::Models),
         }
         match self.n_resources {
             // Without resources there is no object that the build could use.
-            0 => return fail("no <resources> element (3MF core 3.4)"),
+            0 => return fail(MeshProblem::NoResources),
             1 => {}
             n => self.warn("core 3.4", format!("{n} <resources> elements; a model has one")),
         }
@@ -641,12 +641,11 @@ impl BrokenTriangles {
 /// The use of an object that a `<component>` or `<item>` states.
 fn component(e: &BytesStart<'_>) -> Result<Component, MeshError> {
     let id = attribute(e, "objectid").and_then(|t| t.trim().parse().ok());
-    let object =
-        id.ok_or_else(|| invalid("", "no objectid where one is needed (3MF core 3.4.3.1, 4.2.1)"))?;
+    let object = id.ok_or_else(|| invalid("", MeshProblem::NoObjectId))?;
     let transform = match attribute(e, "transform") {
         None => Transform::IDENTITY,
         Some(text) => Transform::parse(text.as_bytes())
-            .ok_or_else(|| invalid("", format!("transform {text:?} is not 12 numbers (3MF core 3.3)")))?,
+            .ok_or_else(|| invalid("", MeshProblem::Transform(text.clone())))?,
     };
     Ok(Component { object, path: attribute(e, "path"), transform })
 }

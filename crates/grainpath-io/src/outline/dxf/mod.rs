@@ -28,7 +28,7 @@ use grainpath_core::{DVec2, WarningId};
 
 use self::joining::{JOINED_MM, ends, joined, likeness};
 use self::spline::{MAX_DEGREE, Spline};
-use super::drawing::{Drawing, Line, MAX_POINTS, OutlineError, OutlineOptions, invalid};
+use super::drawing::{Drawing, Line, MAX_POINTS, OutlineError, OutlineOptions, OutlineProblem, invalid};
 use super::path::pieces;
 use crate::text::TextError;
 use crate::text::skip_space;
@@ -59,7 +59,7 @@ pub(super) fn read(bytes: &[u8], options: &OutlineOptions) -> Result<Drawing, Ou
     let mut record = Record { kind: b"", line: 0, pairs: Vec::new() };
     loop {
         if !records.read(&mut record)? {
-            return Err(invalid(format!("line {}", records.pairs.line), "the drawing ends in the middle"));
+            return Err(invalid(format!("line {}", records.pairs.line), OutlineProblem::Ends));
         }
         match (section, record.kind) {
             (_, b"EOF") => break,
@@ -163,8 +163,8 @@ impl<'a> Record<'a> {
 
     fn needed(&self, code: i32, expected: &'static str) -> Result<f64, OutlineError> {
         let missing = || {
-            let kind = String::from_utf8_lossy(self.kind);
-            invalid(format!("line {}", self.line), format!("{kind} lacks {expected} (code {code})"))
+            let kind = String::from_utf8_lossy(self.kind).into_owned();
+            invalid(format!("line {}", self.line), OutlineProblem::Lacks { kind, expected, code })
         };
         self.number(code)?.ok_or_else(missing)
     }
@@ -442,15 +442,15 @@ impl Dxf<'_> {
             return Ok(());
         }
         let problem = if !(1.0..=MAX_DEGREE as f64).contains(&degree) {
-            Some(format!("a SPLINE of degree {degree}; 1 to {MAX_DEGREE} are read"))
+            Some(OutlineProblem::SplineDegree { degree, max: MAX_DEGREE })
         } else if xs.len() != ys.len()
             || knots.len() != points.len() + degree as usize + 1
             || points.len() <= degree as usize
         {
             let (n, m) = (points.len(), knots.len());
-            Some(format!("a SPLINE of degree {degree} with {n} points and {m} knots: the numbers do not fit"))
+            Some(OutlineProblem::SplineNumbers { degree, n, m })
         } else if !knots.is_sorted() || weights.iter().any(|w| *w <= 0.0) {
-            Some("the knots of a SPLINE fall, or a weight is not positive".into())
+            Some(OutlineProblem::SplineKnots)
         } else {
             None
         };
@@ -464,8 +464,8 @@ impl Dxf<'_> {
         };
         let control: Vec<[f64; 3]> = (0..points.len()).map(weighted).collect();
         let spline = Spline { degree, knots: &knots, control: &control, tolerance: self.tolerance() };
-        let room = MAX_POINTS.saturating_sub(self.n_points);
-        let line = spline.points(room).ok_or(OutlineError::TooManyPoints)?;
+        let left = MAX_POINTS.saturating_sub(self.n_points);
+        let line = spline.points(left).ok_or(OutlineError::TooManyPoints)?;
         self.push(line, false, false)
     }
 
@@ -507,7 +507,7 @@ impl Dxf<'_> {
         }
         all.extend(joined(open));
         drawing.add(all, None).map_err(|e| match e {
-            OutlineError::Invalid { problem, .. } => invalid("the drawing", problem),
+            OutlineError::Invalid { problem, .. } => invalid("the drawing", *problem),
             other => other,
         })?;
         Ok(drawing)
