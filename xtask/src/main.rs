@@ -13,6 +13,7 @@ mod bench_strength;
 mod campaign;
 mod count;
 mod fuzz;
+mod glossary;
 mod hashes;
 mod ignored;
 mod invariants;
@@ -34,7 +35,7 @@ const USAGE: &str = "usage: cargo xtask <command>
                    --allow-missing  what cannot run here is no failure
                    --quick          leaves out fuzzers and tests that need files or programs
   nightly          all of test, slow tests, two minutes of each fuzz target, the campaign, benches that verify
-  invariants       dependencies of crates and the invariants of ARCHITECTURE.md
+  invariants       dependencies of crates, the invariants of ARCHITECTURE.md, and the terms of docs/glossary.md
   count [--tighten | --list NAME | --in FOLDER]  counts of the sources beside the limits of xtask/counts.toml
   texts [SEED [COUNT]]  comments, messages and texts of settings drawn at random (40), to be read as by a stranger
   hashes [--write] [--binary PATH]  G-code of small jobs beside the committed hashes
@@ -65,7 +66,7 @@ fn main() -> ExitCode {
     let outcome = match words.as_slice() {
         ["test", words @ ..] => TestOptions::parse(words).and_then(|options| test(&options)),
         ["nightly"] => nightly(),
-        ["invariants"] => arrows::check().and_then(|()| invariants::check()),
+        ["invariants"] => arrows::check().and_then(|()| invariants::check()).and_then(|()| glossary::check()),
         ["count", words @ ..] => count::run(words),
         ["texts", words @ ..] => texts::run(words),
         ["hashes", words @ ..] => hashes::run(words),
@@ -174,6 +175,7 @@ fn test(options: &TestOptions) -> Outcome {
     checks.run("dependencies between crates", arrows::check)?;
     checks.run("invariants", invariants::check)?;
     checks.run("counts", || count::run(&[]))?;
+    checks.run("glossary", glossary::check)?;
     checks.run("pages", pages::check)?;
     checks.run("licences", licences::check)?;
     checks.run("lints", || {

@@ -12,6 +12,11 @@ use std::time::Duration;
 
 use crate::{Failure, interrupt};
 
+/// The ending of a file's name, without the dot; empty without one.
+pub fn ending(path: &Path) -> &str {
+    path.extension().and_then(|e| e.to_str()).unwrap_or_default()
+}
+
 /// Size limit of a file that is read whole. Source: derived. A mesh takes about twice its file besides it, which
 /// fills a machine with 24 GiB. A larger limit risks that the system ends the process without a message.
 const MAX_BYTES: u64 = 8 << 30;

@@ -10,12 +10,13 @@ use grainpath::measure::dimensions::Dimension;
 use grainpath::measure::report::{Report, measure, measure_fibre};
 use grainpath::measure::strength::{TestSetup, Tested, test};
 use grainpath_core::diagnostics::Stage;
+use grainpath_core::spelling::meaning;
 use grainpath_core::{DVec2, Diagnostics, TriMesh};
 use grainpath_gcode::{BeadLayer, Program, Thumbnail, simulate, write_gcode};
 use grainpath_job::Settings;
 use grainpath_view::guide::{deformed_png, field_png, lines_svg, lines_vtp, loads_png, stress_png};
 use grainpath_view::layer::{
-    Bead, Ground, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png,
+    DrawnBead, Ground, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png,
 };
 use grainpath_view::page;
 use grainpath_view::strength::{damage_png, index_png};
@@ -65,7 +66,7 @@ impl Paths {
             MeshEnding::of(path)?;
         }
         if let Some(path) = &paths.lines
-            && !["svg", "vtp"].iter().any(|e| path.extension().is_some_and(|x| x == *e))
+            && LinesFormat::of(path).is_none()
         {
             return Err(Failure::usage(format!("output.lines = {:?} should end in .svg or .vtp", o.lines)));
         }
@@ -273,7 +274,7 @@ fn thumbnails(settings: &Settings, planned: &Planned) -> Result<Vec<Thumbnail>, 
 
 /// A layer of a program as input of a picture.
 pub fn picture(layer: &BeadLayer) -> LayerPicture {
-    let beads = layer.beads.iter().map(|b| Bead {
+    let beads = layer.beads.iter().map(|b| DrawnBead {
         a: b.start(),
         b: b.end(),
         width_mm: b.width_mm(layer.height_mm),
@@ -468,8 +469,10 @@ fn guide_files(planned: &Planned, paths: &Paths, report: &mut Report) -> Result<
         let middle = &planned.stack.layers()[planned.stack.layers().len() / 2];
         let z = middle.z_top_mm() - 0.5 * middle.height_mm();
         let families = guide.lines(middle.region(), z);
-        let vtp = path.extension().is_some_and(|e| e == "vtp");
-        let text = if vtp { lines_vtp(&families, z) } else { lines_svg(middle.region(), &families) };
+        let text = match LinesFormat::of(path) {
+            Some(LinesFormat::Vtp) => lines_vtp(&families, z),
+            Some(LinesFormat::Svg) | None => lines_svg(middle.region(), &families),
+        };
         save(path, text.as_bytes())?;
         report.outputs.insert("lines", path.display().to_string());
     }
@@ -483,6 +486,20 @@ pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     })
 }
 
+/// The file format of principal lines.
+#[derive(Clone, Copy)]
+enum LinesFormat {
+    Svg,
+    Vtp,
+}
+
+impl LinesFormat {
+    /// The format for the ending of a file name.
+    fn of(path: &Path) -> Option<Self> {
+        meaning(&[("svg", Self::Svg), ("vtp", Self::Vtp)], files::ending(path))
+    }
+}
+
 /// The file format of a mesh.
 #[derive(Clone, Copy)]
 pub enum MeshEnding {
@@ -493,14 +510,11 @@ pub enum MeshEnding {
 impl MeshEnding {
     /// The format for the ending of a file name.
     pub fn of(path: &Path) -> Result<Self, Failure> {
-        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-            Some("stl") => Ok(Self::Stl),
-            Some("3mf") => Ok(Self::ThreeMf),
-            _ => Err(Failure::usage(format!(
-                "{}: the name of a mesh to write should end in .stl or .3mf",
-                path.display()
-            ))),
-        }
+        let ending = files::ending(path).to_ascii_lowercase();
+        meaning(&[("stl", Self::Stl), ("3mf", Self::ThreeMf)], &ending).ok_or_else(|| {
+            let name = path.display();
+            Failure::usage(format!("{name}: the name of a mesh to write should end in .stl or .3mf"))
+        })
     }
 }
 

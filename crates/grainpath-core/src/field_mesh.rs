@@ -44,7 +44,7 @@ pub struct FieldMesh {
     pub edges: Vec<Edge>,
     /// The edges that are sides of squares, in stretches whose edges and nodes are numbered without
     /// a gap.
-    runs: Vec<Run>,
+    runs: Vec<EdgeStretch>,
     /// Halves of the squares, row by row.
     pub triangles: Vec<Triangle>,
 }
@@ -52,7 +52,7 @@ pub struct FieldMesh {
 /// A stretch of edges with consecutive numbers, whose first nodes and whose second nodes are
 /// consecutive too.
 #[derive(Debug, Clone, Copy)]
-struct Run {
+struct EdgeStretch {
     edge: u32,
     ends: [u32; 2],
     n: u32,
@@ -204,7 +204,7 @@ impl FieldMesh {
                     match self.runs.last_mut() {
                         _ if kind == 2 => {}
                         Some(r) if r.ends[0] + r.n == a && r.ends[1] + r.n == b => r.n += 1,
-                        _ => self.runs.push(Run { edge, ends: [a, b], n: 1 }),
+                        _ => self.runs.push(EdgeStretch { edge, ends: [a, b], n: 1 }),
                     }
                 }
             }

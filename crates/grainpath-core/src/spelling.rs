@@ -16,6 +16,19 @@ pub fn nearest<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> &'a 
     names.into_iter().min_by_key(|n| (lacks_a_part(n), strsim::levenshtein(word, n), *n)).unwrap_or_default()
 }
 
+/// What a word of a table stands for; `None` for words outside the table. Words from files and arguments become
+/// enums here, at the border.
+///
+/// ```
+/// use grainpath_core::spelling::meaning;
+///
+/// assert_eq!(meaning(&[("svg", 1), ("png", 2)], "png"), Some(2));
+/// assert_eq!(meaning(&[("svg", 1), ("png", 2)], "PNG"), None);
+/// ```
+pub fn meaning<T: Copy>(table: &[(&str, T)], word: &str) -> Option<T> {
+    table.iter().find(|(name, _)| *name == word).map(|(_, of)| *of)
+}
+
 #[cfg(test)]
 mod tests {
     #[test]

@@ -77,12 +77,12 @@ fn thin_walls_and_slots_get_finer_elements() {
     let hollow = DVec3::new(8.0, 6.0, 6.0);
     for turn in [0.0, 0.3, 0.7] {
         // A wall of 0.6 mm, and a slot of 0.6 mm in the solid rest, with elements of 2.5 mm.
-        let mut rooms = joined(&[
+        let mut cavities = joined(&[
             boxed_at(DVec3::new(3.0, 13.4, 3.0), hollow, turn),
             boxed_at(DVec3::new(18.0, 4.0, 3.0), DVec3::new(8.0, 0.6, 6.0), turn),
         ]);
-        rooms.triangles.iter_mut().for_each(|t| t.swap(0, 1));
-        let surface = joined(&[boxed(size, turn), rooms]);
+        cavities.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+        let surface = joined(&[boxed(size, turn), cavities]);
         let volume = 7200.0 - 288.0 - 28.8;
         let found =
             mesh(&surface, &MeshSettings { size_mm: Some(2.5), max_dofs: 0, ..MeshSettings::default() })

@@ -38,7 +38,7 @@ struct Flat {
 }
 
 /// Every test piece.
-pub const TEST_PIECES: [TestPiece; 8] = [
+pub static TEST_PIECES: [TestPiece; 8] = [
     // Source: ISO 527-2:2012, Table 1, type 1A. The standard sets the grips 115 mm apart, so each grip
     // holds (170 - 115) / 2 mm.
     TestPiece {
@@ -168,6 +168,11 @@ fn plain(length: f64, width: f64, thickness_mm: f64, hole_mm: Option<f64>, lean:
 }
 
 impl TestPiece {
+    /// The test piece of this name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        TEST_PIECES.iter().find(|p| p.name == name)
+    }
+
     /// Mesh of the piece, which stands on z = 0.
     pub fn mesh(&self) -> TriMesh {
         let flat = (self.shape)();

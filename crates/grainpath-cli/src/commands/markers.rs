@@ -1,6 +1,7 @@
 //! `grainpath markers`: a sheet of corner markers.
 
 use grainpath_core::DVec2;
+use grainpath_core::spelling::meaning;
 
 use crate::args::Markers;
 use crate::{Failure, files, outputs};
@@ -16,10 +17,12 @@ pub fn markers(args: &Markers) -> Result<(), Failure> {
             size.x, size.y
         )));
     }
-    let bytes = match args.output.extension().and_then(|e| e.to_str()) {
-        Some("svg") => marker_sheet_svg(size).into_bytes(),
-        Some("pdf") => marker_sheet_pdf(size),
-        _ => {
+    type Sheet = fn(DVec2) -> Vec<u8>;
+    let sheets: [(&str, Sheet); 2] =
+        [("svg", |size| marker_sheet_svg(size).into_bytes()), ("pdf", marker_sheet_pdf)];
+    let bytes = match meaning(&sheets, files::ending(&args.output)) {
+        Some(sheet) => sheet(size),
+        None => {
             let name = args.output.display();
             return Err(Failure::usage(format!("{name}: a sheet's name should end in .svg or .pdf")));
         }

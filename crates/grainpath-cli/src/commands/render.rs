@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use grainpath_core::Bounds2;
+use grainpath_core::spelling::meaning;
 use grainpath_gcode::Program;
 use grainpath_view::layer::LayerPicture;
 
@@ -44,10 +45,12 @@ pub fn render(args: &Render) -> Result<(), Failure> {
             travels: !args.no_travels,
             window: None,
         };
-        match output.extension().and_then(|e| e.to_str()) {
-            Some("svg") => layer_svg(&picture, &options).into_bytes(),
-            Some("png") => layer_png(&picture, &options),
-            _ => {
+        type Draw = fn(&LayerPicture, &PictureOptions) -> Vec<u8>;
+        let formats: [(&str, Draw); 2] =
+            [("svg", |picture, options| layer_svg(picture, options).into_bytes()), ("png", layer_png)];
+        match meaning(&formats, files::ending(&output)) {
+            Some(draw) => draw(&picture, &options),
+            None => {
                 return Err(Failure::usage(format!(
                     "{}: a picture's name should end in .png or .svg",
                     output.display()

@@ -18,7 +18,7 @@ pub fn specimen(args: &Specimen) -> Result<(), Failure> {
         return Ok(());
     };
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.stl")));
-    if let Some(piece) = TEST_PIECES.iter().find(|p| p.name == name) {
+    if let Some(piece) = TestPiece::named(name) {
         return test_piece(piece, &output);
     }
     let Some(specimen) = SPECIMENS.iter().find(|s| s.name == name) else {

@@ -48,12 +48,12 @@ impl<'a> Plate<'a> {
     pub fn holds(&self) -> Result<Vec<Hold>, CatchesNothing> {
         let mut holds = Vec::new();
         for fixture in &self.conditions.fixtures {
-            let nothing = || self.conditions.catches_nothing(&fixture.name, &fixture.on, SEARCHED);
+            let catches_nothing = || self.conditions.catches_nothing(&fixture.name, &fixture.on, SEARCHED);
             let chosen: Vec<u32> = (0..self.mesh.nodes.len() as u32)
                 .filter(|&i| fixture.on.contains(self.at_mid_height(self.mesh.nodes[i as usize])))
                 .collect();
             if chosen.is_empty() {
-                return Err(nothing());
+                return Err(catches_nothing());
             }
             match fixture.held {
                 Held::Normal => {
@@ -61,7 +61,7 @@ impl<'a> Plate<'a> {
                     // normal.
                     let normals = self.normals(&fixture.on);
                     if normals.is_empty() {
-                        return Err(nothing());
+                        return Err(catches_nothing());
                     }
                     holds.extend(normals.into_iter().map(|(node, along)| {
                         let displacement_mm = fixture.displacement_mm.truncate().dot(along);

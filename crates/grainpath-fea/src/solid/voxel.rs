@@ -50,7 +50,7 @@ pub struct VoxelPart {
 
 /// A part ready to be solved any number of times.
 pub struct VoxelSystem {
-    cells: Cells,
+    cells: VoxelCells,
     multigrid: Multigrid,
     /// Number of iterations of the first solution since the preconditioner was made.
     usual: Option<usize>,
@@ -91,7 +91,7 @@ const MOST_EASING: usize = 60;
 /// the rim.
 const EASED: f64 = 0.25;
 
-struct Cells {
+struct VoxelCells {
     cancel: CancelFlag,
     part: VoxelPart,
     supports: Supports,
@@ -163,7 +163,7 @@ impl VoxelSystem {
         hold: &[([usize; 3], DVec3, f64)],
         settings: &SolveSettings,
     ) -> Result<Self, SolidError> {
-        let cells = Cells::new(part, hold, settings)?;
+        let cells = VoxelCells::new(part, hold, settings)?;
         let multigrid = cells.multigrid();
         Ok(Self { cells, multigrid, usual: None, stale: false, prepared: 1, last: None, changed: Vec::new() })
     }
@@ -437,7 +437,7 @@ fn weight(c: usize, a: usize, k: usize) -> f64 {
         .product()
 }
 
-impl Cells {
+impl VoxelCells {
     fn new(
         part: VoxelPart,
         hold: &[([usize; 3], DVec3, f64)],
@@ -818,7 +818,7 @@ fn stencil(k: &[[DMat3; 8]; 8]) -> [DMat3; 27] {
     out
 }
 
-impl Rows for Cells {
+impl Rows for VoxelCells {
     fn around(&self, node: usize) -> &[u32] {
         &self.around[node]
     }
@@ -840,7 +840,7 @@ impl Rows for Cells {
     }
 }
 
-impl System for Cells {
+impl System for VoxelCells {
     fn check_cancelled(&self) -> Result<(), Interrupted> {
         self.cancel.check()
     }

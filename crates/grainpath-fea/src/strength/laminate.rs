@@ -377,7 +377,7 @@ pub(super) fn layer(grid: &CellGrid, n_fans: usize, sheet: &BeadSheet) -> Vec<Sh
 /// bench constants`.
 static PASSES: Tuned<usize> = Tuned::new("fea.strength.laminate.PASSES", 12);
 
-/// Moves the excess of overfull cells to their neighbours, in proportion to the room that each has.
+/// Moves the excess of overfull cells to their neighbours, in proportion to the free space of each.
 fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mut [[f32; 3]]) {
     for _ in 0..PASSES.value() {
         let over: Vec<usize> = (0..held.len()).filter(|&c| held[c] > full * 1.0005).collect();
@@ -395,17 +395,17 @@ fn spread(grid: &CellGrid, n_fans: usize, full: f32, held: &mut [f32], fans: &mu
                     n += 1;
                 }
             }
-            let room: f32 = near[..n].iter().map(|n| n.1).sum();
-            // Where no neighbour has room, half of the excess goes to all of them evenly; a later pass moves it on.
-            let even = room <= 0.0;
-            let moved = if even { excess * 0.5 } else { excess.min(room) };
+            let space: f32 = near[..n].iter().map(|n| n.1).sum();
+            // Where no neighbour has free space, half of the excess goes to all of them evenly; a later pass moves it on.
+            let even = space <= 0.0;
+            let moved = if even { excess * 0.5 } else { excess.min(space) };
             if n == 0 || moved <= 0.0 {
                 continue;
             }
             let share = moved / held[cell];
             let own = fans[cell * n_fans..(cell + 1) * n_fans].to_vec();
             for &(other, free) in &near[..n] {
-                let part = share * if even { 1.0 / n as f32 } else { free / room };
+                let part = share * if even { 1.0 / n as f32 } else { free / space };
                 for (k, fan) in own.iter().enumerate() {
                     (0..3).for_each(|q| fans[other * n_fans + k][q] += fan[q] * part);
                 }
@@ -621,7 +621,7 @@ mod tests {
     }
 
     #[test]
-    fn too_much_melt_flows_to_where_there_is_room() {
+    fn too_much_melt_flows_to_where_there_is_space() {
         // Two beads too near to each other, and a third a little too far off: as much missing as is too much.
         let beads = [0.0, 0.3, 0.8].map(|y| bead((0.0, y), (20.0, y), 0.08)).to_vec();
         let laminate = Laminate::from_layers(&[BeadSheet { height_mm: 0.2, beads }], 0.2).expect("beads");

@@ -223,7 +223,7 @@ impl Survey {
                     s.section
                 )));
             }
-            _ => {}
+            Some(Implausible::Noise) | None => {}
         }
         let materials = match s.threshold {
             Threshold::Iso50(Some([a, b])) => (a.min(b), a.max(b)),

@@ -9,6 +9,7 @@ mod woodgrain;
 
 use std::borrow::Cow;
 
+use grainpath_core::spelling::meaning;
 use grainpath_core::{DVec2, TriMesh};
 
 use crate::shapes::{arc, prism};
@@ -17,24 +18,37 @@ use crate::shapes::{arc, prism};
 pub type ExampleFile = (Cow<'static, str>, Vec<u8>);
 
 /// Names that [`preset`] knows.
-pub const PRESETS: [&str; 7] =
-    ["plate", "stress-lines", "field", "ct", "woodgrain", "tree-support", "continuous"];
+pub const PRESETS: [&str; 7] = {
+    let mut names = [""; MAKERS.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = MAKERS[i].0;
+        i += 1;
+    }
+    names
+};
+
+/// The presets with the functions that make their files.
+const MAKERS: [(&str, fn() -> Vec<ExampleFile>); 7] = [
+    ("plate", plate_files),
+    ("stress-lines", stress_lines::files),
+    ("field", field::files),
+    ("ct", || ct(256)),
+    ("woodgrain", woodgrain::files),
+    ("tree-support", tree_support::files),
+    ("continuous", continuous::files),
+];
 
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
-    match name {
-        "plate" => Some(vec![
-            ("job.toml".into(), include_bytes!("../../jobs/plate.toml").to_vec()),
-            ("plate.stl".into(), stl(&plate())),
-        ]),
-        "stress-lines" => Some(stress_lines::files()),
-        "field" => Some(field::files()),
-        "woodgrain" => Some(woodgrain::files()),
-        "continuous" => Some(continuous::files()),
-        "tree-support" => Some(tree_support::files()),
-        "ct" => Some(ct(256)),
-        _ => None,
-    }
+    meaning(&MAKERS, name).map(|files| files())
+}
+
+fn plate_files() -> Vec<ExampleFile> {
+    vec![
+        ("job.toml".into(), include_bytes!("../../jobs/plate.toml").to_vec()),
+        ("plate.stl".into(), stl(&plate())),
+    ]
 }
 
 /// The wheel hub scanned with `n` x `n` pixels a slice, the true dimensions, and the job.

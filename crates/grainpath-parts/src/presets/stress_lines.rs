@@ -6,12 +6,11 @@ use grainpath_core::{DVec2, DVec3, TriMesh};
 
 use super::{ExampleFile, stl};
 use crate::shapes::{arc, prism};
-use crate::test_pieces::{TEST_PIECES, TestPiece};
+use crate::test_pieces::TestPiece;
 
 /// GB/T 1040 (ISO 527) type 1A bar with a central hole of 3 mm: the test piece `s2-tension`.
 fn tension_bar() -> TriMesh {
-    let piece = TEST_PIECES.iter().find(|p| p.name == "s2-tension");
-    piece.map(TestPiece::mesh).unwrap_or_default()
+    TestPiece::named("s2-tension").map(TestPiece::mesh).unwrap_or_default()
 }
 
 /// Bending bar after GB/T 9341 (ISO 178) for a span of 160 mm: 200 x 10 x 10 mm, printed on its side.

@@ -14,14 +14,24 @@ pub(super) fn files() -> Vec<ExampleFile> {
         // The job without a suffix is the tree, since it is the one to try; baselines print the same
         // part.
         let styles = [
-            ("tree", "", "on branching trees"),
-            ("columns", "-columns", "on straight walls, to compare"),
-            ("box", "-box", "on the box around every overhang, to compare"),
+            Style { word: "tree", suffix: "", how: "on branching trees", is_tree: true },
+            Style {
+                word: "columns",
+                suffix: "-columns",
+                how: "on straight walls, to compare",
+                is_tree: false,
+            },
+            Style {
+                word: "box",
+                suffix: "-box",
+                how: "on the box around every overhang, to compare",
+                is_tree: false,
+            },
         ];
-        for (style, suffix, how) in styles {
+        for style in &styles {
             files.push((
-                format!("{name}{suffix}.toml").into(),
-                job(name, &format!("{what}, {how}."), style).into_bytes(),
+                format!("{name}{}.toml", style.suffix).into(),
+                job(name, &format!("{what}, {}.", style.how), style).into_bytes(),
             ));
         }
         files.push((format!("{name}.stl").into(), stl(&mesh)));
@@ -29,8 +39,17 @@ pub(super) fn files() -> Vec<ExampleFile> {
     files
 }
 
-fn job(name: &str, what: &str, style: &str) -> String {
-    let file = if style == "tree" { name.to_owned() } else { format!("{name}-{style}") };
+/// A kind of support: its word in a job, the end of the job's file name, and what the job's title says.
+struct Style {
+    word: &'static str,
+    suffix: &'static str,
+    how: &'static str,
+    is_tree: bool,
+}
+
+fn job(name: &str, what: &str, style: &Style) -> String {
+    let file = format!("{name}{}", style.suffix);
+    let word = style.word;
     let mut text = format!(
         "# {what}
 #
@@ -52,13 +71,13 @@ profile = \"pla\"
 density = 0.15
 
 [support]
-style = \"{style}\"
+style = \"{word}\"
 critical_angle_deg = 40       # what leans further from the vertical is held; `grainpath specimen critical-angle` finds yours
 max_unsupported_mm = 10       # the longest stretch that prints over air
 "
     );
     // Only trees have branches and a support mesh of their own.
-    if style == "tree" {
+    if style.is_tree {
         text += "branch_angle_deg = 40         # branches lean no further\n";
     }
     text += &format!(
@@ -69,7 +88,7 @@ report = \"out/{file}.html\"
 preview = \"out/{file}\"
 "
     );
-    if style == "tree" {
+    if style.is_tree {
         text += &format!("support = \"out/{file}-support.stl\"\n");
     }
     text

@@ -2,7 +2,7 @@
 
 use grainpath_core::Role;
 
-use super::{Bead, LayerPicture};
+use super::{DrawnBead, LayerPicture};
 
 /// The quantity that the colour of a bead shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -22,13 +22,13 @@ pub enum ColourBy {
 impl ColourBy {
     /// The choice with this name: `role`, `width`, `speed` or `direction`.
     pub fn from_name(name: &str) -> Option<Self> {
-        Some(match name {
-            "role" => Self::Role,
-            "width" => Self::Width,
-            "speed" => Self::Speed,
-            "direction" => Self::Direction,
-            _ => return None,
-        })
+        let names = [
+            ("role", Self::Role),
+            ("width", Self::Width),
+            ("speed", Self::Speed),
+            ("direction", Self::Direction),
+        ];
+        grainpath_core::spelling::meaning(&names, name)
     }
 }
 
@@ -75,14 +75,14 @@ impl Scale {
         if by == ColourBy::Direction {
             return Self { by, low: 0.0, high: 45.0 };
         }
-        let value = |b: &Bead| if by == ColourBy::Width { b.width_mm } else { b.speed_mm_s };
+        let value = |b: &DrawnBead| if by == ColourBy::Width { b.width_mm } else { b.speed_mm_s };
         let fold = |(lo, hi): (f64, f64), v: f64| (lo.min(v), hi.max(v));
         let (low, high) = picture.beads.iter().map(value).fold((f64::INFINITY, f64::NEG_INFINITY), fold);
         Self { by, low, high }
     }
 
     /// The bead's colour.
-    pub fn colour(&self, bead: &Bead) -> Rgb {
+    pub fn colour(&self, bead: &DrawnBead) -> Rgb {
         match self.by {
             ColourBy::Role => of_role(bead.role),
             ColourBy::Width => self.ramp(bead.width_mm),

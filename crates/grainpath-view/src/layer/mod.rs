@@ -20,7 +20,7 @@ pub use thumbnail::{Ground, thumbnail_png};
 
 /// A straight piece of a bead.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bead {
+pub struct DrawnBead {
     /// Start, mm.
     pub a: DVec2,
     /// End, mm.
@@ -35,7 +35,7 @@ pub struct Bead {
     pub off_deg: Option<f64>,
 }
 
-impl Bead {
+impl DrawnBead {
     /// Whether `next` continues this piece and looks the same, so that both are drawn as one stroke.
     fn goes_on_as(&self, next: &Self) -> bool {
         // A thousandth of a millimetre is the usual resolution of coordinates in G-code. The other
@@ -57,7 +57,7 @@ pub struct LayerPicture {
     /// Thickness of the layer, mm.
     pub height_mm: f64,
     /// Pieces of beads, in printing order.
-    pub beads: Vec<Bead>,
+    pub beads: Vec<DrawnBead>,
     /// Straight moves without extrusion; drawn as thin lines.
     pub travels: Vec<[DVec2; 2]>,
     /// Places where fibre is cut; drawn as crosses.
@@ -77,7 +77,7 @@ fn cross_at(p: DVec2) -> [[DVec2; 2]; 2] {
 impl LayerPicture {
     /// The box around all beads, with their widths.
     pub fn bounds(&self) -> Option<Bounds2> {
-        let around = |b: &Bead| Bounds2 { min: b.a.min(b.b), max: b.a.max(b.b) }.grown(0.5 * b.width_mm);
+        let around = |b: &DrawnBead| Bounds2 { min: b.a.min(b.b), max: b.a.max(b.b) }.grown(0.5 * b.width_mm);
         self.beads.iter().map(around).reduce(Bounds2::union)
     }
 }
@@ -107,7 +107,7 @@ mod tests {
 
     fn layer(z_mm: f64) -> LayerPicture {
         let ring = [(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (0.0, 10.0), (0.0, 0.0)];
-        let bead = |w: &[(f64, f64)], role| Bead {
+        let bead = |w: &[(f64, f64)], role| DrawnBead {
             a: w[0].into(),
             b: w[1].into(),
             width_mm: 0.45,
@@ -115,7 +115,7 @@ mod tests {
             speed_mm_s: 50.0,
             off_deg: (role == Role::TopSkin).then_some(30.0),
         };
-        let mut beads: Vec<Bead> = ring.windows(2).map(|w| bead(w, Role::OuterWall)).collect();
+        let mut beads: Vec<DrawnBead> = ring.windows(2).map(|w| bead(w, Role::OuterWall)).collect();
         beads.push(bead(&[(1.0, 5.0), (19.0, 5.0)], Role::TopSkin));
         LayerPicture {
             z_mm,

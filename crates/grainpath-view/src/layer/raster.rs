@@ -4,7 +4,7 @@ use grainpath_core::{Bounds2, DVec2};
 use tiny_skia::{Color, LineCap, LineJoin, Paint, PathBuilder, Pixmap, Stroke, Transform};
 
 use super::colour::Rgb;
-use super::{Bead, LayerPicture, PictureOptions, Scale};
+use super::{DrawnBead, LayerPicture, PictureOptions, Scale};
 
 /// Draws a layer, y upwards: each bead at its true width with a darker rim, which shows where beads
 /// touch, overlap or leave a gap. An empty layer gives an empty picture.
@@ -20,8 +20,8 @@ pub fn layer_png(picture: &LayerPicture, options: &PictureOptions) -> Vec<u8> {
     let colours = Scale::of(picture, options.colour_by);
     // Beads outside a small window would cost time in the rasteriser and draw nothing.
     let visible =
-        |b: &&Bead| Bounds2 { min: b.a.min(b.b), max: b.a.max(b.b) }.grown(0.5 * b.width_mm).meets(size);
-    let beads: Vec<&Bead> = picture.beads.iter().filter(visible).collect();
+        |b: &&DrawnBead| Bounds2 { min: b.a.min(b.b), max: b.a.max(b.b) }.grown(0.5 * b.width_mm).meets(size);
+    let beads: Vec<&DrawnBead> = picture.beads.iter().filter(visible).collect();
     // One stroke for a run of pieces: separate strokes would show a rim at each joint.
     for run in beads.chunk_by(|x, y| x.goes_on_as(y)) {
         let base = colours.colour(run[0]);
@@ -43,7 +43,7 @@ pub fn layer_png(picture: &LayerPicture, options: &PictureOptions) -> Vec<u8> {
     png(w, h, canvas.data())
 }
 
-fn draw(canvas: &mut Pixmap, run: &[&Bead], at: &impl Fn(DVec2) -> (f32, f32), width: f32, colour: Rgb) {
+fn draw(canvas: &mut Pixmap, run: &[&DrawnBead], at: &impl Fn(DVec2) -> (f32, f32), width: f32, colour: Rgb) {
     let points: Vec<(f32, f32)> = std::iter::once(at(run[0].a)).chain(run.iter().map(|b| at(b.b))).collect();
     draw_line(canvas, &points, width, colour, 255);
 }

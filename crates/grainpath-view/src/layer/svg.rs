@@ -27,7 +27,7 @@ pub fn layer_svg(picture: &LayerPicture, options: &PictureOptions) -> String {
         b.min.x, -b.max.y, size.x, size.y
     ));
     let colours = Scale::of(picture, options.colour_by);
-    for run in picture.beads.chunk_by(super::Bead::goes_on_as) {
+    for run in picture.beads.chunk_by(super::DrawnBead::goes_on_as) {
         let [r, g, bl] = colours.colour(&run[0]);
         // y is negated, since SVG counts it downwards.
         let mut points = format!("{:.3},{:.3}", run[0].a.x, -run[0].a.y);

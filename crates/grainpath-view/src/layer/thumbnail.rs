@@ -12,7 +12,7 @@
 use grainpath_core::{Bounds2, DVec2, DVec3, Role};
 
 use super::raster::png;
-use super::{Bead, LayerPicture};
+use super::{DrawnBead, LayerPicture};
 
 /// Colour of the part at full light: only looks depend on it.
 const BODY: [f64; 3] = [236.0, 150.0, 74.0];
@@ -54,7 +54,7 @@ pub fn thumbnail_png(layers: &[LayerPicture], width: u32, height: u32, ground: G
     if let Some(view) = View::around(layers, w * samples, h * samples) {
         for layer in layers {
             // Skirt, brim and interfaces of supports are not drawn: they would hide faces of the part.
-            let drawn = |b: &Bead| b.role.is_part() || matches!(b.role, Role::Support);
+            let drawn = |b: &DrawnBead| b.role.is_part() || matches!(b.role, Role::Support);
             for path in layer.beads.chunk_by(|a, b| a.b.distance_squared(b.a) < 1e-6 && a.role == b.role) {
                 if drawn(&path[0]) {
                     canvas.path(&view, layer, path);
@@ -134,9 +134,9 @@ impl Canvas {
     }
 
     /// Draws the beads of one path, which meet end to end.
-    fn path(&mut self, view: &View, layer: &LayerPicture, path: &[Bead]) {
+    fn path(&mut self, view: &View, layer: &LayerPicture, path: &[DrawnBead]) {
         // Pieces without length have no side.
-        let path: Vec<&Bead> = path.iter().filter(|b| b.a.distance_squared(b.b) > 1e-12).collect();
+        let path: Vec<&DrawnBead> = path.iter().filter(|b| b.a.distance_squared(b.b) > 1e-12).collect();
         let (Some(first), Some(last)) = (path.first(), path.last()) else { return };
         let closed = path.len() > 2 && first.a.distance_squared(last.b) < 1e-6;
         let support = matches!(first.role, Role::Support);
@@ -175,7 +175,7 @@ impl Canvas {
         &mut self,
         view: &View,
         layer: &LayerPicture,
-        bead: &Bead,
+        bead: &DrawnBead,
         at: DVec2,
         outwards: DVec2,
         support: bool,
@@ -305,7 +305,7 @@ const HALF_SQRT: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Corners of a cross-section. Source: the rows of the table in [`rings`].
 const SECTION: usize = 8;
 
-fn direction(bead: &Bead) -> DVec2 {
+fn direction(bead: &DrawnBead) -> DVec2 {
     (bead.b - bead.a).normalize_or_zero()
 }
 
@@ -326,7 +326,7 @@ fn mitre(before: DVec2, after: DVec2) -> DVec2 {
 }
 
 /// The cross-section of a bead at a point, from the left side over the top to the right and below: pixels and light.
-fn rings(view: &View, layer: &LayerPicture, bead: &Bead, at: DVec2, side: DVec2) -> [Corner; SECTION] {
+fn rings(view: &View, layer: &LayerPicture, bead: &DrawnBead, at: DVec2, side: DVec2) -> [Corner; SECTION] {
     let half = 0.5 * bead.width_mm;
     let bevel = (BEVEL * layer.height_mm).min(0.9 * half);
     let (low, high) = (layer.z_mm - layer.height_mm, layer.z_mm);
@@ -422,7 +422,7 @@ mod tests {
     fn no_ground_shows_through_a_solid_block() {
         let layer = |k: usize| {
             let y = |i: usize| 0.225 + 0.45 * i as f64;
-            let line = |i: usize| Bead {
+            let line = |i: usize| DrawnBead {
                 a: DVec2::new(0.0, y(i)),
                 b: DVec2::new(20.0, y(i)),
                 width_mm: 0.45,

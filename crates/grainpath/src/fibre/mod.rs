@@ -175,17 +175,17 @@ impl FibreSettings {
         &self,
         layer: (usize, f64),
         height_mm: f64,
-        room: &Polygon,
+        infill_region: &Polygon,
         matrix_mm: f64,
     ) -> (Vec<Polygon>, Vec<Polygon>) {
         if !self.in_layer(layer.0) {
-            return (Vec::new(), vec![room.clone()]);
+            return (Vec::new(), vec![infill_region.clone()]);
         }
-        let room = Region::from(room.clone());
+        let infill_region = Region::from(infill_region.clone());
         // The region was made for the centrelines of matrix beads; fibre beads have another width.
         let fits = |r: &Region| r.offset(0.5 * (matrix_mm - self.bead_width_mm), Join::Miter(3.0)).polygons;
         if self.boxes.is_empty() {
-            return (fits(&room), Vec::new());
+            return (fits(&infill_region), Vec::new());
         }
         let rectangle = |k: usize| {
             let [low, high] = self.boxes[k];
@@ -194,25 +194,25 @@ impl FibreSettings {
         let chosen = self.boxes_at(layer.1).map(rectangle).fold(Region::default(), |a, b| a.union(&b));
         // Each side keeps half a bead from the border of the box.
         let half = |w: f64| 0.5 * bead_spacing_mm(w, height_mm);
-        let with = chosen.offset(-half(matrix_mm), Join::Miter(3.0)).intersection(&room);
-        let without = room.difference(&chosen.offset(half(matrix_mm), Join::Miter(3.0)));
+        let with = chosen.offset(-half(matrix_mm), Join::Miter(3.0)).intersection(&infill_region);
+        let without = infill_region.difference(&chosen.offset(half(matrix_mm), Join::Miter(3.0)));
         (fits(&with), without.polygons)
     }
 
-    /// Turns the paths laid in `rooms` into fibre where they are long enough. `load` is the load at
+    /// Turns the paths laid in `infill_regions` into fibre where they are long enough. `load` is the load at
     /// a point, for the choice of the start. With `keep_closed` closed paths stay closed, and the
     /// print order chooses their start.
     pub fn lay(
         &self,
         paths: Vec<Toolpath>,
-        rooms: &Region,
+        infill_regions: &Region,
         load: &dyn Fn(DVec2) -> f64,
         keep_closed: bool,
         out: &mut Vec<Toolpath>,
     ) -> Tally {
         let mut tally = Tally::default();
         // Grown by 2 um, because paths may lie exactly on the edge of the region.
-        let grown = rooms.offset(2e-3, Join::Miter(3.0));
+        let grown = infill_regions.offset(2e-3, Join::Miter(3.0));
         let clipper = LineClipper::new(&grown);
         let inside = |a: DVec2, b: DVec2| clipper.segment_inside(a, b);
         for mut path in paths {

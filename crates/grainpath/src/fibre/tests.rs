@@ -72,10 +72,10 @@ fn where_there_is_no_room_the_corner_stays() {
 #[test]
 fn a_square_loop_turns_by_the_radius_and_begins_on_a_side() {
     let square = [(0.0, 0.0), (40.0, 0.0), (40.0, 30.0), (0.0, 30.0)].map(DVec2::from);
-    let room = Region::from(Polygon { outer: square.to_vec(), holes: Vec::new() });
+    let infill_region = Region::from(Polygon { outer: square.to_vec(), holes: Vec::new() });
     let path = Toolpath::new(square.to_vec(), 0.45, Role::SolidFill, true);
     let mut out = Vec::new();
-    let tally = settings().lay(vec![path.clone()], &room, &|_| 0.0, false, &mut out);
+    let tally = settings().lay(vec![path.clone()], &infill_region, &|_| 0.0, false, &mut out);
     assert_eq!((tally.rounded, tally.short, out.len()), (4, 0, 1));
     assert_eq!((out[0].role, out[0].width.clone()), (Role::Fibre, BeadWidth::Constant(0.6)));
     assert_eq!(out[0].start(), out[0].end());
@@ -86,7 +86,7 @@ fn a_square_loop_turns_by_the_radius_and_begins_on_a_side() {
     let mut out = Vec::new();
     let tally = FibreSettings { min_length_mm: 200.0, ..settings() }.lay(
         vec![path],
-        &room,
+        &infill_region,
         &|_| 0.0,
         false,
         &mut out,
@@ -103,10 +103,16 @@ fn fibre_is_cut_where_it_cannot_turn() {
             if k % 2 == 0 { [a, b] } else { [b, a] }
         })
         .collect();
-    let room = Region::default();
+    let infill_region = Region::default();
     let path = Toolpath::new(zigzag, 0.6, Role::SolidFill, false);
     let mut out = Vec::new();
-    FibreSettings { turns: FibreTurns::Cut, ..settings() }.lay(vec![path], &room, &|_| 0.0, false, &mut out);
+    FibreSettings { turns: FibreTurns::Cut, ..settings() }.lay(
+        vec![path],
+        &infill_region,
+        &|_| 0.0,
+        false,
+        &mut out,
+    );
     assert_eq!(out.iter().filter(|p| p.role == Role::Fibre).count(), 10);
     for p in out.iter().filter(|p| p.role == Role::Fibre) {
         assert_eq!(smallest(&p.points, false), f64::INFINITY);
@@ -119,13 +125,13 @@ fn layers_and_boxes_choose() {
     let chosen: Vec<usize> = (0..15).filter(|&i| f.in_layer(i)).map(|i| i + 1).collect();
     assert_eq!(chosen, [3, 5, 7, 12]);
     let f = FibreSettings { boxes: vec![[DVec3::ZERO, DVec3::new(20.0, 50.0, 1.0)]], ..settings() };
-    let room = &Region::rectangle(DVec2::new(-10.0, 1.0), DVec2::new(40.0, 21.0)).polygons[0];
-    let (with, without) = f.split((0, 0.5), 0.2, room, 0.6);
+    let infill_region = &Region::rectangle(DVec2::new(-10.0, 1.0), DVec2::new(40.0, 21.0)).polygons[0];
+    let (with, without) = f.split((0, 0.5), 0.2, infill_region, 0.6);
     let area = |all: &[Polygon]| all.iter().map(Polygon::area_mm2).sum::<f64>();
     let s = bead_spacing_mm(0.6, 0.2);
     assert!((area(&with) - 20.0 * (20.0 - s)).abs() < 0.01, "{}", area(&with));
     assert!((area(&without) - 20.0 * (30.0 - s)).abs() < 0.01, "{}", area(&without));
-    let (with, without) = f.split((0, 1.5), 0.2, room, 0.6);
+    let (with, without) = f.split((0, 1.5), 0.2, infill_region, 0.6);
     assert!(with.is_empty() && (area(&without) - 1000.0).abs() < 1e-6);
     assert!(f.same((0, 0.1), (4, 0.9)) && !f.same((0, 0.1), (9, 1.1)));
 }

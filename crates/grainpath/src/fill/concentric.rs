@@ -15,9 +15,9 @@ use super::{FillContext, Infill};
 pub struct Concentric;
 
 impl Infill for Concentric {
-    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+    fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
         let step = context.spacing_mm() / context.density.fraction();
-        let mut region = Region::from(room.clone());
+        let mut region = Region::from(infill_region.clone());
         // Below full density the first loop keeps its distance from the wall.
         let mut inset = if context.density.is_dense() { 0.0 } else { 0.5 * step };
         loop {

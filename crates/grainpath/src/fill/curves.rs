@@ -49,17 +49,17 @@ pub struct Flow<'a> {
 /// the flow between them.
 pub fn lay_curves(
     context: &FillContext<'_>,
-    room: &Polygon,
+    infill_region: &Polygon,
     curves: &[Vec<DVec2>],
     flow: &Flow<'_>,
     out: &mut Vec<Toolpath>,
 ) {
     let spacing_mm = context.spacing_mm() / context.density.fraction();
-    let Some(bounds) = room.bounds() else { return };
-    if !(spacing_mm.is_finite() && room.area_mm2() > 1e-6) {
+    let Some(bounds) = infill_region.bounds() else { return };
+    if !(spacing_mm.is_finite() && infill_region.area_mm2() > 1e-6) {
         return;
     }
-    let region = Region::from(room.clone());
+    let region = Region::from(infill_region.clone());
     let mut layer = Layout {
         clipper: LineClipper::new(&region),
         flow,
@@ -68,7 +68,7 @@ pub fn lay_curves(
         lines: Vec::new(),
         bounds,
         near: PointGrid2::new(bounds, CLOSEST * spacing_mm),
-        border: BorderDistance::new(room, spacing_mm),
+        border: BorderDistance::new(infill_region, spacing_mm),
         off_border_mm: if context.density.is_dense() { 0.0 } else { 0.5 * spacing_mm },
     };
     // Shorter lines cost a start and a stop each and hardly show. Sparse fill can drop longer ones,
@@ -82,9 +82,9 @@ pub fn lay_curves(
     if context.density.is_dense() {
         let strips = |i| layer.strips(i, spacing_mm, context.border_mm);
         let widths: Vec<Vec<f64>> = (0..layer.lines.len()).map(strips).collect();
-        dense_paths(context, room, layer.lines, widths, out);
+        dense_paths(context, infill_region, layer.lines, widths, out);
     } else {
-        sparse_paths(context, room, layer.lines, out);
+        sparse_paths(context, infill_region, layer.lines, out);
     }
 }
 
@@ -286,9 +286,9 @@ impl Layout<'_> {
             // the point before.
             if let Some(hit) = self.clipper.crossings(at, next).first() {
                 let edge = at.lerp(next, hit.t);
-                let room = GO_ON * self.closest_mm;
+                let clear_mm = GO_ON * self.closest_mm;
                 // Points of this same line count too, unless they are its recent ones.
-                if edge.distance(at) > 0.05 * h && self.open(edge, room, |line, i| line != id || own(i)) {
+                if edge.distance(at) > 0.05 * h && self.open(edge, clear_mm, |line, i| line != id || own(i)) {
                     out.push(edge);
                     self.near.insert(edge, (id, index));
                 }
@@ -385,10 +385,10 @@ struct BorderDistance {
 }
 
 impl BorderDistance {
-    fn new(room: &Polygon, reach_mm: f64) -> Self {
-        let bounds = room.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
+    fn new(infill_region: &Polygon, reach_mm: f64) -> Self {
+        let bounds = infill_region.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let mut near = PointGrid2::new(bounds, reach_mm);
-        for contour in room.contours() {
+        for contour in infill_region.contours() {
             for (a, b) in grainpath_core::poly::edges(contour) {
                 // Points a fifth of the reach apart. The nearest of them is at most a tenth of the
                 // reach off along the border, which makes a distance of half the reach wrong by 2
@@ -409,16 +409,17 @@ impl BorderDistance {
 }
 
 /// Volume wanted: that of the region and the half strips around it.
-fn wanted_mm3(context: &FillContext<'_>, room: &Polygon) -> f64 {
+fn wanted_mm3(context: &FillContext<'_>, infill_region: &Polygon) -> f64 {
     // Source: derived: a rectangle grown by b on all sides gains its perimeter times b and four
     // corners of b x b. Other regions differ in the corners alone.
-    let area = room.area_mm2() + context.border_mm * (room.perimeter_mm() + 4.0 * context.border_mm);
+    let area = infill_region.area_mm2()
+        + context.border_mm * (infill_region.perimeter_mm() + 4.0 * context.border_mm);
     area * context.height_mm * context.density.fraction()
 }
 
 fn dense_paths(
     context: &FillContext<'_>,
-    room: &Polygon,
+    infill_region: &Polygon,
     lines: Vec<Line>,
     strips: Vec<Vec<f64>>,
     out: &mut Vec<Toolpath>,
@@ -434,7 +435,7 @@ fn dense_paths(
     let laid: f64 = lines.iter().zip(&strips).map(each).sum::<f64>() * height;
     // The correction evens out the rounding of many strips. A factor outside the range means that
     // lines are missing, and wider beads elsewhere would not mend that.
-    let factor = (wanted_mm3(context, room) / laid.max(1e-9)).clamp(0.96, 1.08);
+    let factor = (wanted_mm3(context, infill_region) / laid.max(1e-9)).clamp(0.96, 1.08);
     for (line, strips) in lines.into_iter().zip(strips) {
         let widths: Vec<f64> = strips.iter().map(|s| bead_width_mm(factor * s, height)).collect();
         let kept = kept(&line.points, &widths);
@@ -449,7 +450,12 @@ fn dense_paths(
     }
 }
 
-fn sparse_paths(context: &FillContext<'_>, room: &Polygon, lines: Vec<Line>, out: &mut Vec<Toolpath>) {
+fn sparse_paths(
+    context: &FillContext<'_>,
+    infill_region: &Polygon,
+    lines: Vec<Line>,
+    out: &mut Vec<Toolpath>,
+) {
     let first = out.len();
     for line in lines {
         let kept = kept(&line.points, &vec![0.0; line.points.len()]);
@@ -459,7 +465,7 @@ fn sparse_paths(context: &FillContext<'_>, room: &Polygon, lines: Vec<Line>, out
     // Lines are laid whole or not at all, so the length laid misses the density by a little. The
     // bead width makes up for it, within 15 %.
     let laid: f64 = out[first..].iter().map(|p| p.volume_mm3(context.height_mm)).sum();
-    let factor = (wanted_mm3(context, room) / laid.max(1e-9)).clamp(0.85, 1.15);
+    let factor = (wanted_mm3(context, infill_region) / laid.max(1e-9)).clamp(0.85, 1.15);
     let spacing = factor * context.spacing_mm();
     let width = BeadWidth::Constant(bead_width_mm(spacing, context.height_mm));
     out[first..].iter_mut().for_each(|p| p.width = width.clone());
@@ -516,7 +522,7 @@ mod tests {
         }
     }
 
-    fn room() -> Polygon {
+    fn infill_region() -> Polygon {
         let hole = (0..60).rev().map(|i| DVec2::new(20.0, 10.0) + 3.0 * direction(f64::from(i) * PI / 30.0));
         Polygon {
             outer: Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 20.0)).polygons[0].outer.clone(),
@@ -544,9 +550,15 @@ mod tests {
         for density in [1.0, 0.3] {
             let context = context(Density::new(density));
             let mut paths = Vec::new();
-            lay_curves(&context, &room(), &seen(), &Flow { axis: &axis, sparseness: None }, &mut paths);
+            lay_curves(
+                &context,
+                &infill_region(),
+                &seen(),
+                &Flow { axis: &axis, sparseness: None },
+                &mut paths,
+            );
             let spacing = context.spacing_mm() / density;
-            let region = Region::from(room());
+            let region = Region::from(infill_region());
             let segments: Vec<(usize, DVec2, DVec2)> = paths
                 .iter()
                 .enumerate()
@@ -585,7 +597,7 @@ mod tests {
                 "density {density}: a place {widest:.2} mm from any line"
             );
             let volume: f64 = paths.iter().map(|p| p.volume_mm3(0.2)).sum();
-            let share = volume / wanted_mm3(&context, &room());
+            let share = volume / wanted_mm3(&context, &infill_region());
             assert!((share - 1.0).abs() < 0.02, "density {density}: {share} of the volume");
         }
     }

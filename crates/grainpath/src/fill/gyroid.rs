@@ -28,12 +28,12 @@ pub struct Gyroid;
 const POINTS: usize = 24;
 
 impl Infill for Gyroid {
-    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        let Some(bounds) = room.bounds() else { return };
+    fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
+        let Some(bounds) = infill_region.bounds() else { return };
         // Length per area falls as 1 / unit, so the unit of the phase is a bead's spacing times the
         // length density, over the density asked for.
         let unit_mm = context.spacing_mm() * length_density() / context.density.fraction();
-        let clipper = LineClipper::new(&Region::from(room.clone()));
+        let clipper = LineClipper::new(&Region::from(infill_region.clone()));
         let z = context.z_mid_mm / unit_mm;
         for wave in waves(bounds.grown(0.1), unit_mm, z) {
             for piece in clipper.clip(&wave) {

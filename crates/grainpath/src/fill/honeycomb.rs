@@ -23,13 +23,13 @@ use super::{FillContext, Infill};
 pub struct Honeycomb;
 
 impl Infill for Honeycomb {
-    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+    fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
         let s = context.spacing_mm();
         // A wave is 4 sides long over a width of 3 sides. Waves are one rise and one spacing apart.
         let side = (4.0 / (3.0 * context.density.fraction()) - 1.0) * s * 2.0 / 3f64.sqrt();
         // Cells smaller than a bead cannot be told from solid infill.
         if side < s {
-            return super::Rectilinear.fill(context, room, out);
+            return super::Rectilinear.fill(context, infill_region, out);
         }
         let rise = side * 0.5 * 3f64.sqrt();
         let pitch = rise + s;
@@ -38,9 +38,9 @@ impl Infill for Honeycomb {
         // The raster is anchored at the part's centre, so that the hexagons of all layers lie on
         // each other.
         let centre = rotated(context.part.centre(), back);
-        let local = Bounds2::of(room.outer.iter().map(|&p| rotated(p, back) - centre));
+        let local = Bounds2::of(infill_region.outer.iter().map(|&p| rotated(p, back) - centre));
         let Some(bounds) = local else { return };
-        let clipper = LineClipper::new(&Region::from(room.clone()));
+        let clipper = LineClipper::new(&Region::from(infill_region.clone()));
         let (low, high) =
             ((bounds.min.y / pitch).floor() as i64 - 1, (bounds.max.y / pitch).ceil() as i64 + 1);
         let (first, last) =

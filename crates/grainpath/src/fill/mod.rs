@@ -62,7 +62,7 @@ impl FillContext<'_> {
 /// bridges and skins, is decided before.
 pub trait Infill: Send + Sync {
     /// Adds paths to `out`; none where no path fits.
-    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>);
+    fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>);
 }
 
 /// The implementation of a pattern.
@@ -188,8 +188,12 @@ mod tests {
                 let mut paths = Vec::new();
                 region.polygons.iter().for_each(|p| Solid.fill(&context, p, &mut paths));
                 let volume: f64 = paths.iter().map(|p| p.volume_mm3(0.2)).sum();
-                let room = region.offset(0.5 * context.spacing_mm(), Join::Miter(3.0)).area_mm2() * 0.2;
-                assert!((volume / room - 1.0).abs() < 0.01, "{outline} at {angle}: {}", volume / room);
+                let expected = region.offset(0.5 * context.spacing_mm(), Join::Miter(3.0)).area_mm2() * 0.2;
+                assert!(
+                    (volume / expected - 1.0).abs() < 0.01,
+                    "{outline} at {angle}: {}",
+                    volume / expected
+                );
                 assert!(paths.len() <= 40, "{outline} at {angle}: {} paths", paths.len());
             }
         }

@@ -33,37 +33,43 @@ pub struct Crossed {
 pub struct Solid;
 
 impl Infill for Rectilinear {
-    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+    fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
         match context.density {
-            Density::Dense => Solid.fill(context, room, out),
+            Density::Dense => Solid.fill(context, infill_region, out),
             Density::Sparse(fraction) => {
-                sparse(context, room, context.angle_rad, context.spacing_mm() / fraction, out);
+                sparse(context, infill_region, context.angle_rad, context.spacing_mm() / fraction, out);
             }
         }
     }
 }
 
 impl Infill for Crossed {
-    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+    fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
         let Density::Sparse(fraction) = context.density else {
-            return Solid.fill(context, room, out);
+            return Solid.fill(context, infill_region, out);
         };
         let n = self.directions as f64;
         for k in 0..self.directions {
             let angle = context.angle_rad + PI * k as f64 / n;
-            sparse(context, room, angle, n * context.spacing_mm() / fraction, out);
+            sparse(context, infill_region, angle, n * context.spacing_mm() / fraction, out);
         }
     }
 }
 
 /// Lines whose position depends on the part alone, whatever the region.
-fn sparse(context: &FillContext<'_>, room: &Polygon, angle_rad: f64, step_mm: f64, out: &mut Vec<Toolpath>) {
+fn sparse(
+    context: &FillContext<'_>,
+    infill_region: &Polygon,
+    angle_rad: f64,
+    step_mm: f64,
+    out: &mut Vec<Toolpath>,
+) {
     let centre = context.part.centre();
     let back = direction(-angle_rad);
     // A row passes through the middle of the part in every layer, so the rows of a direction lie on
     // each other.
     let first_mm = rotated(centre, back).y;
-    let hatch = Hatch::new(room, Lines { angle_rad, first_mm, step_mm });
+    let hatch = Hatch::new(infill_region, Lines { angle_rad, first_mm, step_mm });
     // Along a steep border two rows are joined by about one step; 1.8 steps allow borders down to
     // 34 degrees from the lines. A longer joint would double the wall's bead for nothing.
     let joints = Joints { longest_mm: 1.8 * step_mm, bulge_mm: 0.5 * step_mm };
@@ -74,19 +80,21 @@ fn sparse(context: &FillContext<'_>, room: &Polygon, angle_rad: f64, step_mm: f6
 }
 
 impl Infill for Solid {
-    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        let Some((lines, step_mm)) = spaced::lines(room, context.angle_rad, context.spacing_mm()) else {
+    fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
+        let Some((lines, step_mm)) = spaced::lines(infill_region, context.angle_rad, context.spacing_mm())
+        else {
             return;
         };
         let joints = Joints { longest_mm: 4.0 * step_mm, bulge_mm: 0.5 * step_mm };
-        let paths = Hatch::new(room, lines).paths(&joints);
+        let paths = Hatch::new(infill_region, lines).paths(&joints);
         // The volume laid is the volume of the region. Joints and line ends overlap their
         // neighbours, so the beads get a little thinner. Beads are wider than their spacing, so no
         // gap opens between them.
         let length: f64 = paths.iter().flat_map(|p| p.windows(2)).map(|w| w[0].distance(w[1])).sum();
         // Source: derived: a rectangle grown by b on all sides gains its perimeter times b and four
         // corners of b x b.
-        let area = room.area_mm2() + context.border_mm * (room.perimeter_mm() + 4.0 * context.border_mm);
+        let area = infill_region.area_mm2()
+            + context.border_mm * (infill_region.perimeter_mm() + 4.0 * context.border_mm);
         let strip_mm = (area / length.max(1e-9)).clamp(0.9 * step_mm, 1.05 * step_mm);
         let width = bead_width_mm(strip_mm, context.height_mm);
         out.extend(paths.into_iter().map(|points| Toolpath::new(points, width, context.role, false)));

@@ -53,9 +53,9 @@ struct Border {
 /// The strips of the outermost lines reach half a strip beyond the region, and the lines between
 /// are spaced evenly. Where a region is narrower in places, lines that serve its lowest and highest
 /// border leave a gap along other borders; then all pairs of borders are tried.
-pub fn lines(room: &Polygon, angle_rad: f64, s_mm: f64) -> Option<(Lines, f64)> {
+pub fn lines(infill_region: &Polygon, angle_rad: f64, s_mm: f64) -> Option<(Lines, f64)> {
     let back = direction(-angle_rad);
-    let rows = || room.outer.iter().map(|&p| rotated(p, back).y);
+    let rows = || infill_region.outer.iter().map(|&p| rotated(p, back).y);
     let (low, high) = rows().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), y| (lo.min(y), hi.max(y)));
     if low >= high {
         return None;
@@ -75,7 +75,7 @@ pub fn lines(room: &Polygon, angle_rad: f64, s_mm: f64) -> Option<(Lines, f64)> 
         first_mm: (low + 0.5 * (apart - s_mm)).max(low + hair),
         step_mm: (apart * (n - 1.0) - 2.0 * hair) / (n - 1.0),
     };
-    let borders = borders(room, angle_rad, s_mm);
+    let borders = borders(infill_region, angle_rad, s_mm);
     let today = missed_mm2(&borders, &even, s_mm);
     let mut best = (today, even);
     for (i, a) in borders.iter().enumerate() {
@@ -130,10 +130,10 @@ fn missed_mm2(borders: &[Border], lines: &Lines, s_mm: f64) -> f64 {
 }
 
 /// The longest borders along the lines, from the lowest up.
-fn borders(room: &Polygon, angle_rad: f64, s_mm: f64) -> Vec<Border> {
+fn borders(infill_region: &Polygon, angle_rad: f64, s_mm: f64) -> Vec<Border> {
     let back = direction(-angle_rad);
     let mut all: Vec<Border> = Vec::new();
-    for contour in room.contours() {
+    for contour in infill_region.contours() {
         for (a, b) in grainpath_core::poly::edges(contour) {
             // The exact turn is costly, so short edges are dropped first.
             let d = rotated(b - a, back);
@@ -167,7 +167,7 @@ mod tests {
     use super::*;
     use grainpath_core::DVec2;
 
-    /// A tensile bar's room: grips 19 mm wide, and a gauge of another width between them.
+    /// The infill region of a tensile bar: grips 19 mm wide, and a gauge of another width between them.
     fn bar(gauge_mm: f64, turned: DVec2) -> Polygon {
         let half = 0.5 * gauge_mm;
         let upper = [(-80.0, -9.5), (-50.0, -9.5), (-40.0, -half), (40.0, -half), (50.0, -9.5), (80.0, -9.5)];
@@ -182,10 +182,10 @@ mod tests {
         let (mut before, mut after) = (0.0, 0.0);
         for k in 0..40 {
             let angle = 0.1 * f64::from(k);
-            let room = bar(4.0 + 0.3 * f64::from(k), direction(angle));
-            let (found, strip_mm) = lines(&room, angle, s).expect("lines");
+            let infill_region = bar(4.0 + 0.3 * f64::from(k), direction(angle));
+            let (found, strip_mm) = lines(&infill_region, angle, s).expect("lines");
             assert!((strip_mm / s - 1.0).abs() <= 0.031, "{strip_mm}");
-            let borders = borders(&room, angle, s);
+            let borders = borders(&infill_region, angle, s);
             assert_eq!(borders.len(), 4);
             let n = ((19.0 + s) / s + 0.02).floor();
             let even = between(&borders[0], &borders[3], n - 1.0, angle, s);
@@ -201,8 +201,8 @@ mod tests {
     #[test]
     fn a_room_of_one_height_is_filled_from_border_to_border() {
         let corners = [(0.0, 0.0), (30.0, 0.0), (30.0, 9.3), (0.0, 9.3)];
-        let room = Polygon { outer: corners.map(DVec2::from).to_vec(), holes: Vec::new() };
-        let (found, strip_mm) = lines(&room, 0.0, 0.4).expect("lines");
+        let infill_region = Polygon { outer: corners.map(DVec2::from).to_vec(), holes: Vec::new() };
+        let (found, strip_mm) = lines(&infill_region, 0.0, 0.4).expect("lines");
         let n = (9.7 / strip_mm).round();
         assert!((n * strip_mm - 9.7).abs() < 1e-9 && strip_mm >= 0.4, "{strip_mm}");
         assert!((found.first_mm + (n - 1.0) * found.step_mm - (9.3 - found.first_mm)).abs() < 1e-3);

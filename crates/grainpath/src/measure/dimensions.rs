@@ -4,10 +4,27 @@
 //! in the outer walls of the layers concerned.
 
 use grainpath_core::math::cross;
+use grainpath_core::spelling::meaning;
 use grainpath_core::{DVec2, Role};
 use grainpath_gcode::{Bead, BeadLayer, Program};
 use serde::Serialize;
 use toml::{Table, Value};
+
+/// The words of `kind` in a file of dimensions.
+const KINDS: [(&str, KindWord); 4] = [
+    ("outside", KindWord::Outside),
+    ("bore", KindWord::Bore),
+    ("width", KindWord::Width),
+    ("height", KindWord::Height),
+];
+
+#[derive(Clone, Copy)]
+enum KindWord {
+    Outside,
+    Bore,
+    Width,
+    Height,
+}
 
 /// Kind and place of a dimension. Heights are above the part's lowest point; positions are in the
 /// shape's own coordinates.
@@ -98,14 +115,17 @@ pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, DimensionError> {
                     _ => Err(wrong(key, "[x, y]")),
                 }
             };
-            let kind = match row.get("kind").and_then(Value::as_str) {
-                Some("outside") => Kind::Outside { centre: point("centre_mm")?, z_mm: number("z_mm")? },
-                Some("bore") => Kind::Bore { centre: point("centre_mm")?, z_mm: number("z_mm")? },
-                Some("width") => {
+            let word = row.get("kind").and_then(Value::as_str).unwrap_or_default();
+            let kind = match meaning(&KINDS, word) {
+                Some(KindWord::Outside) => {
+                    Kind::Outside { centre: point("centre_mm")?, z_mm: number("z_mm")? }
+                }
+                Some(KindWord::Bore) => Kind::Bore { centre: point("centre_mm")?, z_mm: number("z_mm")? },
+                Some(KindWord::Width) => {
                     Kind::Width { from: point("from_mm")?, to: point("to_mm")?, z_mm: number("z_mm")? }
                 }
-                Some("height") => Kind::Height,
-                _ => return Err(wrong("kind", "outside, bore, width or height")),
+                Some(KindWord::Height) => Kind::Height,
+                None => return Err(wrong("kind", "outside, bore, width or height")),
             };
             let true_mm = number("true_mm")?;
             if true_mm <= 0.0 {

@@ -186,12 +186,12 @@ impl Chain {
                     // The exchanged stretches are as long as the gap. Half of one on either side
                     // has to fit between the ends of the path.
                     let d = here.at.distance(there.at);
-                    let room = |along: f64, all: f64| along > d && along + d < all;
+                    let fits = |along: f64, all: f64| along > d && along + d < all;
                     if d <= reach_mm
                         && d > 1e-6
                         && best.as_ref().is_none_or(|b| d < b.0 - 1e-9)
-                        && room(here.along_mm, lengths[here.piece])
-                        && room(there.along_mm, length)
+                        && fits(here.along_mm, lengths[here.piece])
+                        && fits(there.along_mm, length)
                     {
                         best = Some((d, *here, there.along_mm));
                     }

@@ -250,7 +250,7 @@ pub fn start_nearest(path: &mut Toolpath, at: DVec2) {
 }
 
 /// The walls that follow one contour, with the box around the outermost.
-struct Ring {
+struct WallGroup {
     bounds: Bounds2,
     is_hole: bool,
     walls: Vec<Wall>,
@@ -258,11 +258,11 @@ struct Ring {
 
 /// Puts walls in order: contour by contour, each from the inside out or from the outside in.
 pub fn walls(walls: Vec<Wall>, order: WallOrder, seams: &mut Seams, at: &mut DVec2, out: &mut Vec<Toolpath>) {
-    let mut rings: Vec<Ring> = Vec::new();
+    let mut rings: Vec<WallGroup> = Vec::new();
     for wall in walls {
         let is_hole = signed_area_mm2(&wall.path.points) < 0.0;
         let Some(bounds) = Bounds2::of(wall.path.points.iter().copied()) else { continue };
-        let offset = |r: &Ring| r.bounds.centre().distance_squared(bounds.centre());
+        let offset = |r: &WallGroup| r.bounds.centre().distance_squared(bounds.centre());
         let home = rings
             // The outermost wall opens a ring; inner walls follow the contour whose middle is
             // nearest and which runs the same way round.
@@ -271,11 +271,11 @@ pub fn walls(walls: Vec<Wall>, order: WallOrder, seams: &mut Seams, at: &mut DVe
             .min_by(|a, b| offset(a).total_cmp(&offset(b)));
         match home {
             Some(ring) => ring.walls.push(wall),
-            None => rings.push(Ring { bounds, is_hole, walls: vec![wall] }),
+            None => rings.push(WallGroup { bounds, is_hole, walls: vec![wall] }),
         }
     }
     let places: Vec<[DVec2; 2]> = rings.iter().map(|r| [r.walls[0].path.start(); 2]).collect();
-    let mut rings: Vec<Option<Ring>> = rings.into_iter().map(Some).collect();
+    let mut rings: Vec<Option<WallGroup>> = rings.into_iter().map(Some).collect();
     for (i, _) in tour(&places, *at, None) {
         let Some(mut ring) = rings[i].take() else { continue };
         ring.walls.sort_by_key(|w| w.depth);

@@ -251,10 +251,10 @@ pub fn support(s: &Settings, plate_from_part: DVec2) -> Option<SupportSettings> 
     let (low, high) = machine(s).bed_bounds_mm();
     // Support feet stay a base radius inside the bed; on a small bed no more than a quarter of its
     // shorter side.
-    let room = u.base_radius_mm.min(0.25 * (high[0] - low[0]).min(high[1] - low[1]));
+    let margin_mm = u.base_radius_mm.min(0.25 * (high[0] - low[0]).min(high[1] - low[1]));
     let bed = Bounds2 {
-        min: DVec2::new(low[0], low[1]) - plate_from_part + room,
-        max: DVec2::new(high[0], high[1]) - plate_from_part - room,
+        min: DVec2::new(low[0], low[1]) - plate_from_part + margin_mm,
+        max: DVec2::new(high[0], high[1]) - plate_from_part - margin_mm,
     };
     let facets = |all: &[usize]| all.iter().filter_map(|&t| u32::try_from(t).ok()).collect();
     let boxes = |all: &[[[f64; 3]; 2]]| all.iter().map(|b| b.map(DVec3::from)).collect();

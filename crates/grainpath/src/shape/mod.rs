@@ -131,7 +131,7 @@ pub struct Slicer<'a> {
     tops: Vec<f64>,
     /// Height of each section: the middle of its layer, mm.
     planes: Vec<f64>,
-    buckets: section::Buckets,
+    buckets: section::TrianglesByPlane,
 }
 
 impl<'a> Slicer<'a> {
@@ -144,7 +144,7 @@ impl<'a> Slicer<'a> {
         let tops = layer_heights(mesh, high.z, settings)?;
         let bottoms = std::iter::once(0.0).chain(tops.iter().copied());
         let planes: Vec<f64> = tops.iter().zip(bottoms).map(|(top, bottom)| 0.5 * (top + bottom)).collect();
-        let buckets = section::Buckets::new(mesh, &planes);
+        let buckets = section::TrianglesByPlane::new(mesh, &planes);
         Ok(Self { mesh, settings: *settings, tops, planes, buckets })
     }
 

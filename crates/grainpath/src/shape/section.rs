@@ -26,12 +26,12 @@ use grainpath_core::{Contour, DVec2, Diagnostics, Region, TriMesh, WarningId};
 use super::SliceSettings;
 
 /// The triangles that each plane crosses.
-pub struct Buckets {
+pub struct TrianglesByPlane {
     starts: Vec<usize>,
     triangles: Vec<u32>,
 }
 
-impl Buckets {
+impl TrianglesByPlane {
     /// Sorts triangles by the planes they cross: 4 bytes for each crossing.
     pub fn new(mesh: &TriMesh, planes: &[f64]) -> Self {
         // A plane is crossed when a vertex lies below it and another on or above it.
@@ -413,7 +413,7 @@ mod tests {
         let mut tangled = 0;
         for seed in 0..1000 {
             let mesh = mutated(seed);
-            let crossed = Buckets::new(&mesh, &planes);
+            let crossed = TrianglesByPlane::new(&mesh, &planes);
             for (i, &z) in planes.iter().enumerate() {
                 let triangles = crossed.triangles(i);
                 let (region, mended) = section(&mesh, triangles, z, &settings);
@@ -425,7 +425,7 @@ mod tests {
         }
         assert!((100..2500).contains(&tangled), "{tangled} of 3000 sections were tangled");
         let (_, mended) =
-            section(&torus(), Buckets::new(&torus(), &planes).triangles(1), planes[1], &settings);
+            section(&torus(), TrianglesByPlane::new(&torus(), &planes).triangles(1), planes[1], &settings);
         assert_eq!(mended, Mended::default());
     }
 

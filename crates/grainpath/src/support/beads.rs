@@ -67,10 +67,10 @@ fn island(p: &Polygon, context: &FillContext, dense: bool, role: Role, settings:
     }
     let density = if dense { Density::Dense } else { settings.density };
     if density.fraction() > 0.0 {
-        let room = inside(p, context, settings);
+        let infill_region = inside(p, context, settings);
         let context = FillContext { density, role, bead_width_mm: w, ..*context };
         let pattern: &dyn Infill = if dense { &Concentric } else { &Rectilinear };
-        room.polygons.iter().for_each(|r| pattern.fill(&context, r, &mut island.fills));
+        infill_region.polygons.iter().for_each(|r| pattern.fill(&context, r, &mut island.fills));
     }
     island
 }
@@ -88,8 +88,8 @@ pub fn sparse(layer: &SupportLayer, context: &FillContext, settings: &BeadSettin
         FillContext { density: settings.density, bead_width_mm: settings.bead_width_mm, ..*context };
     let of_piece = |p: &Polygon| {
         let mut island = Island::default();
-        let room = inside(p, &context, settings);
-        room.polygons.iter().for_each(|r| Rectilinear.fill(&context, r, &mut island.fills));
+        let infill_region = inside(p, &context, settings);
+        infill_region.polygons.iter().for_each(|r| Rectilinear.fill(&context, r, &mut island.fills));
         island
     };
     let rest = layer.region.difference(&layer.interface);

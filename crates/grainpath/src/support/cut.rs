@@ -183,10 +183,10 @@ fn discs(
             let manner = if tip.is_some() || upper.post {
                 Manner::Touching
             } else {
-                let room = clearance.distance_mm(at.with_z(z)) - settings.xy_gap_mm;
+                let free_mm = clearance.distance_mm(at.with_z(z)) - settings.xy_gap_mm;
                 // Thinner where the part is near, before anything is cut off.
-                radius_mm = radius_mm.min(room.max(settings.branch_radius_mm));
-                if room > radius_mm + 0.8 { Manner::Free } else { Manner::Kept }
+                radius_mm = radius_mm.min(free_mm.max(settings.branch_radius_mm));
+                if free_mm > radius_mm + 0.8 { Manner::Free } else { Manner::Kept }
             };
             out[k].push(Disc { at: at.truncate(), radius_mm, manner, interface });
         }

@@ -175,13 +175,13 @@ fn lay_crowded_walls(region: Region, settings: &WallSettings, s: f64) -> Walls {
     }
     let half = if settings.n_walls == 0 { 0.5 * w } else { 0.5 * s };
     // Places up to 15 % narrower than one strip still get fill, by the same share as walls.
-    let room = half * (1.0 - MAX_SQUEEZE);
-    let core = rest.offset(-room, MITER);
+    let least = half * (1.0 - MAX_SQUEEZE);
+    let core = rest.offset(-least, MITER);
     if settings.gap_fill && settings.n_walls > 0 {
-        let left = rest.difference(&core.offset(room, MITER));
+        let left = rest.difference(&core.offset(least, MITER));
         lay_singles(&left, settings, false, h, &mut walls.singles);
     }
-    let kept = core.offset(room, MITER);
+    let kept = core.offset(least, MITER);
     let inset = if settings.n_walls == 0 { half } else { half - settings.fill_overlap * s };
     walls.fill = kept.offset(-inset, MITER);
     walls

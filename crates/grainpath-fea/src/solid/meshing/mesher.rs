@@ -17,7 +17,7 @@ use super::lattice::{CELLS_PER_WALL, DEEPEST, Lattice, is_closed};
 use super::snap::{self, Bound};
 use super::stuffing::{self, Tets};
 use super::thin_gaps;
-use super::wall_thickness::{self, Walls};
+use super::wall_thickness::{self, MeasuredWalls};
 use crate::solid::model::adjacency::pieces_of;
 use crate::solid::model::error::SolidError;
 use crate::solid::model::memory::solving_mib;
@@ -179,7 +179,7 @@ fn area_mm2(surface: &TriMesh) -> f64 {
     surface.triangles.iter().map(|t| (v(t[1]) - v(t[0])).cross(v(t[2]) - v(t[0])).length() / 2.0).sum()
 }
 
-fn choose_size(surface: &TriMesh, walls: &Walls, settings: &MeshSettings) -> Result<f64, SolidError> {
+fn choose_size(surface: &TriMesh, walls: &MeasuredWalls, settings: &MeshSettings) -> Result<f64, SolidError> {
     let (lo, hi) = surface.bounds().ok_or(SolidError::NothingInside)?;
     let (area, volume) = (area_mm2(surface), surface.signed_volume().abs());
     let dofs = |size: f64| expected_dofs(volume, area, size);
@@ -227,7 +227,7 @@ fn thin_walls(surface: &TriMesh, thickness_mm: f64, size_mm: f64, settings: &Mes
 
 /// The share of the volume in walls that are missing from the mesh, or their share of the surface
 /// if that is less.
-fn lost_walls(mesh: &TetMesh, walls: &Walls, size_mm: f64) -> f64 {
+fn lost_walls(mesh: &TetMesh, walls: &MeasuredWalls, size_mm: f64) -> f64 {
     // Walls of one and a half cells and more are resolved; only thinner ones are tested.
     let thin: Vec<(DVec3, f64)> = walls.middles_under(1.5 * size_mm).collect();
     let Some(sampler) = Sampler::new(mesh).filter(|_| !thin.is_empty()) else { return 0.0 };

@@ -20,7 +20,7 @@ const THIN_SHARE: f64 = 0.02;
 const SHEET_SHARE: f64 = 1e-6;
 
 /// Walls found by rays: thickness and middle point, thinnest first.
-pub(super) struct Walls {
+pub(super) struct MeasuredWalls {
     found: Vec<(f64, DVec3)>,
     /// Area that a sample stands for, mm2.
     sample_mm2: f64,
@@ -29,7 +29,7 @@ pub(super) struct Walls {
     volume_mm3: f64,
 }
 
-impl Walls {
+impl MeasuredWalls {
     /// The thickness that the walls of all but two percent of the surface exceed, mm, for the
     /// choice of a size. Where sheets without thickness make up that much of the surface, it is
     /// `bulk_thickness_mm`. Infinite for a surface without opposite sides.
@@ -77,7 +77,7 @@ impl Walls {
 }
 
 /// Measures walls where the ray inwards meets a facet that faces back.
-pub(super) fn walls(mesh: &TriMesh, bvh: &Bvh) -> Walls {
+pub(super) fn walls(mesh: &TriMesh, bvh: &Bvh) -> MeasuredWalls {
     let corners = |t: &[u32; 3]| t.map(|i| mesh.vertices[i as usize]);
     let area_normal = |t: &[u32; 3]| {
         let [a, b, c] = corners(t);
@@ -85,7 +85,7 @@ pub(super) fn walls(mesh: &TriMesh, bvh: &Bvh) -> Walls {
     };
     let total: f64 = mesh.triangles.iter().map(|t| area_normal(t).length()).sum();
     let Some((lo, hi)) = mesh.bounds().filter(|_| total > 0.0 && total.is_finite()) else {
-        return Walls { found: Vec::new(), sample_mm2: 0.0, n_samples: 0, volume_mm3: 0.0 };
+        return MeasuredWalls { found: Vec::new(), sample_mm2: 0.0, n_samples: 0, volume_mm3: 0.0 };
     };
     let skin = 1e-7 * (hi - lo).length();
     // Points at equal steps of area. Within a facet they follow the R2 low-discrepancy sequence,
@@ -117,7 +117,7 @@ pub(super) fn walls(mesh: &TriMesh, bvh: &Bvh) -> Walls {
     let mut found: Vec<(f64, DVec3)> = picks.par_iter().filter_map(through).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     let sample_mm2 = total / picks.len().max(1) as f64;
-    Walls { found, sample_mm2, n_samples: picks.len(), volume_mm3: mesh.signed_volume().abs() }
+    MeasuredWalls { found, sample_mm2, n_samples: picks.len(), volume_mm3: mesh.signed_volume().abs() }
 }
 
 /// The thinner of wall and gap at a point of a facet, mm; `None` where neither ray meets a facet

@@ -66,7 +66,7 @@ static CLOSEST: Tuned<f64> = Tuned::new("fill.continuous.finish.CLOSEST", 0.015)
 
 /// The space beside a segment.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Room {
+enum Space {
     /// No bead and no border runs along here.
     Open,
     /// Half the distance to the next bead, mm.
@@ -75,7 +75,7 @@ enum Room {
     Border(f64),
 }
 
-impl Room {
+impl Space {
     fn mm(self) -> Option<f64> {
         match self {
             Self::Open => None,
@@ -85,16 +85,16 @@ impl Room {
 }
 
 /// The space to the left and right of a segment's middle.
-type Sides = [Room; 2];
+type Sides = [Space; 2];
 
 /// A closed bead.
-pub struct Bead {
+pub struct ClosedBead {
     line: Line,
     /// Width at each point, mm; `None` where all have the nominal width.
     widths: Option<Vec<f64>>,
 }
 
-impl Bead {
+impl ClosedBead {
     /// The bead as a path; `thinned` leaves out spikes and points on a straight line.
     pub fn path(&self, thinned: bool, context: &FillContext<'_>) -> Toolpath {
         let nominal = context.bead_width_mm;
@@ -109,15 +109,15 @@ impl Bead {
     }
 }
 
-/// Lays rings that do not cross as beads. `room` is the area for centrelines, `border` the area to
+/// Lays rings that do not cross as beads. `infill_region` is the area for centrelines, `border` the area to
 /// be filled.
 pub fn lay(
     rings: Vec<Vec<DVec2>>,
-    room: &Polygon,
+    infill_region: &Polygon,
     border: &Region,
     variable: bool,
     context: &FillContext<'_>,
-) -> Vec<Bead> {
+) -> Vec<ClosedBead> {
     let spacing = context.spacing_mm() / context.density.fraction();
     let laid: Vec<Line> = rings
         .into_iter()
@@ -125,10 +125,10 @@ pub fn lay(
         .filter(|points| points.len() > 2)
         .map(|points| Line { points: dense_at_corners(&points, spacing), closed: true })
         .collect();
-    let inside = LineClipper::new(&Region::from(room.clone()));
+    let inside = LineClipper::new(&Region::from(infill_region.clone()));
     let neighbours = |lines: &[Line]| Neighbours::new(lines, border, SEEN_BEADS.value() * spacing);
     let first = neighbours(&laid);
-    let mut sides = rooms(&laid, &first, spacing, None);
+    let mut sides = spaces_beside(&laid, &first, spacing, None);
     let mut lines = Vec::new();
     for round in 0..ROUNDS.value() {
         let from = if round == 0 { &laid } else { &lines };
@@ -137,34 +137,35 @@ pub fn lay(
         if round > 0 {
             let uneven = uneven(&sides, spacing);
             let near = first.near(from, &marked(from, &uneven));
-            sides = rooms(from, &near, spacing, Some((sides, uneven)));
+            sides = spaces_beside(from, &near, spacing, Some((sides, uneven)));
         }
         lines = from.iter().zip(&sides).map(|(line, sides)| centred(line, sides, &inside, spacing)).collect();
     }
     drop(first);
     // A point exactly on the region's edge counts as inside.
-    let grown = LineClipper::new(&Region::from(room.clone()).offset(ON_EDGE_MM.value(), Join::Miter(2.0)));
+    let grown =
+        LineClipper::new(&Region::from(infill_region.clone()).offset(ON_EDGE_MM.value(), Join::Miter(2.0)));
     let settled = undo_trouble(&laid, &mut lines, &grown, &neighbours).unwrap_or_else(|| {
         let changed = cut_small_loops(&mut lines, spacing);
         let settled = neighbours(&lines);
         if changed {
-            sides = rooms(&lines, &settled, spacing, None);
+            sides = spaces_beside(&lines, &settled, spacing, None);
         }
         settled
     });
     if !variable || !context.density.is_dense() {
-        return lines.into_iter().map(|line| Bead { line, widths: None }).collect();
+        return lines.into_iter().map(|line| ClosedBead { line, widths: None }).collect();
     }
     // Segments with even sides keep the widths measured before.
     let uneven = uneven(&sides, spacing);
     let near = settled.near(&lines, &marked(&lines, &uneven));
-    let sides = rooms(&lines, &near, spacing, Some((sides, uneven)));
+    let sides = spaces_beside(&lines, &near, spacing, Some((sides, uneven)));
     let bead = |(line, sides): (Line, Vec<Sides>)| {
         let n = line.points.len();
         let of_segment: Vec<f64> = sides.iter().map(|s| width(s, spacing, context)).collect();
         let width = |v: usize| 0.5 * (of_segment[v] + of_segment[(v + n - 1) % n]);
         let widths = Some((0..n).map(width).collect());
-        Bead { line, widths }
+        ClosedBead { line, widths }
     };
     lines.into_iter().zip(sides).map(bead).collect()
 }
@@ -176,7 +177,7 @@ fn width(sides: &Sides, spacing_mm: f64, context: &FillContext<'_>) -> f64 {
     let mut width = bead_width_mm(strip, context.height_mm);
     for side in sides {
         // A bead may not reach over the border. A bead of the nominal width just touches it.
-        if let Room::Border(mm) = *side {
+        if let Space::Border(mm) = *side {
             width = width.min(2.0 * mm.max(context.border_mm));
         }
     }
@@ -213,7 +214,12 @@ fn marked(lines: &[Line], uneven: &[Vec<bool>]) -> Vec<DVec2> {
 
 /// The space beside every segment: half of the distance to the next bead along it, or the distance
 /// to the border. With `known`, only marked segments are measured anew.
-fn rooms(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64, known: Option<Known>) -> Vec<Vec<Sides>> {
+fn spaces_beside(
+    lines: &[Line],
+    neighbours: &Neighbours,
+    spacing_mm: f64,
+    known: Option<Known>,
+) -> Vec<Vec<Sides>> {
     let of_line = |(l, line): (usize, &Line)| {
         let n = line.n_segments();
         let side = |s: usize, left: bool, last: &mut Option<(usize, usize)>| {
@@ -231,14 +237,14 @@ fn rooms(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64, known: Option
                     let (p, q) = lines[other].segment(o);
                     if let Some(d) = beside(middle, look, p, q).filter(|d| *d < CLOSE.value() * spacing_mm) {
                         *last = Some((other, o));
-                        return Room::Bead(0.5 * d);
+                        return Space::Bead(0.5 * d);
                     }
                 }
             }
             *last = None;
             let sees = |far: f64| neighbours.hit(middle, look, far * spacing_mm, |k, o| k == l && near(o));
-            let Some(hit) = sees(NEAR.value()).or_else(|| sees(FAR.value())) else { return Room::Open };
-            let Some(other) = hit.line else { return Room::Border(hit.distance_mm) };
+            let Some(hit) = sees(NEAR.value()).or_else(|| sees(FAR.value())) else { return Space::Open };
+            let Some(other) = hit.line else { return Space::Border(hit.distance_mm) };
             *last = Some((other, hit.segment));
             if hit.distance_mm > GAP.value() * spacing_mm {
                 // A ray that runs along the gap between two beads also goes far before it meets
@@ -249,11 +255,11 @@ fn rooms(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64, known: Option
                     neighbours.hit(inside, way, far, |_, _| false).map_or(far, |h| h.distance_mm)
                 };
                 let is_gap = free(way) + free(-way) > far;
-                return if is_gap { Room::Bead(0.5 * hit.distance_mm) } else { Room::Open };
+                return if is_gap { Space::Bead(0.5 * hit.distance_mm) } else { Space::Open };
             }
             let (p, q) = lines[other].segment(hit.segment);
             let along = (q - p).normalize_or(DVec2::X).dot(way).abs() > 0.6;
-            if along { Room::Bead(0.5 * hit.distance_mm) } else { Room::Open }
+            if along { Space::Bead(0.5 * hit.distance_mm) } else { Space::Open }
         };
         // Along a bead the neighbour mostly stays the same.
         let mut last = [None; 2];
@@ -272,7 +278,7 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
     let most = 0.25 * spacing_mm;
     // Shift of each segment across its direction. A side without a neighbour does not push the bead
     // away; the bead only follows a gap on its other side.
-    let shift = |s: &Sides| match s.map(Room::mm) {
+    let shift = |s: &Sides| match s.map(Space::mm) {
         [Some(left), Some(right)] => 0.5 * (left - right).clamp(-most, most),
         [Some(left), None] => (left - 0.5 * spacing_mm).clamp(0.0, most),
         [None, Some(right)] => (0.5 * spacing_mm - right).clamp(-most, 0.0),
@@ -307,7 +313,7 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
             let p = smooth(v);
             // A point between other beads is far from the border and needs no test.
             let enclosed =
-                [v, (v + n - 1) % n].iter().all(|&s| sides[s].iter().all(|r| matches!(r, Room::Bead(_))));
+                [v, (v + n - 1) % n].iter().all(|&s| sides[s].iter().all(|r| matches!(r, Space::Bead(_))));
             if enclosed || inside.segment_inside(line.points[v], p) { p } else { line.points[v] }
         })
         .collect();
@@ -319,7 +325,7 @@ fn centred(line: &Line, sides: &[Sides], inside: &LineClipper, spacing_mm: f64) 
 fn undo_trouble(
     before: &[Line],
     after: &mut [Line],
-    room: &LineClipper,
+    infill_region: &LineClipper,
     neighbours: &impl Fn(&[Line]) -> Neighbours,
 ) -> Option<Neighbours> {
     let all = neighbours(after);
@@ -334,7 +340,7 @@ fn undo_trouble(
         };
         let leaves = |&(l, s): &(usize, usize)| {
             let (a, b) = after[l].segment(s);
-            room.meets(a, b)
+            infill_region.meets(a, b)
         };
         // A segment at its old place cannot be improved by undoing.
         let leaving = |at: &(usize, usize)| is_moved(at) && leaves(at);

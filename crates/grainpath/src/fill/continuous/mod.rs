@@ -73,8 +73,8 @@ static MIN_WEIGHT: Tuned<f64> = Tuned::new("fill.continuous.MIN_WEIGHT", 0.02);
 static FIELD_SAMPLES: Tuned<f64> = Tuned::new("fill.continuous.FIELD_SAMPLES", 32.0);
 
 impl Infill for Continuous {
-    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        self.lay_island(context, &[room], out, &mut Vec::new());
+    fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
+        self.lay_island(context, &[infill_region], out, &mut Vec::new());
     }
 }
 
@@ -87,9 +87,9 @@ struct Pull<'a> {
 }
 
 impl<'a> Pull<'a> {
-    fn new(context: &'a FillContext<'a>, room: &Polygon) -> Self {
+    fn new(context: &'a FillContext<'a>, infill_region: &Polygon) -> Self {
         let mut pull = Self { context, much: 1.0 };
-        let region = Region::from(room.clone());
+        let region = Region::from(infill_region.clone());
         let Some(bounds) = region.bounds() else { return pull };
         let inside = LineClipper::new(&region);
         let size = bounds.size();
@@ -122,7 +122,7 @@ impl Continuous {
     pub fn lay_island(
         &self,
         context: &FillContext<'_>,
-        rooms: &[&Polygon],
+        infill_regions: &[&Polygon],
         out: &mut Vec<Toolpath>,
         notes: &mut Vec<Note>,
     ) {
@@ -131,27 +131,33 @@ impl Continuous {
             Density::Dense => 0.0,
             Density::Sparse(fraction) => 0.5 * context.spacing_mm() / fraction,
         };
-        let whole = Region { polygons: rooms.iter().map(|&r| r.clone()).collect() };
+        let whole = Region { polygons: infill_regions.iter().map(|&r| r.clone()).collect() };
         // The distance may part a region into several; each part becomes a path of its own.
-        let rooms = whole.offset(-keep_mm, Join::Miter(3.0)).polygons;
-        verify::necks(&rooms, context.bead_width_mm, notes);
-        rooms.iter().for_each(|room| self.lay(context, room, out, notes));
+        let infill_regions = whole.offset(-keep_mm, Join::Miter(3.0)).polygons;
+        verify::necks(&infill_regions, context.bead_width_mm, notes);
+        infill_regions.iter().for_each(|infill_region| self.lay(context, infill_region, out, notes));
     }
 
     /// Lays one infill region.
-    fn lay(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>, notes: &mut Vec<Note>) {
+    fn lay(
+        &self,
+        context: &FillContext<'_>,
+        infill_region: &Polygon,
+        out: &mut Vec<Toolpath>,
+        notes: &mut Vec<Note>,
+    ) {
         let spacing = context.spacing_mm() / context.density.fraction();
-        let mut rings = self.joined(context, room, spacing);
+        let mut rings = self.joined(context, infill_region, spacing);
         // The longest ring is the path. Rings that could not be joined to it follow, unless they
         // are too short to print.
         rings.sort_by(|a, b| perimeter_mm(b).total_cmp(&perimeter_mm(a)));
         let kept =
             rings.iter().skip(1).take_while(|p| perimeter_mm(p) > MIN_RING_BEADS.value() * spacing).count();
         rings.truncate(1 + kept);
-        let border = Region::from(room.clone()).offset(context.border_mm, Join::Miter(3.0));
-        let beads = finish::lay(rings, room, &border, self.variable, context);
+        let border = Region::from(infill_region.clone()).offset(context.border_mm, Join::Miter(3.0));
+        let beads = finish::lay(rings, infill_region, &border, self.variable, context);
         let checked = |paths: Vec<Toolpath>| {
-            let found = verify::check(&paths, room, spacing);
+            let found = verify::check(&paths, infill_region, spacing);
             (paths, found)
         };
         let (mut paths, mut found) = checked(beads.iter().map(|b| b.path(true, context)).collect());
@@ -165,26 +171,27 @@ impl Continuous {
     }
 
     /// The loops of all cells of a region, joined to a single ring where that is possible.
-    fn joined(&self, context: &FillContext<'_>, room: &Polygon, spacing: f64) -> Vec<Vec<DVec2>> {
-        let pull = Pull::new(context, room);
+    fn joined(&self, context: &FillContext<'_>, infill_region: &Polygon, spacing: f64) -> Vec<Vec<DVec2>> {
+        let pull = Pull::new(context, infill_region);
         let axis = |p: DVec2| pull.at(p);
-        let mut rings = Rings::new(strips::outlines(context, room, &pull, spacing), room, spacing);
+        let mut rings =
+            Rings::new(strips::outlines(context, infill_region, &pull, spacing), infill_region, spacing);
         // Crossing outlines cannot be exchanged: a joint would tie a knot. Squares cut out at the
         // crossings part them.
         let touching = rings.crossings();
         if !touching.is_empty() {
             let loops: Vec<Vec<DVec2>> = rings.lines.into_iter().map(|l| l.points).collect();
-            rings = Rings::new(strips::parted(&loops, &touching, spacing), room, spacing);
+            rings = Rings::new(strips::parted(&loops, &touching, spacing), infill_region, spacing);
         }
         let mut taken = Taken::new(&rings, 0.25 * spacing);
         let cells = cells::cut(&rings, 2.0 * self.aspect * spacing, spacing, &mut taken);
         let exchanges = tree::join(&rings, &cells, self.tree, spacing, &axis, &mut taken);
         let mut joined = rings.exchanged(&exchanges);
-        // A small ring has little room for joints. Once it is part of a large ring, the stretches
+        // A small ring has little space for joints. Once it is part of a large ring, the stretches
         // it took up are free again, so the search is repeated until nothing more is joined.
         let mut apart = joined.len();
         while apart > 1 {
-            let rings = Rings::around_short(joined, room, spacing);
+            let rings = Rings::around_short(joined, infill_region, spacing);
             let rest = tree::join_rest(&rings, spacing);
             joined = rings.exchanged(&rest);
             // Rings too short to print are dropped later and need no joint.

@@ -151,21 +151,21 @@ pub struct Rings {
     /// Length up to each point, and all of it at last.
     arcs: Vec<Vec<f64>>,
     neighbours: Neighbours,
-    room: LineClipper,
+    infill_region: LineClipper,
     spacing_mm: f64,
 }
 
 impl Rings {
-    pub fn new(outlines: Vec<Vec<DVec2>>, room: &Polygon, spacing_mm: f64) -> Self {
-        Self::seeing(outlines, room, spacing_mm, |lines, _, cell_mm| {
+    pub fn new(outlines: Vec<Vec<DVec2>>, infill_region: &Polygon, spacing_mm: f64) -> Self {
+        Self::seeing(outlines, infill_region, spacing_mm, |lines, _, cell_mm| {
             Neighbours::new(lines, &Region::default(), cell_mm)
         })
     }
 
     /// Rings for a search from all of them but the longest: only segments near the shorter ones are
     /// kept.
-    pub fn around_short(outlines: Vec<Vec<DVec2>>, room: &Polygon, spacing_mm: f64) -> Self {
-        Self::seeing(outlines, room, spacing_mm, |lines, arcs, cell_mm| {
+    pub fn around_short(outlines: Vec<Vec<DVec2>>, infill_region: &Polygon, spacing_mm: f64) -> Self {
+        Self::seeing(outlines, infill_region, spacing_mm, |lines, arcs, cell_mm| {
             let longest = longest(arcs);
             Neighbours::around(lines, |l| l != longest, FURTHEST.value() * spacing_mm, cell_mm)
         })
@@ -173,7 +173,7 @@ impl Rings {
 
     fn seeing(
         outlines: Vec<Vec<DVec2>>,
-        room: &Polygon,
+        infill_region: &Polygon,
         spacing_mm: f64,
         neighbours: impl Fn(&[Line], &[Vec<f64>], f64) -> Neighbours,
     ) -> Self {
@@ -190,8 +190,8 @@ impl Rings {
         };
         let arcs: Vec<Vec<f64>> = lines.iter().map(arc).collect();
         let neighbours = neighbours(&lines, &arcs, SEEN_BEADS.value() * spacing_mm);
-        let room = LineClipper::new(&Region::from(room.clone()));
-        Self { lines, arcs, neighbours, room, spacing_mm }
+        let infill_region = LineClipper::new(&Region::from(infill_region.clone()));
+        Self { lines, arcs, neighbours, infill_region, spacing_mm }
     }
 
     /// The longest ring; the first one among equals.
@@ -362,7 +362,7 @@ impl Rings {
         // lie on the border, so 2 % are left out at either end.
         let free = |a: DVec2, b: DVec2| {
             let (a, b) = (a.lerp(b, 0.02), b.lerp(a, 0.02));
-            self.room.contains(a) && !self.room.meets(a, b)
+            self.infill_region.contains(a) && !self.infill_region.meets(a, b)
         };
         if !free(a0, b1) || !free(a1, b0) {
             return None;
@@ -426,7 +426,8 @@ impl Rings {
     fn is_free(&self, a: DVec2, b: DVec2) -> bool {
         let (p, q) = (a.lerp(b, 0.02), b.lerp(a, 0.02));
         let way = (q - p).normalize_or_zero();
-        self.room.segment_inside(p, q) && self.neighbours.hit(p, way, p.distance(q), |_, _| false).is_none()
+        self.infill_region.segment_inside(p, q)
+            && self.neighbours.hit(p, way, p.distance(q), |_, _| false).is_none()
     }
 
     /// The rings after exchanging all these stretches.

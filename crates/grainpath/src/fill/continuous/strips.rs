@@ -81,16 +81,16 @@ fn diffusion_steps() -> [(f64, usize); 4] {
 /// contour.
 pub fn outlines(
     context: &FillContext<'_>,
-    room: &Polygon,
+    infill_region: &Polygon,
     pull: &Pull<'_>,
     spacing_mm: f64,
 ) -> Vec<Vec<DVec2>> {
-    let region = Region::from(room.clone());
-    let whole = || vec![room.outer.clone()];
+    let region = Region::from(infill_region.clone());
+    let whole = || vec![infill_region.outer.clone()];
     if context.field.is_none() {
         return whole();
     }
-    let cell_mm = (room.area_mm2() / MANY_NODES.value()).sqrt();
+    let cell_mm = (infill_region.area_mm2() / MANY_NODES.value()).sqrt();
     let cell_mm = cell_mm.clamp(MESH_MIN.value() * spacing_mm, MESH_MAX.value() * spacing_mm);
     let Some(mesh) = FieldMesh::over(&region, cell_mm) else { return Vec::new() };
     let (axes, strength): (Vec<DVec2>, Vec<f64>) = mesh

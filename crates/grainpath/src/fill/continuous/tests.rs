@@ -53,9 +53,9 @@ fn filled(
     field: &dyn DirectionField,
 ) -> (Vec<Toolpath>, Vec<Note>) {
     let (mut paths, mut notes) = (Vec::new(), Vec::new());
-    let rooms = part.offset(-0.5 * width, Join::Miter(3.0)).polygons;
-    let rooms: Vec<&Polygon> = rooms.iter().collect();
-    continuous.lay_island(&context(part, width, field), &rooms, &mut paths, &mut notes);
+    let infill_regions = part.offset(-0.5 * width, Join::Miter(3.0)).polygons;
+    let infill_regions: Vec<&Polygon> = infill_regions.iter().collect();
+    continuous.lay_island(&context(part, width, field), &infill_regions, &mut paths, &mut notes);
     (paths, notes)
 }
 
@@ -214,28 +214,28 @@ proptest! {
                 + if c[7] < 0.5 { 0.5 * atan2(p.y - 3.0 * c[1], p.x - 3.0 * c[4]) } else { 0.0 }
         });
         let continuous = Continuous { variable, ..Continuous::DEFAULT };
-        for room in part.offset(-0.5 * width, Join::Miter(3.0)).polygons {
+        for infill_region in part.offset(-0.5 * width, Join::Miter(3.0)).polygons {
             // A crumb is less than a bead there and back.
-            if room.area_mm2() < 4.0 * width * width {
+            if infill_region.area_mm2() < 4.0 * width * width {
                 continue;
             }
             let (mut paths, mut notes) = (Vec::new(), Vec::new());
-            continuous.lay_island(&context(&part, width, &field), &[&room], &mut paths, &mut notes);
+            continuous.lay_island(&context(&part, width, &field), &[&infill_region], &mut paths, &mut notes);
             prop_assert!(notes.is_empty(), "{notes:?}");
             prop_assert_eq!(paths.len(), 1);
             prop_assert!(paths[0].closed && !crosses_itself(&paths[0]));
             // A round nozzle reaches no further into corners.
-            let reach = Region::from(room.clone()).offset(0.5 * width, Join::Round);
+            let reach = Region::from(infill_region.clone()).offset(0.5 * width, Join::Round);
             let open = gap(&paths, &reach);
             // What is no longer than a few beads cannot be filled well by any path.
-            let most = match (room.area_mm2() > 80.0 * width * width, variable) {
+            let most = match (infill_region.area_mm2() > 80.0 * width * width, variable) {
                 (true, true) => 0.08,
                 (true, false) => 0.15,
                 (false, _) => 0.3,
             };
             prop_assert!(open < most, "gap {}", open);
             let mut again = Vec::new();
-            continuous.lay_island(&context(&part, width, &field), &[&room], &mut again, &mut Vec::new());
+            continuous.lay_island(&context(&part, width, &field), &[&infill_region], &mut again, &mut Vec::new());
             prop_assert_eq!(&paths, &again);
         }
     }
@@ -248,8 +248,8 @@ fn strips_that_touch_are_taken_apart() {
     // The second one's corner lies on the side of the first.
     let turned: Vec<DVec2> =
         square(0.0).iter().map(|p| DVec2::new(4.0 + p.x + p.y, 2.0 + p.x - p.y)).rev().collect();
-    let room = Region::rectangle(DVec2::splat(-9.0), DVec2::splat(20.0)).polygons.remove(0);
-    let rings = Rings::new(vec![square(0.0), turned], &room, WIDTH);
+    let infill_region = Region::rectangle(DVec2::splat(-9.0), DVec2::splat(20.0)).polygons.remove(0);
+    let rings = Rings::new(vec![square(0.0), turned], &infill_region, WIDTH);
     let touching = rings.crossings();
     assert!(
         !touching.is_empty() && touching.iter().all(|p| p.distance(DVec2::new(4.0, 2.0)) < 1e-6),
@@ -259,5 +259,5 @@ fn strips_that_touch_are_taken_apart() {
     let apart = parted(&loops, &touching, WIDTH);
     let area: f64 = Region::from_contours(&apart, FillRule::Positive).area_mm2();
     assert!(apart.len() == 2 && area > 47.8 && area < 48.0, "{} {area}", apart.len());
-    assert!(Rings::new(apart, &room, WIDTH).crossings().is_empty());
+    assert!(Rings::new(apart, &infill_region, WIDTH).crossings().is_empty());
 }

@@ -69,7 +69,7 @@ impl Note {
 static SLACK_MM: Tuned<f64> = Tuned::new("fill.continuous.verify.SLACK_MM", 0.01);
 
 /// Checks the paths of a region: rings apart from the first one, crossings, and points outside.
-pub fn check(paths: &[Toolpath], room: &Polygon, spacing_mm: f64) -> Vec<Note> {
+pub fn check(paths: &[Toolpath], infill_region: &Polygon, spacing_mm: f64) -> Vec<Note> {
     let mut notes = Vec::new();
     for path in paths.iter().skip(1) {
         notes.push(Note { at_mm: path.start(), what: Problem::Apart { length_mm: path.length_mm() } });
@@ -83,7 +83,8 @@ pub fn check(paths: &[Toolpath], room: &Polygon, spacing_mm: f64) -> Vec<Note> {
     {
         notes.push(Note { at_mm: lines[line].points[segment], what: Problem::Crossing });
     }
-    let inside = LineClipper::new(&Region::from(room.clone()).offset(SLACK_MM.value(), Join::Miter(2.0)));
+    let inside =
+        LineClipper::new(&Region::from(infill_region.clone()).offset(SLACK_MM.value(), Join::Miter(2.0)));
     let leaves = |l: &Line| {
         let out = l.points.first().is_some_and(|&p| !inside.contains(p));
         let crossing = || (0..l.n_segments()).map(|s| l.segment(s)).find(|s| inside.meets(s.0, s.1));
@@ -95,12 +96,14 @@ pub fn check(paths: &[Toolpath], room: &Polygon, spacing_mm: f64) -> Vec<Note> {
 
 /// The necks between the infill regions of one island: from each region the nearest point to those
 /// before it.
-pub fn necks(rooms: &[Polygon], bead_width_mm: f64, notes: &mut Vec<Note>) {
+pub fn necks(infill_regions: &[Polygon], bead_width_mm: f64, notes: &mut Vec<Note>) {
     let nearest = |k: usize| {
         let mut best = (f64::INFINITY, DVec2::ZERO);
-        for p in rooms[k].contours().flatten() {
-            for (a, b) in
-                rooms[..k].iter().flat_map(|r| r.contours()).flat_map(|c| grainpath_core::poly::edges(c))
+        for p in infill_regions[k].contours().flatten() {
+            for (a, b) in infill_regions[..k]
+                .iter()
+                .flat_map(|r| r.contours())
+                .flat_map(|c| grainpath_core::poly::edges(c))
             {
                 let d = b - a;
                 let t = ((*p - a).dot(d) / d.length_squared().max(1e-18)).clamp(0.0, 1.0);
@@ -112,7 +115,7 @@ pub fn necks(rooms: &[Polygon], bead_width_mm: f64, notes: &mut Vec<Note>) {
         }
         best
     };
-    for k in 1..rooms.len() {
+    for k in 1..infill_regions.len() {
         let (_, at_mm) = nearest(k);
         let what = Problem::Neck { needed_mm: 1.2 * bead_width_mm };
         notes.push(Note { at_mm, what });

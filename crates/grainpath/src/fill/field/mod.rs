@@ -40,23 +40,23 @@ pub struct Streamlines;
 pub struct Stripes;
 
 impl Infill for Streamlines {
-    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        along_field(context, room, out);
+    fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
+        along_field(context, infill_region, out);
     }
 }
 
 impl Infill for Stripes {
-    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        along_field(context, room, out);
+    fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
+        along_field(context, infill_region, out);
     }
 }
 
 /// Both patterns differ in their names alone until streamlines reach full density by themselves.
-fn along_field(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+fn along_field(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
     if context.density.is_dense() {
-        stripes::dense(context, room, out)
+        stripes::dense(context, infill_region, out)
     } else {
-        streamlines::sparse(context, room, out)
+        streamlines::sparse(context, infill_region, out)
     }
 }
 

@@ -21,7 +21,7 @@ use grainpath_core::poly::{Join, LineClipper, simplify_line};
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 
 use super::axis_of;
-use super::stripes::{Bead, joined};
+use super::stripes::{WideBead, joined};
 use super::widths::{Line, Neighbours};
 use crate::fill::{FillContext, Infill};
 use grainpath_core::streamlines::{LineSettings, Seeding, TracedLine, evenly_spaced};
@@ -41,11 +41,11 @@ static SHORTEST: Tuned<f64> = Tuned::new("fill.field.seed_lines.SHORTEST", 2.0);
 static MAX_OFFSETS: Tuned<usize> = Tuned::new("fill.field.seed_lines.MAX_OFFSETS", 2000);
 
 impl Infill for SeedLines {
-    fn fill(&self, context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
-        let (Some(field), Some(bounds)) = (context.field, room.bounds()) else { return };
+    fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
+        let (Some(field), Some(bounds)) = (context.field, infill_region.bounds()) else { return };
         let step = context.spacing_mm() / context.density.fraction();
-        let room = Region::from(room.clone());
-        let inside = LineClipper::new(&room);
+        let infill_region = Region::from(infill_region.clone());
+        let inside = LineClipper::new(&infill_region);
         let axis = |p: DVec2| inside.contains(p).then(|| axis_of(field, context, p));
         let separation = |_: DVec2| SEED_SPACING.value() * step;
         let seeding = Seeding {
@@ -63,14 +63,14 @@ impl Infill for SeedLines {
             longest_mm: 20.0 * bounds.size().element_sum(),
         };
         let seeds = evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &settings);
-        let border = room.offset(context.border_mm, Join::Miter(2.0));
+        let border = infill_region.offset(context.border_mm, Join::Miter(2.0));
         let mut offsets = Vec::new();
-        for region in parted(&room, &seeds, step).polygons {
+        for region in parted(&infill_region, &seeds, step).polygons {
             offsets.extend(fill_region(&Region::from(region), &seeds, step));
         }
         let bead = |l: &TracedLine| {
             let points = simplify_line(&l.points, 0.005);
-            Bead { widths: vec![context.bead_width_mm; points.len()], points, closed: l.closed }
+            WideBead { widths: vec![context.bead_width_mm; points.len()], points, closed: l.closed }
         };
         let line = |l: &TracedLine| Line { points: l.points.clone(), closed: l.closed };
         // Seed lines are joined first, then the offsets between them. Each joint is refused where
@@ -94,11 +94,11 @@ fn around(line: &TracedLine, r_mm: f64) -> Region {
 }
 
 /// The area for the centrelines of offsets: the infill region less one bead around each seed line.
-fn parted(room: &Region, seeds: &[TracedLine], step: f64) -> Region {
+fn parted(infill_region: &Region, seeds: &[TracedLine], step: f64) -> Region {
     // The band is a little narrower than a bead, so that the first offset, one bead away, lies
     // inside the part and not on its border.
     let taken = seeds.iter().fold(Region::default(), |sum, l| sum.union(&around(l, 0.98 * step)));
-    room.difference(&taken)
+    infill_region.difference(&taken)
 }
 
 /// Offsets in one region, from the seed line that borders it lowest and leftmost, until it is full.

@@ -62,11 +62,11 @@ static THINNINGS: Tuned<usize> = Tuned::new("fill.field.stripes.THINNINGS", 2);
 const GAP_CELL: f64 = 0.33;
 
 /// Beads along the field, evenly spaced over the whole infill region, with ends where the field forces them.
-pub fn dense(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>) {
+pub fn dense(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
     let Some(field) = context.field else { return };
     let spacing = context.spacing_mm();
-    let room = Region::from(room.clone());
-    let border = room.offset(context.border_mm, Join::Miter(2.0));
+    let infill_region = Region::from(infill_region.clone());
+    let border = infill_region.offset(context.border_mm, Join::Miter(2.0));
     // The mesh has to resolve the field, not the beads: growth along an edge comes from the field,
     // so an edge may cross a level or two.
     let Some(mesh) = FieldMesh::over(&border, 1.1 * spacing) else { return };
@@ -76,7 +76,7 @@ pub fn dense(context: &FillContext<'_>, room: &Polygon, out: &mut Vec<Toolpath>)
         let phase = solve(&mesh, &input, &turns, &diffusion_steps());
         trace(&mesh, &turns, &phase)
     };
-    let clipper = LineClipper::new(&room);
+    let clipper = LineClipper::new(&infill_region);
     let mut lines = Vec::new();
     // Level lines carry the zigzag of the triangulation. Resampling and three rounds of smoothing
     // remove it.
@@ -322,7 +322,7 @@ fn lay(roomed: Roomed, border: &Region, context: &FillContext<'_>, out: &mut Vec
     for (line, strips) in lines.iter().zip(strips) {
         let widths: Vec<f64> = strips.into_iter().map(width).collect();
         let (points, widths) = simplified(&line.points, &widths, line.closed);
-        beads.push(Bead { points, widths, closed: line.closed });
+        beads.push(WideBead { points, widths, closed: line.closed });
     }
     let first = out.len();
     out.extend(joined(beads, &neighbours, border, context).into_iter().map(|bead| Toolpath {
@@ -348,22 +348,22 @@ fn lay(roomed: Roomed, border: &Region, context: &FillContext<'_>, out: &mut Vec
 ///
 /// Open places are found on a raster and cut out exactly only there: a union of all strips costs
 /// more than the rest of the fill together.
-fn gaps(room: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64) -> Region {
-    let Some(bounds) = room.bounds() else { return Region::default() };
+fn gaps(infill_region: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64) -> Region {
+    let Some(bounds) = infill_region.bounds() else { return Region::default() };
     let grid = Grid::exactly(bounds, cell_mm);
     let mut filled = Mask::empty(grid);
     let strips: Vec<Contour> = beads.iter().flat_map(|b| strips_of(b, height_mm)).collect();
     strips.iter().for_each(|s| filled.add_convex(s));
     // A gap worth a bead is more than one cell long. Lone cells lie between strips that do not
     // quite touch.
-    let open = Mask::of(grid, room).and_not(&filled).without_lone();
+    let open = Mask::of(grid, infill_region).and_not(&filled).without_lone();
     if open.is_empty() {
         return Region::default();
     }
     // The window reaches four cells beyond the open ones, so that a gap that narrows down to
     // nothing is cut out whole.
     let near = open.grown(4);
-    let window = Region::from_contours(&near.contours(), FillRule::NonZero).intersection(room);
+    let window = Region::from_contours(&near.contours(), FillRule::NonZero).intersection(infill_region);
     let there = strips.iter().filter(|s| near.meets_convex(s));
     window.difference(&Region::from_contours(there, FillRule::NonZero))
 }
@@ -390,13 +390,13 @@ fn strips_of(bead: &Toolpath, height_mm: f64) -> impl Iterator<Item = Contour> +
 }
 
 /// A bead with its widths.
-pub(super) struct Bead {
+pub(super) struct WideBead {
     pub points: Vec<DVec2>,
     pub widths: Vec<f64>,
     pub closed: bool,
 }
 
-impl Bead {
+impl WideBead {
     /// The end of the last segment, or of the first, with `by_mm` taken off, and the share of the
     /// segment that remains. A segment not longer than 1.5 times that is kept whole.
     fn rest(&self, first: bool, by_mm: f64) -> (DVec2, f64) {
@@ -426,11 +426,11 @@ impl Bead {
 /// Joins open beads end to end along the border: each end to the nearest free one, if that is near
 /// and the way stays inside the region.
 pub(super) fn joined(
-    beads: Vec<Bead>,
+    beads: Vec<WideBead>,
     neighbours: &Neighbours,
     border: &Region,
     context: &FillContext<'_>,
-) -> Vec<Bead> {
+) -> Vec<WideBead> {
     let spacing_mm = context.spacing_mm();
     let retreat_mm = (0.5 * spacing_mm - context.border_mm).max(0.0);
     let inside = LineClipper::new(border);
@@ -438,7 +438,7 @@ pub(super) fn joined(
     let ends: Vec<[DVec2; 2]> = beads.iter().map(|b| [b.points[0], b.points[b.points.len() - 1]]).collect();
     let mut used: Vec<bool> = beads.iter().map(|b| b.closed).collect();
     let index = NearestEnds::new(&ends);
-    let mut beads: Vec<Option<Bead>> = beads.into_iter().map(Some).collect();
+    let mut beads: Vec<Option<WideBead>> = beads.into_iter().map(Some).collect();
     let mut out = Vec::new();
     // Beads are tried in the order of the level lines, which the mesh fixes: the same region gives
     // the same joints for any number of threads.

@@ -82,8 +82,8 @@ fn filled(infill: &dyn Infill, part: &Region, field: fn(DVec2) -> f64, density: 
         field: Some(&field),
     };
     let mut out = Vec::new();
-    for room in part.offset(-border_mm, Join::Miter(2.0)).polygons {
-        infill.fill(&context, &room, &mut out);
+    for infill_region in part.offset(-border_mm, Join::Miter(2.0)).polygons {
+        infill.fill(&context, &infill_region, &mut out);
     }
     out
 }

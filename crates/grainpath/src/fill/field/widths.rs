@@ -79,7 +79,7 @@ pub struct Hit {
 }
 
 #[derive(Clone, Copy)]
-struct Piece {
+struct BeadSegment {
     a: DVec2,
     b: DVec2,
     /// Line and segment; `u32::MAX` for the border.
@@ -89,16 +89,16 @@ struct Piece {
 
 const BORDER: u32 = u32::MAX;
 
-fn pieces_of(l: usize, line: &Line) -> impl Iterator<Item = Piece> + '_ {
+fn pieces_of(l: usize, line: &Line) -> impl Iterator<Item = BeadSegment> + '_ {
     (0..line.n_segments()).map(move |s| {
         let (a, b) = line.segment(s);
-        Piece { a, b, line: l as u32, segment: s as u32 }
+        BeadSegment { a, b, line: l as u32, segment: s as u32 }
     })
 }
 
 /// The beads of an infill region and its border, searchable for the neighbours of a bead.
 pub struct Neighbours {
-    pieces: Vec<Piece>,
+    pieces: Vec<BeadSegment>,
     buckets: Buckets,
 }
 
@@ -108,7 +108,7 @@ impl Neighbours {
         let mut pieces = Vec::with_capacity(lines.iter().map(Line::n_segments).sum());
         lines.iter().enumerate().for_each(|(l, line)| pieces.extend(pieces_of(l, line)));
         for contour in border.contours() {
-            pieces.extend(edges(contour).map(|(a, b)| Piece { a, b, line: BORDER, segment: 0 }));
+            pieces.extend(edges(contour).map(|(a, b)| BeadSegment { a, b, line: BORDER, segment: 0 }));
         }
         Self::of(pieces, cell_mm)
     }
@@ -152,20 +152,20 @@ impl Neighbours {
                 self.buckets.members(cells.index(at)).iter().for_each(|&m| is_near[m as usize] = true);
             }
         }
-        let moved = |p: &Piece| {
+        let moved = |p: &BeadSegment| {
             // The border stays; bead segments are read anew, because the lines were moved after the
             // cells were filled.
             if p.line == BORDER {
                 return *p;
             }
             let (a, b) = lines[p.line as usize].segment(p.segment as usize);
-            Piece { a, b, ..*p }
+            BeadSegment { a, b, ..*p }
         };
         let near = self.pieces.iter().zip(is_near).filter(|p| p.1);
         Self::of(near.map(|p| moved(p.0)).collect(), cells.cell_mm)
     }
 
-    fn of(pieces: Vec<Piece>, cell_mm: f64) -> Self {
+    fn of(pieces: Vec<BeadSegment>, cell_mm: f64) -> Self {
         let ends = pieces.iter().flat_map(|p| [p.a, p.b]);
         let bounds = Bounds2::of(ends).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let cells = CellGrid::covering(bounds, cell_mm, 4000);
@@ -251,7 +251,7 @@ impl Neighbours {
         let mut out = Vec::new();
         let cells = &self.buckets.cells;
         // Segments of the same cell seen before.
-        let mut met: Vec<Piece> = Vec::new();
+        let mut met: Vec<BeadSegment> = Vec::new();
         for cell in 0..cells.nx * cells.ny {
             met.clear();
             for &i in self.buckets.members(cell) {

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::frame::Frame;
 use super::setup::{TestSetup, UNBREAKABLE_MM};
-use super::{Cells, Limits, StrengthError};
+use super::{Limits, PlacedCells, StrengthError};
 
 /// Cells filled to a smaller share are left out, because they slow the solution without carrying
 /// load.
@@ -163,7 +163,7 @@ impl TestSetup {
     pub(super) fn prepared_solid(
         &self,
         sheets: &[BeadSheet],
-        cells: Cells,
+        cells: PlacedCells,
     ) -> Result<PreparedSolid, StrengthError> {
         let cell_mm = cells.size_mm;
         let bricks = Bricks::moved(sheets, cell_mm, cells.moved, self.low.z)?;
@@ -175,7 +175,7 @@ impl TestSetup {
         let caught: Vec<Vec<usize>> = wide.iter().map(|w| points.chosen(w)).collect();
         for (fixture, caught) in self.conditions.fixtures.iter().zip(&caught) {
             if caught.is_empty() {
-                return Err(self.nothing(&fixture.name, &fixture.on));
+                return Err(self.catches_nothing(&fixture.name, &fixture.on));
             }
         }
         // Only material connected to a fixture can carry a load.
@@ -243,14 +243,14 @@ impl TestSetup {
             };
             if let Action::Pressure { mpa: p, .. } = load.action {
                 if !press(p, on, &self.mesh, points, &mut forces, marked) {
-                    return Err(self.nothing(&load.name, on));
+                    return Err(self.catches_nothing(&load.name, on));
                 }
                 continue;
             }
             let chosen = points.chosen(&on.grown(reach));
             let sum: f64 = chosen.iter().map(|&i| weight(i)).sum();
             if sum <= 0.0 {
-                return Err(self.nothing(&load.name, on));
+                return Err(self.catches_nothing(&load.name, on));
             }
             chosen.iter().for_each(|&i| marked[i] = true);
             match load.action {

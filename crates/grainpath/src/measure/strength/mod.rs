@@ -330,25 +330,25 @@ struct Limits {
 
 /// The cells of a test: their size, and by which share of it the grid is moved along both axes.
 #[derive(Debug, Clone, Copy)]
-struct Cells {
+struct PlacedCells {
     size_mm: f64,
     moved: f64,
 }
 
-impl Cells {
+impl PlacedCells {
     fn of(size_mm: f64) -> Self {
         Self { size_mm, moved: 0.0 }
     }
 }
 
 /// A part with supports and loads.
-enum Body {
+enum LoadedPart {
     Plane(Prepared),
     Voxels(PreparedSolid),
 }
 
-impl Body {
-    fn of(setup: &TestSetup, sheets: &[BeadSheet], cells: Cells) -> Result<Self, StrengthError> {
+impl LoadedPart {
+    fn of(setup: &TestSetup, sheets: &[BeadSheet], cells: PlacedCells) -> Result<Self, StrengthError> {
         Ok(match setup.fidelity {
             Fidelity::Plane => Self::Plane(setup.prepared(sheets, cells)?),
             Fidelity::Voxels => Self::Voxels(setup.prepared_solid(sheets, cells)?),
@@ -428,7 +428,7 @@ const COARSE_OF_WALLS: f64 = 4.0 / 3.0;
 /// The cells of a test, small enough for the walls that bend.
 struct ChosenCells {
     cell_mm: f64,
-    body: Body,
+    body: LoadedPart,
     /// Size of the larger cells that the answer is compared with, over `cell_mm`.
     coarse: f64,
     bending: UnresolvedBending,
@@ -460,7 +460,7 @@ impl ChosenCells {
         let mut round = 0;
         loop {
             limits.cancel.check().map_err(TestError::from)?;
-            let body = Body::of(setup, sheets, Cells::of(cell_mm))?;
+            let body = LoadedPart::of(setup, sheets, PlacedCells::of(cell_mm))?;
             let bending = body.unresolved_bending(cards, limits)?;
             let needed_mm = bending.wall_mm / CELLS_ACROSS;
             let is_free = given_mm.is_none()
@@ -701,7 +701,7 @@ fn at_corners(
         return Ok(CoarsePeaks::default());
     }
     // Geometry and loads do not depend on the strengths, so one body serves all corners.
-    let prepared = Body::of(setup, sheets, Cells::of(cell_mm))?;
+    let prepared = LoadedPart::of(setup, sheets, PlacedCells::of(cell_mm))?;
     limits.cancel.check().map_err(TestError::from)?;
     let peak = |corner: &Corner| Ok(prepared.run(&cards(settings, *corner)?, limits)?.peak_load_n);
     let nominal = peak(&corners[0])?;
@@ -709,7 +709,7 @@ fn at_corners(
     let (rest, moved_n) = rayon::join(
         || corners[1..].par_iter().map(peak).collect::<Vec<Result<f64, StrengthError>>>(),
         || {
-            let moved = Body::of(setup, sheets, Cells { size_mm: cell_mm, moved: 0.5 })?;
+            let moved = LoadedPart::of(setup, sheets, PlacedCells { size_mm: cell_mm, moved: 0.5 })?;
             Ok::<f64, StrengthError>(moved.run(&cards(settings, corners[0])?, limits)?.peak_load_n)
         },
     );
@@ -728,7 +728,7 @@ struct CoarsePeaks {
 
 fn warn(
     outcome: &Outcome,
-    prepared: &Body,
+    prepared: &LoadedPart,
     mesh_change: Option<f64>,
     cell_mm: f64,
     diagnostics: &Diagnostics,

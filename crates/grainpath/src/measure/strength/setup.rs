@@ -17,7 +17,7 @@ use grainpath_job::Settings;
 use grainpath_job::choices;
 
 use super::frame::Frame;
-use super::{CORNERS, Cells, StrengthError, cards};
+use super::{CORNERS, PlacedCells, StrengthError, cards};
 use crate::guide::constant_section;
 
 /// Cells filled to a smaller share of their height are left out.
@@ -193,7 +193,7 @@ impl TestSetup {
         p.extend(0.5 * (self.low.z + self.high.z))
     }
 
-    pub(super) fn nothing(&self, what: &str, on: &Selection) -> StrengthError {
+    pub(super) fn catches_nothing(&self, what: &str, on: &Selection) -> StrengthError {
         self.conditions.catches_nothing(what, on, "what is printed and held").into()
     }
 
@@ -270,14 +270,14 @@ impl TestSetup {
                 top += s.height_mm;
                 top >= *z_mm
             });
-            let room = section.offset(OUTSIDE_MM, Join::Miter(2.0));
+            let grown = section.offset(OUTSIDE_MM, Join::Miter(2.0));
             for b in at.iter().flat_map(|s| &s.beads) {
                 let length = b.a.distance(b.b);
                 all += length;
                 // A long bead is sampled every two millimetres.
                 let n = (0.5 * length).ceil().clamp(1.0, 1000.0) as usize;
                 let place = |k: usize| b.a.lerp(b.b, (k as f64 + 0.5) / n as f64);
-                let without = (0..n).filter(|k| !room.contains(place(*k))).count();
+                let without = (0..n).filter(|k| !grown.contains(place(*k))).count();
                 outside += length * without as f64 / n as f64;
             }
         }
@@ -288,7 +288,11 @@ impl TestSetup {
     ///
     /// # Errors
     /// [`StrengthError`] when a fixture or load meets no material, or a piece can move freely.
-    pub(super) fn prepared(&self, sheets: &[BeadSheet], cells: Cells) -> Result<Prepared, StrengthError> {
+    pub(super) fn prepared(
+        &self,
+        sheets: &[BeadSheet],
+        cells: PlacedCells,
+    ) -> Result<Prepared, StrengthError> {
         let cell_mm = cells.size_mm;
         let laminate = Laminate::moved(sheets, cell_mm, cells.moved)?;
         let grid = laminate.grid;
@@ -316,7 +320,7 @@ impl TestSetup {
             if !(0..elements.places.len())
                 .any(|i| wide.contains(self.at(self.frame.to_part(elements.node(i)))))
             {
-                return Err(self.nothing(&fixture.name, &fixture.on));
+                return Err(self.catches_nothing(&fixture.name, &fixture.on));
             }
         }
         let mut lost = 0.0;
@@ -405,7 +409,7 @@ impl TestSetup {
             let chosen: Vec<usize> = (0..nodes.len()).filter(|&i| wide.contains(self.at(nodes[i]))).collect();
             let sum: f64 = chosen.iter().map(|&i| weight[i]).sum();
             if sum <= 0.0 {
-                return Err(self.nothing(&load.name, on));
+                return Err(self.catches_nothing(&load.name, on));
             }
             chosen.iter().for_each(|&i| marked[i] = true);
             match load.action {
