@@ -27,7 +27,7 @@ pub enum Command {
     #[command(
         after_help = "Examples:\n  grainpath run bracket.toml\n  grainpath run bracket.toml --set fill.density=0.4 --out trial --json"
     )]
-    Run(Run),
+    Run(RunArguments),
     /// Slice a mesh, a drawing, a scan or a photograph with default settings, without a job file
     #[command(
         after_help = "Examples:\n  grainpath slice part.stl\n  grainpath slice plate.svg --set shape.thickness_mm=4 -o plate.gcode"
@@ -148,7 +148,7 @@ pub struct Common {
 
 /// `grainpath run`
 #[derive(Debug, clap::Args)]
-pub struct Run {
+pub struct RunArguments {
     /// Job file
     pub job: PathBuf,
     /// Write outputs here instead of beside the job file

@@ -5,13 +5,13 @@ use std::path::Path;
 use grainpath::measure::dimensions::Dimension;
 use grainpath_job::Settings;
 
-use crate::args::{Common, Run};
+use crate::args::{Common, RunArguments};
 use crate::claims::Claims;
 use crate::inputs::{claim_inputs, plan, read_body, read_job, read_stress, set_threads};
 use crate::{Failure, files, outputs, progress};
 
 /// `grainpath run`
-pub fn run(args: &Run) -> Result<(), Failure> {
+pub fn run(args: &RunArguments) -> Result<(), Failure> {
     let (settings, shape, folder) = read_job(&args.job, &args.common.sets)?;
     let truth = match settings.ct.truth.as_str() {
         "" => None,

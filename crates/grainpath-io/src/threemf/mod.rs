@@ -27,7 +27,7 @@ use grainpath_core::{TriMesh, Warning, WarningId};
 
 use crate::mesh::model::{MAX_ELEMENTS, MeshBody, MeshError, MeshFile, MeshProblem};
 use package::Package;
-use part::{Component, Content, ObjectType, Part};
+use part::{Component, Content, ModelPart, ObjectType};
 use transform::Transform;
 
 /// Limit on the nesting of components. The specification forbids circles; a deeper nesting is damage or
@@ -40,7 +40,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
     let mut package = Package::open(bytes)?;
     let mut warnings = Vec::new();
     let root_path = package.root_model(&mut warnings)?;
-    let mut parts: BTreeMap<String, Part> = BTreeMap::new();
+    let mut parts: BTreeMap<String, ModelPart> = BTreeMap::new();
     // Parts may refer to parts (production extension). Each is read once, whatever the number of
     // references.
     let mut wanted = vec![root_path.clone()];
@@ -51,7 +51,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
         if parts.len() > 1000 {
             return Err(MeshError::TooMany { what: "model parts", limit: 1000 });
         }
-        let part = Part::read(&mut package, &path)?;
+        let part = ModelPart::read(&mut package, &path)?;
         wanted.extend(part.paths());
         warnings.extend(part.warnings.iter().cloned());
         parts.insert(path, part);
@@ -77,7 +77,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<MeshFile, MeshError> {
 
 /// Resolves build items into bodies.
 struct Assembly<'a> {
-    parts: &'a BTreeMap<String, Part>,
+    parts: &'a BTreeMap<String, ModelPart>,
     bodies: Vec<MeshBody>,
     n_triangles: u64,
     /// Broken rules that show only where objects are used.

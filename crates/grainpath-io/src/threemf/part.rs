@@ -82,14 +82,14 @@ pub(super) struct Object {
     pub(super) kind: ObjectType,
 }
 
-pub(super) struct Part {
+pub(super) struct ModelPart {
     pub(super) unit: LengthUnit,
     pub(super) objects: BTreeMap<u32, Object>,
     pub(super) items: Vec<Component>,
     pub(super) warnings: Vec<Warning>,
 }
 
-impl Part {
+impl ModelPart {
     /// Reads the part at `path` of the package.
     pub(super) fn read(package: &mut Package<'_>, path: &str) -> Result<Self, MeshError> {
         let mut builder = Builder { path: path.to_owned(), ..Builder::default() };
@@ -574,7 +574,7 @@ impl Builder {
         Ok(())
     }
 
-    fn finish(mut self) -> Result<Part, MeshError> {
+    fn finish(mut self) -> Result<ModelPart, MeshError> {
         let fail = |problem: MeshProblem| Err(invalid(&self.path, problem));
         match self.n_models {
             0 => return fail(MeshProblem::NoModel),
@@ -600,7 +600,7 @@ impl Builder {
             );
         }
         let unit = self.unit.unwrap_or(LengthUnit::Millimetre);
-        Ok(Part { unit, objects: self.objects, items: self.items, warnings: self.warnings })
+        Ok(ModelPart { unit, objects: self.objects, items: self.items, warnings: self.warnings })
     }
 }
 

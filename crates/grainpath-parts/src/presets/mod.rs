@@ -28,8 +28,11 @@ pub const PRESETS: [&str; 7] = {
     names
 };
 
+/// Makes the files of a preset.
+type Maker = fn() -> Vec<ExampleFile>;
+
 /// The presets with the functions that make their files.
-const MAKERS: [(&str, fn() -> Vec<ExampleFile>); 7] = [
+const MAKERS: [(&str, Maker); 7] = [
     ("plate", plate_files),
     ("stress-lines", stress_lines::files),
     ("field", field::files),
