@@ -36,7 +36,7 @@ const MAKERS: [(&str, Maker); 7] = [
     ("plate", plate_files),
     ("stress-lines", stress_lines::files),
     ("field", field::files),
-    ("ct", || ct(256)),
+    ("ct", ct_files),
     ("woodgrain", woodgrain::files),
     ("tree-support", tree_support::files),
     ("continuous", continuous::files),
@@ -45,6 +45,10 @@ const MAKERS: [(&str, Maker); 7] = [
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
     meaning(&MAKERS, name).map(|files| files())
+}
+
+fn ct_files() -> Vec<ExampleFile> {
+    ct(256)
 }
 
 fn plate_files() -> Vec<ExampleFile> {
