@@ -22,6 +22,7 @@ let colourBy: ColourBy = "role";
 /** What is open: a program, a job or a mesh, and the program that is on screen. */
 export interface Open { path: string; kind: api.FileKind; name: string }
 let opened: Open | null = null;
+let roots: string[] = [];
 
 const high = byId<HTMLInputElement>("high");
 const low = byId<HTMLInputElement>("low");
@@ -89,7 +90,9 @@ function ensureViewer(): Viewer | null {
 
 async function open(path: string, kind: api.FileKind): Promise<void> {
   opened = { path, kind, name: path.split(/[/\\]/).pop() ?? path };
-  byId("title").textContent = path;
+  const root = roots.find((r) => path.startsWith(`${r}/`) || path.startsWith(`${r}\\`));
+  byId("title").textContent = root ? path.slice(root.length + 1) : path;
+  byId("title").title = path;
   document.title = `${opened.name} – grainpath studio`;
   welcome.hidden = true;
   if (kind === "program") {
@@ -419,12 +422,13 @@ byId("panel-paths").append(el("p", { class: "note" }, "Open a G-code file of any
 async function start(): Promise<void> {
   try {
     const state = await api.state();
+    roots = state.roots;
     if (state.opened) { await open(state.opened.path, state.opened.kind); return; }
     const picker = el("input", { type: "file", hidden: true, onchange: () => { if (picker.files?.[0]) { const data = new DataTransfer(); data.items.add(picker.files[0]); void drop(data); } } });
     welcome.replaceChildren(el("div", {},
       el("h2", {}, "Where does your print break?"),
       el("p", {}, "Drop G-code of any slicer here: see its paths, pick where it is held and where it is loaded, and see at which load and where it breaks. Or drop a mesh (STL, OBJ, PLY, OFF, 3MF) or a job file to plan it."),
-      el("p", {}, el("button", { type: "button", class: "main", onclick: () => void choose() }, "Choose a file of this computer"), " ", el("button", { type: "button", onclick: () => picker.click() }, "Send one with the browser"), picker),
+      el("div", { class: "row middle" }, el("button", { type: "button", class: "main", onclick: () => void choose() }, "Choose a file of this computer"), el("button", { type: "button", onclick: () => picker.click() }, "Send one with the browser"), picker),
       el("p", { class: "note" }, `Nothing leaves this computer. Results are written to ${state.work}.`)));
   } catch (error) {
     say((error as Error).message, true);

@@ -87,6 +87,8 @@ export class Viewer {
   private material: ShaderMaterial;
   private shown: Shown = { low: 0, high: 0, from: 0, to: 0 };
   private isDirty = true;
+  /** The direction from which the whole part is seen, while it is. */
+  private fitted: string | null = null;
   private readonly classShown: number[] = new Array(16).fill(1) as number[];
   private pointer: { x: number; y: number } | null = null;
 
@@ -95,6 +97,8 @@ export class Viewer {
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.draw());
+    // A view that the user has turned is left alone.
+    this.controls.addEventListener("start", () => (this.fitted = null));
     this.material = new ShaderMaterial({
       glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, side: DoubleSide,
       uniforms: {
@@ -140,6 +144,7 @@ export class Viewer {
     this.renderer.setSize(w, h, false);
     this.camera.aspect = w / h;
     this.camera.updateProjectionMatrix();
+    if (this.fitted && this.beads) this.view(this.fitted);
     this.draw();
   }
 
@@ -293,6 +298,7 @@ export class Viewer {
     this.camera.far = distance * 20;
     this.camera.updateProjectionMatrix();
     this.controls.update();
+    this.fitted = direction;
     this.draw();
   }
 

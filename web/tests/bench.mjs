@@ -1,7 +1,7 @@
 // A studio, a browser, programs whose geometry is known, and the colours of places on the screen.
 
 import { execFileSync, spawn } from "node:child_process";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium } from "playwright-core";
@@ -93,6 +93,12 @@ export async function visit(browser, address, options = {}) {
   page.on("pageerror", (error) => wrong.push(String(error)));
   page.on("console", (message) => { if (message.type() === "error") wrong.push(message.text()); });
   page.on("request", (request) => requests.push(request.url()));
+  // While the page is worked on: its files from a folder instead of from the program.
+  if (process.env.DIST) {
+    for (const [file, contentType] of [["app.js", "text/javascript"], ["app.css", "text/css"]]) {
+      await page.route(`**/${file}`, (route) => route.fulfill({ body: readFileSync(join(process.env.DIST, file)), contentType }));
+    }
+  }
   await page.goto(address, { waitUntil: "commit" });
   return { page, wrong, requests, close: () => context.close() };
 }
