@@ -381,7 +381,7 @@ pub struct Studio {
     /// A folder whose files may be read, besides the current one and that of FILE
     #[arg(long = "root", value_name = "DIR")]
     pub roots: Vec<PathBuf>,
-    /// A host name by which the studio may be asked for, besides 127.0.0.1, localhost and [::1]
+    /// A host name by which the studio may be asked for, besides 127.0.0.1, localhost and `[::1]`
     #[arg(long = "allow-host", value_name = "NAME")]
     pub hosts: Vec<String>,
     /// Largest file that may be dropped on the page, bytes
