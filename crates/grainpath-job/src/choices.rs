@@ -54,8 +54,8 @@ macro_rules! choices {
             #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
             pub enum $name {
                 // The sentence of the help is the documentation of the variant too, so the two cannot
-                // differ.
-                $( #[doc = concat!("`", $word, "`: ", $help)] $variant, )*
+                // differ. `a[y][x]` in it is no link.
+                $( #[allow(rustdoc::broken_intra_doc_links)] #[doc = concat!("`", $word, "`: ", $help)] $variant, )*
             }
 
             impl Choice for $name {

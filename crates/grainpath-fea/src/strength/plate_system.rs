@@ -1,7 +1,7 @@
 //! The equations of a plate under plane stress: assembled, factored, and solved again as elements lose stiffness.
 //!
 //! Fixtures are stiff springs along their directions (the penalty method), so that the pattern of the matrix does not
-//! depend on them. Stiffnesses are in N/mm, forces in N, displacements in mm. The factorization is that of [`Fronts`];
+//! depend on them. Stiffnesses are in N/mm, forces in N, displacements in mm. The factorization is that of `Fronts`;
 //! its cost stands there.
 
 use grainpath_core::diagnostics::CancelFlag;

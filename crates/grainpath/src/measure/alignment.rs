@@ -3,7 +3,7 @@
 //!
 //! The angle between each segment of infill and the guide's own axis is weighted by the length of
 //! the segment and by how much the direction matters there, as in the report. Layers are looked at
-//! evenly through the part, at most [`MAX_LAYERS`] of them, so the cost does not grow with the
+//! evenly through the part, at most `MAX_LAYERS` of them, so the cost does not grow with the
 //! height. The place named is the cell of the worst layer, a fifth of the part wide, that
 //! contributes most. Degenerate cases: no guide, no infill and a guide without weight give no
 //! warning.

@@ -5,7 +5,7 @@
 //! so that no curve stands alone. A plan with such layers is printable, but it
 //! bends and splits between its lines, so the run says so.
 //!
-//! Method: sparse fill of up to [`CHECKED_LAYERS`] layers, evenly spread, is sampled once per bead width. A sample
+//! Method: sparse fill of up to `CHECKED_LAYERS` layers, evenly spread, is sampled once per bead width. A sample
 //! touches if another line of the same layer lies within a bead's width of it, or if a line of the layer above or below
 //! passes there at an angle. Lengths are in mm. Cost: linear in the samples of those layers and their two neighbours.
 

@@ -13,7 +13,7 @@
 //! From the plate up: what still lies on air, because the part is where a bead would have to be, is left out, and with
 //! it what stood on it. What is left is held by construction; [`on_air`] counts it afresh, as a judge would.
 //!
-//! Lengths are mm. Cost: one search in a grid of points for every [`STEP_MM`] of bead and pass; about a second for
+//! Lengths are mm. Cost: one search in a grid of points for every `STEP_MM` of bead and pass; about a second for
 //! 100 m of support. Limits: the beads of the part are not known yet, so the part holds wherever its sections are;
 //! sparse fill inside branches (`support.density` above 0) bridges from wall to wall and is not asked.
 
