@@ -4,16 +4,7 @@
 //! An *entity* is an island of a section: an outline with its holes. Where slices lie far apart, the layers between two
 //! slices are made by moving the contours of the lower slice to those of the upper one.
 //!
-//! <svg viewBox="0 0 420 120" width="420" xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" font-size="11">
-//! <g fill="none" stroke="#27527a" stroke-width="1.5">
-//! <ellipse cx="60" cy="88" rx="42" ry="14"/><ellipse cx="70" cy="34" rx="30" ry="10"/>
-//! <ellipse cx="210" cy="88" rx="56" ry="14"/><ellipse cx="182" cy="34" rx="20" ry="9"/><ellipse cx="240" cy="34" rx="24" ry="9"/>
-//! <ellipse cx="360" cy="34" rx="26" ry="10"/></g>
-//! <g stroke="#b3541e" stroke-width="1"><path d="M18 88L40 34M102 88L100 34M60 102L70 44M60 74L70 24"/>
-//! <path d="M154 88L162 34M266 88L264 34M216 75L202 34M216 101L216 34" /></g>
-//! <path d="M216 70V106" stroke="#1a7a3a" stroke-width="2"/>
-//! <g fill="#333"><text x="30" y="118">one to one</text><text x="168" y="118">one to two, cut</text>
-//! <text x="336" y="118">begins</text><text x="4" y="12">upper slice above, lower slice below</text></g></svg>
+#![doc = include_str!("figures/matching.svg")]
 //!
 //! # Method
 //! 1. Entities belong to one group where one covers a share of the other (`MatchSettings::overlap`); leftovers of like size

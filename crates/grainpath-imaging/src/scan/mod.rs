@@ -848,4 +848,6 @@ impl Collected {
 }
 
 #[cfg(test)]
+mod figures;
+#[cfg(test)]
 mod tests;

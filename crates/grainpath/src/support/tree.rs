@@ -13,6 +13,8 @@
 //! Nodes are taken in order of height, so all that a node carries is known when its turn comes, and no choice is ever
 //! undone. Lengths are in mm, angles in radians. Cost: about n log n for n contacts. Contacts with neither a way to the
 //! plate nor a place on the part below them are reported and left without support.
+//!
+#![doc = include_str!("figures/tree.svg")]
 
 use std::collections::BinaryHeap;
 

@@ -10,6 +10,8 @@
 //!
 //! Lengths are in mm. Cost: one polygon offset a wall where the polygon shrinks smoothly, about six
 //! otherwise.
+//!
+#![doc = include_str!("figures/walls.svg")]
 
 pub mod adhesion;
 pub mod skin;
