@@ -8,6 +8,9 @@ mod concentric;
 mod continuous;
 pub mod curves;
 mod field;
+#[cfg(test)]
+#[path = "../../../../tests/figure.rs"]
+mod figure;
 mod gyroid;
 mod hatch;
 mod honeycomb;

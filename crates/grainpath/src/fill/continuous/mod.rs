@@ -26,6 +26,8 @@
 //!
 //! Cost: near linear; 100 000 cells take about 1 s and 110 MB, a million 11 s and 1.07 GB (`cargo
 //! xtask bench continuous`).
+//!
+#![doc = include_str!("figures/strips.svg")]
 
 mod cells;
 mod finish;
@@ -202,5 +204,7 @@ impl Continuous {
     }
 }
 
+#[cfg(test)]
+mod figures;
 #[cfg(test)]
 mod tests;

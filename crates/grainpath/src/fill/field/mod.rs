@@ -66,4 +66,6 @@ pub fn axis_of(field: &dyn DirectionField, context: &FillContext<'_>, p: DVec2) 
 }
 
 #[cfg(test)]
+mod figures;
+#[cfg(test)]
 mod tests;

@@ -26,6 +26,10 @@
 //! of at most 60 conjugate gradient iterations in `f32`; each is linear in the nodes. Degenerate
 //! cases: a region in several pieces is swept piece by piece; a node whose numbers cancel keeps its
 //! last phase. Same input, same bits: no step depends on the threads.
+//!
+//! A field that fans out: where there is space for one bead more, the phase misses a turn and a level begins.
+//!
+#![doc = include_str!("figures/phase.svg")]
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;

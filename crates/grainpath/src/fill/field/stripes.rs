@@ -19,6 +19,8 @@
 //!
 //! Held by tests on spirals, disks, rings and defects: nothing crosses, gap and overlap stay within
 //! stated bounds.
+//!
+#![doc = include_str!("figures/stripes.svg")]
 
 use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::field_mesh::FieldMesh;
@@ -101,7 +103,7 @@ pub fn dense(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<T
     lay(without_crowded(lines, &border, context), &border, context, out);
 }
 
-fn phase_input(
+pub(super) fn phase_input(
     mesh: &FieldMesh,
     field: &dyn DirectionField,
     context: &FillContext<'_>,
