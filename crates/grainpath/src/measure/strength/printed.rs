@@ -73,7 +73,9 @@ fn section(layer: &BeadLayer, height_mm: f64) -> Region {
         .map(|h| (area(h), Polygon { outer: h.clone(), holes: Vec::new() }))
         .collect();
     let is_hole = |void: &Vec<DVec2>| {
-        let around = holes.iter().filter(|(_, h)| void.first().is_some_and(|p| h.contains(*p)));
+        // A void without fill shares its border with the hole of the walls, so a point of the border decides nothing.
+        let inside = point_inside(void);
+        let around = holes.iter().filter(|(_, h)| h.contains(inside));
         // The smallest ring of walls around the void is its own.
         let own = around.map(|(area, _)| *area).fold(f64::INFINITY, f64::min);
         area(void) > HOLE_SHARE * own
@@ -85,6 +87,18 @@ fn section(layer: &BeadLayer, height_mm: f64) -> Region {
     // Fill that touches no wall lies inside a void that was filled.
     let contours: Vec<Vec<DVec2>> = polygons.flat_map(|p| std::iter::once(p.outer).chain(p.holes)).collect();
     Region::from_contours(&contours, FillRule::NonZero)
+}
+
+/// A point in the area of a contour: beside the middle of its longest side.
+fn point_inside(contour: &[DVec2]) -> DVec2 {
+    // Source: a quarter of SEAM_MM, the width below which gaps were closed.
+    const BESIDE_MM: f64 = 0.01;
+    let sides = grainpath_core::poly::edges(contour);
+    let longest = sides.max_by(|(a, b), (c, d)| a.distance_squared(*b).total_cmp(&c.distance_squared(*d)));
+    let Some((a, b)) = longest else { return DVec2::ZERO };
+    // The area lies to the left of a counter-clockwise contour.
+    let left = grainpath_core::poly::signed_area_mm2(contour).signum();
+    0.5 * (a + b) + (b - a).normalize_or_zero().perp() * left * BESIDE_MM
 }
 
 /// A box as twelve triangles.
