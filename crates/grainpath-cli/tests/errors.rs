@@ -79,7 +79,7 @@ fn input_files() {
     fails("huge", &["slice", "huge.stl"], 3, "below 1e9");
     fails("flat", &["slice", "flat.stl"], 3, "0 mm high");
     fails("missing", &["slice", "nowhere.stl"], 3, "nowhere.stl: no such file");
-    fails("directory", &["slice", "."], 3, "is a folder");
+    fails("directory", &["slice", "."], 3, "no DICOM, PNG, TIFF, BMP or JPEG slices in it");
     fails("bomb", &["slice", "bomb.3mf"], 3, "zip bomb");
     fails("missing mesh of a job", &["run", "missing.toml"], 3, "nowhere.stl");
     fails("not a mesh", &["slice", "typo.toml"], 3, "not a mesh");

@@ -13,7 +13,7 @@ struct Points {
     cells: HashMap<[i64; 2], Vec<DVec2>>,
 }
 
-const CELL_MM: f64 = 0.5;
+const CELL_MM: f64 = 1.0;
 
 impl Points {
     fn of<'a>(layers: impl Iterator<Item = &'a LayerPlan>, wanted: impl Fn(Role) -> bool) -> Self {
