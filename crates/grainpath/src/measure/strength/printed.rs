@@ -10,7 +10,7 @@
 //! programs without roles keep the voids of their fill in the section, which only makes the stated volume smaller. A
 //! priming line of the first layer counts for that layer's section and not for the box.
 
-use grainpath_core::poly::{FillRule, Join};
+use grainpath_core::poly::{Contour, FillRule, Join};
 use grainpath_core::{Bounds2, DVec2, DVec3, Layer, LayerStack, Polygon, Region, Role, TriMesh};
 use grainpath_fea::load_case::BoundaryConditions;
 use grainpath_gcode::{Bead, BeadLayer, Program};
@@ -72,7 +72,7 @@ fn section(layer: &BeadLayer, height_mm: f64) -> Region {
         .flat_map(|p| &p.holes)
         .map(|h| (area(h), Polygon { outer: h.clone(), holes: Vec::new() }))
         .collect();
-    let is_hole = |void: &Vec<DVec2>| {
+    let is_hole = |void: &Contour| {
         // A void without fill shares its border with the hole of the walls, so a point of the border decides nothing.
         let inside = point_inside(void);
         let around = holes.iter().filter(|(_, h)| h.contains(inside));
@@ -80,12 +80,21 @@ fn section(layer: &BeadLayer, height_mm: f64) -> Region {
         let own = around.map(|(area, _)| *area).fold(f64::INFINITY, f64::min);
         area(void) > HOLE_SHARE * own
     };
-    let polygons = all
-        .polygons
-        .into_iter()
-        .map(|p| Polygon { holes: p.holes.into_iter().filter(&is_hole).collect(), outer: p.outer });
-    // Fill that touches no wall lies inside a void that was filled.
-    let contours: Vec<Vec<DVec2>> = polygons.flat_map(|p| std::iter::once(p.outer).chain(p.holes)).collect();
+    // Every void with its area and whether it stays open.
+    let voids: Vec<(f64, bool, Polygon)> = (all.polygons.iter())
+        .flat_map(|p| &p.holes)
+        .map(|h| (area(h), is_hole(h), Polygon { outer: h.clone(), holes: Vec::new() }))
+        .collect();
+    let open = voids.iter().filter(|v| v.1).map(|v| v.2.outer.clone());
+    // An island in a void that is filled adds nothing to the section, and its outline would be counted twice around
+    // its holes.
+    let stands_alone = |outer: &Contour| {
+        let inside = point_inside(outer);
+        let around = voids.iter().filter(|v| v.2.contains(inside));
+        around.min_by(|v, w| v.0.total_cmp(&w.0)).is_none_or(|v| v.1)
+    };
+    let outers = all.polygons.iter().map(|p| p.outer.clone()).filter(stands_alone);
+    let contours: Vec<Contour> = outers.chain(open).collect();
     Region::from_contours(&contours, FillRule::NonZero)
 }
 
