@@ -355,7 +355,8 @@ fn strength(
 ) -> Result<(Tested, f64), Failure> {
     let start = Instant::now();
     let shift = planned.plan.plate_from_part_mm.truncate();
-    let tested = test(settings, setup, program, Some(shift), diagnostics)
+    let wanted = grainpath::run::config::strength(settings);
+    let tested = test(&wanted, setup, program, Some(shift), diagnostics)
         .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
     Ok((tested, start.elapsed().as_secs_f64()))
 }

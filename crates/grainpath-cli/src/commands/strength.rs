@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use grainpath::guide::boundary_conditions;
 use grainpath::measure::strength::{PrintedPart, StrengthError, TestSetup, Tested, test_noting};
+use grainpath::run::config::strength as strength_settings;
 use grainpath::run::{Sliced, mesh_and_layers};
 use grainpath_core::{DVec2, Diagnostics, Warning};
 use grainpath_gcode::{Program, simulate, write_gcode};
@@ -121,7 +122,8 @@ impl TestedJob {
                 let setup = self.setup_for_program(&shape, diagnostics)?;
                 // Without a shift the test finds the part on the bed by itself, since another slicer may
                 // have placed it anywhere.
-                let tested = test_noting(settings, &setup, &program, None, diagnostics, note);
+                let wanted = strength_settings(settings);
+                let tested = test_noting(&wanted, &setup, &program, None, diagnostics, note);
                 tested.map(|t| (t, program)).map_err(|e| named(input, failed(e)))?
             }
             (None, Some(shape)) => self.test_own(input, &shape, diagnostics, note)?,
@@ -150,7 +152,7 @@ impl TestedJob {
         let standing = grainpath::run::config::standing(settings, lowered_mm);
         let conditions = boundary_conditions(&grainpath::run::config::loads(settings), &mesh, &standing)
             .map_err(|e| failed(e.into()))?;
-        TestSetup::of(settings, &mesh, &stack, conditions).map_err(failed)
+        TestSetup::of(&strength_settings(settings), &mesh, &stack, conditions).map_err(failed)
     }
 
     /// Plans the job and tests the program that is written.
@@ -170,7 +172,8 @@ impl TestedJob {
             .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
         let program = read(&self.settings, &bytes, input)?;
         let shift = planned.plan.plate_from_part_mm.truncate();
-        let tested = test_noting(&self.settings, setup, &program, Some(shift), diagnostics, note);
+        let wanted = strength_settings(&self.settings);
+        let tested = test_noting(&wanted, setup, &program, Some(shift), diagnostics, note);
         Ok((tested.map_err(failed)?, program))
     }
 }
@@ -184,8 +187,9 @@ fn test_printed(
 ) -> Result<Tested, StrengthError> {
     let part = PrintedPart::of(program)?;
     let conditions = part.conditions(&grainpath::run::config::loads(settings))?;
-    let setup = TestSetup::of(settings, &part.mesh, &part.stack, conditions)?;
-    test_noting(settings, &setup, program, Some(DVec2::ZERO), diagnostics, note)
+    let wanted = strength_settings(settings);
+    let setup = TestSetup::of(&wanted, &part.mesh, &part.stack, conditions)?;
+    test_noting(&wanted, &setup, program, Some(DVec2::ZERO), diagnostics, note)
 }
 
 fn failed(error: StrengthError) -> Failure {

@@ -51,12 +51,11 @@ pub use crate::distance::{Raster, signed_distance};
 pub use crate::smooth::Smoothing;
 pub use crate::threshold::Histogram;
 pub use edges::CannySettings;
-pub use error::ScanError;
+pub use error::{GreyRange, GreyValues, ScanError};
 pub use matching::{Events, Group, MatchSettings, Slab, match_entities};
 pub use sheet::ContactSheet;
 pub use trace::Grid;
 
-use error::wrong;
 use survey::{Lattice, Survey};
 use turned::Turned;
 
@@ -308,7 +307,7 @@ impl<'a> Slices<'a> {
     pub fn next_slice(&mut self) -> Result<Vec<f32>, ScanError> {
         let mut slice = Vec::new();
         if !self.source.next_slice(&mut slice)? {
-            return Err(wrong("the scan ends early".into()));
+            return Err(ScanError::EndsEarly);
         }
         Ok(self.lattice.cropped(slice))
     }
@@ -409,7 +408,7 @@ impl Job<'_> {
                 diagnostics.check().map_err(ScanError::from)?;
                 let mut raw = Vec::with_capacity(batch);
                 while raw.len() < batch.min(n - k) {
-                    raw.push(receive.recv().map_err(|_| wrong("the reader ended early".into()))??);
+                    raw.push(receive.recv().map_err(|_| ScanError::EndsEarly)??);
                 }
                 // Collected in order, so that the result is the same for any number of threads.
                 let ready: Vec<Arc<Prepared>> =
@@ -708,17 +707,13 @@ impl Job<'_> {
 
     fn finish(&self, mut all: Collected, diagnostics: &Diagnostics) -> Result<CtStack, ScanError> {
         let total = self.lattice.nx * self.lattice.ny * self.lattice.z_mm.len();
-        let values = format!("the grey values are {} to {}", all.range.0, all.range.1);
-        let at = if self.survey.high.is_finite() {
-            format!("{} to {}", self.survey.low, self.survey.high)
-        } else {
-            format!("{}", self.survey.low)
-        };
+        let greys = GreyValues(all.range.0, all.range.1);
+        let threshold = GreyRange { low: self.survey.low, high: self.survey.high };
         if all.inside == 0 {
-            return Err(wrong(format!("a threshold of {at} leaves nothing; {values}")));
+            return Err(ScanError::ThresholdTooHigh { threshold, greys });
         }
         if all.inside == total {
-            return Err(wrong(format!("a threshold of {at} leaves everything; {values}")));
+            return Err(ScanError::ThresholdTooLow { threshold, greys });
         }
         // In a mirrored scan slabs arrive from the top.
         all.layers.sort_by_key(|l| l.0);
@@ -744,17 +739,15 @@ impl Job<'_> {
             .collect();
         let [points, bare] = all.lost.points;
         if points > 0 && points == bare {
-            let s = self.settings.section;
-            return Err(wrong(format!(
-                "Canny finds no edge along the threshold of {at}: lower {s}.canny_low and {s}.canny_high"
-            )));
+            return Err(ScanError::NoEdge { threshold, section: self.settings.section });
         }
         let bounds = layers.iter().filter_map(|l| l.region().bounds()).reduce(grainpath_core::Bounds2::union);
         let Some(bounds) = bounds else {
-            return Err(wrong(format!(
-                "a threshold of {at} leaves only islands below min_island_mm2 = {}; {values}",
-                self.settings.min_island_mm2
-            )));
+            return Err(ScanError::OnlySpecks {
+                threshold,
+                min_island_mm2: self.settings.min_island_mm2,
+                greys,
+            });
         };
         let z_max = layers.last().map_or(0.0, Layer::z_top_mm);
         // Layers have fixed heights, so a part is printed to the nearest layer; 5 % is worth a warning.

@@ -16,7 +16,6 @@ use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::{SliceSource, VolumeInfo};
 use grainpath_core::{Contour, DVec2, Diagnostics};
 
-use super::error::wrong;
 use super::plausible::{Implausible, Plausibility};
 use super::{CtSettings, Denoise, Histogram, Interpolation, ScanError, Threshold, Tracing};
 
@@ -54,17 +53,11 @@ impl Lattice {
         let crop = s.crop_px.unwrap_or([0, 0, x - 1, y - 1]);
         let [x0, y0, x1, y1] = crop;
         if x0 > x1 || y0 > y1 || x1 >= x || y1 >= y {
-            return Err(wrong(format!(
-                "{}.crop_px = {crop:?}: should be first column, first row, last column, last row of {x} x {y} pixels",
-                s.section
-            )));
+            return Err(ScanError::Crop { section: s.section, crop, columns: x, rows: y });
         }
         let [first, last] = s.window.unwrap_or([0, n - 1]);
         if first > last || last >= n {
-            return Err(wrong(format!(
-                "{}.window = [{first}, {last}]: should be the first and last of {n} slices, counted from 0",
-                s.section
-            )));
+            return Err(ScanError::Window { section: s.section, first, last, n });
         }
         let mut spacing_mm = [0.0; 3];
         for k in 0..3 {
@@ -72,7 +65,7 @@ impl Lattice {
             let Some(mm) = s.spacing_mm[k].or(info.spacing_mm[k]) else {
                 let (key, what) =
                     if k == 2 { ("slice_mm", "distance of slices") } else { ("pixel_mm", "size of pixels") };
-                return Err(wrong(format!("the file states no {what}; set {}.{key}", s.section)));
+                return Err(ScanError::NoSpacing { what, section: s.section, key });
             };
             spacing_mm[k] = mm * s.scale;
         }
@@ -202,26 +195,15 @@ impl Survey {
         }
         // All values not finite: the sample type is almost certainly wrong.
         if n_voxels > 0 && source.n_not_finite() - not_finite_before == n_voxels {
-            return Err(wrong(format!(
-                "none of {n_voxels} voxels looked at is a number (all are NaN or infinite); check the sample type and \
-                 the byte order"
-            )));
+            return Err(ScanError::NotFinite { voxels: n_voxels });
         }
         match plausibility.verdict() {
             Some(Implausible::ByteOrder) => {
-                return Err(wrong(format!(
-                    "the bytes of the voxels are in the wrong order: exchanged they make a smooth image, as they are \
-                     noise; give the other {}.byte_order for raw data, or correct the header of the file",
-                    s.section
-                )));
+                return Err(ScanError::ByteOrder { section: s.section });
             }
             // A user who smooths has seen the noise and means this scan.
             Some(Implausible::Noise) if s.denoise == Denoise::None => {
-                return Err(wrong(format!(
-                    "the grey values are noise: neighbouring voxels are unrelated; check the size, the sample type and \
-                     the byte order of raw data, or set {}.smooth for a very noisy scan",
-                    s.section
-                )));
+                return Err(ScanError::Noise { section: s.section });
             }
             Some(Implausible::Noise) | None => {}
         }
@@ -233,7 +215,7 @@ impl Survey {
         };
         // A blank scan has no two groups, and every threshold would be arbitrary.
         if let Some((low, _)) = histogram.range().filter(|(l, h)| l == h) {
-            return Err(wrong(format!("every voxel has the grey value {low}: nothing to tell from air")));
+            return Err(ScanError::Blank { grey: low });
         }
         let (low, high) = match s.threshold {
             Threshold::Otsu => (histogram.otsu(), f64::INFINITY),

@@ -20,7 +20,6 @@ use grainpath_core::slices::{SliceError, SliceSource, VolumeInfo};
 use grainpath_core::{DMat3, DVec3};
 
 use super::ScanError;
-use super::error::wrong;
 use super::survey::Lattice;
 
 /// Bytes of rotated slices that are made at a time. Larger blocks mean fewer passes over the file.
@@ -66,7 +65,7 @@ impl<S: SliceSource> Turned<S> {
         let even = |pair: &[f64]| ((pair[1] - pair[0]).abs() / spacing_mm[2] - 1.0).abs() < 1e-3;
         // Slices at uneven distances would have to be resampled twice.
         if !lattice.z_mm.windows(2).all(even) {
-            return Err(wrong("slices at uneven distances cannot be turned; resample the scan first".into()));
+            return Err(ScanError::UnevenSlices);
         }
         let spacing = DVec3::from(spacing_mm);
         let half_mm = 0.5 * DVec3::from(stored_size.map(|n| n as f64)) * spacing;
@@ -96,10 +95,7 @@ impl<S: SliceSource> Turned<S> {
             step.iter_mut().for_each(|s| s.z = -s.z);
         }
         if n[0] * n[1] > MAX_PIXELS {
-            return Err(wrong(format!(
-                "turned, the slices have {} x {} pixels; at most {MAX_PIXELS} are made: set crop_px or turn by quarters",
-                n[0], n[1]
-            )));
+            return Err(ScanError::TooManyPixels { columns: n[0], rows: n[1], limit: MAX_PIXELS });
         }
         let mut info =
             VolumeInfo::new(stored.info().format, n.map(|count| count as usize), stored.info().sample);

@@ -79,7 +79,29 @@ pub struct DimensionError {
     /// The file.
     pub file: String,
     /// The problem, and what would be right.
-    pub problem: String,
+    pub problem: DimensionProblem,
+}
+
+/// What is wrong with a file of true dimensions.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum DimensionProblem {
+    #[error("{0}")]
+    Toml(String),
+    #[error("no [[dimension]] in it")]
+    Empty,
+    #[error("dimension {number} {name:?}: {key} should be {right}")]
+    Key { number: usize, name: String, key: &'static str, right: &'static str },
+    #[error("middle_mm should be [x, y], the middle of the part's box, as numbers with a point")]
+    NoMiddle,
+    #[error(DimensionProblem::NoOuterWalls)]
+    NoOuterWalls,
+}
+
+impl DimensionProblem {
+    fn of(e: &toml::de::Error) -> Self {
+        Self::Toml(e.message().replace('\n', "; "))
+    }
 }
 
 /// Reads a file of true dimensions: `[[dimension]]` with `name`, `kind` ("outside", "bore",
@@ -88,24 +110,22 @@ pub struct DimensionError {
 /// # Errors
 /// [`DimensionError`] that names the file and the dimension.
 pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, DimensionError> {
-    let error = |problem: String| DimensionError { file: name.to_owned(), problem };
-    let table: Table = text.parse().map_err(|e: toml::de::Error| error(e.message().replace('\n', "; ")))?;
-    let rows = table
-        .get("dimension")
-        .and_then(Value::as_array)
-        .ok_or_else(|| error("no [[dimension]] in it".into()))?;
+    let error = |problem| DimensionError { file: name.to_owned(), problem };
+    let table: Table = text.parse().map_err(|e| error(DimensionProblem::of(&e)))?;
+    let rows =
+        table.get("dimension").and_then(Value::as_array).ok_or_else(|| error(DimensionProblem::Empty))?;
     rows.iter()
         .enumerate()
         .map(|(i, row)| {
             let label = row.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
-            let wrong = |key: &str, what: &str| {
-                error(format!("dimension {} {label:?}: {key} should be {what}", i + 1))
-            };
+            let wrong =
+                |key, right| error(DimensionProblem::Key { number: i + 1, name: label.clone(), key, right });
             let real = |v: &Value| {
                 v.as_float().or_else(|| v.as_integer().map(|n| n as f64)).filter(|v| v.is_finite())
             };
-            let number = |key: &str| row.get(key).and_then(real).ok_or_else(|| wrong(key, "a number"));
-            let point = |key: &str| {
+            let number =
+                |key: &'static str| row.get(key).and_then(real).ok_or_else(|| wrong(key, "a number"));
+            let point = |key: &'static str| {
                 let list = row
                     .get(key)
                     .and_then(Value::as_array)
@@ -143,17 +163,15 @@ pub fn parse(text: &str, name: &str) -> Result<Vec<Dimension>, DimensionError> {
 /// # Errors
 /// [`DimensionError`] where the file does not state `middle_mm`, or the program has no outer walls.
 pub fn shift_of(text: &str, name: &str, program: &Program) -> Result<DVec2, DimensionError> {
-    let error = |problem: &str| DimensionError { file: name.to_owned(), problem: problem.to_owned() };
-    let table: Table = text.parse().map_err(|e: toml::de::Error| error(&e.message().replace('\n', "; ")))?;
+    let error = |problem| DimensionError { file: name.to_owned(), problem };
+    let table: Table = text.parse().map_err(|e| error(DimensionProblem::of(&e)))?;
     let list = table.get("middle_mm").and_then(Value::as_array).cloned().unwrap_or_default();
     let middle: Vec<f64> = list.iter().filter_map(Value::as_float).collect();
     let &[x, y] = middle.as_slice() else {
-        return Err(error(
-            "middle_mm should be [x, y], the middle of the part's box, as numbers with a point",
-        ));
+        return Err(error(DimensionProblem::NoMiddle));
     };
     let ends = program.layers.iter().flat_map(|l| outer(l).flat_map(|b| [b.start(), b.end()]));
-    let bounds = grainpath_core::Bounds2::of(ends).ok_or_else(|| error("the program has no outer walls"))?;
+    let bounds = grainpath_core::Bounds2::of(ends).ok_or_else(|| error(DimensionProblem::NoOuterWalls))?;
     Ok(bounds.centre() - DVec2::new(x, y))
 }
 

@@ -23,6 +23,7 @@ use crate::guide::field::FieldSettings;
 use crate::guide::grain::GrainSettings;
 use crate::guide::grain::{Corners, Mode};
 use crate::guide::{StressSettings, TypedLoads};
+use crate::measure::strength::StrengthSettings;
 use crate::order::{CombSettings, OrderSettings};
 use crate::run::place::PlaceSettings;
 use crate::run::steps::{ExtrudedMass, InfillSettings, StepSettings};
@@ -385,6 +386,21 @@ pub fn stress(s: &Settings) -> Option<StressSettings> {
         tangent: g.tangent,
         cell_mm: s.process.bead_width_mm,
     })
+}
+
+/// The virtual strength test.
+pub fn strength(s: &Settings) -> StrengthSettings {
+    StrengthSettings {
+        fidelity: s.strength.fidelity,
+        cell_mm: s.strength.cell_mm,
+        check: s.strength.check,
+        corners: s.strength.corners,
+        max_mib: s.guide.memory_mib as f64,
+        bead_mm: s.process.bead_width_mm,
+        filament_mm: s.printer.filament_mm,
+        material: s.material.clone(),
+        fibre: s.fibre.enabled.then(|| s.fibre_material.clone()),
+    }
 }
 
 /// Fixtures and loads as typed.

@@ -60,8 +60,8 @@ pub enum ShapeError {
     Defects { defects: String },
     #[error("{n} layers of {height_mm} mm; at most {limit} are made")]
     TooManyLayers { n: usize, height_mm: f64, limit: usize },
-    #[error("{problem}")]
-    Surface { problem: String },
+    #[error("a surface of more than {limit} triangles; a larger output.surface_cell_mm makes fewer")]
+    SurfaceTooLarge { limit: usize },
     #[error("the outline cannot be made a body: {0}")]
     Outline(#[from] TriangulationError),
     #[error("no layer of the part has any area")]

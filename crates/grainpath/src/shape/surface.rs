@@ -137,10 +137,7 @@ impl Loft {
             }
         }
         if self.mesh.triangles.len() > MAX_TRIANGLES {
-            let problem = format!(
-                "a surface of more than {MAX_TRIANGLES} triangles; a larger output.surface_cell_mm makes fewer"
-            );
-            return Err(ShapeError::Surface { problem });
+            return Err(ShapeError::SurfaceTooLarge { limit: MAX_TRIANGLES });
         }
         Ok(())
     }

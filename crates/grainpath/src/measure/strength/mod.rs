@@ -29,8 +29,8 @@ use crate::error_kind::ErrorKind;
 use crate::guide::GuideError;
 use brick_setup::PreparedSolid;
 use frame::Frame;
-use grainpath_job::choices::Choice;
-use grainpath_job::{MaterialSection, Settings};
+use grainpath_job::MaterialSection;
+use grainpath_job::choices::{self, Choice};
 pub use printed::PrintedPart;
 pub use setup::TestSetup;
 use setup::{Fidelity, Prepared};
@@ -134,13 +134,47 @@ pub const CORNERS: [Corner; 5] = [
     Corner { name: "weak along, strong across", along: 0, rest: 2 },
 ];
 
-/// The materials at a corner of their cards: that of the part, and its fibre where it has any.
-///
-/// # Errors
-/// [`StrengthError::NoCard`] naming every strength that is missing.
-pub fn cards(settings: &Settings, corner: Corner) -> Result<Vec<StrengthCard>, StrengthError> {
-    let fibre = settings.fibre.enabled.then_some(&settings.fibre_material);
-    std::iter::once(&settings.material).chain(fibre).map(|m| card(m, corner)).collect()
+/// What a test takes from the job besides its part, fixtures and loads. Made by
+/// [`crate::run::config::strength`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct StrengthSettings {
+    /// Plate, solid, or as the part allows.
+    pub fidelity: choices::Fidelity,
+    /// Size of the cells, mm; chosen by the part and its beads where not given.
+    pub cell_mm: Option<f64>,
+    /// Whether the peak is compared with that on larger cells.
+    pub check: bool,
+    /// Whether every corner of the material's card is tested.
+    pub corners: bool,
+    /// Memory that the solver may take, MiB.
+    pub max_mib: f64,
+    /// Width of a usual bead, mm.
+    pub bead_mm: f64,
+    /// Diameter of the filament, mm.
+    pub filament_mm: f64,
+    /// The card of the part's material.
+    pub material: MaterialSection,
+    /// The card of the fibre, where the job lays any.
+    pub fibre: Option<MaterialSection>,
+}
+
+impl StrengthSettings {
+    /// The materials at a corner of their cards: that of the part, and its fibre where it has any.
+    ///
+    /// # Errors
+    /// [`StrengthError::NoCard`] naming every strength that is missing.
+    pub fn cards(&self, corner: Corner) -> Result<Vec<StrengthCard>, StrengthError> {
+        std::iter::once(&self.material).chain(&self.fibre).map(|m| card(m, corner)).collect()
+    }
+
+    /// Where the strengths come from.
+    fn source(&self) -> String {
+        let matrix = &self.material.strength_source;
+        match &self.fibre {
+            Some(fibre) => format!("fibre: {}; matrix: {matrix}", fibre.strength_source),
+            None => matrix.clone(),
+        }
+    }
 }
 
 fn card(m: &MaterialSection, corner: Corner) -> Result<StrengthCard, StrengthError> {
@@ -503,7 +537,7 @@ const CONVERGED: f64 = 0.03;
 /// [`StrengthError`] for cards without strengths, programs of another part, loads that meet no
 /// material, and parts that are not held.
 pub fn test(
-    settings: &Settings,
+    settings: &StrengthSettings,
     setup: &TestSetup,
     program: &Program,
     plate_from_part: Option<DVec2>,
@@ -517,7 +551,7 @@ pub fn test(
 /// # Errors
 /// As [`test()`].
 pub fn test_noting(
-    settings: &Settings,
+    settings: &StrengthSettings,
     setup: &TestSetup,
     program: &Program,
     plate_from_part: Option<DVec2>,
@@ -553,7 +587,7 @@ pub fn test_noting(
 
 /// Tests one load case.
 fn test_case(
-    settings: &Settings,
+    settings: &StrengthSettings,
     setup: &TestSetup,
     program: &Program,
     plate_from_part: Option<DVec2>,
@@ -562,7 +596,7 @@ fn test_case(
 ) -> Result<Tested, StrengthError> {
     let start = Instant::now();
     // Checked first: a missing strength must not be found after minutes of work.
-    let nominal = cards(settings, CORNERS[0])?;
+    let nominal = settings.cards(CORNERS[0])?;
     diagnostics.begin(grainpath_core::diagnostics::Stage::Strength, 0);
     let (sheets, program_from_part_mm) = setup.sheets(program, plate_from_part)?;
     let frame = Frame::new(&sheets);
@@ -570,17 +604,15 @@ fn test_case(
     let laid_mm3: f64 = sheets.iter().flat_map(|s| &s.beads).map(|b| b.volume_mm3).sum();
     // E words in mm3, read as mm of 1.75 mm filament, give 2.4 times the volume.
     if laid_mm3 > MOST_LAID * setup.volume_mm3 {
-        let (part_mm3, filament_mm) = (setup.volume_mm3, settings.printer.filament_mm);
+        let (part_mm3, filament_mm) = (setup.volume_mm3, settings.filament_mm);
         return Err(StrengthError::TooMuch { laid_mm3, part_mm3, filament_mm });
     }
-    let bead = settings.process.bead_width_mm;
-    let limits = &Limits { max_mib: settings.guide.memory_mib as f64, cancel: diagnostics.cancel_flag() };
-    let s = &settings.strength;
-    let chosen = ChosenCells::new(setup, &sheets, bead, s.cell_mm, &nominal, limits)?;
+    let limits = &Limits { max_mib: settings.max_mib, cancel: diagnostics.cancel_flag() };
+    let chosen = ChosenCells::new(setup, &sheets, settings.bead_mm, settings.cell_mm, &nominal, limits)?;
     let cell_mm = chosen.cell_mm;
     let prepared = chosen.body;
-    let corners = if s.corners { &CORNERS[..] } else { &CORNERS[..1] };
-    let coarse_mm = if s.check || s.corners { chosen.coarse * cell_mm } else { 0.0 };
+    let corners = if settings.corners { &CORNERS[..] } else { &CORNERS[..1] };
+    let coarse_mm = if settings.check || settings.corners { chosen.coarse * cell_mm } else { 0.0 };
     let first = |peak_n: f64| {
         let case = &setup.case().name;
         note(&format!(
@@ -602,7 +634,8 @@ fn test_case(
         corners.iter().enumerate().map(|(k, c)| (c.name, digits(outcome.peak_load_n * ratio(k)))).collect();
     let placing_change = moved_n.zip(others.first()).map_or(0.0, |(moved, here)| (moved / here - 1.0).abs());
     // Relative to the fine cells, whose peak is the one reported.
-    let mesh_change = others.first().filter(|_| s.check).map(|o| (o / outcome.peak_load_n - 1.0).abs());
+    let mesh_change =
+        others.first().filter(|_| settings.check).map(|o| (o / outcome.peak_load_n - 1.0).abs());
     warn(&outcome, &prepared, mesh_change, cell_mm, diagnostics);
     if chosen.bending.share > RESOLVED {
         diagnostics.warn(WarningId::StrengthThinWalls, thin_walls(&chosen.bending, cell_mm));
@@ -644,14 +677,7 @@ fn test_case(
         dofs: outcome.dofs,
         solutions: outcome.solutions,
         seconds: digits(start.elapsed().as_secs_f64()),
-        card_source: if settings.fibre.enabled {
-            format!(
-                "fibre: {}; matrix: {}",
-                settings.fibre_material.strength_source, settings.material.strength_source
-            )
-        } else {
-            settings.material.strength_source.clone()
-        },
+        card_source: settings.source(),
         card_tier: settings.material.strength_tier.name(),
         curve: outcome.curve.iter().map(|p| [p.displacement_mm, p.load_n].map(digits)).collect(),
     };
@@ -660,10 +686,10 @@ fn test_case(
 }
 
 /// Mass of the part's beads, without skirt, brim and support, g.
-fn part_g(program: &Program, settings: &Settings) -> f64 {
+fn part_g(program: &Program, settings: &StrengthSettings) -> f64 {
     let beads = program.layers.iter().flat_map(|l| &l.beads).filter(|b| b.role.is_part());
-    let density = |b: &Bead| match b.role {
-        Role::Fibre if settings.fibre.enabled => settings.fibre_material.density_g_cm3,
+    let density = |b: &Bead| match (b.role, &settings.fibre) {
+        (Role::Fibre, Some(fibre)) => fibre.density_g_cm3,
         _ => settings.material.density_g_cm3,
     };
     beads.map(|b| f64::from(b.volume_mm3) * 1e-3 * density(b)).sum()
@@ -689,7 +715,7 @@ fn plate_test<'a>(prepared: &'a Prepared, cards: &'a [StrengthCard], limits: &Li
 
 /// Peak loads at the corners of the card, the nominal one first; empty for a cell size of zero.
 fn at_corners(
-    settings: &Settings,
+    settings: &StrengthSettings,
     setup: &TestSetup,
     sheets: &[BeadSheet],
     cell_mm: f64,
@@ -703,14 +729,14 @@ fn at_corners(
     // Geometry and loads do not depend on the strengths, so one body serves all corners.
     let prepared = LoadedPart::of(setup, sheets, PlacedCells::of(cell_mm))?;
     limits.cancel.check().map_err(TestError::from)?;
-    let peak = |corner: &Corner| Ok(prepared.run(&cards(settings, *corner)?, limits)?.peak_load_n);
+    let peak = |corner: &Corner| Ok(prepared.run(&settings.cards(*corner)?, limits)?.peak_load_n);
     let nominal = peak(&corners[0])?;
     first(nominal);
     let (rest, moved_n) = rayon::join(
         || corners[1..].par_iter().map(peak).collect::<Vec<Result<f64, StrengthError>>>(),
         || {
             let moved = LoadedPart::of(setup, sheets, PlacedCells { size_mm: cell_mm, moved: 0.5 })?;
-            Ok::<f64, StrengthError>(moved.run(&cards(settings, corners[0])?, limits)?.peak_load_n)
+            Ok::<f64, StrengthError>(moved.run(&settings.cards(corners[0])?, limits)?.peak_load_n)
         },
     );
     let corners = std::iter::once(Ok(nominal)).chain(rest).collect::<Result<_, _>>()?;

@@ -13,11 +13,10 @@ use grainpath_fea::load_case::{Action, BoundaryConditions, Held, LoadCase};
 use grainpath_fea::strength::elements::{GridHold, PlateElements, connected_cells, free_motion};
 use grainpath_fea::strength::laminate::{BeadPiece, BeadSheet, CellGrid, Laminate};
 use grainpath_gcode::{Bead, BeadLayer, Program};
-use grainpath_job::Settings;
 use grainpath_job::choices;
 
 use super::frame::Frame;
-use super::{CORNERS, PlacedCells, StrengthError, cards};
+use super::{CORNERS, PlacedCells, StrengthError, StrengthSettings};
 use crate::guide::constant_section;
 
 /// Cells filled to a smaller share of their height are left out.
@@ -98,12 +97,12 @@ impl TestSetup {
     /// [`StrengthError`] where a fixture, a load or a strength of the material is missing, or where
     /// a plate test has a load out of the layers' plane.
     pub fn of(
-        settings: &Settings,
+        settings: &StrengthSettings,
         mesh: &TriMesh,
         stack: &LayerStack,
         conditions: BoundaryConditions,
     ) -> Result<Self, StrengthError> {
-        cards(settings, CORNERS[0])?;
+        settings.cards(CORNERS[0])?;
         let heaviest = conditions.heaviest_case().ok_or(StrengthError::Missing("a [[guide.load]]"))?;
         let of_case = |case: usize| Self::of_case(settings, mesh, stack, conditions.clone(), case);
         let others = (0..conditions.cases.len()).filter(|case| *case != heaviest).map(of_case);
@@ -111,7 +110,7 @@ impl TestSetup {
     }
 
     fn of_case(
-        settings: &Settings,
+        settings: &StrengthSettings,
         mesh: &TriMesh,
         stack: &LayerStack,
         conditions: BoundaryConditions,
@@ -123,14 +122,16 @@ impl TestSetup {
         let flat = conditions.cases[case].is_in_plane();
         let layers = stack.layers();
         let same = constant_section(stack);
-        let fidelity = match settings.strength.fidelity {
+        let fidelity = match settings.fidelity {
             choices::Fidelity::Plane if !flat => return Err(StrengthError::NotFlat),
             choices::Fidelity::Plane => Fidelity::Plane,
             // Fibre is modelled in plates alone, so it makes the choice where a plate is possible.
-            choices::Fidelity::Auto if flat && (same.is_some() || settings.fibre.enabled) => Fidelity::Plane,
+            choices::Fidelity::Auto if flat && (same.is_some() || settings.fibre.is_some()) => {
+                Fidelity::Plane
+            }
             choices::Fidelity::Auto | choices::Fidelity::Voxels => Fidelity::Voxels,
         };
-        if fidelity == Fidelity::Voxels && settings.fibre.enabled {
+        if fidelity == Fidelity::Voxels && settings.fibre.is_some() {
             return Err(StrengthError::FibreInSpace);
         }
         let middle = || layers.get(layers.len() / 2).map(|l| l.region());
@@ -175,7 +176,7 @@ impl TestSetup {
             case,
             others: Vec::new(),
             frame: Frame::default(),
-            fibre: settings.fibre.enabled,
+            fibre: settings.fibre.is_some(),
         })
     }
 
