@@ -737,6 +737,11 @@ impl Job<'_> {
                 Layer::new(first + i as f64 * h, if i == 0 { first } else { h }, region)
             })
             .collect();
+        // A part of one layer is printed as thick as the scan shows it: the next number of layers is far from it.
+        let layers = match (layers.as_slice(), scan_height_mm) {
+            ([only], Some(mm)) => Layer::new(mm, mm, only.region().clone()).into_iter().collect(),
+            _ => layers,
+        };
         let [points, bare] = all.lost.points;
         if points > 0 && points == bare {
             return Err(ScanError::NoEdge { threshold, section: self.settings.section });

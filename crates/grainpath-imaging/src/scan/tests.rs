@@ -364,16 +364,18 @@ fn canny_follows_the_paper_to_its_accuracy() {
 /// A stack of one slice: as flat as scans get.
 #[test]
 fn a_height_that_is_no_whole_layers_is_told() {
-    let warned = |slice_mm: f64| {
+    let print = |slice_mm: f64| {
         let disc = |p: [f64; 3]| 8.0 - length([p[0], p[1], 0.0], [10.0, 10.0, 0.0]);
         let mut phantom = Phantom::new(disc, [100, 100, 1], [0.2, 0.2, slice_mm]);
         let diagnostics = Diagnostics::default();
-        slice_scan(&mut phantom, &settings(), &diagnostics).expect("layers");
-        diagnostics.warnings().iter().any(|w| w.id == WarningId::ScanHeightRounded)
+        let made = slice_scan(&mut phantom, &settings(), &diagnostics).expect("layers");
+        let heights: Vec<f64> = made.stack.layers().iter().map(Layer::height_mm).collect();
+        (heights, diagnostics.warnings().iter().any(|w| w.id == WarningId::ScanHeightRounded))
     };
-    assert!(warned(0.3), "0.3 mm become one layer of 0.2 mm");
-    assert!(!warned(0.4), "two layers");
-    assert!(!warned(0.2), "one layer");
+    assert_eq!(print(0.3), (vec![0.3], false), "one layer is as thick as the slice");
+    assert_eq!(print(0.2), (vec![0.2], false));
+    assert_eq!(print(0.4), (vec![0.2; 2], false));
+    assert!(print(0.5).1, "0.5 mm are no whole layers");
 }
 
 #[test]
