@@ -1,4 +1,4 @@
-//! What the requests of a studio share.
+//! The state of a running studio, shared by all requests.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -33,13 +33,13 @@ pub struct Options {
 
 /// All that requests share.
 pub struct Studio {
-    /// Who may ask.
+    /// The token and the hosts that requests must name.
     pub access: Access,
     /// Which files may be read and written.
     pub roots: Arc<Roots>,
     /// The queue.
     pub runs: Runs,
-    /// What does the work of runs.
+    /// The planner and the tests that runs call.
     pub engine: Arc<dyn Engine>,
     /// Largest upload, bytes.
     pub max_upload: u64,

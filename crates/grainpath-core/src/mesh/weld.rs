@@ -14,8 +14,10 @@ pub struct VertexWelder {
     slots: Vec<u32>,
 }
 
+/// Marks a slot without a vertex.
 const EMPTY: u32 = u32::MAX;
 
+/// FNV-1a over the bits of the coordinates, with a multiplier that spreads neighbouring values over the table.
 fn hash(p: DVec3) -> usize {
     let mut h = 0xcbf2_9ce4_8422_2325u64;
     for bits in [p.x.to_bits(), p.y.to_bits(), p.z.to_bits()] {
@@ -35,9 +37,8 @@ impl VertexWelder {
     /// The index of this position, which is new or one given before. `None` after 2^32 - 2
     /// different positions.
     pub fn index(&mut self, p: DVec3) -> Option<u32> {
-        // Adding zero turns -0 into 0, which compare equal but have different bits and would hash
-        // apart.
-        let p = p + DVec3::ZERO; // -0 + 0 = 0
+        // -0 and 0 are equal and have different hashes; adding 0 turns -0 into 0.
+        let p = p + DVec3::ZERO;
         // At most three quarters full: in a table with open addressing longer runs would make every
         // search slow.
         if self.vertices.len() * 4 > self.slots.len() * 3 {

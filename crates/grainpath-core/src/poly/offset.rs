@@ -33,8 +33,7 @@ impl Region {
         if self.is_empty() || delta_mm == 0.0 {
             return self.clone();
         }
-        let to = |p: &DVec2| c2::Point64::new((p.x / GRID_MM).round() as i64, (p.y / GRID_MM).round() as i64);
-        let paths: Vec<Vec<c2::Point64>> = self.contours().map(|c| c.iter().map(to).collect()).collect();
+        let paths: c2::Paths64 = self.contours().map(|c| to_grid(c)).collect();
         let (join, limit) = match join {
             Join::Round => (c2::JoinType::Round, 2.0),
             Join::Miter(limit) => (c2::JoinType::Miter, limit),
@@ -48,23 +47,22 @@ impl Region {
             // The library measures the tolerance in its own coordinates.
             ARC_TOLERANCE_MM / GRID_MM,
         );
-        let from = |p: &c2::Point64| DVec2::new(p.x as f64 * GRID_MM, p.y as f64 * GRID_MM);
-        let contours: Vec<Contour> = grown.iter().map(|c| c.iter().map(from).collect()).collect();
-        // Offsets of neighbouring contours may cross; non-zero winding unites them.
-        Self::from_contours(&contours, FillRule::NonZero).simplified(SIMPLIFY_MM)
+        from_grid(&grown)
     }
 
     /// The area within `r_mm` of a line.
     pub fn around_line(line: &[DVec2], closed: bool, r_mm: f64) -> Self {
-        let to = |p: &DVec2| c2::Point64::new((p.x / GRID_MM).round() as i64, (p.y / GRID_MM).round() as i64);
-        let path: Vec<c2::Point64> = line.iter().map(to).collect();
         let end = if closed { c2::EndType::Joined } else { c2::EndType::Round };
         let tolerance = ARC_TOLERANCE_MM / GRID_MM;
-        let grown =
-            c2::inflate_paths_64(&vec![path], r_mm / GRID_MM, c2::JoinType::Round, end, 2.0, tolerance);
-        let from = |p: &c2::Point64| DVec2::new(p.x as f64 * GRID_MM, p.y as f64 * GRID_MM);
-        let contours: Vec<Contour> = grown.iter().map(|c| c.iter().map(from).collect()).collect();
-        Self::from_contours(&contours, FillRule::NonZero).simplified(SIMPLIFY_MM)
+        let grown = c2::inflate_paths_64(
+            &vec![to_grid(line)],
+            r_mm / GRID_MM,
+            c2::JoinType::Round,
+            end,
+            2.0,
+            tolerance,
+        );
+        from_grid(&grown)
     }
 
     /// The part of the region that a disc of radius `r_mm` inside it can cover: thin places vanish.
@@ -77,6 +75,19 @@ impl Region {
     pub fn closed(&self, r_mm: f64) -> Self {
         self.offset(r_mm, Join::Round).offset(-r_mm, Join::Round)
     }
+}
+
+/// A line in the whole-numbered coordinates of the library.
+fn to_grid(line: &[DVec2]) -> c2::Path64 {
+    let rounded = |mm: f64| (mm / GRID_MM).round() as i64;
+    line.iter().map(|p| c2::Point64::new(rounded(p.x), rounded(p.y))).collect()
+}
+
+/// The region of offset contours. Those of neighbouring contours may cross; non-zero winding unites them.
+fn from_grid(grown: &c2::Paths64) -> Region {
+    let mm = |p: &c2::Point64| DVec2::new(p.x as f64 * GRID_MM, p.y as f64 * GRID_MM);
+    let contours: Vec<Contour> = grown.iter().map(|c| c.iter().map(mm).collect()).collect();
+    Region::from_contours(&contours, FillRule::NonZero).simplified(SIMPLIFY_MM)
 }
 
 #[cfg(test)]

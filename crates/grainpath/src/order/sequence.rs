@@ -94,7 +94,8 @@ impl Tour<'_> {
         }
     }
 
-    fn looks(&self, stop: usize) -> bool {
+    /// Whether something changed beside a stop since it was last searched.
+    fn is_marked(&self, stop: usize) -> bool {
         self.order.get(stop).is_some_and(|o| self.look[o.0])
     }
 
@@ -117,7 +118,7 @@ impl Tour<'_> {
         let n = self.order.len();
         let mut improved = false;
         for k in 0..=n {
-            if !(self.looks(k) || k > 0 && self.looks(k - 1)) {
+            if !(self.is_marked(k) || k > 0 && self.is_marked(k - 1)) {
                 continue;
             }
             let way = way_mm(self.before(k), self.after(k));
@@ -234,6 +235,7 @@ impl Tour<'_> {
     }
 }
 
+/// Length of a travel, mm; 0 where its end is unknown.
 fn way_mm(from: DVec2, to: Option<DVec2>) -> f64 {
     to.map_or(0.0, |to| from.distance(to))
 }

@@ -41,9 +41,10 @@ pub struct Layers {
     pub layers: Vec<SupportLayer>,
     /// Pieces that stood on nothing once cut to fit, and were taken away.
     pub dropped: usize,
-    /// Beads that lie on air, for the baselines pieces of layers: 0, counted afresh on what is left.
+    /// Number of support beads with nothing below them, counted again after the cuts; for supports without beads of
+    /// their own the number of such pieces of layers. Expected is 0.
     pub floating: usize,
-    /// The length of them that does, mm.
+    /// Length of those beads that lies on air, mm.
     pub floating_mm: f64,
     /// Length of the beads that were left out because nothing could be laid below them, mm.
     pub left_out_mm: f64,
@@ -51,22 +52,22 @@ pub struct Layers {
     pub lost: Vec<u32>,
 }
 
-/// How a disc keeps clear of the part.
+/// What is cut off a disc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Manner {
-    /// It lies so far from the part that nothing has to be cut.
-    Free,
-    /// It is cut at the gap around the part.
-    Kept,
-    /// It belongs to a contact or a post and is cut only where the part is.
-    Touching,
+enum Cut {
+    /// Nothing: the part is far away.
+    Nothing,
+    /// Everything within the gap around the part.
+    AtGap,
+    /// Only what lies in the part: the disc belongs to a contact or a post.
+    AtPart,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Disc {
     at: DVec2,
     radius_mm: f64,
-    manner: Manner,
+    cut: Cut,
     interface: bool,
 }
 
@@ -180,15 +181,15 @@ fn discs(
                 let flare = settings.interface_radius_mm - (heights.tops[below] - z).max(0.0) * slope;
                 radius_mm = radius_mm.max(flare);
             }
-            let manner = if tip.is_some() || upper.post {
-                Manner::Touching
+            let cut = if tip.is_some() || upper.post {
+                Cut::AtPart
             } else {
                 let free_mm = clearance.distance_mm(at.with_z(z)) - settings.xy_gap_mm;
                 // Thinner where the part is near, before anything is cut off.
                 radius_mm = radius_mm.min(free_mm.max(settings.branch_radius_mm));
-                if free_mm > radius_mm + 0.8 { Manner::Free } else { Manner::Kept }
+                if free_mm > radius_mm + 0.8 { Cut::Nothing } else { Cut::AtGap }
             };
-            out[k].push(Disc { at: at.truncate(), radius_mm, manner, interface });
+            out[k].push(Disc { at: at.truncate(), radius_mm, cut, interface });
         }
     }
     for b in &forest.braces {
@@ -199,8 +200,7 @@ fn discs(
         for k in first..end {
             let z = heights.middles[k];
             let at = b.low.lerp(b.high, (z - b.low.z) / (b.high.z - b.low.z));
-            let disc =
-                Disc { at: at.truncate(), radius_mm: b.radius_mm, manner: Manner::Kept, interface: false };
+            let disc = Disc { at: at.truncate(), radius_mm: b.radius_mm, cut: Cut::AtGap, interface: false };
             out[k].push(disc);
         }
     }
@@ -225,27 +225,29 @@ fn layer(
     heights: &Heights,
     settings: &SupportSettings,
 ) -> SupportLayer {
-    let of = |m: Manner| discs.iter().copied().filter(move |d| d.manner == m);
+    let discs_cut = |cut: Cut| discs.iter().copied().filter(move |d| d.cut == cut);
     let part = stack.layers()[k].region();
-    let near = |m: Manner, gap: f64| {
-        let windows: Vec<Contour> = of(m).map(|d| window(d.at, d.radius_mm + 2.0 * gap + 0.1)).collect();
+    // Squares around the discs: what the part has elsewhere need not be clipped.
+    let windows = |cut: Cut, gap_mm: f64| {
+        let squares = discs_cut(cut).map(|d| square(d.at, d.radius_mm + 2.0 * gap_mm + 0.1));
+        let windows: Vec<Contour> = squares.collect();
         Region::from_contours(&windows, FillRule::NonZero)
     };
-    let mut region = union_of(of(Manner::Free));
-    if of(Manner::Kept).next().is_some() {
-        let local = part.intersection(&near(Manner::Kept, settings.xy_gap_mm));
-        let kept = union_of(of(Manner::Kept)).difference(&local.offset(settings.xy_gap_mm, Join::Round));
+    let mut region = union_of(discs_cut(Cut::Nothing));
+    if discs_cut(Cut::AtGap).next().is_some() {
+        let local = part.intersection(&windows(Cut::AtGap, settings.xy_gap_mm));
+        let kept = union_of(discs_cut(Cut::AtGap)).difference(&local.offset(settings.xy_gap_mm, Join::Round));
         region = region.union(&kept);
     }
     let mut interface = Region::default();
-    if of(Manner::Touching).next().is_some() {
-        let window = near(Manner::Touching, TOUCH_MM.value());
+    if discs_cut(Cut::AtPart).next().is_some() {
+        let window = windows(Cut::AtPart, TOUCH_MM.value());
         let mut local = part.intersection(&window).offset(TOUCH_MM.value(), Join::Miter(2.0));
-        // What the part lays over this layer within the gap stays free as well, and so does what it rests on.
+        // Layers of the part above this one, up to the gap, need their place as well.
         for other in within(heights, k, settings.z_gap_mm) {
             local = local.union(&stack.layers()[other].region().intersection(&window));
         }
-        region = region.union(&union_of(of(Manner::Touching)).difference(&local));
+        region = region.union(&union_of(discs_cut(Cut::AtPart)).difference(&local));
         let pads = union_of(discs.iter().copied().filter(|d| d.interface));
         interface = pads.difference(&local);
     }
@@ -263,7 +265,7 @@ pub(super) fn within(heights: &Heights, k: usize, gap_mm: f64) -> impl Iterator<
     (k + 1..heights.tops.len()).take_while(move |&j| heights.bottom(j) < top + gap_mm - 1e-6)
 }
 
-fn window(at: DVec2, half_mm: f64) -> Contour {
+fn square(at: DVec2, half_mm: f64) -> Contour {
     let h = half_mm;
     vec![at + DVec2::new(-h, -h), at + DVec2::new(h, -h), at + DVec2::new(h, h), at + DVec2::new(-h, h)]
 }

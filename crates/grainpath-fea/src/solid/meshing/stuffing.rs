@@ -23,7 +23,8 @@ pub(super) fn warp_limit(short: bool) -> f64 {
     if short { WARP_SHORT } else { WARP_LONG }
 }
 
-/// Mean ratio that the moves of points must leave to a tetrahedron of the lattice.
+/// Least mean ratio (`tet_shape`: 1 for a regular tetrahedron, 0 for a flat one) after points have moved; of a worse
+/// tetrahedron the corner that moved farthest goes back.
 const LEAST_RATIO: f64 = 0.1;
 
 /// Tetrahedra with flat sides.
@@ -65,12 +66,12 @@ fn number(corners: &[[Corner; 4]], warp: &Warped<'_>) -> Tets {
     let vertices: Vec<DVec3> = used.iter().map(|&c| warp.place(c)).collect();
     let size_mm = used.iter().map(|&c| warp.size_mm(c)).collect();
     let id = |c: Corner| used.binary_search(&c).expect("every corner is in the list") as u32;
-    let tets = corners.par_iter().map(|t| upright(t.map(id), &vertices)).collect();
+    let tets = corners.par_iter().map(|t| oriented(t.map(id), &vertices)).collect();
     Tets { vertices, size_mm, tets }
 }
 
 /// The same tetrahedron with positive volume.
-fn upright(t: [u32; 4], vertices: &[DVec3]) -> [u32; 4] {
+fn oriented(t: [u32; 4], vertices: &[DVec3]) -> [u32; 4] {
     let [a, b, c, d] = t.map(|i| vertices[i as usize]);
     if (b - a).cross(c - a).dot(d - a) < 0.0 { [t[0], t[2], t[1], t[3]] } else { t }
 }
