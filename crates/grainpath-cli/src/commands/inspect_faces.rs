@@ -114,7 +114,7 @@ fn line(row: &Value) -> String {
         (centre, "at"),
     ] {
         if !row[key].is_null() {
-            let _ = write!(measures, ", {shown} {}", row[key]);
+            let _ = write!(measures, ", {shown} {}", measure(&row[key]));
         }
     }
     let hollow = if row["hollow"] == json!(true) { " (hollow)" } else { "" };
@@ -124,9 +124,18 @@ fn line(row: &Value) -> String {
         "{:>4}  {:<9}{hollow} {} mm2{measures}\n      {}{doubtful}\n",
         row["number"],
         word("kind"),
-        row["area_mm2"],
+        measure(&row["area_mm2"]),
         word("line")
     )
+}
+
+/// A number, or the three of a vector in parentheses, for people: to a micrometre.
+fn measure(value: &Value) -> String {
+    let number = |v: &Value| format!("{}", (v.as_f64().unwrap_or_default() * 1e3).round() / 1e3 + 0.0);
+    match value.as_array() {
+        Some(vector) => format!("({})", vector.iter().map(number).collect::<Vec<_>>().join(", ")),
+        None => number(value),
+    }
 }
 
 /// To a tenth of a micrometre: more digits would be those of rounding.
