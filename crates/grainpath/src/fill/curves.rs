@@ -138,21 +138,14 @@ impl Layout<'_> {
             for piece in self.clipper.clip(curve) {
                 let points = resampled(&piece.points, false, self.step_mm);
                 let mut run: Vec<DVec2> = Vec::new();
-                // Two thresholds, as in Canny's hysteresis: a run starts only where the curve is
-                // clear of all others (2), but goes on through places that are a little too close
-                // (1). One threshold would chop a curve at every wobble of its neighbour.
-                let reach = |p: DVec2| {
-                    let closest = self.closest_at(p);
-                    if self.open(p, 0.95 * closest, |_, _| true) {
-                        2
-                    } else {
-                        u8::from(self.open(p, GO_ON * closest, |_, _| true))
-                    }
-                };
-                let free: Vec<u8> = points.iter().map(|&p| reach(p)).collect();
-                for (&p, free) in points.iter().zip(free) {
-                    let goes_on = free == 2 || (free == 1 && !run.is_empty());
-                    if goes_on && !self.meets_itself(&run, p) {
+                for &p in &points {
+                    // Two thresholds, as in Canny's hysteresis: a run starts only where the curve is
+                    // clear of all others, but goes on through places that are a little too close.
+                    // One threshold would chop a curve at every wobble of its neighbour. Runs kept
+                    // before count too, so that a curve which returns to itself does not cross itself.
+                    let share = if run.is_empty() { 0.95 } else { GO_ON };
+                    let is_free = self.open(p, share * self.closest_at(p), |_, _| true);
+                    if is_free && !self.meets_itself(&run, p) {
                         run.push(p);
                     } else {
                         self.keep(std::mem::take(&mut run), least_mm);
