@@ -595,6 +595,35 @@ mod tests {
         }
     }
 
+    /// An eight and a loop with long ends: both cross themselves.
+    #[test]
+    fn a_curve_that_crosses_itself_is_laid_without_a_crossing() {
+        use grainpath_core::segment::{Meeting, meeting};
+        let eight = (0..400).map(|i| {
+            let t = f64::from(i) * PI / 200.0;
+            DVec2::new(10.0 + 8.0 * t.sin(), 10.0 + 6.0 * (2.0 * t).sin())
+        });
+        let turn = |t: f64| DVec2::new(30.0 + 5.0 * t.sin() + 1.5 * (t - PI), 10.0 - 5.0 * t.cos());
+        let looped = (0..600).map(|i| turn(f64::from(i) * PI / 150.0 - PI));
+        let curves = [eight.collect::<Vec<_>>(), looped.collect()];
+        let outer = Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 20.0)).polygons[0].outer.clone();
+        let square = Polygon { outer, holes: Vec::new() };
+        for density in [1.0, 0.4, 0.3] {
+            let mut paths = Vec::new();
+            let flow = Flow { axis: &|_| DVec2::X, sparseness: None };
+            lay_curves(&context(Density::new(density)), &square, &curves, &flow, &mut paths);
+            let segments: Vec<[DVec2; 2]> = (paths.iter())
+                .flat_map(|p| (0..p.n_segments()).map(|k| [p.segment(k).0, p.segment(k).1]))
+                .collect();
+            assert!(segments.len() > 100);
+            for (n, &a) in segments.iter().enumerate() {
+                for &b in &segments[n + 1..] {
+                    assert_ne!(meeting(a, b), Meeting::Cross, "density {density}: {a:?} {b:?}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn points_are_dropped_only_where_the_line_is_straight() {
         let line: Vec<DVec2> =
