@@ -503,7 +503,7 @@ mod tests {
             ),
             (
                 "[[guide.load]]\non = { facets = [1], sphere = 2 }\nforce_n = [1, 0, 0]\n".into(),
-                "job.toml:2: guide.load[1].on should have exactly one of box_mm, plane, cylinder, sphere, facets",
+                "job.toml:2: guide.load[1].on should have exactly one of face, box_mm, turned_box, plane, cylinder, sphere, facets",
             ),
         ] {
             let found = parse(&text, &[]).expect_err(&text);

@@ -40,7 +40,7 @@ pub enum ScanError {
     )]
     Noise { section: &'static str },
     #[error("every voxel has the grey value {grey}: nothing to tell from air")]
-    Blank { grey: f64 },
+    Blank { grey: f32 },
     #[error("the scan ends early")]
     EndsEarly,
     #[error("a threshold of {threshold} leaves nothing; {greys}")]
@@ -88,7 +88,7 @@ impl fmt::Display for GreyRange {
 
 /// The lowest and the highest grey value of a scan.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GreyValues(pub f64, pub f64);
+pub struct GreyValues(pub f32, pub f32);
 
 impl fmt::Display for GreyValues {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -11,12 +11,12 @@ use super::model::{BlendedDirection, DirectionSummary};
 /// use grainpath_core::{DMat3, DVec3};
 /// use grainpath_io::directions::{DirectionOptions, parse_directions};
 ///
-/// // 170 and 10 degrees are 20 degrees apart: halfway lies 0, not 90. let table =
-/// "x_mm,y_mm,angle_deg\n0,0,170\n10,0,10\n0,10,170\n10,10,10\n"; let samples =
-/// parse_directions(&[("theta.csv", table.as_bytes())], &DirectionOptions::default())?; let
-/// (axis_rad, strength) = samples.sample(DVec3::new(5.0, 5.0, 0.0)).in_plane(&DMat3::IDENTITY);
-/// assert!(axis_rad.sin().abs() < 1e-9 && strength > 0.9); assert_eq!(samples.summary().samples,
-/// 4);
+/// // 170 and 10 degrees are 20 degrees apart: halfway lies 0, not 90.
+/// let table = "x_mm,y_mm,angle_deg\n0,0,170\n10,0,10\n0,10,170\n10,10,10\n";
+/// let samples = parse_directions(&[("theta.csv", table.as_bytes())], &DirectionOptions::default())?;
+/// let (axis_rad, strength) = samples.sample(DVec3::new(5.0, 5.0, 0.0)).in_plane(&DMat3::IDENTITY);
+/// assert!(axis_rad.sin().abs() < 1e-9 && strength > 0.9);
+/// assert_eq!(samples.summary().samples, 4);
 /// # Ok::<(), grainpath_io::directions::DirectionError>(())
 /// ```
 #[derive(Debug, Clone)]

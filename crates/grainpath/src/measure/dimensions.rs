@@ -94,7 +94,7 @@ pub enum DimensionProblem {
     Key { number: usize, name: String, key: &'static str, right: &'static str },
     #[error("middle_mm should be [x, y], the middle of the part's box, as numbers with a point")]
     NoMiddle,
-    #[error(DimensionProblem::NoOuterWalls)]
+    #[error("the program has no outer walls")]
     NoOuterWalls,
 }
 
