@@ -601,9 +601,9 @@ mod tests {
         use grainpath_core::segment::{Meeting, meeting};
         let eight = (0..400).map(|i| {
             let t = f64::from(i) * PI / 200.0;
-            DVec2::new(10.0 + 8.0 * t.sin(), 10.0 + 6.0 * (2.0 * t).sin())
+            DVec2::new(10.0 + 8.0 * direction(t).y, 10.0 + 6.0 * direction(2.0 * t).y)
         });
-        let turn = |t: f64| DVec2::new(30.0 + 5.0 * t.sin() + 1.5 * (t - PI), 10.0 - 5.0 * t.cos());
+        let turn = |t: f64| DVec2::new(30.0 + 1.5 * (t - PI), 10.0) + 5.0 * direction(t - 0.5 * PI);
         let looped = (0..600).map(|i| turn(f64::from(i) * PI / 150.0 - PI));
         let curves = [eight.collect::<Vec<_>>(), looped.collect()];
         let outer = Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 20.0)).polygons[0].outer.clone();
