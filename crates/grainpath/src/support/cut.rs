@@ -54,7 +54,7 @@ pub struct Layers {
 
 /// What is cut off a disc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Cut {
+enum Trim {
     /// Nothing: the part is far away.
     Nothing,
     /// Everything within the gap around the part.
@@ -67,7 +67,7 @@ enum Cut {
 struct Disc {
     at: DVec2,
     radius_mm: f64,
-    cut: Cut,
+    trim: Trim,
     interface: bool,
 }
 
@@ -181,15 +181,15 @@ fn discs(
                 let flare = settings.interface_radius_mm - (heights.tops[below] - z).max(0.0) * slope;
                 radius_mm = radius_mm.max(flare);
             }
-            let cut = if tip.is_some() || upper.post {
-                Cut::AtPart
+            let trim = if tip.is_some() || upper.post {
+                Trim::AtPart
             } else {
                 let free_mm = clearance.distance_mm(at.with_z(z)) - settings.xy_gap_mm;
                 // Thinner where the part is near, before anything is cut off.
                 radius_mm = radius_mm.min(free_mm.max(settings.branch_radius_mm));
-                if free_mm > radius_mm + 0.8 { Cut::Nothing } else { Cut::AtGap }
+                if free_mm > radius_mm + 0.8 { Trim::Nothing } else { Trim::AtGap }
             };
-            out[k].push(Disc { at: at.truncate(), radius_mm, cut, interface });
+            out[k].push(Disc { at: at.truncate(), radius_mm, trim, interface });
         }
     }
     for b in &forest.braces {
@@ -200,7 +200,8 @@ fn discs(
         for k in first..end {
             let z = heights.middles[k];
             let at = b.low.lerp(b.high, (z - b.low.z) / (b.high.z - b.low.z));
-            let disc = Disc { at: at.truncate(), radius_mm: b.radius_mm, cut: Cut::AtGap, interface: false };
+            let disc =
+                Disc { at: at.truncate(), radius_mm: b.radius_mm, trim: Trim::AtGap, interface: false };
             out[k].push(disc);
         }
     }
@@ -225,29 +226,30 @@ fn layer(
     heights: &Heights,
     settings: &SupportSettings,
 ) -> SupportLayer {
-    let discs_cut = |cut: Cut| discs.iter().copied().filter(move |d| d.cut == cut);
+    let discs_cut = |trim: Trim| discs.iter().copied().filter(move |d| d.trim == trim);
     let part = stack.layers()[k].region();
     // Squares around the discs: what the part has elsewhere need not be clipped.
-    let windows = |cut: Cut, gap_mm: f64| {
-        let squares = discs_cut(cut).map(|d| square(d.at, d.radius_mm + 2.0 * gap_mm + 0.1));
+    let windows = |trim: Trim, gap_mm: f64| {
+        let squares = discs_with(trim).map(|d| square(d.at, d.radius_mm + 2.0 * gap_mm + 0.1));
         let windows: Vec<Contour> = squares.collect();
         Region::from_contours(&windows, FillRule::NonZero)
     };
-    let mut region = union_of(discs_cut(Cut::Nothing));
-    if discs_cut(Cut::AtGap).next().is_some() {
-        let local = part.intersection(&windows(Cut::AtGap, settings.xy_gap_mm));
-        let kept = union_of(discs_cut(Cut::AtGap)).difference(&local.offset(settings.xy_gap_mm, Join::Round));
+    let mut region = union_of(discs_with(Trim::Nothing));
+    if discs_with(Trim::AtGap).next().is_some() {
+        let local = part.intersection(&windows(Trim::AtGap, settings.xy_gap_mm));
+        let kept =
+            union_of(discs_with(Trim::AtGap)).difference(&local.offset(settings.xy_gap_mm, Join::Round));
         region = region.union(&kept);
     }
     let mut interface = Region::default();
-    if discs_cut(Cut::AtPart).next().is_some() {
-        let window = windows(Cut::AtPart, TOUCH_MM.value());
+    if discs_with(Trim::AtPart).next().is_some() {
+        let window = windows(Trim::AtPart, TOUCH_MM.value());
         let mut local = part.intersection(&window).offset(TOUCH_MM.value(), Join::Miter(2.0));
         // Layers of the part above this one, up to the gap, need their place as well.
         for other in within(heights, k, settings.z_gap_mm) {
             local = local.union(&stack.layers()[other].region().intersection(&window));
         }
-        region = region.union(&union_of(discs_cut(Cut::AtPart)).difference(&local));
+        region = region.union(&union_of(discs_with(Trim::AtPart)).difference(&local));
         let pads = union_of(discs.iter().copied().filter(|d| d.interface));
         interface = pads.difference(&local);
     }
