@@ -226,7 +226,7 @@ fn layer(
     heights: &Heights,
     settings: &SupportSettings,
 ) -> SupportLayer {
-    let discs_cut = |trim: Trim| discs.iter().copied().filter(move |d| d.trim == trim);
+    let discs_with = |trim: Trim| discs.iter().copied().filter(move |d| d.trim == trim);
     let part = stack.layers()[k].region();
     // Squares around the discs: what the part has elsewhere need not be clipped.
     let windows = |trim: Trim, gap_mm: f64| {
