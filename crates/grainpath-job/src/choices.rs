@@ -247,6 +247,11 @@ choices! {
         SeedLines = "seed-lines", "a seed line along the guide and its offsets, region by region, as published.";
         Continuous = "continuous", "one unbroken path for each island and layer.";
     }
+    /// What happens to beads along a guide where they meet the border (`fill.ends`).
+    enum BeadEnds {
+        Joined = "joined", "ends that lie close together are joined along the border: few paths, with turns that lie off the guide.";
+        Open = "open", "every bead runs up to the border and ends there: all of it lies along the guide, in more paths.";
+    }
     /// Bead widths of the pattern `continuous` (`fill.widths`).
     enum BeadWidths {
         Variable = "variable", "the width follows the distance to the neighbouring beads.";

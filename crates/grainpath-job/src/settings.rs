@@ -11,11 +11,11 @@ use toml::Value;
 use super::loads::{Case, Fixture, Load};
 use super::value::{Check, Pair, Param, SettingValue, ValueError, read};
 use crate::choices::{
-    Analysis, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, ComponentOrder, Contours,
-    CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns, Fidelity, FieldAngleUnit,
-    FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode, GuideKind, Interpolate, LoadFrame,
-    OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit, SupportStyle, SupportSurface, Threshold,
-    WallOrder,
+    Analysis, BeadEnds, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, ComponentOrder,
+    Contours, CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns, Fidelity,
+    FieldAngleUnit, FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode, GuideKind,
+    Interpolate, LoadFrame, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit, SupportStyle,
+    SupportSurface, Threshold, WallOrder,
 };
 use Check::{Any, Range};
 
@@ -321,6 +321,7 @@ sections! {
         angles_deg: Vec<f64> = vec![45.0, -45.0], "deg", Range(-3600.0, 3600.0), "Raster angles, used in turn from layer to layer. `aligned` and patterns that cross within a layer use the first one only.";
         mass_g: Option<f64> = None, "g", Range(0.0, 1e6), "Mass of the part: the density that gives it is found, to within 1 %. It replaces `density`. 0 or \"none\" unsets it.";
         widths: BeadWidths = BeadWidths::Variable, "", Any, "Bead widths of `continuous`.";
+        ends: BeadEnds = BeadEnds::Joined, "", Any, "Ends of the beads of `stripes` and `seed-lines` at the border.";
         cell_aspect: f64 = 2.5, "", Range(1.0, 100.0), "Aspect ratio of the cells of `continuous`: length along the guide over width (two beads).";
         tree: CellTree = CellTree::Directed, "", Any, "How `continuous` joins its cells into one path.";
         overlap: f64 = 0.22, "", Range(0.0, 0.5), "How far infill reaches into the innermost wall, as a fraction of the bead spacing.";

@@ -9,9 +9,9 @@ use serde_json::json;
 use toml::Value;
 
 use crate::choices::{
-    Analysis, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, Choice, ComponentOrder,
-    Contours, CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns, Fidelity,
-    FieldAngleUnit, FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode, GuideKind,
+    Analysis, BeadEnds, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, Choice,
+    ComponentOrder, Contours, CurveJoin, Denoise, Elasticity, FibreStart, FibreToolKind, FibreTurns,
+    Fidelity, FieldAngleUnit, FieldAxes, FieldFrame, FileUnit, Flavour, Flip, Follow, GrainMode, GuideKind,
     Interpolate, LoadFrame, OutlineRule, Pattern, Repair, Seam, StrengthTier, StressUnit, SupportStyle,
     SupportSurface, Threshold, WallOrder, Word,
 };
@@ -268,6 +268,7 @@ macro_rules! choice_values {
 
 choice_values!(
     Analysis,
+    BeadEnds,
     BeadWidths,
     BedOrigin,
     Bend,

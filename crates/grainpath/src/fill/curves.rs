@@ -511,6 +511,7 @@ mod tests {
             part: Bounds2 { min: DVec2::ZERO, max: DVec2::new(40.0, 20.0) },
             role: Role::SparseFill,
             border_mm: 0.11,
+            ends: grainpath_job::choices::BeadEnds::Joined,
             field: None,
         }
     }

@@ -23,7 +23,7 @@ pub use bridge::bridge_angle_rad;
 pub use concentric::Concentric;
 pub use continuous::{Continuous, Note, Problem, TreeKind};
 pub use field::{SeedLines, Streamlines, Stripes};
-use grainpath_job::choices::Pattern;
+use grainpath_job::choices::{BeadEnds, Pattern};
 pub use gyroid::Gyroid;
 pub use honeycomb::Honeycomb;
 pub use rectilinear::{Crossed, Rectilinear, Solid};
@@ -48,6 +48,8 @@ pub struct FillContext<'a> {
     /// Distance from the area for centrelines to the edge of the area to be filled, mm: to the
     /// strips around it.
     pub border_mm: f64,
+    /// Ends of beads along a field where they meet the border.
+    pub ends: BeadEnds,
     /// Direction field for the patterns that follow one.
     pub field: Option<&'a dyn DirectionField>,
 }
@@ -127,6 +129,7 @@ mod tests {
             part,
             role,
             border_mm,
+            ends: BeadEnds::Joined,
             field: Some(&FIELD),
         }
     }

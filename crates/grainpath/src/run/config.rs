@@ -493,6 +493,7 @@ fn infill(s: &Settings) -> InfillSettings {
         chain: s.process.chain,
         matrix_pattern: s.fibre.matrix_pattern,
         matrix_density: s.fibre.matrix_density,
+        ends: f.ends,
         continuous: continuous(s),
     }
 }

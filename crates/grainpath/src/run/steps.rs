@@ -30,7 +30,7 @@ use grainpath_core::{
     BeadWidth, Bounds2, Density, Diagnostics, DirectionField, Layer, LayerPlan, LayerStack, Role, SpeedClass,
     Toolpath, UniformField, Warning,
 };
-use grainpath_job::choices::Pattern;
+use grainpath_job::choices::{BeadEnds, Pattern};
 use rayon::prelude::*;
 
 use crate::fibre::{FibreSettings, Tally};
@@ -106,6 +106,8 @@ pub struct InfillSettings {
     pub matrix_pattern: Pattern,
     /// Density of that infill.
     pub matrix_density: Density,
+    /// Ends of beads along a guide.
+    pub ends: BeadEnds,
     /// Cells and widths of the pattern `continuous`.
     pub continuous: Continuous,
 }
@@ -410,6 +412,7 @@ impl<'a> Steps<'a> {
             part: self.part,
             role,
             border_mm: self.border_mm(layer),
+            ends: self.settings.infill.ends,
             field: Some(match (self.guide, self.grain) {
                 (Some(guide), _) => guide.layer(layer_idx),
                 (None, Some(grain)) => grain,

@@ -135,6 +135,7 @@ fn lay(layer: &SupportLayer, k: usize, stack: &LayerStack, settings: &BeadSettin
         part: Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO },
         role: Role::Support,
         border_mm: 0.0,
+        ends: grainpath_job::choices::BeadEnds::Joined,
         field: None,
     };
     beads::lay(layer, &context, k < settings.dense_layers, &settings)

@@ -37,6 +37,7 @@ fn the_figure_of_strips_and_cells() {
         part: part.bounds().expect("not empty"),
         role: Role::SolidFill,
         border_mm: 0.5 * width_mm,
+        ends: grainpath_job::choices::BeadEnds::Joined,
         field: Some(&Waves),
     };
     let fill = Continuous::DEFAULT;

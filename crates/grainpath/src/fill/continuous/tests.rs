@@ -41,6 +41,7 @@ fn context<'a>(part: &Region, width: f64, field: &'a dyn DirectionField) -> Fill
         part: part.bounds().expect("not empty"),
         role: Role::SolidFill,
         border_mm: 0.5 * width,
+        ends: grainpath_job::choices::BeadEnds::Joined,
         field: Some(field),
     }
 }

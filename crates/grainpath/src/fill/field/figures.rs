@@ -129,6 +129,7 @@ fn the_figure_of_stripes() {
         part: part.bounds().expect("not empty"),
         role: Role::SolidFill,
         border_mm: 0.5 * width_mm,
+        ends: grainpath_job::choices::BeadEnds::Joined,
         field: Some(&flow),
     };
     let room = part.offset(-0.5 * width_mm, Join::Miter(3.0));

@@ -21,7 +21,7 @@ use grainpath_core::poly::{Join, LineClipper, simplify_line};
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 
 use super::axis_of;
-use super::stripes::{WideBead, joined};
+use super::stripes::{WideBead, ended};
 use super::widths::{Line, Neighbours};
 use crate::fill::{FillContext, Infill};
 use grainpath_core::streamlines::{LineSettings, Seeding, TracedLine, evenly_spaced};
@@ -78,7 +78,8 @@ impl Infill for SeedLines {
         let mut others: Vec<Line> = seeds.iter().chain(&offsets).map(line).collect();
         for (rank, lines) in [(0, &seeds), (1, &offsets)] {
             let neighbours = Neighbours::new(&others, &border, 1.5 * context.spacing_mm());
-            let paths = joined(lines.iter().map(bead).collect(), &neighbours, &border, context);
+            let paths =
+                ended(lines.iter().map(bead).collect(), &infill_region, &neighbours, &border, context);
             others.extend(paths.iter().map(|b| Line { points: b.points.clone(), closed: b.closed }));
             out.extend(paths.into_iter().map(|bead| {
                 let path = Toolpath::new(bead.points, context.bead_width_mm, context.role, bead.closed);

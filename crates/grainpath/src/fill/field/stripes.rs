@@ -39,6 +39,8 @@ use super::widths::{Line, Neighbours, smooth};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
 use crate::wall::single_beads;
+use grainpath_core::math::cross;
+use grainpath_job::choices::BeadEnds;
 
 /// The narrowest bead, as a share of the nominal one. Source: `Kuipers2020` measures that a nozzle
 /// of 0.4 mm lays widths within a factor of about 2; 0.6 to 1.6 keeps that factor with a margin
@@ -100,7 +102,7 @@ pub fn dense(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<T
             inside
         })
         .collect();
-    lay(without_crowded(lines, &border, context), &border, context, out);
+    lay(without_crowded(lines, &border, context), &infill_region, &border, context, out);
 }
 
 pub(super) fn phase_input(
@@ -316,7 +318,13 @@ fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<
 
 /// Turns lines into beads as wide as the space they have, joins ends where the way is short, and
 /// puts single beads where a gap is left.
-fn lay(roomed: Roomed, border: &Region, context: &FillContext<'_>, out: &mut Vec<Toolpath>) {
+fn lay(
+    roomed: Roomed,
+    infill_region: &Region,
+    border: &Region,
+    context: &FillContext<'_>,
+    out: &mut Vec<Toolpath>,
+) {
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
     let width = |strip: f64| bead_width_mm(strip, h).clamp(NARROWEST * nominal, WIDEST * nominal);
     let Roomed { lines, neighbours, strips } = roomed;
@@ -327,7 +335,8 @@ fn lay(roomed: Roomed, border: &Region, context: &FillContext<'_>, out: &mut Vec
         beads.push(WideBead { points, widths, closed: line.closed });
     }
     let first = out.len();
-    out.extend(joined(beads, &neighbours, border, context).into_iter().map(|bead| Toolpath {
+    let beads = ended(beads, infill_region, &neighbours, border, context);
+    out.extend(beads.into_iter().map(|bead| Toolpath {
         width: BeadWidth::PerVertex(bead.widths),
         ..Toolpath::new(bead.points, nominal, context.role, bead.closed)
     }));
@@ -423,6 +432,68 @@ impl WideBead {
         self.widths.reverse();
         self
     }
+}
+
+/// Gives beads the ends that the job asks for.
+pub(super) fn ended(
+    mut beads: Vec<WideBead>,
+    infill_region: &Region,
+    neighbours: &Neighbours,
+    border: &Region,
+    context: &FillContext<'_>,
+) -> Vec<WideBead> {
+    match context.ends {
+        BeadEnds::Joined => joined(beads, neighbours, border, context),
+        BeadEnds::Open => {
+            let inside = LineClipper::new(infill_region);
+            let edge = LineClipper::new(border);
+            let contours: Vec<&Contour> = border.contours().collect();
+            for bead in beads.iter_mut().filter(|b| !b.closed && b.points.len() > 1) {
+                for first in [true, false] {
+                    if let Some((p, width)) = at_border(bead, first, [&inside, &edge], &contours, context) {
+                        let at = if first { 0 } else { bead.points.len() };
+                        bead.points.insert(at, p);
+                        bead.widths.insert(at, width);
+                    }
+                }
+            }
+            beads
+        }
+    }
+}
+
+/// Where a bead that the area for centrelines cuts off ends on the border, and its width there.
+/// `None` where it ends inside, or meets the border at less than 30 degrees: there it runs beside
+/// the border, and the next bead lies between.
+fn at_border(
+    bead: &WideBead,
+    first: bool,
+    [inside, edge]: [&LineClipper; 2],
+    contours: &[&Contour],
+    context: &FillContext<'_>,
+) -> Option<(DVec2, f64)> {
+    let n = bead.points.len();
+    let (end, before, width) = if first {
+        (bead.points[0], bead.points[1], bead.widths[0])
+    } else {
+        (bead.points[n - 1], bead.points[n - 2], bead.widths[n - 1])
+    };
+    let along = (end - before).try_normalize()?;
+    // A hair that is longer than the rounding of clipping and tracing.
+    if inside.contains(end + 0.05 * context.spacing_mm() * along) {
+        return None;
+    }
+    // At 30 degrees the border is twice as far away as straight ahead.
+    let reach_mm = 2.5 * context.border_mm;
+    let hit = *edge.crossings(end, end + reach_mm * along).first()?;
+    let contour = contours.get(hit.contour)?;
+    let d = (contour[(hit.edge + 1) % contour.len()] - contour[hit.edge]).try_normalize()?;
+    let sine = cross(along, d).abs();
+    // Half of the flat end of a strip that meets the border at an angle lies beyond it. Ending a
+    // little before makes what is left open there as large as what spills.
+    let short_mm = 0.25 * bead_spacing_mm(width, context.height_mm) * along.dot(d).abs() / sine.max(1e-9);
+    let onward_mm = hit.t * reach_mm - short_mm;
+    (sine >= 0.5 && onward_mm > 1e-3).then(|| (end + onward_mm * along, width))
 }
 
 /// Joins open beads end to end along the border: each end to the nearest free one, if that is near
