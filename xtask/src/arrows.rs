@@ -41,15 +41,32 @@ const ALLOWED: [(&str, &[&str]); 12] = [
             "grainpath-studio",
         ],
     ),
+    (
+        "grainpath-py",
+        &[
+            CORE,
+            IO,
+            GCODE,
+            FEA,
+            JOB,
+            IMAGING,
+            "grainpath",
+            "grainpath-view",
+            "grainpath-parts",
+            "grainpath-cli",
+        ],
+    ),
     ("xtask", &[]),
 ];
 
 /// Crates from outside that only one crate of ours may name, so that each can be replaced in one place.
-const KEPT_TO: [(&str, &str); 4] = [
+const KEPT_TO: [(&str, &str); 6] = [
     ("i_overlay", "grainpath-core"),
     ("clipper2-rust", "grainpath-core"),
     ("spade", "grainpath-core"),
     ("faer", "grainpath-fea"),
+    ("pyo3", "grainpath-py"),
+    ("numpy", "grainpath-py"),
 ];
 
 pub fn check() -> Result<(), String> {

@@ -21,6 +21,7 @@ mod licences;
 mod page;
 mod pages;
 mod photo;
+mod python;
 mod setup;
 mod source;
 mod texts;
@@ -55,6 +56,7 @@ const USAGE: &str = "usage: cargo xtask <command>
                    beside theirs (s1 s2), other slicers' programs (slicers); `all` adds what takes long
   page [--write]   bundles the studio's page and compares it with the committed one, or renews that
   page test [PATH] tests of the page in Chromium, of the program at PATH (default target/ci/grainpath)
+  python [--release]  builds the wheel of the Python package and runs its tests (--release: as published, from the sdist)
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   campaign [MINUTES]  mutated files, kills and a full disk, against the program (default 10 minutes)
   licences         writes what `grainpath licences` prints, after dependencies changed
@@ -87,6 +89,7 @@ fn main() -> ExitCode {
             .map_err(|e| format!("{path}: {e}"))
             .and_then(|path| page::test_in_browser(&path)),
         ["page", words @ ..] => page::run(words),
+        ["python", words @ ..] => python::command(words),
         ["fuzz"] => fuzz::run(20),
         ["fuzz", seconds] => seconds.parse().map_err(|_| USAGE.to_owned()).and_then(fuzz::run),
         ["setup"] => setup::tests(true).and_then(|_| setup::peers()),
@@ -216,6 +219,10 @@ fn test(options: &TestOptions) -> Outcome {
             checks.not_run.push("the studio in a browser lacks npm or Chromium".to_owned());
         }
         checks.not_run.extend(lacking.iter().map(|(test, what)| format!("{} lacks {what}", test.name)));
+        match setup::python_package(options.install) {
+            Ok(()) => checks.run("Python package", || python::check(false))?,
+            Err(problem) => checks.not_run.push(format!("the Python package: {problem}")),
+        }
         checks.run("fuzz targets", || fuzz::run(options.fuzz_seconds))?;
     }
     checks.finish(options.allow_missing || options.quick)
@@ -243,6 +250,7 @@ fn nightly() -> Outcome {
     let ignored = ignored::find(&source::read(&root())?.tests)?;
     let slow: Vec<&str> =
         ignored.iter().filter(|t| t.reason.starts_with("slow")).map(|t| t.name.as_str()).collect();
+    checks.run("Python package from its source distribution", || python::command(&["--release"]))?;
     checks.run("slow tests", || tests(&[&["--ignored", "--exact"], slow.as_slice()].concat()))?;
     checks.run("fill along the stress", bench_paths::run)?;
     checks.run("finite elements beside gmsh and CalculiX", || bench_fea::run(&["300000"]))?;

@@ -10,6 +10,9 @@ use std::process::{Command, Stdio};
 /// Python packages that scripts of tests and benches import; meshio opens the VTU files that we write.
 const PYTHON: [&str; 7] = ["numpy", "scipy", "shapely>=2", "trimesh", "networkx", "rtree", "meshio"];
 
+/// Python packages that build and test the package `grainpath`.
+const PYTHON_PACKAGE: [&str; 5] = ["numpy", "maturin>=1.7", "pytest>=8", "hypothesis>=6", "mypy>=1.11"];
+
 /// Needs of tests; a test names its own in `#[ignore = "needs ..."]`.
 pub const NEEDS: [&str; 4] = ["GRAINPATH_DATA", "GRAINPATH_CHECK", "python", "vtk"];
 
@@ -115,6 +118,12 @@ fn environment(install: bool, packages: &[&str]) -> Result<(), String> {
     println!("installing into {}: {}", folder.display(), packages.join(" "));
     let args = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
     crate::run(python().args(args).args(packages))
+}
+
+/// For `cargo xtask python`: what builds and tests the package.
+pub fn python_package(install: bool) -> Result<(), String> {
+    apt(&[("python3", "python3")], install)?;
+    environment(install, &PYTHON_PACKAGE)
 }
 
 /// For `cargo xtask setup`: the peers.

@@ -13,7 +13,7 @@ use grainpath_io::directions::{DirectionOptions, DirectionSamples, parse_directi
 use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
 use grainpath_io::volume::{Files, RawHeader, ReadSeek, open_volume};
-use grainpath_io::{parse_mesh, parse_outline};
+use grainpath_io::{MeshFile, parse_mesh, parse_outline};
 use grainpath_job::choices::GuideKind;
 use grainpath_job::{Settings, parse_job};
 
@@ -56,6 +56,25 @@ pub fn no_shape(name: &str) -> Failure {
     ))
 }
 
+/// A shape that is handed over instead of read from its file.
+pub enum Handed {
+    /// A mesh.
+    Mesh(MeshFile),
+    /// A scan, slice by slice.
+    Scan(Box<dyn SliceSource>),
+}
+
+/// What is handed over instead of read from the files that a job names.
+#[derive(Default)]
+pub struct Given {
+    /// The shape.
+    pub shape: Option<Handed>,
+    /// The directions of `guide.field`.
+    pub directions: Option<DirectionSamples>,
+    /// The stress of `guide.import`.
+    pub stress: Option<StressField>,
+}
+
 /// Adds all files that a job reads, except the job itself.
 pub fn claim_inputs(settings: &Settings, shape: &Path, base: &Path, claims: &mut Claims) {
     claims.read("of [shape]", shape);
@@ -79,36 +98,65 @@ pub fn plan(
     base: &Path,
     diagnostics: &Diagnostics,
 ) -> Result<(Planned, f64), Failure> {
+    plan_given(settings, Given::default(), shape, base, diagnostics)
+}
+
+/// Reads the inputs of a job, but for what is `given` in the place of files, and plans it. Where the shape is given,
+/// `shape` is only its name in errors. The number is the time for reading, in seconds.
+///
+/// # Errors
+/// Those of reading and planning.
+pub fn plan_given(
+    settings: &Settings,
+    given: Given,
+    shape: &Path,
+    base: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<(Planned, f64), Failure> {
     let path = shape.display().to_string();
     let start = std::time::Instant::now();
     let photos = read_photos(settings, base, diagnostics)?;
-    let directions = read_directions(settings, base)?;
+    let directions = match given.directions {
+        Some(handed) => Some(handed),
+        None => read_directions(settings, base)?,
+    };
     let photos_s = start.elapsed().as_secs_f64();
     // `shape.photo` gives the shape itself, so no mesh is read.
-    if !settings.photo.files.is_empty() {
+    if given.shape.is_none() && !settings.photo.files.is_empty() {
         return Ok((grainpath::plan_photo(settings, &photos, directions, diagnostics)?, photos_s));
     }
-    if settings.ct.path.is_empty() {
-        let (mesh, read_s) = read_body(settings, shape, diagnostics)?;
-        let (stress, texture) = (read_stress(settings, base)?, read_texture(settings, base)?);
-        let inputs = grainpath::Inputs { mesh, path, stress, directions, photos, texture };
-        return Ok((grainpath::plan_job(settings, inputs, diagnostics)?, read_s + photos_s));
-    }
     // A scan is read slice by slice while it is planned, so only opening it counts as reading.
-    let mut source =
-        open_scan(shape, grainpath::run::config::raw_header(settings).as_ref(), settings.ct.outside_folder)?;
-    let (stress, texture) = (read_stress(settings, base)?, read_texture(settings, base)?);
+    let open = || {
+        let raw = grainpath::run::config::raw_header(settings);
+        open_scan(shape, raw.as_ref(), settings.ct.outside_folder)
+    };
+    let read = match given.shape {
+        Some(handed) => handed,
+        None if settings.ct.path.is_empty() => Handed::Mesh(read_body(settings, shape, diagnostics)?.0),
+        None => Handed::Scan(open()?),
+    };
+    let stress = match given.stress {
+        Some(handed) => Some(handed),
+        None => read_stress(settings, base)?,
+    };
+    let texture = read_texture(settings, base)?;
     let read_s = start.elapsed().as_secs_f64();
-    let planned = grainpath::plan_scan(
-        settings,
-        &mut *source,
-        &path,
-        stress,
-        directions,
-        &photos,
-        texture,
-        diagnostics,
-    )?;
+    let planned = match read {
+        Handed::Mesh(mesh) => {
+            let inputs = grainpath::Inputs { mesh, path, stress, directions, photos, texture };
+            grainpath::plan_job(settings, inputs, diagnostics)?
+        }
+        Handed::Scan(mut scan) => grainpath::plan_scan(
+            settings,
+            &mut *scan,
+            &path,
+            stress,
+            directions,
+            &photos,
+            texture,
+            diagnostics,
+        )?,
+    };
     Ok((planned, read_s))
 }
 
@@ -130,7 +178,7 @@ pub fn read_body(
     settings: &Settings,
     path: &Path,
     diagnostics: &Diagnostics,
-) -> Result<(grainpath_io::MeshFile, f64), Failure> {
+) -> Result<(MeshFile, f64), Failure> {
     let start = std::time::Instant::now();
     diagnostics.begin(Stage::Read, 0);
     let bytes = files::read(path)?;

@@ -12,7 +12,7 @@ use grainpath::measure::strength::{TestSetup, Tested, test};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::spelling::meaning;
 use grainpath_core::{DVec2, Diagnostics, TriMesh};
-use grainpath_gcode::{BeadLayer, Program, Thumbnail, simulate, write_gcode};
+use grainpath_gcode::{BeadLayer, Program, Thumbnail, Written, simulate, write_gcode};
 use grainpath_job::Settings;
 use grainpath_view::guide::{deformed_png, field_png, lines_svg, lines_vtp, loads_png, stress_png};
 use grainpath_view::layer::{
@@ -137,25 +137,11 @@ pub fn write(
         }
         Ok(written)
     })?;
-    let mut report = Report::new(&planned, &written);
-    let seconds = |s: f64| (s * 1e4).round() / 1e4;
+    let mut report = report_of(settings, &planned, &written, program.as_ref(), diagnostics);
     report.stages_s.insert(Stage::Read.name(), seconds(read_s));
-    for (stage, s) in &planned.stages_s {
-        report.stages_s.insert(stage.name(), seconds(*s));
-    }
     report.stages_s.insert(Stage::Write.name(), seconds(write_s));
     report.outputs.insert("gcode", paths.gcode.display().to_string());
     if let Some(program) = program {
-        // Everything is measured on the program that was written, not on the plan, so that errors of the
-        // writer are seen too.
-        report.quality = Some(measure(&planned, &program));
-        report.fibre = measure_fibre(settings.fibre.min_radius_mm, &planned, &program);
-        report.fibre.iter().filter_map(|f| f.warning()).for_each(|w| diagnostics.push(w));
-        if let (Some(quality), Some(width_mm)) =
-            (&report.quality, grainpath::run::config::dense_fibre_width_mm(settings))
-        {
-            quality.fibre_warning(width_mm).into_iter().for_each(|w| diagnostics.push(w));
-        }
         report.dimensions = truth.map(|t| {
             grainpath::measure::dimensions::measure(t, &program, planned.plan.plate_from_part_mm.truncate())
         });
@@ -197,6 +183,48 @@ pub fn write(
     report.warnings = diagnostics.warnings();
     report.peak_rss_mb = memory::peak_rss_mb();
     Ok(report)
+}
+
+/// Seconds as reports show them.
+fn seconds(s: f64) -> f64 {
+    (s * 1e4).round() / 1e4
+}
+
+/// The report of a plan and, where the `program` was read back, of what is measured on it. Warnings go to
+/// `diagnostics`.
+pub fn report_of(
+    settings: &Settings,
+    planned: &Planned,
+    written: &Written,
+    program: Option<&Program>,
+    diagnostics: &Diagnostics,
+) -> Report {
+    let mut report = Report::new(planned, written);
+    for (stage, s) in &planned.stages_s {
+        report.stages_s.insert(stage.name(), seconds(*s));
+    }
+    let Some(program) = program else { return report };
+    // Everything is measured on the program that was written, not on the plan, so that errors of the
+    // writer are seen too.
+    let quality = measure(planned, program);
+    report.fibre = measure_fibre(settings.fibre.min_radius_mm, planned, program);
+    report.fibre.iter().filter_map(|f| f.warning()).for_each(|w| diagnostics.push(w));
+    if let Some(width_mm) = grainpath::run::config::dense_fibre_width_mm(settings) {
+        quality.fibre_warning(width_mm).into_iter().for_each(|w| diagnostics.push(w));
+    }
+    report.quality = Some(quality);
+    report
+}
+
+/// The program of a plan, as `grainpath run` writes it.
+///
+/// # Errors
+/// Those of the writer.
+pub fn program_bytes(settings: &Settings, planned: &Planned) -> Result<(Vec<u8>, Written), Failure> {
+    let mut bytes = Vec::new();
+    let written = write_gcode(&planned.plan, &planned.config, &thumbnails(settings, planned)?, &mut bytes)
+        .map_err(|e| Failure::from(grainpath::Error::from(e)))?;
+    Ok((bytes, written))
 }
 
 /// Writes the layers and the surface of the part, where the job asks for them.
@@ -248,7 +276,11 @@ impl Write for Tee<'_> {
     }
 }
 
-fn read_back(settings: &Settings, gcode: &[u8]) -> Result<Program, Failure> {
+/// Reads a program back as the job's printer would.
+///
+/// # Errors
+/// Exit code 3 for a program that cannot be replayed.
+pub fn read_back(settings: &Settings, gcode: &[u8]) -> Result<Program, Failure> {
     let limits = grainpath::run::config::limits(settings);
     simulate(gcode, settings.printer.filament_mm, &limits).map_err(|e| Failure::input(e.to_string()))
 }

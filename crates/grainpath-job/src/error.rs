@@ -79,6 +79,25 @@ pub enum JobError {
     Combination { location: Location, problem: String },
 }
 
+impl JobError {
+    /// The place of the error; `None` for an argument of `--set` that is none.
+    pub fn location(&self) -> Option<&Location> {
+        match self {
+            Self::Syntax { location, .. }
+            | Self::UnknownSection { location, .. }
+            | Self::UnknownKey { location, .. }
+            | Self::NotASection { location, .. }
+            | Self::Value { location, .. }
+            | Self::BothNames { location, .. }
+            | Self::NewerFormat { location, .. }
+            | Self::UnknownProfile { location, .. }
+            | Self::ProfileFile { location, .. }
+            | Self::Combination { location, .. } => Some(location),
+            Self::SetArgument { .. } => None,
+        }
+    }
+}
+
 /// Names of all shipped profiles of a kind, for the message.
 fn profile_names(kind: &str) -> String {
     // Only profiles of the same section are listed; a printer's name would be no help for a material.

@@ -45,7 +45,7 @@ pub fn compare(args: &Compare) -> Result<(), Failure> {
         }
         all.push(done);
     }
-    let rows: Vec<Value> = all.iter().map(|d| row(d, &all[0].tested.report)).collect();
+    let rows = compared(&all.iter().collect::<Vec<_>>());
     if args.common.json {
         let value = json!({ "ok": true, "version": env!("CARGO_PKG_VERSION"), "rows": rows, "peak_rss_mb": memory::peak_rss_mb() });
         files::print(&format!("{value}\n"));
@@ -53,6 +53,12 @@ pub fn compare(args: &Compare) -> Result<(), Failure> {
         files::print(&table(&all, &rows));
     }
     Ok(())
+}
+
+/// A row for each test, with its ratio to the first.
+pub fn compared(all: &[&Done]) -> Vec<Value> {
+    let Some(first) = all.first() else { return Vec::new() };
+    all.iter().map(|d| row(d, &first.tested.report)).collect()
 }
 
 /// A ratio of two peak loads and its interval.

@@ -16,6 +16,7 @@ use grainpath_imaging::tensor::{TensorSettings, grain_axes};
 use grainpath_io::directions::{DirectionOptions, DirectionSamples, sniff_directions};
 use grainpath_io::fe::{FeError, FeFile, FeFormat, FeOptions, On, parse_fe, sniff_fe};
 use grainpath_io::image::{decode, sniff_image, sniff_other_image};
+use grainpath_io::volume::RawHeader;
 use grainpath_io::{
     Image, MeshFile, MeshFormat, OutlineOptions, Samples, parse_mesh, parse_outline, sniff_mesh,
     sniff_outline,
@@ -37,14 +38,28 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     args.sheet.iter().for_each(|path| claims.write("--sheet", path));
     args.image.iter().for_each(|path| claims.write("--image", path));
     claims.check()?;
+    let value = describe(args, raw.as_ref())?;
+    files::print(&if args.json { format!("{value}\n") } else { table(&value) });
+    Ok(())
+}
+
+/// What a file is, as `--json` prints it. `size` is that of raw voxels, and `sample` their type.
+///
+/// # Errors
+/// For a file that cannot be read.
+pub fn inspect_file(file: &Path, size: Option<Vec<usize>>, sample: &str) -> Result<Value, Failure> {
+    let (file, sample) = (file.to_owned(), sample.to_owned());
+    let args = Inspect { file, sheet: None, truth: None, size, sample, json: true };
+    describe(&args, scan::raw_header(&args)?.as_ref())
+}
+
+fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
     // Scans first: they can be larger than the memory, and all other kinds are read whole.
     if args.faces {
         return faces::inspect(args);
     }
     if raw.is_some() || scan::is(&args.file)? {
-        let value = scan::inspect(args, raw.as_ref())?;
-        files::print(&if args.json { format!("{value}\n") } else { table(&value) });
-        return Ok(());
+        return scan::inspect(args, raw);
     }
     // Otherwise the option would be ignored without a word.
     if args.image.is_some() {
@@ -54,9 +69,7 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     }
     if is_vector_slicer(&args.file) {
         let samples = inputs::directions(&args.file, &DirectionOptions::default())?;
-        let value = directions_json(&args.file.display().to_string(), &samples);
-        files::print(&if args.json { format!("{value}\n") } else { table(&value) });
-        return Ok(());
+        return Ok(directions_json(&args.file.display().to_string(), &samples));
     }
     let bytes = files::read(&args.file)?;
     let name = args.file.display().to_string();
@@ -97,8 +110,7 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
         let format = sniff_mesh(&bytes, Some(&name)).map_or("mesh", MeshFormat::name);
         mesh_json(&name, format, &file)
     };
-    files::print(&if args.json { format!("{value}\n") } else { table(&value) });
-    Ok(())
+    Ok(value)
 }
 
 /// Whether bytes without a known signature are binary. `lower` is the file's name in lower case.

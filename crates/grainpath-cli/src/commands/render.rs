@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use grainpath::Planned;
 use grainpath_core::Bounds2;
 use grainpath_core::spelling::meaning;
 use grainpath_gcode::Program;
@@ -37,7 +38,7 @@ pub fn render(args: &Render) -> Result<(), Failure> {
         }
         let mut picture = outputs::picture(&program.layers[layer - 1]);
         if let Some(job) = &args.job {
-            tell_directions(&mut picture, &program, job)?;
+            compare_with_job(&mut picture, &program, job)?;
         }
         let options = PictureOptions {
             colour_by: ColourBy::from_name(&args.color).unwrap_or_default(),
@@ -63,27 +64,30 @@ pub fn render(args: &Render) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Gives each piece of fill its angle to the direction that a job asks for. The program may come from any
-/// slicer, so the centre of what it prints is taken as the centre of the part.
-fn tell_directions(picture: &mut LayerPicture, program: &Program, job: &Path) -> Result<(), Failure> {
+/// Plans a job and compares the fill of a layer with the directions that it asks for.
+fn compare_with_job(picture: &mut LayerPicture, program: &Program, job: &Path) -> Result<(), Failure> {
     let (settings, shape, folder) = read_job(job, &[])?;
     let diagnostics = progress::diagnostics();
     let (planned, _) = plan(&settings, &shape, &folder, &diagnostics)?;
-    let Some(off) = grainpath::measure::report::direction_error(&planned) else {
-        return Err(Failure::usage(format!(
-            "{}: the job has no guide that asks for directions",
-            job.display()
-        )));
-    };
+    if tell_directions(picture, program, &planned) {
+        return Ok(());
+    }
+    Err(Failure::usage(format!("{}: the job has no guide that asks for directions", job.display())))
+}
+
+/// Gives each piece of fill its angle to the direction that a plan's guide asks for; `false` where it has none. The
+/// program may come from any slicer, so the centre of what it prints is taken as the centre of the part.
+pub fn tell_directions(picture: &mut LayerPicture, program: &Program, planned: &Planned) -> bool {
+    let Some(off) = grainpath::measure::report::direction_error(planned) else { return false };
     // Skirts and supports lie outside the part and would shift its centre.
     let printed = program.layers.iter().flat_map(|l| &l.beads).filter(|b| b.role.is_part());
     let printed = Bounds2::of(printed.flat_map(|b| [b.start(), b.end()]));
     let part = planned.stack.layers().iter().filter_map(|l| l.region().bounds()).reduce(Bounds2::union);
-    let (Some(printed), Some(part)) = (printed, part) else { return Ok(()) };
+    let (Some(printed), Some(part)) = (printed, part) else { return true };
     let shift = printed.centre() - part.centre();
     let z_mid = picture.z_mm - 0.5 * picture.height_mm;
     for bead in picture.beads.iter_mut().filter(|b| b.role.is_fill()) {
         bead.off_deg = off(z_mid, [bead.a - shift, bead.b - shift]).map(|found| found.0);
     }
-    Ok(())
+    true
 }

@@ -13,7 +13,7 @@ use grainpath_view::strength::chart_svg;
 use serde_json::{Value, json};
 
 use crate::args::{Common, Strength};
-use crate::inputs::{no_shape, plan, read_body, read_settings, set_threads, shape_of};
+use crate::inputs::{Given, Handed, no_shape, plan_given, read_body, read_settings, set_threads, shape_of};
 use crate::{Failure, files, memory, outputs, progress};
 
 /// A tested job or program.
@@ -87,7 +87,7 @@ pub fn test_one(
     settings.fill.mass_g = mass_g.or(settings.fill.mass_g);
     let diagnostics = progress::diagnostics();
     let theirs = if is_job(input) { None } else { Some(files::read(input)?) };
-    let tested = TestedJob { settings, folder, name: job.display().to_string() };
+    let tested = TestedJob { settings, folder, name: job.display().to_string(), given: Given::default() };
     tested.test(input, theirs.as_deref(), &diagnostics, note)
 }
 
@@ -99,6 +99,8 @@ pub struct TestedJob {
     pub folder: PathBuf,
     /// Its name in errors.
     pub name: String,
+    /// What is handed over instead of read from its files.
+    pub given: Given,
 }
 
 impl TestedJob {
@@ -111,6 +113,7 @@ impl TestedJob {
         note: &(dyn Fn(&str) + Sync),
     ) -> Result<Done, Failure> {
         self.settings.strength.enabled = true;
+        let given = std::mem::take(&mut self.given);
         let settings = &self.settings;
         let program = theirs.map(|bytes| read(settings, bytes, input)).transpose()?;
         let tested = match (program, shape_of(settings, &self.folder)) {
@@ -119,14 +122,14 @@ impl TestedJob {
                 tested.map(|t| (t, program)).map_err(|e| named(input, failed(e)))?
             }
             (Some(program), Some(shape)) => {
-                let setup = self.setup_for_program(&shape, diagnostics)?;
+                let setup = self.setup_for_program(&shape, given, diagnostics)?;
                 // Without a shift the test finds the part on the bed by itself, since another slicer may
                 // have placed it anywhere.
                 let wanted = strength_settings(settings);
                 let tested = test_noting(&wanted, &setup, &program, None, diagnostics, note);
                 tested.map(|t| (t, program)).map_err(|e| named(input, failed(e)))?
             }
-            (None, Some(shape)) => self.test_own(input, &shape, diagnostics, note)?,
+            (None, Some(shape)) => self.test_own(input, &shape, given, diagnostics, note)?,
             (None, None) => return Err(no_shape(&self.name)),
         };
         let (tested, program) = tested;
@@ -136,17 +139,25 @@ impl TestedJob {
     }
 
     /// The part's side of a test of another slicer's program.
-    fn setup_for_program(&self, shape: &Path, diagnostics: &Diagnostics) -> Result<TestSetup, Failure> {
+    fn setup_for_program(
+        &self,
+        shape: &Path,
+        given: Given,
+        diagnostics: &Diagnostics,
+    ) -> Result<TestSetup, Failure> {
         let settings = &self.settings;
         // A photograph or a scan has its shape only after planning, so those jobs are planned even for a
         // program of another slicer.
         if settings.shape.mesh.is_empty() && settings.shape.outline.is_empty() {
-            let (planned, _) = plan(settings, shape, &self.folder, diagnostics)?;
+            let (planned, _) = plan_given(settings, given, shape, &self.folder, diagnostics)?;
             return planned.test.ok_or_else(not_enabled);
         }
         // For others the fill need not be planned: section, fixtures and loads are enough.
         let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
-        let (file, _) = read_body(settings, shape, diagnostics)?;
+        let file = match given.shape {
+            Some(Handed::Mesh(mesh)) => mesh,
+            Some(Handed::Scan(_)) | None => read_body(settings, shape, diagnostics)?.0,
+        };
         let Sliced { mesh, stack, lowered_mm, .. } =
             mesh_and_layers(&grainpath::run::config::placing(settings), file, diagnostics).map_err(source)?;
         let standing = grainpath::run::config::standing(settings, lowered_mm);
@@ -160,10 +171,11 @@ impl TestedJob {
         &self,
         input: &Path,
         shape: &Path,
+        given: Given,
         diagnostics: &Diagnostics,
         note: &(dyn Fn(&str) + Sync),
     ) -> Result<(Tested, Program), Failure> {
-        let (planned, _) = plan(&self.settings, shape, &self.folder, diagnostics)?;
+        let (planned, _) = plan_given(&self.settings, given, shape, &self.folder, diagnostics)?;
         let setup = planned.test.as_ref().ok_or_else(not_enabled)?;
         let mut bytes = Vec::new();
         // The plan is written and read back, so that the test sees the rounding of the program as for

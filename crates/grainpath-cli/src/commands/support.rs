@@ -8,8 +8,10 @@ use grainpath::Error;
 use grainpath::measure::report::SupportReport;
 use grainpath::run::config;
 use grainpath::run::{Sliced, mesh_and_layers};
-use grainpath::support;
-use grainpath_core::{DVec2, WarningId};
+use grainpath::support::{self, Support as Planned};
+use grainpath_core::{DVec2, Diagnostics, LayerStack, TriMesh, WarningId};
+use grainpath_io::MeshFile;
+use grainpath_job::Settings;
 use grainpath_job::choices::SupportStyle;
 use serde_json::json;
 
@@ -39,23 +41,10 @@ pub fn support(args: &Support) -> Result<(), Failure> {
     settings.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
     let (file, read_s) = read_body(&settings, &args.model, &diagnostics)?;
     let mut stages: BTreeMap<&str, f64> = BTreeMap::from([("read", read_s)]);
-    let shown = args.model.display().to_string();
+    let grown = grow(&settings, file, &args.model.display().to_string(), &diagnostics)?;
+    let Grown { mesh, stack, support: found, surface: body, slice_s, support_s } = grown;
+    stages.extend([("slice", slice_s), ("support", support_s)]);
     let start = Instant::now();
-    let Sliced { mesh, stack, painted, .. } =
-        mesh_and_layers(&config::placing(&settings), file, &diagnostics)
-            .map_err(|source| Error::Shape { path: shown, source })?;
-    stages.insert("slice", start.elapsed().as_secs_f64());
-    let start = Instant::now();
-    // The bed limits jobs only, which know where the part stands on it; here the part stands where its
-    // file says.
-    let wanted =
-        config::support(&settings, DVec2::ZERO).map(|w| support::SupportSettings { bed: None, painted, ..w });
-    let wanted = wanted.ok_or_else(|| Failure::usage("support.style should be tree, columns or box"))?;
-    let found = support::plan(&mesh, &stack, &wanted, &diagnostics).map_err(Error::from)?;
-    stages.insert("support", start.elapsed().as_secs_f64());
-    let start = Instant::now();
-    let layers = &found.cut.layers;
-    let body = support::surface(layers, &stack, settings.support.solid, &diagnostics).map_err(Error::from)?;
     let mut written = BTreeMap::new();
     if body.triangles.is_empty() && !args.with_model {
         diagnostics.warn(WarningId::SupportNone, "support: nothing to write");
@@ -96,6 +85,50 @@ pub fn support(args: &Support) -> Result<(), Failure> {
         files::print(&format!("{}\n", lines.join("\n")));
     }
     Ok(())
+}
+
+/// A mesh and its supports.
+pub struct Grown {
+    /// The mesh as it is sliced.
+    pub mesh: TriMesh,
+    /// Its layers.
+    pub stack: LayerStack,
+    /// The supports.
+    pub support: Planned,
+    /// The surface of the supports; empty where nothing hangs over.
+    pub surface: TriMesh,
+    /// Seconds of slicing.
+    pub slice_s: f64,
+    /// Seconds of growing supports and their surface.
+    pub support_s: f64,
+}
+
+/// Grows the supports of a mesh, which is called `name` in errors.
+///
+/// # Errors
+/// For a mesh that cannot be sliced, and a style without supports.
+pub fn grow(
+    settings: &Settings,
+    file: MeshFile,
+    name: &str,
+    diagnostics: &Diagnostics,
+) -> Result<Grown, Failure> {
+    let start = Instant::now();
+    let Sliced { mesh, stack, painted, .. } = mesh_and_layers(&config::placing(settings), file, diagnostics)
+        .map_err(|source| Error::Shape { path: name.to_owned(), source })?;
+    let slice_s = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    // The bed limits jobs only, which know where the part stands on it; here the part stands where its
+    // file says.
+    let wanted =
+        config::support(settings, DVec2::ZERO).map(|w| support::SupportSettings { bed: None, painted, ..w });
+    let wanted = wanted.ok_or_else(|| Failure::usage("support.style should be tree, columns or box"))?;
+    let found = support::plan(&mesh, &stack, &wanted, diagnostics).map_err(Error::from)?;
+    let layers = &found.cut.layers;
+    let surface =
+        support::surface(layers, &stack, settings.support.solid, diagnostics).map_err(Error::from)?;
+    let support_s = start.elapsed().as_secs_f64();
+    Ok(Grown { mesh, stack, support: found, surface, slice_s, support_s })
 }
 
 fn default_output(model: &Path) -> PathBuf {

@@ -20,6 +20,7 @@ mod write;
 pub use error::{VolumeError, VolumeProblem};
 pub use files::{Files, ReadSeek, natural_order};
 pub use raw::RawHeader;
+pub use sample::NotFinite;
 pub use write::write_tiff_stack;
 
 use grainpath_core::slices::{SampleType, SliceError, SliceSource, VolumeInfo};

@@ -1,0 +1,132 @@
+//! The command line of grainpath: arguments, files, progress, exit codes.
+//!
+//! [`main_with`] is the program. The steps between files and the planner are public too, so that the Python module
+//! reads, plans and writes by the same code.
+
+mod args;
+mod claims;
+mod commands;
+mod files;
+mod inputs;
+mod interrupt;
+mod memory;
+mod outputs;
+mod progress;
+
+use std::ffi::OsString;
+
+use clap::{CommandFactory, Parser};
+use grainpath::ErrorKind;
+use grainpath_core::Warning;
+
+use args::{Args, Command};
+
+pub use commands::compare::compared;
+pub use commands::inspect::inspect_file;
+pub use commands::render::tell_directions;
+pub use commands::strength::{Done, TestedJob};
+pub use commands::support::{Grown, grow};
+pub use inputs::{Given, Handed, no_shape, plan_given, read_body, shape_of};
+pub use memory::peak_rss_mb;
+pub use outputs::{picture, program_bytes, read_back, report_of};
+
+/// The reason why a command ends early: a line for the user and the exit code.
+#[derive(Debug)]
+pub struct Failure {
+    /// What is wrong, where, and what would be right.
+    pub message: String,
+    /// Exit code: 2 usage or job file; 3 an input file; 4 the physics; 130 interrupted.
+    pub code: i32,
+    /// Warnings that count as a failure under `--strict`.
+    pub warnings: Vec<Warning>,
+}
+
+impl Failure {
+    /// Wrong usage, a wrong job file, or an output that cannot be written.
+    pub fn usage(message: impl Into<String>) -> Self {
+        Self { message: message.into(), code: 2, warnings: Vec::new() }
+    }
+
+    /// Warnings under `--strict`; `written` says whether the outputs exist.
+    pub fn strict(warnings: Vec<Warning>, written: bool) -> Self {
+        let ids: Vec<&str> = warnings.iter().map(|w| w.id.name()).collect();
+        let outcome = if written { "the outputs were written" } else { "nothing was written" };
+        let message = format!("--strict refuses {} warnings ({}); {outcome}", ids.len(), ids.join(", "));
+        Self { message, code: 4, warnings }
+    }
+
+    /// An input file that cannot be used.
+    pub fn input(message: impl Into<String>) -> Self {
+        Self { message: message.into(), code: 3, warnings: Vec::new() }
+    }
+}
+
+impl From<grainpath::Error> for Failure {
+    fn from(error: grainpath::Error) -> Self {
+        let code = match error.kind() {
+            ErrorKind::Job => 2,
+            ErrorKind::Input => 3,
+            ErrorKind::Physics => 4,
+            ErrorKind::Interrupted => interrupt::EXIT_CODE,
+        };
+        Self { message: error.to_string(), code, warnings: Vec::new() }
+    }
+}
+
+/// The commands and their options, as clap knows them.
+pub fn command() -> clap::Command {
+    Args::command()
+}
+
+/// The program: runs the command that `args` state, the first of which is the program's name. Returns the exit code.
+pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
+    #[cfg(feature = "sweep")]
+    if let Ok(constant) = std::env::var("GRAINPATH_SWEEP") {
+        grainpath_core::tuned::sweep(&constant);
+    }
+    let args = Args::parse_from(args);
+    // Asked before the command takes its arguments, since a failure has to answer in JSON too.
+    let json = args.command.json();
+    interrupt::set_json(json);
+    let outcome = match args.command {
+        Command::Run(a) => commands::run::run(&a),
+        Command::Slice(a) => commands::slice::slice(&a),
+        Command::New(a) => commands::new::new(&a),
+        Command::Support(a) => commands::support::support(&a),
+        Command::Specimen(a) => commands::specimen::specimen(&a),
+        Command::Inspect(a) => commands::inspect::inspect(&a),
+        Command::Strength(a) => commands::strength::strength(&a),
+        Command::Compare(a) => commands::compare::compare(&a),
+        Command::Render(a) => commands::render::render(&a),
+        Command::Markers(a) => commands::markers::markers(&a),
+        Command::Schema(a) => commands::schema::schema(&a),
+        Command::Profiles(a) => commands::profiles::profiles(&a),
+        Command::Doctor(a) => commands::doctor::doctor(&a),
+        Command::Licences(a) => commands::licences::licences(&a),
+        Command::Completions(a) => commands::completions::completions(&a),
+        Command::Man(a) => commands::completions::man(&a),
+        #[cfg(feature = "studio")]
+        Command::Studio(a) => commands::studio::studio(&a),
+    };
+    // A full disk behind a redirection fails only here: a command that could not say its result has
+    // failed.
+    let outcome = outcome.and_then(|()| files::lost_output().map_or(Ok(()), Err));
+    match outcome {
+        Ok(()) => 0,
+        Err(failure) if failure.code == interrupt::EXIT_CODE => interrupt::end(),
+        Err(failure) => {
+            // One line, so that a script can read the last line of standard error.
+            let line = failure.message.replace('\n', " ");
+            if json {
+                let mut report = serde_json::json!({ "ok": false, "error": line, "code": failure.code });
+                if !failure.warnings.is_empty() {
+                    report["warnings"] = serde_json::json!(failure.warnings);
+                }
+                files::print(&format!("{report}\n"));
+            }
+            failure.warnings.iter().for_each(|w| eprintln!("warning: {w}"));
+            eprintln!("grainpath: {line}");
+            u8::try_from(failure.code).unwrap_or(1)
+        }
+    }
+}

@@ -1,0 +1,71 @@
+"""Checks of arrays that users hand over, and settings as TOML."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .errors import InputError, JobError
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def floats(values: Any, name: str, shape: tuple[int | None, ...]) -> FloatArray:
+    """``values`` as finite native float64 of a shape, whose ``None`` stand for any number."""
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise InputError(f"{name}: {error}; rows of equal length are needed") from error
+    shown = ", ".join("n" if n is None else str(n) for n in shape)
+    wanted = f"({shown},)" if len(shape) == 1 else f"({shown})"
+    if array.dtype.kind not in "fiu":
+        raise InputError(f"{name} has the type {array.dtype}; numbers (float or integer) are needed")
+    fits = array.ndim == len(shape) and all(n is None or n == m for n, m in zip(shape, array.shape, strict=True))
+    if not fits:
+        raise InputError(f"{name} has the shape {array.shape}; {wanted} is needed")
+    out = np.ascontiguousarray(array, dtype=np.float64)
+    bad = ~np.isfinite(out)
+    if bad.any():
+        at = tuple(int(i) for i in np.argwhere(bad)[0])
+        place = at[0] if len(at) == 1 else at
+        raise InputError(f"{name}[{place}] is {out[at]}; finite numbers are needed")
+    return out
+
+
+def read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """The array, which can no longer be written."""
+    array.flags.writeable = False
+    return array
+
+
+def toml(value: Any, key: str) -> str:
+    """A Python value as TOML."""
+    if isinstance(value, np.generic) or isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, os.PathLike):
+        value = os.fspath(value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            raise JobError(f"{key} = {value}; a finite number is needed")
+        return repr(value)
+    if isinstance(value, str):
+        # TOML's basic strings are JSON's, but for the control character that JSON lets pass.
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, Mapping):
+        rows = (f"{json.dumps(str(k), ensure_ascii=False)} = {toml(v, f'{key}.{k}')}" for k, v in value.items())
+        return "{ " + ", ".join(rows) + " }"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(toml(v, key) for v in value) + "]"
+    raise JobError(
+        f"{key} = {value!r} is a {type(value).__name__}; a number, a text, true or false, a list or a dict is needed"
+    )

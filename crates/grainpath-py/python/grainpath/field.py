@@ -1,0 +1,208 @@
+"""A user's own directions."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._checks import FloatArray, floats
+from .errors import InputError
+from .mesh import Mesh
+
+#: Points of a call of a user's function. A larger batch gains nothing in numpy, and shows Ctrl-C later.
+BATCH = 65_536
+#: Cells in whose middle a function is compared with its grid.
+CHECKED = 4096
+#: Most points of a grid, which is what the planner reads of tables.
+MAX_POINTS = 4_000_000
+
+Function = Callable[[FloatArray], npt.ArrayLike]
+
+
+class Field:
+    """Directions that infill follows: an undirected axis in the plane at each point of a grid.
+
+    ``axes`` are the positions of the grid along x, y and perhaps z, mm, in the coordinates of the part. ``directions``
+    is one of
+
+    - angles from +X counter-clockwise, radians, of shape ``(len(x), len(y)[, len(z)])``;
+    - vectors, with a last index of 2 or 3 more;
+    - a function of points ``(n, 2)`` or ``(n, 3)`` that returns ``n`` angles or vectors. It is called in this thread, in
+      batches, once for each point of the grid; its exceptions come back as they are. :attr:`error_deg` says how far the
+      grid is off the function between its points.
+
+    NaN and vectors of length 0 are points without a direction. ``strength`` (0 to 1, how much a direction matters) and
+    ``spacing_mm`` (distance of beads) have the shape of the grid. Between points directions are interpolated as axes,
+    without a sign; outside, the nearest point counts.
+
+    >>> import numpy as np, grainpath as gp
+    >>> x, y = np.linspace(0, 20, 41), np.linspace(0, 10, 21)
+    >>> rings = gp.Field((x, y), lambda p: np.arctan2(p[:, 1], p[:, 0] + 5) + np.pi / 2)
+    >>> bool(rings.error_deg < 0.2)
+    True
+    """
+
+    def __init__(
+        self,
+        axes: Sequence[npt.ArrayLike],
+        directions: npt.ArrayLike | Function,
+        *,
+        strength: npt.ArrayLike | None = None,
+        spacing_mm: npt.ArrayLike | None = None,
+    ) -> None:
+        if len(axes) not in (2, 3):
+            raise InputError(f"axes has {len(axes)} entries; positions along x, y and perhaps z are needed")
+        self.axes = tuple(floats(a, f"axes[{k}]", (None,)) for k, a in enumerate(axes))
+        for k, axis in enumerate(self.axes):
+            if len(axis) == 0 or (np.diff(axis) <= 0).any():
+                raise InputError(f"axes[{k}] should rise from entry to entry and have at least one")
+        self.shape = tuple(len(a) for a in self.axes)
+        n = int(np.prod(self.shape))
+        if n > MAX_POINTS:
+            raise InputError(f"a grid of {n} points; at most {MAX_POINTS} are read, so take larger steps")
+        #: Greatest angle between the function and the grid in the middle of cells, degrees; 0 for arrays.
+        self.error_deg = 0.0
+        if callable(directions):
+            flat = _called(directions, self._points())
+            self.vectors = flat.reshape(*self.shape, 2 if flat.shape[1] == 2 else 3)
+            self.error_deg = self._error(directions)
+        else:
+            self.vectors = self._vectors(directions)
+        self.strength = self._others(strength, "strength")
+        self.spacing_mm = self._others(spacing_mm, "spacing_mm")
+        if self.strength is not None and not ((self.strength >= 0) & (self.strength <= 1)).all():
+            raise InputError("strength should be from 0 to 1")
+        if self.spacing_mm is not None and not (self.spacing_mm > 0).all():
+            raise InputError("spacing_mm should be above 0")
+        if not np.isfinite(self.vectors).all(axis=-1).any():
+            raise InputError("no point of the field has a direction: all are NaN")
+
+    @classmethod
+    def over(cls, part: Mesh, function: Function, *, cell_mm: float = 1.0) -> Field:
+        """The field of a function over a part, on a grid of about ``cell_mm``.
+
+        >>> import grainpath as gp
+        >>> gp.Field.over(gp.box(20, 10, 2), lambda p: p[:, 0] * 0.1).shape
+        (21, 11)
+        """
+        if not cell_mm > 0:
+            raise InputError(f"cell_mm = {cell_mm} should be above 0")
+        low, high = part.bounds_mm[:, :2]
+        n = np.maximum(np.ceil((high - low) / cell_mm), 1).astype(int) + 1
+        return cls(tuple(np.linspace(low[k], high[k], n[k]) for k in range(2)), function)
+
+    def _points(self) -> FloatArray:
+        return np.stack(np.meshgrid(*self.axes, indexing="ij"), axis=-1).reshape(-1, len(self.axes))
+
+    def _vectors(self, directions: npt.ArrayLike) -> FloatArray:
+        array = np.asarray(directions)
+        if array.dtype.kind not in "fiu":
+            raise InputError(f"directions has the type {array.dtype}; numbers are needed")
+        array = array.astype(np.float64)
+        if array.shape == self.shape:
+            return _of_angles(array)
+        if array.shape[:-1] == self.shape and array.shape[-1] in (2, 3):
+            return array
+        raise InputError(
+            f"directions has the shape {array.shape}; {self.shape} is needed for angles, with a last index of 2 or 3 "
+            "more for vectors"
+        )
+
+    def _others(self, values: npt.ArrayLike | None, name: str) -> FloatArray | None:
+        if values is None:
+            return None
+        array = floats(values, name, (None,) * np.ndim(values))
+        if array.ndim not in (0, len(self.shape)) or array.shape not in ((), self.shape):
+            raise InputError(f"{name} has the shape {array.shape}; {self.shape} is needed, as the grid has")
+        return np.ascontiguousarray(np.broadcast_to(array, self.shape))
+
+    def _error(self, function: Function) -> float:
+        """Greatest angle between the function and the grid in the middle of cells, degrees."""
+        if 1 in self.shape[:2]:
+            return 0.0
+        x, y = (0.5 * (a[1:] + a[:-1]) for a in self.axes[:2])
+        i, j = np.meshgrid(np.arange(len(x)), np.arange(len(y)), indexing="ij")
+        every = max(1, i.size // CHECKED)
+        i, j = i.ravel()[::every], j.ravel()[::every]
+        level = 0 if len(self.axes) == 2 else self.shape[2] // 2
+        points = np.stack([x[i], y[j]] + ([] if len(self.axes) == 2 else [np.full(len(i), self.axes[2][level])]), -1)
+        asked = _double(_called(function, points))
+        plane = self.vectors if len(self.axes) == 2 else self.vectors[:, :, level]
+        double = _double(plane)
+        grid = sum(double[i + a, j + b] for a in (0, 1) for b in (0, 1))
+        angle = np.angle(asked * np.conj(grid))
+        known = np.isfinite(angle) & (np.abs(asked) > 0) & (np.abs(grid) > 0)
+        return float(np.rad2deg(0.5 * np.abs(angle[known]).max())) if known.any() else 0.0
+
+    def _file(self) -> tuple[bytes, dict[str, Any]]:
+        """The field as a ``.npz``, and the settings that say how it lies."""
+        arrays: dict[str, FloatArray] = {}
+        settings: dict[str, Any] = {
+            "guide.kind": "field",
+            "guide.field.path": "grainpath.Field",
+            "guide.field.frame": "part",
+            "guide.field.length_unit": "mm",
+        }
+        steps = [np.diff(a) for a in self.axes[:2]]
+        cell = float(steps[0].mean()) if len(steps[0]) else 0.0
+        even = len(self.axes) == 2 and all(len(s) and np.allclose(s, cell, rtol=1e-9, atol=0) for s in steps)
+        if even:
+            arrays["vectors"] = self.vectors
+            settings["guide.field.axes"] = "xy"
+            settings["guide.field.array"] = "vectors"
+            settings["guide.field.cell_mm"] = cell
+            # Positions are those of the centres of cells.
+            settings["guide.field.origin_mm"] = [float(a[0]) - 0.5 * cell for a in self.axes]
+            others = {"strength": self.strength, "spacing": self.spacing_mm}
+            arrays.update({name: a for name, a in others.items() if a is not None})
+        else:
+            names = ("x", "y", "z")
+            arrays.update({names[k]: column for k, column in enumerate(self._points().T)})
+            flat = self.vectors.reshape(-1, self.vectors.shape[-1])
+            arrays.update({f"v{names[k]}": column for k, column in enumerate(flat.T)})
+            if self.strength is not None:
+                arrays["strength"] = self.strength.ravel()
+            if self.spacing_mm is not None:
+                arrays["spacing"] = self.spacing_mm.ravel()
+        file = io.BytesIO()
+        np.savez(file, **{name: np.ascontiguousarray(a) for name, a in arrays.items()})  # type: ignore[arg-type]
+        return file.getvalue(), settings
+
+    def __repr__(self) -> str:
+        return f"<grainpath.Field: {' x '.join(map(str, self.shape))} points>"
+
+
+def _of_angles(angles: FloatArray) -> FloatArray:
+    return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+
+
+def _double(vectors: FloatArray) -> npt.NDArray[np.complex128]:
+    """Vectors of the doubled angle, which have no sign, as complex numbers of length 1."""
+    v = vectors[..., 0] + 1j * vectors[..., 1]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        double: npt.NDArray[np.complex128] = (v / np.abs(v)) ** 2
+    return double
+
+
+def _called(function: Function, points: FloatArray) -> FloatArray:
+    """What a user's function says at points, as vectors."""
+    parts = []
+    for first in range(0, len(points), BATCH):
+        batch = points[first : first + BATCH]
+        found = np.asarray(function(batch))
+        if found.dtype.kind not in "fiu":
+            raise InputError(f"the function returned the type {found.dtype}; numbers are needed")
+        found = found.astype(np.float64)
+        if found.shape == (len(batch),):
+            found = _of_angles(found)
+        elif found.ndim != 2 or len(found) != len(batch) or found.shape[1] not in (2, 3):
+            raise InputError(
+                f"the function returned the shape {found.shape} for {len(batch)} points; an angle ({len(batch)},) or a "
+                f"vector ({len(batch)}, 2) for each is needed"
+            )
+        parts.append(found)
+    return np.concatenate(parts)

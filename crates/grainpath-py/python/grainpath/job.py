@@ -1,0 +1,212 @@
+"""Jobs: a part with settings."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from . import _grainpath
+from ._checks import toml
+from .errors import JobError
+from .field import Field
+from .mesh import Mesh
+from .plan import Plan
+from .strength import Strength
+from .stress import Stress
+from .volume import Volume
+from .warning import Warning, warnings_of
+
+Shape = Mesh | Volume
+Progress = Callable[[str, int, int], object]
+
+#: The settings that name a shape in a job file; an array takes the place of all of them.
+SHAPES: dict[str, Any] = {
+    "shape.mesh": "",
+    "shape.outline": "",
+    "shape.ct.path": "",
+    "shape.photo.files": [],
+}
+
+
+class Cancel(Protocol):
+    """A token that ends a call, such as :class:`threading.Event`."""
+
+    def is_set(self) -> bool:
+        """Whether the call should end."""
+
+
+class Job:
+    """A part with settings. Jobs do not change; :meth:`with_` makes another.
+
+    Settings are those of the job file (``docs/settings.md``), with two underscores for each dot: ``fill__density=0.4``.
+    They are checked at once, and overrule the text of a job.
+
+    >>> import grainpath as gp
+    >>> job = gp.Job(gp.box(20, 10, 1), fill__density=0.4)
+    >>> job["fill.density"], job.with_(fill__density=0.2)["fill.density"]
+    ('0.4', '0.2')
+    """
+
+    _spec: _grainpath.Spec
+
+    def __init__(
+        self,
+        shape: Shape | None = None,
+        *,
+        field: Field | None = None,
+        stress: Stress | None = None,
+        text: str = "",
+        name: str = "job",
+        folder: str | os.PathLike[str] = "",
+        **settings: Any,
+    ) -> None:
+        sets = {_key(key): value for key, value in settings.items()}
+        self._build(shape, field, stress, text, name, os.fspath(folder), sets)
+
+    def _build(
+        self,
+        shape: Shape | None,
+        field: Field | None,
+        stress: Stress | None,
+        text: str,
+        name: str,
+        folder: str,
+        sets: dict[str, Any],
+    ) -> None:
+        if shape is not None and not isinstance(shape, (Mesh, Volume)):
+            raise JobError(f"shape is a {type(shape).__name__}; a Mesh or a Volume is needed, as grainpath.read gives")
+        if field is not None and not isinstance(field, Field):
+            raise JobError(f"field is a {type(field).__name__}; a grainpath.Field is needed")
+        if stress is not None and not isinstance(stress, Stress):
+            raise JobError(f"stress is a {type(stress).__name__}; a grainpath.Stress is needed")
+        if stress is not None and field is not None:
+            raise JobError("field and stress: exactly one guides the fill")
+        self._shape, self._field, self._stress = shape, field, stress
+        self._text, self._name, self._folder = text, name, folder
+        self._sets = sets
+        self._file: bytes | None = None
+        every: dict[str, Any] = {}
+        if shape is not None:
+            every.update(SHAPES)
+            every["shape.ct.path" if isinstance(shape, Volume) else "shape.mesh"] = f"grainpath.{type(shape).__name__}"
+        if field is not None:
+            self._file, of_field = field._file()
+            every.update(of_field)
+        if stress is not None:
+            every.update({"guide.kind": "stress", "guide.import": "grainpath.Stress"})
+        every.update(sets)
+        lines = [f"{key}={toml(value, key)}" for key, value in every.items()]
+        self._spec = _grainpath.Spec(text, name, folder, lines)
+
+    @classmethod
+    def from_toml(cls, path: str | os.PathLike[str], **settings: Any) -> Job:
+        """The job of a file. Paths in it are relative to its folder."""
+        path = os.fspath(path)
+        try:
+            with open(path, encoding="utf-8") as file:
+                text = file.read()
+        except OSError as error:
+            raise JobError(f"{path}: {(error.strerror or str(error)).lower()}", path) from error
+        except UnicodeDecodeError as error:
+            raise JobError(f"{path}: is not UTF-8 text", path) from error
+        return cls(text=text, name=path, folder=os.path.dirname(path), **settings)
+
+    @classmethod
+    def from_text(cls, text: str, *, folder: str | os.PathLike[str] = "", **settings: Any) -> Job:
+        """The job of a text. Paths in it are relative to ``folder``.
+
+        >>> import grainpath as gp
+        >>> gp.Job.from_text("[fill]\\ndensity = 0.3")["fill.density"]
+        '0.3'
+        """
+        return cls(text=text, folder=folder, **settings)
+
+    def with_(
+        self,
+        shape: Shape | None = None,
+        *,
+        field: Field | None = None,
+        stress: Stress | None = None,
+        **settings: Any,
+    ) -> Job:
+        """The same job with another shape, guide or settings. A field takes the place of a stress and the reverse."""
+        made = Job.__new__(Job)
+        sets = {**self._sets, **{_key(key): value for key, value in settings.items()}}
+        if field is None and stress is None:
+            field, stress = self._field, self._stress
+        made._build(shape or self._shape, field, stress, self._text, self._name, self._folder, sets)
+        return made
+
+    @property
+    def shape(self) -> Shape | None:
+        """The part, where it is no file."""
+        return self._shape
+
+    @property
+    def settings(self) -> dict[str, str]:
+        """All settings in use, by name, as text."""
+        return dict(self._spec.rows())
+
+    def __getitem__(self, key: str) -> str:
+        found = self.settings.get(key)
+        if found is None:
+            raise KeyError(key)
+        return found
+
+    @property
+    def warnings(self) -> list[Warning]:
+        """What was assumed or overruled while the job was read."""
+        return warnings_of(self._spec.warnings())
+
+    def plan(
+        self, *, progress: Progress | None = None, cancel: Cancel | None = None, threads: int | None = None
+    ) -> Plan:
+        """Plans the job.
+
+        ``progress(stage, done, total)`` is called in this thread, at most forty times a second. ``cancel`` is a token
+        such as :class:`threading.Event`; once set, :class:`Cancelled` is raised. Ctrl-C raises ``KeyboardInterrupt``.
+        The result does not depend on ``threads``. The interpreter's lock is free meanwhile.
+        """
+        return Plan._of(self, _grainpath.plan(*self._given(), (_threads(threads), progress, cancel)))
+
+    def strength(
+        self, *, progress: Progress | None = None, cancel: Cancel | None = None, threads: int | None = None
+    ) -> Strength:
+        """Plans the job and tests the part until it breaks; the job needs fixtures and loads. See :class:`Strength`."""
+        watch = (_threads(threads), progress, cancel)
+        return Strength(_grainpath.strength(*self._given(), None, watch))
+
+    def _strength_of(self, program: bytes, name: str, watch: tuple[Any, ...]) -> Strength:
+        """The test of another slicer's program of this part."""
+        return Strength(_grainpath.strength(*self._given(), (program, name), watch))
+
+    def _given(self) -> tuple[Any, Any, Any, Any, Any]:
+        mesh = self._shape._data if isinstance(self._shape, Mesh) else None
+        array = self._shape._given() if isinstance(self._shape, Volume) else None
+        stress = None if self._stress is None else self._stress._given()
+        return self._spec, mesh, array, self._file, stress
+
+    def __repr__(self) -> str:
+        parts = [self._name] + ([repr(self._shape)] if self._shape is not None else [])
+        return f"<grainpath.Job: {', '.join(parts)}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        arrays = (self._shape, self._field, self._stress)
+        return _again, (*arrays, self._text, self._name, self._folder, self._sets)
+
+
+def _again(*parts: Any) -> Job:
+    job = Job.__new__(Job)
+    job._build(*parts)
+    return job
+
+
+def _threads(threads: int | None) -> int | None:
+    if threads is not None and threads < 1:
+        raise JobError(f"threads = {threads} should be from 1 to 1024")
+    return threads
+
+
+def _key(key: str) -> str:
+    return key.replace("__", ".")

@@ -1,0 +1,155 @@
+"""Triangle meshes."""
+
+from __future__ import annotations
+
+import os
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _grainpath
+from ._checks import FloatArray, floats, read_only
+from .errors import InputError
+from .warning import Warning, warnings_of
+
+#: Millimetres of each unit of length.
+UNITS_MM = {"um": 1e-3, "mm": 1.0, "cm": 10.0, "inch": 25.4, "ft": 304.8, "m": 1000.0}
+
+
+class Mesh:
+    """A triangle mesh: vertices ``(n, 3)`` and faces ``(m, 3)``.
+
+    The arrays are copied once, whatever their type, byte order or strides, and cannot be changed afterwards.
+
+    >>> import grainpath as gp
+    >>> corner = gp.Mesh([[0, 0, 0], [10, 0, 0], [0, 10, 0], [0, 0, 10]], [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    >>> round(corner.volume_mm3, 3)
+    166.667
+    """
+
+    _data: _grainpath.MeshData
+
+    def __init__(self, vertices: npt.ArrayLike, faces: npt.ArrayLike, *, unit: str = "mm") -> None:
+        if unit not in UNITS_MM:
+            raise InputError(f"unit = {unit!r} should be one of {', '.join(UNITS_MM)}")
+        points = floats(vertices, "vertices", (None, 3))
+        corners = np.asarray(faces)
+        if corners.ndim != 2 or corners.shape[1] != 3:
+            raise InputError(f"faces has the shape {corners.shape}; (n, 3) is needed, a row a triangle")
+        if corners.dtype.kind not in "iu":
+            raise InputError(f"faces has the type {corners.dtype}; integers are needed")
+        if len(corners) == 0:
+            raise InputError("faces is empty; a mesh needs triangles")
+        outside = (corners < 0) | (corners >= len(points))
+        if outside.any():
+            k, i = (int(v) for v in np.argwhere(outside)[0])
+            raise InputError(
+                f"faces[{k}, {i}] is {corners[k, i]}; vertices are counted from 0 to {len(points) - 1}"
+            )
+        if len(points) > 2**32 - 1:
+            raise InputError(f"{len(points)} vertices; at most {2**32 - 1} are handled")
+        corners = np.ascontiguousarray(corners, dtype=np.uint32)
+        bodies: list[tuple[str | None, int, int]] = [(None, len(points), len(corners))]
+        self._data = _grainpath.mesh_from_arrays(points, corners, UNITS_MM[unit], bodies)
+
+    @classmethod
+    def _of(cls, data: _grainpath.MeshData) -> Mesh:
+        mesh = cls.__new__(cls)
+        mesh._data = data
+        return mesh
+
+    @cached_property
+    def vertices(self) -> FloatArray:
+        """Vertices of all bodies in the mesh's unit, ``(n, 3)``, read-only."""
+        return read_only(self._data.vertices())
+
+    @cached_property
+    def faces(self) -> npt.NDArray[np.uint32]:
+        """Vertices of each triangle, ``(m, 3)``, counter-clockwise seen from outside, read-only."""
+        return read_only(self._data.faces())
+
+    @property
+    def bodies(self) -> list[tuple[str | None, int, int]]:
+        """For each body its name, and its numbers of vertices and faces, which follow each other in the arrays."""
+        return self._data.bodies()
+
+    @property
+    def unit_mm(self) -> float | None:
+        """Millimetres of the mesh's unit; ``None`` for files that state none, which are taken for mm."""
+        return self._data.unit_mm()
+
+    @property
+    def warnings(self) -> list[Warning]:
+        """What was noticed in the file."""
+        return warnings_of(self._data.warnings())
+
+    @property
+    def bounds_mm(self) -> FloatArray:
+        """Lowest and highest corner, ``(2, 3)``, mm."""
+        used = self.vertices[np.unique(self.faces)] * (self.unit_mm or 1.0)
+        return np.stack([used.min(axis=0), used.max(axis=0)])
+
+    @property
+    def volume_mm3(self) -> float:
+        """Volume, mm3; negative for a mesh that is wound inside out."""
+        return self._data.volume() * (self.unit_mm or 1.0) ** 3
+
+    def __repr__(self) -> str:
+        size = np.ptp(self.bounds_mm, axis=0)
+        shown = " x ".join(f"{s:.6g}" for s in size)
+        return f"<grainpath.Mesh: {len(self.faces)} triangles, {len(self.bodies)} bodies, {shown} mm>"
+
+    def _repr_html_(self) -> str:
+        size = np.ptp(self.bounds_mm, axis=0)
+        rows = [
+            ("triangles", len(self.faces)),
+            ("bodies", len(self.bodies)),
+            ("size", " x ".join(f"{s:.6g}" for s in size) + " mm"),
+            ("volume", f"{self.volume_mm3:.6g} mm³"),
+        ]
+        cells = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in rows)
+        return f"<table><caption>Mesh</caption>{cells}</table>"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Mesh):
+            return NotImplemented
+        same = self.unit_mm == other.unit_mm and self.bodies == other.bodies
+        return (
+            same and np.array_equal(self.vertices, other.vertices) and np.array_equal(self.faces, other.faces)
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._data.painted():
+            raise InputError("a mesh with painted supports cannot be pickled; pass the name of its file")
+        return _from_arrays, (self.vertices, self.faces, self.unit_mm, self.bodies)
+
+
+def _from_arrays(vertices: Any, faces: Any, unit_mm: float | None, bodies: Any) -> Mesh:
+    return Mesh._of(_grainpath.mesh_from_arrays(vertices, faces, unit_mm, bodies))
+
+
+def box(x_mm: float, y_mm: float, z_mm: float) -> Mesh:
+    """A box with one corner in the origin.
+
+    >>> import grainpath as gp
+    >>> gp.box(20, 10, 5)
+    <grainpath.Mesh: 12 triangles, 1 bodies, 20 x 10 x 5 mm>
+    """
+    size = floats([x_mm, y_mm, z_mm], "size", (3,))
+    if (size <= 0).any():
+        raise InputError(f"a box of {x_mm} x {y_mm} x {z_mm} mm; all sides should be above 0")
+    corners = np.array([[i & 1, i >> 1 & 1, i >> 2] for i in range(8)]) * size
+    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    faces = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]
+    return Mesh(corners, faces)
+
+
+def read_mesh(path: str | os.PathLike[str]) -> Mesh:
+    """The mesh of a file: STL, OBJ, PLY, OFF or 3MF."""
+    return Mesh._of(_grainpath.mesh_from_file(os.fspath(path)))
+
+

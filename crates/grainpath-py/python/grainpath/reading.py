@@ -1,0 +1,22 @@
+"""Files."""
+
+from __future__ import annotations
+
+import os
+
+from .gcode import Program
+from .gcode import read as read_gcode
+from .mesh import Mesh, read_mesh
+
+#: Endings of programs.
+PROGRAMS = (".gcode", ".g", ".gco", ".nc", ".bgcode")
+
+
+def read(path: str | os.PathLike[str]) -> Mesh | Program:
+    """Reads a file: a mesh (STL, OBJ, PLY, OFF, 3MF), or a program by its ending (.gcode, .g, .gco, .nc).
+
+    Scans, drawings, photographs and results of finite elements are named in the job: ``Job(shape__ct__path="scan/")``.
+    """
+    if os.fspath(path).lower().endswith(PROGRAMS):
+        return read_gcode(path)
+    return read_mesh(path)

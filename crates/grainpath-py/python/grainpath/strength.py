@@ -1,0 +1,99 @@
+"""Virtual tests: how much a part carries until it breaks."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from . import _grainpath
+from ._checks import FloatArray, read_only
+from .errors import JobError
+from .warning import Warning, warnings_of
+
+
+class Strength:
+    """The result of a virtual test; ``docs/strength.md`` says what is computed and what is not.
+
+    >>> import grainpath as gp
+    >>> piece, job = gp.specimen("iso527-1a")
+    >>> job is not None
+    True
+    """
+
+    def __init__(self, data: _grainpath.StrengthData) -> None:
+        self._data: _grainpath.StrengthData | None = data
+        self._take(json.loads(data.report()))
+
+    def _take(self, found: dict[str, Any]) -> None:
+        self._found = found
+        #: All that was found, as ``grainpath strength --json`` prints it.
+        self.report: dict[str, Any] = found["strength"]
+        #: Mass of the program, g, and its time, s.
+        self.mass_g: float = found["mass_g"]
+        self.time_s: float = found["time_s"]
+
+    @property
+    def peak_n(self) -> float:
+        """The largest load, N."""
+        return float(self.report["peak_load_n"])
+
+    @property
+    def interval_n(self) -> tuple[float, float]:
+        """The peak load with the weakest and the strongest material and the error of the grid, N."""
+        return float(self.report["low_n"]), float(self.report["high_n"])
+
+    @property
+    def stiffness_n_per_mm(self) -> float:
+        """Load over displacement at the start."""
+        return float(self.report["stiffness_n_per_mm"])
+
+    @property
+    def curve(self) -> FloatArray:
+        """Displacement in mm and load in N, ``(n, 2)``."""
+        return read_only(np.array(self.report["curve"], dtype=np.float64).reshape(-1, 2))
+
+    @property
+    def mode(self) -> str:
+        """How the part fails mostly."""
+        return str(self.report["mode"])
+
+    @property
+    def weakest(self) -> str:
+        """Where it fails first."""
+        return str(self.report["weakest"]["words"])
+
+    @property
+    def warnings(self) -> list[Warning]:
+        """Warnings of the plan and the test."""
+        return warnings_of(self._found["warnings"])
+
+    def __repr__(self) -> str:
+        low, high = self.interval_n
+        return f"<grainpath.Strength: {self.peak_n:.0f} N ({low:.0f} to {high:.0f}), {self.mode}>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self._found
+
+    def __setstate__(self, found: dict[str, Any]) -> None:
+        # Comparisons need what stayed behind; the numbers do not.
+        self._data = None
+        self._take(found)
+
+
+def compare(tests: Sequence[Strength]) -> list[dict[str, Any]]:
+    """Several tests of one part side by side, as ``grainpath compare --json`` has them; ratios are to the first.
+
+    Tests of equal mass are made by ``job.with_(fill__mass_g=first.mass_g).strength()``.
+
+    >>> import grainpath as gp
+    >>> gp.compare([])
+    []
+    """
+    data = [test._data for test in tests]
+    if any(d is None for d in data):
+        raise JobError("a test that was pickled cannot be compared; compare first, or test again")
+    found: list[dict[str, Any]] = json.loads(_grainpath.compare([d for d in data if d is not None]))
+    return found

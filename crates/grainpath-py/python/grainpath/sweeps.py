@@ -1,0 +1,287 @@
+"""Many jobs: a table of what settings do.
+
+Work goes to anything with the shape of ``concurrent.futures``: ``submit`` gives a future with ``result`` and
+``add_done_callback``. Threads, processes, Dask's client, and SLURM or Kubernetes behind it all have it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import html
+import itertools
+import json
+import os
+import queue
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, Protocol, overload
+
+from . import _grainpath
+from .errors import GrainpathError, JobError
+from .job import Job
+from .volume import Volume
+
+#: What a row says of a plan, by path in its report.
+COLUMNS: dict[str, tuple[str, ...]] = {
+    "mass_g": ("mass_g",),
+    "time_s": ("time_s",),
+    "printed_mm": ("printed_mm",),
+    "travel_mm": ("travel_mm",),
+    "alignment_mean_deg": ("quality", "alignment_mean_deg"),
+    "gap": ("quality", "gap"),
+    "overlap": ("quality", "overlap"),
+    "max_von_mises_mpa": ("stress", "max_von_mises_mpa"),
+    "peak_load_n": ("strength", "peak_load_n"),
+    "low_n": ("strength", "low_n"),
+    "high_n": ("strength", "high_n"),
+}
+
+#: Settings that name files, whose contents are part of a job.
+FILES = ("shape.mesh", "shape.outline", "shape.ct.path", "shape.ct.truth", "guide.import", "guide.volume.path")
+
+Row = dict[str, Any]
+
+
+class Future(Protocol):
+    """What comes of ``submit``."""
+
+    def result(self) -> Any:
+        """The result, or the exception."""
+
+    def add_done_callback(self, fn: Callable[[Any], object], /) -> object:
+        """Calls ``fn`` with the future once it is done."""
+
+
+class Executor(Protocol):
+    """What work is handed to."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any) -> Any:
+        """Begins a call and gives its future."""
+
+
+class Sweep(Sequence[Row]):
+    """The rows of a sweep, in the order of its settings. A row has its settings, what was measured, ``seconds``,
+    ``cached``, and ``error``: ``None``, or why there is no plan."""
+
+    def __init__(self, rows: list[Row]) -> None:
+        self.rows = rows
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @overload
+    def __getitem__(self, k: int) -> Row: ...
+    @overload
+    def __getitem__(self, k: slice) -> list[Row]: ...
+    def __getitem__(self, k: int | slice) -> Row | list[Row]:
+        return self.rows[k]
+
+    def to_pandas(self) -> Any:
+        """The rows as a ``pandas.DataFrame``; pandas has to be installed."""
+        import pandas  # type: ignore[import-not-found,import-untyped,unused-ignore]
+
+        return pandas.DataFrame(self.rows)
+
+    def __repr__(self) -> str:
+        failed = sum(row["error"] is not None for row in self.rows)
+        return f"<grainpath.Sweep: {len(self)} jobs, {failed} failed>"
+
+    def _repr_html_(self) -> str:
+        names = list(self.rows[0]) if self.rows else []
+        head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
+
+        def cell(value: Any) -> str:
+            return html.escape("" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value))
+
+        body = "".join("<tr>" + "".join(f"<td>{cell(row[n])}</td>" for n in names) + "</tr>" for row in self.rows)
+        return f"<table><tr>{head}</tr>{body}</table>"
+
+
+def sweep(
+    job: Job,
+    settings: Mapping[str, Sequence[Any]],
+    *,
+    executor: Executor | None = None,
+    cache: str | os.PathLike[str] | None = None,
+    threads: int | None = None,
+    in_flight: int = 16,
+) -> Sweep:
+    """Plans and measures a job with every combination of settings.
+
+    ``settings`` holds a list of values for each name, written ``fill.density`` or ``fill__density``. Without an
+    ``executor`` jobs run here, one after the other, each on all cores; with one each job has one thread, unless
+    ``threads`` says otherwise. At most ``in_flight`` jobs are handed over at a time.
+
+    A job that fails is a row with its ``error``, and the others go on. ``cache`` is a folder: what is in it is not
+    computed again, so that a sweep that was interrupted goes on where it was. An entry belongs to a version of
+    grainpath, the job, and the contents of all its files and arrays. Failures are not kept.
+
+    >>> import grainpath as gp
+    >>> table = gp.sweep(gp.Job(gp.box(20, 10, 1)), {"fill.density": [0.2, 0.4], "process.walls": [1, 30, 99]})
+    >>> table
+    <grainpath.Sweep: 6 jobs, 0 failed>
+    """
+    if in_flight < 1:
+        raise JobError(f"in_flight = {in_flight} should be at least 1")
+    names = [name.replace("__", ".") for name in settings]
+    for name, values in settings.items():
+        if isinstance(values, str) or not isinstance(values, Sequence) or len(values) == 0:
+            raise JobError(f"{name} = {values!r}; a list of at least one value is needed")
+    points = [dict(zip(names, point, strict=True)) for point in itertools.product(*settings.values())]
+    folder = None if cache is None else os.fspath(cache)
+    if folder is not None:
+        os.makedirs(folder, exist_ok=True)
+    rows: list[Row | None] = [None] * len(points)
+    of_inputs = _hash_of_inputs(job) if folder is not None else ""
+    waiting: list[tuple[int, str | None]] = []
+    for k, point in enumerate(points):
+        entry = None if folder is None else os.path.join(folder, _key(job, of_inputs, point) + ".json")
+        found = None if entry is None else _read(entry)
+        if found is None:
+            waiting.append((k, entry))
+        else:
+            rows[k] = {**point, **found, "cached": True, "error": None}
+    for k, entry, measured in _measured(job, points, waiting, executor, threads, in_flight):
+        rows[k] = {**points[k], **measured, "cached": False}
+        if entry is not None and measured["error"] is None:
+            _write(entry, {name: value for name, value in measured.items() if name != "error"})
+    return Sweep([row for row in rows if row is not None])
+
+
+def _measured(
+    job: Job,
+    points: list[dict[str, Any]],
+    waiting: list[tuple[int, str | None]],
+    executor: Executor | None,
+    threads: int | None,
+    in_flight: int,
+) -> Iterator[tuple[int, str | None, Row]]:
+    """Measures the jobs that wait, in the order in which they end."""
+    if executor is None:
+        for k, entry in waiting:
+            yield k, entry, measure(job, points[k], threads)
+        return
+    done: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    running: dict[Any, tuple[int, str | None]] = {}
+    left = iter(waiting)
+    try:
+        while True:
+            for k, entry in itertools.islice(left, in_flight - len(running)):
+                future = executor.submit(measure, job, points[k], 1 if threads is None else threads)
+                running[future] = (k, entry)
+                future.add_done_callback(done.put)
+            if not running:
+                return
+            future = done.get()
+            k, entry = running.pop(future)
+            try:
+                measured = future.result()
+            except Exception as error:
+                # The worker itself was lost: its process ended, or its host.
+                measured = _failed(error, 0.0)
+            yield k, entry, measured
+    finally:
+        for future in running:
+            future.cancel()
+
+
+def measure(job: Job, point: Mapping[str, Any], threads: int | None) -> Row:
+    """What a row of a sweep says of a job with these settings. It runs wherever the executor runs it."""
+    start = time.perf_counter()
+    try:
+        own = job.with_(**{name.replace(".", "__"): value for name, value in point.items()})
+        report = own.plan(threads=threads).report
+    except GrainpathError as error:
+        return _failed(error, time.perf_counter() - start)
+    row: Row = {}
+    for name, path in COLUMNS.items():
+        value: Any = report
+        for step in path:
+            value = value.get(step) if isinstance(value, dict) else None
+        row[name] = value
+    row["warnings"] = sorted({w["id"] for w in report["warnings"]})
+    row["seconds"] = time.perf_counter() - start
+    row["error"] = None
+    return row
+
+
+def _failed(error: Exception, seconds: float) -> Row:
+    row: Row = dict.fromkeys(COLUMNS)
+    return {**row, "warnings": [], "seconds": seconds, "error": f"{type(error).__name__}: {error}"}
+
+
+def _hash_of_inputs(job: Job) -> str:
+    """A hash of what a job is, apart from its settings: arrays, and the contents of files."""
+    digest = hashlib.sha256()
+    if isinstance(job.shape, Volume):
+        volume = job.shape
+        digest.update(repr((volume.shape, volume.dtype.str, volume.spacing)).encode())
+        for k in range(volume.shape[0]):
+            digest.update(volume._slices(k, 1).tobytes())
+    elif job.shape is not None:
+        digest.update(job.shape.vertices.tobytes())
+        digest.update(job.shape.faces.tobytes())
+        digest.update(repr((job.shape.unit_mm, job.shape.bodies, job.shape._data.painted())).encode())
+    if job._file is not None:
+        digest.update(job._file)
+    if job._stress is not None:
+        digest.update(job._stress.points.tobytes() + job._stress.tensors.tobytes())
+    settings = job.settings
+    names = [settings.get(name, "").strip('"') for name in FILES]
+    for section in ("shape.photo.files", "guide.image.files"):
+        listed = settings.get(section, "[]")
+        names += json.loads(listed) if listed.startswith("[") else []
+    if job._field is None:
+        names.append(settings.get("guide.field.path", "").strip('"'))
+    for name in names:
+        path = os.path.join(job._folder, name)
+        if name and os.path.exists(path):
+            digest.update(name.encode())
+            for file in _files(path):
+                digest.update(os.path.basename(file).encode())
+                with open(file, "rb") as stream:
+                    digest.update(hashlib.file_digest(stream, "sha256").digest())
+    return digest.hexdigest()
+
+
+def _files(path: str) -> list[str]:
+    if not os.path.isdir(path):
+        return [path]
+    return [os.path.join(path, name) for name in sorted(os.listdir(path)) if os.path.isfile(os.path.join(path, name))]
+
+
+def _key(job: Job, of_inputs: str, point: Mapping[str, Any]) -> str:
+    made = job.with_(**{name.replace(".", "__"): value for name, value in point.items()}) if _sound(job, point) else job
+    said = (_grainpath.__version__, of_inputs, sorted(made.settings.items()), sorted(COLUMNS), repr(sorted(point.items())))
+    # The text of the job has what its settings do not show: loads and fixtures.
+    return hashlib.sha256(repr((said, job._text, sorted(map(repr, job._sets.items())))).encode()).hexdigest()
+
+
+def _sound(job: Job, point: Mapping[str, Any]) -> bool:
+    try:
+        job.with_(**{name.replace(".", "__"): value for name, value in point.items()})
+    except GrainpathError:
+        return False
+    return True
+
+
+def _read(path: str) -> Row | None:
+    try:
+        with open(path, encoding="utf-8") as file:
+            found = json.load(file)
+    except (OSError, ValueError):
+        return None
+    return found if isinstance(found, dict) else None
+
+
+def _write(path: str, row: Row) -> None:
+    # Written beside its place and renamed, so that a sweep that dies leaves no half of an entry.
+    handle, temporary = tempfile.mkstemp(dir=os.path.dirname(path), suffix=".part")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            json.dump(row, file)
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise

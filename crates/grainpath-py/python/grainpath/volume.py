@@ -1,0 +1,84 @@
+"""Scans as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._checks import floats
+from .errors import InputError
+
+#: Types of voxels, as the planner names them.
+SAMPLES = {
+    "uint8": "u8",
+    "int8": "i8",
+    "uint16": "u16",
+    "int16": "i16",
+    "uint32": "u32",
+    "int32": "i32",
+    "float32": "f32",
+    "float64": "f64",
+}
+
+
+class Volume:
+    """A scan: grey values ``array[plane, row, column]`` and the distances of voxels, mm, in the same order.
+
+    ``array`` is anything with ``shape``, ``dtype`` and ``__getitem__``: a numpy array of any byte order and strides, a
+    memory map, an h5py, Zarr or Dask array. Nothing is copied: it is kept, and read in slabs of planes while a plan is
+    made, in the thread that called :meth:`Job.plan`. Columns lie along x, rows along y, planes along z.
+
+    >>> import numpy as np, grainpath as gp
+    >>> z, y, x = np.mgrid[:10, :60, :60]
+    >>> ball = (200 * ((x - 30) ** 2 + (y - 30) ** 2 < 400)).astype("u1")
+    >>> gp.Job(gp.Volume(ball, spacing=(0.2, 0.2, 0.2))).plan()
+    <grainpath.Plan: 10 layers to 2 mm>
+    """
+
+    def __init__(self, array: Any, *, spacing: float | Sequence[float] | None = None) -> None:
+        shape = getattr(array, "shape", None)
+        if shape is None or not hasattr(array, "__getitem__"):
+            array = np.asarray(array)
+            shape = array.shape
+        if len(shape) != 3:
+            raise InputError(f"the array has the shape {tuple(shape)}; (planes, rows, columns) is needed")
+        if 0 in shape:
+            raise InputError(f"the array has the shape {tuple(shape)}, which is empty")
+        dtype = np.dtype(getattr(array, "dtype", np.float32))
+        if dtype.kind == "b":
+            dtype = np.dtype(np.uint8)
+        if dtype.newbyteorder("=").name not in SAMPLES and dtype.kind not in "iuf":
+            raise InputError(f"the array has the type {dtype}; integers or floats are needed")
+        self.array = array
+        self.shape: tuple[int, int, int] = (int(shape[0]), int(shape[1]), int(shape[2]))
+        self.dtype = dtype
+        self.spacing: tuple[float, float, float] | None = None
+        if spacing is not None:
+            given = floats([spacing] * 3 if np.ndim(spacing) == 0 else spacing, "spacing", (3,))
+            if (given <= 0).any():
+                raise InputError(f"spacing is {spacing}; all three should be above 0, mm")
+            self.spacing = (float(given[0]), float(given[1]), float(given[2]))
+
+    def _slices(self, first: int, count: int) -> npt.NDArray[np.float32]:
+        """Planes as one flat array of float32."""
+        block = np.asarray(self.array[first : first + count])
+        if block.shape != (count, *self.shape[1:]):
+            raise InputError(
+                f"planes {first} to {first + count} of the array have the shape {block.shape}; "
+                f"{(count, *self.shape[1:])} is needed"
+            )
+        return np.ascontiguousarray(block, dtype=np.float32).reshape(-1)
+
+    def _given(self) -> tuple[list[int], str, list[float] | None, Any]:
+        planes, rows, columns = self.shape
+        sample = SAMPLES.get(self.dtype.newbyteorder("=").name, "f32")
+        spacing = None if self.spacing is None else list(reversed(self.spacing))
+        return [columns, rows, planes], sample, spacing, self._slices
+
+    def __repr__(self) -> str:
+        shape = " x ".join(map(str, self.shape))
+        spacing = "no spacing" if self.spacing is None else f"{self.spacing} mm"
+        return f"<grainpath.Volume: {shape} {self.dtype}, {spacing}>"

@@ -1,0 +1,25 @@
+//! The command line, for the console script of the package.
+
+use std::ffi::OsString;
+
+use pyo3::prelude::*;
+
+/// Runs a command; `args` begins with the program's name. Returns the exit code. Ctrl-C and wrong usage end the
+/// process, as they end the program.
+#[pyfunction]
+pub fn cli(py: Python<'_>, args: Vec<OsString>) -> u8 {
+    py.detach(|| grainpath_cli::main_with(args))
+}
+
+/// The commands, each with the names of its arguments: what `docs/python.md` is held against.
+#[pyfunction]
+pub fn cli_commands() -> Vec<(String, Vec<String>)> {
+    let command = grainpath_cli::command();
+    let of = |c: &clap::Command| {
+        let shown = c
+            .get_arguments()
+            .map(|a| a.get_long().map_or_else(|| a.get_id().to_string(), |l| format!("--{l}")));
+        (c.get_name().to_owned(), shown.collect())
+    };
+    command.get_subcommands().map(of).collect()
+}

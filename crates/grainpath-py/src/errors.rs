@@ -1,0 +1,72 @@
+//! Errors of grainpath as the exceptions of `grainpath.errors`.
+
+use std::any::Any;
+
+use grainpath_cli::Failure;
+use grainpath_job::JobError;
+use pyo3::prelude::*;
+
+/// Exceptions of `grainpath.errors`.
+#[derive(Clone, Copy)]
+pub enum Kind {
+    Job,
+    Input,
+    Physics,
+    Cancelled,
+    Internal,
+}
+
+impl Kind {
+    const fn class(self) -> &'static str {
+        match self {
+            Self::Job => "JobError",
+            Self::Input => "InputError",
+            Self::Physics => "PhysicsError",
+            Self::Cancelled => "Cancelled",
+            Self::Internal => "InternalError",
+        }
+    }
+}
+
+/// An exception with its message; `file` and `line` are the place, where there is one.
+pub fn exception(
+    py: Python<'_>,
+    kind: Kind,
+    message: &str,
+    file: Option<&str>,
+    line: Option<usize>,
+) -> PyErr {
+    let class = py.import("grainpath.errors").and_then(|errors| errors.getattr(kind.class()));
+    match class.and_then(|class| class.call1((message, file, line))) {
+        Ok(made) => PyErr::from_value(made),
+        Err(error) => error,
+    }
+}
+
+/// A failure of reading, planning or writing.
+pub fn of_failure(py: Python<'_>, failure: &Failure) -> PyErr {
+    // The exit codes of the command line are told apart by who has to act, as exceptions are.
+    let kind = match failure.code {
+        2 => Kind::Job,
+        3 => Kind::Input,
+        4 => Kind::Physics,
+        130 => Kind::Cancelled,
+        _ => Kind::Internal,
+    };
+    exception(py, kind, &failure.message, None, None)
+}
+
+/// An error in a job, with its file and line.
+pub fn of_job(py: Python<'_>, error: &JobError) -> PyErr {
+    let place = error.location();
+    let file = place.map(|p| p.file.as_str());
+    exception(py, Kind::Job, &error.to_string(), file, place.and_then(|p| p.line))
+}
+
+/// A panic: an error of grainpath itself.
+pub fn of_panic(py: Python<'_>, payload: &(dyn Any + Send)) -> PyErr {
+    let text = payload.downcast_ref::<&str>().map(|s| (*s).to_owned());
+    let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
+    let message = format!("grainpath failed: {text}; this is an error of grainpath, please report it");
+    exception(py, Kind::Internal, &message, None, None)
+}

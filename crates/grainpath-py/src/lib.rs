@@ -1,0 +1,47 @@
+//! The planner as a Python module.
+//!
+//! This crate is the part of the package `grainpath` that is written in Rust: it converts arrays to the types of the
+//! planner and back. What users call is in `python/grainpath`, which checks arguments and documents them. Reading,
+//! planning and writing are those of the command line, so that both give the same bytes.
+//!
+//! Python objects are touched on the caller's thread alone; `worker` says how long work is watched from there.
+
+mod cli;
+mod errors;
+mod mesh;
+mod pieces;
+mod plan;
+mod pool;
+mod program;
+mod roles;
+mod spec;
+mod strength;
+mod stress;
+mod volume;
+mod worker;
+
+/// The functions and classes that `python/grainpath` builds on.
+#[pyo3::pymodule]
+mod _grainpath {
+    #[pymodule_export]
+    use crate::cli::{cli, cli_commands};
+    #[pymodule_export]
+    use crate::mesh::{MeshData, mesh_from_arrays, mesh_from_file};
+    #[pymodule_export]
+    use crate::pieces::{example, inspect, marker_sheet, pieces, specimen, support};
+    #[pymodule_export]
+    use crate::plan::{PlanData, plan};
+    #[pymodule_export]
+    use crate::program::{ProgramData, program_from_bytes};
+    #[pymodule_export]
+    use crate::roles::roles;
+    #[pymodule_export]
+    use crate::spec::{Spec, profiles, schema};
+    #[pymodule_export]
+    use crate::strength::{StrengthData, compare, strength};
+    #[pymodule_export]
+    use crate::stress::StressData;
+    #[pymodule_export]
+    #[allow(non_upper_case_globals)]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,308 @@
+//! Plans: from settings and arrays to paths, the program, and the report.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use grainpath::Planned;
+use grainpath::measure::strength::test;
+use grainpath_cli::{Failure, Given, Handed};
+use grainpath_core::diagnostics::Stage;
+use grainpath_core::slices::SampleType;
+use grainpath_core::{DVec3, Diagnostics, SpeedClass, Warning};
+use grainpath_gcode::Written;
+use grainpath_io::MeshFile;
+use grainpath_io::directions::{DirectionSamples, parse_directions};
+use grainpath_io::fe::{FeFormat, FeResult, StressField};
+use grainpath_job::Settings;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::mesh::MeshData;
+use crate::roles::role_number;
+use crate::spec::Spec;
+use crate::stress::StressData;
+use crate::volume::ArraySource;
+use crate::worker::{self, Caller, Request};
+
+/// Name of a shape that is no file, in errors and in the report.
+const ARRAY: &str = "an array";
+
+/// A planned job and what was made of it.
+#[pyclass(frozen, module = "grainpath._grainpath")]
+pub struct PlanData {
+    /// Shared with the threads that write and measure it.
+    plan: Arc<Kept>,
+    /// Number of threads that was asked for, which later calls use too.
+    threads: Option<usize>,
+}
+
+/// A plan, and what later steps need of its run.
+struct Kept {
+    settings: Settings,
+    planned: Planned,
+    read_s: f64,
+    warnings: Vec<Warning>,
+    /// The program, once it was written.
+    program: Mutex<Option<Arc<Program>>>,
+}
+
+/// The program of a plan, its measures, and the seconds that writing took.
+struct Program {
+    bytes: Vec<u8>,
+    written: Written,
+    write_s: f64,
+}
+
+impl Kept {
+    /// The program, written at the first call.
+    fn program(&self) -> Result<Arc<Program>, Failure> {
+        let mut kept = self.program.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(program) = &*kept {
+            return Ok(Arc::clone(program));
+        }
+        let start = std::time::Instant::now();
+        let (bytes, written) = grainpath_cli::program_bytes(&self.settings, &self.planned)?;
+        let program = Arc::new(Program { bytes, written, write_s: start.elapsed().as_secs_f64() });
+        *kept = Some(Arc::clone(&program));
+        Ok(program)
+    }
+
+    /// The report of a run that would write the program alone, as JSON.
+    fn report(&self, diagnostics: &Diagnostics) -> Result<String, Failure> {
+        let (settings, planned) = (&self.settings, &self.planned);
+        self.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
+        let program = self.program()?;
+        let read = grainpath_cli::read_back(settings, &program.bytes)?;
+        let mut report =
+            grainpath_cli::report_of(settings, planned, &program.written, Some(&read), diagnostics);
+        report.stages_s.insert(Stage::Read.name(), self.read_s);
+        report.stages_s.insert(Stage::Write.name(), program.write_s);
+        if let Some(setup) = &planned.test {
+            let shift = planned.plan.plate_from_part_mm.truncate();
+            let tested = test(settings, setup, &read, Some(shift), diagnostics);
+            report.strength = Some(tested.map_err(grainpath::Error::from)?.report);
+        }
+        report.warnings = diagnostics.warnings();
+        report.peak_rss_mb = grainpath_cli::peak_rss_mb();
+        Ok(report.to_json().to_string())
+    }
+}
+
+impl PlanData {
+    /// The planned job.
+    pub fn planned(&self) -> &Planned {
+        &self.plan.planned
+    }
+}
+
+#[pymethods]
+impl PlanData {
+    /// Height of the nozzle and thickness of each layer, mm, alternating.
+    fn heights<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let layers = &self.plan.planned.plan.layers;
+        PyArray1::from_vec(py, layers.iter().flat_map(|l| [l.z_top_mm, l.height_mm]).collect())
+    }
+
+    /// Where the part's origin stands on the plate, mm.
+    fn plate_from_part_mm(&self) -> [f64; 3] {
+        self.plan.planned.plan.plate_from_part_mm.to_array()
+    }
+
+    /// The vertices of a layer, `(n, 3)`: x, y, width; and its paths as packed records, `PATH` of `grainpath.plan`.
+    #[allow(clippy::type_complexity)]
+    fn layer<'py>(
+        &self,
+        py: Python<'py>,
+        k: usize,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<u8>>)> {
+        let (mut vertices, mut paths) = (Vec::new(), Vec::new());
+        for planned in &self.plan.planned.plan.layers[k].paths {
+            let path = &planned.path;
+            let first = (vertices.len() / 3) as u32;
+            for (i, p) in path.points.iter().enumerate() {
+                vertices.extend([p.x, p.y, path.width_at(i)]);
+            }
+            paths.extend(first.to_ne_bytes());
+            paths.extend((path.points.len() as u32).to_ne_bytes());
+            let speed = match path.speed {
+                SpeedClass::Normal => 0,
+                SpeedClass::SmallWall => 1,
+                SpeedClass::Overhang => 2,
+                SpeedClass::Bridge => 3,
+            };
+            let closed = u8::from(path.closed);
+            let retract = u8::from(planned.travel.retract);
+            paths.extend([role_number(path.role), speed, closed, retract, path.rank, 0, 0, 0]);
+            paths.extend(path.flow.to_ne_bytes());
+            paths.extend(path.length_mm().to_ne_bytes());
+        }
+        let n = vertices.len() / 3;
+        Ok((PyArray1::from_vec(py, vertices).reshape([n, 3])?, PyArray1::from_vec(py, paths)))
+    }
+
+    /// The rings of a layer's section: for each polygon its outer ring and its holes, `(n, 2)`.
+    fn section<'py>(&self, py: Python<'py>, k: usize) -> PyResult<Vec<Vec<Bound<'py, PyArray2<f64>>>>> {
+        let ring = |points: &[grainpath_core::DVec2]| {
+            let flat: Vec<f64> = points.iter().flat_map(|p| p.to_array()).collect();
+            PyArray1::from_vec(py, flat).reshape([points.len(), 2])
+        };
+        let region = self.plan.planned.stack.layers()[k].region();
+        let of = |p: &grainpath_core::Polygon| p.contours().map(|c| ring(c)).collect();
+        region.polygons.iter().map(of).collect()
+    }
+
+    /// Number of sections.
+    fn n_sections(&self) -> usize {
+        self.plan.planned.stack.layers().len()
+    }
+
+    /// Warnings of planning as JSON.
+    fn warnings(&self) -> String {
+        serde_json::json!(self.plan.warnings).to_string()
+    }
+
+    /// The stress of each load case: name and weight, nodes, stress at the nodes and displacement.
+    fn stress(&self) -> Vec<StressData> {
+        let guide = self.plan.planned.guide.as_ref();
+        let cases = guide.map(|g| g.cases.iter().zip(&g.results)).into_iter().flatten();
+        cases.map(|(case, mesh)| StressData::new(case.weight, mesh)).collect()
+    }
+
+    /// The surface of the supports; `None` for jobs without, and where nothing hangs over.
+    fn support(&self, py: Python<'_>) -> PyResult<Option<MeshData>> {
+        let plan = Arc::clone(&self.plan);
+        let caller = Caller { threads: self.threads, ..Caller::default() };
+        worker::run(py, &caller, move |diagnostics, _| {
+            let Some(support) = &plan.planned.support else { return Ok(None) };
+            let method = plan.settings.support.solid;
+            let mesh =
+                grainpath::support::surface(&support.cut.layers, &plan.planned.stack, method, diagnostics)
+                    .map_err(grainpath::Error::from)?;
+            Ok((!mesh.triangles.is_empty()).then(|| MeshData::of(mesh)))
+        })
+    }
+
+    /// The program, byte for byte what `grainpath run` writes.
+    fn gcode<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let plan = Arc::clone(&self.plan);
+        let caller = Caller { threads: self.threads, ..Caller::default() };
+        let program = worker::run(py, &caller, move |_, _| plan.program())?;
+        Ok(PyBytes::new(py, &program.bytes))
+    }
+
+    /// The report as JSON.
+    fn report(
+        &self,
+        py: Python<'_>,
+        progress: Option<Bound<'_, PyAny>>,
+        cancel: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        let plan = Arc::clone(&self.plan);
+        let caller = Caller { progress, cancel, threads: self.threads, array: None };
+        worker::run(py, &caller, move |diagnostics, _| plan.report(diagnostics))
+    }
+}
+
+/// A caller's array: columns, rows and slices, the type of a voxel, the distances in x, y and z, mm, and a function that
+/// reads slices.
+pub type Array<'py> = ([usize; 3], String, Option<[f64; 3]>, Bound<'py, PyAny>);
+/// What of a caller's array may go to another thread.
+pub type ArrayShape = ([usize; 3], String, Option<[f64; 3]>);
+
+/// The two halves of a caller's array.
+pub fn halves(array: Option<Array<'_>>) -> (Option<ArrayShape>, Option<Bound<'_, PyAny>>) {
+    match array {
+        Some((size, sample, spacing_mm, slices)) => (Some((size, sample, spacing_mm)), Some(slices)),
+        None => (None, None),
+    }
+}
+
+/// A shape that is no file.
+pub struct Shape {
+    pub mesh: Option<MeshFile>,
+    pub array: Option<ArrayShape>,
+}
+
+impl Shape {
+    /// The shape for the planner; slices are asked for through `requests`.
+    pub fn handed(self, requests: Sender<Request>) -> Option<Handed> {
+        let scan = |(size, sample, spacing_mm): ArrayShape| {
+            let sample = SampleType::from_name(&sample).unwrap_or(SampleType::F32);
+            Handed::Scan(Box::new(ArraySource::new(size, sample, spacing_mm, requests)))
+        };
+        self.mesh.map(Handed::Mesh).or_else(|| self.array.map(scan))
+    }
+}
+
+/// Stress at points: positions in mm, `(n, 3)`, and MPa, `(n, 6)`, both flat.
+pub type PointStress<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
+
+/// What of it may go to another thread.
+pub fn stress_result(given: Option<PointStress<'_>>) -> PyResult<Option<FeResult>> {
+    let Some((points, stress)) = given else { return Ok(None) };
+    let nodes: Vec<DVec3> = points.as_slice()?.chunks_exact(3).map(DVec3::from_slice).collect();
+    let six = |s: &[f64]| [s[0], s[1], s[2], s[3], s[4], s[5]];
+    let plane = nodes.windows(2).all(|w| w[0].z == w[1].z);
+    Ok(Some(FeResult {
+        format: FeFormat::Csv,
+        nodes,
+        elements: Vec::new(),
+        stress: stress.as_slice()?.chunks_exact(6).map(six).collect(),
+        displacement: None,
+        plane,
+        stress_array: "an array".to_owned(),
+        warnings: Vec::new(),
+    }))
+}
+
+/// The directions in the bytes of a `.npz`.
+pub fn field(bytes: Option<&[u8]>, settings: &Settings) -> Result<Option<DirectionSamples>, Failure> {
+    let Some(bytes) = bytes else { return Ok(None) };
+    let read = parse_directions(&[("field.npz", bytes)], &grainpath::run::config::directions(settings));
+    let wrong = |source| grainpath::Error::Directions { path: "the field".to_owned(), source };
+    Ok(Some(read.map_err(wrong)?))
+}
+
+/// The file of the shape, or a name for errors where it is given.
+pub fn shape_path(given: &Given, settings: &Settings, job: &str, folder: &Path) -> Result<PathBuf, Failure> {
+    match given.shape {
+        Some(_) => Ok(PathBuf::from(ARRAY)),
+        None => grainpath_cli::shape_of(settings, folder).ok_or_else(|| grainpath_cli::no_shape(job)),
+    }
+}
+
+/// Plans a job. `mesh`, `array`, `directions` and `stress` stand in the place of files; `directions` is the bytes of a
+/// `.npz`. `watch` is the number of threads, and what is called while the plan is made.
+#[pyfunction]
+#[pyo3(signature = (spec, mesh, array, directions, stress, watch))]
+pub fn plan<'py>(
+    py: Python<'py>,
+    spec: &Bound<'py, Spec>,
+    mesh: Option<Bound<'py, MeshData>>,
+    array: Option<Array<'py>>,
+    directions: Option<Vec<u8>>,
+    stress: Option<PointStress<'py>>,
+    watch: (Option<usize>, Option<Bound<'py, PyAny>>, Option<Bound<'py, PyAny>>),
+) -> PyResult<PlanData> {
+    let spec = spec.get();
+    let (settings, job, folder) = (spec.settings.clone(), spec.name.clone(), spec.folder.clone());
+    let mesh = mesh.map(|m| m.get().file.clone());
+    let (array, slices) = halves(array);
+    let (threads, progress, cancel) = watch;
+    let caller = Caller { progress, cancel, array: slices, threads };
+    let stress = stress_result(stress)?;
+    let kept = worker::run(py, &caller, move |diagnostics, requests| {
+        let given = Given {
+            shape: Shape { mesh, array }.handed(requests),
+            directions: field(directions.as_deref(), &settings)?,
+            stress: stress.map(StressField::new),
+        };
+        let path = shape_path(&given, &settings, &job, &folder)?;
+        let (planned, read_s) = grainpath_cli::plan_given(&settings, given, &path, &folder, diagnostics)?;
+        let warnings = diagnostics.warnings();
+        Ok(Kept { settings, planned, read_s, warnings, program: Mutex::new(None) })
+    })?;
+    Ok(PlanData { plan: Arc::new(kept), threads })
+}

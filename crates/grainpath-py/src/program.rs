@@ -1,0 +1,108 @@
+//! Programs of any slicer as arrays.
+
+use grainpath_cli::Failure;
+use grainpath_gcode::{Limits, Program, simulate};
+use grainpath_view::layer::{ColourBy, PictureOptions, layer_png, layer_svg, thumbnail_png};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use serde_json::json;
+
+use crate::plan::PlanData;
+use crate::roles::role_number;
+use crate::worker::{self, Caller};
+
+/// A program that was replayed.
+#[pyclass(frozen, module = "grainpath._grainpath")]
+pub struct ProgramData {
+    program: Program,
+}
+
+#[pymethods]
+impl ProgramData {
+    /// Height of the nozzle and thickness of each layer, mm, alternating.
+    fn heights<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_vec(py, self.program.layers.iter().flat_map(|l| [l.z_mm, l.height_mm]).collect())
+    }
+
+    /// All beads as packed records, `BEAD` of `grainpath.gcode`.
+    fn beads<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        let n: usize = self.program.layers.iter().map(|l| l.beads.len()).sum();
+        let mut out = Vec::with_capacity(36 * n);
+        for (k, layer) in self.program.layers.iter().enumerate() {
+            for bead in &layer.beads {
+                let [a, b] = [bead.a, bead.b];
+                let width = bead.width_mm(layer.height_mm) as f32;
+                for v in [a[0], a[1], b[0], b[1], width, bead.volume_mm3, bead.speed_mm_s] {
+                    out.extend(v.to_ne_bytes());
+                }
+                out.extend((k as u32).to_ne_bytes());
+                out.extend([role_number(bead.role), u8::from(bead.starts), 0, 0]);
+            }
+        }
+        PyArray1::from_vec(py, out)
+    }
+
+    /// All travels as packed records, `TRAVEL` of `grainpath.gcode`.
+    fn travels<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u8>> {
+        let mut out = Vec::new();
+        for (k, layer) in self.program.layers.iter().enumerate() {
+            for v in layer.travels.iter().flat_map(|ends| ends.as_flattened().chunks_exact(4)) {
+                v.iter().for_each(|c| out.extend(c.to_ne_bytes()));
+                out.extend((k as u32).to_ne_bytes());
+            }
+        }
+        PyArray1::from_vec(py, out)
+    }
+
+    /// A picture of layer `k`, or of the whole part: PNG, or SVG as text.
+    #[pyo3(signature = (k, color, size_px, travels, svg, plan))]
+    fn render(
+        &self,
+        k: Option<usize>,
+        color: &str,
+        size_px: u32,
+        travels: bool,
+        svg: bool,
+        plan: Option<Bound<'_, PlanData>>,
+    ) -> Vec<u8> {
+        let Some(k) = k else {
+            let layers: Vec<_> = self.program.layers.iter().map(grainpath_cli::picture).collect();
+            return thumbnail_png(&layers, size_px, size_px * 3 / 4);
+        };
+        let mut picture = grainpath_cli::picture(&self.program.layers[k]);
+        if let Some(plan) = plan {
+            grainpath_cli::tell_directions(&mut picture, &self.program, plan.get().planned());
+        }
+        let colour_by = ColourBy::from_name(color).unwrap_or_default();
+        let options = PictureOptions { colour_by, size_px, travels, window: None };
+        if svg { layer_svg(&picture, &options).into_bytes() } else { layer_png(&picture, &options) }
+    }
+
+    /// What was counted and measured, as JSON.
+    fn summary(&self) -> String {
+        let p = &self.program;
+        json!({
+            "generator": p.generator, "layers": p.layers.len(), "printed_mm": p.printed_mm,
+            "travel_mm": p.travel_mm, "extruded_mm3": p.extruded_mm3, "filament_mm": p.filament_mm,
+            "retractions": p.retractions, "time_s": p.time_s, "commands": p.commands, "arcs": p.arcs,
+            "nozzle_temp_c": p.nozzle_temp_c, "bed_temp_c": p.bed_temp_c, "thumbnails": p.thumbnails,
+            "warnings": p.warnings,
+        })
+        .to_string()
+    }
+}
+
+/// Replays a program; `name` is its name in errors.
+#[pyfunction]
+pub fn program_from_bytes(
+    py: Python<'_>,
+    bytes: Vec<u8>,
+    name: String,
+    filament_mm: f64,
+) -> PyResult<ProgramData> {
+    worker::run(py, &Caller::default(), move |_, _| {
+        let program = simulate(&bytes, filament_mm, &Limits::default());
+        let program = program.map_err(|e| Failure::input(format!("{name}: {e}")))?;
+        Ok(ProgramData { program })
+    })
+}

@@ -1,0 +1,60 @@
+"""Ctrl-C raises KeyboardInterrupt soon, whatever the planner does."""
+
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+CODE = """
+import sys, time, threading, os, signal, numpy as np
+import grainpath as gp
+job = {job}
+def press():
+    time.sleep({after})
+    global pressed
+    pressed = time.perf_counter()
+    os.kill(os.getpid(), signal.SIGINT)
+threading.Thread(target=press, daemon=True).start()
+try:
+    job.plan()
+    print("finished")
+except KeyboardInterrupt:
+    print("interrupted", time.perf_counter() - pressed)
+gp.Job(gp.box(20, 10, 1)).plan()
+print("again")
+sys.stdout.flush()
+os._exit(0)
+"""
+
+JOBS = {
+    "fill": "gp.Job(gp.box(220, 200, 180), fill__pattern='gyroid', fill__density=0.5)",
+    "stress": "gp.Job(gp.box(120, 60, 60), guide__kind='stress', guide__mesh_mm=1.2, "
+    "guide__fixture=[{'on': {'plane': {'point_mm': [0, 0, 0], 'normal': [1, 0, 0]}}, 'fix': 'xyz'}], "
+    "guide__load=[{'on': {'plane': {'point_mm': [120, 0, 0], 'normal': [1, 0, 0]}}, 'force_n': [0, 0, -100]}])",
+    "scan": "gp.Job(gp.Volume(np.random.default_rng(1).random((2000, 300, 300), dtype='f4'), spacing=0.05))",
+}
+
+
+@pytest.mark.parametrize("what", JOBS)
+def test_ctrl_c_raises_soon(what):
+    code = CODE.format(job=JOBS[what], after=1.0)
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=180, check=False)
+    assert ran.stdout.startswith("interrupted"), (ran.stdout, ran.stderr)
+    # The goal is 0.3 s on an idle machine; here others compute too.
+    assert float(ran.stdout.split()[1]) < 1.5
+    assert ran.stdout.endswith("again\n"), ran.stdout
+
+
+def test_the_console_script_ends_too(tmp_path):
+    (tmp_path / "job.toml").write_text('[shape]\nmesh = "box.obj"\n[fill]\npattern = "gyroid"\n')
+    corners = [(x, y, z) for z in (0, 150) for y in (0, 150) for x in (0, 150)]
+    quads = [(1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)]
+    text = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a} {b} {c} {d}" for a, b, c, d in quads]
+    (tmp_path / "box.obj").write_text("\n".join(text) + "\n")
+    run = subprocess.Popen([sys.executable, "-m", "grainpath", "run", str(tmp_path / "job.toml")], stderr=-1)
+    time.sleep(1.0)
+    run.send_signal(signal.SIGINT)
+    _, said = run.communicate(timeout=60)
+    assert run.returncode == 130 and b"nothing was written" in said, said

@@ -1,0 +1,138 @@
+"""Jobs: settings from Python, text and files, with errors that name the line."""
+
+import copy
+import json
+import pathlib
+import pickle
+
+import numpy as np
+import pytest
+
+import grainpath as gp
+
+
+@pytest.mark.parametrize(
+    "key, value, shown",
+    [
+        ("fill__density", 0.4, "0.4"),
+        ("fill__density", np.float64(0.5), "0.5"),
+        ("fill__density", np.float32(0.25), "0.25"),
+        ("process__walls", 3, "3"),
+        ("process__walls", np.int64(4), "4"),
+        ("fill__pattern", "gyroid", "gyroid"),
+        ("fill__angles_deg", [0, 90], "[0, 90]"),
+        ("fill__angles_deg", (0.0, 45.5), "[0, 45.5]"),
+        ("fill__angles_deg", np.array([30.0, 60.0]), "[30, 60]"),
+        ("support__brace", False, "false"),
+        ("material__profile", "petg", None),
+    ],
+)
+def test_values_of_python_are_values_of_jobs(plate, key, value, shown):
+    job = gp.Job(plate, **{key: value})
+    if shown is not None:
+        assert job[key.replace("__", ".")].replace(".0", "") == shown.replace(".0", "")
+
+
+@pytest.mark.parametrize(
+    "key, value, words",
+    [
+        ("fill__densty", 0.4, "did you mean `density`"),
+        ("fil__density", 0.4, "did you mean [fill]"),
+        ("fill__density", 1.5, "fill.density"),
+        ("fill__density", float("nan"), "a finite number is needed"),
+        ("fill__density", "much", "fill.density"),
+        ("fill__density", None, "is a NoneType"),
+        ("fill__density", object(), "a number, a text"),
+        ("fill__pattern", "gyrod", "gyroid"),
+        ("process__walls", -1, "process.walls"),
+        ("process__walls", 1.5, "process.walls"),
+        ("density", 0.4, "should be section.key=value"),
+        ("material__profile", "plaa", "pla"),
+    ],
+)
+def test_wrong_settings_are_refused_at_once(plate, key, value, words):
+    with pytest.raises(gp.JobError) as error:
+        gp.Job(plate, **{key: value})
+    assert words in str(error.value)
+    assert isinstance(error.value, ValueError) and isinstance(error.value, gp.GrainpathError)
+
+
+@pytest.mark.parametrize(
+    "text, line, words",
+    [
+        ("[process]\nwals = 3", 2, "did you mean `walls`"),
+        ("[fill]\n\n\ndensity = 2", 4, "density"),
+        ("fill = 3", 1, "should be a section"),
+        ("[fill\n", 1, ""),
+        ("format = 99", 1, "newer"),
+    ],
+)
+def test_errors_have_file_and_line(text, line, words):
+    with pytest.raises(gp.JobError) as error:
+        gp.Job.from_text(text)
+    assert error.value.file == "job" and error.value.line == line and words in str(error.value)
+    again = pickle.loads(pickle.dumps(error.value))
+    assert type(again) is gp.JobError and (again.file, again.line, str(again)) == ("job", line, str(error.value))
+
+
+def test_jobs_do_not_change(plate):
+    job = gp.Job(plate, fill__density=0.3)
+    other = job.with_(fill__density=0.5, process__walls=1)
+    assert (job["fill.density"], other["fill.density"]) == ("0.3", "0.5")
+    assert other.shape is plate and job["process.walls"] != other["process.walls"]
+
+
+def test_settings_overrule_the_text(plate):
+    job = gp.Job(plate, text="[fill]\ndensity = 0.3", fill__density=0.6)
+    assert job["fill.density"] == "0.6"
+    with pytest.raises(KeyError):
+        job["fill.no"]
+
+
+def test_a_shape_takes_the_place_of_the_one_in_the_text(plate):
+    job = gp.Job(plate, text='[shape]\noutline = "x.svg"\nthickness_mm = 2')
+    assert len(job.plan().layers) == 6
+
+
+@pytest.mark.parametrize("text", ["tab\there", 'quote"d', "back\\slash", "new\nline", "ümläut", "\x7f", "a=b"])
+def test_texts_are_escaped(plate, text):
+    assert gp.Job(plate, printer__start_gcode=text)["printer.start_gcode"].strip('"') in (text, json.dumps(text)[1:-1])
+
+
+def test_paths_are_texts(plate):
+    assert "x.html" in gp.Job(plate, output__report=pathlib.Path("x.html"))["output.report"]
+
+
+@pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda j: pickle.loads(pickle.dumps(j))])
+def test_copies_plan_the_same(plate, again):
+    job = gp.Job(plate, fill__density=0.3, process__layer_height_mm=0.3)
+    assert again(job).plan().to_gcode() == job.plan().to_gcode()
+
+
+@pytest.mark.parametrize("wrong", ["part.stl", 3, np.zeros((3, 3))])
+def test_shapes_are_shapes(wrong):
+    with pytest.raises(gp.JobError, match="a Mesh or a Volume is needed"):
+        gp.Job(wrong)
+
+
+def test_a_job_without_a_shape_says_so():
+    with pytest.raises(gp.JobError, match=r"\[shape\] needs mesh"):
+        gp.Job().plan()
+
+
+def test_missing_files_are_named(tmp_path):
+    with pytest.raises(gp.JobError, match="no.toml: no such file"):
+        gp.Job.from_toml(tmp_path / "no.toml")
+    (tmp_path / "job.toml").write_text('[shape]\nmesh = "no.stl"\n')
+    with pytest.raises(gp.InputError, match="no.stl"):
+        gp.Job.from_toml(tmp_path / "job.toml").plan()
+    (tmp_path / "latin.toml").write_bytes(b'[shape]\nmesh = "\xe4"\n')
+    with pytest.raises(gp.JobError, match="UTF-8"):
+        gp.Job.from_toml(tmp_path / "latin.toml")
+
+
+def test_schema_and_profiles():
+    assert "fill" in gp.schema()["properties"]
+    assert "pla" in gp.profiles()["material"] and "density_g_cm3" in gp.profiles("pla")
+    with pytest.raises(gp.JobError, match="no profile 'x'"):
+        gp.profiles("x")

@@ -1,0 +1,176 @@
+"""Plans: the same bytes as the command line's, arrays of paths, the report."""
+
+import json
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+import grainpath as gp
+from conftest import QUICK
+
+JOB = """\
+[shape]
+mesh = "plate.stl"
+[process]
+layer_height_mm = 0.3
+first_layer_height_mm = 0.3
+[fill]
+pattern = "{pattern}"
+density = 0.4
+[guide]
+kind = "angle"
+[output]
+gcode = "plate.gcode"
+"""
+
+
+def command_line(*args):
+    return subprocess.run([sys.executable, "-m", "grainpath", *map(str, args)], capture_output=True, check=False)
+
+
+@pytest.mark.parametrize("pattern", ["grid", "rectilinear", "gyroid", "honeycomb", "concentric", "stripes"])
+def test_bytes_are_those_of_the_command_line(stl, pattern):
+    path = stl.with_name("job.toml")
+    path.write_text(JOB.format(pattern=pattern))
+    ran = command_line("run", path, "--json")
+    assert ran.returncode == 0, ran.stderr
+    plan = gp.Job.from_toml(path).plan()
+    written = stl.with_name("plate.gcode").read_bytes()
+    assert plan.to_gcode() == written
+    # The same part as arrays.
+    assert gp.Job.from_toml(path).with_(gp.read(stl)).plan().to_gcode() == written
+    # The report is the same, but for times, memory and files.
+    theirs, ours = json.loads(ran.stdout), plan.report
+    for key in ("stages_s", "peak_rss_mb", "outputs"):
+        theirs.pop(key), ours.pop(key)
+    assert ours == theirs
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_the_number_of_threads_changes_nothing(plate, plan, threads):
+    assert gp.Job(plate, **QUICK).plan(threads=threads).to_gcode() == plan.to_gcode()
+
+
+@pytest.mark.parametrize("threads", [0, -1, 5000])
+def test_threads_are_some(plate, threads):
+    with pytest.raises((gp.JobError, OverflowError)):
+        gp.Job(plate, **QUICK).plan(threads=threads)
+
+
+def test_layers_are_arrays_that_outlive_the_plan(plate):
+    plan = gp.Job(plate, **QUICK).plan()
+    layer = plan.layers[1]
+    points, before = layer.points, layer.points.copy()
+    heights = [(one.z_top_mm, one.height_mm) for one in plan.layers]
+    assert heights == pytest.approx([(0.3, 0.3), (0.6, 0.3), (0.9, 0.3), (1.2, 0.3)])
+    del plan, layer
+    assert np.array_equal(points, before) and not points.flags.writeable
+
+
+def test_paths_agree_with_the_report(plan):
+    length = sum(float(layer.paths["length_mm"].sum()) for layer in plan.layers)
+    assert length == pytest.approx(plan.report["printed_mm"], rel=1e-3)
+    assert sum(len(layer) for layer in plan.layers) == plan.report["toolpaths"]
+    for layer in plan.layers:
+        assert layer.paths["count"].sum() == len(layer.points) == len(layer.widths_mm)
+        for path in layer:
+            ends = np.vstack([path.points, path.points[:1]]) if path.closed else path.points
+            steps = np.hypot(*np.diff(ends, axis=0).T).sum()
+            assert steps == pytest.approx(path.length_mm)
+            assert path.role in gp.gcode.ROLES and (path.widths_mm > 0).all()
+
+
+def test_layers_are_a_sequence(plan):
+    assert len(plan.layers[:2]) == 2 and plan.layers[-1].z_top_mm == plan.layers[3].z_top_mm
+    assert len(plan.layers[0][:2]) == 2 and plan.layers[0][-1].length_mm > 0
+    for wrong in (4, -5):
+        with pytest.raises(IndexError):
+            plan.layers[wrong]
+    with pytest.raises(IndexError):
+        plan.layers[0][10_000]
+    with pytest.raises(ValueError, match="read-only"):
+        plan.layers[0].paths["length_mm"] = 0
+
+
+def test_sections_are_rings(plan):
+    assert len(plan.sections) == 4
+    (outer,) = plan.sections[0][0]
+    assert np.array_equal(np.ptp(outer, axis=0), [30, 20])
+
+
+def test_strength_of_settings_matters(plate):
+    light = gp.Job(plate, fill__density=0.1, process__top_layers=0, process__bottom_layers=0, **QUICK)
+    assert light.plan().report["mass_g"] < light.with_(fill__density=0.9).plan().report["mass_g"]
+
+
+def test_progress_names_stages(plate):
+    seen = []
+    gp.Job(gp.box(100, 100, 30), fill__pattern="gyroid").plan(progress=lambda *args: seen.append(args))
+    assert seen and all(isinstance(stage, str) and 0 <= done for stage, done, _ in seen)
+
+
+def test_an_exception_of_the_callers_function_comes_back_as_it_was(plate):
+    class Mine(Exception):
+        pass
+
+    def progress(stage, done, total):
+        raise Mine(stage)
+
+    with pytest.raises(Mine) as error:
+        gp.Job(gp.box(150, 150, 60), fill__pattern="gyroid").plan(progress=progress)
+    assert error.traceback[-1].name == "progress"
+
+
+def test_a_token_cancels():
+    token = threading.Event()
+    token.set()
+    with pytest.raises(gp.Cancelled, match="nothing was written"):
+        gp.Job(gp.box(150, 150, 60), fill__pattern="gyroid").plan(cancel=token)
+
+
+def test_a_part_beside_the_bed_is_refused():
+    with pytest.raises(gp.PhysicsError, match="the part measures 2000.00 x 10.00 x 1.00 mm"):
+        gp.Job(gp.box(2000, 10, 1)).plan()
+
+
+def test_open_meshes_are_warned_of():
+    box = gp.box(20, 20, 2)
+    plan = gp.Job(gp.Mesh(box.vertices, box.faces[1:]), **QUICK).plan()
+    assert plan.warnings and all(w.id and w.text and w.remedy for w in plan.warnings)
+    assert {w["id"] for w in plan.report["warnings"]} >= {w.id for w in plan.warnings}
+
+
+def test_plans_run_side_by_side(plate, plan):
+    found = [None] * 4
+
+    def one(k):
+        found[k] = gp.Job(plate, **QUICK).plan().to_gcode()
+
+    threads = [threading.Thread(target=one, args=(k,)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(text == plan.to_gcode() for text in found)
+
+
+def test_a_forked_child_plans():
+    code = """
+import multiprocessing, grainpath as gp
+def length(_):
+    return len(gp.Job(gp.box(20, 10, 1)).plan().to_gcode())
+if __name__ == "__main__":
+    mine = length(0)
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        assert pool.map(length, range(3)) == [mine] * 3
+    print("done")
+"""
+    ran = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, timeout=120, check=False)
+    assert ran.stdout == b"done\n", ran.stderr
+
+
+def test_shown_in_notebooks(plan):
+    assert "<table>" in plan._repr_html_()

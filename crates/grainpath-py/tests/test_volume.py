@@ -1,0 +1,142 @@
+"""Scans: any object with `__getitem__`, read in slabs."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import grainpath as gp
+
+SPACING = (0.3, 0.5, 0.5)
+
+
+def bytes_of(array, spacing=SPACING):
+    return gp.Job(gp.Volume(array, spacing=spacing), process__layer_height_mm=0.3).plan().to_gcode()
+
+
+class Lazy:
+    """An array that is read slice by slice, as h5py's and Zarr's are."""
+
+    def __init__(self, array):
+        self.array, self.shape, self.dtype, self.asked = array, array.shape, array.dtype, []
+
+    def __getitem__(self, key):
+        self.asked.append(key)
+        return self.array[key]
+
+
+def test_a_scan_is_its_outline(ball):
+    plan = gp.Job(gp.Volume(ball, spacing=SPACING)).plan()
+    area = np.pi * 200 * 0.25
+    (outer,) = plan.sections[3][0]
+    x, y = outer.T
+    assert 0.5 * abs(np.dot(x, np.roll(y, 1)) - np.dot(y, np.roll(x, 1))) == pytest.approx(area, rel=0.02)
+    assert plan.layers[-1].z_top_mm == pytest.approx(3.6, abs=0.21)
+
+
+@settings(max_examples=12, deadline=None)
+@given(
+    dtype=st.sampled_from(["u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"]),
+    order=st.sampled_from("<>"),
+    layout=st.sampled_from(["C", "F", "reversed", "strided", "lazy"]),
+)
+def test_any_type_byte_order_and_strides(ball, dtype, order, layout):
+    array = (ball // 2).astype(order + dtype)
+    if layout == "F":
+        array = np.asfortranarray(array)
+    elif layout == "reversed":
+        array = np.ascontiguousarray(array[:, ::-1])[:, ::-1]
+    elif layout == "strided":
+        wide = np.zeros([2 * n for n in array.shape], dtype=array.dtype)
+        wide[::2, ::2, ::2] = array
+        array = wide[::2, ::2, ::2]
+    elif layout == "lazy":
+        array = Lazy(array)
+    assert bytes_of(array) == bytes_of((ball // 2).astype("u1"))
+
+
+def test_a_memory_map(ball, tmp_path):
+    np.save(tmp_path / "scan.npy", ball)
+    assert bytes_of(np.load(tmp_path / "scan.npy", mmap_mode="r")) == bytes_of(ball)
+
+
+def test_bools_are_voxels(ball):
+    assert bytes_of(ball > 0) == bytes_of((ball > 0).astype("u1"))
+
+
+def test_slabs_are_bounded_and_in_order():
+    planes = Lazy(np.zeros((40, 1024, 1024), dtype="u1"))
+    planes.array[:, 400:600, 400:600] = 200
+    gp.Job(gp.Volume(planes, spacing=0.2), process__layer_height_mm=0.4).plan()
+    assert all(key.stop - key.start <= 2 for key in planes.asked)
+    assert max(key.stop for key in planes.asked) == 40
+
+
+def test_nothing_is_copied_of_a_large_array():
+    """The allocations of Python while a scan is planned stay far below the scan."""
+    import tracemalloc
+
+    array = np.zeros((64, 1024, 1024), dtype="u2")
+    array[:, 300:400, 300:400] = 1000
+    volume = gp.Volume(array, spacing=0.1)
+    assert volume.array is array
+    tracemalloc.start()
+    gp.Job(volume).plan()
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 0.25 * array.nbytes
+
+
+def test_nan_is_air(ball):
+    holes = ball.astype("f4")
+    holes[holes == 0] = np.nan
+    holes[0, 0, 0] = 0
+    assert len(gp.Job(gp.Volume(holes, spacing=SPACING)).plan().layers) > 0
+
+
+def test_the_exception_of_a_store_comes_back_as_it_was(ball):
+    class Broken(Lazy):
+        def __getitem__(self, key):
+            if key.start >= 3:
+                raise OSError("chunk 3 is missing")
+            return self.array[key]
+
+    array = np.zeros((40, 1500, 1500), dtype="u1")
+    array[:, 400:600, 400:600] = 200
+    with pytest.raises(OSError, match="chunk 3 is missing"):
+        gp.Job(gp.Volume(Broken(array), spacing=SPACING)).plan()
+
+
+def test_a_store_that_lies_about_its_shape(ball):
+    class Short(Lazy):
+        def __getitem__(self, key):
+            return self.array[key][:, :-1]
+
+    with pytest.raises(gp.InputError, match="planes 0 to"):
+        gp.Job(gp.Volume(Short(ball), spacing=SPACING)).plan()
+
+
+@pytest.mark.parametrize(
+    "array, spacing, words",
+    [
+        (np.zeros((3, 3)), 1, "(planes, rows, columns) is needed"),
+        (np.zeros((3, 0, 3)), 1, "which is empty"),
+        (np.zeros((3, 3, 3), dtype=complex), 1, "the array has the type complex128"),
+        (np.zeros((3, 3, 3), dtype="U1"), 1, "the array has the type"),
+        (np.zeros((3, 3, 3)), 0, "should be above 0"),
+        (np.zeros((3, 3, 3)), (1, -1, 1), "should be above 0"),
+        (np.zeros((3, 3, 3)), (1, 1), "spacing has the shape (2,)"),
+        (np.zeros((3, 3, 3)), np.nan, "spacing[0] is nan"),
+        (np.zeros((3, 3, 3)), (1, 1, np.inf), "spacing[2] is inf"),
+    ],
+)
+def test_wrong_volumes_are_named(array, spacing, words):
+    with pytest.raises(gp.InputError) as error:
+        gp.Volume(array, spacing=spacing)
+    assert words in str(error.value)
+
+
+@pytest.mark.parametrize("value", [0, 7, np.nan])
+def test_a_scan_of_nothing_is_refused(value):
+    with pytest.raises(gp.GrainpathError):
+        gp.Job(gp.Volume(np.full((8, 20, 20), value, dtype="f4"), spacing=0.5)).plan()
