@@ -10,6 +10,13 @@ import pytest
 CODE = """
 import sys, time, threading, os, signal, numpy as np
 import grainpath as gp
+class Pin:
+    """A pin of 4000 planes, each made when it is asked for."""
+    shape, dtype = (4000, 600, 600), np.dtype("u1")
+    y, x = np.mgrid[:600, :600]
+    plane = (200 * ((x - 300) ** 2 + (y - 300) ** 2 < 9000)).astype("u1")
+    def __getitem__(self, key):
+        return np.broadcast_to(self.plane, (key.stop - key.start, 600, 600))
 job = {job}
 def press():
     time.sleep({after})
@@ -30,10 +37,10 @@ os._exit(0)
 
 JOBS = {
     "fill": "gp.Job(gp.box(220, 200, 180), fill__pattern='gyroid', fill__density=0.5)",
-    "stress": "gp.Job(gp.box(120, 60, 60), guide__kind='stress', guide__mesh_mm=1.2, "
+    "stress": "gp.Job(gp.box(120, 60, 60), guide__kind='stress', "
     "guide__fixture=[{'on': {'plane': {'point_mm': [0, 0, 0], 'normal': [1, 0, 0]}}, 'fix': 'xyz'}], "
     "guide__load=[{'on': {'plane': {'point_mm': [120, 0, 0], 'normal': [1, 0, 0]}}, 'force_n': [0, 0, -100]}])",
-    "scan": "gp.Job(gp.Volume(np.random.default_rng(1).random((2000, 300, 300), dtype='f4'), spacing=0.05))",
+    "scan": "gp.Job(gp.Volume(Pin(), spacing=0.05))",
 }
 
 

@@ -29,7 +29,7 @@ def floats(values: Any, name: str, shape: tuple[int | None, ...]) -> FloatArray:
     fits = array.ndim == len(shape) and all(n is None or n == m for n, m in zip(shape, array.shape, strict=True))
     if not fits:
         raise InputError(f"{name} has the shape {array.shape}; {wanted} is needed")
-    out = np.ascontiguousarray(array, dtype=np.float64)
+    out: FloatArray = np.require(array, np.float64, ["C", "A"])
     bad = ~np.isfinite(out)
     if bad.any():
         at = tuple(int(i) for i in np.argwhere(bad)[0])

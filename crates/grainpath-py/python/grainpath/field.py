@@ -118,7 +118,7 @@ class Field:
         array = floats(values, name, (None,) * np.ndim(values))
         if array.ndim not in (0, len(self.shape)) or array.shape not in ((), self.shape):
             raise InputError(f"{name} has the shape {array.shape}; {self.shape} is needed, as the grid has")
-        return np.ascontiguousarray(np.broadcast_to(array, self.shape))
+        return np.array(np.broadcast_to(array, self.shape))
 
     def _error(self, function: Function) -> float:
         """Greatest angle between the function and the grid in the middle of cells, degrees."""

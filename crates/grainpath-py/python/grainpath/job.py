@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tomllib
 from collections.abc import Callable
 from typing import Any, Protocol
 
@@ -45,7 +46,7 @@ class Job:
     >>> import grainpath as gp
     >>> job = gp.Job(gp.box(20, 10, 1), fill__density=0.4)
     >>> job["fill.density"], job.with_(fill__density=0.2)["fill.density"]
-    ('0.4', '0.2')
+    (0.4, 0.2)
     """
 
     _spec: _grainpath.Spec
@@ -118,7 +119,7 @@ class Job:
 
         >>> import grainpath as gp
         >>> gp.Job.from_text("[fill]\\ndensity = 0.3")["fill.density"]
-        '0.3'
+        0.3
         """
         return cls(text=text, folder=folder, **settings)
 
@@ -144,15 +145,12 @@ class Job:
         return self._shape
 
     @property
-    def settings(self) -> dict[str, str]:
-        """All settings in use, by name, as text."""
-        return dict(self._spec.rows())
+    def settings(self) -> dict[str, Any]:
+        """All settings in use, by name; ``None`` for what is not set."""
+        return {key: _value(text) for key, text in self._spec.rows()}
 
-    def __getitem__(self, key: str) -> str:
-        found = self.settings.get(key)
-        if found is None:
-            raise KeyError(key)
-        return found
+    def __getitem__(self, key: str) -> Any:
+        return self.settings[key]
 
     @property
     def warnings(self) -> list[Warning]:
@@ -200,6 +198,15 @@ def _again(*parts: Any) -> Job:
     job = Job.__new__(Job)
     job._build(*parts)
     return job
+
+
+def _value(text: str) -> Any:
+    """A value of a setting as the planner shows it."""
+    try:
+        return tomllib.loads(f"v = {text}")["v"]
+    except tomllib.TOMLDecodeError:
+        # What is not set is shown by a word.
+        return None
 
 
 def _threads(threads: int | None) -> int | None:

@@ -50,7 +50,7 @@ class Mesh:
             )
         if len(points) > 2**32 - 1:
             raise InputError(f"{len(points)} vertices; at most {2**32 - 1} are handled")
-        corners = np.ascontiguousarray(corners, dtype=np.uint32)
+        corners = np.require(corners, np.uint32, ["C", "A"])
         bodies: list[tuple[str | None, int, int]] = [(None, len(points), len(corners))]
         self._data = _grainpath.mesh_from_arrays(points, corners, UNITS_MM[unit], bodies)
 

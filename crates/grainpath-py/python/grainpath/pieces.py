@@ -26,7 +26,7 @@ def support(part: Mesh, **settings: Any) -> tuple[Mesh | None, dict[str, Any]]:
     True
     """
     job = Job(part, **settings)
-    if job["support.style"].strip('"') == "none":
+    if job["support.style"] == "none":
         job = job.with_(support__style="tree")
     data, report = _grainpath.support(job._spec, part._data)
     return (None if data is None else Mesh._of(data)), json.loads(report)

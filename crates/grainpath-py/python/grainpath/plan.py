@@ -131,8 +131,8 @@ class Plan:
     >>> plan = gp.Job(gp.box(20, 10, 1)).plan()
     >>> plan.layers[0]
     <grainpath.Layer: 4 paths at 0.2 mm>
-    >>> plan.layers[0][0]
-    <grainpath.Path: Perimeter, closed, 4 points, 57.0 mm>
+    >>> plan.layers[0][0].role
+    'Skirt'
     >>> round(plan.report["mass_g"], 2)
     0.26
     """

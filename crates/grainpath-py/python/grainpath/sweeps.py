@@ -228,12 +228,11 @@ def _hash_of_inputs(job: Job) -> str:
     if job._stress is not None:
         digest.update(job._stress.points.tobytes() + job._stress.tensors.tobytes())
     settings = job.settings
-    names = [settings.get(name, "").strip('"') for name in FILES]
+    names: list[str] = [settings.get(name) or "" for name in FILES]
     for section in ("shape.photo.files", "guide.image.files"):
-        listed = settings.get(section, "[]")
-        names += json.loads(listed) if listed.startswith("[") else []
+        names += settings.get(section) or []
     if job._field is None:
-        names.append(settings.get("guide.field.path", "").strip('"'))
+        names.append(settings.get("guide.field.path") or "")
     for name in names:
         path = os.path.join(job._folder, name)
         if name and os.path.exists(path):

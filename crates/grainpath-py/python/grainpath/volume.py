@@ -70,7 +70,8 @@ class Volume:
                 f"planes {first} to {first + count} of the array have the shape {block.shape}; "
                 f"{(count, *self.shape[1:])} is needed"
             )
-        return np.ascontiguousarray(block, dtype=np.float32).reshape(-1)
+        flat: npt.NDArray[np.float32] = np.require(block, np.float32, ["C", "A"]).reshape(-1)
+        return flat
 
     def _given(self) -> tuple[list[int], str, list[float] | None, Any]:
         planes, rows, columns = self.shape
