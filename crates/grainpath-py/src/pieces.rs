@@ -26,8 +26,8 @@ pub fn support(
     worker::run(py, &Caller::default(), move |diagnostics, _| {
         settings.warnings.iter().for_each(|w| diagnostics.push(w.clone()));
         let grown = grainpath_cli::grow(&settings, file, "the mesh", diagnostics)?;
-        let volume_mm3 = grown.support.volume_mm3(&grown.stack);
-        let report = SupportReport::new(&grown.support, volume_mm3, settings.material.density_g_cm3);
+        let (beads, solid) = (grown.support.beads_mm3(&grown.stack), grown.support.volume_mm3(&grown.stack));
+        let report = SupportReport::new(&grown.support, beads, solid, settings.material.density_g_cm3);
         let report = json!({ "support": report, "warnings": diagnostics.warnings() }).to_string();
         let is_some = !grown.surface.triangles.is_empty();
         Ok((is_some.then(|| MeshData::of(grown.surface)), report))

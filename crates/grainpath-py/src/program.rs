@@ -2,7 +2,7 @@
 
 use grainpath_cli::Failure;
 use grainpath_gcode::{Limits, Program, simulate};
-use grainpath_view::layer::{ColourBy, PictureOptions, layer_png, layer_svg, thumbnail_png};
+use grainpath_view::layer::{ColourBy, Ground, PictureOptions, layer_png, layer_svg, thumbnail_png};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use serde_json::json;
@@ -67,7 +67,7 @@ impl ProgramData {
     ) -> Vec<u8> {
         let Some(k) = k else {
             let layers: Vec<_> = self.program.layers.iter().map(grainpath_cli::picture).collect();
-            return thumbnail_png(&layers, size_px, size_px * 3 / 4);
+            return thumbnail_png(&layers, size_px, size_px * 3 / 4, Ground::Paper);
         };
         let mut picture = grainpath_cli::picture(&self.program.layers[k]);
         if let Some(plan) = plan {

@@ -11,7 +11,7 @@ CODE = """
 import sys, time, threading, os, signal, numpy as np
 import grainpath as gp
 class Pin:
-    """A pin of 4000 planes, each made when it is asked for."""
+    # A pin of 4000 planes, each made when it is asked for.
     shape, dtype = (4000, 600, 600), np.dtype("u1")
     y, x = np.mgrid[:600, :600]
     plane = (200 * ((x - 300) ** 2 + (y - 300) ** 2 < 9000)).astype("u1")
