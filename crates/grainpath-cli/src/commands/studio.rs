@@ -16,7 +16,7 @@ use serde_json::json;
 use super::strength::TestedJob;
 use crate::args::Studio;
 use crate::claims::Claims;
-use crate::inputs::{claim_inputs, no_shape, plan, read_program, shape_of};
+use crate::inputs::{Given, claim_inputs, no_shape, plan, read_program, shape_of};
 use crate::{Failure, files, interrupt, memory, outputs};
 
 /// Name of the folder below the current one that the studio writes to.
@@ -148,7 +148,7 @@ impl Engine for Commands {
             settings,
             folder: job.folder.clone(),
             name: job.name.clone(),
-            given: crate::inputs::Given::default(),
+            given: Given::default(),
         };
         let done = tested.test(&input, bytes.as_deref(), diagnostics, &|_| {}).map_err(refusal)?;
         let size_mm = done.tested.element_mm();
