@@ -13,7 +13,7 @@ const JOB: &str = "grainpath-job";
 const IMAGING: &str = "grainpath-imaging";
 
 /// Each crate of ours and the crates of ours that it may name.
-const ALLOWED: [(&str, &[&str]); 12] = [
+const ALLOWED: [(&str, &[&str]); 13] = [
     ("grainpath-core", &[]),
     ("grainpath-io", &["grainpath-core"]),
     ("grainpath-gcode", &["grainpath-core"]),

@@ -38,6 +38,9 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     args.sheet.iter().for_each(|path| claims.write("--sheet", path));
     args.image.iter().for_each(|path| claims.write("--image", path));
     claims.check()?;
+    if args.faces {
+        return faces::inspect(args);
+    }
     let value = describe(args, raw.as_ref())?;
     files::print(&if args.json { format!("{value}\n") } else { table(&value) });
     Ok(())
@@ -49,15 +52,13 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
 /// For a file that cannot be read.
 pub fn inspect_file(file: &Path, size: Option<Vec<usize>>, sample: &str) -> Result<Value, Failure> {
     let (file, sample) = (file.to_owned(), sample.to_owned());
-    let args = Inspect { file, sheet: None, truth: None, size, sample, json: true };
+    let args =
+        Inspect { file, sheet: None, truth: None, size, sample, json: true, faces: false, image: None };
     describe(&args, scan::raw_header(&args)?.as_ref())
 }
 
 fn describe(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
     // Scans first: they can be larger than the memory, and all other kinds are read whole.
-    if args.faces {
-        return faces::inspect(args);
-    }
     if raw.is_some() || scan::is(&args.file)? {
         return scan::inspect(args, raw);
     }
