@@ -51,6 +51,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench photo      a photograph of 12 megapixels to curves, beside OpenCV
   bench continuous one path a layer: angle, gap, and time up to a million cells
   bench constants [--write] [NAME...]  quality over five values or more of each constant that was chosen by measurement
+  bench python [JOBS]  what the Python package costs: import, call, a scan handed over, a sweep of 100 jobs on 2 workers
   bench paths      fill along the stress held against CalculiX's principal stresses
   bench strength [PART...]  the virtual strength test: of a bar and of a bracket (time), the papers' comparisons
                    beside theirs (s1 s2), other slicers' programs (slicers); `all` adds what takes long
@@ -81,6 +82,7 @@ fn main() -> ExitCode {
         ["bench", "fea", cases @ ..] => bench_fea::run(cases),
         ["bench", "support", parts @ ..] => bench::support(parts),
         ["bench", "quality"] => bench::quality(),
+        ["bench", "python", words @ ..] => python::bench(words),
         ["bench", "photo"] => photo::bench(),
         ["campaign", words @ ..] => campaign::run(words),
         ["licences"] => licences::write(),

@@ -27,8 +27,29 @@ pub fn command(words: &[&str]) -> Result<(), String> {
     check(release)
 }
 
+/// Builds the wheel as it is published, and measures what it costs.
+pub fn bench(words: &[&str]) -> Result<(), String> {
+    setup::python_package(true)?;
+    install(true)?;
+    let script = crate::root().join("xtask/py/bench_python.py");
+    run(setup::python().arg("-P").arg(script).args(words))
+}
+
 /// The same with what is installed.
 pub fn check(release: bool) -> Result<(), String> {
+    install(release)?;
+    println!("import: {:.1} ms more than numpy's", import_ms()?);
+    let tests = crate::root().join("crates/grainpath-py/tests");
+    let mut command = setup::python();
+    // `-P` keeps the folder of the sources out of the path: the installed package is tested.
+    command
+        .args(["-P", "-m", "pytest", "--quiet", "-p", "no:cacheprovider", "--pyargs", "grainpath"])
+        .arg(tests);
+    run(&mut command)
+}
+
+/// Builds the wheel and installs it into the virtual environment.
+fn install(release: bool) -> Result<(), String> {
     let wheels = crate::target().join("wheels");
     // Wheels of older versions would be found too.
     let _ = fs::remove_dir_all(&wheels);
@@ -44,15 +65,7 @@ pub fn check(release: bool) -> Result<(), String> {
         return Err(format!("the wheel has {bytes} bytes; at most {MAX_WHEEL_BYTES} are allowed"));
     }
     let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps"];
-    run(setup::python().args(install).arg("--force-reinstall").arg(&wheel))?;
-    println!("import: {:.1} ms more than numpy's", import_ms()?);
-    let tests = crate::root().join("crates/grainpath-py/tests");
-    let mut command = setup::python();
-    // `-P` keeps the folder of the sources out of the path: the installed package is tested.
-    command
-        .args(["-P", "-m", "pytest", "--quiet", "-p", "no:cacheprovider", "--pyargs", "grainpath"])
-        .arg(tests);
-    run(&mut command)
+    run(setup::python().args(install).arg("--force-reinstall").arg(&wheel))
 }
 
 /// Builds the wheel of a manifest.

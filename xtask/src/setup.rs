@@ -11,7 +11,8 @@ use std::process::{Command, Stdio};
 const PYTHON: [&str; 7] = ["numpy", "scipy", "shapely>=2", "trimesh", "networkx", "rtree", "meshio"];
 
 /// Python packages that build and test the package `grainpath`.
-const PYTHON_PACKAGE: [&str; 5] = ["numpy", "maturin>=1.7", "pytest>=8", "hypothesis>=6", "mypy>=1.11"];
+const PYTHON_PACKAGE: [&str; 8] =
+    ["numpy", "maturin>=1.7", "pytest>=8", "hypothesis>=6", "mypy>=1.11", "dask", "distributed", "zarr>=3"];
 
 /// Needs of tests; a test names its own in `#[ignore = "needs ..."]`.
 pub const NEEDS: [&str; 4] = ["GRAINPATH_DATA", "GRAINPATH_CHECK", "python", "vtk"];

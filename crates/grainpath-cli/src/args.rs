@@ -149,11 +149,15 @@ pub struct Common {
 /// `grainpath run`
 #[derive(Debug, clap::Args)]
 pub struct RunArguments {
-    /// Job file
+    /// Job file, or with --scheduler a folder of jobs
     pub job: PathBuf,
     /// Write outputs here instead of beside the job file
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Run all jobs of a folder on the workers of this Dask scheduler (the Python package does it); `local` starts
+    /// workers here
+    #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["check", "strict"])]
+    pub scheduler: Option<String>,
     /// Stop after the loads are solved: tell and draw what fixtures and loads caught, and write no G-code
     #[arg(long)]
     pub check: bool,

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use grainpath::Planned;
-use grainpath_core::Diagnostics;
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SliceSource;
+use grainpath_core::{Diagnostics, LayerStack};
 use grainpath_gcode::{Limits, Program, simulate};
 use grainpath_imaging::photo::Photo;
 use grainpath_io::directions::{DirectionOptions, DirectionSamples, parse_directions};
@@ -62,6 +62,8 @@ pub enum Handed {
     Mesh(MeshFile),
     /// A scan, slice by slice.
     Scan(Box<dyn SliceSource>),
+    /// Sections in the position in which they are printed.
+    Layers(LayerStack),
 }
 
 /// What is handed over instead of read from the files that a job names.
@@ -73,6 +75,8 @@ pub struct Given {
     pub directions: Option<DirectionSamples>,
     /// The stress of `guide.import`.
     pub stress: Option<StressField>,
+    /// The photographs of `guide.image`, or of `shape.photo` where that names none.
+    pub photos: Option<Vec<Photo>>,
 }
 
 /// Adds all files that a job reads, except the job itself.
@@ -115,7 +119,12 @@ pub fn plan_given(
 ) -> Result<(Planned, f64), Failure> {
     let path = shape.display().to_string();
     let start = std::time::Instant::now();
-    let photos = read_photos(settings, base, diagnostics)?;
+    let photos = match given.photos {
+        // As with files, photographs are not looked at where the fill follows something else.
+        Some(_) if settings.guide.kind != GuideKind::Grain => Vec::new(),
+        Some(handed) => handed,
+        None => read_photos(settings, base, diagnostics)?,
+    };
     let directions = match given.directions {
         Some(handed) => Some(handed),
         None => read_directions(settings, base)?,
@@ -145,6 +154,9 @@ pub fn plan_given(
         Handed::Mesh(mesh) => {
             let inputs = grainpath::Inputs { mesh, path, stress, directions, photos, texture };
             grainpath::plan_job(settings, inputs, diagnostics)?
+        }
+        Handed::Layers(stack) => {
+            grainpath::plan_layers(settings, stack, &path, stress, directions, &photos, texture, diagnostics)?
         }
         Handed::Scan(mut scan) => grainpath::plan_scan(
             settings,

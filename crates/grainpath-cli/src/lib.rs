@@ -23,7 +23,9 @@ use args::{Args, Command};
 
 pub use commands::compare::compared;
 pub use commands::inspect::inspect_file;
+pub use commands::inspect_faces::list_faces;
 pub use commands::render::tell_directions;
+pub use commands::run::checked;
 pub use commands::strength::{Done, TestedJob};
 pub use commands::support::{Grown, grow};
 pub use inputs::{Given, Handed, no_shape, plan_given, read_body, shape_of};
@@ -128,5 +130,30 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
             eprintln!("grainpath: {line}");
             u8::try_from(failure.code).unwrap_or(1)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    /// The table of docs/python.md says how each command and option is called from Python.
+    #[test]
+    fn every_command_and_option_is_on_the_page_of_python() {
+        let page = include_str!("../../../docs/python.md");
+        let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
+        let command = super::command();
+        let commands: Vec<_> = command.get_subcommands().filter(|c| c.get_name() != "help").collect();
+        for command in &commands {
+            let start = format!("| `{}` | ", command.get_name());
+            let row = rows.iter().find(|row| row.starts_with(&start));
+            let row = row.unwrap_or_else(|| panic!("no row of `{}`", command.get_name()));
+            let options = row.split(" | ").nth(1).unwrap_or_default();
+            for argument in command.get_arguments() {
+                let id = argument.get_id().to_string();
+                let shown = argument.get_long().map_or(id, |long| format!("--{long}"));
+                let is_everywhere = ["--help", "--version"].contains(&&*shown);
+                assert!(is_everywhere || options.contains(&format!("`{shown}`")), "{start} lacks {shown}");
+            }
+        }
+        assert_eq!(rows.len(), commands.len(), "the page has a row of a command that does not exist");
     }
 }

@@ -8,6 +8,7 @@
 
 mod cli;
 mod errors;
+mod image;
 mod mesh;
 mod pieces;
 mod plan;
@@ -15,6 +16,7 @@ mod pool;
 mod program;
 mod roles;
 mod spec;
+mod stack;
 mod strength;
 mod stress;
 mod volume;
@@ -26,17 +28,21 @@ mod _grainpath {
     #[pymodule_export]
     use crate::cli::{cli, cli_commands};
     #[pymodule_export]
+    use crate::image::{ImageData, image_from_array};
+    #[pymodule_export]
     use crate::mesh::{MeshData, mesh_from_arrays, mesh_from_file};
     #[pymodule_export]
     use crate::pieces::{example, inspect, marker_sheet, pieces, specimen, support};
     #[pymodule_export]
-    use crate::plan::{PlanData, plan};
+    use crate::plan::{PlanData, check, plan};
     #[pymodule_export]
     use crate::program::{ProgramData, program_from_bytes};
     #[pymodule_export]
     use crate::roles::roles;
     #[pymodule_export]
     use crate::spec::{Spec, profiles, schema};
+    #[pymodule_export]
+    use crate::stack::{StackData, stack_from_bytes, stack_from_rings};
     #[pymodule_export]
     use crate::strength::{StrengthData, compare, strength};
     #[pymodule_export]

@@ -71,6 +71,12 @@ impl MeshData {
         serde_json::json!(self.file.warnings).to_string()
     }
 
+    /// Planes, cylinders, cones and spheres of the mended mesh, as JSON.
+    fn named_faces(&self, py: Python<'_>) -> PyResult<String> {
+        let file = self.file.clone();
+        worker::run(py, &Caller::default(), move |_, _| Ok(grainpath_cli::list_faces(file)?.to_string()))
+    }
+
     /// Signed volume of all bodies in the cube of the file's unit.
     fn volume(&self) -> f64 {
         self.file.bodies.iter().map(|b| b.mesh.signed_volume()).sum()

@@ -61,6 +61,7 @@ pub fn specimen(name: &str) -> Option<(MeshData, Option<String>)> {
 
 /// The files of an example, the job first: names and contents; with `pixels` those of the scan. `None` for an unknown name, whose list is the second.
 #[pyfunction]
+#[allow(clippy::type_complexity)]
 pub fn example(
     py: Python<'_>,
     name: String,

@@ -1,16 +1,18 @@
 //! Plans: from settings and arrays to paths, the program, and the report.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use grainpath::Planned;
+use grainpath::measure::report::StressReport;
 use grainpath::measure::strength::test;
 use grainpath_cli::{Failure, Given, Handed};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SampleType;
-use grainpath_core::{DVec3, Diagnostics, SpeedClass, Warning};
+use grainpath_core::{DVec3, Diagnostics, LayerStack, SpeedClass, Warning};
 use grainpath_gcode::Written;
+use grainpath_imaging::photo::Photo;
 use grainpath_io::MeshFile;
 use grainpath_io::directions::{DirectionSamples, parse_directions};
 use grainpath_io::fe::{FeFormat, FeResult, StressField};
@@ -19,9 +21,11 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
+use crate::image::ImageData;
 use crate::mesh::MeshData;
 use crate::roles::role_number;
 use crate::spec::Spec;
+use crate::stack::StackData;
 use crate::stress::StressData;
 use crate::volume::ArraySource;
 use crate::worker::{self, Caller, Request};
@@ -142,20 +146,9 @@ impl PlanData {
         Ok((PyArray1::from_vec(py, vertices).reshape([n, 3])?, PyArray1::from_vec(py, paths)))
     }
 
-    /// The rings of a layer's section: for each polygon its outer ring and its holes, `(n, 2)`.
-    fn section<'py>(&self, py: Python<'py>, k: usize) -> PyResult<Vec<Vec<Bound<'py, PyArray2<f64>>>>> {
-        let ring = |points: &[grainpath_core::DVec2]| {
-            let flat: Vec<f64> = points.iter().flat_map(|p| p.to_array()).collect();
-            PyArray1::from_vec(py, flat).reshape([points.len(), 2])
-        };
-        let region = self.plan.planned.stack.layers()[k].region();
-        let of = |p: &grainpath_core::Polygon| p.contours().map(|c| ring(c)).collect();
-        region.polygons.iter().map(of).collect()
-    }
-
-    /// Number of sections.
-    fn n_sections(&self) -> usize {
-        self.plan.planned.stack.layers().len()
+    /// The part's sections.
+    fn stack(&self) -> StackData {
+        StackData { stack: Arc::new(self.plan.planned.stack.clone()) }
     }
 
     /// Warnings of planning as JSON.
@@ -211,36 +204,11 @@ pub type Array<'py> = ([usize; 3], String, Option<[f64; 3]>, Bound<'py, PyAny>);
 /// What of a caller's array may go to another thread.
 pub type ArrayShape = ([usize; 3], String, Option<[f64; 3]>);
 
-/// The two halves of a caller's array.
-pub fn halves(array: Option<Array<'_>>) -> (Option<ArrayShape>, Option<Bound<'_, PyAny>>) {
-    match array {
-        Some((size, sample, spacing_mm, slices)) => (Some((size, sample, spacing_mm)), Some(slices)),
-        None => (None, None),
-    }
-}
-
-/// A shape that is no file.
-pub struct Shape {
-    pub mesh: Option<MeshFile>,
-    pub array: Option<ArrayShape>,
-}
-
-impl Shape {
-    /// The shape for the planner; slices are asked for through `requests`.
-    pub fn handed(self, requests: Sender<Request>) -> Option<Handed> {
-        let scan = |(size, sample, spacing_mm): ArrayShape| {
-            let sample = SampleType::from_name(&sample).unwrap_or(SampleType::F32);
-            Handed::Scan(Box::new(ArraySource::new(size, sample, spacing_mm, requests)))
-        };
-        self.mesh.map(Handed::Mesh).or_else(|| self.array.map(scan))
-    }
-}
-
 /// Stress at points: positions in mm, `(n, 3)`, and MPa, `(n, 6)`, both flat.
 pub type PointStress<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
 
 /// What of it may go to another thread.
-pub fn stress_result(given: Option<PointStress<'_>>) -> PyResult<Option<FeResult>> {
+fn stress_result(given: Option<PointStress<'_>>) -> PyResult<Option<FeResult>> {
     let Some((points, stress)) = given else { return Ok(None) };
     let nodes: Vec<DVec3> = points.as_slice()?.chunks_exact(3).map(DVec3::from_slice).collect();
     let six = |s: &[f64]| [s[0], s[1], s[2], s[3], s[4], s[5]];
@@ -258,51 +226,129 @@ pub fn stress_result(given: Option<PointStress<'_>>) -> PyResult<Option<FeResult
 }
 
 /// The directions in the bytes of a `.npz`.
-pub fn field(bytes: Option<&[u8]>, settings: &Settings) -> Result<Option<DirectionSamples>, Failure> {
+fn field(bytes: Option<&[u8]>, settings: &Settings) -> Result<Option<DirectionSamples>, Failure> {
     let Some(bytes) = bytes else { return Ok(None) };
     let read = parse_directions(&[("field.npz", bytes)], &grainpath::run::config::directions(settings));
     let wrong = |source| grainpath::Error::Directions { path: "the field".to_owned(), source };
     Ok(Some(read.map_err(wrong)?))
 }
 
-/// The file of the shape, or a name for errors where it is given.
-pub fn shape_path(given: &Given, settings: &Settings, job: &str, folder: &Path) -> Result<PathBuf, Failure> {
-    match given.shape {
-        Some(_) => Ok(PathBuf::from(ARRAY)),
-        None => grainpath_cli::shape_of(settings, folder).ok_or_else(|| grainpath_cli::no_shape(job)),
+/// What stands in the place of files: a mesh, an array, sections, photographs, directions (the bytes of a `.npz`), stress.
+pub type Handover<'py> = (
+    Option<Bound<'py, MeshData>>,
+    Option<Array<'py>>,
+    Option<Bound<'py, StackData>>,
+    Option<Vec<Bound<'py, ImageData>>>,
+    Option<Vec<u8>>,
+    Option<PointStress<'py>>,
+);
+/// The number of threads, and what is called while work goes on: progress and the token to cancel.
+pub type Watch<'py> = (Option<usize>, Option<Bound<'py, PyAny>>, Option<Bound<'py, PyAny>>);
+
+/// A job and what was handed over with it, of which nothing belongs to Python.
+pub struct Work {
+    /// The settings.
+    pub settings: Settings,
+    /// The job's name in errors.
+    pub name: String,
+    /// The folder to which paths are relative.
+    pub folder: PathBuf,
+    mesh: Option<MeshFile>,
+    array: Option<ArrayShape>,
+    layers: Option<Arc<LayerStack>>,
+    photos: Option<Vec<Photo>>,
+    directions: Option<Vec<u8>>,
+    stress: Option<FeResult>,
+}
+
+impl Work {
+    /// The job, and the caller that waits for it.
+    pub fn new<'py>(
+        spec: &Bound<'py, Spec>,
+        handover: Handover<'py>,
+        watch: Watch<'py>,
+    ) -> PyResult<(Self, Caller<'py>)> {
+        let (mesh, array, layers, photos, directions, stress) = handover;
+        let (array, slices) = match array {
+            Some((size, sample, spacing_mm, slices)) => (Some((size, sample, spacing_mm)), Some(slices)),
+            None => (None, None),
+        };
+        let (threads, progress, cancel) = watch;
+        let spec = spec.get();
+        let work = Self {
+            settings: spec.settings.clone(),
+            name: spec.name.clone(),
+            folder: spec.folder.clone(),
+            mesh: mesh.map(|m| m.get().file.clone()),
+            array,
+            layers: layers.map(|l| Arc::clone(&l.get().stack)),
+            photos: photos.map(|all| all.iter().map(|p| p.get().photo.clone()).collect()),
+            directions,
+            stress: stress_result(stress)?,
+        };
+        Ok((work, Caller { progress, cancel, array: slices, threads }))
+    }
+
+    /// What was handed over, for the planner; slices are asked for through `requests`.
+    pub fn given(&mut self, requests: Sender<Request>) -> Result<Given, Failure> {
+        let scan = |(size, sample, spacing_mm): ArrayShape| {
+            let sample = SampleType::from_name(&sample).unwrap_or(SampleType::F32);
+            Handed::Scan(Box::new(ArraySource::new(size, sample, spacing_mm, requests)))
+        };
+        let layers = self.layers.take().map(|stack| Handed::Layers(Arc::unwrap_or_clone(stack)));
+        Ok(Given {
+            shape: self.mesh.take().map(Handed::Mesh).or(layers).or_else(|| self.array.take().map(scan)),
+            directions: field(self.directions.as_deref(), &self.settings)?,
+            stress: self.stress.take().map(StressField::new),
+            photos: self.photos.take(),
+        })
+    }
+
+    /// The file of the shape, or a name for errors where it is given.
+    fn shape_path(&self, given: &Given) -> Result<PathBuf, Failure> {
+        match given.shape {
+            Some(_) => Ok(PathBuf::from(ARRAY)),
+            None => grainpath_cli::shape_of(&self.settings, &self.folder)
+                .ok_or_else(|| grainpath_cli::no_shape(&self.name)),
+        }
     }
 }
 
-/// Plans a job. `mesh`, `array`, `directions` and `stress` stand in the place of files; `directions` is the bytes of a
-/// `.npz`. `watch` is the number of threads, and what is called while the plan is made.
+/// Plans a job.
 #[pyfunction]
-#[pyo3(signature = (spec, mesh, array, directions, stress, watch))]
 pub fn plan<'py>(
     py: Python<'py>,
     spec: &Bound<'py, Spec>,
-    mesh: Option<Bound<'py, MeshData>>,
-    array: Option<Array<'py>>,
-    directions: Option<Vec<u8>>,
-    stress: Option<PointStress<'py>>,
-    watch: (Option<usize>, Option<Bound<'py, PyAny>>, Option<Bound<'py, PyAny>>),
+    handover: Handover<'py>,
+    watch: Watch<'py>,
 ) -> PyResult<PlanData> {
-    let spec = spec.get();
-    let (settings, job, folder) = (spec.settings.clone(), spec.name.clone(), spec.folder.clone());
-    let mesh = mesh.map(|m| m.get().file.clone());
-    let (array, slices) = halves(array);
-    let (threads, progress, cancel) = watch;
-    let caller = Caller { progress, cancel, array: slices, threads };
-    let stress = stress_result(stress)?;
+    let (mut work, caller) = Work::new(spec, handover, watch)?;
     let kept = worker::run(py, &caller, move |diagnostics, requests| {
-        let given = Given {
-            shape: Shape { mesh, array }.handed(requests),
-            directions: field(directions.as_deref(), &settings)?,
-            stress: stress.map(StressField::new),
-        };
-        let path = shape_path(&given, &settings, &job, &folder)?;
+        let given = work.given(requests)?;
+        let path = work.shape_path(&given)?;
+        let Work { settings, folder, .. } = work;
         let (planned, read_s) = grainpath_cli::plan_given(&settings, given, &path, &folder, diagnostics)?;
         let warnings = diagnostics.warnings();
         Ok(Kept { settings, planned, read_s, warnings, program: Mutex::new(None) })
     })?;
-    Ok(PlanData { plan: Arc::new(kept), threads })
+    Ok(PlanData { plan: Arc::new(kept), threads: caller.threads })
+}
+
+/// Solves the loads of a job without planning it: what they caught and the stress, as `grainpath run --check --json` has
+/// it.
+#[pyfunction]
+pub fn check<'py>(
+    py: Python<'py>,
+    spec: &Bound<'py, Spec>,
+    handover: Handover<'py>,
+    watch: Watch<'py>,
+) -> PyResult<String> {
+    let (mut work, caller) = Work::new(spec, handover, watch)?;
+    worker::run(py, &caller, move |diagnostics, requests| {
+        let given = work.given(requests)?;
+        let path = work.shape_path(&given)?;
+        let guide = grainpath_cli::checked(&work.settings, given, &path, &work.folder, diagnostics)?;
+        let report = StressReport::from(&guide);
+        Ok(serde_json::json!({ "stress": report, "warnings": diagnostics.warnings() }).to_string())
+    })
 }

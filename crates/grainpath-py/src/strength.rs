@@ -3,15 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use grainpath_cli::{Done, Given, TestedJob};
-use grainpath_io::fe::StressField;
+use grainpath_cli::{Done, TestedJob};
 use pyo3::prelude::*;
 use serde_json::json;
 
-use crate::mesh::MeshData;
-use crate::plan::{Array, PointStress, Shape, field, halves, stress_result};
+use crate::plan::{Handover, Watch, Work};
 use crate::spec::Spec;
-use crate::worker::{self, Caller};
+use crate::worker;
 
 /// A finished test.
 #[pyclass(frozen, module = "grainpath._grainpath")]
@@ -34,32 +32,19 @@ impl StrengthData {
 
 /// Tests the plan of a job, or `program`, a program of its part, with its name.
 #[pyfunction]
-#[pyo3(signature = (spec, mesh, array, directions, stress, program, watch))]
 pub fn strength<'py>(
     py: Python<'py>,
     spec: &Bound<'py, Spec>,
-    mesh: Option<Bound<'py, MeshData>>,
-    array: Option<Array<'py>>,
-    directions: Option<Vec<u8>>,
-    stress: Option<PointStress<'py>>,
+    handover: Handover<'py>,
     program: Option<(Vec<u8>, String)>,
-    watch: (Option<usize>, Option<Bound<'py, PyAny>>, Option<Bound<'py, PyAny>>),
+    watch: Watch<'py>,
 ) -> PyResult<StrengthData> {
-    let spec = spec.get();
-    let (settings, job, folder) = (spec.settings.clone(), spec.name.clone(), spec.folder.clone());
-    let mesh = mesh.map(|m| m.get().file.clone());
-    let (array, slices) = halves(array);
-    let (threads, progress, cancel) = watch;
-    let caller = Caller { progress, cancel, array: slices, threads };
-    let stress = stress_result(stress)?;
+    let (mut work, caller) = Work::new(spec, handover, watch)?;
     let done = worker::run(py, &caller, move |diagnostics, requests| {
-        let given = Given {
-            shape: Shape { mesh, array }.handed(requests),
-            directions: field(directions.as_deref(), &settings)?,
-            stress: stress.map(StressField::new),
-        };
-        let input = program.as_ref().map_or_else(|| PathBuf::from(&job), |p| PathBuf::from(&p.1));
-        let tested = TestedJob { settings, folder, name: job, given };
+        let given = work.given(requests)?;
+        let Work { settings, folder, name, .. } = work;
+        let input = program.as_ref().map_or_else(|| PathBuf::from(&name), |p| PathBuf::from(&p.1));
+        let tested = TestedJob { settings, folder, name, given };
         tested.test(&input, program.as_ref().map(|p| &p.0[..]), diagnostics, &|_| {})
     })?;
     Ok(StrengthData { done: Arc::new(done) })

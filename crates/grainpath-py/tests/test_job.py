@@ -113,7 +113,7 @@ def test_copies_plan_the_same(plate, again):
 
 @pytest.mark.parametrize("wrong", ["part.stl", 3, np.zeros((3, 3))])
 def test_shapes_are_shapes(wrong):
-    with pytest.raises(gp.JobError, match="a Mesh or a Volume is needed"):
+    with pytest.raises(gp.JobError, match="a Mesh, a Volume, a LayerStack or Images are needed"):
         gp.Job(wrong)
 
 

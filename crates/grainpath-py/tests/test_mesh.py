@@ -1,6 +1,7 @@
 """Meshes: any array that holds the right numbers, and clear errors for all others."""
 
 import copy
+import json
 import pickle
 
 import numpy as np
@@ -9,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import grainpath as gp
+from test_plan import command_line
 
 VERTICES = [[0, 0, 0], [10, 0, 0], [0, 10, 0], [0, 0, 10]]
 FACES = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
@@ -130,3 +132,17 @@ def test_missing_and_wrong_files(tmp_path):
     (tmp_path / "step.stl").write_text("ISO-10303-21;\n")
     with pytest.raises(gp.InputError, match="exact surfaces"):
         gp.read(tmp_path / "step.stl")
+
+
+def test_named_faces_are_those_of_the_command(stl):
+    theirs = json.loads(command_line("inspect", stl, "--faces", "--json").stdout)["faces"]
+    ours = gp.read(stl).named_faces()
+    assert ours == theirs and len(ours) == 6
+    assert sum(face["area_mm2"] for face in ours) == pytest.approx(2 * (30 * 20 + 30 * 1.2 + 20 * 1.2))
+
+
+def test_named_faces_keep_their_names_in_another_unit_and_place():
+    here = {face["name"] for face in gp.box(30, 20, 5).named_faces()}
+    box = gp.box(30, 20, 5)
+    elsewhere = gp.Mesh((box.vertices + [7, -3, 11]) / 10, box.faces, unit="cm").named_faces()
+    assert len(here) == 6 and {face["name"] for face in elsewhere} == here

@@ -43,25 +43,17 @@ def test_examples_of_pages_run(page, tmp_path, monkeypatch, stl):
         exec(compile(block, page, "exec"), names)
 
 
-def test_every_command_has_a_call():
-    """The table of docs/python.md names every command and option of clap's list, and calls that exist."""
-    rows = {}
-    for line in (TOP / "docs/python.md").read_text().splitlines():
-        cells = [cell.strip() for cell in line.strip("|").split(" | ")]
-        if line.startswith("| `") and len(cells) == 3:
-            rows[cells[0].strip("`")] = (cells[1], cells[2])
-    for command, options in _grainpath.cli_commands():
-        if command == "help":
-            continue
-        assert command in rows, command
-        named, calls = rows[command]
-        for option in options:
-            assert f"`{option}`" in named or option in ("--help", "--version"), (command, option)
-        for call in re.findall(r"`gp\.([\w.]+)", calls):
-            found = gp
-            for name in call.split("."):
-                found = getattr(found, name)
-    assert len(rows) == len([c for c, _ in _grainpath.cli_commands() if c != "help"])
+def test_calls_of_the_table_exist():
+    """The calls that docs/python.md gives for commands exist. A test of the command line holds its rows against clap."""
+    rows = [line for line in (TOP / "docs/python.md").read_text().splitlines() if line.startswith("| `")]
+    commands = {line.split("`")[1] for line in rows}
+    assert {name for name, _ in _grainpath.cli_commands()} - {"help"} <= commands
+    calls = re.findall(r"`gp\.([\w.]+)", "\n".join(rows))
+    assert len(calls) >= 15
+    for call in calls:
+        found = gp
+        for name in call.split("."):
+            found = getattr(found, name)
 
 
 def test_every_public_name_is_documented():

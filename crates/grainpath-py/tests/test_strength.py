@@ -1,6 +1,7 @@
 """Stress and virtual tests, on our plans and on any program."""
 
 import copy
+import json
 import pickle
 
 import numpy as np
@@ -169,3 +170,18 @@ def test_wrong_stress_is_named(points, tensors, words):
     with pytest.raises(gp.InputError) as error:
         gp.Stress(points, tensors)
     assert words in str(error.value)
+
+
+def test_loads_are_checked_as_the_command_checks_them(bar, stl, tmp_path):
+    found = bar.check()["stress"]
+    assert found["cases"] == 1 and found["imbalance"] < 1e-6
+    assert found["loads"][0]["force_n"] == pytest.approx([100, 0, 0], abs=1e-6)
+    assert found["reactions"][0]["force_n"] == pytest.approx([-100, 0, 0], abs=1e-3)
+    job = tmp_path / "job.toml"
+    job.write_text(f'[shape]\nmesh = "{stl.name}"\n' + TEXT.replace("40, 8, 1", "30, 20, 1").replace("34, 0", "24, 0"))
+    theirs = json.loads(command_line("run", job, "--check", "--json").stdout)
+    assert gp.Job.from_toml(job).check()["stress"] == theirs["stress"]
+    with pytest.raises(gp.GrainpathError, match="load"):
+        gp.Job(gp.box(40, 8, 1)).check()
+    with pytest.raises(gp.JobError, match="mesh or an outline"):
+        bar.with_(gp.Volume(np.zeros((4, 5, 6), "u1"), spacing=1)).check()

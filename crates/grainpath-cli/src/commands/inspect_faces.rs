@@ -8,8 +8,8 @@ use std::fmt::Write as _;
 use grainpath::shape::{Repair, mend};
 use grainpath_core::faces::{Face, Faces, Surface};
 use grainpath_core::units::LengthUnit;
-use grainpath_core::{DVec3, Diagnostics};
-use grainpath_io::parse_mesh;
+use grainpath_core::{DVec3, Diagnostics, TriMesh};
+use grainpath_io::{MeshFile, parse_mesh};
 use grainpath_view::faces::faces_png;
 use serde_json::{Value, json};
 
@@ -28,16 +28,8 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     let bytes = files::read(&args.file)?;
     let file = parse_mesh(&bytes, Some(&name));
     let file = file.map_err(|source| grainpath::Error::Mesh { path: name.clone(), source })?;
-    let mm = file.unit.unwrap_or(LengthUnit::Millimetre).mm();
     let unit = file.unit.map_or("mm (assumed)".to_owned(), |u| format!("{} (the file says so)", u.name()));
-    let bodies = file.bodies.into_iter().map(|mut body| {
-        body.mesh.vertices.iter_mut().for_each(|p| *p *= mm);
-        body.mesh
-    });
-    // Mended as a run mends it: facets that are inside out would have their normals reversed.
-    let mesh = mend(bodies.collect(), Repair::Auto, &Diagnostics::default())
-        .map_err(|source| grainpath::Error::Shape { path: name.clone(), source })?;
-    let faces = Faces::of(&mesh);
+    let (mesh, faces) = of_file(file, &name)?;
     let shown = faces.len().min(LISTED);
     let mut rows: Vec<Value> = (0..shown).map(|i| face_json(&faces, i)).collect();
     if let Some(path) = &args.image {
@@ -61,6 +53,29 @@ pub fn inspect(args: &Inspect) -> Result<(), Failure> {
     }
     files::print(&text);
     Ok(())
+}
+
+/// The mended mesh of a file in mm, and its faces.
+fn of_file(file: MeshFile, name: &str) -> Result<(TriMesh, Faces), Failure> {
+    let mm = file.unit.unwrap_or(LengthUnit::Millimetre).mm();
+    let bodies = file.bodies.into_iter().map(|mut body| {
+        body.mesh.vertices.iter_mut().for_each(|p| *p *= mm);
+        body.mesh
+    });
+    // Mended as a run mends it: facets that are inside out would have their normals reversed.
+    let mesh = mend(bodies.collect(), Repair::Auto, &Diagnostics::default())
+        .map_err(|source| grainpath::Error::Shape { path: name.to_owned(), source })?;
+    let faces = Faces::of(&mesh);
+    Ok((mesh, faces))
+}
+
+/// All faces of a mesh, largest first, each as `--json` prints it.
+///
+/// # Errors
+/// For a mesh that cannot be mended.
+pub fn list_faces(file: MeshFile) -> Result<Value, Failure> {
+    let (_, faces) = of_file(file, "the mesh")?;
+    Ok((0..faces.len()).map(|i| face_json(&faces, i)).collect())
 }
 
 /// One face; numbers count from 1, as in the picture.

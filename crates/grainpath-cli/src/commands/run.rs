@@ -1,17 +1,23 @@
 //! `grainpath run`: the main job, whole.
 
 use std::path::Path;
+use std::process::Command;
 
+use grainpath::guide::Guide;
 use grainpath::measure::dimensions::Dimension;
+use grainpath_core::Diagnostics;
 use grainpath_job::Settings;
 
 use crate::args::{Common, RunArguments};
 use crate::claims::Claims;
-use crate::inputs::{claim_inputs, plan, read_body, read_job, read_stress, set_threads};
+use crate::inputs::{Given, Handed, claim_inputs, plan, read_body, read_job, read_stress, set_threads};
 use crate::{Failure, files, outputs, progress};
 
 /// `grainpath run`
 pub fn run(args: &RunArguments) -> Result<(), Failure> {
+    if let Some(scheduler) = &args.scheduler {
+        return run_folder(args, scheduler);
+    }
     let (settings, shape, folder) = read_job(&args.job, &args.common.sets)?;
     let truth = match settings.ct.truth.as_str() {
         "" => None,
@@ -31,6 +37,36 @@ pub fn run(args: &RunArguments) -> Result<(), Failure> {
     execute(&settings, &shape, &folder, &out, truth.as_deref(), claims, &args.common)
 }
 
+/// Runs the jobs of a folder on a cluster: the Python package does it.
+fn run_folder(args: &RunArguments, scheduler: &str) -> Result<(), Failure> {
+    // The package's own command names its interpreter; that of another folder may not have the package.
+    let python = std::env::var_os("GRAINPATH_PYTHON").unwrap_or_else(|| "python3".into());
+    let mut command = Command::new(&python);
+    command.args(["-m", "grainpath.cluster"]).arg(&args.job).args(["--scheduler", scheduler]);
+    if let Some(out) = &args.out {
+        command.arg("--out").arg(out);
+    }
+    for set in &args.common.sets {
+        command.args(["--set", set]);
+    }
+    if let Some(threads) = args.common.threads {
+        command.args(["--threads", &threads.to_string()]);
+    }
+    if args.common.json {
+        command.arg("--json");
+    }
+    let install = "--scheduler needs the Python package with Dask: pip install \"grainpath[dask]\"";
+    let ended =
+        command.status().map_err(|e| Failure::usage(format!("{install} ({}: {e})", python.display())))?;
+    match ended.code() {
+        Some(0) => Ok(()),
+        // Python's own code where there is no such module; it has said so.
+        Some(1) => Err(Failure::usage(install)),
+        Some(code) => Err(Failure { message: "not all jobs were run".into(), code, warnings: Vec::new() }),
+        None => Err(Failure::usage("the run on the cluster was ended by a signal")),
+    }
+}
+
 /// Solves the loads of a job and tells what they caught; no G-code is written.
 fn check(
     settings: &Settings,
@@ -42,25 +78,11 @@ fn check(
 ) -> Result<(), Failure> {
     set_threads(common.threads)?;
     let diagnostics = progress::diagnostics();
-    if settings.shape.mesh.is_empty() && settings.shape.outline.is_empty() {
-        return Err(Failure::usage(
-            "--check needs a part from a mesh or an outline; those of scans and photographs are known after planning",
-        ));
-    }
     let paths = outputs::Paths::of(settings, shape, out)?;
     claim_inputs(settings, shape, base, &mut claims);
     paths.claim(&mut claims);
     claims.check()?;
-    let (mesh, _) = read_body(settings, shape, &diagnostics)?;
-    let inputs = grainpath::Inputs {
-        mesh,
-        path: shape.display().to_string(),
-        stress: read_stress(settings, base)?,
-        directions: None,
-        photos: Vec::new(),
-        texture: None,
-    };
-    let guide = grainpath::run::check_loads(settings, inputs, &diagnostics)?;
+    let guide = checked(settings, Given::default(), shape, base, &diagnostics)?;
     let warnings = diagnostics.warnings();
     if common.strict && !warnings.is_empty() {
         return Err(Failure::strict(warnings, false));
@@ -83,6 +105,39 @@ fn check(
     warnings.iter().for_each(|w| text.push_str(&format!("warning: {w}\n")));
     files::print(&text);
     Ok(())
+}
+
+/// The loads of a job, solved without planning. What is `given` stands in the place of files; where the shape is given,
+/// `shape` is only its name in errors.
+///
+/// # Errors
+/// For shapes that are no mesh or outline, and those of reading and solving.
+pub fn checked(
+    settings: &Settings,
+    given: Given,
+    shape: &Path,
+    base: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<Guide, Failure> {
+    let mesh = match given.shape {
+        Some(Handed::Mesh(mesh)) => mesh,
+        None if !settings.shape.mesh.is_empty() || !settings.shape.outline.is_empty() => {
+            read_body(settings, shape, diagnostics)?.0
+        }
+        Some(Handed::Scan(_) | Handed::Layers(_)) | None => {
+            return Err(Failure::usage(
+                "--check needs a part from a mesh or an outline; those of scans and photographs are known after planning",
+            ));
+        }
+    };
+    let stress = match given.stress {
+        Some(handed) => Some(handed),
+        None => read_stress(settings, base)?,
+    };
+    let path = shape.display().to_string();
+    let inputs =
+        grainpath::Inputs { mesh, path, stress, directions: None, photos: Vec::new(), texture: None };
+    Ok(grainpath::run::check_loads(settings, inputs, diagnostics)?)
 }
 
 /// Plans and writes a job. Input paths are relative to `base`, output paths to `out`; `claims` holds the

@@ -116,7 +116,10 @@ impl TestedJob {
         let given = std::mem::take(&mut self.given);
         let settings = &self.settings;
         let program = theirs.map(|bytes| read(settings, bytes, input)).transpose()?;
-        let tested = match (program, shape_of(settings, &self.folder)) {
+        // A shape that is handed over need not be named in the job.
+        let named_shape = shape_of(settings, &self.folder);
+        let shape = named_shape.or_else(|| given.shape.is_some().then(|| PathBuf::from(&self.name)));
+        let tested = match (program, shape) {
             (Some(program), None) => {
                 let tested = test_printed(settings, &program, diagnostics, note);
                 tested.map(|t| (t, program)).map_err(|e| named(input, failed(e)))?
@@ -156,7 +159,7 @@ impl TestedJob {
         let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
         let file = match given.shape {
             Some(Handed::Mesh(mesh)) => mesh,
-            Some(Handed::Scan(_)) | None => read_body(settings, shape, diagnostics)?.0,
+            Some(Handed::Scan(_) | Handed::Layers(_)) | None => read_body(settings, shape, diagnostics)?.0,
         };
         let Sliced { mesh, stack, lowered_mm, .. } =
             mesh_and_layers(&grainpath::run::config::placing(settings), file, diagnostics).map_err(source)?;

@@ -11,12 +11,18 @@ out: paths as arrays, G-code as bytes, and everything that was measured.
 Lengths are mm, stresses MPa, forces N, times s. Angles in names that end in ``_deg`` are degrees; others are radians.
 """
 
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from . import gcode
 from ._grainpath import __version__
 from .errors import Cancelled, GrainpathError, InputError, InternalError, JobError, PhysicsError
 from .field import Field
+from .image import Image
 from .job import Job
+from .layers import LayerStack, Section
 from .mesh import Mesh, box
+from .omezarr import read_zarr
 from .pieces import inspect, markers, new, specimen, specimens, support
 from .plan import Layer, Path, Plan
 from .reading import read
@@ -27,19 +33,33 @@ from .sweeps import Sweep, sweep
 from .volume import Volume
 from .warning import Warning
 
+if TYPE_CHECKING:
+    from . import cluster
+
+
+def __getattr__(name: str) -> Any:
+    # What few need is imported when it is asked for.
+    if name == "cluster":
+        return importlib.import_module(".cluster", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
 __all__ = [
     "Cancelled",
     "Field",
     "GrainpathError",
+    "Image",
     "InputError",
     "InternalError",
     "Job",
     "JobError",
     "Layer",
+    "LayerStack",
     "Mesh",
     "Path",
     "PhysicsError",
     "Plan",
+    "Section",
     "Strength",
     "Stress",
     "StressCase",
@@ -49,6 +69,7 @@ __all__ = [
     "Warning",
     "__version__",
     "box",
+    "cluster",
     "compare",
     "gcode",
     "inspect",
@@ -56,6 +77,7 @@ __all__ = [
     "new",
     "profiles",
     "read",
+    "read_zarr",
     "schema",
     "specimen",
     "specimens",

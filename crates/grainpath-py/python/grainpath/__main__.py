@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
 from ._grainpath import cli
@@ -9,6 +10,8 @@ from ._grainpath import cli
 
 def main() -> int:
     """Runs the command of ``sys.argv``."""
+    # `grainpath run --scheduler` starts Python again: this one, which has the package.
+    os.environ.setdefault("GRAINPATH_PYTHON", sys.executable)
     return cli(["grainpath", *sys.argv[1:]])
 
 

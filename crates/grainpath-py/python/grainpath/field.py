@@ -184,7 +184,7 @@ def _double(vectors: FloatArray) -> npt.NDArray[np.complex128]:
     """Vectors of the doubled angle, which have no sign, as complex numbers of length 1."""
     v = vectors[..., 0] + 1j * vectors[..., 1]
     with np.errstate(invalid="ignore", divide="ignore"):
-        double: npt.NDArray[np.complex128] = (v / np.abs(v)) ** 2
+        double: npt.NDArray[np.complex128] = np.asarray((v / np.abs(v)) ** 2, dtype=np.complex128)
     return double
 
 

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from . import _grainpath
 from ._checks import FloatArray, read_only
 from .errors import InputError
+from .layers import table
 from .warning import Warning, warnings_of
 
 if TYPE_CHECKING:
@@ -136,6 +137,17 @@ class Program:
     def __repr__(self) -> str:
         s = self.summary
         return f"<grainpath.gcode.Program: {s['layers']} layers, {s['printed_mm']:.0f} mm printed>"
+
+    def _repr_html_(self) -> str:
+        s = self.summary
+        rows = [
+            ("slicer", s["generator"] or "not stated"),
+            ("layers", s["layers"]),
+            ("printed", f"{s['printed_mm']:.0f} mm, {s['extruded_mm3']:.4g} mm³"),
+            ("time", f"{s['time_s'] / 60:.1f} min"),
+            ("warnings", len(self.warnings)),
+        ]
+        return table("Program", rows)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _again, self._source

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import functools
+import json
 import os
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 from . import _grainpath
 from ._checks import toml
 from .errors import JobError
 from .field import Field
+from .image import Image
+from .layers import LayerStack, table
 from .mesh import Mesh
 from .plan import Plan
 from .strength import Strength
@@ -18,7 +22,7 @@ from .stress import Stress
 from .volume import Volume
 from .warning import Warning, warnings_of
 
-Shape = Mesh | Volume
+Shape = Mesh | Volume | LayerStack | Image | Sequence[Image]
 Progress = Callable[[str, int, int], object]
 
 #: The settings that name a shape in a job file; an array takes the place of all of them.
@@ -27,6 +31,14 @@ SHAPES: dict[str, Any] = {
     "shape.outline": "",
     "shape.ct.path": "",
     "shape.photo.files": [],
+}
+
+
+#: Settings that change a part, which a stack of sections does not take, and their values that change nothing.
+AS_THEY_ARE: dict[str, Any] = {
+    "shape.scale": 1.0,
+    "shape.rotate_deg": [0.0, 0.0, 0.0],
+    "process.adaptive_layers": False,
 }
 
 
@@ -57,48 +69,72 @@ class Job:
         *,
         field: Field | None = None,
         stress: Stress | None = None,
+        grain: Image | Sequence[Image] | None = None,
         text: str = "",
         name: str = "job",
         folder: str | os.PathLike[str] = "",
         **settings: Any,
     ) -> None:
         sets = {_key(key): value for key, value in settings.items()}
-        self._build(shape, field, stress, text, name, os.fspath(folder), sets)
+        self._build(shape, field, stress, grain, text, name, os.fspath(folder), sets)
 
     def _build(
         self,
         shape: Shape | None,
         field: Field | None,
         stress: Stress | None,
+        grain: Image | Sequence[Image] | None,
         text: str,
         name: str,
         folder: str,
         sets: dict[str, Any],
     ) -> None:
-        if shape is not None and not isinstance(shape, (Mesh, Volume)):
-            raise JobError(f"shape is a {type(shape).__name__}; a Mesh or a Volume is needed, as grainpath.read gives")
+        board = _images(shape)
+        if shape is not None and board is None and not isinstance(shape, (Mesh, Volume, LayerStack)):
+            raise JobError(
+                f"shape is a {type(shape).__name__}; a Mesh, a Volume, a LayerStack or Images are needed; files are read "
+                "by grainpath.read"
+            )
+        photos = _images(grain)
+        if grain is not None and photos is None:
+            raise JobError(f"grain is a {type(grain).__name__}; a grainpath.Image or a list of them is needed")
         if field is not None and not isinstance(field, Field):
             raise JobError(f"field is a {type(field).__name__}; a grainpath.Field is needed")
         if stress is not None and not isinstance(stress, Stress):
             raise JobError(f"stress is a {type(stress).__name__}; a grainpath.Stress is needed")
-        if stress is not None and field is not None:
-            raise JobError("field and stress: exactly one guides the fill")
-        self._shape, self._field, self._stress = shape, field, stress
+        if sum(guide is not None for guide in (field, stress, grain)) > 1:
+            raise JobError("field, stress and grain: exactly one guides the fill")
+        self._shape, self._field, self._stress, self._grain = shape, field, stress, grain
         self._text, self._name, self._folder = text, name, folder
         self._sets = sets
         self._file: bytes | None = None
+        self._photos = board if photos is None else photos
         every: dict[str, Any] = {}
         if shape is not None:
             every.update(SHAPES)
+        if isinstance(shape, (Mesh, Volume)):
             every["shape.ct.path" if isinstance(shape, Volume) else "shape.mesh"] = f"grainpath.{type(shape).__name__}"
+        if board is not None:
+            every["shape.photo.files"] = [image.name for image in board]
         if field is not None:
             self._file, of_field = field._file()
             every.update(of_field)
         if stress is not None:
             every.update({"guide.kind": "stress", "guide.import": "grainpath.Stress"})
+        if photos is not None:
+            every.update({"guide.kind": "grain", "guide.image.files": [image.name for image in photos]})
         every.update(sets)
         lines = [f"{key}={toml(value, key)}" for key, value in every.items()]
         self._spec = _grainpath.Spec(text, name, folder, lines)
+        if isinstance(shape, LayerStack):
+            self._check_layers()
+
+    def _check_layers(self) -> None:
+        """Sections are printed as they are: what would change a part is refused, so that nothing is ignored in silence."""
+        settings = self.settings
+        for key, plain in AS_THEY_ARE.items():
+            if settings[key] != plain:
+                raise JobError(f"{key} = {settings[key]}: sections are printed as they are; change the rings instead")
 
     @classmethod
     def from_toml(cls, path: str | os.PathLike[str], **settings: Any) -> Job:
@@ -129,14 +165,16 @@ class Job:
         *,
         field: Field | None = None,
         stress: Stress | None = None,
+        grain: Image | Sequence[Image] | None = None,
         **settings: Any,
     ) -> Job:
-        """The same job with another shape, guide or settings. A field takes the place of a stress and the reverse."""
+        """The same job with another shape, guide or settings. A field, a stress or a grain takes the place of the other."""
         made = Job.__new__(Job)
         sets = {**self._sets, **{_key(key): value for key, value in settings.items()}}
-        if field is None and stress is None:
-            field, stress = self._field, self._stress
-        made._build(shape or self._shape, field, stress, self._text, self._name, self._folder, sets)
+        if field is None and stress is None and grain is None:
+            field, stress, grain = self._field, self._stress, self._grain
+        shape = self._shape if shape is None else shape
+        made._build(shape, field, stress, grain, self._text, self._name, self._folder, sets)
         return made
 
     @property
@@ -168,6 +206,17 @@ class Job:
         """
         return Plan._of(self, _grainpath.plan(*self._given(), (_threads(threads), progress, cancel)))
 
+    def check(
+        self, *, progress: Progress | None = None, cancel: Cancel | None = None, threads: int | None = None
+    ) -> dict[str, Any]:
+        """Solves the loads and stops there: ``stress``, with what each fixture and load caught, and ``warnings``.
+
+        It takes a part from a mesh or an outline, as ``grainpath run --check`` does.
+        """
+        watch = (_threads(threads), progress, cancel)
+        found: dict[str, Any] = json.loads(_grainpath.check(*self._given(), watch))
+        return found
+
     def strength(
         self, *, progress: Progress | None = None, cancel: Cancel | None = None, threads: int | None = None
     ) -> Strength:
@@ -179,25 +228,63 @@ class Job:
         """The test of another slicer's program of this part."""
         return Strength(_grainpath.strength(*self._given(), (program, name), watch))
 
-    def _given(self) -> tuple[Any, Any, Any, Any, Any]:
-        mesh = self._shape._data if isinstance(self._shape, Mesh) else None
-        array = self._shape._given() if isinstance(self._shape, Volume) else None
+    def _given(self) -> tuple[_grainpath.Spec, Any]:
+        shape = self._shape
+        mesh = shape._data if isinstance(shape, Mesh) else None
+        array = shape._given() if isinstance(shape, Volume) else None
+        layers = shape._data if isinstance(shape, LayerStack) else None
+        photos = None if self._photos is None else [image._data for image in self._photos]
         stress = None if self._stress is None else self._stress._given()
-        return self._spec, mesh, array, self._file, stress
+        return self._spec, (mesh, array, layers, photos, self._file, stress)
 
     def __repr__(self) -> str:
         parts = [self._name] + ([repr(self._shape)] if self._shape is not None else [])
         return f"<grainpath.Job: {', '.join(parts)}>"
 
+    def _repr_html_(self) -> str:
+        schema = _schema()
+        rows = [("part", repr(self._shape) if self._shape is not None else "files of the job")]
+        for key, value in self.settings.items():
+            # What is as it is without a job says nothing of this one.
+            if value is not None and value != schema.get(key, {}).get("default"):
+                rows.append((key, str(value)))
+        return table(f"Job {self._name}", rows)
+
     def __reduce__(self) -> tuple[Any, ...]:
-        arrays = (self._shape, self._field, self._stress)
+        arrays = (self._shape, self._field, self._stress, self._grain)
         return _again, (*arrays, self._text, self._name, self._folder, self._sets)
+
+
+def _images(given: Any) -> list[Image] | None:
+    """The images of one or several; ``None`` for anything else."""
+    if isinstance(given, Image):
+        return [given]
+    if isinstance(given, (list, tuple)) and given and all(isinstance(one, Image) for one in given):
+        return list(given)
+    return None
 
 
 def _again(*parts: Any) -> Job:
     job = Job.__new__(Job)
     job._build(*parts)
     return job
+
+
+@functools.cache
+def _schema() -> dict[str, dict[str, Any]]:
+    """The schema of each setting, by name."""
+    sections = json.loads(_grainpath.schema())["properties"]
+    found: dict[str, dict[str, Any]] = {}
+
+    def walk(name: str, node: dict[str, Any]) -> None:
+        for key, inner in node.get("properties", {}).items():
+            walk(f"{name}.{key}", inner)
+        if "properties" not in node:
+            found[name] = node
+
+    for section, node in sections.items():
+        walk(section, node)
+    return found
 
 
 def _value(text: str) -> Any:

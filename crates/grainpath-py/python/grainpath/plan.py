@@ -13,6 +13,7 @@ import numpy.typing as npt
 from . import _grainpath
 from ._checks import FloatArray, read_only
 from .gcode import ROLES
+from .layers import LayerStack, table
 from .mesh import Mesh
 from .strength import Strength
 from .stress import StressCase, StressResult
@@ -167,7 +168,12 @@ class Plan:
     @property
     def sections(self) -> list[list[list[FloatArray]]]:
         """The part's section of each layer: polygons, each an outer ring and its holes, ``(n, 2)``, mm."""
-        return [self._data.section(k) for k in range(self._data.n_sections())]
+        return [section.polygons for section in self.stack]
+
+    @cached_property
+    def stack(self) -> LayerStack:
+        """The sections with their heights, exact to the bit: a job of it has the same plan."""
+        return LayerStack._of(self._data.stack())
 
     @property
     def plate_from_part_mm(self) -> FloatArray:
@@ -232,8 +238,7 @@ class Plan:
             ("time", f"{report['time_s'] / 60:.1f} min"),
             ("warnings", len(report["warnings"])),
         ]
-        cells = "".join(f"<tr><th>{name}</th><td>{value}</td></tr>" for name, value in rows)
-        return f"<table><caption>Plan</caption>{cells}</table>"
+        return table("Plan", rows)
 
 
 def _again(job: Job) -> Plan:

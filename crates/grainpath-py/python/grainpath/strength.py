@@ -11,6 +11,7 @@ import numpy as np
 from . import _grainpath
 from ._checks import FloatArray, read_only
 from .errors import JobError
+from .layers import table
 from .warning import Warning, warnings_of
 
 
@@ -73,6 +74,17 @@ class Strength:
     def __repr__(self) -> str:
         low, high = self.interval_n
         return f"<grainpath.Strength: {self.peak_n:.0f} N ({low:.0f} to {high:.0f}), {self.mode}>"
+
+    def _repr_html_(self) -> str:
+        low, high = self.interval_n
+        rows = [
+            ("peak load", f"{self.peak_n:.4g} N ({low:.4g} to {high:.4g} N)"),
+            ("stiffness", f"{self.stiffness_n_per_mm:.4g} N/mm"),
+            ("fails by", self.mode),
+            ("first", self.weakest),
+            ("mass", f"{self.mass_g:.4g} g"),
+        ]
+        return table("Strength", rows)
 
     def __getstate__(self) -> dict[str, Any]:
         return self._found

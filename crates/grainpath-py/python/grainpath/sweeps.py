@@ -14,12 +14,14 @@ import os
 import queue
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, Protocol, overload
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, overload
 
 from . import _grainpath
 from .errors import GrainpathError, JobError
 from .job import Job
+from .layers import LayerStack
+from .mesh import Mesh
 from .volume import Volume
 
 #: What a row says of a plan, by path in its report.
@@ -43,23 +45,6 @@ FILES = ("shape.mesh", "shape.outline", "shape.ct.path", "shape.ct.truth", "guid
 Row = dict[str, Any]
 
 
-class Future(Protocol):
-    """What comes of ``submit``."""
-
-    def result(self) -> Any:
-        """The result, or the exception."""
-
-    def add_done_callback(self, fn: Callable[[Any], object], /) -> object:
-        """Calls ``fn`` with the future once it is done."""
-
-
-class Executor(Protocol):
-    """What work is handed to."""
-
-    def submit(self, fn: Callable[..., Any], /, *args: Any) -> Any:
-        """Begins a call and gives its future."""
-
-
 class Sweep(Sequence[Row]):
     """The rows of a sweep, in the order of its settings. A row has its settings, what was measured, ``seconds``,
     ``cached``, and ``error``: ``None``, or why there is no plan."""
@@ -77,6 +62,11 @@ class Sweep(Sequence[Row]):
     def __getitem__(self, k: int | slice) -> Row | list[Row]:
         return self.rows[k]
 
+    @property
+    def failed(self) -> list[Row]:
+        """The rows with an error."""
+        return [row for row in self.rows if row["error"] is not None]
+
     def to_pandas(self) -> Any:
         """The rows as a ``pandas.DataFrame``; pandas has to be installed."""
         import pandas  # type: ignore[import-not-found,import-untyped,unused-ignore]
@@ -84,8 +74,7 @@ class Sweep(Sequence[Row]):
         return pandas.DataFrame(self.rows)
 
     def __repr__(self) -> str:
-        failed = sum(row["error"] is not None for row in self.rows)
-        return f"<grainpath.Sweep: {len(self)} jobs, {failed} failed>"
+        return f"<grainpath.Sweep: {len(self)} jobs, {len(self.failed)} failed>"
 
     def _repr_html_(self) -> str:
         names = list(self.rows[0]) if self.rows else []
@@ -102,7 +91,7 @@ def sweep(
     job: Job,
     settings: Mapping[str, Sequence[Any]],
     *,
-    executor: Executor | None = None,
+    executor: Any = None,
     cache: str | os.PathLike[str] | None = None,
     threads: int | None = None,
     in_flight: int = 16,
@@ -111,7 +100,8 @@ def sweep(
 
     ``settings`` holds a list of values for each name, written ``fill.density`` or ``fill__density``. Without an
     ``executor`` jobs run here, one after the other, each on all cores; with one each job has one thread, unless
-    ``threads`` says otherwise. At most ``in_flight`` jobs are handed over at a time.
+    ``threads`` says otherwise. An executor is anything with ``submit`` as ``concurrent.futures`` has it (threads,
+    processes, Dask's client, ``joblib.externals.loky.get_reusable_executor()``), or the module ``ray``. At most ``in_flight`` jobs are handed over at a time.
 
     A job that fails is a row with its ``error``, and the others go on. ``cache`` is a folder: what is in it is not
     computed again, so that a sweep that was interrupted goes on where it was. An entry belongs to a version of
@@ -153,7 +143,7 @@ def _measured(
     job: Job,
     points: list[dict[str, Any]],
     waiting: list[tuple[int, str | None]],
-    executor: Executor | None,
+    executor: Any,
     threads: int | None,
     in_flight: int,
 ) -> Iterator[tuple[int, str | None, Row]]:
@@ -162,25 +152,65 @@ def _measured(
         for k, entry in waiting:
             yield k, entry, measure(job, points[k], threads)
         return
+    hand_over = _submit_of(executor)
+    of_job = 1 if threads is None else threads
+
+    def submit(i: int) -> Any:
+        return hand_over(measure, job, points[waiting[i][0]], of_job)
+
+    for i, outcome in in_order_of_end(range(len(waiting)), submit, in_flight):
+        k, entry = waiting[i]
+        # The worker itself was lost: its process ended, or its host.
+        yield k, entry, _failed(outcome, 0.0) if isinstance(outcome, Exception) else outcome
+
+
+def _submit_of(executor: Any) -> Callable[..., Any]:
+    """The function of an executor that begins a call and gives its future."""
+    if callable(getattr(executor, "submit", None)):
+        submit: Callable[..., Any] = executor.submit
+        return submit
+    if callable(getattr(executor, "remote", None)) and callable(getattr(executor, "put", None)):
+        # The module `ray`: its tasks give references, which have futures of the usual shape.
+        remote = executor.remote(_call)
+        return lambda fn, *args: remote.remote(fn, *args).future()
+    raise JobError(
+        f"executor is a {type(executor).__name__} without submit; a concurrent.futures executor, a Dask client, the module "
+        "ray, or joblib.externals.loky.get_reusable_executor() is needed"
+    )
+
+
+def _call(fn: Callable[..., Any], *args: Any) -> Any:
+    return fn(*args)
+
+
+def in_order_of_end(
+    numbers: Iterable[int], submit: Callable[[int], Any], in_flight: int
+) -> Iterator[tuple[int, Any]]:
+    """Hands over calls, at most ``in_flight`` at a time, and gives each number with its result, or the exception that
+    was raised, as they end. What was not begun is cancelled when the caller leaves."""
     done: queue.SimpleQueue[Any] = queue.SimpleQueue()
-    running: dict[Any, tuple[int, str | None]] = {}
-    left = iter(waiting)
+    running: dict[Any, int] = {}
+    left = iter(numbers)
     try:
         while True:
-            for k, entry in itertools.islice(left, in_flight - len(running)):
-                future = executor.submit(measure, job, points[k], 1 if threads is None else threads)
-                running[future] = (k, entry)
+            for k in itertools.islice(left, in_flight - len(running)):
+                try:
+                    future = submit(k)
+                except Exception as error:
+                    # A pool whose processes have ended takes nothing more.
+                    yield k, error
+                    continue
+                running[future] = k
                 future.add_done_callback(done.put)
             if not running:
                 return
             future = done.get()
-            k, entry = running.pop(future)
+            k = running.pop(future)
             try:
-                measured = future.result()
+                outcome = future.result()
             except Exception as error:
-                # The worker itself was lost: its process ended, or its host.
-                measured = _failed(error, 0.0)
-            yield k, entry, measured
+                outcome = error
+            yield k, outcome
     finally:
         for future in running:
             future.cancel()
@@ -219,10 +249,15 @@ def _hash_of_inputs(job: Job) -> str:
         digest.update(repr((volume.shape, volume.dtype.str, volume.spacing)).encode())
         for k in range(volume.shape[0]):
             digest.update(volume._slices(k, 1).tobytes())
-    elif job.shape is not None:
+    elif isinstance(job.shape, LayerStack):
+        digest.update(b"layers" + job.shape.to_bytes())
+    elif isinstance(job.shape, Mesh):
         digest.update(job.shape.vertices.tobytes())
         digest.update(job.shape.faces.tobytes())
         digest.update(repr((job.shape.unit_mm, job.shape.bodies, job.shape._data.painted())).encode())
+    for image in job._photos or []:
+        digest.update(repr((image.name, image.array.shape, image.array.dtype.str)).encode())
+        digest.update(image.array.tobytes())
     if job._file is not None:
         digest.update(job._file)
     if job._stress is not None:

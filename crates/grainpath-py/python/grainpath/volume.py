@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from ._checks import floats
 from .errors import InputError
+from .layers import table
 
 #: Types of voxels, as the planner names them.
 SAMPLES = {
@@ -78,6 +79,11 @@ class Volume:
         sample = SAMPLES.get(self.dtype.newbyteorder("=").name, "f32")
         spacing = None if self.spacing is None else list(reversed(self.spacing))
         return [columns, rows, planes], sample, spacing, self._slices
+
+    def _repr_html_(self) -> str:
+        spacing = "none" if self.spacing is None else " x ".join(f"{s:.6g}" for s in self.spacing) + " mm"
+        rows = [("planes x rows x columns", " x ".join(map(str, self.shape))), ("type", self.dtype), ("spacing", spacing)]
+        return table("Volume", rows)
 
     def __repr__(self) -> str:
         shape = " x ".join(map(str, self.shape))

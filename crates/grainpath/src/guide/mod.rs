@@ -220,7 +220,8 @@ impl Guide {
     /// The points where both principal stresses in the plane of a layer are equal: in the case with
     /// the largest weight, or in the first case of a plate.
     pub fn degenerate(&self, layer: usize) -> &Degenerates {
-        self.summary.degenerate.as_ref().unwrap_or(self.layers[layer].degenerate())
+        // Loads that were only checked have no layers, but a plate has its points all the same.
+        self.summary.degenerate.as_ref().unwrap_or_else(|| self.layers[layer].degenerate())
     }
 
     /// Number of degenerate points of a kind: in a plate, or in all layers of another part.

@@ -3,7 +3,7 @@
 //! A run is a pipeline of stages. Each stage takes values and returns new ones: place and repair
 //! the mesh, slice it, compute the guide, plan supports, then lay walls, skins and infill, and
 //! order the paths. The stages from sections to ordered paths are public functions over a window of
-//! layers ([`Steps`]). [`plan_job`], [`plan_photo`] and [`plan_scan`] call the same functions with
+//! layers ([`Steps`]). [`plan_job`], [`plan_photo`], [`plan_scan`] and [`plan_layers`] call the same functions with
 //! the whole part as one window. [`config`] makes the settings of each stage from the job.
 
 pub mod config;
@@ -33,7 +33,7 @@ use crate::measure::alignment::warn_if_far;
 use crate::measure::separate_lines;
 use crate::measure::strength::TestSetup;
 use crate::order::order_stack;
-use crate::shape;
+use crate::shape::{self, ShapeError};
 use crate::support::{self, SupportSettings};
 use grainpath_job::Settings;
 use grainpath_job::choices::{GuideKind, Pattern, SupportStyle};
@@ -163,6 +163,41 @@ pub fn plan_scan(
         None => source,
     };
     let source = GuideSource { stress, directions, photos, scan: Some(texture) };
+    plan_stack(settings, sliced, source, clock, diagnostics)
+}
+
+/// Plans a job whose shape is a stack of sections, with its own heights, in the position in which it is printed; `path`
+/// is its name in errors. Other arguments are those of [`plan_scan`].
+///
+/// # Errors
+/// As [`plan_job`], and for a stack without area.
+pub fn plan_layers(
+    settings: &Settings,
+    stack: LayerStack,
+    path: &str,
+    stress: Option<StressField>,
+    directions: Option<DirectionSamples>,
+    photos: &[Photo],
+    mut texture: Option<Box<dyn SliceSource>>,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let shape_error = |source| Error::Shape { path: path.to_owned(), source };
+    if stack.layers().iter().all(|l| l.region().is_empty()) {
+        return Err(shape_error(ShapeError::NothingLeft));
+    }
+    let mesh = if wants_surface(settings) {
+        shape::surface(&stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
+    } else {
+        TriMesh::default()
+    };
+    clock.stop(Stage::Slice);
+    let sliced = Sliced { stack, mesh, ..Sliced::default() };
+    let scan: Option<&mut dyn SliceSource> = match &mut texture {
+        Some(other) => Some(&mut **other),
+        None => None,
+    };
+    let source = GuideSource { stress, directions, photos, scan };
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
 

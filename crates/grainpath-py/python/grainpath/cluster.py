@@ -1,0 +1,240 @@
+"""A folder of jobs on many machines: ``python -m grainpath.cluster JOBS/ --scheduler tcp://host:8786``.
+
+Each job is run on a worker by ``grainpath run``, in a process of its own with one thread, so that a job that fails or
+runs out of memory ends neither the worker nor the others. The folder must be at the same path on all workers. Jobs are
+handed out a few at a time; a job whose worker is lost is run again by another, and its outputs are written under their
+names only when they are whole. Dask is the engine: SLURM, Kubernetes and SSH are its business.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from . import _grainpath
+from .errors import GrainpathError, InputError, JobError
+from .sweeps import Row, Sweep, in_order_of_end
+
+#: What the table at the end says of a job: the name in the report of ``grainpath run --json``.
+COLUMNS = ("mass_g", "time_s", "printed_mm")
+#: Jobs that a worker has at hand: the next is there when one ends, and the scheduler keeps few.
+PER_WORKER = 2
+#: Seconds until a scheduler that does not answer is given up.
+PATIENCE_S = 10.0
+
+
+def jobs_of(folder: str | os.PathLike[str]) -> list[str]:
+    """The job files of a folder, in the order of their names; a job file is itself."""
+    path = os.fspath(folder)
+    if os.path.isfile(path):
+        return [os.path.abspath(path)]
+    try:
+        names = sorted(name for name in os.listdir(path) if name.lower().endswith(".toml"))
+    except OSError as error:
+        raise InputError(f"{path}: {(error.strerror or str(error)).lower()}", path) from error
+    if not names:
+        raise InputError(f"{path}: there is no job (.toml) in the folder", path)
+    return [os.path.abspath(os.path.join(path, name)) for name in names]
+
+
+def run_job(job: str, options: Sequence[str]) -> Row:
+    """Runs a job file in a process of its own, and says what came of it. Workers call this."""
+    start = time.perf_counter()
+    command = [sys.executable, "-P", "-m", "grainpath", "run", job, "--json", *options]
+    ran = subprocess.run(command, capture_output=True, text=True, check=False)
+    row: Row = {"job": os.path.basename(job), **dict.fromkeys(COLUMNS), "warnings": [], "error": None}
+    row["code"] = ran.returncode
+    try:
+        said = json.loads(ran.stdout.splitlines()[-1])
+    except (ValueError, IndexError):
+        said = {"ok": False, "error": (ran.stderr.strip().splitlines() or ["no answer"])[-1]}
+    if ran.returncode == 0 and said.get("ok", True):
+        row.update({name: said.get(name) for name in COLUMNS})
+        row["warnings"] = sorted({warning["id"] for warning in said.get("warnings", [])})
+    elif ran.returncode < 0:
+        row["error"] = f"ended by signal {-ran.returncode}"
+    else:
+        row["error"] = said.get("error", "failed")
+    row["seconds"] = time.perf_counter() - start
+    return row
+
+
+def connect(scheduler: str, workers: int | None = None) -> Any:
+    """A Dask client of a scheduler; ``local`` starts workers on this machine. Workers of another version are refused."""
+    try:
+        distributed: Any = importlib.import_module("distributed")
+    except ImportError as error:
+        raise JobError(f"a scheduler needs Dask ({error.name} is missing): pip install \"grainpath[dask]\"") from error
+    if scheduler == "local":
+        n = workers or os.cpu_count() or 1
+        # One thread a worker: jobs are processes, and memory is that of one job.
+        cluster = distributed.LocalCluster(
+            n_workers=n, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=0
+        )
+        client = distributed.Client(cluster)
+        client._grainpath_cluster = cluster
+    else:
+        try:
+            client = distributed.Client(scheduler, timeout=PATIENCE_S)
+        except (OSError, ValueError) as error:
+            raise InputError(f"{scheduler}: no scheduler answers ({error})") from error
+    try:
+        same_version(client)
+    except BaseException:
+        close(client)
+        raise
+    return client
+
+
+def close(client: Any) -> None:
+    """Ends a client, and the workers that :func:`connect` started for it."""
+    cluster = getattr(client, "_grainpath_cluster", None)
+    client.close()
+    if cluster is not None:
+        cluster.close()
+
+
+def _version() -> str:
+    try:
+        from grainpath import __version__
+    except ImportError:
+        return "none"
+    return __version__
+
+
+def same_version(client: Any) -> None:
+    """Refuses workers of another version, by name: their results would differ without a word."""
+    if not client.scheduler_info()["workers"]:
+        raise InputError("the scheduler has no workers; start some, or wait until they are there")
+    found: dict[str, str] = client.run(_version)
+    here = _grainpath.__version__
+    others = sorted(f"{worker} has {version}" for worker, version in found.items() if version != here)
+    if others:
+        raise InputError(f"here is grainpath {here}, but {', '.join(others)}; install the same version everywhere")
+
+
+def run_folder(
+    folder: str | os.PathLike[str],
+    *,
+    scheduler: str = "local",
+    client: Any = None,
+    workers: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+    sets: Sequence[str] = (),
+    threads: int = 1,
+    note: Callable[[Row], object] | None = None,
+) -> Sweep:
+    """Runs all jobs of a folder, as ``grainpath run`` runs each, and gives a table with a row for each.
+
+    ``scheduler`` is the address of a Dask scheduler, or ``local`` for ``workers`` processes here; ``client`` is one that
+    is there already. ``out`` is the folder for outputs, in which each job gets a folder of its name; without it outputs
+    lie beside the jobs. ``sets`` are settings as ``section.key=value``. ``note`` is called with each row as it ends.
+    """
+    jobs = jobs_of(folder)
+    own = client is None
+    client = connect(scheduler, workers) if own else client
+    try:
+        if not own:
+            same_version(client)
+        waiting = []
+        for job in jobs:
+            options = ["--threads", str(threads)]
+            for setting in sets:
+                options += ["--set", setting]
+            if out is not None:
+                stem = os.path.splitext(os.path.basename(job))[0]
+                options += ["--out", os.path.abspath(os.path.join(os.fspath(out), stem))]
+            waiting.append((job, options))
+        in_flight = PER_WORKER * max(len(client.scheduler_info()["workers"]), 1)
+        rows: list[Row | None] = [None] * len(jobs)
+
+        def submit(k: int) -> Any:
+            # Jobs read and write files, so a call with the same arguments is not the same result.
+            return client.submit(run_job, *waiting[k], pure=False, retries=2)
+
+        for k, outcome in in_order_of_end(range(len(jobs)), submit, in_flight):
+            if isinstance(outcome, Exception):
+                failed = dict.fromkeys(COLUMNS) | {"warnings": [], "code": 1, "seconds": 0.0}
+                row = {"job": os.path.basename(jobs[k]), **failed, "error": f"{type(outcome).__name__}: {outcome}"}
+            else:
+                row = outcome
+            rows[k] = row
+            if note is not None:
+                note(row)
+        return Sweep([row for row in rows if row is not None])
+    finally:
+        if own:
+            close(client)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command line. Returns 0, the exit code of the first job that failed, or 2 for wrong usage."""
+    parser = argparse.ArgumentParser(
+        prog="python -m grainpath.cluster", description="Run all jobs of a folder on the workers of a Dask scheduler."
+    )
+    parser.add_argument("jobs", help="folder of job files, at the same path on all workers; or one job file")
+    parser.add_argument("--scheduler", default="local", help="address of the scheduler; local: workers here")
+    parser.add_argument("--workers", type=int, help="number of workers for --scheduler local [default: all cores]")
+    parser.add_argument("--out", help="folder for outputs; each job gets a folder of its name")
+    parser.add_argument("--set", action="append", default=[], metavar="SECTION.KEY=VALUE", help="override a setting")
+    parser.add_argument("--threads", type=int, default=1, help="threads of each job")
+    parser.add_argument("--json", action="store_true", help="print the table as one JSON object")
+    args = parser.parse_args(arguments)
+    done: list[Row] = []
+    begin = time.perf_counter()
+
+    def note(row: Row) -> None:
+        done.append(row)
+        failed = sum(one["error"] is not None for one in done)
+        line = f"{len(done)} of {total} jobs, {failed} failed, {time.perf_counter() - begin:.0f} s"
+        end = "\r" if sys.stderr.isatty() else "\n"
+        print(line, end=end, file=sys.stderr, flush=True)
+
+    try:
+        total = len(jobs_of(args.jobs))
+        table = run_folder(
+            args.jobs,
+            scheduler=args.scheduler,
+            workers=args.workers,
+            out=args.out,
+            sets=args.set,
+            threads=args.threads,
+            note=note,
+        )
+    except GrainpathError as error:
+        print(f"grainpath: {error}", file=sys.stderr)
+        return 2 if isinstance(error, JobError) else 3
+    except KeyboardInterrupt:
+        return 130
+    if sys.stderr.isatty():
+        print(file=sys.stderr)
+    if args.json:
+        print(json.dumps({"ok": not table.failed, "jobs": list(table)}))
+    else:
+        print(text_of(table))
+    return next((int(row["code"]) or 1 for row in table if row["error"] is not None), 0)
+
+
+def text_of(table: Sweep) -> str:
+    """The table for people: a line a job, and what failed."""
+    lines = [f"{'job':<32} {'g':>8} {'min':>8} {'s':>7}  warnings or error"]
+    for row in table:
+        mass = "" if row["mass_g"] is None else f"{row['mass_g']:.2f}"
+        minutes = "" if row["time_s"] is None else f"{row['time_s'] / 60:.1f}"
+        said = row["error"] or ", ".join(row["warnings"])
+        lines.append(f"{row['job']:<32} {mass:>8} {minutes:>8} {row['seconds']:>7.1f}  {said}")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    # Workers import what they run by its name, which in this module as a program would be `__main__`.
+    from grainpath.cluster import main as whole
+
+    sys.exit(whole())

@@ -1,0 +1,135 @@
+"""Scans in Zarr: arrays, and OME-Zarr 0.4 and 0.5 with their levels and units."""
+
+from __future__ import annotations
+
+import importlib
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .errors import InputError, JobError
+from .volume import Volume
+
+#: Millimetres of units of length, as OME-Zarr names them (those of UDUNITS-2).
+UNITS_MM = {
+    "angstrom": 1e-7,
+    "nanometer": 1e-6,
+    "micrometer": 1e-3,
+    "millimeter": 1.0,
+    "centimeter": 10.0,
+    "decimeter": 100.0,
+    "meter": 1000.0,
+    "inch": 25.4,
+    "foot": 304.8,
+}
+
+
+class ZarrPlanes:
+    """The planes of a Zarr array, read when they are asked for. Pickled, it is its path."""
+
+    def __init__(self, path: str, inner: str, before: tuple[int, ...]) -> None:
+        self._of = (path, inner, before)
+        opened = _open(path)
+        array: Any = opened[inner] if inner else opened
+        if array.ndim != len(before) + 3:
+            raise InputError(f"{path}: {array.ndim} axes; planes, rows and columns are needed", path)
+        for axis, (index, size) in enumerate(zip(before, array.shape, strict=False)):
+            if not -size <= index < size:
+                raise InputError(f"{path}: index {index} of axis {axis}, which has {size} entries", path)
+        self._array = array
+        self.shape: tuple[int, ...] = tuple(int(n) for n in array.shape[len(before) :])
+        self.dtype: np.dtype[Any] = np.dtype(array.dtype)
+
+    def __getitem__(self, planes: slice) -> npt.NDArray[Any]:
+        path, _, before = self._of
+        try:
+            return np.asarray(self._array[(*before, planes)])
+        except Exception as error:
+            # Codecs and stores raise errors of many kinds, and most do not name the file.
+            raise InputError(
+                f"{path}: planes {planes.start} to {planes.stop} cannot be read: {error or type(error).__name__}", path
+            ) from error
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return ZarrPlanes, self._of
+
+
+def read_zarr(
+    path: str | os.PathLike[str], *, level: int = 0, channel: int = 0, time: int = 0, spacing: Any = None
+) -> Volume:
+    """The scan of a Zarr array or an OME-Zarr image; nothing is read but its description.
+
+    ``level`` is the resolution, 0 the finest; ``channel`` and ``time`` choose among several. ``spacing`` (planes, rows,
+    columns, mm) is that of the image; one that is given wins, and a plain array needs it in the job or here. Chunks that
+    are not there have the array's fill value, as everywhere in Zarr. The package zarr has to be installed.
+    """
+    name = os.fspath(path)
+    opened = _open(name)
+    image = _multiscales(opened)
+    if image is None:
+        if hasattr(opened, "keys"):
+            raise InputError(f"{name}: a group without OME-Zarr's multiscales; name one of its arrays", name)
+        return Volume(ZarrPlanes(name, "", ()), spacing=spacing)
+    datasets = image.get("datasets") or []
+    if not 0 <= level < len(datasets):
+        raise InputError(f"{name}: level = {level} should be from 0 to {len(datasets) - 1}", name)
+    axes = [axis if isinstance(axis, Mapping) else {"name": axis} for axis in image.get("axes") or []]
+    names = [str(axis.get("name")) for axis in axes]
+    if names[-3:] != ["z", "y", "x"]:
+        raise InputError(f"{name}: the axes {', '.join(names)}; the last should be z, y and x", name)
+    chosen = {"t": time, "c": channel}
+    unknown = [axis for axis in names[:-3] if axis not in chosen]
+    if unknown:
+        raise InputError(f"{name}: the axis {unknown[0]} is not known; t and c may stand before z, y, x", name)
+    before = tuple(chosen[axis] for axis in names[:-3])
+    if spacing is None:
+        spacing = _spacing(name, axes, [datasets[level], image])
+    return Volume(ZarrPlanes(name, str(datasets[level]["path"]), before), spacing=spacing)
+
+
+def _open(path: str) -> Any:
+    try:
+        zarr: Any = importlib.import_module("zarr")
+    except ImportError as error:
+        raise JobError('Zarr needs the package zarr: pip install "grainpath[zarr]"') from error
+    if not os.path.isdir(path) and "://" not in path and not os.path.isfile(path):
+        raise InputError(f"{path}: no such file or directory", path)
+    try:
+        return zarr.open(path, mode="r")
+    except Exception as error:
+        raise InputError(f"{path}: is no Zarr array or group ({error})", path) from error
+
+
+def _multiscales(opened: Any) -> Mapping[str, Any] | None:
+    """The description of the first image; version 0.5 keeps it under ``ome``."""
+    attributes: Mapping[str, Any] = dict(opened.attrs)
+    attributes = attributes.get("ome", attributes)
+    images = attributes.get("multiscales")
+    if isinstance(images, list) and images and isinstance(images[0], Mapping):
+        found: Mapping[str, Any] = images[0]
+        return found
+    return None
+
+
+def _spacing(name: str, axes: list[Mapping[str, Any]], sources: list[Mapping[str, Any]]) -> list[float]:
+    """Distances along z, y, x: the scales of the level and of the whole image, in the units of the axes."""
+    scale = np.ones(len(axes))
+    for source in sources:
+        for step in source.get("coordinateTransformations") or []:
+            if step.get("type") == "scale":
+                given = np.asarray(step.get("scale"), dtype=np.float64)
+                if given.shape != scale.shape:
+                    raise InputError(f"{name}: a scale of {given.size} numbers for {len(axes)} axes", name)
+                scale *= given
+    out = []
+    for k, axis in enumerate(axes[-3:]):
+        unit = axis.get("unit")
+        if unit is None:
+            raise InputError(f"{name}: the axis {axis.get('name')} has no unit; give spacing=(z, y, x) in mm", name)
+        if unit not in UNITS_MM:
+            raise InputError(f"{name}: the unit {unit}; give spacing=(z, y, x) in mm", name)
+        out.append(float(scale[len(axes) - 3 + k]) * UNITS_MM[unit])
+    return out
