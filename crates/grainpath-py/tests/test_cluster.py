@@ -21,6 +21,8 @@ mesh = "plate.stl"
 [process]
 layer_height_mm = 0.3
 first_layer_height_mm = 0.3
+top_layers = 0
+bottom_layers = 0
 [fill]
 density = {density}
 """

@@ -62,7 +62,8 @@ fn run_folder(args: &RunArguments, scheduler: &str) -> Result<(), Failure> {
         Some(0) => Ok(()),
         // Python's own code where there is no such module; it has said so.
         Some(1) => Err(Failure::usage(install)),
-        Some(code) => Err(Failure { message: "not all jobs were run".into(), code, warnings: Vec::new() }),
+        // The table with its errors has been printed, and with --json it is to be the only object.
+        Some(code) => std::process::exit(code),
         None => Err(Failure::usage("the run on the cluster was ended by a signal")),
     }
 }

@@ -4,8 +4,40 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 
+__all__ = [
+    "ImageData",
+    "MeshData",
+    "PlanData",
+    "ProgramData",
+    "Spec",
+    "StackData",
+    "StrengthData",
+    "StressData",
+    "__version__",
+    "check",
+    "cli",
+    "cli_commands",
+    "compare",
+    "example",
+    "image_from_array",
+    "inspect",
+    "marker_sheet",
+    "mesh_from_arrays",
+    "mesh_from_file",
+    "pieces",
+    "plan",
+    "profiles",
+    "program_from_bytes",
+    "roles",
+    "schema",
+    "specimen",
+    "stack_from_bytes",
+    "stack_from_rings",
+    "strength",
+    "support",
+]
+
 __version__: str
-__all__: list[str]
 
 def cli(args: list[str]) -> int: ...
 def cli_commands() -> list[tuple[str, list[str]]]: ...

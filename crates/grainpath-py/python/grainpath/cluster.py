@@ -219,7 +219,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(json.dumps({"ok": not table.failed, "jobs": list(table)}))
     else:
         print(text_of(table))
-    return next((int(row["code"]) or 1 for row in table if row["error"] is not None), 0)
+    failed = [int(row["code"]) for row in table.failed]
+    # Signals and lost workers have no code of the command line; 1 would mean that the package is missing.
+    return 0 if not failed else failed[0] if failed[0] in (2, 3, 4, 130) else 3
 
 
 def text_of(table: Sweep) -> str:
