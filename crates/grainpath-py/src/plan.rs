@@ -85,7 +85,8 @@ impl Kept {
         report.stages_s.insert(Stage::Write.name(), program.write_s);
         if let Some(setup) = &planned.test {
             let shift = planned.plan.plate_from_part_mm.truncate();
-            let tested = test(settings, setup, &read, Some(shift), diagnostics);
+            let wanted = grainpath::run::config::strength(settings);
+            let tested = test(&wanted, setup, &read, Some(shift), diagnostics);
             report.strength = Some(tested.map_err(grainpath::Error::from)?.report);
         }
         report.warnings = diagnostics.warnings();
