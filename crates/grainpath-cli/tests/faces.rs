@@ -160,3 +160,24 @@ fn a_check_tells_what_the_loads_caught_and_writes_no_program() {
     assert_eq!(refused.status.code(), Some(2), "{refused:?}");
     assert!(String::from_utf8_lossy(&refused.stderr).contains("load 1"));
 }
+
+/// A plate has its degenerate points once and not layer by layer, and a check plans no layers.
+#[test]
+fn a_check_of_a_plate_tells_its_peak_and_its_balance() {
+    let dir = folder("faces-check-plate");
+    std::fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 2.0])).expect("a mesh");
+    let at = |x: f64| format!("{{ plane = {{ point_mm = [{x}, 0, 0], normal = [1, 0, 0] }} }}");
+    let job = format!(
+        "[shape]\nmesh = \"bar.stl\"\n[guide]\nanalysis = \"plane\"\n[[guide.fixture]]\non = {}\nfix = \"xyz\"\n\
+         [[guide.load]]\non = {}\nforce_n = [160, 0, 0]\n",
+        at(0.0),
+        at(40.0)
+    );
+    std::fs::write(dir.join("job.toml"), job).expect("a job");
+    let stress = json(&grainpath(&dir, &["run", "job.toml", "--check", "--json"]))["stress"].clone();
+    // 160 N on 8 x 2 mm are 10 MPa, more in the corners that are held.
+    let peak = stress["max_von_mises_mpa"].as_f64().expect("a peak");
+    assert!(peak > 9.9 && peak < 25.0, "{stress}");
+    let held = stress["reactions"][0]["force_n"][0].as_f64().expect("a force");
+    assert!((held + 160.0).abs() < 1e-3, "{stress}");
+}
