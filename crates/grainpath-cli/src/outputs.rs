@@ -11,9 +11,9 @@ use grainpath::measure::report::{Report, measure, measure_fibre};
 use grainpath::measure::strength::{TestSetup, Tested, test};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::spelling::meaning;
-use grainpath_core::{DVec2, Diagnostics, TriMesh};
+use grainpath_core::{DVec2, DVec3, Diagnostics, TriMesh};
 use grainpath_gcode::{BeadLayer, Program, Thumbnail, Written, simulate, write_gcode};
-use grainpath_job::Settings;
+use grainpath_job::{Row, Settings};
 use grainpath_view::guide::{deformed_png, field_png, lines_svg, lines_vtp, loads_png, stress_png};
 use grainpath_view::layer::{
     DrawnBead, Ground, LayerPicture, PictureOptions, layer_png, layer_svg, thumbnail_png,
@@ -156,10 +156,11 @@ pub fn write(
         let pictures =
             supports.map(|(mesh, s)| grainpath_view::support::pictures(mesh, s)).unwrap_or_default();
         drawn.extend(pictures.into_iter().map(|p| {
-            let picture = page::Picture { title: p.title, png: p.png, of_test: false };
+            let picture = page::Picture { title: p.title, png: p.png, ..page::Picture::default() };
             (format!("support_{}.png", p.name), picture)
         }));
-        previews(settings, &program, &drawn, paths, diagnostics, &mut report)?;
+        let marks = marks(&report, planned.plan.plate_from_part_mm);
+        previews(settings, &program, (&drawn, &marks), paths, diagnostics, &mut report)?;
     }
     // Files for other programs do not depend on the copy of the program.
     guide_files(&planned, paths, &mut report)?;
@@ -338,7 +339,7 @@ fn shown(n: usize) -> Vec<usize> {
 fn previews(
     settings: &Settings,
     program: &Program,
-    drawn: &[(String, page::Picture)],
+    (drawn, marks): (&[(String, page::Picture)], &[page::Mark]),
     paths: &Paths,
     diagnostics: &Diagnostics,
     report: &mut Report,
@@ -348,11 +349,13 @@ fn previews(
     }
     let all: Vec<LayerPicture> = program.layers.iter().map(picture).collect();
     let part = thumbnail_png(&all, 1200, 900, Ground::Paper);
-    let mut pictures = vec![page::Picture { title: "The part".into(), png: part, of_test: false }];
+    let part = page::Picture { title: "The part".into(), png: part, of: page::Of::Part, scale: None };
+    let mut pictures = vec![part];
     let options = PictureOptions::default();
     for i in shown(all.len()) {
         let title = format!("Layer {} at {:.2} mm", i + 1, all[i].z_mm);
-        pictures.push(page::Picture { title, png: layer_png(&all[i], &options), of_test: false });
+        let png = layer_png(&all[i], &options);
+        pictures.push(page::Picture { title, png, of: page::Of::Layer, scale: None });
     }
     if let Some(folder) = &paths.preview {
         save(&folder.join("part.png"), &pictures[0].png)?;
@@ -371,10 +374,32 @@ fn previews(
         report.warnings = diagnostics.warnings();
         report.outputs.insert("report", path.display().to_string());
         report.peak_rss_mb = memory::peak_rss_mb();
+        // The page draws layers itself; the middle one stands there for readers without scripts.
+        let stills = pictures.split_off(1);
+        let middle = stills.len() / 2;
+        pictures.extend(stills.into_iter().nth(middle));
         pictures.extend(drawn.iter().map(|d| d.1.clone()));
-        save(path, page::report_html(report, &settings.rows(), &pictures).as_bytes())?;
+        let setting = |r: Row| page::Setting { key: r.key, value: r.value, default: r.default, unit: r.unit };
+        let settings: Vec<page::Setting> = settings.rows().into_iter().map(setting).collect();
+        let contents = page::Contents { settings: &settings, pictures: &pictures, layers: &all, marks };
+        save(path, page::report_html(report, &contents).as_bytes())?;
     }
     Ok(())
+}
+
+/// Places that the page leads to: the peak of the stress, and where the part breaks.
+fn marks(report: &Report, plate_from_part_mm: DVec3) -> Vec<page::Mark> {
+    let mark = |what: &str, at: DVec3| page::Mark { what: what.into(), at: at.truncate(), z_mm: at.z };
+    let stress = report.stress.as_ref().and_then(|s| s.peak_at_mm).map(DVec3::from_array);
+    let weakest = report.strength.as_ref().map(|s| {
+        // A plate breaks through its thickness; half its height stands for it.
+        let z_mm = s.weakest.z_mm.unwrap_or(0.5 * report.z_max_mm - plate_from_part_mm.z);
+        DVec3::new(s.weakest.x_mm, s.weakest.y_mm, z_mm)
+    });
+    [("peak stress", stress), ("where it breaks", weakest)]
+        .into_iter()
+        .filter_map(|(what, at)| at.map(|at| mark(what, at + plate_from_part_mm)))
+        .collect()
 }
 
 /// Tests the program; the number is the time in seconds.
@@ -398,7 +423,8 @@ pub fn strength_pictures(tested: &Tested) -> Vec<(String, page::Picture)> {
     let picture = |title: &str, (png, where_is): (Vec<u8>, String)| page::Picture {
         title: format!("{title}{where_is}"),
         png,
-        of_test: true,
+        of: page::Of::Strength,
+        scale: Some(page::ColourScale { low: 0.0, high: 1.0, what: "share" }),
     };
     vec![
         (
@@ -436,8 +462,9 @@ fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, page::Pictur
         let (region, z) = (layers[i].region(), z_mid(i));
         let families = guide.lines(region, z);
         let at = format!("layer {} at {:.2} mm", i + 1, layers[i].z_top_mm());
-        let mut add = |kind: &str, title: String, png: Vec<u8>| {
-            drawn.push((format!("{kind}_{:04}.png", i + 1), page::Picture { title, png, of_test: false }));
+        let mut add = |kind: &str, title: String, png: Vec<u8>, scale: Option<page::ColourScale>| {
+            let picture = page::Picture { title, png, of: page::Of::Stress, scale };
+            drawn.push((format!("{kind}_{:04}.png", i + 1), picture));
         };
         let [rings, triangles, squares] = [Degenerate::Wedge, Degenerate::Trisector, Degenerate::Border]
             .map(|kind| guide.degenerate(i).count(kind));
@@ -447,8 +474,9 @@ fn guide_pictures(planned: &Planned, paths: &Paths) -> Vec<(String, page::Pictur
              {triangles} trisectors (triangles), {squares} changes of sign on free borders (squares)",
             scale.high
         );
-        add("stress", title, png);
-        add("field", format!("Directions that fill follows, {at}"), field_png(guide, i, region, z, GUIDE_PX));
+        add("stress", title, png, Some(page::ColourScale { low: 0.0, high: scale.high, what: "MPa" }));
+        let directions = field_png(guide, i, region, z, GUIDE_PX);
+        add("field", format!("Directions that fill follows, {at}"), directions, None);
     }
     drawn.extend(load_pictures(guide));
     drawn
@@ -460,14 +488,17 @@ fn load_pictures(guide: &Guide) -> Vec<(String, page::Picture)> {
     if let Some(png) = loads_png(guide, GUIDE_PX) {
         let title = "Forces of loads (red) and of fixtures (green), ending where they act and as long as they are large; moments \
                      yellow with two heads; the nodes that each caught in its colour";
-        drawn.push(("loads.png".into(), page::Picture { title: title.into(), png, of_test: false }));
+        let title = title.into();
+        drawn.push(("loads.png".into(), page::Picture { title, png, of: page::Of::Stress, scale: None }));
     }
     if let Some(shape) = deformed_png(guide, GUIDE_PX) {
         let title = format!(
             "Deformed shape under case {}, seen along {}, drawn {:.3} times larger; blue 0 mm to red {:.4} mm, at rest grey",
             shape.case, shape.view, shape.magnified, shape.max_mm
         );
-        drawn.push(("deformed.png".into(), page::Picture { title, png: shape.png, of_test: false }));
+        let scale = Some(page::ColourScale { low: 0.0, high: shape.max_mm, what: "mm" });
+        let picture = page::Picture { title, png: shape.png, of: page::Of::Stress, scale };
+        drawn.push(("deformed.png".into(), picture));
     }
     drawn
 }

@@ -46,8 +46,8 @@ pub use renamed::{RENAMED, Renamed};
 pub use schema::{json_schema, markdown};
 pub use settings::{
     CtSection, FibreSection, FillSection, GuideSection, ImageSection, MaterialSection, OutputSection,
-    PhotoSection, PrinterSection, ProcessSection, Settings, ShapeSection, StrengthSection, SupportSection,
-    VolumeSection,
+    PhotoSection, PrinterSection, ProcessSection, Row, Settings, ShapeSection, StrengthSection,
+    SupportSection, VolumeSection,
 };
 pub use value::{Check, Pair, Param, Problem, Step, ValueError};
 

@@ -3,6 +3,8 @@
 //! A row holds key, type, default, unit, range and help text. From the rows come the structs below, the parser, the
 //! JSON Schema and the reference page. The type of a row that offers a choice is an enum of [`crate::choices`].
 
+use std::collections::BTreeMap;
+
 use grainpath_core::slices::SampleType;
 use grainpath_core::units::LengthUnit;
 use grainpath_core::{Density, Warning};
@@ -520,8 +522,8 @@ impl Settings {
         all.into_iter().flatten().collect()
     }
 
-    /// All keys and their present values.
-    pub fn rows(&self) -> Vec<(String, String)> {
+    /// All keys with their present and their default values.
+    pub fn rows(&self) -> Vec<Row> {
         let all = [
             self.shape.rows(),
             // Sections that are not in use would only lengthen the report.
@@ -540,6 +542,24 @@ impl Settings {
             self.strength.rows(),
             self.output.rows(),
         ];
-        all.into_iter().flatten().collect()
+        let mut usual: BTreeMap<String, Param> =
+            Self::params().into_iter().map(|p| (format!("{}.{}", p.section, p.key), p)).collect();
+        let row = |(key, value): (String, String)| {
+            usual.remove(&key).map(|p| Row { key, value, default: p.default, unit: p.unit })
+        };
+        all.into_iter().flatten().filter_map(row).collect()
     }
+}
+
+/// A setting of a job, for reports.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Row {
+    /// Section and key.
+    pub key: String,
+    /// The value of this job, as TOML has it; empty where it is unset.
+    pub value: String,
+    /// The value where the job gives none.
+    pub default: String,
+    /// Unit; empty for none.
+    pub unit: &'static str,
 }

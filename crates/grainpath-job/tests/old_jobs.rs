@@ -44,9 +44,7 @@ fn defaults_of_0_1_0_are_still_the_defaults() {
     let rows = |s: &grainpath_job::Settings| {
         let mut rows = s.rows();
         // The profile of the default material gives strengths, which have no default of their own.
-        rows.retain(|(key, _)| {
-            !key.ends_with("_mpa") && !key.ends_with("_n_mm") && !key.ends_with("_source")
-        });
+        rows.retain(|r| !["_mpa", "_n_mm", "_source"].iter().any(|end| r.key.ends_with(end)));
         rows
     };
     let defaults = grainpath_job::Settings::default();

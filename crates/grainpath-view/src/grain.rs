@@ -36,7 +36,7 @@ fn steps(found: &PhotoSteps) -> Vec<(String, Picture)> {
     let mut out = Vec::new();
     let mut put = |name: &str, title: &str, canvas: Canvas| {
         let png = encode_png(canvas.pixels.width(), canvas.pixels.height(), canvas.pixels.data());
-        out.push((format!("grain_{name}.png"), Picture { title: title.into(), png, of_test: false }));
+        out.push((format!("grain_{name}.png"), Picture { title: title.into(), png, ..Picture::default() }));
     };
     let mut canvas = Canvas::of(photo, 1.0, false);
     let ring: Vec<DVec2> = corners.iter().chain([&corners[0]]).copied().collect();
@@ -86,7 +86,7 @@ fn texture(guide: &GrainGuide, slice: &ShownSlice) -> (String, Picture) {
     let canvas = with_strokes(&Grey { data, ..*grey }, &axis);
     let png = encode_png(canvas.pixels.width(), canvas.pixels.height(), canvas.pixels.data());
     let title = format!("Directions {height_mm:.2} mm up the scan: yellow clear, violet unclear");
-    (format!("texture_{:04}.png", index + 1), Picture { title, png, of_test: false })
+    (format!("texture_{:04}.png", index + 1), Picture { title, png, ..Picture::default() })
 }
 
 /// A darkened picture, rows from the bottom, with strokes along the axis, 14 pixels of the drawing apart.

@@ -1,10 +1,22 @@
 //! The report page: one file that needs no network.
+//!
+//! Order: the part and its numbers, warnings, a slider of layers, stress, strength, fibre, steps towards the guide,
+//! dimensions, settings that differ from their defaults, and folded away the other settings and the time taken.
+//! Pictures and layers stand in the page as base64, so that the file can be sent by itself; the layers are drawn by
+//! `page.js` from what [`layers`] packs. Fonts and colours come from the reader's system, light or dark.
+//!
+//! Limits: very large prints show every second or third layer. Without scripts one layer stands as a picture, and
+//! everything else is there.
+
+mod layers;
 
 use std::fmt::Write;
 
 use base64::Engine;
+use grainpath_core::{DVec2, Role};
 
-use grainpath::measure::report::{Report, hours};
+use crate::layer::{LayerPicture, Ramp, role_colour};
+use grainpath::measure::report::{Report, StressReport, hours};
 
 /// A picture on the page.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -13,33 +25,78 @@ pub struct Picture {
     pub title: String,
     /// The PNG file.
     pub png: Vec<u8>,
-    /// Whether the picture belongs to the strength test and is shown with its results; otherwise it
-    /// stands among the layers.
-    pub of_test: bool,
+    /// The section that it belongs to.
+    pub of: Of,
+    /// What blue and red stand for, where colours are values.
+    pub scale: Option<ColourScale>,
 }
 
-// Fonts and colours come from the reader's system, light or dark, so that the page stays one file of a
-// few kilobytes besides its pictures.
-const STYLE: &str = "
-:root{color-scheme:light dark;--fg:#1d2025;--bg:#fff;--line:#d9dce1;--soft:#f4f5f7;--warn:#8a4b00}
-@media(prefers-color-scheme:dark){:root{--fg:#e7e9ec;--bg:#16181c;--line:#33373e;--soft:#20242a;--warn:#ffb866}}
-body{font:16px/1.5 system-ui,sans-serif;color:var(--fg);background:var(--bg);margin:0 auto;padding:1.5rem;max-width:70rem}
-h1{font-size:1.5rem;margin:0 0 1rem}h2{font-size:1.15rem;margin:2rem 0 .6rem}
-.top{display:flex;flex-wrap:wrap;gap:1.5rem;align-items:center}
-.top img{max-width:min(26rem,100%)}
-.numbers{display:grid;grid-template-columns:repeat(auto-fit,minmax(9rem,1fr));gap:.7rem;flex:1;min-width:16rem}
-.numbers div{background:var(--soft);padding:.6rem .8rem;border-radius:.4rem}
-.numbers b{display:block;font-size:1.2rem}
-.numbers span{font-size:.85rem;opacity:.75}
-table{border-collapse:collapse;width:100%;font-size:.92rem}
-td,th{padding:.25rem .6rem;border-bottom:1px solid var(--line);text-align:left;vertical-align:top;overflow-wrap:anywhere}
-th{overflow-wrap:break-word}
-ul.warnings{color:var(--warn);padding-left:1.2rem}
-.layers{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(24rem,100%),1fr));gap:1rem}
-figure{margin:0}figure img{width:100%;border-radius:.4rem}figcaption{font-size:.85rem;opacity:.8}
-.key{display:flex;flex-wrap:wrap;gap:.4rem 1rem;font-size:.85rem;margin:.5rem 0 1rem}
-.key i{display:inline-block;width:.9em;height:.9em;border-radius:.2em;margin-right:.35em;vertical-align:-.1em}
-";
+/// The section of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Of {
+    /// The whole part, at the top of the page.
+    Part,
+    /// A layer, for readers without scripts.
+    Layer,
+    /// Stress, directions, loads.
+    Stress,
+    /// The strength test.
+    Strength,
+    /// A step of the supports, or from a photograph or a scan to directions.
+    #[default]
+    Steps,
+}
+
+/// The range of a ramp of colours from blue to red.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColourScale {
+    /// The value that is blue.
+    pub low: f64,
+    /// The value that is red.
+    pub high: f64,
+    /// What is shown, with its unit.
+    pub what: &'static str,
+}
+
+/// A setting of the job.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// Section and key.
+    pub key: String,
+    /// The value of this run.
+    pub value: String,
+    /// The value it has when nobody gives one.
+    pub default: String,
+    /// Its unit; empty where it has none.
+    pub unit: &'static str,
+}
+
+/// A place that the reader should look at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// What is there.
+    pub what: String,
+    /// Where, in the plane of the layers, mm.
+    pub at: DVec2,
+    /// Its height, mm.
+    pub z_mm: f64,
+}
+
+/// What the page shows besides the report.
+#[derive(Debug, Default)]
+pub struct Contents<'a> {
+    /// Settings of the run.
+    pub settings: &'a [Setting],
+    /// Pictures.
+    pub pictures: &'a [Picture],
+    /// Every layer, for the slider.
+    pub layers: &'a [LayerPicture],
+    /// Places to jump to with the slider.
+    pub marks: &'a [Mark],
+}
+
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
 
 fn escaped(text: &str) -> String {
     // Names of dimensions, settings and warnings hold text of the user's; all five characters are
@@ -58,19 +115,26 @@ fn escaped(text: &str) -> String {
     out
 }
 
-/// The page in its order: the first picture and the numbers, warnings, results of tests, the other
-/// pictures, dimensions, stages and settings.
-pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[Picture]) -> String {
+/// The page as HTML.
+pub fn report_html(report: &Report, contents: &Contents<'_>) -> String {
+    let name = report.outputs.get("gcode").map_or("", String::as_str);
+    let name = name.rsplit(['/', '\\']).next().unwrap_or_default();
+    let name = escaped(name.strip_suffix(".gcode").unwrap_or(name));
     let mut out = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\
-         <title>grainpath report</title><style>{STYLE}</style></head><body>\n<h1>grainpath report</h1>\n<div class=\"top\">\n"
+         <title>{name}: grainpath report</title><style>{STYLE}</style></head><body><main>\n\
+         <h1>{name}</h1>\n<p class=\"sub\">grainpath report, version {}</p>\n<div class=\"top\">\n",
+        report.version
     );
+    // Layers of a plate may have the same picture of stress; one is enough.
+    let is_new = |i: usize, p: &Picture| contents.pictures[..i].iter().all(|q| q.png != p.png);
+    let pictures = |of: Of| {
+        let all = contents.pictures.iter().enumerate();
+        all.filter(move |(i, p)| p.of == of && is_new(*i, p)).map(|(_, p)| p)
+    };
     let mut put = |text: String| out.push_str(&text);
-    // The first picture is the part itself, by the caller's order; all others belong to a section.
-    if let Some(part) = pictures.first() {
-        put(image(part));
-    }
+    pictures(Of::Part).for_each(|part| put(image(part)));
     put("<div class=\"numbers\">".into());
     for (value, what) in numbers(report) {
         put(format!("<div><b>{}</b><span>{}</span></div>", escaped(&value), escaped(what)));
@@ -82,33 +146,42 @@ pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[P
         report.warnings.iter().for_each(|w| put(format!("<li>{}</li>", escaped(&w.to_string()))));
         put("</ul>\n".into());
     }
-    if let Some(s) = &report.stress {
-        put("<h2>Stress</h2>\n<table>".into());
-        for (what, value) in s.rows() {
-            put(format!("<tr><th>{}</th><td>{}</td></tr>", escaped(&what), escaped(&value)));
+    put(layers_section(contents));
+    let of_stress: String = pictures(Of::Stress).map(figure).collect();
+    if report.stress.is_some() || !of_stress.is_empty() {
+        put("<h2>Stress</h2>\n".into());
+        if let Some(s) = &report.stress {
+            put(table(s.rows().iter().map(|(what, value)| (what.as_str(), value.clone()))));
         }
-        put("</table>\n".into());
+        put(format!("<div class=\"pictures\">{of_stress}</div>\n"));
     }
     if let Some(s) = &report.strength {
-        put("<h2>Strength</h2>\n<div class=\"layers\"><div><table>".into());
-        for (what, value) in strength_rows(s) {
-            put(format!("<tr><th>{}</th><td>{}</td></tr>", escaped(what), escaped(&value)));
-        }
-        put(format!("</table></div><figure>{}</figure>\n", crate::strength::chart_svg(s)));
-        pictures.iter().filter(|p| p.of_test).for_each(|p| put(figure(p)));
+        put(format!(
+            "<h2>Strength</h2>\n<div class=\"pictures\"><div>{}</div>",
+            table(strength_rows(s).into_iter())
+        ));
+        put(format!(
+            "<figure>{}<figcaption>Load over displacement. The dashed line is the peak, the band its interval.\
+             </figcaption></figure>\n",
+            crate::strength::chart_svg(s)
+        ));
+        pictures(Of::Strength).for_each(|p| put(figure(p)));
         put("</div>\n".into());
     }
     if let Some(f) = &report.fibre {
-        put(format!("<h2>Fibre</h2>\n<p>{}</p>\n{}", escaped(&f.summary()), fibre_table(f)));
+        put(format!(
+            "<h2>Fibre</h2>\n<p>{}</p>\n<div class=\"wide\" tabindex=\"0\">{}</div>\n",
+            escaped(&f.summary()),
+            fibre_table(f)
+        ));
     }
-    if pictures.len() > 1 {
-        put(format!("<h2>Layers</h2>\n{}<div class=\"layers\">\n", key()));
-        pictures[1..].iter().filter(|p| !p.of_test).for_each(|p| put(figure(p)));
-        put("</div>\n".into());
+    let steps: String = pictures(Of::Steps).map(figure).collect();
+    if !steps.is_empty() {
+        put(format!("<h2>Steps</h2>\n<div class=\"pictures\">{steps}</div>\n"));
     }
     if let Some(d) = &report.dimensions {
         put(format!("<h2>Dimensions</h2>\n<p>Mean error {:.3} %.</p>\n<table>", d.mean_error_percent));
-        put("<tr><th></th><th>true mm</th><th>printed mm</th><th>error %</th></tr>".into());
+        put("<tr><th>dimension</th><th>true mm</th><th>printed mm</th><th>error %</th></tr>".into());
         let shown = |v: Option<f64>| v.map_or("-".into(), |v| format!("{v:.3}"));
         for m in &d.each {
             let (printed, error) = (shown(m.printed_mm), shown(m.error_percent));
@@ -120,14 +193,114 @@ pub fn report_html(report: &Report, settings: &[(String, String)], pictures: &[P
         }
         put("</table>\n".into());
     }
-    put("<h2>Time taken</h2>\n<table>".into());
-    report.stages_s.iter().for_each(|(stage, s)| put(format!("<tr><th>{stage}</th><td>{s:.3} s</td></tr>")));
-    put(format!("<tr><th>peak memory</th><td>{:.0} MiB</td></tr></table>\n", report.peak_rss_mb));
-    put("<h2>Settings</h2>\n<table>".into());
-    for (k, v) in settings {
-        put(format!("<tr><th>{}</th><td>{}</td></tr>", escaped(k), escaped(v)));
+    put(settings_section(contents.settings));
+    let mut taken: Vec<(&str, String)> =
+        report.stages_s.iter().map(|(stage, s)| (*stage, format!("{s:.3} s"))).collect();
+    taken.push(("peak memory", format!("{:.0} MiB", report.peak_rss_mb)));
+    put(format!("<details><summary>Time taken</summary>{}</details>\n", table(taken.into_iter())));
+    put(format!("</main><script>{SCRIPT}</script></body></html>\n"));
+    out
+}
+
+/// Rows of a name and a value.
+fn table<'a>(rows: impl Iterator<Item = (&'a str, String)>) -> String {
+    let rows: String = rows
+        .map(|(what, value)| format!("<tr><th>{}</th><td>{}</td></tr>", escaped(what), escaped(&value)))
+        .collect();
+    format!("<table>{rows}</table>\n")
+}
+
+/// What was asked for: first what differs from the defaults, the rest folded.
+fn settings_section(settings: &[Setting]) -> String {
+    let (changed, usual): (Vec<&Setting>, Vec<&Setting>) =
+        settings.iter().partition(|s| s.value != s.default);
+    let with_unit = |value: &str, unit: &str| {
+        if unit.is_empty() || value.is_empty() { value.to_owned() } else { format!("{value} {unit}") }
+    };
+    let mut out = String::from("<h2>Settings</h2>\n");
+    if changed.is_empty() {
+        out += "<p>All settings have their defaults.</p>\n";
+    } else {
+        out += "<table id=\"changed\"><tr><th>setting</th><th>here</th><th>default</th></tr>";
+        for s in &changed {
+            let _ = write!(
+                out,
+                "<tr><th>{}</th><td>{}</td><td>{}</td></tr>",
+                escaped(&s.key),
+                escaped(&with_unit(&s.value, s.unit)),
+                escaped(&with_unit(&s.default, s.unit))
+            );
+        }
+        out += "</table>\n";
     }
-    put(format!("</table>\n<p>grainpath {}</p>\n</body></html>\n", report.version));
+    let rows = usual.iter().map(|s| (s.key.as_str(), with_unit(&s.value, s.unit)));
+    let _ = write!(
+        out,
+        "<details id=\"usual\"><summary>{} settings with their defaults</summary>{}</details>\n",
+        usual.len(),
+        table(rows)
+    );
+    out
+}
+
+/// The slider of layers with its data; empty where nothing was printed.
+fn layers_section(contents: &Contents<'_>) -> String {
+    let Some(packed) = layers::pack(contents.layers) else { return String::new() };
+    let (all, shown) = (contents.layers, &packed.shown);
+    let roles: Vec<String> = Role::ALL
+        .into_iter()
+        .map(|role| {
+            let [r, g, b] = role_colour(role);
+            format!("[\"{}\",[{r},{g},{b}]]", role.gcode_name())
+        })
+        .collect();
+    // The layer that holds a height: the first whose top is not below it.
+    let layer_at = |z: f64| shown.iter().position(|k| all[*k].z_mm > z - 1e-6).unwrap_or(shown.len() - 1);
+    let marks: Vec<String> = contents
+        .marks
+        .iter()
+        .map(|m| format!("{{\"layer\":{},\"at\":[{:.4},{:.4}]}}", layer_at(m.z_mm), m.at.x, m.at.y))
+        .collect();
+    let (low, size) = (packed.beads.min, packed.beads.size().max(DVec2::splat(1e-3)));
+    let mut out = String::from("<h2>Layers</h2>\n");
+    if shown.len() < all.len() {
+        let _ = writeln!(out, "<p>{} of {} layers are shown, evenly spaced.</p>", shown.len(), all.len());
+    }
+    let _ = write!(
+        out,
+        "<div id=\"layers\"><canvas data-is=\"canvas\" role=\"img\" aria-label=\"Beads of a layer\"></canvas>\
+         <p data-is=\"told\">Layers are drawn by a script of this page.</p><div data-is=\"tools\" hidden=\"hidden\">\
+         <label><span>layer</span><input data-is=\"layer\" type=\"range\" min=\"0\" max=\"0\" value=\"0\"/><span data-is=\"layer-told\"></span></label>\
+         <label><span>beads</span><input data-is=\"beads\" type=\"range\" min=\"0\" max=\"1000\" value=\"1000\"/><span data-is=\"beads-told\"></span></label>\
+         <div class=\"row\"><label><input data-is=\"travels\" type=\"checkbox\"/>travels</label>\
+         <label><input data-is=\"below\" type=\"checkbox\"/>layer below</label>\
+         <button type=\"button\" data-is=\"in\">closer</button><button type=\"button\" data-is=\"out\">farther</button>\
+         <button type=\"button\" data-is=\"whole\">whole layer</button>"
+    );
+    for (i, mark) in contents.marks.iter().enumerate() {
+        let _ = write!(out, "<button type=\"button\" data-mark=\"{i}\">{}</button>", escaped(&mark.what));
+    }
+    let _ = write!(
+        out,
+        "</div>{}</div></div>\n<script type=\"application/json\" id=\"layers-about\">{{\"total\":{},\"first\":{},\
+         \"window\":[{:.4},{:.4},{:.4},{:.4}],\"width_step\":{},\"travel\":{},\"roles\":[{}],\"marks\":[{}]}}</script>\n\
+         <script type=\"application/octet-stream\" id=\"layers-data\">{}</script>\n",
+        key(all),
+        all.len(),
+        // The middle shows fill; the first and the last layer are skins of most parts.
+        shown.len() / 2,
+        low.x,
+        low.y,
+        size.x,
+        size.y,
+        layers::WIDTH_STEP_MM,
+        layers::TRAVEL,
+        roles.join(","),
+        marks.join(","),
+        base64::engine::general_purpose::STANDARD.encode(&packed.bytes)
+    );
+    let still: String = contents.pictures.iter().filter(|p| p.of == Of::Layer).map(figure).collect();
+    let _ = write!(out, "<noscript>{still}</noscript>\n");
     out
 }
 
@@ -181,7 +354,16 @@ fn strength_rows(s: &grainpath::measure::strength::StrengthReport) -> Vec<(&'sta
 }
 
 fn numbers(r: &Report) -> Vec<(String, &'static str)> {
-    let mut all = vec![
+    let mut all = Vec::new();
+    // What the part carries is what most readers came for.
+    if let Some(s) = &r.strength {
+        all.push((format!("{:.0} N", s.peak_load_n), "breaks at"));
+        all.push((format!("{:.0} to {:.0} N", s.low_n, s.high_n), "interval of that"));
+    }
+    if let Some(StressReport { max_von_mises_mpa, .. }) = &r.stress {
+        all.push((format!("{max_von_mises_mpa:.2} MPa"), "peak stress (von Mises)"));
+    }
+    all.extend([
         (hours(r.time_s), "estimated time"),
         (format!("{:.2} g", r.mass_g), "material"),
         (format!("{:.2} m", r.filament_mm * 1e-3), "filament"),
@@ -189,7 +371,7 @@ fn numbers(r: &Report) -> Vec<(String, &'static str)> {
         (format!("{:.1} m", r.printed_mm * 1e-3), "printed"),
         (format!("{:.1} m", r.travel_mm * 1e-3), "travel"),
         (format!("{:.1} %", 100.0 * r.density), "fill density"),
-    ];
+    ]);
     if let Some(q) = &r.quality {
         if r.is_dense {
             all.push((format!("{:.2} %", 100.0 * q.gap), "of the part not covered"));
@@ -214,14 +396,12 @@ fn numbers(r: &Report) -> Vec<(String, &'static str)> {
     all
 }
 
-/// The legend of the colours of roles.
-fn key() -> String {
+/// The legend of the colours of the roles that are printed.
+fn key(layers: &[LayerPicture]) -> String {
     let mut out = String::from("<div class=\"key\">");
-    // Roles outside the part are left out, except support.
-    for role in
-        grainpath_core::Role::ALL.into_iter().filter(|r| r.is_part() || *r == grainpath_core::Role::Support)
+    for role in Role::ALL.into_iter().filter(|r| layers.iter().any(|l| l.beads.iter().any(|b| b.role == *r)))
     {
-        let [r, g, b] = crate::layer::role_colour(role);
+        let [r, g, b] = role_colour(role);
         let _ = write!(
             out,
             "<span><i style=\"background:#{r:02x}{g:02x}{b:02x}\"></i>{}</span>",
@@ -232,11 +412,76 @@ fn key() -> String {
 }
 
 fn figure(p: &Picture) -> String {
-    format!("<figure>{}<figcaption>{}</figcaption></figure>\n", image(p), escaped(&p.title))
+    let scale = p.scale.as_ref().map(scale_bar).unwrap_or_default();
+    format!("<figure>{}{scale}<figcaption>{}</figcaption></figure>\n", image(p), escaped(&p.title))
+}
+
+/// The ramp of colours of a picture with its ends and its middle.
+fn scale_bar(scale: &ColourScale) -> String {
+    let ramp = Ramp { low: 0.0, high: 1.0 };
+    // Eleven stops show the ramp as the picture has it.
+    let stops: Vec<String> = (0..=10)
+        .map(|k| {
+            let [r, g, b] = ramp.colour(f64::from(k) / 10.0);
+            format!("#{r:02x}{g:02x}{b:02x}")
+        })
+        .collect();
+    let value = |share: f64| {
+        let v = scale.low + share * (scale.high - scale.low);
+        // Three significant digits between 0.001 and 1000; more would be noise on a colour.
+        let digits = if v.abs() >= 100.0 || v == 0.0 {
+            0
+        } else if v.abs() >= 10.0 {
+            1
+        } else {
+            3
+        };
+        format!("{v:.digits$}")
+    };
+    format!(
+        "<div class=\"scale\"><span>{}</span><i style=\"background:linear-gradient(90deg,{})\"></i><span>{}</span><span>{}</span></div>",
+        value(0.0),
+        stops.join(","),
+        value(1.0),
+        escaped(scale.what)
+    )
 }
 
 fn image(p: &Picture) -> String {
-    // Pictures are embedded as base64, so that the file can be sent by itself.
     let data = base64::engine::general_purpose::STANDARD.encode(&p.png);
     format!("<img alt=\"{}\" src=\"data:image/png;base64,{data}\"/>", escaped(&p.title))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn changed_settings_come_first_and_the_rest_is_folded() {
+        let setting = |key: &str, value: &str, default: &str| Setting {
+            key: key.into(),
+            value: value.into(),
+            default: default.into(),
+            unit: "mm",
+        };
+        let page = settings_section(&[
+            setting("process.layer_height_mm", "0.2", "0.2"),
+            setting("process.bead_width_mm", "0.6", "0.45"),
+            setting("shape.mesh", "<part>", ""),
+        ]);
+        let (changed, usual) = page.split_once("<details").expect("folded settings");
+        assert!(changed.contains("<th>process.bead_width_mm</th><td>0.6 mm</td><td>0.45 mm</td>"), "{page}");
+        assert!(changed.contains("&lt;part&gt; mm</td><td></td>"), "what users wrote is escaped: {page}");
+        assert!(!changed.contains("layer_height_mm") && usual.contains("layer_height_mm"), "{page}");
+        assert!(usual.contains("1 settings with their defaults"), "{page}");
+    }
+
+    #[test]
+    fn a_scale_has_its_ends_and_the_colours_of_the_ramp() {
+        let bar = scale_bar(&ColourScale { low: 0.0, high: 12.345, what: "MPa" });
+        assert!(bar.contains("<span>0</span>") && bar.contains("<span>12.3</span><span>MPa</span>"), "{bar}");
+        let [r, g, b] = Ramp { low: 0.0, high: 1.0 }.colour(1.0);
+        assert!(bar.contains(&format!("#{r:02x}{g:02x}{b:02x})")), "{bar}");
+        assert_eq!(bar.matches('#').count(), 11);
+    }
 }
