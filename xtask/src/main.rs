@@ -10,9 +10,13 @@ mod bench_ct;
 mod bench_fea;
 mod bench_paths;
 mod bench_strength;
+mod book;
 mod campaign;
 mod count;
+mod deb;
+mod figures;
 mod fuzz;
+mod gallery;
 mod glossary;
 mod hashes;
 mod ignored;
@@ -60,6 +64,11 @@ const USAGE: &str = "usage: cargo xtask <command>
   python [--release]  builds the wheel of the Python package and runs its tests (--release: as published, from the sdist)
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   campaign [MINUTES]  mutated files, kills and a full disk, against the program (default 10 minutes)
+  book             the pages of docs/ as a site below target/book, no link dead; `book install` builds mdBook,
+                   `book run [PAGE...]` runs the command blocks of the pages
+  deb [PROGRAM] [--root]  a Debian package of target/release/grainpath, held against lintian; --root tries it in a bare root
+  figures [--write]  the table of README.md beside docs/figures.toml, or writes it
+  gallery [PART...]  plans the parts of docs/gallery with target/ci/grainpath and draws their sheets
   licences         writes what `grainpath licences` prints, after dependencies changed
   setup            installs what tests and benches need (Python packages, the peers)";
 
@@ -85,6 +94,10 @@ fn main() -> ExitCode {
         ["bench", "python", words @ ..] => python::bench(words),
         ["bench", "photo"] => photo::bench(),
         ["campaign", words @ ..] => campaign::run(words),
+        ["book", words @ ..] => book::run(words),
+        ["deb", words @ ..] => deb::run(words),
+        ["figures", words @ ..] => figures::run(words),
+        ["gallery", words @ ..] => gallery::run(words),
         ["licences"] => licences::write(),
         ["page", "test"] => page::test_in_browser(&target().join("ci/grainpath")),
         ["page", "test", path] => std::path::absolute(path)
@@ -182,6 +195,7 @@ fn test(options: &TestOptions) -> Outcome {
     checks.run("counts", || count::run(&[]))?;
     checks.run("glossary", glossary::check)?;
     checks.run("pages", pages::check)?;
+    checks.run("figures of the README", || figures::run(&[]))?;
     checks.run("licences", licences::check)?;
     checks.run("lints", || {
         cargo(&["clippy", "--workspace", "--all-targets", "--profile", "ci", "--", "-D", "warnings"])
@@ -260,6 +274,8 @@ fn nightly() -> Outcome {
     checks.run("scans beside marching cubes", || bench_ct::run(&["hub", "engine"]))?;
     checks.run("mutated files, kills, full disk", || campaign::run(&[]))?;
     checks.run("quality beside the peers", bench::quality)?;
+    checks.run("command blocks of the pages", || book::run(&["run"]))?;
+    checks.run("book", || book::run(&[]))?;
     pages::note_nightly()?;
     checks.finish(false)
 }

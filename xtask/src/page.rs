@@ -30,7 +30,8 @@ fn web() -> PathBuf {
     crate::root().join("web")
 }
 
-fn install() -> Result<(), String> {
+/// Installs the packages that `web/package-lock.json` names.
+pub fn install() -> Result<(), String> {
     let mut command = Command::new("npm");
     command.args(["ci", "--ignore-scripts", "--no-audit", "--no-fund", "--loglevel=error"]);
     // Playwright would download a browser of its own.

@@ -1,0 +1,274 @@
+//! The book: the pages of `docs/` as one site with a search that needs no network.
+//!
+//! [`run`] copies `docs/` below the target folder, adds the pages that are generated (the options of every command,
+//! from the program's own `--help`) and those of the top folder, and has mdBook make HTML of it. Before, every
+//! relative link of every page is followed; after, every link of the HTML. [`run_blocks`] runs the `sh` blocks of every
+//! page, page by page in an empty folder; blocks that only show a line are `console`.
+//!
+//! Limits: links to other sites are not asked for; mdBook is looked for below the target folder and on the path, and
+//! where it is not there the book is not made, which is said.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The version that the book is made with.
+const MDBOOK: &str = "0.5.4";
+
+/// Pages of the top folder that the book holds too.
+const TOP: [&str; 3] = ["ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"];
+
+/// Makes the book, or runs its command blocks.
+pub fn run(words: &[&str]) -> Result<(), String> {
+    match words {
+        [] => make(),
+        ["run", pages @ ..] => run_blocks(pages),
+        ["install"] => {
+            println!("installing mdBook {MDBOOK} below {}", crate::target().display());
+            let mut command = Command::new("cargo");
+            command.args(["install", "mdbook", "--version", MDBOOK, "--locked", "--debug"]);
+            command.args(["--no-default-features", "--features", "search", "--root"]);
+            crate::run(command.arg(crate::target().join("tools")))
+        }
+        _ => Err("usage: cargo xtask book [install | run [PAGE...]]".to_owned()),
+    }
+}
+
+/// mdBook, if it is there.
+pub fn mdbook() -> Option<PathBuf> {
+    let own = crate::target().join("tools/bin/mdbook");
+    let found = [own, PathBuf::from("mdbook")];
+    found.into_iter().find(|p| Command::new(p).arg("--version").output().is_ok_and(|o| o.status.success()))
+}
+
+fn make() -> Result<(), String> {
+    let broken = dead_links(&crate::root())?;
+    if !broken.is_empty() {
+        return Err(broken.join("\n       "));
+    }
+    let Some(mdbook) = mdbook() else {
+        println!("NOT RUN: the book needs mdBook; `cargo xtask book install` builds it in a minute or two");
+        return Ok(());
+    };
+    let folder = crate::target().join("book");
+    let (source, html) = (folder.join("src"), folder.join("html"));
+    let _ = fs::remove_dir_all(&folder);
+    copy(&crate::root().join("docs"), &source)?;
+    for page in TOP {
+        let text = read(&crate::root().join(page))?.replace("](docs/", "](");
+        write(&source.join(page), &text)?;
+    }
+    for page in pages(&source)? {
+        let text = read(&page)?;
+        let depth = page.strip_prefix(&source).map_or(0, |p| p.components().count() - 1);
+        let up = "../".repeat(depth);
+        // One folder higher than the page is the top of the book, where those pages lie now.
+        let moved = TOP
+            .iter()
+            .fold(text.clone(), |t, top| t.replace(&format!("]({up}../{top}"), &format!("]({up}{top}")));
+        if moved != text {
+            write(&page, &moved)?;
+        }
+    }
+    let program = crate::target().join("ci/grainpath");
+    write(&source.join("cli.md"), &options(&program)?)?;
+    let told = Command::new(mdbook).arg("build").arg(&source).arg("--dest-dir").arg(&html).output();
+    let told = told.map_err(|e| format!("mdbook: {e}"))?;
+    let said = String::from_utf8_lossy(&told.stderr).into_owned();
+    if !told.status.success() || said.contains("ERROR") || said.contains("WARN") {
+        return Err(format!("mdbook: {said}"));
+    }
+    let (n, broken) = dead_links_of_html(&html)?;
+    if !broken.is_empty() {
+        return Err(broken.join("\n       "));
+    }
+    println!("{}: {n} pages, no dead link", html.join("index.html").display());
+    Ok(())
+}
+
+/// The page with the help of every command.
+fn options(program: &Path) -> Result<String, String> {
+    let help = |words: &[&str]| crate::output(Command::new(program).args(words).env("COLUMNS", "110"));
+    let top = help(&["--help"])?;
+    let listed = top.lines().skip_while(|l| *l != "Commands:").skip(1).take_while(|l| !l.is_empty());
+    let names: Vec<String> = listed.filter_map(|l| l.split_whitespace().next().map(str::to_owned)).collect();
+    if names.is_empty() {
+        return Err("grainpath --help lists no commands".to_owned());
+    }
+    let mut out = format!("# Options of every command\n\n```text\n{}\n```\n", top.trim_end());
+    for name in names {
+        let _ =
+            write!(out, "\n## grainpath {name}\n\n```text\n{}\n```\n", help(&[&name, "--help"])?.trim_end());
+    }
+    Ok(out)
+}
+
+/// Relative links of the pages that lead nowhere.
+fn dead_links(root: &Path) -> Result<Vec<String>, String> {
+    let mut broken = Vec::new();
+    let mut all = pages(&root.join("docs"))?;
+    all.push(root.join("README.md"));
+    all.extend(TOP.iter().map(|p| root.join(p)));
+    for page in all {
+        // The summary names pages that the book adds.
+        if page.ends_with("SUMMARY.md") {
+            continue;
+        }
+        let folder = page.parent().unwrap_or(root).to_owned();
+        for link in links(&read(&page)?) {
+            let path = link.split('#').next().unwrap_or_default();
+            if !path.is_empty() && !folder.join(path).exists() {
+                broken.push(format!("{} links to {link}, which is not there", page.display()));
+            }
+        }
+    }
+    Ok(broken)
+}
+
+/// Targets of the links and pictures of a page outside code, without addresses of other sites.
+fn links(page: &str) -> Vec<String> {
+    let mut out = Vec::new();
+    let mut in_code = false;
+    for line in page.lines() {
+        if line.trim_start().starts_with("```") {
+            in_code = !in_code;
+        }
+        // Odd pieces between back-quotes are code.
+        let text: Vec<&str> = line.split('`').collect();
+        let text =
+            text.iter().enumerate().map(|(i, t)| if i % 2 == 0 { *t } else { "code" }).collect::<String>();
+        for piece in text.split("](").skip(1).filter(|_| !in_code) {
+            let target = piece.split([')', ' ']).next().unwrap_or_default();
+            if !target.contains("://") && !target.starts_with("mailto:") {
+                out.push(target.to_owned());
+            }
+        }
+    }
+    out
+}
+
+/// The number of HTML files, and their links that lead nowhere: files that are not there, and places that no page has.
+fn dead_links_of_html(folder: &Path) -> Result<(usize, Vec<String>), String> {
+    let mut broken = Vec::new();
+    let all: Vec<PathBuf> =
+        files(folder)?.into_iter().filter(|p| p.extension().is_some_and(|e| e == "html")).collect();
+    let text_of = |path: &Path| read(path);
+    for page in &all {
+        // This page is shown for any address, so its links start at the top.
+        if page.ends_with("404.html") || page.ends_with("print.html") || page.ends_with("toc.html") {
+            continue;
+        }
+        let text = text_of(page)?;
+        let parts = ["href=\"", "src=\""].into_iter().flat_map(|key| text.split(key).skip(1));
+        for link in parts.filter_map(|t| t.split('"').next()) {
+            if link.contains("://")
+                || link.starts_with("data:")
+                || link.starts_with("mailto:")
+                || link.is_empty()
+            {
+                continue;
+            }
+            let (path, place) = link.split_once('#').unwrap_or((link, ""));
+            let target =
+                if path.is_empty() { page.clone() } else { page.parent().unwrap_or(folder).join(path) };
+            if !target.exists() {
+                broken.push(format!("{} links to {link}", page.display()));
+            } else if !place.is_empty() && target.extension().is_some_and(|e| e == "html") {
+                if !text_of(&target)?.contains(&format!("id=\"{place}\"")) {
+                    broken.push(format!("{} links to {link}, a place that is not there", page.display()));
+                }
+            }
+        }
+    }
+    Ok((all.len(), broken))
+}
+
+/// Runs the `sh` blocks of every page, or of these; the first that fails ends it.
+fn run_blocks(only: &[&str]) -> Result<(), String> {
+    let docs = crate::root().join("docs");
+    let program = crate::target().join("ci/grainpath");
+    let path = std::env::var("PATH").unwrap_or_default();
+    let path = format!("{}:{path}", program.parent().unwrap_or(Path::new(".")).display());
+    let mut n = 0;
+    for page in pages(&docs)? {
+        let name = page.strip_prefix(&docs).map_err(|e| e.to_string())?.display().to_string();
+        let blocks = blocks(&read(&page)?);
+        if blocks.is_empty() || !(only.is_empty() || only.contains(&name.as_str())) {
+            continue;
+        }
+        let folder = crate::target().join("blocks").join(name.replace('/', "-"));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(&folder).map_err(|e| e.to_string())?;
+        // Pages about the reader's own part name it part.stl; the example plate stands for it.
+        let stands_for = |from: &str, to: &str| fs::copy(crate::root().join(from), folder.join(to)).map(drop);
+        stands_for("examples/plate/plate.stl", "part.stl").map_err(|e| e.to_string())?;
+        n += blocks.len();
+        let script = format!("set -e\n{}", blocks.join("\n"));
+        let mut command = Command::new("bash");
+        command.args(["-c", &script]).current_dir(&folder).env("PATH", &path);
+        crate::output(&mut command).map_err(|e| format!("docs/{name}: {e}"))?;
+        println!("docs/{name}: {} blocks", blocks.len());
+    }
+    if n == 0 {
+        return Err("no page with such a name has blocks to run".to_owned());
+    }
+    println!("{n} blocks ran");
+    Ok(())
+}
+
+/// The `sh` blocks of a page.
+fn blocks(page: &str) -> Vec<String> {
+    let pieces = page.split("\n```sh\n").skip(1);
+    pieces.filter_map(|p| p.split("\n```").next().map(str::to_owned)).collect()
+}
+
+fn pages(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    Ok(files(folder)?.into_iter().filter(|p| p.extension().is_some_and(|e| e == "md")).collect())
+}
+
+/// All files below a folder, sorted.
+fn files(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let mut all = Vec::new();
+    for entry in fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?.flatten() {
+        let path = entry.path();
+        if path.is_dir() { all.extend(files(&path)?) } else { all.push(path) }
+    }
+    all.sort();
+    Ok(all)
+}
+
+fn copy(from: &Path, to: &Path) -> Result<(), String> {
+    for file in files(from)? {
+        let target = to.join(file.strip_prefix(from).map_err(|e| e.to_string())?);
+        fs::create_dir_all(target.parent().unwrap_or(to)).map_err(|e| e.to_string())?;
+        fs::copy(&file, &target).map_err(|e| format!("{}: {e}", file.display()))?;
+    }
+    Ok(())
+}
+
+fn read(path: &Path) -> Result<String, String> {
+    fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+fn write(path: &Path, text: &str) -> Result<(), String> {
+    fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_are_found_outside_code() {
+        let page = "See [a](b.md#c) and ![p](d/e.png), `f[1](2)`, [site](https://example.org).\n```sh\necho [x](y)\n```\n[z](w.md)";
+        assert_eq!(links(page), ["b.md#c", "d/e.png", "w.md"]);
+    }
+
+    #[test]
+    fn blocks_that_only_show_a_line_are_not_run() {
+        let page =
+            "Text\n```sh\ngrainpath new plate\ncd plate\n```\n\n```console\nsudo rm\n```\n\n```sh\nls\n```\n";
+        assert_eq!(blocks(page), ["grainpath new plate\ncd plate", "ls"]);
+    }
+}

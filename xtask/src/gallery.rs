@@ -1,0 +1,403 @@
+//! The gallery: parts of our own as pictures, each with the job that made it.
+//!
+//! [`run`] plans every part of [`PARTS`] with the built program, checks the picture of the part for pinholes, and lays
+//! part, stress, a layer and damage side by side. A browser sets the sheet, so that captions have real type; where
+//! there is none, that is said. Inputs are drawings and presets of ours, under the licences of grainpath.
+//!
+//! Limits: no sheet without Chromium and npm; a part takes from a second to a minute.
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A part of the gallery.
+struct Part {
+    name: &'static str,
+    /// What it shows.
+    about: &'static str,
+    /// The preset that `grainpath new` writes it from; empty for a job in `docs/gallery`.
+    preset: &'static str,
+    /// The job file.
+    job: &'static str,
+}
+
+const fn own(name: &'static str, job: &'static str, about: &'static str) -> Part {
+    Part { name, about, preset: "", job }
+}
+
+const fn of_preset(name: &'static str, preset: &'static str, job: &'static str, about: &'static str) -> Part {
+    Part { name, about, preset, job }
+}
+
+/// All parts, in the order of the page.
+const PARTS: [Part; 24] = [
+    own("bracket", "bracket.toml", "a flat bracket: beads from the bolts to the load"),
+    own("hook", "hook.toml", "a hook: beads follow the curve that carries"),
+    own("lever", "lever.toml", "a lever on a pivot"),
+    own("link", "link.toml", "a link with two eyes in tension"),
+    own("clamp", "clamp.toml", "the frame of a clamp, spread open"),
+    own("gusset", "gusset.toml", "a gusset in shear"),
+    own("ring", "ring.toml", "a ring squeezed between two plates"),
+    own("weave", "weave.toml", "both families of stress lines, layer by layer: a weave"),
+    of_preset("tension", "stress-lines", "tension.toml", "a tensile bar with a hole"),
+    of_preset("bending", "stress-lines", "bending.toml", "a bar in three-point bending"),
+    of_preset("shelf", "stress-lines", "bracket.toml", "a shelf bracket, solved in three dimensions"),
+    of_preset("plate", "plate", "job.toml", "a mounting plate with a rib too thin for two walls"),
+    of_preset("flow", "field", "job.toml", "directions from a table, around a hole"),
+    of_preset("knot", "woodgrain", "job.toml", "a board from its photograph, the grain around a knot"),
+    of_preset("board", "woodgrain", "dense.toml", "the same board, its beads touching"),
+    of_preset("board-grid", "woodgrain", "grid.toml", "the same mass as a grid"),
+    of_preset("board-triangles", "woodgrain", "triangles.toml", "the same mass as triangles"),
+    of_preset("board-straight", "woodgrain", "rectilinear.toml", "the same mass as straight lines"),
+    of_preset("open-hole", "continuous", "plate.toml", "a fibre plate with an open hole, one path a layer"),
+    of_preset("fibre-hook", "continuous", "hook.toml", "a hook in continuous fibre"),
+    of_preset("fibre-rings", "continuous", "plate-concentric.toml", "the plate in rings of fibre"),
+    of_preset("ball", "tree-support", "ball.toml", "a hanging ball on trees"),
+    of_preset("tray", "tree-support", "tray.toml", "a dental tray on trees"),
+    of_preset("hub", "ct", "job.toml", "a wheel hub from its scan, without a mesh"),
+];
+
+/// The colour behind parts. Source: `PAPER` of the renderer, `crates/grainpath-view/src/layer/thumbnail.rs`.
+const GROUND: [u8; 3] = [246, 244, 240];
+
+/// Spots of ground inside a part that are smaller are pinholes; holes of parts are larger. Measured: the smallest hole
+/// that is seen through has 182 pixels (the pin of the lever).
+const PINHOLE_PX: usize = 12;
+
+/// Most bytes that all pictures may take. Source: issue "Doors", 4.
+const MOST_BYTES: u64 = 20_000_000;
+
+/// Plans and draws the parts with these names, or all.
+pub fn run(words: &[&str]) -> Result<(), String> {
+    let program = crate::target().join("ci/grainpath");
+    if !program.exists() {
+        return Err("build the program first: cargo build --profile ci -p grainpath-cli".to_owned());
+    }
+    if let Some(word) = words.iter().find(|w| PARTS.iter().all(|p| p.name != **w)) {
+        let names: Vec<&str> = PARTS.iter().map(|p| p.name).collect();
+        return Err(format!("{word} is no part of the gallery: {}", names.join(", ")));
+    }
+    let can_set = crate::page::browser().is_some() && crate::page::has_npm();
+    if can_set {
+        crate::page::install()?;
+    } else {
+        println!("NOT RUN: sheets need npm and Chromium; parts are planned and checked");
+    }
+    let gallery = crate::root().join("docs/gallery");
+    let work = crate::target().join("gallery");
+    let mut wrong = Vec::new();
+    for part in PARTS.iter().filter(|p| words.is_empty() || words.contains(&p.name)) {
+        let out = plan(&program, part, &gallery, &work)?;
+        let pinholes = pinholes(&out.join("part.png"))?;
+        if pinholes > 0 {
+            wrong.push(format!("{}: {pinholes} pinholes in {}", part.name, out.join("part.png").display()));
+        }
+        if can_set {
+            let sheet = sheet(part, &out)?;
+            set(&sheet, &gallery.join(format!("{}.jpg", part.name)), ".sheet")?;
+            if part.name == "bracket" {
+                set(&sheet, &crate::root().join("docs/pictures/bracket-sheet.png"), ".sheet")?;
+            }
+        }
+        println!("{}: {}", part.name, part.about);
+    }
+    let there: Vec<&Part> =
+        PARTS.iter().filter(|p| gallery.join(format!("{}.jpg", p.name)).exists()).collect();
+    fs::write(gallery.join("README.md"), page(&there)).map_err(|e| e.to_string())?;
+    let mut bytes = 0;
+    for entry in fs::read_dir(&gallery).map_err(|e| e.to_string())?.flatten() {
+        bytes += entry.metadata().map_err(|e| e.to_string())?.len();
+    }
+    if bytes > MOST_BYTES {
+        return Err(format!("docs/gallery has {bytes} bytes, more than {MOST_BYTES}"));
+    }
+    if !wrong.is_empty() {
+        return Err(wrong.join("\n       "));
+    }
+    println!(
+        "{} of {} parts are drawn; docs/gallery has {:.1} MB",
+        there.len(),
+        PARTS.len(),
+        bytes as f64 * 1e-6
+    );
+    Ok(())
+}
+
+/// Runs the job of a part and gives the folder of its pictures.
+fn plan(program: &Path, part: &Part, gallery: &Path, work: &Path) -> Result<PathBuf, String> {
+    let folder = work.join(part.name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).map_err(|e| e.to_string())?;
+    let job = if part.preset.is_empty() {
+        for ending in ["toml", "svg"] {
+            let name = Path::new(part.job).with_extension(ending);
+            fs::copy(gallery.join(&name), folder.join(&name))
+                .map_err(|e| format!("{}: {e}", name.display()))?;
+        }
+        folder.join(part.job)
+    } else {
+        let input = folder.join("input");
+        crate::output(Command::new(program).args(["new", part.preset]).arg(&input))?;
+        input.join(part.job)
+    };
+    let out = folder.join("pictures");
+    let set = |key: &str, value: &str| ["--set".to_owned(), format!("{key}={value}")];
+    let mut command = Command::new(program);
+    command.arg("run").arg(&job).arg("--out").arg(&folder).args(set("output.preview", "\"pictures\""));
+    command
+        .args(set("output.report", "\"report.html\""))
+        .args(set("output.gcode", "\"part.gcode\""))
+        .arg("--json");
+    let told = crate::output(&mut command)?;
+    fs::write(folder.join("report.json"), told).map_err(|e| e.to_string())?;
+    Ok(out)
+}
+
+/// Spots of ground inside the part that are too small for a hole.
+fn pinholes(path: &Path) -> Result<usize, String> {
+    let file = fs::File::open(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let wrong = |e: png::DecodingError| format!("{}: {e}", path.display());
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().map_err(wrong)?;
+    let mut pixels = vec![0; reader.output_buffer_size().ok_or("a picture too large")?];
+    let info = reader.next_frame(&mut pixels).map_err(wrong)?;
+    let (w, h) = (info.width as usize, info.height as usize);
+    let n = info.line_size / w;
+    let ground: Vec<bool> = pixels.chunks_exact(n).take(w * h).map(|p| p[..3] == GROUND).collect();
+    Ok(spots(&ground, w).into_iter().filter(|n| *n < PINHOLE_PX).count())
+}
+
+/// Sizes of the connected regions of ground that do not reach the edge of the picture.
+fn spots(ground: &[bool], w: usize) -> Vec<usize> {
+    let h = ground.len() / w;
+    let mut seen = vec![false; ground.len()];
+    let mut sizes = Vec::new();
+    for start in 0..ground.len() {
+        if !ground[start] || seen[start] {
+            continue;
+        }
+        let (mut open, mut size, mut inside) = (vec![start], 0, true);
+        seen[start] = true;
+        while let Some(i) = open.pop() {
+            let (x, y) = (i % w, i / w);
+            size += 1;
+            inside &= x > 0 && y > 0 && x + 1 < w && y + 1 < h;
+            // Corners count: a hole of the part thins out to pixels that touch by corners alone.
+            let near = (-1..=1).flat_map(|dy: isize| (-1..=1).map(move |dx: isize| (dx, dy))).filter_map(
+                |(dx, dy)| {
+                    let (u, v) = (x.checked_add_signed(dx)?, y.checked_add_signed(dy)?);
+                    (u < w && v < h).then_some(v * w + u)
+                },
+            );
+            for j in near.filter(|j| ground[*j]) {
+                if !std::mem::replace(&mut seen[j], true) {
+                    open.push(j);
+                }
+            }
+        }
+        if inside {
+            sizes.push(size);
+        }
+    }
+    sizes
+}
+
+/// A page with the pictures of a part side by side.
+fn sheet(part: &Part, out: &Path) -> Result<PathBuf, String> {
+    let mut names: Vec<String> = fs::read_dir(out)
+        .map_err(|e| e.to_string())?
+        .flatten()
+        .map(|e| e.file_name().to_string_lossy().into_owned())
+        .filter(|n| n.ends_with(".png"))
+        .collect();
+    names.sort();
+    let middle = |start: &str| {
+        let all: Vec<&String> = names.iter().filter(|n| n.starts_with(start)).collect();
+        all.get(all.len() / 2).map(|n| (*n).clone())
+    };
+    let report: serde_json::Value = fs::read_to_string(out.with_file_name("report.json"))
+        .map_err(|e| e.to_string())
+        .and_then(|t| serde_json::from_str(&t).map_err(|e| e.to_string()))?;
+    let grams = report["mass_g"].as_f64().map_or(String::new(), |g| format!("{g:.1} g"));
+    let peak =
+        report["stress"]["max_von_mises_mpa"].as_f64().map_or(String::new(), |p| format!("peak {p:.1} MPa"));
+    let off = report["quality"]["alignment_mean_deg"].as_f64();
+    let off = off.map_or(String::new(), |d| format!("{d:.1} degrees off in the mean"));
+    let breaks = report["strength"]["peak_load_n"].as_f64().map_or(String::new(), |f| format!("at {f:.0} N"));
+    let panels = [
+        (Some("part.png".to_owned()), "the part", grams),
+        (middle("stress_"), "stress lines", peak),
+        (middle("layer_"), "a layer of beads", off),
+        (middle("damage"), "where it breaks", breaks),
+        (middle("grain_"), "from the photograph", String::new()),
+        (middle("support_"), "supports", String::new()),
+        (middle("field_"), "directions", String::new()),
+    ];
+    let mut html = String::from(
+        "<!DOCTYPE html><html lang=\"en\"><meta charset=\"utf-8\"><title>gallery</title><style>\
+         body{margin:0;background:#fff;font:600 21px/1.25 \"DejaVu Sans\",sans-serif;color:#fff}\
+         .sheet{display:inline-flex;gap:10px;padding:4px}\
+         figure{margin:0;width:390px;background:#1c1e22;border-radius:8px;overflow:hidden}\
+         img{display:block;width:390px;height:330px;object-fit:contain}\
+         figcaption{padding:8px 14px 12px}small{display:block;font-weight:400;font-size:16px;color:#cfd3da;min-height:1.25em}\
+         .part{background:#f6f4f0;color:#1d2025}.part small{color:#555}</style><div class=\"sheet\">",
+    );
+    let (drawing, force) = load_drawing(part)?;
+    // A flat part shows its load in place of the picture of the whole, which is the drawing raised.
+    if let Some(svg) = &drawing {
+        let _ = write!(
+            html,
+            "<figure class=\"part\">{svg}<figcaption>the load<small>{force}</small></figcaption></figure>"
+        );
+    }
+    let skip = usize::from(drawing.is_some());
+    for (file, what, number) in
+        panels.into_iter().filter_map(|(f, w, n)| f.map(|f| (f, w, n))).skip(skip).take(4 - skip)
+    {
+        let class = if file == "part.png" { " class=\"part\"" } else { "" };
+        let _ = write!(
+            html,
+            "<figure{class}><img src=\"pictures/{file}\" alt=\"{what}\"><figcaption>{what}<small>{number}</small></figcaption></figure>"
+        );
+    }
+    let path = out.with_file_name(format!("{}.html", part.name));
+    fs::write(&path, html + "</div></html>").map_err(|e| e.to_string())?;
+    Ok(path)
+}
+
+/// The drawing of a part of ours with what holds it (green) and its load (red arrow), and the force in words.
+fn load_drawing(part: &Part) -> Result<(Option<String>, String), String> {
+    if !part.preset.is_empty() {
+        return Ok((None, String::new()));
+    }
+    let gallery = crate::root().join("docs/gallery");
+    let read = |ending: &str| {
+        let path = gallery.join(part.job).with_extension(ending);
+        fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))
+    };
+    let job: toml::Table = read("toml")?.parse().map_err(|e| format!("{}: {e}", part.job))?;
+    let svg = read("svg")?;
+    let lacks = || format!("{}: no viewBox or path", part.name);
+    let size = svg.split("viewBox=\"0 0 ").nth(1).and_then(|t| t.split('"').next()).ok_or_else(lacks)?;
+    let size: Vec<f64> = size.split(' ').filter_map(|n| n.parse().ok()).collect();
+    let [w, h] = size[..] else { return Err(lacks()) };
+    let outline = svg.split(" d=\"").nth(1).and_then(|t| t.split('"').next()).ok_or_else(lacks)?;
+    let margin = 0.22 * w.max(h);
+    let mut out = format!(
+        "<svg viewBox=\"{} {} {} {}\" width=\"390\" height=\"330\"><path fill=\"#d98a46\" stroke=\"#8a5524\" \
+         stroke-width=\"0.5\" fill-rule=\"evenodd\" d=\"{outline}\"/>",
+        -margin,
+        -margin,
+        w + 2.0 * margin,
+        h + 2.0 * margin
+    );
+    let rows = |key: &str| job["guide"].get(key).and_then(toml::Value::as_array).cloned().unwrap_or_default();
+    // A drawing has y downwards, a part upwards.
+    for fixture in rows("fixture") {
+        let ([x, y], r) = place(&fixture["on"], h);
+        let _ = write!(
+            out,
+            "<circle cx=\"{x}\" cy=\"{}\" r=\"{}\" fill=\"none\" stroke=\"#1a8f3c\" stroke-width=\"{}\"/>",
+            h - y,
+            r + 1.0,
+            0.02 * w.max(h)
+        );
+    }
+    let mut told = Vec::new();
+    for load in rows("load") {
+        let ([x, y], _) = place(&load["on"], h);
+        let force = numbers(&load["force_n"]);
+        let n = force.iter().map(|f| f * f).sum::<f64>().sqrt();
+        told.push(format!("{n:.0} N"));
+        let (ux, uy) = (force[0] / n, -force[1] / n);
+        let (long, wide) = (0.2 * w.max(h), 0.03 * w.max(h));
+        let tip = [x + long * ux, h - y + long * uy];
+        let _ = write!(
+            out,
+            "<path d=\"M{x} {} L{} {}\" stroke=\"#d0202a\" stroke-width=\"{}\"/>\
+             <path fill=\"#d0202a\" d=\"M{} {} L{} {} L{} {} Z\"/>",
+            h - y,
+            tip[0],
+            tip[1],
+            0.6 * wide,
+            tip[0] + 2.0 * wide * ux,
+            tip[1] + 2.0 * wide * uy,
+            tip[0] - wide * uy,
+            tip[1] + wide * ux,
+            tip[0] + wide * uy,
+            tip[1] - wide * ux
+        );
+    }
+    Ok((Some(out + "</svg>"), told.join(", ")))
+}
+
+/// Middle and radius of the place of a fixture or a load, mm; a plane is taken at half the height of the drawing.
+fn place(on: &toml::Value, height: f64) -> ([f64; 2], f64) {
+    if let Some(cylinder) = on.get("cylinder") {
+        let p = numbers(&cylinder["point_mm"]);
+        return ([p[0], p[1]], numbers(&cylinder["radius_mm"])[0]);
+    }
+    if let Some(corners) = on.get("box_mm").and_then(toml::Value::as_array) {
+        let (a, b) = (numbers(&corners[0]), numbers(&corners[1]));
+        return ([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])], 0.5);
+    }
+    ([0.0, 0.5 * height], 0.5)
+}
+
+/// A number, or the numbers of a list.
+fn numbers(value: &toml::Value) -> Vec<f64> {
+    let number = |v: &toml::Value| v.as_float().or_else(|| v.as_integer().map(|i| i as f64));
+    match value.as_array() {
+        Some(list) => list.iter().filter_map(number).collect(),
+        None => number(value).into_iter().collect(),
+    }
+}
+
+/// A picture of a part of a page.
+fn set(page: &Path, picture: &Path, part: &str) -> Result<(), String> {
+    let browser = crate::page::browser().ok_or("no Chromium")?;
+    let mut command = Command::new("node");
+    command.arg("look.mjs").arg(page).arg(picture).args(["1640", "460", "--part", part]);
+    crate::output(command.current_dir(crate::root().join("web")).env("BROWSER", browser)).map(drop)
+}
+
+/// The page of the gallery.
+fn page(parts: &[&Part]) -> String {
+    let mut out = String::from(
+        "# Gallery\n\nWritten by `cargo xtask gallery`, which runs every job and draws these pictures. Drawings, meshes, photographs and scans are made by grainpath's own\n\
+         code or drawn for it, under its licences (MIT or Apache-2.0).\n",
+    );
+    for part in parts {
+        let _ = write!(out, "\n## {}\n\n![{}]({}.jpg)\n\n", part.name, part.about, part.name);
+        let made = if part.preset.is_empty() {
+            format!("[{0}]({0}): `grainpath run docs/gallery/{0}`", part.job)
+        } else {
+            format!("`grainpath new {0}`, then `grainpath run {0}/{1}`", part.preset, part.job)
+        };
+        let mut about = part.about.to_owned();
+        about[..1].make_ascii_uppercase();
+        let _ = writeln!(out, "{about}. {made}.");
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pinhole_is_told_from_a_hole_and_from_the_ground_around() {
+        let picture = ["..........", ".########.", ".#.####.#.", ".####...#.", ".###.####.", ".........."];
+        let ground: Vec<bool> = picture.iter().flat_map(|r| r.chars().map(|c| c == '.')).collect();
+        let mut found = spots(&ground, 10);
+        found.sort_unstable();
+        // One pixel alone; one that touches three by a corner, and the one above those.
+        assert_eq!(found, [1, 5]);
+    }
+
+    #[test]
+    fn every_part_has_another_name() {
+        let names: std::collections::BTreeSet<&str> = PARTS.iter().map(|p| p.name).collect();
+        assert_eq!(names.len(), PARTS.len());
+    }
+}
