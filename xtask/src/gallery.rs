@@ -387,7 +387,16 @@ mod tests {
 
     #[test]
     fn a_pinhole_is_told_from_a_hole_and_from_the_ground_around() {
-        let picture = ["..........", ".########.", ".#.####.#.", ".####...#.", ".###.####.", ".........."];
+        let picture = [
+            "..........",
+            ".###.####.",
+            ".########.",
+            "..........",
+            ".####...#.",
+            ".###.####.",
+            ".########.",
+            "..........",
+        ];
         let ground: Vec<bool> = picture.iter().flat_map(|r| r.chars().map(|c| c == '.')).collect();
         let mut found = spots(&ground, 10);
         found.sort_unstable();
