@@ -153,13 +153,12 @@ fn dead_links_of_html(folder: &Path) -> Result<(usize, Vec<String>), String> {
     let mut broken = Vec::new();
     let all: Vec<PathBuf> =
         files(folder)?.into_iter().filter(|p| p.extension().is_some_and(|e| e == "html")).collect();
-    let text_of = |path: &Path| read(path);
-    for page in &all {
+        for page in &all {
         // This page is shown for any address, so its links start at the top.
         if page.ends_with("404.html") || page.ends_with("print.html") || page.ends_with("toc.html") {
             continue;
         }
-        let text = text_of(page)?;
+        let text = read(page)?;
         let parts = ["href=\"", "src=\""].into_iter().flat_map(|key| text.split(key).skip(1));
         for link in parts.filter_map(|t| t.split('"').next()) {
             if link.contains("://")
@@ -174,10 +173,11 @@ fn dead_links_of_html(folder: &Path) -> Result<(usize, Vec<String>), String> {
                 if path.is_empty() { page.clone() } else { page.parent().unwrap_or(folder).join(path) };
             if !target.exists() {
                 broken.push(format!("{} links to {link}", page.display()));
-            } else if !place.is_empty() && target.extension().is_some_and(|e| e == "html") {
-                if !text_of(&target)?.contains(&format!("id=\"{place}\"")) {
-                    broken.push(format!("{} links to {link}, a place that is not there", page.display()));
-                }
+                continue;
+            }
+            let is_page = !place.is_empty() && target.extension().is_some_and(|e| e == "html");
+            if is_page && !read(&target)?.contains(&format!("id=\"{place}\"")) {
+                broken.push(format!("{} links to {link}, a place that is not there", page.display()));
             }
         }
     }

@@ -387,7 +387,7 @@ mod tests {
 
     #[test]
     fn a_pinhole_is_told_from_a_hole_and_from_the_ground_around() {
-        let picture = [
+        let picture = ["..........", ".########.", ".#.####.#.", ".####...#.", ".###.####.", ".########.", ".........."];
             "..........",
             ".###.####.",
             ".########.",
