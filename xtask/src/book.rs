@@ -153,7 +153,7 @@ fn dead_links_of_html(folder: &Path) -> Result<(usize, Vec<String>), String> {
     let mut broken = Vec::new();
     let all: Vec<PathBuf> =
         files(folder)?.into_iter().filter(|p| p.extension().is_some_and(|e| e == "html")).collect();
-        for page in &all {
+    for page in &all {
         // This page is shown for any address, so its links start at the top.
         if page.ends_with("404.html") || page.ends_with("print.html") || page.ends_with("toc.html") {
             continue;
