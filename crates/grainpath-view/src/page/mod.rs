@@ -234,9 +234,9 @@ fn settings_section(settings: &[Setting]) -> String {
         out += "</table>\n";
     }
     let rows = usual.iter().map(|s| (s.key.as_str(), with_unit(&s.value, s.unit)));
-    let _ = write!(
+    let _ = writeln!(
         out,
-        "<details id=\"usual\"><summary>{} settings with their defaults</summary>{}</details>\n",
+        "<details id=\"usual\"><summary>{} settings with their defaults</summary>{}</details>",
         usual.len(),
         table(rows)
     );
@@ -300,7 +300,7 @@ fn layers_section(contents: &Contents<'_>) -> String {
         base64::engine::general_purpose::STANDARD.encode(&packed.bytes)
     );
     let still: String = contents.pictures.iter().filter(|p| p.of == Of::Layer).map(figure).collect();
-    let _ = write!(out, "<noscript>{still}</noscript>\n");
+    let _ = writeln!(out, "<noscript>{still}</noscript>");
     out
 }
 
