@@ -157,8 +157,11 @@ mod tests {
         LayerPicture { z_mm, height_mm: 0.2, beads, travels, cuts: Vec::new() }
     }
 
-    /// Reads the bytes as `page.js` does: for each layer its number and paths of role, points and widths.
-    fn unpack(bytes: &[u8]) -> Vec<(u32, Vec<(u8, Vec<DVec2>, Vec<f64>)>)> {
+    /// Role, points and widths.
+    type Path = (u8, Vec<DVec2>, Vec<f64>);
+
+    /// Reads the bytes as `page.js` does: for each layer its number and its paths.
+    fn unpack(bytes: &[u8]) -> Vec<(u32, Vec<Path>)> {
         let mut raw = Vec::new();
         flate2::read::ZlibDecoder::new(bytes).read_to_end(&mut raw).expect("zlib");
         let mut at = 0;
