@@ -3,7 +3,7 @@
 //! Order: the part and its numbers, warnings, a slider of layers, stress, strength, fibre, steps towards the guide,
 //! dimensions, settings that differ from their defaults, and folded away the other settings and the time taken.
 //! Pictures and layers stand in the page as base64, so that the file can be sent by itself; the layers are drawn by
-//! `page.js` from what [`layers`] packs. Fonts and colours come from the reader's system, light or dark.
+//! `page.js` from what `layers.rs` packs. Fonts and colours come from the reader's system, light or dark.
 //!
 //! Limits: very large prints show every second or third layer. Without scripts one layer stands as a picture, and
 //! everything else is there.
