@@ -75,7 +75,9 @@ fn pack(program: &Path) -> Result<PathBuf, String> {
         put(&at(&format!("usr/share/man/man1/{name}.gz")), &gzip(&page)?)?;
     }
     // The texts of all licences, those of the libraries among them.
-    put(&at("usr/share/doc/grainpath/copyright"), copyright(&told(&["licences"])?)?.as_bytes())?;
+    put(&at("usr/share/doc/grainpath/copyright"), copyright()?.as_bytes())?;
+    put(&at("usr/share/doc/grainpath/licences-of-libraries.gz"), &gzip(told(&["licences"])?.as_bytes())?)?;
+    put(&at("usr/share/lintian/overrides/grainpath"), OVERRIDES.as_bytes())?;
     let date =
         crate::output(Command::new("git").args(["log", "-1", "--format=%cD"]).current_dir(crate::root()))?;
     let changes = format!(
@@ -130,17 +132,18 @@ fn control(version: &str, arch: &str, size_kib: u64, program: &Path) -> Result<S
     ))
 }
 
-/// The copyright file: our choice of licences, then what `grainpath licences` prints.
-fn copyright(licences: &str) -> Result<String, String> {
-    let own = |name: &str| fs::read_to_string(crate::root().join(name)).map_err(|e| format!("{name}: {e}"));
-    let mit = own("LICENSE-MIT")?;
+/// What lintian takes for a copy of Debian's zlib is a Rust crate, linked as all crates are.
+const OVERRIDES: &str = "# zlib-rs is a Rust crate and no copy of the C library.\ngrainpath: embedded-library zlib [usr/bin/grainpath]\n";
+
+/// The copyright file: our choice of licences, and where those of the libraries are.
+fn copyright() -> Result<String, String> {
+    let path = crate::root().join("LICENSE-MIT");
+    let mit = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
     // Debian has the text of the Apache licence for everybody, and asks that it be named and not copied.
-    let holder =
-        mit.lines().find(|l| l.starts_with("Copyright")).unwrap_or("Copyright The grainpath authors");
     Ok(format!(
-        "grainpath is free software under the MIT licence or the Apache License, Version 2.0,\nas you like. {holder}\n\n\
+        "grainpath is free software under the MIT licence or the Apache License, Version 2.0,\nas you like.\n\n\
          On Debian systems the Apache License, Version 2.0, is in\n/usr/share/common-licenses/Apache-2.0.\n\n{mit}\n\n\
-         Libraries in the program, with their licences:\n\n{licences}"
+         The licences of all libraries in the program are in licences-of-libraries.gz beside\nthis file; `grainpath licences` prints them.\n"
     ))
 }
 

@@ -104,7 +104,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
     }
     let there: Vec<&Part> =
         PARTS.iter().filter(|p| gallery.join(format!("{}.jpg", p.name)).exists()).collect();
-    fs::write(gallery.join("README.md"), page(&there)).map_err(|e| e.to_string())?;
+    fs::write(gallery.with_extension("md"), page(&there)).map_err(|e| e.to_string())?;
     let mut bytes = 0;
     for entry in fs::read_dir(&gallery).map_err(|e| e.to_string())?.flatten() {
         bytes += entry.metadata().map_err(|e| e.to_string())?.len();
@@ -368,9 +368,9 @@ fn page(parts: &[&Part]) -> String {
          code or drawn for it, under its licences (MIT or Apache-2.0).\n",
     );
     for part in parts {
-        let _ = write!(out, "\n## {}\n\n![{}]({}.jpg)\n\n", part.name, part.about, part.name);
+        let _ = write!(out, "\n## {}\n\n![{}](gallery/{}.jpg)\n\n", part.name, part.about, part.name);
         let made = if part.preset.is_empty() {
-            format!("[{0}]({0}): `grainpath run docs/gallery/{0}`", part.job)
+            format!("[{0}](gallery/{0}): `grainpath run docs/gallery/{0}`", part.job)
         } else {
             format!("`grainpath new {0}`, then `grainpath run {0}/{1}`", part.preset, part.job)
         };

@@ -36,7 +36,7 @@ impl Spec {
 
     /// All settings in use and their values as text.
     fn rows(&self) -> Vec<(String, String)> {
-        self.settings.rows()
+        self.settings.rows().into_iter().map(|r| (r.key, r.value)).collect()
     }
 
     /// Warnings about what was assumed, as JSON.
