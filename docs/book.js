@@ -1,4 +1,4 @@
-// What mdBook's template leaves out for readers without a mouse: code that scrolls takes the focus, and the switch of the
+// What mdBook's template leaves out for readers without a mouse: code and tables that scroll take the focus, and the switch of the
 // table of contents is a button for screen readers too.
-document.querySelectorAll("pre > code").forEach((code) => { code.tabIndex = 0; });
+document.querySelectorAll("pre > code, .table-wrapper").forEach((box) => { box.tabIndex = 0; });
 document.querySelectorAll("label[for=mdbook-sidebar-toggle-anchor]").forEach((label) => label.setAttribute("role", "button"));
