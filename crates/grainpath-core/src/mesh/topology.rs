@@ -71,6 +71,12 @@ impl EdgeUses {
         let split = |u: &Use| ((u.triangle / 2) as usize, u.triangle & 1 == 1);
         self.0.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high)).map(move |e| e.iter().map(split))
     }
+
+    /// Edges that do not have exactly two triangles, as pairs of vertices: open ones and those where surfaces meet.
+    pub fn faulty(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let all = self.0.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high));
+        all.filter(|uses| uses.len() != 2).map(|uses| [uses[0].low, uses[0].high])
+    }
 }
 
 /// Triangles grouped into shells, which are connected over edges of two faces.

@@ -40,7 +40,7 @@ use grainpath_job::loads::{self, Place, Push};
 pub(crate) use plane::constant_section;
 
 use crate::shape::Standing;
-pub use results::Families;
+pub use results::{Families, ResultSurface};
 
 /// Why a guide cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

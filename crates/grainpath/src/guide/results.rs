@@ -6,9 +6,9 @@ use std::f64::consts::FRAC_PI_2;
 use grainpath_core::math::direction;
 use grainpath_core::poly::LineClipper;
 use grainpath_core::streamlines::{LineSettings, Seeding, TracedLine, evenly_spaced};
-use grainpath_core::{DVec2, Region};
+use grainpath_core::{DVec2, DVec3, Region};
 use grainpath_fea::principal::plane_principal;
-use grainpath_io::fe::{Encoding, PointData, VtuMesh, stress_point_data, write_vtu};
+use grainpath_io::fe::{Element, Encoding, PointData, VtuMesh, stress_point_data, write_vtu};
 
 use super::{Guide, ResultMesh};
 
@@ -35,7 +35,83 @@ fn faces(n_corners: usize, is_solid: bool) -> &'static [&'static [usize]] {
     }
 }
 
+/// The surface of a result mesh, for drawing.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ResultSurface {
+    /// Positions, mm, part coordinates.
+    pub points: Vec<DVec3>,
+    /// The node of the result that each point shows.
+    pub nodes: Vec<u32>,
+    /// Indices of points, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
 impl ResultMesh {
+    /// The surface of the elements through their corners; nodes between corners are left out. A plate, whose nodes lie
+    /// at mid-height, gets a bottom at `bottom_mm`, a top as far above the nodes, and its sides.
+    ///
+    /// Method: a face that two elements share lies inside; faces are paired by sorting them. Cost: n log n in the
+    /// elements.
+    pub fn surface(&self, bottom_mm: f64) -> ResultSurface {
+        let is_solid = self.elements.iter().any(|e| e.kind.dimension() == 3);
+        let dimension = if is_solid { 3 } else { 2 };
+        let elements: Vec<&Element> =
+            self.elements.iter().filter(|e| e.kind.dimension() == dimension).collect();
+        // Faces have at most four corners; triangles and edges fill up with a number that is no node.
+        let mut faces: Vec<([u32; 4], usize, usize)> = Vec::new();
+        for (k, element) in elements.iter().enumerate() {
+            let corners = element.corners();
+            for (f, face) in element.kind.faces().iter().enumerate() {
+                let mut key = [u32::MAX; 4];
+                key.iter_mut().zip(face.iter()).for_each(|(slot, c)| *slot = corners[*c]);
+                key.sort_unstable();
+                faces.push((key, k, f));
+            }
+        }
+        faces.sort_unstable();
+        let alone = faces.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
+        let mut outer: Vec<(usize, usize)> = alone.map(|one| (one[0].1, one[0].2)).collect();
+        outer.sort_unstable();
+        let outer: Vec<Vec<u32>> = outer
+            .into_iter()
+            .map(|(k, f)| elements[k].kind.faces()[f].iter().map(|c| elements[k].corners()[*c]).collect())
+            .collect();
+        // A plate is drawn by its elements, above and below, and by its border.
+        let flat: Vec<&[u32]> =
+            if is_solid { Vec::new() } else { elements.iter().map(|e| e.corners()).collect() };
+        let mut point = vec![u32::MAX; self.nodes.len()];
+        outer.iter().flatten().chain(flat.iter().copied().flatten()).for_each(|n| point[*n as usize] = 0);
+        let mut surface = ResultSurface::default();
+        for (n, place) in self.nodes.iter().enumerate().filter(|(n, _)| point[*n] == 0).collect::<Vec<_>>() {
+            point[n] = surface.points.len() as u32;
+            if is_solid {
+                surface.points.push(*place);
+                surface.nodes.push(n as u32);
+            } else {
+                let top_mm = 2.0 * place.z - bottom_mm;
+                surface.points.extend([place.with_z(bottom_mm), place.with_z(top_mm)]);
+                surface.nodes.extend([n as u32; 2]);
+            }
+        }
+        let at = |n: u32| point[n as usize];
+        let fan = |face: &[u32], lift: u32| -> Vec<[u32; 3]> {
+            (1..face.len() - 1).map(|k| [0, k, k + 1].map(|i| at(face[i]) + lift)).collect()
+        };
+        for face in &outer {
+            if let [a, b] = face[..] {
+                let (a, b) = (at(a), at(b));
+                surface.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+            } else {
+                surface.triangles.extend(fan(face, 0));
+            }
+        }
+        for face in flat {
+            surface.triangles.extend(fan(face, 0).into_iter().map(|[a, b, c]| [a, c, b]));
+            surface.triangles.extend(fan(face, 1));
+        }
+        surface
+    }
+
     /// Edges on the surface of the mesh between corners of elements, each once, as pairs of nodes. A face that two
     /// elements share lies inside.
     pub fn surface_edges(&self) -> BTreeSet<[u32; 2]> {
@@ -113,5 +189,58 @@ impl Guide {
             };
             evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &settings)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grainpath_io::fe::ElementKind;
+
+    fn mesh(nodes: Vec<DVec3>, elements: Vec<Element>) -> ResultMesh {
+        let stress = vec![[0.0; 6]; nodes.len()];
+        ResultMesh { name: "loads".into(), nodes, elements, stress, displacement: None, sets: Vec::new() }
+    }
+
+    /// Enclosed volume and area of a surface.
+    fn measured(surface: &ResultSurface) -> (f64, f64) {
+        let corners = surface.triangles.iter().map(|t| t.map(|i| surface.points[i as usize]));
+        corners.fold((0.0, 0.0), |(volume, area), [a, b, c]| {
+            (volume + a.dot(b.cross(c)) / 6.0, area + 0.5 * (b - a).cross(c - a).length())
+        })
+    }
+
+    fn element(kind: ElementKind, nodes: &[u32]) -> Element {
+        Element::new(kind, nodes).expect("as many nodes as the kind has")
+    }
+
+    #[test]
+    fn a_cube_of_six_tetrahedra_has_the_surface_of_a_cube() {
+        let mut nodes: Vec<DVec3> =
+            (0..8).map(|k| DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2))).collect();
+        // A node of no element is not drawn.
+        nodes.insert(0, DVec3::splat(9.0));
+        // Kuhn's tetrahedra: along the diagonal, one for each order of the axes.
+        let orders = [[1, 2, 4], [2, 4, 1], [4, 1, 2], [2, 1, 4], [1, 4, 2], [4, 2, 1]];
+        let tets = orders.iter().enumerate().map(|(k, [a, b, _])| {
+            let path = [1, 1 + a, 1 + a + b, 8];
+            let turned = [path[0], path[2], path[1], path[3]];
+            element(ElementKind::Tet4, if k < 3 { &path } else { &turned })
+        });
+        let surface = mesh(nodes, tets.collect()).surface(0.0);
+        let (volume, area) = measured(&surface);
+        assert!((volume - 1.0).abs() < 1e-12 && (area - 6.0).abs() < 1e-12, "{volume} {area}");
+        assert_eq!((surface.points.len(), surface.triangles.len()), (8, 12));
+        assert_eq!(surface.nodes, [1, 2, 3, 4, 5, 6, 7, 8]);
+    }
+
+    #[test]
+    fn a_plate_gets_its_height_back() {
+        let at = |x: f64, y: f64| DVec3::new(x, y, 2.0);
+        let nodes = vec![at(0.0, 0.0), at(3.0, 0.0), at(3.0, 2.0), at(0.0, 2.0)];
+        let triangles = vec![element(ElementKind::Tri3, &[0, 1, 2]), element(ElementKind::Tri3, &[0, 2, 3])];
+        let (volume, area) = measured(&mesh(nodes, triangles).surface(1.0));
+        // From 1 to 3 mm.
+        assert!((volume - 12.0).abs() < 1e-12 && (area - (12.0 + 20.0)).abs() < 1e-12, "{volume} {area}");
     }
 }

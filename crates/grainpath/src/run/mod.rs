@@ -37,7 +37,7 @@ use crate::shape::{self, ShapeError};
 use crate::support::{self, SupportSettings};
 use grainpath_job::Settings;
 use grainpath_job::choices::{GuideKind, Pattern, SupportStyle};
-pub use place::{PlaceSettings, Sliced, mesh_and_layers};
+pub use place::{PlaceSettings, Placed, Sliced, mesh_and_layers, placed_mesh};
 use place::{check_bed, outside_bed, part_bounds, plate_from_part};
 pub use steps::{ExtrudedMass, FilledLayers, InfillSettings, LayerWalls, StepSettings, Steps};
 

@@ -37,15 +37,26 @@ pub struct PlaceSettings {
     pub slicing: SliceSettings,
 }
 
-/// Places the bodies of a mesh file on the bed, repairs them and cuts them into layers.
+/// A mesh standing on the bed, not yet cut into layers.
+#[derive(Debug, Default)]
+pub struct Placed {
+    /// The surface, repaired.
+    pub mesh: TriMesh,
+    /// Distance by which it was lowered to stand on the plate, mm.
+    pub lowered_mm: f64,
+    /// Support enforcers and blockers painted on it.
+    pub painted: PaintedSupports,
+}
+
+/// Places the bodies of a mesh file on the bed and repairs them.
 ///
 /// # Errors
-/// As [`shape::mend`] and [`shape::slice`].
-pub fn mesh_and_layers(
+/// As [`shape::mend`].
+pub fn placed_mesh(
     settings: &PlaceSettings,
     file: MeshFile,
     diagnostics: &Diagnostics,
-) -> Result<Sliced, shape::ShapeError> {
+) -> Result<Placed, shape::ShapeError> {
     let (mut bodies, mut lowered_mm) = place_bodies(settings, file, diagnostics)?;
     // The painted facets were placed with the bodies, as the last two of them.
     let blockers = bodies.pop().unwrap_or_default();
@@ -57,6 +68,19 @@ pub fn mesh_and_layers(
         lowered_mm -= settings.lift_mm;
     }
     let mesh = shape::mend(bodies, settings.repair, diagnostics)?;
+    Ok(Placed { mesh, lowered_mm, painted })
+}
+
+/// Places the bodies of a mesh file on the bed, repairs them and cuts them into layers.
+///
+/// # Errors
+/// As [`shape::mend`] and [`shape::slice`].
+pub fn mesh_and_layers(
+    settings: &PlaceSettings,
+    file: MeshFile,
+    diagnostics: &Diagnostics,
+) -> Result<Sliced, shape::ShapeError> {
+    let Placed { mesh, lowered_mm, painted } = placed_mesh(settings, file, diagnostics)?;
     let stack = shape::slice(&mesh, &settings.slicing, diagnostics)?;
     Ok(Sliced { stack, mesh, lowered_mm, painted, scan: None })
 }
