@@ -10,7 +10,7 @@ await mkdir(out, { recursive: true });
 
 const result = await build({
   absWorkingDir: here,
-  entryPoints: { app: "src/main.ts" },
+  entryPoints: { app: "src/main.ts", worker: "src/worker.ts" },
   outdir: out,
   bundle: true,
   minify: true,

@@ -5,7 +5,7 @@ import type { Schema } from "./settings";
 export type FileKind = "job" | "mesh" | "outline" | "program" | "other";
 export interface StudioState { version: string; opened: { path: string; kind: FileKind } | null; work: string; roots: string[]; max_upload_bytes: number }
 export interface Listing { path: string; parent: string | null; folders: { name: string; path: string }[]; files: { name: string; path: string; bytes: number; kind: FileKind }[]; left_out: number }
-export interface JobState { id: number; kind: "view" | "plan" | "strength"; title: string; phase: "waiting" | "running" | "done" | "failed" | "cancelled"; ahead: number; stage: string | null; done: number; total: number; elapsed_s: number; error: string | null; code: number | null }
+export interface JobState { id: number; kind: "view" | "shape" | "stress" | "plan" | "strength"; title: string; phase: "waiting" | "running" | "done" | "failed" | "cancelled"; ahead: number; stage: string | null; done: number; total: number; elapsed_s: number; error: string | null; code: number | null }
 export interface LayerEntry { z_mm: number; height_mm: number; records: number; beads: number; printed_mm: number; volume_mm3: number }
 export interface Index {
   origin_mm: [number, number]; step_mm: number; classes: string[]; speeds_mm_s: number[]; part_mm: [number[], number[]]; widths_mm: [number, number];
@@ -17,7 +17,15 @@ export interface StrengthReport {
   modes: Record<string, number>; weakest: { x_mm: number; y_mm: number; z_mm?: number; words: string }; mass_g: number; load_per_gram_n_g: number; fidelity: string; cell_mm: number;
   card_source: string; card_tier: string; curve: [number, number][]; corners: Record<string, number>; seconds: number;
 }
-export interface Result { report: Record<string, unknown> & { strength?: StrengthReport; summary?: string }; warnings: Warning[]; outputs: { kind: string; path: string }[]; damage: { cell_mm: number[]; angle_rad: number; cells: number } | null }
+export interface Result { report: Record<string, unknown> & { strength?: StrengthReport; summary?: string }; cases: string[] | null; warnings: Warning[]; outputs: { kind: string; path: string }[]; damage: { cell_mm: number[]; angle_rad: number; cells: number } | null }
+export interface FaceRow { number: number; name: string; kind: string; area_mm2: number; centre_mm: number[]; normal?: number[]; axis?: number[]; point_mm?: number[]; radius_mm?: number; hollow?: boolean; doubtful: boolean }
+export interface ShapeReport {
+  bodies: number; shells: number; triangles: number; open_edges: number; nonmanifold_edges: number; badly_wound_edges: number; zero_area_facets: number;
+  unit: string; unit_is_stated: boolean; likely_unit: string | null; low_mm: number[]; high_mm: number[]; volume_mm3: number;
+  frame_is_part: boolean; rotation: number[][]; shift_mm: number[]; scale: number; faces_in_all: number; faces: FaceRow[];
+}
+export interface Resultant { case: string; name: string; area_mm2: number; at_mm: number[]; force_n: number[]; moment_nmm: number[] }
+export interface StressReport { elements: number; solver: string; dofs?: number; max_von_mises_mpa: number; max_displacement_mm?: number; error_estimate?: number; strength_mpa?: number; reserve?: number; peak_at_mm?: number[]; loads?: Resultant[]; reactions?: Resultant[]; imbalance?: number }
 export interface Profile { kind: string; name: string; about: string; toml: string }
 
 /** The sentence of an error of the server. */

@@ -3,7 +3,7 @@
 import * as api from "./api";
 import { el } from "./dom";
 import type { Open } from "./main";
-import { SettingsForm } from "./settings";
+import { SettingsForm, plain } from "./settings";
 import { get, set } from "./toml";
 
 interface Parts { run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void }
@@ -15,12 +15,22 @@ export class JobPanel {
   private editor: HTMLTextAreaElement | null = null;
   private opened: Open | null = null;
   private saved = "";
+  private folder = "";
+  /** Texts before and after the present one. */
+  private before: string[] = [];
+  private after: string[] = [];
+  private isTyping = false;
+  private changed: () => void = () => {};
+  /** Called with the text whenever it changes, and with null where no job is open. */
+  onText: (text: string | null) => void = () => {};
 
   constructor(private readonly panel: HTMLElement, private readonly parts: Parts) { this.close(); }
 
   close(): void {
     this.editor = null;
     this.opened = null;
+    this.changed = () => {};
+    [this.before, this.after] = [[], []];
     this.panel.replaceChildren(el("p", { class: "note" }, "A job says how a part is made: its shape, printer, material, loads and fill. Open a mesh or a job file to plan it."));
   }
 
@@ -32,14 +42,60 @@ export class JobPanel {
     if (!this.editor || !this.opened) return null;
     const isUnchanged = this.opened.kind === "job" && this.editor.value === this.saved;
     if (isUnchanged) return { file: this.opened.path };
-    return { text: this.editor.value, name: this.opened.name.replace(/\.[^.]*$/, "") };
+    return { text: this.absolute(this.editor.value), name: this.opened.name.replace(/\.[^.]*$/, "") };
   }
+
+  /** What runs is saved elsewhere, so files that the opened job names beside itself are named in full. */
+  private absolute(text: string): string {
+    if (this.opened?.kind !== "job") return text;
+    const files: [string, string][] = [["shape", "mesh"], ["shape", "outline"], ["guide", "import"]];
+    const profiles: [string, string][] = [["printer", "profile"], ["material", "profile"], ["process", "profile"]];
+    for (const [table, key] of [...files, ...profiles]) {
+      const name = plain(get(text, table, key) ?? "");
+      const isFile = key !== "profile" || name.endsWith(".toml");
+      if (name && isFile && !/^([/\\]|[A-Za-z]:)/.test(name)) text = set(text, table, key, quoted(`${this.folder}/${name}`));
+    }
+    return text;
+  }
+
+  /** Puts another text in place of the present one, which can be undone. */
+  put(text: string): void {
+    if (!this.editor || this.editor.value === text) return;
+    this.record();
+    this.isTyping = false;
+    this.editor.value = text;
+    this.changed();
+  }
+
+  private record(): void {
+    this.before.push(this.shown);
+    this.after = [];
+  }
+
+  get canUndo(): boolean { return this.before.length > 0; }
+  get canRedo(): boolean { return this.after.length > 0; }
+  undo(): void { this.step(this.before, this.after); }
+  redo(): void { this.step(this.after, this.before); }
+
+  private step(from: string[], to: string[]): void {
+    const text = from.pop();
+    if (text === undefined || !this.editor) return;
+    to.push(this.editor.value);
+    this.isTyping = false;
+    this.editor.value = text;
+    this.changed();
+  }
+
+  /** The text that the page has seen last. */
+  private shown = "";
 
   async open(opened: Open): Promise<void> {
     this.opened = opened;
     try {
-      if (opened.kind === "job") this.saved = (await api.text(opened.path)).text;
-      else this.saved = await this.jobOf(opened);
+      if (opened.kind === "job") {
+        const { text, folder } = await api.text(opened.path);
+        [this.saved, this.folder] = [text, folder];
+      } else this.saved = await this.jobOf(opened);
       await this.build();
     } catch (error) {
       this.parts.say((error as Error).message, true);
@@ -54,15 +110,28 @@ export class JobPanel {
 
   private async build(): Promise<void> {
     const [{ profiles }, schema] = await Promise.all([api.profiles(), api.schema()]);
-    const editor = el("textarea", { spellcheck: "false", "aria-label": "Job file, TOML", oninput: () => changed() });
+    const editor = el("textarea", { spellcheck: "false", "aria-label": "Job file, TOML", oninput: () => {
+      // All that is typed in one go is undone in one go.
+      if (!this.isTyping) this.record();
+      this.isTyping = true;
+      changed();
+    } });
     editor.value = this.saved;
     this.editor = editor;
-    const form = new SettingsForm(schema, profiles, () => editor.value, (text) => { editor.value = text; changed(); });
+    [this.before, this.after, this.isTyping, this.shown] = [[], [], false, this.saved];
+    const form = new SettingsForm(schema, profiles, () => editor.value, (text) => this.put(text));
     const tier = el("p", { class: "note" });
     const selects: (() => void)[] = [];
-    const changed = () => { form.refresh(); tier.textContent = this.tier(profiles, editor.value); selects.forEach((u) => u()); };
+    const changed = () => {
+      this.shown = editor.value;
+      form.refresh();
+      tier.textContent = this.tier(profiles, editor.value);
+      selects.forEach((u) => u());
+      this.onText(editor.value);
+    };
+    this.changed = changed;
     const choice = (kind: string) => {
-      const select = el("select", { onchange: () => { editor.value = set(editor.value, kind, "profile", quoted(select.value)); changed(); } },
+      const select = el("select", { onchange: () => this.put(set(editor.value, kind, "profile", quoted(select.value))) },
         ...profiles.filter((p) => p.kind === kind).map((r) => el("option", { value: r.name, title: r.about }, r.name)));
       selects.push(() => {
         const name = (get(editor.value, kind, "profile") ?? "").replace(/^"|"$/g, "");
@@ -91,7 +160,7 @@ export class JobPanel {
     return found ? `Strength card of ${name}: tier ${found}` : `${name}: no strength card`;
   }
 
-  private async plan(): Promise<void> {
+  async plan(): Promise<void> {
     const wanted = this.wanted();
     if (!wanted) return;
     const end = await this.parts.run({ kind: "plan", ...wanted });

@@ -6,6 +6,8 @@ import { chooser } from "./chooser";
 import { COLOUR_BY, CLASS_COLOURS, circle, css, gradient, ramp, type ColourBy } from "./colours";
 import { byId, duration, el, fixed } from "./dom";
 import { JobPanel } from "./job";
+import { LoadsPanel } from "./loads";
+import { ShapePanel } from "./shape";
 import { StrengthPanel } from "./strength";
 import { Viewer } from "./viewer";
 
@@ -30,7 +32,12 @@ const from = byId<HTMLInputElement>("from");
 const to = byId<HTMLInputElement>("to");
 
 const job = new JobPanel(byId("panel-job"), { run, say });
-const strength = new StrengthPanel(byId("panel-strength"), { run, say, viewer: () => viewer, job: () => job.text(), opened: () => opened, showPaths: () => tab("paths") });
+const strength = new StrengthPanel(byId("panel-strength"), { run, say, viewer: () => viewer, job: () => job.wanted(), showPaths: () => tab("paths"), show: (id) => show(id) });
+const shape = new ShapePanel(byId("panel-shape"), { run, viewer: () => viewer, job, openLoads: () => tab("loads") });
+const loads = new LoadsPanel(byId("panel-loads"), { run, say, viewer: () => viewer, job, shape, test: () => { tab("strength"); void strength.testJob(); } });
+job.onText = (text) => { if (text !== null) { shape.textChanged(text); loads.textChanged(); loads.chosenChanged(); } };
+shape.onPart = () => { loads.partChanged(); overlays(); };
+shape.onChosen = () => { shape.chosenChanged(); loads.chosenChanged(); };
 
 // ---- messages --------------------------------------------------------------------------------------------------
 
@@ -40,7 +47,7 @@ function say(message: string, isError = false): void {
   box.hidden = false;
 }
 
-const STAGES: Record<string, string> = { read: "Reading", slice: "Slicing", guide: "Guide", fill: "Walls and fill", support: "Supports", order: "Ordering", write: "Writing", strength: "Strength test" };
+const STAGES: Record<string, string> = { read: "Reading", slice: "Shape", guide: "Stress", fill: "Walls and fill", support: "Supports", order: "Ordering", write: "Writing", strength: "Strength test" };
 
 /** Begins a run, shows how far it is, and gives its state at the end; null where it failed or was cancelled, which is said. */
 async function run(wanted: Record<string, unknown>): Promise<api.JobState | null> {
@@ -85,6 +92,8 @@ function ensureViewer(): Viewer | null {
   }
   viewer.onHover = tellBead;
   viewer.onPick = (side) => strength.pick(side);
+  viewer.onFace = (face, at) => tellFace(face, at);
+  viewer.onPickFace = (face, isAdded) => shape.choose(face, isAdded);
   return viewer;
 }
 
@@ -97,13 +106,20 @@ async function open(path: string, kind: api.FileKind): Promise<void> {
   welcome.hidden = true;
   if (kind === "program") {
     job.close();
+    shape.close();
     tab("paths");
     const end = await run({ kind: "view", file: path });
     if (end) { await show(end.id); strength.forProgram(path); }
   } else if (kind === "job" || kind === "mesh" || kind === "outline") {
+    ensureViewer();
+    viewer?.clear();
+    shape.close();
     await job.open(opened);
     strength.forJob();
-    tab("job");
+    const text = job.text();
+    const hasShape = text !== null && ShapePanel.has(text);
+    tab(hasShape ? "shape" : "job");
+    if (hasShape) await shape.load();
   } else {
     say(`${opened.name}: the studio opens job files (.toml), meshes (STL, OBJ, PLY, OFF, 3MF), outlines (SVG, DXF) and G-code`, true);
   }
@@ -150,12 +166,14 @@ async function show(id: number): Promise<void> {
   if (index.layers.length === 0) { say("Nothing is printed in this program.", true); return; }
   const beads = new Beads(index);
   tellPaths(index, result);
-  for (const box of ["layers", "moves", "legend", "views"]) byId(box).hidden = false;
+  overlays();
   const last = index.layers.length - 1;
   for (const input of [high, low]) input.max = String(last);
   [high.value, low.value] = [String(last), "0"];
   if (!view) return;
   view.show(beads);
+  // Paths come into view with their first layer, not with their last.
+  tab(active === "strength" ? "strength" : "paths");
   setColour(colourBy);
   rangeChanged();
   performance.mark("program");
@@ -272,6 +290,24 @@ function setColour(by: ColourBy): void {
   }
 }
 
+function tellFace(face: number, at: { clientX: number; clientY: number }): void {
+  const words = loads.wordsAt(face, at);
+  const box = byId("bead");
+  box.hidden = words === null;
+  box.textContent = words ?? "";
+}
+
+/** Boxes over the view that belong to what it shows. */
+function overlays(): void {
+  const isPart = viewer?.isPartShown ?? false;
+  const hasPaths = !isPart && Boolean(viewer?.beads);
+  for (const box of ["layers", "moves"]) byId(box).hidden = !hasPaths;
+  byId("views").hidden = !isPart && !hasPaths;
+  byId("bead").hidden = true;
+  if (hasPaths) { byId("legend").hidden = false; setColour(colourBy); }
+  else if (active !== "loads") byId("legend").hidden = true;
+}
+
 function swatch(colour: [number, number, number]): HTMLElement {
   const box = el("span", { class: "swatch" });
   box.style.background = css(colour);
@@ -326,8 +362,13 @@ export function warning(w: api.Warning): HTMLElement {
 
 // ---- tabs, keys, theme -----------------------------------------------------------------------------------------
 
-const TABS = ["paths", "job", "strength"] as const;
+const TABS = ["shape", "loads", "job", "paths", "strength"] as const;
+let active: (typeof TABS)[number] = "paths";
 function tab(name: (typeof TABS)[number]): void {
+  active = name;
+  // Shape and loads are on the part; the others show paths where there are some.
+  if (name === "shape" || name === "loads" || !viewer?.beads) viewer?.setMode("part");
+  else if (name !== "job") viewer?.setMode("paths");
   for (const t of TABS) {
     const button = byId(`tab-${t}`);
     button.setAttribute("aria-selected", String(t === name));
@@ -335,6 +376,8 @@ function tab(name: (typeof TABS)[number]): void {
     byId(`panel-${t}`).hidden = t !== name;
   }
   strength.setActive(name === "strength");
+  overlays();
+  loads.setActive(name === "loads");
 }
 
 for (const t of TABS) {
@@ -355,10 +398,18 @@ function shift(input: HTMLInputElement, by: number, then: () => void): void {
 
 document.addEventListener("keydown", (event) => {
   const target = event.target as HTMLElement;
+  const isField = ["INPUT", "TEXTAREA"].includes(target.tagName) && !(target instanceof HTMLInputElement && ["checkbox", "range"].includes(target.type));
+  if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !isField && job.text() !== null) {
+    if (event.shiftKey) job.redo(); else job.undo();
+    event.preventDefault();
+    return;
+  }
   if (event.ctrlKey || event.metaKey || event.altKey || ["INPUT", "TEXTAREA", "SELECT"].includes(target.tagName) || document.querySelector("dialog[open]")) return;
   const views: Record<string, string> = { "1": "top", "2": "front", "3": "side", "4": "oblique" };
   const pace = event.shiftKey ? 10 : 1;
   if (event.key in views) viewer?.view(views[event.key]!);
+  else if (event.key === "Escape" && shape.chosen.length > 0) shape.choose(-1, false);
+  else if (viewer?.isPartShown && !["o", "?"].includes(event.key)) return;
   else if (event.key === "ArrowUp") shift(high, pace, rangeChanged);
   else if (event.key === "ArrowDown") shift(high, -pace, rangeChanged);
   else if (event.key === "PageUp") shift(low, pace, rangeChanged);
@@ -378,12 +429,12 @@ document.addEventListener("keydown", (event) => {
 function help(): void {
   const keys: [string, string][] = [
     ["o", "open a file"], ["1 2 3 4", "look from the top, the front, the side, obliquely"], ["↑ ↓", "highest layer; with shift ten at a time"], ["PageUp PageDown", "lowest layer"],
-    ["← →", "moves of the highest layer"], ["space", "play the moves"], ["l", "one layer alone, and back"], ["c", "next way of colouring"], ["t", "travels"], ["?", "this page"],
+    ["← →", "moves of the highest layer"], ["space", "play the moves"], ["l", "one layer alone, and back"], ["c", "next way of colouring"], ["t", "travels"], ["Ctrl+Z Ctrl+Shift+Z", "undo and redo a change of the job"], ["Esc", "choose no face"], ["?", "this page"],
   ];
   const dialog = byId<HTMLDialogElement>("keys");
   dialog.replaceChildren(
     el("h2", {}, "Keys"), el("table", {}, ...keys.map(([k, words]) => el("tr", {}, el("td", {}, ...k.split(" ").map((one) => el("kbd", {}, one))), el("td", {}, words)))),
-    el("h2", {}, "Pointer"), el("p", {}, "Drag turns, scroll zooms, drag with the right button moves. Rest on a bead for its numbers."),
+    el("h2", {}, "Pointer"), el("p", {}, "Drag turns, scroll zooms, drag with the right button moves. Rest on a bead for its numbers, on a face for its name, on a stress for its values. Click a face to choose it, with shift further ones."),
     el("p", {}, el("a", { href: "licences.txt", target: "_blank" }, "Licences of the page")),
     el("p", {}, el("button", { type: "button", onclick: () => dialog.close() }, "Close")),
   );
@@ -427,7 +478,7 @@ async function start(): Promise<void> {
     const picker = el("input", { type: "file", hidden: true, onchange: () => { if (picker.files?.[0]) { const data = new DataTransfer(); data.items.add(picker.files[0]); void drop(data); } } });
     welcome.replaceChildren(el("div", {},
       el("h2", {}, "Where does your print break?"),
-      el("p", {}, "Drop G-code of any slicer here: see its paths, pick where it is held and where it is loaded, and see at which load and where it breaks. Or drop a mesh (STL, OBJ, PLY, OFF, 3MF) or a job file to plan it."),
+      el("p", {}, "Drop G-code of any slicer here: see its paths, pick where it is held and where it is loaded, and see at which load and where it breaks. Or drop a mesh (STL, OBJ, PLY, OFF, 3MF) or a job file: click the faces that hold and carry it, see its stress, plan it and test it."),
       el("div", { class: "row middle" }, el("button", { type: "button", class: "main", onclick: () => void choose() }, "Choose a file of this computer"), el("button", { type: "button", onclick: () => picker.click() }, "Send one with the browser"), picker),
       el("p", { class: "note" }, `Nothing leaves this computer. Results are written to ${state.work}.`)));
   } catch (error) {
@@ -437,5 +488,5 @@ async function start(): Promise<void> {
 void start();
 
 // Tests look at the view through this; the page itself does not use it.
-Object.defineProperty(window, "studio", { get: () => ({ viewer, show, rendererName: viewer?.rendererName }) });
-document.addEventListener("planned", (event) => void show((event as CustomEvent<number>).detail).then(() => tab("paths")));
+Object.defineProperty(window, "studio", { get: () => ({ viewer, show, part: shape.view, report: shape.report, chosen: shape.chosen, rendererName: viewer?.rendererName }) });
+document.addEventListener("planned", (event) => { active = "paths"; void show((event as CustomEvent<number>).detail); });

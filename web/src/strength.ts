@@ -3,13 +3,12 @@
 import * as api from "./api";
 import { chart } from "./chart";
 import { el, fixed } from "./dom";
-import type { Open } from "./main";
 import { quoted } from "./job";
 import type { Side, Slab, Viewer } from "./viewer";
 
 interface Parts {
   run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void;
-  viewer: () => Viewer | null; job: () => string | null; opened: () => Open | null; showPaths: () => void;
+  viewer: () => Viewer | null; job: () => Record<string, unknown> | null; showPaths: () => void; show: (id: number) => Promise<void>;
 }
 
 const SIDES: [Side, string][] = [["x-", "left end (low x)"], ["x+", "right end (high x)"], ["y-", "front (low y)"], ["y+", "back (high y)"], ["z-", "bottom"], ["z+", "top"]];
@@ -40,12 +39,14 @@ export class StrengthPanel {
   /** A job states its own places and loads. */
   forJob(): void {
     this.program = null;
-    const test = el("button", { type: "button", class: "main", onclick: () => {
-      const text = this.parts.job();
-      const opened = this.parts.opened();
-      if (text && opened) void this.test({ kind: "strength", text, name: `${opened.name.replace(/\.[^.]*$/, "")}-strength` });
-    } }, "Test the job's part");
-    this.panel.replaceChildren(el("p", { class: "note" }, "The job says where the part is held and loaded: [[guide.fixture]] and [[guide.load]] in its text."), test, el("div", { id: "answer" }));
+    const test = el("button", { type: "button", class: "main", id: "test-job", onclick: () => void this.testJob() }, "Test the job's part");
+    this.panel.replaceChildren(el("p", { class: "note" }, "The part is planned, and its G-code is loaded in steps until it breaks. Where it is held and loaded is said in the tab Loads."), test, el("div", { id: "answer" }));
+  }
+
+  /** Plans the part of the job that is open and loads it until it breaks. */
+  async testJob(): Promise<void> {
+    const wanted = this.parts.job();
+    if (wanted) await this.test({ kind: "strength", ...wanted, ...("name" in wanted ? { name: `${String(wanted.name)}-strength` } : {}) });
   }
 
   /** A program of any slicer: the two places are chosen here. */
@@ -159,7 +160,7 @@ export class StrengthPanel {
     try {
       const result = await api.result(end.id);
       const cells = result.damage ? new Float32Array(await api.bytes(`v1/jobs/${end.id}/damage`)) : null;
-      if (!this.program) document.dispatchEvent(new CustomEvent("planned", { detail: end.id }));
+      if (!this.program) await this.parts.show(end.id);
       this.tell(result, cells);
     } catch (error) {
       this.parts.say((error as Error).message, true);

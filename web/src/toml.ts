@@ -6,6 +6,9 @@
 /** A key with its value: the table it is in, and the place of the value in the text. */
 export interface Entry { table: string; isList: boolean; key: string; from: number; to: number }
 
+/** The header of a table: `[name]`, or `[[name]]` for one of a list. */
+interface Header { table: string; isList: boolean; from: number; to: number }
+
 /** The end of the value that begins at `at`: behind it comes a comment, the end of the line, or what closes around it. */
 function endOfValue(text: string, at: number): number {
   let depth = 0;
@@ -44,8 +47,11 @@ function trimmed(text: string, from: number, to: number): number {
 const unquoted = (key: string) => key.split(".").map((part) => part.trim().replace(/^(["'])(.*)\1$/, "$2")).join(".");
 
 /** All keys of the text, in order. */
-export function entries(text: string): Entry[] {
+export function entries(text: string): Entry[] { return scan(text).found; }
+
+function scan(text: string): { found: Entry[]; headers: Header[] } {
   const found: Entry[] = [];
+  const headers: Header[] = [];
   let table = "";
   let isList = false;
   for (let at = 0; at < text.length; ) {
@@ -56,6 +62,7 @@ export function entries(text: string): Entry[] {
     if (header) {
       table = unquoted(header[2]!);
       isList = header[1] === "[[";
+      headers.push({ table, isList, from: at, to: Math.min(end + 1, text.length) });
     } else if (pair) {
       const from = at + pair[1]!.length;
       const to = endOfValue(text, from);
@@ -68,7 +75,103 @@ export function entries(text: string): Entry[] {
     }
     at = end + 1;
   }
-  return found;
+  return { found, headers };
+}
+
+/** A table of a list, `[[name]]`: its lines in the text and its keys. `isPlain` where it has no tables of its own below it. */
+export interface Block { table: string; from: number; to: number; keys: Map<string, Entry>; isPlain: boolean }
+
+/** The tables of these lists, in the order of the text. */
+export function blocks(text: string, ...tables: string[]): Block[] {
+  const { found, headers } = scan(text);
+  const made: Block[] = [];
+  headers.forEach((header, k) => {
+    if (!header.isList || !tables.includes(header.table)) return;
+    const next = headers[k + 1];
+    const own = found.filter((e) => e.from >= header.to && e.from < (next?.from ?? text.length));
+    const last = own[own.length - 1];
+    const end = last ? text.indexOf("\n", last.to) : header.to - 1;
+    const isPlain = own.every((e) => e.table === header.table) && !next?.table.startsWith(`${header.table}.`);
+    made.push({ table: header.table, from: header.from, to: end < 0 ? text.length : end + 1, keys: new Map(own.filter((e) => e.table === header.table).map((e) => [e.key, e])), isPlain });
+  });
+  return made;
+}
+
+/** The text with lines put at a place. */
+export function insert(text: string, at: number, lines: string): string {
+  const before = text.slice(0, at);
+  const gap = before === "" || before.endsWith("\n\n") ? "" : before.endsWith("\n") ? "\n" : "\n\n";
+  const after = text.slice(at);
+  return `${before}${gap}${lines}${after === "" || after.startsWith("\n") ? "" : "\n"}${after}`;
+}
+
+/** The text without a block, nor the empty line before it. */
+export function remove(text: string, block: Block): string {
+  const from = text.slice(0, block.from).endsWith("\n\n") ? block.from - 1 : block.from;
+  return text.slice(0, from) + text.slice(block.to);
+}
+
+/** The text with another value of a key of a block; null takes the line away. */
+export function change(text: string, block: Block, key: string, value: string | null): string {
+  const found = block.keys.get(key);
+  if (found && value !== null) return text.slice(0, found.from) + value + text.slice(found.to);
+  if (found) {
+    const from = text.lastIndexOf("\n", found.from) + 1;
+    const rest = text.indexOf("\n", found.to);
+    return text.slice(0, from) + (rest < 0 ? "" : text.slice(rest + 1));
+  }
+  return value === null ? text : `${text.slice(0, block.to)}${text.slice(0, block.to).endsWith("\n") ? "" : "\n"}${key} = ${value}\n${text.slice(block.to)}`;
+}
+
+export type Value = string | number | boolean | Value[] | { [key: string]: Value };
+
+/** A value as it is written, read: texts, numbers, truth values, arrays, tables in braces. Undefined for what is none of them. */
+export function value(text: string): Value | undefined {
+  let at = 0;
+  const skip = () => { for (;;) { while (/\s/.test(text[at] ?? "")) at++; if (text[at] !== "#") return; const end = text.indexOf("\n", at); at = end < 0 ? text.length : end; } };
+  class Wrong extends Error {}
+  const expect = (c: string) => { skip(); if (text[at] !== c) throw new Wrong(); at++; };
+  const one = (): Value => {
+    skip();
+    const c = text[at];
+    if (c === '"' || c === "'") {
+      const end = endOfValue(text, at);
+      const found = c === '"' ? /^"(?:[^"\\\n]|\\.)*"/.exec(text.slice(at, end)) : /^'[^'\n]*'/.exec(text.slice(at, end));
+      if (!found) throw new Wrong();
+      at += found[0].length;
+      return c === '"' ? (JSON.parse(found[0]) as string) : found[0].slice(1, -1);
+    }
+    if (c === "[") {
+      at++;
+      const all: Value[] = [];
+      for (skip(); text[at] !== "]"; skip()) { all.push(one()); skip(); if (text[at] === ",") at++; else if (text[at] !== "]") throw new Wrong(); }
+      at++;
+      return all;
+    }
+    if (c === "{") {
+      at++;
+      const all: { [key: string]: Value } = {};
+      for (skip(); text[at] !== "}"; skip()) {
+        const key = /^[A-Za-z0-9_-]+/.exec(text.slice(at))?.[0];
+        if (!key) throw new Wrong();
+        at += key.length;
+        expect("=");
+        all[key] = one();
+        skip();
+        if (text[at] === ",") at++; else if (text[at] !== "}") throw new Wrong();
+      }
+      at++;
+      return all;
+    }
+    const word = /^[A-Za-z0-9_+.-]+/.exec(text.slice(at))?.[0];
+    if (!word) throw new Wrong();
+    at += word.length;
+    if (word === "true" || word === "false") return word === "true";
+    const number = Number(word.replaceAll("_", ""));
+    if (Number.isNaN(number)) throw new Wrong();
+    return number;
+  };
+  try { const read = one(); skip(); return at === text.length ? read : undefined; } catch { return undefined; }
 }
 
 /** The value of a key as it is written, or null where the text does not state it. */

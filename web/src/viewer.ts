@@ -7,11 +7,11 @@
 import {
   BufferAttribute, BufferGeometry, Color, DataTexture, DoubleSide, FloatType, GLSL3, Group, InstancedBufferAttribute, InstancedBufferGeometry, InstancedInterleavedBuffer,
   InterleavedBufferAttribute, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, NearestFilter, BoxGeometry, ConeGeometry, CylinderGeometry, PerspectiveCamera,
-  Quaternion, Raycaster, RedFormat, RGBAFormat, Scene, ShaderMaterial, Vector2, Vector3, WebGLRenderer, EdgesGeometry, RGFormat,
+  Quaternion, Raycaster, type Ray, RedFormat, RGBAFormat, Scene, ShaderMaterial, Vector2, Vector3, WebGLRenderer, EdgesGeometry, RGFormat,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import type { Index } from "./api";
 import { Beads, WORDS, type Bead } from "./beads";
+import type { PartView } from "./part";
 import { CLASS_COLOURS, circle, ramp, table, type ColourBy } from "./colours";
 
 /** Records up to which a window gets a chunk of its own. */
@@ -84,6 +84,11 @@ export class Viewer {
   private readonly places = new Group();
   private readonly broken = new Group();
   private readonly window = new Group();
+  /** The part as it is placed; it is shown instead of the paths while `mode` says so. */
+  part: PartView | null = null;
+  onFace: (face: number, at: { clientX: number; clientY: number }) => void = () => {};
+  onPickFace: (face: number, isAdded: boolean) => void = () => {};
+  private mode: "part" | "paths" = "paths";
   private material: ShaderMaterial;
   private shown: Shown = { low: 0, high: 0, from: 0, to: 0 };
   private isDirty = true;
@@ -113,7 +118,7 @@ export class Viewer {
     this.scene.add(this.plate, this.chunks, this.window, this.places, this.broken);
     new ResizeObserver(() => this.resize()).observe(canvas);
     canvas.addEventListener("pointermove", (event) => this.move(event));
-    canvas.addEventListener("pointerleave", () => { this.pointer = null; this.hover(-1); });
+    canvas.addEventListener("pointerleave", () => { this.pointer = null; this.hover(-1); this.setHovered(-1); this.onFace(-1, { clientX: -1, clientY: -1 }); });
     let down: [number, number] | null = null;
     canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
     canvas.addEventListener("pointerup", (event) => {
@@ -144,18 +149,48 @@ export class Viewer {
     this.renderer.setSize(w, h, false);
     this.camera.aspect = w / h;
     this.camera.updateProjectionMatrix();
-    if (this.fitted && this.beads) this.view(this.fitted);
+    if (this.fitted && (this.beads || this.part)) this.view(this.fitted);
     this.draw();
   }
 
+  /** Shows the part, or the paths; the other one stays as it is and is hidden. */
+  setMode(mode: "part" | "paths"): void {
+    if (this.mode === mode) return;
+    this.mode = mode;
+    this.modeChanged();
+  }
+
+  get isPartShown(): boolean { return this.mode === "part" && this.part !== null; }
+
+  private modeChanged(): void {
+    const isPart = this.isPartShown;
+    for (const group of [this.chunks, this.window, this.places, this.broken]) group.visible = !isPart;
+    if (this.part) this.part.group.visible = isPart;
+    this.drawPlate();
+    this.view(this.fitted ?? "oblique");
+  }
+
+  /** Takes a part in place of the one before; null for none. `isSame` keeps the direction of view and the distance. */
+  setPart(part: PartView | null, isSame = false): void {
+    if (this.part) { this.scene.remove(this.part.group); this.part.dispose(); }
+    this.part = part;
+    if (part) this.scene.add(part.group);
+    if (!isSame) this.fitted ??= "oblique";
+    this.modeChanged();
+  }
+
+  /** The ray behind a place of the page. */
+  rayAt(clientX: number, clientY: number): Ray { return this.ray({ clientX, clientY }).ray; }
+
   /** Takes away the program that is shown and frees its memory. */
   clear(): void {
-    for (const group of [this.chunks, this.window, this.plate, this.places, this.broken]) empty(group);
+    for (const group of [this.chunks, this.window, this.places, this.broken]) empty(group);
     for (const name of ["heights", "speeds"]) {
       (this.material.uniforms[name]!.value as DataTexture | null)?.dispose();
       this.material.uniforms[name]!.value = null;
     }
     this.beads = null;
+    this.drawPlate();
     this.draw();
   }
 
@@ -184,7 +219,7 @@ export class Viewer {
         from = layer + 1;
       }
     }
-    this.drawPlate(index);
+    this.drawPlate();
     this.view("oblique");
   }
 
@@ -253,11 +288,14 @@ export class Viewer {
   setGhost(isGhost: boolean): void { this.material.uniforms.ghost!.value = isGhost ? 0.82 : 0; this.draw(); }
 
   private get box(): [Vector3, Vector3] {
+    if (this.part && this.isPartShown) return [this.part.low.clone(), this.part.high.clone()];
     const part = this.beads?.index.part_mm ?? [[0, 0, 0], [100, 100, 10]];
     return [new Vector3(...(part[0] as [number, number, number])), new Vector3(...(part[1] as [number, number, number]))];
   }
 
-  private drawPlate(index: Index): void {
+  private drawPlate(): void {
+    empty(this.plate);
+    if (!this.beads && !this.part) return;
     const [low, high] = this.box;
     const span = Math.max(high.x - low.x, high.y - low.y, 10);
     const step = span > 400 ? 50 : span > 80 ? 10 : span > 20 ? 5 : 1;
@@ -273,7 +311,6 @@ export class Viewer {
     // Just below the first layer, so that beads hide it.
     lines.position.z = Math.min(0, low.z) - 0.02;
     this.plate.add(lines);
-    void index;
   }
 
   /** Looks from a side, so that the part fills the view. */
@@ -327,7 +364,9 @@ export class Viewer {
     requestAnimationFrame(() => {
       const at = this.pointer;
       this.pointer = null;
-      if (at) this.hover(this.beadAt(at.x, at.y));
+      if (!at) return;
+      if (this.isPartShown) this.hoverPart(at.x, at.y);
+      else this.hover(this.beadAt(at.x, at.y));
     });
   }
 
@@ -351,6 +390,21 @@ export class Viewer {
     return -1;
   }
 
+  private hoverPart(clientX: number, clientY: number): void {
+    const begun = performance.now();
+    const face = this.part?.faceAt(this.rayAt(clientX, clientY)) ?? -1;
+    this.setHovered(face);
+    this.onFace(face, { clientX, clientY });
+    performance.measure("hover", { start: begun });
+  }
+
+  /** Lights a face; -1 for none. */
+  setHovered(face: number): void {
+    if (!this.part || this.part.hovered === face) return;
+    this.part.hovered = face;
+    this.draw();
+  }
+
   private hover(record: number): void {
     if (this.material.uniforms.hovered!.value === record) return;
     this.material.uniforms.hovered!.value = record;
@@ -359,6 +413,10 @@ export class Viewer {
   }
 
   private pick(event: PointerEvent): void {
+    if (this.part && this.isPartShown) {
+      this.onPickFace(this.part.faceAt(this.ray(event).ray), event.shiftKey);
+      return;
+    }
     if (!this.picking || !this.beads) return;
     const { origin, direction } = this.ray(event).ray;
     const [low, high] = this.box;

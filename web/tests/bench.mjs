@@ -57,6 +57,34 @@ export function boxStl([x, y, z]) {
   return bytes;
 }
 
+/** A body between two heights over an outline of right angles, cut into rectangles, as binary STL. Rectangles are x, y, x, y. */
+export function prismStl(rectangles, [low, high], keep = () => true) {
+  const xs = [...new Set(rectangles.flatMap(([a, , c]) => [a, c]))].sort((p, q) => p - q);
+  const ys = [...new Set(rectangles.flatMap(([, b, , d]) => [b, d]))].sort((p, q) => p - q);
+  const isIn = (i, j) => i >= 0 && j >= 0 && i + 1 < xs.length && j + 1 < ys.length && rectangles.some(([a, b, c, d]) => xs[i] >= a && xs[i + 1] <= c && ys[j] >= b && ys[j + 1] <= d);
+  const triangles = [];
+  const quad = (a, b, c, d) => triangles.push([a, b, c], [a, c, d]);
+  for (let i = 0; i + 1 < xs.length; i++) for (let j = 0; j + 1 < ys.length; j++) {
+    if (!isIn(i, j)) continue;
+    const [x, y, X, Y] = [xs[i], ys[j], xs[i + 1], ys[j + 1]];
+    quad([x, y, low], [x, Y, low], [X, Y, low], [X, y, low]);
+    quad([x, y, high], [X, y, high], [X, Y, high], [x, Y, high]);
+    if (!isIn(i - 1, j)) quad([x, y, low], [x, y, high], [x, Y, high], [x, Y, low]);
+    if (!isIn(i + 1, j)) quad([X, y, low], [X, Y, low], [X, Y, high], [X, y, high]);
+    if (!isIn(i, j - 1)) quad([x, y, low], [X, y, low], [X, y, high], [x, y, high]);
+    if (!isIn(i, j + 1)) quad([x, Y, low], [x, Y, high], [X, Y, high], [X, Y, low]);
+  }
+  return stl(triangles.filter((_, n) => keep(n)));
+}
+
+/** Triangles as binary STL. */
+export function stl(triangles) {
+  const bytes = Buffer.alloc(84 + triangles.length * 50);
+  bytes.writeUInt32LE(triangles.length, 80);
+  triangles.forEach((t, n) => t.flat().forEach((v, k) => bytes.writeFloatLE(v, 84 + 50 * n + 12 + 4 * k)));
+  return bytes;
+}
+
 export function folder(files = {}) {
   const dir = mkdtempSync(join(tmpdir(), "studio-"));
   for (const [name, bytes] of Object.entries(files)) writeFileSync(join(dir, name), bytes);
@@ -84,10 +112,11 @@ export async function studio(cwd, ...words) {
 export const launch = () => chromium.launch({ executablePath: BROWSER, args: ["--no-sandbox", "--use-gl=angle", "--use-angle=gl-egl", "--ignore-gpu-blocklist", "--enable-unsafe-swiftshader"] });
 
 /** A page with what went wrong in it. */
-export async function visit(browser, address, options = {}) {
+export async function visit(browser, address, options = {}, first = null) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, colorScheme: "light", ...options });
   const page = await context.newPage();
   page.setDefaultTimeout(60_000);
+  if (first) await page.addInitScript(first);
   const wrong = [];
   const requests = [];
   page.on("pageerror", (error) => wrong.push(String(error)));
@@ -95,7 +124,7 @@ export async function visit(browser, address, options = {}) {
   page.on("request", (request) => requests.push(request.url()));
   // While the page is worked on: its files from a folder instead of from the program.
   if (process.env.DIST) {
-    for (const [file, contentType] of [["app.js", "text/javascript"], ["app.css", "text/css"]]) {
+    for (const [file, contentType] of [["app.js", "text/javascript"], ["worker.js", "text/javascript"], ["app.css", "text/css"], ["index.html", "text/html"]]) {
       await page.route(`**/${file}`, (route) => route.fulfill({ body: readFileSync(join(process.env.DIST, file)), contentType }));
     }
   }
@@ -107,6 +136,27 @@ export async function visit(browser, address, options = {}) {
 export async function shown(page) {
   await page.waitForFunction(() => document.documentElement.dataset.shown && window.studio.viewer?.beads, null, { timeout: 60_000 });
   await settle(page);
+}
+
+/** Waits until the shape of a job is on screen and faces can be found. */
+export async function shaped(page) {
+  await page.waitForFunction(() => { const d = document.documentElement.dataset; return d.shape && d.search === d.shape; }, null, { timeout: 120_000 });
+  await settle(page);
+}
+
+/** Waits until another shape than that of this run is on screen. */
+export async function shapedAnew(page, before) {
+  await page.waitForFunction((b) => { const d = document.documentElement.dataset; return d.shape !== b && d.search === d.shape; }, before, { timeout: 120_000 });
+  await settle(page);
+}
+
+export const shapeRun = (page) => page.evaluate(() => document.documentElement.dataset.shape);
+
+/** Opens a file through the chooser. */
+export async function choose(page, name) {
+  await page.waitForSelector("#welcome h2");
+  await page.click("#open");
+  await page.click(`#chooser .files button:has-text("${name}")`);
 }
 
 /** Waits until what was changed is drawn. */

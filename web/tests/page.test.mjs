@@ -4,13 +4,13 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
-import { folder, launch, picture, shown, squares, studio, visit } from "./bench.mjs";
+import { boxStl, folder, launch, picture, shaped, shown, squares, studio, visit } from "./bench.mjs";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 let files, server, browser;
 before(async () => {
-  files = folder({ "squares.gcode": squares(), "bad.gcode": "Dear Sir or Madam,\n", "notes.txt": "nothing" });
+  files = folder({ "squares.gcode": squares(), "bad.gcode": "Dear Sir or Madam,\n", "notes.txt": "nothing", "box.stl": boxStl([30, 12, 3]) });
   server = await studio(files.dir);
   browser = await launch();
 });
@@ -107,6 +107,46 @@ for (const scheme of ["light", "dark"]) {
     await close();
   });
 }
+
+for (const scheme of ["light", "dark"]) {
+  test(`no serious finding of axe on the part, ${scheme}`, async () => {
+    const { page, close } = await visit(browser, server.address, { colorScheme: scheme });
+    await page.waitForSelector("#welcome h2");
+    await choose(page, "box.stl");
+    await shaped(page);
+    await page.click("#tab-loads");
+    await page.click("#all-faces summary");
+    await page.click('button.face[data-face="0"]');
+    await page.click("#hold-here");
+    await page.click('button.face[data-face="1"]');
+    await page.click("#load-here");
+    for (const tab of ["shape", "loads", "job", "strength"]) {
+      await page.click(`#tab-${tab}`);
+      await page.evaluate(axe);
+      const found = await page.evaluate(() => window.axe.run().then((r) => r.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => `${v.id}: ${v.nodes[0].html} ${v.nodes[0].failureSummary}`)));
+      assert.deepEqual(found, [], tab);
+    }
+    await close();
+  });
+}
+
+test("without WebGL 2 the numbers, faces and loads of a part are there", async () => {
+  const { page, close } = await visit(browser, server.address, {}, () => {
+    const get = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...more) { return String(kind).startsWith("webgl") ? null : get.call(this, kind, ...more); };
+  });
+  await page.waitForSelector("#welcome h2");
+  await choose(page, "box.stl");
+  await page.waitForSelector("#size");
+  assert.equal(await page.textContent("#size"), "30.00 × 12.00 × 3.00 mm");
+  await page.click("#tab-loads");
+  await page.click("#all-faces summary");
+  await page.click('button.face[data-face="0"]');
+  await page.click("#hold-here");
+  await page.click("#tab-job");
+  assert.match(await page.inputValue("#panel-job textarea"), /\[\[guide\.fixture\]\]\non = \{ face = "f:[0-9a-f]+" \}\nfix = "xyz"/);
+  await close();
+});
 
 test("dark is dark, light is light, and the choice is kept", async () => {
   const { page, close } = await visit(browser, server.address);

@@ -4,11 +4,11 @@ import assert from "node:assert/strict";
 import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
 import { after, before, test } from "node:test";
-import { bar, boxStl, colours, command, far, folder, launch, places, settle, shown, studio, visit } from "./bench.mjs";
+import { bar, boxStl, choose, colours, command, far, folder, launch, places, prismStl, settle, shaped, shown, studio, visit } from "./bench.mjs";
 
 let files, server, browser;
 before(async () => {
-  files = folder({ "bar.gcode": bar(), "bracket.stl": boxStl([30, 12, 3]) });
+  files = folder({ "bar.gcode": bar(), "bracket.stl": boxStl([30, 12, 3]), "angle.stl": prismStl([[0, 0, 40, 8], [0, 0, 8, 30]], [0, 4]) });
   server = await studio(files.dir);
   browser = await launch();
 });
@@ -16,12 +16,6 @@ after(async () => { await browser?.close(); await server?.end(); files?.remove()
 
 const SHOTS = process.env.SHOTS;
 const shot = async (page, name) => { if (SHOTS) { await settle(page); await page.screenshot({ path: `${SHOTS}/${name}.png` }); } };
-
-async function choose(page, name) {
-  await page.waitForSelector("#welcome h2");
-  await page.click("#open");
-  await page.click(`#chooser .files button:has-text("${name}")`);
-}
 
 test("a program of another slicer, from its file to where it breaks", async () => {
   const { page, wrong, close } = await visit(browser, server.address);
@@ -83,10 +77,11 @@ test("holding and loading one place is refused with what to do", async () => {
 test("a mesh, from its file to paths whose G-code is that of the command line", async () => {
   const { page, wrong, close } = await visit(browser, server.address);
   await choose(page, "bracket.stl");
+  await page.click("#tab-job");
   await page.waitForSelector("#panel-job textarea");
   await page.selectOption("#panel-job select >> nth=0", "prusa-mk3s");
   assert.match(await page.inputValue("#panel-job textarea"), /\[printer\]\nprofile = "prusa-mk3s"/);
-  await page.click("text=Plan the paths");
+  await page.click("#panel-job >> text=Plan the paths");
   await shown(page);
   await shot(page, "planned");
   const href = await page.getAttribute('#panel-paths a:has-text("gcode")', "href");
@@ -98,11 +93,76 @@ test("a mesh, from its file to paths whose G-code is that of the command line", 
   await close();
 });
 
+test("a bracket, from its file to the load that breaks it and its G-code, by mouse and keyboard alone", async () => {
+  const { page, wrong, close } = await visit(browser, server.address);
+  await page.waitForSelector("#welcome h2");
+  // Dropped on the page: the file goes through the browser.
+  await page.setInputFiles("#welcome input[type=file]", files.at("angle.stl"));
+  await shaped(page);
+  assert.equal(await page.textContent("#size"), "40.00 × 30.00 × 4.00 mm");
+  await page.click("text=Say where it is held and loaded");
+  // The end of the upright leg is held.
+  const click = async (p) => { const [[x, y]] = await places(page, [p]); await page.mouse.click(x, y); };
+  await page.keyboard.press("4");
+  await page.evaluate(() => window.studio.viewer.view("oblique"));
+  await settle(page);
+  await page.focus("#view");
+  await page.mouse.move(640, 300);
+  // Behind the part from this side: its button in the list of faces does as well.
+  const name = (face) => page.evaluate((f) => window.studio.report.faces.findIndex((row) => row.centre_mm.every((v, k) => Math.abs(v - f[k]) < 0.01)), face);
+  await page.click("#all-faces summary");
+  await page.focus(`button.face[data-face="${await name([4, 30, 2])}"]`);
+  await page.keyboard.press("Enter");
+  await page.click("#hold-here");
+  // The end of the lying leg is seen from the side.
+  await page.click("#views [data-view=side]");
+  await settle(page);
+  await click([40, 4, 2]);
+  await page.click("#load-here");
+  await page.fill("#value-1-x", "0");
+  await page.fill("#value-1-y", "-60");
+  await page.fill("#value-1-z", "0");
+  await page.press("#value-1-z", "Tab");
+  await page.click("#views [data-view=oblique]");
+  await settle(page);
+  await shot(page, "studio-loads");
+  await page.click("#solve");
+  await page.waitForSelector("#peak-stress", { timeout: 240_000 });
+  await shot(page, "studio-stress");
+  const peak = await page.textContent("#peak-stress");
+  await page.click("#follow");
+  await page.click("#plan-here");
+  await shown(page);
+  await shot(page, "studio-planned");
+  const href = await page.getAttribute('#panel-paths a:has-text("gcode")', "href");
+  const sent = Buffer.from(await page.evaluate(async (address) => [...new Uint8Array(await (await fetch(address)).arrayBuffer())], href));
+  await page.click("#tab-loads");
+  await page.click("#test-here");
+  await page.waitForSelector("#peak", { timeout: 400_000 });
+  await settle(page);
+  await shot(page, "studio-broken");
+  const broken = Number((await page.textContent("#peak")).replace(" N", ""));
+  // The command line, from the job that the studio saved: the same stress, the same bytes, the same load.
+  const job = "grainpath-studio/angle/job.toml";
+  const theirs = JSON.parse(command(files.dir, "run", job, "--check", "--json"));
+  assert.ok(peak.startsWith(`${theirs.stress.max_von_mises_mpa.toFixed(2)} MPa`), `${peak} ${theirs.stress.max_von_mises_mpa}`);
+  assert.deepEqual(theirs.stress.loads[0].force_n.map((v) => Math.round(v * 1e6) / 1e6 + 0), [0, -60, 0]);
+  command(files.dir, "run", job, "--out", "again-angle");
+  const hash = (bytes) => createHash("sha256").update(bytes).digest("hex");
+  assert.equal(hash(sent), hash(readFileSync(files.at("again-angle/angle.gcode"))));
+  const strength = JSON.parse(command(files.dir, "strength", "grainpath-studio/angle-strength/job.toml", "--json"));
+  assert.equal(broken, Math.round(strength.strength.peak_load_n));
+  assert.ok(broken > 60, `${broken} N`);
+  assert.deepEqual(wrong, []);
+  await close();
+});
+
 test("an error in the text of a job names its line", async () => {
   const { page, close } = await visit(browser, server.address);
   await choose(page, "bracket.stl");
+  await page.click("#tab-job");
   await page.fill("#panel-job textarea", "[process]\nwals = 3\n");
-  await page.click("text=Plan the paths");
+  await page.click("#panel-job >> text=Plan the paths");
   await page.waitForSelector("#progress .error");
   assert.match(await page.textContent("#progress .error"), /job\.toml:2: unknown key `wals` in \[process\]; did you mean `walls`\?/);
   await close();

@@ -9,7 +9,7 @@ const bundle = async (file) => {
   const made = await build({ entryPoints: [fileURLToPath(new URL(`../src/${file}`, import.meta.url))], bundle: true, write: false, format: "esm", platform: "neutral" });
   return import(`data:text/javascript;base64,${Buffer.from(made.outputFiles[0].text).toString("base64")}`);
 };
-const { entries, get, set } = await bundle("toml.ts");
+const { blocks, change, entries, get, insert, remove, set, value } = await bundle("toml.ts");
 const { plain, typed } = await bundle("settings.ts");
 
 const TEXT = `# a bracket
@@ -78,4 +78,62 @@ test("what is typed becomes TOML or is refused", () => {
 
 test("values are shown as they are meant", () => {
   assert.deepEqual(['"a"', "'C:\\\\a'", '"""\nG28\nG1"""', "0.5", '"\\e"'].map(plain), ["a", "C:\\\\a", "G28\nG1", "0.5", '"\\e"']);
+});
+
+test("values are read as they are written", () => {
+  assert.deepEqual(value('{ face = "f:9c1e" }'), { face: "f:9c1e" });
+  assert.deepEqual(value("[[0, -1.5, 2e3], # a corner\n [1_000, +2, .5]]"), [[0, -1.5, 2000], [1000, 2, 0.5]]);
+  assert.deepEqual(value("{ plane = { point_mm = [0, 0, 1], normal = [0, 0, 1] } }"), { plane: { point_mm: [0, 0, 1], normal: [0, 0, 1] } });
+  assert.equal(value("'a\\b'"), "a\\b");
+  assert.equal(value('"a\\"b"'), 'a"b');
+  assert.equal(value("true"), true);
+  for (const wrong of ["", "[1, 2", "{ a 1 }", "1 2", '"open', "nonsense", "[1 2]"]) assert.equal(value(wrong), undefined, wrong);
+});
+
+const LOADS = `[shape]
+mesh = "a.stl"
+
+[[guide.fixture]]
+on = { face = "f:1" }  # the wall
+fix = "xyz"
+
+[[guide.load]]
+on = { box_mm = [
+  [0, 0, 0], # a corner
+  [1, 1, 1]] }
+force_n = [1, 0, 0]
+# about the fill
+[fill]
+density = 0.3
+`;
+
+test("tables of a list are found with their lines", () => {
+  const [fixture, load, ...none] = blocks(LOADS, "guide.fixture", "guide.load");
+  assert.deepEqual(none, []);
+  assert.equal(LOADS.slice(fixture.from, fixture.to), '[[guide.fixture]]\non = { face = "f:1" }  # the wall\nfix = "xyz"\n');
+  assert.ok(LOADS.slice(load.from, load.to).endsWith("force_n = [1, 0, 0]\n"));
+  assert.deepEqual([...load.keys.keys()], ["on", "force_n"]);
+  assert.ok(fixture.isPlain && load.isPlain);
+  // A table below one of the list is no key of it.
+  const [deep] = blocks("[[guide.load]]\nforce_n = [1, 0, 0]\n[guide.load.on]\nface = 'f:1'\n", "guide.load");
+  assert.equal(deep.isPlain, false);
+  assert.deepEqual([...deep.keys.keys()], ["force_n"]);
+});
+
+test("a key of one table of a list is changed, added and taken away", () => {
+  const [fixture, load] = blocks(LOADS, "guide.fixture", "guide.load");
+  assert.equal(change(LOADS, fixture, "fix", '"x"'), LOADS.replace('fix = "xyz"', 'fix = "x"'));
+  assert.equal(change(LOADS, load, "force_n", null), LOADS.replace("force_n = [1, 0, 0]\n", ""));
+  assert.equal(change(LOADS, load, "pressure_mpa", "1"), LOADS.replace("force_n = [1, 0, 0]\n", "force_n = [1, 0, 0]\npressure_mpa = 1\n"));
+  assert.equal(change(LOADS, load, "pressure_mpa", null), LOADS);
+});
+
+test("a table of a list is put in and taken out, and the rest stays", () => {
+  const [fixture] = blocks(LOADS, "guide.fixture");
+  const more = insert(LOADS, fixture.to, '[[guide.fixture]]\non = { face = "f:2" }\nfix = "x"\n');
+  assert.equal(blocks(more, "guide.fixture").length, 2);
+  assert.equal(remove(more, blocks(more, "guide.fixture")[1]), LOADS);
+  assert.equal(insert("", 0, "[[guide.load]]\n"), "[[guide.load]]\n");
+  assert.equal(insert("a = 1", 5, "[[guide.load]]\n"), "a = 1\n\n[[guide.load]]\n");
+  assert.equal(blocks("[[guide.load]]", "guide.load")[0].to, 14);
 });

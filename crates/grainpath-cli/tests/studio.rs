@@ -196,6 +196,67 @@ fn the_studio_gives_the_bytes_and_the_load_of_the_command_line() {
 }
 
 #[test]
+fn the_studio_names_the_faces_and_solves_the_loads_as_the_command_line_does() {
+    let dir = folder("studio part");
+    fs::write(dir.join("bar.stl"), box_stl([40.0, 8.0, 4.0])).expect("written");
+    let studio = Studio::start(&dir, &[]);
+    let mesh = dir.join("bar.stl").display().to_string();
+    let text = format!("[shape]\nmesh = {mesh:?}\nrotate_deg = [0, 0, 90]\n");
+    let state = studio.run(&object!({ "kind": "shape", "text": text }));
+    assert_eq!(state["phase"], "done", "{state}");
+    let report = &studio.get(&format!("/v1/jobs/{}/result", state["id"]))["report"];
+    let listed = json(&grainpath(&dir, &["inspect", "bar.stl", "--faces", "--json"]));
+    // The names are those of the file; the places are those of the part as it stands.
+    let names = |of: &Value| -> Vec<String> {
+        let rows = of["faces"].as_array().expect("faces");
+        rows.iter().map(|r| r["name"].as_str().expect("a name").to_owned()).collect()
+    };
+    assert_eq!(names(report), names(&listed));
+    let ends: Vec<&Value> =
+        report["faces"].as_array().expect("faces").iter().filter(|f| f["area_mm2"] == 32.0).collect();
+    assert_eq!(ends.len(), 2);
+    for end in &ends {
+        let y = end["centre_mm"][1].as_f64().expect("a number");
+        assert!(y.abs() < 1e-6 || (y - 40.0).abs() < 1e-6, "{end}");
+    }
+    // Pulled along y: a plate, whose stress is force over area, 160 N over 32 mm2.
+    let [held, pulled] = [0.0, 40.0].map(|y| {
+        let is = |f: &&&Value| (f["centre_mm"][1].as_f64().expect("a number") - y).abs() < 1e-6;
+        ends.iter().find(is).expect("an end")["name"].as_str().expect("a name").to_owned()
+    });
+    let text = format!(
+        "{text}[[guide.fixture]]\non = {{ face = {held:?} }}\nfix = \"y\"\n[[guide.fixture]]\n\
+         on = {{ box_mm = [[-9, -1, -1], [1, 1, 9]] }}\nfix = \"xyz\"\n[[guide.load]]\non = {{ face = {pulled:?} }}\nforce_n = [0, 160, 0]\n"
+    );
+    fs::write(dir.join("pull.toml"), &text).expect("written");
+    let state = studio.run(&object!({ "kind": "stress", "text": text }));
+    assert_eq!(state["phase"], "done", "{state}");
+    let id = &state["id"];
+    let stress = &studio.get(&format!("/v1/jobs/{id}/result"))["report"]["stress"];
+    let theirs = json(&grainpath(&dir, &["run", "pull.toml", "--check", "--json"]));
+    assert_eq!(stress, &theirs["stress"]);
+    let bytes = |address: &str| studio.ask("GET", &format!("/v1/jobs/{id}/{address}"), "", &studio.token).1;
+    let reals = |bytes: &[u8]| -> Vec<f32> {
+        bytes.chunks_exact(4).map(|c| f32::from_le_bytes([c[0], c[1], c[2], c[3]])).collect()
+    };
+    let points = reals(&bytes("stress")[8..]);
+    let values = reals(&bytes("stress/0"));
+    let n = values.len() / 9;
+    assert!(n > 100, "{n}");
+    let middle: Vec<usize> = (0..n).filter(|k| (15.0..25.0).contains(&points[3 * k + 1])).collect();
+    assert!(middle.len() > 10, "{}", middle.len());
+    for k in middle {
+        let [x, y, z] = [0, 1, 2].map(|c| points[3 * k + c]);
+        assert!((-8.001..=0.001).contains(&x) && (z.abs() < 1e-4 || (z - 4.0).abs() < 1e-4), "{x} {y} {z}");
+        assert!(
+            (values[9 * k + 1] - 5.0).abs() < 0.05 && values[9 * k].abs() < 0.1,
+            "{:?}",
+            &values[9 * k..9 * k + 6]
+        );
+    }
+}
+
+#[test]
 fn jobs_reach_no_file_outside_the_studio() {
     let dir = folder("studio outside");
     let own = dir.join("own");
@@ -219,9 +280,15 @@ fn jobs_reach_no_file_outside_the_studio() {
         (format!("{shape}[output]\ngcode = \"/dev/stdout\"\n"), not_written),
         (format!("{shape}[shape.ct]\noutside_folder = true\n"), "the studio does not allow it"),
     ] {
-        let state = studio.run(&object!({ "kind": "plan", "text": text }));
-        assert_eq!(state["phase"], "failed", "{text}: {state}");
-        assert!(state["error"].as_str().expect("a sentence").contains(words), "{text}: {state}");
+        // A part is looked at as carefully as it is planned; nothing is written then.
+        let kinds: &[&str] = if words == not_written { &["plan"] } else { &["plan", "shape", "stress"] };
+        for kind in kinds {
+            // What is looked at is not saved, so paths in its text begin one folder higher.
+            let text = if *kind == "plan" { text.clone() } else { text.replace("../../../", "../../") };
+            let state = studio.run(&object!({ "kind": kind, "text": text }));
+            assert_eq!(state["phase"], "failed", "{text}: {state}");
+            assert!(state["error"].as_str().expect("a sentence").contains(words), "{text}: {state}");
+        }
     }
     for file in ["out.gcode", "report.html", "own/out.gcode"] {
         assert!(!dir.join(file).exists(), "{file}");

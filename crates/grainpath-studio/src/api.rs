@@ -32,7 +32,7 @@ use crate::refusal::{Refusal, plain};
 use crate::roots::{Roots, safe_name};
 use crate::runs::{Kind, Run, State as RunState};
 use crate::studio::Studio;
-use crate::{assets, runs, uploads};
+use crate::{assets, runs, surface, uploads};
 
 /// Diameter of the filament for programs that do not state one, mm. Source: the nominal diameter of the common filament,
 /// as the command line takes it.
@@ -63,6 +63,9 @@ fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
         (openapi::LAYERS, get(layer_index)),
         (openapi::RECORDS, get(layer_records)),
         (openapi::DAMAGE, get(damage)),
+        (openapi::SURFACE, get(surface_bytes)),
+        (openapi::STRESSED, get(stressed)),
+        (openapi::CASE, get(case)),
         (openapi::OUTPUT, get(output)),
         (openapi::SCHEMA, get(schema)),
         (openapi::PROFILES, get(profiles)),
@@ -243,6 +246,10 @@ async fn text(
 enum Wanted {
     /// Reads a program.
     View { file: String },
+    /// Shows the shape of a job: a file, or a text that is not saved.
+    Shape { file: Option<String>, text: Option<String>, name: Option<String> },
+    /// Solves the loads of a job, without paths.
+    Stress { file: Option<String>, text: Option<String>, name: Option<String> },
     /// Plans a job: a file, or a text that is saved first, with a name for its folder.
     Plan { file: Option<String>, text: Option<String>, name: Option<String> },
     /// Tests the part of a job, or a program with the loads and the material of a job.
@@ -302,7 +309,26 @@ fn job_and_folder(
             // Paths in the text are relative to the saved file, so that the command line reads it alike.
             Ok((JobText { text, name: path.display().to_string(), folder: folder.clone() }, folder))
         }
-        (Some(_), Some(_)) | (None, None) => Err(Refusal::usage("a job needs either \"file\" or \"text\"")),
+        (Some(_), Some(_)) | (None, None) => Err(Refusal::usage(FILE_OR_TEXT)),
+    }
+}
+
+const FILE_OR_TEXT: &str = "a job needs either \"file\" or \"text\"";
+
+/// A job that is only looked at, with a title: nothing is saved, and paths in a text are relative to the working folder.
+fn unsaved(
+    roots: &Roots,
+    file: Option<&str>,
+    text: Option<String>,
+    name: Option<String>,
+) -> Result<(JobText, String), Refusal> {
+    match (file, text) {
+        (Some(file), None) => Ok((job_text(roots, FilePath::new(file))?, stem(FilePath::new(file)))),
+        (None, Some(text)) => {
+            let title = name.unwrap_or_else(|| "job".to_owned());
+            Ok((JobText { text, name: "job.toml".to_owned(), folder: roots.work().to_owned() }, title))
+        }
+        (Some(_), Some(_)) | (None, None) => Err(Refusal::usage(FILE_OR_TEXT)),
     }
 }
 
@@ -314,6 +340,14 @@ fn begin(studio: &Studio, wanted: Wanted) -> Result<Arc<Run>, Refusal> {
             let file = roots.readable(FilePath::new(&file))?;
             let title = file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
             studio.runs.add(Kind::View, title, Box::new(move |d| view(&file, d)))
+        }
+        Wanted::Shape { file, text, name } => {
+            let (job, title) = unsaved(&roots, file.as_deref(), text, name)?;
+            studio.runs.add(Kind::Shape, title, Box::new(move |d| engine.shape(&job, &roots, d)))
+        }
+        Wanted::Stress { file, text, name } => {
+            let (job, title) = unsaved(&roots, file.as_deref(), text, name)?;
+            studio.runs.add(Kind::Stress, title, Box::new(move |d| engine.stress(&job, &roots, d)))
         }
         Wanted::Plan { file, text, name } => {
             let (job, out) = job_and_folder(&roots, file.as_deref(), text, name.as_deref())?;
@@ -421,6 +455,7 @@ async fn result(State(studio): Shared, Path(id): Path<u64>) -> Answer<Json<serde
         .collect();
     Ok(Json(json!({
         "ok": true, "report": finished.report, "warnings": finished.warnings, "outputs": outputs,
+        "cases": finished.stress.as_ref().map(|s| s.cases.iter().map(|c| c.name.as_str()).collect::<Vec<_>>()),
         "damage": finished.damage.as_ref().map(|d| json!({ "cell_mm": d.cell_mm, "angle_rad": d.angle_rad, "cells": d.cells.len() })),
     })))
 }
@@ -465,6 +500,46 @@ async fn damage(State(studio): Shared, Path(id): Path<u64>) -> Answer<Response> 
     let damage = result.finished.damage.as_ref().ok_or_else(none)?;
     let bytes = damage.cells.iter().flat_map(|(at, lost)| [at[0], at[1], at[2], *lost]);
     Ok(binary(bytes.flat_map(f32::to_le_bytes).collect(), false))
+}
+
+/// Bytes that are made from a result on a thread that may take its time.
+async fn made(
+    headers: &HeaderMap,
+    make: impl FnOnce() -> Result<Vec<u8>, Problem> + Send + 'static,
+) -> Answer<Response> {
+    let is_packed = accepts_gzip(headers);
+    let bytes = tokio::task::spawn_blocking(move || {
+        make().map(|bytes| if is_packed { packed(&bytes) } else { bytes })
+    });
+    Ok(binary(bytes.await.map_err(fault)??, is_packed))
+}
+
+async fn surface_bytes(State(studio): Shared, Path(id): Path<u64>, headers: HeaderMap) -> Answer<Response> {
+    let result = done(&studio, id)?;
+    let none = || Problem::new(StatusCode::NOT_FOUND, "this job shows no shape");
+    made(&headers, move || result.finished.surface.as_ref().map(surface::part).ok_or_else(none)).await
+}
+
+const NO_STRESS: &str = "this job solved no such load case";
+
+async fn stressed(State(studio): Shared, Path(id): Path<u64>, headers: HeaderMap) -> Answer<Response> {
+    let result = done(&studio, id)?;
+    let none = || Problem::new(StatusCode::NOT_FOUND, NO_STRESS);
+    made(&headers, move || result.finished.stress.as_ref().map(surface::stressed).ok_or_else(none)).await
+}
+
+async fn case(
+    State(studio): Shared,
+    Path((id, number)): Path<(u64, usize)>,
+    headers: HeaderMap,
+) -> Answer<Response> {
+    let result = done(&studio, id)?;
+    let none = || Problem::new(StatusCode::NOT_FOUND, NO_STRESS);
+    made(&headers, move || {
+        let found = result.finished.stress.as_ref().and_then(|s| s.cases.get(number));
+        found.map(surface::case).ok_or_else(none)
+    })
+    .await
 }
 
 /// A file that a job wrote.

@@ -1,4 +1,5 @@
-//! What the studio asks of the command line: to plan a job, and to test a job or a program.
+//! What the studio asks of the command line: to show the shape of a job, to solve its loads, to plan it, and to test a
+//! job or a program.
 
 use std::path::{Path, PathBuf};
 
@@ -40,6 +41,41 @@ pub struct Damage {
     pub cells: Vec<([f32; 3], f32)>,
 }
 
+/// The surface of a part as a job places it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Surface {
+    /// Corners, mm, part coordinates.
+    pub vertices: Vec<[f32; 3]>,
+    /// Indices of corners.
+    pub triangles: Vec<[u32; 3]>,
+    /// Number of the face of each triangle; `u32::MAX` for triangles without one.
+    pub face: Vec<u32>,
+    /// Edges that are open or where more than two triangles meet: their ends.
+    pub faulty_edges: Vec<[[f32; 3]; 2]>,
+    /// Edges between two faces: indices of corners.
+    pub borders: Vec<[u32; 2]>,
+}
+
+/// What loads do to a part, on the surface of the mesh that was solved.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct StressSurface {
+    /// Points, mm, part coordinates.
+    pub points: Vec<[f32; 3]>,
+    /// Indices of points.
+    pub triangles: Vec<[u32; 3]>,
+    /// One for each load case.
+    pub cases: Vec<CaseValues>,
+}
+
+/// A load case at the points of a [`StressSurface`].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CaseValues {
+    /// Name of the case.
+    pub name: String,
+    /// Stress xx, yy, zz, xy, yz, zx in MPa, then displacement x, y, z in mm.
+    pub values: Vec<[f32; 9]>,
+}
+
 /// What a run gives.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Finished {
@@ -49,6 +85,10 @@ pub struct Finished {
     pub program: Program,
     /// What broke.
     pub damage: Option<Damage>,
+    /// The part as it is placed.
+    pub surface: Option<Surface>,
+    /// What loads do to it.
+    pub stress: Option<StressSurface>,
     /// Files that were written.
     pub outputs: Vec<Output>,
     /// Warnings.
@@ -57,6 +97,18 @@ pub struct Finished {
 
 /// Does the work of runs. The implementation checks every file with [`Roots`] before it is read or written.
 pub trait Engine: Send + Sync {
+    /// Places the shape of a job and finds its faces; nothing is written.
+    ///
+    /// # Errors
+    /// As [`Engine::plan`].
+    fn shape(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal>;
+
+    /// Solves the loads of a job; nothing is written.
+    ///
+    /// # Errors
+    /// As [`Engine::plan`].
+    fn stress(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal>;
+
     /// Plans a job and writes its outputs below `out`.
     ///
     /// # Errors

@@ -7,7 +7,7 @@
 //! code of its own commands. Toolpaths cross the wire as eight bytes a segment, layer by layer ([`records`]).
 //!
 //! Cost: a program of n beads takes 32 n bytes in the server. Limits: HTTP/1.1 without encryption; one user; runs are
-//! kept until the program ends or are dropped by the page.
+//! kept until the program ends or newer ones take their place.
 
 pub mod access;
 mod answers;
@@ -22,11 +22,12 @@ pub mod roots;
 pub mod runs;
 mod serve;
 mod studio;
+mod surface;
 mod uploads;
 
 pub use api::{description, router};
 pub use assets::LICENCES_OF_PAGE;
-pub use engine::{Damage, Engine, Finished, JobText, Output};
+pub use engine::{CaseValues, Damage, Engine, Finished, JobText, Output, StressSurface, Surface};
 pub use refusal::Refusal;
 pub use serve::serve;
 pub use studio::{Options, Studio};

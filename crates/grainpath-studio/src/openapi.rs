@@ -29,7 +29,8 @@ enum Takes {
 }
 
 /// Parts of addresses, and their types.
-const IN_PATH: [(&str, &str); 3] = [("id", "integer"), ("range", "string"), ("kind", "string")];
+const IN_PATH: [(&str, &str); 4] =
+    [("id", "integer"), ("range", "string"), ("kind", "string"), ("case", "integer")];
 
 /// An address of the interface.
 #[derive(Debug, Clone, Copy)]
@@ -116,6 +117,24 @@ pub(crate) const DAMAGE: Route = Route::get(
     "/v1/jobs/{id}/damage",
     "damage",
     "Elements that broke: x, y, z in mm and the share of stiffness lost, as 32-bit floats.",
+    Answers::Bytes,
+);
+pub(crate) const SURFACE: Route = Route::get(
+    "/v1/jobs/{id}/surface",
+    "surface",
+    "The part as it is placed, 32 bits a number: counts of vertices, triangles, faulty edges and borders; x, y, z of the vertices; corners of the triangles; the face of each triangle, counted from 0 as in the report, or 4294967295; both ends of each faulty edge; corners of each border between two faces.",
+    Answers::Bytes,
+);
+pub(crate) const STRESSED: Route = Route::get(
+    "/v1/jobs/{id}/stress",
+    "stressed",
+    "The surface that was solved, 32 bits a number: counts of points and triangles; x, y, z of the points; corners of the triangles.",
+    Answers::Bytes,
+);
+pub(crate) const CASE: Route = Route::get(
+    "/v1/jobs/{id}/stress/{case}",
+    "case",
+    "A load case, counted from 0, at the points of that surface: stress xx, yy, zz, xy, yz, zx in MPa and displacement x, y, z in mm, as 32-bit floats.",
     Answers::Bytes,
 );
 pub(crate) const OUTPUT: Route =
@@ -220,16 +239,19 @@ fn schemas() -> Value {
         "Wanted": { "oneOf": [
             { "type": "object", "required": ["kind", "file"], "additionalProperties": false,
               "properties": { "kind": { "const": "view" }, "file": text } },
+            job("shape", json!({})),
+            job("stress", json!({})),
             job("plan", json!({})),
             job("strength", json!({ "program": { "type": "string", "description": "G-code of any slicer." } })),
         ] },
-        "State": object(json!({ "id": whole, "kind": { "enum": ["view", "plan", "strength"] }, "title": text,
+        "State": object(json!({ "id": whole, "kind": { "enum": ["view", "shape", "stress", "plan", "strength"] }, "title": text,
             "phase": { "enum": ["waiting", "running", "done", "failed", "cancelled"] }, "ahead": whole,
             "stage": maybe("string"), "done": whole, "total": whole, "elapsed_s": number,
             "error": maybe("string"), "code": maybe("integer") })),
         "States": object(json!({ "jobs": list(&reference("State")) })),
         "Result": object(json!({ "report": { "type": "object" }, "warnings": list(&json!({ "type": "object" })),
             "outputs": list(&object(json!({ "kind": text, "path": text }))),
+            "cases": { "type": ["array", "null"], "items": text },
             "damage": { "type": ["object", "null"], "properties":
                 { "cell_mm": list(&number), "angle_rad": number, "cells": whole } } })),
         "Index": object(json!({ "origin_mm": list(&number), "step_mm": number, "classes": list(&text),

@@ -23,6 +23,9 @@ use crate::refusal::Refusal;
 const MOST_WAITING: usize = 64;
 /// Most finished runs that are kept; each holds its program. Source: chosen; 32 programs of 30 MB are 1 GB.
 const MOST_KEPT: usize = 32;
+/// Most finished shapes that are kept, and as many solved loads: a change of a job makes a new one, and the page shows the
+/// last. Source: chosen; four of a million triangles are 100 MB.
+const MOST_SURFACES: usize = 4;
 
 /// Where a run stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -53,6 +56,10 @@ impl Phase {
 pub enum Kind {
     /// Reads a program.
     View,
+    /// Shows the shape of a job.
+    Shape,
+    /// Solves the loads of a job.
+    Stress,
     /// Plans a job.
     Plan,
     /// Tests strength.
@@ -224,6 +231,13 @@ impl Runs {
         // The oldest that is over goes first; runs that are not over are never dropped.
         while queue.all.len() > MOST_KEPT {
             let Some(oldest) = queue.all.iter().position(|r| r.phase.borrow().is_over()) else { break };
+            queue.all.remove(oldest);
+        }
+        let is_old = |r: &Run| r.kind == kind && r.phase.borrow().is_over();
+        while matches!(kind, Kind::Shape | Kind::Stress)
+            && queue.all.iter().filter(|r| is_old(r)).count() >= MOST_SURFACES
+        {
+            let Some(oldest) = queue.all.iter().position(|r| is_old(r)) else { break };
             queue.all.remove(oldest);
         }
         drop(queue);
@@ -420,5 +434,11 @@ mod tests {
         until(&last, Phase::Done);
         runs.add(Kind::View, "y".into(), Box::new(|_| Ok(Finished::default()))).expect("room");
         assert!(runs.all().len() <= MOST_KEPT, "{}", runs.all().len());
+        for _ in 0..2 * MOST_SURFACES {
+            let shape =
+                runs.add(Kind::Shape, "z".into(), Box::new(|_| Ok(Finished::default()))).expect("room");
+            until(&shape, Phase::Done);
+        }
+        assert_eq!(runs.all().iter().filter(|r| r.kind == Kind::Shape).count(), MOST_SURFACES);
     }
 }

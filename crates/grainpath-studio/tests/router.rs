@@ -969,3 +969,87 @@ fn answers_have_the_keys_of_the_description() {
         assert_eq!(found, wanted, "{address}");
     }
 }
+
+// ---- the part and its stress ----
+
+/// The numbers of an answer.
+fn words(bytes: &[u8]) -> Vec<u32> {
+    bytes.chunks_exact(4).map(|w| u32::from_le_bytes([w[0], w[1], w[2], w[3]])).collect()
+}
+
+fn reals(words: &[u32]) -> Vec<f32> {
+    words.iter().map(|w| f32::from_bits(*w)).collect()
+}
+
+#[test]
+fn the_surface_of_a_part_has_its_faces_and_its_open_edges() {
+    let bench = Bench::new();
+    let state = bench.run(&json!({ "kind": "shape", "text": "[shape]\n", "name": "plate" }));
+    assert_eq!(
+        (&state["phase"], &state["kind"], &state["title"]),
+        (&json!("done"), &json!("shape"), &json!("plate"))
+    );
+    let answer = bench.get(&format!("/v1/jobs/{}/surface", state["id"]));
+    assert_eq!(answer.header("content-type"), "application/octet-stream");
+    let all = words(&answer.bytes);
+    assert_eq!(all[..4], [4, 2, 1, 1]);
+    assert_eq!(reals(&all[4..16])[9..], [0.0, 3.0, 0.5]);
+    assert_eq!(all[16..22], [0, 1, 2, 0, 2, 3]);
+    assert_eq!(all[22..24], [7, u32::MAX]);
+    assert_eq!(reals(&all[24..30]), [0.0, 0.0, 0.0, 2.0, 0.0, 0.25]);
+    assert_eq!(all[30..], [0, 2]);
+}
+
+#[test]
+fn a_shape_is_shown_without_saving_its_text() {
+    let bench = Bench::new();
+    let before = fs::read_dir(bench.path("files/studio")).map_or(0, Iterator::count);
+    let state = bench.run(&json!({ "kind": "shape", "text": "# mine\n" }));
+    let report = bench.get(&format!("/v1/jobs/{}/result", state["id"])).json();
+    assert_eq!(report["report"]["text"], "# mine\n");
+    assert!(report["report"]["folder"].as_str().expect("a folder").ends_with("studio"));
+    assert_eq!(fs::read_dir(bench.path("files/studio")).map_or(0, Iterator::count), before);
+}
+
+#[test]
+fn a_shape_of_a_job_file_is_that_of_its_folder() {
+    let bench = Bench::new();
+    let state = bench.run(&json!({ "kind": "shape", "file": bench.shown("files/job.toml") }));
+    let report = bench.get(&format!("/v1/jobs/{}/result", state["id"])).json();
+    assert!(report["report"]["folder"].as_str().expect("a folder").ends_with("files"));
+    let refused =
+        bench.post("/v1/jobs", &json!({ "kind": "shape", "file": bench.shown("secret/key.gcode") }));
+    assert_eq!(refused.status, StatusCode::UNPROCESSABLE_ENTITY);
+    let both = json!({ "kind": "stress", "text": "", "file": bench.shown("files/job.toml") });
+    assert!(bench.post("/v1/jobs", &both).error().contains("either"));
+}
+
+#[test]
+fn every_load_case_has_nine_values_a_point() {
+    let bench = Bench::new();
+    let state = bench.run(&json!({ "kind": "stress", "text": "" }));
+    let id = &state["id"];
+    assert_eq!(bench.get(&format!("/v1/jobs/{id}/result")).json()["cases"], json!(["pull", "bend"]));
+    let all = words(&bench.get(&format!("/v1/jobs/{id}/stress")).bytes);
+    assert_eq!((all.len(), &all[..2], &all[11..]), (14, &[3, 1][..], &[0, 1, 2][..]));
+    let bend = reals(&words(&bench.get(&format!("/v1/jobs/{id}/stress/1")).bytes));
+    assert_eq!(bend.len(), 27);
+    assert_eq!(bend[10..13], [-5.5, -6.0, -6.5]);
+    for wrong in ["stress/2", "surface", "damage"] {
+        assert_eq!(bench.get(&format!("/v1/jobs/{id}/{wrong}")).status, StatusCode::NOT_FOUND, "{wrong}");
+    }
+}
+
+#[test]
+fn surfaces_are_sent_packed_to_those_who_unpack() {
+    let bench = Bench::new();
+    let state = bench.run(&json!({ "kind": "shape", "text": "" }));
+    let address = format!("/v1/jobs/{}/surface", state["id"]);
+    let request = bench.request("GET", &address).header("accept-encoding", "gzip");
+    let packed = bench.raw(request.body(Body::empty()).expect("a request"));
+    assert_eq!(packed.header("content-encoding"), "gzip");
+    let mut plain = Vec::new();
+    std::io::Read::read_to_end(&mut flate2::read::GzDecoder::new(&packed.bytes[..]), &mut plain)
+        .expect("gzip");
+    assert_eq!(plain, bench.get(&address).bytes);
+}

@@ -79,7 +79,7 @@ pub fn list_faces(file: MeshFile) -> Result<Value, Failure> {
 }
 
 /// One face; numbers count from 1, as in the picture.
-fn face_json(faces: &Faces, i: usize) -> Value {
+pub fn face_json(faces: &Faces, i: usize) -> Value {
     let Face { surface, triangles, area_mm2, centroid } = &faces.all()[i];
     let name = faces.name(i);
     let mut row = json!({

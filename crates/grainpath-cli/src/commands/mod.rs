@@ -18,4 +18,6 @@ pub mod specimen;
 pub mod strength;
 #[cfg(feature = "studio")]
 pub mod studio;
+#[cfg(feature = "studio")]
+mod studio_part;
 pub mod support;

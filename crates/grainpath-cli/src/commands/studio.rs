@@ -14,6 +14,7 @@ use grainpath_studio::{Damage, Engine, Finished, JobText, Options, Output, Refus
 use serde_json::json;
 
 use super::strength::TestedJob;
+use super::studio_part;
 use crate::args::Studio;
 use crate::claims::Claims;
 use crate::inputs::{Given, claim_inputs, no_shape, plan, read_program, shape_of};
@@ -98,7 +99,33 @@ fn allowed(claims: &Claims, roots: &Roots) -> Result<(), Refusal> {
     claims.check().map_err(refusal)
 }
 
+/// The settings of a job that is only looked at, and the file of its shape.
+fn looked_at(job: &JobText, roots: &Roots) -> Result<(Settings, PathBuf), Refusal> {
+    let settings = settings(job, roots)?;
+    if settings.shape.mesh.is_empty() && settings.shape.outline.is_empty() {
+        return Err(Refusal::usage(format!(
+            "{}: only meshes and drawings have a shape before they are planned; plan scans and photographs",
+            job.name
+        )));
+    }
+    let shape = shape_of(&settings, &job.folder).ok_or_else(|| refusal(no_shape(&job.name)))?;
+    let mut claims = Claims::default();
+    claim_inputs(&settings, &shape, &job.folder, &mut claims);
+    allowed(&claims, roots)?;
+    Ok((settings, shape))
+}
+
 impl Engine for Commands {
+    fn shape(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
+        let (settings, shape) = looked_at(job, roots)?;
+        studio_part::shape(&settings, &shape, diagnostics).map_err(refusal)
+    }
+
+    fn stress(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
+        let (settings, shape) = looked_at(job, roots)?;
+        studio_part::stress(&settings, &shape, &job.folder, diagnostics).map_err(refusal)
+    }
+
     fn plan(
         &self,
         job: &JobText,
@@ -125,8 +152,8 @@ impl Engine for Commands {
             outputs: outputs.map(|(kind, path)| Output { kind: kind.to_owned(), path }).collect(),
             report: report.to_json(),
             program,
-            damage: None,
             warnings: report.warnings,
+            ..Finished::default()
         })
     }
 
@@ -166,8 +193,8 @@ impl Engine for Commands {
                 cells: cells.iter().map(|c| (c.at_mm.as_vec3().to_array(), c.lost)).collect(),
             }),
             program: done.program,
-            outputs: Vec::new(),
             warnings: done.warnings,
+            ..Finished::default()
         })
     }
 }

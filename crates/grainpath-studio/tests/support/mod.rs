@@ -15,7 +15,9 @@ use grainpath_gcode::{Limits, simulate, write_gcode};
 use grainpath_io::parse_mesh;
 use grainpath_job::parse_job;
 use grainpath_studio::roots::Roots;
-use grainpath_studio::{Engine, Finished, JobText, Options, Output, Refusal, Studio, router};
+use grainpath_studio::{
+    CaseValues, Engine, Finished, JobText, Options, Output, Refusal, StressSurface, Studio, Surface, router,
+};
 use http_body_util::BodyExt;
 use serde_json::Value;
 use tower::ServiceExt;
@@ -24,6 +26,33 @@ use tower::ServiceExt;
 pub struct Planner;
 
 impl Engine for Planner {
+    /// A square of two triangles with one face and one open edge.
+    fn shape(&self, job: &JobText, _: &Roots, _: &Diagnostics) -> Result<Finished, Refusal> {
+        let surface = Surface {
+            vertices: vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 3.0, 0.0], [0.0, 3.0, 0.5]],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            face: vec![7, u32::MAX],
+            faulty_edges: vec![[[0.0, 0.0, 0.0], [2.0, 0.0, 0.25]]],
+            borders: vec![[0, 2]],
+        };
+        let report = serde_json::json!({ "ok": true, "text": job.text, "folder": job.folder });
+        Ok(Finished { report, surface: Some(surface), ..Finished::default() })
+    }
+
+    /// Two cases on one triangle.
+    fn stress(&self, _: &JobText, _: &Roots, _: &Diagnostics) -> Result<Finished, Refusal> {
+        let case = |name: &str, by: f32| CaseValues {
+            name: name.to_owned(),
+            values: (0..3).map(|k| [0, 1, 2, 3, 4, 5, 6, 7, 8].map(|c| by * (c + 10 * k) as f32)).collect(),
+        };
+        let stress = StressSurface {
+            points: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            triangles: vec![[0, 1, 2]],
+            cases: vec![case("pull", 1.0), case("bend", -0.5)],
+        };
+        Ok(Finished { stress: Some(stress), ..Finished::default() })
+    }
+
     fn plan(
         &self,
         job: &JobText,

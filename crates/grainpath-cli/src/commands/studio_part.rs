@@ -1,0 +1,173 @@
+//! The part in the studio: its shape with faces and defects, and what its loads do to it.
+//!
+//! The shape is placed and mended as a run does it, so that the page shows what is printed and names the faces that a job
+//! means. Loads are solved as `grainpath run --check` solves them.
+
+use std::path::Path;
+
+use grainpath::guide::{ResultMesh, ResultSurface, faces_as_in_file};
+use grainpath::measure::report::StressReport;
+use grainpath::run::{Placed, config, placed_mesh};
+use grainpath::shape::likely_unit;
+use grainpath_core::diagnostics::Stage;
+use grainpath_core::faces::Faces;
+use grainpath_core::mesh::{EdgeUses, MeshHealth, diagnose};
+use grainpath_core::units::LengthUnit;
+use grainpath_core::{DMat3, DVec3, Diagnostics, TriMesh};
+use grainpath_job::Settings;
+use grainpath_job::choices::LoadFrame;
+use grainpath_studio::{CaseValues, Finished, StressSurface, Surface};
+use serde_json::{Value, json};
+
+use super::inspect_faces::face_json;
+use crate::Failure;
+use crate::inputs::{read_body, read_stress};
+
+/// Faces that are told by name and measures. Source: chosen; a part of a thousand faces is rare, and the names of n faces
+/// cost n squared.
+const MOST_FACES: usize = 1000;
+/// Faces above which only a few are named: such a mesh has noise and hardly a face that is meant. Source: chosen, as
+/// [`MOST_FACES`].
+const TOO_MANY_FACES: usize = 5000;
+/// Faces that are named then. Source: as many as `grainpath inspect --faces` lists.
+const FEW_FACES: usize = 200;
+
+fn single(p: DVec3) -> [f32; 3] {
+    p.as_vec3().to_array()
+}
+
+/// The shape of a job as it stands on the plate.
+pub fn shape(settings: &Settings, path: &Path, diagnostics: &Diagnostics) -> Result<Finished, Failure> {
+    let (file, _) = read_body(settings, path, diagnostics)?;
+    diagnostics.check().map_err(grainpath::Error::from)?;
+    let stated = file.unit;
+    let found: Vec<MeshHealth> = file.bodies.iter().filter_map(|b| diagnose(&b.mesh)).collect();
+    let sum = |count: &dyn Fn(&MeshHealth) -> usize| found.iter().map(count).sum::<usize>();
+    let span = |h: &MeshHealth| (h.bounds.1 - h.bounds.0).max_element();
+    let longest = found.iter().map(span).fold(0.0, f64::max);
+    let placing = config::placing(settings);
+    let unit =
+        if placing.unit_of_file { stated.unwrap_or(LengthUnit::Millimetre) } else { placing.placement.unit };
+    let likely = likely_unit(longest * settings.shape.scale);
+    // A drawing is in mm once it is read.
+    let is_asked = placing.unit_of_file && stated.is_none() && settings.shape.outline.is_empty();
+    let mut report = json!({
+        "ok": true, "kind": "shape", "bodies": found.len(), "shells": sum(&|h| h.shells),
+        "open_edges": sum(&|h| h.open_edges), "nonmanifold_edges": sum(&|h| h.nonmanifold_edges),
+        "badly_wound_edges": sum(&|h| h.badly_wound_edges), "zero_area_facets": sum(&|h| h.zero_area_facets),
+        "unit": unit.name(), "unit_is_stated": !is_asked,
+        "likely_unit": if is_asked { Value::from(likely.name()) } else { Value::Null },
+    });
+    let source = |source| grainpath::Error::Shape { path: path.display().to_string(), source };
+    let Placed { mesh, lowered_mm, .. } = placed_mesh(&placing, file, diagnostics).map_err(source)?;
+    diagnostics.begin(Stage::Slice, 0);
+    diagnostics.check().map_err(grainpath::Error::from)?;
+    let standing = config::standing(settings, lowered_mm);
+    let faces = faces_as_in_file(&mesh, &standing);
+    let (low, high) = mesh.bounds().unwrap_or_default();
+    let rows = |m: DMat3| m.transpose().to_cols_array_2d();
+    let mut add = |key: &str, value: Value| report[key] = value;
+    add("triangles", json!(mesh.triangles.len()));
+    add("low_mm", json!(low.to_array()));
+    add("high_mm", json!(high.to_array()));
+    add("volume_mm3", json!(mesh.signed_volume()));
+    add("frame_is_part", json!(settings.guide.frame == LoadFrame::Part));
+    add("rotation", json!(rows(standing.rotation)));
+    add("shift_mm", json!(standing.shift().to_array()));
+    add("scale", json!(standing.scale));
+    add("faces_in_all", json!(faces.len()));
+    add("faces", face_rows(&faces, standing.rotation, standing.shift()));
+    let ends = |edge: [u32; 2]| edge.map(|v| single(mesh.vertices[v as usize]));
+    let edges = EdgeUses::of(&mesh);
+    // A mesh of noise has as many faces as triangles; borders between them would hide it.
+    let borders = if faces.len() > TOO_MANY_FACES { Vec::new() } else { borders(&mesh, &edges, &faces) };
+    let surface = Surface {
+        borders,
+        vertices: mesh.vertices.iter().map(|p| single(*p)).collect(),
+        face: (0..mesh.triangles.len())
+            .map(|t| faces.of_triangle(t).map_or(u32::MAX, |f| f as u32))
+            .collect(),
+        faulty_edges: edges.faulty().map(ends).collect(),
+        triangles: mesh.triangles,
+    };
+    Ok(Finished { report, surface: Some(surface), warnings: diagnostics.warnings(), ..Finished::default() })
+}
+
+/// The edges between two faces.
+fn borders(mesh: &TriMesh, edges: &EdgeUses, faces: &Faces) -> Vec<[u32; 2]> {
+    let mut found = Vec::new();
+    for mut uses in edges.edges() {
+        let (Some((a, _)), Some((b, _)), None) = (uses.next(), uses.next(), uses.next()) else { continue };
+        if faces.of_triangle(a) == faces.of_triangle(b) {
+            continue;
+        }
+        let (a, b) = (mesh.triangles[a], mesh.triangles[b]);
+        let mut shared = a.into_iter().filter(|corner| b.contains(corner));
+        if let (Some(from), Some(to)) = (shared.next(), shared.next()) {
+            found.push([from, to]);
+        }
+    }
+    found
+}
+
+/// Faces with their names and measures, turned as the part stands.
+fn face_rows(faces: &Faces, rotation: DMat3, shift: DVec3) -> Value {
+    let shown = if faces.len() > TOO_MANY_FACES { FEW_FACES } else { faces.len().min(MOST_FACES) };
+    // Faces are measured on the part as it is turned in its file; an unturned part is measured where it stands.
+    let is_turned = rotation != DMat3::IDENTITY;
+    let row = |i: usize| {
+        let mut row = face_json(faces, i);
+        for (key, is_point) in [("centre_mm", true), ("point_mm", true), ("normal", false), ("axis", false)] {
+            let numbers: Option<Vec<f64>> =
+                row[key].as_array().map(|v| v.iter().filter_map(Value::as_f64).collect());
+            if let (true, Some([x, y, z])) = (is_turned, numbers.as_deref()) {
+                let moved = rotation * DVec3::new(*x, *y, *z) + if is_point { shift } else { DVec3::ZERO };
+                row[key] = json!(moved.to_array());
+            }
+        }
+        row
+    };
+    (0..shown).map(row).collect()
+}
+
+/// The stress under the loads of a job, on the surface of the mesh that was solved.
+pub fn stress(
+    settings: &Settings,
+    path: &Path,
+    base: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<Finished, Failure> {
+    let (mesh, _) = read_body(settings, path, diagnostics)?;
+    let inputs = grainpath::Inputs {
+        mesh,
+        path: path.display().to_string(),
+        stress: read_stress(settings, base)?,
+        directions: None,
+        photos: Vec::new(),
+        texture: None,
+    };
+    let guide = grainpath::run::check_loads(settings, inputs, diagnostics)?;
+    let bottom_mm = config::placing(settings).lift_mm;
+    // All cases are solved on one mesh.
+    let drawn: ResultSurface = guide.results.first().map(|r| r.surface(bottom_mm)).unwrap_or_default();
+    let values = |result: &ResultMesh| {
+        let moved = |n: usize| result.displacement.as_ref().map_or(DVec3::ZERO, |all| all[n]);
+        let nine = |n: &u32| {
+            let n = *n as usize;
+            let (stress, by) = (result.stress[n], moved(n).to_array());
+            let mut nine = [0.0_f32; 9];
+            nine.iter_mut().zip(stress.into_iter().chain(by)).for_each(|(to, v)| *to = v as f32);
+            nine
+        };
+        CaseValues { name: result.name.clone(), values: drawn.nodes.iter().map(nine).collect() }
+    };
+    let stress = StressSurface {
+        points: drawn.points.iter().map(|p| single(*p)).collect(),
+        cases: guide.results.iter().map(values).collect(),
+        triangles: drawn.triangles.clone(),
+    };
+    let warnings = diagnostics.warnings();
+    let report =
+        json!({ "ok": true, "kind": "check", "stress": StressReport::from(&guide), "warnings": warnings });
+    Ok(Finished { report, stress: Some(stress), warnings, ..Finished::default() })
+}

@@ -1,0 +1,434 @@
+// Fixtures and loads on the faces of the part, and the stress under them.
+//
+// The text of the job is the only state: the list is read from it, and a field changes one value of it. What is undone is
+// the text.
+
+import { Matrix4, Vector3 } from "three";
+import * as api from "./api";
+import { gradient, ramp, type Rgb } from "./colours";
+import { el, fixed } from "./dom";
+import { quoted, type JobPanel } from "./job";
+import { CHOSEN, HELD, LOADED, QUANTITIES, StressView, mises, principal, type Arrow, type Quantity } from "./part";
+import { plainNumber, type ShapePanel } from "./shape";
+import { blocks, change, get, insert, remove, set, value, type Block, type Value } from "./toml";
+import type { Viewer } from "./viewer";
+
+interface Parts { run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void; viewer: () => Viewer | null; job: JobPanel; shape: ShapePanel; test: () => void }
+
+type LoadKind = "force_n" | "pressure_mpa" | "moment_nmm" | "torque_nmm" | "bearing_n" | "acceleration_mm_s2";
+/** Key in the job, words, and whether it has three components. */
+const KINDS: [LoadKind, string, boolean][] = [
+  ["force_n", "force, N", true], ["pressure_mpa", "pressure, MPa", false], ["moment_nmm", "moment, N mm", true], ["torque_nmm", "torque about the axis of the face, N mm", false], ["bearing_n", "bearing load of a pin, N", true], ["acceleration_mm_s2", "acceleration, mm/s²", true],
+];
+const FIXES: [string, string][] = [["xyz", "in all directions"], ["normal", "across the surface (it may slide)"], ["x", "along x"], ["y", "along y"], ["z", "along z"], ["xy", "along x and y"], ["xz", "along x and z"], ["yz", "along y and z"]];
+/** Standard gravity, mm/s2. Source: the General Conference on Weights and Measures of 1901. */
+const GRAVITY = -9806.65;
+
+/** A fixture or a load of the text. */
+interface Item { name: string; isFixture: boolean; block: Block | null; case: string | null; keys: { [key: string]: Value }; face: number; place: string }
+
+const numbers = (v: Value | undefined): number[] | null => (Array.isArray(v) && v.length === 3 && v.every((n) => typeof n === "number") ? (v as number[]) : null);
+
+export class LoadsPanel {
+  private items: Item[] = [];
+  private stress: { view: StressView; id: number; cases: string[]; report: api.StressReport; text: string; warnings: api.Warning[] } | null = null;
+  private shown: { what: Quantity; case: number; scale: [number, number] | null; magnified: number; isOn: boolean } = { what: "mises", case: 0, scale: null, magnified: 0, isOn: true };
+  private readonly list = el("div", { id: "items" });
+  private readonly picked = el("div", { id: "picked" });
+  private readonly answer = el("div", { id: "stress" });
+  private isActive = false;
+
+  constructor(private readonly panel: HTMLElement, private readonly parts: Parts) { this.partChanged(); }
+
+  setActive(isActive: boolean): void { this.isActive = isActive; this.legend(); }
+
+  private get text(): string { return this.parts.job.text() ?? ""; }
+  private put(text: string): void { this.parts.job.put(text); }
+
+  /** Another part is there, or none. */
+  partChanged(): void {
+    const { report } = this.parts.shape;
+    this.stress = null;
+    this.answer.replaceChildren();
+    if (!report) {
+      this.panel.replaceChildren(el("p", { class: "note" }, "Open a mesh, a drawing or a job file to say where its part is held and loaded."));
+      this.legend();
+      return;
+    }
+    const faces = report.faces.map((_, face) => {
+      const button = el("button", { type: "button", class: "face", "data-face": face, "aria-pressed": "false", onclick: (event) => this.parts.shape.choose(face, (event as MouseEvent).shiftKey || (event as MouseEvent).ctrlKey) }, this.parts.shape.words(face));
+      for (const [event, lit] of [["focus", face], ["pointerenter", face], ["blur", -1], ["pointerleave", -1]] as const) button.addEventListener(event, () => this.parts.viewer()?.setHovered(lit));
+      return el("li", {}, button);
+    });
+    this.panel.replaceChildren(
+      el("h2", {}, "Chosen faces"), this.picked,
+      el("details", { id: "all-faces" }, el("summary", {}, `All faces (${report.faces_in_all})`), el("ul", { class: "plain faces" }, ...faces), ...(report.faces_in_all > report.faces.length ? [el("p", { class: "note" }, `${report.faces_in_all - report.faces.length} smaller ones are not listed.`)] : [])),
+      el("h2", {}, "Fixtures and loads"), this.list,
+      el("h2", {}, "Stress"),
+      el("div", { class: "row" }, el("button", { type: "button", class: "main", id: "solve", onclick: () => void this.solve() }, "Solve the stress")),
+      this.answer,
+      el("h2", {}, "Next"),
+      el("div", { class: "row" }, this.followBox()),
+      el("div", { class: "row" }, el("button", { type: "button", id: "plan-here", onclick: () => void this.parts.job.plan() }, "Plan the paths"), el("button", { type: "button", id: "test-here", onclick: () => this.parts.test() }, "Where does it break?")),
+    );
+    this.textChanged();
+    this.chosenChanged();
+  }
+
+  private followBox(): HTMLElement {
+    const box = el("input", { type: "checkbox", id: "follow", onchange: () => {
+      let text = set(this.text, "guide", "kind", box.checked ? quoted("stress") : null);
+      text = set(text, "fill", "pattern", box.checked ? quoted("stripes") : null);
+      this.put(text);
+    } });
+    return el("label", { for: "follow", class: "check" }, box, " lay the fill along the stress (stripes)");
+  }
+
+  /** The text of the job changed. */
+  textChanged(): void {
+    if (!this.parts.shape.report) return;
+    this.items = this.read();
+    const focused = document.activeElement?.id ?? "";
+    this.list.replaceChildren(...this.rows());
+    if (focused && this.list.querySelector(`#${CSS.escape(focused)}`)) document.getElementById(focused)?.focus();
+    const follow = document.getElementById("follow") as HTMLInputElement | null;
+    if (follow) follow.checked = get(this.text, "guide", "kind") === '"stress"';
+    if (this.stress && this.stress.text !== this.loadsOf(this.text)) {
+      const old = document.getElementById("stale");
+      if (old) old.hidden = false;
+    }
+    this.draw();
+  }
+
+  /** What the stress depends on: all but how the part is printed. */
+  private loadsOf(text: string): string { return JSON.stringify([this.items.map((i) => [i.name, i.keys, i.case]), ["analysis", "element_mm", "frame", "elasticity"].map((k) => get(text, "guide", k)), get(text, "material", "profile")]); }
+
+  /** Fixtures and loads of the text. */
+  private read(): Item[] {
+    const text = this.text;
+    const faces = new Map(this.parts.shape.report!.faces.map((row, k) => [row.name, k]));
+    const found: Item[] = [];
+    let inCase = "";
+    const counts = new Map<string, number>();
+    const add = (isFixture: boolean, block: Block | null, keys: { [key: string]: Value }, ofCase: string | null) => {
+      const counted = `${isFixture} ${ofCase}`;
+      const n = (counts.get(counted) ?? 0) + 1;
+      counts.set(counted, n);
+      const on = keys.on as { [key: string]: Value } | undefined;
+      const name = on && typeof on === "object" && !Array.isArray(on) ? on.face : undefined;
+      const face = typeof name === "string" ? faces.get(name) ?? -1 : -1;
+      const place = face >= 0 ? this.parts.shape.words(face) : on ? JSON.stringify(on).replaceAll('"', "") : "the whole part";
+      found.push({ name: `${isFixture ? "fixture" : "load"} ${n}${ofCase === null ? "" : ` of case ${ofCase}`}`, isFixture, block, case: ofCase, keys, face, place });
+    };
+    for (const block of blocks(text, "guide.fixture", "guide.load", "guide.case", "guide.case.load")) {
+      const keys: { [key: string]: Value } = {};
+      for (const [key, entry] of block.keys) { const read = value(text.slice(entry.from, entry.to)); if (read !== undefined) keys[key] = read; }
+      if (block.table === "guide.case") { inCase = String(keys.name ?? ""); continue; }
+      add(block.table === "guide.fixture", block.isPlain ? block : null, keys, block.table === "guide.case.load" ? inCase : null);
+    }
+    for (const key of ["fixture", "load"] as const) {
+      const list = value(get(text, "guide", key) ?? "");
+      if (Array.isArray(list)) for (const one of list) if (one && typeof one === "object" && !Array.isArray(one)) add(key === "fixture", null, one, null);
+    }
+    return found;
+  }
+
+  private rows(): Node[] {
+    if (this.items.length === 0) return [el("p", { class: "note" }, "None yet. Choose a face on the part, then press Hold here or Load here.")];
+    return this.items.map((item, k) => {
+      const put = (key: string, words: string | null) => { if (item.block) this.put(change(this.text, item.block, key, words)); };
+      const off = el("button", { type: "button", id: `remove-${k}`, "aria-label": `Remove ${item.name}`, onclick: () => { if (item.block) this.put(remove(this.text, item.block)); } }, "Remove");
+      const box = el("fieldset", { class: item.isFixture ? "held" : "loaded" }, el("legend", {}, item.name));
+      for (const [event, lit] of [["pointerenter", item.face], ["focusin", item.face], ["pointerleave", -1], ["focusout", -1]] as const) box.addEventListener(event, () => this.parts.viewer()?.setHovered(lit));
+      box.append(el("p", { class: "note" }, item.place));
+      if (!item.block) { box.append(el("p", { class: "note" }, "It is changed in the text of the job.")); return box; }
+      if (item.isFixture) {
+        const fix = String(item.keys.fix ?? "");
+        const select = el("select", { id: `fix-${k}`, onchange: () => put("fix", quoted(select.value)) }, ...FIXES.map(([key, words]) => el("option", { value: key, selected: key === fix }, words)));
+        if (!FIXES.some(([key]) => key === fix)) select.append(el("option", { value: fix, selected: true }, fix));
+        const moved = numbers(item.keys.displacement_mm);
+        box.append(el("div", { class: "row" }, el("label", {}, "held", select), off),
+          el("details", moved ? { open: true } : {}, el("summary", {}, "moved by a given way"), this.vector(`moved-${k}`, "mm", moved ?? [0, 0, 0], (v) => put("displacement_mm", v.every((n) => n === 0) ? null : vectorText(v)))));
+        return box;
+      }
+      const kind = KINDS.find(([key]) => key in item.keys);
+      if (!kind) { box.append(el("p", { class: "note" }, "Its kind is changed in the text of the job."), off); return box; }
+      const isOnFace = "on" in item.keys;
+      const select = el("select", { id: `kind-${k}`, onchange: () => {
+        const to = KINDS.find(([key]) => key === select.value)!;
+        if (item.block) this.put(change(change(this.text, item.block, kind[0], null), blocks(change(this.text, item.block, kind[0], null), item.block.table)[this.nth(item)]!, to[0], this.proposed(to[0], item)));
+      } }, ...KINDS.filter(([key]) => (key === "acceleration_mm_s2") !== isOnFace).map(([key, words]) => el("option", { value: key, selected: key === kind[0] }, words)));
+      box.append(el("div", { class: "row" }, el("label", {}, "kind", select), off));
+      const now = item.keys[kind[0]];
+      if (kind[2]) box.append(this.vector(`value-${k}`, "", numbers(now) ?? [0, 0, 0], (v) => put(kind[0], vectorText(v))));
+      else {
+        const input = el("input", { type: "number", step: "any", id: `value-${k}`, value: typeof now === "number" ? now : 0, "aria-label": kind[1], onchange: () => { if (Number.isFinite(input.valueAsNumber)) put(kind[0], plainNumber(input.valueAsNumber)); } });
+        box.append(el("div", { class: "row" }, el("label", {}, kind[1], input)));
+      }
+      return box;
+    });
+  }
+
+  /** Which of the tables of its name an item is. */
+  private nth(item: Item): number { return blocks(this.text, item.block!.table).findIndex((b) => b.from === item.block!.from); }
+
+  private vector(id: string, unit: string, now: number[], then: (v: number[]) => void): HTMLElement {
+    const inputs = ["x", "y", "z"].map((axis, k) => {
+      const input: HTMLInputElement = el("input", { type: "number", step: "any", id: `${id}-${axis}`, value: now[k]!, onchange: () => { const all = inputs.map((i) => i.valueAsNumber); if (all.every(Number.isFinite)) then(all); } });
+      return input;
+    });
+    return el("div", { class: "row three" }, ...inputs.map((input, k) => el("label", {}, `${"xyz"[k]}${unit ? `, ${unit}` : ""}`, input)));
+  }
+
+  /** What a new load of a kind begins with: 100 N against the face. */
+  private proposed(kind: LoadKind, item: { face: number }): string {
+    const patch = item.face >= 0 ? this.parts.shape.view?.patch(item.face) : undefined;
+    const normal = patch && patch.normal.length() > 0.5 ? patch.normal : new Vector3(0, 0, 1);
+    const against = this.toJob(normal.clone().multiplyScalar(-100)).toArray();
+    switch (kind) {
+      case "force_n": case "bearing_n": return vectorText(against);
+      case "pressure_mpa": return "1";
+      case "moment_nmm": return "[0, 0, 1000]";
+      case "torque_nmm": return "1000";
+      case "acceleration_mm_s2": return vectorText(this.toJob(new Vector3(0, 0, GRAVITY)).toArray());
+    }
+  }
+
+  private get rotation(): Matrix4 {
+    const [a, b, c] = this.parts.shape.report!.rotation as [number[], number[], number[]];
+    return new Matrix4().set(a[0]!, a[1]!, a[2]!, 0, b[0]!, b[1]!, b[2]!, 0, c[0]!, c[1]!, c[2]!, 0, 0, 0, 0, 1);
+  }
+  /** A direction of the part as it stands, in the coordinates of the job's loads; and back. */
+  private toJob(v: Vector3): Vector3 { return this.parts.shape.report!.frame_is_part ? v.applyMatrix4(this.rotation.transpose()) : v; }
+  private toPart(v: Vector3): Vector3 { return this.parts.shape.report!.frame_is_part ? v.applyMatrix4(this.rotation) : v; }
+
+  // ---- adding -----------------------------------------------------------------------------------------------------
+
+  /** Other faces are chosen. */
+  chosenChanged(): void {
+    const { chosen, report } = this.parts.shape;
+    for (const button of this.panel.querySelectorAll<HTMLElement>("button.face")) button.setAttribute("aria-pressed", String(chosen.includes(Number(button.dataset.face))));
+    const known = chosen.filter((f) => report?.faces[f]);
+    const nothing = known.length === 0;
+    const [hold, load] = [el("button", { type: "button", id: "hold-here", disabled: nothing, onclick: () => this.add("fixture") }, "Hold here"), el("button", { type: "button", id: "load-here", disabled: nothing, onclick: () => this.add("load") }, "Load here")];
+    const undo = el("button", { type: "button", id: "undo", disabled: !this.parts.job.canUndo, "aria-label": "Undo", title: "Undo (Ctrl+Z)", onclick: () => this.parts.job.undo() }, "↶");
+    const redo = el("button", { type: "button", id: "redo", disabled: !this.parts.job.canRedo, "aria-label": "Redo", title: "Redo (Ctrl+Shift+Z)", onclick: () => this.parts.job.redo() }, "↷");
+    const gravity = el("button", { type: "button", id: "gravity", onclick: () => this.add("gravity") }, "Gravity");
+    this.picked.replaceChildren(
+      chosen.length === 0 ? el("p", { class: "note" }, "Click a face on the part; with shift further ones. Or take them from the list.") : el("ul", { class: "plain" }, ...chosen.map((f) => el("li", {}, this.parts.shape.words(f)))),
+      el("div", { class: "row" }, hold, load, gravity, undo, redo),
+    );
+    this.draw();
+  }
+
+  private add(what: "fixture" | "load" | "gravity"): void {
+    const { chosen, report, view } = this.parts.shape;
+    let text = this.text;
+    const end = () => {
+      const all = blocks(text, "guide.fixture", "guide.load");
+      return all.length > 0 ? all[all.length - 1]!.to : text.length;
+    };
+    if (what === "gravity") text = insert(text, end(), `[[guide.load]]\nacceleration_mm_s2 = ${this.proposed("acceleration_mm_s2", { face: -1 })}\n`);
+    const named = chosen.filter((f) => report?.faces[f]);
+    if (what !== "gravity" && named.some((f) => report!.faces[f]!.doubtful)) {
+      this.parts.say("Another face is so alike that the name would not tell them apart. Select it by its place: on = { box_mm = [[x, y, z], [x, y, z]] } in the text of the job.", true);
+      return;
+    }
+    const whole = named.reduce((sum, f) => sum + (view?.patch(f).area ?? 0), 0);
+    for (const face of what === "gravity" ? [] : named) {
+      const on = `on = { face = ${quoted(report!.faces[face]!.name)} }`;
+      if (what === "fixture") { text = insert(text, end(), `[[guide.fixture]]\n${on}\nfix = "xyz"\n`); continue; }
+      // Several faces share the force by their areas, along the normal of the first one.
+      const patch = view!.patch(face);
+      const first = view!.patch(named[0]!).normal;
+      const normal = first.length() > 0.5 ? first : new Vector3(0, 0, 1);
+      const force = this.toJob(normal.clone().multiplyScalar((-100 * patch.area) / Math.max(whole, 1e-12)));
+      text = insert(text, end(), `[[guide.load]]\n${on}\nforce_n = ${vectorText(force.toArray())}\n`);
+    }
+    this.parts.shape.chosen = [];
+    this.put(text);
+    this.parts.shape.onChosen();
+  }
+
+  // ---- drawing ----------------------------------------------------------------------------------------------------
+
+  /** A point of a place that is no face, mm, or null. */
+  private pointOf(on: Value | undefined): Vector3 | null {
+    if (!on || typeof on !== "object" || Array.isArray(on)) return null;
+    const table = (key: string) => { const t = on[key]; return t && typeof t === "object" && !Array.isArray(t) ? t : null; };
+    const box = Array.isArray(on.box_mm) ? on.box_mm.map((p) => numbers(p)) : null;
+    let p = box?.[0] && box[1] ? box[0].map((v, k) => 0.5 * (v + box[1]![k]!)) : null;
+    p ??= numbers(table("plane")?.point_mm) ?? numbers(table("cylinder")?.point_mm) ?? numbers(table("sphere")?.centre_mm) ?? numbers(table("turned_box")?.centre_mm);
+    if (!p) return null;
+    const { report } = this.parts.shape;
+    const at = new Vector3().fromArray(p);
+    return report!.frame_is_part ? at.multiplyScalar(report!.scale).applyMatrix4(this.rotation).add(new Vector3().fromArray(report!.shift_mm)) : at;
+  }
+
+  private draw(): void {
+    const { view, chosen } = this.parts.shape;
+    const viewer = this.parts.viewer();
+    if (!view) return;
+    const colours = new Map<number, Rgb>();
+    for (const item of this.items) if (item.face >= 0) colours.set(item.face, item.isFixture ? HELD : LOADED);
+    for (const face of chosen) colours.set(face, CHOSEN);
+    view.paint(colours);
+    const reach = 0.2 * view.high.distanceTo(view.low);
+    const arrows: Arrow[] = [];
+    for (const item of this.items) arrows.push(...this.arrows(item, reach));
+    view.setArrows(arrows);
+    viewer?.draw();
+  }
+
+  /** The arrows of a fixture or a load. An arrow that pulls begins where it acts, one that pushes ends there. */
+  private arrows(item: Item, reach: number): Arrow[] {
+    const { view } = this.parts.shape;
+    const patch = item.face >= 0 ? view!.patch(item.face) : null;
+    const middle = patch ? patch.middle.clone() : this.pointOf(item.keys.on) ?? view!.low.clone().add(view!.high).multiplyScalar(0.5);
+    if (item.isFixture) {
+      const cone = (at: Vector3, along: Vector3): Arrow => ({ at, along, length: 0.16 * reach, colour: HELD, heads: 1, isCone: true });
+      if (!patch) return [cone(middle, new Vector3(0, 0, 1))];
+      // Cones stand on the surface and point into it.
+      return patch.spread.map((p, k) => cone(p.clone(), patch.normals[k]!.clone().negate()));
+    }
+    const found: Arrow[] = [];
+    const vector = (key: LoadKind) => { const v = numbers(item.keys[key]); return v && v.some((n) => n !== 0) ? this.toPart(new Vector3().fromArray(v)).normalize() : null; };
+    const push = (at: Vector3, along: Vector3, length: number, normal: Vector3) => {
+      const isPush = along.dot(normal) < -1e-6;
+      found.push({ at: isPush ? at.clone().addScaledVector(along, -length) : at.clone(), along, length, colour: LOADED, heads: 1 });
+    };
+    const force = vector("force_n") ?? vector("bearing_n");
+    if (force) push(middle, force, reach, patch?.normal ?? new Vector3());
+    const gravity = vector("acceleration_mm_s2");
+    if (gravity) push(view!.low.clone().add(view!.high).multiplyScalar(0.5).setZ(view!.high.z), gravity, reach, gravity.clone().negate());
+    const pressure = item.keys.pressure_mpa;
+    if (typeof pressure === "number" && pressure !== 0 && patch) patch.spread.forEach((p, k) => push(p, patch.normals[k]!.clone().multiplyScalar(-Math.sign(pressure)), 0.45 * reach, patch.normals[k]!));
+    const moment = vector("moment_nmm");
+    if (moment) found.push({ at: middle, along: moment, length: reach, colour: LOADED, heads: 2 });
+    const torque = item.keys.torque_nmm;
+    if (typeof torque === "number" && torque !== 0 && item.face >= 0) {
+      const row = this.parts.shape.report!.faces[item.face]!;
+      const axis = row.axis ?? row.normal;
+      if (axis) found.push({ at: middle, along: new Vector3().fromArray(axis).multiplyScalar(Math.sign(torque)), length: reach, colour: LOADED, heads: 2 });
+    }
+    return found;
+  }
+
+  // ---- stress -----------------------------------------------------------------------------------------------------
+
+  private async solve(): Promise<void> {
+    const wanted = this.parts.job.wanted();
+    const { view } = this.parts.shape;
+    if (!wanted || !view) return;
+    const text = this.loadsOf(this.text);
+    const end = await this.parts.run({ kind: "stress", ...wanted });
+    if (!end) return;
+    try {
+      const [result, bytes, nine] = await Promise.all([api.result(end.id), api.bytes(`v1/jobs/${end.id}/stress`), api.bytes(`v1/jobs/${end.id}/stress/0`)]);
+      // Another part may have come meanwhile.
+      if (this.parts.shape.view !== view) return;
+      const shown = new StressView(bytes, () => { document.documentElement.dataset.stress = String(end.id); });
+      shown.take(new Float32Array(nine));
+      view.setStress(shown);
+      this.stress = { view: shown, id: end.id, cases: result.cases ?? [], report: result.report.stress as api.StressReport, text, warnings: result.warnings };
+      this.shown = { ...this.shown, case: 0, scale: null, magnified: 0, isOn: true };
+      this.tell();
+    } catch (error) {
+      this.parts.say((error as Error).message, true);
+    }
+  }
+
+  private async showCase(k: number): Promise<void> {
+    if (!this.stress) return;
+    try {
+      this.stress.view.take(new Float32Array(await api.bytes(`v1/jobs/${this.stress.id}/stress/${k}`)));
+      this.shown = { ...this.shown, case: k, scale: null };
+      this.colour();
+    } catch (error) {
+      this.parts.say((error as Error).message, true);
+    }
+  }
+
+  private tell(): void {
+    const { report, cases, warnings, view } = this.stress!;
+    const fact = (name: string, words: string, id = "") => el("tr", {}, el("td", {}, name), el("td", { class: "n", ...(id ? { id } : {}) }, words));
+    const on = el("input", { type: "checkbox", id: "stress-on", checked: true, onchange: () => { this.shown.isOn = on.checked; this.parts.shape.view?.showStress(on.checked); this.legend(); this.parts.viewer()?.draw(); } });
+    const what = el("select", { id: "quantity", onchange: () => { this.shown = { ...this.shown, what: what.value as Quantity, scale: null }; this.colour(); } }, ...QUANTITIES.map(([key, words, unit]) => el("option", { value: key, selected: key === this.shown.what }, `${words}, ${unit}`)));
+    const which = el("select", { id: "case", onchange: () => void this.showCase(Number(which.value)) }, ...cases.map((name, k) => el("option", { value: k }, name)));
+    const end = (id: string, k: 0 | 1, label: string) => {
+      const input = el("input", { type: "number", step: "any", id, onchange: () => {
+        if (!Number.isFinite(input.valueAsNumber)) return;
+        const scale: [number, number] = [...(this.shown.scale ?? [0, 1])];
+        scale[k] = input.valueAsNumber;
+        this.shown.scale = scale;
+        this.colour();
+      } });
+      return el("label", {}, label, input);
+    };
+    const moved = view.largestMove;
+    const { low, high } = this.parts.shape.view!;
+    // At the end of the slider the largest displacement is a tenth of the part.
+    const most = moved > 0 ? (0.1 * high.distanceTo(low)) / moved : 0;
+    const slider = el("input", { type: "range", id: "magnify", min: 0, max: 1, step: 0.01, value: 0, "aria-label": "Displacement drawn", oninput: () => { view.setMagnified(slider.valueAsNumber * most); words.textContent = `${plainNumber(Math.round(slider.valueAsNumber * most))} times`; this.parts.viewer()?.draw(); } });
+    const words = el("output", {}, "0 times");
+    const at = report.peak_at_mm?.map((v) => fixed(v, 1)).join(", ");
+    const sum = (rows: api.Resultant[] | undefined) => (rows ?? []).map((r) => fact(`${r.name}${cases.length > 1 ? ` (${r.case})` : ""}`, `${r.force_n.map((v) => fixed(v, 2)).join(", ")} N`));
+    this.answer.replaceChildren(
+      el("p", { class: "warning", id: "stale", hidden: true }, "Fixtures or loads have changed since; solve again."),
+      el("table", {}, fact("Peak, von Mises", `${fixed(report.max_von_mises_mpa, 2)} MPa${at ? ` at ${at}` : ""}`, "peak-stress"),
+        ...(report.max_displacement_mm === undefined ? [] : [fact("Largest displacement", `${fixed(report.max_displacement_mm, 4)} mm`, "peak-moved")]),
+        ...(report.reserve === undefined ? [] : [fact("Reserve along the beads", `${fixed(report.reserve, 2)} ×`)]),
+        ...(report.error_estimate === undefined ? [] : [fact("The mesh misses about", `${fixed(100 * report.error_estimate, 1)} %`)]),
+        ...sum(report.loads), ...sum(report.reactions)),
+      el("div", { class: "row" }, el("label", {}, "Colour by", what), ...(cases.length > 1 ? [el("label", {}, "Case", which)] : [])),
+      el("div", { class: "row" }, end("scale-low", 0, "Scale from"), end("scale-high", 1, "to")),
+      el("div", { class: "row" }, el("label", {}, "Displacement drawn", slider), words),
+      el("label", { for: "stress-on", class: "check" }, on, " show the stress on the part"),
+      ...warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`)),
+    );
+    this.colour();
+  }
+
+  /** Colours the part by what is chosen. */
+  private colour(): void {
+    if (!this.stress) return;
+    const { proposed } = this.stress.view.colour(this.shown.what);
+    const scale = (this.shown.scale ??= proposed);
+    this.stress.view.setScale(...scale);
+    for (const [id, k] of [["scale-low", 0], ["scale-high", 1]] as const) {
+      const input = document.getElementById(id) as HTMLInputElement | null;
+      if (input) input.value = String(Number(scale[k].toPrecision(4)));
+    }
+    this.legend();
+    this.parts.viewer()?.draw();
+  }
+
+  /** The scale of the colours, where the stress is on screen. */
+  legend(): void {
+    if (!this.isActive) return;
+    const legend = document.getElementById("legend")!;
+    const isShown = this.stress !== null && this.shown.isOn && this.shown.scale !== null;
+    legend.hidden = !isShown;
+    if (!isShown) return;
+    const [, name, unit] = QUANTITIES.find(([key]) => key === this.shown.what)!;
+    const bar = el("div", { class: "ramp" });
+    bar.style.background = gradient(ramp);
+    const words = (v: number) => `${Number(v.toPrecision(3))} ${unit}`;
+    legend.replaceChildren(el("div", {}, name), bar, el("div", { class: "ends" }, ...this.shown.scale!.map((v) => el("span", {}, words(v)))));
+  }
+
+  /** What is under the pointer: the stress where it is on screen, otherwise the face. */
+  wordsAt(face: number, at: { clientX: number; clientY: number }): string | null {
+    const { view } = this.parts.shape;
+    const viewer = this.parts.viewer();
+    if (view?.isStressShown && viewer && this.stress) {
+      const found = at.clientX < 0 ? null : this.stress.view.probe(viewer.rayAt(at.clientX, at.clientY));
+      if (!found) return null;
+      const [s, p] = [found.nine, principal(found.nine)];
+      return `von Mises ${fixed(mises(s), 2)} MPa · principal ${p.map((v) => fixed(v, 2)).join(", ")} MPa · xx yy zz xy yz zx ${s.slice(0, 6).map((v) => fixed(v, 2)).join(", ")} · moved ${fixed(Math.hypot(s[6]!, s[7]!, s[8]!), 4)} mm · at (${found.at.toArray().map((v) => fixed(v, 1)).join(", ")})`;
+    }
+    return face >= 0 ? this.parts.shape.words(face) : null;
+  }
+}
+
+const vectorText = (v: number[]) => `[${v.map(plainNumber).join(", ")}]`;

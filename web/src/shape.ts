@@ -1,0 +1,164 @@
+// The shape of a job: how large it is, what is wrong with it, its unit, how it stands, and which of its faces are chosen.
+
+import { Matrix4, Quaternion, Vector3 } from "three";
+import * as api from "./api";
+import { el, fixed } from "./dom";
+import { quoted, type JobPanel } from "./job";
+import { PartView, surfaceOf } from "./part";
+import { entries, get, set } from "./toml";
+import type { Viewer } from "./viewer";
+
+interface Parts { run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; viewer: () => Viewer | null; job: JobPanel; openLoads: () => void }
+
+/** How long the text has to rest before its shape is made anew, ms. */
+const REST_MS = 250;
+const UNITS = ["mm", "cm", "m", "inch", "micron", "foot"];
+
+/** Settings outside [shape] that move the part or what is told of it. */
+const OTHERS: [string, string][] = [["guide", "frame"], ["support", "style"], ["support", "lift_mm"]];
+
+export class ShapePanel {
+  report: api.ShapeReport | null = null;
+  view: PartView | null = null;
+  /** Numbers of the faces that are chosen, in the order of choosing. */
+  chosen: number[] = [];
+  /** Called when another part is there, and when other faces are chosen. */
+  onPart: () => void = () => {};
+  onChosen: () => void = () => {};
+  private key = "";
+  private warnings: api.Warning[] = [];
+  private timer = 0;
+  private wanted = 0;
+
+  constructor(private readonly panel: HTMLElement, private readonly parts: Parts) { this.close(); }
+
+  close(): void {
+    [this.report, this.view, this.chosen, this.key] = [null, null, [], ""];
+    clearTimeout(this.timer);
+    this.wanted++;
+    this.parts.viewer()?.setPart(null);
+    this.panel.replaceChildren(el("p", { class: "note" }, "Open a mesh (STL, OBJ, PLY, OFF, 3MF), a drawing (SVG, DXF) or a job file to see its shape here, choose faces, and say where it is held and loaded."));
+    this.onPart();
+  }
+
+  /** Whether the job has a shape that can be shown before it is planned. */
+  static has(text: string): boolean { return ["mesh", "outline"].some((key) => get(text, "shape", key) !== null); }
+
+  /** The text changed: the shape is made anew where it depends on what changed. */
+  textChanged(text: string): void {
+    if (!ShapePanel.has(text)) return;
+    clearTimeout(this.timer);
+    if (this.keyOf(text) !== this.key) this.timer = setTimeout(() => void this.load(), REST_MS) as unknown as number;
+  }
+
+  private keyOf(text: string): string {
+    const own = entries(text).filter((e) => e.table === "shape" || e.table.startsWith("shape.") || OTHERS.some(([t, k]) => t === e.table && k === e.key));
+    return own.map((e) => `${e.table}.${e.key}=${text.slice(e.from, e.to)}`).join("\n");
+  }
+
+  /** Asks the server for the shape of the job as it stands. */
+  async load(): Promise<void> {
+    const wanted = this.parts.job.wanted();
+    const text = this.parts.job.text();
+    if (!wanted || text === null) return;
+    const own = ++this.wanted;
+    clearTimeout(this.timer);
+    this.key = this.keyOf(text);
+    const end = await this.parts.run({ kind: "shape", ...wanted });
+    if (!end || own !== this.wanted) return;
+    const [result, bytes] = await Promise.all([api.result(end.id), api.bytes(`v1/jobs/${end.id}/surface`)]);
+    if (own !== this.wanted) return;
+    const isSame = this.report !== null;
+    this.report = result.report as unknown as api.ShapeReport;
+    this.warnings = result.warnings;
+    this.chosen = this.chosen.filter((f) => f < this.report!.faces_in_all);
+    const view = new PartView(surfaceOf(bytes), () => { document.documentElement.dataset.search = String(end.id); });
+    this.view = view;
+    const viewer = this.parts.viewer();
+    if (viewer) viewer.setPart(view, isSame);
+    this.build();
+    this.onPart();
+    document.documentElement.dataset.shape = String(end.id);
+  }
+
+  /** A face was clicked, or its button pressed; -1 is beside the part. */
+  choose(face: number, isAdded: boolean): void {
+    if (face < 0) { if (!isAdded) this.chosen = []; }
+    else if (!isAdded) this.chosen = this.chosen.length === 1 && this.chosen[0] === face ? [] : [face];
+    else this.chosen = this.chosen.includes(face) ? this.chosen.filter((f) => f !== face) : [...this.chosen, face];
+    this.onChosen();
+  }
+
+  /** A face in words. */
+  words(face: number): string {
+    const row = this.report?.faces[face];
+    if (!row) return "a face without a name: too many smaller ones";
+    const round = row.radius_mm ? `, ${row.hollow ? "hole of radius" : "radius"} ${fixed(row.radius_mm, 2)} mm` : "";
+    return `${row.name} · ${row.kind}${round}, ${fixed(row.area_mm2, 1)} mm²${row.doubtful ? " · another face is alike: choose it by a box in the text" : ""}`;
+  }
+
+  private put(key: string, value: string | null): void {
+    const text = this.parts.job.text();
+    if (text !== null) this.parts.job.put(set(text, "shape", key, value));
+  }
+
+  private build(): void {
+    const report = this.report!;
+    const size = [0, 1, 2].map((k) => report.high_mm[k]! - report.low_mm[k]!);
+    const fact = (name: string, value: string, id = "") => el("tr", {}, el("td", {}, name), el("td", { class: "n", ...(id ? { id } : {}) }, value));
+    const defects: [number, string][] = [
+      [report.open_edges, "open edges"], [report.nonmanifold_edges, "edges with more than two triangles"], [report.badly_wound_edges, "edges of triangles wound against each other"], [report.zero_area_facets, "triangles without area"],
+    ];
+    const found = defects.filter(([n]) => n > 0);
+    const unit = el("select", { id: "unit", onchange: () => this.put("unit", quoted(unit.value)) }, ...UNITS.map((u) => el("option", { value: u, selected: u === report.unit }, u)));
+    const scale = el("input", { id: "scale", type: "number", min: 0.000001, step: "any", value: report.scale, onchange: () => { if (scale.valueAsNumber > 0) this.put("scale", String(scale.valueAsNumber)); } });
+    const isDoubtful = report.likely_unit !== null && report.likely_unit !== report.unit;
+    const turn = (axis: 0 | 1 | 2) => el("button", { type: "button", id: `turn-${"xyz"[axis]}`, onclick: () => this.turn(new Quaternion().setFromAxisAngle(new Vector3().setComponent(axis, 1), Math.PI / 2)) }, `90° about ${"xyz"[axis]}`);
+    const lay = el("button", { type: "button", id: "lay", onclick: () => this.lay() }, "Lay the chosen face on the plate");
+    this.panel.replaceChildren(
+      el("h2", {}, "Size"),
+      el("table", {}, fact("Size", `${size.map((v) => fixed(v, 2)).join(" × ")} mm`, "size"), fact("Volume", `${fixed(report.volume_mm3 / 1000, 3)} cm³`), fact("Bodies, shells", `${report.bodies}, ${report.shells}`), fact("Triangles", String(report.triangles)), fact("Faces", String(report.faces_in_all), "faces-in-all")),
+      ...(isDoubtful ? [el("p", { class: "warning", id: "unit-asked" }, `The file states no unit. In mm the part would be ${fixed(Math.max(...size), 2)} mm long, which is small: is it in ${report.likely_unit}? `, el("button", { type: "button", id: "take-likely", onclick: () => this.put("unit", quoted(report.likely_unit!)) }, `It is in ${report.likely_unit}`), " ", el("button", { type: "button", onclick: () => this.put("unit", quoted("mm")) }, "It is in mm"))] : []),
+      el("div", { class: "row" }, el("label", {}, report.unit_is_stated ? "Unit" : "Unit (the file states none)", unit), el("label", {}, "Scale", scale)),
+      el("h2", {}, "Defects"),
+      found.length === 0 ? el("p", { class: "note", id: "defects" }, "None: the surface is closed.") : el("table", { id: "defects" }, ...found.map(([n, words]) => fact(words, String(n)))),
+      ...(report.open_edges + report.nonmanifold_edges > 0 ? [el("p", { class: "note" }, "Those that mending leaves are drawn red on the part.")] : []),
+      ...this.warnings.map((w) => el("p", { class: "warning" }, `${w.text}${w.remedy ? ` – ${w.remedy}` : ""}`)),
+      el("h2", {}, "Turn"), el("div", { class: "row" }, turn(0), turn(1), turn(2)), el("div", { class: "row" }, lay),
+      el("p", { class: "note" }, "Choose a face by a click on the part, or in the list of the next tab."),
+      el("div", { class: "row" }, el("button", { type: "button", class: "main", onclick: () => this.parts.openLoads() }, "Say where it is held and loaded")),
+    );
+    this.chosenChanged();
+  }
+
+  chosenChanged(): void {
+    const lay = document.getElementById("lay") as HTMLButtonElement | null;
+    if (lay) lay.disabled = this.chosen.length !== 1;
+  }
+
+  private lay(): void {
+    const face = this.chosen[0];
+    const normal = face === undefined ? null : this.view?.patch(face).normal;
+    if (normal && normal.length() > 0.5) this.turn(new Quaternion().setFromUnitVectors(normal, new Vector3(0, 0, -1)));
+  }
+
+  /** Turns the part further, as it stands now. */
+  private turn(by: Quaternion): void {
+    const [a, b, c] = this.report!.rotation as [number[], number[], number[]];
+    const now = new Matrix4().set(a[0]!, a[1]!, a[2]!, 0, b[0]!, b[1]!, b[2]!, 0, c[0]!, c[1]!, c[2]!, 0, 0, 0, 0, 1);
+    const m = new Matrix4().makeRotationFromQuaternion(by).multiply(now).elements;
+    this.put("rotate_deg", `[${turns((row, column) => m[4 * column + row]!).map(plainNumber).join(", ")}]`);
+  }
+}
+
+/** The turns about x, then y, then z, in degrees, that make a matrix. */
+export function turns(m: (row: number, column: number) => number): [number, number, number] {
+  const deg = 180 / Math.PI;
+  const y = Math.asin(Math.min(Math.max(-m(2, 0), -1), 1));
+  // At a right angle about y the other two turn about one axis; all of it is given to x.
+  if (Math.abs(m(2, 0)) > 1 - 1e-9) return [Math.atan2(-m(1, 2), m(1, 1)) * deg, y * deg, 0];
+  return [Math.atan2(m(2, 1), m(2, 2)) * deg, y * deg, Math.atan2(m(1, 0), m(0, 0)) * deg];
+}
+
+/** A number with at most five digits after the point, without a zero that has a sign. */
+export const plainNumber = (v: number) => String(Math.round(v * 1e5) / 1e5 + 0);
