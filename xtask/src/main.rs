@@ -59,6 +59,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench paths      fill along the stress held against CalculiX's principal stresses
   bench strength [PART...]  the virtual strength test: of a bar and of a bracket (time), the papers' comparisons
                    beside theirs (s1 s2), other slicers' programs (slicers); `all` adds what takes long
+  bench studio [PATH]  the studio in Chromium: file to first layer, name under the pointer, cancel, bytes, frames
   page [--write]   bundles the studio's page and compares it with the committed one, or renews that
   page test [PATH] tests of the page in Chromium, of the program at PATH (default target/ci/grainpath)
   python [--release]  builds the wheel of the Python package and runs its tests (--release: as published, from the sdist)
@@ -93,6 +94,10 @@ fn main() -> ExitCode {
         ["bench", "quality"] => bench::quality(),
         ["bench", "python", words @ ..] => python::bench(words),
         ["bench", "photo"] => photo::bench(),
+        ["bench", "studio"] => page::bench(&target().join("ci/grainpath")),
+        ["bench", "studio", path] => {
+            std::path::absolute(path).map_err(|e| format!("{path}: {e}")).and_then(|path| page::bench(&path))
+        }
         ["campaign", words @ ..] => campaign::run(words),
         ["book", words @ ..] => book::run(words),
         ["deb", words @ ..] => deb::run(words),

@@ -79,11 +79,21 @@ pub fn run(words: &[&str]) -> Result<(), String> {
 
 /// Runs the tests of the page in a browser against a program that is built already.
 pub fn test_in_browser(binary: &Path) -> Result<(), String> {
+    node(binary, &["--test", "--test-concurrency=1", "tests/"], "tests of the page failed")
+}
+
+/// Measures the studio in a browser and prints the figures beside those asked for.
+pub fn bench(binary: &Path) -> Result<(), String> {
+    node(binary, &["bench/studio.mjs"], "the bench failed")
+}
+
+/// Runs scripts of the page in Node, with a program and a browser.
+fn node(binary: &Path, words: &[&str], failed: &str) -> Result<(), String> {
     let browser = browser().ok_or("no Chromium; `apt-get install chromium` brings it")?;
     install()?;
     let mut command = Command::new("node");
-    command.args(["--test", "--test-concurrency=1", "tests/"]).current_dir(web());
+    command.args(words).current_dir(web());
     command.env("GRAINPATH", binary).env("BROWSER", browser);
     let status = command.status().map_err(|e| format!("node: {e}"))?;
-    if status.success() { Ok(()) } else { Err("tests of the page failed".to_owned()) }
+    if status.success() { Ok(()) } else { Err(failed.to_owned()) }
 }
