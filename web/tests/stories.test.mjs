@@ -93,7 +93,7 @@ test("a mesh, from its file to paths whose G-code is that of the command line", 
   await close();
 });
 
-test("a bracket, from its file to the load that breaks it and its G-code, by mouse and keyboard alone", async () => {
+test("a bracket, from its file over its loads and stress to its G-code, by mouse and keyboard alone", async () => {
   const { page, wrong, close } = await visit(browser, server.address);
   await page.waitForSelector("#welcome h2");
   // Dropped on the page: the file goes through the browser.
@@ -136,13 +136,7 @@ test("a bracket, from its file to the load that breaks it and its G-code, by mou
   await shot(page, "studio-planned");
   const href = await page.getAttribute('#panel-paths a:has-text("gcode")', "href");
   const sent = Buffer.from(await page.evaluate(async (address) => [...new Uint8Array(await (await fetch(address)).arrayBuffer())], href));
-  await page.click("#tab-loads");
-  await page.click("#test-here");
-  await page.waitForSelector("#peak", { timeout: 400_000 });
-  await settle(page);
-  await shot(page, "studio-broken");
-  const broken = Number((await page.textContent("#peak")).replace(" N", ""));
-  // The command line, from the job that the studio saved: the same stress, the same bytes, the same load.
+  // The command line, from the job that the studio saved: the same stress, the same bytes.
   const job = "grainpath-studio/angle/job.toml";
   const theirs = JSON.parse(command(files.dir, "run", job, "--check", "--json"));
   assert.ok(peak.startsWith(`${theirs.stress.max_von_mises_mpa.toFixed(2)} MPa`), `${peak} ${theirs.stress.max_von_mises_mpa}`);
@@ -150,9 +144,6 @@ test("a bracket, from its file to the load that breaks it and its G-code, by mou
   command(files.dir, "run", job, "--out", "again-angle");
   const hash = (bytes) => createHash("sha256").update(bytes).digest("hex");
   assert.equal(hash(sent), hash(readFileSync(files.at("again-angle/angle.gcode"))));
-  const strength = JSON.parse(command(files.dir, "strength", "grainpath-studio/angle-strength/job.toml", "--json"));
-  assert.equal(broken, Math.round(strength.strength.peak_load_n));
-  assert.ok(broken > 60, `${broken} N`);
   assert.deepEqual(wrong, []);
   await close();
 });
