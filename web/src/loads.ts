@@ -37,6 +37,8 @@ export class LoadsPanel {
   private readonly picked = el("div", { id: "picked" });
   private readonly answer = el("div", { id: "stress" });
   private isActive = false;
+  /** The fields that are drawn, without their values. */
+  private drawn = "";
 
   constructor(private readonly panel: HTMLElement, private readonly parts: Parts) { this.partChanged(); }
 
@@ -68,9 +70,10 @@ export class LoadsPanel {
       el("div", { class: "row" }, el("button", { type: "button", class: "main", id: "solve", onclick: () => void this.solve() }, "Solve the stress")),
       this.answer,
       el("h2", {}, "Next"),
-      el("div", { class: "row" }, this.followBox()),
+      this.followBox(),
       el("div", { class: "row" }, el("button", { type: "button", id: "plan-here", onclick: () => void this.parts.job.plan() }, "Plan the paths"), el("button", { type: "button", id: "test-here", onclick: () => this.parts.test() }, "Where does it break?")),
     );
+    this.drawn = "";
     this.textChanged();
     this.chosenChanged();
   }
@@ -88,9 +91,15 @@ export class LoadsPanel {
   textChanged(): void {
     if (!this.parts.shape.report) return;
     this.items = this.read();
-    const focused = document.activeElement?.id ?? "";
-    this.list.replaceChildren(...this.rows());
-    if (focused && this.list.querySelector(`#${CSS.escape(focused)}`)) document.getElementById(focused)?.focus();
+    // Fields stay while only their values change, so that the one that is entered next is still there.
+    const rows = JSON.stringify(this.items.map((i) => [i.name, i.place, i.block !== null, Object.keys(i.keys)]));
+    if (rows === this.drawn) this.fill();
+    else {
+      const focused = document.activeElement?.id ?? "";
+      this.list.replaceChildren(...this.rows());
+      if (focused && this.list.querySelector(`#${CSS.escape(focused)}`)) document.getElementById(focused)?.focus();
+    }
+    this.drawn = rows;
     const follow = document.getElementById("follow") as HTMLInputElement | null;
     if (follow) follow.checked = get(this.text, "guide", "kind") === '"stress"';
     if (this.stress && this.stress.text !== this.loadsOf(this.text)) {
@@ -98,6 +107,23 @@ export class LoadsPanel {
       if (old) old.hidden = false;
     }
     this.draw();
+  }
+
+  /** Puts the values of the text into the fields. */
+  private fill(): void {
+    this.items.forEach((item, k) => {
+      const into = (id: string, v: Value | undefined) => {
+        const input = document.getElementById(id) as HTMLInputElement | HTMLSelectElement | null;
+        if (input && v !== undefined && input !== document.activeElement && input.value !== String(v)) input.value = String(v);
+      };
+      into(`fix-${k}`, item.keys.fix);
+      for (const [key, , isVector] of KINDS) {
+        const v = item.keys[key];
+        if (isVector) numbers(v)?.forEach((n, axis) => into(`value-${k}-${"xyz"[axis]}`, n));
+        else into(`value-${k}`, v);
+      }
+      numbers(item.keys.displacement_mm)?.forEach((n, axis) => into(`moved-${k}-${"xyz"[axis]}`, n));
+    });
   }
 
   /** What the stress depends on: all but how the part is printed. */
@@ -136,8 +162,10 @@ export class LoadsPanel {
   private rows(): Node[] {
     if (this.items.length === 0) return [el("p", { class: "note" }, "None yet. Choose a face on the part, then press Hold here or Load here.")];
     return this.items.map((item, k) => {
-      const put = (key: string, words: string | null) => { if (item.block) this.put(change(this.text, item.block, key, words)); };
-      const off = el("button", { type: "button", id: `remove-${k}`, "aria-label": `Remove ${item.name}`, onclick: () => { if (item.block) this.put(remove(this.text, item.block)); } }, "Remove");
+      // The text may have moved since, so the block is looked up when it is changed.
+      const block = () => this.items[k]?.block ?? null;
+      const put = (key: string, words: string | null) => { const own = block(); if (own) this.put(change(this.text, own, key, words)); };
+      const off = el("button", { type: "button", id: `remove-${k}`, "aria-label": `Remove ${item.name}`, onclick: () => { const own = block(); if (own) this.put(remove(this.text, own)); } }, "Remove");
       const box = el("fieldset", { class: item.isFixture ? "held" : "loaded" }, el("legend", {}, item.name));
       for (const [event, lit] of [["pointerenter", item.face], ["focusin", item.face], ["pointerleave", -1], ["focusout", -1]] as const) box.addEventListener(event, () => this.parts.viewer()?.setHovered(lit));
       box.append(el("p", { class: "note" }, item.place));
@@ -156,7 +184,11 @@ export class LoadsPanel {
       const isOnFace = "on" in item.keys;
       const select = el("select", { id: `kind-${k}`, onchange: () => {
         const to = KINDS.find(([key]) => key === select.value)!;
-        if (item.block) this.put(change(change(this.text, item.block, kind[0], null), blocks(change(this.text, item.block, kind[0], null), item.block.table)[this.nth(item)]!, to[0], this.proposed(to[0], item)));
+        const own = block();
+        if (!own) return;
+        const nth = blocks(this.text, own.table).findIndex((b) => b.from === own.from);
+        const without = change(this.text, own, kind[0], null);
+        this.put(change(without, blocks(without, own.table)[nth]!, to[0], this.proposed(to[0], item)));
       } }, ...KINDS.filter(([key]) => (key === "acceleration_mm_s2") !== isOnFace).map(([key, words]) => el("option", { value: key, selected: key === kind[0] }, words)));
       box.append(el("div", { class: "row" }, el("label", {}, "kind", select), off));
       const now = item.keys[kind[0]];
@@ -168,9 +200,6 @@ export class LoadsPanel {
       return box;
     });
   }
-
-  /** Which of the tables of its name an item is. */
-  private nth(item: Item): number { return blocks(this.text, item.block!.table).findIndex((b) => b.from === item.block!.from); }
 
   private vector(id: string, unit: string, now: number[], then: (v: number[]) => void): HTMLElement {
     const inputs = ["x", "y", "z"].map((axis, k) => {
