@@ -310,6 +310,23 @@ impl Pattern {
             | Self::Aligned => false,
         }
     }
+
+    /// Whether a line of its sparse infill may be several beads wide (`fill.lines`).
+    pub const fn takes_several_beads(self) -> bool {
+        match self {
+            // The first is kept as published; the second is one path that fills its region.
+            Self::SeedLines | Self::Continuous => false,
+            Self::Rectilinear
+            | Self::Grid
+            | Self::Triangles
+            | Self::Gyroid
+            | Self::Concentric
+            | Self::Honeycomb
+            | Self::Aligned
+            | Self::Stripes
+            | Self::Streamlines => true,
+        }
+    }
 }
 
 impl Flip {

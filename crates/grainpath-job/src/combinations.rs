@@ -60,10 +60,39 @@ pub fn check(s: &Settings) -> Result<(), String> {
         return Err("guide.kind = \"field\" needs a file of directions: guide.field = \"FILE\"".into());
     }
     // Layers take the angles in turn, and a turn over nothing does not exist.
-    if s.fill.angles_deg.is_empty() {
-        return Err("fill.angles_deg should have at least one angle".into());
+    let lists =
+        [("angles_deg", Some(&s.fill.angles_deg)), ("skin_angles_deg", s.fill.skin_angles_deg.as_ref())];
+    for (key, angles) in lists {
+        if angles.is_some_and(|a| a.ranges().iter().any(|r| r.angles_deg.is_empty())) {
+            return Err(format!("fill.{key} should have at least one angle"));
+        }
     }
-    Ok(())
+    if s.fill.skin_angles_deg.is_some() && s.fill.density.is_dense() && s.fill.mass_g.is_none() {
+        return Err(
+            "fill.skin_angles_deg is for skins over sparse infill; with fill.density = 1 there is none"
+                .into(),
+        );
+    }
+    check_lines(s)
+}
+
+/// Checks beads side by side in the lines of sparse infill.
+fn check_lines(s: &Settings) -> Result<(), String> {
+    let f = &s.fill;
+    let problem = if f.lines == 1 {
+        return Ok(());
+    } else if f.density.is_dense() && f.mass_g.is_none() {
+        "needs fill.density below 1: the lines of dense infill leave no room between them"
+    } else if !f.pattern.takes_several_beads() {
+        "is for patterns of separate lines, not for fill.pattern = \"seed-lines\" or \"continuous\""
+    } else if s.guide.kind == GuideKind::Grain {
+        "is not for guide.kind = \"grain\", whose lines are those of the picture"
+    } else if s.fibre.enabled {
+        "is not for fibre.enabled = true"
+    } else {
+        return Ok(());
+    };
+    Err(format!("fill.lines = {} {problem}", f.lines))
 }
 
 /// Checks the settings of drawings.

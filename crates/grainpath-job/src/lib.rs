@@ -30,6 +30,7 @@
 pub mod choices;
 mod combinations;
 mod error;
+mod layer_angles;
 pub mod loads;
 mod parse;
 mod profiles;
@@ -40,6 +41,7 @@ mod source;
 mod value;
 
 pub use error::{JobError, Location};
+pub use layer_angles::{AngleRange, LayerAngles};
 pub use parse::{FORMAT, parse_job};
 pub use profiles::{PROFILES, Profile, profile};
 pub use renamed::{RENAMED, Renamed};

@@ -409,6 +409,31 @@ mod tests {
                 "[guide.image]\nfiles = [\"a.png\"]\ncorners_px = [[0, 0]]\n",
                 "job.toml: guide.image.corners_px should have 4 corners, or 4 for each of the 1 files; it has 1",
             ),
+            (
+                "[fill]\nangles_deg = { layers = { \"1-10\" = [0], \"12-\" = [45, -45] } }\n",
+                "job.toml:2: fill.angles_deg.layers should give each layer one list of angles, has none for layers 11 to 11",
+            ),
+            (
+                "[fill]\nskin_angles_deg = []\n",
+                "job.toml: fill.skin_angles_deg should have at least one angle",
+            ),
+            (
+                "[fill]\nskin_angles_deg = [0]\ndensity = 1\n",
+                "job.toml: fill.skin_angles_deg is for skins over sparse infill; with fill.density = 1 there is none",
+            ),
+            ("[fill]\nlines = 9\n", "job.toml:2: fill.lines should be from 1 to 8, is 9"),
+            (
+                "[fill]\nlines = 2\ndensity = 1\n",
+                "job.toml: fill.lines = 2 needs fill.density below 1: the lines of dense infill leave no room between them",
+            ),
+            (
+                "[fill]\nlines = 2\npattern = \"continuous\"\n",
+                "job.toml: fill.lines = 2 is for patterns of separate lines, not for fill.pattern = \"seed-lines\" or \"continuous\"",
+            ),
+            (
+                "[fill]\nlines = 2\n[guide]\nkind = \"grain\"\nimage = { files = [\"a.png\"] }\n",
+                "job.toml: fill.lines = 2 is not for guide.kind = \"grain\", whose lines are those of the picture",
+            ),
             ("[printer]\nbed_mm = [1, 2]\n", "job.toml:2: printer.bed_mm should have 3 entries, has 2"),
         ] {
             let found = parse(text, &[]).expect_err(text);

@@ -97,6 +97,8 @@ pub enum Problem {
     NoDirection,
     #[error("should have exactly one of {keys}")]
     SeveralKinds { keys: &'static str },
+    #[error("should give each layer one list of angles, has {layers}")]
+    LayerAngles { layers: String },
     #[error("acts on the whole part; remove `on`")]
     PlaceOfAcceleration,
 }

@@ -16,22 +16,36 @@ pub struct Concentric;
 
 impl Infill for Concentric {
     fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
-        let step = context.spacing_mm() / context.density.fraction();
-        let mut region = Region::from(infill_region.clone());
-        // Below full density the first loop keeps its distance from the wall.
-        let mut inset = if context.density.is_dense() { 0.0 } else { 0.5 * step };
-        loop {
-            region = region.offset(-inset, Join::Miter(3.0));
-            if region.is_empty() {
-                return;
-            }
-            for contour in region.contours() {
-                let path = Toolpath::new(contour.clone(), context.bead_width_mm, context.role, true);
-                if path.length_mm() > 2.0 * context.bead_width_mm {
-                    out.push(path);
-                }
-            }
-            inset = step;
+        loops(context, infill_region, 1, out);
+    }
+}
+
+/// Loops in groups of this number of beads side by side.
+pub(super) fn loops(
+    context: &FillContext<'_>,
+    infill_region: &Polygon,
+    beads: usize,
+    out: &mut Vec<Toolpath>,
+) {
+    let apart = context.spacing_mm();
+    let step = beads as f64 * apart / context.density.fraction();
+    let across = (beads - 1) as f64 * apart;
+    let mut region = Region::from(infill_region.clone());
+    // Below full density the first group keeps its distance from the wall.
+    let mut inset = if context.density.is_dense() { 0.0 } else { 0.5 * step - 0.5 * across };
+    let mut laid = 0;
+    loop {
+        region = region.offset(-inset, Join::Miter(3.0));
+        if region.is_empty() {
+            return;
         }
+        for contour in region.contours() {
+            let path = Toolpath::new(contour.clone(), context.bead_width_mm, context.role, true);
+            if path.length_mm() > 2.0 * context.bead_width_mm {
+                out.push(path);
+            }
+        }
+        laid += 1;
+        inset = if laid % beads == 0 { step - across } else { apart };
     }
 }

@@ -26,6 +26,40 @@ pub struct Lines {
     pub step_mm: f64,
 }
 
+/// Rows that lie side by side in place of each line, the middle of the group on the line.
+#[derive(Debug, Clone, Copy)]
+pub struct Group {
+    /// Number of rows; 1 for the line alone.
+    pub rows: usize,
+    /// Distance of neighbouring rows, mm.
+    pub apart_mm: f64,
+}
+
+impl Group {
+    /// Number of the first row at `y` or above; rows are counted through all groups.
+    fn first_row_from(&self, y: f64, lines: &Lines) -> f64 {
+        let n = self.rows as f64;
+        if self.rows == 1 {
+            return ((y - lines.first_mm) / lines.step_mm).ceil();
+        }
+        // From the lowest row of the group of line 0.
+        let above = y - lines.first_mm + 0.5 * (n - 1.0) * self.apart_mm;
+        let group = (above / lines.step_mm).floor();
+        let within = ((above - group * lines.step_mm) / self.apart_mm).ceil();
+        group * n + within.clamp(0.0, n)
+    }
+
+    fn y_mm(&self, row: f64, lines: &Lines) -> f64 {
+        let n = self.rows as f64;
+        if self.rows == 1 {
+            return lines.first_mm + row * lines.step_mm;
+        }
+        let group = (row / n).floor();
+        let within = row - group * n - 0.5 * (n - 1.0);
+        lines.first_mm + group * lines.step_mm + within * self.apart_mm
+    }
+}
+
 /// A point where a line meets the border.
 #[derive(Debug, Clone, Copy)]
 struct End {
@@ -42,6 +76,7 @@ struct End {
 pub struct Hatch {
     axis: DVec2,
     lines: Lines,
+    group: Group,
     contours: Vec<Vec<DVec2>>,
     /// Two by two the ends of each piece: 2k on the left, 2k + 1 on the right; pieces by line, then by x.
     ends: Vec<End>,
@@ -59,6 +94,11 @@ pub struct Joints {
 impl Hatch {
     /// Cuts the lines by the polygon: linear in edges and ends but for a sort.
     pub fn new(polygon: &Polygon, lines: Lines) -> Self {
+        Self::in_groups(polygon, lines, &Group { rows: 1, apart_mm: lines.step_mm })
+    }
+
+    /// Cuts the rows of groups by the polygon. A group is narrower than the step of the lines.
+    pub fn in_groups(polygon: &Polygon, lines: Lines, group: &Group) -> Self {
         let axis = direction(lines.angle_rad);
         let back = DVec2::new(axis.x, -axis.y);
         let contours: Vec<Vec<DVec2>> =
@@ -66,13 +106,11 @@ impl Hatch {
         let mut ends = Vec::new();
         for (c, contour) in contours.iter().enumerate() {
             for (e, (a, b)) in grainpath_core::poly::edges(contour).enumerate() {
-                let (row_a, row_b) =
-                    ((a.y - lines.first_mm) / lines.step_mm, (b.y - lines.first_mm) / lines.step_mm);
                 // Half-open interval: a vertex on a row counts for the edge that leaves it upwards.
-                let (low, high) = (row_a.min(row_b).ceil(), row_a.max(row_b).ceil());
+                let [low, high] = [a.y.min(b.y), a.y.max(b.y)].map(|y| group.first_row_from(y, &lines));
                 let mut line = low;
                 while line < high {
-                    let y = lines.first_mm + line * lines.step_mm;
+                    let y = group.y_mm(line, &lines);
                     // Rounding may put the share a little outside of the edge; the clamp keeps the
                     // end on the border.
                     let t = ((y - a.y) / (b.y - a.y)).clamp(0.0, 1.0);
@@ -94,7 +132,7 @@ impl Hatch {
             let by_line = a.line.cmp(&b.line).then(a.x.total_cmp(&b.x));
             by_line.then(a.contour.cmp(&b.contour)).then(a.at.total_cmp(&b.at))
         });
-        let mut hatch = Self { axis, lines, contours, ends };
+        let mut hatch = Self { axis, lines, group: *group, contours, ends };
         hatch.link();
         hatch
     }
@@ -124,7 +162,7 @@ impl Hatch {
     }
 
     fn place(&self, end: &End) -> DVec2 {
-        DVec2::new(end.x, self.lines.first_mm + f64::from(end.line) * self.lines.step_mm)
+        DVec2::new(end.x, self.group.y_mm(f64::from(end.line), &self.lines))
     }
 
     /// Paths that run along the lines back and forth, joined along the border where `joints` allow.

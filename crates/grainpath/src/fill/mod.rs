@@ -15,6 +15,7 @@ mod gyroid;
 mod hatch;
 mod honeycomb;
 mod rectilinear;
+mod side_by_side;
 mod spaced;
 
 use grainpath_core::{Bounds2, Density, DirectionField, Polygon, Role, Toolpath};
@@ -27,6 +28,7 @@ use grainpath_job::choices::{BeadEnds, Pattern};
 pub use gyroid::Gyroid;
 pub use honeycomb::Honeycomb;
 pub use rectilinear::{Crossed, Rectilinear, Solid};
+pub use side_by_side::SideBySide;
 
 /// The layer as a pattern needs it.
 #[derive(Clone, Copy)]

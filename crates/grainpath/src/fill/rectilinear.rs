@@ -15,7 +15,7 @@ use grainpath_core::math::{direction, rotated};
 use grainpath_core::units::bead_width_mm;
 use grainpath_core::{Density, Polygon, Toolpath};
 
-use super::hatch::{Hatch, Joints, Lines};
+use super::hatch::{Group, Hatch, Joints, Lines};
 use super::{FillContext, Infill, spaced};
 
 /// Parallel lines at the distance the density asks for.
@@ -37,7 +37,7 @@ impl Infill for Rectilinear {
         match context.density {
             Density::Dense => Solid.fill(context, infill_region, out),
             Density::Sparse(fraction) => {
-                sparse(context, infill_region, context.angle_rad, context.spacing_mm() / fraction, out);
+                sparse(context, infill_region, context.angle_rad, context.spacing_mm() / fraction, 1, out);
             }
         }
     }
@@ -45,14 +45,26 @@ impl Infill for Rectilinear {
 
 impl Infill for Crossed {
     fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
-        let Density::Sparse(fraction) = context.density else {
+        if context.density.is_dense() {
             return Solid.fill(context, infill_region, out);
-        };
-        let n = self.directions as f64;
-        for k in 0..self.directions {
-            let angle = context.angle_rad + PI * k as f64 / n;
-            sparse(context, infill_region, angle, n * context.spacing_mm() / fraction, out);
         }
+        crossed(context, infill_region, self.directions, 1, out);
+    }
+}
+
+/// Sparse lines in this number of directions, each line of this number of beads side by side.
+pub(super) fn crossed(
+    context: &FillContext<'_>,
+    infill_region: &Polygon,
+    directions: usize,
+    beads: usize,
+    out: &mut Vec<Toolpath>,
+) {
+    let n = directions as f64;
+    let step_mm = beads as f64 * n * context.spacing_mm() / context.density.fraction();
+    for k in 0..directions {
+        let angle = context.angle_rad + PI * k as f64 / n;
+        sparse(context, infill_region, angle, step_mm, beads, out);
     }
 }
 
@@ -62,6 +74,7 @@ fn sparse(
     infill_region: &Polygon,
     angle_rad: f64,
     step_mm: f64,
+    beads: usize,
     out: &mut Vec<Toolpath>,
 ) {
     let centre = context.part.centre();
@@ -69,10 +82,14 @@ fn sparse(
     // A row passes through the middle of the part in every layer, so the rows of a direction lie on
     // each other.
     let first_mm = rotated(centre, back).y;
-    let hatch = Hatch::new(infill_region, Lines { angle_rad, first_mm, step_mm });
+    let apart_mm = context.spacing_mm();
+    let lines = Lines { angle_rad, first_mm, step_mm };
+    let hatch = Hatch::in_groups(infill_region, lines, &Group { rows: beads, apart_mm });
     // Along a steep border two rows are joined by about one step; 1.8 steps allow borders down to
     // 34 degrees from the lines. A longer joint would double the wall's bead for nothing.
-    let joints = Joints { longest_mm: 1.8 * step_mm, bulge_mm: 0.5 * step_mm };
+    // A joint that returns to its own row may bulge half the way to the next row, which lies side by side in a group.
+    let bulge_mm = 0.5 * if beads > 1 { apart_mm } else { step_mm };
+    let joints = Joints { longest_mm: 1.8 * step_mm, bulge_mm };
     let width = context.bead_width_mm;
     out.extend(
         hatch.paths(&joints).into_iter().map(|points| Toolpath::new(points, width, context.role, false)),

@@ -18,7 +18,7 @@ use grainpath_io::fe::{FeOptions, Order, StressUnit};
 use grainpath_io::volume::RawHeader;
 
 use crate::fibre::FibreSettings;
-use crate::fill::{Continuous, TreeKind};
+use crate::fill::{Continuous, SideBySide, TreeKind};
 use crate::guide::field::FieldSettings;
 use crate::guide::grain::GrainSettings;
 use crate::guide::grain::{Corners, Mode};
@@ -26,7 +26,7 @@ use crate::guide::{StressSettings, TypedLoads};
 use crate::measure::strength::StrengthSettings;
 use crate::order::{CombSettings, OrderSettings};
 use crate::run::place::PlaceSettings;
-use crate::run::steps::{ExtrudedMass, InfillSettings, StepSettings};
+use crate::run::steps::{ExtrudedMass, InfillSettings, RasterAngles, StepSettings};
 use crate::shape::{Adaptive, Hole, PhotoBoard, Placement, SliceSettings, Standing};
 use crate::support::beads::BeadSettings;
 use crate::support::{Style, SupportSettings};
@@ -43,7 +43,7 @@ use grainpath_job::choices::{
     CurveJoin, Elasticity, FibreToolKind, FieldAngleUnit, FieldAxes, FileUnit, GrainMode, GuideKind,
     Interpolate, OutlineRule, SupportStyle,
 };
-use grainpath_job::{MaterialSection, Settings};
+use grainpath_job::{AngleRange, LayerAngles, MaterialSection, Settings};
 
 /// Settings for reading the drawing of `shape.outline`, its unit included.
 pub fn outline(s: &Settings) -> OutlineOptions {
@@ -483,7 +483,9 @@ fn infill(s: &Settings) -> InfillSettings {
         mass_g: f.mass_g,
         material: mass(&s.material),
         fibre_material: mass(&s.fibre_material),
-        angles_rad: f.angles_deg.iter().map(|deg| deg.to_radians()).collect(),
+        angles: raster_angles(&f.angles_deg),
+        skin_angles: f.skin_angles_deg.as_ref().map(raster_angles),
+        several: (f.lines > 1).then_some(SideBySide { pattern: f.pattern, beads: f.lines }),
         guide_angle_rad: match s.guide.kind {
             GuideKind::Angle => Some(s.guide.angle_deg.to_radians()),
             GuideKind::None | GuideKind::Stress | GuideKind::Grain | GuideKind::Field => None,
@@ -496,6 +498,12 @@ fn infill(s: &Settings) -> InfillSettings {
         ends: f.ends,
         continuous: continuous(s),
     }
+}
+
+fn raster_angles(angles: &LayerAngles) -> RasterAngles {
+    let radians = |all: &[f64]| all.iter().map(|deg| deg.to_radians()).collect();
+    let range = |r: &AngleRange| (r.first_layer - 1, radians(&r.angles_deg));
+    RasterAngles { ranges: angles.ranges().iter().map(range).collect() }
 }
 
 /// Printing order, seams and travel.

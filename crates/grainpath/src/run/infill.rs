@@ -23,6 +23,10 @@ struct RegionFill<'a> {
     role: Role,
     pattern: &'a dyn Infill,
     grain: Option<&'a GrainGuide>,
+    /// Whether the regions of an island are filled with one path.
+    one_path: bool,
+    /// Direction of the lines, radians, where it is not that of the layer's infill.
+    angle_rad: Option<f64>,
 }
 
 impl Steps<'_> {
@@ -61,9 +65,8 @@ impl Steps<'_> {
             | Pattern::SeedLines
             | Pattern::Continuous => density.is_dense(),
         };
-        let angles = &infill.angles_rad;
         // Patterns that do not turn keep the first angle, so that their cells lie on each other.
-        angles[if turns { layer_idx % angles.len() } else { 0 }]
+        infill.angles.of_layer(layer_idx, turns)
     }
 
     /// Lays skins and bridges, and all infill where the whole part is dense.
@@ -81,9 +84,12 @@ impl Steps<'_> {
         // the pattern.
         let grain = self.grain.filter(|_| all_dense);
         let fibre = self.fibre.filter(|_| all_dense);
+        let skin = infill.skin_angles.as_ref().filter(|_| !all_dense);
+        let angle_rad = skin.map(|angles| angles.of_layer(i, true));
         for (polygons, role) in [(&split.solid, Role::SolidFill), (&split.top, Role::TopSkin)] {
-            let pattern = self.dense_pattern(infill.pattern);
-            let asked = RegionFill { density: Density::Dense, role, pattern, grain };
+            let pattern = if angle_rad.is_some() { &Solid } else { self.dense_pattern(infill.pattern) };
+            let one_path = self.is_continuous() && angle_rad.is_none();
+            let asked = RegionFill { density: Density::Dense, role, pattern, grain, one_path, angle_rad };
             // All regions of an island are filled together: the continuous pattern reports the
             // necks between them.
             for regions in polygons.chunk_by(|a, b| a.0 == b.0) {
@@ -92,7 +98,7 @@ impl Steps<'_> {
             }
         }
         for (island, polygon) in &split.bridge {
-            self.bridge(i, polygon, &mut paths);
+            self.bridge(i, polygon, angle_rad, &mut paths);
             paths.drain(..).for_each(|p| add(*island, p));
         }
         tally
@@ -111,8 +117,12 @@ impl Steps<'_> {
             return tally;
         }
         let role = if density.is_dense() { Role::SolidFill } else { Role::SparseFill };
-        let pattern = self.pattern(self.settings.infill.pattern);
-        let asked = RegionFill { density, role, pattern, grain: self.grain };
+        let pattern = match &self.settings.infill.several {
+            Some(several) => several,
+            None => self.pattern(self.settings.infill.pattern),
+        };
+        let one_path = self.is_continuous();
+        let asked = RegionFill { density, role, pattern, grain: self.grain, one_path, angle_rad: None };
         let mut paths = Vec::new();
         for regions in split.sparse.chunk_by(|a, b| a.0 == b.0) {
             tally = tally.and(self.fill_island(i, regions, &asked, self.fibre, &mut paths));
@@ -132,6 +142,7 @@ impl Steps<'_> {
         out: &mut Vec<Toolpath>,
     ) -> Tally {
         let mut context = self.context(i, asked.density, asked.role);
+        context.angle_rad = asked.angle_rad.unwrap_or(context.angle_rad);
         let Some(fibre) = fibre else {
             let regions: Vec<&Polygon> = regions.iter().map(|r| &r.1).collect();
             self.fill_regions(i, &context, &regions, asked, out);
@@ -176,7 +187,7 @@ impl Steps<'_> {
         asked: &RegionFill<'_>,
         out: &mut Vec<Toolpath>,
     ) {
-        if self.is_continuous() {
+        if asked.one_path {
             let mut notes = Vec::new();
             self.settings.infill.continuous.lay_island(context, regions, out, &mut notes);
             self.note(i, context.role, notes);
@@ -213,14 +224,13 @@ impl Steps<'_> {
         }
     }
 
-    fn bridge(&self, i: usize, polygon: &Polygon, out: &mut Vec<Toolpath>) {
+    /// Fills a bridge. Where no direction of its lines is held at both ends they have the direction of skins.
+    fn bridge(&self, i: usize, polygon: &Polygon, skin_rad: Option<f64>, out: &mut Vec<Toolpath>) {
         let mut context = self.context(i, Density::Dense, Role::Bridge);
         // The first layer has no bridges, so there is a layer below.
         let below = self.stack.layers()[i - 1].region();
-        // Where no direction is supported at both ends the raster angle of the layer stays.
-        if let Some(angle) = bridge_angle_rad(polygon, below, context.spacing_mm()) {
-            context.angle_rad = angle;
-        }
+        let held = bridge_angle_rad(polygon, below, context.spacing_mm());
+        context.angle_rad = held.or(skin_rad).unwrap_or(context.angle_rad);
         let first = out.len();
         Solid.fill(&context, polygon, out);
         for path in &mut out[first..] {

@@ -39,7 +39,7 @@ use grainpath_job::Settings;
 use grainpath_job::choices::{GuideKind, Pattern, SupportStyle};
 pub use place::{PlaceSettings, Placed, Sliced, mesh_and_layers, placed_mesh};
 use place::{check_bed, outside_bed, part_bounds, plate_from_part};
-pub use steps::{ExtrudedMass, FilledLayers, InfillSettings, LayerWalls, StepSettings, Steps};
+pub use steps::{ExtrudedMass, FilledLayers, InfillSettings, LayerWalls, RasterAngles, StepSettings, Steps};
 
 /// The inputs of a job whose shape is a mesh, already read.
 pub struct Inputs {

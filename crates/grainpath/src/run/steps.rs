@@ -34,7 +34,7 @@ use grainpath_job::choices::{BeadEnds, Pattern};
 use rayon::prelude::*;
 
 use crate::fibre::{FibreSettings, Tally};
-use crate::fill::{Continuous, FillContext, Note};
+use crate::fill::{Continuous, FillContext, Note, SideBySide};
 use crate::guide::Guide;
 use crate::guide::field::FieldGuide;
 use crate::guide::grain::GrainGuide;
@@ -92,8 +92,13 @@ pub struct InfillSettings {
     pub material: ExtrudedMass,
     /// Properties of beads with fibre.
     pub fibre_material: ExtrudedMass,
-    /// Raster angles, used in turn from layer to layer.
-    pub angles_rad: Vec<f64>,
+    /// Raster angles.
+    pub angles: RasterAngles,
+    /// Raster angles of skins over sparse infill, which are straight lines then; `None` where skins are laid as dense
+    /// infill is.
+    pub skin_angles: Option<RasterAngles>,
+    /// Sparse lines of several beads; `None` for single ones.
+    pub several: Option<SideBySide>,
     /// The direction of all infill, where the guide is one angle.
     pub guide_angle_rad: Option<f64>,
     /// Direction for patterns that follow a field, where no guide gives one.
@@ -110,6 +115,23 @@ pub struct InfillSettings {
     pub ends: BeadEnds,
     /// Cells and widths of the pattern `continuous`.
     pub continuous: Continuous,
+}
+
+/// Raster angles, used in turn from layer to layer, for ranges of layers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RasterAngles {
+    /// First layer of each range, counted from 0, and its angles in radians, from the lowest range upwards. A layer
+    /// without angles has 0.
+    pub ranges: Vec<(usize, Vec<f64>)>,
+}
+
+impl RasterAngles {
+    /// The angle of a layer, counted from 0; where the pattern does not `turn`, the first one of its range.
+    pub fn of_layer(&self, layer_idx: usize, turn: bool) -> f64 {
+        let Some((first, angles)) = self.ranges.iter().rev().find(|r| r.0 <= layer_idx) else { return 0.0 };
+        let turns = if turn { layer_idx - first } else { 0 };
+        turns.checked_rem(angles.len()).map_or(0.0, |k| angles[k])
+    }
 }
 
 /// Density and flow, which turn the volume of a path into its mass.
@@ -382,6 +404,9 @@ impl<'a> Steps<'a> {
                 (layers[i].height_mm() - layers[j].height_mm()).abs() < 1e-9
                     // A bridge depends on the layer below as well.
                     && skins[k].bridge.is_empty()
+                    // Skins with angles of their own turn from layer to layer.
+                    && (self.settings.infill.skin_angles.is_none()
+                        || (skins[k].top.is_empty() && skins[k].solid.is_empty()))
                     && skins[k] == skins[other]
                     && self.guide.is_none_or(|g| g.same(i, j))
                     && self.grain.is_none_or(GrainGuide::is_upright)

@@ -1,0 +1,163 @@
+//! Several beads side by side in each line of a sparse pattern.
+//!
+//! The beads of a line weld to each other, and in the layer the line bends `n^2` times less than as many single lines: its
+//! second moment of area grows with the cube of its width. Lines are `n` times as far apart as single ones, so that the
+//! volume stays what the density says.
+//!
+//! Straight lines become `n` rows of one zigzag, a bead's spacing `s` apart. Loops along the border come in groups of
+//! `n`. Around every other line, nested loops are laid:
+//!
+//! ```text
+//!      ______________________      border of the region
+//!     |  __  |      |  __  |       n = 4: the outer loop keeps 1.5 s from the line, the inner
+//!     | |  | |      | |  | |       one 0.5 s; for an odd n the line itself is the middle bead
+//! ```
+//!
+//! Loop `r` from its line is the border of all that lies within `r` of any line, cut by the region shrunk by `R - r`, where
+//! `R` is the radius of the outermost loop. So loops of lines that meet run around both, no two loops cross, and their
+//! ends lie side by side along the border too. Units: mm. Cost: `n / 2` unions of the bands around all lines, n log n in
+//! their vertices. Limits: where lines come nearer to each other than their own width, as streamlines may, beads are
+//! left out, and the density comes out lower.
+
+use grainpath_core::poly::{FillRule, Join, LineClipper};
+use grainpath_core::{DVec3, Density, DirectionField, DirectionSample, Polygon, Region, Toolpath};
+use grainpath_job::choices::Pattern;
+
+use super::{FillContext, Infill, concentric, honeycomb, infill, rectilinear};
+
+/// A pattern whose sparse lines are several beads wide.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SideBySide {
+    /// The pattern.
+    pub pattern: Pattern,
+    /// Number of beads in a line.
+    pub beads: usize,
+}
+
+/// Shorter loops are left out, in bead widths. Source: derived. The loop around a line that is a point has a length of pi
+/// widths; a shorter one has no middle.
+const SHORTEST_LOOP: f64 = 3.0;
+
+impl Infill for SideBySide {
+    fn fill(&self, context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
+        let n = self.beads;
+        if context.density.is_dense() {
+            return infill(self.pattern).fill(context, infill_region, out);
+        }
+        match self.pattern {
+            Pattern::Rectilinear | Pattern::Aligned => {
+                rectilinear::crossed(context, infill_region, 1, n, out)
+            }
+            Pattern::Grid => rectilinear::crossed(context, infill_region, 2, n, out),
+            Pattern::Triangles => rectilinear::crossed(context, infill_region, 3, n, out),
+            Pattern::Concentric => concentric::loops(context, infill_region, n, out),
+            Pattern::Honeycomb => {
+                let room = self.beyond(context, infill_region);
+                let mut lines = Vec::new();
+                // Hexagons with sides shorter than a line is wide are no hexagons.
+                if room.iter().all(|p| honeycomb::waves(context, p, n, &mut lines)) {
+                    self.loops(context, infill_region, &lines, out);
+                } else {
+                    rectilinear::crossed(context, infill_region, 1, n, out);
+                }
+            }
+            Pattern::Gyroid => {
+                let wider = FillContext { density: self.share(context), ..*context };
+                let mut lines = Vec::new();
+                for room in self.beyond(context, infill_region) {
+                    infill(self.pattern).fill(&wider, &room, &mut lines);
+                }
+                self.loops(context, infill_region, &lines, out);
+            }
+            Pattern::Stripes | Pattern::Streamlines => {
+                let own =
+                    context.field.map(|field| Widened { field, beads: n, least_mm: context.spacing_mm() });
+                let field = own.as_ref().map(|own| own as &dyn DirectionField);
+                let wider = FillContext { density: self.share(context), field, ..*context };
+                let mut lines = Vec::new();
+                // The field is known in the region alone, so lines end at its border.
+                infill(self.pattern).fill(&wider, infill_region, &mut lines);
+                self.loops(context, infill_region, &lines, out);
+            }
+            // Refused when a job is read.
+            Pattern::SeedLines | Pattern::Continuous => {
+                infill(self.pattern).fill(context, infill_region, out);
+            }
+        }
+    }
+}
+
+impl SideBySide {
+    /// The density of the lines alone, without the beads at their sides.
+    fn share(&self, context: &FillContext<'_>) -> Density {
+        Density::new(context.density.fraction() / self.beads as f64)
+    }
+
+    /// The region with so much around it that the ends of lines that leave it are cut off with the region.
+    fn beyond(&self, context: &FillContext<'_>, infill_region: &Polygon) -> Vec<Polygon> {
+        let room = Region::from(infill_region.clone());
+        room.offset((0.5 * self.beads as f64 + 1.0) * context.spacing_mm(), Join::Round).polygons
+    }
+
+    /// Lays the beads of lines that are given by their middles.
+    fn loops(
+        &self,
+        context: &FillContext<'_>,
+        infill_region: &Polygon,
+        lines: &[Toolpath],
+        out: &mut Vec<Toolpath>,
+    ) {
+        let s = context.spacing_mm();
+        let outermost = 0.5 * (self.beads - 1) as f64 * s;
+        let whole = Region::from(infill_region.clone());
+        let room = |r: f64| whole.offset(r - outermost, Join::Miter(3.0));
+        if self.beads % 2 == 1 {
+            let clipper = LineClipper::new(&room(0.0));
+            for line in lines {
+                let mut points = line.points.clone();
+                // A closed line is clipped as an open one that ends where it began.
+                points.extend(line.closed.then(|| line.start()));
+                let pieces = clipper.clip(&points);
+                let uncut = line.closed && pieces.len() == 1 && pieces[0].points.len() == points.len();
+                if uncut {
+                    out.push(line.clone());
+                    continue;
+                }
+                let piece = |points| Toolpath::new(points, context.bead_width_mm, context.role, false);
+                let all = pieces.into_iter().map(|p| piece(p.points));
+                out.extend(all.filter(|p| p.length_mm() > context.bead_width_mm));
+            }
+        }
+        let mut r = outermost;
+        while r > 0.25 * s {
+            let bands: Vec<Region> =
+                lines.iter().map(|l| Region::around_line(&l.points, l.closed, r)).collect();
+            let all = bands.iter().flat_map(Region::contours);
+            let band = Region::from_contours(all, FillRule::NonZero).intersection(&room(r));
+            for contour in band.contours() {
+                let path = Toolpath::new(contour.clone(), context.bead_width_mm, context.role, true);
+                if path.length_mm() > SHORTEST_LOOP * context.bead_width_mm {
+                    out.push(path);
+                }
+            }
+            r -= s;
+        }
+    }
+}
+
+/// A field whose own spacing is that of single beads, for lines of several.
+struct Widened<'a> {
+    field: &'a dyn DirectionField,
+    beads: usize,
+    least_mm: f64,
+}
+
+impl DirectionField for Widened<'_> {
+    fn sample(&self, p: DVec3) -> DirectionSample {
+        self.field.sample(p)
+    }
+
+    fn spacing_mm(&self, p: DVec3) -> Option<f64> {
+        self.field.spacing_mm(p).map(|mm| mm.max(self.least_mm) * self.beads as f64)
+    }
+}

@@ -1,0 +1,199 @@
+//! Raster angles per range of layers and of skins, and lines of several beads: what a pattern lays, and from a job to paths
+//! in order.
+
+use grainpath::fill::{FillContext, Infill, SideBySide};
+use grainpath::run::{Steps, config};
+use grainpath_core::math::direction;
+use grainpath_core::poly::{FillRule, Join};
+use grainpath_core::units::bead_spacing_mm;
+use grainpath_core::{
+    Bounds2, DVec2, Density, Diagnostics, Layer, LayerPlan, LayerStack, Polygon, Region, Role, Toolpath,
+    UniformField,
+};
+use grainpath_job::choices::{Choice, Pattern};
+use grainpath_job::parse_job;
+
+static FIELD: UniformField = UniformField { axis_rad: 0.4 };
+
+/// A square, and a disc with a hole that is not in its middle.
+fn regions() -> [Polygon; 2] {
+    let disc = |r: f64, n: usize, at: DVec2| {
+        (0..n).map(|i| at + r * direction(i as f64 / n as f64 * std::f64::consts::TAU)).collect::<Vec<_>>()
+    };
+    let hole = disc(9.0, 60, DVec2::new(8.0, 3.0)).into_iter().rev().collect();
+    let square = Region::rectangle(DVec2::splat(-32.0), DVec2::splat(32.0)).polygons.remove(0);
+    [square, Polygon { outer: disc(36.0, 120, DVec2::ZERO), holes: vec![hole] }]
+}
+
+fn context(density: f64, angle_rad: f64, z_mid_mm: f64) -> FillContext<'static> {
+    FillContext {
+        z_mid_mm,
+        height_mm: 0.2,
+        bead_width_mm: 0.45,
+        density: Density::new(density),
+        angle_rad,
+        part: Bounds2 { min: DVec2::splat(-40.0), max: DVec2::splat(40.0) },
+        role: Role::SparseFill,
+        border_mm: 0.5 * bead_spacing_mm(0.45, 0.2),
+        field: Some(&FIELD),
+    }
+}
+
+fn wide_patterns() -> impl Iterator<Item = Pattern> {
+    Pattern::ALL.iter().copied().filter(|p| p.takes_several_beads())
+}
+
+fn laid(several: &SideBySide, context: &FillContext<'_>, region: &Polygon) -> Vec<Toolpath> {
+    let mut paths = Vec::new();
+    several.fill(context, region, &mut paths);
+    paths
+}
+
+#[test]
+fn lines_of_several_beads_have_the_density_asked_for() {
+    let mut wrong = Vec::new();
+    for (pattern, (name, region)) in
+        wide_patterns().flat_map(|p| ["square", "disc"].into_iter().zip(regions()).map(move |r| (p, r)))
+    {
+        for (beads, density) in [(2, 0.2), (3, 0.3), (4, 0.4)] {
+            let several = SideBySide { pattern, beads };
+            // A whole number of periods of the gyroid would show a part of its heights only.
+            let layers = if pattern == Pattern::Gyroid { 11 } else { 2 };
+            let one = |k: usize| {
+                let context = context(density, 0.8 + 1.5 * (k % 2) as f64, 0.1 + 1.7 * k as f64);
+                laid(&several, &context, &region).iter().map(|p| p.volume_mm3(0.2)).sum::<f64>()
+            };
+            let volume: f64 = (0..layers).map(one).sum();
+            let found = volume / (region.area_mm2() * 0.2 * layers as f64);
+            // The tolerance of single lines: what joins lines along the border comes on top.
+            if (found - density).abs() > 0.036_f64.max(0.12 * density) {
+                wrong.push(format!("{} of {beads} on {name} at {density}: {found:.3}", pattern.name()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_rows_of_a_line_are_a_spacing_apart_and_lines_as_far_as_the_density_says() {
+    let context = context(0.25, 0.0, 0.1);
+    let several = SideBySide { pattern: Pattern::Aligned, beads: 3 };
+    let [square, _] = regions();
+    let mut rows: Vec<f64> = Vec::new();
+    for (a, b) in laid(&several, &context, &square).iter().flat_map(|p| p.points.iter().zip(&p.points[1..])) {
+        if a.y == b.y && (a.x - b.x).abs() > 60.0 {
+            rows.push(a.y);
+        }
+    }
+    rows.sort_by(f64::total_cmp);
+    let s = context.spacing_mm();
+    let step = 3.0 * s / 0.25;
+    assert_eq!(rows.len(), 3 * (64.0 / step).round() as usize, "{rows:?}");
+    // The middle row of a group lies where a single line would.
+    assert!(rows.iter().any(|y| y.abs() < 1e-9), "{rows:?}");
+    for (k, pair) in rows.windows(2).enumerate() {
+        let expected = if k % 3 == 2 { step - 2.0 * s } else { s };
+        assert!((pair[1] - pair[0] - expected).abs() < 1e-9, "row {k}: {pair:?}, {expected}");
+    }
+}
+
+#[test]
+fn beads_lie_beside_each_other_inside_the_region() {
+    let [_, region] = regions();
+    let grown = Region::from(region.clone()).offset(2e-3, Join::Miter(3.0));
+    for pattern in [Pattern::Gyroid, Pattern::Honeycomb, Pattern::Streamlines, Pattern::Concentric] {
+        for beads in [2, 3, 5] {
+            let context = context(0.3, 0.3, 1.3);
+            let several = SideBySide { pattern, beads };
+            let paths = laid(&several, &context, &region);
+            assert_eq!(paths, laid(&several, &context, &region), "the same again");
+            for p in paths.iter().flat_map(|p| &p.points) {
+                assert!(grown.contains(*p), "{} of {beads}: {p} is outside", pattern.name());
+            }
+            // Strips of beads that lie on each other would cover less than their length says.
+            let s = context.spacing_mm();
+            let strips: Vec<Region> =
+                paths.iter().map(|p| Region::around_line(&p.points, p.closed, 0.5 * s)).collect();
+            let covered = Region::from_contours(strips.iter().flat_map(Region::contours), FillRule::NonZero);
+            let asked: f64 = paths.iter().map(|p| p.length_mm() * s).sum();
+            let share = covered.area_mm2() / asked;
+            assert!(share > 0.96, "{} of {beads}: {share:.4}", pattern.name());
+        }
+    }
+}
+
+/// Plans a box of 30 x 20 mm and 20 layers.
+fn planned(sets: &[&str]) -> Vec<LayerPlan> {
+    let sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();
+    let settings = parse_job("", "job.toml", &sets, &|path| Err(path.to_owned())).expect("a sound job");
+    let section = || Region::rectangle(DVec2::ZERO, DVec2::new(30.0, 20.0));
+    let layer = |i: usize| Layer::new(0.2 * (i + 1) as f64, 0.2, section()).expect("a sound layer");
+    let stack = LayerStack::new((0..20).map(layer).collect()).expect("heights rise");
+    let (step_settings, order) = (config::steps(&settings), config::order(&settings));
+    let mut layers = Vec::new();
+    Steps::new(&step_settings, &stack)
+        .in_windows(20, settings.fill.density, &order, &Diagnostics::default(), |layer| layers.push(layer))
+        .expect("not stopped");
+    layers
+}
+
+/// The direction in which most length of a role lies, whole degrees from 0 to 179.
+fn angle_deg(layer: &LayerPlan, role: Role) -> Option<i64> {
+    let mut length = vec![0.0; 180];
+    for path in layer.paths.iter().map(|p| &p.path).filter(|p| p.role == role) {
+        for i in 0..path.n_segments() {
+            let (a, b, _) = path.segment(i);
+            let deg = (b - a).to_angle().to_degrees().round() as i64;
+            length[deg.rem_euclid(180) as usize] += a.distance(b);
+        }
+    }
+    let (deg, most) = (0..).zip(&length).max_by(|a, b| a.1.total_cmp(b.1))?;
+    (*most > 0.0).then_some(deg)
+}
+
+#[test]
+fn each_range_of_layers_has_its_own_angles_and_skins_theirs() {
+    let angles = "fill.angles_deg={ layers = { \"1-10\" = [0], \"11-\" = [30, 120] } }";
+    let common = ["fill.pattern=rectilinear", "process.top_layers=2", "process.bottom_layers=3", angles];
+    let layers = planned(&common);
+    let skins = planned(&[&common[..], &["fill.skin_angles_deg=[10, 100]"]].concat());
+    for (k, (layer, other)) in layers.iter().zip(&skins).enumerate() {
+        let inside = (3..18).contains(&k);
+        let role = match k {
+            19 => Role::TopSkin,
+            _ if inside => Role::SparseFill,
+            _ => Role::SolidFill,
+        };
+        // The top layer has no layer above, so all of its skin is seen; skins between are solid fill.
+        let role = if k == 19 && angle_deg(layer, role).is_none() { Role::SolidFill } else { role };
+        let infill = if k < 10 { 0 } else { [30, 120][(k - 10) % 2] };
+        assert_eq!(angle_deg(layer, role), Some(infill), "layer {k}");
+        let skin = [10, 100][k % 2];
+        assert_eq!(angle_deg(other, role), Some(if inside { infill } else { skin }), "layer {k}");
+    }
+}
+
+#[test]
+fn lines_of_several_beads_keep_the_volume_of_the_plan() {
+    let volume = |sets: &[&str]| -> f64 {
+        let sparse = |layer: &LayerPlan| {
+            let paths = layer.paths.iter().map(|p| &p.path).filter(|p| p.role == Role::SparseFill);
+            paths.map(|p| p.volume_mm3(0.2)).sum::<f64>()
+        };
+        planned(sets).iter().map(sparse).sum()
+    };
+    let common = ["fill.pattern=grid", "fill.density=0.3", "fill.angles_deg=[37]"];
+    let single = volume(&common);
+    let mut paths = Vec::new();
+    for lines in ["fill.lines=2", "fill.lines=3"] {
+        let several = volume(&[&common[..], &[lines]].concat());
+        paths.push(several / single);
+        assert!(
+            (several / single - 1.0).abs() < 0.08,
+            "{lines}: {several:.2} mm3, single lines {single:.2} mm3"
+        );
+    }
+    println!("volume of lines of 2 and 3 beads over that of single ones: {paths:.3?}");
+    // Density::Dense would leave nothing to compare.
+    assert!(Density::new(0.3) != Density::Dense && single > 100.0);
+}
