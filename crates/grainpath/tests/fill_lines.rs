@@ -194,6 +194,6 @@ fn lines_of_several_beads_keep_the_volume_of_the_plan() {
         );
     }
     println!("volume of lines of 2 and 3 beads over that of single ones: {paths:.3?}");
-    // Density::Dense would leave nothing to compare.
-    assert!(Density::new(0.3) != Density::Dense && single > 100.0);
+    // 11 sparse layers of about 28 x 18 mm at 0.3; what joins single lines along the border adds a fifth.
+    assert!((1.0..1.3).contains(&(single / (11.0 * 0.2 * 28.0 * 18.0 * 0.3))), "{single}");
 }
