@@ -1,5 +1,6 @@
 //! Inputs of commands: job files and the files they name, with their settings.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
@@ -15,6 +16,7 @@ use grainpath_io::image::decode_luma;
 use grainpath_io::volume::{Files, RawHeader, ReadSeek, open_volume};
 use grainpath_io::{MeshFile, parse_mesh, parse_outline};
 use grainpath_job::choices::GuideKind;
+use grainpath_job::regions::RegionPlace;
 use grainpath_job::{Settings, parse_job};
 
 use crate::claims::Claims;
@@ -93,6 +95,11 @@ pub fn claim_inputs(settings: &Settings, shape: &Path, base: &Path, claims: &mut
     for (what, file) in photos.chain(images).chain(others).filter(|(_, f)| !f.is_empty()) {
         claims.read(what, &base.join(file));
     }
+    for region in &settings.regions {
+        if let RegionPlace::Mesh(file) = &region.on {
+            claims.read("of a region", &base.join(file));
+        }
+    }
 }
 
 /// Reads a job's inputs and plans it; the number is the time for reading, in seconds.
@@ -152,7 +159,8 @@ pub fn plan_given(
     let read_s = start.elapsed().as_secs_f64();
     let planned = match read {
         Handed::Mesh(mesh) => {
-            let inputs = grainpath::Inputs { mesh, path, stress, directions, photos, texture };
+            let regions = read_regions(settings, base)?;
+            let inputs = grainpath::Inputs { mesh, path, stress, directions, photos, texture, regions };
             grainpath::plan_job(settings, inputs, diagnostics)?
         }
         Handed::Layers(stack) => {
@@ -204,6 +212,20 @@ pub fn read_body(
             .map_err(|source| grainpath::Error::Shape { path: shown, source })?
     };
     Ok((file, start.elapsed().as_secs_f64()))
+}
+
+/// The meshes of the job's regions, by the index of the region.
+pub fn read_regions(settings: &Settings, base: &Path) -> Result<BTreeMap<usize, MeshFile>, Failure> {
+    let mut all = BTreeMap::new();
+    for (k, region) in settings.regions.iter().enumerate() {
+        if let RegionPlace::Mesh(file) = &region.on {
+            let path = base.join(file);
+            let (bytes, shown) = (files::read(&path)?, path.display().to_string());
+            let mesh = parse_mesh(&bytes, Some(&shown));
+            all.insert(k, mesh.map_err(|source| grainpath::Error::Mesh { path: shown, source })?);
+        }
+    }
+    Ok(all)
 }
 
 /// The photographs whose grain the job follows; empty for jobs without one.

@@ -1,6 +1,7 @@
 //! Checks of settings against each other.
 
 use crate::choices::{Choice, FibreStart, FibreToolKind, GrainMode, GuideKind, Pattern};
+use crate::regions::{JobRegion, RegionPlace};
 use crate::settings::{MaterialSection, Settings};
 
 /// Checks all settings of a job against each other. The error names the settings that do not fit
@@ -73,7 +74,24 @@ pub fn check(s: &Settings) -> Result<(), String> {
                 .into(),
         );
     }
-    check_lines(s)
+    check_lines(s)?;
+    check_regions(s)
+}
+
+/// Checks the settings that hold in each region as those of a job.
+fn check_regions(s: &Settings) -> Result<(), String> {
+    if !s.regions.is_empty() && s.fibre.enabled {
+        return Err("[[region]] is not for fibre.enabled = true; fibre.boxes_mm and fibre.layers say where fibre lies".into());
+    }
+    let of_file = s.ct.path.is_empty() && s.photo.files.is_empty();
+    let one = |(k, region): (usize, &JobRegion)| {
+        if !of_file && matches!(region.on, RegionPlace::Mesh(_) | RegionPlace::Face { .. }) {
+            let number = k + 1;
+            return Err(format!("region[{number}].on: mesh and face are for parts from meshes and outlines"));
+        }
+        check(&s.in_region(region)).map_err(|problem| format!("in region[{}]: {problem}", k + 1))
+    };
+    s.regions.iter().enumerate().try_for_each(one)
 }
 
 /// Checks beads side by side in the lines of sparse infill.

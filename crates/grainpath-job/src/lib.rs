@@ -34,6 +34,7 @@ mod layer_angles;
 pub mod loads;
 mod parse;
 mod profiles;
+pub mod regions;
 mod renamed;
 mod schema;
 mod settings;
@@ -44,6 +45,7 @@ pub use error::{JobError, Location};
 pub use layer_angles::{AngleRange, LayerAngles};
 pub use parse::{FORMAT, parse_job};
 pub use profiles::{PROFILES, Profile, profile};
+pub use regions::JobRegion;
 pub use renamed::{RENAMED, Renamed};
 pub use schema::{json_schema, markdown};
 pub use settings::{

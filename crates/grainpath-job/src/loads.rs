@@ -105,7 +105,7 @@ pub struct Case {
 
 /// Largest number that is accepted. Source: derived. Larger ones are typing errors. Below it, squares and their sums stay
 /// far from overflow.
-const MAX_NUMBER: f64 = 1e12;
+pub(super) const MAX_NUMBER: f64 = 1e12;
 
 /// The keys that state the kind of a load.
 const LOAD_KINDS: &str =
@@ -114,11 +114,11 @@ const LOAD_KINDS: &str =
 const PLACES: &str = "on = { face, box_mm, turned_box, plane, cylinder, sphere or facets }";
 
 /// Reads the entries of a table one by one. Errors name the entry.
-struct Reader<'a>(&'a Table);
+pub(super) struct Reader<'a>(pub(super) &'a Table);
 
 impl<'a> Reader<'a> {
     /// The table in `value`. Keys that are not in `known` are an error.
-    fn new(value: &'a Value, expected: &'static str, known: &[&str]) -> Result<Self, ValueError> {
+    pub(super) fn new(value: &'a Value, expected: &'static str, known: &[&str]) -> Result<Self, ValueError> {
         let wrong = || Problem::Kind { expected, found: value.to_string() };
         let table = value.as_table().ok_or_else(wrong)?;
         if let Some(key) = table.keys().find(|k| !known.contains(&k.as_str())) {
@@ -129,7 +129,7 @@ impl<'a> Reader<'a> {
         Ok(Self(table))
     }
 
-    fn get<T: SettingValue>(&self, key: &str, range: (f64, f64)) -> Result<Option<T>, ValueError> {
+    pub(super) fn get<T: SettingValue>(&self, key: &str, range: (f64, f64)) -> Result<Option<T>, ValueError> {
         let Some(value) = self.0.get(key) else { return Ok(None) };
         // The range is checked number by number, so that the message can name the number that is outside.
         let read = T::from_toml(value).and_then(|read| {
@@ -165,7 +165,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-fn needed<T>(found: Option<T>, expected: &'static str) -> Result<T, ValueError> {
+pub(super) fn needed<T>(found: Option<T>, expected: &'static str) -> Result<T, ValueError> {
     Ok(found.ok_or(Problem::Missing { expected })?)
 }
 
@@ -192,9 +192,15 @@ fn place(value: &Value) -> Result<Place, ValueError> {
 }
 
 fn read_box(value: &Value) -> Result<Selection, ValueError> {
+    let [low, high] = read_corners(value)?;
+    Ok(Selection::Box { low, high })
+}
+
+/// The lowest and the highest corner of a box.
+pub(super) fn read_corners(value: &Value) -> Result<[DVec3; 2], ValueError> {
     let [a, b] = <[[f64; 3]; 2]>::from_toml(value)?.map(DVec3::from);
     // Corners may be given in any order.
-    Ok(Selection::Box { low: a.min(b), high: a.max(b) })
+    Ok([a.min(b), a.max(b)])
 }
 
 fn read_centrifugal(value: &Value) -> Result<Push, ValueError> {
@@ -206,7 +212,7 @@ fn read_centrifugal(value: &Value) -> Result<Push, ValueError> {
     })
 }
 
-fn read_face(value: &Value) -> Result<FaceName, ValueError> {
+pub(super) fn read_face(value: &Value) -> Result<FaceName, ValueError> {
     let wrong = || Problem::Kind {
         expected: "a name as \"f:9c1e\", which `grainpath inspect FILE --faces` lists",
         found: value.to_string(),
@@ -309,7 +315,7 @@ fn place_text(place: &Place) -> String {
     }
 }
 
-fn vector_text(v: DVec3) -> String {
+pub(super) fn vector_text(v: DVec3) -> String {
     format!("[{}, {}, {}]", v.x, v.y, v.z)
 }
 
@@ -319,7 +325,7 @@ fn vector_schema() -> serde_json::Value {
 }
 
 /// Schema of a table with these keys.
-fn table_schema(properties: &serde_json::Value, required: &[&str]) -> serde_json::Value {
+pub(super) fn table_schema(properties: &serde_json::Value, required: &[&str]) -> serde_json::Value {
     json!({
         "type": "object",
         "additionalProperties": false,

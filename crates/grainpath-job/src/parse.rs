@@ -7,10 +7,11 @@ use toml::{Table, Value};
 use super::combinations::{self, strengths};
 use super::error::{JobError, Location};
 use super::profiles::{KINDS, PROFILES, profile};
+use super::regions::JobRegion;
 use super::renamed::{new_key, new_word};
 use super::settings::{MaterialSection, Settings};
 use super::source::Source;
-use super::value::{Problem, Step};
+use super::value::{Check, Problem, Step, read};
 
 /// Version of the job file format that this version of grainpath writes, and the newest that it reads.
 pub const FORMAT: i64 = 1;
@@ -161,6 +162,14 @@ fn profile_text(
 /// Applies the sections of the file.
 fn apply_file(settings: &mut Settings, job: &Source<'_>) -> Result<(), JobError> {
     for (section, rows) in job.table.iter().filter(|(key, _)| *key != "format") {
+        if section == "region" {
+            settings.regions = read::<Vec<JobRegion>>(rows, Check::Any).map_err(|error| JobError::Value {
+                location: job.location(&[section], &error.path),
+                key: section.clone(),
+                error: Box::new(error),
+            })?;
+            continue;
+        }
         if !Settings::SECTIONS.contains(&section.as_str()) {
             let nearest = nearest(section, Settings::SECTIONS);
             let location = job.location(&[section], &[]);
@@ -420,6 +429,30 @@ mod tests {
             (
                 "[fill]\nskin_angles_deg = [0]\ndensity = 1\n",
                 "job.toml: fill.skin_angles_deg is for skins over sparse infill; with fill.density = 1 there is none",
+            ),
+            (
+                "[[region]]\non = { layers = [[1, 10]] }\n[[region]]\non = { layers = [[3, 2]] }\n",
+                "job.toml:4: region[2].on.layers[1] should be [first, last] counted from 1, is [3, 2]",
+            ),
+            (
+                "[[region]]\non = { layers = [[1, 10]] }\nfill = { patern = \"grid\" }\n",
+                "job.toml:3: region[1].fill has an unknown key `patern`; did you mean `pattern`?",
+            ),
+            (
+                "[[region]]\non = { face = \"f:9c1e\" }\n",
+                "job.toml:2: region[1].on needs depth_mm beside face",
+            ),
+            (
+                "[[region]]\non = { box_mm = [[0, 0, 0], [1, 1, 1]], layers = [[1, 2]] }\n",
+                "job.toml:2: region[1].on should have exactly one of box_mm, layers, mesh, face",
+            ),
+            (
+                "[[region]]\nfill = { density = 0.5 }\n",
+                "job.toml:1: region[1] needs on = { box_mm, layers, mesh",
+            ),
+            (
+                "[[region]]\non = { layers = [[1, 2]] }\nfill = { pattern = \"stripes\" }\n",
+                "job.toml: in region[1]: fill.pattern = \"stripes\" needs a guide",
             ),
             ("[fill]\nlines = 9\n", "job.toml:2: fill.lines should be from 1 to 8, is 9"),
             (

@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use serde_json::{Map, Value, json};
 
+use super::regions::JobRegion;
 use super::settings::Settings;
-use super::value::{Check, Param};
+use super::value::{Check, Param, SettingValue};
 
 /// JSON Schema (draft 2020-12) of a job file.
 ///
@@ -39,6 +40,9 @@ pub fn json_schema() -> Value {
             Some((outer, inner)) => sections[outer]["properties"][inner] = table,
         }
     }
+    let about = "Places with settings of their own; where they overlap, the later one counts.";
+    let regions = json!({ "type": "array", "items": JobRegion::schema(), "description": about });
+    sections.insert("region".into(), regions);
     let format = json!({
         "type": "integer",
         "minimum": 1,
@@ -126,8 +130,24 @@ pub fn markdown() -> String {
             let _ = writeln!(out, "| `{}` | {default} | {} | {allowed} | {help} |", p.key, p.unit);
         }
     }
+    out.push_str(REGIONS);
     out
 }
+
+/// The tables `[[region]]` on the reference page.
+const REGIONS: &str = concat!(
+    "\n## [[region]]\n\n",
+    "A place with settings of its own, any number of times; where two overlap, the later one counts. ",
+    "What a region leaves out is as in the rest of the part.\n\n",
+    "| key | what it does |\n|---|---|\n",
+    "| `on` | Where it lies, exactly one of: `{ box_mm = [[x, y, z], [x, y, z]] }`, two corners, with the part on the bed; ",
+    "`{ layers = [[1, 10]] }`, first and last layer counted from 1; `{ mesh = \"rib.stl\" }`, the inside of a mesh in the ",
+    "coordinates of the part's file; `{ face = \"f:9c1e\", depth_mm = 3 }`, what is within a depth below a face that ",
+    "`grainpath inspect --faces` names. |\n",
+    "| `fill` | `{ pattern, density, angles_deg, lines }`, as in [fill]. With `fill.mass_g` a region that states no density gets the one that is found. |\n",
+    "| `process` | `{ walls, top_layers, bottom_layers }`, as in [process]. |\n",
+    "| `guide` | `false`: infill does not follow the guide there. |\n",
+);
 
 #[cfg(test)]
 mod tests {

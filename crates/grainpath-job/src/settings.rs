@@ -12,6 +12,7 @@ use toml::Value;
 
 use super::layer_angles::LayerAngles;
 use super::loads::{Case, Fixture, Load};
+use super::regions::JobRegion;
 use super::value::{Check, Pair, Param, SettingValue, ValueError, read};
 use crate::choices::{
     Analysis, BeadEnds, BeadWidths, BedOrigin, Bend, BoardCorners, ByteOrder, CellTree, ComponentOrder,
@@ -447,6 +448,8 @@ pub struct Settings {
     pub support: SupportSection,
     pub strength: StrengthSection,
     pub output: OutputSection,
+    /// Regions with settings of their own, in the order of the file.
+    pub regions: Vec<JobRegion>,
     /// Warnings about what was assumed or overruled while the job was read. A run passes them on with its
     /// own.
     pub warnings: Vec<Warning>,
@@ -460,6 +463,35 @@ impl Settings {
             && self.fill.pattern == Pattern::Continuous
             && !self.fibre.enabled;
         self.guide.smoothing_mm.unwrap_or(if one_path { 0.25 } else { 0.5 })
+    }
+
+    /// The settings of the job as they hold in a region. They have no regions of their own.
+    #[must_use]
+    pub fn in_region(&self, region: &JobRegion) -> Self {
+        let mut s = Self { regions: Vec::new(), warnings: Vec::new(), ..self.clone() };
+        let (fill, process) = (&mut s.fill, &mut s.process);
+        fill.pattern = region.pattern.unwrap_or(fill.pattern);
+        if let Some(density) = region.density {
+            fill.density = density;
+            // The mass is met by the density of the rest of the part.
+            fill.mass_g = None;
+        }
+        if let Some(angles) = &region.angles_deg {
+            fill.angles_deg = angles.clone();
+        }
+        fill.lines = region.lines.unwrap_or(fill.lines);
+        // What dense infill has no room for is left out where the job, and not the region, asks for it.
+        if fill.density.is_dense() && fill.mass_g.is_none() {
+            fill.lines = region.lines.unwrap_or(1);
+            fill.skin_angles_deg = None;
+        }
+        process.walls = region.walls.unwrap_or(process.walls);
+        process.top_layers = region.top_layers.unwrap_or(process.top_layers);
+        process.bottom_layers = region.bottom_layers.unwrap_or(process.bottom_layers);
+        if !region.guide {
+            s.guide.kind = GuideKind::None;
+        }
+        s
     }
 
     /// Names of the sections, in the order in which they are shown.
@@ -550,7 +582,14 @@ impl Settings {
         let row = |(key, value): (String, String)| {
             usual.remove(&key).map(|p| Row { key, value, default: p.default, unit: p.unit })
         };
-        all.into_iter().flatten().filter_map(row).collect()
+        let region = |(k, r): (usize, &JobRegion)| Row {
+            key: format!("region[{}]", k + 1),
+            value: r.to_text(),
+            default: String::new(),
+            unit: "",
+        };
+        let regions = self.regions.iter().enumerate().map(region);
+        all.into_iter().flatten().filter_map(row).chain(regions).collect()
     }
 }
 

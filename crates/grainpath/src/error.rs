@@ -16,6 +16,7 @@ use crate::guide::field::FieldError;
 use crate::guide::grain::GrainError;
 use crate::measure::dimensions::DimensionError;
 use crate::measure::strength::StrengthError;
+use crate::region::RegionError;
 use crate::shape::ShapeError;
 
 /// Why a run ended early.
@@ -50,6 +51,8 @@ pub enum Error {
     Field { path: String, source: FieldError },
     #[error(transparent)]
     Fibre(#[from] FibreError),
+    #[error(transparent)]
+    Region(#[from] RegionError),
     #[error("strength: {0}")]
     Strength(#[from] StrengthError),
     #[error(transparent)]
@@ -80,6 +83,7 @@ impl Error {
             | Self::Job(_)
             | Self::Dimension(_)
             | Self::Fibre(_)
+            | Self::Region(_)
             | Self::Gcode(GcodeError::UnknownPlaceholder { .. } | GcodeError::Io(_)) => ErrorKind::Job,
             Self::Mesh { .. }
             | Self::Outline { .. }

@@ -9,6 +9,7 @@ pub mod run;
 pub mod error;
 pub mod measure;
 pub mod support;
+pub mod region;
 pub mod fibre;
 pub mod fill;
 pub mod order;

@@ -158,6 +158,7 @@ fn paths_along_a_scans_texture_agree_with_an_independent_tensor() {
             stress: None,
             photos: Vec::new(),
             texture: Some(open()),
+            regions: Default::default(),
         };
         let planned = grainpath::plan_job(&settings, inputs, &Diagnostics::default()).expect(name);
         let (mean, length) = mean_off(&planned, |p| {

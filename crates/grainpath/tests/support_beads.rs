@@ -97,6 +97,7 @@ fn printed(mesh: &TriMesh, sets: &[&str]) -> Outcome {
         directions: None,
         photos: Vec::new(),
         texture: None,
+        regions: Default::default(),
     };
     let planned = plan_job(&settings, inputs, &Diagnostics::default()).expect("a plan");
     let (air_mm, support_mm) = on_air_mm(&planned.plan.layers);

@@ -136,8 +136,15 @@ pub fn checked(
         None => read_stress(settings, base)?,
     };
     let path = shape.display().to_string();
-    let inputs =
-        grainpath::Inputs { mesh, path, stress, directions: None, photos: Vec::new(), texture: None };
+    let inputs = grainpath::Inputs {
+        mesh,
+        path,
+        stress,
+        directions: None,
+        photos: Vec::new(),
+        texture: None,
+        regions: Default::default(),
+    };
     Ok(grainpath::run::check_loads(settings, inputs, diagnostics)?)
 }
 

@@ -145,6 +145,7 @@ pub fn stress(
         directions: None,
         photos: Vec::new(),
         texture: None,
+        regions: Default::default(),
     };
     let guide = grainpath::run::check_loads(settings, inputs, diagnostics)?;
     let bottom_mm = config::placing(settings).lift_mm;

@@ -68,8 +68,15 @@ impl Engine for Planner {
         let wrong = |e: grainpath::Error| Refusal::input(e.to_string());
         let mesh = parse_mesh(&bytes, Some(&shown))
             .map_err(|source| wrong(grainpath::Error::Mesh { path: shown.clone(), source }))?;
-        let inputs =
-            Inputs { mesh, path: shown, stress: None, directions: None, photos: vec![], texture: None };
+        let inputs = Inputs {
+            mesh,
+            path: shown,
+            stress: None,
+            directions: None,
+            photos: vec![],
+            texture: None,
+            regions: Default::default(),
+        };
         let planned = plan_job(&settings, inputs, diagnostics).map_err(wrong)?;
         let mut gcode = Vec::new();
         write_gcode(&planned.plan, &planned.config, &[], &mut gcode).map_err(|e| wrong(e.into()))?;

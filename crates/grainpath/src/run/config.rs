@@ -26,7 +26,7 @@ use crate::guide::{StressSettings, TypedLoads};
 use crate::measure::strength::StrengthSettings;
 use crate::order::{CombSettings, OrderSettings};
 use crate::run::place::PlaceSettings;
-use crate::run::steps::{ExtrudedMass, InfillSettings, RasterAngles, StepSettings};
+use crate::run::steps::{ExtrudedMass, InfillSettings, RasterAngles, RegionSettings, StepSettings};
 use crate::shape::{Adaptive, Hole, PhotoBoard, Placement, SliceSettings, Standing};
 use crate::support::beads::BeadSettings;
 use crate::support::{Style, SupportSettings};
@@ -43,7 +43,7 @@ use grainpath_job::choices::{
     CurveJoin, Elasticity, FibreToolKind, FieldAngleUnit, FieldAxes, FileUnit, GrainMode, GuideKind,
     Interpolate, OutlineRule, SupportStyle,
 };
-use grainpath_job::{AngleRange, LayerAngles, MaterialSection, Settings};
+use grainpath_job::{AngleRange, JobRegion, LayerAngles, MaterialSection, Settings};
 
 /// Settings for reading the drawing of `shape.outline`, its unit included.
 pub fn outline(s: &Settings) -> OutlineOptions {
@@ -467,7 +467,13 @@ pub fn steps(s: &Settings) -> StepSettings {
             height_mm,
         },
         skirt_layers: p.skirt_layers,
+        regions: s.regions.iter().map(|r| region(s, r)).collect(),
     }
+}
+
+/// The settings that hold in a region of the job.
+fn region(s: &Settings, region: &JobRegion) -> RegionSettings {
+    RegionSettings { steps: steps(&s.in_region(region)), guided: region.guide }
 }
 
 /// Least density of columns and boxes: their walls alone would not carry the layers of the part

@@ -5,6 +5,7 @@
 //! is dense throughout is filled by its own pattern.
 
 use grainpath_core::math::direction;
+use grainpath_core::poly::edges;
 use grainpath_core::units::bead_spacing_mm;
 use grainpath_core::{DVec2, Density, DirectionField, Layer, Polygon, Region, Role, SpeedClass, Toolpath};
 use grainpath_job::choices::Pattern;
@@ -15,6 +16,7 @@ use crate::fill::curves::{Flow, lay_curves};
 use crate::fill::{Concentric, FillContext, Infill, SeedLines, Solid, Stripes, bridge_angle_rad, infill};
 use crate::guide::grain::GrainGuide;
 use crate::guide::grain::Mode;
+use crate::region::on_border;
 use crate::wall::skin::{IslandPolygon, SkinSplit};
 
 /// Fill of an infill region.
@@ -43,6 +45,31 @@ impl Steps<'_> {
         // Half a strip less the overlap, and half of what the outer wall's full width exceeds its
         // strip by.
         (0.5 - walls.fill_overlap) * s + 0.5 * (w - s)
+    }
+
+    /// Distance of centrelines from the border between two regions, mm. Straight lines and loops may lie on the edge of their
+    /// area, so that half their strip reaches beyond it; fills along a field keep `border_mm` by themselves.
+    pub(super) fn inset_mm(&self, layer: &Layer) -> f64 {
+        if self.settings.infill.pattern.follows_field() {
+            return self.border_mm(layer);
+        }
+        0.5 * bead_spacing_mm(self.settings.walls.bead_width_mm, layer.height_mm())
+    }
+
+    /// `wall_mm`, the distance of [`Self::border_mm`], for an area that a border between regions bounds in part: the mean over
+    /// its edges.
+    fn border_of(&self, layer_idx: usize, wall_mm: f64, infill_region: &Polygon) -> f64 {
+        let Some(areas) = self.areas.and_then(|a| a.of_layer(layer_idx)) else { return wall_mm };
+        let inset_mm = self.inset_mm(&self.stack.layers()[layer_idx]);
+        let (mut sum, mut length) = (0.0, 0.0);
+        for edge in infill_region.contours().flat_map(|c| edges(c)) {
+            let mm = edge.0.distance(edge.1);
+            // A tenth more than the inset, for the rounding of corners.
+            let own = if on_border(areas, edge, 1.1 * inset_mm) { inset_mm } else { wall_mm };
+            sum += mm * own;
+            length += mm;
+        }
+        if length > 0.0 { sum / length } else { wall_mm }
     }
 
     /// The direction of a layer's lines. Patterns that cross within a layer, and `aligned`, use the
@@ -101,6 +128,9 @@ impl Steps<'_> {
             self.bridge(i, polygon, angle_rad, &mut paths);
             paths.drain(..).for_each(|p| add(*island, p));
         }
+        for (region, split) in self.regions(split) {
+            tally = tally.and(region.dense_fill(i, split, add));
+        }
         tally
     }
 
@@ -112,6 +142,10 @@ impl Steps<'_> {
         add: &mut dyn FnMut(usize, Toolpath),
     ) -> Tally {
         let mut tally = Tally::default();
+        for (region, split) in self.regions(split) {
+            let density = self.density_in(region, density);
+            tally = tally.and(region.sparse_fill(i, split, density, add));
+        }
         // A density of zero is a hollow part.
         if density.fraction() <= 0.0 {
             return tally;
@@ -194,6 +228,8 @@ impl Steps<'_> {
             return;
         }
         for region in regions {
+            let context =
+                &FillContext { border_mm: self.border_of(i, context.border_mm, region), ..*context };
             match asked.grain {
                 Some(grain) => self.along_grain(grain, context, region, out),
                 None => asked.pattern.fill(context, region, out),
@@ -231,6 +267,7 @@ impl Steps<'_> {
         let below = self.stack.layers()[i - 1].region();
         let held = bridge_angle_rad(polygon, below, context.spacing_mm());
         context.angle_rad = held.or(skin_rad).unwrap_or(context.angle_rad);
+        context.border_mm = self.border_of(i, context.border_mm, polygon);
         let first = out.len();
         Solid.fill(&context, polygon, out);
         for path in &mut out[first..] {

@@ -12,11 +12,12 @@ mod place;
 mod infill;
 mod steps;
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SliceSource;
-use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, Role, TriMesh};
+use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, Role, TriMesh, Warning, WarningId};
 use grainpath_gcode::check_fits;
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::scan::{CtReport, ScanError, slice_scan};
@@ -33,13 +34,17 @@ use crate::measure::alignment::warn_if_far;
 use crate::measure::separate_lines;
 use crate::measure::strength::TestSetup;
 use crate::order::order_stack;
+use crate::region::{RegionAreas, RegionPart};
 use crate::shape::{self, ShapeError};
 use crate::support::{self, SupportSettings};
-use grainpath_job::Settings;
 use grainpath_job::choices::{GuideKind, Pattern, SupportStyle};
+use grainpath_job::regions::RegionPlace;
+use grainpath_job::{JobRegion, Settings};
 pub use place::{PlaceSettings, Placed, Sliced, mesh_and_layers, placed_mesh};
 use place::{check_bed, outside_bed, part_bounds, plate_from_part};
-pub use steps::{ExtrudedMass, FilledLayers, InfillSettings, LayerWalls, RasterAngles, StepSettings, Steps};
+pub use steps::{
+    ExtrudedMass, FilledLayers, InfillSettings, LayerWalls, RasterAngles, RegionSettings, StepSettings, Steps,
+};
 
 /// The inputs of a job whose shape is a mesh, already read.
 pub struct Inputs {
@@ -55,6 +60,8 @@ pub struct Inputs {
     pub photos: Vec<Photo>,
     /// The scan whose texture it is filled along, for `guide.volume`.
     pub texture: Option<Box<dyn SliceSource>>,
+    /// The meshes of regions, by the index of the region.
+    pub regions: BTreeMap<usize, MeshFile>,
 }
 
 /// Plans a job whose shape is a mesh.
@@ -76,8 +83,13 @@ pub fn plan_job(
         Some(other) => Some(&mut **other),
         None => None,
     };
-    let source =
-        GuideSource { stress: inputs.stress, directions: inputs.directions, photos: &inputs.photos, scan };
+    let source = GuideSource {
+        stress: inputs.stress,
+        directions: inputs.directions,
+        photos: &inputs.photos,
+        scan,
+        regions: inputs.regions,
+    };
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
@@ -127,7 +139,7 @@ pub fn plan_photo(
     };
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack, mesh, ..Sliced::default() };
-    let source = GuideSource { stress: None, directions, photos, scan: None };
+    let source = GuideSource { stress: None, directions, photos, scan: None, regions: BTreeMap::new() };
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
@@ -162,7 +174,8 @@ pub fn plan_scan(
         Some(other) => &mut **other,
         None => source,
     };
-    let source = GuideSource { stress, directions, photos, scan: Some(texture) };
+    let regions = BTreeMap::new();
+    let source = GuideSource { stress, directions, photos, scan: Some(texture), regions };
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
@@ -197,7 +210,7 @@ pub fn plan_layers(
         Some(other) => Some(&mut **other),
         None => None,
     };
-    let source = GuideSource { stress, directions, photos, scan };
+    let source = GuideSource { stress, directions, photos, scan, regions: BTreeMap::new() };
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
@@ -209,13 +222,30 @@ fn wants_surface(settings: &Settings) -> bool {
         || settings.strength.enabled
 }
 
-/// What guides are made from: stress solved elsewhere, the user's own directions, and for grain photographs, or a scan
-/// where there are none.
+/// Warns of the seams that borders of regions leave in dense infill and skins. A range of layers has no such border.
+fn warn_of_seams(regions: &[JobRegion], diagnostics: &Diagnostics) {
+    let numbers: Vec<String> = (regions.iter().enumerate())
+        .filter(|(_, region)| !matches!(region.on, RegionPlace::Layers(_)))
+        .map(|(k, _)| format!("region[{}]", k + 1))
+        .collect();
+    if !numbers.is_empty() {
+        // Source: measured by `the_seam_at_a_border_is_as_open_as_is_told` of tests/regions.rs.
+        let text = format!(
+            "{}: where dense infill or skins meet at the border, 4 to 20 % of a band of two beads stays open",
+            numbers.join(", ")
+        );
+        diagnostics.push(Warning::new(WarningId::RegionsSeam, text));
+    }
+}
+
+/// What guides and regions are made from: stress solved elsewhere, the user's own directions, and for grain
+/// photographs, or a scan where there are none.
 struct GuideSource<'a> {
     stress: Option<StressField>,
     directions: Option<DirectionSamples>,
     photos: &'a [Photo],
     scan: Option<&'a mut dyn SliceSource>,
+    regions: BTreeMap<usize, MeshFile>,
 }
 
 /// The grain that infill follows; `None` for other guides. `own` is the report of the scan that is
@@ -274,6 +304,17 @@ fn plan_stack(
     let fibre = config::fibre(settings);
     fibre.iter().try_for_each(|f| f.check(&stack, part))?;
     let standing = config::standing(settings, lowered_mm);
+    let placing = config::placing(settings);
+    // Found before any costly stage, since a region may lie outside the part.
+    let areas = if settings.regions.is_empty() {
+        None
+    } else {
+        let (unit_mm, slicing) = (placing.placement.unit.mm(), placing.slicing);
+        let unit_of_file = placing.unit_of_file;
+        let part = RegionPart { stack: &stack, mesh: &mesh, standing, unit_mm, unit_of_file, slicing };
+        warn_of_seams(&settings.regions, diagnostics);
+        Some(RegionAreas::new(&settings.regions, &source.regions, &part, diagnostics)?)
+    };
     // Resolved once: the guide and the strength test have to mean the same places by the same
     // words.
     let conditions = guide::boundary_conditions(&config::loads(settings), &mesh, &standing)?;
@@ -314,7 +355,8 @@ fn plan_stack(
         .with_support(support.as_ref())
         .with_guide(guide.as_ref(), grain.as_ref())
         .with_field(field.as_ref())
-        .with_fibre(fibre.as_ref());
+        .with_fibre(fibre.as_ref())
+        .with_regions(areas.as_ref());
     let all = 0..stack.layers().len();
     diagnostics.begin(Stage::Fill, 2 * all.len());
     let mut walls = steps.walls(all.clone(), diagnostics)?;

@@ -39,9 +39,11 @@ use crate::guide::Guide;
 use crate::guide::field::FieldGuide;
 use crate::guide::grain::GrainGuide;
 use crate::order::{Island, LayerPaths, OrderSettings, OrderState, order_window};
+use crate::region::RegionAreas;
 use crate::support::beads::BeadSettings;
 use crate::support::{self, Support};
 use crate::wall::adhesion::{AdhesionSettings, brim, skirt};
+use crate::wall::divided::{Share, lay_divided};
 use crate::wall::skin::{IslandPolygon, SkinSettings, SkinSplit, split_window};
 use crate::wall::{WallSettings, lay_walls};
 
@@ -58,8 +60,10 @@ type IslandPaths = Vec<(usize, Toolpath)>;
 pub struct LayerWalls {
     /// The islands of the layer, in the order of its section's polygons.
     pub islands: Vec<Island>,
-    /// Areas for the centrelines of infill.
+    /// Areas for the centrelines of infill outside all regions.
     pub fill: Vec<IslandPolygon>,
+    /// Areas for the centrelines of infill in each region; empty where none meets the layer.
+    pub regions: Vec<Vec<IslandPolygon>>,
 }
 
 /// Settings of the steps from sections to paths.
@@ -77,6 +81,17 @@ pub struct StepSettings {
     pub adhesion: AdhesionSettings,
     /// Number of layers with a skirt.
     pub skirt_layers: usize,
+    /// Regions with settings of their own.
+    pub regions: Vec<RegionSettings>,
+}
+
+/// The settings that hold in a region.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RegionSettings {
+    /// The steps.
+    pub steps: StepSettings,
+    /// Whether infill follows the guide.
+    pub guided: bool,
 }
 
 /// Settings of infill.
@@ -179,6 +194,10 @@ pub struct Steps<'a> {
     pub(super) fibre: Option<&'a FibreSettings>,
     /// Constant field for patterns that follow directions, where no guide gives one.
     uniform: UniformField,
+    /// The areas of the regions in each layer.
+    pub(super) areas: Option<&'a RegionAreas>,
+    /// The steps of each region, for their infill.
+    regions: Vec<Steps<'a>>,
     /// Reasons why islands could not be laid as one path, by layer and role.
     notes: Mutex<BTreeMap<(usize, Role), Vec<Note>>>,
 }
@@ -205,6 +224,8 @@ impl<'a> Steps<'a> {
             field: None,
             fibre: None,
             uniform: UniformField { axis_rad: settings.infill.field_axis_rad },
+            areas: None,
+            regions: Vec::new(),
             notes: Mutex::default(),
         }
     }
@@ -233,6 +254,37 @@ impl<'a> Steps<'a> {
         Self { fibre, ..self }
     }
 
+    /// Gives regions their own walls, skins and infill. It comes after all guides, which hold in the regions too.
+    #[must_use]
+    pub fn with_regions(self, areas: Option<&'a RegionAreas>) -> Self {
+        if areas.is_none() {
+            return self;
+        }
+        let region = |r: &'a RegionSettings| Self {
+            guide: self.guide.filter(|_| r.guided),
+            grain: self.grain.filter(|_| r.guided),
+            field: self.field.filter(|_| r.guided),
+            areas,
+            ..Self::new(&r.steps, self.stack)
+        };
+        let regions = self.settings.regions.iter().map(region).collect();
+        Self { areas, regions, ..self }
+    }
+
+    /// The steps of the regions with their parts of a layer.
+    pub(super) fn regions<'s>(
+        &'s self,
+        split: &'s SkinSplit,
+    ) -> impl Iterator<Item = (&'s Steps<'a>, &'s SkinSplit)> {
+        self.regions.iter().zip(&split.regions)
+    }
+
+    /// The density of sparse infill in a region, where that of the rest of the part is given.
+    pub(super) fn density_in(&self, region: &Steps<'_>, rest: Density) -> Density {
+        let (own, job) = (&region.settings.infill, &self.settings.infill);
+        if own.density == job.density && own.mass_g == job.mass_g { rest } else { own.density }
+    }
+
     /// The walls of a window of layers, and the areas for their infill.
     ///
     /// # Errors
@@ -242,13 +294,25 @@ impl<'a> Steps<'a> {
         window: Range<usize>,
         diagnostics: &Diagnostics,
     ) -> Result<Vec<LayerWalls>, Interrupted> {
-        let lay = |layer: &Layer| {
+        let first = window.start;
+        let lay = |(k, layer): (usize, &Layer)| {
             diagnostics.check()?;
             let settings = WallSettings { height_mm: layer.height_mm(), ..self.settings.walls };
             let mut islands = Vec::with_capacity(layer.region().polygons.len());
             let mut fill = Vec::new();
+            let shares = self.shares(first + k);
+            let mut regions = vec![Vec::new(); shares.len().saturating_sub(1)];
             for (i, polygon) in layer.region().polygons.iter().enumerate() {
-                let walls = lay_walls(polygon, &settings);
+                let walls = match shares.split_first() {
+                    None => lay_walls(polygon, &settings),
+                    Some((&rest, shares)) => {
+                        let divided = lay_divided(polygon, &settings, rest, shares);
+                        for (all, own) in regions.iter_mut().zip(divided.regions) {
+                            all.extend(own.polygons.into_iter().map(|p| (i, p)));
+                        }
+                        divided.rest
+                    }
+                };
                 fill.extend(walls.fill.polygons.into_iter().map(|p| (i, p)));
                 islands.push(Island { walls: walls.loops, fills: walls.singles });
             }
@@ -259,12 +323,25 @@ impl<'a> Steps<'a> {
                 }
             }
             diagnostics.advance(1);
-            Ok(LayerWalls { islands, fill })
+            Ok(LayerWalls { islands, fill, regions })
         };
         // At least two layers a task: walls of one layer take too little time to be worth a task.
         let all: Vec<Result<_, Interrupted>> =
-            self.stack.layers()[window].par_iter().with_min_len(2).map(lay).collect();
+            self.stack.layers()[window].par_iter().enumerate().with_min_len(2).map(lay).collect();
         all.into_iter().collect()
+    }
+
+    /// What the rest of the part and each region ask of the walls of a layer; empty where no region meets it.
+    fn shares(&self, layer_idx: usize) -> Vec<Share<'_>> {
+        let Some(areas) = self.areas.and_then(|a| a.of_layer(layer_idx)) else { return Vec::new() };
+        let layer = &self.stack.layers()[layer_idx];
+        let share = |steps: &Self, area| {
+            let (n_walls, inset_mm) = (steps.settings.walls.n_walls, steps.inset_mm(layer));
+            Share { area, n_walls, inset_mm }
+        };
+        let regions = self.regions.iter().zip(areas).map(|(steps, area)| share(steps, area));
+        // The area of the rest is what no region covers, and is not asked for.
+        std::iter::once(share(self, &areas[0])).chain(regions).collect()
     }
 
     /// Divides the infill regions of a window of layers into skins, bridges and sparse infill, and
@@ -278,15 +355,26 @@ impl<'a> Steps<'a> {
         walls: &mut [LayerWalls],
         diagnostics: &Diagnostics,
     ) -> Result<Vec<SkinSplit>, Interrupted> {
-        let settings = &self.settings.skins;
+        let all = || std::iter::once(self).chain(&self.regions);
+        let settings: Vec<SkinSettings> = all().map(|steps| steps.settings.skins).collect();
         // One continuous path is not divided by skins: where the part is dense it fills the whole region.
-        let whole = self.settings.infill.pattern == Pattern::Continuous && settings.dense;
+        let whole = |s: &Self| s.settings.infill.pattern == Pattern::Continuous && s.settings.skins.dense;
+        let whole: Vec<bool> = all().map(whole).collect();
+        let parts = |w: &mut LayerWalls| {
+            let rest = std::mem::take(&mut w.fill);
+            std::iter::once(rest).chain(std::mem::take(&mut w.regions)).collect::<Vec<_>>()
+        };
         let (fills, islands): (Vec<_>, Vec<_>) =
-            walls.iter_mut().map(|w| (std::mem::take(&mut w.fill), Mutex::new(&mut w.islands))).unzip();
+            walls.iter_mut().map(|w| (parts(w), Mutex::new(&mut w.islands))).unzip();
         let sections = self.stack.layers();
-        split_window(sections, window, &fills, self.part, settings, diagnostics, |k, mut split| {
-            if whole {
-                split = SkinSplit { solid: fills[k].clone(), below: split.below, ..SkinSplit::default() };
+        split_window(sections, window, &fills, self.part, &settings, diagnostics, |k, mut split| {
+            if whole[0] {
+                let solid = fills[k][0].clone();
+                split =
+                    SkinSplit { solid, below: split.below, regions: split.regions, ..SkinSplit::default() };
+            }
+            for (r, region) in split.regions.iter_mut().enumerate().filter(|(r, _)| whole[r + 1]) {
+                *region = SkinSplit { solid: fills[k][r + 1].clone(), ..SkinSplit::default() };
             }
             // The mask below is needed for overhangs only and dropped afterwards: kept for all
             // layers it would take much memory.
@@ -404,6 +492,8 @@ impl<'a> Steps<'a> {
                 (layers[i].height_mm() - layers[j].height_mm()).abs() < 1e-9
                     // A bridge depends on the layer below as well.
                     && skins[k].bridge.is_empty()
+                    // Regions may have patterns that turn from layer to layer.
+                    && skins[k].regions.is_empty()
                     // Skins with angles of their own turn from layer to layer.
                     && (self.settings.infill.skin_angles.is_none()
                         || (skins[k].top.is_empty() && skins[k].solid.is_empty()))
@@ -457,12 +547,17 @@ impl<'a> Steps<'a> {
     /// Discards the notes of densities that were only tried.
     pub(super) fn discard_notes(&self) {
         self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clear();
+        self.regions.iter().for_each(Self::discard_notes);
     }
 
     /// Warns once for each kind of note, with its first place and the number of further layers
     /// concerned.
     pub(super) fn report_notes(&self, diagnostics: &Diagnostics) {
-        let all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut all = self.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
+        for region in &self.regions {
+            let own = region.notes.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            own.iter().for_each(|(key, notes)| all.entry(*key).or_default().extend(notes.iter().cloned()));
+        }
         let mut reported = Vec::new();
         for (&(layer_idx, _), note) in all.iter().flat_map(|(key, notes)| notes.iter().map(move |n| (key, n)))
         {

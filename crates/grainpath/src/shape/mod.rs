@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use grainpath_core::diagnostics::{Interrupted, Stage};
 use grainpath_core::triangulation::TriangulationError;
-use grainpath_core::{Diagnostics, Layer, LayerStack, TriMesh};
+use grainpath_core::{Diagnostics, Layer, LayerStack, Region, TriMesh};
 use rayon::prelude::*;
 
 pub use heights::{Adaptive, layer_heights};
@@ -132,6 +132,13 @@ pub struct Slicer<'a> {
     /// Height of each section: the middle of its layer, mm.
     planes: Vec<f64>,
     buckets: section::TrianglesByPlane,
+}
+
+/// Sections of a closed mesh at given heights, where all its bodies are united.
+pub fn sections_at(mesh: &TriMesh, planes_mm: &[f64], settings: &SliceSettings) -> Vec<Region> {
+    let triangles = section::TrianglesByPlane::new(mesh, planes_mm);
+    let cut = |(i, z): (usize, &f64)| section::section(mesh, triangles.triangles(i), *z, settings).0;
+    planes_mm.par_iter().enumerate().map(cut).collect()
 }
 
 impl<'a> Slicer<'a> {

@@ -14,6 +14,7 @@
 #![doc = include_str!("figures/walls.svg")]
 
 pub mod adhesion;
+pub mod divided;
 pub mod skin;
 
 use grainpath_core::math::{atan2, cross, tan};

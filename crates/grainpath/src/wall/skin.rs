@@ -43,6 +43,8 @@ pub struct SkinSplit {
     pub sparse: Vec<IslandPolygon>,
     /// The cells of the section below; `None` on the plate.
     pub below: Option<Mask>,
+    /// The same for the regions of the job; empty where none meets the layer.
+    pub regions: Vec<SkinSplit>,
 }
 
 /// Layers whose masks are made together. The masks of the layers around them are made once more by
@@ -58,21 +60,24 @@ const MIN_SPLIT_MM2: f64 = 4.0;
 ///
 /// `sections` are those of the whole part, since the skins of a layer depend on the `top_layers`
 /// sections above and the `bottom_layers` below it. `fills` holds where infill may lie, for the
-/// layers of the window. `each` gets the number of the layer in the window.
+/// layers of the window: outside all regions, and then in each of them. `settings` has an entry for each of these. `each`
+/// gets the number of the layer in the window.
 ///
 /// # Errors
 /// [`Interrupted`] when a stop was asked for.
 pub fn split_window<T: Send>(
     sections: &[Layer],
     window: Range<usize>,
-    fills: &[Vec<IslandPolygon>],
+    fills: &[Vec<Vec<IslandPolygon>>],
     bounds: Bounds2,
-    settings: &SkinSettings,
+    settings: &[SkinSettings],
     diagnostics: &Diagnostics,
     each: impl Fn(usize, SkinSplit) -> T + Sync,
 ) -> Result<Vec<T>, Interrupted> {
     // Cells of half a bead: finer ones would resolve details that no bead can follow.
-    let grid = Grid::over(bounds, 0.5 * settings.spacing_mm);
+    let most = |layers: fn(&SkinSettings) -> usize| settings.iter().map(layers).max().unwrap_or(0);
+    let (most_top, most_bottom) = (most(|s| s.top_layers), most(|s| s.bottom_layers));
+    let grid = Grid::over(bounds, 0.5 * settings.first().map_or(1.0, |s| s.spacing_mm));
     let chunks: Vec<usize> = window.clone().step_by(CHUNK).collect();
     let results: Vec<Result<Vec<T>, Interrupted>> = chunks
         .into_par_iter()
@@ -80,17 +85,22 @@ pub fn split_window<T: Send>(
             let end = (first + CHUNK).min(window.end);
             // At least one layer below and above, because bridges and top surfaces need them even
             // where no skins are asked for.
-            let lowest = first.saturating_sub(settings.bottom_layers.max(1));
-            let highest = (end + settings.top_layers.max(1)).min(sections.len());
+            let lowest = first.saturating_sub(most_bottom.max(1));
+            let highest = (end + most_top.max(1)).min(sections.len());
             let masks: Vec<Mask> =
                 sections[lowest..highest].iter().map(|l| Mask::of(grid, l.region())).collect();
             let masks = Window { grid, masks, lowest, n_layers: sections.len() };
             (first..end)
                 .map(|i| {
                     diagnostics.check()?;
-                    let cover = masks.cover(i, settings);
                     let k = i - window.start;
-                    let result = each(k, split(&fills[k], cover, settings));
+                    let divided = |(fill, settings): (&Vec<IslandPolygon>, &SkinSettings)| {
+                        split(fill, masks.cover(i, settings), settings)
+                    };
+                    let mut all = fills[k].iter().zip(settings).map(divided);
+                    let whole = all.next().unwrap_or_default();
+                    let regions = all.map(|region| SkinSplit { below: None, ..region }).collect();
+                    let result = each(k, SkinSplit { regions, ..whole });
                     diagnostics.advance(1);
                     Ok(result)
                 })
@@ -160,7 +170,7 @@ fn split(fill: &[IslandPolygon], cover: Cover, settings: &SkinSettings) -> SkinS
     };
     let (bridge, solid) = bridges(dense, &cells, &cover);
     let (top, solid) = tops(solid, &cells, &cover);
-    SkinSplit { top, solid, bridge, sparse, below: cover.below }
+    SkinSplit { top, solid, bridge, sparse, below: cover.below, regions: Vec::new() }
 }
 
 fn cells_of(grid: Grid, polygons: &[IslandPolygon]) -> Mask {
@@ -239,16 +249,16 @@ mod tests {
     use grainpath_core::poly::Join;
 
     fn stack(sections: &[Region], dense: bool) -> Vec<SkinSplit> {
-        let fills: Vec<Vec<IslandPolygon>> = sections
+        let fills: Vec<Vec<Vec<IslandPolygon>>> = sections
             .iter()
-            .map(|s| s.offset(-1.0, Join::Miter(3.0)).polygons.into_iter().enumerate().collect())
+            .map(|s| vec![s.offset(-1.0, Join::Miter(3.0)).polygons.into_iter().enumerate().collect()])
             .collect();
         let layer = |(i, s): (usize, &Region)| Layer::new(0.2 * (i + 1) as f64, 0.2, s.clone());
         let layers: Vec<Layer> =
             sections.iter().enumerate().map(|s| layer(s).expect("a sound layer")).collect();
         let bounds = sections.iter().filter_map(Region::bounds).reduce(Bounds2::union).expect("not empty");
         let settings = SkinSettings { top_layers: 3, bottom_layers: 2, spacing_mm: 0.4, dense };
-        split_window(&layers, 0..layers.len(), &fills, bounds, &settings, &Diagnostics::default(), |_, s| s)
+        split_window(&layers, 0..layers.len(), &fills, bounds, &[settings], &Diagnostics::default(), |_, s| s)
             .expect("not stopped")
     }
 

@@ -1,0 +1,264 @@
+//! Areas of the regions of a job in each layer.
+//!
+//! A layer belongs to a box or a range of layers by its middle, as a section does. A mesh is placed as the part is and cut
+//! at the middle of each layer. Of a face and a depth a closed body is made: the face, a little outside, and the face moved
+//! inwards, along normals that are averaged at each vertex and lengthened so that both are the depth apart. It is cut as a
+//! mesh is. Where regions overlap the later one counts, and a warning says so.
+//!
+//! Units: mm, part coordinates with the plate at z = 0. Cost: sections of the meshes, and a few booleans a layer and pair of
+//! regions. Limits: a depth beyond the radius of a boss turns the body inside out, and the region is wrong beyond its axis.
+
+use std::collections::BTreeMap;
+
+use grainpath_core::faces::FaceError;
+use grainpath_core::units::LengthUnit;
+use grainpath_core::{
+    Bounds2, DVec2, DVec3, Diagnostics, Layer, LayerStack, Region, TriMesh, Warning, WarningId,
+};
+use grainpath_io::MeshFile;
+use grainpath_job::JobRegion;
+use grainpath_job::regions::RegionPlace;
+use rayon::prelude::*;
+
+use crate::guide::faces_as_in_file;
+use crate::shape::{SliceSettings, Standing, sections_at};
+
+/// Overlaps of regions smaller than this in a layer are not told of, mm2. Source: derived. A bead of 0.45 mm covers as much
+/// in the length of its own width.
+const TOLD_MM2: f64 = 0.2;
+/// How far the body of a face reaches out of the part, mm, so that no rounding leaves a film between the two. Source:
+/// derived. Less than half the outermost bead, and a thousand times the grid of booleans.
+const OUTWARDS_MM: f64 = 0.1;
+/// Least cosine between the normal at a vertex and those of its triangles by which a depth is lengthened. Source: derived.
+/// At 0.3 the vertex of a needle moves by three depths.
+const LEAST_COSINE: f64 = 0.3;
+
+/// Reasons why a region cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum RegionError {
+    #[error("region[{number}] lies outside the part: no layer has any of it")]
+    Outside { number: usize },
+    #[error("region[{number}].on: {source}")]
+    Face { number: usize, source: FaceError },
+    #[error("region[{number}].on.face needs a part with a surface: a mesh, or an outline")]
+    NoSurface { number: usize },
+    #[error("region[{number}].on.mesh: the file has no body")]
+    NoMesh { number: usize },
+}
+
+/// The areas of all regions in each layer; those of a layer do not overlap.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RegionAreas {
+    layers: Vec<Vec<Region>>,
+}
+
+/// The part as its regions need it.
+pub struct RegionPart<'a> {
+    /// Its layers.
+    pub stack: &'a LayerStack,
+    /// Its surface; empty where it has none.
+    pub mesh: &'a TriMesh,
+    /// Where it stands.
+    pub standing: Standing,
+    /// Factor from the unit of the part's file to mm.
+    pub unit_mm: f64,
+    /// Whether a unit that a region's file states replaces it.
+    pub unit_of_file: bool,
+    /// How meshes are cut.
+    pub slicing: SliceSettings,
+}
+
+impl RegionAreas {
+    /// The areas in a layer, in the order of the regions; `None` where no region meets the layer.
+    pub fn of_layer(&self, layer_idx: usize) -> Option<&[Region]> {
+        self.layers.get(layer_idx).map(Vec::as_slice).filter(|all| all.iter().any(|r| !r.is_empty()))
+    }
+
+    /// Finds the areas of the regions of a job. `meshes` holds the files of those that name one, by index.
+    ///
+    /// # Errors
+    /// [`RegionError`] for a region that meets no layer, and for faces and meshes that do not exist.
+    pub fn new(
+        regions: &[JobRegion],
+        meshes: &BTreeMap<usize, MeshFile>,
+        part: &RegionPart<'_>,
+        diagnostics: &Diagnostics,
+    ) -> Result<Self, RegionError> {
+        let layers = part.stack.layers();
+        let planes: Vec<f64> = layers.iter().map(|l| l.z_top_mm() - 0.5 * l.height_mm()).collect();
+        let all = layers.iter().filter_map(|l| l.region().bounds()).reduce(Bounds2::union);
+        let all = all.map_or(Region::default(), |b| Region::rectangle(b.min - 1.0, b.max + 1.0));
+        let areas_of = |(k, region): (usize, &JobRegion)| -> Result<Vec<Region>, RegionError> {
+            let number = k + 1;
+            let whole = |inside: bool, area: &Region| if inside { area.clone() } else { Region::default() };
+            Ok(match &region.on {
+                RegionPlace::Box { low, high } => {
+                    let area = Region::rectangle(low.truncate(), high.truncate());
+                    planes.iter().map(|z| whole((low.z..=high.z).contains(z), &area)).collect()
+                }
+                RegionPlace::Layers(ranges) => {
+                    let inside = |i: usize| ranges.iter().any(|[a, b]| (*a..=*b).contains(&(i + 1)));
+                    (0..layers.len()).map(|i| whole(inside(i), &all)).collect()
+                }
+                RegionPlace::Mesh(_) => {
+                    let file = meshes.get(&k).ok_or(RegionError::NoMesh { number })?;
+                    sections_at(&placed(file, part), &planes, &part.slicing)
+                }
+                RegionPlace::Face { face, depth_mm } => {
+                    if part.mesh.triangles.is_empty() {
+                        return Err(RegionError::NoSurface { number });
+                    }
+                    let faces = faces_as_in_file(part.mesh, &part.standing);
+                    let found =
+                        faces.find_name(face).map_err(|source| RegionError::Face { number, source })?;
+                    let body = below_face(part.mesh, &faces.all()[found].triangles, *depth_mm);
+                    sections_at(&body, &planes, &part.slicing)
+                }
+            })
+        };
+        let found: Vec<Vec<Region>> =
+            regions.iter().enumerate().map(areas_of).collect::<Result<Vec<_>, _>>()?;
+        let touches = |area: &Region, layer: &Layer| !area.intersection(layer.region()).is_empty();
+        for (k, areas) in found.iter().enumerate() {
+            if !areas.par_iter().zip(layers).any(|(area, layer)| touches(area, layer)) {
+                return Err(RegionError::Outside { number: k + 1 });
+            }
+        }
+        let cut: Vec<(Vec<Region>, Vec<[usize; 2]>)> =
+            layers.par_iter().enumerate().map(|(i, layer)| last_wins(&found, i, layer)).collect();
+        warn_of_overlaps(&cut, layers, diagnostics);
+        Ok(Self { layers: cut.into_iter().map(|c| c.0).collect() })
+    }
+}
+
+/// The areas of a layer without what later regions cover, and the pairs that overlap on the part.
+fn last_wins(found: &[Vec<Region>], layer_idx: usize, layer: &Layer) -> (Vec<Region>, Vec<[usize; 2]>) {
+    let mut areas: Vec<Region> = found.iter().map(|areas| areas[layer_idx].clone()).collect();
+    let mut pairs = Vec::new();
+    for later in (1..areas.len()).rev() {
+        for earlier in 0..later {
+            let both = areas[earlier].intersection(&areas[later]);
+            if both.is_empty() {
+                continue;
+            }
+            if both.intersection(layer.region()).area_mm2() > TOLD_MM2 {
+                pairs.push([earlier, later]);
+            }
+            areas[earlier] = areas[earlier].difference(&areas[later]);
+        }
+    }
+    (areas, pairs)
+}
+
+/// Warns once of each pair of regions that overlap.
+fn warn_of_overlaps(cut: &[(Vec<Region>, Vec<[usize; 2]>)], layers: &[Layer], diagnostics: &Diagnostics) {
+    let mut of_pair: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
+    for (i, (_, pairs)) in cut.iter().enumerate() {
+        pairs.iter().for_each(|&pair| of_pair.entry(pair).or_default().push(i));
+    }
+    for ([earlier, later], of_layers) in of_pair {
+        let (first, n) = (of_layers[0], of_layers.len());
+        let text = format!(
+            "region[{}] and region[{}] overlap in {n} layers; there the later one, region[{}], counts",
+            earlier + 1,
+            later + 1,
+            later + 1
+        );
+        let z_mm = layers[first].z_top_mm();
+        diagnostics.push(Warning::new(WarningId::RegionsOverlap, text).in_layer(first, z_mm));
+    }
+}
+
+/// The bodies of a region's file as one mesh, placed as the part is.
+fn placed(file: &MeshFile, part: &RegionPart<'_>) -> TriMesh {
+    let s = part.standing;
+    let unit_mm = file.unit.filter(|_| part.unit_of_file).map_or(part.unit_mm, LengthUnit::mm);
+    let mut whole = TriMesh::default();
+    for body in &file.bodies {
+        let first = whole.vertices.len() as u32;
+        let place = |p: &DVec3| s.rotation * (*p * (unit_mm * s.scale)) + s.shift();
+        whole.vertices.extend(body.mesh.vertices.iter().map(place));
+        whole.triangles.extend(body.mesh.triangles.iter().map(|t| t.map(|i| i + first)));
+    }
+    whole
+}
+
+/// The closed body between some triangles of a mesh and the same triangles moved inwards.
+fn below_face(mesh: &TriMesh, triangles: &[u32], depth_mm: f64) -> TriMesh {
+    let corners = |t: &[u32; 3]| t.map(|v| mesh.vertices[v as usize]);
+    let face: Vec<[u32; 3]> = triangles.iter().map(|&t| mesh.triangles[t as usize]).collect();
+    let area_normal = |t: &[u32; 3]| {
+        let [a, b, c] = corners(t);
+        (b - a).cross(c - a)
+    };
+    // Vertices by their place, so that a mesh whose triangles do not share vertices is one surface too.
+    let key = |v: u32| mesh.vertices[v as usize].to_array().map(f64::to_bits);
+    let mut numbers: BTreeMap<[u64; 3], u32> = BTreeMap::new();
+    let mut places: Vec<DVec3> = Vec::new();
+    let mut normals: Vec<DVec3> = Vec::new();
+    let mut welded: Vec<[u32; 3]> = Vec::with_capacity(face.len());
+    for t in &face {
+        let normal = area_normal(t);
+        let t = t.map(|v| {
+            *numbers.entry(key(v)).or_insert_with(|| {
+                places.push(mesh.vertices[v as usize]);
+                normals.push(DVec3::ZERO);
+                places.len() as u32 - 1
+            })
+        });
+        t.iter().for_each(|&v| normals[v as usize] += normal);
+        welded.push(t);
+    }
+    let mut cosine = vec![(0.0, 0.0); places.len()];
+    for (t, original) in welded.iter().zip(&face) {
+        let normal = area_normal(original);
+        for &v in t {
+            let (sum, weight) = &mut cosine[v as usize];
+            *sum += normal.dot(normals[v as usize].normalize_or_zero());
+            *weight += normal.length();
+        }
+    }
+    let moved = |by_mm: f64| {
+        let one = |(v, p): (usize, &DVec3)| {
+            let (sum, weight) = cosine[v];
+            let cosine = if weight > 0.0 { (sum / weight).max(LEAST_COSINE) } else { 1.0 };
+            *p + by_mm / cosine * normals[v].normalize_or_zero()
+        };
+        places.iter().enumerate().map(one).collect::<Vec<_>>()
+    };
+    let n = places.len() as u32;
+    let mut body = TriMesh { vertices: moved(OUTWARDS_MM), triangles: Vec::new() };
+    body.vertices.extend(moved(-depth_mm));
+    let mut border: BTreeMap<[u32; 2], i32> = BTreeMap::new();
+    for t in &welded {
+        body.triangles.push(*t);
+        body.triangles.push([t[2] + n, t[1] + n, t[0] + n]);
+        for k in 0..3 {
+            let (a, b) = (t[k], t[(k + 1) % 3]);
+            // An edge and its reverse cancel; what is left is the border.
+            if a < b {
+                *border.entry([a, b]).or_default() += 1
+            } else {
+                *border.entry([b, a]).or_default() -= 1
+            }
+        }
+    }
+    for ([a, b], turns) in border {
+        let (a, b) = if turns > 0 { (a, b) } else { (b, a) };
+        for _ in 0..turns.abs() {
+            body.triangles.push([b, a, a + n]);
+            body.triangles.push([b, a + n, b + n]);
+        }
+    }
+    body
+}
+
+/// Whether the middle of an edge lies on the border between two areas of a layer, within `off_mm` of it.
+pub fn on_border(areas: &[Region], edge: (DVec2, DVec2), off_mm: f64) -> bool {
+    let middle = 0.5 * (edge.0 + edge.1);
+    let near = |(a, b): (DVec2, DVec2)| {
+        grainpath_core::segment::distance_squared_mm2(middle, a, b) < off_mm * off_mm
+    };
+    areas.iter().flat_map(Region::contours).any(|c| grainpath_core::poly::edges(c).any(near))
+}
