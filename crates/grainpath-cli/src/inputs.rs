@@ -201,11 +201,20 @@ pub fn read_body(
 ) -> Result<(MeshFile, f64), Failure> {
     let start = std::time::Instant::now();
     diagnostics.begin(Stage::Read, 0);
-    let bytes = files::read(path)?;
     let shown = path.display().to_string();
     let file = if settings.shape.outline.is_empty() {
-        parse_mesh(&bytes, Some(&shown)).map_err(|source| grainpath::Error::Mesh { path: shown, source })?
+        let path = path.to_owned();
+        // A parser knows no flag, and a million triangles take it 0.4 s.
+        let read = move || {
+            let bytes = files::read(&path)?;
+            Ok(parse_mesh(&bytes, Some(&shown))
+                .map_err(|source| grainpath::Error::Mesh { path: shown, source })?)
+        };
+        let read: Result<MeshFile, Failure> =
+            diagnostics.leave_at_stop(read).map_err(grainpath::Error::from)?;
+        read?
     } else {
+        let bytes = files::read(path)?;
         let outline = parse_outline(&bytes, &grainpath::run::config::outline(settings))
             .map_err(|source| grainpath::Error::Outline { path: shown.clone(), source })?;
         grainpath::shape::extruded(outline, grainpath::run::config::outline_thickness_mm(settings))

@@ -4,7 +4,9 @@
 //! so they do not depend on the number of threads.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use crate::warning::{Warning, WarningId};
 
@@ -159,6 +161,42 @@ impl Diagnostics {
     /// The flag that [`Diagnostics::stop`] sets.
     pub fn cancel_flag(&self) -> CancelFlag {
         self.cancel.clone()
+    }
+
+    /// Runs work that cannot look at the flag, such as a parser or a decompressor, in a thread of its own. After a stop
+    /// the call returns within 20 ms; the work goes on unseen to its end, and its result is dropped.
+    ///
+    /// ```
+    /// use grainpath_core::Diagnostics;
+    ///
+    /// let diagnostics = Diagnostics::default();
+    /// assert_eq!(diagnostics.leave_at_stop(|| 6 * 7), Ok(42));
+    /// diagnostics.stop();
+    /// assert!(diagnostics.leave_at_stop(std::thread::park).is_err(), "work without an end is left");
+    /// ```
+    ///
+    /// # Errors
+    /// [`Interrupted`] after [`Diagnostics::stop`].
+    ///
+    /// # Panics
+    /// When `work` does.
+    pub fn leave_at_stop<T: Send + 'static>(
+        &self,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<T, Interrupted> {
+        let (give, take) = mpsc::channel();
+        let worker = std::thread::spawn(move || drop(give.send(work())));
+        loop {
+            self.check()?;
+            match take.recv_timeout(Duration::from_millis(20)) {
+                Ok(result) => return Ok(result),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => {
+                    let panic = worker.join().expect_err("a worker that ends well sends its result");
+                    std::panic::resume_unwind(panic);
+                }
+            }
+        }
     }
 
     /// Fails once the run was asked to stop. Long loops call it once a layer.

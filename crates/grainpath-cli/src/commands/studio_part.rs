@@ -63,7 +63,12 @@ pub fn shape(settings: &Settings, path: &Path, diagnostics: &Diagnostics) -> Res
     diagnostics.begin(Stage::Slice, 0);
     diagnostics.check().map_err(grainpath::Error::from)?;
     let standing = config::standing(settings, lowered_mm);
-    let faces = faces_as_in_file(&mesh, &standing);
+    // Faces of a million triangles take 1 to 2 s, and nobody waits for those of a closed page.
+    let with_faces = move || {
+        let faces = faces_as_in_file(&mesh, &standing);
+        (mesh, faces)
+    };
+    let (mesh, faces) = diagnostics.leave_at_stop(with_faces).map_err(grainpath::Error::from)?;
     let (low, high) = mesh.bounds().unwrap_or_default();
     let rows = |m: DMat3| m.transpose().to_cols_array_2d();
     let mut add = |key: &str, value: Value| report[key] = value;

@@ -5,7 +5,7 @@ mod weld;
 
 use glam::DVec3;
 
-pub use topology::{EdgeUses, MeshHealth, Shells, diagnose};
+pub use topology::{EdgeUses, MeshHealth, Shells, diagnose, examine};
 pub use weld::{VertexWelder, weld_targets, weld_within};
 
 /// Triangles over shared vertices, in mm once read. The mesh may be open or wound either way;

@@ -131,12 +131,7 @@ pub fn plan_photo(
         source,
     };
     let stack = board.slice(&config::slicing(settings), diagnostics).map_err(shape_error)?;
-    // Lofting a surface costs more than the sections, so it is made only where a stage needs it.
-    let mesh = if wants_surface(settings) {
-        shape::surface(&stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
-    } else {
-        TriMesh::default()
-    };
+    let mesh = surface_if_wanted(settings, &stack, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack, mesh, ..Sliced::default() };
     let source = GuideSource { stress: None, directions, photos, scan: None, regions: BTreeMap::new() };
@@ -163,11 +158,7 @@ pub fn plan_scan(
     let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
     let shape_error = |source| Error::Shape { path: path.to_owned(), source };
     let scan = slice_scan(source, &config::scan(settings), diagnostics).map_err(|e| scan_error(e, path))?;
-    let mesh = if wants_surface(settings) {
-        shape::surface(&scan.stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
-    } else {
-        TriMesh::default()
-    };
+    let mesh = surface_if_wanted(settings, &scan.stack, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack: scan.stack, mesh, scan: Some(scan.report), ..Sliced::default() };
     let texture: &mut dyn SliceSource = match &mut texture {
@@ -199,11 +190,7 @@ pub fn plan_layers(
     if stack.layers().iter().all(|l| l.region().is_empty()) {
         return Err(shape_error(ShapeError::NothingLeft));
     }
-    let mesh = if wants_surface(settings) {
-        shape::surface(&stack, settings.output.surface_cell_mm, diagnostics).map_err(shape_error)?
-    } else {
-        TriMesh::default()
-    };
+    let mesh = surface_if_wanted(settings, &stack, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack, mesh, ..Sliced::default() };
     let scan: Option<&mut dyn SliceSource> = match &mut texture {
@@ -214,12 +201,20 @@ pub fn plan_layers(
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
-/// Whether the job needs the surface of the part: for a stress analysis, for supports or for the
-/// strength test.
-fn wants_surface(settings: &Settings) -> bool {
-    settings.guide.kind == GuideKind::Stress
+/// The surface of a stack, or an empty mesh where no stage needs one: lofting costs more than the sections. A stress
+/// analysis, supports and the strength test do.
+fn surface_if_wanted(
+    settings: &Settings,
+    stack: &LayerStack,
+    diagnostics: &Diagnostics,
+) -> Result<TriMesh, ShapeError> {
+    let is_wanted = settings.guide.kind == GuideKind::Stress
         || settings.support.style != SupportStyle::None
-        || settings.strength.enabled
+        || settings.strength.enabled;
+    if !is_wanted {
+        return Ok(TriMesh::default());
+    }
+    shape::surface(stack, settings.output.surface_cell_mm, diagnostics)
 }
 
 /// Warns of the seams that borders of regions leave in dense infill and skins. A range of layers has no such border.
