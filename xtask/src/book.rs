@@ -3,7 +3,11 @@
 //! [`run`] copies `docs/` below the target folder, adds the pages that are generated (the options of every command,
 //! from the program's own `--help`) and those of the top folder, and has mdBook make HTML of it. Before, every
 //! relative link of every page is followed; after, every link of the HTML. [`run_blocks`] runs the `sh` blocks of every
-//! page, page by page in an empty folder; blocks that only show a line are `console`.
+//! page, page by page in an empty folder; blocks that only show a line are `console`, and those that need the Python
+//! package are `sh python`.
+//!
+//! Pictures of a page are made by its own blocks: `pictures/PAGE/FILE` is the file of that path that they write, made
+//! smaller. `book run` fails where they no longer write it, `book pictures` renews them.
 //!
 //! Limits: links to other sites are not asked for; mdBook is looked for below the target folder and on the path, and
 //! where it is not there the book is not made, which is said.
@@ -23,7 +27,9 @@ const TOP: [&str; 3] = ["ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"];
 pub fn run(words: &[&str]) -> Result<(), String> {
     match words {
         [] => make(),
-        ["run", pages @ ..] => run_blocks(pages),
+        ["run", pages @ ..] => run_blocks(pages, false),
+        ["json"] => crate::json::check(),
+        ["pictures", pages @ ..] => run_blocks(pages, true),
         ["install"] => {
             println!("installing mdBook {MDBOOK} below {}", crate::target().display());
             let mut command = Command::new("cargo");
@@ -31,7 +37,7 @@ pub fn run(words: &[&str]) -> Result<(), String> {
             command.args(["--no-default-features", "--features", "search", "--root"]);
             crate::run(command.arg(crate::target().join("tools")))
         }
-        _ => Err("usage: cargo xtask book [install | run [PAGE...]]".to_owned()),
+        _ => Err("usage: cargo xtask book [install | run [PAGE...] | pictures [PAGE...] | json]".to_owned()),
     }
 }
 
@@ -184,43 +190,130 @@ fn dead_links_of_html(folder: &Path) -> Result<(usize, Vec<String>), String> {
     Ok((all.len(), broken))
 }
 
-/// Runs the `sh` blocks of every page, or of these; the first that fails ends it.
-fn run_blocks(only: &[&str]) -> Result<(), String> {
+/// Runs the `sh` blocks of every page, or of these; the first that fails ends it. `renew` copies the pictures that they
+/// write to where the pages show them.
+fn run_blocks(only: &[&str], renew: bool) -> Result<(), String> {
     let docs = crate::root().join("docs");
     let program = crate::target().join("ci/grainpath");
     let path = std::env::var("PATH").unwrap_or_default();
     let path = format!("{}:{path}", program.parent().unwrap_or(Path::new(".")).display());
-    let mut n = 0;
+    let python = crate::target().join("python/bin");
+    let path = format!("{}:{path}", python.display());
+    let has_python = Command::new("python3")
+        .args(["-c", "import grainpath, dask"])
+        .env("PATH", &path)
+        .output()
+        .is_ok_and(|o| o.status.success());
+    let (mut n, mut n_pictures, mut left_out) = (0, 0, 0);
     for page in pages(&docs)? {
         let name = page.strip_prefix(&docs).map_err(|e| e.to_string())?.display().to_string();
-        let blocks = blocks(&read(&page)?);
-        if blocks.is_empty() || !(only.is_empty() || only.contains(&name.as_str())) {
+        let text = read(&page)?;
+        let all = blocks(&text);
+        let runnable: Vec<&str> =
+            all.iter().filter(|b| has_python || !b.needs_python).map(|b| b.text.as_str()).collect();
+        if all.is_empty() || !(only.is_empty() || only.contains(&name.as_str())) {
             continue;
         }
-        let folder = crate::target().join("blocks").join(name.replace('/', "-"));
+        let lacking = all.len() - runnable.len();
+        if lacking > 0 {
+            println!("NOT RUN: {lacking} blocks of docs/{name} need the Python package with Dask");
+            left_out += lacking;
+        }
+        let slug = name.trim_end_matches(".md").replace('/', "-");
+        let folder = crate::target().join("blocks").join(&slug);
         let _ = fs::remove_dir_all(&folder);
         fs::create_dir_all(&folder).map_err(|e| e.to_string())?;
         // Pages about the reader's own part name it part.stl; the example plate stands for it.
         let stands_for = |from: &str, to: &str| fs::copy(crate::root().join(from), folder.join(to)).map(drop);
         stands_for("examples/plate/plate.stl", "part.stl").map_err(|e| e.to_string())?;
-        n += blocks.len();
-        let script = format!("set -e\n{}", blocks.join("\n"));
+        n += runnable.len();
+        let script = format!("set -e\n{}", runnable.join("\n"));
         let mut command = Command::new("bash");
         command.args(["-c", &script]).current_dir(&folder).env("PATH", &path);
         crate::output(&mut command).map_err(|e| format!("docs/{name}: {e}"))?;
-        println!("docs/{name}: {} blocks", blocks.len());
+        for picture in made_pictures(&text, &slug) {
+            let made = folder.join(&picture);
+            if !made.exists() {
+                return Err(format!("docs/{name} shows {picture}, which its blocks do not write"));
+            }
+            if renew {
+                reduce(&made, &docs.join("pictures").join(&slug).join(&picture))?;
+            }
+            n_pictures += 1;
+        }
+        println!("docs/{name}: {} blocks", runnable.len());
     }
     if n == 0 {
         return Err("no page with such a name has blocks to run".to_owned());
     }
-    println!("{n} blocks ran");
+    println!("{n} blocks ran and {left_out} did not; they write all {n_pictures} pictures of their pages");
     Ok(())
 }
 
-/// The `sh` blocks of a page.
-fn blocks(page: &str) -> Vec<String> {
-    let pieces = page.split("\n```sh\n").skip(1);
-    pieces.filter_map(|p| p.split("\n```").next().map(str::to_owned)).collect()
+/// A block of commands.
+struct Block {
+    text: String,
+    /// Whether it needs the Python package.
+    needs_python: bool,
+}
+
+/// The `sh` blocks of a page, those inside lists too.
+fn blocks(page: &str) -> Vec<Block> {
+    let mut out = Vec::new();
+    let mut lines = page.lines();
+    while let Some(line) = lines.next() {
+        let indent = line.len() - line.trim_start().len();
+        let Some(info) = line.trim_start().strip_prefix("```") else { continue };
+        let inside = lines.by_ref().take_while(|l| l.trim() != "```");
+        let inside: Vec<&str> = inside.map(|l| l.get(indent..).unwrap_or_default()).collect();
+        if let "sh" | "sh python" = info.trim() {
+            out.push(Block { text: inside.join("\n"), needs_python: info.trim() == "sh python" });
+        }
+    }
+    out
+}
+
+/// Paths, in the folder of its blocks, of the pictures that a page shows from `pictures/SLUG`.
+fn made_pictures(page: &str, slug: &str) -> Vec<String> {
+    let start = format!("pictures/{slug}/");
+    links(page).iter().filter_map(|l| l.split_once(&start).map(|(_, path)| path.to_owned())).collect()
+}
+
+/// Greatest width of a picture of a page, pixels. Source: `--content-max-width` of mdBook, 750 px, and a fifth more for fine screens.
+const WIDEST_PX: usize = 900;
+
+/// Writes a picture smaller by a whole number, each pixel the mean of a square of pixels.
+fn reduce(from: &Path, to: &Path) -> Result<(), String> {
+    let wrong = |e: png::DecodingError| format!("{}: {e}", from.display());
+    let file = fs::File::open(from).map_err(|e| format!("{}: {e}", from.display()))?;
+    let mut decoder = png::Decoder::new(std::io::BufReader::new(file));
+    decoder.set_transformations(png::Transformations::EXPAND | png::Transformations::STRIP_16);
+    let mut reader = decoder.read_info().map_err(wrong)?;
+    let mut pixels = vec![0; reader.output_buffer_size().ok_or("a picture too large")?];
+    let info = reader.next_frame(&mut pixels).map_err(wrong)?;
+    let n = info.color_type.samples();
+    let (w, h) = (info.width as usize, info.height as usize);
+    let by = w.div_ceil(WIDEST_PX).max(1);
+    let (small_w, small_h) = (w / by, h / by);
+    let mut small = Vec::with_capacity(small_w * small_h * n);
+    for y in 0..small_h {
+        for x in 0..small_w {
+            for c in 0..n {
+                let square = (0..by * by).map(|i| ((y * by + i / by) * w + x * by + i % by) * n + c);
+                let sum: usize = square.map(|i| usize::from(pixels[i])).sum();
+                small.push(u8::try_from(sum / (by * by)).unwrap_or(u8::MAX));
+            }
+        }
+    }
+    fs::create_dir_all(to.parent().unwrap_or(to)).map_err(|e| e.to_string())?;
+    let file = fs::File::create(to).map_err(|e| format!("{}: {e}", to.display()))?;
+    let side = |n: usize| u32::try_from(n).map_err(|e| e.to_string());
+    let mut encoder = png::Encoder::new(file, side(small_w)?, side(small_h)?);
+    encoder.set_color(info.color_type);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    let mut writer = encoder.write_header().map_err(|e| e.to_string())?;
+    writer.write_image_data(&small).map_err(|e| e.to_string())
 }
 
 fn pages(folder: &Path) -> Result<Vec<PathBuf>, String> {
@@ -267,8 +360,36 @@ mod tests {
 
     #[test]
     fn blocks_that_only_show_a_line_are_not_run() {
-        let page =
-            "Text\n```sh\ngrainpath new plate\ncd plate\n```\n\n```console\nsudo rm\n```\n\n```sh\nls\n```\n";
-        assert_eq!(blocks(page), ["grainpath new plate\ncd plate", "ls"]);
+        let page = "Text\n```sh\ngrainpath new plate\ncd plate\n```\n\n```console\nsudo rm\n```\n\n1. In a list\n   ```sh python\n   ls\n     x\n\n   ```\n";
+        let found: Vec<(String, bool)> = blocks(page).into_iter().map(|b| (b.text, b.needs_python)).collect();
+        assert_eq!(
+            found,
+            [("grainpath new plate\ncd plate".to_owned(), false), ("ls\n  x\n".to_owned(), true)]
+        );
+    }
+
+    #[test]
+    fn pictures_of_a_page_are_files_of_its_blocks() {
+        let page = "![a](../pictures/how-to-loads/out/loads.png) and ![b](../pictures/other/x.png)";
+        assert_eq!(made_pictures(page, "how-to-loads"), ["out/loads.png"]);
+    }
+
+    #[test]
+    fn a_picture_is_made_smaller_by_means_of_squares() {
+        let folder = crate::target().join("failures");
+        fs::create_dir_all(&folder).unwrap();
+        let (from, to) = (folder.join("large.png"), folder.join("small.png"));
+        let mut encoder = png::Encoder::new(fs::File::create(&from).unwrap(), 1800, 4);
+        encoder.set_color(png::ColorType::Grayscale);
+        encoder.set_depth(png::BitDepth::Eight);
+        let columns: Vec<u8> = (0..1800).map(|x| if x % 2 == 0 { 10 } else { 30 }).collect();
+        encoder.write_header().unwrap().write_image_data(&columns.repeat(4)).unwrap();
+        reduce(&from, &to).unwrap();
+        let file = std::io::BufReader::new(fs::File::open(&to).unwrap());
+        let mut reader = png::Decoder::new(file).read_info().unwrap();
+        assert_eq!((reader.info().width, reader.info().height), (900, 2));
+        let mut pixels = vec![0; 1800];
+        reader.next_frame(&mut pixels).unwrap();
+        assert!(pixels.iter().all(|p| *p == 20));
     }
 }

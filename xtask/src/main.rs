@@ -21,6 +21,7 @@ mod glossary;
 mod hashes;
 mod ignored;
 mod invariants;
+mod json;
 mod licences;
 mod page;
 mod pages;
@@ -66,7 +67,8 @@ const USAGE: &str = "usage: cargo xtask <command>
   fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
   campaign [MINUTES]  mutated files, kills and a full disk, against the program (default 10 minutes)
   book             the pages of docs/ as a site below target/book, no link dead; `book install` builds mdBook,
-                   `book run [PAGE...]` runs the command blocks of the pages
+                   `book run [PAGE...]` runs the command blocks of the pages, `book pictures` renews their pictures,
+                   `book json` holds the page of the JSON reports against what jobs print
   deb [PROGRAM] [--root]  a Debian package of target/release/grainpath, held against lintian; --root tries it in a bare root
   figures [--write]  the table of README.md beside docs/figures.toml, or writes it
   gallery [PART...]  plans the parts of docs/gallery with target/ci/grainpath and draws their sheets
@@ -280,6 +282,7 @@ fn nightly() -> Outcome {
     checks.run("mutated files, kills, full disk", || campaign::run(&[]))?;
     checks.run("quality beside the peers", bench::quality)?;
     checks.run("command blocks of the pages", || book::run(&["run"]))?;
+    checks.run("page of the JSON reports", json::check)?;
     checks.run("book", || book::run(&[]))?;
     pages::note_nightly()?;
     checks.finish(false)
