@@ -1,4 +1,4 @@
-//! A Debian package: the program, its manual pages and completions, and the licences of all that is in it.
+//! A Debian package: the program, its manual pages and completions, the licences of all that is in it, and its bill of materials.
 //!
 //! [`run`] lays out the tree below `target/deb`, asks the program itself for its pages, completions and licences, has
 //! `dpkg-deb` pack it, and holds the package against `lintian`; with `--root` it is unpacked into a bare Debian root
@@ -77,6 +77,10 @@ fn pack(program: &Path) -> Result<PathBuf, String> {
     // The texts of all licences, those of the libraries among them.
     put(&at("usr/share/doc/grainpath/copyright"), copyright()?.as_bytes())?;
     put(&at("usr/share/doc/grainpath/licences-of-libraries.gz"), &gzip(told(&["licences"])?.as_bytes())?)?;
+    put(
+        &at("usr/share/doc/grainpath/grainpath.cdx.json.gz"),
+        &gzip(crate::sbom::text(&crate::sbom::list()?)?.as_bytes())?,
+    )?;
     put(&at("usr/share/lintian/overrides/grainpath"), OVERRIDES.as_bytes())?;
     let date =
         crate::output(Command::new("git").args(["log", "-1", "--format=%cD"]).current_dir(crate::root()))?;

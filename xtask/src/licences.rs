@@ -116,7 +116,7 @@ fn licence_files(folder: &Path) -> Result<Vec<std::path::PathBuf>, String> {
 }
 
 /// The packages that a package is built with, without those of its tests and build scripts.
-fn used_by(name: &str, metadata: &Value) -> Result<BTreeSet<String>, String> {
+pub fn used_by(name: &str, metadata: &Value) -> Result<BTreeSet<String>, String> {
     let nodes = metadata["resolve"]["nodes"].as_array().cloned().unwrap_or_default();
     let packages = metadata["packages"].as_array().cloned().unwrap_or_default();
     let root = packages.iter().find(|p| p["name"] == name).ok_or_else(|| format!("no package {name}"))?;

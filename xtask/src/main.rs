@@ -27,6 +27,7 @@ mod page;
 mod pages;
 mod photo;
 mod python;
+mod sbom;
 mod setup;
 mod source;
 mod texts;
@@ -73,6 +74,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   figures [--write]  the table of README.md beside docs/figures.toml, or writes it
   gallery [PART...]  plans the parts of docs/gallery with target/ci/grainpath and draws their sheets
   licences         writes what `grainpath licences` prints, after dependencies changed
+  sbom [FILE]      everything inside the program as CycloneDX JSON
   setup            installs what tests and benches need (Python packages, the peers)";
 
 fn main() -> ExitCode {
@@ -106,6 +108,7 @@ fn main() -> ExitCode {
         ["figures", words @ ..] => figures::run(words),
         ["gallery", words @ ..] => gallery::run(words),
         ["licences"] => licences::write(),
+        ["sbom", words @ ..] => sbom::run(words),
         ["page", "test"] => page::test_in_browser(&target().join("ci/grainpath")),
         ["page", "test", path] => std::path::absolute(path)
             .map_err(|e| format!("{path}: {e}"))
