@@ -20,14 +20,34 @@ struct Part {
     preset: &'static str,
     /// The job file.
     job: &'static str,
+    /// Whether the part of a preset is drawn until it breaks too.
+    breaks: bool,
+    /// Which panel of the sheet, from 0, stands for the part on the sheet of all parts.
+    hero: usize,
 }
 
 const fn own(name: &'static str, job: &'static str, about: &'static str) -> Part {
-    Part { name, about, preset: "", job }
+    Part { name, about, preset: "", job, breaks: false, hero: 2 }
 }
 
 const fn of_preset(name: &'static str, preset: &'static str, job: &'static str, about: &'static str) -> Part {
-    Part { name, about, preset, job }
+    Part { name, about, preset, job, breaks: false, hero: 1 }
+}
+
+/// A part of a preset with loads: its stress, and where it breaks.
+const fn loaded(
+    name: &'static str,
+    preset: &'static str,
+    job: &'static str,
+    about: &'static str,
+    hero: usize,
+) -> Part {
+    Part { name, about, preset, job, breaks: true, hero }
+}
+
+/// A part of a preset that is best shown as a whole.
+const fn whole(name: &'static str, preset: &'static str, job: &'static str, about: &'static str) -> Part {
+    Part { name, about, preset, job, breaks: false, hero: 0 }
 }
 
 /// All parts, in the order of the page.
@@ -40,22 +60,22 @@ const PARTS: [Part; 24] = [
     own("gusset", "gusset.toml", "a gusset in shear"),
     own("ring", "ring.toml", "a ring squeezed between two plates"),
     own("weave", "weave.toml", "both families of stress lines, layer by layer: a weave"),
-    of_preset("tension", "stress-lines", "tension.toml", "a tensile bar with a hole"),
-    of_preset("bending", "stress-lines", "bending.toml", "a bar in three-point bending"),
-    of_preset("shelf", "stress-lines", "bracket.toml", "a shelf bracket, solved in three dimensions"),
-    of_preset("plate", "plate", "job.toml", "a mounting plate with a rib too thin for two walls"),
+    loaded("tension", "stress-lines", "tension.toml", "a tensile bar with a hole", 1),
+    loaded("bending", "stress-lines", "bending.toml", "a bar in three-point bending", 1),
+    loaded("shelf", "stress-lines", "bracket.toml", "a shelf bracket, solved in three dimensions", 0),
+    whole("plate", "plate", "job.toml", "a mounting plate with a rib too thin for two walls"),
     of_preset("flow", "field", "job.toml", "directions from a table, around a hole"),
     of_preset("knot", "woodgrain", "job.toml", "a board from its photograph, the grain around a knot"),
     of_preset("board", "woodgrain", "dense.toml", "the same board, its beads touching"),
     of_preset("board-grid", "woodgrain", "grid.toml", "the same mass as a grid"),
     of_preset("board-triangles", "woodgrain", "triangles.toml", "the same mass as triangles"),
     of_preset("board-straight", "woodgrain", "rectilinear.toml", "the same mass as straight lines"),
-    of_preset("open-hole", "continuous", "plate.toml", "a fibre plate with an open hole, one path a layer"),
-    of_preset("fibre-hook", "continuous", "hook.toml", "a hook in continuous fibre"),
-    of_preset("fibre-rings", "continuous", "plate-concentric.toml", "the plate in rings of fibre"),
-    of_preset("ball", "tree-support", "ball.toml", "a hanging ball on trees"),
-    of_preset("tray", "tree-support", "tray.toml", "a dental tray on trees"),
-    of_preset("hub", "ct", "job.toml", "a wheel hub from its scan, without a mesh"),
+    loaded("open-hole", "continuous", "plate.toml", "a fibre plate with an open hole, one path a layer", 2),
+    loaded("fibre-hook", "continuous", "hook.toml", "a hook in continuous fibre", 2),
+    loaded("fibre-stripes", "continuous", "plate-stripes.toml", "the plate in stripes of fibre", 2),
+    whole("ball", "tree-support", "ball.toml", "a hanging ball on trees"),
+    whole("tray", "tree-support", "tray.toml", "a dental tray on trees"),
+    whole("hub", "ct", "job.toml", "a wheel hub from its scan, without a mesh"),
 ];
 
 /// The colour behind parts. Source: `PAPER` of the renderer, `crates/grainpath-view/src/layer/thumbnail.rs`.
@@ -105,6 +125,10 @@ pub fn run(words: &[&str]) -> Result<(), String> {
     let there: Vec<&Part> =
         PARTS.iter().filter(|p| gallery.join(format!("{}.jpg", p.name)).exists()).collect();
     fs::write(gallery.with_extension("md"), page(&there)).map_err(|e| e.to_string())?;
+    if can_set && there.len() == PARTS.len() {
+        let sheet = all_parts(&work, &gallery)?;
+        set(&sheet, &crate::root().join("docs/pictures/gallery.jpg"), ".all")?;
+    }
     let mut bytes = 0;
     for entry in fs::read_dir(&gallery).map_err(|e| e.to_string())?.flatten() {
         bytes += entry.metadata().map_err(|e| e.to_string())?.len();
@@ -149,6 +173,10 @@ fn plan(program: &Path, part: &Part, gallery: &Path, work: &Path) -> Result<Path
         .args(set("output.report", "\"report.html\""))
         .args(set("output.gcode", "\"part.gcode\""))
         .arg("--json");
+    if part.breaks {
+        command.args(set("strength.enabled", "true")).args(set("strength.corners", "false"));
+        command.args(set("strength.cell_mm", "0.9"));
+    }
     let told = crate::output(&mut command)?;
     fs::write(folder.join("report.json"), told).map_err(|e| e.to_string())?;
     Ok(out)
@@ -215,6 +243,11 @@ fn sheet(part: &Part, out: &Path) -> Result<PathBuf, String> {
         let all: Vec<&String> = names.iter().filter(|n| n.starts_with(start)).collect();
         all.get(all.len() / 2).map(|n| (*n).clone())
     };
+    // Of the layers the one with most to see, for which the size of its picture stands.
+    let busiest = || {
+        let bytes = |n: &&String| fs::metadata(out.join(n)).map_or(0, |m| m.len());
+        names.iter().filter(|n| n.starts_with("layer_")).max_by_key(bytes).cloned()
+    };
     let report: serde_json::Value = fs::read_to_string(out.with_file_name("report.json"))
         .map_err(|e| e.to_string())
         .and_then(|t| serde_json::from_str(&t).map_err(|e| e.to_string()))?;
@@ -227,7 +260,7 @@ fn sheet(part: &Part, out: &Path) -> Result<PathBuf, String> {
     let panels = [
         (Some("part.png".to_owned()), "the part", grams),
         (middle("stress_"), "stress lines", peak),
-        (middle("layer_"), "a layer of beads", off),
+        (busiest(), "a layer of beads", off),
         (middle("damage"), "where it breaks", breaks),
         (middle("grain_"), "from the photograph", String::new()),
         (middle("support_"), "supports", String::new()),
@@ -263,6 +296,53 @@ fn sheet(part: &Part, out: &Path) -> Result<PathBuf, String> {
     let path = out.with_file_name(format!("{}.html", part.name));
     fs::write(&path, html + "</div></html>").map_err(|e| e.to_string())?;
     Ok(path)
+}
+
+/// Width of a panel of a sheet with the space to the next, and height of its picture, pixels.
+const PANEL_PX: (usize, usize) = (400, 330);
+
+/// A page with one panel of every part, cut from the sheets.
+fn all_parts(work: &Path, gallery: &Path) -> Result<PathBuf, String> {
+    let mut html = String::from(
+        "<!DOCTYPE html><html lang=\"en\"><meta charset=\"utf-8\"><title>gallery</title><style>\
+         body{margin:0;background:#fff;font:600 19px/1.3 \"DejaVu Sans\",sans-serif;color:#1d2025}\
+         .all{display:grid;grid-template-columns:repeat(6,260px);gap:10px;padding:4px;width:1610px}\
+         figure{margin:0}.tile{width:260px;height:220px;border-radius:8px;background-repeat:no-repeat}\
+         figcaption{padding:2px 6px}</style><div class=\"all\">",
+    );
+    // A tile is two thirds of a panel; sheets begin 4 pixels from their corner.
+    let scaled = |n: usize| n as f64 / 1.5;
+    for part in &PARTS {
+        let file = gallery.join(format!("{}.jpg", part.name));
+        let _ = write!(
+            html,
+            "<figure><div class=\"tile\" style=\"background-image:url('file://{}');background-size:auto {}px;\
+             background-position:{}px {}px\"></div><figcaption>{}</figcaption></figure>",
+            file.display(),
+            scaled(sheet_height(&file)?),
+            -scaled(4 + PANEL_PX.0 * part.hero),
+            -scaled(4),
+            part.name
+        );
+    }
+    let path = work.join("all.html");
+    fs::write(&path, html + "</div></html>").map_err(|e| e.to_string())?;
+    Ok(path)
+}
+
+/// Height of a JPEG picture, pixels: that of its frame header, the first `SOF` segment.
+fn sheet_height(path: &Path) -> Result<usize, String> {
+    let wrong = || format!("{}: no JPEG picture", path.display());
+    let bytes = fs::read(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let mut at = 2;
+    loop {
+        let [0xff, kind, high, low, ..] = *bytes.get(at..).ok_or_else(wrong)? else { return Err(wrong()) };
+        if matches!(kind, 0xc0..=0xc2) {
+            let side = bytes.get(at + 5..at + 7).ok_or_else(wrong)?;
+            return Ok(usize::from(side[0]) << 8 | usize::from(side[1]));
+        }
+        at += 2 + (usize::from(high) << 8 | usize::from(low));
+    }
 }
 
 /// The drawing of a part of ours with what holds it (green) and its load (red arrow), and the force in words.
@@ -364,8 +444,7 @@ fn set(page: &Path, picture: &Path, part: &str) -> Result<(), String> {
 /// The page of the gallery.
 fn page(parts: &[&Part]) -> String {
     let mut out = String::from(
-        "# Gallery\n\nWritten by `cargo xtask gallery`, which runs every job and draws these pictures. Drawings, meshes, photographs and scans are made by grainpath's own\n\
-         code or drawn for it, under its licences (MIT or Apache-2.0).\n",
+        "# Gallery\n\nWritten by `cargo xtask gallery`, which runs every job and draws these pictures.\n",
     );
     for part in parts {
         let _ = write!(out, "\n## {}\n\n![{}](gallery/{}.jpg)\n\n", part.name, part.about, part.name);
@@ -374,9 +453,20 @@ fn page(parts: &[&Part]) -> String {
         } else {
             format!("`grainpath new {0}`, then `grainpath run {0}/{1}`", part.preset, part.job)
         };
+        let tested = if part.breaks {
+            " with `--set strength.enabled=true --set strength.corners=false --set strength.cell_mm=0.9`"
+        } else {
+            ""
+        };
+        let input = match part.preset {
+            "" => "Drawn for grainpath",
+            "woodgrain" => "The photograph is computed by grainpath",
+            "ct" => "The scan is computed by grainpath",
+            _ => "The part is computed by grainpath",
+        };
         let mut about = part.about.to_owned();
         about[..1].make_ascii_uppercase();
-        let _ = writeln!(out, "{about}. {made}.");
+        let _ = writeln!(out, "{about}. {made}{tested}. {input}: MIT or Apache-2.0.");
     }
     out
 }
@@ -401,6 +491,14 @@ mod tests {
         found.sort_unstable();
         // One pixel alone; one that touches three by a corner, and the one above those.
         assert_eq!(found, [1, 5]);
+    }
+
+    #[test]
+    fn the_height_of_a_sheet_is_that_of_its_frame() {
+        let path = crate::root().join("xtask/seeds/photo.jpg");
+        // `file` says 16x12.
+        assert_eq!(sheet_height(&path).unwrap(), 12);
+        assert!(sheet_height(&crate::root().join("xtask/seeds/palette.png")).is_err());
     }
 
     #[test]
