@@ -2,7 +2,7 @@
 
 import type { Schema } from "./settings";
 
-export type FileKind = "job" | "mesh" | "outline" | "program" | "other";
+export type FileKind = "job" | "mesh" | "outline" | "photo" | "scan" | "program" | "other";
 export interface StudioState { version: string; opened: { path: string; kind: FileKind } | null; work: string; roots: string[]; max_upload_bytes: number }
 export interface Listing { path: string; parent: string | null; folders: { name: string; path: string }[]; files: { name: string; path: string; bytes: number; kind: FileKind }[]; left_out: number }
 export interface JobState { id: number; kind: "view" | "shape" | "stress" | "plan" | "strength"; title: string; phase: "waiting" | "running" | "done" | "failed" | "cancelled"; ahead: number; stage: string | null; done: number; total: number; elapsed_s: number; error: string | null; code: number | null }
@@ -56,6 +56,11 @@ async function json<T>(address: string, init?: RequestInit): Promise<T> {
 export const state = () => json<StudioState>("v1/state");
 export const files = (path: string) => json<Listing>(`v1/files?path=${encodeURIComponent(path)}`);
 export const text = (path: string) => json<{ text: string; folder: string }>(`v1/text?path=${encodeURIComponent(path)}`);
+/** The job that the command line would make of a file or of the folder of a scan. */
+export const jobFor = (path: string) => json<{ text: string; folder: string }>(`v1/job?path=${encodeURIComponent(path)}`);
+export const examples = () => json<{ examples: { name: string; about: string }[] }>("v1/examples");
+/** Writes an example to a new folder; the path of its job. */
+export const example = (name: string) => json<{ path: string }>(`v1/examples?name=${encodeURIComponent(name)}`, { method: "POST" });
 export const schema = () => json<Schema>("v1/schema");
 export const profiles = () => json<{ profiles: Profile[] }>("v1/profiles");
 export const index = (id: number) => json<Index>(`v1/jobs/${id}/layers`);

@@ -3,7 +3,7 @@
 import * as api from "./api";
 import { el, size } from "./dom";
 
-const NAMES: Record<api.FileKind, string> = { job: "job", mesh: "mesh", outline: "outline", program: "G-code", other: "" };
+const NAMES: Record<api.FileKind, string> = { job: "job", mesh: "mesh", outline: "outline", photo: "photograph", scan: "scan", program: "G-code", other: "" };
 
 /** Lets the user choose a file; null where they do not. It begins beside `beside`. */
 export async function chooser(dialog: HTMLDialogElement, beside: string | null): Promise<{ path: string; kind: api.FileKind } | null> {
@@ -23,6 +23,9 @@ export async function chooser(dialog: HTMLDialogElement, beside: string | null):
         here.textContent = listing.path;
         const rows: Node[] = [];
         if (listing.parent) rows.push(el("button", { type: "button", onclick: () => void go(listing.parent!) }, el("span", {}, ".."), el("span", {}, "up")));
+        // Slices of a scan are pictures, TIFF or DICOM files of one folder; DICOM files often have no ending.
+        const slices = listing.files.filter((f) => f.kind === "photo" || f.kind === "scan" || !f.name.includes(".")).length;
+        if (slices > 1) rows.push(el("button", { type: "button", id: "open-folder", onclick: () => finish({ path: listing.path, kind: "scan" }) }, el("span", {}, "Open this folder as a scan"), el("span", {}, `${slices} slices`)));
         for (const f of listing.folders) rows.push(el("button", { type: "button", onclick: () => void go(f.path) }, el("span", {}, `${f.name}/`), el("span", {}, "folder")));
         for (const f of listing.files) {
           const open = () => finish({ path: f.path, kind: f.kind });

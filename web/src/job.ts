@@ -4,9 +4,12 @@ import * as api from "./api";
 import { el } from "./dom";
 import type { Open } from "./main";
 import { SettingsForm, plain } from "./settings";
-import { get, set } from "./toml";
+import { get, set, value } from "./toml";
 
 interface Parts { run: (wanted: Record<string, unknown>) => Promise<api.JobState | null>; say: (message: string, isError?: boolean) => void }
+
+/** Whether a path begins at the root of a disk. */
+const isWhole = (path: string) => /^([/\\]|[A-Za-z]:)/.test(path);
 
 /** A text as TOML writes it: a JSON string is a TOML string too. */
 export const quoted = (text: string) => JSON.stringify(text);
@@ -48,12 +51,17 @@ export class JobPanel {
   /** What runs is saved elsewhere, so files that the opened job names beside itself are named in full. */
   private absolute(text: string): string {
     if (this.opened?.kind !== "job") return text;
-    const files: [string, string][] = [["shape", "mesh"], ["shape", "outline"], ["guide", "import"]];
+    const files: [string, string][] = [["shape", "mesh"], ["shape", "outline"], ["shape", "ct"], ["shape.ct", "path"], ["guide", "import"], ["guide", "volume"], ["guide.volume", "path"], ["guide", "field"], ["guide.field", "path"]];
     const profiles: [string, string][] = [["printer", "profile"], ["material", "profile"], ["process", "profile"]];
     for (const [table, key] of [...files, ...profiles]) {
       const name = plain(get(text, table, key) ?? "");
       const isFile = key !== "profile" || name.endsWith(".toml");
-      if (name && isFile && !/^([/\\]|[A-Za-z]:)/.test(name)) text = set(text, table, key, quoted(`${this.folder}/${name}`));
+      if (name && isFile && !isWhole(name)) text = set(text, table, key, quoted(`${this.folder}/${name}`));
+    }
+    for (const table of ["shape.photo", "guide.image"]) {
+      const names = value(get(text, table, "files") ?? "");
+      if (!Array.isArray(names) || !names.every((n) => typeof n === "string")) continue;
+      text = set(text, table, "files", `[${names.map((n) => quoted(isWhole(n) ? n : `${this.folder}/${n}`)).join(", ")}]`);
     }
     return text;
   }
@@ -95,17 +103,12 @@ export class JobPanel {
       if (opened.kind === "job") {
         const { text, folder } = await api.text(opened.path);
         [this.saved, this.folder] = [text, folder];
-      } else this.saved = await this.jobOf(opened);
+      } else [this.saved, this.folder] = [(await api.jobFor(opened.path)).text, ""];
       await this.build();
     } catch (error) {
+      this.close();
       this.parts.say((error as Error).message, true);
     }
-  }
-
-  private async jobOf(opened: Open): Promise<string> {
-    const isOutline = opened.kind === "outline";
-    const shape = isOutline ? `outline = ${quoted(opened.path)}\nthickness_mm = 4    # a drawing has no height: say how thick the part is` : `mesh = ${quoted(opened.path)}`;
-    return `[shape]\n${shape}\n\n[printer]\nprofile = "generic-0.4"\n\n[material]\nprofile = "pla"\n\n[process]\nprofile = "standard"\n\n[output]\ngcode = ${quoted(opened.name.replace(/\.[^.]*$/, "") + ".gcode")}\nreport = "report.html"\n`;
   }
 
   private async build(): Promise<void> {
@@ -142,7 +145,10 @@ export class JobPanel {
       return el("label", {}, kind[0]!.toUpperCase() + kind.slice(1), select);
     };
     const plan = el("button", { type: "button", class: "main", onclick: () => void this.plan() }, "Plan the paths");
+    const board = this.board();
+    if (board) selects.push(board.fill);
     this.panel.replaceChildren(
+      ...(board ? [board.box] : []),
       el("h2", {}, "Printer, material, process"), el("div", { class: "row" }, choice("printer"), choice("material"), choice("process")), tier,
       el("h2", {}, "Settings"), form.element,
       el("h2", {}, "Job file"), editor,
@@ -150,6 +156,28 @@ export class JobPanel {
       el("div", { class: "row" }, plan),
     );
     changed();
+  }
+
+  /** The size of the board in a photograph, which no picture states; null for jobs of other shapes. */
+  private board(): { box: HTMLElement; fill: () => void } | null {
+    if (get(this.saved, "shape.photo", "files") === null) return null;
+    const inputs = ["width, mm", "height, mm", "thick, mm"].map((words, k) =>
+      el("input", { type: "number", min: 0.1, step: "any", id: `board-${k}`, "aria-label": words, placeholder: words, onchange: () => enter() }));
+    const enter = () => {
+      const [width, height, thickness] = inputs.map((input) => input.valueAsNumber) as [number, number, number];
+      let text = this.text() ?? "";
+      if (width > 0 && height > 0) text = set(text, "shape.photo", "size_mm", `[${width}, ${height}]`);
+      if (thickness > 0) text = set(text, "shape.photo", "thickness_mm", String(thickness));
+      this.put(text);
+    };
+    const note = el("p", { class: "note" }, "No picture says how large the board in it is: measure it. Without corners the whole picture is the board.");
+    const fill = () => {
+      const [size, thickness] = ["size_mm", "thickness_mm"].map((key) => value(get(this.text() ?? "", "shape.photo", key) ?? ""));
+      const known = [...(Array.isArray(size) ? size : [undefined, undefined]), thickness];
+      inputs.forEach((input, k) => { if (input !== document.activeElement && typeof known[k] === "number") input.value = String(known[k]); });
+      note.hidden = known.every((v) => typeof v === "number");
+    };
+    return { box: el("div", { id: "board" }, el("h2", {}, "Board"), el("div", { class: "row three" }, ...inputs.map((input) => el("label", {}, input.placeholder, input))), note), fill };
   }
 
   /** What the material's card rests on. */

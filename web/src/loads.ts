@@ -31,6 +31,8 @@ const numbers = (v: Value | undefined): number[] | null => (Array.isArray(v) && 
 
 export class LoadsPanel {
   private items: Item[] = [];
+  /** Named load cases, in the order of the text. */
+  private cases: { name: string; block: Block }[] = [];
   private stress: { view: StressView; id: number; cases: string[]; report: api.StressReport; text: string; warnings: api.Warning[] } | null = null;
   private shown: { what: Quantity; case: number; scale: [number, number] | null; magnified: number; isOn: boolean } = { what: "mises", case: 0, scale: null, magnified: 0, isOn: true };
   private readonly list = el("div", { id: "items" });
@@ -92,7 +94,7 @@ export class LoadsPanel {
     if (!this.parts.shape.report) return;
     this.items = this.read();
     // Fields stay while only their values change, so that the one that is entered next is still there.
-    const rows = JSON.stringify(this.items.map((i) => [i.name, i.place, i.block !== null, Object.keys(i.keys)]));
+    const rows = JSON.stringify([this.items.map((i) => [i.name, i.place, i.block !== null, Object.keys(i.keys)]), this.cases.map((c) => c.name)]);
     if (rows === this.drawn) this.fill();
     else {
       const focused = document.activeElement?.id ?? "";
@@ -124,10 +126,14 @@ export class LoadsPanel {
       }
       numbers(item.keys.displacement_mm)?.forEach((n, axis) => into(`moved-${k}-${"xyz"[axis]}`, n));
     });
+    this.cases.forEach((_, k) => {
+      const input = document.getElementById(`weight-${k}`) as HTMLInputElement | null;
+      if (input && input !== document.activeElement) input.value = String(this.weight(k));
+    });
   }
 
   /** What the stress depends on: all but how the part is printed. */
-  private loadsOf(text: string): string { return JSON.stringify([this.items.map((i) => [i.name, i.keys, i.case]), ["analysis", "element_mm", "frame", "elasticity"].map((k) => get(text, "guide", k)), get(text, "material", "profile")]); }
+  private loadsOf(text: string): string { return JSON.stringify([this.items.map((i) => [i.name, i.keys, i.case]), this.cases.map((_, k) => this.weight(k)), ["analysis", "element_mm", "frame", "elasticity"].map((k) => get(text, "guide", k)), get(text, "material", "profile")]); }
 
   /** Fixtures and loads of the text. */
   private read(): Item[] {
@@ -135,6 +141,7 @@ export class LoadsPanel {
     const faces = new Map(this.parts.shape.report!.faces.map((row, k) => [row.name, k]));
     const found: Item[] = [];
     let inCase = "";
+    this.cases = [];
     const counts = new Map<string, number>();
     const add = (isFixture: boolean, block: Block | null, keys: { [key: string]: Value }, ofCase: string | null) => {
       const counted = `${isFixture} ${ofCase}`;
@@ -149,7 +156,7 @@ export class LoadsPanel {
     for (const block of blocks(text, "guide.fixture", "guide.load", "guide.case", "guide.case.load")) {
       const keys: { [key: string]: Value } = {};
       for (const [key, entry] of block.keys) { const read = value(text.slice(entry.from, entry.to)); if (read !== undefined) keys[key] = read; }
-      if (block.table === "guide.case") { inCase = String(keys.name ?? ""); continue; }
+      if (block.table === "guide.case") { inCase = String(keys.name ?? ""); this.cases.push({ name: inCase, block }); continue; }
       add(block.table === "guide.fixture", block.isPlain ? block : null, keys, block.table === "guide.case.load" ? inCase : null);
     }
     for (const key of ["fixture", "load"] as const) {
@@ -161,44 +168,101 @@ export class LoadsPanel {
 
   private rows(): Node[] {
     if (this.items.length === 0) return [el("p", { class: "note" }, "None yet. Choose a face on the part, then press Hold here or Load here.")];
-    return this.items.map((item, k) => {
-      // The text may have moved since, so the block is looked up when it is changed.
-      const block = () => this.items[k]?.block ?? null;
-      const put = (key: string, words: string | null) => { const own = block(); if (own) this.put(change(this.text, own, key, words)); };
-      const off = el("button", { type: "button", id: `remove-${k}`, "aria-label": `Remove ${item.name}`, onclick: () => { const own = block(); if (own) this.put(remove(this.text, own)); } }, "Remove");
-      const box = el("fieldset", { class: item.isFixture ? "held" : "loaded" }, el("legend", {}, item.name));
-      for (const [event, lit] of [["pointerenter", item.face], ["focusin", item.face], ["pointerleave", -1], ["focusout", -1]] as const) box.addEventListener(event, () => this.parts.viewer()?.setHovered(lit));
-      box.append(el("p", { class: "note" }, item.place));
-      if (!item.block) { box.append(el("p", { class: "note" }, "It is changed in the text of the job.")); return box; }
-      if (item.isFixture) {
-        const fix = String(item.keys.fix ?? "");
-        const select = el("select", { id: `fix-${k}`, onchange: () => put("fix", quoted(select.value)) }, ...FIXES.map(([key, words]) => el("option", { value: key, selected: key === fix }, words)));
-        if (!FIXES.some(([key]) => key === fix)) select.append(el("option", { value: fix, selected: true }, fix));
-        const moved = numbers(item.keys.displacement_mm);
-        box.append(el("div", { class: "row" }, el("label", {}, "held", select), off),
-          el("details", moved ? { open: true } : {}, el("summary", {}, "moved by a given way"), this.vector(`moved-${k}`, "mm", moved ?? [0, 0, 0], (v) => put("displacement_mm", v.every((n) => n === 0) ? null : vectorText(v)))));
-        return box;
-      }
-      const kind = KINDS.find(([key]) => key in item.keys);
-      if (!kind) { box.append(el("p", { class: "note" }, "Its kind is changed in the text of the job."), off); return box; }
-      const isOnFace = "on" in item.keys;
-      const select = el("select", { id: `kind-${k}`, onchange: () => {
-        const to = KINDS.find(([key]) => key === select.value)!;
-        const own = block();
-        if (!own) return;
-        const nth = blocks(this.text, own.table).findIndex((b) => b.from === own.from);
-        const without = change(this.text, own, kind[0], null);
-        this.put(change(without, blocks(without, own.table)[nth]!, to[0], this.proposed(to[0], item)));
-      } }, ...KINDS.filter(([key]) => (key === "acceleration_mm_s2") !== isOnFace).map(([key, words]) => el("option", { value: key, selected: key === kind[0] }, words)));
-      box.append(el("div", { class: "row" }, el("label", {}, "kind", select), off));
-      const now = item.keys[kind[0]];
-      if (kind[2]) box.append(this.vector(`value-${k}`, "", numbers(now) ?? [0, 0, 0], (v) => put(kind[0], vectorText(v))));
-      else {
-        const input = el("input", { type: "number", step: "any", id: `value-${k}`, value: typeof now === "number" ? now : 0, "aria-label": kind[1], onchange: () => { if (Number.isFinite(input.valueAsNumber)) put(kind[0], plainNumber(input.valueAsNumber)); } });
-        box.append(el("div", { class: "row" }, el("label", {}, kind[1], input)));
-      }
+    return [...this.items.map((item, k) => this.row(item, k)), ...this.caseRows()];
+  }
+
+  /** The weight of a case as the text has it; 1 where it has none. */
+  private weight(k: number): number {
+    const entry = this.cases[k]?.block.keys.get("weight");
+    const read = entry && value(this.text.slice(entry.from, entry.to));
+    return typeof read === "number" ? read : 1;
+  }
+
+  private caseRows(): Node[] {
+    if (this.cases.length === 0) return [];
+    return [el("h3", {}, "Load cases"), ...this.cases.map(({ name }, k) => {
+      const input = el("input", { type: "number", min: 0, step: "any", id: `weight-${k}`, value: this.weight(k), onchange: () => { if (input.valueAsNumber > 0) this.put(change(this.text, this.cases[k]!.block, "weight", plainNumber(input.valueAsNumber))); } });
+      return el("div", { class: "row" }, el("label", {}, `${name}: weight`, input));
+    }), el("p", { class: "note" }, "Loads of one case act together. Cases act one after the other, each with the same fixtures; loads without a case form one more.")];
+  }
+
+  /** Puts a load into another case: one of the text, a new one, or none. */
+  private moveTo(item: Item, to: string | null): void {
+    if (!item.block) return;
+    const body = this.text.slice(item.block.from, item.block.to).replace(/^[^\n]*\n/, "");
+    let text = this.without(item);
+    if (to === null) {
+      const all = blocks(text, "guide.fixture", "guide.load");
+      text = insert(text, all.length > 0 ? all[all.length - 1]!.to : text.length, `[[guide.load]]\n${body}`);
+    } else {
+      const all = blocks(text, "guide.case", "guide.case.load");
+      const isHere = (b: Block) => { const entry = b.keys.get("name"); return b.table === "guide.case" && entry !== undefined && value(text.slice(entry.from, entry.to)) === to; };
+      let k = all.findIndex(isHere);
+      const isNew = k < 0;
+      // Behind the last load of the case; a new case comes behind the last case.
+      if (isNew) k = all.length - 1;
+      else while (all[k + 1]?.table === "guide.case.load") k++;
+      const head = isNew ? `[[guide.case]]\nname = ${quoted(to)}\nweight = 1\n\n` : "";
+      const last = [...blocks(text, "guide.fixture", "guide.load")].pop();
+      text = insert(text, k >= 0 ? all[k]!.to : last?.to ?? text.length, `${head}[[guide.case.load]]\n${body}`);
+    }
+    this.put(text);
+  }
+
+  /** The text without a fixture or a load, nor a case that would be left without loads. */
+  private without(item: Item): string {
+    const rest = remove(this.text, item.block!);
+    if (item.case === null || this.items.some((other) => other !== item && other.case === item.case)) return rest;
+    const own = blocks(rest, "guide.case").find((b) => { const entry = b.keys.get("name"); return entry !== undefined && value(rest.slice(entry.from, entry.to)) === item.case; });
+    return own ? remove(rest, own) : rest;
+  }
+
+  /** The name of the next new case. */
+  private newCase(): string {
+    for (let n = this.cases.length + 1; ; n++) if (!this.cases.some((c) => c.name === `case ${n}`)) return `case ${n}`;
+  }
+
+  private row(item: Item, k: number): Node {
+    // The text may have moved since, so the block is looked up when it is changed.
+    const block = () => this.items[k]?.block ?? null;
+    const put = (key: string, words: string | null) => { const own = block(); if (own) this.put(change(this.text, own, key, words)); };
+    const off = el("button", { type: "button", id: `remove-${k}`, "aria-label": `Remove ${item.name}`, onclick: () => { const own = this.items[k]; if (own?.block) this.put(this.without(own)); } }, "Remove");
+    const box = el("fieldset", { class: item.isFixture ? "held" : "loaded" }, el("legend", {}, item.name));
+    for (const [event, lit] of [["pointerenter", item.face], ["focusin", item.face], ["pointerleave", -1], ["focusout", -1]] as const) box.addEventListener(event, () => this.parts.viewer()?.setHovered(lit));
+    box.append(el("p", { class: "note" }, item.place));
+    if (!item.block) { box.append(el("p", { class: "note" }, "It is changed in the text of the job.")); return box; }
+    if (item.isFixture) {
+      const fix = String(item.keys.fix ?? "");
+      const select = el("select", { id: `fix-${k}`, onchange: () => put("fix", quoted(select.value)) }, ...FIXES.map(([key, words]) => el("option", { value: key, selected: key === fix }, words)));
+      if (!FIXES.some(([key]) => key === fix)) select.append(el("option", { value: fix, selected: true }, fix));
+      const moved = numbers(item.keys.displacement_mm);
+      box.append(el("div", { class: "row" }, el("label", {}, "held", select), off),
+        el("details", moved ? { open: true } : {}, el("summary", {}, "moved by a given way"), this.vector(`moved-${k}`, "mm", moved ?? [0, 0, 0], (v) => put("displacement_mm", v.every((n) => n === 0) ? null : vectorText(v)))));
       return box;
-    });
+    }
+    const kind = KINDS.find(([key]) => key in item.keys);
+    if (!kind) { box.append(el("p", { class: "note" }, "Its kind is changed in the text of the job."), off); return box; }
+    const isOnFace = "on" in item.keys;
+    const select = el("select", { id: `kind-${k}`, onchange: () => {
+      const to = KINDS.find(([key]) => key === select.value)!;
+      const own = block();
+      if (!own) return;
+      const nth = blocks(this.text, own.table).findIndex((b) => b.from === own.from);
+      const without = change(this.text, own, kind[0], null);
+      this.put(change(without, blocks(without, own.table)[nth]!, to[0], this.proposed(to[0], item)));
+    } }, ...KINDS.filter(([key]) => (key === "acceleration_mm_s2") !== isOnFace).map(([key, words]) => el("option", { value: key, selected: key === kind[0] }, words)));
+    box.append(el("div", { class: "row" }, el("label", {}, "kind", select), off));
+    const now = item.keys[kind[0]];
+    if (kind[2]) box.append(this.vector(`value-${k}`, "", numbers(now) ?? [0, 0, 0], (v) => put(kind[0], vectorText(v))));
+    else {
+      const input = el("input", { type: "number", step: "any", id: `value-${k}`, value: typeof now === "number" ? now : 0, "aria-label": kind[1], onchange: () => { if (Number.isFinite(input.valueAsNumber)) put(kind[0], plainNumber(input.valueAsNumber)); } });
+      box.append(el("div", { class: "row" }, el("label", {}, kind[1], input)));
+    }
+    const [none, other] = ["", "\n"];
+    const into: HTMLSelectElement = el("select", { id: `case-${k}`, onchange: () => this.moveTo(this.items[k]!, into.value === none ? null : into.value === other ? this.newCase() : into.value) },
+      el("option", { value: none, selected: item.case === null }, "none"), ...this.cases.map(({ name }) => el("option", { value: name, selected: item.case === name }, name)), el("option", { value: other }, "a new case"));
+    box.append(el("div", { class: "row" }, el("label", {}, "load case", into)));
+    return box;
   }
 
   private vector(id: string, unit: string, now: number[], then: (v: number[]) => void): HTMLElement {

@@ -110,7 +110,7 @@ async function open(path: string, kind: api.FileKind): Promise<void> {
     tab("paths");
     const end = await run({ kind: "view", file: path });
     if (end) { await show(end.id); strength.forProgram(path); }
-  } else if (kind === "job" || kind === "mesh" || kind === "outline") {
+  } else {
     ensureViewer();
     viewer?.clear();
     shape.close();
@@ -120,8 +120,6 @@ async function open(path: string, kind: api.FileKind): Promise<void> {
     const hasShape = text !== null && ShapePanel.has(text);
     tab(hasShape ? "shape" : "job");
     if (hasShape) await shape.load();
-  } else {
-    say(`${opened.name}: the studio opens job files (.toml), meshes (STL, OBJ, PLY, OFF, 3MF), outlines (SVG, DXF) and G-code`, true);
   }
 }
 
@@ -130,6 +128,8 @@ function kindOf(name: string): api.FileKind {
   if (ending === "toml") return "job";
   if (["stl", "obj", "ply", "off", "3mf"].includes(ending)) return "mesh";
   if (["svg", "dxf"].includes(ending)) return "outline";
+  if (["png", "jpg", "jpeg", "bmp"].includes(ending)) return "photo";
+  if (["nrrd", "nhdr", "mhd", "mha", "nii", "tif", "tiff", "dcm"].includes(ending) || /\.nii\.gz$/i.test(name)) return "scan";
   return ["gcode", "gco", "g", "nc", "ngc", "tap", "bgcode"].includes(ending) ? "program" : "other";
 }
 
@@ -468,7 +468,12 @@ document.addEventListener("dragover", (event) => { event.preventDefault(); welco
 document.addEventListener("dragleave", () => welcome.classList.remove("over"));
 document.addEventListener("drop", (event) => { event.preventDefault(); welcome.classList.remove("over"); void drop(event.dataTransfer); });
 
-byId("panel-paths").append(el("p", { class: "note" }, "Open a G-code file of any slicer to see its paths, or a job or a mesh to plan them."));
+byId("panel-paths").append(el("p", { class: "note" }, "Open a G-code file of any slicer to see its paths, or a mesh, a drawing, a photograph, a scan or a job to plan them."));
+
+/** Writes an example to a folder of its own and opens its job. */
+async function begin(name: string): Promise<void> {
+  try { await open((await api.example(name)).path, "job"); } catch (error) { say((error as Error).message, true); }
+}
 
 async function start(): Promise<void> {
   try {
@@ -478,8 +483,10 @@ async function start(): Promise<void> {
     const picker = el("input", { type: "file", hidden: true, onchange: () => { if (picker.files?.[0]) { const data = new DataTransfer(); data.items.add(picker.files[0]); void drop(data); } } });
     welcome.replaceChildren(el("div", {},
       el("h2", {}, "Where does your print break?"),
-      el("p", {}, "Drop G-code of any slicer here: see its paths, pick where it is held and where it is loaded, and see at which load and where it breaks. Or drop a mesh (STL, OBJ, PLY, OFF, 3MF) or a job file: click the faces that hold and carry it, see its stress, plan it and test it."),
+      el("p", {}, "Drop G-code of any slicer here: see its paths, pick where it is held and where it is loaded, and see at which load and where it breaks. Or drop a mesh (STL, OBJ, PLY, OFF, 3MF) or a job file: click the faces that hold and carry it, see its stress, plan it and test it. A photograph of a board and a scan are planned too."),
       el("div", { class: "row middle" }, el("button", { type: "button", class: "main", onclick: () => void choose() }, "Choose a file of this computer"), el("button", { type: "button", onclick: () => picker.click() }, "Send one with the browser"), picker),
+      el("h3", {}, "Or begin with an example"),
+      el("ul", { class: "plain examples" }, ...(await api.examples()).examples.map(({ name, about }) => el("li", {}, el("button", { type: "button", "data-example": name, onclick: () => void begin(name) }, el("b", {}, name), ` ${about}`)))),
       el("p", { class: "note" }, `Nothing leaves this computer. Results are written to ${state.work}.`)));
   } catch (error) {
     say((error as Error).message, true);

@@ -546,3 +546,29 @@ test("few draw calls, and opening twenty parts leaves nothing behind", async () 
   assert.deepEqual(await memory(), before);
   await close();
 });
+
+test("loads are put into cases with weights, and the stress is solved for each", async () => {
+  const { page, wrong, close } = await opened("bar.stl");
+  await hold(page, [0, 4, 2]);
+  await load(page, [60, 4, 2]);
+  await page.click("#gravity");
+  await page.selectOption("#case-2", { label: "a new case" });
+  assert.match(await text(page), /\[\[guide\.case\]\]\nname = "case 1"\nweight = 1\n\n\[\[guide\.case\.load\]\]\nacceleration_mm_s2/);
+  await page.fill("#weight-0", "3");
+  await page.press("#weight-0", "Tab");
+  assert.match(await text(page), /name = "case 1"\nweight = 3\n/);
+  await page.click("#solve");
+  await page.waitForSelector("#peak-stress", { timeout: 240_000 });
+  assert.deepEqual(await page.$$eval("#case option", (all) => all.map((o) => o.textContent)), ["loads", "case 1"]);
+  // A second load of the case, then both leave it: the case goes with its last load.
+  await page.selectOption("#case-1", { label: "case 1" });
+  assert.doesNotMatch(await text(page), /\[\[guide\.load\]\]/);
+  await page.selectOption("#case-1", { label: "none" });
+  await page.selectOption("#case-2", { label: "none" });
+  assert.doesNotMatch(await text(page), /guide\.case/);
+  assert.equal((await text(page)).match(/\[\[guide\.load\]\]/g).length, 2);
+  await page.keyboard.press("Control+z");
+  assert.match(await text(page), /guide\.case/);
+  assert.deepEqual(wrong, []);
+  await close();
+});

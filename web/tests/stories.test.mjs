@@ -93,7 +93,7 @@ test("a mesh, from its file to paths whose G-code is that of the command line", 
   await close();
 });
 
-test("a bracket, from its file over its loads and stress to its G-code, by mouse and keyboard alone", async () => {
+test("a bracket, from its file over its loads and stress to its G-code and to where it breaks, by mouse and keyboard alone", async () => {
   const { page, wrong, close } = await visit(browser, server.address);
   await page.waitForSelector("#welcome h2");
   // Dropped on the page: the file goes through the browser.
@@ -144,6 +144,16 @@ test("a bracket, from its file over its loads and stress to its G-code, by mouse
   command(files.dir, "run", job, "--out", "again-angle");
   const hash = (bytes) => createHash("sha256").update(bytes).digest("hex");
   assert.equal(hash(sent), hash(readFileSync(files.at("again-angle/angle.gcode"))));
+  // The printed part is loaded until it breaks.
+  await page.click("#tab-loads");
+  await page.click("#test-here");
+  await page.waitForSelector("#peak", { timeout: 240_000 });
+  await shot(page, "studio-breaks");
+  const breaks = Number((await page.textContent("#peak")).replace(" N", ""));
+  const tested = JSON.parse(command(files.dir, "strength", job, "--json")).strength;
+  assert.equal(breaks, Math.round(tested.peak_load_n));
+  // The leg of 4 x 8 mm bends under 60 N: the reserve stands beside it.
+  assert.ok((await page.textContent("#answer")).includes(`${(tested.peak_load_n / 60).toFixed(2)} ×`), await page.textContent("#answer"));
   assert.deepEqual(wrong, []);
   await close();
 });

@@ -53,6 +53,9 @@ fn routes() -> Vec<(Route, MethodRouter<Arc<Studio>>)> {
         (openapi::STATE, get(state)),
         (openapi::FILES, get(files)),
         (openapi::TEXT, get(text)),
+        (openapi::JOB_FOR, get(job_for)),
+        (openapi::EXAMPLES, get(examples)),
+        (openapi::EXAMPLE, post(example)),
         (openapi::UPLOAD, upload),
         (openapi::LIST, get(list)),
         (openapi::BEGIN, post(add)),
@@ -106,12 +109,14 @@ enum FileKind {
     Job,
     Mesh,
     Outline,
+    Photo,
+    Scan,
     Program,
     Other,
 }
 
-/// Endings of files that the studio opens.
-const ENDINGS: [(&str, FileKind); 15] = [
+/// Endings of files that the studio opens. Scans of many files (DICOM, TIFF, PNG) are opened as their folder.
+const ENDINGS: [(&str, FileKind); 28] = [
     ("toml", FileKind::Job),
     ("stl", FileKind::Mesh),
     ("obj", FileKind::Mesh),
@@ -120,6 +125,19 @@ const ENDINGS: [(&str, FileKind); 15] = [
     ("3mf", FileKind::Mesh),
     ("svg", FileKind::Outline),
     ("dxf", FileKind::Outline),
+    ("png", FileKind::Photo),
+    ("jpg", FileKind::Photo),
+    ("jpeg", FileKind::Photo),
+    ("bmp", FileKind::Photo),
+    ("nrrd", FileKind::Scan),
+    ("nhdr", FileKind::Scan),
+    ("mhd", FileKind::Scan),
+    ("mha", FileKind::Scan),
+    ("nii", FileKind::Scan),
+    ("nii.gz", FileKind::Scan),
+    ("tif", FileKind::Scan),
+    ("tiff", FileKind::Scan),
+    ("dcm", FileKind::Scan),
     ("gcode", FileKind::Program),
     ("gco", FileKind::Program),
     ("g", FileKind::Program),
@@ -131,9 +149,10 @@ const ENDINGS: [(&str, FileKind); 15] = [
 
 impl FileKind {
     fn of(path: &FilePath) -> Self {
-        let ending = path.extension().unwrap_or_default();
-        let found = ENDINGS.iter().find(|(e, _)| ending.eq_ignore_ascii_case(e));
-        found.map_or(Self::Other, |(_, kind)| *kind)
+        // An ending may have two parts (`.nii.gz`), so the end of the whole name is compared.
+        let name = path.file_name().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        let has = |ending: &str| name.strip_suffix(ending).is_some_and(|stem| stem.ends_with('.'));
+        ENDINGS.iter().find(|(ending, _)| has(ending)).map_or(Self::Other, |(_, kind)| *kind)
     }
 }
 
@@ -238,6 +257,54 @@ async fn text(
     }
     let job = job_text(&studio.roots, &path)?;
     Ok(Json(json!({ "ok": true, "text": job.text, "folder": job.folder.display().to_string() })))
+}
+
+/// The job that the command line would make of a file: `grainpath slice` with its assumptions.
+async fn job_for(
+    State(studio): Shared,
+    query: Result<Query<PathQuery>, QueryRejection>,
+) -> Answer<Json<serde_json::Value>> {
+    let Query(query) = query?;
+    let path = studio.roots.readable(FilePath::new(&query.path))?;
+    let engine = Arc::clone(&studio.engine);
+    let file = path.clone();
+    let text = tokio::task::spawn_blocking(move || engine.job_for(&file)).await.map_err(fault)??;
+    let folder = path.parent().map(|p| p.display().to_string()).unwrap_or_default();
+    Ok(Json(json!({ "ok": true, "text": text, "folder": folder })))
+}
+
+async fn examples(State(studio): Shared) -> Json<serde_json::Value> {
+    let rows = studio.engine.examples();
+    let rows: Vec<_> = rows.iter().map(|e| json!({ "name": e.name, "about": e.about })).collect();
+    Json(json!({ "ok": true, "examples": rows }))
+}
+
+/// Writes an example to a new folder and answers the path of its job.
+fn write_example(studio: &Studio, name: &str) -> Result<PathBuf, Refusal> {
+    let Some(files) = studio.engine.example(name) else {
+        let names: Vec<&str> = studio.engine.examples().iter().map(|e| e.name).collect();
+        return Err(Refusal::usage(format!("no example {name:?}; there are {}", names.join(", "))));
+    };
+    let folder = studio.roots.new_folder(&safe_name(name))?;
+    for (file, content) in &files {
+        let path = folder.join(file);
+        std::fs::write(&path, content)
+            .map_err(|e| Refusal::usage(format!("cannot write {}: {}", path.display(), plain(&e))))?;
+    }
+    let job = files.first().map(|(file, _)| file.as_str()).unwrap_or_default();
+    Ok(folder.join(job))
+}
+
+async fn example(
+    State(studio): Shared,
+    query: Result<Query<uploads::NameQuery>, QueryRejection>,
+) -> Answer<Json<serde_json::Value>> {
+    let Query(query) = query?;
+    let own = Arc::clone(&studio);
+    let path =
+        tokio::task::spawn_blocking(move || write_example(&own, &query.name)).await.map_err(fault)??;
+    let bytes = std::fs::metadata(&path).map(|m| m.len()).unwrap_or_default();
+    Ok(Json(json!({ "ok": true, "path": path.display().to_string(), "bytes": bytes })))
 }
 
 /// A run that the page asks for.

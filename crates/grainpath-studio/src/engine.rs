@@ -95,8 +95,32 @@ pub struct Finished {
     pub warnings: Vec<Warning>,
 }
 
+/// A ready example: its name and what it shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Example {
+    /// Name, as `grainpath new` takes it.
+    pub name: &'static str,
+    /// What it shows, in words.
+    pub about: &'static str,
+}
+
+/// A file of an example: name and content.
+pub type ExampleFile = (String, Vec<u8>);
+
 /// Does the work of runs. The implementation checks every file with [`Roots`] before it is read or written.
 pub trait Engine: Send + Sync {
+    /// The text of a job that plans a mesh, a drawing, a photograph or a scan with defaults.
+    ///
+    /// # Errors
+    /// [`Refusal`] for a file of another kind.
+    fn job_for(&self, file: &Path) -> Result<String, Refusal>;
+
+    /// The examples.
+    fn examples(&self) -> Vec<Example>;
+
+    /// The files of an example, its job first; `None` for an unknown name.
+    fn example(&self, name: &str) -> Option<Vec<ExampleFile>>;
+
     /// Places the shape of a job and finds its faces; nothing is written.
     ///
     /// # Errors

@@ -27,7 +27,9 @@ mod uploads;
 
 pub use api::{description, router};
 pub use assets::LICENCES_OF_PAGE;
-pub use engine::{CaseValues, Damage, Engine, Finished, JobText, Output, StressSurface, Surface};
+pub use engine::{
+    CaseValues, Damage, Engine, Example, ExampleFile, Finished, JobText, Output, StressSurface, Surface,
+};
 pub use refusal::Refusal;
 pub use serve::serve;
 pub use studio::{Options, Studio};

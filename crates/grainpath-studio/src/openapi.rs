@@ -68,6 +68,31 @@ pub(crate) const TEXT: Route = Route {
     query: &[("path", "A job file (.toml).")],
     ..Route::get("/v1/text", "text", "The text of a job file.", Answers::Json("JobText"))
 };
+pub(crate) const JOB_FOR: Route = Route {
+    query: &[("path", "A mesh, a drawing, a photograph, a scan, or the folder of one.")],
+    ..Route::get(
+        "/v1/job",
+        "jobFor",
+        "The text of a job that plans this file with defaults.",
+        Answers::Json("JobText"),
+    )
+};
+pub(crate) const EXAMPLES: Route = Route::get(
+    "/v1/examples",
+    "examples",
+    "The examples: what `grainpath new` writes.",
+    Answers::Json("Examples"),
+);
+pub(crate) const EXAMPLE: Route = Route {
+    method: "post",
+    query: &[("name", "One of the examples.")],
+    ..Route::get(
+        "/v1/examples",
+        "example",
+        "Writes an example to a new folder below the working folder; answers the path of its job.",
+        Answers::Json("Upload"),
+    )
+};
 pub(crate) const UPLOAD: Route = Route {
     method: "post",
     query: &[("name", "The name of the file; it is made plain and new.")],
@@ -233,7 +258,8 @@ fn schemas() -> Value {
         "Listing": object(json!({ "path": text, "parent": maybe("string"), "left_out": whole,
             "folders": list(&object(json!({ "name": text, "path": text }))),
             "files": list(&object(json!({ "name": text, "path": text, "bytes": whole,
-                "kind": { "enum": ["job", "mesh", "outline", "program", "other"] } }))) })),
+                "kind": { "enum": ["job", "mesh", "outline", "photo", "scan", "program", "other"] } }))) })),
+        "Examples": object(json!({ "examples": list(&object(json!({ "name": text, "about": text }))) })),
         "JobText": object(json!({ "text": text, "folder": text })),
         "Upload": object(json!({ "path": text, "bytes": whole })),
         "Wanted": { "oneOf": [

@@ -22,7 +22,7 @@ use crate::studio::Studio;
 
 #[derive(Deserialize)]
 pub(crate) struct NameQuery {
-    name: String,
+    pub name: String,
 }
 
 /// Axum's own limit of 2 MB is for bodies in memory.

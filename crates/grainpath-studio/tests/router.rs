@@ -278,6 +278,62 @@ fn folders_list_what_can_be_opened() {
 }
 
 #[test]
+fn files_are_told_apart_by_their_endings() {
+    let bench = Bench::new();
+    let wanted = [
+        ("a.PNG", "photo"),
+        ("b.nii.gz", "scan"),
+        ("c.dcm", "scan"),
+        ("d.gz", "other"),
+        ("e.gcode", "program"),
+        ("nii.gz", "other"),
+    ];
+    for (name, _) in wanted {
+        fs::write(bench.path("files/deep").join(name), "x").expect("a file");
+    }
+    let listing = bench.get(&format!("/v1/files?path={}", bench.shown("files/deep"))).json();
+    let kind = |name: &str| {
+        let rows = listing["files"].as_array().expect("rows");
+        rows.iter().find(|r| r["name"] == name).map(|r| r["kind"].as_str().expect("a kind").to_owned())
+    };
+    for (name, of) in wanted {
+        assert_eq!(kind(name).as_deref(), Some(of), "{name}");
+    }
+}
+
+#[test]
+fn a_job_is_made_of_a_file_below_the_roots_alone() {
+    let bench = Bench::new();
+    let made = bench.get(&format!("/v1/job?path={}", bench.shown("files/part.stl"))).json();
+    assert_eq!(made["text"], "# part.stl\n");
+    assert!(made["folder"].as_str().expect("a folder").ends_with("files"));
+    let refused = bench.get(&format!("/v1/job?path={}", bench.shown("files/notes.txt")));
+    assert_eq!(refused.error(), "no part");
+    let outside = bench.get(&format!("/v1/job?path={}", bench.shown("secret/key.gcode")));
+    assert!(outside.error().contains("not found below the folders"), "{}", outside.error());
+}
+
+#[test]
+fn an_example_is_written_to_a_folder_of_its_own_each_time() {
+    let bench = Bench::new();
+    let listed = bench.get("/v1/examples").json();
+    assert_eq!(listed["examples"][0]["name"], "pair");
+    let write = || {
+        bench.post_bytes("/v1/examples?name=pair", vec![]).json()["path"].as_str().expect("a path").to_owned()
+    };
+    let (first, second) = (write(), write());
+    assert_ne!(first, second);
+    for path in [first, second] {
+        assert!(path.ends_with("first.toml"), "{path}");
+        let text = bench.get(&format!("/v1/text?path={path}")).json();
+        assert_eq!(text["text"], "# first\n");
+        assert!(std::path::Path::new(&path).with_file_name("second.toml").is_file());
+    }
+    let unknown = bench.post_bytes("/v1/examples?name=..%2Fpair", vec![]);
+    assert!(unknown.error().contains("there are pair"), "{}", unknown.error());
+}
+
+#[test]
 fn folders_below_have_a_way_up() {
     let bench = Bench::new();
     let listing = bench.get(&format!("/v1/files?path={}", bench.shown("files/deep"))).json();

@@ -24,8 +24,9 @@ fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
     if has_ending(model, &PICTURES) {
         // Skins would hide the grain, and sparse lines along it would touch nothing beside them.
         let job = format!(
-            "[shape.photo]\nfiles = [{file}]\n[guide]\nkind = \"grain\"\n[fill]\npattern = \"stripes\"\n\
-             density = 1\n[process]\ntop_layers = 0\nbottom_layers = 0\n"
+            "[shape.photo]\nfiles = [{file}]\n# size_mm = [200, 100]    # width and height of the board: measure it\n# thickness_mm = 6\n\n\
+             [guide]\nkind = \"grain\"\n\n[fill]\npattern = \"stripes\"\ndensity = 1\n\n\
+             [process]\ntop_layers = 0\nbottom_layers = 0\n"
         );
         let assumed = "a photograph of a whole board: dense stripes along its grain, no skins over them";
         return Ok((job, Some(assumed)));
@@ -36,6 +37,43 @@ fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
         return Ok((format!("[shape]\nct = {file}\n"), Some(assumed)));
     }
     Ok((String::new(), None))
+}
+
+/// The text of a job that plans a file as [`slice`] does, with the profiles to choose from; `None` for a file that is
+/// none of mesh, drawing, photograph and scan.
+#[cfg(feature = "studio")]
+pub fn job_text(model: &Path) -> Result<Option<String>, Failure> {
+    let file = serde_json::Value::from(model.display().to_string());
+    let (job, assumed) = job_of(model)?;
+    let is_mesh = has_ending(model, &["stl", "obj", "ply", "off", "3mf"]);
+    let shape = if has_ending(model, &["svg", "dxf"]) {
+        format!(
+            "[shape]\noutline = {file}\nthickness_mm = 4    # a drawing has no height: say how thick the part is\n"
+        )
+    } else if assumed.is_some() {
+        job
+    } else if is_mesh {
+        format!("[shape]\nmesh = {file}\n")
+    } else {
+        return Ok(None);
+    };
+    let stem = model.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    let gcode = serde_json::Value::from(format!("{stem}.gcode"));
+    let profile = |kind: &str, name: &str| {
+        let own = format!("[{kind}]\n");
+        match shape.split_once(&own) {
+            // A photograph's job has a table of the process already.
+            Some(_) => String::new(),
+            None => format!("\n{own}profile = \"{name}\"\n"),
+        }
+    };
+    let about = assumed.map_or_else(String::new, |words| format!("# Taken for {words}.\n"));
+    Ok(Some(format!(
+        "{about}{shape}{}{}{}\n[output]\ngcode = {gcode}\nreport = \"report.html\"\n",
+        profile("printer", "generic-0.4"),
+        profile("material", "pla"),
+        profile("process", "standard"),
+    )))
 }
 
 /// `grainpath slice`

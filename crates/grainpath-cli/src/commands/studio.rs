@@ -9,10 +9,14 @@ use std::sync::Arc;
 
 use grainpath_core::Diagnostics;
 use grainpath_job::{Settings, parse_job};
+use grainpath_parts::presets;
 use grainpath_studio::roots::Roots;
-use grainpath_studio::{Damage, Engine, Finished, JobText, Options, Output, Refusal, serve};
+use grainpath_studio::{
+    Damage, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Refusal, serve,
+};
 use serde_json::json;
 
+use super::slice;
 use super::strength::TestedJob;
 use super::studio_part;
 use crate::args::Studio;
@@ -116,6 +120,25 @@ fn looked_at(job: &JobText, roots: &Roots) -> Result<(Settings, PathBuf), Refusa
 }
 
 impl Engine for Commands {
+    fn job_for(&self, file: &Path) -> Result<String, Refusal> {
+        slice::job_text(file).map_err(refusal)?.ok_or_else(|| {
+            Refusal::usage(format!(
+                "{}: the studio opens job files (.toml), meshes (STL, OBJ, PLY, OFF, 3MF), drawings (SVG, DXF), \
+                 photographs (PNG, JPEG, BMP), scans (DICOM, NRRD, NIfTI, MetaImage, TIFF) and G-code",
+                file.display()
+            ))
+        })
+    }
+
+    fn examples(&self) -> Vec<Example> {
+        let row = |&name: &&'static str| Some(Example { name, about: presets::about(name)? });
+        presets::PRESETS.iter().filter_map(row).collect()
+    }
+
+    fn example(&self, name: &str) -> Option<Vec<ExampleFile>> {
+        Some(presets::preset(name)?.into_iter().map(|(name, bytes)| (name.into_owned(), bytes)).collect())
+    }
+
     fn shape(&self, job: &JobText, roots: &Roots, diagnostics: &Diagnostics) -> Result<Finished, Refusal> {
         let (settings, shape) = looked_at(job, roots)?;
         studio_part::shape(&settings, &shape, diagnostics).map_err(refusal)

@@ -31,20 +31,25 @@ pub const PRESETS: [&str; 7] = {
 /// Makes the files of a preset.
 type Maker = fn() -> Vec<ExampleFile>;
 
-/// The presets with the functions that make their files.
-const MAKERS: [(&str, Maker); 7] = [
-    ("plate", plate_files),
-    ("stress-lines", stress_lines::files),
-    ("field", field::files),
-    ("ct", ct_files),
-    ("woodgrain", woodgrain::files),
-    ("tree-support", tree_support::files),
-    ("continuous", continuous::files),
+/// The presets: name, what it shows, and the function that makes its files.
+const MAKERS: [(&str, (&str, Maker)); 7] = [
+    ("plate", ("a plate with a hole, as a slicer would print it", plate_files)),
+    ("stress-lines", ("bars in tension and bending, filled along the principal stress", stress_lines::files)),
+    ("field", ("a disc filled along directions of one's own", field::files)),
+    ("ct", ("a wheel hub from its scan, without a mesh between", ct_files)),
+    ("woodgrain", ("a board from its photograph, filled along the grain of the wood", woodgrain::files)),
+    ("tree-support", ("parts that hang in the air, held by trees", tree_support::files)),
+    ("continuous", ("a plate and a hook with one continuous path a layer, for fibre", continuous::files)),
 ];
 
 /// The files of a preset; `None` for an unknown name.
 pub fn preset(name: &str) -> Option<Vec<ExampleFile>> {
-    meaning(&MAKERS, name).map(|files| files())
+    meaning(&MAKERS, name).map(|(_, files)| files())
+}
+
+/// What a preset shows, in words; `None` for an unknown name.
+pub fn about(name: &str) -> Option<&'static str> {
+    meaning(&MAKERS, name).map(|(about, _)| about)
 }
 
 fn ct_files() -> Vec<ExampleFile> {

@@ -16,7 +16,8 @@ use grainpath_io::parse_mesh;
 use grainpath_job::parse_job;
 use grainpath_studio::roots::Roots;
 use grainpath_studio::{
-    CaseValues, Engine, Finished, JobText, Options, Output, Refusal, StressSurface, Studio, Surface, router,
+    CaseValues, Engine, Example, ExampleFile, Finished, JobText, Options, Output, Refusal, StressSurface,
+    Studio, Surface, router,
 };
 use http_body_util::BodyExt;
 use serde_json::Value;
@@ -26,6 +27,22 @@ use tower::ServiceExt;
 pub struct Planner;
 
 impl Engine for Planner {
+    fn job_for(&self, file: &Path) -> Result<String, Refusal> {
+        if file.extension().is_some_and(|e| e == "txt") {
+            return Err(Refusal::usage("no part"));
+        }
+        Ok(format!("# {}\n", file.file_name().expect("a file").display()))
+    }
+
+    fn examples(&self) -> Vec<Example> {
+        vec![Example { name: "pair", about: "two files" }]
+    }
+
+    fn example(&self, name: &str) -> Option<Vec<ExampleFile>> {
+        let files = [("first.toml", "# first\n"), ("second.toml", "# second\n")];
+        (name == "pair").then(|| files.map(|(n, text)| (n.to_owned(), text.into())).to_vec())
+    }
+
     /// A square of two triangles with one face and one open edge.
     fn shape(&self, job: &JobText, _: &Roots, _: &Diagnostics) -> Result<Finished, Refusal> {
         let surface = Surface {
