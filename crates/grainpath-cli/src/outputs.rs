@@ -8,7 +8,7 @@ use grainpath::Planned;
 use grainpath::guide::{Degenerate, Guide};
 use grainpath::measure::dimensions::Dimension;
 use grainpath::measure::report::{Report, measure, measure_fibre};
-use grainpath::measure::strength::{TestSetup, Tested, test};
+use grainpath::measure::strength::{TestSetup, Tested, reserve, test};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::spelling::meaning;
 use grainpath_core::{DVec2, DVec3, Diagnostics, TriMesh};
@@ -119,7 +119,8 @@ pub fn write(
     let thumbnails = thumbnails(settings, &planned)?;
     // The program is parsed back only where something is measured on it: the copy and its beads take
     // several times its size.
-    let special = planned.test.is_some() || planned.config.fibre.is_some() || truth.is_some();
+    let loaded = planned.test.is_some() || planned.guide.is_some();
+    let special = loaded || planned.config.fibre.is_some() || truth.is_some();
     let wanted = measured || special || paths.report.is_some() || paths.preview.is_some();
     let mut copy = Vec::new();
     let (mut program, mut tested, mut write_s) = (None, None, 0.0);
@@ -214,6 +215,7 @@ pub fn report_of(
         quality.fibre_warning(width_mm).into_iter().for_each(|w| diagnostics.push(w));
     }
     report.quality = Some(quality);
+    report.reserve = reserve(&grainpath::run::config::strength(settings), planned, program);
     report
 }
 
@@ -387,7 +389,7 @@ fn previews(
     Ok(())
 }
 
-/// Places that the page leads to: the peak of the stress, and where the part breaks.
+/// Places that the page leads to: the peak of the stress, where the part fails first, and where it breaks.
 fn marks(report: &Report, plate_from_part_mm: DVec3) -> Vec<page::Mark> {
     let mark = |what: &str, at: DVec3| page::Mark { what: what.into(), at: at.truncate(), z_mm: at.z };
     let stress = report.stress.as_ref().and_then(|s| s.peak_at_mm).map(DVec3::from_array);
@@ -396,7 +398,8 @@ fn marks(report: &Report, plate_from_part_mm: DVec3) -> Vec<page::Mark> {
         let z_mm = s.weakest.z_mm.unwrap_or(0.5 * report.z_max_mm - plate_from_part_mm.z);
         DVec3::new(s.weakest.x_mm, s.weakest.y_mm, z_mm)
     });
-    [("peak stress", stress), ("where it breaks", weakest)]
+    let first = report.reserve.as_ref().and_then(|r| r.least.as_ref()).map(|c| DVec3::from_array(c.at_mm));
+    [("peak stress", stress), ("where it fails first", first), ("where it breaks", weakest)]
         .into_iter()
         .filter_map(|(what, at)| at.map(|at| mark(what, at + plate_from_part_mm)))
         .collect()

@@ -183,6 +183,24 @@ fn later_regions_win_and_those_outside_are_refused() {
 }
 
 #[test]
+fn only_a_border_through_a_section_is_warned_of() {
+    let warnings = |regions: &[&str]| {
+        let each = |on: &&str| format!("[[region]]\non = {on}\nfill = {{ density = 0.5 }}\n");
+        let job: String = regions.iter().map(each).collect();
+        planned(&format!("[fill]\ndensity = 0.2\n{job}"), 0.4, None).expect("inside").warnings
+    };
+    // All of the section, up to half the height.
+    let whole = "{ box_mm = [[-100, -100, 0], [100, 100, 1.2]] }";
+    let half = "{ box_mm = [[5, -100, 0], [100, 100, 1.2]] }";
+    assert_eq!(warnings(&[whole]), []);
+    assert_eq!(warnings(&[half]), [WarningId::RegionsSeam]);
+    // What is left of the earlier one has a border through the section.
+    assert_eq!(warnings(&[whole, half]), [WarningId::RegionsSeam, WarningId::RegionsOverlap]);
+    assert_eq!(warnings(&[half, whole]), [WarningId::RegionsOverlap]);
+    assert_eq!(warnings(&["{ layers = [[2, 5]] }"]), []);
+}
+
+#[test]
 fn a_depth_below_a_face_is_a_region() {
     // The face at x = 40 of the plate, found by its name.
     let plate = block(&Region::rectangle(DVec2::ZERO, DVec2::new(40.0, 30.0)), 0.0, 0.2 * LAYERS as f64);

@@ -85,10 +85,10 @@ const RESIDUAL_GAIN: f64 = 0.1;
 /// Number of bead directions in half a turn for which there is a stiffness. Failure indices use the exact direction.
 /// Source: derived. A direction is rounded by 2.8 degrees at most, which changes a modulus by less than a twentieth of the
 /// difference between that along and that across the beads: 0.2 % for PLA.
-const DIRECTIONS: f64 = 32.0;
+pub(super) const DIRECTIONS: f64 = 32.0;
 /// Number of steps of the share of a second ply, and of the bond, for which there is a stiffness. Source: derived. A share
 /// is rounded by a sixteenth at most; that shifts a modulus by a sixteenth of the difference between along and across.
-const SHARE_STEPS: f64 = 8.0;
+pub(super) const SHARE_STEPS: f64 = 8.0;
 /// Number of steps of damage for which there is a stiffness: sixteenths of an octave, down to a thousandth. Source:
 /// derived. Ten octaves are a factor of 1024; a step takes 4.2 % of what remains.
 const DAMAGE_STEPS: u64 = 160;

@@ -7,13 +7,15 @@
 //!
 //! Both are loaded until they fail ([`plate_strength`], [`brick_strength`]): plies fail at the strengths of their
 //! material ([`card`]), lose stiffness on a straight softening line that spends its fracture energy ([`damage`]), and the
-//! load is stepped until the part carries no more.
+//! load is stepped until the part carries no more. Where a stress is known already, [`first_failure`] tells what fails first
+//! without solving for the cells.
 
 pub mod brick_strength;
 pub mod bricks;
 pub mod card;
 pub mod damage;
 pub mod elements;
+pub mod first_failure;
 mod fronts;
 pub mod laminate;
 mod load_stepping;

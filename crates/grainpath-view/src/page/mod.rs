@@ -153,6 +153,9 @@ pub fn report_html(report: &Report, contents: &Contents<'_>) -> String {
         if let Some(s) = &report.stress {
             put(table(s.rows().iter().map(|(what, value)| (what.as_str(), value.clone()))));
         }
+        if let Some(r) = &report.reserve {
+            put(table(r.rows().iter().map(|(what, value)| (what.as_str(), value.clone()))));
+        }
         put(format!("<div class=\"pictures\">{of_stress}</div>\n"));
     }
     if let Some(s) = &report.strength {

@@ -24,6 +24,10 @@ impl InPlaneStress for Imported {
         let [xx, yy, _, xy, ..] = self.field.sample(p + self.shift);
         [xx, yy, xy]
     }
+
+    fn whole(&self, p: DVec3) -> [f64; 6] {
+        self.field.sample(p + self.shift)
+    }
 }
 
 /// Share of the part's size by which a result may lie elsewhere before it is refused.

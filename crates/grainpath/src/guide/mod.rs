@@ -108,6 +108,12 @@ impl GuideError {
 pub trait InPlaneStress: Send + Sync {
     /// The stress at `p`; outside the part, that of its nearest point.
     fn at(&self, p: DVec3) -> PlaneTensor;
+
+    /// All of the stress at `p`, MPa, order xx, yy, zz, xy, yz, zx; a plate has none out of its plane.
+    fn whole(&self, p: DVec3) -> [f64; 6] {
+        let [xx, yy, xy] = self.at(p);
+        [xx, yy, 0.0, xy, 0.0, 0.0]
+    }
 }
 
 impl InPlaneStress for PlaneStress {
@@ -164,6 +170,10 @@ pub struct Guide {
     pub cases: Vec<CaseStress>,
     /// Results on the mesh, case by case.
     pub results: Vec<ResultMesh>,
+    /// Whether the stress is that of a plate, the same at all heights.
+    pub is_plate: bool,
+    /// Where fixtures and loads act.
+    pub places: Vec<Selection>,
 }
 
 /// Stress at the nodes of a mesh.
@@ -233,6 +243,11 @@ impl Guide {
     /// The largest equivalent stress at a node of any case, MPa, and the position of that node, mm.
     pub fn peak_stress(&self) -> Option<(f64, DVec3)> {
         trust::peak_stress(&self.results)
+    }
+
+    /// Whether the peak stress can be trusted: neither far beyond the strength nor hidden by the mesh.
+    pub fn is_trusted(&self) -> bool {
+        trust::is_trusted(&self.summary)
     }
 
     /// Tensile strength over the peak stress; `None` without a strength, and where the peak cannot be trusted.
@@ -495,8 +510,7 @@ pub fn build(
     diagnostics.begin(Stage::Guide, 0);
     let solved = solved_or_imported(settings, part, conditions, imported, diagnostics)?;
     let layers = lay_directions(settings, part, conditions, &solved, diagnostics)?;
-    let Solved { cases, results, summary, .. } = solved;
-    Ok(Guide { layers, follow: settings.follow, summary, cases, results })
+    Ok(guide_of(settings, conditions, solved, layers))
 }
 
 /// Solves the loads of a job, or takes the imported stress, without directions for its layers: to see
@@ -513,8 +527,18 @@ pub fn solved_only(
 ) -> Result<Guide, GuideError> {
     diagnostics.begin(Stage::Guide, 0);
     let solved = solved_or_imported(settings, part, conditions, imported, diagnostics)?;
-    let Solved { cases, results, summary, .. } = solved;
-    Ok(Guide { layers: Vec::new(), follow: settings.follow, summary, cases, results })
+    Ok(guide_of(settings, conditions, solved, Vec::new()))
+}
+
+fn guide_of(
+    settings: &StressSettings,
+    conditions: &BoundaryConditions,
+    solved: Solved,
+    layers: Vec<Arc<LayerField>>,
+) -> Guide {
+    let Solved { cases, results, summary, constant: is_plate } = solved;
+    let places = conditions.places().cloned().collect();
+    Guide { layers, follow: settings.follow, summary, cases, results, is_plate, places }
 }
 
 fn solved_or_imported(

@@ -25,6 +25,10 @@ impl InPlaneStress for Solid {
         let [xx, yy, _, xy, ..] = self.0.sample(p);
         [xx, yy, xy]
     }
+
+    fn whole(&self, p: DVec3) -> [f64; 6] {
+        self.0.sample(p)
+    }
 }
 
 pub(super) fn solve(

@@ -72,13 +72,20 @@ pub(super) fn warn(
     }
 }
 
+/// Whether a reserve may be told from a stress: its peak is not far beyond the strength, where that is known, and the
+/// mesh does not hide it.
+pub(super) fn is_trusted(summary: &StressSummary) -> bool {
+    let peak_mpa = summary.max_von_mises_mpa;
+    let is_below = |strength_mpa: f64| peak_mpa <= MAX_RESERVE_MULTIPLE * strength_mpa;
+    peak_mpa > 0.0
+        && summary.strength_mpa.is_none_or(is_below)
+        && summary.error_estimate <= MAX_RESERVE_MESH_ERROR
+}
+
 /// Strength over peak stress, where both are known and the peak can be trusted.
 pub(super) fn reserve(summary: &StressSummary) -> Option<f64> {
-    let (strength_mpa, peak_mpa) = (summary.strength_mpa?, summary.max_von_mises_mpa);
-    let is_trusted = peak_mpa > 0.0
-        && peak_mpa <= MAX_RESERVE_MULTIPLE * strength_mpa
-        && summary.error_estimate <= MAX_RESERVE_MESH_ERROR;
-    is_trusted.then(|| strength_mpa / peak_mpa)
+    let strength_mpa = summary.strength_mpa?;
+    is_trusted(summary).then(|| strength_mpa / summary.max_von_mises_mpa)
 }
 
 /// The largest equivalent stress of all cases, MPa, and the position of its node.

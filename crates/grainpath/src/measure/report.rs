@@ -14,7 +14,7 @@ use crate::guide::field::FieldReport;
 use crate::guide::grain::PhotoReport;
 use crate::guide::{Degenerate, Guide};
 use crate::measure::fibre::FibreReport;
-use crate::measure::strength::StrengthReport;
+use crate::measure::strength::{ReserveReport, StrengthReport};
 use crate::measure::{DirectionError, Planned};
 use crate::support::Support;
 use grainpath_imaging::scan::texture::TextureReport;
@@ -49,6 +49,9 @@ pub struct Report {
     pub support: Option<SupportReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stress: Option<StressReport>,
+    /// The factor on the loads at first failure, of jobs whose stress was solved.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reserve: Option<ReserveReport>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grain: Option<Vec<PhotoReport>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -391,6 +394,7 @@ impl Report {
                 SupportReport::new(support, Some(volume * material.flow), solid, material.density_g_cm3)
             }),
             stress: planned.guide.as_ref().map(StressReport::from),
+            reserve: None,
             strength: None,
             fibre: None,
             stages_s: BTreeMap::new(),
@@ -450,6 +454,9 @@ impl Report {
         }
         lines.extend(
             self.stress.iter().flat_map(StressReport::rows).map(|(what, value)| format!("{what}: {value}")),
+        );
+        lines.extend(
+            self.reserve.iter().flat_map(ReserveReport::rows).map(|(what, value)| format!("{what}: {value}")),
         );
         lines.extend(self.fibre.as_ref().map(FibreReport::summary));
         lines.extend(self.strength.as_ref().map(StrengthReport::summary));

@@ -17,7 +17,7 @@ use std::time::Instant;
 
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SliceSource;
-use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, Role, TriMesh, Warning, WarningId};
+use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, Role, TriMesh};
 use grainpath_gcode::check_fits;
 use grainpath_imaging::photo::Photo;
 use grainpath_imaging::scan::{CtReport, ScanError, slice_scan};
@@ -37,9 +37,8 @@ use crate::order::order_stack;
 use crate::region::{RegionAreas, RegionPart};
 use crate::shape::{self, ShapeError};
 use crate::support::{self, SupportSettings};
+use grainpath_job::Settings;
 use grainpath_job::choices::{GuideKind, Pattern, SupportStyle};
-use grainpath_job::regions::RegionPlace;
-use grainpath_job::{JobRegion, Settings};
 pub use place::{PlaceSettings, Placed, Sliced, mesh_and_layers, placed_mesh};
 use place::{check_bed, outside_bed, part_bounds, plate_from_part};
 pub use steps::{
@@ -217,22 +216,6 @@ fn surface_if_wanted(
     shape::surface(stack, settings.output.surface_cell_mm, diagnostics)
 }
 
-/// Warns of the seams that borders of regions leave in dense infill and skins. A range of layers has no such border.
-fn warn_of_seams(regions: &[JobRegion], diagnostics: &Diagnostics) {
-    let numbers: Vec<String> = (regions.iter().enumerate())
-        .filter(|(_, region)| !matches!(region.on, RegionPlace::Layers(_)))
-        .map(|(k, _)| format!("region[{}]", k + 1))
-        .collect();
-    if !numbers.is_empty() {
-        // Source: measured by `the_seam_at_a_border_is_as_open_as_is_told` of tests/regions.rs.
-        let text = format!(
-            "{}: where dense infill or skins meet at the border, 4 to 20 % of a band of two beads stays open",
-            numbers.join(", ")
-        );
-        diagnostics.push(Warning::new(WarningId::RegionsSeam, text));
-    }
-}
-
 /// What guides and regions are made from: stress solved elsewhere, the user's own directions, and for grain
 /// photographs, or a scan where there are none.
 struct GuideSource<'a> {
@@ -307,7 +290,6 @@ fn plan_stack(
         let (unit_mm, slicing) = (placing.placement.unit.mm(), placing.slicing);
         let unit_of_file = placing.unit_of_file;
         let part = RegionPart { stack: &stack, mesh: &mesh, standing, unit_mm, unit_of_file, slicing };
-        warn_of_seams(&settings.regions, diagnostics);
         Some(RegionAreas::new(&settings.regions, &source.regions, &part, diagnostics)?)
     };
     // Resolved once: the guide and the strength test have to mean the same places by the same

@@ -7,6 +7,7 @@
 mod brick_setup;
 mod frame;
 mod printed;
+mod reserve;
 mod setup;
 
 use std::collections::BTreeMap;
@@ -32,6 +33,7 @@ use frame::Frame;
 use grainpath_job::MaterialSection;
 use grainpath_job::choices::{self, Choice};
 pub use printed::PrintedPart;
+pub use reserve::{CaseReserve, ReserveReport, reserve};
 pub use setup::TestSetup;
 use setup::{Fidelity, Prepared};
 
@@ -444,6 +446,25 @@ impl LoadedPart {
 /// Largest number of cells where a job does not state their size: of a plate, and of a solid.
 const CELLS: f64 = 150_000.0;
 const CELLS_SOLID: f64 = 500_000.0;
+/// The usual size of the cells of a test and the smallest that it may take, mm: a bead in a solid and half a bead in a
+/// plate, which resolves single beads. `area_mm2` is that of the section, `size` that of the part.
+fn cell_sizes_mm(
+    fidelity: Fidelity,
+    bead_mm: f64,
+    area_mm2: f64,
+    volume_mm3: f64,
+    size: DVec3,
+) -> (f64, f64) {
+    match fidelity {
+        Fidelity::Plane => (0.5 * bead_mm, (area_mm2 / CELLS).sqrt()),
+        Fidelity::Voxels => {
+            // The grid also counts the empty cells of the part's box, and two around it.
+            let boxed = 1.1 * size.element_product() / MAX_BRICKS as f64;
+            (bead_mm, (volume_mm3 / CELLS_SOLID).max(boxed).cbrt())
+        }
+    }
+}
+
 /// Bending of thin walls that cells may miss, as a share of the failure index. Measured: walls four cells thick miss up to
 /// a third, and their peak is still within 15 % of beam theory (`tests/wall_bending.rs` of grainpath-fea).
 const RESOLVED: f64 = 0.35;
@@ -480,14 +501,9 @@ impl ChosenCells {
         cards: &[StrengthCard],
         limits: &Limits,
     ) -> Result<Self, StrengthError> {
-        let (usual_mm, smallest_mm) = match setup.fidelity {
-            Fidelity::Plane => (0.5 * bead_mm, (setup.section.area_mm2() / CELLS).sqrt()),
-            Fidelity::Voxels => {
-                // The grid also counts the empty cells of the part's box, and two around it.
-                let boxed = 1.1 * (setup.high - setup.low).element_product() / MAX_BRICKS as f64;
-                (bead_mm, (setup.volume_mm3 / CELLS_SOLID).max(boxed).cbrt())
-            }
-        };
+        let (area_mm2, size) = (setup.section.area_mm2(), setup.high - setup.low);
+        let (usual_mm, smallest_mm) =
+            cell_sizes_mm(setup.fidelity, bead_mm, area_mm2, setup.volume_mm3, size);
         let mut cell_mm = given_mm.unwrap_or(usual_mm.max(smallest_mm));
         let mut coarse = COARSE;
         // The thickness of a wall is found more exactly by the smaller cells.

@@ -90,6 +90,27 @@ pub(super) fn layers_of_part(program: &Program) -> (Vec<&BeadLayer>, Vec<f64>, f
     (layers, heights, first)
 }
 
+/// The beads of a part's layers, moved by `-shift`.
+pub(super) fn sheets_of(
+    layers: &[&BeadLayer],
+    heights: &[f64],
+    shift: DVec2,
+    fibre: bool,
+    taken: &dyn Fn(&Bead) -> bool,
+) -> Vec<BeadSheet> {
+    let piece = |b: &Bead| BeadPiece {
+        a: b.start() - shift,
+        b: b.end() - shift,
+        volume_mm3: f64::from(b.volume_mm3),
+        material: u8::from(fibre && b.role == Role::Fibre),
+    };
+    let sheet = |(l, h): (&&BeadLayer, &f64)| BeadSheet {
+        height_mm: *h,
+        beads: l.beads.iter().filter(|b| b.role.is_part() && taken(b)).map(piece).collect(),
+    };
+    layers.iter().zip(heights).map(sheet).collect()
+}
+
 impl TestSetup {
     /// One test for every load case of the job, the one with the largest weight first.
     ///
@@ -240,19 +261,8 @@ impl TestSetup {
             plate_from_part.unwrap_or(0.5 * (found.0 + found.1) - 0.5 * (self.low + self.high).truncate());
         // Beads far from the box of the upper layers are purge lines.
         let near = |p: DVec2| (p - found.0).min(found.1 - p).min_element() > -2.0;
-        let sheet = |(l, h): (&&BeadLayer, &f64)| BeadSheet {
-            height_mm: *h,
-            beads: (l.beads.iter())
-                .filter(|b| b.role.is_part() && near(b.start()) && near(b.end()))
-                .map(|b| BeadPiece {
-                    a: b.start() - shift,
-                    b: b.end() - shift,
-                    volume_mm3: f64::from(b.volume_mm3),
-                    material: u8::from(self.fibre && b.role == Role::Fibre),
-                })
-                .collect(),
-        };
-        let sheets: Vec<BeadSheet> = layers.iter().zip(&heights).map(sheet).collect();
+        let is_near = |b: &Bead| near(b.start()) && near(b.end());
+        let sheets = sheets_of(&layers, &heights, shift, self.fibre, &is_near);
         // For a program of our own the position is exact and needs no test.
         let share = if plate_from_part.is_some() { 0.0 } else { self.outside(&sheets) };
         if share > MOST_OUTSIDE {

@@ -1,0 +1,303 @@
+//! Where printed material fails first under a stress that is known: without loading its cells and solving for them.
+//!
+//! Method: the stress of a homogeneous part acts on each cell of a [`Laminate`] or of [`Bricks`], on the share of it that
+//! is filled. All plies of a cell strain alike, so the inverse of their mean stiffness gives the strain, and each ply's
+//! own stiffness its stress; the indices of its card ([`StrengthCard::indices`], [`StrengthCard::layer_index`]) are those of
+//! the virtual test. Indices grow with the load, so one over the highest is the factor on the load at first failure.
+//!
+//! Limits: load that moves between soft and stiff places of a part is known only as far as the share filled tells it;
+//! the virtual test solves for it. Stresses are in MPa, order xx, yy, xy for plates and xx, yy, zz, xy, yz, zx for solids,
+//! in the directions of the grid. Cost: linear in cells; bricks share stiffnesses by direction, share and bond.
+
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+use grainpath_core::dense::solve_spd;
+use grainpath_core::math::sin_cos;
+use rayon::prelude::*;
+
+use super::brick_strength::{DIRECTIONS, SHARE_STEPS};
+use super::bricks::Bricks;
+use super::card::{FailureMode, StrengthCard};
+use super::damage::{damaged_plane_stiffness, damaged_stiffness, remaining_shares};
+use super::laminate::Laminate;
+use crate::material::{Orthotropic, Stiffness, Unstable, rotated_about_z, rotated_plane};
+use crate::plane::PlaneStiffness;
+
+/// The ply of a part that fails first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FirstFailure {
+    /// Its failure index under the stress given: the load times one over it is the load at first failure.
+    pub index: f64,
+    /// The cell that it lies in.
+    pub cell: usize,
+    /// The direction of its beads, radians from the grid's x.
+    pub angle_rad: f64,
+    /// How it fails.
+    pub mode: FailureMode,
+}
+
+impl FirstFailure {
+    /// The one of the higher index, of equal ones that of the first cell.
+    fn worse(a: Option<Self>, b: Option<Self>) -> Option<Self> {
+        match (a, b) {
+            (Some(a), Some(b)) => {
+                Some(if b.index > a.index || (b.index == a.index && b.cell < a.cell) { b } else { a })
+            }
+            (a, b) => a.or(b),
+        }
+    }
+}
+
+/// The first failure for each of several strengths of one material: of its card's corners.
+type OfCards<const N: usize> = [Option<FirstFailure>; N];
+
+fn worst<const N: usize>(cells: impl ParallelIterator<Item = OfCards<N>>) -> OfCards<N> {
+    // The order of the comparison does not matter, since equal indices are told apart by their cells.
+    cells.reduce(|| [None; N], |a, b| std::array::from_fn(|k| FirstFailure::worse(a[k], b[k])))
+}
+
+/// The mode of the highest of the indices through beads, between them and between layers.
+fn mode_of([through, between, apart]: [f64; 3], slides: bool, mode: FailureMode) -> FailureMode {
+    if apart > through.max(between) {
+        FailureMode::Layers
+    } else if through >= between {
+        if mode == FailureMode::Compression { mode } else { FailureMode::Along }
+    } else if slides {
+        FailureMode::Shear
+    } else if mode == FailureMode::Compression {
+        mode
+    } else {
+        FailureMode::Across
+    }
+}
+
+/// The first failure of a plate for each of `N` corners of its cards; `cards[k]` are the materials at a corner, in the
+/// numbering of the plies. `stress` gives the stress on the filled share of a cell, `None` for cells that are left out.
+///
+/// # Errors
+/// [`Unstable`] when the elastic constants are not those of a stable material.
+pub fn first_failure_of_plate<const N: usize>(
+    laminate: &Laminate,
+    cards: &[Vec<StrengthCard>; N],
+    stress: &(dyn Fn(usize) -> Option<[f64; 3]> + Sync),
+) -> Result<OfCards<N>, Unstable> {
+    let own: Vec<PlaneStiffness> =
+        cards[0].iter().map(|c| damaged_plane_stiffness(&c.elastic, [0.0; 2])).collect::<Result<_, _>>()?;
+    let n = laminate.grid.nx * laminate.grid.ny;
+    Ok(worst((0..n).into_par_iter().map(|cell| {
+        let plies = laminate.plies_in(cell);
+        let thickness_mm = laminate.thickness_mm(cell);
+        let mut worst = [None; N];
+        if plies.is_empty() {
+            return worst;
+        }
+        let Some(stress) = stress(cell) else { return worst };
+        let mut mean: PlaneStiffness = [[0.0; 3]; 3];
+        for ply in plies {
+            let c = rotated_plane(&own[usize::from(ply.material)], ply.angle_rad);
+            let share = ply.thickness_mm / thickness_mm;
+            (0..9).for_each(|k| mean[k / 3][k % 3] += share * c[k / 3][k % 3]);
+        }
+        let [xx, yy, xy] = strain(&mean, stress);
+        for ply in plies {
+            let (s, c) = sin_cos(ply.angle_rad);
+            let along = [
+                c * c * xx + s * s * yy + s * c * xy,
+                s * s * xx + c * c * yy - s * c * xy,
+                2.0 * s * c * (yy - xx) + (c * c - s * s) * xy,
+            ];
+            let material = usize::from(ply.material);
+            let stress: [f64; 3] =
+                std::array::from_fn(|i| own[material][i].iter().zip(along).map(|(c, e)| c * e).sum());
+            for (worst, cards) in worst.iter_mut().zip(cards) {
+                let card = &cards[material];
+                let ([through, between], mode) = card.indices(stress);
+                let mode = mode_of([through, between, 0.0], card.is_sliding(stress), mode);
+                let index = through.max(between);
+                let found = FirstFailure { index, cell, angle_rad: ply.angle_rad, mode };
+                *worst = FirstFailure::worse(*worst, Some(found));
+            }
+        }
+        worst
+    })))
+}
+
+/// The strains under stresses.
+fn strain<const K: usize>(stiffness: &[[f64; K]; K], stress: [f64; K]) -> [f64; K] {
+    solve_spd(*stiffness, stress.map(|s| [s])).map(|[e]| e)
+}
+
+/// What the mean stiffness of a brick depends on: the directions of its plies, the share of the second, and the bond.
+type BrickKey = [u8; 4];
+
+fn key(bricks: &Bricks, cell: usize) -> BrickKey {
+    let plies = bricks.plies_in(cell);
+    let turn = |a: f64| (a / std::f64::consts::PI * DIRECTIONS).round().rem_euclid(DIRECTIONS) as u8;
+    let second = plies.get(1);
+    [
+        plies.first().map_or(0, |p| turn(p.angle_rad)),
+        second.map_or(0, |p| turn(p.angle_rad)),
+        second.map_or(0, |p| (p.share * SHARE_STEPS).round().max(1.0) as u8),
+        (f64::from(bricks.bond[cell]) * SHARE_STEPS).round().max(1.0) as u8,
+    ]
+}
+
+fn mean_stiffness(
+    elastic: &Orthotropic,
+    [first, second, share, bond]: BrickKey,
+) -> Result<Stiffness, Unstable> {
+    let own = damaged_stiffness(elastic, [0.0; 3], f64::from(bond) / SHARE_STEPS)?;
+    let turned = |a: u8| rotated_about_z(&own, f64::from(a) / DIRECTIONS * std::f64::consts::PI);
+    let (a, b, w) = (turned(first), turned(second), f64::from(share) / SHARE_STEPS);
+    // Rounding of the turn leaves it a hair off symmetric.
+    let mean = |i: usize, j: usize| (1.0 - w) * a[i][j] + w * b[i][j];
+    Ok(std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (mean(i, j) + mean(j, i)))))
+}
+
+/// The first failure of a solid for each of `N` corners of its card, as [`first_failure_of_plate`].
+///
+/// # Errors
+/// [`Unstable`] when the elastic constants are not those of a stable material.
+pub fn first_failure_of_bricks<const N: usize>(
+    bricks: &Bricks,
+    cards: &[StrengthCard; N],
+    stress: &(dyn Fn(usize) -> Option<[f64; 6]> + Sync),
+) -> Result<OfCards<N>, Unstable> {
+    let elastic = &cards[0].elastic;
+    let n = bricks.filled.len();
+    let mut known: BTreeMap<BrickKey, Stiffness> = BTreeMap::new();
+    for cell in (0..n).filter(|c| bricks.filled[*c] > 0.0) {
+        let key = key(bricks, cell);
+        if let Entry::Vacant(free) = known.entry(key) {
+            free.insert(mean_stiffness(elastic, key)?);
+        }
+    }
+    Ok(worst((0..n).into_par_iter().map(|cell| {
+        let mut worst = [None; N];
+        let Some(mean) = known.get(&key(bricks, cell)).filter(|_| bricks.filled[cell] > 0.0) else {
+            return worst;
+        };
+        let Some(stress) = stress(cell) else { return worst };
+        let [xx, yy, zz, xy, yz, zx] = strain(mean, stress);
+        let bond = f64::from(bricks.bond[cell]).max(1.0 / SHARE_STEPS);
+        let Ok(own) = damaged_stiffness(elastic, [0.0; 3], bond) else { return worst };
+        // The stress of the area that touches, as strengths are those of whole material.
+        let remaining = remaining_shares([0.0; 3], bond);
+        for (k, ply) in bricks.plies_in(cell).iter().enumerate() {
+            let (s, c) = sin_cos(ply.angle_rad);
+            let along = [
+                c * c * xx + s * s * yy + s * c * xy,
+                s * s * xx + c * c * yy - s * c * xy,
+                zz,
+                2.0 * s * c * (yy - xx) + (c * c - s * s) * xy,
+                c * yz - s * zx,
+                s * yz + c * zx,
+            ];
+            let stress: [f64; 6] = std::array::from_fn(|i| {
+                own[i].iter().zip(along).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
+            });
+            let plane = [stress[0], stress[1], stress[3]];
+            for (worst, card) in worst.iter_mut().zip(cards) {
+                let ([through, between], mode) = card.indices(plane);
+                // The plies of a brick part together from the layer below: the first one stands for both.
+                let apart = if k == 0 { card.layer_index([stress[2], stress[4], stress[5]]).0 } else { 0.0 };
+                let mode = mode_of([through, between, apart], card.is_sliding(plane), mode);
+                let index = through.max(between).max(apart);
+                let found = FirstFailure { index, cell, angle_rad: ply.angle_rad, mode };
+                *worst = FirstFailure::worse(*worst, Some(found));
+            }
+        }
+        worst
+    })))
+}
+
+#[cfg(test)]
+mod tests {
+    use grainpath_core::DVec2;
+
+    use super::super::card::tests::pla;
+    use super::super::laminate::{BeadPiece, BeadSheet};
+    use super::*;
+
+    /// Sheets of beads side by side over a square of 8 mm, one raster angle a sheet.
+    fn sheets(degrees: &[f64]) -> Vec<BeadSheet> {
+        let sheet = |deg: &f64| {
+            let d = grainpath_core::math::direction(deg.to_radians());
+            let bead = |k: i32| {
+                let middle = DVec2::splat(4.0) + d.perp() * (0.4 * f64::from(k));
+                let (a, b) = (middle - d * 8.0, middle + d * 8.0);
+                BeadPiece { a, b, volume_mm3: 16.0 * 0.4 * 0.2, material: 0 }
+            };
+            BeadSheet { height_mm: 0.2, beads: (-20..20).map(bead).collect() }
+        };
+        degrees.iter().map(sheet).collect()
+    }
+
+    fn middle(p: DVec2) -> bool {
+        (p - 4.0).abs().max_element() < 2.0
+    }
+
+    #[test]
+    fn a_raster_fails_at_the_stress_of_tsai_and_hill() {
+        for deg in [0.0, 15.0, 30.0, 45.0, 60.0, 90.0f64] {
+            let laminate = Laminate::from_layers(&sheets(&[deg]), 0.4).expect("cells");
+            let stress = |cell: usize| middle(laminate.grid.centre(cell)).then_some([10.0, 0.0, 0.0]);
+            let [found] = first_failure_of_plate(&laminate, &[vec![pla()]], &stress).expect("stable");
+            let found = found.expect("a cell in the middle");
+            let want = 10.0 / pla().tsai_hill_mpa(deg.to_radians());
+            assert!((found.index / want - 1.0).abs() < 1e-3, "{deg}: {} {want}", found.index);
+            let mode = if deg < 10.0 {
+                FailureMode::Along
+            } else if deg < 50.0 {
+                FailureMode::Shear
+            } else {
+                FailureMode::Across
+            };
+            assert_eq!(found.mode, mode, "{deg}");
+            let bricks = Bricks::from_layers(&sheets(&[deg; 4]), 0.4, 0.0).expect("cells");
+            let stress = |cell: usize| {
+                middle(bricks.centre(cell).truncate()).then_some([10.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+            };
+            let [found] = first_failure_of_bricks(&bricks, &[pla()], &stress).expect("stable");
+            let found = found.expect("a cell in the middle");
+            // Directions of the mean stiffness are rounded by up to 2.8 degrees.
+            assert!((found.index / want - 1.0).abs() < 0.02, "{deg}: {} {want}", found.index);
+        }
+    }
+
+    #[test]
+    fn plies_across_each_other_share_the_load_by_stiffness() {
+        let laminate = Laminate::from_layers(&sheets(&[0.0, 90.0]), 0.4).expect("cells");
+        let stress = |cell: usize| middle(laminate.grid.centre(cell)).then_some([10.0, 0.0, 0.0]);
+        let [found] = first_failure_of_plate(&laminate, &[vec![pla()]], &stress).expect("stable");
+        let found = found.expect("a cell in the middle");
+        // Classical lamination of two plies, without Poisson's coupling in the sum: the ply across carries
+        // E2 / (E1 + E2) of the force, twice its share of the area.
+        let across = 2.0 * 10.0 * 2583.0 / (2669.0 + 2583.0);
+        assert_eq!(found.mode, FailureMode::Across);
+        assert!((found.index / (across / 37.0) - 1.0).abs() < 0.02, "{}", found.index);
+    }
+
+    #[test]
+    fn pull_from_layer_to_layer_parts_them() {
+        let bricks = Bricks::from_layers(&sheets(&[0.0; 4]), 0.4, 0.0).expect("cells");
+        let stress = |cell: usize| {
+            let whole = middle(bricks.centre(cell).truncate()) && bricks.bond[cell] > 0.99;
+            whole.then_some([0.0, 0.0, 8.0, 0.0, 0.0, 0.0])
+        };
+        let mut weak = pla();
+        weak.zt_mpa = 10.0;
+        let [found, low] = first_failure_of_bricks(&bricks, &[pla(), weak], &stress).expect("stable");
+        let (found, low) = (found.expect("a cell"), low.expect("a cell"));
+        assert_eq!((found.mode, low.mode), (FailureMode::Layers, FailureMode::Layers));
+        assert!((found.index - 0.2).abs() < 1e-3 && (low.index - 0.8).abs() < 4e-3, "{found:?} {low:?}");
+    }
+
+    #[test]
+    fn what_is_left_out_does_not_fail() {
+        let laminate = Laminate::from_layers(&sheets(&[0.0]), 0.4).expect("cells");
+        let none = first_failure_of_plate(&laminate, &[vec![pla()]], &|_| None).expect("stable");
+        assert_eq!(none, [None]);
+    }
+}

@@ -1,0 +1,405 @@
+//! Reserve: the factor on the loads of a case at which the printed part begins to fail, without the virtual test.
+//!
+//! Method: the stress that the guide solved for a solid part is laid on the beads that were written. Beads become the
+//! cells of the virtual test ([`Laminate`] for plates, [`Bricks`] for solids); each cell carries the stress at its middle
+//! over the share of the part that is filled around it, and
+//! [`first_failure`](grainpath_fea::strength::first_failure) gives the ply that fails first. Cells within 1.5 mm of
+//! fixtures and loads do not count, as in the test. Three factors are told: at the low, nominal and high strengths of the
+//! material's card; the outer two are wider by what the elements miss of the stress and by `METHOD`.
+//!
+//! Held against the first failure of the test in `crates/grainpath-cli/tests/reserve.rs`; `docs/validation.md` has the
+//! table. Cost: linear in cells and beads, a fraction of the solve. Limits: around sparse infill the stress is spread
+//! evenly over what is filled, where the test follows single lines; notches between the ends of beads at a border without
+//! walls are not seen; no reserve is told where the peak of the stress cannot be trusted.
+
+use std::time::Instant;
+
+use grainpath_core::mask::{Grid, Mask};
+use grainpath_core::selection::Selection;
+use grainpath_core::{DVec2, DVec3, LayerStack};
+use grainpath_fea::strength::bricks::Bricks;
+use grainpath_fea::strength::card::StrengthCard;
+use grainpath_fea::strength::first_failure::{FirstFailure, first_failure_of_bricks, first_failure_of_plate};
+use grainpath_fea::strength::laminate::{BeadSheet, Laminate};
+use grainpath_gcode::Program;
+use serde::Serialize;
+
+use super::frame::Frame;
+use super::setup::{Fidelity, UNBREAKABLE_MM, layers_of_part, sheets_of};
+use super::{CORNERS, Corner, StrengthError, StrengthSettings, cell_sizes_mm, digits};
+use crate::guide::{CaseStress, Guide};
+use crate::measure::Planned;
+
+/// The corners of the card whose reserve is told: low, nominal, high.
+const TOLD: [Corner; 3] = [CORNERS[1], CORNERS[0], CORNERS[2]];
+/// Shares by which the interval is wider than the card and the mesh make it, downwards and upwards. Measured: on cells of a
+/// bead six pieces lie within 15 % of the first failure of the virtual test; on cells of half a bead the test sees the
+/// notches of curved borders, and a corner with a fillet fails 29 % before its reserve (docs/validation.md).
+const METHOD: [f64; 2] = [0.3, 0.15];
+/// The share filled is taken over this many distances between lines of sparse infill, so that it holds whole lines
+/// wherever it lies. Source: derived; one distance holds one line of each direction, two make its share of the window
+/// change by a quarter at most.
+const WINDOW_LINES: f64 = 2.0;
+
+/// The factor on the job's loads at first failure; of the case in which it is least.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct ReserveReport {
+    #[serde(flatten)]
+    pub least: Option<CaseReserve>,
+    /// Every load case, where there are several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cases: Vec<CaseReserve>,
+    /// Why there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub untold: Option<String>,
+    pub seconds: f64,
+}
+
+/// The reserve of one load case.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)]
+pub struct CaseReserve {
+    /// The factor on the case's loads at first failure: with the low, nominal and high strengths of the material.
+    pub first_failure: [f64; 3],
+    pub case: String,
+    pub mode: &'static str,
+    /// Where, in part coordinates.
+    pub at_mm: [f64; 3],
+    /// In which layer, from 1; of a plate the first whose beads fail so.
+    pub layer: usize,
+}
+
+impl ReserveReport {
+    fn untold(why: String) -> Self {
+        Self { least: None, cases: Vec::new(), untold: Some(why), seconds: 0.0 }
+    }
+
+    /// Names and values for the terminal and the report page.
+    pub fn rows(&self) -> Vec<(String, String)> {
+        let Some(least) = &self.least else {
+            let why = self.untold.as_deref().unwrap_or_default();
+            return vec![("first failure".into(), format!("none told: {why}"))];
+        };
+        let all = if self.cases.is_empty() { std::slice::from_ref(least) } else { &self.cases };
+        let row = |c: &CaseReserve| {
+            let ([low, nominal, high], [x, y, z]) = (c.first_failure, c.at_mm);
+            let below = if nominal < 1.0 { "; it begins to fail below its load" } else { "" };
+            let what = match all.len() {
+                1 => "first failure".into(),
+                _ => format!("first failure, case {}", c.case),
+            };
+            let value = format!(
+                "at {nominal:.2} times the load ({low:.2} to {high:.2}), {} at ({x:.1}, {y:.1}, {z:.1}) mm, layer {}{below}",
+                c.mode, c.layer
+            );
+            (what, value)
+        };
+        all.iter().map(row).collect()
+    }
+}
+
+/// The reserve of a plan whose loads were solved, on the program that was written; `None` for plans without loads.
+pub fn reserve(settings: &StrengthSettings, planned: &Planned, program: &Program) -> Option<ReserveReport> {
+    let guide = planned.guide.as_ref()?;
+    let start = Instant::now();
+    let shift = planned.plan.plate_from_part_mm.truncate();
+    let told = Beads::of(settings, planned, guide, program, shift).and_then(|beads| beads.reserve(guide));
+    let mut report = told.unwrap_or_else(|e| ReserveReport::untold(e.to_string()));
+    report.seconds = digits(start.elapsed().as_secs_f64());
+    Some(report)
+}
+
+/// Why no reserve is told.
+#[derive(Debug, thiserror::Error)]
+enum Untold {
+    #[error("the peak of the stress cannot be trusted")]
+    Peak,
+    #[error("all of the part lies at fixtures and loads")]
+    Nothing,
+    #[error(transparent)]
+    Strength(#[from] StrengthError),
+}
+
+/// The beads of a part as cells, and where they lie.
+struct Beads<'a> {
+    sheets: Vec<BeadSheet>,
+    frame: Frame,
+    cards: Vec<Vec<StrengthCard>>,
+    fidelity: Fidelity,
+    cell_mm: f64,
+    floor_mm: f64,
+    stack: &'a LayerStack,
+    /// Half the side of the window in which the share filled is taken, mm; `None` where infill is dense.
+    window_mm: Option<f64>,
+    /// What is left out.
+    grips: Vec<Selection>,
+}
+
+impl<'a> Beads<'a> {
+    fn of(
+        settings: &StrengthSettings,
+        planned: &'a Planned,
+        guide: &Guide,
+        program: &Program,
+        shift: DVec2,
+    ) -> Result<Self, Untold> {
+        let cards = TOLD.iter().map(|c| settings.cards(*c)).collect::<Result<Vec<_>, _>>()?;
+        if !guide.is_trusted() {
+            return Err(Untold::Peak);
+        }
+        let fidelity = if guide.is_plate { Fidelity::Plane } else { Fidelity::Voxels };
+        if fidelity == Fidelity::Voxels && settings.fibre.is_some() {
+            return Err(StrengthError::FibreInSpace.into());
+        }
+        let (layers, heights, _) = layers_of_part(program);
+        let sheets = sheets_of(&layers, &heights, shift, settings.fibre.is_some(), &|_| true);
+        let frame = Frame::new(&sheets);
+        let sheets = frame.beads(&sheets);
+        let stack = &planned.stack;
+        let of_stack = stack.layers();
+        let middle = of_stack.get(of_stack.len() / 2).map_or(0.0, |l| l.region().area_mm2());
+        let volume_mm3 = of_stack.iter().map(|l| l.region().area_mm2() * l.height_mm()).sum();
+        let bounds = of_stack.iter().filter_map(|l| l.region().bounds()).reduce(|a, b| a.union(b));
+        let tall: f64 = of_stack.iter().map(|l| l.height_mm()).sum();
+        let size = bounds.map_or(DVec2::ZERO, |b| b.size()).extend(tall);
+        let (usual_mm, smallest_mm) = cell_sizes_mm(fidelity, settings.bead_mm, middle, volume_mm3, size);
+        let cell_mm = settings.cell_mm.unwrap_or(usual_mm.max(smallest_mm));
+        let spacing_mm = settings.bead_mm / planned.density.fraction().max(0.02);
+        let window_mm = (!planned.density.is_dense()).then_some(0.5 * WINDOW_LINES * spacing_mm);
+        // The reach of the test: its nodes are up to three quarters of a cell away, and cells up to one from those.
+        let grips = guide.places.iter().map(|on| on.grown(UNBREAKABLE_MM + 1.75 * cell_mm)).collect();
+        let floor_mm = of_stack.first().map_or(0.0, |l| l.z_top_mm() - l.height_mm());
+        Ok(Self { sheets, frame, cards, fidelity, cell_mm, floor_mm, stack, window_mm, grips })
+    }
+
+    fn reserve(&self, guide: &Guide) -> Result<ReserveReport, Untold> {
+        let found: Vec<CaseReserve> = match self.fidelity {
+            Fidelity::Plane => self.of_plate(guide)?,
+            Fidelity::Voxels => self.of_solid(guide)?,
+        };
+        let nominal = |c: &&CaseReserve| c.first_failure[1];
+        let least = found.iter().min_by(|a, b| nominal(a).total_cmp(&nominal(b))).cloned();
+        let least = Some(least.ok_or(Untold::Nothing)?);
+        let cases = if found.len() > 1 { found } else { Vec::new() };
+        Ok(ReserveReport { least, cases, untold: None, seconds: 0.0 })
+    }
+
+    fn of_plate(&self, guide: &Guide) -> Result<Vec<CaseReserve>, Untold> {
+        let laminate = Laminate::from_layers(&self.sheets, self.cell_mm).map_err(StrengthError::from)?;
+        let grid = laminate.grid;
+        let layers = self.stack.layers();
+        let middle_mm =
+            layers.get(layers.len() / 2).map_or(self.floor_mm, |l| l.z_top_mm() - 0.5 * l.height_mm());
+        let at: Vec<DVec3> = (0..grid.nx * grid.ny)
+            .map(|cell| self.frame.to_part(grid.centre(cell)).extend(middle_mm))
+            .collect();
+        let held: Vec<bool> = at.iter().map(|p| self.is_held(*p)).collect();
+        let filled = |cell: usize| (laminate.thickness_mm(cell) / laminate.height_mm) as f32;
+        let share = self.shares([grid.nx, grid.ny, 1], [self.cell_mm; 3], &filled, &|cell| at[cell]);
+        let cards: [Vec<StrengthCard>; 3] = std::array::from_fn(|k| self.cards[k].clone());
+        let mut found = Vec::new();
+        for case in &guide.cases {
+            let stress = |cell: usize| {
+                let [xx, yy, _, xy, ..] = self.stress(case, at[cell])?;
+                (!held[cell]).then(|| [xx, yy, xy].map(|s| s / share(cell)))
+            };
+            let corners = first_failure_of_plate(&laminate, &cards, &stress)
+                .map_err(|e| StrengthError::Test(e.into()))?;
+            let layer = |first: &FirstFailure| self.layer_of_ply(grid.centre(first.cell), first.angle_rad);
+            found.extend(self.told(guide, case, corners, &|first| (at[first.cell], layer(first))));
+        }
+        Ok(found)
+    }
+
+    fn of_solid(&self, guide: &Guide) -> Result<Vec<CaseReserve>, Untold> {
+        let bricks =
+            Bricks::from_layers(&self.sheets, self.cell_mm, self.floor_mm).map_err(StrengthError::from)?;
+        let at = |cell: usize| self.frame.to_part_3d(bricks.centre(cell));
+        let filled = |cell: usize| bricks.filled[cell];
+        let share = self.shares(bricks.n, bricks.cell_mm.to_array(), &filled, &at);
+        let cards: [StrengthCard; 3] = std::array::from_fn(|k| self.cards[k][0]);
+        let mut found = Vec::new();
+        for case in &guide.cases {
+            let stress = |cell: usize| {
+                let p = at(cell);
+                if bricks.filled[cell] <= LEAST_FILLED || self.is_held(p) {
+                    return None;
+                }
+                Some(self.stress(case, p)?.map(|s| s / share(cell)))
+            };
+            let corners = first_failure_of_bricks(&bricks, &cards, &stress)
+                .map_err(|e| StrengthError::Test(e.into()))?;
+            let place = |first: &FirstFailure| {
+                let p = at(first.cell);
+                (p, self.layer_at(p.z))
+            };
+            found.extend(self.told(guide, case, corners, &place));
+        }
+        Ok(found)
+    }
+
+    /// The reserve of a case from its first failures with low, nominal and high strengths.
+    fn told(
+        &self,
+        guide: &Guide,
+        case: &CaseStress,
+        corners: [Option<FirstFailure>; 3],
+        place: &dyn Fn(&FirstFailure) -> (DVec3, usize),
+    ) -> Option<CaseReserve> {
+        let [low, nominal, high] = corners;
+        let factor = |f: Option<FirstFailure>| f.filter(|f| f.index > 0.0).map(|f| 1.0 / f.index);
+        let first = nominal?;
+        let (at, layer) = place(&first);
+        let missed = guide.summary.error_estimate.min(1.0);
+        let low = factor(low)? * (1.0 - METHOD[0]) * (1.0 - missed);
+        let high = factor(high)? * (1.0 + METHOD[1]) * (1.0 + missed);
+        let first_failure = [low, factor(nominal)?, high].map(digits);
+        let round = |v: f64| (v * 100.0).round() / 100.0;
+        Some(CaseReserve {
+            first_failure,
+            case: case.name.clone(),
+            mode: first.mode.name(),
+            at_mm: at.to_array().map(round),
+            layer,
+        })
+    }
+
+    fn is_held(&self, p: DVec3) -> bool {
+        self.grips.iter().any(|on| on.contains(p))
+    }
+
+    /// The stress of a case at a point of the part, in the directions of the grid.
+    fn stress(&self, case: &CaseStress, p: DVec3) -> Option<[f64; 6]> {
+        let [xx, yy, zz, xy, yz, zx] = case.stress.whole(p);
+        let DVec2 { x: c, y: s } = self.frame.to_part(DVec2::X);
+        let turned = [
+            c * c * xx + s * s * yy + 2.0 * s * c * xy,
+            s * s * xx + c * c * yy - 2.0 * s * c * xy,
+            zz,
+            s * c * (yy - xx) + (c * c - s * s) * xy,
+            c * yz - s * zx,
+            s * yz + c * zx,
+        ];
+        turned.iter().all(|s| s.is_finite()).then_some(turned)
+    }
+
+    /// The layer, from 1, that holds a height.
+    fn layer_at(&self, z_mm: f64) -> usize {
+        let layers = self.stack.layers();
+        layers.partition_point(|l| l.z_top_mm() < z_mm).min(layers.len().saturating_sub(1)) + 1
+    }
+
+    /// The first layer, from 1, with a bead of about this direction at a point of the grid.
+    fn layer_of_ply(&self, p: DVec2, angle_rad: f64) -> usize {
+        let along = grainpath_core::math::direction(angle_rad);
+        let near = |s: &BeadSheet| {
+            s.beads.iter().any(|b| {
+                let (d, wide) = (b.b - b.a, b.volume_mm3 / (b.a.distance(b.b) * s.height_mm).max(1e-12));
+                let off = grainpath_core::segment::distance_squared_mm2(p, b.a, b.b);
+                // Beads of a fan lie within an eighth of a right angle of its mean.
+                off <= (0.5 * wide + self.cell_mm).powi(2) && d.dot(along).abs() >= 0.92 * d.length()
+            })
+        };
+        self.sheets.iter().position(near).map_or(1, |k| k + 1)
+    }
+
+    /// The share of the part that is filled around each cell: 1 where infill is dense.
+    fn shares(
+        &self,
+        n: [usize; 3],
+        cell_mm: [f64; 3],
+        filled: &(dyn Fn(usize) -> f32 + Sync),
+        at: &dyn Fn(usize) -> DVec3,
+    ) -> impl Fn(usize) -> f64 + Sync + use<> {
+        let shares = self.window_mm.map(|window_mm| {
+            let [nx, ny, nz] = n;
+            let all = nx * ny * nz;
+            let mut laid: Vec<f32> = (0..all).map(filled).collect();
+            let mut inside = vec![0.0f32; all];
+            let layers = self.stack.layers();
+            for z in 0..nz {
+                let slab = z * nx * ny..(z + 1) * nx * ny;
+                let layer = self.layer_at(at(slab.start).z) - 1;
+                let Some(region) = layers.get(layer).map(|l| l.region()) else { continue };
+                let Some(bounds) = region.bounds() else { continue };
+                let mask = Mask::of(Grid::over(bounds, 0.5 * cell_mm[0]), region);
+                for cell in slab {
+                    inside[cell] = f32::from(u8::from(mask.contains(at(cell).truncate())));
+                }
+            }
+            for (axis, mm) in cell_mm.into_iter().enumerate() {
+                let reach = (window_mm / mm).round() as usize;
+                box_sums(&mut laid, n, axis, reach);
+                box_sums(&mut inside, n, axis, reach);
+            }
+            let share = |(laid, inside): (f32, f32)| {
+                // A cell that only touches the part has its own share for want of another.
+                if inside > 0.5 { (laid / inside).clamp(LEAST_FILLED, 1.0) } else { 1.0 }
+            };
+            laid.into_iter().zip(inside).map(share).collect::<Vec<f32>>()
+        });
+        move |cell| shares.as_ref().map_or(1.0, |s| f64::from(s[cell]))
+    }
+}
+
+/// Cells filled to a smaller share are left out, as in the test of solids. Source: `LEAST_FILLED` of `brick_setup`.
+const LEAST_FILLED: f32 = 0.06;
+
+/// Replaces each value by the sum over `reach` cells to either side along an axis.
+fn box_sums(values: &mut [f32], n: [usize; 3], axis: usize, reach: usize) {
+    let stride = [1, n[0], n[0] * n[1]][axis];
+    let length = n[axis];
+    let mut sums = vec![0.0f64; length + 1];
+    for first in (0..values.len()).filter(|i| (i / stride).is_multiple_of(length)) {
+        for k in 0..length {
+            sums[k + 1] = sums[k] + f64::from(values[first + k * stride]);
+        }
+        for k in 0..length {
+            let (from, to) = (k.saturating_sub(reach), (k + reach + 1).min(length));
+            values[first + k * stride] = (sums[to] - sums[from]) as f32;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn box_sums_are_those_of_their_windows() {
+        let n = [3, 2, 2];
+        let mut values: Vec<f32> = (0..12).map(|v| v as f32).collect();
+        box_sums(&mut values, n, 0, 1);
+        assert_eq!(values[..6], [1.0, 3.0, 3.0, 7.0, 12.0, 9.0]);
+        box_sums(&mut values, n, 2, 1);
+        // Both heights hold the sum of both.
+        assert_eq!(values[0], values[6]);
+        assert_eq!(values[0], 1.0 + 13.0);
+    }
+
+    #[test]
+    fn a_report_tells_what_it_knows() {
+        let case = |name: &str, nominal: f64| CaseReserve {
+            first_failure: [0.8 * nominal, nominal, 1.2 * nominal],
+            case: name.into(),
+            mode: "along the beads",
+            at_mm: [1.0, 2.0, 3.0],
+            layer: 4,
+        };
+        let one =
+            ReserveReport { least: Some(case("pull", 0.5)), cases: Vec::new(), untold: None, seconds: 0.1 };
+        let [(what, value)] = &one.rows()[..] else { panic!("a row") };
+        assert_eq!(what, "first failure");
+        assert!(
+            value.contains("0.50 times the load (0.40 to 0.60)") && value.ends_with("below its load"),
+            "{value}"
+        );
+        let json = serde_json::to_value(&one).expect("JSON");
+        assert_eq!(json["first_failure"][1], 0.5);
+        assert_eq!(json["layer"], 4);
+        let untold = ReserveReport::untold("no card".into());
+        assert_eq!(untold.rows()[0].1, "none told: no card");
+        assert!(serde_json::to_value(&untold).expect("JSON")["first_failure"].is_null());
+    }
+}
