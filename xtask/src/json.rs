@@ -15,9 +15,10 @@ use serde_json::Value;
 const NAMED: [&str; 5] = ["stages_s", "outputs", "strength.modes", "strength.corners", "rows[].corners"];
 
 /// Listed keys that none of the jobs below prints: places of warnings that they do not have, grids of directions,
-/// overhangs out of reach, pictures in programs of others.
-const NOT_HERE: [&str; 7] = [
+/// overhangs out of reach, pictures in programs of others, reasons for which nothing is told.
+const NOT_HERE: [&str; 8] = [
     "field.axis_order",
+    "reserve.untold",
     "support.unreached[][]",
     "thumbnails[]",
     "warnings[].place.file",

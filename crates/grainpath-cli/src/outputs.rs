@@ -8,7 +8,7 @@ use grainpath::Planned;
 use grainpath::guide::{Degenerate, Guide};
 use grainpath::measure::dimensions::Dimension;
 use grainpath::measure::report::{Report, measure, measure_fibre};
-use grainpath::measure::strength::{TestSetup, Tested, reserve, test};
+use grainpath::measure::strength::{StressedPart, TestSetup, Tested, reserve, test};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::spelling::meaning;
 use grainpath_core::{DVec2, DVec3, Diagnostics, TriMesh};
@@ -215,7 +215,12 @@ pub fn report_of(
         quality.fibre_warning(width_mm).into_iter().for_each(|w| diagnostics.push(w));
     }
     report.quality = Some(quality);
-    report.reserve = reserve(&grainpath::run::config::strength(settings), planned, program);
+    report.reserve = planned.guide.as_ref().map(|guide| {
+        let plate_from_part_mm = planned.plan.plate_from_part_mm.truncate();
+        let part =
+            StressedPart { guide, stack: &planned.stack, density: planned.density, plate_from_part_mm };
+        reserve(&grainpath::run::config::strength(settings), part, program)
+    });
     report
 }
 

@@ -33,7 +33,7 @@ use frame::Frame;
 use grainpath_job::MaterialSection;
 use grainpath_job::choices::{self, Choice};
 pub use printed::PrintedPart;
-pub use reserve::{CaseReserve, ReserveReport, reserve};
+pub use reserve::{CaseReserve, ReserveReport, StressedPart, reserve};
 pub use setup::TestSetup;
 use setup::{Fidelity, Prepared};
 

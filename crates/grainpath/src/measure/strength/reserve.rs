@@ -16,7 +16,7 @@ use std::time::Instant;
 
 use grainpath_core::mask::{Grid, Mask};
 use grainpath_core::selection::Selection;
-use grainpath_core::{DVec2, DVec3, LayerStack};
+use grainpath_core::{DVec2, DVec3, Density, LayerStack};
 use grainpath_fea::strength::bricks::Bricks;
 use grainpath_fea::strength::card::StrengthCard;
 use grainpath_fea::strength::first_failure::{FirstFailure, first_failure_of_bricks, first_failure_of_plate};
@@ -28,7 +28,6 @@ use super::frame::Frame;
 use super::setup::{Fidelity, UNBREAKABLE_MM, layers_of_part, sheets_of};
 use super::{CORNERS, Corner, StrengthError, StrengthSettings, cell_sizes_mm, digits};
 use crate::guide::{CaseStress, Guide};
-use crate::measure::Planned;
 
 /// The corners of the card whose reserve is told: low, nominal, high.
 const TOLD: [Corner; 3] = [CORNERS[1], CORNERS[0], CORNERS[2]];
@@ -99,15 +98,26 @@ impl ReserveReport {
     }
 }
 
-/// The reserve of a plan whose loads were solved, on the program that was written; `None` for plans without loads.
-pub fn reserve(settings: &StrengthSettings, planned: &Planned, program: &Program) -> Option<ReserveReport> {
-    let guide = planned.guide.as_ref()?;
+/// A planned part whose stress was solved.
+#[derive(Clone, Copy)]
+pub struct StressedPart<'a> {
+    /// Its stress.
+    pub guide: &'a Guide,
+    /// Its sections.
+    pub stack: &'a LayerStack,
+    /// Density of its sparse infill.
+    pub density: Density,
+    /// The program's coordinates are those of the part plus this, mm.
+    pub plate_from_part_mm: DVec2,
+}
+
+/// The reserve of a part on the program that was written.
+pub fn reserve(settings: &StrengthSettings, part: StressedPart<'_>, program: &Program) -> ReserveReport {
     let start = Instant::now();
-    let shift = planned.plan.plate_from_part_mm.truncate();
-    let told = Beads::of(settings, planned, guide, program, shift).and_then(|beads| beads.reserve(guide));
+    let told = LaidCells::of(settings, part, program).and_then(|cells| cells.reserve(part.guide));
     let mut report = told.unwrap_or_else(|e| ReserveReport::untold(e.to_string()));
     report.seconds = digits(start.elapsed().as_secs_f64());
-    Some(report)
+    report
 }
 
 /// Why no reserve is told.
@@ -122,7 +132,7 @@ enum Untold {
 }
 
 /// The beads of a part as cells, and where they lie.
-struct Beads<'a> {
+struct LaidCells<'a> {
     sheets: Vec<BeadSheet>,
     frame: Frame,
     cards: Vec<Vec<StrengthCard>>,
@@ -136,14 +146,9 @@ struct Beads<'a> {
     grips: Vec<Selection>,
 }
 
-impl<'a> Beads<'a> {
-    fn of(
-        settings: &StrengthSettings,
-        planned: &'a Planned,
-        guide: &Guide,
-        program: &Program,
-        shift: DVec2,
-    ) -> Result<Self, Untold> {
+impl<'a> LaidCells<'a> {
+    fn of(settings: &StrengthSettings, part: StressedPart<'a>, program: &Program) -> Result<Self, Untold> {
+        let StressedPart { guide, stack, density, plate_from_part_mm: shift } = part;
         let cards = TOLD.iter().map(|c| settings.cards(*c)).collect::<Result<Vec<_>, _>>()?;
         if !guide.is_trusted() {
             return Err(Untold::Peak);
@@ -156,7 +161,6 @@ impl<'a> Beads<'a> {
         let sheets = sheets_of(&layers, &heights, shift, settings.fibre.is_some(), &|_| true);
         let frame = Frame::new(&sheets);
         let sheets = frame.beads(&sheets);
-        let stack = &planned.stack;
         let of_stack = stack.layers();
         let middle = of_stack.get(of_stack.len() / 2).map_or(0.0, |l| l.region().area_mm2());
         let volume_mm3 = of_stack.iter().map(|l| l.region().area_mm2() * l.height_mm()).sum();
@@ -165,8 +169,8 @@ impl<'a> Beads<'a> {
         let size = bounds.map_or(DVec2::ZERO, |b| b.size()).extend(tall);
         let (usual_mm, smallest_mm) = cell_sizes_mm(fidelity, settings.bead_mm, middle, volume_mm3, size);
         let cell_mm = settings.cell_mm.unwrap_or(usual_mm.max(smallest_mm));
-        let spacing_mm = settings.bead_mm / planned.density.fraction().max(0.02);
-        let window_mm = (!planned.density.is_dense()).then_some(0.5 * WINDOW_LINES * spacing_mm);
+        let spacing_mm = settings.bead_mm / density.fraction().max(0.02);
+        let window_mm = (!density.is_dense()).then_some(0.5 * WINDOW_LINES * spacing_mm);
         // The reach of the test: its nodes are up to three quarters of a cell away, and cells up to one from those.
         let grips = guide.places.iter().map(|on| on.grown(UNBREAKABLE_MM + 1.75 * cell_mm)).collect();
         let floor_mm = of_stack.first().map_or(0.0, |l| l.z_top_mm() - l.height_mm());
