@@ -219,6 +219,49 @@ pub trait SliceSource: Send {
     }
 }
 
+/// The place in a source that reaches any of its slices at the same cost.
+///
+/// ```
+/// use grainpath_core::slices::SliceCursor;
+///
+/// let mut cursor = SliceCursor::new(2);
+/// assert_eq!(cursor.slice(), Some(0));
+/// assert!(cursor.pass() && cursor.pass());
+/// assert_eq!(cursor.slice(), None);
+/// assert!(!cursor.pass(), "there are two slices");
+/// cursor.restart();
+/// assert_eq!(cursor.slice(), Some(0));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SliceCursor {
+    next: usize,
+    n_slices: usize,
+}
+
+impl SliceCursor {
+    /// Before the first of some slices.
+    pub const fn new(n_slices: usize) -> Self {
+        Self { next: 0, n_slices }
+    }
+
+    /// Goes back to the first slice.
+    pub const fn restart(&mut self) {
+        self.next = 0;
+    }
+
+    /// The next slice; `None` after the last one.
+    pub fn slice(&self) -> Option<usize> {
+        (self.next < self.n_slices).then_some(self.next)
+    }
+
+    /// Passes over the next slice; `false` after the last one.
+    pub fn pass(&mut self) -> bool {
+        let more = self.next < self.n_slices;
+        self.next += usize::from(more);
+        more
+    }
+}
+
 impl<S: SliceSource + ?Sized> SliceSource for &mut S {
     fn info(&self) -> &VolumeInfo {
         (**self).info()

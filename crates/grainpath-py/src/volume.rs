@@ -5,7 +5,7 @@
 
 use std::sync::mpsc::{self, Sender};
 
-use grainpath_core::slices::{SampleType, SliceError, SliceSource, VolumeInfo};
+use grainpath_core::slices::{SampleType, SliceCursor, SliceError, SliceSource, VolumeInfo};
 use grainpath_io::volume::NotFinite;
 
 use crate::worker::Request;
@@ -30,10 +30,12 @@ impl std::error::Error for NotRead {}
 pub struct ArraySource {
     info: VolumeInfo,
     requests: Sender<Request>,
-    next: usize,
+    cursor: SliceCursor,
     slab: Vec<f32>,
     /// Slice with which the slab begins.
     slab_first: usize,
+    /// Slices from here on are not asked for, where the caller needs none of them.
+    end: usize,
     not_finite: NotFinite,
 }
 
@@ -47,25 +49,38 @@ impl ArraySource {
     ) -> Self {
         let mut info = VolumeInfo::new("array", size, sample);
         info.spacing_mm = spacing_mm.map_or([None; 3], |all| all.map(Some));
-        Self { info, requests, next: 0, slab: Vec::new(), slab_first: 0, not_finite: NotFinite::default() }
+        Self {
+            info,
+            requests,
+            cursor: SliceCursor::new(size[2]),
+            slab: Vec::new(),
+            slab_first: 0,
+            end: size[2],
+            not_finite: NotFinite::default(),
+        }
+    }
+
+    /// The same scan, of which the slices from `end` on are not read ahead.
+    pub fn up_to(self, end: usize) -> Self {
+        Self { end: end.min(self.info.size[2]), ..self }
     }
 
     fn voxels(&self) -> usize {
         self.info.size[0] * self.info.size[1]
     }
 
-    /// The slab with the next slice in it.
-    fn load(&mut self) -> Result<(), SliceError> {
+    /// The slab that begins with slice `k`, or has it already.
+    fn load(&mut self, k: usize) -> Result<(), SliceError> {
         let n = self.voxels();
-        if (self.slab_first..self.slab_first + self.slab.len() / n).contains(&self.next) {
+        if (self.slab_first..self.slab_first + self.slab.len() / n).contains(&k) {
             return Ok(());
         }
-        let count = (SLAB_BYTES / (4 * n)).clamp(1, self.info.size[2] - self.next);
+        let count = (SLAB_BYTES / (4 * n)).clamp(1, self.end.saturating_sub(k).max(1));
         let (answer, answered) = mpsc::channel();
-        let asked = self.requests.send(Request::Slices(self.next, count, answer));
+        let asked = self.requests.send(Request::Slices(k, count, answer));
         let slab = asked.ok().and_then(|()| answered.recv().ok()).filter(|slab| slab.len() == count * n);
         self.slab = slab.ok_or_else(|| SliceError::new(NotRead))?;
-        self.slab_first = self.next;
+        self.slab_first = k;
         Ok(())
     }
 }
@@ -76,28 +91,23 @@ impl SliceSource for ArraySource {
     }
 
     fn restart(&mut self) -> Result<(), SliceError> {
-        self.next = 0;
+        self.cursor.restart();
         self.not_finite.restart();
         Ok(())
     }
 
     fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
         out.clear();
-        if self.next >= self.info.size[2] {
-            return Ok(false);
-        }
-        self.load()?;
-        let (n, k) = (self.voxels(), self.next - self.slab_first);
-        out.extend_from_slice(&self.slab[k * n..(k + 1) * n]);
+        let Some(k) = self.cursor.slice() else { return Ok(false) };
+        self.load(k)?;
+        let (n, at) = (self.voxels(), k - self.slab_first);
+        out.extend_from_slice(&self.slab[at * n..(at + 1) * n]);
         self.not_finite.replace_in(out);
-        self.next += 1;
-        Ok(true)
+        Ok(self.cursor.pass())
     }
 
     fn skip_slice(&mut self) -> Result<bool, SliceError> {
-        let more = self.next < self.info.size[2];
-        self.next += usize::from(more);
-        Ok(more)
+        Ok(self.cursor.pass())
     }
 
     fn n_not_finite(&self) -> u64 {

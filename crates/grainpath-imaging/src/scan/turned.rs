@@ -16,7 +16,7 @@
 //! `f` blurs with the variance `f (1 - f)` along each axis, at most a quarter of a square voxel.
 
 use grainpath_core::math::sin_cos;
-use grainpath_core::slices::{SliceError, SliceSource, VolumeInfo};
+use grainpath_core::slices::{SliceCursor, SliceError, SliceSource, VolumeInfo};
 use grainpath_core::{DMat3, DVec3};
 
 use super::ScanError;
@@ -35,7 +35,7 @@ pub(super) struct Turned<S> {
     step: [DVec3; 3],
     block: Vec<f32>,
     block_start: usize,
-    next: usize,
+    cursor: SliceCursor,
     air: f32,
 }
 
@@ -100,6 +100,7 @@ impl<S: SliceSource> Turned<S> {
         let mut info =
             VolumeInfo::new(stored.info().format, n.map(|count| count as usize), stored.info().sample);
         info.spacing_mm = turned_spacing.to_array().map(Some);
+        let cursor = SliceCursor::new(info.size[2]);
         Ok(Self {
             stored,
             lattice,
@@ -108,7 +109,7 @@ impl<S: SliceSource> Turned<S> {
             step,
             block: Vec::new(),
             block_start: 0,
-            next: 0,
+            cursor,
             air: f32::INFINITY,
         })
     }
@@ -117,11 +118,11 @@ impl<S: SliceSource> Turned<S> {
         self.info.size[0] * self.info.size[1]
     }
 
-    /// Makes the slices from `self.next` on, as many as a block holds.
-    fn make_block(&mut self) -> Result<(), SliceError> {
+    /// Makes the slices from `next` on, as many as a block holds.
+    fn make_block(&mut self, next: usize) -> Result<(), SliceError> {
         let [columns, rows, n_slices] = self.info.size;
-        let n_block = (BLOCK_BYTES / (4 * self.area())).clamp(1, n_slices - self.next);
-        self.block_start = self.next;
+        let n_block = (BLOCK_BYTES / (4 * self.area())).clamp(1, n_slices - next);
+        self.block_start = next;
         self.block.clear();
         // NaN marks voxels that no stored slice has reached; they become air at the end.
         self.block.resize(n_block * self.area(), f32::NAN);
@@ -225,30 +226,25 @@ impl<S: SliceSource> SliceSource for Turned<S> {
     }
 
     fn restart(&mut self) -> Result<(), SliceError> {
-        self.next = 0;
+        self.cursor.restart();
         Ok(())
     }
 
     fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
         out.clear();
-        if self.next >= self.info.size[2] {
-            return Ok(false);
-        }
+        let Some(k) = self.cursor.slice() else { return Ok(false) };
         let area = self.area();
         let held = self.block_start..self.block_start + self.block.len() / area;
-        if !held.contains(&self.next) {
-            self.make_block()?;
+        if !held.contains(&k) {
+            self.make_block(k)?;
         }
-        let start = (self.next - self.block_start) * area;
+        let start = (k - self.block_start) * area;
         out.extend_from_slice(&self.block[start..start + area]);
-        self.next += 1;
-        Ok(true)
+        Ok(self.cursor.pass())
     }
 
     fn skip_slice(&mut self) -> Result<bool, SliceError> {
-        let more = self.next < self.info.size[2];
-        self.next += usize::from(more);
-        Ok(more)
+        Ok(self.cursor.pass())
     }
 
     fn n_not_finite(&self) -> u64 {

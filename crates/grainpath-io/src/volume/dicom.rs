@@ -16,6 +16,7 @@ use grainpath_core::{Warning, WarningId};
 use std::io::{BufRead, Read, Seek, SeekFrom};
 
 use grainpath_core::DVec3;
+use grainpath_core::slices::SliceCursor;
 
 use super::files::MAX_FILE;
 use super::placement::{Placement, oriented};
@@ -54,7 +55,7 @@ struct Series {
     info: VolumeInfo,
     files: Files,
     slices: Vec<Slice>,
-    next: usize,
+    cursor: SliceCursor,
     not_finite: NotFinite,
 }
 
@@ -120,7 +121,8 @@ pub(super) fn open(
         info.spacing_mm = [spacing(dx), spacing(dy), None];
     }
     let placement = arrange(&mut slices, &mut info)?;
-    let series = Series { info, files: files.clone(), slices, next: 0, not_finite: NotFinite::default() };
+    let cursor = SliceCursor::new(info.size[2]);
+    let series = Series { info, files: files.clone(), slices, cursor, not_finite: NotFinite::default() };
     match placement {
         Some(placement) => oriented(series, &placement, files.place()),
         None => Ok(Box::new(series)),
@@ -235,13 +237,10 @@ fn vector(v: &[f64]) -> DVec3 {
 }
 
 impl Series {
-    fn slice(&self) -> (&Slice, u64) {
+    /// Slice `k`, and its frame within the file.
+    fn slice(&self, k: usize) -> (&Slice, u64) {
         // One file with several frames; otherwise each slice is a file of its own.
-        if self.slices.len() == 1 {
-            (&self.slices[0], self.next as u64)
-        } else {
-            (&self.slices[self.next], 0)
-        }
+        if self.slices.len() == 1 { (&self.slices[0], k as u64) } else { (&self.slices[k], 0) }
     }
 }
 
@@ -251,17 +250,15 @@ impl SliceSource for Series {
     }
 
     fn restart(&mut self) -> Result<(), SliceError> {
-        self.next = 0;
+        self.cursor.restart();
         self.not_finite.restart();
         Ok(())
     }
 
     fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
         out.clear();
-        if self.next == self.info.size[2] {
-            return Ok(false);
-        }
-        let (s, frame) = self.slice();
+        let Some(k) = self.cursor.slice() else { return Ok(false) };
+        let (s, frame) = self.slice(k);
         let n_pixels = s.size[0] * s.size[1];
         let n_bytes = n_pixels * self.info.sample.n_bytes();
         let mut reader = self.files.open(&s.name)?;
@@ -288,14 +285,11 @@ impl SliceSource for Series {
         out.iter_mut().for_each(|v| *v = *v * slope + intercept);
         // A slope of 1e38 overflows f32.
         self.not_finite.replace_in(out);
-        self.next += 1;
-        Ok(true)
+        Ok(self.cursor.pass())
     }
 
     fn skip_slice(&mut self) -> Result<bool, SliceError> {
-        let more = self.next < self.info.size[2];
-        self.next += usize::from(more);
-        Ok(more)
+        Ok(self.cursor.pass())
     }
 
     fn n_not_finite(&self) -> u64 {

@@ -15,6 +15,7 @@ use super::{
     Files, SampleType, SliceError, SliceSource, VolumeError, VolumeInfo, VolumeProblem, check_size, error,
 };
 use crate::image::{Image, Samples, decode_within};
+use grainpath_core::slices::SliceCursor;
 use grainpath_core::{Warning, WarningId};
 
 /// Opens a folder: as a DICOM series where any file is DICOM, otherwise as images in natural order.
@@ -63,14 +64,15 @@ pub(super) fn open(files: Files) -> Result<Box<dyn SliceSource>, VolumeError> {
         let text = format!("{} files are not images and were skipped", others.len());
         info.warnings.push(Warning::new(WarningId::ScanFilesSkipped, text).in_file(files.place()));
     }
-    Ok(Box::new(Series { info, files, names: images, next: 0, not_finite: NotFinite::default() }))
+    let cursor = SliceCursor::new(images.len());
+    Ok(Box::new(Series { info, files, names: images, cursor, not_finite: NotFinite::default() }))
 }
 
 struct Series {
     info: VolumeInfo,
     files: Files,
     names: Vec<String>,
-    next: usize,
+    cursor: SliceCursor,
     not_finite: NotFinite,
 }
 
@@ -80,14 +82,15 @@ impl SliceSource for Series {
     }
 
     fn restart(&mut self) -> Result<(), SliceError> {
-        self.next = 0;
+        self.cursor.restart();
         self.not_finite.restart();
         Ok(())
     }
 
     fn next_slice(&mut self, out: &mut Vec<f32>) -> Result<bool, SliceError> {
         out.clear();
-        let Some(name) = self.names.get(self.next) else { return Ok(false) };
+        let Some(k) = self.cursor.slice() else { return Ok(false) };
+        let name = &self.names[k];
         let image = read(&self.files, name)?;
         if [image.width, image.height] != self.info.size[..2] {
             let [x, y, _] = self.info.size;
@@ -95,14 +98,11 @@ impl SliceSource for Series {
             return Err(error(name, VolumeProblem::OtherSize { found, expected: [x, y], first }).into());
         }
         take_grey(image, &self.info, name, out, &mut self.not_finite)?;
-        self.next += 1;
-        Ok(true)
+        Ok(self.cursor.pass())
     }
 
     fn skip_slice(&mut self) -> Result<bool, SliceError> {
-        let more = self.next < self.names.len();
-        self.next += usize::from(more);
-        Ok(more)
+        Ok(self.cursor.pass())
     }
 
     fn n_not_finite(&self) -> u64 {
