@@ -5,11 +5,13 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use grainpath::Planned;
+use grainpath::order::LayerPaths;
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SliceSource;
 use grainpath_core::{Diagnostics, LayerStack};
 use grainpath_gcode::{Limits, Program, simulate};
 use grainpath_imaging::photo::Photo;
+use grainpath_imaging::scan::CtStack;
 use grainpath_io::directions::{DirectionOptions, DirectionSamples, parse_directions};
 use grainpath_io::fe::{FeError, StressField, parse_fe};
 use grainpath_io::image::decode_luma;
@@ -126,16 +128,8 @@ pub fn plan_given(
 ) -> Result<(Planned, f64), Failure> {
     let path = shape.display().to_string();
     let start = std::time::Instant::now();
-    let photos = match given.photos {
-        // As with files, photographs are not looked at where the fill follows something else.
-        Some(_) if settings.guide.kind != GuideKind::Grain => Vec::new(),
-        Some(handed) => handed,
-        None => read_photos(settings, base, diagnostics)?,
-    };
-    let directions = match given.directions {
-        Some(handed) => Some(handed),
-        None => read_directions(settings, base)?,
-    };
+    let photos = photos_of(settings, given.photos, base, diagnostics)?;
+    let directions = directions_of(settings, given.directions, base)?;
     let photos_s = start.elapsed().as_secs_f64();
     // `shape.photo` gives the shape itself, so no mesh is read.
     if given.shape.is_none() && !settings.photo.files.is_empty() {
@@ -151,10 +145,7 @@ pub fn plan_given(
         None if settings.ct.path.is_empty() => Handed::Mesh(read_body(settings, shape, diagnostics)?.0),
         None => Handed::Scan(open()?),
     };
-    let stress = match given.stress {
-        Some(handed) => Some(handed),
-        None => read_stress(settings, base)?,
-    };
+    let stress = stress_of(settings, given.stress, base)?;
     let texture = read_texture(settings, base)?;
     let read_s = start.elapsed().as_secs_f64();
     let planned = match read {
@@ -178,6 +169,65 @@ pub fn plan_given(
         )?,
     };
     Ok((planned, read_s))
+}
+
+/// Reads the guide of a job whose shape is a scan that was cut in parts, and plans it; see
+/// [`grainpath::plan_parted_scan`]. `name` is that of the scan in errors. The number is the time for reading, in seconds.
+///
+/// # Errors
+/// Those of reading and planning, and for a job whose fill follows the texture of the scan itself, whose voxels are not here.
+pub fn plan_parted(
+    settings: &Settings,
+    scan: CtStack,
+    filled: Option<Vec<LayerPaths>>,
+    given: Given,
+    name: &str,
+    base: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<(Planned, f64), Failure> {
+    let start = std::time::Instant::now();
+    let photos = photos_of(settings, given.photos, base, diagnostics)?;
+    if settings.guide.kind == GuideKind::Grain && photos.is_empty() {
+        return Err(Failure::usage(
+            "guide.kind = \"grain\": the texture of a scan is not found in parts; plan the scan as a whole, or name photographs",
+        ));
+    }
+    let directions = directions_of(settings, given.directions, base)?;
+    let stress = stress_of(settings, given.stress, base)?;
+    let read_s = start.elapsed().as_secs_f64();
+    let planned =
+        grainpath::plan_parted_scan(settings, scan, filled, name, stress, directions, &photos, diagnostics)?;
+    Ok((planned, read_s))
+}
+
+fn photos_of(
+    settings: &Settings,
+    given: Option<Vec<Photo>>,
+    base: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<Vec<Photo>, Failure> {
+    match given {
+        // As with files, photographs are not looked at where the fill follows something else.
+        Some(_) if settings.guide.kind != GuideKind::Grain => Ok(Vec::new()),
+        Some(handed) => Ok(handed),
+        None => read_photos(settings, base, diagnostics),
+    }
+}
+
+fn directions_of(
+    settings: &Settings,
+    given: Option<DirectionSamples>,
+    base: &Path,
+) -> Result<Option<DirectionSamples>, Failure> {
+    if given.is_some() { Ok(given) } else { read_directions(settings, base) }
+}
+
+fn stress_of(
+    settings: &Settings,
+    given: Option<StressField>,
+    base: &Path,
+) -> Result<Option<StressField>, Failure> {
+    if given.is_some() { Ok(given) } else { read_stress(settings, base) }
 }
 
 /// Sets the number of threads of the pool, if one is given.

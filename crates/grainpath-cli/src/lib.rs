@@ -28,7 +28,7 @@ pub use commands::render::tell_directions;
 pub use commands::run::checked;
 pub use commands::strength::{Done, TestedJob};
 pub use commands::support::{Grown, grow};
-pub use inputs::{Given, Handed, no_shape, plan_given, read_body, shape_of};
+pub use inputs::{Given, Handed, no_shape, plan_given, plan_parted, read_body, shape_of};
 pub use memory::peak_rss_mb;
 pub use outputs::{picture, program_bytes, read_back, report_of};
 

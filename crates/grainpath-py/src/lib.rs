@@ -15,6 +15,7 @@ mod plan;
 mod pool;
 mod program;
 mod roles;
+mod scan;
 mod spec;
 mod stack;
 mod strength;
@@ -34,11 +35,13 @@ mod _grainpath {
     #[pymodule_export]
     use crate::pieces::{example, inspect, marker_sheet, pieces, specimen, support};
     #[pymodule_export]
-    use crate::plan::{PlanData, check, plan};
+    use crate::plan::{PlanData, check, plan, plan_parted};
     #[pymodule_export]
     use crate::program::{ProgramData, program_from_bytes};
     #[pymodule_export]
     use crate::roles::roles;
+    #[pymodule_export]
+    use crate::scan::{ScanData, fill_window, fills_in_windows, scan_join, scan_part, scan_survey};
     #[pymodule_export]
     use crate::spec::{Spec, profiles, schema};
     #[pymodule_export]

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use grainpath::Planned;
 use grainpath::measure::report::StressReport;
 use grainpath::measure::strength::test;
+use grainpath::order::paths_from_bytes;
 use grainpath_cli::{Failure, Given, Handed};
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::slices::SampleType;
@@ -24,6 +25,7 @@ use pyo3::types::PyBytes;
 use crate::image::ImageData;
 use crate::mesh::MeshData;
 use crate::roles::role_number;
+use crate::scan::ScanData;
 use crate::spec::Spec;
 use crate::stack::StackData;
 use crate::stress::StressData;
@@ -31,7 +33,7 @@ use crate::volume::ArraySource;
 use crate::worker::{self, Caller, Request};
 
 /// Name of a shape that is no file, in errors and in the report.
-const ARRAY: &str = "an array";
+pub const ARRAY: &str = "an array";
 
 /// A planned job and what was made of it.
 #[pyclass(frozen, module = "grainpath._grainpath")]
@@ -329,6 +331,39 @@ pub fn plan<'py>(
         let path = work.shape_path(&given)?;
         let Work { settings, folder, .. } = work;
         let (planned, read_s) = grainpath_cli::plan_given(&settings, given, &path, &folder, diagnostics)?;
+        let warnings = diagnostics.warnings();
+        Ok(Kept { settings, planned, read_s, warnings, program: Mutex::new(None) })
+    })?;
+    Ok(PlanData { plan: Arc::new(kept), threads: caller.threads })
+}
+
+/// Plans the layers of a scan whose parts were joined; `filled` are the bytes of windows that make up all layers, in order.
+/// Of what is handed over, the shape is not used.
+#[pyfunction]
+pub fn plan_parted<'py>(
+    py: Python<'py>,
+    spec: &Bound<'py, Spec>,
+    scan: &Bound<'py, ScanData>,
+    filled: Option<Vec<Vec<u8>>>,
+    handover: Handover<'py>,
+    watch: Watch<'py>,
+) -> PyResult<PlanData> {
+    let (mut work, caller) = Work::new(spec, handover, watch)?;
+    let (cut, warnings) = (scan.get().cut.clone(), scan.get().warnings.clone());
+    let kept = worker::run(py, &caller, move |diagnostics, requests| {
+        let given = work.given(requests)?;
+        let Work { settings, folder, .. } = work;
+        warnings.into_iter().for_each(|w| diagnostics.push(w));
+        let read = |bytes: Vec<u8>| paths_from_bytes(&bytes).map_err(|e| Failure::input(e.to_string()));
+        let filled = match filled {
+            Some(windows) => {
+                let windows = windows.into_iter().map(read).collect::<Result<Vec<_>, _>>()?;
+                Some(windows.into_iter().flatten().collect())
+            }
+            None => None,
+        };
+        let (planned, read_s) =
+            grainpath_cli::plan_parted(&settings, cut, filled, given, ARRAY, &folder, diagnostics)?;
         let warnings = diagnostics.warnings();
         Ok(Kept { settings, planned, read_s, warnings, program: Mutex::new(None) })
     })?;

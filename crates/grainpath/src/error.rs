@@ -63,6 +63,8 @@ pub enum Error {
         "fill.mass_g = {asked_g}: with this pattern the part weighs {low_g:.2} g at no fill and {high_g:.2} g when dense"
     )]
     Mass { asked_g: f64, low_g: f64, high_g: f64 },
+    #[error("paths of {n} layers for a part of {n_layers}")]
+    FilledElsewhere { n: usize, n_layers: usize },
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
 }
@@ -94,6 +96,7 @@ impl Error {
             | Self::Grain { .. }
             | Self::Directions { .. }
             | Self::Field { .. }
+            | Self::FilledElsewhere { .. }
             | Self::Shape { .. } => ErrorKind::Input,
             Self::Gcode(_) | Self::OutsideBed { .. } | Self::Mass { .. } | Self::Guide(_) => {
                 ErrorKind::Physics

@@ -21,4 +21,4 @@ pub mod error_kind;
 pub use error::Error;
 pub use error_kind::ErrorKind;
 pub use grainpath_job::Settings;
-pub use run::{Inputs, Planned, plan_job, plan_layers, plan_photo, plan_scan};
+pub use run::{Inputs, Planned, plan_job, plan_layers, plan_parted_scan, plan_photo, plan_scan};

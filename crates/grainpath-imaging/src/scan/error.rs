@@ -61,6 +61,12 @@ pub enum ScanError {
         "turned, the slices have {columns} x {rows} pixels; at most {limit} are made: set crop_px or turn by quarters"
     )]
     TooManyPixels { columns: f64, rows: f64, limit: f64 },
+    #[error("a scan that is turned is not cut in parts, since each of its slices meets all of the file's")]
+    TurnedInParts,
+    #[error("a part of the slices {first} to {end}, where the scan has {n}")]
+    PartOutside { first: usize, end: usize, n: usize },
+    #[error("no part, or more than one, has slice {slice}")]
+    MissingPart { slice: usize },
     #[error("no layer of the part has any area")]
     NothingLeft,
     #[error(transparent)]

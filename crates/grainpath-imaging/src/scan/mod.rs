@@ -29,6 +29,7 @@ mod correspond;
 mod edges;
 mod error;
 mod matching;
+mod parts;
 mod pieces;
 mod plausible;
 mod sheet;
@@ -38,12 +39,13 @@ pub mod texture;
 mod trace;
 mod turned;
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::mpsc::sync_channel;
 
 use grainpath_core::diagnostics::Stage;
 use grainpath_core::poly::{FillRule, signed_area_mm2};
-use grainpath_core::slices::{SliceError, SliceSource};
+use grainpath_core::slices::{SliceError, SliceSource, VolumeInfo};
 use grainpath_core::{Contour, DVec2, Diagnostics, Layer, LayerStack, Region, Warning, WarningId};
 use rayon::prelude::*;
 
@@ -53,10 +55,12 @@ pub use crate::threshold::Histogram;
 pub use edges::CannySettings;
 pub use error::{GreyRange, GreyValues, ScanError};
 pub use matching::{Events, Group, MatchSettings, Slab, match_entities};
+pub use parts::{PartedScan, ScanPart};
 pub use sheet::ContactSheet;
+pub use survey::Survey;
 pub use trace::Grid;
 
-use survey::{Lattice, Survey};
+use survey::Lattice;
 use turned::Turned;
 
 /// Rule that places the part's border among the grey values.
@@ -240,21 +244,31 @@ pub fn slice_scan(
         let mut turned = Turned::new(source, lattice, settings.rotate_rad)?;
         return slice_scan(&mut turned, &settings.as_turned(), diagnostics);
     }
-    // Bends of less than a tenth of a pixel are noise, and every point costs time when sections are
-    // offset.
-    let simplify_mm = settings.simplify_mm.max(0.1 * lattice.pixel_mm().min_element());
-    let settings = &CtSettings { simplify_mm, ..settings.clone() };
+    let settings = &as_fine_as_pixels(settings, &lattice);
     let survey = Survey::of(source, &lattice, settings, diagnostics)?;
     let job = Job { settings, lattice: &lattice, survey: &survey, mode: lattice.mode(settings) };
-    let made = job.run(source, diagnostics)?;
-    let not_finite = source.n_not_finite();
+    job.begin_layers(diagnostics)?;
+    let all = job.collect(source, 0..lattice.z_mm.len(), diagnostics)?;
+    let not_finite = all.not_finite;
+    let made = job.finish(all, diagnostics)?;
+    warn_not_finite(not_finite, &info, diagnostics);
+    Ok(made)
+}
+
+/// The settings without bends of less than a tenth of a pixel: these are noise, and every point costs time when sections
+/// are offset.
+fn as_fine_as_pixels(settings: &CtSettings, lattice: &Lattice) -> CtSettings {
+    let simplify_mm = settings.simplify_mm.max(0.1 * lattice.pixel_mm().min_element());
+    CtSettings { simplify_mm, ..settings.clone() }
+}
+
+fn warn_not_finite(not_finite: u64, info: &VolumeInfo, diagnostics: &Diagnostics) {
     if not_finite > 0 {
         let n_voxels: u64 = info.size.iter().map(|&n| n as u64).product();
         let share = 100.0 * not_finite as f64 / n_voxels as f64;
         let text = format!("{not_finite} voxels ({share:.3} %) are NaN or infinite; they are taken for air");
         diagnostics.warn(WarningId::ScanNotFinite, text);
     }
-    Ok(made)
 }
 
 /// The slices of a scan one after another, cropped and mirrored as the job states.
@@ -359,7 +373,8 @@ struct Between {
 }
 
 impl Job<'_> {
-    fn run(&self, source: &mut dyn SliceSource, diagnostics: &Diagnostics) -> Result<CtStack, ScanError> {
+    /// Refuses heights that give no layers or too many, and begins their progress.
+    fn begin_layers(&self, diagnostics: &Diagnostics) -> Result<(), ScanError> {
         let l = self.lattice;
         let n = l.z_mm.len();
         let height = (l.z_mm[n - 1] - l.z_mm[0]).abs() + l.ends_mm[0] + l.ends_mm[1];
@@ -376,38 +391,59 @@ impl Job<'_> {
             return Err(ScanError::TooFlat { height_mm: height, first_layer_mm });
         }
         diagnostics.begin(Stage::Slice, expected.ceil() as usize);
+        Ok(())
+    }
+
+    /// The layers between some slices and those just below each. The slice below the first one is read too; it counts
+    /// with the slices before it. `source` stands before the first slice of the file.
+    fn collect(
+        &self,
+        source: &mut dyn SliceSource,
+        slices: Range<usize>,
+        diagnostics: &Diagnostics,
+    ) -> Result<Collected, ScanError> {
+        let l = self.lattice;
+        let n = l.z_mm.len();
+        let from = slices.start.saturating_sub(1);
         // Enough slices for every thread, and at most 256 MiB of them.
         let batch =
             (2 * rayon::current_num_threads()).clamp(2, 64).min(((256 << 20) / (4 * l.nx * l.ny)).max(1));
-        let mut all = Collected { start_mm: self.survey.bottom_mm, ..Collected::default() };
+        let mut all = Collected { start_mm: self.survey.start_mm, ..Collected::default() };
         // Reading is often slower than tracing (packed files, network drives), so it runs beside it.
-        std::thread::scope(|scope| -> Result<(), ScanError> {
+        let before = std::thread::scope(|scope| -> Result<u64, ScanError> {
             // The reader is ahead by two slices at most. It ends when the receiver is gone.
             let (send, receive) = sync_channel::<Result<Vec<f32>, SliceError>>(2);
-            scope.spawn(move || {
-                let read = |source: &mut dyn SliceSource| -> Result<(), SliceError> {
-                    for _ in 0..l.first {
+            let (source, end) = (&mut *source, slices.end);
+            let reader = scope.spawn(move || {
+                // Voxels that are not finite in the slice below, which belong to another part of the scan.
+                let mut below = 0;
+                let read = |source: &mut dyn SliceSource, below: &mut u64| -> Result<(), SliceError> {
+                    for _ in 0..l.first + from {
                         source.skip_slice()?;
                     }
-                    for _ in 0..n {
+                    for k in from..end {
                         let mut slice = Vec::new();
                         source.next_slice(&mut slice)?;
+                        if k < slices.start {
+                            *below = source.n_not_finite();
+                        }
                         if send.send(Ok(l.cropped(slice))).is_err() {
                             return Ok(());
                         }
                     }
                     Ok(())
                 };
-                if let Err(e) = read(source) {
+                if let Err(e) = read(source, &mut below) {
                     let _ = send.send(Err(e));
                 }
+                below
             });
             let mut last: Option<Arc<Prepared>> = None;
-            let mut k = 0;
-            while k < n {
+            let mut k = from;
+            while k < end {
                 diagnostics.check().map_err(ScanError::from)?;
                 let mut raw = Vec::with_capacity(batch);
-                while raw.len() < batch.min(n - k) {
+                while raw.len() < batch.min(end - k) {
                     raw.push(receive.recv().map_err(|_| ScanError::EndsEarly)??);
                 }
                 // Collected in order, so that the result is the same for any number of threads.
@@ -415,12 +451,15 @@ impl Job<'_> {
                     raw.into_par_iter().map(|values| Arc::new(self.prepare(values))).collect();
                 let mut slabs = Vec::with_capacity(ready.len() + 2);
                 for slice in ready {
-                    all.count(&slice);
+                    if k >= slices.start {
+                        all.count(&slice);
+                    }
                     let z = l.z_mm[k];
                     match last.take() {
                         // The first slice also fills the half slice below it, the last one the half slice
                         // above.
-                        None => slabs.push(self.end_slab(&slice, 0, true)),
+                        None if k == 0 => slabs.push(self.end_slab(&slice, 0, true)),
+                        None => {}
                         Some(lower) => {
                             slabs.push(Between { lower, upper: Arc::clone(&slice), z: [l.z_mm[k - 1], z] });
                         }
@@ -433,9 +472,41 @@ impl Job<'_> {
                 }
                 self.layers_of(slabs, &mut all, diagnostics)?;
             }
-            Ok(())
+            drop(receive);
+            Ok(reader.join().unwrap_or_default())
         })?;
-        self.finish(all, diagnostics)
+        all.not_finite = source.n_not_finite() - before;
+        Ok(all)
+    }
+
+    /// Height at which the part begins: the first slab with material has it. `source` stands before the first slice.
+    fn find_start(
+        &self,
+        source: &mut dyn SliceSource,
+        diagnostics: &Diagnostics,
+    ) -> Result<Option<f64>, ScanError> {
+        let l = self.lattice;
+        for _ in 0..l.first {
+            source.skip_slice()?;
+        }
+        let mut last: Option<Arc<Prepared>> = None;
+        for k in 0..l.z_mm.len() {
+            diagnostics.check().map_err(ScanError::from)?;
+            let mut slice = Vec::new();
+            if !source.next_slice(&mut slice)? {
+                return Err(ScanError::EndsEarly);
+            }
+            let slice = Arc::new(self.prepare(l.cropped(slice)));
+            let slab = match last.take() {
+                None => self.end_slab(&slice, 0, true),
+                Some(lower) => Between { lower, upper: Arc::clone(&slice), z: [l.z_mm[k - 1], l.z_mm[k]] },
+            };
+            if let Some(start_mm) = self.start(&slab) {
+                return Ok(Some(start_mm));
+            }
+            last = Some(slice);
+        }
+        Ok(None)
     }
 
     /// The half slice below the first slice or above the last one.
@@ -674,7 +745,7 @@ impl Job<'_> {
         &self,
         lower: &Region,
         upper: &Region,
-        range: std::ops::Range<usize>,
+        range: Range<usize>,
         share: &dyn Fn(usize) -> f64,
         lost: &mut Lost,
     ) -> Vec<(usize, Region)> {
@@ -799,6 +870,7 @@ impl Job<'_> {
 }
 
 /// The results collected so far.
+#[derive(Debug, Clone)]
 struct Collected {
     start_mm: Option<f64>,
     layers: Vec<(usize, Region)>,
@@ -808,6 +880,8 @@ struct Collected {
     range: (f32, f32),
     /// Whether there is material in the first and in the last slice read.
     ends: [bool; 2],
+    /// Voxels that are not finite in the file.
+    not_finite: u64,
 }
 
 impl Default for Collected {
@@ -820,6 +894,7 @@ impl Default for Collected {
             inside: 0,
             range: (f32::INFINITY, f32::NEG_INFINITY),
             ends: [false; 2],
+            not_finite: 0,
         }
     }
 }

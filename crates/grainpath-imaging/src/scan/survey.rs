@@ -142,15 +142,18 @@ impl Lattice {
     }
 }
 
-/// Properties of the grey values, found before any layer is made.
-pub(super) struct Survey {
-    pub(super) low: f64,
-    /// Upper threshold; infinite unless the job states a range.
-    pub(super) high: f64,
+/// What is found of a whole scan before any layer is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Survey {
+    /// Lowest grey value of material.
+    pub low: f64,
+    /// Highest grey value of material; infinite unless the job states a range.
+    pub high: f64,
     /// Difference between the grey values of air and material.
-    pub(super) contrast: f64,
-    /// Height at which a scan that is taken upside down begins, mm.
-    pub(super) bottom_mm: Option<f64>,
+    pub contrast: f64,
+    /// Height at which the part begins, mm, where it is known: in scans that are taken upside down, and after
+    /// [`PartedScan::survey`](super::PartedScan::survey).
+    pub start_mm: Option<f64>,
 }
 
 impl Survey {
@@ -223,9 +226,9 @@ impl Survey {
             Threshold::Value(v) => (v, f64::INFINITY),
             Threshold::Range(a, b) => (a, b),
         };
-        let mut survey = Self { low, high, contrast: (materials.1 - materials.0).abs(), bottom_mm: None };
+        let mut survey = Self { low, high, contrast: (materials.1 - materials.0).abs(), start_mm: None };
         if lattice.flip[2] {
-            survey.bottom_mm = survey.find_bottom(source, lattice, s)?;
+            survey.start_mm = survey.find_bottom(source, lattice, s)?;
         }
         source.restart()?;
         Ok(survey)

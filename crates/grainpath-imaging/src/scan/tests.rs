@@ -442,3 +442,61 @@ fn values_that_cannot_be_a_scan_stop_early() {
     assert!(refusal(|_| 0.0, settings()).contains("NaN or infinite"));
     assert!(refusal(|_| 5.0, settings()).contains("every voxel has the grey value 5"));
 }
+
+/// A scan that is cut in parts, which travel as bytes and arrive in any order, has the layers and the report of the whole.
+#[test]
+fn parts_join_to_the_whole() {
+    for (interpolation, tracing, flip) in [
+        (Interpolation::Grey, Tracing::Iso, false),
+        (Interpolation::Matched, Tracing::Iso, true),
+        (Interpolation::Matched, Tracing::Canny, false),
+        (Interpolation::Distance, Tracing::Iso, false),
+    ] {
+        let settings = CtSettings {
+            interpolation,
+            tracing,
+            flip: [false, false, flip],
+            window: Some([2, 38]),
+            min_piece_mm3: 1.0,
+            ..settings()
+        };
+        let phantom = || Phantom::new(sphere, [60, 60, 40], [0.34; 3]);
+        let diagnostics = Diagnostics::default();
+        let whole = slice_scan(&mut phantom(), &settings, &diagnostics).expect("a whole scan");
+        let scan = PartedScan::new(phantom().info(), &settings).expect("a sound header");
+        assert_eq!(scan.slices(), 2..39);
+        let survey = scan.survey(&mut phantom(), &diagnostics).expect("a scan");
+        let part = |slices: Range<usize>| {
+            let part = scan.cut(&mut phantom(), &survey, slices, &diagnostics).expect("a part");
+            ScanPart::from_bytes(&part.to_bytes()).expect("our own bytes")
+        };
+        let parts = vec![part(20..37), part(0..1), part(1..13), part(13..20)];
+        let joined = scan.join(&survey, parts.clone(), &diagnostics).expect("a whole scan");
+        assert_eq!(joined, whole, "{interpolation:?} {tracing:?}");
+        assert!(joined.stack.layers().len() > 40);
+        let error = scan.join(&survey, parts[1..].to_vec(), &diagnostics).expect_err("slices are missing");
+        assert!(matches!(error, ScanError::MissingPart { slice: 20 }), "{error}");
+    }
+    let turned = CtSettings { rotate_rad: [0.1, 0.0, 0.0], ..settings() };
+    let info = Phantom::new(sphere, [60, 60, 40], [0.34; 3]).info;
+    assert!(matches!(PartedScan::new(&info, &turned), Err(ScanError::TurnedInParts)));
+}
+
+/// Bytes that are cut or changed are refused, or give a part.
+#[test]
+fn damaged_parts_are_refused_or_read() {
+    let mut phantom = Phantom::new(sphere, [60, 60, 40], [0.34; 3]);
+    let scan = PartedScan::new(&phantom.info, &settings()).expect("a sound header");
+    let diagnostics = Diagnostics::default();
+    let survey = scan.survey(&mut phantom, &diagnostics).expect("a scan");
+    let bytes = scan.cut(&mut phantom, &survey, 19..21, &diagnostics).expect("a part").to_bytes();
+    assert!(bytes.len() > 200);
+    for at in 0..bytes.len() {
+        assert!(ScanPart::from_bytes(&bytes[..at]).is_err(), "cut at {at}");
+        let mut changed = bytes.clone();
+        changed[at] ^= 0x81;
+        if let Ok(part) = ScanPart::from_bytes(&changed) {
+            let _ = scan.join(&survey, vec![part], &diagnostics);
+        }
+    }
+}

@@ -5,6 +5,7 @@
 //! other. Travels cost more and depend on their own layer alone, so they are planned in parallel
 //! for the layers already ordered.
 
+mod bytes;
 mod chain;
 mod comb;
 mod nearest;
@@ -20,6 +21,7 @@ use grainpath_core::{Bounds2, DVec2, Diagnostics, Layer, LayerPlan, LayerStack, 
 use rayon::prelude::*;
 
 use crate::wall::Wall;
+pub use bytes::{PathBytesError, paths_from_bytes, paths_to_bytes};
 pub use comb::CombSettings;
 pub use grainpath_job::choices::{Seam, WallOrder};
 pub(crate) use nearest::NearestEnds;

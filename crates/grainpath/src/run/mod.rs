@@ -13,6 +13,7 @@ mod infill;
 mod steps;
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::time::Instant;
 
 use grainpath_core::diagnostics::Stage;
@@ -20,7 +21,7 @@ use grainpath_core::slices::SliceSource;
 use grainpath_core::{Diagnostics, Layer, LayerStack, Plan, Role, TriMesh};
 use grainpath_gcode::check_fits;
 use grainpath_imaging::photo::Photo;
-use grainpath_imaging::scan::{CtReport, ScanError, slice_scan};
+use grainpath_imaging::scan::{CtReport, CtStack, ScanError, slice_scan};
 use grainpath_io::MeshFile;
 use grainpath_io::directions::DirectionSamples;
 use grainpath_io::fe::StressField;
@@ -33,7 +34,7 @@ pub use crate::measure::Planned;
 use crate::measure::alignment::warn_if_far;
 use crate::measure::separate_lines;
 use crate::measure::strength::TestSetup;
-use crate::order::order_stack;
+use crate::order::{LayerPaths, order_stack};
 use crate::region::{RegionAreas, RegionPart};
 use crate::shape::{self, ShapeError};
 use crate::support::{self, SupportSettings};
@@ -88,6 +89,7 @@ pub fn plan_job(
         photos: &inputs.photos,
         scan,
         regions: inputs.regions,
+        filled: None,
     };
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
@@ -133,7 +135,7 @@ pub fn plan_photo(
     let mesh = surface_if_wanted(settings, &stack, diagnostics).map_err(shape_error)?;
     clock.stop(Stage::Slice);
     let sliced = Sliced { stack, mesh, ..Sliced::default() };
-    let source = GuideSource { stress: None, directions, photos, scan: None, regions: BTreeMap::new() };
+    let source = GuideSource { directions, photos, ..GuideSource::default() };
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
@@ -154,18 +156,79 @@ pub fn plan_scan(
     mut texture: Option<Box<dyn SliceSource>>,
     diagnostics: &Diagnostics,
 ) -> Result<Planned, Error> {
-    let mut clock = Clock { since: Instant::now(), stages: Vec::new() };
-    let shape_error = |source| Error::Shape { path: path.to_owned(), source };
+    let clock = Clock { since: Instant::now(), stages: Vec::new() };
     let scan = slice_scan(source, &config::scan(settings), diagnostics).map_err(|e| scan_error(e, path))?;
-    let mesh = surface_if_wanted(settings, &scan.stack, diagnostics).map_err(shape_error)?;
-    clock.stop(Stage::Slice);
-    let sliced = Sliced { stack: scan.stack, mesh, scan: Some(scan.report), ..Sliced::default() };
     let texture: &mut dyn SliceSource = match &mut texture {
         Some(other) => &mut **other,
         None => source,
     };
-    let regions = BTreeMap::new();
-    let source = GuideSource { stress, directions, photos, scan: Some(texture), regions };
+    let source = GuideSource { stress, directions, photos, scan: Some(texture), ..GuideSource::default() };
+    plan_cut(settings, scan, path, source, clock, diagnostics)
+}
+
+/// Plans the layers of a scan that was cut in parts, with the paths of [`fill_window`] for all layers where they are
+/// given. Other arguments are those of [`plan_scan`].
+///
+/// # Errors
+/// As [`plan_scan`], and where the paths are those of another number of layers.
+pub fn plan_parted_scan(
+    settings: &Settings,
+    scan: CtStack,
+    filled: Option<Vec<LayerPaths>>,
+    path: &str,
+    stress: Option<StressField>,
+    directions: Option<DirectionSamples>,
+    photos: &[Photo],
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let clock = Clock { since: Instant::now(), stages: Vec::new() };
+    let source = GuideSource { stress, directions, photos, filled, ..GuideSource::default() };
+    plan_cut(settings, scan, path, source, clock, diagnostics)
+}
+
+/// Whether the layers of a job are filled apart from each other, given all sections: nothing but the order needs the paths
+/// of other layers, and no guide or support has to be found for the whole part.
+pub fn fills_in_windows(settings: &Settings) -> bool {
+    let steps = config::steps(settings);
+    matches!(settings.guide.kind, GuideKind::None | GuideKind::Angle)
+        && settings.support.style == SupportStyle::None
+        && settings.regions.is_empty()
+        && config::fibre(settings).is_none()
+        && steps.infill.mass_g.is_none()
+        // What it could not lay as one path is told once for the whole part.
+        && steps.infill.pattern != Pattern::Continuous
+}
+
+/// The walls, skins and infill of a window of layers; for jobs that [`fills_in_windows`] allows.
+///
+/// # Errors
+/// [`Error`] when a stop was asked for.
+pub fn fill_window(
+    settings: &Settings,
+    stack: &LayerStack,
+    window: Range<usize>,
+    diagnostics: &Diagnostics,
+) -> Result<Vec<LayerPaths>, Error> {
+    let step_settings = config::steps(settings);
+    let steps = Steps::new(&step_settings, stack);
+    let mut walls = steps.walls(window.clone(), diagnostics)?;
+    let skins = steps.skins(window.clone(), &mut walls, diagnostics)?;
+    let density = step_settings.infill.density;
+    Ok(steps.infill(window, walls, &skins, density, diagnostics)?.layers)
+}
+
+fn plan_cut(
+    settings: &Settings,
+    scan: CtStack,
+    path: &str,
+    source: GuideSource<'_>,
+    mut clock: Clock,
+    diagnostics: &Diagnostics,
+) -> Result<Planned, Error> {
+    let shape_error = |source| Error::Shape { path: path.to_owned(), source };
+    let mesh = surface_if_wanted(settings, &scan.stack, diagnostics).map_err(shape_error)?;
+    clock.stop(Stage::Slice);
+    let sliced = Sliced { stack: scan.stack, mesh, scan: Some(scan.report), ..Sliced::default() };
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
@@ -196,7 +259,7 @@ pub fn plan_layers(
         Some(other) => Some(&mut **other),
         None => None,
     };
-    let source = GuideSource { stress, directions, photos, scan, regions: BTreeMap::new() };
+    let source = GuideSource { stress, directions, photos, scan, ..GuideSource::default() };
     plan_stack(settings, sliced, source, clock, diagnostics)
 }
 
@@ -218,12 +281,15 @@ fn surface_if_wanted(
 
 /// What guides and regions are made from: stress solved elsewhere, the user's own directions, and for grain
 /// photographs, or a scan where there are none.
+#[derive(Default)]
 struct GuideSource<'a> {
     stress: Option<StressField>,
     directions: Option<DirectionSamples>,
     photos: &'a [Photo],
     scan: Option<&'a mut dyn SliceSource>,
     regions: BTreeMap<usize, MeshFile>,
+    /// The paths of all layers, where they were laid before.
+    filled: Option<Vec<LayerPaths>>,
 }
 
 /// The grain that infill follows; `None` for other guides. `own` is the report of the scan that is
@@ -334,20 +400,26 @@ fn plan_stack(
         .with_field(field.as_ref())
         .with_fibre(fibre.as_ref())
         .with_regions(areas.as_ref());
-    let all = 0..stack.layers().len();
-    diagnostics.begin(Stage::Fill, 2 * all.len());
-    let mut walls = steps.walls(all.clone(), diagnostics)?;
-    let skins = steps.skins(all.clone(), &mut walls, diagnostics)?;
-    let density = steps.density(&walls, &skins)?;
-    let filled = steps.infill(all, walls, &skins, density, diagnostics)?;
+    let (filled, density) = match source.filled {
+        Some(layers) if layers.len() != stack.layers().len() => {
+            return Err(Error::FilledElsewhere { n: layers.len(), n_layers: stack.layers().len() });
+        }
+        Some(layers) => (FilledLayers { layers, ..FilledLayers::default() }, step_settings.infill.density),
+        None => {
+            let all = 0..stack.layers().len();
+            diagnostics.begin(Stage::Fill, 2 * all.len());
+            let mut walls = steps.walls(all.clone(), diagnostics)?;
+            let skins = steps.skins(all.clone(), &mut walls, diagnostics)?;
+            let density = steps.density(&walls, &skins)?;
+            (steps.infill(all, walls, &skins, density, diagnostics)?, density)
+        }
+    };
     if let Some(fibre) = &fibre {
         let islands = filled.layers.iter().flat_map(|l| &l.islands);
         let any = islands.flat_map(|i| &i.fills).any(|p| p.role == Role::Fibre);
         fibre.report_outcome(&filled.fibre, any, diagnostics)?;
     }
     steps.report_notes(diagnostics);
-    // Skins hold polygons of all layers and are not needed for the order.
-    drop(skins);
     clock.stop(Stage::Fill);
     let layers = order_stack(&stack, filled.layers, &order, diagnostics)?;
     clock.stop(Stage::Order);

@@ -1,0 +1,161 @@
+//! Scans cut in parts, for several machines: what is found before, the layers of some slices, and the parts joined; and
+//! the paths of windows of layers.
+
+use std::sync::Arc;
+
+use grainpath::order::paths_to_bytes;
+use grainpath::run::{config, fill_window as filled, fills_in_windows as in_windows};
+use grainpath_cli::Failure;
+use grainpath_core::slices::{SampleType, VolumeInfo};
+use grainpath_core::{Diagnostics, Warning};
+use grainpath_imaging::scan::{CtStack, PartedScan, ScanError, ScanPart, Survey};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::plan::{ARRAY, Array, ArrayShape, Watch};
+use crate::spec::Spec;
+use crate::stack::StackData;
+use crate::volume::ArraySource;
+use crate::worker::{self, Caller};
+
+/// What is known of a whole scan before it is cut: the lowest and the highest grey value of material, the step from air to
+/// material, and the height at which the part begins.
+type Found = (f64, f64, f64, Option<f64>);
+
+/// The layers of a scan whose parts were joined.
+#[pyclass(frozen, module = "grainpath._grainpath")]
+pub struct ScanData {
+    /// The layers with what was measured of the scan.
+    pub cut: CtStack,
+    /// Warnings of joining.
+    pub warnings: Vec<Warning>,
+}
+
+#[pymethods]
+impl ScanData {
+    /// The layers.
+    fn stack(&self) -> StackData {
+        StackData { stack: Arc::new(self.cut.stack.clone()) }
+    }
+}
+
+fn survey_of((low, high, contrast, start_mm): Found) -> Survey {
+    Survey { low, high, contrast, start_mm }
+}
+
+fn info_of((size, sample, spacing_mm): &ArrayShape) -> VolumeInfo {
+    let sample = SampleType::from_name(sample).unwrap_or(SampleType::F32);
+    let mut info = VolumeInfo::new(ARRAY, *size, sample);
+    info.spacing_mm = spacing_mm.map_or([None; 3], |all| all.map(Some));
+    info
+}
+
+/// The failure of a scan, told as it is when a job is planned.
+fn failure(error: ScanError) -> Failure {
+    match error {
+        ScanError::Slices(e) => grainpath::Error::Slices(e),
+        source => grainpath::Error::Scan { path: ARRAY.to_owned(), source },
+    }
+    .into()
+}
+
+/// Runs work on the slices of an array, of which those from `end` on are not needed.
+fn with_slices<'py, T: Send + 'static>(
+    py: Python<'py>,
+    spec: &Bound<'py, Spec>,
+    (size, sample, spacing_mm, slices): Array<'py>,
+    end: usize,
+    (threads, progress, cancel): Watch<'py>,
+    work: impl FnOnce(&PartedScan, &mut ArraySource, &Diagnostics) -> Result<T, ScanError> + Send + 'static,
+) -> PyResult<T> {
+    let settings = spec.get().settings.clone();
+    let caller = Caller { progress, cancel, array: Some(slices), threads };
+    worker::run(py, &caller, move |diagnostics, requests| {
+        let info = info_of(&(size, sample, spacing_mm));
+        let mut source = ArraySource::new(size, info.sample, spacing_mm, requests).up_to(end);
+        let scan = PartedScan::new(&info, &config::scan(&settings)).map_err(failure)?;
+        work(&scan, &mut source, diagnostics).map_err(failure)
+    })
+}
+
+/// What has to be known of a whole scan before a part of it is cut, and the number of slices taken.
+#[pyfunction]
+pub fn scan_survey<'py>(
+    py: Python<'py>,
+    spec: &Bound<'py, Spec>,
+    array: Array<'py>,
+    watch: Watch<'py>,
+) -> PyResult<(Found, [usize; 2])> {
+    let end = array.0[2];
+    with_slices(py, spec, array, end, watch, |scan, source, diagnostics| {
+        let Survey { low, high, contrast, start_mm } = scan.survey(source, diagnostics)?;
+        Ok(((low, high, contrast, start_mm), [scan.slices().start, scan.slices().end]))
+    })
+}
+
+/// The layers between some slices (counted from the first that is taken) and those just below each, as bytes.
+#[pyfunction]
+pub fn scan_part<'py>(
+    py: Python<'py>,
+    spec: &Bound<'py, Spec>,
+    array: Array<'py>,
+    found: Found,
+    slices: (usize, usize, usize),
+    watch: Watch<'py>,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let (first, end, taken) = slices;
+    let part = with_slices(py, spec, array, taken + end, watch, move |scan, source, diagnostics| {
+        Ok(scan.cut(source, &survey_of(found), first..end, diagnostics)?.to_bytes())
+    })?;
+    Ok(PyBytes::new(py, &part))
+}
+
+/// Joins parts of [`scan_part`].
+#[pyfunction]
+pub fn scan_join<'py>(
+    py: Python<'py>,
+    spec: &Bound<'py, Spec>,
+    array: ArrayShape,
+    found: Found,
+    parts: Vec<Vec<u8>>,
+    watch: Watch<'py>,
+) -> PyResult<ScanData> {
+    let settings = spec.get().settings.clone();
+    let (threads, progress, cancel) = watch;
+    let caller = Caller { progress, cancel, threads, array: None };
+    worker::run(py, &caller, move |diagnostics, _| {
+        let scan = PartedScan::new(&info_of(&array), &config::scan(&settings)).map_err(failure)?;
+        let read = |bytes: &Vec<u8>| ScanPart::from_bytes(bytes).map_err(|e| Failure::input(e.to_string()));
+        let parts = parts.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+        let cut = scan.join(&survey_of(found), parts, diagnostics).map_err(failure)?;
+        Ok(ScanData { cut, warnings: diagnostics.warnings() })
+    })
+}
+
+/// Whether the layers of a job are filled in windows, apart from each other.
+#[pyfunction]
+pub fn fills_in_windows(spec: &Bound<'_, Spec>) -> bool {
+    in_windows(&spec.get().settings)
+}
+
+/// The walls, skins and infill of a window of layers as bytes, not yet in order.
+#[pyfunction]
+pub fn fill_window<'py>(
+    py: Python<'py>,
+    spec: &Bound<'py, Spec>,
+    stack: &Bound<'py, StackData>,
+    window: (usize, usize),
+    watch: Watch<'py>,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let (settings, stack) = (spec.get().settings.clone(), Arc::clone(&stack.get().stack));
+    let (threads, progress, cancel) = watch;
+    let caller = Caller { progress, cancel, threads, array: None };
+    let bytes = worker::run(py, &caller, move |diagnostics, _| {
+        let (first, end) = window;
+        if first > end || end > stack.layers().len() {
+            return Err(Failure::input(format!("no layers {first} to {end} of {}", stack.layers().len())));
+        }
+        Ok(paths_to_bytes(&filled(&settings, &stack, first..end, diagnostics)?))
+    })?;
+    Ok(PyBytes::new(py, &bytes))
+}
