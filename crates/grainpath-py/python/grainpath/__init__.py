@@ -22,26 +22,39 @@ from .image import Image
 from .job import Job
 from .layers import LayerStack, Section
 from .mesh import Mesh, box
-from .omezarr import read_zarr
 from .pieces import inspect, markers, new, specimen, specimens, support
 from .plan import Layer, Path, Plan
 from .reading import read
 from .schema import profiles, schema
 from .strength import Strength, compare
 from .stress import Stress, StressCase, StressResult
-from .sweeps import Sweep, sweep
 from .volume import Volume
 from .warning import Warning
 
 if TYPE_CHECKING:
-    from . import cluster
+    from . import cluster, dask
+    from .omezarr import read_zarr
+    from .sweeps import Sweep, sweep
+
+#: What is imported when it is asked for, and its module: few need it, and it needs much of the standard library.
+LATER = {
+    "Sweep": "sweeps",
+    "cluster": "cluster",
+    "dask": "dask",
+    "read_zarr": "omezarr",
+    "sweep": "sweeps",
+}
 
 
 def __getattr__(name: str) -> Any:
-    # What few need is imported when it is asked for.
-    if name == "cluster":
-        return importlib.import_module(".cluster", __name__)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name not in LATER:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module = importlib.import_module(f".{LATER[name]}", __name__)
+    return module if LATER[name] == name else getattr(module, name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *LATER})
 
 
 __all__ = [
@@ -71,6 +84,7 @@ __all__ = [
     "box",
     "cluster",
     "compare",
+    "dask",
     "gcode",
     "inspect",
     "markers",

@@ -9,6 +9,7 @@ __all__ = [
     "MeshData",
     "PlanData",
     "ProgramData",
+    "ScanData",
     "Spec",
     "StackData",
     "StrengthData",
@@ -19,6 +20,8 @@ __all__ = [
     "cli_commands",
     "compare",
     "example",
+    "fill_window",
+    "fills_in_windows",
     "image_from_array",
     "inspect",
     "marker_sheet",
@@ -26,9 +29,13 @@ __all__ = [
     "mesh_from_file",
     "pieces",
     "plan",
+    "plan_parted",
     "profiles",
     "program_from_bytes",
     "roles",
+    "scan_join",
+    "scan_part",
+    "scan_survey",
     "schema",
     "specimen",
     "stack_from_bytes",
@@ -64,6 +71,39 @@ def plan(
     handover: tuple[Any, Any, Any, Any, Any, Any],
     watch: tuple[int | None, Callable[[str, int, int], object] | None, Any],
 ) -> PlanData: ...
+def plan_parted(
+    spec: Spec,
+    scan: ScanData,
+    filled: list[bytes] | None,
+    handover: tuple[Any, Any, Any, Any, Any, Any],
+    watch: tuple[int | None, Callable[[str, int, int], object] | None, Any],
+) -> PlanData: ...
+def scan_survey(
+    spec: Spec,
+    array: tuple[list[int], str, list[float] | None, Any],
+    watch: tuple[int | None, Callable[[str, int, int], object] | None, Any],
+) -> tuple[tuple[float, float, float, float | None], list[int]]: ...
+def scan_part(
+    spec: Spec,
+    array: tuple[list[int], str, list[float] | None, Any],
+    found: tuple[float, float, float, float | None],
+    slices: tuple[int, int, int],
+    watch: tuple[int | None, Callable[[str, int, int], object] | None, Any],
+) -> bytes: ...
+def scan_join(
+    spec: Spec,
+    array: tuple[list[int], str, list[float] | None],
+    found: tuple[float, float, float, float | None],
+    parts: list[bytes],
+    watch: tuple[int | None, Callable[[str, int, int], object] | None, Any],
+) -> ScanData: ...
+def fills_in_windows(spec: Spec) -> bool: ...
+def fill_window(
+    spec: Spec,
+    stack: StackData,
+    window: tuple[int, int],
+    watch: tuple[int | None, Callable[[str, int, int], object] | None, Any],
+) -> bytes: ...
 def specimen(name: str) -> tuple[MeshData, str | None] | None: ...
 def stack_from_bytes(bytes: bytes) -> StackData: ...
 def stack_from_rings(
@@ -112,6 +152,10 @@ class PlanData:
 
 @final
 class ImageData: ...
+
+@final
+class ScanData:
+    def stack(self) -> StackData: ...
 
 @final
 class StackData:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import json
 import os
-import tomllib
 from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
@@ -228,6 +227,10 @@ class Job:
         """The test of another slicer's program of this part."""
         return Strength(_grainpath.strength(*self._given(), (program, name), watch))
 
+    def _without_shape(self) -> Job:
+        """The settings alone, for those who have the part already."""
+        return _again(None, self._field, self._stress, self._grain, self._text, self._name, self._folder, self._sets)
+
     def _given(self) -> tuple[_grainpath.Spec, Any]:
         shape = self._shape
         mesh = shape._data if isinstance(shape, Mesh) else None
@@ -289,6 +292,9 @@ def _schema() -> dict[str, dict[str, Any]]:
 
 def _value(text: str) -> Any:
     """A value of a setting as the planner shows it."""
+    # Imported here, since a plan needs none of it.
+    import tomllib
+
     try:
         return tomllib.loads(f"v = {text}")["v"]
     except tomllib.TOMLDecodeError:

@@ -27,8 +27,13 @@ UNITS_MM = {
 }
 
 
+#: Most bytes of a row of chunks that is kept, so that each of its chunks is unpacked once. A row of 64 planes of 1024 x
+#: 2048 voxels of 16 bits has as many.
+ROW_BYTES = 256 << 20
+
+
 class ZarrPlanes:
-    """The planes of a Zarr array, read when they are asked for. Pickled, it is its path."""
+    """The planes of a Zarr array, read when they are asked for, by whole rows of chunks. Pickled, it is its path."""
 
     def __init__(self, path: str, inner: str, before: tuple[int, ...]) -> None:
         self._of = (path, inner, before)
@@ -42,8 +47,27 @@ class ZarrPlanes:
         self._array = array
         self.shape: tuple[int, ...] = tuple(int(n) for n in array.shape[len(before) :])
         self.dtype: np.dtype[Any] = np.dtype(array.dtype)
+        chunks = getattr(array, "shards", None) or getattr(array, "chunks", None) or (1,) * array.ndim
+        #: Planes of a row of chunks: those that are packed together.
+        self.depth = max(int(chunks[-3]), 1)
+        self._row: tuple[int, npt.NDArray[Any]] | None = None
 
     def __getitem__(self, planes: slice) -> npt.NDArray[Any]:
+        first, last, _ = planes.indices(self.shape[0])
+        of_row = self.depth * self.shape[1] * self.shape[2] * self.dtype.itemsize
+        if planes.step not in (None, 1) or last <= first or self.depth == 1 or of_row > ROW_BYTES:
+            return self._read(planes)
+        blocks = []
+        for row in range(first // self.depth, -(-last // self.depth)):
+            begin = row * self.depth
+            if self._row is None or self._row[0] != row:
+                # Let go before the next one is read: two would be twice the memory.
+                self._row = None
+                self._row = row, self._read(slice(begin, min(begin + self.depth, self.shape[0])))
+            blocks.append(self._row[1][max(first - begin, 0) : last - begin])
+        return blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
+
+    def _read(self, planes: slice) -> npt.NDArray[Any]:
         path, _, before = self._of
         try:
             return np.asarray(self._array[(*before, planes)])

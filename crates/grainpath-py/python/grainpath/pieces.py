@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 import os
 from collections.abc import Sequence
@@ -112,6 +111,9 @@ def markers(width_mm: float, height_mm: float, *, pdf: bool = False) -> bytes:
 
 
 def _nearest(word: str, words: Any) -> str:
+    # Imported here, since only mistakes need it.
+    import difflib
+
     near = difflib.get_close_matches(word, words, n=1, cutoff=0)
     meant = f"did you mean {near[0]!r}? " if near else ""
     return f"{meant}There are {', '.join(words)}"

@@ -7,7 +7,6 @@ import os
 from .gcode import Program
 from .gcode import read as read_gcode
 from .mesh import Mesh, read_mesh
-from .omezarr import read_zarr
 from .volume import Volume
 
 #: Endings of programs.
@@ -21,6 +20,8 @@ def read(path: str | os.PathLike[str]) -> Mesh | Program | Volume:
     Other scans, drawings, photographs and results of finite elements are named in the job: ``Job(shape__ct__path="scan/")``.
     """
     if os.fspath(path).rstrip("/\\").lower().endswith(".zarr"):
+        from .omezarr import read_zarr
+
         return read_zarr(path)
     if os.fspath(path).lower().endswith(PROGRAMS):
         return read_gcode(path)

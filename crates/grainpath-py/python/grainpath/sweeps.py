@@ -6,6 +6,7 @@ Work goes to anything with the shape of ``concurrent.futures``: ``submit`` gives
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import html
 import itertools
@@ -183,11 +184,16 @@ def _call(fn: Callable[..., Any], *args: Any) -> Any:
     return fn(*args)
 
 
+#: Seconds between two looks at whether to go on.
+LOOK_S = 0.1
+
+
 def in_order_of_end(
-    numbers: Iterable[int], submit: Callable[[int], Any], in_flight: int
+    numbers: Iterable[int], submit: Callable[[int], Any], in_flight: int, look: Callable[[], object] | None = None
 ) -> Iterator[tuple[int, Any]]:
     """Hands over calls, at most ``in_flight`` at a time, and gives each number with its result, or the exception that
-    was raised, as they end. What was not begun is cancelled when the caller leaves."""
+    was raised, as they end. What was not begun is cancelled when the caller leaves. ``look`` is called while nothing ends;
+    what it raises ends the waiting."""
     done: queue.SimpleQueue[Any] = queue.SimpleQueue()
     running: dict[Any, int] = {}
     left = iter(numbers)
@@ -204,7 +210,12 @@ def in_order_of_end(
                 future.add_done_callback(done.put)
             if not running:
                 return
-            future = done.get()
+            try:
+                future = done.get(timeout=None if look is None else LOOK_S)
+            except queue.Empty:
+                assert look is not None
+                look()
+                continue
             k = running.pop(future)
             try:
                 outcome = future.result()
@@ -213,7 +224,9 @@ def in_order_of_end(
             yield k, outcome
     finally:
         for future in running:
-            future.cancel()
+            # Whoever is gone has nothing to cancel, and must not hide why the caller leaves.
+            with contextlib.suppress(Exception):
+                future.cancel()
 
 
 def measure(job: Job, point: Mapping[str, Any], threads: int | None) -> Row:
