@@ -127,6 +127,16 @@ pub fn python_package(install: bool) -> Result<(), String> {
     environment(install, &PYTHON_PACKAGE)
 }
 
+/// For `cargo xtask python --release`: what a wheel is held against.
+pub fn python_audit() -> Result<(), String> {
+    environment(true, &["abi3audit", "auditwheel"])
+}
+
+/// For `cargo xtask python --release`: what runs the notebooks.
+pub fn python_notebooks() -> Result<(), String> {
+    environment(true, &["nbclient", "nbformat", "ipykernel"])
+}
+
 /// For `cargo xtask setup`: the peers.
 pub fn peers() -> Result<(), String> {
     apt(&[("prusa-slicer", "prusa-slicer"), ("CuraEngine", "cura-engine")], true)
