@@ -1,8 +1,10 @@
-"""What the Python package costs: import, call, handing over a scan, and sweeps on two workers.
+"""What the Python package costs: import, call, handing over a scan, sweeps on two workers, and a scan in Zarr on two
+workers of 1 GiB.
 
-    python bench_python.py [JOBS]
+    python bench_python.py [JOBS [GIGABYTES]]
 
-JOBS is the number of jobs of the sweep (100). Each line has the figure and its goal; the last line says how many goals
+JOBS is the number of jobs of the sweep (100; 0 leaves it out), GIGABYTES the size of the scan (17; 0 leaves it out), which
+is written below the folder for temporary files and removed. Each line has the figure and its goal; the last line says how many goals
 were missed. Import and call are in processor time, which other programs on the machine change little; the time of the
 clock stands beside them. The processor time of a sweep is that of this process and of the workers that have ended, over
 that which the workers used within the jobs.
@@ -11,6 +13,7 @@ that which the workers used within the jobs.
 import concurrent.futures
 import os
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -123,10 +126,82 @@ def sweeping(n):
     say(f"{n} jobs from the cache", took, "s", "<= 3", took <= 3)
 
 
-if __name__ == "__main__":
+def write_scan(path, planes):
+    """A leaning tube with noise, which packs badly: 2048 x 2048 voxels of 16 bits a plane."""
+    import zarr
+
+    array = zarr.create_array(path, shape=(planes, 2048, 2048), dtype="u2", chunks=(4, 512, 512))
+    y, x = np.mgrid[:2048, :2048].astype("f4")
+    random = np.random.default_rng(0)
+    for first in range(0, planes, 4):
+        slab = []
+        for k in range(first, min(first + 4, planes)):
+            radius = np.hypot(x - 1024 - 0.1 * k, y - 1024)
+            inside = (radius < 800) & (radius > 500)
+            noise = random.integers(0, 2000, inside.shape, dtype="u2")
+            slab.append((8000 + 30000 * inside).astype("u2") + noise)
+        array[first : first + len(slab)] = np.stack(slab)
+
+
+def used():
+    """Processor time, s, and the most memory that was resident, MiB, of this process."""
+    own = resource.getrusage(resource.RUSAGE_SELF)
+    return own.ru_utime + own.ru_stime, own.ru_maxrss / 1024
+
+
+#: The scan planned in one process: prints its processor time and memory, and writes the program.
+WHOLE = """
+import resource, sys
+import grainpath as gp
+job = gp.Job(process__layer_height_mm=0.2, fill__density=0.2)
+program = job.with_(gp.read_zarr(sys.argv[1], spacing=0.05)).plan(threads=1).to_gcode()
+open(sys.argv[2], "wb").write(program)
+own = resource.getrusage(resource.RUSAGE_SELF)
+print(own.ru_utime + own.ru_stime, own.ru_maxrss / 1024)
+"""
+
+
+def on_two_workers(gigabytes):
+    import distributed
+
+    planes = max(round(gigabytes * 1e9 / (2 * 2048 * 2048)), 8)
+    with tempfile.TemporaryDirectory() as folder:
+        free = shutil.disk_usage(folder).free
+        if free < 1.3e9 * gigabytes:
+            print(f"NOT RUN: {gigabytes} GB in Zarr need {1.3 * gigabytes:.1f} GB of disk; {free / 1e9:.1f} are free")
+            return
+        path, program = os.path.join(folder, "scan.zarr"), os.path.join(folder, "whole.gcode")
+        write_scan(path, planes)
+        ran = subprocess.run([sys.executable, "-P", "-c", WHOLE, path, program], capture_output=True, text=True, check=True)
+        whole_s, whole_mib = map(float, ran.stdout.split())
+        print(f"{planes} planes in one process: {whole_s:.1f} s of processor time, {whole_mib:.0f} MiB", flush=True)
+        cluster = distributed.LocalCluster(2, threads_per_worker=1, memory_limit="1GiB", dashboard_address=":0")
+        with cluster, distributed.Client(cluster) as client:
+            job = gp.Job(process__layer_height_mm=0.2, fill__density=0.2)
+            idle = client.run(used)
+            before = time.process_time()
+            plan = gp.dask.plan_zarr(path, job, client=client, spacing=0.05)
+            same = plan.to_gcode() == open(program, "rb").read()
+            here_s = time.process_time() - before
+            workers = client.run(used)
+        say("bytes are those of one process", float(same), "", "1", same)
+        total = here_s + sum(workers[w][0] - idle[w][0] for w in workers)
+        say("processor time over that of one process", total / whole_s, "", "<= 1.3", total <= 1.3 * whole_s)
+        most = max(mib for _, mib in workers.values())
+        say("most memory of a worker", most, "MiB", "<= 700", most <= 700)
+
+
+def main(jobs=100, gigabytes=17.0):
     importing()
     calling()
     handing_over()
-    sweeping(int(sys.argv[1]) if len(sys.argv) > 1 else 100)
+    if jobs:
+        sweeping(jobs)
+    if gigabytes:
+        on_two_workers(gigabytes)
+
+
+if __name__ == "__main__":
+    main(*[kind(word) for kind, word in zip((int, float), sys.argv[1:])])
     print(f"{len(MISSED)} goals missed")
     sys.exit(1 if MISSED else 0)

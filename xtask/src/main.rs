@@ -57,7 +57,7 @@ const USAGE: &str = "usage: cargo xtask <command>
   bench photo      a photograph of 12 megapixels to curves, beside OpenCV
   bench continuous one path a layer: angle, gap, and time up to a million cells
   bench constants [--write] [NAME...]  quality over five values or more of each constant that was chosen by measurement
-  bench python [JOBS]  what the Python package costs: import, call, a scan handed over, a sweep of 100 jobs on 2 workers
+  bench python [JOBS [GB]]  what the Python package costs: import, call, a scan handed over, a sweep of 100 jobs and a scan of 17 GB on 2 workers
   bench paths      fill along the stress held against CalculiX's principal stresses
   bench strength [PART...]  the virtual strength test: of a bar and of a bracket (time), the papers' comparisons
                    beside theirs (s1 s2), other slicers' programs (slicers); `all` adds what takes long
