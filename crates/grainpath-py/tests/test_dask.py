@@ -56,8 +56,15 @@ def stores(tmp_path_factory, scan):
 
 @pytest.fixture(scope="module")
 def client():
-    client = cluster.connect("local", 1)
+    client = cluster.connect("local", 2)
     yield client
+    cluster.close(client)
+
+
+@pytest.fixture(scope="module", params=[1, 2, 4])
+def clients(request):
+    client = cluster.connect("local", request.param)
+    yield client, request.param
     cluster.close(client)
 
 
@@ -66,11 +73,10 @@ def expected(scan):
     return gp.Job(gp.Volume(scan, spacing=SPACING), **SETTINGS).plan().to_gcode()
 
 
-@pytest.mark.parametrize("workers", [1, 2, 4])
 @pytest.mark.parametrize("chunking", CHUNKINGS)
-def test_bytes_are_those_of_one_process(client, stores, expected, workers, chunking):
-    client._grainpath_cluster.scale(workers)
-    client.wait_for_workers(workers, timeout=60)
+def test_bytes_are_those_of_one_process(clients, stores, expected, chunking):
+    client, workers = clients
+    assert len(client.scheduler_info()["workers"]) == workers
     plan = gp.dask.plan_zarr(
         stores[chunking], gp.Job(**SETTINGS), client=client, spacing=SPACING, slab_planes=5 + workers, window_layers=7
     )

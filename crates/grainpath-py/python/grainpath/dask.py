@@ -31,6 +31,9 @@ WINDOW = 32
 #: How often a task is tried again whose worker was lost.
 RETRIES = 3
 
+#: What Dask raises where the scheduler or the client is gone, by name, since Dask itself is not imported here.
+GONE = ("CancelledError", "FutureCancelledError", "FuturesCancelledError", "CommClosedError", "ClosedClientError")
+
 #: Grey values and the height of the part's begin, as the module has them.
 Found = tuple[float, float, float, float | None]
 
@@ -179,7 +182,9 @@ def _reachable(call: Callable[..., Any], *arguments: Any, **options: Any) -> Any
     """A call of the scheduler, whose silence is told as what it is."""
     try:
         return call(*arguments, **options)
-    except (OSError, TimeoutError) as error:
+    except Exception as error:
+        if not isinstance(error, (OSError, TimeoutError)) and type(error).__name__ not in GONE:
+            raise
         raise InputError(f"the scheduler does not answer ({error or type(error).__name__}); nothing was written") from error
 
 
@@ -188,6 +193,6 @@ def _told(error: Exception) -> Exception:
     name = type(error).__name__
     if name in ("KilledWorker", "NoValidWorkerError"):
         return InputError(f"a slab was lost with {RETRIES + 1} workers, one after the other ({error}); nothing was written")
-    if name in ("CancelledError", "FutureCancelledError", "FuturesCancelledError", "CommClosedError", "ClosedClientError"):
+    if name in GONE:
         return InputError(f"the scheduler is gone ({name}); nothing was written")
     return error
