@@ -76,7 +76,7 @@ def expected(scan):
 @pytest.mark.parametrize("chunking", CHUNKINGS)
 def test_bytes_are_those_of_one_process(clients, stores, expected, chunking):
     client, workers = clients
-    assert len(client.scheduler_info()["workers"]) == workers
+    assert len(cluster.workers_of(client)) == workers
     plan = gp.dask.plan_zarr(
         stores[chunking], gp.Job(**SETTINGS), client=client, spacing=SPACING, slab_planes=5 + workers, window_layers=7
     )
@@ -163,7 +163,7 @@ def test_few_slabs_are_under_way_and_progress_is_told(client, stores, monkeypatc
         slab_planes=11,
         progress=lambda stage, done, total: told.append((stage, done, total)),
     )
-    n = len(client.scheduler_info()["workers"])
+    n = len(cluster.workers_of(client))
     assert set(asked) == {2 * n}
     assert [row for row in told if row[0] == "slice"] == [("slice", k, 4) for k in (1, 2, 3, 4)]
 

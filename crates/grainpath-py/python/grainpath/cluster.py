@@ -109,9 +109,14 @@ def _version() -> str:
     return __version__
 
 
+def workers_of(client: Any) -> list[str]:
+    """The addresses of all workers. ``scheduler_info`` may miss them: a part of Dask that runs beside it empties its list."""
+    return list(client.nthreads())
+
+
 def same_version(client: Any) -> None:
     """Refuses workers of another version, by name: their results would differ without a word."""
-    if not client.scheduler_info()["workers"]:
+    if not workers_of(client):
         raise InputError("the scheduler has no workers; start some, or wait until they are there")
     found: dict[str, str] = client.run(_version)
     here = _grainpath.__version__
@@ -152,7 +157,7 @@ def run_folder(
                 stem = os.path.splitext(os.path.basename(job))[0]
                 options += ["--out", os.path.abspath(os.path.join(os.fspath(out), stem))]
             waiting.append((job, options))
-        in_flight = PER_WORKER * max(len(client.scheduler_info()["workers"]), 1)
+        in_flight = PER_WORKER * max(len(workers_of(client)), 1)
         rows: list[Row | None] = [None] * len(jobs)
 
         def submit(k: int) -> Any:

@@ -9,11 +9,11 @@ another with the same result. A few are handed over at a time, which bounds the 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 from . import _grainpath
-from .cluster import close, connect, same_version
+from .cluster import close, connect, same_version, workers_of
 from .errors import Cancelled, InputError, JobError
 from .job import Cancel, Job, Progress
 from .layers import LayerStack
@@ -123,7 +123,7 @@ class _Run:
 
     def _all(self, stage: str, n: int, submit: Callable[[int], Any]) -> list[Any]:
         """The results of a stage, in the order of their numbers."""
-        in_flight = PER_WORKER * max(len(_workers(self._client)), 1)
+        in_flight = PER_WORKER * max(len(_reachable(workers_of, self._client)), 1)
         results: list[Any] = [None] * n
         done = 0
         for k, outcome in in_order_of_end(range(n), submit, in_flight, self._look):
@@ -172,10 +172,6 @@ def _array(job: Job) -> Any:
     shape = job.shape
     assert isinstance(shape, Volume)
     return shape._given()
-
-
-def _workers(client: Any) -> Sequence[str]:
-    return list(_reachable(client.scheduler_info)["workers"])
 
 
 def _reachable(call: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
