@@ -35,13 +35,13 @@ mod _grainpath {
     #[pymodule_export]
     use crate::pieces::{example, inspect, marker_sheet, pieces, specimen, support};
     #[pymodule_export]
-    use crate::plan::{PlanData, check, plan, plan_parted};
+    use crate::plan::{PlanData, ScanData, check, plan, plan_parted};
     #[pymodule_export]
     use crate::program::{ProgramData, program_from_bytes};
     #[pymodule_export]
     use crate::roles::roles;
     #[pymodule_export]
-    use crate::scan::{ScanData, fill_window, fills_in_windows, scan_join, scan_part, scan_survey};
+    use crate::scan::{fill_window, fills_in_windows, scan_join, scan_part, scan_survey};
     #[pymodule_export]
     use crate::spec::{Spec, profiles, schema};
     #[pymodule_export]

@@ -14,6 +14,7 @@ use grainpath_core::slices::SampleType;
 use grainpath_core::{DVec3, Diagnostics, LayerStack, SpeedClass, Warning};
 use grainpath_gcode::Written;
 use grainpath_imaging::photo::Photo;
+use grainpath_imaging::scan::CtStack;
 use grainpath_io::MeshFile;
 use grainpath_io::directions::{DirectionSamples, parse_directions};
 use grainpath_io::fe::{FeFormat, FeResult, StressField};
@@ -25,7 +26,6 @@ use pyo3::types::PyBytes;
 use crate::image::ImageData;
 use crate::mesh::MeshData;
 use crate::roles::role_number;
-use crate::scan::ScanData;
 use crate::spec::Spec;
 use crate::stack::StackData;
 use crate::stress::StressData;
@@ -335,6 +335,23 @@ pub fn plan<'py>(
         Ok(Kept { settings, planned, read_s, warnings, program: Mutex::new(None) })
     })?;
     Ok(PlanData { plan: Arc::new(kept), threads: caller.threads })
+}
+
+/// The layers of a scan whose parts were joined.
+#[pyclass(frozen, module = "grainpath._grainpath")]
+pub struct ScanData {
+    /// The layers with what was measured of the scan.
+    pub cut: CtStack,
+    /// Warnings of joining.
+    pub warnings: Vec<Warning>,
+}
+
+#[pymethods]
+impl ScanData {
+    /// The layers.
+    fn stack(&self) -> StackData {
+        StackData { stack: Arc::new(self.cut.stack.clone()) }
+    }
 }
 
 /// Plans the layers of a scan whose parts were joined; `filled` are the bytes of windows that make up all layers, in order.

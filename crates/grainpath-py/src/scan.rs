@@ -6,13 +6,13 @@ use std::sync::Arc;
 use grainpath::order::paths_to_bytes;
 use grainpath::run::{config, fill_window as filled, fills_in_windows as in_windows};
 use grainpath_cli::Failure;
+use grainpath_core::Diagnostics;
 use grainpath_core::slices::{SampleType, VolumeInfo};
-use grainpath_core::{Diagnostics, Warning};
-use grainpath_imaging::scan::{CtStack, PartedScan, ScanError, ScanPart, Survey};
+use grainpath_imaging::scan::{PartedScan, ScanError, ScanPart, Survey};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
-use crate::plan::{ARRAY, Array, ArrayShape, Watch};
+use crate::plan::{ARRAY, Array, ArrayShape, ScanData, Watch};
 use crate::spec::Spec;
 use crate::stack::StackData;
 use crate::volume::ArraySource;
@@ -21,23 +21,6 @@ use crate::worker::{self, Caller};
 /// What is known of a whole scan before it is cut: the lowest and the highest grey value of material, the step from air to
 /// material, and the height at which the part begins.
 type Found = (f64, f64, f64, Option<f64>);
-
-/// The layers of a scan whose parts were joined.
-#[pyclass(frozen, module = "grainpath._grainpath")]
-pub struct ScanData {
-    /// The layers with what was measured of the scan.
-    pub cut: CtStack,
-    /// Warnings of joining.
-    pub warnings: Vec<Warning>,
-}
-
-#[pymethods]
-impl ScanData {
-    /// The layers.
-    fn stack(&self) -> StackData {
-        StackData { stack: Arc::new(self.cut.stack.clone()) }
-    }
-}
 
 fn survey_of((low, high, contrast, start_mm): Found) -> Survey {
     Survey { low, high, contrast, start_mm }

@@ -274,6 +274,11 @@ def test_wrong_shapes_are_refused_before_any_work(client, tmp_path):
         gp.dask.plan_zarr(tmp_path / "e.zarr", gp.Job(**SETTINGS), client=client, spacing=SPACING)
 
 
+def test_workers_keep_their_memory_between_slices(client):
+    kept = client.run(lambda: os.environ["MALLOC_TRIM_THRESHOLD_"])
+    assert set(kept.values()) == {str(256 << 20)}
+
+
 def test_parts_have_to_be_all(scan):
     """The module itself refuses parts that leave slices out, or are no parts."""
     job = gp.Job(gp.Volume(scan, spacing=SPACING), **SETTINGS)

@@ -145,7 +145,7 @@ pub struct ScanPart {
     all: Collected,
 }
 
-/// Numbers before the layers in the bytes of a part.
+/// Numbers before the layers in the bytes of a part. Source: derived: those of [`ScanPart::to_bytes`].
 const N_COUNTS: usize = 15;
 /// Limit on each of them. Source: derived. A scan has at most 2^46 voxels, and as many parts as slices.
 const MAX_COUNT: u64 = 1 << 47;
