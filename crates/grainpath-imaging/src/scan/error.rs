@@ -65,6 +65,8 @@ pub enum ScanError {
     TurnedInParts,
     #[error("a part of the slices {first} to {end}, where the scan has {n}")]
     PartOutside { first: usize, end: usize, n: usize },
+    #[error("parts of a scan with the same layer: they were cut after different surveys")]
+    PartsOverlap,
     #[error("no part, or more than one, has slice {slice}")]
     MissingPart { slice: usize },
     #[error("no layer of the part has any area")]

@@ -126,6 +126,12 @@ impl PartedScan {
         if next != self.lattice.z_mm.len() {
             return Err(ScanError::MissingPart { slice: next });
         }
+        // Parts of another survey may have the same layers.
+        let mut numbers: Vec<usize> = all.layers.iter().map(|l| l.0).collect();
+        numbers.sort_unstable();
+        if numbers.windows(2).any(|pair| pair[0] == pair[1]) {
+            return Err(ScanError::PartsOverlap);
+        }
         let not_finite = all.not_finite;
         let made = self.job(survey).finish(all, diagnostics)?;
         warn_not_finite(not_finite, &self.info, diagnostics);
@@ -200,6 +206,14 @@ impl ScanPart {
             return Err(LayerStackError::Invalid { offset: 8 * (k + 1), found: "a count beyond all bounds" });
         }
         let stack = LayerStack::from_bytes(&bytes[8 * N_COUNTS..])?;
+        // Numbers of layers are whole and differ; heights of another stack would not be told from them.
+        let whole = |l: &Layer| l.height_mm() == 1.0 && l.z_top_mm().fract() == 0.0;
+        if !stack.layers().iter().all(whole) {
+            return Err(LayerStackError::Invalid {
+                offset: bytes.len(),
+                found: "heights that are no numbers of layers",
+            });
+        }
         let layers = stack.layers().iter();
         let layers = layers.map(|l| ((l.z_top_mm() - 1.0).max(0.0) as usize, l.region().clone())).collect();
         let n = |k: usize| counts[k] as usize;
