@@ -458,7 +458,7 @@ impl Job<'_> {
                     match last.take() {
                         // The first slice also fills the half slice below it, the last one the half slice
                         // above.
-                        None if k == 0 => slabs.push(self.end_slab(&slice, 0, true)),
+                        None if slices.start == 0 => slabs.push(self.end_slab(&slice, 0, true)),
                         None => {}
                         Some(lower) => {
                             slabs.push(Between { lower, upper: Arc::clone(&slice), z: [l.z_mm[k - 1], z] });
