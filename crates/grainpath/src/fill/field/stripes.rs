@@ -35,7 +35,7 @@ use grainpath_core::{BeadWidth, Bounds2, Contour, DVec2, DirectionField, Polygon
 use super::axis_of;
 use super::levels::trace;
 use super::phase::{PhaseInput, diffusion_steps, drift, solve, turns};
-use super::widths::{Line, Neighbours, smooth};
+use super::widths::{Line, Neighbours, Reach, smooth};
 use crate::fill::FillContext;
 use crate::order::NearestEnds;
 use crate::wall::single_beads;
@@ -227,13 +227,13 @@ fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
         .iter()
         .enumerate()
         .map(|(l, line)| {
-            let shift = |v: usize| {
-                let r = neighbours.reach(lines, l, v, 1.8 * spacing_mm, 0.5 * spacing_mm);
+            let shift = |r: Reach| {
                 // Half the difference of the reaches goes half the way to the middle, because the
                 // neighbours move in the same round. The bound keeps beads from changing places.
                 0.5 * (r.left_mm - r.right_mm).clamp(-0.4 * spacing_mm, 0.4 * spacing_mm)
             };
-            let mut shifts: Vec<f64> = (0..line.points.len()).map(shift).collect();
+            let reaches = neighbours.reaches(lines, l, 1.8 * spacing_mm, 0.5 * spacing_mm);
+            let mut shifts: Vec<f64> = reaches.into_iter().map(shift).collect();
             // Neighbouring points see different segments of the next bead. Unsmoothed shifts would
             // print that as ripples.
             smooth(&mut shifts, line.closed, 4);
@@ -252,11 +252,8 @@ fn centre(lines: &mut [Line], border: &Region, spacing_mm: f64) {
 /// Widths of the strips of all lines.
 fn strips(lines: &[Line], neighbours: &Neighbours, spacing_mm: f64) -> Vec<Vec<f64>> {
     let of_line = |(l, line): (usize, &Line)| {
-        let strip = |v: usize| {
-            let r = neighbours.reach(lines, l, v, 1.8 * spacing_mm, 0.5 * spacing_mm);
-            r.left_mm + r.right_mm
-        };
-        let mut widths: Vec<f64> = (0..line.points.len()).map(strip).collect();
+        let reaches = neighbours.reaches(lines, l, 1.8 * spacing_mm, 0.5 * spacing_mm);
+        let mut widths: Vec<f64> = reaches.into_iter().map(|r| r.left_mm + r.right_mm).collect();
         let n = widths.len();
         if !line.closed && n > 3 {
             // At its very end a line looks along the border, not across to its neighbour. The next

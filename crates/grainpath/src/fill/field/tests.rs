@@ -11,7 +11,7 @@ use grainpath_job::choices::BeadEnds;
 
 use super::stripes::covered;
 use super::{SeedLines, Streamlines, Stripes};
-use crate::fill::{FillContext, Infill};
+use crate::fill::{FillContext, Infill, Solid};
 
 const WIDTH: f64 = 0.45;
 const HEIGHT: f64 = 0.2;
@@ -103,6 +103,10 @@ fn filled_with(
 
 /// Mean and 95th percentile of the angle to the field, degrees.
 fn alignment(paths: &[Toolpath], field: fn(DVec2) -> f64) -> (f64, f64) {
+    alignments(paths, &field)
+}
+
+fn alignments(paths: &[Toolpath], field: &dyn Fn(DVec2) -> f64) -> (f64, f64) {
     let mut all: Vec<(f64, f64)> = Vec::new();
     for path in paths {
         for i in 0..path.n_segments() {
@@ -169,6 +173,52 @@ fn stripes_cover_their_room_along_the_field_and_do_not_cross() {
                 }
             }
         }
+    }
+}
+
+/// Shares of a part's area that paths leave open, lay twice and lay outside.
+fn missed(part: &Region, paths: &[Toolpath]) -> [f64; 3] {
+    let (strips, area) = (covered(paths, HEIGHT), part.area_mm2());
+    let laid: f64 = paths.iter().map(|p| p.volume_mm3(HEIGHT)).sum::<f64>() / HEIGHT;
+    let gap = part.difference(&strips).area_mm2();
+    // `covered` draws strips a quarter of their width beyond both ends.
+    let spill = strips.difference(&part.offset(0.1, Join::Round)).area_mm2();
+    [gap, (laid - strips.area_mm2()).max(0.0), spill].map(|mm2| mm2 / area)
+}
+
+#[test]
+fn a_straight_field_gives_what_straight_lines_give_at_any_angle() {
+    let part = Region::rectangle(DVec2::new(-11.0, -5.5), DVec2::new(11.0, 5.5));
+    let border_mm = 0.5 * WIDTH;
+    for degrees in [0.0_f64, 15.0, 37.0, 45.0, 90.0] {
+        let field = grainpath_core::UniformField { axis_rad: degrees.to_radians() };
+        let context = FillContext {
+            z_mid_mm: 0.1,
+            height_mm: HEIGHT,
+            bead_width_mm: WIDTH,
+            density: grainpath_core::Density::Dense,
+            angle_rad: field.axis_rad,
+            part: part.bounds().expect("not empty"),
+            role: Role::SolidFill,
+            border_mm,
+            ends: BeadEnds::Joined,
+            field: Some(&field),
+        };
+        let [along, straight] = [&Stripes as &dyn Infill, &Solid].map(|infill| {
+            let mut paths = Vec::new();
+            for infill_region in part.offset(-border_mm, Join::Miter(2.0)).polygons {
+                infill.fill(&context, &infill_region, &mut paths);
+            }
+            let [gap, overlap, spill] = missed(&part, &paths);
+            let widest = paths.iter().flat_map(|p| (0..p.points.len()).map(|i| p.width_at(i)));
+            println!("{degrees}: gap {gap:.4} overlap {overlap:.4} spill {spill:.4}, {} paths", paths.len());
+            ([gap, overlap, spill], widest.fold(0.0, f64::max), alignments(&paths, &|_| field.axis_rad).0)
+        });
+        for k in 0..3 {
+            assert!(along.0[k] < straight.0[k] + 0.003, "{degrees}: {:?} {:?}", along.0, straight.0);
+        }
+        assert!(along.1 < 1.601 * WIDTH, "{degrees}: a bead of {} mm", along.1);
+        assert!(along.2 < straight.2 + 0.5, "{degrees}: {} and {} degrees", along.2, straight.2);
     }
 }
 

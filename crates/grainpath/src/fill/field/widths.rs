@@ -12,7 +12,9 @@
 //!    ######################### border
 //! ```
 //!
-//! The sum of both reaches is the width of the bead's strip;
+//! Where a bead ends on a border ahead, its neighbour has ended before, and the bead keeps the reach
+//! it had beside it: the space belongs to the joint. The sum of both reaches is the width of the
+//! bead's strip;
 //! [`bead_width_mm`](grainpath_core::units::bead_width_mm) turns it into the width that is printed.
 //! Exact for parallel beads; where beads converge at an angle the ray overestimates the space by
 //! the cosine of half of it. Cost: a ray passes a few buckets, whatever the size of the region.
@@ -193,6 +195,24 @@ impl Neighbours {
         far_mm: f64,
         skips: impl Fn(usize, usize) -> bool,
     ) -> Option<Hit> {
+        self.first(p, way, far_mm, skips).map(|(distance_mm, m)| {
+            let piece = &self.pieces[m as usize];
+            Hit {
+                distance_mm,
+                line: (piece.line != BORDER).then_some(piece.line as usize),
+                segment: piece.segment as usize,
+            }
+        })
+    }
+
+    /// Distance and number of that segment.
+    fn first(
+        &self,
+        p: DVec2,
+        way: DVec2,
+        far_mm: f64,
+        skips: impl Fn(usize, usize) -> bool,
+    ) -> Option<(f64, u32)> {
         let end = p + far_mm * way;
         let mut best: Option<(f64, u32)> = None;
         self.buckets.cells.for_each_passed(p, end, |cell| {
@@ -217,14 +237,7 @@ impl Neighbours {
                 }
             }
         });
-        best.map(|(distance_mm, m)| {
-            let piece = &self.pieces[m as usize];
-            Hit {
-                distance_mm,
-                line: (piece.line != BORDER).then_some(piece.line as usize),
-                segment: piece.segment as usize,
-            }
-        })
+        best
     }
 
     /// Whether a bead crosses the straight way from `a` to `b`; segments that end at one of the
@@ -275,9 +288,23 @@ impl Neighbours {
         out
     }
 
-    /// The space of a bead at a vertex: all of the distance to the border, half of the distance to
-    /// the next bead. `free_mm` stands in where neither is met within `far_mm`.
-    pub fn reach(&self, lines: &[Line], line: usize, vertex: usize, far_mm: f64, free_mm: f64) -> Reach {
+    /// The space of a line at each of its vertices: all of the distance to the border, half of the
+    /// distance to the next bead.
+    ///
+    /// Where a line ends on a border ahead, the next one has ended before, and the space beside it
+    /// is the joint's. There the line keeps the reach it has at the nearest vertex with a neighbour.
+    /// `free_mm` stands in where a side has no such vertex, and where nothing is met within `far_mm`.
+    pub fn reaches(&self, lines: &[Line], line: usize, far_mm: f64, free_mm: f64) -> Vec<Reach> {
+        let n = lines[line].points.len();
+        let sides: Vec<[Side; 2]> =
+            (0..n).map(|v| self.sides(lines, line, v, far_mm).map(|s| s.unwrap_or(Side::Open))).collect();
+        let closed = lines[line].closed;
+        let [left, right] = [0, 1].map(|k| settled(&sides, k, closed, free_mm));
+        left.into_iter().zip(right).map(|(left_mm, right_mm)| Reach { left_mm, right_mm }).collect()
+    }
+
+    /// What lies to the left and to the right of a vertex; `None` where nothing is met within `far_mm`.
+    fn sides(&self, lines: &[Line], line: usize, vertex: usize, far_mm: f64) -> [Option<Side>; 2] {
         let l = &lines[line];
         let t = l.tangent(vertex);
         let left = DVec2::new(-t.y, t.x);
@@ -285,16 +312,63 @@ impl Neighbours {
         // line is skipped.
         let n = l.n_segments();
         let near = if l.closed && (vertex < 3 || vertex + 3 > n) { n } else { 3 };
-        let ray = |way: DVec2, far_mm: f64| self.ray(l.points[vertex], way, far_mm, (line, vertex, near));
+        let skips = |other: usize, segment: usize| other == line && segment.abs_diff(vertex) <= near;
+        let ray = |way: DVec2, far_mm: f64| self.first(l.points[vertex], way, far_mm, skips);
         // Most neighbours are much nearer than `far_mm`, and a short ray passes few cells. The long
         // ray is tried only where the short one finds no segment.
-        let side = |way: DVec2| match ray(way, 0.7 * far_mm).or_else(|| ray(way, far_mm)) {
-            Some((d, true)) => d,
-            Some((d, false)) => 0.5 * d,
-            None => free_mm,
-        };
-        Reach { left_mm: side(left), right_mm: side(-left) }
+        [left, -left].map(|way| {
+            let (d, m) = ray(way, 0.7 * far_mm).or_else(|| ray(way, far_mm))?;
+            let piece = &self.pieces[m as usize];
+            let sine = cross(t, (piece.b - piece.a).normalize_or_zero()).abs();
+            Some(match piece.line {
+                BORDER if sine > AHEAD_SINE => Side::Ahead(d),
+                BORDER => Side::Beside(d),
+                _ => Side::Beside(0.5 * d),
+            })
+        })
     }
+}
+
+/// A border counts as ahead where it meets a line at more than 30 degrees. Source: derived. From
+/// there on the next line has ended less than two spacings before this one.
+const AHEAD_SINE: f64 = 0.5;
+
+/// What lies beside a line.
+#[derive(Clone, Copy)]
+enum Side {
+    /// A neighbour, or a border that runs with the line: the reach to it, mm.
+    Beside(f64),
+    /// A border that the line ends on: its distance, mm.
+    Ahead(f64),
+    /// Nothing near.
+    Open,
+}
+
+/// The reaches on one side of a line, mm: those beside a border ahead from the nearest vertex with
+/// a neighbour.
+fn settled(sides: &[[Side; 2]], side: usize, closed: bool, free_mm: f64) -> Vec<f64> {
+    let n = sides.len();
+    // The last reach seen, and how many vertices ago. A closed line is walked twice.
+    let mut nearest: Vec<(usize, f64)> = vec![(usize::MAX, free_mm); n];
+    for backwards in [false, true] {
+        let mut seen: Option<(usize, f64)> = None;
+        for k in 0..if closed { 2 * n } else { n } {
+            let v = if backwards { n - 1 - k % n } else { k % n };
+            seen = match sides[v][side] {
+                Side::Beside(mm) => Some((0, mm)),
+                Side::Ahead(_) | Side::Open => seen.map(|(steps, mm)| (steps + 1, mm)),
+            };
+            if let Some(found) = seen.filter(|s| s.0 < nearest[v].0) {
+                nearest[v] = found;
+            }
+        }
+    }
+    let reach = |(v, s): (usize, &[Side; 2])| match s[side] {
+        Side::Beside(mm) => mm,
+        Side::Ahead(mm) => mm.min(nearest[v].1),
+        Side::Open => free_mm,
+    };
+    sides.iter().enumerate().map(reach).collect()
 }
 
 /// Values smoothed along a line, `times` over; ends of open lines stay.
