@@ -135,7 +135,7 @@ fn the_figure_of_stripes() {
     let room = part.offset(-0.5 * width_mm, Join::Miter(3.0));
     let border = room.offset(context.border_mm, Join::Miter(2.0));
     let mesh = FieldMesh::over(&border, 1.1 * context.spacing_mm()).expect("a mesh");
-    let input = phase_input(&mesh, &flow, &context, &border);
+    let input = phase_input(&mesh, &flow, &context, &border, context.spacing_mm());
     let turns = turns(&mesh, &input);
     let phase = solve(&mesh, &input, &turns, &diffusion_steps());
     let clipper = LineClipper::new(&room);

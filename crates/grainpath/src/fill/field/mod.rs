@@ -15,8 +15,10 @@
 //!    border and puts single beads into what is left open;
 //! 5. [`widths`] measures the space of each bead between its neighbours, which becomes its width.
 //!
-//! Sparse fill ([`streamlines`]) places evenly spaced streamlines (`Jobard1997`); [`seed_lines`] is
-//! the published principal stress line method, kept for comparison. Lengths are in mm, phases in
+//! Sparse fill is the same with lines farther apart, down to a density of [`LEAST_STRIPES`]. Below
+//! it, and where a field asks for distances of its own, [`streamlines`] places evenly spaced
+//! streamlines (`Jobard1997`); [`seed_lines`] is the published principal stress line method, kept
+//! for comparison. Lengths are in mm, phases in
 //! radians; the sign of the axis carries no meaning.
 
 mod levels;
@@ -33,10 +35,10 @@ use grainpath_core::{DVec2, DVec3, DirectionField, Polygon, Toolpath};
 
 use super::{FillContext, Infill};
 
-/// Lines along the field: evenly spaced streamlines, and stripes where the fill is dense.
+/// Lines along the field, evenly spaced at any density.
 pub struct Streamlines;
 
-/// Dense stripes along the field, and streamlines where the fill is sparse.
+/// The same family under the name of its dense end.
 pub struct Stripes;
 
 impl Infill for Streamlines {
@@ -51,10 +53,22 @@ impl Infill for Stripes {
     }
 }
 
-/// Both patterns differ in their names alone until streamlines reach full density by themselves.
+/// The least density that stripes fill. Source: derived. Below it lines are more than two beads
+/// apart, so that streamlines, which end at half of their distance, do not overlap. They lie closer
+/// to the field: none has to follow its neighbours.
+const LEAST_STRIPES: f64 = 0.5;
+
+/// Both patterns are one family, from lines far apart to beads that touch.
 fn along_field(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
-    if context.density.is_dense() {
+    let density = context.density;
+    let asks = |field: &dyn DirectionField| {
+        let at = infill_region.outer.first().copied().unwrap_or(DVec2::ZERO);
+        field.spacing_mm(at.extend(context.z_mid_mm)).is_some()
+    };
+    if density.is_dense() {
         stripes::dense(context, infill_region, out)
+    } else if density.fraction() >= LEAST_STRIPES && !context.field.is_some_and(asks) {
+        stripes::spaced(context, infill_region, density.fraction(), out)
     } else {
         streamlines::sparse(context, infill_region, out)
     }

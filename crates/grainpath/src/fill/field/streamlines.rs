@@ -1,19 +1,22 @@
-//! Sparse fill along a field: evenly spaced streamlines at the distance that the density asks for.
+//! Sparse fill along a field, and fill at distances that the field asks for: evenly spaced
+//! streamlines.
 //!
 //! Method: evenly spaced streamlines (`Jobard1997`). A line starts at a point that is at least the
 //! separation away from all others and follows the field in both directions. It ends where it comes
 //! nearer to another line than a share of the separation. Lines therefore end where the field
-//! converges and begin where it diverges. All beads have the nominal width.
+//! converges and begin where it diverges. All beads have one width: the nominal one, widened or
+//! narrowed until the volume is the density's.
 //!
 //! Limits: lines end as soon as they are too close, so the density of a converging field comes out
-//! a little low; the separation is 0.94 of the nominal one to make up for it on average. At full
-//! density [`super::stripes`] take over. Cost: linear in the length of all lines. The first seed is
-//! the middle of the region's bounds.
+//! a little low; the separation is 0.94 of the nominal one to make up for it on average. From a
+//! density of [`super::LEAST_STRIPES`] on [`super::stripes`] take over. Cost: linear in the length
+//! of all lines. The first seed is the middle of the region's bounds.
 
-use grainpath_core::poly::LineClipper;
+use grainpath_core::poly::{Join, LineClipper};
 use grainpath_core::{DVec2, Polygon, Region, Toolpath};
 
 use super::axis_of;
+use super::stripes::fit_volume;
 use crate::fill::FillContext;
 use grainpath_core::streamlines::{LineSettings, Seeding, evenly_spaced};
 use grainpath_core::tuned::Tuned;
@@ -47,8 +50,16 @@ pub fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<
         step_mm: (0.5 * separation).min(2.0),
         longest_mm: 20.0 * bounds.size().element_sum(),
     };
+    let first = out.len();
     for line in evenly_spaced(&[bounds.centre()], bounds, &axis, &seeding, &settings) {
         let points = grainpath_core::poly::simplify_line(&line.points, 0.01);
         out.push(Toolpath::new(points, context.bead_width_mm, context.role, line.closed));
+    }
+    // Where the field asks for distances, they make the density.
+    if asked(bounds.centre()).is_none() {
+        let area_mm2 =
+            Region::from(infill_region.clone()).offset(context.border_mm, Join::Miter(2.0)).area_mm2();
+        let wanted_mm3 = context.density.fraction() * area_mm2 * context.height_mm;
+        fit_volume(&mut out[first..], wanted_mm3, context);
     }
 }

@@ -11,6 +11,9 @@
 //!    width along its medial axis
 //!    ([`single_beads`]).
 //!
+//! Below full density the same lines lie farther apart, each bead takes its share of the strip, and
+//! all widths are fitted to the volume asked for.
+//!
 //! Along the border the phase is asked to be half a bead from it where the field runs along it, so
 //! that the outermost bead touches the walls. Method: stripe patterns (`Knoppel2015`); joining ends
 //! as in hatching. Cost: linear in the length of all beads but for the phase. Degenerate cases: a
@@ -65,17 +68,27 @@ static THINNINGS: Tuned<usize> = Tuned::new("fill.field.stripes.THINNINGS", 2);
 /// in every gap of that width, however it lies.
 const GAP_CELL: f64 = 0.33;
 
+/// Above this density single beads close what is left open. Source: derived. At 0.8 the free space
+/// between two lines is a quarter of a bead, and the narrowest bead does not fit into it.
+const CLOSED_FROM: f64 = 0.8;
+
 /// Beads along the field, evenly spaced over the whole infill region, with ends where the field forces them.
 pub fn dense(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
+    spaced(context, infill_region, 1.0, out);
+}
+
+/// The same with lines farther apart, so that beads fill the `share` of the region. Each bead takes
+/// that share of the strip between its neighbours.
+pub fn spaced(context: &FillContext<'_>, infill_region: &Polygon, share: f64, out: &mut Vec<Toolpath>) {
     let Some(field) = context.field else { return };
-    let spacing = context.spacing_mm();
+    let spacing = context.spacing_mm() / share;
     let infill_region = Region::from(infill_region.clone());
     let border = infill_region.offset(context.border_mm, Join::Miter(2.0));
     // The mesh has to resolve the field, not the beads: growth along an edge comes from the field,
     // so an edge may cross a level or two.
     let Some(mesh) = FieldMesh::over(&border, 1.1 * spacing) else { return };
     let levels = {
-        let input = phase_input(&mesh, field, context, &border);
+        let input = phase_input(&mesh, field, context, &border, spacing);
         let turns = turns(&mesh, &input);
         let phase = solve(&mesh, &input, &turns, &diffusion_steps());
         trace(&mesh, &turns, &phase)
@@ -102,16 +115,17 @@ pub fn dense(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<T
             inside
         })
         .collect();
-    lay(without_crowded(lines, &border, context), &infill_region, &border, context, out);
+    lay(without_crowded(lines, &border, context, share), &infill_region, &border, context, share, out);
 }
 
+/// What is asked of the phase for lines this far apart, mm.
 pub(super) fn phase_input(
     mesh: &FieldMesh,
     field: &dyn DirectionField,
     context: &FillContext<'_>,
     border: &Region,
+    spacing: f64,
 ) -> PhaseInput {
-    let spacing = context.spacing_mm();
     let axes: Vec<DVec2> = mesh.nodes.iter().map(|&p| axis_of(field, context, p)).collect();
     let frequency = drift(mesh, &axes).into_iter().map(|f| f / spacing).collect();
     let near = NearBorder::new(border, 1.6 * spacing);
@@ -275,9 +289,9 @@ struct Roomed {
 }
 
 /// Takes beads out where they have less space than the narrowest bead; their neighbours then widen.
-fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<'_>) -> Roomed {
-    let spacing = context.spacing_mm();
-    let least = bead_spacing_mm(NARROWEST * context.bead_width_mm, context.height_mm);
+fn without_crowded(mut lines: Vec<Line>, border: &Region, context: &FillContext<'_>, share: f64) -> Roomed {
+    let spacing = context.spacing_mm() / share;
+    let least = bead_spacing_mm(NARROWEST * context.bead_width_mm, context.height_mm) / share;
     let crowded = |width: &f64| *width < 0.95 * least;
     let mut round = 0;
     loop {
@@ -320,6 +334,7 @@ fn lay(
     infill_region: &Region,
     border: &Region,
     context: &FillContext<'_>,
+    share: f64,
     out: &mut Vec<Toolpath>,
 ) {
     let (nominal, h) = (context.bead_width_mm, context.height_mm);
@@ -327,7 +342,7 @@ fn lay(
     let Roomed { lines, neighbours, strips } = roomed;
     let mut beads = Vec::with_capacity(lines.len());
     for (line, strips) in lines.iter().zip(strips) {
-        let widths: Vec<f64> = strips.into_iter().map(width).collect();
+        let widths: Vec<f64> = strips.into_iter().map(|strip| width(share * strip)).collect();
         let (points, widths) = simplified(&line.points, &widths, line.closed);
         beads.push(WideBead { points, widths, closed: line.closed });
     }
@@ -337,6 +352,42 @@ fn lay(
         width: BeadWidth::PerVertex(bead.widths),
         ..Toolpath::new(bead.points, nominal, context.role, bead.closed)
     }));
+    let n_lines = out.len();
+    if share > CLOSED_FROM {
+        close_gaps(border, first, context, out);
+    }
+    if share < 1.0 {
+        let singles_mm3: f64 = out[n_lines..].iter().map(|p| p.volume_mm3(h)).sum();
+        let wanted_mm3 = share * border.area_mm2() * h - singles_mm3;
+        fit_volume(&mut out[first..n_lines], wanted_mm3, context);
+    }
+}
+
+/// Widens or narrows beads alike until they have this volume, within the widths that can be printed.
+pub(super) fn fit_volume(beads: &mut [Toolpath], wanted_mm3: f64, context: &FillContext<'_>) {
+    let (nominal, h) = (context.bead_width_mm, context.height_mm);
+    let scaled = |w: f64, factor: f64| {
+        bead_width_mm(factor * bead_spacing_mm(w, h), h).clamp(NARROWEST * nominal, WIDEST * nominal)
+    };
+    // Widths at a bound stay there, so the others take up the rest in another round.
+    for _ in 0..3 {
+        let laid_mm3: f64 = beads.iter().map(|p| p.volume_mm3(h)).sum();
+        if laid_mm3 <= 0.0 || wanted_mm3 <= 0.0 {
+            return;
+        }
+        let factor = wanted_mm3 / laid_mm3;
+        for bead in &mut *beads {
+            match &mut bead.width {
+                BeadWidth::Constant(w) => *w = scaled(*w, factor),
+                BeadWidth::PerVertex(widths) => widths.iter_mut().for_each(|w| *w = scaled(*w, factor)),
+            }
+        }
+    }
+}
+
+/// Puts single beads of varying width into what the paths from the index `first` on leave open.
+fn close_gaps(border: &Region, first: usize, context: &FillContext<'_>, out: &mut Vec<Toolpath>) {
+    let (nominal, h) = (context.bead_width_mm, context.height_mm);
     let left = gaps(border, &out[first..], h, GAP_CELL * context.spacing_mm());
     let mut singles = Vec::new();
     single_beads(&left, nominal, NARROWEST * nominal, h, context.role, &mut singles);
