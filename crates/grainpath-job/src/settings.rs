@@ -377,6 +377,8 @@ sections! {
         material: String = "continuous-carbon".into(), "", Any, "Material of beads with fibre: a material profile, or a path ending in .toml. Section material is the matrix.";
         layers: Vec<[usize; 2]> = Vec::new(), "", Range(1.0, 1e6), "First and last layer with fibre, counted from 1, or several such pairs; unset: all layers.";
         every: usize = 1, "", Range(1.0, 1e6), "Lay fibre in every n-th of these layers.";
+        rings: usize = 0, "", Range(0.0, 1000.0), "Number of rings of fibre along outlines and around holes, laid before the pattern fills the rest.";
+        matrix_layers: [usize; 2] = [0, 0], "", Range(0.0, 1e6), "Number of layers at the bottom and at the top of the part that have no fibre.";
         boxes_mm: Vec<[[f64; 3]; 2]> = Vec::new(), "mm", Range(-1e5, 1e5), "Boxes (lowest and highest corner, with the part on the bed) in which infill is fibre; unset: everywhere.";
         matrix_pattern: Pattern = Pattern::Rectilinear, "", Any, "Pattern of infill without fibre.";
         matrix_density: Density = Density::Dense, "", Range(0.0, 1.0), "Density of infill without fibre.";

@@ -2,7 +2,7 @@
 //! treated, and how much became fibre.
 //!
 //! A pattern lays paths. Paths that are long enough become fibre of one width, and their turns are
-//! rounded to the least radius where there is space. All others stay matrix. Lengths are in mm,
+//! rounded to the least radius where there is space, else to the largest radius that fits. All others stay matrix. Lengths are in mm,
 //! layers count from 1 in settings and from 0 in the code.
 
 mod turns;
@@ -14,18 +14,24 @@ use grainpath_core::{
 };
 
 pub use grainpath_job::choices::{FibreStart, FibreTurns};
-pub use turns::{Turn, rounded, sharp_turns, turns};
+pub use turns::{SMALLEST_MM, Turn, rounded, sharp_bends, sharp_turns, turns};
 
 /// Settings of continuous fibre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FibreSettings {
     /// First and last layer with fibre, counted from 1; empty for all layers.
     pub layers: Vec<[usize; 2]>,
+    /// Number of layers at the bottom and at the top that have no fibre.
+    pub matrix_layers: [usize; 2],
+    /// Number of layers of the part.
+    pub n_layers: usize,
     /// Period: 2 lays fibre in every other one of these layers.
     pub every: usize,
     /// Boxes in which fill is laid with fibre, in part coordinates on the plate, mm; empty for the
     /// whole part.
     pub boxes: Vec<[DVec3; 2]>,
+    /// Number of rings along outlines and around holes, laid before the pattern.
+    pub rings: usize,
     /// Width of a bead with fibre, mm.
     pub bead_width_mm: f64,
     /// Least radius of a turn, mm.
@@ -49,6 +55,10 @@ pub enum FibreError {
     Radius { radius_mm: f64, size_mm: f64 },
     #[error("fibre.layers = [{first}, {last}]: the part has {n_layers} layers")]
     Layers { first: usize, last: usize, n_layers: usize },
+    #[error(
+        "fibre.matrix_layers = [{below}, {above}]: the part has {n_layers} layers, which leaves none for fibre"
+    )]
+    MatrixLayers { below: usize, above: usize, n_layers: usize },
     #[error(
         "fibre.boxes_mm: box {number} misses the part, which lies from ({:.2}, {:.2}, 0) to ({:.2}, {:.2}, {top_mm:.2}) mm",
         part.min.x, part.min.y, part.max.x, part.max.y
@@ -103,6 +113,10 @@ impl FibreSettings {
         if let Some(&[first, last]) = self.layers.iter().find(|l| l[1] > n_layers) {
             return Err(FibreError::Layers { first, last, n_layers });
         }
+        let [below, above] = self.matrix_layers;
+        if below.saturating_add(above) >= n_layers {
+            return Err(FibreError::MatrixLayers { below, above, n_layers });
+        }
         let top_mm = stack.layers().last().map_or(0.0, |l| l.z_top_mm());
         let misses = |[low, high]: &[DVec3; 2]| {
             low.z >= top_mm
@@ -148,6 +162,9 @@ impl FibreSettings {
 
     /// Whether a layer, counted from 0, has fibre.
     pub fn in_layer(&self, i: usize) -> bool {
+        if i < self.matrix_layers[0] || i + self.matrix_layers[1] >= self.n_layers {
+            return false;
+        }
         let first = match self.layers.iter().find(|l| (l[0]..=l[1]).contains(&(i + 1))) {
             Some(l) => l[0] - 1,
             None if self.layers.is_empty() => 0,
@@ -197,6 +214,26 @@ impl FibreSettings {
         let with = chosen.offset(-half(matrix_mm), Join::Miter(3.0)).intersection(&infill_region);
         let without = infill_region.difference(&chosen.offset(half(matrix_mm), Join::Miter(3.0)));
         (fits(&with), without.polygons)
+    }
+
+    /// Lays rings along every contour of the `regions` for centrelines, one strip of fibre apart.
+    /// Returns the regions for the centrelines that fill the rest.
+    pub fn lay_rings(
+        &self,
+        regions: &[Polygon],
+        height_mm: f64,
+        role: Role,
+        out: &mut Vec<Toolpath>,
+    ) -> Vec<Polygon> {
+        let s = bead_spacing_mm(self.bead_width_mm, height_mm);
+        let mut rest = Region { polygons: regions.to_vec() };
+        for _ in 0..self.rings {
+            let paths = rest.contours().map(|c| Toolpath::new(c.clone(), self.bead_width_mm, role, true));
+            // A shorter ring has no middle: its own strip fills it.
+            out.extend(paths.filter(|p| p.length_mm() > std::f64::consts::PI * self.bead_width_mm));
+            rest = rest.offset(-s, Join::Miter(3.0));
+        }
+        rest.polygons
     }
 
     /// Turns the paths laid in `infill_regions` into fibre where they are long enough. `load` is the load at
@@ -257,7 +294,9 @@ impl FibreSettings {
         }
         let was_closed = std::mem::take(&mut path.closed);
         if self.turns != FibreTurns::Report && self.min_radius_mm > 0.0 {
-            let (points, n_rounded) = rounded(&path.points, self.min_radius_mm, inside);
+            // Fibre that is cut at sharp turns needs no arc there.
+            let smallest_mm = if self.turns == FibreTurns::Cut { self.min_radius_mm } else { SMALLEST_MM };
+            let (points, n_rounded) = rounded(&path.points, self.min_radius_mm, smallest_mm, inside);
             tally.rounded += n_rounded;
             path.points = points;
         }

@@ -5,7 +5,10 @@ use grainpath_core::math::direction;
 fn settings() -> FibreSettings {
     FibreSettings {
         layers: Vec::new(),
+        matrix_layers: [0, 0],
+        n_layers: 15,
         every: 1,
+        rings: 0,
         boxes: Vec::new(),
         bead_width_mm: 0.6,
         min_radius_mm: 3.0,
@@ -46,14 +49,14 @@ fn corners_become_arcs_of_the_radius() {
     for deg in [30.0f64, 45.0, 90.0, 120.0, 140.0] {
         let turn = deg.to_radians();
         let line = [DVec2::new(-30.0, 0.0), DVec2::ZERO, direction(turn) * 30.0];
-        let (round, n) = rounded(&line, 3.0, &anywhere);
+        let (round, n) = rounded(&line, 3.0, 3.0, &anywhere);
         assert_eq!(n, 1, "{deg}");
         assert!(smallest(&round, false) >= 0.98 * 3.0, "{deg}: {}", smallest(&round, false));
         assert_eq!((round[0], round[round.len() - 1]), (line[0], line[2]));
     }
     // A chamfer: two corners become one arc.
     let line = [(-30.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, 30.0)].map(DVec2::from);
-    let (round, n) = rounded(&line, 3.0, &anywhere);
+    let (round, n) = rounded(&line, 3.0, 3.0, &anywhere);
     assert_eq!(n, 1);
     assert!(smallest(&round, false) >= 0.98 * 3.0, "{} {round:?}", smallest(&round, false));
 }
@@ -61,12 +64,38 @@ fn corners_become_arcs_of_the_radius() {
 #[test]
 fn where_there_is_no_room_the_corner_stays() {
     let back = [(0.0, 0.0), (30.0, 0.0), (30.0, 0.6), (0.0, 0.6)].map(DVec2::from);
-    let (same, n) = rounded(&back, 3.0, &anywhere);
+    let (same, n) = rounded(&back, 3.0, 3.0, &anywhere);
     assert_eq!((same.as_slice(), n), (&back[..], 0));
     let corner = [(0.0, 0.0), (30.0, 0.0), (30.0, 30.0)].map(DVec2::from);
-    assert_eq!(rounded(&corner, 3.0, &|_, _| false).1, 0);
+    assert_eq!(rounded(&corner, 3.0, 3.0, &|_, _| false).1, 0);
     let short = [(0.0, 0.0), (30.0, 0.0), (30.0, 1.0)].map(DVec2::from);
-    assert_eq!(rounded(&short, 3.0, &anywhere).1, 0);
+    assert_eq!(rounded(&short, 3.0, 3.0, &anywhere).1, 0);
+}
+
+#[test]
+fn where_the_radius_does_not_fit_the_largest_that_fits_is_taken() {
+    // A hairpin 0.9 mm wide, and a corner 2 mm before the end of the line. The chords of an arc
+    // take away up to 0.01 mm, and a radius is found to 2 %; the second corner of a hairpin is left
+    // a little less than the first.
+    let hairpin = [(0.0, 0.0), (30.0, 0.0), (30.0, 0.9), (0.0, 0.9)].map(DVec2::from);
+    let corner = [(0.0, 0.0), (30.0, 0.0), (30.0, 2.0)].map(DVec2::from);
+    for (line, fits_mm, arcs) in [(&hairpin[..], 0.45, 2), (&corner[..], 2.0, 1)] {
+        let (round, n) = rounded(line, 3.0, SMALLEST_MM, &anywhere);
+        let r = smallest(&round, false);
+        assert_eq!(n, arcs);
+        assert!(r > 0.85 * fits_mm && r < 1.02 * fits_mm, "{r} of {fits_mm}");
+        assert_eq!((round[0], round[round.len() - 1]), (line[0], line[line.len() - 1]));
+        // All vertices of a hairpin are one turn, and so are its two corners.
+        assert_eq!(sharp_bends(&round, false, 3.0).len(), 1);
+        assert_eq!(sharp_bends(line, false, 3.0).len(), 1);
+        assert!((sharp_bends(&round, false, 3.0)[0].radius_mm - r).abs() < 1e-12);
+    }
+    // Corners farther apart than the radius are turns of their own, and so are those of a zigzag.
+    let square = [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (0.0, 9.0)].map(DVec2::from);
+    assert_eq!(sharp_bends(&square, true, 3.0).len(), 4);
+    let zigzag = [(0.0, 0.0), (1.0, 1.0), (2.0, 0.0), (3.0, 1.0), (4.0, 0.0)].map(DVec2::from);
+    assert_eq!(sharp_bends(&zigzag, false, 3.0).len(), 3);
+    assert!(sharp_bends(&hairpin[..2], false, 3.0).is_empty());
 }
 
 #[test]
@@ -120,10 +149,36 @@ fn fibre_is_cut_where_it_cannot_turn() {
 }
 
 #[test]
+fn rings_go_around_outlines_and_holes_before_the_rest() {
+    let n = 360;
+    let hole = (0..n).map(|k| direction(-f64::from(k) / f64::from(n) * std::f64::consts::TAU) * 5.0);
+    let outer = [(-30.0, -15.0), (30.0, -15.0), (30.0, 15.0), (-30.0, 15.0)].map(DVec2::from).to_vec();
+    let plate = Polygon { outer, holes: vec![hole.collect()] };
+    let s = bead_spacing_mm(0.6, 0.2);
+    let mut paths = Vec::new();
+    let f = FibreSettings { rings: 2, ..settings() };
+    let rest = f.lay_rings(std::slice::from_ref(&plate), 0.2, Role::SolidFill, &mut paths);
+    let mut lengths: Vec<f64> = paths.iter().map(Toolpath::length_mm).collect();
+    lengths.sort_by(f64::total_cmp);
+    let around = |r: f64| std::f64::consts::TAU * r;
+    let wanted = [around(5.0), around(5.0 + s), 180.0 - 8.0 * s, 180.0];
+    assert!(paths.iter().all(|p| p.closed) && lengths.len() == 4, "{lengths:?}");
+    lengths.iter().zip(wanted).for_each(|(l, w)| assert!((l / w - 1.0).abs() < 1e-3, "{l} {w}"));
+    let area: f64 = rest.iter().map(Polygon::area_mm2).sum();
+    let left = (60.0 - 4.0 * s) * (30.0 - 4.0 * s) - std::f64::consts::PI * (5.0 + 2.0 * s).powi(2);
+    assert!((area / left - 1.0).abs() < 1e-3, "{area} {left}");
+    let none = settings().lay_rings(std::slice::from_ref(&plate), 0.2, Role::SolidFill, &mut Vec::new());
+    assert_eq!(none, [plate]);
+}
+
+#[test]
 fn layers_and_boxes_choose() {
     let f = FibreSettings { layers: vec![[3, 8], [12, 12]], every: 2, ..settings() };
     let chosen: Vec<usize> = (0..15).filter(|&i| f.in_layer(i)).map(|i| i + 1).collect();
     assert_eq!(chosen, [3, 5, 7, 12]);
+    let f = FibreSettings { matrix_layers: [2, 1], ..settings() };
+    let chosen: Vec<usize> = (0..15).filter(|&i| f.in_layer(i)).map(|i| i + 1).collect();
+    assert_eq!(chosen, (3..=14).collect::<Vec<_>>());
     let f = FibreSettings { boxes: vec![[DVec3::ZERO, DVec3::new(20.0, 50.0, 1.0)]], ..settings() };
     let infill_region = &Region::rectangle(DVec2::new(-10.0, 1.0), DVec2::new(40.0, 21.0)).polygons[0];
     let (with, without) = f.split((0, 0.5), 0.2, infill_region, 0.6);
@@ -150,6 +205,10 @@ fn what_does_not_go_with_the_part_is_said() {
     );
     assert!(
         said(FibreSettings { layers: vec![[2, 6]], ..settings() }).contains("[2, 6]: the part has 5 layers")
+    );
+    assert!(
+        said(FibreSettings { matrix_layers: [3, 2], ..settings() })
+            .contains("[3, 2]: the part has 5 layers, which leaves none for fibre")
     );
     let far = vec![[DVec3::new(50.0, 0.0, 0.0), DVec3::new(60.0, 5.0, 1.0)]];
     assert!(said(FibreSettings { boxes: far, ..settings() }).contains("box 1 misses the part"));

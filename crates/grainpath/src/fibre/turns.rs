@@ -31,6 +31,13 @@ const CHORD_MM: f64 = 1e-2;
 /// are enough for radii from 0.33 mm on.
 const WIDER: f64 = 1.03;
 
+/// Radii are tried from the one asked for downwards by this factor. Source: derived; between two of
+/// them the radius is halved into.
+const SMALLER: f64 = 0.75;
+/// Arcs below this radius are not worth their vertices, mm. Source: derived: such an arc leaves a
+/// right-angled corner by `CORNER_MM`, so it measures as the corner does.
+pub const SMALLEST_MM: f64 = 0.12;
+
 /// A turn of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turn {
@@ -67,6 +74,35 @@ fn radius_mm(a: DVec2, b: DVec2, c: DVec2) -> f64 {
 pub fn sharp_turns(points: &[DVec2], closed: bool, least_mm: f64) -> Vec<Turn> {
     let all = turns(points, closed);
     all.into_iter().filter(|t| t.radius_mm < SHY * least_mm).collect()
+}
+
+/// Every turn of a path below this radius, in order. Neighbouring vertices that bend the same way
+/// within that radius are one turn, such as the two corners of a hairpin or the chords of an arc;
+/// the sharpest stands for it.
+pub fn sharp_bends(points: &[DVec2], closed: bool, least_mm: f64) -> Vec<Turn> {
+    let all = turns(points, closed);
+    let n = points.len();
+    let side = |t: &Turn| {
+        let (a, b) = (points[(t.vertex + n - 1) % n], points[(t.vertex + 1) % n]);
+        cross(t.at - a, b - t.at).signum()
+    };
+    let mut out: Vec<Turn> = Vec::new();
+    // The vertex before, where it is part of the last bend.
+    let mut before: Option<Turn> = None;
+    for turn in all {
+        if turn.radius_mm >= SHY * least_mm {
+            before = None;
+            continue;
+        }
+        let joins = |b: &Turn| b.at.distance(turn.at) <= least_mm && side(b) == side(&turn);
+        match out.last_mut().filter(|_| before.as_ref().is_some_and(joins)) {
+            Some(bend) if turn.radius_mm < bend.radius_mm => *bend = turn,
+            Some(_) => {}
+            None => out.push(turn),
+        }
+        before = Some(turn);
+    }
+    out
 }
 
 /// Every turn of a path.
@@ -118,8 +154,14 @@ fn without_straight(line: Vec<DVec2>) -> Vec<DVec2> {
 
 /// An open line in which turns below the least radius are arcs, and the number of arcs. A turn
 /// becomes an arc only where the arc ends on the line before and after, stays `inside` and does not
-/// cross the line. Corners near each other share one arc.
-pub fn rounded(line: &[DVec2], least_mm: f64, inside: &dyn Fn(DVec2, DVec2) -> bool) -> (Vec<DVec2>, usize) {
+/// cross the line. Corners near each other share one arc. Where an arc of the least radius does not
+/// fit, the largest that does is taken, down to `smallest_mm`.
+pub fn rounded(
+    line: &[DVec2],
+    least_mm: f64,
+    smallest_mm: f64,
+    inside: &dyn Fn(DVec2, DVec2) -> bool,
+) -> (Vec<DVec2>, usize) {
     let line = simplify_line(line, ROUNDING_MM);
     let n = line.len();
     if n < 3 {
@@ -131,13 +173,16 @@ pub fn rounded(line: &[DVec2], least_mm: f64, inside: &dyn Fn(DVec2, DVec2) -> b
     let mut i = 1;
     while i + 1 < n {
         let last = out[out.len() - 1];
-        if radius_mm(last, line[i], line[i + 1]) >= SHY * least_mm {
+        let own_mm = radius_mm(last, line[i], line[i + 1]);
+        if own_mm >= SHY * least_mm {
             out.push(line[i]);
             i += 1;
             continue;
         }
-        match arc_around(&line, i, &out, floor, least_mm) {
-            Some(arc) if free(&arc, &line, &out, inside) => {
+        let fits =
+            |r_mm: f64| arc_around(&line, i, &out, floor, r_mm).filter(|arc| free(arc, &line, &out, inside));
+        match largest(least_mm, smallest_mm.max(own_mm), &fits) {
+            Some(arc) => {
                 out.truncate(out.len() - arc.back);
                 out.extend(arc.points);
                 floor = out.len() - 1;
@@ -153,6 +198,33 @@ pub fn rounded(line: &[DVec2], least_mm: f64, inside: &dyn Fn(DVec2, DVec2) -> b
     out.push(line[n - 1]);
     out.dedup_by(|a, b| a.distance_squared(*b) < 1e-12);
     (out, n_rounded)
+}
+
+/// The arc of the largest radius that fits, from the least radius asked for down to the smallest.
+fn largest(least_mm: f64, smallest_mm: f64, fits: &dyn Fn(f64) -> Option<Arc>) -> Option<Arc> {
+    if let Some(arc) = fits(least_mm) {
+        return Some(arc);
+    }
+    let (mut low, mut high, mut found) = (0.0, least_mm, None);
+    while found.is_none() {
+        low = SMALLER * high;
+        if low < smallest_mm {
+            return None;
+        }
+        found = fits(low);
+        if found.is_none() {
+            high = low;
+        }
+    }
+    // Halving the rest four times over finds the radius to 2 %, less than chords take away.
+    for _ in 0..4 {
+        let middle = 0.5 * (low + high);
+        match fits(middle) {
+            Some(arc) => (low, found) = (middle, Some(arc)),
+            None => high = middle,
+        }
+    }
+    found
 }
 
 /// An arc in place of some vertices.

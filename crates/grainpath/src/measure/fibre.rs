@@ -6,7 +6,7 @@ use grainpath_core::{DVec2, Role, Warning, WarningId};
 use grainpath_gcode::{Bead, BeadLayer, Program};
 use serde::Serialize;
 
-use crate::fibre::turns;
+use crate::fibre::{sharp_bends, turns};
 use crate::measure::DirectionError;
 
 /// The fibre of one layer.
@@ -30,7 +30,8 @@ pub struct FibreLayer {
     /// Position of that turn, in part coordinates, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sharpest_mm: Option<[f64; 2]>,
-    /// Turns below the required radius: x, y in part coordinates and the radius, mm.
+    /// Turns below the required radius: x, y in part coordinates and the radius, mm; a hairpin is
+    /// one turn.
     pub sharp_turns: Vec<[f64; 3]>,
     /// Share of the length within 15 degrees of the guide's direction, weighted by the guide's
     /// strength.
@@ -98,12 +99,10 @@ pub fn measure(
             // differ by two of them.
             let closed = path.len() > 3 && path[0].distance(path[path.len() - 1]) < 2e-3;
             let points = if closed { &path[..path.len() - 1] } else { &path[..] };
+            for t in sharp_bends(points, closed, asked_radius_mm) {
+                sharp_turns.push([round(t.at.x, 2), round(t.at.y, 2), round(t.radius_mm, 3)]);
+            }
             for t in turns(points, closed) {
-                // The same tolerance as in planning: turns written in chords measure a little less
-                // than their circle.
-                if t.radius_mm < 0.98 * asked_radius_mm {
-                    sharp_turns.push([round(t.at.x, 2), round(t.at.y, 2), round(t.radius_mm, 3)]);
-                }
                 if t.radius_mm.is_finite() && sharpest.is_none_or(|(r, _)| t.radius_mm < r) {
                     sharpest = Some((t.radius_mm, t.at));
                 }

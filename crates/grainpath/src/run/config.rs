@@ -594,10 +594,13 @@ fn material(m: &MaterialSection) -> Material {
 }
 
 /// Settings of continuous fibre; `None` for jobs without fibre.
-pub(crate) fn fibre(s: &Settings) -> Option<FibreSettings> {
+pub(crate) fn fibre(s: &Settings, n_layers: usize) -> Option<FibreSettings> {
     let f = &s.fibre;
     f.enabled.then(|| FibreSettings {
         layers: f.layers.clone(),
+        matrix_layers: f.matrix_layers,
+        n_layers,
+        rings: f.rings,
         every: f.every,
         boxes: f.boxes_mm.iter().map(|b| b.map(DVec3::from)).collect(),
         bead_width_mm: f.bead_width_mm.unwrap_or(s.process.bead_width_mm),
@@ -615,7 +618,8 @@ pub fn dense_fibre_width_mm(s: &Settings) -> Option<f64> {
     let f = &s.fibre;
     // Fibre in some layers or places only: then the width matters just where the matrix is dense
     // too.
-    let everywhere = f.layers.is_empty() && f.boxes_mm.is_empty() && f.every == 1;
+    let everywhere =
+        f.layers.is_empty() && f.boxes_mm.is_empty() && f.every == 1 && f.matrix_layers == [0, 0];
     let dense = s.fill.density.is_dense() && (everywhere || f.matrix_density.is_dense());
     (f.enabled && dense).then(|| f.bead_width_mm.unwrap_or(s.process.bead_width_mm))
 }

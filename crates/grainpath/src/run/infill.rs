@@ -208,7 +208,16 @@ impl Steps<'_> {
         // The load decides where closed paths start; without a guide all points are equal.
         let load = |p: DVec2| self.guide.map_or(0.0, |guide| guide.asked(i, p.extend(z_mm)).1);
         let mut paths = Vec::new();
-        self.fill_regions(i, &context, &with.iter().collect::<Vec<_>>(), asked, &mut paths);
+        let rest = fibre.lay_rings(&with, context.height_mm, context.role, &mut paths);
+        let n_rings = paths.len();
+        if fibre.rings > 0 {
+            // The rest begins half a strip from those of the rings.
+            context.border_mm = 0.5 * context.spacing_mm();
+        }
+        self.fill_regions(i, &context, &rest.iter().collect::<Vec<_>>(), asked, &mut paths);
+        if n_rings > 0 {
+            paths[n_rings..].iter_mut().for_each(|p| p.rank += 1);
+        }
         fibre.lay(paths, &Region { polygons: with }, &load, self.settings.infill.chain, out)
     }
 

@@ -345,7 +345,7 @@ fn plan_stack(
     let plate_from_part_mm = plate_from_part(&config.machine, settings.shape.position_mm, part);
     // Checked before any costly stage.
     check_bed(&config.machine, &stack, part, plate_from_part_mm)?;
-    let fibre = config::fibre(settings);
+    let fibre = config::fibre(settings, stack.layers().len());
     fibre.iter().try_for_each(|f| f.check(&stack, part))?;
     let standing = config::standing(settings, lowered_mm);
     let placing = config::placing(settings);
