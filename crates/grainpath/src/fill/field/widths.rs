@@ -176,16 +176,6 @@ impl Neighbours {
         Self { pieces, buckets }
     }
 
-    /// Distance from `p` along the unit vector `way` to the next bead or border within `far_mm`,
-    /// and whether it is the border.
-    ///
-    /// `own` is line, segment and count: segments of that line within that count of that segment
-    /// are skipped, because a bead is no neighbour to itself nearby.
-    pub fn ray(&self, p: DVec2, way: DVec2, far_mm: f64, own: (usize, usize, usize)) -> Option<(f64, bool)> {
-        let skips = |line: usize, segment: usize| line == own.0 && segment.abs_diff(own.1) <= own.2;
-        self.hit(p, way, far_mm, skips).map(|h| (h.distance_mm, h.line.is_none()))
-    }
-
     /// The first segment that the ray from `p` along the unit vector `way` meets within `far_mm`.
     /// Segments for which `skips` is true are left out.
     pub fn hit(
