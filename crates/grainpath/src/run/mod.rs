@@ -193,7 +193,7 @@ pub fn fills_in_windows(settings: &Settings) -> bool {
     matches!(settings.guide.kind, GuideKind::None | GuideKind::Angle)
         && settings.support.style == SupportStyle::None
         && settings.regions.is_empty()
-        && config::fibre(settings).is_none()
+        && !settings.fibre.enabled
         && steps.infill.mass_g.is_none()
         // What it could not lay as one path is told once for the whole part.
         && steps.infill.pattern != Pattern::Continuous
