@@ -1,6 +1,8 @@
-//! Builds the fuzz targets and runs them briefly. The coverage passes of the stable compiler are enough;
-//! no nightly compiler is needed.
+//! Builds the fuzz targets and runs them. The coverage passes of the stable compiler are enough; no nightly compiler is
+//! needed. Executions are added up in `docs/fuzzing.md`.
 
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::fs;
 use std::process::Command;
 
@@ -9,8 +11,82 @@ const FLAGS: &str = "--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer
                      -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
                      -Cllvm-args=-sanitizer-coverage-trace-compares -Ccodegen-units=1 -Cdebug-assertions=on";
 
-/// Runs every target for `seconds`; a crash, a hang over 10 s or more than 1 GiB fails.
-pub fn run(seconds: u64) -> Result<(), String> {
+/// What is known of a target: executions so far, and edges of its parsers that the last run reached.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Known {
+    executions: u64,
+    edges: u64,
+}
+
+/// The page with the running totals.
+const PAGE: &str = "docs/fuzzing.md";
+
+const TEXT: &str = "# Fuzzing
+
+Every reader of bytes has a target in `fuzz/fuzz_targets/`. `cargo xtask fuzz SECONDS --record` runs each that long and adds its executions here; `cargo xtask nightly` does so with 120 s. Edges are branches of the
+compiled target that the last run reached with its corpus, as libFuzzer counts them. A crash, a hang of more than 10 s or more than 1 GiB of memory stops the run.
+
+| target | executions so far | edges reached |
+|---|---|---|
+";
+
+/// The rows of the page.
+fn known(page: &str) -> BTreeMap<String, Known> {
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        let count = |text: &str| text.replace(' ', "").parse().ok();
+        let &[_, name, executions, edges, _] = cells.as_slice() else { return None };
+        Some((
+            name.trim_matches('`').to_owned(),
+            Known { executions: count(executions)?, edges: count(edges)? },
+        ))
+    };
+    page.lines().filter_map(row).collect()
+}
+
+/// A number with a blank before every three digits.
+fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let first = digits.len() % 3;
+    let groups = digits.as_bytes()[first..].chunks(3).map(|g| String::from_utf8_lossy(g).into_owned());
+    let head = (first > 0).then(|| digits[..first].to_owned());
+    head.into_iter().chain(groups).collect::<Vec<_>>().join(" ")
+}
+
+fn page(known: &BTreeMap<String, Known>) -> String {
+    let mut text = TEXT.to_owned();
+    for (name, row) in known {
+        writeln!(text, "| `{name}` | {} | {} |", grouped(row.executions), grouped(row.edges)).expect("text");
+    }
+    let all: u64 = known.values().map(|row| row.executions).sum();
+    writeln!(text, "| all | {} | |", grouped(all)).expect("text");
+    text
+}
+
+/// What libFuzzer says at the end of a run.
+fn outcome(log: &str) -> Option<Known> {
+    let number = |text: &str| -> Option<u64> { text.split_whitespace().next()?.parse().ok() };
+    let executions = log.rsplit("stat::number_of_executed_units:").next().and_then(number)?;
+    let edges = log.rsplit("cov: ").next().and_then(number)?;
+    Some(Known { executions, edges })
+}
+
+/// Arguments `[SECONDS] [--record]`.
+///
+/// # Errors
+/// As [`run`].
+pub fn command(words: &[&str], usage: &str) -> Result<(), String> {
+    let record = words.contains(&"--record");
+    match words.iter().filter(|w| **w != "--record").collect::<Vec<_>>().as_slice() {
+        [] => run(20, record),
+        [seconds] => run(seconds.parse().map_err(|_| usage.to_owned())?, record),
+        _ => Err(usage.to_owned()),
+    }
+}
+
+/// Runs every target for `seconds`, and adds its executions to the page where that is asked for; a crash, a hang over
+/// 10 s or more than 1 GiB fails.
+pub fn run(seconds: u64, record: bool) -> Result<(), String> {
     let dir = crate::root().join("fuzz");
     let triple = crate::output(Command::new("rustc").args(["--print", "host-tuple"]))?.trim().to_owned();
     crate::run(
@@ -23,6 +99,7 @@ pub fn run(seconds: u64) -> Result<(), String> {
         .filter_map(|f| Some(f.ok()?.path().file_stem()?.to_string_lossy().into_owned()))
         .collect();
     targets.sort();
+    let mut all = BTreeMap::new();
     for target in &targets {
         println!("-- fuzz {target}, {seconds} s");
         let corpus = dir.join("corpus").join(target);
@@ -37,12 +114,56 @@ pub fn run(seconds: u64) -> Result<(), String> {
             "-rss_limit_mb=1024".into(),
             "-malloc_limit_mb=512".into(),
             "-seed=1".into(),
-            "-verbosity=0".into(),
-            "-print_final_stats=0".into(),
+            "-verbosity=1".into(),
+            "-print_final_stats=1".into(),
             format!("-artifact_prefix={}/", artifacts.display()),
         ]);
-        crate::run(&mut command).map_err(|e| format!("fuzz target {target} failed: {e}"))?;
+        let out = command.output().map_err(|e| format!("cannot start {target}: {e}"))?;
+        let log = String::from_utf8_lossy(&out.stderr);
+        if !out.status.success() {
+            let last: Vec<&str> = log.lines().rev().take(40).collect();
+            let last: Vec<&str> = last.into_iter().rev().collect();
+            return Err(format!("fuzz target {target} failed:\n{}", last.join("\n")));
+        }
+        let found =
+            outcome(&log).ok_or_else(|| format!("fuzz target {target} told no number of executions"))?;
+        println!("   {} executions, {} edges", grouped(found.executions), grouped(found.edges));
+        all.insert(target.clone(), found);
     }
-    println!("{} fuzz targets ran clean", targets.len());
+    let sum: u64 = all.values().map(|row| row.executions).sum();
+    println!("{} fuzz targets ran clean, {} executions", targets.len(), grouped(sum));
+    if record {
+        let path = crate::root().join(PAGE);
+        let before = known(&fs::read_to_string(&path).unwrap_or_default());
+        for (name, row) in &mut all {
+            row.executions += before.get(name).map_or(0, |old| old.executions);
+        }
+        fs::write(&path, page(&all)).map_err(|e| format!("{PAGE}: {e}"))?;
+    }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn totals_survive_the_page() {
+        let row = |executions, edges| Known { executions, edges };
+        let all = BTreeMap::from([("gcode".to_owned(), row(1_234_567, 890)), ("job".to_owned(), row(12, 3))]);
+        let text = page(&all);
+        assert!(
+            text.contains("| `gcode` | 1 234 567 | 890 |") && text.contains("| all | 1 234 579 | |"),
+            "{text}"
+        );
+        assert_eq!(known(&text), all);
+    }
+
+    #[test]
+    fn the_end_of_a_run_is_read() {
+        let log = "#2 INITED cov: 12 ft: 13\n#900 NEW    cov: 345 ft: 400 corp: 8\nDone 5000 runs\n\
+                   stat::number_of_executed_units: 5000\nstat::average_exec_per_sec:     2500\n";
+        assert_eq!(outcome(log), Some(Known { executions: 5000, edges: 345 }));
+        assert_eq!(outcome("ended"), None);
+    }
 }

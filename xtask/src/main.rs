@@ -65,7 +65,8 @@ const USAGE: &str = "usage: cargo xtask <command>
   page [--write]   bundles the studio's page and compares it with the committed one, or renews that
   page test [PATH] tests of the page in Chromium, of the program at PATH (default target/ci/grainpath)
   python [--release]  builds the wheel of the Python package and runs its tests (--release: as published, from the sdist)
-  fuzz [SECONDS]   builds every fuzz target and runs it that long (default 20)
+  fuzz [SECONDS] [--record]  builds every fuzz target and runs it that long (default 20);
+                   --record adds the executions to docs/fuzzing.md
   campaign [MINUTES]  mutated files, kills and a full disk, against the program (default 10 minutes)
   book             the pages of docs/ as a site below target/book, no link dead; `book install` builds mdBook,
                    `book run [PAGE...]` runs the command blocks of the pages, `book pictures` renews their pictures,
@@ -115,8 +116,7 @@ fn main() -> ExitCode {
             .and_then(|path| page::test_in_browser(&path)),
         ["page", words @ ..] => page::run(words),
         ["python", words @ ..] => python::command(words),
-        ["fuzz"] => fuzz::run(20),
-        ["fuzz", seconds] => seconds.parse().map_err(|_| USAGE.to_owned()).and_then(fuzz::run),
+        ["fuzz", words @ ..] => fuzz::command(words, USAGE),
         ["setup"] => setup::tests(true).and_then(|_| setup::peers()),
         _ => Err(USAGE.to_owned()),
     };
@@ -142,11 +142,14 @@ struct TestOptions {
     allow_missing: bool,
     /// Time for each fuzz target, s.
     fuzz_seconds: u64,
+    /// Executions of fuzzers are added to the page.
+    fuzz_record: bool,
 }
 
 impl TestOptions {
     fn parse(words: &[&str]) -> Result<Self, String> {
-        let mut options = Self { quick: false, install: false, allow_missing: false, fuzz_seconds: 4 };
+        let mut options =
+            Self { quick: false, install: false, allow_missing: false, fuzz_seconds: 4, fuzz_record: false };
         for word in words {
             match *word {
                 "--quick" => options.quick = true,
@@ -249,7 +252,7 @@ fn test(options: &TestOptions) -> Outcome {
             Ok(()) => checks.run("Python package", || python::check(false))?,
             Err(problem) => checks.not_run.push(format!("the Python package: {problem}")),
         }
-        checks.run("fuzz targets", || fuzz::run(options.fuzz_seconds))?;
+        checks.run("fuzz targets", || fuzz::run(options.fuzz_seconds, options.fuzz_record))?;
     }
     checks.finish(options.allow_missing || options.quick)
 }
@@ -271,7 +274,13 @@ fn tests(words: &[&str]) -> Outcome {
 /// Everything that takes too long for every change: all of `test`, slow tests, long fuzzing, and the benches whose
 /// numbers are compared with something.
 fn nightly() -> Outcome {
-    test(&TestOptions { quick: false, install: true, allow_missing: false, fuzz_seconds: 120 })?;
+    test(&TestOptions {
+        quick: false,
+        install: true,
+        allow_missing: false,
+        fuzz_seconds: 120,
+        fuzz_record: true,
+    })?;
     let mut checks = Checks::default();
     let ignored = ignored::find(&source::read(&root())?.tests)?;
     let slow: Vec<&str> =
