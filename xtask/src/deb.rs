@@ -167,7 +167,42 @@ fn try_in_bare_root(package: &Path) -> Result<(), String> {
                   test ! -e /usr/bin/grainpath";
     let told = crate::output(Command::new("chroot").arg(&root).args(["/bin/sh", "-c", script]))?;
     println!("{told}installed, run and removed in a bare root");
+    try_image(&root)
+}
+
+/// Runs the commands of the second stage of `packaging/Dockerfile` in the bare root, and then the program as its user.
+/// The first stage compiles, and is that of the package.
+fn try_image(root: &Path) -> Result<(), String> {
+    let file = crate::root().join("packaging/Dockerfile");
+    let text = fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+    let commands = image_commands(&text);
+    if commands.is_empty() {
+        return Err(format!("{}: its second stage has no RUN", file.display()));
+    }
+    let program = crate::target().join("deb/tree/usr/bin/grainpath");
+    fs::copy(program, root.join("usr/bin/grainpath")).map_err(|e| e.to_string())?;
+    let inside =
+        |script: &str| crate::output(Command::new("chroot").arg(root).args(["/bin/sh", "-c", script]));
+    // A root that was used before has the user already.
+    let _ = inside("userdel --remove grain 2>/dev/null");
+    for command in &commands {
+        inside(&format!("set -e; export LC_ALL=C; {command}")).map_err(|e| format!("RUN {command}: {e}"))?;
+    }
+    let as_user = "set -e; rm -rf /work; mkdir /work; chown grain /work; cd /work; \
+                   su grain -c 'grainpath new plate && grainpath slice plate/plate.stl -o part.gcode' && test -s part.gcode; \
+                   rm /usr/bin/grainpath";
+    inside(as_user)?;
+    println!(
+        "{} commands of the Dockerfile's second stage ran in a bare root, and its user sliced a part",
+        commands.len()
+    );
     Ok(())
+}
+
+/// The `RUN` lines after the last `FROM`.
+fn image_commands(dockerfile: &str) -> Vec<String> {
+    let last = dockerfile.rsplit("\nFROM ").next().unwrap_or_default();
+    last.lines().filter_map(|l| l.strip_prefix("RUN ")).map(str::to_owned).collect()
 }
 
 fn version() -> Result<String, String> {
@@ -205,4 +240,15 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, String> {
     }
     all.sort();
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::image_commands;
+
+    #[test]
+    fn commands_of_the_last_stage_are_taken() {
+        let file = "FROM a AS build\nRUN make\n\nFROM b\nCOPY --from=build /x /x\nRUN one && two\nUSER c\nRUN three\n";
+        assert_eq!(image_commands(file), ["one && two", "three"]);
+    }
 }
