@@ -208,7 +208,7 @@ pub struct Specimen {
 /// `grainpath new`
 #[derive(Debug, clap::Args)]
 pub struct New {
-    /// Which example
+    /// Which example: plate, stress-lines, field, ct, woodgrain, tree-support or continuous
     pub preset: String,
     /// Where to [default: the example's name]
     pub dir: Option<PathBuf>,

@@ -37,8 +37,21 @@ pub fn read_job(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf, PathB
     Ok((settings, shape, folder))
 }
 
+/// Endings of files that hold a shape, which people give in the place of a job.
+const MODELS: [&str; 16] = [
+    "stl", "obj", "ply", "off", "3mf", "svg", "dxf", "png", "jpg", "jpeg", "bmp", "tif", "tiff", "nrrd",
+    "nii", "dcm",
+];
+
 /// The settings of a job, and the folder to which its paths are relative. The job need not have a shape.
 pub fn read_settings(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf), Failure> {
+    let ending = job.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    if MODELS.contains(&ending.as_str()) && job.is_file() {
+        let name = job.display();
+        return Err(Failure::usage(format!(
+            "{name}: a model and no job; `grainpath slice {name}` plans it with defaults, and a job names it in [shape]"
+        )));
+    }
     let text = files::read_text(job)?;
     let folder = job.parent().map(Path::to_owned).unwrap_or_default();
     let settings = settings(&text, &job.display().to_string(), sets, &folder)?;

@@ -82,7 +82,10 @@ fn input_files() {
     fails("directory", &["slice", "."], 3, "no DICOM, PNG, TIFF, BMP or JPEG slices in it");
     fails("bomb", &["slice", "bomb.3mf"], 3, "zip bomb");
     fails("missing mesh of a job", &["run", "missing.toml"], 3, "nowhere.stl");
-    fails("not a mesh", &["slice", "typo.toml"], 3, "not a mesh");
+    fails("not a mesh", &["slice", "typo.toml"], 3, "not a mesh, but a job: `grainpath run` takes it");
+    fails("a model for a job", &["run", "box.stl"], 2, "`grainpath slice box.stl` plans it");
+    fails("no photograph", &["slice", "nowhere.heic"], 3, "nowhere.heic: no such file");
+    fails("percent", &["slice", "box.stl", "--set", "fill.density=30"], 2, "should be from 0 to 1, is 30");
     fails("inspect empty", &["inspect", "empty.stl"], 3, "the file is empty");
     fails(
         "voxels",

@@ -454,6 +454,7 @@ mod tests {
                 "[[region]]\non = { layers = [[1, 2]] }\nfill = { pattern = \"stripes\" }\n",
                 "job.toml: in region[1]: fill.pattern = \"stripes\" needs a guide",
             ),
+            ("[fill]\ndensity = 30\n", "job.toml:2: fill.density should be from 0 to 1, is 30"),
             ("[fill]\nlines = 9\n", "job.toml:2: fill.lines should be from 1 to 8, is 9"),
             (
                 "[fill]\nlines = 2\ndensity = 1\n",

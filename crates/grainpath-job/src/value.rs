@@ -204,7 +204,10 @@ impl SettingValue for f64 {
 impl SettingValue for Density {
     const KIND: &'static str = "number";
     fn from_toml(value: &Value) -> Result<Self, ValueError> {
-        f64::from_toml(value).map(Self::new)
+        // `Density::new` takes whatever is above 1 for dense, and 30 is meant as a percentage.
+        let number = f64::from_toml(value)?;
+        let problem = Problem::Range { low: 0.0, high: 1.0, found: number };
+        if (0.0..=1.0).contains(&number) { Ok(Self::new(number)) } else { Err(problem.into()) }
     }
     fn to_text(&self) -> String {
         self.fraction().to_text()

@@ -17,6 +17,22 @@ fn has_ending(path: &Path, endings: &[&str]) -> bool {
 const PICTURES: [&str; 11] =
     ["png", "jpg", "jpeg", "bmp", "heic", "heif", "webp", "avif", "gif", "jp2", "jxl"];
 
+/// How many of those are read.
+const PICTURES_READ: usize = 4;
+
+/// Files that are no shape, by their endings, and what takes them.
+const NO_SHAPES: [(&[&str], &str); 3] = [
+    (&["toml"], "not a mesh, but a job: `grainpath run` takes it"),
+    (
+        &["gcode", "gco", "g"],
+        "not a mesh, but a program already: `grainpath inspect`, `render` and `strength` take it",
+    ),
+    (
+        &["vtu", "vtk", "frd", "msh", "inp", "csv", "npy", "npz"],
+        "not a mesh, but values at points: guide.import takes stress, guide.field directions, and `grainpath inspect` says which it is",
+    ),
+];
+
 /// The job of a file that is sliced without one, and what it takes the file for, where that is more than its kind.
 fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
     // JSON strings are TOML strings too, so a path with quotes or backslashes is escaped correctly.
@@ -78,6 +94,21 @@ pub fn job_text(model: &Path) -> Result<Option<String>, Failure> {
 
 /// `grainpath slice`
 pub fn slice(args: &Slice) -> Result<(), Failure> {
+    let name = args.model.display();
+    if args.model.is_file() {
+        if let Some((_, what)) = NO_SHAPES.iter().find(|(endings, _)| has_ending(&args.model, endings)) {
+            return Err(Failure::input(format!("{name}: {what}")));
+        }
+        // A photograph has no size, and any default would be a guess.
+        let says_size = args.common.sets.iter().any(|s| s.starts_with("shape.photo"));
+        if has_ending(&args.model, &PICTURES[..PICTURES_READ]) && !says_size {
+            return Err(Failure::usage(
+                "a photograph needs --set shape.photo.size_mm=[WIDTH,HEIGHT] --set shape.photo.thickness_mm=N",
+            ));
+        }
+    } else if has_ending(&args.model, &PICTURES) {
+        return Err(Failure::input(format!("{name}: no such file or directory")));
+    }
     let (job, assumed) = job_of(&args.model)?;
     let mut settings = settings(&job, "--set", &args.common.sets, Path::new(""))?;
     if args.model == Path::new("-") && args.output.is_none() {

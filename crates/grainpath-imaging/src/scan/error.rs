@@ -25,8 +25,8 @@ pub enum ScanError {
         "{section}.window = [{first}, {last}]: should be the first and last of {n} slices, counted from 0"
     )]
     Window { section: &'static str, first: usize, last: usize, n: usize },
-    #[error("the file states no {what}; set {section}.{key}")]
-    NoSpacing { what: &'static str, section: &'static str, key: &'static str },
+    #[error("the file states no {what}; set {keys}")]
+    NoSpacing { what: String, keys: String },
     #[error(
         "none of {voxels} voxels looked at is a number (all are NaN or infinite); check the sample type and the byte order"
     )]

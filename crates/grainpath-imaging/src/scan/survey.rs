@@ -59,16 +59,21 @@ impl Lattice {
         if first > last || last >= n {
             return Err(ScanError::Window { section: s.section, first, last, n });
         }
-        let mut spacing_mm = [0.0; 3];
-        for k in 0..3 {
-            // A value from the job wins over that of the file: headers are often wrong.
-            let Some(mm) = s.spacing_mm[k].or(info.spacing_mm[k]) else {
-                let (key, what) =
-                    if k == 2 { ("slice_mm", "distance of slices") } else { ("pixel_mm", "size of pixels") };
-                return Err(ScanError::NoSpacing { what, section: s.section, key });
+        // A value from the job wins over that of the file: headers are often wrong.
+        let known = [0, 1, 2].map(|k| s.spacing_mm[k].or(info.spacing_mm[k]));
+        let [Some(dx), Some(dy), Some(dz)] = known else {
+            // Both are named at once, so that nobody is sent back twice.
+            let is_lacking = [known[0].and(known[1]).is_none(), known[2].is_none()];
+            let list = |words: [String; 2], and: &str| {
+                let lacking = words.into_iter().zip(is_lacking).filter(|(_, lacks)| *lacks);
+                lacking.map(|(word, _)| word).collect::<Vec<_>>().join(and)
             };
-            spacing_mm[k] = mm * s.scale;
-        }
+            return Err(ScanError::NoSpacing {
+                what: list(["size of pixels", "distance of slices"].map(str::to_owned), " and no "),
+                keys: list(["pixel_mm", "slice_mm"].map(|key| format!("{}.{key}", s.section)), " and "),
+            });
+        };
+        let spacing_mm = [dx, dy, dz].map(|mm| mm * s.scale);
         let count = last - first + 1;
         // A slice distance from the job replaces uneven positions too.
         let even = s.spacing_mm[2].is_some() || info.z_mm.is_empty();

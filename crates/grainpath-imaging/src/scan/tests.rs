@@ -332,7 +332,11 @@ fn thresholds_that_make_no_sense_say_so() {
     let mut unknown = Phantom::new(sphere, [50, 50, 20], [0.4, 0.4, 1.0]);
     unknown.info.spacing_mm[2] = None;
     let error = slice_scan(&mut unknown, &settings(), &Diagnostics::default()).expect_err("no spacing");
-    assert!(error.to_string().contains("set shape.ct.slice_mm"));
+    assert!(error.to_string().contains("no distance of slices; set shape.ct.slice_mm"));
+    unknown.info.spacing_mm = [None; 3];
+    let error = slice_scan(&mut unknown, &settings(), &Diagnostics::default()).expect_err("no spacing");
+    let both = "no size of pixels and no distance of slices; set shape.ct.pixel_mm and shape.ct.slice_mm";
+    assert!(error.to_string().contains(both), "{error}");
 }
 
 #[test]
