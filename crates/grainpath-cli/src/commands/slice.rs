@@ -13,12 +13,15 @@ fn has_ending(path: &Path, endings: &[&str]) -> bool {
     path.extension().is_some_and(|e| endings.iter().any(|d| e.eq_ignore_ascii_case(d)))
 }
 
-/// Endings of pictures. The last seven are known and not read, so that the error names them.
-const PICTURES: [&str; 11] =
-    ["png", "jpg", "jpeg", "bmp", "heic", "heif", "webp", "avif", "gif", "jp2", "jxl"];
+/// Endings of pictures that are read.
+const PICTURES: [&str; 4] = ["png", "jpg", "jpeg", "bmp"];
 
-/// How many of those are read.
-const PICTURES_READ: usize = 4;
+/// Endings of pictures that are known and not read, so that the error names them.
+const OTHER_PICTURES: [&str; 7] = ["heic", "heif", "webp", "avif", "gif", "jp2", "jxl"];
+
+fn is_picture(path: &Path) -> bool {
+    has_ending(path, &PICTURES) || has_ending(path, &OTHER_PICTURES)
+}
 
 /// Files that are no shape, by their endings, and what takes them.
 const NO_SHAPES: [(&[&str], &str); 3] = [
@@ -37,7 +40,7 @@ const NO_SHAPES: [(&[&str], &str); 3] = [
 fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
     // JSON strings are TOML strings too, so a path with quotes or backslashes is escaped correctly.
     let file = serde_json::Value::from(model.display().to_string());
-    if has_ending(model, &PICTURES) {
+    if is_picture(model) {
         // Skins would hide the grain, and sparse lines along it would touch nothing beside them.
         let job = format!(
             "[shape.photo]\nfiles = [{file}]\n# size_mm = [200, 100]    # width and height of the board: measure it\n# thickness_mm = 6\n\n\
@@ -101,12 +104,12 @@ pub fn slice(args: &Slice) -> Result<(), Failure> {
         }
         // A photograph has no size, and any default would be a guess.
         let says_size = args.common.sets.iter().any(|s| s.starts_with("shape.photo"));
-        if has_ending(&args.model, &PICTURES[..PICTURES_READ]) && !says_size {
+        if has_ending(&args.model, &PICTURES) && !says_size {
             return Err(Failure::usage(
                 "a photograph needs --set shape.photo.size_mm=[WIDTH,HEIGHT] --set shape.photo.thickness_mm=N",
             ));
         }
-    } else if has_ending(&args.model, &PICTURES) {
+    } else if is_picture(&args.model) {
         return Err(Failure::input(format!("{name}: no such file or directory")));
     }
     let (job, assumed) = job_of(&args.model)?;
