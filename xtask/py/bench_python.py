@@ -175,7 +175,8 @@ def on_two_workers(gigabytes):
         ran = subprocess.run([sys.executable, "-P", "-c", WHOLE, path, program], capture_output=True, text=True, check=True)
         whole_s, whole_mib = map(float, ran.stdout.split())
         print(f"{planes} planes in one process: {whole_s:.1f} s of processor time, {whole_mib:.0f} MiB", flush=True)
-        cluster = distributed.LocalCluster(2, threads_per_worker=1, memory_limit="1GiB", dashboard_address=":0", env=gp.cluster.MEMORY)
+        with gp.cluster.keeping_memory():
+            cluster = distributed.LocalCluster(2, threads_per_worker=1, memory_limit="1GiB", dashboard_address=":0")
         with cluster, distributed.Client(cluster) as client:
             job = gp.Job(process__layer_height_mm=0.2, fill__density=0.2)
             idle = client.run(used)

@@ -69,6 +69,14 @@ def run_job(job: str, options: Sequence[str]) -> Row:
     return row
 
 
+def keeping_memory() -> Any:
+    """Workers that are started here meanwhile get :data:`MEMORY`. It has to be there before their process is: the C library
+    reads it once, and ``env=`` of a worker comes later."""
+    dask: Any = importlib.import_module("dask")
+    key = "distributed.nanny.pre-spawn-environ"
+    return dask.config.set({key: {**dask.config.get(key, {}), **MEMORY}})
+
+
 def connect(scheduler: str, workers: int | None = None) -> Any:
     """A Dask client of a scheduler; ``local`` starts workers on this machine. Workers of another version are refused."""
     try:
@@ -78,9 +86,10 @@ def connect(scheduler: str, workers: int | None = None) -> Any:
     if scheduler == "local":
         n = workers or os.cpu_count() or 1
         # One thread a worker: jobs are processes, and memory is that of one job.
-        cluster = distributed.LocalCluster(
-            n_workers=n, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=0, env=MEMORY
-        )
+        with keeping_memory():
+            cluster = distributed.LocalCluster(
+                n_workers=n, threads_per_worker=1, processes=True, dashboard_address=":0", memory_limit=0
+            )
         client = distributed.Client(cluster)
         client._grainpath_cluster = cluster
     else:
