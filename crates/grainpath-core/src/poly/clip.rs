@@ -123,12 +123,28 @@ impl LineClipper {
         self.contains(a) && self.contains(b) && !self.meets(a, b)
     }
 
+    /// Whether a line begins inside, as its crossings count. For a first point on the border that is
+    /// not what [`Self::contains`] says: so the middle of the longest stretch without a crossing
+    /// is asked, and each crossing before it changes the side.
+    fn begins_inside(&self, line: &[DVec2]) -> bool {
+        let &[a, b, ..] = line else { return line.first().is_some_and(|&p| self.contains(p)) };
+        let mut stops = vec![0.0];
+        stops.extend(self.crossings(a, b).into_iter().map(|c| c.t));
+        stops.push(1.0);
+        // Of stretches of equal length the first is taken.
+        let longest = (1..stops.len()).fold(1, |best, k| {
+            if stops[k] - stops[k - 1] > stops[best] - stops[best - 1] { k } else { best }
+        });
+        let there = self.contains(a.lerp(b, 0.5 * (stops[longest - 1] + stops[longest])));
+        there ^ ((longest - 1) % 2 == 1)
+    }
+
     /// The pieces of `line` inside the region, in order. A piece that runs exactly along an edge
     /// counts as inside on one side only (half-open rule).
     pub fn clip(&self, line: &[DVec2]) -> Vec<ClippedLine> {
         let mut out: Vec<ClippedLine> = Vec::new();
         let Some(&first) = line.first() else { return out };
-        let inside = self.contains(first);
+        let inside = self.begins_inside(line);
         let begin = |p: DVec2, at: f64| ClippedLine { points: vec![p], at: vec![at] };
         let mut current = inside.then(|| begin(first, 0.0));
         for (i, w) in line.windows(2).enumerate() {
@@ -199,6 +215,28 @@ mod tests {
         assert!(clipper.segment_inside(DVec2::new(1.0, 1.0), DVec2::new(9.0, 1.0)));
         assert!(!clipper.segment_inside(DVec2::new(1.0, 5.0), DVec2::new(9.0, 5.0)));
         assert!(LineClipper::new(&Region::default()).clip(&[DVec2::ZERO, DVec2::X]).is_empty());
+    }
+
+    #[test]
+    fn a_line_from_border_to_border_is_whole() {
+        // Ends exactly on the border, where `contains` and crossings need not agree.
+        let (low, high) = (DVec2::splat(0.2271), DVec2::new(44.7729, 22.2729));
+        let clipper = LineClipper::new(&Region::rectangle(low, high));
+        for k in 0..200 {
+            let share = f64::from(k) / 200.0 + 0.0021;
+            let p = low + share * (high - low);
+            let up = [DVec2::new(p.x, low.y), DVec2::new(p.x, 11.0), DVec2::new(p.x, high.y)];
+            let across = [DVec2::new(low.x, p.y), DVec2::new(20.0, p.y), DVec2::new(high.x, p.y)];
+            for mut line in [up, across] {
+                for _ in 0..2 {
+                    let pieces = clipper.clip(&line);
+                    let length: f64 =
+                        pieces.iter().flat_map(|p| p.points.windows(2)).map(|w| w[0].distance(w[1])).sum();
+                    assert!((length - line[0].distance(line[2])).abs() < 1e-9, "{line:?}: {length}");
+                    line.reverse();
+                }
+            }
+        }
     }
 
     proptest! {
