@@ -61,6 +61,11 @@ pub enum Command {
         after_help = "Examples:\n  grainpath compare along.toml across.toml --same-mass\n  grainpath compare ours.gcode theirs.gcode --job bracket.toml"
     )]
     Compare(Compare),
+    /// Say which way up a job's part carries its loads best: stable poses, ranked
+    #[command(
+        after_help = "Examples:\n  grainpath orient bracket.toml\n  grainpath orient bracket.toml --write --json"
+    )]
+    Orient(Orient),
     /// Draw a layer of a G-code file
     #[command(
         after_help = "Examples:\n  grainpath render part.gcode --layer 20 -o layer.svg\n  grainpath render part.gcode --part --size 2000"
@@ -114,6 +119,7 @@ impl Command {
             Self::Profiles(a) => a.json,
             Self::Strength(a) => a.common.json,
             Self::Compare(a) => a.common.json,
+            Self::Orient(a) => a.common.json,
             #[cfg(feature = "studio")]
             Self::Studio(_) => false,
             Self::Doctor(a) => a.json,
@@ -279,6 +285,18 @@ pub struct Compare {
     /// Folder for a picture of the damage of each
     #[arg(long, value_name = "DIR")]
     pub preview: Option<PathBuf>,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `grainpath orient`
+#[derive(Debug, clap::Args)]
+pub struct Orient {
+    /// Job file with fixtures and loads
+    pub job: PathBuf,
+    /// Write the rotation of the best pose into the job as shape.rotate_deg
+    #[arg(long)]
+    pub write: bool,
     #[command(flatten)]
     pub common: Common,
 }

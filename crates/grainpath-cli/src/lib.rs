@@ -99,6 +99,7 @@ pub fn main_with(args: impl IntoIterator<Item = OsString>) -> u8 {
         Command::Inspect(a) => commands::inspect::inspect(&a),
         Command::Strength(a) => commands::strength::strength(&a),
         Command::Compare(a) => commands::compare::compare(&a),
+        Command::Orient(a) => commands::orient::orient(&a),
         Command::Render(a) => commands::render::render(&a),
         Command::Markers(a) => commands::markers::markers(&a),
         Command::Schema(a) => commands::schema::schema(&a),

@@ -29,6 +29,7 @@
 
 pub mod choices;
 mod combinations;
+pub mod edit;
 mod error;
 mod layer_angles;
 pub mod loads;

@@ -7,6 +7,7 @@
 
 pub mod run;
 pub mod error;
+pub mod orient;
 pub mod measure;
 pub mod support;
 pub mod region;

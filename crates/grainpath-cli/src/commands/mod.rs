@@ -9,6 +9,7 @@ mod inspect_scan;
 pub mod licences;
 pub mod markers;
 pub mod new;
+pub mod orient;
 pub mod profiles;
 pub mod render;
 pub mod run;

@@ -42,6 +42,10 @@ pub(crate) use plane::constant_section;
 use crate::shape::Standing;
 pub use results::{Families, ResultSurface};
 
+/// Distance from grips and rollers within which elements cannot fail, mm: stress there depends on the machine's contact
+/// and not on the part.
+pub const UNBREAKABLE_MM: f64 = 1.5;
+
 /// Why a guide cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[allow(missing_docs)]
@@ -243,6 +247,13 @@ impl Guide {
     /// The largest equivalent stress at a node of any case, MPa, and the position of that node, mm.
     pub fn peak_stress(&self) -> Option<(f64, DVec3)> {
         trust::peak_stress(&self.results)
+    }
+
+    /// Where fixtures and loads act and what lies so near to them that it does not fail in a strength test with cells of
+    /// this size.
+    pub fn grips(&self, cell_mm: f64) -> Vec<Selection> {
+        // The nodes of the test are up to three quarters of a cell away, and cells up to one from those.
+        self.places.iter().map(|on| on.grown(UNBREAKABLE_MM + 1.75 * cell_mm)).collect()
     }
 
     /// Whether the peak stress can be trusted: neither far beyond the strength nor hidden by the mesh.

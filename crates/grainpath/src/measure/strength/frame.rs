@@ -85,7 +85,7 @@ impl Frame {
 }
 
 /// Corners of the convex hull, counter-clockwise (`andrew1979` in docs/references.bib).
-fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
+pub(crate) fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     points.dedup();
     let mut hull: Vec<DVec2> = Vec::new();

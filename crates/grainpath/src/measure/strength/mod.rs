@@ -30,6 +30,7 @@ use crate::error_kind::ErrorKind;
 use crate::guide::GuideError;
 use brick_setup::PreparedSolid;
 use frame::Frame;
+pub(crate) use frame::convex_hull;
 use grainpath_job::MaterialSection;
 use grainpath_job::choices::{self, Choice};
 pub use printed::PrintedPart;
@@ -167,6 +168,18 @@ impl StrengthSettings {
     /// [`StrengthError::NoCard`] naming every strength that is missing.
     pub fn cards(&self, corner: Corner) -> Result<Vec<StrengthCard>, StrengthError> {
         std::iter::once(&self.material).chain(&self.fibre).map(|m| card(m, corner)).collect()
+    }
+
+    /// The cards of the part's material at its low, nominal and high strengths.
+    ///
+    /// # Errors
+    /// [`StrengthError::NoCard`] naming every strength that is missing.
+    pub fn told_cards(&self) -> Result<[StrengthCard; 3], StrengthError> {
+        Ok([
+            card(&self.material, CORNERS[1])?,
+            card(&self.material, CORNERS[0])?,
+            card(&self.material, CORNERS[2])?,
+        ])
     }
 
     /// Where the strengths come from.

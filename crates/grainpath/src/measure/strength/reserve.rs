@@ -25,7 +25,7 @@ use grainpath_gcode::Program;
 use serde::Serialize;
 
 use super::frame::Frame;
-use super::setup::{Fidelity, UNBREAKABLE_MM, layers_of_part, sheets_of};
+use super::setup::{Fidelity, layers_of_part, sheets_of};
 use super::{CORNERS, Corner, StrengthError, StrengthSettings, cell_sizes_mm, digits};
 use crate::guide::{CaseStress, Guide};
 
@@ -171,8 +171,7 @@ impl<'a> LaidCells<'a> {
         let cell_mm = settings.cell_mm.unwrap_or(usual_mm.max(smallest_mm));
         let spacing_mm = settings.bead_mm / density.fraction().max(0.02);
         let window_mm = (!density.is_dense()).then_some(0.5 * WINDOW_LINES * spacing_mm);
-        // The reach of the test: its nodes are up to three quarters of a cell away, and cells up to one from those.
-        let grips = guide.places.iter().map(|on| on.grown(UNBREAKABLE_MM + 1.75 * cell_mm)).collect();
+        let grips = guide.grips(cell_mm);
         let floor_mm = of_stack.first().map_or(0.0, |l| l.z_top_mm() - l.height_mm());
         Ok(Self { sheets, frame, cards, fidelity, cell_mm, floor_mm, stack, window_mm, grips })
     }

@@ -17,6 +17,7 @@ use grainpath_job::choices;
 
 use super::frame::Frame;
 use super::{CORNERS, PlacedCells, StrengthError, StrengthSettings};
+pub(super) use crate::guide::UNBREAKABLE_MM;
 use crate::guide::constant_section;
 
 /// Cells filled to a smaller share of their height are left out.
@@ -27,9 +28,6 @@ const LEAST_FILLED: f64 = 0.02;
 const OUTSIDE_MM: f64 = 1.0;
 const MOST_OUTSIDE: f64 = 0.05;
 const SECTIONS: usize = 9;
-/// Distance from grips and rollers within which elements cannot fail, mm: stress there depends on
-/// the machine's contact and not on the part.
-pub(super) const UNBREAKABLE_MM: f64 = 1.5;
 
 /// The model of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,0 +1,214 @@
+//! `grainpath orient`: which way up a part carries its loads best.
+
+use std::path::Path;
+use std::time::Instant;
+
+use grainpath::orient::{self, BeadDirections, Pose, PoseReserve};
+use grainpath::run::config;
+use grainpath::run::placed_mesh;
+use grainpath_core::Diagnostics;
+use grainpath_core::units::bead_area_mm2;
+use grainpath_io::MeshFile;
+use grainpath_job::Settings;
+use grainpath_job::choices::{LoadFrame, Pattern, SupportStyle};
+use grainpath_job::edit::with_value;
+use serde_json::{Value, json};
+
+use crate::args::Orient;
+use crate::commands::run::checked;
+use crate::commands::support::grow;
+use crate::inputs::{Given, Handed, read_body, read_job, set_threads, settings as settings_of};
+use crate::{Failure, files, outputs, progress};
+
+/// Poses that are ranked. Source: derived. A part of printing's usual shapes has six to ten; each costs the growth of its
+/// supports.
+const MOST_POSES: usize = 10;
+
+/// A pose and what speaks for it.
+#[derive(Debug)]
+struct Ranked {
+    rotate_deg: [f64; 3],
+    /// The factor on the loads at first failure; left out where none can be told.
+    reserve: Option<PoseReserve>,
+    /// Mass of the supports that the pose needs.
+    support_g: f64,
+    height_mm: f64,
+    /// Time to lay part and supports at the speed of infill, without travels.
+    time_s: f64,
+    /// The flat that it stands on, and the tilt that it withstands.
+    flat_mm2: f64,
+    tilt_deg: f64,
+}
+
+impl Ranked {
+    fn json(&self) -> Value {
+        let mut value = json!({
+            "rotate_deg": self.rotate_deg, "support_g": self.support_g, "height_mm": self.height_mm,
+            "time_s": self.time_s, "flat_mm2": self.flat_mm2, "tilt_deg": self.tilt_deg,
+        });
+        if let Some(reserve) = &self.reserve {
+            value["reserve"] = json!(reserve);
+        }
+        value
+    }
+}
+
+/// `grainpath orient`
+pub fn orient(args: &Orient) -> Result<(), Failure> {
+    set_threads(args.common.threads)?;
+    let (settings, shape, folder) = read_job(&args.job, &args.common.sets)?;
+    let has_places = !settings.guide.fixture.is_empty()
+        || !settings.guide.load.is_empty()
+        || !settings.guide.case.is_empty();
+    if args.write && has_places && settings.guide.frame == LoadFrame::Placed {
+        return Err(Failure::usage(format!(
+            "{}: --write turns the part, and its loads only with guide.frame = \"part\", whose coordinates are those of the shape's file",
+            args.job.display()
+        )));
+    }
+    let diagnostics = progress::diagnostics();
+    if settings.shape.mesh.is_empty() && settings.shape.outline.is_empty() {
+        return Err(Failure::usage("orient needs a part from a mesh or an outline"));
+    }
+    let (file, _) = read_body(&settings, &shape, &diagnostics)?;
+    let start = Instant::now();
+    let given = Given { shape: Some(Handed::Mesh(file.clone())), ..Given::default() };
+    let guide = checked(&settings, given, &shape, &folder, &diagnostics)?;
+    let solve_s = start.elapsed().as_secs_f64();
+    let source = |source| grainpath::Error::Shape { path: shape.display().to_string(), source };
+    let placed = placed_mesh(&config::placing(&settings), file.clone(), &diagnostics).map_err(source)?;
+    let turned = config::standing(&settings, placed.lowered_mm).rotation;
+    let poses = orient::poses(&placed.mesh, turned.transpose(), MOST_POSES)
+        .map_err(|e| Failure { code: 4, ..Failure::usage(format!("{}: {e}", shape.display())) })?;
+    let strength = config::strength(&settings);
+    let beads = beads(&settings);
+    let mut ranked = Vec::with_capacity(poses.len());
+    for pose in &poses {
+        diagnostics.check().map_err(grainpath::Error::from)?;
+        let reserve = orient::reserve(&guide, pose.rotation(), &beads, &strength);
+        let reserve = reserve.map_err(grainpath::Error::from)?;
+        ranked.push(ranked_pose(&settings, pose, reserve, file.clone(), &shape)?);
+    }
+    let key = |r: &Ranked| {
+        let nominal = r.reserve.as_ref().map(|r| r.first_failure[1]);
+        orient::rank(nominal, r.support_g, r.height_mm, r.time_s)
+    };
+    // Equal ranks keep the order of their flats.
+    ranked.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
+    let warnings = diagnostics.warnings();
+    drop(diagnostics);
+    if args.common.strict && !warnings.is_empty() {
+        return Err(Failure::strict(warnings, false));
+    }
+    let mut written = None;
+    if args.write {
+        let [x, y, z] = ranked[0].rotate_deg;
+        let rotation = format!("[{x}, {y}, {z}]");
+        let text = with_value(&files::read_text(&args.job)?, "shape", "rotate_deg", &rotation);
+        let text = text.filter(|text| {
+            let read = settings_of(text, "job", &[], &folder);
+            read.is_ok_and(|s| s.shape.rotate_deg == ranked[0].rotate_deg)
+        });
+        let refused = || {
+            Failure::usage(format!(
+                "{}: there is no line [shape] to write below; add shape.rotate_deg = {:?} by hand",
+                args.job.display(),
+                ranked[0].rotate_deg
+            ))
+        };
+        outputs::save(&args.job, text.ok_or_else(refused)?.as_bytes())?;
+        written = Some(args.job.display().to_string());
+    }
+    if args.common.json {
+        let mut value = json!({
+            "ok": true, "version": env!("CARGO_PKG_VERSION"), "poses": ranked.iter().map(Ranked::json).collect::<Vec<_>>(),
+            "stages_s": { "guide": (solve_s * 1e4).round() / 1e4 }, "warnings": warnings,
+        });
+        if let Some(job) = written {
+            value["outputs"] = json!({ "job": job });
+        }
+        files::print(&format!("{value}\n"));
+    } else {
+        let mut text = table(&ranked);
+        warnings.iter().for_each(|w| text.push_str(&format!("warning: {w}\n")));
+        written.iter().for_each(|job| text.push_str(&format!("job: {job}\n")));
+        files::print(&text);
+    }
+    Ok(())
+}
+
+/// The directions of beads in a layer of the job.
+fn beads(settings: &Settings) -> BeadDirections {
+    match settings.fill.pattern {
+        Pattern::Stripes | Pattern::Streamlines | Pattern::SeedLines | Pattern::Continuous => {
+            BeadDirections::AlongStress
+        }
+        Pattern::Rectilinear
+        | Pattern::Grid
+        | Pattern::Triangles
+        | Pattern::Gyroid
+        | Pattern::Concentric
+        | Pattern::Honeycomb
+        | Pattern::Aligned => {
+            let first = settings.fill.angles_deg.ranges().first();
+            let angles = first.map_or(vec![0.0], |r| r.angles_deg.iter().map(|a| a.to_radians()).collect());
+            BeadDirections::Raster(angles)
+        }
+    }
+}
+
+fn ranked_pose(
+    settings: &Settings,
+    pose: &Pose,
+    reserve: Option<PoseReserve>,
+    file: MeshFile,
+    shape: &Path,
+) -> Result<Ranked, Failure> {
+    let mut settings = settings.clone();
+    settings.shape.rotate_deg = pose.rotate_deg;
+    if settings.support.style == SupportStyle::None {
+        settings.support.style = SupportStyle::Tree;
+    }
+    // Each pose has warnings of its own, of which its run tells.
+    let quiet = Diagnostics::default();
+    let grown = grow(&settings, file, &shape.display().to_string(), &quiet)?;
+    let supports_mm3 =
+        grown.support.beads_mm3(&grown.stack).unwrap_or_else(|| grown.support.volume_mm3(&grown.stack));
+    let part_mm3: f64 = grown.stack.layers().iter().map(|l| l.region().area_mm2() * l.height_mm()).sum();
+    let p = &settings.process;
+    let flow_mm3_s = bead_area_mm2(p.bead_width_mm, p.layer_height_mm) * p.solid_speed_mm_s;
+    // Adding zero turns -0, the volume of no support, into 0.
+    let round = |v: f64, to: f64| (v * to).round() / to + 0.0;
+    Ok(Ranked {
+        rotate_deg: pose.rotate_deg,
+        reserve,
+        support_g: round(supports_mm3 * 1e-3 * settings.material.density_g_cm3, 100.0),
+        height_mm: round(pose.height_mm, 100.0),
+        time_s: round((part_mm3 + supports_mm3) / flow_mm3_s, 1.0),
+        flat_mm2: round(pose.flat_mm2, 10.0),
+        tilt_deg: round(pose.tilt_deg, 10.0),
+    })
+}
+
+/// The poses as a table, the best first.
+fn table(ranked: &[Ranked]) -> String {
+    let mut out = String::from(
+        "rank  rotate_deg               first failure (low to high)   support g  height mm  about s  flat mm2\n",
+    );
+    for (k, r) in ranked.iter().enumerate() {
+        let rotation = format!("[{}, {}, {}]", r.rotate_deg[0], r.rotate_deg[1], r.rotate_deg[2]);
+        let reserve = r.reserve.as_ref().map_or("none told".to_owned(), |f| {
+            let [low, nominal, high] = f.first_failure;
+            format!("{nominal:.2} ({low:.2} to {high:.2})")
+        });
+        out.push_str(&format!(
+            "{:<5} {rotation:<24} {reserve:<29} {:>9.2} {:>10.2} {:>8.0} {:>9.1}\n",
+            k + 1,
+            r.support_g,
+            r.height_mm,
+            r.time_s,
+            r.flat_mm2
+        ));
+    }
+    out
+}

@@ -1,0 +1,70 @@
+//! Which way up a part carries its loads.
+
+mod support;
+
+use std::fs;
+
+use support::{box_stl, folder, grainpath, json};
+
+const JOB: &str = "
+[shape]
+mesh = \"bar.stl\"
+
+[guide]
+kind = \"stress\"
+frame = \"part\"
+
+[[guide.fixture]]
+on = { box_mm = [[0, 0, 0], [8, 8, 4]] }
+fix = \"xyz\"
+
+[[guide.load]]
+on = { box_mm = [[0, 0, 26], [8, 8, 30]] }
+force_n = [0, 0, 400]
+
+[fill]
+pattern = \"stripes\"
+density = 1.0
+";
+
+#[test]
+fn a_bar_is_laid_down_so_that_its_layers_do_not_part() {
+    let dir = folder("orient bar");
+    // Pulled along z, and standing on its end as it comes.
+    fs::write(dir.join("bar.stl"), box_stl([8.0, 8.0, 30.0])).expect("written");
+    fs::write(dir.join("bar.toml"), JOB).expect("written");
+    let out = grainpath(&dir, &["orient", "bar.toml", "--json", "--write"]);
+    let report = json(&out);
+    assert!(out.status.success(), "{report}");
+    let poses = report["poses"].as_array().expect("poses");
+    assert_eq!(poses.len(), 6);
+    let nominal = |k: usize| poses[k]["reserve"]["first_failure"][1].as_f64().expect("a factor");
+    let height = |k: usize| poses[k]["height_mm"].as_f64().expect("a height");
+    // Lying the load runs along the beads, standing from layer to layer: strengths of 52 and 40 MPa of the card.
+    assert!((0..4).all(|k| height(k) == 8.0) && (4..6).all(|k| height(k) == 30.0), "{report}");
+    let ratio = nominal(0) / nominal(5);
+    assert!(ratio > 1.1 && ratio < 1.6, "{ratio}: {report}");
+    assert_eq!(poses[5]["reserve"]["mode"], "between layers");
+    // The job that was written is planned in that pose, loads turned with it.
+    let run = json(&grainpath(&dir, &["run", "bar.toml", "--json"]));
+    assert_eq!(run["z_max_mm"], 8.0, "{run}");
+    let told = run["reserve"]["first_failure"][1].as_f64().expect("a factor");
+    assert!((told / nominal(0) - 1.0).abs() < 0.3, "{told} {}", nominal(0));
+}
+
+#[test]
+fn what_cannot_stand_or_turn_is_refused_in_a_line() {
+    let dir = folder("orient refused");
+    fs::write(dir.join("bar.stl"), box_stl([8.0, 8.0, 30.0])).expect("written");
+    fs::write(dir.join("plate.toml"), JOB.replace("frame = \"part\"", "")).expect("written");
+    let out = grainpath(&dir, &["orient", "plate.toml", "--write", "--json"]);
+    assert_eq!(out.status.code(), Some(2));
+    assert!(json(&out)["error"].as_str().expect("a line").contains("guide.frame = \"part\""));
+    // Half a millimetre wide, it stands on none of its sides.
+    let thin = JOB.replace("[8, 8,", "[1, 1,");
+    fs::write(dir.join("bar.stl"), box_stl([1.0, 1.0, 30.0])).expect("written");
+    fs::write(dir.join("thin.toml"), thin).expect("written");
+    let out = grainpath(&dir, &["orient", "thin.toml", "--json"]);
+    assert_eq!(out.status.code(), Some(4), "{}", String::from_utf8_lossy(&out.stdout));
+    assert!(json(&out)["error"].as_str().expect("a line").contains("no flat to stand on"));
+}
