@@ -65,7 +65,7 @@ warning_ids! {
         "Two regions of the job cover the same place; the later one counts there.",
         "cut the regions to size, or order them so that the one that should count comes last";
     RegionsSeam = "regions-seam",
-        "Dense infill or skins meet at the border of a region, and part of the seam between them stays open.",
+        "The border of a region runs through a section; where dense infill or skins meet there, part of the seam between them stays open.",
         "lay borders of regions where little load passes, or where infill is sparse on one side at least";
     MaterialMixed = "material-mixed",
         "The job states some strengths of the material; the others come from the profile.",

@@ -133,8 +133,8 @@ impl<'a> Inside<'a> {
         let mut kept = vec![way[0]];
         let mut i = 0;
         while i + 1 < way.len() {
-            // The farthest point in sight. The jump shrinks by a quarter while it is long, because
-            // a way along a round hole has many points.
+            // The farthest point in sight is searched from the end of the way. Long jumps are shortened by a quarter at
+            // a time: a way along a round hole has many points, and one at a time would take too long.
             let mut jump = way.len() - 1 - i;
             while jump > 1 && !self.clipper.crossings(way[i], way[i + jump]).is_empty() {
                 jump = if jump > 8 { jump * 3 / 4 } else { jump - 1 };

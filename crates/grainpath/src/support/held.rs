@@ -339,7 +339,7 @@ struct Added {
     width_mm: f64,
     /// Distance of the centrelines of beads that touch.
     spacing_mm: f64,
-    /// The furthest from the nearest bead of the layer.
+    /// Largest distance of an added bead from the nearest bead of its layer, mm.
     far_mm: f64,
 }
 
