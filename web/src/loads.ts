@@ -470,7 +470,7 @@ export class LoadsPanel {
       el("p", { class: "warning", id: "stale", hidden: true }, "Fixtures or loads have changed since; solve again."),
       el("table", {}, fact("Peak, von Mises", `${fixed(report.max_von_mises_mpa, 2)} MPa${at ? ` at ${at}` : ""}`, "peak-stress"),
         ...(report.max_displacement_mm === undefined ? [] : [fact("Largest displacement", `${fixed(report.max_displacement_mm, 4)} mm`, "peak-moved")]),
-        ...(report.reserve === undefined ? [] : [fact("Reserve along the beads", `${fixed(report.reserve, 2)} ×`)]),
+        ...(report.reserve === undefined ? [] : [fact("Strength along the beads over the peak", `${fixed(report.reserve, 2)} ×`)]),
         ...(report.error_estimate === undefined ? [] : [fact("The mesh misses about", `${fixed(100 * report.error_estimate, 1)} %`)]),
         ...sum(report.loads), ...sum(report.reactions)),
       el("div", { class: "row" }, el("label", {}, "Colour by", what), ...(cases.length > 1 ? [el("label", {}, "Case", which)] : [])),

@@ -162,15 +162,24 @@ fn a_stress_report_tells_peak_reserve_displacement_mesh_error_and_what_holds_the
     assert!(peak > 6.0 && peak < 30.0, "{stress}");
     assert!((number("reserve") * peak / number("strength_mpa") - 1.0).abs() < 1e-3, "{stress}");
     let page = std::fs::read_to_string(dir.join("bar.html")).expect("a report");
-    for what in
-        ["peak stress", "reserve", "largest displacement", "mesh error", "load", "reaction", "balance"]
-    {
+    for what in [
+        "peak stress",
+        "strength over peak",
+        "largest displacement",
+        "mesh error",
+        "load",
+        "reaction",
+        "balance",
+    ] {
         assert!(told.lines().any(|line| line.starts_with(&format!("{what}: "))), "{what}: {told}");
         assert!(page.contains(&format!("<tr><th>{what}</th><td>")), "{what}");
     }
     assert!(page.contains("blue 0 MPa to red") && page.contains("Deformed shape"));
     assert!(dir.join("pictures").join("deformed.png").is_file());
-    // No reserve can be told where the peak is far above the strength.
+    // No ratio can be told where the peak is far above the strength.
     let (seen, told) = run("100000");
-    assert!(seen["stress"]["reserve"].is_null() && told.contains("reserve: none stated"), "{told}");
+    assert!(
+        seen["stress"]["reserve"].is_null() && told.contains("strength over peak: none stated"),
+        "{told}"
+    );
 }

@@ -181,16 +181,14 @@ impl StressReport {
         add("peak stress", format!("{:.2} MPa (von Mises){place}", self.max_von_mises_mpa));
         if let Some(strength) = self.strength_mpa {
             add(
-                "reserve",
+                "strength over peak",
                 self.reserve.map_or_else(
                     || {
                         format!(
                             "none stated: the peak cannot be trusted against the strength of {strength} MPa"
                         )
                     },
-                    |reserve| {
-                        format!("{reserve:.2}: strength of {strength} MPa along the beads over the peak")
-                    },
+                    |reserve| format!("{reserve:.2}: {strength} MPa along the beads over the peak stress"),
                 ),
             );
         }
