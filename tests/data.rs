@@ -12,7 +12,7 @@ use std::process::Command;
 ///
 /// # Panics
 /// Where the variable is not set, or nothing is there.
-pub fn data(path: &str) -> PathBuf {
+pub(crate) fn data(path: &str) -> PathBuf {
     below("GRAINPATH_DATA", path)
 }
 
@@ -20,7 +20,7 @@ pub fn data(path: &str) -> PathBuf {
 ///
 /// # Panics
 /// Where the variable is not set, or nothing is there.
-pub fn check(path: &str) -> PathBuf {
+pub(crate) fn check(path: &str) -> PathBuf {
     below("GRAINPATH_CHECK", path)
 }
 
@@ -28,7 +28,7 @@ pub fn check(path: &str) -> PathBuf {
 ///
 /// # Panics
 /// Where it cannot be read.
-pub fn read_data(path: &str) -> Vec<u8> {
+pub(crate) fn read_data(path: &str) -> Vec<u8> {
     let path = data(path);
     std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
@@ -37,7 +37,7 @@ pub fn read_data(path: &str) -> Vec<u8> {
 ///
 /// # Panics
 /// Where the script fails, with what it says.
-pub fn python(configure: impl FnOnce(&mut Command)) -> Vec<u8> {
+pub(crate) fn python(configure: impl FnOnce(&mut Command)) -> Vec<u8> {
     let interpreter = std::env::var("GRAINPATH_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let mut command = Command::new(interpreter);
     configure(&mut command);

@@ -10,22 +10,22 @@ use std::path::Path;
 
 use grainpath_core::{DVec2, Region, Toolpath};
 
-pub const BLUE: &str = "#27527a";
-pub const RED: &str = "#c22222";
-pub const ORANGE: &str = "#e07b00";
-pub const GREEN: &str = "#1a7a3a";
-pub const GREY: &str = "#888888";
-pub const PALE: &str = "#eeeeee";
+pub(crate) const BLUE: &str = "#27527a";
+pub(crate) const RED: &str = "#c22222";
+pub(crate) const ORANGE: &str = "#e07b00";
+pub(crate) const GREEN: &str = "#1a7a3a";
+pub(crate) const GREY: &str = "#888888";
+pub(crate) const PALE: &str = "#eeeeee";
 
 /// An SVG with a white ground, so that it is legible on dark pages too.
-pub struct Figure {
+pub(crate) struct Figure {
     body: String,
     size: [f64; 2],
 }
 
 /// A part of a figure with a scale of its own.
 #[derive(Clone, Copy)]
-pub struct Panel {
+pub(crate) struct Panel {
     /// Lower left corner, pixels.
     pub corner: [f64; 2],
     /// What lies there, mm.
@@ -49,12 +49,12 @@ fn rounded(pixels: f64) -> String {
 }
 
 impl Figure {
-    pub fn new(width: f64, height: f64) -> Self {
+    pub(crate) fn new(width: f64, height: f64) -> Self {
         Self { body: String::new(), size: [width, height] }
     }
 
     /// Text whose middle, start or end lies at a place in pixels.
-    pub fn text(&mut self, at: [f64; 2], anchor: &str, colour: &str, text: &str) {
+    pub(crate) fn text(&mut self, at: [f64; 2], anchor: &str, colour: &str, text: &str) {
         let [x, y] = at.map(rounded);
         let text = text.replace('&', "&amp;").replace('<', "&lt;");
         let _ = writeln!(
@@ -64,7 +64,7 @@ impl Figure {
     }
 
     /// Text beside a place of a panel, `by` pixels away, and a thin line from it to the place.
-    pub fn note(&mut self, panel: &Panel, at: DVec2, by: [f64; 2], text: &str) {
+    pub(crate) fn note(&mut self, panel: &Panel, at: DVec2, by: [f64; 2], text: &str) {
         let place = panel.place(at);
         let [x, y]: [f64; 2] = {
             let mut numbers = place.split(' ').map(|n| n.parse().unwrap_or(0.0));
@@ -98,7 +98,7 @@ impl Figure {
     }
 
     /// A filled area; `style` holds attributes such as `fill="#eee"`.
-    pub fn area(&mut self, panel: &Panel, region: &Region, style: &str) {
+    pub(crate) fn area(&mut self, panel: &Panel, region: &Region, style: &str) {
         let mut d = String::new();
         for contour in region.contours() {
             let points: Vec<String> = contour.iter().map(|p| panel.place(*p)).collect();
@@ -108,14 +108,14 @@ impl Figure {
     }
 
     /// A polyline; `style` holds attributes such as `stroke="#c22"`.
-    pub fn line(&mut self, panel: &Panel, points: &[DVec2], closed: bool, style: &str) {
+    pub(crate) fn line(&mut self, panel: &Panel, points: &[DVec2], closed: bool, style: &str) {
         let places: Vec<String> = points.iter().map(|p| panel.place(*p)).collect();
         let end = if closed { "Z" } else { "" };
         let _ = writeln!(self.body, "<path d=\"M{}{end}\" fill=\"none\" {style}/>", places.join("L"));
     }
 
     /// Many lines of one style as one element.
-    pub fn lines(&mut self, panel: &Panel, lines: &[(Vec<DVec2>, bool)], style: &str) {
+    pub(crate) fn lines(&mut self, panel: &Panel, lines: &[(Vec<DVec2>, bool)], style: &str) {
         let mut d = String::new();
         for (points, closed) in lines {
             let places: Vec<String> = points.iter().map(|p| panel.place(*p)).collect();
@@ -125,14 +125,14 @@ impl Figure {
     }
 
     /// A disc of a radius in pixels.
-    pub fn dot(&mut self, panel: &Panel, at: DVec2, radius: f64, style: &str) {
+    pub(crate) fn dot(&mut self, panel: &Panel, at: DVec2, radius: f64, style: &str) {
         let place = panel.place(at);
         let (x, y) = place.split_once(' ').unwrap_or_default();
         let _ = writeln!(self.body, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\" {style}/>", rounded(radius));
     }
 
     /// A row of squares of one grey from a place on, `n` of them with this side in mm.
-    pub fn squares(&mut self, panel: &Panel, centre: DVec2, side_mm: f64, n: usize, grey: u8) {
+    pub(crate) fn squares(&mut self, panel: &Panel, centre: DVec2, side_mm: f64, n: usize, grey: u8) {
         let corner = panel.place(centre + 0.5 * side_mm * DVec2::new(-1.0, 1.0));
         let (x, y) = corner.split_once(' ').unwrap_or_default();
         // A little more than the side, so that no seams show between neighbours.
@@ -146,7 +146,7 @@ impl Figure {
     }
 
     /// A bead with its width, as an area.
-    pub fn bead(&mut self, panel: &Panel, bead: &Toolpath, style: &str) {
+    pub(crate) fn bead(&mut self, panel: &Panel, bead: &Toolpath, style: &str) {
         let n = bead.points.len();
         let side = |sign: f64| -> Vec<DVec2> {
             let offset = |i: usize| {
@@ -178,7 +178,7 @@ impl Figure {
     }
 
     /// The whole file.
-    pub fn svg(&self) -> String {
+    pub(crate) fn svg(&self) -> String {
         let [w, h] = self.size.map(rounded);
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" font-family=\"sans-serif\" \
@@ -190,7 +190,7 @@ impl Figure {
 
 /// Holds a figure in the sources against the one that the code draws. `folder` is that of the crate, `name` the path of
 /// the figure in it.
-pub fn hold(folder: &str, name: &str, svg: &str) {
+pub(crate) fn hold(folder: &str, name: &str, svg: &str) {
     let path = Path::new(folder).join(name);
     if std::env::var_os("UPDATE_FIGURES").is_some() {
         std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder is made");

@@ -14,7 +14,7 @@ use clap::{Parser, Subcommand};
                   `grainpath COMMAND --help` shows examples of each command.",
     disable_help_subcommand = true
 )]
-pub struct Args {
+pub(crate) struct Args {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
@@ -22,7 +22,7 @@ pub struct Args {
 
 /// The commands.
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub(crate) enum Command {
     /// Run a job file: slice, plan, write G-code, pictures and report
     #[command(
         after_help = "Examples:\n  grainpath run bracket.toml\n  grainpath run bracket.toml --set fill.density=0.4 --out trial --json"
@@ -110,7 +110,7 @@ pub enum Command {
 
 impl Command {
     /// Whether the answer is wanted as JSON.
-    pub fn json(&self) -> bool {
+    pub(crate) fn json(&self) -> bool {
         match self {
             Self::Run(a) => a.common.json,
             Self::Slice(a) => a.common.json,
@@ -137,7 +137,7 @@ impl Command {
 
 /// Options that every command with a job has.
 #[derive(Debug, clap::Args)]
-pub struct Common {
+pub(crate) struct Common {
     /// Override a setting, stronger than the job file
     #[arg(long = "set", value_name = "SECTION.KEY=VALUE")]
     pub sets: Vec<String>,
@@ -154,7 +154,7 @@ pub struct Common {
 
 /// `grainpath run`
 #[derive(Debug, clap::Args)]
-pub struct RunArguments {
+pub(crate) struct RunArguments {
     /// Job file, or with --scheduler a folder of jobs
     pub job: PathBuf,
     /// Write outputs here instead of beside the job file
@@ -173,7 +173,7 @@ pub struct RunArguments {
 
 /// `grainpath slice`
 #[derive(Debug, clap::Args)]
-pub struct Slice {
+pub(crate) struct Slice {
     /// Mesh (STL, OBJ, PLY, OFF, 3MF), drawing (SVG, DXF), scan or photograph
     pub model: PathBuf,
     /// G-code file [default: the model's name with .gcode]
@@ -185,7 +185,7 @@ pub struct Slice {
 
 /// `grainpath support`
 #[derive(Debug, clap::Args)]
-pub struct Support {
+pub(crate) struct Support {
     /// Mesh: STL, OBJ, PLY, OFF or 3MF
     pub model: PathBuf,
     /// STL or 3MF, by its ending [default: the mesh's name with _support.stl]
@@ -203,7 +203,7 @@ pub struct Support {
 
 /// `grainpath specimen`
 #[derive(Debug, clap::Args)]
-pub struct Specimen {
+pub(crate) struct Specimen {
     /// Which; left out, all are listed
     pub name: Option<String>,
     /// File to write [default: the specimen's name with .stl]
@@ -213,7 +213,7 @@ pub struct Specimen {
 
 /// `grainpath new`
 #[derive(Debug, clap::Args)]
-pub struct New {
+pub(crate) struct New {
     /// Which example: plate, stress-lines, field, ct, woodgrain, tree-support or continuous
     pub preset: String,
     /// Where to [default: the example's name]
@@ -228,7 +228,7 @@ pub struct New {
 
 /// `grainpath inspect`
 #[derive(Debug, clap::Args)]
-pub struct Inspect {
+pub(crate) struct Inspect {
     /// Mesh, image, finite-element result, G-code, or a scan: a folder of slices or a volume file
     pub file: PathBuf,
     /// Write a contact sheet of a scan here
@@ -257,7 +257,7 @@ pub struct Inspect {
 
 /// `grainpath strength`
 #[derive(Debug, clap::Args)]
-pub struct Strength {
+pub(crate) struct Strength {
     /// Job file, or G-code of any slicer
     pub input: PathBuf,
     /// The job whose part, loads and material belong to the G-code
@@ -272,7 +272,7 @@ pub struct Strength {
 
 /// `grainpath compare`
 #[derive(Debug, clap::Args)]
-pub struct Compare {
+pub(crate) struct Compare {
     /// Job files, or G-code files together with --job; ratios are to the first
     #[arg(required = true, num_args = 1..)]
     pub inputs: Vec<PathBuf>,
@@ -291,7 +291,7 @@ pub struct Compare {
 
 /// `grainpath orient`
 #[derive(Debug, clap::Args)]
-pub struct Orient {
+pub(crate) struct Orient {
     /// Job file with fixtures and loads
     pub job: PathBuf,
     /// Write the rotation of the best pose into the job as shape.rotate_deg
@@ -303,7 +303,7 @@ pub struct Orient {
 
 /// `grainpath render`
 #[derive(Debug, clap::Args)]
-pub struct Render {
+pub(crate) struct Render {
     /// G-code of any slicer
     pub gcode: PathBuf,
     /// Layer, from 1 [default: the middle one]; the whole part without --layer when the output is named thumbnail.png
@@ -331,7 +331,7 @@ pub struct Render {
 
 /// `grainpath markers`
 #[derive(Debug, clap::Args)]
-pub struct Markers {
+pub(crate) struct Markers {
     /// Width of the rectangle between the markers, mm
     pub width_mm: f64,
     /// Its height, mm
@@ -343,7 +343,7 @@ pub struct Markers {
 
 /// `grainpath schema`
 #[derive(Debug, clap::Args)]
-pub struct Schema {
+pub(crate) struct Schema {
     /// The reference page docs/settings.md instead
     #[arg(long)]
     pub markdown: bool,
@@ -351,7 +351,7 @@ pub struct Schema {
 
 /// `grainpath profiles`
 #[derive(Debug, clap::Args)]
-pub struct Profiles {
+pub(crate) struct Profiles {
     /// Print this one
     pub name: Option<String>,
     /// As one JSON object
@@ -361,7 +361,7 @@ pub struct Profiles {
 
 /// `grainpath doctor`
 #[derive(Debug, clap::Args)]
-pub struct Doctor {
+pub(crate) struct Doctor {
     /// As one JSON object
     #[arg(long)]
     pub json: bool,
@@ -369,18 +369,18 @@ pub struct Doctor {
 
 /// `grainpath licences`
 #[derive(Debug, clap::Args)]
-pub struct Licences {}
+pub(crate) struct Licences {}
 
 /// `grainpath completions`
 #[derive(Debug, clap::Args)]
-pub struct Completions {
+pub(crate) struct Completions {
     /// The shell
     pub shell: clap_complete::Shell,
 }
 
 /// `grainpath man`
 #[derive(Debug, clap::Args)]
-pub struct Man {
+pub(crate) struct Man {
     /// Folder to write `grainpath.1` and a page for each command to
     pub dir: PathBuf,
     /// Write over files that are there
@@ -391,7 +391,7 @@ pub struct Man {
 /// `grainpath studio`
 #[cfg(feature = "studio")]
 #[derive(Debug, clap::Args)]
-pub struct Studio {
+pub(crate) struct Studio {
     /// Job file, mesh, outline or G-code of any slicer to open first
     pub file: Option<PathBuf>,
     /// Print the address and open no browser

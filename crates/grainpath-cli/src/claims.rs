@@ -62,7 +62,7 @@ struct Claim {
 
 /// All files that a command reads and writes.
 #[derive(Default)]
-pub struct Claims {
+pub(crate) struct Claims {
     read: Vec<Claim>,
     written: Vec<Claim>,
     /// All paths that were given, devices too: read, and written.
@@ -71,7 +71,7 @@ pub struct Claims {
 
 impl Claims {
     /// Adds a file that is read, or a folder whose files are read. An empty path is ignored.
-    pub fn read(&mut self, what: impl Into<String>, path: &Path) {
+    pub(crate) fn read(&mut self, what: impl Into<String>, path: &Path) {
         if !path.as_os_str().is_empty() {
             self.paths.0.push(path.to_owned());
             self.read.extend(claim(what, path));
@@ -79,14 +79,14 @@ impl Claims {
     }
 
     /// Adds a file that is written.
-    pub fn write(&mut self, what: impl Into<String>, path: &Path) {
+    pub(crate) fn write(&mut self, what: impl Into<String>, path: &Path) {
         self.paths.1.push(path.to_owned());
         self.written.extend(claim(what, path));
     }
 
     /// The paths that are read, and those that are written.
     #[cfg_attr(not(feature = "studio"), allow(dead_code))]
-    pub fn paths(&self) -> (&[PathBuf], &[PathBuf]) {
+    pub(crate) fn paths(&self) -> (&[PathBuf], &[PathBuf]) {
         (&self.paths.0, &self.paths.1)
     }
 
@@ -95,7 +95,7 @@ impl Claims {
     /// # Errors
     /// Exit code 2 for an output that is an input, that lies among the slices of a scan under the name of one, or that
     /// shares its file with another output.
-    pub fn check(&self) -> Result<(), Failure> {
+    pub(crate) fn check(&self) -> Result<(), Failure> {
         for (k, out) in self.written.iter().enumerate() {
             // A folder replaces no file; where a file is needed, writing says so.
             if out.path.is_dir() {

@@ -13,7 +13,7 @@ use std::time::Duration;
 use crate::{Failure, interrupt};
 
 /// The ending of a file's name, without the dot; empty without one.
-pub fn ending(path: &Path) -> &str {
+pub(crate) fn ending(path: &Path) -> &str {
     path.extension().and_then(|e| e.to_str()).unwrap_or_default()
 }
 
@@ -28,7 +28,7 @@ const MAX_STREAM_BYTES: u64 = 1 << 30;
 ///
 /// # Errors
 /// Exit code 3 when it is not there, is a folder, is too large or cannot be read.
-pub fn read(path: &Path) -> Result<Vec<u8>, Failure> {
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Failure> {
     let wrong = |what: String| Failure::input(format!("{}: {what}", path.display()));
     if path == Path::new("-") {
         return read_stream(&mut io::stdin().lock()).map_err(wrong);
@@ -65,14 +65,14 @@ fn read_stream(stream: &mut dyn Read) -> Result<Vec<u8>, String> {
 ///
 /// # Errors
 /// As `read`, but with exit code 2: texts are jobs and profiles.
-pub fn read_text(path: &Path) -> Result<String, Failure> {
+pub(crate) fn read_text(path: &Path) -> Result<String, Failure> {
     let usage = |f: Failure| Failure::usage(f.message);
     let bytes = read(path).map_err(usage)?;
     String::from_utf8(bytes).map_err(|_| Failure::usage(format!("{}: is not UTF-8 text", path.display())))
 }
 
 /// The system's message without its error number.
-pub fn plain(error: &io::Error) -> String {
+pub(crate) fn plain(error: &io::Error) -> String {
     let text = error.to_string();
     text.split(" (os error").next().unwrap_or(&text).to_lowercase()
 }
@@ -82,7 +82,7 @@ pub fn plain(error: &io::Error) -> String {
 ///
 /// # Errors
 /// Errors of `fill`, or exit code 2 when the place cannot be written.
-pub fn write_atomically<T>(
+pub(crate) fn write_atomically<T>(
     path: &Path,
     fill: impl FnOnce(&mut dyn Write) -> Result<T, Failure>,
 ) -> Result<T, Failure> {
@@ -200,7 +200,7 @@ static LOST_OUTPUT: Mutex<Option<String>> = Mutex::new(None);
 
 /// Prints to standard output. A reader that has gone is no error; any other failure ends the command with
 /// [`lost_output`].
-pub fn print(text: &str) {
+pub(crate) fn print(text: &str) {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         // `grainpath ... | head` closes the pipe on purpose.
@@ -213,7 +213,7 @@ pub fn print(text: &str) {
 }
 
 /// The failure of a command whose standard output could not be written.
-pub fn lost_output() -> Option<Failure> {
+pub(crate) fn lost_output() -> Option<Failure> {
     let lost = LOST_OUTPUT.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone();
     lost.map(|why| Failure::usage(format!("cannot write standard output: {why}")))
 }

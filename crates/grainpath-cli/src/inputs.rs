@@ -25,13 +25,13 @@ use crate::claims::Claims;
 use crate::{Failure, files};
 
 /// A job's text and overrides as settings.
-pub fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Settings, Failure> {
+pub(crate) fn settings(text: &str, name: &str, sets: &[String], folder: &Path) -> Result<Settings, Failure> {
     let load = |path: &str| files::read_text(&folder.join(path)).map_err(|f| f.message);
     parse_job(text, name, sets, &load).map_err(|e| Failure::usage(e.to_string()))
 }
 
 /// The settings of a job, the file of its shape, and the folder to which its paths are relative.
-pub fn read_job(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf, PathBuf), Failure> {
+pub(crate) fn read_job(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf, PathBuf), Failure> {
     let (settings, folder) = read_settings(job, sets)?;
     let shape = shape_of(&settings, &folder).ok_or_else(|| no_shape(&job.display().to_string()))?;
     Ok((settings, shape, folder))
@@ -44,7 +44,7 @@ const MODELS: [&str; 16] = [
 ];
 
 /// The settings of a job, and the folder to which its paths are relative. The job need not have a shape.
-pub fn read_settings(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf), Failure> {
+pub(crate) fn read_settings(job: &Path, sets: &[String]) -> Result<(Settings, PathBuf), Failure> {
     let ending = job.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     if MODELS.contains(&ending.as_str()) && job.is_file() {
         let name = job.display();
@@ -97,7 +97,7 @@ pub struct Given {
 }
 
 /// Adds all files that a job reads, except the job itself.
-pub fn claim_inputs(settings: &Settings, shape: &Path, base: &Path, claims: &mut Claims) {
+pub(crate) fn claim_inputs(settings: &Settings, shape: &Path, base: &Path, claims: &mut Claims) {
     claims.read("of [shape]", shape);
     let photos = settings.photo.files.iter().map(|f| ("of shape.photo.files", f));
     let images = settings.image.files.iter().map(|f| ("of guide.image.files", f));
@@ -118,7 +118,7 @@ pub fn claim_inputs(settings: &Settings, shape: &Path, base: &Path, claims: &mut
 }
 
 /// Reads a job's inputs and plans it; the number is the time for reading, in seconds.
-pub fn plan(
+pub(crate) fn plan(
     settings: &Settings,
     shape: &Path,
     base: &Path,
@@ -244,7 +244,7 @@ fn stress_of(
 }
 
 /// Sets the number of threads of the pool, if one is given.
-pub fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
+pub(crate) fn set_threads(threads: Option<usize>) -> Result<(), Failure> {
     let Some(n) = threads else { return Ok(()) };
     // Zero would mean all cores to the pool, which is what leaving the option out means already. More
     // than 1024 is taken for a mistake.
@@ -287,7 +287,7 @@ pub fn read_body(
 }
 
 /// The meshes of the job's regions, by the index of the region.
-pub fn read_regions(settings: &Settings, base: &Path) -> Result<BTreeMap<usize, MeshFile>, Failure> {
+pub(crate) fn read_regions(settings: &Settings, base: &Path) -> Result<BTreeMap<usize, MeshFile>, Failure> {
     let mut all = BTreeMap::new();
     for (k, region) in settings.regions.iter().enumerate() {
         if let RegionPlace::Mesh(file) = &region.on {
@@ -301,7 +301,7 @@ pub fn read_regions(settings: &Settings, base: &Path) -> Result<BTreeMap<usize, 
 }
 
 /// The photographs whose grain the job follows; empty for jobs without one.
-pub fn read_photos(
+pub(crate) fn read_photos(
     settings: &Settings,
     base: &Path,
     diagnostics: &Diagnostics,
@@ -325,7 +325,10 @@ pub fn read_photos(
 }
 
 /// The scan of `guide.volume`, where its texture guides the fill.
-pub fn read_texture(settings: &Settings, base: &Path) -> Result<Option<Box<dyn SliceSource>>, Failure> {
+pub(crate) fn read_texture(
+    settings: &Settings,
+    base: &Path,
+) -> Result<Option<Box<dyn SliceSource>>, Failure> {
     let path = &settings.volume.path;
     if settings.guide.kind != GuideKind::Grain || path.is_empty() {
         return Ok(None);
@@ -334,7 +337,7 @@ pub fn read_texture(settings: &Settings, base: &Path) -> Result<Option<Box<dyn S
 }
 
 /// The directions of `guide.field`: a file, or the matrices in a folder of `vector_slicer`.
-pub fn read_directions(settings: &Settings, base: &Path) -> Result<Option<DirectionSamples>, Failure> {
+pub(crate) fn read_directions(settings: &Settings, base: &Path) -> Result<Option<DirectionSamples>, Failure> {
     if settings.guide.kind != GuideKind::Field {
         return Ok(None);
     }
@@ -343,7 +346,7 @@ pub fn read_directions(settings: &Settings, base: &Path) -> Result<Option<Direct
 }
 
 /// Reads directions from a file, or from the matrices in a folder.
-pub fn directions(path: &Path, options: &DirectionOptions) -> Result<DirectionSamples, Failure> {
+pub(crate) fn directions(path: &Path, options: &DirectionOptions) -> Result<DirectionSamples, Failure> {
     let mut all = Vec::new();
     if path.is_dir() {
         for name in ["thetaField.csv", "theta_field.csv", "xField.csv", "yField.csv", "shape.csv"] {
@@ -361,7 +364,7 @@ pub fn directions(path: &Path, options: &DirectionOptions) -> Result<DirectionSa
 }
 
 /// The result file of `guide.import`.
-pub fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressField>, Failure> {
+pub(crate) fn read_stress(settings: &Settings, base: &Path) -> Result<Option<StressField>, Failure> {
     if settings.guide.import.is_empty() {
         return Ok(None);
     }
@@ -387,7 +390,7 @@ fn open_file(name: &str) -> io::Result<Box<dyn ReadSeek>> {
 
 /// Opens a scan: the files of a folder are its slices. With `outside_folder` a header may name a file in
 /// another folder.
-pub fn open_scan(
+pub(crate) fn open_scan(
     path: &Path,
     raw: Option<&RawHeader>,
     outside_folder: bool,
@@ -411,10 +414,10 @@ pub fn open_scan(
 
 /// Diameter of the filament for G-code that does not state one, mm. Source: the nominal diameter of the
 /// common filament; the other, 2.85 mm, would make all volumes 2.7 times as large.
-pub const FILAMENT_MM: f64 = 1.75;
+pub(crate) const FILAMENT_MM: f64 = 1.75;
 
 /// Reads a G-code file and simulates it.
-pub fn read_program(path: &Path) -> Result<Program, Failure> {
+pub(crate) fn read_program(path: &Path) -> Result<Program, Failure> {
     let bytes = files::read(path)?;
     simulate(&bytes, FILAMENT_MM, &Limits::default())
         .map_err(|e| Failure::input(format!("{}: {e}", path.display())))

@@ -23,7 +23,7 @@ use crate::Failure;
 /// to 0.1 s to take back the memory of a large one.
 const GRACE: Duration = Duration::from_millis(60);
 /// The exit code of an interrupted run. Source: shells add 128 to the number of the signal, and SIGINT is 2.
-pub const EXIT_CODE: i32 = 130;
+pub(crate) const EXIT_CODE: i32 = 130;
 
 /// Whether a signal has arrived.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -42,12 +42,12 @@ fn outputs() -> MutexGuard<'static, Outputs> {
 }
 
 /// States whether failures are printed as JSON too.
-pub fn set_json(json: bool) {
+pub(crate) fn set_json(json: bool) {
     JSON.store(json, Ordering::Relaxed);
 }
 
 /// Ends the run on Ctrl-C and SIGTERM.
-pub fn watch(diagnostics: Arc<Diagnostics>) {
+pub(crate) fn watch(diagnostics: Arc<Diagnostics>) {
     // A second handler cannot be set; a command runs once.
     let _ = ctrlc::set_handler(move || {
         INTERRUPTED.store(true, Ordering::SeqCst);
@@ -59,13 +59,13 @@ pub fn watch(diagnostics: Arc<Diagnostics>) {
 
 /// Removes the temporary files of runs that the end of the program cuts off.
 #[cfg(feature = "studio")]
-pub fn remove_temporary() {
+pub(crate) fn remove_temporary() {
     INTERRUPTED.store(true, Ordering::SeqCst);
     outputs().temporary.drain(..).for_each(|path| drop(std::fs::remove_file(path)));
 }
 
 /// Removes temporary files, prints what was written before the signal, and ends the process.
-pub fn end() -> ! {
+pub(crate) fn end() -> ! {
     // Held to the end: no file gets its name any more.
     let outputs = outputs();
     outputs.temporary.iter().for_each(|path| drop(std::fs::remove_file(path)));
@@ -84,14 +84,16 @@ pub fn end() -> ! {
 }
 
 /// A temporary file that is removed should the run be interrupted.
-pub struct Temporary(PathBuf);
+pub(crate) struct Temporary(PathBuf);
 
 impl Temporary {
     /// Makes a temporary file and remembers it; a run that ends meanwhile waits for both or makes none.
     ///
     /// # Errors
     /// What `make` says.
-    pub fn create(make: impl FnOnce() -> io::Result<NamedTempFile>) -> io::Result<(NamedTempFile, Self)> {
+    pub(crate) fn create(
+        make: impl FnOnce() -> io::Result<NamedTempFile>,
+    ) -> io::Result<(NamedTempFile, Self)> {
         let mut outputs = outputs();
         let file = make()?;
         outputs.temporary.push(file.path().to_owned());
@@ -104,7 +106,7 @@ impl Temporary {
     ///
     /// # Errors
     /// What `rename` says, or exit code 130.
-    pub fn finish<T>(self, rename: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    pub(crate) fn finish<T>(self, rename: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
         let mut outputs = outputs();
         if INTERRUPTED.load(Ordering::SeqCst) {
             return Err(Failure { message: "interrupted".to_owned(), code: EXIT_CODE, warnings: Vec::new() });

@@ -12,14 +12,14 @@ pub fn peak_rss_mb() -> f64 {
 }
 
 /// A row of `/proc/meminfo`, MiB; none on systems without it. Source: proc(5), in KiB.
-pub fn of_machine(row: &str) -> Option<f64> {
+pub(crate) fn of_machine(row: &str) -> Option<f64> {
     let table = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = table.lines().find_map(|l| l.strip_prefix(row)?.strip_prefix(':'))?;
     line.split_whitespace().next()?.parse::<f64>().ok().map(|kib| kib / 1024.0)
 }
 
 /// The memory limit of the control group, MiB; none where there is no limit. Source: cgroups(7), version 2, bytes.
-pub fn limit_mib() -> Option<f64> {
+pub(crate) fn limit_mib() -> Option<f64> {
     let text = std::fs::read_to_string("/sys/fs/cgroup/memory.max").ok()?;
     text.trim().parse::<f64>().ok().map(|bytes| bytes / f64::from(1 << 20))
 }

@@ -25,7 +25,7 @@ use crate::claims::Claims;
 use crate::{Failure, files, memory};
 
 /// The places of the outputs.
-pub struct Paths {
+pub(crate) struct Paths {
     gcode: PathBuf,
     report: Option<PathBuf>,
     preview: Option<PathBuf>,
@@ -40,7 +40,7 @@ pub struct Paths {
 
 impl Paths {
     /// Output paths of a job, relative to `out`.
-    pub fn of(settings: &Settings, mesh: &Path, out: &Path) -> Result<Self, Failure> {
+    pub(crate) fn of(settings: &Settings, mesh: &Path, out: &Path) -> Result<Self, Failure> {
         let o = &settings.output;
         let given = |text: &String| (!text.is_empty()).then(|| out.join(text));
         // The program is always written; without a name it takes that of the shape.
@@ -75,17 +75,17 @@ impl Paths {
 
     /// The place of the program.
     #[cfg(feature = "studio")]
-    pub fn gcode(&self) -> &Path {
+    pub(crate) fn gcode(&self) -> &Path {
         &self.gcode
     }
 
     /// Whether the program goes to standard output, which must then hold nothing else.
-    pub fn is_standard_output(&self) -> bool {
+    pub(crate) fn is_standard_output(&self) -> bool {
         ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| self.gcode == Path::new(name))
     }
 
     /// Adds all files that are written.
-    pub fn claim(&self, claims: &mut Claims) {
+    pub(crate) fn claim(&self, claims: &mut Claims) {
         let all = [
             ("output.gcode", Some(&self.gcode)),
             ("output.report", self.report.as_ref()),
@@ -105,7 +105,7 @@ impl Paths {
 }
 
 /// Writes the outputs of a job and returns the report.
-pub fn write(
+pub(crate) fn write(
     settings: &Settings,
     mut planned: Planned,
     paths: &Paths,
@@ -427,7 +427,7 @@ fn strength(
 }
 
 /// Pictures of the damage and of the failure index.
-pub fn strength_pictures(tested: &Tested) -> Vec<(String, page::Picture)> {
+pub(crate) fn strength_pictures(tested: &Tested) -> Vec<(String, page::Picture)> {
     let picture = |title: &str, (png, where_is): (Vec<u8>, String)| page::Picture {
         title: format!("{title}{where_is}"),
         png,
@@ -512,7 +512,7 @@ fn load_pictures(guide: &Guide) -> Vec<(String, page::Picture)> {
 }
 
 /// Writes what a check of the loads shows: pictures and the stress, where the job names a place for them.
-pub fn write_check(guide: &Guide, paths: &Paths) -> Result<Vec<(&'static str, String)>, Failure> {
+pub(crate) fn write_check(guide: &Guide, paths: &Paths) -> Result<Vec<(&'static str, String)>, Failure> {
     let mut written = Vec::new();
     if let Some(folder) = &paths.preview {
         for (name, picture) in load_pictures(guide) {
@@ -552,7 +552,7 @@ fn guide_files(planned: &Planned, paths: &Paths, report: &mut Report) -> Result<
 }
 
 /// Writes bytes to a file.
-pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+pub(crate) fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     files::write_atomically(path, |w| {
         w.write_all(bytes).map_err(|e| Failure::usage(format!("cannot write {}: {e}", path.display())))
     })
@@ -574,14 +574,14 @@ impl LinesFormat {
 
 /// The file format of a mesh.
 #[derive(Clone, Copy)]
-pub enum MeshEnding {
+pub(crate) enum MeshEnding {
     Stl,
     ThreeMf,
 }
 
 impl MeshEnding {
     /// The format for the ending of a file name.
-    pub fn of(path: &Path) -> Result<Self, Failure> {
+    pub(crate) fn of(path: &Path) -> Result<Self, Failure> {
         let ending = files::ending(path).to_ascii_lowercase();
         meaning(&[("stl", Self::Stl), ("3mf", Self::ThreeMf)], &ending).ok_or_else(|| {
             let name = path.display();
@@ -591,7 +591,7 @@ impl MeshEnding {
 }
 
 /// Writes bodies as STL or 3MF, by the file's ending.
-pub fn write_mesh(path: &Path, bodies: &[&TriMesh]) -> Result<(), Failure> {
+pub(crate) fn write_mesh(path: &Path, bodies: &[&TriMesh]) -> Result<(), Failure> {
     let format = MeshEnding::of(path)?;
     let wrong = |e: std::io::Error| Failure::usage(format!("cannot write {}: {e}", path.display()));
     // STL knows no bodies, so they are joined; 3MF keeps them apart, and a slicer can then print the

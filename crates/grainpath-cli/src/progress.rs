@@ -40,7 +40,7 @@ impl Drop for Bar {
 }
 
 /// Diagnostics that show progress when standard error is a terminal, and stop on Ctrl-C.
-pub fn diagnostics() -> Arc<Diagnostics> {
+pub(crate) fn diagnostics() -> Arc<Diagnostics> {
     // A log file would hold a line for each redraw, hence the test for a terminal.
     let diagnostics = Arc::new(if std::io::stderr().is_terminal() {
         let style = ProgressStyle::with_template("{msg:<15} {wide_bar} {pos}/{len} layers {eta}");

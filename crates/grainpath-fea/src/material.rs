@@ -96,6 +96,26 @@ pub fn rotated_plane(c: &[[f64; 3]; 3], angle_rad: f64) -> [[f64; 3]; 3] {
     out
 }
 
+/// A strain xx, yy, xy along and across an axis at this angle; shear is engineering strain.
+pub fn plane_strain_along(strain: [f64; 3], angle_rad: f64) -> [f64; 3] {
+    turned_strain(strain, sin_cos(angle_rad))
+}
+
+/// A strain xx, yy, zz, xy, yz, zx in axes turned about z by this angle; shear is engineering strain.
+pub fn strain_along([xx, yy, zz, xy, yz, zx]: [f64; 6], angle_rad: f64) -> [f64; 6] {
+    let (s, c) = sin_cos(angle_rad);
+    let [along, across, shear] = turned_strain([xx, yy, xy], (s, c));
+    [along, across, zz, shear, c * yz - s * zx, s * yz + c * zx]
+}
+
+fn turned_strain([xx, yy, xy]: [f64; 3], (s, c): (f64, f64)) -> [f64; 3] {
+    [
+        c * c * xx + s * s * yy + s * c * xy,
+        s * s * xx + c * c * yy - s * c * xy,
+        2.0 * s * c * (yy - xx) + (c * c - s * s) * xy,
+    ]
+}
+
 /// A stiffness rotated about z: `T C T'`. `T` transforms stresses, its transpose engineering
 /// strains.
 pub fn rotated_about_z(c: &Stiffness, angle_rad: f64) -> Stiffness {

@@ -6,7 +6,7 @@ use crate::settings::{MaterialSection, Settings};
 
 /// Checks all settings of a job against each other. The error names the settings that do not fit
 /// together.
-pub fn check(s: &Settings) -> Result<(), String> {
+pub(crate) fn check(s: &Settings) -> Result<(), String> {
     let p = &s.process;
     // A bead is wider than high: its section is a rectangle with round ends, which needs a width of at
     // least the height.

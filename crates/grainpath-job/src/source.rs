@@ -9,7 +9,7 @@ use crate::error::{JobError, Location};
 use crate::value::Step;
 
 /// A parsed TOML file.
-pub struct Source<'a> {
+pub(crate) struct Source<'a> {
     name: &'a str,
     text: &'a str,
     spans: DeTable<'a>,
@@ -19,7 +19,7 @@ pub struct Source<'a> {
 
 impl<'a> Source<'a> {
     /// Parses `text`. Errors call the file `name`.
-    pub fn parse(text: &'a str, name: &'a str) -> Result<Self, JobError> {
+    pub(crate) fn parse(text: &'a str, name: &'a str) -> Result<Self, JobError> {
         let syntax = |e: &toml::de::Error| {
             let line = e.span().map_or(1, |s| line_at(text, s.start));
             let location = Location { file: name.to_owned(), line: Some(line) };
@@ -34,7 +34,7 @@ impl<'a> Source<'a> {
 
     /// The line of a value that is reached by `keys` and then by `steps` into it. Where the file does not
     /// hold all of the way, the line of the innermost part that it holds.
-    pub fn location(&self, keys: &[&str], steps: &[Step]) -> Location {
+    pub(crate) fn location(&self, keys: &[&str], steps: &[Step]) -> Location {
         let keys = keys.iter().map(|k| Step::Key((*k).to_owned()));
         let mut steps = keys.chain(steps.iter().cloned());
         let mut found: Option<Range<usize>> = None;

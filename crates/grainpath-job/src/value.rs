@@ -157,7 +157,7 @@ impl fmt::Display for ValueError {
 impl std::error::Error for ValueError {}
 
 /// A type that a setting can have.
-pub trait SettingValue: Sized {
+pub(crate) trait SettingValue: Sized {
     /// JSON Schema type.
     const KIND: &'static str;
     /// The words of a choice.

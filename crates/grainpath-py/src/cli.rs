@@ -7,13 +7,13 @@ use pyo3::prelude::*;
 /// Runs a command; `args` begins with the program's name. Returns the exit code. Ctrl-C and wrong usage end the
 /// process, as they end the program.
 #[pyfunction]
-pub fn cli(py: Python<'_>, args: Vec<OsString>) -> u8 {
+pub(crate) fn cli(py: Python<'_>, args: Vec<OsString>) -> u8 {
     py.detach(|| grainpath_cli::main_with(args))
 }
 
 /// The commands, each with the names of its arguments: what `docs/python.md` is held against.
 #[pyfunction]
-pub fn cli_commands() -> Vec<(String, Vec<String>)> {
+pub(crate) fn cli_commands() -> Vec<(String, Vec<String>)> {
     let command = grainpath_cli::command();
     let of = |c: &clap::Command| {
         let shown = c

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 /// Exceptions of `grainpath.errors`.
 #[derive(Clone, Copy)]
-pub enum Kind {
+pub(crate) enum Kind {
     Job,
     Input,
     Physics,
@@ -29,7 +29,7 @@ impl Kind {
 }
 
 /// An exception with its message; `file` and `line` are the place, where there is one.
-pub fn exception(
+pub(crate) fn exception(
     py: Python<'_>,
     kind: Kind,
     message: &str,
@@ -44,7 +44,7 @@ pub fn exception(
 }
 
 /// A failure of reading, planning or writing.
-pub fn of_failure(py: Python<'_>, failure: &Failure) -> PyErr {
+pub(crate) fn of_failure(py: Python<'_>, failure: &Failure) -> PyErr {
     // The exit codes of the command line are told apart by who has to act, as exceptions are.
     let kind = match failure.code {
         2 => Kind::Job,
@@ -57,14 +57,14 @@ pub fn of_failure(py: Python<'_>, failure: &Failure) -> PyErr {
 }
 
 /// An error in a job, with its file and line.
-pub fn of_job(py: Python<'_>, error: &JobError) -> PyErr {
+pub(crate) fn of_job(py: Python<'_>, error: &JobError) -> PyErr {
     let place = error.location();
     let file = place.map(|p| p.file.as_str());
     exception(py, Kind::Job, &error.to_string(), file, place.and_then(|p| p.line))
 }
 
 /// A panic: an error of grainpath itself.
-pub fn of_panic(py: Python<'_>, payload: &(dyn Any + Send)) -> PyErr {
+pub(crate) fn of_panic(py: Python<'_>, payload: &(dyn Any + Send)) -> PyErr {
     let text = payload.downcast_ref::<&str>().map(|s| (*s).to_owned());
     let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
     let message = format!("grainpath failed: {text}; this is an error of grainpath, please report it");

@@ -9,14 +9,14 @@ use crate::worker::{self, Caller};
 
 /// A photograph in grey.
 #[pyclass(frozen, module = "grainpath._grainpath")]
-pub struct ImageData {
+pub(crate) struct ImageData {
     /// The photograph.
     pub photo: Photo,
 }
 
 /// Samples `(rows, columns, channels)`.
 #[derive(FromPyObject)]
-pub enum Pixels<'py> {
+pub(crate) enum Pixels<'py> {
     /// 8 bits.
     U8(PyReadonlyArray3<'py, u8>),
     /// 16 bits.
@@ -27,7 +27,7 @@ pub enum Pixels<'py> {
 
 /// The photograph of contiguous samples, rows from the top; `name` is its name in errors.
 #[pyfunction]
-pub fn image_from_array(py: Python<'_>, name: String, pixels: Pixels<'_>) -> PyResult<ImageData> {
+pub(crate) fn image_from_array(py: Python<'_>, name: String, pixels: Pixels<'_>) -> PyResult<ImageData> {
     let (shape, samples) = match &pixels {
         Pixels::U8(a) => (a.as_array().dim(), Samples::U8(a.as_slice()?.to_vec())),
         Pixels::U16(a) => (a.as_array().dim(), Samples::U16(a.as_slice()?.to_vec())),

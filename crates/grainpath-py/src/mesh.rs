@@ -85,7 +85,7 @@ impl MeshData {
 
 /// The mesh of a file.
 #[pyfunction]
-pub fn mesh_from_file(py: Python<'_>, path: PathBuf) -> PyResult<MeshData> {
+pub(crate) fn mesh_from_file(py: Python<'_>, path: PathBuf) -> PyResult<MeshData> {
     worker::run(py, &Caller::default(), move |diagnostics, _| {
         // Settings matter for drawings alone.
         let file = grainpath_cli::read_body(&Settings::default(), &path, diagnostics)?.0;
@@ -96,7 +96,7 @@ pub fn mesh_from_file(py: Python<'_>, path: PathBuf) -> PyResult<MeshData> {
 /// A mesh of vertices `(n, 3)` and triangles `(m, 3)`, which were checked for their shapes and kinds. `bodies` are the
 /// numbers of vertices and triangles of each body, and its name.
 #[pyfunction]
-pub fn mesh_from_arrays(
+pub(crate) fn mesh_from_arrays(
     py: Python<'_>,
     vertices: PyReadonlyArray2<'_, f64>,
     faces: PyReadonlyArray2<'_, u32>,

@@ -17,7 +17,7 @@ use crate::worker::{self, Caller};
 
 /// Grows supports for a mesh: their surface, which is empty where nothing hangs over, and the report as JSON.
 #[pyfunction]
-pub fn support(
+pub(crate) fn support(
     py: Python<'_>,
     spec: &Bound<'_, Spec>,
     mesh: &Bound<'_, MeshData>,
@@ -36,7 +36,12 @@ pub fn support(
 
 /// What a file is, as JSON.
 #[pyfunction]
-pub fn inspect(py: Python<'_>, path: PathBuf, size: Option<Vec<usize>>, sample: String) -> PyResult<String> {
+pub(crate) fn inspect(
+    py: Python<'_>,
+    path: PathBuf,
+    size: Option<Vec<usize>>,
+    sample: String,
+) -> PyResult<String> {
     worker::run(py, &Caller::default(), move |_, _| {
         Ok(grainpath_cli::inspect_file(&path, size, &sample)?.to_string())
     })
@@ -44,14 +49,14 @@ pub fn inspect(py: Python<'_>, path: PathBuf, size: Option<Vec<usize>>, sample: 
 
 /// The pieces to print and read: name, what for, and whether a job tests it.
 #[pyfunction]
-pub fn pieces() -> Vec<(&'static str, &'static str, bool)> {
+pub(crate) fn pieces() -> Vec<(&'static str, &'static str, bool)> {
     let plain = SPECIMENS.iter().map(|s| (s.name, s.about, false));
     plain.chain(TEST_PIECES.iter().map(|p| (p.name, p.about, true))).collect()
 }
 
 /// The mesh of a piece, and its job as text where it has one; `None` for an unknown name.
 #[pyfunction]
-pub fn specimen(name: &str) -> Option<(MeshData, Option<String>)> {
+pub(crate) fn specimen(name: &str) -> Option<(MeshData, Option<String>)> {
     if let Some(piece) = TEST_PIECES.iter().find(|p| p.name == name) {
         return Some((MeshData::of(piece.mesh()), Some(piece.job(name))));
     }
@@ -62,7 +67,7 @@ pub fn specimen(name: &str) -> Option<(MeshData, Option<String>)> {
 /// The files of an example, the job first: names and contents; with `pixels` those of the scan. `None` for an unknown name, whose list is the second.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
-pub fn example(
+pub(crate) fn example(
     py: Python<'_>,
     name: String,
     pixels: Option<usize>,
@@ -76,7 +81,7 @@ pub fn example(
 
 /// A sheet of corner markers around a rectangle, mm: SVG or PDF.
 #[pyfunction]
-pub fn marker_sheet(width_mm: f64, height_mm: f64, pdf: bool) -> Vec<u8> {
+pub(crate) fn marker_sheet(width_mm: f64, height_mm: f64, pdf: bool) -> Vec<u8> {
     let size = DVec2::new(width_mm, height_mm);
     if pdf { marker_sheet_pdf(size) } else { marker_sheet_svg(size).into_bytes() }
 }

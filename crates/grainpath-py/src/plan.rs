@@ -33,7 +33,7 @@ use crate::volume::ArraySource;
 use crate::worker::{self, Caller, Request};
 
 /// Name of a shape that is no file, in errors and in the report.
-pub const ARRAY: &str = "an array";
+pub(crate) const ARRAY: &str = "an array";
 
 /// A planned job and what was made of it.
 #[pyclass(frozen, module = "grainpath._grainpath")]
@@ -203,12 +203,12 @@ impl PlanData {
 
 /// A caller's array: columns, rows and slices, the type of a voxel, the distances in x, y and z, mm, and a function that
 /// reads slices.
-pub type Array<'py> = ([usize; 3], String, Option<[f64; 3]>, Bound<'py, PyAny>);
+pub(crate) type Array<'py> = ([usize; 3], String, Option<[f64; 3]>, Bound<'py, PyAny>);
 /// What of a caller's array may go to another thread.
-pub type ArrayShape = ([usize; 3], String, Option<[f64; 3]>);
+pub(crate) type ArrayShape = ([usize; 3], String, Option<[f64; 3]>);
 
 /// Stress at points: positions in mm, `(n, 3)`, and MPa, `(n, 6)`, both flat.
-pub type PointStress<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
+pub(crate) type PointStress<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
 
 /// What of it may go to another thread.
 fn stress_result(given: Option<PointStress<'_>>) -> PyResult<Option<FeResult>> {
@@ -237,7 +237,7 @@ fn field(bytes: Option<&[u8]>, settings: &Settings) -> Result<Option<DirectionSa
 }
 
 /// What stands in the place of files: a mesh, an array, sections, photographs, directions (the bytes of a `.npz`), stress.
-pub type Handover<'py> = (
+pub(crate) type Handover<'py> = (
     Option<Bound<'py, MeshData>>,
     Option<Array<'py>>,
     Option<Bound<'py, StackData>>,
@@ -246,10 +246,10 @@ pub type Handover<'py> = (
     Option<PointStress<'py>>,
 );
 /// The number of threads, and what is called while work goes on: progress and the token to cancel.
-pub type Watch<'py> = (Option<usize>, Option<Bound<'py, PyAny>>, Option<Bound<'py, PyAny>>);
+pub(crate) type Watch<'py> = (Option<usize>, Option<Bound<'py, PyAny>>, Option<Bound<'py, PyAny>>);
 
 /// A job and what was handed over with it, of which nothing belongs to Python.
-pub struct Work {
+pub(crate) struct Work {
     /// The settings.
     pub settings: Settings,
     /// The job's name in errors.
@@ -266,7 +266,7 @@ pub struct Work {
 
 impl Work {
     /// The job, and the caller that waits for it.
-    pub fn new<'py>(
+    pub(crate) fn new<'py>(
         spec: &Bound<'py, Spec>,
         handover: Handover<'py>,
         watch: Watch<'py>,
@@ -293,7 +293,7 @@ impl Work {
     }
 
     /// What was handed over, for the planner; slices are asked for through `requests`.
-    pub fn given(&mut self, requests: Sender<Request>) -> Result<Given, Failure> {
+    pub(crate) fn given(&mut self, requests: Sender<Request>) -> Result<Given, Failure> {
         let scan = |(size, sample, spacing_mm): ArrayShape| {
             let sample = SampleType::from_name(&sample).unwrap_or(SampleType::F32);
             Handed::Scan(Box::new(ArraySource::new(size, sample, spacing_mm, requests)))
@@ -319,7 +319,7 @@ impl Work {
 
 /// Plans a job.
 #[pyfunction]
-pub fn plan<'py>(
+pub(crate) fn plan<'py>(
     py: Python<'py>,
     spec: &Bound<'py, Spec>,
     handover: Handover<'py>,
@@ -357,7 +357,7 @@ impl ScanData {
 /// Plans the layers of a scan whose parts were joined; `filled` are the bytes of windows that make up all layers, in order.
 /// Of what is handed over, the shape is not used.
 #[pyfunction]
-pub fn plan_parted<'py>(
+pub(crate) fn plan_parted<'py>(
     py: Python<'py>,
     spec: &Bound<'py, Spec>,
     scan: &Bound<'py, ScanData>,
@@ -390,7 +390,7 @@ pub fn plan_parted<'py>(
 /// Solves the loads of a job without planning it: what they caught and the stress, as `grainpath run --check --json` has
 /// it.
 #[pyfunction]
-pub fn check<'py>(
+pub(crate) fn check<'py>(
     py: Python<'py>,
     spec: &Bound<'py, Spec>,
     handover: Handover<'py>,

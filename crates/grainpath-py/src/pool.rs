@@ -21,7 +21,7 @@ static SHARED: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
 ///
 /// # Errors
 /// For a number out of range, and where the system gives no threads.
-pub fn threads(threads: Option<usize>) -> Result<Arc<ThreadPool>, Failure> {
+pub(crate) fn threads(threads: Option<usize>) -> Result<Arc<ThreadPool>, Failure> {
     if let Some(n) = threads {
         if n == 0 || n > MAX_THREADS {
             return Err(Failure::usage(format!("threads = {n} should be from 1 to {MAX_THREADS}")));

@@ -94,7 +94,7 @@ impl ProgramData {
 
 /// Replays a program; `name` is its name in errors.
 #[pyfunction]
-pub fn program_from_bytes(
+pub(crate) fn program_from_bytes(
     py: Python<'_>,
     bytes: Vec<u8>,
     name: String,

@@ -63,7 +63,7 @@ fn with_slices<'py, T: Send + 'static>(
 
 /// What has to be known of a whole scan before a part of it is cut, and the number of slices taken.
 #[pyfunction]
-pub fn scan_survey<'py>(
+pub(crate) fn scan_survey<'py>(
     py: Python<'py>,
     spec: &Bound<'py, Spec>,
     array: Array<'py>,
@@ -78,7 +78,7 @@ pub fn scan_survey<'py>(
 
 /// The layers between some slices (counted from the first that is taken) and those just below each, as bytes.
 #[pyfunction]
-pub fn scan_part<'py>(
+pub(crate) fn scan_part<'py>(
     py: Python<'py>,
     spec: &Bound<'py, Spec>,
     array: Array<'py>,
@@ -95,7 +95,7 @@ pub fn scan_part<'py>(
 
 /// Joins parts of [`scan_part`].
 #[pyfunction]
-pub fn scan_join<'py>(
+pub(crate) fn scan_join<'py>(
     py: Python<'py>,
     spec: &Bound<'py, Spec>,
     array: ArrayShape,
@@ -117,13 +117,13 @@ pub fn scan_join<'py>(
 
 /// Whether the layers of a job are filled in windows, apart from each other.
 #[pyfunction]
-pub fn fills_in_windows(spec: &Bound<'_, Spec>) -> bool {
+pub(crate) fn fills_in_windows(spec: &Bound<'_, Spec>) -> bool {
     in_windows(&spec.get().settings)
 }
 
 /// The walls, skins and infill of a window of layers as bytes, not yet in order.
 #[pyfunction]
-pub fn fill_window<'py>(
+pub(crate) fn fill_window<'py>(
     py: Python<'py>,
     spec: &Bound<'py, Spec>,
     stack: &Bound<'py, StackData>,

@@ -47,12 +47,12 @@ impl Spec {
 
 /// The JSON Schema of job files.
 #[pyfunction]
-pub fn schema() -> String {
+pub(crate) fn schema() -> String {
     json_schema().to_string()
 }
 
 /// The profiles that come with grainpath: kind, name and text.
 #[pyfunction]
-pub fn profiles() -> Vec<(&'static str, &'static str, &'static str)> {
+pub(crate) fn profiles() -> Vec<(&'static str, &'static str, &'static str)> {
     PROFILES.iter().map(|p| (p.kind, p.name, p.text)).collect()
 }

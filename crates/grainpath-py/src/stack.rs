@@ -53,7 +53,7 @@ impl StackData {
 
 /// The stack in bytes of [`StackData::to_bytes`].
 #[pyfunction]
-pub fn stack_from_bytes(py: Python<'_>, bytes: Vec<u8>) -> PyResult<StackData> {
+pub(crate) fn stack_from_bytes(py: Python<'_>, bytes: Vec<u8>) -> PyResult<StackData> {
     worker::run(py, &Caller::default(), move |_, _| {
         let stack = LayerStack::from_bytes(&bytes).map_err(|e| Failure::input(e.to_string()))?;
         Ok(StackData { stack: Arc::new(stack) })
@@ -63,7 +63,7 @@ pub fn stack_from_bytes(py: Python<'_>, bytes: Vec<u8>) -> PyResult<StackData> {
 /// A stack of rings. `heights` are top and thickness of each layer, alternating; `points` those of all rings; `counts` the
 /// numbers of points of the rings of each layer. Rings may cross and overlap: `even_odd` says which points are inside.
 #[pyfunction]
-pub fn stack_from_rings(
+pub(crate) fn stack_from_rings(
     py: Python<'_>,
     heights: PyReadonlyArray1<'_, f64>,
     points: PyReadonlyArray2<'_, f64>,

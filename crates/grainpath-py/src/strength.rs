@@ -32,7 +32,7 @@ impl StrengthData {
 
 /// Tests the plan of a job, or `program`, a program of its part, with its name.
 #[pyfunction]
-pub fn strength<'py>(
+pub(crate) fn strength<'py>(
     py: Python<'py>,
     spec: &Bound<'py, Spec>,
     handover: Handover<'py>,
@@ -52,7 +52,7 @@ pub fn strength<'py>(
 
 /// Several tests side by side, as `grainpath compare --json` has them.
 #[pyfunction]
-pub fn compare(all: Vec<Bound<'_, StrengthData>>) -> String {
+pub(crate) fn compare(all: Vec<Bound<'_, StrengthData>>) -> String {
     let all: Vec<&Done> = all.iter().map(|s| &*s.get().done).collect();
     json!(grainpath_cli::compared(&all)).to_string()
 }

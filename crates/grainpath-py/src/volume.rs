@@ -27,7 +27,7 @@ impl std::fmt::Display for NotRead {
 impl std::error::Error for NotRead {}
 
 /// A scan whose slices the caller's thread reads.
-pub struct ArraySource {
+pub(crate) struct ArraySource {
     info: VolumeInfo,
     requests: Sender<Request>,
     cursor: SliceCursor,
@@ -41,7 +41,7 @@ pub struct ArraySource {
 
 impl ArraySource {
     /// A scan of `size` columns, rows and slices, whose voxels lie `spacing_mm` apart along x, y and z.
-    pub fn new(
+    pub(crate) fn new(
         size: [usize; 3],
         sample: SampleType,
         spacing_mm: Option<[f64; 3]>,
@@ -61,7 +61,7 @@ impl ArraySource {
     }
 
     /// The same scan, of which the slices from `end` on are not read ahead.
-    pub fn up_to(self, end: usize) -> Self {
+    pub(crate) fn up_to(self, end: usize) -> Self {
         Self { end: end.min(self.info.size[2]), ..self }
     }
 

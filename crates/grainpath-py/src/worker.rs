@@ -29,7 +29,7 @@ const STEP: Duration = Duration::from_millis(25);
 const GRACE: Duration = Duration::from_millis(150);
 
 /// What work asks of the caller's thread.
-pub enum Request {
+pub(crate) enum Request {
     /// Slices of the caller's array: the first, and how many. No answer means that reading failed.
     Slices(usize, usize, Sender<Vec<f32>>),
     /// The work has ended.
@@ -38,7 +38,7 @@ pub enum Request {
 
 /// What the caller passed along.
 #[derive(Default)]
-pub struct Caller<'py> {
+pub(crate) struct Caller<'py> {
     /// Called as `progress(stage, done, total)`.
     pub progress: Option<Bound<'py, PyAny>>,
     /// An object with `is_set()`, such as `threading.Event`.
@@ -80,7 +80,7 @@ impl Progress for Counting {
 /// # Errors
 /// That of the work, `KeyboardInterrupt`, `Cancelled`, an exception of the caller's functions, and `InternalError` for
 /// a panic.
-pub fn run<T, W>(py: Python<'_>, caller: &Caller<'_>, work: W) -> PyResult<T>
+pub(crate) fn run<T, W>(py: Python<'_>, caller: &Caller<'_>, work: W) -> PyResult<T>
 where
     T: Send + 'static,
     W: FnOnce(&Arc<Diagnostics>, Sender<Request>) -> Result<T, Failure> + Send + 'static,

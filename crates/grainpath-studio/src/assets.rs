@@ -49,7 +49,7 @@ fn hash(bytes: &[u8]) -> u64 {
 
 impl Asset {
     /// The file, or that it has not changed. Browsers ask each time and are answered by the hash.
-    pub fn answer(&'static self, headers: &HeaderMap) -> Response {
+    pub(crate) fn answer(&'static self, headers: &HeaderMap) -> Response {
         let tag = format!("\"{:016x}\"", hash(self.bytes));
         let known = headers.get(header::IF_NONE_MATCH).and_then(|v| v.to_str().ok());
         if known.is_some_and(|k| k.contains(&tag)) {

@@ -12,7 +12,7 @@ use crate::inputs::{read_job, set_threads};
 use crate::{Failure, files, memory, outputs};
 
 /// `grainpath compare`
-pub fn compare(args: &Compare) -> Result<(), Failure> {
+pub(crate) fn compare(args: &Compare) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
     // All names are checked before the first test, which may take minutes.
     for input in &args.inputs {

@@ -10,7 +10,7 @@ use crate::args::{Args, Completions, Man};
 use crate::{Failure, files};
 
 /// `grainpath completions`
-pub fn completions(args: &Completions) -> Result<(), Failure> {
+pub(crate) fn completions(args: &Completions) -> Result<(), Failure> {
     let mut script = Vec::new();
     generate(args.shell, &mut Args::command(), "grainpath", &mut script);
     files::print(&String::from_utf8_lossy(&script));
@@ -18,7 +18,7 @@ pub fn completions(args: &Completions) -> Result<(), Failure> {
 }
 
 /// `grainpath man`
-pub fn man(args: &Man) -> Result<(), Failure> {
+pub(crate) fn man(args: &Man) -> Result<(), Failure> {
     let mut program = Args::command();
     // Names of commands and their options are complete only after this.
     program.build();

@@ -9,7 +9,7 @@ use crate::args::Doctor;
 use crate::{Failure, files, memory};
 
 /// `grainpath doctor`
-pub fn doctor(args: &Doctor) -> Result<(), Failure> {
+pub(crate) fn doctor(args: &Doctor) -> Result<(), Failure> {
     let value = survey();
     if args.json {
         files::print(&format!("{value}\n"));

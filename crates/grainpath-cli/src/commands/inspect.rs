@@ -30,7 +30,7 @@ use crate::inputs::{self, FILAMENT_MM};
 use crate::{Failure, files};
 
 /// Runs the command.
-pub fn inspect(args: &Inspect) -> Result<(), Failure> {
+pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
     let raw = scan::raw_header(args)?;
     let mut claims = Claims::default();
     claims.read("file", &args.file);

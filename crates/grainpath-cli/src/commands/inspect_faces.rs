@@ -23,7 +23,7 @@ const LISTED: usize = 200;
 const IMAGE_PX: u32 = 1600;
 
 /// Runs the command.
-pub fn inspect(args: &Inspect) -> Result<(), Failure> {
+pub(crate) fn inspect(args: &Inspect) -> Result<(), Failure> {
     let name = args.file.display().to_string();
     let bytes = files::read(&args.file)?;
     let file = parse_mesh(&bytes, Some(&name));
@@ -79,7 +79,7 @@ pub fn list_faces(file: MeshFile) -> Result<Value, Failure> {
 }
 
 /// One face; numbers count from 1, as in the picture.
-pub fn face_json(faces: &Faces, i: usize) -> Value {
+pub(crate) fn face_json(faces: &Faces, i: usize) -> Value {
     let Face { surface, triangles, area_mm2, centroid } = &faces.all()[i];
     let name = faces.name(i);
     let mut row = json!({

@@ -19,7 +19,7 @@ const HISTOGRAM_BINS: usize = 256;
 const IMAGE_PX: u32 = 900;
 
 /// Whether a path is a scan: a folder, or a file with the ending of a volume format.
-pub fn is(path: &Path) -> Result<bool, Failure> {
+pub(super) fn is(path: &Path) -> Result<bool, Failure> {
     if path.is_dir() {
         return Ok(true);
     }
@@ -29,7 +29,7 @@ pub fn is(path: &Path) -> Result<bool, Failure> {
 }
 
 /// The header from the command line, for a file without one.
-pub fn raw_header(args: &Inspect) -> Result<Option<RawHeader>, Failure> {
+pub(super) fn raw_header(args: &Inspect) -> Result<Option<RawHeader>, Failure> {
     let Some(size) = &args.size else { return Ok(None) };
     let &[x, y, z] = size.as_slice() else {
         return Err(Failure::usage("--size should be columns,rows,slices"));
@@ -39,7 +39,7 @@ pub fn raw_header(args: &Inspect) -> Result<Option<RawHeader>, Failure> {
 }
 
 /// Properties of a scan, which is read once from end to end.
-pub fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
+pub(super) fn inspect(args: &Inspect, raw: Option<&RawHeader>) -> Result<Value, Failure> {
     let mut source = open_scan(&args.file, raw, false)?;
     let info = source.info().clone();
     // Histogram and contact sheet are collected slice by slice, so that a scan larger than the memory can

@@ -7,7 +7,7 @@ use crate::{Failure, files};
 const NOTICES: &str = include_str!("../../licences.txt");
 
 /// `grainpath licences`
-pub fn licences(Licences {}: &Licences) -> Result<(), Failure> {
+pub(crate) fn licences(Licences {}: &Licences) -> Result<(), Failure> {
     files::print(NOTICES);
     #[cfg(feature = "studio")]
     files::print(&format!("\n{}", grainpath_studio::LICENCES_OF_PAGE));

@@ -7,7 +7,7 @@ use crate::args::Markers;
 use crate::{Failure, files, outputs};
 
 /// `grainpath markers`
-pub fn markers(args: &Markers) -> Result<(), Failure> {
+pub(crate) fn markers(args: &Markers) -> Result<(), Failure> {
     use grainpath_imaging::photo::markers::{marker_sheet_pdf, marker_sheet_svg};
     let size = DVec2::new(args.width_mm, args.height_mm);
     // The negated test refuses NaN too.

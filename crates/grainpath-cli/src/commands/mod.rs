@@ -1,24 +1,24 @@
 //! One file for each command.
 
-pub mod compare;
-pub mod completions;
-pub mod doctor;
-pub mod inspect;
-pub mod inspect_faces;
+pub(crate) mod compare;
+pub(crate) mod completions;
+pub(crate) mod doctor;
+pub(crate) mod inspect;
+pub(crate) mod inspect_faces;
 mod inspect_scan;
-pub mod licences;
-pub mod markers;
-pub mod new;
-pub mod orient;
-pub mod profiles;
-pub mod render;
-pub mod run;
-pub mod schema;
-pub mod slice;
-pub mod specimen;
-pub mod strength;
+pub(crate) mod licences;
+pub(crate) mod markers;
+pub(crate) mod new;
+pub(crate) mod orient;
+pub(crate) mod profiles;
+pub(crate) mod render;
+pub(crate) mod run;
+pub(crate) mod schema;
+pub(crate) mod slice;
+pub(crate) mod specimen;
+pub(crate) mod strength;
 #[cfg(feature = "studio")]
-pub mod studio;
+pub(crate) mod studio;
 #[cfg(feature = "studio")]
 mod studio_part;
-pub mod support;
+pub(crate) mod support;

@@ -6,7 +6,7 @@ use crate::args::New;
 use crate::{Failure, files};
 
 /// `grainpath new`
-pub fn new(args: &New) -> Result<(), Failure> {
+pub(crate) fn new(args: &New) -> Result<(), Failure> {
     let names = grainpath_parts::presets::PRESETS;
     let example = match (args.preset.as_str(), args.pixels) {
         ("ct", Some(n)) => Some(grainpath_parts::presets::ct(n as usize)),

@@ -10,7 +10,7 @@ use grainpath_core::Diagnostics;
 use grainpath_core::units::bead_area_mm2;
 use grainpath_io::MeshFile;
 use grainpath_job::Settings;
-use grainpath_job::choices::{LoadFrame, Pattern, SupportStyle};
+use grainpath_job::choices::{LoadFrame, SupportStyle};
 use grainpath_job::edit::with_value;
 use serde_json::{Value, json};
 
@@ -54,7 +54,7 @@ impl Ranked {
 }
 
 /// `grainpath orient`
-pub fn orient(args: &Orient) -> Result<(), Failure> {
+pub(crate) fn orient(args: &Orient) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
     let (settings, shape, folder) = read_job(&args.job, &args.common.sets)?;
     let has_places = !settings.guide.fixture.is_empty()
@@ -139,22 +139,12 @@ pub fn orient(args: &Orient) -> Result<(), Failure> {
 
 /// The directions of beads in a layer of the job.
 fn beads(settings: &Settings) -> BeadDirections {
-    match settings.fill.pattern {
-        Pattern::Stripes | Pattern::Streamlines | Pattern::SeedLines | Pattern::Continuous => {
-            BeadDirections::AlongStress
-        }
-        Pattern::Rectilinear
-        | Pattern::Grid
-        | Pattern::Triangles
-        | Pattern::Gyroid
-        | Pattern::Concentric
-        | Pattern::Honeycomb
-        | Pattern::Aligned => {
-            let first = settings.fill.angles_deg.ranges().first();
-            let angles = first.map_or(vec![0.0], |r| r.angles_deg.iter().map(|a| a.to_radians()).collect());
-            BeadDirections::Raster(angles)
-        }
+    if settings.fill.pattern.follows_field() {
+        return BeadDirections::AlongStress;
     }
+    let first = settings.fill.angles_deg.ranges().first();
+    let angles = first.map_or(vec![0.0], |r| r.angles_deg.iter().map(|a| a.to_radians()).collect());
+    BeadDirections::Raster(angles)
 }
 
 fn ranked_pose(

@@ -6,7 +6,7 @@ use crate::args::Profiles;
 use crate::{Failure, files};
 
 /// `grainpath profiles`
-pub fn profiles(args: &Profiles) -> Result<(), Failure> {
+pub(crate) fn profiles(args: &Profiles) -> Result<(), Failure> {
     if let Some(name) = &args.name {
         let Some(p) = PROFILES.iter().find(|p| p.name == name) else {
             let near = grainpath_core::spelling::nearest(name, PROFILES.iter().map(|p| p.name));

@@ -14,7 +14,7 @@ use crate::inputs::{plan, read_job, read_program};
 use crate::{Failure, files, outputs, progress};
 
 /// `grainpath render`
-pub fn render(args: &Render) -> Result<(), Failure> {
+pub(crate) fn render(args: &Render) -> Result<(), Failure> {
     use grainpath_view::layer::{ColourBy, Ground, PictureOptions, layer_png, layer_svg, thumbnail_png};
     let program = read_program(&args.gcode)?;
     let n = program.layers.len();

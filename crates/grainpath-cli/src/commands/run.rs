@@ -14,7 +14,7 @@ use crate::inputs::{Given, Handed, claim_inputs, plan, read_body, read_job, read
 use crate::{Failure, files, outputs, progress};
 
 /// `grainpath run`
-pub fn run(args: &RunArguments) -> Result<(), Failure> {
+pub(crate) fn run(args: &RunArguments) -> Result<(), Failure> {
     if let Some(scheduler) = &args.scheduler {
         return run_folder(args, scheduler);
     }
@@ -150,7 +150,7 @@ pub fn checked(
 
 /// Plans and writes a job. Input paths are relative to `base`, output paths to `out`; `claims` holds the
 /// files that were read before.
-pub fn execute(
+pub(crate) fn execute(
     settings: &Settings,
     shape: &Path,
     base: &Path,

@@ -6,7 +6,7 @@ use crate::args::Schema;
 use crate::{Failure, files};
 
 /// `grainpath schema`
-pub fn schema(args: &Schema) -> Result<(), Failure> {
+pub(crate) fn schema(args: &Schema) -> Result<(), Failure> {
     if args.markdown {
         files::print(&markdown());
     } else {

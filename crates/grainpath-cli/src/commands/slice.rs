@@ -61,7 +61,7 @@ fn job_of(model: &Path) -> Result<(String, Option<&'static str>), Failure> {
 /// The text of a job that plans a file as [`slice`] does, with the profiles to choose from; `None` for a file that is
 /// none of mesh, drawing, photograph and scan.
 #[cfg(feature = "studio")]
-pub fn job_text(model: &Path) -> Result<Option<String>, Failure> {
+pub(crate) fn job_text(model: &Path) -> Result<Option<String>, Failure> {
     let file = serde_json::Value::from(model.display().to_string());
     let (job, assumed) = job_of(model)?;
     let is_mesh = has_ending(model, &["stl", "obj", "ply", "off", "3mf"]);
@@ -96,7 +96,7 @@ pub fn job_text(model: &Path) -> Result<Option<String>, Failure> {
 }
 
 /// `grainpath slice`
-pub fn slice(args: &Slice) -> Result<(), Failure> {
+pub(crate) fn slice(args: &Slice) -> Result<(), Failure> {
     let name = args.model.display();
     if args.model.is_file() {
         if let Some((_, what)) = NO_SHAPES.iter().find(|(endings, _)| has_ending(&args.model, endings)) {

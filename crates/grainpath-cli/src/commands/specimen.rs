@@ -10,7 +10,7 @@ use crate::outputs::write_mesh;
 use crate::{Failure, files, outputs};
 
 /// `grainpath specimen`
-pub fn specimen(args: &Specimen) -> Result<(), Failure> {
+pub(crate) fn specimen(args: &Specimen) -> Result<(), Failure> {
     let all =
         || SPECIMENS.iter().map(|s| (s.name, s.about)).chain(TEST_PIECES.iter().map(|p| (p.name, p.about)));
     let Some(name) = &args.name else {

@@ -29,7 +29,7 @@ pub struct Done {
 }
 
 /// `grainpath strength`
-pub fn strength(args: &Strength) -> Result<(), Failure> {
+pub(crate) fn strength(args: &Strength) -> Result<(), Failure> {
     set_threads(args.common.threads)?;
     let done = test_one(&args.input, args.job.as_deref(), &args.common, None, &|_| {})?;
     let mut written = Value::Null;
@@ -58,12 +58,12 @@ pub fn strength(args: &Strength) -> Result<(), Failure> {
 }
 
 /// Whether a path has the ending of a job file.
-pub fn is_job(path: &Path) -> bool {
+pub(crate) fn is_job(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
 }
 
 /// The job of an input: the input itself, or the job a program is tested with.
-pub fn job_of<'a>(input: &'a Path, job: Option<&'a Path>) -> Result<&'a Path, Failure> {
+pub(crate) fn job_of<'a>(input: &'a Path, job: Option<&'a Path>) -> Result<&'a Path, Failure> {
     let none = || {
         Failure::usage(format!(
             "{}: no job (.toml), and G-code needs --job JOB.toml, whose part, loads and material it is tested with",
@@ -75,7 +75,7 @@ pub fn job_of<'a>(input: &'a Path, job: Option<&'a Path>) -> Result<&'a Path, Fa
 
 /// Tests a job, or a program with the job it belongs to. `mass_g` is the mass that a job's part should have; `note`
 /// receives the first answer.
-pub fn test_one(
+pub(crate) fn test_one(
     input: &Path,
     job: Option<&Path>,
     common: &Common,

@@ -31,7 +31,7 @@ const WORK: &str = "grainpath-studio";
 const BROKEN: f32 = 0.3;
 
 /// `grainpath studio`
-pub fn studio(args: &Studio) -> Result<(), Failure> {
+pub(crate) fn studio(args: &Studio) -> Result<(), Failure> {
     let here = PathBuf::from(".");
     let options = Options {
         work: here.join(WORK),

@@ -37,7 +37,11 @@ fn single(p: DVec3) -> [f32; 3] {
 }
 
 /// The shape of a job as it stands on the plate.
-pub fn shape(settings: &Settings, path: &Path, diagnostics: &Diagnostics) -> Result<Finished, Failure> {
+pub(super) fn shape(
+    settings: &Settings,
+    path: &Path,
+    diagnostics: &Diagnostics,
+) -> Result<Finished, Failure> {
     let (file, _) = read_body(settings, path, diagnostics)?;
     diagnostics.check().map_err(grainpath::Error::from)?;
     let stated = file.unit;
@@ -136,7 +140,7 @@ fn face_rows(faces: &Faces, rotation: DMat3, shift: DVec3) -> Value {
 }
 
 /// The stress under the loads of a job, on the surface of the mesh that was solved.
-pub fn stress(
+pub(super) fn stress(
     settings: &Settings,
     path: &Path,
     base: &Path,

@@ -22,7 +22,7 @@ use crate::outputs::{MeshEnding, write_mesh};
 use crate::{Failure, files, memory, outputs, progress};
 
 /// `grainpath support`
-pub fn support(args: &Support) -> Result<(), Failure> {
+pub(crate) fn support(args: &Support) -> Result<(), Failure> {
     let mut settings = settings("", "--set", &args.common.sets, Path::new(""))?;
     // The default of a job is no support; whoever calls this command wants some.
     if settings.support.style == SupportStyle::None {

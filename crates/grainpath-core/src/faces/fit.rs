@@ -13,7 +13,7 @@ use crate::tensor::principal;
 
 /// A curved surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Model {
+pub(super) enum Model {
     /// Centre and radius.
     Sphere(DVec3, f64),
     /// Cylinder (slope 0) or cone: radius `radius + slope * t` at `point + t * axis`.
@@ -31,7 +31,7 @@ pub enum Model {
 
 /// The kinds of model to try.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shape {
+pub(super) enum Shape {
     /// Four unknowns.
     Sphere,
     /// Five unknowns.
@@ -46,7 +46,7 @@ const STEPS: usize = 12;
 
 impl Model {
     /// Signed distance of a point from the surface, positive outside.
-    pub fn distance(&self, p: DVec3) -> f64 {
+    pub(super) fn distance(&self, p: DVec3) -> f64 {
         match *self {
             Self::Sphere(centre, radius) => p.distance(centre) - radius,
             Self::Turned { point, axis, radius, slope } => {
@@ -58,7 +58,7 @@ impl Model {
     }
 
     /// Unit normal of the surface near a point, pointing outwards.
-    pub fn normal(&self, p: DVec3) -> DVec3 {
+    pub(super) fn normal(&self, p: DVec3) -> DVec3 {
         match *self {
             Self::Sphere(centre, _) => (p - centre).normalize_or_zero(),
             Self::Turned { point, axis, slope, .. } => {
@@ -69,7 +69,7 @@ impl Model {
     }
 
     /// Radius at a point of the surface.
-    pub fn radius_at(&self, p: DVec3) -> f64 {
+    pub(super) fn radius_at(&self, p: DVec3) -> f64 {
         match *self {
             Self::Sphere(_, radius) => radius,
             Self::Turned { point, axis, radius, slope } => radius + slope * (p - point).dot(axis),
@@ -77,7 +77,7 @@ impl Model {
     }
 
     /// Half the opening angle of a cone; 0 for other models.
-    pub fn half_angle(&self) -> f64 {
+    pub(super) fn half_angle(&self) -> f64 {
         match *self {
             Self::Sphere(..) => 0.0,
             Self::Turned { slope, .. } => atan(slope),
@@ -86,7 +86,7 @@ impl Model {
 
     /// The model of a kind that fits points best, with normals of the surface at them by area.
     /// `None` where the points do not determine one.
-    pub fn fitted(shape: Shape, points: &[DVec3], normals: &[(DVec3, f64)]) -> Option<Self> {
+    pub(super) fn fitted(shape: Shape, points: &[DVec3], normals: &[(DVec3, f64)]) -> Option<Self> {
         let n = points.len() as f64;
         let middle = points.iter().sum::<DVec3>() / n;
         let size = points.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
@@ -110,7 +110,7 @@ impl Model {
     }
 
     /// Greatest distance of a point from the surface.
-    pub fn worst(&self, points: &[DVec3]) -> f64 {
+    pub(super) fn worst(&self, points: &[DVec3]) -> f64 {
         points.iter().map(|p| self.distance(*p).abs()).fold(0.0, f64::max)
     }
 }

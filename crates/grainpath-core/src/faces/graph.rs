@@ -7,12 +7,12 @@ use crate::TriMesh;
 use crate::mesh::weld_targets;
 
 /// Label of a triangle that belongs to no face.
-pub const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 /// Neighbour of a side that has none, or more than one.
-pub const NO_NEIGHBOUR: u32 = u32::MAX;
+pub(super) const NO_NEIGHBOUR: u32 = u32::MAX;
 
 /// Triangles over welded vertices, with what growth looks up.
-pub struct Graph<'a> {
+pub(super) struct Graph<'a> {
     vertices: &'a [DVec3],
     /// Welded vertices of each triangle.
     pub corners: Vec<[u32; 3]>,
@@ -28,7 +28,7 @@ pub struct Graph<'a> {
 
 impl<'a> Graph<'a> {
     /// The triangles of a mesh whose coordinates are rounded by up to `tolerance`.
-    pub fn new(mesh: &'a TriMesh, tolerance: f64) -> Self {
+    pub(super) fn new(mesh: &'a TriMesh, tolerance: f64) -> Self {
         let mut corners = mesh.triangles.clone();
         let mut neighbours = beyond(&corners, mesh.vertices.len());
         // Files that repeat each vertex with its own rounding have open edges everywhere.
@@ -49,33 +49,33 @@ impl<'a> Graph<'a> {
     }
 
     /// Number of triangles.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.corners.len()
     }
 
     /// The corners of a triangle.
-    pub fn points(&self, triangle: usize) -> [DVec3; 3] {
+    pub(super) fn points(&self, triangle: usize) -> [DVec3; 3] {
         self.corners[triangle].map(|v| self.vertices[v as usize])
     }
 
     /// A vertex.
-    pub fn vertex(&self, index: u32) -> DVec3 {
+    pub(super) fn vertex(&self, index: u32) -> DVec3 {
         self.vertices[index as usize]
     }
 
     /// The middle of a triangle.
-    pub fn centroid(&self, triangle: usize) -> DVec3 {
+    pub(super) fn centroid(&self, triangle: usize) -> DVec3 {
         let [a, b, c] = self.points(triangle);
         (a + b + c) / 3.0
     }
 
     /// The neighbours of a triangle.
-    pub fn around(&self, triangle: usize) -> impl Iterator<Item = usize> + '_ {
+    pub(super) fn around(&self, triangle: usize) -> impl Iterator<Item = usize> + '_ {
         self.neighbours[triangle].iter().filter(|&&n| n != NO_NEIGHBOUR).map(|&n| n as usize)
     }
 
     /// Cosine of the angle between the normals of two triangles; 1 where one of them has no area.
-    pub fn cosine(&self, a: usize, b: usize) -> f64 {
+    pub(super) fn cosine(&self, a: usize, b: usize) -> f64 {
         let (m, n) = (self.normal[a], self.normal[b]);
         if m == DVec3::ZERO || n == DVec3::ZERO { 1.0 } else { m.dot(n) }
     }

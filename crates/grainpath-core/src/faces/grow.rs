@@ -10,7 +10,7 @@ use crate::DisjointSets;
 
 /// What a face is, before it is measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Kind {
+pub(super) enum Kind {
     /// A plane.
     Plane,
     /// A model and whether the material lies outside it.
@@ -21,7 +21,7 @@ pub enum Kind {
 
 impl Kind {
     /// The surface as users see it, for a face with this centroid and mean normal.
-    pub fn surface(&self, centroid: DVec3, normal: DVec3) -> Surface {
+    pub(super) fn surface(&self, centroid: DVec3, normal: DVec3) -> Surface {
         let (model, hollow) = match *self {
             Self::Plane => return Surface::Plane { normal },
             Self::Free => return Surface::Free,
@@ -48,7 +48,7 @@ impl Kind {
 /// Cosine of the angle from which an edge is sharp: 40 degrees. Exporters turn by at most 30 degrees
 /// from one facet to the next; a hexagon and an octagon have edges of 60 and 45 degrees.
 /// Source: derived from these, midway.
-pub const SHARP: f64 = 0.766;
+pub(super) const SHARP: f64 = 0.766;
 
 /// Pieces in the patches to try after strips. Source: derived: 6, 16 and 40 are one, two and three
 /// rings of triangles.
@@ -85,7 +85,7 @@ const WIDER: f64 = 3.0;
 const TURNED: f64 = 0.966;
 
 /// Labels the triangles of curved faces in `label`; the kinds are those of the labels.
-pub fn curved(graph: &Graph, pieces: &Pieces, label: &mut [u32]) -> Vec<Kind> {
+pub(super) fn curved(graph: &Graph, pieces: &Pieces, label: &mut [u32]) -> Vec<Kind> {
     let mut search = Search { graph, pieces, stamp: vec![0; graph.len()], now: 0, looked_at: 0 };
     let mut kinds = Vec::new();
     let mut in_vain = 0;

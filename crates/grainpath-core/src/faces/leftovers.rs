@@ -29,7 +29,7 @@ struct Bend {
 }
 
 /// Labels the triangles that have no label yet.
-pub fn label(graph: &Graph, pieces: &Pieces, label: &mut [u32], kinds: &mut Vec<Kind>) {
+pub(super) fn label(graph: &Graph, pieces: &Pieces, label: &mut [u32], kinds: &mut Vec<Kind>) {
     let n = pieces.members.len();
     // A piece is left over as a whole: growth took all of its triangles or, at a ragged border, some.
     let left = |id: usize, label: &[u32]| pieces.members[id].iter().any(|&t| label[t as usize] == NONE);

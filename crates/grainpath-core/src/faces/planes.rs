@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::graph::Graph;
 
 /// Flat pieces of a mesh.
-pub struct Pieces {
+pub(super) struct Pieces {
     /// The piece of each triangle.
     pub of: Vec<u32>,
     /// The triangles of each piece, from the one that it grew from; in descending order of that one's
@@ -26,7 +26,7 @@ const NO_FOLD: f64 = 0.7;
 
 /// Grows planes from the largest triangles outwards. The plane is fitted anew whenever its area has
 /// doubled, for the normal of a small triangle is too inexact far away from it.
-pub fn flat_pieces(graph: &Graph) -> Pieces {
+pub(super) fn flat_pieces(graph: &Graph) -> Pieces {
     let mut order: Vec<u32> = (0..graph.len() as u32).collect();
     order.sort_unstable_by(|&a, &b| {
         graph.area[b as usize].total_cmp(&graph.area[a as usize]).then_with(|| a.cmp(&b))

@@ -19,7 +19,7 @@ const ENOUGH: usize = 12;
 
 /// Stress at every node, and at the integration points of every element. Each corner's quadratic is
 /// evaluated at the corner and at the middles of its sides.
-pub fn recover(problem: &PlaneProblem<'_>, u: &[DVec2]) -> (Vec<PlaneTensor>, Vec<[PlaneTensor; 3]>) {
+pub(super) fn recover(problem: &PlaneProblem<'_>, u: &[DVec2]) -> (Vec<PlaneTensor>, Vec<[PlaneTensor; 3]>) {
     let mesh = problem.mesh;
     let samples: Vec<[(DVec2, PlaneTensor); 3]> = mesh
         .elements

@@ -11,18 +11,18 @@ use super::plane_problem::PlaneStiffness;
 /// Integration points in area coordinates, with weights that sum to 1/2: exact to degree 2. Source:
 /// derived: with three symmetric points, 2/3 and 1/6 are the values that integrate L1^2 and L1 L2
 /// exactly.
-pub const POINTS: [([f64; 3], f64); 3] = {
+pub(super) const POINTS: [([f64; 3], f64); 3] = {
     let (a, b, w) = (2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0);
     [([a, b, b], w), ([b, a, b], w), ([b, b, a], w)]
 };
 
 /// Gauss points and weights on [-1, 1]. Source: roots of the Legendre polynomial of degree 3, 0 and
 /// the square root of 3/5; exact to degree 5.
-pub const GAUSS_3: [(f64, f64); 3] =
+pub(super) const GAUSS_3: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
 /// Shape functions at area coordinates `l`, and twice the area there.
-pub fn shape(p: &[DVec2; 6], l: [f64; 3]) -> ([f64; 6], f64) {
+pub(super) fn shape(p: &[DVec2; 6], l: [f64; 3]) -> ([f64; 6], f64) {
     let n = [
         l[0] * (2.0 * l[0] - 1.0),
         l[1] * (2.0 * l[1] - 1.0),
@@ -56,7 +56,7 @@ fn jacobian(p: &[DVec2; 6], l: [f64; 3]) -> (DVec2, DVec2, f64) {
 }
 
 /// Gradients of the shape functions, and the Jacobian's determinant.
-pub fn gradients(p: &[DVec2; 6], l: [f64; 3]) -> ([DVec2; 6], f64) {
+pub(super) fn gradients(p: &[DVec2; 6], l: [f64; 3]) -> ([DVec2; 6], f64) {
     let s = slopes(l);
     let (u, v, det) = jacobian(p, l);
     // Rows of the inverse.
@@ -66,7 +66,7 @@ pub fn gradients(p: &[DVec2; 6], l: [f64; 3]) -> ([DVec2; 6], f64) {
 
 /// Stiffness in N/mm, `(12, 12)`, degrees of freedom node by node; `None` for an element turned
 /// inside out.
-pub fn stiffness(p: &[DVec2; 6], c: &PlaneStiffness, thickness_mm: f64) -> Option<[[f64; 12]; 12]> {
+pub(super) fn stiffness(p: &[DVec2; 6], c: &PlaneStiffness, thickness_mm: f64) -> Option<[[f64; 12]; 12]> {
     // For straight sides the integrand is of degree 2, so three points are exact.
     let mut k = [[0.0; 12]; 12];
     for (l, weight) in POINTS {
@@ -92,7 +92,7 @@ pub fn stiffness(p: &[DVec2; 6], c: &PlaneStiffness, thickness_mm: f64) -> Optio
 }
 
 /// Stress at area coordinates from the displacements of the nodes, MPa.
-pub fn stress(p: &[DVec2; 6], u: &[DVec2; 6], c: &PlaneStiffness, l: [f64; 3]) -> [f64; 3] {
+pub(super) fn stress(p: &[DVec2; 6], u: &[DVec2; 6], c: &PlaneStiffness, l: [f64; 3]) -> [f64; 3] {
     let (g, _) = gradients(p, l);
     let strain = (0..6).fold([0.0; 3], |e, i| {
         [e[0] + g[i].x * u[i].x, e[1] + g[i].y * u[i].y, e[2] + g[i].y * u[i].x + g[i].x * u[i].y]
@@ -101,7 +101,7 @@ pub fn stress(p: &[DVec2; 6], u: &[DVec2; 6], c: &PlaneStiffness, l: [f64; 3]) -
 }
 
 /// Rotates the rows and columns of node `a` into a frame whose first axis is `axis`.
-pub fn turn(k: &mut [[f64; 12]; 12], a: usize, axis: DVec2) {
+pub(super) fn turn(k: &mut [[f64; 12]; 12], a: usize, axis: DVec2) {
     let (c, s) = (axis.x, axis.y);
     let (i, j) = (2 * a, 2 * a + 1);
     for row in k.iter_mut() {

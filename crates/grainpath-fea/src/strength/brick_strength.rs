@@ -25,7 +25,7 @@ use super::wall_bending::{
     unresolved_bending,
 };
 use super::{CRACK_NORMAL_COS, Outcome, TestError};
-use crate::material::{Orthotropic, Stiffness, rotated_about_z};
+use crate::material::{Orthotropic, Stiffness, rotated_about_z, strain_along};
 use crate::solid::voxel::{VOID, VoxelPart, VoxelSystem};
 use crate::solid::{Method, SolidError, SolveSettings};
 
@@ -317,18 +317,9 @@ impl LoadedSolid<'_> {
     ) -> Vec<FailureIndices> {
         let test = self.test;
         let cell = self.cells[element] as usize;
-        let [xx, yy, zz, xy, yz, zx] = strain;
         let bond = f64::from(test.bricks.bond[cell]).max(1.0 / SHARE_STEPS);
         let each = |(k, p): (usize, usize)| {
-            let (s, c) = grainpath_core::math::sin_cos(test.bricks.plies[self.plies[p] as usize].angle_rad);
-            let own = [
-                c * c * xx + s * s * yy + s * c * xy,
-                s * s * xx + c * c * yy - s * c * xy,
-                zz,
-                2.0 * s * c * (yy - xx) + (c * c - s * s) * xy,
-                c * yz - s * zx,
-                s * yz + c * zx,
-            ];
+            let own = strain_along(strain, test.bricks.plies[self.plies[p] as usize].angle_rad);
             let damage = states[p].damage();
             let stiffness = damaged_stiffness(&test.card.elastic, damage, bond).unwrap_or_default();
             // The stress of the area that still carries, as strengths are those of whole material.

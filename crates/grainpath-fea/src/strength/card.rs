@@ -167,7 +167,7 @@ impl FailureMode {
 pub(super) mod tests {
     use super::*;
 
-    pub fn pla() -> StrengthCard {
+    pub(crate) fn pla() -> StrengthCard {
         StrengthCard {
             elastic: Orthotropic {
                 e_mpa: [2669.0, 2583.0, 2208.0],

@@ -13,7 +13,6 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
 use grainpath_core::dense::solve_spd;
-use grainpath_core::math::sin_cos;
 use rayon::prelude::*;
 
 use super::brick_strength::{DIRECTIONS, SHARE_STEPS};
@@ -21,7 +20,9 @@ use super::bricks::Bricks;
 use super::card::{FailureMode, StrengthCard};
 use super::damage::{damaged_plane_stiffness, damaged_stiffness, remaining_shares};
 use super::laminate::Laminate;
-use crate::material::{Orthotropic, Stiffness, Unstable, rotated_about_z, rotated_plane};
+use crate::material::{
+    Orthotropic, Stiffness, Unstable, plane_strain_along, rotated_about_z, rotated_plane, strain_along,
+};
 use crate::plane::PlaneStiffness;
 
 /// The ply of a part that fails first.
@@ -99,14 +100,9 @@ pub fn first_failure_of_plate<const N: usize>(
             let share = ply.thickness_mm / thickness_mm;
             (0..9).for_each(|k| mean[k / 3][k % 3] += share * c[k / 3][k % 3]);
         }
-        let [xx, yy, xy] = strain(&mean, stress);
+        let mean = strain(&mean, stress);
         for ply in plies {
-            let (s, c) = sin_cos(ply.angle_rad);
-            let along = [
-                c * c * xx + s * s * yy + s * c * xy,
-                s * s * xx + c * c * yy - s * c * xy,
-                2.0 * s * c * (yy - xx) + (c * c - s * s) * xy,
-            ];
+            let along = plane_strain_along(mean, ply.angle_rad);
             let material = usize::from(ply.material);
             let stress: [f64; 3] =
                 std::array::from_fn(|i| own[material][i].iter().zip(along).map(|(c, e)| c * e).sum());
@@ -179,21 +175,13 @@ pub fn first_failure_of_bricks<const N: usize>(
             return worst;
         };
         let Some(stress) = stress(cell) else { return worst };
-        let [xx, yy, zz, xy, yz, zx] = strain(mean, stress);
+        let mean = strain(mean, stress);
         let bond = f64::from(bricks.bond[cell]).max(1.0 / SHARE_STEPS);
         let Ok(own) = damaged_stiffness(elastic, [0.0; 3], bond) else { return worst };
         // The stress of the area that touches, as strengths are those of whole material.
         let remaining = remaining_shares([0.0; 3], bond);
         for (k, ply) in bricks.plies_in(cell).iter().enumerate() {
-            let (s, c) = sin_cos(ply.angle_rad);
-            let along = [
-                c * c * xx + s * s * yy + s * c * xy,
-                s * s * xx + c * c * yy - s * c * xy,
-                zz,
-                2.0 * s * c * (yy - xx) + (c * c - s * s) * xy,
-                c * yz - s * zx,
-                s * yz + c * zx,
-            ];
+            let along = strain_along(mean, ply.angle_rad);
             let stress: [f64; 6] = std::array::from_fn(|i| {
                 own[i].iter().zip(along).map(|(c, e)| c * e).sum::<f64>() / remaining[i]
             });

@@ -72,7 +72,7 @@ impl Fronts {
     ///
     /// # Errors
     /// [`SparseError::Memory`] when the factor would take more than `max_mib` MiB.
-    pub fn new(
+    pub(super) fn new(
         elements: &PlateElements,
         added: &[(usize, usize, f64)],
         forces: &[f64],
@@ -141,7 +141,7 @@ impl Fronts {
     }
 
     /// Notes that the stiffness of an element changed.
-    pub fn change(&mut self, element: usize) {
+    pub(super) fn change(&mut self, element: usize) {
         self.fronts[self.of_element[element] as usize].stale = true;
     }
 
@@ -149,7 +149,7 @@ impl Fronts {
     ///
     /// # Errors
     /// [`SparseError::Singular`] when a part of the plate can move freely.
-    pub fn refactor(&mut self, stiffness: &[Lower]) -> Result<(), SparseError> {
+    pub(super) fn refactor(&mut self, stiffness: &[Lower]) -> Result<(), SparseError> {
         let stale = !self.keeps && self.fronts.iter().any(|f| f.stale);
         for f in 0..self.fronts.len() {
             let below = self.fronts[f].children(f).into_iter().flatten().any(|c| self.fronts[c].stale);
@@ -159,7 +159,7 @@ impl Fronts {
     }
 
     /// Displacements, mm, of all unknowns; the factor must be up to date.
-    pub fn solve(&mut self) -> Vec<f64> {
+    pub(super) fn solve(&mut self) -> Vec<f64> {
         back(&mut self.fronts, &[]);
         let mut x = vec![0.0; self.fronts.iter().map(|f| 2 * f.own).sum()];
         for front in &self.fronts {

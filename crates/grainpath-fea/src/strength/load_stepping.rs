@@ -42,12 +42,12 @@ pub(super) struct PlyState {
 }
 
 impl PlyState {
-    pub fn whole(limits: &FinalStrains) -> Self {
+    pub(super) fn whole(limits: &FinalStrains) -> Self {
         Self { damage_strain: [1.0; 3], final_strain: limits.opening, mode: FailureMode::Along }
     }
 
     /// Shares of the stiffness that are lost, 0 to 1.
-    pub fn damage(&self) -> [f64; 3] {
+    pub(super) fn damage(&self) -> [f64; 3] {
         std::array::from_fn(|k| damage(self.damage_strain[k], self.final_strain[k]))
     }
 }

@@ -25,7 +25,7 @@ use super::wall_bending::{
     unresolved_bending,
 };
 use super::{CRACK_NORMAL_COS, Outcome, TestError};
-use crate::material::{Unstable, rotated_plane};
+use crate::material::{Unstable, plane_strain_along, rotated_plane};
 use crate::plane::PlaneStiffness;
 
 /// A plate made of beads, its fixtures and its loads.
@@ -206,14 +206,8 @@ impl LoadedPlate<'_> {
         states: &[PlyState],
     ) -> Vec<FailureIndices> {
         let test = self.test;
-        let [xx, yy, xy] = strain;
         let each = |p: usize| {
-            let (s, c) = grainpath_core::math::sin_cos(test.laminate.plies[p].angle_rad);
-            let own = [
-                c * c * xx + s * s * yy + s * c * xy,
-                s * s * xx + c * c * yy - s * c * xy,
-                2.0 * s * c * (yy - xx) + (c * c - s * s) * xy,
-            ];
+            let own = plane_strain_along(strain, test.laminate.plies[p].angle_rad);
             let damage = in_plane(states[p].damage());
             let card = &test.cards[test.material(p)];
             let stiffness = damaged_plane_stiffness(&card.elastic, damage).unwrap_or_default();

@@ -7,19 +7,19 @@ use grainpath_fea::solid::TetMesh;
 
 /// A block of cells, each of six tetrahedra, mapped to a shape. All ten nodes of an element lie on the
 /// map.
-pub struct Brick {
+pub(crate) struct Brick {
     n: [usize; 3],
     map: Box<dyn Fn(DVec3) -> DVec3>,
 }
 
 impl Brick {
     /// Numbers of cells along the sides of the unit cube.
-    pub fn new(n: [usize; 3], map: impl Fn(DVec3) -> DVec3 + 'static) -> Self {
+    pub(crate) fn new(n: [usize; 3], map: impl Fn(DVec3) -> DVec3 + 'static) -> Self {
         Self { n, map: Box::new(map) }
     }
 
     /// The mesh.
-    pub fn mesh(&self) -> TetMesh {
+    pub(crate) fn mesh(&self) -> TetMesh {
         let [nx, ny, nz] = self.n;
         let id = |x: usize, y: usize, z: usize| ((z * (ny + 1) + y) * (nx + 1) + x) as u32;
         let (mut unit, mut tets) = (Vec::new(), Vec::new());
@@ -54,12 +54,12 @@ impl Brick {
 }
 
 /// An isotropic stiffness.
-pub fn isotropic(e_mpa: f64, nu: f64) -> Stiffness {
+pub(crate) fn isotropic(e_mpa: f64, nu: f64) -> Stiffness {
     Orthotropic::isotropic(e_mpa, nu).stiffness().expect("stable")
 }
 
 /// A stiffness rotated by a vector: its direction is the axis, its length the angle in radians.
-pub fn rotated(c: &Stiffness, axis: DVec3) -> Stiffness {
+pub(crate) fn rotated(c: &Stiffness, axis: DVec3) -> Stiffness {
     let q = DMat3::from_axis_angle(axis.normalize(), axis.length());
     const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
     const AT: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];

@@ -16,7 +16,7 @@ use grainpath_core::math::{atan2, cross};
 
 /// An arc that replaces the points from a start to `end`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Arc {
+pub(super) struct Arc {
     /// Index of the last point that the arc replaces.
     pub end: usize,
     /// Centre, in the frame of the points.
@@ -42,7 +42,7 @@ const MAX_SWEEP: f64 = 5.5;
 ///
 /// Runs are tried with twice the length each time, then by bisection between the last that fits and the
 /// first that does not. That is n log n distance tests for n points instead of n squared.
-pub fn arc_from(points: &[DVec2], start: usize, tolerance_mm: f64) -> Option<Arc> {
+pub(super) fn arc_from(points: &[DVec2], start: usize, tolerance_mm: f64) -> Option<Arc> {
     let points = &points[start..];
     let try_run = |n: usize| {
         let (centre, counter_clockwise, length_mm) = fit(points.get(..n)?, tolerance_mm)?;

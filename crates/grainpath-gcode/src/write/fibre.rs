@@ -13,7 +13,7 @@ use super::{GcodeError, WriteConfig};
 use crate::machine::FibreTool;
 
 /// Checks the templates of the fibre tool, before anything is written.
-pub fn check(config: &WriteConfig, n_layers: usize, top_mm: f64) -> Result<(), GcodeError> {
+pub(super) fn check(config: &WriteConfig, n_layers: usize, top_mm: f64) -> Result<(), GcodeError> {
     let Some(tool) = &config.fibre else { return Ok(()) };
     let values = values(config, tool, n_layers, top_mm, 0, 0.0);
     for (name, text) in programs(tool) {

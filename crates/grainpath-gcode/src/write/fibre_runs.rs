@@ -8,7 +8,7 @@ use grainpath_core::{Plan, PlannedPath, Role};
 
 /// Position of a path in its run.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct InRun {
+pub(super) struct InRun {
     /// Whether the run begins with this path.
     pub begins: bool,
     /// Length of the run before the path, mm.
@@ -19,7 +19,7 @@ pub struct InRun {
 
 /// The position of every path of a plan in its run. Paths without fibre belong to no run and get the
 /// default.
-pub fn runs(plan: &Plan) -> Vec<Vec<InRun>> {
+pub(super) fn runs(plan: &Plan) -> Vec<Vec<InRun>> {
     let mut all: Vec<Vec<InRun>> =
         plan.layers.iter().map(|l| vec![InRun::default(); l.paths.len()]).collect();
     // Paths without a segment write nothing and must not separate two pieces.

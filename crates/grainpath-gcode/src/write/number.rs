@@ -2,7 +2,7 @@
 //! loop, because integers are faster and round the same way everywhere.
 
 /// Appends `value * 10^-decimals`.
-pub fn push_fixed(out: &mut Vec<u8>, value: i64, decimals: u32) {
+pub(super) fn push_fixed(out: &mut Vec<u8>, value: i64, decimals: u32) {
     let scale = 10u64.pow(decimals);
     // `unsigned_abs` also covers the lowest i64.
     let magnitude = value.unsigned_abs();

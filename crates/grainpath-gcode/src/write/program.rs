@@ -21,7 +21,7 @@ const E_STEP_MM: f64 = 1e-5;
 /// Bytes that are collected before they are passed on. The value changes speed alone.
 const CHUNK: usize = 1 << 16;
 
-pub struct Writer<'a> {
+pub(super) struct Writer<'a> {
     pub(super) config: &'a WriteConfig,
     out: &'a mut dyn io::Write,
     buffer: Vec<u8>,
@@ -66,7 +66,7 @@ struct Pace {
 }
 
 impl<'a> Writer<'a> {
-    pub fn new(config: &'a WriteConfig, plan: &Plan, out: &'a mut dyn io::Write) -> Self {
+    pub(super) fn new(config: &'a WriteConfig, plan: &Plan, out: &'a mut dyn io::Write) -> Self {
         let r = 0.5 * config.machine.filament_mm;
         Self {
             config,
@@ -97,7 +97,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    pub fn write(
+    pub(super) fn write(
         mut self,
         plan: &Plan,
         thumbnails: &[Thumbnail],

@@ -3,10 +3,10 @@
 use super::{GcodeError, WriteConfig};
 
 /// Placeholders and their values.
-pub struct Values(Vec<(&'static str, String)>);
+pub(super) struct Values(Vec<(&'static str, String)>);
 
 /// The placeholders that every template may use.
-pub fn values(config: &WriteConfig, n_layers: usize, z_max_mm: f64) -> Values {
+pub(super) fn values(config: &WriteConfig, n_layers: usize, z_max_mm: f64) -> Values {
     let (machine, material) = (&config.machine, &config.material);
     Values(vec![
         ("nozzle_temp_c", material.nozzle_temp_c.to_string()),
@@ -28,12 +28,12 @@ pub fn values(config: &WriteConfig, n_layers: usize, z_max_mm: f64) -> Values {
 
 impl Values {
     /// Adds placeholders.
-    pub fn extend(&mut self, more: impl IntoIterator<Item = (&'static str, String)>) {
+    pub(super) fn extend(&mut self, more: impl IntoIterator<Item = (&'static str, String)>) {
         self.0.extend(more);
     }
 
     /// Fills `{placeholders}` in. Braces around anything but a name are left as they are.
-    pub fn filled(&self, template: &'static str, text: &str) -> Result<String, GcodeError> {
+    pub(super) fn filled(&self, template: &'static str, text: &str) -> Result<String, GcodeError> {
         let mut out = String::with_capacity(text.len());
         let mut rest = text;
         while let Some(open) = rest.find('{') {

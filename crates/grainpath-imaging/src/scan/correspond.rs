@@ -17,7 +17,7 @@ use super::trace::simplified_in_place;
 
 /// Two contours with the same number of points; points of equal index belong together.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pairing {
+pub(super) struct Pairing {
     /// Points of the lower contour; some occur twice.
     pub from: Contour,
     /// Points of the upper contour; some occur twice.
@@ -26,7 +26,7 @@ pub struct Pairing {
 
 impl Pairing {
     /// The contour at the fraction `t` of the way.
-    pub fn at(&self, t: f64) -> Contour {
+    pub(super) fn at(&self, t: f64) -> Contour {
         self.from.iter().zip(&self.to).map(|(p, q)| p.lerp(*q, t)).collect()
     }
 }
@@ -78,7 +78,7 @@ fn anchor(p: &[DVec2], q: &[DVec2], shift: DVec2) -> (usize, usize) {
 /// pairs, forward on both contours, with the least sum of squared distances and of differences in
 /// direction. Points lie at most `step_mm` apart. Where the contours do not overlap, `shift` moves the
 /// first over the second.
-pub fn dynamic(lower: &Contour, upper: &Contour, step_mm: f64, shift: DVec2) -> Pairing {
+pub(super) fn dynamic(lower: &Contour, upper: &Contour, step_mm: f64, shift: DVec2) -> Pairing {
     let (p, q) = (dense(lower, step_mm), dense(upper, step_mm));
     let (i0, j0) = anchor(&p, &q, shift);
     let (n, m) = (p.len(), q.len());
@@ -140,7 +140,7 @@ pub fn dynamic(lower: &Contour, upper: &Contour, step_mm: f64, shift: DVec2) -> 
 
 /// Conditions for a feature point of a contour, as in the paper.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Features {
+pub(super) struct Features {
     /// Least magnitude of the signed curvature, as a multiple of the contour's mean.
     pub curvature: f64,
     /// Least length of the edges on both sides, mm. It keeps a single jagged pixel from counting as a
@@ -162,7 +162,7 @@ fn curvatures(c: &[DVec2]) -> Vec<f64> {
 }
 
 /// Indices and curvatures of the feature points, in order.
-pub fn feature_points(contour: &[DVec2], settings: Features) -> Vec<(usize, f64)> {
+pub(super) fn feature_points(contour: &[DVec2], settings: Features) -> Vec<(usize, f64)> {
     let k = curvatures(contour);
     let n = contour.len();
     let mean = k.iter().map(|v| v.abs()).sum::<f64>() / n.max(1) as f64;
@@ -173,7 +173,7 @@ pub fn feature_points(contour: &[DVec2], settings: Features) -> Vec<(usize, f64)
 
 /// Pairs two contours as the paper does. Feature points are matched by position and signed curvature; the
 /// points between two of them are paired by number, `[i n/m]`.
-pub fn by_features(
+pub(super) fn by_features(
     lower: &Contour,
     upper: &Contour,
     step_mm: f64,

@@ -60,7 +60,7 @@ struct Edges {
 /// are plainly material or plainly air: in the first and last slice of a dome the faces lean so far that
 /// no edge shows. Also returns the number of points and how many of them have no edge within reach; those
 /// move as far as their neighbours do, or stay.
-pub fn on_edges(
+pub(super) fn on_edges(
     contours: Vec<Contour>,
     values: &[f32],
     nx: usize,

@@ -21,7 +21,7 @@ const CUT_MM: f64 = 4e-4;
 /// connected in more than one place, or one is left without a piece.
 ///
 /// The point `e` of a dividing edge and its direction are those of the module text.
-pub fn split(parent: &Polygon, children: &[&Polygon], features: Features) -> Option<Vec<Region>> {
+pub(super) fn split(parent: &Polygon, children: &[&Polygon], features: Features) -> Option<Vec<Region>> {
     let clipper = LineClipper::new(&Region::from(parent.clone()));
     let mut cuts = Vec::new();
     for (i, j, a, b) in links(children)? {

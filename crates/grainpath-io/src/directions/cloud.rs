@@ -42,7 +42,7 @@ pub(super) struct Cloud {
 const MIN_POINTS_PER_PLANE: usize = 8;
 
 impl Carrier {
-    pub fn is_plane(&self) -> bool {
+    pub(super) fn is_plane(&self) -> bool {
         match self {
             Self::Grid(_) => true,
             Self::Planes(planes) => planes.len() == 1,
@@ -50,7 +50,7 @@ impl Carrier {
         }
     }
 
-    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+    pub(super) fn bounds(&self) -> Option<(DVec3, DVec3)> {
         match self {
             Self::Grid(grid) => grid.bounds(),
             Self::Planes(planes) => {
@@ -61,7 +61,7 @@ impl Carrier {
         }
     }
 
-    pub fn sample(&self, p: DVec3) -> BlendedDirection {
+    pub(super) fn sample(&self, p: DVec3) -> BlendedDirection {
         match self {
             Self::Grid(grid) => grid.sample(p),
             Self::Cloud(cloud) => cloud.sample(p),
@@ -137,7 +137,7 @@ pub(super) fn tensor(d: DVec3, strength: f64) -> [f64; 6] {
 impl Cloud {
     /// Nodes, and elements over them if there are any. Nodes of a mesh may have a tensor of zero:
     /// no direction.
-    pub fn new(nodes: Vec<Node>, elements: Vec<Element>, has_spacing: bool, plane: bool) -> Self {
+    pub(super) fn new(nodes: Vec<Node>, elements: Vec<Element>, has_spacing: bool, plane: bool) -> Self {
         let field = |nodes: &[Node], elements: Vec<Element>, value: &dyn Fn(&Node) -> [f64; 6]| {
             StressField::new(FeResult {
                 format: FeFormat::Csv,

@@ -30,7 +30,7 @@ pub(super) type GridCell = Option<(DVec2, f64)>;
 impl Grid {
     /// A grid of `columns` x `rows` cells, at least one of which has a direction. `cell` gives a
     /// cell by column and row from the lower left.
-    pub fn new(columns: usize, rows: usize, cell: impl Fn(usize, usize) -> GridCell) -> Self {
+    pub(super) fn new(columns: usize, rows: usize, cell: impl Fn(usize, usize) -> GridCell) -> Self {
         let n = columns * rows;
         let (mut double, mut strength) = (vec![[0.0; 2]; n], vec![0.0f32; n]);
         for row in 0..rows {
@@ -50,19 +50,19 @@ impl Grid {
     }
 
     /// Adds distances of beads, mm, a number for each cell.
-    pub fn with_spacing(self, spacing_mm: Vec<f32>) -> Self {
+    pub(super) fn with_spacing(self, spacing_mm: Vec<f32>) -> Self {
         Self { spacing_mm: Some(spacing_mm), ..self }
     }
 
     /// Lowest and highest corner, mm.
-    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+    pub(super) fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let (corner, cell) = self.place?;
         let size = cell * DVec2::new(self.columns as f64, self.rows as f64);
         Some((corner.extend(0.0), (corner + size).extend(0.0)))
     }
 
     /// The direction at a point, bilinear between the centres of cells.
-    pub fn sample(&self, p: DVec3) -> BlendedDirection {
+    pub(super) fn sample(&self, p: DVec3) -> BlendedDirection {
         let (corner, cell) = self.place.unwrap_or((DVec2::ZERO, DVec2::ONE));
         let last = DVec2::new((self.columns - 1) as f64, (self.rows - 1) as f64);
         let at = ((p.truncate() - corner) / cell - 0.5).clamp(DVec2::ZERO, last);

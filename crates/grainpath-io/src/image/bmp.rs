@@ -26,7 +26,7 @@ struct Header {
     data: usize,
 }
 
-pub fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
+pub(super) fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
     let h = header(bytes, max_pixels)?;
     // Rows are padded to 32 bits.
     let stride = (h.width * h.bits).div_ceil(32) * 4;

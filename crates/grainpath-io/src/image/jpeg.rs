@@ -151,7 +151,7 @@ pub(super) mod tests {
     use super::*;
 
     /// EXIF data with nothing but an orientation.
-    pub fn exif(turned: u16) -> Vec<u8> {
+    pub(crate) fn exif(turned: u16) -> Vec<u8> {
         let mut out = b"Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01".to_vec();
         out.extend(turned.to_be_bytes());
         out.extend([0; 6]);

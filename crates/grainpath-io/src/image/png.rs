@@ -6,7 +6,7 @@ use super::{Image, ImageError, ImageFormat, Samples, check_size, malformed};
 
 const FORMAT: ImageFormat = ImageFormat::Png;
 
-pub fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
+pub(super) fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
     // The decoder may hold 64 MiB besides the pixels: palettes and ICC profiles inflate too.
     let limits = Limits { bytes: 64 << 20 };
     let mut decoder = Decoder::new_with_limits(std::io::Cursor::new(bytes), limits);

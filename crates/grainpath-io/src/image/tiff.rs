@@ -8,7 +8,7 @@ use super::{Image, ImageError, ImageFormat, Samples, check_size, malformed};
 
 const FORMAT: ImageFormat = ImageFormat::Tiff;
 
-pub fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
+pub(crate) fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
     let mut decoder = Decoder::new(std::io::Cursor::new(bytes)).map_err(error)?;
     let (width, height) = decoder.dimensions().map_err(error)?;
     check_size(FORMAT, width.into(), height.into(), max_pixels)?;
@@ -22,7 +22,7 @@ pub fn read(bytes: &[u8], max_pixels: u64) -> Result<Image, ImageError> {
 }
 
 /// Reads the page that the decoder stands at. The caller has set the limits.
-pub fn read_page<R: std::io::Read + std::io::Seek>(
+pub(crate) fn read_page<R: std::io::Read + std::io::Seek>(
     decoder: &mut Decoder<R>,
     max_pixels: u64,
 ) -> Result<Image, ImageError> {

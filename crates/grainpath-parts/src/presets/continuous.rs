@@ -9,7 +9,7 @@ use super::{ExampleFile, stl};
 use crate::shapes::{arc, prism};
 
 /// Open-hole plate: 120 x 36 x 2 mm with a hole of 10 mm.
-pub fn plate() -> TriMesh {
+pub(super) fn plate() -> TriMesh {
     let outline = [(0.0, -18.0), (120.0, -18.0), (120.0, 18.0), (0.0, 18.0)].map(DVec2::from);
     let mut mesh = TriMesh::default();
     prism(&outline, &[arc(DVec2::new(60.0, 0.0), 5.0, 0, 4, 16)], 0.0, 2.0, &mut mesh);
@@ -17,7 +17,7 @@ pub fn plate() -> TriMesh {
 }
 
 /// A hook, 4 mm thick and 105 mm from end to end: an eye of 14 mm above, a bowl of 24 mm below.
-pub fn hook() -> TriMesh {
+pub(super) fn hook() -> TriMesh {
     let disc = |x: f64, y: f64, r: f64| {
         Region::from(Polygon { outer: arc(DVec2::new(x, y), r, 0, 4, 24), holes: Vec::new() })
     };
@@ -183,7 +183,7 @@ preview = \"out/chained\"
 ";
 
 /// Jobs and parts; the first job is the plate with one path a layer.
-pub fn files() -> Vec<ExampleFile> {
+pub(super) fn files() -> Vec<ExampleFile> {
     let mut files = Vec::new();
     for (part, title, loads) in
         [("plate", "Plate with an open hole in tension", PLATE), ("hook", "Hook that carries a rope", HOOK)]

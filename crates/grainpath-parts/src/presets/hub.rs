@@ -25,7 +25,7 @@ const BOLT_RADIUS_MM: f64 = 2.0;
 const BOLT_CIRCLE_MM: f64 = 11.25;
 
 /// Columns, rows and slices, and the size of a voxel in mm, for a picture of `n` columns.
-pub fn lattice(n: usize) -> ([usize; 3], f64) {
+pub(super) fn lattice(n: usize) -> ([usize; 3], f64) {
     let mm = SIDE_MM / n as f64;
     ([n, n, (HEIGHT_MM / mm).round() as usize], mm)
 }
@@ -54,7 +54,7 @@ fn depth(p: DVec2, z: f64) -> f64 {
 }
 
 /// Slice `k` of the scan: air at 6000, metal at 40000, edges blurred over one voxel, noise of 400.
-pub fn slice(n: usize, k: usize) -> Vec<u16> {
+pub(super) fn slice(n: usize, k: usize) -> Vec<u16> {
     let (_, mm) = lattice(n);
     let z = (k as f64 + 0.5) * mm;
     let pixel = |p: usize| {
@@ -81,7 +81,7 @@ fn noise(i: usize, j: usize, k: usize) -> f64 {
 }
 
 /// True dimensions of the hub, as `shape.ct.truth` reads them.
-pub fn truth() -> String {
+pub(super) fn truth() -> String {
     let c = 0.5 * SIDE_MM;
     let circle = |name: &str, kind: &str, centre: [f64; 2], diameter: f64, z: f64| {
         format!(

@@ -137,7 +137,7 @@ lines = \"out/{name}-lines.svg\"
 }
 
 /// Jobs and parts; the first is the paper's tensile bar with stripes.
-pub fn files() -> Vec<ExampleFile> {
+pub(super) fn files() -> Vec<ExampleFile> {
     let stress =
         "kind = \"stress\"\nfollow = \"max-abs\"         # max-abs | tension | compression | alternate";
     let plain = |deg: &str| {

@@ -6,7 +6,7 @@ use super::ExampleFile;
 use crate::board::{Board, Knot, wood_rgb};
 
 /// Files of the example.
-pub fn files() -> Vec<ExampleFile> {
+pub(super) fn files() -> Vec<ExampleFile> {
     let mut files: Vec<ExampleFile> = vec![("job.toml".into(), WOODGRAIN.as_bytes().to_vec())];
     for pattern in ["grid", "triangles", "rectilinear"] {
         files.push((format!("{pattern}.toml").into(), variant(pattern).into_bytes()));

@@ -33,11 +33,11 @@ impl ColourBy {
 }
 
 /// A colour, red green blue.
-pub type Rgb = [u8; 3];
+pub(super) type Rgb = [u8; 3];
 
 /// Colour of beads where the guide asks for no direction: a grey that is not on the ramp, so that it
 /// cannot be read as a value.
-pub const UNASKED: Rgb = [88, 92, 100];
+pub(super) const UNASKED: Rgb = [88, 92, 100];
 
 /// The colour of a role: warm for walls and cool for fill, as previews of slicers have it.
 pub fn of_role(role: Role) -> Rgb {
@@ -97,7 +97,7 @@ impl Scale {
 }
 
 /// Blue through green and yellow to red; the colour in the middle where the range is empty.
-pub fn ramp(value: f64, low: f64, high: f64) -> Rgb {
+pub(super) fn ramp(value: f64, low: f64, high: f64) -> Rgb {
     // Five colours in even steps, chosen so that neighbours differ and the bead's darker rim still shows
     // on each. Only looks depend on them; no value is read back from a picture.
     const STOPS: [[f64; 3]; 5] = [

@@ -22,17 +22,17 @@ use crate::layer::{DrawnBead, LayerPicture};
 
 /// Step of the widths of beads, mm; the widest is 255 steps. Source: half the last digit that the page shows of a
 /// width; only looks depend on it.
-pub const WIDTH_STEP_MM: f64 = 0.02;
+pub(super) const WIDTH_STEP_MM: f64 = 0.02;
 
 /// The role of travels in the packed bytes. Source: any number that no role has.
-pub const TRAVEL: u8 = 255;
+pub(super) const TRAVEL: u8 = 255;
 
 /// Beads of all layers that one page may hold. Measured: a bead of the gallery's bracket takes 4.0 bytes of the page; this makes
 /// 6 MB.
 const MOST_BEADS: usize = 1_500_000;
 
 /// Layers, packed.
-pub struct Packed {
+pub(super) struct Packed {
     /// The bytes, as the text of this module has them, after zlib.
     pub bytes: Vec<u8>,
     /// Indices of the layers that they hold.
@@ -45,7 +45,7 @@ pub struct Packed {
 }
 
 /// Packs layers; `None` where there is nothing to show.
-pub fn pack(layers: &[LayerPicture]) -> Option<Packed> {
+pub(super) fn pack(layers: &[LayerPicture]) -> Option<Packed> {
     pack_at_most(layers, MOST_BEADS)
 }
 

@@ -20,7 +20,7 @@ use grainpath_core::{DVec2, Polygon};
 
 /// Lines at equal distances: line `i` lies at `first + i * step` along the normal of their direction.
 #[derive(Debug, Clone, Copy)]
-pub struct Lines {
+pub(super) struct Lines {
     pub angle_rad: f64,
     pub first_mm: f64,
     pub step_mm: f64,
@@ -28,7 +28,7 @@ pub struct Lines {
 
 /// Rows that lie side by side in place of each line, the middle of the group on the line.
 #[derive(Debug, Clone, Copy)]
-pub struct Group {
+pub(super) struct Group {
     /// Number of rows; 1 for the line alone.
     pub rows: usize,
     /// Distance of neighbouring rows, mm.
@@ -73,7 +73,7 @@ struct End {
 }
 
 /// All lines of a polygon, cut by it.
-pub struct Hatch {
+pub(super) struct Hatch {
     axis: DVec2,
     lines: Lines,
     group: Group,
@@ -84,7 +84,7 @@ pub struct Hatch {
 
 /// Which joints between lines are allowed.
 #[derive(Debug, Clone, Copy)]
-pub struct Joints {
+pub(super) struct Joints {
     /// The longest piece of border followed, mm.
     pub longest_mm: f64,
     /// A joint from a line back to itself may bulge this far towards the next, mm.
@@ -93,12 +93,12 @@ pub struct Joints {
 
 impl Hatch {
     /// Cuts the lines by the polygon: linear in edges and ends but for a sort.
-    pub fn new(polygon: &Polygon, lines: Lines) -> Self {
+    pub(super) fn new(polygon: &Polygon, lines: Lines) -> Self {
         Self::in_groups(polygon, lines, &Group { rows: 1, apart_mm: lines.step_mm })
     }
 
     /// Cuts the rows of groups by the polygon. A group is narrower than the step of the lines.
-    pub fn in_groups(polygon: &Polygon, lines: Lines, group: &Group) -> Self {
+    pub(super) fn in_groups(polygon: &Polygon, lines: Lines, group: &Group) -> Self {
         let axis = direction(lines.angle_rad);
         let back = DVec2::new(axis.x, -axis.y);
         let contours: Vec<Vec<DVec2>> =
@@ -166,7 +166,7 @@ impl Hatch {
     }
 
     /// Paths that run along the lines back and forth, joined along the border where `joints` allow.
-    pub fn paths(&self, joints: &Joints) -> Vec<Vec<DVec2>> {
+    pub(super) fn paths(&self, joints: &Joints) -> Vec<Vec<DVec2>> {
         let mut used = vec![false; self.n_pieces()];
         let mut out = Vec::new();
         for first in 0..self.n_pieces() {

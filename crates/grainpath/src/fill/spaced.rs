@@ -53,7 +53,7 @@ struct Border {
 /// The strips of the outermost lines reach half a strip beyond the region, and the lines between
 /// are spaced evenly. Where a region is narrower in places, lines that serve its lowest and highest
 /// border leave a gap along other borders; then all pairs of borders are tried.
-pub fn lines(infill_region: &Polygon, angle_rad: f64, s_mm: f64) -> Option<(Lines, f64)> {
+pub(super) fn lines(infill_region: &Polygon, angle_rad: f64, s_mm: f64) -> Option<(Lines, f64)> {
     let back = direction(-angle_rad);
     let rows = || infill_region.outer.iter().map(|&p| rotated(p, back).y);
     let (low, high) = rows().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), y| (lo.min(y), hi.max(y)));

@@ -175,7 +175,7 @@ fn followed(tensor: [f64; 3], follow: Follow, near: Option<DVec2>) -> (DVec2, f6
 
 /// The axis that stress alone asks for at a point, as a vector in double angles, and its weight in
 /// MPa: the sum over all cases of |s1 - s2| along the followed axis.
-pub fn asked(cases: &[CaseStress], follow: Follow, p: DVec3) -> (DVec2, f64) {
+pub(super) fn asked(cases: &[CaseStress], follow: Follow, p: DVec3) -> (DVec2, f64) {
     let sum = cases.iter().fold(DVec2::ZERO, |sum, case| {
         let tensor = case.stress.at(p);
         let [a, b] = plane_principal(tensor).values_mpa;

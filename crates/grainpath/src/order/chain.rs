@@ -36,7 +36,7 @@ struct Place {
 /// Puts paths in order as chains, each beginning as near as possible to the end of the one before.
 /// `reach_mm` is the greatest distance of neighbours. `at` is the nozzle's position before and
 /// after.
-pub fn chained(paths: Vec<Toolpath>, reach_mm: f64, at: &mut DVec2, out: &mut Vec<Toolpath>) {
+pub(super) fn chained(paths: Vec<Toolpath>, reach_mm: f64, at: &mut DVec2, out: &mut Vec<Toolpath>) {
     let mut rest: Vec<Toolpath> = paths.into_iter().filter(|p| p.n_segments() > 0).collect();
     let mut chains = Vec::new();
     while !rest.is_empty() {

@@ -27,7 +27,7 @@ pub struct CombSettings {
 }
 
 /// Plans the travel to each path of an island; `from` is the nozzle's position before and after.
-pub fn plan_travels(
+pub(super) fn plan_travels(
     outline: Option<&Polygon>,
     paths: Vec<Toolpath>,
     settings: &CombSettings,

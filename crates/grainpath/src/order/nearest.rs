@@ -13,7 +13,7 @@ use grainpath_core::buckets::{Buckets, CellGrid};
 use grainpath_core::{Bounds2, DVec2};
 
 /// Ends of paths in a grid; a path is taken away with both its ends.
-pub struct NearestEnds {
+pub(crate) struct NearestEnds {
     /// Point `2 i` and `2 i + 1` are the ends of path `i`.
     points: Vec<DVec2>,
     buckets: Buckets,
@@ -21,7 +21,7 @@ pub struct NearestEnds {
 
 impl NearestEnds {
     /// Both ends of every path.
-    pub fn new(ends: &[[DVec2; 2]]) -> Self {
+    pub(crate) fn new(ends: &[[DVec2; 2]]) -> Self {
         let points = ends.as_flattened().to_vec();
         let bounds = Bounds2::of(points.iter().copied());
         let bounds = bounds.unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
@@ -35,7 +35,7 @@ impl NearestEnds {
 
     /// The end nearest to `place` whose path is not taken, and whether it is the path's second. Of equally near ones the
     /// lowest numbered.
-    pub fn nearest(&self, place: DVec2, taken: &[bool]) -> Option<(usize, bool)> {
+    pub(crate) fn nearest(&self, place: DVec2, taken: &[bool]) -> Option<(usize, bool)> {
         let cells = &self.buckets.cells;
         let middle = cells.cell_of(place);
         let mut best = (f64::INFINITY, u32::MAX);

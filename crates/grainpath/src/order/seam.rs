@@ -9,7 +9,7 @@ use grainpath_core::{DVec2, Toolpath};
 use grainpath_job::choices::Seam;
 
 /// Finds seams layer by layer.
-pub struct Seams {
+pub(super) struct Seams {
     rule: Seam,
     layer_idx: usize,
     n_walls: usize,
@@ -22,18 +22,18 @@ pub struct Seams {
 const FOLLOW_MM: f64 = 3.0;
 
 impl Seams {
-    pub fn new(rule: Seam) -> Self {
+    pub(super) fn new(rule: Seam) -> Self {
         Self { rule, layer_idx: 0, n_walls: 0, below: Vec::new(), here: Vec::new() }
     }
 
-    pub fn next_layer(&mut self, layer_idx: usize) {
+    pub(super) fn next_layer(&mut self, layer_idx: usize) {
         self.layer_idx = layer_idx;
         self.n_walls = 0;
         self.below = std::mem::take(&mut self.here);
     }
 
     /// Makes the seam's vertex the start of an outer wall.
-    pub fn place(&mut self, wall: &mut Toolpath, at: DVec2) {
+    pub(super) fn place(&mut self, wall: &mut Toolpath, at: DVec2) {
         self.n_walls += 1;
         let points = &wall.points;
         let best = |score: &dyn Fn(usize) -> f64| {

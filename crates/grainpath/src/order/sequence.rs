@@ -30,7 +30,7 @@ const MAX_SHAKEN: usize = 64;
 /// and whether each is entered at its second end.
 ///
 /// The method is described in the module's text.
-pub fn tour(ends: &[[DVec2; 2]], at: DVec2, to: Option<DVec2>) -> Vec<(usize, bool)> {
+pub(super) fn tour(ends: &[[DVec2; 2]], at: DVec2, to: Option<DVec2>) -> Vec<(usize, bool)> {
     let mut taken = vec![false; ends.len()];
     let index = NearestEnds::new(ends);
     let mut order = Vec::with_capacity(ends.len());
@@ -241,7 +241,7 @@ fn way_mm(from: DVec2, to: Option<DVec2>) -> f64 {
 }
 
 /// Makes the vertex nearest to `at` the start of a closed path; turns an open one whose end is nearer.
-pub fn start_nearest(path: &mut Toolpath, at: DVec2) {
+pub(super) fn start_nearest(path: &mut Toolpath, at: DVec2) {
     if path.closed {
         let near = path.points.iter().map(|p| p.distance_squared(at)).enumerate();
         let start = near.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |n| n.0);
@@ -259,7 +259,13 @@ struct WallGroup {
 }
 
 /// Puts walls in order: contour by contour, each from the inside out or from the outside in.
-pub fn walls(walls: Vec<Wall>, order: WallOrder, seams: &mut Seams, at: &mut DVec2, out: &mut Vec<Toolpath>) {
+pub(super) fn walls(
+    walls: Vec<Wall>,
+    order: WallOrder,
+    seams: &mut Seams,
+    at: &mut DVec2,
+    out: &mut Vec<Toolpath>,
+) {
     let mut rings: Vec<WallGroup> = Vec::new();
     for wall in walls {
         let is_hole = signed_area_mm2(&wall.path.points) < 0.0;
@@ -298,7 +304,7 @@ pub fn walls(walls: Vec<Wall>, order: WallOrder, seams: &mut Seams, at: &mut DVe
 
 /// Puts single beads and fill in order: by rank, and within a rank by short travels. `to` is where
 /// the way goes on.
-pub fn fills(mut fills: Vec<Toolpath>, at: &mut DVec2, to: Option<DVec2>, out: &mut Vec<Toolpath>) {
+pub(super) fn fills(mut fills: Vec<Toolpath>, at: &mut DVec2, to: Option<DVec2>, out: &mut Vec<Toolpath>) {
     fills.sort_by_key(|p| p.rank);
     while let Some(rank) = fills.first().map(|p| p.rank) {
         let later = fills.split_off(fills.partition_point(|p| p.rank == rank));

@@ -26,14 +26,14 @@ use grainpath_core::{Contour, DVec2, Diagnostics, Region, TriMesh, WarningId};
 use super::SliceSettings;
 
 /// The triangles that each plane crosses.
-pub struct TrianglesByPlane {
+pub(super) struct TrianglesByPlane {
     starts: Vec<usize>,
     triangles: Vec<u32>,
 }
 
 impl TrianglesByPlane {
     /// Sorts triangles by the planes they cross: 4 bytes for each crossing.
-    pub fn new(mesh: &TriMesh, planes: &[f64]) -> Self {
+    pub(super) fn new(mesh: &TriMesh, planes: &[f64]) -> Self {
         // A plane is crossed when a vertex lies below it and another on or above it.
         let range = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|i| mesh.vertices[i as usize].z);
@@ -66,14 +66,14 @@ impl TrianglesByPlane {
     }
 
     /// The triangles that plane `i` crosses, in the mesh's order.
-    pub fn triangles(&self, i: usize) -> &[u32] {
+    pub(super) fn triangles(&self, i: usize) -> &[u32] {
         &self.triangles[self.starts[i]..self.starts[i + 1]]
     }
 }
 
 /// Gaps that were closed in sections.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Mended {
+pub(super) struct Mended {
     gaps: usize,
     layers: usize,
     widest_mm: f64,
@@ -83,7 +83,7 @@ pub struct Mended {
 
 impl Mended {
     /// Adds another section's.
-    pub fn add(&mut self, other: &Self) {
+    pub(super) fn add(&mut self, other: &Self) {
         self.gaps += other.gaps;
         self.layers += usize::from(other.gaps > 0);
         self.widest_mm = self.widest_mm.max(other.widest_mm);
@@ -91,7 +91,7 @@ impl Mended {
     }
 
     /// Warns if any gap was closed.
-    pub fn warn(&self, diagnostics: &Diagnostics) {
+    pub(super) fn warn(&self, diagnostics: &Diagnostics) {
         if self.gaps > 0 {
             diagnostics.warn(
                 WarningId::MeshOpen,
@@ -126,7 +126,12 @@ struct Segment {
 }
 
 /// The region a plane cuts from a mesh, given the triangles it crosses.
-pub fn section(mesh: &TriMesh, triangles: &[u32], z: f64, settings: &SliceSettings) -> (Region, Mended) {
+pub(super) fn section(
+    mesh: &TriMesh,
+    triangles: &[u32],
+    z: f64,
+    settings: &SliceSettings,
+) -> (Region, Mended) {
     let segments: Vec<Segment> =
         triangles.iter().filter_map(|&t| segment(mesh, mesh.triangles[t as usize], z)).collect();
     let (mut closed, open) = chain(&segments);
@@ -154,7 +159,7 @@ pub fn section(mesh: &TriMesh, triangles: &[u32], z: f64, settings: &SliceSettin
 /// Source: derived. Where bodies overlap, the outlines of each two of them cross a few times. Twenty crossings for every edge are
 /// met only where the whole section lies under ten others. The constant lets small sections through, where even all pairs
 /// are little work.
-pub const fn crossing_limit(n_edges: usize) -> usize {
+pub(super) const fn crossing_limit(n_edges: usize) -> usize {
     20 * n_edges + 10_000
 }
 

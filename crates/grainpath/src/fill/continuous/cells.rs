@@ -48,7 +48,7 @@ static MANY_PLACES: Tuned<f64> = Tuned::new("fill.continuous.cells.MANY_PLACES",
 
 /// Two cells and the edge between them.
 #[derive(Debug, Clone, Copy)]
-pub struct Edge {
+pub(super) struct Edge {
     pub cells: [u32; 2],
     /// Cut across a strip: its number among the cuts. `None` beside strips.
     pub cut: Option<u32>,
@@ -62,7 +62,7 @@ pub struct Edge {
 }
 
 /// The cells of an infill region.
-pub struct Cells {
+pub(super) struct Cells {
     pub n: usize,
     /// Where strips can be cut across. Without an exchange the strip stays whole; with one it ends
     /// in two caps.
@@ -73,14 +73,14 @@ pub struct Cells {
 }
 
 /// Which lengths of the rings are in use.
-pub struct Taken {
+pub(super) struct Taken {
     step_mm: f64,
     starts: Vec<usize>,
     marks: Vec<bool>,
 }
 
 impl Taken {
-    pub fn new(rings: &Rings, step_mm: f64) -> Self {
+    pub(super) fn new(rings: &Rings, step_mm: f64) -> Self {
         let mut starts = vec![0];
         for r in 0..rings.lines.len() {
             starts.push(starts[r] + (rings.length_mm(r) / step_mm) as usize + 1);
@@ -108,7 +108,7 @@ impl Taken {
         if taken == 0 { at_mm } else { (first + taken) as f64 * self.step_mm }
     }
 
-    pub fn is_free(&self, ring: usize, from_mm: f64, to_mm: f64) -> bool {
+    pub(super) fn is_free(&self, ring: usize, from_mm: f64, to_mm: f64) -> bool {
         self.range(ring, from_mm, to_mm).all(|k| !self.marks[k])
     }
 
@@ -126,23 +126,23 @@ impl Taken {
         ]
     }
 
-    pub fn fits(&self, f: &Facing, half_mm: f64) -> bool {
+    pub(super) fn fits(&self, f: &Facing, half_mm: f64) -> bool {
         Self::stretches(f, half_mm).iter().all(|&(r, a, b)| self.is_free(r, a, b))
     }
 
-    pub fn take_both(&mut self, f: &Facing, half_mm: f64) {
+    pub(super) fn take_both(&mut self, f: &Facing, half_mm: f64) {
         Self::stretches(f, half_mm).into_iter().for_each(|s| self.set(s, true));
     }
 
     /// Frees both stretches. Call it only for stretches that were taken with the same `half_mm`: no
     /// other joint overlaps those.
-    pub fn release_both(&mut self, f: &Facing, half_mm: f64) {
+    pub(super) fn release_both(&mut self, f: &Facing, half_mm: f64) {
         Self::stretches(f, half_mm).into_iter().for_each(|s| self.set(s, false));
     }
 }
 
 /// Cuts strips into cells of about `length_mm`; `taken` then holds the stretches at the cuts.
-pub fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) -> Cells {
+pub(super) fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) -> Cells {
     let step = 0.25 * spacing_mm;
     // Two sets of marks: `near` spaces the cuts a cell's length apart on both sides of the strip,
     // `taken` keeps only the stretches themselves, which later joints have to avoid.
@@ -213,7 +213,7 @@ pub fn cut(rings: &Rings, length_mm: f64, spacing_mm: f64, taken: &mut Taken) ->
 
 /// The exchange at an edge between two strips; `None` where the stretches there are not straight
 /// enough.
-pub fn beside(rings: &Rings, edge: &Edge) -> Option<Facing> {
+pub(super) fn beside(rings: &Rings, edge: &Edge) -> Option<Facing> {
     let facing = edge.facing.map(|v| v as usize);
     rings.stretches(
         edge.ring as usize,

@@ -88,7 +88,7 @@ impl Space {
 type Sides = [Space; 2];
 
 /// A closed bead.
-pub struct ClosedBead {
+pub(super) struct ClosedBead {
     line: Line,
     /// Width at each point, mm; `None` where all have the nominal width.
     widths: Option<Vec<f64>>,
@@ -96,7 +96,7 @@ pub struct ClosedBead {
 
 impl ClosedBead {
     /// The bead as a path; `thinned` leaves out spikes and points on a straight line.
-    pub fn path(&self, thinned: bool, context: &FillContext<'_>) -> Toolpath {
+    pub(super) fn path(&self, thinned: bool, context: &FillContext<'_>) -> Toolpath {
         let nominal = context.bead_width_mm;
         let mut points = self.line.points.clone();
         let mut widths = self.widths.clone().unwrap_or_else(|| vec![nominal; points.len()]);
@@ -111,7 +111,7 @@ impl ClosedBead {
 
 /// Lays rings that do not cross as beads. `infill_region` is the area for centrelines, `border` the area to
 /// be filled.
-pub fn lay(
+pub(super) fn lay(
     rings: Vec<Vec<DVec2>>,
     infill_region: &Polygon,
     border: &Region,

@@ -29,14 +29,14 @@ use super::super::field::widths::{Line, Neighbours};
 /// Two beads nearer than this have nothing between them, in beads. The neighbour found a step
 /// before is then kept. Measured: row `fill.continuous.rings.CLOSE` of `cargo xtask bench
 /// constants`.
-pub static CLOSE: Tuned<f64> = Tuned::new("fill.continuous.rings.CLOSE", 1.1);
+pub(super) static CLOSE: Tuned<f64> = Tuned::new("fill.continuous.rings.CLOSE", 1.1);
 /// Side of the squares of the grid that segments are sorted into, in beads.
 /// Measured: row `fill.continuous.rings.SEEN_BEADS` of `cargo xtask bench constants`.
-pub static SEEN_BEADS: Tuned<f64> = Tuned::new("fill.continuous.rings.SEEN_BEADS", 2.0);
+pub(super) static SEEN_BEADS: Tuned<f64> = Tuned::new("fill.continuous.rings.SEEN_BEADS", 2.0);
 
 /// A place on a ring, seen from another.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub(super) struct Place {
     pub ring: usize,
     pub segment: usize,
     /// From the ring's first point, mm.
@@ -47,7 +47,7 @@ pub struct Place {
 
 /// State of a walk along a ring.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Walk {
+pub(super) struct Walk {
     /// The segment of the ring.
     segment: usize,
     /// The ring and segment that faced it last.
@@ -58,7 +58,7 @@ pub struct Walk {
 /// opposite directions. Exchanging them for the two ways between their ends makes one ring of two,
 /// or two of one, without a crossing.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Facing {
+pub(super) struct Facing {
     /// Start, middle and end of the one, mm along its ring.
     pub one: [f64; 3],
     pub one_ring: usize,
@@ -79,14 +79,14 @@ impl Facing {
     }
 
     /// Whether one of the two ways crosses one of the ways of `other`.
-    pub fn crosses(&self, other: &Self) -> bool {
+    pub(super) fn crosses(&self, other: &Self) -> bool {
         self.ways().iter().any(|w| other.ways().iter().any(|o| segment::meeting(*w, *o) != Meeting::Apart))
     }
 }
 
 /// Side of a ring; the strip lies on its left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
+pub(super) enum Side {
     Left,
     Right,
 }
@@ -100,7 +100,7 @@ impl Side {
 
 /// Distance from `at` along `look` to the segment from `p` to `q`; `None` where the ray misses it
 /// or meets it at less than 37 degrees.
-pub fn beside(at: DVec2, look: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
+pub(super) fn beside(at: DVec2, look: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
     let d = q - p;
     let det = cross(look, d);
     // 0.6 is the sine of 37 degrees. At flatter angles the two beads do not run side by side.
@@ -114,7 +114,7 @@ pub fn beside(at: DVec2, look: DVec2, p: DVec2, q: DVec2) -> Option<f64> {
 
 /// The number of leading entries out of `n` for which `below` holds. The search starts from a guess
 /// and widens outwards; for entries at about even steps the guess is mostly right or one off.
-pub fn bracket(n: usize, guess: usize, below: impl Fn(usize) -> bool) -> usize {
+pub(super) fn bracket(n: usize, guess: usize, below: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (0, n);
     let (mut at, mut step) = (guess.min(n.saturating_sub(1)), 1);
     while low < high {
@@ -146,7 +146,7 @@ fn longest(arcs: &[Vec<f64>]) -> usize {
 }
 
 /// Closed lines that do not cross.
-pub struct Rings {
+pub(super) struct Rings {
     pub lines: Vec<Line>,
     /// Length up to each point, and all of it at last.
     arcs: Vec<Vec<f64>>,
@@ -156,7 +156,7 @@ pub struct Rings {
 }
 
 impl Rings {
-    pub fn new(outlines: Vec<Vec<DVec2>>, infill_region: &Polygon, spacing_mm: f64) -> Self {
+    pub(super) fn new(outlines: Vec<Vec<DVec2>>, infill_region: &Polygon, spacing_mm: f64) -> Self {
         Self::seeing(outlines, infill_region, spacing_mm, |lines, _, cell_mm| {
             Neighbours::new(lines, &Region::default(), cell_mm)
         })
@@ -164,7 +164,7 @@ impl Rings {
 
     /// Rings for a search from all of them but the longest: only segments near the shorter ones are
     /// kept.
-    pub fn around_short(outlines: Vec<Vec<DVec2>>, infill_region: &Polygon, spacing_mm: f64) -> Self {
+    pub(super) fn around_short(outlines: Vec<Vec<DVec2>>, infill_region: &Polygon, spacing_mm: f64) -> Self {
         Self::seeing(outlines, infill_region, spacing_mm, |lines, arcs, cell_mm| {
             let longest = longest(arcs);
             Neighbours::around(lines, |l| l != longest, FURTHEST.value() * spacing_mm, cell_mm)
@@ -195,12 +195,12 @@ impl Rings {
     }
 
     /// The longest ring; the first one among equals.
-    pub fn longest(&self) -> usize {
+    pub(super) fn longest(&self) -> usize {
         longest(&self.arcs)
     }
 
     /// Points where rings cross or touch themselves or each other.
-    pub fn crossings(&self) -> Vec<DVec2> {
+    pub(super) fn crossings(&self) -> Vec<DVec2> {
         self.neighbours.crossings().into_iter().map(|[a, b]| self.meeting(a, b)).collect()
     }
 
@@ -212,7 +212,7 @@ impl Rings {
         p.lerp(q, t)
     }
 
-    pub fn length_mm(&self, ring: usize) -> f64 {
+    pub(super) fn length_mm(&self, ring: usize) -> f64 {
         self.arcs[ring].last().copied().unwrap_or(0.0)
     }
 
@@ -224,12 +224,12 @@ impl Rings {
     }
 
     /// A position brought into the range from 0 to the ring's length.
-    pub fn wrapped(&self, ring: usize, at_mm: f64) -> f64 {
+    pub(super) fn wrapped(&self, ring: usize, at_mm: f64) -> f64 {
         at_mm.rem_euclid(self.length_mm(ring).max(1e-12))
     }
 
     /// The point at a position, the direction of the ring there, and the segment.
-    pub fn point(&self, ring: usize, at_mm: f64) -> (DVec2, DVec2, usize) {
+    pub(super) fn point(&self, ring: usize, at_mm: f64) -> (DVec2, DVec2, usize) {
         let at_mm = self.wrapped(ring, at_mm);
         self.point_near(ring, at_mm, self.likely_segment(ring, at_mm))
     }
@@ -246,7 +246,7 @@ impl Rings {
     /// The place that faces a position at about a bead's distance, and the points at both. `walk`
     /// carries the neighbour from one call to the next, because along a bead it mostly stays the
     /// same.
-    pub fn facing(
+    pub(super) fn facing(
         &self,
         ring: usize,
         at_mm: f64,
@@ -313,7 +313,7 @@ impl Rings {
 
     /// The stretches around a position and around the place that faces it, where both are straight
     /// enough. `known` is the ring and segment known to face it.
-    pub fn stretches(
+    pub(super) fn stretches(
         &self,
         ring: usize,
         at_mm: f64,
@@ -381,7 +381,7 @@ impl Rings {
     /// Short stretches around a position and around whatever is seen from it at any angle on
     /// another ring, where the two ways between their ends are free. For rings that run along each
     /// other nowhere.
-    pub fn slanted(&self, ring: usize, at_mm: f64, far: f64) -> Vec<Facing> {
+    pub(super) fn slanted(&self, ring: usize, at_mm: f64, far: f64) -> Vec<Facing> {
         let (p, way, segment) = self.point(ring, at_mm);
         let mut out = Vec::new();
         for turn in [0.0, 0.5, -0.5, 1.0, -1.0] {
@@ -431,7 +431,7 @@ impl Rings {
     }
 
     /// The rings after exchanging all these stretches.
-    pub fn exchanged(&self, swaps: &[Facing]) -> Vec<Vec<DVec2>> {
+    pub(super) fn exchanged(&self, swaps: &[Facing]) -> Vec<Vec<DVec2>> {
         // For each ring its cuts: start and end of the stretch given up, and the number of the
         // exchange's end.
         let mut cuts: Vec<Vec<(f64, f64, usize)>> = vec![Vec::new(); self.lines.len()];

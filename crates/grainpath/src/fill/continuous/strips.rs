@@ -79,7 +79,7 @@ fn diffusion_steps() -> [(f64, usize); 4] {
 /// The outlines of all strips of a region at this bead spacing: closed, inside the region, with the
 /// strip on their left. Where a strip ends at the border, the outline follows the region's own
 /// contour.
-pub fn outlines(
+pub(super) fn outlines(
     context: &FillContext<'_>,
     infill_region: &Polygon,
     pull: &Pull<'_>,
@@ -174,7 +174,7 @@ fn with_thin(region: &Region, loops: Vec<Vec<DVec2>>, spacing_mm: f64) -> Vec<Ve
 }
 
 /// Outlines of strips, taken apart at the places `at` where they meet.
-pub fn parted(loops: &[Vec<DVec2>], at: &[DVec2], spacing_mm: f64) -> Vec<Vec<DVec2>> {
+pub(super) fn parted(loops: &[Vec<DVec2>], at: &[DVec2], spacing_mm: f64) -> Vec<Vec<DVec2>> {
     let half = DVec2::splat(PARTED_BEADS.value() * spacing_mm);
     let squares = at.iter().flat_map(|&p| Region::rectangle(p - half, p + half).polygons);
     let squares: Vec<Vec<DVec2>> = squares.map(|p| p.outer).collect();

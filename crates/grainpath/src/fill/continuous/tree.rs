@@ -34,7 +34,7 @@ pub enum TreeKind {
 }
 
 /// The axis of the field at a point, and its weight there.
-pub type Axis<'a> = &'a dyn Fn(DVec2) -> (DVec2, f64);
+pub(super) type Axis<'a> = &'a dyn Fn(DVec2) -> (DVec2, f64);
 
 /// Angle between an undirected axis and a way, radians, times the way's length.
 fn turned(axis: DVec2, way: DVec2) -> f64 {
@@ -42,7 +42,7 @@ fn turned(axis: DVec2, way: DVec2) -> f64 {
 }
 
 /// The angle to the field that an exchange adds to the path: radians times mm, weighted.
-pub fn cost(f: &Facing, axis: Axis<'_>) -> f64 {
+pub(super) fn cost(f: &Facing, axis: Axis<'_>) -> f64 {
     let [a0, a1, b0, b1] = f.corners;
     let (u, weight) = axis(0.25 * (a0 + a1 + b0 + b1));
     weight * (turned(u, b1 - a0) + turned(u, a1 - b0) - turned(u, a1 - a0) - turned(u, b1 - b0))
@@ -101,7 +101,7 @@ impl Ranked {
 /// the field where that is possible, and not across an edge that is the shortest of both its cells.
 /// The second rule leaves out edges across a strip, because cells here are long and the field
 /// passes through their short edges. It also gives way where nothing else joins two cells.
-pub fn join(
+pub(super) fn join(
     rings: &Rings,
     cells: &Cells,
     kind: TreeKind,
@@ -241,7 +241,7 @@ fn shortest_of_both(cells: &Cells, spacing_mm: f64) -> Vec<bool> {
 
 /// Joints for rings that are still apart, with closer and wider searches until nothing is left or
 /// nothing helps. The longest ring is not searched from: it is seen from all others.
-pub fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
+pub(super) fn join_rest(rings: &Rings, spacing_mm: f64) -> Vec<Facing> {
     let n = rings.lines.len();
     let longest = rings.longest();
     let mut sets = DisjointSets::new(n);

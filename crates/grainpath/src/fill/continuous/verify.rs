@@ -69,7 +69,7 @@ impl Note {
 static SLACK_MM: Tuned<f64> = Tuned::new("fill.continuous.verify.SLACK_MM", 0.01);
 
 /// Checks the paths of a region: rings apart from the first one, crossings, and points outside.
-pub fn check(paths: &[Toolpath], infill_region: &Polygon, spacing_mm: f64) -> Vec<Note> {
+pub(super) fn check(paths: &[Toolpath], infill_region: &Polygon, spacing_mm: f64) -> Vec<Note> {
     let mut notes = Vec::new();
     for path in paths.iter().skip(1) {
         notes.push(Note { at_mm: path.start(), what: Problem::Apart { length_mm: path.length_mm() } });
@@ -96,7 +96,7 @@ pub fn check(paths: &[Toolpath], infill_region: &Polygon, spacing_mm: f64) -> Ve
 
 /// The necks between the infill regions of one island: from each region the nearest point to those
 /// before it.
-pub fn necks(infill_regions: &[Polygon], bead_width_mm: f64, notes: &mut Vec<Note>) {
+pub(super) fn necks(infill_regions: &[Polygon], bead_width_mm: f64, notes: &mut Vec<Note>) {
     let nearest = |k: usize| {
         let mut best = (f64::INFINITY, DVec2::ZERO);
         for p in infill_regions[k].contours().flatten() {

@@ -28,14 +28,14 @@ use grainpath_core::field_mesh::FieldMesh;
 const NONE: u32 = u32::MAX;
 
 /// A level line.
-pub struct Level {
+pub(super) struct Level {
     pub points: Vec<DVec2>,
     pub closed: bool,
 }
 
 /// Traces all level lines. They never cross: inside a triangle, the points on its sides are joined around its
 /// corners; where the phase misses a turn one point stays alone and its line ends.
-pub fn trace(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Level> {
+pub(super) fn trace(mesh: &FieldMesh, turns: &[Turn], phase: &[f64]) -> Vec<Level> {
     let (starts, points) = crossings(mesh, turns, phase);
     let mut joined = vec![[NONE; 2]; points.len()];
     let mut join = |a: u32, b: u32| {

@@ -75,7 +75,7 @@ fn along_field(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec
 }
 
 /// The field's axis at a point of the layer.
-pub fn axis_of(field: &dyn DirectionField, context: &FillContext<'_>, p: DVec2) -> DVec2 {
+pub(super) fn axis_of(field: &dyn DirectionField, context: &FillContext<'_>, p: DVec2) -> DVec2 {
     direction(field.sample(DVec3::new(p.x, p.y, context.z_mid_mm)).axis_rad)
 }
 

@@ -42,7 +42,7 @@ use grainpath_core::field_mesh::{FieldMesh, GridMatrix};
 use grainpath_core::tuned::Tuned;
 
 /// Input of the phase, one entry a node.
-pub struct PhaseInput {
+pub(crate) struct PhaseInput {
     /// Unit vectors along the field; the sign does not matter.
     pub axes: Vec<DVec2>,
     /// Turns per mm across it.
@@ -56,7 +56,7 @@ pub struct PhaseInput {
 
 /// The map from the number at an edge's first end to that at its second end.
 #[derive(Debug, Clone, Copy)]
-pub struct Turn {
+pub(crate) struct Turn {
     /// Phase grown from the first end to the second, in the frame of the first.
     pub grown_rad: f64,
     /// Whether the second end looks the other way.
@@ -72,7 +72,7 @@ static DIFFUSION_SCALE: Tuned<f64> = Tuned::new("fill.field.phase.DIFFUSION_SCAL
 
 /// Steps of diffusion, widest first: the width of each in squares of the grid, and its rounds. Wide
 /// steps settle the pattern of the whole region, narrow ones its details.
-pub fn diffusion_steps() -> [(f64, usize); 3] {
+pub(crate) fn diffusion_steps() -> [(f64, usize); 3] {
     [60.0, 25.0, 8.0].map(|width| (width * DIFFUSION_SCALE.value(), DIFFUSION_ROUNDS.value()))
 }
 /// The spacing may drift from the nominal one by this factor before beads end or begin: well inside
@@ -85,7 +85,7 @@ static DRIFT_MM: Tuned<f64> = Tuned::new("fill.field.phase.DRIFT_MM", 12.0);
 
 /// Factor on the frequency at every node, so that as few beads as possible have to end: within
 /// `MAX_DRIFT`.
-pub fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
+pub(crate) fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
     let n = mesh.nodes.len();
     let cell2 = mesh.cell_mm * mesh.cell_mm;
     let mut matrix = GridMatrix::zero(mesh, true);
@@ -128,7 +128,7 @@ pub fn drift(mesh: &FieldMesh, axes: &[DVec2]) -> Vec<f64> {
 }
 
 /// The change of phase along each edge.
-pub fn turns(mesh: &FieldMesh, input: &PhaseInput) -> Vec<Turn> {
+pub(crate) fn turns(mesh: &FieldMesh, input: &PhaseInput) -> Vec<Turn> {
     let normal = |i: usize| {
         let t = input.axes[i];
         input.frequency[i] * DVec2::new(-t.y, t.x)
@@ -206,7 +206,12 @@ impl Carried {
 
 /// The phase at every node, radians, after these steps of diffusion: width in squares of the grid,
 /// and how often.
-pub fn solve(mesh: &FieldMesh, input: &PhaseInput, turns: &[Turn], steps: &[(f64, usize)]) -> Vec<f64> {
+pub(crate) fn solve(
+    mesh: &FieldMesh,
+    input: &PhaseInput,
+    turns: &[Turn],
+    steps: &[(f64, usize)],
+) -> Vec<f64> {
     let n = mesh.nodes.len();
     let carried = Carried::new(mesh, turns, &input.strength);
     // The phase wanted at the border: real and imaginary part times weight.

@@ -29,7 +29,7 @@ static END_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.END_SHARE", 0.
 static SHORTEST_SHARE: Tuned<f64> = Tuned::new("fill.field.streamlines.SHORTEST_SHARE", 1.5);
 
 /// Evenly spaced lines along the field, of one bead's width.
-pub fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
+pub(super) fn sparse(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
     let (Some(field), Some(bounds)) = (context.field, infill_region.bounds()) else { return };
     let inside = LineClipper::new(&Region::from(infill_region.clone()));
     let axis = |p: DVec2| inside.contains(p).then(|| axis_of(field, context, p));

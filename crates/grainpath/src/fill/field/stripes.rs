@@ -73,13 +73,18 @@ const GAP_CELL: f64 = 0.33;
 const CLOSED_FROM: f64 = 0.8;
 
 /// Beads along the field, evenly spaced over the whole infill region, with ends where the field forces them.
-pub fn dense(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
+pub(crate) fn dense(context: &FillContext<'_>, infill_region: &Polygon, out: &mut Vec<Toolpath>) {
     spaced(context, infill_region, 1.0, out);
 }
 
 /// The same with lines farther apart, so that beads fill the `share` of the region. Each bead takes
 /// that share of the strip between its neighbours.
-pub fn spaced(context: &FillContext<'_>, infill_region: &Polygon, share: f64, out: &mut Vec<Toolpath>) {
+pub(crate) fn spaced(
+    context: &FillContext<'_>,
+    infill_region: &Polygon,
+    share: f64,
+    out: &mut Vec<Toolpath>,
+) {
     let Some(field) = context.field else { return };
     let spacing = context.spacing_mm() / share;
     let infill_region = Region::from(infill_region.clone());
@@ -137,14 +142,14 @@ pub(super) fn phase_input(
 
 /// Phase wanted near the border: where the field runs along the border, the outermost bead should
 /// too, half a bead away.
-pub struct NearBorder {
+pub(crate) struct NearBorder {
     edges: Vec<(DVec2, DVec2)>,
     buckets: Buckets,
 }
 
 impl NearBorder {
     /// For places within one cell of the border; `cell_mm` is the reach.
-    pub fn new(border: &Region, cell_mm: f64) -> Self {
+    pub(crate) fn new(border: &Region, cell_mm: f64) -> Self {
         let edges: Vec<(DVec2, DVec2)> = border.contours().flat_map(|c| edges(c)).collect();
         let bounds = border.bounds().unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         let cells = CellGrid::covering(bounds, cell_mm, 2000);
@@ -155,7 +160,7 @@ impl NearBorder {
 
     /// The phase at `p` that makes it `at_border` turns on the border and grow by one turn a
     /// spacing inwards, and how much that is wanted.
-    pub fn wanted(&self, p: DVec2, axis: DVec2, spacing_mm: f64, at_border: f64) -> (f64, f64) {
+    pub(crate) fn wanted(&self, p: DVec2, axis: DVec2, spacing_mm: f64, at_border: f64) -> (f64, f64) {
         let cells = &self.buckets.cells;
         let mut best = (f64::INFINITY, u32::MAX);
         for &k in
@@ -429,7 +434,7 @@ fn gaps(infill_region: &Region, beads: &[Toolpath], height_mm: f64, cell_mm: f64
 
 /// The area that the strips of beads fill.
 #[cfg(test)]
-pub fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
+pub(crate) fn covered(beads: &[Toolpath], height_mm: f64) -> Region {
     let strips: Vec<Contour> = beads.iter().flat_map(|b| strips_of(b, height_mm)).collect();
     Region::from_contours(&strips, FillRule::NonZero)
 }
@@ -612,6 +617,6 @@ const SIMPLIFY_MM: f64 = 0.005;
 const SIMPLIFY_WIDTH_MM: f64 = 0.01;
 
 /// Drops the vertices that matter neither for the line nor for its width.
-pub fn simplified(points: &[DVec2], widths: &[f64], closed: bool) -> (Vec<DVec2>, Vec<f64>) {
+pub(crate) fn simplified(points: &[DVec2], widths: &[f64], closed: bool) -> (Vec<DVec2>, Vec<f64>) {
     polyline::simplified_with(points, widths, closed, SIMPLIFY_MM, SIMPLIFY_WIDTH_MM)
 }

@@ -27,24 +27,24 @@ use grainpath_core::{Bounds2, DVec2, Region};
 
 /// A bead being laid: its centreline at about equal steps.
 #[derive(Debug, Clone)]
-pub struct Line {
+pub(crate) struct Line {
     pub points: Vec<DVec2>,
     pub closed: bool,
 }
 
 impl Line {
     /// Number of straight segments.
-    pub fn n_segments(&self) -> usize {
+    pub(crate) fn n_segments(&self) -> usize {
         if self.closed { self.points.len() } else { self.points.len().saturating_sub(1) }
     }
 
     /// Both ends of segment `i`.
-    pub fn segment(&self, i: usize) -> (DVec2, DVec2) {
+    pub(crate) fn segment(&self, i: usize) -> (DVec2, DVec2) {
         (self.points[i], self.points[(i + 1) % self.points.len()])
     }
 
     /// Unit vector along the line at vertex `i`.
-    pub fn tangent(&self, i: usize) -> DVec2 {
+    pub(crate) fn tangent(&self, i: usize) -> DVec2 {
         let n = self.points.len();
         let before = if i > 0 {
             i - 1
@@ -66,14 +66,14 @@ impl Line {
 
 /// The space of a bead at a point: its reach to the left and to the right, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reach {
+pub(crate) struct Reach {
     pub left_mm: f64,
     pub right_mm: f64,
 }
 
 /// The first segment that a ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
+pub(crate) struct Hit {
     pub distance_mm: f64,
     /// `None` for the border.
     pub line: Option<usize>,
@@ -99,14 +99,14 @@ fn pieces_of(l: usize, line: &Line) -> impl Iterator<Item = BeadSegment> + '_ {
 }
 
 /// The beads of an infill region and its border, searchable for the neighbours of a bead.
-pub struct Neighbours {
+pub(crate) struct Neighbours {
     pieces: Vec<BeadSegment>,
     buckets: Buckets,
 }
 
 impl Neighbours {
     /// From all `lines` and the border of the region they fill; cells are `cell_mm` wide.
-    pub fn new(lines: &[Line], border: &Region, cell_mm: f64) -> Self {
+    pub(crate) fn new(lines: &[Line], border: &Region, cell_mm: f64) -> Self {
         let mut pieces = Vec::with_capacity(lines.iter().map(Line::n_segments).sum());
         lines.iter().enumerate().for_each(|(l, line)| pieces.extend(pieces_of(l, line)));
         for contour in border.contours() {
@@ -117,7 +117,12 @@ impl Neighbours {
 
     /// Only those segments of `lines` that lie within about `reach_mm` of the beads that `chosen`
     /// names.
-    pub fn around(lines: &[Line], chosen: impl Fn(usize) -> bool, reach_mm: f64, cell_mm: f64) -> Self {
+    pub(crate) fn around(
+        lines: &[Line],
+        chosen: impl Fn(usize) -> bool,
+        reach_mm: f64,
+        cell_mm: f64,
+    ) -> Self {
         let points = lines.iter().flat_map(|l| l.points.iter().copied());
         let bounds = Bounds2::of(points).unwrap_or(Bounds2 { min: DVec2::ZERO, max: DVec2::ZERO });
         // Coarse cells of the size of the reach: a segment counts as near if it passes one of the
@@ -146,7 +151,7 @@ impl Neighbours {
     /// A copy with those segments that lie within two cells of `places`, at the positions that
     /// `lines` have now. The cells are those of the old positions, so lines may have moved by less
     /// than a cell.
-    pub fn near(&self, lines: &[Line], places: &[DVec2]) -> Self {
+    pub(crate) fn near(&self, lines: &[Line], places: &[DVec2]) -> Self {
         let cells = &self.buckets.cells;
         let mut is_near = vec![false; self.pieces.len()];
         for &p in places {
@@ -178,7 +183,7 @@ impl Neighbours {
 
     /// The first segment that the ray from `p` along the unit vector `way` meets within `far_mm`.
     /// Segments for which `skips` is true are left out.
-    pub fn hit(
+    pub(crate) fn hit(
         &self,
         p: DVec2,
         way: DVec2,
@@ -232,7 +237,7 @@ impl Neighbours {
 
     /// Whether a bead crosses the straight way from `a` to `b`; segments that end at one of the
     /// `own` points are skipped.
-    pub fn between(&self, a: DVec2, b: DVec2, own: [DVec2; 2]) -> bool {
+    pub(crate) fn between(&self, a: DVec2, b: DVec2, own: [DVec2; 2]) -> bool {
         let mut blocked = false;
         self.buckets.cells.for_each_passed(a, b, |cell| {
             for &m in self.buckets.members(cell) {
@@ -250,7 +255,7 @@ impl Neighbours {
     }
 
     /// Pairs of segments, as line and segment, that cross or touch without following each other on a line.
-    pub fn crossings(&self) -> Vec<[(usize, usize); 2]> {
+    pub(crate) fn crossings(&self) -> Vec<[(usize, usize); 2]> {
         let mut out = Vec::new();
         let cells = &self.buckets.cells;
         // Segments of the same cell seen before.
@@ -284,7 +289,7 @@ impl Neighbours {
     /// Where a line ends on a border ahead, the next one has ended before, and the space beside it
     /// is the joint's. There the line keeps the reach it has at the nearest vertex with a neighbour.
     /// `free_mm` stands in where a side has no such vertex, and where nothing is met within `far_mm`.
-    pub fn reaches(&self, lines: &[Line], line: usize, far_mm: f64, free_mm: f64) -> Vec<Reach> {
+    pub(crate) fn reaches(&self, lines: &[Line], line: usize, far_mm: f64, free_mm: f64) -> Vec<Reach> {
         let n = lines[line].points.len();
         let sides: Vec<[Side; 2]> =
             (0..n).map(|v| self.sides(lines, line, v, far_mm).map(|s| s.unwrap_or(Side::Open))).collect();
@@ -362,7 +367,7 @@ fn settled(sides: &[[Side; 2]], side: usize, closed: bool, free_mm: f64) -> Vec<
 }
 
 /// Values smoothed along a line, `times` over; ends of open lines stay.
-pub fn smooth<T>(values: &mut [T], closed: bool, times: usize)
+pub(crate) fn smooth<T>(values: &mut [T], closed: bool, times: usize)
 where
     T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
 {

@@ -37,12 +37,12 @@ pub(super) struct PreparedSolid {
 
 impl PreparedSolid {
     /// Loads the part until it fails.
-    pub fn run(&self, card: &StrengthCard, limits: &Limits) -> Result<Outcome, TestError> {
+    pub(super) fn run(&self, card: &StrengthCard, limits: &Limits) -> Result<Outcome, TestError> {
         self.test(card, limits).run()
     }
 
     /// How much bending of thin walls its cells miss.
-    pub fn unresolved_bending(
+    pub(super) fn unresolved_bending(
         &self,
         card: &StrengthCard,
         limits: &Limits,

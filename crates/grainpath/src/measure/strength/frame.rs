@@ -32,7 +32,7 @@ impl Default for Frame {
 
 impl Frame {
     /// The frame of some beads.
-    pub fn new(sheets: &[BeadSheet]) -> Self {
+    pub(super) fn new(sheets: &[BeadSheet]) -> Self {
         let ends = sheets.iter().flat_map(|s| &s.beads).flat_map(|b| [b.a, b.b]);
         let hull = convex_hull(ends.filter(|p| p.is_finite()).collect());
         let sides: Vec<DVec2> = (0..hull.len()).map(|i| hull[(i + 1) % hull.len()] - hull[i]).collect();
@@ -56,27 +56,27 @@ impl Frame {
     }
 
     /// From the grid to the part.
-    pub fn to_part(self, p: DVec2) -> DVec2 {
+    pub(super) fn to_part(self, p: DVec2) -> DVec2 {
         self.x * p.x + self.x.perp() * p.y
     }
 
     /// From the part to the grid.
-    pub fn to_grid(self, p: DVec2) -> DVec2 {
+    pub(super) fn to_grid(self, p: DVec2) -> DVec2 {
         DVec2::new(self.x.dot(p), self.x.perp().dot(p))
     }
 
     /// [`Frame::to_part`] in space.
-    pub fn to_part_3d(self, p: DVec3) -> DVec3 {
+    pub(super) fn to_part_3d(self, p: DVec3) -> DVec3 {
         self.to_part(p.truncate()).extend(p.z)
     }
 
     /// [`Frame::to_grid`] in space.
-    pub fn to_grid_3d(self, p: DVec3) -> DVec3 {
+    pub(super) fn to_grid_3d(self, p: DVec3) -> DVec3 {
         self.to_grid(p.truncate()).extend(p.z)
     }
 
     /// Beads seen from the grid.
-    pub fn beads(self, sheets: &[BeadSheet]) -> Vec<BeadSheet> {
+    pub(super) fn beads(self, sheets: &[BeadSheet]) -> Vec<BeadSheet> {
         let bead = |b: &BeadPiece| BeadPiece { a: self.to_grid(b.a), b: self.to_grid(b.b), ..*b };
         let sheet =
             |s: &BeadSheet| BeadSheet { height_mm: s.height_mm, beads: s.beads.iter().map(bead).collect() };

@@ -39,7 +39,7 @@ pub(super) enum Fidelity {
 }
 
 impl Fidelity {
-    pub const fn name(self) -> &'static str {
+    pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Plane => "plane",
             Self::Voxels => "voxels",
